@@ -1,0 +1,108 @@
+//! The camera: where the picture is seen from (optics specification, section 7).
+//!
+//! Right-handed. Pixel (i, j) of a W × H picture, row 0 at the top, is seen along the ray through its centre
+//! (i + ½, j + ½). Distances along a ray are Euclidean, not depth.
+
+use crate::{Error, Result};
+use glam::DVec3;
+
+/// How rays leave the eye.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Projection {
+    /// Rays meet in the eye; `fov_y` is the vertical field of view in degrees, 0 < fov_y < 180.
+    Perspective {
+        /// Vertical field of view, degrees.
+        fov_y: f64,
+    },
+    /// Parallel rays; `height` is the picture's height in world units, > 0.
+    Orthographic {
+        /// Height of the picture, world units.
+        height: f64,
+    },
+}
+
+/// Where the picture is seen from.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Camera {
+    /// Position of the eye, world units.
+    pub eye: DVec3,
+    /// The point that appears in the middle of the picture, world units.
+    pub target: DVec3,
+    /// The direction that points up in the picture; need not be perpendicular to the view, nor of unit length.
+    pub up: DVec3,
+    /// Perspective or orthographic.
+    pub projection: Projection,
+    /// What lies before the plane through eye + near × view direction is cut away, world units, ≥ 0.
+    pub near: f64,
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// Samples a pixel.
+    pub samples: u32,
+}
+
+/// The camera's unit axes in world space and the size of a pixel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Frame {
+    /// Unit vector to the right of the picture.
+    pub right: DVec3,
+    /// Unit vector up in the picture (perpendicular to `forward`).
+    pub up: DVec3,
+    /// Unit view direction, from the eye to the target.
+    pub forward: DVec3,
+    /// Side of a pixel: at depth 1 (perspective: 2 tan(fov_y/2)/H) or in world units (orthographic: height/H).
+    pub pixel: f64,
+}
+
+impl Camera {
+    /// The camera's axes. Errors when eye and target coincide, when up is parallel to the view, or when a
+    /// value is not finite or out of its range.
+    pub fn frame(&self) -> Result<Frame> {
+        let finite = [self.eye, self.target, self.up].iter().all(|v| v.is_finite());
+        if !finite {
+            return Err(Error::usage("the camera's eye, target and up must be finite numbers"));
+        }
+        let view = self.target - self.eye;
+        // Scale first: squares of 1e-200 or 1e200 leave the range of f64.
+        let scaled = |v: DVec3| {
+            let largest = v.abs().max_element();
+            if largest > 0.0 { (v / largest).normalize() } else { DVec3::ZERO }
+        };
+        let forward = scaled(view);
+        if forward == DVec3::ZERO {
+            return Err(Error::usage("the camera's eye and target are the same point").found(self.eye));
+        }
+        let side = forward.cross(scaled(self.up));
+        if side.length() < 1e-12 {
+            return Err(Error::usage("the camera's up is zero or parallel to the view direction")
+                .found(self.up)
+                .accepted("a vector that is not parallel to target − eye"));
+        }
+        let right = side.normalize();
+        let up = right.cross(forward);
+        let height = f64::from(self.size[1]);
+        let pixel = match self.projection {
+            Projection::Perspective { fov_y } => {
+                if !(fov_y > 0.0 && fov_y < 180.0) {
+                    return Err(Error::usage("fov_y is out of range")
+                        .found(fov_y)
+                        .accepted("degrees between 0 and 180"));
+                }
+                2.0 * (0.5 * fov_y).to_radians().tan() / height
+            }
+            Projection::Orthographic { height: world } => {
+                if !(world > 0.0 && world.is_finite()) {
+                    return Err(Error::usage("height is out of range")
+                        .found(world)
+                        .accepted("world units above 0"));
+                }
+                world / height
+            }
+        };
+        if !(self.near >= 0.0 && self.near.is_finite()) {
+            return Err(Error::usage("near is out of range")
+                .found(self.near)
+                .accepted("world units, 0 or more"));
+        }
+        Ok(Frame { right, up, forward, pixel })
+    }
+}

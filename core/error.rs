@@ -1,0 +1,149 @@
+//! The one error type: what is wrong, what was found, what would be right, and where.
+//!
+//! The place is added on the way out, once, by whoever knows it (`in_file`, `at_node`, …). A message that is
+//! shown to a person is [`Error`]'s `Display`: `what: found …; expected … (at …)`.
+
+use std::fmt;
+
+/// Result of the library.
+pub type Result<T> = std::result::Result<T, Error>;
+
+/// Whose mistake an error is; decides the exit code of the program.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ErrorKind {
+    /// The command line or the pipeline file is wrong: exit code 2.
+    Usage,
+    /// The run failed (a data file is damaged, an output cannot be written, memory ends): exit code 1.
+    Run,
+    /// The user stopped the run: exit code 1.
+    Cancelled,
+}
+
+/// Where an error happened, from the outermost to the innermost place known.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Place {
+    /// The file, as the user wrote its path.
+    pub file: Option<String>,
+    /// Byte range in the text of `file` (pipeline files), for a caret.
+    pub span: Option<std::ops::Range<usize>>,
+    /// 1-based line and column in `file`.
+    pub line_column: Option<(usize, usize)>,
+    /// Name of the node in the pipeline.
+    pub node: Option<String>,
+    /// Name of the port, parameter, array or element concerned.
+    pub item: Option<String>,
+}
+
+/// What went wrong, what was found, what would be right, where.
+#[derive(Debug, Clone, thiserror::Error)]
+pub struct Error {
+    /// Whose mistake it is.
+    pub kind: ErrorKind,
+    /// What is wrong, in one clause without a full stop.
+    pub what: String,
+    /// What was found, if there is something to show.
+    pub found: Option<String>,
+    /// What would be right.
+    pub accepted: Option<String>,
+    /// Where.
+    pub place: Box<Place>,
+}
+
+impl Error {
+    /// A mistake in the command or in a pipeline file.
+    pub fn usage(what: impl Into<String>) -> Self {
+        Self::new(ErrorKind::Usage, what)
+    }
+
+    /// A failure of the run.
+    pub fn run(what: impl Into<String>) -> Self {
+        Self::new(ErrorKind::Run, what)
+    }
+
+    /// The user stopped the run.
+    pub fn cancelled() -> Self {
+        Self::new(ErrorKind::Cancelled, "the run was stopped")
+    }
+
+    fn new(kind: ErrorKind, what: impl Into<String>) -> Self {
+        Error { kind, what: what.into(), found: None, accepted: None, place: Box::default() }
+    }
+
+    /// Adds what was found.
+    pub fn found(mut self, found: impl fmt::Display) -> Self {
+        self.found = Some(found.to_string());
+        self
+    }
+
+    /// Adds what would be right: a clause that can follow "expected".
+    pub fn accepted(mut self, accepted: impl fmt::Display) -> Self {
+        self.accepted = Some(accepted.to_string());
+        self
+    }
+
+    /// Names the file, unless an inner place named one already.
+    pub fn in_file(mut self, file: impl AsRef<std::path::Path>) -> Self {
+        self.place.file.get_or_insert_with(|| file.as_ref().display().to_string());
+        self
+    }
+
+    /// Points at a byte range of `text`, the content of the file, unless something is pointed at already.
+    pub fn at_span(mut self, text: &str, span: std::ops::Range<usize>) -> Self {
+        if self.place.span.is_none() {
+            let before = &text[..span.start.min(text.len())];
+            let line = before.matches('\n').count() + 1;
+            let column = before.rsplit('\n').next().unwrap_or("").chars().count() + 1;
+            self.place.line_column = Some((line, column));
+            self.place.span = Some(span);
+        }
+        self
+    }
+
+    /// Names the line (1-based) of the file.
+    pub fn at_line(mut self, line: usize) -> Self {
+        self.place.line_column.get_or_insert((line, 1));
+        self
+    }
+
+    /// Names the node of the pipeline.
+    pub fn at_node(mut self, node: impl Into<String>) -> Self {
+        self.place.node.get_or_insert_with(|| node.into());
+        self
+    }
+
+    /// Names the port, parameter, array or element.
+    pub fn at_item(mut self, item: impl Into<String>) -> Self {
+        self.place.item.get_or_insert_with(|| item.into());
+        self
+    }
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.what)?;
+        if let Some(found) = &self.found {
+            write!(f, ": found {found}")?;
+        }
+        if let Some(accepted) = &self.accepted {
+            write!(f, "; expected {accepted}")?;
+        }
+        let place = &self.place;
+        let mut parts = Vec::new();
+        if let Some(file) = &place.file {
+            parts.push(match place.line_column {
+                Some((line, column)) => format!("{file}:{line}:{column}"),
+                None => file.clone(),
+            });
+        }
+        if let Some(node) = &place.node {
+            parts.push(format!("node '{node}'"));
+        }
+        if let Some(item) = &place.item {
+            parts.push(format!("'{item}'"));
+        }
+        if !parts.is_empty() {
+            write!(f, " ({})", parts.join(", "))?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,20 @@
+//! voltet-core: what a scene is and what is true of it.
+//!
+//! No GPU, no windows, no files. Each module's head says what it is, its symbols and units, and its source.
+
+pub mod camera;
+pub mod engine;
+pub mod error;
+pub mod field;
+pub mod graph;
+pub mod grid;
+pub mod optics;
+pub mod picture;
+pub mod pipeline;
+pub mod progress;
+pub mod reference;
+pub mod transfer;
+pub mod visibility;
+pub mod volume;
+
+pub use error::{Error, Result};

@@ -1,0 +1,18 @@
+//! A volume: a grid of tetrahedra with the scalar that is drawn and, where asked for, its gradient.
+
+use crate::grid::Grid;
+use glam::DVec3;
+use std::sync::Arc;
+
+/// What is drawn. All arrays are per point; what nobody asked for is `None`.
+#[derive(Debug, Clone)]
+pub struct Volume {
+    /// Points, tetrahedra, further fields.
+    pub grid: Arc<Grid>,
+    /// The scalar *s* at every point.
+    pub scalar: Arc<Vec<f64>>,
+    /// ∇s at every point (units of s per world unit): only where lighting or silhouettes ask for it.
+    pub gradient: Option<Arc<Vec<DVec3>>>,
+    /// *g* = |∇s| at every point: only where a widget looks at it.
+    pub gradient_magnitude: Option<Arc<Vec<f64>>>,
+}

@@ -1,0 +1,3 @@
+//! voltet-nodes: one file a node.
+
+pub mod formats;
