@@ -1,5 +1,7 @@
 //! The native engine: cull, sort, project and composite on all cores with vector units.
 
+pub mod lanes;
+
 use crate::Result;
 use crate::camera::Camera;
 use crate::optics::Overlap;

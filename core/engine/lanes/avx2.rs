@@ -1,0 +1,255 @@
+//! Eight lanes: AVX2 and FMA.
+//!
+//! Safety of every block here: the module's head.
+
+use super::{Float, Lanes, Mask, Unsigned};
+use std::arch::x86_64::*;
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+/// Eight AVX2 lanes.
+#[derive(Clone, Copy)]
+pub struct Avx2;
+
+/// Eight floats.
+#[derive(Clone, Copy)]
+pub struct F(__m256);
+
+/// Eight unsigned integers.
+#[derive(Clone, Copy)]
+pub struct U(__m256i);
+
+/// Eight booleans.
+#[derive(Clone, Copy)]
+pub struct M(__m256);
+
+impl Lanes for Avx2 {
+    const WIDTH: usize = 8;
+    type F = F;
+    type U = U;
+    type M = M;
+}
+
+macro_rules! operator {
+    ($type:ident, $trait:ident, $method:ident, $intrinsic:ident) => {
+        impl $trait for $type {
+            type Output = $type;
+            #[inline(always)]
+            fn $method(self, other: $type) -> $type {
+                $type(unsafe { $intrinsic(self.0, other.0) })
+            }
+        }
+    };
+}
+
+operator!(F, Add, add, _mm256_add_ps);
+operator!(F, Sub, sub, _mm256_sub_ps);
+operator!(F, Mul, mul, _mm256_mul_ps);
+operator!(F, Div, div, _mm256_div_ps);
+operator!(U, Add, add, _mm256_add_epi32);
+operator!(U, Sub, sub, _mm256_sub_epi32);
+
+impl Neg for F {
+    type Output = F;
+    #[inline(always)]
+    fn neg(self) -> F {
+        F(unsafe { _mm256_xor_ps(self.0, _mm256_set1_ps(-0.0)) })
+    }
+}
+
+impl F {
+    #[inline(always)]
+    fn lanes(self) -> [f32; 8] {
+        let mut out = [0.0; 8];
+        self.store(&mut out);
+        out
+    }
+}
+
+impl Float for F {
+    type Lanes = Avx2;
+
+    #[inline(always)]
+    fn splat(value: f32) -> F {
+        F(unsafe { _mm256_set1_ps(value) })
+    }
+    #[inline(always)]
+    fn load(values: &[f32]) -> F {
+        let values: &[f32; 8] = values[..8].try_into().expect("eight values");
+        F(unsafe { _mm256_loadu_ps(values.as_ptr()) })
+    }
+    #[inline(always)]
+    fn store(self, values: &mut [f32]) {
+        let values: &mut [f32; 8] = (&mut values[..8]).try_into().expect("eight values");
+        unsafe { _mm256_storeu_ps(values.as_mut_ptr(), self.0) }
+    }
+    #[inline(always)]
+    fn mul_add(self, b: F, c: F) -> F {
+        F(unsafe { _mm256_fmadd_ps(self.0, b.0, c.0) })
+    }
+    #[inline(always)]
+    fn min(self, other: F) -> F {
+        F(unsafe { _mm256_min_ps(self.0, other.0) })
+    }
+    #[inline(always)]
+    fn max(self, other: F) -> F {
+        F(unsafe { _mm256_max_ps(self.0, other.0) })
+    }
+    #[inline(always)]
+    fn abs(self) -> F {
+        F(unsafe { _mm256_andnot_ps(_mm256_set1_ps(-0.0), self.0) })
+    }
+    #[inline(always)]
+    fn sqrt(self) -> F {
+        F(unsafe { _mm256_sqrt_ps(self.0) })
+    }
+    #[inline(always)]
+    fn round(self) -> F {
+        F(unsafe { _mm256_round_ps::<{ _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC }>(self.0) })
+    }
+    #[inline(always)]
+    fn floor(self) -> F {
+        F(unsafe { _mm256_round_ps::<{ _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC }>(self.0) })
+    }
+    #[inline(always)]
+    fn lt(self, other: F) -> M {
+        M(unsafe { _mm256_cmp_ps::<_CMP_LT_OQ>(self.0, other.0) })
+    }
+    #[inline(always)]
+    fn le(self, other: F) -> M {
+        M(unsafe { _mm256_cmp_ps::<_CMP_LE_OQ>(self.0, other.0) })
+    }
+    #[inline(always)]
+    fn select(mask: M, yes: F, no: F) -> F {
+        F(unsafe { _mm256_blendv_ps(no.0, yes.0, mask.0) })
+    }
+    #[inline(always)]
+    fn to_bits(self) -> U {
+        U(unsafe { _mm256_castps_si256(self.0) })
+    }
+    #[inline(always)]
+    fn from_bits(bits: U) -> F {
+        F(unsafe { _mm256_castsi256_ps(bits.0) })
+    }
+    #[inline(always)]
+    fn to_unsigned(self) -> U {
+        U(unsafe { _mm256_cvttps_epi32(self.0) })
+    }
+    #[inline(always)]
+    fn permute(self, index: U) -> F {
+        F(unsafe { _mm256_permutevar8x32_ps(self.0, index.0) })
+    }
+    #[inline(always)]
+    unsafe fn gather(values: &[f32], index: U) -> F {
+        F(unsafe { _mm256_i32gather_ps::<4>(values.as_ptr(), index.0) })
+    }
+    #[inline(always)]
+    fn sum(self) -> f32 {
+        self.lanes().iter().sum()
+    }
+    #[inline(always)]
+    fn smallest(self) -> f32 {
+        self.lanes().into_iter().fold(f32::INFINITY, f32::min)
+    }
+    #[inline(always)]
+    fn largest(self) -> f32 {
+        self.lanes().into_iter().fold(f32::NEG_INFINITY, f32::max)
+    }
+}
+
+impl Unsigned for U {
+    type Lanes = Avx2;
+
+    #[inline(always)]
+    fn splat(value: u32) -> U {
+        U(unsafe { _mm256_set1_epi32(value as i32) })
+    }
+    #[inline(always)]
+    fn iota() -> U {
+        U(unsafe { _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7) })
+    }
+    #[inline(always)]
+    fn load(values: &[u32]) -> U {
+        let values: &[u32; 8] = values[..8].try_into().expect("eight values");
+        U(unsafe { _mm256_loadu_si256(values.as_ptr().cast()) })
+    }
+    #[inline(always)]
+    fn load_u16(values: &[u16]) -> U {
+        let values: &[u16; 8] = values[..8].try_into().expect("eight values");
+        U(unsafe { _mm256_cvtepu16_epi32(_mm_loadu_si128(values.as_ptr().cast())) })
+    }
+    #[inline(always)]
+    fn store(self, values: &mut [u32]) {
+        let values: &mut [u32; 8] = (&mut values[..8]).try_into().expect("eight values");
+        unsafe { _mm256_storeu_si256(values.as_mut_ptr().cast(), self.0) }
+    }
+    #[inline(always)]
+    fn and(self, other: U) -> U {
+        U(unsafe { _mm256_and_si256(self.0, other.0) })
+    }
+    #[inline(always)]
+    fn or(self, other: U) -> U {
+        U(unsafe { _mm256_or_si256(self.0, other.0) })
+    }
+    #[inline(always)]
+    fn shl<const N: u32>(self) -> U {
+        U(unsafe { _mm256_sll_epi32(self.0, _mm_cvtsi32_si128(N as i32)) })
+    }
+    #[inline(always)]
+    fn shr<const N: u32>(self) -> U {
+        U(unsafe { _mm256_srl_epi32(self.0, _mm_cvtsi32_si128(N as i32)) })
+    }
+    #[inline(always)]
+    fn min(self, other: U) -> U {
+        U(unsafe { _mm256_min_epu32(self.0, other.0) })
+    }
+    #[inline(always)]
+    fn max(self, other: U) -> U {
+        U(unsafe { _mm256_max_epu32(self.0, other.0) })
+    }
+    #[inline(always)]
+    fn test(self, bits: U) -> M {
+        let none = unsafe { _mm256_cmpeq_epi32(_mm256_and_si256(self.0, bits.0), _mm256_setzero_si256()) };
+        M(unsafe { _mm256_castsi256_ps(none) }).not()
+    }
+    #[inline(always)]
+    fn equal(self, other: U) -> M {
+        M(unsafe { _mm256_castsi256_ps(_mm256_cmpeq_epi32(self.0, other.0)) })
+    }
+    #[inline(always)]
+    fn select(mask: M, yes: U, no: U) -> U {
+        U(unsafe {
+            _mm256_castps_si256(_mm256_blendv_ps(
+                _mm256_castsi256_ps(no.0),
+                _mm256_castsi256_ps(yes.0),
+                mask.0,
+            ))
+        })
+    }
+    #[inline(always)]
+    fn to_float(self) -> F {
+        F(unsafe { _mm256_cvtepi32_ps(self.0) })
+    }
+    #[inline(always)]
+    fn permute(self, index: U) -> U {
+        U(unsafe { _mm256_permutevar8x32_epi32(self.0, index.0) })
+    }
+}
+
+impl Mask for M {
+    #[inline(always)]
+    fn and(self, other: M) -> M {
+        M(unsafe { _mm256_and_ps(self.0, other.0) })
+    }
+    #[inline(always)]
+    fn or(self, other: M) -> M {
+        M(unsafe { _mm256_or_ps(self.0, other.0) })
+    }
+    #[inline(always)]
+    fn not(self) -> M {
+        M(unsafe { _mm256_xor_ps(self.0, _mm256_castsi256_ps(_mm256_set1_epi32(-1))) })
+    }
+    #[inline(always)]
+    fn bits(self) -> u32 {
+        (unsafe { _mm256_movemask_ps(self.0) }) as u32
+    }
+}

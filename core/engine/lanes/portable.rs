@@ -1,0 +1,243 @@
+//! Eight lanes in plain Rust: what every processor runs.
+
+use super::{Float, Lanes, Mask, Unsigned};
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+const WIDTH: usize = 8;
+
+/// Eight portable lanes.
+#[derive(Clone, Copy)]
+pub struct Portable;
+
+/// Eight floats.
+#[derive(Clone, Copy)]
+pub struct F([f32; WIDTH]);
+
+/// Eight unsigned integers.
+#[derive(Clone, Copy)]
+pub struct U([u32; WIDTH]);
+
+/// Eight booleans.
+#[derive(Clone, Copy)]
+pub struct M([bool; WIDTH]);
+
+impl Lanes for Portable {
+    const WIDTH: usize = WIDTH;
+    type F = F;
+    type U = U;
+    type M = M;
+}
+
+#[inline(always)]
+fn each<T: Copy + Default>(f: impl Fn(usize) -> T) -> [T; WIDTH] {
+    let mut out = [T::default(); WIDTH];
+    for (i, o) in out.iter_mut().enumerate() {
+        *o = f(i);
+    }
+    out
+}
+
+macro_rules! operator {
+    ($type:ident, $trait:ident, $method:ident, $apply:expr) => {
+        impl $trait for $type {
+            type Output = $type;
+            #[inline(always)]
+            fn $method(self, other: $type) -> $type {
+                $type(each(|i| $apply(self.0[i], other.0[i])))
+            }
+        }
+    };
+}
+
+operator!(F, Add, add, |a: f32, b: f32| a + b);
+operator!(F, Sub, sub, |a: f32, b: f32| a - b);
+operator!(F, Mul, mul, |a: f32, b: f32| a * b);
+operator!(F, Div, div, |a: f32, b: f32| a / b);
+operator!(U, Add, add, u32::wrapping_add);
+operator!(U, Sub, sub, u32::wrapping_sub);
+
+impl Neg for F {
+    type Output = F;
+    #[inline(always)]
+    fn neg(self) -> F {
+        F(each(|i| -self.0[i]))
+    }
+}
+
+impl Float for F {
+    type Lanes = Portable;
+
+    #[inline(always)]
+    fn splat(value: f32) -> F {
+        F([value; WIDTH])
+    }
+    #[inline(always)]
+    fn load(values: &[f32]) -> F {
+        F(each(|i| values[i]))
+    }
+    #[inline(always)]
+    fn store(self, values: &mut [f32]) {
+        values[..WIDTH].copy_from_slice(&self.0);
+    }
+    #[inline(always)]
+    fn mul_add(self, b: F, c: F) -> F {
+        // Two roundings: a fused operation without the instruction is a slow library call.
+        F(each(|i| self.0[i] * b.0[i] + c.0[i]))
+    }
+    #[inline(always)]
+    fn min(self, other: F) -> F {
+        F(each(|i| if self.0[i] < other.0[i] { self.0[i] } else { other.0[i] }))
+    }
+    #[inline(always)]
+    fn max(self, other: F) -> F {
+        F(each(|i| if self.0[i] > other.0[i] { self.0[i] } else { other.0[i] }))
+    }
+    #[inline(always)]
+    fn abs(self) -> F {
+        F(each(|i| self.0[i].abs()))
+    }
+    #[inline(always)]
+    fn sqrt(self) -> F {
+        F(each(|i| self.0[i].sqrt()))
+    }
+    #[inline(always)]
+    fn round(self) -> F {
+        F(each(|i| self.0[i].round_ties_even()))
+    }
+    #[inline(always)]
+    fn floor(self) -> F {
+        F(each(|i| self.0[i].floor()))
+    }
+    #[inline(always)]
+    fn lt(self, other: F) -> M {
+        M(each(|i| self.0[i] < other.0[i]))
+    }
+    #[inline(always)]
+    fn le(self, other: F) -> M {
+        M(each(|i| self.0[i] <= other.0[i]))
+    }
+    #[inline(always)]
+    fn select(mask: M, yes: F, no: F) -> F {
+        F(each(|i| if mask.0[i] { yes.0[i] } else { no.0[i] }))
+    }
+    #[inline(always)]
+    fn to_bits(self) -> U {
+        U(each(|i| self.0[i].to_bits()))
+    }
+    #[inline(always)]
+    fn from_bits(bits: U) -> F {
+        F(each(|i| f32::from_bits(bits.0[i])))
+    }
+    #[inline(always)]
+    fn to_unsigned(self) -> U {
+        U(each(|i| self.0[i] as i32 as u32))
+    }
+    #[inline(always)]
+    fn permute(self, index: U) -> F {
+        F(each(|i| self.0[index.0[i] as usize % WIDTH]))
+    }
+    #[inline(always)]
+    unsafe fn gather(values: &[f32], index: U) -> F {
+        F(each(|i| values[index.0[i] as usize]))
+    }
+    #[inline(always)]
+    fn sum(self) -> f32 {
+        self.0.iter().sum()
+    }
+    #[inline(always)]
+    fn smallest(self) -> f32 {
+        self.0.iter().copied().fold(f32::INFINITY, f32::min)
+    }
+    #[inline(always)]
+    fn largest(self) -> f32 {
+        self.0.iter().copied().fold(f32::NEG_INFINITY, f32::max)
+    }
+}
+
+impl Unsigned for U {
+    type Lanes = Portable;
+
+    #[inline(always)]
+    fn splat(value: u32) -> U {
+        U([value; WIDTH])
+    }
+    #[inline(always)]
+    fn iota() -> U {
+        U(each(|i| i as u32))
+    }
+    #[inline(always)]
+    fn load(values: &[u32]) -> U {
+        U(each(|i| values[i]))
+    }
+    #[inline(always)]
+    fn load_u16(values: &[u16]) -> U {
+        U(each(|i| u32::from(values[i])))
+    }
+    #[inline(always)]
+    fn store(self, values: &mut [u32]) {
+        values[..WIDTH].copy_from_slice(&self.0);
+    }
+    #[inline(always)]
+    fn and(self, other: U) -> U {
+        U(each(|i| self.0[i] & other.0[i]))
+    }
+    #[inline(always)]
+    fn or(self, other: U) -> U {
+        U(each(|i| self.0[i] | other.0[i]))
+    }
+    #[inline(always)]
+    fn shl<const N: u32>(self) -> U {
+        U(each(|i| self.0[i] << N))
+    }
+    #[inline(always)]
+    fn shr<const N: u32>(self) -> U {
+        U(each(|i| self.0[i] >> N))
+    }
+    #[inline(always)]
+    fn min(self, other: U) -> U {
+        U(each(|i| self.0[i].min(other.0[i])))
+    }
+    #[inline(always)]
+    fn max(self, other: U) -> U {
+        U(each(|i| self.0[i].max(other.0[i])))
+    }
+    #[inline(always)]
+    fn test(self, bits: U) -> M {
+        M(each(|i| self.0[i] & bits.0[i] != 0))
+    }
+    #[inline(always)]
+    fn equal(self, other: U) -> M {
+        M(each(|i| self.0[i] == other.0[i]))
+    }
+    #[inline(always)]
+    fn select(mask: M, yes: U, no: U) -> U {
+        U(each(|i| if mask.0[i] { yes.0[i] } else { no.0[i] }))
+    }
+    #[inline(always)]
+    fn to_float(self) -> F {
+        F(each(|i| self.0[i] as i32 as f32))
+    }
+    #[inline(always)]
+    fn permute(self, index: U) -> U {
+        U(each(|i| self.0[index.0[i] as usize % WIDTH]))
+    }
+}
+
+impl Mask for M {
+    #[inline(always)]
+    fn and(self, other: M) -> M {
+        M(each(|i| self.0[i] & other.0[i]))
+    }
+    #[inline(always)]
+    fn or(self, other: M) -> M {
+        M(each(|i| self.0[i] | other.0[i]))
+    }
+    #[inline(always)]
+    fn not(self) -> M {
+        M(each(|i| !self.0[i]))
+    }
+    #[inline(always)]
+    fn bits(self) -> u32 {
+        self.0.iter().enumerate().fold(0, |bits, (i, &set)| bits | (u32::from(set) << i))
+    }
+}
