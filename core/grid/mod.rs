@@ -1,9 +1,20 @@
 //! Grids: points, cells as a file gives them, and the tetrahedra that are drawn.
 
+mod build;
+mod cell_types;
+mod cell_values;
 mod cells;
+mod clean;
+pub mod generate;
+mod parts;
+mod source;
+mod split;
 
+pub use build::build;
+pub use cell_types::{CellType, code, describe_counts};
 pub use cells::{CellSet, Polyhedron};
 use glam::DVec3;
+pub use parts::{Association, CellValues, Cells, Options, Parts, Scalar};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -52,3 +63,37 @@ pub struct Origin {
     /// Warnings for the user, each a sentence.
     pub warnings: Vec<String>,
 }
+
+impl Grid {
+    /// Positions of the four corners of tetrahedron `i`.
+    #[inline]
+    pub fn corners(&self, i: usize) -> [DVec3; 4] {
+        self.tetrahedra[i].map(|p| self.points[p as usize])
+    }
+
+    /// Lowest and highest coordinates of all points; `None` without points.
+    pub fn bounds(&self) -> Option<[DVec3; 2]> {
+        let first = *self.points.first()?;
+        Some(self.points.iter().fold([first, first], |[low, high], &p| [low.min(p), high.max(p)]))
+    }
+
+    /// Bytes held by the arrays of this grid, shared ones included.
+    pub fn memory_bytes(&self) -> u64 {
+        let values = self.scalar.as_ref().map_or(0, |s| s.len())
+            + self.point_arrays.values().map(|a| a.values.len()).sum::<usize>();
+        let bytes = self.points.len() * size_of::<DVec3>()
+            + self.tetrahedra.len() * size_of::<[u32; 4]>()
+            + self.source_cells.as_ref().map_or(0, |s| s.len() * size_of::<u32>())
+            + values * size_of::<f64>();
+        bytes as u64
+    }
+}
+
+/// Volume of a tetrahedron, ≥ 0.
+#[inline]
+pub fn tetrahedron_volume([a, b, c, d]: [DVec3; 4]) -> f64 {
+    (b - a).dot((c - a).cross(d - a)).abs() / 6.0
+}
+
+#[cfg(test)]
+mod tests;
