@@ -1,1 +1,42 @@
-//! (in work)
+//! The graph: nodes joined by typed ports, the two passes of a run, and the registry of node types.
+//!
+//! A node type is a [`Node`]: a constant that declares ports and parameters, and the functions that work for it.
+//! Nodes keep no state. A run has two passes, as in VTK:
+//!
+//! 1. **Demand**, from the sinks upward: each node says what it needs of its inputs for what is asked of it
+//!    ([`Demand`]). What nobody asks for is not read, computed or sorted, and is listed in the report.
+//! 2. **Data**, from the sources downward: a node runs when its parameters, its inputs (a [`Revision`] per output)
+//!    or the demand on it changed, and its former outputs are used again otherwise.
+//!
+//! What lives longer than a run (former outputs, things made from a revision) is held by the [`Session`].
+//! Absent on purpose: files (a [`Session`] is given a function that stamps them), threads (a stage uses all cores
+//! itself, so nodes run one after the other), and node state.
+
+mod build;
+mod cache;
+mod call;
+mod declaration;
+mod demand;
+mod nearest;
+mod notes;
+mod parameters;
+mod registry;
+mod session;
+mod setting;
+#[cfg(test)]
+mod tests;
+mod value;
+
+pub use build::{Edge, Graph, GraphNode, LinkEntry, NodeEntry};
+pub use cache::{FileStamp, Stamp};
+pub use call::{Asking, Call, Outputs, Preparation};
+pub use declaration::{Kind, Node, Parameter, ParameterType, Port, PortType, Range, Standard};
+pub use demand::{Demand, Plan};
+pub use nearest::{nearest, suggest};
+pub use notes::{LeftOut, NodeReport, Notes, RunReport};
+pub use parameters::Parameters;
+pub use registry::Registry;
+pub use session::{Observer, Session, Unobserved};
+pub(crate) use setting::key_text;
+pub use setting::{Datum, Field, Origin, Setting};
+pub use value::{Look, Revision, Value};

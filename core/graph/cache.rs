@@ -1,0 +1,146 @@
+//! Former outputs of nodes, and things made from a revision.
+
+use super::build::Graph;
+use super::declaration::{Node, ParameterType};
+use super::demand::Demand;
+use super::notes::Notes;
+use super::parameters::Parameters;
+use super::value::{Revision, Value};
+use crate::Result;
+use std::any::{Any, TypeId};
+use std::collections::{BTreeSet, HashMap};
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// State of a file: its length and the time it was last written, or nothing where it is not there.
+pub type Stamp = Option<(u64, std::time::SystemTime)>;
+
+/// Finds the state of a file.
+pub type FileStamp = fn(&Path) -> Stamp;
+
+/// One node's former run.
+pub(super) struct Entry {
+    pub(super) node: &'static Node,
+    pub(super) parameters: Parameters,
+    pub(super) inputs: Vec<Revision>,
+    pub(super) demand: Demand,
+    /// The files that its parameters name, as they were after the run.
+    pub(super) files: Vec<(PathBuf, Stamp)>,
+    pub(super) outputs: Vec<(Value, Revision)>,
+    pub(super) notes: Notes,
+}
+
+/// Former runs. They are found by what they were made from, not by the node's name, so that pipelines that read
+/// the same grid share it.
+#[derive(Default)]
+pub(super) struct Cache {
+    pub(super) entries: Vec<Entry>,
+}
+
+impl Cache {
+    /// The former run of this node type with these parameters, inputs and files, for at least this demand.
+    pub(super) fn find(
+        &self,
+        node: &'static Node,
+        parameters: &Parameters,
+        inputs: &[Revision],
+        demand: &Demand,
+        files: &[(PathBuf, Stamp)],
+    ) -> Option<&Entry> {
+        self.entries.iter().find(|e| {
+            std::ptr::eq(e.node, node)
+                && e.inputs == inputs
+                && e.files == files
+                && e.parameters == *parameters
+                && e.demand.covers(demand)
+        })
+    }
+
+    /// Adds a run, in place of one that it makes superfluous.
+    pub(super) fn add(&mut self, entry: Entry) {
+        self.entries.retain(|e| {
+            !(std::ptr::eq(e.node, entry.node)
+                && e.inputs == entry.inputs
+                && e.parameters == entry.parameters
+                && e.files.iter().map(|f| &f.0).eq(entry.files.iter().map(|f| &f.0)))
+        });
+        self.entries.push(entry);
+    }
+
+    /// Drops what the graph cannot use again: runs of nodes that it does not have, and what was made from them.
+    pub(super) fn forget_all_but(&mut self, graph: &Graph) {
+        let mut alive = BTreeSet::new();
+        // Entries stand in the order in which they were made, so inputs come before what was made from them.
+        self.entries.retain(|entry| {
+            let wanted = graph
+                .order
+                .iter()
+                .map(|&i| &graph.nodes[i])
+                .any(|n| std::ptr::eq(n.node, entry.node) && n.parameters == entry.parameters);
+            let keep = wanted && entry.inputs.iter().all(|r| alive.contains(r));
+            if keep {
+                alive.extend(entry.outputs.iter().map(|o| o.1));
+            }
+            keep
+        });
+    }
+
+    /// The revisions of all outputs held.
+    pub(super) fn revisions(&self) -> BTreeSet<Revision> {
+        self.entries.iter().flat_map(|e| e.outputs.iter().map(|o| o.1)).collect()
+    }
+}
+
+/// The files that a node's parameters name, also within lists of tables, and their state.
+pub(super) fn files_of(parameters: &Parameters, folder: &Path, stamp: FileStamp) -> Vec<(PathBuf, Stamp)> {
+    let mut files = Vec::new();
+    for (parameter, setting, _) in parameters.iter() {
+        match parameter.parameter_type {
+            ParameterType::InputPath | ParameterType::OutputPath => {
+                let path = setting.and_then(|s| s.text()).map(|path| folder.join(path));
+                files.extend(path.map(|path| (path.clone(), stamp(&path))));
+            }
+            ParameterType::Kinds(_) => {
+                let entries = parameters.kinds(parameter.name).unwrap_or_default();
+                files.extend(entries.iter().flat_map(|(_, entry)| files_of(entry, folder, stamp)));
+            }
+            _ => {}
+        }
+    }
+    files
+}
+
+type Kept = Arc<dyn Any + Send + Sync>;
+
+/// Things made from a revision, by the revision and their own type.
+#[derive(Default)]
+pub(super) struct Store {
+    kept: Mutex<HashMap<(Revision, TypeId), Kept>>,
+}
+
+impl Store {
+    /// The thing of type `T` made from this revision; made now if it is not there.
+    pub(super) fn get_or_make<T: Send + Sync + 'static>(
+        &self,
+        revision: Revision,
+        make: impl FnOnce() -> Result<T>,
+    ) -> Result<Arc<T>> {
+        let key = (revision, TypeId::of::<T>());
+        let found = self.lock().get(&key).cloned();
+        if let Some(Ok(there)) = found.map(Arc::downcast::<T>) {
+            return Ok(there);
+        }
+        let made = Arc::new(make()?);
+        self.lock().insert(key, made.clone());
+        Ok(made)
+    }
+
+    /// Drops what was made from revisions that are gone.
+    pub(super) fn forget_all_but(&self, alive: &BTreeSet<Revision>) {
+        self.lock().retain(|(revision, _), _| alive.contains(revision));
+    }
+
+    fn lock(&self) -> std::sync::MutexGuard<'_, HashMap<(Revision, TypeId), Kept>> {
+        self.kept.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}

@@ -1,0 +1,221 @@
+//! What a node's functions are given: its side of the two passes.
+
+use super::build::GraphNode;
+use super::cache::Store;
+use super::declaration::PortType;
+use super::demand::Demand;
+use super::notes::Notes;
+use super::parameters::Parameters;
+use super::session::Observer;
+use super::value::{Look, Projection, Revision, Value};
+use crate::camera::Camera;
+use crate::engine::Cells;
+use crate::grid::Grid;
+use crate::picture::Picture;
+use crate::progress::Progress;
+use crate::volume::Volume;
+use crate::{Error, Result};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Instant;
+
+/// One value for each output, in the order of the declaration.
+pub type Outputs = Vec<Value>;
+
+/// The demand pass as one node sees it.
+pub struct Asking<'a> {
+    /// The node's parameters.
+    pub parameters: &'a Parameters,
+    /// What is asked of the node's outputs.
+    pub asked: &'a Demand,
+    /// What the node says about it.
+    pub notes: &'a mut Notes,
+    pub(super) node: &'a GraphNode,
+    /// For each input its value, where a node that ran early feeds it.
+    pub(super) early: Vec<Option<Value>>,
+    /// For each input what is asked of it.
+    pub(super) asks: Vec<Demand>,
+}
+
+impl Asking<'_> {
+    /// The transfer function at an input; `None` where it is made from data and not known yet.
+    pub fn look(&self, port: &str) -> Option<Arc<Look>> {
+        let place = self.node.node.inputs.iter().position(|p| p.name == port)?;
+        match &self.early[place] {
+            Some(Value::TransferFunction(look)) => Some(look.clone()),
+            _ => None,
+        }
+    }
+
+    /// Asks for something at an input.
+    pub fn ask(&mut self, port: &str, demand: &Demand) -> Result<()> {
+        let place = self.node.input(port)?;
+        self.asks[place].join(demand);
+        Ok(())
+    }
+
+    /// Asks every input for what is asked of this node.
+    pub fn pass_on(&mut self) -> Result<()> {
+        self.asks.iter_mut().for_each(|ask| ask.join(self.asked));
+        Ok(())
+    }
+}
+
+/// A node before the run.
+pub struct Preparation<'a> {
+    /// The node's parameters.
+    pub parameters: &'a Parameters,
+    pub(super) folder: &'a Path,
+}
+
+impl Preparation<'_> {
+    /// The path that a parameter gives, resolved against the pipeline file's folder.
+    pub fn path(&self, name: &str) -> Result<PathBuf> {
+        Ok(self.folder.join(self.parameters.text(name)?))
+    }
+}
+
+/// One run of a node.
+pub struct Call<'a> {
+    /// The node's parameters.
+    pub parameters: &'a Parameters,
+    /// What is asked of its outputs.
+    pub demand: &'a Demand,
+    /// What it says about its work.
+    pub notes: Notes,
+    pub(super) node: &'a GraphNode,
+    pub(super) inputs: Vec<(Value, Revision)>,
+    pub(super) folder: &'a Path,
+    pub(super) store: &'a Store,
+    pub(super) progress: NodeProgress<'a>,
+}
+
+impl Call<'_> {
+    /// Where progress goes, and whether to stop.
+    pub fn progress(&self) -> &dyn Progress {
+        &self.progress
+    }
+
+    /// The path that a parameter gives, resolved against the pipeline file's folder.
+    pub fn path(&self, name: &str) -> Result<PathBuf> {
+        Ok(self.folder.join(self.parameters.text(name)?))
+    }
+
+    /// A path within a parameter, resolved against the pipeline file's folder.
+    pub fn resolve(&self, path: &str) -> PathBuf {
+        self.folder.join(path)
+    }
+
+    /// Does a part of the work and keeps its seconds under the stage's name.
+    pub fn stage<T>(&mut self, name: &str, work: impl FnOnce(&dyn Progress) -> Result<T>) -> Result<T> {
+        let start = Instant::now();
+        let outcome = work(&self.progress);
+        self.notes.stages.push((name.to_string(), start.elapsed().as_secs_f64()));
+        outcome
+    }
+
+    /// The revision of what an input carries: the key for things to [`Call::keep`].
+    pub fn revision(&self, port: &str) -> Result<Revision> {
+        Ok(self.inputs[self.node.input(port)?].1)
+    }
+
+    /// Something made from the content with this revision, made again only when it is not there any more.
+    pub fn keep<T: Send + Sync + 'static>(
+        &self,
+        revision: Revision,
+        make: impl FnOnce() -> Result<T>,
+    ) -> Result<Arc<T>> {
+        self.store.get_or_make(revision, make)
+    }
+
+    /// The grid at an input.
+    pub fn grid(&self, port: &str) -> Result<Arc<Grid>> {
+        match self.value(port)? {
+            Value::Grid(grid) => Ok(grid.clone()),
+            other => Err(self.miswired(port, PortType::Grid, other)),
+        }
+    }
+
+    /// The volume at an input. A grid counts as one without gradient.
+    pub fn volume(&self, port: &str) -> Result<Arc<Volume>> {
+        match self.value(port)? {
+            Value::Volume(volume) => Ok(volume.clone()),
+            Value::Grid(grid) => volume_without_gradient(grid).map(Arc::new),
+            other => Err(self.miswired(port, PortType::Volume, other)),
+        }
+    }
+
+    /// The transfer function at an input, as the pipeline states it.
+    pub fn look(&self, port: &str) -> Result<Arc<Look>> {
+        match self.value(port)? {
+            Value::TransferFunction(look) => Ok(look.clone()),
+            other => Err(self.miswired(port, PortType::TransferFunction, other)),
+        }
+    }
+
+    /// The camera at an input.
+    pub fn camera(&self, port: &str) -> Result<Arc<Camera>> {
+        match self.value(port)? {
+            Value::Camera(camera) => Ok(camera.clone()),
+            other => Err(self.miswired(port, PortType::Camera, other)),
+        }
+    }
+
+    /// The cells at an input.
+    pub fn cells(&self, port: &str) -> Result<Arc<Cells>> {
+        match self.value(port)? {
+            Value::Cells(cells) => Ok(cells.clone()),
+            other => Err(self.miswired(port, PortType::Cells, other)),
+        }
+    }
+
+    /// The projection at an input.
+    pub fn projection(&self, port: &str) -> Result<Arc<Projection>> {
+        match self.value(port)? {
+            Value::Projection(projection) => Ok(projection.clone()),
+            other => Err(self.miswired(port, PortType::Projection, other)),
+        }
+    }
+
+    /// The picture at an input.
+    pub fn image(&self, port: &str) -> Result<Arc<Picture>> {
+        match self.value(port)? {
+            Value::Image(picture) => Ok(picture.clone()),
+            other => Err(self.miswired(port, PortType::Image, other)),
+        }
+    }
+
+    fn value(&self, port: &str) -> Result<&Value> {
+        Ok(&self.inputs[self.node.input(port)?].0)
+    }
+
+    fn miswired(&self, port: &str, wanted: PortType, found: &Value) -> Error {
+        Error::usage(format!("the node asks its input '{port}' for another type than it declares"))
+            .found(found.port_type().name())
+            .accepted(wanted.name())
+    }
+}
+
+/// A volume that has no gradient: what a grid is worth on its own.
+pub(super) fn volume_without_gradient(grid: &Arc<Grid>) -> Result<Volume> {
+    let scalar = grid.scalar.clone().ok_or_else(|| {
+        Error::usage("the grid carries no scalar to draw").accepted("scalar = \"…\" at the reader")
+    })?;
+    Ok(Volume { grid: grid.clone(), scalar, gradient: None, gradient_magnitude: None })
+}
+
+/// Hands the progress of one node on to the observer of the run.
+pub(super) struct NodeProgress<'a> {
+    pub(super) observer: &'a dyn Observer,
+    pub(super) node: &'a str,
+}
+
+impl Progress for NodeProgress<'_> {
+    fn report(&self, stage: &str, fraction: f64) {
+        self.observer.progress(self.node, stage, fraction);
+    }
+
+    fn cancelled(&self) -> bool {
+        self.observer.cancelled()
+    }
+}

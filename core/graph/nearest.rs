@@ -1,0 +1,78 @@
+//! The nearest known name to a mistyped one.
+
+/// Edit distance with transpositions of neighbours (optimal string alignment), in characters.
+fn distance(a: &str, b: &str) -> usize {
+    let a: Vec<char> = a.to_lowercase().chars().collect();
+    let b: Vec<char> = b.to_lowercase().chars().collect();
+    let mut before_last: Vec<usize> = Vec::new();
+    let mut last: Vec<usize> = (0..=b.len()).collect();
+    for i in 1..=a.len() {
+        let mut row = vec![i; b.len() + 1];
+        for j in 1..=b.len() {
+            let change = usize::from(a[i - 1] != b[j - 1]);
+            row[j] = (last[j] + 1).min(row[j - 1] + 1).min(last[j - 1] + change);
+            if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
+                row[j] = row[j].min(before_last[j - 2] + 1);
+            }
+        }
+        before_last = std::mem::replace(&mut last, row);
+    }
+    last[b.len()]
+}
+
+/// The candidate nearest to `name`, if any is near enough to be what was meant: at most a third of the longer
+/// name's characters differ, or one name begins with the other.
+pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let mut best: Option<(usize, &str)> = None;
+    for candidate in candidates {
+        let longest = name.chars().count().max(candidate.chars().count());
+        let mut steps = distance(name, candidate);
+        let begins = name.len() >= 3 && (candidate.starts_with(name) || name.starts_with(candidate));
+        if begins && !candidate.is_empty() {
+            steps = steps.min(longest / 3);
+        }
+        if steps <= (longest / 3).max(1) && steps < longest && best.is_none_or(|(least, _)| steps < least) {
+            best = Some((steps, candidate));
+        }
+    }
+    best.map(|(_, candidate)| candidate)
+}
+
+/// A clause for an error's `accepted`: the nearest of the candidates, and all of them where they are few.
+pub fn suggest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> String {
+    const SHOWN: usize = 24;
+    let candidates: Vec<&str> = candidates.into_iter().collect();
+    let listed = match candidates.len() {
+        0 => "nothing here".to_string(),
+        1 => format!("'{}'", candidates[0]),
+        n if n <= SHOWN => format!("one of {}", candidates.join(", ")),
+        n => format!("one of {} and {} more", candidates[..SHOWN].join(", "), n - SHOWN),
+    };
+    match nearest(name, candidates.iter().copied()) {
+        Some(_) if candidates.len() == 1 => listed,
+        Some(near) => format!("'{near}', the nearest name, or {listed}"),
+        None => listed,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn typing_mistakes_find_the_name_that_was_meant() {
+        let names = ["scalar", "association", "path", "subdivision", "time_step"];
+        assert_eq!(nearest("scaler", names), Some("scalar"));
+        assert_eq!(nearest("scalra", names), Some("scalar"));
+        assert_eq!(nearest("assoc", names), Some("association"));
+        assert_eq!(nearest("Path", names), Some("path"));
+        assert_eq!(nearest("colour", names), None);
+        assert_eq!(nearest("x", ["y"]), None);
+    }
+
+    #[test]
+    fn a_transposition_is_one_step() {
+        assert_eq!(distance("ab", "ba"), 1);
+        assert_eq!(distance("kitten", "sitting"), 3);
+    }
+}

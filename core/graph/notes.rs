@@ -1,0 +1,131 @@
+//! What nodes say about their work, and the report of a run.
+
+use super::demand::Done;
+use crate::Error;
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// Something that a scene did not need.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct LeftOut {
+    /// The node that left it out.
+    pub node: String,
+    /// What was left out.
+    pub what: String,
+    /// Why it is not needed.
+    pub why: String,
+}
+
+/// What a node says about its work.
+#[derive(Debug, Clone, Default)]
+pub struct Notes {
+    /// What was left out, and why.
+    pub left_out: Vec<(String, String)>,
+    /// Things the user should know; each a sentence.
+    pub warnings: Vec<String>,
+    /// Counts by name (`segments`, `cells_culled`, …).
+    pub counts: BTreeMap<&'static str, u64>,
+    /// Seconds of the stages within the node.
+    pub stages: Vec<(String, f64)>,
+    /// The engine and why it was taken, for nodes that draw.
+    pub engine: Option<(String, String)>,
+    /// Files written.
+    pub files: Vec<String>,
+}
+
+impl Notes {
+    /// Something is left out, and why. Said twice, it is kept once.
+    pub fn leave_out(&mut self, what: impl Into<String>, why: impl Into<String>) {
+        let what = what.into();
+        if !self.left_out.iter().any(|(known, _)| *known == what) {
+            self.left_out.push((what, why.into()));
+        }
+    }
+
+    /// Adds what was said while planning to what was said while running.
+    pub(super) fn join(&mut self, planned: &Notes) {
+        for (what, why) in &planned.left_out {
+            self.leave_out(what.clone(), why.clone());
+        }
+        self.warnings.extend(planned.warnings.iter().cloned());
+        if self.engine.is_none() {
+            self.engine = planned.engine.clone();
+        }
+    }
+}
+
+/// One node in the report of a run.
+#[derive(Debug, Clone, Serialize)]
+pub struct NodeReport {
+    /// Its name in the pipeline.
+    pub name: String,
+    /// Its type.
+    #[serde(rename = "type")]
+    pub node_type: String,
+    /// Seconds it took in this run; 0 where a former output was used.
+    pub seconds: f64,
+    /// Whether a former output was used.
+    pub reused: bool,
+    /// Seconds of the stages within.
+    pub stages: BTreeMap<String, f64>,
+    /// Its counts.
+    pub counts: BTreeMap<&'static str, u64>,
+    /// The engine that it took.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub engine: Option<String>,
+}
+
+/// What a run did and left out.
+#[derive(Debug, Clone, Default)]
+pub struct RunReport {
+    /// The nodes in the order in which they ran.
+    pub nodes: Vec<NodeReport>,
+    /// Counts of all nodes together.
+    pub counts: BTreeMap<&'static str, u64>,
+    /// What the scene did not need.
+    pub left_out: Vec<LeftOut>,
+    /// What the user should know.
+    pub warnings: Vec<String>,
+    /// The engine that drew, and why.
+    pub engine: Option<(String, String)>,
+    /// Files written.
+    pub files: Vec<String>,
+    /// Seconds of the whole run.
+    pub seconds: f64,
+}
+
+impl RunReport {
+    /// Adds a node that ran, or whose former outputs were used.
+    pub(super) fn add(&mut self, name: &str, node_type: &str, done: &Done) {
+        let Done { notes, seconds, reused, .. } = done;
+        let mut stages = BTreeMap::new();
+        for (stage, seconds) in notes.stages.iter().filter(|_| !*reused) {
+            *stages.entry(stage.clone()).or_insert(0.0) += seconds;
+        }
+        for (&count, n) in &notes.counts {
+            *self.counts.entry(count).or_insert(0) += n;
+        }
+        for (what, why) in &notes.left_out {
+            self.left_out.push(LeftOut { node: name.into(), what: what.clone(), why: why.clone() });
+        }
+        self.warnings.extend(notes.warnings.iter().map(|warning| format!("{name}: {warning}")));
+        if self.engine.is_none() {
+            self.engine = notes.engine.clone();
+        }
+        self.files.extend(notes.files.iter().cloned());
+        self.nodes.push(NodeReport {
+            name: name.into(),
+            node_type: node_type.into(),
+            seconds: *seconds,
+            reused: *reused,
+            stages,
+            counts: notes.counts.clone(),
+            engine: notes.engine.as_ref().map(|e| e.0.clone()),
+        });
+    }
+
+    /// The report of a graph with these warnings of its own, nothing having run.
+    pub(super) fn begin(warnings: &[Error]) -> Self {
+        RunReport { warnings: warnings.iter().map(Error::to_string).collect(), ..RunReport::default() }
+    }
+}

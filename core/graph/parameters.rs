@@ -1,0 +1,296 @@
+//! Parameters: settings checked against their declarations, with typed getters.
+
+use super::declaration::{Parameter, ParameterType, Range, Standard};
+use super::nearest::suggest;
+use super::setting::{Datum, Field, Origin, Setting};
+use crate::{Error, Result};
+
+/// The parameters of a node, or of a table within one: each declared name with the value that the file gives or
+/// the standard value. Two are equal when their values are.
+#[derive(Debug, Clone, Default)]
+pub struct Parameters {
+    declared: &'static [Parameter],
+    /// One for each declaration; `None` where the file is silent and there is no standard value.
+    settings: Vec<Option<Setting>>,
+    /// Which of them the file gave.
+    given: Vec<bool>,
+    /// Where the table they stand in was written.
+    origin: Origin,
+}
+
+impl PartialEq for Parameters {
+    fn eq(&self, other: &Self) -> bool {
+        std::ptr::eq(self.declared, other.declared) && self.settings == other.settings
+    }
+}
+
+impl Standard {
+    /// The value, if this is one.
+    pub fn datum(&self) -> Option<Datum> {
+        let list = |list: Vec<Datum>| Datum::List(list.into_iter().map(Setting::from).collect());
+        match *self {
+            Standard::Required | Standard::Unset(_) => None,
+            Standard::Boolean(flag) => Some(Datum::Boolean(flag)),
+            Standard::Integer(n) => Some(Datum::Integer(n)),
+            Standard::Number(x) => Some(Datum::Number(x)),
+            Standard::Text(text) => Some(Datum::Text(text.to_string())),
+            Standard::Numbers(xs) => Some(list(xs.iter().map(|&x| Datum::Number(x)).collect())),
+            Standard::Integers(ns) => Some(list(ns.iter().map(|&n| Datum::Integer(n)).collect())),
+        }
+    }
+}
+
+impl Parameters {
+    /// Checks the fields of a table (written at `origin`) against the declarations: unknown and missing names,
+    /// types, ranges, also within tables and lists of tables. `also` are keys that the caller has taken.
+    pub fn check(
+        declared: &'static [Parameter],
+        fields: &[Field],
+        origin: &Origin,
+        also: &[&str],
+    ) -> Result<Parameters> {
+        let mut settings: Vec<Option<Setting>> = vec![None; declared.len()];
+        for field in fields {
+            if also.contains(&field.name.as_str()) {
+                continue;
+            }
+            let Some(i) = declared.iter().position(|p| p.name == field.name) else {
+                let names = also.iter().copied().chain(declared.iter().map(|p| p.name));
+                let error = Error::usage(format!("unknown parameter '{}'", field.name))
+                    .accepted(suggest(&field.name, names));
+                return Err(field.origin.blame(error));
+            };
+            check_type(&declared[i].parameter_type, declared[i].name, declared[i].unit, &field.setting)?;
+            settings[i] = Some(field.setting.clone());
+        }
+        let given: Vec<bool> = settings.iter().map(Option::is_some).collect();
+        for (parameter, setting) in declared.iter().zip(&mut settings) {
+            if setting.is_some() {
+                continue;
+            }
+            if let Standard::Required = parameter.standard {
+                let error =
+                    Error::usage(format!("the parameter '{}' is missing", parameter.name)).accepted(format!(
+                        "{} = … ({}): {}",
+                        parameter.name,
+                        parameter.parameter_type.describe(),
+                        parameter.help
+                    ));
+                return Err(origin.blame(error));
+            }
+            *setting = parameter.standard.datum().map(Setting::from);
+        }
+        Ok(Parameters { declared, settings, given, origin: origin.clone() })
+    }
+
+    /// The declarations with their values (`None`: not set), and whether the file gave them.
+    pub fn iter(&self) -> impl Iterator<Item = (&'static Parameter, Option<&Setting>, bool)> {
+        self.declared.iter().zip(&self.settings).zip(&self.given).map(|((p, s), g)| (p, s.as_ref(), *g))
+    }
+
+    /// Whether the file (or the command line) gave the parameter.
+    pub fn given(&self, name: &str) -> bool {
+        self.declared.iter().position(|p| p.name == name).is_some_and(|i| self.given[i])
+    }
+
+    /// The setting, if there is one.
+    pub fn optional(&self, name: &str) -> Option<&Setting> {
+        let i = self.declared.iter().position(|p| p.name == name)?;
+        self.settings[i].as_ref()
+    }
+
+    /// The setting; an error when it is neither given nor has a standard value.
+    pub fn get(&self, name: &str) -> Result<&Setting> {
+        self.optional(name).ok_or_else(|| {
+            self.origin.blame(Error::usage(format!("the parameter '{name}' is needed here and is not set")))
+        })
+    }
+
+    /// An error about a parameter, at its place or, where it was not given, at the place of the table.
+    pub fn error(&self, name: &str, what: impl Into<String>) -> Error {
+        let error = Error::usage(what);
+        match self.optional(name).filter(|_| self.given(name)) {
+            Some(setting) => setting.origin.blame(error),
+            None => self.origin.blame(error),
+        }
+    }
+
+    /// A number.
+    pub fn number(&self, name: &str) -> Result<f64> {
+        self.get(name)?.number().ok_or_else(|| self.mistyped(name))
+    }
+
+    /// A number, where set.
+    pub fn optional_number(&self, name: &str) -> Option<f64> {
+        self.optional(name)?.number()
+    }
+
+    /// A whole number.
+    pub fn integer(&self, name: &str) -> Result<i64> {
+        match self.get(name)?.datum {
+            Datum::Integer(n) => Ok(n),
+            _ => Err(self.mistyped(name)),
+        }
+    }
+
+    /// A flag.
+    pub fn flag(&self, name: &str) -> Result<bool> {
+        match self.get(name)?.datum {
+            Datum::Boolean(flag) => Ok(flag),
+            _ => Err(self.mistyped(name)),
+        }
+    }
+
+    /// Text, a word or a path.
+    pub fn text(&self, name: &str) -> Result<&str> {
+        self.get(name)?.text().ok_or_else(|| self.mistyped(name))
+    }
+
+    /// Several numbers.
+    pub fn numbers(&self, name: &str) -> Result<Vec<f64>> {
+        self.get(name)?.numbers().ok_or_else(|| self.mistyped(name))
+    }
+
+    /// Exactly `N` numbers.
+    pub fn vector<const N: usize>(&self, name: &str) -> Result<[f64; N]> {
+        self.numbers(name)?.try_into().map_err(|_| self.mistyped(name))
+    }
+
+    /// Rows of numbers.
+    pub fn rows(&self, name: &str) -> Result<Vec<Vec<f64>>> {
+        let rows = self.get(name)?.list().and_then(|list| list.iter().map(Setting::numbers).collect());
+        rows.ok_or_else(|| self.mistyped(name))
+    }
+
+    /// Several texts.
+    pub fn texts(&self, name: &str) -> Result<Vec<String>> {
+        let list = self.get(name)?.list();
+        let texts = list.and_then(|list| list.iter().map(|s| s.text().map(str::to_string)).collect());
+        texts.ok_or_else(|| self.mistyped(name))
+    }
+
+    /// A table within, where set, with the standard values of its own keys.
+    pub fn table(&self, name: &str) -> Result<Option<Parameters>> {
+        let Some(setting) = self.optional(name) else { return Ok(None) };
+        match (self.parameter_type(name), setting.table()) {
+            (Some(ParameterType::Table(declared)), Some(fields)) => {
+                Parameters::check(declared, fields, &setting.origin, &[]).map(Some)
+            }
+            _ => Err(self.mistyped(name)),
+        }
+    }
+
+    /// A list of tables of several kinds: each one's kind and parameters. Empty where not set.
+    pub fn kinds(&self, name: &str) -> Result<Vec<(&'static str, Parameters)>> {
+        let Some(setting) = self.optional(name) else { return Ok(Vec::new()) };
+        let declared = self.parameter_type(name);
+        let (Some(ParameterType::Kinds(kinds)), Some(list)) = (declared, setting.list()) else {
+            return Err(self.mistyped(name));
+        };
+        list.iter().map(|setting| kind_of(kinds, name, setting)).collect()
+    }
+
+    fn parameter_type(&self, name: &str) -> Option<ParameterType> {
+        self.declared.iter().find(|p| p.name == name).map(|p| p.parameter_type)
+    }
+
+    fn mistyped(&self, name: &str) -> Error {
+        self.error(name, format!("the parameter '{name}' is not of the type that its reader expects"))
+    }
+}
+
+/// The kind of one entry of a list of tables, and its checked parameters.
+fn kind_of(
+    kinds: &'static [super::declaration::Kind],
+    name: &str,
+    setting: &Setting,
+) -> Result<(&'static str, Parameters)> {
+    let names = || kinds.iter().map(|k| k.name);
+    let Some(fields) = setting.table() else {
+        return Err(setting.error(format!("each entry of '{name}' must be a table"), "[[…]] with a kind"));
+    };
+    let Some(kind) = fields.iter().find(|f| f.name == "kind") else {
+        let error = Error::usage(format!("an entry of '{name}' has no 'kind'"))
+            .accepted(format!("kind = one of {}", names().collect::<Vec<_>>().join(", ")));
+        return Err(setting.origin.blame(error));
+    };
+    let word = kind.setting.text().unwrap_or_default();
+    match kinds.iter().find(|k| k.name == word) {
+        Some(found) => {
+            let parameters = Parameters::check(found.parameters, fields, &setting.origin, &["kind"])?;
+            Ok((found.name, parameters))
+        }
+        None => Err(kind.setting.error("unknown kind", suggest(word, names()))),
+    }
+}
+
+/// Checks one setting against its declared type.
+fn check_type(parameter_type: &ParameterType, name: &str, unit: &str, setting: &Setting) -> Result<()> {
+    let accepted = || match unit {
+        "" => parameter_type.describe(),
+        unit => format!("{} ({unit})", parameter_type.describe()),
+    };
+    let wrong_type = || Err(setting.error(format!("'{name}' is of the wrong type"), accepted()));
+    let in_range = |part: &Setting, x: f64, range: &Range| match range.holds(x) {
+        true => Ok(()),
+        false => Err(part.error(format!("'{name}' is out of range"), accepted())),
+    };
+    match (parameter_type, &setting.datum) {
+        (ParameterType::Boolean, Datum::Boolean(_)) => Ok(()),
+        (ParameterType::Integer(range), Datum::Integer(n)) => in_range(setting, *n as f64, range),
+        (ParameterType::NumberOr(_, word), Datum::Text(text)) if text == word => Ok(()),
+        (
+            ParameterType::Number(range) | ParameterType::NumberOr(range, _),
+            Datum::Number(_) | Datum::Integer(_),
+        ) => in_range(setting, setting.number().unwrap_or(f64::NAN), range),
+        (ParameterType::Text, Datum::Text(_)) => Ok(()),
+        (ParameterType::InputPath | ParameterType::OutputPath, Datum::Text(path)) => match path.is_empty() {
+            true => Err(setting.error(format!("'{name}' is empty"), "the path of a file")),
+            false => Ok(()),
+        },
+        (ParameterType::Choice(words), Datum::Text(text)) => match words.iter().any(|w| w.0 == text) {
+            true => Ok(()),
+            false => Err(setting.error(
+                format!("'{name}' does not know this word"),
+                suggest(text, words.iter().map(|w| w.0)),
+            )),
+        },
+        (ParameterType::Numbers(count, range), Datum::List(list)) => {
+            for part in list {
+                let Some(x) = part.number() else { return wrong_type() };
+                in_range(part, x, range)?;
+            }
+            match count.is_none_or(|n| n == list.len()) {
+                true => Ok(()),
+                false => wrong_type(),
+            }
+        }
+        (ParameterType::Integers(count, range), Datum::List(list)) => {
+            for part in list {
+                let Datum::Integer(n) = part.datum else { return wrong_type() };
+                in_range(part, n as f64, range)?;
+            }
+            if *count == list.len() { Ok(()) } else { wrong_type() }
+        }
+        (ParameterType::Rows(width), Datum::List(rows)) => {
+            for row in rows {
+                let Some(numbers) = row.numbers() else { return wrong_type() };
+                if width.is_some_and(|n| n != numbers.len()) {
+                    return Err(row.error(format!("a row of '{name}' has the wrong length"), accepted()));
+                }
+                if numbers.iter().any(|x| !x.is_finite()) {
+                    return Err(row.error(format!("'{name}' is out of range"), "finite numbers"));
+                }
+            }
+            Ok(())
+        }
+        (ParameterType::Texts, Datum::List(list)) if list.iter().all(|s| s.text().is_some()) => Ok(()),
+        (ParameterType::Table(declared), Datum::Table(fields)) => {
+            Parameters::check(declared, fields, &setting.origin, &[]).map(drop)
+        }
+        (ParameterType::Kinds(kinds), Datum::List(list)) => {
+            list.iter().try_for_each(|entry| kind_of(kinds, name, entry).map(drop))
+        }
+        _ => wrong_type(),
+    }
+}

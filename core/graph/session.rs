@@ -1,0 +1,200 @@
+//! Runs graphs: the two passes, the cache between runs, progress and stopping.
+
+use super::build::{Graph, GraphNode};
+use super::cache::{Cache, Entry, FileStamp, Store, files_of};
+use super::call::{Asking, Call, NodeProgress, Preparation};
+use super::declaration::PortType;
+use super::demand::{Demand, Done, Plan};
+use super::notes::{Notes, RunReport};
+use super::value::{Revision, Value};
+use crate::{Error, Result};
+use std::time::Instant;
+
+/// Follows a run, and may stop it. Called from any thread.
+pub trait Observer: Sync {
+    /// A node begins: `place` of `count`.
+    fn started(&self, _node: &str, _place: usize, _count: usize) {}
+    /// A stage of a node is `fraction` (0 … 1) done.
+    fn progress(&self, _node: &str, _stage: &str, _fraction: f64) {}
+    /// A node is done.
+    fn finished(&self, _node: &str, _seconds: f64) {}
+    /// True once the run should stop.
+    fn cancelled(&self) -> bool {
+        false
+    }
+}
+
+/// Follows nothing and never stops.
+pub struct Unobserved;
+
+impl Observer for Unobserved {}
+
+/// What lives longer than one run: former outputs and things made from them.
+pub struct Session {
+    cache: Cache,
+    store: Store,
+    last_revision: u64,
+    file_stamp: FileStamp,
+}
+
+impl Session {
+    /// A session without former runs. `file_stamp` finds the state of the files that parameters name.
+    pub fn new(file_stamp: FileStamp) -> Self {
+        Session { cache: Cache::default(), store: Store::default(), last_revision: 0, file_stamp }
+    }
+
+    /// The demand pass: what will run for what. Runs the early nodes only.
+    pub fn plan(&mut self, graph: &Graph) -> Result<Plan> {
+        let count = graph.nodes.len();
+        let mut plan = Plan {
+            demands: vec![Demand::default(); count],
+            notes: vec![Notes::default(); count],
+            early: vec![None; count],
+        };
+        for &i in &graph.order {
+            let node = &graph.nodes[i];
+            if node.node.early && node.inputs.iter().all(|edge| plan.early[edge.node].is_some()) {
+                let inputs = inputs_of(node, &plan.early);
+                plan.early[i] = Some(self.execute(graph, i, inputs, &Demand::default(), &Unobserved)?);
+            }
+        }
+        for &i in graph.order.iter().rev() {
+            let node = &graph.nodes[i];
+            let early = node
+                .inputs
+                .iter()
+                .map(|edge| plan.early[edge.node].as_ref().map(|done| done.outputs[edge.output].0.clone()));
+            let asked = plan.demands[i].clone();
+            let mut asking = Asking {
+                parameters: &node.parameters,
+                asked: &asked,
+                notes: &mut plan.notes[i],
+                node,
+                early: early.collect(),
+                asks: vec![Demand::default(); node.inputs.len()],
+            };
+            (node.node.demand)(&mut asking).map_err(|error| node.blame(error))?;
+            for (port, ask) in asking.asks.into_iter().enumerate() {
+                let edge = &node.inputs[port];
+                refuse_missing_gradient(graph, node, port, &ask)?;
+                plan.demands[edge.node].join(&ask);
+            }
+        }
+        Ok(plan)
+    }
+
+    /// Both passes. Every node finds out first whether it can succeed.
+    pub fn run(&mut self, graph: &Graph, observer: &dyn Observer) -> Result<RunReport> {
+        let start = Instant::now();
+        self.cache.forget_all_but(graph);
+        self.store.forget_all_but(&self.cache.revisions());
+        let plan = self.plan(graph)?;
+        for &i in &graph.order {
+            let node = &graph.nodes[i];
+            let preparation = Preparation { parameters: &node.parameters, folder: &graph.folder };
+            (node.node.prepare)(&preparation).map_err(|error| node.blame(error))?;
+        }
+        let mut report = RunReport::begin(&graph.warnings);
+        let mut all_done: Vec<Option<Done>> = vec![None; graph.nodes.len()];
+        for (place, &i) in graph.order.iter().enumerate() {
+            if observer.cancelled() {
+                return Err(Error::cancelled());
+            }
+            let node = &graph.nodes[i];
+            observer.started(&node.name, place, graph.order.len());
+            let mut done = match &plan.early[i] {
+                Some(done) => done.clone(),
+                None => self.execute(graph, i, inputs_of(node, &all_done), &plan.demands[i], observer)?,
+            };
+            done.notes.join(&plan.notes[i]);
+            report.add(&node.name, node.node.name, &done);
+            observer.finished(&node.name, done.seconds);
+            all_done[i] = Some(done);
+        }
+        report.seconds = start.elapsed().as_secs_f64();
+        Ok(report)
+    }
+
+    /// Runs a node, or finds its former outputs.
+    fn execute(
+        &mut self,
+        graph: &Graph,
+        i: usize,
+        inputs: Vec<(Value, Revision)>,
+        demand: &Demand,
+        observer: &dyn Observer,
+    ) -> Result<Done> {
+        let start = Instant::now();
+        let node = &graph.nodes[i];
+        let revisions: Vec<Revision> = inputs.iter().map(|input| input.1).collect();
+        let files = files_of(&node.parameters, &graph.folder, self.file_stamp);
+        if let Some(entry) = self.cache.find(node.node, &node.parameters, &revisions, demand, &files) {
+            let (outputs, notes) = (entry.outputs.clone(), entry.notes.clone());
+            return Ok(Done { outputs, notes, seconds: 0.0, reused: true });
+        }
+        let mut call = Call {
+            parameters: &node.parameters,
+            demand,
+            notes: Notes::default(),
+            node,
+            inputs,
+            folder: &graph.folder,
+            store: &self.store,
+            progress: NodeProgress { observer, node: &node.name },
+        };
+        let values = (node.node.run)(&mut call).map_err(|error| node.blame(error))?;
+        let notes = std::mem::take(&mut call.notes);
+        let declared = node.node.outputs.iter().map(|port| port.port_type);
+        if !values.iter().map(Value::port_type).eq(declared) {
+            return Err(node.blame(Error::run("the node gave other outputs than it declares")));
+        }
+        let outputs: Vec<(Value, Revision)> =
+            values.into_iter().map(|value| (value, self.next_revision())).collect();
+        self.cache.add(Entry {
+            node: node.node,
+            parameters: node.parameters.clone(),
+            inputs: revisions,
+            demand: demand.clone(),
+            files: files_of(&node.parameters, &graph.folder, self.file_stamp),
+            outputs: outputs.clone(),
+            notes: notes.clone(),
+        });
+        Ok(Done { outputs, notes, seconds: start.elapsed().as_secs_f64(), reused: false })
+    }
+
+    fn next_revision(&mut self) -> Revision {
+        self.last_revision += 1;
+        Revision(self.last_revision)
+    }
+}
+
+/// The values at a node's inputs. The order of work puts what feeds a node before it.
+fn inputs_of(node: &GraphNode, all_done: &[Option<Done>]) -> Vec<(Value, Revision)> {
+    let made = node.inputs.iter().map(|edge| (all_done[edge.node].as_ref(), edge.output));
+    made.filter_map(|(done, output)| Some(done?.outputs[output].clone())).collect()
+}
+
+/// A grid wired straight to a volume input has no gradient to give.
+fn refuse_missing_gradient(graph: &Graph, node: &GraphNode, port: usize, ask: &Demand) -> Result<()> {
+    let edge = &node.inputs[port];
+    let giving = &graph.nodes[edge.node];
+    let given = giving.node.outputs[edge.output].port_type;
+    let taken = &node.node.inputs[port];
+    if given == PortType::Grid
+        && taken.port_type == PortType::Volume
+        && (ask.gradient_magnitude || ask.gradient)
+    {
+        let why = match ask.gradient_magnitude {
+            true => "the transfer function looks at the gradient magnitude",
+            false => "lighting and silhouettes need the gradient",
+        };
+        let error = Error::usage(format!("{why}, but '{}' gives a grid without gradient", giving.name))
+            .accepted(format!(
+                "a node of type \"gradient-magnitude\" between '{}' and the input '{}'",
+                giving.name, taken.name
+            ))
+            .at_node(&node.name);
+        return Err(edge.origin.blame(error));
+    }
+    Ok(())
+}

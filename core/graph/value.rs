@@ -1,0 +1,115 @@
+//! What runs through the ports: shared, never modified.
+
+use super::declaration::PortType;
+use crate::camera::Camera;
+use crate::engine::Cells;
+use crate::grid::Grid;
+use crate::picture::Picture;
+use crate::transfer::TransferFunction;
+use crate::volume::Volume;
+use glam::DVec3;
+use std::sync::Arc;
+
+/// Number of an output's content: equal revisions mean equal content, within one session.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Revision(pub(super) u64);
+
+/// A value at a port.
+#[derive(Debug, Clone)]
+pub enum Value {
+    /// See [`PortType::Grid`].
+    Grid(Arc<Grid>),
+    /// See [`PortType::Volume`].
+    Volume(Arc<Volume>),
+    /// See [`PortType::TransferFunction`].
+    TransferFunction(Arc<Look>),
+    /// See [`PortType::Camera`].
+    Camera(Arc<Camera>),
+    /// See [`PortType::Cells`].
+    Cells(Arc<Cells>),
+    /// See [`PortType::Projection`].
+    Projection(Arc<Projection>),
+    /// See [`PortType::Image`].
+    Image(Arc<Picture>),
+    /// See [`PortType::Report`]; JSON text.
+    Report(Arc<str>),
+}
+
+impl Value {
+    /// The type of port that it belongs to.
+    pub fn port_type(&self) -> PortType {
+        match self {
+            Value::Grid(_) => PortType::Grid,
+            Value::Volume(_) => PortType::Volume,
+            Value::TransferFunction(_) => PortType::TransferFunction,
+            Value::Camera(_) => PortType::Camera,
+            Value::Cells(_) => PortType::Cells,
+            Value::Projection(_) => PortType::Projection,
+            Value::Image(_) => PortType::Image,
+            Value::Report(_) => PortType::Report,
+        }
+    }
+}
+
+/// Cells with the camera that they are projected for.
+#[derive(Debug, Clone)]
+pub struct Projection {
+    /// The cells.
+    pub cells: Arc<Cells>,
+    /// The camera.
+    pub camera: Arc<Camera>,
+}
+
+/// A transfer function as a pipeline states it: its unit distance may be left to the data.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Look {
+    /// The transfer function; its unit distance is 1 where `auto_unit_distance` is set.
+    pub transfer_function: TransferFunction,
+    /// `unit_distance = "auto"`: a hundredth of the diagonal of the data's bounding box.
+    pub auto_unit_distance: bool,
+}
+
+impl Look {
+    /// The transfer function for data with these points.
+    pub fn for_points(&self, points: &[DVec3]) -> TransferFunction {
+        let mut transfer_function = self.transfer_function.clone();
+        if self.auto_unit_distance {
+            transfer_function.unit_distance = diagonal(points) / 100.0;
+        }
+        transfer_function
+    }
+}
+
+/// Diagonal of the bounding box of the finite points; 100 where the box has no extent, which no picture shows.
+fn diagonal(points: &[DVec3]) -> f64 {
+    let mut low = DVec3::INFINITY;
+    let mut high = DVec3::NEG_INFINITY;
+    for &point in points.iter().filter(|p| p.is_finite()) {
+        low = low.min(point);
+        high = high.max(point);
+    }
+    let extent = high - low;
+    let largest = extent.max_element();
+    // Scaled, since squares of 1e-200 or 1e200 leave the range of f64.
+    let diagonal = if largest > 0.0 { (extent / largest).length() * largest } else { 0.0 };
+    if diagonal > 0.0 && diagonal.is_finite() { diagonal } else { 100.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::transfer::OpticalModel;
+
+    #[test]
+    fn an_automatic_unit_distance_is_a_hundredth_of_the_diagonal_at_any_scale() {
+        let transfer_function =
+            TransferFunction { model: OpticalModel::DensityEmitter, unit_distance: 1.0, widgets: Vec::new() };
+        let look = Look { transfer_function, auto_unit_distance: true };
+        for scale in [1.0, 1e-200, 1e200] {
+            let points = [DVec3::new(1.0, 1.0, 1.0) * scale, DVec3::new(4.0, 5.0, 13.0) * scale];
+            let unit = look.for_points(&points).unit_distance;
+            // Two roundings of the scaling and one of the root.
+            assert!((unit / (0.13 * scale) - 1.0).abs() < 1e-14, "{unit} at {scale}");
+        }
+    }
+}
