@@ -3,6 +3,20 @@
 //!
 //! Symbols: s the scalar, ∇s its gradient (units of s per world unit), g = |∇s| the gradient magnitude.
 
+mod array;
+mod cell_mean;
+mod dense;
+mod frame;
+mod least_squares;
+mod quadratic_fit;
+mod registry;
+
+pub use array::FromArray;
+pub use cell_mean::{CellAverage, VolumeWeighted};
+pub use least_squares::LeastSquares;
+pub use quadratic_fit::QuadraticFit;
+pub use registry::Registry;
+
 use crate::grid::Grid;
 use crate::progress::Progress;
 use crate::{Error, Result};
@@ -78,6 +92,17 @@ pub struct Fallback {
     pub point_count: u64,
 }
 
+impl Fallback {
+    /// Those that were taken at all.
+    pub fn list(taken: impl IntoIterator<Item = (&'static str, u64)>) -> Vec<Fallback> {
+        taken
+            .into_iter()
+            .filter(|&(_, point_count)| point_count > 0)
+            .map(|(what, point_count)| Fallback { what: what.into(), point_count })
+            .collect()
+    }
+}
+
 /// Computes ∇s at the points of a grid.
 pub trait GradientFilter: Send + Sync {
     /// Name, help and parameters.
@@ -128,3 +153,6 @@ pub fn check_scalar(grid: &Grid, scalar: &[f64]) -> Result<()> {
         .found(scalar.len())
         .accepted(grid.points.len()))
 }
+
+#[cfg(test)]
+mod tests;

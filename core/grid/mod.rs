@@ -1,5 +1,6 @@
 //! Grids: points, cells as a file gives them, and the tetrahedra that are drawn.
 
+mod adjacency;
 mod build;
 mod cell_types;
 mod cell_values;
@@ -10,6 +11,7 @@ mod parts;
 mod source;
 mod split;
 
+pub use adjacency::{Neighbours, Rows, cells_of_points, points_of_points};
 pub use build::build;
 pub use cell_types::{CellType, code, describe_counts};
 pub use cells::{CellSet, Polyhedron};

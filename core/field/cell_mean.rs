@@ -1,0 +1,108 @@
+//! Means of the cells' constant gradients at the points: `cell-average` and `volume-weighted`.
+//!
+//! In a tetrahedron with edges e₁, e₂, e₃ from one corner and differences Δ₁, Δ₂, Δ₃ of the scalar along them the
+//! gradient of the linear interpolant is ∇s = n / d with d = e₁ · (e₂ × e₃) = ±6 V and
+//! n = Δ₁ e₂ × e₃ + Δ₂ e₃ × e₁ + Δ₃ e₁ × e₂.
+//! `cell-average` is the plain mean of ∇s over the cells that use the point (as VTK's vtkGradientFilter on
+//! tetrahedra), `volume-weighted` is Σ V ∇s / Σ V = Σ ±n / Σ |d|, which never divides by the volume of one cell.
+
+use super::frame::{for_points, length_scale};
+use super::{Declaration, Fallback, Gradient, GradientFilter, Settings, check_scalar};
+use crate::Result;
+use crate::grid::{Grid, cells_of_points};
+use crate::progress::Progress;
+use glam::DVec3;
+
+/// Unweighted mean over the cells that use a point.
+pub struct CellAverage;
+
+/// Mean over the cells that use a point, weighted by their volume.
+pub struct VolumeWeighted;
+
+impl GradientFilter for CellAverage {
+    fn declaration(&self) -> Declaration {
+        Declaration {
+            name: "cell-average".into(),
+            help:
+                "Plain mean of the constant gradients of the cells around a point, as VTK's gradient filter: \
+                   first order."
+                    .into(),
+            parameters: Vec::new(),
+        }
+    }
+
+    fn gradient(&self, grid: &Grid, s: &[f64], _: &Settings, progress: &dyn Progress) -> Result<Gradient> {
+        cell_means(grid, s, progress, |n, d| (n / d, 1.0))
+    }
+}
+
+impl GradientFilter for VolumeWeighted {
+    fn declaration(&self) -> Declaration {
+        Declaration {
+            name: "volume-weighted".into(),
+            help: "Mean of the constant gradients of the cells around a point, weighted by volume: first order, \
+                   unmoved by flat cells."
+                .into(),
+            parameters: Vec::new(),
+        }
+    }
+
+    fn gradient(&self, grid: &Grid, s: &[f64], _: &Settings, progress: &dyn Progress) -> Result<Gradient> {
+        cell_means(grid, s, progress, |n, d| (n * d.signum(), d.abs()))
+    }
+}
+
+/// Σ of the first over Σ of the second part of `term(n, d)` at every point.
+fn cell_means(
+    grid: &Grid,
+    s: &[f64],
+    progress: &dyn Progress,
+    term: impl Fn(DVec3, f64) -> (DVec3, f64) + Sync,
+) -> Result<Gradient> {
+    check_scalar(grid, s)?;
+    let scale = length_scale(grid);
+    let cells = cells_of_points(grid);
+    let (vectors, [without_volume]) = for_points(
+        grid.points.len(),
+        progress,
+        || (),
+        |_, p| {
+            let (mut sum, mut weight) = (DVec3::ZERO, 0.0);
+            for &cell in cells.row(p) {
+                let cell = cell as usize;
+                if let Some((n, d)) =
+                    cell_gradient(grid.corners(cell), grid.tetrahedra[cell].map(|q| s[q as usize]), scale)
+                {
+                    let (value, w) = term(n, d);
+                    sum += value;
+                    weight += w;
+                }
+            }
+            let gradient = sum / weight * scale;
+            if weight > 0.0 && gradient.is_finite() { (gradient, None) } else { (DVec3::ZERO, Some(0)) }
+        },
+    )?;
+    Ok(Gradient {
+        vectors,
+        fallbacks: Fallback::list([("set to zero: no cell around the point has a volume", without_volume)]),
+    })
+}
+
+/// n and d of a tetrahedron, lengths multiplied by `scale`; `None` where its volume is zero to rounding.
+#[inline]
+pub(super) fn cell_gradient([a, b, c, d]: [DVec3; 4], s: [f64; 4], scale: f64) -> Option<(DVec3, f64)> {
+    let (e1, e2, e3) = ((b - a) * scale, (c - a) * scale, (d - a) * scale);
+    let (c1, c2, c3) = (e2.cross(e3), e3.cross(e1), e1.cross(e2));
+    let determinant = e1.dot(c1);
+    // Below its rounding error neither size nor sign of the volume mean anything: a few ε × Σ |products| from the
+    // products, which |e₁| |e₂| |e₃| bounds, and ε × |x| × the area of the faces from the coordinates themselves.
+    let products = e1.length_squared() * e2.length_squared() * e3.length_squared();
+    let resolution = a.abs().max_element() * scale;
+    let coordinates =
+        resolution * resolution * (c1.length_squared() + c2.length_squared() + c3.length_squared());
+    const NOISE: f64 = 4.0 * f64::EPSILON;
+    if determinant == 0.0 || determinant * determinant <= NOISE * NOISE * (products + coordinates) {
+        return None;
+    }
+    Some(((s[1] - s[0]) * c1 + (s[2] - s[0]) * c2 + (s[3] - s[0]) * c3, determinant))
+}

@@ -1,0 +1,65 @@
+//! What all filters share: lengths brought to about 1, and the loop over the points.
+
+use crate::grid::Grid;
+use crate::progress::Progress;
+use crate::{Error, Result};
+use glam::DVec3;
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// The power of two that brings the largest extent of the grid to between 0.5 and 1, so that products of lengths
+/// stay far from the ends of the number range whatever the unit of length; 1 for a grid without extent.
+pub(super) fn length_scale(grid: &Grid) -> f64 {
+    let first = grid.points.first().copied().unwrap_or_default();
+    let [low, high] = grid
+        .points
+        .par_iter()
+        .with_min_len(1 << 14)
+        .fold(|| [first, first], |[low, high], &p| [low.min(p), high.max(p)])
+        .reduce(|| [first, first], |a, b| [a[0].min(b[0]), a[1].max(b[1])]);
+    let extent = (high * 0.5 - low * 0.5).max_element();
+    if extent > 0.0 && extent.is_finite() {
+        // Within the exponents for which the scale and its inverse are normal numbers.
+        let exponent = (libm::ilogb(extent) + 2).clamp(-1000, 1000);
+        libm::ldexp(1.0, -exponent)
+    } else {
+        1.0
+    }
+}
+
+/// Points that one task handles.
+const TASK: usize = 512;
+
+/// Calls `f(scratch, point)` for every point in parallel; `f` gives the gradient and the number of the fall-back
+/// taken, if any. Returns the gradients and how often each of the `N` fall-backs was taken.
+pub(super) fn for_points<S: Send, const N: usize>(
+    point_count: usize,
+    progress: &dyn Progress,
+    scratch: impl Fn() -> S + Sync + Send,
+    f: impl Fn(&mut S, usize) -> (DVec3, Option<usize>) + Sync,
+) -> Result<(Vec<DVec3>, [u64; N])> {
+    let mut vectors = vec![DVec3::ZERO; point_count];
+    let done = AtomicUsize::new(0);
+    let counts = vectors
+        .par_chunks_mut(TASK)
+        .enumerate()
+        .map_init(&scratch, |scratch, (task, vectors)| {
+            let mut counts = [0; N];
+            if progress.cancelled() {
+                return counts;
+            }
+            let task_points = vectors.len();
+            for (i, vector) in vectors.iter_mut().enumerate() {
+                let (gradient, fallback) = f(scratch, task * TASK + i);
+                *vector = gradient;
+                if let Some(which) = fallback {
+                    counts[which] += 1;
+                }
+            }
+            let done = done.fetch_add(task_points, Ordering::Relaxed) + task_points;
+            progress.report("gradient", done as f64 / point_count as f64);
+            counts
+        })
+        .reduce(|| [0; N], |a, b| std::array::from_fn(|i| a[i] + b[i]));
+    if progress.cancelled() { Err(Error::cancelled()) } else { Ok((vectors, counts)) }
+}

@@ -1,0 +1,34 @@
+//! Tests of the gradient filters: orders of convergence, exactness, values worked by hand, hostile input.
+
+mod convergence;
+mod exact;
+mod hostile;
+
+use super::*;
+use crate::grid::generate::{Random, box_of_tetrahedra, sample};
+use crate::grid::{Grid, tetrahedron_volume};
+use crate::progress::Silent;
+use std::sync::Arc;
+
+pub(super) const UNIT: [DVec3; 2] = [DVec3::ZERO, DVec3::ONE];
+
+/// The methods that compute something.
+pub(super) const METHODS: [&str; 4] = ["least-squares", "quadratic-fit", "volume-weighted", "cell-average"];
+
+pub(super) fn gradient(method: &str, grid: &Grid, scalar: &[f64]) -> Gradient {
+    let registry = Registry::built_in();
+    let result = registry.get(method).unwrap().gradient(grid, scalar, &Settings::new(), &Silent).unwrap();
+    assert_eq!(result.vectors.len(), grid.points.len());
+    assert!(result.vectors.iter().all(|v| v.is_finite()), "{method}: all finite");
+    result
+}
+
+/// A grid of tetrahedra over these points.
+pub(super) fn grid_of(points: Vec<DVec3>, tetrahedra: Vec<[u32; 4]>) -> Grid {
+    Grid { points: Arc::new(points), tetrahedra: Arc::new(tetrahedra), ..Grid::default() }
+}
+
+/// The same grid with every point moved by `f`.
+pub(super) fn moved(grid: &Grid, f: impl Fn(DVec3) -> DVec3) -> Grid {
+    Grid { points: Arc::new(sample(grid, f)), ..grid.clone() }
+}

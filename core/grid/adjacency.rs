@@ -1,0 +1,206 @@
+//! Which tetrahedra use a point, and which points it shares an edge with: made on demand, in parallel, always in
+//! the same order.
+
+use super::Grid;
+use rayon::prelude::*;
+
+/// Rows of numbers, side by side in one array.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Rows {
+    /// Row i is `items[starts[i] .. starts[i + 1]]`.
+    pub starts: Vec<usize>,
+    /// All rows.
+    pub items: Vec<u32>,
+}
+
+impl Rows {
+    /// Row `i`.
+    #[inline]
+    pub fn row(&self, i: usize) -> &[u32] {
+        &self.items[self.starts[i]..self.starts[i + 1]]
+    }
+
+    /// Number of rows.
+    pub fn count(&self) -> usize {
+        self.starts.len().saturating_sub(1)
+    }
+}
+
+/// Tetrahedra whose lowest and highest point number are looked at together.
+const BLOCK: usize = 4096;
+
+/// For every point the tetrahedra that use it, ascending.
+///
+/// Every task takes a range of points and reads the tetrahedra, skipping blocks of them that lie outside its range;
+/// so no two tasks write to the same place, and the order does not depend on the number of threads.
+pub fn cells_of_points(grid: &Grid) -> Rows {
+    let tetrahedra = &grid.tetrahedra[..];
+    let point_count = grid.points.len();
+    let spans: Vec<(u32, u32)> = tetrahedra
+        .par_chunks(BLOCK)
+        .map(|block| block.iter().fold((u32::MAX, 0), |(low, high), t| (low.min(t[0]), high.max(t[3]))))
+        .collect();
+    let task_points = point_count.div_ceil(rayon::current_num_threads()).max(1024);
+    // Calls `f(point − first, tetrahedron)` for the points of one task.
+    let each = |first: usize, count: usize, f: &mut dyn FnMut(usize, u32)| {
+        for (b, block) in tetrahedra.chunks(BLOCK).enumerate() {
+            let (low, high) = spans[b];
+            if (high as usize) < first || low as usize >= first + count {
+                continue;
+            }
+            for (i, t) in block.iter().enumerate() {
+                for &p in t {
+                    let at = (p as usize).wrapping_sub(first);
+                    if at < count {
+                        f(at, (b * BLOCK + i) as u32);
+                    }
+                }
+            }
+        }
+    };
+    let mut starts = vec![0_usize; point_count + 1];
+    starts[1..].par_chunks_mut(task_points).enumerate().for_each(|(task, counts)| {
+        each(task * task_points, counts.len(), &mut |at, _| counts[at] += 1);
+    });
+    for i in 0..point_count {
+        starts[i + 1] += starts[i];
+    }
+    let mut items = vec![0_u32; starts[point_count]];
+    let mut slots = Vec::new();
+    let mut rest = &mut items[..];
+    for first in (0..point_count).step_by(task_points) {
+        let count = task_points.min(point_count - first);
+        let (head, tail) = rest.split_at_mut(starts[first + count] - starts[first]);
+        slots.push((first, count, head));
+        rest = tail;
+    }
+    slots.into_par_iter().for_each(|(first, count, items)| {
+        let mut next: Vec<usize> =
+            starts[first..first + count].iter().map(|&start| start - starts[first]).collect();
+        each(first, count, &mut |at, cell| {
+            items[next[at]] = cell;
+            next[at] += 1;
+        });
+    });
+    Rows { starts, items }
+}
+
+/// For every point the points it shares an edge of a tetrahedron with, each once, in order of first appearance.
+pub fn points_of_points(grid: &Grid, cells_of_points: &Rows) -> Rows {
+    const TASK: usize = 1024;
+    let point_count = grid.points.len();
+    let parts: Vec<(Vec<u32>, Vec<u32>)> = (0..point_count.div_ceil(TASK))
+        .into_par_iter()
+        .map_init(Neighbours::default, |neighbours, task| {
+            let (mut counts, mut items) = (Vec::with_capacity(TASK), Vec::new());
+            for p in task * TASK..((task + 1) * TASK).min(point_count) {
+                let row = neighbours.of(grid, cells_of_points, p);
+                counts.push(row.len() as u32);
+                items.extend_from_slice(row);
+            }
+            (counts, items)
+        })
+        .collect();
+    let mut starts = Vec::with_capacity(point_count + 1);
+    starts.push(0);
+    let mut sum = 0;
+    for &count in parts.iter().flat_map(|(counts, _)| counts) {
+        sum += count as usize;
+        starts.push(sum);
+    }
+    let mut items = Vec::with_capacity(sum);
+    for (_, part) in parts {
+        items.extend_from_slice(&part);
+    }
+    Rows { starts, items }
+}
+
+/// Finds the neighbours of one point after another; holds the memory for it.
+#[derive(Debug, Default)]
+pub struct Neighbours {
+    found: Vec<u32>,
+    /// Open hash table of the numbers in `found` plus 1; 0 is free. All free between calls.
+    table: Vec<u32>,
+    /// 32 − log₂ of the table's length.
+    shift: u32,
+}
+
+impl Neighbours {
+    /// The points that share an edge with `point`, each once, in order of first appearance.
+    pub fn of(&mut self, grid: &Grid, cells_of_points: &Rows, point: usize) -> &[u32] {
+        self.clear();
+        let cells = cells_of_points.row(point);
+        self.make_room(3 * cells.len());
+        self.insert(point as u32);
+        for &cell in cells {
+            for &p in &grid.tetrahedra[cell as usize] {
+                self.insert(p);
+            }
+        }
+        &self.found[1..]
+    }
+
+    /// The same with the neighbours of these neighbours.
+    pub fn second_ring(&mut self, neighbours_of_points: &Rows, point: usize) -> &[u32] {
+        self.clear();
+        let first = neighbours_of_points.row(point);
+        self.make_room(first.iter().map(|&p| neighbours_of_points.row(p as usize).len()).sum());
+        self.insert(point as u32);
+        for &p in first {
+            self.insert(p);
+        }
+        for &p in first {
+            for &q in neighbours_of_points.row(p as usize) {
+                self.insert(q);
+            }
+        }
+        &self.found[1..]
+    }
+
+    fn clear(&mut self) {
+        if self.table.len() <= 4 * self.found.len() {
+            self.table.fill(0);
+        } else {
+            for i in 0..self.found.len() {
+                // The slots on the way to a number are all taken by other numbers of `found`.
+                let mut slot = self.first_slot(self.found[i]);
+                while self.table[slot] != 0 {
+                    self.table[slot] = 0;
+                    slot = (slot + 1) & (self.table.len() - 1);
+                }
+            }
+        }
+        self.found.clear();
+    }
+
+    fn make_room(&mut self, count: usize) {
+        let wanted = (2 * (count + 1)).next_power_of_two().clamp(128, 1 << 31);
+        if self.table.len() < wanted {
+            self.table = vec![0; wanted];
+            self.shift = 32 - wanted.trailing_zeros();
+        }
+    }
+
+    #[inline]
+    fn first_slot(&self, p: u32) -> usize {
+        // Fibonacci hashing (Knuth, volume 3, section 6.4): the top bits of p × 2³²/φ.
+        (p.wrapping_mul(0x9E37_79B9) >> self.shift) as usize
+    }
+
+    #[inline]
+    fn insert(&mut self, p: u32) {
+        let mut slot = self.first_slot(p);
+        loop {
+            let held = self.table[slot];
+            if held == p.wrapping_add(1) {
+                return;
+            }
+            if held == 0 {
+                self.table[slot] = p.wrapping_add(1);
+                self.found.push(p);
+                return;
+            }
+            slot = (slot + 1) & (self.table.len() - 1);
+        }
+    }
+}
