@@ -1,4 +1,22 @@
 //! Optics: the integral of one ray segment, and compositing (optics specification, sections 3 to 5).
+//!
+//! The 64-bit closed forms here are what every other form of the program is compared with. One file a widget
+//! (`uniform` has none: its integral is the length of the clipped stretch), each with its formula's source.
+
+pub mod clip;
+pub mod compositing;
+pub mod gaussian;
+pub mod judge;
+pub mod linear;
+pub mod overlap;
+pub mod piecewise_linear;
+mod prepared;
+pub mod quadrature;
+pub mod special;
+pub mod track;
+mod validate;
+
+pub use prepared::Prepared;
 
 /// One ray segment: the crossing of one cell. Values vary linearly from front to back.
 #[derive(Debug, Clone, Copy, PartialEq)]

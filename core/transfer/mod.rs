@@ -3,6 +3,10 @@
 //! Symbols: s the scalar, g the gradient magnitude, v = (s, g); ρ the extinction coefficient (1/L) =
 //! extinction / unit distance × the widget's profile (peak 1); c the widget's linear RGB colour.
 
+mod support;
+
+pub use support::Support;
+
 /// A transfer function: an optical model and a list of widgets, ρ = Σ ρ_i.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TransferFunction {

@@ -1,0 +1,46 @@
+//! Front-to-back compositing of segments: C += τ C_seg, τ ← τ (1 − A_seg) (optics specification, section 3).
+//!
+//! The transparency τ is kept by itself. A formed as A += (1 − A) A_seg and 1 − A taken at the end keep an
+//! absolute rounding only, which is everything once τ is small; τ formed as 1 − A is nothing once A is small.
+//! So both are carried: A as the sum of τ A_seg while it is below ½, as 1 − τ beyond.
+
+/// What has been composited so far.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Composite {
+    /// C, premultiplied linear.
+    pub color: [f64; 3],
+    /// Σ τ A_seg.
+    opacity: f64,
+    /// τ = Π (1 − A_seg).
+    transparency: f64,
+}
+
+impl Default for Composite {
+    fn default() -> Self {
+        Composite { color: [0.0; 3], opacity: 0.0, transparency: 1.0 }
+    }
+}
+
+impl Composite {
+    /// Adds a segment behind all that was added before.
+    #[inline]
+    pub fn add(&mut self, color: [f64; 3], opacity: f64) {
+        for (sum, c) in self.color.iter_mut().zip(color) {
+            *sum += self.transparency * c;
+        }
+        self.opacity += self.transparency * opacity;
+        self.transparency *= 1.0 - opacity;
+    }
+
+    /// A, in [0, 1].
+    #[inline]
+    pub fn opacity(&self) -> f64 {
+        if self.opacity < 0.5 { self.opacity } else { 1.0 - self.transparency }
+    }
+
+    /// τ = 1 − A, with relative accuracy.
+    #[inline]
+    pub fn transparency(&self) -> f64 {
+        self.transparency
+    }
+}

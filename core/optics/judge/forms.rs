@@ -1,0 +1,93 @@
+//! The sets of formulas that can be judged.
+
+use super::bounds::Precision;
+use crate::Result;
+use crate::optics::{Contribution, Overlap, Prepared, Segment, compositing, linear};
+use crate::transfer::TransferFunction;
+
+/// A composited chain of segments.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Chain {
+    /// C.
+    pub color: [f64; 3],
+    /// A.
+    pub opacity: f64,
+    /// 1 − A, with its own relative accuracy.
+    pub transparency: f64,
+}
+
+/// The integrals of a stretch of linear extinction (module `linear`).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PartialIntegrals {
+    /// ψ.
+    pub psi: f64,
+    /// F.
+    pub front: f64,
+    /// B.
+    pub back: f64,
+    /// ζ.
+    pub zeta: f64,
+}
+
+/// A set of formulas.
+pub trait Forms {
+    /// Name for reports.
+    fn name(&self) -> &str;
+
+    /// The precision that its bounds are stated in.
+    fn precision(&self) -> Precision;
+
+    /// One segment; `None` for cases that these forms do not serve.
+    fn segment(
+        &self,
+        transfer_function: &TransferFunction,
+        segment: &Segment,
+        overlap: Overlap,
+    ) -> Result<Option<Contribution>>;
+
+    /// A chain, front to back.
+    fn chain(&self, segments: &[Contribution]) -> Chain;
+
+    /// ψ, F, B, ζ.
+    fn partial(&self, a: f64, b: f64) -> PartialIntegrals;
+}
+
+/// The 64-bit forms.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Native64;
+
+impl Forms for Native64 {
+    fn name(&self) -> &str {
+        "64-bit"
+    }
+
+    fn precision(&self) -> Precision {
+        Precision::F64
+    }
+
+    fn segment(
+        &self,
+        transfer_function: &TransferFunction,
+        segment: &Segment,
+        overlap: Overlap,
+    ) -> Result<Option<Contribution>> {
+        match Prepared::new(transfer_function) {
+            Ok(prepared) => Ok(Some(prepared.integrate(segment, overlap))),
+            Err(e) if e.kind == crate::error::ErrorKind::Run => Ok(None),
+            Err(e) => Err(e),
+        }
+    }
+
+    fn chain(&self, segments: &[Contribution]) -> Chain {
+        let mut composite = compositing::Composite::default();
+        for segment in segments {
+            composite.add(segment.color, segment.opacity);
+        }
+        Chain { color: composite.color, opacity: composite.opacity(), transparency: composite.transparency() }
+    }
+
+    fn partial(&self, a: f64, b: f64) -> PartialIntegrals {
+        let (front, back) = linear::front_back(a, b);
+        PartialIntegrals { psi: linear::psi(a, b), front, back, zeta: linear::zeta(a, b) }
+    }
+}

@@ -1,0 +1,218 @@
+//! Several widgets on one segment: the ordered integral ∫ Σ cᵢ ρᵢ e^(−T) dl with T in closed form.
+//!
+//! Kniss et al. 2003, Eq. 15, averages colours by optical depth and so ignores which widget stands in front.
+//! Here the segment is divided at every break of every widget and until a panel holds a depth of at most 2;
+//! on a panel 12-point Gauss–Legendre quadrature takes the glow times e^(−T), T as a sum of closed forms.
+//! The error of that is under 1e-12 of the colour; a panel on which one widget of constant colour is alone is
+//! exact.
+
+use super::gaussian::GaussianTrack;
+use super::piecewise_linear::PiecewiseTrack;
+use super::quadrature::GAUSS_12;
+use super::special::{OPAQUE_DEPTH, opacity};
+use super::track::{POINTS, Track, limit_panel};
+
+/// A widget's rate along the segment.
+#[derive(Debug, Clone, Copy)]
+pub enum AnyTrack<'a> {
+    /// The same rate everywhere.
+    Uniform(f64),
+    /// A Gaussian.
+    Gaussian(GaussianTrack),
+    /// Linear between control points.
+    Piecewise(PiecewiseTrack<'a>),
+}
+
+impl Track for AnyTrack<'_> {
+    fn rate(&self, t: f64) -> f64 {
+        match self {
+            AnyTrack::Uniform(rate) => *rate,
+            AnyTrack::Gaussian(track) => track.rate(t),
+            AnyTrack::Piecewise(track) => track.rate(t),
+        }
+    }
+
+    fn depth(&self, t: f64, dt: f64) -> f64 {
+        match self {
+            AnyTrack::Uniform(rate) => rate * dt,
+            AnyTrack::Gaussian(track) => track.depth(t, dt),
+            AnyTrack::Piecewise(track) => track.depth(t, dt),
+        }
+    }
+
+    fn next_break(&self, t: f64) -> f64 {
+        match self {
+            AnyTrack::Uniform(_) => f64::INFINITY,
+            AnyTrack::Gaussian(track) => track.next_break(t),
+            AnyTrack::Piecewise(track) => track.next_break(t),
+        }
+    }
+
+    fn depths(&self, t: f64, dt: f64) -> [f64; POINTS] {
+        match self {
+            AnyTrack::Uniform(rate) => GAUSS_12.map(|(x, _)| rate * dt * x),
+            AnyTrack::Gaussian(track) => track.depths(t, dt),
+            AnyTrack::Piecewise(track) => track.depths(t, dt),
+        }
+    }
+}
+
+/// A widget that takes part in the ordered integral.
+#[derive(Debug, Clone, Copy)]
+pub struct Member<'a> {
+    /// Its rate, defined over the whole segment.
+    pub track: AnyTrack<'a>,
+    /// The part of the segment inside its region.
+    pub range: [f64; 2],
+    /// The part of the segment where it glows (constant-emitter); a wave breaks at its windows by itself.
+    pub window: [f64; 2],
+    /// Its colour, where that is constant.
+    pub color: [f64; 3],
+    /// Profile or extinction above which it glows.
+    pub threshold: f64,
+    /// Rate at which the profile is 1 (or the extinction is 1): `threshold` × this is the rate at the cutoff.
+    pub unit_rate: f64,
+}
+
+impl Member<'_> {
+    /// A widget that does nothing, to fill arrays.
+    pub const NOTHING: Member<'static> = Member {
+        track: AnyTrack::Uniform(0.0),
+        range: [0.0, 0.0],
+        window: [0.0, 0.0],
+        color: [0.0; 3],
+        threshold: 0.0,
+        unit_rate: 0.0,
+    };
+
+    fn next_break(&self, t: f64) -> f64 {
+        if t < self.range[0] {
+            return self.range[0];
+        }
+        if t >= self.range[1] {
+            return f64::INFINITY;
+        }
+        let mut next = self.range[1].min(self.track.next_break(t));
+        for end in self.window {
+            if end > t && end < next {
+                next = end;
+            }
+        }
+        next
+    }
+
+    fn color_at(&self, t: f64) -> [f64; 3] {
+        match &self.track {
+            AnyTrack::Piecewise(track) => track.path.color(t),
+            _ => self.color,
+        }
+    }
+
+    fn has_one_color(&self) -> bool {
+        !matches!(self.track, AnyTrack::Piecewise(_))
+    }
+}
+
+/// What glows: the absorbing stuff itself (density-emitter), or c D/U wherever a widget is above its cutoff.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Glow {
+    /// Σ cᵢ ρᵢ.
+    Density,
+    /// Σ cᵢ D/U where lit; holds D/U.
+    Constant(f64),
+}
+
+/// C of the whole segment.
+pub fn ordered(members: &[Member], glow: Glow) -> [f64; 3] {
+    let mut color = [0.0; 3];
+    let (mut t, mut rest, mut front) = (0.0_f64, 1.0_f64, 0.0_f64);
+    while rest > 0.0 && front < OPAQUE_DEPTH {
+        let next = members.iter().map(|m| m.next_break(t)).fold(f64::INFINITY, f64::min);
+        let whole = if next < 1.0 { (next - t).min(rest) } else { rest };
+        let middle = t + 0.5 * whole;
+        let present = |m: &&Member| m.range[0] <= middle && middle <= m.range[1];
+        let mut alone = members.iter().filter(present);
+        let (first, second) = (alone.next(), alone.next());
+        let seen = (-front).exp();
+        let (dt, depth) = match (first, second) {
+            (None, _) => (whole, 0.0),
+            (Some(member), None) if glow == Glow::Density && member.has_one_color() => {
+                let depth = member.track.depth(t, whole);
+                add(&mut color, seen * opacity(depth), member.color);
+                (whole, depth)
+            }
+            _ => {
+                let total = |f: &dyn Fn(&Member) -> f64| members.iter().filter(present).map(f).sum::<f64>();
+                let rate = total(&|m| m.track.rate(t));
+                let (dt, depth) = limit_panel(t, whole, rate, |dt| total(&|m| m.track.depth(t, dt)));
+                panel(&mut color, members, glow, &Panel { t, dt, seen, middle: t + 0.5 * dt });
+                (dt, depth)
+            }
+        };
+        front += depth;
+        t += dt;
+        rest -= dt;
+        if dt <= 0.0 {
+            // The next break is within rounding of t: step over it.
+            t = next.max(t.next_up());
+            rest = 1.0 - t;
+        }
+    }
+    color
+}
+
+struct Panel {
+    t: f64,
+    dt: f64,
+    /// e^(−T) at its start.
+    seen: f64,
+    middle: f64,
+}
+
+/// Adds the light of one panel.
+fn panel(color: &mut [f64; 3], members: &[Member], glow: Glow, panel: &Panel) {
+    let &Panel { t, dt, seen, middle } = panel;
+    let present = |m: &&Member| m.range[0] <= middle && middle <= m.range[1];
+    let mut depth = [0.0; POINTS];
+    for member in members.iter().filter(present) {
+        for (sum, part) in depth.iter_mut().zip(member.track.depths(t, dt)) {
+            *sum += part;
+        }
+    }
+    let mut weight = [0.0; POINTS];
+    for ((w, &(_, node_weight)), depth) in weight.iter_mut().zip(&GAUSS_12).zip(depth) {
+        *w = seen * dt * node_weight * (-depth).exp();
+    }
+    for member in members.iter().filter(present) {
+        if let Glow::Constant(scale) = glow {
+            if member.track.rate(middle) <= member.threshold * member.unit_rate {
+                continue;
+            }
+            if member.has_one_color() {
+                add(color, scale * weight.iter().sum::<f64>(), member.color);
+                continue;
+            }
+        }
+        let mut shared = 0.0;
+        for (&w, &(x, _)) in weight.iter().zip(&GAUSS_12) {
+            let at = t + dt * x;
+            let strength = match glow {
+                Glow::Density => w * member.track.rate(at),
+                Glow::Constant(scale) => w * scale,
+            };
+            if member.has_one_color() {
+                shared += strength;
+            } else {
+                add(color, strength, member.color_at(at));
+            }
+        }
+        add(color, shared, member.color);
+    }
+}
+
+#[inline]
+fn add(sum: &mut [f64; 3], weight: f64, color: [f64; 3]) {
+    for (s, c) in sum.iter_mut().zip(color) {
+        *s += weight * c;
+    }
+}

@@ -1,0 +1,254 @@
+//! Piecewise-linear widgets: colour and extinction linear between control points in s, constant beyond them.
+//!
+//! Symbols: s_f, s_b the scalar at the segment's ends; sᵢ the control points; on each piece the extinction,
+//! the colour and s are linear in t, so a piece is a stretch of linear extinction (module `linear`).
+//! Sources: Roettger & Ertl 2002, section 2; Moreland 2004, Eq. 50 to 52, with absolute values of Δs. The
+//! share of a piece comes from the control points, not from a difference of two t, and a flat segment is one
+//! piece of weight 1.
+
+use super::clip::Stretch;
+use super::linear::{emission_weights, front_back};
+use super::special::OPAQUE_DEPTH;
+use super::track::Track;
+use crate::transfer::ControlPoint;
+
+/// A piecewise-linear widget along one segment.
+#[derive(Debug, Clone, Copy)]
+pub struct PiecewisePath<'a> {
+    points: &'a [ControlPoint],
+    front: f64,
+    back: f64,
+}
+
+/// One piece: a stretch of linear extinction and colour.
+struct Piece {
+    /// Its length as a share of the segment.
+    share: f64,
+    /// Extinction at its front and back.
+    extinction: [f64; 2],
+    /// Colour at its front and back.
+    color: [[f64; 3]; 2],
+}
+
+impl<'a> PiecewisePath<'a> {
+    /// `points` in rising s, at least one.
+    pub fn new(points: &'a [ControlPoint], front: f64, back: f64) -> Self {
+        PiecewisePath { points, front, back }
+    }
+
+    /// How many control points lie at or below s: the number of the interval that holds it.
+    #[inline]
+    fn interval(&self, s: f64) -> usize {
+        self.points.partition_point(|p| p.s <= s)
+    }
+
+    /// s at t and t' (= 1 − t) minus the control point's: each difference from the raw numbers.
+    #[inline]
+    fn offset(&self, point: usize, t: f64, rest: f64) -> f64 {
+        let s = self.points[point].s;
+        (self.front - s) * rest + (self.back - s) * t
+    }
+
+    /// Share of the upper control point of `interval` at t; the interval has two control points.
+    #[inline]
+    fn blend(&self, interval: usize, t: f64, rest: f64) -> f64 {
+        let span = self.points[interval].s - self.points[interval - 1].s;
+        (self.offset(interval - 1, t, rest) / span).clamp(0.0, 1.0)
+    }
+
+    fn extinction_in(&self, interval: usize, t: f64, rest: f64) -> f64 {
+        if interval == 0 {
+            self.points[0].extinction
+        } else if interval == self.points.len() {
+            self.points[interval - 1].extinction
+        } else {
+            let (low, high) = (&self.points[interval - 1], &self.points[interval]);
+            let x = self.blend(interval, t, rest);
+            low.extinction * (1.0 - x) + high.extinction * x
+        }
+    }
+
+    fn color_in(&self, interval: usize, t: f64, rest: f64) -> [f64; 3] {
+        if interval == 0 {
+            self.points[0].color
+        } else if interval == self.points.len() {
+            self.points[interval - 1].color
+        } else {
+            let (low, high) = (&self.points[interval - 1], &self.points[interval]);
+            let x = self.blend(interval, t, rest);
+            std::array::from_fn(|i| low.color[i] * (1.0 - x) + high.color[i] * x)
+        }
+    }
+
+    /// Calls `f` for each piece from front to back until it returns false.
+    fn pieces(&self, stretch: &Stretch, mut f: impl FnMut(&Piece) -> bool) {
+        let at = |point: usize| (self.points[point].extinction, self.points[point].color);
+        let start = (stretch.start, stretch.start_to_back);
+        let end = (stretch.end, stretch.end_to_back);
+        let mut interval = self.interval(stretch.at_start(self.front, self.back));
+        let last = self.interval(stretch.at_end(self.front, self.back));
+        let mut front =
+            (self.extinction_in(interval, start.0, start.1), self.color_in(interval, start.0, start.1));
+        if interval == last {
+            let back = (self.extinction_in(last, end.0, end.1), self.color_in(last, end.0, end.1));
+            f(&Piece { share: stretch.length, extinction: [front.0, back.0], color: [front.1, back.1] });
+            return;
+        }
+        let rising = last > interval;
+        let span = (self.back - self.front).abs();
+        // Length in s from the start, then from each control point passed, to the next one.
+        let boundary = |interval: usize| if rising { interval } else { interval - 1 };
+        let mut length = self.offset(boundary(interval), start.0, start.1).abs();
+        while interval != last {
+            let point = boundary(interval);
+            let back = at(point);
+            let share = length / span;
+            if share > 0.0 && !f(&Piece { share, extinction: [front.0, back.0], color: [front.1, back.1] }) {
+                return;
+            }
+            front = back;
+            interval = if rising { interval + 1 } else { interval - 1 };
+            length = if interval == last {
+                self.offset(point, end.0, end.1).abs()
+            } else {
+                (self.points[boundary(interval)].s - self.points[point].s).abs()
+            };
+        }
+        if length > 0.0 {
+            let back = (self.extinction_in(last, end.0, end.1), self.color_in(last, end.0, end.1));
+            f(&Piece { share: length / span, extinction: [front.0, back.0], color: [front.1, back.1] });
+        }
+    }
+
+    /// ∫ extinction dt over the stretch.
+    pub fn integral(&self, stretch: &Stretch) -> f64 {
+        let mut sum = 0.0;
+        self.pieces(stretch, |piece| {
+            sum += piece.share * 0.5 * (piece.extinction[0] + piece.extinction[1]);
+            true
+        });
+        sum
+    }
+
+    /// ∫ c ρ e^(−T) over the stretch: the density-emitter colour. `scale` = D/U turns extinctions into rates.
+    pub fn emission(&self, scale: f64, stretch: &Stretch) -> [f64; 3] {
+        let (mut color, mut depth) = ([0.0; 3], 0.0_f64);
+        self.pieces(stretch, |piece| {
+            let [a, b] = piece.extinction.map(|e| e * scale * piece.share);
+            let seen = (-depth).exp();
+            let (front, back) = emission_weights(a, b);
+            for (i, c) in color.iter_mut().enumerate() {
+                *c += seen * (front * piece.color[0][i] + back * piece.color[1][i]);
+            }
+            depth += 0.5 * (a + b);
+            depth < OPAQUE_DEPTH
+        });
+        color
+    }
+
+    /// ∫ c e^(−T) dt where the extinction exceeds `threshold`: times D/U the constant-emitter colour.
+    pub fn glow(&self, scale: f64, stretch: &Stretch, threshold: f64) -> [f64; 3] {
+        let (mut color, mut depth) = ([0.0; 3], 0.0_f64);
+        self.pieces(stretch, |piece| {
+            let [e0, e1] = piece.extinction;
+            let at = |x: f64| -> [f64; 3] {
+                std::array::from_fn(|i| piece.color[0][i] * (1.0 - x) + piece.color[1][i] * x)
+            };
+            // The part [x0, x1] of the piece that glows, and its length; the crossing of the threshold is
+            // taken from the end that is nearer to it.
+            let rise = e1 - e0;
+            let (x0, x1, lit) = match (e0 > threshold, e1 > threshold) {
+                (true, true) => (0.0, 1.0, 1.0),
+                (false, false) => (0.0, 0.0, 0.0),
+                (true, false) => {
+                    let x = (threshold - e0) / rise;
+                    (0.0, x, x)
+                }
+                (false, true) => ((threshold - e0) / rise, 1.0, (e1 - threshold) / rise),
+            };
+            let rate = scale * piece.share;
+            if lit > 0.0 {
+                let start = e0 + rise * x0;
+                let (a, b) = (if x0 > 0.0 { threshold } else { e0 }, if x1 < 1.0 { threshold } else { e1 });
+                let seen = (-depth - rate * x0 * 0.5 * (e0 + start)).exp();
+                let (front, back) = front_back(a * rate * lit, b * rate * lit);
+                let (c0, c1) = (at(x0), at(x1));
+                for (i, c) in color.iter_mut().enumerate() {
+                    *c += seen * piece.share * lit * (front * c0[i] + back * c1[i]);
+                }
+            }
+            depth += 0.5 * rate * (e0 + e1);
+            depth < OPAQUE_DEPTH
+        });
+        color
+    }
+
+    /// Colour at t.
+    pub fn color(&self, t: f64) -> [f64; 3] {
+        let rest = 1.0 - t;
+        self.color_in(self.interval(self.front * rest + self.back * t), t, rest)
+    }
+
+    /// Extinction at t.
+    pub fn extinction(&self, t: f64) -> f64 {
+        let rest = 1.0 - t;
+        self.extinction_in(self.interval(self.front * rest + self.back * t), t, rest)
+    }
+
+    /// The next t' > t at which the extinction passes a control point or the threshold of glowing.
+    pub fn next_break(&self, t: f64, threshold: Option<f64>) -> f64 {
+        let span = self.back - self.front;
+        if span == 0.0 {
+            return f64::INFINITY;
+        }
+        let past = t + 1e-15;
+        let mut interval = self.interval(self.front * (1.0 - t) + self.back * t);
+        loop {
+            let point = if span > 0.0 { interval } else { interval.wrapping_sub(1) };
+            if point >= self.points.len() {
+                return f64::INFINITY;
+            }
+            let next = (self.points[point].s - self.front) / span;
+            if let Some(threshold) = threshold.filter(|_| interval > 0 && interval < self.points.len()) {
+                let (low, high) = (&self.points[interval - 1], &self.points[interval]);
+                let share = (threshold - low.extinction) / (high.extinction - low.extinction);
+                if share > 0.0 && share < 1.0 {
+                    let cross = ((low.s - self.front) + share * (high.s - low.s)) / span;
+                    if cross > past && cross < next {
+                        return cross;
+                    }
+                }
+            }
+            if next > past {
+                return next;
+            }
+            interval = if span > 0.0 { interval + 1 } else { interval - 1 };
+        }
+    }
+}
+
+/// A piecewise-linear widget as a [`Track`].
+#[derive(Debug, Clone, Copy)]
+pub struct PiecewiseTrack<'a> {
+    /// The path.
+    pub path: PiecewisePath<'a>,
+    /// D/U.
+    pub scale: f64,
+    /// Extinction above which the widget glows (constant-emitter).
+    pub threshold: Option<f64>,
+}
+
+impl Track for PiecewiseTrack<'_> {
+    fn rate(&self, t: f64) -> f64 {
+        self.scale * self.path.extinction(t)
+    }
+
+    fn depth(&self, t: f64, dt: f64) -> f64 {
+        // Breaks keep a panel within one piece.
+        0.5 * dt * (self.rate(t) + self.rate(t + dt))
+    }
+
+    fn next_break(&self, t: f64) -> f64 {
+        self.path.next_break(t, self.threshold)
+    }
+}

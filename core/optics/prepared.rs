@@ -1,0 +1,310 @@
+//! A transfer function made ready for integrating many segments.
+
+use super::clip::{Clip, Stretch};
+use super::gaussian::{FIELD_LIMIT, GaussianPath};
+use super::overlap::{AnyTrack, Glow, Member, ordered};
+use super::piecewise_linear::{PiecewisePath, PiecewiseTrack};
+use super::special::{mean_transmittance, opacity};
+use super::validate::validate;
+use super::{Contribution, Overlap, Segment};
+use crate::Result;
+use crate::transfer::{ControlPoint, OpticalModel, Profile, TransferFunction};
+
+/// A transfer function, checked, with what all its segments share worked out.
+#[derive(Debug, Clone)]
+pub struct Prepared {
+    /// −ln cutoff and cutoff, for the constant-emitter.
+    cutoff: Option<Cutoff>,
+    unit_distance: f64,
+    widgets: Vec<PreparedWidget>,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Cutoff {
+    share: f64,
+    /// −ln share: a Gaussian is lit where |q|² is less.
+    level: f64,
+}
+
+#[derive(Debug, Clone)]
+struct PreparedWidget {
+    shape: Shape,
+    color: [f64; 3],
+    /// Peak extinction; 1 where the shape holds its own.
+    extinction: f64,
+    clip: Option<Clip>,
+}
+
+#[derive(Debug, Clone)]
+enum Shape {
+    Uniform,
+    Gaussian { centre: [f64; 2], matrix: [[f64; 2]; 2] },
+    GaussianNd(Box<GaussianNd>),
+    Piecewise { points: Vec<ControlPoint>, peak: f64 },
+}
+
+#[derive(Debug, Clone)]
+struct GaussianNd {
+    /// Where its fields lie in the segment's.
+    slots: [usize; FIELD_LIMIT],
+    count: usize,
+    centre: [f64; FIELD_LIMIT],
+    matrix: [[f64; FIELD_LIMIT]; FIELD_LIMIT],
+}
+
+/// One widget along one segment.
+#[derive(Debug, Clone, Copy)]
+enum Path<'a> {
+    Uniform,
+    Gaussian(GaussianPath),
+    Piecewise(PiecewisePath<'a>),
+}
+
+/// A widget that the segment crosses.
+#[derive(Debug, Clone, Copy)]
+struct Active<'a> {
+    widget: &'a PreparedWidget,
+    path: Path<'a>,
+    stretch: Stretch,
+    /// Rate of optical depth per t where the profile is 1.
+    peak: f64,
+    depth: f64,
+}
+
+/// Widgets kept without allocation; more than this many on one segment cost one allocation.
+const INLINE: usize = 8;
+
+impl Prepared {
+    /// Checks the transfer function and makes it ready.
+    pub fn new(transfer_function: &TransferFunction) -> Result<Prepared> {
+        validate(transfer_function)?;
+        let fields = transfer_function.fields();
+        let mut widgets = Vec::with_capacity(transfer_function.widgets.len());
+        for widget in &transfer_function.widgets {
+            let (shape, extinction) = match &widget.profile {
+                Profile::PiecewiseLinear { points } => (
+                    Shape::Piecewise {
+                        points: points.clone(),
+                        peak: points.iter().fold(0.0, |peak, p| p.extinction.max(peak)),
+                    },
+                    1.0,
+                ),
+                Profile::Uniform => (Shape::Uniform, widget.extinction),
+                Profile::Gaussian { centre, matrix } => {
+                    (Shape::Gaussian { centre: *centre, matrix: *matrix }, widget.extinction)
+                }
+                Profile::GaussianNd { fields: names, centre, matrix } => {
+                    let mut nd = GaussianNd {
+                        slots: [0; FIELD_LIMIT],
+                        count: names.len(),
+                        centre: [0.0; FIELD_LIMIT],
+                        matrix: [[0.0; FIELD_LIMIT]; FIELD_LIMIT],
+                    };
+                    for (i, name) in names.iter().enumerate() {
+                        nd.slots[i] = fields.iter().position(|f| f == name).unwrap_or(0);
+                        nd.centre[i] = centre[i];
+                        nd.matrix[i][..names.len()].copy_from_slice(&matrix[i]);
+                    }
+                    (Shape::GaussianNd(Box::new(nd)), widget.extinction)
+                }
+                _ => return Err(crate::Error::run("this widget is in work")),
+            };
+            let clip = widget.region.as_ref().map(Clip::new).transpose()?;
+            widgets.push(PreparedWidget { shape, color: widget.color, extinction, clip });
+        }
+        let cutoff = match transfer_function.model {
+            OpticalModel::DensityEmitter => None,
+            OpticalModel::ConstantEmitter { cutoff } => Some(Cutoff { share: cutoff, level: -cutoff.ln() }),
+        };
+        Ok(Prepared { cutoff, unit_distance: transfer_function.unit_distance, widgets })
+    }
+
+    /// T of the segment: the sum of the widgets' closed forms.
+    pub fn optical_depth(&self, segment: &Segment) -> f64 {
+        self.widgets.iter().filter_map(|widget| self.cross(widget, segment)).map(|active| active.depth).sum()
+    }
+
+    /// The segment's contribution. Values that are not finite contribute nothing.
+    pub fn integrate(&self, segment: &Segment, overlap: Overlap) -> Contribution {
+        let mut inline: [Option<Active>; INLINE] = [None; INLINE];
+        let mut spilled: Vec<Active> = Vec::new();
+        let (mut count, mut optical_depth) = (0, 0.0);
+        for widget in &self.widgets {
+            let Some(active) = self.cross(widget, segment) else { continue };
+            if active.depth == 0.0 && self.cutoff.is_none() {
+                continue;
+            }
+            optical_depth += active.depth;
+            match inline.get_mut(count) {
+                Some(slot) => *slot = Some(active),
+                None => spilled.push(active),
+            }
+            count += 1;
+        }
+        let active = || inline.iter().flatten().chain(&spilled);
+        let opacity = opacity(optical_depth);
+        let color = match count {
+            0 => [0.0; 3],
+            1 => active().next().map_or([0.0; 3], |single| self.color_alone(single, segment.length)),
+            _ => self.color_together(&active, segment.length, optical_depth, opacity, overlap),
+        };
+        Contribution { optical_depth, color, opacity }
+    }
+
+    /// The widget along the segment, if the segment has a part inside its region.
+    fn cross<'a>(&'a self, widget: &'a PreparedWidget, segment: &Segment) -> Option<Active<'a>> {
+        let stretch = match &widget.clip {
+            None => Stretch::WHOLE,
+            Some(clip) => clip.stretch(segment.front, segment.back)?,
+        };
+        let (front, back) = (segment.front, segment.back);
+        let path = match &widget.shape {
+            Shape::Uniform => Path::Uniform,
+            Shape::Gaussian { centre, matrix } => {
+                let times = |v: [f64; 2]| {
+                    [matrix[0][0] * v[0] + matrix[0][1] * v[1], matrix[1][0] * v[0] + matrix[1][1] * v[1]]
+                };
+                let minus = |a: [f64; 2], b: [f64; 2]| [a[0] - b[0], a[1] - b[1]];
+                Path::Gaussian(GaussianPath::new(
+                    times(minus(front, *centre)),
+                    times(minus(back, *centre)),
+                    times(minus(back, front)),
+                ))
+            }
+            Shape::GaussianNd(nd) => Path::Gaussian(nd.path(segment)),
+            Shape::Piecewise { points, .. } => Path::Piecewise(PiecewisePath::new(points, front[0], back[0])),
+        };
+        let peak = segment.length * widget.extinction / self.unit_distance;
+        let depth = match &path {
+            Path::Uniform => peak * stretch.length,
+            Path::Gaussian(path) => path.optical_depth(peak, &stretch),
+            Path::Piecewise(path) => peak * path.integral(&stretch),
+        };
+        // False also where the values are not numbers.
+        (depth >= 0.0 && peak > 0.0).then_some(Active { widget, path, stretch, peak, depth })
+    }
+
+    /// C of a widget that is alone on the segment.
+    fn color_alone(&self, active: &Active, length: f64) -> [f64; 3] {
+        let scale = length / self.unit_distance;
+        let Active { widget, stretch, peak, depth, .. } = active;
+        let Some(cutoff) = self.cutoff else {
+            return match &active.path {
+                Path::Piecewise(path) => path.emission(scale, stretch),
+                _ => widget.color.map(|c| c * opacity(*depth)),
+            };
+        };
+        let lit = match &active.path {
+            Path::Uniform => stretch.length * mean_transmittance(*depth),
+            Path::Gaussian(path) => path.glow(*peak, stretch, cutoff.level),
+            Path::Piecewise(path) => {
+                return path.glow(scale, stretch, self.threshold(widget, cutoff)).map(|c| c * scale);
+            }
+        };
+        widget.color.map(|c| c * scale * lit)
+    }
+
+    /// Extinction or profile above which a widget glows.
+    fn threshold(&self, widget: &PreparedWidget, cutoff: Cutoff) -> f64 {
+        match &widget.shape {
+            Shape::Piecewise { peak, .. } => peak * cutoff.share,
+            _ => cutoff.share,
+        }
+    }
+
+    /// C of several widgets.
+    fn color_together<'a, I: Iterator<Item = &'a Active<'a>>>(
+        &self,
+        active: &impl Fn() -> I,
+        length: f64,
+        optical_depth: f64,
+        opacity: f64,
+        overlap: Overlap,
+    ) -> [f64; 3] {
+        if self.cutoff.is_none() {
+            let first = active().next().map_or([0.0; 3], |a| a.widget.color);
+            if active().all(|a| a.has_one_color() && a.widget.color == first) {
+                return first.map(|c| c * opacity);
+            }
+        }
+        if overlap == Overlap::Mix || optical_depth < 1e-14 {
+            // Kniss et al. 2003, Eq. 15: each widget's own light, dimmed by what all of them absorb on the
+            // mean. For one colour and the density-emitter this is c Tᵢ/T (1 − e^(−T)).
+            let dimmed = mean_transmittance(optical_depth);
+            return active().fold([0.0; 3], |sum, a| {
+                let share = dimmed / mean_transmittance(a.depth);
+                let alone = self.color_alone(a, length);
+                std::array::from_fn(|i| sum[i] + share * alone[i])
+            });
+        }
+        let mut inline = [Member::NOTHING; INLINE];
+        let mut spilled = Vec::new();
+        let mut count = 0;
+        for a in active() {
+            let member = self.member(a, length);
+            match inline.get_mut(count) {
+                Some(slot) => *slot = member,
+                None => {
+                    if spilled.is_empty() {
+                        spilled.extend_from_slice(&inline);
+                    }
+                    spilled.push(member);
+                }
+            }
+            count += 1;
+        }
+        let members = if spilled.is_empty() { &inline[..count] } else { &spilled[..] };
+        let glow =
+            if self.cutoff.is_some() { Glow::Constant(length / self.unit_distance) } else { Glow::Density };
+        ordered(members, glow)
+    }
+
+    fn member<'a>(&self, active: &Active<'a>, length: f64) -> Member<'a> {
+        let threshold = self.cutoff.map(|cutoff| self.threshold(active.widget, cutoff));
+        let mut window = [f64::NEG_INFINITY, f64::INFINITY];
+        let track = match active.path {
+            Path::Uniform => AnyTrack::Uniform(active.peak),
+            Path::Gaussian(path) => {
+                if let Some(ends) = self.cutoff.and_then(|cutoff| path.window_ends(cutoff.level)) {
+                    window = ends;
+                }
+                AnyTrack::Gaussian(path.track(active.peak))
+            }
+            Path::Piecewise(path) => {
+                AnyTrack::Piecewise(PiecewiseTrack { path, scale: length / self.unit_distance, threshold })
+            }
+        };
+        Member {
+            track,
+            range: [active.stretch.start, active.stretch.end],
+            window,
+            color: active.widget.color,
+            threshold: threshold.unwrap_or(0.0),
+            unit_rate: active.peak,
+        }
+    }
+}
+
+impl GaussianNd {
+    fn path(&self, segment: &Segment) -> GaussianPath {
+        let n = self.count;
+        let (mut front, mut back, mut along) = ([0.0; FIELD_LIMIT], [0.0; FIELD_LIMIT], [0.0; FIELD_LIMIT]);
+        for j in 0..n {
+            let slot = self.slots[j];
+            let (f, b) = (segment.fields_front[slot], segment.fields_back[slot]);
+            let (from_f, from_b, delta) = (f - self.centre[j], b - self.centre[j], b - f);
+            for i in 0..n {
+                front[i] += self.matrix[i][j] * from_f;
+                back[i] += self.matrix[i][j] * from_b;
+                along[i] += self.matrix[i][j] * delta;
+            }
+        }
+        GaussianPath::new(front, back, along)
+    }
+}
+
+impl Active<'_> {
+    fn has_one_color(&self) -> bool {
+        !matches!(self.path, Path::Piecewise(_))
+    }
+}

@@ -1,0 +1,115 @@
+//! The convex hull of four points of the plane: its distance from the origin, and whether it meets a region.
+
+use crate::optics::clip::Clip;
+
+const PAIRS: [(usize, usize); 6] = [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)];
+
+#[inline]
+fn cross(a: [f64; 2], b: [f64; 2]) -> f64 {
+    a[0] * b[1] - a[1] * b[0]
+}
+
+/// Square of the distance from the origin to the hull; 0 inside.
+///
+/// The hull is the union of its four triangles; outside it the nearest point lies on one of the six edges
+/// and diagonals.
+pub fn distance_squared_from_origin(points: &[[f64; 2]; 4]) -> f64 {
+    let turn: [f64; 6] = PAIRS.map(|(i, j)| cross(points[i], points[j]));
+    // Orientation of each triangle as seen from the origin: (i, j), (j, k), (k, i).
+    let [t01, t02, t03, t12, t13, t23] = turn;
+    let around =
+        |a: f64, b: f64, c: f64| (a >= 0.0 && b >= 0.0 && c >= 0.0) || (a <= 0.0 && b <= 0.0 && c <= 0.0);
+    // A triangle that is flat on a line through the origin passes this test without holding the origin; the
+    // bound is then too high by what a degenerate cell is worth, never too low.
+    if around(t01, t12, -t02) || around(t01, t13, -t03) || around(t02, t23, -t03) || around(t12, t23, -t13) {
+        return flat_distance(points, &turn);
+    }
+    edge_distance(points, &turn)
+}
+
+#[inline]
+fn edge_distance(points: &[[f64; 2]; 4], turn: &[f64; 6]) -> f64 {
+    let mut least = f64::INFINITY;
+    for (&(i, j), turn) in PAIRS.iter().zip(turn) {
+        let (p, q) = (points[i], points[j]);
+        let e = [q[0] - p[0], q[1] - p[1]];
+        let before = -(p[0] * e[0] + p[1] * e[1]);
+        let length = e[0] * e[0] + e[1] * e[1];
+        let distance = if before <= 0.0 {
+            p[0] * p[0] + p[1] * p[1]
+        } else if before >= length {
+            q[0] * q[0] + q[1] * q[1]
+        } else {
+            turn * turn / length
+        };
+        least = least.min(distance);
+    }
+    least
+}
+
+/// The origin lies in a triangle, or all is flat: then the edges decide.
+#[inline]
+fn flat_distance(points: &[[f64; 2]; 4], turn: &[f64; 6]) -> f64 {
+    if turn.iter().all(|&t| t == 0.0) { edge_distance(points, turn) } else { 0.0 }
+}
+
+/// Whether the hull of the points (s, g) can meet the region: false only where a line separates them.
+pub fn meets(clip: &Clip, s: &[f64; 4], g: &[f64; 4]) -> bool {
+    match clip {
+        Clip::Rectangle { low, high } => {
+            let (s_low, s_high) = super::range(s);
+            let (g_low, g_high) = super::range(g);
+            if s_high < low[0] || s_low > high[0] || g_high < low[1] || g_low > high[1] {
+                return false;
+            }
+            if low[0] <= s_low && s_high <= high[0] && low[1] <= g_low && g_high <= high[1] {
+                return true;
+            }
+            // What of the rectangle lies in the points' box: finite corners.
+            let (a, b) = (low[0].max(s_low), high[0].min(s_high));
+            let (c, d) = (low[1].max(g_low), high[1].min(g_high));
+            !separated(s, g, &[[a, c], [b, c], [b, d], [a, d]])
+        }
+        Clip::Polygon(corners) => {
+            let mut from = corners[corners.len() - 1];
+            for &to in corners {
+                let edge = [to[0] - from[0], to[1] - from[1]];
+                let outside = (0..4).all(|i| {
+                    let offset = [s[i] - from[0], g[i] - from[1]];
+                    cross(edge, offset) < -slack(edge, offset)
+                });
+                if outside {
+                    return false;
+                }
+                from = to;
+            }
+            !separated(s, g, corners)
+        }
+    }
+}
+
+/// What rounding can do to a cross product.
+#[inline]
+fn slack(a: [f64; 2], b: [f64; 2]) -> f64 {
+    1e-12 * ((a[0] * b[1]).abs() + (a[1] * b[0]).abs())
+}
+
+/// Whether a line through two of the points has the polygon on one side and all points on the other.
+fn separated(s: &[f64; 4], g: &[f64; 4], corners: &[[f64; 2]]) -> bool {
+    PAIRS.iter().any(|&(i, j)| {
+        let edge = [s[j] - s[i], g[j] - g[i]];
+        let side = |p: [f64; 2]| {
+            let offset = [p[0] - s[i], p[1] - g[i]];
+            let turn = cross(edge, offset);
+            if turn.abs() <= slack(edge, offset) { 0.0 } else { turn }
+        };
+        let (mut most, mut least) = (f64::NEG_INFINITY, f64::INFINITY);
+        for k in 0..4 {
+            let turn = side([s[k], g[k]]);
+            most = most.max(turn);
+            least = least.min(turn);
+        }
+        (most <= 0.0 && corners.iter().all(|&c| side(c) > 0.0))
+            || (least >= 0.0 && corners.iter().all(|&c| side(c) < 0.0))
+    })
+}
