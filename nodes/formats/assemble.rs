@@ -1,0 +1,255 @@
+//! From the table of contents to the grid: decodes what is asked for, puts pieces together, builds tetrahedra.
+
+use super::piece::{Dataset, Geometry, Piece};
+use super::select::{self, Choice, Component, GHOST_LEVELS, GHOST_TYPE};
+use super::stored::Meter;
+use super::{Association, Request, cells, merge};
+use glam::DVec3;
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use voltet_core::grid::{self, Array, CellType, Cells, Grid, Parts, Scalar, code};
+use voltet_core::progress::Progress;
+use voltet_core::{Error, Result};
+
+/// Cell flags that leave a cell out: it is another piece's, it is refined elsewhere, it is hidden
+/// (vtkDataSetAttributes::DUPLICATECELL, REFINEDCELL, HIDDENCELL).
+const GHOST_CELL: u64 = 1 | 8 | 32;
+/// Point flag that leaves out the cells of a point (vtkDataSetAttributes::HIDDENPOINT).
+const HIDDEN_POINT: u64 = 2;
+
+/// The degrees of Lagrange and Bezier cells along their axes, as a cell array.
+const DEGREES: &str = "HigherOrderDegrees";
+
+/// What one piece holds of what was asked for.
+pub(super) struct Loaded {
+    pub points: Vec<DVec3>,
+    pub cells: Cells,
+    pub ghost: Option<Vec<bool>>,
+    pub degrees: Option<Vec<[u8; 3]>>,
+    /// One entry a choice.
+    pub columns: Vec<Vec<f64>>,
+}
+
+/// Reads and builds.
+pub(super) fn assemble(dataset: &Dataset, request: &Request, progress: &dyn Progress) -> Result<Grid> {
+    let total = dataset.pieces.iter().flat_map(Piece::sources).map(|source| source.len());
+    let meter = Meter::new(progress, total.sum());
+    let pieces: Vec<&Piece> =
+        dataset.pieces.iter().filter(|p| p.cell_count > 0 && p.point_count > 0).collect();
+    let model = select::model(dataset)?;
+    let cells: Vec<Cells> = pieces.iter().map(|piece| cells::load(piece, &meter)).collect::<Result<_>>()?;
+    check_dimension(&cells)?;
+
+    let scalar = select::scalar(dataset, request.scalar.as_deref(), request.association)?;
+    let mut choices = vec![scalar];
+    let mut names = Vec::new();
+    for name in &request.point_arrays {
+        if !names.contains(name) {
+            choices.push(select::array(model, name, Association::Auto)?);
+            names.push(name.clone());
+        }
+    }
+    let mut loaded = Vec::new();
+    for (piece, cells) in pieces.iter().zip(cells) {
+        loaded.push(load(piece, cells, &choices, &meter)?);
+    }
+    let Loaded { points, cells, ghost, degrees, columns } = merge::merge(loaded, &pieces)?;
+
+    let mut parts = Parts::new(points, cells);
+    (parts.ghost, parts.degrees) = (ghost, degrees);
+    parts.warnings = dataset.warnings.clone();
+    parts.arrays_unread = unread(dataset, &choices);
+    let mut columns = choices.iter().zip(columns);
+    if let Some((choice, values)) = columns.next() {
+        let name = request.scalar.clone().unwrap_or_else(|| choice.name.clone());
+        let association = if choice.per_cell { grid::Association::Cell } else { grid::Association::Point };
+        parts.scalar = Some(Scalar { name, association, values });
+    }
+    for (name, (choice, values)) in names.into_iter().zip(columns) {
+        let component_count = if choice.component == Component::All { choice.component_count } else { 1 };
+        let arrays = if choice.per_cell { &mut parts.cell_arrays } else { &mut parts.point_arrays };
+        arrays.insert(name, Array { component_count, values });
+    }
+    let options = grid::Options { subdivision: request.subdivision, cell_values: request.cell_values };
+    grid::build(parts, &options, progress)
+}
+
+/// An early error where no cell is three-dimensional, before anything else is read.
+fn check_dimension(cells: &[Cells]) -> Result<()> {
+    let is_volume = |&code: &u8| CellType::of(code).is_none_or(|cell_type| cell_type.dimension == 3);
+    let mut counts = BTreeMap::<u8, u64>::new();
+    let mut flat = false;
+    for cells in cells {
+        match cells {
+            Cells::Mixed(set) if set.types.iter().any(is_volume) => return Ok(()),
+            Cells::Mixed(set) => set.types.iter().for_each(|&code| *counts.entry(code).or_default() += 1),
+            _ if cells.count() > 0 => return Ok(()),
+            // A structured grid with one point along an axis.
+            _ => flat = true,
+        }
+    }
+    let found =
+        if flat { "a structured grid without thickness".to_owned() } else { grid::describe_counts(&counts) };
+    Err(Error::run("the file holds no three-dimensional cells, so there is no volume to draw")
+        .found(found)
+        .accepted("tetrahedra, hexahedra or other cells with a volume"))
+}
+
+/// Names of the arrays that were not asked for.
+fn unread(dataset: &Dataset, choices: &[Choice]) -> Vec<String> {
+    let mut names = Vec::new();
+    for array in dataset.pieces.iter().flat_map(|piece| &piece.arrays) {
+        let name = &array.stored.name;
+        let is_read = choices.iter().any(|choice| choice.per_cell == array.per_cell && choice.name == *name)
+            || [GHOST_TYPE, GHOST_LEVELS, DEGREES].contains(&name.as_str());
+        if !is_read && !names.contains(name) {
+            names.push(name.clone());
+        }
+    }
+    names
+}
+
+fn load(piece: &Piece, cells: Cells, choices: &[Choice], meter: &Meter) -> Result<Loaded> {
+    // The values first: their bytes are there to be counted, those of a uniform grid's points are not.
+    let columns = choices.iter().map(|choice| column(piece, choice, meter)).collect::<Result<_>>()?;
+    let ghost = ghosts(piece, &cells, meter)?;
+    let degrees = degrees(piece, &cells, meter)?;
+    Ok(Loaded { points: points(piece, meter)?, cells, ghost, degrees, columns })
+}
+
+/// The values of a choice.
+pub(super) fn column(piece: &Piece, choice: &Choice, meter: &Meter) -> Result<Vec<f64>> {
+    let array = piece.arrays_of(choice.per_cell).find(|array| array.stored.name == choice.name);
+    let Some(array) = array else {
+        return Err(Error::run(format!("a piece of the file lacks the array '{}'", choice.name))
+            .accepted("the same arrays in every piece"));
+    };
+    let count = array.stored.component_count;
+    if count != choice.component_count {
+        return Err(Error::run(format!(
+            "the array '{}' differs between the pieces of the file",
+            choice.name
+        ))
+        .found(format_args!("{count} components"))
+        .accepted(choice.component_count));
+    }
+    let values: Vec<f64> = array.stored.load(meter)?;
+    Ok(match choice.component {
+        Component::All => values,
+        Component::Index(_) if count == 1 => values,
+        Component::Index(index) => values.into_par_iter().skip(index).step_by(count).collect(),
+        Component::Magnitude => values.par_chunks(count).map(length).collect(),
+    })
+}
+
+/// Length of a vector, without overflow on the way.
+pub(super) fn length(vector: &[f64]) -> f64 {
+    let scale = vector.iter().fold(0.0_f64, |scale, value| scale.max(value.abs()));
+    if scale == 0.0 || !scale.is_finite() || vector.iter().any(|value| value.is_nan()) {
+        return vector.iter().map(|value| value.abs()).sum();
+    }
+    scale * vector.iter().map(|value| (value / scale).powi(2)).sum::<f64>().sqrt()
+}
+
+/// Flags of the cells that are to be left out.
+fn ghosts(piece: &Piece, cells: &Cells, meter: &Meter) -> Result<Option<Vec<bool>>> {
+    let flags = |per_cell: bool, name: &str| -> Result<Option<Vec<u64>>> {
+        let array = piece.arrays_of(per_cell).find(|array| array.stored.name == name);
+        array.map(|array| array.stored.load(meter)).transpose()
+    };
+    let mut ghost = match flags(true, GHOST_TYPE)? {
+        Some(flags) => Some(flags.iter().map(|flag| flag & GHOST_CELL != 0).collect()),
+        None => {
+            flags(true, GHOST_LEVELS)?.map(|levels| levels.iter().map(|&level| level > 0).collect::<Vec<_>>())
+        }
+    };
+    let hidden: Option<Vec<bool>> =
+        flags(false, GHOST_TYPE)?.map(|flags| flags.iter().map(|flag| flag & HIDDEN_POINT != 0).collect());
+    if let Some(hidden) = hidden.filter(|hidden| hidden.contains(&true)) {
+        let ghost = ghost.get_or_insert_with(|| vec![false; cells.count()]);
+        for (number, ghost) in ghost.iter_mut().enumerate() {
+            *ghost |= corners(cells, number).any(|corner| hidden.get(corner as usize) == Some(&true));
+        }
+    }
+    Ok(ghost.filter(|ghost| ghost.contains(&true)))
+}
+
+/// The points of a cell; what is damaged is found out when the grid is built.
+fn corners(cells: &Cells, number: usize) -> Box<dyn Iterator<Item = u32> + '_> {
+    match cells {
+        Cells::Tetrahedra(tetrahedra) => Box::new(tetrahedra[number].into_iter()),
+        Cells::Mixed(set) => {
+            let range = set.offsets[number] as usize..set.offsets[number + 1] as usize;
+            Box::new(set.connectivity.get(range).unwrap_or(&[]).iter().copied())
+        }
+        &Cells::Structured(dimensions) => {
+            Box::new(merge::structured_corners(dimensions, number).into_iter().map(|corner| corner as u32))
+        }
+    }
+}
+
+fn degrees(piece: &Piece, cells: &Cells, meter: &Meter) -> Result<Option<Vec<[u8; 3]>>> {
+    let Cells::Mixed(set) = cells else { return Ok(None) };
+    let array =
+        piece.arrays_of(true).find(|array| array.stored.name == DEGREES && array.stored.component_count == 3);
+    match array {
+        Some(array) if set.types.iter().any(|&code| code >= code::LAGRANGE_TETRAHEDRON) => {
+            let values: Vec<u8> = array.stored.load(meter)?;
+            Ok(Some(values.as_chunks().0.to_vec()))
+        }
+        _ => Ok(None),
+    }
+}
+
+/// The positions of a piece's points.
+pub(super) fn points(piece: &Piece, meter: &Meter) -> Result<Vec<DVec3>> {
+    match &piece.geometry {
+        Geometry::Unstructured { points, .. } | Geometry::Curvilinear { points, .. } => points
+            .load_with::<f64, _>(
+                meter,
+                |n| vec![DVec3::ZERO; n / 3],
+                |points| bytemuck::cast_slice_mut(points),
+            ),
+        Geometry::Rectilinear { axes, .. } => {
+            let [x, y, z] = &**axes;
+            let (x, y, z): (Vec<f64>, Vec<f64>, Vec<f64>) = (x.load(meter)?, y.load(meter)?, z.load(meter)?);
+            Ok(lattice([x.len(), y.len(), z.len()], |[i, j, k]| DVec3::new(x[i], y[j], z[k])))
+        }
+        &Geometry::Uniform { dimensions, first, origin, spacing, direction } => {
+            Ok(lattice(dimensions.map(|n| n as usize), |index| {
+                let index = DVec3::from_array(index.map(|i| i as f64));
+                origin + direction * (spacing * (first + index))
+            }))
+        }
+    }
+}
+
+/// Points of a structured grid, the first index running fastest.
+fn lattice([nx, ny, nz]: [usize; 3], position: impl Fn([usize; 3]) -> DVec3 + Sync) -> Vec<DVec3> {
+    let mut points = vec![DVec3::ZERO; nx * ny * nz];
+    points.par_chunks_mut(nx.max(1)).enumerate().for_each(|(row, points)| {
+        for (i, point) in points.iter_mut().enumerate() {
+            *point = position([i, row % ny, row / ny]);
+        }
+    });
+    points
+}
+
+impl Piece {
+    /// The files of this piece, each once.
+    pub fn sources(&self) -> Vec<Arc<super::source::Source>> {
+        let mut sources = Vec::new();
+        let own = match &self.geometry {
+            Geometry::Unstructured { points, .. } | Geometry::Curvilinear { points, .. } => Some(points),
+            Geometry::Rectilinear { axes, .. } => Some(&axes[0]),
+            Geometry::Uniform { .. } => None,
+        };
+        for stored in self.arrays.iter().map(|array| &array.stored).chain(own) {
+            if !sources.iter().any(|source| Arc::ptr_eq(source, &stored.source)) {
+                sources.push(stored.source.clone());
+            }
+        }
+        sources
+    }
+}

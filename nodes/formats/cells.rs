@@ -1,0 +1,215 @@
+//! Cells from a file: types, connectivity, faces of polyhedra.
+
+use super::piece::{Geometry, Piece, StoredCells, StoredFaces};
+use super::stored::{Meter, Stored};
+use rayon::prelude::*;
+use voltet_core::grid::{CellSet, Cells, Polyhedron, code};
+use voltet_core::{Error, Result};
+
+/// Reads the cells of a piece.
+pub(super) fn load(piece: &Piece, meter: &Meter) -> Result<Cells> {
+    match &piece.geometry {
+        Geometry::Unstructured { cells, .. } => match cells {
+            StoredCells::Offsets { connectivity, offsets, types, faces } => {
+                let types: Vec<u8> = types.load(meter)?;
+                if all_tetrahedra(&types) {
+                    return tetrahedra(connectivity, offsets, types.len() as u64, meter)
+                        .map(Cells::Tetrahedra);
+                }
+                mixed(types, connectivity, offsets, faces, meter).map(Cells::Mixed)
+            }
+            StoredCells::Counted { list, types } => counted(list, types, meter),
+        },
+        Geometry::Curvilinear { dimensions, .. }
+        | Geometry::Rectilinear { dimensions, .. }
+        | Geometry::Uniform { dimensions, .. } => Ok(Cells::Structured(dimensions.map(|n| n as usize))),
+    }
+}
+
+fn all_tetrahedra(types: &[u8]) -> bool {
+    !types.is_empty() && types.par_chunks(1 << 16).all(|part| part.iter().all(|&t| t == code::TETRA))
+}
+
+/// Connectivity of tetrahedra alone, straight into its destination.
+fn tetrahedra(connectivity: &Stored, offsets: &Stored, count: u64, meter: &Meter) -> Result<Vec<[u32; 4]>> {
+    offsets.visit(meter, &|total, first, ends: &[u64]| {
+        // Offsets are the ends of the cells; some writers put the beginning of the first one before them.
+        let shift = match (total as u64).wrapping_sub(count) {
+            0 => 1,
+            1 => 0,
+            _ => return Err(wrong_offset_count(total, count)),
+        };
+        match ends.iter().enumerate().find(|&(index, &end)| end != 4 * (first + index + shift) as u64) {
+            None => Ok(()),
+            Some((index, end)) => {
+                let number = (first + index + shift).saturating_sub(1);
+                Err(Error::run(format!("the offset of cell {number}, a tetrahedron, is wrong"))
+                    .found(end)
+                    .accepted(4 * (first + index + shift)))
+            }
+        }
+    })?;
+    let mut connectivity = connectivity.clone();
+    (connectivity.tuple_count, connectivity.component_count) = (Some(count), 4);
+    connectivity.load_with::<u32, _>(meter, |n| vec![[0; 4]; n / 4], |cells| bytemuck::cast_slice_mut(cells))
+}
+
+fn wrong_offset_count(found: usize, cell_count: u64) -> Error {
+    Error::run("the cells have the wrong number of offsets").found(found).accepted(cell_count)
+}
+
+/// Cells of any types.
+fn mixed(
+    types: Vec<u8>,
+    connectivity: &Stored,
+    offsets: &Stored,
+    faces: &StoredFaces,
+    meter: &Meter,
+) -> Result<CellSet> {
+    let mut offsets: Vec<u64> = offsets.load(meter)?;
+    if offsets.len() == types.len() {
+        offsets.insert(0, 0);
+    }
+    if offsets.len() != types.len() + 1 {
+        return Err(wrong_offset_count(offsets.len(), types.len() as u64));
+    }
+    let connectivity: Vec<u32> = connectivity.load(meter)?;
+    check_offsets(&offsets, connectivity.len())?;
+    if !types.contains(&code::POLYHEDRON) {
+        return Ok(CellSet { types, offsets, connectivity, polyhedra: Vec::new() });
+    }
+    match faces {
+        StoredFaces::None => Err(Error::run("the file holds polyhedra without their faces")
+            .accepted("the arrays faces and faceoffsets")),
+        StoredFaces::InConnectivity => from_streams(types, &offsets, connectivity),
+        StoredFaces::Stream { faces, offsets: ends } => {
+            let (faces, ends): (Vec<u32>, Vec<i64>) = (faces.load(meter)?, ends.load(meter)?);
+            let mut polyhedra = Vec::new();
+            let mut begin = 0;
+            for number in polyhedra_of(&types) {
+                let end = usize::try_from(ends[number]).unwrap_or(0);
+                let stream = faces.get(begin..end).ok_or_else(|| damaged_faces(number))?;
+                polyhedra.push(Polyhedron { cell: number as u32, faces: face_stream(stream, number)? });
+                begin = end;
+            }
+            Ok(CellSet { types, offsets, connectivity, polyhedra })
+        }
+        StoredFaces::Indexed { points, point_offsets, faces, face_offsets } => {
+            let (points, faces): (Vec<u32>, Vec<u32>) = (points.load(meter)?, faces.load(meter)?);
+            let (point_ends, face_ends): (Vec<u64>, Vec<u64>) =
+                (point_offsets.load(meter)?, face_offsets.load(meter)?);
+            let mut polyhedra = Vec::new();
+            for number in polyhedra_of(&types) {
+                let own = part(&faces, &face_ends, number).ok_or_else(|| damaged_faces(number))?;
+                let own: Option<Vec<Vec<u32>>> = own
+                    .iter()
+                    .map(|&face| part(&points, &point_ends, face as usize).map(<[u32]>::to_vec))
+                    .collect();
+                let own = own.ok_or_else(|| damaged_faces(number))?;
+                polyhedra.push(Polyhedron { cell: number as u32, faces: own });
+            }
+            Ok(CellSet { types, offsets, connectivity, polyhedra })
+        }
+    }
+}
+
+/// That offsets begin at 0, never descend and end with the connectivity.
+fn check_offsets(offsets: &[u64], connectivity_len: usize) -> Result<()> {
+    let wrong = |number: usize, accepted: String| {
+        Err(Error::run(format!("the offset of cell {number} is wrong"))
+            .found(offsets[number + 1])
+            .accepted(accepted))
+    };
+    if let Some(number) = offsets.windows(2).position(|pair| pair[1] < pair[0]) {
+        return wrong(number, format!("at least {}", offsets[number]));
+    }
+    match offsets.last() {
+        Some(&end) if end > connectivity_len as u64 && offsets.len() > 1 => {
+            let number = offsets.partition_point(|&offset| offset <= connectivity_len as u64);
+            wrong(
+                number.saturating_sub(1),
+                format!("at most {connectivity_len}, the length of the connectivity"),
+            )
+        }
+        _ => Ok(()),
+    }
+}
+
+fn polyhedra_of(types: &[u8]) -> impl Iterator<Item = usize> {
+    types.iter().enumerate().filter(|&(_, &code)| code == code::POLYHEDRON).map(|(number, _)| number)
+}
+
+fn damaged_faces(number: usize) -> Error {
+    Error::run(format!("the faces of cell {number}, a polyhedron, are damaged"))
+        .accepted("face counts and offsets that lie in the arrays of the faces")
+}
+
+/// Part `index` of `values` by the ends of the parts.
+fn part<'a>(values: &'a [u32], ends: &[u64], index: usize) -> Option<&'a [u32]> {
+    let begin = if index == 0 { 0 } else { *ends.get(index - 1)? };
+    values.get(usize::try_from(begin).ok()?..usize::try_from(*ends.get(index)?).ok()?)
+}
+
+/// The number of faces, then each face's count and points.
+fn face_stream(stream: &[u32], number: usize) -> Result<Vec<Vec<u32>>> {
+    let damaged = || damaged_faces(number);
+    let (&face_count, mut rest) = stream.split_first().ok_or_else(damaged)?;
+    let mut faces = Vec::new();
+    for _ in 0..face_count {
+        let (&count, after) = rest.split_first().ok_or_else(damaged)?;
+        let (face, after) = after.split_at_checked(count as usize).ok_or_else(damaged)?;
+        faces.push(face.to_vec());
+        rest = after;
+    }
+    Ok(faces)
+}
+
+/// Polyhedra whose connectivity is their face stream: it becomes the list of their points.
+fn from_streams(types: Vec<u8>, offsets: &[u64], streams: Vec<u32>) -> Result<CellSet> {
+    let mut cells = CellSet { offsets: vec![0], ..CellSet::default() };
+    for (number, &code) in types.iter().enumerate() {
+        let own = &streams[offsets[number] as usize..offsets[number + 1] as usize];
+        if code == code::POLYHEDRON {
+            let faces = face_stream(own, number)?;
+            let mut points = faces.concat();
+            points.sort_unstable();
+            points.dedup();
+            cells.connectivity.extend(points);
+            cells.polyhedra.push(Polyhedron { cell: number as u32, faces });
+        } else {
+            cells.connectivity.extend(own);
+        }
+        cells.offsets.push(cells.connectivity.len() as u64);
+    }
+    cells.types = types;
+    Ok(cells)
+}
+
+/// The list of legacy files before 5.0.
+fn counted(list: &Stored, types: &Stored, meter: &Meter) -> Result<Cells> {
+    let types: Vec<u8> = types.load(meter)?;
+    let list: Vec<u32> = list.load(meter)?;
+    if all_tetrahedra(&types) && list.len() == types.len() * 5 && list.par_chunks(5).all(|cell| cell[0] == 4)
+    {
+        let corners = |cell: &[u32]| [cell[1], cell[2], cell[3], cell[4]];
+        return Ok(Cells::Tetrahedra(list.par_chunks(5).with_min_len(1 << 12).map(corners).collect()));
+    }
+    let mut cells = CellSet { offsets: vec![0], ..CellSet::default() };
+    let mut rest = &list[..];
+    for number in 0..types.len() {
+        let own = rest.split_first().and_then(|(&count, after)| after.split_at_checked(count as usize));
+        let Some((own, after)) = own else {
+            return Err(Error::run(format!("the list of cells ends within cell {number}"))
+                .found(format_args!("{} numbers", list.len()))
+                .accepted("each cell's count and its points")
+                .at_item("CELLS"));
+        };
+        cells.connectivity.extend(own);
+        cells.offsets.push(cells.connectivity.len() as u64);
+        rest = after;
+    }
+    if types.contains(&code::POLYHEDRON) {
+        return from_streams(types, &cells.offsets, cells.connectivity).map(Cells::Mixed);
+    }
+    Ok(Cells::Mixed(CellSet { types, ..cells }))
+}

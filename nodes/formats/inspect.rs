@@ -1,0 +1,210 @@
+//! What a file holds, for people: cells by type, arrays with ranges, bounds, time steps.
+
+use super::numbers::NumberType;
+use super::piece::{Dataset, Geometry, Piece};
+use super::stored::{Meter, Stored};
+use super::{Association, Request, assemble, cells};
+use glam::DVec3;
+use std::collections::BTreeMap;
+use std::path::Path;
+use voltet_core::Result;
+use voltet_core::grid::{Cells, code};
+use voltet_core::progress::Progress;
+
+/// What a file holds.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Summary {
+    /// How the file is written: "VTK XML UnstructuredGrid, zlib, little-endian, UInt32 headers".
+    pub format: String,
+    /// Number of pieces.
+    pub piece_count: usize,
+    /// Points of all pieces.
+    pub point_count: u64,
+    /// Cells of all pieces.
+    pub cell_count: u64,
+    /// Cells by VTK type code.
+    pub cells_by_type: BTreeMap<u8, u64>,
+    /// Least and greatest coordinates; `None` where no point is finite.
+    pub bounds: Option<[DVec3; 2]>,
+    /// Points with a position that is not finite.
+    pub points_not_finite: u64,
+    /// All arrays, the points' first.
+    pub arrays: Vec<ArraySummary>,
+    /// Name of the array that the file marks as its scalars.
+    pub active_scalars: Option<String>,
+    /// Times of the steps of a series; empty where the file is none.
+    pub time_steps: Vec<f64>,
+    /// Bytes of the files.
+    pub file_bytes: u64,
+    /// About how many bytes the grid takes in memory with one scalar, split into tetrahedra.
+    pub memory_bytes: u64,
+    /// Sentences for the user.
+    pub warnings: Vec<String>,
+}
+
+/// One array of a file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ArraySummary {
+    /// Its name.
+    pub name: String,
+    /// [`Association::Point`] or [`Association::Cell`].
+    pub association: Association,
+    /// Components of a tuple.
+    pub component_count: usize,
+    /// Type of the numbers as the XML formats call it: "Float32".
+    pub number_type: &'static str,
+    /// Tuples of all pieces.
+    pub tuple_count: u64,
+    /// Least and greatest finite value, of the tuple's length where there are several components.
+    pub range: Option<[f64; 2]>,
+    /// Tuples with a value that is not finite.
+    pub not_finite_count: u64,
+}
+
+/// Reads everything that a file holds, one array at a time, and says what it is.
+///
+/// # Errors
+/// As [`super::read`]; a file without three-dimensional cells or without arrays is no error here.
+pub fn inspect(path: &Path, request: &Request, progress: &dyn Progress) -> Result<Summary> {
+    let dataset = super::open(path, request)?;
+    summarize(&dataset, progress).map_err(|error| error.in_file(path))
+}
+
+fn summarize(dataset: &Dataset, progress: &dyn Progress) -> Result<Summary> {
+    let mut sources = Vec::new();
+    for source in dataset.pieces.iter().flat_map(Piece::sources) {
+        if !sources.iter().any(|known| std::sync::Arc::ptr_eq(known, &source)) {
+            sources.push(source);
+        }
+    }
+    let file_bytes = sources.iter().map(|source| source.len()).sum();
+    let meter = Meter::new(progress, file_bytes);
+    let mut summary = Summary {
+        format: dataset.format.clone(),
+        piece_count: dataset.pieces.len(),
+        point_count: 0,
+        cell_count: 0,
+        cells_by_type: BTreeMap::new(),
+        bounds: None,
+        points_not_finite: 0,
+        arrays: Vec::new(),
+        active_scalars: dataset.active_scalars.clone(),
+        time_steps: dataset.time_steps.clone(),
+        file_bytes,
+        memory_bytes: 0,
+        warnings: dataset.warnings.clone(),
+    };
+    let mut tetrahedra = 0;
+    for piece in &dataset.pieces {
+        summary.point_count = summary.point_count.saturating_add(piece.point_count);
+        summary.cell_count = summary.cell_count.saturating_add(piece.cell_count);
+        for array in &piece.arrays {
+            add_array(&mut summary.arrays, &array.stored, array.per_cell, &meter)?;
+        }
+        tetrahedra += count_cells(piece, &mut summary.cells_by_type, &meter)?;
+        if piece.point_count > 0 {
+            add_points(&mut summary, &assemble::points(piece, &meter)?);
+        }
+    }
+    summary.arrays.sort_by_key(|array| array.association == Association::Cell);
+    // Positions and one scalar a point; four point numbers a tetrahedron and the number of its cell.
+    summary.memory_bytes = summary.point_count.saturating_mul(32).saturating_add(tetrahedra * 20);
+    Ok(summary)
+}
+
+/// Counts a piece's cells; returns about how many tetrahedra they become.
+fn count_cells(piece: &Piece, by_type: &mut BTreeMap<u8, u64>, meter: &Meter) -> Result<u64> {
+    if piece.cell_count == 0 {
+        return Ok(0);
+    }
+    let tetrahedra_of = |code: u8| match code {
+        0..=9 => 0,
+        code::TETRA => 1,
+        code::PYRAMID => 2,
+        code::WEDGE => 3,
+        code::QUADRATIC_TETRA => 8,
+        21..=23 => 0,
+        code::QUADRATIC_HEXAHEDRON..=code::TRIQUADRATIC_PYRAMID => 32,
+        _ => 6,
+    };
+    let mut tetrahedra = 0;
+    match (cells::load(piece, meter)?, &piece.geometry) {
+        (Cells::Tetrahedra(own), _) => {
+            *by_type.entry(code::TETRA).or_default() += own.len() as u64;
+            tetrahedra = own.len() as u64;
+        }
+        (Cells::Mixed(set), _) => {
+            for &code in &set.types {
+                *by_type.entry(code).or_default() += 1;
+                tetrahedra += tetrahedra_of(code);
+            }
+        }
+        (Cells::Structured(dimensions), geometry) => {
+            let is_curvilinear = matches!(geometry, Geometry::Curvilinear { .. });
+            // Of fewer dimensions: quads and pixels, lines, vertices.
+            let code = match (dimensions.iter().filter(|&&n| n > 1).count(), is_curvilinear) {
+                (3, true) => code::HEXAHEDRON,
+                (3, false) => code::VOXEL,
+                (2, true) => 9,
+                (2, false) => 8,
+                (1, _) => 3,
+                _ => 1,
+            };
+            *by_type.entry(code).or_default() += piece.cell_count;
+            tetrahedra = if code >= code::TETRA { piece.cell_count.saturating_mul(6) } else { 0 };
+        }
+    }
+    Ok(tetrahedra)
+}
+
+fn add_points(summary: &mut Summary, points: &[DVec3]) {
+    for &point in points {
+        if point.is_finite() {
+            let [low, high] = summary.bounds.unwrap_or([point; 2]);
+            summary.bounds = Some([low.min(point), high.max(point)]);
+        } else {
+            summary.points_not_finite += 1;
+        }
+    }
+}
+
+/// Adds a piece's array to that of the same name of the pieces before.
+fn add_array(arrays: &mut Vec<ArraySummary>, stored: &Stored, per_cell: bool, meter: &Meter) -> Result<()> {
+    let association = if per_cell { Association::Cell } else { Association::Point };
+    let values: Vec<f64> = stored.load(meter)?;
+    let number_type: NumberType = stored.number_type;
+    let known = |array: &&mut ArraySummary| {
+        array.name == stored.name
+            && array.association == association
+            && array.component_count == stored.component_count
+            && array.number_type == number_type.name()
+    };
+    let mut new = ArraySummary {
+        name: stored.name.clone(),
+        association,
+        component_count: stored.component_count,
+        number_type: number_type.name(),
+        tuple_count: 0,
+        range: None,
+        not_finite_count: 0,
+    };
+    // Two arrays of one name in the same piece stay apart.
+    let array = match arrays.iter_mut().find(known) {
+        Some(array) => array,
+        None => &mut new,
+    };
+    for tuple in values.chunks(stored.component_count) {
+        let value = if let [only] = tuple { *only } else { assemble::length(tuple) };
+        array.tuple_count += 1;
+        if value.is_finite() {
+            let [low, high] = array.range.unwrap_or([value; 2]);
+            array.range = Some([low.min(value), high.max(value)]);
+        } else {
+            array.not_finite_count += 1;
+        }
+    }
+    if !arrays.iter_mut().any(|array| known(&array)) {
+        arrays.push(new);
+    }
+    Ok(())
+}

@@ -1,0 +1,263 @@
+//! Number types of files, and their conversion to the types that grids hold.
+
+use voltet_core::{Error, Result};
+
+/// Type of the numbers of an array in a file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum NumberType {
+    I8,
+    U8,
+    I16,
+    U16,
+    I32,
+    U32,
+    I64,
+    U64,
+    F32,
+    F64,
+    /// Eight values a byte, the first in the highest bit.
+    Bit,
+}
+
+impl NumberType {
+    /// Bits of one value.
+    fn bits(self) -> u64 {
+        match self {
+            Self::Bit => 1,
+            Self::I8 | Self::U8 => 8,
+            Self::I16 | Self::U16 => 16,
+            Self::I32 | Self::U32 | Self::F32 => 32,
+            Self::I64 | Self::U64 | Self::F64 => 64,
+        }
+    }
+
+    /// Bytes of one value; `None` for bits.
+    pub fn size(self) -> Option<usize> {
+        (self != Self::Bit).then(|| (self.bits() / 8) as usize)
+    }
+
+    /// Bytes that `count` values take; `None` on overflow.
+    pub fn byte_count(self, count: u64) -> Option<u64> {
+        if self == Self::Bit { Some(count.div_ceil(8)) } else { count.checked_mul(self.bits() / 8) }
+    }
+
+    /// Whether the type holds whole numbers.
+    pub fn is_integer(self) -> bool {
+        !matches!(self, Self::F32 | Self::F64)
+    }
+
+    /// The name shown to people, as the XML formats write it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::I8 => "Int8",
+            Self::U8 => "UInt8",
+            Self::I16 => "Int16",
+            Self::U16 => "UInt16",
+            Self::I32 => "Int32",
+            Self::U32 => "UInt32",
+            Self::I64 => "Int64",
+            Self::U64 => "UInt64",
+            Self::F32 => "Float32",
+            Self::F64 => "Float64",
+            Self::Bit => "Bit",
+        }
+    }
+
+    /// The type that the XML formats call `name`.
+    pub fn from_xml(name: &str) -> Option<Self> {
+        [
+            Self::I8,
+            Self::U8,
+            Self::I16,
+            Self::U16,
+            Self::I32,
+            Self::U32,
+            Self::I64,
+            Self::U64,
+            Self::F32,
+            Self::F64,
+            Self::Bit,
+        ]
+        .into_iter()
+        .find(|number_type| number_type.name() == name)
+    }
+}
+
+/// Byte order of a file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum ByteOrder {
+    Little,
+    Big,
+}
+
+/// A type that grids hold.
+pub(super) trait Target: Copy + Default + Send + Sync + 'static {
+    /// What the type takes, for messages.
+    const ACCEPTED: &'static str;
+    /// The value, and whether it could be represented.
+    fn from_f64(value: f64) -> (Self, bool);
+    /// The value, and whether it could be represented.
+    fn from_i64(value: i64) -> (Self, bool);
+    /// The value, and whether it could be represented.
+    fn from_u64(value: u64) -> (Self, bool);
+}
+
+impl Target for f64 {
+    const ACCEPTED: &'static str = "a number";
+    #[inline]
+    fn from_f64(value: f64) -> (Self, bool) {
+        (value, true)
+    }
+    #[inline]
+    fn from_i64(value: i64) -> (Self, bool) {
+        (value as f64, true)
+    }
+    #[inline]
+    fn from_u64(value: u64) -> (Self, bool) {
+        (value as f64, true)
+    }
+}
+
+macro_rules! integer_target {
+    ($type:ty, $accepted:literal) => {
+        impl Target for $type {
+            const ACCEPTED: &'static str = $accepted;
+            #[inline]
+            fn from_f64(value: f64) -> (Self, bool) {
+                (value as $type, value as $type as f64 == value)
+            }
+            #[inline]
+            fn from_i64(value: i64) -> (Self, bool) {
+                (value as $type, value >= 0 && value as u64 <= <$type>::MAX as u64)
+            }
+            #[inline]
+            fn from_u64(value: u64) -> (Self, bool) {
+                (value as $type, value <= <$type>::MAX as u64)
+            }
+        }
+    };
+}
+
+impl Target for i64 {
+    const ACCEPTED: &'static str = "a whole number";
+    #[inline]
+    fn from_f64(value: f64) -> (Self, bool) {
+        (value as i64, value as i64 as f64 == value)
+    }
+    #[inline]
+    fn from_i64(value: i64) -> (Self, bool) {
+        (value, true)
+    }
+    #[inline]
+    fn from_u64(value: u64) -> (Self, bool) {
+        (value as i64, value <= i64::MAX as u64)
+    }
+}
+
+integer_target!(u8, "a whole number from 0 to 255");
+integer_target!(u32, "a whole number from 0 to 4294967295");
+integer_target!(u64, "a whole number, not negative");
+
+/// Converts the first `to.len()` values of `bytes`. An error holds the index of the first value that the target
+/// cannot represent.
+///
+/// # Panics
+/// If `bytes` is shorter than the values need: the caller has checked the length.
+pub(super) fn convert<T: Target>(
+    number_type: NumberType,
+    order: ByteOrder,
+    bytes: &[u8],
+    to: &mut [T],
+) -> std::result::Result<(), usize> {
+    macro_rules! pass {
+        ($type:ty, $wide:ty, $from:ident) => {{
+            const SIZE: usize = size_of::<$type>();
+            let bytes = &bytes[..to.len() * SIZE];
+            let mut all_good = true;
+            for (to, from) in to.iter_mut().zip(bytes.as_chunks::<SIZE>().0) {
+                let value = match order {
+                    ByteOrder::Little => <$type>::from_le_bytes(*from),
+                    ByteOrder::Big => <$type>::from_be_bytes(*from),
+                };
+                let (value, good) = T::$from(<$wide>::from(value));
+                *to = value;
+                all_good &= good;
+            }
+            if all_good {
+                Ok(())
+            } else {
+                let value = |from: &[u8; SIZE]| match order {
+                    ByteOrder::Little => <$type>::from_le_bytes(*from),
+                    ByteOrder::Big => <$type>::from_be_bytes(*from),
+                };
+                let chunks = bytes.as_chunks::<SIZE>().0;
+                Err(chunks.iter().position(|from| !T::$from(<$wide>::from(value(from))).1).unwrap_or(0))
+            }
+        }};
+    }
+    match number_type {
+        NumberType::I8 => pass!(i8, i64, from_i64),
+        NumberType::U8 => pass!(u8, u64, from_u64),
+        NumberType::I16 => pass!(i16, i64, from_i64),
+        NumberType::U16 => pass!(u16, u64, from_u64),
+        NumberType::I32 => pass!(i32, i64, from_i64),
+        NumberType::U32 => pass!(u32, u64, from_u64),
+        NumberType::I64 => pass!(i64, i64, from_i64),
+        NumberType::U64 => pass!(u64, u64, from_u64),
+        NumberType::F32 => pass!(f32, f64, from_f64),
+        NumberType::F64 => pass!(f64, f64, from_f64),
+        NumberType::Bit => {
+            for (index, to) in to.iter_mut().enumerate() {
+                *to = T::from_u64(u64::from(bytes[index / 8] >> (7 - index % 8) & 1)).0;
+            }
+            Ok(())
+        }
+    }
+}
+
+/// One word of text as a value of `number_type`.
+pub(super) fn parse<T: Target>(number_type: NumberType, word: &[u8]) -> Result<T> {
+    let wrong = || {
+        Error::run("a number is damaged")
+            .found(format_args!("'{}'", String::from_utf8_lossy(&word[..word.len().min(40)])))
+            .accepted(if number_type.is_integer() { T::ACCEPTED } else { "a number" })
+    };
+    let text = std::str::from_utf8(word).map_err(|_| wrong())?;
+    let (value, good) = if number_type.is_integer() {
+        match text.parse::<i64>() {
+            Ok(value) => T::from_i64(value),
+            Err(_) => T::from_u64(text.parse::<u64>().map_err(|_| wrong())?),
+        }
+    } else {
+        T::from_f64(parse_float(text).ok_or_else(wrong)?)
+    };
+    if good { Ok(value) } else { Err(wrong()) }
+}
+
+/// A floating-point number, with the forms of NaN and infinity that C libraries print (`-nan(ind)`, `1.#INF`) and
+/// Fortran's exponent (`1.0D+00`).
+fn parse_float(text: &str) -> Option<f64> {
+    if let Ok(value) = text.parse() {
+        return Some(value);
+    }
+    let (negative, rest) = match text.strip_prefix('-') {
+        Some(rest) => (true, rest),
+        None => (false, text.strip_prefix('+').unwrap_or(text)),
+    };
+    let lower = rest.to_ascii_lowercase();
+    if lower.starts_with("nan")
+        || lower.starts_with("1.#ind")
+        || lower.starts_with("1.#qnan")
+        || lower.starts_with("1.#snan")
+    {
+        return Some(f64::NAN);
+    }
+    if lower.starts_with("1.#inf") {
+        return Some(if negative { f64::NEG_INFINITY } else { f64::INFINITY });
+    }
+    if lower.contains('d') {
+        let value: f64 = lower.replacen('d', "e", 1).parse().ok()?;
+        return Some(if negative { -value } else { value });
+    }
+    None
+}

@@ -1,0 +1,107 @@
+//! A file that is read at positions, from several threads.
+
+use std::fs::File;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use voltet_core::{Error, Result};
+
+/// An open file of known length.
+#[derive(Debug)]
+pub(super) struct Source {
+    file: File,
+    path: PathBuf,
+    len: u64,
+}
+
+impl Source {
+    /// Opens a file; a folder or a missing file is an error that names the path.
+    pub fn open(path: &Path) -> Result<Arc<Source>> {
+        let failed = |what: &str, error: std::io::Error| Error::run(what).found(error).in_file(path);
+        let file = File::open(path).map_err(|error| {
+            if error.kind() == std::io::ErrorKind::NotFound {
+                Error::run("there is no such file").accepted("the path of an existing file").in_file(path)
+            } else {
+                failed("the file cannot be opened", error)
+            }
+        })?;
+        let metadata = file.metadata().map_err(|error| failed("the file cannot be opened", error))?;
+        if !metadata.is_file() {
+            return Err(Error::run("this is not a file").accepted("the path of a data file").in_file(path));
+        }
+        if metadata.len() == 0 {
+            return Err(Error::run("the file is empty").accepted("a data file").in_file(path));
+        }
+        Ok(Arc::new(Source { file, path: path.to_owned(), len: metadata.len() }))
+    }
+
+    /// The path as the user wrote it.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Bytes of the file.
+    pub fn len(&self) -> u64 {
+        self.len
+    }
+
+    /// The file itself, for sequential reading.
+    pub fn file(&self) -> &File {
+        &self.file
+    }
+
+    /// Fills `bytes` from `offset` on.
+    pub fn read_at(&self, offset: u64, bytes: &mut [u8]) -> Result<()> {
+        self.check(offset, bytes.len() as u64)?;
+        read_exact_at(&self.file, offset, bytes)
+            .map_err(|error| Error::run("the file cannot be read").found(error).in_file(&self.path))
+    }
+
+    /// Reads `len` bytes from `offset` on; checks against the file's length before it allocates.
+    pub fn read(&self, offset: u64, len: u64) -> Result<Vec<u8>> {
+        self.check(offset, len)?;
+        let mut bytes = vec![0; len as usize];
+        self.read_at(offset, &mut bytes)?;
+        Ok(bytes)
+    }
+
+    /// The first bytes, at most `len` of them.
+    pub fn head(&self, len: u64) -> Result<Vec<u8>> {
+        self.read(0, len.min(self.len))
+    }
+
+    /// That `len` bytes from `offset` on lie within the file.
+    pub fn check(&self, offset: u64, len: u64) -> Result<()> {
+        match offset.checked_add(len) {
+            Some(end) if end <= self.len => Ok(()),
+            _ => Err(Error::run("the file ends early")
+                .found(format_args!("{} bytes", self.len))
+                .accepted(format_args!("{len} bytes from byte {offset} on"))
+                .in_file(&self.path)),
+        }
+    }
+}
+
+#[cfg(unix)]
+fn read_exact_at(file: &File, offset: u64, bytes: &mut [u8]) -> std::io::Result<()> {
+    std::os::unix::fs::FileExt::read_exact_at(file, bytes, offset)
+}
+
+#[cfg(windows)]
+fn read_exact_at(file: &File, mut offset: u64, mut bytes: &mut [u8]) -> std::io::Result<()> {
+    while !bytes.is_empty() {
+        let count = std::os::windows::fs::FileExt::seek_read(file, bytes, offset)?;
+        if count == 0 {
+            return Err(std::io::ErrorKind::UnexpectedEof.into());
+        }
+        offset += count as u64;
+        bytes = &mut bytes[count..];
+    }
+    Ok(())
+}
+
+/// Bytes as a message can show them: the first few, what cannot be printed as dots.
+pub(super) fn shown(bytes: &[u8]) -> String {
+    let text: String =
+        bytes.iter().take(24).map(|&b| if (0x20..0x7f).contains(&b) { b as char } else { '·' }).collect();
+    format!("a file that begins with '{text}'")
+}

@@ -1,0 +1,495 @@
+//! An array as it lies in a file, and its decoding into memory.
+//!
+//! [`Stored`] is made from headers alone. [`Stored::load`] and [`Stored::fill`] find its bytes, compare their number
+//! with what the headers promise, and only then allocate and decode, in parallel, block by block straight into the
+//! destination.
+
+use super::ascii;
+use super::base64::Base64Text;
+use super::codec::{Codec, Decompressor};
+use super::numbers::{ByteOrder, NumberType, Target, convert};
+use super::source::Source;
+use rayon::prelude::*;
+use std::ops::Range;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use voltet_core::progress::Progress;
+use voltet_core::{Error, Result};
+
+/// Values that one task decodes from data that is not cut into blocks: 2 MB of 64-bit values.
+const PART: usize = 1 << 18;
+
+/// Progress of one reading, shared by all its arrays; counts bytes of the file.
+pub(super) struct Meter<'a> {
+    progress: &'a dyn Progress,
+    done: AtomicU64,
+    total: u64,
+}
+
+impl<'a> Meter<'a> {
+    /// A meter over `total` bytes.
+    pub fn new(progress: &'a dyn Progress, total: u64) -> Self {
+        Meter { progress, done: AtomicU64::new(0), total: total.max(1) }
+    }
+
+    /// Says that `bytes` more were decoded; an error once the user has stopped the run.
+    pub fn advance(&self, bytes: u64) -> Result<()> {
+        let done = self.done.fetch_add(bytes, Ordering::Relaxed) + bytes;
+        self.progress.report("reading", (done as f64 / self.total as f64).min(1.0));
+        if self.progress.cancelled() { Err(Error::cancelled()) } else { Ok(()) }
+    }
+}
+
+/// Makes the values of an array that no part of the file holds as such (PLOT3D's derived quantities).
+pub(super) type Compute = Arc<dyn Fn(&Meter) -> Result<Vec<f64>> + Send + Sync>;
+
+/// Where and how the values lie.
+#[derive(Clone)]
+pub(super) enum Encoding {
+    /// Bytes of the file, without a header.
+    Bytes(u64),
+    /// Words of text in these parts of the file.
+    Text(Vec<Range<u64>>),
+    /// The binary form of the VTK XML formats: a length or block table, then the values; `base64` text or bytes,
+    /// between `at` and `end`.
+    Xml { at: u64, end: u64, base64: bool, wide: bool, codec: Option<Codec> },
+    /// Not in the file.
+    Computed(Compute),
+}
+
+impl std::fmt::Debug for Encoding {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Encoding::Bytes(at) => write!(f, "bytes from {at}"),
+            Encoding::Text(parts) => write!(f, "text in {parts:?}"),
+            Encoding::Xml { at, base64, codec, .. } => {
+                write!(f, "XML binary at {at}, base64 {base64}, {codec:?}")
+            }
+            Encoding::Computed(_) => write!(f, "computed"),
+        }
+    }
+}
+
+/// An array that lies in a file.
+#[derive(Debug, Clone)]
+pub(super) struct Stored {
+    pub source: Arc<Source>,
+    pub name: String,
+    pub number_type: NumberType,
+    pub order: ByteOrder,
+    /// Components of a tuple, at least 1.
+    pub component_count: usize,
+    /// Tuples that the headers promise; `None` where only the data itself tells.
+    pub tuple_count: Option<u64>,
+    pub encoding: Encoding,
+}
+
+/// The bytes of an array, found and counted.
+enum Found {
+    /// Text, not yet parsed.
+    Text(Vec<u8>),
+    /// Values side by side.
+    Plain(Payload),
+    /// Compressed blocks of `size` bytes, the last one of `last` bytes; `places` in the payload.
+    Blocks { payload: Payload, codec: Codec, size: u64, last: u64, places: Vec<(u64, u32)> },
+    /// Made by a function.
+    Computed(Vec<f64>),
+}
+
+/// Bytes in the file or in memory.
+enum Payload {
+    File { at: u64, len: u64 },
+    Memory(Vec<u8>),
+}
+
+impl Payload {
+    fn len(&self) -> u64 {
+        match self {
+            Payload::File { len, .. } => *len,
+            Payload::Memory(bytes) => bytes.len() as u64,
+        }
+    }
+
+    /// `len` bytes from `at` on; `buffer` holds them if they come from the file.
+    fn get<'a>(&'a self, source: &Source, at: u64, len: usize, buffer: &'a mut Vec<u8>) -> Result<&'a [u8]> {
+        match self {
+            Payload::File { at: start, .. } => {
+                buffer.resize(len, 0);
+                source.read_at(start + at, buffer)?;
+                Ok(buffer)
+            }
+            Payload::Memory(bytes) => Ok(&bytes[at as usize..at as usize + len]),
+        }
+    }
+}
+
+impl Stored {
+    /// Reads all values. Allocates once their number is known to lie in the file.
+    pub fn load<T: Target>(&self, meter: &Meter) -> Result<Vec<T>> {
+        self.load_checked(meter).map_err(|error| error.at_item(&self.name))
+    }
+
+    /// Reads all values into `to`, whose length must be their number.
+    ///
+    /// The destination is asked for only once that many values are known to lie in the file.
+    pub fn load_with<T: Target, D>(
+        &self,
+        meter: &Meter,
+        allocate: impl FnOnce(usize) -> D,
+        view: impl FnOnce(&mut D) -> &mut [T],
+    ) -> Result<D> {
+        let inner = || -> Result<D> {
+            let found = self.find(meter)?;
+            let count = self.count(&found)?;
+            let mut destination = allocate(count);
+            self.decode(found, view(&mut destination), meter)?;
+            Ok(destination)
+        };
+        inner().map_err(|error| error.at_item(&self.name))
+    }
+
+    /// Number of values that the headers promise.
+    fn promised(&self) -> Result<Option<u64>> {
+        let Some(tuple_count) = self.tuple_count else { return Ok(None) };
+        match tuple_count.checked_mul(self.component_count as u64).filter(|&n| n <= isize::MAX as u64 / 32) {
+            Some(count) => Ok(Some(count)),
+            None => Err(Error::run("the array cannot be that large")
+                .found(format_args!("{tuple_count} tuples of {} components", self.component_count))),
+        }
+    }
+
+    fn load_checked<T: Target>(&self, meter: &Meter) -> Result<Vec<T>> {
+        let found = self.find(meter)?;
+        if let Found::Text(text) = &found {
+            let values = ascii::numbers(self.number_type, text)?;
+            meter.advance(text.len() as u64)?;
+            self.check_count(values.len() as u64)?;
+            return Ok(values);
+        }
+        let count = self.count(&found)?;
+        let mut values = vec![T::default(); count];
+        self.decode(found, &mut values, meter)?;
+        Ok(values)
+    }
+
+    /// Number of values found, which is the number promised.
+    fn count(&self, found: &Found) -> Result<usize> {
+        let byte_count = match found {
+            Found::Text(text) => {
+                let count = ascii::words(text).count() as u64;
+                self.check_count(count)?;
+                return Ok(count as usize);
+            }
+            Found::Computed(values) => {
+                self.check_count(values.len() as u64)?;
+                return Ok(values.len());
+            }
+            Found::Plain(payload) => payload.len(),
+            Found::Blocks { size, last, places, .. } => match places.len() as u64 {
+                0 => 0,
+                count => (count - 1) * size + last,
+            },
+        };
+        let promised = self.promised()?;
+        let count = match (self.number_type.size(), promised) {
+            (Some(size), _) if byte_count.is_multiple_of(size as u64) => byte_count / size as u64,
+            (None, Some(promised)) if promised.div_ceil(8) == byte_count => promised,
+            _ => {
+                return Err(Error::run("the array has the wrong size")
+                    .found(format_args!("{byte_count} bytes"))
+                    .accepted(match promised.and_then(|count| self.number_type.byte_count(count)) {
+                        Some(bytes) => format!("{bytes} bytes of {}", self.number_type.name()),
+                        None => format!("whole values of {}", self.number_type.name()),
+                    }));
+            }
+        };
+        self.check_count(count)?;
+        Ok(count as usize)
+    }
+
+    fn check_count(&self, count: u64) -> Result<()> {
+        match self.promised()? {
+            Some(promised) if promised != count => {
+                Err(Error::run("the array has the wrong number of values").found(count).accepted(
+                    format_args!(
+                        "{promised} ({} tuples of {} components)",
+                        self.tuple_count.unwrap_or(0),
+                        self.component_count
+                    ),
+                ))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Finds the bytes and checks that they lie in the file.
+    fn find(&self, meter: &Meter) -> Result<Found> {
+        let source = &*self.source;
+        match &self.encoding {
+            Encoding::Computed(compute) => Ok(Found::Computed(compute(meter)?)),
+            Encoding::Text(parts) => {
+                let mut text = Vec::new();
+                for part in parts {
+                    text.extend(source.read(part.start, part.end - part.start)?);
+                    text.push(b' ');
+                }
+                Ok(Found::Text(text))
+            }
+            // An empty array may have no bytes at all, not even a length.
+            _ if self.promised()? == Some(0) => Ok(Found::Plain(Payload::Memory(Vec::new()))),
+            Encoding::Bytes(at) => {
+                let len = self.promised()?.and_then(|count| self.number_type.byte_count(count)).unwrap_or(0);
+                source.check(*at, len)?;
+                Ok(Found::Plain(Payload::File { at: *at, len }))
+            }
+            &Encoding::Xml { at, end, base64, wide, codec } => {
+                let width = if wide { 8 } else { 4 };
+                if base64 {
+                    let mut text = Base64Text::new(source, at, end);
+                    let Some(codec) = codec else {
+                        let separate = text.begins_with_padded_run(width)?;
+                        let head = text.clone().run(width)?;
+                        let len = word(&head, 0, wide, self.order);
+                        self.check_len(len)?;
+                        if separate {
+                            text.run(width)?;
+                            return Ok(Found::Plain(Payload::Memory(text.run(len)?)));
+                        }
+                        let mut bytes = text.run(len.saturating_add(width))?;
+                        bytes.drain(..width as usize);
+                        return Ok(Found::Plain(Payload::Memory(bytes)));
+                    };
+                    let head = text.clone().run(width * 3)?;
+                    let block_count = word(&head, 0, wide, self.order);
+                    let table_len = block_count.saturating_add(3).saturating_mul(width);
+                    let table = text.run(table_len)?;
+                    let (size, last, places) = self.places(&table, wide, codec)?;
+                    let len = places.last().map_or(0, |&(at, len)| at + u64::from(len));
+                    Ok(Found::Blocks { payload: Payload::Memory(text.run(len)?), codec, size, last, places })
+                } else {
+                    let head_len = width * if codec.is_some() { 3 } else { 1 };
+                    let head = source.read(at, head_len)?;
+                    let first = word(&head, 0, wide, self.order);
+                    let Some(codec) = codec else {
+                        self.check_len(first)?;
+                        source.check(at + width, first)?;
+                        return Ok(Found::Plain(Payload::File { at: at + width, len: first }));
+                    };
+                    let table_len = first.saturating_add(3).saturating_mul(width);
+                    let table = source.read(at, table_len)?;
+                    let (size, last, places) = self.places(&table, wide, codec)?;
+                    let len = places.last().map_or(0, |&(at, len)| at + u64::from(len));
+                    source.check(at + table_len, len)?;
+                    Ok(Found::Blocks {
+                        payload: Payload::File { at: at + table_len, len },
+                        codec,
+                        size,
+                        last,
+                        places,
+                    })
+                }
+            }
+        }
+    }
+
+    /// That a stated length in bytes is the one promised.
+    fn check_len(&self, len: u64) -> Result<()> {
+        match self.promised()?.and_then(|count| self.number_type.byte_count(count)) {
+            Some(promised) if promised != len => Err(Error::run("the array has the wrong size")
+                .found(format_args!("{len} bytes"))
+                .accepted(format_args!(
+                    "{promised} bytes ({} tuples of {} components of {})",
+                    self.tuple_count.unwrap_or(0),
+                    self.component_count,
+                    self.number_type.name()
+                ))),
+            _ => Ok(()),
+        }
+    }
+
+    /// Reads a block table: bytes of a block, bytes of the last one, place and compressed length of each.
+    fn places(&self, table: &[u8], wide: bool, codec: Codec) -> Result<(u64, u64, Vec<(u64, u32)>)> {
+        let at = |index| word(table, index, wide, self.order);
+        let (block_count, size, last) = (at(0), at(1), at(2));
+        // A last block of length 0 means that all blocks are full.
+        let last = if last == 0 { size } else { last };
+        let wrong = |found: String| Error::run("the table of compressed blocks is damaged").found(found);
+        if last > size {
+            return Err(wrong(format!("a last block of {last} bytes among blocks of {size}")));
+        }
+        let mut places = Vec::with_capacity(block_count as usize);
+        let mut begin = 0;
+        for index in 0..block_count {
+            let len = at(3 + index as usize);
+            let full = if index + 1 == block_count { last } else { size };
+            let short = u32::try_from(len).ok().filter(|_| full <= codec.greatest_size(len));
+            let Some(short) = short else {
+                return Err(wrong(format!("block {index} of {len} bytes that is to hold {full} bytes")));
+            };
+            places.push((begin, short));
+            begin += len;
+        }
+        let total =
+            if block_count == 0 { Some(0) } else { size.checked_mul(block_count - 1).map(|n| n + last) };
+        match total {
+            Some(total) => self.check_len(total)?,
+            None => return Err(wrong(format!("{block_count} blocks of {size} bytes"))),
+        }
+        if usize::try_from(size).is_err() {
+            return Err(wrong(format!("blocks of {size} bytes")));
+        }
+        Ok((size, last, places))
+    }
+
+    /// Shows all values to `see`, part by part and in parallel, without keeping them: the number of all values, that
+    /// of the part's first, and the part.
+    pub fn visit<T: Target>(
+        &self,
+        meter: &Meter,
+        see: &(dyn Fn(usize, usize, &[T]) -> Result<()> + Sync),
+    ) -> Result<()> {
+        let inner = || -> Result<()> {
+            let found = self.find(meter)?;
+            if matches!(found, Found::Text(_) | Found::Computed(_)) {
+                let values = self.load_checked(meter)?;
+                return see(values.len(), 0, &values);
+            }
+            let count = self.count(&found)?;
+            let found = self.whole_values(found, meter)?;
+            let part_len = self.part_len(&found);
+            (0..count.div_ceil(part_len)).into_par_iter().try_for_each_init(
+                || (Buffers::default(), Vec::new()),
+                |(buffers, values), part| {
+                    let first = part * part_len;
+                    values.resize((count - first).min(part_len), T::default());
+                    self.part(&found, part, buffers, values, meter)?;
+                    see(count, first, values)
+                },
+            )
+        };
+        inner().map_err(|error| error.at_item(&self.name))
+    }
+
+    /// Decodes what was found into `to`, whose length is the number of values.
+    fn decode<T: Target>(&self, found: Found, to: &mut [T], meter: &Meter) -> Result<()> {
+        match found {
+            Found::Computed(values) => {
+                for (to, value) in to.iter_mut().zip(values) {
+                    *to = T::from_f64(value).0;
+                }
+                Ok(())
+            }
+            Found::Text(text) => {
+                to.copy_from_slice(&ascii::numbers::<T>(self.number_type, &text)?);
+                meter.advance(text.len() as u64)
+            }
+            found => {
+                let found = self.whole_values(found, meter)?;
+                to.par_chunks_mut(self.part_len(&found))
+                    .enumerate()
+                    .try_for_each_init(Buffers::default, |buffers, (part, to)| {
+                        self.part(&found, part, buffers, to, meter)
+                    })
+            }
+        }
+    }
+
+    /// Puts the bytes side by side where values lie across the blocks.
+    fn whole_values(&self, found: Found, meter: &Meter) -> Result<Found> {
+        let Found::Blocks { size, last, places, .. } = &found else { return Ok(found) };
+        if self.number_type.size().is_some_and(|value_size| size.is_multiple_of(value_size as u64)) {
+            return Ok(found);
+        }
+        let total = (places.len().saturating_sub(1)) * *size as usize + *last as usize;
+        let mut bytes = vec![0; if places.is_empty() { 0 } else { total }];
+        bytes
+            .par_chunks_mut((*size as usize).max(1))
+            .enumerate()
+            .try_for_each_init(Buffers::default, |buffers, (index, to)| {
+                self.block(&found, index, buffers, to, meter)
+            })?;
+        Ok(Found::Plain(Payload::Memory(bytes)))
+    }
+
+    /// Values of a part that one task decodes.
+    fn part_len(&self, found: &Found) -> usize {
+        match (found, self.number_type.size()) {
+            (Found::Blocks { size, .. }, Some(value_size)) => (*size as usize / value_size).max(1),
+            _ => PART,
+        }
+    }
+
+    /// Decodes one part.
+    fn part<T: Target>(
+        &self,
+        found: &Found,
+        part: usize,
+        buffers: &mut Buffers,
+        to: &mut [T],
+        meter: &Meter,
+    ) -> Result<()> {
+        let first = part * self.part_len(found);
+        let convert_to = |bytes: &[u8], to: &mut [T]| {
+            convert(self.number_type, self.order, bytes, to).map_err(|index| {
+                Error::run(format!("value {} of the array is out of range", first + index))
+                    .accepted(T::ACCEPTED)
+            })
+        };
+        match found {
+            Found::Plain(payload) => {
+                // A part is a multiple of 8 values, so parts of bit arrays begin with a byte.
+                let (at, end) = match self.number_type.size() {
+                    Some(size) => (first * size, (first + to.len()) * size),
+                    None => (first / 8, (first + to.len()).div_ceil(8)),
+                };
+                convert_to(payload.get(&self.source, at as u64, end - at, &mut buffers.read)?, to)?;
+                meter.advance((end - at) as u64)
+            }
+            _ => {
+                let len = to.len() * self.number_type.size().unwrap_or(1);
+                let mut bytes = std::mem::take(&mut buffers.decompressed);
+                bytes.resize(len, 0);
+                self.block(found, part, buffers, &mut bytes, meter)?;
+                convert_to(&bytes, to)?;
+                buffers.decompressed = bytes;
+                Ok(())
+            }
+        }
+    }
+
+    /// Decompresses block `index` into `to`, which has its size.
+    fn block(
+        &self,
+        found: &Found,
+        index: usize,
+        buffers: &mut Buffers,
+        to: &mut [u8],
+        meter: &Meter,
+    ) -> Result<()> {
+        let Found::Blocks { payload, codec, places, .. } = found else { return Ok(()) };
+        let (at, len) = places[index];
+        let decompressor = buffers.decompressor.get_or_insert_with(|| Decompressor::new(*codec));
+        let bytes = payload.get(&self.source, at, len as usize, &mut buffers.read)?;
+        decompressor
+            .decompress(bytes, to)
+            .map_err(|error| error.found(format_args!("block {index} of {}", places.len())))?;
+        meter.advance(u64::from(len))
+    }
+}
+
+/// Memory that a thread keeps from part to part.
+#[derive(Default)]
+struct Buffers {
+    read: Vec<u8>,
+    decompressed: Vec<u8>,
+    decompressor: Option<Decompressor>,
+}
+
+/// The header word number `index`.
+fn word(bytes: &[u8], index: usize, wide: bool, order: ByteOrder) -> u64 {
+    let mut value = [0];
+    let (number_type, size) = if wide { (NumberType::U64, 8) } else { (NumberType::U32, 4) };
+    // The words are unsigned, so every one is in range.
+    let _ = convert(number_type, order, &bytes[index * size..], &mut value);
+    value[0]
+}

@@ -1,0 +1,220 @@
+//! The XML part of a file as a tree of elements, up to the appended data.
+//!
+//! What follows `<AppendedData encoding="raw">_` is not XML, so the parser stops at that tag and the rest of the file
+//! is only ever read at the positions that the arrays name. Of the text inside elements only the place is kept.
+
+use crate::formats::source::Source;
+use quick_xml::events::{BytesStart, Event};
+use std::io::{BufReader, Read};
+use std::ops::Range;
+use std::sync::Arc;
+use voltet_core::{Error, Result};
+
+/// More elements than any writer makes; bounds the memory that a file of empty elements can take.
+const GREATEST_ELEMENT_COUNT: usize = 2_000_000;
+/// Deeper than any VTK file.
+const GREATEST_DEPTH: usize = 32;
+
+/// An element of the header.
+#[derive(Debug, Default)]
+pub(super) struct Element {
+    pub tag: String,
+    pub attributes: Vec<(String, String)>,
+    pub children: Vec<Element>,
+    /// Places of the text directly inside this element, white space alone left out.
+    pub text: Vec<Range<u64>>,
+}
+
+impl Element {
+    /// The value of an attribute.
+    pub fn attribute(&self, name: &str) -> Option<&str> {
+        self.attributes.iter().find(|(key, _)| key == name).map(|(_, value)| value.as_str())
+    }
+
+    /// The value of an attribute that must be there.
+    pub fn required(&self, name: &str) -> Result<&str> {
+        self.attribute(name)
+            .ok_or_else(|| Error::run(format!("the element <{}> lacks its attribute {name}", self.tag)))
+    }
+
+    /// An attribute as a number; an error where it is there and is none.
+    pub fn number<T: std::str::FromStr>(&self, name: &str) -> Result<Option<T>> {
+        let Some(value) = self.attribute(name) else { return Ok(None) };
+        value.trim().parse().map(Some).map_err(|_| self.wrong(name, "a number"))
+    }
+
+    /// An attribute as a list of `N` numbers.
+    pub fn numbers<T: std::str::FromStr, const N: usize>(&self, name: &str) -> Result<Option<[T; N]>> {
+        let Some(value) = self.attribute(name) else { return Ok(None) };
+        let numbers: Option<Vec<T>> = value.split_ascii_whitespace().map(|word| word.parse().ok()).collect();
+        let wrong = || self.wrong(name, &format!("{N} numbers"));
+        numbers.and_then(|numbers| numbers.try_into().ok()).map(Some).ok_or_else(wrong)
+    }
+
+    /// An error about an attribute.
+    pub fn wrong(&self, name: &str, accepted: &str) -> Error {
+        Error::run(format!("the attribute {name} of <{}> is wrong", self.tag))
+            .found(format_args!("'{}'", self.attribute(name).unwrap_or("")))
+            .accepted(accepted)
+    }
+
+    /// The first child of that tag.
+    pub fn child(&self, tag: &str) -> Option<&Element> {
+        self.children.iter().find(|child| child.tag == tag)
+    }
+
+    /// All children of that tag.
+    pub fn children_of<'a>(&'a self, tag: &'a str) -> impl Iterator<Item = &'a Element> {
+        self.children.iter().filter(move |child| child.tag == tag)
+    }
+}
+
+/// The appended data of a file.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Appended {
+    /// The byte after the underscore, from which offsets count.
+    pub at: u64,
+    pub base64: bool,
+}
+
+/// Reads the header: its root, and where the appended data begins.
+pub(super) fn read(source: &Arc<Source>) -> Result<(Element, Option<Appended>)> {
+    let stream = BufReader::with_capacity(1 << 16, Stream { source, at: 0 });
+    let mut reader = quick_xml::Reader::from_reader(stream);
+    let mut open: Vec<Element> = vec![Element::default()];
+    let mut buffer = Vec::new();
+    let mut count = 0;
+    loop {
+        buffer.clear();
+        let start = reader.buffer_position();
+        let event = reader.read_event_into(&mut buffer);
+        let end = reader.buffer_position();
+        let event = match event {
+            Ok(event) => event,
+            Err(error) => {
+                let line = line_of(source, reader.error_position().max(start));
+                return Err(Error::run("the XML is damaged").found(error).at_line(line));
+            }
+        };
+        let failed = |error: Error| error.at_line(line_of(source, start));
+        match event {
+            Event::Start(tag) if tag.name().as_ref() == "AppendedData" => {
+                let element = element(&tag).map_err(failed)?;
+                let appended = appended(source, &element, end).map_err(failed)?;
+                while open.len() > 1 {
+                    close(&mut open);
+                }
+                return root(open).map(|root| (root, Some(appended)));
+            }
+            Event::Start(tag) => {
+                open.push(element(&tag).map_err(failed)?);
+                count += 1;
+            }
+            Event::Empty(tag) => {
+                open.push(element(&tag).map_err(failed)?);
+                close(&mut open);
+                count += 1;
+            }
+            Event::End(_) => close(&mut open),
+            Event::Text(text) => {
+                if let Some(inner) = open.last_mut().filter(|_| !text.trim_ascii().is_empty()) {
+                    inner.text.push(start..end);
+                }
+            }
+            Event::CData(_) | Event::GeneralRef(_)
+                if open.last().is_some_and(|inner| inner.tag == "DataArray") =>
+            {
+                return Err(failed(
+                    Error::run("the values of an array are not plain text")
+                        .accepted("numbers or base64 text"),
+                ));
+            }
+            Event::Eof => break,
+            _ => {}
+        }
+        if open.len() > GREATEST_DEPTH || count > GREATEST_ELEMENT_COUNT {
+            return Err(failed(Error::run("the XML holds more elements than a data file can need")));
+        }
+    }
+    if open.len() > 1 {
+        let tag = open.pop().map(|element| element.tag).unwrap_or_default();
+        return Err(Error::run("the file ends early").found(format_args!("no end of <{tag}>")));
+    }
+    root(open).map(|root| (root, None))
+}
+
+/// Ends the innermost open element.
+fn close(open: &mut Vec<Element>) {
+    if open.len() > 1
+        && let Some(inner) = open.pop()
+        && let Some(outer) = open.last_mut()
+    {
+        outer.children.push(inner);
+    }
+}
+
+fn root(open: Vec<Element>) -> Result<Element> {
+    let document = open.into_iter().next().unwrap_or_default();
+    let found = document.children.first().map_or("no element".to_owned(), |root| format!("<{}>", root.tag));
+    document
+        .children
+        .into_iter()
+        .find(|child| child.tag == "VTKFile")
+        .ok_or_else(|| Error::run("this is not a VTK file").found(found).accepted("<VTKFile type=\"…\">"))
+}
+
+fn element(tag: &BytesStart) -> Result<Element> {
+    let mut attributes = Vec::new();
+    for attribute in tag.attributes() {
+        let wrong = |reason: String| {
+            Error::run(format!("an attribute of <{}> is damaged", tag.name().as_ref())).found(reason)
+        };
+        let attribute = attribute.map_err(|error| wrong(error.to_string()))?;
+        let value = attribute
+            .normalized_value(quick_xml::XmlVersion::Implicit1_0)
+            .map_err(|error| wrong(error.to_string()))?;
+        attributes.push((attribute.key.as_ref().to_owned(), value.into_owned()));
+    }
+    Ok(Element { tag: tag.name().as_ref().to_owned(), attributes, ..Element::default() })
+}
+
+/// Finds the underscore after the opening tag.
+fn appended(source: &Source, element: &Element, at: u64) -> Result<Appended> {
+    let base64 = match element.attribute("encoding").unwrap_or("base64") {
+        "raw" => false,
+        "base64" => true,
+        _ => return Err(element.wrong("encoding", "raw or base64")),
+    };
+    let head = source.read(at, (source.len() - at).min(4096))?;
+    match head.iter().position(|b| !b.is_ascii_whitespace()) {
+        Some(index) if head[index] == b'_' => Ok(Appended { at: at + index as u64 + 1, base64 }),
+        _ => Err(Error::run("the appended data does not begin with an underscore")
+            .accepted("'_' after <AppendedData>")),
+    }
+}
+
+/// The 1-based line of a byte.
+fn line_of(source: &Source, at: u64) -> usize {
+    let mut stream = Stream { source, at: 0 }.take(at);
+    let mut buffer = vec![0; 1 << 16];
+    let mut line = 1;
+    while let Ok(count @ 1..) = stream.read(&mut buffer) {
+        line += buffer[..count].iter().filter(|&&b| b == b'\n').count();
+    }
+    line
+}
+
+/// A file read in order.
+struct Stream<'a> {
+    source: &'a Source,
+    at: u64,
+}
+
+impl Read for Stream<'_> {
+    fn read(&mut self, bytes: &mut [u8]) -> std::io::Result<usize> {
+        let count = (bytes.len() as u64).min(self.source.len().saturating_sub(self.at)) as usize;
+        self.source.read_at(self.at, &mut bytes[..count]).map_err(std::io::Error::other)?;
+        self.at += count as u64;
+        Ok(count)
+    }
+}

@@ -1,0 +1,62 @@
+//! .pvd: a series of time steps, each of one or more files.
+
+use super::header::Element;
+use super::{beside, open_inner};
+use crate::formats::piece::Dataset;
+use crate::formats::source::Source;
+use crate::formats::{Request, TimeStep};
+use voltet_core::{Error, Result};
+
+/// Reads the tables of contents of the files of one step.
+pub(super) fn open(source: &Source, root: &Element, request: &Request) -> Result<Dataset> {
+    let collection = root.child("Collection").ok_or_else(|| Error::run("the file holds no <Collection>"))?;
+    let mut entries = Vec::new();
+    for element in collection.children_of("DataSet") {
+        let time = element.number::<f64>("timestep")?.unwrap_or(0.0);
+        if !time.is_finite() {
+            return Err(element.wrong("timestep", "a finite number"));
+        }
+        entries.push((time, element.required("file")?));
+    }
+    let mut time_steps: Vec<f64> = entries.iter().map(|entry| entry.0).collect();
+    time_steps.sort_by(f64::total_cmp);
+    time_steps.dedup();
+    let time = choose(&time_steps, request.time_step)?;
+    let mut dataset = Dataset::default();
+    for (_, file) in entries.iter().filter(|entry| entry.0 == time) {
+        open_inner(&beside(source, file), true, &mut dataset)?;
+    }
+    dataset.format = format!("VTK time series of {} steps; {}", time_steps.len(), dataset.format);
+    dataset.time_steps = time_steps;
+    Ok(dataset)
+}
+
+/// The time of the step asked for.
+fn choose(time_steps: &[f64], wanted: Option<TimeStep>) -> Result<f64> {
+    let (Some(first), Some(last)) = (time_steps.first(), time_steps.last()) else {
+        return Err(Error::run("the time series is empty").accepted("at least one <DataSet file=\"…\">"));
+    };
+    match wanted {
+        None => Ok(*first),
+        Some(TimeStep::Index(index)) => time_steps.get(index).copied().ok_or_else(|| {
+            Error::run("the time series has no such step")
+                .found(format_args!("step {index}"))
+                .accepted(format_args!("0 to {}", time_steps.len() - 1))
+        }),
+        Some(TimeStep::Time(time)) => {
+            // The span of the series with a margin for times that were rounded when they were written.
+            let margin = 1e-6 * (last - first).abs().max(last.abs());
+            if !(first - margin..=last + margin).contains(&time) {
+                return Err(Error::run("the time series has no such time")
+                    .found(time)
+                    .accepted(format_args!("{first} to {last}")));
+            }
+            let distance = |step: &f64| (step - time).abs();
+            Ok(time_steps
+                .iter()
+                .copied()
+                .min_by(|a, b| distance(a).total_cmp(&distance(b)))
+                .unwrap_or(*first))
+        }
+    }
+}

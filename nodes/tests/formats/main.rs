@@ -1,0 +1,3 @@
+//! Reading files of every format.
+
+mod real_files;
