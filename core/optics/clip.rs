@@ -29,6 +29,16 @@ impl Stretch {
     pub const WHOLE: Stretch =
         Stretch { start: 0.0, start_to_back: 1.0, end: 1.0, end_to_back: 0.0, length: 1.0 };
 
+    /// The part that two stretches share.
+    pub fn intersection(&self, other: &Stretch) -> Option<Stretch> {
+        let first = if self.start >= other.start { self } else { other };
+        let last = if self.end_to_back >= other.end_to_back { self } else { other };
+        let length = if first == last { first.length } else { last.end - first.start };
+        let (start, start_to_back) = (first.start, first.start_to_back);
+        let (end, end_to_back) = (last.end, last.end_to_back);
+        (length > 0.0).then_some(Stretch { start, start_to_back, end, end_to_back, length })
+    }
+
     /// The value at the start of what is `front` and `back` at the segment's ends.
     #[inline]
     pub fn at_start(&self, front: f64, back: f64) -> f64 {

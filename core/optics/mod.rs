@@ -13,8 +13,11 @@ pub mod piecewise_linear;
 mod prepared;
 pub mod quadrature;
 pub mod special;
+pub mod table;
 pub mod track;
+pub mod triangular_gaussian;
 mod validate;
+pub mod wave;
 
 pub use prepared::Prepared;
 

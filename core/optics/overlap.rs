@@ -10,7 +10,10 @@ use super::gaussian::GaussianTrack;
 use super::piecewise_linear::PiecewiseTrack;
 use super::quadrature::GAUSS_12;
 use super::special::{OPAQUE_DEPTH, opacity};
+use super::table::TablePath;
 use super::track::{POINTS, Track, limit_panel};
+use super::triangular_gaussian::TriangularPath;
+use super::wave::WaveTrack;
 
 /// A widget's rate along the segment.
 #[derive(Debug, Clone, Copy)]
@@ -21,6 +24,12 @@ pub enum AnyTrack<'a> {
     Gaussian(GaussianTrack),
     /// Linear between control points.
     Piecewise(PiecewiseTrack<'a>),
+    /// A triangular Gaussian.
+    Triangular(TriangularPath),
+    /// A triangle or sine wave.
+    Wave(WaveTrack),
+    /// An image.
+    Table(TablePath<'a>),
 }
 
 impl Track for AnyTrack<'_> {
@@ -29,6 +38,9 @@ impl Track for AnyTrack<'_> {
             AnyTrack::Uniform(rate) => *rate,
             AnyTrack::Gaussian(track) => track.rate(t),
             AnyTrack::Piecewise(track) => track.rate(t),
+            AnyTrack::Triangular(track) => track.rate(t),
+            AnyTrack::Wave(track) => track.rate(t),
+            AnyTrack::Table(track) => track.rate(t),
         }
     }
 
@@ -37,6 +49,9 @@ impl Track for AnyTrack<'_> {
             AnyTrack::Uniform(rate) => rate * dt,
             AnyTrack::Gaussian(track) => track.depth(t, dt),
             AnyTrack::Piecewise(track) => track.depth(t, dt),
+            AnyTrack::Triangular(track) => track.depth(t, dt),
+            AnyTrack::Wave(track) => track.depth(t, dt),
+            AnyTrack::Table(track) => track.depth(t, dt),
         }
     }
 
@@ -45,6 +60,9 @@ impl Track for AnyTrack<'_> {
             AnyTrack::Uniform(_) => f64::INFINITY,
             AnyTrack::Gaussian(track) => track.next_break(t),
             AnyTrack::Piecewise(track) => track.next_break(t),
+            AnyTrack::Triangular(track) => track.next_break(t),
+            AnyTrack::Wave(track) => track.next_break(t),
+            AnyTrack::Table(track) => track.next_break(t),
         }
     }
 
@@ -53,6 +71,9 @@ impl Track for AnyTrack<'_> {
             AnyTrack::Uniform(rate) => GAUSS_12.map(|(x, _)| rate * dt * x),
             AnyTrack::Gaussian(track) => track.depths(t, dt),
             AnyTrack::Piecewise(track) => track.depths(t, dt),
+            AnyTrack::Triangular(track) => track.depths(t, dt),
+            AnyTrack::Wave(track) => track.depths(t, dt),
+            AnyTrack::Table(track) => track.depths(t, dt),
         }
     }
 }
@@ -104,12 +125,13 @@ impl Member<'_> {
     fn color_at(&self, t: f64) -> [f64; 3] {
         match &self.track {
             AnyTrack::Piecewise(track) => track.path.color(t),
+            AnyTrack::Table(track) => track.color(t),
             _ => self.color,
         }
     }
 
     fn has_one_color(&self) -> bool {
-        !matches!(self.track, AnyTrack::Piecewise(_))
+        !matches!(self.track, AnyTrack::Piecewise(_) | AnyTrack::Table(_))
     }
 }
 

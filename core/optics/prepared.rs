@@ -5,10 +5,15 @@ use super::gaussian::{FIELD_LIMIT, GaussianPath};
 use super::overlap::{AnyTrack, Glow, Member, ordered};
 use super::piecewise_linear::{PiecewisePath, PiecewiseTrack};
 use super::special::{mean_transmittance, opacity};
+use super::table::TablePath;
+use super::track::Track;
+use super::triangular_gaussian::TriangularPath;
 use super::validate::validate;
+use super::wave::{Bell, WavePath};
 use super::{Contribution, Overlap, Segment};
 use crate::Result;
-use crate::transfer::{ControlPoint, OpticalModel, Profile, TransferFunction};
+use crate::transfer::{ControlPoint, OpticalModel, Profile, Table, TransferFunction};
+use std::sync::Arc;
 
 /// A transfer function, checked, with what all its segments share worked out.
 #[derive(Debug, Clone)]
@@ -40,7 +45,10 @@ enum Shape {
     Uniform,
     Gaussian { centre: [f64; 2], matrix: [[f64; 2]; 2] },
     GaussianNd(Box<GaussianNd>),
+    Triangular { centre: f64, sigma: f64 },
+    Wave(Bell),
     Piecewise { points: Vec<ControlPoint>, peak: f64 },
+    Table { table: Arc<Table>, range: Clip },
 }
 
 #[derive(Debug, Clone)]
@@ -57,7 +65,10 @@ struct GaussianNd {
 enum Path<'a> {
     Uniform,
     Gaussian(GaussianPath),
+    Triangular(TriangularPath),
+    Wave(WavePath),
     Piecewise(PiecewisePath<'a>),
+    Table(TablePath<'a>),
 }
 
 /// A widget that the segment crosses.
@@ -107,7 +118,16 @@ impl Prepared {
                     }
                     (Shape::GaussianNd(Box::new(nd)), widget.extinction)
                 }
-                _ => return Err(crate::Error::run("this widget is in work")),
+                Profile::TriangularGaussian { centre, sigma } => {
+                    (Shape::Triangular { centre: *centre, sigma: *sigma }, widget.extinction)
+                }
+                Profile::TriangleWave(wave) => (Shape::Wave(Bell::triangle(wave)), widget.extinction),
+                Profile::SineWave(wave) => (Shape::Wave(Bell::sine(wave)), widget.extinction),
+                Profile::Table(table) => {
+                    let range =
+                        Clip::Rectangle { low: [table.s[0], table.g[0]], high: [table.s[1], table.g[1]] };
+                    (Shape::Table { table: Arc::clone(table), range }, widget.extinction)
+                }
             };
             let clip = widget.region.as_ref().map(Clip::new).transpose()?;
             widgets.push(PreparedWidget { shape, color: widget.color, extinction, clip });
@@ -158,6 +178,11 @@ impl Prepared {
             Some(clip) => clip.stretch(segment.front, segment.back)?,
         };
         let (front, back) = (segment.front, segment.back);
+        let stretch = match &widget.shape {
+            Shape::Table { range, .. } => stretch.intersection(&range.stretch(front, back)?)?,
+            _ => stretch,
+        };
+        let peak = segment.length * widget.extinction / self.unit_distance;
         let path = match &widget.shape {
             Shape::Uniform => Path::Uniform,
             Shape::Gaussian { centre, matrix } => {
@@ -173,12 +198,23 @@ impl Prepared {
             }
             Shape::GaussianNd(nd) => Path::Gaussian(nd.path(segment)),
             Shape::Piecewise { points, .. } => Path::Piecewise(PiecewisePath::new(points, front[0], back[0])),
+            Shape::Triangular { centre, sigma } => Path::Triangular(TriangularPath::new(
+                [front[0] - centre, back[0] - centre],
+                [sigma * front[1], sigma * back[1]],
+                peak,
+            )),
+            Shape::Wave(bell) => Path::Wave(bell.path(front, back)),
+            Shape::Table { table, .. } => {
+                Path::Table(TablePath::new(table, front, back, peak, self.cutoff.map(|cutoff| cutoff.share)))
+            }
         };
-        let peak = segment.length * widget.extinction / self.unit_distance;
         let depth = match &path {
             Path::Uniform => peak * stretch.length,
             Path::Gaussian(path) => path.optical_depth(peak, &stretch),
             Path::Piecewise(path) => peak * path.integral(&stretch),
+            Path::Triangular(path) => path.optical_depth(&stretch),
+            Path::Wave(path) => peak * path.integral(&stretch),
+            Path::Table(path) => path.depth(stretch.start, stretch.length),
         };
         // False also where the values are not numbers.
         (depth >= 0.0 && peak > 0.0).then_some(Active { widget, path, stretch, peak, depth })
@@ -188,6 +224,9 @@ impl Prepared {
     fn color_alone(&self, active: &Active, length: f64) -> [f64; 3] {
         let scale = length / self.unit_distance;
         let Active { widget, stretch, peak, depth, .. } = active;
+        if matches!(active.path, Path::Table(_)) {
+            return ordered(&[self.member(active, length)], self.glow(length));
+        }
         let Some(cutoff) = self.cutoff else {
             return match &active.path {
                 Path::Piecewise(path) => path.emission(scale, stretch),
@@ -197,6 +236,10 @@ impl Prepared {
         let lit = match &active.path {
             Path::Uniform => stretch.length * mean_transmittance(*depth),
             Path::Gaussian(path) => path.glow(*peak, stretch, cutoff.level),
+            Path::Triangular(path) => path.glow(stretch, cutoff.level),
+            Path::Wave(path) => path.glow(*peak, stretch, cutoff.share),
+            // Drawn above.
+            Path::Table(_) => 0.0,
             Path::Piecewise(path) => {
                 return path.glow(scale, stretch, self.threshold(widget, cutoff)).map(|c| c * scale);
             }
@@ -254,9 +297,11 @@ impl Prepared {
             count += 1;
         }
         let members = if spilled.is_empty() { &inline[..count] } else { &spilled[..] };
-        let glow =
-            if self.cutoff.is_some() { Glow::Constant(length / self.unit_distance) } else { Glow::Density };
-        ordered(members, glow)
+        ordered(members, self.glow(length))
+    }
+
+    fn glow(&self, length: f64) -> Glow {
+        if self.cutoff.is_some() { Glow::Constant(length / self.unit_distance) } else { Glow::Density }
     }
 
     fn member<'a>(&self, active: &Active<'a>, length: f64) -> Member<'a> {
@@ -270,6 +315,14 @@ impl Prepared {
                 }
                 AnyTrack::Gaussian(path.track(active.peak))
             }
+            Path::Triangular(path) => {
+                if let Some(ends) = self.cutoff.and_then(|cutoff| path.window_ends(cutoff.level)) {
+                    window = ends;
+                }
+                AnyTrack::Triangular(path)
+            }
+            Path::Wave(path) => AnyTrack::Wave(path.track(active.peak, self.cutoff.map(|c| c.share))),
+            Path::Table(path) => AnyTrack::Table(path),
             Path::Piecewise(path) => {
                 AnyTrack::Piecewise(PiecewiseTrack { path, scale: length / self.unit_distance, threshold })
             }
@@ -305,6 +358,6 @@ impl GaussianNd {
 
 impl Active<'_> {
     fn has_one_color(&self) -> bool {
-        !matches!(self.path, Path::Piecewise(_))
+        !matches!(self.path, Path::Piecewise(_) | Path::Table(_))
     }
 }

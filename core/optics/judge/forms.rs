@@ -71,11 +71,7 @@ impl Forms for Native64 {
         segment: &Segment,
         overlap: Overlap,
     ) -> Result<Option<Contribution>> {
-        match Prepared::new(transfer_function) {
-            Ok(prepared) => Ok(Some(prepared.integrate(segment, overlap))),
-            Err(e) if e.kind == crate::error::ErrorKind::Run => Ok(None),
-            Err(e) => Err(e),
-        }
+        Ok(Some(Prepared::new(transfer_function)?.integrate(segment, overlap)))
     }
 
     fn chain(&self, segments: &[Contribution]) -> Chain {

@@ -1,0 +1,108 @@
+//! Waves of the constant-emitter: the light of the windows about the peaks where the profile exceeds the
+//! cutoff. Whole bands are alike, so any number of them is a geometric series.
+
+use super::super::clip::Stretch;
+use super::{Bell, Form, Place, Spot, WavePath, sine, triangle};
+
+/// A part of one band, by signed distances from its peak.
+#[derive(Clone, Copy)]
+struct Part {
+    from: f64,
+    to: f64,
+}
+
+impl Bell {
+    /// Half-width of the window in which the profile exceeds `cutoff`.
+    pub fn lit_half_width(&self, cutoff: f64) -> f64 {
+        let width = self.band_width * (1.0 - cutoff);
+        match self.form {
+            Form::Triangle => 0.5 * width,
+            Form::Sine => 2.0 * (0.5 * width).sqrt().asin() / std::f64::consts::PI,
+        }
+    }
+
+    /// Area between two signed distances from one peak, `from` ≤ `to`.
+    fn part_area(&self, part: Part) -> f64 {
+        let (p, q) = (part.from.abs(), part.to.abs());
+        if part.from * part.to >= 0.0 {
+            self.flank(Spot::from_peak(p.max(q)), Spot::from_peak(p.min(q)))
+        } else {
+            let half = |u| self.flank(Spot::from_peak(u), Spot::PEAK);
+            half(p) + half(q)
+        }
+    }
+
+    /// Mean of e^(−T) along a lit part; `peak` is the depth along it at profile 1.
+    fn lit(&self, part: Part, peak: f64) -> f64 {
+        match self.form {
+            Form::Triangle => {
+                triangle::lit(|u| self.value(Spot::from_peak(u.abs())), part.from, part.to, peak)
+            }
+            Form::Sine => sine::lit(self, part.from, part.to, peak),
+        }
+    }
+
+    /// ∫ e^(−T) dφ over the lit piece of a part, with T from the part's start; `rate` = dT/dφ at profile 1.
+    fn part_light(&self, part: Part, window: f64, rate: f64) -> f64 {
+        let lit = Part { from: part.from.max(-window), to: part.to.min(window) };
+        if lit.from >= lit.to {
+            return 0.0;
+        }
+        let before = rate * self.part_area(Part { from: part.from, to: lit.from });
+        let length = lit.to - lit.from;
+        (-before).exp() * length * self.lit(lit, rate * length)
+    }
+}
+
+impl Place {
+    /// Signed distance from the band's peak.
+    fn signed(self) -> f64 {
+        if self.rising { -self.spot.peak } else { self.spot.peak }
+    }
+}
+
+impl WavePath {
+    /// ∫ e^(−T) dt over the parts of the stretch where the profile exceeds `cutoff`; T counts from the start
+    /// of the stretch. Times c D/U it is the constant-emitter colour.
+    pub fn glow(&self, peak: f64, stretch: &Stretch, cutoff: f64) -> f64 {
+        let bell = &self.bell;
+        let (a, b) = (stretch.at_start(self.front, self.back), stretch.at_end(self.front, self.back));
+        // The bell is even: a falling phase is a rising one of the opposite sign.
+        let (a, b) = if a <= b { (a, b) } else { (-a, -b) };
+        let (from, to) = (Place::new(a), Place::new(b));
+        let window = bell.lit_half_width(cutoff);
+        let peak = peak * stretch.length;
+        if from.band == to.band {
+            let whole = Part { from: from.signed(), to: to.signed() };
+            if -window < whole.from && whole.to < window {
+                return stretch.length * bell.lit(whole, peak);
+            }
+        }
+        let (_, length) = bell.area(from, to);
+        if length <= 0.0 {
+            return 0.0;
+        }
+        let rate = peak / length;
+        let light = if from.band == to.band {
+            bell.part_light(Part { from: from.signed(), to: to.signed() }, window, rate)
+        } else {
+            let first = Part { from: from.signed(), to: 0.5 };
+            let last = Part { from: -0.5, to: to.signed() };
+            let band = Part { from: -0.5, to: 0.5 };
+            let bands = to.band - from.band - 1.0;
+            let (first_depth, band_depth) = (rate * bell.part_area(first), rate * 2.0 * bell.half);
+            // Σ e^(−i τ) over the whole bands, and what they leave of the light behind them.
+            let series = if bands == 0.0 {
+                0.0
+            } else if band_depth > 0.0 {
+                (-bands * band_depth).exp_m1() / (-band_depth).exp_m1()
+            } else {
+                bands
+            };
+            let middle = if series > 0.0 { series * bell.part_light(band, window, rate) } else { 0.0 };
+            let behind = (-bands * band_depth).exp() * bell.part_light(last, window, rate);
+            bell.part_light(first, window, rate) + (-first_depth).exp() * (middle + behind)
+        };
+        stretch.length * (light / length)
+    }
+}
