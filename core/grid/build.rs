@@ -1,17 +1,14 @@
 //! From a file's parts to a grid of tetrahedra.
 
-use super::cell_types::{CellType, code, describe_counts};
+use super::cell_types::{CellType, describe_counts};
 use super::parts::{Association, CellValues, Cells, Options, Parts};
-use super::source::{Fate, Source};
-use super::{Grid, Origin, cell_values, clean};
+use super::source::Source;
+use super::tally::{Tally, split_all, tally, tally_plain};
+use super::{Grid, cell_values, clean};
 use crate::progress::Progress;
 use crate::{Error, Result};
 use rayon::prelude::*;
-use std::collections::BTreeMap;
 use std::sync::Arc;
-
-/// Cells that one task handles: large enough to hide a task's cost, small enough to share out evenly.
-const CHUNK: usize = 8192;
 
 /// Builds a grid of tetrahedra from what a reader hands over.
 ///
@@ -23,15 +20,19 @@ pub fn build(mut parts: Parts, options: &Options, progress: &dyn Progress) -> Re
     progress.report("tetrahedra", 0.0);
     let point_not_finite = clean::points_not_finite(&parts);
     let cell_not_finite = clean::cells_not_finite(&parts);
-    let mut cells = std::mem::replace(&mut parts.cells, Cells::Tetrahedra(Vec::new()));
-    let ghost = parts.ghost.take();
-    let source = Source {
+    let cells = std::mem::replace(&mut parts.cells, Cells::Tetrahedra(Vec::new()));
+    let (ghost, degrees) = (parts.ghost.take(), parts.degrees.take());
+    let mut source = Source {
         cells: &cells,
         point_count: parts.points.len(),
         ghost: ghost.as_deref(),
         point_not_finite,
         cell_not_finite,
+        degrees: degrees.as_deref(),
+        curved: Default::default(),
+        polyhedra: Default::default(),
     };
+    source.prepare(&parts.points, options.subdivision as usize)?;
     let plain = matches!(source.cells, Cells::Tetrahedra(_))
         && source.ghost.is_none()
         && source.point_not_finite.is_none()
@@ -42,6 +43,12 @@ pub fn build(mut parts: Parts, options: &Options, progress: &dyn Progress) -> Re
     origin.arrays_unread = std::mem::take(&mut parts.arrays_unread);
     origin.warnings = std::mem::take(&mut parts.warnings);
     tally.warn(&mut origin.warnings);
+    if source.polyhedra.choices.overlapping > 0 {
+        origin.warnings.push(format!(
+            "{} polyhedra are so far from convex that their pieces overlap.",
+            source.polyhedra.choices.overlapping
+        ));
+    }
     if tally.tetrahedra() == 0 {
         return Err(nothing_to_draw(&tally));
     }
@@ -50,15 +57,18 @@ pub fn build(mut parts: Parts, options: &Options, progress: &dyn Progress) -> Re
             .found(tally.tetrahedra())
             .accepted(format!("at most {}", u32::MAX)));
     }
-    let (mut tetrahedra, source_cells) = if plain {
-        let Cells::Tetrahedra(own) = &mut cells else { unreachable!("a plain grid holds tetrahedra") };
-        (std::mem::take(own), None)
-    } else {
-        let (t, s) = split_all(&source, &tally, progress)?;
-        (t, Some(s))
+    let split = if plain { None } else { Some(split_all(&source, &tally, progress)?) };
+    if source.added_count() > 0 {
+        add_points(&mut parts, &source)?;
+    }
+    drop(source);
+    let (mut tetrahedra, source_cells) = match (split, cells) {
+        (Some((tetrahedra, source_cells)), _) => (tetrahedra, Some(source_cells)),
+        // Nothing is left out and nothing is split: the file's cells are the tetrahedra.
+        (None, Cells::Tetrahedra(own)) => (own, None),
+        (None, _) => return Err(nothing_to_draw(&tally)),
     };
-    drop(cells);
-    tetrahedra.par_iter_mut().with_min_len(CHUNK).for_each(|t| t.sort_unstable());
+    tetrahedra.par_iter_mut().with_min_len(1 << 13).for_each(|t| t.sort_unstable());
     progress.report("tetrahedra", 0.8);
 
     let cell_values = cell_values::take(&mut parts);
@@ -82,6 +92,38 @@ pub fn build(mut parts: Parts, options: &Options, progress: &dyn Progress) -> Re
     }
     progress.report("tetrahedra", 1.0);
     Ok(grid)
+}
+
+/// Appends the points that curved cells and polyhedra add, with all values that sit on points.
+fn add_points(parts: &mut Parts, source: &Source) -> Result<()> {
+    let count = source.added_count();
+    let points: Vec<glam::DVec3> = (0..count)
+        .into_par_iter()
+        .map(|i| {
+            source.weights_of_added(i, |weights| weights.map(|(p, w)| parts.points[p as usize] * w).sum())
+        })
+        .collect::<Result<_>>()?;
+    parts.points.extend_from_slice(&points);
+    let interpolate = |values: &mut Vec<f64>, component_count: usize| -> Result<()> {
+        let n = component_count.max(1);
+        let mut added = vec![0.0; count * n];
+        added.par_chunks_exact_mut(n).enumerate().try_for_each(|(i, tuple)| {
+            source.weights_of_added(i, |weights| {
+                for (p, w) in weights {
+                    tuple.iter_mut().zip(&values[p as usize * n..]).for_each(|(sum, v)| *sum += w * v);
+                }
+            })
+        })?;
+        values.extend_from_slice(&added);
+        Ok(())
+    };
+    if let Some(scalar) = parts.scalar.as_mut().filter(|s| s.association == Association::Point) {
+        interpolate(&mut scalar.values, 1)?;
+    }
+    for array in parts.point_arrays.values_mut() {
+        interpolate(&mut array.values, array.component_count)?;
+    }
+    Ok(())
 }
 
 /// Lengths and limits that everything after relies on.
@@ -148,152 +190,6 @@ fn check(parts: &Parts, options: &Options) -> Result<()> {
         expect("degrees", degrees.len(), cell_count)?;
     }
     Ok(())
-}
-
-/// Counts of the cells' types and fates, and the tetrahedra of every chunk.
-#[derive(Default)]
-struct Tally {
-    by_type: BTreeMap<u8, u64>,
-    unsupported: BTreeMap<u8, u64>,
-    ghost: u64,
-    not_volume: u64,
-    not_finite: u64,
-    chunk_tetrahedra: Vec<usize>,
-}
-
-impl Tally {
-    fn tetrahedra(&self) -> usize {
-        self.chunk_tetrahedra.iter().sum()
-    }
-
-    fn origin(&self) -> Origin {
-        Origin {
-            cells_by_type: self.by_type.clone(),
-            cells_not_finite: self.not_finite,
-            cells_ghost: self.ghost,
-            cells_not_volume: self.not_volume,
-            ..Origin::default()
-        }
-    }
-
-    fn warn(&self, warnings: &mut Vec<String>) {
-        if self.not_finite > 0 {
-            warnings.push(format!(
-                "{} three-dimensional cells were left out because a position or value is not finite.",
-                self.not_finite
-            ));
-        }
-        if !self.unsupported.is_empty() {
-            warnings.push(format!(
-                "{} were left out: cells of this type cannot be split into tetrahedra.",
-                describe_counts(&self.unsupported)
-            ));
-        }
-    }
-
-    fn add(&mut self, other: Tally) {
-        for (mine, theirs) in [(&mut self.by_type, other.by_type), (&mut self.unsupported, other.unsupported)]
-        {
-            for (code, count) in theirs {
-                *mine.entry(code).or_default() += count;
-            }
-        }
-        self.ghost += other.ghost;
-        self.not_volume += other.not_volume;
-        self.not_finite += other.not_finite;
-        self.chunk_tetrahedra.extend(other.chunk_tetrahedra);
-    }
-}
-
-/// Ranges of cells, one a task.
-fn chunks(count: usize) -> impl IndexedParallelIterator<Item = std::ops::Range<usize>> {
-    (0..count.div_ceil(CHUNK)).into_par_iter().map(move |c| c * CHUNK..((c + 1) * CHUNK).min(count))
-}
-
-/// Goes over all cells once: checks them, counts fates and tetrahedra.
-fn tally(source: &Source, progress: &dyn Progress) -> Result<Tally> {
-    let count = source.cells.count();
-    let parts: Vec<Result<Tally>> = chunks(count)
-        .map(|range| {
-            if progress.cancelled() {
-                return Err(Error::cancelled());
-            }
-            let mut tally = Tally::default();
-            let mut by_type = [0_u64; 256];
-            let mut tetrahedra = 0;
-            let mut buffer = [0; 8];
-            for number in range {
-                let cell = source.cell(number, &mut buffer)?;
-                by_type[usize::from(cell.code)] += 1;
-                match source.fate(&cell)? {
-                    Fate::Drawn => source.tetrahedra(&cell, &mut |_| tetrahedra += 1),
-                    Fate::Ghost => tally.ghost += 1,
-                    Fate::NotVolume => tally.not_volume += 1,
-                    Fate::NotFinite => tally.not_finite += 1,
-                    Fate::Unsupported => *tally.unsupported.entry(cell.code).or_default() += 1,
-                }
-            }
-            tally.by_type = (0..=255).zip(by_type).filter(|&(_, count)| count > 0).collect();
-            tally.chunk_tetrahedra.push(tetrahedra);
-            Ok(tally)
-        })
-        .collect();
-    let mut sum = Tally::default();
-    for part in parts {
-        sum.add(part?);
-    }
-    Ok(sum)
-}
-
-/// The same for tetrahedra all of which are drawn: only the point numbers are checked.
-fn tally_plain(source: &Source) -> Result<Tally> {
-    let Cells::Tetrahedra(tetrahedra) = source.cells else { return Ok(Tally::default()) };
-    let point_count = source.point_count;
-    let wrong =
-        tetrahedra.par_iter().with_min_len(CHUNK).any(|t| t.iter().any(|&p| p as usize >= point_count));
-    if wrong {
-        // The first of them, in a slow pass that makes the message.
-        return tally(source, &crate::progress::Silent);
-    }
-    let mut by_type = BTreeMap::new();
-    if !tetrahedra.is_empty() {
-        by_type.insert(code::TETRA, tetrahedra.len() as u64);
-    }
-    Ok(Tally { by_type, chunk_tetrahedra: vec![tetrahedra.len()], ..Tally::default() })
-}
-
-/// Goes over all cells again and writes the tetrahedra where the counts have made room for them.
-fn split_all(source: &Source, tally: &Tally, progress: &dyn Progress) -> Result<(Vec<[u32; 4]>, Vec<u32>)> {
-    let total = tally.tetrahedra();
-    let mut tetrahedra = vec![[0_u32; 4]; total];
-    let mut source_cells = vec![0_u32; total];
-    let mut slots = Vec::with_capacity(tally.chunk_tetrahedra.len());
-    let (mut rest, mut rest_cells) = (&mut tetrahedra[..], &mut source_cells[..]);
-    for &n in &tally.chunk_tetrahedra {
-        let (head, tail) = rest.split_at_mut(n);
-        let (head_cells, tail_cells) = rest_cells.split_at_mut(n);
-        slots.push((head, head_cells));
-        (rest, rest_cells) = (tail, tail_cells);
-    }
-    chunks(source.cells.count()).zip(slots).try_for_each(|(range, (tetrahedra, cells))| {
-        if progress.cancelled() {
-            return Err(Error::cancelled());
-        }
-        let mut buffer = [0; 8];
-        let mut at = 0;
-        for number in range {
-            let cell = source.cell(number, &mut buffer)?;
-            if source.fate(&cell)? == Fate::Drawn {
-                source.tetrahedra(&cell, &mut |t| {
-                    tetrahedra[at] = t;
-                    cells[at] = number as u32;
-                    at += 1;
-                });
-            }
-        }
-        Ok(())
-    })?;
-    Ok((tetrahedra, source_cells))
 }
 
 /// The error where no tetrahedron is left.

@@ -6,10 +6,13 @@ mod cell_types;
 mod cell_values;
 mod cells;
 mod clean;
+mod curved;
 pub mod generate;
 mod parts;
+mod polyhedron;
 mod source;
 mod split;
+mod tally;
 
 pub use adjacency::{Neighbours, Rows, cells_of_points, points_of_points};
 pub use build::build;

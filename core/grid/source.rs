@@ -1,7 +1,9 @@
 //! The cells of a file one by one: which are drawn, and the tetrahedra of each.
 
 use super::cell_types::{CellType, code};
+use super::curved::{Curved, is_curved};
 use super::parts::Cells;
+use super::polyhedron::Polyhedra;
 use super::split;
 use crate::{Error, Result};
 
@@ -41,6 +43,12 @@ pub(super) struct Source<'a> {
     pub point_not_finite: Option<Vec<bool>>,
     /// The same for values on cells.
     pub cell_not_finite: Option<Vec<bool>>,
+    /// Degrees of the cells.
+    pub degrees: Option<&'a [[u8; 3]]>,
+    /// How curved cells are cut.
+    pub curved: Curved,
+    /// How polyhedra are split.
+    pub polyhedra: Polyhedra,
 }
 
 impl Source<'_> {
@@ -108,12 +116,94 @@ impl Source<'_> {
         if !is_supported(cell.code) {
             return Ok(Fate::Unsupported);
         }
+        if cell.code == code::POLYHEDRON {
+            return self.fate_of_polyhedron(number);
+        }
         let bad_point = |c: &u32| self.point_not_finite.as_ref().is_some_and(|bad| bad[*c as usize]);
         if self.cell_not_finite.as_ref().is_some_and(|bad| bad[number]) || cell.corners.iter().any(bad_point)
         {
             return Ok(Fate::NotFinite);
         }
         Ok(Fate::Drawn)
+    }
+
+    fn fate_of_polyhedron(&self, number: usize) -> Result<Fate> {
+        let Cells::Mixed(set) = self.cells else { return Ok(Fate::Unsupported) };
+        let Some(polyhedron) = self.polyhedra.of(set, number) else {
+            return Err(Error::run(format!("cell {number}, a polyhedron, has no faces"))
+                .accepted("the faces of every polyhedron"));
+        };
+        let bad_point = |c: &u32| self.point_not_finite.as_ref().is_some_and(|bad| bad[*c as usize]);
+        let bad_value = self.cell_not_finite.as_ref().is_some_and(|bad| bad[number]);
+        let bad = bad_value || polyhedron.faces.iter().flatten().any(bad_point);
+        Ok(if bad { Fate::NotFinite } else { Fate::Drawn })
+    }
+
+    /// What decides how a curved cell is cut.
+    pub fn kind(&self, cell: &Cell) -> (u8, usize, Option<[u8; 3]>) {
+        let degrees = if cell.code >= code::LAGRANGE_TETRAHEDRON { self.degrees } else { None };
+        (cell.code, cell.corners.len(), degrees.map(|d| d[cell.number]))
+    }
+
+    /// Prepares curved cells and polyhedra; `points` are the file's. Afterwards all cells can be split.
+    pub fn prepare(&mut self, points: &[glam::DVec3], subdivision: usize) -> Result<()> {
+        let Cells::Mixed(set) = self.cells else { return Ok(()) };
+        if set.types.iter().any(|&code| is_curved(code)) {
+            let mut curved = Curved::default();
+            let mut last = None;
+            let mut buffer = [0; 8];
+            for number in 0..set.types.len() {
+                if !is_curved(set.types[number]) {
+                    continue;
+                }
+                let cell = self.cell(number, &mut buffer)?;
+                let kind = self.kind(&cell);
+                if last != Some(kind) {
+                    curved.prepare(&cell, kind, subdivision)?;
+                    last = Some(kind);
+                }
+            }
+            curved.number_points(self, self.point_count)?;
+            self.curved = curved;
+        }
+        if !set.polyhedra.is_empty() {
+            self.polyhedra = Polyhedra::index(set, self.point_count)?;
+            let drawn = |number: u32| {
+                let number = number as usize;
+                number < set.types.len()
+                    && self
+                        .cell(number, &mut [0; 8])
+                        .and_then(|cell| self.fate(&cell))
+                        .is_ok_and(|fate| fate == Fate::Drawn)
+            };
+            let first_free = self.point_count + self.curved.origins.len();
+            self.polyhedra.choices = Polyhedra::choose(set, points, drawn, first_free)?;
+        }
+        Ok(())
+    }
+
+    /// Number of points that the cells add to the file's.
+    pub fn added_count(&self) -> usize {
+        self.curved.origins.len() + self.polyhedra.choices.added.len()
+    }
+
+    /// Calls `f` with the points of the file and their weights that make added point `i`.
+    pub fn weights_of_added<R>(
+        &self,
+        i: usize,
+        f: impl FnOnce(&mut dyn Iterator<Item = (u32, f64)>) -> R,
+    ) -> Result<R> {
+        if let Some(&(number, added)) = self.curved.origins.get(i) {
+            let mut buffer = [0; 8];
+            let cell = self.cell(number as usize, &mut buffer)?;
+            let weights = self.curved.weights(self.kind(&cell), added);
+            return Ok(f(&mut weights.iter().map(|&(node, w)| (cell.corners[node], w))));
+        }
+        let position = self.polyhedra.choices.added[i - self.curved.origins.len()];
+        let Cells::Mixed(set) = self.cells else { return Ok(f(&mut std::iter::empty())) };
+        let corners = super::polyhedron::corners(&set.polyhedra[position]);
+        let weight = 1.0 / corners.len() as f64;
+        Ok(f(&mut corners.into_iter().map(|c| (c, weight))))
     }
 
     /// Hands out the tetrahedra of a cell that is drawn.
@@ -129,12 +219,17 @@ impl Source<'_> {
             code::PYRAMID => split::star(v, split::PYRAMID_FACES, emit),
             code::PENTAGONAL_PRISM => split::star(v, split::PENTAGONAL_PRISM_FACES, emit),
             code::HEXAGONAL_PRISM => split::star(v, split::HEXAGONAL_PRISM_FACES, emit),
-            _ => {}
+            code::POLYHEDRON => {
+                if let Cells::Mixed(set) = self.cells {
+                    self.polyhedra.tetrahedra(set, cell.number, emit);
+                }
+            }
+            _ => self.curved.tetrahedra(cell, self.kind(cell), emit),
         }
     }
 }
 
 /// Whether cells of this type can be split.
 pub(super) fn is_supported(code: u8) -> bool {
-    matches!(code, code::TETRA..=code::HEXAGONAL_PRISM)
+    matches!(code, code::TETRA..=code::HEXAGONAL_PRISM | code::POLYHEDRON) || is_curved(code)
 }

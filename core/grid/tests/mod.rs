@@ -1,6 +1,9 @@
 //! Tests of the tetrahedralisation: volumes, shared faces, the rule of the lowest corner, what is left out.
 
+mod curved;
+mod higher_order;
 mod linear;
+mod polyhedra;
 
 use super::generate::Random;
 use super::*;

@@ -1,0 +1,272 @@
+//! Curved cells: quadratic, triquadratic, Lagrange and Bezier cells into linear pieces.
+//!
+//! A cell of order p is cut on the lattice of order p × subdivision. Lattice points that are nodes of the cell are
+//! taken as they are; every other one is an added point, a weighted sum of the cell's nodes by its shape functions,
+//! with which positions and all values are interpolated. Added points on an edge or face are shared with the
+//! neighbours: they are known by the numbers of the corners of that edge or face and their place between these.
+//! An axis along which the cell is linear is not cut, as little as a linear cell is.
+//!
+//! The triquadratic pyramid has nodes inside its triangles that no regular lattice has; it is joined straight from
+//! node to node whatever the subdivision.
+
+mod basis;
+mod lattice;
+mod nodes;
+
+use super::cell_types::{CellType, code};
+use super::source::{Cell, Source};
+use crate::{Error, Result};
+use basis::Weights;
+use lattice::Piece;
+use std::collections::HashMap;
+use std::hash::{BuildHasherDefault, Hasher};
+
+/// Pieces along an edge of a curved cell at most: its degree × the subdivision.
+const MOST_PIECES: usize = 64;
+
+/// One point of a cell's lattice.
+#[derive(Debug, Clone)]
+enum LatticePoint {
+    /// A node of the cell.
+    Node(usize),
+    /// An added point: its number among the cell's added points.
+    Added(usize),
+}
+
+/// A point that cells of one kind add.
+#[derive(Debug, Clone)]
+struct AddedPoint {
+    weights: Weights,
+    /// Corners with whole weights where the point lies on the surface; empty inside.
+    surface: Vec<(usize, u64)>,
+}
+
+/// How cells of one kind are cut.
+#[derive(Debug, Clone)]
+struct Template {
+    points: Vec<LatticePoint>,
+    added: Vec<AddedPoint>,
+    pieces: Vec<Piece>,
+}
+
+/// What decides a template: type, number of points, degrees.
+type Kind = (u8, usize, Option<[u8; 3]>);
+
+/// The templates of all kinds of curved cells in a file, and the points they add.
+#[derive(Debug, Default)]
+pub(super) struct Curved {
+    templates: HashMap<Kind, Template>,
+    /// Numbers of the added points, cell after cell.
+    numbers: Vec<u32>,
+    /// Where each cell's numbers start; empty where no cell adds points.
+    starts: Vec<usize>,
+    /// Where each added point comes from: cell, and number among the cell's added points.
+    pub origins: Vec<(u32, u32)>,
+}
+
+/// Whether cells of this type are curved.
+pub(super) fn is_curved(code: u8) -> bool {
+    nodes::is_curved(code) || code == code::TRIQUADRATIC_PYRAMID
+}
+
+impl Curved {
+    /// Makes the template of a kind of cell unless it is there.
+    pub fn prepare(&mut self, cell: &Cell, kind: Kind, subdivision: usize) -> Result<()> {
+        let degrees = kind.2;
+        if self.templates.contains_key(&kind) {
+            return Ok(());
+        }
+        let name = CellType::of(cell.code).map_or("curved cell", |t| t.name);
+        let wrong_count = || {
+            let degrees =
+                degrees.map_or(String::new(), |d| format!(" with degrees {} {} {}", d[0], d[1], d[2]));
+            Error::run(format!("cell {}, a {name}{degrees}, has the wrong number of points", cell.number))
+                .found(cell.corners.len())
+                .accepted("the number that its degree calls for")
+        };
+        let template = if cell.code == code::TRIQUADRATIC_PYRAMID {
+            triquadratic_pyramid()
+        } else {
+            let nodes = nodes::nodes(cell.code, cell.corners.len(), degrees).ok_or_else(wrong_count)?;
+            let order = nodes.orders.into_iter().max().unwrap_or(1);
+            if order > 1 && order * subdivision > MOST_PIECES {
+                return Err(Error::usage(format!("the subdivision is too fine for cells of degree {order}"))
+                    .found(subdivision)
+                    .accepted(format!("at most {}", MOST_PIECES / order))
+                    .at_item("subdivision"));
+            }
+            template(&nodes, subdivision).ok_or_else(wrong_count)?
+        };
+        self.templates.insert(kind, template);
+        Ok(())
+    }
+
+    /// Gives every added point of the drawn cells its number, counting up from `first_free`.
+    pub fn number_points(&mut self, source: &Source, first_free: usize) -> Result<()> {
+        if self.templates.values().all(|t| t.added.is_empty()) {
+            return Ok(());
+        }
+        let count = source.cells.count();
+        let mut known: HashMap<Place, u32, BuildHasherDefault<PlaceHasher>> = HashMap::default();
+        self.starts = Vec::with_capacity(count + 1);
+        self.starts.push(0);
+        let mut buffer = [0; 8];
+        for number in 0..count {
+            let cell = source.cell(number, &mut buffer)?;
+            if is_curved(cell.code) && source.fate(&cell)? == super::source::Fate::Drawn {
+                let template = &self.templates[&source.kind(&cell)];
+                for (added, point) in template.added.iter().enumerate() {
+                    let next = u32::try_from(first_free + self.origins.len()).map_err(|_| {
+                        Error::run("curved cells need too many points")
+                            .found(first_free + self.origins.len())
+                            .accepted(format!("at most {} (or a lower subdivision)", u32::MAX))
+                    })?;
+                    let number_of_point = match Place::of(&point.surface, cell.corners) {
+                        Place::Inside => next,
+                        Place::At(corner) => corner,
+                        place => *known.entry(place).or_insert(next),
+                    };
+                    if number_of_point == next {
+                        self.origins.push((number as u32, added as u32));
+                    }
+                    self.numbers.push(number_of_point);
+                }
+            }
+            self.starts.push(self.numbers.len());
+        }
+        Ok(())
+    }
+
+    /// Hands out the tetrahedra of a curved cell.
+    pub fn tetrahedra(&self, cell: &Cell, kind: Kind, emit: &mut impl FnMut([u32; 4])) {
+        let template = &self.templates[&kind];
+        let start = self.starts.get(cell.number).copied().unwrap_or(0);
+        let number = |at: usize| match template.points[at] {
+            LatticePoint::Node(node) => cell.corners[node],
+            LatticePoint::Added(added) => self.numbers[start + added],
+        };
+        for piece in &template.pieces {
+            piece.tetrahedra(number, emit);
+        }
+    }
+
+    /// Nodes of the cell and weights that make an added point.
+    pub fn weights(&self, kind: Kind, added: u32) -> &[(usize, f64)] {
+        &self.templates[&kind].added[added as usize].weights
+    }
+}
+
+/// Cuts cells with these nodes.
+fn template(nodes: &nodes::Nodes, subdivision: usize) -> Option<Template> {
+    let orders = nodes.orders;
+    let fine = orders.map(|p| if p == 1 { 1 } else { p * subdivision });
+    let full = basis::full_lattice(nodes)?;
+    let mut added = Vec::new();
+    let points = lattice::points(nodes.shape, fine)
+        .into_iter()
+        .map(|at| {
+            let functions = basis::functions_at(nodes.shape, orders, fine, at);
+            let weights = basis::combine(&functions, &full);
+            if let [(node, _)] = weights[..] {
+                return LatticePoint::Node(node);
+            }
+            let corner_weights = lattice::corner_weights(nodes.shape, fine, at);
+            let surface =
+                if lattice::on_surface(nodes.shape, &corner_weights) { corner_weights } else { Vec::new() };
+            added.push(AddedPoint { weights, surface });
+            LatticePoint::Added(added.len() - 1)
+        })
+        .collect();
+    Some(Template { points, added, pieces: lattice::pieces(nodes.shape, fine) })
+}
+
+/// The triquadratic pyramid (VTK's vtkTriQuadraticPyramid): corners 0 … 4, middles of the base edges 5 … 8 and of
+/// the others 9 … 12, centre of the base 13, of the triangles 14 … 17, of the body 18, from which all pieces are
+/// joined.
+fn triquadratic_pyramid() -> Template {
+    let mut pieces = Vec::new();
+    for c in 0..4 {
+        let (next, before) = ((c + 1) % 4, (c + 3) % 4);
+        pieces.push(Piece::Pyramid([c, 5 + c, 13, 5 + before, 18]));
+        let around = [c, 5 + c, next, 9 + next, 4, 9 + c];
+        for i in 0..6 {
+            pieces.push(Piece::Tetrahedron([around[i], around[(i + 1) % 6], 14 + c, 18]));
+        }
+    }
+    Template { points: (0..19).map(LatticePoint::Node).collect(), added: Vec::new(), pieces }
+}
+
+/// Where an added point lies, the same for all cells that share it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+enum Place {
+    /// Inside its cell.
+    Inside,
+    /// At a corner (of a collapsed edge or face).
+    At(u32),
+    /// Between up to four corners, by ascending number, with whole weights without a common factor; unused places
+    /// have weight 0.
+    Between([(u32, u64); 4]),
+}
+
+impl Place {
+    fn of(surface: &[(usize, u64)], corners: &[u32]) -> Place {
+        if surface.is_empty() {
+            return Place::Inside;
+        }
+        let mut between = [(u32::MAX, 0_u64); 4];
+        for (slot, &(corner, weight)) in between.iter_mut().zip(surface) {
+            *slot = (corners[corner], weight);
+        }
+        between.sort_unstable();
+        // A collapsed cell names a corner twice.
+        for i in (1..4).rev() {
+            if between[i].1 > 0 && between[i].0 == between[i - 1].0 {
+                between[i - 1].1 += between[i].1;
+                between[i] = (u32::MAX, 0);
+            }
+        }
+        between.sort_unstable();
+        if between[1].1 == 0 {
+            return Place::At(between[0].0);
+        }
+        let divisor = between.iter().fold(0, |a, &(_, weight)| common_divisor(a, weight));
+        Place::Between(between.map(|(corner, weight)| (corner, weight / divisor)))
+    }
+}
+
+fn common_divisor(a: u64, b: u64) -> u64 {
+    if b == 0 { a } else { common_divisor(b, a % b) }
+}
+
+/// A quick hash of whole numbers, each mixed in by a multiplication (as rustc's own FxHasher).
+#[derive(Default)]
+struct PlaceHasher(u64);
+
+impl Hasher for PlaceHasher {
+    fn finish(&self) -> u64 {
+        // The table looks at the top and bottom bits; the bottom ones of a product are weak.
+        self.0 ^ (self.0 >> 32)
+    }
+
+    fn write(&mut self, bytes: &[u8]) {
+        for &byte in bytes {
+            self.write_u64(u64::from(byte));
+        }
+    }
+
+    fn write_u32(&mut self, value: u32) {
+        self.write_u64(u64::from(value));
+    }
+
+    fn write_u64(&mut self, value: u64) {
+        self.0 = (self.0.rotate_left(5) ^ value).wrapping_mul(0x517C_C1B7_2722_0A95);
+    }
+
+    fn write_usize(&mut self, value: usize) {
+        self.write_u64(value as u64);
+    }
+
+    fn write_isize(&mut self, value: isize) {
+        self.write_u64(value as u64);
+    }
+}

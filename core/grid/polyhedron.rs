@@ -1,0 +1,228 @@
+//! Polyhedra (VTK type 42) into tetrahedra.
+//!
+//! Every face becomes a fan of triangles from its corner of lowest number, so that neighbours agree; a face of five
+//! or more corners that is not convex takes the first corner, by number, whose fan does not fold over. The triangles
+//! are then joined to a point that sees all of them: the corner of lowest number if it does (in a convex cell it
+//! always does), else the mean of the corners (an added point, which carries the mean of their values), else the
+//! first other corner that does. Where none does, the mean is taken all the same and the cell is counted: its
+//! pieces overlap.
+
+use super::cells::{CellSet, Polyhedron};
+use crate::{Error, Result};
+use glam::DVec3;
+use rayon::prelude::*;
+use std::collections::HashMap;
+
+/// The point that a polyhedron's triangles are joined to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Apex {
+    Corner(u32),
+    Mean { sees_all: bool },
+}
+
+/// How the polyhedra of a file are split, in the order of [`CellSet::polyhedra`].
+#[derive(Debug, Default)]
+pub(super) struct Polyhedra {
+    /// By cell number: position in `CellSet::polyhedra`.
+    positions: HashMap<u32, usize>,
+    /// How each is split.
+    pub choices: Choices,
+}
+
+/// Decisions for all polyhedra.
+#[derive(Debug, Default)]
+pub(super) struct Choices {
+    /// Point number of every polyhedron's apex; those above the file's points are added.
+    apexes: Vec<u32>,
+    /// Polyhedra (positions) that have a point in their middle added, in the order of the points' numbers.
+    pub added: Vec<usize>,
+    /// Polyhedra whose pieces overlap.
+    pub overlapping: u64,
+    /// Number of the corner from which each face's fan starts, polyhedron after polyhedron.
+    fans: Vec<Vec<u16>>,
+}
+
+impl Polyhedra {
+    /// Looks up the polyhedra of a file and checks their points' numbers.
+    pub fn index(set: &CellSet, point_count: usize) -> Result<Polyhedra> {
+        let wrong = set.polyhedra.par_iter().find_first(|polyhedron| {
+            polyhedron.faces.iter().flatten().any(|&corner| corner as usize >= point_count)
+        });
+        if let Some(polyhedron) = wrong {
+            return Err(Error::run(format!(
+                "a face of cell {}, a polyhedron, names a point that does not exist",
+                polyhedron.cell
+            ))
+            .found(polyhedron.faces.iter().flatten().max().copied().unwrap_or(0))
+            .accepted(format!("a point number below {point_count}")));
+        }
+        let positions = set.polyhedra.iter().enumerate().map(|(i, p)| (p.cell, i)).collect();
+        Ok(Polyhedra { positions, ..Polyhedra::default() })
+    }
+
+    /// Decides how each polyhedron that is drawn is split, and numbers the added points from `first_free`.
+    pub fn choose(
+        set: &CellSet,
+        points: &[DVec3],
+        drawn: impl Fn(u32) -> bool + Sync,
+        first_free: usize,
+    ) -> Result<Choices> {
+        let (fans, apexes): (Vec<Vec<u16>>, Vec<Apex>) = set
+            .polyhedra
+            .par_iter()
+            .map(|polyhedron| {
+                if !drawn(polyhedron.cell) {
+                    return (Vec::new(), Apex::Corner(0));
+                }
+                let fans: Vec<u16> = polyhedron.faces.iter().map(|face| fan_start(face, points)).collect();
+                let apex = apex(polyhedron, &fans, points);
+                (fans, apex)
+            })
+            .unzip();
+        let mut choices = Choices { fans, ..Choices::default() };
+        for (position, apex) in apexes.into_iter().enumerate() {
+            let apex = match apex {
+                Apex::Corner(corner) => corner,
+                Apex::Mean { sees_all } => {
+                    choices.overlapping += u64::from(!sees_all);
+                    let number = first_free + choices.added.len();
+                    choices.added.push(position);
+                    u32::try_from(number).map_err(|_| {
+                        Error::run("polyhedra need too many points")
+                            .found(number)
+                            .accepted(format!("at most {}", u32::MAX))
+                    })?
+                }
+            };
+            choices.apexes.push(apex);
+        }
+        Ok(choices)
+    }
+
+    /// The faces of a cell.
+    pub fn of<'a>(&self, set: &'a CellSet, cell: usize) -> Option<&'a Polyhedron> {
+        self.positions.get(&(cell as u32)).map(|&position| &set.polyhedra[position])
+    }
+
+    /// Hands out the tetrahedra of a cell.
+    pub fn tetrahedra(&self, set: &CellSet, cell: usize, emit: &mut impl FnMut([u32; 4])) {
+        let Some(&position) = self.positions.get(&(cell as u32)) else { return };
+        let apex = self.choices.apexes[position];
+        triangles(&set.polyhedra[position], &self.choices.fans[position], |[a, b, c]| {
+            super::split::emit_distinct([apex, a, b, c], emit);
+        });
+    }
+}
+
+/// Corners of a polyhedron, ascending, each once.
+pub(super) fn corners(polyhedron: &Polyhedron) -> Vec<u32> {
+    let mut corners: Vec<u32> = polyhedron.faces.iter().flatten().copied().collect();
+    corners.sort_unstable();
+    corners.dedup();
+    corners
+}
+
+fn triangles(polyhedron: &Polyhedron, fans: &[u16], mut f: impl FnMut([u32; 3])) {
+    for (face, &start) in polyhedron.faces.iter().zip(fans) {
+        let n = face.len();
+        let corner = |k: usize| face[(usize::from(start) + k) % n];
+        for k in 1..n.saturating_sub(1) {
+            f([corner(0), corner(k), corner(k + 1)]);
+        }
+    }
+}
+
+/// Where a face's fan starts: its lowest corner; for five or more the lowest whose fan does not fold over.
+fn fan_start(face: &[u32], points: &[DVec3]) -> u16 {
+    let lowest = super::split::lowest(face);
+    let n = face.len();
+    if n < 5 {
+        return lowest as u16;
+    }
+    // The neighbour may list the face the other way round and from another corner: go by number, from the lowest
+    // corner toward the lower of the corners beside it, so that both compute the same digits.
+    let (after, before) = (face[(lowest + 1) % n], face[(lowest + n - 1) % n]);
+    let at = |k: usize| if after <= before { (lowest + k) % n } else { (lowest + n * 2 - k) % n };
+    let p = |k: usize| points[face[at(k % n)] as usize];
+    let area = |start: usize, k: usize| (p(start + k) - p(start)).cross(p(start + k + 1) - p(start));
+    let total: DVec3 = (1..n - 1).map(|k| area(0, k)).sum();
+    // A sliver of the fan may fold by rounding.
+    let tolerance = -1e-9 * total.length_squared();
+    let folds = |start: usize| (1..n - 1).any(|k| area(start, k).dot(total) < tolerance);
+    let mut order: Vec<usize> = (0..n).collect();
+    order.sort_unstable_by_key(|&k| face[at(k)]);
+    let start = order.into_iter().find(|&k| !folds(k)).map_or(lowest, at);
+    start as u16
+}
+
+/// Chooses the point that sees all triangles.
+fn apex(polyhedron: &Polyhedron, fans: &[u16], points: &[DVec3]) -> Apex {
+    let corners = corners(polyhedron);
+    let Some(&lowest) = corners.first() else { return Apex::Mean { sees_all: true } };
+    let origin = points[lowest as usize];
+    let at = |p: u32| points[p as usize] - origin;
+    let mut oriented = Vec::new();
+    let flipped = inward_faces(polyhedron);
+    for (i, face) in polyhedron.faces.iter().enumerate() {
+        let one = Polyhedron { cell: 0, faces: vec![face.clone()] };
+        triangles(&one, &fans[i..=i], |[a, b, c]| {
+            oriented.push(if flipped[i] { [a, c, b] } else { [a, b, c] })
+        });
+    }
+    let volume = |from: DVec3, [a, b, c]: [u32; 3]| (at(a) - from).dot((at(b) - from).cross(at(c) - from));
+    let total: f64 = oriented.iter().map(|&t| volume(DVec3::ZERO, t)).sum();
+    let sign = total.signum();
+    // Faces that are not quite plane make pieces that are not quite positive.
+    let tolerance = -1e-9 * total.abs();
+    let sees_all = |from: DVec3, own: Option<u32>| {
+        oriented
+            .iter()
+            .filter(|t| own.is_none_or(|own| !t.contains(&own)))
+            .all(|&t| sign * volume(from, t) >= tolerance)
+    };
+    if sees_all(DVec3::ZERO, Some(lowest)) {
+        return Apex::Corner(lowest);
+    }
+    let mean = corners.iter().map(|&c| at(c)).sum::<DVec3>() / corners.len() as f64;
+    if sees_all(mean, None) {
+        return Apex::Mean { sees_all: true };
+    }
+    match corners.iter().find(|&&c| sees_all(at(c), Some(c))) {
+        Some(&corner) => Apex::Corner(corner),
+        None => Apex::Mean { sees_all: false },
+    }
+}
+
+/// Which faces run the other way round than the first one's neighbours ask for, so that all turn alike.
+fn inward_faces(polyhedron: &Polyhedron) -> Vec<bool> {
+    let faces = &polyhedron.faces;
+    let mut uses: HashMap<(u32, u32), Vec<(usize, bool)>> = HashMap::new();
+    for (i, face) in faces.iter().enumerate() {
+        for k in 0..face.len() {
+            let (a, b) = (face[k], face[(k + 1) % face.len()]);
+            uses.entry((a.min(b), a.max(b))).or_default().push((i, a < b));
+        }
+    }
+    let mut flipped = vec![None; faces.len()];
+    for first in 0..faces.len() {
+        if flipped[first].is_some() {
+            continue;
+        }
+        flipped[first] = Some(false);
+        let mut open = vec![first];
+        while let Some(i) = open.pop() {
+            let own = flipped[i].unwrap_or(false);
+            for k in 0..faces[i].len() {
+                let (a, b) = (faces[i][k], faces[i][(k + 1) % faces[i].len()]);
+                for &(other, direction) in &uses[&(a.min(b), a.max(b))] {
+                    if other != i && flipped[other].is_none() {
+                        // Two faces that turn alike run along their edge in opposite directions.
+                        flipped[other] = Some(((a < b) == direction) != own);
+                        open.push(other);
+                    }
+                }
+            }
+        }
+    }
+    flipped.into_iter().map(|f| f.unwrap_or(false)).collect()
+}
