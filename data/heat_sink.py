@@ -38,14 +38,14 @@ PARTS = {
     "regulator": (0.10, 0.9, 9.0),
     "pad": (5.0e-3, 0.34, 0.0),  # gap-filling thermal pad
     "base": (0.10, 1.6, 0.0),  # die-cast aluminium
-    "pipe": (50.0, 0.80, 0.0),  # heat pipe: its vapour core as a solid of very high conductivity
+    "pipe": (50.0, 0.65, 0.0),  # heat pipe: its vapour core as a solid of very high conductivity
     "pin": (0.10, 1.05, 0.0),
 }
 
 # Heights (z) at which the layers meet, mm: board, component, pad, base, tips of the pins.
 Z_BOARD, Z_PART, Z_PAD, Z_BASE, Z_TOP, Z_TIP = -1.6, 0.0, 2.4, 3.4, 9.4, 29.4
 PIPE_RADIUS, PIN_RADIUS = 1.9, 1.6
-CHIPS = {"processor": (-17.0, 3.0, 14.0), "regulator": (13.0, -8.0, 8.0)}  # centre x, y and side
+CHIPS = {"processor": (-14.0, 3.0, 14.0), "regulator": (17.0, -9.0, 8.0)}  # centre x, y and side
 BASE = (-31.0, -23.0, 62.0, 46.0)  # x, y, extent
 BOARD = (-36.0, -28.0, 72.0, 56.0)
 
@@ -110,9 +110,9 @@ def add_pipe(cad, sign):
     y0 = CHIPS["processor"][1]
     bend = 12.0
     near, far = y0 + sign * 4.0, y0 + sign * 4.0 + sign * bend * 2 * (1 - np.cos(np.radians(40)))
-    start, turn = -27.0, -4.0
+    start, turn = -25.0, -1.0
     dx = bend * np.sin(np.radians(40))
-    end = 27.0
+    end = 28.0
     points = [(start, near), (turn, near), (turn + dx, 0.5 * (near + far)), (turn + 2 * dx, far), (end, far)]
     c1, c2 = (turn, near + sign * bend), (turn + 2 * dx, far - sign * bend)
     p = [cad.addPoint(px, py, z) for px, py in points]
