@@ -1,3 +1,59 @@
-//! voltet-nodes: one file a node.
+//! voltet-nodes: one file a node, at the top of this folder; each a declaration and a function.
+//!
+//! | folder | what |
+//! | --- | --- |
+//! | [`drawing`] | what the nodes that draw share |
+//! | [`encode`] | pictures to files |
+//! | [`files`] | writing whole files |
+//! | [`formats`] | data files to grids |
 
+pub mod drawing;
+pub mod encode;
+pub mod files;
 pub mod formats;
+
+mod camera;
+mod composite;
+mod cull;
+mod gradient_magnitude;
+mod image_writer;
+mod project;
+mod reader;
+mod renderer;
+mod sort;
+mod transfer_function;
+
+use std::path::Path;
+use voltet_core::Result;
+use voltet_core::graph::{Node, Registry, Session, Stamp};
+
+/// The nodes that ship, in the order in which data runs through them.
+pub const NODES: &[&Node] = &[
+    &reader::NODE,
+    &gradient_magnitude::NODE,
+    &transfer_function::NODE,
+    &camera::NODE,
+    &cull::NODE,
+    &sort::NODE,
+    &project::NODE,
+    &composite::NODE,
+    &renderer::NODE,
+    &image_writer::NODE,
+];
+
+/// A registry with the nodes that ship; plug-ins add theirs by the same [`Registry::add`].
+pub fn registry() -> Result<Registry> {
+    let mut registry = Registry::new();
+    NODES.iter().try_for_each(|node| registry.add(node))?;
+    Ok(registry)
+}
+
+/// A session that knows when files change.
+pub fn session() -> Session {
+    Session::new(stamp)
+}
+
+fn stamp(path: &Path) -> Stamp {
+    let metadata = std::fs::metadata(path).ok()?;
+    Some((metadata.len(), metadata.modified().ok()?))
+}

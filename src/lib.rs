@@ -1,3 +1,21 @@
-//! The facade library.
+//! voltet: volume pictures of results on unstructured grids, straight from the cells, with transfer functions over
+//! a scalar and its gradient magnitude.
+//!
+//! This crate is the program and a facade over the two libraries: [`core`] (what a scene is) and [`nodes`] (what
+//! reads, draws and writes it). [`Document`] opens a pipeline file, [`nodes::session`] runs it.
+//!
+//! ```no_run
+//! # fn main() -> voltet::core::Result<()> {
+//! let registry = voltet::nodes::registry()?;
+//! let document = voltet::Document::open("scene.toml".as_ref(), &[], &registry)?;
+//! let report = voltet::nodes::session().run(&document.graph, &voltet::core::graph::Unobserved)?;
+//! println!("{} s", report.seconds);
+//! # Ok(())
+//! # }
+//! ```
+
+mod document;
+
+pub use document::{Document, read_text};
 pub use voltet_core as core;
 pub use voltet_nodes as nodes;

@@ -29,6 +29,8 @@ pub struct Notes {
     pub stages: Vec<(String, f64)>,
     /// The engine and why it was taken, for nodes that draw.
     pub engine: Option<(String, String)>,
+    /// What the engine runs on, as the nodes that draw find it: a device, or vector units and threads.
+    pub adapter: Option<String>,
     /// Files written.
     pub files: Vec<String>,
 }
@@ -88,6 +90,8 @@ pub struct RunReport {
     pub warnings: Vec<String>,
     /// The engine that drew, and why.
     pub engine: Option<(String, String)>,
+    /// What it ran on.
+    pub adapter: Option<String>,
     /// Files written.
     pub files: Vec<String>,
     /// Seconds of the whole run.
@@ -111,6 +115,9 @@ impl RunReport {
         self.warnings.extend(notes.warnings.iter().map(|warning| format!("{name}: {warning}")));
         if self.engine.is_none() {
             self.engine = notes.engine.clone();
+        }
+        if self.adapter.is_none() {
+            self.adapter = notes.adapter.clone();
         }
         self.files.extend(notes.files.iter().cloned());
         self.nodes.push(NodeReport {

@@ -106,9 +106,13 @@ impl Parameters {
         })
     }
 
-    /// An error about a parameter, at its place or, where it was not given, at the place of the table.
+    /// An error about a parameter, at its place.
     pub fn error(&self, name: &str, what: impl Into<String>) -> Error {
-        let error = Error::usage(what);
+        self.blame(name, Error::usage(what))
+    }
+
+    /// Adds the place of a parameter to an error or, where it was not given, the place of the table.
+    pub fn blame(&self, name: &str, error: Error) -> Error {
         match self.optional(name).filter(|_| self.given(name)) {
             Some(setting) => setting.origin.blame(error),
             None => self.origin.blame(error),

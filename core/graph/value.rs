@@ -70,18 +70,18 @@ pub struct Look {
 }
 
 impl Look {
-    /// The transfer function for data with these points.
-    pub fn for_points(&self, points: &[DVec3]) -> TransferFunction {
+    /// The transfer function for data whose bounding box has this [`diagonal`].
+    pub fn for_diagonal(&self, diagonal: f64) -> TransferFunction {
         let mut transfer_function = self.transfer_function.clone();
         if self.auto_unit_distance {
-            transfer_function.unit_distance = diagonal(points) / 100.0;
+            transfer_function.unit_distance = diagonal / 100.0;
         }
         transfer_function
     }
 }
 
 /// Diagonal of the bounding box of the finite points; 100 where the box has no extent, which no picture shows.
-fn diagonal(points: &[DVec3]) -> f64 {
+pub fn diagonal(points: &[DVec3]) -> f64 {
     let mut low = DVec3::INFINITY;
     let mut high = DVec3::NEG_INFINITY;
     for &point in points.iter().filter(|p| p.is_finite()) {
@@ -107,7 +107,7 @@ mod tests {
         let look = Look { transfer_function, auto_unit_distance: true };
         for scale in [1.0, 1e-200, 1e200] {
             let points = [DVec3::new(1.0, 1.0, 1.0) * scale, DVec3::new(4.0, 5.0, 13.0) * scale];
-            let unit = look.for_points(&points).unit_distance;
+            let unit = look.for_diagonal(diagonal(&points)).unit_distance;
             // Two roundings of the scaling and one of the root.
             assert!((unit / (0.13 * scale) - 1.0).abs() < 1e-14, "{unit} at {scale}");
         }

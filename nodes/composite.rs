@@ -1,0 +1,46 @@
+//! `composite`: integrates every ray segment and composites the pixels.
+
+use crate::drawing;
+use std::sync::Arc;
+use voltet_core::Result;
+use voltet_core::engine::Integrator;
+use voltet_core::graph::{Asking, Call, Node, Outputs, Port, PortType, Value};
+
+/// The declaration.
+pub const NODE: Node = Node {
+    name: "composite",
+    summary: "Integrates every ray segment and composites each pixel's segments front to back.",
+    inputs: &[
+        Port { name: "projection", port_type: PortType::Projection, summary: "the projected cells" },
+        Port { name: "transfer_function", port_type: PortType::TransferFunction, summary: "what is drawn" },
+    ],
+    outputs: &[Port { name: "image", port_type: PortType::Image, summary: "the picture" }],
+    parameters: &drawing::PARAMETERS,
+    example: include_str!("examples/stages.toml"),
+    check: &|parameters| drawing::shading(parameters).map(drop),
+    demand: &|asking: &mut Asking| {
+        let (engine, why) = match asking.parameters.text("integrator")? {
+            "reference" => ("reference", "the integrator is the 64-bit reference"),
+            _ => ("cpu", "the stages are nodes of their own, which the CPU runs"),
+        };
+        asking.notes.engine = Some((engine.into(), why.into()));
+        drawing::ask(asking, "projection", "transfer_function").map(drop)
+    },
+    run: &run,
+    ..Node::BLANK
+};
+
+fn run(call: &mut Call) -> Result<Outputs> {
+    let projection = call.projection("projection")?;
+    let look = call.look("transfer_function")?;
+    let shading = drawing::shading(call.parameters)?;
+    let revision = call.revision("projection")?;
+    let transfer_function = drawing::for_data(call, &look, &projection.cells.volume, revision)?;
+    let picture = if shading.integrator == Integrator::Reference {
+        let (cells, camera) = (&projection.cells, &projection.camera);
+        drawing::referee(call, &cells.volume, &transfer_function, camera, &shading, cells.order)?
+    } else {
+        drawing::composite(call, &projection, &transfer_function, &shading)?
+    };
+    Ok(vec![Value::Image(Arc::new(picture))])
+}

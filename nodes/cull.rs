@@ -1,0 +1,45 @@
+//! `cull`: keeps the cells that could contribute to the picture.
+
+use crate::drawing;
+use std::sync::Arc;
+use voltet_core::Result;
+use voltet_core::graph::{Asking, Call, Demand, Node, Outputs, Port, PortType, Value};
+
+/// The declaration.
+pub const NODE: Node = Node {
+    name: "cull",
+    summary: "Keeps the cells that could contribute: those that a widget touches and that the camera sees.",
+    inputs: &[
+        Port { name: "volume", port_type: PortType::Volume, summary: "the cells and their values" },
+        Port { name: "transfer_function", port_type: PortType::TransferFunction, summary: "what is drawn" },
+        Port { name: "camera", port_type: PortType::Camera, summary: "what is seen" },
+    ],
+    outputs: &[Port { name: "cells", port_type: PortType::Cells, summary: "the cells that are left" }],
+    example: include_str!("examples/stages.toml"),
+    demand: &demand,
+    run: &run,
+    ..Node::BLANK
+};
+
+/// What the cells' values are compared with, and what is asked further down.
+fn demand(asking: &mut Asking) -> Result<()> {
+    let mut demand = asking.asked.clone();
+    demand.join(&match asking.look("transfer_function") {
+        Some(look) => Demand {
+            arrays: look.transfer_function.fields().iter().map(|name| name.to_string()).collect(),
+            gradient_magnitude: look.transfer_function.uses_gradient_magnitude(),
+            ..Demand::default()
+        },
+        None => Demand { order: false, ..Demand::unknown() },
+    });
+    asking.ask("volume", &demand)
+}
+
+fn run(call: &mut Call) -> Result<Outputs> {
+    let volume = call.volume("volume")?;
+    let look = call.look("transfer_function")?;
+    let camera = call.camera("camera")?;
+    let transfer_function = drawing::for_data(call, &look, &volume, call.revision("volume")?)?;
+    let cells = drawing::cull(call, &volume, &transfer_function, &camera)?;
+    Ok(vec![Value::Cells(Arc::new(cells))])
+}

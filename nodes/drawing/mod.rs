@@ -1,0 +1,12 @@
+//! What the nodes that draw share: parameters, what a scene needs, and the stages themselves, which `renderer`
+//! runs in one and `cull`, `sort`, `project` and `composite` one by one.
+
+mod needs;
+mod order;
+mod shading;
+mod stages;
+
+pub use needs::{ask, needs_order};
+pub use order::{ORDER, leave_out_order, order};
+pub use shading::{PARAMETERS, shading};
+pub use stages::{composite, cull, for_data, referee};

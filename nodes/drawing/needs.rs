@@ -1,0 +1,112 @@
+//! What a scene needs of its data: the demand that a node which draws makes.
+
+use super::shading::shading;
+use voltet_core::Result;
+use voltet_core::engine::Shading;
+use voltet_core::graph::{Asking, Demand, Look};
+use voltet_core::transfer::{OpticalModel, Profile, TransferFunction, Widget};
+
+/// Asks at `port` for what drawing the transfer function at `look` with the node's parameters needs; gives what
+/// was asked for.
+pub fn ask(asking: &mut Asking, port: &str, look: &str) -> Result<Demand> {
+    let demand = demand(asking.look(look).as_deref(), &shading(asking.parameters)?);
+    asking.ask(port, &demand)?;
+    Ok(demand)
+}
+
+fn demand(look: Option<&Look>, shading: &Shading) -> Demand {
+    // A silhouette of exponent 0 changes nothing.
+    let gradient = shading.light.is_some() || shading.silhouette.is_some_and(|p| p != 0.0);
+    let known = match look {
+        None => Demand::unknown(),
+        Some(look) => {
+            let transfer_function = &look.transfer_function;
+            Demand {
+                arrays: transfer_function.fields().iter().map(|name| name.to_string()).collect(),
+                gradient_magnitude: transfer_function.uses_gradient_magnitude(),
+                gradient: false,
+                order: needs_order(transfer_function, shading),
+            }
+        }
+    };
+    Demand { gradient, ..known }
+}
+
+/// Whether the order of a pixel's segments changes the picture. With one colour in the density-emitter model and
+/// no light, C = c·A, and A does not depend on the order.
+pub fn needs_order(transfer_function: &TransferFunction, shading: &Shading) -> bool {
+    let lit = shading.light.is_some_and(|light| light.diffuse != 0.0);
+    let mut colors = Vec::new();
+    for widget in &transfer_function.widgets {
+        match colors_of(widget) {
+            Some(list) => colors.extend(list),
+            None => return true,
+        }
+    }
+    let one_color = colors.windows(2).all(|pair| pair[0] == pair[1]);
+    transfer_function.model != OpticalModel::DensityEmitter || lit || !one_color
+}
+
+/// The colours of a widget that draws something; `None`: more than can be listed.
+fn colors_of(widget: &Widget) -> Option<Vec<[f64; 3]>> {
+    match &widget.profile {
+        _ if widget.extinction == 0.0 => Some(Vec::new()),
+        Profile::PiecewiseLinear { points } => Some(points.iter().map(|p| p.color).collect()),
+        Profile::Table(_) => None,
+        _ => Some(vec![widget.color]),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use voltet_core::engine::{Integrator, Light};
+    use voltet_core::optics::Overlap;
+    use voltet_core::transfer::ControlPoint;
+
+    fn widget(color: [f64; 3], extinction: f64) -> Widget {
+        let profile = Profile::Gaussian { centre: [0.0; 2], matrix: [[1.0, 0.0], [0.0, 0.0]] };
+        Widget { profile, color, extinction, region: None }
+    }
+
+    fn look(widgets: Vec<Widget>) -> Look {
+        let model = OpticalModel::DensityEmitter;
+        let transfer_function = TransferFunction { model, unit_distance: 1.0, widgets };
+        Look { transfer_function, auto_unit_distance: false }
+    }
+
+    fn shading(diffuse: Option<f64>, silhouette: Option<f64>) -> Shading {
+        let direction = glam::DVec3::X;
+        let light = diffuse.map(|diffuse| Light { direction, ambient: 0.3, diffuse });
+        Shading { integrator: Integrator::Analytic, overlap: Overlap::Exact, silhouette, light }
+    }
+
+    #[test]
+    fn one_colour_needs_no_order_unless_it_is_lit_or_glows_evenly() {
+        let red = [1.0, 0.0, 0.0];
+        let one = look(vec![widget(red, 1.0), widget(red, 2.0), widget([0.0; 3], 0.0)]);
+        assert!(!demand(Some(&one), &shading(None, Some(2.0))).order);
+        assert!(demand(Some(&one), &shading(Some(0.5), None)).order);
+        assert!(
+            demand(Some(&look(vec![widget(red, 1.0), widget([0.0; 3], 1.0)])), &shading(None, None)).order
+        );
+        let mut even = one.clone();
+        even.transfer_function.model = OpticalModel::ConstantEmitter { cutoff: 0.1 };
+        assert!(demand(Some(&even), &shading(None, None)).order);
+        let point = |s: f64, color| ControlPoint { s, color, extinction: 1.0 };
+        let profile = Profile::PiecewiseLinear { points: vec![point(0.0, red), point(1.0, [0.5, 0.0, 0.0])] };
+        let ramp = Widget { profile, ..widget(red, 1.0) };
+        assert!(demand(Some(&look(vec![ramp])), &shading(None, None)).order);
+    }
+
+    #[test]
+    fn gradients_are_asked_for_where_something_looks_at_them() {
+        let scalar_only = look(vec![widget([1.0; 3], 1.0)]);
+        assert_eq!(demand(Some(&scalar_only), &shading(None, Some(0.0))), Demand::default());
+        let lit = demand(Some(&scalar_only), &shading(Some(0.0), None));
+        assert!(lit.gradient && !lit.gradient_magnitude);
+        assert!(demand(Some(&scalar_only), &shading(None, Some(1.0))).gradient);
+        let unknown = demand(None, &shading(None, None));
+        assert!(unknown.gradient_magnitude && unknown.order && !unknown.gradient);
+    }
+}

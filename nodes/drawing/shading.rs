@@ -1,0 +1,129 @@
+//! The parameters of shading, declared once for the nodes that draw.
+
+use voltet_core::Result;
+use voltet_core::engine::{Integrator, Light, Shading};
+use voltet_core::graph::{Parameter, ParameterType, Parameters, Range, Standard};
+use voltet_core::optics::Overlap;
+
+/// The integrators that a pipeline may name, each with its meaning.
+const INTEGRATORS: &[(&str, &str)] = &[
+    ("analytic", "closed forms; quadrature with closed-form optical depth where widgets overlap"),
+    ("adaptive", "closed forms, subdivided until the error is under the tolerance"),
+    ("segments", "equal pieces, linear in each, combined by the partial pre-integration table"),
+    ("riemann", "point samples"),
+    ("pre-integrated", "a three-dimensional table, for transfer functions of the scalar alone"),
+    ("pre-integrated-cylindrical", "the same table as tiles"),
+    ("clipped", "piecewise-linear functions clipped at their control points"),
+    ("reference", "64-bit adaptive quadrature, slow"),
+];
+
+/// The parameters of shading, for the declarations of `composite` and `renderer`.
+pub const PARAMETERS: [Parameter; 7] = [
+    Parameter {
+        name: "integrator",
+        parameter_type: ParameterType::Choice(INTEGRATORS),
+        unit: "",
+        standard: Standard::Text("analytic"),
+        help: "how the light of one ray segment is found",
+    },
+    Parameter {
+        name: "overlap",
+        parameter_type: ParameterType::Choice(&[
+            ("exact", "in their order along the ray"),
+            ("mix", "optical depths added, colours averaged; fast"),
+        ]),
+        unit: "",
+        standard: Standard::Text("exact"),
+        help: "what happens where several widgets are active on one stretch",
+    },
+    Parameter {
+        name: "segments",
+        parameter_type: ParameterType::Integer(Range::within(1.0, 65536.0)),
+        unit: "",
+        standard: Standard::Integer(16),
+        help: "segments and riemann: pieces of each ray segment",
+    },
+    Parameter {
+        name: "tolerance",
+        parameter_type: ParameterType::Number(Range { above_min: true, ..Range::within(0.0, 1.0) }),
+        unit: "",
+        standard: Standard::Number(1e-3),
+        help: "adaptive: largest error of colour and opacity of a ray segment",
+    },
+    Parameter {
+        name: "table_size",
+        parameter_type: ParameterType::Integer(Range::within(2.0, 4096.0)),
+        unit: "entries a side",
+        standard: Standard::Integer(256),
+        help: "segments and pre-integrated: side of the table",
+    },
+    Parameter {
+        name: "silhouette",
+        parameter_type: ParameterType::Number(Range::at_least(0.0)),
+        unit: "",
+        standard: Standard::Unset("no enhancement"),
+        help: "exponent p: opacity times (1 - |gradient · view|)^p brings out silhouettes",
+    },
+    Parameter {
+        name: "light",
+        parameter_type: ParameterType::Table(&[
+            Parameter {
+                name: "direction",
+                parameter_type: ParameterType::Numbers(Some(3), Range::ANY),
+                unit: "world space",
+                standard: Standard::Required,
+                help: "direction of the light; any length above 0",
+            },
+            Parameter {
+                name: "ambient",
+                parameter_type: ParameterType::Number(Range::at_least(0.0)),
+                unit: "",
+                standard: Standard::Number(0.3),
+                help: "share of the colour that needs no light",
+            },
+            Parameter {
+                name: "diffuse",
+                parameter_type: ParameterType::Number(Range::at_least(0.0)),
+                unit: "",
+                standard: Standard::Number(0.7),
+                help: "share of the colour that faces the light",
+            },
+        ]),
+        unit: "",
+        standard: Standard::Unset("no light"),
+        help: "diffuse light: colour times (ambient + diffuse |gradient · direction|)",
+    },
+];
+
+/// The shading that the parameters state.
+pub fn shading(p: &Parameters) -> Result<Shading> {
+    let overlap = if p.text("overlap")? == "mix" { Overlap::Mix } else { Overlap::Exact };
+    Ok(Shading {
+        integrator: integrator(p)?,
+        overlap,
+        silhouette: p.optional_number("silhouette"),
+        light: light(p)?,
+    })
+}
+
+fn light(p: &Parameters) -> Result<Option<Light>> {
+    let Some(light) = p.table("light")? else { return Ok(None) };
+    let direction: glam::DVec3 = light.vector("direction")?.into();
+    if direction == glam::DVec3::ZERO {
+        return Err(light
+            .error("direction", "the light has no direction")
+            .accepted("a vector that is not zero"));
+    }
+    Ok(Some(Light { direction, ambient: light.number("ambient")?, diffuse: light.number("diffuse")? }))
+}
+
+fn integrator(p: &Parameters) -> Result<Integrator> {
+    match p.text("integrator")? {
+        "analytic" => Ok(Integrator::Analytic),
+        "reference" => Ok(Integrator::Reference),
+        other => {
+            let error = p.error("integrator", "no engine has this integrator yet");
+            Err(error.found(other).accepted("analytic or reference"))
+        }
+    }
+}

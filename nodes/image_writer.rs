@@ -1,0 +1,70 @@
+//! `image-writer`: a picture to a file, written beside and renamed, so that no partial file is ever seen.
+
+use crate::{encode, files};
+use std::path::Path;
+use voltet_core::Result;
+use voltet_core::graph::{
+    Call, Node, Outputs, Parameter, ParameterType, Parameters, Port, PortType, Range, Standard,
+};
+
+/// The declaration.
+pub const NODE: Node = Node {
+    name: "image-writer",
+    summary: "Writes a picture: .png over a background, or .exr with the linear floats as they are.",
+    inputs: &[Port { name: "image", port_type: PortType::Image, summary: "the picture" }],
+    parameters: &[
+        Parameter {
+            name: "path",
+            parameter_type: ParameterType::OutputPath,
+            unit: "",
+            standard: Standard::Required,
+            help: "the file: .png is 8-bit sRGB, .exr premultiplied linear 32-bit RGBA",
+        },
+        Parameter {
+            name: "background",
+            parameter_type: ParameterType::Numbers(Some(3), Range::within(0.0, 1.0)),
+            unit: "linear RGB",
+            standard: Standard::Numbers(&[0.0, 0.0, 0.0]),
+            help: ".png: the colour behind the picture",
+        },
+    ],
+    example: include_str!("examples/stages.toml"),
+    check: &|parameters| format(parameters).map(drop),
+    prepare: &|preparation| {
+        let path = preparation.path("path")?;
+        files::refuse_unwritable(&path).map_err(|error| preparation.parameters.blame("path", error))
+    },
+    run: &run,
+    ..Node::BLANK
+};
+
+/// The formats, by the ending of the path.
+enum Format {
+    Png,
+    Exr,
+}
+
+fn run(call: &mut Call) -> Result<Outputs> {
+    let picture = call.image("image")?;
+    let path = call.path("path")?;
+    let encoded = match format(call.parameters)? {
+        Format::Png => encode::png(&picture, call.parameters.vector("background")?)?,
+        Format::Exr => encode::exr(&picture)?,
+    };
+    files::write_whole(&path, &encoded).map_err(|error| call.parameters.blame("path", error))?;
+    call.notes.files.push(path.display().to_string());
+    Ok(Vec::new())
+}
+
+fn format(parameters: &Parameters) -> Result<Format> {
+    let path = parameters.text("path")?;
+    let ending = Path::new(path).extension().map(|e| e.to_string_lossy().to_lowercase());
+    match ending.as_deref() {
+        Some("png") => Ok(Format::Png),
+        Some("exr") => Ok(Format::Exr),
+        _ => Err(parameters
+            .error("path", "the picture's format is not known")
+            .found(path)
+            .accepted("a path that ends in .png or .exr")),
+    }
+}

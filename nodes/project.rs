@@ -1,0 +1,28 @@
+//! `project`: cells to the picture plane.
+
+use std::sync::Arc;
+use voltet_core::Result;
+use voltet_core::graph::{Asking, Call, Node, Outputs, Port, PortType, Projection, Value};
+
+/// The declaration.
+pub const NODE: Node = Node {
+    name: "project",
+    summary: "Projects each cell's silhouette, and prepares what the compositor walks.",
+    inputs: &[
+        Port { name: "cells", port_type: PortType::Cells, summary: "the cells" },
+        Port { name: "camera", port_type: PortType::Camera, summary: "where they are seen from" },
+    ],
+    outputs: &[Port { name: "projection", port_type: PortType::Projection, summary: "the projected cells" }],
+    example: include_str!("examples/stages.toml"),
+    demand: &|asking: &mut Asking| {
+        let demand = asking.asked.clone();
+        asking.ask("cells", &demand)
+    },
+    run: &run,
+    ..Node::BLANK
+};
+
+fn run(call: &mut Call) -> Result<Outputs> {
+    let (cells, camera) = (call.cells("cells")?, call.camera("camera")?);
+    Ok(vec![Value::Projection(Arc::new(Projection { cells, camera }))])
+}

@@ -1,0 +1,158 @@
+//! `reader`: a data file to a grid of tetrahedra with the arrays that somebody asked for.
+
+use crate::formats::{self, Association, CellValues, Request, TimeStep};
+use std::path::Path;
+use std::sync::Arc;
+use voltet_core::graph::{
+    Call, Node, Outputs, Parameter, ParameterType, Parameters, Port, PortType, Preparation, Range, Standard,
+    Value, nearest,
+};
+use voltet_core::{Error, Result};
+
+/// The declaration.
+pub const NODE: Node = Node {
+    name: "reader",
+    summary: "Reads a data file: its cells as tetrahedra, one scalar, and what else somebody asks for.",
+    outputs: &[Port { name: "grid", port_type: PortType::Grid, summary: "points, tetrahedra, arrays" }],
+    parameters: &[
+        Parameter {
+            name: "path",
+            parameter_type: ParameterType::InputPath,
+            unit: "",
+            standard: Standard::Required,
+            help: "VTK (.vtu .vts .vtr .vti, .pvtu …, .pvd, legacy .vtk) or a PLOT3D grid",
+        },
+        Parameter {
+            name: "scalar",
+            parameter_type: ParameterType::Text,
+            unit: "",
+            standard: Standard::Unset("the only array, or the one that the file marks"),
+            help: "the array to draw; \"NAME:magnitude\" or \"NAME:0\" for vectors",
+        },
+        Parameter {
+            name: "association",
+            parameter_type: ParameterType::Choice(&[
+                ("auto", "the point array of that name, or else the cell array"),
+                ("point", "a point array"),
+                ("cell", "a cell array"),
+            ]),
+            unit: "",
+            standard: Standard::Text("auto"),
+            help: "where the scalar is looked for",
+        },
+        Parameter {
+            name: "cell_values",
+            parameter_type: ParameterType::Choice(&[
+                ("average", "averaged to the points, weighted by volume"),
+                ("constant", "constant in every cell, with jumps between cells"),
+            ]),
+            unit: "",
+            standard: Standard::Text("average"),
+            help: "what becomes of a scalar that is given per cell",
+        },
+        Parameter {
+            name: "time_step",
+            parameter_type: ParameterType::Integer(Range::at_least(0.0)),
+            unit: "",
+            standard: Standard::Unset("the first"),
+            help: "number of the step of a time series, from 0",
+        },
+        Parameter {
+            name: "time",
+            parameter_type: ParameterType::Number(Range::ANY),
+            unit: "as in the file",
+            standard: Standard::Unset("time_step"),
+            help: "time within a time series, in place of time_step: the nearest step is read",
+        },
+        Parameter {
+            name: "subdivision",
+            parameter_type: ParameterType::Integer(Range::within(1.0, 64.0)),
+            unit: "pieces",
+            standard: Standard::Integer(1),
+            help: "pieces between neighbouring nodes of a curved cell's edge; 1 goes straight through the mid-edge nodes",
+        },
+        Parameter {
+            name: "solution",
+            parameter_type: ParameterType::InputPath,
+            unit: "",
+            standard: Standard::Unset("none"),
+            help: "PLOT3D: the solution (q) file that belongs to the grid",
+        },
+    ],
+    example: include_str!("examples/stages.toml"),
+    check: &|parameters| request(parameters).map(drop),
+    // A source has no inputs to ask.
+    demand: &|_| Ok(()),
+    prepare: &prepare,
+    run: &run,
+    ..Node::BLANK
+};
+
+fn prepare(preparation: &Preparation) -> Result<()> {
+    refuse_missing(&preparation.path("path")?)?;
+    match preparation.parameters.optional("solution") {
+        Some(_) => refuse_missing(&preparation.path("solution")?),
+        None => Ok(()),
+    }
+}
+
+fn run(call: &mut Call) -> Result<Outputs> {
+    let mut request = request(call.parameters)?;
+    request.point_arrays = call.demand.arrays.iter().cloned().collect();
+    if call.parameters.given("solution") {
+        request.solution = Some(call.path("solution")?);
+    }
+    let path = call.path("path")?;
+    let grid = formats::read(&path, &request, call.progress())?;
+    let origin = &grid.origin;
+    call.notes.warnings.extend(origin.warnings.iter().cloned());
+    if !origin.arrays_unread.is_empty() {
+        call.notes.leave_out(format!("arrays {}", origin.arrays_unread.join(", ")), "nothing looks at them");
+    }
+    for (name, count) in [
+        ("cells_not_finite", origin.cells_not_finite),
+        ("cells_ghost", origin.cells_ghost),
+        ("cells_not_volume", origin.cells_not_volume),
+    ] {
+        if count > 0 {
+            call.notes.counts.insert(name, count);
+        }
+    }
+    Ok(vec![Value::Grid(Arc::new(grid))])
+}
+
+/// What the parameters ask of the file.
+fn request(p: &Parameters) -> Result<Request> {
+    let association = match p.text("association")? {
+        "point" => Association::Point,
+        "cell" => Association::Cell,
+        _ => Association::Auto,
+    };
+    let cell_values = match p.text("cell_values")? {
+        "constant" => CellValues::Constant,
+        _ => CellValues::Average,
+    };
+    let time_step = match (p.given("time_step"), p.optional_number("time")) {
+        (true, Some(_)) => return Err(p.error("time", "'time' and 'time_step' exclude each other")),
+        (true, None) => Some(TimeStep::Index(p.integer("time_step")? as usize)),
+        (false, time) => time.map(TimeStep::Time),
+    };
+    let scalar = p.optional("scalar").and_then(|s| s.text()).map(str::to_string);
+    let subdivision = p.integer("subdivision")? as u32;
+    Ok(Request { scalar, association, cell_values, time_step, subdivision, ..Request::default() })
+}
+
+/// Finds out before any work whether the file is there, and which name was meant if not.
+fn refuse_missing(path: &Path) -> Result<()> {
+    let Err(error) = std::fs::File::open(path) else { return Ok(()) };
+    let beside = path.parent().and_then(|folder| std::fs::read_dir(folder).ok());
+    let names = beside.into_iter().flatten().flatten();
+    let names: Vec<String> = names.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
+    let wanted = path.file_name().unwrap_or_default().to_string_lossy();
+    let error = Error::run("the data file cannot be opened").found(error);
+    Err(match nearest(&wanted, names.iter().map(String::as_str)) {
+        Some(near) => error.accepted(format!("a file that is there, such as '{near}' beside it")),
+        None => error.accepted("the path of a file, relative to the pipeline file"),
+    }
+    .in_file(path))
+}

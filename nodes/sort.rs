@@ -1,0 +1,38 @@
+//! `sort`: decides in which order the compositor takes a pixel's segments.
+
+use crate::drawing;
+use std::sync::Arc;
+use voltet_core::Result;
+use voltet_core::engine::Cells;
+use voltet_core::graph::{Asking, Call, Node, Outputs, Port, PortType, Value};
+
+/// The declaration.
+pub const NODE: Node = Node {
+    name: "sort",
+    summary: "Says in which order ray segments are composited; the exact order is carried out pixel by pixel.",
+    inputs: &[
+        Port { name: "cells", port_type: PortType::Cells, summary: "the cells" },
+        Port { name: "camera", port_type: PortType::Camera, summary: "where they are seen from" },
+    ],
+    outputs: &[Port { name: "cells", port_type: PortType::Cells, summary: "the cells with their order" }],
+    parameters: &[drawing::ORDER],
+    example: include_str!("examples/stages.toml"),
+    demand: &demand,
+    run: &run,
+    ..Node::BLANK
+};
+
+fn demand(asking: &mut Asking) -> Result<()> {
+    if !asking.asked.order {
+        drawing::leave_out_order(asking.notes);
+    }
+    let demand = asking.asked.clone();
+    asking.ask("cells", &demand)
+}
+
+fn run(call: &mut Call) -> Result<Outputs> {
+    let order = drawing::order(call.parameters, call.demand.order)?;
+    let mut cells = Cells::clone(&*call.cells("cells")?);
+    cells.order = order;
+    Ok(vec![Value::Cells(Arc::new(cells))])
+}

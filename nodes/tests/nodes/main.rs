@@ -1,0 +1,41 @@
+//! The list of nodes against the folder, and the declarations' examples.
+
+use voltet_core::graph::Graph;
+use voltet_core::pipeline::Pipeline;
+use voltet_nodes::{NODES, registry};
+
+#[test]
+fn the_folder_and_the_list_of_nodes_are_the_same() {
+    let folder = std::fs::read_dir(env!("CARGO_MANIFEST_DIR")).unwrap();
+    let names = folder.map(|entry| entry.unwrap().file_name().into_string().unwrap());
+    let mut files: Vec<String> = names
+        .filter_map(|name| name.strip_suffix(".rs").map(|stem| stem.replace('_', "-")))
+        .filter(|stem| stem != "lib")
+        .collect();
+    let mut listed: Vec<&str> = NODES.iter().map(|node| node.name).collect();
+    files.sort();
+    listed.sort();
+    assert_eq!(files, listed);
+}
+
+#[test]
+fn every_example_passes_the_checker_and_uses_its_node() {
+    let registry = registry().unwrap();
+    for node in registry.iter() {
+        let graph: Graph = Pipeline::parse(node.example)
+            .and_then(|pipeline| pipeline.graph(&registry, ".".into()))
+            .unwrap_or_else(|error| panic!("{}: {error}", node.name));
+        assert!(graph.warnings.is_empty(), "{}: {:?}", node.name, graph.warnings);
+        assert!(graph.nodes.iter().any(|n| n.node.name == node.name), "{}", node.name);
+    }
+}
+
+#[test]
+fn help_is_one_line_and_summaries_are_sentences() {
+    for node in NODES {
+        assert!(node.summary.ends_with('.') && !node.summary.contains('\n'), "{}", node.name);
+        for parameter in node.parameters {
+            assert!(parameter.help.len() <= 120, "{}.{}", node.name, parameter.name);
+        }
+    }
+}

@@ -1,0 +1,104 @@
+//! `transfer-function`: widgets over the scalar and its gradient magnitude, and the optical model.
+
+use std::path::Path;
+use std::sync::Arc;
+use voltet_core::graph::{
+    Call, Look, Node, Outputs, Parameter, ParameterType, Parameters, Port, PortType, Range, Standard, Value,
+};
+use voltet_core::pipeline::widgets::{LoadImage, WIDGET_KINDS, widget};
+use voltet_core::transfer::{OpticalModel, TransferFunction};
+use voltet_core::{Error, Result};
+
+/// The declaration.
+pub const NODE: Node = Node {
+    name: "transfer-function",
+    summary: "Turns the scalar and its gradient magnitude into colour and extinction, by a list of widgets.",
+    outputs: &[Port {
+        name: "transfer_function",
+        port_type: PortType::TransferFunction,
+        summary: "the transfer function",
+    }],
+    parameters: &[
+        Parameter {
+            name: "model",
+            parameter_type: ParameterType::Choice(&[
+                ("density-emitter", "what absorbs glows: a dense medium of its colour"),
+                ("constant-emitter", "a widget glows evenly wherever it is above the cutoff"),
+            ]),
+            unit: "",
+            standard: Standard::Text("density-emitter"),
+            help: "how absorption and glow are related",
+        },
+        Parameter {
+            name: "cutoff",
+            parameter_type: ParameterType::Number(Range { below_max: true, ..Range::within(0.0, 1.0) }),
+            unit: "share of the peak",
+            standard: Standard::Number(1.0 / 255.0),
+            help: "constant-emitter: where a widget's extinction is below this share of its peak, it does not glow",
+        },
+        Parameter {
+            name: "unit_distance",
+            parameter_type: ParameterType::NumberOr(Range::above(0.0), "auto"),
+            unit: "world units",
+            standard: Standard::Text("auto"),
+            help: "the length over which extinction is stated; \"auto\": a hundredth of the data's diagonal",
+        },
+        Parameter {
+            name: "widgets",
+            parameter_type: ParameterType::Kinds(WIDGET_KINDS),
+            unit: "",
+            standard: Standard::Unset("no widgets: an empty picture"),
+            help: "the widgets, whose extinctions add up",
+        },
+    ],
+    example: include_str!("examples/stages.toml"),
+    early: true,
+    // Images of tables are files, which the check does not touch: one texel stands for them.
+    check: &|parameters| look(parameters, &|_| Ok((1, 1, vec![[0.0; 4]]))).map(drop),
+    run: &run,
+    ..Node::BLANK
+};
+
+fn run(call: &mut Call) -> Result<Outputs> {
+    let look = look(call.parameters, &|path| load_image(&call.resolve(path)))?;
+    if look.transfer_function.widgets.is_empty() {
+        call.notes.warnings.push("the transfer function has no widgets, so the picture is empty".into());
+    }
+    for (i, (kind, widget)) in call.parameters.kinds("widgets")?.iter().enumerate() {
+        if *kind == "table" && widget.given("color") {
+            let what =
+                format!("widget {} is a table, which has its own colours: its color is not used", i + 1);
+            call.notes.warnings.push(what);
+        }
+    }
+    Ok(vec![Value::TransferFunction(Arc::new(look))])
+}
+
+/// The transfer function that the parameters state.
+fn look(p: &Parameters, load_image: LoadImage) -> Result<Look> {
+    let model = match p.text("model")? {
+        "constant-emitter" => OpticalModel::ConstantEmitter { cutoff: p.number("cutoff")? },
+        _ => OpticalModel::DensityEmitter,
+    };
+    let unit = p.optional_number("unit_distance");
+    let widgets = p.kinds("widgets")?;
+    let widgets = widgets.iter().map(|(kind, keys)| widget(kind, keys, load_image)).collect::<Result<_>>()?;
+    let transfer_function = TransferFunction { model, unit_distance: unit.unwrap_or(1.0), widgets };
+    Ok(Look { transfer_function, auto_unit_distance: unit.is_none() })
+}
+
+/// The picture of a table widget: straight linear RGBA, decoded from 8 or 16-bit sRGB.
+fn load_image(path: &Path) -> Result<(usize, usize, Vec<[f32; 4]>)> {
+    let failed = |error: &dyn std::fmt::Display| {
+        Error::run("the picture of a table widget cannot be read")
+            .found(error)
+            .accepted("a PNG file")
+            .in_file(path)
+    };
+    let reader = image::ImageReader::open(path).map_err(|e| failed(&e))?;
+    let image = reader.with_guessed_format().map_err(|e| failed(&e))?.decode().map_err(|e| failed(&e))?;
+    let rgba = image.into_rgba16();
+    let linear = |v: u16| crate::encode::linear_from_srgb(f32::from(v) / 65535.0);
+    let texel = |p: &image::Rgba<u16>| [linear(p[0]), linear(p[1]), linear(p[2]), f32::from(p[3]) / 65535.0];
+    Ok((rgba.width() as usize, rgba.height() as usize, rgba.pixels().map(texel).collect()))
+}

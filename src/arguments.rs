@@ -1,0 +1,98 @@
+//! The command line.
+
+use clap::{Args, Parser, Subcommand};
+use std::path::PathBuf;
+
+/// Volume pictures of results on unstructured grids, straight from the cells.
+///
+/// A picture is stated by a pipeline file (TOML): a reader, a transfer function, a camera, the stages that draw, and
+/// a writer, wired to each other. `voltet info DATA` shows what a data file holds and suggests a pipeline to start
+/// with; `voltet run FILE` draws it.
+#[derive(Debug, Parser)]
+#[command(name = "voltet", version, arg_required_else_help = true)]
+#[command(after_help = "Exit codes: 0 done, 1 the run failed, 2 the command or a pipeline file is wrong.")]
+pub struct Arguments {
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Run pipeline files and write their pictures.
+    Run(Run),
+    /// Check pipeline files: names, types, ranges and wires. Runs nothing, reads no data.
+    Check(Files),
+    /// Say what a pipeline file will run, on which engine, and what it leaves out and why.
+    Explain(Explain),
+    /// List the node types, or show one with its ports and parameters.
+    Nodes(Nodes),
+    /// Show what a data file holds: cells, arrays with ranges, bounds, and a pipeline to start with.
+    Info(Info),
+}
+
+#[derive(Debug, Args)]
+pub struct Run {
+    /// Pipeline files.
+    #[arg(required = true, value_name = "FILE")]
+    pub files: Vec<PathBuf>,
+    #[command(flatten)]
+    pub set: Set,
+    /// Write times, counts and what was left out to this file, as JSON.
+    #[arg(long, value_name = "R.json")]
+    pub report: Option<PathBuf>,
+    /// Print nothing but errors.
+    #[arg(long, short)]
+    pub quiet: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct Set {
+    /// Set a parameter in place of the file's value; may be given several times.
+    ///
+    /// The value is read as TOML, or taken as text where it is none; parts of lists and tables are reached by
+    /// further points. Paths are relative to the pipeline file, as those within it.
+    /// Examples: view.size=[512,512]  file.path=small.png  look.widgets.0.extinction=2
+    #[arg(long = "set", value_name = "node.param=value", verbatim_doc_comment)]
+    pub options: Vec<String>,
+}
+
+#[derive(Debug, Args)]
+pub struct Files {
+    /// Pipeline files.
+    #[arg(required = true, value_name = "FILE")]
+    pub files: Vec<PathBuf>,
+    #[command(flatten)]
+    pub set: Set,
+}
+
+#[derive(Debug, Args)]
+pub struct Explain {
+    /// A pipeline file.
+    #[arg(value_name = "FILE")]
+    pub file: PathBuf,
+    #[command(flatten)]
+    pub set: Set,
+}
+
+#[derive(Debug, Args)]
+pub struct Nodes {
+    /// The node type to show; all of them where none is named.
+    #[arg(value_name = "NAME")]
+    pub name: Option<String>,
+    /// Write the reference as Markdown.
+    #[arg(long)]
+    pub markdown: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct Info {
+    /// A data file.
+    #[arg(value_name = "DATA")]
+    pub data: PathBuf,
+    /// Number of the step of a time series, from 0.
+    #[arg(long, value_name = "N")]
+    pub time_step: Option<usize>,
+    /// PLOT3D: the solution (q) file that belongs to the grid.
+    #[arg(long, value_name = "Q")]
+    pub solution: Option<PathBuf>,
+}

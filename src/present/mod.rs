@@ -1,0 +1,11 @@
+//! How things are shown to people: errors with their place, progress, reports, the reference of nodes.
+
+mod error;
+mod progress;
+mod reference;
+mod report;
+
+pub use error::{error, warning};
+pub use progress::Bar;
+pub use reference::{node_markdown, node_text};
+pub use report::{json, number, summary};

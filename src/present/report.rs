@@ -1,0 +1,74 @@
+//! What a run did: a line for people, JSON for programs.
+
+use serde_json::{Value, json as object};
+use voltet::Document;
+use voltet::core::graph::RunReport;
+use voltet::core::pipeline::FORMAT;
+
+/// Counts that every report names, also where the engine that ran does not know them.
+const COUNTS: [&str; 5] = ["cells_total", "cells_culled", "cells_projected", "segments", "pixels_disordered"];
+
+/// The report as JSON.
+pub fn json(document: &Document, report: &RunReport) -> Value {
+    let mut counts = serde_json::Map::new();
+    for name in COUNTS {
+        counts.insert(name.into(), Value::Null);
+    }
+    counts.extend(report.counts.iter().map(|(&name, &count)| (name.to_string(), count.into())));
+    object!({
+        "file": document.path.display().to_string(),
+        "title": document.pipeline.title,
+        "engine": report.engine.as_ref().map(|e| &e.0),
+        "engine_reason": report.engine.as_ref().map(|e| &e.1),
+        "adapter": report.adapter,
+        "seconds": report.seconds,
+        "nodes": report.nodes,
+        "counts": counts,
+        "left_out": report.left_out,
+        "warnings": report.warnings,
+        "files": report.files,
+        "peak_memory_bytes": peak_memory_bytes(),
+        "versions": { "voltet": env!("CARGO_PKG_VERSION"), "pipeline_format": FORMAT },
+    })
+}
+
+/// Warnings, and a line for each file written.
+pub fn summary(document: &Document, report: &RunReport) -> String {
+    let mut text = String::new();
+    // The graph's own warnings were shown with their place before the run.
+    for warning in report.warnings.iter().skip(document.graph.warnings.len()) {
+        text += &format!("warning: {warning}\n");
+    }
+    let mut figures = Vec::new();
+    let count = |name: &str| report.counts.get(name).copied();
+    if let Some(total) = count("cells_total") {
+        let culled = count("cells_culled").filter(|&n| n > 0);
+        let culled = culled.map(|n| format!(" ({} culled)", number(n))).unwrap_or_default();
+        figures.push(format!("{} cells{culled}", number(total)));
+    }
+    figures.extend(count("segments").map(|n| format!("{} segments", number(n))));
+    figures.extend(report.engine.as_ref().map(|(engine, _)| format!("engine {engine}")));
+    figures.push(format!("{:.2} s", report.seconds));
+    text + &format!("{}: {}\n", report.files.join(", "), figures.join(", "))
+}
+
+/// A whole number with commas.
+pub fn number(n: u64) -> String {
+    let digits = n.to_string();
+    let mut text = String::new();
+    for (i, digit) in digits.chars().enumerate() {
+        if i > 0 && (digits.len() - i).is_multiple_of(3) {
+            text.push(',');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+/// Largest resident memory of the process so far, where the system tells.
+fn peak_memory_bytes() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    let kibibytes: u64 = line.split_whitespace().next()?.parse().ok()?;
+    Some(kibibytes * 1024)
+}
