@@ -1,13 +1,27 @@
 //! The native engine: cull, sort, project and composite on all cores with vector units.
 
+mod composite;
+mod crossing;
+mod cull;
+mod deep;
+mod draw;
 pub mod lanes;
+mod lists;
+mod piecewise;
+mod project;
+mod record;
+mod scene;
+mod shade;
+mod spans;
+mod special;
+mod view;
+mod widget;
 
-use crate::Result;
+pub use cull::cull;
+pub use draw::{Projection, composite, draw, project};
+
 use crate::camera::Camera;
 use crate::optics::Overlap;
-use crate::picture::Picture;
-use crate::progress::Progress;
-use crate::transfer::TransferFunction;
 use crate::volume::Volume;
 use std::sync::Arc;
 
@@ -58,7 +72,7 @@ pub enum Integrator {
     Reference,
 }
 
-/// Cells that can contribute. Made by [`cull`], given an order by [`sort`].
+/// Cells that can contribute. Made by [`cull`]; the `sort` node sets the order.
 #[derive(Debug, Clone)]
 pub struct Cells {
     /// The volume they belong to.
@@ -71,6 +85,12 @@ pub struct Cells {
     pub culled_by_transfer_function: u64,
     /// Tetrahedra left out because they are outside the view.
     pub culled_by_frustum: u64,
+    /// World units in the scene length that the stages work in: the diagonal of the grid.
+    pub(crate) length: f64,
+    /// The points on the screen of the camera that culled, so that the project stage need not do it again.
+    pub(crate) seen: Option<(Camera, Arc<Vec<view::Seen>>)>,
+    /// Ranges of s and g over the grid.
+    pub(crate) ranges: [[f64; 2]; 2],
 }
 
 /// Counts of a composited picture.
@@ -80,27 +100,10 @@ pub struct Counts {
     pub segments: u64,
     /// Pixels whose segments were composited in an order that was not exact.
     pub pixels_disordered: u64,
-    /// Cells that were projected.
+    /// Cells that were projected: kept, and covering a pixel centre.
     pub cells_projected: u64,
-}
-
-/// Keeps each tetrahedron that could contribute to the picture.
-pub fn cull(
-    _volume: &Arc<Volume>,
-    _transfer_function: &TransferFunction,
-    _camera: &Camera,
-    _progress: &dyn Progress,
-) -> Result<Cells> {
-    Err(crate::Error::run("the native engine is in work"))
-}
-
-/// Draws the kept cells: project, bin, integrate, sort, composite.
-pub fn draw(
-    _cells: &Cells,
-    _transfer_function: &TransferFunction,
-    _camera: &Camera,
-    _shading: &Shading,
-    _progress: &dyn Progress,
-) -> Result<(Picture, Counts)> {
-    Err(crate::Error::run("the native engine is in work"))
+    /// Segments integrated in 64 bits because 32 do not hold them.
+    pub segments_exact: u64,
+    /// Tiles with more than 1,024 segments on a pixel.
+    pub tiles_deep: u64,
 }

@@ -6,6 +6,7 @@
 pub mod clip;
 pub mod compositing;
 pub mod gaussian;
+pub mod lanes;
 pub mod judge;
 pub mod linear;
 pub mod overlap;

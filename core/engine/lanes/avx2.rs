@@ -2,7 +2,7 @@
 //!
 //! Safety of every block here: the module's head.
 
-use super::{Float, Lanes, Mask, Unsigned};
+use super::{Double, Float, Lanes, Mask, Unsigned};
 use std::arch::x86_64::*;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -27,7 +27,16 @@ impl Lanes for Avx2 {
     type F = F;
     type U = U;
     type M = M;
+    type D = D;
 }
+
+/// Four 64-bit floats.
+#[derive(Clone, Copy)]
+pub struct D(__m256d);
+
+/// Four booleans.
+#[derive(Clone, Copy)]
+pub struct MD(__m256d);
 
 macro_rules! operator {
     ($type:ident, $trait:ident, $method:ident, $intrinsic:ident) => {
@@ -251,5 +260,99 @@ impl Mask for M {
     #[inline(always)]
     fn bits(self) -> u32 {
         (unsafe { _mm256_movemask_ps(self.0) }) as u32
+    }
+}
+
+operator!(D, Add, add, _mm256_add_pd);
+operator!(D, Sub, sub, _mm256_sub_pd);
+operator!(D, Mul, mul, _mm256_mul_pd);
+operator!(D, Div, div, _mm256_div_pd);
+
+impl Neg for D {
+    type Output = D;
+    #[inline(always)]
+    fn neg(self) -> D {
+        D(unsafe { _mm256_xor_pd(self.0, _mm256_set1_pd(-0.0)) })
+    }
+}
+
+impl Double for D {
+    const COUNT: usize = 4;
+    type Mask = MD;
+
+    #[inline(always)]
+    fn splat(value: f64) -> D {
+        D(unsafe { _mm256_set1_pd(value) })
+    }
+    #[inline(always)]
+    fn load(values: &[f64]) -> D {
+        let values: &[f64; 4] = values[..4].try_into().expect("four values");
+        D(unsafe { _mm256_loadu_pd(values.as_ptr()) })
+    }
+    #[inline(always)]
+    fn store(self, values: &mut [f64]) {
+        let values: &mut [f64; 4] = (&mut values[..4]).try_into().expect("four values");
+        unsafe { _mm256_storeu_pd(values.as_mut_ptr(), self.0) }
+    }
+    #[inline(always)]
+    fn store_f32(self, values: &mut [f32]) {
+        let values: &mut [f32; 4] = (&mut values[..4]).try_into().expect("four values");
+        unsafe { _mm_storeu_ps(values.as_mut_ptr(), _mm256_cvtpd_ps(self.0)) }
+    }
+    #[inline(always)]
+    fn mul_add(self, b: D, c: D) -> D {
+        D(unsafe { _mm256_fmadd_pd(self.0, b.0, c.0) })
+    }
+    #[inline(always)]
+    fn min(self, other: D) -> D {
+        D(unsafe { _mm256_min_pd(self.0, other.0) })
+    }
+    #[inline(always)]
+    fn max(self, other: D) -> D {
+        D(unsafe { _mm256_max_pd(self.0, other.0) })
+    }
+    #[inline(always)]
+    fn abs(self) -> D {
+        D(unsafe { _mm256_andnot_pd(_mm256_set1_pd(-0.0), self.0) })
+    }
+    #[inline(always)]
+    fn ceil(self) -> D {
+        D(unsafe { _mm256_round_pd::<{ _MM_FROUND_TO_POS_INF | _MM_FROUND_NO_EXC }>(self.0) })
+    }
+    #[inline(always)]
+    fn lt(self, other: D) -> MD {
+        MD(unsafe { _mm256_cmp_pd::<_CMP_LT_OQ>(self.0, other.0) })
+    }
+    #[inline(always)]
+    fn le(self, other: D) -> MD {
+        MD(unsafe { _mm256_cmp_pd::<_CMP_LE_OQ>(self.0, other.0) })
+    }
+    #[inline(always)]
+    fn select(mask: MD, yes: D, no: D) -> D {
+        D(unsafe { _mm256_blendv_pd(no.0, yes.0, mask.0) })
+    }
+    #[inline(always)]
+    fn store_i32(self, values: &mut [i32]) {
+        let values: &mut [i32; 4] = (&mut values[..4]).try_into().expect("four values");
+        unsafe { _mm_storeu_si128(values.as_mut_ptr().cast(), _mm256_cvttpd_epi32(self.0)) }
+    }
+}
+
+impl Mask for MD {
+    #[inline(always)]
+    fn and(self, other: MD) -> MD {
+        MD(unsafe { _mm256_and_pd(self.0, other.0) })
+    }
+    #[inline(always)]
+    fn or(self, other: MD) -> MD {
+        MD(unsafe { _mm256_or_pd(self.0, other.0) })
+    }
+    #[inline(always)]
+    fn not(self) -> MD {
+        MD(unsafe { _mm256_xor_pd(self.0, _mm256_castsi256_pd(_mm256_set1_epi32(-1))) })
+    }
+    #[inline(always)]
+    fn bits(self) -> u32 {
+        (unsafe { _mm256_movemask_pd(self.0) }) as u32
     }
 }

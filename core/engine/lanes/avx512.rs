@@ -2,7 +2,7 @@
 //!
 //! Safety of every block here: the module's head.
 
-use super::{Float, Lanes, Mask, Unsigned};
+use super::{Double, Float, Lanes, Mask, Unsigned};
 use std::arch::x86_64::*;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -27,7 +27,16 @@ impl Lanes for Avx512 {
     type F = F;
     type U = U;
     type M = M;
+    type D = D;
 }
+
+/// Eight 64-bit floats.
+#[derive(Clone, Copy)]
+pub struct D(__m512d);
+
+/// Eight booleans.
+#[derive(Clone, Copy)]
+pub struct MD(__mmask8);
 
 macro_rules! operator {
     ($type:ident, $trait:ident, $method:ident, $intrinsic:ident) => {
@@ -231,6 +240,100 @@ impl Mask for M {
     #[inline(always)]
     fn not(self) -> M {
         M(!self.0)
+    }
+    #[inline(always)]
+    fn bits(self) -> u32 {
+        u32::from(self.0)
+    }
+}
+
+operator!(D, Add, add, _mm512_add_pd);
+operator!(D, Sub, sub, _mm512_sub_pd);
+operator!(D, Mul, mul, _mm512_mul_pd);
+operator!(D, Div, div, _mm512_div_pd);
+
+impl Neg for D {
+    type Output = D;
+    #[inline(always)]
+    fn neg(self) -> D {
+        D(unsafe { _mm512_xor_pd(self.0, _mm512_set1_pd(-0.0)) })
+    }
+}
+
+impl Double for D {
+    const COUNT: usize = 8;
+    type Mask = MD;
+
+    #[inline(always)]
+    fn splat(value: f64) -> D {
+        D(unsafe { _mm512_set1_pd(value) })
+    }
+    #[inline(always)]
+    fn load(values: &[f64]) -> D {
+        let values: &[f64; 8] = values[..8].try_into().expect("eight values");
+        D(unsafe { _mm512_loadu_pd(values.as_ptr()) })
+    }
+    #[inline(always)]
+    fn store(self, values: &mut [f64]) {
+        let values: &mut [f64; 8] = (&mut values[..8]).try_into().expect("eight values");
+        unsafe { _mm512_storeu_pd(values.as_mut_ptr(), self.0) }
+    }
+    #[inline(always)]
+    fn store_f32(self, values: &mut [f32]) {
+        let values: &mut [f32; 8] = (&mut values[..8]).try_into().expect("eight values");
+        unsafe { _mm256_storeu_ps(values.as_mut_ptr(), _mm512_cvtpd_ps(self.0)) }
+    }
+    #[inline(always)]
+    fn mul_add(self, b: D, c: D) -> D {
+        D(unsafe { _mm512_fmadd_pd(self.0, b.0, c.0) })
+    }
+    #[inline(always)]
+    fn min(self, other: D) -> D {
+        D(unsafe { _mm512_min_pd(self.0, other.0) })
+    }
+    #[inline(always)]
+    fn max(self, other: D) -> D {
+        D(unsafe { _mm512_max_pd(self.0, other.0) })
+    }
+    #[inline(always)]
+    fn abs(self) -> D {
+        D(unsafe { _mm512_abs_pd(self.0) })
+    }
+    #[inline(always)]
+    fn ceil(self) -> D {
+        D(unsafe { _mm512_roundscale_pd::<{ _MM_FROUND_TO_POS_INF | _MM_FROUND_NO_EXC }>(self.0) })
+    }
+    #[inline(always)]
+    fn lt(self, other: D) -> MD {
+        MD(unsafe { _mm512_cmp_pd_mask::<_CMP_LT_OQ>(self.0, other.0) })
+    }
+    #[inline(always)]
+    fn le(self, other: D) -> MD {
+        MD(unsafe { _mm512_cmp_pd_mask::<_CMP_LE_OQ>(self.0, other.0) })
+    }
+    #[inline(always)]
+    fn select(mask: MD, yes: D, no: D) -> D {
+        D(unsafe { _mm512_mask_blend_pd(mask.0, no.0, yes.0) })
+    }
+    #[inline(always)]
+    fn store_i32(self, values: &mut [i32]) {
+        let values: &mut [i32; 8] = (&mut values[..8]).try_into().expect("eight values");
+        unsafe { _mm256_storeu_si256(values.as_mut_ptr().cast(), _mm512_cvttpd_epi32(self.0)) }
+    }
+}
+
+impl Mask for MD {
+    #[inline(always)]
+    fn and(self, other: MD) -> MD {
+        MD(self.0 & other.0)
+    }
+    #[inline(always)]
+    fn or(self, other: MD) -> MD {
+        MD(self.0 | other.0)
+    }
+    #[inline(always)]
+    fn not(self) -> MD {
+        MD(!self.0)
     }
     #[inline(always)]
     fn bits(self) -> u32 {

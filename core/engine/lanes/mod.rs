@@ -33,6 +33,45 @@ pub trait Lanes: Copy + Send + Sync + 'static {
     type U: Unsigned<Lanes = Self>;
     /// Booleans.
     type M: Mask;
+    /// 64-bit floats, half as many.
+    type D: Double;
+}
+
+/// Lanes of 64-bit floats, [`Double::COUNT`] = `WIDTH / 2` of them.
+pub trait Double:
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + Neg<Output = Self>
+{
+    /// Number of lanes.
+    const COUNT: usize;
+    /// Booleans.
+    type Mask: Mask;
+
+    /// The same value in every lane.
+    fn splat(value: f64) -> Self;
+    /// The first `COUNT` values of the slice, which must hold as many.
+    fn load(values: &[f64]) -> Self;
+    /// Writes the lanes to the first `COUNT` places of the slice, which must hold as many.
+    fn store(self, values: &mut [f64]);
+    /// Writes the lanes, rounded to 32 bits, to the first `COUNT` places of the slice.
+    fn store_f32(self, values: &mut [f32]);
+    /// self × b + c, fused where the processor can.
+    fn mul_add(self, b: Self, c: Self) -> Self;
+    /// The smaller lane; the second operand where either is NaN.
+    fn min(self, other: Self) -> Self;
+    /// The larger lane; the second operand where either is NaN.
+    fn max(self, other: Self) -> Self;
+    /// Absolute value.
+    fn abs(self) -> Self;
+    /// Smallest integer not below.
+    fn ceil(self) -> Self;
+    /// self < other (false for NaN).
+    fn lt(self, other: Self) -> Self::Mask;
+    /// self ≤ other (false for NaN).
+    fn le(self, other: Self) -> Self::Mask;
+    /// `yes` where the mask is set, else `no`.
+    fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
+    /// Writes the lanes truncated to integers, which must fit, to the first `COUNT` places.
+    fn store_i32(self, values: &mut [i32]);
 }
 
 /// Lanes of 32-bit floats.
@@ -205,6 +244,14 @@ impl LaneSet {
         #[cfg(not(target_arch = "x86_64"))]
         {
             self == LaneSet::Portable
+        }
+    }
+
+    /// Lanes of 32-bit floats.
+    pub fn width(self) -> usize {
+        match self {
+            LaneSet::Avx512 => 16,
+            LaneSet::Avx2 | LaneSet::Portable => 8,
         }
     }
 

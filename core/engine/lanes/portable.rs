@@ -1,6 +1,6 @@
 //! Eight lanes in plain Rust: what every processor runs.
 
-use super::{Float, Lanes, Mask, Unsigned};
+use super::{Double, Float, Lanes, Mask, Unsigned};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 const WIDTH: usize = 8;
@@ -21,16 +21,25 @@ pub struct U([u32; WIDTH]);
 #[derive(Clone, Copy)]
 pub struct M([bool; WIDTH]);
 
+/// Four 64-bit floats.
+#[derive(Clone, Copy)]
+pub struct D([f64; 4]);
+
+/// Four booleans.
+#[derive(Clone, Copy)]
+pub struct MD([bool; 4]);
+
 impl Lanes for Portable {
     const WIDTH: usize = WIDTH;
     type F = F;
     type U = U;
     type M = M;
+    type D = D;
 }
 
 #[inline(always)]
-fn each<T: Copy + Default>(f: impl Fn(usize) -> T) -> [T; WIDTH] {
-    let mut out = [T::default(); WIDTH];
+fn each<T: Copy + Default, const N: usize>(f: impl Fn(usize) -> T) -> [T; N] {
+    let mut out = [T::default(); N];
     for (i, o) in out.iter_mut().enumerate() {
         *o = f(i);
     }
@@ -55,6 +64,19 @@ operator!(F, Mul, mul, |a: f32, b: f32| a * b);
 operator!(F, Div, div, |a: f32, b: f32| a / b);
 operator!(U, Add, add, u32::wrapping_add);
 operator!(U, Sub, sub, u32::wrapping_sub);
+
+operator!(D, Add, add, |a: f64, b: f64| a + b);
+operator!(D, Sub, sub, |a: f64, b: f64| a - b);
+operator!(D, Mul, mul, |a: f64, b: f64| a * b);
+operator!(D, Div, div, |a: f64, b: f64| a / b);
+
+impl Neg for D {
+    type Output = D;
+    #[inline(always)]
+    fn neg(self) -> D {
+        D(each(|i| -self.0[i]))
+    }
+}
 
 impl Neg for F {
     type Output = F;
@@ -235,6 +257,83 @@ impl Mask for M {
     #[inline(always)]
     fn not(self) -> M {
         M(each(|i| !self.0[i]))
+    }
+    #[inline(always)]
+    fn bits(self) -> u32 {
+        self.0.iter().enumerate().fold(0, |bits, (i, &set)| bits | (u32::from(set) << i))
+    }
+}
+
+impl Double for D {
+    const COUNT: usize = 4;
+    type Mask = MD;
+
+    #[inline(always)]
+    fn splat(value: f64) -> D {
+        D([value; 4])
+    }
+    #[inline(always)]
+    fn load(values: &[f64]) -> D {
+        D(each(|i| values[i]))
+    }
+    #[inline(always)]
+    fn store(self, values: &mut [f64]) {
+        values[..4].copy_from_slice(&self.0);
+    }
+    #[inline(always)]
+    fn store_f32(self, values: &mut [f32]) {
+        values[..4].copy_from_slice(&self.0.map(|x| x as f32));
+    }
+    #[inline(always)]
+    fn mul_add(self, b: D, c: D) -> D {
+        D(each(|i| self.0[i] * b.0[i] + c.0[i]))
+    }
+    #[inline(always)]
+    fn min(self, other: D) -> D {
+        D(each(|i| if self.0[i] < other.0[i] { self.0[i] } else { other.0[i] }))
+    }
+    #[inline(always)]
+    fn max(self, other: D) -> D {
+        D(each(|i| if self.0[i] > other.0[i] { self.0[i] } else { other.0[i] }))
+    }
+    #[inline(always)]
+    fn abs(self) -> D {
+        D(each(|i| self.0[i].abs()))
+    }
+    #[inline(always)]
+    fn ceil(self) -> D {
+        D(each(|i| self.0[i].ceil()))
+    }
+    #[inline(always)]
+    fn lt(self, other: D) -> MD {
+        MD(each(|i| self.0[i] < other.0[i]))
+    }
+    #[inline(always)]
+    fn le(self, other: D) -> MD {
+        MD(each(|i| self.0[i] <= other.0[i]))
+    }
+    #[inline(always)]
+    fn select(mask: MD, yes: D, no: D) -> D {
+        D(each(|i| if mask.0[i] { yes.0[i] } else { no.0[i] }))
+    }
+    #[inline(always)]
+    fn store_i32(self, values: &mut [i32]) {
+        values[..4].copy_from_slice(&self.0.map(|x| x as i32));
+    }
+}
+
+impl Mask for MD {
+    #[inline(always)]
+    fn and(self, other: MD) -> MD {
+        MD(each(|i| self.0[i] & other.0[i]))
+    }
+    #[inline(always)]
+    fn or(self, other: MD) -> MD {
+        MD(each(|i| self.0[i] | other.0[i]))
+    }
+    #[inline(always)]
+    fn not(self) -> MD {
+        MD(each(|i| !self.0[i]))
     }
     #[inline(always)]
     fn bits(self) -> u32 {

@@ -1,0 +1,283 @@
+//! Composite: tile by tile, cells to fragments to segments to pixels.
+//!
+//! Each worker takes tiles, the fullest first, and walks a tile's cells in grid order, as many at a time as there
+//! are lanes: spans of all cells become one dense list of fragments ([`super::spans`]), batches of it are
+//! intersected ([`super::crossing`]) and integrated ([`super::shade`]), and the results go to per-pixel lists
+//! ([`super::lists`]), or, where the scene has one colour, are summed: there no order is needed.
+
+use super::crossing::{BATCH, Batch, Group, LANES_MOST};
+use super::deep::DeepRow;
+use super::lanes::{Kernel, Lanes, dispatch};
+use super::lists::{Layer, Lists, Overflow};
+use super::record::TILE;
+use super::scene::Scene;
+use super::shade::Shaded;
+use super::spans::Fragments;
+use crate::progress::Progress;
+use std::ops::Range;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Colour and opacity of a tile's pixels.
+pub(crate) type TilePicture = [[f32; 4]; TILE * TILE];
+
+/// Counts of one worker.
+#[derive(Debug, Default, Clone, Copy)]
+pub(crate) struct WorkerCounts {
+    pub segments: u64,
+    pub segments_exact: u64,
+    pub tiles_deep: u64,
+}
+
+/// One worker: takes tiles until none is left.
+pub(crate) struct Worker<'a> {
+    pub scene: &'a Scene<'a>,
+    /// Tile numbers, fullest first.
+    pub queue: &'a [u32],
+    pub next: &'a AtomicUsize,
+    pub progress: &'a dyn Progress,
+}
+
+/// Scratch of one worker.
+struct Scratch {
+    fragments: Fragments,
+    group: Group,
+    batch: Batch,
+    shaded: Shaded,
+    stretch: [f32; TILE * TILE],
+    counts: WorkerCounts,
+}
+
+impl Worker<'_> {
+    /// Draws tiles until the queue is empty. Returns the pictures with their tile numbers.
+    pub fn run(self) -> (Vec<(u32, Box<TilePicture>)>, WorkerCounts) {
+        let scene = self.scene;
+        let mut scratch = Scratch {
+            fragments: Fragments::new(LANES_MOST),
+            group: Group::new(scene.attribute_count),
+            batch: Batch::new(scene.attribute_count),
+            shaded: Shaded::new(),
+            stretch: [1.0; TILE * TILE],
+            counts: WorkerCounts::default(),
+        };
+        let mut lists = Lists::new();
+        let mut done = Vec::new();
+        loop {
+            let k = self.next.fetch_add(1, Ordering::Relaxed);
+            let Some(&tile) = self.queue.get(k) else { break };
+            if k % 16 == 0 {
+                self.progress.report("composite", k as f64 / self.queue.len() as f64);
+            }
+            if self.progress.cancelled() {
+                break;
+            }
+            let mut picture = Box::new([[0.0; 4]; TILE * TILE]);
+            draw_tile(scene, tile as usize, &mut scratch, &mut lists, &mut picture);
+            done.push((tile, picture));
+        }
+        scratch.counts.segments_exact = scratch.shaded.exact_count;
+        (done, scratch.counts)
+    }
+}
+
+// The kernels below are compiled once a lane set each; everything between them is plain code.
+
+struct Cover<'a> {
+    scene: &'a Scene<'a>,
+    cells: &'a [u32],
+    left: usize,
+    top: usize,
+    right: usize,
+    rows: Range<usize>,
+    group: &'a mut Group,
+    fragments: &'a mut Fragments,
+}
+
+impl Kernel for Cover<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        self.fragments.count = 0;
+        for (lane, &entry) in self.cells.iter().enumerate() {
+            let (record, attributes, corners) = self.scene.record(entry);
+            self.group.take(lane, record, attributes, self.left, self.top);
+            self.fragments.cover::<L>(corners, lane, self.left, self.top, self.rows.clone(), self.right);
+        }
+    }
+}
+
+struct Evaluate<'a> {
+    scene: &'a Scene<'a>,
+    group: &'a Group,
+    codes: &'a [u16],
+    count: usize,
+    stretch: &'a [f32; TILE * TILE],
+    batch: &'a mut Batch,
+}
+
+impl Kernel for Evaluate<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Evaluate { scene, group, codes, count, stretch, batch } = self;
+        if scene.view.perspective {
+            group.evaluate::<L, true>(codes, count, stretch, scene.near, batch);
+        } else {
+            group.evaluate::<L, false>(codes, count, stretch, scene.near, batch);
+        }
+    }
+}
+
+struct Shade<'a> {
+    scene: &'a Scene<'a>,
+    batch: &'a Batch,
+    count: usize,
+    shaded: &'a mut Shaded,
+}
+
+impl Kernel for Shade<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        self.scene.shader.shade::<L>(self.batch, self.count, self.shaded);
+    }
+}
+
+struct Blend<'a> {
+    lists: &'a mut Lists,
+    sorted: bool,
+    picture: &'a mut TilePicture,
+}
+
+impl Kernel for Blend<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        self.lists.composite::<L>(self.sorted, self.picture);
+    }
+}
+
+/// Where a tile's segments go.
+trait Sink {
+    fn push(&mut self, pixel: usize, depth: f32, layer: Layer) -> Result<(), Overflow>;
+}
+
+struct DepthSink<'a>(&'a mut [f32; TILE * TILE]);
+
+impl Sink for DepthSink<'_> {
+    #[inline(always)]
+    fn push(&mut self, pixel: usize, depth: f32, _layer: Layer) -> Result<(), Overflow> {
+        self.0[pixel & (TILE * TILE - 1)] += depth;
+        Ok(())
+    }
+}
+
+impl Sink for Lists {
+    #[inline(always)]
+    fn push(&mut self, pixel: usize, _depth: f32, layer: Layer) -> Result<(), Overflow> {
+        Lists::push(self, pixel, layer)
+    }
+}
+
+impl Sink for DeepRow {
+    #[inline(always)]
+    fn push(&mut self, pixel: usize, _depth: f32, layer: Layer) -> Result<(), Overflow> {
+        DeepRow::push(self, pixel & (TILE - 1), layer);
+        Ok(())
+    }
+}
+
+fn draw_tile(
+    scene: &Scene<'_>,
+    tile: usize,
+    scratch: &mut Scratch,
+    lists: &mut Lists,
+    picture: &mut TilePicture,
+) {
+    let (left, top) = (tile % scene.tiles_wide * TILE, tile / scene.tiles_wide * TILE);
+    if scene.view.perspective {
+        for (pixel, stretch) in scratch.stretch.iter_mut().enumerate() {
+            *stretch = scene.view.stretch((left + pixel % TILE) as f64, (top + pixel / TILE) as f64) as f32;
+        }
+    }
+    if let Some(color) = scene.shader.one_color {
+        let mut depth = [0.0; TILE * TILE];
+        // A sum cannot overflow its pixel.
+        let _ = walk(scene, tile, 0..TILE, scratch, &mut DepthSink(&mut depth));
+        for (pixel, &depth) in picture.iter_mut().zip(&depth) {
+            let opacity = -(-f64::from(depth)).exp_m1();
+            let c = color.map(|c| (f64::from(c) * opacity) as f32);
+            *pixel = [c[0], c[1], c[2], opacity as f32];
+        }
+        return;
+    }
+    lists.clear();
+    let before = scratch.counts;
+    let drawn = walk(scene, tile, 0..TILE, scratch, lists);
+    if drawn.is_ok() {
+        dispatch(scene.lanes, Blend { lists, sorted: scene.sorted, picture });
+    }
+    if drawn.is_err() {
+        // Rows are independent: draw them one at a time with lists that grow.
+        scratch.counts = before;
+        scratch.counts.tiles_deep += 1;
+        let mut deep = DeepRow::default();
+        for row in 0..TILE {
+            deep.clear();
+            let _ = walk(scene, tile, row..row + 1, scratch, &mut deep);
+            deep.composite(scene.sorted, &mut picture[row * TILE..][..TILE]);
+        }
+    }
+}
+
+/// Sends all segments of some rows of a tile to a sink.
+fn walk(
+    scene: &Scene<'_>,
+    tile: usize,
+    rows: Range<usize>,
+    scratch: &mut Scratch,
+    sink: &mut impl Sink,
+) -> Result<(), Overflow> {
+    let (left, top) = (tile % scene.tiles_wide * TILE, tile / scene.tiles_wide * TILE);
+    let right = (left + TILE).min(scene.view.size[0]);
+    let bottom = (top + TILE).min(scene.view.size[1]);
+    let rows = rows.start..rows.end.min(bottom - top);
+    let Scratch { fragments, group, batch, shaded, stretch, counts, .. } = scratch;
+
+    for cells in scene.entries_of(tile).chunks(scene.lanes.width()) {
+        dispatch(scene.lanes, Cover { scene, cells, left, top, right, rows: rows.clone(), group, fragments });
+        let mut from = 0;
+        while from < fragments.count {
+            let count = (fragments.count - from).min(BATCH);
+            let codes = &fragments.codes[from..];
+            dispatch(scene.lanes, Evaluate { scene, group, codes, count, stretch, batch });
+            dispatch(scene.lanes, Shade { scene, batch, count, shaded });
+            for k in 0..count {
+                // Not at all where the ray misses the cell by a rounding.
+                if batch.length[k] > 0.0 {
+                    counts.segments += 1;
+                    let layer = Layer {
+                        entry: batch.entry[k],
+                        exit: batch.exit[k],
+                        rgba: std::array::from_fn(|c| shaded.rgba[c][k]),
+                    };
+                    sink.push(batch.pixel[k] as usize, shaded.depth[k], layer)?;
+                }
+            }
+            from += count;
+        }
+    }
+
+    for special in scene.special_of(tile) {
+        let [x0, y0, x1, y1] = special.bounds;
+        for j in y0.max(top + rows.start)..y1.min(top + rows.end) {
+            for i in x0.max(left)..x1.min(right) {
+                let Some(crossing) = special.cross(&scene.view, i, j) else { continue };
+                counts.segments += 1;
+                let (depth, rgba) = scene.shade_special(special, &crossing, i, j);
+                let [entry, exit] = crossing.depth.map(|z| (z - scene.distance_origin) as f32);
+                sink.push((j - top) << 4 | (i - left), depth, Layer { entry, exit, rgba })?;
+            }
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,187 @@
+//! Cull: keep each tetrahedron that could contribute.
+//!
+//! Conservative in truth: a cell is left out only if no point of the convex hull of its four (s, g) pairs comes
+//! near enough to any widget to matter, or if it lies outside one plane of the view. The papers test the four
+//! vertices only (Song et al. 2009), which drops a cell whose vertices straddle a narrow widget.
+
+use super::Cells;
+use super::Order;
+use super::project::Attribute;
+use super::view::View;
+use crate::camera::Camera;
+
+use crate::progress::Progress;
+use crate::transfer::{Profile, Support, TransferFunction};
+use crate::volume::Volume;
+use crate::{Error, Result};
+use rayon::prelude::*;
+use std::sync::Arc;
+
+/// Optical depth that all culled cells together may have along the longest ray: a tenth of the 1e-6 that a
+/// pixel may change.
+const DEPTH_LEFT_OUT: f64 = 1e-7;
+
+/// Keeps each tetrahedron that could contribute to the picture. Culling changes no pixel by more than 1e-6.
+///
+/// Errors: a camera out of range, a transfer function that looks at quantities the volume does not have.
+pub fn cull(
+    volume: &Arc<Volume>,
+    transfer_function: &TransferFunction,
+    camera: &Camera,
+    progress: &dyn Progress,
+) -> Result<Cells> {
+    let grid = &volume.grid;
+    let length = diagonal(volume)?;
+    let view = View::new(camera, length, [0.0; 2])?;
+    let (seen, outside) = view.see(&grid.points);
+    progress.report("cull", 0.3);
+    let ranges = [range(&volume.scalar), volume.gradient_magnitude.as_ref().map_or([0.0; 2], |g| range(g))];
+    let mut cells = Cells {
+        volume: volume.clone(),
+        kept: Arc::default(),
+        order: Order::Exact,
+        culled_by_transfer_function: 0,
+        culled_by_frustum: 0,
+        length,
+        seen: Some((*camera, Arc::new(seen))),
+        ranges,
+    };
+    let attributes = attributes_of(&cells, transfer_function)?;
+    // A cell whose density is nowhere above this adds less than DEPTH_LEFT_OUT over the whole diagonal.
+    let support = Support::new(transfer_function)?;
+    let least = DEPTH_LEFT_OUT / length;
+    let s = attributes[0].values;
+    let g = attributes.get(1).filter(|_| transfer_function.uses_gradient_magnitude()).map(|a| a.values);
+
+    const CHUNK: usize = 1 << 14;
+    let parts: Vec<(Vec<u32>, u64, u64)> = grid
+        .tetrahedra
+        .par_chunks(CHUNK)
+        .enumerate()
+        .map(|(chunk, tetrahedra)| {
+            let mut kept = Vec::with_capacity(CHUNK);
+            let (mut by_function, mut by_frustum) = (0, 0);
+            for (k, corners) in tetrahedra.iter().enumerate() {
+                let at = corners.map(|p| p as usize);
+                if at.iter().fold(u8::MAX, |all, &p| all & outside[p]) != 0 {
+                    by_frustum += 1;
+                    continue;
+                }
+                let values = at.map(|p| s[p]);
+                let gradients = g.map_or([0.0; 4], |g| at.map(|p| g[p]));
+                if !support.touches(&values, &gradients, &[], least) {
+                    by_function += 1;
+                } else {
+                    kept.push((chunk * CHUNK + k) as u32);
+                }
+            }
+            (kept, by_function, by_frustum)
+        })
+        .collect();
+    if progress.cancelled() {
+        return Err(Error::cancelled());
+    }
+    let mut kept = Vec::with_capacity(parts.iter().map(|(kept, ..)| kept.len()).sum());
+    for (part, by_function, by_frustum) in &parts {
+        kept.extend_from_slice(part);
+        cells.culled_by_transfer_function += by_function;
+        cells.culled_by_frustum += by_frustum;
+    }
+    cells.kept = Arc::new(kept);
+    Ok(cells)
+}
+
+/// The point arrays that the transfer function looks at, s first, then g, then the further fields, scaled to
+/// about −½ … ½.
+pub(crate) fn attributes_of<'a>(
+    cells: &'a Cells,
+    transfer_function: &TransferFunction,
+) -> Result<Vec<Attribute<'a>>> {
+    let volume = &cells.volume;
+    let fields = transfer_function.fields();
+    let mut attributes = vec![attribute(&volume.scalar, cells.ranges[0], centre(transfer_function, 0))];
+    if transfer_function.uses_gradient_magnitude() || !fields.is_empty() {
+        match &volume.gradient_magnitude {
+            Some(g) => attributes.push(attribute(g, cells.ranges[1], centre(transfer_function, 1))),
+            None if transfer_function.uses_gradient_magnitude() => {
+                return Err(Error::usage(
+                    "the transfer function looks at the gradient magnitude, and the volume has none",
+                )
+                .accepted("a gradient-magnitude node before this one"));
+            }
+            // The further fields stand in their own places, behind g.
+            None => attributes.push(attribute(&volume.scalar, cells.ranges[0], None)),
+        }
+    }
+    for name in fields {
+        let array = volume.grid.point_arrays.get(name).filter(|array| array.component_count == 1);
+        let Some(array) = array else {
+            return Err(Error::usage("the transfer function looks at a field that the volume does not have")
+                .found(name)
+                .accepted("a point array of one component that the reader was asked for"));
+        };
+        attributes.push(attribute(&array.values, range(&array.values), None));
+    }
+    Ok(attributes)
+}
+
+/// The centre along an axis, if the transfer function has a single one: offsets are then taken from it in 64
+/// bits, so that a widget far narrower than the range loses nothing.
+fn centre(transfer_function: &TransferFunction, axis: usize) -> Option<f64> {
+    match transfer_function.widgets.as_slice() {
+        [widget] => match &widget.profile {
+            Profile::Gaussian { centre, .. } => Some(centre[axis]),
+            Profile::TriangularGaussian { centre, .. } if axis == 0 => Some(*centre),
+            _ => None,
+        },
+        _ => None,
+    }
+}
+
+fn attribute(values: &[f64], range: [f64; 2], centre: Option<f64>) -> Attribute<'_> {
+    let [low, high] = range;
+    let middle = low + 0.5 * (high - low);
+    let offset = centre.filter(|c| (low..=high).contains(c)).unwrap_or(middle);
+    let span = high - low;
+    // A constant field: any scale serves.
+    let scale = if span > 0.0 && span.is_finite() { span } else { 1.0 };
+    Attribute { values, offset, scale }
+}
+
+/// Smallest and largest finite value; [0, 0] for none.
+fn range(values: &[f64]) -> [f64; 2] {
+    let [low, high] = values
+        .par_chunks(1 << 14)
+        .map(|chunk| {
+            chunk
+                .iter()
+                .filter(|v| v.is_finite())
+                .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], &v| [low.min(v), high.max(v)])
+        })
+        .reduce(|| [f64::INFINITY, f64::NEG_INFINITY], |a, b| [a[0].min(b[0]), a[1].max(b[1])]);
+    if low <= high { [low, high] } else { [0.0; 2] }
+}
+
+/// Diagonal of the box of the grid's points, world units; 1 for a grid without extent.
+fn diagonal(volume: &Volume) -> Result<f64> {
+    use glam::DVec3;
+    let (low, high) = volume
+        .grid
+        .points
+        .par_chunks(1 << 14)
+        .map(|points| {
+            points
+                .iter()
+                .filter(|p| p.is_finite())
+                .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), &p| (low.min(p), high.max(p)))
+        })
+        .reduce(|| (DVec3::INFINITY, DVec3::NEG_INFINITY), |a, b| (a.0.min(b.0), a.1.max(b.1)));
+    let sides = high - low;
+    let largest = sides.max_element();
+    if !largest.is_finite() && largest != f64::NEG_INFINITY {
+        return Err(
+            Error::run("the grid's extent is beyond 64-bit floats").accepted("coordinates under 1e300")
+        );
+    }
+    Ok(if largest > 0.0 { (sides / largest).length() * largest } else { 1.0 })
+}

@@ -1,0 +1,179 @@
+//! The stages end to end: project, composite, and the one-call form.
+
+use super::composite::{TilePicture, Worker, WorkerCounts};
+use super::cull::attributes_of;
+use super::record::TILE;
+use super::scene::{Sample, Scene};
+use super::shade::Shader;
+use super::{Cells, Counts, Integrator, Order, Shading};
+use crate::camera::Camera;
+use crate::picture::Picture;
+use crate::progress::Progress;
+use crate::transfer::{OpticalModel, TransferFunction};
+use crate::{Error, Result};
+use rayon::prelude::*;
+use std::sync::atomic::AtomicUsize;
+
+/// Cells prepared for the compositor: one projection for each sample of a pixel.
+#[derive(Debug)]
+pub struct Projection {
+    cells: Cells,
+    camera: Camera,
+    samples: Vec<Sample>,
+}
+
+impl Projection {
+    /// The volume's cells that were projected, and their order.
+    pub fn cells(&self) -> &Cells {
+        &self.cells
+    }
+
+    /// The camera.
+    pub fn camera(&self) -> &Camera {
+        &self.camera
+    }
+
+    /// Cells that cover a pixel centre (of the first sample).
+    pub fn cells_projected(&self) -> u64 {
+        self.samples.first().map_or(0, Sample::cell_count)
+    }
+}
+
+/// Largest side of a picture: pixel numbers are kept in 16 bits.
+const SIDE_MOST: u32 = 1 << 15;
+
+/// Offsets of the samples of a pixel from its centre: one in the middle, or the centres of a regular n × n
+/// division for square numbers, else Roberts' R₂ sequence (2018), which spreads any number evenly.
+fn sample_offsets(count: u32) -> Vec<[f64; 2]> {
+    let side = f64::from(count).sqrt().round() as u32;
+    if side * side == count {
+        let at = |k: u32| (f64::from(k) + 0.5) / f64::from(side) - 0.5;
+        return (0..count).map(|k| [at(k % side), at(k / side)]).collect();
+    }
+    const STEP: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_2];
+    (0..count).map(|k| STEP.map(|step| (0.5 + step * f64::from(k)).fract() - 0.5)).collect()
+}
+
+/// Projects the kept cells onto the screen and sorts them into tiles of 16 × 16 pixels.
+///
+/// The transfer function says which quantities the segments need: what it does not look at is not projected.
+///
+/// Errors: a camera out of range, a picture larger than 32,768 pixels a side, more cells than 32 bits count.
+pub fn project(
+    cells: &Cells,
+    transfer_function: &TransferFunction,
+    camera: &Camera,
+    progress: &dyn Progress,
+) -> Result<Projection> {
+    if camera.size.iter().any(|&n| n == 0 || n > SIDE_MOST) {
+        return Err(Error::usage("the picture's size is out of range")
+            .found(format!("{} × {}", camera.size[0], camera.size[1]))
+            .accepted("1 to 32,768 pixels a side"));
+    }
+    if camera.samples == 0 || camera.samples > 256 {
+        return Err(Error::usage("samples is out of range")
+            .found(camera.samples)
+            .accepted("1 to 256 a pixel"));
+    }
+    let attributes = attributes_of(cells, transfer_function)?;
+    let offsets = sample_offsets(camera.samples);
+    let mut samples = Vec::with_capacity(offsets.len());
+    for (k, &offset) in offsets.iter().enumerate() {
+        progress.report("project", k as f64 / offsets.len() as f64);
+        samples.push(Sample::new(cells, camera, offset, &attributes, progress)?);
+    }
+    Ok(Projection { cells: cells.clone(), camera: *camera, samples })
+}
+
+/// Integrates and composites every pixel's segments.
+///
+/// Errors: an optical model, widget or integrator that the engine cannot serve, named with what can.
+pub fn composite(
+    projection: &Projection,
+    transfer_function: &TransferFunction,
+    shading: &Shading,
+    progress: &dyn Progress,
+) -> Result<(Picture, Counts)> {
+    serve(transfer_function, shading)?;
+    let cells = &projection.cells;
+    let attributes = attributes_of(cells, transfer_function)?;
+    if projection.samples.iter().any(|sample| sample.attribute_count != attributes.len()) {
+        return Err(Error::usage("the cells were projected for another transfer function")
+            .accepted("the transfer function that the cull stage of the same pipeline has"));
+    }
+    let shader = Shader::new(transfer_function, shading.overlap, &attributes, cells.length)?;
+    let needs_order = shader.one_color.is_none();
+    let sorted = match cells.order {
+        Order::Exact | Order::Auto => needs_order,
+        Order::Centroid | Order::None => false,
+    };
+    let [width, height] = projection.camera.size.map(|n| n as usize);
+    let mut picture = Picture::transparent(width, height);
+    let mut counts = Counts { cells_projected: projection.cells_projected(), ..Counts::default() };
+    let weight = 1.0 / projection.samples.len() as f32;
+    for sample in &projection.samples {
+        let scene = Scene::new(sample, &cells.volume, &attributes, &shader, sorted);
+        let queue = sample.queue();
+        let next = AtomicUsize::new(0);
+        let results: Vec<(Vec<(u32, Box<TilePicture>)>, WorkerCounts)> =
+            rayon::broadcast(|_| Worker { scene: &scene, queue: &queue, next: &next, progress }.run());
+        if progress.cancelled() {
+            return Err(Error::cancelled());
+        }
+        let mut tiles: Vec<Option<&TilePicture>> = vec![None; scene.tiles_wide * height.div_ceil(TILE)];
+        for (done, worker) in &results {
+            counts.segments += worker.segments;
+            counts.segments_exact += worker.segments_exact;
+            counts.tiles_deep += worker.tiles_deep;
+            for (tile, pixels) in done {
+                tiles[*tile as usize] = Some(pixels);
+            }
+        }
+        picture.rgba.par_chunks_mut(width).enumerate().for_each(|(j, row)| {
+            for (i, pixel) in row.iter_mut().enumerate() {
+                if let Some(tile) = tiles[j / TILE * scene.tiles_wide + i / TILE] {
+                    let value = tile[(j % TILE) * TILE + i % TILE];
+                    for (sum, value) in pixel.iter_mut().zip(value) {
+                        *sum += weight * value;
+                    }
+                }
+            }
+        });
+    }
+    if needs_order && !sorted {
+        // Which pixels an unsorted composite got wrong is not known without sorting: those it may have.
+        counts.pixels_disordered = picture.rgba.iter().filter(|p| p[3] > 0.0).count() as u64;
+    }
+    Ok((picture, counts))
+}
+
+/// Draws the kept cells: [`project`] and [`composite`].
+pub fn draw(
+    cells: &Cells,
+    transfer_function: &TransferFunction,
+    camera: &Camera,
+    shading: &Shading,
+    progress: &dyn Progress,
+) -> Result<(Picture, Counts)> {
+    let projection = project(cells, transfer_function, camera, progress)?;
+    composite(&projection, transfer_function, shading, progress)
+}
+
+/// Says what the engine does not serve yet.
+fn serve(transfer_function: &TransferFunction, shading: &Shading) -> Result<()> {
+    if shading.integrator != Integrator::Analytic {
+        return Err(Error::usage("the native engine does not offer this integrator")
+            .found(format!("{:?}", shading.integrator))
+            .accepted("integrator = \"analytic\""));
+    }
+    if transfer_function.model != OpticalModel::DensityEmitter {
+        return Err(Error::usage("the native engine does not offer this optical model")
+            .found("constant-emitter")
+            .accepted("model = \"density-emitter\", or integrator = \"reference\""));
+    }
+    if shading.silhouette.is_some() || shading.light.is_some() {
+        return Err(Error::usage("the native engine does not offer silhouettes and lighting")
+            .accepted("neither, or integrator = \"reference\""));
+    }
+    Ok(())
+}

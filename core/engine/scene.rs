@@ -1,0 +1,265 @@
+//! A scene ready for the compositor: the projection of one sample of every pixel, and how segments are shaded.
+
+use super::project::{Attribute, Input, Part, ProjectPart};
+use super::record::{AttributeRecord, Record, TILE};
+use super::shade::Shader;
+use super::special::{Special, SpecialCrossing};
+use super::view::{Seen, View};
+use super::{Cells, lanes};
+use crate::camera::Camera;
+use crate::progress::Progress;
+use crate::volume::Volume;
+use crate::{Error, Result};
+use rayon::prelude::*;
+
+/// Bits of a record's number within its part; the part's number stands above.
+const INDEX_BITS: u32 = 24;
+
+/// The projection of one sample of every pixel.
+#[derive(Debug)]
+pub(crate) struct Sample {
+    pub view: View,
+    pub seen: std::sync::Arc<Vec<Seen>>,
+    parts: Vec<Part>,
+    tiles_wide: usize,
+    /// `tile_starts[t] .. tile_starts[t + 1]` are tile t's entries.
+    tile_starts: Vec<u32>,
+    /// Records by tile, in grid order.
+    entries: Vec<u32>,
+    special: Vec<Special>,
+    /// Special cells by tile.
+    special_tiles: Vec<Vec<u32>>,
+    distance_origin: f64,
+    near: Option<[f32; 2]>,
+    pub attribute_count: usize,
+}
+
+/// What the compositor reads.
+pub(crate) struct Scene<'a> {
+    pub view: View,
+    pub tiles_wide: usize,
+    pub attribute_count: usize,
+    pub shader: &'a Shader,
+    /// The lane set the kernels run on.
+    pub lanes: lanes::LaneSet,
+    /// Whether each pixel's segments are sorted.
+    pub sorted: bool,
+    pub distance_origin: f64,
+    /// See [`super::crossing::Group::evaluate`].
+    pub near: Option<[f32; 2]>,
+    sample: &'a Sample,
+    volume: &'a Volume,
+    attributes: &'a [Attribute<'a>],
+}
+
+impl Sample {
+    /// Projects the kept cells.
+    pub fn new(
+        cells: &Cells,
+        camera: &Camera,
+        offset: [f64; 2],
+        attributes: &[Attribute<'_>],
+        progress: &dyn Progress,
+    ) -> Result<Sample> {
+        let grid = &cells.volume.grid;
+        let view = View::new(camera, cells.length, offset)?;
+        // The cull stage saw the points already, unless this is another camera or another sample.
+        let seen = match &cells.seen {
+            Some((seen_camera, seen)) if seen_camera == camera && offset == [0.0; 2] => seen.clone(),
+            _ => std::sync::Arc::new(view.see(&grid.points).0),
+        };
+        let (tiles_wide, tiles_high) = (view.size[0].div_ceil(TILE), view.size[1].div_ceil(TILE));
+        let nearest = seen.par_iter().with_min_len(1 << 14).map(|s| s.z).reduce(|| f64::INFINITY, f64::min);
+        let distance_origin = nearest.max(view.near).max(0.0);
+        let input = Input {
+            view: &view,
+            seen: &seen,
+            tetrahedra: &grid.tetrahedra,
+            attributes,
+            distance_origin,
+            tiles_wide,
+            tiles_high,
+        };
+
+        let kept = cells.kept.as_slice();
+        let wished = (rayon::current_num_threads() * 4).max(kept.len().div_ceil(1 << INDEX_BITS)).min(256);
+        let part_length = kept.len().div_ceil(wished).max(1);
+        if part_length > 1 << INDEX_BITS {
+            return Err(Error::run("too many cells for one picture")
+                .found(kept.len())
+                .accepted("4 thousand million"));
+        }
+        let lane_set = lanes::LaneSet::detect();
+        let mut parts: Vec<Part> = Vec::new();
+        kept.par_chunks(part_length)
+            .map(|cells| {
+                let mut part = Part::default();
+                lanes::dispatch(lane_set, ProjectPart { input, cells, part: &mut part });
+                part
+            })
+            .collect_into_vec(&mut parts);
+        if progress.cancelled() {
+            return Err(Error::cancelled());
+        }
+
+        // Where each part's entries of each tile go: grid order within a tile.
+        let tile_count = tiles_wide * tiles_high;
+        let mut tile_starts = Vec::with_capacity(tile_count + 1);
+        let mut next: Vec<Vec<u32>> = parts.iter().map(|_| Vec::with_capacity(tile_count)).collect();
+        let mut sum = 0u64;
+        for tile in 0..tile_count {
+            tile_starts.push(sum as u32);
+            for (part, next) in parts.iter().zip(&mut next) {
+                next.push(sum as u32);
+                sum += u64::from(part.tile_counts[tile]);
+            }
+        }
+        if sum > u64::from(u32::MAX) {
+            return Err(Error::run("the picture has too many cells in its tiles")
+                .found(sum)
+                .accepted("at most 4 thousand million; draw a part of the grid or a smaller picture"));
+        }
+        tile_starts.push(sum as u32);
+        let mut entries = vec![0u32; sum as usize];
+        let out = SharedEntries(entries.as_mut_ptr());
+        parts.par_iter().zip(next.par_iter_mut()).enumerate().for_each(|(number, (part, next))| {
+            let out = &out;
+            for (index, rectangle) in part.tiles.iter().enumerate() {
+                let entry = (number << INDEX_BITS | index) as u32;
+                for ty in rectangle[1]..rectangle[3] {
+                    for tx in rectangle[0]..rectangle[2] {
+                        let place = &mut next[ty as usize * tiles_wide + tx as usize];
+                        // Safety: the counts gave every part a range of its own in every tile.
+                        unsafe { *out.0.add(*place as usize) = entry };
+                        *place += 1;
+                    }
+                }
+            }
+        });
+
+        let special: Vec<Special> = parts
+            .iter()
+            .flat_map(|part| &part.special)
+            .filter_map(|&id| {
+                let corners = grid.tetrahedra[id as usize].map(|p| grid.points[p as usize]);
+                Special::new(&view, id, corners)
+            })
+            .collect();
+        let mut special_tiles = vec![Vec::new(); if special.is_empty() { 0 } else { tile_count }];
+        for (k, special) in special.iter().enumerate() {
+            let [x0, y0, x1, y1] = special.bounds;
+            for ty in y0 / TILE..y1.div_ceil(TILE) {
+                for tx in x0 / TILE..x1.div_ceil(TILE) {
+                    special_tiles[ty * tiles_wide + tx].push(k as u32);
+                }
+            }
+        }
+        let near = (nearest < view.near && (!view.perspective || view.near > 0.0)).then(|| {
+            if view.perspective {
+                [(1.0 / view.near) as f32, -1.0]
+            } else {
+                [1.0, (distance_origin - view.near) as f32]
+            }
+        });
+        Ok(Sample {
+            view,
+            seen,
+            parts,
+            tiles_wide,
+            tile_starts,
+            entries,
+            special,
+            special_tiles,
+            distance_origin,
+            near,
+            attribute_count: attributes.len(),
+        })
+    }
+
+    /// Records and special cells.
+    pub fn cell_count(&self) -> u64 {
+        (self.parts.iter().map(|part| part.records.len()).sum::<usize>() + self.special.len()) as u64
+    }
+
+    /// Tiles that hold anything, fullest first.
+    pub fn queue(&self) -> Vec<u32> {
+        let fill = |tile: usize| {
+            let special = self.special_tiles.get(tile).map_or(0, Vec::len);
+            (self.tile_starts[tile + 1] - self.tile_starts[tile]) as usize + 16 * special
+        };
+        let mut queue: Vec<u32> =
+            (0..self.tile_starts.len() - 1).filter(|&t| fill(t) > 0).map(|t| t as u32).collect();
+        queue.sort_by_key(|&t| std::cmp::Reverse(fill(t as usize)));
+        queue
+    }
+}
+
+/// The entries, written by several threads at places that never meet.
+struct SharedEntries(*mut u32);
+// Safety: see the only use.
+unsafe impl Sync for SharedEntries {}
+
+impl<'a> Scene<'a> {
+    pub fn new(
+        sample: &'a Sample,
+        volume: &'a Volume,
+        attributes: &'a [Attribute<'a>],
+        shader: &'a Shader,
+        sorted: bool,
+    ) -> Scene<'a> {
+        Scene {
+            view: sample.view,
+            tiles_wide: sample.tiles_wide,
+            attribute_count: sample.attribute_count,
+            shader,
+            lanes: lanes::LaneSet::detect(),
+            sorted,
+            distance_origin: sample.distance_origin,
+            near: sample.near,
+            sample,
+            volume,
+            attributes,
+        }
+    }
+
+    #[inline(always)]
+    pub fn entries_of(&self, tile: usize) -> &'a [u32] {
+        &self.sample.entries
+            [self.sample.tile_starts[tile] as usize..self.sample.tile_starts[tile + 1] as usize]
+    }
+
+    #[inline(always)]
+    pub fn record(&self, entry: u32) -> (&'a Record, &'a [AttributeRecord], [&'a Seen; 4]) {
+        let part = &self.sample.parts[(entry >> INDEX_BITS) as usize];
+        let index = (entry & ((1 << INDEX_BITS) - 1)) as usize;
+        let n = self.attribute_count;
+        let corners = self.volume.grid.tetrahedra[part.ids[index] as usize];
+        let seen = &self.sample.seen;
+        (&part.records[index], &part.attributes[index * n..][..n], corners.map(|p| &seen[p as usize]))
+    }
+
+    pub fn special_of(&self, tile: usize) -> impl Iterator<Item = &'a Special> {
+        let numbers = self.sample.special_tiles.get(tile).map_or(&[][..], Vec::as_slice);
+        numbers.iter().map(|&k| &self.sample.special[k as usize])
+    }
+
+    /// Optical depth, colour and opacity of a special cell's segment.
+    pub fn shade_special(
+        &self,
+        special: &Special,
+        crossing: &SpecialCrossing,
+        i: usize,
+        j: usize,
+    ) -> (f32, [f32; 4]) {
+        let corners = self.volume.grid.tetrahedra[special.id as usize];
+        let value = |end: usize, attribute: usize| {
+            let values = self.attributes[attribute].values;
+            let base = values[corners[0] as usize];
+            // Relative to one corner, so that values near 1e8 keep their differences.
+            (0..4).map(|k| crossing.weights[end][k] * (values[corners[k] as usize] - base)).sum::<f64>()
+                + base
+        };
+        let length = (crossing.depth[1] - crossing.depth[0]) * self.view.stretch(i as f64, j as f64);
+        self.shader.integrate(length, |a| value(0, a), |a| value(1, a))
+    }
+}

@@ -1,0 +1,300 @@
+//! Shade: from a fragment's length and attribute values to its colour and opacity.
+//!
+//! The vector lanes serve the segments whose closed forms are benign in 32 bits; every other segment (long
+//! optical depths of linear pieces, widgets that overlap on a stretch they do not share evenly, profiles without
+//! a twin) goes one by one through the 64-bit truth, [`Prepared`]. What a scene does not use is not prepared.
+
+use super::crossing::Batch;
+use super::lanes::{Float, Lanes, Mask};
+use super::project::Attribute;
+use super::widget::{Along, LaneWidget};
+use crate::optics::lanes::elementary::{exp, one_minus_exp};
+use crate::optics::{Overlap, Prepared, Segment};
+use crate::transfer::{OpticalModel, Profile, TransferFunction};
+use crate::{Error, Result};
+
+/// A transfer function made ready for lanes.
+pub(crate) struct Shader {
+    exact: Prepared,
+    overlap: Overlap,
+    widgets: Vec<LaneWidget>,
+    /// Offset and scale of each attribute: value = offset + scale × stored.
+    scaling: Vec<[f64; 2]>,
+    /// World units in a scene length.
+    length: f64,
+    /// The one colour of all widgets, under the density-emitter: C = c · A, so no order is needed.
+    pub one_color: Option<[f32; 3]>,
+}
+
+/// Results of a batch.
+pub(crate) struct Shaded {
+    /// Optical depth (filled when there is one colour).
+    pub depth: Vec<f32>,
+    /// Premultiplied colour and opacity (filled otherwise).
+    pub rgba: [Vec<f32>; 4],
+    /// Fragments for the 64-bit path.
+    exact: Vec<usize>,
+    /// How many went there.
+    pub exact_count: u64,
+}
+
+impl Shaded {
+    pub fn new() -> Self {
+        let column = || vec![0f32; super::crossing::BATCH];
+        Shaded { depth: column(), rgba: std::array::from_fn(|_| column()), exact: Vec::new(), exact_count: 0 }
+    }
+}
+
+/// Overlaps whose pairwise product of optical depths is under this are mixed without regard to order: the
+/// error is at most the product times the colour, 1e-8.
+const MIX_PRODUCT: f32 = 1e-8;
+
+/// Widgets that the ordered quadrature in lanes takes; more on one scene go the 64-bit way where they overlap.
+const ORDERED_MOST: usize = 8;
+
+impl Shader {
+    pub fn new(
+        transfer_function: &TransferFunction,
+        overlap: Overlap,
+        attributes: &[Attribute<'_>],
+        length: f64,
+    ) -> Result<Shader> {
+        let exact = Prepared::new(transfer_function)?;
+        let density_emitter = transfer_function.model == OpticalModel::DensityEmitter;
+        let widgets: Vec<LaneWidget> = transfer_function
+            .widgets
+            .iter()
+            .map(|widget| {
+                if density_emitter {
+                    LaneWidget::new(widget, attributes, length / transfer_function.unit_distance)
+                } else {
+                    LaneWidget::Exact
+                }
+            })
+            .collect();
+        let mut colors = transfer_function.widgets.iter().flat_map(|widget| match &widget.profile {
+            Profile::PiecewiseLinear { points } => points.iter().map(|p| Some(p.color)).collect(),
+            Profile::Table(_) => vec![None],
+            _ => vec![Some(widget.color)],
+        });
+        let first = colors.next().unwrap_or(Some([0.0; 3]));
+        let one_color =
+            first.filter(|_| density_emitter && colors.all(|c| c == first)).map(|c| c.map(|x| x as f32));
+        if length <= 0.0 || !length.is_finite() {
+            return Err(Error::run("the grid has no extent")
+                .found(length)
+                .accepted("points that span a volume"));
+        }
+        let scaling = attributes.iter().map(|a| [a.offset, a.scale]).collect();
+        Ok(Shader { exact, overlap, widgets, scaling, length, one_color })
+    }
+
+    /// Integrates the first `count` fragments of a batch.
+    #[inline(always)]
+    pub fn shade<L: Lanes>(&self, batch: &Batch, count: usize, out: &mut Shaded) {
+        out.exact.clear();
+        let mut at = 0;
+        while at < count {
+            let along = Along::<L>::load(batch, at);
+            let unsure = match self.widgets.as_slice() {
+                [LaneWidget::Linear(linear)] if self.one_color.is_none() => {
+                    let (rgba, unsure) = linear.integrate::<L>(&along);
+                    for (column, value) in out.rgba.iter_mut().zip(rgba) {
+                        value.store(&mut column[at..]);
+                    }
+                    unsure
+                }
+                widgets if self.one_color.is_some() => {
+                    let mut depth = L::F::splat(0.0);
+                    let mut unsure = 0;
+                    for widget in widgets {
+                        let (t, no) = widget.depth::<L>(&along);
+                        depth = depth + t;
+                        unsure |= no;
+                    }
+                    depth.store(&mut out.depth[at..]);
+                    unsure
+                }
+                widgets => self.several::<L>(widgets, &along, at, out),
+            };
+            let mut unsure = unsure & along.crossing.bits();
+            while unsure != 0 {
+                let k = at + unsure.trailing_zeros() as usize;
+                if k < count {
+                    out.exact.push(k);
+                }
+                unsure &= unsure - 1;
+            }
+            at += L::WIDTH;
+        }
+        for i in 0..out.exact.len() {
+            let k = out.exact[i];
+            let at = |columns: &[Vec<f32>], a: usize| f64::from(columns[a][k]);
+            let value =
+                |columns: &[Vec<f32>], a: usize| self.scaling[a][0] + self.scaling[a][1] * at(columns, a);
+            let contribution = self.integrate(
+                f64::from(batch.length[k]),
+                |a| value(&batch.front, a),
+                |a| value(&batch.back, a),
+            );
+            out.depth[k] = contribution.0;
+            for (column, value) in out.rgba.iter_mut().zip(contribution.1) {
+                column[k] = value;
+            }
+        }
+        out.exact_count += out.exact.len() as u64;
+    }
+
+    /// The 64-bit integral of one segment: `length` in scene lengths, attributes in their own units. Returns the
+    /// optical depth and the premultiplied colour with opacity.
+    pub fn integrate(
+        &self,
+        length: f64,
+        front: impl Fn(usize) -> f64,
+        back: impl Fn(usize) -> f64,
+    ) -> (f32, [f32; 4]) {
+        const FIELDS_MOST: usize = 10;
+        let n = self.scaling.len().min(FIELDS_MOST);
+        let mut ends = [[0f64; FIELDS_MOST]; 2];
+        for a in 0..n {
+            ends[0][a] = front(a);
+            ends[1][a] = back(a);
+        }
+        let g = |values: &[f64; FIELDS_MOST]| if n > 1 { values[1] } else { 0.0 };
+        let fields = if n > 2 { 2..n } else { 0..0 };
+        let c = self.exact.integrate(
+            &Segment {
+                length: length * self.length,
+                front: [ends[0][0], g(&ends[0])],
+                back: [ends[1][0], g(&ends[1])],
+                fields_front: &ends[0][fields.clone()],
+                fields_back: &ends[1][fields],
+            },
+            self.overlap,
+        );
+        let color = c.color.map(|x| x as f32);
+        (c.optical_depth.min(f64::from(f32::MAX)) as f32, [color[0], color[1], color[2], c.opacity as f32])
+    }
+
+    /// Several widgets of different colours.
+    #[inline(always)]
+    fn several<L: Lanes>(
+        &self,
+        widgets: &[LaneWidget],
+        along: &Along<L>,
+        at: usize,
+        out: &mut Shaded,
+    ) -> u32 {
+        let splat = L::F::splat;
+        let zero = splat(0.0);
+        let (mut total, mut squares, mut unsure) = (zero, zero, 0);
+        let mut color = [zero; 3];
+        let mut depths = [zero; ORDERED_MOST];
+        for (i, widget) in widgets.iter().enumerate() {
+            let (depth, no) = widget.depth::<L>(along);
+            unsure |= no;
+            depths[i.min(ORDERED_MOST - 1)] = depth;
+            total = total + depth;
+            squares = depth.mul_add(depth, squares);
+            let widget_color = widget.color();
+            for (sum, c) in color.iter_mut().zip(widget_color) {
+                *sum = depth.mul_add(splat(c), *sum);
+            }
+            // A piecewise-linear widget's colour varies along the stretch.
+            if matches!(widget, LaneWidget::Linear(_)) {
+                unsure |= zero.lt(depth).bits();
+            }
+        }
+        let opacity = one_minus_exp::<L>(total);
+        let share = L::F::select(zero.lt(total), opacity / total, zero);
+        for (column, sum) in out.rgba.iter_mut().zip(color) {
+            (sum * share).store(&mut column[at..]);
+        }
+        opacity.store(&mut out.rgba[3][at..]);
+        if self.overlap == Overlap::Mix {
+            return unsure;
+        }
+        // Σ_{i<j} T_i T_j; the cancellation leaves 1e-7 T², under a thousandth of what matters.
+        let product = (total.mul_add(total, -squares)) * splat(0.5);
+        let rounding = total * total * splat(2e-7);
+        let overlapping =
+            (splat(MIX_PRODUCT) + rounding).lt(product).bits() & along.crossing.bits() & !unsure;
+        if overlapping == 0 {
+            return unsure;
+        }
+        if widgets.len() > ORDERED_MOST {
+            return unsure | overlapping;
+        }
+        unsure | self.ordered::<L>(widgets, along, &depths, total, overlapping, at, out)
+    }
+
+    /// The ordered integral ∫ Σ c_i ρ_i e^(−T) by Gauss-Legendre with 4 points, for segments on which every
+    /// widget's profile is smooth and the depth moderate; the lanes it cannot serve are returned.
+    #[inline(always)]
+    #[expect(clippy::too_many_arguments, reason = "the state of one vector of segments")]
+    fn ordered<L: Lanes>(
+        &self,
+        widgets: &[LaneWidget],
+        along: &Along<L>,
+        depths: &[L::F; ORDERED_MOST],
+        total: L::F,
+        overlapping: u32,
+        at: usize,
+        out: &mut Shaded,
+    ) -> u32 {
+        let splat = L::F::splat;
+        let mut rough = 0;
+        let mut density = [splat(0.0); 4];
+        let mut weighted = [[splat(0.0); 3]; 4];
+        for (widget, &depth) in widgets.iter().zip(depths) {
+            let Some((values, no)) = widget.densities::<L>(along, NODES) else {
+                return overlapping;
+            };
+            let matters = splat(MIX_PRODUCT).lt(depth * total);
+            rough |= no & matters.bits();
+            let values = values.map(|v| L::F::select(matters, v, splat(0.0)));
+            for ((density, weighted), value) in density.iter_mut().zip(&mut weighted).zip(values) {
+                *density = *density + value;
+                for (sum, c) in weighted.iter_mut().zip(widget.color()) {
+                    *sum = value.mul_add(splat(c), *sum);
+                }
+            }
+        }
+        // Depth up to each node from the cubic through the four densities, then the emission there.
+        let (mut color, mut glow, mut deepest) = ([splat(0.0); 3], splat(0.0), splat(0.0));
+        for j in 0..4 {
+            let mut depth = splat(0.0);
+            for k in 0..4 {
+                depth = density[k].mul_add(splat(UP_TO[j][k]), depth);
+            }
+            let depth = depth * along.length;
+            deepest = deepest.max(depth);
+            let through = exp::<L>(-depth) * splat(WEIGHTS[j]);
+            glow = density[j].mul_add(through, glow);
+            for (sum, w) in color.iter_mut().zip(weighted[j]) {
+                *sum = w.mul_add(through, *sum);
+            }
+        }
+        // The quadrature of the glow itself is 1 − e^(−T); the closed form scales the colours to it.
+        let scale = one_minus_exp::<L>(total) / glow.max(splat(f32::MIN_POSITIVE));
+        rough |= splat(1.0).lt(deepest).bits();
+        let served = overlapping & !rough;
+        for (column, sum) in out.rgba.iter_mut().zip(color) {
+            let mixed = L::F::load(&column[at..]);
+            let keep = super::widget::lanes_of::<L>(served);
+            L::F::select(keep, sum * scale, mixed).store(&mut column[at..]);
+        }
+        overlapping & rough
+    }
+}
+
+/// Gauss-Legendre on [0, 1] with 4 points.
+const NODES: [f32; 4] = [0.069_431_84, 0.330_009_48, 0.669_990_5, 0.930_568_2];
+const WEIGHTS: [f32; 4] = [0.173_927_42, 0.326_072_58, 0.326_072_58, 0.173_927_42];
+/// ∫₀^{node j} of the Lagrange polynomial of node k.
+const UP_TO: [[f32; 4]; 4] = [
+    [0.08696371, -0.02660418, 0.012627463, -0.0035551498],
+    [0.18811812, 0.16303629, -0.027880428, 0.0067355004],
+    [0.16719192, 0.353953, 0.16303629, -0.014190695],
+    [0.17748258, 0.31344512, 0.35267675, 0.08696371],
+];

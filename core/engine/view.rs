@@ -1,0 +1,129 @@
+//! From world space to what the tiles work in: eye space in a scene length, and pixel coordinates.
+//!
+//! Lengths are divided by the grid's diagonal first, so a grid 1e-20 or 1e20 wide gives the same numbers, and
+//! positions are taken relative to the eye in 64 bits, so an offset costs nothing.
+//!
+//! **Pixel coordinates** put the centre (or the current sample) of pixel (i, j) at the integers (i, j), j
+//! downwards. They are rounded to 2⁻²⁴ of a pixel: points that coincide on the screen up to 64-bit noise then
+//! coincide exactly, so that a face seen edge-on has an area of exactly zero, and a ray that lies in it is given
+//! to one of the two cells by the fill rule of [`super::spans`].
+
+use crate::Result;
+use crate::camera::{Camera, Projection};
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// The camera as the stages use it.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct View {
+    /// Perspective, or parallel rays.
+    pub perspective: bool,
+    /// Width and height in pixels.
+    pub size: [usize; 2],
+    /// World units in one scene length.
+    pub length: f64,
+    /// Depth of the near plane, scene lengths.
+    pub near: f64,
+    /// Slope of a ray one pixel off the axis (perspective), or a pixel's side in scene lengths.
+    pub pixel: f64,
+    /// Pixel coordinates of the view axis.
+    pub axis: [f64; 2],
+    eye: DVec3,
+    right: DVec3,
+    up: DVec3,
+    forward: DVec3,
+}
+
+/// A point on the screen.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Seen {
+    /// Pixel coordinate to the right.
+    pub x: f64,
+    /// Pixel coordinate downwards.
+    pub y: f64,
+    /// Depth along the view direction, scene lengths.
+    pub z: f64,
+}
+
+/// Adding and taking away 1.5 · 2⁵² · 2⁻²⁴ rounds to a multiple of 2⁻²⁴ (|x| < 2²⁷; above, to a multiple of the
+/// spacing of the floats there).
+const ROUND: f64 = 1.5 * (1u64 << 28) as f64;
+
+#[inline(always)]
+fn snap(x: f64) -> f64 {
+    if x.abs() < (1u64 << 27) as f64 { (x + ROUND) - ROUND } else { x }
+}
+
+impl View {
+    /// `offset` moves the sample within the pixel, −½ … ½.
+    pub fn new(camera: &Camera, length: f64, offset: [f64; 2]) -> Result<View> {
+        let frame = camera.frame()?;
+        let perspective = matches!(camera.projection, Projection::Perspective { .. });
+        let size = camera.size.map(|n| n as usize);
+        Ok(View {
+            perspective,
+            size,
+            length,
+            near: camera.near / length,
+            pixel: if perspective { frame.pixel } else { frame.pixel / length },
+            axis: [size[0] as f64 * 0.5 - 0.5 - offset[0], size[1] as f64 * 0.5 - 0.5 - offset[1]],
+            eye: camera.eye,
+            right: frame.right,
+            up: frame.up,
+            forward: frame.forward,
+        })
+    }
+
+    /// Eye space: right, down, forward, in scene lengths.
+    #[inline(always)]
+    pub fn eye_from_world(&self, p: DVec3) -> [f64; 3] {
+        let q = (p - self.eye) / self.length;
+        [q.dot(self.right), -q.dot(self.up), q.dot(self.forward)]
+    }
+
+    /// Pixel coordinates of a point in eye space; not finite where a perspective depth is 0.
+    #[inline(always)]
+    pub fn pixel_from_eye(&self, e: [f64; 3]) -> Seen {
+        let scale = if self.perspective { 1.0 / (e[2] * self.pixel) } else { 1.0 / self.pixel };
+        Seen { x: snap(e[0] * scale + self.axis[0]), y: snap(e[1] * scale + self.axis[1]), z: e[2] }
+    }
+
+    /// All points of the grid on the screen, and for each the planes of the view that it lies outside of (one
+    /// bit each: left, right, top, bottom, near).
+    pub fn see(&self, points: &[DVec3]) -> (Vec<Seen>, Vec<u8>) {
+        let seen_and_outside = |p: &DVec3| {
+            let e = self.eye_from_world(*p);
+            (self.pixel_from_eye(e), self.outside(e))
+        };
+        points.par_iter().with_min_len(1 << 12).map(seen_and_outside).unzip()
+    }
+
+    fn outside(&self, e: [f64; 3]) -> u8 {
+        // The planes through the eye and the outermost pixel centres, as signed pixel distances × depth.
+        let depth = if self.perspective { e[2] } else { 1.0 };
+        let (x, y) = (e[0] / self.pixel + self.axis[0] * depth, e[1] / self.pixel + self.axis[1] * depth);
+        let (right, bottom) = ((self.size[0] - 1) as f64 * depth, (self.size[1] - 1) as f64 * depth);
+        // A sliver of slack, so that rounding never drops a cell that touches the outermost pixel centres.
+        let slack = 1e-9 * (x.abs() + y.abs() + right.abs() + bottom.abs());
+        u8::from(x < -slack)
+            | u8::from(x > right + slack) << 1
+            | u8::from(y < -slack) << 2
+            | u8::from(y > bottom + slack) << 3
+            | u8::from(e[2] < self.near) << 4
+    }
+
+    /// Origin and direction, in eye space, of the ray through a pixel. The direction has depth 1; its length
+    /// turns depths into distances.
+    #[inline(always)]
+    pub fn ray(&self, i: f64, j: f64) -> ([f64; 3], [f64; 3]) {
+        let (x, y) = ((i - self.axis[0]) * self.pixel, (j - self.axis[1]) * self.pixel);
+        if self.perspective { ([0.0; 3], [x, y, 1.0]) } else { ([x, y, 0.0], [0.0, 0.0, 1.0]) }
+    }
+
+    /// Length of the ray's direction: Euclidean distance per depth.
+    #[inline(always)]
+    pub fn stretch(&self, i: f64, j: f64) -> f64 {
+        let (_, d) = self.ray(i, j);
+        (d[0] * d[0] + d[1] * d[1] + 1.0).sqrt()
+    }
+}

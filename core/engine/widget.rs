@@ -1,0 +1,267 @@
+//! Widgets in lanes: optical depth of a batch's segments, and densities at points of them.
+
+use super::crossing::Batch;
+use super::lanes::{Float, Lanes, Mask, Unsigned};
+use super::piecewise::LaneLinear;
+use super::project::Attribute;
+use crate::optics::lanes::gaussian::mean_profile;
+use crate::transfer::{Profile, Region, Widget};
+
+/// One vector of segments of a batch. Lengths in scene lengths, attributes scaled.
+pub(crate) struct Along<L: Lanes> {
+    /// D.
+    pub length: L::F,
+    /// Lanes that cross their cell over a positive length.
+    pub crossing: L::M,
+    /// (s, g) at the entry; g is 0 where it is not asked for.
+    pub front: [L::F; 2],
+    /// (s, g) at the exit.
+    pub back: [L::F; 2],
+}
+
+impl<L: Lanes> Along<L> {
+    #[inline(always)]
+    pub fn load(batch: &Batch, at: usize) -> Self {
+        let column = |columns: &[Vec<f32>], a: usize| match columns.get(a) {
+            Some(column) => L::F::load(&column[at..]),
+            None => L::F::splat(0.0),
+        };
+        let length = L::F::load(&batch.length[at..]);
+        Along {
+            length,
+            crossing: L::F::splat(0.0).lt(length),
+            front: [column(&batch.front, 0), column(&batch.front, 1)],
+            back: [column(&batch.back, 0), column(&batch.back, 1)],
+        }
+    }
+
+    #[inline(always)]
+    fn at(&self, t: L::F) -> [L::F; 2] {
+        std::array::from_fn(|i| (self.back[i] - self.front[i]).mul_add(t, self.front[i]))
+    }
+}
+
+/// A mask from its bits.
+#[inline(always)]
+pub(crate) fn lanes_of<L: Lanes>(bits: u32) -> L::M {
+    // 2^lane by its float bits, so that no variable shift is needed.
+    let power = L::F::from_bits((L::U::iota() + L::U::splat(127)).shl::<23>()).to_unsigned();
+    power.test(L::U::splat(bits))
+}
+
+/// A widget made ready for lanes.
+pub(crate) enum LaneWidget {
+    Uniform {
+        density: f32,
+        color: [f32; 3],
+        region: LaneRegion,
+    },
+    Gaussian(LaneGaussian),
+    Linear(LaneLinear),
+    /// No twin: the 64-bit path serves it.
+    Exact,
+}
+
+/// exp(−|K (v − centre)|²), K and the centre scaled as the attributes are.
+pub(crate) struct LaneGaussian {
+    matrix: [[f32; 2]; 2],
+    centre: [f32; 2],
+    /// K has one row and looks at s only.
+    one_dimensional: bool,
+    density: f32,
+    color: [f32; 3],
+    region: Option<LaneRegion>,
+}
+
+/// A convex region as half-planes: inside where n_s s + n_g g ≤ limit.
+pub(crate) struct LaneRegion {
+    half_planes: Vec<[f32; 3]>,
+}
+
+impl LaneRegion {
+    fn new(region: &Region, attributes: &[Attribute<'_>]) -> LaneRegion {
+        let scaled =
+            |value: f64, a: usize| attributes.get(a).map_or(value, |axis| (value - axis.offset) / axis.scale);
+        let corners: Vec<[f64; 2]> =
+            region.corners.iter().map(|c| [scaled(c[0], 0), scaled(c[1], 1)]).collect();
+        let bounded = corners.iter().flatten().all(|x| x.is_finite());
+        let mut half_planes = Vec::new();
+        if bounded {
+            let turn: f64 = (0..corners.len())
+                .map(|i| {
+                    let (a, b) = (corners[i], corners[(i + 1) % corners.len()]);
+                    a[0] * b[1] - a[1] * b[0]
+                })
+                .sum();
+            for i in 0..corners.len() {
+                let (a, b) = (corners[i], corners[(i + 1) % corners.len()]);
+                let sign = if turn >= 0.0 { 1.0 } else { -1.0 };
+                let normal = [sign * (b[1] - a[1]), sign * (a[0] - b[0])];
+                let size = normal[0].hypot(normal[1]);
+                if size > 0.0 {
+                    let (s, g) = (normal[0] / size, normal[1] / size);
+                    half_planes.push([s as f32, g as f32, (s * a[0] + g * a[1]) as f32]);
+                }
+            }
+        } else {
+            // A rectangle with open sides.
+            for axis in 0..2 {
+                let low = corners.iter().fold(f64::INFINITY, |low, c| low.min(c[axis]));
+                let high = corners.iter().fold(f64::NEG_INFINITY, |high, c| high.max(c[axis]));
+                let unit = |sign: f32| if axis == 0 { [sign, 0.0] } else { [0.0, sign] };
+                for (sign, limit) in [(-1.0, -low), (1.0, high)] {
+                    if limit.is_finite() {
+                        let [s, g] = unit(sign);
+                        half_planes.push([s, g, limit as f32]);
+                    }
+                }
+            }
+        }
+        LaneRegion { half_planes }
+    }
+
+    /// The stretch [t₀, t₁] inside; t₁ ≤ t₀ where there is none. A segment along an edge is inside.
+    #[inline(always)]
+    fn clip<L: Lanes>(&self, along: &Along<L>) -> (L::F, L::F) {
+        let splat = L::F::splat;
+        let zero = splat(0.0);
+        let (mut t0, mut t1) = (zero, splat(1.0));
+        for &[s, g, limit] in &self.half_planes {
+            let margin = |v: &[L::F; 2]| splat(limit) - splat(s).mul_add(v[0], splat(g) * v[1]);
+            let (front, back) = (margin(&along.front), margin(&along.back));
+            let crossing = front / (front - back);
+            let (front_out, back_out) = (front.lt(zero), back.lt(zero));
+            t0 = L::F::select(front_out, L::F::select(back_out, splat(2.0), crossing.max(t0)), t0);
+            t1 = L::F::select(back_out.and(front_out.not()), crossing.min(t1), t1);
+        }
+        (t0, t1)
+    }
+}
+
+impl LaneWidget {
+    /// `density_scale` turns extinction into optical depth per scene length.
+    pub fn new(widget: &Widget, attributes: &[Attribute<'_>], density_scale: f64) -> LaneWidget {
+        let color = widget.color.map(|c| c as f32);
+        let density = (widget.extinction * density_scale) as f32;
+        if !density.is_finite() {
+            return LaneWidget::Exact;
+        }
+        let region = widget.region.as_ref().map(|region| LaneRegion::new(region, attributes));
+        match (&widget.profile, region) {
+            (Profile::Uniform, Some(region)) => LaneWidget::Uniform { density, color, region },
+            (Profile::Gaussian { centre, matrix }, region) => {
+                let axis = |a: usize| attributes.get(a).map_or([0.0, 1.0], |x| [x.offset, x.scale]);
+                let scale = [axis(0)[1], axis(1)[1]];
+                LaneWidget::Gaussian(LaneGaussian {
+                    matrix: matrix.map(|row| [(row[0] * scale[0]) as f32, (row[1] * scale[1]) as f32]),
+                    centre: std::array::from_fn(|a| ((centre[a] - axis(a)[0]) / axis(a)[1]) as f32),
+                    one_dimensional: !widget.uses_gradient_magnitude() && matrix[1][0] == 0.0,
+                    density,
+                    color,
+                    region,
+                })
+            }
+            (Profile::PiecewiseLinear { points }, None) => {
+                LaneLinear::new(points, &attributes[0], density_scale)
+                    .map_or(LaneWidget::Exact, LaneWidget::Linear)
+            }
+            _ => LaneWidget::Exact,
+        }
+    }
+
+    pub fn color(&self) -> [f32; 3] {
+        match self {
+            LaneWidget::Uniform { color, .. } | LaneWidget::Gaussian(LaneGaussian { color, .. }) => *color,
+            LaneWidget::Linear(_) | LaneWidget::Exact => [0.0; 3],
+        }
+    }
+
+    /// Optical depths, and the lanes (bits) that only the 64-bit path can serve.
+    #[inline(always)]
+    pub fn depth<L: Lanes>(&self, along: &Along<L>) -> (L::F, u32) {
+        let zero = L::F::splat(0.0);
+        match self {
+            LaneWidget::Uniform { density, region, .. } => {
+                let (t0, t1) = region.clip(along);
+                ((t1 - t0).max(zero) * L::F::splat(*density) * along.length, 0)
+            }
+            LaneWidget::Gaussian(gaussian) => (gaussian.depth(along), 0),
+            LaneWidget::Linear(linear) => (linear.depth(along), 0),
+            LaneWidget::Exact => (zero, u32::MAX),
+        }
+    }
+
+    /// Densities at the nodes of the segments, with the lanes on which they are not smooth enough for a
+    /// quadrature of four points; `None` if the widget cannot say.
+    #[inline(always)]
+    pub fn densities<L: Lanes>(&self, along: &Along<L>, nodes: [f32; 4]) -> Option<([L::F; 4], u32)> {
+        let splat = L::F::splat;
+        match self {
+            LaneWidget::Uniform { density, region, .. } => {
+                let (t0, t1) = region.clip(along);
+                let inside = t0.le(splat(0.0)).and(splat(1.0).le(t1));
+                let outside = t1.le(t0);
+                let value = L::F::select(inside, splat(*density), splat(0.0));
+                Some(([value; 4], inside.or(outside).not().bits()))
+            }
+            LaneWidget::Gaussian(gaussian) => Some(gaussian.densities(along, nodes)),
+            LaneWidget::Linear(_) | LaneWidget::Exact => None,
+        }
+    }
+}
+
+impl LaneGaussian {
+    #[inline(always)]
+    fn point<L: Lanes>(&self, v: &[L::F; 2]) -> [L::F; 2] {
+        let splat = L::F::splat;
+        let d = [v[0] - splat(self.centre[0]), v[1] - splat(self.centre[1])];
+        std::array::from_fn(|i| splat(self.matrix[i][0]).mul_add(d[0], splat(self.matrix[i][1]) * d[1]))
+    }
+
+    #[inline(always)]
+    fn mean<L: Lanes>(&self, front: &[L::F; 2], back: &[L::F; 2]) -> L::F {
+        if self.one_dimensional {
+            let q = |v: &[L::F; 2]| [L::F::splat(self.matrix[0][0]) * (v[0] - L::F::splat(self.centre[0]))];
+            mean_profile::<L, 1>(q(front), q(back))
+        } else {
+            mean_profile::<L, 2>(self.point::<L>(front), self.point::<L>(back))
+        }
+    }
+
+    #[inline(always)]
+    fn depth<L: Lanes>(&self, along: &Along<L>) -> L::F {
+        let peak = L::F::splat(self.density) * along.length;
+        match &self.region {
+            None => self.mean::<L>(&along.front, &along.back) * peak,
+            Some(region) => {
+                let (t0, t1) = region.clip(along);
+                let share = (t1 - t0).max(L::F::splat(0.0));
+                self.mean::<L>(&along.at(t0), &along.at(t1)) * peak * share
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn densities<L: Lanes>(&self, along: &Along<L>, nodes: [f32; 4]) -> ([L::F; 4], u32) {
+        let splat = L::F::splat;
+        let (front, back) = (self.point::<L>(&along.front), self.point::<L>(&along.back));
+        let step: [L::F; 2] = std::array::from_fn(|i| back[i] - front[i]);
+        let values = nodes.map(|t| {
+            let q: [L::F; 2] = std::array::from_fn(|i| step[i].mul_add(splat(t), front[i]));
+            splat(self.density)
+                * crate::optics::lanes::elementary::exp::<L>(-(q[0].mul_add(q[0], q[1] * q[1])))
+        });
+        // |q_b − q_f| ≤ ½: the cubic through four densities then leaves 3e-5 of the depth.
+        let smooth = step[0].mul_add(step[0], step[1] * step[1]).le(splat(0.25));
+        let mut rough = smooth.not();
+        if let Some(region) = &self.region {
+            let (t0, t1) = region.clip(along);
+            let inside = t0.le(splat(0.0)).and(splat(1.0).le(t1));
+            let outside = t1.le(t0);
+            let values = values.map(|v| L::F::select(outside, splat(0.0), v));
+            rough = rough.and(outside.not()).or(inside.or(outside).not());
+            return (values, rough.bits());
+        }
+        (values, rough.bits())
+    }
+}
