@@ -1,22 +1,61 @@
 //! The 64-bit referee: adaptive quadrature of every segment and a per-pixel sort, slow and simple, sharing no
 //! formula with the engine or with `optics`.
+//!
+//! A picture is defined by the optics specification; this module follows it as directly as it can, so that the
+//! engine can be held against it. [`draw`] makes a picture, [`Scene`] answers for single rays, and
+//! [`integrate`] for single segments. The integrator that a scene asks for is not looked at: it is always
+//! quadrature, to 1e-11 of each segment.
+//!
+//! Order of reading: [`crossing`](Crossing) (ray against cell), `term` (a widget at a point, and where it
+//! changes), `segment` (the integral), `scene` (shading and compositing), `tiles` (the picture).
+
+mod along;
+mod crossing;
+mod quadrature;
+mod scene;
+mod segment;
+mod side;
+mod term;
+#[cfg(test)]
+mod tests;
+mod tiles;
+
+pub use crossing::{Crossing, Ray};
+pub use scene::{Scene, Seen};
+pub use segment::{Integrand, Tolerance, Workspace};
 
 use crate::Result;
 use crate::camera::Camera;
 use crate::engine::{Order, Shading};
+use crate::optics::{Contribution, Overlap, Segment};
 use crate::picture::Picture;
 use crate::progress::Progress;
 use crate::transfer::TransferFunction;
 use crate::volume::Volume;
 
-/// Draws the volume in 64 bits.
+/// Draws the volume in 64 bits. Errors: arrays that are missing, numbers out of range, a stopped run.
 pub fn draw(
-    _volume: &Volume,
-    _transfer_function: &TransferFunction,
-    _camera: &Camera,
-    _shading: &Shading,
-    _order: Order,
-    _progress: &dyn Progress,
+    volume: &Volume,
+    transfer_function: &TransferFunction,
+    camera: &Camera,
+    shading: &Shading,
+    order: Order,
+    progress: &dyn Progress,
 ) -> Result<Picture> {
-    Err(crate::Error::run("the reference renderer is in work"))
+    Scene::new(volume, transfer_function, camera, shading, order)?.draw(progress)
+}
+
+/// The integral of one segment, to a relative 1e-11 of each of its stretches.
+pub fn integrate(
+    segment: &Segment,
+    transfer_function: &TransferFunction,
+    overlap: Overlap,
+) -> Result<Contribution> {
+    let integrand = Integrand::new(transfer_function, overlap, Tolerance::SEGMENT)?;
+    let value = |ends: [f64; 2], fields: &[f64]| -> Vec<f64> {
+        ends.into_iter().chain(fields.iter().copied()).collect()
+    };
+    let front = value(segment.front, segment.fields_front);
+    let back = value(segment.back, segment.fields_back);
+    integrand.integrate(segment.length, &front, &back, &mut Workspace::default())
 }
