@@ -33,7 +33,7 @@ impl Along {
 /// Calls `push` with the real roots of square·t² + 2 slope·t + offset = 0.
 pub(super) fn quadratic_crossings(square: f64, slope: f64, offset: f64, mut push: impl FnMut(f64)) {
     let under_root = slope * slope - square * offset;
-    if !(under_root >= 0.0) {
+    if under_root < 0.0 || under_root.is_nan() {
         return;
     }
     // The sum of two numbers of equal sign: neither root comes from a difference.

@@ -135,7 +135,7 @@ impl Integrand {
         work: &mut Workspace,
     ) -> Result<Contribution> {
         let mut sum = Contribution::default();
-        if !(length > 0.0) {
+        if length <= 0.0 || length.is_nan() {
             return Ok(sum);
         }
         self.lay_out(front, back, work)?;
@@ -210,7 +210,7 @@ impl Integrand {
             work.point.extend(work.stretch[first..end].iter().map(|x| x.at(0.5)));
             work.state.push(match self.model {
                 _ if !inside => State::Absent,
-                OpticalModel::ConstantEmitter { cutoff } if !(term.share_of_peak(&work.point) > cutoff) => {
+                OpticalModel::ConstantEmitter { cutoff } if term.share_of_peak(&work.point) <= cutoff => {
                     State::Absorbs
                 }
                 _ => State::Glows,
@@ -311,20 +311,20 @@ impl Integrand {
                 }
             }
         }
-        for node in 0..NODES {
-            sums.depth[0] += rule.kronrod[node] * density[node] * piece;
-            sums.depth[1] += rule.gauss[node] * density[node] * piece;
+        for (node, density) in density.iter().enumerate() {
+            sums.depth[0] += rule.kronrod[node] * density * piece;
+            sums.depth[1] += rule.gauss[node] * density * piece;
         }
         if !seen || sums.depth[0] > DEPTH_AT_ONCE {
             return sums;
         }
-        for node in 0..NODES {
+        for (node, glow) in glow.iter().enumerate() {
             let row = &rule.running[node];
             let in_front: f64 = row.iter().zip(&density).map(|(m, d)| m * d).sum::<f64>() * piece;
             let light = (-in_front).exp() * piece;
-            for c in 0..3 {
-                sums.color[0][c] += rule.kronrod[node] * glow[node][c] * light;
-                sums.color[1][c] += rule.gauss[node] * glow[node][c] * light;
+            for (c, glow) in glow.iter().enumerate() {
+                sums.color[0][c] += rule.kronrod[node] * glow * light;
+                sums.color[1][c] += rule.gauss[node] * glow * light;
             }
         }
         sums

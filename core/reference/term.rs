@@ -253,7 +253,7 @@ fn gaussian_features(along: &[Along], cutoff: Option<f64>, out: &mut Vec<f64>) {
     let step = |a: &Along| a.back - a.front;
     let square: f64 = along.iter().map(|a| step(a).powi(2)).sum();
     let length = square.sqrt();
-    if !(length > 0.0) {
+    if length == 0.0 || length.is_nan() {
         return;
     }
     let nearest = -along.iter().map(|a| a.front * step(a)).sum::<f64>() / square;
