@@ -57,3 +57,8 @@ pub enum Overlap {
     /// Kniss et al. 2003, Eq. 15: optical depths added, colours averaged by optical depth.
     Mix,
 }
+
+#[cfg(test)]
+pub(crate) mod arbitrary;
+#[cfg(test)]
+mod tests;

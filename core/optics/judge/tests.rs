@@ -28,9 +28,50 @@ fn table(report: &Report) -> String {
 #[test]
 fn the_64_bit_forms_keep_every_bound() {
     let report = judge(&fixtures(), &Native64).expect("the case file is well formed");
-    for r in report.rows.iter().filter(|r| r.worst > 0.2) {
-        println!("{r:?}");
-    }
     println!("{}", table(&report));
     assert!(report.passed(), "\n{}", table(&report));
+}
+
+/// A judge that cannot fail judges nothing: forms that are off by a millionth break their bounds.
+#[test]
+fn a_small_error_is_found() {
+    struct Off;
+    impl Forms for Off {
+        fn name(&self) -> &str {
+            "off"
+        }
+        fn precision(&self) -> Precision {
+            Precision::F64
+        }
+        fn segment(
+            &self,
+            transfer_function: &crate::transfer::TransferFunction,
+            segment: &crate::optics::Segment,
+            overlap: Overlap,
+        ) -> Result<Option<Contribution>> {
+            let found = Native64.segment(transfer_function, segment, overlap)?;
+            Ok(found.map(|c| Contribution { color: c.color.map(|x| x * (1.0 + 1e-6)), ..c }))
+        }
+        fn chain(&self, segments: &[Contribution]) -> Chain {
+            Native64.chain(segments)
+        }
+        fn partial(&self, a: f64, b: f64) -> PartialIntegrals {
+            Native64.partial(a, b)
+        }
+    }
+    let report = judge(&fixtures(), &Off).expect("the case file is well formed");
+    assert!(!report.passed());
+    let broken =
+        |quantity| report.rows.iter().filter(|r| r.quantity == quantity).map(|r| r.broken).sum::<usize>();
+    assert!(broken("C") > 1000 && broken("T") == 0);
+    assert!(report.worst().is_some_and(|row| row.quantity == "C" && !row.worst_id.is_empty()));
+}
+
+#[test]
+fn a_case_that_is_none_is_refused_with_its_line() {
+    let message = |text: &str| judge(text, &Native64).expect_err("refused").to_string();
+    let first = fixtures().lines().next().expect("has lines").to_owned();
+    assert!(message("{").contains("JSON"));
+    assert!(message(&first.replace("\"D\":", "\"E\":")).contains("'D'"));
+    assert!(message(&first.replace("uniform\",", "unicorn\",")).contains("unicorn"));
 }
