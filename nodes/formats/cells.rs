@@ -9,7 +9,7 @@ use voltet_core::{Error, Result};
 /// Reads the cells of a piece.
 pub(super) fn load(piece: &Piece, meter: &Meter) -> Result<Cells> {
     match &piece.geometry {
-        Geometry::Unstructured { cells, .. } => match cells {
+        Geometry::Unstructured { cells, .. } => match &**cells {
             StoredCells::Offsets { connectivity, offsets, types, faces } => {
                 let types: Vec<u8> = types.load(meter)?;
                 if all_tetrahedra(&types) {

@@ -24,10 +24,13 @@ mod assemble;
 mod base64;
 mod cells;
 mod codec;
+mod found;
 mod inspect;
+mod legacy;
 mod merge;
 mod numbers;
 mod piece;
+mod plot3d;
 mod select;
 mod source;
 mod stored;
@@ -79,7 +82,8 @@ pub struct Request {
     /// Pieces between two neighbouring nodes of a curved cell's edge, 1 to 64: 1 goes straight from node to node
     /// (through the mid-edge nodes).
     pub subdivision: u32,
-    /// The PLOT3D solution (q) file that belongs to the grid file.
+    /// The PLOT3D solution (q) file that belongs to the grid file; `None`: the grid's name with the ending `.q`, if
+    /// there is such a file.
     pub solution: Option<PathBuf>,
 }
 
@@ -114,6 +118,12 @@ fn open(path: &Path, request: &Request) -> Result<piece::Dataset> {
     let text = head.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(&head).trim_ascii_start();
     if text.starts_with(b"<") {
         return xml::open(source, request).map_err(in_file);
+    }
+    if text.starts_with(legacy::MAGIC.as_bytes()) {
+        return legacy::open(source).map_err(in_file);
+    }
+    if plot3d::is_meant(path, request) {
+        return plot3d::open(source, request).map_err(in_file);
     }
     Err(in_file(Error::run("the format of the file is not known").found(source::shown(&head)).accepted(
         "a VTK XML file (.vtu, .vts, .vtr, .vti, their parallel forms, .pvd), a legacy VTK file (.vtk) or a PLOT3D grid",

@@ -225,6 +225,8 @@ pub(super) fn parse<T: Target>(number_type: NumberType, word: &[u8]) -> Result<T
     let text = std::str::from_utf8(word).map_err(|_| wrong())?;
     let (value, good) = if number_type.is_integer() {
         match text.parse::<i64>() {
+            // Signed characters are written as unsigned ones by some writers of text.
+            Ok(value @ 128..=255) if number_type == NumberType::I8 => T::from_i64(value - 256),
             Ok(value) => T::from_i64(value),
             Err(_) => T::from_u64(text.parse::<u64>().map_err(|_| wrong())?),
         }

@@ -2,7 +2,6 @@
 
 use super::stored::Stored;
 use glam::{DMat3, DVec3};
-use std::ops::Range;
 
 /// Everything that one reading may decode.
 #[derive(Debug, Default)]
@@ -40,7 +39,7 @@ pub(super) struct PieceArray {
 #[derive(Debug)]
 pub(super) enum Geometry {
     /// Points and cells of any type.
-    Unstructured { points: Stored, cells: StoredCells },
+    Unstructured { points: Stored, cells: Box<StoredCells> },
     /// A box of hexahedra; `dimensions` counts points. `points`: first coordinate fastest.
     Curvilinear { dimensions: [u64; 3], points: Stored },
     /// Axis-parallel boxes between coordinates.
@@ -91,7 +90,7 @@ pub(super) fn structured_counts(dimensions: [u64; 3]) -> Option<(u64, u64)> {
 /// Dimensions from an extent (first and last index of each axis).
 pub(super) fn extent_dimensions(extent: [i64; 6]) -> [u64; 3] {
     std::array::from_fn(|axis| {
-        let Range { start, end } = extent[2 * axis]..extent[2 * axis + 1];
-        end.checked_sub(start).map_or(0, |n| u64::try_from(n + 1).unwrap_or(0))
+        let span = i128::from(extent[2 * axis + 1]) - i128::from(extent[2 * axis]) + 1;
+        u64::try_from(span.max(0)).unwrap_or(u64::MAX)
     })
 }

@@ -44,11 +44,6 @@ impl Source {
         self.len
     }
 
-    /// The file itself, for sequential reading.
-    pub fn file(&self) -> &File {
-        &self.file
-    }
-
     /// Fills `bytes` from `offset` on.
     pub fn read_at(&self, offset: u64, bytes: &mut [u8]) -> Result<()> {
         self.check(offset, bytes.len() as u64)?;

@@ -84,7 +84,8 @@ fn unstructured(context: &Context, _grid: &Element, element: &Element) -> Result
         types: context.required(section, "types", Some(cell_count))?,
         faces,
     };
-    let geometry = Geometry::Unstructured { points: points(context, element, point_count)?, cells };
+    let geometry =
+        Geometry::Unstructured { points: points(context, element, point_count)?, cells: Box::new(cells) };
     piece(context, element, (point_count, cell_count), geometry)
 }
 

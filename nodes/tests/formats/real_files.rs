@@ -75,7 +75,12 @@ const CENTRE_ARRAYS: &[(&str, usize, &str, [f64; 2])] =
 const TWO_CUBE: [[f64; 2]; 3] = [[0.0, 2.0], [0.0, 2.0], [0.0, 2.0]];
 
 #[rustfmt::skip]
-const XML_FILES: &[Known] = &[
+const FILES: &[Known] = &[
+    Known { file: "formats/mixed_cells_v51_ascii.vtk", point_count: 236, cells: MIXED_CELLS, arrays: MIXED_ARRAYS, bounds: MIXED_BOUNDS },
+    Known { file: "formats/tetmesh_v42_ascii.vtk", point_count: 55, cells: &[(code::TETRA, 160)], arrays: &[("scalars", 1, "Int32", [0.0, 4.0])],
+        bounds: [[-9.4657, 9.7803], [-9.0906, 9.9465], [-9.7711, 7.1407]] },
+    Known { file: "formats/pipe_linear_v42_binary.vtk", point_count: 465, cells: &[(code::TETRA, 1_522)], arrays: PIPE_ARRAYS, bounds: PIPE_BOUNDS },
+    Known { file: "formats/notch_stress_v51_binary.vtk", point_count: 3_537, cells: NOTCH_CELLS, arrays: NOTCH_ARRAYS, bounds: NOTCH_BOUNDS },
     Known { file: "bluntfin.vtu", point_count: 40_960, cells: &[(code::TETRA, 224_874)], arrays: BLUNTFIN_ARRAYS, bounds: BLUNTFIN_BOUNDS },
     Known { file: "bluntfin.vts", point_count: 40_960, cells: &[(code::HEXAHEDRON, 37_479)], arrays: BLUNTFIN_ARRAYS, bounds: BLUNTFIN_BOUNDS },
     Known { file: "post.vtu", point_count: 109_744, cells: &[(code::TETRA, 616_050)], arrays: POST_ARRAYS, bounds: POST_BOUNDS },
@@ -151,9 +156,9 @@ fn check(known: &Known, summary: &Summary) {
 }
 
 #[test]
-fn xml_files_hold_what_is_known_of_them() {
+fn files_hold_what_is_known_of_them() {
     let Some(folder) = folder() else { return };
-    for known in XML_FILES {
+    for known in FILES {
         let summary = inspect(&folder.join(known.file), &Request::default(), &Silent)
             .unwrap_or_else(|error| panic!("{error}"));
         check(known, &summary);
@@ -161,9 +166,9 @@ fn xml_files_hold_what_is_known_of_them() {
 }
 
 #[test]
-fn every_array_of_every_xml_file_is_read() {
+fn every_array_of_every_file_is_read() {
     let Some(folder) = folder() else { return };
-    for known in XML_FILES
+    for known in FILES
         .iter()
         .filter(|k| !k.arrays.is_empty() && (code::TETRA..=code::HEXAGONAL_PRISM).contains(&k.cells[0].0))
     {

@@ -1,0 +1,142 @@
+//! PLOT3D: a file of curvilinear grids and, beside it, a file of the flow's solution (q) on them.
+
+mod layout;
+mod quantities;
+
+use super::Request;
+use super::numbers::{ByteOrder, NumberType};
+use super::piece::{Dataset, Geometry, Piece, PieceArray, structured_counts};
+use super::select::GHOST_TYPE;
+use super::source::Source;
+use super::stored::{Compute, Encoding, Stored};
+use layout::{Block, Plane, Role};
+use quantities::{Formula, QUANTITIES};
+use rayon::prelude::*;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use voltet_core::{Error, Result};
+
+/// Name of the blanking flags as an array.
+const BLANKING: &str = "iblank";
+
+/// Whether a file is to be read as PLOT3D: its name says so or a solution was named with it.
+pub(super) fn is_meant(path: &Path, request: &Request) -> bool {
+    let extension = path.extension().map(|extension| extension.to_ascii_lowercase());
+    let extension = extension.as_deref().and_then(|extension| extension.to_str()).unwrap_or("");
+    request.solution.is_some() || ["xyz", "x", "p3d", "g", "grd", "grid"].contains(&extension)
+}
+
+/// The solution file: the one named, or the grid's name with the ending `.q` if there is one.
+fn solution(path: &Path, request: &Request) -> Option<PathBuf> {
+    request.solution.clone().or_else(|| Some(path.with_extension("q")).filter(|path| path.is_file()))
+}
+
+/// Reads the tables of contents of a grid file and its solution.
+pub(super) fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
+    let (grids, format) = layout::blocks(&source, Role::Grid)?;
+    let mut dataset = Dataset { format: format!("PLOT3D, {format}"), ..Dataset::default() };
+    let mut solutions = Vec::new();
+    if let Some(path) = solution(source.path(), request) {
+        let mut inner = || -> Result<Vec<Block>> {
+            let (blocks, format) = layout::blocks(&Source::open(&path)?, Role::Solution)?;
+            let sizes = |blocks: &[Block]| blocks.iter().map(|block| block.dimensions).collect::<Vec<_>>();
+            if sizes(&blocks) != sizes(&grids) {
+                return Err(Error::run("the solution does not fit the grid")
+                    .found(format_args!("dimensions {:?}", sizes(&blocks)))
+                    .accepted(format_args!("{:?}", sizes(&grids))));
+            }
+            dataset.format = format!("{}; solution {format}", dataset.format);
+            Ok(blocks)
+        };
+        solutions = inner().map_err(|error| error.in_file(&path))?;
+    } else if !grids.iter().any(|grid| grid.has_blanking) {
+        dataset.warnings.push("The PLOT3D grid has no solution file, so it holds no quantity.".to_owned());
+    }
+    let mut solutions = solutions.into_iter();
+    for grid in grids {
+        dataset.pieces.push(piece(&source, grid, solutions.next(), request)?);
+    }
+    Ok(dataset)
+}
+
+fn piece(source: &Arc<Source>, grid: Block, solution: Option<Block>, request: &Request) -> Result<Piece> {
+    let (point_count, cell_count) =
+        structured_counts(grid.dimensions).ok_or_else(|| Error::run("the grid cannot be that large"))?;
+    let computed = |source: &Arc<Source>, name: &str, component_count: usize, compute: Compute| Stored {
+        source: source.clone(),
+        name: name.to_owned(),
+        number_type: NumberType::F64,
+        order: ByteOrder::Little,
+        component_count,
+        tuple_count: Some(point_count),
+        encoding: Encoding::Computed(compute),
+    };
+    let mut arrays = Vec::new();
+    let mut add = |stored: Stored| arrays.push(PieceArray { per_cell: false, stored });
+    let [x, y, z, rest @ ..] = &grid.planes[..] else {
+        return Err(Error::run("a PLOT3D grid lacks coordinates"));
+    };
+    let coordinates = [x.clone(), y.clone(), z.clone()];
+    let points = computed(source, "coordinates", 3, Arc::new(move |meter| interleave(&coordinates, meter)));
+    if let Some(flags) = rest.first() {
+        let plane = flags.clone();
+        add(computed(source, BLANKING, 1, Arc::new(move |meter| plane.load(meter))));
+        // 0 marks a point outside the flow; other values say what kind of point it is.
+        let plane = flags.clone();
+        let hidden = |flag: f64| if flag == 0.0 { 2.0 } else { 0.0 };
+        let compute: Compute =
+            Arc::new(move |meter| Ok(plane.load(meter)?.into_iter().map(hidden).collect()));
+        add(computed(source, GHOST_TYPE, 1, compute));
+    }
+    if let Some(solution) = solution {
+        let planes: Arc<[Plane]> = solution.planes.into();
+        for quantity in QUANTITIES {
+            // The quantity bears the name that the request uses, so that it is found however it is spelled.
+            let wanted = request.scalar.iter().chain(&request.point_arrays);
+            let stem = |name: &'_ String| name.split(':').next().unwrap_or("").to_owned();
+            let name =
+                wanted.map(stem).find(|name| quantity.is_called(name)).unwrap_or(quantity.name.to_owned());
+            let component_count = if matches!(quantity.formula, Formula::Vector(_)) { 3 } else { 1 };
+            let planes = planes.clone();
+            let compute: Compute = Arc::new(move |meter| derive(&planes, &quantity.formula, meter));
+            add(computed(source, &name, component_count, compute));
+        }
+    }
+    Ok(Piece {
+        point_count,
+        cell_count,
+        geometry: Geometry::Curvilinear { dimensions: grid.dimensions, points },
+        arrays,
+    })
+}
+
+/// Planes of three components as tuples.
+fn interleave(planes: &[Plane; 3], meter: &super::stored::Meter) -> Result<Vec<f64>> {
+    let [x, y, z] = [planes[0].load(meter)?, planes[1].load(meter)?, planes[2].load(meter)?];
+    Ok(x.into_par_iter().zip(y).zip(z).flat_map_iter(|((x, y), z)| [x, y, z]).collect())
+}
+
+/// A quantity from the planes of a solution.
+fn derive(planes: &[Plane], formula: &Formula, meter: &super::stored::Meter) -> Result<Vec<f64>> {
+    let [density, mx, my, mz, energy] = planes else {
+        return Err(Error::run("a PLOT3D solution lacks planes"));
+    };
+    let (density, energy) = (density.load(meter)?, energy.load(meter)?);
+    let momentum = [mx.load(meter)?, my.load(meter)?, mz.load(meter)?];
+    let points = (0..density.len()).into_par_iter();
+    let at = |i: usize| (density[i], [momentum[0][i], momentum[1][i], momentum[2][i]], energy[i]);
+    Ok(match formula {
+        Formula::Scalar(formula) => points
+            .map(|i| {
+                let (density, momentum, energy) = at(i);
+                formula(density, momentum, energy)
+            })
+            .collect(),
+        Formula::Vector(formula) => points
+            .flat_map_iter(|i| {
+                let (density, momentum, energy) = at(i);
+                formula(density, momentum, energy)
+            })
+            .collect(),
+    })
+}

@@ -1,0 +1,11 @@
+//! Damaged and lying files: one clear error each, no panic, no memory beyond a small multiple of the file's size.
+
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+mod corruption;
+mod lies;
+mod memory;
+#[path = "../formats/samples.rs"]
+mod samples;
+#[path = "../formats/writer.rs"]
+mod writer;
