@@ -1,6 +1,6 @@
 //! Crossings: where each fragment's ray enters and leaves its cell, and the attributes there.
 
-use super::lanes::{Float, Lanes, Unsigned};
+use super::lanes::{Float, Lanes, Unsigned, array, inlined};
 use super::record::{ATTRIBUTE_WORDS, AttributeRecord, RECORD_WORDS, Record, TILE};
 
 /// Most lanes of any set.
@@ -96,8 +96,14 @@ impl Group {
         near: Option<[f32; 2]>,
         batch: &mut Batch,
     ) {
-        let word = |k: usize| L::F::load(&self.words[k]);
-        let planes: [[L::F; 3]; 4] = std::array::from_fn(|k| [word(k), word(4 + k), word(8 + k)]);
+        let word = inlined(
+            #[inline(always)]
+            |k: usize| L::F::load(&self.words[k]),
+        );
+        let planes: [[L::F; 3]; 4] = array(
+            #[inline(always)]
+            |k| [word(k), word(4 + k), word(8 + k)],
+        );
         let (depth, distance) = (word(12), word(13));
         let front = word(14).to_bits();
         let (pixel_x, pixel_y) = (L::F::load(&self.pixel_x), L::F::load(&self.pixel_y));
@@ -140,17 +146,26 @@ impl Group {
             } else {
                 (one, one, thickness * depth * stretch)
             };
-            let depth_at = |v: L::F, q: L::F| distance - v * depth * q;
+            let depth_at = inlined(
+                #[inline(always)]
+                |v: L::F, q: L::F| distance - v * depth * q,
+            );
             L::F::select(hit, length, L::F::splat(0.0)).store(&mut batch.length[at..]);
             depth_at(v_front, q_front).store(&mut batch.entry[at..]);
             depth_at(v_back, q_back).store(&mut batch.exit[at..]);
             pixel.store(&mut batch.pixel[at..]);
             lane.store(&mut batch.lane[at..]);
             for (k, rows) in self.attributes.iter().enumerate() {
-                let row = |k: usize| L::F::load(&rows[k]).permute(lane);
+                let row = inlined(
+                    #[inline(always)]
+                    |k: usize| L::F::load(&rows[k]).permute(lane),
+                );
                 let across = row(0).mul_add(dx, row(1) * dy);
                 let (r, base, low, high) = (row(2), row(3), row(4), row(5));
-                let value = |v: L::F, q: L::F| r.mul_add(v, across).mul_add(q, base).max(low).min(high);
+                let value = inlined(
+                    #[inline(always)]
+                    |v: L::F, q: L::F| r.mul_add(v, across).mul_add(q, base).max(low).min(high),
+                );
                 value(v_front, q_front).store(&mut batch.front[k][at..]);
                 value(v_back, q_back).store(&mut batch.back[k][at..]);
             }

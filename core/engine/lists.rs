@@ -5,7 +5,7 @@
 //! Layout: slot k of the 16 pixels of a row lie side by side, so 16 pixels are 16 lanes of the sorting network
 //! and of the compositor.
 
-use super::lanes::{Float, Lanes, Mask, Unsigned};
+use super::lanes::{Float, Lanes, Mask, Unsigned, array};
 use super::record::TILE;
 
 /// Segments a pixel can hold here; a tile that needs more is drawn again by [`super::deep`].
@@ -176,9 +176,10 @@ impl Lists {
                 let live = key.equal(L::U::splat(u32::MAX)).not();
                 let at = key.and(L::U::splat(DEPTH as u32 - 1)).shl::<4>() + lane;
                 // Safety: slot ≤ DEPTH − 1, so `at` < ROW × TILE, the length of the columns.
-                let layer: [L::F; 4] = std::array::from_fn(|c| {
-                    L::F::select(live, unsafe { L::F::gather(&self.rgba[c], at) }, splat(0.0))
-                });
+                let layer: [L::F; 4] = array(
+                    #[inline(always)]
+                    |c| L::F::select(live, unsafe { L::F::gather(&self.rgba[c], at) }, splat(0.0)),
+                );
                 for (sum, layer) in color.iter_mut().zip(&layer) {
                     *sum = through.mul_add(*layer, *sum);
                 }

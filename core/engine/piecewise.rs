@@ -121,11 +121,16 @@ impl LaneLinear {
     #[inline(always)]
     pub fn depth<L: Lanes>(&self, along: &Along<L>) -> L::F {
         let mut depth = L::F::splat(0.0);
-        self.walk(along, |k, from, to, share| {
-            let anchor = self.look_up::<L>(&self.anchor, k);
-            let middle = (from - anchor + (to - anchor)) * L::F::splat(0.5);
-            depth = (self.at::<L>(0, k, middle).max(L::F::splat(0.0)) * share).mul_add(along.length, depth);
-        });
+        self.walk(
+            along,
+            #[inline(always)]
+            |k, from, to, share| {
+                let anchor = self.look_up::<L>(&self.anchor, k);
+                let middle = (from - anchor + (to - anchor)) * L::F::splat(0.5);
+                depth =
+                    (self.at::<L>(0, k, middle).max(L::F::splat(0.0)) * share).mul_add(along.length, depth);
+            },
+        );
         depth
     }
 
@@ -135,23 +140,27 @@ impl LaneLinear {
         let splat = L::F::splat;
         let mut color = [splat(0.0); 3];
         let (mut depth, mut through, mut deepest) = (splat(0.0), splat(1.0), splat(0.0));
-        self.walk(along, |k, from, to, share| {
-            let anchor = self.look_up::<L>(&self.anchor, k);
-            let (from, to) = (from - anchor, to - anchor);
-            let length = along.length * share;
-            let a = self.at::<L>(0, k, from).max(splat(0.0)) * length;
-            let b = self.at::<L>(0, k, to).max(splat(0.0)) * length;
-            deepest = deepest.max(a.max(b));
-            let (front, back, opacity) = piece_weights::<L>(a.min(splat(1.0)), b.min(splat(1.0)));
-            let (front, back) = (front * through, back * through);
-            for (i, sum) in color.iter_mut().enumerate() {
-                let near = self.at::<L>(i + 1, k, from);
-                let far = self.at::<L>(i + 1, k, to);
-                *sum = front.mul_add(near, back.mul_add(far, *sum));
-            }
-            depth = (a + b).mul_add(splat(0.5), depth);
-            through = through * (splat(1.0) - opacity);
-        });
+        self.walk(
+            along,
+            #[inline(always)]
+            |k, from, to, share| {
+                let anchor = self.look_up::<L>(&self.anchor, k);
+                let (from, to) = (from - anchor, to - anchor);
+                let length = along.length * share;
+                let a = self.at::<L>(0, k, from).max(splat(0.0)) * length;
+                let b = self.at::<L>(0, k, to).max(splat(0.0)) * length;
+                deepest = deepest.max(a.max(b));
+                let (front, back, opacity) = piece_weights::<L>(a.min(splat(1.0)), b.min(splat(1.0)));
+                let (front, back) = (front * through, back * through);
+                for (i, sum) in color.iter_mut().enumerate() {
+                    let near = self.at::<L>(i + 1, k, from);
+                    let far = self.at::<L>(i + 1, k, to);
+                    *sum = front.mul_add(near, back.mul_add(far, *sum));
+                }
+                depth = (a + b).mul_add(splat(0.5), depth);
+                through = through * (splat(1.0) - opacity);
+            },
+        );
         let opacity = one_minus_exp::<L>(depth);
         ([color[0], color[1], color[2], opacity], splat(1.0).lt(deepest).bits())
     }

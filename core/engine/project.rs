@@ -4,7 +4,7 @@
 //! cover no pixel centre go no further. Cells that 32 bits cannot hold (behind or very near the eye, slivers
 //! beyond 1 : 30,000) are listed as special and drawn in 64 bits by [`super::special`].
 
-use super::lanes::{Double, Kernel, Lanes, Mask};
+use super::lanes::{Double, Kernel, Lanes, Mask, array, inlined};
 use super::record::{AttributeRecord, Record, STEEP, TILE};
 use super::view::{Seen, View};
 
@@ -104,12 +104,21 @@ fn project_group<L: Lanes>(input: &Input<'_>, group: &[u32], part: &mut Part) {
             corners.z[k][lane] = seen.z;
         }
     }
-    let load = |rows: &[[f64; MOST]; 4]| {
-        [L::D::load(&rows[0]), L::D::load(&rows[1]), L::D::load(&rows[2]), L::D::load(&rows[3])]
-    };
+    let load = inlined(
+        #[inline(always)]
+        |rows: &[[f64; MOST]; 4]| {
+            [L::D::load(&rows[0]), L::D::load(&rows[1]), L::D::load(&rows[2]), L::D::load(&rows[3])]
+        },
+    );
     let (x, y, z) = (load(&corners.x), load(&corners.y), load(&corners.z));
-    let least = |c: &[L::D; 4]| c[0].min(c[1]).min(c[2].min(c[3]));
-    let most = |c: &[L::D; 4]| c[0].max(c[1]).max(c[2].max(c[3]));
+    let least = inlined(
+        #[inline(always)]
+        |c: &[L::D; 4]| c[0].min(c[1]).min(c[2].min(c[3])),
+    );
+    let most = inlined(
+        #[inline(always)]
+        |c: &[L::D; 4]| c[0].max(c[1]).max(c[2].max(c[3])),
+    );
 
     // Pixel centres that the cell's box covers: [ceil(low), ceil(high)) in each direction.
     let (width, height) = (splat(view.size[0] as f64), splat(view.size[1] as f64));
@@ -134,24 +143,51 @@ fn project_group<L: Lanes>(input: &Input<'_>, group: &[u32], part: &mut Part) {
 
     // v of the corners, about the mean depth; pixel coordinates about the middle of the covered box.
     let middle = (z[0] + z[1] + (z[2] + z[3])) * splat(0.25);
-    let (v, depth) =
-        if view.perspective { (z.map(|z| (middle - z) / z), middle) } else { (z.map(|z| middle - z), one) };
+    let (v, depth) = if view.perspective {
+        (
+            array(
+                #[inline(always)]
+                |k| (middle - z[k]) / z[k],
+            ),
+            middle,
+        )
+    } else {
+        (
+            array(
+                #[inline(always)]
+                |k| middle - z[k],
+            ),
+            one,
+        )
+    };
     let pixel_x = ((x0 + x1) * splat(0.5)).ceil().min(width - one);
     let pixel_y = ((y0 + y1) * splat(0.5)).ceil().min(height - one);
 
     // Edges from corner 0, their cross products: normals of the faces opposite corners 1, 2, 3.
-    let edge = |c: &[L::D; 4], k: usize| c[k] - c[0];
-    let e: [[L::D; 3]; 3] = std::array::from_fn(|k| [edge(&x, k + 1), edge(&y, k + 1), edge(&v, k + 1)]);
-    let cross = |a: &[L::D; 3], b: &[L::D; 3]| {
-        [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-    };
+    let edge = inlined(
+        #[inline(always)]
+        |c: &[L::D; 4], k: usize| c[k] - c[0],
+    );
+    let e: [[L::D; 3]; 3] = array(
+        #[inline(always)]
+        |k| [edge(&x, k + 1), edge(&y, k + 1), edge(&v, k + 1)],
+    );
+    let cross = inlined(
+        #[inline(always)]
+        |a: &[L::D; 3], b: &[L::D; 3]| {
+            [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+        },
+    );
     let n1 = cross(&e[1], &e[2]);
     let n2 = cross(&e[2], &e[0]);
     let n3 = cross(&e[0], &e[1]);
     let determinant = e[0][0] * n1[0] + e[0][1] * n1[1] + e[0][2] * n1[2];
     // The face opposite corner 0 from corner 1, so that a neighbour finds the same area, bit for bit: both
     // start from the face's lowest point number.
-    let f: [[L::D; 3]; 2] = std::array::from_fn(|k| [x[k + 2] - x[1], y[k + 2] - y[1], v[k + 2] - v[1]]);
+    let f: [[L::D; 3]; 2] = array(
+        #[inline(always)]
+        |k| [x[k + 2] - x[1], y[k + 2] - y[1], v[k + 2] - v[1]],
+    );
     let n0 = cross(&f[0], &f[1]);
 
     let mut front_bits = [0u32; 4];
@@ -191,16 +227,28 @@ fn project_group<L: Lanes>(input: &Input<'_>, group: &[u32], part: &mut Part) {
                 raw[k][lane] = attribute.values[point as usize];
             }
         }
-        let scaled = load(&raw).map(|s| (s - splat(attribute.offset)) * splat(1.0 / attribute.scale));
+        let raw = load(&raw);
+        let scaled: [L::D; 4] = array(
+            #[inline(always)]
+            |k| (raw[k] - splat(attribute.offset)) * splat(1.0 / attribute.scale),
+        );
         let (low, high) = (least(&scaled), most(&scaled));
         let mean = (low + high) * splat(0.5);
-        let weighted: [L::D; 4] = std::array::from_fn(|k| {
-            let s = scaled[k] - mean;
-            if view.perspective { s.mul_add(v[k], s) } else { s }
-        });
-        let d: [L::D; 3] = std::array::from_fn(|k| weighted[k + 1] - weighted[0]);
-        let gradient: [L::D; 3] =
-            std::array::from_fn(|i| (d[0] * n1[i] + d[1] * n2[i] + d[2] * n3[i]) * inverse);
+        let weighted: [L::D; 4] = array(
+            #[inline(always)]
+            |k| {
+                let s = scaled[k] - mean;
+                if view.perspective { s.mul_add(v[k], s) } else { s }
+            },
+        );
+        let d: [L::D; 3] = array(
+            #[inline(always)]
+            |k| weighted[k + 1] - weighted[0],
+        );
+        let gradient: [L::D; 3] = array(
+            #[inline(always)]
+            |i| (d[0] * n1[i] + d[1] * n2[i] + d[2] * n3[i]) * inverse,
+        );
         let at_pixel = weighted[0] + gradient[0] * (pixel_x - x[0]) + gradient[1] * (pixel_y - y[0])
             - gradient[2] * v[0];
         let base = mean + at_pixel;

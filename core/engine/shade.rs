@@ -5,7 +5,7 @@
 //! a twin) goes one by one through the 64-bit truth, [`Prepared`]. What a scene does not use is not prepared.
 
 use super::crossing::Batch;
-use super::lanes::{Float, Lanes, Mask};
+use super::lanes::{Float, Lanes, Mask, array};
 use super::project::Attribute;
 use super::widget::{Along, LaneWidget};
 use crate::optics::lanes::elementary::{exp, one_minus_exp};
@@ -104,17 +104,6 @@ impl Shader {
                     }
                     unsure
                 }
-                widgets if self.one_color.is_some() => {
-                    let mut depth = L::F::splat(0.0);
-                    let mut unsure = 0;
-                    for widget in widgets {
-                        let (t, no) = widget.depth::<L>(&along);
-                        depth = depth + t;
-                        unsure |= no;
-                    }
-                    depth.store(&mut out.depth[at..]);
-                    unsure
-                }
                 widgets => self.several::<L>(widgets, &along, at, out),
             };
             let mut unsure = unsure & along.crossing.bits();
@@ -176,7 +165,7 @@ impl Shader {
         (c.optical_depth.min(f64::from(f32::MAX)) as f32, [color[0], color[1], color[2], c.opacity as f32])
     }
 
-    /// Several widgets of different colours.
+    /// Widgets whose colour does not vary along the segment, one or more.
     #[inline(always)]
     fn several<L: Lanes>(
         &self,
@@ -196,14 +185,17 @@ impl Shader {
             depths[i.min(ORDERED_MOST - 1)] = depth;
             total = total + depth;
             squares = depth.mul_add(depth, squares);
-            let widget_color = widget.color();
-            for (sum, c) in color.iter_mut().zip(widget_color) {
+            for (sum, c) in color.iter_mut().zip(widget.color()) {
                 *sum = depth.mul_add(splat(c), *sum);
             }
             // A piecewise-linear widget's colour varies along the stretch.
-            if matches!(widget, LaneWidget::Linear(_)) {
+            if matches!(widget, LaneWidget::Linear(_)) && self.one_color.is_none() {
                 unsure |= zero.lt(depth).bits();
             }
+        }
+        if self.one_color.is_some() {
+            total.store(&mut out.depth[at..]);
+            return unsure;
         }
         let opacity = one_minus_exp::<L>(total);
         let share = L::F::select(zero.lt(total), opacity / total, zero);
@@ -252,7 +244,10 @@ impl Shader {
             };
             let matters = splat(MIX_PRODUCT).lt(depth * total);
             rough |= no & matters.bits();
-            let values = values.map(|v| L::F::select(matters, v, splat(0.0)));
+            let values = array::<_, 4>(
+                #[inline(always)]
+                |k| L::F::select(matters, values[k], splat(0.0)),
+            );
             for ((density, weighted), value) in density.iter_mut().zip(&mut weighted).zip(values) {
                 *density = *density + value;
                 for (sum, c) in weighted.iter_mut().zip(widget.color()) {

@@ -6,7 +6,7 @@
 //! are half-open (a row y belongs to an edge if y₀ ≤ y < y₁, a pixel to a span if ⌈x₀⌉ ≤ x < ⌈x₁⌉): every pixel
 //! centre that lies on a shared silhouette edge is given to exactly one of the cells.
 
-use super::lanes::{Double, Lanes, Mask};
+use super::lanes::{Double, Lanes, Mask, inlined};
 use super::record::TILE;
 use super::view::Seen;
 
@@ -75,10 +75,13 @@ impl Fragments {
                 least = L::D::select(crosses, x.min(least), least);
                 most = L::D::select(crosses, x.max(most), most);
             }
-            let bound = |x: L::D| {
-                let x = (x - L::D::splat(left as f64)).ceil();
-                x.max(L::D::splat(0.0)).min(L::D::splat((right - left) as f64))
-            };
+            let bound = inlined(
+                #[inline(always)]
+                |x: L::D| {
+                    let x = (x - L::D::splat(left as f64)).ceil();
+                    x.max(L::D::splat(0.0)).min(L::D::splat((right - left) as f64))
+                },
+            );
             // A row without crossings has least = +∞, most = −∞: from = width, to = 0, an empty span.
             bound(least).store_i32(&mut from);
             bound(most).store_i32(&mut to);

@@ -1,7 +1,7 @@
 //! Widgets in lanes: optical depth of a batch's segments, and densities at points of them.
 
 use super::crossing::Batch;
-use super::lanes::{Float, Lanes, Mask, Unsigned};
+use super::lanes::{Float, Lanes, Mask, Unsigned, array, inlined};
 use super::piecewise::LaneLinear;
 use super::project::Attribute;
 use crate::optics::lanes::gaussian::mean_profile;
@@ -22,10 +22,13 @@ pub(crate) struct Along<L: Lanes> {
 impl<L: Lanes> Along<L> {
     #[inline(always)]
     pub fn load(batch: &Batch, at: usize) -> Self {
-        let column = |columns: &[Vec<f32>], a: usize| match columns.get(a) {
-            Some(column) => L::F::load(&column[at..]),
-            None => L::F::splat(0.0),
-        };
+        let column = inlined(
+            #[inline(always)]
+            |columns: &[Vec<f32>], a: usize| match columns.get(a) {
+                Some(column) => L::F::load(&column[at..]),
+                None => L::F::splat(0.0),
+            },
+        );
         let length = L::F::load(&batch.length[at..]);
         Along {
             length,
@@ -37,7 +40,10 @@ impl<L: Lanes> Along<L> {
 
     #[inline(always)]
     fn at(&self, t: L::F) -> [L::F; 2] {
-        std::array::from_fn(|i| (self.back[i] - self.front[i]).mul_add(t, self.front[i]))
+        array(
+            #[inline(always)]
+            |i| (self.back[i] - self.front[i]).mul_add(t, self.front[i]),
+        )
     }
 }
 
@@ -127,7 +133,10 @@ impl LaneRegion {
         let zero = splat(0.0);
         let (mut t0, mut t1) = (zero, splat(1.0));
         for &[s, g, limit] in &self.half_planes {
-            let margin = |v: &[L::F; 2]| splat(limit) - splat(s).mul_add(v[0], splat(g) * v[1]);
+            let margin = inlined(
+                #[inline(always)]
+                |v: &[L::F; 2]| splat(limit) - splat(s).mul_add(v[0], splat(g) * v[1]),
+            );
             let (front, back) = (margin(&along.front), margin(&along.back));
             let crossing = front / (front - back);
             let (front_out, back_out) = (front.lt(zero), back.lt(zero));
@@ -215,13 +224,19 @@ impl LaneGaussian {
     fn point<L: Lanes>(&self, v: &[L::F; 2]) -> [L::F; 2] {
         let splat = L::F::splat;
         let d = [v[0] - splat(self.centre[0]), v[1] - splat(self.centre[1])];
-        std::array::from_fn(|i| splat(self.matrix[i][0]).mul_add(d[0], splat(self.matrix[i][1]) * d[1]))
+        array(
+            #[inline(always)]
+            |i| splat(self.matrix[i][0]).mul_add(d[0], splat(self.matrix[i][1]) * d[1]),
+        )
     }
 
     #[inline(always)]
     fn mean<L: Lanes>(&self, front: &[L::F; 2], back: &[L::F; 2]) -> L::F {
         if self.one_dimensional {
-            let q = |v: &[L::F; 2]| [L::F::splat(self.matrix[0][0]) * (v[0] - L::F::splat(self.centre[0]))];
+            let q = inlined(
+                #[inline(always)]
+                |v: &[L::F; 2]| [L::F::splat(self.matrix[0][0]) * (v[0] - L::F::splat(self.centre[0]))],
+            );
             mean_profile::<L, 1>(q(front), q(back))
         } else {
             mean_profile::<L, 2>(self.point::<L>(front), self.point::<L>(back))
@@ -231,26 +246,35 @@ impl LaneGaussian {
     #[inline(always)]
     fn depth<L: Lanes>(&self, along: &Along<L>) -> L::F {
         let peak = L::F::splat(self.density) * along.length;
-        match &self.region {
-            None => self.mean::<L>(&along.front, &along.back) * peak,
-            Some(region) => {
-                let (t0, t1) = region.clip(along);
-                let share = (t1 - t0).max(L::F::splat(0.0));
-                self.mean::<L>(&along.at(t0), &along.at(t1)) * peak * share
-            }
+        let (mut front, mut back, mut share) = (along.front, along.back, L::F::splat(1.0));
+        if let Some(region) = &self.region {
+            let (t0, t1) = region.clip(along);
+            (front, back) = (along.at(t0), along.at(t1));
+            share = (t1 - t0).max(L::F::splat(0.0));
         }
+        self.mean::<L>(&front, &back) * peak * share
     }
 
     #[inline(always)]
     fn densities<L: Lanes>(&self, along: &Along<L>, nodes: [f32; 4]) -> ([L::F; 4], u32) {
         let splat = L::F::splat;
         let (front, back) = (self.point::<L>(&along.front), self.point::<L>(&along.back));
-        let step: [L::F; 2] = std::array::from_fn(|i| back[i] - front[i]);
-        let values = nodes.map(|t| {
-            let q: [L::F; 2] = std::array::from_fn(|i| step[i].mul_add(splat(t), front[i]));
-            splat(self.density)
-                * crate::optics::lanes::elementary::exp::<L>(-(q[0].mul_add(q[0], q[1] * q[1])))
-        });
+        let step: [L::F; 2] = array(
+            #[inline(always)]
+            |i| back[i] - front[i],
+        );
+        let values = array(
+            #[inline(always)]
+            |k| {
+                let t = nodes[k];
+                let q: [L::F; 2] = array(
+                    #[inline(always)]
+                    |i| step[i].mul_add(splat(t), front[i]),
+                );
+                splat(self.density)
+                    * crate::optics::lanes::elementary::exp::<L>(-(q[0].mul_add(q[0], q[1] * q[1])))
+            },
+        );
         // |q_b − q_f| ≤ ½: the cubic through four densities then leaves 3e-5 of the depth.
         let smooth = step[0].mul_add(step[0], step[1] * step[1]).le(splat(0.25));
         let mut rough = smooth.not();
@@ -258,7 +282,10 @@ impl LaneGaussian {
             let (t0, t1) = region.clip(along);
             let inside = t0.le(splat(0.0)).and(splat(1.0).le(t1));
             let outside = t1.le(t0);
-            let values = values.map(|v| L::F::select(outside, splat(0.0), v));
+            let values = array(
+                #[inline(always)]
+                |k| L::F::select(outside, splat(0.0), values[k]),
+            );
             rough = rough.and(outside.not()).or(inside.or(outside).not());
             return (values, rough.bits());
         }

@@ -6,8 +6,8 @@
 pub mod clip;
 pub mod compositing;
 pub mod gaussian;
-pub mod lanes;
 pub mod judge;
+pub mod lanes;
 pub mod linear;
 pub mod overlap;
 pub mod piecewise_linear;

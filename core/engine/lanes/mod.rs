@@ -1,4 +1,4 @@
-//! Vector lanes: the few operations the kernels are written in, over 16 (AVX-512), 8 (AVX2 + FMA) or 8 portable
+//! Vector lanes: the few operations the kernels are written in, over 16 (AVX-512), 8 (AVX2 + FMA) or 4 portable
 //! lanes.
 //!
 //! A kernel is one generic function over [`Lanes`], marked `#[inline(always)]`; [`dispatch`] runs it inside a
@@ -184,6 +184,26 @@ pub trait Mask: Copy {
     }
 }
 
+/// Takes a closure marked `#[inline(always)]` (the attribute is allowed on an argument, not on the value of a
+/// `let`).
+#[inline(always)]
+pub fn inlined<F>(closure: F) -> F {
+    closure
+}
+
+/// An array made element by element.
+///
+/// Kernels use this, not `std::array::from_fn` or `map`, and mark every closure `#[inline(always)]`: a closure
+/// has no processor features of its own, so one that is left as a function calls every vector operation.
+#[inline(always)]
+pub fn array<T: Copy, const N: usize>(mut element: impl FnMut(usize) -> T) -> [T; N] {
+    let mut out = [element(0); N];
+    for (i, out) in out.iter_mut().enumerate().skip(1) {
+        *out = element(i);
+    }
+    out
+}
+
 /// Work that can run on any lane set.
 pub trait Kernel {
     /// What it returns.
@@ -199,7 +219,7 @@ pub enum LaneSet {
     Avx512,
     /// 8 lanes: AVX2 and FMA.
     Avx2,
-    /// 8 lanes in plain Rust.
+    /// 4 lanes in plain Rust.
     Portable,
 }
 
@@ -251,7 +271,8 @@ impl LaneSet {
     pub fn width(self) -> usize {
         match self {
             LaneSet::Avx512 => 16,
-            LaneSet::Avx2 | LaneSet::Portable => 8,
+            LaneSet::Avx2 => 8,
+            LaneSet::Portable => 4,
         }
     }
 

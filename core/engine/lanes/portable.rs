@@ -1,33 +1,33 @@
-//! Eight lanes in plain Rust: what every processor runs.
+//! Four lanes in plain Rust: what every processor runs.
 
 use super::{Double, Float, Lanes, Mask, Unsigned};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-const WIDTH: usize = 8;
+const WIDTH: usize = 4;
 
-/// Eight portable lanes.
+/// Four portable lanes.
 #[derive(Clone, Copy)]
 pub struct Portable;
 
-/// Eight floats.
+/// Four floats.
 #[derive(Clone, Copy)]
 pub struct F([f32; WIDTH]);
 
-/// Eight unsigned integers.
+/// Four unsigned integers.
 #[derive(Clone, Copy)]
 pub struct U([u32; WIDTH]);
 
-/// Eight booleans.
+/// Four booleans.
 #[derive(Clone, Copy)]
 pub struct M([bool; WIDTH]);
 
-/// Four 64-bit floats.
+/// Two 64-bit floats.
 #[derive(Clone, Copy)]
-pub struct D([f64; 4]);
+pub struct D([f64; 2]);
 
-/// Four booleans.
+/// Two booleans.
 #[derive(Clone, Copy)]
-pub struct MD([bool; 4]);
+pub struct MD([bool; 2]);
 
 impl Lanes for Portable {
     const WIDTH: usize = WIDTH;
@@ -265,12 +265,12 @@ impl Mask for M {
 }
 
 impl Double for D {
-    const COUNT: usize = 4;
+    const COUNT: usize = 2;
     type Mask = MD;
 
     #[inline(always)]
     fn splat(value: f64) -> D {
-        D([value; 4])
+        D([value; 2])
     }
     #[inline(always)]
     fn load(values: &[f64]) -> D {
@@ -278,11 +278,11 @@ impl Double for D {
     }
     #[inline(always)]
     fn store(self, values: &mut [f64]) {
-        values[..4].copy_from_slice(&self.0);
+        values[..2].copy_from_slice(&self.0);
     }
     #[inline(always)]
     fn store_f32(self, values: &mut [f32]) {
-        values[..4].copy_from_slice(&self.0.map(|x| x as f32));
+        values[..2].copy_from_slice(&self.0.map(|x| x as f32));
     }
     #[inline(always)]
     fn mul_add(self, b: D, c: D) -> D {
@@ -318,7 +318,7 @@ impl Double for D {
     }
     #[inline(always)]
     fn store_i32(self, values: &mut [i32]) {
-        values[..4].copy_from_slice(&self.0.map(|x| x as i32));
+        values[..2].copy_from_slice(&self.0.map(|x| x as i32));
     }
 }
 
