@@ -6,7 +6,7 @@
 //! `cell-average` is the plain mean of ∇s over the cells that use the point (as VTK's vtkGradientFilter on
 //! tetrahedra), `volume-weighted` is Σ V ∇s / Σ V = Σ ±n / Σ |d|, which never divides by the volume of one cell.
 
-use super::frame::{for_points, length_scale};
+use super::frame::for_points;
 use super::{Declaration, Fallback, Gradient, GradientFilter, Settings, check_scalar};
 use crate::Result;
 use crate::grid::{Grid, cells_of_points};
@@ -60,7 +60,7 @@ fn cell_means(
     term: impl Fn(DVec3, f64) -> (DVec3, f64) + Sync,
 ) -> Result<Gradient> {
     check_scalar(grid, s)?;
-    let scale = length_scale(grid);
+    let scale = grid.length_scale();
     let cells = cells_of_points(grid);
     let (vectors, [without_volume]) = for_points(
         grid.points.len(),

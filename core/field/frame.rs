@@ -1,31 +1,10 @@
-//! What all filters share: lengths brought to about 1, and the loop over the points.
+//! What all filters share: the loop over the points.
 
-use crate::grid::Grid;
 use crate::progress::Progress;
 use crate::{Error, Result};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
-
-/// The power of two that brings the largest extent of the grid to between 0.5 and 1, so that products of lengths
-/// stay far from the ends of the number range whatever the unit of length; 1 for a grid without extent.
-pub(super) fn length_scale(grid: &Grid) -> f64 {
-    let first = grid.points.first().copied().unwrap_or_default();
-    let [low, high] = grid
-        .points
-        .par_iter()
-        .with_min_len(1 << 14)
-        .fold(|| [first, first], |[low, high], &p| [low.min(p), high.max(p)])
-        .reduce(|| [first, first], |a, b| [a[0].min(b[0]), a[1].max(b[1])]);
-    let extent = (high * 0.5 - low * 0.5).max_element();
-    if extent > 0.0 && extent.is_finite() {
-        // Within the exponents for which the scale and its inverse are normal numbers.
-        let exponent = (libm::ilogb(extent) + 2).clamp(-1000, 1000);
-        libm::ldexp(1.0, -exponent)
-    } else {
-        1.0
-    }
-}
 
 /// Points that one task handles.
 const TASK: usize = 512;

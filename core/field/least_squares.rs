@@ -7,7 +7,7 @@
 //! or values costs only what it has already cost in the input.
 
 use super::dense::solve3;
-use super::frame::{for_points, length_scale};
+use super::frame::for_points;
 use super::{Declaration, Fallback, Gradient, GradientFilter, Settings, check_scalar};
 use crate::Result;
 use crate::grid::{Grid, Neighbours, cells_of_points};
@@ -34,7 +34,7 @@ impl GradientFilter for LeastSquares {
 
     fn gradient(&self, grid: &Grid, s: &[f64], _: &Settings, progress: &dyn Progress) -> Result<Gradient> {
         check_scalar(grid, s)?;
-        let scale = length_scale(grid);
+        let scale = grid.length_scale();
         let cells = cells_of_points(grid);
         let (vectors, [flat, none]) = for_points(
             grid.points.len(),

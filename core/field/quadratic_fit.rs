@@ -6,7 +6,7 @@
 //! linear fit of `least-squares` stands in and is counted. Second order, exact for quadratic fields.
 
 use super::dense::solve_qr;
-use super::frame::{for_points, length_scale};
+use super::frame::for_points;
 use super::least_squares::{Apart, Fit, fallbacks};
 use super::{Declaration, Fallback, Gradient, GradientFilter, Settings, check_scalar};
 use crate::Result;
@@ -42,7 +42,7 @@ impl GradientFilter for QuadraticFit {
 
     fn gradient(&self, grid: &Grid, s: &[f64], _: &Settings, progress: &dyn Progress) -> Result<Gradient> {
         check_scalar(grid, s)?;
-        let scale = length_scale(grid);
+        let scale = grid.length_scale();
         let neighbours = points_of_points(grid, &cells_of_points(grid));
         let (vectors, [linear, flat, none]) = for_points(
             grid.points.len(),

@@ -1,7 +1,7 @@
 //! Values that sit on cells, as values of points.
 
 use super::parts::{Association, Parts, Scalar};
-use super::{Array, Grid, tetrahedron_volume};
+use super::{Array, Grid, cells_of_points, tetrahedron_volume};
 use crate::{Error, Result};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -34,10 +34,36 @@ pub(super) fn average(grid: &mut Grid, cells: CellArrays) {
     if cells.is_empty() {
         return;
     }
-    let weights = Weights::of(grid);
-    let point_count = grid.points.len();
-    let average =
-        |values: &[f64], component_count: usize| weights.average(point_count, values, component_count);
+    let volumes = volumes_of_cells(grid);
+    let rows = cells_of_points(grid);
+    let average = |values: &[f64], component_count: usize| {
+        let n = component_count.max(1);
+        let mut means = vec![0.0; grid.points.len() * n];
+        means.par_chunks_exact_mut(n).with_min_len(1024).enumerate().for_each(|(p, mean)| {
+            let mut sum = |weight: &dyn Fn(usize) -> f64| {
+                mean.fill(0.0);
+                let mut total = 0.0;
+                let mut last = None;
+                for &tetrahedron in rows.row(p) {
+                    let cell = cell_of(grid, tetrahedron as usize);
+                    // A cell's tetrahedra follow one another.
+                    if last == Some(cell) {
+                        continue;
+                    }
+                    last = Some(cell);
+                    let w = weight(cell);
+                    total += w;
+                    mean.iter_mut().zip(&values[cell * n..]).for_each(|(m, v)| *m += w * v);
+                }
+                mean.iter_mut().for_each(|m| *m /= total);
+                total > 0.0
+            };
+            if !sum(&|cell| volumes[cell]) {
+                sum(&|_| 1.0);
+            }
+        });
+        means
+    };
     let scalar = cells.scalar.map(|s| (s.name, average(&s.values, 1)));
     let arrays: Vec<(String, Array)> = cells
         .arrays
@@ -48,6 +74,28 @@ pub(super) fn average(grid: &mut Grid, cells: CellArrays) {
         })
         .collect();
     set(grid, scalar, arrays);
+}
+
+/// The cell of the file that a tetrahedron is a part of.
+#[inline]
+fn cell_of(grid: &Grid, tetrahedron: usize) -> usize {
+    grid.source_cells.as_ref().map_or(tetrahedron, |s| s[tetrahedron] as usize)
+}
+
+/// Volume of every cell of the file up to the last one that is drawn, in units that keep it in the number range.
+fn volumes_of_cells(grid: &Grid) -> Vec<f64> {
+    let scale = grid.length_scale();
+    let volumes: Vec<f64> = (0..grid.tetrahedra.len())
+        .into_par_iter()
+        .with_min_len(4096)
+        .map(|i| tetrahedron_volume(grid.corners(i).map(|p| p * scale)))
+        .collect();
+    let Some(source_cells) = &grid.source_cells else { return volumes };
+    let mut sums = vec![0.0; source_cells.iter().max().map_or(0, |&last| last as usize + 1)];
+    for (&cell, volume) in source_cells.iter().zip(volumes) {
+        sums[cell as usize] += volume;
+    }
+    sums
 }
 
 fn set(grid: &mut Grid, scalar: Option<(String, Vec<f64>)>, arrays: Vec<(String, Array)>) {
@@ -61,97 +109,20 @@ fn set(grid: &mut Grid, scalar: Option<(String, Vec<f64>)>, arrays: Vec<(String,
     }
 }
 
-/// The cells that use each point, and their volumes.
-struct Weights {
-    /// (point, cell, volume) of every use, grouped by cell.
-    uses: Vec<(u32, u32)>,
-    /// Volume by cell of the file, scaled so that the largest is 1.
-    volumes: Vec<f64>,
-}
-
-impl Weights {
-    fn of(grid: &Grid) -> Self {
-        let cell_of = |i: usize| grid.source_cells.as_ref().map_or(i as u32, |s| s[i]);
-        let count = grid.tetrahedra.len();
-        let cell_count = (0..count).into_par_iter().map(cell_of).max().map_or(0, |c| c as usize + 1);
-        let mut volumes = vec![0.0; cell_count];
-        let mut uses = Vec::with_capacity(count * 4);
-        let mut start = 0;
-        for i in 0..count {
-            let cell = cell_of(i);
-            if i > 0 && cell_of(i - 1) != cell {
-                start = uses.len();
-            }
-            volumes[cell as usize] += tetrahedron_volume(grid.corners(i));
-            for &p in &grid.tetrahedra[i] {
-                if !uses[start..].contains(&(p, cell)) {
-                    uses.push((p, cell));
-                }
-            }
-        }
-        let largest = volumes.iter().copied().fold(0.0, f64::max);
-        if largest > 0.0 {
-            volumes.par_iter_mut().for_each(|v| *v /= largest);
-        }
-        Weights { uses, volumes }
-    }
-
-    fn average(&self, point_count: usize, values: &[f64], component_count: usize) -> Vec<f64> {
-        let n = component_count.max(1);
-        let mut sums = vec![0.0; point_count * n];
-        let mut weights = vec![0.0; point_count];
-        self.accumulate(|cell| self.volumes[cell], values, n, &mut sums, &mut weights);
-        if weights.contains(&0.0) {
-            let (mut plain, mut counts) = (vec![0.0; point_count * n], vec![0.0; point_count]);
-            self.accumulate(|_| 1.0, values, n, &mut plain, &mut counts);
-            for p in 0..point_count {
-                if weights[p] != 0.0 {
-                    continue;
-                }
-                weights[p] = f64::max(counts[p], 1.0);
-                sums[p * n..(p + 1) * n].copy_from_slice(&plain[p * n..(p + 1) * n]);
-            }
-        }
-        for (tuple, weight) in sums.chunks_exact_mut(n).zip(&weights) {
-            tuple.iter_mut().for_each(|v| *v /= weight);
-        }
-        sums
-    }
-
-    fn accumulate(
-        &self,
-        weight: impl Fn(usize) -> f64,
-        values: &[f64],
-        n: usize,
-        sums: &mut [f64],
-        weights: &mut [f64],
-    ) {
-        for &(p, cell) in &self.uses {
-            let (p, cell) = (p as usize, cell as usize);
-            let w = weight(cell);
-            weights[p] += w;
-            for c in 0..n {
-                sums[p * n + c] += w * values[cell * n + c];
-            }
-        }
-    }
-}
-
 /// Gives every cell of the file points of its own, which carry the cell's values.
 pub(super) fn keep_constant(grid: &mut Grid, cells: CellArrays) -> Result<()> {
     if cells.is_empty() {
         return Ok(());
     }
-    let cell_of = |i: usize| grid.source_cells.as_ref().map_or(i as u32, |s| s[i]);
     let mut old_points: Vec<u32> = Vec::with_capacity(grid.tetrahedra.len() * 4);
     let mut owners: Vec<u32> = Vec::with_capacity(grid.tetrahedra.len() * 4);
     let mut tetrahedra = Vec::with_capacity(grid.tetrahedra.len());
     let mut start = 0;
     let mut i = 0;
     while i < grid.tetrahedra.len() {
-        let cell = cell_of(i);
+        let cell = cell_of(grid, i);
         let mut end = i + 1;
-        while end < grid.tetrahedra.len() && cell_of(end) == cell {
+        while end < grid.tetrahedra.len() && cell_of(grid, end) == cell {
             end += 1;
         }
         for t in &grid.tetrahedra[i..end] {
@@ -166,7 +137,7 @@ pub(super) fn keep_constant(grid: &mut Grid, cells: CellArrays) -> Result<()> {
             }
         }
         old_points.truncate(kept);
-        owners.resize(kept, cell);
+        owners.resize(kept, cell as u32);
         for t in &grid.tetrahedra[i..end] {
             let own = &old_points[start..];
             tetrahedra.push(t.map(|p| (start + own.partition_point(|&q| q < p)) as u32));

@@ -20,6 +20,7 @@ pub use cell_types::{CellType, code, describe_counts};
 pub use cells::{CellSet, Polyhedron};
 use glam::DVec3;
 pub use parts::{Association, CellValues, Cells, Options, Parts, Scalar};
+use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -80,6 +81,26 @@ impl Grid {
     pub fn bounds(&self) -> Option<[DVec3; 2]> {
         let first = *self.points.first()?;
         Some(self.points.iter().fold([first, first], |[low, high], &p| [low.min(p), high.max(p)]))
+    }
+
+    /// The power of two that brings the largest extent of the grid to between 0.5 and 1, so that products of lengths
+    /// stay far from the ends of the number range whatever the unit of length; 1 for a grid without extent.
+    pub fn length_scale(&self) -> f64 {
+        let first = self.points.first().copied().unwrap_or_default();
+        let [low, high] = self
+            .points
+            .par_iter()
+            .with_min_len(1 << 14)
+            .fold(|| [first, first], |[low, high], &p| [low.min(p), high.max(p)])
+            .reduce(|| [first, first], |a, b| [a[0].min(b[0]), a[1].max(b[1])]);
+        let extent = (high * 0.5 - low * 0.5).max_element();
+        if extent > 0.0 && extent.is_finite() {
+            // Within the exponents for which the scale and its inverse are normal numbers.
+            let exponent = (libm::ilogb(extent) + 2).clamp(-1000, 1000);
+            libm::ldexp(1.0, -exponent)
+        } else {
+            1.0
+        }
     }
 
     /// Bytes held by the arrays of this grid, shared ones included.

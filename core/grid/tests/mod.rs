@@ -4,6 +4,7 @@ mod curved;
 mod higher_order;
 mod linear;
 mod polyhedra;
+mod values;
 
 use super::generate::Random;
 use super::*;

@@ -1,0 +1,267 @@
+//! What is left out, what is dropped, values on cells, structured grids, damaged input.
+
+use super::generate::{Kind, box_of, box_of_tetrahedra, built, parts_with_scalar};
+use super::*;
+use crate::error::ErrorKind;
+use crate::progress::{Progress, Silent};
+
+fn on_cells(mut parts: Parts, values: Vec<f64>) -> Parts {
+    parts.scalar = Some(Scalar { name: "c".into(), association: Association::Cell, values });
+    parts
+}
+
+/// Two bars along x, of lengths 1 and 3, as hexahedra.
+fn two_bars() -> Parts {
+    let mut parts = box_of(Kind::Hexahedra, [2, 1, 1], UNIT, 0.0);
+    parts.points.iter_mut().for_each(|p| p.x = [0.0, 1.0, 4.0][(2.0 * p.x) as usize]);
+    parts
+}
+
+#[test]
+fn cell_values_are_averaged_by_the_volume_of_the_cells() {
+    let grid = built(on_cells(two_bars(), vec![10.0, 2.0])).unwrap();
+    for (p, &s) in grid.points.iter().zip(grid.scalar.as_ref().unwrap().iter()) {
+        // Between the bars (10 × 1 + 2 × 3) / 4.
+        let expected = if p.x == 0.0 {
+            10.0
+        } else if p.x == 1.0 {
+            4.0
+        } else {
+            2.0
+        };
+        assert!((s - expected).abs() < 1e-14, "{s} at {p}");
+    }
+    assert_eq!(grid.scalar_name, "c");
+}
+
+#[test]
+fn cells_without_volume_take_part_only_where_nothing_else_does() {
+    let mut parts = on_cells(two_bars(), vec![10.0, 2.0]);
+    parts.points.iter_mut().filter(|p| p.x == 4.0).for_each(|p| p.x = 1.0);
+    let grid = built(parts).unwrap();
+    for (p, &s) in grid.scalar.as_ref().unwrap().iter().enumerate() {
+        let far = p % 3 == 2;
+        assert_eq!(s, if far { 2.0 } else { 10.0 }, "point {p}");
+    }
+}
+
+#[test]
+fn cell_values_can_stay_constant_in_each_cell() {
+    let mut parts = on_cells(two_bars(), vec![10.0, 2.0]);
+    let x = parts.points.iter().map(|p| p.x).collect();
+    parts.point_arrays.insert("x".into(), Array { component_count: 1, values: x });
+    parts.cell_arrays.insert("pair".into(), Array { component_count: 2, values: vec![1.0, 2.0, 3.0, 4.0] });
+    let options = Options { cell_values: CellValues::Constant, ..Options::default() };
+    let grid = build(parts, &options, &Silent).unwrap();
+    assert_eq!(grid.points.len(), 16);
+    assert!((total_volume(&grid) - 4.0).abs() < 1e-14);
+    let (s, pair, x) =
+        (grid.scalar.as_ref().unwrap(), &grid.point_arrays["pair"].values, &grid.point_arrays["x"].values);
+    for (t, &cell) in grid.tetrahedra.iter().zip(grid.source_cells.as_ref().unwrap().iter()) {
+        assert!(t.is_sorted());
+        for &p in t {
+            let p = p as usize;
+            assert_eq!(s[p], [10.0, 2.0][cell as usize]);
+            assert_eq!(pair[2 * p + 1], [2.0, 4.0][cell as usize]);
+            assert_eq!(x[p], grid.points[p].x);
+        }
+    }
+    for method in ["cell-average", "volume-weighted", "least-squares"] {
+        let registry = crate::field::Registry::built_in();
+        let filter = registry.get(method).unwrap();
+        let found = filter.gradient(&grid, s, &Default::default(), &Silent).unwrap();
+        assert!(found.vectors.iter().all(|&v| v == DVec3::ZERO), "{method}");
+    }
+}
+
+#[test]
+fn what_is_not_finite_is_left_out_counted_and_said() {
+    for kind in [Kind::Tetrahedra, Kind::Hexahedra, Kind::QuadraticHexahedra, Kind::Polyhedra] {
+        let clean = parts_with_scalar(box_of(kind, [3, 3, 3], UNIT, 0.1), "s", |p| p.x);
+        let cell_count = clean.cells.count();
+        let using = |parts: &Parts, point: u32| {
+            let Cells::Mixed(set) = &parts.cells else { unreachable!() };
+            (0..cell_count)
+                .filter(|&c| {
+                    let range = set.offsets[c] as usize..set.offsets[c + 1] as usize;
+                    set.connectivity[range].contains(&point)
+                })
+                .count() as u64
+        };
+        for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            let mut value = clean.clone();
+            value.scalar.as_mut().unwrap().values[21] = bad;
+            let mut position = clean.clone();
+            position.points[21].z = bad;
+            let mut further = clean.clone();
+            let mut values = vec![0.0; 2 * clean.points.len()];
+            values[43] = bad;
+            further.point_arrays.insert("f".into(), Array { component_count: 2, values });
+            for parts in [value, position, further] {
+                let left_out = using(&parts, 21);
+                let grid = built(parts).unwrap();
+                assert_eq!(grid.origin.cells_not_finite, left_out, "{kind:?}");
+                assert!(grid.origin.warnings[0].starts_with(&left_out.to_string()));
+                assert!(grid.points.iter().all(|p| p.is_finite()));
+                assert!(grid.scalar.as_ref().unwrap().iter().all(|s| s.is_finite()));
+                assert!(grid.point_arrays.values().all(|a| a.values.iter().all(|v| v.is_finite())));
+            }
+        }
+        let mut values = vec![1.0; cell_count];
+        values[2] = f64::NAN;
+        let grid = built(on_cells(clean, values)).unwrap();
+        assert_eq!(grid.origin.cells_not_finite, 1);
+        assert!(grid.scalar.as_ref().unwrap().iter().all(|&s| s == 1.0));
+    }
+}
+
+#[test]
+fn ghosts_and_surfaces_are_left_out_and_unused_points_dropped() {
+    let mut parts = parts_with_scalar(box_of(Kind::Tetrahedra, [2, 1, 1], UNIT, 0.0), "s", |p| p.x);
+    let lonely = parts.points.len();
+    parts.points.extend([DVec3::splat(99.0), DVec3::splat(f64::NAN)]);
+    parts.scalar.as_mut().unwrap().values.extend([99.0, f64::NAN]);
+    let Cells::Mixed(set) = &mut parts.cells else { unreachable!() };
+    for (kind, corners) in [(5_u8, vec![0, 1, 2]), (1, vec![lonely as u32]), (3, vec![0, 1])] {
+        set.types.push(kind);
+        set.connectivity.extend(corners);
+        set.offsets.push(set.connectivity.len() as u64);
+    }
+    let mut ghost = vec![false; 15];
+    ghost[..6].fill(true);
+    parts.ghost = Some(ghost);
+    let grid = built(parts).unwrap();
+    let origin = &grid.origin;
+    assert_eq!((origin.cells_ghost, origin.cells_not_volume, origin.cells_not_finite), (6, 3, 0));
+    assert_eq!(origin.cells_by_type, [(1, 1), (3, 1), (5, 1), (10, 12)].into());
+    assert!(origin.warnings.is_empty());
+    // Half of the box is left: its own eight points, in the file's order, with their values.
+    assert_eq!(grid.points.len(), 8);
+    assert_eq!(grid.source_cells.as_ref().unwrap().to_vec(), (6..12).collect::<Vec<u32>>());
+    assert!(grid.points.iter().zip(grid.scalar.as_ref().unwrap().iter()).all(|(p, &s)| p.x == s && s >= 0.5));
+    assert!((total_volume(&grid) - 0.5).abs() < 1e-14);
+}
+
+#[test]
+fn structured_grids_equal_their_hexahedra() {
+    let hexahedra = built(box_of(Kind::Hexahedra, [3, 2, 4], UNIT, 0.2)).unwrap();
+    let parts = Parts::new(hexahedra.points.to_vec(), Cells::Structured([4, 3, 5]));
+    let structured = built(parts).unwrap();
+    assert_eq!(structured.tetrahedra, hexahedra.tetrahedra);
+    assert_eq!(structured.source_cells, hexahedra.source_cells);
+    let flat = Parts::new(vec![DVec3::ZERO; 12], Cells::Structured([4, 3, 1]));
+    assert!(built(flat).unwrap_err().to_string().contains("nothing to draw"));
+    let wrong = Parts::new(vec![DVec3::ZERO; 12], Cells::Structured([4, 3, 2]));
+    assert!(built(wrong).unwrap_err().to_string().contains("4 × 3 × 2"));
+}
+
+#[test]
+fn plain_tetrahedra_are_the_cells_of_the_file() {
+    let grid = box_of_tetrahedra([2, 2, 2], UNIT, 0.1);
+    let mut own: Vec<[u32; 4]> = grid.tetrahedra.to_vec();
+    own.iter_mut().for_each(|t| t.reverse());
+    let parts = Parts::new(grid.points.to_vec(), Cells::Tetrahedra(own));
+    let built = built(parts).unwrap();
+    assert!(built.source_cells.is_none());
+    assert_eq!(built.tetrahedra, grid.tetrahedra);
+    // Cells without volume stay.
+    let flat = Parts::new(vec![DVec3::ZERO; 4], Cells::Tetrahedra(vec![[3, 1, 0, 2]]));
+    assert_eq!(generate::built(flat).unwrap().tetrahedra[0], [0, 1, 2, 3]);
+}
+
+#[test]
+fn damaged_input_is_one_clear_error() {
+    let cube = || box_of(Kind::Hexahedra, [2, 1, 1], UNIT, 0.0);
+    let with = |f: &dyn Fn(&mut CellSet)| {
+        let mut parts = cube();
+        if let Cells::Mixed(set) = &mut parts.cells {
+            f(set);
+        }
+        built(parts).unwrap_err().to_string()
+    };
+    type Damage<'a> = (&'a dyn Fn(&mut CellSet), &'a [&'a str]);
+    let cases: [Damage; 5] = [
+        (&|s| s.connectivity[9] = 12, &["cell 1", "12", "below 12"]),
+        (&|s| s.types[1] = 17, &["cell 1", "unknown type", "17"]),
+        (&|s| s.types[1] = 13, &["cell 1", "wedge", "found 8", "6"]),
+        (&|s| s.offsets[1] = 7, &["hexahedron", "found 7", "8"]),
+        (&|s| s.offsets[2] = 1 << 60, &["offsets", "cell 1"]),
+    ];
+    for (damage, words) in cases {
+        let error = with(damage);
+        assert!(words.iter().all(|w| error.contains(w)), "{error}");
+    }
+    let Cells::Mixed(mut set) = cube().cells else { unreachable!() };
+    set.types.fill(7);
+    let error = built(Parts::new(cube().points, Cells::Mixed(set))).unwrap_err();
+    assert!(error.to_string().contains("2 polygons"), "{error}");
+    assert_eq!(error.kind, ErrorKind::Run);
+    let error = built(Parts::new(vec![DVec3::ZERO; 3], Cells::Tetrahedra(vec![[0, 1, 2, 3]]))).unwrap_err();
+    assert!(error.to_string().contains("cell 0") && error.to_string().contains("found 3"), "{error}");
+    let empty = built(Parts::new(Vec::new(), Cells::Tetrahedra(Vec::new()))).unwrap_err();
+    assert!(empty.to_string().contains("no cells"), "{empty}");
+    let mut short = cube();
+    short.point_arrays.insert("short".into(), Array { component_count: 3, values: vec![0.0; 35] });
+    let error = built(short).unwrap_err().to_string();
+    assert!(error.contains("'short'") && error.contains("35") && error.contains("36"), "{error}");
+    let options = Options { subdivision: 0, ..Options::default() };
+    assert_eq!(build(cube(), &options, &Silent).unwrap_err().kind, ErrorKind::Usage);
+}
+
+#[test]
+fn types_that_cannot_be_split_are_left_out_and_said() {
+    let mut parts = box_of(Kind::Hexahedra, [2, 1, 1], UNIT, 0.0);
+    let Cells::Mixed(set) = &mut parts.cells else { unreachable!() };
+    set.types[1] = code::CONVEX_POINT_SET;
+    let grid = built(parts.clone()).unwrap();
+    assert!(grid.origin.warnings[0].contains("1 convex point set"), "{:?}", grid.origin.warnings);
+    if let Cells::Mixed(set) = &mut parts.cells {
+        set.types[0] = code::CONVEX_POINT_SET;
+    }
+    let error = built(parts).unwrap_err().to_string();
+    assert!(error.contains("convex point set cannot be split"), "{error}");
+}
+
+#[test]
+fn a_stopped_build_says_so() {
+    struct Stopped;
+    impl Progress for Stopped {
+        fn report(&self, _: &str, _: f64) {}
+        fn cancelled(&self) -> bool {
+            true
+        }
+    }
+    let parts = box_of(Kind::Hexahedra, [2, 1, 1], UNIT, 0.0);
+    assert_eq!(build(parts, &Options::default(), &Stopped).unwrap_err().kind, ErrorKind::Cancelled);
+}
+
+#[test]
+fn neighbours_and_cells_of_points_are_complete() {
+    let grid = box_of_tetrahedra([3, 4, 2], UNIT, 0.1);
+    let cells = cells_of_points(&grid);
+    let points = points_of_points(&grid, &cells);
+    let mut neighbours = Neighbours::default();
+    for p in 0..grid.points.len() {
+        let expected: Vec<u32> = (0..grid.tetrahedra.len() as u32)
+            .filter(|&t| grid.tetrahedra[t as usize].contains(&(p as u32)))
+            .collect();
+        assert_eq!(cells.row(p), expected);
+        let mut ring: Vec<u32> = expected.iter().flat_map(|&t| grid.tetrahedra[t as usize]).collect();
+        ring.sort_unstable();
+        ring.dedup();
+        ring.retain(|&q| q != p as u32);
+        let mut found = points.row(p).to_vec();
+        assert_eq!(neighbours.of(&grid, &cells, p), found);
+        found.sort_unstable();
+        assert_eq!(found, ring);
+        let mut second: Vec<u32> = ring.iter().flat_map(|&q| points.row(q as usize)).copied().collect();
+        second.extend(&ring);
+        second.sort_unstable();
+        second.dedup();
+        second.retain(|&q| q != p as u32);
+        let mut found = neighbours.second_ring(&points, p).to_vec();
+        found.sort_unstable();
+        assert_eq!(found, second);
+    }
+    assert_eq!(points.count(), grid.points.len());
+}
