@@ -9,7 +9,7 @@
 use super::frame::for_points;
 use super::{Declaration, Fallback, Gradient, GradientFilter, Settings, check_scalar};
 use crate::Result;
-use crate::grid::{Grid, cells_of_points};
+use crate::grid::{Grid, sum_over_cells};
 use crate::progress::Progress;
 use glam::DVec3;
 
@@ -61,23 +61,27 @@ fn cell_means(
 ) -> Result<Gradient> {
     check_scalar(grid, s)?;
     let scale = grid.length_scale();
-    let cells = cells_of_points(grid);
+    progress.report("gradient", 0.0);
+    let sums: Vec<(DVec3, f64)> = sum_over_cells(
+        grid,
+        |cell| {
+            if progress.cancelled() {
+                return None;
+            }
+            let values = grid.tetrahedra[cell].map(|p| s[p as usize]);
+            cell_gradient(grid.corners(cell), values, scale).map(|(n, d)| term(n, d))
+        },
+        |sum: &mut (DVec3, f64), (value, weight)| {
+            sum.0 += *value;
+            sum.1 += *weight;
+        },
+    );
     let (vectors, [without_volume]) = for_points(
         grid.points.len(),
         progress,
         || (),
-        |_, p| {
-            let (mut sum, mut weight) = (DVec3::ZERO, 0.0);
-            for &cell in cells.row(p) {
-                let cell = cell as usize;
-                if let Some((n, d)) =
-                    cell_gradient(grid.corners(cell), grid.tetrahedra[cell].map(|q| s[q as usize]), scale)
-                {
-                    let (value, w) = term(n, d);
-                    sum += value;
-                    weight += w;
-                }
-            }
+        |(), p| {
+            let (sum, weight) = sums[p];
             let gradient = sum / weight * scale;
             if weight > 0.0 && gradient.is_finite() { (gradient, None) } else { (DVec3::ZERO, Some(0)) }
         },

@@ -29,38 +29,64 @@ impl Rows {
 /// Tetrahedra whose lowest and highest point number are looked at together.
 const BLOCK: usize = 4096;
 
-/// For every point the tetrahedra that use it, ascending.
+/// The tetrahedra by ranges of points.
 ///
 /// Every task takes a range of points and reads the tetrahedra, skipping blocks of them that lie outside its range;
-/// so no two tasks write to the same place, and the order does not depend on the number of threads.
-pub fn cells_of_points(grid: &Grid) -> Rows {
-    let tetrahedra = &grid.tetrahedra[..];
-    let point_count = grid.points.len();
-    let spans: Vec<(u32, u32)> = tetrahedra
-        .par_chunks(BLOCK)
-        .map(|block| block.iter().fold((u32::MAX, 0), |(low, high), t| (low.min(t[0]), high.max(t[3]))))
-        .collect();
-    let task_points = point_count.div_ceil(rayon::current_num_threads()).max(1024);
-    // Calls `f(point − first, tetrahedron)` for the points of one task.
-    let each = |first: usize, count: usize, f: &mut dyn FnMut(usize, u32)| {
-        for (b, block) in tetrahedra.chunks(BLOCK).enumerate() {
-            let (low, high) = spans[b];
+/// so no two tasks write to the same place, and the order in which a point meets its tetrahedra (ascending) does not
+/// depend on the number of threads.
+struct ByRange<'a> {
+    tetrahedra: &'a [[u32; 4]],
+    /// Lowest and highest point number of every block of tetrahedra.
+    spans: Vec<(u32, u32)>,
+    /// Points of one task.
+    task_points: usize,
+}
+
+impl<'a> ByRange<'a> {
+    fn of(grid: &'a Grid) -> Self {
+        let tetrahedra = &grid.tetrahedra[..];
+        let spans = tetrahedra
+            .par_chunks(BLOCK)
+            .map(|block| block.iter().fold((u32::MAX, 0), |(low, high), t| (low.min(t[0]), high.max(t[3]))))
+            .collect();
+        // Two tasks a thread even out their loads; more would read the tetrahedra more often.
+        let tasks = 2 * rayon::current_num_threads();
+        ByRange { tetrahedra, spans, task_points: grid.points.len().div_ceil(tasks).max(1024) }
+    }
+
+    /// Calls `f(tetrahedron, its corners)` for every tetrahedron that may use one of the `count` points from `first`.
+    #[inline]
+    fn each(&self, first: usize, count: usize, mut f: impl FnMut(usize, &[u32; 4])) {
+        for (b, block) in self.tetrahedra.chunks(BLOCK).enumerate() {
+            let (low, high) = self.spans[b];
             if (high as usize) < first || low as usize >= first + count {
                 continue;
             }
             for (i, t) in block.iter().enumerate() {
-                for &p in t {
-                    let at = (p as usize).wrapping_sub(first);
-                    if at < count {
-                        f(at, (b * BLOCK + i) as u32);
-                    }
+                // Corners ascend.
+                if (t[3] as usize) >= first && (t[0] as usize) < first + count {
+                    f(b * BLOCK + i, t);
                 }
             }
         }
-    };
+    }
+}
+
+/// For every point the tetrahedra that use it, ascending.
+pub fn cells_of_points(grid: &Grid) -> Rows {
+    let point_count = grid.points.len();
+    let ranges = ByRange::of(grid);
+    let task_points = ranges.task_points;
     let mut starts = vec![0_usize; point_count + 1];
     starts[1..].par_chunks_mut(task_points).enumerate().for_each(|(task, counts)| {
-        each(task * task_points, counts.len(), &mut |at, _| counts[at] += 1);
+        let first = task * task_points;
+        ranges.each(first, counts.len(), |_, t| {
+            for &p in t {
+                if let Some(count) = counts.get_mut((p as usize).wrapping_sub(first)) {
+                    *count += 1;
+                }
+            }
+        });
     });
     for i in 0..point_count {
         starts[i + 1] += starts[i];
@@ -77,12 +103,46 @@ pub fn cells_of_points(grid: &Grid) -> Rows {
     slots.into_par_iter().for_each(|(first, count, items)| {
         let mut next: Vec<usize> =
             starts[first..first + count].iter().map(|&start| start - starts[first]).collect();
-        each(first, count, &mut |at, cell| {
-            items[next[at]] = cell;
-            next[at] += 1;
+        ranges.each(first, count, |cell, t| {
+            for &p in t {
+                if let Some(next) = next.get_mut((p as usize).wrapping_sub(first)) {
+                    items[*next] = cell as u32;
+                    *next += 1;
+                }
+            }
         });
     });
     Rows { starts, items }
+}
+
+/// For every point the sum of `term` over the tetrahedra that use it, in ascending order: `add` is called for each
+/// corner with what `term` gave for the tetrahedron. Needs no list of the cells of each point.
+pub fn sum_over_cells<S, T>(
+    grid: &Grid,
+    term: impl Fn(usize) -> Option<T> + Sync,
+    add: impl Fn(&mut S, &T) + Sync,
+) -> Vec<S>
+where
+    S: Clone + Default + Send,
+{
+    let ranges = ByRange::of(grid);
+    let mut sums = vec![S::default(); grid.points.len()];
+    sums.par_chunks_mut(ranges.task_points).enumerate().for_each(|(task, sums)| {
+        let first = task * ranges.task_points;
+        ranges.each(first, sums.len(), |cell, t| {
+            if t.iter().all(|&p| (p as usize).wrapping_sub(first) >= sums.len()) {
+                return;
+            }
+            if let Some(term) = term(cell) {
+                for &p in t {
+                    if let Some(sum) = sums.get_mut((p as usize).wrapping_sub(first)) {
+                        add(sum, &term);
+                    }
+                }
+            }
+        });
+    });
+    sums
 }
 
 /// For every point the points it shares an edge of a tetrahedron with, each once, in order of first appearance.

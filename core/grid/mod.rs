@@ -14,7 +14,7 @@ mod source;
 mod split;
 mod tally;
 
-pub use adjacency::{Neighbours, Rows, cells_of_points, points_of_points};
+pub use adjacency::{Neighbours, Rows, cells_of_points, points_of_points, sum_over_cells};
 pub use build::build;
 pub use cell_types::{CellType, code, describe_counts};
 pub use cells::{CellSet, Polyhedron};

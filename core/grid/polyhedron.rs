@@ -124,11 +124,15 @@ pub(super) fn corners(polyhedron: &Polyhedron) -> Vec<u32> {
 
 fn triangles(polyhedron: &Polyhedron, fans: &[u16], mut f: impl FnMut([u32; 3])) {
     for (face, &start) in polyhedron.faces.iter().zip(fans) {
-        let n = face.len();
-        let corner = |k: usize| face[(usize::from(start) + k) % n];
-        for k in 1..n.saturating_sub(1) {
-            f([corner(0), corner(k), corner(k + 1)]);
-        }
+        fan(face, start, &mut f);
+    }
+}
+
+fn fan(face: &[u32], start: u16, mut f: impl FnMut([u32; 3])) {
+    let n = face.len();
+    let corner = |k: usize| face[(usize::from(start) + k) % n];
+    for k in 1..n.saturating_sub(1) {
+        f([corner(0), corner(k), corner(k + 1)]);
     }
 }
 
@@ -164,10 +168,7 @@ fn apex(polyhedron: &Polyhedron, fans: &[u16], points: &[DVec3]) -> Apex {
     let mut oriented = Vec::new();
     let flipped = inward_faces(polyhedron);
     for (i, face) in polyhedron.faces.iter().enumerate() {
-        let one = Polyhedron { cell: 0, faces: vec![face.clone()] };
-        triangles(&one, &fans[i..=i], |[a, b, c]| {
-            oriented.push(if flipped[i] { [a, c, b] } else { [a, b, c] })
-        });
+        fan(face, fans[i], |[a, b, c]| oriented.push(if flipped[i] { [a, c, b] } else { [a, b, c] }));
     }
     let volume = |from: DVec3, [a, b, c]: [u32; 3]| (at(a) - from).dot((at(b) - from).cross(at(c) - from));
     let total: f64 = oriented.iter().map(|&t| volume(DVec3::ZERO, t)).sum();
@@ -196,12 +197,18 @@ fn apex(polyhedron: &Polyhedron, fans: &[u16], points: &[DVec3]) -> Apex {
 /// Which faces run the other way round than the first one's neighbours ask for, so that all turn alike.
 fn inward_faces(polyhedron: &Polyhedron) -> Vec<bool> {
     let faces = &polyhedron.faces;
-    let mut uses: HashMap<(u32, u32), Vec<(usize, bool)>> = HashMap::new();
+    // (edge, face, whether the face runs along it from the lower to the higher number)
+    let mut uses: Vec<((u32, u32), usize, bool)> = Vec::new();
     for (i, face) in faces.iter().enumerate() {
         for k in 0..face.len() {
             let (a, b) = (face[k], face[(k + 1) % face.len()]);
-            uses.entry((a.min(b), a.max(b))).or_default().push((i, a < b));
+            uses.push(((a.min(b), a.max(b)), i, a < b));
         }
+    }
+    uses.sort_unstable();
+    // The usual case: every edge is used once in each direction.
+    if uses.chunks(2).all(|pair| pair.len() == 2 && pair[0].0 == pair[1].0 && pair[0].2 != pair[1].2) {
+        return vec![false; faces.len()];
     }
     let mut flipped = vec![None; faces.len()];
     for first in 0..faces.len() {
@@ -214,7 +221,9 @@ fn inward_faces(polyhedron: &Polyhedron) -> Vec<bool> {
             let own = flipped[i].unwrap_or(false);
             for k in 0..faces[i].len() {
                 let (a, b) = (faces[i][k], faces[i][(k + 1) % faces[i].len()]);
-                for &(other, direction) in &uses[&(a.min(b), a.max(b))] {
+                let edge = (a.min(b), a.max(b));
+                let from = uses.partition_point(|u| u.0 < edge);
+                for &(_, other, direction) in uses[from..].iter().take_while(|u| u.0 == edge) {
                     if other != i && flipped[other].is_none() {
                         // Two faces that turn alike run along their edge in opposite directions.
                         flipped[other] = Some(((a < b) == direction) != own);

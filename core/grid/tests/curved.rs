@@ -273,5 +273,8 @@ fn a_triquadratic_pyramid_is_joined_from_node_to_node() {
     assert_eq!(grid.points.len(), 19);
     assert_eq!(grid.tetrahedra.len(), 4 * 2 + 4 * 6);
     assert!((total_volume(&grid) - 1.0 / 6.0).abs() < 1e-14);
-    assert!(triangle_uses(&grid).values().all(|&uses| uses <= 2));
+    let uses = triangle_uses(&grid);
+    assert!(uses.values().all(|&uses| uses <= 2));
+    // Outside: six triangles around the centre of each side, eight in the base.
+    assert_eq!(uses.values().filter(|&&uses| uses == 1).count(), 4 * 6 + 8);
 }
