@@ -213,3 +213,74 @@ fn counted(list: &Stored, types: &Stored, meter: &Meter) -> Result<Cells> {
     }
     Ok(Cells::Mixed(CellSet { types, ..cells }))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::formats::numbers::{ByteOrder, NumberType};
+    use crate::formats::source::Source;
+    use crate::formats::stored::Encoding;
+    use voltet_core::progress::Silent;
+
+    /// An array of text in a file of its own.
+    fn stored(folder: &tempfile::TempDir, name: &str, text: &str) -> Stored {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).unwrap();
+        Stored {
+            source: Source::open(&path).unwrap(),
+            name: name.to_owned(),
+            number_type: NumberType::I64,
+            order: ByteOrder::Little,
+            component_count: 1,
+            tuple_count: None,
+            encoding: Encoding::Text(std::iter::once(0..text.len() as u64).collect()),
+        }
+    }
+
+    /// Two tetrahedra, the middle one as a polyhedron, in every form in which its faces are written.
+    #[test]
+    fn faces_of_polyhedra_read_the_same_in_every_form() {
+        let folder = tempfile::tempdir().unwrap();
+        let array = |name: &str, text: &str| stored(&folder, name, text);
+        let boxed = |name: &str, text: &str| Box::new(array(name, text));
+        let meter = Meter::new(&Silent, 1);
+        let connectivity = array("connectivity", "0 1 2 3 1 2 3 4 2 3 4 5");
+        let (offsets, types) = (array("offsets", "4 8 12"), vec![10, 42, 10]);
+        let stream = "4 3 1 2 3 3 1 2 4 3 1 3 4 3 2 3 4";
+        let streams =
+            StoredFaces::Stream { faces: boxed("faces", stream), offsets: boxed("faceoffsets", "-1 17 -1") };
+        let indexed = StoredFaces::Indexed {
+            points: boxed("face_connectivity", "1 2 3 1 2 4 1 3 4 2 3 4"),
+            point_offsets: boxed("face_offsets", "3 6 9 12"),
+            faces: boxed("polyhedron_to_faces", "0 1 2 3"),
+            face_offsets: boxed("polyhedron_offsets", "0 4 4"),
+        };
+        let expected = CellSet {
+            types: types.clone(),
+            offsets: vec![0, 4, 8, 12],
+            connectivity: vec![0, 1, 2, 3, 1, 2, 3, 4, 2, 3, 4, 5],
+            polyhedra: vec![Polyhedron {
+                cell: 1,
+                faces: vec![vec![1, 2, 3], vec![1, 2, 4], vec![1, 3, 4], vec![2, 3, 4]],
+            }],
+        };
+        for faces in [streams, indexed] {
+            assert_eq!(mixed(types.clone(), &connectivity, &offsets, &faces, &meter).unwrap(), expected);
+        }
+        let legacy = array("CONNECTIVITY", &format!("0 1 2 3 {stream} 2 3 4 5"));
+        let ends = array("OFFSETS", "0 4 21 25");
+        let inside = StoredFaces::InConnectivity;
+        assert_eq!(mixed(types.clone(), &legacy, &ends, &inside, &meter).unwrap(), expected);
+        let list = array("CELLS", &format!("4 0 1 2 3 17 {stream} 4 2 3 4 5"));
+        let codes = array("CELL_TYPES", "10 42 10");
+        assert_eq!(counted(&list, &codes, &meter).unwrap(), Cells::Mixed(expected));
+        let none = mixed(types.clone(), &connectivity, &offsets, &StoredFaces::None, &meter).unwrap_err();
+        assert!(none.to_string().contains("without their faces"), "{none}");
+        let short = StoredFaces::Stream {
+            faces: boxed("faces", "4 3 1 2 3"),
+            offsets: boxed("faceoffsets", "-1 5 -1"),
+        };
+        let short = mixed(types, &connectivity, &offsets, &short, &meter).unwrap_err();
+        assert!(short.to_string().contains("faces of cell 1"), "{short}");
+    }
+}

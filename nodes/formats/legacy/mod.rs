@@ -19,6 +19,9 @@ use voltet_core::{Error, Result};
 /// How every legacy file begins.
 pub(super) const MAGIC: &str = "# vtk DataFile Version";
 
+/// The kinds of data sets with a volume.
+const KINDS: [&str; 4] = ["UNSTRUCTURED_GRID", "STRUCTURED_GRID", "RECTILINEAR_GRID", "STRUCTURED_POINTS"];
+
 /// Reads the table of contents.
 pub(super) fn open(source: Arc<Source>) -> Result<Dataset> {
     let mut scanner = Scanner::new(source);
@@ -47,6 +50,10 @@ pub(super) fn open(source: Arc<Source>) -> Result<Dataset> {
             .accepted("DATASET"));
     }
     let kind = scanner.required("a kind of data set")?.to_ascii_uppercase();
+    if !KINDS.contains(&kind.as_str()) {
+        let error = scanner.error("this kind of VTK file holds no volume grid");
+        return Err(error.found(format_args!("'{kind}'")).accepted(KINDS.join(", ")));
+    }
     let mut contents = Contents::default();
     let mut arrays = Vec::new();
     let mut dataset = Dataset::default();
@@ -216,16 +223,13 @@ impl Contents {
                 };
                 Ok(Geometry::Rectilinear { dimensions: dimensions?, axes: Box::new([x, y, z]) })
             }
-            "STRUCTURED_POINTS" => Ok(Geometry::Uniform {
+            _ => Ok(Geometry::Uniform {
                 dimensions: dimensions?,
                 first: self.first,
                 origin: self.origin,
                 spacing: self.spacing.unwrap_or(DVec3::ONE),
                 direction: self.direction.unwrap_or(DMat3::IDENTITY),
             }),
-            _ => Err(Error::run("this kind of VTK file holds no volume grid")
-                .found(format_args!("'{kind}'"))
-                .accepted("UNSTRUCTURED_GRID, STRUCTURED_GRID, RECTILINEAR_GRID or STRUCTURED_POINTS")),
         }
     }
 }

@@ -3,6 +3,7 @@
 use crate::memory::peak_of;
 use crate::samples::{file, structured, unstructured};
 use crate::writer::{Compressor, Encoding, Mode};
+use crate::{legacy_writer, plot3d_writer};
 use std::path::Path;
 use voltet_core::progress::Silent;
 use voltet_nodes::formats::{Request, inspect, read};
@@ -12,8 +13,8 @@ use voltet_nodes::formats::{Request, inspect, read};
 const ALLOWED: usize = 48 << 20;
 
 /// Reads and inspects; whatever comes is fine but a panic, an empty message or too much memory.
-fn try_file(path: &Path, what: &str) {
-    let request = Request { scalar: Some("Float64".to_owned()), ..Request::default() };
+fn try_file(path: &Path, scalar: &str, what: &str) {
+    let request = Request { scalar: Some(scalar.to_owned()), ..Request::default() };
     let (results, peak) = peak_of(|| {
         let inspected = inspect(path, &Request::default(), &Silent).map(|_| ());
         let read = read(path, &request, &Silent).map(|grid| {
@@ -34,7 +35,7 @@ fn try_file(path: &Path, what: &str) {
 }
 
 /// Cuts and changes a file at places spread over it.
-fn corrupt(name: &str, bytes: &[u8], case_count: usize) {
+fn corrupt(name: &str, scalar: &str, bytes: &[u8], case_count: usize) {
     let folder = tempfile::tempdir().unwrap();
     let mut state = 0x9E37_79B9_7F4A_7C15_u64;
     let mut random = move |below: usize| {
@@ -75,7 +76,7 @@ fn corrupt(name: &str, bytes: &[u8], case_count: usize) {
             }
         };
         let path = file(&folder, name, &damaged);
-        try_file(&path, &what);
+        try_file(&path, scalar, &what);
     }
 }
 
@@ -88,8 +89,8 @@ fn damaged_xml_files_are_errors_or_other_grids() {
             }
             let wide_headers = compressor == Compressor::Lz4;
             let encoding = Encoding { mode, compressor, big_endian: wide_headers, wide_headers, block: 256 };
-            corrupt("tetrahedra.vtu", &unstructured(encoding, 3, false), 200);
-            corrupt("mixed.vtu", &unstructured(encoding, 3, true), 100);
+            corrupt("tetrahedra.vtu", "Float64", &unstructured(encoding, 3, false), 200);
+            corrupt("mixed.vtu", "Float64", &unstructured(encoding, 3, true), 100);
         }
     }
     for kind in ["StructuredGrid", "RectilinearGrid", "ImageData"] {
@@ -100,6 +101,27 @@ fn damaged_xml_files_are_errors_or_other_grids() {
             wide_headers: false,
             block: 256,
         };
-        corrupt("structured", &structured(kind, encoding), 150);
+        corrupt("structured", "s", &structured(kind, encoding), 150);
+    }
+}
+
+#[test]
+fn damaged_legacy_files_are_errors_or_other_grids() {
+    for version in ["4.2", "5.1"] {
+        for binary in [false, true] {
+            corrupt("a.vtk", "double", &legacy_writer::unstructured(version, binary), 300);
+        }
+    }
+    for kind in ["STRUCTURED_GRID", "RECTILINEAR_GRID", "STRUCTURED_POINTS"] {
+        for binary in [false, true] {
+            corrupt("a.vtk", "s", &legacy_writer::structured(kind, binary), 100);
+        }
+    }
+}
+
+#[test]
+fn damaged_plot3d_files_are_errors_or_other_grids() {
+    for layout in plot3d_writer::layouts().step_by(3) {
+        corrupt("a.xyz", "iblank", &plot3d_writer::grid_file(layout), 40);
     }
 }
