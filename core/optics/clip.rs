@@ -183,37 +183,38 @@ impl Clip {
     pub fn stretch(&self, front: [f64; 2], back: [f64; 2]) -> Option<Stretch> {
         let delta = [back[0] - front[0], back[1] - front[1]];
         let mut cuts = Cuts::default();
+        let inside = self.distances(front, back, |f, b, axis, level| cuts.edge(f, b, axis, level));
+        if inside { cuts.stretch(delta) } else { None }
+    }
+
+    /// Calls `f` with the signed distances of front and back from each edge, positive inside, with the edge's
+    /// axis (2: neither) and level, until it returns false; tells whether it never did.
+    #[inline]
+    pub fn distances(
+        &self,
+        front: [f64; 2],
+        back: [f64; 2],
+        mut f: impl FnMut(f64, f64, u8, f64) -> bool,
+    ) -> bool {
         match self {
-            Clip::Rectangle { low, high } => {
-                for axis in 0..2 {
-                    let inside =
-                        cuts.edge(front[axis] - low[axis], back[axis] - low[axis], axis as u8, low[axis])
-                            && cuts.edge(
-                                high[axis] - front[axis],
-                                high[axis] - back[axis],
-                                axis as u8,
-                                high[axis],
-                            );
-                    if !inside {
-                        return None;
-                    }
-                }
-            }
+            Clip::Rectangle { low, high } => (0..2).all(|i| {
+                let axis = i as u8;
+                f(front[i] - low[i], back[i] - low[i], axis, low[i])
+                    && f(high[i] - front[i], high[i] - back[i], axis, high[i])
+            }),
             Clip::Polygon(corners) => {
                 let mut from = corners[corners.len() - 1];
-                for &to in corners {
+                corners.iter().all(|&to| {
                     let edge = [to[0] - from[0], to[1] - from[1]];
                     let side = |v: [f64; 2]| {
                         difference_of_products(edge[0], v[1] - from[1], edge[1], v[0] - from[0])
                     };
-                    if !cuts.edge(side(front), side(back), 2, 0.0) {
-                        return None;
-                    }
+                    let inside = f(side(front), side(back), 2, 0.0);
                     from = to;
-                }
+                    inside
+                })
             }
         }
-        cuts.stretch(delta)
     }
 }
 

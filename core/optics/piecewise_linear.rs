@@ -21,13 +21,52 @@ pub struct PiecewisePath<'a> {
 }
 
 /// One piece: a stretch of linear extinction and colour.
-struct Piece {
+pub(crate) struct Piece {
     /// Its length as a share of the segment.
-    share: f64,
+    pub share: f64,
     /// Extinction at its front and back.
-    extinction: [f64; 2],
+    pub extinction: [f64; 2],
     /// Colour at its front and back.
-    color: [[f64; 3]; 2],
+    pub color: [[f64; 3]; 2],
+}
+
+/// The part of a piece whose extinction exceeds a threshold.
+pub(crate) struct Lit {
+    /// Its length as a share of the piece.
+    pub length: f64,
+    /// ∫ extinction over the share of the piece in front of it.
+    pub depth_before: f64,
+    /// Extinction at its ends.
+    pub extinction: [f64; 2],
+    /// Colour at its ends.
+    pub color: [[f64; 3]; 2],
+}
+
+impl Piece {
+    /// What of the piece glows; of length 0 where nothing does. The crossing of the threshold is taken from
+    /// the end that is nearer to it.
+    pub fn lit(&self, threshold: f64) -> Lit {
+        let [e0, e1] = self.extinction;
+        let rise = e1 - e0;
+        let (x0, x1, length) = match (e0 > threshold, e1 > threshold) {
+            (true, true) => (0.0, 1.0, 1.0),
+            (false, false) => (0.0, 0.0, 0.0),
+            (true, false) => {
+                let x = (threshold - e0) / rise;
+                (0.0, x, x)
+            }
+            (false, true) => ((threshold - e0) / rise, 1.0, (e1 - threshold) / rise),
+        };
+        let color = |x: f64| -> [f64; 3] {
+            std::array::from_fn(|i| self.color[0][i] * (1.0 - x) + self.color[1][i] * x)
+        };
+        Lit {
+            length,
+            depth_before: x0 * 0.5 * (e0 + threshold),
+            extinction: [if x0 > 0.0 { threshold } else { e0 }, if x1 < 1.0 { threshold } else { e1 }],
+            color: [color(x0), color(x1)],
+        }
+    }
 }
 
 impl<'a> PiecewisePath<'a> {
@@ -81,7 +120,7 @@ impl<'a> PiecewisePath<'a> {
     }
 
     /// Calls `f` for each piece from front to back until it returns false.
-    fn pieces(&self, stretch: &Stretch, mut f: impl FnMut(&Piece) -> bool) {
+    pub(crate) fn pieces(&self, stretch: &Stretch, mut f: impl FnMut(&Piece) -> bool) {
         let at = |point: usize| (self.points[point].extinction, self.points[point].color);
         let start = (stretch.start, stretch.start_to_back);
         let end = (stretch.end, stretch.end_to_back);
@@ -150,34 +189,18 @@ impl<'a> PiecewisePath<'a> {
     pub fn glow(&self, scale: f64, stretch: &Stretch, threshold: f64) -> [f64; 3] {
         let (mut color, mut depth) = ([0.0; 3], 0.0_f64);
         self.pieces(stretch, |piece| {
-            let [e0, e1] = piece.extinction;
-            let at = |x: f64| -> [f64; 3] {
-                std::array::from_fn(|i| piece.color[0][i] * (1.0 - x) + piece.color[1][i] * x)
-            };
-            // The part [x0, x1] of the piece that glows, and its length; the crossing of the threshold is
-            // taken from the end that is nearer to it.
-            let rise = e1 - e0;
-            let (x0, x1, lit) = match (e0 > threshold, e1 > threshold) {
-                (true, true) => (0.0, 1.0, 1.0),
-                (false, false) => (0.0, 0.0, 0.0),
-                (true, false) => {
-                    let x = (threshold - e0) / rise;
-                    (0.0, x, x)
-                }
-                (false, true) => ((threshold - e0) / rise, 1.0, (e1 - threshold) / rise),
-            };
+            let lit = piece.lit(threshold);
             let rate = scale * piece.share;
-            if lit > 0.0 {
-                let start = e0 + rise * x0;
-                let (a, b) = (if x0 > 0.0 { threshold } else { e0 }, if x1 < 1.0 { threshold } else { e1 });
-                let seen = (-depth - rate * x0 * 0.5 * (e0 + start)).exp();
-                let (front, back) = front_back(a * rate * lit, b * rate * lit);
-                let (c0, c1) = (at(x0), at(x1));
+            if lit.length > 0.0 {
+                let seen = (-depth - rate * lit.depth_before).exp();
+                let [a, b] = lit.extinction.map(|e| e * rate * lit.length);
+                let (front, back) = front_back(a, b);
                 for (i, c) in color.iter_mut().enumerate() {
-                    *c += seen * piece.share * lit * (front * c0[i] + back * c1[i]);
+                    *c +=
+                        seen * piece.share * lit.length * (front * lit.color[0][i] + back * lit.color[1][i]);
                 }
             }
-            depth += 0.5 * rate * (e0 + e1);
+            depth += 0.5 * rate * (piece.extinction[0] + piece.extinction[1]);
             depth < OPAQUE_DEPTH
         });
         color

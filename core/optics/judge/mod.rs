@@ -8,10 +8,12 @@
 mod bounds;
 mod case;
 mod forms;
+mod forms32;
 
 pub use bounds::{Precision, Rule};
 pub use case::{Case, Kind, SegmentCase, parse};
 pub use forms::{Chain, Forms, Native64, PartialIntegrals};
+pub use forms32::Native32;
 
 use crate::Result;
 use crate::optics::{Contribution, Overlap};

@@ -32,6 +32,15 @@ fn the_64_bit_forms_keep_every_bound() {
     assert!(report.passed(), "\n{}", table(&report));
 }
 
+#[test]
+fn the_32_bit_twins_keep_every_bound() {
+    let report = judge(&fixtures(), &Native32).expect("the case file is well formed");
+    println!("{}", table(&report));
+    assert!(report.passed(), "\n{}", table(&report));
+    let judged: usize = report.rows.iter().map(|row| row.judged).sum();
+    assert!(judged > 2000, "only {judged} values were judged");
+}
+
 /// A judge that cannot fail judges nothing: forms that are off by a millionth break their bounds.
 #[test]
 fn a_small_error_is_found() {

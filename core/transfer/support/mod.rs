@@ -5,12 +5,14 @@
 //! lie, so a cell that is left out could not have changed a pixel by more than the bound times its length.
 
 mod hull;
+mod maximum_table;
 
-use super::{ControlPoint, OpticalModel, Profile, Region, Table, TransferFunction, Wave, Widget};
+use super::{ControlPoint, OpticalModel, Profile, Region, TransferFunction, Wave, Widget};
 use crate::Result;
 use crate::optics::Prepared;
 use crate::optics::clip::Clip;
 use hull::{distance_squared_from_origin, meets};
+use maximum_table::MaximumTable;
 
 /// Bounds of all widgets of a transfer function over cells.
 #[derive(Debug, Clone)]
@@ -94,15 +96,9 @@ impl Support {
     /// Whether the cell can contribute more than `least` per world unit. With `least` = 1e-6 divided by the
     /// grid's diameter no pixel changes by more than 1e-6 when all other cells are left out.
     pub fn touches(&self, s: &[f64; 4], g: &[f64; 4], fields: &[[f64; 4]], least: f64) -> bool {
-        let mut sum = 0.0;
-        for widget in &self.widgets {
-            sum += widget.bound(s, g, fields);
-            // Also true for values that are not numbers: they are not this test's business.
-            if sum > least || sum.is_nan() {
-                return true;
-            }
-        }
-        false
+        // If the sum exceeds `least`, some widget exceeds its share of it.
+        let share = least / self.widgets.len() as f64;
+        self.widgets.iter().any(|widget| widget.touches(s, g, fields, share))
     }
 }
 
@@ -162,6 +158,34 @@ impl WidgetSupport {
         }
     }
 
+    /// Whether the bound exceeds `least`; true also for values that are not numbers, which are not this test's
+    /// business.
+    #[inline]
+    fn touches(&self, s: &[f64; 4], g: &[f64; 4], fields: &[[f64; 4]], least: f64) -> bool {
+        let Shape::Gaussian { centre, matrix } = &self.shape else {
+            let bound = self.bound(s, g, fields);
+            return bound > least || bound.is_nan();
+        };
+        // Compared by squared distance, without an exponential.
+        let mut level = (self.strength / least).ln();
+        if let Some(glow) = self.glow.filter(|glow| glow.brightest > least) {
+            level = level.max(-glow.cutoff.ln());
+        }
+        let level = level + ROUNDING * (1.0 + level.abs());
+        let points = scaled(centre, matrix, s, g);
+        let axis = |i: usize| {
+            let (low, high) = range(&points.map(|p| p[i]));
+            low.max(-high).max(0.0)
+        };
+        let (x, y) = (axis(0), axis(1));
+        if x * x + y * y > level {
+            return false;
+        }
+        let vertex = points.iter().any(|p| p[0] * p[0] + p[1] * p[1] <= level);
+        let far = !vertex && distance_squared_from_origin(&points) * (1.0 - ROUNDING) > level;
+        !far && self.clip.as_ref().is_none_or(|clip| meets(clip, s, g))
+    }
+
     #[inline]
     fn profile_bound(&self, s: &[f64; 4], g: &[f64; 4], fields: &[[f64; 4]]) -> f64 {
         if let Some(clip) = &self.clip
@@ -175,6 +199,15 @@ impl WidgetSupport {
 
 /// Exact bounds are raised by this, so that rounding never makes them too low.
 const ROUNDING: f64 = 1e-12;
+
+/// K (v − centre) of four points.
+#[inline]
+fn scaled(centre: &[f64; 2], matrix: &[[f64; 2]; 2], s: &[f64; 4], g: &[f64; 4]) -> [[f64; 2]; 4] {
+    std::array::from_fn(|i| {
+        let (ds, dg) = (s[i] - centre[0], g[i] - centre[1]);
+        matrix.map(|row| row[0] * ds + row[1] * dg)
+    })
+}
 
 #[inline]
 fn gaussian(distance_squared: f64) -> f64 {
@@ -239,11 +272,7 @@ impl Shape {
                 gaussian(distance * distance)
             }
             Shape::Gaussian { centre, matrix } => {
-                let points = std::array::from_fn(|i| {
-                    let (ds, dg) = (s[i] - centre[0], g[i] - centre[1]);
-                    [matrix[0][0] * ds + matrix[0][1] * dg, matrix[1][0] * ds + matrix[1][1] * dg]
-                });
-                gaussian(distance_squared_from_origin(&points))
+                gaussian(distance_squared_from_origin(&scaled(centre, matrix, s, g)))
             }
             Shape::GaussianNd { slots, centre, matrix } => nd_bound(slots, centre, matrix, fields),
             Shape::TriangularGaussian { centre, sigma } => {
@@ -329,62 +358,6 @@ fn extinction_at(points: &[ControlPoint], s: f64) -> f64 {
         (Some(only), None) => only.extinction,
         (None, Some(only)) => only.extinction,
         (None, None) => 0.0,
-    }
-}
-
-/// Largest alpha over blocks of texels, halved in size from level to level, so that any box of the plane is
-/// covered by at most nine blocks.
-#[derive(Debug, Clone)]
-struct MaximumTable {
-    s: [f64; 2],
-    g: [f64; 2],
-    levels: Vec<(usize, usize, Vec<f32>)>,
-}
-
-impl MaximumTable {
-    fn new(table: &Table) -> Self {
-        let mut level = (table.width, table.height, table.texels.iter().map(|t| t[3]).collect::<Vec<_>>());
-        let mut levels = vec![level.clone()];
-        while level.0 > 1 || level.1 > 1 {
-            let (width, height) = (level.0.div_ceil(2), level.1.div_ceil(2));
-            let mut half = vec![0.0_f32; width * height];
-            for j in 0..level.1 {
-                for i in 0..level.0 {
-                    let block = &mut half[j / 2 * width + i / 2];
-                    *block = block.max(level.2[j * level.0 + i]);
-                }
-            }
-            level = (width, height, half);
-            levels.push(level.clone());
-        }
-        MaximumTable { s: table.s, g: table.g, levels }
-    }
-
-    fn bound(&self, s: (f64, f64), g: (f64, f64)) -> f64 {
-        if s.1 < self.s[0] || s.0 > self.s[1] || g.1 < self.g[0] || g.0 > self.g[1] {
-            return 0.0;
-        }
-        let (width, height, _) = self.levels[0];
-        // Texels whose bilinear reach meets the box; the cast saturates.
-        let span = |low: f64, high: f64, from: f64, to: f64, count: usize| {
-            let texel = |x: f64| (x - from) / (to - from) * count as f64 - 0.5;
-            let first = (texel(low) - 1e-9).floor().max(0.0) as usize;
-            let last = (texel(high) + 1e-9).ceil().max(0.0) as usize;
-            (first.min(count - 1), last.min(count - 1))
-        };
-        let (i0, i1) = span(s.0, s.1, self.s[0], self.s[1], width);
-        // Row 0 is at the largest g.
-        let (j0, j1) = span(g.1, g.0, self.g[1], self.g[0], height);
-        let shift = (i1 - i0).max(j1 - j0).checked_ilog2().unwrap_or(0) as usize;
-        let shift = shift.min(self.levels.len() - 1);
-        let (width, _, blocks) = &self.levels[shift];
-        let mut most = 0.0_f32;
-        for j in j0 >> shift..=j1 >> shift {
-            for i in i0 >> shift..=i1 >> shift {
-                most = most.max(blocks[j * width + i]);
-            }
-        }
-        f64::from(most)
     }
 }
 

@@ -58,7 +58,13 @@ proptest! {
             weights.iter().zip(values).map(|(w, v)| w / sum * v).sum::<f64>()
         };
         let prepared = Prepared::new(&transfer_function).expect("valid");
-        let bound = Support::new(&transfer_function).expect("valid").bound(&s, &g, &[]);
+        let support = Support::new(&transfer_function).expect("valid");
+        let bound = support.bound(&s, &g, &[]);
+        // The quick test agrees with the bound.
+        if bound > 0.0 {
+            prop_assert!(support.touches(&s, &g, &[], bound * 0.999));
+            prop_assert!(!support.touches(&s, &g, &[], bound * 1.001));
+        }
         // A path through the inside, and paths that stay at a vertex: there the bound is often reached.
         let inside = ([mix(from, s), mix(from, g)], [mix(to, s), mix(to, g)]);
         let vertices = (0..4).map(|i| ([s[i], g[i]], [s[i], g[i]]));

@@ -1,0 +1,209 @@
+//! Every twin against its 64-bit truth, on every lane set that the processor has.
+
+use super::clip::LaneStretch;
+use super::elementary::{erfcx, exp, mean_transmittance, one_minus_exp};
+use super::gaussian::mean_profile;
+use super::linear;
+use super::wave::{LaneBell, LanePhase};
+use crate::engine::lanes::{Float, Kernel, LaneSet, Lanes, dispatch};
+use crate::optics::clip::Stretch;
+use crate::optics::gaussian::GaussianPath;
+use crate::optics::linear as truth;
+use crate::optics::special;
+use crate::optics::wave::Bell;
+use crate::transfer::Wave;
+
+/// Most inputs of a twin.
+const INPUTS: usize = 4;
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Formula {
+    Exp,
+    Opacity,
+    MeanTransmittance,
+    Erfcx,
+    Gaussian,
+    Psi,
+    Front,
+    Back,
+    FrontWeight,
+    BackWeight,
+    Triangle(f64),
+    Sine(f64),
+    ClipLength,
+}
+
+/// A twin: its inputs' ranges, and the error allowed in units of ε (4 + k), k the condition number measured on
+/// the truth.
+struct Twin {
+    formula: Formula,
+    inputs: &'static [Range],
+    tolerance: f64,
+    /// Why that tolerance.
+    reason: &'static str,
+}
+
+#[derive(Clone, Copy)]
+enum Range {
+    /// Evenly between.
+    Even(f64, f64),
+    /// Evenly in the logarithm to base 10.
+    Log(f64, f64),
+}
+
+const DEPTH: Range = Range::Log(-12.0, 6.0);
+const PHASE: Range = Range::Even(-30.0, 30.0);
+const NEAR: Range = Range::Even(-4.0, 4.0);
+
+#[rustfmt::skip]
+const TWINS: [Twin; 16] = [
+    Twin { formula: Formula::Exp, inputs: &[Range::Even(-87.0, 87.0)], tolerance: 1.0, reason: "2 ulp" },
+    Twin { formula: Formula::Opacity, inputs: &[Range::Log(-30.0, 2.0)], tolerance: 1.0, reason: "3 ulp" },
+    Twin { formula: Formula::MeanTransmittance, inputs: &[Range::Log(-30.0, 4.0)], tolerance: 1.0, reason: "4 ulp" },
+    Twin { formula: Formula::Erfcx, inputs: &[Range::Log(-6.0, 6.0)], tolerance: 1.0, reason: "fit of 2e-7" },
+    Twin { formula: Formula::Gaussian, inputs: &[NEAR, NEAR, NEAR, NEAR], tolerance: 2.0, reason: "sums of 2 erfcx and exp" },
+    Twin { formula: Formula::Psi, inputs: &[DEPTH, DEPTH], tolerance: 2.0, reason: "21 panels of 8 points: 1e-6" },
+    Twin { formula: Formula::Front, inputs: &[DEPTH, DEPTH], tolerance: 2.0, reason: "as psi" },
+    Twin { formula: Formula::Back, inputs: &[DEPTH, DEPTH], tolerance: 2.0, reason: "as psi" },
+    Twin { formula: Formula::FrontWeight, inputs: &[DEPTH, DEPTH], tolerance: 2.0, reason: "as psi" },
+    Twin { formula: Formula::BackWeight, inputs: &[DEPTH, DEPTH], tolerance: 2.0, reason: "as psi" },
+    Twin { formula: Formula::Triangle(1.0), inputs: &[PHASE, PHASE], tolerance: 1.0, reason: "sums of positive areas" },
+    Twin { formula: Formula::Triangle(0.01), inputs: &[PHASE, PHASE], tolerance: 1.0, reason: "the same" },
+    Twin { formula: Formula::Sine(1.0), inputs: &[PHASE, PHASE], tolerance: 1.0, reason: "the same" },
+    Twin { formula: Formula::Sine(0.3), inputs: &[PHASE, PHASE], tolerance: 1.0, reason: "the same" },
+    Twin { formula: Formula::Sine(0.001), inputs: &[PHASE, PHASE], tolerance: 1.0, reason: "1 − X/w near the reach" },
+    Twin { formula: Formula::ClipLength, inputs: &[Range::Even(-1.0, 0.0), Range::Even(0.1, 1.0)], tolerance: 1.0, reason: "one quotient" },
+];
+
+fn wave(band_width: f64) -> Wave {
+    Wave { origin: [0.0; 2], angle: 0.0, scale: [1.0; 2], period: 1.0, band_width }
+}
+
+fn exact(formula: Formula, x: &[f64; INPUTS]) -> f64 {
+    let band = |bell: Bell| bell.path([x[0], 0.0], [x[1], 0.0]).integral(&Stretch::WHOLE);
+    match formula {
+        Formula::Exp => x[0].exp(),
+        Formula::Opacity => special::opacity(x[0]),
+        Formula::MeanTransmittance => special::mean_transmittance(x[0]),
+        Formula::Erfcx => special::erfcx(x[0]),
+        Formula::Gaussian => {
+            let along = [x[2] - x[0], x[3] - x[1]];
+            GaussianPath::new([x[0], x[1]], [x[2], x[3]], along).optical_depth(1.0, &Stretch::WHOLE)
+        }
+        Formula::Psi => truth::psi(x[0], x[1]),
+        Formula::Front => truth::front_back(x[0], x[1]).0,
+        Formula::Back => truth::front_back(x[0], x[1]).1,
+        Formula::FrontWeight => truth::emission_weights(x[0], x[1]).0,
+        Formula::BackWeight => truth::emission_weights(x[0], x[1]).1,
+        Formula::Triangle(width) => band(Bell::triangle(&wave(width))),
+        Formula::Sine(width) => band(Bell::sine(&wave(width))),
+        Formula::ClipLength => x[1] / (x[1] - x[0]),
+    }
+}
+
+struct Run<'a> {
+    formula: Formula,
+    inputs: &'a [[f64; INPUTS]],
+    out: &'a mut [f32],
+}
+
+impl Kernel for Run<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let mut column = [[0f32; 16]; INPUTS];
+        for (inputs, out) in self.inputs.chunks(L::WIDTH).zip(self.out.chunks_mut(L::WIDTH)) {
+            for (k, row) in inputs.iter().enumerate() {
+                for (column, x) in column.iter_mut().zip(row) {
+                    column[k] = *x as f32;
+                }
+            }
+            let x: [L::F; INPUTS] = std::array::from_fn(|i| L::F::load(&column[i]));
+            let phase = |i: usize| LanePhase::<L> { nearest: x[i].round(), offset: x[i] - x[i].round() };
+            let value = match self.formula {
+                Formula::Exp => exp::<L>(x[0]),
+                Formula::Opacity => one_minus_exp::<L>(x[0]),
+                Formula::MeanTransmittance => mean_transmittance::<L>(x[0]),
+                Formula::Erfcx => erfcx::<L>(x[0]),
+                Formula::Gaussian => mean_profile::<L, 2>([x[0], x[1]], [x[2], x[3]]),
+                Formula::Psi => linear::psi::<L>(x[0], x[1]),
+                Formula::Front => linear::front_back::<L>(x[0], x[1]).0,
+                Formula::Back => linear::front_back::<L>(x[0], x[1]).1,
+                Formula::FrontWeight => linear::emission_weights::<L>(x[0], x[1]).0,
+                Formula::BackWeight => linear::emission_weights::<L>(x[0], x[1]).1,
+                Formula::Triangle(width) => LaneBell::triangle(&wave(width)).mean::<L>(phase(0), phase(1)),
+                Formula::Sine(width) => LaneBell::sine(&wave(width)).mean::<L>(phase(0), phase(1)),
+                Formula::ClipLength => LaneStretch::<L>::whole().cut(x[0], x[1]).length,
+            };
+            let mut lanes = [f32::NAN; 16];
+            value.store(&mut lanes);
+            out.copy_from_slice(&lanes[..out.len()]);
+        }
+    }
+}
+
+#[test]
+fn every_twin_keeps_its_tolerance_on_every_lane_set() {
+    const COUNT: usize = 4000;
+    for twin in &TWINS {
+        // A sequence of low discrepancy (Roberts 2018), rounded to what 32 bits hold.
+        let inputs: Vec<[f64; INPUTS]> = (0..COUNT)
+            .map(|i| {
+                let mut row = [0.0; INPUTS];
+                for (j, range) in twin.inputs.iter().enumerate() {
+                    let step = 0.855_674_883_f64.powi(j as i32 + 1);
+                    let u = (0.5 + step * (i + 1) as f64).fract();
+                    row[j] = match *range {
+                        Range::Even(a, b) => a + (b - a) * u,
+                        Range::Log(a, b) => 10f64.powf(a + (b - a) * u),
+                    };
+                    row[j] = f64::from(row[j] as f32);
+                }
+                // Some flat segments.
+                if i % 16 == 0 && matches!(twin.formula, Formula::Triangle(_) | Formula::Sine(_)) {
+                    row[1] = row[0];
+                }
+                row
+            })
+            .collect();
+        for lanes in [LaneSet::Avx512, LaneSet::Avx2, LaneSet::Portable] {
+            if !lanes.is_supported() {
+                println!("skipped: this processor has no {}", lanes.name());
+                continue;
+            }
+            let mut out = vec![f32::NAN; COUNT];
+            dispatch(lanes, Run { formula: twin.formula, inputs: &inputs, out: &mut out });
+            let mut worst = (0.0, 0);
+            for (i, (x, found)) in inputs.iter().zip(&out).enumerate() {
+                let value = exact(twin.formula, x);
+                let epsilon = f64::from(f32::EPSILON);
+                // How much the truth changes by when an input changes by a relative 1e-6.
+                let mut change = 0.0;
+                for j in 0..twin.inputs.len() {
+                    let mut y = *x;
+                    y[j] *= 1.0 + 1e-6;
+                    change += (exact(twin.formula, &y) - value).abs() / 1e-6;
+                }
+                let allowed = twin.tolerance * epsilon * (4.0 * value.abs() + change) + 1e-30;
+                let ratio = (f64::from(*found) - value).abs() / allowed;
+                let ratio = if ratio.is_nan() { f64::INFINITY } else { ratio };
+                if ratio > worst.0 {
+                    worst = (ratio, i);
+                }
+            }
+            let (ratio, i) = worst;
+            let line = format!(
+                "{:?} on {}: {ratio:.2} of {} ε (4 + k) ({}) at {:?}: {} for {}",
+                twin.formula,
+                lanes.name(),
+                twin.tolerance,
+                twin.reason,
+                &inputs[i][..twin.inputs.len()],
+                out[i],
+                exact(twin.formula, &inputs[i]),
+            );
+            println!("{line}");
+            assert!(ratio <= 1.0, "{line}");
+        }
+    }
+}
