@@ -1,0 +1,64 @@
+//! What ships works: every pipeline file checks and draws, and the README's example checks.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+fn voltet(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_voltet")).args(arguments).output().expect("the program starts")
+}
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+fn pipelines() -> Vec<PathBuf> {
+    let folder = std::fs::read_dir(root().join("pipelines")).unwrap();
+    let mut files: Vec<PathBuf> = folder.map(|entry| entry.unwrap().path()).collect();
+    files.retain(|path| path.extension().is_some_and(|ending| ending == "toml"));
+    files.sort();
+    assert!(files.len() >= 5, "the pipelines that ship are gone: {files:?}");
+    files
+}
+
+fn assert_done(output: &Output, what: &str) {
+    assert!(output.status.success(), "{what}: {}", String::from_utf8_lossy(&output.stderr));
+}
+
+#[test]
+fn every_pipeline_checks() {
+    for path in pipelines() {
+        let path = path.to_str().unwrap();
+        assert_done(&voltet(&["check", path]), path);
+    }
+}
+
+#[test]
+fn every_pipeline_draws_something() {
+    let folder = tempfile::tempdir().unwrap();
+    for path in pipelines() {
+        let stem = path.file_stem().unwrap().to_str().unwrap();
+        let png = folder.path().join(format!("{stem}.png"));
+        let file = format!("file.path={}", png.display());
+        let mut arguments = vec!["run", path.to_str().unwrap(), "--set", "view.size=[48,36]", "--set", &file];
+        let linear = format!("linear.path={}", folder.path().join("linear.exr").display());
+        if stem == "stages" {
+            arguments.extend(["--set", &linear]);
+        }
+        assert_done(&voltet(&arguments), stem);
+        let picture = image::open(&png).unwrap().to_rgb8();
+        assert_eq!(picture.dimensions(), (48, 36), "{stem}");
+        let drawn = picture.pixels().filter(|pixel| pixel.0.iter().any(|&channel| channel > 40)).count();
+        assert!(drawn > 48 * 36 / 50, "{stem}: {drawn} pixels are not dark");
+    }
+}
+
+#[test]
+fn the_example_of_the_readme_checks() {
+    let readme = std::fs::read_to_string(root().join("README.md")).unwrap();
+    let (_, rest) = readme.split_once("```toml\n").unwrap();
+    let (example, _) = rest.split_once("```").unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("readme.toml");
+    std::fs::write(&path, example).unwrap();
+    assert_done(&voltet(&["check", path.to_str().unwrap()]), "README.md");
+}
