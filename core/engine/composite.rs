@@ -243,7 +243,13 @@ fn walk(
     let rows = rows.start..rows.end.min(bottom - top);
     let Scratch { fragments, group, batch, shaded, stretch, counts, .. } = scratch;
 
-    for cells in scene.entries_of(tile).chunks(scene.lanes.width()) {
+    let width = scene.lanes.width();
+    let entries = scene.entries_of(tile);
+    for (number, cells) in entries.chunks(width).enumerate() {
+        let after = (number + 1) * width;
+        for &entry in &entries[after.min(entries.len())..(after + width).min(entries.len())] {
+            scene.prefetch(entry);
+        }
         dispatch(scene.lanes, Cover { scene, cells, left, top, right, rows: rows.clone(), group, fragments });
         let mut from = 0;
         while from < fragments.count {
@@ -255,11 +261,8 @@ fn walk(
                 // Not at all where the ray misses the cell by a rounding.
                 if batch.length[k] > 0.0 {
                     counts.segments += 1;
-                    let layer = Layer {
-                        entry: batch.entry[k],
-                        exit: batch.exit[k],
-                        rgba: std::array::from_fn(|c| shaded.rgba[c][k]),
-                    };
+                    let rgba = [shaded.rgba[0][k], shaded.rgba[1][k], shaded.rgba[2][k], shaded.rgba[3][k]];
+                    let layer = Layer::new(batch.entry[k], batch.exit[k], rgba);
                     sink.push(batch.pixel[k] as usize, shaded.depth[k], layer)?;
                 }
             }
@@ -275,7 +278,7 @@ fn walk(
                 counts.segments += 1;
                 let (depth, rgba) = scene.shade_special(special, &crossing, i, j);
                 let [entry, exit] = crossing.depth.map(|z| (z - scene.distance_origin) as f32);
-                sink.push((j - top) << 4 | (i - left), depth, Layer { entry, exit, rgba })?;
+                sink.push((j - top) << 4 | (i - left), depth, Layer::new(entry, exit, rgba))?;
             }
         }
     }

@@ -5,7 +5,7 @@
 //! Layout: slot k of the 16 pixels of a row lie side by side, so 16 pixels are 16 lanes of the sorting network
 //! and of the compositor.
 
-use super::lanes::{Float, Lanes, Mask, Unsigned, array};
+use super::lanes::{Float, Lanes, Mask, Unsigned, array, inlined};
 use super::record::TILE;
 
 /// Segments a pixel can hold here; a tile that needs more is drawn again by [`super::deep`].
@@ -15,26 +15,38 @@ const SLOT_BITS: u32 = 10;
 /// Distance between rows. Not a power of two: those cost a third of the speed to cache conflicts.
 const ROW: usize = DEPTH * TILE + 3 * TILE;
 
-/// What one segment contributes to its pixel.
-#[derive(Debug, Clone, Copy, Default)]
+/// What one segment contributes to its pixel: 32 bytes, so that it lies in one cache line.
+#[derive(Debug, Clone, Copy, Default, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C, align(32))]
 pub(crate) struct Layer {
+    /// Premultiplied colour and opacity.
+    pub rgba: [f32; 4],
     /// Depth of the entry.
     pub entry: f32,
     /// Depth of the exit.
     pub exit: f32,
-    /// Premultiplied colour and opacity.
-    pub rgba: [f32; 4],
+    /// Fills the line.
+    pub unused: [f32; 2],
 }
+
+impl Layer {
+    pub fn new(entry: f32, exit: f32, rgba: [f32; 4]) -> Layer {
+        Layer { rgba, entry, exit, unused: [0.0; 2] }
+    }
+}
+
+/// Words of 32 bits in a layer, as a power of two.
+const LAYER_WORDS_LOG2: u32 = 3;
 
 /// The lists of one tile.
 pub(crate) struct Lists {
     count: [u16; TILE * TILE],
-    entry: Vec<f32>,
-    exit: Vec<f32>,
-    rgba: [Vec<f32>; 4],
+    layers: Vec<Layer>,
     keys: Vec<u32>,
-    nearest: f32,
-    farthest: f32,
+    /// Entries of the row in hand, side by side.
+    entries: Vec<f32>,
+    /// Slots of the row in hand whose level is that of the slot before, with the lanes concerned.
+    met: Vec<(u32, u32)>,
 }
 
 /// A pixel has more segments than [`DEPTH`].
@@ -43,22 +55,17 @@ pub(crate) struct Overflow;
 impl Lists {
     pub fn new() -> Self {
         // Zeroed pages are mapped when first touched: a tile touches what its deepest pixel needs.
-        let column = || vec![0f32; ROW * TILE];
         Lists {
             count: [0; TILE * TILE],
-            entry: column(),
-            exit: column(),
-            rgba: std::array::from_fn(|_| column()),
+            layers: bytemuck::zeroed_vec(ROW * TILE),
             keys: vec![0; DEPTH * TILE],
-            nearest: f32::INFINITY,
-            farthest: f32::NEG_INFINITY,
+            entries: vec![0.0; DEPTH * TILE],
+            met: Vec::new(),
         }
     }
 
     pub fn clear(&mut self) {
         self.count = [0; TILE * TILE];
-        self.nearest = f32::INFINITY;
-        self.farthest = f32::NEG_INFINITY;
     }
 
     /// Appends to the list of a pixel (row << 4 | column).
@@ -66,18 +73,13 @@ impl Lists {
     pub fn push(&mut self, pixel: usize, layer: Layer) -> Result<(), Overflow> {
         let pixel = pixel & (TILE * TILE - 1);
         let slot = usize::from(self.count[pixel]);
-        if slot == DEPTH {
+        if slot >= DEPTH {
             return Err(Overflow);
         }
         self.count[pixel] += 1;
         let at = (pixel >> 4) * ROW + slot * TILE + (pixel & 15);
-        self.entry[at] = layer.entry;
-        self.exit[at] = layer.exit;
-        for (column, value) in self.rgba.iter_mut().zip(layer.rgba) {
-            column[at] = value;
-        }
-        self.nearest = self.nearest.min(layer.entry);
-        self.farthest = self.farthest.max(layer.entry);
+        // Safety: pixel < TILE² and slot < DEPTH, so `at` < ROW × TILE, the length.
+        unsafe { *self.layers.get_unchecked_mut(at) = layer };
         Ok(())
     }
 
@@ -94,78 +96,101 @@ impl Lists {
             self.make_keys::<L>(row, &counts, deepest);
             if sorted {
                 sort_lanes::<L>(&mut self.keys, deepest);
-                self.mend::<L>(row, &counts, deepest);
+                self.mend::<L>(row, deepest);
             }
             self.blend::<L>(row, deepest, &mut out[row * TILE..][..TILE]);
         }
     }
 
-    /// Keys: the entry in 22 bits of the tile's depth range, then the slot; past the end of a list all ones.
+    /// Keys: the entry in 22 bits of the pixel's own depth range, then the slot; past the end of a list all ones.
     #[inline(always)]
     fn make_keys<L: Lanes>(&mut self, row: usize, counts: &[u16; TILE], deepest: usize) {
-        let steps = ((1u32 << (32 - SLOT_BITS)) - 2) as f32;
-        let range = self.farthest - self.nearest;
-        let scale = if range > 0.0 { (steps / range).min(f32::MAX) } else { 0.0 };
-        let (nearest, scale) = (L::F::splat(self.nearest), L::F::splat(scale));
+        let splat = L::F::splat;
+        let steps = splat(((1u32 << (32 - SLOT_BITS)) - 2) as f32);
         let counts = counts.map(u32::from);
-        for slot in 0..deepest {
-            let at = row * ROW + slot * TILE;
-            for half in (0..TILE).step_by(L::WIDTH) {
-                let entry = L::F::load(&self.entry[at + half..]);
-                let level = ((entry - nearest) * scale).max(L::F::splat(0.0)).min(L::F::splat(steps));
+        let words: &[f32] = bytemuck::cast_slice(&self.layers);
+        for half in (0..TILE).step_by(L::WIDTH) {
+            let count = L::U::load(&counts[half..]);
+            // slot ≥ count: max(slot, count) == slot.
+            let past = inlined(
+                #[inline(always)]
+                |slot: usize| count.max(L::U::splat(slot as u32)).equal(L::U::splat(slot as u32)),
+            );
+            let lane = (L::U::iota() + L::U::splat((row * ROW + half) as u32)).shl::<LAYER_WORDS_LOG2>();
+            let entry_word = L::U::splat(std::mem::offset_of!(Layer, entry) as u32 / 4);
+            let (mut nearest, mut farthest) = (splat(f32::INFINITY), splat(f32::NEG_INFINITY));
+            for slot in 0..deepest {
+                let at = lane + entry_word + L::U::splat((slot * TILE) as u32).shl::<LAYER_WORDS_LOG2>();
+                // Safety: slot < DEPTH and lane < ROW × TILE: inside the layers.
+                let entry = unsafe { L::F::gather(words, at) };
+                entry.store(&mut self.entries[slot * TILE + half..]);
+                let past = past(slot);
+                nearest = L::F::select(past, nearest, entry.min(nearest));
+                farthest = L::F::select(past, farthest, entry.max(farthest));
+            }
+            let range = farthest - nearest;
+            let scale = L::F::select(splat(0.0).lt(range), (steps / range).min(splat(f32::MAX)), splat(0.0));
+            for slot in 0..deepest {
+                let entry = L::F::load(&self.entries[slot * TILE + half..]);
+                let level = ((entry - nearest) * scale).max(splat(0.0)).min(steps);
                 let key = level.to_unsigned().shl::<SLOT_BITS>().or(L::U::splat(slot as u32));
-                let count = L::U::load(&counts[half..]);
-                // slot ≥ count: max(slot, count) == slot.
-                let past = count.max(L::U::splat(slot as u32)).equal(L::U::splat(slot as u32));
-                L::U::select(past, L::U::splat(u32::MAX), key).store(&mut self.keys[slot * TILE + half..]);
+                L::U::select(past(slot), L::U::splat(u32::MAX), key)
+                    .store(&mut self.keys[slot * TILE + half..]);
             }
         }
     }
 
     /// The keys are rounded: puts segments whose levels met into the order of their true entry, then exit.
     #[inline(always)]
-    fn mend<L: Lanes>(&mut self, row: usize, counts: &[u16; TILE], deepest: usize) {
-        let mut met = 0u32;
+    fn mend<L: Lanes>(&mut self, row: usize, deepest: usize) {
         for half in (0..TILE).step_by(L::WIDTH) {
-            let mut bits = 0;
+            self.met.clear();
             let mut before = L::U::load(&self.keys[half..]).shr::<SLOT_BITS>();
             for k in 1..deepest {
-                let level = L::U::load(&self.keys[k * TILE + half..]).shr::<SLOT_BITS>();
-                bits |= level.equal(before).bits();
+                let key = L::U::load(&self.keys[k * TILE + half..]);
+                let level = key.shr::<SLOT_BITS>();
+                let bits = level.equal(before).bits() & !key.equal(L::U::splat(u32::MAX)).bits();
+                if bits != 0 {
+                    self.met.push((k as u32, bits));
+                }
                 before = level;
             }
-            met |= bits << half;
-        }
-        for (x, &count) in counts.iter().enumerate().filter(|(x, _)| met >> x & 1 != 0) {
-            self.mend_pixel(row, x, usize::from(count));
+            for i in 0..self.met.len() {
+                let (k, mut bits) = self.met[i];
+                while bits != 0 {
+                    self.settle(row, half + bits.trailing_zeros() as usize, k as usize);
+                    bits &= bits - 1;
+                }
+            }
         }
     }
 
-    fn mend_pixel(&mut self, row: usize, x: usize, count: usize) {
+    /// Moves the segment at place `k` of column `x` forward among those of its level: a step of an insertion
+    /// sort. Rounding is monotone, so other levels are in order already.
+    fn settle(&mut self, row: usize, x: usize, k: usize) {
         let at = |key: u32| row * ROW + (key & (DEPTH as u32 - 1)) as usize * TILE + x;
-        for k in 1..count {
-            let key = self.keys[k * TILE + x];
-            let mut to = k;
-            // Rounding is monotone, so only neighbours with equal levels can be out of order.
-            while to > 0 {
-                let before = self.keys[(to - 1) * TILE + x];
-                let (a, b) = (at(before), at(key));
-                if before >> SLOT_BITS != key >> SLOT_BITS
-                    || (self.entry[a], self.exit[a]) <= (self.entry[b], self.exit[b])
-                {
-                    break;
-                }
-                self.keys[to * TILE + x] = before;
-                to -= 1;
+        let key = self.keys[k * TILE + x];
+        let mut to = k;
+        while to > 0 {
+            let before = self.keys[(to - 1) * TILE + x];
+            if before >> SLOT_BITS != key >> SLOT_BITS {
+                break;
             }
-            self.keys[to * TILE + x] = key;
+            let (a, b) = (&self.layers[at(before)], &self.layers[at(key)]);
+            if (a.entry, a.exit) <= (b.entry, b.exit) {
+                break;
+            }
+            self.keys[to * TILE + x] = before;
+            to -= 1;
         }
+        self.keys[to * TILE + x] = key;
     }
 
     /// Front to back: C += (1 − A) C_seg, A += (1 − A) A_seg.
     #[inline(always)]
     fn blend<L: Lanes>(&self, row: usize, deepest: usize, out: &mut [[f32; 4]]) {
         let splat = L::F::splat;
+        let words: &[f32] = bytemuck::cast_slice(&self.layers);
         for half in (0..TILE).step_by(L::WIDTH) {
             let lane = L::U::iota() + L::U::splat((row * ROW + half) as u32);
             let mut color = [splat(0.0); 3];
@@ -174,11 +199,14 @@ impl Lists {
             for slot in 0..deepest {
                 let key = L::U::load(&self.keys[slot * TILE + half..]);
                 let live = key.equal(L::U::splat(u32::MAX)).not();
-                let at = key.and(L::U::splat(DEPTH as u32 - 1)).shl::<4>() + lane;
-                // Safety: slot ≤ DEPTH − 1, so `at` < ROW × TILE, the length of the columns.
+                let at = (key.and(L::U::splat(DEPTH as u32 - 1)).shl::<4>() + lane).shl::<LAYER_WORDS_LOG2>();
+                // Safety: slot ≤ DEPTH − 1, so `at` < ROW × TILE layers, the length.
                 let layer: [L::F; 4] = array(
                     #[inline(always)]
-                    |c| L::F::select(live, unsafe { L::F::gather(&self.rgba[c], at) }, splat(0.0)),
+                    |c| {
+                        let word = unsafe { L::F::gather(words, at + L::U::splat(c as u32)) };
+                        L::F::select(live, word, splat(0.0))
+                    },
                 );
                 for (sum, layer) in color.iter_mut().zip(&layer) {
                     *sum = through.mul_add(*layer, *sum);

@@ -26,8 +26,8 @@ pub(crate) struct Part {
     pub records: Vec<Record>,
     /// Attributes of the records: `attribute_count` a record.
     pub attributes: Vec<AttributeRecord>,
-    /// Tetrahedron numbers of the records.
-    pub ids: Vec<u32>,
+    /// Points of the records' tetrahedra.
+    pub corners: Vec<[u32; 4]>,
     /// Tile rectangle of each record: x0, y0, x1, y1 (exclusive).
     pub tiles: Vec<[u16; 4]>,
     /// Records that touch each tile.
@@ -71,6 +71,10 @@ impl Kernel for ProjectPart<'_> {
         let ProjectPart { input, cells, part } = self;
         part.tile_counts.clear();
         part.tile_counts.resize(input.tiles_wide * input.tiles_high, 0);
+        part.records.reserve(cells.len());
+        part.attributes.reserve(cells.len() * input.attributes.len());
+        part.corners.reserve(cells.len());
+        part.tiles.reserve(cells.len());
         for group in cells.chunks(L::D::COUNT) {
             project_group::<L>(&input, group, part);
         }
@@ -304,7 +308,7 @@ fn project_group<L: Lanes>(input: &Input<'_>, group: &[u32], part: &mut Part) {
             }
         }
         part.records.push(record);
-        part.ids.push(group[lane]);
+        part.corners.push(input.tetrahedra[group[lane] as usize]);
         part.tiles.push(rectangle);
         for stored in stored.iter().take(input.attributes.len()) {
             part.attributes.push(AttributeRecord {

@@ -233,9 +233,29 @@ impl<'a> Scene<'a> {
         let part = &self.sample.parts[(entry >> INDEX_BITS) as usize];
         let index = (entry & ((1 << INDEX_BITS) - 1)) as usize;
         let n = self.attribute_count;
-        let corners = self.volume.grid.tetrahedra[part.ids[index] as usize];
+        let corners = part.corners[index];
         let seen = &self.sample.seen;
         (&part.records[index], &part.attributes[index * n..][..n], corners.map(|p| &seen[p as usize]))
+    }
+
+    /// Asks for a record's cache lines before they are needed: a tile's cells lie scattered over the parts.
+    #[inline(always)]
+    pub fn prefetch(&self, entry: u32) {
+        #[cfg(target_arch = "x86_64")]
+        {
+            use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+            let part = &self.sample.parts[(entry >> INDEX_BITS) as usize];
+            let index = (entry & ((1 << INDEX_BITS) - 1)) as usize;
+            // Safety: a prefetch reads nothing; any address is allowed.
+            unsafe {
+                _mm_prefetch::<_MM_HINT_T0>(part.records.as_ptr().wrapping_add(index).cast());
+                _mm_prefetch::<_MM_HINT_T0>(part.corners.as_ptr().wrapping_add(index).cast());
+                let attributes = part.attributes.as_ptr().wrapping_add(index * self.attribute_count);
+                _mm_prefetch::<_MM_HINT_T0>(attributes.cast());
+            }
+        }
+        #[cfg(not(target_arch = "x86_64"))]
+        let _ = entry;
     }
 
     pub fn special_of(&self, tile: usize) -> impl Iterator<Item = &'a Special> {

@@ -5,7 +5,7 @@
 //! a twin) goes one by one through the 64-bit truth, [`Prepared`]. What a scene does not use is not prepared.
 
 use super::crossing::Batch;
-use super::lanes::{Float, Lanes, Mask, array};
+use super::lanes::{Float, Lanes, Mask};
 use super::project::Attribute;
 use super::widget::{Along, LaneWidget};
 use crate::optics::lanes::elementary::{exp, one_minus_exp};
@@ -220,8 +220,9 @@ impl Shader {
         unsure | self.ordered::<L>(widgets, along, &depths, total, overlapping, at, out)
     }
 
-    /// The ordered integral ∫ Σ c_i ρ_i e^(−T) by Gauss-Legendre with 4 points, for segments on which every
-    /// widget's profile is smooth and the depth moderate; the lanes it cannot serve are returned.
+    /// The ordered integral ∫ Σ c_i ρ_i e^(−T) by Gauss-Legendre with 4 points on one or four equal steps, for
+    /// segments on which every widget's profile is smooth and the depth moderate; the lanes it cannot serve are
+    /// returned.
     #[inline(always)]
     #[expect(clippy::too_many_arguments, reason = "the state of one vector of segments")]
     fn ordered<L: Lanes>(
@@ -235,53 +236,61 @@ impl Shader {
         out: &mut Shaded,
     ) -> u32 {
         let splat = L::F::splat;
-        let mut rough = 0;
-        let mut density = [splat(0.0); 4];
-        let mut weighted = [[splat(0.0); 3]; 4];
+        // How many steps the roughest lane wants.
+        let mut wish = total;
         for (widget, &depth) in widgets.iter().zip(depths) {
-            let Some((values, no)) = widget.densities::<L>(along, NODES) else {
-                return overlapping;
-            };
+            let Some(extent) = widget.roughness::<L>(along) else { return overlapping };
             let matters = splat(MIX_PRODUCT).lt(depth * total);
-            rough |= no & matters.bits();
-            let values = array::<_, 4>(
-                #[inline(always)]
-                |k| L::F::select(matters, values[k], splat(0.0)),
-            );
-            for ((density, weighted), value) in density.iter_mut().zip(&mut weighted).zip(values) {
-                *density = *density + value;
-                for (sum, c) in weighted.iter_mut().zip(widget.color()) {
-                    *sum = value.mul_add(splat(c), *sum);
+            wish = L::F::select(matters, extent.max(wish), wish);
+        }
+        let served = overlapping & wish.le(splat(STEPS as f32)).bits();
+        if served == 0 {
+            return overlapping;
+        }
+        let one_step = served & !wish.le(splat(1.0)).bits() == 0;
+        let steps = if one_step { 1 } else { STEPS };
+        let share = splat(1.0 / steps as f32);
+        let (mut color, mut through) = ([splat(0.0); 3], splat(1.0));
+        for step in 0..steps {
+            let (mut density, mut weighted) = ([splat(0.0); 4], [[splat(0.0); 3]; 4]);
+            for (widget, &widget_depth) in widgets.iter().zip(depths) {
+                let matters = splat(MIX_PRODUCT).lt(widget_depth * total);
+                for j in 0..4 {
+                    let t = share * splat(step as f32 + NODES[j]);
+                    let value = L::F::select(matters, widget.density::<L>(along, t), splat(0.0));
+                    density[j] = density[j] + value;
+                    for (sum, c) in weighted[j].iter_mut().zip(widget.color()) {
+                        *sum = value.mul_add(splat(c), *sum);
+                    }
                 }
             }
-        }
-        // Depth up to each node from the cubic through the four densities, then the emission there.
-        let (mut color, mut glow, mut deepest) = ([splat(0.0); 3], splat(0.0), splat(0.0));
-        for j in 0..4 {
-            let mut depth = splat(0.0);
-            for k in 0..4 {
-                depth = density[k].mul_add(splat(UP_TO[j][k]), depth);
+            // Depth up to each node from the cubic through the four densities, then the emission there.
+            let length = along.length * share;
+            let mut whole = splat(0.0);
+            for j in 0..4 {
+                let mut depth = splat(0.0);
+                for k in 0..4 {
+                    depth = density[k].mul_add(splat(UP_TO[j][k]), depth);
+                }
+                let visible = through * exp::<L>(-(depth * length)) * length * splat(WEIGHTS[j]);
+                for (sum, w) in color.iter_mut().zip(weighted[j]) {
+                    *sum = w.mul_add(visible, *sum);
+                }
+                whole = density[j].mul_add(splat(WEIGHTS[j]), whole);
             }
-            let depth = depth * along.length;
-            deepest = deepest.max(depth);
-            let through = exp::<L>(-depth) * splat(WEIGHTS[j]);
-            glow = density[j].mul_add(through, glow);
-            for (sum, w) in color.iter_mut().zip(weighted[j]) {
-                *sum = w.mul_add(through, *sum);
-            }
+            through = through * exp::<L>(-(whole * length));
         }
-        // The quadrature of the glow itself is 1 − e^(−T); the closed form scales the colours to it.
-        let scale = one_minus_exp::<L>(total) / glow.max(splat(f32::MIN_POSITIVE));
-        rough |= splat(1.0).lt(deepest).bits();
-        let served = overlapping & !rough;
+        let keep = super::widget::lanes_of::<L>(served);
         for (column, sum) in out.rgba.iter_mut().zip(color) {
             let mixed = L::F::load(&column[at..]);
-            let keep = super::widget::lanes_of::<L>(served);
-            L::F::select(keep, sum * scale, mixed).store(&mut column[at..]);
+            L::F::select(keep, sum, mixed).store(&mut column[at..]);
         }
-        overlapping & rough
+        overlapping & !served
     }
 }
+
+/// Steps of the ordered quadrature where one does not do.
+const STEPS: usize = 4;
 
 /// Gauss-Legendre on [0, 1] with 4 points.
 const NODES: [f32; 4] = [0.069_431_84, 0.330_009_48, 0.669_990_5, 0.930_568_2];

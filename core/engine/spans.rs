@@ -6,7 +6,7 @@
 //! are half-open (a row y belongs to an edge if y₀ ≤ y < y₁, a pixel to a span if ⌈x₀⌉ ≤ x < ⌈x₁⌉): every pixel
 //! centre that lies on a shared silhouette edge is given to exactly one of the cells.
 
-use super::lanes::{Double, Lanes, Mask, inlined};
+use super::lanes::{Double, Float, Lanes, Mask, Unsigned, inlined};
 use super::record::TILE;
 use super::view::Seen;
 
@@ -41,62 +41,69 @@ impl Fragments {
         rows: std::ops::Range<usize>,
         right: usize,
     ) {
-        // Edges, upper end first.
-        let (mut x0, mut y0, mut y1, mut slope) = ([0f64; 8], [0f64; 8], [0f64; 8], [0f64; 8]);
-        let mut rise = [1f64; 8];
-        for (k, [a, b]) in EDGES.iter().enumerate() {
-            let (a, b) = (corners[*a], corners[*b]);
-            let down = (a.y, a.x) <= (b.y, b.x);
+        // Edges, upper end first; without branches: which end is the upper one cannot be predicted.
+        let (mut x0, mut y0, mut y1, mut run) = ([0f64; 8], [0f64; 8], [0f64; 8], [0f64; 8]);
+        let (x, y) = (corners.map(|c| c.x), corners.map(|c| c.y));
+        for (k, &[a, b]) in EDGES.iter().enumerate() {
+            let down = (y[a] < y[b]) | ((y[a] == y[b]) & (x[a] <= x[b]));
             let (upper, lower) = if down { (a, b) } else { (b, a) };
-            x0[k] = upper.x;
-            y0[k] = upper.y;
-            y1[k] = lower.y;
-            slope[k] = lower.x - upper.x;
-            rise[k] = lower.y - upper.y;
+            x0[k] = x[upper];
+            y0[k] = y[upper];
+            y1[k] = y[lower];
+            run[k] = x[lower] - x[upper];
         }
+        // The first and last row of each edge, and its crossing of the tile's first row, in 64 bits; from there
+        // 32 bits carry 16 rows. A horizontal edge has no rows, and its slope is not looked at.
+        let (mut first, mut last) = ([0f32; 8], [0f32; 8]);
+        let (mut crossing, mut slope) = ([0f32; 8], [0f32; 8]);
         for half in (0..8).step_by(L::D::COUNT) {
-            (L::D::load(&slope[half..]) / L::D::load(&rise[half..])).store(&mut slope[half..]);
+            let (upper, lower) = (L::D::load(&y0[half..]), L::D::load(&y1[half..]));
+            let (tile_top, tile_left) = (L::D::splat(top as f64), L::D::splat(left as f64));
+            let tilt = L::D::load(&run[half..]) / (lower - upper);
+            let at_top = (tile_top - upper).mul_add(tilt, L::D::load(&x0[half..]) - tile_left);
+            (upper.ceil() - tile_top).store_f32(&mut first[half..]);
+            (lower.ceil() - tile_top).store_f32(&mut last[half..]);
+            at_top.store_f32(&mut crossing[half..]);
+            tilt.store_f32(&mut slope[half..]);
         }
-        let y_top = corners.iter().fold(f64::INFINITY, |y, c| y.min(c.y));
-        let y_bottom = corners.iter().fold(f64::NEG_INFINITY, |y, c| y.max(c.y));
-        let first = ((y_top.ceil() - top as f64).max(rows.start as f64)) as usize;
-        let last = ((y_bottom.ceil() - top as f64).min(rows.end as f64)).max(0.0) as usize;
+        let top_row = y[0].min(y[1]).min(y[2].min(y[3])).ceil() - top as f64;
+        let bottom_row = y[0].max(y[1]).max(y[2].max(y[3])).ceil() - top as f64;
+        let start = top_row.max(rows.start as f64) as usize;
+        let end = bottom_row.min(rows.end as f64).max(0.0) as usize;
+        if start >= end {
+            return;
+        }
 
-        let iota: [f64; 8] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
-        let (mut from, mut to) = ([0i32; 8], [0i32; 8]);
-        let mut row = first;
-        while row < last {
-            let y = L::D::load(&iota) + L::D::splat((top + row) as f64);
-            let mut least = L::D::splat(f64::INFINITY);
-            let mut most = L::D::splat(f64::NEG_INFINITY);
+        let splat = L::F::splat;
+        let (mut from, mut to) = ([0u32; TILE], [0u32; TILE]);
+        let width = splat((right - left) as f32);
+        for half in (start / L::WIDTH * L::WIDTH..end).step_by(L::WIDTH) {
+            let row = (L::U::iota() + L::U::splat(half as u32)).to_float();
+            let (mut least, mut most) = (splat(f32::INFINITY), splat(f32::NEG_INFINITY));
             for k in 0..EDGES.len() {
-                let crosses = L::D::splat(y0[k]).le(y).and(y.lt(L::D::splat(y1[k])));
-                let x = (y - L::D::splat(y0[k])).mul_add(L::D::splat(slope[k]), L::D::splat(x0[k]));
-                least = L::D::select(crosses, x.min(least), least);
-                most = L::D::select(crosses, x.max(most), most);
+                let crosses = splat(first[k]).le(row).and(row.lt(splat(last[k])));
+                let x = row.mul_add(splat(slope[k]), splat(crossing[k]));
+                least = L::F::select(crosses, x.min(least), least);
+                most = L::F::select(crosses, x.max(most), most);
             }
+            // ⌈x⌉ = −⌊−x⌋. A row without crossings has least = +∞, most = −∞: from = width, to = 0, no span.
             let bound = inlined(
                 #[inline(always)]
-                |x: L::D| {
-                    let x = (x - L::D::splat(left as f64)).ceil();
-                    x.max(L::D::splat(0.0)).min(L::D::splat((right - left) as f64))
-                },
+                |x: L::F| (-(-x).floor()).max(splat(0.0)).min(width).to_unsigned(),
             );
-            // A row without crossings has least = +∞, most = −∞: from = width, to = 0, an empty span.
-            bound(least).store_i32(&mut from);
-            bound(most).store_i32(&mut to);
-            let rows_here = (last - row).min(L::D::COUNT);
-            for (i, (&from, &to)) in from.iter().zip(&to).enumerate().take(rows_here) {
-                if from < to {
-                    let code = (lane << 8 | (row + i) << 4) as u16 + from as u16;
-                    let out = &mut self.codes[self.count..self.count + TILE];
-                    for (k, out) in out.iter_mut().enumerate() {
-                        *out = code + k as u16;
-                    }
-                    self.count += (to - from) as usize;
+            bound(least).store(&mut from[half..]);
+            bound(most).store(&mut to[half..]);
+        }
+        for row in start..end {
+            let (from, to) = (from[row], to[row]);
+            if from < to {
+                let code = (lane << 8 | row << 4) as u16 + from as u16;
+                let out = &mut self.codes[self.count..self.count + TILE];
+                for (k, out) in out.iter_mut().enumerate() {
+                    *out = code + k as u16;
                 }
+                self.count += (to - from) as usize;
             }
-            row += L::D::COUNT;
         }
     }
 }

@@ -95,7 +95,13 @@ impl View {
             let e = self.eye_from_world(*p);
             (self.pixel_from_eye(e), self.outside(e))
         };
-        points.par_iter().with_min_len(1 << 12).map(seen_and_outside).unzip()
+        let (mut seen, mut outside) = (Vec::new(), Vec::new());
+        points
+            .par_iter()
+            .with_min_len(1 << 12)
+            .map(seen_and_outside)
+            .unzip_into_vecs(&mut seen, &mut outside);
+        (seen, outside)
     }
 
     fn outside(&self, e: [f64; 3]) -> u8 {

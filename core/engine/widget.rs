@@ -200,21 +200,41 @@ impl LaneWidget {
         }
     }
 
-    /// Densities at the nodes of the segments, with the lanes on which they are not smooth enough for a
-    /// quadrature of four points; `None` if the widget cannot say.
+    /// How many steps a quadrature of four points wants on the segment: at most 1 where the profile is smooth on
+    /// all of it, infinite where it jumps; `None` if the widget cannot say.
     #[inline(always)]
-    pub fn densities<L: Lanes>(&self, along: &Along<L>, nodes: [f32; 4]) -> Option<([L::F; 4], u32)> {
+    pub fn roughness<L: Lanes>(&self, along: &Along<L>) -> Option<L::F> {
+        let region = match self {
+            LaneWidget::Uniform { region, .. } => Some(region),
+            LaneWidget::Gaussian(gaussian) => gaussian.region.as_ref(),
+            LaneWidget::Linear(_) | LaneWidget::Exact => return None,
+        };
         let splat = L::F::splat;
-        match self {
-            LaneWidget::Uniform { density, region, .. } => {
+        // |q_b − q_f| ≤ ½ a step: the cubic through four densities then leaves 3e-5 of the depth.
+        let extent = match self {
+            LaneWidget::Gaussian(gaussian) => gaussian.extent::<L>(along) * splat(2.0),
+            _ => splat(0.0),
+        };
+        Some(match region {
+            None => extent,
+            Some(region) => {
                 let (t0, t1) = region.clip(along);
                 let inside = t0.le(splat(0.0)).and(splat(1.0).le(t1));
                 let outside = t1.le(t0);
-                let value = L::F::select(inside, splat(*density), splat(0.0));
-                Some(([value; 4], inside.or(outside).not().bits()))
+                let cut = L::F::select(inside, extent, splat(f32::INFINITY));
+                L::F::select(outside, splat(0.0), cut)
             }
-            LaneWidget::Gaussian(gaussian) => Some(gaussian.densities(along, nodes)),
-            LaneWidget::Linear(_) | LaneWidget::Exact => None,
+        })
+    }
+
+    /// Density at a point of the segment. Regions are not looked at: a widget whose region cuts the segment is
+    /// rough, and one whose region misses it has no depth.
+    #[inline(always)]
+    pub fn density<L: Lanes>(&self, along: &Along<L>, t: L::F) -> L::F {
+        match self {
+            LaneWidget::Uniform { density, .. } => L::F::splat(*density),
+            LaneWidget::Gaussian(gaussian) => gaussian.density_at::<L>(along, t),
+            LaneWidget::Linear(_) | LaneWidget::Exact => L::F::splat(0.0),
         }
     }
 }
@@ -255,40 +275,18 @@ impl LaneGaussian {
         self.mean::<L>(&front, &back) * peak * share
     }
 
+    /// |K (v_b − v_f)|.
     #[inline(always)]
-    fn densities<L: Lanes>(&self, along: &Along<L>, nodes: [f32; 4]) -> ([L::F; 4], u32) {
-        let splat = L::F::splat;
+    fn extent<L: Lanes>(&self, along: &Along<L>) -> L::F {
         let (front, back) = (self.point::<L>(&along.front), self.point::<L>(&along.back));
-        let step: [L::F; 2] = array(
-            #[inline(always)]
-            |i| back[i] - front[i],
-        );
-        let values = array(
-            #[inline(always)]
-            |k| {
-                let t = nodes[k];
-                let q: [L::F; 2] = array(
-                    #[inline(always)]
-                    |i| step[i].mul_add(splat(t), front[i]),
-                );
-                splat(self.density)
-                    * crate::optics::lanes::elementary::exp::<L>(-(q[0].mul_add(q[0], q[1] * q[1])))
-            },
-        );
-        // |q_b − q_f| ≤ ½: the cubic through four densities then leaves 3e-5 of the depth.
-        let smooth = step[0].mul_add(step[0], step[1] * step[1]).le(splat(0.25));
-        let mut rough = smooth.not();
-        if let Some(region) = &self.region {
-            let (t0, t1) = region.clip(along);
-            let inside = t0.le(splat(0.0)).and(splat(1.0).le(t1));
-            let outside = t1.le(t0);
-            let values = array(
-                #[inline(always)]
-                |k| L::F::select(outside, splat(0.0), values[k]),
-            );
-            rough = rough.and(outside.not()).or(inside.or(outside).not());
-            return (values, rough.bits());
-        }
-        (values, rough.bits())
+        let step = [back[0] - front[0], back[1] - front[1]];
+        step[0].mul_add(step[0], step[1] * step[1]).sqrt()
+    }
+
+    #[inline(always)]
+    fn density_at<L: Lanes>(&self, along: &Along<L>, t: L::F) -> L::F {
+        let q = self.point::<L>(&along.at(t));
+        let profile = crate::optics::lanes::elementary::exp::<L>(-(q[0].mul_add(q[0], q[1] * q[1])));
+        L::F::splat(self.density) * profile
     }
 }
