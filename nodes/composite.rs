@@ -2,9 +2,9 @@
 
 use crate::drawing;
 use std::sync::Arc;
-use voltet_core::Result;
 use voltet_core::engine::Integrator;
 use voltet_core::graph::{Asking, Call, Node, Outputs, Port, PortType, Value};
+use voltet_core::{Error, Result};
 
 /// The declaration.
 pub const NODE: Node = Node {
@@ -31,16 +31,22 @@ pub const NODE: Node = Node {
 };
 
 fn run(call: &mut Call) -> Result<Outputs> {
-    let projection = call.projection("projection")?;
+    let projected = call.projection("projection")?;
     let look = call.look("transfer_function")?;
     let shading = drawing::shading(call.parameters)?;
     let revision = call.revision("projection")?;
-    let transfer_function = drawing::for_data(call, &look, &projection.cells.volume, revision)?;
+    let (cells, camera) = (projected.projection.cells(), projected.projection.camera());
+    let transfer_function = drawing::for_data(call, &look, &cells.volume, revision)?;
+    if transfer_function != projected.transfer_function {
+        let what = "the cells were culled for another transfer function than the one to draw";
+        return Err(
+            Error::usage(what).accepted("the same transfer_function at the nodes of type cull and composite")
+        );
+    }
     let picture = if shading.integrator == Integrator::Reference {
-        let (cells, camera) = (&projection.cells, &projection.camera);
         drawing::referee(call, &cells.volume, &transfer_function, camera, &shading, cells.order)?
     } else {
-        drawing::composite(call, &projection, &transfer_function, &shading)?
+        drawing::composite(call, &projected.projection, &transfer_function, &shading)?
     };
     Ok(vec![Value::Image(Arc::new(picture))])
 }

@@ -1,8 +1,9 @@
 //! `project`: cells to the picture plane.
 
+use crate::drawing;
 use std::sync::Arc;
 use voltet_core::Result;
-use voltet_core::graph::{Asking, Call, Node, Outputs, Port, PortType, Projection, Value};
+use voltet_core::graph::{Asking, Call, Node, Outputs, Port, PortType, Projected, Value};
 
 /// The declaration.
 pub const NODE: Node = Node {
@@ -23,6 +24,8 @@ pub const NODE: Node = Node {
 };
 
 fn run(call: &mut Call) -> Result<Outputs> {
-    let (cells, camera) = (call.cells("cells")?, call.camera("camera")?);
-    Ok(vec![Value::Projection(Arc::new(Projection { cells, camera }))])
+    let (culled, camera) = (call.cells("cells")?, call.camera("camera")?);
+    let transfer_function = culled.transfer_function.clone();
+    let projection = drawing::project(call, &culled.cells, &transfer_function, &camera)?;
+    Ok(vec![Value::Projection(Arc::new(Projected { projection, transfer_function }))])
 }

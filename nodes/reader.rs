@@ -145,8 +145,8 @@ fn request(p: &Parameters) -> Result<Request> {
 /// Finds out before any work whether the file is there, and which name was meant if not.
 fn refuse_missing(path: &Path) -> Result<()> {
     let Err(error) = std::fs::File::open(path) else { return Ok(()) };
-    let beside = path.parent().and_then(|folder| std::fs::read_dir(folder).ok());
-    let names = beside.into_iter().flatten().flatten();
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    let names = std::fs::read_dir(folder.unwrap_or(Path::new("."))).into_iter().flatten().flatten();
     let names: Vec<String> = names.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
     let wanted = path.file_name().unwrap_or_default().to_string_lossy();
     let error = Error::run("the data file cannot be opened").found(error);

@@ -5,8 +5,7 @@ use std::sync::Arc;
 use voltet_core::Result;
 use voltet_core::engine::Integrator;
 use voltet_core::graph::{
-    Asking, Call, Node, Outputs, Parameter, ParameterType, Parameters, Port, PortType, Projection, Standard,
-    Value,
+    Asking, Call, Node, Outputs, Parameter, ParameterType, Parameters, Port, PortType, Standard, Value,
 };
 
 /// The declaration.
@@ -102,7 +101,7 @@ fn run(call: &mut Call) -> Result<Outputs> {
     } else {
         let mut cells = drawing::cull(call, &volume, &transfer_function, &camera)?;
         cells.order = order;
-        let projection = Projection { cells: Arc::new(cells), camera };
+        let projection = drawing::project(call, &cells, &transfer_function, &camera)?;
         drawing::composite(call, &projection, &transfer_function, &shading)?
     };
     Ok(vec![Value::Image(Arc::new(picture))])

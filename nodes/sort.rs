@@ -3,8 +3,7 @@
 use crate::drawing;
 use std::sync::Arc;
 use voltet_core::Result;
-use voltet_core::engine::Cells;
-use voltet_core::graph::{Asking, Call, Node, Outputs, Port, PortType, Value};
+use voltet_core::graph::{Asking, Call, Culled, Node, Outputs, Port, PortType, Value};
 
 /// The declaration.
 pub const NODE: Node = Node {
@@ -32,7 +31,9 @@ fn demand(asking: &mut Asking) -> Result<()> {
 
 fn run(call: &mut Call) -> Result<Outputs> {
     let order = drawing::order(call.parameters, call.demand.order)?;
-    let mut cells = Cells::clone(&*call.cells("cells")?);
+    let culled = call.cells("cells")?;
+    let mut cells = culled.cells.clone();
     cells.order = order;
-    Ok(vec![Value::Cells(Arc::new(cells))])
+    let transfer_function = culled.transfer_function.clone();
+    Ok(vec![Value::Cells(Arc::new(Culled { cells, transfer_function }))])
 }

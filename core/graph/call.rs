@@ -7,9 +7,8 @@ use super::demand::Demand;
 use super::notes::Notes;
 use super::parameters::Parameters;
 use super::session::Observer;
-use super::value::{Look, Projection, Revision, Value};
+use super::value::{Culled, Look, Projected, Revision, Value};
 use crate::camera::Camera;
-use crate::engine::Cells;
 use crate::grid::Grid;
 use crate::picture::Picture;
 use crate::progress::Progress;
@@ -162,7 +161,7 @@ impl Call<'_> {
     }
 
     /// The cells at an input.
-    pub fn cells(&self, port: &str) -> Result<Arc<Cells>> {
+    pub fn cells(&self, port: &str) -> Result<Arc<Culled>> {
         match self.value(port)? {
             Value::Cells(cells) => Ok(cells.clone()),
             other => Err(self.miswired(port, PortType::Cells, other)),
@@ -170,7 +169,7 @@ impl Call<'_> {
     }
 
     /// The projection at an input.
-    pub fn projection(&self, port: &str) -> Result<Arc<Projection>> {
+    pub fn projection(&self, port: &str) -> Result<Arc<Projected>> {
         match self.value(port)? {
             Value::Projection(projection) => Ok(projection.clone()),
             other => Err(self.miswired(port, PortType::Projection, other)),

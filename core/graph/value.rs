@@ -2,7 +2,7 @@
 
 use super::declaration::PortType;
 use crate::camera::Camera;
-use crate::engine::Cells;
+use crate::engine::{Cells, Projection};
 use crate::grid::Grid;
 use crate::picture::Picture;
 use crate::transfer::TransferFunction;
@@ -26,9 +26,9 @@ pub enum Value {
     /// See [`PortType::Camera`].
     Camera(Arc<Camera>),
     /// See [`PortType::Cells`].
-    Cells(Arc<Cells>),
+    Cells(Arc<Culled>),
     /// See [`PortType::Projection`].
-    Projection(Arc<Projection>),
+    Projection(Arc<Projected>),
     /// See [`PortType::Image`].
     Image(Arc<Picture>),
     /// See [`PortType::Report`]; JSON text.
@@ -51,13 +51,22 @@ impl Value {
     }
 }
 
-/// Cells with the camera that they are projected for.
-#[derive(Debug, Clone)]
-pub struct Projection {
-    /// The cells.
-    pub cells: Arc<Cells>,
-    /// The camera.
-    pub camera: Arc<Camera>,
+/// Cells that were culled, and for which transfer function: no other one may be drawn from them.
+#[derive(Debug)]
+pub struct Culled {
+    /// The cells that are left.
+    pub cells: Cells,
+    /// What they were culled for.
+    pub transfer_function: Arc<TransferFunction>,
+}
+
+/// Projected cells, and for which transfer function.
+#[derive(Debug)]
+pub struct Projected {
+    /// The projection.
+    pub projection: Projection,
+    /// What the cells were culled and projected for.
+    pub transfer_function: Arc<TransferFunction>,
 }
 
 /// A transfer function as a pipeline states it: its unit distance may be left to the data.

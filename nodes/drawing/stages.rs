@@ -3,9 +3,11 @@
 use std::sync::Arc;
 use voltet_core::Result;
 use voltet_core::camera::Camera;
-use voltet_core::engine::{self, Cells, Order, Shading};
-use voltet_core::graph::{Call, Look, Projection, Revision, diagonal};
+use voltet_core::engine::lanes::LaneSet;
+use voltet_core::engine::{self, Cells, Order, Projection, Shading};
+use voltet_core::graph::{Call, Look, Revision, diagonal};
 use voltet_core::picture::Picture;
+use voltet_core::progress::Progress;
 use voltet_core::reference;
 use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
@@ -48,6 +50,19 @@ pub fn cull(
     Ok(cells)
 }
 
+/// Projects the cells for one camera.
+pub fn project(
+    call: &mut Call,
+    cells: &Cells,
+    transfer_function: &TransferFunction,
+    camera: &Camera,
+) -> Result<Projection> {
+    let project = |progress: &dyn Progress| engine::project(cells, transfer_function, camera, progress);
+    let projection = call.stage("project", project)?;
+    call.notes.counts.insert("cells_projected", projection.cells_projected());
+    Ok(projection)
+}
+
 /// Integrates and composites on the engine.
 pub fn composite(
     call: &mut Call,
@@ -55,18 +70,21 @@ pub fn composite(
     transfer_function: &TransferFunction,
     shading: &Shading,
 ) -> Result<Picture> {
-    let Projection { cells, camera } = projection;
-    let (picture, counts) = call
-        .stage("composite", |progress| engine::draw(cells, transfer_function, camera, shading, progress))?;
+    let composite =
+        |progress: &dyn Progress| engine::composite(projection, transfer_function, shading, progress);
+    let (picture, counts) = call.stage("composite", composite)?;
     let noted = &mut call.notes.counts;
-    noted.insert("cells_projected", counts.cells_projected);
     noted.insert("segments", counts.segments);
+    noted.insert("segments_exact", counts.segments_exact);
+    noted.insert("tiles_deep", counts.tiles_deep);
     noted.insert("pixels_disordered", counts.pixels_disordered);
     if counts.pixels_disordered > 0 {
         let what =
             format!("{} pixels were composited in an order that is not exact", counts.pixels_disordered);
         call.notes.warnings.push(what);
     }
+    let threads = rayon::current_num_threads();
+    call.notes.adapter = Some(format!("{}, {threads} threads", LaneSet::detect().name()));
     Ok(picture)
 }
 

@@ -1,0 +1,9 @@
+//! The program as its users meet it: the built binary, run on small grids that the tests write.
+#![allow(clippy::unwrap_used)] // A test that cannot go on has failed.
+
+mod bad_data;
+mod bad_pipelines;
+mod commands;
+mod pictures;
+mod reports;
+mod support;
