@@ -158,13 +158,33 @@ impl Kernel for Blend<'_> {
 
 /// Where a tile's segments go.
 trait Sink {
+    /// Takes the first `count` fragments of a batch; those of no length are not segments.
+    fn take(&mut self, batch: &Batch, shaded: &Shaded, count: usize) -> Result<(), Overflow> {
+        for k in 0..count {
+            if batch.length[k] > 0.0 {
+                let rgba = [shaded.rgba[0][k], shaded.rgba[1][k], shaded.rgba[2][k], shaded.rgba[3][k]];
+                let layer = Layer::new(batch.entry[k], batch.exit[k], rgba);
+                self.push(batch.pixel[k] as usize, shaded.depth[k], layer)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Takes one segment.
     fn push(&mut self, pixel: usize, depth: f32, layer: Layer) -> Result<(), Overflow>;
 }
 
 struct DepthSink<'a>(&'a mut [f32; TILE * TILE]);
 
 impl Sink for DepthSink<'_> {
-    #[inline(always)]
+    fn take(&mut self, batch: &Batch, shaded: &Shaded, count: usize) -> Result<(), Overflow> {
+        // Fragments of no length have no depth: no test.
+        for (&pixel, &depth) in batch.pixel[..count].iter().zip(&shaded.depth[..count]) {
+            self.0[usize::from(pixel as u8)] += depth;
+        }
+        Ok(())
+    }
+
     fn push(&mut self, pixel: usize, depth: f32, _layer: Layer) -> Result<(), Overflow> {
         self.0[pixel & (TILE * TILE - 1)] += depth;
         Ok(())
@@ -179,7 +199,6 @@ impl Sink for Lists {
 }
 
 impl Sink for DeepRow {
-    #[inline(always)]
     fn push(&mut self, pixel: usize, _depth: f32, layer: Layer) -> Result<(), Overflow> {
         DeepRow::push(self, pixel & (TILE - 1), layer);
         Ok(())
@@ -257,15 +276,8 @@ fn walk(
             let codes = &fragments.codes[from..];
             dispatch(scene.lanes, Evaluate { scene, group, codes, count, stretch, batch });
             dispatch(scene.lanes, Shade { scene, batch, count, shaded });
-            for k in 0..count {
-                // Not at all where the ray misses the cell by a rounding.
-                if batch.length[k] > 0.0 {
-                    counts.segments += 1;
-                    let rgba = [shaded.rgba[0][k], shaded.rgba[1][k], shaded.rgba[2][k], shaded.rgba[3][k]];
-                    let layer = Layer::new(batch.entry[k], batch.exit[k], rgba);
-                    sink.push(batch.pixel[k] as usize, shaded.depth[k], layer)?;
-                }
-            }
+            counts.segments += u64::from(batch.hits);
+            sink.take(batch, shaded, count)?;
             from += count;
         }
     }

@@ -1,6 +1,6 @@
 //! Crossings: where each fragment's ray enters and leaves its cell, and the attributes there.
 
-use super::lanes::{Float, Lanes, Unsigned, array, inlined};
+use super::lanes::{Float, Lanes, Mask, Unsigned, array, inlined};
 use super::record::{ATTRIBUTE_WORDS, AttributeRecord, RECORD_WORDS, Record, TILE};
 
 /// Most lanes of any set.
@@ -22,6 +22,8 @@ pub(crate) struct Batch {
     pub pixel: Vec<u32>,
     /// Cell lane of the group.
     pub lane: Vec<u32>,
+    /// Fragments that cross their cell over a positive length.
+    pub hits: u32,
     /// D; 0 where the ray misses the cell.
     pub length: Vec<f32>,
     /// Depth of the entry from the distance origin (orders segments; × stretch = distance).
@@ -40,6 +42,7 @@ impl Batch {
         Batch {
             pixel: vec![0; BATCH],
             lane: vec![0; BATCH],
+            hits: 0,
             length: column(),
             entry: column(),
             exit: column(),
@@ -109,6 +112,7 @@ impl Group {
         let (pixel_x, pixel_y) = (L::F::load(&self.pixel_x), L::F::load(&self.pixel_y));
         let one = L::F::splat(1.0);
 
+        batch.hits = 0;
         let mut at = 0;
         while at < count {
             let code = L::U::load_u16(&codes[at..]);
@@ -137,6 +141,8 @@ impl Group {
             }
             let thickness = v_front - v_back;
             let hit = L::F::splat(0.0).lt(thickness);
+            let meant = u32::MAX >> (32 - (count - at).min(L::WIDTH));
+            batch.hits += (hit.bits() & meant).count_ones();
             // Safety: pixels lie in 0 … 255.
             let stretch = unsafe { L::F::gather(stretch, pixel) };
             let (q_front, q_back, length) = if PERSPECTIVE {
