@@ -117,6 +117,22 @@ fn coincident_points_and_lonely_points_are_harmless() {
 }
 
 #[test]
+fn distances_whose_squares_vanish_are_harmless() {
+    // A twin 1e-170 beside a corner at the origin: apart by the digits, yet its square is no number.
+    let grid = box_of_tetrahedra([2, 2, 2], UNIT, 0.0);
+    let mut points = grid.points.to_vec();
+    let mut tetrahedra = grid.tetrahedra.to_vec();
+    points.push(DVec3::new(1e-170, 0.0, 0.0));
+    tetrahedra.push([0, 1, 3, 27]);
+    let grid = grid_of(points, tetrahedra);
+    let slope = DVec3::new(1.0, 2.0, -1.0);
+    for method in METHODS {
+        let found = gradient(method, &grid, &sample(&grid, |p| slope.dot(p)));
+        assert!((found.vectors[0] - slope).length() < 1e-12, "{method}: {}", found.vectors[0]);
+    }
+}
+
+#[test]
 fn slivers_do_not_drown_their_neighbours() {
     // A cell 1e-12 high on top of a box, with a value on its tip that the linear field does not have: the
     // volume-weighted mean hardly sees it.
