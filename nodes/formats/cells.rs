@@ -87,7 +87,7 @@ fn mixed(
             let mut polyhedra = Vec::new();
             let mut begin = 0;
             for number in polyhedra_of(&types) {
-                let end = usize::try_from(ends[number]).unwrap_or(0);
+                let end = ends.get(number).and_then(|&end| usize::try_from(end).ok()).unwrap_or(0);
                 let stream = faces.get(begin..end).ok_or_else(|| damaged_faces(number))?;
                 polyhedra.push(Polyhedron { cell: number as u32, faces: face_stream(stream, number)? });
                 begin = end;
@@ -237,48 +237,52 @@ mod tests {
         }
     }
 
-    /// Two tetrahedra, the middle one as a polyhedron, in every form in which its faces are written.
+    /// Four tetrahedra, two of them as polyhedra, in every form in which its faces are written.
     #[test]
     fn faces_of_polyhedra_read_the_same_in_every_form() {
         let folder = tempfile::tempdir().unwrap();
         let array = |name: &str, text: &str| stored(&folder, name, text);
         let boxed = |name: &str, text: &str| Box::new(array(name, text));
         let meter = Meter::new(&Silent, 1);
-        let connectivity = array("connectivity", "0 1 2 3 1 2 3 4 2 3 4 5");
-        let (offsets, types) = (array("offsets", "4 8 12"), vec![10, 42, 10]);
+        let connectivity = array("connectivity", "0 1 2 3 1 2 3 4 2 3 4 5 1 2 3 4");
+        let (offsets, types) = (array("offsets", "4 8 12 16"), vec![10, 42, 10, 42]);
         let stream = "4 3 1 2 3 3 1 2 4 3 1 3 4 3 2 3 4";
-        let streams =
-            StoredFaces::Stream { faces: boxed("faces", stream), offsets: boxed("faceoffsets", "-1 17 -1") };
+        let streams = StoredFaces::Stream {
+            faces: boxed("faces", &format!("{stream} {stream}")),
+            offsets: boxed("faceoffsets", "-1 17 -1 34"),
+        };
         let indexed = StoredFaces::Indexed {
-            points: boxed("face_connectivity", "1 2 3 1 2 4 1 3 4 2 3 4"),
-            point_offsets: boxed("face_offsets", "3 6 9 12"),
-            faces: boxed("polyhedron_to_faces", "0 1 2 3"),
-            face_offsets: boxed("polyhedron_offsets", "0 4 4"),
+            points: boxed("face_connectivity", "1 2 3 1 2 4 1 3 4 2 3 4 1 2 3"),
+            point_offsets: boxed("face_offsets", "3 6 9 12 15"),
+            faces: boxed("polyhedron_to_faces", "0 1 2 3 4 1 2 3"),
+            face_offsets: boxed("polyhedron_offsets", "0 4 4 8"),
         };
         let expected = CellSet {
             types: types.clone(),
-            offsets: vec![0, 4, 8, 12],
-            connectivity: vec![0, 1, 2, 3, 1, 2, 3, 4, 2, 3, 4, 5],
-            polyhedra: vec![Polyhedron {
-                cell: 1,
-                faces: vec![vec![1, 2, 3], vec![1, 2, 4], vec![1, 3, 4], vec![2, 3, 4]],
-            }],
+            offsets: vec![0, 4, 8, 12, 16],
+            connectivity: vec![0, 1, 2, 3, 1, 2, 3, 4, 2, 3, 4, 5, 1, 2, 3, 4],
+            polyhedra: [1, 3]
+                .map(|cell| Polyhedron {
+                    cell,
+                    faces: vec![vec![1, 2, 3], vec![1, 2, 4], vec![1, 3, 4], vec![2, 3, 4]],
+                })
+                .to_vec(),
         };
         for faces in [streams, indexed] {
             assert_eq!(mixed(types.clone(), &connectivity, &offsets, &faces, &meter).unwrap(), expected);
         }
-        let legacy = array("CONNECTIVITY", &format!("0 1 2 3 {stream} 2 3 4 5"));
-        let ends = array("OFFSETS", "0 4 21 25");
+        let legacy = array("CONNECTIVITY", &format!("0 1 2 3 {stream} 2 3 4 5 {stream}"));
+        let ends = array("OFFSETS", "0 4 21 25 42");
         let inside = StoredFaces::InConnectivity;
         assert_eq!(mixed(types.clone(), &legacy, &ends, &inside, &meter).unwrap(), expected);
-        let list = array("CELLS", &format!("4 0 1 2 3 17 {stream} 4 2 3 4 5"));
-        let codes = array("CELL_TYPES", "10 42 10");
+        let list = array("CELLS", &format!("4 0 1 2 3 17 {stream} 4 2 3 4 5 17 {stream}"));
+        let codes = array("CELL_TYPES", "10 42 10 42");
         assert_eq!(counted(&list, &codes, &meter).unwrap(), Cells::Mixed(expected));
         let none = mixed(types.clone(), &connectivity, &offsets, &StoredFaces::None, &meter).unwrap_err();
         assert!(none.to_string().contains("without their faces"), "{none}");
         let short = StoredFaces::Stream {
             faces: boxed("faces", "4 3 1 2 3"),
-            offsets: boxed("faceoffsets", "-1 5 -1"),
+            offsets: boxed("faceoffsets", "-1 5 -1 5"),
         };
         let short = mixed(types, &connectivity, &offsets, &short, &meter).unwrap_err();
         assert!(short.to_string().contains("faces of cell 1"), "{short}");

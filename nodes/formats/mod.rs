@@ -110,8 +110,30 @@ pub fn read(path: &Path, request: &Request, progress: &dyn Progress) -> Result<G
     assemble::assemble(&dataset, request, progress).map_err(|error| error.in_file(path))
 }
 
-/// Reads the table of contents of a file.
+/// Reads the table of contents of a file; what is asked for but cannot be of such a file is an error.
 fn open(path: &Path, request: &Request) -> Result<piece::Dataset> {
+    let dataset = open_any(path, request)?;
+    if dataset.time_steps.is_empty()
+        && let Some(step) = request.time_step.filter(|step| *step != TimeStep::Index(0))
+    {
+        let found = match step {
+            TimeStep::Index(index) => format!("step {index}"),
+            TimeStep::Time(time) => format!("time {time}"),
+        };
+        let error = Error::run("a time step is asked for, but the file is no time series");
+        return Err(error.found(found).accepted("a .pvd file, or no time step").in_file(path));
+    }
+    if request.solution.is_some() && !dataset.format.starts_with("PLOT3D") {
+        return Err(Error::run("a solution is named, but the grid is no PLOT3D file")
+            .found(&dataset.format)
+            .accepted("a PLOT3D grid, or no solution")
+            .in_file(path));
+    }
+    Ok(dataset)
+}
+
+/// The same by the format that the file's content shows.
+fn open_any(path: &Path, request: &Request) -> Result<piece::Dataset> {
     let source = source::Source::open(path)?;
     let in_file = |error: Error| error.in_file(path);
     let head = source.head(256).map_err(in_file)?;

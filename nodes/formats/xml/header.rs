@@ -11,7 +11,7 @@ use std::sync::Arc;
 use voltet_core::{Error, Result};
 
 /// More elements than any writer makes; bounds the memory that a file of empty elements can take.
-const GREATEST_ELEMENT_COUNT: usize = 2_000_000;
+const GREATEST_ELEMENT_COUNT: usize = 500_000;
 /// Deeper than any VTK file.
 const GREATEST_DEPTH: usize = 32;
 

@@ -144,3 +144,16 @@ fn offsets_may_begin_with_zero_and_text_may_hold_nan() {
         );
     }
 }
+
+#[test]
+fn what_a_file_cannot_have_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = file(&folder, "a.vtu", &unstructured(ascii(), 2, false));
+    let error = |request: Request| read(&path, &request, &Silent).unwrap_err().to_string();
+    let step = error(Request { time_step: Some(TimeStep::Index(2)), ..request("Int8") });
+    assert!(step.contains("no time series") && step.contains("step 2"), "{step}");
+    let solution = error(Request { solution: Some("a.q".into()), ..request("Int8") });
+    assert!(solution.contains("no PLOT3D file") && solution.contains("a.vtu"), "{solution}");
+    let first = Request { time_step: Some(TimeStep::Index(0)), ..request("Int8") };
+    assert!(read(&path, &first, &Silent).is_ok());
+}
