@@ -6,6 +6,7 @@
 pub mod clip;
 pub mod compositing;
 pub mod gaussian;
+pub mod integrators;
 pub mod judge;
 pub mod lanes;
 pub mod linear;
@@ -13,6 +14,7 @@ pub mod overlap;
 pub mod piecewise_linear;
 mod prepared;
 pub mod quadrature;
+pub mod sample;
 pub mod special;
 pub mod table;
 pub mod track;

@@ -122,7 +122,7 @@ impl Member<'_> {
         next
     }
 
-    fn color_at(&self, t: f64) -> [f64; 3] {
+    pub(super) fn color_at(&self, t: f64) -> [f64; 3] {
         match &self.track {
             AnyTrack::Piecewise(track) => track.path.color(t),
             AnyTrack::Table(track) => track.color(t),

@@ -4,6 +4,7 @@ use super::clip::{Clip, Stretch};
 use super::gaussian::{FIELD_LIMIT, GaussianPath};
 use super::overlap::{AnyTrack, Glow, Member, ordered};
 use super::piecewise_linear::{PiecewisePath, PiecewiseTrack};
+use super::sample::Samples;
 use super::special::{mean_transmittance, opacity};
 use super::table::TablePath;
 use super::track::Track;
@@ -280,10 +281,20 @@ impl Prepared {
                 std::array::from_fn(|i| sum[i] + share * alone[i])
             });
         }
+        self.with_members(active(), length, |members| ordered(members, self.glow(length)))
+    }
+
+    /// Calls `f` with the widgets as tracks, without allocation for up to [`INLINE`] of them.
+    fn with_members<'a, R>(
+        &self,
+        active: impl Iterator<Item = &'a Active<'a>>,
+        length: f64,
+        f: impl FnOnce(&[Member]) -> R,
+    ) -> R {
         let mut inline = [Member::NOTHING; INLINE];
         let mut spilled = Vec::new();
         let mut count = 0;
-        for a in active() {
+        for a in active {
             let member = self.member(a, length);
             match inline.get_mut(count) {
                 Some(slot) => *slot = member,
@@ -296,8 +307,15 @@ impl Prepared {
             }
             count += 1;
         }
-        let members = if spilled.is_empty() { &inline[..count] } else { &spilled[..] };
-        ordered(members, self.glow(length))
+        f(if spilled.is_empty() { &inline[..count] } else { &spilled[..] })
+    }
+
+    /// Calls `f` with point samples along the segment.
+    pub fn sampled<R>(&self, segment: &Segment, f: impl FnOnce(Samples) -> R) -> R {
+        let active: Vec<Active> =
+            self.widgets.iter().filter_map(|widget| self.cross(widget, segment)).collect();
+        let glow = self.glow(segment.length);
+        self.with_members(active.iter(), segment.length, |members| f(Samples::new(members, glow)))
     }
 
     fn glow(&self, length: f64) -> Glow {
