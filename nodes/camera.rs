@@ -7,8 +7,11 @@ use voltet_core::graph::{
     Call, Node, Outputs, Parameter, ParameterType, Parameters, Port, PortType, Range, Standard, Value,
 };
 
-/// Largest side of a picture, pixels: four times what a poster needs, and far from what overflows memory.
+/// Largest side of a picture, pixels: what the engine counts.
 const LARGEST_SIDE: f64 = 32768.0;
+
+/// Most pixels of a picture: 4 GiB of floats.
+const MOST_PIXELS: f64 = (1u64 << 28) as f64;
 
 /// The declaration.
 pub const NODE: Node = Node {
@@ -96,6 +99,10 @@ fn camera(p: &Parameters) -> Result<Camera> {
         (fov_y, None) => Projection::Perspective { fov_y: fov_y.unwrap_or(30.0) },
     };
     let [width, height]: [f64; 2] = p.vector("size")?;
+    if width * height > MOST_PIXELS {
+        let error = p.error("size", "the picture has too many pixels").found(width * height);
+        return Err(error.accepted(format!("width × height of at most {MOST_PIXELS}")));
+    }
     let camera = Camera {
         eye: p.vector("eye")?.into(),
         target: p.vector("target")?.into(),

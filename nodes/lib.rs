@@ -28,7 +28,7 @@ use voltet_core::Result;
 use voltet_core::graph::{Node, Registry, Session, Stamp};
 
 /// The nodes that ship, in the order in which data runs through them.
-pub const NODES: &[&Node] = &[
+pub static NODES: &[&Node] = &[
     &reader::NODE,
     &gradient_magnitude::NODE,
     &transfer_function::NODE,

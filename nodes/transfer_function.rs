@@ -87,6 +87,9 @@ fn look(p: &Parameters, load_image: LoadImage) -> Result<Look> {
     Ok(Look { transfer_function, auto_unit_distance: unit.is_none() })
 }
 
+/// Largest side of a table's picture: far finer than any data, and a gigabyte of texels at most.
+const LARGEST_SIDE: u32 = 8192;
+
 /// The picture of a table widget: straight linear RGBA, decoded from 8 or 16-bit sRGB.
 fn load_image(path: &Path) -> Result<(usize, usize, Vec<[f32; 4]>)> {
     let failed = |error: &dyn std::fmt::Display| {
@@ -96,7 +99,11 @@ fn load_image(path: &Path) -> Result<(usize, usize, Vec<[f32; 4]>)> {
             .in_file(path)
     };
     let reader = image::ImageReader::open(path).map_err(|e| failed(&e))?;
-    let image = reader.with_guessed_format().map_err(|e| failed(&e))?.decode().map_err(|e| failed(&e))?;
+    let mut reader = reader.with_guessed_format().map_err(|e| failed(&e))?;
+    let mut limits = image::Limits::default();
+    (limits.max_image_width, limits.max_image_height) = (Some(LARGEST_SIDE), Some(LARGEST_SIDE));
+    reader.limits(limits);
+    let image = reader.decode().map_err(|e| failed(&e))?;
     let rgba = image.into_rgba16();
     let linear = |v: u16| crate::encode::linear_from_srgb(f32::from(v) / 65535.0);
     let texel = |p: &image::Rgba<u16>| [linear(p[0]), linear(p[1]), linear(p[2]), f32::from(p[3]) / 65535.0];

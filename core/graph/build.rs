@@ -261,12 +261,12 @@ fn wire(entry: &NodeEntry, nodes: &[GraphNode], place: usize) -> Result<Vec<Edge
             let giving = nodes.iter().filter(|n| n.node.outputs.iter().any(|o| o.port_type.serves(wanted)));
             let names: Vec<&str> = giving.map(|n| n.name.as_str()).collect();
             let remedy = match names.is_empty() {
-                true => format!("a {}, which no node here gives", wanted.name()),
-                false => format!("a {}, which these nodes give: {}", wanted.name(), names.join(", ")),
+                true => format!("{}, which no node here gives", wanted.with_article()),
+                false => format!("{}, which these nodes give: {}", wanted.with_article(), names.join(", ")),
             };
             let what = format!("the input '{}' is wired to the wrong type", link.port);
             let error =
-                Error::usage(what).found(format!("a {} from '{text}'", found.name())).accepted(remedy);
+                Error::usage(what).found(format!("{} from '{text}'", found.with_article())).accepted(remedy);
             return Err(link.source.origin.blame(error));
         }
         edges[port] = Some(Edge { node: feeding, output, origin: link.source.origin.clone() });
@@ -274,9 +274,9 @@ fn wire(entry: &NodeEntry, nodes: &[GraphNode], place: usize) -> Result<Vec<Edge
     let missing = |port: usize| {
         let port = &node.inputs[port];
         Error::usage(format!("the input '{}' is not wired", port.name)).accepted(format!(
-            "inputs = {{ {} = \"…\" }}, the name of a node that gives a {}",
+            "inputs = {{ {} = \"…\" }}, the name of a node that gives {}",
             port.name,
-            port.port_type.name()
+            port.port_type.with_article()
         ))
     };
     edges.into_iter().enumerate().map(|(port, edge)| edge.ok_or_else(|| missing(port))).collect()

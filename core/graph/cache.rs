@@ -48,7 +48,7 @@ impl Cache {
         files: &[(PathBuf, Stamp)],
     ) -> Option<&Entry> {
         self.entries.iter().find(|e| {
-            std::ptr::eq(e.node, node)
+            e.node.name == node.name
                 && e.inputs == inputs
                 && e.files == files
                 && e.parameters == *parameters
@@ -59,7 +59,7 @@ impl Cache {
     /// Adds a run, in place of one that it makes superfluous.
     pub(super) fn add(&mut self, entry: Entry) {
         self.entries.retain(|e| {
-            !(std::ptr::eq(e.node, entry.node)
+            !(e.node.name == entry.node.name
                 && e.inputs == entry.inputs
                 && e.parameters == entry.parameters
                 && e.files.iter().map(|f| &f.0).eq(entry.files.iter().map(|f| &f.0)))
@@ -76,7 +76,7 @@ impl Cache {
                 .order
                 .iter()
                 .map(|&i| &graph.nodes[i])
-                .any(|n| std::ptr::eq(n.node, entry.node) && n.parameters == entry.parameters);
+                .any(|n| n.node.name == entry.node.name && n.parameters == entry.parameters);
             let keep = wanted && entry.inputs.iter().all(|r| alive.contains(r));
             if keep {
                 alive.extend(entry.outputs.iter().map(|o| o.1));

@@ -109,6 +109,12 @@ impl PortType {
         }
     }
 
+    /// The name with its article, for messages.
+    pub fn with_article(self) -> String {
+        let article = if self == PortType::Image { "an" } else { "a" };
+        format!("{article} {}", self.name())
+    }
+
     /// Whether an output of this type can be wired to an input of type `input`. A grid serves as a volume without
     /// gradient.
     pub fn serves(self, input: PortType) -> bool {

@@ -84,6 +84,7 @@ fn every_kind_of_mistake_is_placed() {
         ("size = [8, 8]", "size = [8, 0]", &["'size' is out of range: found 0"]),
         ("size = [8, 8]", "size = [8.5, 8]", &["'size' is of the wrong type"]),
         ("size = [8, 8]", "size = [1000000000, 8]", &["'size' is out of range"]),
+        ("size = [8, 8]", "size = [32768, 32768]", &["too many pixels: found 1073741824"]),
         ("up = [0.0, 0.0, 1.0]", "up = [1.0, 0.0, 0.0]", &["parallel to the view", ":29:6"]),
         ("target = [0.5, 0.5, 0.5]", "target = [-3.0, 0.5, 0.5]", &["are the same point", ":28:10"]),
         (

@@ -113,3 +113,27 @@ fn a_picture_without_widgets_is_empty_and_says_so() {
     assert!(ran.stdout.contains("warning: look: the transfer function has no widgets"), "{}", ran.stdout);
     assert!(folder.floats("slab.exr").1.iter().all(|pixel| *pixel == [0.0; 4]));
 }
+
+#[test]
+fn a_painted_table_is_decoded_from_srgb() {
+    let folder = Folder::new();
+    // Mid grey in sRGB, opaque: the same extinction everywhere.
+    image::RgbaImage::from_pixel(3, 2, image::Rgba([188, 255, 0, 255]))
+        .save(folder.join("table.png"))
+        .unwrap();
+    let table = "kind = \"table\"\nimage = \"table.png\"\ns = [-1.0, 2.0]\ng = [0.0, 2.0]";
+    let text = SLAB.replace("kind = \"uniform\"", table).replace("region = { s = [-1.0, 2.0] }\n", "");
+    folder.write("table.toml", text.replace("color = [0.5, 1.0, 0.25]\n", ""));
+    folder.voltet(&["run", "table.toml"]).ok();
+    let opacity = 1.0 - (-2.0f32).exp();
+    let grey = ((188.0f32 / 255.0 + 0.055) / 1.055).powf(2.4);
+    let (_, pixels) = folder.floats("slab.exr");
+    for (found, expected) in pixels[4 * 8 + 4].iter().zip([grey * opacity, opacity, 0.0, opacity]) {
+        // The texels are 32-bit floats, interpolated twice.
+        assert!((found - expected).abs() <= 1e-5, "{:?}", pixels[4 * 8 + 4]);
+    }
+    let missing = ["run", "table.toml", "--set", "look.widgets.0.image=tabel.png"];
+    folder
+        .voltet(&missing)
+        .fails(1, &["picture of a table widget cannot be read", "tabel.png", "node 'look'"]);
+}
