@@ -2,7 +2,7 @@
 //!
 //! One pass over the kept cells in grid order, as many at a time as the processor has 64-bit lanes. Cells that
 //! cover no pixel centre go no further. Cells that 32 bits cannot hold (behind or very near the eye, slivers
-//! beyond 1 : 30,000) are listed as special and drawn in 64 bits by [`super::special`].
+//! beyond 1 : 30,000, cells flatter than the pixel coordinates resolve) are listed as special and drawn in 64 bits by [`super::special`].
 
 use super::lanes::{Double, Kernel, Lanes, Mask, array, inlined};
 use super::record::{AttributeRecord, Record, STEEP, TILE};
@@ -194,6 +194,7 @@ fn project_group<L: Lanes>(input: &Input<'_>, group: &[u32], part: &mut Part) {
     );
     let n0 = cross(&f[0], &f[1]);
 
+    let (spread_x, spread_y) = (most(&x) - least(&x), most(&y) - least(&y));
     let mut front_bits = [0u32; 4];
     let mut planes = [[[0f32; MOST]; 3]; 4];
     for (k, normal) in [n0, n1, n2, n3].iter().enumerate() {
@@ -207,7 +208,9 @@ fn project_group<L: Lanes>(input: &Input<'_>, group: &[u32], part: &mut Part) {
         let c = v[from] + (a * (pixel_x - x[from]) + b * (pixel_y - y[from]));
         let largest = a.abs().max(b.abs()).max(c.abs());
         // NaN (0/0 of an edge-on face) fails the comparison too.
-        let bounded = largest.lt(splat(STEEP));
+        // A projected area that the rounding of the pixel coordinates could have made is none: edge-on.
+        let area_noise = splat(4.0 * super::view::PIXEL_STEP) * (spread_x + spread_y);
+        let bounded = largest.lt(splat(STEEP)).and(area_noise.lt(normal[2].abs()));
         let open = L::D::select(faces_eye, splat(STEEP), splat(-STEEP));
         // An edge-on face constrains nothing: the silhouette does.
         L::D::select(bounded, a, zero).store_f32(&mut planes[k][0]);
@@ -218,7 +221,7 @@ fn project_group<L: Lanes>(input: &Input<'_>, group: &[u32], part: &mut Part) {
 
     // Attributes: (s − base)(1 + v) is affine in (x, y, v).
     let inverse = one / determinant;
-    let sound = inverse.abs().lt(splat(f64::MAX));
+    let sound = determinant.abs().lt(splat(f64::MAX));
     let mut ill = 0;
     const ATTRIBUTES_MOST: usize = 12;
     let mut stored = [[[0f32; MOST]; 6]; ATTRIBUTES_MOST];
@@ -269,6 +272,14 @@ fn project_group<L: Lanes>(input: &Input<'_>, group: &[u32], part: &mut Part) {
         low.store_f32(&mut stored[4]);
         high.store_f32(&mut stored[5]);
     }
+    // A determinant that the rounding of the pixel coordinates could have made says nothing: in 64 bits, without
+    // pixels, a cell whose points lie on a line or a plane is seen to have no volume.
+    let mut across = zero;
+    for normal in [&n1, &n2, &n3] {
+        across = across + (normal[0].abs() + normal[1].abs());
+    }
+    let noise = splat(16.0 * super::view::PIXEL_STEP) * across;
+    ill |= determinant.abs().le(noise).bits();
     let drawn = ordinary & sound.bits();
     special |= drawn & ill;
     push_special(group, special, part);

@@ -176,15 +176,16 @@ impl Shader {
     ) -> u32 {
         let splat = L::F::splat;
         let zero = splat(0.0);
-        let (mut total, mut squares, mut unsure) = (zero, zero, 0);
+        // `product` is Σ_{i<j} T_i T_j, without cancellation: a stiff widget must not hide a thin one.
+        let (mut total, mut product, mut unsure) = (zero, zero, 0);
         let mut color = [zero; 3];
         let mut depths = [zero; ORDERED_MOST];
         for (i, widget) in widgets.iter().enumerate() {
             let (depth, no) = widget.depth::<L>(along);
             unsure |= no;
             depths[i.min(ORDERED_MOST - 1)] = depth;
+            product = depth.mul_add(total, product);
             total = total + depth;
-            squares = depth.mul_add(depth, squares);
             for (sum, c) in color.iter_mut().zip(widget.color()) {
                 *sum = depth.mul_add(splat(c), *sum);
             }
@@ -206,11 +207,7 @@ impl Shader {
         if self.overlap == Overlap::Mix {
             return unsure;
         }
-        // Σ_{i<j} T_i T_j; the cancellation leaves 1e-7 T², under a thousandth of what matters.
-        let product = (total.mul_add(total, -squares)) * splat(0.5);
-        let rounding = total * total * splat(2e-7);
-        let overlapping =
-            (splat(MIX_PRODUCT) + rounding).lt(product).bits() & along.crossing.bits() & !unsure;
+        let overlapping = splat(MIX_PRODUCT).lt(product).bits() & along.crossing.bits() & !unsure;
         if overlapping == 0 {
             return unsure;
         }
@@ -251,6 +248,15 @@ impl Shader {
         let steps = if one_step { 1 } else { STEPS };
         let share = splat(1.0 / steps as f32);
         let (mut color, mut through) = ([splat(0.0); 3], splat(1.0));
+        // Widgets too thin for the order to matter are mixed in.
+        let average = one_minus_exp::<L>(total) / total.max(splat(f32::MIN_POSITIVE));
+        for (widget, &depth) in widgets.iter().zip(depths) {
+            let matters = splat(MIX_PRODUCT).lt(depth * total);
+            let mixed = L::F::select(matters, splat(0.0), depth * average);
+            for (sum, c) in color.iter_mut().zip(widget.color()) {
+                *sum = mixed.mul_add(splat(c), *sum);
+            }
+        }
         for step in 0..steps {
             let (mut density, mut weighted) = ([splat(0.0); 4], [[splat(0.0); 3]; 4]);
             for (widget, &widget_depth) in widgets.iter().zip(depths) {

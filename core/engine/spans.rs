@@ -13,6 +13,9 @@ use super::view::Seen;
 /// Pairs of corners: the edges.
 const EDGES: [[usize; 2]; 6] = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]];
 
+/// See the use.
+const GRAIN: f32 = 1.0 / (1 << 17) as f32;
+
 /// Fragments are coded lane << 8 | row << 4 | column.
 const SPARE: usize = 32;
 
@@ -66,6 +69,14 @@ impl Fragments {
             at_top.store_f32(&mut crossing[half..]);
             tilt.store_f32(&mut slope[half..]);
         }
+        // Crossings are rounded to 2⁻¹⁷ of a pixel (across the edge): several edges of a face that is seen edge-on
+        // lie on one line, and must cross a row at one place although each is rounded in its own way.
+        let (mut grain, mut per_grain) = ([0f32; 8], [0f32; 8]);
+        for k in 0..EDGES.len() {
+            let steepness = f32::from_bits(slope[k].abs().clamp(1.0, 1e6).to_bits() & 0x7f80_0000);
+            grain[k] = steepness * GRAIN;
+            per_grain[k] = 1.0 / grain[k];
+        }
         let top_row = y[0].min(y[1]).min(y[2].min(y[3])).ceil() - top as f64;
         let bottom_row = y[0].max(y[1]).max(y[2].max(y[3])).ceil() - top as f64;
         let start = top_row.max(rows.start as f64) as usize;
@@ -83,6 +94,7 @@ impl Fragments {
             for k in 0..EDGES.len() {
                 let crosses = splat(first[k]).le(row).and(row.lt(splat(last[k])));
                 let x = row.mul_add(splat(slope[k]), splat(crossing[k]));
+                let x = (x * splat(per_grain[k])).round() * splat(grain[k]);
                 least = L::F::select(crosses, x.min(least), least);
                 most = L::F::select(crosses, x.max(most), most);
             }

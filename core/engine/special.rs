@@ -54,6 +54,9 @@ fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
 impl Special {
     /// `None` if no ray of the picture can cross the cell over a positive length.
     pub fn new(view: &View, id: u32, corners: [DVec3; 4]) -> Option<Special> {
+        if flat(corners) {
+            return None;
+        }
         let e = corners.map(|p| view.eye_from_world(p));
         let bounds = bounds(view, &e)?;
         let mut faces = Vec::with_capacity(4);
@@ -107,6 +110,19 @@ impl Special {
             .all(|w| w.is_finite())
             .then_some(SpecialCrossing { depth: [enter, leave], weights })
     }
+}
+
+/// Whether the corners lie in a plane, as far as 64 bits can say: a ray's way through the cell is then under
+/// 1e-14 of its size.
+fn flat(corners: [DVec3; 4]) -> bool {
+    let edges = [1, 2, 3].map(|k| corners[k] - corners[0]);
+    let largest = edges.iter().fold(0.0f64, |largest, e| largest.max(e.abs().max_element()));
+    if largest == 0.0 || !largest.is_finite() {
+        return true;
+    }
+    let [a, b, c] = edges.map(|e| e / largest);
+    let size = a.length() * b.length() * c.length();
+    a.dot(b.cross(c)).abs() <= 1e-14 * size
 }
 
 /// Pixels that the cell may cover: its corners in front of a plane close to the eye, and its edges cut there.

@@ -45,6 +45,9 @@ pub(crate) struct Seen {
     pub z: f64,
 }
 
+/// Spacing of pixel coordinates: 2⁻²⁴.
+pub(crate) const PIXEL_STEP: f64 = 1.0 / (1u64 << 24) as f64;
+
 /// Adding and taking away 1.5 · 2⁵² · 2⁻²⁴ rounds to a multiple of 2⁻²⁴ (|x| < 2²⁷; above, to a multiple of the
 /// spacing of the floats there).
 const ROUND: f64 = 1.5 * (1u64 << 28) as f64;

@@ -53,7 +53,6 @@ fn step_between_control_points() {
 
 /// The same by a region's edge: what the mist in front of the edge adds must not be lost.
 #[test]
-#[ignore = "known fault: the engine loses what lies before a stiff region within one segment"]
 fn step_at_a_regions_edge() {
     let corners = [[0.2, 0.0], [0.3, 0.0], [0.31, 3.0], [0.2, 3.0]];
     step("step polygon", polygon(&corners, 1e8, [0.2, 0.9, 0.4]));
