@@ -68,10 +68,16 @@ pub(crate) enum LaneWidget {
     Exact,
 }
 
+/// Beyond so many widths the rounding of a segment's ends reaches the square of its distance from the centre:
+/// 4e-3 of the depth at 1e6 widths.
+const WIDTHS_MOST: f32 = 1e5;
+
 /// exp(−|K (v − centre)|²), K and the centre scaled as the attributes are.
 pub(crate) struct LaneGaussian {
     matrix: [[f32; 2]; 2],
     centre: [f32; 2],
+    /// Whether a segment can span more than [`WIDTHS_MOST`] widths.
+    narrow: bool,
     /// K has one row and looks at s only.
     one_dimensional: bool,
     density: f32,
@@ -161,7 +167,9 @@ impl LaneWidget {
             (Profile::Gaussian { centre, matrix }, region) => {
                 let axis = |a: usize| attributes.get(a).map_or([0.0, 1.0], |x| [x.offset, x.scale]);
                 let scale = [axis(0)[1], axis(1)[1]];
+                let steepest = matrix.iter().flat_map(|row| [row[0] * scale[0], row[1] * scale[1]]);
                 LaneWidget::Gaussian(LaneGaussian {
+                    narrow: steepest.map(f64::abs).sum::<f64>() > f64::from(WIDTHS_MOST),
                     matrix: matrix.map(|row| [(row[0] * scale[0]) as f32, (row[1] * scale[1]) as f32]),
                     centre: std::array::from_fn(|a| ((centre[a] - axis(a)[0]) / axis(a)[1]) as f32),
                     one_dimensional: !widget.uses_gradient_magnitude() && matrix[1][0] == 0.0,
@@ -194,7 +202,14 @@ impl LaneWidget {
                 let (t0, t1) = region.clip(along);
                 ((t1 - t0).max(zero) * L::F::splat(*density) * along.length, 0)
             }
-            LaneWidget::Gaussian(gaussian) => (gaussian.depth(along), 0),
+            LaneWidget::Gaussian(gaussian) => {
+                let unsure = if gaussian.narrow {
+                    L::F::splat(WIDTHS_MOST).lt(gaussian.extent::<L>(along)).bits()
+                } else {
+                    0
+                };
+                (gaussian.depth(along), unsure)
+            }
             LaneWidget::Linear(linear) => (linear.depth(along), 0),
             LaneWidget::Exact => (zero, u32::MAX),
         }
