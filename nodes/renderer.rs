@@ -99,8 +99,8 @@ fn run(call: &mut Call) -> Result<Outputs> {
     let picture = if shading.integrator == Integrator::Reference {
         drawing::referee(call, &volume, &transfer_function, &camera, &shading, order)?
     } else {
-        let mut cells = drawing::cull(call, &volume, &transfer_function, &camera)?;
-        cells.order = order;
+        let cells = drawing::cull(call, &volume, &transfer_function, &camera)?;
+        let cells = voltet_core::engine::sort(&cells, &camera, order)?;
         let projection = drawing::project(call, &cells, &transfer_function, &camera)?;
         drawing::composite(call, &projection, &transfer_function, &shading)?
     };

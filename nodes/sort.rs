@@ -32,8 +32,8 @@ fn demand(asking: &mut Asking) -> Result<()> {
 fn run(call: &mut Call) -> Result<Outputs> {
     let order = drawing::order(call.parameters, call.demand.order)?;
     let culled = call.cells("cells")?;
-    let mut cells = culled.cells.clone();
-    cells.order = order;
+    let camera = call.camera("camera")?;
+    let cells = voltet_core::engine::sort(&culled.cells, &camera, order)?;
     let transfer_function = culled.transfer_function.clone();
     Ok(vec![Value::Cells(Arc::new(Culled { cells, transfer_function }))])
 }

@@ -26,6 +26,7 @@ pub(crate) struct WorkerCounts {
     pub segments: u64,
     pub segments_exact: u64,
     pub tiles_deep: u64,
+    pub pixels_disordered: u64,
 }
 
 /// One worker: takes tiles until none is left.
@@ -149,10 +150,11 @@ struct Blend<'a> {
 }
 
 impl Kernel for Blend<'_> {
-    type Output = ();
+    /// Pixels composited out of order.
+    type Output = u64;
     #[inline(always)]
-    fn run<L: Lanes>(self) {
-        self.lists.composite::<L>(self.sorted, self.picture);
+    fn run<L: Lanes>(self) -> u64 {
+        self.lists.composite::<L>(self.sorted, self.picture)
     }
 }
 
@@ -233,7 +235,8 @@ fn draw_tile(
     let before = scratch.counts;
     let drawn = walk(scene, tile, 0..TILE, scratch, lists);
     if drawn.is_ok() {
-        dispatch(scene.lanes, Blend { lists, sorted: scene.sorted, picture });
+        scratch.counts.pixels_disordered +=
+            dispatch(scene.lanes, Blend { lists, sorted: scene.sorted, picture });
     }
     if drawn.is_err() {
         // Rows are independent: draw them one at a time with lists that grow.
@@ -243,7 +246,8 @@ fn draw_tile(
         for row in 0..TILE {
             deep.clear();
             let _ = walk(scene, tile, row..row + 1, scratch, &mut deep);
-            deep.composite(scene.sorted, &mut picture[row * TILE..][..TILE]);
+            scratch.counts.pixels_disordered +=
+                deep.composite(scene.sorted, &mut picture[row * TILE..][..TILE]);
         }
     }
 }

@@ -18,12 +18,14 @@ impl DeepRow {
         self.pixels[column].push(layer);
     }
 
-    /// Composites the row.
-    pub fn composite(&mut self, sorted: bool, out: &mut [[f32; 4]]) {
+    /// Composites the row; returns the pixels whose segments were not in order.
+    pub fn composite(&mut self, sorted: bool, out: &mut [[f32; 4]]) -> u64 {
+        let mut disordered = 0;
         for (layers, out) in self.pixels.iter_mut().zip(out) {
             if sorted {
                 layers.sort_by(|a, b| a.entry.total_cmp(&b.entry).then_with(|| a.exit.total_cmp(&b.exit)));
             }
+            disordered += u64::from(!layers.is_sorted_by(|a, b| a.entry <= b.entry));
             // Thousands of layers: 64-bit sums.
             let (mut color, mut through) = ([0f64; 3], 1f64);
             for layer in layers.iter() {
@@ -34,5 +36,6 @@ impl DeepRow {
             }
             *out = [color[0] as f32, color[1] as f32, color[2] as f32, (1.0 - through) as f32];
         }
+        disordered
     }
 }

@@ -9,7 +9,7 @@ use super::{Cells, Counts, Integrator, Order, Shading};
 use crate::camera::Camera;
 use crate::picture::Picture;
 use crate::progress::Progress;
-use crate::transfer::{OpticalModel, TransferFunction};
+use crate::transfer::TransferFunction;
 use crate::{Error, Result};
 use rayon::prelude::*;
 use std::sync::atomic::AtomicUsize;
@@ -85,6 +85,19 @@ pub fn project(
     Ok(Projection { cells: cells.clone(), camera: *camera, samples })
 }
 
+/// Gives the cells the order in which the compositor shall take a pixel's segments. The exact order is carried out
+/// at each pixel; [`Order::Centroid`] sorts the cells here ([`crate::visibility::centroid_order`]), and their
+/// segments are composited as they come.
+pub fn sort(cells: &Cells, camera: &Camera, order: Order) -> Result<Cells> {
+    let mut sorted = Cells { order, ..cells.clone() };
+    if order == Order::Centroid {
+        let grid = &cells.volume.grid;
+        let kept = crate::visibility::centroid_order(&grid.points, &grid.tetrahedra, &cells.kept, camera)?;
+        sorted.kept = std::sync::Arc::new(kept);
+    }
+    Ok(sorted)
+}
+
 /// Integrates and composites every pixel's segments.
 ///
 /// Errors: an optical model, widget or integrator that the engine cannot serve, named with what can.
@@ -94,7 +107,7 @@ pub fn composite(
     shading: &Shading,
     progress: &dyn Progress,
 ) -> Result<(Picture, Counts)> {
-    serve(transfer_function, shading)?;
+    serve(shading)?;
     let cells = &projection.cells;
     let attributes = attributes_of(cells, transfer_function)?;
     if projection.samples.iter().any(|sample| sample.attribute_count != attributes.len()) {
@@ -125,6 +138,7 @@ pub fn composite(
             counts.segments += worker.segments;
             counts.segments_exact += worker.segments_exact;
             counts.tiles_deep += worker.tiles_deep;
+            counts.pixels_disordered += worker.pixels_disordered;
             for (tile, pixels) in done {
                 tiles[*tile as usize] = Some(pixels);
             }
@@ -139,10 +153,6 @@ pub fn composite(
                 }
             }
         });
-    }
-    if needs_order && !sorted {
-        // Which pixels an unsorted composite got wrong is not known without sorting: those it may have.
-        counts.pixels_disordered = picture.rgba.iter().filter(|p| p[3] > 0.0).count() as u64;
     }
     Ok((picture, counts))
 }
@@ -160,16 +170,11 @@ pub fn draw(
 }
 
 /// Says what the engine does not serve yet.
-fn serve(transfer_function: &TransferFunction, shading: &Shading) -> Result<()> {
+fn serve(shading: &Shading) -> Result<()> {
     if shading.integrator != Integrator::Analytic {
         return Err(Error::usage("the native engine does not offer this integrator")
             .found(format!("{:?}", shading.integrator))
             .accepted("integrator = \"analytic\""));
-    }
-    if transfer_function.model != OpticalModel::DensityEmitter {
-        return Err(Error::usage("the native engine does not offer this optical model")
-            .found("constant-emitter")
-            .accepted("model = \"density-emitter\", or integrator = \"reference\""));
     }
     if shading.silhouette.is_some() || shading.light.is_some() {
         return Err(Error::usage("the native engine does not offer silhouettes and lighting")

@@ -83,9 +83,11 @@ impl Lists {
         Ok(())
     }
 
-    /// Composites every pixel, sorted or in the order of arrival, into `out` (rows of `TILE` pixels).
+    /// Composites every pixel, sorted or in the order of arrival, into `out` (rows of `TILE` pixels). Returns the
+    /// pixels whose segments were not in order.
     #[inline(always)]
-    pub fn composite<L: Lanes>(&mut self, sorted: bool, out: &mut [[f32; 4]; TILE * TILE]) {
+    pub fn composite<L: Lanes>(&mut self, sorted: bool, out: &mut [[f32; 4]; TILE * TILE]) -> u64 {
+        let mut disordered = 0;
         for row in 0..TILE {
             let counts: [u16; TILE] = self.count[row * TILE..][..TILE].try_into().expect("a row of counts");
             let deepest = usize::from(counts.iter().copied().max().unwrap_or(0));
@@ -97,9 +99,21 @@ impl Lists {
             if sorted {
                 sort_lanes::<L>(&mut self.keys, deepest);
                 self.mend::<L>(row, deepest);
+            } else {
+                disordered += self.disordered(row, &counts);
             }
             self.blend::<L>(row, deepest, &mut out[row * TILE..][..TILE]);
         }
+        disordered
+    }
+
+    /// Pixels of a row whose segments did not arrive in order.
+    fn disordered(&self, row: usize, counts: &[u16; TILE]) -> u64 {
+        let entry = |x: usize, slot: usize| self.layers[row * ROW + slot * TILE + x].entry;
+        let wrong = |(x, &count): (usize, &u16)| {
+            (1..usize::from(count)).any(|slot| entry(x, slot) < entry(x, slot - 1))
+        };
+        counts.iter().enumerate().filter(|&column| wrong(column)).count() as u64
     }
 
     /// Keys: the entry in 22 bits of the pixel's own depth range, then the slot; past the end of a list all ones.

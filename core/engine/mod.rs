@@ -18,7 +18,7 @@ mod view;
 mod widget;
 
 pub use cull::cull;
-pub use draw::{Projection, composite, draw, project};
+pub use draw::{Projection, composite, draw, project, sort};
 
 use crate::camera::Camera;
 use crate::optics::Overlap;
@@ -77,7 +77,7 @@ pub enum Integrator {
 pub struct Cells {
     /// The volume they belong to.
     pub volume: Arc<Volume>,
-    /// Numbers of the tetrahedra kept, ascending (grid order).
+    /// Numbers of the tetrahedra kept: ascending (grid order), or by centroid if that is the order asked for.
     pub kept: Arc<Vec<u32>>,
     /// Order that the compositor carries out.
     pub order: Order,
@@ -98,7 +98,7 @@ pub struct Cells {
 pub struct Counts {
     /// Ray segments integrated.
     pub segments: u64,
-    /// Pixels whose segments were composited in an order that was not exact.
+    /// Pixels (samples, where a pixel has several) whose segments were composited in an order that was not exact.
     pub pixels_disordered: u64,
     /// Cells that were projected: kept, and covering a pixel centre.
     pub cells_projected: u64,
