@@ -10,5 +10,6 @@ mod difficult;
 mod golden;
 mod grids;
 mod looks;
+mod orders;
 mod ordinary;
 mod stiff;

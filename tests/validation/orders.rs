@@ -1,0 +1,70 @@
+//! Orders that are not exact, and looks that the engine integrates in 64 bits.
+
+use crate::compare::{Scene, ordinary};
+use crate::grids::*;
+use crate::looks::*;
+use voltet_core::engine::{self, Integrator, Order, Shading};
+use voltet_core::optics::Overlap;
+use voltet_core::progress::Silent;
+use voltet_core::transfer::{OpticalModel, Profile, TransferFunction, Wave, Widget};
+
+const SHADING: Shading =
+    Shading { integrator: Integrator::Analytic, overlap: Overlap::Exact, silhouette: None, light: None };
+
+/// The exact order leaves no pixel disordered; centroids are wrong somewhere in a jittered grid, grid order in
+/// more places; and where the colour is one, no order is wrong.
+#[test]
+fn disordered_pixels_are_counted() {
+    let scene = Scene {
+        name: "orders".into(),
+        volume: smooth(cube([6, 6, 6], 0.3)),
+        look: overlapping(),
+        camera: outside([48, 48]),
+    };
+    let cells = engine::cull(&scene.volume, &scene.look, &scene.camera, &Silent).unwrap();
+    let disordered = |order: Order, look: &TransferFunction| {
+        let cells = engine::sort(&cells, &scene.camera, order).unwrap();
+        engine::draw(&cells, look, &scene.camera, &SHADING, &Silent).unwrap().1.pixels_disordered
+    };
+    let [exact, centroid, none] =
+        [Order::Exact, Order::Centroid, Order::None].map(|o| disordered(o, &scene.look));
+    assert_eq!(exact, 0);
+    assert!(0 < centroid && centroid < none, "centroid {centroid}, none {none}");
+    assert_eq!(disordered(Order::None, &one_gaussian()), 0);
+}
+
+fn widget(profile: Profile) -> Widget {
+    Widget { profile, color: [0.9, 0.6, 0.2], extinction: 2.0, region: None }
+}
+
+fn wave(period: f64, band_width: f64) -> Wave {
+    Wave { origin: [0.1, 0.0], angle: 0.3, scale: [1.0, 0.2], period, band_width }
+}
+
+#[test]
+fn widgets_without_a_vector_form() {
+    for (name, profile) in [
+        ("triangular gaussian", Profile::TriangularGaussian { centre: 0.5, sigma: 0.1 }),
+        ("triangle wave", Profile::TriangleWave(wave(0.21, 0.4))),
+        ("sine wave", Profile::SineWave(wave(0.13, 1.0))),
+    ] {
+        ordinary(&Scene {
+            name: name.into(),
+            volume: smooth(cube([4, 4, 4], 0.2)),
+            look: look(vec![widget(profile)]),
+            camera: outside([40, 40]),
+        });
+    }
+}
+
+#[test]
+fn constant_emitter() {
+    let mut look = overlapping();
+    look.model = OpticalModel::ConstantEmitter { cutoff: 1.0 / 255.0 };
+    ordinary(&Scene {
+        name: "constant emitter".into(),
+        volume: smooth(cube([4, 4, 4], 0.2)),
+        look,
+        camera: outside([40, 40]),
+    });
+}
