@@ -23,11 +23,11 @@ fn draw(pipeline: &str, integrator: &str, folder: &Path) -> Vec<f32> {
         .output()
         .expect("the program starts");
     assert!(output.status.success(), "{pipeline}: {}", String::from_utf8_lossy(&output.stderr));
-    image::open(&picture).unwrap().to_rgba32f().into_raw()
+    image::open(&picture).expect("the program wrote a picture").to_rgba32f().into_raw()
 }
 
 fn compare(pipeline: &str) {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = tempfile::tempdir().expect("a temporary folder");
     let ours = draw(pipeline, "analytic", folder.path());
     let reference = draw(pipeline, "reference", folder.path());
     assert!(ours.iter().all(|value| value.is_finite()), "{pipeline}: a value is not finite");

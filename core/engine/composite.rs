@@ -20,6 +20,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 /// Colour and opacity of a tile's pixels.
 pub(crate) type TilePicture = [[f32; 4]; TILE * TILE];
 
+/// What one worker drew: pictures with their tile numbers, and its counts.
+pub(crate) type Drawn = (Vec<(u32, Box<TilePicture>)>, WorkerCounts);
+
 /// Counts of one worker.
 #[derive(Debug, Default, Clone, Copy)]
 pub(crate) struct WorkerCounts {
@@ -50,7 +53,7 @@ struct Scratch {
 
 impl Worker<'_> {
     /// Draws tiles until the queue is empty. Returns the pictures with their tile numbers.
-    pub fn run(self) -> (Vec<(u32, Box<TilePicture>)>, WorkerCounts) {
+    pub fn run(self) -> Drawn {
         let scene = self.scene;
         let mut scratch = Scratch {
             fragments: Fragments::new(LANES_MOST),
@@ -65,7 +68,7 @@ impl Worker<'_> {
         loop {
             let k = self.next.fetch_add(1, Ordering::Relaxed);
             let Some(&tile) = self.queue.get(k) else { break };
-            if k % 16 == 0 {
+            if k.is_multiple_of(16) {
                 self.progress.report("composite", k as f64 / self.queue.len() as f64);
             }
             if self.progress.cancelled() {

@@ -1,6 +1,6 @@
 //! The stages end to end: project, composite, and the one-call form.
 
-use super::composite::{TilePicture, Worker, WorkerCounts};
+use super::composite::{Drawn, TilePicture, Worker};
 use super::cull::attributes_of;
 use super::record::TILE;
 use super::scene::{Sample, Scene};
@@ -128,7 +128,7 @@ pub fn composite(
         let scene = Scene::new(sample, &cells.volume, &attributes, &shader, sorted);
         let queue = sample.queue();
         let next = AtomicUsize::new(0);
-        let results: Vec<(Vec<(u32, Box<TilePicture>)>, WorkerCounts)> =
+        let results: Vec<Drawn> =
             rayon::broadcast(|_| Worker { scene: &scene, queue: &queue, next: &next, progress }.run());
         if progress.cancelled() {
             return Err(Error::cancelled());

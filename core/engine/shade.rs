@@ -145,9 +145,9 @@ impl Shader {
         const FIELDS_MOST: usize = 10;
         let n = self.scaling.len().min(FIELDS_MOST);
         let mut ends = [[0f64; FIELDS_MOST]; 2];
-        for a in 0..n {
-            ends[0][a] = front(a);
-            ends[1][a] = back(a);
+        let [fronts, backs] = &mut ends;
+        for (a, (at_front, at_back)) in fronts.iter_mut().zip(backs).enumerate().take(n) {
+            (*at_front, *at_back) = (front(a), back(a));
         }
         let g = |values: &[f64; FIELDS_MOST]| if n > 1 { values[1] } else { 0.0 };
         let fields = if n > 2 { 2..n } else { 0..0 };
@@ -299,7 +299,7 @@ impl Shader {
 const STEPS: usize = 4;
 
 /// Gauss-Legendre on [0, 1] with 4 points.
-const NODES: [f32; 4] = [0.069_431_84, 0.330_009_48, 0.669_990_5, 0.930_568_2];
+const NODES: [f32; 4] = [0.069_431_84, 0.330_009_5, 0.669_990_54, 0.930_568_2];
 const WEIGHTS: [f32; 4] = [0.173_927_42, 0.326_072_58, 0.326_072_58, 0.173_927_42];
 /// ∫₀^{node j} of the Lagrange polynomial of node k.
 const UP_TO: [[f32; 4]; 4] = [
