@@ -12,8 +12,8 @@ fn root() -> &'static Path {
 }
 
 fn pipelines() -> Vec<PathBuf> {
-    let folder = std::fs::read_dir(root().join("pipelines")).unwrap();
-    let mut files: Vec<PathBuf> = folder.map(|entry| entry.unwrap().path()).collect();
+    let folder = std::fs::read_dir(root().join("pipelines")).expect("the folder of pipelines");
+    let mut files: Vec<PathBuf> = folder.map(|entry| entry.expect("a folder entry").path()).collect();
     files.retain(|path| path.extension().is_some_and(|ending| ending == "toml"));
     files.sort();
     assert!(files.len() >= 5, "the pipelines that ship are gone: {files:?}");
