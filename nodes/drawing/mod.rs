@@ -9,4 +9,4 @@ mod stages;
 pub use needs::{ask, needs_order};
 pub use order::{ORDER, leave_out_order, order};
 pub use shading::{PARAMETERS, shading};
-pub use stages::{composite, cull, for_data, project, referee};
+pub use stages::{composite, cull, for_data, project, referee, sort};

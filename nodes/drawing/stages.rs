@@ -50,6 +50,11 @@ pub fn cull(
     Ok(cells)
 }
 
+/// Gives the cells their order; the exact one is carried out pixel by pixel, by [`composite`].
+pub fn sort(call: &mut Call, cells: &Cells, camera: &Camera, order: Order) -> Result<Cells> {
+    call.stage("sort", |_| engine::sort(cells, camera, order))
+}
+
 /// Projects the cells for one camera.
 pub fn project(
     call: &mut Call,

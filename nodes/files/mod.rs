@@ -29,7 +29,7 @@ pub fn refuse_unwritable(path: &Path) -> Result<()> {
 /// Writes `content` to a file beside `path` and renames it.
 pub fn write_whole(path: &Path, content: &[u8]) -> Result<()> {
     let mut file = temporary(path)?;
-    file.write_all(content).and_then(|()| file.as_file().sync_all()).map_err(|e| unwritable(path, &e))?;
+    file.write_all(content).map_err(|e| unwritable(path, &e))?;
     file.persist(path).map_err(|e| unwritable(path, &e.error))?;
     Ok(())
 }

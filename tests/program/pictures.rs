@@ -49,6 +49,30 @@ fn the_stages_as_nodes_draw_what_the_renderer_draws() {
 }
 
 #[test]
+fn an_order_that_is_not_exact_is_warned_of() {
+    let folder = Folder::new();
+    // Two colours, so that the order matters.
+    let second =
+        "[[nodes.look.widgets]]\nkind = \"piecewise-linear\"\npoints = [[0, 1, 0, 0, 1], [1, 0, 0, 1, 1]]\n";
+    folder.write("two.toml", SLAB.replace("[nodes.view]", &format!("{second}\n[nodes.view]")));
+    // From behind: the grid's own order is back to front.
+    let draw = |order: &str| {
+        let order = format!("picture.order={order}");
+        folder.voltet(&["run", "two.toml", "--set", "view.eye=[4, 0.5, 0.5]", "--set", &order]).ok().stdout
+    };
+    assert!(!draw("exact").contains("warning"));
+    let (_, exact) = folder.floats("slab.exr");
+    assert!(!draw("auto").contains("warning"));
+    assert_eq!(folder.floats("slab.exr").1, exact);
+    let said = draw("none");
+    assert!(
+        said.contains("warning: picture: 16 pixels were composited in an order that is not exact"),
+        "{said}"
+    );
+    assert_ne!(folder.floats("slab.exr").1, exact);
+}
+
+#[test]
 fn the_referee_draws_the_same() {
     let folder = Folder::new();
     folder.voltet(&["run", "slab.toml", "--set", "picture.integrator=reference"]).ok();
