@@ -88,6 +88,8 @@ impl Worker<'_> {
 struct Cover<'a> {
     scene: &'a Scene<'a>,
     cells: &'a [u32],
+    /// The entries after these: their records are asked for one by one, so that the requests do not queue up.
+    ahead: &'a [u32],
     left: usize,
     top: usize,
     right: usize,
@@ -102,6 +104,9 @@ impl Kernel for Cover<'_> {
     fn run<L: Lanes>(self) {
         self.fragments.count = 0;
         for (lane, &entry) in self.cells.iter().enumerate() {
+            if let Some(&later) = self.ahead.get(lane) {
+                self.scene.prefetch(later);
+            }
             let (record, attributes, corners) = self.scene.record(entry);
             self.group.take(lane, record, attributes, self.left, self.top);
             self.fragments.cover::<L>(corners, lane, self.left, self.top, self.rows.clone(), self.right);
@@ -123,10 +128,11 @@ impl Kernel for Evaluate<'_> {
     #[inline(always)]
     fn run<L: Lanes>(self) {
         let Evaluate { scene, group, codes, count, stretch, batch } = self;
+        let ordered = scene.shader.one_color.is_none();
         if scene.view.perspective {
-            group.evaluate::<L, true>(codes, count, stretch, scene.near, batch);
+            group.evaluate::<L, true>(codes, count, stretch, scene.near, ordered, batch);
         } else {
-            group.evaluate::<L, false>(codes, count, stretch, scene.near, batch);
+            group.evaluate::<L, false>(codes, count, stretch, scene.near, ordered, batch);
         }
     }
 }
@@ -273,10 +279,11 @@ fn walk(
     let entries = scene.entries_of(tile);
     for (number, cells) in entries.chunks(width).enumerate() {
         let after = (number + 1) * width;
-        for &entry in &entries[after.min(entries.len())..(after + width).min(entries.len())] {
-            scene.prefetch(entry);
-        }
-        dispatch(scene.lanes, Cover { scene, cells, left, top, right, rows: rows.clone(), group, fragments });
+        let ahead = &entries[after.min(entries.len())..];
+        dispatch(
+            scene.lanes,
+            Cover { scene, cells, ahead, left, top, right, rows: rows.clone(), group, fragments },
+        );
         let mut from = 0;
         while from < fragments.count {
             let count = (fragments.count - from).min(BATCH);

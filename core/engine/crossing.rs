@@ -20,8 +20,6 @@ pub(crate) struct Group {
 pub(crate) struct Batch {
     /// Pixel of the tile, row << 4 | column.
     pub pixel: Vec<u32>,
-    /// Cell lane of the group.
-    pub lane: Vec<u32>,
     /// Fragments that cross their cell over a positive length.
     pub hits: u32,
     /// D; 0 where the ray misses the cell.
@@ -41,7 +39,6 @@ impl Batch {
         let column = || vec![0f32; BATCH];
         Batch {
             pixel: vec![0; BATCH],
-            lane: vec![0; BATCH],
             hits: 0,
             length: column(),
             entry: column(),
@@ -89,7 +86,8 @@ impl Group {
 
     /// Evaluates `codes` (at most [`BATCH`], readable up to the next multiple of `WIDTH`). `stretch` is the
     /// length of each pixel's ray direction; `near`, where the near plane cuts cells, gives its
-    /// v as scale × (depth, or the distance with parallel rays) + offset.
+    /// v as scale × (depth, or the distance with parallel rays) + offset. Entry and exit
+    /// depths are found only if the segments are `ordered`.
     #[inline(always)]
     pub fn evaluate<L: Lanes, const PERSPECTIVE: bool>(
         &self,
@@ -97,6 +95,7 @@ impl Group {
         count: usize,
         stretch: &[f32; TILE * TILE],
         near: Option<[f32; 2]>,
+        ordered: bool,
         batch: &mut Batch,
     ) {
         let word = inlined(
@@ -157,10 +156,11 @@ impl Group {
                 |v: L::F, q: L::F| distance - v * depth * q,
             );
             L::F::select(hit, length, L::F::splat(0.0)).store(&mut batch.length[at..]);
-            depth_at(v_front, q_front).store(&mut batch.entry[at..]);
-            depth_at(v_back, q_back).store(&mut batch.exit[at..]);
+            if ordered {
+                depth_at(v_front, q_front).store(&mut batch.entry[at..]);
+                depth_at(v_back, q_back).store(&mut batch.exit[at..]);
+            }
             pixel.store(&mut batch.pixel[at..]);
-            lane.store(&mut batch.lane[at..]);
             for (k, rows) in self.attributes.iter().enumerate() {
                 let row = inlined(
                     #[inline(always)]

@@ -71,11 +71,13 @@ impl Fragments {
         }
         // Crossings are rounded to 2⁻¹⁷ of a pixel (across the edge): several edges of a face that is seen edge-on
         // lie on one line, and must cross a row at one place although each is rounded in its own way.
+        // The grain is a power of two, so its inverse is had from its bits: (2^e)'s are (e + 127) << 23.
         let (mut grain, mut per_grain) = ([0f32; 8], [0f32; 8]);
         for k in 0..EDGES.len() {
-            let steepness = f32::from_bits(slope[k].abs().clamp(1.0, 1e6).to_bits() & 0x7f80_0000);
-            grain[k] = steepness * GRAIN;
-            per_grain[k] = 1.0 / grain[k];
+            let power = slope[k].abs().clamp(1.0, 1e6).to_bits() & 0x7f80_0000;
+            grain[k] = f32::from_bits(power) * GRAIN;
+            // Wrapping for the slope of an edge without extent, which is no number and has no rows.
+            per_grain[k] = f32::from_bits(0x7f00_0000_u32.wrapping_sub(power)) / GRAIN;
         }
         let top_row = y[0].min(y[1]).min(y[2].min(y[3])).ceil() - top as f64;
         let bottom_row = y[0].max(y[1]).max(y[2].max(y[3])).ceil() - top as f64;
