@@ -9,13 +9,14 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 use voltet::core::camera::{Camera, Projection};
-use voltet::core::engine::{Integrator, Shading, composite, cull, project};
 use voltet::core::field::{self, GradientFilter, LeastSquares, Settings};
 use voltet::core::optics::Overlap;
 use voltet::core::progress::Silent;
+use voltet::core::shading::{Integrator, Shading};
 use voltet::core::transfer::{ControlPoint, OpticalModel, Profile, TransferFunction, Widget};
 use voltet::core::volume::Volume;
 use voltet::core::{Error, Result};
+use voltet::engine::{composite, cull, project};
 use voltet::nodes::formats::{self, Request};
 
 /// A grid, where it is seen from, and the transfer functions it is drawn with.

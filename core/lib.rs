@@ -3,16 +3,17 @@
 //! No GPU, no windows, no files. Each module's head says what it is, its symbols and units, and its source.
 
 pub mod camera;
-pub mod engine;
 pub mod error;
 pub mod field;
 pub mod graph;
 pub mod grid;
+pub mod lanes;
 pub mod optics;
 pub mod picture;
 pub mod pipeline;
 pub mod progress;
 pub mod reference;
+pub mod shading;
 pub mod transfer;
 pub mod visibility;
 pub mod volume;

@@ -2,8 +2,8 @@
 
 use crate::drawing;
 use std::sync::Arc;
-use voltet_core::engine::Integrator;
 use voltet_core::graph::{Asking, Call, Node, Outputs, Port, PortType, Value};
+use voltet_core::shading::Integrator;
 use voltet_core::{Error, Result};
 
 /// The declaration.
@@ -31,7 +31,7 @@ pub const NODE: Node = Node {
 };
 
 fn run(call: &mut Call) -> Result<Outputs> {
-    let projected = call.projection("projection")?;
+    let projected = call.projection::<drawing::Projected>("projection")?;
     let look = call.look("transfer_function")?;
     let shading = drawing::shading(call.parameters)?;
     let revision = call.revision("projection")?;

@@ -3,7 +3,7 @@
 use crate::drawing;
 use std::sync::Arc;
 use voltet_core::Result;
-use voltet_core::graph::{Asking, Call, Culled, Demand, Node, Outputs, Port, PortType, Value};
+use voltet_core::graph::{Asking, Call, Demand, Node, Outputs, Port, PortType, Value};
 
 /// The declaration.
 pub const NODE: Node = Node {
@@ -41,5 +41,5 @@ fn run(call: &mut Call) -> Result<Outputs> {
     let camera = call.camera("camera")?;
     let transfer_function = drawing::for_data(call, &look, &volume, call.revision("volume")?)?;
     let cells = drawing::cull(call, &volume, &transfer_function, &camera)?;
-    Ok(vec![Value::Cells(Arc::new(Culled { cells, transfer_function }))])
+    Ok(vec![Value::Cells(Arc::new(drawing::Culled { cells, transfer_function }))])
 }

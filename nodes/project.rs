@@ -3,7 +3,7 @@
 use crate::drawing;
 use std::sync::Arc;
 use voltet_core::Result;
-use voltet_core::graph::{Asking, Call, Node, Outputs, Port, PortType, Projected, Value};
+use voltet_core::graph::{Asking, Call, Node, Outputs, Port, PortType, Value};
 
 /// The declaration.
 pub const NODE: Node = Node {
@@ -24,8 +24,8 @@ pub const NODE: Node = Node {
 };
 
 fn run(call: &mut Call) -> Result<Outputs> {
-    let (culled, camera) = (call.cells("cells")?, call.camera("camera")?);
+    let (culled, camera) = (call.cells::<drawing::Culled>("cells")?, call.camera("camera")?);
     let transfer_function = culled.transfer_function.clone();
     let projection = drawing::project(call, &culled.cells, &transfer_function, &camera)?;
-    Ok(vec![Value::Projection(Arc::new(Projected { projection, transfer_function }))])
+    Ok(vec![Value::Projection(Arc::new(drawing::Projected { projection, transfer_function }))])
 }

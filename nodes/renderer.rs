@@ -3,10 +3,10 @@
 use crate::drawing;
 use std::sync::Arc;
 use voltet_core::Result;
-use voltet_core::engine::Integrator;
 use voltet_core::graph::{
     Asking, Call, Node, Outputs, Parameter, ParameterType, Parameters, Port, PortType, Standard, Value,
 };
+use voltet_core::shading::Integrator;
 
 /// The declaration.
 pub const NODE: Node = Node {
@@ -100,7 +100,7 @@ fn run(call: &mut Call) -> Result<Outputs> {
         drawing::referee(call, &volume, &transfer_function, &camera, &shading, order)?
     } else {
         let cells = drawing::cull(call, &volume, &transfer_function, &camera)?;
-        let cells = voltet_core::engine::sort(&cells, &camera, order)?;
+        let cells = voltet_engine::sort(&cells, &camera, order)?;
         let projection = drawing::project(call, &cells, &transfer_function, &camera)?;
         drawing::composite(call, &projection, &transfer_function, &shading)?
     };

@@ -3,7 +3,7 @@
 use crate::drawing;
 use std::sync::Arc;
 use voltet_core::Result;
-use voltet_core::graph::{Asking, Call, Culled, Node, Outputs, Port, PortType, Value};
+use voltet_core::graph::{Asking, Call, Node, Outputs, Port, PortType, Value};
 
 /// The declaration.
 pub const NODE: Node = Node {
@@ -31,9 +31,9 @@ fn demand(asking: &mut Asking) -> Result<()> {
 
 fn run(call: &mut Call) -> Result<Outputs> {
     let order = drawing::order(call.parameters, call.demand.order)?;
-    let culled = call.cells("cells")?;
+    let culled = call.cells::<drawing::Culled>("cells")?;
     let camera = call.camera("camera")?;
-    let cells = voltet_core::engine::sort(&culled.cells, &camera, order)?;
+    let cells = voltet_engine::sort(&culled.cells, &camera, order)?;
     let transfer_function = culled.transfer_function.clone();
-    Ok(vec![Value::Cells(Arc::new(Culled { cells, transfer_function }))])
+    Ok(vec![Value::Cells(Arc::new(drawing::Culled { cells, transfer_function }))])
 }

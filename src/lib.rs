@@ -1,7 +1,7 @@
 //! voltet: volume pictures of results on unstructured grids, straight from the cells, with transfer functions over
 //! a scalar and its gradient magnitude.
 //!
-//! This crate is the program and a facade over the two libraries: [`core`] (what a scene is) and [`nodes`] (what
+//! This crate is the program and a facade over three libraries: [`core`] (what a scene is), [`engine`] (what draws it natively) and [`nodes`] (what
 //! reads, draws and writes it). [`Document`] opens a pipeline file, [`nodes::session`] runs it.
 //!
 //! ```no_run
@@ -18,4 +18,5 @@ mod document;
 
 pub use document::{Document, read_text};
 pub use voltet_core as core;
+pub use voltet_engine as engine;
 pub use voltet_nodes as nodes;

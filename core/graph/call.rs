@@ -7,13 +7,14 @@ use super::demand::Demand;
 use super::notes::Notes;
 use super::parameters::Parameters;
 use super::session::Observer;
-use super::value::{Culled, Look, Projected, Revision, Value};
+use super::value::{Look, Prepared, Revision, Value};
 use crate::camera::Camera;
 use crate::grid::Grid;
 use crate::picture::Picture;
 use crate::progress::Progress;
 use crate::volume::Volume;
 use crate::{Error, Result};
+use std::any::Any;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
@@ -160,20 +161,28 @@ impl Call<'_> {
         }
     }
 
-    /// The cells at an input.
-    pub fn cells(&self, port: &str) -> Result<Arc<Culled>> {
+    /// The cells at an input, as the engine of type `T` prepared them.
+    pub fn cells<T: Any + Send + Sync>(&self, port: &str) -> Result<Arc<T>> {
         match self.value(port)? {
-            Value::Cells(cells) => Ok(cells.clone()),
+            Value::Cells(cells) => self.prepared(port, cells),
             other => Err(self.miswired(port, PortType::Cells, other)),
         }
     }
 
-    /// The projection at an input.
-    pub fn projection(&self, port: &str) -> Result<Arc<Projected>> {
+    /// The projection at an input, as the engine of type `T` prepared it.
+    pub fn projection<T: Any + Send + Sync>(&self, port: &str) -> Result<Arc<T>> {
         match self.value(port)? {
-            Value::Projection(projection) => Ok(projection.clone()),
+            Value::Projection(projection) => self.prepared(port, projection),
             other => Err(self.miswired(port, PortType::Projection, other)),
         }
+    }
+
+    fn prepared<T: Any + Send + Sync>(&self, port: &str, value: &Prepared) -> Result<Arc<T>> {
+        value.clone().downcast().map_err(|_| {
+            Error::usage("the stages of a picture belong to different engines")
+                .found(format!("port \"{port}\" of {}", self.node.name))
+                .accepted("cull, sort, project and composite nodes of one engine")
+        })
     }
 
     /// The picture at an input.

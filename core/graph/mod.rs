@@ -39,4 +39,4 @@ pub use registry::Registry;
 pub use session::{Observer, Session, Unobserved};
 pub(crate) use setting::key_text;
 pub use setting::{Datum, Field, Origin, Setting};
-pub use value::{Culled, Look, Projected, Revision, Value, diagonal};
+pub use value::{Look, Prepared, Revision, Value, diagonal};

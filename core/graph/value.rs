@@ -2,17 +2,20 @@
 
 use super::declaration::PortType;
 use crate::camera::Camera;
-use crate::engine::{Cells, Projection};
 use crate::grid::Grid;
 use crate::picture::Picture;
 use crate::transfer::TransferFunction;
 use crate::volume::Volume;
 use glam::DVec3;
+use std::any::Any;
 use std::sync::Arc;
 
 /// Number of an output's content: equal revisions mean equal content, within one session.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Revision(pub(super) u64);
+
+/// What an engine prepared for its own next stage: the graph carries it and does not look inside.
+pub type Prepared = Arc<dyn Any + Send + Sync>;
 
 /// A value at a port.
 #[derive(Debug, Clone)]
@@ -26,9 +29,9 @@ pub enum Value {
     /// See [`PortType::Camera`].
     Camera(Arc<Camera>),
     /// See [`PortType::Cells`].
-    Cells(Arc<Culled>),
+    Cells(Prepared),
     /// See [`PortType::Projection`].
-    Projection(Arc<Projected>),
+    Projection(Prepared),
     /// See [`PortType::Image`].
     Image(Arc<Picture>),
     /// See [`PortType::Report`]; JSON text.
@@ -49,24 +52,6 @@ impl Value {
             Value::Report(_) => PortType::Report,
         }
     }
-}
-
-/// Cells that were culled, and for which transfer function: no other one may be drawn from them.
-#[derive(Debug)]
-pub struct Culled {
-    /// The cells that are left.
-    pub cells: Cells,
-    /// What they were culled for.
-    pub transfer_function: Arc<TransferFunction>,
-}
-
-/// Projected cells, and for which transfer function.
-#[derive(Debug)]
-pub struct Projected {
-    /// The projection.
-    pub projection: Projection,
-    /// What the cells were culled and projected for.
-    pub transfer_function: Arc<TransferFunction>,
 }
 
 /// A transfer function as a pipeline states it: its unit distance may be left to the data.

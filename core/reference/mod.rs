@@ -26,10 +26,10 @@ pub use segment::{Integrand, Tolerance, Workspace};
 
 use crate::Result;
 use crate::camera::Camera;
-use crate::engine::{Order, Shading};
 use crate::optics::{Contribution, Overlap, Segment};
 use crate::picture::Picture;
 use crate::progress::Progress;
+use crate::shading::{Order, Shading};
 use crate::transfer::TransferFunction;
 use crate::volume::Volume;
 

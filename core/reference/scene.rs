@@ -3,8 +3,8 @@
 use super::crossing::{Crossing, Ray, cross};
 use super::segment::{Integrand, Tolerance, Workspace};
 use crate::camera::{Camera, Frame, Projection};
-use crate::engine::{Light, Order, Shading};
 use crate::optics::Contribution;
+use crate::shading::{Light, Order, Shading};
 use crate::transfer::TransferFunction;
 use crate::volume::Volume;
 use crate::{Error, Result};

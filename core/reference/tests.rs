@@ -2,10 +2,10 @@
 
 use super::*;
 use crate::camera::Projection;
-use crate::engine::{Integrator, Light};
 use crate::grid::generate::{box_of_tetrahedra, sample};
 use crate::optics::judge;
 use crate::progress::Silent;
+use crate::shading::{Integrator, Light};
 use crate::transfer::{OpticalModel, Profile, Region, Widget};
 use glam::DVec3;
 use std::sync::Arc;

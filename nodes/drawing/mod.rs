@@ -3,10 +3,12 @@
 
 mod needs;
 mod order;
+mod prepared;
 mod shading;
 mod stages;
 
 pub use needs::{ask, needs_order};
 pub use order::{ORDER, leave_out_order, order};
+pub use prepared::{Culled, Projected};
 pub use shading::{PARAMETERS, shading};
 pub use stages::{composite, cull, for_data, project, referee, sort};

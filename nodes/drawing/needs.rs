@@ -2,8 +2,8 @@
 
 use super::shading::shading;
 use voltet_core::Result;
-use voltet_core::engine::Shading;
 use voltet_core::graph::{Asking, Demand, Look};
+use voltet_core::shading::Shading;
 use voltet_core::transfer::{OpticalModel, Profile, TransferFunction, Widget};
 
 /// Asks at `port` for what drawing the transfer function at `look` with the node's parameters needs; gives what
@@ -60,8 +60,8 @@ fn colors_of(widget: &Widget) -> Option<Vec<[f64; 3]>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use voltet_core::engine::{Integrator, Light};
     use voltet_core::optics::Overlap;
+    use voltet_core::shading::{Integrator, Light};
     use voltet_core::transfer::ControlPoint;
 
     fn widget(color: [f64; 3], extinction: f64) -> Widget {

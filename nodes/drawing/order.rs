@@ -1,8 +1,8 @@
 //! The order of a pixel's segments: the parameter, and what becomes of it.
 
 use voltet_core::Result;
-use voltet_core::engine::Order;
 use voltet_core::graph::{Notes, Parameter, ParameterType, Parameters, Standard};
+use voltet_core::shading::Order;
 
 /// The parameter, for the declarations of `sort` and `renderer`.
 pub const ORDER: Parameter = Parameter {

@@ -1,9 +1,9 @@
 //! The parameters of shading, declared once for the nodes that draw.
 
 use voltet_core::Result;
-use voltet_core::engine::{Integrator, Light, Shading};
 use voltet_core::graph::{Parameter, ParameterType, Parameters, Range, Standard};
 use voltet_core::optics::Overlap;
+use voltet_core::shading::{Integrator, Light, Shading};
 
 /// The integrators that a pipeline may name, each with its meaning.
 const INTEGRATORS: &[(&str, &str)] = &[

@@ -3,14 +3,15 @@
 use std::sync::Arc;
 use voltet_core::Result;
 use voltet_core::camera::Camera;
-use voltet_core::engine::lanes::LaneSet;
-use voltet_core::engine::{self, Cells, Order, Projection, Shading};
 use voltet_core::graph::{Call, Look, Revision, diagonal};
+use voltet_core::lanes::LaneSet;
 use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
 use voltet_core::reference;
+use voltet_core::shading::{Order, Shading};
 use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
+use voltet_engine::{self as engine, Cells, Projection};
 
 /// The diagonal of the data with one revision, kept between runs.
 struct Diagonal(f64);

@@ -3,13 +3,14 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 use voltet_core::camera::Camera;
-use voltet_core::engine::{self, Integrator, Order, Shading};
 use voltet_core::optics::Overlap;
 use voltet_core::picture::Picture;
 use voltet_core::progress::Silent;
+use voltet_core::shading::{Integrator, Order, Shading};
 use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
 use voltet_core::{Error, reference};
+use voltet_engine as engine;
 
 /// What 32-bit segments may leave on an ordinary scene.
 pub const ORDINARY: f64 = 2e-4;

@@ -3,10 +3,11 @@
 use crate::compare::{Scene, ordinary};
 use crate::grids::*;
 use crate::looks::*;
-use voltet_core::engine::{self, Integrator, Order, Shading};
 use voltet_core::optics::Overlap;
 use voltet_core::progress::Silent;
+use voltet_core::shading::{Integrator, Order, Shading};
 use voltet_core::transfer::{OpticalModel, Profile, TransferFunction, Wave, Widget};
+use voltet_engine as engine;
 
 const SHADING: Shading =
     Shading { integrator: Integrator::Analytic, overlap: Overlap::Exact, silhouette: None, light: None };

@@ -4,7 +4,7 @@
 use super::bounds::Precision;
 use super::forms::{Chain, Forms, PartialIntegrals};
 use crate::Result;
-use crate::engine::lanes::{Float, Lanes, Portable};
+use crate::lanes::{Float, Lanes, Portable};
 use crate::optics::clip::{Clip, Stretch};
 use crate::optics::lanes::clip::LaneStretch;
 use crate::optics::lanes::elementary::{exp, mean_transmittance, one_minus_exp};

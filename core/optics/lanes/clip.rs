@@ -3,7 +3,7 @@
 //! Works on the signed distances of both ends from each edge, positive inside; an end on an edge is inside. The
 //! distances are formed in 64 bits, or from coordinates that 32 bits hold, before they come here.
 
-use crate::engine::lanes::{Float, Lanes, Mask};
+use crate::lanes::{Float, Lanes, Mask};
 
 /// A part [t₀, t₁] of each lane's segment, with the complements 1 − t known by themselves.
 #[derive(Clone, Copy)]

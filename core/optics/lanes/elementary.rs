@@ -1,6 +1,6 @@
 //! exp, expm1 and erfcx in 32-bit lanes.
 
-use crate::engine::lanes::{Float, Lanes, Unsigned};
+use crate::lanes::{Float, Lanes, Unsigned};
 
 /// √π/2.
 pub const HALF_SQRT_PI: f32 = 0.886_226_9;

@@ -10,7 +10,7 @@
 //!   less than one bit, since E_b/E_a ≤ e^(−d(a + b)) and d (a + b) > ½ there.
 
 use super::elementary::{HALF_SQRT_PI, erfcx, exp, polynomial};
-use crate::engine::lanes::{Float, Lanes, Mask, array, inlined};
+use crate::lanes::{Float, Lanes, Mask, array, inlined};
 
 /// Mean over the segment of exp(−|q|²), q linear from `front` to `back` in N dimensions (q already multiplied by
 /// K). Relative error some 4e-7 (1 + condition).

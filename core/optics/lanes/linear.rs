@@ -4,7 +4,7 @@
 //! a piece whose colour is linear too is c_f (1 − ψ) + c_b (ψ − ζ) (Moreland & Angel 2004).
 
 use super::elementary::{exp, one_minus_exp};
-use crate::engine::lanes::{Float, Lanes, Mask};
+use crate::lanes::{Float, Lanes, Mask};
 
 /// Weights (1 − ψ, ψ − ζ) of the front and back colours and the opacity 1 − ζ, for max(a, b) ≤ 1.
 ///

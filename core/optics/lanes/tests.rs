@@ -5,7 +5,7 @@ use super::elementary::{erfcx, exp, mean_transmittance, one_minus_exp};
 use super::gaussian::mean_profile;
 use super::linear;
 use super::wave::{LaneBell, LanePhase};
-use crate::engine::lanes::{Float, Kernel, LaneSet, Lanes, dispatch};
+use crate::lanes::{Float, Kernel, LaneSet, Lanes, dispatch};
 use crate::optics::clip::Stretch;
 use crate::optics::gaussian::GaussianPath;
 use crate::optics::linear as truth;

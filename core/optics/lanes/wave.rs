@@ -4,7 +4,7 @@
 //! reduction, not the formula, is what 32 bits cannot do.
 
 use super::elementary::polynomial;
-use crate::engine::lanes::{Float, Lanes, Mask};
+use crate::lanes::{Float, Lanes, Mask};
 use crate::transfer::Wave;
 
 /// A wave made ready for lanes.

@@ -8,14 +8,14 @@ use super::Cells;
 use super::Order;
 use super::project::Attribute;
 use super::view::View;
-use crate::camera::Camera;
+use voltet_core::camera::Camera;
 
-use crate::progress::Progress;
-use crate::transfer::{Profile, Support, TransferFunction};
-use crate::volume::Volume;
-use crate::{Error, Result};
 use rayon::prelude::*;
 use std::sync::Arc;
+use voltet_core::progress::Progress;
+use voltet_core::transfer::{Profile, Support, TransferFunction};
+use voltet_core::volume::Volume;
+use voltet_core::{Error, Result};
 
 /// Optical depth that all culled cells together may have along the longest ray: a tenth of the 1e-6 that a
 /// pixel may change.

@@ -1,16 +1,17 @@
 //! A scene ready for the compositor: the projection of one sample of every pixel, and how segments are shaded.
 
+use super::Cells;
 use super::project::{Attribute, Input, Part, ProjectPart};
 use super::record::{AttributeRecord, Record, TILE};
 use super::shade::Shader;
 use super::special::{Special, SpecialCrossing};
 use super::view::{Seen, View};
-use super::{Cells, lanes};
-use crate::camera::Camera;
-use crate::progress::Progress;
-use crate::volume::Volume;
-use crate::{Error, Result};
 use rayon::prelude::*;
+use voltet_core::camera::Camera;
+use voltet_core::lanes;
+use voltet_core::progress::Progress;
+use voltet_core::volume::Volume;
+use voltet_core::{Error, Result};
 
 /// Bits of a record's number within its part; the part's number stands above.
 const INDEX_BITS: u32 = 24;

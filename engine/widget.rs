@@ -1,11 +1,11 @@
 //! Widgets in lanes: optical depth of a batch's segments, and densities at points of them.
 
 use super::crossing::Batch;
-use super::lanes::{Float, Lanes, Mask, Unsigned, array, inlined};
 use super::piecewise::LaneLinear;
 use super::project::Attribute;
-use crate::optics::lanes::gaussian::mean_profile;
-use crate::transfer::{Profile, Region, Widget};
+use voltet_core::lanes::{Float, Lanes, Mask, Unsigned, array, inlined};
+use voltet_core::optics::lanes::gaussian::mean_profile;
+use voltet_core::transfer::{Profile, Region, Widget};
 
 /// One vector of segments of a batch. Lengths in scene lengths, attributes scaled.
 pub(crate) struct Along<L: Lanes> {
@@ -301,7 +301,7 @@ impl LaneGaussian {
     #[inline(always)]
     fn density_at<L: Lanes>(&self, along: &Along<L>, t: L::F) -> L::F {
         let q = self.point::<L>(&along.at(t));
-        let profile = crate::optics::lanes::elementary::exp::<L>(-(q[0].mul_add(q[0], q[1] * q[1])));
+        let profile = voltet_core::optics::lanes::elementary::exp::<L>(-(q[0].mul_add(q[0], q[1] * q[1])));
         L::F::splat(self.density) * profile
     }
 }

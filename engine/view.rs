@@ -8,10 +8,10 @@
 //! coincide exactly, so that a face seen edge-on has an area of exactly zero, and a ray that lies in it is given
 //! to one of the two cells by the fill rule of [`super::spans`].
 
-use crate::Result;
-use crate::camera::{Camera, Projection};
 use glam::DVec3;
 use rayon::prelude::*;
+use voltet_core::Result;
+use voltet_core::camera::{Camera, Projection};
 
 /// The camera as the stages use it.
 #[derive(Debug, Clone, Copy)]

@@ -6,9 +6,9 @@
 //! are half-open (a row y belongs to an edge if y₀ ≤ y < y₁, a pixel to a span if ⌈x₀⌉ ≤ x < ⌈x₁⌉): every pixel
 //! centre that lies on a shared silhouette edge is given to exactly one of the cells.
 
-use super::lanes::{Double, Float, Lanes, Mask, Unsigned, inlined};
 use super::record::TILE;
 use super::view::Seen;
+use voltet_core::lanes::{Double, Float, Lanes, Mask, Unsigned, inlined};
 
 /// Pairs of corners: the edges.
 const EDGES: [[usize; 2]; 6] = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]];

@@ -1,11 +1,10 @@
-//! The native engine: cull, sort, project and composite on all cores with vector units.
+//! voltet-engine: the native engine. Cull, sort, project and composite on all cores with vector units.
 
 mod composite;
 mod crossing;
 mod cull;
 mod deep;
 mod draw;
-pub mod lanes;
 mod lists;
 mod piecewise;
 mod project;
@@ -20,57 +19,10 @@ mod widget;
 pub use cull::cull;
 pub use draw::{Projection, composite, draw, project, sort};
 
-use crate::camera::Camera;
-use crate::optics::Overlap;
-use crate::volume::Volume;
 use std::sync::Arc;
-
-/// Order in which a pixel's segments are composited.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Order {
-    /// By entry distance at every pixel: exact for disjoint cells.
-    #[default]
-    Exact,
-    /// By the distance of the cells' centroids: an approximation.
-    Centroid,
-    /// As the cells come.
-    None,
-    /// `None` where the scene needs no order, else `Exact`.
-    Auto,
-}
-
-/// Lighting of a segment: colour × (ambient + diffuse |ĝ·direction|).
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Light {
-    /// Direction in world space; normalised on use.
-    pub direction: glam::DVec3,
-    /// k_a.
-    pub ambient: f64,
-    /// k_d.
-    pub diffuse: f64,
-}
-
-/// How segments are integrated.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Shading {
-    /// The integrator.
-    pub integrator: Integrator,
-    /// Several widgets on one stretch.
-    pub overlap: Overlap,
-    /// Silhouette exponent p (Song et al. 2009, section 6.2).
-    pub silhouette: Option<f64>,
-    /// Diffuse lighting.
-    pub light: Option<Light>,
-}
-
-/// The integrators (optics specification, section 5).
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Integrator {
-    /// Closed forms; quadrature with closed-form optical depth where widgets overlap.
-    Analytic,
-    /// 64-bit adaptive quadrature.
-    Reference,
-}
+use voltet_core::camera::Camera;
+use voltet_core::shading::Order;
+use voltet_core::volume::Volume;
 
 /// Cells that can contribute. Made by [`cull`]; the `sort` node sets the order.
 #[derive(Debug, Clone)]

@@ -7,15 +7,15 @@
 
 use super::crossing::{BATCH, Batch, Group, LANES_MOST};
 use super::deep::DeepRow;
-use super::lanes::{Kernel, Lanes, dispatch};
 use super::lists::{Layer, Lists, Overflow};
 use super::record::TILE;
 use super::scene::Scene;
 use super::shade::Shaded;
 use super::spans::Fragments;
-use crate::progress::Progress;
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use voltet_core::lanes::{Kernel, Lanes, dispatch};
+use voltet_core::progress::Progress;
 
 /// Colour and opacity of a tile's pixels.
 pub(crate) type TilePicture = [[f32; 4]; TILE * TILE];

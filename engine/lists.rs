@@ -5,8 +5,8 @@
 //! Layout: slot k of the 16 pixels of a row lie side by side, so 16 pixels are 16 lanes of the sorting network
 //! and of the compositor.
 
-use super::lanes::{Float, Lanes, Mask, Unsigned, array, inlined};
 use super::record::TILE;
+use voltet_core::lanes::{Float, Lanes, Mask, Unsigned, array, inlined};
 
 /// Segments a pixel can hold here; a tile that needs more is drawn again by [`super::deep`].
 pub(crate) const DEPTH: usize = 1024;

@@ -1,7 +1,7 @@
 //! Crossings: where each fragment's ray enters and leaves its cell, and the attributes there.
 
-use super::lanes::{Float, Lanes, Mask, Unsigned, array, inlined};
 use super::record::{ATTRIBUTE_WORDS, AttributeRecord, RECORD_WORDS, Record, TILE};
+use voltet_core::lanes::{Float, Lanes, Mask, Unsigned, array, inlined};
 
 /// Most lanes of any set.
 pub(crate) const LANES_MOST: usize = 16;

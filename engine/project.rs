@@ -4,9 +4,9 @@
 //! cover no pixel centre go no further. Cells that 32 bits cannot hold (behind or very near the eye, slivers
 //! beyond 1 : 30,000, cells flatter than the pixel coordinates resolve) are listed as special and drawn in 64 bits by [`super::special`].
 
-use super::lanes::{Double, Kernel, Lanes, Mask, array, inlined};
 use super::record::{AttributeRecord, Record, STEEP, TILE};
 use super::view::{Seen, View};
+use voltet_core::lanes::{Double, Kernel, Lanes, Mask, array, inlined};
 
 /// A point array scaled so that the grid's values span about −½ … ½.
 #[derive(Debug, Clone, Copy)]

@@ -5,14 +5,15 @@ use super::cull::attributes_of;
 use super::record::TILE;
 use super::scene::{Sample, Scene};
 use super::shade::Shader;
-use super::{Cells, Counts, Integrator, Order, Shading};
-use crate::camera::Camera;
-use crate::picture::Picture;
-use crate::progress::Progress;
-use crate::transfer::TransferFunction;
-use crate::{Error, Result};
+use super::{Cells, Counts};
 use rayon::prelude::*;
 use std::sync::atomic::AtomicUsize;
+use voltet_core::camera::Camera;
+use voltet_core::picture::Picture;
+use voltet_core::progress::Progress;
+use voltet_core::shading::{Integrator, Order, Shading};
+use voltet_core::transfer::TransferFunction;
+use voltet_core::{Error, Result};
 
 /// Cells prepared for the compositor: one projection for each sample of a pixel.
 #[derive(Debug)]
@@ -86,13 +87,14 @@ pub fn project(
 }
 
 /// Gives the cells the order in which the compositor shall take a pixel's segments. The exact order is carried out
-/// at each pixel; [`Order::Centroid`] sorts the cells here ([`crate::visibility::centroid_order`]), and their
+/// at each pixel; [`Order::Centroid`] sorts the cells here ([`voltet_core::visibility::centroid_order`]), and their
 /// segments are composited as they come.
 pub fn sort(cells: &Cells, camera: &Camera, order: Order) -> Result<Cells> {
     let mut sorted = Cells { order, ..cells.clone() };
     if order == Order::Centroid {
         let grid = &cells.volume.grid;
-        let kept = crate::visibility::centroid_order(&grid.points, &grid.tetrahedra, &cells.kept, camera)?;
+        let kept =
+            voltet_core::visibility::centroid_order(&grid.points, &grid.tetrahedra, &cells.kept, camera)?;
         sorted.kept = std::sync::Arc::new(kept);
     }
     Ok(sorted)

@@ -5,13 +5,13 @@
 //! a twin) goes one by one through the 64-bit truth, [`Prepared`]. What a scene does not use is not prepared.
 
 use super::crossing::Batch;
-use super::lanes::{Float, Lanes, Mask};
 use super::project::Attribute;
 use super::widget::{Along, LaneWidget};
-use crate::optics::lanes::elementary::{exp, one_minus_exp};
-use crate::optics::{Overlap, Prepared, Segment};
-use crate::transfer::{OpticalModel, Profile, TransferFunction};
-use crate::{Error, Result};
+use voltet_core::lanes::{Float, Lanes, Mask};
+use voltet_core::optics::lanes::elementary::{exp, one_minus_exp};
+use voltet_core::optics::{Overlap, Prepared, Segment};
+use voltet_core::transfer::{OpticalModel, Profile, TransferFunction};
+use voltet_core::{Error, Result};
 
 /// A transfer function made ready for lanes.
 pub(crate) struct Shader {

@@ -2,12 +2,12 @@
 //! linear extinction and colour, integrated without sampling error (Moreland & Angel 2004; Roettger & Ertl 2002
 //! sample the same thing into a table).
 
-use super::lanes::{Float, Lanes, Mask};
 use super::project::Attribute;
 use super::widget::Along;
-use crate::optics::lanes::elementary::one_minus_exp;
-use crate::optics::lanes::linear::piece_weights;
-use crate::transfer::ControlPoint;
+use voltet_core::lanes::{Float, Lanes, Mask};
+use voltet_core::optics::lanes::elementary::one_minus_exp;
+use voltet_core::optics::lanes::linear::piece_weights;
+use voltet_core::transfer::ControlPoint;
 
 /// Most control points a lane table holds; longer functions use the gathers.
 const TABLE_MOST: usize = 1024;
