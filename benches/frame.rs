@@ -122,7 +122,7 @@ fn frames(scene: &Scene, name: &str, size: u32, volume: &Arc<Volume>, look: Tran
         let start = Instant::now();
         let cells = cull(volume, &look, &camera, &Silent)?;
         let culled = Instant::now();
-        let projection = project(&cells, &look, &camera, &Silent)?;
+        let projection = project(&cells, &look, &camera, false, &Silent)?;
         let projected = Instant::now();
         let (_, counts) = composite(&projection, &look, &shading, &Silent)?;
         for (stage, time) in stages.iter_mut().zip([culled - start, projected - culled, projected.elapsed()])

@@ -7,6 +7,7 @@
 
 use super::crossing::{BATCH, Batch, Group, LANES_MOST};
 use super::deep::DeepRow;
+use super::light::{Rays, rays};
 use super::lists::{Layer, Lists, Overflow};
 use super::record::TILE;
 use super::scene::Scene;
@@ -48,6 +49,7 @@ struct Scratch {
     batch: Batch,
     shaded: Shaded,
     stretch: [f32; TILE * TILE],
+    rays: Rays,
     counts: WorkerCounts,
 }
 
@@ -58,9 +60,10 @@ impl Worker<'_> {
         let mut scratch = Scratch {
             fragments: Fragments::new(LANES_MOST),
             group: Group::new(scene.attribute_count),
-            batch: Batch::new(scene.attribute_count),
+            batch: Batch::new(scene.attribute_count, scene.scalar_count),
             shaded: Shaded::new(),
             stretch: [1.0; TILE * TILE],
+            rays: [[0.0; TILE * TILE]; 3],
             counts: WorkerCounts::default(),
         };
         let mut lists = Lists::new();
@@ -141,6 +144,7 @@ struct Shade<'a> {
     scene: &'a Scene<'a>,
     batch: &'a Batch,
     count: usize,
+    rays: &'a Rays,
     shaded: &'a mut Shaded,
 }
 
@@ -148,7 +152,7 @@ impl Kernel for Shade<'_> {
     type Output = ();
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        self.scene.shader.shade::<L>(self.batch, self.count, self.shaded);
+        self.scene.shader.shade::<L>(self.batch, self.count, self.rays, self.shaded);
     }
 }
 
@@ -185,19 +189,33 @@ trait Sink {
     fn push(&mut self, pixel: usize, depth: f32, layer: Layer) -> Result<(), Overflow>;
 }
 
-struct DepthSink<'a>(&'a mut [f32; TILE * TILE]);
+/// Sums optical depths, or composites opacities where each segment's has a factor of its own: A is then more than a
+/// sum of depths, but its order does not matter either.
+struct DepthSink<'a> {
+    sums: &'a mut [f32; TILE * TILE],
+    opacities: bool,
+}
 
 impl Sink for DepthSink<'_> {
     fn take(&mut self, batch: &Batch, shaded: &Shaded, count: usize) -> Result<(), Overflow> {
         // Fragments of no length have no depth: no test.
-        for (&pixel, &depth) in batch.pixel[..count].iter().zip(&shaded.depth[..count]) {
-            self.0[usize::from(pixel as u8)] += depth;
+        let segments = batch.pixel[..count].iter().zip(&shaded.depth[..count]);
+        if self.opacities {
+            for (&pixel, &opacity) in segments {
+                let sum = &mut self.sums[usize::from(pixel as u8)];
+                *sum += (1.0 - *sum) * opacity;
+            }
+        } else {
+            for (&pixel, &depth) in segments {
+                self.sums[usize::from(pixel as u8)] += depth;
+            }
         }
         Ok(())
     }
 
     fn push(&mut self, pixel: usize, depth: f32, _layer: Layer) -> Result<(), Overflow> {
-        self.0[pixel & (TILE * TILE - 1)] += depth;
+        let sum = &mut self.sums[pixel & (TILE * TILE - 1)];
+        *sum += if self.opacities { (1.0 - *sum) * depth } else { depth };
         Ok(())
     }
 }
@@ -229,12 +247,17 @@ fn draw_tile(
             *stretch = scene.view.stretch((left + pixel % TILE) as f64, (top + pixel / TILE) as f64) as f32;
         }
     }
+    if scene.shader.surface.is_some_and(|surface| surface.silhouette.is_some()) {
+        rays(&scene.view, left, top, &mut scratch.rays);
+    }
     if let Some(color) = scene.shader.one_color {
         let mut depth = [0.0; TILE * TILE];
         // A sum cannot overflow its pixel.
-        let _ = walk(scene, tile, 0..TILE, scratch, &mut DepthSink(&mut depth));
-        for (pixel, &depth) in picture.iter_mut().zip(&depth) {
-            let opacity = -(-f64::from(depth)).exp_m1();
+        let opacities = scene.shader.surface.is_some();
+        let _ = walk(scene, tile, 0..TILE, scratch, &mut DepthSink { sums: &mut depth, opacities });
+        for (pixel, &sum) in picture.iter_mut().zip(&depth) {
+            let sum = f64::from(sum);
+            let opacity = if opacities { sum } else { -(-sum).exp_m1() };
             let c = color.map(|c| (f64::from(c) * opacity) as f32);
             *pixel = [c[0], c[1], c[2], opacity as f32];
         }
@@ -273,7 +296,7 @@ fn walk(
     let right = (left + TILE).min(scene.view.size[0]);
     let bottom = (top + TILE).min(scene.view.size[1]);
     let rows = rows.start..rows.end.min(bottom - top);
-    let Scratch { fragments, group, batch, shaded, stretch, counts, .. } = scratch;
+    let Scratch { fragments, group, batch, shaded, stretch, rays, counts } = scratch;
 
     let width = scene.lanes.width();
     let entries = scene.entries_of(tile);
@@ -289,7 +312,7 @@ fn walk(
             let count = (fragments.count - from).min(BATCH);
             let codes = &fragments.codes[from..];
             dispatch(scene.lanes, Evaluate { scene, group, codes, count, stretch, batch });
-            dispatch(scene.lanes, Shade { scene, batch, count, shaded });
+            dispatch(scene.lanes, Shade { scene, batch, count, rays, shaded });
             counts.segments += u64::from(batch.hits);
             sink.take(batch, shaded, count)?;
             from += count;

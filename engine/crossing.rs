@@ -32,10 +32,12 @@ pub(crate) struct Batch {
     pub front: Vec<Vec<f32>>,
     /// Values at the exit.
     pub back: Vec<Vec<f32>>,
+    /// Attributes that widgets look at; behind them comes the gradient.
+    pub scalar_count: usize,
 }
 
 impl Batch {
-    pub fn new(attribute_count: usize) -> Self {
+    pub fn new(attribute_count: usize, scalar_count: usize) -> Self {
         let column = || vec![0f32; BATCH];
         Batch {
             pixel: vec![0; BATCH],
@@ -45,6 +47,7 @@ impl Batch {
             exit: column(),
             front: (0..attribute_count).map(|_| column()).collect(),
             back: (0..attribute_count).map(|_| column()).collect(),
+            scalar_count,
         }
     }
 }

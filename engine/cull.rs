@@ -45,6 +45,10 @@ pub fn cull(
         length,
         seen: Some((*camera, Arc::new(seen))),
         ranges,
+        steepest: volume.gradient.as_ref().map_or(0.0, |gradient| {
+            let [low, high] = range(bytemuck::cast_slice(gradient));
+            low.abs().max(high.abs())
+        }),
     };
     let attributes = attributes_of(&cells, transfer_function)?;
     // A cell whose density is nowhere above this adds less than DEPTH_LEFT_OUT over the whole diagonal.
@@ -125,6 +129,24 @@ pub(crate) fn attributes_of<'a>(
     Ok(attributes)
 }
 
+/// The components of the gradient as attributes, for light and silhouettes: no offset and one scale, so that small
+/// gradients keep their direction.
+pub(crate) fn gradient_attributes(cells: &Cells) -> Result<Vec<Attribute<'_>>> {
+    let volume = &cells.volume;
+    let gradient = volume.gradient.as_ref().filter(|g| g.len() == volume.grid.points.len());
+    let Some(gradient) = gradient else {
+        let count = volume.gradient.as_ref().map_or(0, |g| g.len());
+        return Err(Error::usage("light and silhouettes need a gradient at every point")
+            .found(format!("{count} gradients, {} points", volume.grid.points.len()))
+            .accepted("a gradient-magnitude node before this one"));
+    };
+    let scale = if cells.steepest > 0.0 { cells.steepest } else { 1.0 };
+    let values: &[f64] = bytemuck::cast_slice(gradient);
+    Ok((0..3)
+        .map(|i| Attribute { values: values.get(i..).unwrap_or(&[]), stride: 3, offset: 0.0, scale })
+        .collect())
+}
+
 /// The centre along an axis, if the transfer function has a single one: offsets are then taken from it in 64
 /// bits, so that a widget far narrower than the range loses nothing.
 fn centre(transfer_function: &TransferFunction, axis: usize) -> Option<f64> {
@@ -145,7 +167,7 @@ fn attribute(values: &[f64], range: [f64; 2], centre: Option<f64>) -> Attribute<
     let span = high - low;
     // A constant field: any scale serves.
     let scale = if span > 0.0 && span.is_finite() { span } else { 1.0 };
-    Attribute { values, offset, scale }
+    Attribute { values, stride: 1, offset, scale }
 }
 
 /// Smallest and largest finite value; [0, 0] for none.

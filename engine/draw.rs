@@ -1,7 +1,8 @@
 //! The stages end to end: project, composite, and the one-call form.
 
 use super::composite::{Drawn, TilePicture, Worker};
-use super::cull::attributes_of;
+use super::cull::{attributes_of, gradient_attributes};
+use super::light::Surface;
 use super::record::TILE;
 use super::scene::{Sample, Scene};
 use super::shade::Shader;
@@ -58,12 +59,14 @@ fn sample_offsets(count: u32) -> Vec<[f64; 2]> {
 /// Projects the kept cells onto the screen and sorts them into tiles of 16 × 16 pixels.
 ///
 /// The transfer function says which quantities the segments need: what it does not look at is not projected.
+/// `gradient`: whether light or silhouettes will look at ∇s ([`needs_gradient`]).
 ///
 /// Errors: a camera out of range, a picture larger than 32,768 pixels a side, more cells than 32 bits count.
 pub fn project(
     cells: &Cells,
     transfer_function: &TransferFunction,
     camera: &Camera,
+    gradient: bool,
     progress: &dyn Progress,
 ) -> Result<Projection> {
     if camera.size.iter().any(|&n| n == 0 || n > SIDE_MOST) {
@@ -76,7 +79,10 @@ pub fn project(
             .found(camera.samples)
             .accepted("1 to 256 a pixel"));
     }
-    let attributes = attributes_of(cells, transfer_function)?;
+    let mut attributes = attributes_of(cells, transfer_function)?;
+    if gradient {
+        attributes.extend(gradient_attributes(cells)?);
+    }
     let offsets = sample_offsets(camera.samples);
     let mut samples = Vec::with_capacity(offsets.len());
     for (k, &offset) in offsets.iter().enumerate() {
@@ -112,11 +118,20 @@ pub fn composite(
     serve(shading)?;
     let cells = &projection.cells;
     let attributes = attributes_of(cells, transfer_function)?;
-    if projection.samples.iter().any(|sample| sample.attribute_count != attributes.len()) {
+    let surface = Surface::new(shading, attributes.len());
+    let projected = |count: usize| projection.samples.iter().all(|sample| sample.attribute_count == count);
+    let with_gradient = attributes.len() + 3;
+    if !projected(with_gradient) && surface.is_some() {
+        return Err(Error::usage(
+            "the cells were projected without the gradient, which light and silhouettes need",
+        )
+        .accepted("a projection for a shading that asks for them"));
+    }
+    if !projected(attributes.len()) && !projected(with_gradient) {
         return Err(Error::usage("the cells were projected for another transfer function")
             .accepted("the transfer function that the cull stage of the same pipeline has"));
     }
-    let shader = Shader::new(transfer_function, shading.overlap, &attributes, cells.length)?;
+    let shader = Shader::new(transfer_function, shading.overlap, &attributes, cells.length, surface)?;
     let needs_order = shader.one_color.is_none();
     let sorted = match cells.order {
         Order::Exact | Order::Auto => needs_order,
@@ -159,6 +174,11 @@ pub fn composite(
     Ok((picture, counts))
 }
 
+/// Whether light or silhouettes look at ∇s. A silhouette of exponent 0 changes nothing.
+pub fn needs_gradient(shading: &Shading) -> bool {
+    Surface::new(shading, 0).is_some()
+}
+
 /// Draws the kept cells: [`project`] and [`composite`].
 pub fn draw(
     cells: &Cells,
@@ -167,7 +187,7 @@ pub fn draw(
     shading: &Shading,
     progress: &dyn Progress,
 ) -> Result<(Picture, Counts)> {
-    let projection = project(cells, transfer_function, camera, progress)?;
+    let projection = project(cells, transfer_function, camera, needs_gradient(shading), progress)?;
     composite(&projection, transfer_function, shading, progress)
 }
 
@@ -177,10 +197,6 @@ fn serve(shading: &Shading) -> Result<()> {
         return Err(Error::usage("the native engine does not offer this integrator")
             .found(format!("{:?}", shading.integrator))
             .accepted("integrator = \"analytic\""));
-    }
-    if shading.silhouette.is_some() || shading.light.is_some() {
-        return Err(Error::usage("the native engine does not offer silhouettes and lighting")
-            .accepted("neither, or integrator = \"reference\""));
     }
     Ok(())
 }

@@ -5,6 +5,7 @@ mod crossing;
 mod cull;
 mod deep;
 mod draw;
+mod light;
 mod lists;
 mod piecewise;
 mod project;
@@ -17,7 +18,7 @@ mod view;
 mod widget;
 
 pub use cull::cull;
-pub use draw::{Projection, composite, draw, project, sort};
+pub use draw::{Projection, composite, draw, needs_gradient, project, sort};
 
 use std::sync::Arc;
 use voltet_core::camera::Camera;
@@ -43,6 +44,8 @@ pub struct Cells {
     pub(crate) seen: Option<(Camera, Arc<Vec<view::Seen>>)>,
     /// Ranges of s and g over the grid.
     pub(crate) ranges: [[f64; 2]; 2],
+    /// Largest component of ∇s over the grid; 0 where there is no gradient.
+    pub(crate) steepest: f64,
 }
 
 /// Counts of a composited picture.

@@ -11,12 +11,22 @@ use voltet_core::lanes::{Double, Kernel, Lanes, Mask, array, inlined};
 /// A point array scaled so that the grid's values span about −½ … ½.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Attribute<'a> {
-    /// Values per point.
+    /// Values of the points, `stride` apart.
     pub values: &'a [f64],
+    /// Distance between the values of two points.
+    pub stride: usize,
     /// Stored value = (value − offset) / scale.
     pub offset: f64,
     /// See `offset`; > 0.
     pub scale: f64,
+}
+
+impl Attribute<'_> {
+    /// Value of a point, not scaled.
+    #[inline(always)]
+    pub fn at(&self, point: usize) -> f64 {
+        self.values[point * self.stride]
+    }
 }
 
 /// What a run of cells became.
@@ -223,7 +233,7 @@ fn project_group<L: Lanes>(input: &Input<'_>, group: &[u32], part: &mut Part) {
     let inverse = one / determinant;
     let sound = determinant.abs().lt(splat(f64::MAX));
     let mut ill = 0;
-    const ATTRIBUTES_MOST: usize = 12;
+    const ATTRIBUTES_MOST: usize = 16;
     let mut stored = [[[0f32; MOST]; 6]; ATTRIBUTES_MOST];
     let extent = [x1 - x0, y1 - y0, most(&v) - least(&v)];
     for (attribute, stored) in input.attributes.iter().zip(stored.iter_mut()) {
@@ -231,7 +241,7 @@ fn project_group<L: Lanes>(input: &Input<'_>, group: &[u32], part: &mut Part) {
         for lane in 0..L::D::COUNT {
             let tetrahedron = &input.tetrahedra[group[lane.min(n - 1)] as usize];
             for (k, &point) in tetrahedron.iter().enumerate() {
-                raw[k][lane] = attribute.values[point as usize];
+                raw[k][lane] = attribute.at(point as usize);
             }
         }
         let raw = load(&raw);

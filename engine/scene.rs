@@ -40,6 +40,8 @@ pub(crate) struct Scene<'a> {
     pub view: View,
     pub tiles_wide: usize,
     pub attribute_count: usize,
+    /// Attributes that widgets look at.
+    pub scalar_count: usize,
     pub shader: &'a Shader,
     /// The lane set the kernels run on.
     pub lanes: lanes::LaneSet,
@@ -212,6 +214,7 @@ impl<'a> Scene<'a> {
             view: sample.view,
             tiles_wide: sample.tiles_wide,
             attribute_count: sample.attribute_count,
+            scalar_count: attributes.len(),
             shader,
             lanes: lanes::LaneSet::detect(),
             sorted,
@@ -264,7 +267,7 @@ impl<'a> Scene<'a> {
         numbers.iter().map(|&k| &self.sample.special[k as usize])
     }
 
-    /// Optical depth, colour and opacity of a special cell's segment.
+    /// Optical depth (or opacity, see [`Shaded::depth`]), colour and opacity of a special cell's segment.
     pub fn shade_special(
         &self,
         special: &Special,
@@ -274,13 +277,25 @@ impl<'a> Scene<'a> {
     ) -> (f32, [f32; 4]) {
         let corners = self.volume.grid.tetrahedra[special.id as usize];
         let value = |end: usize, attribute: usize| {
-            let values = self.attributes[attribute].values;
-            let base = values[corners[0] as usize];
+            let values = &self.attributes[attribute];
+            let base = values.at(corners[0] as usize);
             // Relative to one corner, so that values near 1e8 keep their differences.
-            (0..4).map(|k| crossing.weights[end][k] * (values[corners[k] as usize] - base)).sum::<f64>()
+            (0..4).map(|k| crossing.weights[end][k] * (values.at(corners[k] as usize) - base)).sum::<f64>()
                 + base
         };
         let length = (crossing.depth[1] - crossing.depth[0]) * self.view.stretch(i as f64, j as f64);
-        self.shader.integrate(length, |a| value(0, a), |a| value(1, a))
+        let (mut depth, mut rgba) = self.shader.integrate(length, |a| value(0, a), |a| value(1, a));
+        if let (Some(surface), Some(gradient)) = (&self.shader.surface, &self.volume.gradient) {
+            let middle = (0..4).map(|k| {
+                0.5 * (crossing.weights[0][k] + crossing.weights[1][k]) * gradient[corners[k] as usize]
+            });
+            let (opacity, color) = surface.factors_of(middle.sum(), self.view.direction(i as f64, j as f64));
+            if self.shader.one_color.is_some() {
+                depth = (-(-f64::from(depth)).exp_m1() * opacity) as f32;
+            }
+            let [r, g, b, a] = rgba.map(f64::from);
+            rgba = [r * color, g * color, b * color, a * opacity].map(|x| x as f32);
+        }
+        (depth, rgba)
     }
 }

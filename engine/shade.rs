@@ -5,6 +5,7 @@
 //! a twin) goes one by one through the 64-bit truth, [`Prepared`]. What a scene does not use is not prepared.
 
 use super::crossing::Batch;
+use super::light::{Rays, Surface};
 use super::project::Attribute;
 use super::widget::{Along, LaneWidget};
 use voltet_core::lanes::{Float, Lanes, Mask};
@@ -22,13 +23,15 @@ pub(crate) struct Shader {
     scaling: Vec<[f64; 2]>,
     /// World units in a scene length.
     length: f64,
+    /// Silhouettes and light.
+    pub surface: Option<Surface>,
     /// The one colour of all widgets, under the density-emitter: C = c · A, so no order is needed.
     pub one_color: Option<[f32; 3]>,
 }
 
 /// Results of a batch.
 pub(crate) struct Shaded {
-    /// Optical depth (filled when there is one colour).
+    /// Optical depth, or with silhouettes and light the opacity (filled when there is one colour).
     pub depth: Vec<f32>,
     /// Premultiplied colour and opacity (filled otherwise).
     pub rgba: [Vec<f32>; 4],
@@ -58,6 +61,7 @@ impl Shader {
         overlap: Overlap,
         attributes: &[Attribute<'_>],
         length: f64,
+        surface: Option<Surface>,
     ) -> Result<Shader> {
         let exact = Prepared::new(transfer_function)?;
         let density_emitter = transfer_function.model == OpticalModel::DensityEmitter;
@@ -78,20 +82,25 @@ impl Shader {
             _ => vec![Some(widget.color)],
         });
         let first = colors.next().unwrap_or(Some([0.0; 3]));
-        let one_color =
-            first.filter(|_| density_emitter && colors.all(|c| c == first)).map(|c| c.map(|x| x as f32));
+        let light = surface.map_or(Some(1.0), |surface| surface.even_light());
+        let one_color = match (first, light) {
+            (Some(color), Some(light)) if density_emitter && colors.all(|c| c == first) => {
+                Some(color.map(|x| (x * light) as f32))
+            }
+            _ => None,
+        };
         if length <= 0.0 || !length.is_finite() {
             return Err(Error::run("the grid has no extent")
                 .found(length)
                 .accepted("points that span a volume"));
         }
         let scaling = attributes.iter().map(|a| [a.offset, a.scale]).collect();
-        Ok(Shader { exact, overlap, widgets, scaling, length, one_color })
+        Ok(Shader { exact, overlap, widgets, scaling, length, surface, one_color })
     }
 
     /// Integrates the first `count` fragments of a batch.
     #[inline(always)]
-    pub fn shade<L: Lanes>(&self, batch: &Batch, count: usize, out: &mut Shaded) {
+    pub fn shade<L: Lanes>(&self, batch: &Batch, count: usize, rays: &Rays, out: &mut Shaded) {
         out.exact.clear();
         let mut at = 0;
         while at < count {
@@ -132,6 +141,20 @@ impl Shader {
             }
         }
         out.exact_count += out.exact.len() as u64;
+        let Some(surface) = &self.surface else { return };
+        let mut at = 0;
+        while at < count {
+            let (opacity, color) = surface.factors::<L>(batch, at, rays);
+            if self.one_color.is_some() {
+                let value = one_minus_exp::<L>(L::F::load(&out.depth[at..])) * opacity;
+                value.store(&mut out.depth[at..]);
+            } else {
+                for (column, factor) in out.rgba.iter_mut().zip([color, color, color, opacity]) {
+                    (L::F::load(&column[at..]) * factor).store(&mut column[at..]);
+                }
+            }
+            at += L::WIDTH;
+        }
     }
 
     /// The 64-bit integral of one segment: `length` in scene lengths, attributes in their own units. Returns the

@@ -129,6 +129,12 @@ impl View {
         if self.perspective { ([0.0; 3], [x, y, 1.0]) } else { ([x, y, 0.0], [0.0, 0.0, 1.0]) }
     }
 
+    /// Unit direction, world axes, of the ray through a pixel.
+    pub fn direction(&self, i: f64, j: f64) -> DVec3 {
+        let (_, [x, y, _]) = self.ray(i, j);
+        (self.forward + x * self.right - y * self.up).normalize()
+    }
+
     /// Length of the ray's direction: Euclidean distance per depth.
     #[inline(always)]
     pub fn stretch(&self, i: f64, j: f64) -> f64 {

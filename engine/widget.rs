@@ -24,7 +24,7 @@ impl<L: Lanes> Along<L> {
     pub fn load(batch: &Batch, at: usize) -> Self {
         let column = inlined(
             #[inline(always)]
-            |columns: &[Vec<f32>], a: usize| match columns.get(a) {
+            |columns: &[Vec<f32>], a: usize| match columns[..batch.scalar_count].get(a) {
                 Some(column) => L::F::load(&column[at..]),
                 None => L::F::splat(0.0),
             },

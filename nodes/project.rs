@@ -26,6 +26,7 @@ pub const NODE: Node = Node {
 fn run(call: &mut Call) -> Result<Outputs> {
     let (culled, camera) = (call.cells::<drawing::Culled>("cells")?, call.camera("camera")?);
     let transfer_function = culled.transfer_function.clone();
-    let projection = drawing::project(call, &culled.cells, &transfer_function, &camera)?;
+    let projection =
+        drawing::project(call, &culled.cells, &transfer_function, &camera, call.demand.gradient)?;
     Ok(vec![Value::Projection(Arc::new(drawing::Projected { projection, transfer_function }))])
 }

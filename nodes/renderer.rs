@@ -101,7 +101,10 @@ fn run(call: &mut Call) -> Result<Outputs> {
     } else {
         let cells = drawing::cull(call, &volume, &transfer_function, &camera)?;
         let cells = voltet_engine::sort(&cells, &camera, order)?;
-        let projection = drawing::project(call, &cells, &transfer_function, &camera)?;
+        let projection = {
+            let gradient = voltet_engine::needs_gradient(&shading);
+            drawing::project(call, &cells, &transfer_function, &camera, gradient)?
+        };
         drawing::composite(call, &projection, &transfer_function, &shading)?
     };
     Ok(vec![Value::Image(Arc::new(picture))])

@@ -217,7 +217,7 @@ pub trait Kernel {
 pub enum LaneSet {
     /// 16 lanes: AVX-512 F, BW, DQ, VL.
     Avx512,
-    /// 8 lanes: AVX2 and FMA.
+    /// 8 lanes: AVX2 and FMA (and the bit operations that came with them).
     Avx2,
     /// 4 lanes in plain Rust.
     Portable,
@@ -257,7 +257,14 @@ impl LaneSet {
                         && is_x86_feature_detected!("avx512vl")
                         && LaneSet::Avx2.is_supported()
                 }
-                LaneSet::Avx2 => is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma"),
+                LaneSet::Avx2 => {
+                    is_x86_feature_detected!("avx2")
+                        && is_x86_feature_detected!("fma")
+                        && is_x86_feature_detected!("popcnt")
+                        && is_x86_feature_detected!("bmi1")
+                        && is_x86_feature_detected!("bmi2")
+                        && is_x86_feature_detected!("lzcnt")
+                }
                 LaneSet::Portable => true,
             }
         }
@@ -290,11 +297,11 @@ impl LaneSet {
 pub fn dispatch<K: Kernel>(lanes: LaneSet, kernel: K) -> K::Output {
     #[cfg(target_arch = "x86_64")]
     {
-        #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma")]
+        #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,popcnt,bmi1,bmi2,lzcnt")]
         fn avx512<K: Kernel>(kernel: K) -> K::Output {
             kernel.run::<Avx512>()
         }
-        #[target_feature(enable = "avx2,fma")]
+        #[target_feature(enable = "avx2,fma,popcnt,bmi1,bmi2,lzcnt")]
         fn avx2<K: Kernel>(kernel: K) -> K::Output {
             kernel.run::<Avx2>()
         }

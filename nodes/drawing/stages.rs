@@ -56,14 +56,16 @@ pub fn sort(call: &mut Call, cells: &Cells, camera: &Camera, order: Order) -> Re
     call.stage("sort", |_| engine::sort(cells, camera, order))
 }
 
-/// Projects the cells for one camera.
+/// Projects the cells for one camera; `gradient`: for light or silhouettes.
 pub fn project(
     call: &mut Call,
     cells: &Cells,
     transfer_function: &TransferFunction,
     camera: &Camera,
+    gradient: bool,
 ) -> Result<Projection> {
-    let project = |progress: &dyn Progress| engine::project(cells, transfer_function, camera, progress);
+    let project =
+        |progress: &dyn Progress| engine::project(cells, transfer_function, camera, gradient, progress);
     let projection = call.stage("project", project)?;
     call.notes.counts.insert("cells_projected", projection.cells_projected());
     Ok(projection)

@@ -24,27 +24,43 @@ pub struct Scene {
     pub camera: Camera,
 }
 
-const SHADING: Shading =
+/// Closed forms, exact overlap, no light.
+pub const SHADING: Shading =
     Shading { integrator: Integrator::Analytic, overlap: Overlap::Exact, silhouette: None, light: None };
 
 /// The engine's picture.
 pub fn engine(scene: &Scene) -> Picture {
+    engine_shaded(scene, &SHADING)
+}
+
+/// The engine's picture with another shading.
+pub fn engine_shaded(scene: &Scene, shading: &Shading) -> Picture {
     let draw = || -> Result<Picture, Error> {
         let cells = engine::cull(&scene.volume, &scene.look, &scene.camera, &Silent)?;
-        Ok(engine::draw(&cells, &scene.look, &scene.camera, &SHADING, &Silent)?.0)
+        Ok(engine::draw(&cells, &scene.look, &scene.camera, shading, &Silent)?.0)
     };
     draw().unwrap_or_else(|e| panic!("{}: {e}", scene.name))
 }
 
 /// The referee's picture.
 pub fn referee(scene: &Scene) -> Picture {
-    reference::draw(&scene.volume, &scene.look, &scene.camera, &SHADING, Order::Exact, &Silent)
+    referee_shaded(scene, &SHADING)
+}
+
+/// The referee's picture with another shading.
+pub fn referee_shaded(scene: &Scene, shading: &Shading) -> Picture {
+    reference::draw(&scene.volume, &scene.look, &scene.camera, shading, Order::Exact, &Silent)
         .unwrap_or_else(|e| panic!("{}: {e}", scene.name))
 }
 
 /// Asserts the bound of ordinary scenes, and that there is something to see.
 pub fn ordinary(scene: &Scene) {
-    let (actual, expected) = (engine(scene), referee(scene));
+    ordinary_shaded(scene, &SHADING);
+}
+
+/// The same with another shading.
+pub fn ordinary_shaded(scene: &Scene, shading: &Shading) {
+    let (actual, expected) = (engine_shaded(scene, shading), referee_shaded(scene, shading));
     let covered = expected.rgba.iter().filter(|p| p[3] > 0.01).count();
     assert!(covered > 0, "{}: the scene shows nothing, so it proves nothing", scene.name);
     within(&scene.name, &actual, &expected, ORDINARY);

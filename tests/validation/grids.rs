@@ -95,11 +95,16 @@ pub fn smooth_s(p: DVec3) -> f64 {
     0.5 + 0.25 * (4.0 * p.x + p.y).sin() + 0.25 * (3.0 * p.z - 2.0 * p.y).cos()
 }
 
-/// |∇| of [`smooth_s`].
-pub fn smooth_g(p: DVec3) -> f64 {
+/// ∇ of [`smooth_s`].
+pub fn smooth_gradient(p: DVec3) -> DVec3 {
     let a = 0.25 * (4.0 * p.x + p.y).cos();
     let b = -0.25 * (3.0 * p.z - 2.0 * p.y).sin();
-    DVec3::new(4.0 * a, a - 2.0 * b, 3.0 * b).length()
+    DVec3::new(4.0 * a, a - 2.0 * b, 3.0 * b)
+}
+
+/// |∇| of [`smooth_s`].
+pub fn smooth_g(p: DVec3) -> f64 {
+    smooth_gradient(p).length()
 }
 
 /// The smooth field on a grid.

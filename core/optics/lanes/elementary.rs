@@ -1,4 +1,4 @@
-//! exp, expm1 and erfcx in 32-bit lanes.
+//! exp, expm1, ln, powers and erfcx in 32-bit lanes.
 
 use crate::lanes::{Float, Lanes, Unsigned};
 
@@ -46,6 +46,32 @@ pub fn one_minus_exp<L: Lanes>(t: L::F) -> L::F {
     );
     let small = t.lt(splat(0.5));
     L::F::select(small, series, splat(1.0) - exp::<L>(-t))
+}
+
+/// ln x, within 3 ulp of the larger of 1 and |ln x|, for normal x > 0.
+///
+/// x = 2^e m, √½ ≤ m < √2, and ln m = 2 artanh((m − 1)/(m + 1)); five terms of the series leave 4e-9.
+#[inline(always)]
+pub fn ln<L: Lanes>(x: L::F) -> L::F {
+    let splat = L::F::splat;
+    // Adding what √½ lacks to 1 carries into the exponent where m ≥ √2.
+    let shifted = x.to_bits() + L::U::splat(0x3f80_0000 - 0x3f35_04f3);
+    let exponent = shifted.shr::<23>().to_float() - splat(127.0);
+    let mantissa = shifted.and(L::U::splat(0x007f_ffff)) + L::U::splat(0x3f35_04f3);
+    let m = L::F::from_bits(mantissa);
+    let s = (m - splat(1.0)) / (m + splat(1.0));
+    let square = s * s;
+    let series = polynomial::<L, 4>(square, [2.0 / 3.0, 2.0 / 5.0, 2.0 / 7.0, 2.0 / 9.0]);
+    let of_m = (s * square).mul_add(series, s + s);
+    exponent.mul_add(splat(0.693_359_4), exponent.mul_add(splat(-2.121_944_4e-4), of_m))
+}
+
+/// x^p for 0 ≤ x ≤ 1 and p > 0; relative error 1e-7 (2 + |p ln x|). 0 where x is not a normal number.
+#[inline(always)]
+pub fn power<L: Lanes>(x: L::F, p: L::F) -> L::F {
+    let splat = L::F::splat;
+    let least = splat(f32::MIN_POSITIVE);
+    L::F::select(x.lt(least), splat(0.0), exp::<L>(ln::<L>(x.max(least)) * p))
 }
 
 /// e^(x²) erfc(x) for x ≥ 0, relative error 2e-7.

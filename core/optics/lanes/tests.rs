@@ -1,7 +1,7 @@
 //! Every twin against its 64-bit truth, on every lane set that the processor has.
 
 use super::clip::LaneStretch;
-use super::elementary::{erfcx, exp, mean_transmittance, one_minus_exp};
+use super::elementary::{erfcx, exp, mean_transmittance, one_minus_exp, power};
 use super::gaussian::mean_profile;
 use super::linear;
 use super::wave::{LaneBell, LanePhase};
@@ -22,6 +22,7 @@ enum Formula {
     Opacity,
     MeanTransmittance,
     Erfcx,
+    Power,
     Gaussian,
     Psi,
     Front,
@@ -56,11 +57,12 @@ const PHASE: Range = Range::Even(-30.0, 30.0);
 const NEAR: Range = Range::Even(-4.0, 4.0);
 
 #[rustfmt::skip]
-const TWINS: [Twin; 16] = [
+const TWINS: [Twin; 17] = [
     Twin { formula: Formula::Exp, inputs: &[Range::Even(-87.0, 87.0)], tolerance: 1.0, reason: "2 ulp" },
     Twin { formula: Formula::Opacity, inputs: &[Range::Log(-30.0, 2.0)], tolerance: 1.0, reason: "3 ulp" },
     Twin { formula: Formula::MeanTransmittance, inputs: &[Range::Log(-30.0, 4.0)], tolerance: 1.0, reason: "4 ulp" },
     Twin { formula: Formula::Erfcx, inputs: &[Range::Log(-6.0, 6.0)], tolerance: 1.0, reason: "fit of 2e-7" },
+    Twin { formula: Formula::Power, inputs: &[Range::Log(-9.0, 0.0), Range::Log(-2.0, 0.9)], tolerance: 1.0, reason: "ln and exp" },
     Twin { formula: Formula::Gaussian, inputs: &[NEAR, NEAR, NEAR, NEAR], tolerance: 2.0, reason: "sums of 2 erfcx and exp" },
     Twin { formula: Formula::Psi, inputs: &[DEPTH, DEPTH], tolerance: 2.0, reason: "21 panels of 8 points: 1e-6" },
     Twin { formula: Formula::Front, inputs: &[DEPTH, DEPTH], tolerance: 2.0, reason: "as psi" },
@@ -86,6 +88,7 @@ fn exact(formula: Formula, x: &[f64; INPUTS]) -> f64 {
         Formula::Opacity => special::opacity(x[0]),
         Formula::MeanTransmittance => special::mean_transmittance(x[0]),
         Formula::Erfcx => special::erfcx(x[0]),
+        Formula::Power => x[0].powf(x[1]),
         Formula::Gaussian => {
             let along = [x[2] - x[0], x[3] - x[1]];
             GaussianPath::new([x[0], x[1]], [x[2], x[3]], along).optical_depth(1.0, &Stretch::WHOLE)
@@ -125,6 +128,7 @@ impl Kernel for Run<'_> {
                 Formula::Opacity => one_minus_exp::<L>(x[0]),
                 Formula::MeanTransmittance => mean_transmittance::<L>(x[0]),
                 Formula::Erfcx => erfcx::<L>(x[0]),
+                Formula::Power => power::<L>(x[0], x[1]),
                 Formula::Gaussian => mean_profile::<L, 2>([x[0], x[1]], [x[2], x[3]]),
                 Formula::Psi => linear::psi::<L>(x[0], x[1]),
                 Formula::Front => linear::front_back::<L>(x[0], x[1]).0,

@@ -1,0 +1,90 @@
+//! Silhouettes and light.
+
+use crate::compare::{SHADING, Scene, engine_shaded, ordinary_shaded};
+use crate::grids::{cube, smooth, smooth_gradient};
+use crate::looks::*;
+use glam::DVec3;
+use std::sync::Arc;
+use voltet_core::camera::Camera;
+use voltet_core::grid::Grid;
+use voltet_core::shading::{Light, Shading};
+use voltet_core::transfer::TransferFunction;
+use voltet_core::volume::Volume;
+
+const LIGHT: Light = Light { direction: DVec3::new(0.4, -0.7, 3.5), ambient: 0.3, diffuse: 0.8 };
+
+fn lit(grid: Grid, gradient: impl Fn(DVec3) -> DVec3) -> Arc<Volume> {
+    let vectors = grid.points.iter().map(|&p| gradient(p)).collect();
+    Arc::new(Volume { gradient: Some(Arc::new(vectors)), ..(*smooth(grid)).clone() })
+}
+
+fn shadings() -> [(&'static str, Shading); 5] {
+    let even = Light { diffuse: 0.0, ..LIGHT };
+    [
+        ("light", Shading { light: Some(LIGHT), ..SHADING }),
+        ("silhouette 1", Shading { silhouette: Some(1.0), ..SHADING }),
+        ("silhouette 0.5", Shading { silhouette: Some(0.5), light: Some(even), ..SHADING }),
+        ("silhouette 3.7 and light", Shading { silhouette: Some(3.7), light: Some(LIGHT), ..SHADING }),
+        ("silhouette 0", Shading { silhouette: Some(0.0), ..SHADING }),
+    ]
+}
+
+fn with_every_shading(name: &str, volume: &Arc<Volume>, look: &TransferFunction, camera: Camera) {
+    for (kind, shading) in shadings() {
+        let scene =
+            Scene { name: format!("{name} {kind}"), volume: volume.clone(), look: look.clone(), camera };
+        ordinary_shaded(&scene, &shading);
+    }
+}
+
+#[test]
+fn several_colours() {
+    let volume = lit(cube([6, 6, 6], 0.2), smooth_gradient);
+    with_every_shading("overlap", &volume, &overlapping(), outside([64, 48]));
+    with_every_shading("ramp", &volume, &ramp(), outside([48, 64]));
+}
+
+#[test]
+fn one_colour() {
+    let volume = lit(cube([6, 6, 6], 0.2), smooth_gradient);
+    with_every_shading("one colour", &volume, &one_gaussian(), outside([64, 48]));
+}
+
+/// Orthographic rays have one direction; cells that reach behind the eye go their own way.
+#[test]
+fn cameras() {
+    let volume = lit(cube([5, 5, 5], 0.2), smooth_gradient);
+    let oblique = orthographic([3.0, -2.0, 2.5], [0.5, 0.5, 0.5], 1.9, [40, 40]);
+    with_every_shading("oblique", &volume, &overlapping(), oblique);
+    let inside = perspective([0.43, 0.37, 0.52], [0.9, 0.8, 0.45], 90.0, [40, 40]);
+    with_every_shading("inside", &volume, &overlapping(), inside);
+    with_every_shading("inside one colour", &volume, &one_gaussian(), inside);
+    let near = Camera { near: 0.2, ..inside };
+    with_every_shading("near", &volume, &overlapping(), near);
+}
+
+/// No gradient: the silhouette's factor is 1 and the light's the ambient share; tiny gradients have a direction.
+#[test]
+fn gradients_without_and_with_little_length() {
+    let grid = || cube([5, 5, 5], 0.2);
+    let nowhere = lit(grid(), |p| if p.x < 0.5 { DVec3::ZERO } else { smooth_gradient(p) });
+    with_every_shading("partly constant", &nowhere, &overlapping(), outside([40, 40]));
+    let tiny =
+        lit(grid(), |p| if p.x < 0.5 { 1e-20 * DVec3::new(0.3, 1.0, p.y) } else { smooth_gradient(p) });
+    with_every_shading("partly tiny", &tiny, &overlapping(), outside([40, 40]));
+    let along = lit(grid(), |p| 1e200 * (DVec3::new(0.5, 0.5, 0.5) - p));
+    with_every_shading("along the rays", &along, &overlapping(), outside([40, 40]));
+}
+
+#[test]
+fn what_changes_nothing_is_left_out() {
+    // No gradient in the volume, and none is asked for.
+    let scene = Scene {
+        name: "exponent 0".into(),
+        volume: smooth(cube([3, 3, 3], 0.2)),
+        look: overlapping(),
+        camera: outside([16, 16]),
+    };
+    let shading = Shading { silhouette: Some(0.0), ..SHADING };
+    assert_eq!(engine_shaded(&scene, &shading).rgba, engine_shaded(&scene, &SHADING).rgba);
+}
