@@ -2,6 +2,8 @@
 
 use crate::optics::Overlap;
 
+pub use crate::optics::integrators::Integrator;
+
 /// Order in which a pixel's segments are composited.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Order {
@@ -38,13 +40,4 @@ pub struct Shading {
     pub silhouette: Option<f64>,
     /// Diffuse lighting.
     pub light: Option<Light>,
-}
-
-/// The integrators (optics specification, section 5).
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Integrator {
-    /// Closed forms; quadrature with closed-form optical depth where widgets overlap.
-    Analytic,
-    /// 64-bit adaptive quadrature.
-    Reference,
 }

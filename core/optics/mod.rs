@@ -6,6 +6,7 @@
 pub mod clip;
 pub mod compositing;
 pub mod gaussian;
+mod gaussian_nd;
 pub mod integrators;
 pub mod judge;
 pub mod lanes;

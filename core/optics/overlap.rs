@@ -106,7 +106,8 @@ impl Member<'_> {
         unit_rate: 0.0,
     };
 
-    fn next_break(&self, t: f64) -> f64 {
+    /// The first t' > t before which one panel resolves the widget; ∞ if there is none.
+    pub fn next_break(&self, t: f64) -> f64 {
         if t < self.range[0] {
             return self.range[0];
         }
@@ -122,7 +123,8 @@ impl Member<'_> {
         next
     }
 
-    pub(super) fn color_at(&self, t: f64) -> [f64; 3] {
+    /// Colour at t.
+    pub fn color_at(&self, t: f64) -> [f64; 3] {
         match &self.track {
             AnyTrack::Piecewise(track) => track.path.color(t),
             AnyTrack::Table(track) => track.color(t),
@@ -130,7 +132,8 @@ impl Member<'_> {
         }
     }
 
-    fn has_one_color(&self) -> bool {
+    /// Whether its colour is the same everywhere.
+    pub fn has_one_color(&self) -> bool {
         !matches!(self.track, AnyTrack::Piecewise(_) | AnyTrack::Table(_))
     }
 }
@@ -142,6 +145,27 @@ pub enum Glow {
     Density,
     /// Σ cᵢ D/U where lit; holds D/U.
     Constant(f64),
+}
+
+/// How C is found where there is no closed form.
+pub trait Quadrature {
+    /// Whether it also takes widgets that are alone.
+    const ALONE: bool;
+
+    /// C of the whole segment.
+    fn color(&self, members: &[Member], glow: Glow) -> [f64; 3];
+}
+
+/// The ordered integral to working precision.
+#[derive(Debug, Clone, Copy)]
+pub struct Ordered;
+
+impl Quadrature for Ordered {
+    const ALONE: bool = false;
+
+    fn color(&self, members: &[Member], glow: Glow) -> [f64; 3] {
+        ordered(members, glow)
+    }
 }
 
 /// C of the whole segment.

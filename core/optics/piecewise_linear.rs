@@ -261,6 +261,15 @@ pub struct PiecewiseTrack<'a> {
     pub threshold: Option<f64>,
 }
 
+impl PiecewiseTrack<'_> {
+    /// Depth over [t, t + dt], which may pass control points.
+    pub fn depth_over(&self, t: f64, dt: f64) -> f64 {
+        let end = t + dt;
+        let stretch = Stretch { start: t, start_to_back: 1.0 - t, end, end_to_back: 1.0 - end, length: dt };
+        self.scale * self.path.integral(&stretch)
+    }
+}
+
 impl Track for PiecewiseTrack<'_> {
     fn rate(&self, t: f64) -> f64 {
         self.scale * self.path.extinction(t)

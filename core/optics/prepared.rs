@@ -1,8 +1,9 @@
 //! A transfer function made ready for integrating many segments.
 
 use super::clip::{Clip, Stretch};
-use super::gaussian::{FIELD_LIMIT, GaussianPath};
-use super::overlap::{AnyTrack, Glow, Member, ordered};
+use super::gaussian::GaussianPath;
+use super::gaussian_nd::GaussianNd;
+use super::overlap::{AnyTrack, Glow, Member, Ordered, Quadrature, ordered};
 use super::piecewise_linear::{PiecewisePath, PiecewiseTrack};
 use super::sample::Samples;
 use super::special::{mean_transmittance, opacity};
@@ -52,15 +53,6 @@ enum Shape {
     Table { table: Arc<Table>, range: Clip },
 }
 
-#[derive(Debug, Clone)]
-struct GaussianNd {
-    /// Where its fields lie in the segment's.
-    slots: [usize; FIELD_LIMIT],
-    count: usize,
-    centre: [f64; FIELD_LIMIT],
-    matrix: [[f64; FIELD_LIMIT]; FIELD_LIMIT],
-}
-
 /// One widget along one segment.
 #[derive(Debug, Clone, Copy)]
 enum Path<'a> {
@@ -106,17 +98,7 @@ impl Prepared {
                     (Shape::Gaussian { centre: *centre, matrix: *matrix }, widget.extinction)
                 }
                 Profile::GaussianNd { fields: names, centre, matrix } => {
-                    let mut nd = GaussianNd {
-                        slots: [0; FIELD_LIMIT],
-                        count: names.len(),
-                        centre: [0.0; FIELD_LIMIT],
-                        matrix: [[0.0; FIELD_LIMIT]; FIELD_LIMIT],
-                    };
-                    for (i, name) in names.iter().enumerate() {
-                        nd.slots[i] = fields.iter().position(|f| f == name).unwrap_or(0);
-                        nd.centre[i] = centre[i];
-                        nd.matrix[i][..names.len()].copy_from_slice(&matrix[i]);
-                    }
+                    let nd = GaussianNd::new(names, centre, matrix, &fields);
                     (Shape::GaussianNd(Box::new(nd)), widget.extinction)
                 }
                 Profile::TriangularGaussian { centre, sigma } => {
@@ -147,6 +129,16 @@ impl Prepared {
 
     /// The segment's contribution. Values that are not finite contribute nothing.
     pub fn integrate(&self, segment: &Segment, overlap: Overlap) -> Contribution {
+        self.integrate_by(segment, overlap, &Ordered)
+    }
+
+    /// The segment's contribution with another quadrature where closed forms end.
+    pub(super) fn integrate_by<Q: Quadrature>(
+        &self,
+        segment: &Segment,
+        overlap: Overlap,
+        quadrature: &Q,
+    ) -> Contribution {
         let mut inline: [Option<Active>; INLINE] = [None; INLINE];
         let mut spilled: Vec<Active> = Vec::new();
         let (mut count, mut optical_depth) = (0, 0.0);
@@ -166,8 +158,14 @@ impl Prepared {
         let opacity = opacity(optical_depth);
         let color = match count {
             0 => [0.0; 3],
-            1 => active().next().map_or([0.0; 3], |single| self.color_alone(single, segment.length)),
-            _ => self.color_together(&active, segment.length, optical_depth, opacity, overlap),
+            1 => active().next().map_or([0.0; 3], |single| {
+                if Q::ALONE && self.is_integrated(single) {
+                    quadrature.color(&[self.member(single, segment.length)], self.glow(segment.length))
+                } else {
+                    self.color_alone(single, segment.length)
+                }
+            }),
+            _ => self.color_together(&active, segment.length, optical_depth, overlap, quadrature),
         };
         Contribution { optical_depth, color, opacity }
     }
@@ -198,6 +196,8 @@ impl Prepared {
                 ))
             }
             Shape::GaussianNd(nd) => Path::Gaussian(nd.path(segment)),
+            // Comparisons with a control point do not tell what is no number.
+            Shape::Piecewise { .. } if (back[0] - front[0]).is_nan() => return None,
             Shape::Piecewise { points, .. } => Path::Piecewise(PiecewisePath::new(points, front[0], back[0])),
             Shape::Triangular { centre, sigma } => Path::Triangular(TriangularPath::new(
                 [front[0] - centre, back[0] - centre],
@@ -248,6 +248,15 @@ impl Prepared {
         widget.color.map(|c| c * scale * lit)
     }
 
+    /// Whether a widget that is alone takes quadrature.
+    fn is_integrated(&self, active: &Active) -> bool {
+        match active.path {
+            Path::Table(_) => true,
+            Path::Gaussian(_) | Path::Triangular(_) => self.cutoff.is_some(),
+            _ => false,
+        }
+    }
+
     /// Extinction or profile above which a widget glows.
     fn threshold(&self, widget: &PreparedWidget, cutoff: Cutoff) -> f64 {
         match &widget.shape {
@@ -262,13 +271,13 @@ impl Prepared {
         active: &impl Fn() -> I,
         length: f64,
         optical_depth: f64,
-        opacity: f64,
         overlap: Overlap,
+        quadrature: &impl Quadrature,
     ) -> [f64; 3] {
         if self.cutoff.is_none() {
             let first = active().next().map_or([0.0; 3], |a| a.widget.color);
             if active().all(|a| a.has_one_color() && a.widget.color == first) {
-                return first.map(|c| c * opacity);
+                return first.map(|c| c * opacity(optical_depth));
             }
         }
         if overlap == Overlap::Mix || optical_depth < 1e-14 {
@@ -281,7 +290,7 @@ impl Prepared {
                 std::array::from_fn(|i| sum[i] + share * alone[i])
             });
         }
-        self.with_members(active(), length, |members| ordered(members, self.glow(length)))
+        self.with_members(active(), length, |members| quadrature.color(members, self.glow(length)))
     }
 
     /// Calls `f` with the widgets as tracks, without allocation for up to [`INLINE`] of them.
@@ -353,24 +362,6 @@ impl Prepared {
             threshold: threshold.unwrap_or(0.0),
             unit_rate: active.peak,
         }
-    }
-}
-
-impl GaussianNd {
-    fn path(&self, segment: &Segment) -> GaussianPath {
-        let n = self.count;
-        let (mut front, mut back, mut along) = ([0.0; FIELD_LIMIT], [0.0; FIELD_LIMIT], [0.0; FIELD_LIMIT]);
-        for j in 0..n {
-            let slot = self.slots[j];
-            let (f, b) = (segment.fields_front[slot], segment.fields_back[slot]);
-            let (from_f, from_b, delta) = (f - self.centre[j], b - self.centre[j], b - f);
-            for i in 0..n {
-                front[i] += self.matrix[i][j] * from_f;
-                back[i] += self.matrix[i][j] * from_b;
-                along[i] += self.matrix[i][j] * delta;
-            }
-        }
-        GaussianPath::new(front, back, along)
     }
 }
 

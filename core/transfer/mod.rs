@@ -132,6 +132,22 @@ pub struct Table {
     pub g: [f64; 2],
 }
 
+impl Profile {
+    /// The kind's name in pipeline files.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Profile::Uniform => "uniform",
+            Profile::Gaussian { .. } => "gaussian",
+            Profile::GaussianNd { .. } => "gaussian-nd",
+            Profile::TriangularGaussian { .. } => "triangular-gaussian",
+            Profile::TriangleWave(_) => "triangle-wave",
+            Profile::SineWave(_) => "sine-wave",
+            Profile::PiecewiseLinear { .. } => "piecewise-linear",
+            Profile::Table(_) => "table",
+        }
+    }
+}
+
 impl Widget {
     /// Whether the widget's profile or region depends on the gradient magnitude.
     pub fn uses_gradient_magnitude(&self) -> bool {

@@ -3,76 +3,83 @@
 //! | integrator | what it does |
 //! | --- | --- |
 //! | [`Analytic`] | closed forms; overlaps in order or mixed |
+//! | [`Adaptive`] | closed forms, subdivided until the error is under a tolerance |
+//! | [`Segments`] | N pieces of linear colour and extinction, by the partial pre-integration table |
 //! | [`Riemann`] | N point samples, each with its own absorption |
-//! | [`Segments`] | N pieces of linear colour and extinction |
+//! | [`PreIntegrated`] | a table over (s_f, s_b, D) |
+//! | [`PreIntegratedCylindrical`] | the same table as two-dimensional tiles |
 //! | [`Clipped`] | a piecewise-linear function cut at its control points |
+//! | [`Reference`] | adaptive quadrature |
 
+mod adaptive;
+mod analytic;
+mod choice;
+mod clipped;
+mod partial_table;
+mod pre_integrated;
+mod pre_integrated_cylindrical;
+mod reference;
 mod riemann;
 mod segments;
+mod slice;
 #[cfg(test)]
 mod tests;
 
+pub use adaptive::Adaptive;
+pub use analytic::Analytic;
+pub use choice::{Integrator, PARTIAL_SIDE_MOST, TABLE_SIDE_MOST, can_serve};
+pub use clipped::Clipped;
+pub use partial_table::PartialTable;
+pub use pre_integrated::PreIntegrated;
+pub use pre_integrated_cylindrical::PreIntegratedCylindrical;
+pub use reference::Reference;
 pub use riemann::Riemann;
 pub use segments::Segments;
 
-use super::{Contribution, Overlap, Prepared, Segment};
-use crate::transfer::{Profile, TransferFunction};
-use crate::{Error, Result};
+use super::{Contribution, Overlap, Segment};
+use crate::Result;
+use crate::transfer::TransferFunction;
 
 /// Computes (C, A) of one segment.
-pub trait SegmentIntegrator: Sync {
+pub trait SegmentIntegrator: Send + Sync {
     /// The segment's contribution.
     fn integrate(&self, segment: &Segment) -> Contribution;
 }
 
-/// The closed forms.
-#[derive(Debug, Clone)]
-pub struct Analytic {
-    prepared: Prepared,
+/// What the segments of a data set span: the domain of a pre-integrated table.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Extent {
+    /// Least and largest scalar.
+    pub scalar: [f64; 2],
+    /// Length of the longest segment, world units.
+    pub longest: f64,
+}
+
+/// The integrator, made ready. `overlap` says what `Analytic` and `Reference` do where widgets overlap; the
+/// others take widgets together in their order.
+///
+/// Errors: [`can_serve`]'s, and a transfer function with a number out of range.
+pub fn new(
+    integrator: &Integrator,
     overlap: Overlap,
-}
-
-impl Analytic {
-    /// Serves every transfer function.
-    pub fn new(transfer_function: &TransferFunction, overlap: Overlap) -> Result<Self> {
-        Ok(Analytic { prepared: Prepared::new(transfer_function)?, overlap })
-    }
-}
-
-impl SegmentIntegrator for Analytic {
-    fn integrate(&self, segment: &Segment) -> Contribution {
-        self.prepared.integrate(segment, self.overlap)
-    }
-}
-
-/// A piecewise-linear function cut at its control points: each piece is linear, so nothing is sampled
-/// (Moreland 2004).
-#[derive(Debug, Clone)]
-pub struct Clipped(Prepared);
-
-impl Clipped {
-    /// Serves one piecewise-linear widget, with or without a region.
-    pub fn new(transfer_function: &TransferFunction) -> Result<Self> {
-        match transfer_function.widgets.as_slice() {
-            [widget] if matches!(widget.profile, Profile::PiecewiseLinear { .. }) => {
-                Ok(Clipped(Prepared::new(transfer_function)?))
-            }
-            _ => Err(Error::usage("the integrator 'clipped' cannot serve this transfer function")
-                .found("widgets other than one piecewise-linear")
-                .accepted("one piecewise-linear widget, or the integrator 'analytic' or 'segments'")),
+    transfer_function: &TransferFunction,
+    extent: &Extent,
+) -> Result<Box<dyn SegmentIntegrator>> {
+    can_serve(integrator, transfer_function)?;
+    Ok(match *integrator {
+        Integrator::Analytic => Box::new(Analytic::new(transfer_function, overlap)?),
+        Integrator::Adaptive { tolerance } => Box::new(Adaptive::new(transfer_function, tolerance)?),
+        Integrator::Segments { count, table_size } => {
+            Box::new(Segments::new(transfer_function, count, table_size)?)
         }
-    }
-}
-
-impl SegmentIntegrator for Clipped {
-    fn integrate(&self, segment: &Segment) -> Contribution {
-        self.0.integrate(segment, Overlap::Exact)
-    }
-}
-
-fn at_least_one(count: usize) -> Result<usize> {
-    if count >= 1 {
-        return Ok(count);
-    }
-    Err(Error::usage("the number of segments is too small").found(count).accepted("at least 1"))
+        Integrator::Riemann { count } => Box::new(Riemann::new(transfer_function, count)?),
+        Integrator::PreIntegrated { table_size } => {
+            Box::new(PreIntegrated::new(transfer_function, table_size, extent)?)
+        }
+        Integrator::PreIntegratedCylindrical { table_size } => {
+            Box::new(PreIntegratedCylindrical::new(transfer_function, table_size, extent)?)
+        }
+        Integrator::Clipped => Box::new(Clipped::new(transfer_function)?),
+        Integrator::Reference => Box::new(Reference::new(transfer_function, overlap)?),
+    })
 }

@@ -3,7 +3,7 @@
 //! Samples lie at the middles (i + ½)/N, and each stands for a homogeneous piece with its own absorption,
 //! κ h E₁(ρ h): emission without it is wrong by ρl/2N (Roettger & Ertl 2002, Eq. 6).
 
-use super::{SegmentIntegrator, at_least_one};
+use super::{Integrator, SegmentIntegrator, can_serve};
 use crate::Result;
 use crate::optics::special::{OPAQUE_DEPTH, mean_transmittance, opacity};
 use crate::optics::{Contribution, Prepared, Segment};
@@ -19,7 +19,8 @@ pub struct Riemann {
 impl Riemann {
     /// Serves every transfer function; `count` ≥ 1.
     pub fn new(transfer_function: &TransferFunction, count: usize) -> Result<Self> {
-        Ok(Riemann { prepared: Prepared::new(transfer_function)?, count: at_least_one(count)? })
+        can_serve(&Integrator::Riemann { count }, transfer_function)?;
+        Ok(Riemann { prepared: Prepared::new(transfer_function)?, count })
     }
 }
 

@@ -1,9 +1,9 @@
 //! N equal pieces: their ends classified, colour and extinction linear in each piece, combined by ψ, F and B.
 //!
-//! Song et al. 2009, sections 3.3.2 and 5; Moreland & Angel 2004. The integrals are the closed forms of module
-//! `linear`, which cost about what a table look-up with its interpolation does and have no error of their own.
+//! Song et al. 2009, sections 3.3.2 and 5; Moreland & Angel 2004. The integrals come from the two-dimensional
+//! [`PartialTable`], or, to judge the table, from the closed forms of module `linear`.
 
-use super::{SegmentIntegrator, at_least_one};
+use super::{Integrator, PartialTable, SegmentIntegrator, can_serve};
 use crate::Result;
 use crate::optics::linear::{emission_weights, front_back};
 use crate::optics::sample::Sample;
@@ -17,23 +17,36 @@ pub struct Segments {
     prepared: Prepared,
     count: usize,
     density: bool,
+    /// `None`: closed forms.
+    table: Option<PartialTable>,
 }
 
 impl Segments {
-    /// Serves every transfer function; `count` ≥ 1.
-    pub fn new(transfer_function: &TransferFunction, count: usize) -> Result<Self> {
-        let density = transfer_function.model == OpticalModel::DensityEmitter;
-        Ok(Segments { prepared: Prepared::new(transfer_function)?, count: at_least_one(count)?, density })
+    /// Serves every transfer function; `count` ≥ 1, `table_size` ≥ 2 entries a side.
+    pub fn new(transfer_function: &TransferFunction, count: usize, table_size: usize) -> Result<Self> {
+        can_serve(&Integrator::Segments { count, table_size }, transfer_function)?;
+        let plain = Segments::with_closed_forms(transfer_function, count)?;
+        Ok(Segments { table: Some(PartialTable::new(plain.density, table_size)), ..plain })
     }
 
-    /// Weights of the glow at both ends of a piece of length `step`.
+    /// The same without a table: several times slower, and without the table's error.
+    pub fn with_closed_forms(transfer_function: &TransferFunction, count: usize) -> Result<Self> {
+        can_serve(&Integrator::Segments { count, table_size: 2 }, transfer_function)?;
+        let density = transfer_function.model == OpticalModel::DensityEmitter;
+        Ok(Segments { prepared: Prepared::new(transfer_function)?, count, density, table: None })
+    }
+
+    /// Light of a piece of length `step`.
     fn colors(&self, front: &Sample, back: &Sample, step: f64) -> [f64; 3] {
         let (a, b) = (front.rate * step, back.rate * step);
+        let (f, k) = match &self.table {
+            Some(table) => table.weights(a, b),
+            None if self.density => emission_weights(a, b),
+            None => front_back(a, b),
+        };
         if !self.density {
-            let (f, k) = front_back(a, b);
             return std::array::from_fn(|i| step * (f * front.glow[i] + k * back.glow[i]));
         }
-        let (f, k) = emission_weights(a, b);
         // The colour of an end is its glow by its rate; an end without stuff takes the other's colour.
         let (c0, c1) = (front.color(back), back.color(front));
         std::array::from_fn(|i| f * c0[i] + k * c1[i])

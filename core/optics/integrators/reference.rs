@@ -1,0 +1,54 @@
+//! 64-bit adaptive quadrature, which knows no closed form: the referee's own segments (module
+//! [`crate::reference`]).
+
+use super::SegmentIntegrator;
+use crate::Result;
+use crate::optics::{Contribution, Overlap, Prepared, Segment};
+use crate::reference::{Integrand, Tolerance, Workspace};
+use crate::transfer::TransferFunction;
+use std::cell::RefCell;
+
+/// Adaptive quadrature to a relative 1e-11.
+pub struct Reference {
+    integrand: Integrand,
+    /// For values that are not finite, which contribute nothing.
+    prepared: Prepared,
+    overlap: Overlap,
+}
+
+impl Reference {
+    /// Serves every transfer function; the mix only with the density-emitter.
+    pub fn new(transfer_function: &TransferFunction, overlap: Overlap) -> Result<Self> {
+        Ok(Reference {
+            prepared: Prepared::new(transfer_function)?,
+            integrand: Integrand::new(transfer_function, overlap, Tolerance::PICTURE)?,
+            overlap,
+        })
+    }
+}
+
+thread_local! {
+    static WORK: RefCell<(Workspace, Vec<f64>, Vec<f64>)> = RefCell::default();
+}
+
+impl SegmentIntegrator for Reference {
+    fn integrate(&self, segment: &Segment) -> Contribution {
+        let ends = [segment.front, segment.back];
+        let fields = segment.fields_front.iter().chain(segment.fields_back);
+        if !ends.iter().flatten().chain(fields).all(|x| x.is_finite()) {
+            return self.prepared.integrate(segment, self.overlap);
+        }
+        WORK.with_borrow_mut(|(work, front, back)| {
+            let fill = |values: &mut Vec<f64>, pair: [f64; 2], fields: &[f64]| {
+                values.clear();
+                values.extend(pair);
+                values.extend(fields);
+            };
+            fill(front, segment.front, segment.fields_front);
+            fill(back, segment.back, segment.fields_back);
+            let found = self.integrand.integrate(segment.length, front, back, work);
+            // It gives up where halving does not end: at values that it cannot tell from one another.
+            found.unwrap_or_else(|_| self.prepared.integrate(segment, self.overlap))
+        })
+    }
+}
