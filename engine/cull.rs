@@ -12,6 +12,7 @@ use voltet_core::camera::Camera;
 
 use rayon::prelude::*;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use voltet_core::progress::Progress;
 use voltet_core::transfer::{Profile, Support, TransferFunction};
 use voltet_core::volume::Volume;
@@ -45,18 +46,30 @@ pub fn cull(
         length,
         seen: Some((*camera, Arc::new(seen))),
         ranges,
+        untouched: Vec::new(),
+        culled_for: None,
         steepest: volume.gradient.as_ref().map_or(0.0, |gradient| {
             let [low, high] = range(bytemuck::cast_slice(gradient));
             low.abs().max(high.abs())
         }),
     };
     let attributes = attributes_of(&cells, transfer_function)?;
+    let corner_values = CornerValues {
+        s: attributes[0].values,
+        g: attributes.get(1).filter(|_| transfer_function.uses_gradient_magnitude()).map(|a| a.values),
+        fields: attributes.iter().skip(2).map(|a| a.values).collect(),
+    };
+    let touched: Vec<AtomicBool> = transfer_function.widgets.iter().map(|_| AtomicBool::new(false)).collect();
     // A cell whose density is nowhere above this adds less than DEPTH_LEFT_OUT over the whole diagonal.
     let support = Support::new(transfer_function)?;
     let least = DEPTH_LEFT_OUT / length;
-    let s = attributes[0].values;
-    let g = attributes.get(1).filter(|_| transfer_function.uses_gradient_magnitude()).map(|a| a.values);
 
+    let touched_count = touched.len();
+    // What not even the box of all values touches is not asked for, cell by cell.
+    let [[s0, s1], [g0, g1]] = ranges;
+    let conceivable: Vec<usize> = (0..touched_count)
+        .filter(|&w| support.widget_touches(w, &[s0, s1, s0, s1], &[g0, g0, g1, g1], &[], least))
+        .collect();
     const CHUNK: usize = 1 << 14;
     let parts: Vec<(Vec<u32>, u64, u64)> = grid
         .tetrahedra
@@ -71,12 +84,22 @@ pub fn cull(
                     by_frustum += 1;
                     continue;
                 }
-                let values = at.map(|p| s[p]);
-                let gradients = g.map_or([0.0; 4], |g| at.map(|p| g[p]));
-                if !support.touches(&values, &gradients, &[], least) {
+                let values = corner_values.of(&at);
+                if !values.touch(|s, g, fields| support.touches(s, g, fields, least)) {
                     by_function += 1;
                 } else {
                     kept.push((chunk * CHUNK + k) as u32);
+                }
+            }
+            // Which widgets are worth their place; asked until one cell says so.
+            for &widget in &conceivable {
+                let touched = &touched[widget];
+                let touches = |id: &u32| {
+                    let values = corner_values.of(&grid.tetrahedra[*id as usize].map(|p| p as usize));
+                    values.touch(|s, g, fields| support.widget_touches(widget, s, g, fields, least))
+                };
+                if !touched.load(Ordering::Relaxed) && (touched_count == 1 || kept.iter().any(touches)) {
+                    touched.store(true, Ordering::Relaxed);
                 }
             }
             (kept, by_function, by_frustum)
@@ -92,7 +115,51 @@ pub fn cull(
         cells.culled_by_frustum += by_frustum;
     }
     cells.kept = Arc::new(kept);
+    cells.untouched = (0..touched.len()).filter(|&w| !touched[w].load(Ordering::Relaxed)).collect();
+    cells.culled_for = Some(transfer_function.clone());
     Ok(cells)
+}
+
+/// The point arrays that cells are held against.
+struct CornerValues<'a> {
+    s: &'a [f64],
+    g: Option<&'a [f64]>,
+    fields: Vec<&'a [f64]>,
+}
+
+/// Most further fields that the culling test looks at; a scene with more keeps the cells that only those would cull.
+const FIELDS_MOST: usize = 8;
+
+/// Values at the corners of one cell.
+struct CellValues {
+    s: [f64; 4],
+    g: [f64; 4],
+    fields: [[f64; 4]; FIELDS_MOST],
+    field_count: usize,
+}
+
+impl CornerValues<'_> {
+    #[inline]
+    fn of(&self, corners: &[usize; 4]) -> CellValues {
+        let mut fields = [[0.0; 4]; FIELDS_MOST];
+        let field_count = if self.fields.len() <= FIELDS_MOST { self.fields.len() } else { 0 };
+        for (field, values) in fields.iter_mut().zip(&self.fields).take(field_count) {
+            *field = corners.map(|p| values[p]);
+        }
+        CellValues {
+            s: corners.map(|p| self.s[p]),
+            g: self.g.map_or([0.0; 4], |g| corners.map(|p| g[p])),
+            fields,
+            field_count,
+        }
+    }
+}
+
+impl CellValues {
+    #[inline]
+    fn touch(&self, test: impl FnOnce(&[f64; 4], &[f64; 4], &[[f64; 4]]) -> bool) -> bool {
+        test(&self.s, &self.g, &self.fields[..self.field_count])
+    }
 }
 
 /// The point arrays that the transfer function looks at, s first, then g, then the further fields, scaled to

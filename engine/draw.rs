@@ -8,12 +8,13 @@ use super::scene::{Sample, Scene};
 use super::shade::Shader;
 use super::{Cells, Counts};
 use rayon::prelude::*;
+use std::borrow::Cow;
 use std::sync::atomic::AtomicUsize;
 use voltet_core::camera::Camera;
 use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
 use voltet_core::shading::{Integrator, Order, Shading};
-use voltet_core::transfer::TransferFunction;
+use voltet_core::transfer::{Profile, TransferFunction};
 use voltet_core::{Error, Result};
 
 /// Cells prepared for the compositor: one projection for each sample of a pixel.
@@ -131,7 +132,8 @@ pub fn composite(
         return Err(Error::usage("the cells were projected for another transfer function")
             .accepted("the transfer function that the cull stage of the same pipeline has"));
     }
-    let shader = Shader::new(transfer_function, shading.overlap, &attributes, cells.length, surface)?;
+    let reduced = without_untouched(cells, transfer_function);
+    let shader = Shader::new(&reduced, shading.overlap, &attributes, cells.length, surface)?;
     let needs_order = shader.one_color.is_none();
     let sorted = match cells.order {
         Order::Exact | Order::Auto => needs_order,
@@ -189,6 +191,27 @@ pub fn draw(
 ) -> Result<(Picture, Counts)> {
     let projection = project(cells, transfer_function, camera, needs_gradient(shading), progress)?;
     composite(&projection, transfer_function, shading, progress)
+}
+
+/// The transfer function without the widgets that no kept cell touches. Widgets over further fields stay: the fields
+/// are numbered by the whole transfer function.
+fn without_untouched<'a>(
+    cells: &Cells,
+    transfer_function: &'a TransferFunction,
+) -> Cow<'a, TransferFunction> {
+    let known = cells.culled_for.as_ref() == Some(transfer_function);
+    let all = cells.untouched.len() == transfer_function.widgets.len();
+    if !known || all || cells.untouched.is_empty() {
+        return Cow::Borrowed(transfer_function);
+    }
+    let mut reduced = transfer_function.clone();
+    let mut number = 0;
+    reduced.widgets.retain(|widget| {
+        let untouched = cells.untouched.contains(&number);
+        number += 1;
+        !untouched || matches!(widget.profile, Profile::GaussianNd { .. })
+    });
+    Cow::Owned(reduced)
 }
 
 /// Says what the engine does not serve yet.

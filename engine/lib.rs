@@ -23,6 +23,7 @@ pub use draw::{Projection, composite, draw, needs_gradient, project, sort};
 use std::sync::Arc;
 use voltet_core::camera::Camera;
 use voltet_core::shading::Order;
+use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
 
 /// Cells that can contribute. Made by [`cull`]; the `sort` node sets the order.
@@ -38,6 +39,10 @@ pub struct Cells {
     pub culled_by_transfer_function: u64,
     /// Tetrahedra left out because they are outside the view.
     pub culled_by_frustum: u64,
+    /// Widgets that no kept cell touches: left out of the integrals.
+    pub untouched: Vec<usize>,
+    /// What the cells were culled for.
+    pub(crate) culled_for: Option<TransferFunction>,
     /// World units in the scene length that the stages work in: the diagonal of the grid.
     pub(crate) length: f64,
     /// The points on the screen of the camera that culled, so that the project stage need not do it again.

@@ -242,6 +242,16 @@ impl LaneWidget {
         })
     }
 
+    /// a of the density's linear trend, 1 + a (2t − 1) times its mean, for a profile that hardly bends: half the
+    /// logarithmic derivative at the middle.
+    #[inline(always)]
+    pub fn tilt<L: Lanes>(&self, along: &Along<L>) -> L::F {
+        match self {
+            LaneWidget::Gaussian(gaussian) => gaussian.tilt::<L>(along),
+            LaneWidget::Uniform { .. } | LaneWidget::Linear(_) | LaneWidget::Exact => L::F::splat(0.0),
+        }
+    }
+
     /// Density at a point of the segment. Regions are not looked at: a widget whose region cuts the segment is
     /// rough, and one whose region misses it has no depth.
     #[inline(always)]
@@ -296,6 +306,17 @@ impl LaneGaussian {
         let (front, back) = (self.point::<L>(&along.front), self.point::<L>(&along.back));
         let step = [back[0] - front[0], back[1] - front[1]];
         step[0].mul_add(step[0], step[1] * step[1]).sqrt()
+    }
+
+    /// ½ (|q_f|² − |q_b|²), as −½ (q_b − q_f)·(q_b + q_f): the difference of squares would cancel.
+    #[inline(always)]
+    fn tilt<L: Lanes>(&self, along: &Along<L>) -> L::F {
+        let (front, back) = (self.point::<L>(&along.front), self.point::<L>(&along.back));
+        let product = inlined(
+            #[inline(always)]
+            |i: usize| (front[i] - back[i]) * (front[i] + back[i]),
+        );
+        (product(0) + product(1)) * L::F::splat(0.5)
     }
 
     #[inline(always)]

@@ -48,6 +48,9 @@ pub fn cull(
     if cells.culled_by_frustum > 0 {
         call.notes.leave_out(format!("{} cells", cells.culled_by_frustum), "they are outside the view");
     }
+    for &widget in &cells.untouched {
+        call.notes.leave_out(format!("widget {}", widget + 1), "no visible cell touches it");
+    }
     Ok(cells)
 }
 

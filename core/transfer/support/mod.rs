@@ -100,6 +100,18 @@ impl Support {
         let share = least / self.widgets.len() as f64;
         self.widgets.iter().any(|widget| widget.touches(s, g, fields, share))
     }
+
+    /// Whether one widget's share of [`Support::touches`] is exceeded.
+    pub fn widget_touches(
+        &self,
+        widget: usize,
+        s: &[f64; 4],
+        g: &[f64; 4],
+        fields: &[[f64; 4]],
+        least: f64,
+    ) -> bool {
+        self.widgets[widget].touches(s, g, fields, least / self.widgets.len() as f64)
+    }
 }
 
 impl Widget {
