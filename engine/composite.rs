@@ -12,7 +12,7 @@ use super::lists::{Layer, Lists, Overflow};
 use super::record::TILE;
 use super::scene::Scene;
 use super::shade::Shaded;
-use super::spans::Fragments;
+use super::spans::{Edges, Fragments};
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use voltet_core::lanes::{Kernel, Lanes, dispatch};
@@ -45,6 +45,7 @@ pub(crate) struct Worker<'a> {
 /// Scratch of one worker.
 struct Scratch {
     fragments: Fragments,
+    edges: Edges,
     group: Group,
     batch: Batch,
     shaded: Shaded,
@@ -59,6 +60,7 @@ impl Worker<'_> {
         let scene = self.scene;
         let mut scratch = Scratch {
             fragments: Fragments::new(LANES_MOST),
+            edges: Edges::new(),
             group: Group::new(scene.attribute_count),
             batch: Batch::new(scene.attribute_count, scene.scalar_count),
             shaded: Shaded::new(),
@@ -98,6 +100,7 @@ struct Cover<'a> {
     right: usize,
     rows: Range<usize>,
     group: &'a mut Group,
+    edges: &'a mut Edges,
     fragments: &'a mut Fragments,
 }
 
@@ -112,7 +115,11 @@ impl Kernel for Cover<'_> {
             }
             let (record, attributes, corners) = self.scene.record(entry);
             self.group.take(lane, record, attributes, self.left, self.top);
-            self.fragments.cover::<L>(corners, lane, self.left, self.top, self.rows.clone(), self.right);
+            self.edges.take(lane, corners);
+        }
+        self.edges.find::<L>(self.left, self.top, &self.rows);
+        for lane in 0..self.cells.len() {
+            self.fragments.cover::<L>(self.edges, lane, self.right - self.left);
         }
     }
 }
@@ -296,7 +303,7 @@ fn walk(
     let right = (left + TILE).min(scene.view.size[0]);
     let bottom = (top + TILE).min(scene.view.size[1]);
     let rows = rows.start..rows.end.min(bottom - top);
-    let Scratch { fragments, group, batch, shaded, stretch, rays, counts } = scratch;
+    let Scratch { fragments, edges, group, batch, shaded, stretch, rays, counts } = scratch;
 
     let width = scene.lanes.width();
     let entries = scene.entries_of(tile);
@@ -305,7 +312,7 @@ fn walk(
         let ahead = &entries[after.min(entries.len())..];
         dispatch(
             scene.lanes,
-            Cover { scene, cells, ahead, left, top, right, rows: rows.clone(), group, fragments },
+            Cover { scene, cells, ahead, left, top, right, rows: rows.clone(), group, edges, fragments },
         );
         let mut from = 0;
         while from < fragments.count {

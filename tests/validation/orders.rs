@@ -1,16 +1,12 @@
 //! Orders that are not exact, and looks that the engine integrates in 64 bits.
 
-use crate::compare::{Scene, ordinary};
+use crate::compare::{self, SHADING, Scene, ordinary};
 use crate::grids::*;
 use crate::looks::*;
-use voltet_core::optics::Overlap;
 use voltet_core::progress::Silent;
-use voltet_core::shading::{Integrator, Order, Shading};
+use voltet_core::shading::Order;
 use voltet_core::transfer::{OpticalModel, Profile, TransferFunction, Wave, Widget};
 use voltet_engine as engine;
-
-const SHADING: Shading =
-    Shading { integrator: Integrator::Analytic, overlap: Overlap::Exact, silhouette: None, light: None };
 
 /// The exact order leaves no pixel disordered; centroids are wrong somewhere in a jittered grid, grid order in
 /// more places; and where the colour is one, no order is wrong.
@@ -68,4 +64,28 @@ fn constant_emitter() {
         look,
         camera: outside([40, 40]),
     });
+}
+
+/// Also one whose values the data straddle without meeting it: no cell lies in the hole of its region.
+#[test]
+fn widgets_that_no_cell_touches_are_left_out() {
+    let scene = Scene {
+        name: "untouched".into(),
+        volume: volume(cube([4, 4, 4], 0.2), |p| p.x, |p| p.x),
+        look: overlapping(),
+        camera: outside([32, 32]),
+    };
+    let kept = compare::engine(&scene);
+    for far in [gaussian([40.0, 0.0], [0.5, 0.5], 3.0, [0.0, 1.0, 0.0]), corner()] {
+        let mut more = scene.clone();
+        more.look.widgets.insert(1, far);
+        let cells = engine::cull(&more.volume, &more.look, &more.camera, &Silent).unwrap();
+        assert_eq!(cells.untouched, [1]);
+        assert_eq!(compare::engine(&more).rgba, kept.rgba);
+    }
+}
+
+/// A corner of the (s, g) plane inside the data's ranges, away from s = g.
+fn corner() -> Widget {
+    polygon(&[[0.6, 0.0], [1.0, 0.0], [1.0, 0.4]], 5.0, [0.0, 0.0, 1.0])
 }
