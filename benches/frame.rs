@@ -30,6 +30,8 @@ struct Scene {
     piecewise: &'static [[f64; 5]],
     /// Name, centre, sigma, extinction.
     gaussians: &'static [(&'static str, [f64; 2], [f64; 2], f64)],
+    /// Centres of further Gaussians, as wide as the first and each of a colour of its own.
+    further: [[f64; 2]; 3],
 }
 
 const SCENES: [Scene; 2] = [
@@ -46,6 +48,7 @@ const SCENES: [Scene; 2] = [
             [107.0, 0.9, 0.1, 0.1, 1.5],
         ],
         gaussians: &[("wide", [60.0, 0.0], [20.0, 20.0], 1.0), ("narrow", [60.8, 0.0], [0.35, 0.025], 60.0)],
+        further: [[90.0, 0.5], [40.0, 1.0], [75.0, 2.0]],
     },
     Scene {
         file: "bluntfin.vtu",
@@ -61,11 +64,15 @@ const SCENES: [Scene; 2] = [
             [4.97, 0.9, 0.1, 0.1, 1.5],
         ],
         gaussians: &[("wide", [1.2, 2.0], [1.5, 10.0], 0.5), ("narrow", [1.2, 2.0], [0.03, 2.5], 2.0)],
+        further: [[2.2, 5.0], [0.6, 5.0], [3.4, 8.0]],
     },
 ];
 
 const SIZES: [u32; 2] = [512, 1024];
 const FRAME_COUNT: usize = 31;
+
+const SHADING: Shading =
+    Shading { integrator: Integrator::Analytic, overlap: Overlap::Exact, silhouette: None, light: None };
 
 fn main() -> Result<()> {
     println!(
@@ -109,13 +116,66 @@ fn measure(scene: &Scene, path: &Path) -> Result<()> {
             frames(scene, &format!("one Gaussian, {name}"), size, &bivariate, look)?;
         }
     }
+    costs(scene, &plain, &bivariate)
+}
+
+/// What widgets cost: against the one-dimensional picture, and each further one against the first.
+fn costs(scene: &Scene, plain: &Arc<Volume>, bivariate: &Arc<Volume>) -> Result<()> {
+    println!(
+        "\n| widgets, 512² | whole, median ms | to the 1-D picture | more than the row above, of one Gaussian |"
+    );
+    println!("| --- | ---: | ---: | ---: |");
+    let (one_dimensional_ms, _) = frame_time(scene, plain, &scene.piecewise_linear())?;
+    println!("| piecewise-linear in s | {one_dimensional_ms:.1} | 1 | |");
+    let &(_, centre, sigma, extinction) = &scene.gaussians[0];
+    let one = scene.gaussian(centre, sigma, extinction);
+    let with = |centres: &[[f64; 2]], same_color: bool| {
+        let mut look = one.clone();
+        for (centre, color) in centres.iter().zip([[0.1, 0.6, 1.0], [0.1, 1.0, 0.2], [1.0, 0.1, 0.8]]) {
+            let mut widget = scene.gaussian(*centre, sigma, extinction).widgets.remove(0);
+            widget.color = if same_color { one.widgets[0].color } else { color };
+            look.widgets.push(widget);
+        }
+        look
+    };
+    let untouched = [[1e6, 1e6]];
+    let (first_ms, _) = frame_time(scene, bivariate, &one)?;
+    let row = |name: &str, ms: f64, before: Option<f64>| {
+        let more = before.map_or(String::new(), |before| format!("{:.2}", (ms - before) / first_ms));
+        println!("| {name} | {ms:.1} | {:.2} | {more} |", ms / one_dimensional_ms);
+    };
+    row("one Gaussian", first_ms, None);
+    row(
+        "and one that no cell touches",
+        frame_time(scene, bivariate, &with(&untouched, false))?.0,
+        Some(first_ms),
+    );
+    row(
+        "two Gaussians of one colour",
+        frame_time(scene, bivariate, &with(&scene.further[..1], true))?.0,
+        Some(first_ms),
+    );
+    let mut before = first_ms;
+    for (count, name) in [(1, "two of two colours: an order is needed"), (2, "three"), (3, "four")] {
+        let (ms, _) = frame_time(scene, bivariate, &with(&scene.further[..count], false))?;
+        row(name, ms, Some(before));
+        before = ms;
+    }
     Ok(())
+}
+
+/// Median milliseconds of a steady frame at 512².
+fn frame_time(scene: &Scene, volume: &Arc<Volume>, look: &TransferFunction) -> Result<(f64, ())> {
+    median(FRAME_COUNT, |k| {
+        let camera = scene.camera(k as f64, 512);
+        let cells = cull(volume, look, &camera, &Silent)?;
+        let projection = project(&cells, look, &camera, false, &Silent)?;
+        composite(&projection, look, &SHADING, &Silent).map(drop)
+    })
 }
 
 /// Draws frames from a camera that turns, and prints a row.
 fn frames(scene: &Scene, name: &str, size: u32, volume: &Arc<Volume>, look: TransferFunction) -> Result<()> {
-    let shading =
-        Shading { integrator: Integrator::Analytic, overlap: Overlap::Exact, silhouette: None, light: None };
     let mut stages = [const { Vec::new() }; 3];
     let (whole_ms, counts) = median(FRAME_COUNT, |k| {
         let camera = scene.camera(k as f64, size);
@@ -124,7 +184,7 @@ fn frames(scene: &Scene, name: &str, size: u32, volume: &Arc<Volume>, look: Tran
         let culled = Instant::now();
         let projection = project(&cells, &look, &camera, false, &Silent)?;
         let projected = Instant::now();
-        let (_, counts) = composite(&projection, &look, &shading, &Silent)?;
+        let (_, counts) = composite(&projection, &look, &SHADING, &Silent)?;
         for (stage, time) in stages.iter_mut().zip([culled - start, projected - culled, projected.elapsed()])
         {
             stage.push(1e3 * time.as_secs_f64());

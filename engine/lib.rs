@@ -15,6 +15,7 @@ mod shade;
 mod spans;
 mod special;
 mod view;
+mod wave;
 mod widget;
 
 pub use cull::cull;

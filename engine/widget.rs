@@ -3,6 +3,7 @@
 use super::crossing::Batch;
 use super::piecewise::LaneLinear;
 use super::project::Attribute;
+use super::wave::LaneWave;
 use voltet_core::lanes::{Float, Lanes, Mask, Unsigned, array, inlined};
 use voltet_core::optics::lanes::gaussian::mean_profile;
 use voltet_core::transfer::{Profile, Region, Widget};
@@ -47,6 +48,20 @@ impl<L: Lanes> Along<L> {
     }
 }
 
+impl<L: Lanes> Along<L> {
+    /// Values at both ends of the part inside a region, and that part's share of the length.
+    #[inline(always)]
+    fn inside(&self, region: Option<&LaneRegion>) -> ([L::F; 2], [L::F; 2], L::F) {
+        match region {
+            None => (self.front, self.back, L::F::splat(1.0)),
+            Some(region) => {
+                let (t0, t1) = region.clip(self);
+                (self.at(t0), self.at(t1), (t1 - t0).max(L::F::splat(0.0)))
+            }
+        }
+    }
+}
+
 /// A mask from its bits.
 #[inline(always)]
 pub(crate) fn lanes_of<L: Lanes>(bits: u32) -> L::M {
@@ -63,6 +78,12 @@ pub(crate) enum LaneWidget {
         region: LaneRegion,
     },
     Gaussian(LaneGaussian),
+    Wave {
+        wave: LaneWave,
+        density: f32,
+        color: [f32; 3],
+        region: Option<LaneRegion>,
+    },
     Linear(LaneLinear),
     /// No twin: the 64-bit path serves it.
     Exact,
@@ -178,6 +199,13 @@ impl LaneWidget {
                     region,
                 })
             }
+            (Profile::TriangleWave(wave) | Profile::SineWave(wave), region) => {
+                let sine = matches!(&widget.profile, Profile::SineWave(_));
+                match LaneWave::new(wave, sine, attributes) {
+                    Some(wave) => LaneWidget::Wave { wave, density, color, region },
+                    None => LaneWidget::Exact,
+                }
+            }
             (Profile::PiecewiseLinear { points }, None) => {
                 LaneLinear::new(points, &attributes[0], density_scale)
                     .map_or(LaneWidget::Exact, LaneWidget::Linear)
@@ -188,7 +216,9 @@ impl LaneWidget {
 
     pub fn color(&self) -> [f32; 3] {
         match self {
-            LaneWidget::Uniform { color, .. } | LaneWidget::Gaussian(LaneGaussian { color, .. }) => *color,
+            LaneWidget::Uniform { color, .. }
+            | LaneWidget::Gaussian(LaneGaussian { color, .. })
+            | LaneWidget::Wave { color, .. } => *color,
             LaneWidget::Linear(_) | LaneWidget::Exact => [0.0; 3],
         }
     }
@@ -210,6 +240,10 @@ impl LaneWidget {
                 };
                 (gaussian.depth(along), unsure)
             }
+            LaneWidget::Wave { wave, density, region, .. } => {
+                let (front, back, share) = along.inside(region.as_ref());
+                (wave.mean::<L>(&front, &back) * (L::F::splat(*density) * along.length * share), 0)
+            }
             LaneWidget::Linear(linear) => (linear.depth(along), 0),
             LaneWidget::Exact => (zero, u32::MAX),
         }
@@ -222,7 +256,7 @@ impl LaneWidget {
         let region = match self {
             LaneWidget::Uniform { region, .. } => Some(region),
             LaneWidget::Gaussian(gaussian) => gaussian.region.as_ref(),
-            LaneWidget::Linear(_) | LaneWidget::Exact => return None,
+            LaneWidget::Wave { .. } | LaneWidget::Linear(_) | LaneWidget::Exact => return None,
         };
         let splat = L::F::splat;
         // |q_b − q_f| ≤ ½ a step: the cubic through four densities then leaves 3e-5 of the depth.
@@ -248,7 +282,7 @@ impl LaneWidget {
     pub fn tilt<L: Lanes>(&self, along: &Along<L>) -> L::F {
         match self {
             LaneWidget::Gaussian(gaussian) => gaussian.tilt::<L>(along),
-            LaneWidget::Uniform { .. } | LaneWidget::Linear(_) | LaneWidget::Exact => L::F::splat(0.0),
+            _ => L::F::splat(0.0),
         }
     }
 
@@ -259,7 +293,7 @@ impl LaneWidget {
         match self {
             LaneWidget::Uniform { density, .. } => L::F::splat(*density),
             LaneWidget::Gaussian(gaussian) => gaussian.density_at::<L>(along, t),
-            LaneWidget::Linear(_) | LaneWidget::Exact => L::F::splat(0.0),
+            _ => L::F::splat(0.0),
         }
     }
 }
@@ -291,12 +325,7 @@ impl LaneGaussian {
     #[inline(always)]
     fn depth<L: Lanes>(&self, along: &Along<L>) -> L::F {
         let peak = L::F::splat(self.density) * along.length;
-        let (mut front, mut back, mut share) = (along.front, along.back, L::F::splat(1.0));
-        if let Some(region) = &self.region {
-            let (t0, t1) = region.clip(along);
-            (front, back) = (along.at(t0), along.at(t1));
-            share = (t1 - t0).max(L::F::splat(0.0));
-        }
+        let (front, back, share) = along.inside(self.region.as_ref());
         self.mean::<L>(&front, &back) * peak * share
     }
 

@@ -14,3 +14,4 @@ mod looks;
 mod orders;
 mod ordinary;
 mod stiff;
+mod waves;
