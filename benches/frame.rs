@@ -11,6 +11,7 @@ use std::time::Instant;
 use voltet::core::camera::{Camera, Projection};
 use voltet::core::field::{self, GradientFilter, LeastSquares, Settings};
 use voltet::core::optics::Overlap;
+use voltet::core::probing::{Axis, histogram};
 use voltet::core::progress::Silent;
 use voltet::core::shading::{Integrator, Shading};
 use voltet::core::transfer::{ControlPoint, OpticalModel, Profile, TransferFunction, Widget};
@@ -104,6 +105,9 @@ fn measure(scene: &Scene, path: &Path) -> Result<()> {
     println!("| read | {read_ms:.1} |\n| least-squares gradient | {gradient_ms:.1} |");
 
     let magnitude = Arc::new(field::magnitude(&gradient.vectors));
+    let axes = [Axis::over(&scalar, 256), Axis::over(&magnitude, 256)];
+    let (histogram_ms, _) = median(9, |_| histogram(&grid, [&scalar, &magnitude], axes, &Silent))?;
+    println!("| histogram over (s, g), 256 × 256 bins | {histogram_ms:.1} |");
     let plain = Volume { grid: Arc::new(grid), scalar, gradient: None, gradient_magnitude: None };
     let bivariate = Arc::new(Volume { gradient_magnitude: Some(magnitude), ..plain.clone() });
     let plain = Arc::new(plain);

@@ -11,6 +11,7 @@ pub mod lanes;
 pub mod optics;
 pub mod picture;
 pub mod pipeline;
+pub mod probing;
 pub mod progress;
 pub mod reference;
 pub mod shading;

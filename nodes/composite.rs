@@ -43,6 +43,7 @@ fn run(call: &mut Call) -> Result<Outputs> {
             Error::usage(what).accepted("the same transfer_function at the nodes of type cull and composite")
         );
     }
+    drawing::note_bands(call, &cells.volume, &transfer_function)?;
     let picture = if shading.integrator == Integrator::Reference {
         drawing::referee(call, &cells.volume, &transfer_function, camera, &shading, cells.order)?
     } else {

@@ -67,7 +67,8 @@ fn settings(p: &Parameters) -> Result<Settings> {
 
 fn demand(asking: &mut Asking) -> Result<()> {
     let asked = asking.asked;
-    let mut demand = Demand { arrays: asked.arrays.clone(), ..Demand::default() };
+    let (arrays, cell_arrays) = (asked.arrays.clone(), asked.cell_arrays.clone());
+    let mut demand = Demand { arrays, cell_arrays, ..Demand::default() };
     match (asked.gradient_magnitude, asked.gradient) {
         (false, false) => {
             asking

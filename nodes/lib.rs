@@ -6,20 +6,26 @@
 //! | [`encode`] | pictures to files |
 //! | [`files`] | writing whole files |
 //! | [`formats`] | data files to grids |
+//! | [`probing`] | parts of the node `probe` |
 
 pub mod drawing;
 pub mod encode;
 pub mod files;
 pub mod formats;
+pub mod probing;
 
+mod bands;
 mod camera;
 mod composite;
 mod cull;
 mod gradient_magnitude;
+mod histogram;
 mod image_writer;
+mod probe;
 mod project;
 mod reader;
 mod renderer;
+mod report_writer;
 mod sort;
 mod transfer_function;
 
@@ -31,7 +37,10 @@ use voltet_core::graph::{Node, Registry, Session, Stamp};
 pub static NODES: &[&Node] = &[
     &reader::NODE,
     &gradient_magnitude::NODE,
+    &probe::NODE,
+    &histogram::NODE,
     &transfer_function::NODE,
+    &bands::NODE,
     &camera::NODE,
     &cull::NODE,
     &sort::NODE,
@@ -39,6 +48,7 @@ pub static NODES: &[&Node] = &[
     &composite::NODE,
     &renderer::NODE,
     &image_writer::NODE,
+    &report_writer::NODE,
 ];
 
 /// A registry with the nodes that ship; plug-ins add theirs by the same [`Registry::add`].

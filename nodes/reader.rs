@@ -99,6 +99,7 @@ fn prepare(preparation: &Preparation) -> Result<()> {
 fn run(call: &mut Call) -> Result<Outputs> {
     let mut request = request(call.parameters)?;
     request.point_arrays = call.demand.arrays.iter().cloned().collect();
+    request.cell_arrays = call.demand.cell_arrays.iter().cloned().collect();
     if call.parameters.given("solution") {
         request.solution = Some(call.path("solution")?);
     }

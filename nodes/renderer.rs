@@ -94,6 +94,7 @@ fn run(call: &mut Call) -> Result<Outputs> {
     let camera = call.camera("camera")?;
     let shading = drawing::shading(call.parameters)?;
     let transfer_function = drawing::for_data(call, &look, &volume, call.revision("volume")?)?;
+    drawing::note_bands(call, &volume, &transfer_function)?;
     let needed = drawing::needs_order(&transfer_function, &shading);
     let order = drawing::order(call.parameters, needed)?;
     let picture = if shading.integrator == Integrator::Reference {

@@ -13,6 +13,11 @@ use voltet_core::{Error, Result};
 pub const NODE: Node = Node {
     name: "transfer-function",
     summary: "Turns the scalar and its gradient magnitude into colour and extinction, by a list of widgets.",
+    optional_inputs: &[Port {
+        name: "widgets",
+        port_type: PortType::TransferFunction,
+        summary: "further widgets, such as those of probes; model and unit_distance are this node's",
+    }],
     outputs: &[Port {
         name: "transfer_function",
         port_type: PortType::TransferFunction,
@@ -53,14 +58,49 @@ pub const NODE: Node = Node {
     ],
     example: include_str!("examples/stages.toml"),
     early: true,
-    // Images of tables are files, which the check does not touch: one texel stands for them.
-    check: &|parameters| look(parameters, &|_| Ok((1, 1, vec![[0.0; 4]]))).map(drop),
+    check: &|parameters| look(parameters, &one_texel).map(drop),
+    outline: &outline,
     run: &run,
     ..Node::BLANK
 };
 
+/// Images of tables are files, which only the run touches: one texel stands for them.
+fn one_texel(_path: &str) -> Result<(usize, usize, Vec<[f32; 4]>)> {
+    Ok((1, 1, vec![[0.0; 4]]))
+}
+
+/// The same from what stands for the widgets of others, where that is known.
+fn outline(parameters: &Parameters, inputs: &[Option<Value>]) -> Result<Outputs> {
+    let mut look = look(parameters, &one_texel)?;
+    for input in inputs {
+        let Some(Value::TransferFunction(other)) = input else { return Ok(Vec::new()) };
+        add(parameters, &mut look, other)?;
+    }
+    Ok(vec![Value::TransferFunction(Arc::new(look))])
+}
+
+/// Adds another's widgets. Extinctions without a length of their own are taken as this node's.
+fn add(p: &Parameters, look: &mut Look, other: &Look) -> Result<()> {
+    let factor = match (look.auto_unit_distance, other.auto_unit_distance) {
+        (_, true) => 1.0,
+        (false, false) => look.transfer_function.unit_distance / other.transfer_function.unit_distance,
+        (true, false) => {
+            let error =
+                p.error("unit_distance", "widgets are wired in whose extinctions have a unit of length");
+            let found = format!("unit_distance = {} there", other.transfer_function.unit_distance);
+            return Err(error.found(found).accepted("a number here too, so that they can be converted"));
+        }
+    };
+    let widgets = other.transfer_function.widgets.iter();
+    look.transfer_function.widgets.extend(widgets.map(|widget| widget.with_extinction_times(factor)));
+    Ok(())
+}
+
 fn run(call: &mut Call) -> Result<Outputs> {
-    let look = look(call.parameters, &|path| load_image(&call.resolve(path)))?;
+    let mut look = look(call.parameters, &|path| load_image(&call.resolve(path)))?;
+    for other in call.looks("widgets")? {
+        add(call.parameters, &mut look, &other)?;
+    }
     if look.transfer_function.widgets.is_empty() {
         call.notes.warnings.push("the transfer function has no widgets, so the picture is empty".into());
     }

@@ -26,7 +26,10 @@ pub enum Command {
     Explain(Explain),
     /// List the node types, or show one with its ports and parameters.
     Nodes(Nodes),
-    /// Show what a data file holds: cells, arrays with ranges, bounds, and a pipeline to start with.
+    /// Show what a data file holds, or what a pipeline finds out about its data without drawing.
+    ///
+    /// Of a data file: cells, arrays with ranges, bounds, and a pipeline to start with. Of a pipeline file (.toml): what
+    /// its probes find, and for each transfer function with waves how many bands the cells cross.
     Info(Info),
 }
 
@@ -86,9 +89,11 @@ pub struct Nodes {
 
 #[derive(Debug, Args)]
 pub struct Info {
-    /// A data file.
+    /// A data file, or a pipeline file (.toml).
     #[arg(value_name = "DATA")]
     pub data: PathBuf,
+    #[command(flatten)]
+    pub set: Set,
     /// Number of the step of a time series, from 0.
     #[arg(long, value_name = "N")]
     pub time_step: Option<usize>,

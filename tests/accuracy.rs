@@ -54,6 +54,11 @@ fn narrow_gaussians() {
 }
 
 #[test]
+fn widgets_of_probes() {
+    compare("probe.toml");
+}
+
+#[test]
 fn eye_inside_the_grid() {
     compare("inside.toml");
 }

@@ -38,12 +38,20 @@ fn every_pipeline_draws_something() {
     for path in pipelines() {
         let stem = path.file_stem().unwrap().to_str().unwrap();
         let png = folder.path().join(format!("{stem}.png"));
-        let file = format!("file.path={}", png.display());
-        let mut arguments = vec!["run", path.to_str().unwrap(), "--set", "view.size=[48,36]", "--set", &file];
-        let linear = format!("linear.path={}", folder.path().join("linear.exr").display());
-        if stem == "stages" {
-            arguments.extend(["--set", &linear]);
+        let to = |node: &str, name: &str| format!("{node}.path={}", folder.path().join(name).display());
+        let mut options = vec![format!("file.path={}", png.display())];
+        // A histogram has no camera: its bins are the pixels.
+        options.extend(match stem {
+            "histogram" => ["plane.bins=[48,36]", "plane.magnify=1"].map(String::from).to_vec(),
+            _ => vec!["view.size=[48,36]".into()],
+        });
+        match stem {
+            "stages" => options.push(to("linear", "linear.exr")),
+            "histogram" => options.push(to("table", "table.csv")),
+            _ => {}
         }
+        let mut arguments = vec!["run", path.to_str().unwrap()];
+        arguments.extend(options.iter().flat_map(|option| ["--set", option]));
         assert_done(&voltet(&arguments), stem);
         let picture = image::open(&png).unwrap().to_rgb8();
         assert_eq!(picture.dimensions(), (48, 36), "{stem}");

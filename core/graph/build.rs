@@ -63,7 +63,7 @@ pub struct GraphNode {
     pub node: &'static Node,
     /// Its parameters.
     pub parameters: Parameters,
-    /// For each input port what feeds it.
+    /// What feeds each input port, in the order of [`Node::inputs`]; then the edges of the optional ones.
     pub inputs: Vec<Edge>,
     /// Where it was written.
     pub origin: Origin,
@@ -72,6 +72,8 @@ pub struct GraphNode {
 /// What feeds an input.
 #[derive(Debug, Clone)]
 pub struct Edge {
+    /// The input port, by its place in [`Node::all_inputs`].
+    pub port: usize,
     /// The node, by its place in [`Graph::nodes`].
     pub node: usize,
     /// Its output.
@@ -83,12 +85,18 @@ pub struct Edge {
 impl GraphNode {
     /// The place of an input port.
     pub(super) fn input(&self, port: &str) -> Result<usize> {
-        self.node.inputs.iter().position(|p| p.name == port).ok_or_else(|| {
+        self.node.all_inputs().position(|p| p.name == port).ok_or_else(|| {
             Error::run(format!(
                 "the node type '{}' asks for an input '{port}' it does not declare",
                 self.node.name
             ))
         })
+    }
+
+    /// The places in [`GraphNode::inputs`] of what feeds a port.
+    pub(super) fn edges(&self, port: &str) -> Result<impl Iterator<Item = usize> + use<'_>> {
+        let port = self.input(port)?;
+        Ok((0..self.inputs.len()).filter(move |&i| self.inputs[i].port == port))
     }
 
     /// Adds this node's name and place to an error that has none.
@@ -239,37 +247,29 @@ fn find_type(entry: &NodeEntry, registry: &Registry) -> Result<&'static Node> {
     registry.find(name).map_err(|error| entry.node_type.origin.blame(error))
 }
 
-/// The wires of one entry: every input of the node type fed once, by an output of a type that serves it.
+/// The wires of one entry: every input of the node type fed once, by an output of a type that serves it; then the
+/// optional inputs, each fed by any number of them.
 fn wire(entry: &NodeEntry, nodes: &[GraphNode], place: usize) -> Result<Vec<Edge>> {
     let node = nodes[place].node;
-    let mut edges: Vec<Option<Edge>> = vec![None; node.inputs.len()];
+    let required = node.inputs.len();
+    let mut edges: Vec<Option<Edge>> = vec![None; required];
     for link in &entry.inputs {
-        let Some(port) = node.inputs.iter().position(|p| p.name == link.port) else {
+        let Some(port) = node.all_inputs().position(|p| p.name == link.port) else {
             let error = Error::usage(format!("the node type '{}' has no input '{}'", node.name, link.port))
-                .accepted(suggest(&link.port, node.inputs.iter().map(|p| p.name)));
+                .accepted(suggest(&link.port, node.all_inputs().map(|p| p.name)));
             return Err(link.origin.blame(error));
         };
-        let Some(text) = link.source.text() else {
-            return Err(link
-                .source
-                .error("an input must name the node that feeds it", "\"node\" or \"node.port\""));
+        let sources = match link.source.list() {
+            Some(list) if port >= required => list,
+            _ => std::slice::from_ref(&link.source),
         };
-        let (feeding, output) = source(text, nodes).map_err(|error| link.source.origin.blame(error))?;
-        let found = nodes[feeding].node.outputs[output].port_type;
-        let wanted = node.inputs[port].port_type;
-        if !found.serves(wanted) {
-            let giving = nodes.iter().filter(|n| n.node.outputs.iter().any(|o| o.port_type.serves(wanted)));
-            let names: Vec<&str> = giving.map(|n| n.name.as_str()).collect();
-            let remedy = match names.is_empty() {
-                true => format!("{}, which no node here gives", wanted.with_article()),
-                false => format!("{}, which these nodes give: {}", wanted.with_article(), names.join(", ")),
-            };
-            let what = format!("the input '{}' is wired to the wrong type", link.port);
-            let error =
-                Error::usage(what).found(format!("{} from '{text}'", found.with_article())).accepted(remedy);
-            return Err(link.source.origin.blame(error));
+        for source in sources {
+            let edge = edge(source, node, port, nodes)?;
+            match edges.get_mut(port).filter(|_| port < required) {
+                Some(slot) => *slot = Some(edge),
+                None => edges.push(Some(edge)),
+            }
         }
-        edges[port] = Some(Edge { node: feeding, output, origin: link.source.origin.clone() });
     }
     let missing = |port: usize| {
         let port = &node.inputs[port];
@@ -280,6 +280,36 @@ fn wire(entry: &NodeEntry, nodes: &[GraphNode], place: usize) -> Result<Vec<Edge
         ))
     };
     edges.into_iter().enumerate().map(|(port, edge)| edge.ok_or_else(|| missing(port))).collect()
+}
+
+/// One wire, from the output that `written` names to an input port.
+fn edge(written: &Setting, node: &Node, port: usize, nodes: &[GraphNode]) -> Result<Edge> {
+    let Some(text) = written.text() else {
+        let accepted = match port < node.inputs.len() {
+            true => "\"node\" or \"node.port\"",
+            false => "\"node\" or \"node.port\", or a list of them",
+        };
+        return Err(written.error("an input must name the node that feeds it", accepted));
+    };
+    let (feeding, output) = source(text, nodes).map_err(|error| written.origin.blame(error))?;
+    let found = nodes[feeding].node.outputs[output].port_type;
+    let Some(taken) = node.all_inputs().nth(port) else {
+        return Err(Error::run("a wire leads to an input that is not declared"));
+    };
+    let wanted = taken.port_type;
+    if !found.serves(wanted) {
+        let giving = nodes.iter().filter(|n| n.node.outputs.iter().any(|o| o.port_type.serves(wanted)));
+        let names: Vec<&str> = giving.map(|n| n.name.as_str()).collect();
+        let remedy = match names.is_empty() {
+            true => format!("{}, which no node here gives", wanted.with_article()),
+            false => format!("{}, which these nodes give: {}", wanted.with_article(), names.join(", ")),
+        };
+        let what = format!("the input '{}' is wired to the wrong type", taken.name);
+        let error =
+            Error::usage(what).found(format!("{} from '{text}'", found.with_article())).accepted(remedy);
+        return Err(written.origin.blame(error));
+    }
+    Ok(Edge { port, node: feeding, output, origin: written.origin.clone() })
 }
 
 /// The node and the output that `"node"` or `"node.port"` means.

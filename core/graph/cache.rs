@@ -22,7 +22,8 @@ pub type FileStamp = fn(&Path) -> Stamp;
 pub(super) struct Entry {
     pub(super) node: &'static Node,
     pub(super) parameters: Parameters,
-    pub(super) inputs: Vec<Revision>,
+    /// What fed each of its ports.
+    pub(super) inputs: Vec<(usize, Revision)>,
     pub(super) demand: Demand,
     /// The files that its parameters name, as they were after the run.
     pub(super) files: Vec<(PathBuf, Stamp)>,
@@ -43,7 +44,7 @@ impl Cache {
         &self,
         node: &'static Node,
         parameters: &Parameters,
-        inputs: &[Revision],
+        inputs: &[(usize, Revision)],
         demand: &Demand,
         files: &[(PathBuf, Stamp)],
     ) -> Option<&Entry> {
@@ -77,7 +78,7 @@ impl Cache {
                 .iter()
                 .map(|&i| &graph.nodes[i])
                 .any(|n| n.node.name == entry.node.name && n.parameters == entry.parameters);
-            let keep = wanted && entry.inputs.iter().all(|r| alive.contains(r));
+            let keep = wanted && entry.inputs.iter().all(|(_, r)| alive.contains(r));
             if keep {
                 alive.extend(entry.outputs.iter().map(|o| o.1));
             }

@@ -31,16 +31,17 @@ pub struct Asking<'a> {
     /// What the node says about it.
     pub notes: &'a mut Notes,
     pub(super) node: &'a GraphNode,
-    /// For each input its value, where a node that ran early feeds it.
+    /// For each edge its value, or what stands for it, where known.
     pub(super) early: Vec<Option<Value>>,
-    /// For each input what is asked of it.
+    /// For each edge what is asked of it.
     pub(super) asks: Vec<Demand>,
 }
 
 impl Asking<'_> {
-    /// The transfer function at an input; `None` where it is made from data and not known yet.
+    /// The transfer function at an input, or what stands for it where it is made from data; `None` where nothing
+    /// is known of it.
     pub fn look(&self, port: &str) -> Option<Arc<Look>> {
-        let place = self.node.node.inputs.iter().position(|p| p.name == port)?;
+        let place = self.node.edges(port).ok()?.next()?;
         match &self.early[place] {
             Some(Value::TransferFunction(look)) => Some(look.clone()),
             _ => None,
@@ -49,8 +50,9 @@ impl Asking<'_> {
 
     /// Asks for something at an input.
     pub fn ask(&mut self, port: &str, demand: &Demand) -> Result<()> {
-        let place = self.node.input(port)?;
-        self.asks[place].join(demand);
+        for edge in self.node.edges(port)? {
+            self.asks[edge].join(demand);
+        }
         Ok(())
     }
 
@@ -116,7 +118,7 @@ impl Call<'_> {
 
     /// The revision of what an input carries: the key for things to [`Call::keep`].
     pub fn revision(&self, port: &str) -> Result<Revision> {
-        Ok(self.inputs[self.node.input(port)?].1)
+        Ok(self.input(port)?.1)
     }
 
     /// Something made from the content with this revision, made again only when it is not there any more.
@@ -151,6 +153,15 @@ impl Call<'_> {
             Value::TransferFunction(look) => Ok(look.clone()),
             other => Err(self.miswired(port, PortType::TransferFunction, other)),
         }
+    }
+
+    /// The transfer functions at an optional input.
+    pub fn looks(&self, port: &str) -> Result<Vec<Arc<Look>>> {
+        let look = |edge: usize| match &self.inputs[edge].0 {
+            Value::TransferFunction(look) => Ok(look.clone()),
+            other => Err(self.miswired(port, PortType::TransferFunction, other)),
+        };
+        self.node.edges(port)?.map(look).collect()
     }
 
     /// The camera at an input.
@@ -193,8 +204,23 @@ impl Call<'_> {
         }
     }
 
+    /// The figures at an input, JSON text.
+    pub fn report(&self, port: &str) -> Result<Arc<str>> {
+        match self.value(port)? {
+            Value::Report(report) => Ok(report.clone()),
+            other => Err(self.miswired(port, PortType::Report, other)),
+        }
+    }
+
     fn value(&self, port: &str) -> Result<&Value> {
-        Ok(&self.inputs[self.node.input(port)?].0)
+        Ok(&self.input(port)?.0)
+    }
+
+    /// What feeds a port, and its revision.
+    fn input(&self, port: &str) -> Result<&(Value, Revision)> {
+        let mut edges = self.node.edges(port)?;
+        let none = || Error::run(format!("the node looks at its input '{port}', which is not wired"));
+        edges.next().and_then(|edge| self.inputs.get(edge)).ok_or_else(none)
     }
 
     fn miswired(&self, port: &str, wanted: PortType, found: &Value) -> Error {

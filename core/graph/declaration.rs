@@ -3,7 +3,11 @@
 
 use super::call::{Asking, Call, Outputs, Preparation};
 use super::parameters::Parameters;
+use super::value::Value;
 use crate::Result;
+
+/// See [`Node::outline`].
+pub type Outline = dyn Fn(&Parameters, &[Option<Value>]) -> Result<Outputs> + Send + Sync;
 
 /// A node type: its declaration and the functions that work for it. A constant for the nodes that ship; a plug-in
 /// leaks its own (`Box::leak`), since node types live as long as the program.
@@ -12,8 +16,10 @@ pub struct Node {
     pub name: &'static str,
     /// What it does, one sentence.
     pub summary: &'static str,
-    /// What it takes.
+    /// What it takes; each input is fed by one output.
     pub inputs: &'static [Port],
+    /// What it takes besides: each of these may be left out, or be fed by one output or by a list of them.
+    pub optional_inputs: &'static [Port],
     /// What it gives; a node without outputs is a sink, and the run is made for the sinks.
     pub outputs: &'static [Port],
     /// Its parameters, in the order in which help lists them.
@@ -23,6 +29,10 @@ pub struct Node {
     /// True for cheap nodes without data (a camera, a transfer function): they run before the demand pass, which
     /// can then look at their values.
     pub early: bool,
+    /// What its outputs will be made of, as far as the demand pass asks for it before any data is known: values that
+    /// stand for the outputs, given what stands for the inputs (`None`: not known). Nothing at all where it cannot be
+    /// said. Must ask for no less than the true outputs will.
+    pub outline: &'static Outline,
     /// Checks what single declarations cannot say (parameters that exclude each other). Touches no file.
     pub check: &'static (dyn Fn(&Parameters) -> Result<()> + Send + Sync),
     /// Says what is needed of the inputs for what is asked of the node.
@@ -40,15 +50,22 @@ impl Node {
         name: "",
         summary: "",
         inputs: &[],
+        optional_inputs: &[],
         outputs: &[],
         parameters: &[],
         example: "",
         early: false,
+        outline: &|_, _| Ok(Vec::new()),
         check: &|_| Ok(()),
         demand: &|asking| asking.pass_on(),
         prepare: &|_| Ok(()),
         run: &|_| Ok(Vec::new()),
     };
+
+    /// The inputs that must be fed, then the optional ones.
+    pub fn all_inputs(&self) -> impl Iterator<Item = &'static Port> + Clone {
+        self.inputs.iter().chain(self.optional_inputs)
+    }
 
     /// The parameter of that name.
     pub fn parameter(&self, name: &str) -> Option<&'static Parameter> {

@@ -9,6 +9,8 @@ use std::collections::BTreeSet;
 pub struct Demand {
     /// Point arrays beside the scalar.
     pub arrays: BTreeSet<String>,
+    /// Arrays of the file's cells, as they are.
+    pub cell_arrays: BTreeSet<String>,
     /// *g* = |∇s| at every point.
     pub gradient_magnitude: bool,
     /// ∇s at every point.
@@ -26,6 +28,7 @@ impl Demand {
     /// Adds another demand on the same node.
     pub fn join(&mut self, other: &Demand) {
         self.arrays.extend(other.arrays.iter().cloned());
+        self.cell_arrays.extend(other.cell_arrays.iter().cloned());
         self.gradient_magnitude |= other.gradient_magnitude;
         self.gradient |= other.gradient;
         self.order |= other.order;
@@ -34,6 +37,7 @@ impl Demand {
     /// Whether an output made for this demand serves the other one too.
     pub fn covers(&self, other: &Demand) -> bool {
         self.arrays.is_superset(&other.arrays)
+            && self.cell_arrays.is_superset(&other.cell_arrays)
             && self.gradient_magnitude >= other.gradient_magnitude
             && self.gradient >= other.gradient
             && self.order >= other.order

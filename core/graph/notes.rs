@@ -16,6 +16,17 @@ pub struct LeftOut {
     pub why: String,
 }
 
+/// Something that a node found out about the data.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Finding {
+    /// The node that found it; set when the report is made.
+    pub node: String,
+    /// In a sentence or a few lines, for people.
+    pub what: String,
+    /// The same for programs.
+    pub figures: serde_json::Value,
+}
+
 /// What a node says about its work.
 #[derive(Debug, Clone, Default)]
 pub struct Notes {
@@ -25,6 +36,8 @@ pub struct Notes {
     pub warnings: Vec<String>,
     /// Counts by name (`segments`, `cells_culled`, …).
     pub counts: BTreeMap<&'static str, u64>,
+    /// What was found out about the data.
+    pub findings: Vec<Finding>,
     /// Seconds of the stages within the node.
     pub stages: Vec<(String, f64)>,
     /// The engine and why it was taken, for nodes that draw.
@@ -42,6 +55,11 @@ impl Notes {
         if !self.left_out.iter().any(|(known, _)| *known == what) {
             self.left_out.push((what, why.into()));
         }
+    }
+
+    /// Something was found out about the data: in words, and as figures.
+    pub fn find(&mut self, what: impl Into<String>, figures: serde_json::Value) {
+        self.findings.push(Finding { node: String::new(), what: what.into(), figures });
     }
 
     /// Adds what was said while planning to what was said while running.
@@ -88,6 +106,8 @@ pub struct RunReport {
     pub left_out: Vec<LeftOut>,
     /// What the user should know.
     pub warnings: Vec<String>,
+    /// What the nodes found out about the data.
+    pub findings: Vec<Finding>,
     /// The engine that drew, and why.
     pub engine: Option<(String, String)>,
     /// What it ran on.
@@ -112,6 +132,8 @@ impl RunReport {
         for (what, why) in &notes.left_out {
             self.left_out.push(LeftOut { node: name.into(), what: what.clone(), why: why.clone() });
         }
+        let named = |finding: &Finding| Finding { node: name.into(), ..finding.clone() };
+        self.findings.extend(notes.findings.iter().map(named));
         self.warnings.extend(notes.warnings.iter().map(|warning| format!("{name}: {warning}")));
         if self.engine.is_none() {
             self.engine = notes.engine.clone();

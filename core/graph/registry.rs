@@ -25,7 +25,7 @@ impl Registry {
         if self.nodes.iter().any(|n| n.name == node.name) {
             return wrong(format!("there is a node type '{}' already", node.name));
         }
-        for ports in [node.inputs, node.outputs] {
+        for ports in [node.inputs, node.optional_inputs, node.outputs] {
             if let Some(twice) = repeated(ports.iter().map(|p| p.name)) {
                 return wrong(format!("the node type '{}' declares the port '{twice}' twice", node.name));
             }

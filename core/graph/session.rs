@@ -1,6 +1,6 @@
 //! Runs graphs: the two passes, the cache between runs, progress and stopping.
 
-use super::build::{Graph, GraphNode};
+use super::build::{Edge, Graph, GraphNode};
 use super::cache::{Cache, Entry, FileStamp, Store, files_of};
 use super::call::{Asking, Call, NodeProgress, Preparation};
 use super::declaration::PortType;
@@ -58,12 +58,10 @@ impl Session {
                 plan.early[i] = Some(self.execute(graph, i, inputs, &Demand::default(), &Unobserved)?);
             }
         }
+        let outlines = outlines(graph, &plan.early)?;
         for &i in graph.order.iter().rev() {
             let node = &graph.nodes[i];
-            let early = node
-                .inputs
-                .iter()
-                .map(|edge| plan.early[edge.node].as_ref().map(|done| done.outputs[edge.output].0.clone()));
+            let early = node.inputs.iter().map(|edge| outlines[edge.node].get(edge.output).cloned());
             let asked = plan.demands[i].clone();
             let mut asking = Asking {
                 parameters: &node.parameters,
@@ -74,9 +72,8 @@ impl Session {
                 asks: vec![Demand::default(); node.inputs.len()],
             };
             (node.node.demand)(&mut asking).map_err(|error| node.blame(error))?;
-            for (port, ask) in asking.asks.into_iter().enumerate() {
-                let edge = &node.inputs[port];
-                refuse_missing_gradient(graph, node, port, &ask)?;
+            for (edge, ask) in node.inputs.iter().zip(asking.asks) {
+                refuse_missing_gradient(graph, node, edge, &ask)?;
                 plan.demands[edge.node].join(&ask);
             }
         }
@@ -126,7 +123,8 @@ impl Session {
     ) -> Result<Done> {
         let start = Instant::now();
         let node = &graph.nodes[i];
-        let revisions: Vec<Revision> = inputs.iter().map(|input| input.1).collect();
+        let revisions: Vec<(usize, Revision)> =
+            node.inputs.iter().zip(&inputs).map(|(edge, input)| (edge.port, input.1)).collect();
         let files = files_of(&node.parameters, &graph.folder, self.file_stamp);
         if let Some(entry) = self.cache.find(node.node, &node.parameters, &revisions, demand, &files) {
             let (outputs, notes) = (entry.outputs.clone(), entry.notes.clone());
@@ -174,19 +172,37 @@ fn inputs_of(node: &GraphNode, all_done: &[Option<Done>]) -> Vec<(Value, Revisio
     made.filter_map(|(done, output)| Some(done?.outputs[output].clone())).collect()
 }
 
+/// For each node the values of its outputs, or what stands for them; nothing where they are not known.
+fn outlines(graph: &Graph, early: &[Option<Done>]) -> Result<Vec<Vec<Value>>> {
+    let mut outlines: Vec<Vec<Value>> = vec![Vec::new(); graph.nodes.len()];
+    for &i in &graph.order {
+        let node = &graph.nodes[i];
+        outlines[i] = match &early[i] {
+            Some(done) => done.outputs.iter().map(|output| output.0.clone()).collect(),
+            None => {
+                let known = |edge: &Edge| outlines[edge.node].get(edge.output).cloned();
+                let inputs: Vec<Option<Value>> = node.inputs.iter().map(known).collect();
+                (node.node.outline)(&node.parameters, &inputs).map_err(|error| node.blame(error))?
+            }
+        };
+    }
+    Ok(outlines)
+}
+
 /// A grid wired straight to a volume input has no gradient to give.
-fn refuse_missing_gradient(graph: &Graph, node: &GraphNode, port: usize, ask: &Demand) -> Result<()> {
-    let edge = &node.inputs[port];
+fn refuse_missing_gradient(graph: &Graph, node: &GraphNode, edge: &Edge, ask: &Demand) -> Result<()> {
     let giving = &graph.nodes[edge.node];
     let given = giving.node.outputs[edge.output].port_type;
-    let taken = &node.node.inputs[port];
+    let Some(taken) = node.node.all_inputs().nth(edge.port) else { return Ok(()) };
     if given == PortType::Grid
         && taken.port_type == PortType::Volume
         && (ask.gradient_magnitude || ask.gradient)
     {
-        let why = match ask.gradient_magnitude {
-            true => "the transfer function looks at the gradient magnitude",
-            false => "lighting and silhouettes need the gradient",
+        let draws = node.node.inputs.iter().any(|port| port.port_type == PortType::TransferFunction);
+        let why = match (ask.gradient_magnitude, draws) {
+            (true, true) => "the transfer function looks at the gradient magnitude",
+            (true, false) => "the node looks at the gradient magnitude",
+            (false, _) => "lighting and silhouettes need the gradient",
         };
         let error = Error::usage(format!("{why}, but '{}' gives a grid without gradient", giving.name))
             .accepted(format!(

@@ -1,5 +1,7 @@
 //! The passes, the cache and the wiring, on node types that only count.
 
+mod optional_inputs;
+
 use super::*;
 use crate::camera::{Camera, Projection as Rays};
 use crate::grid::Grid;

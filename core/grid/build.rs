@@ -80,6 +80,7 @@ pub fn build(mut parts: Parts, options: &Options, progress: &dyn Progress) -> Re
         scalar: None,
         scalar_name: String::new(),
         point_arrays: parts.point_arrays.into_iter().map(|(name, a)| (name, Arc::new(a))).collect(),
+        cell_arrays: parts.kept_cell_arrays.into_iter().map(|(name, a)| (name, Arc::new(a))).collect(),
         origin: Arc::new(origin),
     };
     if let Some(scalar) = parts.scalar {
@@ -175,9 +176,11 @@ fn check(parts: &Parts, options: &Options) -> Result<()> {
     if let Some(scalar) = &parts.scalar {
         expect(&scalar.name, scalar.values.len(), count_of(scalar.association))?;
     }
-    for (arrays, association) in
-        [(&parts.point_arrays, Association::Point), (&parts.cell_arrays, Association::Cell)]
-    {
+    for (arrays, association) in [
+        (&parts.point_arrays, Association::Point),
+        (&parts.cell_arrays, Association::Cell),
+        (&parts.kept_cell_arrays, Association::Cell),
+    ] {
         for (name, array) in arrays {
             let tuples = count_of(association);
             expect(name, array.values.len(), tuples.saturating_mul(array.component_count.max(1)))?;

@@ -49,6 +49,9 @@ pub struct Grid {
     pub scalar_name: String,
     /// Further point arrays that somebody asked for (fields of gaussian-nd widgets, a solver's own gradient).
     pub point_arrays: BTreeMap<String, Arc<Array>>,
+    /// Arrays of the file's cells that somebody asked for as they are: one tuple a cell of the file (see
+    /// [`Grid::source_cell`]). Their values need not be finite.
+    pub cell_arrays: BTreeMap<String, Arc<Array>>,
     /// What the reader counted and left out.
     pub origin: Arc<Origin>,
 }
@@ -75,6 +78,12 @@ impl Grid {
     #[inline]
     pub fn corners(&self, i: usize) -> [DVec3; 4] {
         self.tetrahedra[i].map(|p| self.points[p as usize])
+    }
+
+    /// The cell of the file that tetrahedron `i` is a part of.
+    #[inline]
+    pub fn source_cell(&self, i: usize) -> usize {
+        self.source_cells.as_ref().map_or(i, |cells| cells[i] as usize)
     }
 
     /// Lowest and highest coordinates of all points; `None` without points.
@@ -106,7 +115,8 @@ impl Grid {
     /// Bytes held by the arrays of this grid, shared ones included.
     pub fn memory_bytes(&self) -> u64 {
         let values = self.scalar.as_ref().map_or(0, |s| s.len())
-            + self.point_arrays.values().map(|a| a.values.len()).sum::<usize>();
+            + self.point_arrays.values().map(|a| a.values.len()).sum::<usize>()
+            + self.cell_arrays.values().map(|a| a.values.len()).sum::<usize>();
         let bytes = self.points.len() * size_of::<DVec3>()
             + self.tetrahedra.len() * size_of::<[u32; 4]>()
             + self.source_cells.as_ref().map_or(0, |s| s.len() * size_of::<u32>())

@@ -74,6 +74,8 @@ pub struct Parts {
     pub point_arrays: BTreeMap<String, Array>,
     /// Further arrays that sit on cells; they become point arrays as [`Options::cell_values`] says.
     pub cell_arrays: BTreeMap<String, Array>,
+    /// Arrays that stay on the cells: [`super::Grid::cell_arrays`].
+    pub kept_cell_arrays: BTreeMap<String, Array>,
     /// Degrees along the three axes of every cell, for Lagrange and Bezier cells whose degrees differ between axes;
     /// `None`: the same along all, found from the number of points.
     pub degrees: Option<Vec<[u8; 3]>>,
@@ -93,6 +95,7 @@ impl Parts {
             scalar: None,
             point_arrays: BTreeMap::new(),
             cell_arrays: BTreeMap::new(),
+            kept_cell_arrays: BTreeMap::new(),
             degrees: None,
             arrays_unread: Vec::new(),
             warnings: Vec::new(),

@@ -149,6 +149,15 @@ impl Profile {
 }
 
 impl Widget {
+    /// The same widget with its extinction, or those of its control points, multiplied.
+    pub fn with_extinction_times(&self, factor: f64) -> Widget {
+        let mut widget = Widget { extinction: self.extinction * factor, ..self.clone() };
+        if let Profile::PiecewiseLinear { points } = &mut widget.profile {
+            points.iter_mut().for_each(|point| point.extinction *= factor);
+        }
+        widget
+    }
+
     /// Whether the widget's profile or region depends on the gradient magnitude.
     pub fn uses_gradient_magnitude(&self) -> bool {
         let region = self.region.as_ref().is_some_and(Region::depends_on_g);

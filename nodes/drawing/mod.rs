@@ -1,12 +1,14 @@
 //! What the nodes that draw share: parameters, what a scene needs, and the stages themselves, which `renderer`
 //! runs in one and `cull`, `sort`, `project` and `composite` one by one.
 
+mod bands;
 mod needs;
 mod order;
 mod prepared;
 mod shading;
 mod stages;
 
+pub use bands::note_bands;
 pub use needs::{ask, needs_order};
 pub use order::{ORDER, leave_out_order, order};
 pub use prepared::{Culled, Projected};

@@ -26,6 +26,7 @@ fn demand(look: Option<&Look>, shading: &Shading) -> Demand {
                 gradient_magnitude: transfer_function.uses_gradient_magnitude(),
                 gradient: false,
                 order: needs_order(transfer_function, shading),
+                ..Demand::default()
             }
         }
     };

@@ -1,4 +1,8 @@
-//! Pictures to files: sRGB PNG over a background, and linear OpenEXR.
+//! Pictures to files: sRGB PNG over a background, and linear OpenEXR; colours for numbers.
+
+mod colors;
+
+pub use colors::viridis;
 
 use exr::prelude::{Blocks, Compression, Encoding, Image, LineOrder, SpecificChannels, WritableImage};
 use image::codecs::png::PngEncoder;

@@ -6,7 +6,7 @@ use super::stored::Meter;
 use super::{Association, Request, cells, merge};
 use glam::DVec3;
 use rayon::prelude::*;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 use voltet_core::grid::{self, Array, CellType, Cells, Grid, Parts, Scalar, code};
 use voltet_core::progress::Progress;
@@ -50,6 +50,11 @@ pub(super) fn assemble(dataset: &Dataset, request: &Request, progress: &dyn Prog
             names.push(name.clone());
         }
     }
+    // Those that stay on the cells stand behind the others, each once.
+    let kept: Vec<&String> = request.cell_arrays.iter().collect::<BTreeSet<_>>().into_iter().collect();
+    for name in &kept {
+        choices.push(select::array(model, name, Association::Cell)?);
+    }
     let mut loaded = Vec::new();
     for (piece, cells) in pieces.iter().zip(cells) {
         loaded.push(load(piece, cells, &choices, &meter)?);
@@ -66,10 +71,14 @@ pub(super) fn assemble(dataset: &Dataset, request: &Request, progress: &dyn Prog
         let association = if choice.per_cell { grid::Association::Cell } else { grid::Association::Point };
         parts.scalar = Some(Scalar { name, association, values });
     }
-    for (name, (choice, values)) in names.into_iter().zip(columns) {
+    for (i, (choice, values)) in columns.enumerate() {
         let component_count = if choice.component == Component::All { choice.component_count } else { 1 };
-        let arrays = if choice.per_cell { &mut parts.cell_arrays } else { &mut parts.point_arrays };
-        arrays.insert(name, Array { component_count, values });
+        let array = Array { component_count, values };
+        match names.get(i) {
+            Some(name) if choice.per_cell => parts.cell_arrays.insert(name.clone(), array),
+            Some(name) => parts.point_arrays.insert(name.clone(), array),
+            None => parts.kept_cell_arrays.insert(kept[i - names.len()].clone(), array),
+        };
     }
     let options = grid::Options { subdivision: request.subdivision, cell_values: request.cell_values };
     grid::build(parts, &options, progress)

@@ -77,6 +77,8 @@ pub struct Request {
     pub cell_values: CellValues,
     /// Further arrays, per point (cell arrays are averaged); all components, or one as in `scalar`.
     pub point_arrays: Vec<String>,
+    /// Cell arrays that are wanted as they are; all components, or one as in `scalar`.
+    pub cell_arrays: Vec<String>,
     /// The step of a time series (.pvd); `None`: the first.
     pub time_step: Option<TimeStep>,
     /// Pieces between two neighbouring nodes of a curved cell's edge, 1 to 64: 1 goes straight from node to node
@@ -94,6 +96,7 @@ impl Default for Request {
             association: Association::Auto,
             cell_values: CellValues::Average,
             point_arrays: Vec::new(),
+            cell_arrays: Vec::new(),
             time_step: None,
             subdivision: 1,
             solution: None,

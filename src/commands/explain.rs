@@ -4,7 +4,7 @@ use super::{DONE, open, registry, show, warn};
 use crate::arguments::Explain;
 use voltet::Document;
 use voltet::core::Result;
-use voltet::core::graph::{Demand, GraphNode, Plan, PortType};
+use voltet::core::graph::{Demand, Graph, GraphNode, Plan, PortType};
 
 pub fn explain(arguments: &Explain) -> Result<u8> {
     let document = match open(&arguments.file, &arguments.set.options, &registry()?) {
@@ -57,8 +57,18 @@ fn explained(document: &Document, plan: &Plan) -> String {
     } else {
         text += &format!("\nLeft out:\n{}", left_out.concat());
     }
+    if waves(graph) {
+        text += "Whether bands are finer than the cells is known with the data: `voltet info` of this file says it.\n";
+    }
     text += "Cells that no widget touches or that lie outside the view are culled as the data is known.\n";
     text
+}
+
+/// Whether some transfer function has bands.
+fn waves(graph: &Graph) -> bool {
+    let mut kinds =
+        graph.order.iter().flat_map(|&i| graph.nodes[i].parameters.kinds("widgets").unwrap_or_default());
+    kinds.any(|(kind, _)| kind.ends_with("-wave"))
 }
 
 /// What is asked of a node, where that says more than its type.
@@ -67,6 +77,7 @@ fn asked(node: &GraphNode, demand: &Demand) -> Option<String> {
     let mut asked: Vec<String> = Vec::new();
     if first == PortType::Grid || first == PortType::Volume {
         asked.extend(demand.arrays.iter().map(|name| format!("array \"{name}\"")));
+        asked.extend(demand.cell_arrays.iter().map(|name| format!("cell array \"{name}\"")));
     }
     if first == PortType::Volume {
         asked.extend(demand.gradient_magnitude.then(|| "gradient magnitude".to_string()));

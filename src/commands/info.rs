@@ -1,15 +1,23 @@
-//! `voltet info`: what a data file holds, and a pipeline to start with.
+//! `voltet info`: what a data file holds, and a pipeline to start with; of a pipeline, what it finds out.
 
 use super::DONE;
+use super::findings::findings;
 use crate::arguments::Info;
 use crate::present::{Bar, number};
 use std::path::Path;
-use voltet::core::Result;
 use voltet::core::graph::{Datum, Observer};
 use voltet::core::progress::Progress;
+use voltet::core::{Error, Result};
 use voltet::nodes::formats::{ArraySummary, Association, Request, Summary, TimeStep, inspect};
 
 pub fn info(arguments: &Info) -> Result<u8> {
+    if arguments.data.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml")) {
+        return findings(arguments);
+    }
+    if let Some(option) = arguments.set.options.first() {
+        let error = Error::usage("--set changes a pipeline, and this is a data file").found(option);
+        return Err(error.accepted("a pipeline file (.toml), or no --set").in_file(&arguments.data));
+    }
     let request = Request {
         time_step: arguments.time_step.map(TimeStep::Index),
         solution: arguments.solution.clone(),

@@ -2,6 +2,7 @@
 
 mod check;
 mod explain;
+mod findings;
 mod info;
 mod nodes;
 mod run;

@@ -8,4 +8,4 @@ mod report;
 pub use error::{error, warning};
 pub use progress::Bar;
 pub use reference::{node_markdown, node_text};
-pub use report::{json, number, summary};
+pub use report::{findings, json, number, summary};

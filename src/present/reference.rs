@@ -15,7 +15,9 @@ fn kind(parameter: &Parameter) -> String {
 /// The reference of one node type, for a terminal.
 pub fn node_text(node: &Node) -> String {
     let mut text = format!("{}\n\n{}\n", node.name, node.summary);
-    for (title, ports) in [("Inputs", node.inputs), ("Outputs", node.outputs)] {
+    let kinds =
+        [("Inputs", node.inputs), ("Optional inputs", node.optional_inputs), ("Outputs", node.outputs)];
+    for (title, ports) in kinds {
         if !ports.is_empty() {
             text += &format!("\n{title}:\n");
             let width = ports.iter().map(|p| p.name.len()).max().unwrap_or(0);
@@ -61,7 +63,8 @@ fn parameter_text(parameter: &Parameter, indent: &str) -> String {
 /// The reference of one node type as Markdown.
 pub fn node_markdown(node: &Node) -> String {
     let mut text = format!("## {}\n\n{}\n", node.name, node.summary);
-    for (title, ports) in [("input", node.inputs), ("output", node.outputs)] {
+    let kinds = [("input", node.inputs), ("optional input", node.optional_inputs), ("output", node.outputs)];
+    for (title, ports) in kinds {
         if !ports.is_empty() {
             text += &format!("\n| {title} | type | |\n| --- | --- | --- |\n");
             for port in ports {

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json as object};
 use voltet::Document;
-use voltet::core::graph::RunReport;
+use voltet::core::graph::{Finding, RunReport};
 use voltet::core::pipeline::FORMAT;
 
 /// Counts that every report names, also where the engine that ran does not know them.
@@ -25,6 +25,7 @@ pub fn json(document: &Document, report: &RunReport) -> Value {
         "nodes": report.nodes,
         "counts": counts,
         "left_out": report.left_out,
+        "findings": report.findings,
         "warnings": report.warnings,
         "files": report.files,
         "peak_memory_bytes": peak_memory_bytes(),
@@ -39,6 +40,7 @@ pub fn summary(document: &Document, report: &RunReport) -> String {
     for warning in report.warnings.iter().skip(document.graph.warnings.len()) {
         text += &format!("warning: {warning}\n");
     }
+    text += &findings(report);
     let mut figures = Vec::new();
     let count = |name: &str| report.counts.get(name).copied();
     if let Some(total) = count("cells_total") {
@@ -50,6 +52,12 @@ pub fn summary(document: &Document, report: &RunReport) -> String {
     figures.extend(report.engine.as_ref().map(|(engine, _)| format!("engine {engine}")));
     figures.push(format!("{:.2} s", report.seconds));
     text + &format!("{}: {}\n", report.files.join(", "), figures.join(", "))
+}
+
+/// What the nodes found out about the data, each under the node's name.
+pub fn findings(report: &RunReport) -> String {
+    let line = |found: &Finding| format!("{}: {}\n", found.node, found.what.replace('\n', "\n  "));
+    report.findings.iter().map(line).collect()
 }
 
 /// A whole number with commas.

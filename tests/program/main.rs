@@ -4,6 +4,7 @@
 mod bad_data;
 mod bad_pipelines;
 mod commands;
+mod finders;
 mod pictures;
 mod reports;
 mod support;

@@ -1,0 +1,45 @@
+//! What the data hold, cell by cell and exactly: moments within a region, the distribution over (s, g), and how many
+//! bands of a wave the cells cross.
+//!
+//! Inside a tetrahedron every field is linear (optics specification, section 1), so all of these are integrals of
+//! linear functions over convex pieces of tetrahedra, which have closed forms.
+//!
+//! | file | what |
+//! | --- | --- |
+//! | `piece` | a part of a tetrahedron, cut by half-spaces |
+//! | `moments` | mean and covariance, merged without loss of digits |
+//! | `region` | the part of a tetrahedron in a box or a ball |
+//! | `probe` | the moments of fields in a region (Kniss et al. 2003, section 6) |
+//! | `kernel` | from moments to the matrix K of a Gaussian widget |
+//! | `histogram` | the distribution over (s, g), weighted by volume |
+//! | `bands` | how many bands of a wave widget the cells cross (Song et al. 2009, section 6.3) |
+
+mod bands;
+mod histogram;
+mod kernel;
+mod moments;
+mod piece;
+mod probe;
+mod region;
+#[cfg(test)]
+mod tests;
+
+pub use bands::{Bands, bands};
+pub use histogram::{Axis, Histogram, histogram};
+pub use kernel::kernel;
+pub use probe::{Found, Mask, probe};
+pub use region::Region;
+
+/// Volume of a tetrahedron whose corners were multiplied by `scale`, which keeps it in the number range.
+fn scaled_volume(grid: &crate::grid::Grid, i: usize, scale: f64) -> f64 {
+    let [a, b, c, d] = grid.corners(i);
+    crate::grid::tetrahedron_volume([glam::DVec3::ZERO, (b - a) * scale, (c - a) * scale, (d - a) * scale])
+}
+
+/// Smallest and largest finite value; `None` where there is none.
+fn range(values: &[f64]) -> Option<[f64; 2]> {
+    let finite = values.iter().filter(|v| v.is_finite());
+    let [low, high] =
+        finite.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], &v| [low.min(v), high.max(v)]);
+    (low <= high).then_some([low, high])
+}

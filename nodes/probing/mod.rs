@@ -1,0 +1,7 @@
+//! The parts of the node `probe`: its parameters, and what it says.
+
+mod found;
+mod parameters;
+
+pub use found::{figures, sentence};
+pub use parameters::{PARAMETERS, fields, mask, region};

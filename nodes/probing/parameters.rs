@@ -1,0 +1,174 @@
+//! The parameters of `probe`: the region, the fields, and how the widget is made.
+
+use glam::DVec3;
+use voltet_core::graph::{Parameter, ParameterType, Parameters, Range, Standard};
+use voltet_core::probing::Region;
+use voltet_core::volume::Volume;
+use voltet_core::{Error, Result};
+
+/// The parameters, for the declaration.
+pub const PARAMETERS: &[Parameter] = &[
+    Parameter {
+        name: "box",
+        parameter_type: ParameterType::Table(&[
+            Parameter { name: "low", help: "lowest x, y, z", ..POSITION },
+            Parameter { name: "high", help: "highest x, y, z", ..POSITION },
+        ]),
+        unit: "world units",
+        standard: Standard::Unset("another region"),
+        help: "the region: the parts of cells in a box, cut exactly",
+    },
+    Parameter {
+        name: "sphere",
+        parameter_type: ParameterType::Table(&[
+            Parameter { name: "centre", help: "its centre", ..POSITION },
+            Parameter {
+                name: "radius",
+                parameter_type: ParameterType::Number(Range::above(0.0)),
+                help: "its radius",
+                ..POSITION
+            },
+        ]),
+        unit: "world units",
+        standard: Standard::Unset("another region"),
+        help: "the region: the parts of cells in a ball, whose volume is met to 1e-4",
+    },
+    Parameter {
+        name: "points",
+        parameter_type: ParameterType::Rows(Some(3)),
+        unit: "world units",
+        standard: Standard::Unset("another region"),
+        help: "the region: the values at points [x, y, z], each counting the same",
+    },
+    Parameter {
+        name: "mask",
+        parameter_type: ParameterType::Table(&[
+            Parameter {
+                name: "array",
+                parameter_type: ParameterType::Text,
+                unit: "",
+                help: "a cell array of one component; \"NAME:0\" and \"NAME:magnitude\" for vectors",
+                ..POSITION
+            },
+            Parameter {
+                name: "equals",
+                parameter_type: ParameterType::Number(Range::ANY),
+                unit: "as in the array",
+                standard: Standard::Unset("any but 0"),
+                help: "the value of the cells that count",
+            },
+        ]),
+        unit: "",
+        standard: Standard::Unset("all cells"),
+        help: "the region, or what counts in it: cells by the value of a cell array",
+    },
+    Parameter {
+        name: "fields",
+        parameter_type: ParameterType::Texts,
+        unit: "",
+        standard: Standard::Unset("s and g, as a gaussian"),
+        help: "one to eight point arrays to look at instead, as a gaussian-nd",
+    },
+    Parameter {
+        name: "color",
+        parameter_type: ParameterType::Numbers(Some(3), Range::at_least(0.0)),
+        unit: "linear RGB",
+        standard: Standard::Numbers(&[1.0, 1.0, 1.0]),
+        help: "colour of the widget; components may exceed 1",
+    },
+    Parameter {
+        name: "extinction",
+        parameter_type: ParameterType::Number(Range::at_least(0.0)),
+        unit: "per unit_distance",
+        standard: Standard::Number(1.0),
+        help: "peak of the extinction, per unit_distance of the transfer-function that it is wired into",
+    },
+    Parameter {
+        name: "sigma_scale",
+        parameter_type: ParameterType::Number(Range::above(0.0)),
+        unit: "",
+        standard: Standard::Number(1.0),
+        help: "factor on the standard deviations: above 1 the widget reaches beyond what was probed",
+    },
+    Parameter {
+        name: "least_sigma",
+        parameter_type: ParameterType::Number(Range::within(1e-6, 1.0)),
+        unit: "share of a field's range in the data",
+        standard: Standard::Number(1e-3),
+        help: "smallest deviation in any direction, before sigma_scale: where the data do not vary, or exactly together",
+    },
+    Parameter {
+        name: "correlated",
+        parameter_type: ParameterType::Boolean,
+        unit: "",
+        standard: Standard::Boolean(true),
+        help: "true: a full matrix, tilted as the fields vary together; false: along the axes",
+    },
+];
+
+const POSITION: Parameter = Parameter {
+    name: "",
+    parameter_type: ParameterType::Numbers(Some(3), Range::ANY),
+    unit: "world units",
+    standard: Standard::Required,
+    help: "",
+};
+
+/// The point arrays that the parameters name; `None`: s and g.
+pub fn fields(p: &Parameters) -> Result<Option<Vec<String>>> {
+    let Some(_) = p.optional("fields") else { return Ok(None) };
+    let names = p.texts("fields")?;
+    let distinct = (1..names.len()).all(|i| !names[..i].contains(&names[i]));
+    match (1..=8).contains(&names.len()) && distinct && !names.iter().any(String::is_empty) {
+        true => Ok(Some(names)),
+        false => {
+            let error = p.error("fields", "'fields' cannot be probed").found(format!("{names:?}"));
+            Err(error.accepted("1 to 8 different names of point arrays"))
+        }
+    }
+}
+
+/// The region that the parameters name.
+pub fn region(p: &Parameters) -> Result<Region> {
+    let mut regions = Vec::new();
+    if let Some(table) = p.table("box")? {
+        let (low, high): (DVec3, DVec3) = (table.vector("low")?.into(), table.vector("high")?.into());
+        if low.cmpge(high).any() {
+            let error = table.error("high", "the box is empty").found(format!("from {low} to {high}"));
+            return Err(error.accepted("'low' below 'high' along every axis"));
+        }
+        regions.push(Region::Box { low, high });
+    }
+    if let Some(table) = p.table("sphere")? {
+        let (centre, radius) = (table.vector("centre")?.into(), table.number("radius")?);
+        regions.push(Region::Sphere { centre, radius });
+    }
+    if p.optional("points").is_some() {
+        let points = p.rows("points")?;
+        regions.push(Region::Points(points.iter().map(|row| DVec3::from_slice(row)).collect()));
+    }
+    let accepted = "one of box, sphere and points, or a mask, which may also go with one of them";
+    match (regions.pop(), regions.is_empty(), p.optional("mask").is_some()) {
+        (Some(region), true, _) => Ok(region),
+        (None, _, true) => Ok(Region::Everywhere),
+        (None, _, false) => Err(Error::usage("the probe has no region").accepted(accepted)),
+        (Some(_), false, _) => Err(Error::usage("the probe has several regions").accepted(accepted)),
+    }
+}
+
+/// Whether a tetrahedron counts.
+pub type Holds<'a> = Box<dyn Fn(usize) -> bool + Sync + 'a>;
+
+/// Which tetrahedra count.
+pub fn mask<'a>(p: &Parameters, volume: &'a Volume) -> Result<Option<Holds<'a>>> {
+    let Some(table) = p.table("mask")? else { return Ok(None) };
+    let name = table.text("array")?;
+    let grid = &volume.grid;
+    let Some(array) = grid.cell_arrays.get(name).filter(|array| array.component_count == 1) else {
+        let error = table.error("array", format!("the mask '{name}' is not an array with one number a cell"));
+        return Err(error.accepted("a cell array of one component, or \"NAME:0\" for a component"));
+    };
+    let equals = table.optional_number("equals");
+    let counts = move |value: f64| equals.map_or(value != 0.0 && !value.is_nan(), |wanted| value == wanted);
+    Ok(Some(Box::new(move |i| counts(array.values[grid.source_cell(i)]))))
+}

@@ -1,0 +1,84 @@
+//! `report-writer`: figures to a file, written beside and renamed, so that no partial file is ever seen.
+
+use crate::files;
+use serde_json::Value;
+use std::path::Path;
+use voltet_core::graph::{
+    Call, Node, Outputs, Parameter, ParameterType, Parameters, Port, PortType, Standard,
+};
+use voltet_core::{Error, Result};
+
+/// The declaration.
+pub const NODE: Node = Node {
+    name: "report-writer",
+    summary: "Writes figures: .json with all there is, .csv with the table alone.",
+    inputs: &[Port { name: "report", port_type: PortType::Report, summary: "the figures" }],
+    parameters: &[Parameter {
+        name: "path",
+        parameter_type: ParameterType::OutputPath,
+        unit: "",
+        standard: Standard::Required,
+        help: "the file: .json holds everything, .csv the figures' table (its keys columns and rows)",
+    }],
+    example: include_str!("examples/histogram.toml"),
+    check: &|parameters| is_csv(parameters).map(drop),
+    prepare: &|preparation| {
+        let path = preparation.path("path")?;
+        files::refuse_unwritable(&path).map_err(|error| preparation.parameters.blame("path", error))
+    },
+    run: &run,
+    ..Node::BLANK
+};
+
+fn run(call: &mut Call) -> Result<Outputs> {
+    let report = call.report("report")?;
+    let path = call.path("path")?;
+    let content = if is_csv(call.parameters)? { csv(&report)? } else { format!("{report}\n") };
+    files::write_whole(&path, content.as_bytes()).map_err(|error| call.parameters.blame("path", error))?;
+    call.notes.files.push(path.display().to_string());
+    Ok(Vec::new())
+}
+
+fn is_csv(parameters: &Parameters) -> Result<bool> {
+    let path = parameters.text("path")?;
+    let ending = Path::new(path).extension().map(|e| e.to_string_lossy().to_lowercase());
+    match ending.as_deref() {
+        Some("json") => Ok(false),
+        Some("csv") => Ok(true),
+        _ => Err(parameters
+            .error("path", "the format of the figures is not known")
+            .found(path)
+            .accepted("a path that ends in .json or .csv")),
+    }
+}
+
+/// The table of figures: a head line and a line for each row.
+fn csv(report: &str) -> Result<String> {
+    let figures: Value = serde_json::from_str(report)
+        .map_err(|error| Error::run("the figures are not valid JSON").found(error))?;
+    let (Some(columns), Some(rows)) = (figures["columns"].as_array(), figures["rows"].as_array()) else {
+        let error = Error::usage("these figures have no table").found("no keys 'columns' and 'rows'");
+        return Err(error.accepted("a path that ends in .json"));
+    };
+    let cell = |value: &Value| match value.as_str() {
+        Some(text) if text.contains([',', '"', '\n', '\r']) => format!("\"{}\"", text.replace('"', "\"\"")),
+        Some(text) => text.to_string(),
+        None if value.is_null() => String::new(),
+        None => value.to_string(),
+    };
+    let line = |values: &[Value]| values.iter().map(cell).collect::<Vec<_>>().join(",") + "\n";
+    let rows = rows.iter().map(|row| line(row.as_array().map_or(&[], Vec::as_slice)));
+    Ok(line(columns) + &rows.collect::<String>())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_table_becomes_lines_and_text_is_quoted_where_it_must_be() {
+        let text = csv(r#"{"columns": ["s", "a \"b\", c"], "rows": [[1.5, null], [-2e-7, "x"]]}"#).unwrap();
+        assert_eq!(text, "s,\"a \"\"b\"\", c\"\n1.5,\n-2e-7,x\n");
+        assert!(csv("{}").unwrap_err().to_string().contains("no table"));
+    }
+}
