@@ -3,7 +3,8 @@
 //! A box is six half-spaces: the part is exact. A ball has a curved face: a cell that it cuts is halved at its longest
 //! edge until the parts are inside, outside, or no longer than [`LONGEST`] radii; those that are left are cut by the
 //! plane on which the interpolant of |x|² − r² vanishes, shifted by the mean error of that interpolant, which takes
-//! the bias out. The volume of a ball is met to 1e-4 this way (measured: 2e-5).
+//! the bias out. The volume of a ball is met to 1e-6 this way, its centre to 5e-5 radii and its variances to 1e-5 (measured:
+//! 2e-7, 1.1e-5 and 6e-6).
 
 use super::piece::Piece;
 use glam::DVec3;

@@ -31,7 +31,7 @@ pub const PARAMETERS: &[Parameter] = &[
         ]),
         unit: "world units",
         standard: Standard::Unset("another region"),
-        help: "the region: the parts of cells in a ball, whose volume is met to 1e-4",
+        help: "the region: the parts of cells in a ball, whose volume is met to 1e-6",
     },
     Parameter {
         name: "points",

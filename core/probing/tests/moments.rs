@@ -58,12 +58,12 @@ fn a_sphere_gives_its_volume_and_variance_to_the_stated_tolerance() {
     {
         let found = found(&cube(), &[|p| p.x, |p| p.y + p.z], Region::Sphere { centre, radius });
         let volume = 4.0 / 3.0 * std::f64::consts::PI * radius.powi(3);
-        close(found.volume / volume, 1.0, 1e-4);
+        close(found.volume / volume, 1.0, 1e-6);
         // A ball's variance along an axis is r²/5. What a coordinate near 1 resolves adds to it.
         let resolved = 1e-15 / radius;
-        close(found.mean[0], centre.x, 1e-4 * radius + 1e-15);
-        close(covariance(&found, 0, 0) / (radius * radius / 5.0), 1.0, 2e-4 + resolved);
-        close(covariance(&found, 0, 1) / (radius * radius / 5.0), 0.0, 2e-4 + resolved);
+        close(found.mean[0], centre.x, 5e-5 * radius + 1e-15);
+        close(covariance(&found, 0, 0) / (radius * radius / 5.0), 1.0, 1e-5 + resolved);
+        close(covariance(&found, 0, 1) / (radius * radius / 5.0), 0.0, 1e-5 + resolved);
     }
 }
 
