@@ -11,6 +11,7 @@ use rayon::prelude::*;
 use std::borrow::Cow;
 use std::sync::atomic::AtomicUsize;
 use voltet_core::camera::Camera;
+use voltet_core::optics::integrators::{self, Extent};
 use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
 use voltet_core::shading::{Integrator, Order, Shading};
@@ -116,7 +117,6 @@ pub fn composite(
     shading: &Shading,
     progress: &dyn Progress,
 ) -> Result<(Picture, Counts)> {
-    serve(shading)?;
     let cells = &projection.cells;
     let attributes = attributes_of(cells, transfer_function)?;
     let surface = Surface::new(shading, attributes.len());
@@ -132,8 +132,11 @@ pub fn composite(
         return Err(Error::usage("the cells were projected for another transfer function")
             .accepted("the transfer function that the cull stage of the same pipeline has"));
     }
+    integrators::can_serve(&shading.integrator, transfer_function)?;
     let reduced = without_untouched(cells, transfer_function);
-    let shader = Shader::new(&reduced, shading.overlap, &attributes, cells.length, surface)?;
+    let extent = extent(cells, &shading.integrator);
+    let exact = integrators::new(&shading.integrator, shading.overlap, &reduced, &extent)?;
+    let shader = Shader::new(&reduced, shading, exact, &attributes, cells.length, surface)?;
     let needs_order = shader.one_color.is_none();
     let sorted = match cells.order {
         Order::Exact | Order::Auto => needs_order,
@@ -214,12 +217,19 @@ fn without_untouched<'a>(
     Cow::Owned(reduced)
 }
 
-/// Says what the engine does not serve yet.
-fn serve(shading: &Shading) -> Result<()> {
-    if shading.integrator != Integrator::Analytic {
-        return Err(Error::usage("the native engine does not offer this integrator")
-            .found(format!("{:?}", shading.integrator))
-            .accepted("integrator = \"analytic\""));
+/// What the segments span, as far as the integrator has tables to fill: no segment inside a cell is longer than its
+/// longest edge.
+fn extent(cells: &Cells, integrator: &Integrator) -> Extent {
+    let whole = Extent { scalar: cells.ranges[0], longest: cells.length };
+    if !integrator.has_table_of_lengths() || cells.kept.is_empty() {
+        return whole;
     }
-    Ok(())
+    let grid = &cells.volume.grid;
+    let longest = |&cell: &u32| {
+        let at = grid.tetrahedra[cell as usize].map(|p| glam::DVec3::from(grid.points[p as usize]));
+        let edge = |i: usize, j: usize| at[i].distance_squared(at[j]);
+        edge(0, 1).max(edge(0, 2)).max(edge(0, 3)).max(edge(1, 2)).max(edge(1, 3)).max(edge(2, 3))
+    };
+    let longest = cells.kept.par_iter().map(longest).reduce(|| 0.0, f64::max).sqrt();
+    Extent { longest, ..whole }
 }

@@ -2,21 +2,25 @@
 //!
 //! The vector lanes serve the segments whose closed forms are benign in 32 bits; every other segment (long
 //! optical depths of linear pieces, widgets that overlap on a stretch they do not share evenly, profiles without
-//! a twin) goes one by one through the 64-bit truth, [`Prepared`]. What a scene does not use is not prepared.
+//! a twin) goes one by one through the 64-bit integrator; so do all segments under another integrator than the
+//! analytic one. What a scene does not use is not prepared.
 
 use super::crossing::Batch;
 use super::light::{Rays, Surface};
 use super::project::Attribute;
 use super::widget::{Along, LaneWidget};
 use voltet_core::lanes::{Float, Lanes, Mask};
+use voltet_core::optics::integrators::SegmentIntegrator;
 use voltet_core::optics::lanes::elementary::{exp, one_minus_exp, polynomial};
-use voltet_core::optics::{Overlap, Prepared, Segment};
+use voltet_core::optics::{Overlap, Segment};
+use voltet_core::shading::{Integrator, Shading};
 use voltet_core::transfer::{OpticalModel, Profile, TransferFunction};
 use voltet_core::{Error, Result};
 
 /// A transfer function made ready for lanes.
 pub(crate) struct Shader {
-    exact: Prepared,
+    /// What serves one segment in 64 bits.
+    exact: Box<dyn SegmentIntegrator>,
     overlap: Overlap,
     widgets: Vec<LaneWidget>,
     /// Offset and scale of each attribute: value = offset + scale × stored.
@@ -61,18 +65,19 @@ const ORDERED_MOST: usize = 8;
 impl Shader {
     pub fn new(
         transfer_function: &TransferFunction,
-        overlap: Overlap,
+        shading: &Shading,
+        exact: Box<dyn SegmentIntegrator>,
         attributes: &[Attribute<'_>],
         length: f64,
         surface: Option<Surface>,
     ) -> Result<Shader> {
-        let exact = Prepared::new(transfer_function)?;
+        let in_lanes = shading.integrator == Integrator::Analytic;
         let density_emitter = transfer_function.model == OpticalModel::DensityEmitter;
         let widgets: Vec<LaneWidget> = transfer_function
             .widgets
             .iter()
             .map(|widget| {
-                if density_emitter {
+                if density_emitter && in_lanes {
                     LaneWidget::new(widget, attributes, length / transfer_function.unit_distance)
                 } else {
                     LaneWidget::Exact
@@ -98,7 +103,7 @@ impl Shader {
                 .accepted("points that span a volume"));
         }
         let scaling = attributes.iter().map(|a| [a.offset, a.scale]).collect();
-        Ok(Shader { exact, overlap, widgets, scaling, length, surface, one_color })
+        Ok(Shader { exact, overlap: shading.overlap, widgets, scaling, length, surface, one_color })
     }
 
     /// Integrates the first `count` fragments of a batch.
@@ -177,16 +182,13 @@ impl Shader {
         }
         let g = |values: &[f64; FIELDS_MOST]| if n > 1 { values[1] } else { 0.0 };
         let fields = if n > 2 { 2..n } else { 0..0 };
-        let c = self.exact.integrate(
-            &Segment {
-                length: length * self.length,
-                front: [ends[0][0], g(&ends[0])],
-                back: [ends[1][0], g(&ends[1])],
-                fields_front: &ends[0][fields.clone()],
-                fields_back: &ends[1][fields],
-            },
-            self.overlap,
-        );
+        let c = self.exact.integrate(&Segment {
+            length: length * self.length,
+            front: [ends[0][0], g(&ends[0])],
+            back: [ends[1][0], g(&ends[1])],
+            fields_front: &ends[0][fields.clone()],
+            fields_back: &ends[1][fields],
+        });
         let color = c.color.map(|x| x as f32);
         (c.optical_depth.min(f64::from(f32::MAX)) as f32, [color[0], color[1], color[2], c.opacity as f32])
     }

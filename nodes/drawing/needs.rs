@@ -3,13 +3,20 @@
 use super::shading::shading;
 use voltet_core::Result;
 use voltet_core::graph::{Asking, Demand, Look};
+use voltet_core::optics::integrators::can_serve;
 use voltet_core::shading::Shading;
 use voltet_core::transfer::{OpticalModel, Profile, TransferFunction, Widget};
 
 /// Asks at `port` for what drawing the transfer function at `look` with the node's parameters needs; gives what
 /// was asked for.
 pub fn ask(asking: &mut Asking, port: &str, look: &str) -> Result<Demand> {
-    let demand = demand(asking.look(look).as_deref(), &shading(asking.parameters)?);
+    let (look, shading) = (asking.look(look), shading(asking.parameters)?);
+    if let Some(look) = &look {
+        // Refused before any data are read.
+        can_serve(&shading.integrator, &look.transfer_function)
+            .map_err(|error| asking.parameters.blame("integrator", error))?;
+    }
+    let demand = demand(look.as_deref(), &shading);
     asking.ask(port, &demand)?;
     Ok(demand)
 }

@@ -55,7 +55,7 @@ pub const PARAMETERS: [Parameter; 7] = [
         parameter_type: ParameterType::Integer(Range::within(2.0, 4096.0)),
         unit: "entries a side",
         standard: Standard::Integer(256),
-        help: "segments and pre-integrated: side of the table",
+        help: "segments and pre-integrated: side of the table; 512 at most where it has three dimensions",
     },
     Parameter {
         name: "silhouette",
@@ -98,12 +98,9 @@ pub const PARAMETERS: [Parameter; 7] = [
 /// The shading that the parameters state.
 pub fn shading(p: &Parameters) -> Result<Shading> {
     let overlap = if p.text("overlap")? == "mix" { Overlap::Mix } else { Overlap::Exact };
-    Ok(Shading {
-        integrator: integrator(p)?,
-        overlap,
-        silhouette: p.optional_number("silhouette"),
-        light: light(p)?,
-    })
+    let integrator = integrator(p)?;
+    integrator.check().map_err(|error| p.blame("table_size", error))?;
+    Ok(Shading { integrator, overlap, silhouette: p.optional_number("silhouette"), light: light(p)? })
 }
 
 fn light(p: &Parameters) -> Result<Option<Light>> {
@@ -118,12 +115,19 @@ fn light(p: &Parameters) -> Result<Option<Light>> {
 }
 
 fn integrator(p: &Parameters) -> Result<Integrator> {
-    match p.text("integrator")? {
-        "analytic" => Ok(Integrator::Analytic),
-        "reference" => Ok(Integrator::Reference),
+    let count = || p.integer("segments").map(|n| n as usize);
+    let table_size = || p.integer("table_size").map(|n| n as usize);
+    Ok(match p.text("integrator")? {
+        "analytic" => Integrator::Analytic,
+        "adaptive" => Integrator::Adaptive { tolerance: p.number("tolerance")? },
+        "segments" => Integrator::Segments { count: count()?, table_size: table_size()? },
+        "riemann" => Integrator::Riemann { count: count()? },
+        "pre-integrated" => Integrator::PreIntegrated { table_size: table_size()? },
+        "pre-integrated-cylindrical" => Integrator::PreIntegratedCylindrical { table_size: table_size()? },
+        "clipped" => Integrator::Clipped,
+        "reference" => Integrator::Reference,
         other => {
-            let error = p.error("integrator", "no engine has this integrator yet");
-            Err(error.found(other).accepted("analytic or reference"))
+            return Err(p.error("integrator", format!("the integrator '{other}' is declared but not known")));
         }
-    }
+    })
 }

@@ -1,13 +1,17 @@
-//! `voltet check`: parses and type-checks, runs nothing.
+//! `voltet check`: parses, type-checks and plans; reads no data.
 
-use super::{open_all, registry, warn};
+use super::{open_all, registry, show, warn};
 use crate::arguments::Files;
 use voltet::core::Result;
 
 pub fn check(arguments: &Files) -> Result<u8> {
-    let (documents, code) = open_all(&arguments.files, &arguments.set.options, &registry()?);
+    let (documents, mut code) = open_all(&arguments.files, &arguments.set.options, &registry()?);
     for document in &documents {
         warn(document);
+        if let Err(error) = voltet::nodes::session().plan(&document.graph) {
+            code = code.max(show(&document.locate(error), Some(&document.text)));
+            continue;
+        }
         println!("{}: in order, {} nodes", document.path.display(), document.graph.nodes.len());
     }
     Ok(code)

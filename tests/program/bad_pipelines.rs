@@ -99,6 +99,20 @@ fn every_kind_of_mistake_is_placed() {
             &["format is not known: found slab.jpg", ".png or .exr"],
         ),
         ("type = \"renderer\"", "type = \"renderer\"\nengine = \"gpu\"", &["no GPU engine", "\"cpu\""]),
+        (
+            "type = \"renderer\"",
+            "type = \"renderer\"\nintegrator = \"clipped\"",
+            &[
+                "'clipped' cannot serve",
+                "widgets[0] (uniform)",
+                "analytic, adaptive, segments, riemann, pre-",
+            ],
+        ),
+        (
+            "type = \"renderer\"",
+            "type = \"renderer\"\nintegrator = \"pre-integrated\"\ntable_size = 513",
+            &["table_size of the integrator 'pre-integrated' is out of range: found 513", "2 to 512"],
+        ),
         ("type = \"renderer\"", "type = \"renderer\"\nlight = {}", &["'direction' is missing"]),
         (
             "[nodes.file]\ntype = \"image-writer\"\npath = \"slab.exr\"\n",
@@ -135,6 +149,27 @@ fn a_grid_without_gradient_cannot_serve_a_widget_that_looks_at_it() {
     folder.write("slab.toml", direct.replace("{ s = [-1.0, 2.0] }", "{ g = [-1.0, 2.0] }"));
     let wanted = ["gives a grid without gradient", "gradient-magnitude", "slab.toml:35:21"];
     folder.voltet(&["run", "slab.toml"]).fails(2, &wanted);
+}
+
+/// Before any data are read: the data file is not there.
+#[test]
+fn an_integrator_that_cannot_serve_the_widgets_is_refused_early() {
+    let folder = Folder::new();
+    std::fs::remove_file(folder.join("cube.vtu")).unwrap();
+    folder.write("slab.toml", SLAB.replace("{ s = [-1.0, 2.0] }", "{ g = [-1.0, 2.0] }"));
+    for integrator in ["pre-integrated", "pre-integrated-cylindrical"] {
+        for command in ["check", "explain", "run"] {
+            let option = format!("picture.integrator={integrator}");
+            folder.voltet(&[command, "slab.toml", "--set", &option]).fails(
+                2,
+                &[
+                    &format!("the integrator '{integrator}' cannot serve"),
+                    "widgets[0] (uniform), which looks at the gradient magnitude",
+                    "analytic, adaptive, segments, riemann, reference",
+                ],
+            );
+        }
+    }
 }
 
 #[test]

@@ -9,6 +9,7 @@ mod coverage;
 mod difficult;
 mod golden;
 mod grids;
+mod integrators;
 mod lit;
 mod looks;
 mod orders;

@@ -62,6 +62,39 @@ impl Integrator {
         }
     }
 
+    /// Whether it tabulates over lengths, so that [`super::new`] looks at the data's extent.
+    pub fn has_table_of_lengths(&self) -> bool {
+        matches!(self, Integrator::PreIntegrated { .. } | Integrator::PreIntegratedCylindrical { .. })
+    }
+
+    /// Checks that its settings are in range.
+    pub fn check(&self) -> Result<()> {
+        let within = |what: &str, value: usize, low: usize, high: usize| {
+            if (low..=high).contains(&value) {
+                return Ok(());
+            }
+            let what = format!("{what} of the integrator '{}' is out of range", self.name());
+            Err(Error::usage(what).found(value).accepted(format!("{low} to {high}")))
+        };
+        match *self {
+            Integrator::Adaptive { tolerance } if !(tolerance > 0.0 && tolerance.is_finite()) => {
+                Err(Error::usage("the tolerance of the integrator 'adaptive' is out of range")
+                    .found(tolerance)
+                    .accepted("a number above 0"))
+            }
+            Integrator::Segments { count, table_size } => {
+                within("the number of segments", count, 1, usize::MAX)?;
+                within("table_size", table_size, 2, PARTIAL_SIDE_MOST)
+            }
+            Integrator::Riemann { count } => within("the number of segments", count, 1, usize::MAX),
+            Integrator::PreIntegrated { table_size }
+            | Integrator::PreIntegratedCylindrical { table_size } => {
+                within("table_size", table_size, 2, TABLE_SIDE_MOST)
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// Why it cannot serve the transfer function: what of it is beyond the integrator.
     fn obstacle(&self, transfer_function: &TransferFunction) -> Option<String> {
         let widgets = &transfer_function.widgets;
@@ -92,7 +125,7 @@ impl Integrator {
 /// Checks, without any data, that the integrator's settings are in range and that it can serve the transfer
 /// function; the error says which integrators can.
 pub fn can_serve(integrator: &Integrator, transfer_function: &TransferFunction) -> Result<()> {
-    check_settings(integrator)?;
+    integrator.check()?;
     let Some(obstacle) = integrator.obstacle(transfer_function) else { return Ok(()) };
     let needs = match integrator {
         Integrator::Clipped => "one piecewise-linear widget",
@@ -117,30 +150,4 @@ pub fn can_serve(integrator: &Integrator, transfer_function: &TransferFunction) 
     Err(Error::usage(what)
         .found(obstacle)
         .accepted(format!("{needs}, or one of the integrators {}", serving.join(", "))))
-}
-
-fn check_settings(integrator: &Integrator) -> Result<()> {
-    let within = |what: &str, value: usize, low: usize, high: usize| {
-        if (low..=high).contains(&value) {
-            return Ok(());
-        }
-        let what = format!("{what} of the integrator '{}' is out of range", integrator.name());
-        Err(Error::usage(what).found(value).accepted(format!("{low} to {high}")))
-    };
-    match *integrator {
-        Integrator::Adaptive { tolerance } if !(tolerance > 0.0 && tolerance.is_finite()) => {
-            Err(Error::usage("the tolerance of the integrator 'adaptive' is out of range")
-                .found(tolerance)
-                .accepted("a number above 0"))
-        }
-        Integrator::Segments { count, table_size } => {
-            within("the number of segments", count, 1, usize::MAX)?;
-            within("table_size", table_size, 2, PARTIAL_SIDE_MOST)
-        }
-        Integrator::Riemann { count } => within("the number of segments", count, 1, usize::MAX),
-        Integrator::PreIntegrated { table_size } | Integrator::PreIntegratedCylindrical { table_size } => {
-            within("table_size", table_size, 2, TABLE_SIDE_MOST)
-        }
-        _ => Ok(()),
-    }
 }
