@@ -226,7 +226,7 @@ fn extent(cells: &Cells, integrator: &Integrator) -> Extent {
     }
     let grid = &cells.volume.grid;
     let longest = |&cell: &u32| {
-        let at = grid.tetrahedra[cell as usize].map(|p| glam::DVec3::from(grid.points[p as usize]));
+        let at = grid.tetrahedra[cell as usize].map(|p| grid.points[p as usize]);
         let edge = |i: usize, j: usize| at[i].distance_squared(at[j]);
         edge(0, 1).max(edge(0, 2)).max(edge(0, 3)).max(edge(1, 2)).max(edge(1, 3)).max(edge(2, 3))
     };
