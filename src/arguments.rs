@@ -31,6 +31,8 @@ pub enum Command {
     /// Of a data file: cells, arrays with ranges, bounds, and a pipeline to start with. Of a pipeline file (.toml): what
     /// its probes find, and for each transfer function with waves how many bands the cells cross.
     Info(Info),
+    /// Judge the segment formulas against exact values, 64-bit and 32-bit.
+    Stability(Stability),
 }
 
 #[derive(Debug, Args)]
@@ -100,4 +102,20 @@ pub struct Info {
     /// PLOT3D: the solution (q) file that belongs to the grid.
     #[arg(long, value_name = "Q")]
     pub solution: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = "Exit codes: 0 every bound is kept, 1 one is broken, 2 the file is wrong.")]
+pub struct Stability {
+    /// Cases with exact values: one JSON object a line.
+    ///
+    /// Each value passes when its error is at most bound × exact value + floor; the bound follows from the working
+    /// precision and the condition number that the case states. Counted are the values of the forms themselves
+    /// (judged), those only asked to be finite and physical (finite), those that the 32-bit engine leaves to the
+    /// 64-bit forms, and those of cases that are not served (skipped).
+    #[arg(long, value_name = "FILE.jsonl")]
+    pub cases: PathBuf,
+    /// Write everything that was found as JSON to the standard output.
+    #[arg(long)]
+    pub json: bool,
 }

@@ -276,8 +276,13 @@ impl Track for PiecewiseTrack<'_> {
     }
 
     fn depth(&self, t: f64, dt: f64) -> f64 {
-        // Breaks keep a panel within one piece.
-        0.5 * dt * (self.rate(t) + self.rate(t + dt))
+        // Breaks keep a panel within one piece. Its interval is that of the middle: at the ends, where two control
+        // points with one scalar make a step, rounding would tell which side is meant.
+        let path = &self.path;
+        let (middle, end) = (t + 0.5 * dt, t + dt);
+        let interval = path.interval(path.front * (1.0 - middle) + path.back * middle);
+        let sum = path.extinction_in(interval, t, 1.0 - t) + path.extinction_in(interval, end, 1.0 - end);
+        0.5 * dt * self.scale * sum
     }
 
     fn next_break(&self, t: f64) -> f64 {

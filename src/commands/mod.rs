@@ -6,6 +6,7 @@ mod findings;
 mod info;
 mod nodes;
 mod run;
+mod stability;
 
 use crate::arguments::{Arguments, Command};
 use crate::present;
@@ -27,6 +28,7 @@ pub fn dispatch(arguments: Arguments) -> ExitCode {
         Command::Explain(arguments) => explain::explain(arguments),
         Command::Nodes(arguments) => nodes::nodes(arguments),
         Command::Info(arguments) => info::info(arguments),
+        Command::Stability(arguments) => stability::stability(arguments),
     };
     ExitCode::from(outcome.unwrap_or_else(|error| show(&error, None)))
 }

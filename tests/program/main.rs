@@ -7,4 +7,5 @@ mod commands;
 mod finders;
 mod pictures;
 mod reports;
+mod stability;
 mod support;

@@ -128,9 +128,6 @@ pub(super) fn rule(precision: Precision, case: &Case, segment: &SegmentCase, qua
                 1e-4 + 16.0 * rounding
             } else if color && !one_density {
                 1e-4 + 32.0 * rounding
-            } else if by_quadrature {
-                // Panels in 32 bits were measured to leave 8e-6.
-                2e-5 + 16.0 * rounding
             } else {
                 16.0 * rounding
             }

@@ -204,7 +204,9 @@ fn condition(value: &Value) -> Result<[Option<f64>; 3]> {
 fn transfer_function(value: &Value) -> Result<TransferFunction> {
     let model = match text(value, "model")? {
         "density" => OpticalModel::DensityEmitter,
-        "constant" => OpticalModel::ConstantEmitter { cutoff: number(value, "cutoff")? },
+        "constant" => OpticalModel::ConstantEmitter {
+            cutoff: value.get("cutoff").map_or(Ok(1.0 / 255.0), |_| number(value, "cutoff"))?,
+        },
         other => {
             return Err(Error::usage("a case has an unknown model")
                 .found(other)
@@ -310,13 +312,23 @@ fn fixed<const N: usize>(value: &Value) -> Result<[f64; N]> {
     numbers(value)?.try_into().map_err(|_| wrong("a list of numbers"))
 }
 
-/// An exact value: a decimal string, which may lie outside the range of doubles.
+/// An exact value: a decimal string (or a number), ≥ 0, which may be too small for doubles.
 fn exact(value: &Value, key: &str) -> Result<f64> {
-    text(value, key)?.parse().map_err(|_| wrong(key))
+    decimal(member(value, key)?).ok_or_else(|| not_exact(key, &value[key]))
 }
 
 fn exact_color(value: &Value) -> Result<[f64; 3]> {
-    let list = array(value, "C")?;
-    let parsed: Option<Vec<f64>> = list.iter().map(|v| v.as_str()?.parse().ok()).collect();
-    parsed.and_then(|list| list.try_into().ok()).ok_or_else(|| wrong("C"))
+    let parsed: Option<Vec<f64>> = array(value, "C")?.iter().map(decimal).collect();
+    parsed.and_then(|list| list.try_into().ok()).ok_or_else(|| not_exact("C", &value["C"]))
+}
+
+fn decimal(value: &Value) -> Option<f64> {
+    let number: f64 = value.as_str().map_or_else(|| value.as_f64(), |text| text.parse().ok())?;
+    (number >= 0.0 && number.is_finite()).then_some(number)
+}
+
+fn not_exact(key: &str, found: &Value) -> Error {
+    Error::usage(format!("'{key}' of a case is no exact value"))
+        .found(found)
+        .accepted("decimal strings of finite numbers ≥ 0")
 }

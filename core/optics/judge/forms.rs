@@ -29,6 +29,17 @@ pub struct PartialIntegrals {
     pub zeta: f64,
 }
 
+/// How a set of forms answers a case.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Answer {
+    /// In its own precision.
+    Served(Contribution),
+    /// In a wider precision, as the engine does where its own cannot; with the reason.
+    Wider(Contribution, &'static str),
+    /// Not at all; with the reason.
+    Skipped(&'static str),
+}
+
 /// A set of formulas.
 pub trait Forms {
     /// Name for reports.
@@ -37,13 +48,13 @@ pub trait Forms {
     /// The precision that its bounds are stated in.
     fn precision(&self) -> Precision;
 
-    /// One segment; `None` for cases that these forms do not serve.
+    /// One segment.
     fn segment(
         &self,
         transfer_function: &TransferFunction,
         segment: &Segment,
         overlap: Overlap,
-    ) -> Result<Option<Contribution>>;
+    ) -> Result<Answer>;
 
     /// A chain, front to back.
     fn chain(&self, segments: &[Contribution]) -> Chain;
@@ -70,8 +81,8 @@ impl Forms for Native64 {
         transfer_function: &TransferFunction,
         segment: &Segment,
         overlap: Overlap,
-    ) -> Result<Option<Contribution>> {
-        Ok(Some(Prepared::new(transfer_function)?.integrate(segment, overlap)))
+    ) -> Result<Answer> {
+        Ok(Answer::Served(Prepared::new(transfer_function)?.integrate(segment, overlap)))
     }
 
     fn chain(&self, segments: &[Contribution]) -> Chain {

@@ -57,9 +57,12 @@ fn a_small_error_is_found() {
             transfer_function: &crate::transfer::TransferFunction,
             segment: &crate::optics::Segment,
             overlap: Overlap,
-        ) -> Result<Option<Contribution>> {
-            let found = Native64.segment(transfer_function, segment, overlap)?;
-            Ok(found.map(|c| Contribution { color: c.color.map(|x| x * (1.0 + 1e-6)), ..c }))
+        ) -> Result<Answer> {
+            let Answer::Served(found) = Native64.segment(transfer_function, segment, overlap)? else {
+                return Ok(Answer::Skipped("not served"));
+            };
+            let color = found.color.map(|x| x * (1.0 + 1e-6));
+            Ok(Answer::Served(Contribution { color, ..found }))
         }
         fn chain(&self, segments: &[Contribution]) -> Chain {
             Native64.chain(segments)

@@ -4,6 +4,7 @@
 //! a piece whose colour is linear too is c_f (1 − ψ) + c_b (ψ − ζ) (Moreland & Angel 2004).
 
 use super::elementary::{exp, one_minus_exp};
+use super::quadrature::PANEL;
 use crate::lanes::{Float, Lanes, Mask};
 
 /// Weights (1 − ψ, ψ − ζ) of the front and back colours and the opacity 1 − ζ, for max(a, b) ≤ 1.
@@ -56,18 +57,6 @@ fn one_minus_exp_small<L: Lanes>(w: L::F) -> L::F {
 pub fn transparency<L: Lanes>(w: L::F) -> L::F {
     exp::<L>(-w)
 }
-
-/// The 8 points of a panel, as in `optics::quadrature`.
-const PANEL: [(f32, f32); 8] = [
-    (0.019_855_072, 0.050_614_268),
-    (0.101_666_76, 0.111_190_52),
-    (0.237_233_8, 0.156_853_32),
-    (0.408_282_68, 0.181_341_89),
-    (0.591_717_3, 0.181_341_89),
-    (0.762_766_2, 0.156_853_32),
-    (0.898_333_25, 0.111_190_52),
-    (0.980_144_9, 0.050_614_268),
-];
 
 /// Calls `f(x, ρ, weight × e^(−w(x)))` on panels of optical depth about 2 until every lane is through or opaque
 /// (depth 24); a and b are held under 1e15, where the first panel is all that is seen.

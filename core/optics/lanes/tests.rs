@@ -2,16 +2,21 @@
 
 use super::clip::LaneStretch;
 use super::elementary::{erfcx, exp, mean_transmittance, one_minus_exp, power};
-use super::gaussian::mean_profile;
+use super::gaussian::{self, LaneGaussianPath, LaneGaussianTrack, mean_profile};
 use super::linear;
-use super::wave::{LaneBell, LanePhase};
+use super::overlap::{AnyLaneTrack, LaneMember, ordered};
+use super::piecewise_linear::{LanePiecewiseTrack, LanePoints};
+use super::triangular_gaussian::{self, LaneTriangularTrack};
+use super::wave::{LaneBell, LanePhase, LaneWaveTrack};
 use crate::lanes::{Float, Kernel, LaneSet, Lanes, dispatch};
 use crate::optics::clip::Stretch;
 use crate::optics::gaussian::GaussianPath;
 use crate::optics::linear as truth;
 use crate::optics::special;
+use crate::optics::triangular_gaussian::TriangularPath;
 use crate::optics::wave::Bell;
-use crate::transfer::Wave;
+use crate::optics::{Overlap, Prepared, Segment};
+use crate::transfer::{ControlPoint, OpticalModel, Profile, Region, TransferFunction, Wave, Widget};
 
 /// Most inputs of a twin.
 const INPUTS: usize = 4;
@@ -32,6 +37,14 @@ enum Formula {
     Triangle(f64),
     Sine(f64),
     ClipLength,
+    /// Its σ is 1.
+    TriangularGaussian,
+    /// Constant-emitter; holds ρ₀ D.
+    GaussianGlow(f64),
+    TriangleGlow(f64, f64),
+    SineGlow(f64, f64),
+    /// Five widgets at once; of the constant-emitter or not. Sum of the channels.
+    Ordered(bool),
 }
 
 /// A twin: its inputs' ranges, and the error allowed in units of ε (4 + k), k the condition number measured on
@@ -55,9 +68,11 @@ enum Range {
 const DEPTH: Range = Range::Log(-12.0, 6.0);
 const PHASE: Range = Range::Even(-30.0, 30.0);
 const NEAR: Range = Range::Even(-4.0, 4.0);
+const WIDTH: Range = Range::Even(0.0, 3.0);
+const SPAN: Range = Range::Even(-1.0, 3.0);
 
 #[rustfmt::skip]
-const TWINS: [Twin; 17] = [
+const TWINS: [Twin; 27] = [
     Twin { formula: Formula::Exp, inputs: &[Range::Even(-87.0, 87.0)], tolerance: 1.0, reason: "2 ulp" },
     Twin { formula: Formula::Opacity, inputs: &[Range::Log(-30.0, 2.0)], tolerance: 1.0, reason: "3 ulp" },
     Twin { formula: Formula::MeanTransmittance, inputs: &[Range::Log(-30.0, 4.0)], tolerance: 1.0, reason: "4 ulp" },
@@ -75,7 +90,20 @@ const TWINS: [Twin; 17] = [
     Twin { formula: Formula::Sine(0.3), inputs: &[PHASE, PHASE], tolerance: 1.0, reason: "the same" },
     Twin { formula: Formula::Sine(0.001), inputs: &[PHASE, PHASE], tolerance: 1.0, reason: "1 − X/w near the reach" },
     Twin { formula: Formula::ClipLength, inputs: &[Range::Even(-1.0, 0.0), Range::Even(0.1, 1.0)], tolerance: 1.0, reason: "one quotient" },
+    Twin { formula: Formula::TriangularGaussian, inputs: &[NEAR, NEAR, WIDTH, WIDTH], tolerance: 2.0, reason: "up to 24 panels of 8 points: 1e-6" },
+    Twin { formula: Formula::GaussianGlow(0.01), inputs: &[NEAR, NEAR, NEAR, NEAR], tolerance: 2.0, reason: "one walk" },
+    Twin { formula: Formula::GaussianGlow(300.0), inputs: &[NEAR, NEAR, NEAR, NEAR], tolerance: 8.0, reason: "panels of depth 2.5 leave 4e-6" },
+    Twin { formula: Formula::TriangleGlow(1.0, 3.0), inputs: &[PHASE, PHASE], tolerance: 4.0, reason: "a series of walks" },
+    Twin { formula: Formula::TriangleGlow(0.1, 300.0), inputs: &[PHASE, PHASE], tolerance: 8.0, reason: "panels of depth 2.5 leave 4e-6" },
+    Twin { formula: Formula::SineGlow(1.0, 3.0), inputs: &[PHASE, PHASE], tolerance: 4.0, reason: "a series of walks" },
+    Twin { formula: Formula::SineGlow(0.1, 300.0), inputs: &[PHASE, PHASE], tolerance: 8.0, reason: "panels of depth 2.5 leave 4e-6" },
+    Twin { formula: Formula::Ordered(false), inputs: &[SPAN, SPAN], tolerance: 16.0, reason: "depth within a panel from 8 rates: 1e-5" },
+    Twin { formula: Formula::Ordered(true), inputs: &[SPAN, SPAN], tolerance: 16.0, reason: "the same" },
+    Twin { formula: Formula::BackWeight, inputs: &[Range::Even(0.0, 3.0), Range::Even(0.0, 3.0)], tolerance: 2.0, reason: "as psi" },
 ];
+
+/// Share of the peak above which the constant-emitter glows.
+const CUTOFF: f64 = 0.01;
 
 fn wave(band_width: f64) -> Wave {
     Wave { origin: [0.0; 2], angle: 0.0, scale: [1.0; 2], period: 1.0, band_width }
@@ -101,7 +129,104 @@ fn exact(formula: Formula, x: &[f64; INPUTS]) -> f64 {
         Formula::Triangle(width) => band(Bell::triangle(&wave(width))),
         Formula::Sine(width) => band(Bell::sine(&wave(width))),
         Formula::ClipLength => x[1] / (x[1] - x[0]),
+        Formula::TriangularGaussian => {
+            TriangularPath::new([x[0], x[1]], [x[2], x[3]], 1.0).optical_depth(&Stretch::WHOLE)
+        }
+        Formula::GaussianGlow(peak) => {
+            let along = [x[2] - x[0], x[3] - x[1]];
+            let path = GaussianPath::new([x[0], x[1]], [x[2], x[3]], along);
+            path.glow(peak, &Stretch::WHOLE, -CUTOFF.ln())
+        }
+        Formula::TriangleGlow(width, peak) => {
+            let path = Bell::triangle(&wave(width)).path([x[0], 0.0], [x[1], 0.0]);
+            path.glow(peak, &Stretch::WHOLE, CUTOFF)
+        }
+        Formula::SineGlow(width, peak) => {
+            let path = Bell::sine(&wave(width)).path([x[0], 0.0], [x[1], 0.0]);
+            path.glow(peak, &Stretch::WHOLE, CUTOFF)
+        }
+        Formula::Ordered(constant) => {
+            let segment = Segment {
+                length: 1.0,
+                front: [x[0], 0.5],
+                back: [x[1], 0.5],
+                fields_front: &[],
+                fields_back: &[],
+            };
+            let model = if constant {
+                OpticalModel::ConstantEmitter { cutoff: CUTOFF }
+            } else {
+                OpticalModel::DensityEmitter
+            };
+            let prepared = Prepared::new(&several(model)).expect("a valid transfer function");
+            prepared.integrate(&segment, Overlap::Exact).color.into_iter().sum()
+        }
     }
+}
+
+/// Five widgets, one of each kind, of s where g = ½; one has a region.
+fn several(model: OpticalModel) -> TransferFunction {
+    let point = |s, extinction, r| ControlPoint { s, color: [r, 0.5, 0.1], extinction };
+    let profiles = [
+        Profile::Uniform,
+        Profile::Gaussian { centre: [0.7, 0.5], matrix: [[4.0, 0.0], [0.0, 1.0]] },
+        Profile::TriangularGaussian { centre: 1.0, sigma: 0.8 },
+        Profile::TriangleWave(wave(0.5)),
+        Profile::PiecewiseLinear {
+            points: vec![point(0.0, 0.0, 1.0), point(1.0, 2.0, 0.2), point(1.5, 0.5, 0.4)],
+        },
+    ];
+    let widgets = profiles.into_iter().enumerate().map(|(i, profile)| Widget {
+        region: (profile == Profile::Uniform).then(|| Region::rectangle([0.3, 1.2], [0.0, 1.0])),
+        profile,
+        color: [0.2 * i as f64, 1.0 - 0.1 * i as f64, 0.3],
+        extinction: 1.0 + i as f64,
+    });
+    TransferFunction { model, unit_distance: 1.0, widgets: widgets.collect() }
+}
+
+/// The same in lanes.
+#[inline(always)]
+fn ordered_sum<L: Lanes>(front: L::F, back: L::F, constant: bool) -> L::F {
+    let splat = L::F::splat;
+    let (zero, cutoff) = (splat(0.0), constant.then_some(CUTOFF));
+    let functions = several(OpticalModel::DensityEmitter);
+    let bell = LaneBell::triangle(&wave(0.5));
+    let Profile::PiecewiseLinear { points } = &functions.widgets[4].profile else { unreachable!() };
+    let points = LanePoints::new(points, cutoff);
+    let phase = |s: L::F| LanePhase::<L> { nearest: s.round(), offset: s - s.round() };
+    let less = |centre: f32| [front - splat(centre), back - splat(centre)];
+    let level = -CUTOFF.ln() as f32;
+    let [a, b] = less(0.7).map(|x| [x * splat(4.0)]);
+    let path = LaneGaussianPath::<L>::new::<1>(a, b);
+    let triangular = LaneTriangularTrack::<L> { offset: less(1.0), width: [splat(0.4); 2], peak: splat(3.0) };
+    let cut = LaneStretch::<L>::whole()
+        .cut(front - splat(0.3), back - splat(0.3))
+        .cut(splat(1.2) - front, splat(1.2) - back);
+    let all = [splat(-1.0), splat(2.0)];
+    let tracks = [
+        (AnyLaneTrack::Uniform(splat(1.0)), all),
+        (AnyLaneTrack::Gaussian(LaneGaussianTrack::new(&path, splat(2.0))), path.window_ends(level)),
+        (AnyLaneTrack::Triangular(triangular), triangular.window_ends(level)),
+        (AnyLaneTrack::Wave(LaneWaveTrack::new(&bell, phase(front), phase(back), splat(4.0), cutoff)), all),
+        (
+            AnyLaneTrack::Piecewise(LanePiecewiseTrack { points: &points, front, back, scale: splat(1.0) }),
+            all,
+        ),
+    ];
+    let threshold = [0.0, 0.0, 0.0, CUTOFF as f32, 2.0 * CUTOFF as f32];
+    let unit = [1.0, 2.0, 3.0, 4.0, 1.0];
+    let member = |i: usize| LaneMember::<L> {
+        track: tracks[i].0,
+        range: if i == 0 { [cut.start, cut.end] } else { [zero, splat(1.0)] },
+        window: if constant { tracks[i].1 } else { all },
+        color: functions.widgets[i].color.map(|c| c as f32),
+        threshold: threshold[i],
+        unit_rate: splat(unit[i]),
+    };
+    let color =
+        ordered::<L>(&[member(0), member(1), member(2), member(3), member(4)], cutoff.map(|_| splat(1.0)));
+    color[0] + color[1] + color[2]
 }
 
 struct Run<'a> {
@@ -138,6 +263,20 @@ impl Kernel for Run<'_> {
                 Formula::Triangle(width) => LaneBell::triangle(&wave(width)).mean::<L>(phase(0), phase(1)),
                 Formula::Sine(width) => LaneBell::sine(&wave(width)).mean::<L>(phase(0), phase(1)),
                 Formula::ClipLength => LaneStretch::<L>::whole().cut(x[0], x[1]).length,
+                Formula::TriangularGaussian => {
+                    triangular_gaussian::mean_profile::<L>([x[0], x[1]], [x[2], x[3]])
+                }
+                Formula::GaussianGlow(peak) => {
+                    let peak = L::F::splat(peak as f32);
+                    gaussian::glow::<L, 2>([x[0], x[1]], [x[2], x[3]], peak, -CUTOFF.ln() as f32)
+                }
+                Formula::TriangleGlow(width, peak) | Formula::SineGlow(width, peak) => {
+                    let sine = matches!(self.formula, Formula::SineGlow(..));
+                    let make = if sine { LaneBell::sine } else { LaneBell::triangle };
+                    let bell = make(&wave(width));
+                    bell.glow::<L>(phase(0), phase(1), L::F::splat(peak as f32), CUTOFF)
+                }
+                Formula::Ordered(constant) => ordered_sum::<L>(x[0], x[1], constant),
             };
             let mut lanes = [f32::NAN; 16];
             value.store(&mut lanes);

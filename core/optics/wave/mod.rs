@@ -210,8 +210,10 @@ impl WavePath {
     /// The track over the whole path; it breaks at feet, peaks and where the profile passes `cutoff`.
     pub fn track(&self, peak: f64, cutoff: Option<f64>) -> WaveTrack {
         let lit = cutoff.map_or(self.bell.reach, |cutoff| self.bell.lit_half_width(cutoff));
+        // Counted from the band next to the front: a phase far from the origin has fewer digits for its band.
+        let nearest = self.front.round();
         WaveTrack {
-            path: *self,
+            path: WavePath { bell: self.bell, front: self.front - nearest, back: self.back - nearest },
             peak,
             breaks: [0.5 - self.bell.reach, 0.5 - lit, 0.5, 0.5 + lit, 0.5 + self.bell.reach],
         }

@@ -1,0 +1,173 @@
+//! What was found, per kind, category and quantity.
+
+use super::bounds::Rule;
+use super::case::Case;
+
+/// What was found for one quantity of one kind and category.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Row {
+    /// segment, ray, chain or table.
+    pub kind: &'static str,
+    /// The case's category.
+    pub category: String,
+    /// T, C, A, transparency, psi, F, B or zeta.
+    pub quantity: &'static str,
+    /// Values of these forms compared with a bound.
+    pub judged: usize,
+    /// Values of these forms that are only asked to be finite and within their physical range.
+    pub only_finite: usize,
+    /// Values that another precision served, held to the same bound. They are no merit of these forms.
+    pub wider: usize,
+    /// Values of cases that the forms do not serve.
+    pub skipped: usize,
+    /// Values that broke their bound.
+    pub broken: usize,
+    /// The largest ratio of error to bound.
+    pub worst: f64,
+    /// The case that has it.
+    pub worst_id: String,
+    /// Relative error of that case.
+    pub worst_error: f64,
+}
+
+/// Cases that the forms did not serve themselves.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Excuse {
+    /// Whether another precision served them.
+    pub wider: bool,
+    /// Why.
+    pub reason: &'static str,
+    /// How many cases (rays count once).
+    pub count: usize,
+}
+
+/// A value that broke its bound.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Broken {
+    /// The case.
+    pub id: String,
+    /// T, C, …
+    pub quantity: &'static str,
+    /// What was found.
+    pub found: f64,
+    /// What is exact.
+    pub exact: f64,
+    /// Error by bound; ∞ for what is not finite or not in its physical range.
+    pub ratio: f64,
+}
+
+/// All that one set of forms did.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Report {
+    /// Name of the forms.
+    pub forms: String,
+    /// Cases read.
+    pub cases: usize,
+    /// One row a kind, category and quantity, in the order of the file.
+    pub rows: Vec<Row>,
+    /// Why cases were skipped or served by another precision.
+    pub excuses: Vec<Excuse>,
+    /// Every value that broke its bound, in the order of the file.
+    pub broken: Vec<Broken>,
+}
+
+impl Report {
+    pub(super) fn new(forms: &str) -> Self {
+        Report {
+            forms: forms.to_owned(),
+            cases: 0,
+            rows: Vec::new(),
+            excuses: Vec::new(),
+            broken: Vec::new(),
+        }
+    }
+
+    /// Whether every value kept its bound.
+    pub fn passed(&self) -> bool {
+        self.broken.is_empty()
+    }
+
+    /// The row that came nearest to its bound, or broke it by most.
+    pub fn worst(&self) -> Option<&Row> {
+        let compared = self.rows.iter().filter(|row| !row.worst_id.is_empty());
+        compared.max_by(|a, b| a.worst.total_cmp(&b.worst))
+    }
+
+    /// Sum of one count over all rows.
+    pub fn total(&self, count: impl Fn(&Row) -> usize) -> usize {
+        self.rows.iter().map(count).sum()
+    }
+
+    pub(super) fn excuse(&mut self, wider: bool, reason: &'static str) {
+        match self.excuses.iter_mut().find(|e| e.wider == wider && e.reason == reason) {
+            Some(excuse) => excuse.count += 1,
+            None => self.excuses.push(Excuse { wider, reason, count: 1 }),
+        }
+    }
+
+    /// Enters a case that is not served.
+    pub(super) fn skip(&mut self, case: &Case, reason: &'static str) {
+        self.excuse(false, reason);
+        for (quantity, values) in [("T", 1), ("C", 3), ("A", 1)] {
+            self.row(case.kind.name(), &case.category, quantity).skipped += values;
+        }
+    }
+
+    fn row(&mut self, kind: &'static str, category: &str, quantity: &'static str) -> &mut Row {
+        let found = self
+            .rows
+            .iter()
+            .position(|row| row.kind == kind && row.category == category && row.quantity == quantity);
+        let index = found.unwrap_or_else(|| {
+            self.rows.push(Row {
+                kind,
+                category: category.to_owned(),
+                quantity,
+                judged: 0,
+                only_finite: 0,
+                wider: 0,
+                skipped: 0,
+                broken: 0,
+                worst: 0.0,
+                worst_id: String::new(),
+                worst_error: 0.0,
+            });
+            self.rows.len() - 1
+        });
+        &mut self.rows[index]
+    }
+
+    /// Enters one value.
+    pub(super) fn enter(
+        &mut self,
+        case: &Case,
+        quantity: &'static str,
+        [found, exact]: [f64; 2],
+        rule: Rule,
+        wider: bool,
+    ) {
+        let row = self.row(case.kind.name(), &case.category, quantity);
+        let (count, ratio, error) = match rule {
+            Rule::Bound { relative, floor } => {
+                let error = (found - exact).abs();
+                let ratio = if error == 0.0 { 0.0 } else { error / (relative * exact.abs() + floor) };
+                let ratio = if found.is_finite() && !ratio.is_nan() { ratio } else { f64::INFINITY };
+                (&mut row.judged, ratio, error / exact.abs())
+            }
+            Rule::Within { limit } => {
+                let inside = found >= 0.0 && found <= limit && found.is_finite();
+                (&mut row.only_finite, if inside { 0.0 } else { f64::INFINITY }, 0.0)
+            }
+        };
+        *(if wider { &mut row.wider } else { count }) += 1;
+        if ratio > row.worst || row.worst_id.is_empty() {
+            row.worst = ratio;
+            row.worst_id.clone_from(&case.id);
+            row.worst_error = error;
+        }
+        if ratio > 1.0 {
+            row.broken += 1;
+            self.broken.push(Broken { id: case.id.clone(), quantity, found, exact, ratio });
+        }
+    }
+}
