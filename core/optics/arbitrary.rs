@@ -36,8 +36,22 @@ fn profile() -> impl Strategy<Value = Profile> {
     let table = proptest::collection::vec(proptest::array::uniform4(0.0..1.0_f32), 12).prop_map(|texels| {
         Profile::Table(Arc::new(Table { width: 4, height: 3, texels, s: [0.1, 0.9], g: [0.2, 0.8] }))
     });
+    let gaussian_nd = (
+        proptest::array::uniform3(0.0..1.0_f64),
+        proptest::array::uniform3(proptest::array::uniform3(-2.0..2.0_f64)),
+        0.0..6.0_f64,
+    )
+        .prop_map(|(centre, mut matrix, narrow)| {
+            (0..3).for_each(|i| matrix[i][i] += narrow);
+            Profile::GaussianNd {
+                fields: ["a", "b", "c"].map(String::from).to_vec(),
+                centre: centre.to_vec(),
+                matrix: matrix.map(|row| row.to_vec()).to_vec(),
+            }
+        });
     prop_oneof![
         Just(Profile::Uniform),
+        gaussian_nd,
         gaussian,
         triangular,
         wave().prop_map(Profile::TriangleWave),
@@ -76,15 +90,23 @@ pub fn transfer_function() -> impl Strategy<Value = TransferFunction> {
         .prop_map(|(model, unit_distance, widgets)| TransferFunction { model, unit_distance, widgets })
 }
 
-/// A segment in the unit square, some of them flat in s, in g or in both.
+/// Values of the three further fields, kept for as long as the tests run.
+pub fn fields(values: [f64; 3]) -> &'static [f64] {
+    Box::leak(Box::new(values))
+}
+
+/// A segment in the unit square, some of them flat in s, in g or in both, with three further fields.
 pub fn segment() -> impl Strategy<Value = Segment<'static>> {
     let value = || proptest::array::uniform2(0.0..1.0_f64);
-    (0.001..10.0_f64, value(), value(), 0..8).prop_map(|(length, front, mut back, flat)| {
-        for axis in 0..2 {
-            if flat >> axis & 1 == 1 && flat >= 4 {
-                back[axis] = front[axis];
+    let further = || proptest::array::uniform3(0.0..1.0_f64);
+    (0.001..10.0_f64, value(), value(), 0..8, further(), further()).prop_map(
+        |(length, front, mut back, flat, f, b)| {
+            for axis in 0..2 {
+                if flat >> axis & 1 == 1 && flat >= 4 {
+                    back[axis] = front[axis];
+                }
             }
-        }
-        Segment { length, front, back, fields_front: &[], fields_back: &[] }
-    })
+            Segment { length, front, back, fields_front: fields(f), fields_back: fields(b) }
+        },
+    )
 }

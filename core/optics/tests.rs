@@ -1,6 +1,6 @@
 //! What every integral must fulfil, whatever the widgets.
 
-use super::arbitrary::{segment, transfer_function, widget};
+use super::arbitrary::{fields, segment, transfer_function, widget};
 use super::compositing::Composite;
 use super::{Contribution, Overlap, Prepared, Segment};
 use crate::transfer::{OpticalModel, Profile, TransferFunction};
@@ -17,7 +17,15 @@ fn integrate(transfer_function: &TransferFunction, segment: &Segment) -> Contrib
 fn part(segment: &Segment<'static>, from: f64, to: f64) -> Segment<'static> {
     let at =
         |t: f64| -> [f64; 2] { std::array::from_fn(|i| segment.front[i] * (1.0 - t) + segment.back[i] * t) };
-    Segment { length: segment.length * (to - from), front: at(from), back: at(to), ..*segment }
+    let (front, back) = (segment.fields_front, segment.fields_back);
+    let further = |t: f64| fields(std::array::from_fn(|i| front[i] * (1.0 - t) + back[i] * t));
+    Segment {
+        length: segment.length * (to - from),
+        front: at(from),
+        back: at(to),
+        fields_front: further(from),
+        fields_back: further(to),
+    }
 }
 
 /// The most that C can be: the brightest colour, times D/U for the constant-emitter.
@@ -63,7 +71,13 @@ proptest! {
     fn reversing_a_segment_leaves_its_opacity(
         transfer_function in transfer_function(), segment in segment(),
     ) {
-        let reversed = Segment { front: segment.back, back: segment.front, ..segment };
+        let reversed = Segment {
+            front: segment.back,
+            back: segment.front,
+            fields_front: segment.fields_back,
+            fields_back: segment.fields_front,
+            ..segment
+        };
         let there = integrate(&transfer_function, &segment);
         let back = integrate(&transfer_function, &reversed);
         prop_assert!(close(there.optical_depth, back.optical_depth, there.optical_depth));
@@ -123,6 +137,46 @@ proptest! {
         transfer_function.unit_distance *= scale;
         let scaled = Segment { length: segment.length * scale, ..segment };
         // A power of two: not a bit may change.
+        prop_assert_eq!(before, integrate(&transfer_function, &scaled));
+    }
+
+    #[test]
+    fn the_scale_of_the_scene_changes_nothing(
+        mut transfer_function in transfer_function(), segment in segment(), exponent in -60..60,
+    ) {
+        let before = integrate(&transfer_function, &segment);
+        // All lengths by a power of two: gradients shrink as lengths grow, and so does what widgets ask of them.
+        let scale = 2.0_f64.powi(exponent);
+        transfer_function.unit_distance *= scale;
+        for widget in &mut transfer_function.widgets {
+            for corner in widget.region.iter_mut().flat_map(|region| &mut region.corners) {
+                corner[1] /= scale;
+            }
+            match &mut widget.profile {
+                Profile::Gaussian { centre, matrix } => {
+                    centre[1] /= scale;
+                    matrix.iter_mut().for_each(|row| row[1] *= scale);
+                }
+                Profile::TriangularGaussian { sigma, .. } => *sigma *= scale,
+                Profile::TriangleWave(wave) | Profile::SineWave(wave) => {
+                    wave.origin[1] /= scale;
+                    wave.scale[1] *= scale;
+                }
+                Profile::Table(table) => {
+                    let mut scaled = table.as_ref().clone();
+                    scaled.g.iter_mut().for_each(|g| *g /= scale);
+                    *table = scaled.into();
+                }
+                Profile::Uniform | Profile::GaussianNd { .. } | Profile::PiecewiseLinear { .. } => {}
+            }
+        }
+        let smaller = |v: [f64; 2]| [v[0], v[1] / scale];
+        let scaled = Segment {
+            length: segment.length * scale,
+            front: smaller(segment.front),
+            back: smaller(segment.back),
+            ..segment
+        };
         prop_assert_eq!(before, integrate(&transfer_function, &scaled));
     }
 

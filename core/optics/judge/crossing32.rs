@@ -143,6 +143,13 @@ impl<'a> Crossing<'a> {
         (lane(back.nearest) - lane(front.nearest)).abs() / wave.band_width
     }
 
+    /// Whether all that is seen of a wave of the constant-emitter is where its band begins to glow, and that place
+    /// is within rounding of where the band begins: the rate there, `cutoff` of its peak, then has few digits. Under
+    /// this limit the colour errs by less than 1e-4.
+    pub fn sudden(&self, depth: f64) -> bool {
+        depth > 30.0 && self.cutoff.is_some_and(|cutoff| self.bands() > 2e4 * cutoff)
+    }
+
     /// T.
     pub fn depth(&self) -> F {
         if let Some(q) = self.gaussian() {

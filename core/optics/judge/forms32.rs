@@ -76,6 +76,11 @@ impl Forms for Native32 {
                 if several.iter().any(|(crossing, _)| crossing.bands() > BANDS_MOST) {
                     return wider("several widgets, and a wave of over 1,000 bands by band width");
                 }
+                if several.iter().any(|(crossing, depth)| crossing.sudden(lane(*depth))) {
+                    return wider(
+                        "several widgets, and a wave that is opaque within the rounding of its band",
+                    );
+                }
                 let members: Vec<LaneMember<P>> = several.iter().map(|(c, _)| c.member()).collect();
                 ordered::<P>(&members, cutoff.map(|_| splat(scale)))
             }
