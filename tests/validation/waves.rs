@@ -22,8 +22,10 @@ fn both(name: &str, wave: Wave, extinction: f64, region: Option<Region>) {
         let widget = Widget { profile, color: [0.9, 0.6, 0.2], extinction, region: region.clone() };
         let scene = scene(&format!("{name} {kind}"), vec![widget]);
         ordinary(&scene);
-        let cells = engine::cull(&scene.volume, &scene.look, &scene.camera, &Silent).unwrap();
-        let (_, counts) = engine::draw(&cells, &scene.look, &scene.camera, &SHADING, &Silent).unwrap();
+        let cells =
+            engine::cull(&scene.volume, &scene.look, &scene.camera, &Silent).expect("the scene can be drawn");
+        let (_, counts) = engine::draw(&cells, &scene.look, &scene.camera, &SHADING, &Silent)
+            .expect("the scene can be drawn");
         assert_eq!(counts.segments_exact, 0, "{name} {kind}: integrated in 64 bits");
     }
 }
