@@ -104,7 +104,9 @@ fn partial_table() {
     for (density, name) in [(true, "front's share of the light"), (false, "F and B")] {
         let exact = |a, b| if density { emission_weights(a, b) } else { front_back(a, b) };
         let closed = nanoseconds(pairs.len(), || {
-            pairs.iter().for_each(|&(a, b)| drop(black_box(exact(a, b))));
+            pairs.iter().for_each(|&(a, b)| {
+                black_box(exact(a, b));
+            });
         });
         for side in [16, 32, 64, 128, 256, 512, 1024] {
             let (fill, table) = milliseconds(|| PartialTable::new(density, side));
@@ -115,7 +117,9 @@ fn partial_table() {
             };
             let worst = pairs.iter().map(error).fold(0.0, f64::max);
             let look_up = nanoseconds(pairs.len(), || {
-                pairs.iter().for_each(|&(a, b)| drop(black_box(table.weights(a, b))));
+                pairs.iter().for_each(|&(a, b)| {
+                    black_box(table.weights(a, b));
+                });
             });
             let kib = table.bytes() / 1024;
             println!("| {name} | {side} | {kib} | {fill:.1} | {worst:.1e} | {look_up:.0} | {closed:.0} |");
@@ -170,7 +174,9 @@ fn integrators(name: &str, transfer_function: &TransferFunction) -> Result<()> {
     let row = |label: &str, made: &dyn SegmentIntegrator| {
         let (largest, mean) = errors(made, &exact);
         let time = nanoseconds(segments.len(), || {
-            segments.iter().for_each(|segment| drop(black_box(made.integrate(segment))));
+            segments.iter().for_each(|segment| {
+                black_box(made.integrate(segment));
+            });
         });
         println!("| {label} | {time:.0} | {largest:.1e} | {mean:.1e} |");
     };

@@ -136,15 +136,21 @@ impl<'a> March<'a> {
     }
 
     fn run(mut self) -> [f64; 3] {
-        let mut step = 1.0_f64;
+        // How far the mix is thought to reach, and whether that is far enough to try.
+        let (mut step, mut worth, mut again) = (1.0_f64, true, false);
         while self.rest > 0.0 {
             let seen = (-self.front).exp();
-            if seen * self.brightest * self.light(self.rest, self.behind) <= 1e-3 * self.left {
+            let at_stake = seen * self.brightest * self.light(self.rest, self.behind);
+            if at_stake <= 1e-3 * self.left {
                 break;
+            }
+            if at_stake <= 4.0 * self.left && !again {
+                (step, worth) = (self.rest, true);
             }
             let length = step.min(self.rest).min(self.mixable());
             let mut shorter = 0.0;
-            if !self.only_panels && length > 0.0 {
+            again = false;
+            if worth && !self.only_panels && length > 0.0 {
                 let mixed = mix(self.members, self.glow, self.t, length);
                 let (error, allowed) = (seen * mixed.error, self.allowed(length, mixed.depth));
                 if error <= allowed {
@@ -167,10 +173,12 @@ impl<'a> March<'a> {
             let (points, error) =
                 rule.map_or((GAUSS_12.len(), 0.0), |(points, share)| (*points, stake * share));
             step = shorter;
-            if shorter * points as f64 <= length {
+            again = shorter * points as f64 > length;
+            if !again {
+                // A mix costs about what a point does.
+                worth = shorter * points as f64 > 0.25 * length;
                 let color = panel(self.members, self.glow, self.t, length, points);
                 self.accept(length, seen, error, &Estimate { color, error, depth });
-                step = step.max(length);
             }
         }
         self.color

@@ -1,7 +1,8 @@
 //! One panel by Gauss–Legendre quadrature of few points (see the head of module `adaptive`).
 
+use super::MOST;
 use crate::optics::overlap::{Glow, Member};
-use crate::optics::quadrature::{GAUSS_4, GAUSS_5, GAUSS_8, GAUSS_12, Node};
+use crate::optics::quadrature::{GAUSS_4, GAUSS_5, GAUSS_8, GAUSS_12, Node, UP_TO_4, UP_TO_5};
 use crate::optics::track::Track;
 
 /// Points and the error of quadrature by so many, as a share of the depth (density-emitter) or of length times
@@ -17,40 +18,66 @@ pub fn present_at(t: f64) -> impl Fn(&&Member) -> bool {
 /// Light of one panel, without what stands in front of it.
 pub fn panel(members: &[Member], glow: Glow, t: f64, length: f64, points: usize) -> [f64; 3] {
     match points {
-        4 => gauss(&GAUSS_4, members, glow, t, length),
-        5 => gauss(&GAUSS_5, members, glow, t, length),
-        8 => gauss(&GAUSS_8, members, glow, t, length),
-        _ => gauss(&GAUSS_12, members, glow, t, length),
+        4 => gauss(&GAUSS_4, Some(&UP_TO_4), members, glow, t, length),
+        5 => gauss(&GAUSS_5, Some(&UP_TO_5), members, glow, t, length),
+        8 => gauss(&GAUSS_8, None, members, glow, t, length),
+        _ => gauss(&GAUSS_12, None, members, glow, t, length),
     }
 }
 
-fn gauss<const N: usize>(nodes: &[Node; N], members: &[Member], glow: Glow, t: f64, length: f64) -> [f64; 3] {
+fn gauss<const N: usize>(
+    nodes: &[Node; N],
+    up_to: Option<&[[f64; N]; N]>,
+    members: &[Member],
+    glow: Glow,
+    t: f64,
+    length: f64,
+) -> [f64; 3] {
     let middle = t + 0.5 * length;
-    let mut depth = [0.0; N];
-    for member in members.iter().filter(present_at(middle)) {
-        for (sum, &(x, _)) in depth.iter_mut().zip(nodes) {
-            *sum += member.track.depth(t, length * x);
+    let mut rates = [[0.0; N]; MOST];
+    let mut total = [0.0; N];
+    for (rates, member) in rates.iter_mut().zip(members.iter().filter(present_at(middle))) {
+        for (k, &(x, _)) in nodes.iter().enumerate() {
+            rates[k] = member.track.rate(t + length * x);
+            total[k] += rates[k];
         }
     }
+    // With few points a closed form adds nothing: depths come from the rates themselves.
+    let depth: [f64; N] = match up_to {
+        Some(up_to) => up_to.map(|row| length * row.iter().zip(total).map(|(a, rate)| a * rate).sum::<f64>()),
+        None => std::array::from_fn(|k| {
+            let to = |m: &Member| m.track.depth(t, length * nodes[k].0);
+            members.iter().filter(present_at(middle)).map(to).sum()
+        }),
+    };
     let seen: [f64; N] = std::array::from_fn(|k| length * nodes[k].1 * (-depth[k]).exp());
     let mut color = [0.0; 3];
-    for member in members.iter().filter(present_at(middle)) {
+    for (rates, member) in rates.iter().zip(members.iter().filter(present_at(middle))) {
         let lit = glow == Glow::Density || member.track.rate(middle) > member.threshold * member.unit_rate;
         if !lit {
             continue;
         }
-        for (&(x, _), seen) in nodes.iter().zip(seen) {
-            let at = t + length * x;
+        let mut one = 0.0;
+        for (k, &(x, _)) in nodes.iter().enumerate() {
             let light = match glow {
-                Glow::Density => seen * member.track.rate(at),
-                Glow::Constant(scale) => seen * scale,
+                Glow::Density => seen[k] * rates[k],
+                Glow::Constant(scale) => seen[k] * scale,
             };
-            for (sum, c) in color.iter_mut().zip(member.color_at(at)) {
-                *sum += light * c;
+            if member.has_one_color() {
+                one += light;
+            } else {
+                add(&mut color, light, member.color_at(t + length * x));
             }
         }
+        add(&mut color, one, member.color);
     }
     color
+}
+
+fn add(sum: &mut [f64; 3], light: f64, color: [f64; 3]) {
+    for (sum, c) in sum.iter_mut().zip(color) {
+        *sum += light * c;
+    }
 }
 
 #[cfg(test)]
