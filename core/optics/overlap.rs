@@ -207,16 +207,20 @@ pub fn ordered(members: &[Member], glow: Glow) -> [f64; 3] {
     color
 }
 
-struct Panel {
-    t: f64,
-    dt: f64,
+/// A stretch that 12 points resolve.
+pub struct Panel {
+    /// Its start.
+    pub t: f64,
+    /// Its length.
+    pub dt: f64,
     /// e^(−T) at its start.
-    seen: f64,
-    middle: f64,
+    pub seen: f64,
+    /// Its middle.
+    pub middle: f64,
 }
 
 /// Adds the light of one panel.
-fn panel(color: &mut [f64; 3], members: &[Member], glow: Glow, panel: &Panel) {
+pub fn panel(color: &mut [f64; 3], members: &[Member], glow: Glow, panel: &Panel) {
     let &Panel { t, dt, seen, middle } = panel;
     let present = |m: &&Member| m.range[0] <= middle && middle <= m.range[1];
     let mut depth = [0.0; POINTS];

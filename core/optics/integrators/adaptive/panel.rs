@@ -1,8 +1,8 @@
 //! One panel by Gauss–Legendre quadrature of few points (see the head of module `adaptive`).
 
 use super::MOST;
-use crate::optics::overlap::{Glow, Member};
-use crate::optics::quadrature::{GAUSS_4, GAUSS_5, GAUSS_8, GAUSS_12, Node, UP_TO_4, UP_TO_5};
+use crate::optics::overlap::{self, Glow, Member, Panel};
+use crate::optics::quadrature::{GAUSS_4, GAUSS_5, GAUSS_8, Node, UP_TO_4, UP_TO_5, UP_TO_8};
 use crate::optics::track::Track;
 
 /// Points and the error of quadrature by so many, as a share of the depth (density-emitter) or of length times
@@ -18,16 +18,25 @@ pub fn present_at(t: f64) -> impl Fn(&&Member) -> bool {
 /// Light of one panel, without what stands in front of it.
 pub fn panel(members: &[Member], glow: Glow, t: f64, length: f64, points: usize) -> [f64; 3] {
     match points {
-        4 => gauss(&GAUSS_4, Some(&UP_TO_4), members, glow, t, length),
-        5 => gauss(&GAUSS_5, Some(&UP_TO_5), members, glow, t, length),
-        8 => gauss(&GAUSS_8, None, members, glow, t, length),
-        _ => gauss(&GAUSS_12, None, members, glow, t, length),
+        4 => gauss(&GAUSS_4, &UP_TO_4, members, glow, t, length),
+        5 => gauss(&GAUSS_5, &UP_TO_5, members, glow, t, length),
+        8 => gauss(&GAUSS_8, &UP_TO_8, members, glow, t, length),
+        _ => {
+            let mut color = [0.0; 3];
+            overlap::panel(
+                &mut color,
+                members,
+                glow,
+                &Panel { t, dt: length, seen: 1.0, middle: t + 0.5 * length },
+            );
+            color
+        }
     }
 }
 
 fn gauss<const N: usize>(
     nodes: &[Node; N],
-    up_to: Option<&[[f64; N]; N]>,
+    up_to: &[[f64; N]; N],
     members: &[Member],
     glow: Glow,
     t: f64,
@@ -42,14 +51,8 @@ fn gauss<const N: usize>(
             total[k] += rates[k];
         }
     }
-    // With few points a closed form adds nothing: depths come from the rates themselves.
-    let depth: [f64; N] = match up_to {
-        Some(up_to) => up_to.map(|row| length * row.iter().zip(total).map(|(a, rate)| a * rate).sum::<f64>()),
-        None => std::array::from_fn(|k| {
-            let to = |m: &Member| m.track.depth(t, length * nodes[k].0);
-            members.iter().filter(present_at(middle)).map(to).sum()
-        }),
-    };
+    // Depths from the rates themselves: with so few points a closed form adds nothing.
+    let depth = up_to.map(|row| length * row.iter().zip(total).map(|(a, rate)| a * rate).sum::<f64>());
     let seen: [f64; N] = std::array::from_fn(|k| length * nodes[k].1 * (-depth[k]).exp());
     let mut color = [0.0; 3];
     for (rates, member) in rates.iter().zip(members.iter().filter(present_at(middle))) {
