@@ -24,8 +24,16 @@ impl DeepRow {
         for (layers, out) in self.pixels.iter_mut().zip(out) {
             if sorted {
                 layers.sort_by(|a, b| a.entry.total_cmp(&b.entry).then_with(|| a.exit.total_cmp(&b.exit)));
+                for k in 1..layers.len() {
+                    let mut to = k;
+                    while to > 0 && layers[to - 1].follows(&layers[to]) {
+                        layers.swap(to - 1, to);
+                        to -= 1;
+                    }
+                }
+            } else {
+                disordered += u64::from(!layers.is_sorted_by(|a, b| a.entry <= b.entry));
             }
-            disordered += u64::from(!layers.is_sorted_by(|a, b| a.entry <= b.entry));
             // Thousands of layers: 64-bit sums.
             let (mut color, mut through) = ([0f64; 3], 1f64);
             for layer in layers.iter() {

@@ -35,6 +35,23 @@ impl Layer {
     }
 }
 
+/// Entries that differ by less than this share of themselves may be one face, found from both of its cells.
+const ENTRY_NOISE: f32 = 3e-7;
+
+impl Layer {
+    /// Whether this segment comes behind the other: by entry, then by exit. Entries within rounding count as equal:
+    /// disjoint cells are in the same order by their exits, and of cells that overlap behind a shared face the one that
+    /// ends first comes first.
+    pub fn follows(&self, other: &Layer) -> bool {
+        let noise = ENTRY_NOISE * self.entry.abs().max(other.entry.abs());
+        if (self.entry - other.entry).abs() <= noise {
+            self.exit > other.exit
+        } else {
+            self.entry > other.entry
+        }
+    }
+}
+
 /// Words of 32 bits in a layer, as a power of two.
 const LAYER_WORDS_LOG2: u32 = 3;
 
@@ -154,7 +171,7 @@ impl Lists {
         }
     }
 
-    /// The keys are rounded: puts segments whose levels met into the order of their true entry, then exit.
+    /// The keys are rounded: puts segments whose levels meet or touch into the order of [`Layer::follows`].
     #[inline(always)]
     fn mend<L: Lanes>(&mut self, row: usize, deepest: usize) {
         for half in (0..TILE).step_by(L::WIDTH) {
@@ -163,7 +180,8 @@ impl Lists {
             for k in 1..deepest {
                 let key = L::U::load(&self.keys[k * TILE + half..]);
                 let level = key.shr::<SLOT_BITS>();
-                let bits = level.equal(before).bits() & !key.equal(L::U::splat(u32::MAX)).bits();
+                let touches = level.equal(before).or(level.equal(before + L::U::splat(1)));
+                let bits = touches.bits() & !key.equal(L::U::splat(u32::MAX)).bits();
                 if bits != 0 {
                     self.met.push((k as u32, bits));
                 }
@@ -179,19 +197,16 @@ impl Lists {
         }
     }
 
-    /// Moves the segment at place `k` of column `x` forward among those of its level: a step of an insertion
-    /// sort. Rounding is monotone, so other levels are in order already.
+    /// Moves the segment at place `k` of column `x` forward among those of its level and the next: a step of an
+    /// insertion sort. Rounding is monotone, so other levels are in order already.
     fn settle(&mut self, row: usize, x: usize, k: usize) {
         let at = |key: u32| row * ROW + (key & (DEPTH as u32 - 1)) as usize * TILE + x;
         let key = self.keys[k * TILE + x];
         let mut to = k;
         while to > 0 {
             let before = self.keys[(to - 1) * TILE + x];
-            if before >> SLOT_BITS != key >> SLOT_BITS {
-                break;
-            }
-            let (a, b) = (&self.layers[at(before)], &self.layers[at(key)]);
-            if (a.entry, a.exit) <= (b.entry, b.exit) {
+            let apart = (key >> SLOT_BITS).abs_diff(before >> SLOT_BITS) > 1;
+            if apart || !self.layers[at(before)].follows(&self.layers[at(key)]) {
                 break;
             }
             self.keys[to * TILE + x] = before;

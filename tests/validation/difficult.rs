@@ -247,3 +247,24 @@ fn tiny_cells() {
         });
     }
 }
+
+/// Two cells on the same side of a face that they share: both begin there, and the one that ends first comes first.
+#[test]
+fn cells_that_overlap_behind_a_shared_face() {
+    let mut points = Vec::new();
+    let mut cells = Vec::new();
+    for k in 0..12u32 {
+        let turn = glam::DQuat::from_euler(glam::EulerRot::XYZ, f64::from(k), 0.3 * f64::from(k), 0.0);
+        let at = DVec3::new(f64::from(k % 4), f64::from(k / 4), 0.0);
+        let corners = [[0.0, 0.0, 0.0], [0.8, 0.1, 0.0], [0.2, 0.9, 0.1], [0.3, 0.3, 0.4], [0.4, 0.3, 0.9]];
+        points.extend(corners.map(|p| at + turn * DVec3::from(p)));
+        cells.extend([[0, 1, 2, 3], [0, 1, 2, 4]].map(|cell| cell.map(|p| p + 5 * k)));
+    }
+    let s = |p: DVec3| (37.0 * (p.x + 2.0 * p.y - 3.0 * p.z)).sin().abs();
+    ordinary(&Scene {
+        name: "overlap behind a face".into(),
+        volume: volume(grid(points, cells), s, |p| 2.0 * p.y.sin().abs()),
+        look: overlapping(),
+        camera: orthographic([1.5, 1.0, 9.0], [1.5, 1.0, 0.0], 4.0, [90, 80]),
+    });
+}
