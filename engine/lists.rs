@@ -160,7 +160,10 @@ impl Lists {
                 farthest = L::F::select(past, farthest, entry.max(farthest));
             }
             let range = farthest - nearest;
-            let scale = L::F::select(splat(0.0).lt(range), (steps / range).min(splat(f32::MAX)), splat(0.0));
+            // No finer than the noise: entries that may be one face are then at most one level apart.
+            let noise = nearest.abs().max(farthest.abs()) * splat(ENTRY_NOISE);
+            let finest = (splat(1.0) / noise).min(splat(f32::MAX));
+            let scale = L::F::select(splat(0.0).lt(range), (steps / range).min(finest), splat(0.0));
             for slot in 0..deepest {
                 let entry = L::F::load(&self.entries[slot * TILE + half..]);
                 let level = ((entry - nearest) * scale).max(splat(0.0)).min(steps);

@@ -13,6 +13,9 @@ use glam::DVec3;
 /// Compositing stops where less light than this is left.
 const DARK: f64 = 1e-22;
 
+/// Depths that differ by less than this share of themselves are one: some hundred roundings.
+const SAME_DEPTH: f64 = 1e-13;
+
 /// What a ray sees.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Seen {
@@ -151,10 +154,24 @@ impl<'a> Scene<'a> {
     /// Puts the crossings of one ray into the order of the scene.
     pub(super) fn sort(&self, crossings: &mut [Crossing]) {
         match self.order {
-            Order::Exact | Order::Auto => crossings.sort_unstable_by(|a, b| {
-                let by_depth = |k: usize| a.depth[k].total_cmp(&b.depth[k]);
-                by_depth(0).then(by_depth(1)).then(a.cell.cmp(&b.cell))
-            }),
+            Order::Exact | Order::Auto => {
+                crossings.sort_unstable_by(|a, b| {
+                    let by_depth = |k: usize| a.depth[k].total_cmp(&b.depth[k]);
+                    by_depth(0).then(by_depth(1)).then(a.cell.cmp(&b.cell))
+                });
+                // Two cells on one side of a shared face begin at one depth, found twice: their exits decide.
+                let equal = |a: f64, b: f64| (a - b).abs() <= SAME_DEPTH * a.abs().max(b.abs());
+                for k in 1..crossings.len() {
+                    let mut to = k;
+                    while to > 0
+                        && equal(crossings[to - 1].depth[0], crossings[to].depth[0])
+                        && crossings[to - 1].depth[1] > crossings[to].depth[1]
+                    {
+                        crossings.swap(to - 1, to);
+                        to -= 1;
+                    }
+                }
+            }
             Order::Centroid => crossings.sort_by_cached_key(|c| {
                 let corners = self.corners(c.cell);
                 let centre: [f64; 3] = std::array::from_fn(|k| corners.iter().map(|p| p[k]).sum());

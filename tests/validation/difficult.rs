@@ -255,7 +255,7 @@ fn cells_that_overlap_behind_a_shared_face() {
     let mut cells = Vec::new();
     for k in 0..12u32 {
         let turn = glam::DQuat::from_euler(glam::EulerRot::XYZ, f64::from(k), 0.3 * f64::from(k), 0.0);
-        let at = DVec3::new(f64::from(k % 4), f64::from(k / 4), 0.0);
+        let at = 2.0 * DVec3::new(f64::from(k % 4), f64::from(k / 4), 0.0);
         let corners = [[0.0, 0.0, 0.0], [0.8, 0.1, 0.0], [0.2, 0.9, 0.1], [0.3, 0.3, 0.4], [0.4, 0.3, 0.9]];
         points.extend(corners.map(|p| at + turn * DVec3::from(p)));
         cells.extend([[0, 1, 2, 3], [0, 1, 2, 4]].map(|cell| cell.map(|p| p + 5 * k)));
@@ -265,6 +265,6 @@ fn cells_that_overlap_behind_a_shared_face() {
         name: "overlap behind a face".into(),
         volume: volume(grid(points, cells), s, |p| 2.0 * p.y.sin().abs()),
         look: overlapping(),
-        camera: orthographic([1.5, 1.0, 9.0], [1.5, 1.0, 0.0], 4.0, [90, 80]),
+        camera: orthographic([3.0, -4.0, 9.0], [3.0, 2.0, 0.0], 8.0, [90, 80]),
     });
 }
