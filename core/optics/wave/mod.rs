@@ -12,7 +12,7 @@ mod glow;
 mod sine;
 mod triangle;
 
-pub(super) use sine::{half_area as sine_half_area, half_width as sine_half_width};
+pub use sine::{half_area as sine_half_area, half_width as sine_half_width};
 
 use super::clip::Stretch;
 use super::track::Track;

@@ -1,0 +1,19 @@
+//! WGSL pieces, twins of the segment integrals of `voltet-core`, and what composes them for one scene.
+//!
+//! No device is needed here: [`compose`] makes a text, [`Parameters`] the bytes that the text reads. Which code exists
+//! is a choice of pieces; equal choices give equal text, so the text is the key of a cache of pipelines. What may
+//! change per frame (colours, extinctions, centres, corners, light) is in [`Parameters`] only.
+//!
+//! A piece is a file under `wgsl/`. Its first line says which pieces it uses, which slot it fills and which slots it
+//! asks for; a slot that no file fills (`values`, `members`, `segment`) is filled by the generated block.
+
+mod choices;
+mod compose;
+mod generate;
+mod parameters;
+mod pieces;
+
+pub use choices::{Choices, Combine, Compositor, Kind, WidgetChoice};
+pub use compose::{Shader, compose, compose_pieces};
+pub use parameters::{Axis, Parameters, SceneHead, WidgetRecord};
+pub use pieces::{PIECES, Piece, piece};

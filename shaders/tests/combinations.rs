@@ -1,0 +1,240 @@
+//! Every combination that a scene can ask for is parsed and validated, without a device; what was not chosen is absent.
+
+use naga::valid::{Capabilities, ValidationFlags, Validator};
+use std::collections::HashSet;
+use voltet_core::optics::Overlap;
+use voltet_core::shading::{Integrator, Light, Shading};
+use voltet_core::transfer::{ControlPoint, OpticalModel, Profile, Region, TransferFunction, Wave, Widget};
+use voltet_shaders::{
+    Axis, Choices, Combine, Compositor, PIECES, Parameters, SceneHead, Shader, WidgetRecord, compose,
+};
+
+const SHADING: Shading =
+    Shading { integrator: Integrator::Analytic, overlap: Overlap::Exact, silhouette: None, light: None };
+
+const CONSTANT: OpticalModel = OpticalModel::ConstantEmitter { cutoff: 0.01 };
+
+/// The words that only text with such a widget may contain.
+const WORDS: [(&str, &[&str]); 8] = [
+    ("uniform", &["uniform_depth"]),
+    ("gaussian line", &["gaussian_line_path"]),
+    ("gaussian plane", &["gaussian_plane_path"]),
+    ("gaussian-nd", &["gaussian_fields_path", "alias Fields"]),
+    ("triangular", &["triangular"]),
+    ("triangle", &["triangle_mean_on_flank"]),
+    ("sine", &["sine_mean_on_flank", "sin_pi"]),
+    ("piecewise", &["ControlPoints", "POINT_STRIDE"]),
+];
+
+fn wave(angle: f64) -> Wave {
+    Wave { origin: [0.1, 0.2], angle, scale: [1.0; 2], period: 0.1, band_width: 0.5 }
+}
+
+/// One profile for each entry of [`WORDS`].
+fn profile(kind: usize) -> Profile {
+    let point = |s, extinction, r| ControlPoint { s, color: [r, 0.5, 0.1], extinction };
+    match kind {
+        0 => Profile::Uniform,
+        1 => Profile::Gaussian { centre: [0.5, 0.0], matrix: [[4.0, 0.0], [0.0, 0.0]] },
+        2 => Profile::Gaussian { centre: [0.5, 0.5], matrix: [[4.0, 1.0], [0.0, 2.0]] },
+        3 => Profile::GaussianNd {
+            fields: vec!["b".into(), "a".into()],
+            centre: vec![0.1, 0.2],
+            matrix: vec![vec![1.0, 0.0], vec![0.5, 2.0]],
+        },
+        4 => Profile::TriangularGaussian { centre: 0.5, sigma: 0.3 },
+        5 => Profile::TriangleWave(wave(0.0)),
+        6 => Profile::SineWave(wave(0.4)),
+        _ => Profile::PiecewiseLinear {
+            points: vec![point(0.0, 0.0, 1.0), point(0.5, 2.0, 0.2), point(1.0, 0.5, 0.4)],
+        },
+    }
+}
+
+fn widget(kind: usize, region: Option<Region>) -> Widget {
+    let color = [0.1 * kind as f64, 0.5, 1.0];
+    Widget { profile: profile(kind), color, extinction: 1.0 + kind as f64, region }
+}
+
+fn regions() -> [Option<Region>; 3] {
+    let triangle = Region { corners: vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]] };
+    [None, Some(Region::rectangle([0.2, 0.8], [f64::NEG_INFINITY, f64::INFINITY])), Some(triangle)]
+}
+
+fn shadings() -> Vec<Shading> {
+    let light = Light { direction: glam::DVec3::new(1.0, 2.0, 3.0), ambient: 0.2, diffuse: 0.8 };
+    let mut shadings = Vec::new();
+    for overlap in [Overlap::Exact, Overlap::Mix] {
+        for silhouette in [None, Some(2.0)] {
+            for light in [None, Some(light)] {
+                shadings.push(Shading { overlap, silhouette, light, ..SHADING });
+            }
+        }
+    }
+    shadings
+}
+
+fn validate(shader: &Shader) -> naga::Module {
+    let module = naga::front::wgsl::parse_str(&shader.text).unwrap_or_else(|error| {
+        let line = error.location(&shader.text).map_or(1, |location| location.line_number as usize);
+        let text = shader.text.lines().nth(line - 1).unwrap_or("");
+        panic!("{}: {text}", shader.error(line, error.message()))
+    });
+    if let Err(error) = Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&module) {
+        let line = error.location(&shader.text).map_or(1, |location| location.line_number as usize);
+        panic!("{}", shader.error(line, &format!("{:?}", error.into_inner())));
+    }
+    module
+}
+
+fn scene(model: OpticalModel, widgets: Vec<Widget>) -> TransferFunction {
+    TransferFunction { model, unit_distance: 1.0, widgets }
+}
+
+/// Every set of kinds of the sizes given, each under every region and model.
+fn scenes() -> Vec<(Vec<usize>, TransferFunction)> {
+    let mut sets: Vec<Vec<usize>> = vec![vec![], (0..8).collect()];
+    for i in 0..8 {
+        sets.push(vec![i]);
+        for j in 0..8 {
+            sets.push(vec![i, j]);
+        }
+    }
+    let mut scenes = Vec::new();
+    for set in sets {
+        for model in [OpticalModel::DensityEmitter, CONSTANT] {
+            for region in regions() {
+                // A uniform widget needs a region.
+                let region_of = |kind: usize| match (kind, &region) {
+                    (0, None) => regions()[1].clone(),
+                    _ => region.clone(),
+                };
+                let mut widgets: Vec<Widget> =
+                    set.iter().map(|&kind| widget(kind, region_of(kind))).collect();
+                // Two of a kind have two colours.
+                for (i, widget) in widgets.iter_mut().enumerate() {
+                    widget.color[2] += i as f64;
+                }
+                scenes.push((set.clone(), scene(model, widgets)));
+            }
+        }
+    }
+    scenes
+}
+
+#[test]
+fn every_combination_is_valid_and_holds_only_what_it_uses() {
+    let (mut texts, mut combinations) = (HashSet::new(), 0);
+    for (kinds, transfer_function) in scenes() {
+        for shading in shadings() {
+            for compositor in [Compositor::None, Compositor::Segments] {
+                combinations += 1;
+                let choices = Choices::new(&transfer_function, &shading, compositor).expect("has pieces");
+                let shader = compose(&choices);
+                let text = &shader.text;
+                for (kind, (name, words)) in WORDS.iter().enumerate() {
+                    for word in *words {
+                        assert_eq!(
+                            text.contains(word),
+                            kinds.contains(&kind),
+                            "'{word}' of {name} in {kinds:?}"
+                        );
+                    }
+                }
+                let constant = transfer_function.model == CONSTANT;
+                let clipped = transfer_function.widgets.iter().any(|w| w.region.is_some());
+                let ordered = choices.combine == Combine::Ordered;
+                let walks = ordered || constant && kinds.contains(&4);
+                assert_eq!(text.contains("fn silhouette_factor"), shading.silhouette.is_some());
+                assert_eq!(text.contains("fn diffuse_factor"), shading.light.is_some());
+                assert_eq!(text.contains("fn part_inside"), clipped);
+                assert_eq!(text.contains("fn ordered("), walks);
+                assert_eq!(text.contains("fn mix_share"), kinds.len() > 1);
+                assert_eq!(text.contains("@compute"), compositor == Compositor::Segments);
+                assert_eq!(text.contains("> numbers:"), choices.reads_numbers());
+                for (word, when) in [("_glow(", true), ("fn emission_weights", false)] {
+                    assert!(!text.contains(word) || constant == when, "'{word}' in {kinds:?}, {constant}");
+                }
+                if texts.insert(text.clone()) {
+                    let module = validate(&shader);
+                    assert_eq!(module.entry_points.len(), usize::from(compositor == Compositor::Segments));
+                }
+                let axes = vec![Axis::PLAIN; 2 + transfer_function.fields().len()];
+                let parameters = Parameters::new(&transfer_function, &shading, &axes, 1.0).expect("in range");
+                assert_eq!(parameters.widgets.len(), kinds.len().max(1));
+            }
+        }
+    }
+    println!("{combinations} combinations, {} texts", texts.len());
+    // Without order or light many combinations are one text; a composer that ignored its choices would make few.
+    assert!(texts.len() > 2000, "{}", texts.len());
+}
+
+#[test]
+fn numbers_that_may_change_do_not_change_the_text() {
+    let text = |transfer_function: &TransferFunction| {
+        let choices = Choices::new(transfer_function, &SHADING, Compositor::None).expect("has pieces");
+        compose(&choices).text
+    };
+    let before = scene(CONSTANT, vec![widget(2, regions()[2].clone()), widget(6, None)]);
+    let mut after = before.clone();
+    after.widgets[0].extinction = 7.0;
+    after.widgets[0].color = [3.0, 2.0, 1.0];
+    after.widgets[0].region = Some(Region { corners: vec![[0.0, 0.0], [2.0, 0.0], [0.5, 1.0]] });
+    after.widgets[1].profile = Profile::SineWave(wave(0.8));
+    assert_eq!(text(&before), text(&after));
+    after.widgets[1].profile = Profile::TriangleWave(wave(0.8));
+    assert_ne!(text(&before), text(&after));
+}
+
+#[test]
+fn every_piece_is_used_by_some_scene() {
+    let mut used: HashSet<&str> = HashSet::new();
+    for (_, transfer_function) in scenes() {
+        for shading in shadings() {
+            let choices =
+                Choices::new(&transfer_function, &shading, Compositor::Segments).expect("has pieces");
+            used.extend(compose(&choices).files());
+        }
+    }
+    let unused: Vec<&str> = PIECES.iter().filter(|p| !used.contains(p.file)).map(|p| p.name).collect();
+    // ψ is what a table of pre-integration holds; compositing is for passes over whole pixels.
+    assert_eq!(unused, ["compositing", "linear/psi"]);
+}
+
+#[test]
+fn what_has_no_shader_is_refused() {
+    let shading = Shading { integrator: Integrator::Riemann { count: 4 }, ..SHADING };
+    let transfer_function = scene(CONSTANT, vec![widget(1, None)]);
+    let error = Choices::new(&transfer_function, &shading, Compositor::None).expect_err("refused");
+    assert!(error.to_string().contains("riemann"), "{error}");
+}
+
+/// Offsets of a struct's members in the composed text.
+fn layout(name: &str) -> (Vec<(String, u32)>, u32) {
+    let transfer_function = scene(CONSTANT, vec![widget(1, None), widget(2, None)]);
+    let choices = Choices::new(&transfer_function, &SHADING, Compositor::None).expect("has pieces");
+    let module = validate(&compose(&choices));
+    let found =
+        module.types.iter().find(|(_, t)| t.name.as_deref() == Some(name)).expect("the struct exists");
+    let naga::TypeInner::Struct { members, span } = &found.1.inner else { panic!("{name} is no struct") };
+    (members.iter().map(|m| (m.name.clone().unwrap_or_default(), m.offset)).collect(), *span)
+}
+
+macro_rules! offsets {
+    ($type:ty: $($field:ident),* $(,)?) => {
+        vec![$((stringify!($field).to_owned(), std::mem::offset_of!($type, $field) as u32)),*]
+    };
+}
+
+#[test]
+fn structs_are_laid_out_as_in_the_shader() {
+    let widget = offsets!(WidgetRecord:
+        color, extinction, matrix, bell, centre, first_edge, first_number, bell_kind);
+    assert_eq!(layout("Widget"), (widget, size_of::<WidgetRecord>() as u32));
+    let mut head = offsets!(SceneHead:
+        light_direction, light_ambient, light_diffuse, silhouette_exponent, level, cutoff, per_unit);
+    head.push(("widgets".to_owned(), size_of::<SceneHead>() as u32));
+    let whole = size_of::<SceneHead>() + 2 * size_of::<WidgetRecord>();
+    assert_eq!(layout("Scene"), (head, whole as u32));
+}

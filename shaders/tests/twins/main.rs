@@ -1,0 +1,105 @@
+//! Every WGSL formula against its 64-bit truth, on whatever adapter there is.
+
+mod device;
+mod formulas;
+
+use device::{Device, Input};
+use formulas::{INPUTS, Range, Twin, twins};
+use voltet_shaders::compose_pieces;
+
+/// Inputs of a twin.
+const COUNT: usize = 4000;
+
+/// A sequence of low discrepancy (Roberts 2018), rounded to what 32 bits hold; some segments are flat.
+fn inputs(twin: &Twin) -> Vec<[f32; INPUTS]> {
+    let row = |i: usize| {
+        let mut row = [0f32; INPUTS];
+        for (j, range) in twin.inputs.iter().enumerate() {
+            let u = (0.5 + 0.855_674_883_f64.powi(j as i32 + 1) * (i + 1) as f64).fract();
+            row[j] = match *range {
+                Range::Even(a, b) => a + (b - a) * u,
+                Range::Log(a, b) => 10f64.powf(a + (b - a) * u),
+            } as f32;
+        }
+        if i.is_multiple_of(16) && twin.expression.contains("phase(") {
+            row[1] = row[0];
+        }
+        row
+    };
+    (0..COUNT).map(row).collect()
+}
+
+#[test]
+fn every_twin_keeps_its_tolerance() {
+    let Some(device) = Device::open() else { return };
+    let mut broken = Vec::new();
+    for twin in twins() {
+        let main = format!(
+            "@group(0) @binding(0) var<storage, read> rows: array<vec4f>;
+             @group(0) @binding(1) var<storage, read_write> values: array<f32>;
+             @compute @workgroup_size(64)
+             fn evaluate(@builtin(global_invocation_id) id: vec3u) {{
+                 if id.x < arrayLength(&values) {{
+                     let x = rows[id.x];
+                     values[id.x] = {};
+                 }}
+             }}
+             {}",
+            twin.expression, twin.generated
+        );
+        let mut pieces = vec![twin.piece];
+        if twin.expression.contains("line_path") {
+            pieces.push("gaussian/line");
+        }
+        if twin.expression.contains("plane_path") {
+            pieces.push("gaussian/plane");
+        }
+        if twin.expression.contains("fields_path") {
+            pieces.push("gaussian/fields");
+        }
+        if twin.expression.contains("wave_glow") {
+            pieces.push("wave/glow");
+        }
+        let pass = device.compile(&compose_pieces(&main, &pieces), "evaluate", &[]);
+        let rows = inputs(&twin);
+        let bytes = bytemuck::cast_slice(&rows);
+        let input = Input { group: 0, binding: 0, uniform: false, bytes };
+        let values = device.run(&pass, &[input], (0, 1), COUNT, COUNT);
+        let mut worst = (0.0, 0);
+        for (i, (row, found)) in rows.iter().zip(&values).enumerate() {
+            let x = row.map(f64::from);
+            let value = (twin.truth)(&x);
+            // How much the truth changes by when an input changes by a relative 1e-6.
+            let change: f64 = (0..twin.inputs.len())
+                .map(|j| {
+                    let mut y = x;
+                    y[j] *= 1.0 + 1e-6;
+                    ((twin.truth)(&y) - value).abs() / 1e-6
+                })
+                .sum();
+            let epsilon = f64::from(f32::EPSILON);
+            let allowed = twin.tolerance * epsilon * (4.0 * value.abs() + change) + 1e-30;
+            let ratio = (f64::from(*found) - value).abs() / allowed;
+            let ratio = if ratio.is_nan() { f64::INFINITY } else { ratio };
+            if ratio > worst.0 {
+                worst = (ratio, i);
+            }
+        }
+        let (ratio, i) = worst;
+        let line = format!(
+            "{} on {}: {ratio:.2} of {} ε (4 + k) ({}) at {:?}: {} for {}",
+            twin.name,
+            device.name,
+            twin.tolerance,
+            twin.reason,
+            &rows[i][..twin.inputs.len()],
+            values[i],
+            (twin.truth)(&rows[i].map(f64::from)),
+        );
+        println!("{line}");
+        if ratio > 1.0 {
+            broken.push(line);
+        }
+    }
+    assert!(broken.is_empty(), "\n{}", broken.join("\n"));
+}

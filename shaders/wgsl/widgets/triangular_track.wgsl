@@ -1,0 +1,7 @@
+// Uses: triangular_gaussian/track, widgets/triangular. Fills: nothing.
+// A triangular Gaussian over the whole segment.
+
+fn triangular_track(index: u32, part: Part) -> TriangularTrack {
+    let ends = triangular_ends(index, part);
+    return TriangularTrack(ends.xy, ends.zw, widget_rate(index, part));
+}
