@@ -3,6 +3,7 @@
 use super::composite::{Drawn, TilePicture, Worker};
 use super::cull::{attributes_of, gradient_attributes};
 use super::light::Surface;
+use super::project::Attribute;
 use super::record::TILE;
 use super::scene::{Sample, Scene};
 use super::shade::Shader;
@@ -108,15 +109,21 @@ pub fn sort(cells: &Cells, camera: &Camera, order: Order) -> Result<Cells> {
     Ok(sorted)
 }
 
-/// Integrates and composites every pixel's segments.
+/// A projection with all that is made once for drawing it: the integrator's tables, the widgets made ready.
+pub struct Ready<'a> {
+    projection: &'a Projection,
+    attributes: Vec<Attribute<'a>>,
+    shader: Shader,
+}
+
+/// Makes ready what [`Ready::composite`] draws with.
 ///
 /// Errors: an optical model, widget or integrator that the engine cannot serve, named with what can.
-pub fn composite(
-    projection: &Projection,
+pub fn prepare<'a>(
+    projection: &'a Projection,
     transfer_function: &TransferFunction,
     shading: &Shading,
-    progress: &dyn Progress,
-) -> Result<(Picture, Counts)> {
+) -> Result<Ready<'a>> {
     let cells = &projection.cells;
     let attributes = attributes_of(cells, transfer_function)?;
     let surface = Surface::new(shading, attributes.len());
@@ -137,46 +144,67 @@ pub fn composite(
     let extent = extent(cells, &shading.integrator);
     let exact = integrators::new(&shading.integrator, shading.overlap, &reduced, &extent)?;
     let shader = Shader::new(&reduced, shading, exact, &attributes, cells.length, surface)?;
-    let needs_order = shader.one_color.is_none();
-    let sorted = match cells.order {
-        Order::Exact | Order::Auto => needs_order,
-        Order::Centroid | Order::None => false,
-    };
-    let [width, height] = projection.camera.size.map(|n| n as usize);
-    let mut picture = Picture::transparent(width, height);
-    let mut counts = Counts { cells_projected: projection.cells_projected(), ..Counts::default() };
-    let weight = 1.0 / projection.samples.len() as f32;
-    for sample in &projection.samples {
-        let scene = Scene::new(sample, &cells.volume, &attributes, &shader, sorted);
-        let queue = sample.queue();
-        let next = AtomicUsize::new(0);
-        let results: Vec<Drawn> =
-            rayon::broadcast(|_| Worker { scene: &scene, queue: &queue, next: &next, progress }.run());
-        if progress.cancelled() {
-            return Err(Error::cancelled());
-        }
-        let mut tiles: Vec<Option<&TilePicture>> = vec![None; scene.tiles_wide * height.div_ceil(TILE)];
-        for (done, worker) in &results {
-            counts.segments += worker.segments;
-            counts.segments_exact += worker.segments_exact;
-            counts.tiles_deep += worker.tiles_deep;
-            counts.pixels_disordered += worker.pixels_disordered;
-            for (tile, pixels) in done {
-                tiles[*tile as usize] = Some(pixels);
+    Ok(Ready { projection, attributes, shader })
+}
+
+/// Integrates and composites every pixel's segments: [`prepare`] and [`Ready::composite`].
+///
+/// Errors: an optical model, widget or integrator that the engine cannot serve, named with what can.
+pub fn composite(
+    projection: &Projection,
+    transfer_function: &TransferFunction,
+    shading: &Shading,
+    progress: &dyn Progress,
+) -> Result<(Picture, Counts)> {
+    prepare(projection, transfer_function, shading)?.composite(progress)
+}
+
+impl Ready<'_> {
+    /// Integrates and composites every pixel's segments. Errors: a stopped run.
+    pub fn composite(&self, progress: &dyn Progress) -> Result<(Picture, Counts)> {
+        let Ready { projection, attributes, shader } = self;
+        let cells = &projection.cells;
+        let needs_order = shader.one_color.is_none();
+        let sorted = match cells.order {
+            Order::Exact | Order::Auto => needs_order,
+            Order::Centroid | Order::None => false,
+        };
+        let [width, height] = projection.camera.size.map(|n| n as usize);
+        let mut picture = Picture::transparent(width, height);
+        let mut counts = Counts { cells_projected: projection.cells_projected(), ..Counts::default() };
+        let weight = 1.0 / projection.samples.len() as f32;
+        for sample in &projection.samples {
+            let scene = Scene::new(sample, &cells.volume, attributes, shader, sorted);
+            let queue = sample.queue();
+            let next = AtomicUsize::new(0);
+            let results: Vec<Drawn> =
+                rayon::broadcast(|_| Worker { scene: &scene, queue: &queue, next: &next, progress }.run());
+            if progress.cancelled() {
+                return Err(Error::cancelled());
             }
-        }
-        picture.rgba.par_chunks_mut(width).enumerate().for_each(|(j, row)| {
-            for (i, pixel) in row.iter_mut().enumerate() {
-                if let Some(tile) = tiles[j / TILE * scene.tiles_wide + i / TILE] {
-                    let value = tile[(j % TILE) * TILE + i % TILE];
-                    for (sum, value) in pixel.iter_mut().zip(value) {
-                        *sum += weight * value;
-                    }
+            let mut tiles: Vec<Option<&TilePicture>> = vec![None; scene.tiles_wide * height.div_ceil(TILE)];
+            for (done, worker) in &results {
+                counts.segments += worker.segments;
+                counts.segments_exact += worker.segments_exact;
+                counts.tiles_deep += worker.tiles_deep;
+                counts.pixels_disordered += worker.pixels_disordered;
+                for (tile, pixels) in done {
+                    tiles[*tile as usize] = Some(pixels);
                 }
             }
-        });
+            picture.rgba.par_chunks_mut(width).enumerate().for_each(|(j, row)| {
+                for (i, pixel) in row.iter_mut().enumerate() {
+                    if let Some(tile) = tiles[j / TILE * scene.tiles_wide + i / TILE] {
+                        let value = tile[(j % TILE) * TILE + i % TILE];
+                        for (sum, value) in pixel.iter_mut().zip(value) {
+                            *sum += weight * value;
+                        }
+                    }
+                }
+            });
+        }
+        Ok((picture, counts))
     }
-    Ok((picture, counts))
 }
 
 /// Whether light or silhouettes look at ∇s. A silhouette of exponent 0 changes nothing.

@@ -19,7 +19,7 @@ mod wave;
 mod widget;
 
 pub use cull::cull;
-pub use draw::{Projection, composite, draw, needs_gradient, project, sort};
+pub use draw::{Projection, Ready, composite, draw, needs_gradient, prepare, project, sort};
 
 use std::sync::Arc;
 use voltet_core::camera::Camera;

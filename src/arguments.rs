@@ -1,6 +1,6 @@
 //! The command line.
 
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
 /// Volume pictures of results on unstructured grids, straight from the cells.
@@ -33,6 +33,12 @@ pub enum Command {
     Info(Info),
     /// Judge the segment formulas against exact values, 64-bit and 32-bit.
     Stability(Stability),
+    /// Draw a pipeline's scene with every integrator and setting, and say what each costs and how wrong it is.
+    ///
+    /// Each picture is compared with a 64-bit reference, which is drawn once and kept. Writes an HTML page that holds
+    /// everything, the figures as CSV and JSON, a plot of error against time as SVG and PNG, and difference pictures.
+    /// Ctrl-C ends the study and keeps what is done.
+    Study(Study),
 }
 
 #[derive(Debug, Args)]
@@ -118,4 +124,61 @@ pub struct Stability {
     /// Write everything that was found as JSON to the standard output.
     #[arg(long)]
     pub json: bool,
+}
+
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Exit codes: 0 done, 1 the study failed, was stopped, or nothing keeps --max-error; 2 the command or \
+the pipeline file is wrong."
+)]
+pub struct Study {
+    /// A pipeline file.
+    #[arg(value_name = "FILE")]
+    pub file: PathBuf,
+    #[command(flatten)]
+    pub set: Set,
+    /// The node to study, of type renderer or composite, where the pipeline has several.
+    #[arg(long, value_name = "NODE")]
+    pub node: Option<String>,
+    /// Integrators to look at, separated by commas; all that can serve the scene without it.
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    pub only: Vec<String>,
+    /// Recommend the cheapest setting with an error of at most this, 1 being full scale.
+    #[arg(long, value_name = "ERROR", allow_negative_numbers = true)]
+    pub max_error: Option<f64>,
+    /// The error that decides about the recommendation and the Pareto front.
+    #[arg(long, value_name = "WHICH", value_enum, default_value = "max")]
+    pub measure: MeasureName,
+    /// Write the recommended setting into the pipeline file; everything else in it stays as it is.
+    #[arg(long, requires = "max_error")]
+    pub apply: bool,
+    /// Frames that are timed for each setting, after one that warms up.
+    #[arg(long, value_name = "N", default_value_t = 5)]
+    pub frames: usize,
+    /// Seconds after which no further frame of a setting begins.
+    #[arg(long, value_name = "SECONDS", default_value_t = 10.0, allow_negative_numbers = true)]
+    pub patience: f64,
+    /// The folder to write into; FILE with the ending .study without it.
+    #[arg(long, short, value_name = "FOLDER")]
+    pub output: Option<PathBuf>,
+    /// The folder that keeps reference pictures; in the user's cache folder without it.
+    #[arg(long, value_name = "FOLDER")]
+    pub cache: Option<PathBuf>,
+    /// Print nothing but errors.
+    #[arg(long, short)]
+    pub quiet: bool,
+}
+
+/// Errors of a picture.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub enum MeasureName {
+    /// The largest difference of a channel of premultiplied linear RGBA.
+    Max,
+    /// The root of the mean square of these differences.
+    Rms,
+    /// What 99.9 % of the pixels are under.
+    #[value(name = "p99.9")]
+    P999,
+    /// The perceptual difference FLIP, mean over the pixels.
+    Flip,
 }

@@ -15,6 +15,7 @@
 //! ```
 
 mod document;
+pub mod study;
 
 pub use document::{Document, read_text};
 pub use voltet_core as core;

@@ -140,11 +140,8 @@ impl Call<'_> {
 
     /// The volume at an input. A grid counts as one without gradient.
     pub fn volume(&self, port: &str) -> Result<Arc<Volume>> {
-        match self.value(port)? {
-            Value::Volume(volume) => Ok(volume.clone()),
-            Value::Grid(grid) => volume_without_gradient(grid).map(Arc::new),
-            other => Err(self.miswired(port, PortType::Volume, other)),
-        }
+        let value = self.value(port)?;
+        value.volume().unwrap_or_else(|| Err(self.miswired(port, PortType::Volume, value)))
     }
 
     /// The transfer function at an input, as the pipeline states it.

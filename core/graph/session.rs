@@ -112,6 +112,38 @@ impl Session {
         Ok(report)
     }
 
+    /// Runs what feeds a node (its place in [`Graph::nodes`]) and gives the values at its inputs, in the order of
+    /// its edges: for programs that do with them what no node does. The node itself and what follows do not run.
+    pub fn inputs(&mut self, graph: &Graph, place: usize, observer: &dyn Observer) -> Result<Vec<Value>> {
+        let plan = self.plan(graph)?;
+        let mut needed = vec![false; graph.nodes.len()];
+        needed[place] = true;
+        for &i in graph.order.iter().rev().filter(|&&i| i != place) {
+            // Whatever follows a node stands behind it in the order of work.
+            needed[i] = graph
+                .nodes
+                .iter()
+                .enumerate()
+                .any(|(k, node)| needed[k] && node.inputs.iter().any(|edge| edge.node == i));
+        }
+        let feeding: Vec<usize> = graph.order.iter().copied().filter(|&i| needed[i] && i != place).collect();
+        let mut all_done: Vec<Option<Done>> = vec![None; graph.nodes.len()];
+        for (number, &i) in feeding.iter().enumerate() {
+            if observer.cancelled() {
+                return Err(Error::cancelled());
+            }
+            let node = &graph.nodes[i];
+            observer.started(&node.name, number, feeding.len());
+            let done = match &plan.early[i] {
+                Some(done) => done.clone(),
+                None => self.execute(graph, i, inputs_of(node, &all_done), &plan.demands[i], observer)?,
+            };
+            observer.finished(&node.name, done.seconds);
+            all_done[i] = Some(done);
+        }
+        Ok(inputs_of(&graph.nodes[place], &all_done).into_iter().map(|(value, _)| value).collect())
+    }
+
     /// Runs a node, or finds its former outputs.
     fn execute(
         &mut self,

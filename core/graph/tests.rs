@@ -1,5 +1,6 @@
 //! The passes, the cache and the wiring, on node types that only count.
 
+mod feeding;
 mod optional_inputs;
 
 use super::*;

@@ -1,6 +1,8 @@
 //! What runs through the ports: shared, never modified.
 
+use super::call::volume_without_gradient;
 use super::declaration::PortType;
+use crate::Result;
 use crate::camera::Camera;
 use crate::grid::Grid;
 use crate::picture::Picture;
@@ -50,6 +52,15 @@ impl Value {
             Value::Projection(_) => PortType::Projection,
             Value::Image(_) => PortType::Image,
             Value::Report(_) => PortType::Report,
+        }
+    }
+
+    /// The volume; a grid counts as one without gradient. `None` for values of other types.
+    pub fn volume(&self) -> Option<Result<Arc<Volume>>> {
+        match self {
+            Value::Volume(volume) => Some(Ok(volume.clone())),
+            Value::Grid(grid) => Some(volume_without_gradient(grid).map(Arc::new)),
+            _ => None,
         }
     }
 }

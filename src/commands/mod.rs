@@ -7,6 +7,7 @@ mod info;
 mod nodes;
 mod run;
 mod stability;
+mod study;
 
 use crate::arguments::{Arguments, Command};
 use crate::present;
@@ -29,6 +30,7 @@ pub fn dispatch(arguments: Arguments) -> ExitCode {
         Command::Nodes(arguments) => nodes::nodes(arguments),
         Command::Info(arguments) => info::info(arguments),
         Command::Stability(arguments) => stability::stability(arguments),
+        Command::Study(arguments) => study::study(arguments),
     };
     ExitCode::from(outcome.unwrap_or_else(|error| show(&error, None)))
 }

@@ -8,4 +8,5 @@ mod finders;
 mod pictures;
 mod reports;
 mod stability;
+mod study;
 mod support;

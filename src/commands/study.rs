@@ -1,0 +1,224 @@
+//! `voltet study`: error against time of every integrator on one scene.
+
+use super::{DONE, code, open, registry, show, warn};
+use crate::arguments;
+use crate::present::Bar;
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use std::time::{Duration, Instant};
+use voltet::Document;
+use voltet::core::graph::{Observer, nearest};
+use voltet::core::progress::Progress;
+use voltet::core::{Error, Result};
+use voltet::nodes::files;
+use voltet::study::{self, Frames, Measure, Scene, Study, Wish};
+
+/// Stopped before the end, or nothing keeps the error allowed.
+const SHORT: u8 = 1;
+
+/// Names that `--only` takes: all but the reference, with which the others are compared.
+const INTEGRATORS: [&str; 7] = [
+    "analytic",
+    "adaptive",
+    "segments",
+    "riemann",
+    "pre-integrated",
+    "pre-integrated-cylindrical",
+    "clipped",
+];
+
+pub fn study(arguments: &arguments::Study) -> Result<u8> {
+    let wish = wish(arguments)?;
+    let document = match open(&arguments.file, &arguments.set.options, &registry()?) {
+        Ok(document) => document,
+        Err((error, text)) => return Ok(show(&error, text.as_deref())),
+    };
+    if !arguments.quiet {
+        warn(&document);
+    }
+    let outcome = carry_out(arguments, wish, &document);
+    outcome.or_else(|error| Ok(show(&document.locate(error), Some(&document.text))))
+}
+
+fn wish(arguments: &arguments::Study) -> Result<Wish> {
+    if let Some(name) = arguments.only.iter().find(|name| !INTEGRATORS.contains(&name.as_str())) {
+        let known = INTEGRATORS.join(", ");
+        let accepted = match nearest(name, INTEGRATORS) {
+            Some(meant) => format!("\"{meant}\"; there are {known}"),
+            None => format!("one of {known}"),
+        };
+        return Err(Error::usage("--only names no integrator that can be studied")
+            .found(name)
+            .accepted(accepted));
+    }
+    let in_range = |what: &str, value: f64| match value.is_finite() && value >= 0.0 {
+        true => Ok(()),
+        false => Err(Error::usage(format!("{what} is out of range"))
+            .found(value)
+            .accepted("a number of at least 0")),
+    };
+    arguments.max_error.map_or(Ok(()), |bound| in_range("--max-error", bound))?;
+    in_range("--patience", arguments.patience)?;
+    if arguments.frames == 0 {
+        return Err(Error::usage("--frames is out of range").found(0).accepted("1 or more"));
+    }
+    Ok(Wish {
+        only: arguments.only.clone(),
+        // A year is longer than any patience, and does not overflow.
+        frames: Frames {
+            count: arguments.frames,
+            patience: Duration::from_secs_f64(arguments.patience.min(3e7)),
+        },
+        measure: arguments.measure.into(),
+        max_error: arguments.max_error,
+    })
+}
+
+fn carry_out(arguments: &arguments::Study, wish: Wish, document: &Document) -> Result<u8> {
+    let folder = arguments.output.clone().unwrap_or_else(|| beside(&arguments.file));
+    refuse_unwritable(&folder)?;
+    if arguments.apply {
+        files::refuse_unwritable(&document.path)?;
+    }
+    let watch = Watch { bar: Bar::new(arguments.quiet), start: Mutex::new(Instant::now()) };
+    let gathered = gather(arguments, document, &watch);
+    let study = gathered.and_then(|(scene, reference)| {
+        watch.begin();
+        study::study(scene, wish, reference, &watch)
+    });
+    watch.bar.clear();
+    let study = study?;
+    let title = document.pipeline.title.clone().unwrap_or_else(|| document.path.display().to_string());
+    let written = match study.rows.is_empty() {
+        true => Vec::new(),
+        false => study::write(&study, &title, &folder)?,
+    };
+    if !arguments.quiet {
+        print!("{}", summary(&study, &written, &folder));
+    }
+    conclude(arguments, document, &study)
+}
+
+/// The scene, and its reference picture.
+fn gather(
+    arguments: &arguments::Study,
+    document: &Document,
+    watch: &Watch,
+) -> Result<(Scene, study::Reference)> {
+    let mut session = voltet::nodes::session();
+    let scene = Scene::gather(&document.graph, arguments.node.as_deref(), &mut session, &watch.bar)?;
+    let cache = arguments.cache.clone().unwrap_or_else(study::cache_folder);
+    watch.begin();
+    let reference = study::reference(&scene, &cache, watch)?;
+    Ok((scene, reference))
+}
+
+/// Finds out, before the work, whether the folder is there or can be made, and can be written to.
+fn refuse_unwritable(folder: &Path) -> Result<()> {
+    let there = folder.ancestors().find(|path| path.exists()).unwrap_or(Path::new("."));
+    if !there.is_dir() {
+        let error = Error::run("the folder for the study cannot be made: a file is in its place");
+        return Err(error.found(there.display()).accepted("--output with the path of a folder"));
+    }
+    files::refuse_unwritable(&there.join("study.html"))
+}
+
+/// `scene.toml` is studied in `scene.study`.
+fn beside(file: &Path) -> PathBuf {
+    file.with_extension("study")
+}
+
+fn summary(study: &Study, written: &[PathBuf], folder: &Path) -> String {
+    let reference = &study.reference;
+    let origin = if reference.cached { "kept from before" } else { "drawn" };
+    let mut text = format!("reference: {origin} ({:.1} s)\n", reference.seconds);
+    if !study.rows.is_empty() {
+        text += &study::text(study);
+    }
+    text.extend(study::recommendation(study).filter(|_| !study.rows.is_empty()).map(|line| line + "\n"));
+    if !written.is_empty() {
+        text += &format!("{}: {} files\n", folder.display(), written.len());
+    }
+    text
+}
+
+/// What is written back, and the exit code.
+fn conclude(arguments: &arguments::Study, document: &Document, study: &Study) -> Result<u8> {
+    if study.stopped() {
+        let error = Error::cancelled();
+        let done = format!("{} of {} settings are measured", study.rows.len(), study.setting_count);
+        show(&error.found(done), None);
+        return Ok(SHORT);
+    }
+    let Some(bound) = study.wish.max_error else { return Ok(DONE) };
+    let Some(row) = study.recommended.map(|i| &study.rows[i]) else {
+        let least = study.rows.iter().map(|row| row.error(study.wish.measure)).fold(f64::INFINITY, f64::min);
+        let error = Error::run("no setting keeps the error allowed").found(format!("{least:.1e} at best"));
+        return Ok(code_of(&error.accepted(format!("at most {bound}"))));
+    };
+    if arguments.apply {
+        let text = study::apply(&document.text, &study.scene, &row.setting)?;
+        // What is written must be readable, also without the options of this call.
+        Document::from_text(&document.path, text.clone(), &[], &registry()?)?;
+        if text == document.text {
+            println!("{}: has it already", document.path.display());
+        } else {
+            files::write_whole(&document.path, text.as_bytes())?;
+            println!("{}: now draws with {}", document.path.display(), row.setting.label());
+        }
+    }
+    Ok(DONE)
+}
+
+fn code_of(error: &Error) -> u8 {
+    show(error, None);
+    code(error)
+}
+
+/// Shows progress with an estimate of what is left.
+struct Watch {
+    bar: Bar,
+    start: Mutex<Instant>,
+}
+
+impl Watch {
+    /// A new piece of work begins, whose fraction counts from 0.
+    fn begin(&self) {
+        *self.lock() = Instant::now();
+    }
+
+    fn lock(&self) -> std::sync::MutexGuard<'_, Instant> {
+        self.start.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
+    }
+}
+
+impl Progress for Watch {
+    fn report(&self, stage: &str, fraction: f64) {
+        // The stages within a frame report too; they say nothing about the whole.
+        if matches!(stage, "cull" | "project" | "composite") {
+            return;
+        }
+        let elapsed = self.lock().elapsed().as_secs_f64();
+        let left = elapsed * (1.0 - fraction) / fraction;
+        let stage = match fraction > 0.02 && left.is_finite() {
+            true => format!("{stage}, about {left:.0} s left"),
+            false => stage.to_string(),
+        };
+        self.bar.progress("", &stage, fraction);
+    }
+
+    fn cancelled(&self) -> bool {
+        self.bar.cancelled()
+    }
+}
+
+impl From<arguments::MeasureName> for Measure {
+    fn from(name: arguments::MeasureName) -> Measure {
+        match name {
+            arguments::MeasureName::Max => Measure::Maximum,
+            arguments::MeasureName::Rms => Measure::RootMeanSquare,
+            arguments::MeasureName::P999 => Measure::Percentile,
+            arguments::MeasureName::Flip => Measure::Flip,
+        }
+    }
+}

@@ -1,0 +1,79 @@
+//! A setting written into a pipeline file; every other byte stays as it is.
+
+use super::settings::{order_name, overlap_name};
+use super::{Scene, Setting, Value as Key};
+use toml_edit::{DocumentMut, Item, TableLike, Value};
+use voltet_core::optics::Overlap;
+use voltet_core::optics::integrators::Integrator;
+use voltet_core::{Error, Result};
+
+/// The text of the pipeline file with the setting in it. Overlap and order are written where they differ from
+/// what the file says or leaves open.
+pub fn apply(text: &str, scene: &Scene, setting: &Setting) -> Result<String> {
+    // Line ends of two characters would come out as one.
+    let windows = text.contains("\r\n");
+    if windows && text.replace("\r\n", "").contains('\n') {
+        return Err(Error::usage(
+            "the file mixes two kinds of line ends, so that it cannot be changed alone where asked",
+        )
+        .accepted("one kind of line end throughout"));
+    }
+    let mut document: DocumentMut = text.parse().map_err(|error: toml_edit::TomlError| {
+        Error::usage("the pipeline file cannot be read as TOML").found(error.message())
+    })?;
+    let own = scene.setting();
+    for (name, key) in setting.keys() {
+        set(&mut document, &scene.node, name, key)?;
+    }
+    if setting.overlap != own.overlap && setting.integrator == Integrator::Analytic {
+        set(&mut document, &scene.node, "overlap", Key::Text(overlap_name(setting.overlap)))?;
+    } else if own.overlap == Overlap::Mix && setting.integrator != Integrator::Analytic {
+        // Of no account for the others, and misleading.
+        set(&mut document, &scene.node, "overlap", Key::Text(overlap_name(Overlap::Exact)))?;
+    }
+    if setting.order != own.order
+        && let Some(node) = &scene.order_node
+    {
+        set(&mut document, node, "order", Key::Text(order_name(setting.order)))?;
+    }
+    let written = document.to_string();
+    Ok(if windows && !written.contains("\r\n") { written.replace('\n', "\r\n") } else { written })
+}
+
+/// Sets a key of a node. The spaces and comments around a value that is there stay.
+fn set(document: &mut DocumentMut, node: &str, name: &str, key: Key) -> Result<()> {
+    let missing =
+        || Error::run("the node is not where the pipeline file should have it").found(node.to_string());
+    let table: &mut dyn TableLike = document
+        .get_mut("nodes")
+        .and_then(Item::as_table_like_mut)
+        .and_then(|nodes| nodes.get_mut(node))
+        .and_then(Item::as_table_like_mut)
+        .ok_or_else(missing)?;
+    let mut value = match key {
+        Key::Text(word) => Value::from(word),
+        Key::Integer(n) => Value::from(n),
+        Key::Number(x) => Value::from(x),
+    };
+    match table.get_mut(name).and_then(Item::as_value_mut) {
+        Some(there) if same(there, &value) => {}
+        Some(there) => {
+            *value.decor_mut() = there.decor().clone();
+            *there = value;
+        }
+        None => {
+            table.insert(name, Item::Value(value));
+        }
+    }
+    Ok(())
+}
+
+/// Whether both mean the same, so that the way it is written can stay.
+fn same(a: &Value, b: &Value) -> bool {
+    match (a.as_str(), b.as_str(), a.as_integer(), b.as_integer(), a.as_float(), b.as_float()) {
+        (Some(a), Some(b), ..) => a == b,
+        (_, _, Some(a), Some(b), ..) => a == b,
+        (.., Some(a), Some(b)) => a == b,
+        _ => false,
+    }
+}

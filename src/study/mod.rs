@@ -1,0 +1,46 @@
+//! The study of a scene: every integrator that can serve it, over its settings, against the 64-bit reference:
+//! what each costs and how wrong it is.
+//!
+//! | file | what |
+//! | --- | --- |
+//! | `scene` | what the pipeline's node that draws is given |
+//! | `settings` | what is tried |
+//! | `reference` | the picture to compare with, kept between studies |
+//! | `measure` | times and memory |
+//! | `errors`, `flip` | differences of pictures |
+//! | `convergence` | observed and expected orders |
+//! | `pareto` | what is worth taking |
+//! | `table`, `plot`, `canvas`, `page` | how it is shown |
+//! | `apply` | a setting written into a pipeline file |
+//!
+//! It knows no terminal: [`study`] is given a [`Progress`], and what it gives is written by [`write`].
+
+mod apply;
+mod canvas;
+mod convergence;
+mod errors;
+mod flip;
+mod measure;
+mod output;
+mod page;
+mod pareto;
+mod plot;
+mod reference;
+mod run;
+mod scene;
+mod settings;
+mod table;
+
+pub use apply::apply;
+pub use convergence::{Convergence, Level, convergence};
+pub use errors::{Errors, difference, errors};
+pub use flip::Seen;
+pub use measure::{Cost, Frames, Times};
+pub use output::write;
+pub use page::recommendation;
+pub use pareto::{cheapest, front};
+pub use reference::{Reference, cache_folder, reference};
+pub use run::{Measure, Row, Study, Wish, study};
+pub use scene::Scene;
+pub use settings::{Setting, Value, settings};
+pub use table::{csv, json, text};

@@ -1,0 +1,325 @@
+//! The work-precision plot: error over time, both in powers of ten, the Pareto front marked.
+
+use super::canvas::{Anchor, Canvas, Color, Mark, Size, Symbol, WHITE};
+use super::{Row, Study};
+use voltet_core::optics::Overlap;
+use voltet_core::optics::integrators::Integrator;
+use voltet_core::shading::Order;
+
+const SIZE: [f64; 2] = [960.0, 600.0];
+
+/// Left, top, right, bottom of the plane within the axes.
+const PLANE: [f64; 4] = [84.0, 46.0, 716.0, 540.0];
+
+const BLACK: Color = [20, 20, 20];
+const GREY: Color = [110, 110, 110];
+const FAINT: Color = [225, 225, 225];
+
+/// Errors are drawn no lower than this: less is below what 32-bit numbers near 1 can tell apart.
+const LEAST_ERROR: f64 = 1e-8;
+
+/// How an integrator's points look. Symbols and dashes tell them apart without colour; the colours (Okabe and Ito 2008)
+/// differ for the colour-blind too.
+struct Style {
+    name: &'static str,
+    symbol: Symbol,
+    color: Color,
+    dashes: &'static [f64],
+}
+
+const STYLES: [Style; 7] = [
+    Style { name: "analytic", symbol: Symbol::Circle, color: [0, 0, 0], dashes: &[] },
+    Style { name: "clipped", symbol: Symbol::Square, color: [204, 121, 167], dashes: &[] },
+    Style { name: "adaptive", symbol: Symbol::Diamond, color: [0, 114, 178], dashes: &[] },
+    Style { name: "segments", symbol: Symbol::TriangleUp, color: [213, 94, 0], dashes: &[7.0, 3.0] },
+    Style { name: "riemann", symbol: Symbol::TriangleDown, color: [0, 158, 115], dashes: &[2.0, 2.5] },
+    Style {
+        name: "pre-integrated",
+        symbol: Symbol::Plus,
+        color: [86, 180, 233],
+        dashes: &[10.0, 3.0, 2.0, 3.0],
+    },
+    Style {
+        name: "pre-integrated-cylindrical",
+        symbol: Symbol::Cross,
+        color: [190, 140, 0],
+        dashes: &[4.0, 4.0],
+    },
+];
+
+/// An axis in powers of ten.
+struct Axis {
+    low: f64,
+    high: f64,
+    start: f64,
+    end: f64,
+}
+
+impl Axis {
+    /// Covers the values with some room, one power of ten at least.
+    fn over(values: impl Iterator<Item = f64>, start: f64, end: f64) -> Axis {
+        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+        for value in values.filter(|v| v.is_finite() && *v > 0.0) {
+            (low, high) = (low.min(value.log10()), high.max(value.log10()));
+        }
+        if low > high {
+            (low, high) = (-0.5, 0.5);
+        }
+        let room = (0.06 * (high - low)).max(0.5 * (1.0 - (high - low))).max(0.05);
+        Axis { low: low - room, high: high + room, start, end }
+    }
+
+    fn place(&self, value: f64) -> f64 {
+        self.start + (value.log10() - self.low) / (self.high - self.low) * (self.end - self.start)
+    }
+
+    /// Ticks with their labels: the powers of ten, between them 2 … 9, labelled where there is room.
+    fn ticks(&self) -> Vec<(f64, Option<String>)> {
+        let span = self.high - self.low;
+        let mut ticks = Vec::new();
+        for power in self.low.floor() as i32..=self.high.ceil() as i32 {
+            for digit in 1..10 {
+                let value = f64::from(digit) * 10f64.powi(power);
+                if (self.low..=self.high).contains(&value.log10()) {
+                    let labelled = digit == 1 || span < 2.2 && matches!(digit, 2 | 5);
+                    ticks.push((value, labelled.then(|| number(digit, power))));
+                }
+            }
+        }
+        ticks
+    }
+}
+
+/// digit × 10^power, as short as can be.
+fn number(digit: i32, power: i32) -> String {
+    match power {
+        0..=4 => (i64::from(digit) * 10i64.pow(power as u32)).to_string(),
+        -2..=-1 => format!("{:.*}", (-power) as usize, f64::from(digit) * 10f64.powi(power)),
+        _ => format!("{digit}e{power}"),
+    }
+}
+
+/// Draws the plot.
+pub fn plot(study: &Study, title: &str) -> Canvas {
+    let measure = study.wish.measure;
+    let error = |row: &Row| row.error(measure).max(LEAST_ERROR);
+    let time = |row: &Row| row.cost.picture.median_ms;
+    let [left, top, right, bottom] = PLANE;
+    let x = Axis::over(study.rows.iter().map(time), left, right);
+    let bound = study.wish.max_error.map(|bound| bound.max(LEAST_ERROR));
+    let y = Axis::over(study.rows.iter().map(error).chain(bound), bottom, top);
+    let at = |row: &Row| [x.place(time(row)), y.place(error(row).min(10f64.powf(y.high)))];
+
+    let mut canvas = Canvas::new(SIZE, &format!("{title}: error against time of every integrator"));
+    axes(&mut canvas, &x, &y, title, measure.label());
+    if let Some(bound) = bound {
+        let height = y.place(bound);
+        canvas.line(&[[left, height], [right, height]], 1.2, BLACK, &[3.0, 3.0]);
+        let text = format!("error allowed: {bound}");
+        canvas.text([right - 6.0, height - 9.0], &text, Size::Small, Anchor::End, BLACK);
+    }
+    front(&mut canvas, study, &at);
+    for style in &STYLES {
+        let mine = || study.rows.iter().filter(|row| row.setting.integrator.name() == style.name);
+        let main: Vec<[f64; 2]> = mine().filter(|row| is_main(row)).map(at).collect();
+        if main.len() > 1 {
+            canvas.line(&main, 1.4, style.color, style.dashes);
+        }
+        for row in mine() {
+            let radius = if row.on_front { 6.5 } else { 5.0 };
+            let fill = if row.on_front { style.color } else { WHITE };
+            let hint =
+                format!("{}: {:.3} ms, error {:.2e}", row.setting.label(), time(row), row.error(measure));
+            let corners = style.symbol.corners(at(row), radius);
+            canvas.marks.push(Mark::Shape { corners, fill, outline: style.color, hint });
+        }
+    }
+    if let Some(row) = study.recommended.map(|i| &study.rows[i]) {
+        let mut ring = Symbol::Circle.corners(at(row), 11.0);
+        ring.extend(ring.first().copied());
+        canvas.line(&ring, 1.8, BLACK, &[]);
+    }
+    labels(&mut canvas, study, &at);
+    legend(&mut canvas, study);
+    canvas
+}
+
+/// Whether a row belongs to its integrator's line: the sweep of one number, everything else as usual.
+fn is_main(row: &Row) -> bool {
+    let usual_table =
+        !matches!(row.setting.integrator, Integrator::Segments { table_size, .. } if table_size != 256);
+    let swept = !matches!(row.setting.integrator, Integrator::Analytic | Integrator::Clipped);
+    swept && usual_table && row.setting.order != Order::Centroid
+}
+
+fn axes(canvas: &mut Canvas, x: &Axis, y: &Axis, title: &str, error: &str) {
+    let [left, top, right, bottom] = PLANE;
+    for (value, label) in x.ticks() {
+        let place = x.place(value);
+        if let Some(label) = label {
+            canvas.line(&[[place, top], [place, bottom]], 1.0, FAINT, &[]);
+            canvas.text([place, bottom + 16.0], &label, Size::Small, Anchor::Middle, BLACK);
+        }
+        canvas.line(&[[place, bottom], [place, bottom + 4.0]], 1.0, BLACK, &[]);
+    }
+    for (value, label) in y.ticks() {
+        let place = y.place(value);
+        if let Some(label) = label {
+            canvas.line(&[[left, place], [right, place]], 1.0, FAINT, &[]);
+            canvas.text([left - 8.0, place], &label, Size::Small, Anchor::End, BLACK);
+        }
+        canvas.line(&[[left - 4.0, place], [left, place]], 1.0, BLACK, &[]);
+    }
+    canvas.line(&[[left, top], [right, top], [right, bottom], [left, bottom], [left, top]], 1.0, BLACK, &[]);
+    canvas.text([left, 22.0], &shown(title, 72), Size::Large, Anchor::Start, BLACK);
+    let middle = [0.5 * (left + right), bottom + 40.0];
+    canvas.text(middle, "time of a picture, set-up included (ms)", Size::Small, Anchor::Middle, BLACK);
+    canvas.marks.push(Mark::Text {
+        at: [18.0, 0.5 * (top + bottom)],
+        text: error.into(),
+        size: Size::Small,
+        anchor: Anchor::Middle,
+        upward: true,
+        color: BLACK,
+    });
+}
+
+/// What the bitmaps of letters can show (Latin-1), not too long.
+fn shown(text: &str, most: usize) -> String {
+    let known = |c: char| matches!(c, ' '..='~' | '\u{a0}'..='\u{ff}');
+    text.chars().map(|c| if known(c) { c } else { '?' }).take(most).collect()
+}
+
+/// A broad grey line in steps: what is to the right of it and above is beaten.
+fn front(canvas: &mut Canvas, study: &Study, at: &dyn Fn(&Row) -> [f64; 2]) {
+    let mut places: Vec<[f64; 2]> = study.rows.iter().filter(|row| row.on_front).map(at).collect();
+    places.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    let mut steps: Vec<[f64; 2]> = Vec::new();
+    for place in places {
+        if let Some(last) = steps.last() {
+            steps.push([place[0], last[1]]);
+        }
+        steps.push(place);
+    }
+    if steps.len() > 1 {
+        canvas.line(&steps, 7.0, [205, 205, 205], &[]);
+    }
+}
+
+/// The number that a row differs by from its neighbours on the line.
+fn short(row: &Row) -> String {
+    let mut text = match row.setting.integrator {
+        Integrator::Adaptive { tolerance } => format!("{tolerance:e}"),
+        Integrator::Segments { count, table_size: 256 } | Integrator::Riemann { count } => count.to_string(),
+        Integrator::Segments { count, table_size } => format!("{count}, table {table_size}"),
+        Integrator::PreIntegrated { table_size } | Integrator::PreIntegratedCylindrical { table_size } => {
+            table_size.to_string()
+        }
+        other => other.name().to_string(),
+    };
+    if row.setting.overlap == Overlap::Mix {
+        text += ", mix";
+    }
+    if row.setting.order == Order::Centroid {
+        text += ", centroid";
+    }
+    text
+}
+
+/// Labels where there is room: the recommended row first, then the front, then the others.
+fn labels(canvas: &mut Canvas, study: &Study, at: &dyn Fn(&Row) -> [f64; 2]) {
+    let around = |[x, y]: [f64; 2]| [x - 6.0, y - 6.0, x + 6.0, y + 6.0];
+    let mut taken: Vec<[f64; 4]> = study.rows.iter().map(|row| around(at(row))).collect();
+    let mut order: Vec<usize> = (0..study.rows.len()).collect();
+    order.sort_by_key(|&i| (Some(i) != study.recommended, !study.rows[i].on_front));
+    let [left, top, right, bottom] = PLANE;
+    for i in order {
+        let row = &study.rows[i];
+        let (text, [x, y]) = (short(row), at(row));
+        // Beside the ring around the recommended one.
+        let gap = if study.recommended == Some(i) { 15.0 } else { 9.0 };
+        let width = Size::Small.advance() * text.len() as f64;
+        let half = 0.5 * Size::Small.height();
+        let boxes = [
+            [x + gap, y - half, x + gap + width, y + half],
+            [x - gap - width, y - half, x - gap, y + half],
+            [x - 0.5 * width, y - gap - 2.0 * half, x + 0.5 * width, y - gap],
+            [x - 0.5 * width, y + gap, x + 0.5 * width, y + gap + 2.0 * half],
+        ];
+        let free = |b: &[f64; 4]| {
+            let within = b[0] > left && b[1] > top && b[2] < right && b[3] < bottom;
+            within && taken.iter().all(|t| b[2] < t[0] || b[0] > t[2] || b[3] < t[1] || b[1] > t[3])
+        };
+        if let Some(place) = boxes.into_iter().find(free) {
+            taken.push(place);
+            // Lines behind a label make it hard to read.
+            let [x0, y0, x1, y1] = [place[0] - 1.0, place[1] + 1.0, place[2] + 1.0, place[3] - 1.0];
+            let corners = vec![[x0, y0], [x1, y0], [x1, y1], [x0, y1]];
+            let hint = String::new();
+            canvas.marks.push(Mark::Shape { corners, fill: WHITE, outline: WHITE, hint });
+            let middle = [place[0], 0.5 * (place[1] + place[3])];
+            canvas.text(middle, &text, Size::Small, Anchor::Start, BLACK);
+        }
+    }
+}
+
+fn legend(canvas: &mut Canvas, study: &Study) {
+    let x = PLANE[2] + 14.0;
+    let mut y = PLANE[1] + 8.0;
+    let small = |canvas: &mut Canvas, y: f64, text: &str| {
+        canvas.text([x + 34.0, y], text, Size::Small, Anchor::Start, BLACK);
+    };
+    for style in &STYLES {
+        if study.rows.iter().any(|row| row.setting.integrator.name() == style.name) {
+            if !matches!(style.name, "analytic" | "clipped") {
+                canvas.line(&[[x, y], [x + 28.0, y]], 1.4, style.color, style.dashes);
+            }
+            let corners = style.symbol.corners([x + 14.0, y], 5.0);
+            let (fill, outline) = (WHITE, style.color);
+            canvas.marks.push(Mark::Shape { corners, fill, outline, hint: String::new() });
+            small(canvas, y, style.name);
+            y += 20.0;
+        }
+    }
+    y += 8.0;
+    canvas.line(&[[x, y], [x + 28.0, y]], 7.0, [205, 205, 205], &[]);
+    let corners = Symbol::Circle.corners([x + 14.0, y], 5.0);
+    canvas.marks.push(Mark::Shape { corners, fill: BLACK, outline: BLACK, hint: String::new() });
+    small(canvas, y, "Pareto front (filled)");
+    if study.recommended.is_some() {
+        y += 22.0;
+        let mut ring = Symbol::Circle.corners([x + 14.0, y], 9.0);
+        ring.extend(ring.first().copied());
+        canvas.line(&ring, 1.8, BLACK, &[]);
+        small(canvas, y, "recommended");
+    }
+    y += 30.0;
+    for line in ["Numbers: tolerance,", "pieces, samples or", "side of the table"] {
+        canvas.text([x, y], line, Size::Small, Anchor::Start, GREY);
+        y += 14.0;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn axes_cover_what_is_drawn_and_label_powers_of_ten() {
+        let axis = Axis::over([0.5, 300.0, f64::INFINITY, 0.0].into_iter(), 0.0, 100.0);
+        assert!(axis.place(0.5) > 0.0 && axis.place(300.0) < 100.0);
+        let labels: Vec<String> = axis.ticks().into_iter().filter_map(|(_, label)| label).collect();
+        assert_eq!(labels, ["1", "10", "100"]);
+        // One value, or none, makes an axis too.
+        assert!(Axis::over([7.0].into_iter(), 0.0, 1.0).ticks().iter().any(|tick| tick.1.is_some()));
+        assert!(Axis::over([].into_iter(), 0.0, 1.0).ticks().iter().any(|tick| tick.1.is_some()));
+    }
+
+    #[test]
+    fn numbers_are_written_short() {
+        assert_eq!(number(2, 3), "2000");
+        assert_eq!(number(5, -1), "0.5");
+        assert_eq!(number(1, -4), "1e-4");
+        assert_eq!(shown("52 °C → 1", 8), "52 °C ? ");
+    }
+}

@@ -1,0 +1,190 @@
+//! The settings that are tried: every integrator that can serve the scene, over its own numbers.
+
+use super::Scene;
+use voltet_core::optics::Overlap;
+use voltet_core::optics::integrators::{Integrator, can_serve};
+use voltet_core::shading::Order;
+
+/// One way to draw the scene.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Setting {
+    /// The integrator with its numbers.
+    pub integrator: Integrator,
+    /// What the closed forms do where widgets overlap.
+    pub overlap: Overlap,
+    /// The order of a pixel's segments.
+    pub order: Order,
+}
+
+/// Sides of the partial pre-integration table beside the standard one, at [`TABLE_SEGMENTS`] pieces.
+const PARTIAL_SIDES: [usize; 3] = [16, 64, 1024];
+
+/// Side of that table while the number of pieces changes: the standard of the parameter.
+const PARTIAL_SIDE: usize = 256;
+
+/// Pieces while the side of that table changes: the standard of the parameter.
+const TABLE_SEGMENTS: usize = 16;
+
+/// Sides of the three-dimensional tables. 256³ takes 190 MiB; the largest, 512³, 1.5 GiB, and is left out.
+const SIDES: [usize; 5] = [16, 32, 64, 128, 256];
+
+/// Every setting for the scene, each integrator's cheapest first. `only`: names of integrators, none for all.
+pub fn settings(scene: &Scene, only: &[String]) -> Vec<Setting> {
+    let powers = |most: u32| (0..=most).map(|k| 1usize << k);
+    let mut integrators = vec![Integrator::Analytic, Integrator::Clipped];
+    integrators.extend((1..=6).map(|k| Integrator::Adaptive { tolerance: TOLERANCES[k - 1] }));
+    integrators.extend(powers(6).map(|count| Integrator::Segments { count, table_size: PARTIAL_SIDE }));
+    integrators
+        .extend(PARTIAL_SIDES.map(|table_size| Integrator::Segments { count: TABLE_SEGMENTS, table_size }));
+    integrators.extend(powers(8).map(|count| Integrator::Riemann { count }));
+    integrators.extend(SIDES.map(|table_size| Integrator::PreIntegrated { table_size }));
+    integrators.extend(SIDES.map(|table_size| Integrator::PreIntegratedCylindrical { table_size }));
+
+    let serves = |integrator: &Integrator| can_serve(integrator, &scene.transfer_function).is_ok();
+    let wanted = |integrator: &Integrator| only.is_empty() || only.iter().any(|n| n == integrator.name());
+    let mut settings = Vec::new();
+    for integrator in integrators.into_iter().filter(|i| serves(i) && wanted(i)) {
+        for overlap in overlaps(scene, &integrator) {
+            for order in orders(scene, &integrator) {
+                settings.push(Setting { integrator, overlap, order });
+            }
+        }
+    }
+    let own = scene.setting();
+    let drawn = own.integrator != Integrator::Reference && wanted(&own.integrator);
+    if drawn && !settings.iter().any(|setting| setting.draws_as(&own)) {
+        settings.push(own);
+    }
+    settings
+}
+
+/// Tolerances of the adaptive integrator.
+const TOLERANCES: [f64; 6] = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6];
+
+/// Both ways with overlaps where the integrator knows them and the scene has several widgets.
+fn overlaps(scene: &Scene, integrator: &Integrator) -> Vec<Overlap> {
+    match integrator {
+        Integrator::Analytic if scene.transfer_function.widgets.len() > 1 => {
+            vec![Overlap::Exact, Overlap::Mix]
+        }
+        _ => vec![Overlap::Exact],
+    }
+}
+
+/// The centroid order too for the integrators without an error of their own, so that the order's shows.
+fn orders(scene: &Scene, integrator: &Integrator) -> Vec<Order> {
+    let exact_integrals = matches!(integrator, Integrator::Analytic | Integrator::Clipped);
+    match exact_integrals && scene.needs_order && scene.order_node.is_some() {
+        true => vec![Order::Exact, Order::Centroid],
+        false if scene.needs_order && scene.order_node.is_none() => vec![scene.setting().order],
+        false => vec![Order::Exact],
+    }
+}
+
+impl Setting {
+    /// Whether another setting draws the same picture: overlaps count for the closed forms alone.
+    pub fn draws_as(&self, other: &Setting) -> bool {
+        let overlap = self.overlap == other.overlap || self.integrator != Integrator::Analytic;
+        self.integrator == other.integrator && self.order == other.order && overlap
+    }
+
+    /// The keys of a pipeline file that state it, with their values; overlap and order apart.
+    pub fn keys(&self) -> Vec<(&'static str, Value)> {
+        let whole = |n: usize| Value::Integer(n as i64);
+        let mut keys = vec![("integrator", Value::Text(self.integrator.name()))];
+        match self.integrator {
+            Integrator::Adaptive { tolerance } => keys.push(("tolerance", Value::Number(tolerance))),
+            Integrator::Segments { count, table_size } => {
+                keys.push(("segments", whole(count)));
+                keys.push(("table_size", whole(table_size)));
+            }
+            Integrator::Riemann { count } => keys.push(("segments", whole(count))),
+            Integrator::PreIntegrated { table_size }
+            | Integrator::PreIntegratedCylindrical { table_size } => {
+                keys.push(("table_size", whole(table_size)));
+            }
+            Integrator::Analytic | Integrator::Clipped | Integrator::Reference => {}
+        }
+        keys
+    }
+
+    /// The numbers beside the integrator's name, for people: "16 pieces, table 64".
+    pub fn numbers(&self) -> String {
+        let mut parts = match self.integrator {
+            Integrator::Adaptive { tolerance } => vec![format!("tolerance {tolerance:e}")],
+            Integrator::Segments { count, table_size } => {
+                vec![format!("{count} pieces"), format!("table {table_size}")]
+            }
+            Integrator::Riemann { count } => vec![format!("{count} samples")],
+            Integrator::PreIntegrated { table_size }
+            | Integrator::PreIntegratedCylindrical { table_size } => vec![format!("table {table_size}")],
+            Integrator::Analytic | Integrator::Clipped | Integrator::Reference => Vec::new(),
+        };
+        if self.overlap == Overlap::Mix && self.integrator == Integrator::Analytic {
+            parts.push("overlap mix".into());
+        }
+        if self.order != Order::Exact {
+            parts.push(format!("order {}", order_name(self.order)));
+        }
+        parts.join(", ")
+    }
+
+    /// Integrator and numbers, for people.
+    pub fn label(&self) -> String {
+        let numbers = self.numbers();
+        match numbers.is_empty() {
+            true => self.integrator.name().into(),
+            false => format!("{}, {numbers}", self.integrator.name()),
+        }
+    }
+
+    /// The same as part of a file's name.
+    pub fn file_stem(&self) -> String {
+        let plain = |c: char| if c.is_ascii_alphanumeric() { c } else { '_' };
+        let text: String = self.label().chars().map(plain).collect();
+        text.split('_').filter(|part| !part.is_empty()).collect::<Vec<_>>().join("_")
+    }
+
+    /// A rough relative cost, for estimates of what is left to do.
+    pub fn weight(&self) -> f64 {
+        let cube = |side: usize| (side as f64 / 64.0).powi(3);
+        match self.integrator {
+            Integrator::Analytic | Integrator::Clipped => 1.0,
+            Integrator::Adaptive { .. } => 6.0,
+            Integrator::Segments { count, .. } => 3.0 + count as f64,
+            Integrator::Riemann { count } => 3.0 + 0.5 * count as f64,
+            Integrator::PreIntegrated { table_size }
+            | Integrator::PreIntegratedCylindrical { table_size } => 4.0 + cube(table_size),
+            Integrator::Reference => 50.0,
+        }
+    }
+}
+
+/// A value of a key of a pipeline file.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Value {
+    /// A word.
+    Text(&'static str),
+    /// A whole number.
+    Integer(i64),
+    /// A number.
+    Number(f64),
+}
+
+/// The word for an order in pipeline files.
+pub fn order_name(order: Order) -> &'static str {
+    match order {
+        Order::Exact => "exact",
+        Order::Centroid => "centroid",
+        Order::None => "none",
+        Order::Auto => "auto",
+    }
+}
+
+/// The word for what is done with overlaps in pipeline files.
+pub fn overlap_name(overlap: Overlap) -> &'static str {
+    match overlap {
+        Overlap::Exact => "exact",
+        Overlap::Mix => "mix",
+    }
+}

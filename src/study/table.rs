@@ -1,0 +1,180 @@
+//! The figures of a study as a table for people, CSV and JSON.
+
+use super::settings::{order_name, overlap_name};
+use super::{Row, Setting, Study, Value as Key};
+use serde_json::{Value, json as object};
+
+/// Milliseconds, with three digits that tell something.
+pub(super) fn milliseconds(ms: f64) -> String {
+    match ms {
+        ms if ms < 10.0 => format!("{ms:.2}"),
+        ms if ms < 100.0 => format!("{ms:.1}"),
+        ms => format!("{ms:.0}"),
+    }
+}
+
+/// Rows as people look through them: cheapest first.
+pub(super) fn by_time(study: &Study) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..study.rows.len()).collect();
+    order.sort_by(|&a, &b| {
+        let time = |i: usize| study.rows[i].cost.picture.median_ms;
+        time(a).total_cmp(&time(b))
+    });
+    order
+}
+
+/// The table, what is recommended, and the orders of convergence.
+pub fn text(study: &Study) -> String {
+    let width = study.rows.iter().map(|row| row.setting.label().len()).max().unwrap_or(0).max(10);
+    let mut text = format!(
+        "    {:width$}  {:>8} {:>15}  {:>7} {:>7} {:>7} {:>9}  {:>8} {:>8} {:>8} {:>8} {:>8} {:>8}\n",
+        "integrator",
+        "total ms",
+        "spread",
+        "set-up",
+        "cull",
+        "project",
+        "composite",
+        "rms",
+        "p99.9",
+        "max",
+        ">1/255",
+        "FLIP",
+        "MiB"
+    );
+    for i in by_time(study) {
+        let (row, cost) = (&study.rows[i], &study.rows[i].cost);
+        let mark = if row.on_front { "*" } else { " " };
+        let recommended = if study.recommended == Some(i) { ">" } else { " " };
+        let own = if row.of_file { "f" } else { " " };
+        let spread =
+            format!("{}..{}", milliseconds(cost.picture.fastest_ms), milliseconds(cost.picture.slowest_ms));
+        let memory = cost.peak_memory_bytes.map_or("-".into(), |bytes| (bytes >> 20).to_string());
+        text += &format!(
+            "{recommended}{mark}{own} {:width$}  {:>8} {spread:>15}  {:>7} {:>7} {:>7} {:>9}  {:>8.1e} {:>8.1e} {:>8.1e} {:>8} \
+             {:>8.1e} {memory:>8}\n",
+            row.setting.label(),
+            milliseconds(cost.picture.median_ms),
+            milliseconds(cost.set_up.median_ms),
+            milliseconds(cost.cull.median_ms + cost.sort.median_ms),
+            milliseconds(cost.project.median_ms),
+            milliseconds(cost.composite.median_ms),
+            row.errors.root_mean_square,
+            row.errors.percentile_99_9,
+            row.errors.maximum,
+            row.errors.pixels_over_step,
+            row.flip,
+        );
+    }
+    text += &format!(
+        "* on the Pareto front (time, {} error), > recommended, f as the file has it; cull with sorting\n",
+        study.wish.measure.name()
+    );
+    for line in convergence_lines(study) {
+        text += &format!("{line}\n");
+    }
+    text
+}
+
+/// A sentence for each integrator that was looked at over its number of pieces.
+pub(super) fn convergence_lines(study: &Study) -> Vec<String> {
+    let line = |found: &super::Convergence| {
+        let observed = found
+            .observed
+            .map_or("not seen: too few errors above the floor".into(), |order| format!("{order:.2}"));
+        let steps: Vec<String> = found
+            .levels
+            .iter()
+            .filter_map(|level| Some(format!("{} to {}: {:.2}", level.count / 2, level.count, level.order?)))
+            .collect();
+        let steps = if steps.is_empty() { String::new() } else { format!(" ({})", steps.join(", ")) };
+        format!(
+            "order of {}: observed {observed}, expected {:.0} ({}){steps}",
+            found.integrator, found.expected, found.reason
+        )
+    };
+    study.convergence.iter().map(line).collect()
+}
+
+/// One line a setting, after a line of names; times in milliseconds, errors of premultiplied linear RGBA.
+pub fn csv(study: &Study) -> String {
+    let mut text = String::from(
+        "integrator,segments,tolerance,table_size,overlap,order,frames,picture_ms,picture_fastest_ms,\
+         picture_slowest_ms,set_up_ms,frame_ms,cull_ms,sort_ms,project_ms,composite_ms,rms_error,p99_9_error,\
+         max_error,pixels_over_1_255,flip,peak_memory_bytes,ray_segments,on_front,recommended,of_file\n",
+    );
+    for (i, row) in study.rows.iter().enumerate() {
+        let key = |name: &str| {
+            let keys = row.setting.keys();
+            let found = keys.iter().find(|key| key.0 == name).map(|key| key.1);
+            match found {
+                Some(Key::Text(word)) => word.to_string(),
+                Some(Key::Integer(n)) => n.to_string(),
+                Some(Key::Number(x)) => format!("{x:e}"),
+                None => String::new(),
+            }
+        };
+        let (cost, errors) = (&row.cost, &row.errors);
+        let mut cells: Vec<String> = ["integrator", "segments", "tolerance", "table_size"].map(key).into();
+        cells.push(overlap_name(row.setting.overlap).into());
+        cells.push(order_name(row.setting.order).into());
+        cells.push(cost.frames.to_string());
+        let times = [cost.set_up, cost.frame, cost.cull, cost.sort, cost.project, cost.composite];
+        let picture = [cost.picture.median_ms, cost.picture.fastest_ms, cost.picture.slowest_ms];
+        cells.extend(picture.into_iter().chain(times.map(|t| t.median_ms)).map(|ms| format!("{ms:.4}")));
+        let wrong = [errors.root_mean_square, errors.percentile_99_9, errors.maximum];
+        cells.extend(wrong.map(|error| format!("{error:.6e}")));
+        cells.push(errors.pixels_over_step.to_string());
+        cells.push(format!("{:.6e}", row.flip));
+        cells.push(cost.peak_memory_bytes.map_or(String::new(), |bytes| bytes.to_string()));
+        cells.push(cost.segments.to_string());
+        cells.extend([row.on_front, study.recommended == Some(i), row.of_file].map(|flag| flag.to_string()));
+        text += &(cells.join(",") + "\n");
+    }
+    text
+}
+
+/// Everything for programs. Numbers that JSON cannot hold are null.
+pub fn json(study: &Study, title: &str) -> Value {
+    let scene = &study.scene;
+    let setting = |setting: &Setting| {
+        let mut keys = serde_json::Map::new();
+        for (name, key) in setting.keys() {
+            keys.insert(
+                name.into(),
+                match key {
+                    Key::Text(word) => word.into(),
+                    Key::Integer(n) => n.into(),
+                    Key::Number(x) => x.into(),
+                },
+            );
+        }
+        keys.insert("overlap".into(), overlap_name(setting.overlap).into());
+        keys.insert("order".into(), order_name(setting.order).into());
+        Value::Object(keys)
+    };
+    let row = |row: &Row| {
+        object!({
+            "label": row.setting.label(), "setting": setting(&row.setting), "cost": row.cost,
+            "errors": row.errors, "flip": row.flip, "on_front": row.on_front, "of_file": row.of_file,
+        })
+    };
+    object!({
+        "title": title,
+        "node": scene.node,
+        "size": scene.camera.size,
+        "cells": scene.volume.grid.tetrahedra.len(),
+        "threads": rayon::current_num_threads(),
+        "vector_units": voltet_core::lanes::LaneSet::detect().name(),
+        "measure": study.wish.measure.name(),
+        "max_error": study.wish.max_error,
+        "reference_seconds": study.reference.seconds,
+        "reference_cached": study.reference.cached,
+        "settings": study.setting_count,
+        "stopped": study.stopped(),
+        "rows": study.rows.iter().map(row).collect::<Vec<_>>(),
+        "recommended": study.recommended.map(|i| row(&study.rows[i])),
+        "convergence": study.convergence,
+        "versions": { "voltet": env!("CARGO_PKG_VERSION") },
+    })
+}

@@ -1,0 +1,173 @@
+//! `voltet study`: a whole study of a tiny scene, its files, the recommendation written back, bad input.
+
+use super::support::{Folder, SLAB};
+use serde_json::Value;
+
+/// The slab with two Gaussian widgets that overlap, so that integrators differ, orders and overlaps count.
+fn scene() -> String {
+    let widgets = r#"[[nodes.look.widgets]]
+kind = "gaussian"
+color = [0.5, 1.0, 0.25]
+extinction = 2.0
+centre = [0.4, 0.0]
+sigma = [0.1, inf]
+
+[[nodes.look.widgets]]
+kind = "gaussian"
+color = [1.0, 0.1, 0.25]
+extinction = 3.0
+centre = [0.5, 0.0]
+sigma = [0.08, inf]
+
+[nodes.view]"#;
+    let start = SLAB.find("[[nodes.look.widgets]]").unwrap();
+    let end = SLAB.find("[nodes.view]").unwrap();
+    format!("{}{widgets}{}", &SLAB[..start], &SLAB[end + "[nodes.view]".len()..])
+}
+
+/// A folder with the scene, and what is asked of every study here.
+fn folder() -> Folder {
+    let folder = Folder::new();
+    folder.write("scene.toml", scene());
+    folder
+}
+
+const QUICK: [&str; 5] = ["--frames", "2", "--cache", "cache", "--only"];
+
+fn study<'a>(more: &[&'a str]) -> Vec<&'a str> {
+    ["study", "scene.toml"].into_iter().chain(QUICK).chain(more.iter().copied()).collect()
+}
+
+#[test]
+fn a_study_writes_its_files_and_says_what_is_worth_taking() {
+    let folder = folder();
+    let ran = folder
+        .voltet(&["study", "scene.toml", "--frames", "2", "--cache", "cache", "--max-error", "0.002"])
+        .ok();
+    let json: Value = folder.json("scene.study/study.json");
+    let rows = json["rows"].as_array().unwrap();
+    assert_eq!(rows.len() as u64, json["settings"].as_u64().unwrap());
+    let of = |name: &str| rows.iter().filter(|row| row["setting"]["integrator"] == name).collect::<Vec<_>>();
+    // Exact and mix, each in exact and centroid order; the scene's widgets depend on s alone but are not one
+    // piecewise-linear function.
+    let counts = [
+        "analytic",
+        "adaptive",
+        "segments",
+        "riemann",
+        "pre-integrated",
+        "pre-integrated-cylindrical",
+        "clipped",
+    ]
+    .map(|name| of(name).len());
+    assert_eq!(counts, [4, 6, 10, 9, 5, 5, 0]);
+    let error = |row: &Value| row["errors"]["maximum"].as_f64().unwrap();
+    // What the engine's pictures of ordinary scenes are held to elsewhere.
+    assert!(error(of("analytic")[0]) < 2e-4, "{}", of("analytic")[0]);
+    assert!(error(of("riemann")[0]) > 10.0 * error(of("riemann")[6]));
+    assert!(of("analytic")[0]["of_file"].as_bool().unwrap());
+    let chosen = &json["recommended"];
+    assert!(error(chosen) <= 0.002);
+    let time = |row: &Value| row["cost"]["picture"]["median_ms"].as_f64().unwrap();
+    assert!(rows.iter().filter(|row| error(row) <= 0.002).all(|row| time(row) >= time(chosen)));
+    assert!(chosen["on_front"].as_bool().unwrap());
+    assert_eq!(json["convergence"].as_array().unwrap().len(), 2);
+    assert_eq!(json["convergence"][0]["expected"], 2.0);
+
+    let csv = std::fs::read_to_string(folder.join("scene.study/study.csv")).unwrap();
+    let width = csv.lines().next().unwrap().split(',').count();
+    assert_eq!(csv.lines().count(), rows.len() + 1);
+    assert!(csv.lines().all(|line| line.split(',').count() == width), "{csv}");
+    for name in
+        ["plot.png", "reference.png", "differences/analytic.png", "differences/riemann_16_samples.png"]
+    {
+        assert!(image::open(folder.join("scene.study").join(name)).is_ok(), "{name}");
+    }
+    let svg = std::fs::read_to_string(folder.join("scene.study/plot.svg")).unwrap();
+    let page = std::fs::read_to_string(folder.join("scene.study/study.html")).unwrap();
+    for text in ["time of a picture, set-up included (ms)", "largest error", "Pareto front", "recommended"] {
+        assert!(svg.contains(text) && page.contains(text), "{text}");
+    }
+    // One file: nothing is fetched.
+    assert!(!page.contains("src=\"http") && !page.contains("href=") && !page.contains("<script"));
+    for text in ["order of riemann: observed", "Cheapest with the largest error at most 0.002", "drawn ("] {
+        assert!(ran.stdout.contains(text), "'{text}' is not in\n{}", ran.stdout);
+    }
+
+    // The reference is kept, also for another integrator; another camera has its own.
+    let again = folder.voltet(&study(&["analytic", "--set", "picture.integrator=riemann"])).ok();
+    assert!(again.stdout.contains("kept from before"), "{}", again.stdout);
+    let other = folder.voltet(&study(&["analytic", "--set", "view.height=1.5"])).ok();
+    assert!(!other.stdout.contains("kept from before"), "{}", other.stdout);
+}
+
+#[test]
+fn apply_writes_the_setting_and_leaves_every_other_byte() {
+    let folder = folder();
+    let wide = scene().replace(
+        "type = \"renderer\"\n",
+        "type = \"renderer\"   # the picture\n  integrator =  'segments'\t# slow\nsegments = 3 # few\n",
+    );
+    let arguments = study(&["analytic", "--max-error", "0.5", "--measure", "rms", "--apply", "--quiet"]);
+    for (text, ends) in [(wide.clone(), "\n"), (wide.replace('\n', "\r\n"), "\r\n")] {
+        folder.write("scene.toml", &text);
+        folder.voltet(&arguments).ok();
+        let found = std::fs::read_to_string(folder.join("scene.toml")).unwrap();
+        assert_eq!(found.matches(ends).count(), found.matches('\n').count());
+        // Which of the four is fastest is a matter of chance: overlap and order may stand there too.
+        let lines: Vec<&str> =
+            found.lines().filter(|l| !l.starts_with("overlap =") && !l.starts_with("order =")).collect();
+        let wanted = text.replace("'segments'", "\"analytic\"");
+        assert_eq!(lines, wanted.lines().collect::<Vec<_>>());
+        folder.voltet(&["check", "scene.toml"]).ok();
+    }
+}
+
+#[test]
+fn the_stages_one_by_one_are_studied_too() {
+    let folder = folder();
+    let start = scene().find("[nodes.picture]").unwrap();
+    let end = scene().find("[nodes.file]").unwrap();
+    let stages = r#"[nodes.cells]
+type = "cull"
+inputs = { volume = "gradient", transfer_function = "look", camera = "view" }
+
+[nodes.order]
+type = "sort"
+inputs = { cells = "cells", camera = "view" }
+
+[nodes.cover]
+type = "project"
+inputs = { cells = "order", camera = "view" }
+
+[nodes.picture]
+type = "composite"
+inputs = { projection = "cover", transfer_function = "look" }
+
+"#;
+    folder.write("scene.toml", format!("{}{stages}{}", &scene()[..start], &scene()[end..]));
+    folder.voltet(&study(&["analytic,riemann"])).ok();
+    let json = folder.json("scene.study/study.json");
+    assert_eq!(json["rows"].as_array().unwrap().len(), 4 + 9);
+    assert_eq!(json["node"], "picture");
+}
+
+#[test]
+fn what_cannot_be_studied_is_said() {
+    let folder = folder();
+    let whole = scene();
+    folder.voltet(&study(&["rieman"])).fails(2, &["--only", "rieman", "riemann"]);
+    folder.voltet(&study(&["clipped"])).fails(2, &["none of the integrators", "clipped"]);
+    folder.voltet(&["study", "none.toml"]).fails(2, &["none.toml", "cannot be read"]);
+    folder.voltet(&study(&["analytic", "--node", "pictur"])).fails(2, &["pictur", "picture"]);
+    folder.voltet(&study(&["analytic", "--max-error", "-1"])).fails(2, &["--max-error"]);
+    folder.voltet(&study(&["analytic", "--frames", "0"])).fails(2, &["--frames"]);
+    folder.voltet(&study(&["riemann", "--max-error", "0"])).fails(1, &["no setting keeps", "at most 0"]);
+    assert_eq!(std::fs::read_to_string(folder.join("scene.toml")).unwrap(), whole);
+    folder.write("taken", "a file");
+    folder.voltet(&study(&["analytic", "--output", "taken"])).fails(1, &["taken", "folder"]);
+    folder.voltet(&study(&["analytic", "--output", "taken/below"])).fails(1, &["taken", "folder"]);
+    folder.voltet(&["study", "scene.toml", "--cache", "taken"]).fails(1, &["taken", "--cache"]);
+    folder.write("scene.toml", whole.replace("\"renderer\"", "\"rendrer\""));
+    folder.voltet(&study(&["analytic"])).fails(2, &["scene.toml", "rendrer"]);
+}
