@@ -15,7 +15,7 @@ use super::shade::Shaded;
 use super::spans::{Edges, Fragments};
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use voltet_core::lanes::{Kernel, Lanes, dispatch};
+use voltet_core::lanes::{Kernel, Lanes, dispatch, dispatch_avx2};
 use voltet_core::progress::Progress;
 
 /// Colour and opacity of a tile's pixels.
@@ -151,15 +151,44 @@ struct Shade<'a> {
     scene: &'a Scene<'a>,
     batch: &'a Batch,
     count: usize,
+    shaded: &'a mut Shaded,
+}
+
+struct Walk<'a> {
+    scene: &'a Scene<'a>,
+    batch: &'a Batch,
+    shaded: &'a mut Shaded,
+}
+
+impl Kernel for Walk<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        self.scene.shader.walk::<L>(self.batch, self.shaded);
+    }
+}
+
+struct Illuminate<'a> {
+    scene: &'a Scene<'a>,
+    batch: &'a Batch,
+    count: usize,
     rays: &'a Rays,
     shaded: &'a mut Shaded,
+}
+
+impl Kernel for Illuminate<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        self.scene.shader.light::<L>(self.batch, self.count, self.rays, self.shaded);
+    }
 }
 
 impl Kernel for Shade<'_> {
     type Output = ();
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        self.scene.shader.shade::<L>(self.batch, self.count, self.rays, self.shaded);
+        self.scene.shader.shade::<L>(self.batch, self.count, self.shaded);
     }
 }
 
@@ -319,7 +348,15 @@ fn walk(
             let count = (fragments.count - from).min(BATCH);
             let codes = &fragments.codes[from..];
             dispatch(scene.lanes, Evaluate { scene, group, codes, count, stretch, batch });
-            dispatch(scene.lanes, Shade { scene, batch, count, rays, shaded });
+            dispatch(scene.lanes, Shade { scene, batch, count, shaded });
+            if !shaded.rest.is_empty() {
+                // Without AVX2 all that is left over goes the 64-bit way.
+                let _ = dispatch_avx2(scene.lanes, Walk { scene, batch, shaded });
+                scene.shader.finish(batch, shaded);
+            }
+            if scene.shader.surface.is_some() {
+                dispatch(scene.lanes, Illuminate { scene, batch, count, rays, shaded });
+            }
             counts.segments += u64::from(batch.hits);
             sink.take(batch, shaded, count)?;
             from += count;

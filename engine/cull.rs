@@ -14,7 +14,7 @@ use rayon::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use voltet_core::progress::Progress;
-use voltet_core::transfer::{Profile, Support, TransferFunction};
+use voltet_core::transfer::{Profile, Support, TransferFunction, Widget};
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
 
@@ -216,7 +216,13 @@ pub(crate) fn gradient_attributes(cells: &Cells) -> Result<Vec<Attribute<'_>>> {
 
 /// The centre along an axis, if the transfer function has a single one: offsets are then taken from it in 64
 /// bits, so that a widget far narrower than the range loses nothing.
+///
+/// Widths of triangular Gaussians are shares of g itself: it is counted from 0 where they need its small values.
 fn centre(transfer_function: &TransferFunction, axis: usize) -> Option<f64> {
+    let triangular = |widget: &Widget| matches!(widget.profile, Profile::TriangularGaussian { .. });
+    if axis == 1 && transfer_function.widgets.iter().any(triangular) {
+        return Some(0.0);
+    }
     match transfer_function.widgets.as_slice() {
         [widget] => match &widget.profile {
             Profile::Gaussian { centre, .. } => Some(centre[axis]),

@@ -7,14 +7,17 @@ mod deep;
 mod draw;
 mod light;
 mod lists;
+mod member;
 mod piecewise;
 mod project;
 mod record;
+mod region;
 mod scene;
 mod shade;
 mod spans;
 mod special;
 mod view;
+mod walk;
 mod wave;
 mod widget;
 

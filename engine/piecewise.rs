@@ -7,6 +7,7 @@ use super::widget::Along;
 use voltet_core::lanes::{Float, Lanes, Mask};
 use voltet_core::optics::lanes::elementary::one_minus_exp;
 use voltet_core::optics::lanes::linear::piece_weights;
+use voltet_core::optics::lanes::piecewise_linear::LanePoints;
 use voltet_core::transfer::ControlPoint;
 
 /// Most control points a lane table holds; longer functions use the gathers.
@@ -21,11 +22,22 @@ pub(crate) struct LaneLinear {
     anchor: Vec<f32>,
     value: [Vec<f32>; 4],
     slope: [Vec<f32>; 4],
+    /// The same for the walk in panels: s counts from the first point.
+    pub points_from_first: LanePoints,
+    /// The first point, scaled.
+    pub first: f32,
+    /// Largest extinction.
+    pub peak: f32,
 }
 
 impl LaneLinear {
     /// `None` if the widget has too many points or its numbers leave 32 bits.
-    pub fn new(points: &[ControlPoint], axis: &Attribute<'_>, density_scale: f64) -> Option<LaneLinear> {
+    pub fn new(
+        points: &[ControlPoint],
+        axis: &Attribute<'_>,
+        density_scale: f64,
+        cutoff: Option<f64>,
+    ) -> Option<LaneLinear> {
         let n = points.len();
         if n == 0 || n > TABLE_MOST {
             return None;
@@ -41,6 +53,12 @@ impl LaneLinear {
             anchor: column(),
             value: std::array::from_fn(|_| column()),
             slope: std::array::from_fn(|_| column()),
+            points_from_first: LanePoints::new(
+                &points.iter().map(|p| ControlPoint { s: scaled(p.s), ..*p }).collect::<Vec<_>>(),
+                cutoff,
+            ),
+            first: scaled(points[0].s) as f32,
+            peak: points.iter().fold(0.0, |peak: f64, p| p.extinction.max(peak)) as f32,
         };
         for (k, point) in points.iter().enumerate() {
             linear.points[k] = scaled(point.s) as f32;

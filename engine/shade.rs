@@ -8,6 +8,7 @@
 use super::crossing::Batch;
 use super::light::{Rays, Surface};
 use super::project::Attribute;
+use super::walk::Walker;
 use super::widget::{Along, LaneWidget};
 use voltet_core::lanes::{Float, Lanes, Mask};
 use voltet_core::optics::integrators::SegmentIntegrator;
@@ -23,6 +24,10 @@ pub(crate) struct Shader {
     exact: Box<dyn SegmentIntegrator>,
     overlap: Overlap,
     widgets: Vec<LaneWidget>,
+    /// What the quick forms do not serve, but lanes do.
+    walker: Option<Walker>,
+    /// Whether the quick forms serve anything.
+    quick: bool,
     /// Offset and scale of each attribute: value = offset + scale × stored.
     scaling: Vec<[f64; 2]>,
     /// World units in a scene length.
@@ -39,8 +44,10 @@ pub(crate) struct Shaded {
     pub depth: Vec<f32>,
     /// Premultiplied colour and opacity (filled otherwise).
     pub rgba: [Vec<f32>; 4],
-    /// Fragments for the 64-bit path.
-    exact: Vec<usize>,
+    /// Fragments that the quick forms did not serve, then those for the 64-bit path.
+    pub rest: Vec<usize>,
+    /// Scratch for the change from the one to the other.
+    spare: Vec<usize>,
     /// How many went there.
     pub exact_count: u64,
 }
@@ -48,13 +55,19 @@ pub(crate) struct Shaded {
 impl Shaded {
     pub fn new() -> Self {
         let column = || vec![0f32; super::crossing::BATCH];
-        Shaded { depth: column(), rgba: std::array::from_fn(|_| column()), exact: Vec::new(), exact_count: 0 }
+        Shaded {
+            depth: column(),
+            rgba: std::array::from_fn(|_| column()),
+            rest: Vec::new(),
+            spare: Vec::new(),
+            exact_count: 0,
+        }
     }
 }
 
 /// Overlaps whose pairwise product of optical depths is under this are mixed without regard to order: the
 /// error is at most the product times the colour, 1e-8.
-const MIX_PRODUCT: f32 = 1e-8;
+pub(crate) const MIX_PRODUCT: f32 = 1e-8;
 
 /// Bound of product · A² (T + A) under which [`Shader::tilted`] serves: it leaves a sixtieth of that, 3e-8.
 const TILTED_PRODUCT: f32 = 2e-6;
@@ -73,15 +86,18 @@ impl Shader {
     ) -> Result<Shader> {
         let in_lanes = shading.integrator == Integrator::Analytic;
         let density_emitter = transfer_function.model == OpticalModel::DensityEmitter;
+        let cutoff = match transfer_function.model {
+            OpticalModel::DensityEmitter => None,
+            OpticalModel::ConstantEmitter { cutoff } => Some(cutoff),
+        };
+        let fields = transfer_function.fields();
+        let per_length = length / transfer_function.unit_distance;
         let widgets: Vec<LaneWidget> = transfer_function
             .widgets
             .iter()
-            .map(|widget| {
-                if density_emitter && in_lanes {
-                    LaneWidget::new(widget, attributes, length / transfer_function.unit_distance)
-                } else {
-                    LaneWidget::Exact
-                }
+            .map(|widget| match in_lanes {
+                true => LaneWidget::new(widget, attributes, &fields, per_length, cutoff),
+                false => LaneWidget::Exact,
             })
             .collect();
         let mut colors = transfer_function.widgets.iter().flat_map(|widget| match &widget.profile {
@@ -103,17 +119,39 @@ impl Shader {
                 .accepted("points that span a volume"));
         }
         let scaling = attributes.iter().map(|a| [a.offset, a.scale]).collect();
-        Ok(Shader { exact, overlap: shading.overlap, widgets, scaling, length, surface, one_color })
+        let walker = (shading.overlap == Overlap::Exact || one_color.is_some())
+            .then(|| Walker::new(transfer_function, &widgets, length, one_color.is_some()))
+            .flatten();
+        let slow = |widget: &LaneWidget| {
+            matches!(widget, LaneWidget::Triangular(_) | LaneWidget::GaussianNd(_) | LaneWidget::Exact)
+        };
+        let quick = density_emitter && !widgets.iter().any(slow);
+        Ok(Shader {
+            exact,
+            overlap: shading.overlap,
+            widgets,
+            walker,
+            quick,
+            scaling,
+            length,
+            surface,
+            one_color,
+        })
     }
 
     /// Integrates the first `count` fragments of a batch.
     #[inline(always)]
-    pub fn shade<L: Lanes>(&self, batch: &Batch, count: usize, rays: &Rays, out: &mut Shaded) {
-        out.exact.clear();
+    pub fn shade<L: Lanes>(&self, batch: &Batch, count: usize, out: &mut Shaded) {
+        out.rest.clear();
         let mut at = 0;
         while at < count {
             let along = Along::<L>::load(batch, at);
             let unsure = match self.widgets.as_slice() {
+                _ if !self.quick => {
+                    // Fragments of no length are summed, too.
+                    L::F::splat(0.0).store(&mut out.depth[at..]);
+                    u32::MAX
+                }
                 [LaneWidget::Linear(linear)] if self.one_color.is_none() => {
                     let (rgba, unsure) = linear.integrate::<L>(&along);
                     for (column, value) in out.rgba.iter_mut().zip(rgba) {
@@ -127,14 +165,30 @@ impl Shader {
             while unsure != 0 {
                 let k = at + unsure.trailing_zeros() as usize;
                 if k < count {
-                    out.exact.push(k);
+                    out.rest.push(k);
                 }
                 unsure &= unsure - 1;
             }
             at += L::WIDTH;
         }
-        for i in 0..out.exact.len() {
-            let k = out.exact[i];
+    }
+
+    /// The fragments that [`Shader::shade`] left over, in lanes.
+    #[inline(always)]
+    pub fn walk<L: Lanes>(&self, batch: &Batch, out: &mut Shaded) {
+        let Some(walker) = &self.walker else { return };
+        let which = std::mem::take(&mut out.rest);
+        let mut exact = std::mem::take(&mut out.spare);
+        exact.clear();
+        walker.walk::<L>(&self.widgets, batch, &which, out, &mut exact);
+        out.rest = exact;
+        out.spare = which;
+    }
+
+    /// What is still left over, one by one in 64 bits.
+    pub fn finish(&self, batch: &Batch, out: &mut Shaded) {
+        for i in 0..out.rest.len() {
+            let k = out.rest[i];
             let at = |columns: &[Vec<f32>], a: usize| f64::from(columns[a][k]);
             let value =
                 |columns: &[Vec<f32>], a: usize| self.scaling[a][0] + self.scaling[a][1] * at(columns, a);
@@ -148,7 +202,12 @@ impl Shader {
                 column[k] = value;
             }
         }
-        out.exact_count += out.exact.len() as u64;
+        out.exact_count += out.rest.len() as u64;
+    }
+
+    /// Silhouettes and light.
+    #[inline(always)]
+    pub fn light<L: Lanes>(&self, batch: &Batch, count: usize, rays: &Rays, out: &mut Shaded) {
         let Some(surface) = &self.surface else { return };
         let mut at = 0;
         while at < count {

@@ -1,12 +1,14 @@
 //! Widgets in lanes: optical depth of a batch's segments, and densities at points of them.
 
 use super::crossing::Batch;
+use super::member::{LaneGaussianNd, LaneTriangular};
 use super::piecewise::LaneLinear;
 use super::project::Attribute;
+use super::region::LaneRegion;
 use super::wave::LaneWave;
 use voltet_core::lanes::{Float, Lanes, Mask, Unsigned, array, inlined};
 use voltet_core::optics::lanes::gaussian::mean_profile;
-use voltet_core::transfer::{Profile, Region, Widget};
+use voltet_core::transfer::{Profile, Widget};
 
 /// One vector of segments of a batch. Lengths in scene lengths, attributes scaled.
 pub(crate) struct Along<L: Lanes> {
@@ -40,7 +42,7 @@ impl<L: Lanes> Along<L> {
     }
 
     #[inline(always)]
-    fn at(&self, t: L::F) -> [L::F; 2] {
+    pub fn at(&self, t: L::F) -> [L::F; 2] {
         array(
             #[inline(always)]
             |i| (self.back[i] - self.front[i]).mul_add(t, self.front[i]),
@@ -51,7 +53,7 @@ impl<L: Lanes> Along<L> {
 impl<L: Lanes> Along<L> {
     /// Values at both ends of the part inside a region, and that part's share of the length.
     #[inline(always)]
-    fn inside(&self, region: Option<&LaneRegion>) -> ([L::F; 2], [L::F; 2], L::F) {
+    pub fn inside(&self, region: Option<&LaneRegion>) -> ([L::F; 2], [L::F; 2], L::F) {
         match region {
             None => (self.front, self.back, L::F::splat(1.0)),
             Some(region) => {
@@ -84,14 +86,17 @@ pub(crate) enum LaneWidget {
         color: [f32; 3],
         region: Option<LaneRegion>,
     },
-    Linear(LaneLinear),
+    Linear(Box<LaneLinear>),
+    /// Only on the slow road ([`super::walk`]), as the next.
+    Triangular(LaneTriangular),
+    GaussianNd(Box<LaneGaussianNd>),
     /// No twin: the 64-bit path serves it.
     Exact,
 }
 
 /// Beyond so many widths the rounding of a segment's ends reaches the square of its distance from the centre:
 /// 4e-3 of the depth at 1e6 widths.
-const WIDTHS_MOST: f32 = 1e5;
+pub(crate) const WIDTHS_MOST: f32 = 1e5;
 
 /// exp(−|K (v − centre)|²), K and the centre scaled as the attributes are.
 pub(crate) struct LaneGaussian {
@@ -101,82 +106,21 @@ pub(crate) struct LaneGaussian {
     narrow: bool,
     /// K has one row and looks at s only.
     one_dimensional: bool,
-    density: f32,
-    color: [f32; 3],
-    region: Option<LaneRegion>,
-}
-
-/// A convex region as half-planes: inside where n_s s + n_g g ≤ limit.
-pub(crate) struct LaneRegion {
-    half_planes: Vec<[f32; 3]>,
-}
-
-impl LaneRegion {
-    fn new(region: &Region, attributes: &[Attribute<'_>]) -> LaneRegion {
-        let scaled =
-            |value: f64, a: usize| attributes.get(a).map_or(value, |axis| (value - axis.offset) / axis.scale);
-        let corners: Vec<[f64; 2]> =
-            region.corners.iter().map(|c| [scaled(c[0], 0), scaled(c[1], 1)]).collect();
-        let bounded = corners.iter().flatten().all(|x| x.is_finite());
-        let mut half_planes = Vec::new();
-        if bounded {
-            let turn: f64 = (0..corners.len())
-                .map(|i| {
-                    let (a, b) = (corners[i], corners[(i + 1) % corners.len()]);
-                    a[0] * b[1] - a[1] * b[0]
-                })
-                .sum();
-            for i in 0..corners.len() {
-                let (a, b) = (corners[i], corners[(i + 1) % corners.len()]);
-                let sign = if turn >= 0.0 { 1.0 } else { -1.0 };
-                let normal = [sign * (b[1] - a[1]), sign * (a[0] - b[0])];
-                let size = normal[0].hypot(normal[1]);
-                if size > 0.0 {
-                    let (s, g) = (normal[0] / size, normal[1] / size);
-                    half_planes.push([s as f32, g as f32, (s * a[0] + g * a[1]) as f32]);
-                }
-            }
-        } else {
-            // A rectangle with open sides.
-            for axis in 0..2 {
-                let low = corners.iter().fold(f64::INFINITY, |low, c| low.min(c[axis]));
-                let high = corners.iter().fold(f64::NEG_INFINITY, |high, c| high.max(c[axis]));
-                let unit = |sign: f32| if axis == 0 { [sign, 0.0] } else { [0.0, sign] };
-                for (sign, limit) in [(-1.0, -low), (1.0, high)] {
-                    if limit.is_finite() {
-                        let [s, g] = unit(sign);
-                        half_planes.push([s, g, limit as f32]);
-                    }
-                }
-            }
-        }
-        LaneRegion { half_planes }
-    }
-
-    /// The stretch [t₀, t₁] inside; t₁ ≤ t₀ where there is none. A segment along an edge is inside.
-    #[inline(always)]
-    fn clip<L: Lanes>(&self, along: &Along<L>) -> (L::F, L::F) {
-        let splat = L::F::splat;
-        let zero = splat(0.0);
-        let (mut t0, mut t1) = (zero, splat(1.0));
-        for &[s, g, limit] in &self.half_planes {
-            let margin = inlined(
-                #[inline(always)]
-                |v: &[L::F; 2]| splat(limit) - splat(s).mul_add(v[0], splat(g) * v[1]),
-            );
-            let (front, back) = (margin(&along.front), margin(&along.back));
-            let crossing = front / (front - back);
-            let (front_out, back_out) = (front.lt(zero), back.lt(zero));
-            t0 = L::F::select(front_out, L::F::select(back_out, splat(2.0), crossing.max(t0)), t0);
-            t1 = L::F::select(back_out.and(front_out.not()), crossing.min(t1), t1);
-        }
-        (t0, t1)
-    }
+    pub density: f32,
+    pub color: [f32; 3],
+    pub region: Option<LaneRegion>,
 }
 
 impl LaneWidget {
-    /// `density_scale` turns extinction into optical depth per scene length.
-    pub fn new(widget: &Widget, attributes: &[Attribute<'_>], density_scale: f64) -> LaneWidget {
+    /// `density_scale` turns extinction into optical depth per scene length; `fields`: names of the further fields,
+    /// `cutoff`: the constant-emitter's.
+    pub fn new(
+        widget: &Widget,
+        attributes: &[Attribute<'_>],
+        fields: &[&str],
+        density_scale: f64,
+        cutoff: Option<f64>,
+    ) -> LaneWidget {
         let color = widget.color.map(|c| c as f32);
         let density = (widget.extinction * density_scale) as f32;
         if !density.is_finite() {
@@ -207,8 +151,21 @@ impl LaneWidget {
                 }
             }
             (Profile::PiecewiseLinear { points }, None) => {
-                LaneLinear::new(points, &attributes[0], density_scale)
-                    .map_or(LaneWidget::Exact, LaneWidget::Linear)
+                LaneLinear::new(points, &attributes[0], density_scale, cutoff)
+                    .map_or(LaneWidget::Exact, |linear| LaneWidget::Linear(Box::new(linear)))
+            }
+            (Profile::TriangularGaussian { centre, sigma }, region) => {
+                LaneTriangular::new(*centre, *sigma, attributes, density, color, region)
+                    .map_or(LaneWidget::Exact, LaneWidget::Triangular)
+            }
+            (Profile::GaussianNd { fields: names, centre, matrix }, region) => {
+                let slot = |name: &String| fields.iter().position(|field| field == name);
+                let slots: Option<Vec<usize>> = names.iter().map(slot).collect();
+                slots
+                    .and_then(|slots| {
+                        LaneGaussianNd::new(&slots, centre, matrix, attributes, density, color, region)
+                    })
+                    .map_or(LaneWidget::Exact, |nd| LaneWidget::GaussianNd(Box::new(nd)))
             }
             _ => LaneWidget::Exact,
         }
@@ -219,6 +176,8 @@ impl LaneWidget {
             LaneWidget::Uniform { color, .. }
             | LaneWidget::Gaussian(LaneGaussian { color, .. })
             | LaneWidget::Wave { color, .. } => *color,
+            LaneWidget::Triangular(triangular) => triangular.color,
+            LaneWidget::GaussianNd(nd) => nd.color,
             LaneWidget::Linear(_) | LaneWidget::Exact => [0.0; 3],
         }
     }
@@ -245,7 +204,7 @@ impl LaneWidget {
                 (wave.mean::<L>(&front, &back) * (L::F::splat(*density) * along.length * share), 0)
             }
             LaneWidget::Linear(linear) => (linear.depth(along), 0),
-            LaneWidget::Exact => (zero, u32::MAX),
+            LaneWidget::Triangular(_) | LaneWidget::GaussianNd(_) | LaneWidget::Exact => (zero, u32::MAX),
         }
     }
 
@@ -256,7 +215,7 @@ impl LaneWidget {
         let region = match self {
             LaneWidget::Uniform { region, .. } => Some(region),
             LaneWidget::Gaussian(gaussian) => gaussian.region.as_ref(),
-            LaneWidget::Wave { .. } | LaneWidget::Linear(_) | LaneWidget::Exact => return None,
+            _ => return None,
         };
         let splat = L::F::splat;
         // |q_b − q_f| ≤ ½ a step: the cubic through four densities then leaves 3e-5 of the depth.
@@ -300,7 +259,7 @@ impl LaneWidget {
 
 impl LaneGaussian {
     #[inline(always)]
-    fn point<L: Lanes>(&self, v: &[L::F; 2]) -> [L::F; 2] {
+    pub fn point<L: Lanes>(&self, v: &[L::F; 2]) -> [L::F; 2] {
         let splat = L::F::splat;
         let d = [v[0] - splat(self.centre[0]), v[1] - splat(self.centre[1])];
         array(

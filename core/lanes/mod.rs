@@ -293,6 +293,24 @@ impl LaneSet {
     }
 }
 
+/// Runs a kernel on eight AVX2 lanes; `None` where the lane set or the processor has none. For kernels that take long to
+/// compile and that something slower can stand in for: the portable form alone takes minutes.
+pub fn dispatch_avx2<K: Kernel>(lanes: LaneSet, kernel: K) -> Option<K::Output> {
+    #[cfg(target_arch = "x86_64")]
+    {
+        #[target_feature(enable = "avx2,fma,popcnt,bmi1,bmi2,lzcnt")]
+        fn avx2<K: Kernel>(kernel: K) -> K::Output {
+            kernel.run::<Avx2>()
+        }
+        if lanes != LaneSet::Portable && LaneSet::Avx2.is_supported() {
+            // Safety: the features were just found on this processor.
+            return Some(unsafe { avx2(kernel) });
+        }
+    }
+    let _ = (lanes, kernel);
+    None
+}
+
 /// Runs a kernel on a lane set; one that the processor lacks is replaced by the portable set.
 pub fn dispatch<K: Kernel>(lanes: LaneSet, kernel: K) -> K::Output {
     #[cfg(target_arch = "x86_64")]
