@@ -15,6 +15,8 @@ pub enum Precision {
     F64,
     /// 32-bit, with differences formed in 64 bits.
     F32,
+    /// 32-bit on a device: WGSL lets a quotient err by 2.5 and e^x by 3 + 2|x| units in the last place.
+    Wgsl,
 }
 
 /// How one value is judged.
@@ -47,7 +49,7 @@ impl Precision {
     pub fn epsilon(self) -> f64 {
         match self {
             Precision::F64 => f64::EPSILON,
-            Precision::F32 => f64::from(f32::EPSILON),
+            Precision::F32 | Precision::Wgsl => f64::from(f32::EPSILON),
         }
     }
 
@@ -55,7 +57,7 @@ impl Precision {
     pub fn floor(self) -> f64 {
         match self {
             Precision::F64 => 1e-290,
-            Precision::F32 => 1e-30,
+            Precision::F32 | Precision::Wgsl => 1e-30,
         }
     }
 
@@ -63,17 +65,23 @@ impl Precision {
     fn color_floor(self) -> f64 {
         match self {
             Precision::F64 => 1e-16,
-            Precision::F32 => 1e-11,
+            Precision::F32 | Precision::Wgsl => 1e-11,
         }
     }
 }
 
-/// The rule for one quantity of a segment.
-pub(super) fn rule(precision: Precision, case: &Case, segment: &SegmentCase, quantity: Quantity) -> Rule {
+/// The rule for one quantity of a segment; `condition`: k of T, C and A.
+pub(super) fn rule(
+    precision: Precision,
+    case: &Case,
+    segment: &SegmentCase,
+    condition: [Option<f64>; 3],
+    quantity: Quantity,
+) -> Rule {
     let condition = match quantity {
-        Quantity::OpticalDepth => segment.condition[0],
-        Quantity::Color => segment.condition[1],
-        Quantity::Opacity => segment.condition[2],
+        Quantity::OpticalDepth => condition[0],
+        Quantity::Color => condition[1],
+        Quantity::Opacity => condition[2],
     };
     let free = Rule::Within { limit: limit(segment, quantity) };
     // Where the exact value is discontinuous no condition number exists; at region edges, whose coordinates
@@ -116,7 +124,9 @@ pub(super) fn rule(precision: Precision, case: &Case, segment: &SegmentCase, qua
             };
             method + 8.0 * rounding
         }
-        Precision::F32 => {
+        Precision::F32 | Precision::Wgsl => {
+            // Twice as much is left to devices.
+            let device = if precision == Precision::Wgsl { 2.0 } else { 1.0 };
             if 16.0 * rounding > 0.1 || (color && !one_density && depth > 1e4) {
                 return free;
             }
@@ -127,9 +137,9 @@ pub(super) fn rule(precision: Precision, case: &Case, segment: &SegmentCase, qua
                 }
                 1e-4 + 16.0 * rounding
             } else if color && !one_density {
-                1e-4 + 32.0 * rounding
+                device * (1e-4 + 32.0 * rounding)
             } else {
-                16.0 * rounding
+                device * 16.0 * rounding
             }
         }
     };
@@ -149,6 +159,8 @@ pub(super) fn ray_rule(precision: Precision, count: usize, exact: &SegmentCase, 
         (Precision::F64, true) => 1e-12 + 8.0 * rounding,
         (Precision::F32, false) => 16.0 * rounding,
         (Precision::F32, true) => 1e-4 + 32.0 * rounding,
+        (Precision::Wgsl, false) => 32.0 * rounding,
+        (Precision::Wgsl, true) => 2e-4 + 64.0 * rounding,
     };
     let floor = floor_of(precision, exact, color);
     Rule::Bound { relative: relative + steps, floor }
@@ -159,7 +171,9 @@ pub(super) fn table_rule(precision: Precision, quantity: &str, depth: f64) -> Ru
     let relative = match (precision, quantity) {
         (Precision::F64, "psi") => 4e-15,
         (Precision::F64, "F" | "B") => 2e-11,
-        (Precision::F32, "psi" | "F" | "B") => 2e-6,
+        (Precision::F32 | Precision::Wgsl, "psi" | "F" | "B") => 2e-6,
+        // x is half of the depth; e^(−x) may err by 3 + 2x units, and carries the rounding of x.
+        (Precision::Wgsl, _) => precision.epsilon() * (4.0 + 2.0 * depth),
         // e^(−x) carries the rounding of x.
         _ => (4e-15_f64).min(8.0 * precision.epsilon()) + precision.epsilon() * (2.0 + depth),
     };

@@ -80,6 +80,8 @@ pub struct SegmentCase {
     pub exact: Contribution,
     /// Condition numbers of T, C, A; `None` where the result is discontinuous.
     pub condition: [Option<f64>; 3],
+    /// The same where it is the raw numbers, the values at both ends, that are rounded.
+    pub raw_condition: [Option<f64>; 3],
 }
 
 impl SegmentCase {
@@ -126,7 +128,8 @@ fn read(value: &Value) -> Result<Case> {
             front: numbers(member(value, "v_f")?)?,
             back: numbers(member(value, "v_b")?)?,
             exact: contribution(value)?,
-            condition: condition(value)?,
+            condition: condition(value, "k"),
+            raw_condition: condition(value, "k_in"),
         })),
         "ray" => ray(value)?,
         "chain" => {
@@ -179,6 +182,7 @@ fn ray(value: &Value) -> Result<Kind> {
         back: to[1..].to_vec(),
         exact,
         condition: [None; 3],
+        raw_condition: [None; 3],
     };
     let (Some(first), Some(last)) = (knots.first(), knots.last()) else {
         return Err(Error::usage("a ray has no knots").accepted("[[l, s, g], …]"));
@@ -196,9 +200,9 @@ fn contribution(value: &Value) -> Result<Contribution> {
     })
 }
 
-fn condition(value: &Value) -> Result<[Option<f64>; 3]> {
-    let Some(list) = value.get("k").and_then(Value::as_array) else { return Ok([None; 3]) };
-    Ok(std::array::from_fn(|i| list.get(i).and_then(Value::as_f64)))
+fn condition(value: &Value, key: &str) -> [Option<f64>; 3] {
+    let Some(list) = value.get(key).and_then(Value::as_array) else { return [None; 3] };
+    std::array::from_fn(|i| list.get(i).and_then(Value::as_f64))
 }
 
 fn transfer_function(value: &Value) -> Result<TransferFunction> {

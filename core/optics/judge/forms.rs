@@ -1,6 +1,7 @@
 //! The sets of formulas that can be judged.
 
 use super::bounds::Precision;
+use super::case::SegmentCase;
 use crate::Result;
 use crate::optics::{Contribution, Overlap, Prepared, Segment, compositing, linear};
 use crate::transfer::TransferFunction;
@@ -47,6 +48,12 @@ pub trait Forms {
 
     /// The precision that its bounds are stated in.
     fn precision(&self) -> Precision;
+
+    /// Which condition numbers of a case its bounds are stated with: those of differences, unless the forms round raw
+    /// numbers.
+    fn condition(&self, case: &SegmentCase) -> [Option<f64>; 3] {
+        case.condition
+    }
 
     /// One segment.
     fn segment(

@@ -56,7 +56,8 @@ fn judge_case(case: &Case, forms: &dyn Forms, report: &mut Report) -> Result<()>
                     return Ok(());
                 }
             };
-            let rules = |quantity| rule(precision, case, segment, quantity);
+            let condition = forms.condition(segment);
+            let rules = |quantity| rule(precision, case, segment, condition, quantity);
             enter_contribution(report, case, &found, segment, wider, &rules);
         }
         Kind::Ray { segments, exact } => {

@@ -1,6 +1,7 @@
 //! Every WGSL formula against its 64-bit truth, on whatever adapter there is.
 
 mod device;
+mod fixtures;
 mod formulas;
 
 use device::{Device, Input};
