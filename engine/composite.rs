@@ -29,6 +29,7 @@ pub(crate) type Drawn = (Vec<(u32, Box<TilePicture>)>, WorkerCounts);
 pub(crate) struct WorkerCounts {
     pub segments: u64,
     pub segments_exact: u64,
+    pub segments_overlapping: u64,
     pub tiles_deep: u64,
     pub pixels_disordered: u64,
 }
@@ -84,6 +85,7 @@ impl Worker<'_> {
             done.push((tile, picture));
         }
         scratch.counts.segments_exact = scratch.shaded.exact_count;
+        scratch.counts.segments_overlapping += scratch.shaded.overlap_count;
         (done, scratch.counts)
     }
 }
@@ -369,9 +371,11 @@ fn walk(
             for i in x0.max(left)..x1.min(right) {
                 let Some(crossing) = special.cross(&scene.view, i, j) else { continue };
                 counts.segments += 1;
-                let (depth, rgba) = scene.shade_special(special, &crossing, i, j);
+                let exact = scene.shade_special(special, &crossing, i, j);
+                counts.segments_overlapping += u64::from(exact.overlaps);
                 let [entry, exit] = crossing.depth.map(|z| (z - scene.distance_origin) as f32);
-                sink.push((j - top) << 4 | (i - left), depth, Layer::new(entry, exit, rgba))?;
+                let layer = Layer::new(entry, exit, exact.rgba);
+                sink.push((j - top) << 4 | (i - left), exact.depth, layer)?;
             }
         }
     }

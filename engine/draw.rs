@@ -186,6 +186,7 @@ impl Ready<'_> {
             for (done, worker) in &results {
                 counts.segments += worker.segments;
                 counts.segments_exact += worker.segments_exact;
+                counts.segments_overlapping += worker.segments_overlapping;
                 counts.tiles_deep += worker.tiles_deep;
                 counts.pixels_disordered += worker.pixels_disordered;
                 for (tile, pixels) in done {

@@ -3,7 +3,7 @@
 use super::Cells;
 use super::project::{Attribute, Input, Part, ProjectPart};
 use super::record::{AttributeRecord, Record, TILE};
-use super::shade::Shader;
+use super::shade::{Exact, Shader};
 use super::special::{Special, SpecialCrossing};
 use super::view::{Seen, View};
 use rayon::prelude::*;
@@ -268,13 +268,7 @@ impl<'a> Scene<'a> {
     }
 
     /// Optical depth (or opacity, see [`Shaded::depth`]), colour and opacity of a special cell's segment.
-    pub fn shade_special(
-        &self,
-        special: &Special,
-        crossing: &SpecialCrossing,
-        i: usize,
-        j: usize,
-    ) -> (f32, [f32; 4]) {
+    pub fn shade_special(&self, special: &Special, crossing: &SpecialCrossing, i: usize, j: usize) -> Exact {
         let corners = self.volume.grid.tetrahedra[special.id as usize];
         let value = |end: usize, attribute: usize| {
             let values = &self.attributes[attribute];
@@ -284,18 +278,18 @@ impl<'a> Scene<'a> {
                 + base
         };
         let length = (crossing.depth[1] - crossing.depth[0]) * self.view.stretch(i as f64, j as f64);
-        let (mut depth, mut rgba) = self.shader.integrate(length, |a| value(0, a), |a| value(1, a));
+        let mut exact = self.shader.integrate(length, |a| value(0, a), |a| value(1, a));
         if let (Some(surface), Some(gradient)) = (&self.shader.surface, &self.volume.gradient) {
             let middle = (0..4).map(|k| {
                 0.5 * (crossing.weights[0][k] + crossing.weights[1][k]) * gradient[corners[k] as usize]
             });
             let (opacity, color) = surface.factors_of(middle.sum(), self.view.direction(i as f64, j as f64));
             if self.shader.one_color.is_some() {
-                depth = (-(-f64::from(depth)).exp_m1() * opacity) as f32;
+                exact.depth = (-(-f64::from(exact.depth)).exp_m1() * opacity) as f32;
             }
-            let [r, g, b, a] = rgba.map(f64::from);
-            rgba = [r * color, g * color, b * color, a * opacity].map(|x| x as f32);
+            let [r, g, b, a] = exact.rgba.map(f64::from);
+            exact.rgba = [r * color, g * color, b * color, a * opacity].map(|x| x as f32);
         }
-        (depth, rgba)
+        exact
     }
 }

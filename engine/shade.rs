@@ -13,13 +13,15 @@ use super::widget::{Along, LaneWidget};
 use voltet_core::lanes::{Float, Lanes, Mask};
 use voltet_core::optics::integrators::SegmentIntegrator;
 use voltet_core::optics::lanes::elementary::{exp, one_minus_exp, polynomial};
-use voltet_core::optics::{Overlap, Segment};
+use voltet_core::optics::{Overlap, Prepared, Segment};
 use voltet_core::shading::{Integrator, Shading};
 use voltet_core::transfer::{OpticalModel, Profile, TransferFunction};
 use voltet_core::{Error, Result};
 
 /// A transfer function made ready for lanes.
 pub(crate) struct Shader {
+    /// Finds overlaps in 64 bits, where there is more than one widget.
+    overlaps: Option<Prepared>,
     /// What serves one segment in 64 bits.
     exact: Box<dyn SegmentIntegrator>,
     overlap: Overlap,
@@ -50,6 +52,16 @@ pub(crate) struct Shaded {
     spare: Vec<usize>,
     /// How many went there.
     pub exact_count: u64,
+    /// Segments on which widgets overlap by more than [`MIX_PRODUCT`].
+    pub overlap_count: u64,
+}
+
+/// One segment's integral, found in 64 bits.
+pub(crate) struct Exact {
+    pub depth: f32,
+    pub rgba: [f32; 4],
+    /// Whether widgets overlap by more than [`MIX_PRODUCT`].
+    pub overlaps: bool,
 }
 
 impl Shaded {
@@ -61,6 +73,7 @@ impl Shaded {
             rest: Vec::new(),
             spare: Vec::new(),
             exact_count: 0,
+            overlap_count: 0,
         }
     }
 }
@@ -119,14 +132,17 @@ impl Shader {
                 .accepted("points that span a volume"));
         }
         let scaling = attributes.iter().map(|a| [a.offset, a.scale]).collect();
-        let walker = (shading.overlap == Overlap::Exact || one_color.is_some())
-            .then(|| Walker::new(transfer_function, &widgets, length, one_color.is_some()))
-            .flatten();
         let slow = |widget: &LaneWidget| {
             matches!(widget, LaneWidget::Triangular(_) | LaneWidget::GaussianNd(_) | LaneWidget::Exact)
         };
         let quick = density_emitter && !widgets.iter().any(slow);
+        let walker = (shading.overlap == Overlap::Exact || one_color.is_some())
+            .then(|| Walker::new(transfer_function, &widgets, length, one_color.is_some(), !quick))
+            .flatten();
+        let several = transfer_function.widgets.len() > 1;
+        let overlaps = several.then(|| Prepared::new(transfer_function)).transpose()?;
         Ok(Shader {
+            overlaps,
             exact,
             overlap: shading.overlap,
             widgets,
@@ -159,7 +175,7 @@ impl Shader {
                     }
                     unsure
                 }
-                widgets => self.several::<L>(widgets, &along, at, out),
+                widgets => self.several::<L>(widgets, &along, at, count, out),
             };
             let mut unsure = unsure & along.crossing.bits();
             while unsure != 0 {
@@ -197,10 +213,12 @@ impl Shader {
                 |a| value(&batch.front, a),
                 |a| value(&batch.back, a),
             );
-            out.depth[k] = contribution.0;
-            for (column, value) in out.rgba.iter_mut().zip(contribution.1) {
+            out.depth[k] = contribution.depth;
+            for (column, value) in out.rgba.iter_mut().zip(contribution.rgba) {
                 column[k] = value;
             }
+            // The quick forms have counted theirs.
+            out.overlap_count += u64::from(contribution.overlaps && !self.quick);
         }
         out.exact_count += out.rest.len() as u64;
     }
@@ -225,13 +243,8 @@ impl Shader {
     }
 
     /// The 64-bit integral of one segment: `length` in scene lengths, attributes in their own units. Returns the
-    /// optical depth and the premultiplied colour with opacity.
-    pub fn integrate(
-        &self,
-        length: f64,
-        front: impl Fn(usize) -> f64,
-        back: impl Fn(usize) -> f64,
-    ) -> (f32, [f32; 4]) {
+    /// optical depth, the premultiplied colour with opacity, and whether widgets overlap.
+    pub fn integrate(&self, length: f64, front: impl Fn(usize) -> f64, back: impl Fn(usize) -> f64) -> Exact {
         const FIELDS_MOST: usize = 10;
         let n = self.scaling.len().min(FIELDS_MOST);
         let mut ends = [[0f64; FIELDS_MOST]; 2];
@@ -241,15 +254,20 @@ impl Shader {
         }
         let g = |values: &[f64; FIELDS_MOST]| if n > 1 { values[1] } else { 0.0 };
         let fields = if n > 2 { 2..n } else { 0..0 };
-        let c = self.exact.integrate(&Segment {
+        let segment = Segment {
             length: length * self.length,
             front: [ends[0][0], g(&ends[0])],
             back: [ends[1][0], g(&ends[1])],
             fields_front: &ends[0][fields.clone()],
             fields_back: &ends[1][fields],
-        });
+        };
+        let c = self.exact.integrate(&segment);
         let color = c.color.map(|x| x as f32);
-        (c.optical_depth.min(f64::from(f32::MAX)) as f32, [color[0], color[1], color[2], c.opacity as f32])
+        Exact {
+            depth: c.optical_depth.min(f64::from(f32::MAX)) as f32,
+            rgba: [color[0], color[1], color[2], c.opacity as f32],
+            overlaps: self.overlaps.as_ref().is_some_and(|o| o.overlap(&segment) > f64::from(MIX_PRODUCT)),
+        }
     }
 
     /// Widgets whose colour does not vary along the segment, one or more.
@@ -259,6 +277,7 @@ impl Shader {
         widgets: &[LaneWidget],
         along: &Along<L>,
         at: usize,
+        count: usize,
         out: &mut Shaded,
     ) -> u32 {
         let splat = L::F::splat;
@@ -280,6 +299,12 @@ impl Shader {
             if matches!(widget, LaneWidget::Linear(_)) && self.one_color.is_none() {
                 unsure |= zero.lt(depth).bits();
             }
+        }
+        if widgets.len() > 1 {
+            // Lanes past the end of the batch hold fragments of the next one.
+            let meant = u32::MAX >> (32 - (count - at).min(L::WIDTH));
+            let overlapping = splat(MIX_PRODUCT).lt(product).and(along.crossing).bits();
+            out.overlap_count += u64::from((overlapping & meant).count_ones());
         }
         if self.one_color.is_some() {
             total.store(&mut out.depth[at..]);

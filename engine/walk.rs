@@ -24,6 +24,8 @@ pub(crate) struct Walker {
     /// D/U per scene length.
     scale: f32,
     one_color: bool,
+    /// Whether overlaps are counted here: the quick forms count what passes through them.
+    counts: bool,
 }
 
 impl Walker {
@@ -33,6 +35,7 @@ impl Walker {
         widgets: &[LaneWidget],
         length: f64,
         one_color: bool,
+        counts: bool,
     ) -> Option<Walker> {
         let served = widgets.len() <= MEMBERS_MOST
             && !widgets.is_empty()
@@ -44,7 +47,7 @@ impl Walker {
         let scale = (length / transfer_function.unit_distance) as f32;
         // A scale beyond 32 bits, or so small that its products leave them.
         let held = scale.is_finite() && scale > 1e-30;
-        (served && held).then_some(Walker { cutoff, scale, one_color })
+        (served && held).then_some(Walker { cutoff, scale, one_color, counts })
     }
 
     /// Integrates the segments `which` of a batch; those it cannot serve are pushed to `exact`.
@@ -63,12 +66,15 @@ impl Walker {
             gathered.take(batch, group);
             let along = gathered.along::<L>();
             let fields = gathered.fields::<L>();
-            let (results, unsure) = self.integrate::<L>(widgets, &along, &fields);
+            let (results, unsure, overlapping) = self.integrate::<L>(widgets, &along, &fields);
             let mut rows = [[0f32; LANES_MOST]; 5];
             for (row, value) in rows.iter_mut().zip(results) {
                 value.store(row);
             }
             for (lane, &k) in group.iter().enumerate() {
+                if self.counts {
+                    out.overlap_count += u64::from(overlapping & !unsure) >> lane & 1;
+                }
                 if unsure >> lane & 1 != 0 {
                     exact.push(k);
                     continue;
@@ -81,14 +87,14 @@ impl Walker {
         }
     }
 
-    /// Colour, opacity and optical depth, and the lanes for the 64-bit path.
+    /// Colour, opacity and optical depth, the lanes for the 64-bit path, and those where widgets overlap.
     #[inline(always)]
     fn integrate<L: Lanes>(
         &self,
         widgets: &[LaneWidget],
         along: &Along<L>,
         fields: &Fields<L>,
-    ) -> ([L::F; 5], u32) {
+    ) -> ([L::F; 5], u32, u32) {
         let splat = L::F::splat;
         let zero = splat(0.0);
         let (mut total, mut product, mut unsure) = (zero, zero, 0);
@@ -113,9 +119,10 @@ impl Walker {
         }
         // A depth that is not a number, or has left 32 bits.
         unsure |= total.le(splat(f32::MAX)).not().bits();
+        let overlapping = splat(MIX_PRODUCT).lt(product).bits() & along.crossing.bits();
         let opacity = one_minus_exp::<L>(total);
         if self.one_color {
-            return ([zero, zero, zero, opacity, total], unsure);
+            return ([zero, zero, zero, opacity, total], unsure, overlapping);
         }
         let share = L::F::select(zero.lt(total), opacity / total, zero);
         let mut color: [L::F; 3] = array(
@@ -125,7 +132,7 @@ impl Walker {
         let crossing = along.crossing.bits();
         let in_order = match self.cutoff {
             Some(_) => crossing,
-            None => (splat(MIX_PRODUCT).lt(product).bits() | varies) & crossing,
+            None => overlapping | (varies & crossing),
         };
         if in_order != 0 {
             let deep = splat(RATE_MOST).lt(densest).bits();
@@ -142,7 +149,7 @@ impl Walker {
                 |i| L::F::select(keep, walked[i], color[i]),
             );
         }
-        ([color[0], color[1], color[2], opacity, total], unsure)
+        ([color[0], color[1], color[2], opacity, total], unsure, overlapping)
     }
 }
 

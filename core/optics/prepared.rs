@@ -127,6 +127,13 @@ impl Prepared {
         self.widgets.iter().filter_map(|widget| self.cross(widget, segment)).map(|active| active.depth).sum()
     }
 
+    /// Σ Tᵢ Tⱼ over the pairs of widgets on the segment: how much their order can matter, at most.
+    pub fn overlap(&self, segment: &Segment) -> f64 {
+        let depths = self.widgets.iter().filter_map(|widget| self.cross(widget, segment)).map(|a| a.depth);
+        let pairs = |(product, sum): (f64, f64), depth: f64| (depth.mul_add(sum, product), sum + depth);
+        depths.fold((0.0, 0.0), pairs).0
+    }
+
     /// The segment's contribution. Values that are not finite contribute nothing.
     pub fn integrate(&self, segment: &Segment, overlap: Overlap) -> Contribution {
         self.integrate_by(segment, overlap, &Ordered)

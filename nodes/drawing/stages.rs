@@ -87,6 +87,7 @@ pub fn composite(
     let noted = &mut call.notes.counts;
     noted.insert("segments", counts.segments);
     noted.insert("segments_exact", counts.segments_exact);
+    noted.insert("segments_overlapping", counts.segments_overlapping);
     noted.insert("tiles_deep", counts.tiles_deep);
     noted.insert("pixels_disordered", counts.pixels_disordered);
     if counts.pixels_disordered > 0 {

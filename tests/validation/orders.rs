@@ -4,7 +4,7 @@ use crate::compare::{self, SHADING, Scene, ordinary};
 use crate::grids::*;
 use crate::looks::*;
 use voltet_core::progress::Silent;
-use voltet_core::shading::Order;
+use voltet_core::shading::{Integrator, Order, Shading};
 use voltet_core::transfer::{OpticalModel, Profile, TransferFunction, Wave, Widget};
 use voltet_engine as engine;
 
@@ -88,4 +88,26 @@ fn widgets_that_no_cell_touches_are_left_out() {
 /// A corner of the (s, g) plane inside the data's ranges, away from s = g.
 fn corner() -> Widget {
     polygon(&[[0.6, 0.0], [1.0, 0.0], [1.0, 0.4]], 5.0, [0.0, 0.0, 1.0])
+}
+
+/// Counted in lanes and in 64 bits alike; a threshold of 1e-8 lies on a few segments' rounding.
+#[test]
+fn overlaps_are_counted() {
+    let scene = Scene {
+        name: "overlaps".into(),
+        volume: smooth(cube([4, 4, 4], 0.2)),
+        look: overlapping(),
+        camera: outside([40, 40]),
+    };
+    let count = |look: &TransferFunction, integrator: Integrator| {
+        let cells = engine::cull(&scene.volume, look, &scene.camera, &Silent).unwrap();
+        let shading = Shading { integrator, ..SHADING };
+        engine::draw(&cells, look, &scene.camera, &shading, &Silent).unwrap().1
+    };
+    let adaptive = Integrator::Adaptive { tolerance: 1e-3 };
+    let (lanes, exact) = (count(&scene.look, Integrator::Analytic), count(&scene.look, adaptive));
+    assert_eq!(exact.segments_exact, exact.segments);
+    let [a, b] = [lanes, exact].map(|counts| counts.segments_overlapping as f64);
+    assert!(a > 0.1 * lanes.segments as f64 && (a - b).abs() <= 0.01 * b, "{a} in lanes, {b} in 64 bits");
+    assert_eq!(count(&one_gaussian(), Integrator::Analytic).segments_overlapping, 0);
 }
