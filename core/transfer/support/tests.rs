@@ -59,17 +59,28 @@ proptest! {
         };
         let prepared = Prepared::new(&transfer_function).expect("valid");
         let support = Support::new(&transfer_function).expect("valid");
-        let bound = support.bound(&s, &g, &[]);
+        // Values of the further fields that a gaussian-nd widget looks at.
+        let all_fields = [s, g, [s[3], s[2], s[1], s[0]]];
+        let fields = &all_fields[..transfer_function.fields().len()];
+        let bound = support.bound(&s, &g, fields);
         // The quick test agrees with the bound.
         if bound > 0.0 {
-            prop_assert!(support.touches(&s, &g, &[], bound * 0.999));
-            prop_assert!(!support.touches(&s, &g, &[], bound * 1.001));
+            prop_assert!(support.touches(&s, &g, fields, bound * 0.999));
+            prop_assert!(!support.touches(&s, &g, fields, bound * 1.001));
         }
         // A path through the inside, and paths that stay at a vertex: there the bound is often reached.
-        let inside = ([mix(from, s), mix(from, g)], [mix(to, s), mix(to, g)]);
-        let vertices = (0..4).map(|i| ([s[i], g[i]], [s[i], g[i]]));
-        for (front, back) in vertices.chain([inside]) {
-            let segment = Segment { length: 1.0, front, back, fields_front: &[], fields_back: &[] };
+        let corner = |i: usize| std::array::from_fn(|k| f64::from(u8::from(k == i)));
+        let vertices = (0..4).map(|i| (corner(i), corner(i)));
+        for (from, to) in vertices.chain([(from, to)]) {
+            let [fields_front, fields_back] =
+                [from, to].map(|weights| fields.iter().map(|field| mix(weights, *field)).collect::<Vec<_>>());
+            let segment = Segment {
+                length: 1.0,
+                front: [mix(from, s), mix(from, g)],
+                back: [mix(to, s), mix(to, g)],
+                fields_front: &fields_front,
+                fields_back: &fields_back,
+            };
             let found = prepared.integrate(&segment, Overlap::Exact);
             let most = found.color.into_iter().fold(found.optical_depth, |most, c| most.max(c));
             prop_assert!(most <= bound * (1.0 + 1e-9) + 1e-300, "{most} > {bound}");
