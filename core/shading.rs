@@ -29,6 +29,12 @@ pub struct Light {
     pub diffuse: f64,
 }
 
+/// v / |v| for any magnitude of v; zero where v is, or is not finite.
+pub fn unit_vector(v: glam::DVec3) -> glam::DVec3 {
+    let largest = v.abs().max_element();
+    if largest > 0.0 && largest.is_finite() { (v / largest).normalize() } else { glam::DVec3::ZERO }
+}
+
 /// How segments are integrated.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Shading {

@@ -16,6 +16,7 @@ mod scene;
 mod shade;
 mod spans;
 mod special;
+mod together;
 mod view;
 mod walk;
 mod wave;

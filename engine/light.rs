@@ -10,7 +10,7 @@ use super::view::View;
 use glam::DVec3;
 use voltet_core::lanes::{Float, Lanes, Mask, Unsigned, array};
 use voltet_core::optics::lanes::elementary::power;
-use voltet_core::shading::Shading;
+use voltet_core::shading::{Shading, unit_vector};
 
 /// Directions of a tile's rays, component by component, unit length, world axes.
 pub(crate) type Rays = [[f32; TILE * TILE]; 3];
@@ -38,7 +38,7 @@ impl Surface {
     pub fn new(shading: &Shading, first: usize) -> Option<Surface> {
         let silhouette = shading.silhouette.filter(|&p| p != 0.0);
         let light = shading.light.map(|light| Lit {
-            direction: unit(light.direction),
+            direction: unit_vector(light.direction),
             ambient: light.ambient,
             diffuse: light.diffuse,
         });
@@ -113,7 +113,7 @@ impl Surface {
 
     /// The same in 64 bits, for one segment: `gradient` at its middle, `view` the ray's direction, unit length.
     pub fn factors_of(&self, gradient: DVec3, view: DVec3) -> (f64, f64) {
-        let normal = unit(gradient);
+        let normal = unit_vector(gradient);
         let opacity = match self.silhouette {
             Some(p) if normal != DVec3::ZERO => {
                 (normal.cross(view).length_squared() / (1.0 + normal.dot(view).abs())).min(1.0).powf(p)
@@ -133,10 +133,4 @@ pub(crate) fn rays(view: &View, left: usize, top: usize, out: &mut Rays) {
             row[pixel] = c as f32;
         }
     }
-}
-
-/// v / |v| for any magnitude of v; zero where v is.
-fn unit(v: DVec3) -> DVec3 {
-    let largest = v.abs().max_element();
-    if largest > 0.0 && largest.is_finite() { (v / largest).normalize() } else { DVec3::ZERO }
 }

@@ -278,7 +278,7 @@ impl<'a> Scene<'a> {
                 + base
         };
         let length = (crossing.depth[1] - crossing.depth[0]) * self.view.stretch(i as f64, j as f64);
-        let mut exact = self.shader.integrate(length, |a| value(0, a), |a| value(1, a));
+        let mut exact = self.shader.integrate(length, |a| value(0, a), |a| value(1, a), true);
         if let (Some(surface), Some(gradient)) = (&self.shader.surface, &self.volume.gradient) {
             let middle = (0..4).map(|k| {
                 0.5 * (crossing.weights[0][k] + crossing.weights[1][k]) * gradient[corners[k] as usize]

@@ -1,18 +1,18 @@
 //! Shade: from a fragment's length and attribute values to its colour and opacity.
 //!
-//! The vector lanes serve the segments whose closed forms are benign in 32 bits; every other segment (long
-//! optical depths of linear pieces, widgets that overlap on a stretch they do not share evenly, profiles without
-//! a twin) goes one by one through the 64-bit integrator; so do all segments under another integrator than the
-//! analytic one. What a scene does not use is not prepared.
+//! Three roads, each for what the one before leaves over: quick closed forms in lanes (density-emitter; overlaps by
+//! [`super::together`]), a walk in panels in lanes ([`super::walk`]), and the 64-bit integrator segment by segment, which
+//! also serves every integrator but the analytic one. What a scene does not use is not prepared.
 
 use super::crossing::Batch;
 use super::light::{Rays, Surface};
 use super::project::Attribute;
+use super::together::{ORDERED_MOST, Together};
 use super::walk::Walker;
 use super::widget::{Along, LaneWidget};
 use voltet_core::lanes::{Float, Lanes, Mask};
 use voltet_core::optics::integrators::SegmentIntegrator;
-use voltet_core::optics::lanes::elementary::{exp, one_minus_exp, polynomial};
+use voltet_core::optics::lanes::elementary::one_minus_exp;
 use voltet_core::optics::{Overlap, Prepared, Segment};
 use voltet_core::shading::{Integrator, Shading};
 use voltet_core::transfer::{OpticalModel, Profile, TransferFunction};
@@ -50,7 +50,7 @@ pub(crate) struct Shaded {
     pub rest: Vec<usize>,
     /// Scratch for the change from the one to the other.
     spare: Vec<usize>,
-    /// How many went there.
+    /// Segments integrated in 64 bits.
     pub exact_count: u64,
     /// Segments on which widgets overlap by more than [`MIX_PRODUCT`].
     pub overlap_count: u64,
@@ -82,12 +82,6 @@ impl Shaded {
 /// error is at most the product times the colour, 1e-8.
 pub(crate) const MIX_PRODUCT: f32 = 1e-8;
 
-/// Bound of product · A² (T + A) under which [`Shader::tilted`] serves: it leaves a sixtieth of that, 3e-8.
-const TILTED_PRODUCT: f32 = 2e-6;
-
-/// Widgets that the ordered quadrature in lanes takes; more on one scene go the 64-bit way where they overlap.
-const ORDERED_MOST: usize = 8;
-
 impl Shader {
     pub fn new(
         transfer_function: &TransferFunction,
@@ -99,10 +93,7 @@ impl Shader {
     ) -> Result<Shader> {
         let in_lanes = shading.integrator == Integrator::Analytic;
         let density_emitter = transfer_function.model == OpticalModel::DensityEmitter;
-        let cutoff = match transfer_function.model {
-            OpticalModel::DensityEmitter => None,
-            OpticalModel::ConstantEmitter { cutoff } => Some(cutoff),
-        };
+        let cutoff = transfer_function.model.cutoff();
         let fields = transfer_function.fields();
         let per_length = length / transfer_function.unit_distance;
         let widgets: Vec<LaneWidget> = transfer_function
@@ -212,13 +203,14 @@ impl Shader {
                 f64::from(batch.length[k]),
                 |a| value(&batch.front, a),
                 |a| value(&batch.back, a),
+                // The quick forms have counted theirs.
+                !self.quick,
             );
             out.depth[k] = contribution.depth;
             for (column, value) in out.rgba.iter_mut().zip(contribution.rgba) {
                 column[k] = value;
             }
-            // The quick forms have counted theirs.
-            out.overlap_count += u64::from(contribution.overlaps && !self.quick);
+            out.overlap_count += u64::from(contribution.overlaps);
         }
         out.exact_count += out.rest.len() as u64;
     }
@@ -242,9 +234,15 @@ impl Shader {
         }
     }
 
-    /// The 64-bit integral of one segment: `length` in scene lengths, attributes in their own units. Returns the
-    /// optical depth, the premultiplied colour with opacity, and whether widgets overlap.
-    pub fn integrate(&self, length: f64, front: impl Fn(usize) -> f64, back: impl Fn(usize) -> f64) -> Exact {
+    /// The 64-bit integral of one segment: `length` in scene lengths, attributes in their own units;
+    /// `counted`: whether to say if widgets overlap.
+    pub fn integrate(
+        &self,
+        length: f64,
+        front: impl Fn(usize) -> f64,
+        back: impl Fn(usize) -> f64,
+        counted: bool,
+    ) -> Exact {
         const FIELDS_MOST: usize = 10;
         let n = self.scaling.len().min(FIELDS_MOST);
         let mut ends = [[0f64; FIELDS_MOST]; 2];
@@ -266,7 +264,8 @@ impl Shader {
         Exact {
             depth: c.optical_depth.min(f64::from(f32::MAX)) as f32,
             rgba: [color[0], color[1], color[2], c.opacity as f32],
-            overlaps: self.overlaps.as_ref().is_some_and(|o| o.overlap(&segment) > f64::from(MIX_PRODUCT)),
+            overlaps: counted
+                && self.overlaps.as_ref().is_some_and(|o| o.overlap(&segment) > f64::from(MIX_PRODUCT)),
         }
     }
 
@@ -326,158 +325,11 @@ impl Shader {
         if widgets.len() > ORDERED_MOST {
             return unsure | overlapping;
         }
-        let tilted = self.tilted::<L>(widgets, along, &depths, [total, product], overlapping, at, out);
-        let rest = overlapping & !tilted;
+        let together = Together { widgets, along, depths, total, product };
+        let rest = overlapping & !together.tilted(overlapping, at, out);
         if rest == 0 {
             return unsure;
         }
-        unsure | self.ordered::<L>(widgets, along, &depths, total, rest, at, out)
-    }
-
-    /// The ordered integral where every density is nearly linear along the segment, ρ_i ∝ T_i (1 + a_i (2t − 1)): to
-    /// first order in a, with S = Σ a_j T_j and K(T) = ∫₀¹ t (1 − t) e^(−T t) dt,
-    /// C_i = T_i ((1 − e^(−T))/T − (a_i T − S) K(T)). Corrects the mix in `out`; returns the lanes it served.
-    ///
-    /// What is left out is of second order in a and in the bend of the profile, under product · A² (T + A)/60 with A
-    /// the largest of both.
-    #[inline(always)]
-    #[expect(clippy::too_many_arguments, reason = "the state of one vector of segments")]
-    fn tilted<L: Lanes>(
-        &self,
-        widgets: &[LaneWidget],
-        along: &Along<L>,
-        depths: &[L::F; ORDERED_MOST],
-        [total, product]: [L::F; 2],
-        overlapping: u32,
-        at: usize,
-        out: &mut Shaded,
-    ) -> u32 {
-        let splat = L::F::splat;
-        let (mut largest, mut sum) = (splat(0.0), splat(0.0));
-        for (widget, &depth) in widgets.iter().zip(depths) {
-            // Half of the roughness is the extent in widths.
-            let Some(roughness) = widget.roughness::<L>(along) else { return 0 };
-            let tilt = widget.tilt::<L>(along);
-            let matters = splat(MIX_PRODUCT).lt(depth * total);
-            let bend = (roughness * splat(0.5)).max(tilt.abs());
-            largest = L::F::select(matters, bend.max(largest), largest);
-            sum = tilt.mul_add(depth, sum);
-        }
-        let left_out = product * (largest * largest) * (total + largest);
-        let smooth = left_out.lt(splat(TILTED_PRODUCT)).and(largest.le(splat(0.5)));
-        let served = overlapping & smooth.and(total.le(splat(1.0))).bits();
-        if served == 0 {
-            return 0;
-        }
-        // (−1)^k / (k! (k + 2) (k + 3)): six terms leave 2e-5 of K at T = 1.
-        let kernel = polynomial::<L, 6>(
-            -total,
-            [1.0 / 6.0, 1.0 / 12.0, 1.0 / 40.0, 1.0 / 180.0, 1.0 / 1008.0, 1.0 / 6720.0],
-        );
-        let mut correction = [splat(0.0); 3];
-        for (widget, &depth) in widgets.iter().zip(depths) {
-            let change = (sum - widget.tilt::<L>(along) * total) * depth;
-            for (sum, c) in correction.iter_mut().zip(widget.color()) {
-                *sum = change.mul_add(splat(c), *sum);
-            }
-        }
-        let keep = super::widget::lanes_of::<L>(served);
-        for (column, change) in out.rgba.iter_mut().zip(correction) {
-            let mixed = L::F::load(&column[at..]);
-            let value = change.mul_add(kernel, mixed).max(splat(0.0));
-            L::F::select(keep, value, mixed).store(&mut column[at..]);
-        }
-        served
-    }
-
-    /// The ordered integral ∫ Σ c_i ρ_i e^(−T) by Gauss-Legendre with 4 points on one or four equal steps, for
-    /// segments on which every widget's profile is smooth and the depth moderate; the lanes it cannot serve are
-    /// returned.
-    #[inline(always)]
-    #[expect(clippy::too_many_arguments, reason = "the state of one vector of segments")]
-    fn ordered<L: Lanes>(
-        &self,
-        widgets: &[LaneWidget],
-        along: &Along<L>,
-        depths: &[L::F; ORDERED_MOST],
-        total: L::F,
-        overlapping: u32,
-        at: usize,
-        out: &mut Shaded,
-    ) -> u32 {
-        let splat = L::F::splat;
-        // How many steps the roughest lane wants.
-        let mut wish = total;
-        for (widget, &depth) in widgets.iter().zip(depths) {
-            let Some(extent) = widget.roughness::<L>(along) else { return overlapping };
-            let matters = splat(MIX_PRODUCT).lt(depth * total);
-            wish = L::F::select(matters, extent.max(wish), wish);
-        }
-        let served = overlapping & wish.le(splat(STEPS as f32)).bits();
-        if served == 0 {
-            return overlapping;
-        }
-        let one_step = served & !wish.le(splat(1.0)).bits() == 0;
-        let steps = if one_step { 1 } else { STEPS };
-        let share = splat(1.0 / steps as f32);
-        let (mut color, mut through) = ([splat(0.0); 3], splat(1.0));
-        // Widgets too thin for the order to matter are mixed in.
-        let average = one_minus_exp::<L>(total) / total.max(splat(f32::MIN_POSITIVE));
-        for (widget, &depth) in widgets.iter().zip(depths) {
-            let matters = splat(MIX_PRODUCT).lt(depth * total);
-            let mixed = L::F::select(matters, splat(0.0), depth * average);
-            for (sum, c) in color.iter_mut().zip(widget.color()) {
-                *sum = mixed.mul_add(splat(c), *sum);
-            }
-        }
-        for step in 0..steps {
-            let (mut density, mut weighted) = ([splat(0.0); 4], [[splat(0.0); 3]; 4]);
-            for (widget, &widget_depth) in widgets.iter().zip(depths) {
-                let matters = splat(MIX_PRODUCT).lt(widget_depth * total);
-                for j in 0..4 {
-                    let t = share * splat(step as f32 + NODES[j]);
-                    let value = L::F::select(matters, widget.density::<L>(along, t), splat(0.0));
-                    density[j] = density[j] + value;
-                    for (sum, c) in weighted[j].iter_mut().zip(widget.color()) {
-                        *sum = value.mul_add(splat(c), *sum);
-                    }
-                }
-            }
-            // Depth up to each node from the cubic through the four densities, then the emission there.
-            let length = along.length * share;
-            let mut whole = splat(0.0);
-            for j in 0..4 {
-                let mut depth = splat(0.0);
-                for k in 0..4 {
-                    depth = density[k].mul_add(splat(UP_TO[j][k]), depth);
-                }
-                let visible = through * exp::<L>(-(depth * length)) * length * splat(WEIGHTS[j]);
-                for (sum, w) in color.iter_mut().zip(weighted[j]) {
-                    *sum = w.mul_add(visible, *sum);
-                }
-                whole = density[j].mul_add(splat(WEIGHTS[j]), whole);
-            }
-            through = through * exp::<L>(-(whole * length));
-        }
-        let keep = super::widget::lanes_of::<L>(served);
-        for (column, sum) in out.rgba.iter_mut().zip(color) {
-            let mixed = L::F::load(&column[at..]);
-            L::F::select(keep, sum, mixed).store(&mut column[at..]);
-        }
-        overlapping & !served
+        unsure | together.ordered(rest, at, out)
     }
 }
-
-/// Steps of the ordered quadrature where one does not do.
-const STEPS: usize = 4;
-
-/// Gauss-Legendre on [0, 1] with 4 points.
-const NODES: [f32; 4] = [0.069_431_84, 0.330_009_5, 0.669_990_54, 0.930_568_2];
-const WEIGHTS: [f32; 4] = [0.173_927_42, 0.326_072_58, 0.326_072_58, 0.173_927_42];
-/// ∫₀^{node j} of the Lagrange polynomial of node k.
-const UP_TO: [[f32; 4]; 4] = [
-    [0.08696371, -0.02660418, 0.012627463, -0.0035551498],
-    [0.18811812, 0.16303629, -0.027880428, 0.0067355004],
-    [0.16719192, 0.353953, 0.16303629, -0.014190695],
-    [0.17748258, 0.31344512, 0.35267675, 0.08696371],
-];

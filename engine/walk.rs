@@ -11,7 +11,7 @@ use super::widget::{Along, LaneWidget};
 use voltet_core::lanes::{Float, Lanes, Mask, array};
 use voltet_core::optics::lanes::elementary::one_minus_exp;
 use voltet_core::optics::lanes::overlap::{MEMBERS_MOST, ordered};
-use voltet_core::transfer::{OpticalModel, TransferFunction};
+use voltet_core::transfer::TransferFunction;
 
 /// Rate of a segment's densest place, depth per t, up to which panels resolve what is seen: 32-bit t finds a step to
 /// 5e-7, so to 1e-4 of depth.
@@ -20,7 +20,7 @@ const RATE_MOST: f32 = 200.0;
 /// The slow road in lanes.
 pub(crate) struct Walker {
     /// The constant-emitter's.
-    pub cutoff: Option<f64>,
+    cutoff: Option<f64>,
     /// D/U per scene length.
     scale: f32,
     one_color: bool,
@@ -40,10 +40,7 @@ impl Walker {
         let served = widgets.len() <= MEMBERS_MOST
             && !widgets.is_empty()
             && !widgets.iter().any(|widget| matches!(widget, LaneWidget::Exact));
-        let cutoff = match transfer_function.model {
-            OpticalModel::DensityEmitter => None,
-            OpticalModel::ConstantEmitter { cutoff } => Some(cutoff),
-        };
+        let cutoff = transfer_function.model.cutoff();
         let scale = (length / transfer_function.unit_distance) as f32;
         // A scale beyond 32 bits, or so small that its products leave them.
         let held = scale.is_finite() && scale > 1e-30;
@@ -134,9 +131,8 @@ impl Walker {
             Some(_) => crossing,
             None => overlapping | (varies & crossing),
         };
-        if in_order != 0 {
-            let deep = splat(RATE_MOST).lt(densest).bits();
-            unsure |= in_order & (delicate | deep);
+        unsure |= in_order & (delicate | splat(RATE_MOST).lt(densest).bits());
+        if in_order & !unsure != 0 {
             let scale = along.length * splat(self.scale);
             let mut members = [super::member::nothing::<L>(); MEMBERS_MOST];
             for (member, widget) in members.iter_mut().zip(widgets) {

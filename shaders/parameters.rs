@@ -2,8 +2,8 @@
 
 use bytemuck::{Pod, Zeroable};
 use voltet_core::optics::wave::{sine_half_area, sine_half_width};
-use voltet_core::shading::Shading;
-use voltet_core::transfer::{OpticalModel, Profile, Region, TransferFunction, Wave, Widget};
+use voltet_core::shading::{Shading, unit_vector};
+use voltet_core::transfer::{Profile, Region, TransferFunction, Wave, Widget};
 use voltet_core::{Error, Result};
 
 /// How a value is stored: stored = (value − offset) / scale.
@@ -99,12 +99,9 @@ impl Parameters {
                 .found(axes.len())
                 .accepted(format!("{}: s, g and one a field", 2 + fields.len())));
         }
-        let cutoff = match transfer_function.model {
-            OpticalModel::ConstantEmitter { cutoff } => Some(cutoff),
-            OpticalModel::DensityEmitter => None,
-        };
+        let cutoff = transfer_function.model.cutoff();
         let (direction, ambient, diffuse) = shading.light.map_or(([0.0; 3], 1.0, 0.0), |light| {
-            (light.direction.normalize_or_zero().to_array(), light.ambient, light.diffuse)
+            (unit_vector(light.direction).to_array(), light.ambient, light.diffuse)
         });
         let per_unit = length / transfer_function.unit_distance;
         let head = SceneHead {

@@ -14,7 +14,7 @@ use super::validate::validate;
 use super::wave::{Bell, WavePath};
 use super::{Contribution, Overlap, Segment};
 use crate::Result;
-use crate::transfer::{ControlPoint, OpticalModel, Profile, Table, TransferFunction};
+use crate::transfer::{ControlPoint, Profile, Table, TransferFunction};
 use std::sync::Arc;
 
 /// A transfer function, checked, with what all its segments share worked out.
@@ -115,10 +115,7 @@ impl Prepared {
             let clip = widget.region.as_ref().map(Clip::new).transpose()?;
             widgets.push(PreparedWidget { shape, color: widget.color, extinction, clip });
         }
-        let cutoff = match transfer_function.model {
-            OpticalModel::DensityEmitter => None,
-            OpticalModel::ConstantEmitter { cutoff } => Some(Cutoff { share: cutoff, level: -cutoff.ln() }),
-        };
+        let cutoff = transfer_function.model.cutoff().map(|share| Cutoff { share, level: -share.ln() });
         Ok(Prepared { cutoff, unit_distance: transfer_function.unit_distance, widgets })
     }
 

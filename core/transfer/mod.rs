@@ -30,6 +30,16 @@ pub enum OpticalModel {
     },
 }
 
+impl OpticalModel {
+    /// The constant-emitter's cutoff.
+    pub fn cutoff(self) -> Option<f64> {
+        match self {
+            OpticalModel::DensityEmitter => None,
+            OpticalModel::ConstantEmitter { cutoff } => Some(cutoff),
+        }
+    }
+}
+
 /// One widget.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Widget {

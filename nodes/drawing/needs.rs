@@ -6,6 +6,7 @@ use voltet_core::graph::{Asking, Demand, Look};
 use voltet_core::optics::integrators::can_serve;
 use voltet_core::shading::Shading;
 use voltet_core::transfer::{OpticalModel, Profile, TransferFunction, Widget};
+use voltet_engine::needs_gradient;
 
 /// Asks at `port` for what drawing the transfer function at `look` with the node's parameters needs; gives what
 /// was asked for.
@@ -22,8 +23,7 @@ pub fn ask(asking: &mut Asking, port: &str, look: &str) -> Result<Demand> {
 }
 
 fn demand(look: Option<&Look>, shading: &Shading) -> Demand {
-    // A silhouette of exponent 0 changes nothing.
-    let gradient = shading.light.is_some() || shading.silhouette.is_some_and(|p| p != 0.0);
+    let gradient = needs_gradient(shading);
     let known = match look {
         None => Demand::unknown(),
         Some(look) => {

@@ -8,6 +8,7 @@ use std::sync::Mutex;
 use std::time::{Duration, Instant};
 use voltet::Document;
 use voltet::core::graph::{Observer, nearest};
+use voltet::core::optics::integrators::Integrator;
 use voltet::core::progress::Progress;
 use voltet::core::{Error, Result};
 use voltet::nodes::files;
@@ -17,15 +18,10 @@ use voltet::study::{self, Frames, Measure, Scene, Study, Wish};
 const SHORT: u8 = 1;
 
 /// Names that `--only` takes: all but the reference, with which the others are compared.
-const INTEGRATORS: [&str; 7] = [
-    "analytic",
-    "adaptive",
-    "segments",
-    "riemann",
-    "pre-integrated",
-    "pre-integrated-cylindrical",
-    "clipped",
-];
+fn integrators() -> impl Iterator<Item = &'static str> + Clone {
+    let studied = |integrator: &Integrator| *integrator != Integrator::Reference;
+    Integrator::EVERY.into_iter().filter(studied).map(|integrator| integrator.name())
+}
 
 pub fn study(arguments: &arguments::Study) -> Result<u8> {
     let wish = wish(arguments)?;
@@ -41,9 +37,10 @@ pub fn study(arguments: &arguments::Study) -> Result<u8> {
 }
 
 fn wish(arguments: &arguments::Study) -> Result<Wish> {
-    if let Some(name) = arguments.only.iter().find(|name| !INTEGRATORS.contains(&name.as_str())) {
-        let known = INTEGRATORS.join(", ");
-        let accepted = match nearest(name, INTEGRATORS) {
+    if let Some(name) = arguments.only.iter().find(|name| !integrators().any(|known| known == name.as_str()))
+    {
+        let known = integrators().collect::<Vec<_>>().join(", ");
+        let accepted = match nearest(name, integrators()) {
             Some(meant) => format!("\"{meant}\"; there are {known}"),
             None => format!("one of {known}"),
         };

@@ -48,6 +48,18 @@ pub const TABLE_SIDE_MOST: usize = 512;
 pub const PARTIAL_SIDE_MOST: usize = 4096;
 
 impl Integrator {
+    /// One of each kind, at its least numbers: for asking which kinds there are and which serve.
+    pub const EVERY: [Integrator; 8] = [
+        Integrator::Analytic,
+        Integrator::Adaptive { tolerance: 1e-3 },
+        Integrator::Segments { count: 1, table_size: 2 },
+        Integrator::Riemann { count: 1 },
+        Integrator::PreIntegrated { table_size: 2 },
+        Integrator::PreIntegratedCylindrical { table_size: 2 },
+        Integrator::Clipped,
+        Integrator::Reference,
+    ];
+
     /// The name in pipeline files.
     pub fn name(&self) -> &'static str {
         match self {
@@ -131,17 +143,7 @@ pub fn can_serve(integrator: &Integrator, transfer_function: &TransferFunction) 
         Integrator::Clipped => "one piecewise-linear widget",
         _ => "widgets of the scalar alone",
     };
-    let others = [
-        Integrator::Analytic,
-        Integrator::Adaptive { tolerance: 1e-3 },
-        Integrator::Segments { count: 1, table_size: 2 },
-        Integrator::Riemann { count: 1 },
-        Integrator::PreIntegrated { table_size: 2 },
-        Integrator::PreIntegratedCylindrical { table_size: 2 },
-        Integrator::Clipped,
-        Integrator::Reference,
-    ];
-    let serving: Vec<&str> = others
+    let serving: Vec<&str> = Integrator::EVERY
         .iter()
         .filter(|other| other.obstacle(transfer_function).is_none())
         .map(Integrator::name)

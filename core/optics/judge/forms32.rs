@@ -12,7 +12,7 @@ use crate::optics::lanes::linear;
 use crate::optics::lanes::overlap::{LaneMember, MEMBERS_MOST, ordered};
 use crate::optics::lanes::wave::BANDS_MOST;
 use crate::optics::{Contribution, Overlap, Prepared, Segment};
-use crate::transfer::{OpticalModel, Profile, TransferFunction};
+use crate::transfer::{Profile, TransferFunction};
 
 /// Widths that a segment may span. Beyond it the rounding of the ends (6e-8 of the span) moves the path by a
 /// share of a width, which enters h² squared: 1e-5 at this limit.
@@ -39,10 +39,7 @@ impl Forms for Native32 {
     ) -> Result<Answer> {
         let prepared = Prepared::new(transfer_function)?;
         let scale = segment.length / transfer_function.unit_distance;
-        let cutoff = match transfer_function.model {
-            OpticalModel::ConstantEmitter { cutoff } => Some(cutoff),
-            OpticalModel::DensityEmitter => None,
-        };
+        let cutoff = transfer_function.model.cutoff();
         let mut crossings = Vec::new();
         for widget in &transfer_function.widgets {
             if out_of_range(scale * widget.extinction.max(1.0)) || out_of_range(scale) {

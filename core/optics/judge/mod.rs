@@ -11,6 +11,7 @@ mod crossing32;
 mod forms;
 mod forms32;
 mod report;
+pub mod twin;
 
 pub use bounds::{Precision, Rule};
 pub use case::{Case, Kind, SegmentCase, parse};

@@ -2,6 +2,7 @@
 
 use super::bounds::Rule;
 use super::case::Case;
+use std::fmt;
 
 /// What was found for one quantity of one kind and category.
 #[derive(Debug, Clone, PartialEq)]
@@ -28,6 +29,25 @@ pub struct Row {
     pub worst_id: String,
     /// Relative error of that case.
     pub worst_error: f64,
+}
+
+impl fmt::Display for Row {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "{:8} {:9} {:12} judged {:5} finite {:4} skipped {:4} broken {:4} worst {:9.3} {} ({:.1e})",
+            self.kind,
+            self.category,
+            self.quantity,
+            self.judged,
+            self.only_finite,
+            self.skipped,
+            self.broken,
+            self.worst,
+            self.worst_id,
+            self.worst_error
+        )
+    }
 }
 
 /// Cases that the forms did not serve themselves.

@@ -16,23 +16,7 @@ fn read(name: &str) -> String {
 }
 
 fn table(report: &Report) -> String {
-    let mut text = String::new();
-    for r in &report.rows {
-        text += &format!(
-            "{:8} {:9} {:12} judged {:5} finite {:4} skipped {:4} broken {:4} worst {:9.3} {} ({:.1e})\n",
-            r.kind,
-            r.category,
-            r.quantity,
-            r.judged,
-            r.only_finite,
-            r.skipped,
-            r.broken,
-            r.worst,
-            r.worst_id,
-            r.worst_error
-        );
-    }
-    text
+    report.rows.iter().map(|row| format!("{row}\n")).collect()
 }
 
 #[test]

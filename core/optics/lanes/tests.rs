@@ -11,15 +11,13 @@ use super::wave::{LaneBell, LanePhase, LaneWaveTrack};
 use crate::lanes::{Float, Kernel, LaneSet, Lanes, dispatch};
 use crate::optics::clip::Stretch;
 use crate::optics::gaussian::GaussianPath;
+use crate::optics::judge::twin::{self, INPUTS, Range};
 use crate::optics::linear as truth;
 use crate::optics::special;
 use crate::optics::triangular_gaussian::TriangularPath;
 use crate::optics::wave::Bell;
 use crate::optics::{Overlap, Prepared, Segment};
 use crate::transfer::{ControlPoint, OpticalModel, Profile, Region, TransferFunction, Wave, Widget};
-
-/// Most inputs of a twin.
-const INPUTS: usize = 4;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Formula {
@@ -55,14 +53,6 @@ struct Twin {
     tolerance: f64,
     /// Why that tolerance.
     reason: &'static str,
-}
-
-#[derive(Clone, Copy)]
-enum Range {
-    /// Evenly between.
-    Even(f64, f64),
-    /// Evenly in the logarithm to base 10.
-    Log(f64, f64),
 }
 
 const DEPTH: Range = Range::Log(-12.0, 6.0);
@@ -289,19 +279,9 @@ impl Kernel for Run<'_> {
 fn every_twin_keeps_its_tolerance_on_every_lane_set() {
     const COUNT: usize = 4000;
     for twin in &TWINS {
-        // A sequence of low discrepancy (Roberts 2018), rounded to what 32 bits hold.
         let inputs: Vec<[f64; INPUTS]> = (0..COUNT)
             .map(|i| {
-                let mut row = [0.0; INPUTS];
-                for (j, range) in twin.inputs.iter().enumerate() {
-                    let step = 0.855_674_883_f64.powi(j as i32 + 1);
-                    let u = (0.5 + step * (i + 1) as f64).fract();
-                    row[j] = match *range {
-                        Range::Even(a, b) => a + (b - a) * u,
-                        Range::Log(a, b) => 10f64.powf(a + (b - a) * u),
-                    };
-                    row[j] = f64::from(row[j] as f32);
-                }
+                let mut row = twin::inputs(twin.inputs, i);
                 // Some flat segments.
                 if i % 16 == 0 && matches!(twin.formula, Formula::Triangle(_) | Formula::Sine(_)) {
                     row[1] = row[0];
@@ -318,18 +298,8 @@ fn every_twin_keeps_its_tolerance_on_every_lane_set() {
             dispatch(lanes, Run { formula: twin.formula, inputs: &inputs, out: &mut out });
             let mut worst = (0.0, 0);
             for (i, (x, found)) in inputs.iter().zip(&out).enumerate() {
-                let value = exact(twin.formula, x);
-                let epsilon = f64::from(f32::EPSILON);
-                // How much the truth changes by when an input changes by a relative 1e-6.
-                let mut change = 0.0;
-                for j in 0..twin.inputs.len() {
-                    let mut y = *x;
-                    y[j] *= 1.0 + 1e-6;
-                    change += (exact(twin.formula, &y) - value).abs() / 1e-6;
-                }
-                let allowed = twin.tolerance * epsilon * (4.0 * value.abs() + change) + 1e-30;
-                let ratio = (f64::from(*found) - value).abs() / allowed;
-                let ratio = if ratio.is_nan() { f64::INFINITY } else { ratio };
+                let truth = |x: &[f64; INPUTS]| exact(twin.formula, x);
+                let ratio = twin::error_ratio(truth, x, twin.inputs.len(), *found, twin.tolerance);
                 if ratio > worst.0 {
                     worst = (ratio, i);
                 }

@@ -194,22 +194,7 @@ impl Forms for Composed {
 }
 
 fn table(report: &Report) -> String {
-    let mut text = String::new();
-    for r in &report.rows {
-        text += &format!(
-            "{:8} {:9} {:12} judged {:5} finite {:4} skipped {:4} broken {:4} worst {:9.3} {} ({:.1e})\n",
-            r.kind,
-            r.category,
-            r.quantity,
-            r.judged,
-            r.only_finite,
-            r.skipped,
-            r.broken,
-            r.worst,
-            r.worst_id,
-            r.worst_error
-        );
-    }
+    let mut text: String = report.rows.iter().map(|row| format!("{row}\n")).collect();
     for broken in &report.broken {
         text += &format!(
             "{} {}: {:e} for {:e}, {:.2} of the bound\n",

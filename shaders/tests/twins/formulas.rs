@@ -2,23 +2,13 @@
 
 use voltet_core::optics::clip::Stretch;
 use voltet_core::optics::gaussian::GaussianPath;
+use voltet_core::optics::judge::twin::{INPUTS, Range};
 use voltet_core::optics::triangular_gaussian::TriangularPath;
 use voltet_core::optics::wave::Bell;
 use voltet_core::optics::{Overlap, linear, special};
 use voltet_core::shading::{Integrator, Shading};
 use voltet_core::transfer::{OpticalModel, Profile, TransferFunction, Wave, Widget};
 use voltet_shaders::{Axis, Parameters};
-
-/// Most inputs of a twin.
-pub const INPUTS: usize = 4;
-
-#[derive(Clone, Copy)]
-pub enum Range {
-    /// Evenly between.
-    Even(f64, f64),
-    /// Evenly in the logarithm to base 10.
-    Log(f64, f64),
-}
 
 /// A 64-bit formula of the inputs.
 type Truth = Box<dyn Fn(&[f64; INPUTS]) -> f64>;

@@ -5,24 +5,18 @@ mod fixtures;
 mod formulas;
 
 use device::{Device, Input};
-use formulas::{INPUTS, Range, Twin, twins};
+use formulas::{Twin, twins};
+use voltet_core::optics::judge::twin::{self, INPUTS};
 use voltet_shaders::compose_pieces;
 
 /// Inputs of a twin.
 const COUNT: usize = 4000;
 
 /// A sequence of low discrepancy (Roberts 2018), rounded to what 32 bits hold; some segments are flat.
-fn inputs(twin: &Twin) -> Vec<[f32; INPUTS]> {
+fn inputs(tried: &Twin) -> Vec<[f32; INPUTS]> {
     let row = |i: usize| {
-        let mut row = [0f32; INPUTS];
-        for (j, range) in twin.inputs.iter().enumerate() {
-            let u = (0.5 + 0.855_674_883_f64.powi(j as i32 + 1) * (i + 1) as f64).fract();
-            row[j] = match *range {
-                Range::Even(a, b) => a + (b - a) * u,
-                Range::Log(a, b) => 10f64.powf(a + (b - a) * u),
-            } as f32;
-        }
-        if i.is_multiple_of(16) && twin.expression.contains("phase(") {
+        let mut row = twin::inputs(tried.inputs, i).map(|x| x as f32);
+        if i.is_multiple_of(16) && tried.expression.contains("phase(") {
             row[1] = row[0];
         }
         row
@@ -69,19 +63,7 @@ fn every_twin_keeps_its_tolerance() {
         let mut worst = (0.0, 0);
         for (i, (row, found)) in rows.iter().zip(&values).enumerate() {
             let x = row.map(f64::from);
-            let value = (twin.truth)(&x);
-            // How much the truth changes by when an input changes by a relative 1e-6.
-            let change: f64 = (0..twin.inputs.len())
-                .map(|j| {
-                    let mut y = x;
-                    y[j] *= 1.0 + 1e-6;
-                    ((twin.truth)(&y) - value).abs() / 1e-6
-                })
-                .sum();
-            let epsilon = f64::from(f32::EPSILON);
-            let allowed = twin.tolerance * epsilon * (4.0 * value.abs() + change) + 1e-30;
-            let ratio = (f64::from(*found) - value).abs() / allowed;
-            let ratio = if ratio.is_nan() { f64::INFINITY } else { ratio };
+            let ratio = twin::error_ratio(&twin.truth, &x, twin.inputs.len(), *found, twin.tolerance);
             if ratio > worst.0 {
                 worst = (ratio, i);
             }
