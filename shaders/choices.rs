@@ -1,6 +1,8 @@
 //! What a scene asks of its shader: the choices that decide the text.
 
+use crate::parameters::widget_edges;
 use voltet_core::optics::Overlap;
+use voltet_core::optics::integrators::can_serve;
 use voltet_core::shading::{Integrator, Shading};
 use voltet_core::transfer::{OpticalModel, Profile, TransferFunction, Widget};
 use voltet_core::{Error, Result};
@@ -13,6 +15,36 @@ pub enum Compositor {
     None,
     /// `integrate_segments`: a list of segments, one invocation each.
     Segments,
+}
+
+/// How a segment is integrated, as far as it decides the text: counts, tolerances and the sides of tables are numbers
+/// that the text reads.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Method {
+    /// Closed forms; `clipped` is the one of a piecewise-linear widget.
+    Analytic,
+    /// Closed forms, subdivided to a tolerance.
+    Adaptive,
+    /// Equal pieces and the partial pre-integration table.
+    Segments,
+    /// Point samples.
+    Riemann,
+    /// A table over (s_f, s_b, D).
+    PreIntegrated,
+    /// The same table as two-dimensional tiles.
+    PreIntegratedCylindrical,
+}
+
+impl Method {
+    /// Whether what is drawn stands in a table, so that the text knows no widgets.
+    pub fn is_table_of_lengths(self) -> bool {
+        matches!(self, Method::PreIntegrated | Method::PreIntegratedCylindrical)
+    }
+
+    /// Whether the widgets are sampled.
+    pub(crate) fn samples(self) -> bool {
+        matches!(self, Method::Riemann | Method::Segments)
+    }
 }
 
 /// How the widgets of a segment are combined.
@@ -49,6 +81,8 @@ pub enum Kind {
     SineWave,
     /// Linear between so many control points.
     Piecewise(usize),
+    /// An image over the (s, g) plane.
+    Table,
 }
 
 /// A widget, as far as it decides the text.
@@ -56,14 +90,16 @@ pub enum Kind {
 pub struct WidgetChoice {
     /// Its profile.
     pub kind: Kind,
-    /// Edges of its region; `None` without one.
+    /// Edges of its region, and of a table's range; `None` without any.
     pub edges: Option<usize>,
 }
 
 /// Everything that decides the text.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct Choices {
-    /// The widgets in their order.
+    /// How a segment is integrated.
+    pub method: Method,
+    /// The widgets in their order; none where a table stands for them.
     pub widgets: Vec<WidgetChoice>,
     /// The constant-emitter, not the density-emitter.
     pub constant_emitter: bool,
@@ -82,44 +118,53 @@ pub struct Choices {
 }
 
 impl Choices {
-    /// What a scene asks for. Errors name what no piece serves: integrators other than the analytic one, tables.
+    /// What a scene asks for. Errors: those of `can_serve`, and the integrator `reference`, which has no shader.
     pub fn new(
         transfer_function: &TransferFunction,
         shading: &Shading,
         compositor: Compositor,
     ) -> Result<Choices> {
-        if shading.integrator != Integrator::Analytic {
-            return Err(Error::usage("the integrator has no shader")
-                .found(shading.integrator.name())
-                .accepted(Integrator::Analytic.name()));
-        }
-        let widgets = transfer_function.widgets.iter().enumerate();
-        let widgets = widgets
-            .map(|(i, widget)| choice(widget).map_err(|e| e.at_item(format!("widgets[{i}]"))))
-            .collect::<Result<Vec<_>>>()?;
-        let constant_emitter = matches!(transfer_function.model, OpticalModel::ConstantEmitter { .. });
-        let combine = match widgets.len() {
-            0 => Combine::Nothing,
-            _ if !constant_emitter && has_one_color(transfer_function) => Combine::OneColor,
-            1 => Combine::Alone,
-            _ if shading.overlap == Overlap::Mix => Combine::Mix,
-            _ => Combine::Ordered,
-        };
-        Ok(Choices {
-            widgets,
-            constant_emitter,
-            combine,
-            reads_gradient_magnitude: transfer_function.uses_gradient_magnitude(),
-            field_count: transfer_function.fields().len(),
+        can_serve(&shading.integrator, transfer_function)?;
+        let method = method(&shading.integrator)?;
+        let scene = Choices {
+            method,
+            widgets: Vec::new(),
+            constant_emitter: false,
+            combine: Combine::Nothing,
+            reads_gradient_magnitude: false,
+            field_count: 0,
             silhouette: shading.silhouette.is_some_and(|p| p != 0.0),
             light: shading.light.is_some(),
             compositor,
-        })
+        };
+        if method.is_table_of_lengths() {
+            return Ok(scene);
+        }
+        let widgets: Vec<WidgetChoice> = transfer_function.widgets.iter().map(choice).collect();
+        let constant_emitter = matches!(transfer_function.model, OpticalModel::ConstantEmitter { .. });
+        // The others than `analytic` take widgets together in their order.
+        let mixed = shading.overlap == Overlap::Mix && method == Method::Analytic;
+        let combine = match widgets.len() {
+            0 => Combine::Nothing,
+            _ if method.samples() => Combine::Ordered,
+            _ if !constant_emitter && has_one_color(transfer_function) => Combine::OneColor,
+            1 => Combine::Alone,
+            _ if mixed => Combine::Mix,
+            _ => Combine::Ordered,
+        };
+        let reads_gradient_magnitude = transfer_function.uses_gradient_magnitude();
+        let field_count = transfer_function.fields().len();
+        Ok(Choices { widgets, constant_emitter, combine, reads_gradient_magnitude, field_count, ..scene })
     }
 
     /// Values at each end of a segment: s, then g where it is read, then the further fields by name.
     pub fn value_count(&self) -> usize {
         1 + usize::from(self.reads_gradient_magnitude) + self.field_count
+    }
+
+    /// Whether a widget of the kind has no closed form for its light alone.
+    pub(crate) fn is_integrated(&self, kind: &Kind) -> bool {
+        *kind == Kind::Table || (*kind == Kind::Triangular && self.constant_emitter)
     }
 
     /// Whether a gradient vector is asked for.
@@ -139,9 +184,42 @@ impl Choices {
             widget.edges.is_some() || matches!(widget.kind, Kind::GaussianFields(_) | Kind::Piecewise(_))
         })
     }
+
+    /// The read-only storage buffers of group 0, by name and binding: `numbers`, whose bytes [`crate::Parameters`]
+    /// holds, and those of [`crate::Resources`].
+    pub fn storage_buffers(&self) -> Vec<(&'static str, u32)> {
+        let has_table = self.widgets.iter().any(|widget| widget.kind == Kind::Table);
+        let tables = self.method.is_table_of_lengths();
+        let all = [
+            (self.reads_numbers(), "numbers", 1),
+            (has_table, "texels", 2),
+            (self.method == Method::Segments && !self.widgets.is_empty(), "partial_table", 3),
+            (tables, "mean_extinctions", 4),
+            (tables, "glows", 5),
+        ];
+        all.into_iter().filter(|(used, ..)| *used).map(|(_, name, binding)| (name, binding)).collect()
+    }
 }
 
-fn choice(widget: &Widget) -> Result<WidgetChoice> {
+fn method(integrator: &Integrator) -> Result<Method> {
+    Ok(match integrator {
+        Integrator::Analytic | Integrator::Clipped => Method::Analytic,
+        Integrator::Adaptive { .. } => Method::Adaptive,
+        Integrator::Segments { .. } => Method::Segments,
+        Integrator::Riemann { .. } => Method::Riemann,
+        Integrator::PreIntegrated { .. } => Method::PreIntegrated,
+        Integrator::PreIntegratedCylindrical { .. } => Method::PreIntegratedCylindrical,
+        Integrator::Reference => {
+            let others = Integrator::EVERY.iter().filter(|other| **other != Integrator::Reference);
+            let names: Vec<&str> = others.map(Integrator::name).collect();
+            return Err(Error::usage("the integrator has no shader: it works in 64 bits")
+                .found(integrator.name())
+                .accepted(names.join(", ")));
+        }
+    })
+}
+
+fn choice(widget: &Widget) -> WidgetChoice {
     let kind = match &widget.profile {
         Profile::Uniform => Kind::Uniform,
         Profile::Gaussian { matrix, .. } if matrix[0][1] == 0.0 && matrix[1][1] == 0.0 => Kind::GaussianLine,
@@ -151,18 +229,17 @@ fn choice(widget: &Widget) -> Result<WidgetChoice> {
         Profile::TriangleWave(_) => Kind::TriangleWave,
         Profile::SineWave(_) => Kind::SineWave,
         Profile::PiecewiseLinear { points } => Kind::Piecewise(points.len()),
-        Profile::Table(_) => {
-            return Err(Error::usage("a table widget has no shader")
-                .found(widget.profile.name())
-                .accepted("a widget with a closed form or control points"));
-        }
+        Profile::Table(_) => Kind::Table,
     };
-    let edges = widget.region.as_ref().map(|region| crate::parameters::edges(region).len());
-    Ok(WidgetChoice { kind, edges })
+    let clipped = widget.region.is_some() || kind == Kind::Table;
+    WidgetChoice { kind, edges: clipped.then(|| widget_edges(widget).len()) }
 }
 
 /// Whether all light has one colour.
 fn has_one_color(transfer_function: &TransferFunction) -> bool {
+    if transfer_function.widgets.iter().any(|widget| matches!(widget.profile, Profile::Table(_))) {
+        return false;
+    }
     let mut colors = transfer_function.widgets.iter().flat_map(|widget| match &widget.profile {
         Profile::PiecewiseLinear { points } => points.iter().map(|p| p.color).collect(),
         _ => vec![widget.color],

@@ -2,7 +2,8 @@
 //!
 //! No device is needed here: [`compose`] makes a text, [`Parameters`] the bytes that the text reads. Which code exists
 //! is a choice of pieces; equal choices give equal text, so the text is the key of a cache of pipelines. What may
-//! change per frame (colours, extinctions, centres, corners, light) is in [`Parameters`] only.
+//! change per frame (colours, extinctions, centres, corners, light) is in [`Parameters`] only. Tables are
+//! [`Resources`], with the passes that fill them. [`held`] tells what 32 bits cannot hold.
 //!
 //! A piece is a file under `wgsl/`. Its first line says which pieces it uses, which slot it fills and which slots it
 //! asks for; a slot that no file fills (`values`, `members`, `segment`) is filled by the generated block.
@@ -10,10 +11,14 @@
 mod choices;
 mod compose;
 mod generate;
+mod held;
 mod parameters;
 mod pieces;
+mod resources;
 
-pub use choices::{Choices, Combine, Compositor, Kind, WidgetChoice};
+pub use choices::{Choices, Combine, Compositor, Kind, Method, WidgetChoice};
 pub use compose::{Shader, compose, compose_pieces};
+pub use held::{Spans, held};
 pub use parameters::{Axis, Parameters, SceneHead, WidgetRecord};
 pub use pieces::{PIECES, Piece, piece};
+pub use resources::{Buffer, Contents, Pass, Resources};

@@ -2,8 +2,8 @@
 
 use bytemuck::{Pod, Zeroable};
 use voltet_core::optics::wave::{sine_half_area, sine_half_width};
-use voltet_core::shading::{Shading, unit_vector};
-use voltet_core::transfer::{Profile, Region, TransferFunction, Wave, Widget};
+use voltet_core::shading::{Integrator, Shading, unit_vector};
+use voltet_core::transfer::{Profile, Region, Table, TransferFunction, Wave, Widget};
 use voltet_core::{Error, Result};
 
 /// How a value is stored: stored = (value − offset) / scale.
@@ -19,7 +19,7 @@ impl Axis {
     /// Values as they are.
     pub const PLAIN: Axis = Axis { offset: 0.0, scale: 1.0 };
 
-    fn stored(&self, value: f64) -> f64 {
+    pub(crate) fn stored(&self, value: f64) -> f64 {
         (value - self.offset) / self.scale
     }
 }
@@ -42,8 +42,12 @@ pub struct SceneHead {
     pub cutoff: f32,
     /// 1/U in scene lengths.
     pub per_unit: f32,
-    /// Fills up to the alignment of a widget.
-    pub padding: [f32; 3],
+    /// Largest error of a channel (adaptive).
+    pub tolerance: f32,
+    /// The largest channel of any colour.
+    pub brightest: f32,
+    /// Pieces of a segment (segments, riemann).
+    pub piece_count: u32,
 }
 
 /// `Widget` of `scene.wgsl`.
@@ -56,13 +60,13 @@ pub struct WidgetRecord {
     pub extinction: f32,
     /// Numbers of the profile.
     pub matrix: [f32; 4],
-    /// 1/w, reach, half area, half-width of what glows.
+    /// 1/w, reach, half area, half-width of what glows; of a table columns and rows.
     pub bell: [f32; 4],
     /// As values are stored.
     pub centre: [f32; 2],
     /// Where the region's edges begin in `numbers`.
     pub first_edge: u32,
-    /// Where the profile's further numbers begin.
+    /// Where the profile's further numbers begin, or a table's texels.
     pub first_number: u32,
     /// Bit 0: a sine wave; bit 1: nothing is cut away.
     pub bell_kind: u32,
@@ -84,6 +88,9 @@ pub struct Parameters {
 /// Bands over one unit of stored values from which on 32 bits do not tell one from the next.
 const BANDS_MOST: f64 = 1e6;
 
+/// Pieces of a segment: all of them are told apart by a 32-bit t.
+const PIECES_MOST: u32 = 1 << 20;
+
 impl Parameters {
     /// `axes`: how s, g (also where it is not read) and the further fields by name are stored. `length`: the scene
     /// length in world units, in which D is counted.
@@ -104,6 +111,11 @@ impl Parameters {
             (unit_vector(light.direction).to_array(), light.ambient, light.diffuse)
         });
         let per_unit = length / transfer_function.unit_distance;
+        let (tolerance, piece_count) = match shading.integrator {
+            Integrator::Adaptive { tolerance } => (tolerance as f32, 0),
+            Integrator::Segments { count, .. } | Integrator::Riemann { count } => (0.0, pieces(count)?),
+            _ => (0.0, 0),
+        };
         let head = SceneHead {
             light_direction: direction.map(|x| x as f32),
             light_ambient: ambient as f32,
@@ -113,10 +125,13 @@ impl Parameters {
             level: cutoff.map_or(0.0, |cutoff| (-cutoff.ln()).min(1e30)) as f32,
             cutoff: cutoff.unwrap_or(0.0) as f32,
             per_unit: finite("1/unit distance", per_unit)?,
-            padding: [0.0; 3],
+            tolerance,
+            brightest: brightest(transfer_function) as f32,
+            piece_count,
         };
         let first_field = 1 + usize::from(transfer_function.uses_gradient_magnitude());
-        let mut writer = Writer { axes, per_unit, cutoff, fields, first_field, numbers: Vec::new() };
+        let mut writer =
+            Writer { axes, per_unit, cutoff, fields, first_field, numbers: Vec::new(), texel_count: 0 };
         let mut widgets = Vec::with_capacity(transfer_function.widgets.len().max(1));
         for (i, widget) in transfer_function.widgets.iter().enumerate() {
             widgets.push(writer.widget(widget).map_err(|e| e.at_item(format!("widgets[{i}]")))?);
@@ -144,14 +159,14 @@ struct Writer<'a> {
     fields: Vec<&'a str>,
     first_field: usize,
     numbers: Vec<f32>,
+    /// Of the tables so far.
+    texel_count: u32,
 }
 
 impl Writer<'_> {
     fn widget(&mut self, widget: &Widget) -> Result<WidgetRecord> {
         let first_edge = self.numbers.len() as u32;
-        if let Some(region) = &widget.region {
-            self.region(region)?;
-        }
+        self.edges(widget)?;
         let first_number = self.numbers.len() as u32;
         let mut record = WidgetRecord {
             color: widget.color.map(|c| c as f32),
@@ -162,7 +177,8 @@ impl Writer<'_> {
         };
         let [s, g] = [self.axes[0], self.axes[1]];
         match &widget.profile {
-            Profile::Uniform | Profile::Table(_) => {}
+            Profile::Uniform => {}
+            Profile::Table(table) => self.table(table, &mut record)?,
             Profile::Gaussian { centre, matrix } => {
                 let one_row = matrix[0][1] == 0.0 && matrix[1][1] == 0.0;
                 let rows = if one_row {
@@ -197,6 +213,21 @@ impl Writer<'_> {
             }
         }
         Ok(record)
+    }
+
+    /// Texel coordinates are factor × stored value + place of the stored 0; the texels are those of `Resources`.
+    fn table(&mut self, table: &Table, record: &mut WidgetRecord) -> Result<()> {
+        let [s, g] = [self.axes[0], self.axes[1]];
+        let size = [table.width as f64, table.height as f64];
+        let columns = size[0] / (table.s[1] - table.s[0]);
+        let rows = size[1] / (table.g[1] - table.g[0]);
+        let column = [columns * s.scale, (s.offset - table.s[0]) * columns - 0.5];
+        let row = [-rows * g.scale, (table.g[1] - g.offset) * rows - 0.5];
+        record.matrix = all_finite("a table's range", [column[0], column[1], row[0], row[1]])?;
+        record.bell = [size[0] as f32, size[1] as f32, 0.0, 0.0];
+        record.first_number = self.texel_count;
+        self.texel_count += table.texels.len() as u32;
+        Ok(())
     }
 
     fn gaussian_fields(&mut self, names: &[String], centre: &[f64], matrix: &[Vec<f64>]) -> Result<()> {
@@ -243,8 +274,8 @@ impl Writer<'_> {
         Ok(())
     }
 
-    fn region(&mut self, region: &Region) -> Result<()> {
-        for Edge { normal, corner } in edges(region) {
+    fn edges(&mut self, widget: &Widget) -> Result<()> {
+        for Edge { normal, corner } in widget_edges(widget) {
             let scaled = [normal[0] * self.axes[0].scale, normal[1] * self.axes[1].scale];
             // Only the ratio of distances matters: a power of two keeps the digits.
             let size = scaled[0].abs().max(scaled[1].abs());
@@ -265,8 +296,35 @@ pub(crate) struct Edge {
     corner: [f64; 2],
 }
 
+/// The edges that limit a widget: those of its region, and those of a table's range.
+pub(crate) fn widget_edges(widget: &Widget) -> Vec<Edge> {
+    let mut all = widget.region.as_ref().map(edges).unwrap_or_default();
+    if let Profile::Table(table) = &widget.profile {
+        all.extend(edges(&Region::rectangle(table.s, table.g)));
+    }
+    all
+}
+
+/// The largest channel of any colour.
+fn brightest(transfer_function: &TransferFunction) -> f64 {
+    let of = |widget: &Widget| match &widget.profile {
+        Profile::PiecewiseLinear { points } => points.iter().flat_map(|p| p.color).fold(0.0, f64::max),
+        Profile::Table(table) => {
+            table.texels.iter().flat_map(|t| [t[0], t[1], t[2]]).fold(0.0, f32::max).into()
+        }
+        _ => widget.color.into_iter().fold(0.0, f64::max),
+    };
+    transfer_function.widgets.iter().map(of).fold(0.0, f64::max)
+}
+
+fn pieces(count: usize) -> Result<u32> {
+    u32::try_from(count).ok().filter(|count| *count <= PIECES_MOST).ok_or_else(|| {
+        Error::usage("a segment has more pieces than a shader walks").found(count).accepted(PIECES_MOST)
+    })
+}
+
 /// The edges of a region that limit something: those of a rectangle with open sides only where it is not open.
-pub(crate) fn edges(region: &Region) -> Vec<Edge> {
+fn edges(region: &Region) -> Vec<Edge> {
     let corners = &region.corners;
     if corners.iter().flatten().any(|x| x.is_infinite()) {
         let mut edges = Vec::new();

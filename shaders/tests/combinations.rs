@@ -2,11 +2,16 @@
 
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use std::collections::HashSet;
+use std::sync::Arc;
 use voltet_core::optics::Overlap;
+use voltet_core::optics::integrators::{Extent, can_serve};
 use voltet_core::shading::{Integrator, Light, Shading};
-use voltet_core::transfer::{ControlPoint, OpticalModel, Profile, Region, TransferFunction, Wave, Widget};
+use voltet_core::transfer::{
+    ControlPoint, OpticalModel, Profile, Region, Table, TransferFunction, Wave, Widget,
+};
 use voltet_shaders::{
-    Axis, Choices, Combine, Compositor, PIECES, Parameters, SceneHead, Shader, WidgetRecord, compose,
+    Axis, Choices, Combine, Compositor, Method, PIECES, Parameters, Resources, SceneHead, Shader,
+    WidgetRecord, compose,
 };
 
 const SHADING: Shading =
@@ -14,8 +19,11 @@ const SHADING: Shading =
 
 const CONSTANT: OpticalModel = OpticalModel::ConstantEmitter { cutoff: 0.01 };
 
+/// Kinds of widgets.
+const KINDS: usize = 9;
+
 /// The words that only text with such a widget may contain.
-const WORDS: [(&str, &[&str]); 8] = [
+const WORDS: [(&str, &[&str]); KINDS] = [
     ("uniform", &["uniform_depth"]),
     ("gaussian line", &["gaussian_line_path"]),
     ("gaussian plane", &["gaussian_plane_path"]),
@@ -24,6 +32,7 @@ const WORDS: [(&str, &[&str]); 8] = [
     ("triangle", &["triangle_mean_on_flank"]),
     ("sine", &["sine_mean_on_flank", "sin_pi"]),
     ("piecewise", &["ControlPoints", "POINT_STRIDE"]),
+    ("table", &["> texels", "struct TableTrack"]),
 ];
 
 fn wave(angle: f64) -> Wave {
@@ -45,9 +54,13 @@ fn profile(kind: usize) -> Profile {
         4 => Profile::TriangularGaussian { centre: 0.5, sigma: 0.3 },
         5 => Profile::TriangleWave(wave(0.0)),
         6 => Profile::SineWave(wave(0.4)),
-        _ => Profile::PiecewiseLinear {
+        7 => Profile::PiecewiseLinear {
             points: vec![point(0.0, 0.0, 1.0), point(0.5, 2.0, 0.2), point(1.0, 0.5, 0.4)],
         },
+        _ => {
+            let texels = vec![[0.5, 0.2, 0.1, 1.0]; 6];
+            Profile::Table(Arc::new(Table { width: 3, height: 2, texels, s: [0.0, 1.0], g: [0.0, 2.0] }))
+        }
     }
 }
 
@@ -61,6 +74,7 @@ fn regions() -> [Option<Region>; 3] {
     [None, Some(Region::rectangle([0.2, 0.8], [f64::NEG_INFINITY, f64::INFINITY])), Some(triangle)]
 }
 
+/// Every shading of the analytic integrator, and the others under one.
 fn shadings() -> Vec<Shading> {
     let light = Light { direction: glam::DVec3::new(1.0, 2.0, 3.0), ambient: 0.2, diffuse: 0.8 };
     let mut shadings = Vec::new();
@@ -71,6 +85,9 @@ fn shadings() -> Vec<Shading> {
             }
         }
     }
+    let others =
+        Integrator::EVERY.iter().filter(|i| !matches!(i, Integrator::Analytic | Integrator::Reference));
+    shadings.extend(others.map(|integrator| Shading { integrator: *integrator, ..SHADING }));
     shadings
 }
 
@@ -93,10 +110,10 @@ fn scene(model: OpticalModel, widgets: Vec<Widget>) -> TransferFunction {
 
 /// Every set of kinds of the sizes given, each under every region and model.
 fn scenes() -> Vec<(Vec<usize>, TransferFunction)> {
-    let mut sets: Vec<Vec<usize>> = vec![vec![], (0..8).collect()];
-    for i in 0..8 {
+    let mut sets: Vec<Vec<usize>> = vec![vec![], (0..KINDS).collect()];
+    for i in 0..KINDS {
         sets.push(vec![i]);
-        for j in 0..8 {
+        for j in 0..KINDS {
             sets.push(vec![i, j]);
         }
     }
@@ -122,46 +139,123 @@ fn scenes() -> Vec<(Vec<usize>, TransferFunction)> {
     scenes
 }
 
+/// What was not chosen is absent.
+fn check_words(
+    kinds: &[usize],
+    transfer_function: &TransferFunction,
+    shading: &Shading,
+    choices: &Choices,
+    text: &str,
+) {
+    let from_table = choices.method.is_table_of_lengths();
+    let samples = matches!(choices.method, Method::Riemann | Method::Segments);
+    for (kind, (name, words)) in WORDS.iter().enumerate() {
+        for word in *words {
+            let asked_for = kinds.contains(&kind) && !from_table;
+            // A sampled widget needs no depth.
+            let word = if samples && *word == "uniform_depth" { "UniformTrack" } else { word };
+            assert_eq!(text.contains(word), asked_for, "'{word}' of {name} in {kinds:?}");
+        }
+    }
+    let constant = transfer_function.model == CONSTANT;
+    let clipped = transfer_function.widgets.iter().any(|w| w.region.is_some()) || kinds.contains(&8);
+    let ordered = choices.combine == Combine::Ordered;
+    let integrated = constant && kinds.contains(&4) || kinds.contains(&8);
+    let walks = (ordered || integrated) && !samples && !from_table;
+    let holds =
+        |word: &str, when: bool| assert_eq!(text.contains(word), when, "'{word}' in {kinds:?}, {shading:?}");
+    holds("fn silhouette_factor", shading.silhouette.is_some());
+    holds("fn diffuse_factor", shading.light.is_some());
+    holds("fn part_inside", clipped && !from_table);
+    holds("fn ordered(", walks);
+    holds("fn mix_share", kinds.len() > 1 && !samples && !from_table);
+    holds("@compute", choices.compositor == Compositor::Segments);
+    holds("fn riemann(", choices.method == Method::Riemann && !kinds.is_empty());
+    holds("> partial_table", choices.method == Method::Segments && !kinds.is_empty());
+    holds("> glows", from_table);
+    holds("fn to_cylinder", choices.method == Method::PreIntegratedCylindrical);
+    for (word, when) in [("_glow(", true), ("fn emission_weights", false)] {
+        assert!(!text.contains(word) || constant == when, "'{word}' in {kinds:?}, {constant}");
+    }
+}
+
+/// The read-only storage buffers of group 0, by binding.
+fn storage_buffers(module: &naga::Module) -> Vec<(&str, u32)> {
+    let read_only = naga::AddressSpace::Storage { access: naga::StorageAccess::LOAD };
+    let mut found: Vec<(&str, u32)> = module
+        .global_variables
+        .iter()
+        .filter(|(_, variable)| variable.space == read_only)
+        .filter_map(|(_, variable)| Some((variable.name.as_deref()?, variable.binding?)))
+        .filter(|(_, binding)| binding.group == 0)
+        .map(|(name, binding)| (name, binding.binding))
+        .collect();
+    found.sort_by_key(|(_, binding)| *binding);
+    found
+}
+
+/// Every buffer that the text reads but `numbers` has contents, of the length that its passes are dispatched for.
+fn check_resources(transfer_function: &TransferFunction, shading: &Shading, choices: &Choices) {
+    let extent = Extent { scalar: [0.0, 1.0], longest: 2.0 };
+    let resources =
+        Resources::new(choices, transfer_function, shading, Axis::PLAIN, 1.0, &extent).expect("in range");
+    let bound: Vec<(&str, u32)> =
+        resources.buffers.iter().filter_map(|buffer| Some((buffer.name, buffer.binding?))).collect();
+    let mut asked_for = choices.storage_buffers();
+    asked_for.retain(|(name, _)| *name != "numbers");
+    assert_eq!(bound, asked_for);
+    for pass in &resources.passes {
+        assert!(pass.buffers.iter().all(|i| *i < resources.buffers.len()));
+    }
+}
+
+#[test]
+fn passes_that_fill_tables_are_valid() {
+    let transfer_function = scene(CONSTANT, vec![widget(1, None)]);
+    let extent = Extent { scalar: [0.0, 1.0], longest: 2.0 };
+    for (integrator, count) in [
+        (Integrator::PreIntegrated { table_size: 5 }, 1),
+        (Integrator::PreIntegratedCylindrical { table_size: 5 }, 2),
+    ] {
+        let shading = Shading { integrator, ..SHADING };
+        let choices = Choices::new(&transfer_function, &shading, Compositor::None).expect("has pieces");
+        let resources = Resources::new(&choices, &transfer_function, &shading, Axis::PLAIN, 1.0, &extent)
+            .expect("in range");
+        assert_eq!(resources.passes.len(), count);
+        for pass in &resources.passes {
+            let module = validate(&pass.shader);
+            assert_eq!(module.entry_points[0].name, pass.entry_point);
+            let names: Vec<&str> = pass.buffers.iter().map(|i| resources.buffers[*i].name).collect();
+            let last = names.len() - 1;
+            let read = storage_buffers(&module);
+            assert_eq!(read.len(), last, "all but the last are only read");
+            assert!(read.iter().enumerate().all(|(i, (_, binding))| *binding == i as u32));
+        }
+    }
+}
+
 #[test]
 fn every_combination_is_valid_and_holds_only_what_it_uses() {
     let (mut texts, mut combinations) = (HashSet::new(), 0);
     for (kinds, transfer_function) in scenes() {
         for shading in shadings() {
+            if can_serve(&shading.integrator, &transfer_function).is_err() {
+                continue;
+            }
             for compositor in [Compositor::None, Compositor::Segments] {
                 combinations += 1;
                 let choices = Choices::new(&transfer_function, &shading, compositor).expect("has pieces");
                 let shader = compose(&choices);
-                let text = &shader.text;
-                for (kind, (name, words)) in WORDS.iter().enumerate() {
-                    for word in *words {
-                        assert_eq!(
-                            text.contains(word),
-                            kinds.contains(&kind),
-                            "'{word}' of {name} in {kinds:?}"
-                        );
-                    }
-                }
-                let constant = transfer_function.model == CONSTANT;
-                let clipped = transfer_function.widgets.iter().any(|w| w.region.is_some());
-                let ordered = choices.combine == Combine::Ordered;
-                let walks = ordered || constant && kinds.contains(&4);
-                assert_eq!(text.contains("fn silhouette_factor"), shading.silhouette.is_some());
-                assert_eq!(text.contains("fn diffuse_factor"), shading.light.is_some());
-                assert_eq!(text.contains("fn part_inside"), clipped);
-                assert_eq!(text.contains("fn ordered("), walks);
-                assert_eq!(text.contains("fn mix_share"), kinds.len() > 1);
-                assert_eq!(text.contains("@compute"), compositor == Compositor::Segments);
-                assert_eq!(text.contains("> numbers:"), choices.reads_numbers());
-                for (word, when) in [("_glow(", true), ("fn emission_weights", false)] {
-                    assert!(!text.contains(word) || constant == when, "'{word}' in {kinds:?}, {constant}");
-                }
-                if texts.insert(text.clone()) {
+                check_words(&kinds, &transfer_function, &shading, &choices, &shader.text);
+                if texts.insert(shader.text.clone()) {
                     let module = validate(&shader);
                     assert_eq!(module.entry_points.len(), usize::from(compositor == Compositor::Segments));
+                    assert_eq!(storage_buffers(&module), choices.storage_buffers());
                 }
                 let axes = vec![Axis::PLAIN; 2 + transfer_function.fields().len()];
                 let parameters = Parameters::new(&transfer_function, &shading, &axes, 1.0).expect("in range");
                 assert_eq!(parameters.widgets.len(), kinds.len().max(1));
+                check_resources(&transfer_function, &shading, &choices);
             }
         }
     }
@@ -192,22 +286,35 @@ fn every_piece_is_used_by_some_scene() {
     let mut used: HashSet<&str> = HashSet::new();
     for (_, transfer_function) in scenes() {
         for shading in shadings() {
+            if can_serve(&shading.integrator, &transfer_function).is_err() {
+                continue;
+            }
             let choices =
                 Choices::new(&transfer_function, &shading, Compositor::Segments).expect("has pieces");
             used.extend(compose(&choices).files());
         }
     }
     let unused: Vec<&str> = PIECES.iter().filter(|p| !used.contains(p.file)).map(|p| p.name).collect();
-    // ψ is what a table of pre-integration holds; compositing is for passes over whole pixels.
-    assert_eq!(unused, ["compositing", "linear/psi"]);
+    // ψ is what a table of pre-integration holds; compositing is for passes over whole pixels, and tables are filled by
+    // passes of their own.
+    assert_eq!(
+        unused,
+        ["compositing", "linear/psi", "pre_integrated/fill_slices", "pre_integrated/fill_tiles"]
+    );
 }
 
 #[test]
 fn what_has_no_shader_is_refused() {
-    let shading = Shading { integrator: Integrator::Riemann { count: 4 }, ..SHADING };
-    let transfer_function = scene(CONSTANT, vec![widget(1, None)]);
-    let error = Choices::new(&transfer_function, &shading, Compositor::None).expect_err("refused");
-    assert!(error.to_string().contains("riemann"), "{error}");
+    let refusal = |integrator, kind| {
+        let shading = Shading { integrator, ..SHADING };
+        let transfer_function = scene(CONSTANT, vec![widget(kind, None)]);
+        Choices::new(&transfer_function, &shading, Compositor::None).expect_err("refused").to_string()
+    };
+    let error = refusal(Integrator::Reference, 1);
+    assert!(error.contains("'reference'") || error.contains("reference"), "{error}");
+    assert!(error.contains("riemann"), "{error}");
+    let error = refusal(Integrator::PreIntegrated { table_size: 8 }, 2);
+    assert!(error.contains("gradient magnitude"), "{error}");
 }
 
 /// Offsets of a struct's members in the composed text.
@@ -233,7 +340,8 @@ fn structs_are_laid_out_as_in_the_shader() {
         color, extinction, matrix, bell, centre, first_edge, first_number, bell_kind);
     assert_eq!(layout("Widget"), (widget, size_of::<WidgetRecord>() as u32));
     let mut head = offsets!(SceneHead:
-        light_direction, light_ambient, light_diffuse, silhouette_exponent, level, cutoff, per_unit);
+        light_direction, light_ambient, light_diffuse, silhouette_exponent, level, cutoff, per_unit, tolerance,
+        brightest, piece_count);
     head.push(("widgets".to_owned(), size_of::<SceneHead>() as u32));
     let whole = size_of::<SceneHead>() + 2 * size_of::<WidgetRecord>();
     assert_eq!(layout("Scene"), (head, whole as u32));

@@ -8,11 +8,11 @@ struct Widget {
     extinction: f32,
     // Numbers of the profile; each kind says which.
     matrix: vec4f,
-    // 1/w, reach, half area, half-width of what glows (waves).
+    // 1/w, reach, half area, half-width of what glows (waves); columns and rows (tables).
     bell: vec4f,
     // In the values' own units.
     centre: vec2f,
-    // Where the region's edges and the profile's further numbers begin.
+    // Where the region's edges and the profile's further numbers, or a table's texels, begin.
     first_edge: u32,
     first_number: u32,
     // Bit 0: a sine wave; bit 1: nothing is cut away.
@@ -34,6 +34,12 @@ struct Scene {
     cutoff: f32,
     // 1/U in scene lengths.
     per_unit: f32,
+    // Largest error of a channel (adaptive).
+    tolerance: f32,
+    // The largest channel of any colour.
+    brightest: f32,
+    // Pieces of a segment (segments, riemann).
+    piece_count: u32,
     widgets: array<Widget, WIDGET_COUNT>,
 }
 

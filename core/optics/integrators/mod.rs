@@ -31,10 +31,11 @@ pub use choice::{Integrator, PARTIAL_SIDE_MOST, TABLE_SIDE_MOST, can_serve};
 pub use clipped::Clipped;
 pub use partial_table::PartialTable;
 pub use pre_integrated::PreIntegrated;
-pub use pre_integrated_cylindrical::PreIntegratedCylindrical;
+pub use pre_integrated_cylindrical::{PreIntegratedCylindrical, last_tile};
 pub use reference::Reference;
 pub use riemann::Riemann;
 pub use segments::Segments;
+pub use slice::{Matter, PARTS, Ramp};
 
 use super::{Contribution, Overlap, Segment};
 use crate::Result;

@@ -65,6 +65,21 @@ impl PartialTable {
         table
     }
 
+    /// Entries a side.
+    pub fn size(&self) -> usize {
+        self.size
+    }
+
+    /// φ, or F (1 + √T), by (u, √r).
+    pub fn front(&self) -> &[f32] {
+        &self.front
+    }
+
+    /// Empty, or B (1 + √T).
+    pub fn back(&self) -> &[f32] {
+        &self.back
+    }
+
     /// Bytes that it takes.
     pub fn bytes(&self) -> usize {
         (self.front.len() + self.back.len()) * size_of::<f32>()

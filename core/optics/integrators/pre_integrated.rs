@@ -8,10 +8,10 @@
 
 use super::slice::Ramp;
 use super::{Extent, Integrator, SegmentIntegrator, can_serve};
+use crate::Result;
 use crate::optics::special::{mean_transmittance, opacity};
 use crate::optics::{Contribution, Segment};
 use crate::transfer::TransferFunction;
-use crate::{Error, Result};
 use rayon::prelude::*;
 
 /// The table.
@@ -30,12 +30,6 @@ impl PreIntegrated {
     /// 2 … [`super::TABLE_SIDE_MOST`]. Segments longer than the extent's longest take the colour of that one.
     pub fn new(transfer_function: &TransferFunction, table_size: usize, extent: &Extent) -> Result<Self> {
         can_serve(&Integrator::PreIntegrated { table_size }, transfer_function)?;
-        let numbers = [extent.scalar[0], extent.scalar[1], extent.longest];
-        if numbers.iter().any(|x| !x.is_finite()) || extent.longest <= 0.0 {
-            return Err(Error::run("the data give no domain for a pre-integrated table")
-                .found(format!("scalars {:?}, longest segment {}", extent.scalar, extent.longest))
-                .accepted("finite scalars and cells with an extent"));
-        }
         let ramp = Ramp::new(transfer_function, table_size, extent)?;
         let slice = table_size * table_size;
         let mut glow = vec![[0.0; 3]; slice * table_size];
@@ -49,6 +43,11 @@ impl PreIntegrated {
     /// Bytes that it takes.
     pub fn bytes(&self) -> usize {
         self.extinction.len() * size_of::<f32>() + self.glow.len() * size_of::<[f32; 3]>()
+    }
+
+    /// C/(D E₁) by (D, s_f, s_b).
+    pub fn glow(&self) -> &[[f32; 3]] {
+        &self.glow
     }
 
     pub(super) fn into_parts(self) -> (Ramp, Vec<f32>) {

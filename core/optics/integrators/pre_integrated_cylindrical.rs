@@ -28,6 +28,11 @@ pub struct PreIntegratedCylindrical {
     tiles: Vec<[f32; 3]>,
 }
 
+/// Number of tiles less 1: as many as the table has entries a side, rounded up so that the creases of f lie on tiles.
+pub fn last_tile(table_size: usize) -> usize {
+    4 * table_size.div_ceil(4)
+}
+
 /// f: (s_f, s_b, l).
 fn from_cylinder(angle: f64, s: f64, t: f64) -> [f64; 3] {
     let [front, length] = if angle <= 0.25 {
@@ -63,7 +68,7 @@ impl PreIntegratedCylindrical {
     pub fn new(transfer_function: &TransferFunction, table_size: usize, extent: &Extent) -> Result<Self> {
         can_serve(&Integrator::PreIntegratedCylindrical { table_size }, transfer_function)?;
         let table = PreIntegrated::new(transfer_function, table_size, extent)?;
-        let last = 4 * table_size.div_ceil(4);
+        let last = last_tile(table_size);
         let mut tiles = vec![[0.0; 3]; table_size * table_size * (last + 1)];
         let step = (table_size - 1) as f64;
         tiles.par_chunks_mut(table_size * table_size).enumerate().for_each(|(plane, tile)| {
@@ -76,6 +81,11 @@ impl PreIntegratedCylindrical {
         });
         let (ramp, extinction) = table.into_parts();
         Ok(PreIntegratedCylindrical { ramp, longest: extent.longest, extinction, last, tiles })
+    }
+
+    /// C/(D E₁) by (α, s, t).
+    pub fn tiles(&self) -> &[[f32; 3]] {
+        &self.tiles
     }
 
     /// Bytes that it takes.

@@ -11,13 +11,13 @@
 //! between two nodes is not missed. Each piece absorbs its own light (E₁), which Eq. 6 leaves out.
 
 use super::Extent;
-use crate::Result;
 use crate::optics::special::mean_transmittance;
 use crate::optics::{Overlap, Prepared, Segment};
 use crate::transfer::TransferFunction;
+use crate::{Error, Result};
 
 /// Pieces of a step: the paper's oversampling factor.
-const PARTS: usize = 2;
+pub const PARTS: usize = 2;
 
 /// A homogeneous stretch, or a point: per longest segment.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -38,8 +38,14 @@ pub struct Ramp {
 }
 
 impl Ramp {
-    /// `size` nodes over the range of the scalar.
+    /// `size` ≥ 2 nodes over the range of the scalar.
     pub fn new(transfer_function: &TransferFunction, size: usize, extent: &Extent) -> Result<Self> {
+        let numbers = [extent.scalar[0], extent.scalar[1], extent.longest];
+        if numbers.iter().any(|x| !x.is_finite()) || extent.longest <= 0.0 {
+            return Err(Error::run("the data give no domain for a pre-integrated table")
+                .found(format!("scalars {:?}, longest segment {}", extent.scalar, extent.longest))
+                .accepted("finite scalars and cells with an extent"));
+        }
         let prepared = Prepared::new(transfer_function)?;
         let [low, high] = extent.scalar;
         let high = if high > low { high } else { low + low.abs().max(1.0) };
@@ -51,6 +57,16 @@ impl Ramp {
         let steps =
             (0..size - 1).map(|i| std::array::from_fn(|k| mean(part(i, k), part(i, k + 1)))).collect();
         Ok(Ramp { range: [low, high], nodes, steps })
+    }
+
+    /// What is at each node.
+    pub fn nodes(&self) -> &[Matter] {
+        &self.nodes
+    }
+
+    /// The pieces of each step, from its lower node on.
+    pub fn steps(&self) -> &[[Matter; PARTS]] {
+        &self.steps
     }
 
     /// Number of nodes.

@@ -1,0 +1,251 @@
+//! The generated block: constants, and the functions that name a scene's widgets one by one.
+
+mod members;
+mod widgets;
+
+use crate::choices::{Choices, Combine, Compositor, Kind, Method};
+
+/// The block, and the pieces that it uses.
+pub(crate) struct Generated {
+    pub text: String,
+    pub uses: Vec<&'static str>,
+}
+
+/// Slots that the block fills. `wave_mean_on_flank` it fills by choosing between the pieces that do.
+#[cfg(test)]
+pub(crate) const FILLS: &[&str] = &["values", "members", "segment", "wave_mean_on_flank"];
+
+struct Block<'a> {
+    choices: &'a Choices,
+    text: String,
+    uses: Vec<&'static str>,
+}
+
+pub(crate) fn generate(choices: &Choices) -> Generated {
+    let mut block = Block { choices, text: String::new(), uses: vec!["scene"] };
+    block.values();
+    block.waves();
+    if choices.combine == Combine::Ordered || choices.widgets.iter().any(|w| choices.is_integrated(&w.kind)) {
+        block.members();
+    }
+    block.segment();
+    if choices.reads_gradient() {
+        block.surface();
+    }
+    if choices.compositor == Compositor::Segments {
+        block.finish();
+    }
+    Generated { text: block.text, uses: block.uses }
+}
+
+impl Block<'_> {
+    fn line(&mut self, line: impl AsRef<str>) {
+        self.text.push_str(line.as_ref());
+        self.text.push('\n');
+    }
+
+    fn uses(&mut self, pieces: &[&'static str]) {
+        self.uses.extend_from_slice(pieces);
+    }
+
+    fn values(&mut self) {
+        let choices = self.choices;
+        if choices.reads_numbers() {
+            self.uses(&["numbers"]);
+        }
+        let clipped = choices.widgets.iter().any(|widget| widget.edges.is_some());
+        self.uses(&[if clipped { "part/clipped" } else { "part/whole" }]);
+        self.line(format!("const VALUE_COUNT = {}u;", choices.value_count()));
+        self.line(format!("const WIDGET_COUNT = {}u;", choices.widgets.len().max(1)));
+        self.line("alias Values = array<f32, VALUE_COUNT>;");
+        self.line("fn value_s(values: Values) -> f32 { return values[0]; }");
+        let g = if choices.reads_gradient_magnitude { "values[1]" } else { "0.0" };
+        self.line(format!("fn value_g(values: Values) -> f32 {{ return {g}; }}"));
+        self.line("fn plane(values: Values) -> vec2f { return vec2f(value_s(values), value_g(values)); }");
+    }
+
+    fn has(&self, kind: &Kind) -> bool {
+        self.choices.widgets.iter().any(|widget| widget.kind == *kind)
+    }
+
+    fn waves(&mut self) {
+        let (triangle, sine) = (self.has(&Kind::TriangleWave), self.has(&Kind::SineWave));
+        let mean = match (triangle, sine) {
+            (false, false) => return,
+            (true, false) => "return triangle_mean_on_flank(bell, low, high);",
+            (false, true) => "return sine_mean_on_flank(bell, low, high);",
+            (true, true) => {
+                "if bell.is_sine == 1u { return sine_mean_on_flank(bell, low, high); } \
+                 return triangle_mean_on_flank(bell, low, high);"
+            }
+        };
+        if triangle {
+            self.uses(&["wave/triangle"]);
+        }
+        if sine {
+            self.uses(&["wave/sine"]);
+        }
+        self.line(format!("fn wave_mean_on_flank(bell: Bell, low: Spot, high: Spot) -> f32 {{ {mean} }}"));
+    }
+
+    fn segment(&mut self) {
+        let choices = self.choices;
+        self.line("struct Contribution {\n    color: vec3f,\n    opacity: f32,\n    optical_depth: f32,\n}");
+        if !choices.method.samples() {
+            self.lights_alone();
+        }
+        self.line("fn segment(length: f32, front: Values, back: Values) -> Contribution {");
+        if choices.method.is_table_of_lengths() {
+            self.tabulated();
+        } else if choices.combine == Combine::Nothing {
+            self.line("    return Contribution(vec3f(0.0), 0.0, 0.0);\n}");
+        } else if choices.method.samples() {
+            self.sampled();
+        } else {
+            self.closed_forms();
+        }
+    }
+
+    fn tabulated(&mut self) {
+        let tiled = self.choices.method == Method::PreIntegratedCylindrical;
+        let table = if tiled { "pre_integrated/tiles" } else { "pre_integrated/table" };
+        self.uses(&["elementary/one_minus_exp", "pre_integrated/light", table]);
+        self.line("    let found = pre_integrated_light(length, value_s(front), value_s(back));");
+        self.line("    return Contribution(found.rgb, one_minus_exp(found.a), found.a);\n}");
+    }
+
+    fn sampled(&mut self) {
+        let choices = self.choices;
+        self.parts();
+        self.fill_members("    ");
+        let method = if choices.method == Method::Riemann {
+            self.uses(&["sampled/riemann"]);
+            "riemann"
+        } else {
+            let constant = choices.constant_emitter;
+            let light = if constant { "sampled/partial_constant" } else { "sampled/partial_density" };
+            self.uses(&["sampled/segments", light]);
+            "linear_pieces"
+        };
+        self.uses(&["elementary/one_minus_exp"]);
+        let scale = if choices.constant_emitter { "glow_scale(part_0) * " } else { "" };
+        self.line(format!("    let found = {method}(members, scene.piece_count);"));
+        self.line(format!("    return Contribution({scale}found.rgb, one_minus_exp(found.a), found.a);\n}}"));
+    }
+
+    /// Each widget's part of the segment.
+    fn parts(&mut self) {
+        let choices = self.choices;
+        for (i, widget) in choices.widgets.iter().enumerate() {
+            let part = match widget.edges {
+                None => "part_whole(length, front, back)".to_owned(),
+                Some(count) => {
+                    format!("part_inside(scene.widgets[{i}].first_edge, {count}u, length, front, back)")
+                }
+            };
+            self.line(format!("    let part_{i} = {part};"));
+        }
+    }
+
+    fn closed_forms(&mut self) {
+        let choices = self.choices;
+        self.uses(&["elementary/one_minus_exp"]);
+        self.parts();
+        self.line("    var depth = 0.0;");
+        for (i, widget) in choices.widgets.iter().enumerate() {
+            let depth = self.depth(i, widget);
+            self.line(format!("    var depth_{i} = 0.0;"));
+            self.line(format!("    if 0.0 < part_share(part_{i}) {{ depth_{i} = {depth}; }}"));
+            self.line(format!("    depth += depth_{i};"));
+        }
+        self.line("    let opacity = one_minus_exp(depth);");
+        match choices.combine {
+            Combine::OneColor => self.line("    let color = scene.widgets[0].color * opacity;"),
+            Combine::Alone => self.sum_of_lights("1.0"),
+            Combine::Mix => {
+                self.uses(&["overlap/mix"]);
+                self.sum_of_lights("mix_share(depth_#, depth)");
+            }
+            Combine::Ordered => self.ordered(),
+            Combine::Nothing => {}
+        }
+        self.line("    return Contribution(color, opacity, depth);\n}");
+    }
+
+    /// Each widget's own light times `share`, in which # stands for its index.
+    fn sum_of_lights(&mut self, share: &str) {
+        self.line("    var color = vec3f(0.0);");
+        let choices = self.choices;
+        for (i, widget) in choices.widgets.iter().enumerate() {
+            let light = self.light(i, widget);
+            let share = share.replace('#', &i.to_string());
+            self.line(format!("    if 0.0 < part_share(part_{i}) {{ color += {share} * {light}; }}"));
+        }
+    }
+
+    /// The ordered integral where order matters, else the mix, which is then as exact.
+    fn ordered(&mut self) {
+        let choices = self.choices;
+        self.uses(&["overlap/mix"]);
+        if choices.constant_emitter {
+            // What glows need not absorb: only one widget, or no depth at all, is free of order.
+            self.line("    var present = 0u;");
+            for i in 0..choices.widgets.len() {
+                self.line(format!("    present += select(0u, 1u, 0.0 < part_share(part_{i}));"));
+            }
+            self.line("    let order_matters = 1u < present && order_threshold < depth;");
+        } else {
+            // Σ_{i<j} T_i T_j, without cancellation: a stiff widget must not hide a thin one.
+            self.line("    var product = 0.0;\n    var ahead = 0.0;");
+            for i in 0..choices.widgets.len() {
+                self.line(format!("    product += depth_{i} * ahead;\n    ahead += depth_{i};"));
+            }
+            self.line("    let order_matters = order_threshold < product;");
+        }
+        self.text.insert_str(
+            0,
+            "// Depth, or product of depths, up to which the order of widgets is left out.\n\
+             override order_threshold: f32 = 1e-8;\n",
+        );
+        self.sum_of_lights("mix_share(depth_#, depth)");
+        self.line("    if order_matters {");
+        self.fill_members("        ");
+        let integral = self.ordered_integral(0);
+        self.line(format!("        color = {integral};\n    }}"));
+    }
+
+    fn surface(&mut self) {
+        let (silhouette, light) = (self.choices.silhouette, self.choices.light);
+        self.line(
+            "// Song et al. 2009, section 6.2, and diffuse light: `gradient` at the middle of the segment.",
+        );
+        self.line("fn surface(found: Contribution, gradient: vec3f, view: vec3f) -> Contribution {");
+        self.line("    var opacity = 1.0;\n    var light = 1.0;");
+        if silhouette {
+            self.uses(&["light/silhouette"]);
+            self.line("    opacity = silhouette_factor(gradient, view, scene.silhouette_exponent);");
+        }
+        if light {
+            self.uses(&["light/diffuse"]);
+            self.line(
+                "    light = diffuse_factor(gradient, scene.light_direction, scene.light_ambient, \
+                 scene.light_diffuse);",
+            );
+        }
+        self.line("    let color = found.color * (opacity * light);");
+        self.line("    return Contribution(color, found.opacity * opacity, found.optical_depth);\n}");
+    }
+
+    fn finish(&mut self) {
+        let choices = self.choices;
+        self.uses(&["compositor/segments"]);
+        self.line(format!("const SEGMENT_STRIDE = {}u;", choices.segment_stride()));
+        self.line("fn finish(found: Contribution, first: u32) -> Contribution {");
+        let result = match (choices.reads_gradient(), choices.silhouette) {
+            (false, _) => "found",
+            (true, false) => "surface(found, segment_vector(first), vec3f(0.0))",
+            (true, true) => "surface(found, segment_vector(first), segment_vector(first + 3u))",
+        };
+        self.line(format!("    return {result};\n}}"));
+    }
+}

@@ -1,0 +1,180 @@
+//! What a composed shader reads beside `scene` and `numbers`: tables, and the passes that fill them on the device.
+//!
+//! A device crate makes every buffer, runs the passes in their order, and binds the buffers that have a binding; it need
+//! not know what they are. They change with the transfer function and the data, not with the camera.
+
+use crate::choices::{Choices, Method};
+use crate::compose::{Shader, compose_pieces};
+use crate::parameters::Axis;
+use voltet_core::optics::integrators::{Extent, Integrator, PARTS, PartialTable, Ramp, last_tile};
+use voltet_core::shading::Shading;
+use voltet_core::transfer::{OpticalModel, Profile, TransferFunction};
+use voltet_core::{Error, Result};
+
+/// Buffers, and the passes that fill some of them.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Resources {
+    /// In the order of their indices; those with a binding are the ones of [`Choices::storage_buffers`] but `numbers`.
+    pub buffers: Vec<Buffer>,
+    /// Run once, in this order, before anything is drawn.
+    pub passes: Vec<Pass>,
+}
+
+/// A storage buffer.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Buffer {
+    /// As the text names it.
+    pub name: &'static str,
+    /// Its binding in group 0 of the composed shader, which reads it; `None`: only the passes know it.
+    pub binding: Option<u32>,
+    /// What it holds at first.
+    pub contents: Contents,
+}
+
+/// What a buffer holds before the passes run.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Contents {
+    /// These bytes.
+    Bytes(Vec<u8>),
+    /// Nothing: a pass fills all of it. Its length in bytes.
+    Empty(u64),
+}
+
+/// A compute pass.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Pass {
+    /// Its text.
+    pub shader: Shader,
+    /// Its entry point.
+    pub entry_point: &'static str,
+    /// Indices of buffers, bound in group 0 at 0, 1, …; the last is written, the others are only read.
+    pub buffers: Vec<usize>,
+    /// Workgroups to dispatch.
+    pub workgroups: [u32; 3],
+}
+
+impl Buffer {
+    /// Its length in bytes.
+    pub fn length(&self) -> u64 {
+        match &self.contents {
+            Contents::Bytes(bytes) => bytes.len() as u64,
+            Contents::Empty(length) => *length,
+        }
+    }
+}
+
+/// Side of a workgroup of the passes, as they state it.
+const GROUP_SIDE: u32 = 8;
+
+impl Resources {
+    /// `axis`: how s is stored. `length`: the scene length in world units, in which D is counted. `extent` is looked at
+    /// only where [`Integrator::has_table_of_lengths`] says so.
+    pub fn new(
+        choices: &Choices,
+        transfer_function: &TransferFunction,
+        shading: &Shading,
+        axis: Axis,
+        length: f64,
+        extent: &Extent,
+    ) -> Result<Resources> {
+        let mut resources = Resources::default();
+        let bindings = choices.storage_buffers();
+        let binding = |name| bindings.iter().find(|(other, _)| *other == name).map(|(_, binding)| *binding);
+        if binding("texels").is_some() {
+            resources.bytes("texels", binding("texels"), bytemuck::cast_slice(&texels(transfer_function)));
+        }
+        match shading.integrator {
+            Integrator::Segments { table_size, .. } if binding("partial_table").is_some() => {
+                let density = transfer_function.model == OpticalModel::DensityEmitter;
+                let bytes = partial_table(&PartialTable::new(density, table_size));
+                resources.bytes("partial_table", binding("partial_table"), &bytes);
+            }
+            Integrator::PreIntegrated { table_size }
+            | Integrator::PreIntegratedCylindrical { table_size } => {
+                let ramp = Ramp::new(transfer_function, table_size, extent)?;
+                let bytes = mean_extinctions(&ramp, axis, length / extent.longest)?;
+                resources.bytes("mean_extinctions", binding("mean_extinctions"), &bytes);
+                resources.glows(&ramp, choices.method, binding("glows"));
+            }
+            _ => {}
+        }
+        Ok(resources)
+    }
+
+    fn bytes(&mut self, name: &'static str, binding: Option<u32>, bytes: &[u8]) {
+        self.buffers.push(Buffer { name, binding, contents: Contents::Bytes(bytes.to_vec()) });
+    }
+
+    /// The passes that fill the table over (D, s_f, s_b), and for tiles the one that resamples it.
+    fn glows(&mut self, ramp: &Ramp, method: Method, binding: Option<u32>) {
+        let side = ramp.size() as u64;
+        let texel = size_of::<[f32; 4]>() as u64;
+        let across = (side as u32).div_ceil(GROUP_SIDE);
+        let tiled = method == Method::PreIntegratedCylindrical;
+        self.bytes("ramp", None, bytemuck::cast_slice(&matter(ramp)));
+        let table = self.buffers.len();
+        let name = if tiled { "slices" } else { "glows" };
+        let slices = Contents::Empty(side * side * side * texel);
+        self.buffers.push(Buffer { name, binding: binding.filter(|_| !tiled), contents: slices });
+        let constants = format!("const SIDE = {side}u;\nconst PARTS = {PARTS}u;\n");
+        self.passes.push(Pass {
+            shader: compose_pieces(&constants, &["pre_integrated/fill_slices"]),
+            entry_point: "fill_slices",
+            buffers: vec![table - 1, table],
+            workgroups: [across, across, side as u32],
+        });
+        if tiled {
+            let last = last_tile(ramp.size()) as u64;
+            let tiles = Contents::Empty(side * side * (last + 1) * texel);
+            self.buffers.push(Buffer { name: "glows", binding, contents: tiles });
+            let constants = format!("const SIDE = {side}u;\nconst LAST_TILE = {last}u;\n");
+            self.passes.push(Pass {
+                shader: compose_pieces(&constants, &["pre_integrated/fill_tiles"]),
+                entry_point: "fill_tiles",
+                buffers: vec![table, table + 1],
+                workgroups: [across, across, last as u32 + 1],
+            });
+        }
+    }
+}
+
+fn texels(transfer_function: &TransferFunction) -> Vec<[f32; 4]> {
+    let tables = transfer_function.widgets.iter().filter_map(|widget| match &widget.profile {
+        Profile::Table(table) => Some(&table.texels),
+        _ => None,
+    });
+    tables.flatten().copied().collect()
+}
+
+/// The side; then φ, or F (1 + √T) and B (1 + √T) by turns.
+fn partial_table(table: &PartialTable) -> Vec<u8> {
+    let mut bytes = (table.size() as u32).to_le_bytes().to_vec();
+    for (k, front) in table.front().iter().enumerate() {
+        bytes.extend(front.to_le_bytes());
+        bytes.extend(table.back().get(k).map(|back| back.to_le_bytes()).into_iter().flatten());
+    }
+    bytes
+}
+
+/// The side, where the first node is stored, nodes a stored unit, longest segments a scene length; then ρ̄.
+fn mean_extinctions(ramp: &Ramp, axis: Axis, per_length: f64) -> Result<Vec<u8>> {
+    let [low, high] = ramp.range;
+    let steps = (ramp.size() - 1) as f64;
+    let head = [axis.stored(low), steps * axis.scale / (high - low), per_length].map(|x| x as f32);
+    if !head.iter().all(|x| x.is_finite()) {
+        return Err(Error::run("the domain of a pre-integrated table leaves the range of 32 bits")
+            .found(format!("scalars {low} to {high}"))
+            .accepted("a range that stored values tell apart"));
+    }
+    let mut bytes = (ramp.size() as u32).to_le_bytes().to_vec();
+    bytes.extend_from_slice(bytemuck::cast_slice(&head));
+    bytes.extend_from_slice(bytemuck::cast_slice(&ramp.mean_extinctions()));
+    Ok(bytes)
+}
+
+/// Glow and extinction of the nodes, then of the pieces of each step.
+fn matter(ramp: &Ramp) -> Vec<[f32; 4]> {
+    let all = ramp.nodes().iter().chain(ramp.steps().iter().flatten());
+    let single = |x: f64| x.min(f64::from(f32::MAX)) as f32;
+    all.map(|m| [m.glow[0], m.glow[1], m.glow[2], m.extinction].map(single)).collect()
+}
