@@ -31,6 +31,7 @@ pub(crate) struct WorkerCounts {
     pub segments_exact: u64,
     pub segments_overlapping: u64,
     pub tiles_deep: u64,
+    pub tiles_sorted: u64,
     pub pixels_disordered: u64,
 }
 
@@ -302,6 +303,7 @@ fn draw_tile(
         return;
     }
     lists.clear();
+    scratch.counts.tiles_sorted += u64::from(scene.sorted);
     let before = scratch.counts;
     let drawn = walk(scene, tile, 0..TILE, scratch, lists);
     if drawn.is_ok() {

@@ -32,27 +32,12 @@ pub fn cull(
     progress: &dyn Progress,
 ) -> Result<Cells> {
     let grid = &volume.grid;
-    let length = diagonal(volume)?;
+    let mut cells = none_kept(volume)?;
+    let (length, ranges) = (cells.length, cells.ranges);
     let view = View::new(camera, length, [0.0; 2])?;
     let (seen, outside) = view.see(&grid.points);
+    cells.seen = Some((*camera, Arc::new(seen)));
     progress.report("cull", 0.3);
-    let ranges = [range(&volume.scalar), volume.gradient_magnitude.as_ref().map_or([0.0; 2], |g| range(g))];
-    let mut cells = Cells {
-        volume: volume.clone(),
-        kept: Arc::default(),
-        order: Order::Exact,
-        culled_by_transfer_function: 0,
-        culled_by_frustum: 0,
-        length,
-        seen: Some((*camera, Arc::new(seen))),
-        ranges,
-        untouched: Vec::new(),
-        culled_for: None,
-        steepest: volume.gradient.as_ref().map_or(0.0, |gradient| {
-            let [low, high] = range(bytemuck::cast_slice(gradient));
-            low.abs().max(high.abs())
-        }),
-    };
     let attributes = attributes_of(&cells, transfer_function)?;
     let corner_values = CornerValues {
         s: attributes[0].values,
@@ -118,6 +103,46 @@ pub fn cull(
     cells.untouched = (0..touched.len()).filter(|&w| !touched[w].load(Ordering::Relaxed)).collect();
     cells.culled_for = Some(transfer_function.clone());
     Ok(cells)
+}
+
+/// Keeps every tetrahedron and every widget, for comparison with [`cull`]: the picture is the same, by more work. Nothing
+/// is handed on to the project stage that it could use again.
+///
+/// Errors: those of [`cull`].
+pub fn keep_all(
+    volume: &Arc<Volume>,
+    transfer_function: &TransferFunction,
+    camera: &Camera,
+) -> Result<Cells> {
+    let mut cells = none_kept(volume)?;
+    View::new(camera, cells.length, [0.0; 2])?;
+    attributes_of(&cells, transfer_function)?;
+    let count = u32::try_from(volume.grid.tetrahedra.len()).map_err(|_| {
+        Error::run("the grid has too many tetrahedra").accepted(format!("at most {}", u32::MAX))
+    })?;
+    (cells.kept, cells.thorough) = (Arc::new((0..count).collect()), true);
+    Ok(cells)
+}
+
+/// What is known of a volume before any cell is kept.
+fn none_kept(volume: &Arc<Volume>) -> Result<Cells> {
+    Ok(Cells {
+        volume: volume.clone(),
+        kept: Arc::default(),
+        order: Order::Exact,
+        culled_by_transfer_function: 0,
+        culled_by_frustum: 0,
+        length: diagonal(volume)?,
+        seen: None,
+        ranges: [range(&volume.scalar), volume.gradient_magnitude.as_ref().map_or([0.0; 2], |g| range(g))],
+        untouched: Vec::new(),
+        thorough: false,
+        culled_for: None,
+        steepest: volume.gradient.as_ref().map_or(0.0, |gradient| {
+            let [low, high] = range(bytemuck::cast_slice(gradient));
+            low.abs().max(high.abs())
+        }),
+    })
 }
 
 /// The point arrays that cells are held against.

@@ -114,6 +114,7 @@ pub struct Ready<'a> {
     projection: &'a Projection,
     attributes: Vec<Attribute<'a>>,
     shader: Shader,
+    table_bytes: u64,
 }
 
 /// Makes ready what [`Ready::composite`] draws with.
@@ -143,8 +144,10 @@ pub fn prepare<'a>(
     let reduced = without_untouched(cells, transfer_function);
     let extent = extent(cells, &shading.integrator);
     let exact = integrators::new(&shading.integrator, shading.overlap, &reduced, &extent)?;
-    let shader = Shader::new(&reduced, shading, exact, &attributes, cells.length, surface)?;
-    Ok(Ready { projection, attributes, shader })
+    let table_bytes = exact.table_bytes() as u64;
+    let scene = (&attributes[..], cells.length, cells.thorough);
+    let shader = Shader::new(&reduced, shading, exact, scene, surface)?;
+    Ok(Ready { projection, attributes, shader, table_bytes })
 }
 
 /// Integrates and composites every pixel's segments: [`prepare`] and [`Ready::composite`].
@@ -162,7 +165,7 @@ pub fn composite(
 impl Ready<'_> {
     /// Integrates and composites every pixel's segments. Errors: a stopped run.
     pub fn composite(&self, progress: &dyn Progress) -> Result<(Picture, Counts)> {
-        let Ready { projection, attributes, shader } = self;
+        let Ready { projection, attributes, shader, table_bytes } = self;
         let cells = &projection.cells;
         let needs_order = shader.one_color.is_none();
         let sorted = match cells.order {
@@ -171,7 +174,8 @@ impl Ready<'_> {
         };
         let [width, height] = projection.camera.size.map(|n| n as usize);
         let mut picture = Picture::transparent(width, height);
-        let mut counts = Counts { cells_projected: projection.cells_projected(), ..Counts::default() };
+        let (cells_projected, table_bytes) = (projection.cells_projected(), *table_bytes);
+        let mut counts = Counts { cells_projected, table_bytes, ..Counts::default() };
         let weight = 1.0 / projection.samples.len() as f32;
         for sample in &projection.samples {
             let scene = Scene::new(sample, &cells.volume, attributes, shader, sorted);
@@ -188,6 +192,7 @@ impl Ready<'_> {
                 counts.segments_exact += worker.segments_exact;
                 counts.segments_overlapping += worker.segments_overlapping;
                 counts.tiles_deep += worker.tiles_deep;
+                counts.tiles_sorted += worker.tiles_sorted;
                 counts.pixels_disordered += worker.pixels_disordered;
                 for (tile, pixels) in done {
                     tiles[*tile as usize] = Some(pixels);

@@ -22,7 +22,7 @@ mod walk;
 mod wave;
 mod widget;
 
-pub use cull::cull;
+pub use cull::{cull, keep_all};
 pub use draw::{Projection, Ready, composite, draw, needs_gradient, prepare, project, sort};
 
 use std::sync::Arc;
@@ -46,6 +46,8 @@ pub struct Cells {
     pub culled_by_frustum: u64,
     /// Widgets that no kept cell touches: left out of the integrals.
     pub untouched: Vec<usize>,
+    /// Nothing is left out for them: they were not culled, and segments are ordered also where one colour needs no order.
+    pub thorough: bool,
     /// What the cells were culled for.
     pub(crate) culled_for: Option<TransferFunction>,
     /// World units in the scene length that the stages work in: the diagonal of the grid.
@@ -73,4 +75,8 @@ pub struct Counts {
     pub segments_overlapping: u64,
     /// Tiles with more than 1,024 segments on a pixel.
     pub tiles_deep: u64,
+    /// Tiles whose pixels' segments were sorted.
+    pub tiles_sorted: u64,
+    /// Bytes of the integrator's tables.
+    pub table_bytes: u64,
 }

@@ -83,12 +83,12 @@ impl Shaded {
 pub(crate) const MIX_PRODUCT: f32 = 1e-8;
 
 impl Shader {
+    /// `ordered`: segments are ordered also where one colour needs no order.
     pub fn new(
         transfer_function: &TransferFunction,
         shading: &Shading,
         exact: Box<dyn SegmentIntegrator>,
-        attributes: &[Attribute<'_>],
-        length: f64,
+        (attributes, length, ordered): (&[Attribute<'_>], f64, bool),
         surface: Option<Surface>,
     ) -> Result<Shader> {
         let in_lanes = shading.integrator == Integrator::Analytic;
@@ -112,7 +112,7 @@ impl Shader {
         let first = colors.next().unwrap_or(Some([0.0; 3]));
         let light = surface.map_or(Some(1.0), |surface| surface.even_light());
         let one_color = match (first, light) {
-            (Some(color), Some(light)) if density_emitter && colors.all(|c| c == first) => {
+            (Some(color), Some(light)) if density_emitter && !ordered && colors.all(|c| c == first) => {
                 Some(color.map(|x| (x * light) as f32))
             }
             _ => None,

@@ -4,8 +4,8 @@ use std::sync::Arc;
 use voltet_core::Result;
 use voltet_core::field::{Registry, Setting, Settings, magnitude};
 use voltet_core::graph::{
-    Asking, Call, Demand, Node, Outputs, Parameter, ParameterType, Parameters, Port, PortType, Standard,
-    Value, suggest,
+    Asking, Call, Demand, Node, Notes, Outputs, Parameter, ParameterType, Parameters, Port, PortType, Saving,
+    Standard, Value, suggest,
 };
 use voltet_core::volume::Volume;
 
@@ -69,18 +69,7 @@ fn demand(asking: &mut Asking) -> Result<()> {
     let asked = asking.asked;
     let (arrays, cell_arrays) = (asked.arrays.clone(), asked.cell_arrays.clone());
     let mut demand = Demand { arrays, cell_arrays, ..Demand::default() };
-    match (asked.gradient_magnitude, asked.gradient) {
-        (false, false) => {
-            asking
-                .notes
-                .leave_out("gradient", "no widget looks at the gradient magnitude and nothing is lit");
-        }
-        (true, false) => {
-            asking.notes.leave_out("gradient vectors", "nothing is lit and there is no silhouette")
-        }
-        (false, true) => asking.notes.leave_out("gradient magnitude", "no widget looks at it"),
-        (true, true) => {}
-    }
+    leave_out(asking.notes, asked, None);
     if asked.gradient_magnitude || asked.gradient {
         let filters = Registry::built_in();
         let filter = filters.get(asking.parameters.text("method")?)?;
@@ -89,10 +78,23 @@ fn demand(asking: &mut Asking) -> Result<()> {
     asking.ask("grid", &demand)
 }
 
+/// Notes what of the gradient nobody asks for; its memory, where the number of points is known.
+fn leave_out(notes: &mut Notes, asked: &Demand, point_count: Option<usize>) {
+    let (what, why, numbers) = match (asked.gradient_magnitude, asked.gradient) {
+        (false, false) => ("gradient", "no widget looks at the gradient magnitude and nothing is lit", 4),
+        (true, false) => ("gradient vectors", "nothing is lit and there is no silhouette", 3),
+        (false, true) => ("gradient magnitude", "no widget looks at it", 1),
+        (true, true) => return,
+    };
+    notes.leave_out(what, why, point_count.map(|points| Saving::Bytes(8 * numbers * points as u64)));
+}
+
 fn run(call: &mut Call) -> Result<Outputs> {
     let grid = call.grid("grid")?;
     let mut volume = Volume::clone(&*call.volume("grid")?);
     let (wants_magnitude, wants_vectors) = (call.demand.gradient_magnitude, call.demand.gradient);
+    leave_out(&mut call.notes, call.demand, Some(grid.points.len()));
+    call.notes.counts.insert("gradients_computed", u64::from(wants_magnitude || wants_vectors));
     if wants_magnitude || wants_vectors {
         let filters = Registry::built_in();
         let filter = filters.get(call.parameters.text("method")?)?;

@@ -29,6 +29,8 @@ mod report_writer;
 mod sort;
 mod transfer_function;
 
+pub use reader::note_unread;
+
 use std::path::Path;
 use voltet_core::Result;
 use voltet_core::graph::{Node, Registry, Session, Stamp};

@@ -1,11 +1,11 @@
 //! `reader`: a data file to a grid of tetrahedra with the arrays that somebody asked for.
 
 use crate::formats::{self, Association, CellValues, Request, TimeStep};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use voltet_core::graph::{
-    Call, Node, Outputs, Parameter, ParameterType, Parameters, Port, PortType, Preparation, Range, Standard,
-    Value, nearest,
+    Call, Demand, Node, Notes, Outputs, Parameter, ParameterType, Parameters, Port, PortType, Preparation,
+    Range, Saving, Standard, Value, nearest,
 };
 use voltet_core::{Error, Result};
 
@@ -97,19 +97,16 @@ fn prepare(preparation: &Preparation) -> Result<()> {
 }
 
 fn run(call: &mut Call) -> Result<Outputs> {
-    let mut request = request(call.parameters)?;
-    request.point_arrays = call.demand.arrays.iter().cloned().collect();
-    request.cell_arrays = call.demand.cell_arrays.iter().cloned().collect();
-    if call.parameters.given("solution") {
-        request.solution = Some(call.path("solution")?);
-    }
+    let mut request = asked(call.parameters, call.demand, &|path| call.resolve(path))?;
+    request.every_array = call.thorough;
     let path = call.path("path")?;
     let grid = formats::read(&path, &request, call.progress())?;
     let origin = &grid.origin;
     call.notes.warnings.extend(origin.warnings.iter().cloned());
     if !origin.arrays_unread.is_empty() {
-        call.notes.leave_out(format!("arrays {}", origin.arrays_unread.join(", ")), "nothing looks at them");
+        leave_out(&mut call.notes, &origin.arrays_unread, origin.values_unread);
     }
+    call.notes.counts.insert("arrays_decoded", origin.arrays_decoded);
     for (name, count) in [
         ("cells_not_finite", origin.cells_not_finite),
         ("cells_ghost", origin.cells_ghost),
@@ -120,6 +117,39 @@ fn run(call: &mut Call) -> Result<Outputs> {
         }
     }
     Ok(vec![Value::Grid(Arc::new(grid))])
+}
+
+/// Notes the arrays that a reader leaves out, from the headers of its file alone. `resolve`: the path of a file that a
+/// parameter names.
+pub fn note_unread(
+    parameters: &Parameters,
+    demand: &Demand,
+    resolve: &dyn Fn(&str) -> PathBuf,
+    notes: &mut Notes,
+) -> Result<()> {
+    let request = asked(parameters, demand, resolve)?;
+    let unread = formats::unread(&resolve(parameters.text("path")?), &request)?;
+    if !unread.arrays.is_empty() {
+        leave_out(notes, &unread.arrays, unread.value_count);
+    }
+    Ok(())
+}
+
+/// Every number becomes one of 64 bits.
+fn leave_out(notes: &mut Notes, arrays: &[String], value_count: u64) {
+    let saving = (value_count > 0).then(|| Saving::Bytes(value_count.saturating_mul(8)));
+    notes.leave_out(format!("arrays {}", arrays.join(", ")), "nothing looks at them", saving);
+}
+
+/// What parameters and demand ask of the file.
+fn asked(p: &Parameters, demand: &Demand, resolve: &dyn Fn(&str) -> PathBuf) -> Result<Request> {
+    let mut request = request(p)?;
+    request.point_arrays = demand.arrays.iter().cloned().collect();
+    request.cell_arrays = demand.cell_arrays.iter().cloned().collect();
+    if p.given("solution") {
+        request.solution = Some(resolve(p.text("solution")?));
+    }
+    Ok(request)
 }
 
 /// What the parameters ask of the file.

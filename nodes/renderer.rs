@@ -82,8 +82,8 @@ fn demand(asking: &mut Asking) -> Result<()> {
     let (name, why) = engine(asking.parameters)?;
     asking.notes.engine = Some((name.into(), why.into()));
     let needed = drawing::ask(asking, "volume", "transfer_function")?;
-    if !needed.order {
-        drawing::leave_out_order(asking.notes);
+    if !needed.order && !asking.thorough {
+        drawing::leave_out_order(asking.notes, None);
     }
     Ok(())
 }
@@ -95,13 +95,13 @@ fn run(call: &mut Call) -> Result<Outputs> {
     let shading = drawing::shading(call.parameters)?;
     let transfer_function = drawing::for_data(call, &look, &volume, call.revision("volume")?)?;
     drawing::note_bands(call, &volume, &transfer_function)?;
-    let needed = drawing::needs_order(&transfer_function, &shading);
+    let needed = call.thorough || drawing::needs_order(&transfer_function, &shading);
     let order = drawing::order(call.parameters, needed)?;
     let picture = if shading.integrator == Integrator::Reference {
         drawing::referee(call, &volume, &transfer_function, &camera, &shading, order)?
     } else {
         let cells = drawing::cull(call, &volume, &transfer_function, &camera)?;
-        let cells = voltet_engine::sort(&cells, &camera, order)?;
+        let cells = drawing::sort(call, &cells, &camera, order)?;
         let projection = {
             let gradient = voltet_engine::needs_gradient(&shading);
             drawing::project(call, &cells, &transfer_function, &camera, gradient)?

@@ -23,7 +23,7 @@ pub const NODE: Node = Node {
 
 fn demand(asking: &mut Asking) -> Result<()> {
     if !asking.asked.order {
-        drawing::leave_out_order(asking.notes);
+        drawing::leave_out_order(asking.notes, None);
     }
     let demand = asking.asked.clone();
     asking.ask("cells", &demand)
@@ -33,7 +33,7 @@ fn run(call: &mut Call) -> Result<Outputs> {
     let order = drawing::order(call.parameters, call.demand.order)?;
     let culled = call.cells::<drawing::Culled>("cells")?;
     let camera = call.camera("camera")?;
-    let cells = voltet_engine::sort(&culled.cells, &camera, order)?;
+    let cells = drawing::sort(call, &culled.cells, &camera, order)?;
     let transfer_function = culled.transfer_function.clone();
     Ok(vec![Value::Cells(Arc::new(drawing::Culled { cells, transfer_function }))])
 }

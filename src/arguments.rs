@@ -53,6 +53,13 @@ pub struct Run {
     pub report: Option<PathBuf>,
     /// Print nothing but errors.
     #[arg(long, short)]
+    /// Do everything that could be done, needed or not, and say how much longer that takes.
+    ///
+    /// Runs each file twice as usual and twice reading every array, computing the gradient and its length, culling nothing,
+    /// keeping widgets that nothing touches, ordering every segment, building a table, using nothing again. Compares the
+    /// fastest of each: how much longer the whole takes, and by how much the pictures differ.
+    #[arg(long)]
+    pub no_leave_out: bool,
     pub quiet: bool,
 }
 
@@ -88,6 +95,9 @@ pub struct Explain {
 #[derive(Debug, Args)]
 pub struct Nodes {
     /// The node type to show; all of them where none is named.
+    /// Explain the run of `voltet run --no-leave-out`, which does everything.
+    #[arg(long)]
+    pub no_leave_out: bool,
     #[arg(value_name = "NAME")]
     pub name: Option<String>,
     /// Write the reference as Markdown.

@@ -16,8 +16,10 @@
 
 mod document;
 pub mod study;
+mod thorough;
 
 pub use document::{Document, read_text};
+pub use thorough::{SAME, Thorough};
 pub use voltet_core as core;
 pub use voltet_engine as engine;
 pub use voltet_nodes as nodes;

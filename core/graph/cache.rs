@@ -29,6 +29,8 @@ pub(super) struct Entry {
     pub(super) files: Vec<(PathBuf, Stamp)>,
     pub(super) outputs: Vec<(Value, Revision)>,
     pub(super) notes: Notes,
+    /// What the run took.
+    pub(super) seconds: f64,
 }
 
 /// Former runs. They are found by what they were made from, not by the node's name, so that pipelines that read

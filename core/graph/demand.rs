@@ -61,6 +61,6 @@ pub(super) struct Done {
     pub(super) outputs: Vec<(Value, Revision)>,
     pub(super) notes: Notes,
     pub(super) seconds: f64,
-    /// Former outputs were used.
-    pub(super) reused: bool,
+    /// Seconds that the former run took, where its outputs were used.
+    pub(super) reused: Option<f64>,
 }

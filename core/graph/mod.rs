@@ -8,6 +8,8 @@
 //! 2. **Data**, from the sources downward: a node runs when its parameters, its inputs (a [`Revision`] per output)
 //!    or the demand on it changed, and its former outputs are used again otherwise.
 //!
+//! A session that is [`Session::leaving_nothing_out`] asks for everything instead, to show what that saves.
+//!
 //! What lives longer than a run (former outputs, things made from a revision) is held by the [`Session`].
 //! Absent on purpose: files (a [`Session`] is given a function that stamps them), threads (a stage uses all cores
 //! itself, so nodes run one after the other), and node state.
@@ -33,7 +35,7 @@ pub use call::{Asking, Call, Outputs, Preparation};
 pub use declaration::{Kind, Node, Outline, Parameter, ParameterType, Port, PortType, Range, Standard};
 pub use demand::{Demand, Plan};
 pub use nearest::{nearest, suggest};
-pub use notes::{Finding, LeftOut, NodeReport, Notes, RunReport};
+pub use notes::{Finding, LeftOut, NodeReport, Notes, RunReport, Saving};
 pub use parameters::Parameters;
 pub use registry::Registry;
 pub use session::{Observer, Session, Unobserved};

@@ -1,19 +1,51 @@
 //! What nodes say about their work, and the report of a run.
 
 use super::demand::Done;
+use super::value::Value;
 use crate::Error;
+use crate::picture::Picture;
 use serde::Serialize;
 use std::collections::BTreeMap;
+use std::fmt;
+use std::sync::Arc;
 
 /// Something that a scene did not need.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LeftOut {
-    /// The node that left it out.
+    /// The node that left it out; set when the report is made.
     pub node: String,
     /// What was left out.
     pub what: String,
     /// Why it is not needed.
     pub why: String,
+    /// What that saves, where it is known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub saving: Option<Saving>,
+}
+
+/// What leaving something out saves.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Saving {
+    /// Memory, bytes.
+    Bytes(u64),
+    /// Cells that go no further.
+    Cells(u64),
+    /// Ray segments that are not sorted.
+    Segments(u64),
+    /// Time, as it took before.
+    Seconds(f64),
+}
+
+impl fmt::Display for Saving {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Saving::Bytes(bytes) => write!(f, "{:.1} MB", *bytes as f64 * 1e-6),
+            Saving::Cells(count) => write!(f, "{count} cells"),
+            Saving::Segments(count) => write!(f, "{count} segments"),
+            Saving::Seconds(seconds) => write!(f, "{seconds:.3} s"),
+        }
+    }
 }
 
 /// Something that a node found out about the data.
@@ -31,7 +63,7 @@ pub struct Finding {
 #[derive(Debug, Clone, Default)]
 pub struct Notes {
     /// What was left out, and why.
-    pub left_out: Vec<(String, String)>,
+    pub left_out: Vec<LeftOut>,
     /// Things the user should know; each a sentence.
     pub warnings: Vec<String>,
     /// Counts by name (`segments`, `cells_culled`, …).
@@ -50,10 +82,10 @@ pub struct Notes {
 
 impl Notes {
     /// Something is left out, and why. Said twice, it is kept once.
-    pub fn leave_out(&mut self, what: impl Into<String>, why: impl Into<String>) {
-        let what = what.into();
-        if !self.left_out.iter().any(|(known, _)| *known == what) {
-            self.left_out.push((what, why.into()));
+    pub fn leave_out(&mut self, what: impl Into<String>, why: impl Into<String>, saving: Option<Saving>) {
+        let (node, what, why) = (String::new(), what.into(), why.into());
+        if !self.left_out.iter().any(|known| known.what == what) {
+            self.left_out.push(LeftOut { node, what, why, saving });
         }
     }
 
@@ -64,8 +96,8 @@ impl Notes {
 
     /// Adds what was said while planning to what was said while running.
     pub(super) fn join(&mut self, planned: &Notes) {
-        for (what, why) in &planned.left_out {
-            self.leave_out(what.clone(), why.clone());
+        for LeftOut { what, why, saving, .. } in &planned.left_out {
+            self.leave_out(what.clone(), why.clone(), *saving);
         }
         self.warnings.extend(planned.warnings.iter().cloned());
         if self.engine.is_none() {
@@ -114,6 +146,8 @@ pub struct RunReport {
     pub adapter: Option<String>,
     /// Files written.
     pub files: Vec<String>,
+    /// The pictures that were made, each with the name of its node.
+    pub pictures: Vec<(String, Arc<Picture>)>,
     /// Seconds of the whole run.
     pub seconds: f64,
 }
@@ -121,17 +155,21 @@ pub struct RunReport {
 impl RunReport {
     /// Adds a node that ran, or whose former outputs were used.
     pub(super) fn add(&mut self, name: &str, node_type: &str, done: &Done) {
-        let Done { notes, seconds, reused, .. } = done;
+        let Done { notes, seconds, reused, outputs } = done;
+        let pictures = outputs.iter().filter_map(|(value, _)| match value {
+            Value::Image(picture) => Some((name.to_string(), picture.clone())),
+            _ => None,
+        });
+        self.pictures.extend(pictures);
         let mut stages = BTreeMap::new();
-        for (stage, seconds) in notes.stages.iter().filter(|_| !*reused) {
+        for (stage, seconds) in notes.stages.iter().filter(|_| reused.is_none()) {
             *stages.entry(stage.clone()).or_insert(0.0) += seconds;
         }
         for (&count, n) in &notes.counts {
             *self.counts.entry(count).or_insert(0) += n;
         }
-        for (what, why) in &notes.left_out {
-            self.left_out.push(LeftOut { node: name.into(), what: what.clone(), why: why.clone() });
-        }
+        let named = |left: &LeftOut| LeftOut { node: name.into(), ..left.clone() };
+        self.left_out.extend(notes.left_out.iter().map(named));
         let named = |finding: &Finding| Finding { node: name.into(), ..finding.clone() };
         self.findings.extend(notes.findings.iter().map(named));
         self.warnings.extend(notes.warnings.iter().map(|warning| format!("{name}: {warning}")));
@@ -146,7 +184,7 @@ impl RunReport {
             name: name.into(),
             node_type: node_type.into(),
             seconds: *seconds,
-            reused: *reused,
+            reused: reused.is_some(),
             stages,
             counts: notes.counts.clone(),
             engine: notes.engine.as_ref().map(|e| e.0.clone()),

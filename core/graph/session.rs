@@ -5,7 +5,7 @@ use super::cache::{Cache, Entry, FileStamp, Store, files_of};
 use super::call::{Asking, Call, NodeProgress, Preparation};
 use super::declaration::PortType;
 use super::demand::{Demand, Done, Plan};
-use super::notes::{Notes, RunReport};
+use super::notes::{Notes, RunReport, Saving};
 use super::value::{Revision, Value};
 use crate::{Error, Result};
 use std::time::Instant;
@@ -35,12 +35,20 @@ pub struct Session {
     store: Store,
     last_revision: u64,
     file_stamp: FileStamp,
+    thorough: bool,
 }
 
 impl Session {
     /// A session without former runs. `file_stamp` finds the state of the files that parameters name.
     pub fn new(file_stamp: FileStamp) -> Self {
-        Session { cache: Cache::default(), store: Store::default(), last_revision: 0, file_stamp }
+        let (cache, store) = (Cache::default(), Store::default());
+        Session { cache, store, last_revision: 0, file_stamp, thorough: false }
+    }
+
+    /// The session does everything that could be done, needed or not, for comparison: every node is asked for all it can
+    /// give and is told so ([`Call::thorough`]), and no former output is used. The pictures are the same.
+    pub fn leaving_nothing_out(self) -> Self {
+        Session { thorough: true, ..self }
     }
 
     /// The demand pass: what will run for what. Runs the early nodes only.
@@ -61,6 +69,9 @@ impl Session {
         let outlines = outlines(graph, &plan.early)?;
         for &i in graph.order.iter().rev() {
             let node = &graph.nodes[i];
+            if self.thorough {
+                plan.demands[i].join(&everything_of(node));
+            }
             let early = node.inputs.iter().map(|edge| outlines[edge.node].get(edge.output).cloned());
             let asked = plan.demands[i].clone();
             let mut asking = Asking {
@@ -70,6 +81,7 @@ impl Session {
                 node,
                 early: early.collect(),
                 asks: vec![Demand::default(); node.inputs.len()],
+                thorough: self.thorough,
             };
             (node.node.demand)(&mut asking).map_err(|error| node.blame(error))?;
             for (edge, ask) in node.inputs.iter().zip(asking.asks) {
@@ -104,6 +116,10 @@ impl Session {
                 None => self.execute(graph, i, inputs_of(node, &all_done), &plan.demands[i], observer)?,
             };
             done.notes.join(&plan.notes[i]);
+            if let Some(seconds) = done.reused {
+                let why = "a former output serves: parameters, inputs and files are the same";
+                done.notes.leave_out("repetition", why, Some(Saving::Seconds(seconds)));
+            }
             report.add(&node.name, node.node.name, &done);
             observer.finished(&node.name, done.seconds);
             all_done[i] = Some(done);
@@ -158,9 +174,10 @@ impl Session {
         let revisions: Vec<(usize, Revision)> =
             node.inputs.iter().zip(&inputs).map(|(edge, input)| (edge.port, input.1)).collect();
         let files = files_of(&node.parameters, &graph.folder, self.file_stamp);
-        if let Some(entry) = self.cache.find(node.node, &node.parameters, &revisions, demand, &files) {
+        let former = self.cache.find(node.node, &node.parameters, &revisions, demand, &files);
+        if let Some(entry) = former.filter(|_| !self.thorough) {
             let (outputs, notes) = (entry.outputs.clone(), entry.notes.clone());
-            return Ok(Done { outputs, notes, seconds: 0.0, reused: true });
+            return Ok(Done { outputs, notes, seconds: 0.0, reused: Some(entry.seconds) });
         }
         let mut call = Call {
             parameters: &node.parameters,
@@ -170,6 +187,7 @@ impl Session {
             inputs,
             folder: &graph.folder,
             store: &self.store,
+            thorough: self.thorough,
             progress: NodeProgress { observer, node: &node.name },
         };
         let values = (node.node.run)(&mut call).map_err(|error| node.blame(error))?;
@@ -180,6 +198,7 @@ impl Session {
         }
         let outputs: Vec<(Value, Revision)> =
             values.into_iter().map(|value| (value, self.next_revision())).collect();
+        let seconds = start.elapsed().as_secs_f64();
         self.cache.add(Entry {
             node: node.node,
             parameters: node.parameters.clone(),
@@ -188,14 +207,23 @@ impl Session {
             files: files_of(&node.parameters, &graph.folder, self.file_stamp),
             outputs: outputs.clone(),
             notes: notes.clone(),
+            seconds,
         });
-        Ok(Done { outputs, notes, seconds: start.elapsed().as_secs_f64(), reused: false })
+        Ok(Done { outputs, notes, seconds, reused: None })
     }
 
     fn next_revision(&mut self) -> Revision {
         self.last_revision += 1;
         Revision(self.last_revision)
     }
+}
+
+/// All that a node can be asked for: an order, and where it makes a volume of a grid, every gradient.
+fn everything_of(node: &GraphNode) -> Demand {
+    let gives = node.node.outputs.iter().any(|port| port.port_type == PortType::Volume);
+    let takes = node.node.inputs.iter().any(|port| port.port_type == PortType::Grid);
+    let gradient = gives && takes;
+    Demand { gradient_magnitude: gradient, gradient, order: true, ..Demand::default() }
 }
 
 /// The values at a node's inputs. The order of work puts what feeds a node before it.

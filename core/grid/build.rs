@@ -41,6 +41,7 @@ pub fn build(mut parts: Parts, options: &Options, progress: &dyn Progress) -> Re
 
     let mut origin = tally.origin();
     origin.arrays_unread = std::mem::take(&mut parts.arrays_unread);
+    (origin.values_unread, origin.arrays_decoded) = (parts.values_unread, parts.arrays_decoded);
     origin.warnings = std::mem::take(&mut parts.warnings);
     tally.warn(&mut origin.warnings);
     if source.polyhedra.choices.overlapping > 0 {

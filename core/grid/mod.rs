@@ -69,6 +69,10 @@ pub struct Origin {
     pub cells_not_volume: u64,
     /// Arrays of the file that nobody asked for and that were not decoded.
     pub arrays_unread: Vec<String>,
+    /// Numbers that they hold, as far as the file's headers say.
+    pub values_unread: u64,
+    /// Arrays that were decoded: the scalar and those beside it.
+    pub arrays_decoded: u64,
     /// Warnings for the user, each a sentence.
     pub warnings: Vec<String>,
 }

@@ -81,6 +81,10 @@ pub struct Parts {
     pub degrees: Option<Vec<[u8; 3]>>,
     /// Names of arrays of the file that nobody asked for.
     pub arrays_unread: Vec<String>,
+    /// Numbers that they hold.
+    pub values_unread: u64,
+    /// Arrays that were decoded.
+    pub arrays_decoded: u64,
     /// Warnings of the reader, each a sentence.
     pub warnings: Vec<String>,
 }
@@ -98,6 +102,8 @@ impl Parts {
             kept_cell_arrays: BTreeMap::new(),
             degrees: None,
             arrays_unread: Vec::new(),
+            values_unread: 0,
+            arrays_decoded: 0,
             warnings: Vec::new(),
         }
     }

@@ -2,8 +2,8 @@
 
 use super::shading::shading;
 use voltet_core::Result;
-use voltet_core::graph::{Asking, Demand, Look};
-use voltet_core::optics::integrators::can_serve;
+use voltet_core::graph::{Asking, Demand, Look, Saving};
+use voltet_core::optics::integrators::{PartialTable, can_serve};
 use voltet_core::shading::Shading;
 use voltet_core::transfer::{OpticalModel, Profile, TransferFunction, Widget};
 use voltet_engine::needs_gradient;
@@ -16,6 +16,13 @@ pub fn ask(asking: &mut Asking, port: &str, look: &str) -> Result<Demand> {
         // Refused before any data are read.
         can_serve(&shading.integrator, &look.transfer_function)
             .map_err(|error| asking.parameters.blame("integrator", error))?;
+    }
+    if !shading.integrator.has_table() && !asking.thorough {
+        let why = format!("the integrator '{}' needs none", shading.integrator.name());
+        let side = asking.parameters.integer("table_size")? as usize;
+        let density = |look: &Look| look.transfer_function.model == OpticalModel::DensityEmitter;
+        let bytes = PartialTable::bytes_of(look.as_deref().is_none_or(density), side);
+        asking.notes.leave_out("pre-integration table", why, Some(Saving::Bytes(bytes as u64)));
     }
     let demand = demand(look.as_deref(), &shading);
     asking.ask(port, &demand)?;

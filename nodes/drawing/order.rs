@@ -1,7 +1,7 @@
 //! The order of a pixel's segments: the parameter, and what becomes of it.
 
 use voltet_core::Result;
-use voltet_core::graph::{Notes, Parameter, ParameterType, Parameters, Standard};
+use voltet_core::graph::{Notes, Parameter, ParameterType, Parameters, Saving, Standard};
 use voltet_core::shading::Order;
 
 /// The parameter, for the declarations of `sort` and `renderer`.
@@ -18,7 +18,7 @@ pub const ORDER: Parameter = Parameter {
     help: "the order in which a pixel's ray segments are composited",
 };
 
-/// The order that the parameters ask for; `needed`: whether it changes the picture.
+/// The order that the parameters ask for; `needed`: whether it changes the picture, or is to be carried out anyway.
 pub fn order(p: &Parameters, needed: bool) -> Result<Order> {
     Ok(match p.text("order")? {
         "centroid" => Order::Centroid,
@@ -30,7 +30,8 @@ pub fn order(p: &Parameters, needed: bool) -> Result<Order> {
     })
 }
 
-/// Notes that no order is needed.
-pub fn leave_out_order(notes: &mut Notes) {
-    notes.leave_out("visibility order", "one colour and no light: the picture does not depend on the order");
+/// Notes that no order is needed; `segment_count`: of the segments that are not sorted, where it is known.
+pub fn leave_out_order(notes: &mut Notes, segment_count: Option<u64>) {
+    let why = "one colour and no light: the picture does not depend on the order";
+    notes.leave_out("visibility order", why, segment_count.map(Saving::Segments));
 }

@@ -1,15 +1,18 @@
 //! The stages on the native engine, with their notes.
 
+use super::needs::needs_order;
+use super::order::leave_out_order;
 use std::sync::Arc;
 use voltet_core::Result;
 use voltet_core::camera::Camera;
-use voltet_core::graph::{Call, Look, Revision, diagonal};
+use voltet_core::graph::{Call, Look, Revision, Saving, diagonal};
 use voltet_core::lanes::LaneSet;
+use voltet_core::optics::integrators::PartialTable;
 use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
 use voltet_core::reference;
 use voltet_core::shading::{Order, Shading};
-use voltet_core::transfer::TransferFunction;
+use voltet_core::transfer::{OpticalModel, TransferFunction};
 use voltet_core::volume::Volume;
 use voltet_engine::{self as engine, Cells, Projection};
 
@@ -37,26 +40,36 @@ pub fn cull(
     transfer_function: &TransferFunction,
     camera: &Camera,
 ) -> Result<Cells> {
-    let cells = call.stage("cull", |progress| engine::cull(volume, transfer_function, camera, progress))?;
+    let thorough = call.thorough;
+    let cells = call.stage("cull", |progress| match thorough {
+        true => engine::keep_all(volume, transfer_function, camera),
+        false => engine::cull(volume, transfer_function, camera, progress),
+    })?;
     let counts = &mut call.notes.counts;
     counts.insert("cells_total", volume.grid.tetrahedra.len() as u64);
     counts.insert("cells_culled", cells.culled_by_transfer_function + cells.culled_by_frustum);
-    if cells.culled_by_transfer_function > 0 {
-        let what = format!("{} cells", cells.culled_by_transfer_function);
-        call.notes.leave_out(what, "no widget touches their values");
-    }
-    if cells.culled_by_frustum > 0 {
-        call.notes.leave_out(format!("{} cells", cells.culled_by_frustum), "they are outside the view");
-    }
+    let by_function = cells.culled_by_transfer_function;
+    leave_out_cells(call, by_function, "that show nothing", "no widget touches their values");
+    leave_out_cells(call, cells.culled_by_frustum, "out of view", "they lie outside the view");
     for &widget in &cells.untouched {
-        call.notes.leave_out(format!("widget {}", widget + 1), "no visible cell touches it");
+        call.notes.leave_out(format!("widget {}", widget + 1), "no visible cell touches it", None);
     }
     Ok(cells)
 }
 
+fn leave_out_cells(call: &mut Call, count: u64, which: &str, why: &str) {
+    if count > 0 {
+        call.notes.leave_out(format!("cells {which}"), why, Some(Saving::Cells(count)));
+    }
+}
+
 /// Gives the cells their order; the exact one is carried out pixel by pixel, by [`composite`].
 pub fn sort(call: &mut Call, cells: &Cells, camera: &Camera, order: Order) -> Result<Cells> {
-    call.stage("sort", |_| engine::sort(cells, camera, order))
+    let sorted = call.stage("sort", |_| engine::sort(cells, camera, order))?;
+    if order == Order::Centroid {
+        call.notes.counts.insert("cells_sorted", sorted.kept.len() as u64);
+    }
+    Ok(sorted)
 }
 
 /// Projects the cells for one camera; `gradient`: for light or silhouettes.
@@ -67,10 +80,15 @@ pub fn project(
     camera: &Camera,
     gradient: bool,
 ) -> Result<Projection> {
+    // For comparison everything that there is goes along.
+    let gradient = gradient || (call.thorough && cells.volume.gradient.is_some());
     let project =
         |progress: &dyn Progress| engine::project(cells, transfer_function, camera, gradient, progress);
     let projection = call.stage("project", project)?;
-    call.notes.counts.insert("cells_projected", projection.cells_projected());
+    let projected = projection.cells_projected();
+    call.notes.counts.insert("cells_projected", projected);
+    let missed = (cells.kept.len() as u64).saturating_sub(projected);
+    leave_out_cells(call, missed, "under a pixel's reach", "they cover no pixel centre");
     Ok(projection)
 }
 
@@ -84,7 +102,19 @@ pub fn composite(
     let composite =
         |progress: &dyn Progress| engine::composite(projection, transfer_function, shading, progress);
     let (picture, counts) = call.stage("composite", composite)?;
+    let density = transfer_function.model == OpticalModel::DensityEmitter;
+    let mut tables_built = u64::from(counts.table_bytes > 0);
+    if counts.table_bytes == 0 && call.thorough {
+        let side = call.parameters.integer("table_size")? as usize;
+        let table = call.stage("table", |_| Ok(PartialTable::new(density, side)))?;
+        tables_built += u64::from(std::hint::black_box(table).bytes() > 0);
+    }
+    if !call.thorough && projection.cells().order == Order::Auto && !needs_order(transfer_function, shading) {
+        leave_out_order(&mut call.notes, Some(counts.segments));
+    }
     let noted = &mut call.notes.counts;
+    noted.insert("tiles_sorted", counts.tiles_sorted);
+    noted.insert("tables_built", tables_built);
     noted.insert("segments", counts.segments);
     noted.insert("segments_exact", counts.segments_exact);
     noted.insert("segments_overlapping", counts.segments_overlapping);

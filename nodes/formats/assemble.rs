@@ -37,23 +37,18 @@ pub(super) fn assemble(dataset: &Dataset, request: &Request, progress: &dyn Prog
     let meter = Meter::new(progress, total.sum());
     let pieces: Vec<&Piece> =
         dataset.pieces.iter().filter(|p| p.cell_count > 0 && p.point_count > 0).collect();
-    let model = select::model(dataset)?;
     let cells: Vec<Cells> = pieces.iter().map(|piece| cells::load(piece, &meter)).collect::<Result<_>>()?;
     check_dimension(&cells)?;
 
-    let scalar = select::scalar(dataset, request.scalar.as_deref(), request.association)?;
-    let mut choices = vec![scalar];
-    let mut names = Vec::new();
-    for name in &request.point_arrays {
-        if !names.contains(name) {
-            choices.push(select::array(model, name, Association::Auto)?);
-            names.push(name.clone());
+    let choices = choices(dataset, request)?;
+    let left = unread(dataset, &choices)?;
+    if request.every_array {
+        for array in pieces.iter().flat_map(|piece| &piece.arrays) {
+            if left.arrays.contains(&array.stored.name) {
+                let values: Vec<f64> = array.stored.load(&meter)?;
+                drop(std::hint::black_box(values));
+            }
         }
-    }
-    // Those that stay on the cells stand behind the others, each once.
-    let kept: Vec<&String> = request.cell_arrays.iter().collect::<BTreeSet<_>>().into_iter().collect();
-    for name in &kept {
-        choices.push(select::array(model, name, Association::Cell)?);
     }
     let mut loaded = Vec::new();
     for (piece, cells) in pieces.iter().zip(cells) {
@@ -64,7 +59,13 @@ pub(super) fn assemble(dataset: &Dataset, request: &Request, progress: &dyn Prog
     let mut parts = Parts::new(points, cells);
     (parts.ghost, parts.degrees) = (ghost, degrees);
     parts.warnings = dataset.warnings.clone();
-    parts.arrays_unread = unread(dataset, &choices);
+    parts.arrays_decoded = choices.len() as u64;
+    if request.every_array {
+        parts.arrays_decoded += left.arrays.len() as u64;
+    } else {
+        (parts.arrays_unread, parts.values_unread) = (left.arrays, left.value_count);
+    }
+    let (names, kept) = (point_names(request), cell_names(request));
     let mut columns = choices.iter().zip(columns);
     if let Some((choice, values)) = columns.next() {
         let name = request.scalar.clone().unwrap_or_else(|| choice.name.clone());
@@ -75,13 +76,42 @@ pub(super) fn assemble(dataset: &Dataset, request: &Request, progress: &dyn Prog
         let component_count = if choice.component == Component::All { choice.component_count } else { 1 };
         let array = Array { component_count, values };
         match names.get(i) {
-            Some(name) if choice.per_cell => parts.cell_arrays.insert(name.clone(), array),
-            Some(name) => parts.point_arrays.insert(name.clone(), array),
+            Some(name) if choice.per_cell => parts.cell_arrays.insert(name.to_string(), array),
+            Some(name) => parts.point_arrays.insert(name.to_string(), array),
             None => parts.kept_cell_arrays.insert(kept[i - names.len()].clone(), array),
         };
     }
     let options = grid::Options { subdivision: request.subdivision, cell_values: request.cell_values };
     grid::build(parts, &options, progress)
+}
+
+/// The arrays that a request means: the scalar, those beside it on the points, and those that stay on the cells.
+pub(super) fn choices(dataset: &Dataset, request: &Request) -> Result<Vec<Choice>> {
+    let model = select::model(dataset)?;
+    let mut choices = vec![select::scalar(dataset, request.scalar.as_deref(), request.association)?];
+    for name in point_names(request) {
+        choices.push(select::array(model, name, Association::Auto)?);
+    }
+    for name in cell_names(request) {
+        choices.push(select::array(model, name, Association::Cell)?);
+    }
+    Ok(choices)
+}
+
+/// Further arrays, each once.
+fn point_names(request: &Request) -> Vec<&String> {
+    let mut names: Vec<&String> = Vec::new();
+    for name in &request.point_arrays {
+        if !names.contains(&name) {
+            names.push(name);
+        }
+    }
+    names
+}
+
+/// Arrays that stay on the cells, each once.
+fn cell_names(request: &Request) -> Vec<&String> {
+    request.cell_arrays.iter().collect::<BTreeSet<_>>().into_iter().collect()
 }
 
 /// An early error where no cell is three-dimensional, before anything else is read.
@@ -105,18 +135,30 @@ fn check_dimension(cells: &[Cells]) -> Result<()> {
         .accepted("tetrahedra, hexahedra or other cells with a volume"))
 }
 
-/// Names of the arrays that were not asked for.
-fn unread(dataset: &Dataset, choices: &[Choice]) -> Vec<String> {
-    let mut names = Vec::new();
+/// Arrays that nobody asked for.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Unread {
+    /// Their names, each once.
+    pub arrays: Vec<String>,
+    /// Numbers that they hold, as far as headers say.
+    pub value_count: u64,
+}
+
+/// What the choices leave.
+pub(super) fn unread(dataset: &Dataset, choices: &[Choice]) -> Result<Unread> {
+    let (mut arrays, mut value_count) = (Vec::new(), 0u64);
     for array in dataset.pieces.iter().flat_map(|piece| &piece.arrays) {
         let name = &array.stored.name;
         let is_read = choices.iter().any(|choice| choice.per_cell == array.per_cell && choice.name == *name)
             || [GHOST_TYPE, GHOST_LEVELS, DEGREES].contains(&name.as_str());
-        if !is_read && !names.contains(name) {
-            names.push(name.clone());
+        if !is_read {
+            value_count = value_count.saturating_add(array.stored.promised()?.unwrap_or(0));
+            if !arrays.contains(name) {
+                arrays.push(name.clone());
+            }
         }
     }
-    names
+    Ok(Unread { arrays, value_count })
 }
 
 fn load(piece: &Piece, cells: Cells, choices: &[Choice], meter: &Meter) -> Result<Loaded> {

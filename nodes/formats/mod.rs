@@ -37,6 +37,7 @@ mod stored;
 mod xml;
 mod xz;
 
+pub use assemble::Unread;
 pub use inspect::{ArraySummary, Summary, inspect};
 use std::path::{Path, PathBuf};
 pub use voltet_core::grid::CellValues;
@@ -87,6 +88,8 @@ pub struct Request {
     /// The PLOT3D solution (q) file that belongs to the grid file; `None`: the grid's name with the ending `.q`, if
     /// there is such a file.
     pub solution: Option<PathBuf>,
+    /// Every other array is decoded too, though nobody looks at it: to show what not doing so saves.
+    pub every_array: bool,
 }
 
 impl Default for Request {
@@ -100,6 +103,7 @@ impl Default for Request {
             time_step: None,
             subdivision: 1,
             solution: None,
+            every_array: false,
         }
     }
 }
@@ -111,6 +115,15 @@ impl Default for Request {
 pub fn read(path: &Path, request: &Request, progress: &dyn Progress) -> Result<Grid> {
     let dataset = open(path, request)?;
     assemble::assemble(&dataset, request, progress).map_err(|error| error.in_file(path))
+}
+
+/// Arrays that [`read`] would not decode for this request, and how many numbers they hold. Reads headers alone.
+///
+/// # Errors
+/// As [`read`], as far as headers show them.
+pub fn unread(path: &Path, request: &Request) -> Result<Unread> {
+    let dataset = open(path, request)?;
+    assemble::unread(&dataset, &assemble::choices(&dataset, request)?).map_err(|error| error.in_file(path))
 }
 
 /// Reads the table of contents of a file; what is asked for but cannot be of such a file is an error.

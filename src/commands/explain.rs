@@ -1,10 +1,10 @@
-//! `voltet explain`: what will run, on which engine, what is left out and why. Reads no data.
+//! `voltet explain`: what will run, on which engine, what is left out and why. Reads headers of data files, no data.
 
 use super::{DONE, open, registry, show, warn};
 use crate::arguments::Explain;
 use voltet::Document;
 use voltet::core::Result;
-use voltet::core::graph::{Demand, Graph, GraphNode, Plan, PortType};
+use voltet::core::graph::{Demand, Graph, GraphNode, LeftOut, Plan, PortType};
 
 pub fn explain(arguments: &Explain) -> Result<u8> {
     let document = match open(&arguments.file, &arguments.set.options, &registry()?) {
@@ -12,9 +12,14 @@ pub fn explain(arguments: &Explain) -> Result<u8> {
         Err((error, text)) => return Ok(show(&error, text.as_deref())),
     };
     warn(&document);
-    match voltet::nodes::session().plan(&document.graph) {
-        Ok(plan) => {
-            print!("{}", explained(&document, &plan));
+    let mut session = voltet::nodes::session();
+    if arguments.no_leave_out {
+        session = session.leaving_nothing_out();
+    }
+    match session.plan(&document.graph) {
+        Ok(mut plan) => {
+            let unknown = if arguments.no_leave_out { Vec::new() } else { note_unread(&document, &mut plan) };
+            print!("{}", explained(&document, &plan, &unknown, arguments.no_leave_out));
             Ok(DONE)
         }
         Err(error) => Ok(show(&document.locate(error), Some(&document.text))),
@@ -22,7 +27,7 @@ pub fn explain(arguments: &Explain) -> Result<u8> {
 }
 
 /// The plan in words.
-fn explained(document: &Document, plan: &Plan) -> String {
+fn explained(document: &Document, plan: &Plan, unknown: &[String], thorough: bool) -> String {
     let graph = &document.graph;
     let mut text = format!("{}", document.path.display());
     if let Some(title) = &document.pipeline.title {
@@ -50,18 +55,45 @@ fn explained(document: &Document, plan: &Plan) -> String {
     }
     let left_out: Vec<String> = (graph.order.iter())
         .flat_map(|&i| plan.notes[i].left_out.iter().map(move |left| (&graph.nodes[i].name, left)))
-        .map(|(name, (what, why))| format!("  {name}: no {what}: {why}\n"))
+        .map(|(name, left)| format!("  {name}: no {}: {}{}\n", left.what, left.why, saved(left)))
         .collect();
-    if left_out.is_empty() {
-        text += "\nNothing is left out before the data is known.\n";
-    } else {
-        text += &format!("\nLeft out:\n{}", left_out.concat());
+    match (left_out.is_empty(), thorough) {
+        (_, true) => text += "\nNothing is left out, needed or not; the picture is the same.\n",
+        (true, false) => text += "\nNothing is left out before the data is known.\n",
+        (false, false) => text += &format!("\nLeft out:\n{}", left_out.concat()),
+    }
+    for name in unknown {
+        text +=
+            &format!("Which arrays of its file '{name}' does not read is known once the file is there.\n");
     }
     if waves(graph) {
         text += "Whether bands are finer than the cells is known with the data: `voltet info` of this file says it.\n";
     }
-    text += "Cells that no widget touches or that lie outside the view are culled as the data is known.\n";
+    if !thorough {
+        text += "Left out once the data is known: cells and widgets that no value touches, cells out of view or under a \
+                 pixel's reach. `voltet run --no-leave-out` does everything, and says what that costs.\n";
+    }
     text
+}
+
+/// Notes which arrays the readers leave out, by the headers of their files; gives the readers whose files do not tell.
+fn note_unread(document: &Document, plan: &mut Plan) -> Vec<String> {
+    let graph = &document.graph;
+    let mut unknown = Vec::new();
+    let readers = graph.order.iter().filter(|&&i| graph.nodes[i].node.name == "reader");
+    for &i in readers {
+        let (node, resolve) = (&graph.nodes[i], |path: &str| graph.folder.join(path));
+        let (demand, notes) = (&plan.demands[i], &mut plan.notes[i]);
+        if voltet::nodes::note_unread(&node.parameters, demand, &resolve, notes).is_err() {
+            unknown.push(node.name.clone());
+        }
+    }
+    unknown
+}
+
+/// What leaving it out saves, in brackets.
+fn saved(left: &LeftOut) -> String {
+    left.saving.map(|saving| format!(" (saves {saving})")).unwrap_or_default()
 }
 
 /// Whether some transfer function has bands.

@@ -6,7 +6,20 @@ use voltet::core::graph::{Finding, RunReport};
 use voltet::core::pipeline::FORMAT;
 
 /// Counts that every report names, also where the engine that ran does not know them.
-const COUNTS: [&str; 5] = ["cells_total", "cells_culled", "cells_projected", "segments", "pixels_disordered"];
+const COUNTS: [&str; 12] = [
+    "arrays_decoded",
+    "gradients_computed",
+    "cells_total",
+    "cells_culled",
+    "cells_projected",
+    "segments",
+    "pixels_disordered",
+    "tiles_sorted",
+    "tables_built",
+    "shader_texts",
+    "shader_builds",
+    "uploads",
+];
 
 /// The report as JSON.
 pub fn json(document: &Document, report: &RunReport) -> Value {

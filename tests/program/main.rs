@@ -5,6 +5,7 @@ mod bad_data;
 mod bad_pipelines;
 mod commands;
 mod finders;
+mod left_out;
 mod pictures;
 mod reports;
 mod stability;

@@ -79,6 +79,11 @@ impl Integrator {
         matches!(self, Integrator::PreIntegrated { .. } | Integrator::PreIntegratedCylindrical { .. })
     }
 
+    /// Whether it builds a table.
+    pub fn has_table(&self) -> bool {
+        self.has_table_of_lengths() || matches!(self, Integrator::Segments { .. })
+    }
+
     /// Checks that its settings are in range.
     pub fn check(&self) -> Result<()> {
         let within = |what: &str, value: usize, low: usize, high: usize| {

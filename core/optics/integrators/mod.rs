@@ -45,6 +45,11 @@ use crate::transfer::TransferFunction;
 pub trait SegmentIntegrator: Send + Sync {
     /// The segment's contribution.
     fn integrate(&self, segment: &Segment) -> Contribution;
+
+    /// Bytes of the tables that were built for it.
+    fn table_bytes(&self) -> usize {
+        0
+    }
 }
 
 /// What the segments of a data set span: the domain of a pre-integrated table.

@@ -80,6 +80,12 @@ impl PartialTable {
         &self.back
     }
 
+    /// Bytes that a table of `size` entries a side takes.
+    pub fn bytes_of(density_emitter: bool, size: usize) -> usize {
+        let tables = if density_emitter { 1 } else { 2 };
+        tables * size * size * size_of::<f32>()
+    }
+
     /// Bytes that it takes.
     pub fn bytes(&self) -> usize {
         (self.front.len() + self.back.len()) * size_of::<f32>()

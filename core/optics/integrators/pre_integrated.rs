@@ -66,6 +66,10 @@ impl PreIntegrated {
 }
 
 impl SegmentIntegrator for PreIntegrated {
+    fn table_bytes(&self) -> usize {
+        self.bytes()
+    }
+
     fn integrate(&self, segment: &Segment) -> Contribution {
         let (front, back) = (self.ramp.place(segment.front[0]), self.ramp.place(segment.back[0]));
         let extinction = Bilinear::new(front, back, self.ramp.size()).number(&self.extinction);

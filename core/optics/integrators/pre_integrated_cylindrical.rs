@@ -95,6 +95,10 @@ impl PreIntegratedCylindrical {
 }
 
 impl SegmentIntegrator for PreIntegratedCylindrical {
+    fn table_bytes(&self) -> usize {
+        self.bytes()
+    }
+
     fn integrate(&self, segment: &Segment) -> Contribution {
         let n = self.ramp.size();
         let step = (n - 1) as f64;

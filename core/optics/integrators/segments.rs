@@ -54,6 +54,10 @@ impl Segments {
 }
 
 impl SegmentIntegrator for Segments {
+    fn table_bytes(&self) -> usize {
+        self.table.as_ref().map_or(0, PartialTable::bytes)
+    }
+
     fn integrate(&self, segment: &Segment) -> Contribution {
         let step = 1.0 / self.count as f64;
         self.prepared.sampled(segment, |samples| {

@@ -1,0 +1,108 @@
+//! A run that leaves nothing out, held against the usual one: by how much it is slower, and whether the pictures are the
+//! same.
+
+use serde::Serialize;
+use serde_json::Value;
+use voltet_core::graph::{LeftOut, RunReport};
+use voltet_core::picture::Picture;
+
+/// Largest difference of a channel that leaving something out may make: what culled cells add, and the rounding of 32 bits
+/// where one colour is summed and not composited.
+pub const SAME: f64 = 1e-6;
+
+/// How a run that leaves nothing out compares with the usual one.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Thorough {
+    /// Seconds of the usual run.
+    pub usual_seconds: f64,
+    /// Seconds of the other one.
+    pub seconds: f64,
+    /// The one by the other.
+    pub times_slower: f64,
+    /// Each node's seconds, usual and other, where they differ most first.
+    pub nodes: Vec<NodeSeconds>,
+    /// Largest difference of a channel of premultiplied linear RGBA between their pictures; `None` without a picture.
+    pub largest_difference: Option<f64>,
+    /// What the usual run leaves out.
+    pub left_out: Vec<LeftOut>,
+}
+
+/// What a node took.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct NodeSeconds {
+    /// Its name.
+    pub node: String,
+    /// Seconds in the usual run.
+    pub usual: f64,
+    /// Seconds where nothing is left out.
+    pub thorough: f64,
+}
+
+impl Thorough {
+    /// Compares two runs of one graph.
+    pub fn compare(usual: &RunReport, thorough: &RunReport) -> Thorough {
+        let seconds =
+            |name: &str| thorough.nodes.iter().find(|node| node.name == name).map(|node| node.seconds);
+        let pair = |node: &voltet_core::graph::NodeReport| {
+            let thorough = seconds(&node.name)?;
+            Some(NodeSeconds { node: node.name.clone(), usual: node.seconds, thorough })
+        };
+        let mut nodes: Vec<NodeSeconds> = usual.nodes.iter().filter_map(pair).collect();
+        nodes.sort_by(|a, b| (b.thorough - b.usual).total_cmp(&(a.thorough - a.usual)));
+        let pictures = usual.pictures.iter().filter_map(|(name, picture)| {
+            let other = &thorough.pictures.iter().find(|(other, _)| other == name)?.1;
+            Some(largest_difference(picture, other))
+        });
+        Thorough {
+            usual_seconds: usual.seconds,
+            seconds: thorough.seconds,
+            times_slower: thorough.seconds / usual.seconds,
+            nodes,
+            largest_difference: pictures.reduce(f64::max),
+            left_out: usual.left_out.clone(),
+        }
+    }
+
+    /// Whether the pictures are the same.
+    pub fn is_same(&self) -> bool {
+        self.largest_difference.is_none_or(|difference| difference <= SAME)
+    }
+
+    /// For people.
+    pub fn in_words(&self) -> String {
+        let mut text = format!(
+            "leaving nothing out took {:.3} s, the usual run {:.3} s: {:.2} times as long",
+            self.seconds, self.usual_seconds, self.times_slower
+        );
+        let most: Vec<String> = (self.nodes.iter())
+            .filter(|node| node.thorough - node.usual > 0.05 * (self.seconds - self.usual_seconds))
+            .map(|node| format!("{} {:.3} s for {:.3} s", node.node, node.thorough, node.usual))
+            .collect();
+        if self.times_slower > 1.0 && !most.is_empty() {
+            text += &format!(" ({})", most.join(", "));
+        }
+        text += match self.largest_difference {
+            Some(difference) => format!("; the pictures differ by at most {difference:.1e}\n"),
+            None => "\n".into(),
+        }
+        .as_str();
+        if !self.is_same() {
+            text += &format!("warning: the pictures should be the same to {SAME:.0e}\n");
+        }
+        text
+    }
+
+    /// For programs.
+    pub fn as_json(&self) -> Value {
+        serde_json::json!(self)
+    }
+}
+
+/// Largest difference of a channel; ∞ for pictures of different sizes.
+fn largest_difference(a: &Picture, b: &Picture) -> f64 {
+    if (a.width, a.height) != (b.width, b.height) {
+        return f64::INFINITY;
+    }
+    let channels = a.rgba.iter().flatten().zip(b.rgba.iter().flatten());
+    channels.map(|(a, b)| (f64::from(*a) - f64::from(*b)).abs()).fold(0.0, f64::max)
+}

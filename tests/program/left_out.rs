@@ -1,0 +1,187 @@
+//! What a scene does not ask for is not done: counted, not timed. And doing it all the same changes no picture.
+
+use super::support::{Folder, SLAB};
+use voltet::core::graph::{RunReport, Unobserved};
+use voltet::{Document, SAME, Thorough};
+
+/// A second widget of another colour, which looks at g; the first one's colour is green.
+const TWO: &str = r#"
+[[nodes.look.widgets]]
+kind = "gaussian"
+color = [1.0, 0.1, 0.1]
+extinction = 3.0
+centre = [0.6, 1.0]
+sigma = [0.1, 0.5]
+
+[nodes.view]
+"#;
+
+fn open(folder: &Folder, options: &[&str]) -> Document {
+    let options: Vec<String> = options.iter().map(|option| option.to_string()).collect();
+    Document::open(&folder.join("slab.toml"), &options, &voltet::nodes::registry().unwrap()).unwrap()
+}
+
+fn run(document: &Document) -> RunReport {
+    voltet::nodes::session().run(&document.graph, &Unobserved).unwrap()
+}
+
+fn thorough(document: &Document) -> RunReport {
+    voltet::nodes::session().leaving_nothing_out().run(&document.graph, &Unobserved).unwrap()
+}
+
+/// Arrays decoded, gradients computed, tiles sorted, cells sorted, tables built.
+fn work(report: &RunReport) -> [u64; 5] {
+    ["arrays_decoded", "gradients_computed", "tiles_sorted", "cells_sorted", "tables_built"]
+        .map(|name| report.counts.get(name).copied().unwrap_or(0))
+}
+
+#[test]
+fn nothing_is_decoded_computed_sorted_or_tabulated_that_the_scene_does_not_ask_for() {
+    let folder = Folder::new();
+    let light = "picture.light={ direction = [1, 1, 1], diffuse = 0.7 }";
+    let region = "look.widgets.0.region={ g = [0.5, 2.0] }";
+    // The picture is 8 pixels wide: one tile.
+    for (options, wanted) in [
+        (&[][..], [1, 0, 0, 0, 0]),
+        (&[region], [1, 1, 0, 0, 0]),
+        (&[light], [1, 1, 1, 0, 0]),
+        (&["picture.silhouette=2"], [1, 1, 0, 0, 0]),
+        (&["picture.silhouette=0"], [1, 0, 0, 0, 0]),
+        (&["picture.integrator=segments"], [1, 0, 0, 0, 1]),
+        (&["picture.integrator=pre-integrated", "picture.table_size=16"], [1, 0, 0, 0, 1]),
+        (&["picture.integrator=riemann"], [1, 0, 0, 0, 0]),
+        (&["look.model=constant-emitter"], [1, 0, 1, 0, 0]),
+        (&["look.model=constant-emitter", "picture.order=centroid"], [1, 0, 0, 162, 0]),
+        (&["gradient.method=array", "gradient.array=gradient"], [1, 0, 0, 0, 0]),
+        (&[region, "gradient.method=array", "gradient.array=gradient"], [2, 1, 0, 0, 0]),
+    ] {
+        assert_eq!(work(&run(&open(&folder, options))), wanted, "{options:?}");
+    }
+    folder.write("slab.toml", SLAB.replace("\n[nodes.view]\n", TWO));
+    assert_eq!(work(&run(&open(&folder, &[]))), [1, 1, 1, 0, 0], "two colours");
+}
+
+#[test]
+fn every_node_and_the_session_say_what_was_left_out_why_and_what_that_saves() {
+    let folder = Folder::new();
+    let narrow = [
+        "view.target=[0.5, 0.9, 0.5]",
+        "view.height=0.5",
+        "look.widgets.0.region={ s = [0.4, 0.6] }",
+        "view.size=[3, 3]",
+    ];
+    let document = open(&folder, &narrow);
+    let mut session = voltet::nodes::session();
+    let report = session.run(&document.graph, &Unobserved).unwrap();
+    let said = |report: &RunReport| -> Vec<String> {
+        let saving = |left: &voltet::core::graph::LeftOut| match left.saving {
+            Some(saving) => serde_json::to_string(&saving).unwrap(),
+            None => String::new(),
+        };
+        report.left_out.iter().map(|left| format!("{}: {} {}", left.node, left.what, saving(left))).collect()
+    };
+    let left_out = said(&report);
+    let total = |name: &str| report.counts[name];
+    for wanted in [
+        // 64 points: y and ones, the gradient's three components; 27 cells: layer.
+        format!("grid: arrays y, ones, gradient, layer {{\"bytes\":{}}}", 8 * (64 * 5 + 27)),
+        format!("gradient: gradient {{\"bytes\":{}}}", 8 * 64 * 4),
+        "picture: cells that show nothing {\"cells\":".into(),
+        "picture: cells out of view {\"cells\":".into(),
+        "picture: cells under a pixel's reach {\"cells\":".into(),
+        format!("picture: visibility order {{\"segments\":{}}}", total("segments")),
+        "picture: pre-integration table {\"bytes\":262144}".into(),
+    ] {
+        assert!(left_out.iter().any(|left| left.starts_with(&wanted)), "'{wanted}' is not in\n{left_out:#?}");
+    }
+    let cells = |which: &str| {
+        let left = report.left_out.iter().find(|left| left.what == format!("cells {which}")).unwrap();
+        match left.saving {
+            Some(voltet::core::graph::Saving::Cells(count)) => count,
+            other => panic!("{other:?}"),
+        }
+    };
+    let culled = cells("that show nothing") + cells("out of view");
+    assert_eq!(culled, total("cells_culled"));
+    assert_eq!(culled + cells("under a pixel's reach") + total("cells_projected"), total("cells_total"));
+    let again = said(&session.run(&document.graph, &Unobserved).unwrap());
+    for node in ["grid", "gradient", "look", "view", "picture", "file"] {
+        let wanted = format!("{node}: repetition {{\"seconds\":");
+        assert!(again.iter().any(|left| left.starts_with(&wanted)), "'{wanted}' is not in\n{again:#?}");
+    }
+}
+
+#[test]
+fn doing_everything_changes_no_picture_and_leaves_nothing_out() {
+    let folder = Folder::new();
+    folder.write("two.toml", SLAB.replace("\n[nodes.view]\n", TWO));
+    let untouched = "look.widgets.1.centre=[9.0, 1.0]";
+    let inside = "view.eye=[0.4, 0.5, 0.5]";
+    let light = "picture.light={ direction = [1, 1, 1], diffuse = 0.7 }";
+    let two = folder.join("two.toml");
+    let slab = folder.join("slab.toml");
+    for (path, options) in [
+        (&slab, &[][..]),
+        (&slab, &["picture.silhouette=2"]),
+        (&slab, &["look.widgets.0.region={ s = [0.4, 0.6] }", "view.height=0.5"]),
+        (&two, &[]),
+        (&two, &[untouched]),
+        (&two, &[inside, "view.near=0.05"]),
+        (&two, &[light]),
+        (&two, &["look.model=constant-emitter"]),
+        (&two, &["picture.order=centroid"]),
+    ] {
+        let options: Vec<String> =
+            options.iter().chain(&["view.size=[48, 40]"]).map(|option| option.to_string()).collect();
+        let document = Document::open(path, &options, &voltet::nodes::registry().unwrap()).unwrap();
+        let (usual, all) = (run(&document), thorough(&document));
+        let comparison = Thorough::compare(&usual, &all);
+        assert!(comparison.is_same(), "{options:?}: {comparison:#?}");
+        assert!(comparison.largest_difference.is_some());
+        // Cells that cover no pixel centre have nothing that could be done.
+        let left: Vec<_> =
+            all.left_out.iter().filter(|left| left.what != "cells under a pixel's reach").collect();
+        assert!(left.is_empty(), "{options:?}: {left:?}");
+        assert_eq!(all.counts["cells_culled"], 0);
+        let [arrays, gradients, tiles, cells, tables] = work(&all);
+        assert_eq!([arrays, gradients, tables], [5, 1, 1], "{options:?}");
+        assert!(tiles > 0 || cells == 162, "{options:?}");
+    }
+}
+
+#[test]
+fn a_run_that_leaves_nothing_out_says_what_it_costs() {
+    let folder = Folder::new();
+    let ran = folder.voltet(&["run", "slab.toml", "--no-leave-out", "--report", "r.json"]).ok();
+    for text in ["leaving nothing out took", "times as long", "the pictures differ by at most"] {
+        assert!(ran.stdout.contains(text), "'{text}' is not in\n{}", ran.stdout);
+    }
+    let report = folder.json("r.json");
+    let comparison = &report["no_leave_out"];
+    assert!(comparison["largest_difference"].as_f64().unwrap() <= SAME, "{comparison:#}");
+    assert!(comparison["times_slower"].as_f64().unwrap() > 0.0);
+    assert!(comparison["left_out"].as_array().unwrap().len() >= 4, "{comparison:#}");
+    assert_eq!(comparison["nodes"].as_array().unwrap().len(), 6);
+    assert_eq!(report["counts"]["arrays_decoded"], 5);
+    assert!(folder.names().contains(&"slab.exr".to_string()));
+    let plain = folder.voltet(&["run", "slab.toml"]).ok();
+    assert!(!plain.stdout.contains("leaving nothing out"), "{}", plain.stdout);
+}
+
+#[test]
+fn explain_knows_from_headers_which_arrays_are_not_read() {
+    let folder = Folder::new();
+    let ran = folder.voltet(&["explain", "slab.toml"]).ok();
+    for text in [
+        "grid: no arrays y, ones, gradient, layer: nothing looks at them (saves",
+        "picture: no pre-integration table",
+    ] {
+        assert!(ran.stdout.contains(text), "'{text}' is not in\n{}", ran.stdout);
+    }
+    let ran = folder.voltet(&["explain", "slab.toml", "--no-leave-out"]).ok();
+    assert!(ran.stdout.contains("Nothing is left out, needed or not"), "{}", ran.stdout);
+    assert!(ran.stdout.contains("asked for gradient magnitude, gradient vectors"), "{}", ran.stdout);
+    std::fs::remove_file(folder.join("cube.vtu")).unwrap();
+    let ran = folder.voltet(&["explain", "slab.toml"]).ok();
+    assert!(ran.stdout.contains("'grid' does not read is known once the file is there"), "{}", ran.stdout);
+}
