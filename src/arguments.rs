@@ -31,7 +31,12 @@ pub enum Command {
     /// Of a data file: cells, arrays with ranges, bounds, and a pipeline to start with. Of a pipeline file (.toml): what
     /// its probes find, and for each transfer function with waves how many bands the cells cross.
     Info(Info),
-    /// Judge the segment formulas against exact values, 64-bit and 32-bit.
+    /// Judge every formula and engine against exact values, and draw cells that are hard to draw.
+    ///
+    /// For each set of forms (64-bit, 32-bit by lane set): the worst error and its inputs in every category (stiff, narrow,
+    /// flat, tails, many bands, offset, tiny and huge lengths, region edges, overlaps, long compositing chains), as a share
+    /// of the bound stated for it. Then small pictures of degenerate cells and extreme coordinates against the 64-bit
+    /// referee, and the formulas as papers print them, beside what stands in their place.
     Stability(Stability),
     /// Draw a pipeline's scene with every integrator and setting, and say what each costs and how wrong it is.
     ///
@@ -48,11 +53,6 @@ pub struct Run {
     pub files: Vec<PathBuf>,
     #[command(flatten)]
     pub set: Set,
-    /// Write times, counts and what was left out to this file, as JSON.
-    #[arg(long, value_name = "R.json")]
-    pub report: Option<PathBuf>,
-    /// Print nothing but errors.
-    #[arg(long, short)]
     /// Do everything that could be done, needed or not, and say how much longer that takes.
     ///
     /// Runs each file twice as usual and twice reading every array, computing the gradient and its length, culling nothing,
@@ -60,6 +60,11 @@ pub struct Run {
     /// fastest of each: how much longer the whole takes, and by how much the pictures differ.
     #[arg(long)]
     pub no_leave_out: bool,
+    /// Write times, counts and what was left out to this file, as JSON.
+    #[arg(long, value_name = "R.json")]
+    pub report: Option<PathBuf>,
+    /// Print nothing but errors.
+    #[arg(long, short)]
     pub quiet: bool,
 }
 
@@ -90,14 +95,14 @@ pub struct Explain {
     pub file: PathBuf,
     #[command(flatten)]
     pub set: Set,
+    /// Explain the run of `voltet run --no-leave-out`, which does everything.
+    #[arg(long)]
+    pub no_leave_out: bool,
 }
 
 #[derive(Debug, Args)]
 pub struct Nodes {
     /// The node type to show; all of them where none is named.
-    /// Explain the run of `voltet run --no-leave-out`, which does everything.
-    #[arg(long)]
-    pub no_leave_out: bool,
     #[arg(value_name = "NAME")]
     pub name: Option<String>,
     /// Write the reference as Markdown.
@@ -123,17 +128,20 @@ pub struct Info {
 #[derive(Debug, Args)]
 #[command(after_help = "Exit codes: 0 every bound is kept, 1 one is broken, 2 the file is wrong.")]
 pub struct Stability {
-    /// Cases with exact values: one JSON object a line.
+    /// Judge these cases instead of those that the program carries: one JSON object a line.
     ///
     /// Each value passes when its error is at most bound × exact value + floor; the bound follows from the working
     /// precision and the condition number that the case states. Counted are the values of the forms themselves
     /// (judged), those only asked to be finite and physical (finite), those that the 32-bit engine leaves to the
     /// 64-bit forms, and those of cases that are not served (skipped).
     #[arg(long, value_name = "FILE.jsonl")]
-    pub cases: PathBuf,
+    pub cases: Option<PathBuf>,
     /// Write everything that was found as JSON to the standard output.
     #[arg(long)]
     pub json: bool,
+    /// Write it as Markdown: the page docs/stability.md.
+    #[arg(long, conflicts_with_all = ["cases", "json"])]
+    pub markdown: bool,
 }
 
 #[derive(Debug, Args)]

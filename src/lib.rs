@@ -15,6 +15,7 @@
 //! ```
 
 mod document;
+pub mod stability;
 pub mod study;
 mod thorough;
 

@@ -1,19 +1,46 @@
-//! `voltet stability`: the segment formulas against exact values.
+//! `voltet stability`: the formulas against exact values, hard cells against the referee, and what papers print.
 
 use super::DONE;
 use crate::arguments::Stability;
+use crate::present::Bar;
 use serde_json::{Value, json};
-use voltet::core::optics::judge::{Excuse, Native32, Native64, Report, Row, judge_all};
+use std::path::Path;
+use voltet::core::graph::Observer;
+use voltet::core::optics::judge::{Forms, Report, judge_all};
+use voltet::core::progress::Progress;
 use voltet::core::{Error, Result};
+use voltet::stability;
 
 /// A bound is broken.
 const BROKEN: u8 = 1;
 
-/// Broken values that are named one by one.
-const NAMED: usize = 20;
-
 pub fn stability(arguments: &Stability) -> Result<u8> {
-    let path = &arguments.cases;
+    match &arguments.cases {
+        Some(path) => judge(path, arguments.json),
+        None => all(arguments),
+    }
+}
+
+fn verdict(passed: bool) -> u8 {
+    if passed { DONE } else { BROKEN }
+}
+
+/// Everything that the program has to say of itself.
+fn all(arguments: &Stability) -> Result<u8> {
+    let watch = Watch(Bar::new(false));
+    let found = stability::stability(&stability::forms(), &watch);
+    watch.0.clear();
+    let found = found?;
+    match (arguments.json, arguments.markdown) {
+        (true, _) => println!("{:#}", stability::json(&found)),
+        (false, true) => print!("{}", stability::markdown(&found)),
+        (false, false) => print!("{}", stability::text(&found)),
+    }
+    Ok(verdict(found.passed()))
+}
+
+/// A file of cases.
+fn judge(path: &Path, as_json: bool) -> Result<u8> {
     let read = std::fs::read(path).map_err(|error| {
         Error::usage("the case file cannot be read").found(error).accepted("a file of cases").in_file(path)
     })?;
@@ -21,105 +48,37 @@ pub fn stability(arguments: &Stability) -> Result<u8> {
         let found = format!("byte {} is no UTF-8", error.utf8_error().valid_up_to());
         Error::usage("the file is no case file").found(found).accepted("JSON lines").in_file(path)
     })?;
-    let reports = judge_all(&text, &[&Native64, &Native32]).map_err(|error| error.in_file(path))?;
+    let forms = stability::forms();
+    let forms: Vec<&dyn Forms> = forms.iter().map(Box::as_ref).collect();
+    let reports = judge_all(&text, &forms).map_err(|error| error.in_file(path))?;
     if reports.iter().all(|report| report.cases == 0) {
         let error = Error::usage("the file holds no case").accepted("one JSON object a line");
         return Err(error.in_file(path));
     }
-    if arguments.json {
-        println!("{:#}", as_json(path, &reports));
+    let passed = reports.iter().all(Report::passed);
+    if as_json {
+        let forms: Vec<Value> = reports.iter().map(stability::forms_json).collect();
+        println!("{:#}", json!({ "file": path.display().to_string(), "passed": passed, "forms": forms }));
     } else {
         let cases = reports.first().map_or(0, |report| report.cases);
-        println!("{}: {}", path.display(), counted(cases, "case"));
-        reports.iter().for_each(|report| print!("\n{}", table(report)));
+        println!("{}: {cases} case{}", path.display(), if cases == 1 { "" } else { "s" });
+        reports.iter().for_each(|report| print!("\n{}", stability::forms_text(report)));
     }
-    Ok(if reports.iter().all(Report::passed) { DONE } else { BROKEN })
+    Ok(verdict(passed))
 }
 
-fn counted(count: usize, noun: &str) -> String {
-    format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
-}
+/// Shows progress.
+struct Watch(Bar);
 
-fn described(excuse: &Excuse) -> String {
-    let what = if excuse.wider { "served in 64 bits" } else { "skipped" };
-    format!("{what}: {}, since {}", counted(excuse.count, "case"), excuse.reason)
-}
-
-/// One report as a table and what it means in words.
-fn table(report: &Report) -> String {
-    let mut text = format!("{} forms\n", report.forms);
-    text += "  kind     category   quantity      judged   finite  64 bits  skipped   broken  worst      of case\n";
-    for row in &report.rows {
-        let worst = format!("{:.3}", row.worst);
-        text += &format!(
-            "  {:8} {:10} {:12} {:>7} {:>8} {:>8} {:>8} {:>8}  {worst:10} {}\n",
-            row.kind,
-            row.category,
-            row.quantity,
-            row.judged,
-            row.only_finite,
-            row.wider,
-            row.skipped,
-            row.broken,
-            row.worst_id
-        );
-    }
-    text += &format!(
-        "  {} judged, {} only asked to be finite, {} served in 64 bits, {} skipped\n",
-        counted(report.total(|row| row.judged), "value"),
-        report.total(|row| row.only_finite),
-        report.total(|row| row.wider),
-        report.total(|row| row.skipped)
-    );
-    text.extend(report.excuses.iter().map(|excuse| format!("  {}\n", described(excuse))));
-    for broken in report.broken.iter().take(NAMED) {
-        text += &format!(
-            "  broken: {} of {}: {:e}, exact {:e}, {:.3} times the bound\n",
-            broken.quantity, broken.id, broken.found, broken.exact, broken.ratio
-        );
-    }
-    if report.broken.len() > NAMED {
-        text += &format!("  broken: and {} more\n", report.broken.len() - NAMED);
-    }
-    let verdict = match (report.passed(), report.worst()) {
-        (false, _) => format!("{} BROKE ITS BOUND", counted(report.broken.len(), "value")),
-        (true, Some(row)) => {
-            format!("every bound kept; the worst error is {:.3} of its bound ({})", row.worst, row.worst_id)
+impl Progress for Watch {
+    fn report(&self, stage: &str, fraction: f64) {
+        // The stages within a picture say nothing about the whole.
+        if !matches!(stage, "cull" | "project" | "composite" | "reference") {
+            self.0.progress("", stage, fraction);
         }
-        (true, None) => "nothing was judged".into(),
-    };
-    text + &format!("  {}: {verdict}\n", report.forms)
-}
+    }
 
-fn as_json(path: &std::path::Path, reports: &[Report]) -> Value {
-    // JSON has no ∞: such a ratio is written as null.
-    let row = |row: &Row| {
-        json!({
-            "kind": row.kind, "category": row.category, "quantity": row.quantity, "judged": row.judged,
-            "only_finite": row.only_finite, "served_in_64_bits": row.wider, "skipped": row.skipped,
-            "broken": row.broken, "worst_ratio": row.worst, "worst_case": row.worst_id,
-            "worst_relative_error": row.worst_error,
-        })
-    };
-    let forms = |report: &Report| {
-        let excuses = |wider: bool| -> Vec<Value> {
-            let chosen = report.excuses.iter().filter(|excuse| excuse.wider == wider);
-            chosen.map(|excuse| json!({ "reason": excuse.reason, "cases": excuse.count })).collect()
-        };
-        let broken = report.broken.iter().map(|b| {
-            json!({
-                "case": b.id, "quantity": b.quantity, "found": b.found, "exact": b.exact, "ratio": b.ratio,
-            })
-        });
-        json!({
-            "forms": report.forms, "cases": report.cases, "passed": report.passed(),
-            "skipped": excuses(false), "served_in_64_bits": excuses(true),
-            "broken": broken.collect::<Vec<_>>(),
-            "rows": report.rows.iter().map(row).collect::<Vec<_>>(),
-        })
-    };
-    json!({
-        "file": path.display().to_string(), "passed": reports.iter().all(Report::passed),
-        "forms": reports.iter().map(forms).collect::<Vec<_>>(),
-    })
+    fn cancelled(&self) -> bool {
+        self.0.cancelled()
+    }
 }

@@ -19,9 +19,9 @@ fn a_good_file_is_judged_per_kind_and_category_in_both_precisions() {
     for text in [
         format!("cases.jsonl: {count} cases"),
         "64-bit forms".into(),
-        "32-bit forms".into(),
+        "32-bit portable forms".into(),
         "64-bit: every bound kept".into(),
-        "32-bit: every bound kept".into(),
+        "32-bit portable: every bound kept".into(),
         // The 32-bit engine leaves what it cannot hold to the 64-bit forms, and that is said.
         "served in 64 bits: 2 cases, since".into(),
     ] {
@@ -33,6 +33,56 @@ fn a_good_file_is_judged_per_kind_and_category_in_both_precisions() {
         let found = |line: &&str| line.split_whitespace().take(2).eq([kind, category]);
         assert!(ran.stdout.lines().filter(found).count() >= 6, "{kind} {category}");
     }
+}
+
+/// Every set of forms that this processor has, every category, the hard pictures and the printed formulas.
+#[test]
+fn without_a_file_the_program_judges_itself() {
+    let folder = Folder::new();
+    let ran = folder.voltet(&["stability", "--json"]).ok();
+    let found: serde_json::Value = serde_json::from_str(&ran.stdout).unwrap();
+    assert_eq!(found["passed"], true);
+    let forms = found["forms"].as_array().unwrap();
+    let names: Vec<&str> = forms.iter().map(|forms| forms["forms"].as_str().unwrap()).collect();
+    assert!(names.starts_with(&["64-bit", "32-bit portable"]), "{names:?}");
+    assert_eq!(names.len(), 1 + voltet::core::optics::judge::Native32::each().count());
+    for forms in forms {
+        let rows = forms["rows"].as_array().unwrap();
+        for category in [
+            "ordinary", "stiff", "narrow", "flat", "tails", "bands", "offset", "scale", "edges", "overlap",
+            "table", "chain", "ray",
+        ] {
+            let of = |row: &&serde_json::Value| row["category"] == category;
+            assert!(rows.iter().filter(of).count() >= 3, "{category}");
+        }
+        for formula in ["gaussian-nd (constant-emitter)", "piecewise-linear (density-emitter)", "compositing"]
+        {
+            let of = |row: &&serde_json::Value| row["formula"] == formula && row["judged"].as_u64() > Some(0);
+            let row = rows.iter().find(of).unwrap_or_else(|| panic!("{formula} of {}", forms["forms"]));
+            assert!(!row["worst_inputs"].as_str().unwrap().is_empty());
+        }
+    }
+    let pictures = found["pictures"].as_array().unwrap();
+    for category in ["degenerate cells", "extreme coordinates", "long compositing chains"] {
+        assert!(pictures.iter().any(|picture| picture["category"] == category), "{category}");
+    }
+    // What papers print fails somewhere (JSON has no infinity: null), and what stands in its place does not.
+    let printed = found["printed"].as_array().unwrap();
+    assert!(printed.len() >= 12);
+    for entry in printed {
+        let rows = entry["rows"].as_array().unwrap();
+        let fails = |row: &serde_json::Value| row["printed_32"].as_f64().is_none_or(|error| error > 1e-3);
+        assert!(rows.iter().any(fails), "{entry:#}");
+        for row in rows.iter().filter(|row| row.get("ours_32").is_some_and(|ours| !ours.is_null())) {
+            assert!(row["ours_32"].as_f64().unwrap() < 2e-5, "{entry:#}");
+        }
+    }
+    let page = folder.voltet(&["stability", "--markdown"]).ok().stdout;
+    for wanted in ["| many bands |", "### Kniss et al. 2003, Eq. 16", "| degenerate cells |"] {
+        assert!(page.contains(wanted), "'{wanted}' is not in\n{page}");
+    }
+    let text = folder.voltet(&["stability"]).ok().stdout;
+    assert!(text.ends_with("\nevery bound kept\n"), "{text}");
 }
 
 #[test]

@@ -65,6 +65,58 @@ impl Kind {
     }
 }
 
+impl Case {
+    /// The formula that it tries: a widget's by optical model, several widgets on a stretch, compositing, or the integrals
+    /// of linear extinction.
+    pub fn formula(&self) -> String {
+        let of = |case: &SegmentCase| {
+            let model = if case.density() { "density" } else { "constant" };
+            match case.transfer_function.widgets.as_slice() {
+                [widget] => format!("{} ({model}-emitter)", widget.profile.name()),
+                _ => format!("widgets that overlap ({model}-emitter)"),
+            }
+        };
+        match &self.kind {
+            Kind::Segment(case) => of(case),
+            Kind::Ray { .. } => "cells along a ray".into(),
+            Kind::Chain { .. } => "compositing".into(),
+            Kind::Table { .. } => "partial pre-integration".into(),
+        }
+    }
+
+    /// What goes in, in short.
+    pub fn inputs(&self) -> String {
+        let list = |values: &[f64]| values.iter().map(|x| format!("{x:?}")).collect::<Vec<_>>().join(", ");
+        match &self.kind {
+            Kind::Segment(case) => {
+                let peaks: Vec<f64> = case.transfer_function.widgets.iter().map(peak).collect();
+                let peaks = peaks.iter().map(|x| x / case.transfer_function.unit_distance * case.length);
+                format!(
+                    "({}) to ({}), peak depth {}",
+                    list(&case.front),
+                    list(&case.back),
+                    peaks.map(|x| format!("{x:.3e}")).collect::<Vec<_>>().join(", ")
+                )
+            }
+            Kind::Ray { segments, exact } => {
+                format!("{} cells, depth {:.3e}", segments.len(), exact.exact.optical_depth)
+            }
+            Kind::Chain { segments, transparency, .. } => {
+                format!("{} segments, transparency {transparency:.3e}", segments.len())
+            }
+            Kind::Table { a, b, .. } => format!("depths {a:?} and {b:?}"),
+        }
+    }
+}
+
+/// The largest extinction of a widget, per unit distance.
+fn peak(widget: &Widget) -> f64 {
+    match &widget.profile {
+        Profile::PiecewiseLinear { points } => points.iter().fold(0.0, |peak: f64, p| p.extinction.max(peak)),
+        _ => widget.extinction,
+    }
+}
+
 /// A segment with its transfer function and exact values.
 #[derive(Debug, Clone)]
 pub struct SegmentCase {

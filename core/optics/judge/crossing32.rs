@@ -1,7 +1,7 @@
-//! A widget along one segment in 32-bit lanes, for the judge: all lanes hold the same.
+//! A widget along one segment in 32-bit lanes, of any lane set, for the judge: all lanes hold the same.
 
 use crate::Result;
-use crate::lanes::{Float, Lanes, Portable};
+use crate::lanes::{Float, Lanes};
 use crate::optics::Segment;
 use crate::optics::clip::{Clip, Stretch};
 use crate::optics::lanes::clip::LaneStretch;
@@ -15,25 +15,25 @@ use crate::optics::lanes::wave::{LaneBell, LanePhase, LaneWaveTrack};
 use crate::optics::piecewise_linear::{Piece, PiecewisePath};
 use crate::transfer::{ControlPoint, Profile, Wave, Widget};
 
-pub(super) type P = Portable;
-pub(super) type F = <P as Lanes>::F;
+/// Lanes of the widest set.
+const WIDTH_MOST: usize = 16;
 
-pub(super) fn splat(x: f64) -> F {
+pub(super) fn splat<F: Float>(x: f64) -> F {
     F::splat(x as f32)
 }
 
 /// The first lane; the others hold the same.
-pub(super) fn lane(x: F) -> f64 {
-    let mut values = [f32::NAN; P::WIDTH];
+pub(super) fn lane<F: Float>(x: F) -> f64 {
+    let mut values = [f32::NAN; WIDTH_MOST];
     x.store(&mut values);
     f64::from(values[0])
 }
 
 /// A widget that the segment crosses.
-pub(super) struct Crossing<'a> {
+pub(super) struct Crossing<'a, L: Lanes> {
     pub widget: &'a Widget,
     segment: &'a Segment<'a>,
-    stretch: LaneStretch<P>,
+    stretch: LaneStretch<L>,
     /// D/U.
     scale: f64,
     cutoff: Option<f64>,
@@ -41,7 +41,7 @@ pub(super) struct Crossing<'a> {
     points: Option<LanePoints>,
 }
 
-impl<'a> Crossing<'a> {
+impl<'a, L: Lanes> Crossing<'a, L> {
     /// `None` where the segment has no part inside the region.
     pub fn new(
         widget: &'a Widget,
@@ -66,21 +66,21 @@ impl<'a> Crossing<'a> {
         Ok((lane(stretch.length) > 0.0).then_some(crossing))
     }
 
-    fn ends(&self, front: F, back: F) -> [F; 2] {
+    fn ends(&self, front: L::F, back: L::F) -> [L::F; 2] {
         [self.stretch.at_start(front, back), self.stretch.at_end(front, back)]
     }
 
     /// ρ₀ D of the clipped stretch.
-    fn peak(&self) -> F {
-        splat(self.scale * self.widget.extinction) * self.stretch.length
+    fn peak(&self) -> L::F {
+        splat::<L::F>(self.scale * self.widget.extinction) * self.stretch.length
     }
 
     /// q = K (v − v₀) at the segment's ends, for both kinds of Gaussians.
-    fn gaussian(&self) -> Option<[[F; 8]; 2]> {
+    fn gaussian(&self) -> Option<[[L::F; 8]; 2]> {
         let times = |row: &[f64], v: &[f64], centre: &[f64]| {
-            let mut q = splat(0.0);
+            let mut q: L::F = splat(0.0);
             for ((k, v), c) in row.iter().zip(v).zip(centre) {
-                q = splat(*k).mul_add(splat(v - c), q);
+                q = splat::<L::F>(*k).mul_add(splat(v - c), q);
             }
             q
         };
@@ -107,7 +107,7 @@ impl<'a> Crossing<'a> {
     }
 
     /// The same at the ends of the clipped stretch.
-    fn clipped(&self, [front, back]: [[F; 8]; 2]) -> [[F; 8]; 2] {
+    fn clipped(&self, [front, back]: [[L::F; 8]; 2]) -> [[L::F; 8]; 2] {
         let mut ends = [front, back];
         for i in 0..8 {
             let [start, end] = self.ends(front[i], back[i]);
@@ -117,7 +117,7 @@ impl<'a> Crossing<'a> {
     }
 
     /// δ and γ at the segment's ends.
-    fn triangular(&self) -> Option<[[F; 2]; 2]> {
+    fn triangular(&self) -> Option<[[L::F; 2]; 2]> {
         let Profile::TriangularGaussian { centre, sigma } = &self.widget.profile else { return None };
         let s = self.segment;
         let offset = [splat(s.front[0] - centre), splat(s.back[0] - centre)];
@@ -125,7 +125,7 @@ impl<'a> Crossing<'a> {
     }
 
     /// Phases at the ends of a stretch, reduced in 64 bits.
-    fn phases(&self, wave: &Wave, stretch: &Stretch) -> [LanePhase<P>; 2] {
+    fn phases(&self, wave: &Wave, stretch: &Stretch) -> [LanePhase<L>; 2] {
         let phase = |v: [f64; 2]| {
             ((v[0] - wave.origin[0]) * wave.angle.cos() * wave.scale[0]
                 + (v[1] - wave.origin[1]) * wave.angle.sin() * wave.scale[1])
@@ -151,18 +151,19 @@ impl<'a> Crossing<'a> {
     }
 
     /// T.
-    pub fn depth(&self) -> F {
+    #[inline(never)]
+    pub fn depth(&self) -> L::F {
         if let Some(q) = self.gaussian() {
             let [front, back] = self.clipped(q);
-            return self.peak() * gaussian::mean_profile::<P, 8>(front, back);
+            return self.peak() * gaussian::mean_profile::<L, 8>(front, back);
         }
         if let Some([offset, width]) = self.triangular() {
             let (offset, width) = (self.ends(offset[0], offset[1]), self.ends(width[0], width[1]));
-            return self.peak() * triangular_gaussian::mean_profile::<P>(offset, width);
+            return self.peak() * triangular_gaussian::mean_profile::<L>(offset, width);
         }
         if let Some((bell, wave)) = &self.bell {
             let [front, back] = self.phases(wave, &stretch64(&self.stretch));
-            return self.peak() * bell.mean::<P>(front, back);
+            return self.peak() * bell.mean::<L>(front, back);
         }
         if let Profile::PiecewiseLinear { points } = &self.widget.profile {
             return self.piecewise(points).0;
@@ -171,7 +172,8 @@ impl<'a> Crossing<'a> {
     }
 
     /// C of the widget alone on the segment, from its depth and opacity.
-    pub fn color(&self, depth: F, opacity: F) -> [F; 3] {
+    #[inline(never)]
+    pub fn color(&self, depth: L::F, opacity: L::F) -> [L::F; 3] {
         if let Profile::PiecewiseLinear { points } = &self.widget.profile {
             return self.piecewise(points).1;
         }
@@ -179,29 +181,34 @@ impl<'a> Crossing<'a> {
             (None, _, _) => opacity,
             (Some(cutoff), Some(q), _) => {
                 let [front, back] = self.clipped(q);
-                let light = gaussian::glow::<P, 8>(front, back, self.peak(), -cutoff.ln() as f32);
-                splat(self.scale) * self.stretch.length * light
+                let light = gaussian::glow::<L, 8>(front, back, self.peak(), -cutoff.ln() as f32);
+                splat::<L::F>(self.scale) * self.stretch.length * light
             }
             (Some(cutoff), None, Some((bell, wave))) => {
                 let [front, back] = self.phases(wave, &stretch64(&self.stretch));
-                splat(self.scale) * self.stretch.length * bell.glow::<P>(front, back, self.peak(), cutoff)
+                splat::<L::F>(self.scale)
+                    * self.stretch.length
+                    * bell.glow::<L>(front, back, self.peak(), cutoff)
             }
             (Some(_), None, None) if self.triangular().is_some() => {
-                return ordered::<P>(&[self.member()], Some(splat(self.scale)));
+                return in_order::<L>(&[self.member()], Some(splat(self.scale)));
             }
-            (Some(_), None, None) => splat(self.scale) * self.stretch.length * mean_transmittance::<P>(depth),
+            (Some(_), None, None) => {
+                splat::<L::F>(self.scale) * self.stretch.length * mean_transmittance::<L>(depth)
+            }
         };
-        self.widget.color.map(|c| splat(c) * lit)
+        self.widget.color.map(|c| splat::<L::F>(c) * lit)
     }
 
     /// As a member of an ordered integral.
-    pub fn member(&self) -> LaneMember<'_, P> {
+    #[inline(never)]
+    pub fn member(&self) -> LaneMember<'_, L> {
         let rate = splat(self.scale * self.widget.extinction);
         let mut window = [splat(-1.0), splat(2.0)];
         let level = self.cutoff.map(|cutoff| -cutoff.ln() as f32);
         let (mut threshold, mut unit_rate) = (self.cutoff.unwrap_or(0.0) as f32, rate);
         let track = if let Some([front, back]) = self.gaussian() {
-            let path = LaneGaussianPath::<P>::new(front, back);
+            let path = LaneGaussianPath::<L>::new(front, back);
             window = level.map_or(window, |level| path.window_ends(level));
             // Within its window it glows, whatever the rounding of the rate.
             threshold = 0.0;
@@ -234,7 +241,8 @@ impl<'a> Crossing<'a> {
     }
 
     /// (T, C) of pieces with linear extinction.
-    fn piecewise(&self, points: &[ControlPoint]) -> (F, [F; 3]) {
+    #[inline(never)]
+    fn piecewise(&self, points: &[ControlPoint]) -> (L::F, [L::F; 3]) {
         // From the first control point, so that the rounding of the stretch is one of the span.
         let origin = points[0].s;
         let moved: Vec<ControlPoint> =
@@ -242,7 +250,7 @@ impl<'a> Crossing<'a> {
         let (front, back) = (self.segment.front[0] - origin, self.segment.back[0] - origin);
         let path = PiecewisePath::new(&moved, front, back);
         let peak = points.iter().fold(0.0, |peak: f64, p| p.extinction.max(peak));
-        piecewise(&path, &stretch64(&self.stretch), self.scale, self.cutoff.map(|cutoff| cutoff * peak))
+        piecewise::<L>(&path, &stretch64(&self.stretch), self.scale, self.cutoff.map(|cutoff| cutoff * peak))
     }
 
     /// |K (v_b − v_f)|, the widths of a Gaussian that the segment spans; 0 for other widgets.
@@ -264,7 +272,13 @@ impl<'a> Crossing<'a> {
     }
 }
 
-fn cut(clip: &Clip, segment: &Segment) -> LaneStretch<P> {
+/// [`ordered`], compiled once a lane set: it is the largest kernel of all.
+#[inline(never)]
+pub(super) fn in_order<L: Lanes>(members: &[LaneMember<L>], unit: Option<L::F>) -> [L::F; 3] {
+    ordered::<L>(members, unit)
+}
+
+fn cut<L: Lanes>(clip: &Clip, segment: &Segment) -> LaneStretch<L> {
     let mut stretch = LaneStretch::whole();
     clip.distances(segment.front, segment.back, |front, back, _, _| {
         // Only the ratio of the two distances matters: they are brought into the range of 32 bits.
@@ -277,7 +291,7 @@ fn cut(clip: &Clip, segment: &Segment) -> LaneStretch<P> {
     stretch
 }
 
-fn stretch64(stretch: &LaneStretch<P>) -> Stretch {
+fn stretch64<L: Lanes>(stretch: &LaneStretch<L>) -> Stretch {
     Stretch {
         start: lane(stretch.start),
         start_to_back: lane(stretch.start_to_back),
@@ -288,24 +302,29 @@ fn stretch64(stretch: &LaneStretch<P>) -> Stretch {
 }
 
 /// Pieces with linear extinction; `threshold` for the constant-emitter.
-fn piecewise(path: &PiecewisePath, stretch: &Stretch, scale: f64, threshold: Option<f64>) -> (F, [F; 3]) {
-    let (mut color, mut depth) = ([splat(0.0); 3], splat(0.0));
-    let unit = splat(scale);
+fn piecewise<L: Lanes>(
+    path: &PiecewisePath,
+    stretch: &Stretch,
+    scale: f64,
+    threshold: Option<f64>,
+) -> (L::F, [L::F; 3]) {
+    let (mut color, mut depth): ([L::F; 3], L::F) = ([splat(0.0); 3], splat(0.0));
+    let unit: L::F = splat(scale);
     path.pieces(stretch, |piece: &Piece| {
-        let seen = exp::<P>(-depth);
+        let seen = exp::<L>(-depth);
         let length = unit * splat(piece.share);
         let [a, b] = piece.extinction.map(|e| length * splat(e));
         let (front, back, colors) = match threshold {
             None => {
-                let (front, back) = linear::emission_weights::<P>(a, b);
+                let (front, back) = linear::emission_weights::<L>(a, b);
                 (front, back, piece.color)
             }
             Some(threshold) => {
                 let lit = piece.lit(threshold);
                 let share = splat(lit.length);
                 let [a, b] = lit.extinction.map(|e| length * share * splat(e));
-                let (front, back) = linear::front_back::<P>(a, b);
-                let before = exp::<P>(-(length * splat(lit.depth_before)));
+                let (front, back) = linear::front_back::<L>(a, b);
+                let before = exp::<L>(-(length * splat(lit.depth_before)));
                 (front * length * share * before, back * length * share * before, lit.color)
             }
         };

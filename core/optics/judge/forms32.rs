@@ -3,13 +3,13 @@
 //! hold what matters; those cases are answered as [`Answer::Wider`].
 
 use super::bounds::Precision;
-use super::crossing32::{Crossing, F, P, lane, splat};
+use super::crossing32::{Crossing, in_order, lane, splat};
 use super::forms::{Answer, Chain, Forms, PartialIntegrals};
 use crate::Result;
-use crate::lanes::Float;
+use crate::lanes::{Float, Kernel, LaneSet, Lanes, dispatch};
 use crate::optics::lanes::elementary::{exp, one_minus_exp};
 use crate::optics::lanes::linear;
-use crate::optics::lanes::overlap::{LaneMember, MEMBERS_MOST, ordered};
+use crate::optics::lanes::overlap::{LaneMember, MEMBERS_MOST};
 use crate::optics::lanes::wave::BANDS_MOST;
 use crate::optics::{Contribution, Overlap, Prepared, Segment};
 use crate::transfer::{Profile, TransferFunction};
@@ -18,13 +18,25 @@ use crate::transfer::{Profile, TransferFunction};
 /// share of a width, which enters h² squared: 1e-5 at this limit.
 const WIDTHS_MOST: f64 = 1e5;
 
-/// The 32-bit twins.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Native32;
+/// The 32-bit twins on one lane set.
+#[derive(Debug, Clone, Copy)]
+pub struct Native32(pub LaneSet);
+
+impl Native32 {
+    /// One for each lane set that this processor has.
+    pub fn each() -> impl Iterator<Item = Native32> {
+        let sets = [LaneSet::Portable, LaneSet::Avx2, LaneSet::Avx512];
+        sets.into_iter().filter(|set| set.is_supported()).map(Native32)
+    }
+}
 
 impl Forms for Native32 {
     fn name(&self) -> &str {
-        "32-bit"
+        match self.0 {
+            LaneSet::Portable => "32-bit portable",
+            LaneSet::Avx2 => "32-bit avx2",
+            LaneSet::Avx512 => "32-bit avx512",
+        }
     }
 
     fn precision(&self) -> Precision {
@@ -37,10 +49,33 @@ impl Forms for Native32 {
         segment: &Segment,
         overlap: Overlap,
     ) -> Result<Answer> {
+        dispatch(self.0, OneSegment { transfer_function, segment, overlap })
+    }
+
+    fn chain(&self, segments: &[Contribution]) -> Chain {
+        dispatch(self.0, OneChain(segments))
+    }
+
+    fn partial(&self, a: f64, b: f64) -> PartialIntegrals {
+        dispatch(self.0, Partial([a, b]))
+    }
+}
+
+struct OneSegment<'a> {
+    transfer_function: &'a TransferFunction,
+    segment: &'a Segment<'a>,
+    overlap: Overlap,
+}
+
+impl Kernel for OneSegment<'_> {
+    type Output = Result<Answer>;
+
+    fn run<L: Lanes>(self) -> Result<Answer> {
+        let OneSegment { transfer_function, segment, overlap } = self;
         let prepared = Prepared::new(transfer_function)?;
         let scale = segment.length / transfer_function.unit_distance;
         let cutoff = transfer_function.model.cutoff();
-        let mut crossings = Vec::new();
+        let mut crossings: Vec<Crossing<L>> = Vec::new();
         for widget in &transfer_function.widgets {
             if out_of_range(scale * widget.extinction.max(1.0)) || out_of_range(scale) {
                 return Ok(Answer::Skipped("lengths or extinctions leave the range of 32 bits"));
@@ -54,14 +89,14 @@ impl Forms for Native32 {
         if crossings.iter().any(|c| c.widths() > WIDTHS_MOST) {
             return wider("the segment spans over 100,000 widths of a Gaussian");
         }
-        let depths: Vec<F> = crossings.iter().map(Crossing::depth).collect();
-        let mut optical_depth = splat(0.0);
+        let depths: Vec<L::F> = crossings.iter().map(Crossing::depth).collect();
+        let mut optical_depth: L::F = splat(0.0);
         for depth in &depths {
             optical_depth = optical_depth + *depth;
         }
-        let opacity = one_minus_exp::<P>(optical_depth);
-        let seen = |depth: &F| cutoff.is_some() || lane(*depth) > 0.0;
-        let active: Vec<(&Crossing, F)> =
+        let opacity = one_minus_exp::<L>(optical_depth);
+        let seen = |depth: &L::F| cutoff.is_some() || lane(*depth) > 0.0;
+        let active: Vec<(&Crossing<L>, L::F)> =
             crossings.iter().zip(depths.iter().copied()).filter(|(_, depth)| seen(depth)).collect();
         let color = match active.as_slice() {
             [] => [splat(0.0); 3],
@@ -78,8 +113,8 @@ impl Forms for Native32 {
                         "several widgets, and a wave that is opaque within the rounding of its band",
                     );
                 }
-                let members: Vec<LaneMember<P>> = several.iter().map(|(c, _)| c.member()).collect();
-                ordered::<P>(&members, cutoff.map(|_| splat(scale)))
+                let members: Vec<LaneMember<L>> = several.iter().map(|(c, _)| c.member()).collect();
+                in_order::<L>(&members, cutoff.map(|_| splat(scale)))
             }
         };
         Ok(Answer::Served(Contribution {
@@ -88,28 +123,42 @@ impl Forms for Native32 {
             opacity: lane(opacity),
         }))
     }
+}
 
-    fn chain(&self, segments: &[Contribution]) -> Chain {
-        let (mut color, mut opacity, mut transparency) = ([splat(0.0); 3], splat(0.0), splat(1.0));
-        for segment in segments {
+struct OneChain<'a>(&'a [Contribution]);
+
+impl Kernel for OneChain<'_> {
+    type Output = Chain;
+
+    fn run<L: Lanes>(self) -> Chain {
+        let (mut color, mut opacity, mut transparency): ([L::F; 3], L::F, L::F) =
+            ([splat(0.0); 3], splat(0.0), splat(1.0));
+        for segment in self.0 {
             for (sum, c) in color.iter_mut().zip(segment.color) {
                 *sum = transparency.mul_add(splat(c), *sum);
             }
             opacity = transparency.mul_add(splat(segment.opacity), opacity);
-            transparency = transparency * (splat(1.0) - splat(segment.opacity));
+            transparency = transparency * (splat::<L::F>(1.0) - splat(segment.opacity));
         }
         let transparency = lane(transparency);
         let opacity = lane(opacity);
         let opacity = if opacity < 0.5 { opacity } else { 1.0 - transparency };
         Chain { color: color.map(lane), opacity, transparency }
     }
+}
 
-    fn partial(&self, a: f64, b: f64) -> PartialIntegrals {
+struct Partial([f64; 2]);
+
+impl Kernel for Partial {
+    type Output = PartialIntegrals;
+
+    fn run<L: Lanes>(self) -> PartialIntegrals {
+        let [a, b] = self.0;
         let (fa, fb) = (splat(a), splat(b));
-        let (front, back) = linear::front_back::<P>(fa, fb);
-        let zeta = exp::<P>(splat(-0.5 * (a + b)));
+        let (front, back) = linear::front_back::<L>(fa, fb);
+        let zeta = exp::<L>(splat(-0.5 * (a + b)));
         PartialIntegrals {
-            psi: lane(linear::psi::<P>(fa, fb)),
+            psi: lane(linear::psi::<L>(fa, fb)),
             front: lane(front),
             back: lane(back),
             zeta: lane(zeta),

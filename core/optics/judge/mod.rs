@@ -11,6 +11,7 @@ mod crossing32;
 mod forms;
 mod forms32;
 mod report;
+mod shipped;
 pub mod twin;
 
 pub use bounds::{Precision, Rule};
@@ -18,6 +19,7 @@ pub use case::{Case, Kind, SegmentCase, parse};
 pub use forms::{Answer, Chain, Forms, Native64, PartialIntegrals};
 pub use forms32::Native32;
 pub use report::{Broken, Excuse, Report, Row};
+pub use shipped::shipped;
 
 use crate::Result;
 use crate::optics::{Contribution, Overlap};
@@ -25,18 +27,33 @@ use bounds::{Quantity, rule};
 
 /// Judges every case of `text`, the content of a case file, by each set of forms. Errors name the line.
 pub fn judge_all(text: &str, forms: &[&dyn Forms]) -> Result<Vec<Report>> {
-    let mut reports: Vec<Report> = forms.iter().map(|forms| Report::new(forms.name())).collect();
+    let mut reports = begin(forms);
     for (i, line) in text.lines().enumerate() {
-        if line.trim().is_empty() {
-            continue;
-        }
-        let case = parse(line).map_err(|e| e.at_line(i + 1))?;
-        for (report, forms) in reports.iter_mut().zip(forms) {
-            report.cases += 1;
-            judge_case(&case, *forms, report).map_err(|e| e.at_item(&case.id).at_line(i + 1))?;
+        if !line.trim().is_empty() {
+            let case = parse(line).map_err(|e| e.at_line(i + 1))?;
+            enter(&case, forms, &mut reports).map_err(|e| e.at_line(i + 1))?;
         }
     }
     Ok(reports)
+}
+
+/// The same for cases that were read already.
+pub fn judge_cases(cases: &[Case], forms: &[&dyn Forms]) -> Result<Vec<Report>> {
+    let mut reports = begin(forms);
+    cases.iter().try_for_each(|case| enter(case, forms, &mut reports))?;
+    Ok(reports)
+}
+
+fn begin(forms: &[&dyn Forms]) -> Vec<Report> {
+    forms.iter().map(|forms| Report::new(forms.name())).collect()
+}
+
+fn enter(case: &Case, forms: &[&dyn Forms], reports: &mut [Report]) -> Result<()> {
+    for (report, forms) in reports.iter_mut().zip(forms) {
+        report.cases += 1;
+        judge_case(case, *forms, report).map_err(|e| e.at_item(&case.id))?;
+    }
+    Ok(())
 }
 
 /// Judges every case of `text`, the content of a case file. Errors name the line.

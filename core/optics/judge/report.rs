@@ -9,6 +9,8 @@ use std::fmt;
 pub struct Row {
     /// segment, ray, chain or table.
     pub kind: &'static str,
+    /// The formula: see [`Case::formula`].
+    pub formula: String,
     /// The case's category.
     pub category: String,
     /// T, C, A, transparency, psi, F, B or zeta.
@@ -27,8 +29,27 @@ pub struct Row {
     pub worst: f64,
     /// The case that has it.
     pub worst_id: String,
+    /// What goes into it: see [`Case::inputs`].
+    pub worst_inputs: String,
     /// Relative error of that case.
     pub worst_error: f64,
+}
+
+impl Row {
+    /// Adds what was found for another quantity, category or formula.
+    fn join(&mut self, other: &Row) {
+        self.judged += other.judged;
+        self.only_finite += other.only_finite;
+        self.wider += other.wider;
+        self.skipped += other.skipped;
+        self.broken += other.broken;
+        if other.worst > self.worst || self.worst_id.is_empty() {
+            let Row { quantity, worst, worst_error, .. } = *other;
+            (self.quantity, self.worst, self.worst_error) = (quantity, worst, worst_error);
+            (self.category, self.formula) = (other.category.clone(), other.formula.clone());
+            (self.worst_id, self.worst_inputs) = (other.worst_id.clone(), other.worst_inputs.clone());
+        }
+    }
 }
 
 impl fmt::Display for Row {
@@ -113,6 +134,19 @@ impl Report {
         compared.max_by(|a, b| a.worst.total_cmp(&b.worst))
     }
 
+    /// Rows of one key as one: sums of their counts, and the worst value with its quantity, category and formula.
+    pub fn gathered<K: PartialEq>(&self, key: impl Fn(&Row) -> K) -> Vec<Row> {
+        let mut gathered: Vec<(K, Row)> = Vec::new();
+        for row in &self.rows {
+            let key = key(row);
+            match gathered.iter_mut().find(|(known, _)| *known == key) {
+                Some((_, whole)) => whole.join(row),
+                None => gathered.push((key, row.clone())),
+            }
+        }
+        gathered.into_iter().map(|(_, row)| row).collect()
+    }
+
     /// Sum of one count over all rows.
     pub fn total(&self, count: impl Fn(&Row) -> usize) -> usize {
         self.rows.iter().map(count).sum()
@@ -129,19 +163,20 @@ impl Report {
     pub(super) fn skip(&mut self, case: &Case, reason: &'static str) {
         self.excuse(false, reason);
         for (quantity, values) in [("T", 1), ("C", 3), ("A", 1)] {
-            self.row(case.kind.name(), &case.category, quantity).skipped += values;
+            self.row(case, quantity).skipped += values;
         }
     }
 
-    fn row(&mut self, kind: &'static str, category: &str, quantity: &'static str) -> &mut Row {
-        let found = self
-            .rows
-            .iter()
-            .position(|row| row.kind == kind && row.category == category && row.quantity == quantity);
+    fn row(&mut self, case: &Case, quantity: &'static str) -> &mut Row {
+        let (formula, category) = (case.formula(), &case.category);
+        let same =
+            |row: &Row| row.quantity == quantity && row.category == *category && row.formula == formula;
+        let found = self.rows.iter().position(same);
         let index = found.unwrap_or_else(|| {
             self.rows.push(Row {
-                kind,
-                category: category.to_owned(),
+                kind: case.kind.name(),
+                formula,
+                category: category.clone(),
                 quantity,
                 judged: 0,
                 only_finite: 0,
@@ -150,6 +185,7 @@ impl Report {
                 broken: 0,
                 worst: 0.0,
                 worst_id: String::new(),
+                worst_inputs: String::new(),
                 worst_error: 0.0,
             });
             self.rows.len() - 1
@@ -166,7 +202,7 @@ impl Report {
         rule: Rule,
         wider: bool,
     ) {
-        let row = self.row(case.kind.name(), &case.category, quantity);
+        let row = self.row(case, quantity);
         let (count, ratio, error) = match rule {
             Rule::Bound { relative, floor } => {
                 let error = (found - exact).abs();
@@ -183,6 +219,7 @@ impl Report {
         if ratio > row.worst || row.worst_id.is_empty() {
             row.worst = ratio;
             row.worst_id.clone_from(&case.id);
+            row.worst_inputs = case.inputs();
             row.worst_error = error;
         }
         if ratio > 1.0 {

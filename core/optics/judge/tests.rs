@@ -28,9 +28,14 @@ fn the_64_bit_forms_keep_every_bound() {
 
 #[test]
 fn the_32_bit_twins_keep_every_bound() {
-    let report = judge(&fixtures(), &Native32).expect("the case file is well formed");
-    println!("{}", table(&report));
-    assert!(report.passed(), "\n{}", table(&report));
+    for forms in Native32::each() {
+        the_twins_keep_every_bound(&judge(&fixtures(), &forms).expect("the case file is well formed"));
+    }
+}
+
+fn the_twins_keep_every_bound(report: &Report) {
+    println!("{}\n{}", report.forms, table(report));
+    assert!(report.passed(), "{}\n{}", report.forms, table(report));
     let judged = report.total(|row| row.judged);
     assert!(judged > 6000, "only {judged} values were judged");
     assert_eq!(report.total(|row| row.skipped), 0);
@@ -41,7 +46,10 @@ fn the_32_bit_twins_keep_every_bound() {
 
 #[test]
 fn random_variations_keep_every_bound_in_both_precisions() {
-    for report in judge_all(&variations(), &[&Native64, &Native32]).expect("the case file is well formed") {
+    let twins: Vec<Native32> = Native32::each().collect();
+    let mut forms: Vec<&dyn Forms> = vec![&Native64];
+    forms.extend(twins.iter().map(|twin| twin as &dyn Forms));
+    for report in judge_all(&variations(), &forms).expect("the case file is well formed") {
         assert!(report.passed(), "{}\n{}", report.forms, table(&report));
         let skipped: usize = report.excuses.iter().filter(|e| !e.wider).map(|e| e.count).sum();
         assert!(skipped * 20 < report.cases, "{skipped} cases were skipped");

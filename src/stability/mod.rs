@@ -1,0 +1,81 @@
+//! How stable the program's formulas are: every formula of every engine against exact values, pictures of cells that are
+//! hard to draw against the 64-bit referee, and the formulas as papers print them.
+//!
+//! | file | what |
+//! | --- | --- |
+//! | `pictures` | degenerate cells, extreme coordinates, long chains |
+//! | `printed` | what papers print, as it stands, and what stands in its place |
+//! | `text`, `markdown` | how it is shown |
+//!
+//! The cases of the formulas are `voltet_core::optics::judge`'s, which the program carries.
+
+mod json;
+mod markdown;
+mod pictures;
+mod printed;
+mod text;
+
+pub use json::{forms as forms_json, json};
+pub use markdown::markdown;
+pub use pictures::Drawn;
+pub use printed::{Measured, Printed};
+pub use text::{forms_text, text};
+
+use voltet_core::Result;
+use voltet_core::lanes::LaneSet;
+use voltet_core::optics::judge::{Forms, Native32, Native64, Report, judge_cases, shipped};
+use voltet_core::progress::Progress;
+
+/// What was found.
+#[derive(Debug, Clone)]
+pub struct Stability {
+    /// One report a set of forms: 64-bit, 32-bit by lane set, further ones.
+    pub forms: Vec<Report>,
+    /// The lane set that the pictures were drawn with.
+    pub lanes: LaneSet,
+    /// Pictures of hard cells.
+    pub pictures: Vec<Drawn>,
+    /// The formulas as printed.
+    pub printed: Vec<Printed>,
+}
+
+impl Stability {
+    /// Whether every bound was kept.
+    pub fn passed(&self) -> bool {
+        self.forms.iter().all(Report::passed) && self.pictures.iter().all(Drawn::passed)
+    }
+}
+
+/// The sets of forms that this build and this processor have. A device's come here, too.
+pub fn forms() -> Vec<Box<dyn Forms>> {
+    let mut forms: Vec<Box<dyn Forms>> = vec![Box::new(Native64)];
+    forms.extend(Native32::each().map(|lanes| Box::new(lanes) as Box<dyn Forms>));
+    forms
+}
+
+/// Judges all of `forms` by the cases that the program carries, draws the pictures, evaluates what papers print.
+///
+/// Errors: a stopped run, and those of drawing.
+pub fn stability(forms: &[Box<dyn Forms>], progress: &dyn Progress) -> Result<Stability> {
+    progress.report("formulas", 0.0);
+    let forms: Vec<&dyn Forms> = forms.iter().map(Box::as_ref).collect();
+    let forms = judge_cases(&shipped()?, &forms)?;
+    let pictures = pictures::pictures(progress)?;
+    progress.report("printed formulas", 1.0);
+    Ok(Stability { forms, lanes: LaneSet::detect(), pictures, printed: printed::printed()? })
+}
+
+/// A category as people call it.
+pub fn category(name: &str) -> &str {
+    match name {
+        "bands" => "many bands",
+        "scale" => "tiny and huge lengths",
+        "edges" => "region edges",
+        "overlap" => "widgets that overlap",
+        "chain" => "long compositing chains",
+        "ray" => "cells along a ray",
+        "table" => "partial pre-integration",
+        "wild" => "anything goes",
+        other => other,
+    }
+}

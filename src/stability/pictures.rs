@@ -1,0 +1,226 @@
+//! Small pictures of cells that are hard to draw, by the native engine, held against the 64-bit referee.
+
+use glam::DVec3;
+use serde::Serialize;
+use std::sync::Arc;
+use voltet_core::camera::{Camera, Projection};
+use voltet_core::grid::Grid;
+use voltet_core::grid::generate::{box_of_tetrahedra, sample};
+use voltet_core::optics::Overlap;
+use voltet_core::picture::Picture;
+use voltet_core::progress::Progress;
+use voltet_core::shading::{Integrator, Order, Shading};
+use voltet_core::transfer::{OpticalModel, Profile, Region, TransferFunction, Widget};
+use voltet_core::volume::Volume;
+use voltet_core::{Error, Result, reference};
+use voltet_engine as engine;
+
+/// Largest error of a channel of premultiplied linear RGBA: what 32-bit segments leave on ordinary scenes, with room for
+/// their condition.
+const BOUND: f64 = 2e-4;
+
+/// One picture.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Drawn {
+    /// What is hard about it.
+    pub category: &'static str,
+    /// Which one.
+    pub scene: String,
+    /// Largest error of a channel; ∞ where one is not finite.
+    pub worst_error: f64,
+    /// The pixel that has it.
+    pub worst_pixel: [usize; 2],
+    /// The error that is allowed.
+    pub bound: f64,
+}
+
+impl Drawn {
+    /// Whether it kept its bound.
+    pub fn passed(&self) -> bool {
+        self.worst_error <= self.bound
+    }
+}
+
+struct Scene {
+    category: &'static str,
+    name: String,
+    grid: Grid,
+    /// Positions in the unit cube, where the field is taken.
+    places: Vec<DVec3>,
+    camera: Camera,
+    unit_distance: f64,
+}
+
+/// Draws every picture. Errors: a stopped run, and those of drawing.
+pub fn pictures(progress: &dyn Progress) -> Result<Vec<Drawn>> {
+    let scenes: Vec<Scene> =
+        flat().into_iter().chain(without_volume()).chain(far()).chain([needles(), deep()]).collect();
+    let mut all = Vec::new();
+    for (k, scene) in scenes.iter().enumerate() {
+        progress.report(scene.category, k as f64 / scenes.len() as f64);
+        if progress.cancelled() {
+            return Err(Error::cancelled());
+        }
+        all.push(drawn(scene, progress)?);
+    }
+    Ok(all)
+}
+
+fn drawn(scene: &Scene, progress: &dyn Progress) -> Result<Drawn> {
+    let s = |p: &DVec3| 0.5 + 0.25 * (4.0 * p.x + p.y).sin() + 0.25 * (3.0 * p.z - 2.0 * p.y).cos();
+    let g = |p: &DVec3| 0.4 + p.x + 0.5 * p.y * p.z;
+    let volume = Arc::new(Volume {
+        grid: Arc::new(scene.grid.clone()),
+        scalar: Arc::new(scene.places.iter().map(s).collect()),
+        gradient: None,
+        gradient_magnitude: Some(Arc::new(scene.places.iter().map(g).collect())),
+    });
+    let look = TransferFunction { unit_distance: scene.unit_distance, ..look() };
+    let (integrator, overlap) = (Integrator::Analytic, Overlap::Exact);
+    let shading = Shading { integrator, overlap, silhouette: None, light: None };
+    let exact = reference::draw(&volume, &look, &scene.camera, &shading, Order::Exact, progress)?;
+    let cells = engine::cull(&volume, &look, &scene.camera, progress)?;
+    let (found, _) = engine::draw(&cells, &look, &scene.camera, &shading, progress)?;
+    let (worst_error, worst_pixel) = worst(&found, &exact);
+    let Scene { category, name, .. } = scene;
+    Ok(Drawn { category, scene: name.clone(), worst_error, worst_pixel, bound: BOUND })
+}
+
+fn worst(found: &Picture, exact: &Picture) -> (f64, [usize; 2]) {
+    let mut worst = (0.0, 0);
+    for (k, (found, exact)) in found.rgba.iter().zip(&exact.rgba).enumerate() {
+        for (found, exact) in found.iter().zip(exact) {
+            let error = (f64::from(*found) - f64::from(*exact)).abs();
+            let error = if error.is_nan() { f64::INFINITY } else { error };
+            if error > worst.0 {
+                worst = (error, k);
+            }
+        }
+    }
+    (worst.0, [worst.1 % exact.width, worst.1 / exact.width])
+}
+
+/// Two Gaussians, one of them tilted and one cut by a region, that overlap.
+fn look() -> TransferFunction {
+    let widget = |centre, matrix, extinction, color, region| Widget {
+        profile: Profile::Gaussian { centre, matrix },
+        color,
+        extinction,
+        region,
+    };
+    let rectangle = Region { corners: vec![[0.35, 0.2], [0.75, 0.2], [0.75, 1.4], [0.35, 1.4]] };
+    let widgets = vec![
+        widget([0.55, 0.9], [[4.0, 1.5], [-1.0, 1.6]], 3.0, [0.2, 0.5, 1.1], None),
+        widget([0.5, 0.7], [[4.7, 0.0], [0.0, 1.2]], 5.0, [0.9, 0.3, 0.2], Some(rectangle)),
+    ];
+    TransferFunction { model: OpticalModel::DensityEmitter, unit_distance: 1.0, widgets }
+}
+
+fn cube(counts: [usize; 3], jitter: f64) -> Grid {
+    box_of_tetrahedra(counts, [DVec3::ZERO, DVec3::ONE], jitter)
+}
+
+/// The grid with its points moved; the field stays with the points.
+fn moved(name: String, category: &'static str, base: &Grid, place: impl Fn(DVec3) -> DVec3) -> Scene {
+    let places = base.points.to_vec();
+    let grid = Grid { points: Arc::new(sample(base, place)), ..base.clone() };
+    Scene { category, name, grid, places, camera: outside(), unit_distance: 1.0 }
+}
+
+const SIZE: [u32; 2] = [24, 24];
+
+fn outside() -> Camera {
+    Camera {
+        eye: DVec3::new(-0.9, -1.1, 1.4),
+        target: DVec3::splat(0.5),
+        up: DVec3::Z,
+        projection: Projection::Perspective { fov_y: 45.0 },
+        near: 0.0,
+        size: SIZE,
+        samples: 1,
+    }
+}
+
+/// Cells squeezed to a layer.
+fn flat() -> Vec<Scene> {
+    let base = cube([3, 3, 3], 0.0);
+    let layer = |thickness: f64| {
+        let place = move |p: DVec3| {
+            let x = [0.0, 0.5, 0.5 + thickness, 1.0][(p.x * 3.0).round() as usize];
+            DVec3::new(x, p.y, p.z)
+        };
+        moved(format!("a layer of thickness {thickness:e}"), "degenerate cells", &base, place)
+    };
+    [1e-3, 1e-6, 1e-9, 1e-12, 0.0].map(layer).into()
+}
+
+/// Cells with four points in a plane, on a line or in one place, among others.
+fn without_volume() -> Vec<Scene> {
+    let base = cube([3, 3, 3], 0.0);
+    // Points 0 to 3 lie on an edge, 0, 21, 42, 63 on the diagonal, 0, 1, 4, 5 in a face.
+    let kinds: [(&str, &[[u32; 4]]); 3] = [
+        ("cells in a plane", &[[0, 1, 4, 5], [0, 3, 12, 15]]),
+        ("cells on a line", &[[0, 1, 2, 3], [0, 21, 42, 63]]),
+        ("cells with equal points", &[[5, 5, 9, 11], [7, 7, 7, 7], [3, 3, 3, 30]]),
+    ];
+    let scene = |(name, cells): (&str, &[[u32; 4]])| {
+        let mut all = base.tetrahedra.to_vec();
+        all.extend(cells.iter().map(|cell| {
+            let mut cell = *cell;
+            cell.sort_unstable();
+            cell
+        }));
+        let grid = Grid { tetrahedra: Arc::new(all), ..base.clone() };
+        moved(name.into(), "degenerate cells", &grid, |p| p)
+    };
+    kinds.map(scene).into()
+}
+
+/// Cells a hundred thousand times as long as wide, seen across.
+fn needles() -> Scene {
+    let base = cube([3, 3, 3], 0.2);
+    let narrow = |p: DVec3| DVec3::new(p.x, 0.5 + 1e-5 * (p.y - 0.5), p.z);
+    let scene = moved("needles of 1 : 100,000".into(), "degenerate cells", &base, narrow);
+    let camera = Camera {
+        eye: DVec3::new(0.503, -2.0, 0.507),
+        target: DVec3::new(0.503, 0.0, 0.507),
+        projection: Projection::Orthographic { height: 0.9 },
+        ..outside()
+    };
+    // So that 1e-5 of length is seen.
+    Scene { camera, unit_distance: 1e-5, ..scene }
+}
+
+/// The cube at other scales, and far from the origin.
+fn far() -> Vec<Scene> {
+    let base = cube([4, 4, 4], 0.2);
+    let scene = |(scale, offset): (f64, DVec3)| {
+        let place = move |p: DVec3| offset + scale * p;
+        let name = format!("lengths of {scale:.0e} at {:.1e} from the origin", offset.length());
+        let view = outside();
+        let camera = Camera { eye: place(view.eye), target: place(view.target), ..view };
+        Scene { camera, unit_distance: scale, ..moved(name, "extreme coordinates", &base, place) }
+    };
+    [
+        (1e-30, DVec3::ZERO),
+        (1e-20, DVec3::ZERO),
+        (1e20, DVec3::ZERO),
+        (1e30, DVec3::ZERO),
+        (1.0, DVec3::new(1e6, -1e6, 1e6)),
+        (1e-3, DVec3::new(1e3, 1e3, -1e3)),
+        (1e20, DVec3::new(1e26, 0.0, -1e26)),
+    ]
+    .map(scene)
+    .into()
+}
+
+/// Thousands of segments on a pixel.
+fn deep() -> Scene {
+    let base = cube([1, 600, 1], 0.0);
+    let scene = moved("over 1,200 cells along a ray".into(), "long compositing chains", &base, |p| {
+        DVec3::new(p.x, 3.0 * p.y, p.z)
+    });
+    let projection = Projection::Perspective { fov_y: 18.0 };
+    let (eye, target) = (DVec3::new(0.45, -3.0, 0.55), DVec3::new(0.5, 0.0, 0.5));
+    Scene { camera: Camera { eye, target, projection, size: [8, 8], ..outside() }, ..scene }
+}
