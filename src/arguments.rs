@@ -167,6 +167,15 @@ pub struct Study {
     /// The error that decides about the recommendation and the Pareto front.
     #[arg(long, value_name = "WHICH", value_enum, default_value = "max")]
     pub measure: MeasureName,
+    /// Refine the grid this often (2 without a number), to tell the error of integration from that of taking the data as
+    /// linear in each cell.
+    ///
+    /// Each time every tetrahedron is cut in eight. With values linear between the points the field is the same and
+    /// integrators converge to it, at a rate that is printed; with values as the gradients at the points suggest them the
+    /// picture changes by what the linear model leaves out.
+    #[arg(long, value_name = "LEVELS", num_args = 0..=1, default_missing_value = "2", default_value_t = 0,
+          hide_default_value = true)]
+    pub refine: u32,
     /// Write the recommended setting into the pipeline file; everything else in it stays as it is.
     #[arg(long, requires = "max_error")]
     pub apply: bool,

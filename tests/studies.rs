@@ -1,11 +1,18 @@
-//! A study that is stopped keeps what is done.
+//! A study that is stopped keeps what is done; refining the grid tells two errors apart.
 #![allow(clippy::unwrap_used)] // A test that cannot go on has failed.
 
+use glam::DVec3;
 use std::path::Path;
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex};
 use std::time::Duration;
-use voltet::core::progress::Progress;
-use voltet::study::{Frames, Measure, Scene, Wish, reference, study};
+use voltet::core::camera::{Camera, Projection};
+use voltet::core::grid::generate::box_of_tetrahedra;
+use voltet::core::optics::Overlap;
+use voltet::core::progress::{Progress, Silent};
+use voltet::core::shading::{Integrator, Order, Shading};
+use voltet::core::transfer::{OpticalModel, Profile, TransferFunction, Widget};
+use voltet::core::volume::Volume;
+use voltet::study::{Frames, Measure, Scene, Source, Wish, reference, refinement, study};
 
 /// Stops once this many settings have begun.
 struct After(usize, Mutex<Vec<String>>);
@@ -37,6 +44,7 @@ fn a_stopped_study_keeps_the_finished_settings_and_the_reference() {
     let drawn = reference(&scene, cache.path(), &stop).unwrap();
     let wish = Wish {
         only: Vec::new(),
+        refine: 0,
         frames: Frames { count: 1, patience: Duration::ZERO },
         measure: Measure::Maximum,
         max_error: Some(0.1),
@@ -49,4 +57,67 @@ fn a_stopped_study_keeps_the_finished_settings_and_the_reference() {
     assert_eq!(begun[..3], found.rows.iter().map(|row| row.setting.label()).collect::<Vec<_>>());
     drop(begun);
     assert!(reference(&scene, cache.path(), &stop).unwrap().cached);
+}
+
+/// A smooth field on a box of tetrahedra, with its gradient, drawn as one soft Gaussian over s.
+fn smooth_scene() -> Scene {
+    let grid = box_of_tetrahedra([6, 6, 6], [DVec3::ZERO, DVec3::ONE], 0.15);
+    let of = |f: &dyn Fn(DVec3) -> f64| grid.points.iter().map(|&p| f(p)).collect::<Vec<f64>>();
+    let scalar = Arc::new(of(&|p| field(p).0));
+    let gradient = Some(Arc::new(grid.points.iter().map(|&p| field(p).1).collect::<Vec<DVec3>>()));
+    let gradient_magnitude = Some(Arc::new(of(&|p| field(p).1.length())));
+    let volume = Arc::new(Volume { grid: Arc::new(grid), scalar, gradient, gradient_magnitude });
+    let profile = Profile::Gaussian { centre: [0.5, 0.0], matrix: [[3.0, 0.0], [0.0, 0.0]] };
+    let widget = Widget { profile, color: [0.4, 0.7, 1.0], extinction: 3.0, region: None };
+    let model = OpticalModel::DensityEmitter;
+    let (integrator, overlap) = (Integrator::Analytic, Overlap::Exact);
+    Scene {
+        node: "picture".into(),
+        order_node: None,
+        volume,
+        transfer_function: TransferFunction { model, unit_distance: 1.0, widgets: vec![widget] },
+        camera: Camera {
+            eye: DVec3::new(-0.9, -1.1, 1.4),
+            target: DVec3::splat(0.5),
+            up: DVec3::Z,
+            projection: Projection::Perspective { fov_y: 45.0 },
+            near: 0.0,
+            size: [32, 24],
+            samples: 1,
+        },
+        shading: Shading { integrator, overlap, silhouette: None, light: None },
+        order: Order::Exact,
+        needs_order: false,
+        background: [0.0; 3],
+    }
+}
+
+fn field(p: DVec3) -> (f64, DVec3) {
+    let (a, b) = (2.0 * p.x + p.y, 3.0 * p.z - p.y);
+    let gradient = DVec3::new(0.6 * a.cos(), 0.3 * a.cos() + 0.2 * b.sin(), -0.6 * b.sin());
+    (0.5 + 0.3 * a.sin() + 0.2 * b.cos(), gradient)
+}
+
+#[test]
+fn refining_the_grid_tells_integration_from_the_data_model() {
+    let scene = smooth_scene();
+    let cache = tempfile::tempdir().unwrap();
+    let drawn = reference(&scene, cache.path(), &Silent).unwrap();
+    let known = refinement(&scene, &drawn, 2, &Source::Function(&field), &Silent).unwrap();
+    let count = scene.volume.grid.tetrahedra.len() as u64;
+    assert_eq!(known.cells, [count, 8 * count, 64 * count]);
+    for found in known.integration.iter().chain([&known.model]) {
+        let observed = found.observed.unwrap_or_else(|| panic!("{known:#?}"));
+        // Second order, in cells that are not small yet.
+        assert!((observed - found.expected).abs() < 0.4, "{found:#?}");
+    }
+    // The field is the same on every grid: the closed forms stay at the rounding of 32 bits.
+    assert!(known.integration_error < 1e-6, "{known:#?}");
+    assert!(known.model_error > 100.0 * known.integration_error, "{known:#?}");
+    // What the gradients say of the field between the points is nearly what the field is.
+    let guessed = refinement(&scene, &drawn, 2, &Source::Gradients, &Silent).unwrap();
+    assert!((guessed.model_error / known.model_error - 1.0).abs() < 0.1, "{guessed:#?}\n{known:#?}");
+    assert!((guessed.model.observed.unwrap() - 2.0).abs() < 0.4, "{guessed:#?}");
+    let many = refinement(&scene, &drawn, 9, &Source::Gradients, &Silent).unwrap_err().to_string();
+    assert!(many.contains("too large to be refined"), "{many}");
 }

@@ -10,6 +10,7 @@ mod curved;
 pub mod generate;
 mod parts;
 mod polyhedron;
+mod refine;
 mod source;
 mod split;
 mod tally;
@@ -21,6 +22,7 @@ pub use cells::{CellSet, Polyhedron};
 use glam::DVec3;
 pub use parts::{Association, CellValues, Cells, Options, Parts, Scalar};
 use rayon::prelude::*;
+pub use refine::{Refined, refine};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 

@@ -68,6 +68,7 @@ fn wish(arguments: &arguments::Study) -> Result<Wish> {
         },
         measure: arguments.measure.into(),
         max_error: arguments.max_error,
+        refine: arguments.refine,
     })
 }
 
@@ -143,7 +144,10 @@ fn summary(study: &Study, written: &[PathBuf], folder: &Path) -> String {
 fn conclude(arguments: &arguments::Study, document: &Document, study: &Study) -> Result<u8> {
     if study.stopped() {
         let error = Error::cancelled();
-        let done = format!("{} of {} settings are measured", study.rows.len(), study.setting_count);
+        let mut done = format!("{} of {} settings are measured", study.rows.len(), study.setting_count);
+        if study.wish.refine > 0 {
+            done += ", the grid was not refined";
+        }
         show(&error.found(done), None);
         return Ok(SHORT);
     }

@@ -9,6 +9,7 @@
 //! | `measure` | times and memory |
 //! | `errors`, `flip` | differences of pictures |
 //! | `convergence` | observed and expected orders |
+//! | `refine` | integration and data model apart, by refining the grid |
 //! | `pareto` | what is worth taking |
 //! | `table`, `plot`, `canvas`, `page` | how it is shown |
 //! | `apply` | a setting written into a pipeline file |
@@ -26,6 +27,7 @@ mod page;
 mod pareto;
 mod plot;
 mod reference;
+mod refine;
 mod run;
 mod scene;
 mod settings;
@@ -40,6 +42,7 @@ pub use output::write;
 pub use page::recommendation;
 pub use pareto::{cheapest, front};
 pub use reference::{Reference, cache_folder, reference};
+pub use refine::{Refinement, Source, refinement};
 pub use run::{Measure, Row, Study, Wish, study};
 pub use scene::Scene;
 pub use settings::{Setting, Value, settings};

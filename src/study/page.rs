@@ -1,7 +1,7 @@
 //! The study as one HTML page that needs no other file: for a colleague, or kept by a build server.
 
 use super::canvas::escaped;
-use super::table::{by_time, convergence_lines, milliseconds};
+use super::table::{by_time, convergence_lines, milliseconds, refinement_lines};
 use super::{Measure, Row, Study};
 use std::fmt::Write;
 
@@ -54,6 +54,13 @@ pub fn page(study: &Study, title: &str, plot: &str, reference: &[u8]) -> String 
     html += "<h2>Error against time</h2>\n";
     html += plot;
     html += &table(study);
+    if study.refinement.is_some() {
+        html += "<h2>Integration and data model</h2>\n<ul>\n";
+        for line in refinement_lines(study) {
+            line_to(&mut html, &format!("<li>{}</li>", escaped(&line)));
+        }
+        html += "</ul>\n";
+    }
     if !study.convergence.is_empty() {
         html += "<h2>Order of convergence</h2>\n<ul>\n";
         for line in convergence_lines(study) {

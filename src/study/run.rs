@@ -6,6 +6,7 @@ use super::flip::Seen;
 use super::measure::{Cost, Frames, measure};
 use super::pareto;
 use super::reference::Reference;
+use super::refine::{Refinement, Source, refinement};
 use super::{Scene, Setting, settings};
 use voltet_core::error::ErrorKind;
 use voltet_core::optics::Overlap;
@@ -64,6 +65,8 @@ pub struct Wish {
     pub measure: Measure,
     /// The error that is allowed.
     pub max_error: Option<f64>,
+    /// How often the grid is refined, to tell the integration's error from the data model's; 0: not at all.
+    pub refine: u32,
 }
 
 /// One setting, measured.
@@ -102,6 +105,8 @@ pub struct Study {
     pub recommended: Option<usize>,
     /// Orders of convergence of the integrators that were looked at over their numbers of pieces.
     pub convergence: Vec<Convergence>,
+    /// What refining the grid shows, where that was asked for.
+    pub refinement: Option<Refinement>,
 }
 
 impl Row {
@@ -117,9 +122,9 @@ impl Row {
 }
 
 impl Study {
-    /// Whether it was stopped before all settings were measured.
+    /// Whether it was stopped before all that was asked for was measured.
     pub fn stopped(&self) -> bool {
-        self.rows.len() < self.setting_count
+        self.rows.len() < self.setting_count || (self.wish.refine > 0 && self.refinement.is_none())
     }
 }
 
@@ -156,7 +161,16 @@ pub fn study(scene: Scene, wish: Wish, reference: Reference, progress: &dyn Prog
         }
         done += setting.weight();
     }
-    Ok(judged(scene, wish, reference, rows, settings.len()))
+    let mut study = judged(scene, wish, reference, rows, settings.len());
+    if study.wish.refine > 0 && study.rows.len() == study.setting_count {
+        let Study { scene, reference, wish, .. } = &study;
+        study.refinement = match refinement(scene, reference, wish.refine, &Source::Gradients, progress) {
+            Ok(found) => Some(found),
+            Err(error) if error.kind == ErrorKind::Cancelled => None,
+            Err(error) => return Err(error),
+        };
+    }
+    Ok(study)
 }
 
 /// Front, recommendation and orders.
@@ -169,7 +183,7 @@ fn judged(scene: Scene, wish: Wish, reference: Reference, mut rows: Vec<Row>, se
     let recommended = wish.max_error.and_then(|bound| pareto::cheapest(&points, bound));
     let convergence =
         ["segments", "riemann"].into_iter().filter_map(|name| converging(name, &rows, &scene)).collect();
-    Study { scene, wish, reference, rows, setting_count, recommended, convergence }
+    Study { scene, wish, reference, rows, setting_count, recommended, convergence, refinement: None }
 }
 
 /// The convergence of an integrator over its number of pieces, with its largest table.

@@ -1,7 +1,7 @@
 //! The figures of a study as a table for people, CSV and JSON.
 
 use super::settings::{order_name, overlap_name};
-use super::{Row, Setting, Study, Value as Key};
+use super::{Convergence, Row, Setting, Study, Value as Key};
 use serde_json::{Value, json as object};
 
 /// Milliseconds, with three digits that tell something.
@@ -70,7 +70,7 @@ pub fn text(study: &Study) -> String {
         "* on the Pareto front (time, {} error), > recommended, f as the file has it; cull with sorting\n",
         study.wish.measure.name()
     );
-    for line in convergence_lines(study) {
+    for line in convergence_lines(study).iter().chain(&refinement_lines(study)) {
         text += &format!("{line}\n");
     }
     text
@@ -78,22 +78,46 @@ pub fn text(study: &Study) -> String {
 
 /// A sentence for each integrator that was looked at over its number of pieces.
 pub(super) fn convergence_lines(study: &Study) -> Vec<String> {
-    let line = |found: &super::Convergence| {
-        let observed = found
-            .observed
-            .map_or("not seen: too few errors above the floor".into(), |order| format!("{order:.2}"));
-        let steps: Vec<String> = found
-            .levels
-            .iter()
-            .filter_map(|level| Some(format!("{} to {}: {:.2}", level.count / 2, level.count, level.order?)))
-            .collect();
-        let steps = if steps.is_empty() { String::new() } else { format!(" ({})", steps.join(", ")) };
-        format!(
-            "order of {}: observed {observed}, expected {:.0} ({}){steps}",
-            found.integrator, found.expected, found.reason
-        )
+    study.convergence.iter().map(convergence_line).collect()
+}
+
+fn convergence_line(found: &Convergence) -> String {
+    let observed = found
+        .observed
+        .map_or("not seen: too few errors above the floor".into(), |order| format!("{order:.2}"));
+    let steps: Vec<String> = found
+        .levels
+        .iter()
+        .filter_map(|level| Some(format!("{} to {}: {:.2}", level.count / 2, level.count, level.order?)))
+        .collect();
+    let steps = if steps.is_empty() { String::new() } else { format!(" ({})", steps.join(", ")) };
+    format!(
+        "order of {}: observed {observed}, expected {:.0} ({}){steps}",
+        found.integrator, found.expected, found.reason
+    )
+}
+
+/// What refining the grid shows.
+pub(super) fn refinement_lines(study: &Study) -> Vec<String> {
+    let Some(found) = &study.refinement else { return Vec::new() };
+    let rms = |errors: &Convergence| {
+        errors.levels.iter().map(|level| format!("{:.1e}", level.error)).collect::<Vec<_>>().join(", ")
     };
-    study.convergence.iter().map(line).collect()
+    let cells: Vec<String> = found.cells.iter().map(u64::to_string).collect();
+    let mut lines =
+        vec![format!("grids of {} cells, each edge halved from one to the next", cells.join(", "))];
+    for integration in &found.integration {
+        lines.push(format!("the same field in smaller cells, rms error {}", rms(integration)));
+        lines.push(format!("over halvings of the cells, {}", convergence_line(integration)));
+    }
+    lines.push(format!("values between the points by their gradients, rms change {}", rms(&found.model)));
+    lines.push(format!("over halvings of the cells, {}", convergence_line(&found.model)));
+    lines.push(format!(
+        "the picture is off by about {:.1e} (rms) since the data are taken as linear in cells, by {:.1e} through integration \
+         in closed form",
+        found.model_error, found.integration_error
+    ));
+    lines
 }
 
 /// One line a setting, after a line of names; times in milliseconds, errors of premultiplied linear RGBA.
@@ -175,6 +199,7 @@ pub fn json(study: &Study, title: &str) -> Value {
         "rows": study.rows.iter().map(row).collect::<Vec<_>>(),
         "recommended": study.recommended.map(|i| row(&study.rows[i])),
         "convergence": study.convergence,
+        "refinement": study.refinement,
         "versions": { "voltet": env!("CARGO_PKG_VERSION") },
     })
 }
