@@ -1,6 +1,6 @@
-//! One compute pass on any adapter: buffers in, numbers out.
+//! Compute passes on any adapter: buffers in, numbers out.
 
-use voltet_shaders::Shader;
+use voltet_shaders::{Contents, Resources, Shader};
 use wgpu::util::DeviceExt;
 
 /// A device, with the name of its adapter.
@@ -10,17 +10,22 @@ pub struct Device {
     queue: wgpu::Queue,
 }
 
-/// A buffer that a pass reads.
-pub struct Input<'a> {
+/// A buffer that a pass reads or writes.
+pub struct Bound {
     pub group: u32,
     pub binding: u32,
-    pub uniform: bool,
-    pub bytes: &'a [u8],
+    pub buffer: wgpu::Buffer,
 }
 
 /// A compiled pass.
 pub struct Pass {
     pipeline: wgpu::ComputePipeline,
+}
+
+/// Buffers, and the passes that fill some of them.
+pub struct Prepared {
+    pub buffers: Vec<wgpu::Buffer>,
+    passes: Vec<(Pass, Vec<Bound>, [u32; 3])>,
 }
 
 impl Device {
@@ -82,51 +87,67 @@ impl Device {
         Pass { pipeline }
     }
 
-    /// Runs `pass` once for each of `count` elements; `output` is its (group, binding). The output is filled with NaN
-    /// before, so that what was not written is not taken for a result.
-    pub fn run(
-        &self,
-        pass: &Pass,
-        inputs: &[Input],
-        output: (u32, u32),
-        length: usize,
-        count: usize,
-    ) -> Vec<f32> {
-        let make = |bytes: &[u8], usage| {
-            self.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
-                label: None,
-                contents: bytes,
-                usage: usage | wgpu::BufferUsages::COPY_SRC,
-            })
+    fn buffer(&self, contents: &[u8], usage: wgpu::BufferUsages) -> wgpu::Buffer {
+        self.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+            label: None,
+            contents,
+            usage: usage | wgpu::BufferUsages::COPY_SRC,
+        })
+    }
+
+    /// A uniform buffer.
+    pub fn uniform(&self, contents: &[u8]) -> wgpu::Buffer {
+        self.buffer(contents, wgpu::BufferUsages::UNIFORM)
+    }
+
+    /// A storage buffer.
+    pub fn storage(&self, contents: &[u8]) -> wgpu::Buffer {
+        self.buffer(contents, wgpu::BufferUsages::STORAGE)
+    }
+
+    /// The buffers of `resources`, not yet filled by its passes, which are compiled.
+    pub fn prepare(&self, resources: &Resources) -> Prepared {
+        let make = |contents: &Contents| match contents {
+            Contents::Bytes(bytes) => self.storage(bytes),
+            Contents::Empty(length) => {
+                self.storage(bytemuck::cast_slice(&vec![f32::NAN; *length as usize / size_of::<f32>()]))
+            }
         };
-        let empty = vec![f32::NAN; length];
-        let result = make(bytemuck::cast_slice(&empty), wgpu::BufferUsages::STORAGE);
-        let buffers: Vec<wgpu::Buffer> = inputs
-            .iter()
-            .map(|input| {
-                let usage =
-                    if input.uniform { wgpu::BufferUsages::UNIFORM } else { wgpu::BufferUsages::STORAGE };
-                make(input.bytes, usage)
-            })
-            .collect();
+        let buffers: Vec<wgpu::Buffer> =
+            resources.buffers.iter().map(|buffer| make(&buffer.contents)).collect();
+        let passes = resources.passes.iter().map(|pass| {
+            let bound = pass.buffers.iter().zip(0..).map(|(i, binding)| Bound {
+                group: 0,
+                binding,
+                buffer: buffers[*i].clone(),
+            });
+            (self.compile(&pass.shader, pass.entry_point, &[]), bound.collect(), pass.workgroups)
+        });
+        Prepared { passes: passes.collect(), buffers }
+    }
+
+    /// Runs the passes that fill buffers.
+    pub fn fill(&self, prepared: &Prepared) {
+        for (pass, bound, workgroups) in &prepared.passes {
+            self.dispatch(pass, bound, *workgroups);
+        }
+    }
+
+    /// Runs `pass` over so many workgroups.
+    pub fn dispatch(&self, pass: &Pass, bound: &[Bound], workgroups: [u32; 3]) {
         let mut encoder = self.device.create_command_encoder(&Default::default());
         let mut compute = encoder.begin_compute_pass(&Default::default());
         compute.set_pipeline(&pass.pipeline);
-        let groups = inputs.iter().map(|input| input.group).chain([output.0]).max().unwrap_or(0);
+        let groups = bound.iter().map(|bound| bound.group).max().unwrap_or(0);
         for group in 0..=groups {
-            let mut entries: Vec<wgpu::BindGroupEntry> = inputs
+            let entries: Vec<wgpu::BindGroupEntry> = bound
                 .iter()
-                .zip(&buffers)
-                .filter(|(input, _)| input.group == group)
-                .map(|(input, buffer)| wgpu::BindGroupEntry {
-                    binding: input.binding,
-                    resource: buffer.as_entire_binding(),
+                .filter(|bound| bound.group == group)
+                .map(|bound| wgpu::BindGroupEntry {
+                    binding: bound.binding,
+                    resource: bound.buffer.as_entire_binding(),
                 })
                 .collect();
-            if output.0 == group {
-                let resource = result.as_entire_binding();
-                entries.push(wgpu::BindGroupEntry { binding: output.1, resource });
-            }
             let bind_group = self.device.create_bind_group(&wgpu::BindGroupDescriptor {
                 label: None,
                 layout: &pass.pipeline.get_bind_group_layout(group),
@@ -134,19 +155,47 @@ impl Device {
             });
             compute.set_bind_group(group, &bind_group, &[]);
         }
-        compute.dispatch_workgroups(count.div_ceil(64) as u32, 1, 1);
+        let [x, y, z] = workgroups;
+        compute.dispatch_workgroups(x, y, z);
         drop(compute);
+        self.queue.submit([encoder.finish()]);
+    }
+
+    /// What a buffer holds, when all passes are done.
+    pub fn read(&self, buffer: &wgpu::Buffer) -> Vec<f32> {
         let read = self.device.create_buffer(&wgpu::BufferDescriptor {
             label: None,
-            size: (length * size_of::<f32>()) as u64,
+            size: buffer.size(),
             usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
             mapped_at_creation: false,
         });
-        encoder.copy_buffer_to_buffer(&result, 0, &read, 0, read.size());
+        let mut encoder = self.device.create_command_encoder(&Default::default());
+        encoder.copy_buffer_to_buffer(buffer, 0, &read, 0, read.size());
         self.queue.submit([encoder.finish()]);
-        read.slice(..).map_async(wgpu::MapMode::Read, |result| result.expect("the result is readable"));
-        self.device.poll(wgpu::PollType::wait_indefinitely()).expect("the device answers");
-        let view = read.slice(..).get_mapped_range().expect("the result is mapped");
+        read.slice(..).map_async(wgpu::MapMode::Read, |result| result.expect("the buffer is readable"));
+        self.wait();
+        let view = read.slice(..).get_mapped_range().expect("the buffer is mapped");
         bytemuck::pod_collect_to_vec(&view)
+    }
+
+    /// Waits until all passes are done.
+    pub fn wait(&self) {
+        self.device.poll(wgpu::PollType::wait_indefinitely()).expect("the device answers");
+    }
+
+    /// Runs `pass` once for each of `count` elements; `output` is its (group, binding), of `length` numbers. The output
+    /// is filled with NaN before, so that what was not written is not taken for a result.
+    pub fn run(
+        &self,
+        pass: &Pass,
+        mut inputs: Vec<Bound>,
+        output: (u32, u32),
+        length: usize,
+        count: usize,
+    ) -> Vec<f32> {
+        let buffer = self.storage(bytemuck::cast_slice(&vec![f32::NAN; length]));
+        inputs.push(Bound { group: output.0, binding: output.1, buffer: buffer.clone() });
+        self.dispatch(pass, &inputs, [count.div_ceil(64) as u32, 1, 1]);
+        self.read(&buffer)
     }
 }

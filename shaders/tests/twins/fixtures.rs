@@ -1,28 +1,18 @@
 //! Whole composed shaders against the exact values of single segments, rays, chains and tables.
 
-use crate::device::{Device, Input, Pass};
-use std::cell::RefCell;
-use std::collections::HashMap;
-use std::rc::Rc;
+use crate::device::{Bound, Device};
+use crate::scene::{Scene, Scenes, axes, origin, spans};
 use voltet_core::optics::judge::{
     Answer, Chain, Forms, PartialIntegrals, Precision, Report, SegmentCase, judge,
 };
 use voltet_core::optics::{Contribution, Overlap, Segment};
 use voltet_core::shading::{Integrator, Shading};
-use voltet_core::transfer::{Profile, TransferFunction, Widget};
+use voltet_core::transfer::TransferFunction;
 use voltet_core::{Error, Result};
-use voltet_shaders::{
-    Axis, Choices, Combine, Compositor, Parameters, Shader, Spans, compose, compose_pieces, held,
-};
+use voltet_shaders::{Spans, compose_pieces, held};
 
 /// The composed shaders of a device as a set of forms.
-struct Composed {
-    device: Device,
-    passes: RefCell<HashMap<String, Rc<Pass>>>,
-}
-
-/// Numbers of a contribution on the device: r, g, b, A, T, and what its alignment adds.
-const CONTRIBUTION: usize = 8;
+struct Composed(Scenes);
 
 const CHAIN: &str = "
 @group(0) @binding(0) var<storage, read> rows: array<vec4f>;
@@ -56,39 +46,12 @@ fn evaluate(@builtin(global_invocation_id) id: vec3u) {
 }";
 
 impl Composed {
-    fn pass(&self, shader: &Shader, entry_point: &str, constants: &[(&str, f64)]) -> Rc<Pass> {
-        let mut passes = self.passes.borrow_mut();
-        let made = || Rc::new(self.device.compile(shader, entry_point, constants));
-        passes.entry(shader.text.clone()).or_insert_with(made).clone()
-    }
-
     fn small(&self, text: &str, pieces: &[&str], rows: &[[f32; 4]], length: usize) -> Vec<f32> {
-        let pass = self.pass(&compose_pieces(text, pieces), "evaluate", &[]);
-        let input = Input { group: 0, binding: 0, uniform: false, bytes: bytemuck::cast_slice(rows) };
-        self.device.run(&pass, &[input], (0, 1), length, 1)
+        let Composed(scenes) = self;
+        let pass = scenes.pass(&compose_pieces(text, pieces), "evaluate", &[]);
+        let buffer = scenes.device.storage(bytemuck::cast_slice(rows));
+        scenes.device.run(&pass, vec![Bound { group: 0, binding: 0, buffer }], (0, 1), length, 1)
     }
-}
-
-/// The one place that all differences of a scene are taken from, if there is one: [s, g], then the fields.
-fn origin(widgets: &[Widget]) -> Option<Vec<f64>> {
-    let [widget] = widgets else { return None };
-    if widget.region.is_some() {
-        return None;
-    }
-    match &widget.profile {
-        Profile::Gaussian { centre, .. } => Some(centre.to_vec()),
-        Profile::GaussianNd { centre, .. } => Some([&[0.0, 0.0], centre.as_slice()].concat()),
-        Profile::TriangularGaussian { centre, .. } => Some(vec![*centre, 0.0]),
-        Profile::TriangleWave(wave) | Profile::SineWave(wave) => Some(wave.origin.to_vec()),
-        _ => None,
-    }
-}
-
-/// Values stored about `origin`, at most 1 and with all their digits: the scale is a power of two.
-fn axis(front: f64, back: f64, origin: f64) -> Axis {
-    let size = (front - origin).abs().max((back - origin).abs());
-    let scale = if size > 0.0 { size.log2().ceil().exp2() } else { 1.0 };
-    Axis { offset: origin, scale }
 }
 
 impl Forms for Composed {
@@ -117,46 +80,21 @@ impl Forms for Composed {
         overlap: Overlap,
     ) -> Result<Answer> {
         let shading = Shading { integrator: Integrator::Analytic, overlap, silhouette: None, light: None };
-        let choices = Choices::new(transfer_function, &shading, Compositor::Segments)?;
-        let front = [&segment.front, segment.fields_front].concat();
-        let back = [&segment.back, segment.fields_back].concat();
-        let values: Vec<f64> = front.iter().zip(&back).map(|(a, b)| (b - a).abs()).collect();
-        let spans = Spans { values: &values, longest: segment.length };
-        if held(&choices, transfer_function, &spans).is_err() {
+        let axes = axes(transfer_function, segment);
+        let scene = match Scene::new(transfer_function, &shading, &axes, segment.length, None)? {
+            Ok(scene) => scene,
+            Err(why) => return Ok(Answer::Skipped(why)),
+        };
+        if held(
+            &scene.choices,
+            transfer_function,
+            &Spans { values: &spans(segment), longest: segment.length },
+        )
+        .is_err()
+        {
             return Ok(Answer::Skipped("not held by 32 bits"));
         }
-        let origin = origin(&transfer_function.widgets).unwrap_or_default();
-        let axes: Vec<Axis> = (0..2 + transfer_function.fields().len())
-            .map(|a| axis(front[a], back[a], origin.get(a).copied().unwrap_or(0.0)))
-            .collect();
-        let parameters = match Parameters::new(transfer_function, &shading, &axes, segment.length) {
-            Ok(parameters) => parameters,
-            Err(_) => return Ok(Answer::Skipped("numbers leave the range of 32 bits")),
-        };
-        let mut row = vec![1f32];
-        for values in [&front, &back] {
-            for (a, axis) in axes.iter().enumerate() {
-                if a != 1 || choices.reads_gradient_magnitude {
-                    row.push(((values[a] - axis.offset) / axis.scale) as f32);
-                }
-            }
-        }
-        // No product of depths is too small for the order of widgets: channels are judged by themselves.
-        let constants: &[(&str, f64)] =
-            if choices.combine == Combine::Ordered { &[("order_threshold", 0.0)] } else { &[] };
-        let pass = self.pass(&compose(&choices), "integrate_segments", constants);
-        let scene = parameters.scene_bytes();
-        let mut inputs = vec![
-            Input { group: 0, binding: 0, uniform: true, bytes: &scene },
-            Input { group: 1, binding: 0, uniform: false, bytes: bytemuck::cast_slice(&row) },
-        ];
-        if choices.reads_numbers() {
-            let bytes = bytemuck::cast_slice(&parameters.numbers);
-            inputs.push(Input { group: 0, binding: 1, uniform: false, bytes });
-        }
-        let found = self.device.run(&pass, &inputs, (1, 1), CONTRIBUTION, 1);
-        let [red, green, blue, opacity, optical_depth] = std::array::from_fn(|i| f64::from(found[i]));
-        Ok(Answer::Served(Contribution { optical_depth, color: [red, green, blue], opacity }))
+        Ok(Answer::Served(self.0.integrate(&scene, &[*segment])[0]))
     }
 
     fn chain(&self, segments: &[Contribution]) -> Chain {
@@ -191,10 +129,10 @@ fn composed_shaders_keep_every_bound_of_the_exact_values() {
     let Some(device) = Device::open() else { return };
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../core/tests/fixtures/segments.jsonl");
     let text = std::fs::read_to_string(path).expect("the case file is part of the source");
-    let forms = Composed { device, passes: RefCell::default() };
+    let forms = Composed(Scenes::new(device));
     let report =
         judge(&text, &forms).map_err(|e: Error| e.to_string()).expect("the case file is well formed");
-    println!("{}{} shaders", table(&report), forms.passes.borrow().len());
+    println!("{}{} shaders", table(&report), forms.0.count());
     assert!(report.passed(), "\n{}", table(&report));
     let judged = report.total(|row| row.judged);
     assert!(judged > 5500, "only {judged} values were judged");

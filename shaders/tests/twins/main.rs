@@ -3,8 +3,12 @@
 mod device;
 mod fixtures;
 mod formulas;
+mod integrators;
+mod pre_integrated;
+mod scene;
+mod tables;
 
-use device::{Device, Input};
+use device::{Bound, Device};
 use formulas::{Twin, twins};
 use voltet_core::optics::judge::twin::{self, INPUTS};
 use voltet_shaders::compose_pieces;
@@ -58,8 +62,8 @@ fn every_twin_keeps_its_tolerance() {
         let pass = device.compile(&compose_pieces(&main, &pieces), "evaluate", &[]);
         let rows = inputs(&twin);
         let bytes = bytemuck::cast_slice(&rows);
-        let input = Input { group: 0, binding: 0, uniform: false, bytes };
-        let values = device.run(&pass, &[input], (0, 1), COUNT, COUNT);
+        let input = Bound { group: 0, binding: 0, buffer: device.storage(bytes) };
+        let values = device.run(&pass, vec![input], (0, 1), COUNT, COUNT);
         let mut worst = (0.0, 0);
         for (i, (row, found)) in rows.iter().zip(&values).enumerate() {
             let x = row.map(f64::from);
