@@ -24,6 +24,11 @@ macro_rules! pieces {
 /// Every piece, by name.
 #[rustfmt::skip]
 pub const PIECES: &[Piece] = pieces![
+    "adaptive/constant_stake",
+    "adaptive/density_stake",
+    "adaptive/four_points",
+    "adaptive/march",
+    "adaptive/mixed",
     "clip",
     "compositing",
     "compositor/segments",
@@ -53,6 +58,7 @@ pub const PIECES: &[Piece] = pieces![
     "overlap/member_colors",
     "overlap/mix",
     "overlap/ordered",
+    "overlap/panel",
     "part/clipped",
     "part/whole",
     "piecewise_linear/depth",

@@ -2,7 +2,7 @@
 
 use super::Block;
 use super::widgets::track;
-use crate::choices::{Combine, Kind, WidgetChoice};
+use crate::choices::{Combine, Kind, Method, WidgetChoice};
 use std::fmt::Write as _;
 
 impl Block<'_> {
@@ -62,9 +62,9 @@ impl Block<'_> {
         for (i, widget) in choices.widgets.iter().enumerate().filter(|(_, w)| choices.is_integrated(&w.kind))
         {
             let (member, track) = self.member(i, widget);
-            let integral = self.ordered_integral(i);
+            let integral = self.ordered_integral(i, &format!("depth_{i}"));
             self.line(format!(
-                "fn light_alone_{i}(part_{i}: Part) -> vec3f {{\n    var members = Members();"
+                "fn light_alone_{i}(part_{i}: Part, depth_{i}: f32) -> vec3f {{\n    var members = Members();"
             ));
             self.line(format!("    members.track_{i} = {track};\n    members.member_{i} = {member};"));
             self.line(format!("    return {integral};\n}}"));
@@ -82,12 +82,73 @@ impl Block<'_> {
         }
     }
 
-    /// The ordered integral over `members`; `i`: any of the widgets that have a part.
-    pub(super) fn ordered_integral(&mut self, i: usize) -> String {
-        self.uses(&["overlap/ordered"]);
-        let scale =
-            if self.choices.constant_emitter { format!("glow_scale(part_{i}) * ") } else { String::new() };
-        format!("{scale}ordered(members)")
+    /// The ordered integral over `members`, exact or to the tolerance; `i`: any of the widgets that have a part, `depth`:
+    /// T of those that are in it.
+    pub(super) fn ordered_integral(&mut self, i: usize, depth: &str) -> String {
+        let constant = self.choices.constant_emitter;
+        let scale = if constant { format!("glow_scale(part_{i})") } else { String::new() };
+        let integral = if self.choices.method == Method::Adaptive {
+            let stake = if constant { "adaptive/constant_stake" } else { "adaptive/density_stake" };
+            self.uses(&["adaptive/march", stake]);
+            let members = self.choices.widgets.len();
+            if constant {
+                format!(
+                    "march(members, {depth}, scene.tolerance / max({scale}, 1e-37), {members}.0 * scene.brightest)"
+                )
+            } else {
+                format!("march(members, {depth}, scene.tolerance, scene.brightest)")
+            }
+        } else {
+            self.uses(&["overlap/ordered"]);
+            "ordered(members)".to_owned()
+        };
+        if constant { format!("{scale} * {integral}") } else { integral }
+    }
+
+    /// The mix where the bound of its error keeps the tolerance, else the ordered integral.
+    pub(super) fn subdivided(&mut self) {
+        let choices = self.choices;
+        self.fill_members("    ");
+        let integral = self.ordered_integral(0, "depth");
+        let bounded = |widget: &WidgetChoice| match widget.kind {
+            // Its colour varies.
+            Kind::Piecewise(_) | Kind::Table => false,
+            // It glows in many windows.
+            Kind::TriangleWave | Kind::SineWave => !choices.constant_emitter,
+            _ => true,
+        };
+        if !choices.widgets.iter().all(bounded) {
+            self.line(format!("    let color = {integral};"));
+            return;
+        }
+        self.uses(&["adaptive/mixed"]);
+        let (mut light, mut whole) = (Vec::new(), Vec::new());
+        for i in 0..choices.widgets.len() {
+            let color = format!("scene.widgets[{i}].color");
+            let part = if choices.constant_emitter {
+                let member = format!("members.member_{i}");
+                format!("mixed_constant({color}, {member}.range, {member}.window, depth)")
+            } else {
+                format!("mixed_density({color}, depth_{i}, depth)")
+            };
+            self.line(format!("    let mixed_{i} = {part};"));
+            light.push(format!("mixed_{i}.light * mixed_{i}.color"));
+            whole.push(format!("mixed_{i}.light"));
+        }
+        self.line(format!("    var color = {};", light.join(" + ")));
+        let mean = if choices.constant_emitter {
+            "vec3f(0.0)".to_owned()
+        } else {
+            format!("color / max({}, 1e-37)", whole.join(" + "))
+        };
+        self.line(format!("    let mean = {mean};\n    var slack = MixedError(vec3f(0.0), vec3f(0.0));"));
+        for i in 0..choices.widgets.len() {
+            self.line(format!("    slack = mixed_add(slack, mixed_{i}, mean);"));
+        }
+        let scale = if choices.constant_emitter { "glow_scale(part_0)" } else { "1.0" };
+        self.line(format!(
+            "    color *= {scale};\n    if scene.tolerance < {scale} * mixed_largest(slack) {{ color = {integral}; }}"
+        ));
     }
 
     /// Expressions of a widget's member and track.

@@ -91,7 +91,9 @@ impl Block<'_> {
     fn segment(&mut self) {
         let choices = self.choices;
         self.line("struct Contribution {\n    color: vec3f,\n    opacity: f32,\n    optical_depth: f32,\n}");
-        if !choices.method.samples() {
+        // What is sampled, and what is subdivided as a whole, asks for no light of one widget alone.
+        let whole = choices.method == Method::Adaptive && choices.combine == Combine::Ordered;
+        if !choices.method.samples() && !whole {
             self.lights_alone();
         }
         self.line("fn segment(length: f32, front: Values, back: Values) -> Contribution {");
@@ -166,6 +168,7 @@ impl Block<'_> {
                 self.uses(&["overlap/mix"]);
                 self.sum_of_lights("mix_share(depth_#, depth)");
             }
+            Combine::Ordered if choices.method == Method::Adaptive => self.subdivided(),
             Combine::Ordered => self.ordered(),
             Combine::Nothing => {}
         }
@@ -210,7 +213,7 @@ impl Block<'_> {
         self.sum_of_lights("mix_share(depth_#, depth)");
         self.line("    if order_matters {");
         self.fill_members("        ");
-        let integral = self.ordered_integral(0);
+        let integral = self.ordered_integral(0, "depth");
         self.line(format!("        color = {integral};\n    }}"));
     }
 

@@ -37,7 +37,7 @@ impl Block<'_> {
     /// C of a widget that is alone on the segment.
     pub(super) fn light(&mut self, i: usize, widget: &WidgetChoice) -> String {
         if self.choices.is_integrated(&widget.kind) {
-            return format!("light_alone_{i}(part_{i})");
+            return format!("light_alone_{i}(part_{i}, depth_{i})");
         }
         let (piece, call) = match (&widget.kind, self.choices.constant_emitter) {
             (Kind::Piecewise(count), false) => {

@@ -148,6 +148,7 @@ fn check_words(
     text: &str,
 ) {
     let from_table = choices.method.is_table_of_lengths();
+    let adaptive = choices.method == Method::Adaptive;
     let samples = matches!(choices.method, Method::Riemann | Method::Segments);
     for (kind, (name, words)) in WORDS.iter().enumerate() {
         for word in *words {
@@ -167,8 +168,9 @@ fn check_words(
     holds("fn silhouette_factor", shading.silhouette.is_some());
     holds("fn diffuse_factor", shading.light.is_some());
     holds("fn part_inside", clipped && !from_table);
-    holds("fn ordered(", walks);
-    holds("fn mix_share", kinds.len() > 1 && !samples && !from_table);
+    holds("fn ordered(", walks && !adaptive);
+    holds("fn mix_share", kinds.len() > 1 && !samples && !from_table && !adaptive);
+    holds("fn march(", walks && adaptive);
     holds("@compute", choices.compositor == Compositor::Segments);
     holds("fn riemann(", choices.method == Method::Riemann && !kinds.is_empty());
     holds("> partial_table", choices.method == Method::Segments && !kinds.is_empty());

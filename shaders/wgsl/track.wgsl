@@ -32,14 +32,28 @@ fn walk_panel(walk: Walk, next: f32) -> f32 {
     return min(max(min(next, 1.0) - walk.t, 0.0), walk.limit);
 }
 
+// Whether a panel holds too much depth; it is then shortened, though not further than t can resolve.
+fn walk_shortens(walk: ptr<function, Walk>, dt: f32, held: f32) -> bool {
+    let shortens = PANEL_DEPTH + 0.5 < held && 2.0 * PASSED < dt;
+    if shortens {
+        (*walk).limit = dt * clamp(PANEL_DEPTH / max(held, 1e-30), 0.01, 0.5);
+    }
+    return shortens;
+}
+
+// Goes behind the panel; `rate` is that near its end.
+fn walk_advance(walk: ptr<function, Walk>, next: f32, dt: f32, held: f32, rate: f32) {
+    (*walk).depth += held;
+    let end = min(next, 1.0);
+    (*walk).t = select((*walk).t + dt, end, end - (*walk).t <= dt);
+    (*walk).limit = PANEL_DEPTH / max(rate, PANEL_DEPTH);
+}
+
 // Takes the panel whose rates are these if its depth is small enough, else shortens it. Returns e^(−T) × weight × dt
 // at the points, 0 if it was not taken.
 fn walk_take(walk: ptr<function, Walk>, next: f32, dt: f32, rates: Points) -> Points {
     let held = over_panel(rates) * dt;
-    // Not shorter than t can resolve.
-    if PANEL_DEPTH + 0.5 < held && 2.0 * PASSED < dt {
-        let share = clamp(PANEL_DEPTH / max(held, 1e-30), 0.01, 0.5);
-        (*walk).limit = dt * share;
+    if walk_shortens(walk, dt, held) {
         return Points(vec4f(0.0), vec4f(0.0));
     }
     let within = to_nodes(rates);
@@ -48,10 +62,7 @@ fn walk_take(walk: ptr<function, Walk>, next: f32, dt: f32, rates: Points) -> Po
         transmittances(vec4f(depth) + dt * within.low) * (dt * WEIGHTS_LOW),
         transmittances(vec4f(depth) + dt * within.high) * (dt * WEIGHTS_HIGH),
     );
-    (*walk).depth = depth + held;
-    let end = min(next, 1.0);
-    (*walk).t = select((*walk).t + dt, end, end - (*walk).t <= dt);
-    (*walk).limit = PANEL_DEPTH / max(rates.high.w, PANEL_DEPTH);
+    walk_advance(walk, next, dt, held, rates.high.w);
     return seen;
 }
 

@@ -165,10 +165,49 @@ impl<L: Lanes> LaneTrack<L> for LaneTriangularTrack<L> {
         let below = rise - level * slope;
         let ahead = level * self.width[0] - self.offset[0];
         let reached = ahead / L::F::select(below.abs().lt(tiny), tiny, below);
-        let reached = L::F::select(t.lt(reached), reached, none);
+        // A level that rounding puts at t or just before it is still ahead; one further back is never reached.
+        let reached = L::F::select((t - splat(2.0 * PASSED)).lt(reached), reached, none);
         let reached = L::F::select(splat(FAR).le(x), none, reached);
         let change = L::F::select(zero.lt(slope), width, splat(0.5) * width) / slope.abs().max(tiny);
         let change = L::F::select(positive, t + change, none);
         reached.min(change).max(t + splat(2.0 * PASSED))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lanes::Portable;
+
+    /// A break at the far level that rounding puts just before it is not taken for one that is never reached.
+    #[test]
+    fn no_panel_steps_over_the_centre() {
+        let splat = <Portable as Lanes>::F::splat;
+        let lane = |x: <Portable as Lanes>::F| {
+            let mut values = [f32::NAN; Portable::WIDTH];
+            x.store(&mut values);
+            values[0]
+        };
+        for i in 0..2000 {
+            let share = |step: f32| (i as f32 * step).fract();
+            let offset = [0.2 + share(0.618), -0.1 - share(0.755)];
+            let width = [0.001 + 0.03 * share(0.57), 0.001 + 0.03 * share(0.41)];
+            let track = LaneTriangularTrack::<Portable> {
+                offset: offset.map(splat),
+                width: width.map(splat),
+                peak: splat(1.0),
+            };
+            let x = |t: f32| {
+                (offset[0] + (offset[1] - offset[0]) * t) / (width[0] + (width[1] - width[0]) * t).max(1e-30)
+            };
+            let mut t = 0.0;
+            while t < 1.0 {
+                let next = lane(track.next_break(splat(t))).min(1.0);
+                if x(t) > 0.0 && x(next) < 0.0 {
+                    assert!(x(t) < 2.0 && x(next) > -2.0, "{offset:?} {width:?}: {} to {}", x(t), x(next));
+                }
+                t = next;
+            }
+        }
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::device::Device;
 use crate::scene::{Scene, Scenes, axes, origin, spans};
-use voltet_core::optics::integrators::{Extent, new};
+use voltet_core::optics::integrators::{Extent, SegmentIntegrator, new};
 use voltet_core::optics::judge::{Kind, SegmentCase, parse};
 use voltet_core::optics::{Contribution, Overlap, Prepared, Segment};
 use voltet_core::shading::{Integrator, Shading};
@@ -88,32 +88,36 @@ pub fn change_of_places(prepared: &Prepared, segment: &Segment, places: &[f64], 
     [depth, color(0), color(1), color(2), (1.0 - exact[4]) * depth]
 }
 
-/// |found − truth| as a share of what is allowed: `tolerance` ε (4 |truth| + change + `further`), and what the floors of 32 bits hide.
-pub fn error_ratio(
-    found: &Contribution,
-    truth: &dyn Fn(&Segment) -> Contribution,
-    segment: &Segment,
-    axes: &[Axis],
-    further: [f64; 5],
-    tolerance: f64,
-    brightest: f64,
-) -> f64 {
-    let exact = numbers(&truth(segment));
-    let mut change = change(truth, segment, axes);
-    change.iter_mut().zip(further).for_each(|(sum, further)| *sum += further);
-    let ratio = |i: usize| {
-        // What lies behind a depth of 25 is not looked for.
-        let hidden = if i == 1 || i == 2 || i == 3 { 1e-11 * brightest } else { 0.0 };
-        let allowed =
-            tolerance * f64::from(f32::EPSILON) * (4.0 * exact[i].abs() + change[i]) + hidden + 1e-30;
-        let ratio = (numbers(found)[i] - exact[i]).abs() / allowed;
-        if ratio.is_nan() { f64::INFINITY } else { ratio }
-    };
-    (0..5).map(ratio).fold(0.0, f64::max)
+/// A truth on one segment, and how it changes.
+pub struct Measure {
+    pub exact: Contribution,
+    change: [f64; 5],
 }
 
-/// The segments of the case file that 32 bits hold.
-fn cases() -> Vec<(String, String, SegmentCase)> {
+impl Measure {
+    pub fn new(truth: &dyn SegmentIntegrator, segment: &Segment, axes: &[Axis]) -> Measure {
+        let truth = |segment: &Segment| truth.integrate(segment);
+        Measure { exact: truth(segment), change: change(&truth, segment, axes) }
+    }
+
+    /// |found − truth| as a share of what is allowed: `tolerance` ε (4 |truth| + change + `further`), and what the floors
+    /// of 32 bits hide.
+    pub fn ratio(&self, found: &Contribution, further: [f64; 5], tolerance: f64, brightest: f64) -> f64 {
+        let (exact, found) = (numbers(&self.exact), numbers(found));
+        let ratio = |i: usize| {
+            // What lies behind a depth of 25 is not looked for.
+            let hidden = if (1..4).contains(&i) { 1e-11 * brightest } else { 0.0 };
+            let parts = 4.0 * exact[i].abs() + self.change[i] + further[i];
+            let allowed = tolerance * f64::from(f32::EPSILON) * parts + hidden + 1e-30;
+            let ratio = (found[i] - exact[i]).abs() / allowed;
+            if ratio.is_nan() { f64::INFINITY } else { ratio }
+        };
+        (0..5).map(ratio).fold(0.0, f64::max)
+    }
+}
+
+/// The segments of the case file.
+pub fn cases() -> Vec<(String, String, SegmentCase)> {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../core/tests/fixtures/segments.jsonl");
     let text = std::fs::read_to_string(path).expect("the case file is part of the source");
     let cases = text.lines().map(|line| parse(line).expect("well formed"));
@@ -126,7 +130,7 @@ fn cases() -> Vec<(String, String, SegmentCase)> {
 }
 
 /// Whether raw values in 32 bits leave digits of what lies between them.
-fn held_raw(case: &SegmentCase) -> bool {
+pub fn held_raw(case: &SegmentCase) -> bool {
     let lost = |k: f64| 16.0 * f64::from(f32::EPSILON) * (4.0 + k) > 0.1;
     origin(&case.transfer_function.widgets).is_some() || !case.raw_condition[0].is_some_and(lost)
 }
@@ -168,19 +172,14 @@ fn sampling_integrators_are_twins_of_their_truths() {
             continue;
         }
         let prepared = Prepared::new(transfer_function).expect("valid");
-        let exact = truth.integrate(&segment);
-        let further = change_of_places(&prepared, &segment, &places[which], numbers(&exact));
-        let ratio =
-            error_ratio(&found, &|s| truth.integrate(s), &segment, &axes, further, TOLERANCE, brightest);
+        let measure = Measure::new(truth.as_ref(), &segment, &axes);
+        let further = change_of_places(&prepared, &segment, &places[which], numbers(&measure.exact));
+        let ratio = measure.ratio(&found, further, TOLERANCE, brightest);
         if ratio > worst[which].0 {
             worst[which] = (ratio, id.clone());
         }
         if ratio > 1.0 {
-            broken.push(format!(
-                "{} {id}: {ratio:.2}: {found:?} for {:?}",
-                integrator.name(),
-                truth.integrate(&segment)
-            ));
+            broken.push(format!("{} {id}: {ratio:.2}: {found:?} for {:?}", integrator.name(), measure.exact));
         }
         judged += 1;
         *categories.entry(category).or_default() += 1;

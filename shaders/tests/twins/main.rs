@@ -1,5 +1,6 @@
 //! Every WGSL formula against its 64-bit truth, on whatever adapter there is.
 
+mod adaptive;
 mod device;
 mod fixtures;
 mod formulas;

@@ -1,7 +1,7 @@
 //! Pre-integrated tables: what the device fills them with, what it reads from them, and how long that takes.
 
 use crate::device::Device;
-use crate::integrators::{error_ratio, numbers, shading};
+use crate::integrators::{Measure, numbers, shading};
 use crate::scene::{Scene, Scenes};
 use crate::tables::{MODELS, segments};
 use std::time::Instant;
@@ -130,13 +130,13 @@ fn tables_are_read_as_by_their_truths() {
             let found = scenes.integrate(&ready(&transfer_function, integrator), &segments);
             let mut worst = (0.0, 0);
             for (i, (segment, found)) in segments.iter().zip(found).enumerate() {
-                let truth = |s: &Segment| truth.integrate(s);
+                let measure = Measure::new(truth.as_ref(), segment, &AXES);
                 // Entries differ by what the fill may err by; a place errs by an ε of the table's side, and the entries
                 // about it may differ by all that glows.
-                let exact = numbers(&truth(segment));
+                let exact = numbers(&measure.exact);
                 let light = |x: f64| 70.0 * x + 27.0 * segment.length;
                 let further = [0.0, light(exact[1]), light(exact[2]), light(exact[3]), 0.0];
-                let ratio = error_ratio(&found, &truth, segment, &AXES, further, 1.0, 2.0);
+                let ratio = measure.ratio(&found, further, 1.0, 2.0);
                 if ratio > worst.0 {
                     worst = (ratio, i);
                 }
@@ -185,9 +185,8 @@ fn figures_of_tables() {
                 scenes.device.fill(&prepared);
                 scenes.device.wait();
             });
-            // Compiles, and fills for good.
-            scenes.integrate(&ready, &segments);
-            let (read, found) = timed(|| scenes.integrate(&ready, &segments));
+            let found = scenes.integrate(&ready, &segments);
+            let read = scenes.seconds(&ready, &segments, 20);
             row.push((fill, read, errors(&found, &exact)));
         }
         let [(fill, read, [most, mean]), (tile_fill, tile_read, [tile_most, tile_mean])] = row[..] else {

@@ -4,6 +4,7 @@ use crate::device::{Bound, Device, Pass, Prepared};
 use std::cell::{OnceCell, RefCell};
 use std::collections::HashMap;
 use std::rc::Rc;
+use std::time::Instant;
 use voltet_core::Result;
 use voltet_core::optics::integrators::Extent;
 use voltet_core::optics::{Contribution, Segment};
@@ -97,13 +98,43 @@ impl Scenes {
 
     /// Each segment's contribution, from one dispatch.
     pub fn integrate(&self, scene: &Scene, segments: &[Segment]) -> Vec<Contribution> {
+        self.integrate_by(scene, &compose(&scene.choices), segments)
+    }
+
+    /// The same by another shader that reads what the scene's reads.
+    pub fn integrate_by(&self, scene: &Scene, shader: &Shader, segments: &[Segment]) -> Vec<Contribution> {
+        let (pass, inputs) = self.bind(scene, shader, segments);
+        let length = CONTRIBUTION * segments.len();
+        let found = self.device.run(&pass, inputs, (1, 1), length, segments.len());
+        let contribution = |found: &[f32]| {
+            let [red, green, blue, opacity, optical_depth] = std::array::from_fn(|i| f64::from(found[i]));
+            Contribution { optical_depth, color: [red, green, blue], opacity }
+        };
+        found.chunks(CONTRIBUTION).map(contribution).collect()
+    }
+
+    /// Seconds of one dispatch over the segments, the mean of `count`.
+    pub fn seconds(&self, scene: &Scene, segments: &[Segment], count: u32) -> f64 {
+        let (pass, mut inputs) = self.bind(scene, &compose(&scene.choices), segments);
+        let buffer = self.device.storage(&vec![0; CONTRIBUTION * segments.len() * size_of::<f32>()]);
+        inputs.push(Bound { group: 1, binding: 1, buffer });
+        let run = || self.device.dispatch(&pass, &inputs, [segments.len().div_ceil(64) as u32, 1, 1]);
+        run();
+        self.device.wait();
+        let start = Instant::now();
+        (0..count).for_each(|_| run());
+        self.device.wait();
+        start.elapsed().as_secs_f64() / f64::from(count)
+    }
+
+    /// The pass over a list of segments, and all that it reads.
+    fn bind(&self, scene: &Scene, shader: &Shader, segments: &[Segment]) -> (Rc<Pass>, Vec<Bound>) {
         let device = &self.device;
-        let shader = compose(&scene.choices);
         // No product of depths is too small for the order of widgets: channels are judged by themselves.
         let has_threshold =
             scene.choices.combine == Combine::Ordered && shader.text.contains("order_threshold");
         let constants: &[(&str, f64)] = if has_threshold { &[("order_threshold", 0.0)] } else { &[] };
-        let pass = self.pass(&shader, "integrate_segments", constants);
+        let pass = self.pass(shader, "integrate_segments", constants);
         let rows: Vec<f32> = segments.iter().flat_map(|segment| scene.row(segment)).collect();
         let storage = |group, binding, bytes: &[u8]| Bound { group, binding, buffer: device.storage(bytes) };
         let mut inputs = vec![storage(1, 0, bytemuck::cast_slice(&rows))];
@@ -123,12 +154,7 @@ impl Scenes {
                 inputs.push(Bound { group: 0, binding, buffer: table.clone() });
             }
         }
-        let found = device.run(&pass, inputs, (1, 1), CONTRIBUTION * segments.len(), segments.len());
-        let contribution = |found: &[f32]| {
-            let [red, green, blue, opacity, optical_depth] = std::array::from_fn(|i| f64::from(found[i]));
-            Contribution { optical_depth, color: [red, green, blue], opacity }
-        };
-        found.chunks(CONTRIBUTION).map(contribution).collect()
+        (pass, inputs)
     }
 }
 

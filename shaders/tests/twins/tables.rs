@@ -1,7 +1,7 @@
 //! Table widgets and pre-integrated tables, against their 64-bit truths.
 
 use crate::device::Device;
-use crate::integrators::{change_of_places, error_ratio, numbers, shading};
+use crate::integrators::{Measure, change_of_places, numbers, shading};
 use crate::scene::{Scene, Scenes};
 use std::sync::Arc;
 use voltet_core::optics::integrators::{Extent, Integrator, new};
@@ -31,14 +31,14 @@ impl Numbers {
 pub fn segments(count: usize, longest: f64) -> Vec<Segment<'static>> {
     let mut numbers = Numbers(7);
     let mut segment = |i: usize| {
-        let mut ends = [[numbers.single(), numbers.single()], [numbers.single(), numbers.single()]];
-        for axis in 0..2 {
+        let [front, mut back] = [[numbers.single(), numbers.single()], [numbers.single(), numbers.single()]];
+        for (axis, back) in back.iter_mut().enumerate() {
             if i.is_multiple_of(8) && (i / 8) % 3 != axis {
-                ends[1][axis] = ends[0][axis];
+                *back = front[axis];
             }
         }
         let length = numbers.single() * longest;
-        Segment { length, front: ends[0], back: ends[1], fields_front: &[], fields_back: &[] }
+        Segment { length, front, back, fields_front: &[], fields_back: &[] }
     };
     (0..count).map(&mut segment).collect()
 }
@@ -46,9 +46,9 @@ pub fn segments(count: usize, longest: f64) -> Vec<Segment<'static>> {
 pub const MODELS: [OpticalModel; 2] =
     [OpticalModel::DensityEmitter, OpticalModel::ConstantEmitter { cutoff: 0.25 }];
 
-const UNIT: [Axis; 2] = [Axis { offset: 0.0, scale: 1.0 }; 2];
+pub const UNIT: [Axis; 2] = [Axis { offset: 0.0, scale: 1.0 }; 2];
 
-fn image(width: usize, height: usize) -> Widget {
+pub fn image(width: usize, height: usize) -> Widget {
     let mut numbers = Numbers((width * 100 + height) as u64);
     let texels = (0..width * height).map(|_| std::array::from_fn(|_| numbers.next() as f32)).collect();
     let table = Table { width, height, texels, s: [0.125, 0.875], g: [0.0, 0.75] };
@@ -103,15 +103,14 @@ fn table_widgets_are_twins_of_their_truth() {
             for (i, (segment, found)) in
                 segments.iter().zip(scenes_on.integrate(&scene, &segments)).enumerate()
             {
-                let exact = numbers(&truth.integrate(segment));
-                let further = change_of_places(&prepared, segment, places, exact);
-                let truth = |s: &Segment| truth.integrate(s);
-                let ratio = error_ratio(&found, &truth, segment, &UNIT, further, *tolerance, 2.0);
+                let measure = Measure::new(truth.as_ref(), segment, &UNIT);
+                let further = change_of_places(&prepared, segment, places, numbers(&measure.exact));
+                let ratio = measure.ratio(&found, further, *tolerance, 2.0);
                 if ratio > worst.0 {
                     worst = (ratio, i);
                 }
                 if ratio > 1.0 {
-                    broken.push(format!("{segment:?}: {ratio:.2}: {found:?} for {exact:?}"));
+                    broken.push(format!("{segment:?}: {ratio:.2}: {found:?} for {:?}", measure.exact));
                 }
             }
             println!(

@@ -47,7 +47,8 @@ fn triangular_next_break(track: TriangularTrack, t: f32) -> f32 {
     let below = rise - level * slope;
     let ahead = level * track.width.x - track.offset.x;
     var reached = ahead / select(below, 1e-37, abs(below) < 1e-37);
-    reached = select(2.0, reached, t < reached);
+    // A level that rounding puts at t or just before it is still ahead; one further back is never reached.
+    reached = select(2.0, reached, t - 2.0 * PASSED < reached);
     reached = select(reached, 2.0, TRIANGULAR_FAR <= x);
     var change = select(0.5 * width, width, 0.0 < slope) / max(abs(slope), 1e-37);
     change = select(2.0, t + change, 0.0 < width);

@@ -1,0 +1,189 @@
+//! The tolerance of `adaptive` is met, within the rounding of 32 bits.
+
+use crate::device::Device;
+use crate::integrators::{Measure, cases, held_raw, shading};
+use crate::scene::{Scene, Scenes, axes, spans};
+use crate::tables::{MODELS, UNIT, image, segments};
+use voltet_core::optics::integrators::{Extent, Integrator, new};
+use voltet_core::optics::{Contribution, Overlap};
+use voltet_core::transfer::{ControlPoint, OpticalModel, Profile, Region, TransferFunction, Wave, Widget};
+use voltet_shaders::{Spans, compose, compose_pieces, held};
+
+const TOLERANCES: [f64; 6] = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6];
+
+/// Of ε (4 |truth| + change): walks of 8-point panels leave 1e-5.
+const ROUNDING: f64 = 32.0;
+
+/// |found − truth| as a share of the tolerance and the rounding of 32 bits; A and T keep the latter.
+fn ratio(measure: &Measure, found: &Contribution, tolerance: f64, brightest: f64) -> f64 {
+    let color = tolerance / (ROUNDING * f64::from(f32::EPSILON));
+    measure.ratio(found, [0.0, color, color, color, 0.0], ROUNDING, brightest)
+}
+
+#[test]
+fn the_tolerance_is_met_on_the_exact_cases() {
+    let Some(device) = Device::open() else { return };
+    let scenes = Scenes::new(device);
+    let (mut broken, mut worst, mut judged) = (Vec::new(), (0.0, String::new()), 0);
+    for (n, (id, category, case)) in cases().into_iter().enumerate() {
+        // Every other case, each with one of the tolerances: all categories meet all of them.
+        let tolerance = TOLERANCES[n / 2 % TOLERANCES.len()];
+        if n % 2 == 1 {
+            continue;
+        }
+        let integrator = Integrator::Adaptive { tolerance };
+        let (transfer_function, segment) = (&case.transfer_function, case.segment());
+        let axes = axes(transfer_function, &segment);
+        let scene = Scene::new(transfer_function, &shading(integrator), &axes, segment.length, None);
+        let Ok(scene) = scene.expect("has pieces") else { continue };
+        let spans = Spans { values: &spans(&segment), longest: segment.length };
+        // Where 32 bits hold no digits (narrow widgets among them), or the exact value jumps, no tolerance can be met.
+        let known = category != "narrow" && case.condition.iter().all(|k| k.is_some_and(|k| k < 1e4));
+        if held(&scene.choices, transfer_function, &spans).is_err() || !held_raw(&case) || !known {
+            continue;
+        }
+        let extent = Extent { scalar: [0.0, 1.0], longest: segment.length };
+        let truth = new(&Integrator::Analytic, Overlap::Exact, transfer_function, &extent).expect("serves");
+        let found = scenes.integrate(&scene, &[segment])[0];
+        let scale = if case.density() { 1.0 } else { segment.length / transfer_function.unit_distance };
+        let measure = Measure::new(truth.as_ref(), &segment, &axes);
+        let ratio = ratio(&measure, &found, tolerance, case.brightest() * scale);
+        if ratio > worst.0 {
+            worst = (ratio, id.clone());
+        }
+        if ratio > 1.0 {
+            broken.push(format!("{id} {tolerance}: {ratio:.2}: {found:?} for {:?}", measure.exact));
+        }
+        judged += 1;
+    }
+    println!("{judged} cases, {} shaders, worst {worst:?}", scenes.count());
+    assert!(broken.is_empty(), "\n{}", broken.join("\n"));
+    assert!(judged > 500, "only {judged} cases were judged");
+}
+
+fn widget(profile: Profile, color: [f64; 3], extinction: f64) -> Widget {
+    Widget { profile, color, extinction, region: None }
+}
+
+/// Two or three widgets of every kind.
+fn overlapping(extinction: f64) -> Vec<Vec<Widget>> {
+    let plane = |s| Profile::Gaussian { centre: [s, 0.5], matrix: [[6.0, 1.0], [0.0, 3.0]] };
+    let wave = Wave { origin: [0.1, 0.2], angle: 0.4, scale: [1.0; 2], period: 0.3, band_width: 0.6 };
+    let point = |s, extinction, r| ControlPoint { s, color: [r, 0.5, 0.1], extinction };
+    let points =
+        vec![point(0.0, 0.0, 1.0), point(0.5, 2.0 * extinction, 0.2), point(1.0, 0.5 * extinction, 0.4)];
+    let linear = widget(Profile::PiecewiseLinear { points }, [0.0; 3], 1.0);
+    let triangular =
+        widget(Profile::TriangularGaussian { centre: 0.5, sigma: 0.4 }, [0.2, 1.0, 0.5], extinction);
+    let region = Region { corners: vec![[0.2, 0.0], [1.0, 0.3], [0.3, 1.0]] };
+    let uniform = Widget { region: Some(region), ..widget(Profile::Uniform, [0.1, 0.2, 1.0], extinction) };
+    let red = widget(plane(0.4), [1.0, 0.1, 0.0], extinction);
+    let blue = widget(plane(0.6), [0.0, 0.3, 1.2], 0.7 * extinction);
+    let sine = widget(Profile::SineWave(wave), [0.9, 0.8, 0.1], extinction);
+    let triangle = widget(Profile::TriangleWave(wave), [0.0, 0.8, 0.6], extinction);
+    vec![
+        vec![red.clone(), blue.clone()],
+        vec![red.clone(), uniform, triangular.clone()],
+        vec![blue.clone(), sine],
+        vec![triangle, linear.clone(), red],
+        vec![linear, triangular.clone()],
+        vec![Widget { extinction, ..image(5, 4) }, blue],
+        vec![triangular],
+        vec![Widget { extinction, ..image(3, 5) }],
+    ]
+}
+
+fn scenes() -> Vec<TransferFunction> {
+    let all = |model: OpticalModel| {
+        let scene = move |widgets| TransferFunction { model, unit_distance: 1.0, widgets };
+        [0.1, 3.0, 300.0].into_iter().flat_map(overlapping).map(scene)
+    };
+    MODELS.into_iter().flat_map(all).collect()
+}
+
+fn ready(transfer_function: &TransferFunction, tolerance: f64) -> Scene {
+    let integrator = if tolerance > 0.0 { Integrator::Adaptive { tolerance } } else { Integrator::Analytic };
+    let shading = shading(integrator);
+    Scene::new(transfer_function, &shading, &UNIT, 1.0, None).expect("has pieces").expect("in range")
+}
+
+#[test]
+fn the_tolerance_is_met_where_widgets_overlap() {
+    let Some(device) = Device::open() else { return };
+    let on = Scenes::new(device);
+    let (mut broken, mut worst) = (Vec::new(), [0.0_f64; TOLERANCES.len() + 1]);
+    let segments = segments(96, 2.0);
+    for transfer_function in scenes() {
+        let extent = Extent { scalar: [0.0, 1.0], longest: 2.0 };
+        let truth = new(&Integrator::Analytic, Overlap::Exact, &transfer_function, &extent).expect("serves");
+        let measure = |segment| Measure::new(truth.as_ref(), segment, &UNIT);
+        let measures: Vec<Measure> = segments.iter().map(measure).collect();
+        // Without a tolerance: the ordered integral of the closed forms.
+        for (worst, tolerance) in worst.iter_mut().zip(TOLERANCES.into_iter().chain([0.0])) {
+            let found = on.integrate(&ready(&transfer_function, tolerance), &segments);
+            for ((segment, measure), found) in segments.iter().zip(&measures).zip(found) {
+                let ratio = ratio(measure, &found, tolerance, 2.0);
+                *worst = worst.max(ratio);
+                if ratio > 1.0 {
+                    broken.push(format!(
+                        "{tolerance}: {ratio:.2} {transfer_function:?} {segment:?}: {found:?} for {:?}",
+                        measure.exact
+                    ));
+                }
+            }
+        }
+    }
+    println!("worst {worst:?}");
+    assert!(broken.is_empty(), "{}\n{}", broken.len(), broken[..broken.len().min(5)].join("\n"));
+}
+
+/// In the place of `march`: the largest difference between 4 points and 8, as a share of the stake of a panel.
+const OBSERVER: &str = "
+fn observe(members: Members, depth: f32, tolerance: f32, brightest: f32) -> vec3f {
+    var walk = walk_start();
+    var worst = 0.0;
+    for (var i = 0u; i < PANELS_MOST && walk_is_open(walk); i++) {
+        let next = members_next_break(members, walk.t);
+        let dt = walk_panel(walk, next);
+        let four = members_light(members, vec4f(walk.t) + dt * FOUR_NODES);
+        let held = dt * dot(four[3], FOUR_WEIGHTS);
+        if walk_shortens(&walk, dt, held) {
+            continue;
+        }
+        let stake = brightest * panel_stake(dt, held) * exponential(-walk.depth);
+        let color = four_points_light(four, dt, walk.depth);
+        let exact = ordered_panel(members, &walk, next, dt);
+        // Below, rounding.
+        let error = abs(color - exact) - 1e-6 * (abs(exact) + vec3f(stake));
+        worst = max(worst, max(error.r, max(error.g, error.b)) / max(stake, 1e-12));
+    }
+    return vec3f(worst);
+}
+";
+
+#[test]
+fn four_points_err_by_less_than_their_constant() {
+    let Some(device) = Device::open() else { return };
+    let on = Scenes::new(device);
+    let segments = segments(512, 2.0);
+    let mut worst = 0.0_f64;
+    for transfer_function in scenes() {
+        let scene = ready(&transfer_function, 1e-37);
+        let text = compose(&scene.choices).text.replace("march(members, ", "observe(members, ");
+        // Also where the mix would do.
+        let text = text.replace("if scene.tolerance < ", "if -1.0 < ");
+        // Closed forms need no panels.
+        if !text.contains("observe(") {
+            continue;
+        }
+        let text = text + OBSERVER;
+        let found = on.integrate_by(&scene, &compose_pieces(&text, &[]), &segments);
+        for (segment, found) in segments.iter().zip(found) {
+            let constant = scene.choices.constant_emitter;
+            let scale = if constant { segment.length } else { 1.0 };
+            worst = found.color.iter().fold(worst, |worst, c| worst.max(c / scale));
+        }
+    }
+    println!("4 points err by {worst:e} of a panel's stake");
+    assert!(5.0 * worst <= 7e-3 && worst > 0.0, "{worst}");
+}
