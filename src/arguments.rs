@@ -42,7 +42,7 @@ pub enum Command {
     ///
     /// Each picture is compared with a 64-bit reference, which is drawn once and kept. Writes an HTML page that holds
     /// everything, the figures as CSV and JSON, a plot of error against time as SVG and PNG, and difference pictures.
-    /// Ctrl-C ends the study and keeps what is done.
+    /// Ctrl-C ends the study and keeps what is done; a stopped reference picture goes on where it was.
     Study(Study),
 }
 

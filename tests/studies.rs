@@ -59,6 +59,40 @@ fn a_stopped_study_keeps_the_finished_settings_and_the_reference() {
     assert!(reference(&scene, cache.path(), &stop).unwrap().cached);
 }
 
+/// Stops once a tenth of the reference picture is drawn; counts what is reported.
+struct Early(Mutex<Vec<f64>>);
+
+impl Progress for Early {
+    fn report(&self, _stage: &str, fraction: f64) {
+        self.0.lock().unwrap().push(fraction);
+    }
+
+    fn cancelled(&self) -> bool {
+        self.0.lock().unwrap().last().is_some_and(|last| *last >= 0.1)
+    }
+}
+
+#[test]
+fn a_stopped_reference_picture_goes_on_where_it_was() {
+    let scene = Scene { camera: Camera { size: [160, 160], ..smooth_scene().camera }, ..smooth_scene() };
+    let [cache, other] = [tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap()];
+    let whole = reference(&scene, other.path(), &Silent).unwrap();
+    let stop = Early(Mutex::default());
+    assert!(reference(&scene, cache.path(), &stop).is_err());
+    let drawn = stop.0.lock().unwrap().len();
+    assert!(drawn >= 10, "{drawn} of 100 tiles");
+    let rest = After(usize::MAX, Mutex::default());
+    let counted = Early(Mutex::new(Vec::new()));
+    assert!(reference(&scene, cache.path(), &counted).is_err(), "a tenth is there already");
+    assert!(counted.0.lock().unwrap()[0] > 0.1, "it began anew");
+    let resumed = reference(&scene, cache.path(), &rest).unwrap();
+    assert!(!resumed.cached);
+    assert_eq!(resumed.picture, whole.picture);
+    assert!(reference(&scene, cache.path(), &rest).unwrap().cached);
+    let left: Vec<_> = std::fs::read_dir(cache.path()).unwrap().collect();
+    assert_eq!(left.len(), 1, "the tiles are gone: {left:?}");
+}
+
 /// A smooth field on a box of tetrahedra, with its gradient, drawn as one soft Gaussian over s.
 fn smooth_scene() -> Scene {
     let grid = box_of_tetrahedra([6, 6, 6], [DVec3::ZERO, DVec3::ONE], 0.15);

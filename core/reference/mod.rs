@@ -23,6 +23,7 @@ mod tiles;
 pub use crossing::{Crossing, Ray};
 pub use scene::{Scene, Seen};
 pub use segment::{Integrand, Tolerance, Workspace};
+pub use tiles::{TILE_PIXELS, Tiles};
 
 use crate::Result;
 use crate::camera::Camera;
@@ -43,6 +44,18 @@ pub fn draw(
     progress: &dyn Progress,
 ) -> Result<Picture> {
     Scene::new(volume, transfer_function, camera, shading, order)?.draw(progress)
+}
+
+/// [`draw`] from the tiles that are there already; where it ends early, `tiles` holds those that are drawn.
+pub fn draw_further(
+    volume: &Volume,
+    transfer_function: &TransferFunction,
+    camera: &Camera,
+    shading: &Shading,
+    tiles: &mut Tiles,
+    progress: &dyn Progress,
+) -> Result<Picture> {
+    Scene::new(volume, transfer_function, camera, shading, Order::Exact)?.draw_further(tiles, progress)
 }
 
 /// The integral of one segment, to a relative 1e-11 of each of its stretches.

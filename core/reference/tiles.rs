@@ -8,7 +8,8 @@ use crate::picture::Picture;
 use crate::progress::Progress;
 use crate::{Error, Result};
 use rayon::prelude::*;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::collections::BTreeMap;
+use std::sync::{Mutex, PoisonError};
 
 /// Side of a tile, pixels.
 const SIDE: usize = 16;
@@ -23,32 +24,50 @@ enum Bounds {
     Unbounded,
 }
 
+/// Tiles of a picture that are drawn, by their numbers from the upper left corner, row by row: what a stopped picture
+/// leaves. Each holds 16 × 16 pixels, row by row.
+pub type Tiles = BTreeMap<u32, Vec<[f32; 4]>>;
+
+/// Pixels of a tile.
+pub const TILE_PIXELS: usize = SIDE * SIDE;
+
 impl Scene<'_> {
     /// Draws the picture. Errors when a cell cannot be integrated or the user stopped the run.
     pub fn draw(&self, progress: &dyn Progress) -> Result<Picture> {
+        self.draw_further(&mut Tiles::new(), progress)
+    }
+
+    /// Draws the tiles that are not there yet, and makes the picture of all. Where that ends early, `tiles` holds those that
+    /// are drawn.
+    pub fn draw_further(&self, tiles: &mut Tiles, progress: &dyn Progress) -> Result<Picture> {
         let [width, height] = self.camera().size.map(|n| n as usize);
         let columns = width.div_ceil(SIDE);
         let lists = self.tile_lists(columns, height.div_ceil(SIDE));
-        let done = AtomicUsize::new(0);
-        let tiles: Vec<(usize, Vec<[f32; 4]>)> = lists
-            .par_iter()
-            .enumerate()
-            .map(|(tile, cells)| {
-                if progress.cancelled() {
-                    return Err(Error::cancelled());
-                }
-                let pixels = self.draw_tile([tile % columns * SIDE, tile / columns * SIDE], cells)?;
-                let finished = done.fetch_add(1, Ordering::Relaxed) + 1;
-                progress.report("reference", finished as f64 / lists.len() as f64);
-                Ok((tile, pixels))
-            })
-            .collect::<Result<_>>()?;
+        tiles.retain(|&tile, pixels| (tile as usize) < lists.len() && pixels.len() == TILE_PIXELS);
+        let missing: Vec<usize> =
+            (0..lists.len()).filter(|&tile| !tiles.contains_key(&(tile as u32))).collect();
+        let there = Mutex::new(tiles);
+        let lock = || there.lock().unwrap_or_else(PoisonError::into_inner);
+        missing.par_iter().try_for_each(|&tile| {
+            if progress.cancelled() {
+                return Err(Error::cancelled());
+            }
+            let pixels = self.draw_tile([tile % columns * SIDE, tile / columns * SIDE], &lists[tile])?;
+            let finished = {
+                let mut tiles = lock();
+                tiles.insert(tile as u32, pixels);
+                tiles.len()
+            };
+            progress.report("reference", finished as f64 / lists.len() as f64);
+            Ok(())
+        })?;
         let mut picture = Picture::transparent(width, height);
-        for (tile, pixels) in tiles {
-            for (k, pixel) in pixels.into_iter().enumerate() {
+        for (&tile, pixels) in lock().iter() {
+            let tile = tile as usize;
+            for (k, pixel) in pixels.iter().enumerate() {
                 let (i, j) = (tile % columns * SIDE + k % SIDE, tile / columns * SIDE + k / SIDE);
                 if i < width && j < height {
-                    picture.rgba[j * width + i] = pixel;
+                    picture.rgba[j * width + i] = *pixel;
                 }
             }
         }

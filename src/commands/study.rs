@@ -2,10 +2,10 @@
 
 use super::{DONE, code, open, registry, show, warn};
 use crate::arguments;
-use crate::present::Bar;
+use crate::present::{Bar, Estimate};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 use voltet::Document;
 use voltet::core::graph::{Observer, nearest};
 use voltet::core::optics::integrators::Integrator;
@@ -78,7 +78,7 @@ fn carry_out(arguments: &arguments::Study, wish: Wish, document: &Document) -> R
     if arguments.apply {
         files::refuse_unwritable(&document.path)?;
     }
-    let watch = Watch { bar: Bar::new(arguments.quiet), start: Mutex::new(Instant::now()) };
+    let watch = Watch { bar: Bar::new(arguments.quiet), estimate: Mutex::new(Estimate::begin()) };
     let gathered = gather(arguments, document, &watch);
     let study = gathered.and_then(|(scene, reference)| {
         watch.begin();
@@ -179,33 +179,28 @@ fn code_of(error: &Error) -> u8 {
 /// Shows progress with an estimate of what is left.
 struct Watch {
     bar: Bar,
-    start: Mutex<Instant>,
+    estimate: Mutex<Estimate>,
 }
 
 impl Watch {
     /// A new piece of work begins, whose fraction counts from 0.
     fn begin(&self) {
-        *self.lock() = Instant::now();
+        *self.lock() = Estimate::begin();
     }
 
-    fn lock(&self) -> std::sync::MutexGuard<'_, Instant> {
-        self.start.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
+    fn lock(&self) -> std::sync::MutexGuard<'_, Estimate> {
+        self.estimate.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
     }
 }
 
 impl Progress for Watch {
     fn report(&self, stage: &str, fraction: f64) {
         // The stages within a frame report too; they say nothing about the whole.
-        if matches!(stage, "cull" | "project" | "composite") {
+        if matches!(stage, "cull" | "project" | "composite" | "gradient") {
             return;
         }
-        let elapsed = self.lock().elapsed().as_secs_f64();
-        let left = elapsed * (1.0 - fraction) / fraction;
-        let stage = match fraction > 0.02 && left.is_finite() {
-            true => format!("{stage}, about {left:.0} s left"),
-            false => stage.to_string(),
-        };
-        self.bar.progress("", &stage, fraction);
+        let left = self.lock().left(fraction);
+        self.bar.show(stage, fraction, left);
     }
 
     fn cancelled(&self) -> bool {

@@ -6,6 +6,6 @@ mod reference;
 mod report;
 
 pub use error::{error, warning};
-pub use progress::Bar;
+pub use progress::{Bar, Estimate};
 pub use reference::{node_markdown, node_text};
 pub use report::{findings, json, number, summary};

@@ -13,6 +13,32 @@ const PATIENCE: Duration = Duration::from_secs(1);
 /// Set by Ctrl-C.
 static STOP: AtomicBool = AtomicBool::new(false);
 
+/// What is left of a piece of work, from how long the part that is done took.
+#[derive(Debug, Clone, Copy)]
+pub struct Estimate {
+    start: Instant,
+    fraction: f64,
+}
+
+impl Estimate {
+    /// The work begins now.
+    pub fn begin() -> Self {
+        Estimate { start: Instant::now(), fraction: 0.0 }
+    }
+
+    /// Seconds that are left once `fraction` is done; `None` while too little is done to tell. A fraction that falls is the
+    /// beginning of another piece of work.
+    pub fn left(&mut self, fraction: f64) -> Option<f64> {
+        // Threads report in no order, so a little less is no beginning.
+        if fraction + 0.1 < self.fraction {
+            *self = Estimate::begin();
+        }
+        self.fraction = self.fraction.max(fraction);
+        let left = self.start.elapsed().as_secs_f64() * (1.0 - fraction) / fraction;
+        (fraction > 0.02 && left.is_finite()).then_some(left)
+    }
+}
+
 /// Follows a run.
 pub struct Bar {
     bar: ProgressBar,
@@ -20,6 +46,8 @@ pub struct Bar {
     start: Instant,
     shown: AtomicBool,
     place: Mutex<String>,
+    /// The stage in hand.
+    stage: Mutex<(String, Estimate)>,
 }
 
 impl Bar {
@@ -38,12 +66,27 @@ impl Bar {
         }
         let visible = !quiet && std::io::stderr().is_terminal();
         let (start, shown) = (Instant::now(), AtomicBool::new(false));
-        Bar { bar, visible, start, shown, place: Mutex::default() }
+        let stage = Mutex::new((String::new(), Estimate::begin()));
+        Bar { bar, visible, start, shown, place: Mutex::default(), stage }
     }
 
     /// Takes the bar off the screen.
     pub fn clear(&self) {
         self.bar.finish_and_clear();
+    }
+
+    /// Shows that `fraction` of `what` is done, and what is left of it.
+    pub fn show(&self, what: &str, fraction: f64, left: Option<f64>) {
+        if !self.visible || self.start.elapsed() < PATIENCE {
+            return;
+        }
+        if !self.shown.swap(true, Ordering::Relaxed) {
+            self.bar.set_draw_target(ProgressDrawTarget::stderr());
+        }
+        // Less than a second says nothing to a person.
+        let left = left.filter(|left| *left >= 1.0).map(|left| format!(", about {left:.0} s left"));
+        self.bar.set_message(format!("{what}{}", left.unwrap_or_default()));
+        self.bar.set_position((fraction.clamp(0.0, 1.0) * 1000.0) as u64);
     }
 }
 
@@ -54,18 +97,36 @@ impl Observer for Bar {
     }
 
     fn progress(&self, _node: &str, stage: &str, fraction: f64) {
-        if !self.visible || self.start.elapsed() < PATIENCE {
+        if !self.visible {
             return;
         }
-        if !self.shown.swap(true, Ordering::Relaxed) {
-            self.bar.set_draw_target(ProgressDrawTarget::stderr());
-        }
         let place = self.place.lock().unwrap_or_else(PoisonError::into_inner).clone();
-        self.bar.set_message(format!("{place}: {stage}"));
-        self.bar.set_position((fraction.clamp(0.0, 1.0) * 1000.0) as u64);
+        let mut known = self.stage.lock().unwrap_or_else(PoisonError::into_inner);
+        let what = if place.is_empty() { stage.to_string() } else { format!("{place}: {stage}") };
+        if known.0 != what {
+            *known = (what, Estimate::begin());
+        }
+        let left = known.1.left(fraction);
+        self.show(&known.0, fraction, left);
     }
 
     fn cancelled(&self) -> bool {
         STOP.load(Ordering::Relaxed)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_left_follows_from_what_is_done_and_begins_anew() {
+        let ago = |seconds: u64| Instant::now().checked_sub(Duration::from_secs(seconds)).unwrap();
+        let mut estimate = Estimate { start: ago(30), fraction: 0.0 };
+        assert_eq!(estimate.left(0.01), None, "too little to tell");
+        // The test itself takes some of the time.
+        assert!((estimate.left(0.25).unwrap() - 90.0).abs() < 5.0);
+        assert!(estimate.left(1.0).unwrap() < 1.0);
+        assert!(estimate.left(0.5).unwrap() < 5.0, "another piece of work began just now");
     }
 }

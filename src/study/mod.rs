@@ -5,7 +5,7 @@
 //! | --- | --- |
 //! | `scene` | what the pipeline's node that draws is given |
 //! | `settings` | what is tried |
-//! | `reference` | the picture to compare with, kept between studies |
+//! | `reference`, `kept` | the picture to compare with, kept between studies, also where it was stopped |
 //! | `measure` | times and memory |
 //! | `errors`, `flip` | differences of pictures |
 //! | `convergence` | observed and expected orders |
@@ -21,6 +21,7 @@ mod canvas;
 mod convergence;
 mod errors;
 mod flip;
+mod kept;
 mod measure;
 mod output;
 mod page;
