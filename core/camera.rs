@@ -105,4 +105,17 @@ impl Camera {
         }
         Ok(Frame { right, up, forward, pixel })
     }
+
+    /// Offsets of the samples of a pixel from its centre: one in the middle, or the centres of a regular n × n division
+    /// for square numbers, else Roberts' R₂ sequence (2018), which spreads any number evenly.
+    pub fn sample_offsets(&self) -> Vec<[f64; 2]> {
+        let count = self.samples;
+        let side = f64::from(count).sqrt().round() as u32;
+        if side * side == count {
+            let at = |k: u32| (f64::from(k) + 0.5) / f64::from(side) - 0.5;
+            return (0..count).map(|k| [at(k % side), at(k / side)]).collect();
+        }
+        const STEP: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_2];
+        (0..count).map(|k| STEP.map(|step| (0.5 + step * f64::from(k)).fract() - 0.5)).collect()
+    }
 }

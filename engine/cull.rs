@@ -14,7 +14,7 @@ use rayon::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use voltet_core::progress::Progress;
-use voltet_core::transfer::{Profile, Support, TransferFunction, Widget};
+use voltet_core::transfer::{Support, TransferFunction};
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
 
@@ -195,10 +195,10 @@ pub(crate) fn attributes_of<'a>(
 ) -> Result<Vec<Attribute<'a>>> {
     let volume = &cells.volume;
     let fields = transfer_function.fields();
-    let mut attributes = vec![attribute(&volume.scalar, cells.ranges[0], centre(transfer_function, 0))];
+    let mut attributes = vec![attribute(&volume.scalar, cells.ranges[0], transfer_function.single_centre(0))];
     if transfer_function.uses_gradient_magnitude() || !fields.is_empty() {
         match &volume.gradient_magnitude {
-            Some(g) => attributes.push(attribute(g, cells.ranges[1], centre(transfer_function, 1))),
+            Some(g) => attributes.push(attribute(g, cells.ranges[1], transfer_function.single_centre(1))),
             None if transfer_function.uses_gradient_magnitude() => {
                 return Err(Error::usage(
                     "the transfer function looks at the gradient magnitude, and the volume has none",
@@ -237,25 +237,6 @@ pub(crate) fn gradient_attributes(cells: &Cells) -> Result<Vec<Attribute<'_>>> {
     Ok((0..3)
         .map(|i| Attribute { values: values.get(i..).unwrap_or(&[]), stride: 3, offset: 0.0, scale })
         .collect())
-}
-
-/// The centre along an axis, if the transfer function has a single one: offsets are then taken from it in 64
-/// bits, so that a widget far narrower than the range loses nothing.
-///
-/// Widths of triangular Gaussians are shares of g itself: it is counted from 0 where they need its small values.
-fn centre(transfer_function: &TransferFunction, axis: usize) -> Option<f64> {
-    let triangular = |widget: &Widget| matches!(widget.profile, Profile::TriangularGaussian { .. });
-    if axis == 1 && transfer_function.widgets.iter().any(triangular) {
-        return Some(0.0);
-    }
-    match transfer_function.widgets.as_slice() {
-        [widget] => match &widget.profile {
-            Profile::Gaussian { centre, .. } => Some(centre[axis]),
-            Profile::TriangularGaussian { centre, .. } if axis == 0 => Some(*centre),
-            _ => None,
-        },
-        _ => None,
-    }
 }
 
 fn attribute(values: &[f64], range: [f64; 2], centre: Option<f64>) -> Attribute<'_> {

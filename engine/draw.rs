@@ -47,18 +47,6 @@ impl Projection {
 /// Largest side of a picture: pixel numbers are kept in 16 bits.
 const SIDE_MOST: u32 = 1 << 15;
 
-/// Offsets of the samples of a pixel from its centre: one in the middle, or the centres of a regular n × n
-/// division for square numbers, else Roberts' R₂ sequence (2018), which spreads any number evenly.
-fn sample_offsets(count: u32) -> Vec<[f64; 2]> {
-    let side = f64::from(count).sqrt().round() as u32;
-    if side * side == count {
-        let at = |k: u32| (f64::from(k) + 0.5) / f64::from(side) - 0.5;
-        return (0..count).map(|k| [at(k % side), at(k / side)]).collect();
-    }
-    const STEP: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_2];
-    (0..count).map(|k| STEP.map(|step| (0.5 + step * f64::from(k)).fract() - 0.5)).collect()
-}
-
 /// Projects the kept cells onto the screen and sorts them into tiles of 16 × 16 pixels.
 ///
 /// The transfer function says which quantities the segments need: what it does not look at is not projected.
@@ -86,7 +74,7 @@ pub fn project(
     if gradient {
         attributes.extend(gradient_attributes(cells)?);
     }
-    let offsets = sample_offsets(camera.samples);
+    let offsets = camera.sample_offsets();
     let mut samples = Vec::with_capacity(offsets.len());
     for (k, &offset) in offsets.iter().enumerate() {
         progress.report("project", k as f64 / offsets.len() as f64);

@@ -15,6 +15,19 @@ pub enum Compositor {
     None,
     /// `integrate_segments`: a list of segments, one invocation each.
     Segments,
+    /// `composite_tiles`: tiles of pixels, one workgroup each.
+    Tiles(TileOrder),
+}
+
+/// How a tile's pixels take their segments.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum TileOrder {
+    /// By entry, pixel by pixel.
+    Exact,
+    /// As the tile's list has them.
+    Listed,
+    /// In whatever order, since there is one colour.
+    Sum,
 }
 
 /// How a segment is integrated, as far as it decides the text: counts, tolerances and the sides of tables are numbers
@@ -176,6 +189,11 @@ impl Choices {
     /// the middle, then for silhouettes the ray's direction.
     pub fn segment_stride(&self) -> usize {
         1 + 2 * self.value_count() + 3 * usize::from(self.reads_gradient()) + 3 * usize::from(self.silhouette)
+    }
+
+    /// Numbers of a point behind its scalar for [`Compositor::Tiles`]: further values, then the gradient.
+    pub fn attribute_stride(&self) -> usize {
+        self.value_count() - 1 + 3 * usize::from(self.reads_gradient())
     }
 
     /// Whether `numbers` is read, so that something must be bound to it.

@@ -13,12 +13,14 @@ mod compose;
 mod generate;
 mod held;
 mod parameters;
+mod passes;
 mod pieces;
 mod resources;
 
-pub use choices::{Choices, Combine, Compositor, Kind, Method, WidgetChoice};
+pub use choices::{Choices, Combine, Compositor, Kind, Method, TileOrder, WidgetChoice};
 pub use compose::{Shader, compose, compose_pieces};
 pub use held::{Spans, held};
 pub use parameters::{Axis, Parameters, SceneHead, WidgetRecord};
+pub use passes::{FramePass, PlacementRecord, ViewRecord};
 pub use pieces::{PIECES, Piece, piece};
 pub use resources::{Buffer, Contents, Pass, Resources};

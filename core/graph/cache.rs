@@ -115,6 +115,9 @@ pub(super) fn files_of(parameters: &Parameters, folder: &Path, stamp: FileStamp)
 
 type Kept = Arc<dyn Any + Send + Sync>;
 
+/// The revision of what is made from no output, and stays as long as the session. Outputs count from 1.
+pub(super) const FOR_THE_SESSION: Revision = Revision(0);
+
 /// Things made from a revision, by the revision and their own type.
 #[derive(Default)]
 pub(super) struct Store {
@@ -140,7 +143,7 @@ impl Store {
 
     /// Drops what was made from revisions that are gone.
     pub(super) fn forget_all_but(&self, alive: &BTreeSet<Revision>) {
-        self.lock().retain(|(revision, _), _| alive.contains(revision));
+        self.lock().retain(|(revision, _), _| *revision == FOR_THE_SESSION || alive.contains(revision));
     }
 
     fn lock(&self) -> std::sync::MutexGuard<'_, HashMap<(Revision, TypeId), Kept>> {

@@ -1,7 +1,7 @@
 //! What a node's functions are given: its side of the two passes.
 
 use super::build::GraphNode;
-use super::cache::Store;
+use super::cache::{FOR_THE_SESSION, Store};
 use super::declaration::PortType;
 use super::demand::Demand;
 use super::notes::Notes;
@@ -135,6 +135,14 @@ impl Call<'_> {
             return Ok(Arc::new(make()?));
         }
         self.store.get_or_make(revision, make)
+    }
+
+    /// Something that is made from no input (an open device) and stays as long as the session.
+    pub fn keep_for_session<T: Send + Sync + 'static>(
+        &self,
+        make: impl FnOnce() -> Result<T>,
+    ) -> Result<Arc<T>> {
+        self.store.get_or_make(FOR_THE_SESSION, make)
     }
 
     /// The grid at an input.

@@ -199,6 +199,25 @@ impl TransferFunction {
         self.widgets.iter().any(Widget::uses_gradient_magnitude)
     }
 
+    /// The centre along an axis (0: s, 1: g), if there is a single one: offsets are then taken from it in 64 bits, so
+    /// that a widget far narrower than the range loses nothing.
+    ///
+    /// Widths of triangular Gaussians are shares of g itself: it is counted from 0 where they need its small values.
+    pub fn single_centre(&self, axis: usize) -> Option<f64> {
+        let triangular = |widget: &Widget| matches!(widget.profile, Profile::TriangularGaussian { .. });
+        if axis == 1 && self.widgets.iter().any(triangular) {
+            return Some(0.0);
+        }
+        match self.widgets.as_slice() {
+            [widget] => match &widget.profile {
+                Profile::Gaussian { centre, .. } => centre.get(axis).copied(),
+                Profile::TriangularGaussian { centre, .. } if axis == 0 => Some(*centre),
+                _ => None,
+            },
+            _ => None,
+        }
+    }
+
     /// Names of further point arrays that the widgets look at.
     pub fn fields(&self) -> Vec<&str> {
         let mut names: Vec<&str> = Vec::new();

@@ -1,6 +1,7 @@
 //! The generated block: constants, and the functions that name a scene's widgets one by one.
 
 mod members;
+mod tiles;
 mod widgets;
 
 use crate::choices::{Choices, Combine, Compositor, Kind, Method};
@@ -13,7 +14,7 @@ pub(crate) struct Generated {
 
 /// Slots that the block fills. `wave_mean_on_flank` it fills by choosing between the pieces that do.
 #[cfg(test)]
-pub(crate) const FILLS: &[&str] = &["values", "members", "segment", "wave_mean_on_flank"];
+pub(crate) const FILLS: &[&str] = &["values", "members", "segment", "finish", "wave_mean_on_flank"];
 
 struct Block<'a> {
     choices: &'a Choices,
@@ -32,8 +33,10 @@ pub(crate) fn generate(choices: &Choices) -> Generated {
     if choices.reads_gradient() {
         block.surface();
     }
-    if choices.compositor == Compositor::Segments {
-        block.finish();
+    match choices.compositor {
+        Compositor::None => {}
+        Compositor::Segments => block.finish(),
+        Compositor::Tiles(order) => block.finish_tiles(order),
     }
     Generated { text: block.text, uses: block.uses }
 }

@@ -1,0 +1,119 @@
+//! Buffers: made within the device's limits, kept while they are large enough, read back.
+
+use crate::device::Device;
+use std::sync::mpsc;
+use voltet_core::{Error, Result};
+use wgpu::BufferUsages;
+
+/// Bytes in a mebibyte.
+const MEBIBYTE: f64 = (1u64 << 20) as f64;
+
+impl Device {
+    /// Most bytes that a pass can be bound to in one buffer.
+    pub(crate) fn most_bytes(&self) -> u64 {
+        let binding = self.limits.max_storage_buffer_binding_size;
+        self.limits.max_buffer_size.min(binding)
+    }
+
+    /// A storage buffer of at least `size` bytes. `what` names it in errors.
+    pub(crate) fn storage(&self, what: &str, size: u64) -> Result<wgpu::Buffer> {
+        let most = self.most_bytes();
+        if size > most {
+            return Err(Error::run(format!("{what} do not fit one binding of {}", self.name))
+                .found(format!("{:.0} MiB", size as f64 / MEBIBYTE))
+                .accepted(format!(
+                    "at most {:.0} MiB; engine = \"cpu\" has no such limit",
+                    most as f64 / MEBIBYTE
+                )));
+        }
+        let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
+        self.buffer(what, size, usage)
+    }
+
+    pub(crate) fn buffer(&self, what: &str, size: u64, usage: BufferUsages) -> Result<wgpu::Buffer> {
+        // No binding is empty, and copies take whole words.
+        let size = size.max(16).next_multiple_of(16);
+        let descriptor = wgpu::BufferDescriptor { label: Some(what), size, usage, mapped_at_creation: false };
+        let memory = format!("{what} ({:.1} MiB)", size as f64 / MEBIBYTE);
+        self.guarded(&memory, || self.device.create_buffer(&descriptor))
+    }
+
+    /// A uniform buffer.
+    pub(crate) fn uniform(&self, what: &str, size: u64) -> Result<wgpu::Buffer> {
+        self.buffer(what, size, BufferUsages::UNIFORM | BufferUsages::COPY_DST)
+    }
+
+    /// A storage buffer with content, written a part at a time.
+    pub(crate) fn upload<T: Sync, U: bytemuck::Pod + Send>(
+        &self,
+        what: &str,
+        items: &[T],
+        convert: impl Fn(&T) -> U + Sync,
+    ) -> Result<wgpu::Buffer> {
+        use rayon::prelude::*;
+        const PART: usize = 1 << 20;
+        let buffer = self.storage(what, (items.len() * size_of::<U>()) as u64)?;
+        for (number, part) in items.chunks(PART).enumerate() {
+            let converted: Vec<U> = part.par_iter().with_min_len(1 << 14).map(&convert).collect();
+            let offset = (number * PART * size_of::<U>()) as u64;
+            self.guarded(what, || {
+                self.queue.write_buffer(&buffer, offset, bytemuck::cast_slice(&converted))
+            })?;
+            // What was staged is sent, so that no second copy of a large grid waits in memory.
+            self.queue.submit([]);
+        }
+        Ok(buffer)
+    }
+
+    /// The content of buffers that can be mapped, once all that was submitted is done.
+    pub(crate) fn read<T>(
+        &self,
+        what: &str,
+        buffer: &wgpu::Buffer,
+        bytes: u64,
+        take: impl FnOnce(&[u8]) -> T,
+    ) -> Result<T> {
+        let (sender, receiver) = mpsc::channel();
+        buffer.slice(..bytes).map_async(wgpu::MapMode::Read, move |outcome| {
+            // The receiver waits below for as long as the sender lives.
+            let _ = sender.send(outcome);
+        });
+        self.wait(what)?;
+        let failed = |why: &dyn std::fmt::Display| {
+            Error::run(format!("{} does not give back {what}", self.name)).found(why)
+        };
+        receiver.recv().map_err(|why| failed(&why))?.map_err(|why| failed(&why))?;
+        let taken = {
+            let view = buffer.slice(..bytes).get_mapped_range().map_err(|why| failed(&why))?;
+            take(&view)
+        };
+        buffer.unmap();
+        Ok(taken)
+    }
+}
+
+/// A buffer that grows with what is asked of it.
+#[derive(Default)]
+pub(crate) struct Growing {
+    buffer: Option<wgpu::Buffer>,
+}
+
+impl Growing {
+    /// The buffer, made anew if it is too small.
+    pub fn at_least(
+        &mut self,
+        size: u64,
+        make: impl FnOnce(u64) -> Result<wgpu::Buffer>,
+    ) -> Result<wgpu::Buffer> {
+        match &self.buffer {
+            Some(buffer) if size <= buffer.size() => Ok(buffer.clone()),
+            _ => {
+                // The old one goes first: there may not be room for both.
+                self.buffer = None;
+                let made = make(size)?;
+                self.buffer = Some(made.clone());
+                Ok(made)
+            }
+        }
+    }
+}

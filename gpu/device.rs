@@ -1,0 +1,115 @@
+//! A device: what it can hold, its compiled pipelines, and what it says when something fails.
+
+use crate::adapter::{Adapters, describe, kind};
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, PoisonError};
+use voltet_core::{Error, Result};
+
+/// An open device. Pipelines that were compiled for it stay.
+pub struct Device {
+    /// Name and kind of the adapter, for people.
+    pub name: String,
+    /// Why this adapter was taken.
+    pub reason: String,
+    /// Whether the device is a program on the CPU.
+    pub is_software: bool,
+    pub(crate) device: wgpu::Device,
+    pub(crate) queue: wgpu::Queue,
+    pub(crate) limits: wgpu::Limits,
+    /// Nanoseconds of a tick, where passes can be timed.
+    pub(crate) tick: Option<f32>,
+    pub(crate) pipelines: Mutex<HashMap<crate::pipelines::Key, Arc<wgpu::ComputePipeline>>>,
+    lost: Arc<Mutex<Option<String>>>,
+}
+
+/// Storage buffers that the tiles' compositor is bound to.
+const STORAGE_BUFFERS: u32 = 10;
+
+impl Device {
+    /// Opens the fastest adapter, or the one that `wish` names (a kind, or a part of its name). With `hardware`,
+    /// software devices are passed over unless they are wished for.
+    pub fn open(wish: Option<&str>, hardware: bool) -> Result<Device> {
+        let adapters = Adapters::find();
+        let (adapter, reason) = adapters.choose(wish, hardware)?;
+        let info = adapter.get_info();
+        let limits = adapter.limits();
+        if limits.max_storage_buffers_per_shader_stage < STORAGE_BUFFERS {
+            return Err(Error::run(format!("{} binds too few buffers at a time", describe(&info)))
+                .found(limits.max_storage_buffers_per_shader_stage)
+                .accepted(format!("{STORAGE_BUFFERS} storage buffers")));
+        }
+        let timed = adapter.features() & wgpu::Features::TIMESTAMP_QUERY;
+        let descriptor = wgpu::DeviceDescriptor {
+            label: Some("voltet"),
+            required_features: timed,
+            required_limits: limits.clone(),
+            ..Default::default()
+        };
+        let opened = pollster::block_on(adapter.request_device(&descriptor));
+        let (device, queue) = opened
+            .map_err(|why| Error::run(format!("the device {} does not open", describe(&info))).found(why))?;
+        let lost = Arc::new(Mutex::new(None));
+        let note = lost.clone();
+        device.set_device_lost_callback(move |why, message| {
+            *note.lock().unwrap_or_else(PoisonError::into_inner) = Some(format!("{why:?}: {message}"));
+        });
+        Ok(Device {
+            name: describe(&info),
+            reason,
+            is_software: kind(info.device_type).1 == "software",
+            tick: (!timed.is_empty()).then(|| queue.get_timestamp_period()),
+            device,
+            queue,
+            limits,
+            pipelines: Mutex::default(),
+            lost,
+        })
+    }
+
+    /// Does something on the device. An error of the device comes back as one of ours, which names `what` was done.
+    pub(crate) fn guarded<T>(&self, what: &str, work: impl FnOnce() -> T) -> Result<T> {
+        let memory = self.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+        let validation = self.device.push_error_scope(wgpu::ErrorFilter::Validation);
+        let internal = self.device.push_error_scope(wgpu::ErrorFilter::Internal);
+        let done = work();
+        let internal = pollster::block_on(internal.pop());
+        let validation = pollster::block_on(validation.pop());
+        if pollster::block_on(memory.pop()).is_some() {
+            return Err(self.out_of_memory(what));
+        }
+        self.check(what)?;
+        match internal.or(validation) {
+            None => Ok(done),
+            Some(error) => Err(Error::run(format!("{} fails at {what}", self.name)).found(error)),
+        }
+    }
+
+    fn out_of_memory(&self, what: &str) -> Error {
+        Error::run(format!("{} has no memory left for {what}", self.name))
+            .accepted("a smaller grid or picture, another adapter, or engine = \"cpu\"")
+    }
+
+    /// An error if the device is lost.
+    pub(crate) fn check(&self, what: &str) -> Result<()> {
+        match &*self.lost.lock().unwrap_or_else(PoisonError::into_inner) {
+            None => Ok(()),
+            Some(why) => Err(Error::run(format!("{} was lost at {what}", self.name))
+                .found(why)
+                .accepted("a smaller picture or fewer samples, another adapter, or engine = \"cpu\"")),
+        }
+    }
+
+    /// Whether the device has been lost: nothing can be done with it any more.
+    pub fn is_lost(&self) -> bool {
+        self.lost.lock().unwrap_or_else(PoisonError::into_inner).is_some()
+    }
+
+    /// Waits until all that was submitted is done.
+    pub(crate) fn wait(&self, what: &str) -> Result<()> {
+        let waited = self.device.poll(wgpu::PollType::wait_indefinitely());
+        self.check(what)?;
+        waited
+            .map(drop)
+            .map_err(|why| Error::run(format!("{} does not answer at {what}", self.name)).found(why))
+    }
+}

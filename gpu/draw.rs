@@ -1,0 +1,138 @@
+//! Draws a volume on a device.
+
+use crate::axes::{axis, offset_parts};
+use crate::frame::{Frame, count};
+use crate::grid::{DeviceGrid, Quantity};
+use crate::{limits, support, view};
+use voltet_core::Result;
+use voltet_core::camera::Camera;
+use voltet_core::picture::Picture;
+use voltet_core::progress::Progress;
+use voltet_core::shading::{Order, Shading};
+use voltet_core::transfer::TransferFunction;
+use voltet_core::volume::Volume;
+use voltet_shaders::{Axis, Choices, Combine, Compositor, Parameters, TileOrder, ViewRecord, compose};
+
+/// A picture and what it took.
+#[derive(Debug, Clone)]
+pub struct Drawn {
+    /// The picture.
+    pub picture: Picture,
+    /// Counts.
+    pub counts: Counts,
+    /// Seconds of each pass, where the adapter has timestamps.
+    pub seconds: Vec<(&'static str, f64)>,
+}
+
+/// Counts of a picture, over all samples.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Cells left out because no widget touches their values.
+    pub culled_by_transfer_function: u64,
+    /// Cells left out because they are outside the view.
+    pub culled_by_frustum: u64,
+    /// Cells that may cover a pixel.
+    pub cells_projected: u64,
+    /// Cells in the lists of all tiles.
+    pub tile_entries: u64,
+    /// Ray segments integrated.
+    pub segments: u64,
+    /// Pixels (samples, where a pixel has several) composited in an order that was not exact.
+    pub pixels_disordered: u64,
+    /// Times that a tile's list was gone through once more, because a pixel had more segments than fit at a time.
+    pub sweeps_further: u64,
+}
+
+/// Draws the volume that `grid` was made from.
+///
+/// Errors: what the device has no shader for, or cannot hold in 32 bits; memory; a lost device; a stopped run.
+pub fn draw(
+    grid: &DeviceGrid,
+    volume: &Volume,
+    transfer_function: &TransferFunction,
+    camera: &Camera,
+    shading: &Shading,
+    order: Order,
+    progress: &dyn Progress,
+) -> Result<Drawn> {
+    limits::can_serve(transfer_function, shading)?;
+    let tile_order = tile_order(transfer_function, shading, order)?;
+    let choices = Choices::new(transfer_function, shading, Compositor::Tiles(tile_order))?;
+
+    let scalar = grid.stored(volume, Quantity::Scalar)?;
+    // Where g is not read, s stands in its place.
+    let mut values = vec![scalar.clone(), scalar.clone()];
+    if choices.reads_gradient_magnitude {
+        values[1] = grid.stored(volume, Quantity::GradientMagnitude)?;
+    }
+    for name in transfer_function.fields() {
+        values.push(grid.stored(volume, Quantity::Field(name.to_string()))?);
+    }
+    limits::check(transfer_function, &values, grid.length)?;
+    let numbered = values.iter().enumerate();
+    let axes: Vec<Axis> = numbered.map(|(k, value)| axis(value, transfer_function, k)).collect();
+    let parameters = Parameters::new(transfer_function, shading, &axes, grid.length)?;
+    let (support, support_count) = support::supports(transfer_function, &axes, grid.length);
+
+    let first = if choices.reads_gradient_magnitude { 1 } else { 2 };
+    let further = values.iter().zip(&axes).skip(first);
+    let mut attributes: Vec<_> =
+        further.map(|(value, axis)| (value.clone(), offset_parts(value, axis))).collect();
+    if choices.reads_gradient() {
+        for component in 0..3 {
+            attributes.push((grid.stored(volume, Quantity::Gradient(component))?, [0.0; 2]));
+        }
+    }
+    let sort_key = match (tile_order, order) {
+        (TileOrder::Exact, _) => 0,
+        (_, Order::Centroid) => 1,
+        _ => 2,
+    };
+    let sample = |offset: &[f64; 2]| {
+        Ok(ViewRecord {
+            sort_key,
+            scalar_offset: offset_parts(&scalar, &axes[0]),
+            widget_count: support_count,
+            ..view::view(grid, camera, *offset)?
+        })
+    };
+    let frame = Frame {
+        grid,
+        compositor: compose(&choices),
+        reads_g: choices.reads_gradient_magnitude,
+        scene: parameters.scene_bytes(),
+        numbers: parameters.numbers,
+        support,
+        sorted: tile_order != TileOrder::Sum,
+        samples: camera.sample_offsets().iter().map(sample).collect::<Result<_>>()?,
+        scalar: scalar.clone(),
+        attributes,
+    };
+    let returned = frame.draw(progress)?;
+    let counted = returned.counts;
+    Ok(Drawn {
+        picture: returned.picture,
+        counts: Counts {
+            culled_by_transfer_function: counted[count::BY_FUNCTION],
+            culled_by_frustum: counted[count::BY_FRUSTUM],
+            cells_projected: counted[count::PROJECTED],
+            tile_entries: counted[count::ENTRIES],
+            segments: counted[count::SEGMENTS],
+            pixels_disordered: counted[count::DISORDERED],
+            sweeps_further: counted[count::SWEEPS],
+        },
+        seconds: returned.seconds,
+    })
+}
+
+/// With one colour that no light changes, C = c A whatever the order.
+fn tile_order(transfer_function: &TransferFunction, shading: &Shading, order: Order) -> Result<TileOrder> {
+    let choices = Choices::new(transfer_function, shading, Compositor::None)?;
+    let lit = shading.light.is_some_and(|light| light.diffuse != 0.0);
+    let free = matches!(choices.combine, Combine::OneColor | Combine::Nothing) && !lit;
+    Ok(match order {
+        _ if free => TileOrder::Sum,
+        Order::Exact | Order::Auto => TileOrder::Exact,
+        Order::Centroid | Order::None => TileOrder::Listed,
+    })
+}

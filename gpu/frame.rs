@@ -1,0 +1,229 @@
+//! A frame: windows of the picture that fit the device's memory, and the samples of each.
+
+use crate::device::Device;
+use crate::grid::{DeviceGrid, Stored};
+use crate::passes::{FrameBuffers, Passes};
+use crate::timing::Timing;
+use std::sync::{Arc, PoisonError};
+use voltet_core::picture::Picture;
+use voltet_core::progress::Progress;
+use voltet_core::{Error, Result};
+use voltet_shaders::{Shader, ViewRecord};
+
+/// Numbers that the passes count, by their place in `counts`.
+pub(crate) mod count {
+    pub const ENTRIES: usize = 0;
+    pub const BY_FUNCTION: usize = 1;
+    pub const BY_FRUSTUM: usize = 2;
+    pub const PROJECTED: usize = 3;
+    pub const SEGMENTS: usize = 4;
+    pub const DISORDERED: usize = 5;
+    pub const SWEEPS: usize = 6;
+    /// Tiles of the last dispatch that are to go on.
+    pub const UNFINISHED: usize = 7;
+    pub const LONGEST: usize = 8;
+    pub const ALL: usize = 12;
+}
+
+/// Entries that lists are given room for before their lengths are known.
+const CAPACITY_AT_FIRST: u32 = 1 << 16;
+
+/// Work that a tile does in one dispatch, in cells tested: under a tenth of a second on a slow device, well within the
+/// seconds that a system grants.
+const BUDGET: u32 = 1 << 22;
+
+/// The same on a software driver: Mesa's ends loops after 65,535 rounds in all, of which a segment takes more than one.
+const BUDGET_SOFTWARE: u32 = 1 << 14;
+
+/// Cells of one tile that a software driver sorts within those rounds.
+const LONGEST_SOFTWARE: u32 = 20_000;
+
+/// Everything of a scene but the camera's sample.
+pub(crate) struct Frame<'a> {
+    pub grid: &'a DeviceGrid,
+    pub compositor: Shader,
+    /// The scalar.
+    pub scalar: Arc<Stored>,
+    /// Further values of the points, each with where it is counted from.
+    pub attributes: Vec<(Arc<Stored>, [f32; 2])>,
+    pub reads_g: bool,
+    pub scene: Vec<u8>,
+    pub numbers: Vec<f32>,
+    pub support: Vec<u32>,
+    pub sorted: bool,
+    pub samples: Vec<ViewRecord>,
+}
+
+/// What came back.
+pub(crate) struct Returned {
+    pub picture: Picture,
+    pub counts: [u64; count::ALL],
+    pub seconds: Vec<(&'static str, f64)>,
+}
+
+impl Frame<'_> {
+    pub fn device(&self) -> &Device {
+        &self.grid.device
+    }
+
+    /// Draws the whole picture. Errors: memory, a lost device, a stopped run.
+    pub fn draw(&self, progress: &dyn Progress) -> Result<Returned> {
+        let [width, height] = self.samples[0].size;
+        let tiles = [width, height].map(|n| n.div_ceil(ViewRecord::TILE));
+        let mut picture = Picture::transparent(width as usize, height as usize);
+        let mut all = [0u64; count::ALL];
+        let mut timing = Timing::new(self.device())?;
+        let mut open = vec![[0, 0, tiles[0], tiles[1]]];
+        while let Some(window) = open.pop() {
+            if progress.cancelled() {
+                return Err(Error::cancelled());
+            }
+            if self.picture_bytes(window) > self.device().most_bytes() {
+                open.extend(halves(window)?);
+                continue;
+            }
+            let counts = self.draw_window(window, &mut picture, &mut timing)?;
+            match counts {
+                Some(counts) => {
+                    for (sum, count) in all.iter_mut().zip(counts) {
+                        *sum += u64::from(count);
+                    }
+                }
+                None => open.extend(halves(window)?),
+            }
+        }
+        Ok(Returned { picture, counts: all, seconds: timing.seconds() })
+    }
+
+    /// Bytes of a window's pixels.
+    pub fn picture_bytes(&self, window: [u32; 4]) -> u64 {
+        let pixels = u64::from(window[2]) * u64::from(window[3]) * u64::from(ViewRecord::TILE).pow(2);
+        pixels * 16
+    }
+
+    /// Draws one window; `None` where its lists do not fit one binding.
+    fn draw_window(
+        &self,
+        window: [u32; 4],
+        picture: &mut Picture,
+        timing: &mut Timing,
+    ) -> Result<Option<[u32; count::ALL]>> {
+        let device = self.device();
+        let most = (device.most_bytes() / 8).min(u64::from(u32::MAX)) as u32;
+        let mut buffers = self.grid.buffers.lock().unwrap_or_else(PoisonError::into_inner);
+        buffers.capacity = buffers.capacity.max(CAPACITY_AT_FIRST.min(most));
+        loop {
+            let capacity = buffers.capacity;
+            let counts = self.run(window, capacity, &mut buffers, picture, timing)?;
+            let needed = counts[count::ENTRIES];
+            if device.is_software && self.sorted && counts[count::LONGEST] > LONGEST_SOFTWARE {
+                return Err(Error::run("a software driver does not sort so many cells of one tile")
+                    .found(counts[count::LONGEST])
+                    .accepted(format!("at most {LONGEST_SOFTWARE}, or engine = \"cpu\"")));
+            }
+            if needed <= capacity {
+                if counts[count::UNFINISHED] == 0 {
+                    return Ok(Some(counts));
+                }
+                buffers.keeps_states = true;
+                continue;
+            }
+            if needed > most {
+                return Ok(None);
+            }
+            // Some room for the next frame.
+            buffers.capacity = needed.saturating_add(needed / 4).min(most);
+        }
+    }
+
+    /// Runs all passes for all samples over a window, and copies its pixels to the picture.
+    fn run(
+        &self,
+        window: [u32; 4],
+        capacity: u32,
+        buffers: &mut FrameBuffers,
+        picture: &mut Picture,
+        timing: &mut Timing,
+    ) -> Result<[u32; count::ALL]> {
+        let device = self.device();
+        let goes_on = buffers.keeps_states;
+        let passes = Passes::new(self, window, capacity, buffers)?;
+        let mut counted = [0; count::ALL];
+        for (number, sample) in self.samples.iter().enumerate() {
+            let mut record = ViewRecord {
+                window,
+                capacity,
+                weight: 1.0 / self.samples.len() as f32,
+                is_first: u32::from(number == 0),
+                budget: if device.is_software { BUDGET_SOFTWARE } else { BUDGET },
+                ..*sample
+            };
+            passes.submit(&record, timing)?;
+            record.goes_on = 1;
+            // Without states a dispatch cannot go on: the caller finds that out from the counts.
+            if goes_on {
+                counted = passes.counts()?;
+                while counted[count::UNFINISHED] != 0 && counted[count::ENTRIES] <= capacity {
+                    passes.submit_tiles(&record, timing)?;
+                    counted = passes.counts()?;
+                }
+            }
+        }
+        if !goes_on {
+            counted = passes.counts()?;
+        }
+        if counted[count::ENTRIES] <= capacity {
+            passes.picture(|bytes| put_window(picture, window, bytes))?;
+        }
+        Ok(counted)
+    }
+}
+
+/// A window cut in two along its longer side.
+fn halves([x, y, width, height]: [u32; 4]) -> Result<[[u32; 4]; 2]> {
+    if width == 1 && height == 1 {
+        return Err(Error::run("the list of one tile of the picture does not fit one binding of the device")
+            .accepted("a closer view, a smaller grid, or engine = \"cpu\""));
+    }
+    Ok(if width >= height {
+        let half = width / 2;
+        [[x, y, half, height], [x + half, y, width - half, height]]
+    } else {
+        let half = height / 2;
+        [[x, y, width, half], [x, y + half, width, height - half]]
+    })
+}
+
+/// Copies a window's pixels to their place.
+fn put_window(picture: &mut Picture, window: [u32; 4], bytes: &[u8]) {
+    let [left, top, width, height] = window.map(|n| (n * ViewRecord::TILE) as usize);
+    let right = (left + width).min(picture.width);
+    for row in 0..height.min(picture.height.saturating_sub(top)) {
+        let from = row * width * 16;
+        let pixels = bytes[from..from + (right - left) * 16].chunks_exact(16);
+        let start = (top + row) * picture.width + left;
+        for (pixel, bytes) in picture.rgba[start..start + right - left].iter_mut().zip(pixels) {
+            *pixel = bytemuck::pod_read_unaligned(bytes);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn windows_are_halved_down_to_a_tile() {
+        let mut open = vec![[0, 0, 5, 3]];
+        let mut tiles = Vec::new();
+        while let Some(window) = open.pop() {
+            match halves(window) {
+                Ok(both) => open.extend(both),
+                Err(_) => tiles.push([window[0], window[1]]),
+            }
+        }
+        tiles.sort_unstable();
+        let every: Vec<[u32; 2]> = (0..5).flat_map(|x| (0..3).map(move |y| [x, y])).collect();
+        assert_eq!(tiles, every);
+    }
+}

@@ -1,0 +1,164 @@
+//! A grid on the device: points, tetrahedra and the values that transfer functions look at, uploaded once.
+
+use crate::axes::split;
+use crate::device::Device;
+use crate::passes::FrameBuffers;
+use glam::DVec3;
+use rayon::prelude::*;
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, PoisonError};
+use voltet_core::volume::Volume;
+use voltet_core::{Error, Result};
+
+/// A quantity at the points.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub(crate) enum Quantity {
+    Scalar,
+    GradientMagnitude,
+    Field(String),
+    /// A component of ∇s.
+    Gradient(usize),
+}
+
+/// A quantity on the device: (value − middle) / span, high and low part.
+pub(crate) struct Stored {
+    pub buffer: wgpu::Buffer,
+    pub middle: f64,
+    /// > 0.
+    pub span: f64,
+    /// The most that it changes within one cell, in spans.
+    pub cell_span: f64,
+}
+
+/// A volume's grid on a device. Values are uploaded as scenes ask for them.
+pub struct DeviceGrid {
+    /// The device.
+    pub device: Arc<Device>,
+    pub(crate) positions: wgpu::Buffer,
+    pub(crate) tetrahedra: wgpu::Buffer,
+    pub(crate) point_count: u32,
+    pub(crate) cell_count: u32,
+    /// World units in the scene length: the diagonal of the grid.
+    pub(crate) length: f64,
+    /// Middle of the grid's box.
+    pub(crate) centre: DVec3,
+    stored: Mutex<HashMap<Quantity, Arc<Stored>>>,
+    pub(crate) buffers: Mutex<FrameBuffers>,
+}
+
+impl DeviceGrid {
+    /// Uploads points and tetrahedra. Errors: what does not fit.
+    pub fn new(device: Arc<Device>, volume: &Volume) -> Result<DeviceGrid> {
+        let grid = &volume.grid;
+        let (low, high) = grid
+            .points
+            .par_iter()
+            .with_min_len(1 << 14)
+            .map(|&p| (p, p))
+            .reduce(|| (DVec3::INFINITY, DVec3::NEG_INFINITY), |a, b| (a.0.min(b.0), a.1.max(b.1)));
+        let sides = (high - low).max(DVec3::ZERO);
+        let largest = sides.max_element();
+        let length = if largest > 0.0 { (sides / largest).length() * largest } else { 1.0 };
+        if !length.is_finite() {
+            return Err(
+                Error::run("the grid's extent is beyond 64-bit floats").accepted("coordinates under 1e300")
+            );
+        }
+        let centre = if grid.points.is_empty() { DVec3::ZERO } else { low + 0.5 * (high - low) };
+        let position = |p: &DVec3| {
+            let parts = ((*p - centre) / length).to_array().map(split);
+            [parts[0][0], parts[1][0], parts[2][0], parts[0][1], parts[1][1], parts[2][1]]
+        };
+        let too_many = |what: &str, count: usize| {
+            Error::run(format!("too many {what} for a device")).found(count).accepted("4 thousand million")
+        };
+        Ok(DeviceGrid {
+            positions: device.upload("the grid's points", &grid.points, position)?,
+            tetrahedra: device.upload("the grid's cells", &grid.tetrahedra, |cell| *cell)?,
+            point_count: grid.points.len().try_into().map_err(|_| too_many("points", grid.points.len()))?,
+            cell_count: (grid.tetrahedra.len().try_into())
+                .map_err(|_| too_many("cells", grid.tetrahedra.len()))?,
+            length,
+            centre,
+            device,
+            stored: Mutex::default(),
+            buffers: Mutex::default(),
+        })
+    }
+
+    /// The quantity, uploaded if it is not there. `volume` is the one that the grid was made from.
+    pub(crate) fn stored(&self, volume: &Volume, quantity: Quantity) -> Result<Arc<Stored>> {
+        let known = self.stored.lock().unwrap_or_else(PoisonError::into_inner).get(&quantity).cloned();
+        if let Some(stored) = known {
+            return Ok(stored);
+        }
+        let stored = Arc::new(match &quantity {
+            Quantity::Scalar => self.store(volume, &volume.scalar, 1, 0)?,
+            Quantity::GradientMagnitude => match &volume.gradient_magnitude {
+                Some(g) => self.store(volume, g, 1, 0)?,
+                None => {
+                    return Err(Error::usage(
+                        "the transfer function looks at the gradient magnitude, and the volume has none",
+                    )
+                    .accepted("a gradient-magnitude node before this one"));
+                }
+            },
+            Quantity::Field(name) => {
+                let arrays = &volume.grid.point_arrays;
+                let array = arrays.get(name).filter(|array| array.component_count == 1);
+                let Some(array) = array else {
+                    return Err(Error::usage(
+                        "the transfer function looks at a field that the volume does not have",
+                    )
+                    .found(name)
+                    .accepted("a point array of one component that the reader was asked for"));
+                };
+                self.store(volume, &array.values, 1, 0)?
+            }
+            Quantity::Gradient(component) => match &volume.gradient {
+                Some(gradient) if gradient.len() == volume.grid.points.len() => {
+                    self.store(volume, bytemuck::cast_slice(gradient), 3, *component)?
+                }
+                _ => {
+                    return Err(Error::usage("light and silhouettes need a gradient at every point")
+                        .accepted("a gradient-magnitude node before this one"));
+                }
+            },
+        });
+        let mut all = self.stored.lock().unwrap_or_else(PoisonError::into_inner);
+        Ok(all.entry(quantity).or_insert(stored).clone())
+    }
+
+    /// Every `stride`th value from `first` on. Vectors keep their direction: no offset, and one scale for all components.
+    fn store(&self, volume: &Volume, values: &[f64], stride: usize, first: usize) -> Result<Stored> {
+        let [low, high] = range(values);
+        let (middle, span) = match stride {
+            1 => (low + 0.5 * (high - low), high - low),
+            _ => (0.0, low.abs().max(high.abs())),
+        };
+        let span = if span > 0.0 && span.is_finite() { span } else { 1.0 };
+        let tuples: Vec<&[f64]> = values.chunks_exact(stride).collect();
+        let parts = |tuple: &&[f64]| split((tuple[first] - middle) / span);
+        let widest = |cell: &[u32; 4]| {
+            let [low, high] = range(&cell.map(|p| tuples[p as usize][first]));
+            high - low
+        };
+        let cells = volume.grid.tetrahedra.par_iter().with_min_len(1 << 14);
+        let cell_span = cells.map(widest).reduce(|| 0.0, f64::max) / span;
+        let buffer = self.device.upload("the grid's values", &tuples, parts)?;
+        Ok(Stored { buffer, middle, span, cell_span })
+    }
+}
+
+/// Smallest and largest finite value; [0, 0] for none.
+fn range(values: &[f64]) -> [f64; 2] {
+    let none = || [f64::INFINITY, f64::NEG_INFINITY];
+    let join = |a: [f64; 2], b: [f64; 2]| [a[0].min(b[0]), a[1].max(b[1])];
+    let fold =
+        |chunk: &[f64]| chunk.iter().filter(|x| x.is_finite()).fold(none(), |all, &x| join(all, [x, x]));
+    let [low, high] = match values.len() {
+        0..=64 => fold(values),
+        _ => values.par_chunks(1 << 14).map(fold).reduce(none, join),
+    };
+    if low <= high { [low, high] } else { [0.0; 2] }
+}

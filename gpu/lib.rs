@@ -1,0 +1,24 @@
+//! voltet-gpu: the device engine. Cull, project, sort and composite as passes on a graphics device, through wgpu.
+//!
+//! The grid is uploaded once ([`DeviceGrid`]); a frame changes uniforms and reads back the picture and a few counts.
+//! The shaders come from `voltet-shaders`; this crate knows devices, buffers and the order of the passes.
+
+mod adapter;
+mod axes;
+mod buffers;
+mod device;
+mod draw;
+mod frame;
+mod grid;
+mod limits;
+mod passes;
+mod pipelines;
+mod support;
+mod timing;
+mod view;
+
+pub use adapter::{Adapters, KINDS};
+pub use device::Device;
+pub use draw::{Counts, Drawn, draw};
+pub use grid::DeviceGrid;
+pub use limits::can_serve;

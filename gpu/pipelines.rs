@@ -1,0 +1,117 @@
+//! Pipelines: compiled once for each text, entry point and set of constants, and kept by the device.
+
+use crate::device::Device;
+use std::sync::{Arc, PoisonError};
+use voltet_core::Result;
+use voltet_shaders::Shader;
+use wgpu::{BufferBindingType, ShaderStages};
+
+/// What a binding is, in the order of the bindings of a group.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(crate) enum Bound {
+    Uniform,
+    Read,
+    Write,
+}
+
+/// What a pipeline was compiled from.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub(crate) struct Key {
+    text: String,
+    entry_point: &'static str,
+    constants: Vec<(&'static str, u64)>,
+}
+
+/// A pass to compile: groups 0 and 1.
+pub(crate) struct Program<'a> {
+    pub shader: &'a Shader,
+    pub entry_point: &'static str,
+    pub constants: Vec<(&'static str, f64)>,
+    pub groups: [&'a [Bound]; 2],
+}
+
+impl Device {
+    /// The pipeline, compiled if it is not there. A compiler's complaint comes at the piece's own file and line.
+    pub(crate) fn pipeline(&self, program: &Program) -> Result<Arc<wgpu::ComputePipeline>> {
+        let key = Key {
+            text: program.shader.text.clone(),
+            entry_point: program.entry_point,
+            constants: program.constants.iter().map(|(name, x)| (*name, x.to_bits())).collect(),
+        };
+        let known = self.pipelines.lock().unwrap_or_else(PoisonError::into_inner).get(&key).cloned();
+        if let Some(pipeline) = known {
+            return Ok(pipeline);
+        }
+        let compiled = Arc::new(self.compile(program)?);
+        let mut pipelines = self.pipelines.lock().unwrap_or_else(PoisonError::into_inner);
+        Ok(pipelines.entry(key).or_insert(compiled).clone())
+    }
+
+    fn compile(&self, program: &Program) -> Result<wgpu::ComputePipeline> {
+        let Program { shader, entry_point, constants, groups } = program;
+        let text = wgpu::ShaderSource::Wgsl(shader.text.as_str().into());
+        let descriptor = wgpu::ShaderModuleDescriptor { label: Some(entry_point), source: text };
+        let made = self.guarded(entry_point, || self.device.create_shader_module(descriptor));
+        let module = made.map_err(|error| self.at_its_line(shader, error))?;
+        let layouts = groups.map(|group| (!group.is_empty()).then(|| self.layout(group)));
+        self.guarded(entry_point, || {
+            let layout = self.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+                label: Some(entry_point),
+                bind_group_layouts: &layouts.each_ref().map(Option::as_ref),
+                immediate_size: 0,
+            });
+            self.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+                label: Some(entry_point),
+                layout: Some(&layout),
+                module: &module,
+                entry_point: Some(entry_point),
+                compilation_options: wgpu::PipelineCompilationOptions { constants, ..Default::default() },
+                cache: None,
+            })
+        })
+    }
+
+    /// The text is validated without a device by the tests of `voltet-shaders`; what is left is a driver's complaint.
+    fn at_its_line(&self, shader: &Shader, error: voltet_core::Error) -> voltet_core::Error {
+        shader.error(1, &error.to_string())
+    }
+
+    fn layout(&self, group: &[Bound]) -> wgpu::BindGroupLayout {
+        let entry = |(binding, bound): (usize, &Bound)| wgpu::BindGroupLayoutEntry {
+            binding: binding as u32,
+            visibility: ShaderStages::COMPUTE,
+            ty: wgpu::BindingType::Buffer {
+                ty: match bound {
+                    Bound::Uniform => BufferBindingType::Uniform,
+                    Bound::Read => BufferBindingType::Storage { read_only: true },
+                    Bound::Write => BufferBindingType::Storage { read_only: false },
+                },
+                has_dynamic_offset: false,
+                min_binding_size: None,
+            },
+            count: None,
+        };
+        let entries: Vec<_> = group.iter().enumerate().map(entry).collect();
+        let descriptor = wgpu::BindGroupLayoutDescriptor { label: None, entries: &entries };
+        self.device.create_bind_group_layout(&descriptor)
+    }
+
+    /// Buffers bound to group `number` of a pipeline, in the order of its bindings.
+    pub(crate) fn bind(
+        &self,
+        pipeline: &wgpu::ComputePipeline,
+        number: u32,
+        buffers: &[&wgpu::Buffer],
+    ) -> wgpu::BindGroup {
+        let mut entries = Vec::with_capacity(buffers.len());
+        for (binding, buffer) in buffers.iter().enumerate() {
+            let resource = buffer.as_entire_binding();
+            entries.push(wgpu::BindGroupEntry { binding: binding as u32, resource });
+        }
+        self.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: None,
+            layout: &pipeline.get_bind_group_layout(number),
+            entries: &entries,
+        })
+    }
+}

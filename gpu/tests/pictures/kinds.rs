@@ -1,0 +1,138 @@
+//! Every kind of widget, alone and together, with regions, under both models, lit and not.
+
+use crate::compare;
+use crate::compare::{SHADING, Scene, ordinary, ordinary_shaded, referee, within};
+use crate::grids::{cube, smooth, smooth_g, smooth_gradient};
+use crate::looks::*;
+use glam::DVec3;
+use std::sync::Arc;
+use voltet_core::grid::Array;
+use voltet_core::optics::Overlap;
+use voltet_core::shading::{Light, Order, Shading};
+use voltet_core::transfer::{OpticalModel, Profile, Region, TransferFunction, Wave, Widget};
+use voltet_core::volume::Volume;
+
+/// The smooth field with its gradient, and two further fields.
+fn volume() -> Arc<Volume> {
+    let mut grid = cube([4, 4, 4], 0.2);
+    let points = grid.points.clone();
+    let field = |value: &dyn Fn(DVec3) -> f64| {
+        Arc::new(Array { component_count: 1, values: points.iter().map(|&p| value(p)).collect() })
+    };
+    grid.point_arrays.insert("a".into(), field(&|p| (3.0 * p.x).sin()));
+    grid.point_arrays.insert("b".into(), field(&|p| 400.0 + 50.0 * p.y * p.z));
+    let gradient = points.iter().map(|&p| smooth_gradient(p)).collect();
+    Arc::new(Volume { gradient: Some(Arc::new(gradient)), ..(*smooth(grid)).clone() })
+}
+
+fn wave(period: f64, band_width: f64) -> Wave {
+    Wave { origin: [0.1, 0.0], angle: 0.3, scale: [1.0, 0.2], period, band_width }
+}
+
+fn widgets() -> Vec<(&'static str, Widget)> {
+    let of = |profile| Widget { profile, color: [0.9, 0.6, 0.2], extinction: 3.0, region: None };
+    let cut = |widget: Widget| Widget {
+        region: Some(Region { corners: vec![[0.2, 0.1], [0.9, 0.3], [0.5, 2.0]] }),
+        ..widget
+    };
+    let nd = Profile::GaussianNd {
+        fields: vec!["b".into(), "a".into()],
+        centre: vec![415.0, 0.6],
+        matrix: vec![vec![0.05, 0.0], vec![0.01, 2.0]],
+    };
+    let ramp = ramp().widgets.remove(0);
+    vec![
+        ("uniform", polygon(&[[0.2, 0.0], [0.8, 0.1], [0.7, 1.0], [0.3, 1.3]], 1.5, [0.3, 0.9, 0.4])),
+        ("line", gaussian([0.6, 0.8], [0.1, f64::INFINITY], 4.0, [1.0, 0.5, 0.15])),
+        ("plane", gaussian([0.6, 0.8], [0.1, 0.5], 4.0, [0.2, 0.5, 1.1])),
+        ("nd", of(nd)),
+        ("triangular", of(Profile::TriangularGaussian { centre: 0.5, sigma: 0.1 })),
+        ("triangle", of(Profile::TriangleWave(wave(0.21, 0.4)))),
+        ("sine", of(Profile::SineWave(wave(0.13, 1.0)))),
+        ("ramp", ramp.clone()),
+        ("cut line", cut(gaussian([0.6, 0.8], [0.1, f64::INFINITY], 4.0, [1.0, 0.5, 0.15]))),
+        ("cut sine", cut(of(Profile::SineWave(wave(0.13, 0.7))))),
+        ("cut ramp", cut(ramp)),
+    ]
+}
+
+const CONSTANT: OpticalModel = OpticalModel::ConstantEmitter { cutoff: 1.0 / 255.0 };
+
+fn scene(name: String, look: TransferFunction) -> Scene {
+    Scene { name, volume: volume(), look, camera: outside([40, 40]) }
+}
+
+#[test]
+fn each_alone_under_both_models() {
+    for (name, widget) in widgets() {
+        let density = look(vec![widget]);
+        ordinary(&scene(name.into(), density.clone()));
+        ordinary(&scene(format!("glowing {name}"), TransferFunction { model: CONSTANT, ..density }));
+    }
+}
+
+#[test]
+fn all_at_once() {
+    let all: Vec<Widget> =
+        widgets().into_iter().map(|(_, widget)| widget.with_extinction_times(0.2)).collect();
+    ordinary(&scene("all".into(), look(all.clone())));
+    let mix = Shading { overlap: Overlap::Mix, ..SHADING };
+    // The mix leaves out the order of widgets within a segment, and the referee does not: 1e-2 here.
+    let scene = scene("all mixed".into(), look(all));
+    let Some(drawn) = compare::draw(&scene, &mix, Order::Exact) else { return };
+    within("all mixed", &drawn.picture, &referee(&scene, &SHADING), 2e-2);
+}
+
+#[test]
+fn overlaps_that_glow() {
+    let look = TransferFunction { model: CONSTANT, ..overlapping() };
+    ordinary(&scene("glowing overlap".into(), look));
+}
+
+const LIGHT: Light = Light { direction: DVec3::new(0.4, -0.7, 3.5), ambient: 0.3, diffuse: 0.8 };
+
+#[test]
+fn light_and_silhouettes() {
+    let even = Light { diffuse: 0.0, ..LIGHT };
+    let shadings = [
+        ("light", Shading { light: Some(LIGHT), ..SHADING }),
+        ("silhouette 1", Shading { silhouette: Some(1.0), ..SHADING }),
+        ("silhouette 0.5", Shading { silhouette: Some(0.5), light: Some(even), ..SHADING }),
+        ("silhouette 3.7 and light", Shading { silhouette: Some(3.7), light: Some(LIGHT), ..SHADING }),
+        ("silhouette 0", Shading { silhouette: Some(0.0), ..SHADING }),
+    ];
+    let cameras = [
+        ("outside", outside([40, 32])),
+        ("ortho", orthographic([3.0, -2.0, 2.5], [0.5, 0.5, 0.5], 1.9, [32, 32])),
+        ("inside", perspective([0.43, 0.37, 0.52], [0.9, 0.8, 0.45], 90.0, [32, 32])),
+    ];
+    for (kind, shading) in shadings {
+        for (view, camera) in cameras {
+            for (name, look) in [("overlap", overlapping()), ("one colour", one_gaussian())] {
+                let scene = Scene { camera, ..scene(format!("{kind} {view} {name}"), look) };
+                ordinary_shaded(&scene, &shading);
+            }
+        }
+    }
+}
+
+/// Values near 1e8 that vary by 1e-2: their 64-bit digits are enough, 32-bit ones are not.
+#[test]
+fn large_values_that_hardly_vary() {
+    let (base, span) = (1e8, 1e-2);
+    let volume = crate::grids::volume(
+        cube([5, 5, 5], 0.2),
+        |p| base + span * crate::grids::smooth_s(p),
+        |p| span * smooth_g(p),
+    );
+    let centre = [base + 0.6 * span, 0.8 * span];
+    let widgets = [
+        ("gaussian", gaussian(centre, [0.1 * span, 0.5 * span], 4.0, [1.0, 0.5, 0.2])),
+        ("ramp", points(&[[base, 0.1, 0.2, 0.9, 0.0], [base + 0.5 * span, 0.9, 0.7, 0.1, 2.0]])),
+    ];
+    for (name, widget) in widgets {
+        let (volume, look) = (volume.clone(), look(vec![widget]));
+        let name = format!("offset values {name}");
+        ordinary(&Scene { name, volume, look, camera: outside([40, 40]) });
+    }
+}

@@ -1,0 +1,81 @@
+//! What the device refuses, orders that are not exact, and frames after the first.
+
+use crate::compare::{SHADING, Scene, device, draw, try_draw, within};
+use crate::grids::{cube, smooth};
+use crate::looks::*;
+use voltet_core::progress::Silent;
+use voltet_core::shading::{Integrator, Order, Shading};
+use voltet_core::transfer::{OpticalModel, TransferFunction};
+use voltet_gpu::{Device, DeviceGrid};
+
+fn scene(look: TransferFunction) -> Scene {
+    Scene { name: "limits".into(), volume: smooth(cube([6, 6, 6], 0.3)), look, camera: outside([32, 32]) }
+}
+
+fn refused(scene: &Scene, shading: &Shading, words: &[&str]) {
+    let Some(outcome) = try_draw(scene, shading, Order::Exact) else { return };
+    let error = outcome.expect_err("refused").to_string();
+    for word in words {
+        assert!(error.contains(word), "'{word}' is not in: {error}");
+    }
+}
+
+#[test]
+fn what_32_bits_cannot_hold_is_refused() {
+    let narrow = look(vec![gaussian([0.6, 0.8], [1e-7, 2.0], 1e8, [1.0, 0.5, 0.15])]);
+    refused(&scene(narrow), &SHADING, &["too narrow", "widgets[0]", "cpu"]);
+    let mut far = scene(one_gaussian());
+    far.camera = perspective([-900.0, -1100.0, 1400.0], [0.5, 0.5, 0.5], 1e-6, [32, 32]);
+    refused(&far, &SHADING, &["view is too narrow", "cpu"]);
+    let shading = Shading { integrator: Integrator::Reference, ..SHADING };
+    refused(&scene(one_gaussian()), &shading, &["reference"]);
+    let mut without = scene(one_gaussian());
+    let mut volume = (*without.volume).clone();
+    volume.gradient_magnitude = None;
+    without.volume = std::sync::Arc::new(volume);
+    refused(&without, &SHADING, &["gradient magnitude"]);
+}
+
+#[test]
+fn an_adapter_that_is_not_there_is_named_with_those_that_are() {
+    let error =
+        Device::open(Some("no such thing"), false).map(|device| device.name.clone()).expect_err("none");
+    assert!(error.to_string().contains("no such thing"), "{error}");
+}
+
+/// The exact order leaves no pixel disordered; centroids are wrong somewhere in a jittered grid, grid order in more
+/// places; and where the colour is one, no order is wrong.
+#[test]
+fn disordered_pixels_are_counted() {
+    let disordered = |order, look| draw(&scene(look), &SHADING, order).map(|d| d.counts.pixels_disordered);
+    let Some(exact) = disordered(Order::Exact, overlapping()) else { return };
+    let centroid = disordered(Order::Centroid, overlapping()).unwrap_or(0);
+    let none = disordered(Order::None, overlapping()).unwrap_or(0);
+    assert_eq!(exact, 0);
+    assert!(0 < centroid && centroid < none, "centroid {centroid}, none {none}");
+    assert_eq!(disordered(Order::None, one_gaussian()), Some(0));
+}
+
+/// A grid that stays on the device draws the same again, and another look as if it had been uploaded for it.
+#[test]
+fn frames_after_the_first() {
+    let Some(device) = device() else { return };
+    let scene = scene(overlapping());
+    let grid = DeviceGrid::new(device, &scene.volume).expect("fits");
+    let picture = |look: &TransferFunction| {
+        let drawn =
+            voltet_gpu::draw(&grid, &scene.volume, look, &scene.camera, &SHADING, Order::Exact, &Silent);
+        drawn.expect("draws").picture
+    };
+    let before = picture(&scene.look);
+    for look in [
+        one_gaussian(),
+        ramp(),
+        TransferFunction { model: OpticalModel::ConstantEmitter { cutoff: 0.1 }, ..ramp() },
+    ] {
+        let fresh = draw(&Scene { look: look.clone(), ..scene.clone() }, &SHADING, Order::Exact);
+        // Sums of one colour are free of order, and so of rounding's: lists are filled in any order.
+        within("another look", &picture(&look), &fresh.expect("draws").picture, 1e-6);
+    }
+    assert_eq!(picture(&scene.look).rgba, before.rgba);
+}

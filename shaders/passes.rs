@@ -1,0 +1,127 @@
+//! The passes over points, cells and lists that stand before the tiles: their texts and their uniforms.
+
+use crate::compose::{Shader, compose_pieces};
+use bytemuck::{Pod, Zeroable};
+
+/// A pass that is the same for every scene.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum FramePass {
+    /// `see_points`: positions as the view sees them, and the scalar.
+    Points,
+    /// `place_attribute`: one further value of the points.
+    Attribute,
+    /// `bound_cells`: which cells can contribute, the pixels they may cover, lengths of the tiles' lists.
+    Cells,
+    /// `start_lists`: where each tile's list begins.
+    Starts,
+    /// `fill_lists`: the cells' numbers into the lists.
+    Lists,
+    /// `sort_lists`: each list by its key.
+    Sort,
+}
+
+impl FramePass {
+    /// Every pass, in the order in which a frame runs them.
+    pub const ALL: [FramePass; 6] = [
+        FramePass::Points,
+        FramePass::Attribute,
+        FramePass::Cells,
+        FramePass::Starts,
+        FramePass::Lists,
+        FramePass::Sort,
+    ];
+
+    /// The text.
+    pub fn shader(self) -> Shader {
+        let piece = match self {
+            FramePass::Points => "passes/points",
+            FramePass::Attribute => "passes/attribute",
+            FramePass::Cells => "passes/cells",
+            FramePass::Starts => "passes/starts",
+            FramePass::Lists => "passes/lists",
+            FramePass::Sort => "passes/sort",
+        };
+        compose_pieces("", &[piece])
+    }
+
+    /// The function that the pass runs.
+    pub fn entry_point(self) -> &'static str {
+        match self {
+            FramePass::Points => "see_points",
+            FramePass::Attribute => "place_attribute",
+            FramePass::Cells => "bound_cells",
+            FramePass::Starts => "start_lists",
+            FramePass::Lists => "fill_lists",
+            FramePass::Sort => "sort_lists",
+        }
+    }
+}
+
+/// `View` of `passes/view.wgsl`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct ViewRecord {
+    /// Camera axis to the right, world axes, unit length.
+    pub right: [f32; 3],
+    /// Depth of the base from the eye, scene lengths.
+    pub distance: f32,
+    /// Camera axis downwards.
+    pub down: [f32; 3],
+    /// Slope of a ray one pixel off the axis (perspective), or a pixel's side in scene lengths.
+    pub pixel: f32,
+    /// View direction.
+    pub forward: [f32; 3],
+    /// Depth from the base in front of which nothing is seen.
+    pub near: f32,
+    /// The base from the middle of the grid, scene lengths: high part.
+    pub base_high: [f32; 3],
+    /// 1, or 0 for parallel rays.
+    pub perspective: f32,
+    /// Low part.
+    pub base_low: [f32; 3],
+    /// What a sample counts in its pixel.
+    pub weight: f32,
+    /// Pixel coordinates of the view axis.
+    pub axis: [f32; 2],
+    /// The picture, in pixels.
+    pub size: [u32; 2],
+    /// The window that is drawn, in tiles: first column and row, columns and rows.
+    pub window: [u32; 4],
+    /// Points of the grid.
+    pub point_count: u32,
+    /// Tetrahedra.
+    pub cell_count: u32,
+    /// Entries that the lists have room for.
+    pub capacity: u32,
+    /// What lists are sorted by: 0 nearest depth, 1 distance of the centroid, 2 number of the cell.
+    pub sort_key: u32,
+    /// Where the stored scalar is counted from: high and low part.
+    pub scalar_offset: [f32; 2],
+    /// Widgets of the scene.
+    pub widget_count: u32,
+    /// 1 for the first sample of a pixel.
+    pub is_first: u32,
+    /// Work that a tile does before it stops, for the next dispatch to go on.
+    pub budget: u32,
+    /// 1 where a dispatch goes on.
+    pub goes_on: u32,
+    /// Fills up to the alignment.
+    pub padding: [u32; 2],
+}
+
+impl ViewRecord {
+    /// Side of a tile in pixels: `TILE` of `passes/view.wgsl`.
+    pub const TILE: u32 = 8;
+}
+
+/// `Placement` of `passes/attribute.wgsl`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct PlacementRecord {
+    /// Where the value is counted from: high and low part.
+    pub offset: [f32; 2],
+    /// Its place among the attributes of a point.
+    pub slot: u32,
+    /// Attributes of a point.
+    pub stride: u32,
+}

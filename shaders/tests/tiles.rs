@@ -1,0 +1,147 @@
+//! The passes of a frame and the tiles' compositors: parsed and validated without a device; layouts of their uniforms.
+
+use naga::valid::{Capabilities, ValidationFlags, Validator};
+use std::collections::HashSet;
+use voltet_core::optics::Overlap;
+use voltet_core::optics::integrators::can_serve;
+use voltet_core::shading::{Integrator, Light, Shading};
+use voltet_core::transfer::{ControlPoint, OpticalModel, Profile, Region, TransferFunction, Wave, Widget};
+use voltet_shaders::{
+    Choices, Compositor, FramePass, PIECES, PlacementRecord, Shader, TileOrder, ViewRecord, compose,
+};
+
+const SHADING: Shading =
+    Shading { integrator: Integrator::Analytic, overlap: Overlap::Exact, silhouette: None, light: None };
+
+const ORDERS: [TileOrder; 3] = [TileOrder::Exact, TileOrder::Listed, TileOrder::Sum];
+
+fn validate(shader: &Shader) -> naga::Module {
+    let module = naga::front::wgsl::parse_str(&shader.text).unwrap_or_else(|error| {
+        let line = error.location(&shader.text).map_or(1, |location| location.line_number as usize);
+        let text = shader.text.lines().nth(line - 1).unwrap_or("");
+        panic!("{}: {text}", shader.error(line, error.message()))
+    });
+    if let Err(error) = Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&module) {
+        let line = error.location(&shader.text).map_or(1, |location| location.line_number as usize);
+        panic!("{}", shader.error(line, &format!("{:?}", error.into_inner())));
+    }
+    module
+}
+
+/// One scene a kind, each with a region and without, and one of two widgets, under both models.
+fn scenes() -> Vec<TransferFunction> {
+    let point = |s, extinction| ControlPoint { s, color: [s, 0.5, 0.1], extinction };
+    let wave = Wave { origin: [0.1, 0.2], angle: 0.4, scale: [1.0; 2], period: 0.1, band_width: 0.5 };
+    let (fields, centre) = (vec!["a".into()], vec![0.1]);
+    let profiles = [
+        Profile::Gaussian { centre: [0.5, 0.0], matrix: [[4.0, 0.0], [0.0, 0.0]] },
+        Profile::Gaussian { centre: [0.5, 0.5], matrix: [[4.0, 1.0], [0.0, 2.0]] },
+        Profile::GaussianNd { fields, centre, matrix: vec![vec![1.0]] },
+        Profile::TriangularGaussian { centre: 0.5, sigma: 0.3 },
+        Profile::TriangleWave(wave),
+        Profile::SineWave(wave),
+        Profile::PiecewiseLinear { points: vec![point(0.0, 0.0), point(1.0, 2.0)] },
+    ];
+    let triangle = Region { corners: vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]] };
+    let mut lists = vec![vec![]];
+    for profile in profiles {
+        for region in [None, Some(triangle.clone())] {
+            let widget = Widget { profile: profile.clone(), color: [0.1, 0.5, 1.0], extinction: 1.0, region };
+            let uniform =
+                Widget { profile: Profile::Uniform, region: Some(triangle.clone()), ..widget.clone() };
+            lists.extend([vec![widget.clone()], vec![widget, uniform]]);
+        }
+    }
+    let models = [OpticalModel::DensityEmitter, OpticalModel::ConstantEmitter { cutoff: 0.01 }];
+    let of =
+        |model| lists.iter().map(move |w| TransferFunction { model, unit_distance: 1.0, widgets: w.clone() });
+    models.into_iter().flat_map(of).collect()
+}
+
+fn shadings() -> Vec<Shading> {
+    let light = Light { direction: glam::DVec3::new(1.0, 2.0, 3.0), ambient: 0.2, diffuse: 0.8 };
+    let mut shadings = vec![SHADING];
+    shadings.push(Shading { light: Some(light), ..SHADING });
+    shadings.push(Shading { silhouette: Some(2.0), light: Some(light), ..SHADING });
+    let others =
+        Integrator::EVERY.iter().filter(|i| !matches!(i, Integrator::Analytic | Integrator::Reference));
+    shadings.extend(others.map(|integrator| Shading { integrator: *integrator, ..SHADING }));
+    shadings
+}
+
+/// Tiles share all text of a segment with the list of segments, which `combinations` tries in every combination.
+#[test]
+fn tiles_are_valid_for_every_kind_light_and_integrator() {
+    let mut texts = HashSet::new();
+    for transfer_function in scenes() {
+        for shading in shadings() {
+            if can_serve(&shading.integrator, &transfer_function).is_err() {
+                continue;
+            }
+            for order in ORDERS {
+                let choices = Choices::new(&transfer_function, &shading, Compositor::Tiles(order));
+                let shader = compose(&choices.expect("has pieces"));
+                if !texts.insert(shader.text.clone()) {
+                    continue;
+                }
+                let module = validate(&shader);
+                assert_eq!(module.entry_points.len(), 1);
+                let lit = shading.light.is_some() || shading.silhouette.is_some();
+                assert_eq!(shader.text.contains("let gradient ="), lit);
+                assert_eq!(shader.text.contains("pending"), order == TileOrder::Exact);
+            }
+        }
+    }
+    println!("{} texts", texts.len());
+}
+
+#[test]
+fn passes_are_valid_and_have_their_entry_points() {
+    for pass in FramePass::ALL {
+        let module = validate(&pass.shader());
+        let names: Vec<&str> = module.entry_points.iter().map(|entry| entry.name.as_str()).collect();
+        assert_eq!(names, [pass.entry_point()]);
+    }
+}
+
+#[test]
+fn every_pass_and_compositor_is_used() {
+    let mut used: HashSet<&str> =
+        FramePass::ALL.iter().flat_map(|p| p.shader().files().collect::<Vec<_>>()).collect();
+    for order in ORDERS {
+        let choices = Choices::new(&scenes()[0], &SHADING, Compositor::Tiles(order));
+        used.extend(compose(&choices.expect("has pieces")).files());
+    }
+    for piece in
+        PIECES.iter().filter(|p| p.name.starts_with("passes/") || p.name.starts_with("compositor/tiles"))
+    {
+        assert!(used.contains(piece.file), "{}", piece.name);
+    }
+}
+
+/// Offsets of a struct's members.
+fn layout(shader: &Shader, name: &str) -> (Vec<(String, u32)>, u32) {
+    let module = validate(shader);
+    let found =
+        module.types.iter().find(|(_, t)| t.name.as_deref() == Some(name)).expect("the struct exists");
+    let naga::TypeInner::Struct { members, span } = &found.1.inner else { panic!("{name} is no struct") };
+    (members.iter().map(|m| (m.name.clone().unwrap_or_default(), m.offset)).collect(), *span)
+}
+
+macro_rules! offsets {
+    ($type:ty: $($field:ident),* $(,)?) => {
+        vec![$((stringify!($field).to_owned(), std::mem::offset_of!($type, $field) as u32)),*]
+    };
+}
+
+#[test]
+fn structs_are_laid_out_as_in_the_shader() {
+    let view = offsets!(ViewRecord:
+        right, distance, down, pixel, forward, near, base_high, perspective, base_low, weight, axis, size, window,
+        point_count, cell_count, capacity, sort_key, scalar_offset, widget_count, is_first, budget, goes_on, padding);
+    let shader = FramePass::Attribute.shader();
+    assert_eq!(layout(&shader, "View"), (view, size_of::<ViewRecord>() as u32));
+    let placement = offsets!(PlacementRecord: offset, slot, stride);
+    assert_eq!(layout(&shader, "Placement"), (placement, size_of::<PlacementRecord>() as u32));
+    assert!(shader.text.contains(&format!("const TILE = {}u;", ViewRecord::TILE)));
+}

@@ -1,0 +1,182 @@
+// Uses: compositing, passes/faces. Fills: nothing. Asks for: segment, view, finish.
+// Tiles: what every order of compositing shares. One workgroup a tile, one invocation a pixel; the tile's list is taken
+// a chunk at a time, and a segment's values are found from its cell when it is its turn.
+
+@group(1) @binding(1) var<storage, read> tetrahedra: array<vec4u>;
+// Position about the view's base, and the stored scalar.
+@group(1) @binding(2) var<storage, read> seen: array<vec4f>;
+@group(1) @binding(3) var<storage, read> attributes: array<f32>;
+@group(1) @binding(4) var<storage, read> bounds: array<vec2u>;
+@group(1) @binding(5) var<storage, read> starts: array<u32>;
+@group(1) @binding(6) var<storage, read> entries: array<vec2u>;
+@group(1) @binding(7) var<storage, read_write> picture: array<vec4f>;
+@group(1) @binding(8) var<storage, read_write> counts: array<atomic<u32>>;
+// Where a pixel stopped, two a pixel, as bits: colour and opacity; transparency, and three numbers of the order's own.
+@group(1) @binding(9) var<storage, read_write> states: array<vec4u>;
+
+// Cells of a chunk: corner 0 and nearest depth, corner 1 and farthest depth, inward normals.
+const CHUNK = 64u;
+var<workgroup> chunk_planes: array<array<vec4f, 6>, CHUNK>;
+var<workgroup> chunk_bounds: array<vec2u, CHUNK>;
+var<workgroup> vote: atomic<u32>;
+var<workgroup> verdict: u32;
+
+// Share of what lies behind that is given up.
+const OPAQUE = 1e-6;
+
+fn corners_of(cell: u32) -> array<vec3f, 4> {
+    let points = tetrahedra[cell];
+    return array(seen[points.x].xyz, seen[points.y].xyz, seen[points.z].xyz, seen[points.w].xyz);
+}
+
+fn load_chunk(place: u32, cell: u32) {
+    let p = corners_of(cell);
+    let faces = faces_of(p[0], p[1], p[2], p[3]);
+    chunk_planes[place] = array(
+        vec4f(faces.first, faces.depths.x),
+        vec4f(faces.second, faces.depths.y),
+        vec4f(faces.normals[0], 0.0),
+        vec4f(faces.normals[1], 0.0),
+        vec4f(faces.normals[2], 0.0),
+        vec4f(faces.normals[3], 0.0),
+    );
+    chunk_bounds[place] = bounds[cell];
+}
+
+// Entry and exit of the pixel's ray; exit ≤ entry where it misses the cell.
+fn cross_in_chunk(place: u32, pixel: vec2u, ray: Ray) -> vec2f {
+    let box = chunk_bounds[place];
+    let start = vec2u(box.x & 0xffffu, box.x >> 16u);
+    let end = vec2u(box.y & 0xffffu, box.y >> 16u);
+    if any(pixel < start) || any(end <= pixel) {
+        return vec2f(0.0);
+    }
+    let first = chunk_planes[place][0];
+    let second = chunk_planes[place][1];
+    var range = vec2f(max(first.w, view.near), second.w);
+    range = narrowed(range, chunk_planes[place][2].xyz, second.xyz, ray);
+    range = narrowed(range, chunk_planes[place][3].xyz, first.xyz, ray);
+    range = narrowed(range, chunk_planes[place][4].xyz, first.xyz, ray);
+    return narrowed(range, chunk_planes[place][5].xyz, first.xyz, ray);
+}
+
+fn values_at(points: vec4u, weights: vec4f) -> Values {
+    var values = Values();
+    values[0] = dot(weights, vec4f(seen[points.x].w, seen[points.y].w, seen[points.z].w, seen[points.w].w));
+    for (var i = 1u; i < VALUE_COUNT; i++) {
+        values[i] = attribute_at(points, weights, i - 1u);
+    }
+    return values;
+}
+
+fn attribute_at(points: vec4u, weights: vec4f, slot: u32) -> f32 {
+    let at = points * ATTRIBUTE_STRIDE + vec4u(slot);
+    return dot(weights, vec4f(attributes[at.x], attributes[at.y], attributes[at.z], attributes[at.w]));
+}
+
+// What the ray's way through a cell from entry to exit adds.
+fn shade(cell: u32, range: vec2f, ray: Ray) -> Contribution {
+    let points = tetrahedra[cell];
+    let faces = faces_of(seen[points.x].xyz, seen[points.y].xyz, seen[points.z].xyz, seen[points.w].xyz);
+    let front = weights_at(faces, ray, range.x);
+    let back = weights_at(faces, ray, range.y);
+    let length = (range.y - range.x) * ray.stretch;
+    let found = segment(length, values_at(points, front), values_at(points, back));
+    return finish(found, points, 0.5 * (front + back), ray);
+}
+
+// Unit direction of the ray, world axes.
+fn ray_direction(ray: Ray) -> vec3f {
+    return (view.right * ray.slope.x + view.down * ray.slope.y + view.forward) / ray.stretch;
+}
+
+// Whether any pixel of the tile says so. All invocations must ask.
+fn any_pixel(says: bool, lane: u32) -> bool {
+    if lane == 0u {
+        atomicStore(&vote, 0u);
+    }
+    workgroupBarrier();
+    if says {
+        atomicStore(&vote, 1u);
+    }
+    workgroupBarrier();
+    if lane == 0u {
+        verdict = atomicLoad(&vote);
+    }
+    return workgroupUniformLoad(&verdict) != 0u;
+}
+
+// The tile's part of the entries.
+fn list_of(tile: vec2u) -> vec2u {
+    let index = tile.y * view.window.z + tile.x;
+    return min(vec2u(starts[index], starts[index + 1u]), vec2u(view.capacity));
+}
+
+fn is_in_picture(pixel: vec2u) -> bool {
+    return all(pixel < view.size);
+}
+
+// The pixel's place in the window.
+fn place_of(pixel: vec2u) -> u32 {
+    let at = pixel - view.window.xy * TILE;
+    return at.y * view.window.z * TILE + at.x;
+}
+
+// Adds a sample to its pixel.
+fn put(pixel: vec2u, color: vec3f, opacity: f32) {
+    let place = place_of(pixel);
+    let sample = view.weight * vec4f(color, opacity);
+    picture[place] = select(picture[place] + sample, sample, view.is_first == 1u);
+}
+
+// Work of one segment, in cells tested.
+const SEGMENT_WORK = 32u;
+
+// A pixel between two dispatches: what it has seen, what the order keeps, whether it is to go on.
+struct State {
+    sum: Composite,
+    kept: vec2f,
+    number: u32,
+    open: bool,
+}
+
+// CLOSED stands where the number would, in a pixel that is done.
+const CLOSED = 0xffffffffu;
+
+// The state that a dispatch begins with; `fresh` where none came before.
+fn state_of(pixel: vec2u, fresh: State) -> State {
+    if view.goes_on == 0u || !is_in_picture(pixel) {
+        return fresh;
+    }
+    let a = bitcast<vec4f>(states[2u * place_of(pixel)]);
+    let raw = states[2u * place_of(pixel) + 1u];
+    let b = bitcast<vec4f>(raw);
+    return State(Composite(a.rgb, a.a, b.x), b.yz, raw.w, raw.w != CLOSED);
+}
+
+// Ends a dispatch: `open` pixels go on in the next one.
+fn keep_state(pixel: vec2u, state: State) {
+    let at = 2u * place_of(pixel);
+    if !is_in_picture(pixel) || arrayLength(&states) <= at + 1u {
+        return;
+    }
+    states[at] = bitcast<vec4u>(vec4f(state.sum.color, state.sum.opacity));
+    let number = select(CLOSED, state.number, state.open);
+    states[at + 1u] = vec4u(bitcast<vec3u>(vec3f(state.sum.transparency, state.kept)), number);
+}
+
+// Where a tile's list goes on for the orders that take it once: the open pixels' number, the same for all of them.
+fn first_of_tile(state: State, list: vec2u, lane: u32) -> u32 {
+    if lane == 0u {
+        atomicStore(&vote, list.y);
+    }
+    workgroupBarrier();
+    if state.open {
+        atomicMin(&vote, state.number);
+    }
+    workgroupBarrier();
+    if lane == 0u {
+        verdict = atomicLoad(&vote);
+    }
+    return workgroupUniformLoad(&verdict);
+}

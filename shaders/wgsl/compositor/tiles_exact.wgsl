@@ -1,0 +1,199 @@
+// Uses: compositor/tiles. Fills: compositor.
+// Tiles in the exact order: each pixel's segments by entry, then by exit, then by number of the cell.
+//
+// The list is sorted by nearest depth. A pixel holds the nearest PENDING segments that it has met; those that begin
+// before every cell to come are composited. What finds no room is given up for this sweep, and so is all behind it:
+// the list is swept again from there. So memory is bounded, nothing is lost, and a sweep is enough where no depth range
+// of a few cells holds more than PENDING segments of one pixel. A dispatch that has done its budget of work stops in
+// the same way, and the next one sweeps on.
+
+const PENDING = 12u;
+// Cells between two looks at what can be composited.
+const STEP = 8u;
+
+struct Key {
+    entry: f32,
+    exit: f32,
+    cell: u32,
+}
+
+// Farthest first, so that the nearest is taken from the end; invocations side by side.
+var<workgroup> pending_entry: array<f32, PENDING * THREADS>;
+var<workgroup> pending_exit: array<f32, PENDING * THREADS>;
+var<workgroup> pending_cell: array<u32, PENDING * THREADS>;
+
+fn is_nearer(a: Key, b: Key) -> bool {
+    if a.entry != b.entry {
+        return a.entry < b.entry;
+    }
+    if a.exit != b.exit {
+        return a.exit < b.exit;
+    }
+    return a.cell < b.cell;
+}
+
+fn pending_at(place: u32, lane: u32) -> Key {
+    let at = place * THREADS + lane;
+    return Key(pending_entry[at], pending_exit[at], pending_cell[at]);
+}
+
+fn pending_put(place: u32, lane: u32, key: Key) {
+    let at = place * THREADS + lane;
+    pending_entry[at] = key.entry;
+    pending_exit[at] = key.exit;
+    pending_cell[at] = key.cell;
+}
+
+// Least of a depth of each pixel.
+var<workgroup> least_bits: atomic<u32>;
+var<workgroup> least_depth: f32;
+
+fn least_of_pixels(depth: f32, lane: u32) -> f32 {
+    if lane == 0u {
+        atomicStore(&least_bits, 0xffffffffu);
+    }
+    workgroupBarrier();
+    // Bits in the order of their floats.
+    let bits = bitcast<u32>(depth);
+    atomicMin(&least_bits, select(bits | 0x80000000u, ~bits, (bits >> 31u) == 1u));
+    workgroupBarrier();
+    if lane == 0u {
+        let found = atomicLoad(&least_bits);
+        least_depth = bitcast<f32>(select(~found, found & 0x7fffffffu, (found >> 31u) == 1u));
+    }
+    return workgroupUniformLoad(&least_depth);
+}
+
+// Takes a segment among those that wait, and gives the limit: the nearest segment that found no room.
+fn take(key: Key, waiting: ptr<function, u32>, limit: Key, lane: u32) -> Key {
+    var at = *waiting;
+    if at < PENDING {
+        *waiting = at + 1u;
+        while 0u < at && is_nearer(pending_at(at - 1u, lane), key) {
+            pending_put(at, lane, pending_at(at - 1u, lane));
+            at--;
+        }
+        pending_put(at, lane, key);
+        return limit;
+    }
+    let farthest = pending_at(0u, lane);
+    if !is_nearer(key, farthest) {
+        return key;
+    }
+    at = 0u;
+    while at + 1u < PENDING && is_nearer(key, pending_at(at + 1u, lane)) {
+        pending_put(at, lane, pending_at(at + 1u, lane));
+        at++;
+    }
+    pending_put(at, lane, key);
+    return farthest;
+}
+
+@compute @workgroup_size(8, 8)
+fn composite_tiles(
+    @builtin(workgroup_id) tile: vec3u,
+    @builtin(local_invocation_id) within: vec3u,
+    @builtin(local_invocation_index) lane: u32,
+) {
+    let pixel = (view.window.xy + tile.xy) * TILE + within.xy;
+    let list = list_of(tile.xy);
+    let ray = ray_through(pixel);
+    let nowhere = Key(FAR, FAR, CLOSED);
+    let state = state_of(pixel, State(composite_start(), vec2f(-FAR), 0u, is_in_picture(pixel)));
+    var sum = state.sum;
+    // What was composited lies before `low`.
+    var low = Key(state.kept.x, state.kept.y, state.number);
+    let begins_open = state.open;
+    var open = begins_open;
+    var work = 0u;
+    var segment_count = 0u;
+    var stops = false;
+    loop {
+        // What this sweep gave up lies at or behind `limit`.
+        var limit = nowhere;
+        var waiting = 0u;
+        let least_low = least_of_pixels(select(FAR, low.entry, open), lane);
+        for (var first = list.x; first < list.y; first += CHUNK) {
+            let count = min(CHUNK, list.y - first);
+            workgroupBarrier();
+            var reaches = false;
+            if lane < count {
+                load_chunk(lane, entries[first + lane].x);
+                reaches = least_low <= chunk_planes[lane][1].w;
+            }
+            // Cells that end before whatever is still open.
+            work++;
+            if !any_pixel(reaches, lane) {
+                continue;
+            }
+            for (var batch = 0u; open && batch < count; batch += STEP) {
+                let end = min(batch + STEP, count);
+                for (var place = batch; place < end; place++) {
+                    let range = cross_in_chunk(place, pixel, ray);
+                    if range.x < range.y {
+                        let key = Key(range.x, range.y, entries[first + place].x);
+                        if !is_nearer(key, low) && is_nearer(key, limit) {
+                            limit = take(key, &waiting, limit, lane);
+                        }
+                    }
+                }
+                work += STEP;
+                // Nearest depth of what is still to come.
+                var horizon = FAR;
+                if first + end < list.y {
+                    horizon = bitcast<f32>(entries[first + end].y);
+                }
+                while 0u < waiting {
+                    let key = pending_at(waiting - 1u, lane);
+                    if horizon <= key.entry || !is_nearer(key, limit) {
+                        break;
+                    }
+                    waiting--;
+                    let found = shade(key.cell, vec2f(key.entry, key.exit), ray);
+                    sum = composite_add(sum, found.color, found.opacity);
+                    segment_count++;
+                    work += SEGMENT_WORK;
+                    if sum.transparency < OPAQUE {
+                        open = false;
+                        break;
+                    }
+                }
+            }
+            if !any_pixel(open, lane) {
+                break;
+            }
+            if first + CHUNK < list.y && any_pixel(view.budget < work, lane) {
+                // What waits begins behind the horizon, and is found again.
+                let horizon = Key(bitcast<f32>(entries[first + CHUNK].y), -FAR, 0u);
+                if is_nearer(horizon, limit) {
+                    limit = horizon;
+                }
+                stops = true;
+                break;
+            }
+        }
+        open = open && limit.entry < FAR;
+        low = limit;
+        if !any_pixel(open, lane) {
+            stops = false;
+            break;
+        }
+        stops = stops || any_pixel(view.budget < work, lane);
+        if stops {
+            break;
+        }
+        if lane == 0u {
+            atomicAdd(&counts[6], 1u);
+        }
+    }
+    keep_state(pixel, State(sum, vec2f(low.entry, low.exit), low.cell, open));
+    if begins_open && !open {
+        put(pixel, sum.color, composite_opacity(sum));
+    }
+    if begins_open {
+        atomicAdd(&counts[4], segment_count);
+    }
+    if stops && lane == 0u {
+        atomicAdd(&counts[7], 1u);
+    }
+}

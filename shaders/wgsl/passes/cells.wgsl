@@ -1,0 +1,151 @@
+// Uses: passes/view. Fills: nothing.
+// Cells: which can contribute, the pixels that each may cover, and how many each tile will list.
+//
+// A widget's support is held in slabs low ≤ a s + b g ≤ high; a cell is left out if for every widget its corners lie
+// beyond one side of a slab, so no point of their hull is inside.
+
+struct Slab {
+    a: f32,
+    b: f32,
+    low: f32,
+    high: f32,
+}
+
+// Numbers of values behind the scalar at each point, and whether g is the first of them.
+override attribute_stride: u32 = 0u;
+override reads_g: bool = false;
+
+@group(1) @binding(1) var<storage, read> tetrahedra: array<vec4u>;
+@group(1) @binding(2) var<storage, read> seen: array<vec4f>;
+@group(1) @binding(3) var<storage, read> attributes: array<f32>;
+// Where each widget's slabs begin, then where the last one's end; then four numbers a slab.
+@group(1) @binding(4) var<storage, read> support: array<u32>;
+// First column and row, then end column and row, in 16 bits each; zeros for a cell that is left out.
+@group(1) @binding(5) var<storage, read_write> bounds: array<vec2u>;
+@group(1) @binding(6) var<storage, read_write> listed: array<atomic<u32>>;
+@group(1) @binding(7) var<storage, read_write> counts: array<atomic<u32>>;
+
+fn slab(index: u32) -> Slab {
+    let at = view.widget_count + 1u + 4u * index;
+    return Slab(bitcast<f32>(support[at]), bitcast<f32>(support[at + 1u]), bitcast<f32>(support[at + 2u]),
+        bitcast<f32>(support[at + 3u]));
+}
+
+fn least(x: vec4f) -> f32 {
+    return min(min(x.x, x.y), min(x.z, x.w));
+}
+
+fn most(x: vec4f) -> f32 {
+    return max(max(x.x, x.y), max(x.z, x.w));
+}
+
+fn is_touched(s: vec4f, g: vec4f) -> bool {
+    for (var widget = 0u; widget < view.widget_count; widget++) {
+        var touches = true;
+        for (var i = support[widget]; i < support[widget + 1u]; i++) {
+            let slab = slab(i);
+            let values = slab.a * s + slab.b * g;
+            touches = touches && slab.low <= most(values) && least(values) <= slab.high;
+        }
+        if touches {
+            return true;
+        }
+    }
+    return false;
+}
+
+// Pixels that a cell may cover, as least and greatest coordinates.
+struct Box {
+    low: vec2f,
+    high: vec2f,
+}
+
+// A twentieth of a pixel: more than the rounding of coordinates in 15 bits of pixels.
+const SLACK = 0.05;
+// Depth from the eye, of the cell's farthest, in front of which nothing is projected.
+const CUT = 1e-4;
+
+fn box_take(box: Box, p: vec3f) -> Box {
+    let depth = select(1.0, p.z + view.distance, 0.0 < view.perspective);
+    let at = p.xy / (depth * view.pixel) + view.axis;
+    return Box(min(box.low, at), max(box.high, at));
+}
+
+fn box_of(p: array<vec3f, 4>) -> Box {
+    var corners = p;
+    let z = vec4f(p[0].z, p[1].z, p[2].z, p[3].z);
+    var box = Box(vec2f(FAR), vec2f(-FAR));
+    let deepest = most(z) + view.distance;
+    let cut = select(-FAR, max(CUT * deepest, view.near + view.distance) - view.distance, 0.0 < view.perspective);
+    for (var i = 0u; i < 4u; i++) {
+        let a = corners[i];
+        if cut <= a.z {
+            box = box_take(box, a);
+        }
+        for (var j = 0u; j < i; j++) {
+            let b = corners[j];
+            if (a.z < cut) != (b.z < cut) {
+                box = box_take(box, mix(a, b, (a.z - cut) / (a.z - b.z)));
+            }
+        }
+    }
+    // What lies in front of the cut is seen within a cone no wider than the picture there.
+    if least(z) < cut && view.near < cut {
+        let reach = (cut + view.distance) * view.pixel * (max(abs(view.axis), abs(vec2f(view.size) - view.axis)) + 1.0);
+        let x = vec4f(p[0].x, p[1].x, p[2].x, p[3].x);
+        let y = vec4f(p[0].y, p[1].y, p[2].y, p[3].y);
+        if least(x) <= reach.x && -reach.x <= most(x) && least(y) <= reach.y && -reach.y <= most(y) {
+            return Box(vec2f(0.0), vec2f(view.size));
+        }
+    }
+    return box;
+}
+
+@compute @workgroup_size(64)
+fn bound_cells(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let cell = flat_index(id, groups);
+    if view.cell_count <= cell {
+        return;
+    }
+    bounds[cell] = vec2u(0u);
+    let corners = tetrahedra[cell];
+    let a = seen[corners.x];
+    let b = seen[corners.y];
+    let c = seen[corners.z];
+    let d = seen[corners.w];
+    var g = vec4f(0.0);
+    if reads_g {
+        let at = corners * attribute_stride;
+        g = vec4f(attributes[at.x], attributes[at.y], attributes[at.z], attributes[at.w]);
+    }
+    if !is_touched(vec4f(a.w, b.w, c.w, d.w), g) {
+        atomicAdd(&counts[1], view.is_first);
+        return;
+    }
+    // Behind the near plane, or without any volume that 32 bits can hold.
+    let determinant = dot(b.xyz - a.xyz, cross(c.xyz - a.xyz, d.xyz - a.xyz));
+    let hidden = most(vec4f(a.z, b.z, c.z, d.z)) <= view.near;
+    if hidden || !(1e-37 < abs(determinant)) {
+        atomicAdd(&counts[2], view.is_first);
+        return;
+    }
+    let box = box_of(array(a.xyz, b.xyz, c.xyz, d.xyz));
+    let window = view.window * TILE;
+    let left_top = vec2f(window.xy);
+    let right_bottom = min(vec2f(view.size), vec2f(window.xy + window.zw));
+    let start = vec2u(clamp(ceil(box.low - SLACK), left_top, right_bottom));
+    let end = vec2u(clamp(floor(box.high + SLACK) + 1.0, left_top, right_bottom));
+    if any(end <= start) {
+        atomicAdd(&counts[2], view.is_first);
+        return;
+    }
+    atomicAdd(&counts[3], view.is_first);
+    bounds[cell] = vec2u(start.x | (start.y << 16u), end.x | (end.y << 16u));
+    let first = start / TILE - view.window.xy;
+    let last = (end - 1u) / TILE - view.window.xy;
+    for (var row = first.y; row <= last.y; row++) {
+        for (var column = first.x; column <= last.x; column++) {
+            atomicAdd(&listed[row * view.window.z + column], 1u);
+        }
+    }
+}
