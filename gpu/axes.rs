@@ -19,7 +19,7 @@ pub(crate) fn split(x: f64) -> [f32; 2] {
 /// The axis of a value. `number`: 0 for s, 1 for g, further on for fields.
 pub(crate) fn axis(stored: &Stored, transfer_function: &TransferFunction, number: usize) -> Axis {
     let centre = transfer_function.single_centre(number);
-    let [low, high] = [-0.5, 0.5].map(|share| stored.middle + share * stored.span);
+    let [low, high] = stored.range();
     let offset = centre.filter(|centre| (low..=high).contains(centre)).unwrap_or(stored.middle);
     Axis { offset, scale: stored.span }
 }

@@ -3,9 +3,11 @@
 use crate::axes::{axis, offset_parts};
 use crate::frame::{Frame, count};
 use crate::grid::{DeviceGrid, Quantity};
+use crate::tables::TableKey;
 use crate::{limits, support, view};
 use voltet_core::Result;
 use voltet_core::camera::Camera;
+use voltet_core::optics::integrators::Extent;
 use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
 use voltet_core::shading::{Order, Shading};
@@ -68,7 +70,7 @@ pub fn draw(
     for name in transfer_function.fields() {
         values.push(grid.stored(volume, Quantity::Field(name.to_string()))?);
     }
-    limits::check(transfer_function, &values, grid.length)?;
+    limits::check(grid, &choices, transfer_function, &values)?;
     let numbered = values.iter().enumerate();
     let axes: Vec<Axis> = numbered.map(|(k, value)| axis(value, transfer_function, k)).collect();
     let parameters = Parameters::new(transfer_function, shading, &axes, grid.length)?;
@@ -99,7 +101,17 @@ pub fn draw(
     let frame = Frame {
         grid,
         compositor: compose(&choices),
+        storage_buffers: choices.storage_buffers(),
         reads_g: choices.reads_gradient_magnitude,
+        tables: TableKey {
+            transfer_function: transfer_function.clone(),
+            integrator: shading.integrator,
+            axis: axes[0],
+            length: grid.length,
+            extent: Extent { scalar: scalar.range(), longest: grid.longest },
+        },
+        shading: *shading,
+        choices,
         scene: parameters.scene_bytes(),
         numbers: parameters.numbers,
         support,
@@ -129,7 +141,8 @@ pub fn draw(
 fn tile_order(transfer_function: &TransferFunction, shading: &Shading, order: Order) -> Result<TileOrder> {
     let choices = Choices::new(transfer_function, shading, Compositor::None)?;
     let lit = shading.light.is_some_and(|light| light.diffuse != 0.0);
-    let free = matches!(choices.combine, Combine::OneColor | Combine::Nothing) && !lit;
+    let known = !choices.method.is_table_of_lengths();
+    let free = known && matches!(choices.combine, Combine::OneColor | Combine::Nothing) && !lit;
     Ok(match order {
         _ if free => TileOrder::Sum,
         Order::Exact | Order::Auto => TileOrder::Exact,

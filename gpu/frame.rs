@@ -3,12 +3,14 @@
 use crate::device::Device;
 use crate::grid::{DeviceGrid, Stored};
 use crate::passes::{FrameBuffers, Passes};
+use crate::tables::TableKey;
 use crate::timing::Timing;
 use std::sync::{Arc, PoisonError};
 use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
+use voltet_core::shading::Shading;
 use voltet_core::{Error, Result};
-use voltet_shaders::{Shader, ViewRecord};
+use voltet_shaders::{Choices, Shader, ViewRecord};
 
 /// Numbers that the passes count, by their place in `counts`.
 pub(crate) mod count {
@@ -41,7 +43,12 @@ const LONGEST_SOFTWARE: u32 = 20_000;
 /// Everything of a scene but the camera's sample.
 pub(crate) struct Frame<'a> {
     pub grid: &'a DeviceGrid,
+    pub choices: Choices,
+    pub shading: Shading,
+    pub tables: TableKey,
     pub compositor: Shader,
+    /// Read-only buffers that the compositor reads, with their bindings in group 0.
+    pub storage_buffers: Vec<(&'static str, u32)>,
     /// The scalar.
     pub scalar: Arc<Stored>,
     /// Further values of the points, each with where it is counted from.

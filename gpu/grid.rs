@@ -30,6 +30,13 @@ pub(crate) struct Stored {
     pub cell_span: f64,
 }
 
+impl Stored {
+    /// Smallest and largest value.
+    pub fn range(&self) -> [f64; 2] {
+        [self.middle - 0.5 * self.span, self.middle + 0.5 * self.span]
+    }
+}
+
 /// A volume's grid on a device. Values are uploaded as scenes ask for them.
 pub struct DeviceGrid {
     /// The device.
@@ -40,6 +47,8 @@ pub struct DeviceGrid {
     pub(crate) cell_count: u32,
     /// World units in the scene length: the diagonal of the grid.
     pub(crate) length: f64,
+    /// The longest edge of a cell, world units: no segment is longer.
+    pub(crate) longest: f64,
     /// Middle of the grid's box.
     pub(crate) centre: DVec3,
     stored: Mutex<HashMap<Quantity, Arc<Stored>>>,
@@ -69,6 +78,13 @@ impl DeviceGrid {
             let parts = ((*p - centre) / length).to_array().map(split);
             [parts[0][0], parts[1][0], parts[2][0], parts[0][1], parts[1][1], parts[2][1]]
         };
+        let edge = |cell: &[u32; 4]| {
+            let at = cell.map(|p| (grid.points[p as usize] - centre) / length);
+            let edge = |i: usize, j: usize| at[i].distance_squared(at[j]);
+            edge(0, 1).max(edge(0, 2)).max(edge(0, 3)).max(edge(1, 2)).max(edge(1, 3)).max(edge(2, 3))
+        };
+        let cells = grid.tetrahedra.par_iter().with_min_len(1 << 14);
+        let longest = length * cells.map(edge).reduce(|| 0.0, f64::max).sqrt();
         let too_many = |what: &str, count: usize| {
             Error::run(format!("too many {what} for a device")).found(count).accepted("4 thousand million")
         };
@@ -79,6 +95,7 @@ impl DeviceGrid {
             cell_count: (grid.tetrahedra.len().try_into())
                 .map_err(|_| too_many("cells", grid.tetrahedra.len()))?,
             length,
+            longest: if longest > 0.0 { longest } else { length },
             centre,
             device,
             stored: Mutex::default(),

@@ -14,6 +14,7 @@ mod limits;
 mod passes;
 mod pipelines;
 mod support;
+mod tables;
 mod timing;
 mod view;
 

@@ -3,7 +3,8 @@
 use crate::buffers::Growing;
 use crate::device::Device;
 use crate::frame::{Frame, count};
-use crate::pipelines::{Bound, Program};
+use crate::pipelines::{Bound, Program, in_order};
+use crate::tables::Tables;
 use crate::timing::Timing;
 use std::sync::Arc;
 use voltet_core::Result;
@@ -24,6 +25,7 @@ pub(crate) struct FrameBuffers {
     counts: Growing,
     returned: Growing,
     returned_counts: Growing,
+    tables: Tables,
     /// Entries of the lists that the last frame needed.
     pub capacity: u32,
     /// Whether tiles have had more work than one dispatch does, so that their pixels' states are kept.
@@ -110,10 +112,10 @@ impl<'a> Passes<'a> {
                 shader: &pass.shader(),
                 entry_point: pass.entry_point(),
                 constants,
-                groups: [&[], &[&[Uniform], bound].concat()],
+                groups: [&[], &in_order(&[&[Uniform], bound].concat())],
             };
             let pipeline = device.pipeline(&program)?;
-            let group = device.bind(&pipeline, 1, &[&[&view], bindings].concat());
+            let group = device.bind(&pipeline, 1, &in_order(&[&[&view], bindings].concat()));
             Ok(Step { name: pass.entry_point(), pipeline, groups: vec![(1, group)], workgroups })
         };
         let bindings = [&grid.positions, &frame.scalar.buffer, &seen];
@@ -140,11 +142,18 @@ impl<'a> Passes<'a> {
             lists.push(step(FramePass::Sort, over_tiles, vec![], &[Read, Write], &[&starts, &entries])?);
         }
 
+        let tables = buffers.tables.of(device, frame)?;
+        let mut read: Vec<(u32, &Buffer)> = vec![(0, &scene)];
+        for (name, binding) in &frame.storage_buffers {
+            read.push((*binding, if *name == "numbers" { &numbers } else { tables.named(name)? }));
+        }
+        let kind = |(binding, _): &(u32, &Buffer)| (*binding, if *binding == 0 { Uniform } else { Read });
+        let read_kinds: Vec<(u32, Bound)> = read.iter().map(kind).collect();
         let pipeline = device.pipeline(&Program {
             shader: &frame.compositor,
             entry_point: "composite_tiles",
             constants: vec![],
-            groups: [&[Uniform, Read], &TILES],
+            groups: [&read_kinds, &in_order(&TILES)],
         })?;
         let bindings = [
             &view,
@@ -158,10 +167,8 @@ impl<'a> Passes<'a> {
             &counts,
             &states,
         ];
-        let groups = vec![
-            (0, device.bind(&pipeline, 0, &[&scene, &numbers])),
-            (1, device.bind(&pipeline, 1, &bindings)),
-        ];
+        let groups =
+            vec![(0, device.bind(&pipeline, 0, &read)), (1, device.bind(&pipeline, 1, &in_order(&bindings)))];
         Ok(Passes {
             device,
             points: points_step,

@@ -27,7 +27,8 @@ pub(crate) struct Program<'a> {
     pub shader: &'a Shader,
     pub entry_point: &'static str,
     pub constants: Vec<(&'static str, f64)>,
-    pub groups: [&'a [Bound]; 2],
+    /// What is bound, by binding.
+    pub groups: [&'a [(u32, Bound)]; 2],
 }
 
 impl Device {
@@ -76,9 +77,9 @@ impl Device {
         shader.error(1, &error.to_string())
     }
 
-    fn layout(&self, group: &[Bound]) -> wgpu::BindGroupLayout {
-        let entry = |(binding, bound): (usize, &Bound)| wgpu::BindGroupLayoutEntry {
-            binding: binding as u32,
+    fn layout(&self, group: &[(u32, Bound)]) -> wgpu::BindGroupLayout {
+        let entry = |(binding, bound): &(u32, Bound)| wgpu::BindGroupLayoutEntry {
+            binding: *binding,
             visibility: ShaderStages::COMPUTE,
             ty: wgpu::BindingType::Buffer {
                 ty: match bound {
@@ -91,22 +92,21 @@ impl Device {
             },
             count: None,
         };
-        let entries: Vec<_> = group.iter().enumerate().map(entry).collect();
+        let entries: Vec<_> = group.iter().map(entry).collect();
         let descriptor = wgpu::BindGroupLayoutDescriptor { label: None, entries: &entries };
         self.device.create_bind_group_layout(&descriptor)
     }
 
-    /// Buffers bound to group `number` of a pipeline, in the order of its bindings.
+    /// Buffers bound to group `number` of a pipeline.
     pub(crate) fn bind(
         &self,
         pipeline: &wgpu::ComputePipeline,
         number: u32,
-        buffers: &[&wgpu::Buffer],
+        buffers: &[(u32, &wgpu::Buffer)],
     ) -> wgpu::BindGroup {
         let mut entries = Vec::with_capacity(buffers.len());
-        for (binding, buffer) in buffers.iter().enumerate() {
-            let resource = buffer.as_entire_binding();
-            entries.push(wgpu::BindGroupEntry { binding: binding as u32, resource });
+        for (binding, buffer) in buffers {
+            entries.push(wgpu::BindGroupEntry { binding: *binding, resource: buffer.as_entire_binding() });
         }
         self.device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: None,
@@ -114,4 +114,9 @@ impl Device {
             entries: &entries,
         })
     }
+}
+
+/// Things bound at 0, 1, …
+pub(crate) fn in_order<T: Copy>(things: &[T]) -> Vec<(u32, T)> {
+    things.iter().enumerate().map(|(binding, thing)| (binding as u32, *thing)).collect()
 }

@@ -90,6 +90,10 @@ fn shapes(widget: &Widget, reach: Reach) -> Vec<Vec<Slab>> {
                 Slab { normal: [1.0, width], low: *centre, high: f64::INFINITY },
             ]
         }
+        Profile::Table(table) => vec![
+            Slab { normal: [1.0, 0.0], low: table.s[0], high: table.s[1] },
+            Slab { normal: [0.0, 1.0], low: table.g[0], high: table.g[1] },
+        ],
         _ => Vec::new(),
     };
     vec![slabs]

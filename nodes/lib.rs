@@ -18,6 +18,7 @@ mod bands;
 mod camera;
 mod composite;
 mod cull;
+mod gpu_renderer;
 mod gradient_magnitude;
 mod histogram;
 mod image_writer;
@@ -49,6 +50,7 @@ pub static NODES: &[&Node] = &[
     &project::NODE,
     &composite::NODE,
     &renderer::NODE,
+    &gpu_renderer::NODE,
     &image_writer::NODE,
     &report_writer::NODE,
 ];

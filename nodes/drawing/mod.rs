@@ -2,15 +2,21 @@
 //! runs in one and `cull`, `sort`, `project` and `composite` one by one.
 
 mod bands;
+#[cfg(feature = "gpu")]
+mod device;
+mod engine;
 mod needs;
 mod order;
 mod prepared;
+mod scene;
 mod shading;
 mod stages;
 
 pub use bands::note_bands;
+pub use engine::{ADAPTER, COMPOSITOR, ENGINE, ask_engine, draw};
 pub use needs::{ask, needs_order};
 pub use order::{ORDER, leave_out_order, order};
 pub use prepared::{Culled, Projected};
+pub use scene::{Scene, scene};
 pub use shading::{PARAMETERS, shading};
 pub use stages::{composite, cull, for_data, project, referee, sort};

@@ -1,5 +1,6 @@
 //! The stages on the native engine, with their notes.
 
+use super::Scene;
 use super::needs::needs_order;
 use super::order::leave_out_order;
 use std::sync::Arc;
@@ -11,7 +12,7 @@ use voltet_core::optics::integrators::PartialTable;
 use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
 use voltet_core::reference;
-use voltet_core::shading::{Order, Shading};
+use voltet_core::shading::{Integrator, Order, Shading};
 use voltet_core::transfer::{OpticalModel, TransferFunction};
 use voltet_core::volume::Volume;
 use voltet_engine::{self as engine, Cells, Projection};
@@ -57,7 +58,7 @@ pub fn cull(
     Ok(cells)
 }
 
-fn leave_out_cells(call: &mut Call, count: u64, which: &str, why: &str) {
+pub(super) fn leave_out_cells(call: &mut Call, count: u64, which: &str, why: &str) {
     if count > 0 {
         call.notes.leave_out(format!("cells {which}"), why, Some(Saving::Cells(count)));
     }
@@ -128,6 +129,19 @@ pub fn composite(
     let threads = rayon::current_num_threads();
     call.notes.adapter = Some(format!("{}, {threads} threads", LaneSet::detect().name()));
     Ok(picture)
+}
+
+/// Every stage on the native engine, or the referee where the integrator is the reference.
+pub fn all(call: &mut Call, scene: &Scene) -> Result<Picture> {
+    let Scene { volume, transfer_function, camera, shading, order } = scene;
+    if shading.integrator == Integrator::Reference {
+        return referee(call, volume, transfer_function, camera, shading, *order);
+    }
+    let cells = cull(call, volume, transfer_function, camera)?;
+    let cells = sort(call, &cells, camera, *order)?;
+    let gradient = engine::needs_gradient(shading);
+    let projection = project(call, &cells, transfer_function, camera, gradient)?;
+    composite(call, &projection, transfer_function, shading)
 }
 
 /// Draws every cell by the 64-bit referee.

@@ -32,7 +32,7 @@ fn explain_says_what_runs_and_what_is_left_out_without_the_data() {
     let text = folder.voltet(&["explain", "slab.toml"]).ok().stdout;
     for wanted in [
         "slab.toml: An even slab",
-        "Engine of 'picture': cpu (this build has no GPU engine)",
+        "Engine of 'picture': auto (the run takes the GPU if a hardware adapter holds the scene, else the CPU)",
         "gradient: no gradient: no widget looks at the gradient magnitude and nothing is lit",
         "picture: no visibility order: one colour and no light",
     ] {

@@ -4,6 +4,7 @@
 mod bad_data;
 mod bad_pipelines;
 mod commands;
+mod engines;
 mod finders;
 mod left_out;
 mod pictures;

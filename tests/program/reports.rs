@@ -7,10 +7,11 @@ use voltet::core::graph::Unobserved;
 #[test]
 fn the_report_has_times_counts_and_what_was_left_out() {
     let folder = Folder::new();
-    folder.voltet(&["run", "slab.toml", "--report", "report.json", "--quiet"]).ok();
+    let cpu = "picture.engine=\"cpu\"";
+    folder.voltet(&["run", "slab.toml", "--report", "report.json", "--quiet", "--set", cpu]).ok();
     let report = folder.json("report.json");
     assert_eq!(report["engine"], "cpu");
-    assert_eq!(report["engine_reason"], "this build has no GPU engine");
+    assert_eq!(report["engine_reason"], "the pipeline asks for it");
     assert_eq!(report["counts"]["cells_total"], 162);
     assert_eq!(report["counts"]["cells_culled"], 0);
     assert_eq!(report["counts"]["pixels_disordered"], 0);

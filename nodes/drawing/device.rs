@@ -1,0 +1,96 @@
+//! A scene on the device engine: devices are opened once a session, grids uploaded once a revision.
+
+use super::Scene;
+use super::stages::leave_out_cells;
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, PoisonError};
+use voltet_core::Result;
+use voltet_core::graph::Call;
+use voltet_core::picture::Picture;
+use voltet_gpu::{Device, DeviceGrid, Drawn};
+
+/// Open devices by what was wished for: the adapter, and whether software will do. Failures are kept too, since looking
+/// for adapters takes a while.
+#[derive(Default)]
+struct Devices(Mutex<HashMap<Wish, Result<Arc<Device>>>>);
+
+type Wish = (Option<String>, bool);
+
+/// One volume's grids, by device.
+#[derive(Default)]
+struct Grids(Mutex<HashMap<String, Arc<DeviceGrid>>>);
+
+/// Draws on the adapter that the node's parameters name, or the fastest. `hardware`: software devices will not do unless
+/// they are named.
+pub fn draw(call: &mut Call, scene: &Scene, hardware: bool) -> Result<Picture> {
+    voltet_gpu::can_serve(&scene.transfer_function, &scene.shading)
+        .map_err(|error| call.parameters.blame("integrator", error))?;
+    let wish = (call.parameters.optional("adapter").and_then(|s| s.text()).map(str::to_string), hardware);
+    let devices = call.keep_for_session(|| Ok(Devices::default()))?;
+    let device = call
+        .stage("device", |_| open(&devices, &wish))
+        .map_err(|error| if wish.0.is_some() { call.parameters.blame("adapter", error) } else { error })?;
+    let revision = call.revision("volume")?;
+    let grids = call.keep(revision, || Ok(Grids::default()))?;
+    let grid = call.stage("upload", |_| {
+        let mut grids = grids.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(grid) = grids.get(&device.name).filter(|grid| !grid.device.is_lost()) {
+            return Ok(grid.clone());
+        }
+        let grid = Arc::new(DeviceGrid::new(device.clone(), &scene.volume)?);
+        grids.insert(device.name.clone(), grid.clone());
+        Ok(grid)
+    })?;
+    let drawn = call.stage("draw", |progress| {
+        let Scene { volume, transfer_function, camera, shading, order } = scene;
+        voltet_gpu::draw(&grid, volume, transfer_function, camera, shading, *order, progress)
+    })?;
+    note(call, scene, &device, &drawn);
+    Ok(drawn.picture)
+}
+
+fn open(devices: &Devices, wish: &Wish) -> Result<Arc<Device>> {
+    let mut devices = devices.0.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(known) = devices.get(wish).filter(|known| !matches!(known, Ok(device) if device.is_lost())) {
+        return known.clone();
+    }
+    let opened = Device::open(wish.0.as_deref(), wish.1).map(Arc::new);
+    devices.insert(wish.clone(), opened.clone());
+    opened
+}
+
+fn note(call: &mut Call, scene: &Scene, device: &Device, drawn: &Drawn) {
+    let Drawn { counts, seconds, .. } = drawn;
+    let notes = &mut call.notes;
+    notes.engine = Some(("gpu".into(), device.reason.clone()));
+    notes.adapter = Some(device.name.clone());
+    if device.is_software {
+        let slow = "is a program on the CPU, slower than engine = \"cpu\"";
+        notes.warnings.push(format!("{} {slow}", device.name));
+    }
+    notes.stages.extend(seconds.iter().map(|(pass, seconds)| (format!("device {pass}"), *seconds)));
+    for (name, count) in [
+        ("cells_total", scene.volume.grid.tetrahedra.len() as u64),
+        ("cells_culled", counts.culled_by_transfer_function + counts.culled_by_frustum),
+        ("cells_projected", counts.cells_projected),
+        ("tile_entries", counts.tile_entries),
+        ("segments", counts.segments),
+        ("segments_exact", 0),
+        ("pixels_disordered", counts.pixels_disordered),
+        ("sweeps_further", counts.sweeps_further),
+    ] {
+        notes.counts.insert(name, count);
+    }
+    if counts.pixels_disordered > 0 {
+        let what =
+            format!("{} pixels were composited in an order that is not exact", counts.pixels_disordered);
+        notes.warnings.push(what);
+    }
+    leave_out_cells(
+        call,
+        counts.culled_by_transfer_function,
+        "that show nothing",
+        "no widget touches their values",
+    );
+    leave_out_cells(call, counts.culled_by_frustum, "out of view", "they lie outside the view");
+}

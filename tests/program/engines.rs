@@ -1,0 +1,63 @@
+//! The engine that a pipeline asks for, what is taken, and what is said about it.
+
+use super::support::Folder;
+
+/// The device's picture, in the same file as the CPU's. `None` without an adapter, said loudly; a failure if the
+/// environment variable `VOLTET_REQUIRE_GPU` is 1.
+fn run_on_device(folder: &Folder) -> Option<serde_json::Value> {
+    let gpu = "picture.engine=\"gpu\"";
+    let ran = folder.voltet(&["run", "slab.toml", "--report", "report.json", "--quiet", "--set", gpu]);
+    if ran.code == 0 {
+        return Some(folder.json("report.json"));
+    }
+    assert!(ran.stderr.contains("no hardware adapter"), "{}", ran.stderr);
+    assert!(!std::env::var("VOLTET_REQUIRE_GPU").is_ok_and(|value| value == "1"), "{}", ran.stderr);
+    eprintln!("\n*** SKIPPED: no Vulkan adapter; scripts/install-software-vulkan.sh ***\n");
+    None
+}
+
+#[test]
+fn the_device_draws_what_the_cpu_draws_and_is_named() {
+    let folder = Folder::new();
+    let cpu = "picture.engine=\"cpu\"";
+    folder.voltet(&["run", "slab.toml", "--quiet", "--set", cpu]).ok();
+    let (_, expected) = folder.floats("slab.exr");
+    let Some(report) = run_on_device(&folder) else { return };
+    assert_eq!(report["engine"], "gpu");
+    assert!(report["adapter"].as_str().is_some_and(|name| !name.is_empty()), "{report:#}");
+    assert_eq!(report["counts"]["cells_total"], 162);
+    assert!(report["counts"]["segments"].as_u64().is_some_and(|n| n >= 16 * 3), "{report:#}");
+    let (_, found) = folder.floats("slab.exr");
+    for (a, b) in found.iter().flatten().zip(expected.iter().flatten()) {
+        // Rounding of a dozen 32-bit segments.
+        assert!((a - b).abs() < 2e-6, "{a} for {b}");
+    }
+}
+
+#[test]
+fn auto_says_which_engine_it_took_and_why() {
+    let folder = Folder::new();
+    folder.voltet(&["run", "slab.toml", "--report", "report.json", "--quiet"]).ok();
+    let report = folder.json("report.json");
+    let reason = report["engine_reason"].as_str().unwrap();
+    match report["engine"].as_str().unwrap() {
+        "gpu" => assert!(reason.contains("fastest kind"), "{reason}"),
+        "cpu" => assert!(reason.contains("no hardware adapter: found"), "{reason}"),
+        other => panic!("{other}"),
+    }
+    let riemann =
+        ["run", "slab.toml", "--report", "report.json", "--quiet", "--set", "picture.integrator=\"riemann\""];
+    folder.voltet(&riemann).ok();
+    let report = folder.json("report.json");
+    assert_eq!(report["engine"], "cpu");
+}
+
+#[test]
+fn an_adapter_that_is_not_there_is_an_error_with_its_line() {
+    let folder = Folder::new();
+    let text = std::fs::read_to_string(folder.join("slab.toml")).unwrap();
+    let wish = "type = \"gpu-renderer\"\nadapter = \"no such thing\"";
+    folder.write("slab.toml", text.replace("type = \"renderer\"", wish));
+    let ran = folder.voltet(&["run", "slab.toml"]);
+    ran.fails(1, &["no adapter is called \"no such thing\"", "slab.toml:37"]);
+}
