@@ -9,7 +9,7 @@ use std::sync::Arc;
 use voltet_core::grid::Array;
 use voltet_core::optics::Overlap;
 use voltet_core::shading::{Light, Order, Shading};
-use voltet_core::transfer::{OpticalModel, Profile, Region, TransferFunction, Wave, Widget};
+use voltet_core::transfer::{OpticalModel, Profile, Region, Table, TransferFunction, Wave, Widget};
 use voltet_core::volume::Volume;
 
 /// The smooth field with its gradient, and two further fields.
@@ -27,6 +27,15 @@ fn volume() -> Arc<Volume> {
 
 fn wave(period: f64, band_width: f64) -> Wave {
     Wave { origin: [0.1, 0.0], angle: 0.3, scale: [1.0, 0.2], period, band_width }
+}
+
+/// Four texels by three, with a corner of alpha 0.
+fn table() -> Table {
+    let texel = |k: usize| {
+        let x = k as f32 / 11.0;
+        [x, 1.0 - x, 0.3, if k == 0 { 0.0 } else { 0.2 + 0.8 * x }]
+    };
+    Table { width: 4, height: 3, texels: (0..12).map(texel).collect(), s: [0.1, 0.9], g: [0.0, 2.0] }
 }
 
 fn widgets() -> Vec<(&'static str, Widget)> {
@@ -50,6 +59,7 @@ fn widgets() -> Vec<(&'static str, Widget)> {
         ("triangle", of(Profile::TriangleWave(wave(0.21, 0.4)))),
         ("sine", of(Profile::SineWave(wave(0.13, 1.0)))),
         ("ramp", ramp.clone()),
+        ("table", of(Profile::Table(Arc::new(table())))),
         ("cut line", cut(gaussian([0.6, 0.8], [0.1, f64::INFINITY], 4.0, [1.0, 0.5, 0.15]))),
         ("cut sine", cut(of(Profile::SineWave(wave(0.13, 0.7))))),
         ("cut ramp", cut(ramp)),

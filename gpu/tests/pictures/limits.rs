@@ -23,7 +23,7 @@ fn refused(scene: &Scene, shading: &Shading, words: &[&str]) {
 #[test]
 fn what_32_bits_cannot_hold_is_refused() {
     let narrow = look(vec![gaussian([0.6, 0.8], [1e-7, 2.0], 1e8, [1.0, 0.5, 0.15])]);
-    refused(&scene(narrow), &SHADING, &["too narrow", "widgets[0]", "cpu"]);
+    refused(&scene(narrow), &SHADING, &["narrower than 32 bits", "widgets[0]", "cpu"]);
     let mut far = scene(one_gaussian());
     far.camera = perspective([-900.0, -1100.0, 1400.0], [0.5, 0.5, 0.5], 1e-6, [32, 32]);
     refused(&far, &SHADING, &["view is too narrow", "cpu"]);

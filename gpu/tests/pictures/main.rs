@@ -8,6 +8,7 @@ mod compare;
 #[allow(dead_code)]
 mod grids;
 mod hard;
+mod integrators;
 mod kinds;
 mod limits;
 #[path = "../../../tests/validation/looks.rs"]
