@@ -2,6 +2,7 @@
 
 use crate::adapter::{Adapters, describe, kind};
 use std::collections::HashMap;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use voltet_core::{Error, Result};
 
@@ -19,7 +20,23 @@ pub struct Device {
     /// Nanoseconds of a tick, where passes can be timed.
     pub(crate) tick: Option<f32>,
     pub(crate) pipelines: Mutex<HashMap<crate::pipelines::Key, Arc<wgpu::ComputePipeline>>>,
+    pub(crate) work: WorkCounts,
     lost: Arc<Mutex<Option<String>>>,
+}
+
+/// What has been done on the device since it was opened.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Work {
+    /// Pipelines compiled.
+    pub shader_builds: u64,
+    /// Arrays of grids uploaded.
+    pub uploads: u64,
+}
+
+#[derive(Default)]
+pub(crate) struct WorkCounts {
+    pub shader_builds: AtomicU64,
+    pub uploads: AtomicU64,
 }
 
 /// Storage buffers that the tiles' compositor is bound to.
@@ -62,6 +79,7 @@ impl Device {
             queue,
             limits,
             pipelines: Mutex::default(),
+            work: WorkCounts::default(),
             lost,
         })
     }
@@ -96,6 +114,14 @@ impl Device {
             Some(why) => Err(Error::run(format!("{} was lost at {what}", self.name))
                 .found(why)
                 .accepted("a smaller picture or fewer samples, another adapter, or engine = \"cpu\"")),
+        }
+    }
+
+    /// What has been done so far.
+    pub fn work(&self) -> Work {
+        Work {
+            shader_builds: self.work.shader_builds.load(Ordering::Relaxed),
+            uploads: self.work.uploads.load(Ordering::Relaxed),
         }
     }
 

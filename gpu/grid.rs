@@ -6,6 +6,7 @@ use crate::passes::FrameBuffers;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::HashMap;
+use std::sync::atomic::Ordering;
 use std::sync::{Arc, Mutex, PoisonError};
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
@@ -88,6 +89,7 @@ impl DeviceGrid {
         let too_many = |what: &str, count: usize| {
             Error::run(format!("too many {what} for a device")).found(count).accepted("4 thousand million")
         };
+        device.work.uploads.fetch_add(2, Ordering::Relaxed);
         Ok(DeviceGrid {
             positions: device.upload("the grid's points", &grid.points, position)?,
             tetrahedra: device.upload("the grid's cells", &grid.tetrahedra, |cell| *cell)?,
@@ -163,6 +165,7 @@ impl DeviceGrid {
         let cells = volume.grid.tetrahedra.par_iter().with_min_len(1 << 14);
         let cell_span = cells.map(widest).reduce(|| 0.0, f64::max) / span;
         let buffer = self.device.upload("the grid's values", &tuples, parts)?;
+        self.device.work.uploads.fetch_add(1, Ordering::Relaxed);
         Ok(Stored { buffer, middle, span, cell_span })
     }
 }

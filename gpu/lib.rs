@@ -19,7 +19,7 @@ mod timing;
 mod view;
 
 pub use adapter::{Adapters, KINDS};
-pub use device::Device;
+pub use device::{Device, Work};
 pub use draw::{Counts, Drawn, draw};
 pub use grid::DeviceGrid;
 pub use limits::can_serve;

@@ -1,6 +1,7 @@
 //! Pipelines: compiled once for each text, entry point and set of constants, and kept by the device.
 
 use crate::device::Device;
+use std::sync::atomic::Ordering;
 use std::sync::{Arc, PoisonError};
 use voltet_core::Result;
 use voltet_shaders::Shader;
@@ -44,6 +45,7 @@ impl Device {
             return Ok(pipeline);
         }
         let compiled = Arc::new(self.compile(program)?);
+        self.work.shader_builds.fetch_add(1, Ordering::Relaxed);
         let mut pipelines = self.pipelines.lock().unwrap_or_else(PoisonError::into_inner);
         Ok(pipelines.entry(key).or_insert(compiled).clone())
     }

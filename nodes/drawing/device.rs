@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use voltet_core::Result;
 use voltet_core::graph::Call;
 use voltet_core::picture::Picture;
-use voltet_gpu::{Device, DeviceGrid, Drawn};
+use voltet_gpu::{Device, DeviceGrid, Drawn, Work};
 
 /// Open devices by what was wished for: the adapter, and whether software will do. Failures are kept too, since looking
 /// for adapters takes a while.
@@ -30,6 +30,7 @@ pub fn draw(call: &mut Call, scene: &Scene, hardware: bool) -> Result<Picture> {
     let device = call
         .stage("device", |_| open(&devices, &wish))
         .map_err(|error| if wish.0.is_some() { call.parameters.blame("adapter", error) } else { error })?;
+    let before = device.work();
     let revision = call.revision("volume")?;
     let grids = call.keep(revision, || Ok(Grids::default()))?;
     let grid = call.stage("upload", |_| {
@@ -45,7 +46,7 @@ pub fn draw(call: &mut Call, scene: &Scene, hardware: bool) -> Result<Picture> {
         let Scene { volume, transfer_function, camera, shading, order } = scene;
         voltet_gpu::draw(&grid, volume, transfer_function, camera, shading, *order, progress)
     })?;
-    note(call, scene, &device, &drawn);
+    note(call, scene, &device, before, &drawn);
     Ok(drawn.picture)
 }
 
@@ -59,8 +60,9 @@ fn open(devices: &Devices, wish: &Wish) -> Result<Arc<Device>> {
     opened
 }
 
-fn note(call: &mut Call, scene: &Scene, device: &Device, drawn: &Drawn) {
+fn note(call: &mut Call, scene: &Scene, device: &Device, before: Work, drawn: &Drawn) {
     let Drawn { counts, seconds, .. } = drawn;
+    let work = device.work();
     let notes = &mut call.notes;
     notes.engine = Some(("gpu".into(), device.reason.clone()));
     notes.adapter = Some(device.name.clone());
@@ -78,6 +80,8 @@ fn note(call: &mut Call, scene: &Scene, device: &Device, drawn: &Drawn) {
         ("segments_exact", 0),
         ("pixels_disordered", counts.pixels_disordered),
         ("sweeps_further", counts.sweeps_further),
+        ("shader_builds", work.shader_builds - before.shader_builds),
+        ("uploads", work.uploads - before.uploads),
     ] {
         notes.counts.insert(name, count);
     }

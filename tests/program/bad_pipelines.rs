@@ -98,7 +98,7 @@ fn every_kind_of_mistake_is_placed() {
             "path = \"slab.jpg\"",
             &["format is not known: found slab.jpg", ".png or .exr"],
         ),
-        ("type = \"renderer\"", "type = \"renderer\"\nengine = \"gpus\"", &["'gpus'", "\"gpu\""]),
+        ("type = \"renderer\"", "type = \"renderer\"\nengine = \"gpus\"", &["found \"gpus\"", "gpu"]),
         (
             "type = \"renderer\"",
             "type = \"renderer\"\nintegrator = \"clipped\"",

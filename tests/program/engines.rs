@@ -54,5 +54,5 @@ fn an_adapter_that_is_not_there_is_an_error_with_its_line() {
     let wish = "type = \"gpu-renderer\"\nadapter = \"no such thing\"";
     folder.write("slab.toml", text.replace("type = \"renderer\"", wish));
     let ran = folder.voltet(&["run", "slab.toml"]);
-    ran.fails(1, &["no adapter is called \"no such thing\"", "slab.toml:37"]);
+    ran.fails(1, &["no adapter is called \"no such thing\"", "slab.toml:35:11"]);
 }
