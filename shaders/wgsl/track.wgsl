@@ -32,11 +32,12 @@ fn walk_panel(walk: Walk, next: f32) -> f32 {
     return min(max(min(next, 1.0) - walk.t, 0.0), walk.limit);
 }
 
-// Whether a panel holds too much depth; it is then shortened, though not further than t can resolve.
-fn walk_shortens(walk: ptr<function, Walk>, dt: f32, held: f32) -> bool {
-    let shortens = PANEL_DEPTH + 0.5 < held && 2.0 * PASSED < dt;
+// Whether a panel holds too much depth; the next one is then shortened, though not further than t can resolve. `share`: of
+// the limit, for panels that are such a share of what the walk would take.
+fn walk_shortens(walk: ptr<function, Walk>, dt: f32, held: f32, share: f32) -> bool {
+    let shortens = share * (PANEL_DEPTH + 0.5) < held && 2.0 * PASSED < dt;
     if shortens {
-        (*walk).limit = dt * clamp(PANEL_DEPTH / max(held, 1e-30), 0.01, 0.5);
+        (*walk).limit = dt * clamp(PANEL_DEPTH / max(held, 1e-30), 0.01, 0.5 / share);
     }
     return shortens;
 }
@@ -53,7 +54,7 @@ fn walk_advance(walk: ptr<function, Walk>, next: f32, dt: f32, held: f32, rate: 
 // at the points, 0 if it was not taken.
 fn walk_take(walk: ptr<function, Walk>, next: f32, dt: f32, rates: Points) -> Points {
     let held = over_panel(rates) * dt;
-    if walk_shortens(walk, dt, held) {
+    if walk_shortens(walk, dt, held, 1.0) {
         return Points(vec4f(0.0), vec4f(0.0));
     }
     let within = to_nodes(rates);

@@ -113,18 +113,19 @@ impl Scenes {
         found.chunks(CONTRIBUTION).map(contribution).collect()
     }
 
-    /// Seconds of one dispatch over the segments, the mean of `count`.
+    /// Seconds of one dispatch over the segments, the least of `count`.
     pub fn seconds(&self, scene: &Scene, segments: &[Segment], count: u32) -> f64 {
         let (pass, mut inputs) = self.bind(scene, &compose(&scene.choices), segments);
         let buffer = self.device.storage(&vec![0; CONTRIBUTION * segments.len() * size_of::<f32>()]);
         inputs.push(Bound { group: 1, binding: 1, buffer });
-        let run = || self.device.dispatch(&pass, &inputs, [segments.len().div_ceil(64) as u32, 1, 1]);
-        run();
-        self.device.wait();
-        let start = Instant::now();
-        (0..count).for_each(|_| run());
-        self.device.wait();
-        start.elapsed().as_secs_f64() / f64::from(count)
+        let workgroups = [segments.len().div_ceil(64) as u32, 1, 1];
+        let once = |_| {
+            let start = Instant::now();
+            self.device.dispatch(&pass, &inputs, workgroups);
+            self.device.wait();
+            start.elapsed().as_secs_f64()
+        };
+        (0..count).map(once).fold(f64::INFINITY, f64::min)
     }
 
     /// The pass over a list of segments, and all that it reads.

@@ -8,3 +8,8 @@ fn stretch_light(length: f32, depth: f32) -> f32 {
 fn panel_stake(length: f32, depth: f32) -> f32 {
     return length * one_minus_exp(depth);
 }
+
+// The most of a panel's stake by its light, T for the depth that a panel may hold.
+fn stake_of_light(depth: f32) -> f32 {
+    return min(depth, 3.0);
+}
