@@ -70,6 +70,11 @@ impl Device {
         device.set_device_lost_callback(move |why, message| {
             *note.lock().unwrap_or_else(PoisonError::into_inner) = Some(format!("{why:?}: {message}"));
         });
+        // Without a handler an error outside of `guarded` would end the program.
+        let note = lost.clone();
+        device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
+            *note.lock().unwrap_or_else(PoisonError::into_inner) = Some(error.to_string());
+        }));
         Ok(Device {
             name: describe(&info),
             reason,
@@ -82,6 +87,12 @@ impl Device {
             work: WorkCounts::default(),
             lost,
         })
+    }
+
+    /// The same device with buffers of at most so many bytes each, as if its bindings held no more.
+    pub fn with_bindings_of(mut self, bytes: u64) -> Device {
+        self.limits.max_storage_buffer_binding_size = bytes;
+        self
     }
 
     /// Does something on the device. An error of the device comes back as one of ours, which names `what` was done.

@@ -1,6 +1,8 @@
 //! The engine that a pipeline asks for, what is taken, and what is said about it.
 
 use super::support::Folder;
+use voltet::Document;
+use voltet::core::graph::Unobserved;
 
 /// The device's picture, in the same file as the CPU's. `None` without an adapter, said loudly; a failure if the
 /// environment variable `VOLTET_REQUIRE_GPU` is 1.
@@ -55,4 +57,29 @@ fn an_adapter_that_is_not_there_is_an_error_with_its_line() {
     folder.write("slab.toml", text.replace("type = \"renderer\"", wish));
     let ran = folder.voltet(&["run", "slab.toml"]);
     ran.fails(1, &["no adapter is called \"no such thing\"", "slab.toml:35:11"]);
+}
+
+/// A moved camera uploads and compiles nothing; another colour neither; another kind of widget compiles its text.
+#[test]
+fn the_grid_and_the_pipelines_stay_on_the_device() {
+    let folder = Folder::new();
+    if run_on_device(&folder).is_none() {
+        return;
+    }
+    let registry = voltet::nodes::registry().unwrap();
+    let mut session = voltet::nodes::session();
+    let mut work = |options: &[&str]| {
+        let options: Vec<String> =
+            ["picture.engine=\"gpu\""].iter().chain(options).map(|option| option.to_string()).collect();
+        let document = Document::open(&folder.join("slab.toml"), &options, &registry).unwrap();
+        let counts = session.run(&document.graph, &Unobserved).unwrap().counts;
+        (counts["uploads"], counts["shader_builds"] > 0)
+    };
+    // Points, cells and the scalar.
+    assert_eq!(work(&[]), (3, true));
+    let moved = "view.eye=[-3.0, 0.6, 0.4]";
+    assert_eq!(work(&[moved]), (0, false));
+    assert_eq!(work(&[moved, "look.widgets.0.color=[1, 0, 0]"]), (0, false));
+    let other = "look.widgets.0={ kind = \"gaussian\", color = [1, 0, 0], extinction = 1, centre = [0.5, 0.0], sigma = [0.1, inf] }";
+    assert_eq!(work(&[moved, other]), (0, true));
 }

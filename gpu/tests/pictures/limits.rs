@@ -79,3 +79,34 @@ fn frames_after_the_first() {
     }
     assert_eq!(picture(&scene.look).rgba, before.rgba);
 }
+
+/// Lists and pictures that do not fit one binding are drawn in windows; a grid that does not is refused by its size.
+#[test]
+fn small_bindings_draw_in_windows_or_refuse() {
+    if device().is_none() {
+        return;
+    }
+    let small = |scene: &Scene, bytes| {
+        let wish = std::env::var("VOLTET_ADAPTER").ok();
+        let device = Device::open(wish.as_deref(), false).expect("opened before").with_bindings_of(bytes);
+        let grid = DeviceGrid::new(std::sync::Arc::new(device), &scene.volume)?;
+        let look = &scene.look;
+        voltet_gpu::draw(&grid, &scene.volume, look, &scene.camera, &SHADING, Order::Exact, &Silent)
+    };
+    // 1,296 cells of 16 bytes fit, 48 × 40 pixels of 16 bytes do not; and of 600 cells along the view, that all tiles
+    // list, the lists do not.
+    let wide = Scene { camera: outside([48, 40]), ..scene(overlapping()) };
+    let along = orthographic([0.5, -2.0, 0.5], [0.5, 0.0, 0.5], 0.9, [16, 16]);
+    let deep = Scene { volume: smooth(cube([1, 100, 1], 0.2)), camera: along, ..scene(overlapping()) };
+    for (scene, bytes, lists) in [(&wide, 24_000, false), (&deep, 12_000, true)] {
+        let whole = draw(scene, &SHADING, Order::Exact).expect("draws");
+        assert_eq!(whole.counts.tile_entries * 8 > bytes, lists, "{:?}", whole.counts);
+        let windows = small(scene, bytes).expect("draws in windows");
+        assert_eq!(windows.counts.segments, whole.counts.segments);
+        assert_eq!(windows.picture.rgba, whole.picture.rgba);
+    }
+    let error = small(&wide, 16_000).expect_err("the cells do not fit").to_string();
+    for word in ["cells", "MiB", "cpu"] {
+        assert!(error.contains(word), "'{word}' is not in: {error}");
+    }
+}
