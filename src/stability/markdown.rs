@@ -33,8 +33,10 @@ pub fn markdown(found: &Stability) -> String {
     text += &format!("\n## Hard cells, drawn\n\nThe native engine ({} lanes) ", found.lanes.name());
     text += "against the 64-bit referee: the largest error of a channel of premultiplied linear RGBA.\n\n";
     text += "| what | scene | largest error | bound |\n| --- | --- | ---: | ---: |\n";
-    for Drawn { category, scene, worst_error, bound, .. } in &found.pictures {
-        text += &format!("| {category} | {scene} | {} | {bound:.0e} |\n", number(*worst_error));
+    for drawn in &found.pictures {
+        let Drawn { category, scene, worst_error, bound, .. } = drawn;
+        let broken = if drawn.passed() { "" } else { " **broken**" };
+        text += &format!("| {category} | {scene} | {}{broken} | {bound:.0e} |\n", number(*worst_error));
     }
     text += "\n## Formulas as printed\n\nEach is computed as it stands in 64 and in 32 bits (its functions rounded ";
     text += "correctly) and compared with the 64-bit form that stands in its place, whose own error is under 1e-14; \"none\": overflow, or 0/0.\n";

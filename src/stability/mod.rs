@@ -79,3 +79,70 @@ pub fn category(name: &str) -> &str {
         other => other,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use voltet_core::optics::judge::{Answer, Chain, Kind, PartialIntegrals, Precision};
+    use voltet_core::optics::{Contribution, Overlap, Segment};
+    use voltet_core::transfer::TransferFunction;
+
+    /// The 64-bit forms, with optical depths off by a millionth: what a wrong engine would be.
+    struct Off;
+
+    impl Forms for Off {
+        fn name(&self) -> &str {
+            "off"
+        }
+        fn precision(&self) -> Precision {
+            Precision::F64
+        }
+        fn segment(&self, look: &TransferFunction, segment: &Segment, overlap: Overlap) -> Result<Answer> {
+            Ok(match Native64.segment(look, segment, overlap)? {
+                Answer::Served(found) => {
+                    let optical_depth = found.optical_depth * (1.0 + 1e-6);
+                    Answer::Served(Contribution { optical_depth, ..found })
+                }
+                other => other,
+            })
+        }
+        fn chain(&self, segments: &[Contribution]) -> Chain {
+            Native64.chain(segments)
+        }
+        fn partial(&self, a: f64, b: f64) -> PartialIntegrals {
+            Native64.partial(a, b)
+        }
+    }
+
+    fn drawn(worst_error: f64) -> Drawn {
+        let (category, scene) = ("degenerate cells", "one".to_string());
+        Drawn { category, scene, worst_error, worst_pixel: [0, 0], bound: 1e-4 }
+    }
+
+    #[test]
+    fn a_bound_broken_anywhere_is_said() {
+        let segments = |case: &voltet_core::optics::judge::Case| matches!(case.kind, Kind::Segment(_));
+        let cases: Vec<_> = shipped().unwrap().into_iter().filter(segments).step_by(40).collect();
+        let found = |forms: &dyn Forms, error: f64| Stability {
+            forms: judge_cases(&cases, &[forms]).unwrap(),
+            lanes: LaneSet::Portable,
+            pictures: vec![drawn(error)],
+            printed: Vec::new(),
+        };
+        assert!(found(&Native64, 1e-4).passed());
+        for (broken, said) in [
+            (found(&Off, 0.0), "BROKE ITS BOUND"),
+            (found(&Native64, 1.1e-4), "BROKEN"),
+            (found(&Native64, f64::INFINITY), "BROKEN"),
+        ] {
+            assert!(!broken.passed());
+            let text = text(&broken);
+            assert!(text.contains(said) && text.ends_with("A BOUND IS BROKEN\n"), "{text}");
+            assert_eq!(json(&broken)["passed"], false);
+        }
+        let page = markdown(&found(&Off, 0.0));
+        assert!(page.contains("**broken**"), "{page}");
+        // A picture that broke its bound stands out on the page, too.
+        assert!(markdown(&found(&Native64, 1.1e-4)).contains("**broken**"));
+    }
+}
