@@ -13,6 +13,7 @@ use voltet_core::progress::Progress;
 use voltet_core::shading::{Order, Shading};
 use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
+use voltet_shaders::Shader;
 use voltet_shaders::{Axis, Choices, Combine, Compositor, Parameters, TileOrder, ViewRecord, compose};
 
 /// A picture and what it took.
@@ -24,6 +25,10 @@ pub struct Drawn {
     pub counts: Counts,
     /// Seconds of each pass, where the adapter has timestamps.
     pub seconds: Vec<(&'static str, f64)>,
+    /// What no part of the scene's shader is about: folders of pieces that are not in it.
+    pub parts_left_out: Vec<&'static str>,
+    /// Bytes of all pieces that are not in it.
+    pub part_bytes_left_out: u64,
 }
 
 /// Counts of a picture, over all samples.
@@ -98,9 +103,11 @@ pub fn draw(
             ..view::view(grid, camera, *offset)?
         })
     };
+    let compositor = compose(&choices);
+    let (parts_left_out, part_bytes_left_out) = parts_left_out(&compositor);
     let frame = Frame {
         grid,
-        compositor: compose(&choices),
+        compositor,
         storage_buffers: choices.storage_buffers(),
         reads_g: choices.reads_gradient_magnitude,
         tables: TableKey {
@@ -134,7 +141,23 @@ pub fn draw(
             sweeps_further: counted[count::SWEEPS],
         },
         seconds: returned.seconds,
+        parts_left_out,
+        part_bytes_left_out,
     })
+}
+
+/// Folders of which a shader holds no piece, and the bytes of all pieces that it does not hold.
+fn parts_left_out(shader: &Shader) -> (Vec<&'static str>, u64) {
+    let pieces = shader.leaves_out();
+    let bytes = pieces.iter().map(|piece| piece.text.len() as u64).sum();
+    let held = |folder: &str| shader.files().any(|file| file.starts_with(&format!("shaders/wgsl/{folder}/")));
+    let mut folders: Vec<&str> = Vec::new();
+    for (folder, _) in pieces.iter().filter_map(|piece| piece.name.split_once('/')) {
+        if !folders.contains(&folder) && !held(folder) {
+            folders.push(folder);
+        }
+    }
+    (folders, bytes)
 }
 
 /// With one colour that no light changes, C = c A whatever the order.

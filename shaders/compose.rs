@@ -2,7 +2,8 @@
 
 use crate::choices::Choices;
 use crate::generate::generate;
-use crate::pieces::{Piece, piece};
+use crate::passes::FramePass;
+use crate::pieces::{PIECES, Piece, piece};
 use voltet_core::Error;
 
 /// A composed shader.
@@ -64,6 +65,16 @@ impl Shader {
         self.parts.iter().map(|(_, file)| *file).filter(|file| *file != GENERATED)
     }
 
+    /// The pieces that are not in it although some scene asks for them: what makes frames and fills tables is put together
+    /// apart.
+    pub fn leaves_out(&self) -> Vec<&'static Piece> {
+        let frames: Vec<Shader> = FramePass::ALL.iter().map(|pass| pass.shader()).collect();
+        let apart = |piece: &Piece| {
+            piece.name.contains("/fill_") || frames.iter().any(|frame| frame.files().any(|f| f == piece.file))
+        };
+        PIECES.iter().filter(|piece| !apart(piece) && !self.files().any(|file| file == piece.file)).collect()
+    }
+
     /// The file that a line (from 1) of the text came from, and the line there.
     pub fn locate(&self, line: usize) -> (&'static str, usize) {
         let part = self.parts.iter().rev().find(|(start, _)| *start <= line);
@@ -90,7 +101,7 @@ mod tests {
         assert_eq!(shader.files().collect::<Vec<_>>(), [exponential, one_minus_exp]);
         for (n, line) in shader.text.lines().enumerate() {
             let (file, at) = shader.locate(n + 1);
-            if let Some(piece) = crate::PIECES.iter().find(|piece| piece.file == file) {
+            if let Some(piece) = PIECES.iter().find(|piece| piece.file == file) {
                 assert_eq!(piece.text.lines().nth(at - 1), Some(line));
             }
         }

@@ -21,6 +21,9 @@ pub struct Thorough {
     pub times_slower: f64,
     /// Each node's seconds, usual and other, where they differ most first.
     pub nodes: Vec<NodeSeconds>,
+    /// The engines that drew, usual and other, where they are not the same: the native one is what does everything.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub engines: Option<[String; 2]>,
     /// Largest difference of a channel of premultiplied linear RGBA between their pictures; `None` without a picture.
     pub largest_difference: Option<f64>,
     /// What the usual run leaves out.
@@ -53,7 +56,10 @@ impl Thorough {
             let other = &thorough.pictures.iter().find(|(other, _)| other == name)?.1;
             Some(largest_difference(picture, other))
         });
+        let engine = |report: &RunReport| report.engine.as_ref().map(|engine| engine.0.clone());
+        let engines = engine(usual).zip(engine(thorough)).filter(|(usual, other)| usual != other);
         Thorough {
+            engines: engines.map(|(usual, other)| [usual, other]),
             usual_seconds: usual.seconds,
             seconds: thorough.seconds,
             times_slower: thorough.seconds / usual.seconds,
@@ -86,7 +92,11 @@ impl Thorough {
             None => "\n".into(),
         }
         .as_str();
-        if !self.is_same() {
+        if let Some([usual, other]) = &self.engines {
+            text += &format!(
+                "the usual run drew on the {usual}, the other on the {other}: --set NODE.engine=cpu compares on one\n"
+            );
+        } else if !self.is_same() {
             text += &format!("warning: the pictures should be the same to {SAME:.0e}\n");
         }
         text

@@ -5,7 +5,7 @@ use super::stages::leave_out_cells;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 use voltet_core::Result;
-use voltet_core::graph::Call;
+use voltet_core::graph::{Call, Saving};
 use voltet_core::picture::Picture;
 use voltet_gpu::{Device, DeviceGrid, Drawn, Work};
 
@@ -97,4 +97,9 @@ fn note(call: &mut Call, scene: &Scene, device: &Device, before: Work, drawn: &D
         "no widget touches their values",
     );
     leave_out_cells(call, counts.culled_by_frustum, "out of view", "they lie outside the view");
+    if !drawn.parts_left_out.is_empty() {
+        let what = format!("shader parts {}", drawn.parts_left_out.join(", "));
+        let saving = Saving::Bytes(drawn.part_bytes_left_out);
+        call.notes.leave_out(what, "the scene asks for nothing of the kind", Some(saving));
+    }
 }

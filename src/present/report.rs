@@ -6,7 +6,7 @@ use voltet::core::graph::{Finding, RunReport};
 use voltet::core::pipeline::FORMAT;
 
 /// Counts that every report names, also where the engine that ran does not know them.
-const COUNTS: [&str; 12] = [
+const COUNTS: [&str; 11] = [
     "arrays_decoded",
     "gradients_computed",
     "cells_total",
@@ -16,7 +16,6 @@ const COUNTS: [&str; 12] = [
     "pixels_disordered",
     "tiles_sorted",
     "tables_built",
-    "shader_texts",
     "shader_builds",
     "uploads",
 ];

@@ -29,6 +29,17 @@ fn the_device_draws_what_the_cpu_draws_and_is_named() {
     assert!(report["adapter"].as_str().is_some_and(|name| !name.is_empty()), "{report:#}");
     assert_eq!(report["counts"]["cells_total"], 162);
     assert!(report["counts"]["segments"].as_u64().is_some_and(|n| n >= 16 * 3), "{report:#}");
+    // One uniform widget: no other kind, no light, no sampling is part of the shader.
+    let left_out = report["left_out"].as_array().unwrap().iter();
+    let parts: Vec<&str> =
+        left_out.filter_map(|left| left["what"].as_str()?.strip_prefix("shader parts ")).collect();
+    let [parts] = parts.as_slice() else { panic!("{report:#}") };
+    for part in ["gaussian", "wave", "light", "sampled", "pre_integrated", "piecewise_linear"] {
+        assert!(parts.split(", ").any(|left| left == part), "'{part}' is not in {parts}");
+    }
+    for part in ["widgets", "compositor", "passes"] {
+        assert!(!parts.split(", ").any(|left| left == part), "'{part}' is in {parts}");
+    }
     let (_, found) = folder.floats("slab.exr");
     for (a, b) in found.iter().flatten().zip(expected.iter().flatten()) {
         // Rounding of a dozen 32-bit segments.

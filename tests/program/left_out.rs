@@ -16,9 +16,11 @@ sigma = [0.1, 0.5]
 [nodes.view]
 "#;
 
-fn open(folder: &Folder, options: &[&str]) -> Document {
-    let options: Vec<String> = options.iter().map(|option| option.to_string()).collect();
-    Document::open(&folder.join("slab.toml"), &options, &voltet::nodes::registry().unwrap()).unwrap()
+/// On the native engine, whatever devices there are.
+fn open(folder: &Folder, name: &str, options: &[&str]) -> Document {
+    let options = options.iter().chain(&["picture.engine=cpu"]).map(|option| option.to_string());
+    let options: Vec<String> = options.collect();
+    Document::open(&folder.join(name), &options, &voltet::nodes::registry().unwrap()).unwrap()
 }
 
 fn run(document: &Document) -> RunReport {
@@ -55,10 +57,10 @@ fn nothing_is_decoded_computed_sorted_or_tabulated_that_the_scene_does_not_ask_f
         (&["gradient.method=array", "gradient.array=gradient"], [1, 0, 0, 0, 0]),
         (&[region, "gradient.method=array", "gradient.array=gradient"], [2, 1, 0, 0, 0]),
     ] {
-        assert_eq!(work(&run(&open(&folder, options))), wanted, "{options:?}");
+        assert_eq!(work(&run(&open(&folder, "slab.toml", options))), wanted, "{options:?}");
     }
     folder.write("slab.toml", SLAB.replace("\n[nodes.view]\n", TWO));
-    assert_eq!(work(&run(&open(&folder, &[]))), [1, 1, 1, 0, 0], "two colours");
+    assert_eq!(work(&run(&open(&folder, "slab.toml", &[]))), [1, 1, 1, 0, 0], "two colours");
 }
 
 #[test]
@@ -70,7 +72,7 @@ fn every_node_and_the_session_say_what_was_left_out_why_and_what_that_saves() {
         "look.widgets.0.region={ s = [0.4, 0.6] }",
         "view.size=[3, 3]",
     ];
-    let document = open(&folder, &narrow);
+    let document = open(&folder, "slab.toml", &narrow);
     let mut session = voltet::nodes::session();
     let report = session.run(&document.graph, &Unobserved).unwrap();
     let said = |report: &RunReport| -> Vec<String> {
@@ -118,22 +120,20 @@ fn doing_everything_changes_no_picture_and_leaves_nothing_out() {
     let untouched = "look.widgets.1.centre=[9.0, 1.0]";
     let inside = "view.eye=[0.4, 0.5, 0.5]";
     let light = "picture.light={ direction = [1, 1, 1], diffuse = 0.7 }";
-    let two = folder.join("two.toml");
-    let slab = folder.join("slab.toml");
-    for (path, options) in [
-        (&slab, &[][..]),
-        (&slab, &["picture.silhouette=2"]),
-        (&slab, &["look.widgets.0.region={ s = [0.4, 0.6] }", "view.height=0.5"]),
-        (&two, &[]),
-        (&two, &[untouched]),
-        (&two, &[inside, "view.near=0.05"]),
-        (&two, &[light]),
-        (&two, &["look.model=constant-emitter"]),
-        (&two, &["picture.order=centroid"]),
+    let (slab, two) = ("slab.toml", "two.toml");
+    for (name, options) in [
+        (slab, &[][..]),
+        (slab, &["picture.silhouette=2"]),
+        (slab, &["look.widgets.0.region={ s = [0.4, 0.6] }", "view.height=0.5"]),
+        (two, &[]),
+        (two, &[untouched]),
+        (two, &[inside, "view.near=0.05"]),
+        (two, &[light]),
+        (two, &["look.model=constant-emitter"]),
+        (two, &["picture.order=centroid"]),
     ] {
-        let options: Vec<String> =
-            options.iter().chain(&["view.size=[48, 40]"]).map(|option| option.to_string()).collect();
-        let document = Document::open(path, &options, &voltet::nodes::registry().unwrap()).unwrap();
+        let options: Vec<&str> = options.iter().copied().chain(["view.size=[48, 40]"]).collect();
+        let document = open(&folder, name, &options);
         let (usual, all) = (run(&document), thorough(&document));
         let comparison = Thorough::compare(&usual, &all);
         assert!(comparison.is_same(), "{options:?}: {comparison:#?}");
@@ -152,7 +152,9 @@ fn doing_everything_changes_no_picture_and_leaves_nothing_out() {
 #[test]
 fn a_run_that_leaves_nothing_out_says_what_it_costs() {
     let folder = Folder::new();
-    let ran = folder.voltet(&["run", "slab.toml", "--no-leave-out", "--report", "r.json"]).ok();
+    let ran = folder
+        .voltet(&["run", "slab.toml", "--no-leave-out", "--report", "r.json", "--set", "picture.engine=cpu"])
+        .ok();
     for text in ["leaving nothing out took", "times as long", "the pictures differ by at most"] {
         assert!(ran.stdout.contains(text), "'{text}' is not in\n{}", ran.stdout);
     }
@@ -184,4 +186,35 @@ fn explain_knows_from_headers_which_arrays_are_not_read() {
     std::fs::remove_file(folder.join("cube.vtu")).unwrap();
     let ran = folder.voltet(&["explain", "slab.toml"]).ok();
     assert!(ran.stdout.contains("'grid' does not read is known once the file is there"), "{}", ran.stdout);
+}
+
+/// On a device: what was compiled and sent for one picture serves the next, and a colour is no part of either.
+#[test]
+fn nothing_is_compiled_or_sent_to_a_device_twice() {
+    let folder = Folder::new();
+    let registry = voltet::nodes::registry().unwrap();
+    let mut session = voltet::nodes::session();
+    let mut draw = |more: &[&str]| {
+        let options: Vec<String> =
+            more.iter().chain(&["picture.engine=gpu"]).map(|option| option.to_string()).collect();
+        let document = Document::open(&folder.join("slab.toml"), &options, &registry).unwrap();
+        session
+            .run(&document.graph, &Unobserved)
+            .map(|report| ["shader_builds", "uploads", "gradients_computed"].map(|name| report.counts[name]))
+    };
+    let first = match draw(&[]) {
+        Ok(first) => first,
+        Err(error) => {
+            assert!(error.to_string().contains("no hardware adapter"), "{error}");
+            assert!(!std::env::var("VOLTET_REQUIRE_GPU").is_ok_and(|value| value == "1"), "{error}");
+            eprintln!("\n*** SKIPPED: no Vulkan adapter; scripts/install-software-vulkan.sh ***\n");
+            return;
+        }
+    };
+    assert!(first[0] > 0 && first[1] > 0, "{first:?}");
+    assert_eq!(draw(&["look.widgets.0.color=[1, 0, 0]"]).unwrap(), [0, 0, 0], "another colour");
+    assert_eq!(draw(&["view.size=[9, 7]"]).unwrap(), [0, 0, 0], "another size");
+    // g is a further array, and a region by g further text; nothing else is sent or compiled.
+    let [builds, uploads, gradients] = draw(&["look.widgets.0.region={ g = [0.5, 2.0] }"]).unwrap();
+    assert!(builds > 0 && uploads > 0 && gradients == 1, "{builds} {uploads} {gradients}");
 }
