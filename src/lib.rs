@@ -1,8 +1,8 @@
 //! voltet: volume pictures of results on unstructured grids, straight from the cells, with transfer functions over
 //! a scalar and its gradient magnitude.
 //!
-//! This crate is the program and a facade over three libraries: [`core`] (what a scene is), [`engine`] (what draws it natively) and [`nodes`] (what
-//! reads, draws and writes it). [`Document`] opens a pipeline file, [`nodes::session`] runs it.
+//! This crate is the program and a facade over libraries: [`core`] (what a scene is), [`engine`] (what draws it
+//! natively), `gpu` (what draws it on a device; the feature of that name) and [`nodes`] (what reads, draws and writes it). [`Document`] opens a pipeline file, [`nodes::session`] runs it.
 //!
 //! ```no_run
 //! # fn main() -> voltet::core::Result<()> {
@@ -23,4 +23,6 @@ pub use document::{Document, read_text};
 pub use thorough::{SAME, Thorough};
 pub use voltet_core as core;
 pub use voltet_engine as engine;
+#[cfg(feature = "gpu")]
+pub use voltet_gpu as gpu;
 pub use voltet_nodes as nodes;

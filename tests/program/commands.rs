@@ -30,9 +30,13 @@ fn explain_says_what_runs_and_what_is_left_out_without_the_data() {
     let folder = Folder::new();
     std::fs::remove_file(folder.join("cube.vtu")).unwrap();
     let text = folder.voltet(&["explain", "slab.toml"]).ok().stdout;
+    let engine = match cfg!(feature = "gpu") {
+        true => "auto (the run takes the GPU if a hardware adapter holds the scene, else the CPU)",
+        false => "cpu (this build has no GPU engine)",
+    };
     for wanted in [
         "slab.toml: An even slab",
-        "Engine of 'picture': auto (the run takes the GPU if a hardware adapter holds the scene, else the CPU)",
+        &format!("Engine of 'picture': {engine}"),
         "gradient: no gradient: no widget looks at the gradient magnitude and nothing is lit",
         "picture: no visibility order: one colour and no light",
     ] {

@@ -4,6 +4,7 @@
 mod bad_data;
 mod bad_pipelines;
 mod commands;
+#[cfg(feature = "gpu")]
 mod engines;
 mod finders;
 mod left_out;

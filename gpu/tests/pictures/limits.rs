@@ -110,3 +110,14 @@ fn small_bindings_draw_in_windows_or_refuse() {
         assert!(error.contains(word), "'{word}' is not in: {error}");
     }
 }
+
+#[test]
+fn nothing_draws_nothing() {
+    let empty = crate::grids::volume(crate::grids::grid(Vec::new(), Vec::new()), |_| 0.0, |_| 0.0);
+    for (volume, look) in [(empty, overlapping()), (smooth(cube([2, 2, 2], 0.0)), look(Vec::new()))] {
+        let scene = Scene { name: "nothing".into(), volume, look, camera: outside([20, 12]) };
+        let Some(drawn) = draw(&scene, &SHADING, Order::Exact) else { return };
+        assert_eq!(drawn.counts.segments, 0);
+        assert!(drawn.picture.rgba.iter().all(|pixel| *pixel == [0.0; 4]));
+    }
+}
