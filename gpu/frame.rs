@@ -37,6 +37,9 @@ const BUDGET: u32 = 1 << 22;
 /// The same on a software driver: Mesa's ends loops after 65,535 rounds in all, of which a segment takes more than one.
 const BUDGET_SOFTWARE: u32 = 1 << 14;
 
+/// Dispatches in which every tile gets further, so that far fewer suffice.
+const DISPATCHES_MOST: u32 = 100_000;
+
 /// Cells of one tile that a software driver sorts within those rounds.
 const LONGEST_SOFTWARE: u32 = 20_000;
 
@@ -170,7 +173,17 @@ impl Frame<'_> {
             // Without states a dispatch cannot go on: the caller finds that out from the counts.
             if goes_on {
                 counted = passes.counts()?;
+                let mut dispatches = 0;
                 while counted[count::UNFINISHED] != 0 && counted[count::ENTRIES] <= capacity {
+                    dispatches += 1;
+                    if dispatches > DISPATCHES_MOST {
+                        return Err(Error::run(format!(
+                            "{} does not come to an end with the tiles",
+                            device.name
+                        ))
+                        .found(format!("{} tiles that go on", counted[count::UNFINISHED]))
+                        .accepted("another adapter, or engine = \"cpu\""));
+                    }
                     passes.submit_tiles(&record, timing)?;
                     counted = passes.counts()?;
                 }

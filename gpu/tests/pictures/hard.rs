@@ -143,6 +143,30 @@ fn deep_pixels() {
     }
 }
 
+/// The same with long cells among them: a dispatch that goes on meets cells of every former chunk again.
+#[test]
+fn deep_pixels_with_long_cells() {
+    let base = moved(&cube([2, 780, 2], 0.0), |p| DVec3::new(p.x, 3.0 * p.y, p.z));
+    let (mut points, mut cells) = (Vec::new(), Vec::new());
+    for k in 0..240u32 {
+        let share = f64::from(k) / 240.0;
+        let [x, z] = [0.754_877_67, 0.569_840_29].map(|step| 0.05 + 0.85 * (step * f64::from(k)).fract());
+        let y = 2.9 * share;
+        points.extend(
+            [[x, y, z], [x + 0.05, y, z], [x, y, z + 0.05], [x + 0.02, 3.1, z + 0.02]].map(DVec3::from),
+        );
+        cells.push([4 * k, 4 * k + 1, 4 * k + 2, 4 * k + 3]);
+    }
+    let s = |p: DVec3| 0.5 + 0.5 * (9.0 * p.y + 2.0 * p.x).sin();
+    let scene = Scene {
+        name: "deep with long cells".into(),
+        volume: volume(together(&[base, grid(points, cells)]), s, |p| p.z),
+        look: look(overlapping().widgets.iter().map(|widget| widget.with_extinction_times(0.2)).collect()),
+        camera: perspective([0.45, -3.0, 0.55], [0.5, 0.0, 0.5], 18.0, [16, 16]),
+    };
+    ordinary(&scene);
+}
+
 #[test]
 fn huge_cell() {
     let corners = [[-50.0, 10.0, -50.0], [60.0, 11.0, -45.0], [1.0, 12.0, 70.0], [0.0, 30.0, 2.0]];

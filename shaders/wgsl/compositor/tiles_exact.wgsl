@@ -162,14 +162,20 @@ fn composite_tiles(
             if !any_pixel(open, lane) {
                 break;
             }
-            if first + CHUNK < list.y && any_pixel(view.budget < work, lane) {
-                // What waits begins behind the horizon, and is found again.
+            if first + CHUNK < list.y {
                 let horizon = Key(bitcast<f32>(entries[first + CHUNK].y), -FAR, 0u);
-                if is_nearer(horizon, limit) {
-                    limit = horizon;
+                // Not before the nearest open pixel has got further.
+                if least_low < horizon.entry && any_pixel(view.budget < work, lane) {
+                    // What waits begins behind the horizon, and is found again.
+                    if is_nearer(horizon, limit) {
+                        limit = horizon;
+                    }
+                    if is_nearer(limit, low) {
+                        limit = low;
+                    }
+                    stops = true;
+                    break;
                 }
-                stops = true;
-                break;
             }
         }
         open = open && limit.entry < FAR;
