@@ -13,6 +13,7 @@ use super::widget::{Along, LaneWidget};
 use voltet_core::lanes::{Float, Lanes, Mask};
 use voltet_core::optics::integrators::SegmentIntegrator;
 use voltet_core::optics::lanes::elementary::one_minus_exp;
+use voltet_core::optics::lanes::smooth::Shape;
 use voltet_core::optics::{Overlap, Prepared, Segment};
 use voltet_core::shading::{Integrator, Shading};
 use voltet_core::transfer::{OpticalModel, Profile, TransferFunction};
@@ -166,6 +167,9 @@ impl Shader {
                     }
                     unsure
                 }
+                widgets if self.one_color.is_some() => {
+                    self.of_one_color::<L>(widgets, &along, at, count, out)
+                }
                 widgets => self.several::<L>(widgets, &along, at, count, out),
             };
             let mut unsure = unsure & along.crossing.bits();
@@ -269,6 +273,32 @@ impl Shader {
         }
     }
 
+    /// Widgets of one colour: optical depths add up, whatever the order.
+    #[inline(always)]
+    fn of_one_color<L: Lanes>(
+        &self,
+        widgets: &[LaneWidget],
+        along: &Along<L>,
+        at: usize,
+        count: usize,
+        out: &mut Shaded,
+    ) -> u32 {
+        let zero = L::F::splat(0.0);
+        let (mut total, mut product, mut unsure) = (zero, zero, 0);
+        for widget in widgets {
+            let (depth, no) = widget.depth::<L>(along);
+            unsure |= no;
+            product = depth.mul_add(total, product);
+            total = total + depth;
+        }
+        if widgets.len() > 1 {
+            let overlapping = overlaps::<L>(product, along, count - at);
+            out.overlap_count += u64::from(overlapping.count_ones());
+        }
+        total.store(&mut out.depth[at..]);
+        unsure
+    }
+
     /// Widgets whose colour does not vary along the segment, one or more.
     #[inline(always)]
     fn several<L: Lanes>(
@@ -284,52 +314,50 @@ impl Shader {
         // `product` is Σ_{i<j} T_i T_j, without cancellation: a stiff widget must not hide a thin one.
         let (mut total, mut product, mut unsure) = (zero, zero, 0);
         let mut color = [zero; 3];
-        let mut depths = [zero; ORDERED_MOST];
+        let mut shapes = [Shape::<L>::even(zero); ORDERED_MOST];
         for (i, widget) in widgets.iter().enumerate() {
-            let (depth, no) = widget.depth::<L>(along);
+            let (shape, no) = widget.shape::<L>(along);
+            let depth = shape.depth;
             unsure |= no;
-            depths[i.min(ORDERED_MOST - 1)] = depth;
+            shapes[i.min(ORDERED_MOST - 1)] = shape;
             product = depth.mul_add(total, product);
             total = total + depth;
             for (sum, c) in color.iter_mut().zip(widget.color()) {
                 *sum = depth.mul_add(splat(c), *sum);
             }
             // A piecewise-linear widget's colour varies along the stretch.
-            if matches!(widget, LaneWidget::Linear(_)) && self.one_color.is_none() {
+            if matches!(widget, LaneWidget::Linear(_)) {
                 unsure |= zero.lt(depth).bits();
             }
         }
-        if widgets.len() > 1 {
-            // Lanes past the end of the batch hold fragments of the next one.
-            let meant = u32::MAX >> (32 - (count - at).min(L::WIDTH));
-            let overlapping = splat(MIX_PRODUCT).lt(product).and(along.crossing).bits();
-            out.overlap_count += u64::from((overlapping & meant).count_ones());
-        }
-        if self.one_color.is_some() {
-            total.store(&mut out.depth[at..]);
-            return unsure;
-        }
+        let overlapping = overlaps::<L>(product, along, count - at);
+        out.overlap_count += u64::from(overlapping.count_ones());
         let opacity = one_minus_exp::<L>(total);
         let share = L::F::select(zero.lt(total), opacity / total, zero);
         for (column, sum) in out.rgba.iter_mut().zip(color) {
             (sum * share).store(&mut column[at..]);
         }
         opacity.store(&mut out.rgba[3][at..]);
-        if self.overlap == Overlap::Mix {
-            return unsure;
-        }
-        let overlapping = splat(MIX_PRODUCT).lt(product).bits() & along.crossing.bits() & !unsure;
-        if overlapping == 0 {
+        let overlapping = overlapping & !unsure;
+        if self.overlap == Overlap::Mix || overlapping == 0 {
             return unsure;
         }
         if widgets.len() > ORDERED_MOST {
             return unsure | overlapping;
         }
-        let together = Together { widgets, along, depths, total, product };
-        let rest = overlapping & !together.tilted(overlapping, at, out);
+        let together = Together { widgets, along, shapes: &shapes[..widgets.len()], total, product };
+        let rest = overlapping & !together.smooth(overlapping, at, out);
         if rest == 0 {
             return unsure;
         }
-        unsure | together.ordered(rest, at, out)
+        unsure | together.quadrature(rest, at, out)
     }
+}
+
+/// Lanes (bits) of the first `count` segments on which widgets overlap; those past the end of the batch hold fragments of
+/// the next one.
+#[inline(always)]
+fn overlaps<L: Lanes>(product: L::F, along: &Along<L>, count: usize) -> u32 {
+    let meant = u32::MAX >> (32 - count.min(L::WIDTH));
+    L::F::splat(MIX_PRODUCT).lt(product).and(along.crossing).bits() & meant
 }

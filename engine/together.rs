@@ -3,21 +3,21 @@
 
 use super::shade::{MIX_PRODUCT, Shaded};
 use super::widget::{Along, LaneWidget, lanes_of};
-use voltet_core::lanes::{Float, Lanes, Mask};
-use voltet_core::optics::lanes::elementary::{exp, one_minus_exp, polynomial};
+use voltet_core::lanes::{Float, Lanes, Mask, inlined};
+use voltet_core::optics::lanes::elementary::{exp, one_minus_exp};
+use voltet_core::optics::lanes::smooth::{Shape, Smooth};
 
-/// Bound of product · A² (T + A) under which [`Together::tilted`] serves: it leaves a sixtieth of that, 3e-8.
-const TILTED_PRODUCT: f32 = 2e-6;
+/// Bound of [`Smooth::holds`]: what is left out of a segment's light is under 2e-7.
+const SMOOTH_BOUND: f32 = 3e-5;
 
 /// Widgets that are ordered here; more on one scene go the 64-bit way where they overlap.
 pub(crate) const ORDERED_MOST: usize = 8;
 
-/// One vector of segments with the optical depths of its widgets.
+/// One vector of segments with the shapes of its widgets.
 pub(crate) struct Together<'a, L: Lanes> {
     pub widgets: &'a [LaneWidget],
     pub along: &'a Along<L>,
-    /// T of each widget.
-    pub depths: [L::F; ORDERED_MOST],
+    pub shapes: &'a [Shape<L>],
     /// Σ T.
     pub total: L::F,
     /// Σ_{i<j} T_i T_j.
@@ -25,42 +25,39 @@ pub(crate) struct Together<'a, L: Lanes> {
 }
 
 impl<L: Lanes> Together<'_, L> {
-    /// The ordered integral where every density is nearly linear along the segment, ρ_i ∝ T_i (1 + a_i (2t − 1)): to
-    /// first order in a, with S = Σ a_j T_j and K(T) = ∫₀¹ t (1 − t) e^(−T t) dt,
-    /// C_i = T_i ((1 − e^(−T))/T − (a_i T − S) K(T)). Corrects the mix in `out`; returns the lanes it served.
-    ///
-    /// What is left out is of second order in a and in the bend of the profile, under product · A² (T + A)/60 with A
-    /// the largest of both.
+    /// Whether a widget is dense enough for its order to matter.
     #[inline(always)]
-    pub fn tilted(&self, overlapping: u32, at: usize, out: &mut Shaded) -> u32 {
-        let splat = L::F::splat;
-        let &Together { widgets, along, ref depths, total, product } = self;
-        let (mut largest, mut sum) = (splat(0.0), splat(0.0));
-        for (widget, &depth) in widgets.iter().zip(depths) {
-            // Half of the roughness is the extent in widths.
-            let Some(roughness) = widget.roughness::<L>(along) else { return 0 };
-            let tilt = widget.tilt::<L>(along);
-            let matters = splat(MIX_PRODUCT).lt(depth * total);
-            let bend = (roughness * splat(0.5)).max(tilt.abs());
-            largest = L::F::select(matters, bend.max(largest), largest);
-            sum = tilt.mul_add(depth, sum);
+    fn matters(&self, shape: &Shape<L>) -> L::M {
+        L::F::splat(MIX_PRODUCT).lt(shape.depth * self.total)
+    }
+
+    /// The ordered light in closed form where every density hardly bends ([`Smooth`]). Corrects the mix in `out`; returns
+    /// the lanes it served.
+    #[inline(always)]
+    pub fn smooth(&self, overlapping: u32, at: usize, out: &mut Shaded) -> u32 {
+        let zero = L::F::splat(0.0);
+        let (mut change, mut tilted, mut bent) = (zero, zero, zero);
+        for shape in self.shapes {
+            // A widget that does not matter may have an endless tilt.
+            let matters = self.matters(shape);
+            let add = inlined(
+                #[inline(always)]
+                |sum: L::F, x: L::F| L::F::select(matters, x.mul_add(shape.depth, sum), sum),
+            );
+            change = L::F::select(matters, change.max(shape.change_squared), change);
+            tilted = add(tilted, shape.tilt);
+            bent = add(bent, shape.bend);
         }
-        let left_out = product * (largest * largest) * (total + largest);
-        let smooth = left_out.lt(splat(TILTED_PRODUCT)).and(largest.le(splat(0.5)));
-        let served = overlapping & smooth.and(total.le(splat(1.0))).bits();
+        let served = overlapping & Smooth::<L>::holds(self.total, self.product, change, SMOOTH_BOUND).bits();
         if served == 0 {
             return 0;
         }
-        // (−1)^k / (k! (k + 2) (k + 3)): six terms leave 2e-5 of K at T = 1.
-        let kernel = polynomial::<L, 6>(
-            -total,
-            [1.0 / 6.0, 1.0 / 12.0, 1.0 / 40.0, 1.0 / 180.0, 1.0 / 1008.0, 1.0 / 6720.0],
-        );
-        let mut correction = [splat(0.0); 3];
-        for (widget, &depth) in widgets.iter().zip(depths) {
-            let change = (sum - widget.tilt::<L>(along) * total) * depth;
+        let smooth = Smooth::<L>::new(self.total, tilted, bent);
+        let mut correction = [zero; 3];
+        for (widget, shape) in self.widgets.iter().zip(self.shapes) {
+            let more = L::F::select(self.matters(shape), smooth.correction(shape), zero);
             for (sum, c) in correction.iter_mut().zip(widget.color()) {
-                *sum = change.mul_add(splat(c), *sum);
+                *sum = more.mul_add(L::F::splat(c), *sum);
             }
         }
         replace::<L>(
@@ -68,7 +65,7 @@ impl<L: Lanes> Together<'_, L> {
             at,
             out,
             #[inline(always)]
-            |channel, mixed| correction[channel].mul_add(kernel, mixed).max(splat(0.0)),
+            |channel, mixed| (mixed + correction[channel]).max(zero),
         );
         served
     }
@@ -77,16 +74,16 @@ impl<L: Lanes> Together<'_, L> {
     /// segments on which every widget's profile is smooth and the depth moderate; the lanes it cannot serve are
     /// returned.
     #[inline(always)]
-    pub fn ordered(&self, overlapping: u32, at: usize, out: &mut Shaded) -> u32 {
+    pub fn quadrature(&self, overlapping: u32, at: usize, out: &mut Shaded) -> u32 {
         let splat = L::F::splat;
-        let &Together { widgets, along, ref depths, total, .. } = self;
-        // How many steps the roughest lane wants.
-        let mut wish = total;
-        for (widget, &depth) in widgets.iter().zip(depths) {
-            let Some(extent) = widget.roughness::<L>(along) else { return overlapping };
-            let matters = splat(MIX_PRODUCT).lt(depth * total);
-            wish = L::F::select(matters, extent.max(wish), wish);
+        let &Together { widgets, along, shapes, total, .. } = self;
+        // How many steps the roughest lane wants: a cubic through four densities leaves 3e-5 of the depth where a Gaussian
+        // extends over half a width.
+        let mut widest = splat(0.0);
+        for shape in shapes {
+            widest = L::F::select(self.matters(shape), widest.max(shape.extent_squared), widest);
         }
+        let wish = total.max(widest.sqrt() * splat(2.0));
         let served = overlapping & wish.le(splat(STEPS as f32)).bits();
         if served == 0 {
             return overlapping;
@@ -97,17 +94,16 @@ impl<L: Lanes> Together<'_, L> {
         let (mut color, mut through) = ([splat(0.0); 3], splat(1.0));
         // Widgets too thin for the order to matter are mixed in.
         let average = one_minus_exp::<L>(total) / total.max(splat(f32::MIN_POSITIVE));
-        for (widget, &depth) in widgets.iter().zip(depths) {
-            let matters = splat(MIX_PRODUCT).lt(depth * total);
-            let mixed = L::F::select(matters, splat(0.0), depth * average);
+        for (widget, shape) in widgets.iter().zip(shapes) {
+            let mixed = L::F::select(self.matters(shape), splat(0.0), shape.depth * average);
             for (sum, c) in color.iter_mut().zip(widget.color()) {
                 *sum = mixed.mul_add(splat(c), *sum);
             }
         }
         for step in 0..steps {
             let (mut density, mut weighted) = ([splat(0.0); 4], [[splat(0.0); 3]; 4]);
-            for (widget, &widget_depth) in widgets.iter().zip(depths) {
-                let matters = splat(MIX_PRODUCT).lt(widget_depth * total);
+            for (widget, shape) in widgets.iter().zip(shapes) {
+                let matters = self.matters(shape);
                 for j in 0..4 {
                     let t = share * splat(step as f32 + NODES[j]);
                     let value = L::F::select(matters, widget.density::<L>(along, t), splat(0.0));

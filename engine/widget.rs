@@ -7,7 +7,8 @@ use super::project::Attribute;
 use super::region::LaneRegion;
 use super::wave::LaneWave;
 use voltet_core::lanes::{Float, Lanes, Mask, Unsigned, array, inlined};
-use voltet_core::optics::lanes::gaussian::mean_profile;
+use voltet_core::optics::lanes::gaussian;
+use voltet_core::optics::lanes::smooth::Shape;
 use voltet_core::transfer::{Profile, Widget};
 
 /// One vector of segments of a batch. Lengths in scene lengths, attributes scaled.
@@ -62,6 +63,13 @@ impl<L: Lanes> Along<L> {
             }
         }
     }
+}
+
+/// Whether the stretch [t₀, t₁] is a part of the segment, neither all nor nothing.
+#[inline(always)]
+fn cuts<L: Lanes>(t0: L::F, t1: L::F) -> L::M {
+    let all = t0.le(L::F::splat(0.0)).and(L::F::splat(1.0).le(t1));
+    t0.lt(t1).and(all.not())
 }
 
 /// A mask from its bits.
@@ -191,14 +199,7 @@ impl LaneWidget {
                 let (t0, t1) = region.clip(along);
                 ((t1 - t0).max(zero) * L::F::splat(*density) * along.length, 0)
             }
-            LaneWidget::Gaussian(gaussian) => {
-                let unsure = if gaussian.narrow {
-                    L::F::splat(WIDTHS_MOST).lt(gaussian.extent::<L>(along)).bits()
-                } else {
-                    0
-                };
-                (gaussian.depth(along), unsure)
-            }
+            LaneWidget::Gaussian(gaussian) => (gaussian.depth(along), gaussian.unsure(along)),
             LaneWidget::Wave { wave, density, region, .. } => {
                 let (front, back, share) = along.inside(region.as_ref());
                 (wave.mean::<L>(&front, &back) * (L::F::splat(*density) * along.length * share), 0)
@@ -208,45 +209,26 @@ impl LaneWidget {
         }
     }
 
-    /// How many steps a quadrature of four points wants on the segment: at most 1 where the profile is smooth on
-    /// all of it, infinite where it jumps; `None` if the widget cannot say.
+    /// Optical depths with their shape along the segment, and the lanes (bits) that only the 64-bit path can serve. The
+    /// change is infinite where a region cuts the segment, and for profiles that have no shape.
     #[inline(always)]
-    pub fn roughness<L: Lanes>(&self, along: &Along<L>) -> Option<L::F> {
-        let region = match self {
-            LaneWidget::Uniform { region, .. } => Some(region),
-            LaneWidget::Gaussian(gaussian) => gaussian.region.as_ref(),
-            _ => return None,
-        };
-        let splat = L::F::splat;
-        // |q_b − q_f| ≤ ½ a step: the cubic through four densities then leaves 3e-5 of the depth.
-        let extent = match self {
-            LaneWidget::Gaussian(gaussian) => gaussian.extent::<L>(along) * splat(2.0),
-            _ => splat(0.0),
-        };
-        Some(match region {
-            None => extent,
-            Some(region) => {
-                let (t0, t1) = region.clip(along);
-                let inside = t0.le(splat(0.0)).and(splat(1.0).le(t1));
-                let outside = t1.le(t0);
-                let cut = L::F::select(inside, extent, splat(f32::INFINITY));
-                L::F::select(outside, splat(0.0), cut)
-            }
-        })
-    }
-
-    /// a of the density's linear trend, 1 + a (2t − 1) times its mean, for a profile that hardly bends: half the
-    /// logarithmic derivative at the middle.
-    #[inline(always)]
-    pub fn tilt<L: Lanes>(&self, along: &Along<L>) -> L::F {
+    pub fn shape<L: Lanes>(&self, along: &Along<L>) -> (Shape<L>, u32) {
         match self {
-            LaneWidget::Gaussian(gaussian) => gaussian.tilt::<L>(along),
-            _ => L::F::splat(0.0),
+            LaneWidget::Gaussian(gaussian) => (gaussian.shape(along), gaussian.unsure(along)),
+            LaneWidget::Uniform { region, .. } => {
+                let (depth, unsure) = self.depth::<L>(along);
+                let (t0, t1) = region.clip(along);
+                (Shape::even(depth).cut(cuts::<L>(t0, t1)), unsure)
+            }
+            _ => {
+                let (depth, unsure) = self.depth::<L>(along);
+                (Shape::even(depth).cut(L::F::splat(0.0).lt(depth)), unsure)
+            }
         }
     }
 
-    /// Density at a point of the segment. Regions are not looked at: a widget whose region cuts the segment is
-    /// rough, and one whose region misses it has no depth.
+    /// Density at a point of the segment. Regions are not looked at: a widget whose region cuts the segment has
+    /// no shape, and one whose region misses it has no depth.
     #[inline(always)]
     pub fn density<L: Lanes>(&self, along: &Along<L>, t: L::F) -> L::F {
         match self {
@@ -268,16 +250,17 @@ impl LaneGaussian {
         )
     }
 
+    /// Depth and shape between two points of the (s, g) plane, with a rate of `peak` at the centre.
     #[inline(always)]
-    fn mean<L: Lanes>(&self, front: &[L::F; 2], back: &[L::F; 2]) -> L::F {
+    fn between<L: Lanes>(&self, front: &[L::F; 2], back: &[L::F; 2], peak: L::F) -> Shape<L> {
         if self.one_dimensional {
             let q = inlined(
                 #[inline(always)]
                 |v: &[L::F; 2]| [L::F::splat(self.matrix[0][0]) * (v[0] - L::F::splat(self.centre[0]))],
             );
-            mean_profile::<L, 1>(q(front), q(back))
+            gaussian::shape::<L, 1>(q(front), q(back), peak)
         } else {
-            mean_profile::<L, 2>(self.point::<L>(front), self.point::<L>(back))
+            gaussian::shape::<L, 2>(self.point::<L>(front), self.point::<L>(back), peak)
         }
     }
 
@@ -285,26 +268,33 @@ impl LaneGaussian {
     fn depth<L: Lanes>(&self, along: &Along<L>) -> L::F {
         let peak = L::F::splat(self.density) * along.length;
         let (front, back, share) = along.inside(self.region.as_ref());
-        self.mean::<L>(&front, &back) * peak * share
+        self.between::<L>(&front, &back, peak * share).depth
     }
 
-    /// |K (v_b − v_f)|.
+    /// The shape of the part inside the region, which jumps where that is a part only.
     #[inline(always)]
-    fn extent<L: Lanes>(&self, along: &Along<L>) -> L::F {
+    fn shape<L: Lanes>(&self, along: &Along<L>) -> Shape<L> {
+        let peak = L::F::splat(self.density) * along.length;
+        match &self.region {
+            None => self.between::<L>(&along.front, &along.back, peak),
+            Some(region) => {
+                let (t0, t1) = region.clip(along);
+                let peak = peak * (t1 - t0).max(L::F::splat(0.0));
+                self.between::<L>(&along.at(t0), &along.at(t1), peak).cut(cuts::<L>(t0, t1))
+            }
+        }
+    }
+
+    /// Lanes (bits) on which the segment spans too many widths.
+    #[inline(always)]
+    fn unsure<L: Lanes>(&self, along: &Along<L>) -> u32 {
+        if !self.narrow {
+            return 0;
+        }
         let (front, back) = (self.point::<L>(&along.front), self.point::<L>(&along.back));
         let step = [back[0] - front[0], back[1] - front[1]];
-        step[0].mul_add(step[0], step[1] * step[1]).sqrt()
-    }
-
-    /// ½ (|q_f|² − |q_b|²), as −½ (q_b − q_f)·(q_b + q_f): the difference of squares would cancel.
-    #[inline(always)]
-    fn tilt<L: Lanes>(&self, along: &Along<L>) -> L::F {
-        let (front, back) = (self.point::<L>(&along.front), self.point::<L>(&along.back));
-        let product = inlined(
-            #[inline(always)]
-            |i: usize| (front[i] - back[i]) * (front[i] + back[i]),
-        );
-        (product(0) + product(1)) * L::F::splat(0.5)
+        let extent = step[0].mul_add(step[0], step[1] * step[1]).sqrt();
+        L::F::splat(WIDTHS_MOST).lt(extent).bits()
     }
 
     #[inline(always)]

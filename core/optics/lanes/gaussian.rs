@@ -11,6 +11,7 @@
 
 use super::elementary::{HALF_SQRT_PI, erfcx, exp, polynomial};
 use super::quadrature::POINTS;
+use super::smooth::Shape;
 use super::track::{LaneTrack, PASSED, at_nodes, mean_transmittance_along};
 use crate::lanes::{Float, Lanes, Mask, array, inlined};
 
@@ -92,36 +93,27 @@ impl<L: Lanes> LaneGaussianPath<L> {
     /// Mean of e^(−x² − h²) over the path.
     #[inline(always)]
     fn mean(&self) -> L::F {
+        let middle = (self.front + self.back) * L::F::splat(0.5);
+        let near = Near {
+            middle_squared: middle.mul_add(middle, self.offset_squared),
+            product: middle * self.length,
+            length_squared: self.length * self.length,
+        };
+        near.mean(
+            #[inline(always)]
+            || *self,
+        )
+    }
+
+    /// The mean where the path is long.
+    #[inline(always)]
+    fn far_mean(&self) -> L::F {
         let splat = L::F::splat;
         let zero = splat(0.0);
-        let (a, b, d, inverse, h2) = (self.front, self.back, self.length, self.inverse, self.offset_squared);
+        let (a, b, h2) = (self.front, self.back, self.offset_squared);
         // Mirror so that |a| ≤ b.
         let mirrored = (a + b).lt(zero);
         let (low, high) = (L::F::select(mirrored, -b, a), L::F::select(mirrored, -a, b));
-
-        let short = (splat(2.0) * high * d).le(splat(1.0));
-        let middle = (low + high) * splat(0.5);
-        let half = d * splat(0.5);
-        // e^(−y²) to y² ≤ ¼ and cosh(2 x̄ y), 2 x̄ y ≤ ½: truncation 1e-7 and 1e-8.
-        let even_part = inlined(
-            #[inline(always)]
-            |node: f32| {
-                let y = half * splat(node);
-                let y2 = y * y;
-                let gauss = polynomial::<L, 6>(-y2, [1.0, 1.0, 0.5, 1.0 / 6.0, 1.0 / 24.0, 1.0 / 120.0]);
-                let w = splat(2.0) * middle * y;
-                let cosh = polynomial::<L, 4>(w * w, [1.0, 0.5, 1.0 / 24.0, 1.0 / 720.0]);
-                gauss * cosh
-            },
-        );
-        let quadrature = even_part(0.906_179_85).mul_add(
-            splat(0.236_926_89),
-            even_part(0.538_469_3).mul_add(splat(0.478_628_67), splat(0.284_444_45)),
-        );
-        let near = exp::<L>(-(middle.mul_add(middle, h2))) * quadrature;
-        if !short.not().any() {
-            return near;
-        }
         let tail = inlined(
             #[inline(always)]
             |x: L::F| exp::<L>(-(x.mul_add(x, h2))) * erfcx::<L>(x.abs()),
@@ -129,8 +121,67 @@ impl<L: Lanes> LaneGaussianPath<L> {
         let (tail_low, tail_high) = (tail(low), tail(high));
         let both = splat(2.0) * exp::<L>(-h2) - tail_low;
         let across = L::F::select(low.lt(zero), both, tail_low);
-        let long = splat(HALF_SQRT_PI) * (across - tail_high) * inverse;
-        L::F::select(short, near, long.max(zero))
+        (splat(HALF_SQRT_PI) * (across - tail_high) * self.inverse).max(zero)
+    }
+}
+
+/// What the mean over a short path looks at: no root and no quotient.
+struct Near<L: Lanes> {
+    /// |q̄|² = x̄² + h², q̄ the middle.
+    middle_squared: L::F,
+    /// p = x̄ d = q̄ · (q_b − q_f).
+    product: L::F,
+    /// d².
+    length_squared: L::F,
+}
+
+impl<L: Lanes> Near<L> {
+    #[inline(always)]
+    fn new<const N: usize>(front: &[L::F; N], back: &[L::F; N]) -> Self {
+        let half = L::F::splat(0.5);
+        let (step, middle) = (back[0] - front[0], (front[0] + back[0]) * half);
+        let mut near =
+            Near { middle_squared: middle * middle, product: middle * step, length_squared: step * step };
+        for i in 1..N {
+            let (step, middle) = (back[i] - front[i], (front[i] + back[i]) * half);
+            near.middle_squared = middle.mul_add(middle, near.middle_squared);
+            near.product = middle.mul_add(step, near.product);
+            near.length_squared = step.mul_add(step, near.length_squared);
+        }
+        near
+    }
+
+    /// The mean; `path` makes the whole path where some lane needs it.
+    #[inline(always)]
+    fn mean(&self, path: impl Fn() -> LaneGaussianPath<L>) -> L::F {
+        let splat = L::F::splat;
+        let &Near { middle_squared, product, length_squared } = self;
+        // b = |x̄| + ½ d.
+        let short = product.abs().mul_add(splat(2.0), length_squared).le(splat(1.0));
+        // With y = ½ d node: e^(−y²) to y² ≤ ¼ and cosh(2 x̄ y), 2 x̄ y = p node ≤ ½: truncation 1e-7 and 1e-8.
+        let quarter = length_squared * splat(-0.25);
+        let squared = product * product;
+        let even_part = inlined(
+            #[inline(always)]
+            |node: f32| {
+                let node_squared = splat(node * node);
+                let gauss = polynomial::<L, 6>(
+                    quarter * node_squared,
+                    [1.0, 1.0, 0.5, 1.0 / 6.0, 1.0 / 24.0, 1.0 / 120.0],
+                );
+                let cosh = polynomial::<L, 4>(squared * node_squared, [1.0, 0.5, 1.0 / 24.0, 1.0 / 720.0]);
+                gauss * cosh
+            },
+        );
+        let quadrature = even_part(0.906_179_85).mul_add(
+            splat(0.236_926_89),
+            even_part(0.538_469_3).mul_add(splat(0.478_628_67), splat(0.284_444_45)),
+        );
+        let near = exp::<L>(-middle_squared) * quadrature;
+        if !short.not().any() {
+            return near;
+        }
+        L::F::select(short, near, path().far_mean())
     }
 }
 
@@ -138,7 +189,31 @@ impl<L: Lanes> LaneGaussianPath<L> {
 /// K). Relative error some 4e-7 (1 + condition).
 #[inline(always)]
 pub fn mean_profile<L: Lanes, const N: usize>(front: [L::F; N], back: [L::F; N]) -> L::F {
-    LaneGaussianPath::<L>::new(front, back).mean()
+    Near::<L>::new(&front, &back).mean(
+        #[inline(always)]
+        || LaneGaussianPath::new(front, back),
+    )
+}
+
+/// Depth and shape for a rate of `peak` = ρ₀ D at the centre, q as for [`mean_profile`]. With x = x̄ + ½ d u, p = x̄ d
+/// and r = ¼ d²: a = −p (1 − (p² + 4 r)/15) and b = (p² − 2 r)/3 to fourth order.
+#[inline(always)]
+pub fn shape<L: Lanes, const N: usize>(front: [L::F; N], back: [L::F; N], peak: L::F) -> Shape<L> {
+    let splat = L::F::splat;
+    let near = Near::<L>::new(&front, &back);
+    let mean = near.mean(
+        #[inline(always)]
+        || LaneGaussianPath::new(front, back),
+    );
+    let (p, d2) = (near.product, near.length_squared);
+    let p2 = p * p;
+    Shape {
+        depth: mean * peak,
+        tilt: p * (p2 + d2).mul_add(splat(1.0 / 15.0), splat(-1.0)),
+        bend: d2.mul_add(splat(-0.5), p2) * splat(1.0 / 3.0),
+        change_squared: d2.max(p2),
+        extent_squared: d2,
+    }
 }
 
 /// ∫ e^(−T) dt, t ∈ [0, 1], over the part of the segment where the profile exceeds e^(−`level`), T counted from the

@@ -14,9 +14,10 @@
 //! | waves: T/(ρ₀ D) | [`wave::LaneBell::mean`]`(φ_f, φ_b)` | [`wave::LanePhase`]: nearest foot and offset |
 //! | the same, constant-emitter: C U/(c D) | [`wave::LaneBell::glow`]`(φ_f, φ_b, ρ₀ D, cutoff)` | the same |
 //! | linear piece | [`linear::emission_weights`], [`linear::front_back`], [`linear::psi`] | (ρ_f D, ρ_b D) |
+//! | widgets that hardly bend, in order: C less the mix | [`smooth::Smooth::correction`]`(shape)` | the sums of [`smooth::Shape`]s |
 //! | any widgets in order, either model: C | [`overlap::ordered`]`(&members, None or D/U)` | [`overlap::LaneMember`] each, over the whole segment |
 //!
-//! D and ρ₀ D are those of the clipped stretch for all but the last, which takes the whole segment and the ranges of t.
+//! D and ρ₀ D are those of the clipped stretch for all but the last two, which take the whole segment and the ranges of t.
 
 pub mod clip;
 pub mod elementary;
@@ -25,6 +26,7 @@ pub mod linear;
 pub mod overlap;
 pub mod piecewise_linear;
 pub mod quadrature;
+pub mod smooth;
 pub mod track;
 pub mod triangular_gaussian;
 pub mod wave;
