@@ -2,6 +2,7 @@
 
 use super::project::Attribute;
 use voltet_core::lanes::{Float, Lanes, inlined};
+use voltet_core::optics::lanes::smooth::Shape;
 use voltet_core::optics::lanes::wave::{LaneBell, LanePhase};
 use voltet_core::transfer::Wave;
 
@@ -55,5 +56,17 @@ impl LaneWave {
     #[inline(always)]
     pub fn mean<L: Lanes>(&self, front: &[L::F; 2], back: &[L::F; 2]) -> L::F {
         self.bell.mean::<L>(self.phase(front), self.phase(back))
+    }
+
+    /// Depth and shape between two points, with a rate of `peak` at the peaks.
+    #[inline(always)]
+    pub fn shape<L: Lanes>(&self, front: &[L::F; 2], back: &[L::F; 2], peak: L::F) -> Shape<L> {
+        self.bell.shape::<L>(self.phase(front), self.phase(back), peak)
+    }
+
+    /// The profile at a point.
+    #[inline(always)]
+    pub fn value<L: Lanes>(&self, at: &[L::F; 2]) -> L::F {
+        self.bell.value::<L>(self.phase::<L>(at).offset.abs())
     }
 }

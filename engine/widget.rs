@@ -220,6 +220,18 @@ impl LaneWidget {
                 let (t0, t1) = region.clip(along);
                 (Shape::even(depth).cut(cuts::<L>(t0, t1)), unsure)
             }
+            LaneWidget::Wave { wave, density, region, .. } => {
+                let peak = L::F::splat(*density) * along.length;
+                let shape = match region {
+                    None => wave.shape::<L>(&along.front, &along.back, peak),
+                    Some(region) => {
+                        let (t0, t1) = region.clip(along);
+                        let peak = peak * (t1 - t0).max(L::F::splat(0.0));
+                        wave.shape::<L>(&along.at(t0), &along.at(t1), peak).cut(cuts::<L>(t0, t1))
+                    }
+                };
+                (shape, 0)
+            }
             _ => {
                 let (depth, unsure) = self.depth::<L>(along);
                 (Shape::even(depth).cut(L::F::splat(0.0).lt(depth)), unsure)
@@ -234,6 +246,7 @@ impl LaneWidget {
         match self {
             LaneWidget::Uniform { density, .. } => L::F::splat(*density),
             LaneWidget::Gaussian(gaussian) => gaussian.density_at::<L>(along, t),
+            LaneWidget::Wave { wave, density, .. } => wave.value::<L>(&along.at(t)) * L::F::splat(*density),
             _ => L::F::splat(0.0),
         }
     }

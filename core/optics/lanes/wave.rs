@@ -61,6 +61,16 @@ impl LaneBell {
         }
     }
 
+    /// Whether it is a sine wave.
+    pub(super) fn is_sine(&self) -> bool {
+        self.sine
+    }
+
+    /// Half-width of a band, in phase.
+    pub(super) fn reach(&self) -> f32 {
+        self.reach
+    }
+
     #[inline(always)]
     fn mean_on_flank<L: Lanes>(&self, low: Spot<L>, high: Spot<L>) -> L::F {
         let splat = L::F::splat;
@@ -172,7 +182,7 @@ impl LaneBell {
 
     /// The profile at a distance of `foot` from the nearest foot, in [0, ½].
     #[inline(always)]
-    fn value<L: Lanes>(&self, foot: L::F) -> L::F {
+    pub fn value<L: Lanes>(&self, foot: L::F) -> L::F {
         let spot = Spot::<L> { foot, peak: L::F::splat(0.5) - foot };
         self.mean_on_flank(spot, spot).max(L::F::splat(0.0))
     }
