@@ -76,7 +76,7 @@ impl<L: Lanes> Together<'_, L> {
     #[inline(always)]
     pub fn quadrature(&self, overlapping: u32, at: usize, out: &mut Shaded) -> u32 {
         let splat = L::F::splat;
-        let &Together { widgets, along, shapes, total, .. } = self;
+        let &Together { shapes, total, .. } = self;
         // How many steps the roughest lane wants: a cubic through four densities leaves 3e-5 of the depth where a Gaussian
         // extends over half a width.
         let mut widest = splat(0.0);
@@ -88,8 +88,21 @@ impl<L: Lanes> Together<'_, L> {
         if served == 0 {
             return overlapping;
         }
-        let one_step = served & !wish.le(splat(1.0)).bits() == 0;
-        let steps = if one_step { 1 } else { STEPS };
+        // Each lane by its own steps, so that no segment's light depends on its neighbours in the vector.
+        let short = served & wish.le(splat(1.0)).bits();
+        for (lanes, steps) in [(short, 1), (served & !short, STEPS)] {
+            if lanes != 0 {
+                self.step_through(steps, lanes, at, out);
+            }
+        }
+        overlapping & !served
+    }
+
+    /// The quadrature on so many equal steps, for some lanes.
+    #[inline(always)]
+    fn step_through(&self, steps: usize, lanes: u32, at: usize, out: &mut Shaded) {
+        let splat = L::F::splat;
+        let &Together { widgets, along, shapes, total, .. } = self;
         let share = splat(1.0 / steps as f32);
         let (mut color, mut through) = ([splat(0.0); 3], splat(1.0));
         // Widgets too thin for the order to matter are mixed in.
@@ -130,13 +143,12 @@ impl<L: Lanes> Together<'_, L> {
             through = through * exp::<L>(-(whole * length));
         }
         replace::<L>(
-            served,
+            lanes,
             at,
             out,
             #[inline(always)]
             |channel, _| color[channel],
         );
-        overlapping & !served
     }
 }
 

@@ -52,14 +52,15 @@ impl<L: Lanes> Along<L> {
 }
 
 impl<L: Lanes> Along<L> {
-    /// Values at both ends of the part inside a region, and that part's share of the length.
+    /// Values at both ends of the part inside a region, that part's share of the length, and whether it is a part only.
     #[inline(always)]
-    pub fn inside(&self, region: Option<&LaneRegion>) -> ([L::F; 2], [L::F; 2], L::F) {
+    pub fn inside(&self, region: Option<&LaneRegion>) -> ([L::F; 2], [L::F; 2], L::F, L::M) {
+        let (zero, one) = (L::F::splat(0.0), L::F::splat(1.0));
         match region {
-            None => (self.front, self.back, L::F::splat(1.0)),
+            None => (self.front, self.back, one, one.lt(zero)),
             Some(region) => {
                 let (t0, t1) = region.clip(self);
-                (self.at(t0), self.at(t1), (t1 - t0).max(L::F::splat(0.0)))
+                (self.at(t0), self.at(t1), (t1 - t0).max(zero), cuts::<L>(t0, t1))
             }
         }
     }
@@ -112,8 +113,6 @@ pub(crate) struct LaneGaussian {
     centre: [f32; 2],
     /// Whether a segment can span more than [`WIDTHS_MOST`] widths.
     narrow: bool,
-    /// K has one row and looks at s only.
-    one_dimensional: bool,
     pub density: f32,
     pub color: [f32; 3],
     pub region: Option<LaneRegion>,
@@ -145,7 +144,6 @@ impl LaneWidget {
                     narrow: steepest.map(f64::abs).sum::<f64>() > f64::from(WIDTHS_MOST),
                     matrix: matrix.map(|row| [(row[0] * scale[0]) as f32, (row[1] * scale[1]) as f32]),
                     centre: std::array::from_fn(|a| ((centre[a] - axis(a)[0]) / axis(a)[1]) as f32),
-                    one_dimensional: !widget.uses_gradient_magnitude() && matrix[1][0] == 0.0,
                     density,
                     color,
                     region,
@@ -199,9 +197,9 @@ impl LaneWidget {
                 let (t0, t1) = region.clip(along);
                 ((t1 - t0).max(zero) * L::F::splat(*density) * along.length, 0)
             }
-            LaneWidget::Gaussian(gaussian) => (gaussian.depth(along), gaussian.unsure(along)),
+            LaneWidget::Gaussian(gaussian) => (gaussian.shape(along).depth, gaussian.unsure(along)),
             LaneWidget::Wave { wave, density, region, .. } => {
-                let (front, back, share) = along.inside(region.as_ref());
+                let (front, back, share, _) = along.inside(region.as_ref());
                 (wave.mean::<L>(&front, &back) * (L::F::splat(*density) * along.length * share), 0)
             }
             LaneWidget::Linear(linear) => (linear.depth(along), 0),
@@ -220,17 +218,10 @@ impl LaneWidget {
                 let (t0, t1) = region.clip(along);
                 (Shape::even(depth).cut(cuts::<L>(t0, t1)), unsure)
             }
-            LaneWidget::Wave { wave, density, region, .. } => {
-                let peak = L::F::splat(*density) * along.length;
-                let shape = match region {
-                    None => wave.shape::<L>(&along.front, &along.back, peak),
-                    Some(region) => {
-                        let (t0, t1) = region.clip(along);
-                        let peak = peak * (t1 - t0).max(L::F::splat(0.0));
-                        wave.shape::<L>(&along.at(t0), &along.at(t1), peak).cut(cuts::<L>(t0, t1))
-                    }
-                };
-                (shape, 0)
+            LaneWidget::Wave { wave, density, region, .. } if L::NATIVE => {
+                let (front, back, share, cut) = along.inside(region.as_ref());
+                let peak = L::F::splat(*density) * along.length * share;
+                (wave.shape::<L>(&front, &back, peak).cut(cut), 0)
             }
             _ => {
                 let (depth, unsure) = self.depth::<L>(along);
@@ -246,7 +237,9 @@ impl LaneWidget {
         match self {
             LaneWidget::Uniform { density, .. } => L::F::splat(*density),
             LaneWidget::Gaussian(gaussian) => gaussian.density_at::<L>(along, t),
-            LaneWidget::Wave { wave, density, .. } => wave.value::<L>(&along.at(t)) * L::F::splat(*density),
+            LaneWidget::Wave { wave, density, .. } if L::NATIVE => {
+                wave.value::<L>(&along.at(t)) * L::F::splat(*density)
+            }
             _ => L::F::splat(0.0),
         }
     }
@@ -263,39 +256,12 @@ impl LaneGaussian {
         )
     }
 
-    /// Depth and shape between two points of the (s, g) plane, with a rate of `peak` at the centre.
-    #[inline(always)]
-    fn between<L: Lanes>(&self, front: &[L::F; 2], back: &[L::F; 2], peak: L::F) -> Shape<L> {
-        if self.one_dimensional {
-            let q = inlined(
-                #[inline(always)]
-                |v: &[L::F; 2]| [L::F::splat(self.matrix[0][0]) * (v[0] - L::F::splat(self.centre[0]))],
-            );
-            gaussian::shape::<L, 1>(q(front), q(back), peak)
-        } else {
-            gaussian::shape::<L, 2>(self.point::<L>(front), self.point::<L>(back), peak)
-        }
-    }
-
-    #[inline(always)]
-    fn depth<L: Lanes>(&self, along: &Along<L>) -> L::F {
-        let peak = L::F::splat(self.density) * along.length;
-        let (front, back, share) = along.inside(self.region.as_ref());
-        self.between::<L>(&front, &back, peak * share).depth
-    }
-
-    /// The shape of the part inside the region, which jumps where that is a part only.
+    /// Depth and shape; it jumps where a part of the segment is inside the region.
     #[inline(always)]
     fn shape<L: Lanes>(&self, along: &Along<L>) -> Shape<L> {
-        let peak = L::F::splat(self.density) * along.length;
-        match &self.region {
-            None => self.between::<L>(&along.front, &along.back, peak),
-            Some(region) => {
-                let (t0, t1) = region.clip(along);
-                let peak = peak * (t1 - t0).max(L::F::splat(0.0));
-                self.between::<L>(&along.at(t0), &along.at(t1), peak).cut(cuts::<L>(t0, t1))
-            }
-        }
+        let (front, back, share, cut) = along.inside(self.region.as_ref());
+        let peak = L::F::splat(self.density) * along.length * share;
+        gaussian::shape::<L, 2>(self.point::<L>(&front), self.point::<L>(&back), peak).cut(cut)
     }
 
     /// Lanes (bits) on which the segment spans too many widths.

@@ -24,6 +24,7 @@ pub struct M(__m256);
 
 impl Lanes for Avx2 {
     const WIDTH: usize = 8;
+    const NATIVE: bool = true;
     type F = F;
     type U = U;
     type M = M;

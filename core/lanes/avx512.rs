@@ -24,6 +24,7 @@ pub struct M(__mmask16);
 
 impl Lanes for Avx512 {
     const WIDTH: usize = 16;
+    const NATIVE: bool = true;
     type F = F;
     type U = U;
     type M = M;

@@ -27,6 +27,9 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 pub trait Lanes: Copy + Send + Sync + 'static {
     /// Number of lanes.
     const WIDTH: usize;
+    /// Whether an operation is an instruction. Where it is not, the largest kernels would take minutes to compile; they
+    /// leave out what something slower can stand in for.
+    const NATIVE: bool;
     /// 32-bit floats.
     type F: Float<Lanes = Self>;
     /// 32-bit unsigned integers.

@@ -31,6 +31,7 @@ pub struct MD([bool; 2]);
 
 impl Lanes for Portable {
     const WIDTH: usize = WIDTH;
+    const NATIVE: bool = false;
     type F = F;
     type U = U;
     type M = M;
