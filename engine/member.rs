@@ -4,7 +4,7 @@
 use super::project::Attribute;
 use super::region::LaneRegion;
 use super::walk::{FIELDS_MOST, Fields};
-use super::widget::{Along, LaneWidget};
+use super::widget::{Along, Inside, LaneWidget};
 use voltet_core::lanes::{Float, Lanes, Mask, array, inlined};
 use voltet_core::optics::lanes::gaussian::{LaneGaussianPath, LaneGaussianTrack, mean_profile};
 use voltet_core::optics::lanes::overlap::{AnyLaneTrack, LaneMember};
@@ -58,7 +58,7 @@ impl LaneTriangular {
 
     #[inline(always)]
     fn depth<L: Lanes>(&self, along: &Along<L>) -> (L::F, u32) {
-        let (front, back, share, _) = along.inside(self.region.as_ref());
+        let Inside { front, back, share, .. } = along.inside(self.region.as_ref());
         let (front, back) = (self.point::<L>(&front), self.point::<L>(&back));
         let widths = L::F::splat(TRIANGULAR_WIDTHS_MOST) * front[1].abs().max(back[1].abs());
         let unsure = widths.lt((back[0] - front[0]).abs()).bits();

@@ -52,18 +52,35 @@ impl<L: Lanes> Along<L> {
 }
 
 impl<L: Lanes> Along<L> {
-    /// Values at both ends of the part inside a region, that part's share of the length, and whether it is a part only.
+    /// The part inside a region; all of the segment without one.
     #[inline(always)]
-    pub fn inside(&self, region: Option<&LaneRegion>) -> ([L::F; 2], [L::F; 2], L::F, L::M) {
+    pub fn inside(&self, region: Option<&LaneRegion>) -> Inside<L> {
         let (zero, one) = (L::F::splat(0.0), L::F::splat(1.0));
         match region {
-            None => (self.front, self.back, one, one.lt(zero)),
+            None => Inside { front: self.front, back: self.back, share: one, cut: one.lt(zero) },
             Some(region) => {
                 let (t0, t1) = region.clip(self);
-                (self.at(t0), self.at(t1), (t1 - t0).max(zero), cuts::<L>(t0, t1))
+                Inside {
+                    front: self.at(t0),
+                    back: self.at(t1),
+                    share: (t1 - t0).max(zero),
+                    cut: cuts::<L>(t0, t1),
+                }
             }
         }
     }
+}
+
+/// The part of a segment inside a region.
+pub(crate) struct Inside<L: Lanes> {
+    /// (s, g) where it begins.
+    pub front: [L::F; 2],
+    /// (s, g) where it ends.
+    pub back: [L::F; 2],
+    /// Its share of the length.
+    pub share: L::F,
+    /// Whether it is a part only, neither all nor nothing.
+    pub cut: L::M,
 }
 
 /// Whether the stretch [t₀, t₁] is a part of the segment, neither all nor nothing.
@@ -199,7 +216,7 @@ impl LaneWidget {
             }
             LaneWidget::Gaussian(gaussian) => (gaussian.shape(along).depth, gaussian.unsure(along)),
             LaneWidget::Wave { wave, density, region, .. } => {
-                let (front, back, share, _) = along.inside(region.as_ref());
+                let Inside { front, back, share, .. } = along.inside(region.as_ref());
                 (wave.mean::<L>(&front, &back) * (L::F::splat(*density) * along.length * share), 0)
             }
             LaneWidget::Linear(linear) => (linear.depth(along), 0),
@@ -219,7 +236,7 @@ impl LaneWidget {
                 (Shape::even(depth).cut(cuts::<L>(t0, t1)), unsure)
             }
             LaneWidget::Wave { wave, density, region, .. } if L::NATIVE => {
-                let (front, back, share, cut) = along.inside(region.as_ref());
+                let Inside { front, back, share, cut } = along.inside(region.as_ref());
                 let peak = L::F::splat(*density) * along.length * share;
                 (wave.shape::<L>(&front, &back, peak).cut(cut), 0)
             }
@@ -259,7 +276,7 @@ impl LaneGaussian {
     /// Depth and shape; it jumps where a part of the segment is inside the region.
     #[inline(always)]
     fn shape<L: Lanes>(&self, along: &Along<L>) -> Shape<L> {
-        let (front, back, share, cut) = along.inside(self.region.as_ref());
+        let Inside { front, back, share, cut } = along.inside(self.region.as_ref());
         let peak = L::F::splat(self.density) * along.length * share;
         gaussian::shape::<L, 2>(self.point::<L>(&front), self.point::<L>(&back), peak).cut(cut)
     }
