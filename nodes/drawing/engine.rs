@@ -1,6 +1,8 @@
 //! Which engine draws: parameters, choice, and what is said about it.
 
 use voltet_core::Result;
+#[cfg(feature = "gpu")]
+use voltet_core::error::ErrorKind;
 use voltet_core::graph::{Asking, Call, Parameter, ParameterType, Parameters, Standard};
 use voltet_core::picture::Picture;
 
@@ -102,14 +104,16 @@ pub fn draw(call: &mut Call, scene: &Scene, wanted: &str) -> Result<Picture> {
         if wanted == "gpu" {
             return super::device::draw(call, scene, false);
         }
-        // What is compared with everything done is the native engine's work.
-        if wanted == "auto" && !reference && !call.thorough {
-            match super::device::draw(call, scene, true) {
-                Err(error) if error.kind != voltet_core::error::ErrorKind::Cancelled => {
-                    call.notes.engine = Some(("cpu".into(), error.to_string()));
+        if wanted == "auto" && !reference {
+            let why = if call.thorough {
+                "what is compared with everything done is the native engine's work".to_string()
+            } else {
+                match super::device::draw(call, scene, true) {
+                    Err(error) if error.kind != ErrorKind::Cancelled => error.to_string(),
+                    done => return done,
                 }
-                done => return done,
-            }
+            };
+            call.notes.engine = Some(("cpu".into(), why));
         }
     }
     let _ = wanted;

@@ -168,6 +168,9 @@ fn a_run_that_leaves_nothing_out_says_what_it_costs() {
     assert!(folder.names().contains(&"slab.exr".to_string()));
     let plain = folder.voltet(&["run", "slab.toml"]).ok();
     assert!(!plain.stdout.contains("leaving nothing out"), "{}", plain.stdout);
+    // By itself it takes the native engine, and names it.
+    let ran = folder.voltet(&["run", "slab.toml", "--no-leave-out"]).ok();
+    assert!(ran.stdout.contains("engine cpu"), "{}", ran.stdout);
 }
 
 #[test]
