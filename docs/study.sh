@@ -17,6 +17,7 @@ Made by `docs/study.sh`; `voltet study FILE` does the same for any scene, with m
 `total ms` is the median time of a picture from culling on, set-up (tables) included; errors are of premultiplied linear
 RGBA, 1 being full scale, over all pixels; `FLIP` is the perceptual difference of Andersson et al. (2020).
 TEXT
+printf '\nMeasured on %s with %s cores (%s).\n' "$(date +%F)" "$(nproc)" "$(uname -sm)" >> "$page"
 
 cargo build --release --quiet
 for name in quickstart_1d isotherms quickstart; do
