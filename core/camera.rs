@@ -53,7 +53,25 @@ pub struct Frame {
     pub pixel: f64,
 }
 
+/// Most pixels a side that an engine draws: places in the picture are held in 16 bits.
+const SIDE_MOST: u32 = 1 << 15;
+
 impl Camera {
+    /// Whether an engine can draw the picture: errors name a size or a number of samples out of range.
+    pub fn check_picture(&self) -> Result<()> {
+        if self.size.iter().any(|&n| n == 0 || n > SIDE_MOST) {
+            return Err(Error::usage("the picture's size is out of range")
+                .found(format!("{} × {}", self.size[0], self.size[1]))
+                .accepted("1 to 32,768 pixels a side"));
+        }
+        if self.samples == 0 || self.samples > 256 {
+            return Err(Error::usage("samples is out of range")
+                .found(self.samples)
+                .accepted("1 to 256 a pixel"));
+        }
+        Ok(())
+    }
+
     /// The camera's axes. Errors when eye and target coincide, when up is parallel to the view, or when a
     /// value is not finite or out of its range.
     pub fn frame(&self) -> Result<Frame> {

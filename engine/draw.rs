@@ -44,9 +44,6 @@ impl Projection {
     }
 }
 
-/// Largest side of a picture: pixel numbers are kept in 16 bits.
-const SIDE_MOST: u32 = 1 << 15;
-
 /// Projects the kept cells onto the screen and sorts them into tiles of 16 × 16 pixels.
 ///
 /// The transfer function says which quantities the segments need: what it does not look at is not projected.
@@ -60,16 +57,7 @@ pub fn project(
     gradient: bool,
     progress: &dyn Progress,
 ) -> Result<Projection> {
-    if camera.size.iter().any(|&n| n == 0 || n > SIDE_MOST) {
-        return Err(Error::usage("the picture's size is out of range")
-            .found(format!("{} × {}", camera.size[0], camera.size[1]))
-            .accepted("1 to 32,768 pixels a side"));
-    }
-    if camera.samples == 0 || camera.samples > 256 {
-        return Err(Error::usage("samples is out of range")
-            .found(camera.samples)
-            .accepted("1 to 256 a pixel"));
-    }
+    camera.check_picture()?;
     let mut attributes = attributes_of(cells, transfer_function)?;
     if gradient {
         attributes.extend(gradient_attributes(cells)?);

@@ -211,8 +211,8 @@ impl LaneWidget {
         let zero = L::F::splat(0.0);
         match self {
             LaneWidget::Uniform { density, region, .. } => {
-                let (t0, t1) = region.clip(along);
-                ((t1 - t0).max(zero) * L::F::splat(*density) * along.length, 0)
+                let share = along.inside(Some(region)).share;
+                (share * L::F::splat(*density) * along.length, 0)
             }
             LaneWidget::Gaussian(gaussian) => (gaussian.shape(along).depth, gaussian.unsure(along)),
             LaneWidget::Wave { wave, density, region, .. } => {
@@ -230,10 +230,9 @@ impl LaneWidget {
     pub fn shape<L: Lanes>(&self, along: &Along<L>) -> (Shape<L>, u32) {
         match self {
             LaneWidget::Gaussian(gaussian) => (gaussian.shape(along), gaussian.unsure(along)),
-            LaneWidget::Uniform { region, .. } => {
-                let (depth, unsure) = self.depth::<L>(along);
-                let (t0, t1) = region.clip(along);
-                (Shape::even(depth).cut(cuts::<L>(t0, t1)), unsure)
+            LaneWidget::Uniform { density, region, .. } => {
+                let Inside { share, cut, .. } = along.inside(Some(region));
+                (Shape::even(share * L::F::splat(*density) * along.length).cut(cut), 0)
             }
             LaneWidget::Wave { wave, density, region, .. } if L::NATIVE => {
                 let Inside { front, back, share, cut } = along.inside(region.as_ref());

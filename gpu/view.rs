@@ -7,9 +7,6 @@ use voltet_core::camera::{Camera, Projection};
 use voltet_core::{Error, Result};
 use voltet_shaders::ViewRecord;
 
-/// Largest side of a picture: pixel numbers are kept in 16 bits.
-const SIDE_MOST: u32 = 1 << 15;
-
 /// How far a point may be off for rounding, in pixels. An ordinary picture changes by less than a tenth in a pixel's
 /// width, so by less than 1e-4 for this.
 const PIXELS_OFF: f64 = 1e-2;
@@ -22,16 +19,7 @@ const ROUNDING: f64 = 2.0 * f32::EPSILON as f64;
 ///
 /// Errors: a camera out of range; a view so narrow that 32 bits do not tell its pixels apart.
 pub(crate) fn view(grid: &DeviceGrid, camera: &Camera, offset: [f64; 2]) -> Result<ViewRecord> {
-    if camera.size.iter().any(|&n| n == 0 || n > SIDE_MOST) {
-        return Err(Error::usage("the picture's size is out of range")
-            .found(format!("{} × {}", camera.size[0], camera.size[1]))
-            .accepted("1 to 32,768 pixels a side"));
-    }
-    if camera.samples == 0 || camera.samples > 256 {
-        return Err(Error::usage("samples is out of range")
-            .found(camera.samples)
-            .accepted("1 to 256 a pixel"));
-    }
+    camera.check_picture()?;
     let frame = camera.frame()?;
     let perspective = matches!(camera.projection, Projection::Perspective { .. });
     let pixel = if perspective { frame.pixel } else { frame.pixel / grid.length };

@@ -53,21 +53,11 @@ mod tests {
     use crate::lanes::Portable as P;
     use crate::optics::lanes::elementary::one_minus_exp;
     use crate::optics::lanes::smooth::Smooth;
+    use crate::optics::lanes::smooth::tests::{lane, uniform};
     use crate::optics::{Overlap, Prepared, Segment};
     use crate::transfer::{OpticalModel, Profile, Region, TransferFunction, Wave, Widget};
 
     type F = <P as Lanes>::F;
-
-    /// Numbers in [0, 1) of a sequence of low discrepancy (Roberts 2018).
-    fn uniform(i: usize, j: i32) -> f64 {
-        (0.5 + 0.911_587_f64.powi(j) * (i + 1) as f64).fract()
-    }
-
-    fn lane(x: F) -> f64 {
-        let mut lanes = [0f32; 4];
-        x.store(&mut lanes);
-        f64::from(lanes[0])
-    }
 
     #[test]
     fn a_wave_and_a_uniform_widget_keep_their_order() {

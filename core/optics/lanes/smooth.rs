@@ -102,7 +102,7 @@ impl<L: Lanes> Smooth<L> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::lanes::Portable as P;
     use crate::optics::lanes::elementary::one_minus_exp;
@@ -113,11 +113,11 @@ mod tests {
     type F = <P as Lanes>::F;
 
     /// Numbers in [0, 1) of a sequence of low discrepancy (Roberts 2018).
-    fn uniform(i: usize, j: i32) -> f64 {
+    pub(in crate::optics::lanes) fn uniform(i: usize, j: i32) -> f64 {
         (0.5 + 0.911_587_f64.powi(j) * (i + 1) as f64).fract()
     }
 
-    fn lane(x: F) -> f64 {
+    pub(in crate::optics::lanes) fn lane(x: F) -> f64 {
         let mut lanes = [0f32; 4];
         x.store(&mut lanes);
         f64::from(lanes[0])
