@@ -16,3 +16,4 @@ mod orders;
 mod ordinary;
 mod stiff;
 mod waves;
+mod widgets;

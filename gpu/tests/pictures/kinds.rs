@@ -1,102 +1,21 @@
-//! Every kind of widget, alone and together, with regions, under both models, lit and not.
+//! Overlaps mixed, light and silhouettes, and data far from 0 on the device.
 
 use crate::compare;
 use crate::compare::{SHADING, Scene, ordinary, ordinary_shaded, referee, within};
-use crate::grids::{cube, smooth, smooth_g, smooth_gradient};
+use crate::grids::{cube, smooth_g};
 use crate::looks::*;
+use crate::widgets::{all, scene};
 use glam::DVec3;
-use std::sync::Arc;
-use voltet_core::grid::Array;
 use voltet_core::optics::Overlap;
 use voltet_core::shading::{Light, Order, Shading};
-use voltet_core::transfer::{OpticalModel, Profile, Region, Table, TransferFunction, Wave, Widget};
-use voltet_core::volume::Volume;
-
-/// The smooth field with its gradient, and two further fields.
-fn volume() -> Arc<Volume> {
-    let mut grid = cube([4, 4, 4], 0.2);
-    let points = grid.points.clone();
-    let field = |value: &dyn Fn(DVec3) -> f64| {
-        Arc::new(Array { component_count: 1, values: points.iter().map(|&p| value(p)).collect() })
-    };
-    grid.point_arrays.insert("a".into(), field(&|p| (3.0 * p.x).sin()));
-    grid.point_arrays.insert("b".into(), field(&|p| 400.0 + 50.0 * p.y * p.z));
-    let gradient = points.iter().map(|&p| smooth_gradient(p)).collect();
-    Arc::new(Volume { gradient: Some(Arc::new(gradient)), ..(*smooth(grid)).clone() })
-}
-
-fn wave(period: f64, band_width: f64) -> Wave {
-    Wave { origin: [0.1, 0.0], angle: 0.3, scale: [1.0, 0.2], period, band_width }
-}
-
-/// Four texels by three, with a corner of alpha 0.
-fn table() -> Table {
-    let texel = |k: usize| {
-        let x = k as f32 / 11.0;
-        [x, 1.0 - x, 0.3, if k == 0 { 0.0 } else { 0.2 + 0.8 * x }]
-    };
-    Table { width: 4, height: 3, texels: (0..12).map(texel).collect(), s: [0.1, 0.9], g: [0.0, 2.0] }
-}
-
-fn widgets() -> Vec<(&'static str, Widget)> {
-    let of = |profile| Widget { profile, color: [0.9, 0.6, 0.2], extinction: 3.0, region: None };
-    let cut = |widget: Widget| Widget {
-        region: Some(Region { corners: vec![[0.2, 0.1], [0.9, 0.3], [0.5, 2.0]] }),
-        ..widget
-    };
-    let nd = Profile::GaussianNd {
-        fields: vec!["b".into(), "a".into()],
-        centre: vec![415.0, 0.6],
-        matrix: vec![vec![0.05, 0.0], vec![0.01, 2.0]],
-    };
-    let ramp = ramp().widgets.remove(0);
-    vec![
-        ("uniform", polygon(&[[0.2, 0.0], [0.8, 0.1], [0.7, 1.0], [0.3, 1.3]], 1.5, [0.3, 0.9, 0.4])),
-        ("line", gaussian([0.6, 0.8], [0.1, f64::INFINITY], 4.0, [1.0, 0.5, 0.15])),
-        ("plane", gaussian([0.6, 0.8], [0.1, 0.5], 4.0, [0.2, 0.5, 1.1])),
-        ("nd", of(nd)),
-        ("triangular", of(Profile::TriangularGaussian { centre: 0.5, sigma: 0.1 })),
-        ("triangle", of(Profile::TriangleWave(wave(0.21, 0.4)))),
-        ("sine", of(Profile::SineWave(wave(0.13, 1.0)))),
-        ("ramp", ramp.clone()),
-        ("table", of(Profile::Table(Arc::new(table())))),
-        ("cut line", cut(gaussian([0.6, 0.8], [0.1, f64::INFINITY], 4.0, [1.0, 0.5, 0.15]))),
-        ("cut sine", cut(of(Profile::SineWave(wave(0.13, 0.7))))),
-        ("cut ramp", cut(ramp)),
-    ]
-}
-
-const CONSTANT: OpticalModel = OpticalModel::ConstantEmitter { cutoff: 1.0 / 255.0 };
-
-fn scene(name: String, look: TransferFunction) -> Scene {
-    Scene { name, volume: volume(), look, camera: outside([40, 40]) }
-}
 
 #[test]
-fn each_alone_under_both_models() {
-    for (name, widget) in widgets() {
-        let density = look(vec![widget]);
-        ordinary(&scene(name.into(), density.clone()));
-        ordinary(&scene(format!("glowing {name}"), TransferFunction { model: CONSTANT, ..density }));
-    }
-}
-
-#[test]
-fn all_at_once() {
-    let all: Vec<Widget> =
-        widgets().into_iter().map(|(_, widget)| widget.with_extinction_times(0.2)).collect();
-    ordinary(&scene("all".into(), look(all.clone())));
+fn all_mixed() {
     let mix = Shading { overlap: Overlap::Mix, ..SHADING };
     // The mix leaves out the order of widgets within a segment, and the referee does not: 1e-2 here.
-    let scene = scene("all mixed".into(), look(all));
+    let scene = scene("all mixed".into(), all());
     let Some(drawn) = compare::draw(&scene, &mix, Order::Exact) else { return };
     within("all mixed", &drawn.picture, &referee(&scene, &SHADING), 2e-2);
-}
-
-#[test]
-fn overlaps_that_glow() {
-    let look = TransferFunction { model: CONSTANT, ..overlapping() };
-    ordinary(&scene("glowing overlap".into(), look));
 }
 
 const LIGHT: Light = Light { direction: DVec3::new(0.4, -0.7, 3.5), ambient: 0.3, diffuse: 0.8 };

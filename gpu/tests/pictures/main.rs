@@ -15,3 +15,5 @@ mod limits;
 #[allow(dead_code)]
 mod looks;
 mod views;
+#[path = "../../../tests/validation/widgets.rs"]
+mod widgets;
