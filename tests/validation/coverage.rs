@@ -1,6 +1,7 @@
-//! Scenes whose truth is a formula: slabs, ramps, subdivision, rays that lie in shared faces.
+//! Scenes whose truth is a formula: slabs, ramps, subdivision, rays that lie in shared faces. Tests of all engines.
 
-use crate::compare::{Scene, engine, ordinary, referee, within};
+use crate::compare::{SHADING, Scene, matches, ordinary, referee, within};
+use crate::drawing::{ROUNDING, picture};
 use crate::grids::{cube, grid, smooth, subdivided, volume};
 use crate::looks::*;
 use glam::DVec3;
@@ -15,7 +16,7 @@ fn known(width: usize, height: usize, opacity: f64) -> Picture {
 }
 
 /// Rays along each axis through a cube cut so that many lie exactly in faces and edges of cells: 1 − e^(−ρ) in
-/// every pixel, none covered twice or missed. 1e-6: rounding of a dozen 32-bit segments.
+/// every pixel, none covered twice or missed.
 #[test]
 fn rays_in_shared_faces_and_edges() {
     let views = [([0.5, -2.0, 0.5], [0.5, 0.0, 0.5]), ([-2.0, 0.5, 0.5], [0.0, 0.5, 0.5])];
@@ -30,7 +31,7 @@ fn rays_in_shared_faces_and_edges() {
                 };
                 let exact = known(pixels as usize, pixels as usize, -(-2f64).exp_m1());
                 within(&format!("referee {}", scene.name), &referee(&scene), &exact, 1e-6);
-                within(&scene.name, &engine(&scene), &exact, 1e-6);
+                matches(&scene, &exact, ROUNDING);
             }
         }
     }
@@ -59,7 +60,7 @@ fn ramp_along_the_view() {
             look: look(vec![points(&[[0.0, 1.0, 0.5, 0.25, 0.0], [1.0, 1.0, 0.5, 0.25, 6.0]])]),
             camera: orthographic([0.503, -2.0, 0.507], [0.503, 0.0, 0.507], 0.9, [30, 30]),
         };
-        within(&scene.name, &engine(&scene), &known(30, 30, -(-3f64).exp_m1()), 2e-6);
+        matches(&scene, &known(30, 30, -(-3f64).exp_m1()), 2.0 * ROUNDING);
     }
 }
 
@@ -73,7 +74,7 @@ fn gaussian_along_the_view() {
         camera: orthographic([0.503, -2.0, 0.507], [0.503, 0.0, 0.507], 0.9, [30, 30]),
     };
     let depth = 0.4 * std::f64::consts::TAU.sqrt() * (1.0 - 5.733e-7);
-    within(&scene.name, &engine(&scene), &known(30, 30, -(-depth).exp_m1()), 2e-6);
+    matches(&scene, &known(30, 30, -(-depth).exp_m1()), 2.0 * ROUNDING);
 }
 
 /// The field is linear in each cell, so cutting cells changes nothing; twice the ordinary bound would hide
@@ -82,16 +83,15 @@ fn gaussian_along_the_view() {
 fn subdividing_cells_leaves_the_picture() {
     let base = cube([3, 3, 3], 0.2);
     let s = |p: DVec3| 0.2 * p.x + 0.3 * p.y + 0.5 * p.z;
-    let picture = |grid| {
-        engine(&Scene {
-            name: "subdivided".into(),
-            volume: volume(grid, s, |p| 1.0 + p.x),
-            look: overlapping(),
-            camera: outside([64, 64]),
-        })
+    let scene = |grid| Scene {
+        name: "subdivided".into(),
+        volume: volume(grid, s, |p| 1.0 + p.x),
+        look: overlapping(),
+        camera: outside([64, 64]),
     };
     let finer = subdivided(&base);
-    within("subdivided", &picture(finer.clone()), &picture(base), 1e-4);
+    let Some(expected) = picture(&scene(base), &SHADING) else { return };
+    matches(&scene(finer.clone()), &expected, 1e-4);
     ordinary(&Scene {
         name: "subdivided".into(),
         volume: smooth(subdivided(&finer)),
@@ -106,9 +106,11 @@ fn cell_numbering_does_not_matter() {
     let base = cube([4, 4, 4], 0.2);
     let mut cells = base.tetrahedra.to_vec();
     cells.reverse();
-    let picture = |grid| {
+    let scene = |grid| {
         let (name, camera) = ("reversed".into(), outside([50, 50]));
-        engine(&Scene { name, volume: smooth(grid), look: overlapping(), camera })
+        Scene { name, volume: smooth(grid), look: overlapping(), camera }
     };
-    within("reversed", &picture(grid(base.points.to_vec(), cells)), &picture(base), 1e-5);
+    let reversed = scene(grid(base.points.to_vec(), cells));
+    let Some(expected) = picture(&scene(base), &SHADING) else { return };
+    matches(&reversed, &expected, 1e-5);
 }

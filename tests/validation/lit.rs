@@ -1,6 +1,7 @@
-//! Silhouettes and light.
+//! Silhouettes and light. Tests of all engines.
 
-use crate::compare::{SHADING, Scene, engine_shaded, ordinary_shaded};
+use crate::compare::{SHADING, Scene, ordinary_shaded};
+use crate::drawing::picture;
 use crate::grids::{cube, smooth, smooth_gradient};
 use crate::looks::*;
 use glam::DVec3;
@@ -86,5 +87,6 @@ fn what_changes_nothing_is_left_out() {
         camera: outside([16, 16]),
     };
     let shading = Shading { silhouette: Some(0.0), ..SHADING };
-    assert_eq!(engine_shaded(&scene, &shading).rgba, engine_shaded(&scene, &SHADING).rgba);
+    let rgba = |shading: &Shading| picture(&scene, shading).map(|picture| picture.rgba);
+    assert_eq!(rgba(&shading), rgba(&SHADING));
 }

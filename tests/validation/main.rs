@@ -7,6 +7,7 @@
 mod compare;
 mod coverage;
 mod difficult;
+mod drawing;
 mod golden;
 mod grids;
 mod integrators;

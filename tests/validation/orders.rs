@@ -1,6 +1,7 @@
 //! Orders that are not exact, and looks that the engine integrates in 64 bits.
 
-use crate::compare::{self, SHADING, Scene, ordinary};
+use crate::compare::{SHADING, Scene, ordinary};
+use crate::drawing::picture;
 use crate::grids::*;
 use crate::looks::*;
 use voltet_core::progress::Silent;
@@ -75,13 +76,13 @@ fn widgets_that_no_cell_touches_are_left_out() {
         look: overlapping(),
         camera: outside([32, 32]),
     };
-    let kept = compare::engine(&scene);
+    let kept = picture(&scene, &SHADING).map(|picture| picture.rgba);
     for far in [gaussian([40.0, 0.0], [0.5, 0.5], 3.0, [0.0, 1.0, 0.0]), corner()] {
         let mut more = scene.clone();
         more.look.widgets.insert(1, far);
         let cells = engine::cull(&more.volume, &more.look, &more.camera, &Silent).unwrap();
         assert_eq!(cells.untouched, [1]);
-        assert_eq!(compare::engine(&more).rgba, kept.rgba);
+        assert_eq!(picture(&more, &SHADING).map(|picture| picture.rgba), kept);
     }
 }
 

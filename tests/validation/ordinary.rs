@@ -1,4 +1,4 @@
-//! Ordinary scenes: every kind of camera, look and picture size.
+//! Ordinary scenes: every kind of camera, look and picture size. Tests of all engines.
 
 use crate::compare::{Scene, ordinary};
 use crate::grids::{cube, smooth};

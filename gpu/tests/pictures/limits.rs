@@ -1,8 +1,11 @@
-//! What the device refuses, orders that are not exact, and frames after the first.
+//! What the device refuses, orders that are not exact, overlaps mixed, and frames after the first.
 
-use crate::compare::{SHADING, Scene, device, draw, try_draw, within};
+use crate::compare::{SHADING, Scene, referee, within};
+use crate::drawing::{device, draw, try_draw};
 use crate::grids::{cube, smooth};
 use crate::looks::*;
+use crate::widgets;
+use voltet_core::optics::Overlap;
 use voltet_core::progress::Silent;
 use voltet_core::shading::{Integrator, Order, Shading};
 use voltet_core::transfer::{OpticalModel, TransferFunction};
@@ -120,4 +123,13 @@ fn nothing_draws_nothing() {
         assert_eq!(drawn.counts.segments, 0);
         assert!(drawn.picture.rgba.iter().all(|pixel| *pixel == [0.0; 4]));
     }
+}
+
+#[test]
+fn all_mixed() {
+    let mix = Shading { overlap: Overlap::Mix, ..SHADING };
+    // The mix leaves out the order of widgets within a segment, and the referee does not: 1e-2 here.
+    let scene = widgets::scene("all mixed".into(), widgets::all());
+    let Some(drawn) = draw(&scene, &mix, Order::Exact) else { return };
+    within("all mixed", &drawn.picture, &referee(&scene), 2e-2);
 }

@@ -3,17 +3,24 @@
 //!
 //! Bounds: 2e-4 in premultiplied linear RGBA on ordinary scenes; on stiff ones 99.9 % of the pixels within 1/255.
 
+#[path = "../../../tests/validation/compare.rs"]
 mod compare;
+#[path = "../../../tests/validation/coverage.rs"]
+mod coverage;
+#[path = "../../../tests/validation/difficult.rs"]
+mod difficult;
+mod drawing;
 #[path = "../../../tests/validation/grids.rs"]
-#[allow(dead_code)]
 mod grids;
 mod hard;
+#[path = "../../../tests/validation/integrators.rs"]
 mod integrators;
-mod kinds;
 mod limits;
+#[path = "../../../tests/validation/lit.rs"]
+mod lit;
 #[path = "../../../tests/validation/looks.rs"]
-#[allow(dead_code)]
 mod looks;
-mod views;
+#[path = "../../../tests/validation/ordinary.rs"]
+mod ordinary;
 #[path = "../../../tests/validation/widgets.rs"]
 mod widgets;

@@ -1,0 +1,63 @@
+//! The device, as the shared scenes ask for it.
+
+use crate::compare::Scene;
+use std::sync::{Arc, OnceLock};
+use voltet_core::Result;
+use voltet_core::picture::Picture;
+use voltet_core::progress::Silent;
+use voltet_core::shading::{Integrator, Order, Shading};
+use voltet_core::transfer::TransferFunction;
+use voltet_gpu::{Device, DeviceGrid, Drawn};
+
+/// What a dozen 32-bit segments leave of a depth that is known, whose ends round like the grid's diagonal.
+pub const ROUNDING: f64 = 5e-6;
+
+/// What is left where rays graze the grid's surface at an angle of 0.002 and the extinction behind it is 9: a plane of
+/// 32-bit corners lies right to 2e-7 of the view's extent, so the depth behind it to 2e-7 / 0.002 × 9.
+pub const GRAZING: f64 = 9e-4;
+
+/// Whether the device has the integrator for a look.
+pub fn serves(integrator: &Integrator, look: &TransferFunction) -> bool {
+    voltet_gpu::can_serve(look, &Shading { integrator: *integrator, ..crate::compare::SHADING }).is_ok()
+}
+
+/// The device of all tests, opened once. `None` where there is no adapter, said loudly; a failure if the environment
+/// variable `VOLTET_REQUIRE_GPU` is 1.
+pub fn device() -> Option<Arc<Device>> {
+    static DEVICE: OnceLock<Option<Arc<Device>>> = OnceLock::new();
+    let open = || match Device::open(std::env::var("VOLTET_ADAPTER").ok().as_deref(), false) {
+        Ok(device) => {
+            println!("adapter: {}", device.name);
+            Some(Arc::new(device))
+        }
+        Err(why) => {
+            let required = std::env::var("VOLTET_REQUIRE_GPU").is_ok_and(|value| value == "1");
+            assert!(!required, "VOLTET_REQUIRE_GPU is 1, but no device opens: {why}");
+            eprintln!("\n*** SKIPPED: {why}; scripts/install-software-vulkan.sh ***\n");
+            None
+        }
+    };
+    DEVICE.get_or_init(open).clone()
+}
+
+/// Draws on the device; `None` without one.
+pub fn try_draw(scene: &Scene, shading: &Shading, order: Order) -> Option<Result<Drawn>> {
+    let device = device()?;
+    let draw = || {
+        let grid = DeviceGrid::new(device, &scene.volume)?;
+        voltet_gpu::draw(&grid, &scene.volume, &scene.look, &scene.camera, shading, order, &Silent)
+    };
+    Some(draw())
+}
+
+/// The device's picture.
+pub fn draw(scene: &Scene, shading: &Shading, order: Order) -> Option<Drawn> {
+    Some(try_draw(scene, shading, order)?.unwrap_or_else(|e| panic!("{}: {e}", scene.name)))
+}
+
+/// The device's picture in the exact order; `None` without a device.
+pub fn picture(scene: &Scene, shading: &Shading) -> Option<Picture> {
+    let drawn = draw(scene, shading, Order::Exact)?;
+    assert_eq!(drawn.counts.pixels_disordered, 0, "{}", scene.name);
+    Some(drawn.picture)
+}
