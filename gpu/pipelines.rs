@@ -50,6 +50,11 @@ impl Device {
         Ok(pipelines.entry(key).or_insert(compiled).clone())
     }
 
+    /// Lets go of all that was compiled, so that building it can be measured.
+    pub fn forget_pipelines(&self) {
+        self.pipelines.lock().unwrap_or_else(PoisonError::into_inner).clear();
+    }
+
     fn compile(&self, program: &Program) -> Result<wgpu::ComputePipeline> {
         let Program { shader, entry_point, constants, groups } = program;
         let text = wgpu::ShaderSource::Wgsl(shader.text.as_str().into());

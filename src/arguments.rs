@@ -38,7 +38,7 @@ pub enum Command {
     /// of the bound stated for it. Then small pictures of degenerate cells and extreme coordinates against the 64-bit
     /// referee, and the formulas as papers print them, beside what stands in their place.
     Stability(Stability),
-    /// Draw a pipeline's scene with every integrator and setting, and say what each costs and how wrong it is.
+    /// Draw a pipeline's scene with every integrator and setting on every engine, and say what each costs and how wrong it is.
     ///
     /// Each picture is compared with a 64-bit reference, which is drawn once and kept. Writes an HTML page that holds
     /// everything, the figures as CSV and JSON, a plot of error against time as SVG and PNG, and difference pictures.
@@ -155,12 +155,24 @@ pub struct Study {
     pub file: PathBuf,
     #[command(flatten)]
     pub set: Set,
-    /// The node to study, of type renderer or composite, where the pipeline has several.
+    /// The node to study, of type renderer, gpu-renderer or composite, where the pipeline has several.
     #[arg(long, value_name = "NODE")]
     pub node: Option<String>,
     /// Integrators to look at, separated by commas; all that can serve the scene without it.
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     pub only: Vec<String>,
+    /// What draws: the CPU, a graphics device, or both.
+    ///
+    /// A device is measured where this machine has a graphics device, or the one that --adapter names; else the output says
+    /// what is missing.
+    #[arg(long, value_name = "WHICH", value_enum, default_value = "all")]
+    pub engine: EngineName,
+    /// The graphics device to measure: a part of its name, or discrete, integrated, virtual, software.
+    ///
+    /// Without it the one that the file names, or else the fastest that is hardware. A driver that is a program on the CPU
+    /// (software) is measured only when it is named; its times say nothing of graphics hardware.
+    #[arg(long, value_name = "NAME")]
+    pub adapter: Option<String>,
     /// Recommend the cheapest setting with an error of at most this, 1 being full scale.
     #[arg(long, value_name = "ERROR", allow_negative_numbers = true)]
     pub max_error: Option<f64>,
@@ -194,6 +206,17 @@ pub struct Study {
     /// Print nothing but errors.
     #[arg(long, short)]
     pub quiet: bool,
+}
+
+/// Engines.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub enum EngineName {
+    /// Native code on all cores.
+    Cpu,
+    /// The graphics device, or an error.
+    Gpu,
+    /// The CPU, and the graphics device where there is one.
+    All,
 }
 
 /// Errors of a picture.

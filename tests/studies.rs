@@ -12,7 +12,9 @@ use voltet::core::progress::{Progress, Silent};
 use voltet::core::shading::{Integrator, Order, Shading};
 use voltet::core::transfer::{OpticalModel, Profile, TransferFunction, Widget};
 use voltet::core::volume::Volume;
-use voltet::study::{Frames, Measure, Scene, Source, Wish, reference, refinement, study};
+use voltet::study::{
+    Asked, Benches, Engines, Form, Frames, Measure, Scene, Source, Wish, reference, refinement, study,
+};
 
 /// Stops once this many settings have begun.
 struct After(usize, Mutex<Vec<String>>);
@@ -44,12 +46,15 @@ fn a_stopped_study_keeps_the_finished_settings_and_the_reference() {
     let drawn = reference(&scene, cache.path(), &stop).unwrap();
     let wish = Wish {
         only: Vec::new(),
+        engines: Engines::Cpu,
+        adapter: None,
         refine: 0,
         frames: Frames { count: 1, patience: Duration::ZERO },
         measure: Measure::Maximum,
         max_error: Some(0.1),
     };
-    let found = study(scene.clone(), wish, drawn, &stop).unwrap();
+    let benches = Benches::open(&scene, &wish).unwrap();
+    let found = study(scene.clone(), wish, benches, drawn, &stop).unwrap();
     assert!(found.stopped());
     assert_eq!(found.rows.len(), 3);
     assert!(found.recommended.is_some() && found.rows.iter().any(|row| row.on_front));
@@ -122,6 +127,7 @@ fn smooth_scene() -> Scene {
         shading: Shading { integrator, overlap, silhouette: None, light: None },
         order: Order::Exact,
         needs_order: false,
+        asked: Asked { form: Form::Renderer, engine: "cpu".into(), adapter: None, compositor: "auto".into() },
         background: [0.0; 3],
     }
 }

@@ -7,6 +7,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use voltet_core::Result;
 use voltet_core::graph::{Call, Saving};
 use voltet_core::picture::Picture;
+use voltet_core::progress::Progress;
 use voltet_gpu::{Device, DeviceGrid, Drawn, Work};
 
 /// Open devices by what was wished for: the adapter, and whether software will do. Failures are kept too, since looking
@@ -42,12 +43,22 @@ pub fn draw(call: &mut Call, scene: &Scene, hardware: bool) -> Result<Picture> {
         grids.insert(device.name.clone(), grid.clone());
         Ok(grid)
     })?;
-    let drawn = call.stage("draw", |progress| {
-        let Scene { volume, transfer_function, camera, shading, order } = scene;
-        voltet_gpu::draw(&grid, volume, transfer_function, camera, shading, *order, progress)
-    })?;
+    let compositor = call.parameters.text("compositor")?;
+    let drawn = call.stage("draw", |progress| draw_by(&grid, scene, compositor, progress))?;
     note(call, scene, &device, before, &drawn);
     Ok(drawn.picture)
+}
+
+/// Draws on the grid's device with the compositor of that name, or `auto`.
+pub fn draw_by(
+    grid: &DeviceGrid,
+    scene: &Scene,
+    _compositor: &str,
+    progress: &dyn Progress,
+) -> Result<Drawn> {
+    // Tiles are all that there is.
+    let Scene { volume, transfer_function, camera, shading, order } = scene;
+    voltet_gpu::draw(grid, volume, transfer_function, camera, shading, *order, progress)
 }
 
 fn open(devices: &Devices, wish: &Wish) -> Result<Arc<Device>> {

@@ -43,6 +43,15 @@ pub const COMPOSITOR: Parameter = Parameter {
     help: "gpu: how pixels are composited; the CPU always works in tiles",
 };
 
+/// The compositors of the device by name, what `auto` takes first.
+pub fn compositors() -> impl Iterator<Item = &'static str> {
+    let choices = match COMPOSITOR.parameter_type {
+        ParameterType::Choice(choices) => choices,
+        _ => &[],
+    };
+    choices.iter().map(|(name, _)| *name).filter(|name| *name != "auto")
+}
+
 /// Why a build without the device engine takes the CPU.
 #[cfg(not(feature = "gpu"))]
 const NO_ENGINE: &str = "this build has no GPU engine";

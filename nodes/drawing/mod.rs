@@ -13,7 +13,9 @@ mod shading;
 mod stages;
 
 pub use bands::note_bands;
-pub use engine::{ADAPTER, COMPOSITOR, ENGINE, ask_engine, draw};
+#[cfg(feature = "gpu")]
+pub use device::draw_by;
+pub use engine::{ADAPTER, COMPOSITOR, ENGINE, ask_engine, compositors, draw};
 pub use needs::{ask, needs_order};
 pub use order::{ORDER, leave_out_order, order};
 pub use prepared::{Culled, Projected};

@@ -12,7 +12,7 @@ use voltet::core::optics::integrators::Integrator;
 use voltet::core::progress::Progress;
 use voltet::core::{Error, Result};
 use voltet::nodes::files;
-use voltet::study::{self, Frames, Measure, Scene, Study, Wish};
+use voltet::study::{self, Benches, Engines, Frames, Measure, Scene, Study, Wish};
 
 /// Stopped before the end, or nothing keeps the error allowed.
 const SHORT: u8 = 1;
@@ -59,7 +59,15 @@ fn wish(arguments: &arguments::Study) -> Result<Wish> {
     if arguments.frames == 0 {
         return Err(Error::usage("--frames is out of range").found(0).accepted("1 or more"));
     }
+    let engines = Engines::from(arguments.engine);
+    if let (Engines::Cpu, Some(adapter)) = (engines, &arguments.adapter) {
+        return Err(Error::usage("--adapter names a graphics device, and --engine asks for none")
+            .found(adapter)
+            .accepted("--engine gpu or all, or no --adapter"));
+    }
     Ok(Wish {
+        engines,
+        adapter: arguments.adapter.clone(),
         only: arguments.only.clone(),
         // A year is longer than any patience, and does not overflow.
         frames: Frames {
@@ -79,10 +87,10 @@ fn carry_out(arguments: &arguments::Study, wish: Wish, document: &Document) -> R
         files::refuse_unwritable(&document.path)?;
     }
     let watch = Watch { bar: Bar::new(arguments.quiet), estimate: Mutex::new(Estimate::begin()) };
-    let gathered = gather(arguments, document, &watch);
-    let study = gathered.and_then(|(scene, reference)| {
+    let gathered = gather(arguments, &wish, document, &watch);
+    let study = gathered.and_then(|(scene, benches, reference)| {
         watch.begin();
-        study::study(scene, wish, reference, &watch)
+        study::study(scene, wish, benches, reference, &watch)
     });
     watch.bar.clear();
     let study = study?;
@@ -97,18 +105,21 @@ fn carry_out(arguments: &arguments::Study, wish: Wish, document: &Document) -> R
     conclude(arguments, document, &study)
 }
 
-/// The scene, and its reference picture.
+/// The scene, what it is measured on, and its reference picture.
 fn gather(
     arguments: &arguments::Study,
+    wish: &Wish,
     document: &Document,
     watch: &Watch,
-) -> Result<(Scene, study::Reference)> {
+) -> Result<(Scene, Benches, study::Reference)> {
     let mut session = voltet::nodes::session();
     let scene = Scene::gather(&document.graph, arguments.node.as_deref(), &mut session, &watch.bar)?;
+    // Before the reference, which takes longest.
+    let benches = Benches::open(&scene, wish)?;
     let cache = arguments.cache.clone().unwrap_or_else(study::cache_folder);
     watch.begin();
     let reference = study::reference(&scene, &cache, watch)?;
-    Ok((scene, reference))
+    Ok((scene, benches, reference))
 }
 
 /// Finds out, before the work, whether the folder is there or can be made, and can be written to.
@@ -158,7 +169,7 @@ fn conclude(arguments: &arguments::Study, document: &Document, study: &Study) ->
         return Ok(code_of(&error.accepted(format!("at most {bound}"))));
     };
     if arguments.apply {
-        let text = study::apply(&document.text, &study.scene, &row.setting)?;
+        let text = study::apply(&document.text, study, &row.setting)?;
         // What is written must be readable, also without the options of this call.
         Document::from_text(&document.path, text.clone(), &[], &registry()?)?;
         if text == document.text {
@@ -205,6 +216,16 @@ impl Progress for Watch {
 
     fn cancelled(&self) -> bool {
         self.bar.cancelled()
+    }
+}
+
+impl From<arguments::EngineName> for Engines {
+    fn from(name: arguments::EngineName) -> Engines {
+        match name {
+            arguments::EngineName::Cpu => Engines::Cpu,
+            arguments::EngineName::Gpu => Engines::Gpu,
+            arguments::EngineName::All => Engines::All,
+        }
     }
 }
 

@@ -1,15 +1,17 @@
 //! A setting written into a pipeline file; every other byte stays as it is.
 
 use super::settings::{order_name, overlap_name};
-use super::{Scene, Setting, Value as Key};
+use super::{Engine, Form, Setting, Study, Value as Key};
 use toml_edit::{DocumentMut, Item, TableLike, Value};
 use voltet_core::optics::Overlap;
 use voltet_core::optics::integrators::Integrator;
 use voltet_core::{Error, Result};
 
-/// The text of the pipeline file with the setting in it. Overlap and order are written where they differ from
-/// what the file says or leaves open.
-pub fn apply(text: &str, scene: &Scene, setting: &Setting) -> Result<String> {
+/// The text of the pipeline file with one of the study's settings in it. Overlap, order, engine, adapter and compositor are
+/// written where they differ from what the file says or comes to here; a `gpu-renderer` that is to draw on the native
+/// engine becomes a `renderer`.
+pub fn apply(text: &str, study: &Study, setting: &Setting) -> Result<String> {
+    let scene = &study.scene;
     // Line ends of two characters would come out as one.
     let windows = text.contains("\r\n");
     if windows && text.replace("\r\n", "").contains('\n') {
@@ -21,7 +23,7 @@ pub fn apply(text: &str, scene: &Scene, setting: &Setting) -> Result<String> {
     let mut document: DocumentMut = text.parse().map_err(|error: toml_edit::TomlError| {
         Error::usage("the pipeline file cannot be read as TOML").found(error.message())
     })?;
-    let own = scene.setting();
+    let own = scene.setting(setting.engine);
     for (name, key) in setting.keys() {
         set(&mut document, &scene.node, name, key)?;
     }
@@ -36,8 +38,38 @@ pub fn apply(text: &str, scene: &Scene, setting: &Setting) -> Result<String> {
     {
         set(&mut document, node, "order", Key::Text(order_name(setting.order)))?;
     }
+    for (name, value) in engine_keys(study, setting) {
+        set(&mut document, &scene.node, name, Key::Text(value))?;
+    }
     let written = document.to_string();
     Ok(if windows && !written.contains("\r\n") { written.replace('\n', "\r\n") } else { written })
+}
+
+/// The keys that state the setting's engine, where the file comes to another one.
+fn engine_keys<'a>(study: &'a Study, setting: &Setting) -> Vec<(&'static str, &'a str)> {
+    let asked = &study.scene.asked;
+    let comes_to = study.own.map(|own| own.engine);
+    let mut keys = Vec::new();
+    match (setting.engine, asked.form) {
+        (_, Form::Stages) => {}
+        (Engine::Cpu, Form::GpuRenderer) => keys.extend([("type", "renderer"), ("engine", "cpu")]),
+        (Engine::Cpu, Form::Renderer) if comes_to != Some(Engine::Cpu) => keys.push(("engine", "cpu")),
+        (Engine::Cpu, Form::Renderer) => {}
+        (Engine::Gpu { compositor }, form) => {
+            if form == Form::Renderer && comes_to.is_none_or(|engine| engine == Engine::Cpu) {
+                keys.push(("engine", "gpu"));
+            }
+            let wish = study.adapter.as_ref().and_then(|adapter| adapter.wish.as_deref());
+            if let Some(wish) = wish.filter(|wish| asked.adapter.as_deref() != Some(wish)) {
+                keys.push(("adapter", wish));
+            }
+            let only = asked.compositor == "auto" && Engine::of_device().count() == 1;
+            if asked.compositor != compositor && !only {
+                keys.push(("compositor", compositor));
+            }
+        }
+    }
+    keys
 }
 
 /// Sets a key of a node. The spaces and comments around a value that is there stay.

@@ -5,6 +5,7 @@
 //! scene has a p of its own where the transfer function does; where it jumps, the place of the jump is known to
 //! a piece only. Errors near the floor, which 32 bits leave whatever N, tell nothing and are left out.
 
+use super::Engine;
 use serde::Serialize;
 use voltet_core::transfer::{OpticalModel, Profile, TransferFunction, Wave};
 
@@ -19,6 +20,8 @@ const LEVELS: usize = 4;
 pub struct Convergence {
     /// The integrator.
     pub integrator: &'static str,
+    /// The engine, for people.
+    pub engine: String,
     /// For each number of pieces the error, and the order between the number before and this one.
     pub levels: Vec<Level>,
     /// The slope of the last four levels above the floor, by least squares; `None` for fewer than two.
@@ -42,7 +45,7 @@ pub struct Level {
     pub above_floor: bool,
 }
 
-/// The convergence over (N, error) in rising N. `floor`: the error that no N gets under.
+/// The convergence, on the native engine, over (N, error) in rising N. `floor`: the error that no N gets under.
 pub fn convergence(
     integrator: &'static str,
     errors: &[(usize, f64)],
@@ -65,7 +68,8 @@ pub fn convergence(
         .collect();
     let observed = slope(&telling[telling.len().saturating_sub(LEVELS)..]).map(|slope| -slope);
     let (expected, reason) = expected(transfer_function);
-    Convergence { integrator, levels, observed, expected, reason }
+    let engine = Engine::Cpu.label();
+    Convergence { integrator, engine, levels, observed, expected, reason }
 }
 
 /// The slope of the straight line through the points, by least squares; `None` for fewer than two.

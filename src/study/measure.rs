@@ -34,20 +34,24 @@ pub struct Times {
 pub struct Cost {
     /// Frames that were measured.
     pub frames: usize,
-    /// A whole picture: set-up and frame.
+    /// A picture, with all that a run makes anew for each one: the native engine its set-up and the frame, a device, which
+    /// keeps what it has set up, the frame.
     pub picture: Times,
-    /// What is made before a frame and would serve further ones: tables, widgets made ready.
+    /// What is made before a frame and would serve further ones: tables, widgets made ready; on a device also uploads and
+    /// pipelines.
     pub set_up: Times,
-    /// A frame: the stages below together.
+    /// A frame: the stages below together, on a device also what lies between them and the way back.
     pub frame: Times,
-    /// Culling.
-    pub cull: Times,
-    /// Ordering the cells.
-    pub sort: Times,
+    /// Culling; this and the next three are `None` on a device that does not time its passes.
+    pub cull: Option<Times>,
+    /// Ordering the cells; on a device, sharing them out among tiles too.
+    pub sort: Option<Times>,
     /// Projecting.
-    pub project: Times,
+    pub project: Option<Times>,
     /// Integrating and compositing.
-    pub composite: Times,
+    pub composite: Option<Times>,
+    /// The passes of a device that times them.
+    pub passes: Vec<Pass>,
     /// Ray segments integrated in a frame.
     pub segments: u64,
     /// Segments of these that the engine left to 64 bits.
@@ -56,10 +60,19 @@ pub struct Cost {
     pub peak_memory_bytes: Option<u64>,
 }
 
+/// What one pass of a device takes in a frame.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Pass {
+    /// Its entry point.
+    pub name: &'static str,
+    /// Its times.
+    pub times: Times,
+}
+
 /// Seconds of one frame: cull, sort, project, set-up, composite.
 type Seconds = [f64; 5];
 
-/// Draws the scene with one setting.
+/// Draws the scene with one setting on the native engine.
 pub fn measure(
     scene: &Scene,
     setting: &Setting,
@@ -86,10 +99,11 @@ pub fn measure(
         picture: of(&|seconds| seconds.iter().sum()),
         set_up: stage(3),
         frame: of(&|seconds| seconds.iter().sum::<f64>() - seconds[3]),
-        cull: stage(0),
-        sort: stage(1),
-        project: stage(2),
-        composite: stage(4),
+        cull: Some(stage(0)),
+        sort: Some(stage(1)),
+        project: Some(stage(2)),
+        composite: Some(stage(4)),
+        passes: Vec::new(),
         segments: counts.segments,
         segments_exact: counts.segments_exact,
         peak_memory_bytes: peak_memory().filter(|_| fresh),
@@ -124,7 +138,7 @@ fn frame(
 }
 
 /// Median and ends of seconds, at least one of them, in milliseconds.
-fn spread(mut seconds: Vec<f64>) -> Times {
+pub(super) fn spread(mut seconds: Vec<f64>) -> Times {
     seconds.sort_by(f64::total_cmp);
     let at = |i: usize| 1e3 * seconds[i];
     let count = seconds.len();
@@ -136,12 +150,12 @@ fn spread(mut seconds: Vec<f64>) -> Times {
 }
 
 /// Lets the system's count of the largest memory begin anew (Linux: proc(5), clear_refs); whether it does.
-fn forget_peak_memory() -> bool {
+pub(super) fn forget_peak_memory() -> bool {
     std::fs::write("/proc/self/clear_refs", "5").is_ok()
 }
 
 /// Largest resident memory of the process since then.
-fn peak_memory() -> Option<u64> {
+pub(super) fn peak_memory() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
     let kibibytes: u64 = line.split_whitespace().next()?.parse().ok()?;

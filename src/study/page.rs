@@ -1,8 +1,8 @@
 //! The study as one HTML page that needs no other file: for a colleague, or kept by a build server.
 
 use super::canvas::escaped;
-use super::table::{by_time, convergence_lines, milliseconds, refinement_lines};
-use super::{Measure, Row, Study};
+use super::table::{by_time, convergence_lines, engine_lines, milliseconds, refinement_lines};
+use super::{Engine, Measure, Row, Study};
 use std::fmt::Write;
 
 /// The look: black on white, figures in columns, nothing that needs colour.
@@ -43,6 +43,8 @@ pub fn page(study: &Study, title: &str, plot: &str, reference: &[u8]) -> String 
             study.reference.seconds,
         ),
     );
+    let notes: Vec<String> = engine_lines(study).iter().map(|line| escaped(line)).collect();
+    notes.iter().for_each(|line| paragraph(&mut html, line));
     if study.stopped() {
         let done =
             format!("Stopped: {} of {} settings were measured.", study.rows.len(), study.setting_count);
@@ -90,9 +92,13 @@ pub fn recommendation(study: &Study) -> Option<String> {
     };
     Some(match study.recommended.map(|i| &study.rows[i]) {
         Some(row) => format!(
-            "Cheapest with {name} at most {bound}: {} ({} ms a picture, error {:.1e}).",
+            "Cheapest with {name} at most {bound}: {} ({} ms a picture{}, error {:.1e}).",
             row.setting.label(),
             milliseconds(row.cost.picture.median_ms),
+            match row.setting.engine {
+                Engine::Cpu => String::new(),
+                _ => format!(" after a set-up of {} ms", milliseconds(row.cost.set_up.median_ms)),
+            },
             row.error(measure)
         ),
         None => {
@@ -147,8 +153,8 @@ fn table(study: &Study) -> String {
         let picture = [cost.picture.median_ms, cost.picture.fastest_ms, cost.picture.slowest_ms];
         cells.extend(picture.map(milliseconds));
         cells.push(cost.frames.to_string());
-        let stages = [cost.set_up, cost.cull, cost.sort, cost.project, cost.composite];
-        cells.extend(stages.map(|times| milliseconds(times.median_ms)));
+        let stages = [Some(cost.set_up), cost.cull, cost.sort, cost.project, cost.composite];
+        cells.extend(stages.map(|times| times.map_or("–".into(), |times| milliseconds(times.median_ms))));
         let errors = &row.errors;
         let wrong = [errors.root_mean_square, errors.percentile_99_9, errors.maximum];
         cells.extend(wrong.map(|error| format!("{error:.1e}")));
@@ -196,8 +202,10 @@ fn figure(html: &mut String, png: &[u8], caption: &str) {
 /// What the columns mean.
 const MEANINGS: &str = "<h2>What is measured</h2>\n<ul>\n\
 <li><b>Time</b>: each picture is drawn anew from culling on, once to warm up and then repeatedly; medians, fastest and \
-slowest. Set-up is what would serve further frames too: tables, widgets made ready. A run makes it for each picture, so the time of a \
-picture holds it. Where one frame outlasts the patience, that frame is all there is.</li>\n\
+slowest. Set-up is what would serve further frames too: tables, widgets made ready. The native engine makes it for each \
+picture, so the time of a picture holds it. A device keeps its own (grid, pipelines, tables) from picture to picture: there \
+set-up is what the first picture takes longer, and the time of a picture is that of a frame, read back. Its stages are \
+timed by its own clock, where it has one. Where one frame outlasts the patience, that frame is all there is.</li>\n\
 <li><b>rms, p99.9, max</b>: differences of premultiplied linear RGBA, 1 being full scale, over all pixels, empty ones \
 too. rms is taken over all channels; p99.9 and max over each pixel's largest channel.</li>\n\
 <li><b>&gt;1/255</b>: pixels with an error of more than a step of an 8-bit channel.</li>\n\
@@ -205,5 +213,6 @@ too. rms is taken over all channels; p99.9 and max over each pixel's largest cha
 degree. ΔE = ΔE<sub>c</sub><sup>1−ΔE<sub>f</sub></sup>: ΔE<sub>c</sub> is the HyAB distance in Hunt-adjusted L*a*b* after blurring with the \
 eye's contrast sensitivity, to the power 0.7, with 0.4 of its largest value mapped to 0.95; ΔE<sub>f</sub> = (max(|Δ \
 edges|, |Δ points|)/√2)<sup>0.5</sup>. 0: equal; 1: as different as can be.</li>\n\
-<li><b>Memory</b>: the largest resident memory of the process meanwhile, data and reference included.</li>\n\
+<li><b>Memory</b>: the largest resident memory of the process meanwhile, data and reference included; a graphics device's own is \
+not.</li>\n\
 <li><b>Pareto front</b>: settings that no other one beats in time and error.</li>\n</ul>\n";

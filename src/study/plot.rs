@@ -1,7 +1,7 @@
 //! The work-precision plot: error over time, both in powers of ten, the Pareto front marked.
 
 use super::canvas::{Anchor, Canvas, Color, Mark, Size, Symbol, WHITE};
-use super::{Row, Study};
+use super::{Engine, Row, Study};
 use voltet_core::optics::Overlap;
 use voltet_core::optics::integrators::Integrator;
 use voltet_core::shading::Order;
@@ -111,7 +111,12 @@ pub fn plot(study: &Study, title: &str) -> Canvas {
     let at = |row: &Row| [x.place(time(row)), y.place(error(row).min(10f64.powf(y.high)))];
 
     let mut canvas = Canvas::new(SIZE, &format!("{title}: error against time of every integrator"));
-    axes(&mut canvas, &x, &y, title, measure.label());
+    // A device keeps what it has set up.
+    let time_label = match engines(study).iter().any(|engine| *engine != Engine::Cpu) {
+        true => "time of a picture, set-up included on the CPU, not on the device (ms)",
+        false => "time of a picture, set-up included (ms)",
+    };
+    axes(&mut canvas, [&x, &y], title, [time_label, measure.label()]);
     if let Some(bound) = bound {
         let height = y.place(bound);
         canvas.line(&[[left, height], [right, height]], 1.2, BLACK, &[3.0, 3.0]);
@@ -121,9 +126,12 @@ pub fn plot(study: &Study, title: &str) -> Canvas {
     front(&mut canvas, study, &at);
     for style in &STYLES {
         let mine = || study.rows.iter().filter(|row| row.setting.integrator.name() == style.name);
-        let main: Vec<[f64; 2]> = mine().filter(|row| is_main(row)).map(at).collect();
-        if main.len() > 1 {
-            canvas.line(&main, 1.4, style.color, style.dashes);
+        for engine in engines(study) {
+            let main = mine().filter(|row| is_main(row) && row.setting.engine == engine);
+            let main: Vec<[f64; 2]> = main.map(at).collect();
+            if main.len() > 1 {
+                canvas.line(&main, 1.4, style.color, style.dashes);
+            }
         }
         for row in mine() {
             let radius = if row.on_front { 6.5 } else { 5.0 };
@@ -132,6 +140,7 @@ pub fn plot(study: &Study, title: &str) -> Canvas {
                 format!("{}: {:.3} ms, error {:.2e}", row.setting.label(), time(row), row.error(measure));
             let corners = style.symbol.corners(at(row), radius);
             canvas.marks.push(Mark::Shape { corners, fill, outline: style.color, hint });
+            around(&mut canvas, style, row.setting.engine, at(row), radius);
         }
     }
     if let Some(row) = study.recommended.map(|i| &study.rows[i]) {
@@ -144,6 +153,22 @@ pub fn plot(study: &Study, title: &str) -> Canvas {
     canvas
 }
 
+/// The engines of the rows.
+fn engines(study: &Study) -> Vec<Engine> {
+    let all = [Engine::Cpu].into_iter().chain(Engine::of_device());
+    all.filter(|engine| study.rows.iter().any(|row| row.setting.engine == *engine)).collect()
+}
+
+/// What tells a device's symbol from the native engine's, without colour: a further outline for its first compositor, two for
+/// the second.
+fn around(canvas: &mut Canvas, style: &Style, engine: Engine, at: [f64; 2], radius: f64) {
+    for further in 1..=engine.number() {
+        let mut corners = style.symbol.corners(at, radius + 3.0 * further as f64);
+        corners.extend(corners.first().copied());
+        canvas.line(&corners, 1.0, style.color, &[]);
+    }
+}
+
 /// Whether a row belongs to its integrator's line: the sweep of one number, everything else as usual.
 fn is_main(row: &Row) -> bool {
     let usual_table =
@@ -152,7 +177,7 @@ fn is_main(row: &Row) -> bool {
     swept && usual_table && row.setting.order != Order::Centroid
 }
 
-fn axes(canvas: &mut Canvas, x: &Axis, y: &Axis, title: &str, error: &str) {
+fn axes(canvas: &mut Canvas, [x, y]: [&Axis; 2], title: &str, [time, error]: [&str; 2]) {
     let [left, top, right, bottom] = PLANE;
     for (value, label) in x.ticks() {
         let place = x.place(value);
@@ -173,7 +198,7 @@ fn axes(canvas: &mut Canvas, x: &Axis, y: &Axis, title: &str, error: &str) {
     canvas.line(&[[left, top], [right, top], [right, bottom], [left, bottom], [left, top]], 1.0, BLACK, &[]);
     canvas.text([left, 22.0], &shown(title, 72), Size::Large, Anchor::Start, BLACK);
     let middle = [0.5 * (left + right), bottom + 40.0];
-    canvas.text(middle, "time of a picture, set-up included (ms)", Size::Small, Anchor::Middle, BLACK);
+    canvas.text(middle, time, Size::Small, Anchor::Middle, BLACK);
     canvas.marks.push(Mark::Text {
         at: [18.0, 0.5 * (top + bottom)],
         text: error.into(),
@@ -280,6 +305,16 @@ fn legend(canvas: &mut Canvas, study: &Study) {
             small(canvas, y, style.name);
             y += 20.0;
         }
+    }
+    let engines = engines(study);
+    for engine in engines.iter().filter(|_| engines != [Engine::Cpu]) {
+        y += 6.0;
+        let style = &STYLES[0];
+        let corners = style.symbol.corners([x + 14.0, y], 5.0);
+        canvas.marks.push(Mark::Shape { corners, fill: WHITE, outline: BLACK, hint: String::new() });
+        around(canvas, style, *engine, [x + 14.0, y], 5.0);
+        small(canvas, y, &format!("on {}", engine.label()));
+        y += 20.0;
     }
     y += 8.0;
     canvas.line(&[[x, y], [x + 28.0, y]], 7.0, [205, 205, 205], &[]);

@@ -8,7 +8,7 @@
 
 use super::convergence::{Convergence, convergence};
 use super::errors::errors;
-use super::{Reference, Scene, Setting};
+use super::{Engine, Reference, Scene, Setting};
 use glam::DVec3;
 use serde::Serialize;
 use std::sync::Arc;
@@ -68,7 +68,12 @@ pub fn refinement(
             .found(format!("{count} cells, {finest} refined {levels} times"))
             .accepted(format!("at most {CELLS_MOST}: --refine with fewer levels")));
     }
-    let exact = Setting { integrator: Integrator::Analytic, overlap: Overlap::Exact, order: Order::Exact };
+    let exact = Setting {
+        engine: Engine::Cpu,
+        integrator: Integrator::Analytic,
+        overlap: Overlap::Exact,
+        order: Order::Exact,
+    };
     let tried = [
         ("riemann, 4 samples", Setting { integrator: Integrator::Riemann { count: 4 }, ..exact }),
         (

@@ -1,13 +1,14 @@
 //! The study itself: setting after setting, and what comes of it.
 
+use super::bench::{Adapter, Benches};
 use super::convergence::{Convergence, convergence};
 use super::errors::{Errors, difference, errors};
 use super::flip::Seen;
-use super::measure::{Cost, Frames, measure};
+use super::measure::{Cost, Frames};
 use super::pareto;
 use super::reference::Reference;
 use super::refine::{Refinement, Source, refinement};
-use super::{Scene, Setting, settings};
+use super::{Engine, Engines, Scene, Setting};
 use voltet_core::error::ErrorKind;
 use voltet_core::optics::Overlap;
 use voltet_core::optics::integrators::Integrator;
@@ -59,6 +60,10 @@ impl Measure {
 pub struct Wish {
     /// Integrators to look at; none for all.
     pub only: Vec<String>,
+    /// Engines to look at.
+    pub engines: Engines,
+    /// The adapter, by a part of its name or its kind; none for the file's, or the fastest that is hardware.
+    pub adapter: Option<String>,
     /// How often each is drawn.
     pub frames: Frames,
     /// Which error decides about the front and the recommendation.
@@ -88,6 +93,15 @@ pub struct Row {
     pub difference_png: Vec<u8>,
 }
 
+/// A setting that the device does not draw.
+#[derive(Debug, Clone)]
+pub struct Refused {
+    /// The setting.
+    pub setting: Setting,
+    /// Why.
+    pub error: Error,
+}
+
 /// What came of it.
 #[derive(Debug, Clone)]
 pub struct Study {
@@ -99,8 +113,16 @@ pub struct Study {
     pub reference: Reference,
     /// The settings that were measured.
     pub rows: Vec<Row>,
-    /// How many there are.
+    /// The settings that the device does not draw.
+    pub refused: Vec<Refused>,
+    /// How many settings there are, those refused among them.
     pub setting_count: usize,
+    /// The device that was looked at.
+    pub adapter: Option<Adapter>,
+    /// How the file draws on this machine; `None`: on a device that was not looked at, or not at all.
+    pub own: Option<Setting>,
+    /// What was not measured, why, and how to have it.
+    pub left_out: Vec<String>,
     /// The row that costs least under the error allowed.
     pub recommended: Option<usize>,
     /// Orders of convergence of the integrators that were looked at over their numbers of pieces.
@@ -124,16 +146,23 @@ impl Row {
 impl Study {
     /// Whether it was stopped before all that was asked for was measured.
     pub fn stopped(&self) -> bool {
-        self.rows.len() < self.setting_count || (self.wish.refine > 0 && self.refinement.is_none())
+        self.stopped_early() || (self.wish.refine > 0 && self.refinement.is_none())
     }
 }
 
 /// Measures every setting. A stop, once the reference is there, keeps the settings that are done; see
 /// [`Study::stopped`].
 ///
-/// Errors: integrators asked for that cannot serve the scene; those of drawing.
-pub fn study(scene: Scene, wish: Wish, reference: Reference, progress: &dyn Progress) -> Result<Study> {
-    let settings = settings(&scene, &wish.only);
+/// Errors: integrators asked for that cannot serve the scene; those of drawing on the native engine; a device that draws
+/// nothing, where it is all that was asked for.
+pub fn study(
+    scene: Scene,
+    wish: Wish,
+    mut benches: Benches,
+    reference: Reference,
+    progress: &dyn Progress,
+) -> Result<Study> {
+    let settings = benches.settings(&scene, &wish.only);
     if settings.is_empty() {
         return Err(Error::usage("none of the integrators asked for can serve this scene")
             .found(wish.only.join(", "))
@@ -141,12 +170,10 @@ pub fn study(scene: Scene, wish: Wish, reference: Reference, progress: &dyn Prog
     }
     let seen = Seen::new(&reference.picture, scene.background);
     let whole: f64 = settings.iter().map(Setting::weight).sum();
-    let own = scene.setting();
-    let mut done = 0.0;
-    let mut rows = Vec::new();
+    let (mut done, mut rows, mut refused) = (0.0, Vec::new(), Vec::new());
     for setting in &settings {
         progress.report(&setting.label(), done / whole);
-        match measure(&scene, setting, &wish.frames, progress) {
+        match benches.measure(&scene, setting, &wish.frames, progress) {
             Ok((picture, cost)) => rows.push(Row {
                 difference_png: encode::png(&difference(&picture, &reference.picture), [0.0; 3])?,
                 setting: *setting,
@@ -154,15 +181,39 @@ pub fn study(scene: Scene, wish: Wish, reference: Reference, progress: &dyn Prog
                 errors: errors(&picture, &reference.picture),
                 flip: Seen::new(&picture, scene.background).difference(&seen),
                 on_front: false,
-                of_file: setting.draws_as(&own),
+                of_file: false,
             }),
             Err(error) if error.kind == ErrorKind::Cancelled => break,
+            // What a device does not hold another engine may.
+            Err(error) if setting.engine != Engine::Cpu => {
+                refused.push(Refused { setting: *setting, error });
+            }
             Err(error) => return Err(error),
         }
         done += setting.weight();
     }
-    let mut study = judged(scene, wish, reference, rows, settings.len());
-    if study.wish.refine > 0 && study.rows.len() == study.setting_count {
+    if let ([], [first, ..]) = (rows.as_slice(), refused.as_slice()) {
+        return Err(first.error.clone());
+    }
+    let own = benches.own(&scene, &|own| refused.iter().any(|no: &Refused| no.setting.draws_as(own)));
+    let adapter = benches.adapter(&scene, &wish);
+    let setting_count = settings.len();
+    let mut study = Study {
+        scene,
+        wish,
+        reference,
+        rows,
+        refused,
+        setting_count,
+        adapter,
+        own,
+        left_out: benches.left_out,
+        recommended: None,
+        convergence: Vec::new(),
+        refinement: None,
+    };
+    study.judge();
+    if study.wish.refine > 0 && !study.stopped_early() {
         let Study { scene, reference, wish, .. } = &study;
         study.refinement = match refinement(scene, reference, wish.refine, &Source::Gradients, progress) {
             Ok(found) => Some(found),
@@ -173,28 +224,39 @@ pub fn study(scene: Scene, wish: Wish, reference: Reference, progress: &dyn Prog
     Ok(study)
 }
 
-/// Front, recommendation and orders.
-fn judged(scene: Scene, wish: Wish, reference: Reference, mut rows: Vec<Row>, setting_count: usize) -> Study {
-    let points: Vec<[f64; 2]> =
-        rows.iter().map(|row| [row.cost.picture.median_ms, row.error(wish.measure)]).collect();
-    for (row, on_front) in rows.iter_mut().zip(pareto::front(&points)) {
-        row.on_front = on_front;
+impl Study {
+    /// Whether settings were left.
+    fn stopped_early(&self) -> bool {
+        self.rows.len() + self.refused.len() < self.setting_count
     }
-    let recommended = wish.max_error.and_then(|bound| pareto::cheapest(&points, bound));
-    let convergence =
-        ["segments", "riemann"].into_iter().filter_map(|name| converging(name, &rows, &scene)).collect();
-    Study { scene, wish, reference, rows, setting_count, recommended, convergence, refinement: None }
+
+    /// Front, recommendation and orders.
+    fn judge(&mut self) {
+        let (rows, wish) = (&mut self.rows, &self.wish);
+        let points: Vec<[f64; 2]> =
+            rows.iter().map(|row| [row.cost.picture.median_ms, row.error(wish.measure)]).collect();
+        for (row, on_front) in rows.iter_mut().zip(pareto::front(&points)) {
+            row.on_front = on_front;
+            row.of_file = self.own.is_some_and(|own| row.setting.draws_as(&own));
+        }
+        self.recommended = wish.max_error.and_then(|bound| pareto::cheapest(&points, bound));
+        let engines: Vec<Engine> = [Engine::Cpu].into_iter().chain(Engine::of_device()).collect();
+        let each = engines.iter().flat_map(|engine| ["segments", "riemann"].map(|name| (*engine, name)));
+        self.convergence =
+            each.filter_map(|(engine, name)| converging(name, engine, &self.rows, &self.scene)).collect();
+    }
 }
 
-/// The convergence of an integrator over its number of pieces, with its largest table.
-fn converging(name: &'static str, rows: &[Row], scene: &Scene) -> Option<Convergence> {
+/// The convergence of an integrator on one engine over its number of pieces, with its standard table.
+fn converging(name: &'static str, engine: Engine, rows: &[Row], scene: &Scene) -> Option<Convergence> {
+    let rows = || rows.iter().filter(|row| row.setting.engine == engine);
     let count = |row: &Row| match row.setting.integrator {
         Integrator::Segments { count, table_size: 256 } if name == "segments" => Some(count),
         Integrator::Riemann { count } if name == "riemann" => Some(count),
         _ => None,
     };
     let mut errors: Vec<(usize, f64)> =
-        rows.iter().filter_map(|row| Some((count(row)?, row.errors.root_mean_square))).collect();
+        rows().filter_map(|row| Some((count(row)?, row.errors.root_mean_square))).collect();
     errors.sort_unstable_by_key(|level| level.0);
     if errors.len() < 2 {
         return None;
@@ -203,9 +265,9 @@ fn converging(name: &'static str, rows: &[Row], scene: &Scene) -> Option<Converg
         let closed = matches!(row.setting.integrator, Integrator::Analytic | Integrator::Adaptive { .. });
         closed && row.setting.overlap == Overlap::Exact && row.setting.order == Order::Exact
     };
-    let floor =
-        rows.iter().filter(exact).map(|row| row.errors.root_mean_square).fold(f64::INFINITY, f64::min);
+    let floor = rows().filter(exact).map(|row| row.errors.root_mean_square).fold(f64::INFINITY, f64::min);
     // Where no closed form was looked at, single precision is all that is known.
     let floor = if floor.is_finite() { floor } else { f64::from(f32::EPSILON) };
-    Some(convergence(name, &errors, floor, &scene.transfer_function))
+    let found = convergence(name, &errors, floor, &scene.transfer_function);
+    Some(Convergence { engine: engine.label(), ..found })
 }

@@ -1,14 +1,38 @@
 //! The scene of a pipeline: what its node that draws is given, and how it is asked to draw.
 
-use super::Setting;
+use super::{Engine, Setting};
 use std::sync::Arc;
 use voltet_core::camera::Camera;
-use voltet_core::graph::{Graph, GraphNode, Observer, Session, Value, diagonal};
+use voltet_core::graph::{Graph, GraphNode, Observer, Parameters, Session, Value, diagonal};
 use voltet_core::shading::{Order, Shading};
 use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
 use voltet_nodes::drawing;
+
+/// Which nodes draw, which decides what an engine can be written into.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Form {
+    /// A `renderer`, on either engine.
+    Renderer,
+    /// A `gpu-renderer`.
+    GpuRenderer,
+    /// The stages one by one, which are the native engine's.
+    Stages,
+}
+
+/// What the file says about engines.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Asked {
+    /// Which nodes draw.
+    pub form: Form,
+    /// "auto", "cpu" or "gpu".
+    pub engine: String,
+    /// The adapter, where one is named.
+    pub adapter: Option<String>,
+    /// The compositor of the device, or "auto".
+    pub compositor: String,
+}
 
 /// What is drawn, by which node, and how.
 #[derive(Debug, Clone)]
@@ -29,6 +53,8 @@ pub struct Scene {
     pub order: Order,
     /// Whether the order of a pixel's segments changes the picture.
     pub needs_order: bool,
+    /// What the file says about engines.
+    pub asked: Asked,
     /// What the picture lies over where the pipeline writes it; linear RGB.
     pub background: [f64; 3],
 }
@@ -47,6 +73,7 @@ impl Scene {
         let inputs = session.inputs(graph, place, observer)?;
         let shading = drawing::shading(&node.parameters).map_err(blame)?;
         let background = background(graph, place);
+        let asked = Asked::of(node.node.name, &node.parameters);
         let needs = |look: &TransferFunction| drawing::needs_order(look, &shading);
         let unknown = || node.blame(Error::run("the node that draws is fed by values of unknown types"));
         match inputs.as_slice() {
@@ -65,6 +92,7 @@ impl Scene {
                     shading,
                     order,
                     needs_order,
+                    asked,
                     background,
                 })
             }
@@ -80,6 +108,7 @@ impl Scene {
                     shading,
                     order: cells.order,
                     needs_order: needs(&projected.transfer_function),
+                    asked,
                     background,
                 })
             }
@@ -87,19 +116,49 @@ impl Scene {
         }
     }
 
-    /// How the file draws it.
-    pub fn setting(&self) -> Setting {
+    /// How the file draws it, were it on this engine.
+    pub fn setting(&self, engine: Engine) -> Setting {
         let order = match self.order {
             Order::Auto => Order::Exact,
             order => order,
         };
-        Setting { integrator: self.shading.integrator, overlap: self.shading.overlap, order }
+        Setting { engine, integrator: self.shading.integrator, overlap: self.shading.overlap, order }
+    }
+}
+
+impl Asked {
+    fn of(node: &str, parameters: &Parameters) -> Asked {
+        let form = match node {
+            "renderer" => Form::Renderer,
+            "gpu-renderer" => Form::GpuRenderer,
+            _ => Form::Stages,
+        };
+        let text = |name: &str| parameters.optional(name).and_then(|setting| setting.text());
+        let engine = match form {
+            Form::Renderer => text("engine").unwrap_or("auto"),
+            Form::GpuRenderer => "gpu",
+            Form::Stages => "cpu",
+        };
+        Asked {
+            form,
+            engine: engine.into(),
+            adapter: text("adapter").map(str::to_string),
+            compositor: text("compositor").unwrap_or("auto").into(),
+        }
+    }
+
+    /// The device engine as the file has it; a compositor left open is the first.
+    pub fn on_device(&self) -> Option<Engine> {
+        Engine::of_device().find(|engine| {
+            let open = self.compositor == "auto";
+            open || engine.compositor().is_some_and(|known| known == self.compositor)
+        })
     }
 }
 
 /// The node that draws: a renderer or a composite node that something written needs.
 fn drawing_node(graph: &Graph, name: Option<&str>) -> Result<usize> {
-    let draws = |node: &GraphNode| matches!(node.node.name, "renderer" | "composite");
+    let draws = |node: &GraphNode| matches!(node.node.name, "renderer" | "gpu-renderer" | "composite");
     let found: Vec<usize> = graph.order.iter().copied().filter(|&i| draws(&graph.nodes[i])).collect();
     let names: Vec<&str> = found.iter().map(|&i| graph.nodes[i].name.as_str()).collect();
     match (name, found.as_slice()) {
@@ -110,7 +169,9 @@ fn drawing_node(graph: &Graph, name: Option<&str>) -> Result<usize> {
         }),
         (None, [place]) => Ok(*place),
         (None, []) => Err(Error::usage("the pipeline draws no volume, so there is nothing to study")
-            .accepted("a node of type \"renderer\" or \"composite\" that an image-writer needs")),
+            .accepted(
+                "a node of type \"renderer\", \"gpu-renderer\" or \"composite\" that an image-writer needs",
+            )),
         (None, _) => Err(Error::usage("several nodes of the pipeline draw")
             .found(names.join(", "))
             .accepted("--node with the name of one of them")),

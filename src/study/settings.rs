@@ -1,6 +1,6 @@
 //! The settings that are tried: every integrator that can serve the scene, over its own numbers.
 
-use super::Scene;
+use super::{Engine, Scene};
 use voltet_core::optics::Overlap;
 use voltet_core::optics::integrators::{Integrator, can_serve};
 use voltet_core::shading::Order;
@@ -8,6 +8,8 @@ use voltet_core::shading::Order;
 /// One way to draw the scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Setting {
+    /// What draws.
+    pub engine: Engine,
     /// The integrator with its numbers.
     pub integrator: Integrator,
     /// What the closed forms do where widgets overlap.
@@ -28,8 +30,9 @@ const TABLE_SEGMENTS: usize = 16;
 /// Sides of the three-dimensional tables. 256³ takes 190 MiB; the largest, 512³, 1.5 GiB, and is left out.
 const SIDES: [usize; 5] = [16, 32, 64, 128, 256];
 
-/// Every setting for the scene, each integrator's cheapest first. `only`: names of integrators, none for all.
-pub fn settings(scene: &Scene, only: &[String]) -> Vec<Setting> {
+/// Every setting for the scene on one engine, each integrator's cheapest first. `only`: names of integrators, none for
+/// all.
+pub fn settings(scene: &Scene, only: &[String], engine: Engine) -> Vec<Setting> {
     let powers = |most: u32| (0..=most).map(|k| 1usize << k);
     let mut integrators = vec![Integrator::Analytic, Integrator::Clipped];
     integrators.extend((1..=6).map(|k| Integrator::Adaptive { tolerance: TOLERANCES[k - 1] }));
@@ -46,11 +49,11 @@ pub fn settings(scene: &Scene, only: &[String]) -> Vec<Setting> {
     for integrator in integrators.into_iter().filter(|i| serves(i) && wanted(i)) {
         for overlap in overlaps(scene, &integrator) {
             for order in orders(scene, &integrator) {
-                settings.push(Setting { integrator, overlap, order });
+                settings.push(Setting { engine, integrator, overlap, order });
             }
         }
     }
-    let own = scene.setting();
+    let own = scene.setting(engine);
     let drawn = own.integrator != Integrator::Reference && wanted(&own.integrator);
     if drawn && !settings.iter().any(|setting| setting.draws_as(&own)) {
         settings.push(own);
@@ -76,7 +79,7 @@ fn orders(scene: &Scene, integrator: &Integrator) -> Vec<Order> {
     let exact_integrals = matches!(integrator, Integrator::Analytic | Integrator::Clipped);
     match exact_integrals && scene.needs_order && scene.order_node.is_some() {
         true => vec![Order::Exact, Order::Centroid],
-        false if scene.needs_order && scene.order_node.is_none() => vec![scene.setting().order],
+        false if scene.needs_order && scene.order_node.is_none() => vec![scene.setting(Engine::Cpu).order],
         false => vec![Order::Exact],
     }
 }
@@ -85,11 +88,12 @@ impl Setting {
     /// Whether another setting draws the same picture: overlaps count for the closed forms alone.
     pub fn draws_as(&self, other: &Setting) -> bool {
         let overlap = self.overlap == other.overlap || self.integrator != Integrator::Analytic;
-        self.integrator == other.integrator && self.order == other.order && overlap
+        let same = self.integrator == other.integrator && self.order == other.order && overlap;
+        self.engine == other.engine && same
     }
 
-    /// The keys of a pipeline file that state it, with their values; overlap and order apart.
-    pub fn keys(&self) -> Vec<(&'static str, Value)> {
+    /// The keys of a pipeline file that state it, with their values; overlap, order and engine apart.
+    pub fn keys(&self) -> Vec<(&'static str, Value<'static>)> {
         let whole = |n: usize| Value::Integer(n as i64);
         let mut keys = vec![("integrator", Value::Text(self.integrator.name()))];
         match self.integrator {
@@ -129,13 +133,14 @@ impl Setting {
         parts.join(", ")
     }
 
-    /// Integrator and numbers, for people.
+    /// Integrator, numbers and the device, for people.
     pub fn label(&self) -> String {
-        let numbers = self.numbers();
-        match numbers.is_empty() {
-            true => self.integrator.name().into(),
-            false => format!("{}, {numbers}", self.integrator.name()),
-        }
+        let engine = match self.engine {
+            Engine::Cpu => String::new(),
+            engine => engine.label(),
+        };
+        let parts = [self.integrator.name().into(), self.numbers(), engine];
+        parts.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join(", ")
     }
 
     /// The same as part of a file's name.
@@ -148,7 +153,7 @@ impl Setting {
     /// A rough relative cost, for estimates of what is left to do.
     pub fn weight(&self) -> f64 {
         let cube = |side: usize| (side as f64 / 64.0).powi(3);
-        match self.integrator {
+        let native = match self.integrator {
             Integrator::Analytic | Integrator::Clipped => 1.0,
             Integrator::Adaptive { .. } => 6.0,
             Integrator::Segments { count, .. } => 3.0 + count as f64,
@@ -156,15 +161,20 @@ impl Setting {
             Integrator::PreIntegrated { table_size }
             | Integrator::PreIntegratedCylindrical { table_size } => 4.0 + cube(table_size),
             Integrator::Reference => 50.0,
+        };
+        match self.engine {
+            Engine::Cpu => native,
+            // Compiling is what most of it takes.
+            Engine::Gpu { .. } => 4.0 + 0.5 * native,
         }
     }
 }
 
 /// A value of a key of a pipeline file.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Value {
+pub enum Value<'a> {
     /// A word.
-    Text(&'static str),
+    Text(&'a str),
     /// A whole number.
     Integer(i64),
     /// A number.

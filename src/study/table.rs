@@ -1,7 +1,7 @@
 //! The figures of a study as a table for people, CSV and JSON.
 
 use super::settings::{order_name, overlap_name};
-use super::{Convergence, Row, Setting, Study, Value as Key};
+use super::{Convergence, Engine, Refused, Row, Setting, Study, Times, Value as Key};
 use serde_json::{Value, json as object};
 
 /// Milliseconds, with three digits that tell something.
@@ -25,6 +25,10 @@ pub(super) fn by_time(study: &Study) -> Vec<usize> {
 
 /// The table, what is recommended, and the orders of convergence.
 pub fn text(study: &Study) -> String {
+    let stage = |times: &[Option<Times>]| match times.iter().copied().collect::<Option<Vec<Times>>>() {
+        Some(times) => milliseconds(times.iter().map(|times| times.median_ms).sum()),
+        None => "-".into(),
+    };
     let width = study.rows.iter().map(|row| row.setting.label().len()).max().unwrap_or(0).max(10);
     let mut text = format!(
         "    {:width$}  {:>8} {:>15}  {:>7} {:>7} {:>7} {:>9}  {:>8} {:>8} {:>8} {:>8} {:>8} {:>8}\n",
@@ -56,9 +60,9 @@ pub fn text(study: &Study) -> String {
             row.setting.label(),
             milliseconds(cost.picture.median_ms),
             milliseconds(cost.set_up.median_ms),
-            milliseconds(cost.cull.median_ms + cost.sort.median_ms),
-            milliseconds(cost.project.median_ms),
-            milliseconds(cost.composite.median_ms),
+            stage(&[cost.cull, cost.sort]),
+            stage(&[cost.project]),
+            stage(&[cost.composite]),
             row.errors.root_mean_square,
             row.errors.percentile_99_9,
             row.errors.maximum,
@@ -70,10 +74,40 @@ pub fn text(study: &Study) -> String {
         "* on the Pareto front (time, {} error), > recommended, f as the file has it; cull with sorting\n",
         study.wish.measure.name()
     );
-    for line in convergence_lines(study).iter().chain(&refinement_lines(study)) {
+    let notes = engine_lines(study);
+    for line in notes.iter().chain(&convergence_lines(study)).chain(&refinement_lines(study)) {
         text += &format!("{line}\n");
     }
     text
+}
+
+/// What was drawn on which device, what it does not draw, and what was not measured.
+pub(super) fn engine_lines(study: &Study) -> Vec<String> {
+    let mut lines = Vec::new();
+    if let Some(adapter) = &study.adapter {
+        let software = if adapter.is_software {
+            "; a program on the CPU, which says nothing of graphics hardware"
+        } else {
+            ""
+        };
+        lines.push(format!(
+            "gpu: {}{software}; total is a frame with grid, pipelines and tables in place, set-up is made once",
+            adapter.name
+        ));
+    }
+    let mut reasons: Vec<(String, Vec<String>)> = Vec::new();
+    for refused in &study.refused {
+        let (reason, label) = (refused.error.to_string(), refused.setting.label());
+        match reasons.iter_mut().find(|known| known.0 == reason) {
+            Some((_, labels)) => labels.push(label),
+            None => reasons.push((reason, vec![label])),
+        }
+    }
+    for (reason, labels) in reasons {
+        lines.push(format!("the device does not draw {}: {reason}", labels.join("; ")));
+    }
+    lines.extend(study.left_out.iter().map(|what| format!("not measured: {what}")));
+    lines
 }
 
 /// A sentence for each integrator that was looked at over its number of pieces.
@@ -91,8 +125,9 @@ fn convergence_line(found: &Convergence) -> String {
         .filter_map(|level| Some(format!("{} to {}: {:.2}", level.count / 2, level.count, level.order?)))
         .collect();
     let steps = if steps.is_empty() { String::new() } else { format!(" ({})", steps.join(", ")) };
+    let engine = if found.engine == "cpu" { String::new() } else { format!(" on {}", found.engine) };
     format!(
-        "order of {}: observed {observed}, expected {:.0} ({}){steps}",
+        "order of {}{engine}: observed {observed}, expected {:.0} ({}){steps}",
         found.integrator, found.expected, found.reason
     )
 }
@@ -123,7 +158,7 @@ pub(super) fn refinement_lines(study: &Study) -> Vec<String> {
 /// One line a setting, after a line of names; times in milliseconds, errors of premultiplied linear RGBA.
 pub fn csv(study: &Study) -> String {
     let mut text = String::from(
-        "integrator,segments,tolerance,table_size,overlap,order,frames,picture_ms,picture_fastest_ms,\
+        "engine,compositor,adapter,integrator,segments,tolerance,table_size,overlap,order,frames,picture_ms,picture_fastest_ms,\
          picture_slowest_ms,set_up_ms,frame_ms,cull_ms,sort_ms,project_ms,composite_ms,rms_error,p99_9_error,\
          max_error,pixels_over_1_255,flip,peak_memory_bytes,ray_segments,on_front,recommended,of_file\n",
     );
@@ -139,13 +174,19 @@ pub fn csv(study: &Study) -> String {
             }
         };
         let (cost, errors) = (&row.cost, &row.errors);
-        let mut cells: Vec<String> = ["integrator", "segments", "tolerance", "table_size"].map(key).into();
+        let engine = row.setting.engine;
+        let mut cells: Vec<String> =
+            vec![engine.name().into(), engine.compositor().unwrap_or_default().into()];
+        cells.push(adapter(study, &row.setting).map_or(String::new(), quoted));
+        cells.extend(["integrator", "segments", "tolerance", "table_size"].map(key));
         cells.push(overlap_name(row.setting.overlap).into());
         cells.push(order_name(row.setting.order).into());
         cells.push(cost.frames.to_string());
-        let times = [cost.set_up, cost.frame, cost.cull, cost.sort, cost.project, cost.composite];
         let picture = [cost.picture.median_ms, cost.picture.fastest_ms, cost.picture.slowest_ms];
-        cells.extend(picture.into_iter().chain(times.map(|t| t.median_ms)).map(|ms| format!("{ms:.4}")));
+        let times = [cost.set_up.median_ms, cost.frame.median_ms];
+        cells.extend(picture.into_iter().chain(times).map(|ms| format!("{ms:.4}")));
+        let stages = [cost.cull, cost.sort, cost.project, cost.composite];
+        cells.extend(stages.map(|times| times.map_or(String::new(), |t| format!("{:.4}", t.median_ms))));
         let wrong = [errors.root_mean_square, errors.percentile_99_9, errors.maximum];
         cells.extend(wrong.map(|error| format!("{error:.6e}")));
         cells.push(errors.pixels_over_step.to_string());
@@ -158,11 +199,25 @@ pub fn csv(study: &Study) -> String {
     text
 }
 
+/// The device that a setting was drawn on.
+fn adapter<'a>(study: &'a Study, setting: &Setting) -> Option<&'a str> {
+    let on_device = setting.engine != Engine::Cpu;
+    study.adapter.as_ref().filter(|_| on_device).map(|adapter| adapter.name.as_str())
+}
+
+/// A text as a cell of CSV: names of devices hold commas.
+fn quoted(text: &str) -> String {
+    format!("\"{}\"", text.replace('"', "\"\""))
+}
+
 /// Everything for programs. Numbers that JSON cannot hold are null.
 pub fn json(study: &Study, title: &str) -> Value {
     let scene = &study.scene;
     let setting = |setting: &Setting| {
         let mut keys = serde_json::Map::new();
+        keys.insert("engine".into(), setting.engine.name().into());
+        keys.extend(setting.engine.compositor().map(|name| ("compositor".into(), name.into())));
+        keys.extend(adapter(study, setting).map(|name| ("adapter".into(), name.into())));
         for (name, key) in setting.keys() {
             keys.insert(
                 name.into(),
@@ -183,6 +238,10 @@ pub fn json(study: &Study, title: &str) -> Value {
             "errors": row.errors, "flip": row.flip, "on_front": row.on_front, "of_file": row.of_file,
         })
     };
+    let refused = |refused: &Refused| {
+        let reason = refused.error.to_string();
+        object!({ "label": refused.setting.label(), "setting": setting(&refused.setting), "reason": reason })
+    };
     object!({
         "title": title,
         "node": scene.node,
@@ -194,7 +253,10 @@ pub fn json(study: &Study, title: &str) -> Value {
         "max_error": study.wish.max_error,
         "reference_seconds": study.reference.seconds,
         "reference_cached": study.reference.cached,
+        "adapter": study.adapter.as_ref().map(|adapter| &adapter.name),
         "settings": study.setting_count,
+        "refused": study.refused.iter().map(refused).collect::<Vec<_>>(),
+        "left_out": study.left_out,
         "stopped": study.stopped(),
         "rows": study.rows.iter().map(row).collect::<Vec<_>>(),
         "recommended": study.recommended.map(|i| row(&study.rows[i])),

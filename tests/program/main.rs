@@ -12,4 +12,6 @@ mod pictures;
 mod reports;
 mod stability;
 mod study;
+#[cfg(feature = "gpu")]
+mod study_devices;
 mod support;

@@ -4,7 +4,7 @@ use super::support::{Folder, SLAB};
 use serde_json::Value;
 
 /// The slab with two Gaussian widgets that overlap, so that integrators differ, orders and overlaps count.
-fn scene() -> String {
+pub fn scene() -> String {
     let widgets = r#"[[nodes.look.widgets]]
 kind = "gaussian"
 color = [0.5, 1.0, 0.25]
@@ -32,7 +32,7 @@ fn folder() -> Folder {
     folder
 }
 
-const QUICK: [&str; 5] = ["--frames", "2", "--cache", "cache", "--only"];
+const QUICK: [&str; 7] = ["--engine", "cpu", "--frames", "2", "--cache", "cache", "--only"];
 
 fn study<'a>(more: &[&'a str]) -> Vec<&'a str> {
     ["study", "scene.toml"].into_iter().chain(QUICK).chain(more.iter().copied()).collect()
@@ -41,9 +41,7 @@ fn study<'a>(more: &[&'a str]) -> Vec<&'a str> {
 #[test]
 fn a_study_writes_its_files_and_says_what_is_worth_taking() {
     let folder = folder();
-    let ran = folder
-        .voltet(&["study", "scene.toml", "--frames", "2", "--cache", "cache", "--max-error", "0.002"])
-        .ok();
+    let ran = folder.voltet(&[&study(&[])[..QUICK.len() + 1], &["--max-error", "0.002"]].concat()).ok();
     let json: Value = folder.json("scene.study/study.json");
     let rows = json["rows"].as_array().unwrap();
     assert_eq!(rows.len() as u64, json["settings"].as_u64().unwrap());
@@ -123,9 +121,8 @@ fn apply_writes_the_setting_and_leaves_every_other_byte() {
     }
 }
 
-#[test]
-fn the_stages_one_by_one_are_studied_too() {
-    let folder = folder();
+/// The scene with a node for each stage.
+pub fn stages() -> String {
     let start = scene().find("[nodes.picture]").unwrap();
     let end = scene().find("[nodes.file]").unwrap();
     let stages = r#"[nodes.cells]
@@ -145,7 +142,13 @@ type = "composite"
 inputs = { projection = "cover", transfer_function = "look" }
 
 "#;
-    folder.write("scene.toml", format!("{}{stages}{}", &scene()[..start], &scene()[end..]));
+    format!("{}{stages}{}", &scene()[..start], &scene()[end..])
+}
+
+#[test]
+fn the_stages_one_by_one_are_studied_too() {
+    let folder = folder();
+    folder.write("scene.toml", stages());
     folder.voltet(&study(&["analytic,riemann"])).ok();
     let json = folder.json("scene.study/study.json");
     assert_eq!(json["rows"].as_array().unwrap().len(), 4 + 9);
