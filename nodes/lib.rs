@@ -29,6 +29,7 @@ mod renderer;
 mod report_writer;
 mod sort;
 mod transfer_function;
+mod wavelet;
 
 pub use reader::note_unread;
 
@@ -39,6 +40,7 @@ use voltet_core::graph::{Node, Registry, Session, Stamp};
 /// The nodes that ship, in the order in which data runs through them.
 pub static NODES: &[&Node] = &[
     &reader::NODE,
+    &wavelet::NODE,
     &gradient_magnitude::NODE,
     &probe::NODE,
     &histogram::NODE,

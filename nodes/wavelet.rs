@@ -14,7 +14,11 @@ const MOST_ALONG: f64 = 256.0;
 pub const NODE: Node = Node {
     name: "wavelet",
     summary: "Computes a grid of tetrahedra and a field on it, of any size: VTK's analytic source \"Wavelet\".",
-    outputs: &[Port { name: "grid", port_type: PortType::Grid, summary: "points, tetrahedra, the scalar 'wavelet'" }],
+    outputs: &[Port {
+        name: "grid",
+        port_type: PortType::Grid,
+        summary: "points, tetrahedra, the scalar 'wavelet'",
+    }],
     parameters: &[
         Parameter {
             name: "resolution",
