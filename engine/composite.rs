@@ -33,6 +33,8 @@ pub(crate) struct WorkerCounts {
     pub tiles_deep: u64,
     pub tiles_sorted: u64,
     pub pixels_disordered: u64,
+    pub tiles_stopped: u64,
+    pub cells_hidden: u64,
 }
 
 /// One worker: takes tiles until none is left.
@@ -226,7 +228,15 @@ trait Sink {
 
     /// Takes one segment.
     fn push(&mut self, pixel: usize, depth: f32, layer: Layer) -> Result<(), Overflow>;
+
+    /// Whether nothing that may come changes any pixel.
+    fn is_full(&self) -> bool {
+        false
+    }
 }
+
+/// Depth at which a pixel is opaque: what is missing of 1 is under 1e-11.
+const OPAQUE_DEPTH: f32 = 25.0;
 
 /// Sums optical depths, or composites opacities where each segment's has a factor of its own: A is then more than a
 /// sum of depths, but its order does not matter either.
@@ -256,6 +266,11 @@ impl Sink for DepthSink<'_> {
         let sum = &mut self.sums[pixel & (TILE * TILE - 1)];
         *sum += if self.opacities { (1.0 - *sum) * depth } else { depth };
         Ok(())
+    }
+
+    fn is_full(&self) -> bool {
+        let full = if self.opacities { 1.0 } else { OPAQUE_DEPTH };
+        self.sums.iter().all(|sum| full <= *sum)
     }
 }
 
@@ -291,6 +306,13 @@ fn draw_tile(
     }
     if let Some(color) = scene.shader.one_color {
         let mut depth = [0.0; TILE * TILE];
+        // Pixels beyond the picture's edge wait for nothing.
+        let [columns, rows] = [scene.view.size[0] - left, scene.view.size[1] - top];
+        for (pixel, depth) in depth.iter_mut().enumerate() {
+            if columns <= pixel % TILE || rows <= pixel / TILE {
+                *depth = OPAQUE_DEPTH;
+            }
+        }
         // A sum cannot overflow its pixel.
         let opacities = scene.shader.surface.is_some();
         let _ = walk(scene, tile, 0..TILE, scratch, &mut DepthSink { sums: &mut depth, opacities });
@@ -341,6 +363,11 @@ fn walk(
     let width = scene.lanes.width();
     let entries = scene.entries_of(tile);
     for (number, cells) in entries.chunks(width).enumerate() {
+        if sink.is_full() {
+            counts.tiles_stopped += 1;
+            counts.cells_hidden += (entries.len() - number * width + scene.special_of(tile).count()) as u64;
+            return Ok(());
+        }
         let after = (number + 1) * width;
         let ahead = &entries[after.min(entries.len())..];
         dispatch(

@@ -170,6 +170,8 @@ impl Ready<'_> {
                 counts.tiles_deep += worker.tiles_deep;
                 counts.tiles_sorted += worker.tiles_sorted;
                 counts.pixels_disordered += worker.pixels_disordered;
+                counts.tiles_stopped += worker.tiles_stopped;
+                counts.cells_hidden += worker.cells_hidden;
                 for (tile, pixels) in done {
                     tiles[*tile as usize] = Some(pixels);
                 }

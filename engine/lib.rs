@@ -75,6 +75,10 @@ pub struct Counts {
     pub segments_overlapping: u64,
     /// Tiles with more than 1,024 segments on a pixel.
     pub tiles_deep: u64,
+    /// Tiles that were left because every pixel was opaque; only where no order is needed can that be known.
+    pub tiles_stopped: u64,
+    /// Cells that such tiles did not look at any more; a cell counts in each of them.
+    pub cells_hidden: u64,
     /// Tiles whose pixels' segments were sorted.
     pub tiles_sorted: u64,
     /// Bytes of the integrator's tables.

@@ -121,6 +121,7 @@ pub fn composite(
     noted.insert("segments_overlapping", counts.segments_overlapping);
     noted.insert("tiles_deep", counts.tiles_deep);
     noted.insert("pixels_disordered", counts.pixels_disordered);
+    note_tiles_stopped(call, counts.tiles_stopped, counts.cells_hidden);
     if counts.pixels_disordered > 0 {
         let what =
             format!("{} pixels were composited in an order that is not exact", counts.pixels_disordered);
@@ -129,6 +130,15 @@ pub fn composite(
     let threads = rayon::current_num_threads();
     call.notes.adapter = Some(format!("{}, {threads} threads", LaneSet::detect().name()));
     Ok(picture)
+}
+
+/// Notes tiles that were opaque before their cells were through. `cells`: those that they did not look at, once a tile.
+pub(super) fn note_tiles_stopped(call: &mut Call, tiles: u64, cells: u64) {
+    call.notes.counts.insert("tiles_stopped", tiles);
+    if tiles > 0 {
+        let what = format!("cells of {tiles} tiles that stopped early");
+        call.notes.leave_out(what, "every pixel of the tile is opaque", Some(Saving::Cells(cells)));
+    }
 }
 
 /// Every stage on the native engine, or the referee where the integrator is the reference.

@@ -113,6 +113,18 @@ fn every_node_and_the_session_say_what_was_left_out_why_and_what_that_saves() {
     }
 }
 
+/// Saved are the cells behind: counted once a tile, so there are no more of them than entries in lists.
+#[test]
+fn tiles_that_stop_early_are_said() {
+    let folder = Folder::new();
+    let dense = ["look.widgets.0.extinction=1e6", "view.size=[64, 64]", "view.height=0.2"];
+    let report = run(&open(&folder, "slab.toml", &dense));
+    let tiles = report.counts["tiles_stopped"];
+    let wanted = format!("cells of {tiles} tiles that stopped early");
+    let left = report.left_out.iter().find(|left| left.what == wanted);
+    assert!(tiles > 0 && left.is_some_and(|left| left.saving.is_some()), "{:#?}", report.left_out);
+}
+
 #[test]
 fn doing_everything_changes_no_picture_and_leaves_nothing_out() {
     let folder = Folder::new();

@@ -112,3 +112,27 @@ fn overlaps_are_counted() {
     assert!(a > 0.1 * lanes.segments as f64 && (a - b).abs() <= 0.01 * b, "{a} in lanes, {b} in 64 bits");
     assert_eq!(count(&one_gaussian(), Integrator::Analytic).segments_overlapping, 0);
 }
+
+/// Where no order is needed, a tile whose pixels are opaque looks at no further cell: the picture is the referee's, also in
+/// tiles that the picture's edge cuts.
+#[test]
+fn opaque_tiles_stop_early() {
+    let fog = |extinction| look(vec![everywhere(extinction, [1.0, 0.5, 0.25])]);
+    let scene = |extinction| Scene {
+        name: format!("fog {extinction}"),
+        volume: smooth(cube([10, 10, 10], 0.2)),
+        look: fog(extinction),
+        camera: perspective([0.5, -2.0, 0.5], [0.5, 0.0, 0.5], 15.0, [40, 24]),
+    };
+    let counts = |extinction| {
+        let scene = scene(extinction);
+        ordinary(&scene);
+        let cells = engine::cull(&scene.volume, &scene.look, &scene.camera, &Silent).unwrap();
+        engine::draw(&cells, &scene.look, &scene.camera, &SHADING, &Silent).unwrap().1
+    };
+    let (thin, dense) = (counts(2.0), counts(1e4));
+    assert_eq!((thin.tiles_stopped, thin.cells_hidden), (0, 0));
+    // All of 3 × 2.
+    assert_eq!(dense.tiles_stopped, 6);
+    assert!(dense.cells_hidden > 0 && dense.segments < thin.segments, "{dense:?} after {thin:?}");
+}
