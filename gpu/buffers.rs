@@ -31,8 +31,8 @@ impl Device {
     }
 
     pub(crate) fn buffer(&self, what: &str, size: u64, usage: BufferUsages) -> Result<wgpu::Buffer> {
-        // No binding is empty, and copies take whole words.
-        let size = size.max(16).next_multiple_of(16);
+        // No binding is smaller than an element, and copies take whole words.
+        let size = size.max(32).next_multiple_of(16);
         let descriptor = wgpu::BufferDescriptor { label: Some(what), size, usage, mapped_at_creation: false };
         let memory = format!("{what} ({:.1} MiB)", size as f64 / MEBIBYTE);
         self.guarded(&memory, || self.device.create_buffer(&descriptor))
@@ -43,19 +43,20 @@ impl Device {
         self.buffer(what, size, BufferUsages::UNIFORM | BufferUsages::COPY_DST)
     }
 
-    /// A storage buffer with content, written a part at a time.
-    pub(crate) fn upload<T: Sync, U: bytemuck::Pod + Send>(
+    /// A storage buffer of `count` elements with content, written a piece at a time.
+    pub(crate) fn upload<U: bytemuck::Pod + Send>(
         &self,
         what: &str,
-        items: &[T],
-        convert: impl Fn(&T) -> U + Sync,
+        count: usize,
+        element: impl Fn(usize) -> U + Sync,
     ) -> Result<wgpu::Buffer> {
         use rayon::prelude::*;
-        const PART: usize = 1 << 20;
-        let buffer = self.storage(what, (items.len() * size_of::<U>()) as u64)?;
-        for (number, part) in items.chunks(PART).enumerate() {
-            let converted: Vec<U> = part.par_iter().with_min_len(1 << 14).map(&convert).collect();
-            let offset = (number * PART * size_of::<U>()) as u64;
+        const PIECE: usize = 1 << 20;
+        let buffer = self.storage(what, (count * size_of::<U>()) as u64)?;
+        for first in (0..count).step_by(PIECE) {
+            let piece = first..count.min(first + PIECE);
+            let converted: Vec<U> = piece.into_par_iter().with_min_len(1 << 14).map(&element).collect();
+            let offset = (first * size_of::<U>()) as u64;
             self.guarded(what, || {
                 self.queue.write_buffer(&buffer, offset, bytemuck::cast_slice(&converted))
             })?;

@@ -95,6 +95,12 @@ impl Device {
         self
     }
 
+    /// The same device with so many storage buffers of a pass at most, as if it bound no more.
+    pub fn with_buffers_at_a_time(mut self, count: u32) -> Device {
+        self.limits.max_storage_buffers_per_shader_stage = count;
+        self
+    }
+
     /// Does something on the device. An error of the device comes back as one of ours, which names `what` was done.
     pub(crate) fn guarded<T>(&self, what: &str, work: impl FnOnce() -> T) -> Result<T> {
         let memory = self.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);

@@ -3,6 +3,7 @@
 use crate::axes::{axis, offset_parts};
 use crate::frame::{Frame, count};
 use crate::grid::{DeviceGrid, Quantity};
+use crate::parts::Sizes;
 use crate::tables::TableKey;
 use crate::{limits, support, view};
 use voltet_core::Result;
@@ -52,7 +53,8 @@ pub struct Counts {
 
 /// Draws the volume that `grid` was made from.
 ///
-/// Errors: what the device has no shader for, or cannot hold in 32 bits; memory; a lost device; a stopped run.
+/// Errors: what the device has no shader for, cannot hold in 32 bits, or has more parts than it binds; memory; a lost
+/// device; a stopped run.
 pub fn draw(
     grid: &DeviceGrid,
     volume: &Volume,
@@ -64,7 +66,10 @@ pub fn draw(
 ) -> Result<Drawn> {
     limits::can_serve(transfer_function, shading)?;
     let tile_order = tile_order(transfer_function, shading, order)?;
-    let choices = Choices::new(transfer_function, shading, Compositor::Tiles(tile_order))?;
+    let mut choices = Choices::new(transfer_function, shading, Compositor::Tiles(tile_order))?;
+    let sizes = sizes(grid, &choices);
+    sizes.check(grid.device.room(), &grid.device.name)?;
+    choices.layout = sizes.layout(grid.device.room());
 
     let scalar = grid.stored(volume, Quantity::Scalar)?;
     // Where g is not read, s stands in its place.
@@ -119,6 +124,7 @@ pub fn draw(
         },
         shading: *shading,
         choices,
+        sizes,
         scene: parameters.scene_bytes(),
         numbers: parameters.numbers,
         support,
@@ -144,6 +150,17 @@ pub fn draw(
         parts_left_out,
         part_bytes_left_out,
     })
+}
+
+/// What the scene takes on the device.
+fn sizes(grid: &DeviceGrid, choices: &Choices) -> Sizes {
+    Sizes {
+        points: grid.point_count.into(),
+        cells: grid.cell_count.into(),
+        stride: choices.attribute_stride() as u64,
+        texels: 0,
+        scene_buffers: choices.storage_buffers().len() as u32,
+    }
 }
 
 /// Folders of which a shader holds no piece, and the bytes of all pieces that it does not hold.

@@ -2,6 +2,7 @@
 
 use crate::device::Device;
 use crate::grid::{DeviceGrid, Stored};
+use crate::parts::Sizes;
 use crate::passes::{FrameBuffers, Passes};
 use crate::tables::TableKey;
 use crate::timing::Timing;
@@ -47,6 +48,7 @@ const LONGEST_SOFTWARE: u32 = 20_000;
 pub(crate) struct Frame<'a> {
     pub grid: &'a DeviceGrid,
     pub choices: Choices,
+    pub sizes: Sizes,
     pub shading: Shading,
     pub tables: TableKey,
     pub compositor: Shader,

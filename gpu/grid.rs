@@ -2,6 +2,7 @@
 
 use crate::axes::split;
 use crate::device::Device;
+use crate::parts::{Parted, Sizes};
 use crate::passes::FrameBuffers;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -10,6 +11,7 @@ use std::sync::atomic::Ordering;
 use std::sync::{Arc, Mutex, PoisonError};
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
+use voltet_shaders::GridArray;
 
 /// A quantity at the points.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
@@ -23,7 +25,7 @@ pub(crate) enum Quantity {
 
 /// A quantity on the device: (value − middle) / span, high and low part.
 pub(crate) struct Stored {
-    pub buffer: wgpu::Buffer,
+    pub values: Parted,
     pub middle: f64,
     /// > 0.
     pub span: f64,
@@ -42,8 +44,8 @@ impl Stored {
 pub struct DeviceGrid {
     /// The device.
     pub device: Arc<Device>,
-    pub(crate) positions: wgpu::Buffer,
-    pub(crate) tetrahedra: wgpu::Buffer,
+    pub(crate) positions: Parted,
+    pub(crate) tetrahedra: Parted,
     pub(crate) point_count: u32,
     pub(crate) cell_count: u32,
     /// World units in the scene length: the diagonal of the grid.
@@ -57,9 +59,12 @@ pub struct DeviceGrid {
 }
 
 impl DeviceGrid {
-    /// Uploads points and tetrahedra. Errors: what does not fit.
+    /// Uploads points and tetrahedra. Errors: what has more parts than the device binds at a time; memory.
     pub fn new(device: Arc<Device>, volume: &Volume) -> Result<DeviceGrid> {
         let grid = &volume.grid;
+        let sizes = sizes(volume);
+        sizes.check(device.room(), &device.name)?;
+        let layout = sizes.layout(device.room());
         let (low, high) = grid
             .points
             .par_iter()
@@ -75,8 +80,8 @@ impl DeviceGrid {
             );
         }
         let centre = if grid.points.is_empty() { DVec3::ZERO } else { low + 0.5 * (high - low) };
-        let position = |p: &DVec3| {
-            let parts = ((*p - centre) / length).to_array().map(split);
+        let position = |p: usize| {
+            let parts = ((grid.points[p] - centre) / length).to_array().map(split);
             [parts[0][0], parts[1][0], parts[2][0], parts[0][1], parts[1][1], parts[2][1]]
         };
         let edge = |cell: &[u32; 4]| {
@@ -86,16 +91,23 @@ impl DeviceGrid {
         };
         let cells = grid.tetrahedra.par_iter().with_min_len(1 << 14);
         let longest = length * cells.map(edge).reduce(|| 0.0, f64::max).sqrt();
-        let too_many = |what: &str, count: usize| {
-            Error::run(format!("too many {what} for a device")).found(count).accepted("4 thousand million")
-        };
         device.work.uploads.fetch_add(2, Ordering::Relaxed);
         Ok(DeviceGrid {
-            positions: device.upload("the grid's points", &grid.points, position)?,
-            tetrahedra: device.upload("the grid's cells", &grid.tetrahedra, |cell| *cell)?,
-            point_count: grid.points.len().try_into().map_err(|_| too_many("points", grid.points.len()))?,
-            cell_count: (grid.tetrahedra.len().try_into())
-                .map_err(|_| too_many("cells", grid.tetrahedra.len()))?,
+            positions: device.upload_parted(
+                GridArray::Positions,
+                layout.positions,
+                grid.points.len(),
+                position,
+            )?,
+            tetrahedra: device.upload_parted(
+                GridArray::Tetrahedra,
+                layout.tetrahedra,
+                grid.tetrahedra.len(),
+                |cell| grid.tetrahedra[cell],
+            )?,
+            // Checked above.
+            point_count: sizes.points as u32,
+            cell_count: sizes.cells as u32,
             length,
             longest: if longest > 0.0 { longest } else { length },
             centre,
@@ -156,18 +168,26 @@ impl DeviceGrid {
             _ => (0.0, low.abs().max(high.abs())),
         };
         let span = if span > 0.0 && span.is_finite() { span } else { 1.0 };
-        let tuples: Vec<&[f64]> = values.chunks_exact(stride).collect();
-        let parts = |tuple: &&[f64]| split((tuple[first] - middle) / span);
+        let value = |point: usize| values[point * stride + first];
         let widest = |cell: &[u32; 4]| {
-            let [low, high] = range(&cell.map(|p| tuples[p as usize][first]));
+            let [low, high] = range(&cell.map(|p| value(p as usize)));
             high - low
         };
         let cells = volume.grid.tetrahedra.par_iter().with_min_len(1 << 14);
         let cell_span = cells.map(widest).reduce(|| 0.0, f64::max) / span;
-        let buffer = self.device.upload("the grid's values", &tuples, parts)?;
+        let parts = |point: usize| split((value(point) - middle) / span);
+        let layout = sizes(volume).layout(self.device.room());
+        let count = values.len() / stride;
+        let values = self.device.upload_parted(GridArray::Quantity, layout.quantity, count, parts)?;
         self.device.work.uploads.fetch_add(1, Ordering::Relaxed);
-        Ok(Stored { buffer, middle, span, cell_span })
+        Ok(Stored { values, middle, span, cell_span })
     }
+}
+
+/// What a grid takes at least.
+fn sizes(volume: &Volume) -> Sizes {
+    let (points, cells) = (volume.grid.points.len() as u64, volume.grid.tetrahedra.len() as u64);
+    Sizes { points, cells, ..Sizes::default() }
 }
 
 /// Smallest and largest finite value; [0, 0] for none.

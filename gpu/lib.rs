@@ -11,6 +11,7 @@ mod draw;
 mod frame;
 mod grid;
 mod limits;
+mod parts;
 mod passes;
 mod pipelines;
 mod support;

@@ -3,20 +3,22 @@
 use crate::buffers::Growing;
 use crate::device::Device;
 use crate::frame::{Frame, count};
+use crate::grid::Stored;
+use crate::parts::{GrowingParts, Parted};
 use crate::pipelines::{Bound, Program, in_order};
 use crate::tables::Tables;
 use crate::timing::Timing;
 use std::sync::Arc;
 use voltet_core::Result;
-use voltet_shaders::{FramePass, PlacementRecord, ViewRecord};
+use voltet_shaders::{Access, FramePass, GRID_GROUP, GridArray, PlacementRecord, TILES_READ, ViewRecord};
 use wgpu::{Buffer, BufferUsages, CommandEncoder, ComputePipeline};
 
 /// Buffers that stay between frames.
 #[derive(Default)]
 pub(crate) struct FrameBuffers {
-    seen: Growing,
-    attributes: Growing,
-    bounds: Growing,
+    seen: GrowingParts,
+    attributes: GrowingParts,
+    bounds: GrowingParts,
     listed: Growing,
     starts: Growing,
     entries: Growing,
@@ -58,11 +60,51 @@ pub(crate) struct Passes<'a> {
     keeps_states: bool,
 }
 
-/// What the tiles' compositor is bound to.
-const TILES: [Bound; 10] = {
+/// What a pass, or without one the tiles' compositor, is bound to in group 1 behind the view.
+fn bound(pass: Option<FramePass>) -> &'static [Bound] {
     use Bound::{Read, Uniform, Write};
-    [Uniform, Read, Read, Read, Read, Read, Read, Write, Write, Write]
-};
+    match pass {
+        Some(FramePass::Points) => &[],
+        Some(FramePass::Attribute) => &[Uniform],
+        Some(FramePass::Cells) => &[Read, Write, Write],
+        Some(FramePass::Starts) => &[Write, Write, Write],
+        Some(FramePass::Lists) => &[Write, Write],
+        Some(FramePass::Sort) => &[Read, Write],
+        None => &[Read, Read, Write, Write, Write],
+    }
+}
+
+/// Storage buffers of a pass, or of the tiles' compositor, beside those of the grid and of the scene.
+pub(crate) fn fixed_buffers(pass: Option<FramePass>) -> u32 {
+    bound(pass).iter().filter(|bound| **bound != Bound::Uniform).count() as u32
+}
+
+/// The grid's arrays as a pass reads them.
+struct GridArrays<'a> {
+    frame: &'a Frame<'a>,
+    seen: Parted,
+    attributes: Parted,
+    bounds: Parted,
+}
+
+impl GridArrays<'_> {
+    /// What is bound to the group of the grid, in order. `quantity`: what [`GridArray::Quantity`] stands for.
+    fn of<'b>(&'b self, arrays: &[(GridArray, Access)], quantity: &'b Stored) -> Vec<(Bound, &'b Buffer)> {
+        let parts = |(array, access): &(GridArray, Access)| {
+            let parted = match array {
+                GridArray::Positions => &self.frame.grid.positions,
+                GridArray::Quantity => &quantity.values,
+                GridArray::Seen => &self.seen,
+                GridArray::Attributes => &self.attributes,
+                GridArray::Tetrahedra => &self.frame.grid.tetrahedra,
+                GridArray::Bounds => &self.bounds,
+            };
+            let kind = if *access == Access::Read { Bound::Read } else { Bound::Write };
+            parted.buffers.iter().map(move |buffer| (kind, buffer))
+        };
+        arrays.iter().flat_map(parts).collect()
+    }
+}
 
 /// Bytes of the counts.
 const COUNTS_BYTES: u64 = count::ALL as u64 * 4;
@@ -75,18 +117,22 @@ impl<'a> Passes<'a> {
         capacity: u32,
         buffers: &mut FrameBuffers,
     ) -> Result<Passes<'a>> {
-        use Bound::{Read, Uniform, Write};
+        use Bound::{Read, Uniform};
         let (device, grid) = (frame.device(), frame.grid);
-        let (points, cells) = (u64::from(grid.point_count), u64::from(grid.cell_count));
+        let (sizes, layout) = (&frame.sizes, &frame.choices.layout);
         let tiles = u64::from(window[2]) * u64::from(window[3]);
         let picture_bytes = frame.picture_bytes(window);
-        let stride = frame.attributes.len() as u64;
         let states_bytes = if buffers.keeps_states { 2 * picture_bytes } else { 0 };
 
         let storage = |what: &'static str| move |size: u64| device.storage(what, size);
-        let seen = buffers.seen.at_least(points * 16, storage("the points on the screen"))?;
-        let attributes = buffers.attributes.at_least(points * stride * 4, storage("the points' values"))?;
-        let bounds = buffers.bounds.at_least(cells * 8, storage("the cells' bounds"))?;
+        let parted =
+            |growing: &mut GrowingParts, array| growing.at_least(device, array, sizes, layout.parts(array));
+        let arrays = GridArrays {
+            frame,
+            seen: parted(&mut buffers.seen, GridArray::Seen)?,
+            attributes: parted(&mut buffers.attributes, GridArray::Attributes)?,
+            bounds: parted(&mut buffers.bounds, GridArray::Bounds)?,
+        };
         let listed = buffers.listed.at_least(tiles * 4, storage("the tiles' counts"))?;
         let starts = buffers.starts.at_least((tiles + 1) * 4, storage("the tiles' lists"))?;
         let entries = buffers.entries.at_least(u64::from(capacity) * 8, storage("the tiles' lists"))?;
@@ -100,46 +146,61 @@ impl<'a> Passes<'a> {
         let view = device.uniform("the view", size_of::<ViewRecord>() as u64)?;
         let scene = device.uniform("the scene", frame.scene.len() as u64)?;
         device.queue.write_buffer(&scene, 0, &frame.scene);
-        let numbers = device.upload("the scene's numbers", &frame.numbers, |x| *x)?;
-        let support = device.upload("the widgets' supports", &frame.support, |x| *x)?;
+        let numbers = device.upload("the scene's numbers", frame.numbers.len(), |i| frame.numbers[i])?;
+        let support = device.upload("the widgets' supports", frame.support.len(), |i| frame.support[i])?;
 
         let most = device.limits.max_compute_workgroups_per_dimension;
         let over_points = folded(grid.point_count, most);
         let over_cells = folded(grid.cell_count, most);
         let over_tiles = [window[2], window[3]];
-        let step = |pass: FramePass, workgroups, constants, bound: &[Bound], bindings: &[&Buffer]| {
+        // The bindings of groups 1 and 2 of a pass, or of the tiles' compositor.
+        let kinds = |pass: Option<FramePass>| in_order(&[&[Uniform], bound(pass)].concat());
+        let grid_kinds =
+            |bound: &[(Bound, &Buffer)]| in_order(&bound.iter().map(|b| b.0).collect::<Vec<_>>());
+        let groups = |pipeline: &ComputePipeline, bindings: &[&Buffer], in_grid: &[(Bound, &Buffer)]| {
+            let mut groups = vec![(1, device.bind(pipeline, 1, &in_order(&[&[&view], bindings].concat())))];
+            if !in_grid.is_empty() {
+                let in_grid: Vec<&Buffer> = in_grid.iter().map(|(_, buffer)| *buffer).collect();
+                groups.push((GRID_GROUP, device.bind(pipeline, GRID_GROUP, &in_order(&in_grid))));
+            }
+            groups
+        };
+        let step = |pass: FramePass, workgroups, constants, bindings: &[&Buffer], quantity: &Stored| {
+            let in_grid = arrays.of(pass.grid_arrays(), quantity);
             let program = Program {
-                shader: &pass.shader(),
+                shader: &pass.shader(layout),
                 entry_point: pass.entry_point(),
                 constants,
-                groups: [&[], &in_order(&[&[Uniform], bound].concat())],
+                groups: [&[], &kinds(Some(pass)), &grid_kinds(&in_grid)],
             };
             let pipeline = device.pipeline(&program)?;
-            let group = device.bind(&pipeline, 1, &in_order(&[&[&view], bindings].concat()));
-            Ok(Step { name: pass.entry_point(), pipeline, groups: vec![(1, group)], workgroups })
+            let groups = groups(&pipeline, bindings, &in_grid);
+            Ok(Step { name: pass.entry_point(), pipeline, groups, workgroups })
         };
-        let bindings = [&grid.positions, &frame.scalar.buffer, &seen];
-        let points_step = step(FramePass::Points, over_points, vec![], &[Read, Read, Write], &bindings)?;
+        let scalar = &frame.scalar;
+        let stride = ("ATTRIBUTE_STRIDE", sizes.stride as f64);
+        let points_step = step(FramePass::Points, over_points, vec![], &[], scalar)?;
         let mut attribute_steps = Vec::new();
         for (slot, (stored, offset)) in frame.attributes.iter().enumerate() {
-            let record = PlacementRecord { offset: *offset, slot: slot as u32, stride: stride as u32 };
+            let record = PlacementRecord { offset: *offset, slot: slot as u32, padding: 0 };
             let placement = device.uniform("the place of a value", size_of::<PlacementRecord>() as u64)?;
             device.queue.write_buffer(&placement, 0, bytemuck::bytes_of(&record));
-            let bindings = [&placement, &stored.buffer, &attributes];
-            let made = step(FramePass::Attribute, over_points, vec![], &[Uniform, Read, Write], &bindings)?;
-            attribute_steps.push(made);
+            attribute_steps.push(step(
+                FramePass::Attribute,
+                over_points,
+                vec![stride],
+                &[&placement],
+                stored,
+            )?);
         }
         let reads_g = if frame.reads_g { 1.0 } else { 0.0 };
-        let constants = vec![("attribute_stride", stride as f64), ("reads_g", reads_g)];
-        let bound = [Read, Read, Read, Read, Write, Write, Write];
-        let bindings = [&grid.tetrahedra, &seen, &attributes, &support, &bounds, &listed, &counts];
-        let mut lists = vec![step(FramePass::Cells, over_cells, constants, &bound, &bindings)?];
-        let bindings = [&listed, &starts, &counts];
-        lists.push(step(FramePass::Starts, [1, 1], vec![], &[Write, Write, Write], &bindings)?);
-        let bindings = [&grid.tetrahedra, &seen, &bounds, &listed, &entries];
-        lists.push(step(FramePass::Lists, over_cells, vec![], &[Read, Read, Read, Write, Write], &bindings)?);
+        let constants = vec![stride, ("reads_g", reads_g)];
+        let mut lists =
+            vec![step(FramePass::Cells, over_cells, constants, &[&support, &listed, &counts], scalar)?];
+        lists.push(step(FramePass::Starts, [1, 1], vec![], &[&listed, &starts, &counts], scalar)?);
+        lists.push(step(FramePass::Lists, over_cells, vec![], &[&listed, &entries], scalar)?);
         if frame.sorted {
-            lists.push(step(FramePass::Sort, over_tiles, vec![], &[Read, Write], &[&starts, &entries])?);
+            lists.push(step(FramePass::Sort, over_tiles, vec![], &[&starts, &entries], scalar)?);
         }
 
         let tables = buffers.tables.of(device, frame)?;
@@ -149,26 +210,15 @@ impl<'a> Passes<'a> {
         }
         let kind = |(binding, _): &(u32, &Buffer)| (*binding, if *binding == 0 { Uniform } else { Read });
         let read_kinds: Vec<(u32, Bound)> = read.iter().map(kind).collect();
+        let in_grid = arrays.of(TILES_READ, scalar);
         let pipeline = device.pipeline(&Program {
             shader: &frame.compositor,
             entry_point: "composite_tiles",
             constants: vec![],
-            groups: [&read_kinds, &in_order(&TILES)],
+            groups: [&read_kinds, &kinds(None), &grid_kinds(&in_grid)],
         })?;
-        let bindings = [
-            &view,
-            &grid.tetrahedra,
-            &seen,
-            &attributes,
-            &bounds,
-            &starts,
-            &entries,
-            &pixels,
-            &counts,
-            &states,
-        ];
-        let groups =
-            vec![(0, device.bind(&pipeline, 0, &read)), (1, device.bind(&pipeline, 1, &in_order(&bindings)))];
+        let mut groups = groups(&pipeline, &[&starts, &entries, &pixels, &counts, &states], &in_grid);
+        groups.push((0, device.bind(&pipeline, 0, &read)));
         Ok(Passes {
             device,
             points: points_step,

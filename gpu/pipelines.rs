@@ -23,13 +23,13 @@ pub(crate) struct Key {
     constants: Vec<(&'static str, u64)>,
 }
 
-/// A pass to compile: groups 0 and 1.
+/// A pass to compile: groups 0, 1 and 2.
 pub(crate) struct Program<'a> {
     pub shader: &'a Shader,
     pub entry_point: &'static str,
     pub constants: Vec<(&'static str, f64)>,
     /// What is bound, by binding.
-    pub groups: [&'a [(u32, Bound)]; 2],
+    pub groups: [&'a [(u32, Bound)]; 3],
 }
 
 impl Device {

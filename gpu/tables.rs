@@ -62,7 +62,7 @@ impl Tables {
             shader: &pass.shader,
             entry_point: pass.entry_point,
             constants: vec![],
-            groups: [&in_order(&kinds), &[]],
+            groups: [&in_order(&kinds), &[], &[]],
         })?;
         let buffers: Vec<&wgpu::Buffer> = pass.buffers.iter().map(|i| &self.buffers[*i].1).collect();
         let group = device.bind(&pipeline, 0, &in_order(&buffers));

@@ -1,6 +1,7 @@
 //! What a scene asks of its shader: the choices that decide the text.
 
 use crate::parameters::widget_edges;
+use crate::parts::Layout;
 use voltet_core::optics::Overlap;
 use voltet_core::optics::integrators::can_serve;
 use voltet_core::shading::{Integrator, Shading};
@@ -128,6 +129,8 @@ pub struct Choices {
     pub light: bool,
     /// What runs the integral.
     pub compositor: Compositor,
+    /// How large arrays stand in bindings: whole, until a device says otherwise.
+    pub layout: Layout,
 }
 
 impl Choices {
@@ -149,6 +152,7 @@ impl Choices {
             silhouette: shading.silhouette.is_some_and(|p| p != 0.0),
             light: shading.light.is_some(),
             compositor,
+            layout: Layout::WHOLE,
         };
         if method.is_table_of_lengths() {
             return Ok(scene);

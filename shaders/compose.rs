@@ -2,6 +2,7 @@
 
 use crate::choices::Choices;
 use crate::generate::generate;
+use crate::parts::Layout;
 use crate::passes::FramePass;
 use crate::pieces::{PIECES, Piece, piece};
 use voltet_core::Error;
@@ -68,7 +69,7 @@ impl Shader {
     /// The pieces that are not in it although some scene asks for them: what makes frames and fills tables is put together
     /// apart.
     pub fn leaves_out(&self) -> Vec<&'static Piece> {
-        let frames: Vec<Shader> = FramePass::ALL.iter().map(|pass| pass.shader()).collect();
+        let frames: Vec<Shader> = FramePass::ALL.iter().map(|pass| pass.shader(&Layout::WHOLE)).collect();
         let apart = |piece: &Piece| {
             piece.name.contains("/fill_") || frames.iter().any(|frame| frame.files().any(|f| f == piece.file))
         };

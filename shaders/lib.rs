@@ -13,6 +13,7 @@ mod compose;
 mod generate;
 mod held;
 mod parameters;
+mod parts;
 mod passes;
 mod pieces;
 mod resources;
@@ -21,6 +22,7 @@ pub use choices::{Choices, Combine, Compositor, Kind, Method, TileOrder, WidgetC
 pub use compose::{Shader, compose, compose_pieces};
 pub use held::{Spans, held};
 pub use parameters::{Axis, Parameters, SceneHead, WidgetRecord};
+pub use parts::{Access, GRID_GROUP, GridArray, Layout, Parts, TILES_READ};
 pub use passes::{FramePass, PlacementRecord, ViewRecord};
 pub use pieces::{PIECES, Piece, piece};
 pub use resources::{Buffer, Contents, Pass, Resources};

@@ -1,6 +1,7 @@
 //! The passes over points, cells and lists that stand before the tiles: their texts and their uniforms.
 
 use crate::compose::{Shader, compose_pieces};
+use crate::parts::{Layout, grid_text};
 use bytemuck::{Pod, Zeroable};
 
 /// A pass that is the same for every scene.
@@ -31,8 +32,8 @@ impl FramePass {
         FramePass::Sort,
     ];
 
-    /// The text.
-    pub fn shader(self) -> Shader {
+    /// The text, with the grid's arrays in the parts of `layout`.
+    pub fn shader(self, layout: &Layout) -> Shader {
         let piece = match self {
             FramePass::Points => "passes/points",
             FramePass::Attribute => "passes/attribute",
@@ -41,7 +42,7 @@ impl FramePass {
             FramePass::Lists => "passes/lists",
             FramePass::Sort => "passes/sort",
         };
-        compose_pieces("", &[piece])
+        compose_pieces(&grid_text(self.grid_arrays(), layout), &[piece])
     }
 
     /// The function that the pass runs.
@@ -122,6 +123,6 @@ pub struct PlacementRecord {
     pub offset: [f32; 2],
     /// Its place among the attributes of a point.
     pub slot: u32,
-    /// Attributes of a point.
-    pub stride: u32,
+    /// Fills up to the alignment.
+    pub padding: u32,
 }

@@ -14,7 +14,19 @@ pub(crate) struct Generated {
 
 /// Slots that the block fills. `wave_mean_on_flank` it fills by choosing between the pieces that do.
 #[cfg(test)]
-pub(crate) const FILLS: &[&str] = &["values", "members", "segment", "finish", "wave_mean_on_flank"];
+pub(crate) const FILLS: &[&str] = &[
+    "values",
+    "members",
+    "segment",
+    "finish",
+    "wave_mean_on_flank",
+    "positions",
+    "quantity",
+    "seen",
+    "attributes",
+    "tetrahedra",
+    "bounds",
+];
 
 struct Block<'a> {
     choices: &'a Choices,

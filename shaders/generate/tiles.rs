@@ -2,6 +2,7 @@
 
 use super::Block;
 use crate::choices::TileOrder;
+use crate::parts::{TILES_READ, grid_text};
 
 impl Block<'_> {
     /// What tiles make of a segment: the gradient stands behind the values of its cell's points.
@@ -13,6 +14,7 @@ impl Block<'_> {
             TileOrder::Sum => "compositor/tiles_sum",
         }]);
         self.line(format!("const ATTRIBUTE_STRIDE = {}u;", choices.attribute_stride()));
+        self.text.push_str(&grid_text(TILES_READ, &choices.layout));
         if order == TileOrder::Sum {
             self.line(format!("const DEPTHS_ADD_UP = {};", !choices.reads_gradient()));
         }

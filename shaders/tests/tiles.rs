@@ -7,7 +7,7 @@ use voltet_core::optics::integrators::can_serve;
 use voltet_core::shading::{Integrator, Light, Shading};
 use voltet_core::transfer::{ControlPoint, OpticalModel, Profile, Region, TransferFunction, Wave, Widget};
 use voltet_shaders::{
-    Choices, Compositor, FramePass, PIECES, PlacementRecord, Shader, TileOrder, ViewRecord, compose,
+    Choices, Compositor, FramePass, Layout, PIECES, PlacementRecord, Shader, TileOrder, ViewRecord, compose,
 };
 
 const SHADING: Shading =
@@ -98,7 +98,7 @@ fn tiles_are_valid_for_every_kind_light_and_integrator() {
 #[test]
 fn passes_are_valid_and_have_their_entry_points() {
     for pass in FramePass::ALL {
-        let module = validate(&pass.shader());
+        let module = validate(&pass.shader(&Layout::WHOLE));
         let names: Vec<&str> = module.entry_points.iter().map(|entry| entry.name.as_str()).collect();
         assert_eq!(names, [pass.entry_point()]);
     }
@@ -107,7 +107,7 @@ fn passes_are_valid_and_have_their_entry_points() {
 #[test]
 fn every_pass_and_compositor_is_used() {
     let mut used: HashSet<&str> =
-        FramePass::ALL.iter().flat_map(|p| p.shader().files().collect::<Vec<_>>()).collect();
+        FramePass::ALL.iter().flat_map(|p| p.shader(&Layout::WHOLE).files().collect::<Vec<_>>()).collect();
     for order in ORDERS {
         let choices = Choices::new(&scenes()[0], &SHADING, Compositor::Tiles(order));
         used.extend(compose(&choices.expect("has pieces")).files());
@@ -139,9 +139,9 @@ fn structs_are_laid_out_as_in_the_shader() {
     let view = offsets!(ViewRecord:
         right, distance, down, pixel, forward, near, base_high, perspective, base_low, weight, axis, size, window,
         point_count, cell_count, capacity, sort_key, scalar_offset, widget_count, is_first, budget, goes_on, padding);
-    let shader = FramePass::Attribute.shader();
+    let shader = FramePass::Attribute.shader(&Layout::WHOLE);
     assert_eq!(layout(&shader, "View"), (view, size_of::<ViewRecord>() as u32));
-    let placement = offsets!(PlacementRecord: offset, slot, stride);
+    let placement = offsets!(PlacementRecord: offset, slot, padding);
     assert_eq!(layout(&shader, "Placement"), (placement, size_of::<PlacementRecord>() as u32));
     assert!(shader.text.contains(&format!("const TILE = {}u;", ViewRecord::TILE)));
 }

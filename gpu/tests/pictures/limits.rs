@@ -83,9 +83,9 @@ fn frames_after_the_first() {
     assert_eq!(picture(&scene.look).rgba, before.rgba);
 }
 
-/// Lists and pictures that do not fit one binding are drawn in windows; a grid that does not is refused by its size.
+/// Lists and pictures that do not fit one binding are drawn in windows.
 #[test]
-fn small_bindings_draw_in_windows_or_refuse() {
+fn small_bindings_draw_in_windows() {
     if device().is_none() {
         return;
     }
@@ -107,10 +107,6 @@ fn small_bindings_draw_in_windows_or_refuse() {
         let windows = small(scene, bytes).expect("draws in windows");
         assert_eq!(windows.counts.segments, whole.counts.segments);
         assert_eq!(windows.picture.rgba, whole.picture.rgba);
-    }
-    let error = small(&wide, 16_000).expect_err("the cells do not fit").to_string();
-    for word in ["cells", "MiB", "cpu"] {
-        assert!(error.contains(word), "'{word}' is not in: {error}");
     }
 }
 

@@ -22,5 +22,6 @@ mod lit;
 mod looks;
 #[path = "../../../tests/validation/ordinary.rs"]
 mod ordinary;
+mod parts;
 #[path = "../../../tests/validation/widgets.rs"]
 mod widgets;

@@ -1,18 +1,13 @@
-// Uses: compositing, passes/faces. Fills: nothing. Asks for: segment, view, finish.
+// Uses: compositing, passes/faces. Fills: nothing. Asks for: segment, view, finish, tetrahedra, seen, attributes, bounds.
 // Tiles: what every order of compositing shares. One workgroup a tile, one invocation a pixel; the tile's list is taken
 // a chunk at a time, and a segment's values are found from its cell when it is its turn.
 
-@group(1) @binding(1) var<storage, read> tetrahedra: array<vec4u>;
-// Position about the view's base, and the stored scalar.
-@group(1) @binding(2) var<storage, read> seen: array<vec4f>;
-@group(1) @binding(3) var<storage, read> attributes: array<f32>;
-@group(1) @binding(4) var<storage, read> bounds: array<vec2u>;
-@group(1) @binding(5) var<storage, read> starts: array<u32>;
-@group(1) @binding(6) var<storage, read> entries: array<vec2u>;
-@group(1) @binding(7) var<storage, read_write> picture: array<vec4f>;
-@group(1) @binding(8) var<storage, read_write> counts: array<atomic<u32>>;
+@group(1) @binding(1) var<storage, read> starts: array<u32>;
+@group(1) @binding(2) var<storage, read> entries: array<vec2u>;
+@group(1) @binding(3) var<storage, read_write> picture: array<vec4f>;
+@group(1) @binding(4) var<storage, read_write> counts: array<atomic<u32>>;
 // Where a pixel stopped, two a pixel, as bits: colour and opacity; transparency, and three numbers of the order's own.
-@group(1) @binding(9) var<storage, read_write> states: array<vec4u>;
+@group(1) @binding(5) var<storage, read_write> states: array<vec4u>;
 
 // Cells of a chunk: corner 0 and nearest depth, corner 1 and farthest depth, inward normals.
 const CHUNK = 64u;
@@ -25,8 +20,8 @@ var<workgroup> verdict: u32;
 const OPAQUE = 1e-6;
 
 fn corners_of(cell: u32) -> array<vec3f, 4> {
-    let points = tetrahedra[cell];
-    return array(seen[points.x].xyz, seen[points.y].xyz, seen[points.z].xyz, seen[points.w].xyz);
+    let points = tetrahedron(cell);
+    return array(seen_at(points.x).xyz, seen_at(points.y).xyz, seen_at(points.z).xyz, seen_at(points.w).xyz);
 }
 
 fn load_chunk(place: u32, cell: u32) {
@@ -40,7 +35,7 @@ fn load_chunk(place: u32, cell: u32) {
         vec4f(faces.normals[2], 0.0),
         vec4f(faces.normals[3], 0.0),
     );
-    chunk_bounds[place] = bounds[cell];
+    chunk_bounds[place] = bounds_of(cell);
 }
 
 // Entry and exit of the pixel's ray; exit ≤ entry where it misses the cell.
@@ -62,7 +57,8 @@ fn cross_in_chunk(place: u32, pixel: vec2u, ray: Ray) -> vec2f {
 
 fn values_at(points: vec4u, weights: vec4f) -> Values {
     var values = Values();
-    values[0] = dot(weights, vec4f(seen[points.x].w, seen[points.y].w, seen[points.z].w, seen[points.w].w));
+    let scalars = vec4f(seen_at(points.x).w, seen_at(points.y).w, seen_at(points.z).w, seen_at(points.w).w);
+    values[0] = dot(weights, scalars);
     for (var i = 1u; i < VALUE_COUNT; i++) {
         values[i] = attribute_at(points, weights, i - 1u);
     }
@@ -70,14 +66,20 @@ fn values_at(points: vec4u, weights: vec4f) -> Values {
 }
 
 fn attribute_at(points: vec4u, weights: vec4f, slot: u32) -> f32 {
-    let at = points * ATTRIBUTE_STRIDE + vec4u(slot);
-    return dot(weights, vec4f(attributes[at.x], attributes[at.y], attributes[at.z], attributes[at.w]));
+    let values = vec4f(
+        attribute_of(points.x, slot),
+        attribute_of(points.y, slot),
+        attribute_of(points.z, slot),
+        attribute_of(points.w, slot),
+    );
+    return dot(weights, values);
 }
 
 // What the ray's way through a cell from entry to exit adds.
 fn shade(cell: u32, range: vec2f, ray: Ray) -> Contribution {
-    let points = tetrahedra[cell];
-    let faces = faces_of(seen[points.x].xyz, seen[points.y].xyz, seen[points.z].xyz, seen[points.w].xyz);
+    let points = tetrahedron(cell);
+    let faces =
+        faces_of(seen_at(points.x).xyz, seen_at(points.y).xyz, seen_at(points.z).xyz, seen_at(points.w).xyz);
     let front = weights_at(faces, ray, range.x);
     let back = weights_at(faces, ray, range.y);
     let length = (range.y - range.x) * ray.stretch;

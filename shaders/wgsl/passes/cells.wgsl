@@ -1,4 +1,4 @@
-// Uses: passes/view. Fills: nothing.
+// Uses: passes/view. Fills: nothing. Asks for: tetrahedra, seen, attributes, bounds.
 // Cells: which can contribute, the pixels that each may cover, and how many each tile will list.
 //
 // A widget's support is held in slabs low ≤ a s + b g ≤ high; a cell is left out if for every widget its corners lie
@@ -12,18 +12,13 @@ struct Slab {
 }
 
 // Numbers of values behind the scalar at each point, and whether g is the first of them.
-override attribute_stride: u32 = 0u;
+override ATTRIBUTE_STRIDE: u32 = 0u;
 override reads_g: bool = false;
 
-@group(1) @binding(1) var<storage, read> tetrahedra: array<vec4u>;
-@group(1) @binding(2) var<storage, read> seen: array<vec4f>;
-@group(1) @binding(3) var<storage, read> attributes: array<f32>;
 // Where each widget's slabs begin, then where the last one's end; then four numbers a slab.
-@group(1) @binding(4) var<storage, read> support: array<u32>;
-// First column and row, then end column and row, in 16 bits each; zeros for a cell that is left out.
-@group(1) @binding(5) var<storage, read_write> bounds: array<vec2u>;
-@group(1) @binding(6) var<storage, read_write> listed: array<atomic<u32>>;
-@group(1) @binding(7) var<storage, read_write> counts: array<atomic<u32>>;
+@group(1) @binding(1) var<storage, read> support: array<u32>;
+@group(1) @binding(2) var<storage, read_write> listed: array<atomic<u32>>;
+@group(1) @binding(3) var<storage, read_write> counts: array<atomic<u32>>;
 
 fn slab(index: u32) -> Slab {
     let at = view.widget_count + 1u + 4u * index;
@@ -107,16 +102,21 @@ fn bound_cells(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups
     if view.cell_count <= cell {
         return;
     }
-    bounds[cell] = vec2u(0u);
-    let corners = tetrahedra[cell];
-    let a = seen[corners.x];
-    let b = seen[corners.y];
-    let c = seen[corners.z];
-    let d = seen[corners.w];
+    // Zeros for a cell that is left out.
+    put_bounds(cell, vec2u(0u));
+    let corners = tetrahedron(cell);
+    let a = seen_at(corners.x);
+    let b = seen_at(corners.y);
+    let c = seen_at(corners.z);
+    let d = seen_at(corners.w);
     var g = vec4f(0.0);
     if reads_g {
-        let at = corners * attribute_stride;
-        g = vec4f(attributes[at.x], attributes[at.y], attributes[at.z], attributes[at.w]);
+        g = vec4f(
+            attribute_of(corners.x, 0u),
+            attribute_of(corners.y, 0u),
+            attribute_of(corners.z, 0u),
+            attribute_of(corners.w, 0u),
+        );
     }
     if !is_touched(vec4f(a.w, b.w, c.w, d.w), g) {
         atomicAdd(&counts[1], view.is_first);
@@ -140,7 +140,7 @@ fn bound_cells(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups
         return;
     }
     atomicAdd(&counts[3], view.is_first);
-    bounds[cell] = vec2u(start.x | (start.y << 16u), end.x | (end.y << 16u));
+    put_bounds(cell, vec2u(start.x | (start.y << 16u), end.x | (end.y << 16u)));
     let first = start / TILE - view.window.xy;
     let last = (end - 1u) / TILE - view.window.xy;
     for (var row = first.y; row <= last.y; row++) {

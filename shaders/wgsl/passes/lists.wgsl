@@ -1,19 +1,16 @@
-// Uses: passes/view. Fills: nothing.
+// Uses: passes/view. Fills: nothing. Asks for: tetrahedra, seen, bounds.
 // Lists: each cell's number into the lists of its tiles, with what the list is sorted by.
 
-@group(1) @binding(1) var<storage, read> tetrahedra: array<vec4u>;
-@group(1) @binding(2) var<storage, read> seen: array<vec4f>;
-@group(1) @binding(3) var<storage, read> bounds: array<vec2u>;
-@group(1) @binding(4) var<storage, read_write> listed: array<atomic<u32>>;
+@group(1) @binding(1) var<storage, read_write> listed: array<atomic<u32>>;
 // Number of the cell, and the bits of its key.
-@group(1) @binding(5) var<storage, read_write> entries: array<vec2u>;
+@group(1) @binding(2) var<storage, read_write> entries: array<vec2u>;
 
 fn sort_key(cell: u32) -> f32 {
-    let corners = tetrahedra[cell];
-    let a = seen[corners.x].xyz;
-    let b = seen[corners.y].xyz;
-    let c = seen[corners.z].xyz;
-    let d = seen[corners.w].xyz;
+    let corners = tetrahedron(cell);
+    let a = seen_at(corners.x).xyz;
+    let b = seen_at(corners.y).xyz;
+    let c = seen_at(corners.z).xyz;
+    let d = seen_at(corners.w).xyz;
     if view.sort_key == 0u {
         return min(min(a.z, b.z), min(c.z, d.z));
     }
@@ -30,7 +27,7 @@ fn fill_lists(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups)
     if view.cell_count <= cell {
         return;
     }
-    let box = bounds[cell];
+    let box = bounds_of(cell);
     if box.y == 0u {
         return;
     }

@@ -1,11 +1,5 @@
-// Uses: passes/view. Fills: nothing.
+// Uses: passes/view. Fills: nothing. Asks for: positions, quantity, seen.
 // Points: positions about the view's base, and the stored scalar.
-
-// Six numbers a point: the position from the middle of the grid in scene lengths, high parts, then low parts.
-@group(1) @binding(1) var<storage, read> positions: array<f32>;
-// High and low part of the scalar.
-@group(1) @binding(2) var<storage, read> scalars: array<vec2f>;
-@group(1) @binding(3) var<storage, read_write> seen: array<vec4f>;
 
 @compute @workgroup_size(64)
 fn see_points(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
@@ -13,10 +7,11 @@ fn see_points(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups)
     if view.point_count <= point {
         return;
     }
-    let at = 6u * point;
-    let high = vec3f(positions[at], positions[at + 1u], positions[at + 2u]) - view.base_high;
-    let low = vec3f(positions[at + 3u], positions[at + 4u], positions[at + 5u]) - view.base_low;
+    // High parts, then low parts.
+    let position = position_of(point);
+    let high = vec3f(position[0], position[1], position[2]) - view.base_high;
+    let low = vec3f(position[3], position[4], position[5]) - view.base_low;
     let p = high + low;
-    let scalar = scalars[point] - view.scalar_offset;
-    seen[point] = vec4f(dot(p, view.right), dot(p, view.down), dot(p, view.forward), scalar.x + scalar.y);
+    let scalar = quantity_of(point) - view.scalar_offset;
+    put_seen(point, vec4f(dot(p, view.right), dot(p, view.down), dot(p, view.forward), scalar.x + scalar.y));
 }

@@ -1,0 +1,233 @@
+//! Arrays in parts: how those of a scene are split over the bindings of a device, and which grids have more parts than
+//! it binds at a time.
+
+use crate::buffers::Growing;
+use crate::device::Device;
+use crate::passes::fixed_buffers;
+use voltet_core::{Error, Result};
+use voltet_shaders::{Access, FramePass, GridArray, Layout, Parts, TILES_READ};
+
+/// Bytes in a mebibyte.
+const MEBIBYTE: f64 = (1u64 << 20) as f64;
+
+/// Points or cells that can be numbered, so that no dispatch over them passes the last number of 32 bits.
+const MOST: u64 = 4_000_000_000;
+
+/// What a device binds.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Room {
+    /// Bytes of one binding.
+    pub bytes: u64,
+    /// Storage buffers of a pass.
+    pub buffers: u32,
+}
+
+/// What a scene needs room for.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(crate) struct Sizes {
+    pub points: u64,
+    pub cells: u64,
+    /// Attributes of a point.
+    pub stride: u64,
+    /// Vectors of the table that the scene reads.
+    pub texels: u64,
+    /// Storage buffers of the scene's own that stand in one binding each.
+    pub scene_buffers: u32,
+}
+
+impl Sizes {
+    /// Every array in parts that fit a binding.
+    pub fn layout(&self, room: Room) -> Layout {
+        let parts = |array: GridArray| Parts::of(self.count(array), array.bytes(self.stride), room.bytes);
+        Layout {
+            positions: parts(GridArray::Positions),
+            quantity: parts(GridArray::Quantity),
+            seen: parts(GridArray::Seen),
+            attributes: parts(GridArray::Attributes),
+            tetrahedra: parts(GridArray::Tetrahedra),
+            bounds: parts(GridArray::Bounds),
+            table: Parts::of(self.texels, TEXEL_BYTES, room.bytes),
+        }
+    }
+
+    fn count(&self, array: GridArray) -> u64 {
+        match array {
+            GridArray::Tetrahedra | GridArray::Bounds => self.cells,
+            _ => self.points,
+        }
+    }
+
+    /// Storage buffers of the pass that binds most.
+    pub fn buffers(&self, room: Room) -> u32 {
+        let layout = self.layout(room);
+        let of = |arrays: &[(GridArray, Access)]| {
+            arrays.iter().map(|(array, _)| layout.parts(*array).count).fold(0, u32::saturating_add)
+        };
+        let pass = |pass: &FramePass| of(pass.grid_arrays()).saturating_add(fixed_buffers(Some(*pass)));
+        let tiles = of(TILES_READ).saturating_add(fixed_buffers(None));
+        let table = if self.texels > 0 { layout.table.count } else { 0 };
+        let tiles = tiles.saturating_add(self.scene_buffers).saturating_add(table);
+        FramePass::ALL.iter().map(pass).fold(tiles, u32::max)
+    }
+
+    fn fits(&self, room: Room) -> bool {
+        self.points.max(self.cells) <= MOST && self.buffers(room) <= room.buffers
+    }
+
+    /// An error that names the arrays in parts, and how many such cells would do, if a device binds too few buffers.
+    pub fn check(&self, room: Room, device: &str) -> Result<()> {
+        if self.fits(room) {
+            return Ok(());
+        }
+        let layout = self.layout(room);
+        let mib = |bytes: u64| bytes as f64 / MEBIBYTE;
+        let mut parts: Vec<String> = GridArray::ALL
+            .iter()
+            .filter(|array| layout.parts(**array).count > 1)
+            .map(|array| {
+                let size = mib(self.count(*array).saturating_mul(array.bytes(self.stride)));
+                format!("{} of {size:.0} MiB in {} parts", name(*array), layout.parts(*array).count)
+            })
+            .collect();
+        if layout.table.count > 1 {
+            let size = mib(self.texels.saturating_mul(TEXEL_BYTES));
+            parts.push(format!("the integrator's table of {size:.0} MiB in {} parts", layout.table.count));
+        }
+        let bytes = mib(room.bytes);
+        let found = match parts.is_empty() {
+            true => format!("{} buffers, {} cells", self.buffers(room), self.cells),
+            false => format!("{} buffers: {}", self.buffers(room), parts.join(", ")),
+        };
+        // The largest grid of this kind that would do, to a thousandth.
+        let share = |n: u64, k: u64| (u128::from(n) * u128::from(k) / 1000) as u64;
+        let scaled = |k: u64| Sizes { points: share(self.points, k), cells: share(self.cells, k), ..*self };
+        let would = (1..1000).rev().map(scaled).find(|sizes| sizes.fits(room));
+        let would =
+            would.map_or("a smaller table".into(), |sizes| format!("about {} such cells", sizes.cells));
+        Err(Error::run(format!("the scene has more parts than {device} binds at a time"))
+            .found(found)
+            .accepted(format!(
+                "at most {} buffers of {bytes:.0} MiB: {would}, or engine = \"cpu\"",
+                room.buffers
+            )))
+    }
+}
+
+/// Bytes of a vector of a table.
+const TEXEL_BYTES: u64 = 16;
+
+/// What an array is called in errors.
+fn name(array: GridArray) -> &'static str {
+    match array {
+        GridArray::Positions => "the grid's points",
+        GridArray::Quantity => "the grid's values",
+        GridArray::Seen => "the points on the screen",
+        GridArray::Attributes => "the points' values",
+        GridArray::Tetrahedra => "the grid's cells",
+        GridArray::Bounds => "the cells' bounds",
+    }
+}
+
+/// One of the grid's arrays on a device.
+pub(crate) struct Parted {
+    pub buffers: Vec<wgpu::Buffer>,
+}
+
+/// One that grows.
+#[derive(Default)]
+pub(crate) struct GrowingParts(Vec<Growing>);
+
+impl GrowingParts {
+    /// Room for so many elements.
+    pub fn at_least(
+        &mut self,
+        device: &Device,
+        array: GridArray,
+        sizes: &Sizes,
+        parts: Parts,
+    ) -> Result<Parted> {
+        self.0.resize_with(parts.count as usize, Growing::default);
+        let bytes = array.bytes(sizes.stride);
+        let make = |size: u64| device.storage(name(array), size);
+        let of = |(growing, part): (&mut Growing, u32)| {
+            growing.at_least(parts.length(part, sizes.count(array)) * bytes, make)
+        };
+        Ok(Parted { buffers: self.0.iter_mut().zip(0..).map(of).collect::<Result<_>>()? })
+    }
+}
+
+impl Device {
+    pub(crate) fn room(&self) -> Room {
+        Room { bytes: self.most_bytes(), buffers: self.limits.max_storage_buffers_per_shader_stage }
+    }
+
+    /// One of the grid's arrays with its content, element by element.
+    pub(crate) fn upload_parted<U: bytemuck::Pod + Send>(
+        &self,
+        array: GridArray,
+        parts: Parts,
+        count: usize,
+        element: impl Fn(usize) -> U + Sync,
+    ) -> Result<Parted> {
+        let mut buffers = Vec::new();
+        let mut first = 0;
+        for part in 0..parts.count {
+            let length = parts.length(part, count as u64) as usize;
+            buffers.push(self.upload(name(array), length, |i| element(first + i))?);
+            first += length;
+        }
+        Ok(Parted { buffers })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const MIB: u64 = 1 << 20;
+
+    /// A cube of points, six cells to a voxel.
+    fn cube(cells: u64) -> Sizes {
+        Sizes { points: cells / 6, cells, stride: 1, texels: 0, scene_buffers: 1 }
+    }
+
+    #[test]
+    fn large_grids_stand_in_so_many_parts() {
+        let small = Room { bytes: 128 * MIB, buffers: 32 };
+        let count = |layout: Layout| GridArray::ALL.map(|array| layout.parts(array).count);
+        // Positions, a quantity, seen points, attributes, tetrahedra, bounds: 24, 8, 16, 4 bytes a point, 16, 8 a cell.
+        assert_eq!(count(cube(16_000_000).layout(small)), [1, 1, 1, 1, 2, 1]);
+        assert_eq!(count(cube(100_000_000).layout(small)), [4, 1, 2, 1, 12, 6]);
+        let large = Room { bytes: 2048 * MIB, buffers: 32 };
+        assert_eq!(count(cube(16_000_000).layout(large)), [1; 6]);
+        assert_eq!(count(cube(100_000_000).layout(large)), [1; 6]);
+        assert_eq!(count(cube(1_000_000_000).layout(large)), [3, 1, 2, 1, 8, 4]);
+        // Five of the tiles' own, `numbers`, and the parts.
+        assert_eq!(cube(16_000_000).buffers(small), 5 + 1 + 5);
+        assert_eq!(cube(100_000_000).buffers(small), 5 + 1 + 21);
+        assert_eq!(cube(100_000_000).buffers(large), 5 + 1 + 4);
+    }
+
+    #[test]
+    fn what_has_too_many_parts_is_named_with_what_would_do() {
+        let room = Room { bytes: 128 * MIB, buffers: 10 };
+        cube(8_000_000).check(room, "it").expect("fits");
+        let error = cube(100_000_000).check(room, "it").expect_err("does not fit").to_string();
+        for word in ["27 buffers", "the grid's cells of 1526 MiB in 12 parts", "10 buffers of 128 MiB", "cpu"]
+        {
+            assert!(error.contains(word), "'{word}' is not in: {error}");
+        }
+        // 2²³ cells fill a binding.
+        assert!(error.contains("about 8300000 such cells"), "{error}");
+        let error =
+            Sizes { texels: 1 << 28, ..cube(100) }.check(room, "it").expect_err("too large").to_string();
+        assert!(
+            error.contains("table of 4096 MiB in 32 parts") && error.contains("a smaller table"),
+            "{error}"
+        );
+        let vast = Sizes { points: 1 << 40, cells: 1 << 42, ..Sizes::default() };
+        let error =
+            vast.check(Room { bytes: u64::MAX, buffers: 1 << 20 }, "it").expect_err("too many").to_string();
+        assert!(error.contains("4398046511104 cells"), "{error}");
+    }
+}
