@@ -2,8 +2,7 @@
 //!
 //! `cargo bench --bench frame`. A steady frame runs all stages; the camera turns by one degree before each, so that
 //! nothing of the former frame can be used again. The heat sink that ships is always measured; further grids are where
-//! the folder named by VOLTET_TEST_DATA has them. Frames on a device follow where there is a hardware adapter, or one that
-//! VOLTET_ADAPTER names; the picture's way back is in the whole.
+//! the folder named by VOLTET_TEST_DATA has them. `voltet time` measures frames of any pipeline, also on a device.
 
 use glam::DVec3;
 use std::path::{Path, PathBuf};
@@ -122,43 +121,6 @@ fn measure(scene: &Scene, path: &Path) -> Result<()> {
         }
     }
     costs(scene, &plain, &bivariate)?;
-    #[cfg(feature = "gpu")]
-    device_frames(scene, &plain, &bivariate)?;
-    Ok(())
-}
-
-/// Steady frames on a device: the whole on the clock of the CPU, passes on the device's own.
-#[cfg(feature = "gpu")]
-fn device_frames(scene: &Scene, plain: &Arc<Volume>, bivariate: &Arc<Volume>) -> Result<()> {
-    use voltet::core::shading::Order;
-    use voltet::gpu::{Device, DeviceGrid, draw};
-    let device = match Device::open(std::env::var("VOLTET_ADAPTER").ok().as_deref(), true) {
-        Ok(device) => Arc::new(device),
-        Err(why) => {
-            println!("\nno frames on a device: {why}");
-            return Ok(());
-        }
-    };
-    let frame_count = if device.is_software { 3 } else { FRAME_COUNT };
-    println!("\n{}\n\n| steady frame | size | whole, median ms | segments | ms of passes |", device.name);
-    println!("| --- | --- | ---: | ---: | --- |");
-    let grids = [DeviceGrid::new(device.clone(), plain)?, DeviceGrid::new(device, bivariate)?];
-    let mut looks = vec![("piecewise-linear in s", &grids[0], plain, scene.piecewise_linear())];
-    for &(name, centre, sigma, extinction) in scene.gaussians {
-        looks.push((name, &grids[1], bivariate, scene.gaussian(centre, sigma, extinction)));
-    }
-    for size in SIZES {
-        for (name, grid, volume, look) in &looks {
-            let (whole_ms, drawn) = median(frame_count, |k| {
-                let camera = scene.camera(k as f64, size);
-                draw(grid, volume, look, &camera, &SHADING, Order::Exact, &Silent)
-            })?;
-            let pass = |(pass, seconds): &(&str, f64)| format!("{pass} {:.2}", 1e3 * seconds);
-            let passes: Vec<String> = drawn.seconds.iter().map(pass).collect();
-            let segments = drawn.counts.segments;
-            println!("| {name} | {size}² | **{whole_ms:.2}** | {segments} | {} |", passes.join(", "));
-        }
-    }
     Ok(())
 }
 

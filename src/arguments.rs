@@ -44,6 +44,11 @@ pub enum Command {
     /// everything, the figures as CSV and JSON, a plot of error against time as SVG and PNG, and difference pictures.
     /// Ctrl-C ends the study and keeps what is done; a stopped reference picture goes on where it was.
     Study(Study),
+    /// Draw pipelines' scenes again and again with a camera that turns, and print how long a frame takes on each engine.
+    ///
+    /// The integrator, light and overlaps are those of the file; where the scene needs an order, the exact and the centroid
+    /// order are measured. Nothing is written but the table (Markdown) on the standard output.
+    Time(Time),
 }
 
 #[derive(Debug, Args)]
@@ -206,6 +211,43 @@ pub struct Study {
     /// Print nothing but errors.
     #[arg(long, short)]
     pub quiet: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct Time {
+    /// Pipeline files.
+    #[arg(required = true, value_name = "FILE")]
+    pub files: Vec<PathBuf>,
+    #[command(flatten)]
+    pub set: Set,
+    /// Sizes of the picture in pixels, separated by commas; those of the files without it.
+    #[arg(long, value_name = "WIDTHxHEIGHT", value_delimiter = ',', value_parser = size)]
+    pub size: Vec<[u32; 2]>,
+    /// What draws: the CPU, a graphics device, or both.
+    #[arg(long, value_name = "WHICH", value_enum, default_value = "all")]
+    pub engine: EngineName,
+    /// The graphics device to measure: a part of its name, or discrete, integrated, virtual, software.
+    ///
+    /// Without it the one that the file names, or else the fastest that is hardware.
+    #[arg(long, value_name = "NAME")]
+    pub adapter: Option<String>,
+    /// Frames that are timed, after one that sets up; the median counts.
+    #[arg(long, value_name = "N", default_value_t = 31)]
+    pub frames: usize,
+    /// Seconds after which no further frame of a row begins.
+    #[arg(long, value_name = "SECONDS", default_value_t = 5.0, allow_negative_numbers = true)]
+    pub patience: f64,
+    /// Degrees that the camera turns about its target before each frame.
+    #[arg(long, value_name = "DEGREES", default_value_t = 1.0, allow_negative_numbers = true)]
+    pub turn: f64,
+}
+
+/// A picture's size, "1024x768".
+fn size(text: &str) -> Result<[u32; 2], String> {
+    let number = |part: &str| part.trim().parse::<u32>().ok().filter(|n| *n > 0);
+    let parts = text.split_once(['x', '×']);
+    let both = parts.and_then(|(width, height)| Some([number(width)?, number(height)?]));
+    both.ok_or_else(|| "a size is WIDTHxHEIGHT in pixels, such as 1024x768".into())
 }
 
 /// Engines.

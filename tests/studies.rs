@@ -49,7 +49,7 @@ fn a_stopped_study_keeps_the_finished_settings_and_the_reference() {
         engines: Engines::Cpu,
         adapter: None,
         refine: 0,
-        frames: Frames { count: 1, patience: Duration::ZERO },
+        frames: Frames { count: 1, patience: Duration::ZERO, turn: 0.0 },
         measure: Measure::Maximum,
         max_error: Some(0.1),
     };

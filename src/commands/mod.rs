@@ -8,6 +8,7 @@ mod nodes;
 mod run;
 mod stability;
 mod study;
+mod time;
 
 use crate::arguments::{Arguments, Command};
 use crate::present;
@@ -31,6 +32,7 @@ pub fn dispatch(arguments: Arguments) -> ExitCode {
         Command::Info(arguments) => info::info(arguments),
         Command::Stability(arguments) => stability::stability(arguments),
         Command::Study(arguments) => study::study(arguments),
+        Command::Time(arguments) => time::time(arguments),
     };
     ExitCode::from(outcome.unwrap_or_else(|error| show(&error, None)))
 }

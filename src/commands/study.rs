@@ -73,6 +73,7 @@ fn wish(arguments: &arguments::Study) -> Result<Wish> {
         frames: Frames {
             count: arguments.frames,
             patience: Duration::from_secs_f64(arguments.patience.min(3e7)),
+            turn: 0.0,
         },
         measure: arguments.measure.into(),
         max_error: arguments.max_error,

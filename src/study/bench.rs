@@ -66,14 +66,14 @@ impl Benches {
     }
 
     /// What is tried, engine by engine.
-    pub(super) fn settings(&self, scene: &Scene, only: &[String]) -> Vec<Setting> {
+    pub fn settings(&self, scene: &Scene, only: &[String]) -> Vec<Setting> {
         let native = self.cpu.then_some(Engine::Cpu);
         let device = Engine::of_device().filter(|_| self.device.is_some());
         native.into_iter().chain(device).flat_map(|engine| settings(scene, only, engine)).collect()
     }
 
     /// Draws the scene with one setting, on its engine.
-    pub(super) fn measure(
+    pub fn measure(
         &mut self,
         scene: &Scene,
         setting: &Setting,

@@ -84,10 +84,11 @@ impl Bench {
         let grid = DeviceGrid::new(self.device.clone(), &scene.volume)?;
         draw(&grid, scene, setting, progress)?;
         let first = start.elapsed();
-        let (mut drawn, once) = draw(&grid, scene, setting, progress)?;
+        let (mut drawn, once) = draw(&grid, &frames.scene(scene, 1), setting, progress)?;
         let mut taken = vec![once];
         while taken.len() < frames.count && start.elapsed() < first + frames.patience {
-            let (further, once) = draw(&grid, scene, setting, progress)?;
+            let scene = frames.scene(scene, taken.len() + 1);
+            let (further, once) = draw(&grid, &scene, setting, progress)?;
             drawn = further;
             taken.push(once);
         }

@@ -3,6 +3,7 @@
 use super::{Scene, Setting};
 use serde::Serialize;
 use std::time::{Duration, Instant};
+use voltet_core::camera::Camera;
 use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
 use voltet_core::shading::{Order, Shading};
@@ -16,6 +17,22 @@ pub struct Frames {
     pub count: usize,
     /// No further frame begins once a setting has taken this long. Where the first one already does, it counts.
     pub patience: Duration,
+    /// Degrees that the camera turns about its target before each frame, so that nothing of the former one can be used
+    /// again; 0: it stands still.
+    pub turn: f64,
+}
+
+impl Frames {
+    /// The scene of frame `number`.
+    pub(super) fn scene(&self, scene: &Scene, number: usize) -> Scene {
+        let mut turned = scene.clone();
+        let Camera { eye, target, up, .. } = scene.camera;
+        if self.turn != 0.0 {
+            let by = glam::DQuat::from_axis_angle(up.normalize(), (self.turn * number as f64).to_radians());
+            turned.camera.eye = target + by * (eye - target);
+        }
+        turned
+    }
 }
 
 /// Median and spread of repeated times, milliseconds.
@@ -87,7 +104,8 @@ pub fn measure(
     let (picture, counts, first) = frame(scene, &shading, order, progress)?;
     let mut times: Vec<Seconds> = Vec::new();
     while times.len() < frames.count && start.elapsed() < frames.patience {
-        times.push(frame(scene, &shading, order, progress)?.2);
+        let scene = frames.scene(scene, times.len() + 1);
+        times.push(frame(&scene, &shading, order, progress)?.2);
     }
     if times.is_empty() {
         times.push(first);

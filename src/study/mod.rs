@@ -55,6 +55,6 @@ pub use pareto::{cheapest, front};
 pub use reference::{Reference, cache_folder, reference};
 pub use refine::{Refinement, Source, refinement};
 pub use run::{Measure, Refused, Row, Study, Wish, study};
-pub use scene::{Asked, Form, Scene};
+pub use scene::{Asked, Form, Scene, drawing_nodes};
 pub use settings::{Setting, Value, settings};
 pub use table::{csv, json, text};

@@ -156,9 +156,18 @@ impl Asked {
     }
 }
 
+/// The names of the nodes that draw what the pipeline writes.
+pub fn drawing_nodes(graph: &Graph) -> Vec<String> {
+    let all = graph.order.iter().map(|&i| &graph.nodes[i]);
+    all.filter(|node| draws(node)).map(|node| node.name.clone()).collect()
+}
+
+fn draws(node: &GraphNode) -> bool {
+    matches!(node.node.name, "renderer" | "gpu-renderer" | "composite")
+}
+
 /// The node that draws: a renderer or a composite node that something written needs.
 fn drawing_node(graph: &Graph, name: Option<&str>) -> Result<usize> {
-    let draws = |node: &GraphNode| matches!(node.node.name, "renderer" | "gpu-renderer" | "composite");
     let found: Vec<usize> = graph.order.iter().copied().filter(|&i| draws(&graph.nodes[i])).collect();
     let names: Vec<&str> = found.iter().map(|&i| graph.nodes[i].name.as_str()).collect();
     match (name, found.as_slice()) {

@@ -15,3 +15,4 @@ mod study;
 #[cfg(feature = "gpu")]
 mod study_devices;
 mod support;
+mod time;

@@ -187,6 +187,18 @@ impl Ran {
         self
     }
 
+    /// What was run with `--adapter software`; `None` where there is no such driver, said loudly; a failure if the
+    /// environment variable `VOLTET_REQUIRE_GPU` is 1.
+    #[cfg(feature = "gpu")]
+    pub fn on_software_driver(self) -> Option<Self> {
+        if !self.stderr.contains("no adapter is called \"software\"") {
+            return Some(self.ok());
+        }
+        assert!(!std::env::var("VOLTET_REQUIRE_GPU").is_ok_and(|value| value == "1"), "{}", self.stderr);
+        eprintln!("\n*** SKIPPED: no Vulkan adapter; scripts/install-software-vulkan.sh ***\n");
+        None
+    }
+
     /// How many errors were shown.
     pub fn errors(&self) -> usize {
         self.stderr.lines().filter(|line| line.trim_start().starts_with("error:")).count()
