@@ -13,6 +13,7 @@ use voltet_core::camera::Camera;
 use rayon::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use voltet_core::lanes::LaneSet;
 use voltet_core::progress::Progress;
 use voltet_core::transfer::{Support, TransferFunction};
 use voltet_core::volume::Volume;
@@ -137,6 +138,7 @@ fn none_kept(volume: &Arc<Volume>) -> Result<Cells> {
         ranges: [range(&volume.scalar), volume.gradient_magnitude.as_ref().map_or([0.0; 2], |g| range(g))],
         untouched: Vec::new(),
         thorough: false,
+        lanes: LaneSet::detect(),
         culled_for: None,
         steepest: volume.gradient.as_ref().map_or(0.0, |gradient| {
             let [low, high] = range(bytemuck::cast_slice(gradient));

@@ -27,6 +27,7 @@ pub use draw::{Projection, Ready, composite, draw, needs_gradient, prepare, proj
 
 use std::sync::Arc;
 use voltet_core::camera::Camera;
+use voltet_core::lanes::LaneSet;
 use voltet_core::shading::Order;
 use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
@@ -48,6 +49,8 @@ pub struct Cells {
     pub untouched: Vec<usize>,
     /// Nothing is left out for them: they were not culled, and segments are ordered also where one colour needs no order.
     pub thorough: bool,
+    /// The vector lanes that the further stages run on: the widest that this processor has.
+    pub lanes: LaneSet,
     /// What the cells were culled for.
     pub(crate) culled_for: Option<TransferFunction>,
     /// World units in the scene length that the stages work in: the diagonal of the grid.

@@ -21,6 +21,7 @@ const INDEX_BITS: u32 = 24;
 pub(crate) struct Sample {
     pub view: View,
     pub seen: std::sync::Arc<Vec<Seen>>,
+    lanes: lanes::LaneSet,
     parts: Vec<Part>,
     tiles_wide: usize,
     /// `tile_starts[t] .. tile_starts[t + 1]` are tile t's entries.
@@ -92,7 +93,7 @@ impl Sample {
                 .found(kept.len())
                 .accepted("4 thousand million"));
         }
-        let lane_set = lanes::LaneSet::detect();
+        let lane_set = cells.lanes;
         let mut parts: Vec<Part> = Vec::new();
         kept.par_chunks(part_length)
             .map(|cells| {
@@ -167,6 +168,7 @@ impl Sample {
         Ok(Sample {
             view,
             seen,
+            lanes: lane_set,
             parts,
             tiles_wide,
             tile_starts,
@@ -216,7 +218,7 @@ impl<'a> Scene<'a> {
             attribute_count: sample.attribute_count,
             scalar_count: attributes.len(),
             shader,
-            lanes: lanes::LaneSet::detect(),
+            lanes: sample.lanes,
             sorted,
             distance_origin: sample.distance_origin,
             near: sample.near,

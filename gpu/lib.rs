@@ -1,6 +1,7 @@
 //! voltet-gpu: the device engine. Cull, project, sort and composite as passes on a graphics device, through wgpu.
 //!
 //! The grid is uploaded once ([`DeviceGrid`]); a frame changes uniforms and reads back the picture and a few counts.
+//! [`Segments`] runs the same shaders over segments alone, for judging them.
 //! The shaders come from `voltet-shaders`; this crate knows devices, buffers and the order of the passes.
 
 mod adapter;
@@ -14,6 +15,7 @@ mod limits;
 mod parts;
 mod passes;
 mod pipelines;
+mod segments;
 mod support;
 mod tables;
 mod timing;
@@ -24,3 +26,4 @@ pub use device::{Device, Work};
 pub use draw::{Counts, Drawn, draw};
 pub use grid::DeviceGrid;
 pub use limits::can_serve;
+pub use segments::Segments;

@@ -17,6 +17,7 @@ mod parts;
 mod passes;
 mod pieces;
 mod resources;
+pub mod segment_list;
 
 pub use choices::{Choices, Combine, Compositor, Kind, Method, TileOrder, WidgetChoice};
 pub use compose::{Shader, compose, compose_pieces};

@@ -33,10 +33,10 @@ pub enum Command {
     Info(Info),
     /// Judge every formula and engine against exact values, and draw cells that are hard to draw.
     ///
-    /// For each set of forms (64-bit, 32-bit by lane set): the worst error and its inputs in every category (stiff, narrow,
+    /// For each set of forms (64-bit, 32-bit by lane set, the shaders of a graphics device): the worst error and its inputs in every category (stiff, narrow,
     /// flat, tails, many bands, offset, tiny and huge lengths, region edges, overlaps, long compositing chains), as a share
-    /// of the bound stated for it. Then small pictures of degenerate cells and extreme coordinates against the 64-bit
-    /// referee, and the formulas as papers print them, beside what stands in their place.
+    /// of the bound stated for it. Then small pictures of degenerate cells and extreme coordinates by each engine against the
+    /// 64-bit referee, and the formulas as papers print them, beside what stands in their place.
     Stability(Stability),
     /// Draw a pipeline's scene with every integrator and setting on every engine, and say what each costs and how wrong it is.
     ///
@@ -141,6 +141,12 @@ pub struct Stability {
     /// 64-bit forms, and those of cases that are not served (skipped).
     #[arg(long, value_name = "FILE.jsonl")]
     pub cases: Option<PathBuf>,
+    /// The graphics device whose shaders are judged: a part of its name, or discrete, integrated, virtual, software.
+    ///
+    /// Without it the fastest that is hardware; where there is none, the output says so. A driver that is a program on the
+    /// CPU (software) is judged only when it is named. Cases that a device refuses beforehand are counted as skipped.
+    #[arg(long, value_name = "NAME")]
+    pub adapter: Option<String>,
     /// Write everything that was found as JSON to the standard output.
     #[arg(long)]
     pub json: bool,

@@ -14,6 +14,7 @@
 //! # }
 //! ```
 
+mod devices;
 mod document;
 pub mod stability;
 pub mod study;

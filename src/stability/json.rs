@@ -9,7 +9,7 @@ pub fn json(found: &Stability) -> Value {
     object!({
         "passed": found.passed(),
         "forms": found.forms.iter().map(forms).collect::<Vec<_>>(),
-        "lanes": found.lanes.name(),
+        "left_out": found.left_out,
         "pictures": found.pictures,
         "printed": found.printed,
     })

@@ -9,6 +9,7 @@ pub fn markdown(found: &Stability) -> String {
     let mut text = String::from("## Every formula, by category\n\nThe worst error as a share of its bound");
     text += ", and the relative error that this is. A value passes under 1.\n\n";
     text += &matrix(&found.forms, "category", |row| category(&row.category).to_string());
+    text.extend(found.left_out.iter().map(|what| format!("\nNot judged: {what}.\n")));
     text += "\n## Every formula\n\n";
     text += &matrix(&found.forms, "formula", |row| row.formula.clone());
     for report in &found.forms {
@@ -30,17 +31,37 @@ pub fn markdown(found: &Stability) -> String {
         }
         text += &excuses(report);
     }
-    text += &format!("\n## Hard cells, drawn\n\nThe native engine ({} lanes) ", found.lanes.name());
-    text += "against the 64-bit referee: the largest error of a channel of premultiplied linear RGBA.\n\n";
-    text += "| what | scene | largest error | bound |\n| --- | --- | ---: | ---: |\n";
-    for drawn in &found.pictures {
-        let Drawn { category, scene, worst_error, bound, .. } = drawn;
-        let broken = if drawn.passed() { "" } else { " **broken**" };
-        text += &format!("| {category} | {scene} | {}{broken} | {bound:.0e} |\n", number(*worst_error));
-    }
+    text += &pictures(found);
     text += "\n## Formulas as printed\n\nEach is computed as it stands in 64 and in 32 bits (its functions rounded ";
     text += "correctly) and compared with the 64-bit form that stands in its place, whose own error is under 1e-14; \"none\": overflow, or 0/0.\n";
     found.printed.iter().for_each(|printed| text += &formula(printed));
+    text
+}
+
+/// A row for each scene, a column for each engine.
+fn pictures(found: &Stability) -> String {
+    let engines = found.engines();
+    let mut text = String::from(
+        "\n## Hard cells, drawn\n\nAgainst the 64-bit referee: the largest error of a channel of ",
+    );
+    text += "premultiplied linear RGBA.\n\n";
+    let columns = " ---: |".repeat(engines.len() + 1);
+    text += &format!("| what | scene | {} | bound |\n| --- | --- |{columns}\n", engines.join(" | "));
+    for first in found.pictures.iter().filter(|drawn| drawn.engine == engines[0]) {
+        let Drawn { category, scene, bound, .. } = first;
+        let cell = |engine: &&str| {
+            let same = |drawn: &&Drawn| drawn.scene == *scene && drawn.engine == **engine;
+            found.pictures.iter().find(same).map_or(String::new(), |drawn| {
+                let broken = if drawn.passed() { "" } else { " **broken**" };
+                match &drawn.refused {
+                    Some(why) => format!("refused: {why}"),
+                    None => format!("{}{broken}", number(drawn.worst_error)),
+                }
+            })
+        };
+        let cells: Vec<String> = engines.iter().map(cell).collect();
+        text += &format!("| {category} | {scene} | {} | {bound:.0e} |\n", cells.join(" | "));
+    }
     text
 }
 

@@ -1,8 +1,9 @@
-//! How stable the program's formulas are: every formula of every engine against exact values, pictures of cells that are
-//! hard to draw against the 64-bit referee, and the formulas as papers print them.
+//! How stable the program's formulas are: every formula of every engine and adapter against exact values, pictures of cells
+//! that are hard to draw against the 64-bit referee, and the formulas as papers print them.
 //!
 //! | file | what |
 //! | --- | --- |
+//! | `subjects` | the sets of forms and the engines that there are |
 //! | `pictures` | degenerate cells, extreme coordinates, long chains |
 //! | `printed` | what papers print, as it stands, and what stands in its place |
 //! | `text`, `markdown` | how it is shown |
@@ -13,30 +14,31 @@ mod json;
 mod markdown;
 mod pictures;
 mod printed;
+mod subjects;
 mod text;
 
 pub use json::{forms as forms_json, json};
 pub use markdown::markdown;
 pub use pictures::Drawn;
 pub use printed::{Measured, Printed};
+pub use subjects::{Subjects, subjects};
 pub use text::{forms_text, text};
 
-use voltet_core::Result;
-use voltet_core::lanes::LaneSet;
-use voltet_core::optics::judge::{Forms, Native32, Native64, Report, judge_cases, shipped};
+use voltet_core::optics::judge::{Report, judge_cases, shipped};
 use voltet_core::progress::Progress;
+use voltet_core::{Error, Result};
 
 /// What was found.
 #[derive(Debug, Clone)]
 pub struct Stability {
     /// One report a set of forms: 64-bit, 32-bit by lane set, further ones.
     pub forms: Vec<Report>,
-    /// The lane set that the pictures were drawn with.
-    pub lanes: LaneSet,
-    /// Pictures of hard cells.
+    /// Pictures of hard cells, scene by scene.
     pub pictures: Vec<Drawn>,
     /// The formulas as printed.
     pub printed: Vec<Printed>,
+    /// What was not judged, why, and how to have it.
+    pub left_out: Vec<String>,
 }
 
 impl Stability {
@@ -44,25 +46,35 @@ impl Stability {
     pub fn passed(&self) -> bool {
         self.forms.iter().all(Report::passed) && self.pictures.iter().all(Drawn::passed)
     }
+
+    /// What drew the pictures, in their order.
+    fn engines(&self) -> Vec<&str> {
+        let mut engines: Vec<&str> = Vec::new();
+        for drawn in &self.pictures {
+            if !engines.contains(&drawn.engine.as_str()) {
+                engines.push(&drawn.engine);
+            }
+        }
+        engines
+    }
 }
 
-/// The sets of forms that this build and this processor have. A device's come here, too.
-pub fn forms() -> Vec<Box<dyn Forms>> {
-    let mut forms: Vec<Box<dyn Forms>> = vec![Box::new(Native64)];
-    forms.extend(Native32::each().map(|lanes| Box::new(lanes) as Box<dyn Forms>));
-    forms
-}
-
-/// Judges all of `forms` by the cases that the program carries, draws the pictures, evaluates what papers print.
+/// Judges all of the forms by the cases that the program carries, draws the pictures, evaluates what papers print.
 ///
 /// Errors: a stopped run, and those of drawing.
-pub fn stability(forms: &[Box<dyn Forms>], progress: &dyn Progress) -> Result<Stability> {
-    progress.report("formulas", 0.0);
-    let forms: Vec<&dyn Forms> = forms.iter().map(Box::as_ref).collect();
-    let forms = judge_cases(&shipped()?, &forms)?;
-    let pictures = pictures::pictures(progress)?;
+pub fn stability(subjects: &Subjects, progress: &dyn Progress) -> Result<Stability> {
+    let cases = shipped()?;
+    let mut forms = Vec::new();
+    for (k, subject) in subjects.forms.iter().enumerate() {
+        progress.report(subject.name(), k as f64 / subjects.forms.len() as f64);
+        if progress.cancelled() {
+            return Err(Error::cancelled());
+        }
+        forms.extend(judge_cases(&cases, &[subject.as_ref()])?);
+    }
+    let pictures = pictures::pictures(&subjects.painters, progress)?;
     progress.report("printed formulas", 1.0);
-    Ok(Stability { forms, lanes: LaneSet::detect(), pictures, printed: printed::printed()? })
+    Ok(Stability { forms, pictures, printed: printed::printed()?, left_out: subjects.left_out.clone() })
 }
 
 /// A category as people call it.
@@ -83,7 +95,7 @@ pub fn category(name: &str) -> &str {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use voltet_core::optics::judge::{Answer, Chain, Kind, PartialIntegrals, Precision};
+    use voltet_core::optics::judge::{Answer, Chain, Forms, Kind, Native64, PartialIntegrals, Precision};
     use voltet_core::optics::{Contribution, Overlap, Segment};
     use voltet_core::transfer::TransferFunction;
 
@@ -116,7 +128,8 @@ mod tests {
 
     fn drawn(worst_error: f64) -> Drawn {
         let (category, scene) = ("degenerate cells", "one".to_string());
-        Drawn { category, scene, worst_error, worst_pixel: [0, 0], bound: 1e-4 }
+        let engine = "an engine".to_string();
+        Drawn { category, scene, engine, refused: None, worst_error, worst_pixel: [0, 0], bound: 1e-4 }
     }
 
     #[test]
@@ -125,9 +138,9 @@ mod tests {
         let cases: Vec<_> = shipped().unwrap().into_iter().filter(segments).step_by(40).collect();
         let found = |forms: &dyn Forms, error: f64| Stability {
             forms: judge_cases(&cases, &[forms]).unwrap(),
-            lanes: LaneSet::Portable,
             pictures: vec![drawn(error)],
             printed: Vec::new(),
+            left_out: Vec::new(),
         };
         assert!(found(&Native64, 1e-4).passed());
         for (broken, said) in [

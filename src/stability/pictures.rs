@@ -1,5 +1,6 @@
-//! Small pictures of cells that are hard to draw, by the native engine, held against the 64-bit referee.
+//! Small pictures of cells that are hard to draw, by every engine, held against the 64-bit referee.
 
+use super::subjects::Painter;
 use glam::DVec3;
 use serde::Serialize;
 use std::sync::Arc;
@@ -13,10 +14,9 @@ use voltet_core::shading::{Integrator, Order, Shading};
 use voltet_core::transfer::{OpticalModel, Profile, Region, TransferFunction, Widget};
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result, reference};
-use voltet_engine as engine;
 
-/// Largest error of a channel of premultiplied linear RGBA: what 32-bit segments leave on ordinary scenes, with room for
-/// their condition.
+/// Largest error of a channel of premultiplied linear RGBA, on either engine: what 32-bit segments leave on ordinary scenes,
+/// with room for their condition.
 const BOUND: f64 = 2e-4;
 
 /// One picture.
@@ -26,6 +26,10 @@ pub struct Drawn {
     pub category: &'static str,
     /// Which one.
     pub scene: String,
+    /// What drew it.
+    pub engine: String,
+    /// Why it was not drawn: what a device refuses, `auto` leaves to the native engine.
+    pub refused: Option<String>,
     /// Largest error of a channel; ∞ where one is not finite.
     pub worst_error: f64,
     /// The pixel that has it.
@@ -51,8 +55,8 @@ struct Scene {
     unit_distance: f64,
 }
 
-/// Draws every picture. Errors: a stopped run, and those of drawing.
-pub fn pictures(progress: &dyn Progress) -> Result<Vec<Drawn>> {
+/// Draws every picture with all of them. Errors: a stopped run, and those of drawing.
+pub(super) fn pictures(painters: &[Painter], progress: &dyn Progress) -> Result<Vec<Drawn>> {
     let scenes: Vec<Scene> =
         flat().into_iter().chain(without_volume()).chain(far()).chain([needles(), deep()]).collect();
     let mut all = Vec::new();
@@ -61,12 +65,12 @@ pub fn pictures(progress: &dyn Progress) -> Result<Vec<Drawn>> {
         if progress.cancelled() {
             return Err(Error::cancelled());
         }
-        all.push(drawn(scene, progress)?);
+        all.extend(drawn(scene, painters, progress)?);
     }
     Ok(all)
 }
 
-fn drawn(scene: &Scene, progress: &dyn Progress) -> Result<Drawn> {
+fn drawn(scene: &Scene, painters: &[Painter], progress: &dyn Progress) -> Result<Vec<Drawn>> {
     let s = |p: &DVec3| 0.5 + 0.25 * (4.0 * p.x + p.y).sin() + 0.25 * (3.0 * p.z - 2.0 * p.y).cos();
     let g = |p: &DVec3| 0.4 + p.x + 0.5 * p.y * p.z;
     let volume = Arc::new(Volume {
@@ -79,11 +83,16 @@ fn drawn(scene: &Scene, progress: &dyn Progress) -> Result<Drawn> {
     let (integrator, overlap) = (Integrator::Analytic, Overlap::Exact);
     let shading = Shading { integrator, overlap, silhouette: None, light: None };
     let exact = reference::draw(&volume, &look, &scene.camera, &shading, Order::Exact, progress)?;
-    let cells = engine::cull(&volume, &look, &scene.camera, progress)?;
-    let (found, _) = engine::draw(&cells, &look, &scene.camera, &shading, progress)?;
-    let (worst_error, worst_pixel) = worst(&found, &exact);
-    let Scene { category, name, .. } = scene;
-    Ok(Drawn { category, scene: name.clone(), worst_error, worst_pixel, bound: BOUND })
+    let draw = |painter: &Painter| {
+        let found = painter.draw(&volume, &look, &scene.camera, &shading, progress)?;
+        let ((worst_error, worst_pixel), refused) = match found {
+            Ok(found) => (worst(&found, &exact), None),
+            Err(error) => ((0.0, [0; 2]), Some(error.to_string())),
+        };
+        let (category, scene, engine) = (scene.category, scene.name.clone(), painter.name());
+        Ok(Drawn { category, scene, engine, refused, worst_error, worst_pixel, bound: BOUND })
+    };
+    painters.iter().map(draw).collect()
 }
 
 fn worst(found: &Picture, exact: &Picture) -> (f64, [usize; 2]) {
@@ -223,4 +232,31 @@ fn deep() -> Scene {
     let projection = Projection::Perspective { fov_y: 18.0 };
     let (eye, target) = (DVec3::new(0.45, -3.0, 0.55), DVec3::new(0.5, 0.0, 0.5));
     Scene { camera: Camera { eye, target, projection, size: [8, 8], ..outside() }, ..scene }
+}
+
+#[cfg(all(test, feature = "gpu"))]
+mod tests {
+    use super::*;
+    use crate::stability::subjects;
+    use voltet_core::progress::Silent;
+
+    /// Each of the pictures on the software driver, within the bound of the native engine's; skipped without one, loudly.
+    #[test]
+    fn hard_cells_on_a_device_keep_their_bound() {
+        let found = match subjects(Some("software")) {
+            Ok(found) => found,
+            Err(why) => {
+                assert!(!std::env::var("VOLTET_REQUIRE_GPU").is_ok_and(|value| value == "1"), "{why}");
+                eprintln!("\n*** SKIPPED: {why}; scripts/install-software-vulkan.sh ***\n");
+                return;
+            }
+        };
+        let device = found.painters.last().expect("the device paints").name();
+        let all = pictures(&found.painters, &Silent).expect("drawn");
+        let on_device: Vec<&Drawn> = all.iter().filter(|drawn| drawn.engine == device).collect();
+        assert_eq!((on_device.len(), all.len()), (17, 17 * found.painters.len()));
+        for drawn in all {
+            assert!(drawn.passed() && drawn.refused.is_none(), "{drawn:?}");
+        }
+    }
 }

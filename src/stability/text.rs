@@ -25,9 +25,13 @@ pub fn text(found: &Stability) -> String {
         text += &conclusion(report);
         text += "\n";
     }
-    text += &format!("pictures by the native engine ({}) against the 64-bit referee\n", found.lanes.name());
-    for drawn in &found.pictures {
-        text += &picture(drawn);
+    for engine in found.engines() {
+        text += &format!("pictures by {engine} against the 64-bit referee\n");
+        found
+            .pictures
+            .iter()
+            .filter(|drawn| drawn.engine == engine)
+            .for_each(|drawn| text += &picture(drawn));
     }
     let broken = found.pictures.iter().filter(|drawn| !drawn.passed()).count();
     text += &match broken {
@@ -36,6 +40,10 @@ pub fn text(found: &Stability) -> String {
     };
     text += "\nformulas as printed, relative errors (those under 1e-14 are the 64-bit form's own)\n";
     found.printed.iter().for_each(|printed| text += &formula(printed));
+    if !found.left_out.is_empty() {
+        text += "\n";
+    }
+    found.left_out.iter().for_each(|what| text += &format!("not judged: {what}\n"));
     let verdict = if found.passed() { "every bound kept" } else { "A BOUND IS BROKEN" };
     text + &format!("\n{verdict}\n")
 }
@@ -67,7 +75,10 @@ fn rows(rows: &[Row], name: impl Fn(&Row) -> &str, other: impl Fn(&Row) -> Strin
 }
 
 fn picture(drawn: &Drawn) -> String {
-    let Drawn { category, scene, worst_error, worst_pixel: [i, j], bound } = drawn;
+    let Drawn { category, scene, worst_error, worst_pixel: [i, j], bound, .. } = drawn;
+    if let Some(why) = &drawn.refused {
+        return format!("    {category:23}  {scene:45}  refused: {why}\n");
+    }
     let verdict = if drawn.passed() { "" } else { "  BROKEN" };
     format!(
         "    {category:23}  {scene:45}  error {worst_error:.1e} of {bound:.0e} at pixel {i}, {j}{verdict}\n"

@@ -130,10 +130,5 @@ fn open(scene: &Scene, wish: &Wish) -> Result<Bench> {
             .accepted(accepted));
     }
     let named = wish.adapter.as_ref().or(asked.adapter.as_ref());
-    Bench::open(named.map(String::as_str)).map_err(|error| match named {
-        None if Bench::adapters().is_empty() => error,
-        // What there is, is software.
-        None => error.accepted("one, or --adapter software, which measures what was found"),
-        Some(_) => error,
-    })
+    Bench::open(named.map(String::as_str))
 }

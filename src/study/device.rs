@@ -5,13 +5,14 @@
 
 use super::measure::{Cost, Frames, Pass, Times, forget_peak_memory, peak_memory, spread};
 use super::{Engine, Scene, Setting};
+use crate::devices;
 use std::sync::Arc;
 use std::time::Instant;
 use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
 use voltet_core::shading::{Order, Shading};
 use voltet_core::{Error, Result};
-use voltet_gpu::{Adapters, Device, DeviceGrid, Drawn};
+use voltet_gpu::{Device, DeviceGrid, Drawn};
 use voltet_nodes::drawing;
 
 /// The device that settings are measured on.
@@ -48,7 +49,7 @@ struct Taken {
 impl Bench {
     /// Opens the adapter that is named, or the fastest that is hardware. Errors: there is none.
     pub fn open(adapter: Option<&str>) -> Result<Bench> {
-        let device = Arc::new(Device::open(adapter, true)?);
+        let device = Arc::new(devices::open(adapter)?);
         Ok(Bench { device, adapter: adapter.map(str::to_string) })
     }
 
@@ -62,11 +63,6 @@ impl Bench {
         self.device.is_software
     }
 
-    /// What adapters there are, in words.
-    pub fn adapters() -> Vec<String> {
-        Adapters::find().described()
-    }
-
     /// Draws the scene with one setting. Errors: also what the device does not hold.
     pub fn measure(
         &mut self,
@@ -76,7 +72,7 @@ impl Bench {
         progress: &dyn Progress,
     ) -> Result<(Picture, Cost)> {
         if self.device.is_lost() {
-            self.device = Arc::new(Device::open(self.adapter.as_deref(), true)?);
+            self.device = Arc::new(devices::open(self.adapter.as_deref())?);
         }
         let fresh = forget_peak_memory();
         self.device.forget_pipelines();

@@ -2,17 +2,18 @@
 
 use super::measure::{Cost, Frames};
 use super::{Scene, Setting};
+use crate::devices;
+use voltet_core::Result;
 use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
-use voltet_core::{Error, Result};
 
 /// There is none.
 pub enum Bench {}
 
 impl Bench {
     /// An error.
-    pub fn open(_adapter: Option<&str>) -> Result<Bench> {
-        Err(Error::run("this build has no device engine").accepted("one with the feature \"gpu\""))
+    pub fn open(adapter: Option<&str>) -> Result<Bench> {
+        match devices::open(adapter)? {}
     }
 
     /// Its name.
@@ -23,11 +24,6 @@ impl Bench {
     /// Whether it is a program on the CPU.
     pub fn is_software(&self) -> bool {
         match *self {}
-    }
-
-    /// None.
-    pub fn adapters() -> Vec<String> {
-        Vec::new()
     }
 
     /// Never called.

@@ -45,7 +45,11 @@ fn without_a_file_the_program_judges_itself() {
     let forms = found["forms"].as_array().unwrap();
     let names: Vec<&str> = forms.iter().map(|forms| forms["forms"].as_str().unwrap()).collect();
     assert!(names.starts_with(&["64-bit", "32-bit portable"]), "{names:?}");
-    assert_eq!(names.len(), 1 + voltet::core::optics::judge::Native32::each().count());
+    let sets = voltet::core::optics::judge::Native32::each().count();
+    // A graphics device is judged, or said to be missing.
+    let devices = names.iter().filter(|name| name.starts_with("WGSL on")).count();
+    assert_eq!(names.len(), 1 + sets + devices);
+    assert_eq!(found["left_out"].as_array().unwrap().len() + devices, 1, "{names:?}");
     for forms in forms {
         let rows = forms["rows"].as_array().unwrap();
         for category in [
@@ -63,6 +67,7 @@ fn without_a_file_the_program_judges_itself() {
         }
     }
     let pictures = found["pictures"].as_array().unwrap();
+    assert_eq!(pictures.len(), 17 * (sets + devices));
     for category in ["degenerate cells", "extreme coordinates", "long compositing chains"] {
         assert!(pictures.iter().any(|picture| picture["category"] == category), "{category}");
     }
@@ -85,20 +90,25 @@ fn without_a_file_the_program_judges_itself() {
     assert!(text.ends_with("\nevery bound kept\n"), "{text}");
 }
 
+/// Changes a digit of the case's T, the `behind`th after the first that counts; gives the case's name.
+fn spoil(case: &mut String, behind: usize) -> String {
+    let id = serde_json::from_str::<serde_json::Value>(case).unwrap()["id"].as_str().unwrap().to_string();
+    let start = case.find("\"T\":\"").unwrap() + 5;
+    let digits: Vec<usize> =
+        case[start..].char_indices().filter(|(_, c)| c.is_ascii_digit()).map(|(i, _)| start + i).collect();
+    let first = digits.iter().position(|&i| &case[i..=i] != "0").unwrap();
+    let place = digits[first + behind];
+    let digit = if &case[place..=place] == "5" { "9" } else { "5" };
+    case.replace_range(place..=place, digit);
+    id
+}
+
 #[test]
 fn a_broken_bound_is_exit_code_1_and_names_its_case() {
     let folder = Folder::new();
     let mut lines = cases();
-    let wrong = &mut lines[7];
-    let id = serde_json::from_str::<serde_json::Value>(wrong).unwrap()["id"].as_str().unwrap().to_string();
     // A relative error of about a millionth.
-    let start = wrong.find("\"T\":\"").unwrap() + 5;
-    let digits: Vec<usize> =
-        wrong[start..].char_indices().filter(|(_, c)| c.is_ascii_digit()).map(|(i, _)| start + i).collect();
-    let first = digits.iter().position(|&i| &wrong[i..=i] != "0").unwrap();
-    let place = digits[first + 6];
-    let digit = if &wrong[place..=place] == "5" { "9" } else { "5" };
-    wrong.replace_range(place..=place, digit);
+    let id = spoil(&mut lines[7], 6);
     folder.write("cases.jsonl", lines.join("\n"));
     let ran = folder.voltet(&["stability", "--cases", "cases.jsonl"]);
     assert_eq!(ran.code, 1, "{}{}", ran.stdout, ran.stderr);
@@ -130,4 +140,47 @@ fn a_file_that_is_none_is_exit_code_2_with_its_line() {
     );
     fails("\n", &["no case"]);
     folder.voltet(&["stability", "--cases", "none.jsonl"]).fails(2, &["none.jsonl", "cannot be read"]);
+}
+
+/// The shaders of the software driver, on every 23rd case: within their bounds, what they do not hold is counted, and a wrong
+/// value is found.
+#[test]
+#[cfg(feature = "gpu")]
+fn the_shaders_of_a_device_are_judged_by_name() {
+    let folder = Folder::new();
+    let mut lines = cases();
+    folder.write("cases.jsonl", lines.join("\n"));
+    let command = ["stability", "--json", "--adapter", "software", "--cases", "cases.jsonl"];
+    let ran = folder.voltet(&command);
+    if ran.stderr.contains("no adapter is called \"software\"") {
+        assert!(!std::env::var("VOLTET_REQUIRE_GPU").is_ok_and(|value| value == "1"), "{}", ran.stderr);
+        eprintln!("\n*** SKIPPED: no Vulkan adapter; scripts/install-software-vulkan.sh ***\n");
+        return;
+    }
+    let read = |text: &str| -> serde_json::Value { serde_json::from_str(text).unwrap() };
+    let found = read(&ran.ok().stdout);
+    let device = found["forms"].as_array().unwrap().last().unwrap();
+    let name = device["forms"].as_str().unwrap();
+    assert!(name.starts_with("WGSL on ") && name.contains("software"), "{name}");
+    assert_eq!(found["left_out"].as_array().unwrap().len(), 0);
+    let rows = device["rows"].as_array().unwrap();
+    let sum = |what: &str| rows.iter().map(|row| row[what].as_u64().unwrap()).sum::<u64>();
+    assert!(sum("judged") > 200, "{} judged", sum("judged"));
+    let skipped = device["skipped"].as_array().unwrap();
+    assert!(
+        skipped.iter().any(|excuse| excuse["reason"].as_str().unwrap().contains("refuses")),
+        "{skipped:?}"
+    );
+    // Wrong by a tenth.
+    let id = spoil(&mut lines[7], 1);
+    folder.write("cases.jsonl", lines.join("\n"));
+    let ran = folder.voltet(&command);
+    assert_eq!(ran.code, 1, "{}", ran.stderr);
+    let device = read(&ran.stdout)["forms"].as_array().unwrap().last().unwrap().clone();
+    assert_eq!((&device["passed"], &device["broken"][0]["case"]), (&false.into(), &id.into()));
+}
+
+#[test]
+fn a_device_that_is_not_there_is_an_error() {
+    Folder::new().voltet(&["stability", "--adapter", "no such thing"]).fails(1, &["no such thing"]);
 }

@@ -1,13 +1,14 @@
 //! The tolerance of `adaptive` is met, within the rounding of 32 bits.
 
 use crate::device::Device;
-use crate::integrators::{Measure, cases, held_raw, shading};
-use crate::scene::{Scene, Scenes, axes, spans};
+use crate::integrators::{Measure, cases, shading};
+use crate::scene::{Scene, Scenes};
 use crate::tables::{MODELS, UNIT, image, segments};
 use voltet_core::optics::integrators::{Extent, Integrator, new};
 use voltet_core::optics::{Contribution, Overlap};
 use voltet_core::transfer::{ControlPoint, OpticalModel, Profile, Region, TransferFunction, Wave, Widget};
-use voltet_shaders::{Spans, compose, compose_pieces, held, piece};
+use voltet_shaders::segment_list::{axes, holds, keeps_digits};
+use voltet_shaders::{compose, compose_pieces, piece};
 
 const TOLERANCES: [f64; 6] = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6];
 
@@ -36,10 +37,9 @@ fn the_tolerance_is_met_on_the_exact_cases() {
         let axes = axes(transfer_function, &segment);
         let scene = Scene::new(transfer_function, &shading(integrator), &axes, segment.length, None);
         let Ok(scene) = scene.expect("has pieces") else { continue };
-        let spans = Spans { values: &spans(&segment), longest: segment.length };
         // Where 32 bits hold no digits (narrow widgets among them), or the exact value jumps, no tolerance can be met.
         let known = category != "narrow" && case.condition.iter().all(|k| k.is_some_and(|k| k < 1e4));
-        if held(&scene.choices, transfer_function, &spans).is_err() || !held_raw(&case) || !known {
+        if holds(&scene.choices, transfer_function, &segment).is_err() || !keeps_digits(&case) || !known {
             continue;
         }
         let extent = Extent { scalar: [0.0, 1.0], longest: segment.length };

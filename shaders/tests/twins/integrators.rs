@@ -1,12 +1,13 @@
 //! The other integrators, composed, against their own 64-bit truths.
 
 use crate::device::Device;
-use crate::scene::{Scene, Scenes, axes, origin, spans};
+use crate::scene::{Scene, Scenes};
 use voltet_core::optics::integrators::{Extent, SegmentIntegrator, new};
 use voltet_core::optics::judge::{Kind, SegmentCase, parse};
 use voltet_core::optics::{Contribution, Overlap, Prepared, Segment};
 use voltet_core::shading::{Integrator, Shading};
-use voltet_shaders::{Axis, Spans, held};
+use voltet_shaders::Axis;
+use voltet_shaders::segment_list::{axes, holds, keeps_digits};
 
 pub fn shading(integrator: Integrator) -> Shading {
     Shading { integrator, overlap: Overlap::Exact, silhouette: None, light: None }
@@ -129,12 +130,6 @@ pub fn cases() -> Vec<(String, String, SegmentCase)> {
         .collect()
 }
 
-/// Whether raw values in 32 bits leave digits of what lies between them.
-pub fn held_raw(case: &SegmentCase) -> bool {
-    let lost = |k: f64| 16.0 * f64::from(f32::EPSILON) * (4.0 + k) > 0.1;
-    origin(&case.transfer_function.widgets).is_some() || !case.raw_condition[0].is_some_and(lost)
-}
-
 #[test]
 fn sampling_integrators_are_twins_of_their_truths() {
     let Some(device) = Device::open() else { return };
@@ -157,16 +152,13 @@ fn sampling_integrators_are_twins_of_their_truths() {
         let axes = axes(transfer_function, &segment);
         let scene = Scene::new(transfer_function, &shading(integrator), &axes, segment.length, None);
         let Ok(scene) = scene.expect("has pieces") else { continue };
-        let spans = spans(&segment);
-        if held(&scene.choices, transfer_function, &Spans { values: &spans, longest: segment.length })
-            .is_err()
-        {
+        if holds(&scene.choices, transfer_function, &segment).is_err() {
             continue;
         }
         let found = scenes.integrate(&scene, &[segment])[0];
         let scale = if case.density() { 1.0 } else { segment.length / transfer_function.unit_distance };
         let brightest = case.brightest() * scale;
-        if !held_raw(&case) {
+        if !keeps_digits(&case) {
             // Values near 1e8, raw: no digit of the samples is left.
             assert!((0.0..=1.0).contains(&found.opacity), "{id}: {found:?}");
             continue;

@@ -2,7 +2,6 @@
 
 mod adaptive;
 mod device;
-mod fixtures;
 mod formulas;
 mod integrators;
 mod pre_integrated;

@@ -9,8 +9,9 @@ use voltet_core::Result;
 use voltet_core::optics::integrators::Extent;
 use voltet_core::optics::{Contribution, Segment};
 use voltet_core::shading::Shading;
-use voltet_core::transfer::{Profile, TransferFunction, Widget};
-use voltet_shaders::{Axis, Choices, Combine, Compositor, Parameters, Resources, Shader, compose};
+use voltet_core::transfer::TransferFunction;
+use voltet_shaders::segment_list::{CONTRIBUTION, constants, contributions, row};
+use voltet_shaders::{Axis, Choices, Compositor, Parameters, Resources, Shader, compose};
 
 /// A device with the passes that it has compiled.
 pub struct Scenes {
@@ -27,9 +28,6 @@ pub struct Scene {
     axes: Vec<Axis>,
     length: f64,
 }
-
-/// Numbers of a contribution on the device: r, g, b, A, T, and what its alignment adds.
-const CONTRIBUTION: usize = 8;
 
 /// Where no table of lengths is asked for.
 const NO_EXTENT: Extent = Extent { scalar: [0.0; 2], longest: 1.0 };
@@ -62,22 +60,6 @@ impl Scene {
         };
         &self.tables.get_or_init(fill).buffers
     }
-
-    fn row(&self, segment: &Segment) -> Vec<f32> {
-        let mut row = vec![(segment.length / self.length) as f32];
-        for (plane, fields) in [(segment.front, segment.fields_front), (segment.back, segment.fields_back)] {
-            let values = [&plane, fields].concat();
-            let read = |a: usize| match a {
-                0 => true,
-                1 => self.choices.reads_gradient_magnitude,
-                _ => a - 2 < self.choices.field_count,
-            };
-            for (a, axis) in self.axes.iter().enumerate().filter(|(a, _)| read(*a)) {
-                row.push(((values[a] - axis.offset) / axis.scale) as f32);
-            }
-        }
-        row
-    }
 }
 
 impl Scenes {
@@ -106,11 +88,7 @@ impl Scenes {
         let (pass, inputs) = self.bind(scene, shader, segments);
         let length = CONTRIBUTION * segments.len();
         let found = self.device.run(&pass, inputs, (1, 1), length, segments.len());
-        let contribution = |found: &[f32]| {
-            let [red, green, blue, opacity, optical_depth] = std::array::from_fn(|i| f64::from(found[i]));
-            Contribution { optical_depth, color: [red, green, blue], opacity }
-        };
-        found.chunks(CONTRIBUTION).map(contribution).collect()
+        contributions(&found)
     }
 
     /// Seconds of one dispatch over the segments, the least of `count`.
@@ -131,12 +109,9 @@ impl Scenes {
     /// The pass over a list of segments, and all that it reads.
     fn bind(&self, scene: &Scene, shader: &Shader, segments: &[Segment]) -> (Rc<Pass>, Vec<Bound>) {
         let device = &self.device;
-        // No product of depths is too small for the order of widgets: channels are judged by themselves.
-        let has_threshold =
-            scene.choices.combine == Combine::Ordered && shader.text.contains("order_threshold");
-        let constants: &[(&str, f64)] = if has_threshold { &[("order_threshold", 0.0)] } else { &[] };
-        let pass = self.pass(shader, "integrate_segments", constants);
-        let rows: Vec<f32> = segments.iter().flat_map(|segment| scene.row(segment)).collect();
+        let pass = self.pass(shader, "integrate_segments", constants(&scene.choices, shader));
+        let of = |segment: &Segment| row(&scene.choices, &scene.axes, scene.length, segment);
+        let rows: Vec<f32> = segments.iter().flat_map(of).collect();
         let storage = |group, binding, bytes: &[u8]| Bound { group, binding, buffer: device.storage(bytes) };
         let mut inputs = vec![storage(1, 0, bytemuck::cast_slice(&rows))];
         let from_table = scene.choices.method.is_table_of_lengths();
@@ -157,44 +132,4 @@ impl Scenes {
         }
         (pass, inputs)
     }
-}
-
-/// The one place that all differences of a scene are taken from, if there is one: [s, g], then the fields.
-pub fn origin(widgets: &[Widget]) -> Option<Vec<f64>> {
-    let [widget] = widgets else { return None };
-    if widget.region.is_some() {
-        return None;
-    }
-    match &widget.profile {
-        Profile::Gaussian { centre, .. } => Some(centre.to_vec()),
-        Profile::GaussianNd { centre, .. } => Some([&[0.0, 0.0], centre.as_slice()].concat()),
-        Profile::TriangularGaussian { centre, .. } => Some(vec![*centre, 0.0]),
-        Profile::TriangleWave(wave) | Profile::SineWave(wave) => Some(wave.origin.to_vec()),
-        _ => None,
-    }
-}
-
-/// [s, g] and the fields at both ends.
-pub fn ends(segment: &Segment) -> [Vec<f64>; 2] {
-    [[&segment.front, segment.fields_front].concat(), [&segment.back, segment.fields_back].concat()]
-}
-
-/// |v_b − v_f|.
-pub fn spans(segment: &Segment) -> Vec<f64> {
-    let [front, back] = ends(segment);
-    front.iter().zip(&back).map(|(a, b)| (b - a).abs()).collect()
-}
-
-/// Axes for one segment alone: values about the origin, at most 1 and with all their digits, since scales are powers of
-/// two.
-pub fn axes(transfer_function: &TransferFunction, segment: &Segment) -> Vec<Axis> {
-    let origin = origin(&transfer_function.widgets).unwrap_or_default();
-    let [front, back] = ends(segment);
-    let axis = |a: usize| {
-        let offset = origin.get(a).copied().unwrap_or(0.0);
-        let size = (front[a] - offset).abs().max((back[a] - offset).abs());
-        let scale = if size > 0.0 { size.log2().ceil().exp2() } else { 1.0 };
-        Axis { offset, scale }
-    };
-    (0..2 + transfer_function.fields().len()).map(axis).collect()
 }

@@ -10,7 +10,7 @@ use voltet_core::optics::{Overlap, Prepared};
 use voltet_core::transfer::{OpticalModel, Profile, Region, TransferFunction, Wave, Widget};
 
 pub(super) fn entries() -> Result<Vec<Printed>> {
-    Ok(vec![uniform()?, gaussian()?, triangle(), sine()?, psi(), back(), emission(), mix()?])
+    Ok(vec![uniform()?, gaussian()?, triangle(), falling_flank(), sine()?, psi(), back(), mix()?])
 }
 
 /// One widget of the constant-emitter: white, unit distance 1.
@@ -121,6 +121,53 @@ fn triangle() -> Printed {
     }
 }
 
+/// Song section 4.3, the decreasing part: extinction α (1 − x/Δt) for x/Δt from u3 to u4, in units of Δt. `front` and `table`:
+/// α Δt/2 of the factor and of the integral, which a table holds as exactly as the precision does.
+fn falling<T: Real>(front: T, table: T, [u3, u4]: [T; 2]) -> T {
+    let left = |u: T| (T::of(1.0) - u) * (T::of(1.0) - u);
+    (-(front * left(u3))).exp() * integral(u3, u4, |u| (table * left(u)).exp())
+}
+
+fn falling_flank() -> Printed {
+    let row = |(depth, made_for, [u3, u4]): (f64, f64, [f64; 2])| {
+        let ends = |forms: &dyn Forms| {
+            let length = u4 - u3;
+            forms.partial(depth * (1.0 - u3) * length, depth * (1.0 - u4) * length).psi * length
+        };
+        let exact = ends(&Native64);
+        let (front, table) = (0.5 * depth, 0.5 * made_for);
+        let entry = if made_for == depth {
+            String::new()
+        } else {
+            format!(", the table's entry made at {made_for:?}")
+        };
+        Measured {
+            inputs: format!("α Δt = {depth:?}, from {u3:?} to {u4:?} of Δt{entry}"),
+            printed_64: error(falling(front, table, [u3, u4]), exact),
+            printed_32: error(falling(front as f32, table as f32, [u3 as f32, u4 as f32]), exact),
+            ours_32: Some(error(ends(&Native32(LaneSet::detect())), exact)),
+        }
+    };
+    let whole = [0.0, 0.5];
+    Printed {
+        source: "Song et al. 2009, section 4.3, decreasing part",
+        formula: "C = c e^(−(α Δt/2) (1 − d₃/Δt)²) ∫ e^((α Δt/2) (1 − l/Δt)²) dl, the integral from a table by (l/Δt, α)",
+        fails: "The product of two exponentials: 32 bits overflow at α Δt = 176, 64 bits at 1,419, and the table with them. \
+                Its entry must hold α Δt: by (l/Δt, α), one entry stands for peaks of every width.",
+        instead: "ψ of linear extinction by Dawson's function, one exponential of the difference; the formula of the rising \
+                  part.",
+        rows: [
+            (3.0, 3.0, [0.1, 0.9]),
+            (100.0, 100.0, [0.1, 0.9]),
+            (400.0, 400.0, whole),
+            (2000.0, 2000.0, whole),
+            (4.0, 2.0, whole),
+        ]
+        .map(row)
+        .to_vec(),
+    }
+}
+
 /// Song Eq. 10: one band from t1 to t2 (its phase by π), α/k the peak depth of the band by 2.
 fn band<T: Real>(alpha_by_k: T, t1: T, t2: T) -> T {
     let inner = integral(t1, t2, |t| (alpha_by_k * t.cos()).exp());
@@ -204,30 +251,6 @@ fn back() -> Printed {
         fails: "1 − ζ and a ψ agree ever better as b nears a, or as both grow; 0/0 at b = a.",
         instead: "Panels whose step follows from the extinction at their start, 8 Gauss-Legendre points on each.",
         rows: [[0.1, 1.0], [1.0, 1.001], [1.0, 1.000001], [100.0, 101.0], [1e-3, 2e-3]].map(row).to_vec(),
-    }
-}
-
-fn emission() -> Printed {
-    let row = |(depth, count): (f64, usize)| {
-        // Constant κ = ρ: C = 1 − e^(−T).
-        let exact = -(-depth).exp_m1();
-        let h = depth / count as f64;
-        let printed_64: f64 = (0..count).map(|i| h * (-h * i as f64).exp()).sum();
-        let printed_32 =
-            (0..count).fold(0.0_f32, |sum, i| sum + h as f32 * Real::exp(-(h as f32 * i as f32)));
-        Measured {
-            inputs: format!("ρ l = {depth:?}, {count} steps"),
-            printed_64: error(printed_64, exact),
-            printed_32: error(printed_32, exact),
-            ours_32: None,
-        }
-    };
-    Printed {
-        source: "Roettger & Ertl 2002, Eq. 6",
-        formula: "C_(i+1) = κ h + C_i e^(−ρ h)",
-        fails: "First order: a step's light is not absorbed within the step. The error is ρ l/2n, whatever the precision.",
-        instead: "κ h E(ρ h), or ψ where both are linear: exact at any number of steps.",
-        rows: [(1.0, 8), (10.0, 8), (100.0, 8), (100.0, 1024)].map(row).to_vec(),
     }
 }
 

@@ -6,6 +6,7 @@
 mod absorption;
 mod colors;
 mod real;
+mod tables;
 
 use real::Real;
 use serde::Serialize;
@@ -47,6 +48,7 @@ pub struct Measured {
 pub fn printed() -> Result<Vec<Printed>> {
     let mut all = absorption::entries()?;
     all.extend(colors::entries()?);
+    all.extend(tables::entries()?);
     Ok(all)
 }
 

@@ -1,0 +1,40 @@
+//! Whole composed shaders on a device against the exact values of single segments, rays, chains and tables.
+
+use std::sync::Arc;
+use voltet_core::optics::judge::{Report, judge_cases, shipped};
+use voltet_gpu::{Device, Segments};
+
+fn table(report: &Report) -> String {
+    let mut text: String = report.rows.iter().map(|row| format!("{row}\n")).collect();
+    for broken in &report.broken {
+        text += &format!(
+            "{} {}: {:e} for {:e}, {:.2} of the bound\n",
+            broken.id, broken.quantity, broken.found, broken.exact, broken.ratio
+        );
+    }
+    text + &format!("{:?}\n", report.excuses)
+}
+
+#[test]
+fn composed_shaders_keep_every_bound_of_the_exact_values() {
+    let device = match Device::open(std::env::var("VOLTET_ADAPTER").ok().as_deref(), false) {
+        Ok(device) => Arc::new(device),
+        Err(why) => {
+            let required = std::env::var("VOLTET_REQUIRE_GPU").is_ok_and(|value| value == "1");
+            assert!(!required, "VOLTET_REQUIRE_GPU is 1, but no device opens: {why}");
+            eprintln!("\n*** SKIPPED: {why}; scripts/install-software-vulkan.sh ***\n");
+            return;
+        }
+    };
+    let cases = shipped().expect("the cases are well formed");
+    let forms = Segments::new(device.clone());
+    let report = judge_cases(&cases, &[&forms]).expect("the device draws").remove(0);
+    println!("{}{} shaders", table(&report), device.work().shader_builds);
+    assert!(report.passed(), "\n{}", table(&report));
+    let judged = report.total(|row| row.judged);
+    assert!(judged > 6000, "only {judged} values were judged");
+    // Refused are 58 cases that span over 100,000 widths of a Gaussian or have more bands than 32 bits tell apart; 7 leave
+    // the range of 32 bits.
+    let skipped: usize = report.excuses.iter().map(|excuse| excuse.count).sum();
+    assert!(skipped <= 65, "{:?}", report.excuses);
+}

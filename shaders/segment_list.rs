@@ -1,0 +1,108 @@
+//! A list of segments as the compositor [`crate::Compositor::Segments`] reads it, and what it gives back: for judging the
+//! formulas, which needs every digit that 32 bits hold.
+//!
+//! A segment alone is stored about one origin, so that its values lose nothing; a grid is stored about the middle of its
+//! range.
+
+use crate::choices::{Choices, Combine};
+use crate::compose::Shader;
+use crate::held::{Spans, held};
+use crate::parameters::Axis;
+use voltet_core::Result;
+use voltet_core::optics::judge::SegmentCase;
+use voltet_core::optics::{Contribution, Segment};
+use voltet_core::transfer::{Profile, TransferFunction, Widget};
+
+/// Numbers of a contribution: r, g, b, A, T, and what its alignment adds.
+pub const CONTRIBUTION: usize = 8;
+
+/// The one place that all differences of a scene are taken from, if there is one: [s, g], then the fields.
+pub fn origin(widgets: &[Widget]) -> Option<Vec<f64>> {
+    let [widget] = widgets else { return None };
+    if widget.region.is_some() {
+        return None;
+    }
+    match &widget.profile {
+        Profile::Gaussian { centre, .. } => Some(centre.to_vec()),
+        Profile::GaussianNd { centre, .. } => Some([&[0.0, 0.0], centre.as_slice()].concat()),
+        Profile::TriangularGaussian { centre, .. } => Some(vec![*centre, 0.0]),
+        Profile::TriangleWave(wave) | Profile::SineWave(wave) => Some(wave.origin.to_vec()),
+        _ => None,
+    }
+}
+
+/// [s, g] and the fields at both ends.
+fn ends(segment: &Segment) -> [Vec<f64>; 2] {
+    [[&segment.front, segment.fields_front].concat(), [&segment.back, segment.fields_back].concat()]
+}
+
+/// Axes for one segment alone: values about the origin, at most 1 and with all their digits, since scales are powers of
+/// two.
+pub fn axes(transfer_function: &TransferFunction, segment: &Segment) -> Vec<Axis> {
+    let origin = origin(&transfer_function.widgets).unwrap_or_default();
+    let [front, back] = ends(segment);
+    let axis = |a: usize| {
+        let offset = origin.get(a).copied().unwrap_or(0.0);
+        let size = (front[a] - offset).abs().max((back[a] - offset).abs());
+        let scale = if size > 0.0 { size.log2().ceil().exp2() } else { 1.0 };
+        Axis { offset, scale }
+    };
+    (0..2 + transfer_function.fields().len()).map(axis).collect()
+}
+
+/// Whether 32 bits hold the segment; see [`held`].
+pub fn holds(choices: &Choices, transfer_function: &TransferFunction, segment: &Segment) -> Result<()> {
+    let [front, back] = ends(segment);
+    let values: Vec<f64> = front.iter().zip(&back).map(|(a, b)| (b - a).abs()).collect();
+    held(choices, transfer_function, &Spans { values: &values, longest: segment.length })
+}
+
+/// The numbers of a segment: D in units of `length`, then the values that the shader reads at both ends, as the axes store
+/// them.
+pub fn row(choices: &Choices, axes: &[Axis], length: f64, segment: &Segment) -> Vec<f32> {
+    let mut row = vec![(segment.length / length) as f32];
+    for values in ends(segment) {
+        let read = |a: usize| match a {
+            0 => true,
+            1 => choices.reads_gradient_magnitude,
+            _ => a - 2 < choices.field_count,
+        };
+        for (a, axis) in axes.iter().enumerate().filter(|(a, _)| read(*a)) {
+            row.push(axis.stored(values[a]) as f32);
+        }
+    }
+    row
+}
+
+/// Constants for a shader whose channels are judged one by one: no product of depths is too small for the order of widgets.
+pub fn constants(choices: &Choices, shader: &Shader) -> &'static [(&'static str, f64)] {
+    let ordered = choices.combine == Combine::Ordered && shader.text.contains("order_threshold");
+    if ordered { &[("order_threshold", 0.0)] } else { &[] }
+}
+
+/// What came back.
+pub fn contributions(found: &[f32]) -> Vec<Contribution> {
+    let contribution = |found: &[f32]| {
+        let [red, green, blue, opacity, optical_depth] = std::array::from_fn(|i| f64::from(found[i]));
+        Contribution { optical_depth, color: [red, green, blue], opacity }
+    };
+    found.chunks_exact(CONTRIBUTION).map(contribution).collect()
+}
+
+/// Whether the values, as 32 bits store them, leave digits of what lies between them: those of several widgets and of
+/// regions share one axis, which near 1e8 leaves none.
+pub fn keeps_digits(case: &SegmentCase) -> bool {
+    let lost = |k: f64| 16.0 * f64::from(f32::EPSILON) * (4.0 + k) > 0.1;
+    origin(&case.transfer_function.widgets).is_some() || !case.raw_condition[0].is_some_and(lost)
+}
+
+/// The condition numbers that the bounds of a case are stated with. Values are stored about one origin, or else as 32-bit
+/// numbers that all widgets share. Where rounding those leaves no digit of T, no linear condition number says what is left
+/// of C and A.
+pub fn condition(case: &SegmentCase) -> [Option<f64>; 3] {
+    match (origin(&case.transfer_function.widgets), keeps_digits(case)) {
+        (Some(_), _) => case.condition,
+        (None, true) => case.raw_condition,
+        (None, false) => [None; 3],
+    }
+}
