@@ -54,6 +54,8 @@ pub struct DeviceGrid {
     pub(crate) longest: f64,
     /// Middle of the grid's box.
     pub(crate) centre: DVec3,
+    /// Half the sides of the box, in lengths.
+    pub(crate) half: DVec3,
     stored: Mutex<HashMap<Quantity, Arc<Stored>>>,
     pub(crate) buffers: Mutex<FrameBuffers>,
 }
@@ -84,8 +86,9 @@ impl DeviceGrid {
             let parts = ((grid.points[p] - centre) / length).to_array().map(split);
             [parts[0][0], parts[1][0], parts[2][0], parts[0][1], parts[1][1], parts[2][1]]
         };
+        let position_of = |point: u32| (grid.points[point as usize] - centre) / length;
         let edge = |cell: &[u32; 4]| {
-            let at = cell.map(|p| (grid.points[p as usize] - centre) / length);
+            let at = cell.map(position_of);
             let edge = |i: usize, j: usize| at[i].distance_squared(at[j]);
             edge(0, 1).max(edge(0, 2)).max(edge(0, 3)).max(edge(1, 2)).max(edge(1, 3)).max(edge(2, 3))
         };
@@ -103,7 +106,7 @@ impl DeviceGrid {
                 GridArray::Tetrahedra,
                 layout.tetrahedra,
                 grid.tetrahedra.len(),
-                |cell| grid.tetrahedra[cell],
+                |cell| without_volume(grid.tetrahedra[cell], position_of),
             )?,
             // Checked above.
             point_count: sizes.points as u32,
@@ -111,6 +114,7 @@ impl DeviceGrid {
             length,
             longest: if longest > 0.0 { longest } else { length },
             centre,
+            half: 0.5 * (sides / length),
             device,
             stored: Mutex::default(),
             buffers: Mutex::default(),
@@ -190,6 +194,16 @@ fn sizes(volume: &Volume) -> Sizes {
     Sizes { points, cells, ..Sizes::default() }
 }
 
+/// A cell in one place instead of a cell without volume, which no ray crosses: on the device, rounded corners of the latter
+/// would be a cell like any other. Without volume: to 64-bit rounding.
+fn without_volume(cell: [u32; 4], position: impl Fn(u32) -> DVec3) -> [u32; 4] {
+    let at = cell.map(position);
+    let edges = [at[1] - at[0], at[2] - at[0], at[3] - at[0]];
+    let determinant = edges[0].dot(edges[1].cross(edges[2]));
+    let sizes: f64 = edges.iter().map(|edge| edge.length()).product();
+    if determinant.abs() <= 16.0 * f64::EPSILON * sizes { [cell[0]; 4] } else { cell }
+}
+
 /// Smallest and largest finite value; [0, 0] for none.
 fn range(values: &[f64]) -> [f64; 2] {
     let none = || [f64::INFINITY, f64::NEG_INFINITY];
@@ -201,4 +215,23 @@ fn range(values: &[f64]) -> [f64; 2] {
         _ => values.par_chunks(1 << 14).map(fold).reduce(none, join),
     };
     if low <= high { [low, high] } else { [0.0; 2] }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cells_on_a_line_or_in_a_plane_become_a_place_and_thin_ones_stay() {
+        let third = 1.0 / 3.0;
+        let [a, b, c] = [DVec3::new(0.1, 0.1, 0.1), DVec3::new(0.9, 0.2, 0.3), DVec3::new(0.2, 0.9, 0.6)];
+        let is_kept =
+            |points: [DVec3; 4]| without_volume([0, 1, 2, 3], |p| points[p as usize]) == [0, 1, 2, 3];
+        assert!(!is_kept([DVec3::ZERO, DVec3::splat(third), DVec3::splat(2.0 * third), DVec3::ONE]));
+        // To rounding in the plane of the others.
+        assert!(!is_kept([a, b, c, third * (a + b + c)]));
+        assert!(!is_kept([a, b, c, a]));
+        assert!(is_kept([a, b, c, third * (a + b + c) + 1e-12 * DVec3::Z]));
+        assert!(is_kept([a, b, c, DVec3::ONE].map(|p| 1e-30 * p)));
+    }
 }

@@ -24,8 +24,10 @@ pub(crate) fn view(grid: &DeviceGrid, camera: &Camera, offset: [f64; 2]) -> Resu
     let perspective = matches!(camera.projection, Projection::Perspective { .. });
     let pixel = if perspective { frame.pixel } else { frame.pixel / grid.length };
     let eye = (camera.eye - grid.centre) / grid.length;
-    // The view axis from where it can first meet the grid, which lies within half a scene length of its middle.
-    let distance = (-eye.dot(frame.forward) - 0.5).max(0.0);
+    // The view axis from where it can first meet the grid, which lies within half a scene length of its middle; of a flat grid
+    // seen across, within twice its own depth, so that depths in it keep their digits.
+    let depth = 2.0 * grid.half.dot(frame.forward.abs());
+    let distance = (-eye.dot(frame.forward) - (2.0 * depth).min(0.5)).max(0.0);
     let base = eye + distance * frame.forward;
     let near = camera.near / grid.length - distance;
     // The farthest point seen stands a scene length behind the base, where a pixel is as wide as this.
