@@ -1,6 +1,8 @@
 //! A device: what it can hold, its compiled pipelines, and what it says when something fails.
 
 use crate::adapter::{Adapters, describe, kind};
+use crate::drawing::Target;
+use crate::raster::RUN_LENGTH;
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -10,6 +12,8 @@ use voltet_core::{Error, Result};
 pub struct Device {
     /// Name and kind of the adapter, for people.
     pub name: String,
+    /// The driver and its version, as it calls itself.
+    pub driver: String,
     /// Why this adapter was taken.
     pub reason: String,
     /// Whether the device is a program on the CPU.
@@ -17,9 +21,15 @@ pub struct Device {
     pub(crate) device: wgpu::Device,
     pub(crate) queue: wgpu::Queue,
     pub(crate) limits: wgpu::Limits,
+    pub(crate) downlevel: wgpu::DownlevelFlags,
+    /// Whether textures of 32-bit floats can be blended in.
+    pub(crate) blends_32_bits: bool,
+    /// Cells of one draw of the raster compositor.
+    pub(crate) run_length: u32,
     /// Nanoseconds of a tick, where passes can be timed.
     pub(crate) tick: Option<f32>,
     pub(crate) pipelines: Mutex<HashMap<crate::pipelines::Key, Arc<wgpu::ComputePipeline>>>,
+    pub(crate) drawings: Mutex<HashMap<(String, Target), Arc<wgpu::RenderPipeline>>>,
     pub(crate) work: WorkCounts,
     lost: Arc<Mutex<Option<String>>>,
 }
@@ -55,10 +65,11 @@ impl Device {
                 .found(limits.max_storage_buffers_per_shader_stage)
                 .accepted(format!("{STORAGE_BUFFERS} storage buffers")));
         }
-        let timed = adapter.features() & wgpu::Features::TIMESTAMP_QUERY;
+        let wished = wgpu::Features::TIMESTAMP_QUERY | wgpu::Features::FLOAT32_BLENDABLE;
+        let features = adapter.features() & wished;
         let descriptor = wgpu::DeviceDescriptor {
             label: Some("voltet"),
-            required_features: timed,
+            required_features: features,
             required_limits: limits.clone(),
             ..Default::default()
         };
@@ -77,13 +88,18 @@ impl Device {
         }));
         Ok(Device {
             name: describe(&info),
+            driver: format!("{} {}", info.driver, info.driver_info),
             reason,
             is_software: kind(info.device_type).1 == "software",
-            tick: (!timed.is_empty()).then(|| queue.get_timestamp_period()),
+            tick: features.contains(wgpu::Features::TIMESTAMP_QUERY).then(|| queue.get_timestamp_period()),
             device,
             queue,
             limits,
+            downlevel: adapter.get_downlevel_capabilities().flags,
+            blends_32_bits: features.contains(wgpu::Features::FLOAT32_BLENDABLE),
+            run_length: RUN_LENGTH,
             pipelines: Mutex::default(),
+            drawings: Mutex::default(),
             work: WorkCounts::default(),
             lost,
         })
@@ -98,6 +114,18 @@ impl Device {
     /// The same device with so many storage buffers of a pass at most, as if it bound no more.
     pub fn with_buffers_at_a_time(mut self, count: u32) -> Device {
         self.limits.max_storage_buffers_per_shader_stage = count;
+        self
+    }
+
+    /// The same device with so many cells in a draw of the raster compositor.
+    pub fn with_runs_of(mut self, cells: u32) -> Device {
+        self.run_length = cells.max(1);
+        self
+    }
+
+    /// The same device as if it blended no 32-bit floats.
+    pub fn blending_16_bits(mut self) -> Device {
+        self.blends_32_bits = false;
         self
     }
 

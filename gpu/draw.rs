@@ -6,7 +6,6 @@ use crate::grid::{DeviceGrid, Quantity};
 use crate::parts::Sizes;
 use crate::tables::TableKey;
 use crate::{limits, support, view};
-use voltet_core::Result;
 use voltet_core::camera::Camera;
 use voltet_core::optics::integrators::Extent;
 use voltet_core::picture::Picture;
@@ -14,8 +13,35 @@ use voltet_core::progress::Progress;
 use voltet_core::shading::{Order, Shading};
 use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
+use voltet_core::{Error, Result};
 use voltet_shaders::Shader;
-use voltet_shaders::{Axis, Choices, Combine, Compositor, Parameters, TileOrder, ViewRecord, compose};
+use voltet_shaders::{Axis, Blend, Choices, Combine, Compositor, Parameters, TileOrder, ViewRecord, compose};
+
+/// What takes the cells to the picture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Compositing {
+    /// Compute passes over tiles of pixels.
+    #[default]
+    Tiles,
+    /// The cells' silhouettes, drawn farthest first and blended by the hardware: no exact order at every pixel.
+    Raster,
+}
+
+/// How a scene is composited.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct How {
+    /// Order of a pixel's segments.
+    pub order: Order,
+    /// What composites them.
+    pub compositing: Compositing,
+}
+
+impl From<Order> for How {
+    /// By tiles, which serve every order.
+    fn from(order: Order) -> How {
+        How { order, compositing: Compositing::Tiles }
+    }
+}
 
 /// A picture and what it took.
 #[derive(Debug, Clone)]
@@ -30,6 +56,8 @@ pub struct Drawn {
     pub parts_left_out: Vec<&'static str>,
     /// Bytes of all pieces that are not in it.
     pub part_bytes_left_out: u64,
+    /// Whether pixels were blended in 16-bit floats, since the device blends none of 32 bits.
+    pub blended_in_16_bits: bool,
 }
 
 /// Counts of a picture, over all samples.
@@ -43,30 +71,35 @@ pub struct Counts {
     pub cells_projected: u64,
     /// Cells in the lists of all tiles.
     pub tile_entries: u64,
-    /// Ray segments integrated.
-    pub segments: u64,
-    /// Pixels (samples, where a pixel has several) composited in an order that was not exact.
-    pub pixels_disordered: u64,
+    /// Ray segments integrated. Blending hardware does not count them.
+    pub segments: Option<u64>,
+    /// Pixels (samples, where a pixel has several) composited in an order that was not exact. Blending hardware does
+    /// not know; where no order is needed, there are none.
+    pub pixels_disordered: Option<u64>,
     /// Times that a tile's list was gone through once more, because a pixel had more segments than fit at a time.
     pub sweeps_further: u64,
 }
 
 /// Draws the volume that `grid` was made from.
 ///
-/// Errors: what the device has no shader for, cannot hold in 32 bits, or has more parts than it binds; memory; a lost
-/// device; a stopped run.
+/// Errors: what the device has no shader for, cannot hold in 32 bits, or has more parts than it binds; an order that the
+/// compositor does not have; memory; a lost device; a stopped run.
 pub fn draw(
     grid: &DeviceGrid,
     volume: &Volume,
     transfer_function: &TransferFunction,
     camera: &Camera,
     shading: &Shading,
-    order: Order,
+    how: impl Into<How>,
     progress: &dyn Progress,
 ) -> Result<Drawn> {
     limits::can_serve(transfer_function, shading)?;
-    let tile_order = tile_order(transfer_function, shading, order)?;
-    let mut choices = Choices::new(transfer_function, shading, Compositor::Tiles(tile_order))?;
+    let how = how.into();
+    let compositor = compositor(transfer_function, shading, how)?;
+    if how.compositing == Compositing::Raster {
+        grid.device.check_drawing()?;
+    }
+    let mut choices = Choices::new(transfer_function, shading, compositor)?;
     let sizes = sizes(grid, &choices);
     sizes.check(grid.device.room(), &grid.device.name)?;
     choices.layout = sizes.layout(grid.device.room());
@@ -95,9 +128,11 @@ pub fn draw(
             attributes.push((grid.stored(volume, Quantity::Gradient(component))?, [0.0; 2]));
         }
     }
-    let sort_key = match (tile_order, order) {
-        (TileOrder::Exact, _) => 0,
-        (_, Order::Centroid) => 1,
+    let is_free = is_free(compositor);
+    let sort_key = match how.order {
+        _ if is_free => 2,
+        _ if compositor == Compositor::Tiles(TileOrder::Exact) => 0,
+        Order::Centroid => 1,
         _ => 2,
     };
     let sample = |offset: &[f64; 2]| {
@@ -108,11 +143,11 @@ pub fn draw(
             ..view::view(grid, camera, *offset)?
         })
     };
-    let compositor = compose(&choices);
-    let (parts_left_out, part_bytes_left_out) = parts_left_out(&compositor);
+    let shader = compose(&choices);
+    let (parts_left_out, part_bytes_left_out) = parts_left_out(&shader);
     let frame = Frame {
         grid,
-        compositor,
+        compositor: shader,
         storage_buffers: choices.storage_buffers(),
         reads_g: choices.reads_gradient_magnitude,
         tables: TableKey {
@@ -128,13 +163,14 @@ pub fn draw(
         scene: parameters.scene_bytes(),
         numbers: parameters.numbers,
         support,
-        sorted: tile_order != TileOrder::Sum,
+        sorted: !is_free && (sort_key != 2 || how.compositing == Compositing::Tiles),
         samples: camera.sample_offsets().iter().map(sample).collect::<Result<_>>()?,
         scalar: scalar.clone(),
         attributes,
     };
     let returned = frame.draw(progress)?;
     let counted = returned.counts;
+    let is_counted = how.compositing == Compositing::Tiles;
     Ok(Drawn {
         picture: returned.picture,
         counts: Counts {
@@ -142,13 +178,14 @@ pub fn draw(
             culled_by_frustum: counted[count::BY_FRUSTUM],
             cells_projected: counted[count::PROJECTED],
             tile_entries: counted[count::ENTRIES],
-            segments: counted[count::SEGMENTS],
-            pixels_disordered: counted[count::DISORDERED],
+            segments: is_counted.then_some(counted[count::SEGMENTS]),
+            pixels_disordered: (is_counted || is_free).then_some(counted[count::DISORDERED]),
             sweeps_further: counted[count::SWEEPS],
         },
         seconds: returned.seconds,
         parts_left_out,
         part_bytes_left_out,
+        blended_in_16_bits: !is_counted && !grid.device.blends_32_bits,
     })
 }
 
@@ -177,15 +214,30 @@ fn parts_left_out(shader: &Shader) -> (Vec<&'static str>, u64) {
     (folders, bytes)
 }
 
+/// Whether the compositor needs no order.
+fn is_free(compositor: Compositor) -> bool {
+    matches!(compositor, Compositor::Tiles(TileOrder::Sum) | Compositor::Raster(Blend::Sum))
+}
+
 /// With one colour that no light changes, C = c A whatever the order.
-fn tile_order(transfer_function: &TransferFunction, shading: &Shading, order: Order) -> Result<TileOrder> {
+fn compositor(transfer_function: &TransferFunction, shading: &Shading, how: How) -> Result<Compositor> {
     let choices = Choices::new(transfer_function, shading, Compositor::None)?;
     let lit = shading.light.is_some_and(|light| light.diffuse != 0.0);
     let known = !choices.method.is_table_of_lengths();
     let free = known && matches!(choices.combine, Combine::OneColor | Combine::Nothing) && !lit;
-    Ok(match order {
-        _ if free => TileOrder::Sum,
-        Order::Exact | Order::Auto => TileOrder::Exact,
-        Order::Centroid | Order::None => TileOrder::Listed,
+    Ok(match (how.compositing, how.order) {
+        (Compositing::Tiles, _) if free => Compositor::Tiles(TileOrder::Sum),
+        (Compositing::Tiles, Order::Exact | Order::Auto) => Compositor::Tiles(TileOrder::Exact),
+        (Compositing::Tiles, Order::Centroid | Order::None) => Compositor::Tiles(TileOrder::Listed),
+        (Compositing::Raster, _) if free => Compositor::Raster(Blend::Sum),
+        (Compositing::Raster, Order::Centroid | Order::None) => Compositor::Raster(Blend::Over),
+        (Compositing::Raster, Order::Exact | Order::Auto) => return Err(no_exact_order()),
     })
+}
+
+/// What is said where the raster compositor is asked for an order that it does not have.
+pub fn no_exact_order() -> Error {
+    Error::usage("compositor = \"raster\" has no exact order at every pixel, and this scene needs one")
+        .found("order = \"exact\", or \"auto\", which is exact here")
+        .accepted("order = \"centroid\", an approximation; or compositor = \"tiles\"")
 }

@@ -90,7 +90,7 @@ impl Frame<'_> {
             if progress.cancelled() {
                 return Err(Error::cancelled());
             }
-            if self.picture_bytes(window) > self.device().most_bytes() {
+            if !self.fits(window) {
                 open.extend(halves(window)?);
                 continue;
             }
@@ -105,6 +105,13 @@ impl Frame<'_> {
             }
         }
         Ok(Returned { picture, counts: all, seconds: timing.seconds() })
+    }
+
+    /// Whether the device can hold a window's pixels.
+    fn fits(&self, window: [u32; 4]) -> bool {
+        let limits = &self.device().limits;
+        let side = window[2].max(window[3]) * ViewRecord::TILE;
+        self.picture_bytes(window) <= self.device().most_bytes() && side <= limits.max_texture_dimension_2d
     }
 
     /// Bytes of a window's pixels.

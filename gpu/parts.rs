@@ -3,9 +3,9 @@
 
 use crate::buffers::Growing;
 use crate::device::Device;
-use crate::passes::fixed_buffers;
+use crate::steps::fixed_buffers;
 use voltet_core::{Error, Result};
-use voltet_shaders::{Access, FramePass, GridArray, Layout, Parts, TILES_READ};
+use voltet_shaders::{Access, CELLS_READ, FramePass, GridArray, Layout, Parts};
 
 /// Bytes in a mebibyte.
 const MEBIBYTE: f64 = (1u64 << 20) as f64;
@@ -64,7 +64,7 @@ impl Sizes {
             arrays.iter().map(|(array, _)| layout.parts(*array).count).fold(0, u32::saturating_add)
         };
         let pass = |pass: &FramePass| of(pass.grid_arrays()).saturating_add(fixed_buffers(Some(*pass)));
-        let tiles = of(TILES_READ).saturating_add(fixed_buffers(None));
+        let tiles = of(CELLS_READ).saturating_add(fixed_buffers(None));
         let table = if self.texels > 0 { layout.table.count } else { 0 };
         let tiles = tiles.saturating_add(self.scene_buffers).saturating_add(table);
         FramePass::ALL.iter().map(pass).fold(tiles, u32::max)

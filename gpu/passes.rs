@@ -3,15 +3,15 @@
 use crate::buffers::Growing;
 use crate::device::Device;
 use crate::frame::{Frame, count};
-use crate::grid::Stored;
-use crate::parts::{GrowingParts, Parted};
-use crate::pipelines::{Bound, Program, in_order};
+use crate::parts::GrowingParts;
+use crate::pipelines::Program;
+use crate::raster::{Raster, RasterBuffers};
+use crate::steps::{Binder, GridArrays, Step, folded, kinds, own_kinds, run, scene_kinds};
 use crate::tables::Tables;
 use crate::timing::Timing;
-use std::sync::Arc;
 use voltet_core::Result;
-use voltet_shaders::{Access, FramePass, GRID_GROUP, GridArray, PlacementRecord, TILES_READ, ViewRecord};
-use wgpu::{Buffer, BufferUsages, CommandEncoder, ComputePipeline};
+use voltet_shaders::{CELLS_READ, Compositor, FramePass, GridArray, PlacementRecord, ViewRecord};
+use wgpu::{Buffer, BufferUsages, CommandEncoder};
 
 /// Buffers that stay between frames.
 #[derive(Default)]
@@ -28,18 +28,17 @@ pub(crate) struct FrameBuffers {
     returned: Growing,
     returned_counts: Growing,
     tables: Tables,
+    raster: RasterBuffers,
     /// Entries of the lists that the last frame needed.
     pub capacity: u32,
     /// Whether tiles have had more work than one dispatch does, so that their pixels' states are kept.
     pub keeps_states: bool,
 }
 
-/// A compiled pass and what is bound to it.
-struct Step {
-    name: &'static str,
-    pipeline: Arc<ComputePipeline>,
-    groups: Vec<(u32, wgpu::BindGroup)>,
-    workgroups: [u32; 2],
+/// What takes the cells to the picture.
+enum Last {
+    Tiles(Step),
+    Raster(Box<Raster>),
 }
 
 /// The passes over one window.
@@ -47,9 +46,9 @@ pub(crate) struct Passes<'a> {
     device: &'a Device,
     points: Step,
     attributes: Vec<Step>,
-    /// Cells, starts, lists, sort.
+    /// Cells, and for tiles starts, lists, sort.
     lists: Vec<Step>,
-    tiles: Step,
+    last: Last,
     view: Buffer,
     listed: Buffer,
     counts: Buffer,
@@ -58,52 +57,6 @@ pub(crate) struct Passes<'a> {
     returned_counts: Buffer,
     picture_bytes: u64,
     keeps_states: bool,
-}
-
-/// What a pass, or without one the tiles' compositor, is bound to in group 1 behind the view.
-fn bound(pass: Option<FramePass>) -> &'static [Bound] {
-    use Bound::{Read, Uniform, Write};
-    match pass {
-        Some(FramePass::Points) => &[],
-        Some(FramePass::Attribute) => &[Uniform],
-        Some(FramePass::Cells) => &[Read, Write, Write],
-        Some(FramePass::Starts) => &[Write, Write, Write],
-        Some(FramePass::Lists) => &[Write, Write],
-        Some(FramePass::Sort) => &[Read, Write],
-        None => &[Read, Read, Write, Write, Write],
-    }
-}
-
-/// Storage buffers of a pass, or of the tiles' compositor, beside those of the grid and of the scene.
-pub(crate) fn fixed_buffers(pass: Option<FramePass>) -> u32 {
-    bound(pass).iter().filter(|bound| **bound != Bound::Uniform).count() as u32
-}
-
-/// The grid's arrays as a pass reads them.
-struct GridArrays<'a> {
-    frame: &'a Frame<'a>,
-    seen: Parted,
-    attributes: Parted,
-    bounds: Parted,
-}
-
-impl GridArrays<'_> {
-    /// What is bound to the group of the grid, in order. `quantity`: what [`GridArray::Quantity`] stands for.
-    fn of<'b>(&'b self, arrays: &[(GridArray, Access)], quantity: &'b Stored) -> Vec<(Bound, &'b Buffer)> {
-        let parts = |(array, access): &(GridArray, Access)| {
-            let parted = match array {
-                GridArray::Positions => &self.frame.grid.positions,
-                GridArray::Quantity => &quantity.values,
-                GridArray::Seen => &self.seen,
-                GridArray::Attributes => &self.attributes,
-                GridArray::Tetrahedra => &self.frame.grid.tetrahedra,
-                GridArray::Bounds => &self.bounds,
-            };
-            let kind = if *access == Access::Read { Bound::Read } else { Bound::Write };
-            parted.buffers.iter().map(move |buffer| (kind, buffer))
-        };
-        arrays.iter().flat_map(parts).collect()
-    }
 }
 
 /// Bytes of the counts.
@@ -117,7 +70,6 @@ impl<'a> Passes<'a> {
         capacity: u32,
         buffers: &mut FrameBuffers,
     ) -> Result<Passes<'a>> {
-        use Bound::{Read, Uniform};
         let (device, grid) = (frame.device(), frame.grid);
         let (sizes, layout) = (&frame.sizes, &frame.choices.layout);
         let tiles = u64::from(window[2]) * u64::from(window[3]);
@@ -128,7 +80,7 @@ impl<'a> Passes<'a> {
         let parted =
             |growing: &mut GrowingParts, array| growing.at_least(device, array, sizes, layout.parts(array));
         let arrays = GridArrays {
-            frame,
+            grid,
             seen: parted(&mut buffers.seen, GridArray::Seen)?,
             attributes: parted(&mut buffers.attributes, GridArray::Attributes)?,
             bounds: parted(&mut buffers.bounds, GridArray::Bounds)?,
@@ -153,29 +105,9 @@ impl<'a> Passes<'a> {
         let over_points = folded(grid.point_count, most);
         let over_cells = folded(grid.cell_count, most);
         let over_tiles = [window[2], window[3]];
-        // The bindings of groups 1 and 2 of a pass, or of the tiles' compositor.
-        let kinds = |pass: Option<FramePass>| in_order(&[&[Uniform], bound(pass)].concat());
-        let grid_kinds =
-            |bound: &[(Bound, &Buffer)]| in_order(&bound.iter().map(|b| b.0).collect::<Vec<_>>());
-        let groups = |pipeline: &ComputePipeline, bindings: &[&Buffer], in_grid: &[(Bound, &Buffer)]| {
-            let mut groups = vec![(1, device.bind(pipeline, 1, &in_order(&[&[&view], bindings].concat())))];
-            if !in_grid.is_empty() {
-                let in_grid: Vec<&Buffer> = in_grid.iter().map(|(_, buffer)| *buffer).collect();
-                groups.push((GRID_GROUP, device.bind(pipeline, GRID_GROUP, &in_order(&in_grid))));
-            }
-            groups
-        };
-        let step = |pass: FramePass, workgroups, constants, bindings: &[&Buffer], quantity: &Stored| {
-            let in_grid = arrays.of(pass.grid_arrays(), quantity);
-            let program = Program {
-                shader: &pass.shader(layout),
-                entry_point: pass.entry_point(),
-                constants,
-                groups: [&[], &kinds(Some(pass)), &grid_kinds(&in_grid)],
-            };
-            let pipeline = device.pipeline(&program)?;
-            let groups = groups(&pipeline, bindings, &in_grid);
-            Ok(Step { name: pass.entry_point(), pipeline, groups, workgroups })
+        let binder = Binder { device, view: &view, arrays: &arrays, layout };
+        let step = |pass, workgroups, constants, bindings: &[&Buffer], quantity| {
+            binder.step(pass, workgroups, constants, bindings, quantity)
         };
         let scalar = &frame.scalar;
         let stride = ("ATTRIBUTE_STRIDE", sizes.stride as f64);
@@ -194,37 +126,51 @@ impl<'a> Passes<'a> {
             )?);
         }
         let reads_g = if frame.reads_g { 1.0 } else { 0.0 };
-        let constants = vec![stride, ("reads_g", reads_g)];
+        let is_raster = matches!(frame.choices.compositor, Compositor::Raster(_));
+        let lists_tiles = if is_raster { 0.0 } else { 1.0 };
+        let constants = vec![stride, ("reads_g", reads_g), ("lists_tiles", lists_tiles)];
         let mut lists =
             vec![step(FramePass::Cells, over_cells, constants, &[&support, &listed, &counts], scalar)?];
-        lists.push(step(FramePass::Starts, [1, 1], vec![], &[&listed, &starts, &counts], scalar)?);
-        lists.push(step(FramePass::Lists, over_cells, vec![], &[&listed, &entries], scalar)?);
-        if frame.sorted {
-            lists.push(step(FramePass::Sort, over_tiles, vec![], &[&starts, &entries], scalar)?);
-        }
 
         let tables = buffers.tables.of(device, frame)?;
         let mut read: Vec<(u32, &Buffer)> = vec![(0, &scene)];
         for (name, binding) in &frame.storage_buffers {
             read.push((*binding, if *name == "numbers" { &numbers } else { tables.named(name)? }));
         }
-        let kind = |(binding, _): &(u32, &Buffer)| (*binding, if *binding == 0 { Uniform } else { Read });
-        let read_kinds: Vec<(u32, Bound)> = read.iter().map(kind).collect();
-        let in_grid = arrays.of(TILES_READ, scalar);
-        let pipeline = device.pipeline(&Program {
-            shader: &frame.compositor,
-            entry_point: "composite_tiles",
-            constants: vec![],
-            groups: [&read_kinds, &kinds(None), &grid_kinds(&in_grid)],
-        })?;
-        let mut groups = groups(&pipeline, &[&starts, &entries, &pixels, &counts, &states], &in_grid);
-        groups.push((0, device.bind(&pipeline, 0, &read)));
+        let last = if let Compositor::Raster(blend) = frame.choices.compositor {
+            Last::Raster(Box::new(Raster::new(
+                frame,
+                blend,
+                window,
+                &mut buffers.raster,
+                &binder,
+                &read,
+                &pixels,
+            )?))
+        } else {
+            lists.push(step(FramePass::Starts, [1, 1], vec![], &[&listed, &starts, &counts], scalar)?);
+            lists.push(step(FramePass::Lists, over_cells, vec![], &[&listed, &entries], scalar)?);
+            if frame.sorted {
+                lists.push(step(FramePass::Sort, over_tiles, vec![], &[&starts, &entries], scalar)?);
+            }
+            let in_grid = arrays.of(CELLS_READ, scalar);
+            let pipeline = device.pipeline(&Program {
+                shader: &frame.compositor,
+                entry_point: "composite_tiles",
+                constants: vec![],
+                groups: [&scene_kinds(&read), &own_kinds(None), &kinds(&in_grid)],
+            })?;
+            let bindings = [&starts, &entries, &pixels, &counts, &states];
+            let mut groups = binder.groups(&pipeline, &bindings, &in_grid);
+            groups.push((0, device.bind(&pipeline, 0, &read)));
+            Last::Tiles(Step { name: "composite_tiles", pipeline, groups, workgroups: over_tiles })
+        };
         Ok(Passes {
             device,
             points: points_step,
             attributes: attribute_steps,
             lists,
-            tiles: Step { name: "composite_tiles", pipeline, groups, workgroups: over_tiles },
+            last,
             view,
             listed,
             counts,
@@ -271,7 +217,10 @@ impl<'a> Passes<'a> {
             if self.keeps_states {
                 encoder.clear_buffer(&self.counts, 4 * count::UNFINISHED as u64, Some(4));
             }
-            run(&mut encoder, &self.tiles, timing);
+            match &self.last {
+                Last::Tiles(tiles) => run(&mut encoder, tiles, timing),
+                Last::Raster(raster) => raster.encode(self.device, &mut encoder, timing),
+            }
             timing.end(&mut encoder);
             encoder.copy_buffer_to_buffer(&self.counts, 0, &self.returned_counts, 0, COUNTS_BYTES);
             encoder.copy_buffer_to_buffer(&self.pixels, 0, &self.returned, 0, self.picture_bytes);
@@ -290,37 +239,5 @@ impl<'a> Passes<'a> {
     /// The window's pixels after the last submission.
     pub fn picture(&self, take: impl FnOnce(&[u8])) -> Result<()> {
         self.device.read("the picture", &self.returned, self.picture_bytes, take)
-    }
-}
-
-fn run(encoder: &mut CommandEncoder, step: &Step, timing: &mut Timing) {
-    let descriptor =
-        wgpu::ComputePassDescriptor { label: Some(step.name), timestamp_writes: timing.next(step.name) };
-    let mut compute = encoder.begin_compute_pass(&descriptor);
-    compute.set_pipeline(&step.pipeline);
-    for (number, group) in &step.groups {
-        compute.set_bind_group(*number, group, &[]);
-    }
-    compute.dispatch_workgroups(step.workgroups[0], step.workgroups[1], 1);
-}
-
-/// Workgroups for so many invocations, folded into rows where one row does not hold them.
-fn folded(count: u32, most: u32) -> [u32; 2] {
-    let groups = count.div_ceil(64).max(1);
-    let rows = groups.div_ceil(most);
-    [groups.div_ceil(rows), rows]
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn folded_rows_hold_every_invocation() {
-        for (count, most) in [(0, 65535), (1, 65535), (64, 65535), (16_000_000, 65535), (u32::MAX, 65535)] {
-            let [columns, rows] = folded(count, most);
-            assert!(columns <= most && rows <= most);
-            assert!(u64::from(columns) * u64::from(rows) * 64 >= u64::from(count), "{count}");
-        }
     }
 }

@@ -13,6 +13,8 @@ pub(crate) enum Bound {
     Uniform,
     Read,
     Write,
+    /// A texture that is read texel by texel.
+    Texels,
 }
 
 /// What a pipeline was compiled from.
@@ -53,6 +55,7 @@ impl Device {
     /// Lets go of all that was compiled, so that building it can be measured.
     pub fn forget_pipelines(&self) {
         self.pipelines.lock().unwrap_or_else(PoisonError::into_inner).clear();
+        self.drawings.lock().unwrap_or_else(PoisonError::into_inner).clear();
     }
 
     fn compile(&self, program: &Program) -> Result<wgpu::ComputePipeline> {
@@ -61,7 +64,8 @@ impl Device {
         let descriptor = wgpu::ShaderModuleDescriptor { label: Some(entry_point), source: text };
         let made = self.guarded(entry_point, || self.device.create_shader_module(descriptor));
         let module = made.map_err(|error| self.at_its_line(shader, error))?;
-        let layouts = groups.map(|group| (!group.is_empty()).then(|| self.layout(group)));
+        let layout = |group| self.layout(group, ShaderStages::COMPUTE);
+        let layouts = groups.map(|group| (!group.is_empty()).then(|| layout(group)));
         self.guarded(entry_point, || {
             let layout = self.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
                 label: Some(entry_point),
@@ -80,22 +84,24 @@ impl Device {
     }
 
     /// The text is validated without a device by the tests of `voltet-shaders`; what is left is a driver's complaint.
-    fn at_its_line(&self, shader: &Shader, error: voltet_core::Error) -> voltet_core::Error {
+    pub(crate) fn at_its_line(&self, shader: &Shader, error: voltet_core::Error) -> voltet_core::Error {
         shader.error(1, &error.to_string())
     }
 
-    fn layout(&self, group: &[(u32, Bound)]) -> wgpu::BindGroupLayout {
+    pub(crate) fn layout(&self, group: &[(u32, Bound)], visibility: ShaderStages) -> wgpu::BindGroupLayout {
+        let buffer = |ty| wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None };
         let entry = |(binding, bound): &(u32, Bound)| wgpu::BindGroupLayoutEntry {
             binding: *binding,
-            visibility: ShaderStages::COMPUTE,
-            ty: wgpu::BindingType::Buffer {
-                ty: match bound {
-                    Bound::Uniform => BufferBindingType::Uniform,
-                    Bound::Read => BufferBindingType::Storage { read_only: true },
-                    Bound::Write => BufferBindingType::Storage { read_only: false },
+            visibility,
+            ty: match bound {
+                Bound::Uniform => buffer(BufferBindingType::Uniform),
+                Bound::Read => buffer(BufferBindingType::Storage { read_only: true }),
+                Bound::Write => buffer(BufferBindingType::Storage { read_only: false }),
+                Bound::Texels => wgpu::BindingType::Texture {
+                    sample_type: wgpu::TextureSampleType::Float { filterable: false },
+                    view_dimension: wgpu::TextureViewDimension::D2,
+                    multisampled: false,
                 },
-                has_dynamic_offset: false,
-                min_binding_size: None,
             },
             count: None,
         };
@@ -111,15 +117,22 @@ impl Device {
         number: u32,
         buffers: &[(u32, &wgpu::Buffer)],
     ) -> wgpu::BindGroup {
-        let mut entries = Vec::with_capacity(buffers.len());
+        let mut resources = Vec::with_capacity(buffers.len());
         for (binding, buffer) in buffers {
-            entries.push(wgpu::BindGroupEntry { binding: *binding, resource: buffer.as_entire_binding() });
+            resources.push((*binding, buffer.as_entire_binding()));
         }
-        self.device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: None,
-            layout: &pipeline.get_bind_group_layout(number),
-            entries: &entries,
-        })
+        self.bind_group(&pipeline.get_bind_group_layout(number), resources)
+    }
+
+    pub(crate) fn bind_group(
+        &self,
+        layout: &wgpu::BindGroupLayout,
+        resources: Vec<(u32, wgpu::BindingResource)>,
+    ) -> wgpu::BindGroup {
+        let entry = |(binding, resource)| wgpu::BindGroupEntry { binding, resource };
+        let entries: Vec<_> = resources.into_iter().map(entry).collect();
+        let descriptor = wgpu::BindGroupDescriptor { label: None, layout, entries: &entries };
+        self.device.create_bind_group(&descriptor)
     }
 }
 

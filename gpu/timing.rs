@@ -5,7 +5,7 @@ use voltet_core::Result;
 use wgpu::BufferUsages;
 
 /// Passes of a frame that are timed; further ones are not.
-const PASSES: u32 = 32;
+const PASSES: u32 = 64;
 
 pub(crate) struct Timing {
     timed: Option<Timed>,
@@ -56,17 +56,33 @@ impl Timing {
 
     /// What times the next pass.
     pub fn next(&mut self, name: &'static str) -> Option<wgpu::ComputePassTimestampWrites<'_>> {
+        let (query_set, at) = self.place(name)?;
+        Some(wgpu::ComputePassTimestampWrites {
+            query_set,
+            beginning_of_pass_write_index: Some(at),
+            end_of_pass_write_index: Some(at + 1),
+        })
+    }
+
+    /// The same for a pass that draws.
+    pub fn next_drawing(&mut self, name: &'static str) -> Option<wgpu::RenderPassTimestampWrites<'_>> {
+        let (query_set, at) = self.place(name)?;
+        Some(wgpu::RenderPassTimestampWrites {
+            query_set,
+            beginning_of_pass_write_index: Some(at),
+            end_of_pass_write_index: Some(at + 1),
+        })
+    }
+
+    /// Where the next pass writes its begin, and behind it its end.
+    fn place(&mut self, name: &'static str) -> Option<(&wgpu::QuerySet, u32)> {
         let timed = self.timed.as_ref()?;
         let at = self.names.len() as u32;
         if at == PASSES {
             return None;
         }
         self.names.push(name);
-        Some(wgpu::ComputePassTimestampWrites {
-            query_set: &timed.queries,
-            beginning_of_pass_write_index: Some(2 * at),
-            end_of_pass_write_index: Some(2 * at + 1),
-        })
+        Some((&timed.queries, 2 * at))
     }
 
     /// Behind the passes of a submission.

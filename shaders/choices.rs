@@ -18,6 +18,17 @@ pub enum Compositor {
     Segments,
     /// `composite_tiles`: tiles of pixels, one workgroup each.
     Tiles(TileOrder),
+    /// `outline_cell` and `blend_cell`: the cells' silhouettes, drawn and blended by the hardware.
+    Raster(Blend),
+}
+
+/// What a pixel of the raster compositor holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Blend {
+    /// Colour and opacity, one cell's over those behind it.
+    Over,
+    /// One number, since there is one colour.
+    Sum,
 }
 
 /// How a tile's pixels take their segments.
@@ -189,13 +200,18 @@ impl Choices {
         self.silhouette || self.light
     }
 
+    /// Whether sums of one colour are sums of optical depths: a silhouette gives every segment a factor of its own.
+    pub fn depths_add_up(&self) -> bool {
+        !self.reads_gradient()
+    }
+
     /// Numbers of a segment for [`Compositor::Segments`]: D, the values at the front, at the back; then the gradient at
     /// the middle, then for silhouettes the ray's direction.
     pub fn segment_stride(&self) -> usize {
         1 + 2 * self.value_count() + 3 * usize::from(self.reads_gradient()) + 3 * usize::from(self.silhouette)
     }
 
-    /// Numbers of a point behind its scalar for [`Compositor::Tiles`]: further values, then the gradient.
+    /// Numbers of a point behind its scalar for [`Compositor::Tiles`] and [`Compositor::Raster`]: further values, then the gradient.
     pub fn attribute_stride(&self) -> usize {
         self.value_count() - 1 + 3 * usize::from(self.reads_gradient())
     }

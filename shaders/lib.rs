@@ -19,11 +19,11 @@ mod pieces;
 mod resources;
 pub mod segment_list;
 
-pub use choices::{Choices, Combine, Compositor, Kind, Method, TileOrder, WidgetChoice};
+pub use choices::{Blend, Choices, Combine, Compositor, Kind, Method, TileOrder, WidgetChoice};
 pub use compose::{Shader, compose, compose_pieces};
 pub use held::{Spans, held};
 pub use parameters::{Axis, Parameters, SceneHead, WidgetRecord};
-pub use parts::{Access, GRID_GROUP, GridArray, Layout, Parts, TILES_READ};
-pub use passes::{FramePass, PlacementRecord, ViewRecord};
+pub use parts::{Access, CELLS_READ, GRID_GROUP, GridArray, Layout, Parts};
+pub use passes::{FramePass, PlacementRecord, RoundRecord, ViewRecord};
 pub use pieces::{PIECES, Piece, piece};
 pub use resources::{Buffer, Contents, Pass, Resources};

@@ -146,8 +146,8 @@ pub enum Access {
 /// The group in which the grid's arrays are bound, at 0, 1, … in their order, each part by itself.
 pub const GRID_GROUP: u32 = 2;
 
-/// What the tiles' compositors read of the grid.
-pub const TILES_READ: &[(GridArray, Access)] = &[
+/// What the compositors of pixels read of the grid.
+pub const CELLS_READ: &[(GridArray, Access)] = &[
     (GridArray::Tetrahedra, Access::Read),
     (GridArray::Seen, Access::Read),
     (GridArray::Attributes, Access::Read),
@@ -164,7 +164,10 @@ impl FramePass {
             FramePass::Attribute => &[(Quantity, Read), (Attributes, Write)],
             FramePass::Cells => &[(Tetrahedra, Read), (Seen, Read), (Attributes, Read), (Bounds, Write)],
             FramePass::Lists => &[(Tetrahedra, Read), (Seen, Read), (Bounds, Read)],
-            FramePass::Starts | FramePass::Sort => &[],
+            FramePass::CountDigits | FramePass::PlaceDigits | FramePass::MoveDigits => {
+                &[(Tetrahedra, Read), (Seen, Read), (Bounds, Read)]
+            }
+            FramePass::Starts | FramePass::Sort | FramePass::Runs => &[],
         }
     }
 }

@@ -19,17 +19,29 @@ pub enum FramePass {
     Lists,
     /// `sort_lists`: each list by its key.
     Sort,
+    /// `count_digits`: how often each digit of the key occurs, for the sort of all cells.
+    CountDigits,
+    /// `place_digits`: where each digit's cells go.
+    PlaceDigits,
+    /// `move_digits`: the cells to there.
+    MoveDigits,
+    /// `aim_runs`: the draws of the sorted cells.
+    Runs,
 }
 
 impl FramePass {
-    /// Every pass, in the order in which a frame runs them.
-    pub const ALL: [FramePass; 6] = [
+    /// Every pass: of all compositors, of the tiles, of the raster.
+    pub const ALL: [FramePass; 10] = [
         FramePass::Points,
         FramePass::Attribute,
         FramePass::Cells,
         FramePass::Starts,
         FramePass::Lists,
         FramePass::Sort,
+        FramePass::CountDigits,
+        FramePass::PlaceDigits,
+        FramePass::MoveDigits,
+        FramePass::Runs,
     ];
 
     /// The text, with the grid's arrays in the parts of `layout`.
@@ -41,6 +53,10 @@ impl FramePass {
             FramePass::Starts => "passes/starts",
             FramePass::Lists => "passes/lists",
             FramePass::Sort => "passes/sort",
+            FramePass::CountDigits => "passes/count_digits",
+            FramePass::PlaceDigits => "passes/place_digits",
+            FramePass::MoveDigits => "passes/move_digits",
+            FramePass::Runs => "passes/runs",
         };
         compose_pieces(&grid_text(self.grid_arrays(), layout), &[piece])
     }
@@ -54,6 +70,10 @@ impl FramePass {
             FramePass::Starts => "start_lists",
             FramePass::Lists => "fill_lists",
             FramePass::Sort => "sort_lists",
+            FramePass::CountDigits => "count_digits",
+            FramePass::PlaceDigits => "place_digits",
+            FramePass::MoveDigits => "move_digits",
+            FramePass::Runs => "aim_runs",
         }
     }
 }
@@ -125,4 +145,25 @@ pub struct PlacementRecord {
     pub slot: u32,
     /// Fills up to the alignment.
     pub padding: u32,
+}
+
+/// `Round` of `passes/digits.wgsl`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct RoundRecord {
+    /// The first bit of the round's digit.
+    pub shift: u32,
+    /// 1 in the first round, whose items are the cells.
+    pub from_cells: u32,
+    /// Items that there is room for.
+    pub capacity: u32,
+    /// Fills up to the alignment.
+    pub padding: u32,
+}
+
+impl RoundRecord {
+    /// Digits: `DIGITS` of `passes/digits.wgsl`.
+    pub const DIGITS: u32 = 256;
+    /// Items of a block: `ITEMS` there.
+    pub const ITEMS: u32 = 4096;
 }

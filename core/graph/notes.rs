@@ -76,6 +76,8 @@ pub struct Notes {
     pub engine: Option<(String, String)>,
     /// What the engine runs on, as the nodes that draw find it: a device, or vector units and threads.
     pub adapter: Option<String>,
+    /// What composited on a device, and why it was taken.
+    pub compositor: Option<(String, String)>,
     /// Files written.
     pub files: Vec<String>,
 }
@@ -144,6 +146,8 @@ pub struct RunReport {
     pub engine: Option<(String, String)>,
     /// What it ran on.
     pub adapter: Option<String>,
+    /// What composited on a device, and why it was taken.
+    pub compositor: Option<(String, String)>,
     /// Files written.
     pub files: Vec<String>,
     /// The pictures that were made, each with the name of its node.
@@ -178,6 +182,9 @@ impl RunReport {
         }
         if self.adapter.is_none() {
             self.adapter = notes.adapter.clone();
+        }
+        if self.compositor.is_none() {
+            self.compositor = notes.compositor.clone();
         }
         self.files.extend(notes.files.iter().cloned());
         self.nodes.push(NodeReport {

@@ -8,7 +8,7 @@ use voltet_core::Result;
 use voltet_core::graph::{Call, Saving};
 use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
-use voltet_gpu::{Device, DeviceGrid, Drawn, Work};
+use voltet_gpu::{Device, DeviceGrid, Drawn, How, Work};
 
 /// Open devices by what was wished for: the adapter, and whether software will do. Failures are kept too, since looking
 /// for adapters takes a while.
@@ -31,6 +31,7 @@ pub fn draw(call: &mut Call, scene: &Scene, hardware: bool) -> Result<Picture> {
     let device = call
         .stage("device", |_| open(&devices, &wish))
         .map_err(|error| if wish.0.is_some() { call.parameters.blame("adapter", error) } else { error })?;
+    let (how, compositor, why) = super::compositor::choose(call, scene, &device)?;
     let before = device.work();
     let revision = call.revision("volume")?;
     let grids = call.keep(revision, || Ok(Grids::default()))?;
@@ -43,22 +44,20 @@ pub fn draw(call: &mut Call, scene: &Scene, hardware: bool) -> Result<Picture> {
         grids.insert(device.name.clone(), grid.clone());
         Ok(grid)
     })?;
-    let compositor = call.parameters.text("compositor")?;
-    let drawn = call.stage("draw", |progress| draw_by(&grid, scene, compositor, progress))?;
+    let drawn = call.stage("draw", |progress| draw_as(&grid, scene, how, progress))?;
+    call.notes.compositor = Some((compositor.into(), why));
     note(call, scene, &device, before, &drawn);
     Ok(drawn.picture)
 }
 
-/// Draws on the grid's device with the compositor of that name, or `auto`.
-pub fn draw_by(
-    grid: &DeviceGrid,
-    scene: &Scene,
-    _compositor: &str,
-    progress: &dyn Progress,
-) -> Result<Drawn> {
-    // Tiles are all that there is.
-    let Scene { volume, transfer_function, camera, shading, order } = scene;
-    voltet_gpu::draw(grid, volume, transfer_function, camera, shading, *order, progress)
+/// Draws on the grid's device with the compositor of that name.
+pub fn draw_by(grid: &DeviceGrid, scene: &Scene, compositor: &str, progress: &dyn Progress) -> Result<Drawn> {
+    draw_as(grid, scene, super::compositor::how(scene, compositor), progress)
+}
+
+fn draw_as(grid: &DeviceGrid, scene: &Scene, how: How, progress: &dyn Progress) -> Result<Drawn> {
+    let Scene { volume, transfer_function, camera, shading, .. } = scene;
+    voltet_gpu::draw(grid, volume, transfer_function, camera, shading, how, progress)
 }
 
 fn open(devices: &Devices, wish: &Wish) -> Result<Arc<Device>> {
@@ -81,25 +80,27 @@ fn note(call: &mut Call, scene: &Scene, device: &Device, before: Work, drawn: &D
         let slow = "is a program on the CPU, slower than engine = \"cpu\"";
         notes.warnings.push(format!("{} {slow}", device.name));
     }
+    if drawn.blended_in_16_bits {
+        let off = "what it draws may be off by some thousandths; compositor = \"tiles\" has 32 bits";
+        notes.warnings.push(format!("{} blends no 32-bit floats: {off}", device.name));
+    }
     notes.stages.extend(seconds.iter().map(|(pass, seconds)| (format!("device {pass}"), *seconds)));
     for (name, count) in [
         ("cells_total", scene.volume.grid.tetrahedra.len() as u64),
         ("cells_culled", counts.culled_by_transfer_function + counts.culled_by_frustum),
         ("cells_projected", counts.cells_projected),
         ("tile_entries", counts.tile_entries),
-        ("segments", counts.segments),
         ("segments_exact", 0),
-        ("pixels_disordered", counts.pixels_disordered),
         ("sweeps_further", counts.sweeps_further),
         ("shader_builds", work.shader_builds - before.shader_builds),
         ("uploads", work.uploads - before.uploads),
     ] {
         notes.counts.insert(name, count);
     }
-    if counts.pixels_disordered > 0 {
-        let what =
-            format!("{} pixels were composited in an order that is not exact", counts.pixels_disordered);
-        notes.warnings.push(what);
+    notes.counts.extend(counts.segments.map(|count| ("segments", count)));
+    notes.counts.extend(counts.pixels_disordered.map(|count| ("pixels_disordered", count)));
+    if let Some(count @ 1..) = counts.pixels_disordered {
+        notes.warnings.push(format!("{count} pixels were composited in an order that is not exact"));
     }
     leave_out_cells(
         call,

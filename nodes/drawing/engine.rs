@@ -35,8 +35,19 @@ pub const ADAPTER: Parameter = Parameter {
 pub const COMPOSITOR: Parameter = Parameter {
     name: "compositor",
     parameter_type: ParameterType::Choice(&[
-        ("auto", "what suits the device"),
-        ("tiles", "compute passes over tiles of 8 × 8 pixels"),
+        (
+            "auto",
+            "tiles where each pixel needs its exact order, else what a short measurement finds faster there",
+        ),
+        (
+            "tiles",
+            "compute passes over tiles of 8 × 8 pixels: every order, and pixels in disorder are counted",
+        ),
+        (
+            "raster",
+            "cells sorted by centroid, drawn and blended by the hardware: for scenes that need no order, or \
+             order = \"centroid\" or \"none\"; what it gets wrong is not counted",
+        ),
     ]),
     unit: "",
     standard: Standard::Text("auto"),
@@ -74,6 +85,10 @@ pub fn ask_engine(asking: &mut Asking, wanted: &str) -> Result<()> {
     let (name, why) = planned(asking, wanted)?;
     asking.notes.engine = Some((name.into(), why));
     let needed = super::ask(asking, "volume", "transfer_function")?;
+    #[cfg(feature = "gpu")]
+    if wanted != "cpu" {
+        super::compositor::refuse_exact_raster(asking, needed.order)?;
+    }
     if !needed.order && !asking.thorough {
         leave_out_order(asking.notes, None);
     }
@@ -110,6 +125,9 @@ pub fn draw(call: &mut Call, scene: &Scene, wanted: &str) -> Result<Picture> {
     #[cfg(feature = "gpu")]
     {
         let reference = scene.shading.integrator == voltet_core::shading::Integrator::Reference;
+        if wanted != "cpu" {
+            super::compositor::refuse_exact(call.parameters, scene)?;
+        }
         if wanted == "gpu" {
             return super::device::draw(call, scene, false);
         }

@@ -3,11 +3,15 @@
 
 mod bands;
 #[cfg(feature = "gpu")]
+mod compositor;
+#[cfg(feature = "gpu")]
 mod device;
 mod engine;
 mod needs;
 mod order;
 mod prepared;
+#[cfg(feature = "gpu")]
+mod remembered;
 mod scene;
 mod shading;
 mod stages;

@@ -1,8 +1,22 @@
-//! Writing whole files: beside, then renamed, so that no partial file is ever seen.
+//! Writing whole files: beside, then renamed, so that no partial file is ever seen; and the user's cache folder.
+
+mod hash;
+
+pub use hash::Fnv;
 
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use voltet_core::{Error, Result};
+
+/// The program's folder within the user's cache folder. It need not exist.
+pub fn cache_folder() -> PathBuf {
+    let set = |name: &str| std::env::var_os(name).filter(|value| !value.is_empty()).map(PathBuf::from);
+    let home = || {
+        set("HOME").map(|home| home.join(if cfg!(target_os = "macos") { "Library/Caches" } else { ".cache" }))
+    };
+    let base = set("XDG_CACHE_HOME").or_else(|| set("LOCALAPPDATA")).or_else(home);
+    base.unwrap_or_else(std::env::temp_dir).join("voltet")
+}
 
 /// The folder that a file lies in.
 fn folder(path: &Path) -> &Path {

@@ -49,6 +49,7 @@ pub(crate) fn generate(choices: &Choices) -> Generated {
         Compositor::None => {}
         Compositor::Segments => block.finish(),
         Compositor::Tiles(order) => block.finish_tiles(order),
+        Compositor::Raster(blend) => block.finish_raster(blend),
     }
     Generated { text: block.text, uses: block.uses }
 }

@@ -1,22 +1,34 @@
-//! What the tiles' compositors ask of the generated block.
+//! What the compositors of pixels ask of the generated block.
 
 use super::Block;
-use crate::choices::TileOrder;
-use crate::parts::{TILES_READ, grid_text};
+use crate::choices::{Blend, TileOrder};
+use crate::parts::{CELLS_READ, grid_text};
 
 impl Block<'_> {
-    /// What tiles make of a segment: the gradient stands behind the values of its cell's points.
     pub(super) fn finish_tiles(&mut self, order: TileOrder) {
-        let choices = self.choices;
         self.uses(&[match order {
             TileOrder::Exact => "compositor/tiles_exact",
             TileOrder::Listed => "compositor/tiles_listed",
             TileOrder::Sum => "compositor/tiles_sum",
         }]);
+        self.finish_pixels(order == TileOrder::Sum);
+    }
+
+    pub(super) fn finish_raster(&mut self, blend: Blend) {
+        self.uses(&[match blend {
+            Blend::Over => "compositor/raster_over",
+            Blend::Sum => "compositor/raster_sum",
+        }]);
+        self.finish_pixels(blend == Blend::Sum);
+    }
+
+    /// What a pixel makes of a segment: the gradient stands behind the values of its cell's points.
+    fn finish_pixels(&mut self, is_sum: bool) {
+        let choices = self.choices;
         self.line(format!("const ATTRIBUTE_STRIDE = {}u;", choices.attribute_stride()));
-        self.text.push_str(&grid_text(TILES_READ, &choices.layout));
-        if order == TileOrder::Sum {
-            self.line(format!("const DEPTHS_ADD_UP = {};", !choices.reads_gradient()));
+        self.text.push_str(&grid_text(CELLS_READ, &choices.layout));
+        if is_sum {
+            self.line(format!("const DEPTHS_ADD_UP = {};", choices.depths_add_up()));
         }
         self.line("fn finish(found: Contribution, points: vec4u, middle: vec4f, ray: Ray) -> Contribution {");
         if choices.reads_gradient() {

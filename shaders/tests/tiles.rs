@@ -1,4 +1,4 @@
-//! The passes of a frame and the tiles' compositors: parsed and validated without a device; layouts of their uniforms.
+//! The passes of a frame and the compositors of pixels: parsed and validated without a device; layouts of their uniforms.
 
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use std::collections::HashSet;
@@ -7,7 +7,8 @@ use voltet_core::optics::integrators::can_serve;
 use voltet_core::shading::{Integrator, Light, Shading};
 use voltet_core::transfer::{ControlPoint, OpticalModel, Profile, Region, TransferFunction, Wave, Widget};
 use voltet_shaders::{
-    Choices, Compositor, FramePass, Layout, PIECES, PlacementRecord, Shader, TileOrder, ViewRecord, compose,
+    Blend, Choices, Compositor, FramePass, Layout, PIECES, PlacementRecord, RoundRecord, Shader, TileOrder,
+    ViewRecord, compose,
 };
 
 const SHADING: Shading =
@@ -95,6 +96,42 @@ fn tiles_are_valid_for_every_kind_light_and_integrator() {
     println!("{} texts", texts.len());
 }
 
+/// Of the three entry points a driver compiles those that it is asked for; all are in one text.
+#[test]
+fn rasters_are_valid_for_every_kind_light_and_integrator() {
+    let mut texts = HashSet::new();
+    for transfer_function in scenes() {
+        for shading in shadings() {
+            if can_serve(&shading.integrator, &transfer_function).is_err() {
+                continue;
+            }
+            for blend in [Blend::Over, Blend::Sum] {
+                let choices = Choices::new(&transfer_function, &shading, Compositor::Raster(blend));
+                let shader = compose(&choices.expect("has pieces"));
+                if !texts.insert(shader.text.clone()) {
+                    continue;
+                }
+                let module = validate(&shader);
+                let entries: Vec<_> =
+                    module.entry_points.iter().map(|e| (e.name.as_str(), e.stage)).collect();
+                let expected = [
+                    ("outline_cell", naga::ShaderStage::Vertex),
+                    ("blend_cell", naga::ShaderStage::Fragment),
+                    ("take_blended", naga::ShaderStage::Compute),
+                ];
+                assert_eq!(entries, expected);
+                let lit = shading.light.is_some() || shading.silhouette.is_some();
+                assert_eq!(shader.text.contains("let gradient ="), lit);
+                assert_eq!(shader.text.contains("const DEPTHS_ADD_UP = true;"), !lit && blend == Blend::Sum);
+                for word in ["workgroup>", "composite_tiles", "sort_key("] {
+                    assert!(!shader.text.contains(word), "{word}");
+                }
+            }
+        }
+    }
+    println!("{} texts", texts.len());
+}
+
 #[test]
 fn passes_are_valid_and_have_their_entry_points() {
     for pass in FramePass::ALL {
@@ -112,9 +149,12 @@ fn every_pass_and_compositor_is_used() {
         let choices = Choices::new(&scenes()[0], &SHADING, Compositor::Tiles(order));
         used.extend(compose(&choices.expect("has pieces")).files());
     }
-    for piece in
-        PIECES.iter().filter(|p| p.name.starts_with("passes/") || p.name.starts_with("compositor/tiles"))
-    {
+    for blend in [Blend::Over, Blend::Sum] {
+        let choices = Choices::new(&scenes()[0], &SHADING, Compositor::Raster(blend));
+        used.extend(compose(&choices.expect("has pieces")).files());
+    }
+    let apart = |name: &str| name.starts_with("passes/") || name.starts_with("compositor/");
+    for piece in PIECES.iter().filter(|p| apart(p.name) && p.name != "compositor/segments") {
         assert!(used.contains(piece.file), "{}", piece.name);
     }
 }
@@ -144,4 +184,10 @@ fn structs_are_laid_out_as_in_the_shader() {
     let placement = offsets!(PlacementRecord: offset, slot, padding);
     assert_eq!(layout(&shader, "Placement"), (placement, size_of::<PlacementRecord>() as u32));
     assert!(shader.text.contains(&format!("const TILE = {}u;", ViewRecord::TILE)));
+    let round = offsets!(RoundRecord: shift, from_cells, capacity, padding);
+    let shader = FramePass::CountDigits.shader(&Layout::WHOLE);
+    assert_eq!(layout(&shader, "Round"), (round, size_of::<RoundRecord>() as u32));
+    assert!(shader.text.contains(&format!("const DIGITS = {}u;", RoundRecord::DIGITS)));
+    let steps = RoundRecord::ITEMS / RoundRecord::DIGITS;
+    assert!(shader.text.contains(&format!("const STEPS = {steps}u;")));
 }

@@ -140,15 +140,17 @@ fn head(scene: &Scene, setting: &Setting) -> String {
 fn row(scene: &Scene, setting: &Setting, cost: &Cost) -> String {
     let stage = |times: Option<Times>| times.map_or(String::new(), |times| format!("{:.2}", times.median_ms));
     let Times { median_ms, fastest_ms, slowest_ms } = cost.frame;
+    // Blending hardware does not count segments.
+    let count = cost.segments.map(|count| count.to_string()).unwrap_or_default();
+    let rate =
+        cost.segments.map(|count| format!("{:.0}", count as f64 / median_ms * 1e-3)).unwrap_or_default();
     format!(
-        "{}**{median_ms:.2}** | {fastest_ms:.2} to {slowest_ms:.2} | {} | {} | {} | {} | {:.1} | {} | {:.0} |",
+        "{}**{median_ms:.2}** | {fastest_ms:.2} to {slowest_ms:.2} | {} | {} | {} | {} | {:.1} | {count} | {rate} |",
         head(scene, setting),
         stage(cost.cull),
         stage(cost.sort),
         stage(cost.project),
         stage(cost.composite),
         cost.set_up.median_ms,
-        cost.segments,
-        cost.segments as f64 / median_ms * 1e-3,
     )
 }

@@ -33,6 +33,8 @@ pub fn json(document: &Document, report: &RunReport) -> Value {
         "engine": report.engine.as_ref().map(|e| &e.0),
         "engine_reason": report.engine.as_ref().map(|e| &e.1),
         "adapter": report.adapter,
+        "compositor": report.compositor.as_ref().map(|c| &c.0),
+        "compositor_reason": report.compositor.as_ref().map(|c| &c.1),
         "seconds": report.seconds,
         "nodes": report.nodes,
         "counts": counts,

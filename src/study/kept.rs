@@ -2,39 +2,13 @@
 
 use voltet_core::picture::Picture;
 use voltet_core::reference::{TILE_PIXELS, Tiles};
+use voltet_nodes::files::Fnv;
 
 /// First bytes of a kept picture. The number changes with the format, and with the referee's meaning of a scene.
 const MAGIC: &[u8; 16] = b"voltet picture 1";
 
 /// First bytes of a picture that was stopped.
 const MAGIC_TILES: &[u8; 16] = b"voltet tiles   1";
-
-/// FNV-1a of 128 bits (Fowler, Noll, Vo; RFC 9923), which stays the same from build to build.
-pub(super) struct Fnv(pub(super) u128);
-
-impl Default for Fnv {
-    fn default() -> Self {
-        Fnv(0x6c62_272e_07bb_0142_62b8_2175_6295_c58d)
-    }
-}
-
-impl Fnv {
-    pub(super) fn bytes(&mut self, bytes: &[u8]) {
-        for &byte in bytes {
-            self.0 = (self.0 ^ u128::from(byte)).wrapping_mul(0x0000_0000_0100_0000_0000_0000_0000_013b);
-        }
-    }
-
-    /// With its length, so that two texts are not one.
-    pub(super) fn text(&mut self, text: &str) {
-        self.bytes(&(text.len() as u64).to_le_bytes());
-        self.bytes(text.as_bytes());
-    }
-
-    pub(super) fn numbers(&mut self, numbers: &[f64]) {
-        numbers.iter().for_each(|x| self.bytes(&x.to_bits().to_le_bytes()));
-    }
-}
 
 pub(super) fn encode(picture: &Picture, seconds: f64) -> Vec<u8> {
     let mut bytes = MAGIC.to_vec();
@@ -114,14 +88,6 @@ mod tests {
             assert_eq!(decode(&damaged, [2, 1]), None, "byte {place}");
             assert_eq!(decode(&bytes[..place], [2, 1]), None, "cut at {place}");
         }
-    }
-
-    #[test]
-    fn the_hash_is_the_published_one() {
-        // RFC 9923 gives the value for no input (the basis) and for "a".
-        let mut hash = Fnv::default();
-        hash.bytes(b"a");
-        assert_eq!(hash.0, 0xd228_cb69_6f1a_8caf_7891_2b70_4e4a_8964);
     }
 
     #[test]

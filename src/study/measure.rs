@@ -69,8 +69,8 @@ pub struct Cost {
     pub composite: Option<Times>,
     /// The passes of a device that times them.
     pub passes: Vec<Pass>,
-    /// Ray segments integrated in a frame.
-    pub segments: u64,
+    /// Ray segments integrated in a frame; blending hardware does not count them.
+    pub segments: Option<u64>,
     /// Segments of these that the engine left to 64 bits.
     pub segments_exact: u64,
     /// Largest resident memory of the process meanwhile; `None` where the system does not tell.
@@ -122,7 +122,7 @@ pub fn measure(
         project: Some(stage(2)),
         composite: Some(stage(4)),
         passes: Vec::new(),
-        segments: counts.segments,
+        segments: Some(counts.segments),
         segments_exact: counts.segments_exact,
         peak_memory_bytes: peak_memory().filter(|_| fresh),
     };

@@ -1,7 +1,7 @@
 //! The 64-bit reference picture, kept in a folder under a key made of everything that it shows.
 
 use super::Scene;
-use super::kept::{Fnv, decode, decode_tiles, encode, encode_tiles};
+use super::kept::{decode, decode_tiles, encode, encode_tiles};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use voltet_core::error::ErrorKind;
@@ -11,7 +11,7 @@ use voltet_core::progress::Progress;
 use voltet_core::reference;
 use voltet_core::shading::Shading;
 use voltet_core::{Error, Result};
-use voltet_nodes::files;
+use voltet_nodes::files::{self, Fnv};
 
 /// The reference picture and what it cost.
 #[derive(Debug, Clone)]
@@ -26,12 +26,7 @@ pub struct Reference {
 
 /// Where pictures are kept when nothing else is said: the user's cache folder.
 pub fn cache_folder() -> PathBuf {
-    let set = |name: &str| std::env::var_os(name).filter(|value| !value.is_empty()).map(PathBuf::from);
-    let home = || {
-        set("HOME").map(|home| home.join(if cfg!(target_os = "macos") { "Library/Caches" } else { ".cache" }))
-    };
-    let base = set("XDG_CACHE_HOME").or_else(|| set("LOCALAPPDATA")).or_else(home);
-    base.unwrap_or_else(std::env::temp_dir).join("voltet").join("reference")
+    files::cache_folder().join("reference")
 }
 
 /// The picture that the scene means: every segment by adaptive quadrature, exact order, overlaps in their order.

@@ -192,7 +192,7 @@ pub fn csv(study: &Study) -> String {
         cells.push(errors.pixels_over_step.to_string());
         cells.push(format!("{:.6e}", row.flip));
         cells.push(cost.peak_memory_bytes.map_or(String::new(), |bytes| bytes.to_string()));
-        cells.push(cost.segments.to_string());
+        cells.push(cost.segments.map(|count| count.to_string()).unwrap_or_default());
         cells.extend([row.on_front, study.recommended == Some(i), row.of_file].map(|flag| flag.to_string()));
         text += &(cells.join(",") + "\n");
     }

@@ -58,6 +58,6 @@ pub fn draw(scene: &Scene, shading: &Shading, order: Order) -> Option<Drawn> {
 /// The device's picture in the exact order; `None` without a device.
 pub fn picture(scene: &Scene, shading: &Shading) -> Option<Picture> {
     let drawn = draw(scene, shading, Order::Exact)?;
-    assert_eq!(drawn.counts.pixels_disordered, 0, "{}", scene.name);
+    assert_eq!(drawn.counts.pixels_disordered, Some(0), "{}", scene.name);
     Some(drawn.picture)
 }

@@ -23,5 +23,6 @@ mod looks;
 #[path = "../../../tests/validation/ordinary.rs"]
 mod ordinary;
 mod parts;
+mod raster;
 #[path = "../../../tests/validation/widgets.rs"]
 mod widgets;

@@ -1,4 +1,4 @@
-// Uses: compositing, passes/faces. Fills: nothing. Asks for: segment, view, finish, tetrahedra, seen, attributes, bounds.
+// Uses: compositing, compositor/pixels, compositor/shade, passes/faces. Fills: nothing. Asks for: segment, view, finish, tetrahedra, seen, attributes, bounds.
 // Tiles: what every order of compositing shares. One workgroup a tile, one invocation a pixel; the tile's list is taken
 // a chunk at a time, and a segment's values are found from its cell when it is its turn.
 
@@ -55,43 +55,6 @@ fn cross_in_chunk(place: u32, pixel: vec2u, ray: Ray) -> vec2f {
     return narrowed(range, chunk_planes[place][5].xyz, first.xyz, ray);
 }
 
-fn values_at(points: vec4u, weights: vec4f) -> Values {
-    var values = Values();
-    let scalars = vec4f(seen_at(points.x).w, seen_at(points.y).w, seen_at(points.z).w, seen_at(points.w).w);
-    values[0] = dot(weights, scalars);
-    for (var i = 1u; i < VALUE_COUNT; i++) {
-        values[i] = attribute_at(points, weights, i - 1u);
-    }
-    return values;
-}
-
-fn attribute_at(points: vec4u, weights: vec4f, slot: u32) -> f32 {
-    let values = vec4f(
-        attribute_of(points.x, slot),
-        attribute_of(points.y, slot),
-        attribute_of(points.z, slot),
-        attribute_of(points.w, slot),
-    );
-    return dot(weights, values);
-}
-
-// What the ray's way through a cell from entry to exit adds.
-fn shade(cell: u32, range: vec2f, ray: Ray) -> Contribution {
-    let points = tetrahedron(cell);
-    let faces =
-        faces_of(seen_at(points.x).xyz, seen_at(points.y).xyz, seen_at(points.z).xyz, seen_at(points.w).xyz);
-    let front = weights_at(faces, ray, range.x);
-    let back = weights_at(faces, ray, range.y);
-    let length = (range.y - range.x) * ray.stretch;
-    let found = segment(length, values_at(points, front), values_at(points, back));
-    return finish(found, points, 0.5 * (front + back), ray);
-}
-
-// Unit direction of the ray, world axes.
-fn ray_direction(ray: Ray) -> vec3f {
-    return (view.right * ray.slope.x + view.down * ray.slope.y + view.forward) / ray.stretch;
-}
-
 // Whether any pixel of the tile says so. All invocations must ask.
 fn any_pixel(says: bool, lane: u32) -> bool {
     if lane == 0u {
@@ -112,23 +75,6 @@ fn any_pixel(says: bool, lane: u32) -> bool {
 fn list_of(tile: vec2u) -> vec2u {
     let index = tile.y * view.window.z + tile.x;
     return min(vec2u(starts[index], starts[index + 1u]), vec2u(view.capacity));
-}
-
-fn is_in_picture(pixel: vec2u) -> bool {
-    return all(pixel < view.size);
-}
-
-// The pixel's place in the window.
-fn place_of(pixel: vec2u) -> u32 {
-    let at = pixel - view.window.xy * TILE;
-    return at.y * view.window.z * TILE + at.x;
-}
-
-// Adds a sample to its pixel.
-fn put(pixel: vec2u, color: vec3f, opacity: f32) {
-    let place = place_of(pixel);
-    let sample = view.weight * vec4f(color, opacity);
-    picture[place] = select(picture[place] + sample, sample, view.is_first == 1u);
 }
 
 // Work of one segment, in cells tested.

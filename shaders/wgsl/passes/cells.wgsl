@@ -1,4 +1,4 @@
-// Uses: passes/view. Fills: nothing. Asks for: tetrahedra, seen, attributes, bounds.
+// Uses: passes/screen, passes/view. Fills: nothing. Asks for: tetrahedra, seen, attributes, bounds.
 // Cells: which can contribute, the pixels that each may cover, and how many each tile will list.
 //
 // A widget's support is held in slabs low ≤ a s + b g ≤ high; a cell is left out if for every widget its corners lie
@@ -14,6 +14,8 @@ struct Slab {
 // Numbers of values behind the scalar at each point, and whether g is the first of them.
 override ATTRIBUTE_STRIDE: u32 = 0u;
 override reads_g: bool = false;
+// Whether tiles list their cells.
+override lists_tiles: bool = true;
 
 // Where each widget's slabs begin, then where the last one's end; then four numbers a slab.
 @group(1) @binding(1) var<storage, read> support: array<u32>;
@@ -24,14 +26,6 @@ fn slab(index: u32) -> Slab {
     let at = view.widget_count + 1u + 4u * index;
     return Slab(bitcast<f32>(support[at]), bitcast<f32>(support[at + 1u]), bitcast<f32>(support[at + 2u]),
         bitcast<f32>(support[at + 3u]));
-}
-
-fn least(x: vec4f) -> f32 {
-    return min(min(x.x, x.y), min(x.z, x.w));
-}
-
-fn most(x: vec4f) -> f32 {
-    return max(max(x.x, x.y), max(x.z, x.w));
 }
 
 fn is_touched(s: vec4f, g: vec4f) -> bool {
@@ -57,12 +51,9 @@ struct Box {
 
 // A twentieth of a pixel: more than the rounding of coordinates in 15 bits of pixels.
 const SLACK = 0.05;
-// Depth from the eye, of the cell's farthest, in front of which nothing is projected.
-const CUT = 1e-4;
 
 fn box_take(box: Box, p: vec3f) -> Box {
-    let depth = select(1.0, p.z + view.distance, 0.0 < view.perspective);
-    let at = p.xy / (depth * view.pixel) + view.axis;
+    let at = on_screen(p);
     return Box(min(box.low, at), max(box.high, at));
 }
 
@@ -70,8 +61,7 @@ fn box_of(p: array<vec3f, 4>) -> Box {
     var corners = p;
     let z = vec4f(p[0].z, p[1].z, p[2].z, p[3].z);
     var box = Box(vec2f(FAR), vec2f(-FAR));
-    let deepest = most(z) + view.distance;
-    let cut = select(-FAR, max(CUT * deepest, view.near + view.distance) - view.distance, 0.0 < view.perspective);
+    let cut = cut_before(most(z));
     for (var i = 0u; i < 4u; i++) {
         let a = corners[i];
         if cut <= a.z {
@@ -141,6 +131,9 @@ fn bound_cells(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups
     }
     atomicAdd(&counts[3], view.is_first);
     put_bounds(cell, vec2u(start.x | (start.y << 16u), end.x | (end.y << 16u)));
+    if !lists_tiles {
+        return;
+    }
     let first = start / TILE - view.window.xy;
     let last = (end - 1u) / TILE - view.window.xy;
     for (var row = first.y; row <= last.y; row++) {

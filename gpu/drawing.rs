@@ -1,0 +1,166 @@
+//! Pipelines that draw and blend, and what they draw into. Compiled once for each text and target, and kept by the
+//! device.
+
+use crate::device::Device;
+use crate::pipelines::Bound;
+use std::sync::atomic::Ordering;
+use std::sync::{Arc, PoisonError};
+use voltet_core::{Error, Result};
+use voltet_shaders::{Blend, Shader};
+use wgpu::{BlendComponent, BlendFactor, DownlevelFlags, ShaderStages, TextureFormat};
+
+/// What is blended, and how.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(crate) struct Target {
+    pub format: TextureFormat,
+    factors: [BlendFactor; 2],
+}
+
+impl Target {
+    /// One number a pixel where the scene has one colour, else four; of 32 bits where the device blends these.
+    ///
+    /// Colours come farthest first, each over what is there: C ← C_seg + (1 − A_seg) C. The other way round, each would
+    /// be weighted by 1 − A of the sum, which has few digits left where little more is seen.
+    pub fn new(blend: Blend, depths_add_up: bool, wide: bool) -> Target {
+        let format = match (blend, wide) {
+            (Blend::Over, true) => TextureFormat::Rgba32Float,
+            (Blend::Over, false) => TextureFormat::Rgba16Float,
+            (Blend::Sum, true) => TextureFormat::R32Float,
+            (Blend::Sum, false) => TextureFormat::R16Float,
+        };
+        let behind = match blend {
+            Blend::Over => BlendFactor::OneMinusSrcAlpha,
+            Blend::Sum if depths_add_up => BlendFactor::One,
+            Blend::Sum => BlendFactor::OneMinusSrc,
+        };
+        Target { format, factors: [BlendFactor::One, behind] }
+    }
+
+    fn blend(self) -> wgpu::BlendState {
+        let [src_factor, dst_factor] = self.factors;
+        let component = BlendComponent { src_factor, dst_factor, operation: wgpu::BlendOperation::Add };
+        wgpu::BlendState { color: component, alpha: component }
+    }
+}
+
+/// What a pipeline that draws is compiled from.
+pub(crate) struct Drawing<'a> {
+    pub shader: &'a Shader,
+    /// Entry points for vertices and for pixels.
+    pub entry_points: [&'static str; 2],
+    pub target: Target,
+    /// What is bound, by binding.
+    pub groups: [&'a [(u32, Bound)]; 3],
+}
+
+/// What drawing needs of a device beyond what the tiles' compositor needs.
+const NEEDED: [(DownlevelFlags, &str); 2] = [
+    (DownlevelFlags::VERTEX_STORAGE, "storage buffers for vertices"),
+    (DownlevelFlags::INDIRECT_EXECUTION, "draws whose counts stand in a buffer"),
+];
+
+impl Device {
+    /// An error that names what the device lacks for the raster compositor.
+    pub(crate) fn check_drawing(&self) -> Result<()> {
+        let lacking = NEEDED.iter().filter(|(flag, _)| !self.downlevel.contains(*flag));
+        let lacking: Vec<&str> = lacking.map(|(_, what)| *what).collect();
+        if lacking.is_empty() {
+            return Ok(());
+        }
+        Err(Error::run(format!("{} lacks what compositor = \"raster\" draws with", self.name))
+            .found(format!("no {}", lacking.join(", no ")))
+            .accepted("compositor = \"tiles\""))
+    }
+
+    /// The pipeline, compiled if it is not there.
+    pub(crate) fn drawing(&self, program: &Drawing) -> Result<Arc<wgpu::RenderPipeline>> {
+        let key = (program.shader.text.clone(), program.target);
+        let known = self.drawings.lock().unwrap_or_else(PoisonError::into_inner).get(&key).cloned();
+        if let Some(pipeline) = known {
+            return Ok(pipeline);
+        }
+        let compiled = Arc::new(self.compile_drawing(program)?);
+        self.work.shader_builds.fetch_add(1, Ordering::Relaxed);
+        let mut drawings = self.drawings.lock().unwrap_or_else(PoisonError::into_inner);
+        Ok(drawings.entry(key).or_insert(compiled).clone())
+    }
+
+    fn compile_drawing(&self, program: &Drawing) -> Result<wgpu::RenderPipeline> {
+        let Drawing { shader, entry_points: [vertex, fragment], target, groups } = program;
+        let text = wgpu::ShaderSource::Wgsl(shader.text.as_str().into());
+        let descriptor = wgpu::ShaderModuleDescriptor { label: Some(fragment), source: text };
+        let made = self.guarded(fragment, || self.device.create_shader_module(descriptor));
+        let module = made.map_err(|error| self.at_its_line(shader, error))?;
+        let layouts = groups.map(|group| Some(self.layout(group, ShaderStages::VERTEX_FRAGMENT)));
+        self.guarded(fragment, || {
+            let layout = self.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+                label: Some(fragment),
+                bind_group_layouts: &layouts.each_ref().map(Option::as_ref),
+                immediate_size: 0,
+            });
+            let color = wgpu::ColorTargetState {
+                format: target.format,
+                blend: Some(target.blend()),
+                write_mask: wgpu::ColorWrites::ALL,
+            };
+            self.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+                label: Some(fragment),
+                layout: Some(&layout),
+                vertex: wgpu::VertexState {
+                    module: &module,
+                    entry_point: Some(vertex),
+                    compilation_options: Default::default(),
+                    buffers: &[],
+                },
+                primitive: wgpu::PrimitiveState::default(),
+                depth_stencil: None,
+                multisample: wgpu::MultisampleState::default(),
+                fragment: Some(wgpu::FragmentState {
+                    module: &module,
+                    entry_point: Some(fragment),
+                    compilation_options: Default::default(),
+                    targets: &[Some(color)],
+                }),
+                multiview_mask: None,
+                cache: None,
+            })
+        })
+    }
+}
+
+/// A texture to draw into, kept while it is large enough.
+#[derive(Default)]
+pub(crate) struct Canvas {
+    made: Option<wgpu::Texture>,
+}
+
+impl Canvas {
+    /// The texture of exactly this size: a pixel's place in the window is its place in the texture.
+    pub fn of(
+        &mut self,
+        device: &Device,
+        size: [u32; 2],
+        format: TextureFormat,
+    ) -> Result<wgpu::TextureView> {
+        let [width, height] = size;
+        let fits = |t: &wgpu::Texture| t.width() == width && t.height() == height && t.format() == format;
+        if !self.made.as_ref().is_some_and(fits) {
+            // The old one goes first: there may not be room for both.
+            self.made = None;
+            let descriptor = wgpu::TextureDescriptor {
+                label: Some("what is blended"),
+                size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format,
+                usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
+                view_formats: &[],
+            };
+            let what = format!("the picture that is blended ({width} × {height})");
+            self.made = Some(device.guarded(&what, || device.device.create_texture(&descriptor))?);
+        }
+        let made = self.made.as_ref().expect("made above");
+        Ok(made.create_view(&Default::default()))
+    }
+}

@@ -1,0 +1,269 @@
+//! The raster compositor, held against the referee: scenes of one colour, which need no order, and stacks of cells whose
+//! centroids are in the order of their entries.
+
+use crate::compare::{ORDINARY, SHADING, Scene, referee_shaded, within};
+use crate::drawing::device;
+use crate::grids::*;
+use crate::looks::*;
+use glam::DVec3;
+use std::sync::Arc;
+use voltet_core::camera::Camera;
+use voltet_core::grid::Grid;
+use voltet_core::progress::Silent;
+use voltet_core::shading::{Order, Shading};
+use voltet_core::transfer::TransferFunction;
+use voltet_core::{Result, picture::Picture};
+use voltet_gpu::{Compositing, Device, DeviceGrid, Drawn, How};
+
+fn how(order: Order) -> How {
+    How { order, compositing: Compositing::Raster }
+}
+
+fn draw_on(device: Arc<Device>, scene: &Scene, shading: &Shading, how: How) -> Result<Drawn> {
+    let grid = DeviceGrid::new(device, &scene.volume)?;
+    voltet_gpu::draw(&grid, &scene.volume, &scene.look, &scene.camera, shading, how, &Silent)
+}
+
+fn draw(scene: &Scene, shading: &Shading, order: Order) -> Option<Drawn> {
+    let drawn = draw_on(device()?, scene, shading, how(order));
+    Some(drawn.unwrap_or_else(|e| panic!("{}: {e}", scene.name)))
+}
+
+/// Another device like that of all tests.
+fn further_device() -> Device {
+    let wish = std::env::var("VOLTET_ADAPTER").ok();
+    Device::open(wish.as_deref(), false).expect("opened before")
+}
+
+/// Asserts the bound of ordinary scenes, and that there is something to see.
+fn ordinary(scene: &Scene, shading: &Shading, order: Order) {
+    let Some(drawn) = draw(scene, shading, order) else { return };
+    let expected = referee_shaded(scene, shading);
+    assert!(expected.rgba.iter().any(|p| p[3] > 0.01), "{}: nothing to see", scene.name);
+    within(&scene.name, &drawn.picture, &expected, ORDINARY);
+}
+
+fn cell(corners: [[f64; 3]; 4]) -> Grid {
+    grid(corners.map(DVec3::from).to_vec(), vec![[0, 1, 2, 3]])
+}
+
+/// One cell of each class of Shirley and Tuchman, in all orders of its corners, from both sides.
+#[test]
+fn single_cells_of_every_class() {
+    let [a, b, c] = [[0.1, 0.0, 0.1], [0.9, 0.0, 0.15], [0.4, 0.05, 0.9]];
+    let classes = [
+        // The fourth corner before the triangle of the others, and behind it.
+        ("three triangles", [a, b, c, [0.45, -0.4, 0.4]]),
+        ("three triangles behind", [a, b, c, [0.45, 0.6, 0.4]]),
+        // Two edges cross.
+        ("four triangles", [a, b, c, [0.8, 0.5, 0.8]]),
+        // A corner behind an edge: a face seen as a line.
+        ("edge-on", [a, b, c, [0.5, 0.5, 0.125]]),
+        // A corner behind another.
+        ("two triangles", [a, b, c, [0.1, 0.5, 0.1]]),
+        ("flat", [a, b, c, [0.45, 1e-5, 0.4]]),
+        ("sliver", [a, [0.9, 0.0, 0.9], [0.5, 0.1, 0.54], [0.5, 0.5, 0.46]]),
+    ];
+    let cameras = [
+        ("ortho", orthographic([0.503, -2.0, 0.507], [0.503, 0.0, 0.507], 1.1, [33, 33])),
+        ("perspective", perspective([0.5, -1.5, 0.5], [0.5, 0.0, 0.5], 45.0, [33, 33])),
+        ("from behind", perspective([0.45, 2.0, 0.55], [0.5, 0.0, 0.5], 40.0, [33, 33])),
+    ];
+    for (class, corners) in classes {
+        for turn in 0..4 {
+            let mut turned = corners;
+            turned.rotate_left(turn);
+            if turn % 2 == 1 {
+                turned.swap(0, 1);
+            }
+            for (view, camera) in cameras {
+                // No pixel's ray runs within the edge of a region.
+                let volume = volume(cell(turned), |p| 0.51 + 0.393 * p.x, |p| 0.8 + 0.117 * p.z);
+                let name = format!("{class} {turn} {view}");
+                let shown = Scene { name, volume, look: overlapping(), camera };
+                let Some(drawn) = draw(&shown, &SHADING, Order::Centroid) else { return };
+                within(&shown.name, &drawn.picture, &referee_shaded(&shown, &SHADING), ORDINARY);
+                let looked = Scene { look: look(vec![everywhere(2.0, [1.0, 0.5, 0.2])]), ..shown };
+                ordinary(&looked, &SHADING, Order::Auto);
+            }
+        }
+    }
+}
+
+fn one_color() -> [(&'static str, TransferFunction); 2] {
+    [("gaussian", one_gaussian()), ("uniform", look(vec![everywhere(2.0, [1.0, 0.5, 0.25])]))]
+}
+
+fn with_one_color(name: &str, camera: Camera) {
+    for (kind, look) in one_color() {
+        let (name, volume) = (format!("{name} {kind}"), smooth(cube([6, 6, 6], 0.2)));
+        ordinary(&Scene { name, volume, look, camera }, &SHADING, Order::Exact);
+    }
+}
+
+#[test]
+fn one_color_from_every_view() {
+    with_one_color("outside", outside([64, 48]));
+    with_one_color("ortho", orthographic([3.0, -2.0, 2.5], [0.5, 0.5, 0.5], 1.9, [48, 64]));
+    with_one_color("wide", perspective([0.5, -0.05, 0.5], [0.5, 0.5, 0.5], 150.0, [48, 48]));
+    with_one_color("tele", perspective([-900.0, -1100.0, 1400.0], [0.5, 0.5, 0.5], 0.06, [48, 48]));
+    for size in [[1, 1], [17, 15], [120, 2], [1, 90]] {
+        with_one_color(&format!("size {}x{}", size[0], size[1]), outside(size));
+    }
+}
+
+#[test]
+fn eye_inside_and_near_planes() {
+    let inside = perspective([0.43, 0.37, 0.52], [0.9, 0.8, 0.45], 90.0, [48, 48]);
+    with_one_color("inside", inside);
+    with_one_color("inside near", Camera { near: 0.2, ..inside });
+    with_one_color("inside ortho", orthographic([0.43, 0.37, 0.52], [0.9, 0.8, 0.45], 1.2, [48, 48]));
+    with_one_color("near", Camera { near: 1.3, ..outside([48, 48]) });
+    let ortho = orthographic([3.0, -2.0, 2.5], [0.5, 0.5, 0.5], 1.9, [48, 48]);
+    with_one_color("near ortho", Camera { near: 3.9, ..ortho });
+}
+
+/// No pixel twice or missed where rays run in faces and edges that cells share: 1 − e^(−ρ) in each.
+#[test]
+fn rays_in_shared_faces_and_edges() {
+    for counts in [[1, 1, 1], [2, 2, 2], [4, 4, 4], [5, 3, 7]] {
+        for pixels in [8u32, 9, 20, 35] {
+            let scene = Scene {
+                name: format!("faces {counts:?} {pixels}"),
+                volume: volume(cube(counts, 0.0), |_| 0.5, |_| 0.0),
+                look: look(vec![everywhere(2.0, [1.0; 3])]),
+                camera: orthographic([0.5, -2.0, 0.5], [0.5, 0.0, 0.5], 1.0, [pixels, pixels]),
+            };
+            let Some(drawn) = draw(&scene, &SHADING, Order::Auto) else { return };
+            let n = pixels as usize;
+            let known = Picture { width: n, height: n, rgba: vec![[-(-2f64).exp_m1() as f32; 4]; n * n] };
+            // Rounding of a dozen 32-bit segments, whose ends round like the grid's diagonal.
+            within(&scene.name, &drawn.picture, &known, 5e-6);
+        }
+    }
+}
+
+#[test]
+fn holes_flat_cells_and_far_places() {
+    let shown = |name: &str, volume, camera| {
+        ordinary(&Scene { name: name.into(), volume, look: one_gaussian(), camera }, &SHADING, Order::Exact);
+    };
+    shown("arms", smooth(two_arms()), perspective([0.7, -2.0, 0.8], [0.5, 0.5, 0.5], 35.0, [56, 48]));
+    for thickness in [1e-3, 1e-6, 1e-12, 0.0] {
+        for (name, camera) in [
+            ("across", orthographic([-2.0, 0.503, 0.507], [0.0, 0.503, 0.507], 0.9, [32, 32])),
+            ("along", orthographic([0.503, -2.0, 0.507], [0.503, 0.0, 0.507], 0.9, [32, 32])),
+            ("oblique", outside([40, 40])),
+        ] {
+            shown(&format!("flat {thickness:e} {name}"), smooth(with_flat_layer(thickness)), camera);
+        }
+    }
+    let ortho = orthographic([3.1, -2.0, 2.5], [0.51, 0.52, 0.53], 40.0, [21, 21]);
+    shown("tiny cells", smooth(cube([12, 12, 12], 0.2)), ortho);
+    let corners = [[-50.0, 10.0, -50.0], [60.0, 11.0, -45.0], [1.0, 12.0, 70.0], [0.0, 30.0, 2.0]];
+    let huge = volume(cell(corners), |p| 0.5 + 0.01 * p.x, |p| 0.8 + 0.01 * p.z);
+    for eye in [[0.0, 0.0, 0.0], [0.0, 14.0, 2.0]] {
+        shown("huge cell", huge.clone(), perspective(eye, [0.0, 40.0, 1.0], 30.0, [56, 40]));
+    }
+}
+
+/// Slabs of cells one behind the other, each a convex part: where no ray meets two cells of one slab, centroids are in
+/// the order of the entries.
+fn stack() -> Grid {
+    let slab = |k: usize| {
+        let y = 0.1 * k as f64;
+        cell([[-0.4, y, -0.3], [1.5, y + 0.02, -0.35], [0.5, y + 0.01, 1.6], [0.45, y + 0.09, 0.4]])
+    };
+    together(&(0..9).map(slab).collect::<Vec<_>>())
+}
+
+#[test]
+fn a_stack_in_the_order_of_its_centroids_is_exact() {
+    let volume = volume(stack(), |p| 0.5 + 0.4 * (9.0 * p.y).sin(), |p| 0.5 + p.x);
+    for (view, camera) in [
+        ("ortho", orthographic([0.5, -2.0, 0.5], [0.5, 0.0, 0.5], 1.2, [40, 32])),
+        ("perspective", perspective([0.5, -2.0, 0.5], [0.5, 0.0, 0.5], 30.0, [40, 32])),
+        ("from behind", perspective([0.5, 3.0, 0.5], [0.5, 0.0, 0.5], 20.0, [40, 32])),
+    ] {
+        for (kind, look) in [("ramp", ramp()), ("overlap", overlapping())] {
+            let (name, volume) = (format!("stack {view} {kind}"), volume.clone());
+            ordinary(&Scene { name, volume, look, camera }, &SHADING, Order::Centroid);
+        }
+    }
+}
+
+fn jittered(look: TransferFunction, camera: Camera) -> Scene {
+    Scene { name: "jittered".into(), volume: smooth(cube([6, 6, 6], 0.3)), look, camera }
+}
+
+/// The order of centroids, and that of the grid, are those of the tiles, over all bits of the key.
+#[test]
+fn orders_are_those_of_tiles() {
+    let Some(device) = device() else { return };
+    for camera in [outside([40, 32]), orthographic([3.0, -2.0, 2.5], [0.5, 0.5, 0.5], 1.9, [32, 40])] {
+        for order in [Order::Centroid, Order::None] {
+            // More cells than a block of the sort holds.
+            let scene = Scene { volume: smooth(cube([10, 9, 9], 0.3)), ..jittered(overlapping(), camera) };
+            let tiles = draw_on(device.clone(), &scene, &SHADING, How::from(order)).expect("draws");
+            let raster = draw_on(device.clone(), &scene, &SHADING, how(order)).expect("draws");
+            // Tiles give up what is behind 1 − 1e-6, and count from the front.
+            within(&format!("{order:?}"), &raster.picture, &tiles.picture, 1e-5);
+            assert_eq!((raster.counts.segments, raster.counts.pixels_disordered), (None, None));
+            assert_eq!(raster.counts.cells_projected, tiles.counts.cells_projected);
+        }
+    }
+}
+
+#[test]
+fn an_exact_order_is_refused_where_it_is_needed() {
+    let Some(device) = device() else { return };
+    for order in [Order::Exact, Order::Auto] {
+        let scene = jittered(overlapping(), outside([16, 16]));
+        let error = draw_on(device.clone(), &scene, &SHADING, how(order)).expect_err("refused").to_string();
+        for word in ["raster", "exact", "centroid", "tiles"] {
+            assert!(error.contains(word), "'{word}' is not in: {error}");
+        }
+        let free = jittered(one_gaussian(), outside([16, 16]));
+        let drawn = draw_on(device.clone(), &free, &SHADING, how(order)).expect("needs no order");
+        assert_eq!(drawn.counts.pixels_disordered, Some(0));
+    }
+}
+
+#[test]
+fn several_samples_a_pixel() {
+    for samples in [4, 3] {
+        with_one_color(&format!("{samples} samples"), Camera { samples, ..outside([32, 24]) });
+    }
+}
+
+/// Runs of any length, the last one short, and pictures in windows are the picture in one.
+#[test]
+fn runs_and_windows_change_nothing() {
+    let Some(device) = device() else { return };
+    let scene = jittered(overlapping(), outside([48, 40]));
+    let whole = draw_on(device, &scene, &SHADING, how(Order::Centroid)).expect("draws");
+    for length in [7, 100, 1296] {
+        let runs = Arc::new(further_device().with_runs_of(length));
+        let drawn = draw_on(runs, &scene, &SHADING, how(Order::Centroid)).expect("draws");
+        assert_eq!(drawn.picture.rgba, whole.picture.rgba, "{length}");
+    }
+    let windows = Arc::new(further_device().with_bindings_of(24_000));
+    let drawn = draw_on(windows, &scene, &SHADING, how(Order::Centroid)).expect("draws");
+    // Coordinates within a window round otherwise than those of the picture.
+    within("windows", &drawn.picture, &whole.picture, 1e-6);
+}
+
+/// Targets of 16 bits hold 11 digits: some thousandths after dozens of segments; and it is said.
+#[test]
+fn sixteen_bits_are_near_and_said() {
+    let Some(device) = device() else { return };
+    let narrow = Arc::new(further_device().blending_16_bits());
+    for (look, order) in [(overlapping(), Order::Centroid), (one_gaussian(), Order::Auto)] {
+        let scene = jittered(look, outside([32, 24]));
+        let wide = draw_on(device.clone(), &scene, &SHADING, how(order)).expect("draws");
+        let half = draw_on(narrow.clone(), &scene, &SHADING, how(order)).expect("draws");
+        assert!(half.blended_in_16_bits);
+        within("16 bits", &half.picture, &wide.picture, 1e-2);
+        assert_ne!(half.picture.rgba, wide.picture.rgba);
+    }
+}

@@ -1,0 +1,42 @@
+// Uses: passes/digits. Fills: nothing.
+// Each digit's numbers of the blocks into sums of the blocks before, and their whole sum. One workgroup a digit.
+
+var<workgroup> sums: array<u32, DIGITS>;
+
+// The sum of what this and all lower lanes give. All invocations must ask.
+fn sum_through(value: u32, lane: u32) -> u32 {
+    sums[lane] = value;
+    workgroupBarrier();
+    for (var stride = 1u; stride < DIGITS; stride *= 2u) {
+        var before = 0u;
+        if stride <= lane {
+            before = sums[lane - stride];
+        }
+        workgroupBarrier();
+        sums[lane] += before;
+        workgroupBarrier();
+    }
+    return sums[lane];
+}
+
+@compute @workgroup_size(256)
+fn place_digits(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane: u32) {
+    let blocks = block_count();
+    var before = 0u;
+    for (var first = 0u; first < blocks; first += DIGITS) {
+        let block = first + lane;
+        var value = 0u;
+        if block < blocks {
+            value = digit_counts[row_place(group.x, block)];
+        }
+        let through = sum_through(value, lane);
+        if block < blocks {
+            digit_counts[row_place(group.x, block)] = before + through - value;
+        }
+        before += sums[DIGITS - 1u];
+        workgroupBarrier();
+    }
+    if lane == 0u {
+        digit_counts[group.x] = before;
+    }
+}
