@@ -144,6 +144,8 @@ impl Folder {
     /// Runs the program in this folder.
     pub fn voltet(&self, arguments: &[&str]) -> Ran {
         let mut command = Command::new(env!("CARGO_BIN_EXE_voltet"));
+        // What is remembered of devices stays out of the user's own folder.
+        command.env("XDG_CACHE_HOME", concat!(env!("CARGO_TARGET_TMPDIR"), "/cache"));
         let output = command.current_dir(self.path()).args(arguments).env("NO_COLOR", "1").output().unwrap();
         Ran::new(arguments, output)
     }
