@@ -97,7 +97,7 @@ pub fn draw(
     let how = how.into();
     let compositor = compositor(transfer_function, shading, how)?;
     if how.compositing == Compositing::Raster {
-        grid.device.check_drawing()?;
+        grid.device.check_raster(grid.cell_count.into())?;
     }
     let mut choices = Choices::new(transfer_function, shading, compositor)?;
     let sizes = sizes(grid, &choices);

@@ -59,9 +59,18 @@ const NEEDED: [(DownlevelFlags, &str); 2] = [
     (DownlevelFlags::INDIRECT_EXECUTION, "draws whose counts stand in a buffer"),
 ];
 
+/// Bytes of a cell in the sorted list.
+pub(crate) const ENTRY_BYTES: u64 = 8;
+
 impl Device {
-    /// An error that names what the device lacks for the raster compositor.
-    pub(crate) fn check_drawing(&self) -> Result<()> {
+    /// An error that names what the device lacks for the raster compositor, or how many cells its list holds.
+    pub fn check_raster(&self, cell_count: u64) -> Result<()> {
+        let most = self.most_bytes() / ENTRY_BYTES;
+        if most < cell_count {
+            return Err(Error::run(format!("the sorted cells do not fit one binding of {}", self.name))
+                .found(format!("{cell_count} cells"))
+                .accepted(format!("at most {most}, or compositor = \"tiles\"")));
+        }
         let lacking = NEEDED.iter().filter(|(flag, _)| !self.downlevel.contains(*flag));
         let lacking: Vec<&str> = lacking.map(|(_, what)| *what).collect();
         if lacking.is_empty() {

@@ -52,6 +52,18 @@ impl Device {
         Ok(pipelines.entry(key).or_insert(compiled).clone())
     }
 
+    /// The entry points of what is compiled, by name, each once.
+    pub fn compiled(&self) -> Vec<&'static str> {
+        let pipelines = self.pipelines.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut names: Vec<&str> = pipelines.keys().map(|key| key.entry_point).collect();
+        if !self.drawings.lock().unwrap_or_else(PoisonError::into_inner).is_empty() {
+            names.push("blend_cell");
+        }
+        names.sort_unstable();
+        names.dedup();
+        names
+    }
+
     /// Lets go of all that was compiled, so that building it can be measured.
     pub fn forget_pipelines(&self) {
         self.pipelines.lock().unwrap_or_else(PoisonError::into_inner).clear();

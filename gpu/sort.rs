@@ -1,6 +1,7 @@
 //! The sort of all cells by distance: a radix sort on the device, which gathers the cells that can be seen on its way.
 
 use crate::buffers::Growing;
+use crate::drawing::ENTRY_BYTES;
 use crate::grid::Stored;
 use crate::steps::{Binder, Step, in_rows};
 use voltet_core::Result;
@@ -41,7 +42,7 @@ impl SortBuffers {
         let blocks = capacity.div_ceil(RoundRecord::ITEMS);
         let storage = |size: u64| device.storage("the sorted cells", size);
         let [first, second] = &mut self.lists;
-        let size = u64::from(capacity) * 8;
+        let size = u64::from(capacity) * ENTRY_BYTES;
         // One round from the cells reads no list.
         let lists =
             [first.at_least(size, storage)?, second.at_least(if rounds > 1 { size } else { 0 }, storage)?];

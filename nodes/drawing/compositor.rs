@@ -15,16 +15,11 @@ use voltet_gpu::{Compositing, Device, How, Times, measure, no_exact_order};
 #[derive(Default)]
 struct Known(Mutex<HashMap<Key, (Times, bool)>>);
 
-/// Whether the order asks for more than the raster compositor has, where one is needed.
-fn is_exact(order: Order) -> bool {
-    matches!(order, Order::Exact | Order::Auto)
-}
-
 /// Refuses, before any data are read, the raster compositor where each pixel needs its exact order.
 pub fn refuse_exact_raster(asking: &Asking, needed: bool) -> Result<()> {
     let p = asking.parameters;
     let known = asking.look("transfer_function").is_some();
-    if p.text("compositor")? == "raster" && known && needed && is_exact(super::order(p, needed)?) {
+    if known && needed && !super::has_order(p.text("compositor")?, super::order(p, needed)?) {
         return Err(blamed(p));
     }
     Ok(())
@@ -33,7 +28,7 @@ pub fn refuse_exact_raster(asking: &Asking, needed: bool) -> Result<()> {
 /// The same for a transfer function that was made from the data.
 pub fn refuse_exact(p: &Parameters, scene: &Scene) -> Result<()> {
     let needed = needs_order(&scene.transfer_function, &scene.shading);
-    if p.text("compositor")? == "raster" && needed && is_exact(scene.order) {
+    if needed && !super::has_order(p.text("compositor")?, scene.order) {
         return Err(blamed(p));
     }
     Ok(())
@@ -63,11 +58,14 @@ pub fn choose(call: &mut Call, scene: &Scene, device: &Arc<Device>) -> Result<(H
         "raster" => return Ok((raster, "raster", "the pipeline asks for it".into())),
         _ => {}
     }
-    if needed && is_exact(scene.order) {
+    if needed && !super::has_order("raster", scene.order) {
         return Ok(tiles("each pixel needs its exact order"));
     }
     if call.thorough {
         return Ok(tiles("nothing is left out"));
+    }
+    if let Err(error) = device.check_raster(scene.volume.grid.tetrahedra.len() as u64) {
+        return Ok(tiles(&error.to_string()));
     }
     let key = Key { adapter: device.name.clone(), driver: device.driver.clone(), needs_order: needed };
     let measured = call.keep_for_session(|| Ok(Known::default()))?;

@@ -5,6 +5,7 @@ use voltet_core::Result;
 use voltet_core::error::ErrorKind;
 use voltet_core::graph::{Asking, Call, Parameter, ParameterType, Parameters, Standard};
 use voltet_core::picture::Picture;
+use voltet_core::shading::Order;
 
 use super::stages;
 use super::{Scene, order::leave_out_order};
@@ -61,6 +62,12 @@ pub fn compositors() -> impl Iterator<Item = &'static str> {
         _ => &[],
     };
     choices.iter().map(|(name, _)| *name).filter(|name| *name != "auto")
+}
+
+/// Whether the compositor of that name carries out the order where the scene needs one: blending hardware knows no pixel's
+/// own order.
+pub fn has_order(compositor: &str, order: Order) -> bool {
+    compositor != "raster" || !matches!(order, Order::Exact | Order::Auto)
 }
 
 /// Why a build without the device engine takes the CPU.

@@ -19,7 +19,7 @@ mod stages;
 pub use bands::note_bands;
 #[cfg(feature = "gpu")]
 pub use device::draw_by;
-pub use engine::{ADAPTER, COMPOSITOR, ENGINE, ask_engine, compositors, draw};
+pub use engine::{ADAPTER, COMPOSITOR, ENGINE, ask_engine, compositors, draw, has_order};
 pub use needs::{ask, needs_order};
 pub use order::{ORDER, leave_out_order, order};
 pub use prepared::{Culled, Projected};

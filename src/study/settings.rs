@@ -4,6 +4,7 @@ use super::{Engine, Scene};
 use voltet_core::optics::Overlap;
 use voltet_core::optics::integrators::{Integrator, can_serve};
 use voltet_core::shading::Order;
+use voltet_nodes::drawing;
 
 /// One way to draw the scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -58,6 +59,8 @@ pub fn settings(scene: &Scene, only: &[String], engine: Engine) -> Vec<Setting> 
     if drawn && !settings.iter().any(|setting| setting.draws_as(&own)) {
         settings.push(own);
     }
+    let compositor = engine.compositor().unwrap_or_default();
+    settings.retain(|setting| !scene.needs_order || drawing::has_order(compositor, setting.order));
     settings
 }
 

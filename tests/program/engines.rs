@@ -7,8 +7,9 @@ use voltet::core::graph::Unobserved;
 /// The device's picture, in the same file as the CPU's. `None` without an adapter, said loudly; a failure if the
 /// environment variable `VOLTET_REQUIRE_GPU` is 1.
 fn run_on_device(folder: &Folder) -> Option<serde_json::Value> {
-    let gpu = "picture.engine=\"gpu\"";
-    let ran = folder.voltet(&["run", "slab.toml", "--report", "report.json", "--quiet", "--set", gpu]);
+    let (gpu, tiles) = ("picture.engine=\"gpu\"", "picture.compositor=\"tiles\"");
+    let arguments = ["run", "slab.toml", "--report", "report.json", "--quiet", "--set", gpu, "--set", tiles];
+    let ran = folder.voltet(&arguments);
     if ran.code == 0 {
         return Some(folder.json("report.json"));
     }
@@ -80,8 +81,11 @@ fn the_grid_and_the_pipelines_stay_on_the_device() {
     let registry = voltet::nodes::registry().unwrap();
     let mut session = voltet::nodes::session();
     let mut work = |options: &[&str]| {
-        let options: Vec<String> =
-            ["picture.engine=\"gpu\""].iter().chain(options).map(|option| option.to_string()).collect();
+        let options: Vec<String> = ["picture.engine=\"gpu\"", "picture.compositor=\"tiles\""]
+            .iter()
+            .chain(options)
+            .map(|option| option.to_string())
+            .collect();
         let document = Document::open(&folder.join("slab.toml"), &options, &registry).unwrap();
         let counts = session.run(&document.graph, &Unobserved).unwrap().counts;
         (counts["uploads"], counts["shader_builds"] > 0)
@@ -93,4 +97,67 @@ fn the_grid_and_the_pipelines_stay_on_the_device() {
     assert_eq!(work(&[moved, "look.widgets.0.color=[1, 0, 0]"]), (0, false));
     let other = "look.widgets.0={ kind = \"gaussian\", color = [1, 0, 0], extinction = 1, centre = [0.5, 0.0], sigma = [0.1, inf] }";
     assert_eq!(work(&[moved, other]), (0, true));
+}
+
+/// What the report says of the compositor, with these settings of the picture; `None` without an adapter.
+fn composited(folder: &Folder, settings: &[&str]) -> Option<serde_json::Value> {
+    let mut arguments = vec!["run", "slab.toml", "--report", "report.json", "--quiet"];
+    for setting in [&["picture.engine=\"gpu\"", "picture.adapter=\"software\""], settings].concat() {
+        arguments.extend(["--set", setting]);
+    }
+    folder.voltet(&arguments).on_software_driver()?;
+    Some(folder.json("report.json"))
+}
+
+/// One colour needs no order: `auto` measures once and remembers, also in the next process; each compositor draws the
+/// picture of the CPU.
+#[test]
+fn auto_takes_the_compositor_that_was_measured_as_the_faster_one() {
+    let folder = Folder::new();
+    let cpu = "picture.engine=\"cpu\"";
+    folder.voltet(&["run", "slab.toml", "--quiet", "--set", cpu]).ok();
+    let (_, expected) = folder.floats("slab.exr");
+    for (wish, why) in [("tiles", "the pipeline asks for it"), ("raster", "the pipeline asks for it")] {
+        let Some(report) = composited(&folder, &[&format!("picture.compositor=\"{wish}\"")]) else { return };
+        assert_eq!((&report["compositor"], &report["compositor_reason"]), (&wish.into(), &why.into()));
+        assert_eq!(report["counts"]["segments"].is_null(), wish == "raster", "{report:#}");
+        assert_eq!(report["counts"]["pixels_disordered"], 0);
+        let (_, found) = folder.floats("slab.exr");
+        for (a, b) in found.iter().flatten().zip(expected.iter().flatten()) {
+            // Rounding of a dozen 32-bit segments.
+            assert!((a - b).abs() < 2e-6, "{wish}: {a} for {b}");
+        }
+    }
+    composited(&folder, &[]).unwrap();
+    let report = composited(&folder, &[]).unwrap();
+    let reason = report["compositor_reason"].as_str().unwrap();
+    for words in ["the faster one here", "tiles take", "raster", " ms", "(remembered)"] {
+        assert!(reason.contains(words), "'{words}' is not in: {reason}");
+    }
+    let times: Vec<f64> = reason.split_whitespace().filter_map(|word| word.parse().ok()).collect();
+    let [tiles, raster] = times[..] else { panic!("{reason}") };
+    let faster = if raster < tiles { "raster" } else { "tiles" };
+    assert_eq!(report["compositor"], faster, "{reason}");
+}
+
+/// Two emitters need an order: tiles are taken for the exact one without measuring; the raster refuses it, with the line of
+/// the pipeline, and serves centroids without counting what they get wrong.
+#[test]
+fn the_raster_refuses_an_exact_order_before_it_draws() {
+    let folder = Folder::new();
+    let glow = "look.model=\"constant-emitter\"";
+    let Some(report) = composited(&folder, &[glow]) else { return };
+    assert_eq!(report["compositor"], "tiles");
+    assert_eq!(report["compositor_reason"], "each pixel needs its exact order");
+    let (raster, centroid) = ("picture.compositor=\"raster\"", "picture.order=\"centroid\"");
+    let report = composited(&folder, &[glow, raster, centroid]).unwrap();
+    assert_eq!(report["compositor"], "raster");
+    assert!(report["counts"]["pixels_disordered"].is_null(), "{report:#}");
+    let text = std::fs::read_to_string(folder.join("slab.toml")).unwrap();
+    let wish = "type = \"gpu-renderer\"\ncompositor = \"raster\"";
+    folder.write("slab.toml", text.replace("type = \"renderer\"", wish));
+    let words = ["no exact order", "order = \"centroid\"", "compositor = \"tiles\"", "slab.toml:35:14"];
+    // Found while planning, before any data are read.
+    folder.voltet(&["check", "slab.toml", "--set", glow]).fails(2, &words);
+    folder.voltet(&["check", "slab.toml"]).ok();
 }

@@ -10,8 +10,9 @@ use std::sync::Arc;
 use voltet_core::camera::Camera;
 use voltet_core::grid::Grid;
 use voltet_core::progress::Silent;
-use voltet_core::shading::{Order, Shading};
+use voltet_core::shading::{Integrator, Light, Order, Shading};
 use voltet_core::transfer::TransferFunction;
+use voltet_core::volume::Volume;
 use voltet_core::{Result, picture::Picture};
 use voltet_gpu::{Compositing, Device, DeviceGrid, Drawn, How};
 
@@ -265,5 +266,89 @@ fn sixteen_bits_are_near_and_said() {
         assert!(half.blended_in_16_bits);
         within("16 bits", &half.picture, &wide.picture, 1e-2);
         assert_ne!(half.picture.rgba, wide.picture.rgba);
+    }
+}
+
+/// Neither compositor's passes are compiled for the other, nor a sort where no order is needed.
+#[test]
+fn what_is_not_asked_for_is_not_compiled() {
+    if device().is_none() {
+        return;
+    }
+    let first = ["bound_cells", "place_attribute", "see_points"];
+    let lists = ["composite_tiles", "fill_lists", "start_lists"];
+    let drawn = ["aim_runs", "blend_cell", "count_digits", "move_digits", "place_digits", "take_blended"];
+    for (look, how, further) in [
+        (overlapping(), How::from(Order::Exact), [&lists[..], &["sort_lists"]].concat()),
+        (one_gaussian(), How::from(Order::Auto), lists.to_vec()),
+        (overlapping(), how(Order::Centroid), drawn.to_vec()),
+        (one_gaussian(), how(Order::Auto), drawn.to_vec()),
+    ] {
+        let device = Arc::new(further_device());
+        draw_on(device.clone(), &jittered(look, outside([16, 16])), &SHADING, how).expect("draws");
+        let mut expected = [&first[..], &further].concat();
+        expected.sort_unstable();
+        assert_eq!(device.compiled(), expected, "{how:?}");
+    }
+}
+
+/// Every integrator, light, silhouettes, fields and tables come by composition: the pictures of the tiles in the same
+/// order, and of one colour the referee's.
+#[test]
+fn every_integrator_and_light_is_that_of_tiles() {
+    let Some(device) = device() else { return };
+    let grid = cube([4, 4, 4], 0.2);
+    let gradient = grid.points.iter().map(|&p| smooth_gradient(p)).collect();
+    let volume = Arc::new(Volume { gradient: Some(Arc::new(gradient)), ..(*smooth(grid)).clone() });
+    let light = Some(Light { direction: DVec3::new(0.4, -0.7, 3.5), ambient: 0.3, diffuse: 0.8 });
+    let mut shadings = vec![
+        Shading { light, ..SHADING },
+        Shading { silhouette: Some(1.5), ..SHADING },
+        Shading { silhouette: Some(0.5), light, ..SHADING },
+    ];
+    shadings.extend(
+        [
+            Integrator::Adaptive { tolerance: 1e-4 },
+            Integrator::Segments { count: 4, table_size: 64 },
+            Integrator::Riemann { count: 8 },
+            Integrator::PreIntegrated { table_size: 32 },
+            Integrator::PreIntegratedCylindrical { table_size: 32 },
+            Integrator::Clipped,
+        ]
+        .map(|integrator| Shading { integrator, ..SHADING }),
+    );
+    let camera = outside([32, 28]);
+    for shading in shadings {
+        for (kind, look) in [("ramp", ramp()), ("overlap", overlapping()), ("one colour", one_gaussian())] {
+            if voltet_gpu::can_serve(&look, &shading).is_err() {
+                continue;
+            }
+            let scene = Scene { name: format!("{kind} {shading:?}"), volume: volume.clone(), look, camera };
+            let [tiles, raster] = [How::from(Order::Centroid), how(Order::Centroid)]
+                .map(|how| draw_on(device.clone(), &scene, &shading, how).expect("draws").picture);
+            // Tiles give up what is behind 1 − 1e-6.
+            within(&scene.name, &raster, &tiles, 1e-5);
+            if kind == "one colour" && shading.light.is_none() && shading.silhouette.is_some() {
+                within(&scene.name, &raster, &referee_shaded(&scene, &shading), ORDINARY);
+            }
+        }
+    }
+}
+
+/// A grid whose arrays stand in several bindings each.
+#[test]
+fn a_grid_in_parts_is_the_same() {
+    let Some(device) = device() else { return };
+    let scene = Scene { volume: smooth(cube([5, 5, 5], 0.3)), ..jittered(overlapping(), outside([16, 16])) };
+    let whole = draw_on(device, &scene, &SHADING, how(Order::Centroid)).expect("draws");
+    // 750 cells of 16 bytes, and as many places of 8 bytes in the sorted list.
+    let small = further_device().with_bindings_of(6200).with_buffers_at_a_time(32);
+    let parts = draw_on(Arc::new(small), &scene, &SHADING, how(Order::Centroid)).expect("draws in parts");
+    within("parts", &parts.picture, &whole.picture, 1e-6);
+    // The sorted list stands in one binding.
+    let smaller = further_device().with_bindings_of(5000).with_buffers_at_a_time(64);
+    let error = draw_on(Arc::new(smaller), &scene, &SHADING, how(Order::Centroid)).expect_err("no room");
+    for word in ["sorted cells", "750 cells", "at most 625", "tiles"] {
+        assert!(error.to_string().contains(word), "'{word}' is not in: {error}");
     }
 }
