@@ -56,6 +56,8 @@ pub struct Drawn {
     pub parts_left_out: Vec<&'static str>,
     /// Bytes of all pieces that are not in it.
     pub part_bytes_left_out: u64,
+    /// What composited it.
+    pub(crate) shader: Shader,
     /// Whether pixels were blended in 16-bit floats, since the device blends none of 32 bits.
     pub blended_in_16_bits: bool,
 }
@@ -67,6 +69,8 @@ pub struct Counts {
     pub culled_by_transfer_function: u64,
     /// Cells left out because they are outside the view.
     pub culled_by_frustum: u64,
+    /// Cells left out because they cover no pixel's middle, or have no volume.
+    pub under_a_pixel: u64,
     /// Cells that may cover a pixel.
     pub cells_projected: u64,
     /// Cells in the lists of all tiles.
@@ -78,6 +82,10 @@ pub struct Counts {
     pub pixels_disordered: Option<u64>,
     /// Times that a tile's list was gone through once more, because a pixel had more segments than fit at a time.
     pub sweeps_further: u64,
+    /// Tiles that were opaque before all their cells had been looked at.
+    pub tiles_stopped: u64,
+    /// Cells that such tiles did not look at; a cell counts in each of them.
+    pub cells_hidden: u64,
 }
 
 /// Draws the volume that `grid` was made from.
@@ -176,15 +184,19 @@ pub fn draw(
         counts: Counts {
             culled_by_transfer_function: counted[count::BY_FUNCTION],
             culled_by_frustum: counted[count::BY_FRUSTUM],
+            under_a_pixel: counted[count::UNDER_A_PIXEL],
             cells_projected: counted[count::PROJECTED],
             tile_entries: counted[count::ENTRIES],
             segments: is_counted.then_some(counted[count::SEGMENTS]),
             pixels_disordered: (is_counted || is_free).then_some(counted[count::DISORDERED]),
             sweeps_further: counted[count::SWEEPS],
+            tiles_stopped: counted[count::TILES_STOPPED],
+            cells_hidden: counted[count::CELLS_HIDDEN],
         },
         seconds: returned.seconds,
         parts_left_out,
         part_bytes_left_out,
+        shader: frame.compositor,
         blended_in_16_bits: !is_counted && !grid.device.blends_32_bits,
     })
 }

@@ -25,7 +25,14 @@ pub(crate) mod count {
     /// Tiles of the last dispatch that are to go on.
     pub const UNFINISHED: usize = 7;
     pub const LONGEST: usize = 8;
+    /// Cells in view that cover no pixel's middle.
+    pub const UNDER_A_PIXEL: usize = 9;
+    /// Tiles that were opaque before all their cells had been looked at, and those cells.
+    pub const TILES_STOPPED: usize = 10;
+    pub const CELLS_HIDDEN: usize = 11;
     pub const ALL: usize = 12;
+    /// Those that are the same in every window.
+    pub const OF_CELLS: [usize; 4] = [BY_FUNCTION, BY_FRUSTUM, PROJECTED, UNDER_A_PIXEL];
 }
 
 /// Entries that lists are given room for before their lengths are known.
@@ -86,6 +93,7 @@ impl Frame<'_> {
         let mut all = [0u64; count::ALL];
         let mut timing = Timing::new(self.device())?;
         let mut open = vec![[0, 0, tiles[0], tiles[1]]];
+        let mut is_first = true;
         while let Some(window) = open.pop() {
             if progress.cancelled() {
                 return Err(Error::cancelled());
@@ -97,9 +105,12 @@ impl Frame<'_> {
             let counts = self.draw_window(window, &mut picture, &mut timing)?;
             match counts {
                 Some(counts) => {
-                    for (sum, count) in all.iter_mut().zip(counts) {
-                        *sum += u64::from(count);
+                    for (place, (sum, count)) in all.iter_mut().zip(counts).enumerate() {
+                        if is_first || !count::OF_CELLS.contains(&place) {
+                            *sum += u64::from(count);
+                        }
                     }
+                    is_first = false;
                 }
                 None => open.extend(halves(window)?),
             }

@@ -24,6 +24,6 @@ pub use compose::{Shader, compose, compose_pieces};
 pub use held::{Spans, held};
 pub use parameters::{Axis, Parameters, SceneHead, WidgetRecord};
 pub use parts::{Access, CELLS_READ, GRID_GROUP, GridArray, Layout, Parts};
-pub use passes::{FramePass, PlacementRecord, RoundRecord, ViewRecord};
+pub use passes::{FramePass, PlacementRecord, RoundRecord, ViewRecord, multiply_adds};
 pub use pieces::{PIECES, Piece, piece};
 pub use resources::{Buffer, Contents, Pass, Resources};

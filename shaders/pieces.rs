@@ -61,6 +61,7 @@ pub const PIECES: &[Piece] = pieces![
     "linear/front_back",
     "linear/panels",
     "linear/psi",
+    "multiply_adds",
     "numbers",
     "overlap/constant_emitter",
     "overlap/density_emitter",

@@ -1,7 +1,7 @@
 //! A scene on the device engine: devices are opened once a session, grids uploaded once a revision.
 
 use super::Scene;
-use super::stages::leave_out_cells;
+use super::stages::{leave_out_cells, note_tiles_stopped};
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 use voltet_core::Result;
@@ -109,6 +109,8 @@ fn note(call: &mut Call, scene: &Scene, device: &Device, before: Work, drawn: &D
         "no widget touches their values",
     );
     leave_out_cells(call, counts.culled_by_frustum, "out of view", "they lie outside the view");
+    leave_out_cells(call, counts.under_a_pixel, "under a pixel's reach", "they cover no pixel centre");
+    note_tiles_stopped(call, counts.tiles_stopped, counts.cells_hidden);
     if !drawn.parts_left_out.is_empty() {
         let what = format!("shader parts {}", drawn.parts_left_out.join(", "));
         let saving = Saving::Bytes(drawn.part_bytes_left_out);

@@ -67,8 +67,8 @@ impl Progress for Unshown<'_> {
 
 const HEAD: &str =
     "| node | size | engine | order | frame, median ms | fastest to slowest | cull | sort | project | \
-composite | set-up, ms | segments | 10⁶ segments/s |
-| --- | --- | --- | --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |";
+composite | GFLOP/s there | set-up, ms | segments | 10⁶ segments/s |
+| --- | ---: | --- | --- | --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |";
 
 /// Prints the table of one file.
 fn measure(arguments: &arguments::Time, wish: &Wish, document: &Document, bar: &Bar) -> Result<()> {
@@ -87,10 +87,23 @@ fn measure(arguments: &arguments::Time, wish: &Wish, document: &Document, bar: &
         if number == 0 {
             println!("\n{title}: {} tetrahedra", scene.volume.grid.tetrahedra.len());
             benches.left_out.iter().for_each(|what| println!("\nnot measured: {what}"));
-            benches.adapter(&scene, wish).iter().for_each(|adapter| println!("\ndevice: {}", adapter.name));
+            device(&benches, &scene, wish)?;
             println!("\n{HEAD}");
         }
         rows(arguments, wish, scene, &mut benches, bar)?;
+    }
+    Ok(())
+}
+
+/// Says what device is measured, and what it can do at most.
+fn device(benches: &Benches, scene: &Scene, wish: &Wish) -> Result<()> {
+    if let (Some(adapter), Some(rate)) = (benches.adapter(scene, wish), benches.multiply_adds_per_second()?) {
+        let rate = 1e-9 * rate;
+        println!(
+            "\ndevice: {}; measured: {rate:.0}·10⁹ 32-bit multiply-adds/s, {:.0} GFLOP/s",
+            adapter.name,
+            2.0 * rate
+        );
     }
     Ok(())
 }
@@ -110,7 +123,7 @@ fn rows(
             match benches.measure(&scene, &setting, &wish.frames, &Unshown(bar)) {
                 Ok((_, cost)) => println!("{}", row(&scene, &setting, &cost)),
                 Err(error) if bar.cancelled() => return Err(error),
-                Err(error) => println!("{}{error} {}", head(&scene, &setting), "|".repeat(9)),
+                Err(error) => println!("{}{error} {}", head(&scene, &setting), "|".repeat(10)),
             }
         }
     }
@@ -140,17 +153,19 @@ fn head(scene: &Scene, setting: &Setting) -> String {
 fn row(scene: &Scene, setting: &Setting, cost: &Cost) -> String {
     let stage = |times: Option<Times>| times.map_or(String::new(), |times| format!("{:.2}", times.median_ms));
     let Times { median_ms, fastest_ms, slowest_ms } = cost.frame;
+    let rate_there = |(count, times): (u64, Times)| format!("{:.0}", count as f64 / times.median_ms * 1e-6);
     // Blending hardware does not count segments.
     let count = cost.segments.map(|count| count.to_string()).unwrap_or_default();
     let rate =
         cost.segments.map(|count| format!("{:.0}", count as f64 / median_ms * 1e-3)).unwrap_or_default();
     format!(
-        "{}**{median_ms:.2}** | {fastest_ms:.2} to {slowest_ms:.2} | {} | {} | {} | {} | {:.1} | {count} | {rate} |",
+        "{}**{median_ms:.2}** | {fastest_ms:.2} to {slowest_ms:.2} | {} | {} | {} | {} | {} | {:.1} | {count} | {rate} |",
         head(scene, setting),
         stage(cost.cull),
         stage(cost.sort),
         stage(cost.project),
         stage(cost.composite),
+        cost.operations.zip(cost.composite).map(rate_there).unwrap_or_default(),
         cost.set_up.median_ms,
     )
 }

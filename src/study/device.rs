@@ -65,6 +65,11 @@ impl Bench {
         self.device.is_software
     }
 
+    /// 32-bit multiply-adds a second, measured. Errors: a lost device.
+    pub fn multiply_adds_per_second(&self) -> Result<f64> {
+        self.device.multiply_adds_per_second()
+    }
+
     /// Draws the scene with one setting. Errors: also what the device does not hold.
     pub fn measure(
         &mut self,
@@ -90,8 +95,10 @@ impl Bench {
             drawn = further;
             taken.push(once);
         }
-        let cost = cost(&taken, first.as_secs_f64(), &drawn);
-        Ok((drawn.picture, Cost { peak_memory_bytes: peak_memory().filter(|_| fresh), ..cost }))
+        let peak_memory_bytes = peak_memory().filter(|_| fresh);
+        let operations = drawn.compositor_operations()?;
+        let cost = Cost { operations, peak_memory_bytes, ..cost(&taken, first.as_secs_f64(), &drawn) };
+        Ok((drawn.picture, cost))
     }
 }
 
@@ -127,6 +134,7 @@ fn cost(taken: &[Taken], first: f64, drawn: &Drawn) -> Cost {
         passes,
         segments: drawn.counts.segments,
         segments_exact: 0,
+        operations: None,
         peak_memory_bytes: None,
     }
 }

@@ -73,6 +73,9 @@ pub struct Cost {
     pub segments: Option<u64>,
     /// Segments of these that the engine left to 64 bits.
     pub segments_exact: u64,
+    /// Floating-point operations of a device's compositor in a frame, counted in the shader's text with every loop run
+    /// once; `None` where they are not known.
+    pub operations: Option<u64>,
     /// Largest resident memory of the process meanwhile; `None` where the system does not tell.
     pub peak_memory_bytes: Option<u64>,
 }
@@ -124,6 +127,7 @@ pub fn measure(
         passes: Vec::new(),
         segments: Some(counts.segments),
         segments_exact: counts.segments_exact,
+        operations: None,
         peak_memory_bytes: peak_memory().filter(|_| fresh),
     };
     Ok((picture, cost))

@@ -1,6 +1,6 @@
 //! What the device refuses, orders that are not exact, overlaps mixed, and frames after the first.
 
-use crate::compare::{SHADING, Scene, referee, within};
+use crate::compare::{ORDINARY, SHADING, Scene, referee, within};
 use crate::drawing::{device, draw, try_draw};
 use crate::grids::{cube, smooth};
 use crate::looks::*;
@@ -9,7 +9,7 @@ use voltet_core::optics::Overlap;
 use voltet_core::progress::Silent;
 use voltet_core::shading::{Integrator, Order, Shading};
 use voltet_core::transfer::{OpticalModel, TransferFunction};
-use voltet_gpu::{Device, DeviceGrid};
+use voltet_gpu::{Device, DeviceGrid, Drawn};
 
 fn scene(look: TransferFunction) -> Scene {
     Scene { name: "limits".into(), volume: smooth(cube([6, 6, 6], 0.3)), look, camera: outside([32, 32]) }
@@ -109,6 +109,17 @@ fn small_bindings_draw_in_windows() {
         let windows = small(scene, bytes).expect("draws in windows");
         assert_eq!(windows.counts.segments, whole.counts.segments);
         assert_eq!(windows.picture.rgba, whole.picture.rgba);
+        let cells = |drawn: &Drawn| {
+            let counts = drawn.counts;
+            [
+                counts.culled_by_transfer_function,
+                counts.culled_by_frustum,
+                counts.under_a_pixel,
+                counts.cells_projected,
+            ]
+        };
+        assert_eq!(cells(&windows), cells(&whole));
+        assert_eq!(cells(&whole).iter().sum::<u64>(), scene.volume.grid.tetrahedra.len() as u64);
     }
 }
 
@@ -130,4 +141,51 @@ fn all_mixed() {
     let scene = widgets::scene("all mixed".into(), widgets::all());
     let Some(drawn) = draw(&scene, &mix, Order::Exact) else { return };
     within("all mixed", &drawn.picture, &referee(&scene), 2e-2);
+}
+
+/// Ten million a second is less than any device does, 1e15 more.
+#[test]
+fn multiply_adds_are_counted() {
+    let Some(device) = device() else { return };
+    let rate = device.multiply_adds_per_second().expect("runs");
+    println!("{}: {rate:.3e} multiply-adds a second", device.name);
+    assert!((1e7..1e15).contains(&rate), "{rate:e}");
+}
+
+/// Tiles whose pixels are opaque look at no further cell, whatever the order; the picture is the referee's all the same.
+#[test]
+fn opaque_tiles_stop_early() {
+    let fog = |extinction, other| {
+        let looks = look(vec![everywhere(extinction, [1.0, 0.5, 0.25]), everywhere(extinction, other)]);
+        Scene {
+            name: format!("fog {extinction} {other:?}"),
+            volume: smooth(cube([10, 10, 10], 0.2)),
+            look: looks,
+            camera: perspective([0.5, -2.0, 0.5], [0.5, 0.0, 0.5], 15.0, [24, 16]),
+        }
+    };
+    for (other, order) in [
+        ([1.0, 0.5, 0.25], Order::Exact),
+        ([0.2, 0.5, 1.0], Order::Exact),
+        ([0.2, 0.5, 1.0], Order::Centroid),
+    ] {
+        let Some(thin) = draw(&fog(1.0, other), &SHADING, order) else { return };
+        assert_eq!((thin.counts.tiles_stopped, thin.counts.cells_hidden), (0, 0));
+        let dense = fog(1e4, other);
+        let drawn = draw(&dense, &SHADING, order).expect("drew before");
+        // All of 3 × 2.
+        assert_eq!(drawn.counts.tiles_stopped, 6, "{order:?}");
+        assert!(drawn.counts.cells_hidden > 0 && drawn.counts.segments < thin.counts.segments);
+        within(&dense.name, &drawn.picture, &referee(&dense), ORDINARY);
+    }
+}
+
+/// More operations than segments and tests, fewer than a thousand for each of them.
+#[test]
+fn operations_of_the_compositor_are_counted() {
+    let Some(drawn) = draw(&scene(one_gaussian()), &SHADING, Order::Exact) else { return };
+    let counted = drawn.compositor_operations().expect("is WGSL").expect("tiles count");
+    let steps = drawn.counts.segments.unwrap_or(0) + 64 * drawn.counts.tile_entries;
+    println!("{counted} operations in {steps} steps");
+    assert!((steps..1000 * steps).contains(&counted), "{counted} in {steps}");
 }

@@ -113,6 +113,30 @@ fn keep_state(pixel: vec2u, state: State) {
     states[at + 1u] = vec4u(bitcast<vec3u>(vec3f(state.sum.transparency, state.kept)), number);
 }
 
+var<workgroup> tally: atomic<u32>;
+
+// Ends a dispatch for the whole tile: counts its segments, whether it is to go on, and the cells that it did not look at
+// because every pixel was opaque. All invocations must ask; what all tiles add to is added to once a tile.
+fn count_tile(segment_count: u32, stops: bool, hidden: u32, lane: u32) {
+    if lane == 0u {
+        atomicStore(&tally, 0u);
+    }
+    workgroupBarrier();
+    atomicAdd(&tally, segment_count);
+    workgroupBarrier();
+    if lane != 0u {
+        return;
+    }
+    atomicAdd(&counts[4], atomicLoad(&tally));
+    if stops {
+        atomicAdd(&counts[7], 1u);
+    }
+    if hidden != 0u {
+        atomicAdd(&counts[10], 1u);
+        atomicAdd(&counts[11], hidden);
+    }
+}
+
 // Where a tile's list goes on for the orders that take it once: the open pixels' number, the same for all of them.
 fn first_of_tile(state: State, list: vec2u, lane: u32) -> u32 {
     if lane == 0u {

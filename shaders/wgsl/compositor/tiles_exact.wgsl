@@ -108,6 +108,9 @@ fn composite_tiles(
     var work = 0u;
     var segment_count = 0u;
     var stops = false;
+    // Cells that no sweep has looked at.
+    var hidden = 0u;
+    var is_first_sweep = view.goes_on == 0u;
     loop {
         // What this sweep gave up lies at or behind `limit`.
         var limit = nowhere;
@@ -160,6 +163,9 @@ fn composite_tiles(
                 }
             }
             if !any_pixel(open, lane) {
+                if is_first_sweep {
+                    hidden = list.y - min(first + CHUNK, list.y);
+                }
                 break;
             }
             if first + CHUNK < list.y {
@@ -191,15 +197,11 @@ fn composite_tiles(
         if lane == 0u {
             atomicAdd(&counts[6], 1u);
         }
+        is_first_sweep = false;
     }
     keep_state(pixel, State(sum, vec2f(low.entry, low.exit), low.cell, open));
     if begins_open && !open {
         put(pixel, sum.color, composite_opacity(sum));
     }
-    if begins_open {
-        atomicAdd(&counts[4], segment_count);
-    }
-    if stops && lane == 0u {
-        atomicAdd(&counts[7], 1u);
-    }
+    count_tile(segment_count, stops, hidden, lane);
 }

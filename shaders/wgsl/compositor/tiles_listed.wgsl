@@ -21,6 +21,7 @@ fn composite_tiles(
     var segment_count = 0u;
     var first = first_of_tile(state, list, lane);
     var stops = false;
+    var hidden = 0u;
     while first < list.y {
         let count = min(CHUNK, list.y - first);
         workgroupBarrier();
@@ -43,6 +44,7 @@ fn composite_tiles(
         work += count;
         first += CHUNK;
         if !any_pixel(open, lane) {
+            hidden = list.y - min(first, list.y);
             break;
         }
         if first < list.y && any_pixel(view.budget < work, lane) {
@@ -56,10 +58,5 @@ fn composite_tiles(
         put(pixel, sum.color, composite_opacity(sum));
         atomicAdd(&counts[5], u32(disordered));
     }
-    if begins_open {
-        atomicAdd(&counts[4], segment_count);
-    }
-    if stops && lane == 0u {
-        atomicAdd(&counts[7], 1u);
-    }
+    count_tile(segment_count, stops, hidden, lane);
 }

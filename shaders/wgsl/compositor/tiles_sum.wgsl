@@ -23,6 +23,7 @@ fn composite_tiles(
     var segment_count = 0u;
     var first = first_of_tile(state, list, lane);
     var stops = false;
+    var hidden = 0u;
     while first < list.y {
         let count = min(CHUNK, list.y - first);
         workgroupBarrier();
@@ -47,6 +48,7 @@ fn composite_tiles(
         first += CHUNK;
         open = open && select(OPAQUE <= sum.transparency, depth < OPAQUE_SUM, DEPTHS_ADD_UP);
         if !any_pixel(open, lane) {
+            hidden = list.y - min(first, list.y);
             break;
         }
         if first < list.y && any_pixel(view.budget < work, lane) {
@@ -64,10 +66,5 @@ fn composite_tiles(
             put(pixel, sum.color, composite_opacity(sum));
         }
     }
-    if begins_open {
-        atomicAdd(&counts[4], segment_count);
-    }
-    if stops && lane == 0u {
-        atomicAdd(&counts[7], 1u);
-    }
+    count_tile(segment_count, stops, hidden, lane);
 }

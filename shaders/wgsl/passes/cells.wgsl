@@ -86,12 +86,16 @@ fn box_of(p: array<vec3f, 4>) -> Box {
     return box;
 }
 
-@compute @workgroup_size(64)
-fn bound_cells(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
-    let cell = flat_index(id, groups);
-    if view.cell_count <= cell {
-        return;
-    }
+// What becomes of a cell: the places of `counts`, but for the last.
+const BY_FUNCTION = 1u;
+const BY_FRUSTUM = 2u;
+const PROJECTED = 3u;
+const UNDER_A_PIXEL = 0u;
+// Where cells under a pixel's reach are counted.
+const UNDER_A_PIXEL_COUNT = 9u;
+
+// Gives the pixels that a cell may cover, counts it for the tiles that it falls on, and says what becomes of it.
+fn bound(cell: u32) -> u32 {
     // Zeros for a cell that is left out.
     put_bounds(cell, vec2u(0u));
     let corners = tetrahedron(cell);
@@ -109,36 +113,68 @@ fn bound_cells(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups
         );
     }
     if !is_touched(vec4f(a.w, b.w, c.w, d.w), g) {
-        atomicAdd(&counts[1], view.is_first);
-        return;
+        return BY_FUNCTION;
     }
-    // Behind the near plane, or without any volume that 32 bits can hold.
+    if most(vec4f(a.z, b.z, c.z, d.z)) <= view.near {
+        return BY_FRUSTUM;
+    }
+    // Without any volume that 32 bits can hold.
     let determinant = dot(b.xyz - a.xyz, cross(c.xyz - a.xyz, d.xyz - a.xyz));
-    let hidden = most(vec4f(a.z, b.z, c.z, d.z)) <= view.near;
-    if hidden || !(1e-37 < abs(determinant)) {
-        atomicAdd(&counts[2], view.is_first);
-        return;
+    if !(1e-37 < abs(determinant)) {
+        return UNDER_A_PIXEL;
     }
     let box = box_of(array(a.xyz, b.xyz, c.xyz, d.xyz));
-    let window = view.window * TILE;
-    let left_top = vec2f(window.xy);
-    let right_bottom = min(vec2f(view.size), vec2f(window.xy + window.zw));
-    let start = vec2u(clamp(ceil(box.low - SLACK), left_top, right_bottom));
-    let end = vec2u(clamp(floor(box.high + SLACK) + 1.0, left_top, right_bottom));
-    if any(end <= start) {
-        atomicAdd(&counts[2], view.is_first);
-        return;
+    let size = vec2f(view.size);
+    if any(box.high < vec2f(-SLACK)) || any(size - 1.0 + SLACK < box.low) {
+        return BY_FRUSTUM;
     }
-    atomicAdd(&counts[3], view.is_first);
+    let pixels_start = clamp(ceil(box.low - SLACK), vec2f(0.0), size);
+    let pixels_end = clamp(floor(box.high + SLACK) + 1.0, vec2f(0.0), size);
+    if any(pixels_end <= pixels_start) {
+        return UNDER_A_PIXEL;
+    }
+    let window = view.window * TILE;
+    let start = max(vec2u(pixels_start), window.xy);
+    let end = min(vec2u(pixels_end), window.xy + window.zw);
+    if any(end <= start) {
+        return PROJECTED;
+    }
     put_bounds(cell, vec2u(start.x | (start.y << 16u), end.x | (end.y << 16u)));
     if !lists_tiles {
-        return;
+        return PROJECTED;
     }
     let first = start / TILE - view.window.xy;
     let last = (end - 1u) / TILE - view.window.xy;
     for (var row = first.y; row <= last.y; row++) {
         for (var column = first.x; column <= last.x; column++) {
             atomicAdd(&listed[row * view.window.z + column], 1u);
+        }
+    }
+    return PROJECTED;
+}
+
+// A group's cells are counted together: one number that all groups add to is waited for.
+var<workgroup> tallies: array<atomic<u32>, 4>;
+
+@compute @workgroup_size(64)
+fn bound_cells(
+    @builtin(global_invocation_id) id: vec3u,
+    @builtin(local_invocation_index) lane: u32,
+    @builtin(num_workgroups) groups: vec3u,
+) {
+    let cell = flat_index(id, groups);
+    if lane < 4u {
+        atomicStore(&tallies[lane], 0u);
+    }
+    workgroupBarrier();
+    if cell < view.cell_count {
+        atomicAdd(&tallies[bound(cell)], 1u);
+    }
+    workgroupBarrier();
+    if lane < 4u && view.is_first == 1u {
+        let tally = atomicLoad(&tallies[lane]);
+        if tally != 0u {
+            atomicAdd(&counts[select(lane, UNDER_A_PIXEL_COUNT, lane == UNDER_A_PIXEL)], tally);
         }
     }
 }
