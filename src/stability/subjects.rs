@@ -49,15 +49,10 @@ pub fn subjects(adapter: Option<&str>) -> Result<Subjects> {
 }
 
 impl Subjects {
-    #[cfg(feature = "gpu")]
     fn add(&mut self, device: Arc<Device>) {
+        #[cfg(feature = "gpu")]
         self.forms.push(Box::new(voltet_gpu::Segments::new(device.clone())));
         self.painters.push(Painter::Device(device));
-    }
-
-    #[cfg(not(feature = "gpu"))]
-    fn add(&mut self, device: Arc<Device>) {
-        match *device {}
     }
 }
 

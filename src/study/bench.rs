@@ -100,7 +100,7 @@ impl Benches {
             Takes::Native => Some(native),
             Takes::Another => None,
             Takes::ThisDevice => {
-                let own = scene.setting(scene.asked.on_device()?);
+                let own = scene.setting(scene.on_device()?);
                 Some(if scene.asked.engine == "auto" && refused(&own) { native } else { own })
             }
         }

@@ -159,11 +159,19 @@ fn engines(study: &Study) -> Vec<Engine> {
     all.filter(|engine| study.rows.iter().any(|row| row.setting.engine == *engine)).collect()
 }
 
+/// From one outline to the next.
+const OUTLINE: f64 = 3.0;
+
+/// By how much the outlines of an engine reach further than a symbol.
+fn further(engine: Engine) -> f64 {
+    OUTLINE * engine.number() as f64
+}
+
 /// What tells a device's symbol from the native engine's, without colour: a further outline for its first compositor, two for
 /// the second.
 fn around(canvas: &mut Canvas, style: &Style, engine: Engine, at: [f64; 2], radius: f64) {
-    for further in 1..=engine.number() {
-        let mut corners = style.symbol.corners(at, radius + 3.0 * further as f64);
+    for outline in 1..=engine.number() {
+        let mut corners = style.symbol.corners(at, radius + OUTLINE * outline as f64);
         corners.extend(corners.first().copied());
         canvas.line(&corners, 1.0, style.color, &[]);
     }
@@ -253,8 +261,11 @@ fn short(row: &Row) -> String {
 
 /// Labels where there is room: the recommended row first, then the front, then the others.
 fn labels(canvas: &mut Canvas, study: &Study, at: &dyn Fn(&Row) -> [f64; 2]) {
-    let around = |[x, y]: [f64; 2]| [x - 6.0, y - 6.0, x + 6.0, y + 6.0];
-    let mut taken: Vec<[f64; 4]> = study.rows.iter().map(|row| around(at(row))).collect();
+    let around = |row: &Row| {
+        let ([x, y], reach) = (at(row), 6.0 + further(row.setting.engine));
+        [x - reach, y - reach, x + reach, y + reach]
+    };
+    let mut taken: Vec<[f64; 4]> = study.rows.iter().map(around).collect();
     let mut order: Vec<usize> = (0..study.rows.len()).collect();
     order.sort_by_key(|&i| (Some(i) != study.recommended, !study.rows[i].on_front));
     let [left, top, right, bottom] = PLANE;
@@ -262,7 +273,7 @@ fn labels(canvas: &mut Canvas, study: &Study, at: &dyn Fn(&Row) -> [f64; 2]) {
         let row = &study.rows[i];
         let (text, [x, y]) = (short(row), at(row));
         // Beside the ring around the recommended one.
-        let gap = if study.recommended == Some(i) { 15.0 } else { 9.0 };
+        let gap = if study.recommended == Some(i) { 15.0 } else { 9.0 + further(row.setting.engine) };
         let width = Size::Small.advance() * text.len() as f64;
         let half = 0.5 * Size::Small.height();
         let boxes = [

@@ -116,6 +116,18 @@ impl Scene {
         }
     }
 
+    /// The device engine as the file has it. `None`: the compositor is left open, and more than one can serve.
+    pub fn on_device(&self) -> Option<Engine> {
+        let mut all = Engine::of_device();
+        let exact = self.needs_order && matches!(self.order, Order::Exact | Order::Auto);
+        match self.asked.compositor.as_str() {
+            // Tiles alone have the exact order.
+            "auto" if exact => all.find(|engine| engine.compositor() == Some("tiles")),
+            "auto" => all.next().filter(|_| all.next().is_none()),
+            named => all.find(|engine| engine.compositor() == Some(named)),
+        }
+    }
+
     /// How the file draws it, were it on this engine.
     pub fn setting(&self, engine: Engine) -> Setting {
         let order = match self.order {
@@ -145,14 +157,6 @@ impl Asked {
             adapter: text("adapter").map(str::to_string),
             compositor: text("compositor").unwrap_or("auto").into(),
         }
-    }
-
-    /// The device engine as the file has it; a compositor left open is the first.
-    pub fn on_device(&self) -> Option<Engine> {
-        Engine::of_device().find(|engine| {
-            let open = self.compositor == "auto";
-            open || engine.compositor().is_some_and(|known| known == self.compositor)
-        })
     }
 }
 

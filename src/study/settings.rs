@@ -49,7 +49,7 @@ pub fn settings(scene: &Scene, only: &[String], engine: Engine) -> Vec<Setting> 
     let mut settings = Vec::new();
     for integrator in integrators.into_iter().filter(|i| serves(i) && wanted(i)) {
         for overlap in overlaps(scene, &integrator) {
-            for order in orders(scene, &integrator) {
+            for order in orders(scene, &integrator, engine) {
                 settings.push(Setting { engine, integrator, overlap, order });
             }
         }
@@ -77,8 +77,12 @@ fn overlaps(scene: &Scene, integrator: &Integrator) -> Vec<Overlap> {
     }
 }
 
-/// The centroid order too for the integrators without an error of their own, so that the order's shows.
-fn orders(scene: &Scene, integrator: &Integrator) -> Vec<Order> {
+/// The centroid order too for the integrators without an error of their own, so that the order's shows. Of the compositors,
+/// tiles alone have the exact order.
+fn orders(scene: &Scene, integrator: &Integrator, engine: Engine) -> Vec<Order> {
+    if scene.needs_order && engine.compositor().is_some_and(|name| name != "tiles") {
+        return vec![Order::Centroid];
+    }
     let exact_integrals = matches!(integrator, Integrator::Analytic | Integrator::Clipped);
     match exact_integrals && scene.needs_order && scene.order_node.is_some() {
         true => vec![Order::Exact, Order::Centroid],
