@@ -121,8 +121,9 @@ impl Scene {
         let mut all = Engine::of_device();
         let exact = self.needs_order && matches!(self.order, Order::Exact | Order::Auto);
         match self.asked.compositor.as_str() {
-            // Tiles alone have the exact order.
-            "auto" if exact => all.find(|engine| engine.compositor() == Some("tiles")),
+            "auto" if exact => all.find(|engine| {
+                engine.compositor().is_some_and(|name| drawing::has_order(name, Order::Exact))
+            }),
             "auto" => all.next().filter(|_| all.next().is_none()),
             named => all.find(|engine| engine.compositor() == Some(named)),
         }

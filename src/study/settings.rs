@@ -77,10 +77,11 @@ fn overlaps(scene: &Scene, integrator: &Integrator) -> Vec<Overlap> {
     }
 }
 
-/// The centroid order too for the integrators without an error of their own, so that the order's shows. Of the compositors,
-/// tiles alone have the exact order.
+/// The centroid order too for the integrators without an error of their own, so that the order's shows; for all of them where
+/// a compositor does not have the exact one.
 fn orders(scene: &Scene, integrator: &Integrator, engine: Engine) -> Vec<Order> {
-    if scene.needs_order && engine.compositor().is_some_and(|name| name != "tiles") {
+    let has_exact = |name: &str| drawing::has_order(name, Order::Exact);
+    if scene.needs_order && !engine.compositor().is_none_or(has_exact) {
         return vec![Order::Centroid];
     }
     let exact_integrals = matches!(integrator, Integrator::Analytic | Integrator::Clipped);
