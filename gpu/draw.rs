@@ -15,7 +15,9 @@ use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
 use voltet_shaders::Shader;
-use voltet_shaders::{Axis, Blend, Choices, Combine, Compositor, Parameters, TileOrder, ViewRecord, compose};
+use voltet_shaders::{
+    Axis, Blend, Choices, Combine, Compositor, Parameters, TileOrder, ViewRecord, compose, table_lengths,
+};
 
 /// What takes the cells to the picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -108,7 +110,7 @@ pub fn draw(
         grid.device.check_raster(grid.cell_count.into())?;
     }
     let mut choices = Choices::new(transfer_function, shading, compositor)?;
-    let sizes = sizes(grid, &choices);
+    let sizes = sizes(grid, &choices, transfer_function, shading);
     sizes.check(grid.device.room(), &grid.device.name)?;
     choices.layout = sizes.layout(grid.device.room());
 
@@ -202,13 +204,21 @@ pub fn draw(
 }
 
 /// What the scene takes on the device.
-fn sizes(grid: &DeviceGrid, choices: &Choices) -> Sizes {
+fn sizes(
+    grid: &DeviceGrid,
+    choices: &Choices,
+    transfer_function: &TransferFunction,
+    shading: &Shading,
+) -> Sizes {
+    let [texels, source_texels] = table_lengths(choices, transfer_function, shading);
     Sizes {
         points: grid.point_count.into(),
         cells: grid.cell_count.into(),
         stride: choices.attribute_stride() as u64,
-        texels: 0,
-        scene_buffers: choices.storage_buffers().len() as u32,
+        texels,
+        source_texels,
+        // Without the table's own.
+        scene_buffers: choices.storage_buffers().len() as u32 - u32::from(texels > 0),
     }
 }
 

@@ -60,7 +60,7 @@ pub(crate) struct Frame<'a> {
     pub tables: TableKey,
     pub compositor: Shader,
     /// Read-only buffers that the compositor reads, with their bindings in group 0.
-    pub storage_buffers: Vec<(&'static str, u32)>,
+    pub storage_buffers: Vec<(String, u32)>,
     /// The scalar.
     pub scalar: Arc<Stored>,
     /// Further values of the points, each with where it is counted from.
@@ -122,7 +122,18 @@ impl Frame<'_> {
     fn fits(&self, window: [u32; 4]) -> bool {
         let limits = &self.device().limits;
         let side = window[2].max(window[3]) * ViewRecord::TILE;
-        self.picture_bytes(window) <= self.device().most_bytes() && side <= limits.max_texture_dimension_2d
+        self.window_bytes(window, self.keeps_states()) <= self.device().most_bytes()
+            && side <= limits.max_texture_dimension_2d
+    }
+
+    /// Whether tiles stop within their lists and go on, as former frames of the grid found out.
+    fn keeps_states(&self) -> bool {
+        self.grid.buffers.lock().unwrap_or_else(PoisonError::into_inner).keeps_states
+    }
+
+    /// Bytes of a window's largest buffer of pixels: a state is two vectors, a pixel one.
+    fn window_bytes(&self, window: [u32; 4], keeps_states: bool) -> u64 {
+        self.picture_bytes(window) * if keeps_states { 2 } else { 1 }
     }
 
     /// Bytes of a window's pixels.
@@ -131,7 +142,7 @@ impl Frame<'_> {
         pixels * 16
     }
 
-    /// Draws one window; `None` where its lists do not fit one binding.
+    /// Draws one window; `None` where its lists or its pixels' states do not fit one binding.
     fn draw_window(
         &self,
         window: [u32; 4],
@@ -156,6 +167,9 @@ impl Frame<'_> {
                     return Ok(Some(counts));
                 }
                 buffers.keeps_states = true;
+                if self.window_bytes(window, true) > device.most_bytes() {
+                    return Ok(None);
+                }
                 continue;
             }
             if needed > most {

@@ -5,7 +5,7 @@ use crate::buffers::Growing;
 use crate::device::Device;
 use crate::steps::fixed_buffers;
 use voltet_core::{Error, Result};
-use voltet_shaders::{Access, CELLS_READ, FramePass, GridArray, Layout, Parts};
+use voltet_shaders::{Access, CELLS_READ, FramePass, GridArray, Layout, Parts, TEXEL_BYTES};
 
 /// Bytes in a mebibyte.
 const MEBIBYTE: f64 = (1u64 << 20) as f64;
@@ -31,6 +31,8 @@ pub(crate) struct Sizes {
     pub stride: u64,
     /// Vectors of the table that the scene reads.
     pub texels: u64,
+    /// Those of the table that it is made from, if it is made from another.
+    pub source_texels: u64,
     /// Storage buffers of the scene's own that stand in one binding each.
     pub scene_buffers: u32,
 }
@@ -67,7 +69,9 @@ impl Sizes {
         let tiles = of(CELLS_READ).saturating_add(fixed_buffers(None));
         let table = if self.texels > 0 { layout.table.count } else { 0 };
         let tiles = tiles.saturating_add(self.scene_buffers).saturating_add(table);
-        FramePass::ALL.iter().map(pass).fold(tiles, u32::max)
+        // What fills the table: from another one, or from a list.
+        let filling = table.saturating_add(layout.table.of_as_many(self.source_texels).count);
+        FramePass::ALL.iter().map(pass).fold(tiles.max(filling), u32::max)
     }
 
     fn fits(&self, room: Room) -> bool {
@@ -112,9 +116,6 @@ impl Sizes {
             )))
     }
 }
-
-/// Bytes of a vector of a table.
-const TEXEL_BYTES: u64 = 16;
 
 /// What an array is called in errors.
 fn name(array: GridArray) -> &'static str {
@@ -188,7 +189,7 @@ mod tests {
 
     /// A cube of points, six cells to a voxel.
     fn cube(cells: u64) -> Sizes {
-        Sizes { points: cells / 6, cells, stride: 1, texels: 0, scene_buffers: 1 }
+        Sizes { points: cells / 6, cells, stride: 1, scene_buffers: 1, ..Sizes::default() }
     }
 
     #[test]

@@ -135,7 +135,7 @@ impl<'a> Passes<'a> {
         let tables = buffers.tables.of(device, frame)?;
         let mut read: Vec<(u32, &Buffer)> = vec![(0, &scene)];
         for (name, binding) in &frame.storage_buffers {
-            read.push((*binding, if *name == "numbers" { &numbers } else { tables.named(name)? }));
+            read.push((*binding, if name == "numbers" { &numbers } else { tables.named(name)? }));
         }
         let last = if let Compositor::Raster(blend) = frame.choices.compositor {
             Last::Raster(Box::new(Raster::new(

@@ -22,7 +22,7 @@ pub(crate) struct TableKey {
 #[derive(Default)]
 pub(crate) struct Tables {
     made: Option<(TableKey, Choices)>,
-    buffers: Vec<(&'static str, wgpu::Buffer)>,
+    buffers: Vec<(String, wgpu::Buffer)>,
 }
 
 impl Tables {
@@ -41,6 +41,9 @@ impl Tables {
             for pass in &resources.passes {
                 self.fill(device, pass)?;
             }
+            // What only the passes read is given up.
+            let mut bound = resources.buffers.iter().map(|buffer| buffer.binding.is_some());
+            self.buffers.retain(|_| bound.next().unwrap_or(false));
             self.made = Some(key);
         }
         Ok(self)
@@ -55,9 +58,9 @@ impl Tables {
     }
 
     fn fill(&self, device: &Device, pass: &Pass) -> Result<()> {
-        let last = pass.buffers.len().saturating_sub(1);
+        let read = pass.buffers.len() - pass.written;
         let kinds: Vec<Bound> =
-            (0..pass.buffers.len()).map(|i| if i == last { Bound::Write } else { Bound::Read }).collect();
+            (0..pass.buffers.len()).map(|i| if i < read { Bound::Read } else { Bound::Write }).collect();
         let pipeline = device.pipeline(&Program {
             shader: &pass.shader,
             entry_point: pass.entry_point,
@@ -79,12 +82,12 @@ impl Tables {
     }
 }
 
-fn make(device: &Device, buffer: &Buffer) -> Result<(&'static str, wgpu::Buffer)> {
+fn make(device: &Device, buffer: &Buffer) -> Result<(String, wgpu::Buffer)> {
     let made = device.storage("the integrator's tables", buffer.length())?;
     if let Contents::Bytes(bytes) = &buffer.contents {
         let mut whole = bytes.clone();
         whole.resize(bytes.len().next_multiple_of(4), 0);
         device.guarded("the integrator's tables", || device.queue.write_buffer(&made, 0, &whole))?;
     }
-    Ok((buffer.name, made))
+    Ok((buffer.name.clone(), made))
 }

@@ -1,7 +1,7 @@
 //! What a scene asks of its shader: the choices that decide the text.
 
 use crate::parameters::widget_edges;
-use crate::parts::Layout;
+use crate::parts::{Layout, Parts};
 use voltet_core::optics::Overlap;
 use voltet_core::optics::integrators::can_serve;
 use voltet_core::shading::{Integrator, Shading};
@@ -224,18 +224,36 @@ impl Choices {
     }
 
     /// The read-only storage buffers of group 0, by name and binding: `numbers`, whose bytes [`crate::Parameters`]
-    /// holds, and those of [`crate::Resources`].
-    pub fn storage_buffers(&self) -> Vec<(&'static str, u32)> {
-        let has_table = self.widgets.iter().any(|widget| widget.kind == Kind::Table);
-        let tables = self.method.is_table_of_lengths();
+    /// holds, and those of [`crate::Resources`]. A table in parts has one for each.
+    pub fn storage_buffers(&self) -> Vec<(String, u32)> {
         let all = [
             (self.reads_numbers(), "numbers", 1),
-            (has_table, "texels", 2),
-            (self.method == Method::Segments && !self.widgets.is_empty(), "partial_table", 3),
-            (tables, "mean_extinctions", 4),
-            (tables, "glows", 5),
+            (self.method == Method::Segments && !self.widgets.is_empty(), "partial_table", 2),
+            (self.method.is_table_of_lengths(), "mean_extinctions", 3),
         ];
-        all.into_iter().filter(|(used, ..)| *used).map(|(_, name, binding)| (name, binding)).collect()
+        let used = all.into_iter().filter(|(used, ..)| *used);
+        let mut buffers: Vec<(String, u32)> =
+            used.map(|(_, name, binding)| (name.to_string(), binding)).collect();
+        if let Some((name, _)) = self.table() {
+            let parts = 0..self.layout.table.count;
+            buffers.extend(parts.map(|part| (Parts::name(name, part), self.table_binding(part))));
+        }
+        buffers
+    }
+
+    /// The table of vectors that the text reads, and the function that does: images, or the colours by
+    /// (D, s_f, s_b) or (α, s, t), which stand for all widgets.
+    pub(crate) fn table(&self) -> Option<(&'static str, &'static str)> {
+        if self.method.is_table_of_lengths() {
+            return Some(("glows", "glow"));
+        }
+        let has_images = self.widgets.iter().any(|widget| widget.kind == Kind::Table);
+        has_images.then_some(("texels", "texel"))
+    }
+
+    /// Where a part of the table is bound in group 0.
+    pub(crate) fn table_binding(&self, part: u32) -> u32 {
+        4 + part
     }
 }
 

@@ -26,4 +26,4 @@ pub use parameters::{Axis, Parameters, SceneHead, WidgetRecord};
 pub use parts::{Access, CELLS_READ, GRID_GROUP, GridArray, Layout, Parts};
 pub use passes::{FramePass, PlacementRecord, RoundRecord, ViewRecord, multiply_adds};
 pub use pieces::{PIECES, Piece, piece};
-pub use resources::{Buffer, Contents, Pass, Resources};
+pub use resources::{Buffer, Contents, Pass, Resources, TEXEL_BYTES, table_lengths};

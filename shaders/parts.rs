@@ -27,6 +27,11 @@ impl Parts {
         Parts { count: count.div_ceil(1 << shift).try_into().unwrap_or(u32::MAX), shift }
     }
 
+    /// The same for another number of elements of equal size.
+    pub fn of_as_many(self, count: u64) -> Parts {
+        Parts::of(count, 1, 1 << self.shift)
+    }
+
     /// Elements of part `part` of an array of `count`.
     pub fn length(self, part: u32, count: u64) -> u64 {
         let before = u64::from(part) << self.shift;

@@ -6,6 +6,7 @@
 use crate::choices::{Choices, Method};
 use crate::compose::{Shader, compose_pieces};
 use crate::parameters::Axis;
+use crate::parts::{Access, PartedArray, Parts};
 use voltet_core::optics::integrators::{Extent, Integrator, PARTS, PartialTable, Ramp, last_tile};
 use voltet_core::shading::Shading;
 use voltet_core::transfer::{OpticalModel, Profile, TransferFunction};
@@ -23,8 +24,8 @@ pub struct Resources {
 /// A storage buffer.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Buffer {
-    /// As the text names it.
-    pub name: &'static str,
+    /// As the text names it; a part of a table has a name of its own.
+    pub name: String,
     /// Its binding in group 0 of the composed shader, which reads it; `None`: only the passes know it.
     pub binding: Option<u32>,
     /// What it holds at first.
@@ -47,8 +48,10 @@ pub struct Pass {
     pub shader: Shader,
     /// Its entry point.
     pub entry_point: &'static str,
-    /// Indices of buffers, bound in group 0 at 0, 1, …; the last is written, the others are only read.
+    /// Indices of buffers, bound in group 0 at 0, 1, ….
     pub buffers: Vec<usize>,
+    /// How many of the last ones are written; the others are only read.
+    pub written: usize,
     /// Workgroups to dispatch.
     pub workgroups: [u32; 3],
 }
@@ -79,10 +82,7 @@ impl Resources {
     ) -> Result<Resources> {
         let mut resources = Resources::default();
         let bindings = choices.storage_buffers();
-        let binding = |name| bindings.iter().find(|(other, _)| *other == name).map(|(_, binding)| *binding);
-        if binding("texels").is_some() {
-            resources.bytes("texels", binding("texels"), bytemuck::cast_slice(&texels(transfer_function)));
-        }
+        let binding = |name| bindings.iter().find(|(other, _)| other == name).map(|(_, binding)| *binding);
         match shading.integrator {
             Integrator::Segments { table_size, .. } if binding("partial_table").is_some() => {
                 let density = transfer_function.model == OpticalModel::DensityEmitter;
@@ -94,56 +94,117 @@ impl Resources {
                 let ramp = Ramp::new(transfer_function, table_size, extent)?;
                 let bytes = mean_extinctions(&ramp, axis, length / extent.longest)?;
                 resources.bytes("mean_extinctions", binding("mean_extinctions"), &bytes);
-                resources.glows(&ramp, choices.method, binding("glows"));
+                resources.glows(&ramp, choices);
             }
             _ => {}
+        }
+        if binding("texels").is_some() {
+            resources.images(choices, &images(transfer_function).flatten().copied().collect::<Vec<_>>());
         }
         Ok(resources)
     }
 
-    fn bytes(&mut self, name: &'static str, binding: Option<u32>, bytes: &[u8]) {
-        self.buffers.push(Buffer { name, binding, contents: Contents::Bytes(bytes.to_vec()) });
+    fn bytes(&mut self, name: &str, binding: Option<u32>, bytes: &[u8]) {
+        self.buffers.push(Buffer { name: name.into(), binding, contents: Contents::Bytes(bytes.to_vec()) });
+    }
+
+    fn images(&mut self, choices: &Choices, texels: &[[f32; 4]]) {
+        let mut rest = texels;
+        for part in 0..choices.layout.table.count {
+            let length = choices.layout.table.length(part, texels.len() as u64) as usize;
+            let (texels, others) = rest.split_at(length);
+            rest = others;
+            let bytes = bytemuck::cast_slice(texels);
+            self.bytes(&Parts::name("texels", part), Some(choices.table_binding(part)), bytes);
+        }
+    }
+
+    /// A table of vectors that a pass fills, one buffer a part. Gives their indices.
+    fn table(
+        &mut self,
+        name: &str,
+        parts: Parts,
+        length: u64,
+        binding: impl Fn(u32) -> Option<u32>,
+    ) -> Vec<usize> {
+        let first = self.buffers.len();
+        for part in 0..parts.count {
+            let contents = Contents::Empty(parts.length(part, length) * TEXEL_BYTES);
+            self.buffers.push(Buffer { name: Parts::name(name, part), binding: binding(part), contents });
+        }
+        (first..self.buffers.len()).collect()
     }
 
     /// The passes that fill the table over (D, s_f, s_b), and for tiles the one that resamples it.
-    fn glows(&mut self, ramp: &Ramp, method: Method, binding: Option<u32>) {
+    fn glows(&mut self, ramp: &Ramp, choices: &Choices) {
         let side = ramp.size() as u64;
-        let texel = size_of::<[f32; 4]>() as u64;
         let across = (side as u32).div_ceil(GROUP_SIDE);
-        let tiled = method == Method::PreIntegratedCylindrical;
+        let tiled = choices.method == Method::PreIntegratedCylindrical;
         self.bytes("ramp", None, bytemuck::cast_slice(&matter(ramp)));
-        let table = self.buffers.len();
-        let name = if tiled { "slices" } else { "glows" };
-        let slices = Contents::Empty(side * side * side * texel);
-        self.buffers.push(Buffer { name, binding: binding.filter(|_| !tiled), contents: slices });
-        let constants = format!("const SIDE = {side}u;\nconst PARTS = {PARTS}u;\n");
+        let ramp_at = self.buffers.len() - 1;
+        // Where tiles have one part, so has the table that they are made from, which is no larger.
+        let parts = choices.layout.table;
+        let sliced = parts.of_as_many(side.pow(3));
+        let binding = |part| Some(choices.table_binding(part));
+        let slices = match tiled {
+            true => self.table("slices", sliced, side.pow(3), |_| None),
+            false => self.table("glows", sliced, side.pow(3), binding),
+        };
+        let array = |name, parts| PartedArray { name, element: "vec4f", stride: None, parts };
+        let written = array("slices", sliced);
+        let mut text = format!("const SIDE = {side}u;\nconst PARTS = {PARTS}u;\n");
+        text += &written.declared(Access::Write, 0, |part| 1 + part);
+        text += &written.written_by("put_slice");
         self.passes.push(Pass {
-            shader: compose_pieces(&constants, &["pre_integrated/fill_slices"]),
+            shader: compose_pieces(&text, &["pre_integrated/fill_slices"]),
             entry_point: "fill_slices",
-            buffers: vec![table - 1, table],
+            written: slices.len(),
+            buffers: std::iter::once(ramp_at).chain(slices.iter().copied()).collect(),
             workgroups: [across, across, side as u32],
         });
         if tiled {
             let last = last_tile(ramp.size()) as u64;
-            let tiles = Contents::Empty(side * side * (last + 1) * texel);
-            self.buffers.push(Buffer { name: "glows", binding, contents: tiles });
-            let constants = format!("const SIDE = {side}u;\nconst LAST_TILE = {last}u;\n");
+            let tiles = self.table("glows", parts, side * side * (last + 1), binding);
+            let (read, written) = (array("glows", sliced), array("tiles", parts));
+            let mut text = format!("const SIDE = {side}u;\nconst LAST_TILE = {last}u;\n");
+            text += &read.declared(Access::Read, 0, |part| part);
+            text += &read.read_by("glow");
+            text += &written.declared(Access::Write, 0, |part| sliced.count + part);
+            text += &written.written_by("put_tile");
             self.passes.push(Pass {
-                shader: compose_pieces(&constants, &["pre_integrated/fill_tiles"]),
+                shader: compose_pieces(&text, &["pre_integrated/fill_tiles"]),
                 entry_point: "fill_tiles",
-                buffers: vec![table, table + 1],
+                written: tiles.len(),
+                buffers: slices.into_iter().chain(tiles).collect(),
                 workgroups: [across, across, last as u32 + 1],
             });
         }
     }
 }
 
-fn texels(transfer_function: &TransferFunction) -> Vec<[f32; 4]> {
-    let tables = transfer_function.widgets.iter().filter_map(|widget| match &widget.profile {
-        Profile::Table(table) => Some(&table.texels),
+/// Vectors of the table that a scene reads, and of the one that it is made from; 0 without one.
+pub fn table_lengths(choices: &Choices, transfer_function: &TransferFunction, shading: &Shading) -> [u64; 2] {
+    match (choices.table(), shading.integrator) {
+        (None, _) => [0, 0],
+        (_, Integrator::PreIntegrated { table_size: side }) => [(side as u64).saturating_pow(3), 0],
+        (_, Integrator::PreIntegratedCylindrical { table_size: side }) => {
+            let tiles = last_tile(side) as u64 + 1;
+            let square = (side as u64).saturating_pow(2);
+            [square.saturating_mul(tiles), square.saturating_mul(side as u64)]
+        }
+        _ => [images(transfer_function).map(|texels| texels.len() as u64).sum(), 0],
+    }
+}
+
+/// Bytes of a vector of a table.
+pub const TEXEL_BYTES: u64 = 16;
+
+/// Texels of each table widget.
+fn images(transfer_function: &TransferFunction) -> impl Iterator<Item = &[[f32; 4]]> {
+    transfer_function.widgets.iter().filter_map(|widget| match &widget.profile {
+        Profile::Table(table) => Some(table.texels.as_slice()),
         _ => None,
-    });
-    tables.flatten().copied().collect()
+    })
 }
 
 /// The side; then φ, or F (1 + √T) and B (1 + √T) by turns.

@@ -117,3 +117,6 @@ fn note(call: &mut Call, scene: &Scene, device: &Device, before: Work, drawn: &D
         call.notes.leave_out(what, "the scene asks for nothing of the kind", Some(saving));
     }
 }
+
+#[cfg(test)]
+mod tests;

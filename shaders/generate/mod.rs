@@ -5,6 +5,7 @@ mod tiles;
 mod widgets;
 
 use crate::choices::{Choices, Combine, Compositor, Kind, Method};
+use crate::parts::{Access, PartedArray};
 
 /// The block, and the pieces that it uses.
 pub(crate) struct Generated {
@@ -26,6 +27,10 @@ pub(crate) const FILLS: &[&str] = &[
     "attributes",
     "tetrahedra",
     "bounds",
+    "texels",
+    "glows",
+    "slices",
+    "tiles",
 ];
 
 struct Block<'a> {
@@ -68,6 +73,12 @@ impl Block<'_> {
         let choices = self.choices;
         if choices.reads_numbers() {
             self.uses(&["numbers"]);
+        }
+        if let Some((name, function)) = choices.table() {
+            let table = PartedArray { name, element: "vec4f", stride: None, parts: choices.layout.table };
+            let declared = table.declared(Access::Read, 0, |part| choices.table_binding(part));
+            self.text.push_str(&declared);
+            self.text.push_str(&table.read_by(function));
         }
         let clipped = choices.widgets.iter().any(|widget| widget.edges.is_some());
         self.uses(&[if clipped { "part/clipped" } else { "part/whole" }]);

@@ -10,8 +10,8 @@ use voltet_core::transfer::{
     ControlPoint, OpticalModel, Profile, Region, Table, TransferFunction, Wave, Widget,
 };
 use voltet_shaders::{
-    Axis, Choices, Combine, Compositor, Method, PIECES, Parameters, Resources, SceneHead, Shader,
-    WidgetRecord, compose,
+    Axis, Buffer, Choices, Combine, Compositor, Method, PIECES, Parameters, Parts, Resources, SceneHead,
+    Shader, TEXEL_BYTES, WidgetRecord, compose, table_lengths,
 };
 
 const SHADING: Shading =
@@ -182,15 +182,15 @@ fn check_words(
 }
 
 /// The read-only storage buffers of group 0, by binding.
-fn storage_buffers(module: &naga::Module) -> Vec<(&str, u32)> {
+fn storage_buffers(module: &naga::Module) -> Vec<(String, u32)> {
     let read_only = naga::AddressSpace::Storage { access: naga::StorageAccess::LOAD };
-    let mut found: Vec<(&str, u32)> = module
+    let mut found: Vec<(String, u32)> = module
         .global_variables
         .iter()
         .filter(|(_, variable)| variable.space == read_only)
         .filter_map(|(_, variable)| Some((variable.name.as_deref()?, variable.binding?)))
         .filter(|(_, binding)| binding.group == 0)
-        .map(|(name, binding)| (name, binding.binding))
+        .map(|(name, binding)| (name.to_string(), binding.binding))
         .collect();
     found.sort_by_key(|(_, binding)| *binding);
     found
@@ -201,10 +201,10 @@ fn check_resources(transfer_function: &TransferFunction, shading: &Shading, choi
     let extent = Extent { scalar: [0.0, 1.0], longest: 2.0 };
     let resources =
         Resources::new(choices, transfer_function, shading, Axis::PLAIN, 1.0, &extent).expect("in range");
-    let bound: Vec<(&str, u32)> =
-        resources.buffers.iter().filter_map(|buffer| Some((buffer.name, buffer.binding?))).collect();
+    let bound: Vec<(String, u32)> =
+        resources.buffers.iter().filter_map(|buffer| Some((buffer.name.clone(), buffer.binding?))).collect();
     let mut asked_for = choices.storage_buffers();
-    asked_for.retain(|(name, _)| *name != "numbers");
+    asked_for.retain(|(name, _)| name != "numbers");
     assert_eq!(bound, asked_for);
     for pass in &resources.passes {
         assert!(pass.buffers.iter().all(|i| *i < resources.buffers.len()));
@@ -221,17 +221,27 @@ fn passes_that_fill_tables_are_valid() {
     ] {
         let shading = Shading { integrator, ..SHADING };
         let choices = Choices::new(&transfer_function, &shading, Compositor::None).expect("has pieces");
-        let resources = Resources::new(&choices, &transfer_function, &shading, Axis::PLAIN, 1.0, &extent)
-            .expect("in range");
-        assert_eq!(resources.passes.len(), count);
-        for pass in &resources.passes {
-            let module = validate(&pass.shader);
-            assert_eq!(module.entry_points[0].name, pass.entry_point);
-            let names: Vec<&str> = pass.buffers.iter().map(|i| resources.buffers[*i].name).collect();
-            let last = names.len() - 1;
-            let read = storage_buffers(&module);
-            assert_eq!(read.len(), last, "all but the last are only read");
-            assert!(read.iter().enumerate().all(|(i, (_, binding))| *binding == i as u32));
+        let [length, source] = table_lengths(&choices, &transfer_function, &shading);
+        for most in [length, length.div_ceil(2), 32] {
+            let mut choices = choices.clone();
+            choices.layout.table = Parts::of(length, 1, most);
+            let resources = Resources::new(&choices, &transfer_function, &shading, Axis::PLAIN, 1.0, &extent)
+                .expect("in range");
+            assert_eq!(resources.passes.len(), count);
+            let (bytes, tables) = ((length + source) * TEXEL_BYTES, ["glows", "slices"]);
+            let parts =
+                resources.buffers.iter().filter(|b| tables.iter().any(|name| b.name.starts_with(name)));
+            assert_eq!(parts.map(Buffer::length).sum::<u64>(), bytes);
+            for pass in &resources.passes {
+                let module = validate(&pass.shader);
+                assert_eq!(module.entry_points[0].name, pass.entry_point);
+                let read = storage_buffers(&module);
+                assert_eq!(read.len(), pass.buffers.len() - pass.written, "the last are written");
+                assert!(read.iter().enumerate().all(|(i, (_, binding))| *binding == i as u32));
+                assert_eq!(module.global_variables.len(), pass.buffers.len());
+            }
+            check_resources(&transfer_function, &shading, &choices);
+            assert_eq!(storage_buffers(&validate(&compose(&choices))), choices.storage_buffers());
         }
     }
 }

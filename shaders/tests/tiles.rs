@@ -2,13 +2,16 @@
 
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use std::collections::HashSet;
+use std::sync::Arc;
 use voltet_core::optics::Overlap;
 use voltet_core::optics::integrators::can_serve;
 use voltet_core::shading::{Integrator, Light, Shading};
-use voltet_core::transfer::{ControlPoint, OpticalModel, Profile, Region, TransferFunction, Wave, Widget};
+use voltet_core::transfer::{
+    ControlPoint, OpticalModel, Profile, Region, Table, TransferFunction, Wave, Widget,
+};
 use voltet_shaders::{
-    Blend, Choices, Compositor, FramePass, Layout, PIECES, PlacementRecord, RoundRecord, Shader, TileOrder,
-    ViewRecord, compose,
+    Access, Blend, CELLS_READ, Choices, Compositor, FramePass, GRID_GROUP, GridArray, Layout, PIECES, Parts,
+    PlacementRecord, RoundRecord, Shader, TileOrder, ViewRecord, compose,
 };
 
 const SHADING: Shading =
@@ -134,10 +137,69 @@ fn rasters_are_valid_for_every_kind_light_and_integrator() {
 
 #[test]
 fn passes_are_valid_and_have_their_entry_points() {
-    for pass in FramePass::ALL {
-        let module = validate(&pass.shader(&Layout::WHOLE));
-        let names: Vec<&str> = module.entry_points.iter().map(|entry| entry.name.as_str()).collect();
-        assert_eq!(names, [pass.entry_point()]);
+    for layout in LAYOUTS {
+        for pass in FramePass::ALL {
+            let module = validate(&pass.shader(&layout));
+            let names: Vec<&str> = module.entry_points.iter().map(|entry| entry.name.as_str()).collect();
+            assert_eq!(names, [pass.entry_point()]);
+            check_grid(&module, pass.grid_arrays(), &layout);
+        }
+    }
+}
+
+/// The grid's arrays whole, all in two parts, and in numbers of parts of their own.
+const LAYOUTS: [Layout; 3] = [Layout::WHOLE, in_parts([2; 7]), in_parts([4, 2, 3, 1, 4, 2, 4])];
+
+const fn in_parts(counts: [u32; 7]) -> Layout {
+    const fn parts(count: u32) -> Parts {
+        if count == 1 { Parts::WHOLE } else { Parts { count, shift: 20 } }
+    }
+    let [positions, quantity, seen, attributes, tetrahedra, bounds, table] = counts;
+    Layout {
+        positions: parts(positions),
+        quantity: parts(quantity),
+        seen: parts(seen),
+        attributes: parts(attributes),
+        tetrahedra: parts(tetrahedra),
+        bounds: parts(bounds),
+        table: parts(table),
+    }
+}
+
+/// Each part of each array stands in a binding of its own, in order.
+fn check_grid(module: &naga::Module, arrays: &[(GridArray, Access)], layout: &Layout) {
+    let of_grid = module.global_variables.iter().filter_map(|(_, v)| {
+        let naga::AddressSpace::Storage { access } = v.space else { return None };
+        let writes = access.contains(naga::StorageAccess::STORE);
+        v.binding.filter(|b| b.group == GRID_GROUP).map(|b| (b.binding, writes))
+    });
+    let mut found: Vec<(u32, bool)> = of_grid.collect();
+    found.sort_unstable();
+    let parts = |(array, access): &(GridArray, Access)| {
+        vec![*access == Access::Write; layout.parts(*array).count as usize]
+    };
+    let expected: Vec<(u32, bool)> = (0..).zip(arrays.iter().flat_map(parts)).collect();
+    assert_eq!(found, expected);
+}
+
+/// A scene whose text reads every array, and images.
+#[test]
+fn tiles_in_parts_are_valid() {
+    let mut transfer_function = scenes().pop().expect("there are some");
+    let texels = vec![[0.5; 4]; 6];
+    let table = Table { width: 3, height: 2, texels, s: [0.0, 1.0], g: [0.0, 2.0] };
+    transfer_function.widgets[0].profile = Profile::Table(Arc::new(table));
+    let shading = Shading { silhouette: Some(2.0), ..SHADING };
+    for order in ORDERS {
+        let whole = Choices::new(&transfer_function, &shading, Compositor::Tiles(order)).expect("has pieces");
+        for layout in LAYOUTS {
+            let choices = Choices { layout, ..whole.clone() };
+            let shader = compose(&choices);
+            check_grid(&validate(&shader), CELLS_READ, &layout);
+            let last = format!("> {}:", Parts::name("texels", layout.table.count - 1));
+            assert!(shader.text.contains(&last), "'{last}'");
+            assert_eq!(shader.text.contains("switch "), layout != Layout::WHOLE);
+        }
     }
 }
 

@@ -8,7 +8,8 @@ use glam::DVec3;
 use std::sync::Arc;
 use voltet_core::Result;
 use voltet_core::progress::Silent;
-use voltet_core::shading::{Light, Order, Shading};
+use voltet_core::shading::{Integrator, Light, Order, Shading};
+use voltet_core::transfer::{Profile, Table, Widget};
 use voltet_core::volume::Volume;
 use voltet_gpu::{Device, DeviceGrid, Drawn};
 
@@ -50,6 +51,38 @@ fn grids_in_parts_draw_the_same() {
         let parts = draw_on(small(8192, 32), &scene, &shading, order).expect("draws in parts");
         assert_eq!(parts.counts.segments, whole.counts.segments, "{name}");
         within(&format!("{name} in parts"), &parts.picture, &whole.picture, bound);
+    }
+}
+
+/// A table of 32³ vectors is 512 KiB, its tiles 528 KiB, an image of 96 × 64 texels 96 KiB.
+#[test]
+fn tables_in_parts_draw_the_same() {
+    if device().is_none() {
+        return;
+    }
+    let texel = |k: usize| {
+        let [x, y] = [k % 96, k / 96].map(|i| i as f32 / 96.0);
+        [x, 1.0 - x, (9.0 * y).sin().abs(), 0.2 + 0.5 * (x - y).abs()]
+    };
+    let texels = (0..96 * 64).map(texel).collect();
+    let table = Table { width: 96, height: 64, texels, s: [0.0, 1.0], g: [0.0, 2.5] };
+    let image = Widget { profile: Profile::Table(Arc::new(table)), ..one_gaussian().widgets.remove(0) };
+    for (look, integrator, bytes) in [
+        (ramp(), Integrator::PreIntegrated { table_size: 32 }, 1 << 17),
+        (ramp(), Integrator::PreIntegratedCylindrical { table_size: 32 }, 1 << 17),
+        (look(vec![image]), Integrator::Analytic, 1 << 15),
+    ] {
+        let shading = Shading { integrator, ..SHADING };
+        let name = format!("table of {}", integrator.name());
+        let scene = Scene { name, volume: smooth(cube([5, 5, 5], 0.2)), look, camera: outside([32, 24]) };
+        let whole = draw(&scene, &shading, Order::Exact).expect("draws");
+        assert!(whole.counts.segments > Some(0));
+        let parts = draw_on(small(bytes, 16), &scene, &shading, Order::Exact).expect("draws in parts");
+        within(&scene.name, &parts.picture, &whole.picture, 0.0);
+        // One of 4 and 5 parts, 2 of an image: too many for so few.
+        let error =
+            draw_on(small(bytes / 4, 12), &scene, &shading, Order::Exact).expect_err("too many").to_string();
+        assert!(error.contains("table of ") && error.contains("parts"), "{error}");
     }
 }
 

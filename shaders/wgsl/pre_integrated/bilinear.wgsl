@@ -7,7 +7,7 @@ fn glow_bilinear(first: u32, row: f32, column: f32, side: u32) -> vec3f {
     let u = row - f32(i);
     let v = column - f32(j);
     let at = first + i * side + j;
-    let low = mix(glows[at], glows[at + 1u], v);
-    let high = mix(glows[at + side], glows[at + side + 1u], v);
+    let low = mix(glow(at), glow(at + 1u), v);
+    let high = mix(glow(at + side), glow(at + side + 1u), v);
     return mix(low, high, u).rgb;
 }

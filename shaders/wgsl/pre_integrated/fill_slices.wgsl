@@ -1,12 +1,10 @@
-// Uses: elementary/mean_transmittance. Fills: nothing.
+// Uses: elementary/mean_transmittance. Fills: nothing. Asks for: slices.
 // Fills the table over (D, s_f, s_b), all entries of a slice side by side (Roettger & Ertl 2002, section 3): a path from
 // node i to node j is the pieces between them, each homogeneous and of equal length; a piece absorbs its own light.
 // Twin of `optics::integrators::slice`, which shares the work of the paths of equal span.
 
 // Glow and extinction of the nodes, then of the PARTS pieces of each step, times the longest segment.
 @group(0) @binding(0) var<storage, read> ramp: array<vec4f>;
-// C/(D E₁).
-@group(0) @binding(1) var<storage, read_write> slices: array<vec4f>;
 
 @compute @workgroup_size(8, 8)
 fn fill_slices(@builtin(global_invocation_id) id: vec3u) {
@@ -17,7 +15,7 @@ fn fill_slices(@builtin(global_invocation_id) id: vec3u) {
     }
     let at = (id.z * SIDE + i) * SIDE + j;
     if i == j {
-        slices[at] = vec4f(ramp[i].rgb, 0.0);
+        put_slice(at, vec4f(ramp[i].rgb, 0.0));
         return;
     }
     let falls = j < i;
@@ -34,5 +32,6 @@ fn fill_slices(@builtin(global_invocation_id) id: vec3u) {
         emission += (exponential(-depth) * mean_transmittance(held)) * piece.rgb;
         depth += held;
     }
-    slices[at] = vec4f(emission / (f32(count) * mean_transmittance(depth)), 0.0);
+    // C/(D E₁).
+    put_slice(at, vec4f(emission / (f32(count) * mean_transmittance(depth)), 0.0));
 }

@@ -1,9 +1,6 @@
-// Uses: pre_integrated/cylinder, pre_integrated/trilinear. Fills: glows.
+// Uses: pre_integrated/cylinder, pre_integrated/trilinear. Fills: nothing. Asks for: glows, tiles.
 // Resamples the table over (D, s_f, s_b) to tiles over (α, s, t). A place whose s_f is outside [0, 1] takes the nearest
 // inside, so that the linear filter does not read nothing.
-
-@group(0) @binding(0) var<storage, read> glows: array<vec4f>;
-@group(0) @binding(1) var<storage, read_write> tiles: array<vec4f>;
 
 @compute @workgroup_size(8, 8)
 fn fill_tiles(@builtin(global_invocation_id) id: vec3u) {
@@ -13,5 +10,5 @@ fn fill_tiles(@builtin(global_invocation_id) id: vec3u) {
     let step = f32(SIDE - 1u);
     let at = from_cylinder(f32(id.z) / f32(LAST_TILE), f32(id.y) / step, f32(id.x) / step);
     let glow = glow_trilinear(clamp(at.x, 0.0, 1.0) * step, at.y * step, at.z, SIDE);
-    tiles[(id.z * SIDE + id.y) * SIDE + id.x] = vec4f(glow, 0.0);
+    put_tile((id.z * SIDE + id.y) * SIDE + id.x, vec4f(glow, 0.0));
 }

@@ -15,7 +15,7 @@ struct MeanExtinctions {
     entries: array<f32>,
 }
 
-@group(0) @binding(4) var<storage, read> mean_extinctions: MeanExtinctions;
+@group(0) @binding(3) var<storage, read> mean_extinctions: MeanExtinctions;
 
 // Where s lies, in steps from the first node.
 fn node_place(s: f32) -> f32 {

@@ -1,4 +1,4 @@
-// Uses: pre_integrated/glows, pre_integrated/mean_extinctions, pre_integrated/trilinear. Fills: glow_between.
+// Uses: pre_integrated/mean_extinctions, pre_integrated/trilinear. Fills: glow_between.
 // The three-dimensional table (Roettger & Ertl 2002, section 3).
 
 fn glow_between(front: f32, back: f32, share: f32) -> vec3f {

@@ -1,4 +1,4 @@
-// Uses: pre_integrated/bilinear, pre_integrated/cylinder, pre_integrated/glows, pre_integrated/mean_extinctions. Fills: glow_between.
+// Uses: pre_integrated/bilinear, pre_integrated/cylinder, pre_integrated/mean_extinctions. Fills: glow_between.
 // Two of the tiles, those nearest in the angle (Roettger & Ertl 2002, section 4).
 
 fn glow_between(front: f32, back: f32, share: f32) -> vec3f {

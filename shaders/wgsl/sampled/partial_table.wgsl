@@ -10,7 +10,7 @@ struct PartialTable {
     entries: array<f32>,
 }
 
-@group(0) @binding(3) var<storage, read> partial_table: PartialTable;
+@group(0) @binding(2) var<storage, read> partial_table: PartialTable;
 
 // Four entries about a place, and its shares between them.
 struct PartialPlace {

@@ -1,4 +1,4 @@
-// Uses: table/texels, track. Fills: nothing.
+// Uses: track. Fills: nothing. Asks for: texels.
 // An image along a segment, bilinear between texel centres, which lie at the integers (Song et al. 2009, section 3.3.2).
 // Between the lines through them alpha is a quadratic in t. Twin of `optics::table::TablePath`.
 
@@ -31,8 +31,8 @@ fn table_texel(track: TableTrack, t: f32) -> vec4f {
     let above = track.first + u32(low.y) * columns;
     let below = track.first + u32(high.y) * columns;
     return mix(
-        mix(texels[above + u32(low.x)], texels[above + u32(high.x)], share.x),
-        mix(texels[below + u32(low.x)], texels[below + u32(high.x)], share.x),
+        mix(texel(above + u32(low.x)), texel(above + u32(high.x)), share.x),
+        mix(texel(below + u32(low.x)), texel(below + u32(high.x)), share.x),
         share.y,
     );
 }

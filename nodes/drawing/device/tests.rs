@@ -1,0 +1,91 @@
+use super::*;
+use glam::DVec3;
+use voltet_core::graph::{Node, Outputs, Port, PortType, Registry, RunReport, Unobserved, Value};
+use voltet_core::grid::generate::{box_of_tetrahedra, with_scalar};
+use voltet_core::pipeline::Pipeline;
+
+/// A grid of 384 cells; with it, the software driver is opened as if its bindings held 2 KiB, and 10 of them at a time.
+const SOURCE: Node = Node {
+    name: "grid-for-a-small-device",
+    summary: "A grid, and a device that cannot bind it.",
+    outputs: &[Port { name: "grid", port_type: PortType::Grid, summary: "" }],
+    demand: &|_| Ok(()),
+    run: &|call| {
+        let devices = call.keep_for_session(|| Ok(Devices::default()))?;
+        let opened = Device::open(Some("software"), true);
+        let small = opened.map(|device| Arc::new(device.with_bindings_of(2048).with_buffers_at_a_time(10)));
+        let mut devices = devices.0.lock().unwrap_or_else(PoisonError::into_inner);
+        for hardware in [true, false] {
+            devices.insert((Some("software".into()), hardware), small.clone());
+        }
+        let grid = box_of_tetrahedra([4, 4, 4], [DVec3::ZERO, DVec3::ONE], 0.2);
+        Ok(vec![Value::Grid(Arc::new(with_scalar(grid, "s", |p| p.x)))]) as Result<Outputs>
+    },
+    ..Node::BLANK
+};
+
+static NODE: Node = SOURCE;
+
+const PIPELINE: &str = r#"
+[pipeline]
+format = 1
+
+[nodes.grid]
+type = "grid-for-a-small-device"
+
+[nodes.look]
+type = "transfer-function"
+
+[[nodes.look.widgets]]
+kind = "gaussian"
+color = [0.9, 0.5, 0.1]
+extinction = 5.0
+centre = [0.5, 0.0]
+sigma = [0.2, inf]
+
+[nodes.view]
+type = "camera"
+eye = [0.3, -2.0, 0.7]
+target = [0.5, 0.5, 0.5]
+size = [24, 20]
+
+[nodes.picture]
+type = "renderer"
+engine = "ENGINE"
+inputs = { volume = "grid", transfer_function = "look", camera = "view" }
+"#;
+
+fn run(engine: &str) -> Result<RunReport> {
+    let mut registry = Registry::new();
+    crate::NODES.iter().copied().chain([&NODE]).try_for_each(|node| registry.add(node))?;
+    let text = PIPELINE.replace("ENGINE", engine);
+    let text = if engine == "cpu" {
+        text
+    } else {
+        text.replace("inputs = { volume", "adapter = \"software\"\ninputs = { volume")
+    };
+    let graph = Pipeline::parse(&text)?.graph(&registry, ".".into())?;
+    crate::session().run(&graph, &Unobserved)
+}
+
+/// A grid that the device cannot bind is the CPU's picture under `auto`, which says why; asked for, it is an error.
+#[test]
+fn a_grid_that_the_device_cannot_bind_is_drawn_by_the_cpu() {
+    if let Err(why) = Device::open(Some("software"), true) {
+        let required = std::env::var("VOLTET_REQUIRE_GPU").is_ok_and(|value| value == "1");
+        assert!(!required, "VOLTET_REQUIRE_GPU is 1, but no software device opens: {why}");
+        eprintln!("\n*** SKIPPED: {why}; scripts/install-software-vulkan.sh ***\n");
+        return;
+    }
+    let drawn = run("auto").expect("draws");
+    let (engine, why) = drawn.engine.expect("is named");
+    assert_eq!(engine, "cpu");
+    for word in ["more parts than", "the grid's cells of", "in 3 parts", "10 buffers", "such cells"] {
+        assert!(why.contains(word), "'{word}' is not in: {why}");
+    }
+    let by_cpu = run("cpu").expect("draws");
+    assert!(drawn.pictures[0].1.rgba.iter().any(|pixel| pixel[3] > 0.1));
+    assert_eq!(drawn.pictures[0].1.rgba, by_cpu.pictures[0].1.rgba);
+    let error = run("gpu").expect_err("refused").to_string();
+    assert!(error.contains("more parts than"), "{error}");
+}
