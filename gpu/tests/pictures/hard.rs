@@ -71,3 +71,70 @@ fn surfaces() {
         });
     }
 }
+
+/// Cells that begin in front of the depth at which their corners are projected, a ten-thousandth of their farthest: what
+/// lies there is seen where nothing behind it is. Corners that are near come first, so that faces are found from them.
+#[test]
+fn cells_that_begin_at_the_eye() {
+    // Half a picture is tan 30° = 0.58 wide at depth 1.
+    for (name, near, apex, extinction) in [
+        // Fills the picture at its nearest; where it is cut, it spans half of it.
+        ("narrowing", [[-3e-5, 1e-5, -3e-5], [3e-5, 1e-5, -3e-5], [0.0, 1e-5, 4e-5]], [0.0, 1.0, 0.0], 2e4),
+        // Leaves the picture to a side before it is cut.
+        (
+            "passing by",
+            [[1.2e-5, 3e-5, -9e-6], [1.3e-5, 3e-5, -9e-6], [1.2e-5, 3e-5, 9e-6]],
+            [3.0, 1.0, 0.0],
+            1e5,
+        ),
+        (
+            "passing above",
+            [[-9e-6, 3e-5, 1.2e-5], [-9e-6, 3e-5, 1.3e-5], [9e-6, 3e-5, 1.2e-5]],
+            [0.0, 1.0, 3.0],
+            1e5,
+        ),
+    ] {
+        let points: Vec<DVec3> = near.into_iter().chain([apex]).map(DVec3::from).collect();
+        let scene = Scene {
+            name: format!("at the eye {name}"),
+            volume: volume(grid(points, vec![[0, 1, 2, 3]]), |_| 0.5, |_| 0.0),
+            look: look(vec![everywhere(extinction, [1.0, 0.5, 0.25])]),
+            camera: perspective([0.0; 3], [0.0, 1.0, 0.0], 60.0, [40, 40]),
+        };
+        ordinary(&scene);
+    }
+}
+
+/// A widget a ten-millionth of the range wide, among cells that vary as little: values keep their digits about the place
+/// that they are counted from. Two cells beside the view hold the ends of the range.
+#[test]
+fn widgets_far_narrower_than_the_range() {
+    let beside = |x: f64| {
+        let corners = [[x, 0.0, 0.0], [x + 0.1, 0.0, 0.0], [x, 0.1, 0.0], [x, 0.0, 0.1]];
+        grid(corners.map(DVec3::from).to_vec(), vec![[0, 1, 2, 3]])
+    };
+    let whole = together(&[cube([5, 5, 5], 0.2), beside(-3.0), beside(4.0)]);
+    let (low, high) = (|p: DVec3| p.x < -2.0, |p: DVec3| p.x > 3.0);
+    let of = move |base: f64, p: DVec3, field: f64| {
+        if low(p) {
+            0.0
+        } else if high(p) {
+            1.0
+        } else {
+            base + 1e-6 * field
+        }
+    };
+    let s = move |p| of(0.7, p, smooth_s(p));
+    let g = move |p| of(0.3, p, smooth_g(p));
+    for (name, widget) in [
+        ("line", gaussian([0.7 + 0.6e-6, 0.0], [1e-7, f64::INFINITY], 4.0, [1.0, 0.5, 0.15])),
+        ("plane", gaussian([0.7 + 0.6e-6, 0.3 + 0.8e-6], [1e-7, 5e-7], 4.0, [1.0, 0.5, 0.15])),
+    ] {
+        ordinary(&Scene {
+            name: format!("narrow in the range {name}"),
+            volume: volume(whole.clone(), s, g),
+            look: look(vec![widget]),
+            camera: outside([40, 40]),
+        });
+    }
+}

@@ -1,12 +1,13 @@
 //! Grids and tables whose arrays stand in several bindings each draw the same as in one.
 
-use crate::compare::{SHADING, Scene, within};
+use crate::compare::{ORDINARY, SHADING, Scene, referee, within};
 use crate::drawing::{device, draw};
-use crate::grids::{cube, smooth, smooth_gradient};
+use crate::grids::{cube, smooth, smooth_gradient, volume};
 use crate::looks::*;
 use glam::DVec3;
 use std::sync::Arc;
 use voltet_core::Result;
+use voltet_core::grid::generate::box_of_tetrahedra;
 use voltet_core::progress::Silent;
 use voltet_core::shading::{Integrator, Light, Order, Shading};
 use voltet_core::transfer::{Profile, Table, Widget};
@@ -106,4 +107,24 @@ fn too_many_parts_are_refused_by_name() {
     ] {
         assert!(error.contains(word), "'{word}' is not in: {error}");
     }
+}
+
+/// 16.8 million cells: where a binding holds 128 MiB they stand in three parts and their bounds in two. A field that is
+/// linear is the same in any cells, so the referee draws it in 162.
+#[test]
+#[ignore = "takes a GiB of memory"]
+fn millions_of_cells_draw_the_same_as_few() {
+    let of = |count| {
+        let grid = box_of_tetrahedra([count; 3], [DVec3::ZERO, DVec3::ONE], 0.2);
+        volume(grid, |p| 0.2 * p.x + 0.3 * p.y + 0.4 * p.z, |_| 0.0)
+    };
+    let widget = gaussian([0.45, 0.0], [0.2, f64::INFINITY], 4.0, [1.0, 0.5, 0.15]);
+    let scene = |count| Scene {
+        name: format!("{count} hexahedra a side"),
+        volume: of(count),
+        look: look(vec![widget.clone()]),
+        camera: outside([64, 48]),
+    };
+    let Some(drawn) = draw(&scene(141), &SHADING, Order::Exact) else { return };
+    within("millions", &drawn.picture, &referee(&scene(3)), ORDINARY);
 }

@@ -24,7 +24,15 @@ const SOURCE: Node = Node {
     ..Node::BLANK
 };
 
-static NODE: Node = SOURCE;
+/// A pipeline ends somewhere.
+const END: Node = Node {
+    name: "end",
+    summary: "Takes a picture.",
+    inputs: &[Port { name: "image", port_type: PortType::Image, summary: "the picture" }],
+    ..Node::BLANK
+};
+
+static NODES: [Node; 2] = [SOURCE, END];
 
 const PIPELINE: &str = r#"
 [pipeline]
@@ -53,11 +61,15 @@ size = [24, 20]
 type = "renderer"
 engine = "ENGINE"
 inputs = { volume = "grid", transfer_function = "look", camera = "view" }
+
+[nodes.end]
+type = "end"
+inputs = { image = "picture" }
 "#;
 
 fn run(engine: &str) -> Result<RunReport> {
     let mut registry = Registry::new();
-    crate::NODES.iter().copied().chain([&NODE]).try_for_each(|node| registry.add(node))?;
+    crate::NODES.iter().copied().chain(&NODES).try_for_each(|node| registry.add(node))?;
     let text = PIPELINE.replace("ENGINE", engine);
     let text = if engine == "cpu" {
         text
