@@ -123,6 +123,12 @@ impl Device {
         self
     }
 
+    /// The same device with textures of at most so many pixels a side.
+    pub fn with_textures_of(mut self, side: u32) -> Device {
+        self.limits.max_texture_dimension_2d = side;
+        self
+    }
+
     /// The same device as if it blended no 32-bit floats.
     pub fn blending_16_bits(mut self) -> Device {
         self.blends_32_bits = false;

@@ -59,6 +59,18 @@ const NEEDED: [(DownlevelFlags, &str); 2] = [
     (DownlevelFlags::INDIRECT_EXECUTION, "draws whose counts stand in a buffer"),
 ];
 
+/// An error that names what is lacking.
+fn check_flags(found: DownlevelFlags, device: &str) -> Result<()> {
+    let lacking = NEEDED.iter().filter(|(flag, _)| !found.contains(*flag));
+    let lacking: Vec<&str> = lacking.map(|(_, what)| *what).collect();
+    if lacking.is_empty() {
+        return Ok(());
+    }
+    Err(Error::run(format!("{device} lacks what compositor = \"raster\" draws with"))
+        .found(format!("no {}", lacking.join(", no ")))
+        .accepted("compositor = \"tiles\""))
+}
+
 /// Bytes of a cell in the sorted list.
 pub(crate) const ENTRY_BYTES: u64 = 8;
 
@@ -71,14 +83,12 @@ impl Device {
                 .found(format!("{cell_count} cells"))
                 .accepted(format!("at most {most}, or compositor = \"tiles\"")));
         }
-        let lacking = NEEDED.iter().filter(|(flag, _)| !self.downlevel.contains(*flag));
-        let lacking: Vec<&str> = lacking.map(|(_, what)| *what).collect();
-        if lacking.is_empty() {
-            return Ok(());
-        }
-        Err(Error::run(format!("{} lacks what compositor = \"raster\" draws with", self.name))
-            .found(format!("no {}", lacking.join(", no ")))
-            .accepted("compositor = \"tiles\""))
+        check_flags(self.downlevel, &self.name)
+    }
+
+    /// Whether the raster compositor blends in 32-bit floats, not in 16 bits.
+    pub fn blends_32_bits(&self) -> bool {
+        self.blends_32_bits
     }
 
     /// The pipeline, compiled if it is not there.
@@ -171,5 +181,21 @@ impl Canvas {
         }
         let made = self.made.as_ref().expect("made above");
         Ok(made.create_view(&Default::default()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_a_device_lacks_is_named() {
+        check_flags(DownlevelFlags::all(), "it").expect("lacks nothing");
+        let without = DownlevelFlags::all() - DownlevelFlags::VERTEX_STORAGE;
+        let error = check_flags(without, "it").expect_err("lacks one").to_string();
+        for word in ["it lacks", "raster", "no storage buffers for vertices", "tiles"] {
+            assert!(error.contains(word), "'{word}' is not in: {error}");
+        }
+        assert!(!error.contains("draws whose"), "{error}");
     }
 }

@@ -156,9 +156,9 @@ impl Raster {
             ops: wgpu::Operations { load, store: wgpu::StoreOp::Store },
         };
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("blend_cells"),
+            label: Some("blend_cell"),
             color_attachments: &[Some(attachment)],
-            timestamp_writes: timing.next_drawing("blend_cells"),
+            timestamp_writes: timing.next_drawing("blend_cell"),
             ..Default::default()
         });
         pass.set_pipeline(&self.pipeline);

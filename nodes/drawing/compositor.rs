@@ -61,8 +61,8 @@ pub fn choose(call: &mut Call, scene: &Scene, device: &Arc<Device>) -> Result<(H
     if needed && !super::has_order("raster", scene.order) {
         return Ok(tiles("each pixel needs its exact order"));
     }
-    if call.thorough {
-        return Ok(tiles("nothing is left out"));
+    if !device.blends_32_bits() {
+        return Ok(tiles("the device blends no 32-bit floats"));
     }
     if let Err(error) = device.check_raster(scene.volume.grid.tetrahedra.len() as u64) {
         return Ok(tiles(&error.to_string()));

@@ -28,7 +28,7 @@ fn stage(pass: &str) -> Option<Stage> {
         "bound_cells" => Stage::Cull,
         "start_lists" | "fill_lists" | "sort_lists" => Stage::Sort,
         "count_digits" | "place_digits" | "move_digits" | "aim_runs" => Stage::Sort,
-        "blend_cells" | "take_blended" => Stage::Composite,
+        "blend_cell" | "take_blended" => Stage::Composite,
         name if name.starts_with("composite_") => Stage::Composite,
         _ => return None,
     })

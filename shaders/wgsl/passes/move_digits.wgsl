@@ -25,6 +25,9 @@ fn move_digits(
     let own = digit_counts[lane];
     places[lane] = own;
     let count = workgroupUniformLoad(&items);
+    if count <= block * ITEMS {
+        return;
+    }
     for (var stride = 1u; stride < DIGITS; stride *= 2u) {
         var before = 0u;
         if stride <= lane {
