@@ -99,11 +99,16 @@ fn small_bindings_draw_in_windows() {
         voltet_gpu::draw(&grid, &scene.volume, look, &scene.camera, &SHADING, Order::Exact, &Silent)
     };
     // 1,296 cells of 16 bytes fit, 48 × 40 pixels of 16 bytes do not; and of 600 cells along the view, that all tiles
-    // list, the lists do not.
+    // list, the lists do not. Where one of nine tiles lists 1,320, and goes on in another dispatch, the states of all
+    // pixels do not, 32 bytes each.
     let wide = Scene { camera: outside([48, 40]), ..scene(overlapping()) };
     let along = orthographic([0.5, -2.0, 0.5], [0.5, 0.0, 0.5], 0.9, [16, 16]);
     let deep = Scene { volume: smooth(cube([1, 100, 1], 0.2)), camera: along, ..scene(overlapping()) };
-    for (scene, bytes, lists) in [(&wide, 24_000, false), (&deep, 12_000, true)] {
+    let one_tile = orthographic([0.5, -2.0, 0.5], [0.5, 0.0, 0.5], 3.3, [24, 24]);
+    let thin = look(overlapping().widgets.iter().map(|widget| widget.with_extinction_times(0.1)).collect());
+    let one_tile =
+        Scene { volume: smooth(cube([1, 220, 1], 0.2)), look: thin, camera: one_tile, ..deep.clone() };
+    for (scene, bytes, lists) in [(&wide, 24_000, false), (&deep, 12_000, true), (&one_tile, 12_000, false)] {
         let whole = draw(scene, &SHADING, Order::Exact).expect("draws");
         assert_eq!(whole.counts.tile_entries * 8 > bytes, lists, "{:?}", whole.counts);
         let windows = small(scene, bytes).expect("draws in windows");
