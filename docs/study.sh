@@ -11,10 +11,11 @@ page="$folder/study.md"
 cat > "$page" <<'TEXT'
 # Error against time
 
-Three of the pipelines, drawn with every integrator that can serve them over its settings, against the 64-bit reference.
+Three of the pipelines, drawn with every integrator that can serve them over its settings, on the CPU and, where the machine
+has one, on a graphics device, against the 64-bit reference.
 Made by `docs/study.sh`; `voltet study FILE` does the same for any scene, with more figures.
 
-`total ms` is the median time of a picture from culling on, set-up (tables) included; errors are of premultiplied linear
+`total ms` is the median time of a picture from culling on, on the CPU with set-up (tables); errors are of premultiplied linear
 RGBA, 1 being full scale, over all pixels; `FLIP` is the perceptual difference of Andersson et al. (2020).
 TEXT
 printf '\nMeasured on %s with %s cores (%s).\n' "$(date +%F)" "$(nproc)" "$(uname -sm)" >> "$page"

@@ -9,7 +9,7 @@ use crate::timing::Timing;
 use std::sync::{Arc, PoisonError};
 use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
-use voltet_core::shading::Shading;
+use voltet_core::shading::{Integrator, Shading};
 use voltet_core::{Error, Result};
 use voltet_shaders::{Choices, Shader, ViewRecord};
 
@@ -44,6 +44,13 @@ const BUDGET: u32 = 1 << 22;
 
 /// The same on a software driver: Mesa's ends loops after 65,535 rounds in all, of which a segment takes more than one.
 const BUDGET_SOFTWARE: u32 = 1 << 14;
+
+/// Samples of a segment that this leaves room for; more of them, of which each may look for its place in a list of control
+/// points, leave room for fewer segments.
+const SAMPLES_SOFTWARE: u32 = 4;
+
+/// Samples of a segment that a software driver draws right: those of the cells of one chunk are taken without a pause.
+const SAMPLES_MOST_SOFTWARE: u32 = 256;
 
 /// Dispatches in which every tile gets further, so that far fewer suffice.
 const DISPATCHES_MOST: u32 = 100_000;
@@ -87,6 +94,12 @@ impl Frame<'_> {
 
     /// Draws the whole picture. Errors: memory, a lost device, a stopped run.
     pub fn draw(&self, progress: &dyn Progress) -> Result<Returned> {
+        let samples = self.samples_of_segment();
+        if self.device().is_software && samples > SAMPLES_MOST_SOFTWARE {
+            return Err(Error::run("a software driver does not take so many samples of a segment")
+                .found(samples)
+                .accepted(format!("at most {SAMPLES_MOST_SOFTWARE}, or engine = \"cpu\"")));
+        }
         let [width, height] = self.samples[0].size;
         let tiles = [width, height].map(|n| n.div_ceil(ViewRecord::TILE));
         let mut picture = Picture::transparent(width as usize, height as usize);
@@ -134,6 +147,22 @@ impl Frame<'_> {
     /// Bytes of a window's largest buffer of pixels: a state is two vectors, a pixel one.
     fn window_bytes(&self, window: [u32; 4], keeps_states: bool) -> u64 {
         self.picture_bytes(window) * if keeps_states { 2 } else { 1 }
+    }
+
+    /// Samples that an integrator takes of a segment; 0 for one that does not sample.
+    fn samples_of_segment(&self) -> u32 {
+        match self.shading.integrator {
+            Integrator::Riemann { count } | Integrator::Segments { count, .. } => count as u32,
+            _ => 0,
+        }
+    }
+
+    /// Work that a tile does in one dispatch.
+    fn budget(&self) -> u32 {
+        match self.device().is_software {
+            true => BUDGET_SOFTWARE / (self.samples_of_segment() / SAMPLES_SOFTWARE).max(1),
+            false => BUDGET,
+        }
     }
 
     /// Bytes of a window's pixels.
@@ -199,7 +228,7 @@ impl Frame<'_> {
                 capacity,
                 weight: 1.0 / self.samples.len() as f32,
                 is_first: u32::from(number == 0),
-                budget: if device.is_software { BUDGET_SOFTWARE } else { BUDGET },
+                budget: self.budget(),
                 ..*sample
             };
             passes.submit(&record, timing)?;

@@ -104,7 +104,7 @@ impl Bench {
 
 fn cost(taken: &[Taken], first: f64, drawn: &Drawn) -> Cost {
     let frame = spread(taken.iter().map(|frame| frame.whole).collect());
-    let set_up = (1e3 * first - frame.median_ms).max(0.0);
+    let set_up = (1e3 * first - frame.fastest_ms).max(0.0);
     let of = |wanted: &dyn Fn(&str) -> bool| -> Option<Times> {
         let sum = |frame: &Taken| -> Option<f64> {
             let chosen: Vec<f64> =

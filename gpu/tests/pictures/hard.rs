@@ -1,11 +1,13 @@
 //! What is hard for the device's compositor alone: long lists, more segments than it keeps, surfaces within its limits.
 
-use crate::compare::{SHADING, Scene, ordinary, stiff};
-use crate::drawing::draw;
+use crate::compare::{SHADING, Scene, ordinary, ordinary_shaded, stiff};
+use crate::drawing::{device, draw};
 use crate::grids::*;
 use crate::looks::*;
 use glam::DVec3;
-use voltet_core::shading::Order;
+use voltet_core::progress::Silent;
+use voltet_core::shading::{Integrator, Order, Shading};
+use voltet_gpu::DeviceGrid;
 
 /// Hundreds of segments in a pixel, long cells among them: a dispatch that goes on meets cells of every former chunk again.
 #[test]
@@ -49,6 +51,29 @@ fn sweeps_lose_nothing() {
     let Some(drawn) = draw(&scene, &SHADING, Order::Exact) else { return };
     assert!(drawn.counts.sweeps_further > 0);
     ordinary(&scene);
+}
+
+/// Samples are rounds of loops, too, of which a software driver makes 65,535.
+#[test]
+fn many_samples_on_each_of_many_segments() {
+    let base = moved(&cube([2, 60, 2], 0.0), |p| DVec3::new(p.x, 3.0 * p.y, p.z));
+    let scene = Scene {
+        name: "many samples".into(),
+        volume: volume(base, |p| 0.5 + 0.4 * (2.0 * p.y + 2.0 * p.x).sin(), |p| p.z),
+        look: look(ramp().widgets.iter().map(|widget| widget.with_extinction_times(0.2)).collect()),
+        camera: perspective([0.45, -3.0, 0.55], [0.5, 0.0, 0.5], 18.0, [12, 12]),
+    };
+    let riemann = Integrator::Riemann { count: 256 };
+    for integrator in [riemann, Integrator::Segments { count: 128, table_size: 256 }] {
+        ordinary_shaded(&scene, &Shading { integrator, ..SHADING });
+    }
+    let Some(device) = device().filter(|device| device.is_software) else { return };
+    let grid = DeviceGrid::new(device, &scene.volume).expect("fits");
+    let shading = Shading { integrator: Integrator::Riemann { count: 257 }, ..SHADING };
+    let Scene { volume, look, camera, .. } = &scene;
+    let refused = voltet_gpu::draw(&grid, volume, look, camera, &shading, Order::Exact, &Silent);
+    let error = refused.expect_err("too many").to_string();
+    assert!(error.contains("257") && error.contains("at most 256"), "{error}");
 }
 
 #[test]
