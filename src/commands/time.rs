@@ -68,7 +68,7 @@ impl Progress for Unshown<'_> {
 const HEAD: &str =
     "| node | size | engine | order | frame, median ms | fastest to slowest | cull | sort | project | \
 composite | GFLOP/s there | set-up, ms | segments | 10⁶ segments/s |
-| --- | ---: | --- | --- | --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |";
+| --- | --- | --- | --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |";
 
 /// Prints the table of one file.
 fn measure(arguments: &arguments::Time, wish: &Wish, document: &Document, bar: &Bar) -> Result<()> {
