@@ -9,9 +9,17 @@
 @group(1) @binding(2) var blended: texture_2d<f32>;
 @group(1) @binding(3) var<storage, read_write> picture: array<vec4f>;
 
+// A corner of the outline with the cell's planes, found once for all its pixels.
 struct Corner {
     @builtin(position) position: vec4f,
-    @location(0) @interpolate(flat) cell: u32,
+    @location(0) @interpolate(flat) points: vec4u,
+    // Corner 0 and nearest depth, corner 1 and farthest depth, normals, the first with six times the volume.
+    @location(1) @interpolate(flat) first: vec4f,
+    @location(2) @interpolate(flat) second: vec4f,
+    @location(3) @interpolate(flat) normal_0: vec4f,
+    @location(4) @interpolate(flat) normal_1: vec3f,
+    @location(5) @interpolate(flat) normal_2: vec3f,
+    @location(6) @interpolate(flat) normal_3: vec3f,
 }
 
 // Four vertices a cell, around its outline.
@@ -25,14 +33,31 @@ fn outline_cell(@builtin(vertex_index) index: u32) -> Corner {
     // The hardware's pixels have their middles at halves.
     let at = outline[index % 4u] + 0.5 - vec2f(view.window.xy * TILE);
     let share = at / vec2f(view.window.zw * TILE);
-    return Corner(vec4f(2.0 * share.x - 1.0, 1.0 - 2.0 * share.y, 0.0, 1.0), cell);
+    let faces = faces_of(corners[0], corners[1], corners[2], corners[3]);
+    return Corner(
+        vec4f(2.0 * share.x - 1.0, 1.0 - 2.0 * share.y, 0.0, 1.0),
+        points,
+        vec4f(faces.first, faces.depths.x),
+        vec4f(faces.second, faces.depths.y),
+        vec4f(faces.normals[0], faces.determinant),
+        faces.normals[1],
+        faces.normals[2],
+        faces.normals[3],
+    );
+}
+
+fn faces_behind(corner: Corner) -> Faces {
+    return Faces(
+        corner.first.xyz,
+        corner.second.xyz,
+        array(corner.normal_0.xyz, corner.normal_1, corner.normal_2, corner.normal_3),
+        corner.normal_0.w,
+        vec2f(corner.first.w, corner.second.w),
+    );
 }
 
 // Entry and exit of the pixel's ray; exit ≤ entry where it misses the cell.
-fn cross_cell(cell: u32, ray: Ray) -> vec2f {
-    let points = tetrahedron(cell);
-    let faces =
-        faces_of(seen_at(points.x).xyz, seen_at(points.y).xyz, seen_at(points.z).xyz, seen_at(points.w).xyz);
+fn cross_faces(faces: Faces, ray: Ray) -> vec2f {
     var range = vec2f(max(faces.depths.x, view.near), faces.depths.y);
     range = narrowed(range, faces.normals[0], faces.second, ray);
     range = narrowed(range, faces.normals[1], faces.first, ray);
@@ -43,11 +68,12 @@ fn cross_cell(cell: u32, ray: Ray) -> vec2f {
 @fragment
 fn blend_cell(corner: Corner) -> @location(0) vec4f {
     let ray = ray_through(vec2u(corner.position.xy) + view.window.xy * TILE);
-    let range = cross_cell(corner.cell, ray);
+    let faces = faces_behind(corner);
+    let range = cross_faces(faces, ray);
     if !(range.x < range.y) {
         discard;
     }
-    return blended_of(shade(corner.cell, range, ray));
+    return blended_of(shade_between(faces, corner.points, range, ray));
 }
 
 // Adds what was blended to the picture.

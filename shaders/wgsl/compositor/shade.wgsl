@@ -26,6 +26,11 @@ fn shade(cell: u32, range: vec2f, ray: Ray) -> Contribution {
     let points = tetrahedron(cell);
     let faces =
         faces_of(seen_at(points.x).xyz, seen_at(points.y).xyz, seen_at(points.z).xyz, seen_at(points.w).xyz);
+    return shade_between(faces, points, range, ray);
+}
+
+// The same for a cell whose planes are known.
+fn shade_between(faces: Faces, points: vec4u, range: vec2f, ray: Ray) -> Contribution {
     let front = weights_at(faces, ray, range.x);
     let back = weights_at(faces, ray, range.y);
     let length = (range.y - range.x) * ray.stretch;
