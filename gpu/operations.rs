@@ -11,20 +11,20 @@ use naga::{
     TypeInner,
 };
 use voltet_core::{Error, Result};
-use voltet_shaders::{Shader, ViewRecord};
+use voltet_shaders::Shader;
 
 impl Drawn {
-    /// Floating-point operations of the picture's compositor: every cell of a tile's list is tested by each of its pixels,
-    /// and segments are integrated as often as they were counted. `None` for the raster, whose pixels nobody counts.
+    /// Floating-point operations of the picture's compositor, at least: of every segment that was counted its crossing of the
+    /// cell's planes once, and its integral. Cells that a ray misses are not counted. `None` for the raster, whose segments
+    /// nobody counts.
     ///
     /// Errors: a shader's text that cannot be read.
     pub fn compositor_operations(&self) -> Result<Option<u64>> {
         let Some(segments) = self.counts.segments else { return Ok(None) };
         let operations = Operations::of(&self.shader)?;
-        let tests =
-            (self.counts.tile_entries - self.counts.cells_hidden) * u64::from(ViewRecord::TILE).pow(2);
-        let of = |name| operations.in_function(name);
-        Ok(Some(tests * of("cross_in_chunk") + segments * of("shade")))
+        // One of the two, by the compositor.
+        let shades = ["shade_again", "shade_in_chunk"].map(|name| operations.in_function(name));
+        Ok(Some(segments * (operations.in_function("cross_in_chunk") + shades[0] + shades[1])))
     }
 }
 

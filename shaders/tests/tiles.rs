@@ -36,11 +36,20 @@ fn validate(shader: &Shader) -> naga::Module {
 fn scenes() -> Vec<TransferFunction> {
     let point = |s, extinction| ControlPoint { s, color: [s, 0.5, 0.1], extinction };
     let wave = Wave { origin: [0.1, 0.2], angle: 0.4, scale: [1.0; 2], period: 0.1, band_width: 0.5 };
-    let (fields, centre) = (vec!["a".into()], vec![0.1]);
+    let over_fields = |names: &[&str]| {
+        let n = names.len();
+        let row = |i: usize| (0..n).map(|j| f64::from(u8::from(i == j))).collect();
+        Profile::GaussianNd {
+            fields: names.iter().map(|name| name.to_string()).collect(),
+            centre: vec![0.1; n],
+            matrix: (0..n).map(row).collect(),
+        }
+    };
     let profiles = [
         Profile::Gaussian { centre: [0.5, 0.0], matrix: [[4.0, 0.0], [0.0, 0.0]] },
         Profile::Gaussian { centre: [0.5, 0.5], matrix: [[4.0, 1.0], [0.0, 2.0]] },
-        Profile::GaussianNd { fields, centre, matrix: vec![vec![1.0]] },
+        over_fields(&["a"]),
+        over_fields(&["a", "b", "c", "d", "e", "f", "i", "j"]),
         Profile::TriangularGaussian { centre: 0.5, sigma: 0.3 },
         Profile::TriangleWave(wave),
         Profile::SineWave(wave),
@@ -73,6 +82,17 @@ fn shadings() -> Vec<Shading> {
     shadings
 }
 
+/// Memory of a workgroup that every device of WebGPU has.
+const WORKGROUP_BYTES: u32 = 16_384;
+
+fn workgroup_bytes(module: &naga::Module) -> u32 {
+    let mut layouter = naga::proc::Layouter::default();
+    layouter.update(module.to_ctx()).expect("types have sizes");
+    let of_workgroup = |variable: &&naga::GlobalVariable| variable.space == naga::AddressSpace::WorkGroup;
+    let variables = module.global_variables.iter().map(|(_, variable)| variable).filter(of_workgroup);
+    variables.map(|variable| layouter[variable.ty].size.next_multiple_of(16)).sum()
+}
+
 /// Tiles share all text of a segment with the list of segments, which `combinations` tries in every combination.
 #[test]
 fn tiles_are_valid_for_every_kind_light_and_integrator() {
@@ -93,6 +113,8 @@ fn tiles_are_valid_for_every_kind_light_and_integrator() {
                 let lit = shading.light.is_some() || shading.silhouette.is_some();
                 assert_eq!(shader.text.contains("let gradient ="), lit);
                 assert_eq!(shader.text.contains("pending"), order == TileOrder::Exact);
+                let bytes = workgroup_bytes(&module);
+                assert!(bytes <= WORKGROUP_BYTES, "{bytes} bytes: {:?}", transfer_function.widgets);
             }
         }
     }
@@ -207,13 +229,12 @@ fn tiles_in_parts_are_valid() {
 fn every_pass_and_compositor_is_used() {
     let mut used: HashSet<&str> =
         FramePass::ALL.iter().flat_map(|p| p.shader(&Layout::WHOLE).files().collect::<Vec<_>>()).collect();
-    for order in ORDERS {
-        let choices = Choices::new(&scenes()[0], &SHADING, Compositor::Tiles(order));
-        used.extend(compose(&choices.expect("has pieces")).files());
-    }
-    for blend in [Blend::Over, Blend::Sum] {
-        let choices = Choices::new(&scenes()[0], &SHADING, Compositor::Raster(blend));
-        used.extend(compose(&choices.expect("has pieces")).files());
+    let compositors = ORDERS.map(Compositor::Tiles).into_iter();
+    for compositor in compositors.chain([Blend::Over, Blend::Sum].map(Compositor::Raster)) {
+        for transfer_function in scenes() {
+            let choices = Choices::new(&transfer_function, &SHADING, compositor);
+            used.extend(compose(&choices.expect("has pieces")).files());
+        }
     }
     let apart = |name: &str| name.starts_with("passes/") || name.starts_with("compositor/");
     for piece in PIECES.iter().filter(|p| apart(p.name) && p.name != "compositor/segments") {

@@ -73,7 +73,8 @@ fn blend_cell(corner: Corner) -> @location(0) vec4f {
     if !(range.x < range.y) {
         discard;
     }
-    return blended_of(shade_between(faces, corner.points, range, ray));
+    let corners = corners_of_values(corner.points);
+    return blended_of(shade_between(faces, corners, corner.points, range, ray));
 }
 
 // Adds what was blended to the picture.

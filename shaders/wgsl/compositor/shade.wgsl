@@ -1,40 +1,46 @@
 // Uses: passes/faces. Fills: nothing. Asks for: segment, view, finish, tetrahedra, seen, attributes.
 // A segment's values, found from its cell.
 
-fn values_at(points: vec4u, weights: vec4f) -> Values {
-    var values = Values();
-    let scalars = vec4f(seen_at(points.x).w, seen_at(points.y).w, seen_at(points.z).w, seen_at(points.w).w);
-    values[0] = dot(weights, scalars);
+// A value's four corners each.
+alias Corners = array<vec4f, VALUE_COUNT>;
+
+fn corners_of_values(points: vec4u) -> Corners {
+    var corners = Corners();
+    corners[0] = vec4f(seen_at(points.x).w, seen_at(points.y).w, seen_at(points.z).w, seen_at(points.w).w);
     for (var i = 1u; i < VALUE_COUNT; i++) {
-        values[i] = attribute_at(points, weights, i - 1u);
+        corners[i] = attribute_corners(points, i - 1u);
+    }
+    return corners;
+}
+
+fn values_at(corners: Corners, weights: vec4f) -> Values {
+    var given = corners;
+    var values = Values();
+    for (var i = 0u; i < VALUE_COUNT; i++) {
+        values[i] = dot(weights, given[i]);
     }
     return values;
 }
 
-fn attribute_at(points: vec4u, weights: vec4f, slot: u32) -> f32 {
-    let values = vec4f(
+fn attribute_corners(points: vec4u, slot: u32) -> vec4f {
+    return vec4f(
         attribute_of(points.x, slot),
         attribute_of(points.y, slot),
         attribute_of(points.z, slot),
         attribute_of(points.w, slot),
     );
-    return dot(weights, values);
+}
+
+fn attribute_at(points: vec4u, weights: vec4f, slot: u32) -> f32 {
+    return dot(weights, attribute_corners(points, slot));
 }
 
 // What the ray's way through a cell from entry to exit adds.
-fn shade(cell: u32, range: vec2f, ray: Ray) -> Contribution {
-    let points = tetrahedron(cell);
-    let faces =
-        faces_of(seen_at(points.x).xyz, seen_at(points.y).xyz, seen_at(points.z).xyz, seen_at(points.w).xyz);
-    return shade_between(faces, points, range, ray);
-}
-
-// The same for a cell whose planes are known.
-fn shade_between(faces: Faces, points: vec4u, range: vec2f, ray: Ray) -> Contribution {
+fn shade_between(faces: Faces, corners: Corners, points: vec4u, range: vec2f, ray: Ray) -> Contribution {
     let front = weights_at(faces, ray, range.x);
     let back = weights_at(faces, ray, range.y);
     let length = (range.y - range.x) * ray.stretch;
-    let found = segment(length, values_at(points, front), values_at(points, back));
+    let found = segment(length, values_at(corners, front), values_at(corners, back));
     return finish(found, points, 0.5 * (front + back), ray);
 }
 

@@ -9,10 +9,14 @@
 // Where a pixel stopped, two a pixel, as bits: colour and opacity; transparency, and three numbers of the order's own.
 @group(1) @binding(5) var<storage, read_write> states: array<vec4u>;
 
-// Cells of a chunk: corner 0 and nearest depth, corner 1 and farthest depth, inward normals.
+// Of each cell of a chunk: corner 0 and nearest depth, corner 1 and farthest depth, inward normals, the first with six
+// times the volume. Cells side by side: invocations that look at different ones mostly find them in different banks.
 const CHUNK = 64u;
-var<workgroup> chunk_planes: array<array<vec4f, 6>, CHUNK>;
-var<workgroup> chunk_bounds: array<vec2u, CHUNK>;
+var<workgroup> chunk_planes: array<array<vec4f, CHUNK>, 6>;
+// Which cells of the chunk may cover pixels of each row and of each column of the tile: a bit a cell, two words a line.
+var<workgroup> chunk_rows: array<atomic<u32>, LINE_WORDS>;
+var<workgroup> chunk_columns: array<atomic<u32>, LINE_WORDS>;
+const LINE_WORDS = 2u * TILE;
 var<workgroup> vote: atomic<u32>;
 var<workgroup> verdict: u32;
 
@@ -24,35 +28,65 @@ fn corners_of(cell: u32) -> array<vec3f, 4> {
     return array(seen_at(points.x).xyz, seen_at(points.y).xyz, seen_at(points.z).xyz, seen_at(points.w).xyz);
 }
 
-fn load_chunk(place: u32, cell: u32) {
+// Forgets the chunk before. All invocations must ask, then load their cells, then wait.
+fn clear_chunk(lane: u32) {
+    workgroupBarrier();
+    if lane < LINE_WORDS {
+        atomicStore(&chunk_rows[lane], 0u);
+        atomicStore(&chunk_columns[lane], 0u);
+    }
+    workgroupBarrier();
+}
+
+// `origin`: the tile's first pixel.
+fn load_chunk(place: u32, cell: u32, origin: vec2u) {
     let p = corners_of(cell);
     let faces = faces_of(p[0], p[1], p[2], p[3]);
-    chunk_planes[place] = array(
-        vec4f(faces.first, faces.depths.x),
-        vec4f(faces.second, faces.depths.y),
-        vec4f(faces.normals[0], 0.0),
-        vec4f(faces.normals[1], 0.0),
-        vec4f(faces.normals[2], 0.0),
-        vec4f(faces.normals[3], 0.0),
+    chunk_planes[0][place] = vec4f(faces.first, faces.depths.x);
+    chunk_planes[1][place] = vec4f(faces.second, faces.depths.y);
+    chunk_planes[2][place] = vec4f(faces.normals[0], faces.determinant);
+    chunk_planes[3][place] = vec4f(faces.normals[1], 0.0);
+    chunk_planes[4][place] = vec4f(faces.normals[2], 0.0);
+    chunk_planes[5][place] = vec4f(faces.normals[3], 0.0);
+    let box = bounds_of(cell);
+    let start = max(vec2u(box.x & 0xffffu, box.x >> 16u), origin) - origin;
+    let end = clamp(vec2u(box.y & 0xffffu, box.y >> 16u), origin, origin + TILE) - origin;
+    let bit = 1u << (place % 32u);
+    for (var row = start.y; row < end.y; row++) {
+        atomicOr(&chunk_rows[2u * row + place / 32u], bit);
+    }
+    for (var column = start.x; column < end.x; column++) {
+        atomicOr(&chunk_columns[2u * column + place / 32u], bit);
+    }
+}
+
+// The chunk's cells that may cover a pixel of the tile.
+fn cells_at(within: vec2u) -> vec2u {
+    return vec2u(
+        atomicLoad(&chunk_rows[2u * within.y]) & atomicLoad(&chunk_columns[2u * within.x]),
+        atomicLoad(&chunk_rows[2u * within.y + 1u]) & atomicLoad(&chunk_columns[2u * within.x + 1u]),
     );
-    chunk_bounds[place] = bounds_of(cell);
+}
+
+// Place of the first of some cells of a chunk; there must be one.
+fn first_of(cells: vec2u) -> u32 {
+    return select(32u + firstTrailingBit(cells.y), firstTrailingBit(cells.x), cells.x != 0u);
+}
+
+fn without_first(cells: vec2u) -> vec2u {
+    let rest = cells & (cells - 1u);
+    return select(vec2u(0u, rest.y), vec2u(rest.x, cells.y), cells.x != 0u);
 }
 
 // Entry and exit of the pixel's ray; exit ≤ entry where it misses the cell.
-fn cross_in_chunk(place: u32, pixel: vec2u, ray: Ray) -> vec2f {
-    let box = chunk_bounds[place];
-    let start = vec2u(box.x & 0xffffu, box.x >> 16u);
-    let end = vec2u(box.y & 0xffffu, box.y >> 16u);
-    if any(pixel < start) || any(end <= pixel) {
-        return vec2f(0.0);
-    }
-    let first = chunk_planes[place][0];
-    let second = chunk_planes[place][1];
+fn cross_in_chunk(place: u32, ray: Ray) -> vec2f {
+    let first = chunk_planes[0][place];
+    let second = chunk_planes[1][place];
     var range = vec2f(max(first.w, view.near), second.w);
-    range = narrowed(range, chunk_planes[place][2].xyz, second.xyz, ray);
-    range = narrowed(range, chunk_planes[place][3].xyz, first.xyz, ray);
-    range = narrowed(range, chunk_planes[place][4].xyz, first.xyz, ray);
-    return narrowed(range, chunk_planes[place][5].xyz, first.xyz, ray);
+    range = narrowed(range, chunk_planes[2][place].xyz, second.xyz, ray);
+    range = narrowed(range, chunk_planes[3][place].xyz, first.xyz, ray);
+    range = narrowed(range, chunk_planes[4][place].xyz, first.xyz, ray);
+    return narrowed(range, chunk_planes[5][place].xyz, first.xyz, ray);
 }
 
 // Whether any pixel of the tile says so. All invocations must ask.
@@ -135,20 +169,4 @@ fn count_tile(segment_count: u32, stops: bool, hidden: u32, lane: u32) {
         atomicAdd(&counts[10], 1u);
         atomicAdd(&counts[11], hidden);
     }
-}
-
-// Where a tile's list goes on for the orders that take it once: the open pixels' number, the same for all of them.
-fn first_of_tile(state: State, list: vec2u, lane: u32) -> u32 {
-    if lane == 0u {
-        atomicStore(&vote, list.y);
-    }
-    workgroupBarrier();
-    if state.open {
-        atomicMin(&vote, state.number);
-    }
-    workgroupBarrier();
-    if lane == 0u {
-        verdict = atomicLoad(&vote);
-    }
-    return workgroupUniformLoad(&verdict);
 }

@@ -89,6 +89,13 @@ fn take(key: Key, waiting: ptr<function, u32>, limit: Key, lane: u32) -> Key {
     return farthest;
 }
 
+// A segment that has waited: its cell's chunk may be gone.
+fn shade_again(cell: u32, range: vec2f, ray: Ray) -> Contribution {
+    let p = corners_of(cell);
+    let points = tetrahedron(cell);
+    return shade_between(faces_of(p[0], p[1], p[2], p[3]), corners_of_values(points), points, range, ray);
+}
+
 @compute @workgroup_size(8, 8)
 fn composite_tiles(
     @builtin(workgroup_id) tile: vec3u,
@@ -118,21 +125,27 @@ fn composite_tiles(
         let least_low = least_of_pixels(select(FAR, low.entry, open), lane);
         for (var first = list.x; first < list.y; first += CHUNK) {
             let count = min(CHUNK, list.y - first);
-            workgroupBarrier();
+            clear_chunk(lane);
             var reaches = false;
             if lane < count {
-                load_chunk(lane, entries[first + lane].x);
-                reaches = least_low <= chunk_planes[lane][1].w;
+                load_chunk(lane, entries[first + lane].x, pixel - within.xy);
+                reaches = least_low <= chunk_planes[1][lane].w;
             }
             // Cells that end before whatever is still open.
             work++;
             if !any_pixel(reaches, lane) {
                 continue;
             }
+            var cells = cells_at(within.xy);
             for (var batch = 0u; open && batch < count; batch += STEP) {
                 let end = min(batch + STEP, count);
-                for (var place = batch; place < end; place++) {
-                    let range = cross_in_chunk(place, pixel, ray);
+                while any(cells != vec2u(0u)) {
+                    let place = first_of(cells);
+                    if end <= place {
+                        break;
+                    }
+                    cells = without_first(cells);
+                    let range = cross_in_chunk(place, ray);
                     if range.x < range.y {
                         let key = Key(range.x, range.y, entries[first + place].x);
                         if !is_nearer(key, low) && is_nearer(key, limit) {
@@ -152,7 +165,7 @@ fn composite_tiles(
                         break;
                     }
                     waiting--;
-                    let found = shade(key.cell, vec2f(key.entry, key.exit), ray);
+                    let found = shade_again(key.cell, vec2f(key.entry, key.exit), ray);
                     sum = composite_add(sum, found.color, found.opacity);
                     segment_count++;
                     work += SEGMENT_WORK;

@@ -1,4 +1,4 @@
-// Uses: passes/digits. Fills: nothing.
+// Uses: passes/digit_sums, passes/digits. Fills: nothing.
 // Items to their places by digit. Of one digit they keep their order: a lane finds its place among those of a step by
 // the bits of the lanes before it that have the same digit.
 
@@ -21,27 +21,16 @@ fn move_digits(
     if lane == 0u {
         items = item_count();
     }
-    // Where each digit's items begin.
-    let own = digit_counts[lane];
-    places[lane] = own;
     let count = workgroupUniformLoad(&items);
     if count <= block * ITEMS {
         return;
     }
-    for (var stride = 1u; stride < DIGITS; stride *= 2u) {
-        var before = 0u;
-        if stride <= lane {
-            before = places[lane - stride];
-        }
-        workgroupBarrier();
-        places[lane] += before;
-        workgroupBarrier();
-    }
-    let total = places[DIGITS - 1u];
+    // Where the block's items of each digit go: behind all lower digits, and behind the digit's in the blocks before.
+    let own = digit_counts[lane];
+    let through = sum_through(own, lane);
+    let total = sums[DIGITS - 1u];
+    places[lane] = through - own + digit_counts[row_place(lane, block)];
     workgroupBarrier();
-    if block < block_count() {
-        places[lane] += digit_counts[row_place(lane, block)] - own;
-    }
     for (var part = 0u; part < STEPS; part++) {
         let item = item_at(block * ITEMS + part * DIGITS + lane, count);
         let digit = digit_of(item);

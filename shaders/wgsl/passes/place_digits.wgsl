@@ -1,23 +1,5 @@
-// Uses: passes/digits. Fills: nothing.
+// Uses: passes/digit_sums, passes/digits. Fills: nothing.
 // Each digit's numbers of the blocks into sums of the blocks before, and their whole sum. One workgroup a digit.
-
-var<workgroup> sums: array<u32, DIGITS>;
-
-// The sum of what this and all lower lanes give. All invocations must ask.
-fn sum_through(value: u32, lane: u32) -> u32 {
-    sums[lane] = value;
-    workgroupBarrier();
-    for (var stride = 1u; stride < DIGITS; stride *= 2u) {
-        var before = 0u;
-        if stride <= lane {
-            before = sums[lane - stride];
-        }
-        workgroupBarrier();
-        sums[lane] += before;
-        workgroupBarrier();
-    }
-    return sums[lane];
-}
 
 @compute @workgroup_size(256)
 fn place_digits(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane: u32) {

@@ -1,0 +1,108 @@
+// Uses: compositor/tiles. Fills: compositor. Asks for: gathering, chunk_corners.
+// Tiles that take their list once, from its start to its end.
+
+// What a pixel has gathered: colours over one another, and two numbers that `gathering` gives their sense.
+struct Gathered {
+    sum: Composite,
+    kept: vec2f,
+}
+
+// Those of some cells that a pixel's ray crosses. They are looked for before any is shaded: cells are small, so that a tile's
+// pixels cross different ones, and all of them shade at the same time, each its own.
+fn crossed_of(cells: vec2u, ray: Ray) -> vec2u {
+    var left = cells;
+    var crossed = vec2u(0u);
+    while any(left != vec2u(0u)) {
+        let place = first_of(left);
+        left = without_first(left);
+        let range = cross_in_chunk(place, ray);
+        let bit = u32(range.x < range.y) << (place % 32u);
+        crossed |= select(vec2u(bit, 0u), vec2u(0u, bit), 32u <= place);
+    }
+    return crossed;
+}
+
+fn shade_in_chunk(place: u32, cell: u32, range: vec2f, ray: Ray) -> Contribution {
+    let first = chunk_planes[0][place];
+    let second = chunk_planes[1][place];
+    let third = chunk_planes[2][place];
+    let normals = array(third.xyz, chunk_planes[3][place].xyz, chunk_planes[4][place].xyz, chunk_planes[5][place].xyz);
+    let faces = Faces(first.xyz, second.xyz, normals, third.w, vec2f(first.w, second.w));
+    return shade_between(faces, corners_in_chunk(place, cell), tetrahedron(cell), range, ray);
+}
+
+// Where a tile's list goes on: the open pixels' number, the same for all of them.
+fn first_of_tile(state: State, list: vec2u, lane: u32) -> u32 {
+    if lane == 0u {
+        atomicStore(&vote, list.y);
+    }
+    workgroupBarrier();
+    if state.open {
+        atomicMin(&vote, state.number);
+    }
+    workgroupBarrier();
+    if lane == 0u {
+        verdict = atomicLoad(&vote);
+    }
+    return workgroupUniformLoad(&verdict);
+}
+
+@compute @workgroup_size(8, 8)
+fn composite_tiles(
+    @builtin(workgroup_id) tile: vec3u,
+    @builtin(local_invocation_id) within: vec3u,
+    @builtin(local_invocation_index) lane: u32,
+) {
+    let pixel = (view.window.xy + tile.xy) * TILE + within.xy;
+    let list = list_of(tile.xy);
+    let ray = ray_through(pixel);
+    let state = state_of(pixel, State(composite_start(), KEPT_AT_FIRST, list.x, is_in_picture(pixel)));
+    var gathered = Gathered(state.sum, state.kept);
+    let begins_open = state.open;
+    var open = begins_open;
+    var work = 0u;
+    var segment_count = 0u;
+    var first = first_of_tile(state, list, lane);
+    var stops = false;
+    // Cells that no pixel looked at.
+    var hidden = 0u;
+    while first < list.y {
+        let count = min(CHUNK, list.y - first);
+        clear_chunk(lane);
+        if lane < count {
+            let cell = entries[first + lane].x;
+            load_chunk(lane, cell, pixel - within.xy);
+            load_corners(lane, cell);
+        }
+        workgroupBarrier();
+        var crossed = vec2u(0u);
+        if open {
+            crossed = crossed_of(cells_at(within.xy), ray);
+        }
+        while open && any(crossed != vec2u(0u)) {
+            let place = first_of(crossed);
+            crossed = without_first(crossed);
+            let range = cross_in_chunk(place, ray);
+            gathered = gather(gathered, shade_in_chunk(place, entries[first + place].x, range, ray), range.x);
+            segment_count++;
+            work += SEGMENT_WORK;
+            open = !is_opaque(gathered);
+        }
+        work += count;
+        first += CHUNK;
+        if !any_pixel(open, lane) {
+            hidden = list.y - min(first, list.y);
+            break;
+        }
+        if first < list.y && any_pixel(view.budget < work, lane) {
+            stops = true;
+            break;
+        }
+    }
+    open = open && stops;
+    keep_state(pixel, State(gathered.sum, gathered.kept, first, open));
+    if begins_open && !open {
+        put_gathered(pixel, gathered);
+    }
+    count_tile(segment_count, stops, hidden, lane);
+}
