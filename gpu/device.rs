@@ -2,6 +2,7 @@
 
 use crate::adapter::{Adapters, describe, kind};
 use crate::drawing::Target;
+use crate::frame::{BUDGET, BUDGET_SOFTWARE};
 use crate::raster::RUN_LENGTH;
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -26,6 +27,8 @@ pub struct Device {
     pub(crate) blends_32_bits: bool,
     /// Cells of one draw of the raster compositor.
     pub(crate) run_length: u32,
+    /// Work of a tile in one dispatch, in cells tested.
+    pub(crate) budget: u32,
     /// Nanoseconds of a tick, where passes can be timed.
     pub(crate) tick: Option<f32>,
     pub(crate) pipelines: Mutex<HashMap<crate::pipelines::Key, Arc<wgpu::ComputePipeline>>>,
@@ -86,11 +89,12 @@ impl Device {
         device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
             *note.lock().unwrap_or_else(PoisonError::into_inner) = Some(error.to_string());
         }));
+        let is_software = kind(info.device_type).1 == "software";
         Ok(Device {
             name: describe(&info),
             driver: format!("{} {}", info.driver, info.driver_info),
             reason,
-            is_software: kind(info.device_type).1 == "software",
+            is_software,
             tick: features.contains(wgpu::Features::TIMESTAMP_QUERY).then(|| queue.get_timestamp_period()),
             device,
             queue,
@@ -98,6 +102,7 @@ impl Device {
             downlevel: adapter.get_downlevel_capabilities().flags,
             blends_32_bits: features.contains(wgpu::Features::FLOAT32_BLENDABLE),
             run_length: RUN_LENGTH,
+            budget: if is_software { BUDGET_SOFTWARE } else { BUDGET },
             pipelines: Mutex::default(),
             drawings: Mutex::default(),
             work: WorkCounts::default(),
@@ -120,6 +125,12 @@ impl Device {
     /// The same device with so many cells in a draw of the raster compositor.
     pub fn with_runs_of(mut self, cells: u32) -> Device {
         self.run_length = cells.max(1);
+        self
+    }
+
+    /// The same device with so much work of a tile in one dispatch at first, in cells tested.
+    pub fn with_budget_of(mut self, work: u32) -> Device {
+        self.budget = work;
         self
     }
 

@@ -9,7 +9,7 @@ use crate::timing::Timing;
 use std::sync::{Arc, PoisonError};
 use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
-use voltet_core::shading::{Integrator, Shading};
+use voltet_core::shading::Shading;
 use voltet_core::{Error, Result};
 use voltet_shaders::{Choices, Shader, ViewRecord};
 
@@ -30,7 +30,11 @@ pub(crate) mod count {
     /// Tiles that were opaque before all their cells had been looked at, and those cells.
     pub const TILES_STOPPED: usize = 10;
     pub const CELLS_HIDDEN: usize = 11;
-    pub const ALL: usize = 12;
+    /// Cells whose tiles a driver did not go through, since it ended the loops: their lists are wrong.
+    pub const CELLS_CUT_SHORT: usize = 12;
+    /// Pixels likewise, whose colours are wrong.
+    pub const PIXELS_CUT_SHORT: usize = 13;
+    pub const ALL: usize = 14;
     /// Those that are the same in every window.
     pub const OF_CELLS: [usize; 4] = [BY_FUNCTION, BY_FRUSTUM, PROJECTED, UNDER_A_PIXEL];
 }
@@ -40,17 +44,14 @@ const CAPACITY_AT_FIRST: u32 = 1 << 16;
 
 /// Work that a tile does in one dispatch, in cells tested: under a tenth of a second on a slow device, well within the
 /// seconds that a system grants.
-const BUDGET: u32 = 1 << 22;
+pub(crate) const BUDGET: u32 = 1 << 22;
 
-/// The same on a software driver: Mesa's ends loops after 65,535 rounds in all, of which a segment takes more than one.
-const BUDGET_SOFTWARE: u32 = 1 << 14;
+/// The same on a software driver: Mesa's ends loops after 65,535 rounds in all, of which a segment takes several. Where they
+/// were too many, the shader says so, and the frame is drawn again with a quarter of the budget.
+pub(crate) const BUDGET_SOFTWARE: u32 = 1 << 12;
 
-/// Samples of a segment that this leaves room for; more of them, of which each may look for its place in a list of control
-/// points, leave room for fewer segments.
-const SAMPLES_SOFTWARE: u32 = 4;
-
-/// Samples of a segment that a software driver draws right: those of the cells of one chunk are taken without a pause.
-const SAMPLES_MOST_SOFTWARE: u32 = 256;
+/// Less makes no difference: a chunk of cells is gone through without a pause.
+const BUDGET_LEAST: u32 = 1 << 6;
 
 /// Dispatches in which every tile gets further, so that far fewer suffice.
 const DISPATCHES_MOST: u32 = 100_000;
@@ -94,12 +95,6 @@ impl Frame<'_> {
 
     /// Draws the whole picture. Errors: memory, a lost device, a stopped run.
     pub fn draw(&self, progress: &dyn Progress) -> Result<Returned> {
-        let samples = self.samples_of_segment();
-        if self.device().is_software && samples > SAMPLES_MOST_SOFTWARE {
-            return Err(Error::run("a software driver does not take so many samples of a segment")
-                .found(samples)
-                .accepted(format!("at most {SAMPLES_MOST_SOFTWARE}, or engine = \"cpu\"")));
-        }
         let [width, height] = self.samples[0].size;
         let tiles = [width, height].map(|n| n.div_ceil(ViewRecord::TILE));
         let mut picture = Picture::transparent(width as usize, height as usize);
@@ -149,29 +144,14 @@ impl Frame<'_> {
         self.picture_bytes(window) * if keeps_states { 2 } else { 1 }
     }
 
-    /// Samples that an integrator takes of a segment; 0 for one that does not sample.
-    fn samples_of_segment(&self) -> u32 {
-        match self.shading.integrator {
-            Integrator::Riemann { count } | Integrator::Segments { count, .. } => count as u32,
-            _ => 0,
-        }
-    }
-
-    /// Work that a tile does in one dispatch.
-    fn budget(&self) -> u32 {
-        match self.device().is_software {
-            true => BUDGET_SOFTWARE / (self.samples_of_segment() / SAMPLES_SOFTWARE).max(1),
-            false => BUDGET,
-        }
-    }
-
     /// Bytes of a window's pixels.
     pub fn picture_bytes(&self, window: [u32; 4]) -> u64 {
         let pixels = u64::from(window[2]) * u64::from(window[3]) * u64::from(ViewRecord::TILE).pow(2);
         pixels * 16
     }
 
-    /// Draws one window; `None` where its lists or its pixels' states do not fit one binding.
+    /// Draws one window; `None` where its lists or its pixels' states do not fit one binding, or a cell has more tiles in it
+    /// than a driver goes through.
     fn draw_window(
         &self,
         window: [u32; 4],
@@ -184,29 +164,43 @@ impl Frame<'_> {
         buffers.capacity = buffers.capacity.max(CAPACITY_AT_FIRST.min(most));
         loop {
             let capacity = buffers.capacity;
-            let counts = self.run(window, capacity, &mut buffers, picture, timing)?;
+            let budget = *buffers.budget.get_or_insert(device.budget);
+            let counts = self.run(window, capacity, budget, &mut buffers, picture, timing)?;
             let needed = counts[count::ENTRIES];
+            if needed > most || counts[count::CELLS_CUT_SHORT] != 0 {
+                return Ok(None);
+            }
             if device.is_software && self.sorted && counts[count::LONGEST] > LONGEST_SOFTWARE {
                 return Err(Error::run("a software driver does not sort so many cells of one tile")
                     .found(counts[count::LONGEST])
                     .accepted(format!("at most {LONGEST_SOFTWARE}, or engine = \"cpu\"")));
             }
-            if needed <= capacity {
-                if counts[count::UNFINISHED] == 0 {
-                    return Ok(Some(counts));
+            if needed > capacity {
+                // Some room for the next frame.
+                buffers.capacity = needed.saturating_add(needed / 4).min(most);
+            } else if counts[count::PIXELS_CUT_SHORT] != 0 {
+                if budget <= BUDGET_LEAST {
+                    return Err(self.ends_loops(counts[count::PIXELS_CUT_SHORT]));
                 }
+                buffers.budget = Some(budget / 4);
+            } else if counts[count::UNFINISHED] != 0 {
                 buffers.keeps_states = true;
                 if self.window_bytes(window, true) > device.most_bytes() {
                     return Ok(None);
                 }
-                continue;
+            } else {
+                return Ok(Some(counts));
             }
-            if needed > most {
-                return Ok(None);
-            }
-            // Some room for the next frame.
-            buffers.capacity = needed.saturating_add(needed / 4).min(most);
         }
+    }
+
+    fn ends_loops(&self, pixels: u32) -> Error {
+        let name = &self.device().name;
+        Error::run(format!("{name} ends loops before the segments of 64 cells are integrated"))
+            .found(format!("{pixels} pixels cut short"))
+            .accepted(
+                "fewer samples of a segment, fewer control points, another adapter, or engine = \"cpu\"",
+            )
     }
 
     /// Runs all passes for all samples over a window, and copies its pixels to the picture.
@@ -214,6 +208,7 @@ impl Frame<'_> {
         &self,
         window: [u32; 4],
         capacity: u32,
+        budget: u32,
         buffers: &mut FrameBuffers,
         picture: &mut Picture,
         timing: &mut Timing,
@@ -222,13 +217,17 @@ impl Frame<'_> {
         let goes_on = buffers.keeps_states;
         let passes = Passes::new(self, window, capacity, buffers)?;
         let mut counted = [0; count::ALL];
+        let is_right = |counted: &[u32; count::ALL]| {
+            let cut_short = counted[count::CELLS_CUT_SHORT] + counted[count::PIXELS_CUT_SHORT];
+            counted[count::ENTRIES] <= capacity && cut_short == 0
+        };
         for (number, sample) in self.samples.iter().enumerate() {
             let mut record = ViewRecord {
                 window,
                 capacity,
                 weight: 1.0 / self.samples.len() as f32,
                 is_first: u32::from(number == 0),
-                budget: self.budget(),
+                budget,
                 ..*sample
             };
             passes.submit(&record, timing)?;
@@ -237,7 +236,7 @@ impl Frame<'_> {
             if goes_on {
                 counted = passes.counts()?;
                 let mut dispatches = 0;
-                while counted[count::UNFINISHED] != 0 && counted[count::ENTRIES] <= capacity {
+                while counted[count::UNFINISHED] != 0 && is_right(&counted) {
                     dispatches += 1;
                     if dispatches > DISPATCHES_MOST {
                         return Err(Error::run(format!(
@@ -250,12 +249,15 @@ impl Frame<'_> {
                     passes.submit_tiles(&record, timing)?;
                     counted = passes.counts()?;
                 }
+                if !is_right(&counted) {
+                    break;
+                }
             }
         }
         if !goes_on {
             counted = passes.counts()?;
         }
-        if counted[count::ENTRIES] <= capacity {
+        if is_right(&counted) && counted[count::UNFINISHED] == 0 {
             passes.picture(|bytes| put_window(picture, window, bytes))?;
         }
         Ok(counted)

@@ -29,6 +29,8 @@ pub(crate) struct FrameBuffers {
     returned_counts: Growing,
     tables: Tables,
     raster: RasterBuffers,
+    /// Work of a tile in one dispatch, as far as former frames of the grid have come.
+    pub budget: Option<u32>,
     /// Entries of the lists that the last frame needed.
     pub capacity: u32,
     /// Whether tiles have had more work than one dispatch does, so that their pixels' states are kept.
@@ -223,7 +225,10 @@ impl<'a> Passes<'a> {
             }
             timing.end(&mut encoder);
             encoder.copy_buffer_to_buffer(&self.counts, 0, &self.returned_counts, 0, COUNTS_BYTES);
-            encoder.copy_buffer_to_buffer(&self.pixels, 0, &self.returned, 0, self.picture_bytes);
+            // Where tiles go on, this is seldom the last time.
+            if !self.keeps_states {
+                self.copy_pixels(&mut encoder);
+            }
             self.device.queue.submit([encoder.finish()]);
         })?;
         timing.take(self.device)
@@ -236,8 +241,19 @@ impl<'a> Passes<'a> {
         })
     }
 
+    fn copy_pixels(&self, encoder: &mut CommandEncoder) {
+        encoder.copy_buffer_to_buffer(&self.pixels, 0, &self.returned, 0, self.picture_bytes);
+    }
+
     /// The window's pixels after the last submission.
     pub fn picture(&self, take: impl FnOnce(&[u8])) -> Result<()> {
+        if self.keeps_states {
+            self.device.guarded("the frame", || {
+                let mut encoder = self.device.device.create_command_encoder(&Default::default());
+                self.copy_pixels(&mut encoder);
+                self.device.queue.submit([encoder.finish()]);
+            })?;
+        }
         self.device.read("the picture", &self.returned, self.picture_bytes, take)
     }
 }

@@ -83,6 +83,7 @@ pub const PIECES: &[Piece] = pieces![
     "passes/faces",
     "passes/key",
     "passes/lists",
+    "passes/loops",
     "passes/move_digits",
     "passes/place_digits",
     "passes/points",

@@ -1,13 +1,13 @@
 //! What is hard for the device's compositor alone: long lists, more segments than it keeps, surfaces within its limits.
 
-use crate::compare::{SHADING, Scene, ordinary, ordinary_shaded, stiff};
+use crate::compare::{ORDINARY, SHADING, Scene, ordinary, ordinary_shaded, referee, stiff, within};
 use crate::drawing::{device, draw};
 use crate::grids::*;
 use crate::looks::*;
 use glam::DVec3;
 use voltet_core::progress::Silent;
 use voltet_core::shading::{Integrator, Order, Shading};
-use voltet_gpu::DeviceGrid;
+use voltet_gpu::{Device, DeviceGrid};
 
 /// Hundreds of segments in a pixel, long cells among them: a dispatch that goes on meets cells of every former chunk again.
 #[test]
@@ -69,11 +69,53 @@ fn many_samples_on_each_of_many_segments() {
     }
     let Some(device) = device().filter(|device| device.is_software) else { return };
     let grid = DeviceGrid::new(device, &scene.volume).expect("fits");
-    let shading = Shading { integrator: Integrator::Riemann { count: 257 }, ..SHADING };
+    let shading = Shading { integrator: Integrator::Riemann { count: 100_000 }, ..SHADING };
     let Scene { volume, look, camera, .. } = &scene;
     let refused = voltet_gpu::draw(&grid, volume, look, camera, &shading, Order::Exact, &Silent);
     let error = refused.expect_err("too many").to_string();
-    assert!(error.contains("257") && error.contains("at most 256"), "{error}");
+    assert!(error.contains("ends loops") && error.contains("fewer samples"), "{error}");
+}
+
+/// A driver that ends loops early is noticed, whatever a tile may do in one dispatch: what it left out is drawn again.
+#[test]
+fn loops_that_a_driver_ends() {
+    let s = |p: DVec3| 0.5 + 0.5 * (9.0 * p.y + 2.0 * p.x).sin();
+    let scene = Scene {
+        name: "long lists".into(),
+        volume: volume(cube([3, 500, 3], 0.2), s, |_| 0.0),
+        look: look(ramp().widgets.iter().map(|widget| widget.with_extinction_times(0.2)).collect()),
+        camera: perspective([0.45, -3.0, 0.55], [0.5, 0.0, 0.5], 16.0, [16, 16]),
+    };
+    if device().is_none() {
+        return;
+    }
+    let wish = std::env::var("VOLTET_ADAPTER").ok();
+    let device = Device::open(wish.as_deref(), false).expect("opened before").with_budget_of(1 << 22);
+    let grid = DeviceGrid::new(std::sync::Arc::new(device), &scene.volume).expect("fits");
+    let Scene { volume, look, camera, .. } = &scene;
+    let expected = referee(&scene);
+    for order in [Order::Exact, Order::Centroid] {
+        let drawn = voltet_gpu::draw(&grid, volume, look, camera, &SHADING, order, &Silent).expect("draws");
+        println!("{:?}", drawn.counts);
+        // The order of centroids is wrong by more than rounding, but hides nothing.
+        let bound = if order == Order::Exact { ORDINARY } else { 2e-2 };
+        within(&format!("{} {order:?}", scene.name), &drawn.picture, &expected, bound);
+    }
+}
+
+/// A cell before more tiles than such a driver goes through: the picture is drawn in windows.
+#[test]
+fn a_cell_before_130_thousand_tiles() {
+    let corners = [[-6.0, 0.0, -6.0], [6.0, 0.0, -6.0], [0.0, 0.0, 10.0], [0.0, 3.0, 0.0]];
+    let scene = Scene {
+        name: "one cell".into(),
+        volume: volume(grid(corners.map(DVec3::from).to_vec(), vec![[0, 1, 2, 3]]), |_| 0.5, |_| 0.0),
+        look: look(vec![everywhere(0.3, [1.0, 0.5, 0.25])]),
+        camera: orthographic([0.0, -2.0, 0.0], [0.0, 0.0, 0.0], 2.0, [2880, 2880]),
+    };
+    let Some(drawn) = draw(&scene, &SHADING, Order::Exact) else { return };
+    assert_eq!(drawn.counts.segments, Some(2880 * 2880));
+    assert!(drawn.picture.rgba.iter().all(|pixel| 0.4 < pixel[3] && pixel[3] < 0.6));
 }
 
 #[test]

@@ -1,4 +1,4 @@
-// Uses: compositing, compositor/pixels, compositor/shade, passes/faces. Fills: nothing. Asks for: segment, view, finish, tetrahedra, seen, attributes, bounds.
+// Uses: compositing, compositor/pixels, compositor/shade, passes/faces, passes/loops. Fills: nothing. Asks for: segment, view, finish, tetrahedra, seen, attributes, bounds.
 // Tiles: what every order of compositing shares. One workgroup a tile, one invocation a pixel; the tile's list is taken
 // a chunk at a time, and a segment's values are found from its cell when it is its turn.
 
@@ -152,6 +152,9 @@ var<workgroup> tally: atomic<u32>;
 // Ends a dispatch for the whole tile: counts its segments, whether it is to go on, and the cells that it did not look at
 // because every pixel was opaque. All invocations must ask; what all tiles add to is added to once a tile.
 fn count_tile(segment_count: u32, stops: bool, hidden: u32, lane: u32) {
+    if !do_loops_run() {
+        atomicAdd(&counts[13], 1u);
+    }
     if lane == 0u {
         atomicStore(&tally, 0u);
     }

@@ -1,4 +1,4 @@
-// Uses: passes/screen, passes/view. Fills: nothing. Asks for: tetrahedra, seen, attributes, bounds.
+// Uses: passes/loops, passes/screen, passes/view. Fills: nothing. Asks for: tetrahedra, seen, attributes, bounds.
 // Cells: which can contribute, the pixels that each may cover, and how many each tile will list.
 //
 // A widget's support is held in slabs low ≤ a s + b g ≤ high; a cell is left out if for every widget its corners lie
@@ -91,8 +91,9 @@ const BY_FUNCTION = 1u;
 const BY_FRUSTUM = 2u;
 const PROJECTED = 3u;
 const UNDER_A_PIXEL = 0u;
-// Where cells under a pixel's reach are counted.
+// Where cells under a pixel's reach are counted, and where cells whose tiles a driver did not go through.
 const UNDER_A_PIXEL_COUNT = 9u;
+const CUT_SHORT_COUNT = 12u;
 
 // Gives the pixels that a cell may cover, counts it for the tiles that it falls on, and says what becomes of it.
 fn bound(cell: u32) -> u32 {
@@ -169,6 +170,9 @@ fn bound_cells(
     workgroupBarrier();
     if cell < view.cell_count {
         atomicAdd(&tallies[bound(cell)], 1u);
+        if !do_loops_run() {
+            atomicAdd(&counts[CUT_SHORT_COUNT], 1u);
+        }
     }
     workgroupBarrier();
     if lane < 4u && view.is_first == 1u {
