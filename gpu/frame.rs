@@ -48,7 +48,7 @@ pub(crate) const BUDGET: u32 = 1 << 22;
 
 /// The same on a software driver: Mesa's ends loops after 65,535 rounds in all, of which a segment takes several. Where they
 /// were too many, the shader says so, and the frame is drawn again with a quarter of the budget.
-pub(crate) const BUDGET_SOFTWARE: u32 = 1 << 12;
+pub(crate) const BUDGET_SOFTWARE: u32 = 1 << 13;
 
 /// Less makes no difference: a chunk of cells is gone through without a pause.
 const BUDGET_LEAST: u32 = 1 << 6;

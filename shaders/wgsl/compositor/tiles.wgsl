@@ -89,20 +89,39 @@ fn cross_in_chunk(place: u32, ray: Ray) -> vec2f {
     return narrowed(range, chunk_planes[5][place].xyz, first.xyz, ray);
 }
 
-// Whether any pixel of the tile says so. All invocations must ask.
-fn any_pixel(says: bool, lane: u32) -> bool {
+// Every bit that any pixel of the tile gives. All invocations must ask.
+fn bits_of_pixels(bits: u32, lane: u32) -> u32 {
     if lane == 0u {
         atomicStore(&vote, 0u);
     }
     workgroupBarrier();
-    if says {
-        atomicStore(&vote, 1u);
+    if bits != 0u {
+        atomicOr(&vote, bits);
     }
     workgroupBarrier();
     if lane == 0u {
         verdict = atomicLoad(&vote);
     }
-    return workgroupUniformLoad(&verdict) != 0u;
+    return workgroupUniformLoad(&verdict);
+}
+
+// The least number that any pixel of the tile gives. All invocations must ask.
+fn least_of_tile(number: u32, lane: u32) -> u32 {
+    if lane == 0u {
+        atomicStore(&vote, 0xffffffffu);
+    }
+    workgroupBarrier();
+    atomicMin(&vote, number);
+    workgroupBarrier();
+    if lane == 0u {
+        verdict = atomicLoad(&vote);
+    }
+    return workgroupUniformLoad(&verdict);
+}
+
+// Whether any pixel of the tile says so. All invocations must ask.
+fn any_pixel(says: bool, lane: u32) -> bool {
+    return bits_of_pixels(u32(says), lane) != 0u;
 }
 
 // The tile's part of the entries.

@@ -1,4 +1,4 @@
-// Uses: compositor/tiles. Fills: compositor.
+// Uses: compositor/tiles, passes/screen. Fills: compositor.
 // Tiles in the exact order: each pixel's segments by entry, then by exit, then by number of the cell.
 //
 // The list is sorted by nearest depth. A pixel holds the nearest PENDING segments that it has met; those that begin
@@ -10,6 +10,13 @@
 const PENDING = 12u;
 // Cells between two looks at what can be composited.
 const STEP = 8u;
+// Cells that an invocation looks at, one after the other, to find where a sweep begins.
+const GLANCE = 16u;
+
+// What pixels say at the end of a chunk.
+const IS_OPEN = 1u;
+const LOOKS_ON = 2u;
+const HAS_WORKED = 4u;
 
 struct Key {
     entry: f32,
@@ -44,24 +51,31 @@ fn pending_put(place: u32, lane: u32, key: Key) {
     pending_cell[at] = key.cell;
 }
 
-// Least of a depth of each pixel.
-var<workgroup> least_bits: atomic<u32>;
-var<workgroup> least_depth: f32;
-
+// The least of a depth of each pixel. All invocations must ask.
 fn least_of_pixels(depth: f32, lane: u32) -> f32 {
-    if lane == 0u {
-        atomicStore(&least_bits, 0xffffffffu);
-    }
-    workgroupBarrier();
     // Bits in the order of their floats.
     let bits = bitcast<u32>(depth);
-    atomicMin(&least_bits, select(bits | 0x80000000u, ~bits, (bits >> 31u) == 1u));
-    workgroupBarrier();
-    if lane == 0u {
-        let found = atomicLoad(&least_bits);
-        least_depth = bitcast<f32>(select(~found, found & 0x7fffffffu, (found >> 31u) == 1u));
+    let found = least_of_tile(select(bits | 0x80000000u, ~bits, (bits >> 31u) == 1u), lane);
+    return bitcast<f32>(select(~found, found & 0x7fffffffu, (found >> 31u) == 1u));
+}
+
+// Where in the list, from `begin` on, the first cell ends at or behind a depth. All invocations must ask.
+fn first_that_reaches(depth: f32, begin: u32, end: u32, lane: u32) -> u32 {
+    for (var block = begin; block < end; block += GLANCE * THREADS) {
+        var found = end;
+        for (var at = block + lane; at < min(block + GLANCE * THREADS, end); at += THREADS) {
+            let p = corners_of(entries[at].x);
+            if depth <= most(vec4f(p[0].z, p[1].z, p[2].z, p[3].z)) {
+                found = at;
+                break;
+            }
+        }
+        let first = least_of_tile(found, lane);
+        if first < end {
+            return first;
+        }
     }
-    return workgroupUniformLoad(&least_depth);
+    return end;
 }
 
 // Takes a segment among those that wait, and gives the limit: the nearest segment that found no room.
@@ -118,12 +132,15 @@ fn composite_tiles(
     // Cells that no sweep has looked at.
     var hidden = 0u;
     var is_first_sweep = view.goes_on == 0u;
+    // All cells before this one end before whatever is still open.
+    var begin = list.x;
     loop {
         // What this sweep gave up lies at or behind `limit`.
         var limit = nowhere;
         var waiting = 0u;
         let least_low = least_of_pixels(select(FAR, low.entry, open), lane);
-        for (var first = list.x; first < list.y; first += CHUNK) {
+        begin = first_that_reaches(least_low, begin, list.y, lane);
+        for (var first = begin; first < list.y; first += CHUNK) {
             let count = min(CHUNK, list.y - first);
             clear_chunk(lane);
             var reaches = false;
@@ -131,7 +148,6 @@ fn composite_tiles(
                 load_chunk(lane, entries[first + lane].x, pixel - within.xy);
                 reaches = least_low <= chunk_planes[1][lane].w;
             }
-            // Cells that end before whatever is still open.
             work++;
             if !any_pixel(reaches, lane) {
                 continue;
@@ -145,6 +161,7 @@ fn composite_tiles(
                         break;
                     }
                     cells = without_first(cells);
+                    work++;
                     let range = cross_in_chunk(place, ray);
                     if range.x < range.y {
                         let key = Key(range.x, range.y, entries[first + place].x);
@@ -153,7 +170,7 @@ fn composite_tiles(
                         }
                     }
                 }
-                work += STEP;
+                work++;
                 // Nearest depth of what is still to come.
                 var horizon = FAR;
                 if first + end < list.y {
@@ -175,16 +192,25 @@ fn composite_tiles(
                     }
                 }
             }
-            if !any_pixel(open, lane) {
-                if is_first_sweep {
-                    hidden = list.y - min(first + CHUNK, list.y);
-                }
+            var horizon = Key(FAR, -FAR, 0u);
+            if first + CHUNK < list.y {
+                horizon.entry = bitcast<f32>(entries[first + CHUNK].y);
+            }
+            // A pixel looks on unless all to come lies behind what it gave up.
+            let looks_on = open && horizon.entry <= limit.entry;
+            let said = bits_of_pixels(
+                select(0u, IS_OPEN, open) | select(0u, LOOKS_ON, looks_on) | select(0u, HAS_WORKED, view.budget < work),
+                lane,
+            );
+            if (said & IS_OPEN) == 0u && is_first_sweep {
+                hidden = list.y - min(first + CHUNK, list.y);
+            }
+            if (said & LOOKS_ON) == 0u {
                 break;
             }
             if first + CHUNK < list.y {
-                let horizon = Key(bitcast<f32>(entries[first + CHUNK].y), -FAR, 0u);
                 // Not before the nearest open pixel has got further.
-                if least_low < horizon.entry && any_pixel(view.budget < work, lane) {
+                if least_low < horizon.entry && (said & HAS_WORKED) != 0u {
                     // What waits begins behind the horizon, and is found again.
                     if is_nearer(horizon, limit) {
                         limit = horizon;

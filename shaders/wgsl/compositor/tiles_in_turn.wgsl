@@ -31,22 +31,6 @@ fn shade_in_chunk(place: u32, cell: u32, range: vec2f, ray: Ray) -> Contribution
     return shade_between(faces, corners_in_chunk(place, cell), tetrahedron(cell), range, ray);
 }
 
-// Where a tile's list goes on: the open pixels' number, the same for all of them.
-fn first_of_tile(state: State, list: vec2u, lane: u32) -> u32 {
-    if lane == 0u {
-        atomicStore(&vote, list.y);
-    }
-    workgroupBarrier();
-    if state.open {
-        atomicMin(&vote, state.number);
-    }
-    workgroupBarrier();
-    if lane == 0u {
-        verdict = atomicLoad(&vote);
-    }
-    return workgroupUniformLoad(&verdict);
-}
-
 @compute @workgroup_size(8, 8)
 fn composite_tiles(
     @builtin(workgroup_id) tile: vec3u,
@@ -62,7 +46,8 @@ fn composite_tiles(
     var open = begins_open;
     var work = 0u;
     var segment_count = 0u;
-    var first = first_of_tile(state, list, lane);
+    // Where the list goes on, which is the same for all open pixels.
+    var first = least_of_tile(select(list.y, state.number, state.open), lane);
     var stops = false;
     // Cells that no pixel looked at.
     var hidden = 0u;
