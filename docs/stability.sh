@@ -19,6 +19,10 @@ its error is at most bound × exact value + floor; the bound follows from the wo
 the case: 8 ε (4 + k) in 64 bits, 16 ε (4 + k) in 32 bits and twice that on a device for a closed form, more where colours are
 found by quadrature (`core/optics/judge/bounds.rs`).
 
+"Not judged" are categories without a case that has a bound in that precision: where a widget is a millionth of the segment
+wide ("narrow"), the rounding of the segment's ends to 32 bits decides about the result. The native engine gives such segments
+to the 64-bit forms, the device engine refuses such scenes.
+
 END
     target/release/voltet stability --markdown --adapter software
 } > "$page.new"
