@@ -313,6 +313,7 @@ fn every_piece_is_used_by_some_scene() {
     // ψ is what a table of pre-integration holds; tables are filled by passes of their own, and so are pixels.
     let elsewhere = [
         "compositing",
+        "compositor/corners",
         "compositor/outline",
         "compositor/pixels",
         "compositor/raster",
