@@ -24,7 +24,7 @@ impl Drawn {
         let operations = Operations::of(&self.shader)?;
         // One of the two, by the compositor.
         let shades = ["shade_again", "shade_in_chunk"].map(|name| operations.in_function(name));
-        Ok(Some(segments * (operations.in_function("cross_in_chunk") + shades[0] + shades[1])))
+        Ok(Some(segments * (operations.in_function("cross_faces") + shades[0] + shades[1])))
     }
 }
 

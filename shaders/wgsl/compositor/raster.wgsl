@@ -56,15 +56,6 @@ fn faces_behind(corner: Corner) -> Faces {
     );
 }
 
-// Entry and exit of the pixel's ray; exit ≤ entry where it misses the cell.
-fn cross_faces(faces: Faces, ray: Ray) -> vec2f {
-    var range = vec2f(max(faces.depths.x, view.near), faces.depths.y);
-    range = narrowed(range, faces.normals[0], faces.second, ray);
-    range = narrowed(range, faces.normals[1], faces.first, ray);
-    range = narrowed(range, faces.normals[2], faces.first, ray);
-    return narrowed(range, faces.normals[3], faces.first, ray);
-}
-
 @fragment
 fn blend_cell(corner: Corner) -> @location(0) vec4f {
     let ray = ray_through(vec2u(corner.position.xy) + view.window.xy * TILE);

@@ -78,15 +78,12 @@ fn without_first(cells: vec2u) -> vec2u {
     return select(vec2u(0u, rest.y), vec2u(rest.x, cells.y), cells.x != 0u);
 }
 
-// Entry and exit of the pixel's ray; exit ≤ entry where it misses the cell.
-fn cross_in_chunk(place: u32, ray: Ray) -> vec2f {
+fn faces_in_chunk(place: u32) -> Faces {
     let first = chunk_planes[0][place];
     let second = chunk_planes[1][place];
-    var range = vec2f(max(first.w, view.near), second.w);
-    range = narrowed(range, chunk_planes[2][place].xyz, second.xyz, ray);
-    range = narrowed(range, chunk_planes[3][place].xyz, first.xyz, ray);
-    range = narrowed(range, chunk_planes[4][place].xyz, first.xyz, ray);
-    return narrowed(range, chunk_planes[5][place].xyz, first.xyz, ray);
+    let third = chunk_planes[2][place];
+    let normals = array(third.xyz, chunk_planes[3][place].xyz, chunk_planes[4][place].xyz, chunk_planes[5][place].xyz);
+    return Faces(first.xyz, second.xyz, normals, third.w, vec2f(first.w, second.w));
 }
 
 // Every bit that any pixel of the tile gives. All invocations must ask.

@@ -162,7 +162,7 @@ fn composite_tiles(
                     }
                     cells = without_first(cells);
                     work++;
-                    let range = cross_in_chunk(place, ray);
+                    let range = cross_faces(faces_in_chunk(place), ray);
                     if range.x < range.y {
                         let key = Key(range.x, range.y, entries[first + place].x);
                         if !is_nearer(key, low) && is_nearer(key, limit) {
@@ -208,19 +208,17 @@ fn composite_tiles(
             if (said & LOOKS_ON) == 0u {
                 break;
             }
-            if first + CHUNK < list.y {
-                // Not before the nearest open pixel has got further.
-                if least_low < horizon.entry && (said & HAS_WORKED) != 0u {
-                    // What waits begins behind the horizon, and is found again.
-                    if is_nearer(horizon, limit) {
-                        limit = horizon;
-                    }
-                    if is_nearer(limit, low) {
-                        limit = low;
-                    }
-                    stops = true;
-                    break;
+            // Not before the nearest open pixel has got further.
+            if first + CHUNK < list.y && least_low < horizon.entry && (said & HAS_WORKED) != 0u {
+                // What waits begins behind the horizon, and is found again.
+                if is_nearer(horizon, limit) {
+                    limit = horizon;
                 }
+                if is_nearer(limit, low) {
+                    limit = low;
+                }
+                stops = true;
+                break;
             }
         }
         open = open && limit.entry < FAR;

@@ -15,19 +15,14 @@ fn crossed_of(cells: vec2u, ray: Ray) -> vec2u {
     while any(left != vec2u(0u)) {
         let place = first_of(left);
         left = without_first(left);
-        let range = cross_in_chunk(place, ray);
+        let range = cross_faces(faces_in_chunk(place), ray);
         let bit = u32(range.x < range.y) << (place % 32u);
         crossed |= select(vec2u(bit, 0u), vec2u(0u, bit), 32u <= place);
     }
     return crossed;
 }
 
-fn shade_in_chunk(place: u32, cell: u32, range: vec2f, ray: Ray) -> Contribution {
-    let first = chunk_planes[0][place];
-    let second = chunk_planes[1][place];
-    let third = chunk_planes[2][place];
-    let normals = array(third.xyz, chunk_planes[3][place].xyz, chunk_planes[4][place].xyz, chunk_planes[5][place].xyz);
-    let faces = Faces(first.xyz, second.xyz, normals, third.w, vec2f(first.w, second.w));
+fn shade_in_chunk(faces: Faces, place: u32, cell: u32, range: vec2f, ray: Ray) -> Contribution {
     return shade_between(faces, corners_in_chunk(place, cell), tetrahedron(cell), range, ray);
 }
 
@@ -67,8 +62,10 @@ fn composite_tiles(
         while open && any(crossed != vec2u(0u)) {
             let place = first_of(crossed);
             crossed = without_first(crossed);
-            let range = cross_in_chunk(place, ray);
-            gathered = gather(gathered, shade_in_chunk(place, entries[first + place].x, range, ray), range.x);
+            let faces = faces_in_chunk(place);
+            let range = cross_faces(faces, ray);
+            let found = shade_in_chunk(faces, place, entries[first + place].x, range, ray);
+            gathered = gather(gathered, found, range.x);
             segment_count++;
             work += SEGMENT_WORK;
             open = !is_opaque(gathered);

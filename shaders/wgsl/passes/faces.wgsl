@@ -65,6 +65,15 @@ fn narrowed(range: vec2f, normal: vec3f, corner: vec3f, ray: Ray) -> vec2f {
     return select(vec2f(range.x, min(range.y, z)), vec2f(max(range.x, z), range.y), 0.0 < plane.y);
 }
 
+// Entry and exit of the pixel's ray; exit ≤ entry where it misses the cell.
+fn cross_faces(faces: Faces, ray: Ray) -> vec2f {
+    var range = vec2f(max(faces.depths.x, view.near), faces.depths.y);
+    range = narrowed(range, faces.normals[0], faces.second, ray);
+    range = narrowed(range, faces.normals[1], faces.first, ray);
+    range = narrowed(range, faces.normals[2], faces.first, ray);
+    return narrowed(range, faces.normals[3], faces.first, ray);
+}
+
 fn share_at(normal: vec3f, corner: vec3f, ray: Ray, z: f32) -> f32 {
     let plane = against(normal, corner, ray);
     return plane.x + (z - corner.z) * plane.y;
