@@ -7,7 +7,6 @@ pub mod error;
 pub mod field;
 pub mod graph;
 pub mod grid;
-pub mod lanes;
 pub mod optics;
 pub mod picture;
 pub mod pipeline;

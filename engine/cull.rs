@@ -4,20 +4,20 @@
 //! near enough to any widget to matter, or if it lies outside one plane of the view. The papers test the four
 //! vertices only (Song et al. 2009), which drops a cell whose vertices straddle a narrow widget.
 
-use super::Cells;
-use super::Order;
-use super::project::Attribute;
-use super::view::View;
+use crate::Cells;
+use crate::Order;
+use crate::project::Attribute;
+use crate::project::view::View;
 use voltet_core::camera::Camera;
 
 use rayon::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use voltet_core::lanes::LaneSet;
 use voltet_core::progress::Progress;
 use voltet_core::transfer::{Support, TransferFunction};
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
+use voltet_lanes::LaneSet;
 
 /// Optical depth that all culled cells together may have along the longest ray: a tenth of the 1e-6 that a
 /// pixel may change.

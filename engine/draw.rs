@@ -1,13 +1,13 @@
 //! The stages end to end: project, composite, and the one-call form.
 
-use super::composite::{Drawn, TilePicture, Worker};
-use super::cull::{attributes_of, gradient_attributes};
-use super::light::Surface;
-use super::project::Attribute;
-use super::record::TILE;
-use super::scene::{Sample, Scene};
-use super::shade::Shader;
-use super::{Cells, Counts};
+use crate::composite::{Drawn, TilePicture, Worker};
+use crate::cull::{attributes_of, gradient_attributes};
+use crate::project::Attribute;
+use crate::project::record::TILE;
+use crate::scene::{Sample, Scene};
+use crate::shade::Shader;
+use crate::shade::light::Surface;
+use crate::{Cells, Counts};
 use rayon::prelude::*;
 use std::borrow::Cow;
 use std::sync::atomic::AtomicUsize;

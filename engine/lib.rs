@@ -1,36 +1,21 @@
 //! voltet-engine: the native engine. Cull, sort, project and composite on all cores with vector units.
 
 mod composite;
-mod crossing;
 mod cull;
-mod deep;
 mod draw;
-mod light;
-mod lists;
-mod member;
-mod piecewise;
 mod project;
-mod record;
-mod region;
 mod scene;
 mod shade;
-mod spans;
-mod special;
-mod together;
-mod view;
-mod walk;
-mod wave;
-mod widget;
 
 pub use cull::{cull, keep_all};
 pub use draw::{Projection, Ready, composite, draw, needs_gradient, prepare, project, sort};
 
 use std::sync::Arc;
 use voltet_core::camera::Camera;
-use voltet_core::lanes::LaneSet;
 use voltet_core::shading::Order;
 use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
+use voltet_lanes::LaneSet;
 
 /// Cells that can contribute. Made by [`cull`]; the `sort` node sets the order.
 #[derive(Debug, Clone)]
@@ -56,7 +41,7 @@ pub struct Cells {
     /// World units in the scene length that the stages work in: the diagonal of the grid.
     pub(crate) length: f64,
     /// The points on the screen of the camera that culled, so that the project stage need not do it again.
-    pub(crate) seen: Option<(Camera, Arc<Vec<view::Seen>>)>,
+    pub(crate) seen: Option<(Camera, Arc<Vec<project::view::Seen>>)>,
     /// Ranges of s and g over the grid.
     pub(crate) ranges: [[f64; 2]; 2],
     /// Largest component of ∇s over the grid; 0 where there is no gradient.

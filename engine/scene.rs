@@ -1,14 +1,13 @@
 //! A scene ready for the compositor: the projection of one sample of every pixel, and how segments are shaded.
 
-use super::Cells;
-use super::project::{Attribute, Input, Part, ProjectPart};
-use super::record::{AttributeRecord, Record, TILE};
-use super::shade::{Exact, Shader};
-use super::special::{Special, SpecialCrossing};
-use super::view::{Seen, View};
+use crate::Cells;
+use crate::project::record::{AttributeRecord, Record, TILE};
+use crate::project::special::{Special, SpecialCrossing};
+use crate::project::view::{Seen, View};
+use crate::project::{Attribute, Input, Part, ProjectPart};
+use crate::shade::{Exact, Shader};
 use rayon::prelude::*;
 use voltet_core::camera::Camera;
-use voltet_core::lanes;
 use voltet_core::progress::Progress;
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
@@ -21,7 +20,7 @@ const INDEX_BITS: u32 = 24;
 pub(crate) struct Sample {
     pub view: View,
     pub seen: std::sync::Arc<Vec<Seen>>,
-    lanes: lanes::LaneSet,
+    lanes: voltet_lanes::LaneSet,
     parts: Vec<Part>,
     tiles_wide: usize,
     /// `tile_starts[t] .. tile_starts[t + 1]` are tile t's entries.
@@ -45,11 +44,11 @@ pub(crate) struct Scene<'a> {
     pub scalar_count: usize,
     pub shader: &'a Shader,
     /// The lane set the kernels run on.
-    pub lanes: lanes::LaneSet,
+    pub lanes: voltet_lanes::LaneSet,
     /// Whether each pixel's segments are sorted.
     pub sorted: bool,
     pub distance_origin: f64,
-    /// See [`super::crossing::Group::evaluate`].
+    /// See [`crate::composite::crossing::Group::evaluate`].
     pub near: Option<[f32; 2]>,
     sample: &'a Sample,
     volume: &'a Volume,
@@ -98,7 +97,7 @@ impl Sample {
         kept.par_chunks(part_length)
             .map(|cells| {
                 let mut part = Part::default();
-                lanes::dispatch(lane_set, ProjectPart { input, cells, part: &mut part });
+                voltet_lanes::dispatch(lane_set, ProjectPart { input, cells, part: &mut part });
                 part
             })
             .collect_into_vec(&mut parts);

@@ -1,9 +1,9 @@
 //! What 32 bits on a device cannot hold, asked before anything is drawn.
 
 use crate::choices::{Choices, Combine};
-use voltet_core::optics::lanes::wave::BANDS_MOST;
 use voltet_core::transfer::{Profile, TransferFunction, Wave, Widget};
 use voltet_core::{Error, Result};
+use voltet_lanes::optics::wave::BANDS_MOST;
 
 /// What one segment of a data set spans at most; the ranges of the values bound it, closer numbers refuse less.
 #[derive(Debug, Clone, Copy, PartialEq)]

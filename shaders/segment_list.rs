@@ -9,9 +9,9 @@ use crate::compose::Shader;
 use crate::held::{Spans, held};
 use crate::parameters::Axis;
 use voltet_core::Result;
-use voltet_core::optics::judge::SegmentCase;
 use voltet_core::optics::{Contribution, Segment};
 use voltet_core::transfer::{Profile, TransferFunction, Widget};
+use voltet_judge::SegmentCase;
 
 /// Numbers of a contribution: r, g, b, A, T, and what its alignment adds.
 pub const CONTRIBUTION: usize = 8;

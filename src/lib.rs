@@ -14,16 +14,15 @@
 //! # }
 //! ```
 
-mod devices;
 mod document;
-pub mod stability;
-pub mod study;
-mod thorough;
 
 pub use document::{Document, read_text};
-pub use thorough::{SAME, Thorough};
 pub use voltet_core as core;
 pub use voltet_engine as engine;
 #[cfg(feature = "gpu")]
 pub use voltet_gpu as gpu;
+pub use voltet_judge as judge;
+pub use voltet_lanes as lanes;
 pub use voltet_nodes as nodes;
+pub use voltet_study as study;
+pub use voltet_study::stability;

@@ -12,7 +12,7 @@ use voltet::core::progress::{Progress, Silent};
 use voltet::core::shading::{Integrator, Order, Shading};
 use voltet::core::transfer::{OpticalModel, Profile, TransferFunction, Widget};
 use voltet::core::volume::Volume;
-use voltet::study::{
+use voltet::study::work_precision::{
     Asked, Benches, Engines, Form, Frames, Measure, Scene, Source, Wish, reference, refinement, study,
 };
 

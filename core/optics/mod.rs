@@ -8,8 +8,6 @@ pub mod compositing;
 pub mod gaussian;
 mod gaussian_nd;
 pub mod integrators;
-pub mod judge;
-pub mod lanes;
 pub mod linear;
 pub mod overlap;
 pub mod piecewise_linear;

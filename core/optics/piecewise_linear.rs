@@ -21,7 +21,7 @@ pub struct PiecewisePath<'a> {
 }
 
 /// One piece: a stretch of linear extinction and colour.
-pub(crate) struct Piece {
+pub struct Piece {
     /// Its length as a share of the segment.
     pub share: f64,
     /// Extinction at its front and back.
@@ -31,7 +31,7 @@ pub(crate) struct Piece {
 }
 
 /// The part of a piece whose extinction exceeds a threshold.
-pub(crate) struct Lit {
+pub struct Lit {
     /// Its length as a share of the piece.
     pub length: f64,
     /// ∫ extinction over the share of the piece in front of it.
@@ -120,7 +120,7 @@ impl<'a> PiecewisePath<'a> {
     }
 
     /// Calls `f` for each piece from front to back until it returns false.
-    pub(crate) fn pieces(&self, stretch: &Stretch, mut f: impl FnMut(&Piece) -> bool) {
+    pub fn pieces(&self, stretch: &Stretch, mut f: impl FnMut(&Piece) -> bool) {
         let at = |point: usize| (self.points[point].extinction, self.points[point].color);
         let start = (stretch.start, stretch.start_to_back);
         let end = (stretch.end, stretch.end_to_back);

@@ -1,8 +1,8 @@
 //! Whole composed shaders on a device against the exact values of single segments, rays, chains and tables.
 
 use std::sync::Arc;
-use voltet_core::optics::judge::{Report, judge_cases, shipped};
 use voltet_gpu::{Device, Segments};
+use voltet_judge::{Report, judge_cases, shipped};
 
 fn table(report: &Report) -> String {
     let mut text: String = report.rows.iter().map(|row| format!("{row}\n")).collect();

@@ -7,7 +7,6 @@ use std::sync::Arc;
 use voltet_core::Result;
 use voltet_core::camera::Camera;
 use voltet_core::graph::{Call, Look, Revision, Saving, diagonal};
-use voltet_core::lanes::LaneSet;
 use voltet_core::optics::integrators::PartialTable;
 use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
@@ -16,6 +15,7 @@ use voltet_core::shading::{Integrator, Order, Shading};
 use voltet_core::transfer::{OpticalModel, TransferFunction};
 use voltet_core::volume::Volume;
 use voltet_engine::{self as engine, Cells, Projection};
+use voltet_lanes::LaneSet;
 
 /// The diagonal of the data with one revision, kept between runs.
 struct Diagonal(f64);

@@ -1,6 +1,6 @@
 // Uses: nothing. Fills: nothing.
 // The part of a segment inside a convex region, from the signed distances of both ends from each edge, positive
-// inside; an end on an edge is inside. Twin of `optics::lanes::clip`.
+// inside; an end on an edge is inside. Twin of `lanes::optics::clip`.
 
 // A part [t₀, t₁], with 1 − t₀ and 1 − t₁ known by themselves; length ≤ 0 where nothing is inside.
 struct Stretch {

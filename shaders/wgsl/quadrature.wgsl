@@ -1,6 +1,6 @@
 // Uses: nothing. Fills: nothing.
 // Gauss-Legendre panels of 8 points (Abramowitz & Stegun 1964, 25.4.30), four and four. Twin of
-// `optics::lanes::quadrature`.
+// `lanes::optics::quadrature`.
 
 const NODES_LOW = vec4f(0.019855072, 0.10166676, 0.2372338, 0.40828268);
 const NODES_HIGH = vec4f(0.5917173, 0.7627662, 0.89833325, 0.9801449);

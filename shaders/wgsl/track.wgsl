@@ -1,7 +1,7 @@
 // Uses: elementary/exponential, quadrature. Fills: nothing.
 // A walk along one segment by panels of at most PANEL_DEPTH, which end at the breaks of what is walked along. The
 // depth within a panel comes from the rates at its 8 points, so that it fits them however t rounds.
-// Twin of `optics::lanes::track`.
+// Twin of `lanes::optics::track`.
 
 // Where the depth in front exceeds this, nothing behind is seen (e^(−25) = 1e-11).
 const OPAQUE_DEPTH = 25.0;

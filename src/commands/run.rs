@@ -4,11 +4,11 @@ use super::{DONE, code, open_all, registry, show, warn};
 use crate::arguments::Run;
 use crate::present::{Bar, json, summary};
 use voltet::Document;
-use voltet::Thorough;
 use voltet::core::error::ErrorKind;
 use voltet::core::graph::{Observer, RunReport};
 use voltet::core::{Error, Result};
 use voltet::nodes::files;
+use voltet::study::Thorough;
 
 pub fn run(arguments: &Run) -> Result<u8> {
     // Every file is checked before the first one runs.

@@ -6,9 +6,9 @@ use crate::present::Bar;
 use serde_json::{Value, json};
 use std::path::Path;
 use voltet::core::graph::Observer;
-use voltet::core::optics::judge::{Forms, Report, judge_all};
 use voltet::core::progress::Progress;
 use voltet::core::{Error, Result};
+use voltet::judge::{Forms, Report, judge_all};
 use voltet::stability;
 
 /// A bound is broken.

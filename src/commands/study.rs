@@ -12,7 +12,7 @@ use voltet::core::optics::integrators::Integrator;
 use voltet::core::progress::Progress;
 use voltet::core::{Error, Result};
 use voltet::nodes::files;
-use voltet::study::{self, Benches, Engines, Frames, Measure, Scene, Study, Wish};
+use voltet::study::work_precision::{self as study, Benches, Engines, Frames, Measure, Scene, Study, Wish};
 
 /// Stopped before the end, or nothing keeps the error allowed.
 const SHORT: u8 = 1;

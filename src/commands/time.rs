@@ -9,7 +9,9 @@ use voltet::core::graph::Observer;
 use voltet::core::progress::Progress;
 use voltet::core::shading::Order;
 use voltet::core::{Error, Result};
-use voltet::study::{self, Benches, Cost, Engine, Engines, Frames, Measure, Scene, Setting, Times, Wish};
+use voltet::study::work_precision::{
+    self as study, Benches, Cost, Engine, Engines, Frames, Measure, Scene, Setting, Times, Wish,
+};
 
 pub fn time(arguments: &arguments::Time) -> Result<u8> {
     let wish = wish(arguments)?;

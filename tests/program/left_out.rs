@@ -1,8 +1,9 @@
 //! What a scene does not ask for is not done: counted, not timed. And doing it all the same changes no picture.
 
 use super::support::{Folder, SLAB};
+use voltet::Document;
 use voltet::core::graph::{RunReport, Unobserved};
-use voltet::{Document, SAME, Thorough};
+use voltet::study::{SAME, Thorough};
 
 /// A second widget of another colour, which looks at g; the first one's colour is green.
 const TWO: &str = r#"

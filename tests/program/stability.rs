@@ -4,7 +4,7 @@ use super::support::Folder;
 
 /// Cases of every kind, each line with a key that no reader knows.
 fn cases() -> Vec<String> {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/core/tests/fixtures/segments.jsonl");
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/judge/fixtures/segments.jsonl");
     let text = std::fs::read_to_string(path).unwrap();
     let chosen = text.lines().step_by(23);
     chosen.map(|line| line.replacen('{', "{\"remark\":[\"not known\"],", 1)).collect()
@@ -45,7 +45,7 @@ fn without_a_file_the_program_judges_itself() {
     let forms = found["forms"].as_array().unwrap();
     let names: Vec<&str> = forms.iter().map(|forms| forms["forms"].as_str().unwrap()).collect();
     assert!(names.starts_with(&["64-bit", "32-bit portable"]), "{names:?}");
-    let sets = voltet::core::optics::judge::Native32::each().count();
+    let sets = voltet::stability::Native32::each().count();
     // A graphics device is judged, or said to be missing.
     let devices = names.iter().filter(|name| name.starts_with("WGSL on")).count();
     assert_eq!(names.len(), 1 + sets + devices);

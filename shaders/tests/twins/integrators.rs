@@ -3,9 +3,9 @@
 use crate::device::Device;
 use crate::scene::{Scene, Scenes};
 use voltet_core::optics::integrators::{Extent, SegmentIntegrator, new};
-use voltet_core::optics::judge::{Kind, SegmentCase, parse};
 use voltet_core::optics::{Contribution, Overlap, Prepared, Segment};
 use voltet_core::shading::{Integrator, Shading};
+use voltet_judge::{Kind, SegmentCase, parse};
 use voltet_shaders::Axis;
 use voltet_shaders::segment_list::{axes, holds, keeps_digits};
 
@@ -119,7 +119,7 @@ impl Measure {
 
 /// The segments of the case file.
 pub fn cases() -> Vec<(String, String, SegmentCase)> {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../core/tests/fixtures/segments.jsonl");
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../judge/fixtures/segments.jsonl");
     let text = std::fs::read_to_string(path).expect("the case file is part of the source");
     let cases = text.lines().map(|line| parse(line).expect("well formed"));
     cases

@@ -1,6 +1,6 @@
 // Uses: nothing. Fills: nothing.
 // e^(x²) erfc(x), x ≥ 0: (1 + 2x) erfcx(x) is smooth in t = (x − 2)/(x + 2) (Shepherd & Laframboise 1981); the
-// polynomial of degree 11 is the one of the twin, `optics::lanes::elementary::erfcx`.
+// polynomial of degree 11 is the one of the twin, `lanes::optics::elementary::erfcx`.
 
 fn erfcx(distance: f32) -> f32 {
     // Beyond 1e9 it is 1/(x √π), and callers multiply it by an exponential that is 0.

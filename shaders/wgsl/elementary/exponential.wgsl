@@ -1,6 +1,6 @@
 // Uses: nothing. Fills: nothing.
 // e^x by the device's own exponential (3 + 2|x| units in the last place); 0 under −87, where numbers end.
-// Twin of `optics::lanes::elementary::exp`, whose name WGSL keeps for itself.
+// Twin of `lanes::optics::elementary::exp`, whose name WGSL keeps for itself.
 
 fn exponential(x: f32) -> f32 {
     return select(exp(clamp(x, -87.0, 88.0)), 0.0, x < -87.0);

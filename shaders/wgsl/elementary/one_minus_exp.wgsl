@@ -1,6 +1,6 @@
 // Uses: elementary/exponential. Fills: nothing.
 // 1 − e^(−t), t ≥ 0. Under ½ the alternating series, nested (truncation 1e-8); above, the difference, which loses
-// less than two bits. Twin of `optics::lanes::elementary::one_minus_exp`.
+// less than two bits. Twin of `lanes::optics::elementary::one_minus_exp`.
 
 fn one_minus_exp(t: f32) -> f32 {
     let s = min(t, 0.5);

@@ -2,7 +2,7 @@
 // ∫ e^(−T) dt, t ∈ [0, 1], over the part of a path where the profile exceeds e^(−level), T counted from the front;
 // peak = ρ₀ D. Times c D/U it is the constant-emitter colour (Song et al. 2009, Eq. 8 to 10). Walked in widths from the
 // window's entry, so that a window that is a small share of the path keeps its digits.
-// Twin of `optics::lanes::gaussian::glow`.
+// Twin of `lanes::optics::gaussian::glow`.
 
 fn gaussian_mean_transmittance_along(track: GaussianTrack) -> f32 {
     var walk = walk_start();

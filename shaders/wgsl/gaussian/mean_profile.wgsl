@@ -3,7 +3,7 @@
 // cancel. Mirrored so that |a| ≤ b:
 // - 2 b d ≤ 1: e^(−x̄²) × the mean of e^(−y²) cosh(2 x̄ y), y ∈ [0, d/2], by Gauss-Legendre with 5 points;
 // - else √π/2 ((a < 0: 2 − E_a; a ≥ 0: E_a) − E_b)/d with E_x = e^(−x²) erfcx |x|.
-// Twin of `optics::lanes::gaussian::mean_profile`.
+// Twin of `lanes::optics::gaussian::mean_profile`.
 
 // e^(−y²) cosh(2 x̄ y) for y² ≤ ¼, 2 x̄ y ≤ ½: truncation 1e-7 and 1e-8.
 fn gaussian_even_part(y: f32, middle: f32) -> f32 {

@@ -1,7 +1,7 @@
 // Uses: nothing. Fills: nothing.
 // A path through a Gaussian, relative to its centre, in widths: q = K (v − v₀), d = |q_b − q_f|, a and b the distances
 // of the ends along the line from the foot of the perpendicular, h its distance from the centre (Song et al. 2009,
-// section 4.2). Twin of `optics::lanes::gaussian::LaneGaussianPath`.
+// section 4.2). Twin of `lanes::optics::gaussian::LaneGaussianPath`.
 
 struct GaussianPath {
     // a.

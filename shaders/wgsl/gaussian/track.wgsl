@@ -1,5 +1,5 @@
 // Uses: gaussian/path, track. Fills: nothing.
-// A Gaussian along a segment, as the quadrature sees it. Twin of `optics::lanes::gaussian::LaneGaussianTrack`.
+// A Gaussian along a segment, as the quadrature sees it. Twin of `lanes::optics::gaussian::LaneGaussianTrack`.
 
 struct GaussianTrack {
     // x at the front.

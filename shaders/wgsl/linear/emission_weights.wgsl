@@ -1,7 +1,7 @@
 // Uses: linear/panels. Fills: nothing.
 // (1 − ψ, ψ − ζ), the weights of the front and back colours of a density-emitter piece (Moreland & Angel 2004), as
 // integrals of ρ e^(−w).
-// Twin of `optics::lanes::linear::emission_weights`.
+// Twin of `lanes::optics::linear::emission_weights`.
 
 fn emission_weights(front: f32, back: f32) -> vec2f {
     let a = min(front, LINEAR_RATE_MOST);

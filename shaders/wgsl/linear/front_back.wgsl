@@ -1,7 +1,7 @@
 // Uses: linear/panels. Fills: nothing.
 // (F, B) = (∫ (1 − x) e^(−w), ∫ x e^(−w)), x ∈ [0, 1]: the weights of the front and back colours in the constant-emitter
 // colour of a piece (Song et al. 2009, Eq. 3).
-// Twin of `optics::lanes::linear::front_back`.
+// Twin of `lanes::optics::linear::front_back`.
 
 fn front_back(front: f32, back: f32) -> vec2f {
     let a = min(front, LINEAR_RATE_MOST);

@@ -1,6 +1,6 @@
 // Uses: elementary/exponential, quadrature. Fills: nothing.
 // Panels of optical depth about 2 over a piece of linear extinction: with a = ρ_f D, b = ρ_b D,
-// w(x) = a x + (b − a) x²/2. Twin of the panels of `optics::lanes::linear`.
+// w(x) = a x + (b − a) x²/2. Twin of the panels of `lanes::optics::linear`.
 
 // At most 21 panels at constant or rising rate; a falling rate has fewer.
 const LINEAR_PANELS_MOST = 48u;

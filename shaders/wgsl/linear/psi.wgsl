@@ -1,6 +1,6 @@
 // Uses: linear/panels. Fills: nothing.
 // ψ = ∫₀¹ e^(−w) for a piece of linear extinction (Moreland & Angel 2004).
-// Twin of `optics::lanes::linear::psi`.
+// Twin of `lanes::optics::linear::psi`.
 
 fn psi(front: f32, back: f32) -> f32 {
     let a = min(front, LINEAR_RATE_MOST);

@@ -1,5 +1,5 @@
 // Uses: track. Fills: nothing. Asks for: member_strength.
-// A widget that takes part in the ordered integral. Twin of `optics::lanes::overlap::LaneMember`.
+// A widget that takes part in the ordered integral. Twin of `lanes::optics::overlap::LaneMember`.
 
 struct Member {
     // The part of the segment inside its region, [t₀, t₁]; t₁ ≤ t₀ where there is none.

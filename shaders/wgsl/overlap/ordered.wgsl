@@ -1,6 +1,6 @@
 // Uses: overlap/panel. Fills: nothing. Asks for: members.
 // Several widgets on one segment: the ordered integral ∫ Σ cᵢ ρᵢ e^(−T) dl. A panel ends at the breaks of every widget
-// and holds a depth of at most PANEL_DEPTH. Twin of `optics::lanes::overlap::ordered`.
+// and holds a depth of at most PANEL_DEPTH. Twin of `lanes::optics::overlap::ordered`.
 
 fn ordered(members: Members) -> vec3f {
     var walk = walk_start();

@@ -1,5 +1,5 @@
 // Uses: overlap/member, track. Fills: nothing. Asks for: members.
-// A panel of 8 points over several widgets. Twin of that of `optics::lanes::overlap::ordered`.
+// A panel of 8 points over several widgets. Twin of that of `lanes::optics::overlap::ordered`.
 
 // Light of the next panel, 0 if it was too deep and is shortened.
 fn ordered_panel(members: Members, walk: ptr<function, Walk>, next: f32, dt: f32) -> vec3f {

@@ -1,7 +1,7 @@
 // Uses: nothing. Fills: nothing. Asks for: numbers.
 // Control points of a piecewise-linear widget: colour and extinction linear between them, constant beyond the ends.
 // Interval k lies below control point k: interval 0 before the first, interval n beyond the last.
-// Twin of `optics::lanes::piecewise_linear::LanePoints`.
+// Twin of `lanes::optics::piecewise_linear::LanePoints`.
 
 // Numbers of a control point: s, extinction, 1/(s − s of the point before) or 0 for a step, red, green, blue.
 const POINT_STRIDE = 6u;

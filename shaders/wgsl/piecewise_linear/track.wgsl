@@ -1,6 +1,6 @@
 // Uses: piecewise_linear/points, track. Fills: nothing.
 // A piecewise-linear widget along a segment, as the quadrature sees it.
-// Twin of `optics::lanes::piecewise_linear::LanePiecewiseTrack`.
+// Twin of `lanes::optics::piecewise_linear::LanePiecewiseTrack`.
 
 struct PiecewiseTrack {
     points: ControlPoints,

@@ -2,7 +2,7 @@
 // Mean of exp(−(δ/γ)²) over a segment, δ = s − s₀ and γ = σ g linear along it, 0 where γ ≤ 0 (Kniss et al. 2003,
 // section 3.2). x = δ/γ is monotone, so |x| grows from its least value outwards on at most two parts; each is walked
 // from there, a panel of 8 points ending where x has grown by 1 or x² by 3, or γ has doubled or halved.
-// Twin of `optics::lanes::triangular_gaussian::mean_profile`.
+// Twin of `lanes::optics::triangular_gaussian::mean_profile`.
 
 // x² by which a part grows before it counts as dark (e^(−24) = 4e-11).
 const TRIANGULAR_REACH = 24.0;

@@ -1,6 +1,6 @@
 // Uses: clip, track. Fills: nothing.
 // A triangular Gaussian along a segment, as the quadrature sees it.
-// Twin of `optics::lanes::triangular_gaussian::LaneTriangularTrack`.
+// Twin of `lanes::optics::triangular_gaussian::LaneTriangularTrack`.
 
 struct TriangularTrack {
     // δ = s − s₀ at front and back.

@@ -1,6 +1,6 @@
 // Uses: nothing. Fills: nothing. Asks for: wave_mean_on_flank.
 // Mean of a triangle or sine wave over a segment, any number of bands. Phases come split into the nearest foot and the
-// signed distance from it. Twin of `optics::lanes::wave::LaneBell::mean`.
+// signed distance from it. Twin of `lanes::optics::wave::LaneBell::mean`.
 
 struct Bell {
     // 1/w, w the band width.

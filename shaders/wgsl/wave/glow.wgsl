@@ -1,7 +1,7 @@
 // Uses: elementary/one_minus_exp, track, wave/value. Fills: nothing.
 // ∫ e^(−T) dt, t ∈ [0, 1], over the parts of a segment where the profile exceeds the cutoff, T counted from the
 // segment's front; peak = ρ₀ D. Times c D/U it is the constant-emitter colour. Whole bands are alike: any number of
-// them is a geometric series. Twin of `optics::lanes::wave::LaneBell::glow`.
+// them is a geometric series. Twin of `lanes::optics::wave::LaneBell::glow`.
 
 // A part of one band, by signed distances from its peak.
 struct WavePart {

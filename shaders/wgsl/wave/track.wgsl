@@ -1,6 +1,6 @@
 // Uses: track, wave/value. Fills: nothing.
 // A wave along a segment, as the quadrature sees it: it breaks at feet, peaks and where the profile passes the cutoff.
-// Serves a thousand bands by band width. Twin of `optics::lanes::wave::LaneWaveTrack`.
+// Serves a thousand bands by band width. Twin of `lanes::optics::wave::LaneWaveTrack`.
 
 struct WaveTrack {
     bell: Bell,

@@ -2,7 +2,6 @@
 
 use super::*;
 use crate::optics::arbitrary::{segment, transfer_function};
-use crate::optics::judge::{Kind, SegmentCase, parse};
 
 const TOLERANCES: [f64; 6] = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6];
 
@@ -24,25 +23,6 @@ fn breaks(transfer_function: &TransferFunction, segment: &Segment, exact: &Contr
         }
     }
     None
-}
-
-#[test]
-fn the_tolerance_is_met_on_every_exact_case() {
-    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures/segments.jsonl");
-    let text = std::fs::read_to_string(path).expect("the case file is part of the source");
-    let mut judged = 0;
-    for case in text.lines().map(|line| parse(line).expect("well formed")) {
-        // Where the result is discontinuous, or its condition leaves no digits, no tolerance can be met.
-        let known = |s: &SegmentCase| s.condition.iter().all(|k| k.is_some_and(|k| k < 1e7));
-        if let Kind::Segment(found) = &case.kind
-            && (known(found) || case.category == "edges")
-        {
-            let broken = breaks(&found.transfer_function, &found.segment(), &found.exact);
-            assert_eq!(broken, None, "{}", case.id);
-            judged += 1;
-        }
-    }
-    assert!(judged > 900, "only {judged} cases were judged");
 }
 
 proptest! {

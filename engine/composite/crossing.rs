@@ -1,0 +1,184 @@
+//! Crossings: where each fragment's ray enters and leaves its cell, and the attributes there.
+
+use crate::project::record::{ATTRIBUTE_WORDS, AttributeRecord, RECORD_WORDS, Record, TILE};
+use voltet_lanes::{Float, Lanes, Mask, Unsigned, array, inlined};
+
+/// Most lanes of any set.
+pub(crate) const LANES_MOST: usize = 16;
+/// Fragments evaluated at a time: their arrays stay in the first-level cache.
+pub(crate) const BATCH: usize = 256;
+
+/// Records of up to `WIDTH` cells, word by word, cells side by side.
+pub(crate) struct Group {
+    words: [[f32; LANES_MOST]; RECORD_WORDS],
+    pixel_x: [f32; LANES_MOST],
+    pixel_y: [f32; LANES_MOST],
+    attributes: Vec<[[f32; LANES_MOST]; ATTRIBUTE_WORDS]>,
+}
+
+/// What is known of a batch of fragments. Lengths in scene lengths; attributes scaled.
+pub(crate) struct Batch {
+    /// Pixel of the tile, row << 4 | column.
+    pub pixel: Vec<u32>,
+    /// Fragments that cross their cell over a positive length.
+    pub hits: u32,
+    /// D; 0 where the ray misses the cell.
+    pub length: Vec<f32>,
+    /// Depth of the entry from the distance origin (orders segments; × stretch = distance).
+    pub entry: Vec<f32>,
+    /// Depth of the exit.
+    pub exit: Vec<f32>,
+    /// Values at the entry, attribute by attribute.
+    pub front: Vec<Vec<f32>>,
+    /// Values at the exit.
+    pub back: Vec<Vec<f32>>,
+    /// Attributes that widgets look at; behind them comes the gradient.
+    pub scalar_count: usize,
+}
+
+impl Batch {
+    pub fn new(attribute_count: usize, scalar_count: usize) -> Self {
+        let column = || vec![0f32; BATCH];
+        Batch {
+            pixel: vec![0; BATCH],
+            hits: 0,
+            length: column(),
+            entry: column(),
+            exit: column(),
+            front: (0..attribute_count).map(|_| column()).collect(),
+            back: (0..attribute_count).map(|_| column()).collect(),
+            scalar_count,
+        }
+    }
+}
+
+impl Group {
+    pub fn new(attribute_count: usize) -> Self {
+        Group {
+            words: [[0.0; LANES_MOST]; RECORD_WORDS],
+            pixel_x: [0.0; LANES_MOST],
+            pixel_y: [0.0; LANES_MOST],
+            attributes: vec![[[0.0; LANES_MOST]; ATTRIBUTE_WORDS]; attribute_count],
+        }
+    }
+
+    /// Takes a cell into a lane; its pixel becomes relative to the tile at (`left`, `top`).
+    #[inline(always)]
+    pub fn take(
+        &mut self,
+        lane: usize,
+        record: &Record,
+        attributes: &[AttributeRecord],
+        left: usize,
+        top: usize,
+    ) {
+        let words: &[f32; RECORD_WORDS] = bytemuck::cast_ref(record);
+        for (row, &word) in self.words.iter_mut().zip(words) {
+            row[lane] = word;
+        }
+        self.pixel_x[lane] = (record.pixel & 0xffff) as f32 - left as f32;
+        self.pixel_y[lane] = (record.pixel >> 16) as f32 - top as f32;
+        for (rows, attribute) in self.attributes.iter_mut().zip(attributes) {
+            let words: [f32; ATTRIBUTE_WORDS] =
+                [attribute.p, attribute.q, attribute.r, attribute.base, attribute.low, attribute.high];
+            for (row, word) in rows.iter_mut().zip(words) {
+                row[lane] = word;
+            }
+        }
+    }
+
+    /// Evaluates `codes` (at most [`BATCH`], readable up to the next multiple of `WIDTH`). `stretch` is the
+    /// length of each pixel's ray direction; `near`, where the near plane cuts cells, gives its
+    /// v as scale × (depth, or the distance with parallel rays) + offset. Entry and exit
+    /// depths are found only if the segments are `ordered`.
+    #[inline(always)]
+    pub fn evaluate<L: Lanes, const PERSPECTIVE: bool>(
+        &self,
+        codes: &[u16],
+        count: usize,
+        stretch: &[f32; TILE * TILE],
+        near: Option<[f32; 2]>,
+        ordered: bool,
+        batch: &mut Batch,
+    ) {
+        let word = inlined(
+            #[inline(always)]
+            |k: usize| L::F::load(&self.words[k]),
+        );
+        let planes: [[L::F; 3]; 4] = array(
+            #[inline(always)]
+            |k| [word(k), word(4 + k), word(8 + k)],
+        );
+        let (depth, distance) = (word(12), word(13));
+        let front = word(14).to_bits();
+        let (pixel_x, pixel_y) = (L::F::load(&self.pixel_x), L::F::load(&self.pixel_y));
+        let one = L::F::splat(1.0);
+
+        batch.hits = 0;
+        let mut at = 0;
+        while at < count {
+            let code = L::U::load_u16(&codes[at..]);
+            let pixel = code.and(L::U::splat(255));
+            let lane = code.shr::<8>().and(L::U::splat(L::WIDTH as u32 - 1));
+            let dx = pixel.and(L::U::splat(15)).to_float() - pixel_x.permute(lane);
+            let dy = pixel.shr::<4>().to_float() - pixel_y.permute(lane);
+
+            // Enter at the least v of the front faces, leave at the greatest of the back faces.
+            let facing = front.permute(lane);
+            let mut v_front = L::F::splat(f32::MAX);
+            let mut v_back = L::F::splat(-f32::MAX);
+            for (k, plane) in planes.iter().enumerate() {
+                let v = plane[0]
+                    .permute(lane)
+                    .mul_add(dx, plane[1].permute(lane).mul_add(dy, plane[2].permute(lane)));
+                let is_front = facing.test(L::U::splat(1 << k));
+                v_front = L::F::select(is_front, v.min(v_front), v_front);
+                v_back = L::F::select(is_front, v_back, v.max(v_back));
+            }
+            let depth = depth.permute(lane);
+            let distance = distance.permute(lane);
+            if let Some([scale, offset]) = near {
+                let base = if PERSPECTIVE { depth } else { distance };
+                v_front = v_front.min(base.mul_add(L::F::splat(scale), L::F::splat(offset)));
+            }
+            let thickness = v_front - v_back;
+            let hit = L::F::splat(0.0).lt(thickness);
+            let meant = u32::MAX >> (32 - (count - at).min(L::WIDTH));
+            batch.hits += (hit.bits() & meant).count_ones();
+            // Safety: pixels lie in 0 … 255.
+            let stretch = unsafe { L::F::gather(stretch, pixel) };
+            let (q_front, q_back, length) = if PERSPECTIVE {
+                let (w_front, w_back) = (one + v_front, one + v_back);
+                let both = one / (w_front * w_back);
+                (both * w_back, both * w_front, thickness * depth * both * stretch)
+            } else {
+                (one, one, thickness * depth * stretch)
+            };
+            let depth_at = inlined(
+                #[inline(always)]
+                |v: L::F, q: L::F| distance - v * depth * q,
+            );
+            L::F::select(hit, length, L::F::splat(0.0)).store(&mut batch.length[at..]);
+            if ordered {
+                depth_at(v_front, q_front).store(&mut batch.entry[at..]);
+                depth_at(v_back, q_back).store(&mut batch.exit[at..]);
+            }
+            pixel.store(&mut batch.pixel[at..]);
+            for (k, rows) in self.attributes.iter().enumerate() {
+                let row = inlined(
+                    #[inline(always)]
+                    |k: usize| L::F::load(&rows[k]).permute(lane),
+                );
+                let across = row(0).mul_add(dx, row(1) * dy);
+                let (r, base, low, high) = (row(2), row(3), row(4), row(5));
+                let value = inlined(
+                    #[inline(always)]
+                    |v: L::F, q: L::F| r.mul_add(v, across).mul_add(q, base).max(low).min(high),
+                );
+                value(v_front, q_front).store(&mut batch.front[k][at..]);
+                value(v_back, q_back).store(&mut batch.back[k][at..]);
+            }
+            at += L::WIDTH;
+        }
+    }
+}

@@ -1,0 +1,49 @@
+//! Pixels with more segments than the fixed lists hold: lists that grow, sorted one pixel at a time.
+
+use crate::composite::lists::Layer;
+use crate::project::record::TILE;
+
+/// Lists of one row of pixels.
+#[derive(Default)]
+pub(crate) struct DeepRow {
+    pixels: [Vec<Layer>; TILE],
+}
+
+impl DeepRow {
+    pub fn clear(&mut self) {
+        self.pixels.iter_mut().for_each(Vec::clear);
+    }
+
+    pub fn push(&mut self, column: usize, layer: Layer) {
+        self.pixels[column].push(layer);
+    }
+
+    /// Composites the row; returns the pixels whose segments were not in order.
+    pub fn composite(&mut self, sorted: bool, out: &mut [[f32; 4]]) -> u64 {
+        let mut disordered = 0;
+        for (layers, out) in self.pixels.iter_mut().zip(out) {
+            if sorted {
+                layers.sort_by(|a, b| a.entry.total_cmp(&b.entry).then_with(|| a.exit.total_cmp(&b.exit)));
+                for k in 1..layers.len() {
+                    let mut to = k;
+                    while to > 0 && layers[to - 1].follows(&layers[to]) {
+                        layers.swap(to - 1, to);
+                        to -= 1;
+                    }
+                }
+            } else {
+                disordered += u64::from(!layers.is_sorted_by(|a, b| a.entry <= b.entry));
+            }
+            // Thousands of layers: 64-bit sums.
+            let (mut color, mut through) = ([0f64; 3], 1f64);
+            for layer in layers.iter() {
+                for (sum, c) in color.iter_mut().zip(layer.rgba) {
+                    *sum += through * f64::from(c);
+                }
+                through *= 1.0 - f64::from(layer.rgba[3]);
+            }
+            *out = [color[0] as f32, color[1] as f32, color[2] as f32, (1.0 - through) as f32];
+        }
+        disordered
+    }
+}

@@ -1,0 +1,185 @@
+//! A piecewise-linear widget in lanes: a segment is cut at the control points it crosses, and each piece has
+//! linear extinction and colour, integrated without sampling error (Moreland & Angel 2004; Roettger & Ertl 2002
+//! sample the same thing into a table).
+
+use crate::project::Attribute;
+use crate::shade::widget::Along;
+use voltet_core::transfer::ControlPoint;
+use voltet_lanes::optics::elementary::one_minus_exp;
+use voltet_lanes::optics::linear::piece_weights;
+use voltet_lanes::optics::piecewise_linear::LanePoints;
+use voltet_lanes::{Float, Lanes, Mask};
+
+/// Most control points a lane table holds; longer functions use the gathers.
+const TABLE_MOST: usize = 1024;
+
+/// Interval k lies below control point k: interval 0 before the first, interval n beyond the last.
+pub(crate) struct LaneLinear {
+    count: usize,
+    /// Control points, scaled; then +∞ up to a whole vector.
+    points: Vec<f32>,
+    /// Where interval k's line is anchored, its value there and its slope: extinction (per scene length), r, g, b.
+    anchor: Vec<f32>,
+    value: [Vec<f32>; 4],
+    slope: [Vec<f32>; 4],
+    /// The same for the walk in panels: s counts from the first point.
+    pub points_from_first: LanePoints,
+    /// The first point, scaled.
+    pub first: f32,
+    /// Largest extinction.
+    pub peak: f32,
+}
+
+impl LaneLinear {
+    /// `None` if the widget has too many points or its numbers leave 32 bits.
+    pub fn new(
+        points: &[ControlPoint],
+        axis: &Attribute<'_>,
+        density_scale: f64,
+        cutoff: Option<f64>,
+    ) -> Option<LaneLinear> {
+        let n = points.len();
+        if n == 0 || n > TABLE_MOST {
+            return None;
+        }
+        let scaled = |s: f64| (s - axis.offset) / axis.scale;
+        let quantities =
+            |p: &ControlPoint| [p.extinction * density_scale, p.color[0], p.color[1], p.color[2]];
+        let size = (n + 1).next_multiple_of(16);
+        let column = || vec![0f32; size];
+        let mut linear = LaneLinear {
+            count: n,
+            points: vec![f32::INFINITY; size],
+            anchor: column(),
+            value: std::array::from_fn(|_| column()),
+            slope: std::array::from_fn(|_| column()),
+            points_from_first: LanePoints::new(
+                &points.iter().map(|p| ControlPoint { s: scaled(p.s), ..*p }).collect::<Vec<_>>(),
+                cutoff,
+            ),
+            first: scaled(points[0].s) as f32,
+            peak: points.iter().fold(0.0, |peak: f64, p| p.extinction.max(peak)) as f32,
+        };
+        for (k, point) in points.iter().enumerate() {
+            linear.points[k] = scaled(point.s) as f32;
+        }
+        for k in 0..=n {
+            let low = &points[k.saturating_sub(1)];
+            let high = &points[k.min(n - 1)];
+            let (s0, s1) = (linear.points[k.saturating_sub(1)], linear.points[k.min(n - 1)]);
+            linear.anchor[k] = s0;
+            for (i, (a, b)) in quantities(low).into_iter().zip(quantities(high)).enumerate() {
+                linear.value[i][k] = a as f32;
+                linear.slope[i][k] = if s1 > s0 { ((b - a) / f64::from(s1 - s0)) as f32 } else { 0.0 };
+            }
+        }
+        let finite = linear.value.iter().chain(&linear.slope).flatten().all(|x| x.is_finite());
+        (finite && linear.points[..n].iter().all(|s| s.is_finite())).then_some(linear)
+    }
+
+    /// Interval of each value: the number of control points at or below it.
+    #[inline(always)]
+    fn interval<L: Lanes>(&self, s: L::F) -> L::F {
+        let mut k = L::F::splat(0.0);
+        for &point in &self.points[..self.count] {
+            k = L::F::select(L::F::splat(point).le(s), k + L::F::splat(1.0), k);
+        }
+        k
+    }
+
+    #[inline(always)]
+    fn look_up<L: Lanes>(&self, table: &[f32], k: L::U) -> L::F {
+        if self.count < L::WIDTH {
+            L::F::load(table).permute(k)
+        } else {
+            // Safety: intervals are 0 … count, and tables hold more than that.
+            unsafe { L::F::gather(table, k) }
+        }
+    }
+
+    /// Walks the pieces front to back; `piece(k, s_from, s_to, share)` gets the interval, the scalar at both ends
+    /// and the share of the length.
+    #[inline(always)]
+    fn walk<L: Lanes>(&self, along: &Along<L>, mut piece: impl FnMut(L::U, L::F, L::F, L::F)) {
+        let splat = L::F::splat;
+        let (front, back) = (along.front[0], along.back[0]);
+        let (mut k, last) = (self.interval::<L>(front), self.interval::<L>(back));
+        let rising = front.lt(back);
+        let step = L::F::select(rising, splat(1.0), splat(-1.0));
+        let span = (back - front).abs();
+        let per_scalar = splat(1.0) / span.max(splat(f32::MIN_POSITIVE));
+        let mut from = front;
+        let mut whole = splat(1.0);
+        loop {
+            let ends = k.le(last).and(last.le(k)).or(along.crossing.not());
+            let index = k.to_unsigned();
+            // The next control point on the way: k when rising, k − 1 when falling.
+            let next = L::F::select(rising, k, (k - splat(1.0)).max(splat(0.0))).to_unsigned();
+            let limit = self.look_up::<L>(&self.points, next);
+            let to = L::F::select(ends, back, limit);
+            // A segment within one interval has share 1 exactly, also when its ends coincide.
+            let share = L::F::select(ends, whole, ((to - from).abs() * per_scalar).min(whole));
+            piece(index, from, to, share);
+            if ends.not().bits() == 0 {
+                return;
+            }
+            whole = L::F::select(ends, splat(0.0), (whole - share).max(splat(0.0)));
+            k = L::F::select(ends, k, k + step);
+            from = to;
+        }
+    }
+
+    #[inline(always)]
+    fn at<L: Lanes>(&self, quantity: usize, k: L::U, offset: L::F) -> L::F {
+        self.look_up::<L>(&self.slope[quantity], k)
+            .mul_add(offset, self.look_up::<L>(&self.value[quantity], k))
+    }
+
+    /// Optical depth.
+    #[inline(always)]
+    pub fn depth<L: Lanes>(&self, along: &Along<L>) -> L::F {
+        let mut depth = L::F::splat(0.0);
+        self.walk(
+            along,
+            #[inline(always)]
+            |k, from, to, share| {
+                let anchor = self.look_up::<L>(&self.anchor, k);
+                let middle = (from - anchor + (to - anchor)) * L::F::splat(0.5);
+                depth =
+                    (self.at::<L>(0, k, middle).max(L::F::splat(0.0)) * share).mul_add(along.length, depth);
+            },
+        );
+        depth
+    }
+
+    /// Premultiplied colour and opacity, and the lanes with a piece deeper than the twin serves.
+    #[inline(always)]
+    pub fn integrate<L: Lanes>(&self, along: &Along<L>) -> ([L::F; 4], u32) {
+        let splat = L::F::splat;
+        let mut color = [splat(0.0); 3];
+        let (mut depth, mut through, mut deepest) = (splat(0.0), splat(1.0), splat(0.0));
+        self.walk(
+            along,
+            #[inline(always)]
+            |k, from, to, share| {
+                let anchor = self.look_up::<L>(&self.anchor, k);
+                let (from, to) = (from - anchor, to - anchor);
+                let length = along.length * share;
+                let a = self.at::<L>(0, k, from).max(splat(0.0)) * length;
+                let b = self.at::<L>(0, k, to).max(splat(0.0)) * length;
+                deepest = deepest.max(a.max(b));
+                let (front, back, opacity) = piece_weights::<L>(a.min(splat(1.0)), b.min(splat(1.0)));
+                let (front, back) = (front * through, back * through);
+                for (i, sum) in color.iter_mut().enumerate() {
+                    let near = self.at::<L>(i + 1, k, from);
+                    let far = self.at::<L>(i + 1, k, to);
+                    *sum = front.mul_add(near, back.mul_add(far, *sum));
+                }
+                depth = (a + b).mul_add(splat(0.5), depth);
+                through = through * (splat(1.0) - opacity);
+            },
+        );
+        let opacity = one_minus_exp::<L>(depth);
+        ([color[0], color[1], color[2], opacity], splat(1.0).lt(deepest).bits())
+    }
+}

@@ -1,0 +1,74 @@
+//! Regions in lanes: the stretch of a segment inside a convex polygon of the (s, g) plane.
+
+use crate::project::Attribute;
+use crate::shade::widget::Along;
+use voltet_core::transfer::Region;
+use voltet_lanes::{Float, Lanes, Mask, inlined};
+
+/// A convex region as half-planes: inside where n_s s + n_g g ≤ limit.
+pub(crate) struct LaneRegion {
+    half_planes: Vec<[f32; 3]>,
+}
+
+impl LaneRegion {
+    pub fn new(region: &Region, attributes: &[Attribute<'_>]) -> LaneRegion {
+        let scaled =
+            |value: f64, a: usize| attributes.get(a).map_or(value, |axis| (value - axis.offset) / axis.scale);
+        let corners: Vec<[f64; 2]> =
+            region.corners.iter().map(|c| [scaled(c[0], 0), scaled(c[1], 1)]).collect();
+        let bounded = corners.iter().flatten().all(|x| x.is_finite());
+        let mut half_planes = Vec::new();
+        if bounded {
+            let turn: f64 = (0..corners.len())
+                .map(|i| {
+                    let (a, b) = (corners[i], corners[(i + 1) % corners.len()]);
+                    a[0] * b[1] - a[1] * b[0]
+                })
+                .sum();
+            for i in 0..corners.len() {
+                let (a, b) = (corners[i], corners[(i + 1) % corners.len()]);
+                let sign = if turn >= 0.0 { 1.0 } else { -1.0 };
+                let normal = [sign * (b[1] - a[1]), sign * (a[0] - b[0])];
+                let size = normal[0].hypot(normal[1]);
+                if size > 0.0 {
+                    let (s, g) = (normal[0] / size, normal[1] / size);
+                    half_planes.push([s as f32, g as f32, (s * a[0] + g * a[1]) as f32]);
+                }
+            }
+        } else {
+            // A rectangle with open sides.
+            for axis in 0..2 {
+                let low = corners.iter().fold(f64::INFINITY, |low, c| low.min(c[axis]));
+                let high = corners.iter().fold(f64::NEG_INFINITY, |high, c| high.max(c[axis]));
+                let unit = |sign: f32| if axis == 0 { [sign, 0.0] } else { [0.0, sign] };
+                for (sign, limit) in [(-1.0, -low), (1.0, high)] {
+                    if limit.is_finite() {
+                        let [s, g] = unit(sign);
+                        half_planes.push([s, g, limit as f32]);
+                    }
+                }
+            }
+        }
+        LaneRegion { half_planes }
+    }
+
+    /// The stretch [t₀, t₁] inside; t₁ ≤ t₀ where there is none. A segment along an edge is inside.
+    #[inline(always)]
+    pub fn clip<L: Lanes>(&self, along: &Along<L>) -> (L::F, L::F) {
+        let splat = L::F::splat;
+        let zero = splat(0.0);
+        let (mut t0, mut t1) = (zero, splat(1.0));
+        for &[s, g, limit] in &self.half_planes {
+            let margin = inlined(
+                #[inline(always)]
+                |v: &[L::F; 2]| splat(limit) - splat(s).mul_add(v[0], splat(g) * v[1]),
+            );
+            let (front, back) = (margin(&along.front), margin(&along.back));
+            let crossing = front / (front - back);
+            let (front_out, back_out) = (front.lt(zero), back.lt(zero));
+            t0 = L::F::select(front_out, L::F::select(back_out, splat(2.0), crossing.max(t0)), t0);
+            t1 = L::F::select(back_out.and(front_out.not()), crossing.min(t1), t1);
+        }
+        (t0, t1)
+    }
+}

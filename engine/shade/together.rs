@@ -1,0 +1,177 @@
+//! Widgets that overlap on a segment, in their order along it: corrections of the mix, cheapest first, for profiles that
+//! are smooth there. What these leave over is walked in panels ([`super::walk`]).
+
+use crate::shade::widget::{Along, LaneWidget, lanes_of};
+use crate::shade::{MIX_PRODUCT, Shaded};
+use voltet_lanes::optics::elementary::{exp, one_minus_exp};
+use voltet_lanes::optics::smooth::{Shape, Smooth};
+use voltet_lanes::{Float, Lanes, Mask, inlined};
+
+/// Bound of [`Smooth::holds`]: what is left out of a segment's light is under 2e-7.
+const SMOOTH_BOUND: f32 = 3e-5;
+
+/// Widgets that are ordered here; more on one scene go the 64-bit way where they overlap.
+pub(crate) const ORDERED_MOST: usize = 8;
+
+/// One vector of segments with the shapes of its widgets.
+pub(crate) struct Together<'a, L: Lanes> {
+    pub widgets: &'a [LaneWidget],
+    pub along: &'a Along<L>,
+    pub shapes: &'a [Shape<L>],
+    /// Σ T.
+    pub total: L::F,
+    /// Σ_{i<j} T_i T_j.
+    pub product: L::F,
+}
+
+impl<L: Lanes> Together<'_, L> {
+    /// Whether a widget is dense enough for its order to matter.
+    #[inline(always)]
+    fn matters(&self, shape: &Shape<L>) -> L::M {
+        L::F::splat(MIX_PRODUCT).lt(shape.depth * self.total)
+    }
+
+    /// The ordered light in closed form where every density hardly bends ([`Smooth`]). Corrects the mix in `out`; returns
+    /// the lanes it served.
+    #[inline(always)]
+    pub fn smooth(&self, overlapping: u32, at: usize, out: &mut Shaded) -> u32 {
+        let zero = L::F::splat(0.0);
+        let (mut change, mut tilted, mut bent) = (zero, zero, zero);
+        for shape in self.shapes {
+            // A widget that does not matter may have an endless tilt.
+            let matters = self.matters(shape);
+            let add = inlined(
+                #[inline(always)]
+                |sum: L::F, x: L::F| L::F::select(matters, x.mul_add(shape.depth, sum), sum),
+            );
+            change = L::F::select(matters, change.max(shape.change_squared), change);
+            tilted = add(tilted, shape.tilt);
+            bent = add(bent, shape.bend);
+        }
+        let served = overlapping & Smooth::<L>::holds(self.total, self.product, change, SMOOTH_BOUND).bits();
+        if served == 0 {
+            return 0;
+        }
+        let smooth = Smooth::<L>::new(self.total, tilted, bent);
+        let mut correction = [zero; 3];
+        for (widget, shape) in self.widgets.iter().zip(self.shapes) {
+            let more = L::F::select(self.matters(shape), smooth.correction(shape), zero);
+            for (sum, c) in correction.iter_mut().zip(widget.color()) {
+                *sum = more.mul_add(L::F::splat(c), *sum);
+            }
+        }
+        replace::<L>(
+            served,
+            at,
+            out,
+            #[inline(always)]
+            |channel, mixed| (mixed + correction[channel]).max(zero),
+        );
+        served
+    }
+
+    /// The ordered integral ∫ Σ c_i ρ_i e^(−T) by Gauss-Legendre with 4 points on one or four equal steps, for
+    /// segments on which every widget's profile is smooth and the depth moderate; the lanes it cannot serve are
+    /// returned.
+    #[inline(always)]
+    pub fn quadrature(&self, overlapping: u32, at: usize, out: &mut Shaded) -> u32 {
+        let splat = L::F::splat;
+        let &Together { shapes, total, .. } = self;
+        // How many steps the roughest lane wants: a cubic through four densities leaves 3e-5 of the depth where a Gaussian
+        // extends over half a width.
+        let mut widest = splat(0.0);
+        for shape in shapes {
+            widest = L::F::select(self.matters(shape), widest.max(shape.extent_squared), widest);
+        }
+        let wish = total.max(widest.sqrt() * splat(2.0));
+        let served = overlapping & wish.le(splat(STEPS as f32)).bits();
+        if served == 0 {
+            return overlapping;
+        }
+        // Each lane by its own steps, so that no segment's light depends on its neighbours in the vector.
+        let short = served & wish.le(splat(1.0)).bits();
+        for (lanes, steps) in [(short, 1), (served & !short, STEPS)] {
+            if lanes != 0 {
+                self.step_through(steps, lanes, at, out);
+            }
+        }
+        overlapping & !served
+    }
+
+    /// The quadrature on so many equal steps, for some lanes.
+    #[inline(always)]
+    fn step_through(&self, steps: usize, lanes: u32, at: usize, out: &mut Shaded) {
+        let splat = L::F::splat;
+        let &Together { widgets, along, shapes, total, .. } = self;
+        let share = splat(1.0 / steps as f32);
+        let (mut color, mut through) = ([splat(0.0); 3], splat(1.0));
+        // Widgets too thin for the order to matter are mixed in.
+        let average = one_minus_exp::<L>(total) / total.max(splat(f32::MIN_POSITIVE));
+        for (widget, shape) in widgets.iter().zip(shapes) {
+            let mixed = L::F::select(self.matters(shape), splat(0.0), shape.depth * average);
+            for (sum, c) in color.iter_mut().zip(widget.color()) {
+                *sum = mixed.mul_add(splat(c), *sum);
+            }
+        }
+        for step in 0..steps {
+            let (mut density, mut weighted) = ([splat(0.0); 4], [[splat(0.0); 3]; 4]);
+            for (widget, shape) in widgets.iter().zip(shapes) {
+                let matters = self.matters(shape);
+                for j in 0..4 {
+                    let t = share * splat(step as f32 + NODES[j]);
+                    let value = L::F::select(matters, widget.density::<L>(along, t), splat(0.0));
+                    density[j] = density[j] + value;
+                    for (sum, c) in weighted[j].iter_mut().zip(widget.color()) {
+                        *sum = value.mul_add(splat(c), *sum);
+                    }
+                }
+            }
+            // Depth up to each node from the cubic through the four densities, then the emission there.
+            let length = along.length * share;
+            let mut whole = splat(0.0);
+            for j in 0..4 {
+                let mut depth = splat(0.0);
+                for k in 0..4 {
+                    depth = density[k].mul_add(splat(UP_TO[j][k]), depth);
+                }
+                let visible = through * exp::<L>(-(depth * length)) * length * splat(WEIGHTS[j]);
+                for (sum, w) in color.iter_mut().zip(weighted[j]) {
+                    *sum = w.mul_add(visible, *sum);
+                }
+                whole = density[j].mul_add(splat(WEIGHTS[j]), whole);
+            }
+            through = through * exp::<L>(-(whole * length));
+        }
+        replace::<L>(
+            lanes,
+            at,
+            out,
+            #[inline(always)]
+            |channel, _| color[channel],
+        );
+    }
+}
+
+/// Puts new colours, made from channel and mixed colour, in the lanes that were served.
+#[inline(always)]
+fn replace<L: Lanes>(served: u32, at: usize, out: &mut Shaded, color: impl Fn(usize, L::F) -> L::F) {
+    let keep = lanes_of::<L>(served);
+    for (channel, column) in out.rgba.iter_mut().enumerate().take(3) {
+        let mixed = L::F::load(&column[at..]);
+        L::F::select(keep, color(channel, mixed), mixed).store(&mut column[at..]);
+    }
+}
+
+/// Steps of the ordered quadrature where one does not do.
+const STEPS: usize = 4;
+
+/// Gauss-Legendre on [0, 1] with 4 points.
+const NODES: [f32; 4] = [0.069_431_84, 0.330_009_5, 0.669_990_54, 0.930_568_2];
+const WEIGHTS: [f32; 4] = [0.173_927_42, 0.326_072_58, 0.326_072_58, 0.173_927_42];
+/// ∫₀^{node j} of the Lagrange polynomial of node k.
+const UP_TO: [[f32; 4]; 4] = [
+    [0.08696371, -0.02660418, 0.012627463, -0.0035551498],
+    [0.18811812, 0.16303629, -0.027880428, 0.0067355004],
+    [0.16719192, 0.353953, 0.16303629, -0.014190695],
+    [0.17748258, 0.31344512, 0.35267675, 0.08696371],
+];

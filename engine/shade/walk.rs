@@ -1,0 +1,213 @@
+//! Walk: the segments that the quick forms of [`super::shade`] do not serve, gathered into full vectors and walked
+//! panel by panel in their true order ([`voltet_lanes::optics::overlap`]): deep linear pieces, overlaps,
+//! triangular Gaussians and Gaussians over further fields, the constant-emitter.
+//!
+//! Opacity comes from the widgets' closed forms, not from panels. What 32 bits cannot serve is named again, for the
+//! 64-bit path.
+
+use crate::composite::crossing::{Batch, LANES_MOST};
+use crate::shade::widget::{Along, LaneWidget};
+use crate::shade::{MIX_PRODUCT, Shaded};
+use voltet_core::transfer::TransferFunction;
+use voltet_lanes::optics::elementary::one_minus_exp;
+use voltet_lanes::optics::overlap::{MEMBERS_MOST, ordered};
+use voltet_lanes::{Float, Lanes, Mask, array};
+
+/// Rate of a segment's densest place, depth per t, up to which panels resolve what is seen: 32-bit t finds a step to
+/// 5e-7, so to 1e-4 of depth.
+const RATE_MOST: f32 = 200.0;
+
+/// The slow road in lanes.
+pub(crate) struct Walker {
+    /// The constant-emitter's.
+    cutoff: Option<f64>,
+    /// D/U per scene length.
+    scale: f32,
+    one_color: bool,
+    /// Whether overlaps are counted here: the quick forms count what passes through them.
+    counts: bool,
+}
+
+impl Walker {
+    /// `None` where the widgets have no lanes at all.
+    pub fn new(
+        transfer_function: &TransferFunction,
+        widgets: &[LaneWidget],
+        length: f64,
+        one_color: bool,
+        counts: bool,
+    ) -> Option<Walker> {
+        let served = widgets.len() <= MEMBERS_MOST
+            && !widgets.is_empty()
+            && !widgets.iter().any(|widget| matches!(widget, LaneWidget::Exact));
+        let cutoff = transfer_function.model.cutoff();
+        let scale = (length / transfer_function.unit_distance) as f32;
+        // A scale beyond 32 bits, or so small that its products leave them.
+        let held = scale.is_finite() && scale > 1e-30;
+        (served && held).then_some(Walker { cutoff, scale, one_color, counts })
+    }
+
+    /// Integrates the segments `which` of a batch; those it cannot serve are pushed to `exact`.
+    #[inline(always)]
+    pub fn walk<L: Lanes>(
+        &self,
+        widgets: &[LaneWidget],
+        batch: &Batch,
+        which: &[usize],
+        out: &mut Shaded,
+        exact: &mut Vec<usize>,
+    ) {
+        let columns = batch.scalar_count;
+        let mut gathered = Gathered::new(columns);
+        for group in which.chunks(L::WIDTH) {
+            gathered.take(batch, group);
+            let along = gathered.along::<L>();
+            let fields = gathered.fields::<L>();
+            let (results, unsure, overlapping) = self.integrate::<L>(widgets, &along, &fields);
+            let mut rows = [[0f32; LANES_MOST]; 5];
+            for (row, value) in rows.iter_mut().zip(results) {
+                value.store(row);
+            }
+            for (lane, &k) in group.iter().enumerate() {
+                if self.counts {
+                    out.overlap_count += u64::from(overlapping & !unsure) >> lane & 1;
+                }
+                if unsure >> lane & 1 != 0 {
+                    exact.push(k);
+                    continue;
+                }
+                out.depth[k] = rows[4][lane];
+                for (column, row) in out.rgba.iter_mut().zip(&rows) {
+                    column[k] = row[lane];
+                }
+            }
+        }
+    }
+
+    /// Colour, opacity and optical depth, the lanes for the 64-bit path, and those where widgets overlap.
+    #[inline(always)]
+    fn integrate<L: Lanes>(
+        &self,
+        widgets: &[LaneWidget],
+        along: &Along<L>,
+        fields: &Fields<L>,
+    ) -> ([L::F; 5], u32, u32) {
+        let splat = L::F::splat;
+        let zero = splat(0.0);
+        let (mut total, mut product, mut unsure) = (zero, zero, 0);
+        let mut densest = zero;
+        let mut color = [zero; 3];
+        let (mut varies, mut delicate) = (0, 0);
+        for widget in widgets {
+            let (depth, no) = widget.any_depth::<L>(along, fields);
+            unsure |= no;
+            product = depth.mul_add(total, product);
+            total = total + depth;
+            densest = densest + splat(widget.peak(self.scale)) * along.length;
+            for (sum, c) in color.iter_mut().zip(widget.color()) {
+                *sum = depth.mul_add(splat(c), *sum);
+            }
+            match widget {
+                LaneWidget::Linear(_) => varies |= zero.lt(depth).bits(),
+                // Panels in 32 bits left 7e-4 of the colour where bands or triangular Gaussians overlap others.
+                LaneWidget::Wave { .. } | LaneWidget::Triangular(_) => delicate |= zero.lt(depth).bits(),
+                _ => {}
+            }
+        }
+        // A depth that is not a number, or has left 32 bits.
+        unsure |= total.le(splat(f32::MAX)).not().bits();
+        let overlapping = splat(MIX_PRODUCT).lt(product).bits() & along.crossing.bits();
+        let opacity = one_minus_exp::<L>(total);
+        if self.one_color {
+            return ([zero, zero, zero, opacity, total], unsure, overlapping);
+        }
+        let share = L::F::select(zero.lt(total), opacity / total, zero);
+        let mut color: [L::F; 3] = array(
+            #[inline(always)]
+            |i| color[i] * share,
+        );
+        let crossing = along.crossing.bits();
+        let in_order = match self.cutoff {
+            Some(_) => crossing,
+            None => overlapping | (varies & crossing),
+        };
+        unsure |= in_order & (delicate | splat(RATE_MOST).lt(densest).bits());
+        if in_order & !unsure != 0 {
+            let scale = along.length * splat(self.scale);
+            let mut members = [crate::shade::member::nothing::<L>(); MEMBERS_MOST];
+            for (member, widget) in members.iter_mut().zip(widgets) {
+                *member = widget.member::<L>(along, fields, scale, self.cutoff);
+            }
+            let walked = ordered::<L>(&members[..widgets.len()], self.cutoff.map(|_| scale));
+            let keep = crate::shade::widget::lanes_of::<L>(in_order);
+            color = array(
+                #[inline(always)]
+                |i| L::F::select(keep, walked[i], color[i]),
+            );
+        }
+        ([color[0], color[1], color[2], opacity, total], unsure, overlapping)
+    }
+}
+
+/// Further fields of one vector of segments, at the entry and at the exit.
+pub(crate) struct Fields<L: Lanes> {
+    pub front: [L::F; FIELDS_MOST],
+    pub back: [L::F; FIELDS_MOST],
+}
+
+/// Most further fields that lanes look at.
+pub(crate) const FIELDS_MOST: usize = 8;
+
+/// Segments gathered side by side: length, then the attributes at the entry and at the exit.
+struct Gathered {
+    length: [f32; LANES_MOST],
+    front: [[f32; LANES_MOST]; 2 + FIELDS_MOST],
+    back: [[f32; LANES_MOST]; 2 + FIELDS_MOST],
+    columns: usize,
+}
+
+impl Gathered {
+    fn new(columns: usize) -> Gathered {
+        let rows = [[0.0; LANES_MOST]; 2 + FIELDS_MOST];
+        Gathered { length: [0.0; LANES_MOST], front: rows, back: rows, columns: columns.min(rows.len()) }
+    }
+
+    #[inline(always)]
+    fn take(&mut self, batch: &Batch, group: &[usize]) {
+        // Lanes without a segment have no length.
+        self.length = [0.0; LANES_MOST];
+        for (lane, &k) in group.iter().enumerate() {
+            self.length[lane] = batch.length[k];
+            for a in 0..self.columns {
+                self.front[a][lane] = batch.front[a][k];
+                self.back[a][lane] = batch.back[a][k];
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn along<L: Lanes>(&self) -> Along<L> {
+        let row = |rows: &[[f32; LANES_MOST]; 2 + FIELDS_MOST], a: usize| L::F::load(&rows[a]);
+        let length = L::F::load(&self.length);
+        Along {
+            length,
+            crossing: L::F::splat(0.0).lt(length),
+            front: [row(&self.front, 0), row(&self.front, 1)],
+            back: [row(&self.back, 0), row(&self.back, 1)],
+        }
+    }
+
+    #[inline(always)]
+    fn fields<L: Lanes>(&self) -> Fields<L> {
+        Fields {
+            front: array(
+                #[inline(always)]
+                |i| L::F::load(&self.front[2 + i]),
+            ),
+            back: array(
+                #[inline(always)]
+                |i| L::F::load(&self.back[2 + i]),
+            ),
+        }
+    }
+}

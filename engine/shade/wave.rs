@@ -1,0 +1,72 @@
+//! Triangle and sine waves in lanes: phases of the segments' ends, and the mean of the profile between them.
+
+use crate::project::Attribute;
+use voltet_core::transfer::Wave;
+use voltet_lanes::optics::smooth::Shape;
+use voltet_lanes::optics::wave::{LaneBell, LanePhase};
+use voltet_lanes::{Float, Lanes, inlined};
+
+/// Beyond so many bands over the range of the data, 32 bits do not tell one band from the next.
+const BANDS_MOST: f64 = 1e6;
+
+/// The profile of a wave, in scaled attributes.
+pub(crate) struct LaneWave {
+    bell: LaneBell,
+    /// Phase per unit of s and g.
+    step: [f32; 2],
+    /// Phase at 0, without whole bands: in −½ … ½.
+    start: f32,
+}
+
+impl LaneWave {
+    /// `None` where 32 bits cannot hold the phases.
+    pub fn new(wave: &Wave, sine: bool, attributes: &[Attribute<'_>]) -> Option<LaneWave> {
+        let bell = if sine { LaneBell::sine(wave) } else { LaneBell::triangle(wave) };
+        let (sin, cos) = wave.angle.sin_cos();
+        let per_value = [cos * wave.scale[0] / wave.period, sin * wave.scale[1] / wave.period];
+        let axis = |a: usize| attributes.get(a).map_or([0.0, 1.0], |x| [x.offset, x.scale]);
+        let mut start = 0.0;
+        let mut step = [0f32; 2];
+        let mut bands = 0.0;
+        for a in 0..2 {
+            if per_value[a] != 0.0 {
+                let [offset, scale] = axis(a);
+                let phase = per_value[a] * (offset - wave.origin[a]);
+                start += phase - phase.round();
+                step[a] = (per_value[a] * scale) as f32;
+                bands += (per_value[a] * scale).abs();
+            }
+        }
+        (bands < BANDS_MOST).then(|| LaneWave { bell, step, start: (start - start.round()) as f32 })
+    }
+
+    #[inline(always)]
+    fn phase<L: Lanes>(&self, v: &[L::F; 2]) -> LanePhase<L> {
+        let splat = L::F::splat;
+        let phase = inlined(
+            #[inline(always)]
+            |from: L::F| splat(self.step[0]).mul_add(v[0], splat(self.step[1]).mul_add(v[1], from)),
+        );
+        let nearest = phase(splat(self.start)).round();
+        // Once more with the whole bands taken away first, so that they cost no digits.
+        LanePhase { nearest, offset: phase(splat(self.start) - nearest) }
+    }
+
+    /// Mean of the profile between two points of the (s, g) plane.
+    #[inline(always)]
+    pub fn mean<L: Lanes>(&self, front: &[L::F; 2], back: &[L::F; 2]) -> L::F {
+        self.bell.mean::<L>(self.phase(front), self.phase(back))
+    }
+
+    /// Depth and shape between two points, with a rate of `peak` at the peaks.
+    #[inline(always)]
+    pub fn shape<L: Lanes>(&self, front: &[L::F; 2], back: &[L::F; 2], peak: L::F) -> Shape<L> {
+        self.bell.shape::<L>(self.phase(front), self.phase(back), peak)
+    }
+
+    /// The profile at a point.
+    #[inline(always)]
+    pub fn value<L: Lanes>(&self, at: &[L::F; 2]) -> L::F {
+        self.bell.value::<L>(self.phase::<L>(at).offset.abs())
+    }
+}

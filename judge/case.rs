@@ -1,0 +1,390 @@
+//! Reads one case: a JSON object on one line.
+
+use super::forms::PartialIntegrals;
+use serde_json::Value;
+use voltet_core::optics::{Contribution, Segment};
+use voltet_core::transfer::{ControlPoint, OpticalModel, Profile, Region, TransferFunction, Wave, Widget};
+use voltet_core::{Error, Result};
+
+/// One case with its exact results.
+#[derive(Debug, Clone)]
+pub struct Case {
+    /// Its name.
+    pub id: String,
+    /// The category: ordinary, stiff, narrow, …
+    pub category: String,
+    /// What it is about within the category.
+    pub subject: String,
+    /// What is computed.
+    pub kind: Kind,
+}
+
+/// The kinds of cases.
+#[derive(Debug, Clone)]
+pub enum Kind {
+    /// One segment.
+    Segment(Box<SegmentCase>),
+    /// Cells in front-to-back order.
+    Ray {
+        /// Each cell, without exact values of its own.
+        segments: Vec<SegmentCase>,
+        /// The whole: its exact values, length and transfer function.
+        exact: Box<SegmentCase>,
+    },
+    /// Contributions to composite.
+    Chain {
+        /// Front to back; optical depths unused.
+        segments: Vec<Contribution>,
+        /// C.
+        color: [f64; 3],
+        /// A.
+        opacity: f64,
+        /// 1 − A.
+        transparency: f64,
+    },
+    /// ψ, F, B, ζ of a stretch with linear extinction.
+    Table {
+        /// α_f D.
+        a: f64,
+        /// α_b D.
+        b: f64,
+        /// The exact values.
+        exact: PartialIntegrals,
+    },
+}
+
+impl Kind {
+    /// As the file writes it.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Kind::Segment(_) => "segment",
+            Kind::Ray { .. } => "ray",
+            Kind::Chain { .. } => "chain",
+            Kind::Table { .. } => "table",
+        }
+    }
+}
+
+impl Case {
+    /// The formula that it tries: a widget's by optical model, several widgets on a stretch, compositing, or the integrals
+    /// of linear extinction.
+    pub fn formula(&self) -> String {
+        let of = |case: &SegmentCase| {
+            let model = if case.density() { "density" } else { "constant" };
+            match case.transfer_function.widgets.as_slice() {
+                [widget] => format!("{} ({model}-emitter)", widget.profile.name()),
+                _ => format!("widgets that overlap ({model}-emitter)"),
+            }
+        };
+        match &self.kind {
+            Kind::Segment(case) => of(case),
+            Kind::Ray { .. } => "cells along a ray".into(),
+            Kind::Chain { .. } => "compositing".into(),
+            Kind::Table { .. } => "partial pre-integration".into(),
+        }
+    }
+
+    /// What goes in, in short.
+    pub fn inputs(&self) -> String {
+        let list = |values: &[f64]| values.iter().map(|x| format!("{x:?}")).collect::<Vec<_>>().join(", ");
+        match &self.kind {
+            Kind::Segment(case) => {
+                let peaks: Vec<f64> = case.transfer_function.widgets.iter().map(peak).collect();
+                let peaks = peaks.iter().map(|x| x / case.transfer_function.unit_distance * case.length);
+                format!(
+                    "({}) to ({}), peak depth {}",
+                    list(&case.front),
+                    list(&case.back),
+                    peaks.map(|x| format!("{x:.3e}")).collect::<Vec<_>>().join(", ")
+                )
+            }
+            Kind::Ray { segments, exact } => {
+                format!("{} cells, depth {:.3e}", segments.len(), exact.exact.optical_depth)
+            }
+            Kind::Chain { segments, transparency, .. } => {
+                format!("{} segments, transparency {transparency:.3e}", segments.len())
+            }
+            Kind::Table { a, b, .. } => format!("depths {a:?} and {b:?}"),
+        }
+    }
+}
+
+/// The largest extinction of a widget, per unit distance.
+fn peak(widget: &Widget) -> f64 {
+    match &widget.profile {
+        Profile::PiecewiseLinear { points } => points.iter().fold(0.0, |peak: f64, p| p.extinction.max(peak)),
+        _ => widget.extinction,
+    }
+}
+
+/// A segment with its transfer function and exact values.
+#[derive(Debug, Clone)]
+pub struct SegmentCase {
+    /// The transfer function.
+    pub transfer_function: TransferFunction,
+    /// D.
+    pub length: f64,
+    /// Values at the front: (s, g), or the fields of a gaussian-nd widget.
+    pub front: Vec<f64>,
+    /// Values at the back.
+    pub back: Vec<f64>,
+    /// Exact values.
+    pub exact: Contribution,
+    /// Condition numbers of T, C, A; `None` where the result is discontinuous.
+    pub condition: [Option<f64>; 3],
+    /// The same where it is the raw numbers, the values at both ends, that are rounded.
+    pub raw_condition: [Option<f64>; 3],
+}
+
+impl SegmentCase {
+    /// The segment.
+    pub fn segment(&self) -> Segment<'_> {
+        let pair = |v: &[f64]| [v.first().copied().unwrap_or(0.0), v.get(1).copied().unwrap_or(0.0)];
+        Segment {
+            length: self.length,
+            front: pair(&self.front),
+            back: pair(&self.back),
+            fields_front: &self.front,
+            fields_back: &self.back,
+        }
+    }
+
+    /// Whether the density-emitter is meant.
+    pub fn density(&self) -> bool {
+        self.transfer_function.model == OpticalModel::DensityEmitter
+    }
+
+    /// The largest colour component of all widgets.
+    pub fn brightest(&self) -> f64 {
+        let colors = self.transfer_function.widgets.iter().flat_map(|widget| match &widget.profile {
+            Profile::PiecewiseLinear { points } => points.iter().map(|p| p.color).collect(),
+            _ => vec![widget.color],
+        });
+        colors.flatten().fold(0.0, f64::max)
+    }
+}
+
+/// Reads one line.
+pub fn parse(line: &str) -> Result<Case> {
+    let value: Value = serde_json::from_str(line)
+        .map_err(|e| Error::usage("a case is not valid JSON").found(e).accepted("one JSON object a line"))?;
+    let id = text(&value, "id")?.to_owned();
+    read(&value).map_err(|e| e.at_item(id))
+}
+
+fn read(value: &Value) -> Result<Case> {
+    let kind = match text(value, "kind")? {
+        "segment" => Kind::Segment(Box::new(SegmentCase {
+            transfer_function: transfer_function(value)?,
+            length: number(value, "D")?,
+            front: numbers(member(value, "v_f")?)?,
+            back: numbers(member(value, "v_b")?)?,
+            exact: contribution(value)?,
+            condition: condition(value, "k"),
+            raw_condition: condition(value, "k_in"),
+        })),
+        "ray" => ray(value)?,
+        "chain" => {
+            let segments = array(value, "segments")?
+                .iter()
+                .map(|row| {
+                    let [r, g, b, a] = fixed(row)?;
+                    Ok(Contribution { optical_depth: 0.0, color: [r, g, b], opacity: a })
+                })
+                .collect::<Result<_>>()?;
+            Kind::Chain {
+                segments,
+                color: exact_color(value)?,
+                opacity: exact(value, "A")?,
+                transparency: exact(value, "transparency")?,
+            }
+        }
+        "table" => Kind::Table {
+            a: number(value, "tau_f")?,
+            b: number(value, "tau_b")?,
+            exact: PartialIntegrals {
+                psi: exact(value, "psi")?,
+                front: exact(value, "F")?,
+                back: exact(value, "B")?,
+                zeta: exact(value, "zeta")?,
+            },
+        },
+        other => {
+            return Err(Error::usage("a case is of an unknown kind")
+                .found(other)
+                .accepted("segment, ray, chain or table"));
+        }
+    };
+    let optional = |key: &str| value.get(key).and_then(Value::as_str).unwrap_or("").to_owned();
+    Ok(Case {
+        id: text(value, "id")?.to_owned(),
+        category: text(value, "cat")?.to_owned(),
+        subject: optional("sub"),
+        kind,
+    })
+}
+
+fn ray(value: &Value) -> Result<Kind> {
+    let transfer_function = transfer_function(value)?;
+    let knots = array(value, "knots")?.iter().map(fixed::<3>).collect::<Result<Vec<_>>>()?;
+    let part = |from: &[f64; 3], to: &[f64; 3], exact: Contribution| SegmentCase {
+        transfer_function: transfer_function.clone(),
+        length: to[0] - from[0],
+        front: from[1..].to_vec(),
+        back: to[1..].to_vec(),
+        exact,
+        condition: [None; 3],
+        raw_condition: [None; 3],
+    };
+    let (Some(first), Some(last)) = (knots.first(), knots.last()) else {
+        return Err(Error::usage("a ray has no knots").accepted("[[l, s, g], …]"));
+    };
+    let whole = part(first, last, contribution(value)?);
+    let segments = knots.windows(2).map(|k| part(&k[0], &k[1], Contribution::default())).collect();
+    Ok(Kind::Ray { segments, exact: Box::new(whole) })
+}
+
+fn contribution(value: &Value) -> Result<Contribution> {
+    Ok(Contribution {
+        optical_depth: exact(value, "T")?,
+        color: exact_color(value)?,
+        opacity: exact(value, "A")?,
+    })
+}
+
+fn condition(value: &Value, key: &str) -> [Option<f64>; 3] {
+    let Some(list) = value.get(key).and_then(Value::as_array) else { return [None; 3] };
+    std::array::from_fn(|i| list.get(i).and_then(Value::as_f64))
+}
+
+fn transfer_function(value: &Value) -> Result<TransferFunction> {
+    let model = match text(value, "model")? {
+        "density" => OpticalModel::DensityEmitter,
+        "constant" => OpticalModel::ConstantEmitter {
+            cutoff: value.get("cutoff").map_or(Ok(1.0 / 255.0), |_| number(value, "cutoff"))?,
+        },
+        other => {
+            return Err(Error::usage("a case has an unknown model")
+                .found(other)
+                .accepted("density, constant"));
+        }
+    };
+    let widgets = array(value, "widgets")?.iter().map(widget).collect::<Result<_>>()?;
+    Ok(TransferFunction { model, unit_distance: number(value, "unit_distance")?, widgets })
+}
+
+fn widget(value: &Value) -> Result<Widget> {
+    let or = |key: &str, default: f64| value.get(key).map_or(Ok(default), |_| number(value, key));
+    let wave = || -> Result<Wave> {
+        Ok(Wave {
+            origin: [or("s0", 0.0)?, or("g0", 0.0)?],
+            angle: or("theta", 0.0)?,
+            scale: [or("w_s", 1.0)?, or("w_g", 1.0)?],
+            period: number(value, "period")?,
+            band_width: or("band_width", 1.0)?,
+        })
+    };
+    let profile = match text(value, "type")? {
+        "uniform" => Profile::Uniform,
+        "gaussian" => {
+            let rows = array(value, "K")?;
+            let [a, b]: [Value; 2] = rows.clone().try_into().map_err(|_| wrong("K"))?;
+            Profile::Gaussian { centre: fixed(member(value, "center")?)?, matrix: [fixed(&a)?, fixed(&b)?] }
+        }
+        "gaussian-nd" => {
+            let centre = numbers(member(value, "center")?)?;
+            let rows = array(value, "K")?;
+            let matrix = if rows.iter().all(Value::is_number) {
+                let diagonal = numbers(member(value, "K")?)?;
+                let row =
+                    |i: usize| (0..diagonal.len()).map(|j| if i == j { diagonal[i] } else { 0.0 }).collect();
+                (0..diagonal.len()).map(row).collect()
+            } else {
+                rows.iter().map(numbers).collect::<Result<Vec<_>>>()?
+            };
+            // Names whose order is the order of the case's values.
+            let fields = (0..centre.len()).map(|i| format!("field{i}")).collect();
+            Profile::GaussianNd { fields, centre, matrix }
+        }
+        "triangular-gaussian" => {
+            Profile::TriangularGaussian { centre: number(value, "center")?, sigma: number(value, "sigma")? }
+        }
+        "triangle-wave" => Profile::TriangleWave(wave()?),
+        "sine-wave" => Profile::SineWave(wave()?),
+        "piecewise-linear" => {
+            let points = array(value, "points")?
+                .iter()
+                .map(|row| {
+                    let [s, extinction, r, g, b] = fixed(row)?;
+                    Ok(ControlPoint { s, color: [r, g, b], extinction })
+                })
+                .collect::<Result<_>>()?;
+            Profile::PiecewiseLinear { points }
+        }
+        other => return Err(Error::usage("a case has an unknown widget").found(other)),
+    };
+    let piecewise = matches!(profile, Profile::PiecewiseLinear { .. });
+    let region = match value.get("region") {
+        None | Some(Value::Null) => None,
+        Some(_) => {
+            let corners = array(value, "region")?.iter().map(fixed).collect::<Result<_>>()?;
+            Some(Region { corners })
+        }
+    };
+    Ok(Widget {
+        profile,
+        color: if piecewise { [0.0; 3] } else { fixed(member(value, "color")?)? },
+        extinction: if piecewise { 0.0 } else { number(value, "extinction")? },
+        region,
+    })
+}
+
+fn member<'a>(value: &'a Value, key: &str) -> Result<&'a Value> {
+    value.get(key).ok_or_else(|| Error::usage(format!("a case lacks '{key}'")))
+}
+
+fn wrong(key: &str) -> Error {
+    Error::usage(format!("'{key}' of a case is of the wrong form"))
+}
+
+fn text<'a>(value: &'a Value, key: &str) -> Result<&'a str> {
+    member(value, key)?.as_str().ok_or_else(|| wrong(key))
+}
+
+fn number(value: &Value, key: &str) -> Result<f64> {
+    member(value, key)?.as_f64().ok_or_else(|| wrong(key))
+}
+
+fn array<'a>(value: &'a Value, key: &str) -> Result<&'a Vec<Value>> {
+    member(value, key)?.as_array().ok_or_else(|| wrong(key))
+}
+
+fn numbers(value: &Value) -> Result<Vec<f64>> {
+    let list = value.as_array().ok_or_else(|| wrong("a list of numbers"))?;
+    list.iter().map(|v| v.as_f64().ok_or_else(|| wrong("a list of numbers"))).collect()
+}
+
+fn fixed<const N: usize>(value: &Value) -> Result<[f64; N]> {
+    numbers(value)?.try_into().map_err(|_| wrong("a list of numbers"))
+}
+
+/// An exact value: a decimal string (or a number), ≥ 0, which may be too small for doubles.
+fn exact(value: &Value, key: &str) -> Result<f64> {
+    decimal(member(value, key)?).ok_or_else(|| not_exact(key, &value[key]))
+}
+
+fn exact_color(value: &Value) -> Result<[f64; 3]> {
+    let parsed: Option<Vec<f64>> = array(value, "C")?.iter().map(decimal).collect();
+    parsed.and_then(|list| list.try_into().ok()).ok_or_else(|| not_exact("C", &value["C"]))
+}
+
+fn decimal(value: &Value) -> Option<f64> {
+    let number: f64 = value.as_str().map_or_else(|| value.as_f64(), |text| text.parse().ok())?;
+    (number >= 0.0 && number.is_finite()).then_some(number)
+}
+
+fn not_exact(key: &str, found: &Value) -> Error {
+    Error::usage(format!("'{key}' of a case is no exact value"))
+        .found(found)
+        .accepted("decimal strings of finite numbers ≥ 0")
+}

@@ -1,0 +1,157 @@
+//! voltet-judge: judges segment formulas against exact values, whoever states them.
+//!
+//! Judges the segment formulas against exact values, per kind and category.
+//!
+//! A case file holds one JSON object a line: inputs as shortest round-trip doubles, results as strings of 20
+//! digits computed with about 90. A result passes when |error| ≤ bound · |exact| + floor, where the bound is
+//! stated from the working precision ε and the case's condition number k (module `bounds`). One run judges
+//! one set of forms, 64-bit or 32-bit.
+
+mod bounds;
+mod case;
+mod forms;
+mod report;
+mod shipped;
+pub mod twin;
+
+pub use bounds::{Precision, Rule};
+pub use case::{Case, Kind, SegmentCase, parse};
+pub use forms::{Answer, Chain, Forms, Native64, PartialIntegrals};
+pub use report::{Broken, Excuse, Report, Row};
+pub use shipped::shipped;
+
+use bounds::{Quantity, rule};
+use voltet_core::Result;
+use voltet_core::optics::{Contribution, Overlap};
+
+/// Judges every case of `text`, the content of a case file, by each set of forms. Errors name the line.
+pub fn judge_all(text: &str, forms: &[&dyn Forms]) -> Result<Vec<Report>> {
+    let mut reports = begin(forms);
+    for (i, line) in text.lines().enumerate() {
+        if !line.trim().is_empty() {
+            let case = parse(line).map_err(|e| e.at_line(i + 1))?;
+            enter(&case, forms, &mut reports).map_err(|e| e.at_line(i + 1))?;
+        }
+    }
+    Ok(reports)
+}
+
+/// The same for cases that were read already.
+pub fn judge_cases(cases: &[Case], forms: &[&dyn Forms]) -> Result<Vec<Report>> {
+    let mut reports = begin(forms);
+    cases.iter().try_for_each(|case| enter(case, forms, &mut reports))?;
+    Ok(reports)
+}
+
+fn begin(forms: &[&dyn Forms]) -> Vec<Report> {
+    forms.iter().map(|forms| Report::new(forms.name())).collect()
+}
+
+fn enter(case: &Case, forms: &[&dyn Forms], reports: &mut [Report]) -> Result<()> {
+    for (report, forms) in reports.iter_mut().zip(forms) {
+        report.cases += 1;
+        judge_case(case, *forms, report).map_err(|e| e.at_item(&case.id))?;
+    }
+    Ok(())
+}
+
+/// Judges every case of `text`, the content of a case file. Errors name the line.
+pub fn judge(text: &str, forms: &dyn Forms) -> Result<Report> {
+    judge_all(text, &[forms]).map(|mut reports| reports.remove(0))
+}
+
+fn judge_case(case: &Case, forms: &dyn Forms, report: &mut Report) -> Result<()> {
+    let precision = forms.precision();
+    match &case.kind {
+        Kind::Segment(segment) => {
+            let answer = forms.segment(&segment.transfer_function, &segment.segment(), Overlap::Exact)?;
+            let (found, wider) = match answer {
+                Answer::Served(found) => (found, None),
+                Answer::Wider(found, reason) => (found, Some(reason)),
+                Answer::Skipped(reason) => {
+                    report.skip(case, reason);
+                    return Ok(());
+                }
+            };
+            let condition = forms.condition(segment);
+            let rules = |quantity| rule(precision, case, segment, condition, quantity);
+            enter_contribution(report, case, &found, segment, wider, &rules);
+        }
+        Kind::Ray { segments, exact } => {
+            let mut parts = Vec::with_capacity(segments.len());
+            let mut wider = None;
+            for segment in segments {
+                match forms.segment(&segment.transfer_function, &segment.segment(), Overlap::Exact)? {
+                    Answer::Served(found) => parts.push(found),
+                    Answer::Wider(found, reason) => {
+                        parts.push(found);
+                        wider = Some(reason);
+                    }
+                    Answer::Skipped(reason) => {
+                        report.skip(case, reason);
+                        return Ok(());
+                    }
+                }
+            }
+            let chain = forms.chain(&parts);
+            let found = Contribution {
+                optical_depth: parts.iter().map(|p| p.optical_depth).sum(),
+                color: chain.color,
+                opacity: chain.opacity,
+            };
+            let rules = |quantity| bounds::ray_rule(precision, segments.len(), exact, quantity);
+            enter_contribution(report, case, &found, exact, wider, &rules);
+        }
+        Kind::Chain { segments, color, opacity, transparency } => {
+            let chain = forms.chain(segments);
+            let steps = segments.len() as f64;
+            let relative = steps * 4.0 * precision.epsilon();
+            let bound = |relative: f64| Rule::Bound { relative, floor: precision.floor() };
+            for (found, exact) in chain.color.iter().zip(color) {
+                report.enter(case, "C", [*found, *exact], bound(relative), false);
+            }
+            report.enter(case, "A", [chain.opacity, *opacity], bound(relative), false);
+            let odds: f64 = segments.iter().map(|s| s.opacity / (1.0 - s.opacity)).sum();
+            let relative = (steps + odds) * 4.0 * precision.epsilon();
+            let values = [chain.transparency, *transparency];
+            report.enter(case, "transparency", values, bound(relative), false);
+        }
+        Kind::Table { a, b, exact } => {
+            let found = forms.partial(*a, *b);
+            let values = [
+                ("psi", found.psi, exact.psi),
+                ("F", found.front, exact.front),
+                ("B", found.back, exact.back),
+                ("zeta", found.zeta, exact.zeta),
+            ];
+            for (quantity, value, exact) in values {
+                let rule = bounds::table_rule(precision, quantity, a + b);
+                report.enter(case, quantity, [value, exact], rule, false);
+            }
+        }
+    }
+    Ok(())
+}
+
+fn enter_contribution(
+    report: &mut Report,
+    case: &Case,
+    found: &Contribution,
+    segment: &SegmentCase,
+    wider: Option<&'static str>,
+    rules: &dyn Fn(Quantity) -> Rule,
+) {
+    if let Some(reason) = wider {
+        report.excuse(true, reason);
+    }
+    let (exact, wider) = (&segment.exact, wider.is_some());
+    let mut enter = |quantity, values, rule| report.enter(case, quantity, values, rule, wider);
+    enter("T", [found.optical_depth, exact.optical_depth], rules(Quantity::OpticalDepth));
+    for i in 0..3 {
+        enter("C", [found.color[i], exact.color[i]], rules(Quantity::Color));
+    }
+    enter("A", [found.opacity, exact.opacity], rules(Quantity::Opacity));
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,389 @@
+//! Every twin against its 64-bit truth, on every lane set that the processor has and the engine runs it on.
+
+use super::clip::LaneStretch;
+use super::elementary::{erfcx, exp, mean_transmittance, one_minus_exp, power};
+use super::gaussian::{self, LaneGaussianPath, LaneGaussianTrack, mean_profile};
+use super::linear;
+use super::overlap::{AnyLaneTrack, LaneMember, ordered};
+use super::piecewise_linear::{LanePiecewiseTrack, LanePoints};
+use super::triangular_gaussian::{self, LaneTriangularTrack};
+use super::wave::{LaneBell, LanePhase, LaneWaveTrack};
+use crate::{Float, Kernel, LaneSet, Lanes, dispatch, dispatch_avx2};
+use voltet_core::optics::clip::Stretch;
+use voltet_core::optics::gaussian::GaussianPath;
+use voltet_core::optics::linear as truth;
+use voltet_core::optics::special;
+use voltet_core::optics::triangular_gaussian::TriangularPath;
+use voltet_core::optics::wave::Bell;
+use voltet_core::optics::{Overlap, Prepared, Segment};
+use voltet_core::transfer::{ControlPoint, OpticalModel, Profile, Region, TransferFunction, Wave, Widget};
+use voltet_judge::twin::{self, INPUTS, Range};
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Formula {
+    Exp,
+    Opacity,
+    MeanTransmittance,
+    Erfcx,
+    Power,
+    Gaussian,
+    Psi,
+    Front,
+    Back,
+    FrontWeight,
+    BackWeight,
+    Triangle(f64),
+    Sine(f64),
+    ClipLength,
+    /// Its σ is 1.
+    TriangularGaussian,
+    /// Constant-emitter; holds ρ₀ D.
+    GaussianGlow(f64),
+    TriangleGlow(f64, f64),
+    SineGlow(f64, f64),
+    /// Five widgets at once; of the constant-emitter or not. Sum of the channels.
+    Ordered(bool),
+}
+
+/// A twin: its inputs' ranges, and the error allowed in units of ε (4 + k), k the condition number measured on
+/// the truth.
+struct Twin {
+    formula: Formula,
+    inputs: &'static [Range],
+    tolerance: f64,
+    /// Why that tolerance.
+    reason: &'static str,
+}
+
+const DEPTH: Range = Range::Log(-12.0, 6.0);
+const PHASE: Range = Range::Even(-30.0, 30.0);
+const NEAR: Range = Range::Even(-4.0, 4.0);
+const WIDTH: Range = Range::Even(0.0, 3.0);
+const SPAN: Range = Range::Even(-1.0, 3.0);
+
+#[rustfmt::skip]
+const TWINS: [Twin; 27] = [
+    Twin { formula: Formula::Exp, inputs: &[Range::Even(-87.0, 87.0)], tolerance: 1.0, reason: "2 ulp" },
+    Twin { formula: Formula::Opacity, inputs: &[Range::Log(-30.0, 2.0)], tolerance: 1.0, reason: "3 ulp" },
+    Twin { formula: Formula::MeanTransmittance, inputs: &[Range::Log(-30.0, 4.0)], tolerance: 1.0, reason: "4 ulp" },
+    Twin { formula: Formula::Erfcx, inputs: &[Range::Log(-6.0, 6.0)], tolerance: 1.0, reason: "fit of 2e-7" },
+    Twin { formula: Formula::Power, inputs: &[Range::Log(-9.0, 0.0), Range::Log(-2.0, 0.9)], tolerance: 1.0, reason: "ln and exp" },
+    Twin { formula: Formula::Gaussian, inputs: &[NEAR, NEAR, NEAR, NEAR], tolerance: 2.0, reason: "sums of 2 erfcx and exp" },
+    Twin { formula: Formula::Psi, inputs: &[DEPTH, DEPTH], tolerance: 2.0, reason: "21 panels of 8 points: 1e-6" },
+    Twin { formula: Formula::Front, inputs: &[DEPTH, DEPTH], tolerance: 2.0, reason: "as psi" },
+    Twin { formula: Formula::Back, inputs: &[DEPTH, DEPTH], tolerance: 2.0, reason: "as psi" },
+    Twin { formula: Formula::FrontWeight, inputs: &[DEPTH, DEPTH], tolerance: 2.0, reason: "as psi" },
+    Twin { formula: Formula::BackWeight, inputs: &[DEPTH, DEPTH], tolerance: 2.0, reason: "as psi" },
+    Twin { formula: Formula::Triangle(1.0), inputs: &[PHASE, PHASE], tolerance: 1.0, reason: "sums of positive areas" },
+    Twin { formula: Formula::Triangle(0.01), inputs: &[PHASE, PHASE], tolerance: 1.0, reason: "the same" },
+    Twin { formula: Formula::Sine(1.0), inputs: &[PHASE, PHASE], tolerance: 1.0, reason: "the same" },
+    Twin { formula: Formula::Sine(0.3), inputs: &[PHASE, PHASE], tolerance: 1.0, reason: "the same" },
+    Twin { formula: Formula::Sine(0.001), inputs: &[PHASE, PHASE], tolerance: 1.0, reason: "1 − X/w near the reach" },
+    Twin { formula: Formula::ClipLength, inputs: &[Range::Even(-1.0, 0.0), Range::Even(0.1, 1.0)], tolerance: 1.0, reason: "one quotient" },
+    Twin { formula: Formula::TriangularGaussian, inputs: &[NEAR, NEAR, WIDTH, WIDTH], tolerance: 2.0, reason: "up to 24 panels of 8 points: 1e-6" },
+    Twin { formula: Formula::GaussianGlow(0.01), inputs: &[NEAR, NEAR, NEAR, NEAR], tolerance: 2.0, reason: "one walk" },
+    Twin { formula: Formula::GaussianGlow(300.0), inputs: &[NEAR, NEAR, NEAR, NEAR], tolerance: 8.0, reason: "panels of depth 2.5 leave 4e-6" },
+    Twin { formula: Formula::TriangleGlow(1.0, 3.0), inputs: &[PHASE, PHASE], tolerance: 4.0, reason: "a series of walks" },
+    Twin { formula: Formula::TriangleGlow(0.1, 300.0), inputs: &[PHASE, PHASE], tolerance: 8.0, reason: "panels of depth 2.5 leave 4e-6" },
+    Twin { formula: Formula::SineGlow(1.0, 3.0), inputs: &[PHASE, PHASE], tolerance: 4.0, reason: "a series of walks" },
+    Twin { formula: Formula::SineGlow(0.1, 300.0), inputs: &[PHASE, PHASE], tolerance: 8.0, reason: "panels of depth 2.5 leave 4e-6" },
+    Twin { formula: Formula::Ordered(false), inputs: &[SPAN, SPAN], tolerance: 16.0, reason: "depth within a panel from 8 rates: 1e-5" },
+    Twin { formula: Formula::Ordered(true), inputs: &[SPAN, SPAN], tolerance: 16.0, reason: "the same" },
+    Twin { formula: Formula::BackWeight, inputs: &[Range::Even(0.0, 3.0), Range::Even(0.0, 3.0)], tolerance: 2.0, reason: "as psi" },
+];
+
+/// Share of the peak above which the constant-emitter glows.
+const CUTOFF: f64 = 0.01;
+
+fn wave(band_width: f64) -> Wave {
+    Wave { origin: [0.0; 2], angle: 0.0, scale: [1.0; 2], period: 1.0, band_width }
+}
+
+fn exact(formula: Formula, x: &[f64; INPUTS]) -> f64 {
+    let band = |bell: Bell| bell.path([x[0], 0.0], [x[1], 0.0]).integral(&Stretch::WHOLE);
+    match formula {
+        Formula::Exp => x[0].exp(),
+        Formula::Opacity => special::opacity(x[0]),
+        Formula::MeanTransmittance => special::mean_transmittance(x[0]),
+        Formula::Erfcx => special::erfcx(x[0]),
+        Formula::Power => x[0].powf(x[1]),
+        Formula::Gaussian => {
+            let along = [x[2] - x[0], x[3] - x[1]];
+            GaussianPath::new([x[0], x[1]], [x[2], x[3]], along).optical_depth(1.0, &Stretch::WHOLE)
+        }
+        Formula::Psi => truth::psi(x[0], x[1]),
+        Formula::Front => truth::front_back(x[0], x[1]).0,
+        Formula::Back => truth::front_back(x[0], x[1]).1,
+        Formula::FrontWeight => truth::emission_weights(x[0], x[1]).0,
+        Formula::BackWeight => truth::emission_weights(x[0], x[1]).1,
+        Formula::Triangle(width) => band(Bell::triangle(&wave(width))),
+        Formula::Sine(width) => band(Bell::sine(&wave(width))),
+        Formula::ClipLength => x[1] / (x[1] - x[0]),
+        Formula::TriangularGaussian => {
+            TriangularPath::new([x[0], x[1]], [x[2], x[3]], 1.0).optical_depth(&Stretch::WHOLE)
+        }
+        Formula::GaussianGlow(peak) => {
+            let along = [x[2] - x[0], x[3] - x[1]];
+            let path = GaussianPath::new([x[0], x[1]], [x[2], x[3]], along);
+            path.glow(peak, &Stretch::WHOLE, -CUTOFF.ln())
+        }
+        Formula::TriangleGlow(width, peak) => {
+            let path = Bell::triangle(&wave(width)).path([x[0], 0.0], [x[1], 0.0]);
+            path.glow(peak, &Stretch::WHOLE, CUTOFF)
+        }
+        Formula::SineGlow(width, peak) => {
+            let path = Bell::sine(&wave(width)).path([x[0], 0.0], [x[1], 0.0]);
+            path.glow(peak, &Stretch::WHOLE, CUTOFF)
+        }
+        Formula::Ordered(constant) => {
+            let segment = Segment {
+                length: 1.0,
+                front: [x[0], 0.5],
+                back: [x[1], 0.5],
+                fields_front: &[],
+                fields_back: &[],
+            };
+            let model = if constant {
+                OpticalModel::ConstantEmitter { cutoff: CUTOFF }
+            } else {
+                OpticalModel::DensityEmitter
+            };
+            let prepared = Prepared::new(&several(model)).expect("a valid transfer function");
+            prepared.integrate(&segment, Overlap::Exact).color.into_iter().sum()
+        }
+    }
+}
+
+/// Five widgets, one of each kind, of s where g = ½; one has a region.
+fn several(model: OpticalModel) -> TransferFunction {
+    let point = |s, extinction, r| ControlPoint { s, color: [r, 0.5, 0.1], extinction };
+    let profiles = [
+        Profile::Uniform,
+        Profile::Gaussian { centre: [0.7, 0.5], matrix: [[4.0, 0.0], [0.0, 1.0]] },
+        Profile::TriangularGaussian { centre: 1.0, sigma: 0.8 },
+        Profile::TriangleWave(wave(0.5)),
+        Profile::PiecewiseLinear {
+            points: vec![point(0.0, 0.0, 1.0), point(1.0, 2.0, 0.2), point(1.5, 0.5, 0.4)],
+        },
+    ];
+    let widgets = profiles.into_iter().enumerate().map(|(i, profile)| Widget {
+        region: (profile == Profile::Uniform).then(|| Region::rectangle([0.3, 1.2], [0.0, 1.0])),
+        profile,
+        color: [0.2 * i as f64, 1.0 - 0.1 * i as f64, 0.3],
+        extinction: 1.0 + i as f64,
+    });
+    TransferFunction { model, unit_distance: 1.0, widgets: widgets.collect() }
+}
+
+/// The same in lanes.
+#[inline(always)]
+fn ordered_sum<L: Lanes>(front: L::F, back: L::F, constant: bool) -> L::F {
+    let splat = L::F::splat;
+    let (zero, cutoff) = (splat(0.0), constant.then_some(CUTOFF));
+    let functions = several(OpticalModel::DensityEmitter);
+    let bell = LaneBell::triangle(&wave(0.5));
+    let Profile::PiecewiseLinear { points } = &functions.widgets[4].profile else { unreachable!() };
+    let points = LanePoints::new(points, cutoff);
+    let less = |centre: f32| [front - splat(centre), back - splat(centre)];
+    let level = -CUTOFF.ln() as f32;
+    let [a, b] = less(0.7).map(|x| [x * splat(4.0)]);
+    let path = LaneGaussianPath::<L>::new::<1>(a, b);
+    let triangular = LaneTriangularTrack::<L> { offset: less(1.0), width: [splat(0.4); 2], peak: splat(3.0) };
+    let cut = LaneStretch::<L>::whole()
+        .cut(front - splat(0.3), back - splat(0.3))
+        .cut(splat(1.2) - front, splat(1.2) - back);
+    let all = [splat(-1.0), splat(2.0)];
+    let tracks = [
+        (AnyLaneTrack::Uniform(splat(1.0)), all),
+        (AnyLaneTrack::Gaussian(LaneGaussianTrack::new(&path, splat(2.0))), path.window_ends(level)),
+        (AnyLaneTrack::Triangular(triangular), triangular.window_ends(level)),
+        (
+            AnyLaneTrack::Wave(LaneWaveTrack::new(
+                &bell,
+                phase::<L>(front),
+                phase::<L>(back),
+                splat(4.0),
+                cutoff,
+            )),
+            all,
+        ),
+        (
+            AnyLaneTrack::Piecewise(LanePiecewiseTrack { points: &points, front, back, scale: splat(1.0) }),
+            all,
+        ),
+    ];
+    let threshold = [0.0, 0.0, 0.0, CUTOFF as f32, 2.0 * CUTOFF as f32];
+    let unit = [1.0, 2.0, 3.0, 4.0, 1.0];
+    let member = |i: usize| LaneMember::<L> {
+        track: tracks[i].0,
+        range: if i == 0 { [cut.start, cut.end] } else { [zero, splat(1.0)] },
+        window: if constant { tracks[i].1 } else { all },
+        color: functions.widgets[i].color.map(|c| c as f32),
+        threshold: threshold[i],
+        unit_rate: splat(unit[i]),
+    };
+    let color =
+        ordered::<L>(&[member(0), member(1), member(2), member(3), member(4)], cutoff.map(|_| splat(1.0)));
+    color[0] + color[1] + color[2]
+}
+
+/// A kernel for each formula: in one, the compiler would take minutes. `$x` are the inputs, `$constants` the formula's own.
+macro_rules! twin_on_lanes {
+    ($dispatch:ident, $call:expr, |$L:ident, $x:ident, $constants:pat_param| $value:expr) => {{
+        struct Run<'a>(Call<'a>);
+        impl Kernel for Run<'_> {
+            type Output = ();
+            #[inline(always)]
+            fn run<$L: Lanes>(self) {
+                let $constants = self.0.constants;
+                let mut column = [[0f32; 16]; INPUTS];
+                for (inputs, out) in self.0.inputs.chunks($L::WIDTH).zip(self.0.out.chunks_mut($L::WIDTH)) {
+                    for (k, row) in inputs.iter().enumerate() {
+                        for (column, x) in column.iter_mut().zip(row) {
+                            column[k] = *x as f32;
+                        }
+                    }
+                    let $x: [$L::F; INPUTS] = std::array::from_fn(|i| $L::F::load(&column[i]));
+                    let mut lanes = [f32::NAN; 16];
+                    $value.store(&mut lanes);
+                    out.copy_from_slice(&lanes[..out.len()]);
+                }
+            }
+        }
+        let call = $call;
+        $dispatch(call.lanes, Run(call))
+    }};
+}
+
+/// What a kernel is run on.
+struct Call<'a> {
+    lanes: LaneSet,
+    constants: [f64; 2],
+    inputs: &'a [[f64; INPUTS]],
+    out: &'a mut [f32],
+}
+
+/// Whole and rest of a phase.
+#[inline(always)]
+fn phase<L: Lanes>(x: L::F) -> LanePhase<L> {
+    LanePhase { nearest: x.round(), offset: x - x.round() }
+}
+
+/// The values of a twin; `None` on a lane set that its kernels are not compiled for.
+fn values(formula: Formula, lanes: LaneSet, inputs: &[[f64; INPUTS]]) -> Option<Vec<f32>> {
+    let mut out = vec![f32::NAN; inputs.len()];
+    let constants = match formula {
+        Formula::Triangle(a) | Formula::Sine(a) | Formula::GaussianGlow(a) => [a, 0.0],
+        Formula::TriangleGlow(a, b) | Formula::SineGlow(a, b) => [a, b],
+        _ => [0.0; 2],
+    };
+    let call = Call { lanes, constants, inputs, out: &mut out };
+    // What the engine walks on AVX2 alone is tried there alone.
+    let walked = |ran: Option<()>| ran.filter(|()| lanes == LaneSet::Avx2);
+    match formula {
+        Formula::Exp => twin_on_lanes!(dispatch, call, |L, x, _| exp::<L>(x[0])),
+        Formula::Opacity => twin_on_lanes!(dispatch, call, |L, x, _| one_minus_exp::<L>(x[0])),
+        Formula::MeanTransmittance => {
+            twin_on_lanes!(dispatch, call, |L, x, _| mean_transmittance::<L>(x[0]))
+        }
+        Formula::Erfcx => twin_on_lanes!(dispatch, call, |L, x, _| erfcx::<L>(x[0])),
+        Formula::Power => twin_on_lanes!(dispatch, call, |L, x, _| power::<L>(x[0], x[1])),
+        Formula::Gaussian => {
+            twin_on_lanes!(dispatch, call, |L, x, _| mean_profile::<L, 2>([x[0], x[1]], [x[2], x[3]]))
+        }
+        Formula::Psi => twin_on_lanes!(dispatch, call, |L, x, _| linear::psi::<L>(x[0], x[1])),
+        Formula::Front => twin_on_lanes!(dispatch, call, |L, x, _| linear::front_back::<L>(x[0], x[1]).0),
+        Formula::Back => twin_on_lanes!(dispatch, call, |L, x, _| linear::front_back::<L>(x[0], x[1]).1),
+        Formula::FrontWeight => {
+            twin_on_lanes!(dispatch, call, |L, x, _| linear::emission_weights::<L>(x[0], x[1]).0)
+        }
+        Formula::BackWeight => {
+            twin_on_lanes!(dispatch, call, |L, x, _| linear::emission_weights::<L>(x[0], x[1]).1)
+        }
+        Formula::Triangle(_) => twin_on_lanes!(dispatch, call, |L, x, [width, _]| {
+            LaneBell::triangle(&wave(width)).mean::<L>(phase(x[0]), phase(x[1]))
+        }),
+        Formula::Sine(_) => twin_on_lanes!(dispatch, call, |L, x, [width, _]| {
+            LaneBell::sine(&wave(width)).mean::<L>(phase(x[0]), phase(x[1]))
+        }),
+        Formula::ClipLength => {
+            twin_on_lanes!(dispatch, call, |L, x, _| LaneStretch::<L>::whole().cut(x[0], x[1]).length)
+        }
+        Formula::TriangularGaussian => twin_on_lanes!(dispatch, call, |L, x, _| {
+            triangular_gaussian::mean_profile::<L>([x[0], x[1]], [x[2], x[3]])
+        }),
+        Formula::GaussianGlow(_) => {
+            walked(twin_on_lanes!(dispatch_avx2, call, |L, x, [peak, _]| {
+                let peak = L::F::splat(peak as f32);
+                gaussian::glow::<L, 2>([x[0], x[1]], [x[2], x[3]], peak, -CUTOFF.ln() as f32)
+            }))?;
+        }
+        Formula::TriangleGlow(..) => {
+            walked(twin_on_lanes!(dispatch_avx2, call, |L, x, [width, peak]| {
+                let bell = LaneBell::triangle(&wave(width));
+                bell.glow::<L>(phase(x[0]), phase(x[1]), L::F::splat(peak as f32), CUTOFF)
+            }))?;
+        }
+        Formula::SineGlow(..) => {
+            walked(twin_on_lanes!(dispatch_avx2, call, |L, x, [width, peak]| {
+                let bell = LaneBell::sine(&wave(width));
+                bell.glow::<L>(phase(x[0]), phase(x[1]), L::F::splat(peak as f32), CUTOFF)
+            }))?;
+        }
+        Formula::Ordered(false) => {
+            walked(twin_on_lanes!(dispatch_avx2, call, |L, x, _| ordered_sum::<L>(x[0], x[1], false)))?;
+        }
+        Formula::Ordered(true) => {
+            walked(twin_on_lanes!(dispatch_avx2, call, |L, x, _| ordered_sum::<L>(x[0], x[1], true)))?;
+        }
+    }
+    Some(out)
+}
+
+#[test]
+fn every_twin_keeps_its_tolerance_on_every_lane_set() {
+    const COUNT: usize = 4000;
+    for twin in &TWINS {
+        let inputs: Vec<[f64; INPUTS]> = (0..COUNT)
+            .map(|i| {
+                let mut row = twin::inputs(twin.inputs, i);
+                // Some flat segments.
+                if i % 16 == 0 && matches!(twin.formula, Formula::Triangle(_) | Formula::Sine(_)) {
+                    row[1] = row[0];
+                }
+                row
+            })
+            .collect();
+        for lanes in [LaneSet::Avx512, LaneSet::Avx2, LaneSet::Portable] {
+            if !lanes.is_supported() {
+                println!("skipped: this processor has no {}", lanes.name());
+                continue;
+            }
+            let Some(out) = values(twin.formula, lanes, &inputs) else {
+                println!("{:?} is not walked on {}", twin.formula, lanes.name());
+                continue;
+            };
+            let mut worst = (0.0, 0);
+            for (i, (x, found)) in inputs.iter().zip(&out).enumerate() {
+                let truth = |x: &[f64; INPUTS]| exact(twin.formula, x);
+                let ratio = twin::error_ratio(truth, x, twin.inputs.len(), *found, twin.tolerance);
+                if ratio > worst.0 {
+                    worst = (ratio, i);
+                }
+            }
+            let (ratio, i) = worst;
+            let line = format!(
+                "{:?} on {}: {ratio:.2} of {} ε (4 + k) ({}) at {:?}: {} for {}",
+                twin.formula,
+                lanes.name(),
+                twin.tolerance,
+                twin.reason,
+                &inputs[i][..twin.inputs.len()],
+                out[i],
+                exact(twin.formula, &inputs[i]),
+            );
+            println!("{line}");
+            assert!(ratio <= 1.0, "{line}");
+        }
+    }
+}

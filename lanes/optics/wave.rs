@@ -1,0 +1,399 @@
+//! Triangle and sine waves: mean of the profile over a segment, any number of bands. Twin of `optics::wave`.
+//!
+//! Phases come split into the nearest foot and the distance from it, reduced in 64 bits where |φ| is large: the
+//! reduction, not the formula, is what 32 bits cannot do.
+
+use super::elementary::{exp, one_minus_exp, polynomial};
+use super::quadrature::POINTS;
+use super::track::{LaneTrack, PASSED, at_nodes, mean_transmittance_along};
+use crate::{Float, Lanes, Mask, array};
+use voltet_core::transfer::Wave;
+
+/// A wave made ready for lanes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LaneBell {
+    sine: bool,
+    full: bool,
+    inverse_width: f32,
+    /// Half-width of what the band width leaves.
+    reach: f32,
+    /// Area of half a band.
+    half: f32,
+}
+
+/// A phase by its nearest foot (an integer below 2²⁴) and the signed distance from it, in [−½, ½].
+#[derive(Clone, Copy)]
+pub struct LanePhase<L: Lanes> {
+    /// ⌊φ + ½⌋.
+    pub nearest: L::F,
+    /// φ − nearest.
+    pub offset: L::F,
+}
+
+/// A place on a flank: distances from its foot and from its peak.
+#[derive(Clone, Copy)]
+struct Spot<L: Lanes> {
+    foot: L::F,
+    peak: L::F,
+}
+
+impl LaneBell {
+    /// A triangle wave.
+    pub fn triangle(wave: &Wave) -> Self {
+        let reach = 0.5 * wave.band_width;
+        LaneBell::new(wave, false, reach, 0.5 * reach)
+    }
+
+    /// A sine wave.
+    pub fn sine(wave: &Wave) -> Self {
+        use voltet_core::optics::wave::{sine_half_area, sine_half_width};
+        let reach = sine_half_width(wave.band_width);
+        LaneBell::new(wave, true, reach, sine_half_area(wave.band_width, reach))
+    }
+
+    fn new(wave: &Wave, sine: bool, reach: f64, half: f64) -> Self {
+        LaneBell {
+            sine,
+            full: wave.band_width == 1.0,
+            inverse_width: (1.0 / wave.band_width) as f32,
+            reach: reach as f32,
+            half: half as f32,
+        }
+    }
+
+    /// Whether it is a sine wave.
+    pub(super) fn is_sine(&self) -> bool {
+        self.sine
+    }
+
+    /// Half-width of a band, in phase.
+    pub(super) fn reach(&self) -> f32 {
+        self.reach
+    }
+
+    #[inline(always)]
+    fn mean_on_flank<L: Lanes>(&self, low: Spot<L>, high: Spot<L>) -> L::F {
+        let splat = L::F::splat;
+        let zero = splat(0.0);
+        match (self.sine, self.full) {
+            (false, true) => low.foot + high.foot,
+            (false, false) => {
+                let reach = splat(self.reach);
+                ((reach - low.peak) + (reach - high.peak)).max(zero) * splat(self.inverse_width)
+            }
+            (true, true) => {
+                let half = (high.foot - low.foot) * splat(0.5);
+                sin_pi::<L>((low.foot + high.foot) * splat(0.5)) * (splat(1.0) - one_minus_sinc::<L>(half))
+            }
+            (true, false) => {
+                let sine = sin_pi::<L>((low.peak + high.peak) * splat(0.25));
+                let missing = one_minus_sinc::<L>((low.peak - high.peak) * splat(0.5));
+                let away = (splat(2.0) * sine * sine).mul_add(splat(1.0) - missing, missing);
+                (splat(1.0) - away * splat(self.inverse_width)).max(zero)
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn distance<L: Lanes>(&self, low: Spot<L>, high: Spot<L>) -> L::F {
+        if self.full { high.foot - low.foot } else { low.peak - high.peak }
+    }
+
+    /// Area between two places of one flank, `low` the nearer to the foot.
+    #[inline(always)]
+    fn flank<L: Lanes>(&self, low: Spot<L>, high: Spot<L>) -> L::F {
+        let reach = L::F::splat(self.reach);
+        let outside = reach.le(high.peak);
+        let clamped = low.peak.min(reach);
+        let low = Spot { foot: low.foot, peak: clamped };
+        let area = self.distance(low, high) * self.mean_on_flank(low, high);
+        L::F::select(outside, L::F::splat(0.0), area)
+    }
+
+    /// Mean of the profile between two phases, in either order. Relative error some ε (1 + condition).
+    #[inline(always)]
+    pub fn mean<L: Lanes>(&self, front: LanePhase<L>, back: LanePhase<L>) -> L::F {
+        let splat = L::F::splat;
+        let (zero, half, one) = (splat(0.0), splat(0.5), splat(1.0));
+        // From the lower to the higher phase.
+        let swapped = back
+            .nearest
+            .lt(front.nearest)
+            .or(back.nearest.le(front.nearest).and(back.offset.lt(front.offset)));
+        let pick = |a: L::F, b: L::F| (L::F::select(swapped, b, a), L::F::select(swapped, a, b));
+        let (from_nearest, to_nearest) = pick(front.nearest, back.nearest);
+        let (from_offset, to_offset) = pick(front.offset, back.offset);
+        let from_rising = zero.le(from_offset);
+        let to_rising = zero.le(to_offset);
+        let spot = |offset: L::F| Spot::<L> { foot: offset.abs(), peak: half - offset.abs() };
+        let (from, to) = (spot(from_offset), spot(to_offset));
+        let band = |nearest: L::F, rising| L::F::select(rising, nearest, nearest - one);
+        let bands = band(to_nearest, to_rising) - band(from_nearest, from_rising);
+        let foot = Spot::<L> { foot: zero, peak: half };
+        let peak = Spot::<L> { foot: half, peak: zero };
+        let select = |mask, a: Spot<L>, b: Spot<L>| Spot::<L> {
+            foot: L::F::select(mask, a.foot, b.foot),
+            peak: L::F::select(mask, a.peak, b.peak),
+        };
+
+        let same_band = bands.lt(half);
+        let same_flank = same_band.and(from_rising.and(to_rising).or(from_rising.not().and(to_rising.not())));
+        // One flank: the mean itself, so that a flat segment is no 0/0.
+        let (low, high) = (select(from_rising, from, to), select(from_rising, to, from));
+        let reach = splat(self.reach);
+        let bright = self.mean_on_flank(low, high);
+        let clipped = self.flank(low, high) / self.distance(low, high).max(splat(f32::MIN_POSITIVE));
+        let inside = low.peak.le(reach);
+        let on_one = L::F::select(inside, bright, L::F::select(reach.le(high.peak), zero, clipped));
+        if same_flank.not().bits() == 0 {
+            return on_one;
+        }
+        // Otherwise areas: from each end to the nearest peak or foot on the way, and whole half-bands.
+        let from_low = select(from_rising, from, foot);
+        let from_high = select(from_rising, peak, from);
+        let to_low = select(to_rising, foot, to);
+        let to_high = select(to_rising, to, peak);
+        let ends = self.flank(from_low, from_high) + self.flank(to_low, to_high);
+        let end_length = self.distance(from_low, from_high) + self.distance(to_low, to_high);
+        // Half-bands between: those behind a rising start and before a falling end.
+        let count = |mask| L::F::select(mask, one, zero);
+        let halves = L::F::select(
+            same_band,
+            zero,
+            (bands - one) * splat(2.0) + count(from_rising) + count(to_rising.not()),
+        );
+        let area = halves.mul_add(splat(self.half), ends);
+        let length = halves.mul_add(half, end_length);
+        L::F::select(same_flank, on_one, area / length.max(splat(f32::MIN_POSITIVE)))
+    }
+}
+
+impl LaneBell {
+    /// Half-width of the window in which the profile exceeds `cutoff`.
+    pub fn lit_half_width(&self, cutoff: f64) -> f32 {
+        let width = (1.0 - cutoff) / f64::from(self.inverse_width);
+        let half = if self.sine {
+            2.0 * (0.5 * width).sqrt().min(1.0).asin() / std::f64::consts::PI
+        } else {
+            0.5 * width
+        };
+        half as f32
+    }
+
+    /// The profile at a distance of `foot` from the nearest foot, in [0, ½].
+    #[inline(always)]
+    pub fn value<L: Lanes>(&self, foot: L::F) -> L::F {
+        let spot = Spot::<L> { foot, peak: L::F::splat(0.5) - foot };
+        self.mean_on_flank(spot, spot).max(L::F::splat(0.0))
+    }
+
+    /// Area between two signed distances from one peak, `from` ≤ `to`.
+    #[inline(always)]
+    fn part_area<L: Lanes>(&self, from: L::F, to: L::F) -> L::F {
+        let (zero, half) = (L::F::splat(0.0), L::F::splat(0.5));
+        let spot = |distance: L::F| Spot::<L> { foot: half - distance, peak: distance };
+        let (p, q) = (from.abs(), to.abs());
+        let peak = Spot::<L> { foot: half, peak: zero };
+        let over = from.lt(zero).and(zero.lt(to));
+        // On one side of the peak the second flank is empty.
+        let near = L::F::select(over, zero, p.min(q));
+        let other = L::F::select(over, p.min(q), zero);
+        self.flank(spot(p.max(q)), spot(near)) + self.flank(spot(other), peak)
+    }
+
+    /// ∫ e^(−T) dt over what is lit of the part of one band between two signed distances from its peak, T from the
+    /// part's start. `per_phase`: t per unit of phase; `alone`: the part is the whole segment.
+    #[inline(always)]
+    fn part_light<L: Lanes>(
+        &self,
+        [from, to]: [L::F; 2],
+        window: f32,
+        peak: L::F,
+        per_phase: L::F,
+        alone: L::M,
+    ) -> L::F {
+        let splat = L::F::splat;
+        let zero = splat(0.0);
+        let (start, end) = (from.max(splat(-window)), to.min(splat(window)));
+        let whole = start.le(from).and(to.le(end)).and(splat(-window).lt(start)).and(end.lt(splat(window)));
+        let whole = whole.and(alone);
+        let length = (end - start).max(zero);
+        let share = L::F::select(whole, splat(1.0), length * per_phase);
+        let before = L::F::select(from.lt(start), self.part_area::<L>(from, start) * per_phase * peak, zero);
+        let track = PartTrack::<L> { bell: self, from: start, to: start + length, peak: peak * share };
+        let light = share * exp::<L>(-before) * mean_transmittance_along::<L>(&track);
+        L::F::select(zero.lt(length).or(whole), light, zero)
+    }
+
+    /// ∫ e^(−T) dt, t ∈ [0, 1], over the parts of the segment where the profile exceeds `cutoff`, T counted from the
+    /// segment's front; `peak` = ρ₀ D. Times c D/U it is the constant-emitter colour. Whole bands are alike: any
+    /// number of them is a geometric series. Twin of `WavePath::glow`. Relative error some 1e-5 (1 + condition).
+    #[inline(always)]
+    pub fn glow<L: Lanes>(&self, front: LanePhase<L>, back: LanePhase<L>, peak: L::F, cutoff: f64) -> L::F {
+        let splat = L::F::splat;
+        let (zero, half, one) = (splat(0.0), splat(0.5), splat(1.0));
+        let window = self.lit_half_width(cutoff);
+        // The bell is even: a falling phase is a rising one of the opposite sign.
+        let span = (back.nearest - front.nearest) + (back.offset - front.offset);
+        let sign = L::F::select(span.lt(zero), splat(-1.0), one);
+        let span = span.abs();
+        // Band and signed distance from its peak.
+        let place = |phase: LanePhase<L>| {
+            let (nearest, offset) = (phase.nearest * sign, phase.offset * sign);
+            let rising = zero.le(offset);
+            let band = L::F::select(rising, nearest, nearest - one);
+            (band, L::F::select(rising, offset - half, offset + half))
+        };
+        let ((from_band, from), (to_band, to)) = (place(front), place(back));
+        let bands = to_band - from_band;
+        let same = bands.lt(half);
+        let per_phase = one / span.max(splat(f32::MIN_POSITIVE));
+        let end = L::F::select(same, to.max(from), half);
+        // What is left of the band in front, a whole band, what is begun of the last one.
+        let parts = [[from, end], [-half, half], [-half, to]];
+        let several = same.not().any();
+        let count = if several { parts.len() } else { 1 };
+        let mut light = [zero; 3];
+        for (light, part) in light.iter_mut().zip(parts).take(count) {
+            *light = self.part_light::<L>(part, window, peak, per_phase, same);
+        }
+        let [first, band, last] = light;
+        if !several {
+            return first;
+        }
+        let open = same.not();
+        let per_phase = L::F::select(same, one, per_phase);
+        let rate = peak * per_phase;
+        let first_depth = rate * self.part_area::<L>(from, half);
+        let band_depth = rate * splat(2.0 * self.half);
+        let count = (bands - one).max(zero);
+        let series = one_minus_exp::<L>(count * band_depth)
+            / one_minus_exp::<L>(band_depth).max(splat(f32::MIN_POSITIVE));
+        let series = L::F::select(band_depth.lt(splat(1e-25)), count, series);
+        let behind = series.mul_add(band, exp::<L>(-(count * band_depth)) * last);
+        let behind = exp::<L>(-first_depth) * behind;
+        first + L::F::select(open, behind, zero)
+    }
+}
+
+/// A part of one band, by signed distances from its peak.
+struct PartTrack<'a, L: Lanes> {
+    bell: &'a LaneBell,
+    from: L::F,
+    to: L::F,
+    peak: L::F,
+}
+
+impl<L: Lanes> LaneTrack<L> for PartTrack<'_, L> {
+    #[inline(always)]
+    fn rates(&self, t: L::F, dt: L::F) -> [L::F; POINTS] {
+        let place = at_nodes::<L>(self.from, self.to, t, dt);
+        array(
+            #[inline(always)]
+            |i| {
+                let foot = (L::F::splat(0.5) - place[i].abs()).max(L::F::splat(0.0));
+                self.peak * self.bell.value::<L>(foot)
+            },
+        )
+    }
+
+    #[inline(always)]
+    fn next_break(&self, t: L::F) -> L::F {
+        let splat = L::F::splat;
+        let (zero, none) = (splat(0.0), splat(2.0));
+        let length = self.to - self.from;
+        let peak = -(self.from) / length.max(splat(f32::MIN_POSITIVE));
+        let ahead = self.from.lt(zero).and(zero.lt(self.to)).and((t + splat(PASSED)).lt(peak));
+        L::F::select(ahead, peak, none)
+    }
+}
+
+/// A wave as a [`LaneTrack`].
+#[derive(Clone, Copy)]
+pub struct LaneWaveTrack<'a, L: Lanes> {
+    bell: &'a LaneBell,
+    /// φ at the front, from its nearest foot, and what the segment adds to it.
+    phase: L::F,
+    span: L::F,
+    /// ρ₀ D.
+    peak: L::F,
+    /// Places of the breaks in a band, rising; the foot at 0 is another.
+    breaks: [f32; 6],
+}
+
+/// Bands of a segment, by band width, that [`LaneWaveTrack`] serves: beyond, the rounding of t blurs where the bands
+/// begin (by 6e-5 of their width here).
+pub const BANDS_MOST: f64 = 1000.0;
+
+impl<'a, L: Lanes> LaneWaveTrack<'a, L> {
+    /// The track of a path with the peak rate `peak` = ρ₀ D; it breaks at feet, peaks and where the profile passes
+    /// `cutoff`.
+    #[inline(always)]
+    pub fn new(
+        bell: &'a LaneBell,
+        front: LanePhase<L>,
+        back: LanePhase<L>,
+        peak: L::F,
+        cutoff: Option<f64>,
+    ) -> Self {
+        let lit = cutoff.map_or(bell.reach, |cutoff| bell.lit_half_width(cutoff));
+        let span = (back.nearest - front.nearest) + (back.offset - front.offset);
+        let breaks = [0.5 - bell.reach, 0.5 - lit, 0.5, 0.5 + lit, 0.5 + bell.reach, 1.0];
+        LaneWaveTrack { bell, phase: front.offset, span, peak, breaks }
+    }
+}
+
+impl<L: Lanes> LaneTrack<L> for LaneWaveTrack<'_, L> {
+    #[inline(always)]
+    fn rates(&self, t: L::F, dt: L::F) -> [L::F; POINTS] {
+        let phase = at_nodes::<L>(self.phase, self.phase + self.span, t, dt);
+        array(
+            #[inline(always)]
+            |i| self.peak * self.bell.value::<L>((phase[i] - phase[i].round()).abs()),
+        )
+    }
+
+    #[inline(always)]
+    fn next_break(&self, t: L::F) -> L::F {
+        let splat = L::F::splat;
+        let sign = L::F::select(self.span.lt(splat(0.0)), splat(-1.0), splat(1.0));
+        let span = self.span.abs();
+        let phase = self.span.mul_add(t, self.phase) * sign;
+        // What the rounding of t and of the phase stands for.
+        let past = (span + splat(1.0) + phase.abs()).mul_add(splat(2.0 * f32::EPSILON), phase);
+        let band = past.floor();
+        let place = past - band;
+        let mut next = splat(1.0);
+        for at in self.breaks.iter().rev() {
+            next = L::F::select(place.lt(splat(*at)), splat(*at), next);
+        }
+        t + ((band - phase) + next) / span.max(splat(1e-30))
+    }
+}
+
+/// sin πx for 0 ≤ x ≤ ½, within 2 ulp: Taylor polynomial of degree 13 (7e-10 at ½).
+#[inline(always)]
+fn sin_pi<L: Lanes>(x: L::F) -> L::F {
+    let y = x * L::F::splat(std::f32::consts::PI);
+    let series = polynomial::<L, 7>(
+        -(y * y),
+        [
+            1.0,
+            1.0 / 6.0,
+            1.0 / 120.0,
+            1.0 / 5040.0,
+            1.0 / 362_880.0,
+            1.0 / 39_916_800.0,
+            1.0 / 6_227_020_800.0,
+        ],
+    );
+    y * series
+}
+
+/// 1 − sin(πx)/(πx) for 0 ≤ x ≤ ¼, within 2 ulp.
+#[inline(always)]
+fn one_minus_sinc<L: Lanes>(x: L::F) -> L::F {
+    let y = x * L::F::splat(std::f32::consts::PI);
+    let y2 = y * y;
+    y2 * polynomial::<L, 4>(-y2, [1.0 / 6.0, 1.0 / 120.0, 1.0 / 5040.0, 1.0 / 362_880.0])
+}

@@ -1,0 +1,14 @@
+//! voltet-study: what measures and judges the program. It knows no terminal.
+//!
+//! | room | what |
+//! | --- | --- |
+//! | [`work_precision`] | one scene with every integrator and setting on every engine: time against error |
+//! | [`stability`] | every formula by exact values, hard pictures by the referee, formulas as printed |
+//! | [`no_leave_out`] | a run that leaves nothing out, held against the usual one |
+
+mod devices;
+pub mod no_leave_out;
+pub mod stability;
+pub mod work_precision;
+
+pub use no_leave_out::{SAME, Thorough};

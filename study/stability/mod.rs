@@ -1,0 +1,164 @@
+//! How stable the program's formulas are: every formula of every engine and adapter against exact values, pictures of cells
+//! that are hard to draw against the 64-bit referee, and the formulas as papers print them.
+//!
+//! | file | what |
+//! | --- | --- |
+//! | `subjects` | the sets of forms and the engines that there are |
+//! | `pictures` | degenerate cells, extreme coordinates, long chains |
+//! | `printed` | what papers print, as it stands, and what stands in its place |
+//! | `text`, `markdown` | how it is shown |
+//!
+//! The cases of the formulas are `voltet_judge`'s, which the program carries.
+
+mod crossing32;
+mod forms32;
+mod json;
+mod markdown;
+mod pictures;
+mod printed;
+mod subjects;
+mod text;
+
+pub use forms32::Native32;
+pub use json::{forms as forms_json, json};
+pub use markdown::markdown;
+pub use pictures::Drawn;
+pub use printed::{Measured, Printed};
+pub use subjects::{Subjects, subjects};
+pub use text::{forms_text, text};
+
+use voltet_core::progress::Progress;
+use voltet_core::{Error, Result};
+use voltet_judge::{Report, judge_cases, shipped};
+
+/// What was found.
+#[derive(Debug, Clone)]
+pub struct Stability {
+    /// One report a set of forms: 64-bit, 32-bit by lane set, further ones.
+    pub forms: Vec<Report>,
+    /// Pictures of hard cells, scene by scene.
+    pub pictures: Vec<Drawn>,
+    /// The formulas as printed.
+    pub printed: Vec<Printed>,
+    /// What was not judged, why, and how to have it.
+    pub left_out: Vec<String>,
+}
+
+impl Stability {
+    /// Whether every bound was kept.
+    pub fn passed(&self) -> bool {
+        self.forms.iter().all(Report::passed) && self.pictures.iter().all(Drawn::passed)
+    }
+
+    /// What drew the pictures, in their order.
+    fn engines(&self) -> Vec<&str> {
+        let mut engines: Vec<&str> = Vec::new();
+        for drawn in &self.pictures {
+            if !engines.contains(&drawn.engine.as_str()) {
+                engines.push(&drawn.engine);
+            }
+        }
+        engines
+    }
+}
+
+/// Judges all of the forms by the cases that the program carries, draws the pictures, evaluates what papers print.
+///
+/// Errors: a stopped run, and those of drawing.
+pub fn stability(subjects: &Subjects, progress: &dyn Progress) -> Result<Stability> {
+    let cases = shipped()?;
+    let mut forms = Vec::new();
+    for (k, subject) in subjects.forms.iter().enumerate() {
+        progress.report(subject.name(), k as f64 / subjects.forms.len() as f64);
+        if progress.cancelled() {
+            return Err(Error::cancelled());
+        }
+        forms.extend(judge_cases(&cases, &[subject.as_ref()])?);
+    }
+    let pictures = pictures::pictures(&subjects.painters, progress)?;
+    progress.report("printed formulas", 1.0);
+    Ok(Stability { forms, pictures, printed: printed::printed()?, left_out: subjects.left_out.clone() })
+}
+
+/// A category as people call it.
+pub fn category(name: &str) -> &str {
+    match name {
+        "bands" => "many bands",
+        "scale" => "tiny and huge lengths",
+        "edges" => "region edges",
+        "overlap" => "widgets that overlap",
+        "chain" => "long compositing chains",
+        "ray" => "cells along a ray",
+        "table" => "partial pre-integration",
+        "wild" => "anything goes",
+        other => other,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use voltet_core::optics::{Contribution, Overlap, Segment};
+    use voltet_core::transfer::TransferFunction;
+    use voltet_judge::{Answer, Chain, Forms, Kind, Native64, PartialIntegrals, Precision};
+
+    /// The 64-bit forms, with optical depths off by a millionth: what a wrong engine would be.
+    struct Off;
+
+    impl Forms for Off {
+        fn name(&self) -> &str {
+            "off"
+        }
+        fn precision(&self) -> Precision {
+            Precision::F64
+        }
+        fn segment(&self, look: &TransferFunction, segment: &Segment, overlap: Overlap) -> Result<Answer> {
+            Ok(match Native64.segment(look, segment, overlap)? {
+                Answer::Served(found) => {
+                    let optical_depth = found.optical_depth * (1.0 + 1e-6);
+                    Answer::Served(Contribution { optical_depth, ..found })
+                }
+                other => other,
+            })
+        }
+        fn chain(&self, segments: &[Contribution]) -> Chain {
+            Native64.chain(segments)
+        }
+        fn partial(&self, a: f64, b: f64) -> PartialIntegrals {
+            Native64.partial(a, b)
+        }
+    }
+
+    fn drawn(worst_error: f64) -> Drawn {
+        let (category, scene) = ("degenerate cells", "one".to_string());
+        let engine = "an engine".to_string();
+        Drawn { category, scene, engine, refused: None, worst_error, worst_pixel: [0, 0], bound: 1e-4 }
+    }
+
+    #[test]
+    fn a_bound_broken_anywhere_is_said() {
+        let segments = |case: &voltet_judge::Case| matches!(case.kind, Kind::Segment(_));
+        let cases: Vec<_> = shipped().unwrap().into_iter().filter(segments).step_by(40).collect();
+        let found = |forms: &dyn Forms, error: f64| Stability {
+            forms: judge_cases(&cases, &[forms]).unwrap(),
+            pictures: vec![drawn(error)],
+            printed: Vec::new(),
+            left_out: Vec::new(),
+        };
+        assert!(found(&Native64, 1e-4).passed());
+        for (broken, said) in [
+            (found(&Off, 0.0), "BROKE ITS BOUND"),
+            (found(&Native64, 1.1e-4), "BROKEN"),
+            (found(&Native64, f64::INFINITY), "BROKEN"),
+        ] {
+            assert!(!broken.passed());
+            let text = text(&broken);
+            assert!(text.contains(said) && text.ends_with("A BOUND IS BROKEN\n"), "{text}");
+            assert_eq!(json(&broken)["passed"], false);
+        }
+        let page = markdown(&found(&Off, 0.0));
+        assert!(page.contains("**broken**"), "{page}");
+        // A picture that broke its bound stands out on the page, too.
+        assert!(markdown(&found(&Native64, 1.1e-4)).contains("**broken**"));
+    }
+}

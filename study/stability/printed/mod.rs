@@ -1,0 +1,76 @@
+//! The formulas as papers print them, computed as they stand in 32 and in 64 bits, and what stands in their place.
+//!
+//! Truths are the 64-bit forms of `voltet_core::optics`, which the cases of the same report judge; their place in 32 bits is
+//! what the native engine computes. Errors are relative, unless an entry says otherwise.
+
+mod absorption;
+mod colors;
+mod real;
+mod tables;
+
+use super::forms32::Native32;
+use real::Real;
+use serde::Serialize;
+use voltet_core::Result;
+use voltet_core::optics::{Contribution, Overlap, Segment};
+use voltet_core::transfer::TransferFunction;
+use voltet_judge::{Answer, Forms, Native64};
+use voltet_lanes::LaneSet;
+
+/// One printed formula and what was measured.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Printed {
+    /// Where it is printed.
+    pub source: &'static str,
+    /// The formula, in plain text.
+    pub formula: &'static str,
+    /// Where and why it fails.
+    pub fails: &'static str,
+    /// What stands in its place.
+    pub instead: &'static str,
+    /// At some inputs.
+    pub rows: Vec<Measured>,
+}
+
+/// Errors at one input; not finite where the formula gives no number.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Measured {
+    /// The input.
+    pub inputs: String,
+    /// The printed formula in 64 bits.
+    pub printed_64: f64,
+    /// The printed formula in 32 bits.
+    pub printed_32: f64,
+    /// What stands in its place, in 32 bits; `None` where that is 64-bit alone.
+    pub ours_32: Option<f64>,
+}
+
+/// Every formula that was looked at.
+pub fn printed() -> Result<Vec<Printed>> {
+    let mut all = absorption::entries()?;
+    all.extend(colors::entries()?);
+    all.extend(tables::entries()?);
+    Ok(all)
+}
+
+/// |found − exact| / |exact|; ∞ where the formula gives no number.
+fn error(found: impl Real, exact: f64) -> f64 {
+    let found = found.wide();
+    if found.is_finite() { (found - exact).abs() / exact.abs() } else { f64::INFINITY }
+}
+
+/// The segment in 64 bits, and in the lanes of the native engine.
+fn segment(transfer_function: &TransferFunction, segment: &Segment) -> Result<[Option<Contribution>; 2]> {
+    let found = |forms: &dyn Forms| -> Result<Option<Contribution>> {
+        Ok(match forms.segment(transfer_function, segment, Overlap::Exact)? {
+            Answer::Served(found) => Some(found),
+            Answer::Wider(..) | Answer::Skipped(_) => None,
+        })
+    };
+    Ok([found(&Native64)?, found(&Native32(LaneSet::detect()))?])
+}
+
+/// A segment from one pair (s, g) to another.
+fn between(front: [f64; 2], back: [f64; 2], length: f64) -> Segment<'static> {
+    Segment { length, front, back, fields_front: &[], fields_back: &[] }
+}

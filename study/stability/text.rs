@@ -1,0 +1,166 @@
+//! What was found, for a terminal.
+
+use super::{Drawn, Printed, Stability, category};
+use voltet_judge::{Excuse, Report, Row};
+
+/// Broken values that are named one by one.
+const NAMED: usize = 20;
+
+/// Everything.
+pub fn text(found: &Stability) -> String {
+    let mut text = String::new();
+    for report in &found.forms {
+        text += &format!("{} forms, {} cases: worst of each category\n", report.forms, report.cases);
+        text += &rows(
+            &report.gathered(|row| row.category.clone()),
+            |row| category(&row.category),
+            |row| row.formula.clone(),
+        );
+        text += "  worst of each formula\n";
+        text += &rows(
+            &report.gathered(|row| row.formula.clone()),
+            |row| &row.formula,
+            |row| category(&row.category).to_string(),
+        );
+        text += &conclusion(report);
+        text += "\n";
+    }
+    for engine in found.engines() {
+        text += &format!("pictures by {engine} against the 64-bit referee\n");
+        found
+            .pictures
+            .iter()
+            .filter(|drawn| drawn.engine == engine)
+            .for_each(|drawn| text += &picture(drawn));
+    }
+    let broken = found.pictures.iter().filter(|drawn| !drawn.passed()).count();
+    text += &match broken {
+        0 => "  pictures: every bound kept\n".to_string(),
+        n => format!("  pictures: {n} BROKE THE BOUND\n"),
+    };
+    text += "\nformulas as printed, relative errors (those under 1e-14 are the 64-bit form's own)\n";
+    found.printed.iter().for_each(|printed| text += &formula(printed));
+    if !found.left_out.is_empty() {
+        text += "\n";
+    }
+    found.left_out.iter().for_each(|what| text += &format!("not judged: {what}\n"));
+    let verdict = if found.passed() { "every bound kept" } else { "A BOUND IS BROKEN" };
+    text + &format!("\n{verdict}\n")
+}
+
+fn rows(rows: &[Row], name: impl Fn(&Row) -> &str, other: impl Fn(&Row) -> String) -> String {
+    let width = rows.iter().map(|row| name(row).chars().count()).max().unwrap_or(0);
+    let line = |row: &Row| {
+        if row.judged == 0 {
+            return format!(
+                "    {:width$}      0 judged, {} served in 64 bits, {} only asked to be finite\n",
+                name(row),
+                row.wider,
+                row.only_finite
+            );
+        }
+        format!(
+            "    {:width$}  {:>5} judged, {:>6.3} of the bound, error {:>7.1e} of {:3} {} ({}): {}\n",
+            name(row),
+            row.judged,
+            row.worst,
+            row.worst_error,
+            row.quantity,
+            other(row),
+            row.worst_id,
+            row.worst_inputs
+        )
+    };
+    rows.iter().map(line).collect()
+}
+
+fn picture(drawn: &Drawn) -> String {
+    let Drawn { category, scene, worst_error, worst_pixel: [i, j], bound, .. } = drawn;
+    if let Some(why) = &drawn.refused {
+        return format!("    {category:23}  {scene:45}  refused: {why}\n");
+    }
+    let verdict = if drawn.passed() { "" } else { "  BROKEN" };
+    format!(
+        "    {category:23}  {scene:45}  error {worst_error:.1e} of {bound:.0e} at pixel {i}, {j}{verdict}\n"
+    )
+}
+
+fn formula(printed: &Printed) -> String {
+    let mut text = format!("  {}: {}\n", printed.source, printed.formula);
+    text += &format!("      {}\n      in its place: {}\n", printed.fails, printed.instead);
+    for row in &printed.rows {
+        text += &format!(
+            "      {:44}  64 bits {:8}  32 bits {:8}  in its place, 32 bits {}\n",
+            row.inputs,
+            number(row.printed_64),
+            number(row.printed_32),
+            row.ours_32.map_or("-".into(), number)
+        );
+    }
+    text
+}
+
+/// An error; what is no number is said so.
+pub(super) fn number(error: f64) -> String {
+    if error.is_finite() { format!("{error:.1e}") } else { "none".into() }
+}
+
+fn counted(count: usize, noun: &str) -> String {
+    format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
+}
+
+fn described(excuse: &Excuse) -> String {
+    let what = if excuse.wider { "served in 64 bits" } else { "skipped" };
+    format!("{what}: {}, since {}", counted(excuse.count, "case"), excuse.reason)
+}
+
+/// One report in every detail: a row for each kind, category and quantity.
+pub fn forms_text(report: &Report) -> String {
+    let mut text = format!("{} forms\n", report.forms);
+    text += "  kind     category   quantity      judged   finite  64 bits  skipped   broken  worst      of case\n";
+    for row in report.gathered(|row| (row.kind, row.category.clone(), row.quantity)) {
+        let worst = format!("{:.3}", row.worst);
+        text += &format!(
+            "  {:8} {:10} {:12} {:>7} {:>8} {:>8} {:>8} {:>8}  {worst:10} {}\n",
+            row.kind,
+            row.category,
+            row.quantity,
+            row.judged,
+            row.only_finite,
+            row.wider,
+            row.skipped,
+            row.broken,
+            row.worst_id
+        );
+    }
+    text + &conclusion(report)
+}
+
+/// Sums, excuses, broken values and the verdict.
+fn conclusion(report: &Report) -> String {
+    let mut text = format!(
+        "  {} judged, {} only asked to be finite, {} served in 64 bits, {} skipped\n",
+        counted(report.total(|row| row.judged), "value"),
+        report.total(|row| row.only_finite),
+        report.total(|row| row.wider),
+        report.total(|row| row.skipped)
+    );
+    text.extend(report.excuses.iter().map(|excuse| format!("  {}\n", described(excuse))));
+    for broken in report.broken.iter().take(NAMED) {
+        text += &format!(
+            "  broken: {} of {}: {:e}, exact {:e}, {:.3} times the bound\n",
+            broken.quantity, broken.id, broken.found, broken.exact, broken.ratio
+        );
+    }
+    if report.broken.len() > NAMED {
+        text += &format!("  broken: and {} more\n", report.broken.len() - NAMED);
+    }
+    let verdict = match (report.passed(), report.worst()) {
+        (false, _) => format!("{} BROKE ITS BOUND", counted(report.broken.len(), "value")),
+        (true, Some(row)) => {
+            format!("every bound kept; the worst error is {:.3} of its bound ({})", row.worst, row.worst_id)
+        }
+        (true, None) => "nothing was judged".into(),
+    };
+    text + &format!("  {}: {verdict}\n", report.forms)
+}

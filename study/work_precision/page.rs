@@ -1,0 +1,218 @@
+//! The study as one HTML page that needs no other file: for a colleague, or kept by a build server.
+
+use super::canvas::escaped;
+use super::table::{by_time, convergence_lines, engine_lines, milliseconds, refinement_lines};
+use super::{Engine, Measure, Row, Study};
+use std::fmt::Write;
+
+/// The look: black on white, figures in columns, nothing that needs colour.
+const STYLE: &str = "body{font:15px/1.5 system-ui,sans-serif;max-width:1100px;margin:2em auto;padding:0 1em;\
+color:#141414;background:#fff}table{border-collapse:collapse;font-size:13px}.wide{overflow-x:auto}\
+th,td{padding:2px 8px;text-align:right;white-space:nowrap;border-bottom:1px solid #ddd}\
+th:first-child,td:first-child{text-align:left}th{position:sticky;top:0;background:#fff;border-bottom:2px solid #141414}\
+tr.front td{font-weight:600}tr.chosen td{outline:2px solid #141414;outline-offset:-2px}\
+svg,img{max-width:100%;height:auto}figure{margin:0 0 1em;display:inline-block;vertical-align:top;width:48%}\
+figcaption{font-size:13px}code{font-size:13px}\
+.scale{height:14px;width:300px;background:linear-gradient(90deg,rgb(68 1 84),rgb(59 82 139),rgb(33 145 140),\
+rgb(94 201 98),rgb(253 231 37))}.ends{width:300px;display:flex;justify-content:space-between;font-size:13px}";
+
+/// How many differences the page shows.
+const SHOWN: usize = 12;
+
+/// The page. `plot`: the SVG document; `reference`: the reference picture as PNG.
+pub fn page(study: &Study, title: &str, plot: &str, reference: &[u8]) -> String {
+    let scene = &study.scene;
+    let [width, height] = scene.camera.size;
+    let title = escaped(title);
+    let mut html = format!(
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+         <meta name=\"viewport\" content=\"width=device-width\">\n<title>{title}</title>\n<style>{STYLE}</style>\n\
+         </head>\n<body>\n<h1>{title}</h1>\n"
+    );
+    let drawn = if study.reference.cached { "kept from an earlier study; drawn" } else { "drawn" };
+    paragraph(
+        &mut html,
+        &format!(
+            "Node <code>{}</code>, {width} × {height} pixels, {} tetrahedra, {} threads, {}, voltet {}. Every setting against \
+         the 64-bit reference ({drawn} in {:.1} s): adaptive quadrature of every ray segment, exact order.",
+            escaped(&scene.node),
+            scene.volume.grid.tetrahedra.len(),
+            rayon::current_num_threads(),
+            escaped(voltet_lanes::LaneSet::detect().name()),
+            env!("CARGO_PKG_VERSION"),
+            study.reference.seconds,
+        ),
+    );
+    let notes: Vec<String> = engine_lines(study).iter().map(|line| escaped(line)).collect();
+    notes.iter().for_each(|line| paragraph(&mut html, line));
+    if study.stopped() {
+        let done =
+            format!("Stopped: {} of {} settings were measured.", study.rows.len(), study.setting_count);
+        paragraph(&mut html, &format!("<strong>{done}</strong>"));
+    }
+    if let Some(text) = recommendation(study) {
+        paragraph(&mut html, &format!("<strong>{}</strong>", escaped(&text)));
+    }
+    html += "<h2>Error against time</h2>\n";
+    html += plot;
+    html += &table(study);
+    if study.refinement.is_some() {
+        html += "<h2>Integration and data model</h2>\n<ul>\n";
+        for line in refinement_lines(study) {
+            line_to(&mut html, &format!("<li>{}</li>", escaped(&line)));
+        }
+        html += "</ul>\n";
+    }
+    if !study.convergence.is_empty() {
+        html += "<h2>Order of convergence</h2>\n<ul>\n";
+        for line in convergence_lines(study) {
+            line_to(&mut html, &format!("<li>{}</li>", escaped(&line)));
+        }
+        html += "</ul>\n";
+        paragraph(
+            &mut html,
+            "With an error of c·N<sup>−p</sup> for N pieces of a ray segment, p = log(e(N₁)/e(N₂)) / \
+            log(N₂/N₁), after Etiene et al. 2014. Root-mean-square errors; those under three times the floor that 32 bits \
+            leave are left out. Observed is the slope of the four finest that are left.",
+        );
+    }
+    html += &pictures(study, reference);
+    html += MEANINGS;
+    html + "</body>\n</html>\n"
+}
+
+/// What the study says about the error that is allowed, in a sentence.
+pub fn recommendation(study: &Study) -> Option<String> {
+    let (bound, measure) = (study.wish.max_error?, study.wish.measure);
+    let name = match measure {
+        Measure::Maximum => "the largest error",
+        Measure::RootMeanSquare => "the root-mean-square error",
+        Measure::Percentile => "the 99.9 percentile of the error",
+        Measure::Flip => "the mean of FLIP",
+    };
+    Some(match study.recommended.map(|i| &study.rows[i]) {
+        Some(row) => format!(
+            "Cheapest with {name} at most {bound}: {} ({} ms a picture{}, error {:.1e}).",
+            row.setting.label(),
+            milliseconds(row.cost.picture.median_ms),
+            match row.setting.engine {
+                Engine::Cpu => String::new(),
+                _ => format!(" after a set-up of {} ms", milliseconds(row.cost.set_up.median_ms)),
+            },
+            row.error(measure)
+        ),
+        None => {
+            let least = study.rows.iter().map(|row| row.error(measure)).fold(f64::INFINITY, f64::min);
+            format!("No setting measured keeps {name} at most {bound}; the least is {least:.1e}.")
+        }
+    })
+}
+
+fn paragraph(html: &mut String, text: &str) {
+    line_to(html, &format!("<p>{text}</p>"));
+}
+
+fn line_to(html: &mut String, text: &str) {
+    // Writing to a String cannot fail.
+    let _ = writeln!(html, "{text}");
+}
+
+fn table(study: &Study) -> String {
+    let names = [
+        "setting",
+        "picture ms",
+        "fastest",
+        "slowest",
+        "frames",
+        "set-up",
+        "cull",
+        "sort",
+        "project",
+        "composite",
+        "rms",
+        "p99.9",
+        "max",
+        "&gt;1/255",
+        "FLIP",
+        "memory MiB",
+    ];
+    let heads: String = names.map(|name| format!("<th>{name}</th>")).concat();
+    let mut html = format!(
+        "<h2>Every setting</h2>\n<p>Cheapest first; on the Pareto front in bold. Medians; all times in milliseconds.</p>\n\
+         <div class=\"wide\"><table>\n<thead><tr>{heads}</tr></thead>\n<tbody>\n"
+    );
+    for i in by_time(study) {
+        let (row, cost) = (&study.rows[i], &study.rows[i].cost);
+        let class = match (study.recommended == Some(i), row.on_front) {
+            (true, _) => " class=\"front chosen\"",
+            (_, true) => " class=\"front\"",
+            _ => "",
+        };
+        let note = if row.of_file { " (the file's)" } else { "" };
+        let mut cells = vec![format!("{}{note}", escaped(&row.setting.label()))];
+        let picture = [cost.picture.median_ms, cost.picture.fastest_ms, cost.picture.slowest_ms];
+        cells.extend(picture.map(milliseconds));
+        cells.push(cost.frames.to_string());
+        let stages = [Some(cost.set_up), cost.cull, cost.sort, cost.project, cost.composite];
+        cells.extend(stages.map(|times| times.map_or("–".into(), |times| milliseconds(times.median_ms))));
+        let errors = &row.errors;
+        let wrong = [errors.root_mean_square, errors.percentile_99_9, errors.maximum];
+        cells.extend(wrong.map(|error| format!("{error:.1e}")));
+        cells.push(errors.pixels_over_step.to_string());
+        cells.push(format!("{:.1e}", row.flip));
+        cells.push(cost.peak_memory_bytes.map_or("–".into(), |bytes| (bytes >> 20).to_string()));
+        let cells: String = cells.iter().map(|cell| format!("<td>{cell}</td>")).collect();
+        line_to(&mut html, &format!("<tr{class}>{cells}</tr>"));
+    }
+    html + "</tbody></table></div>\n"
+}
+
+/// The reference, and the differences of the front's rows, or of the cheapest where there are many.
+fn pictures(study: &Study, reference: &[u8]) -> String {
+    let mut html = String::from(
+        "<h2>Pictures</h2>\n<p>Differences from the reference: the largest of a pixel's four channels, on a \
+         logarithmic scale.</p>\n<div class=\"scale\"></div>\n<div class=\"ends\"><span>1e-6 and less</span>\
+         <span>1e-3</span><span>1</span></div>\n<p></p>\n",
+    );
+    figure(&mut html, reference, "reference");
+    let shown =
+        |i: &usize| study.rows[*i].on_front || study.recommended == Some(*i) || study.rows[*i].of_file;
+    for row in by_time(study).into_iter().filter(shown).take(SHOWN).map(|i| &study.rows[i]) {
+        figure(&mut html, &row.difference_png, &caption(row));
+    }
+    html
+}
+
+fn caption(row: &Row) -> String {
+    format!(
+        "{}: rms {:.1e}, max {:.1e}",
+        row.setting.label(),
+        row.errors.root_mean_square,
+        row.errors.maximum
+    )
+}
+
+fn figure(html: &mut String, png: &[u8], caption: &str) {
+    let caption = escaped(caption);
+    let data = base64_simd::STANDARD.encode_to_string(png);
+    let image = format!("<img src=\"data:image/png;base64,{data}\" alt=\"{caption}\">");
+    line_to(html, &format!("<figure>{image}<figcaption>{caption}</figcaption></figure>"));
+}
+
+/// What the columns mean.
+const MEANINGS: &str = "<h2>What is measured</h2>\n<ul>\n\
+<li><b>Time</b>: each picture is drawn anew from culling on, once to warm up and then repeatedly; medians, fastest and \
+slowest. Set-up is what would serve further frames too: tables, widgets made ready. The native engine makes it for each \
+picture, so the time of a picture holds it. A device keeps its own (grid, pipelines, tables) from picture to picture: there \
+set-up is what the first picture takes longer, and the time of a picture is that of a frame, read back. Its stages are \
+timed by its own clock, where it has one. Where one frame outlasts the patience, that frame is all there is.</li>\n\
+<li><b>rms, p99.9, max</b>: differences of premultiplied linear RGBA, 1 being full scale, over all pixels, empty ones \
+too. rms is taken over all channels; p99.9 and max over each pixel's largest channel.</li>\n\
+<li><b>&gt;1/255</b>: pixels with an error of more than a step of an 8-bit channel.</li>\n\
+<li><b>FLIP</b>: LDR-FLIP (Andersson et al. 2020), mean over the pixels, on the picture over its background at 67 pixels per \
+degree. ΔE = ΔE<sub>c</sub><sup>1−ΔE<sub>f</sub></sup>: ΔE<sub>c</sub> is the HyAB distance in Hunt-adjusted L*a*b* after blurring with the \
+eye's contrast sensitivity, to the power 0.7, with 0.4 of its largest value mapped to 0.95; ΔE<sub>f</sub> = (max(|Δ \
+edges|, |Δ points|)/√2)<sup>0.5</sup>. 0: equal; 1: as different as can be.</li>\n\
+<li><b>Memory</b>: the largest resident memory of the process meanwhile, data and reference included; a graphics device's own is \
+not.</li>\n\
+<li><b>Pareto front</b>: settings that no other one beats in time and error.</li>\n</ul>\n";

@@ -1,0 +1,267 @@
+//! The figures of a study as a table for people, CSV and JSON.
+
+use super::settings::{order_name, overlap_name};
+use super::{Convergence, Engine, Refused, Row, Setting, Study, Times, Value as Key};
+use serde_json::{Value, json as object};
+
+/// Milliseconds, with three digits that tell something.
+pub(super) fn milliseconds(ms: f64) -> String {
+    match ms {
+        ms if ms < 10.0 => format!("{ms:.2}"),
+        ms if ms < 100.0 => format!("{ms:.1}"),
+        ms => format!("{ms:.0}"),
+    }
+}
+
+/// Rows as people look through them: cheapest first.
+pub(super) fn by_time(study: &Study) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..study.rows.len()).collect();
+    order.sort_by(|&a, &b| {
+        let time = |i: usize| study.rows[i].cost.picture.median_ms;
+        time(a).total_cmp(&time(b))
+    });
+    order
+}
+
+/// The table, what is recommended, and the orders of convergence.
+pub fn text(study: &Study) -> String {
+    let stage = |times: &[Option<Times>]| match times.iter().copied().collect::<Option<Vec<Times>>>() {
+        Some(times) => milliseconds(times.iter().map(|times| times.median_ms).sum()),
+        None => "-".into(),
+    };
+    let width = study.rows.iter().map(|row| row.setting.label().len()).max().unwrap_or(0).max(10);
+    let mut text = format!(
+        "    {:width$}  {:>8} {:>15}  {:>7} {:>7} {:>7} {:>9}  {:>8} {:>8} {:>8} {:>8} {:>8} {:>8}\n",
+        "integrator",
+        "total ms",
+        "spread",
+        "set-up",
+        "cull",
+        "project",
+        "composite",
+        "rms",
+        "p99.9",
+        "max",
+        ">1/255",
+        "FLIP",
+        "MiB"
+    );
+    for i in by_time(study) {
+        let (row, cost) = (&study.rows[i], &study.rows[i].cost);
+        let mark = if row.on_front { "*" } else { " " };
+        let recommended = if study.recommended == Some(i) { ">" } else { " " };
+        let own = if row.of_file { "f" } else { " " };
+        let spread =
+            format!("{}..{}", milliseconds(cost.picture.fastest_ms), milliseconds(cost.picture.slowest_ms));
+        let memory = cost.peak_memory_bytes.map_or("-".into(), |bytes| (bytes >> 20).to_string());
+        text += &format!(
+            "{recommended}{mark}{own} {:width$}  {:>8} {spread:>15}  {:>7} {:>7} {:>7} {:>9}  {:>8.1e} {:>8.1e} {:>8.1e} {:>8} \
+             {:>8.1e} {memory:>8}\n",
+            row.setting.label(),
+            milliseconds(cost.picture.median_ms),
+            milliseconds(cost.set_up.median_ms),
+            stage(&[cost.cull, cost.sort]),
+            stage(&[cost.project]),
+            stage(&[cost.composite]),
+            row.errors.root_mean_square,
+            row.errors.percentile_99_9,
+            row.errors.maximum,
+            row.errors.pixels_over_step,
+            row.flip,
+        );
+    }
+    text += &format!(
+        "* on the Pareto front (time, {} error), > recommended, f as the file has it; cull with sorting\n",
+        study.wish.measure.name()
+    );
+    let notes = engine_lines(study);
+    for line in notes.iter().chain(&convergence_lines(study)).chain(&refinement_lines(study)) {
+        text += &format!("{line}\n");
+    }
+    text
+}
+
+/// What was drawn on which device, what it does not draw, and what was not measured.
+pub(super) fn engine_lines(study: &Study) -> Vec<String> {
+    let mut lines = Vec::new();
+    if let Some(adapter) = &study.adapter {
+        let software = if adapter.is_software {
+            "; a program on the CPU, which says nothing of graphics hardware"
+        } else {
+            ""
+        };
+        lines.push(format!(
+            "gpu: {}{software}; total is a frame with grid, pipelines and tables in place, set-up is made once",
+            adapter.name
+        ));
+    }
+    let mut reasons: Vec<(String, Vec<String>)> = Vec::new();
+    for refused in &study.refused {
+        let (reason, label) = (refused.error.to_string(), refused.setting.label());
+        match reasons.iter_mut().find(|known| known.0 == reason) {
+            Some((_, labels)) => labels.push(label),
+            None => reasons.push((reason, vec![label])),
+        }
+    }
+    for (reason, labels) in reasons {
+        lines.push(format!("the device does not draw {}: {reason}", labels.join("; ")));
+    }
+    lines.extend(study.left_out.iter().map(|what| format!("not measured: {what}")));
+    lines
+}
+
+/// A sentence for each integrator that was looked at over its number of pieces.
+pub(super) fn convergence_lines(study: &Study) -> Vec<String> {
+    study.convergence.iter().map(convergence_line).collect()
+}
+
+fn convergence_line(found: &Convergence) -> String {
+    let observed = found
+        .observed
+        .map_or("not seen: too few errors above the floor".into(), |order| format!("{order:.2}"));
+    let steps: Vec<String> = found
+        .levels
+        .iter()
+        .filter_map(|level| Some(format!("{} to {}: {:.2}", level.count / 2, level.count, level.order?)))
+        .collect();
+    let steps = if steps.is_empty() { String::new() } else { format!(" ({})", steps.join(", ")) };
+    let engine = if found.engine == "cpu" { String::new() } else { format!(" on {}", found.engine) };
+    format!(
+        "order of {}{engine}: observed {observed}, expected {:.0} ({}){steps}",
+        found.integrator, found.expected, found.reason
+    )
+}
+
+/// What refining the grid shows.
+pub(super) fn refinement_lines(study: &Study) -> Vec<String> {
+    let Some(found) = &study.refinement else { return Vec::new() };
+    let rms = |errors: &Convergence| {
+        errors.levels.iter().map(|level| format!("{:.1e}", level.error)).collect::<Vec<_>>().join(", ")
+    };
+    let cells: Vec<String> = found.cells.iter().map(u64::to_string).collect();
+    let mut lines =
+        vec![format!("grids of {} cells, each edge halved from one to the next", cells.join(", "))];
+    for integration in &found.integration {
+        lines.push(format!("the same field in smaller cells, rms error {}", rms(integration)));
+        lines.push(format!("over halvings of the cells, {}", convergence_line(integration)));
+    }
+    lines.push(format!("values between the points by their gradients, rms change {}", rms(&found.model)));
+    lines.push(format!("over halvings of the cells, {}", convergence_line(&found.model)));
+    lines.push(format!(
+        "the picture is off by about {:.1e} (rms) since the data are taken as linear in cells, by {:.1e} through integration \
+         in closed form",
+        found.model_error, found.integration_error
+    ));
+    lines
+}
+
+/// One line a setting, after a line of names; times in milliseconds, errors of premultiplied linear RGBA.
+pub fn csv(study: &Study) -> String {
+    let mut text = String::from(
+        "engine,compositor,adapter,integrator,segments,tolerance,table_size,overlap,order,frames,picture_ms,picture_fastest_ms,\
+         picture_slowest_ms,set_up_ms,frame_ms,cull_ms,sort_ms,project_ms,composite_ms,rms_error,p99_9_error,\
+         max_error,pixels_over_1_255,flip,peak_memory_bytes,ray_segments,on_front,recommended,of_file\n",
+    );
+    for (i, row) in study.rows.iter().enumerate() {
+        let key = |name: &str| {
+            let keys = row.setting.keys();
+            let found = keys.iter().find(|key| key.0 == name).map(|key| key.1);
+            match found {
+                Some(Key::Text(word)) => word.to_string(),
+                Some(Key::Integer(n)) => n.to_string(),
+                Some(Key::Number(x)) => format!("{x:e}"),
+                None => String::new(),
+            }
+        };
+        let (cost, errors) = (&row.cost, &row.errors);
+        let engine = row.setting.engine;
+        let mut cells: Vec<String> =
+            vec![engine.name().into(), engine.compositor().unwrap_or_default().into()];
+        cells.push(adapter(study, &row.setting).map_or(String::new(), quoted));
+        cells.extend(["integrator", "segments", "tolerance", "table_size"].map(key));
+        cells.push(overlap_name(row.setting.overlap).into());
+        cells.push(order_name(row.setting.order).into());
+        cells.push(cost.frames.to_string());
+        let picture = [cost.picture.median_ms, cost.picture.fastest_ms, cost.picture.slowest_ms];
+        let times = [cost.set_up.median_ms, cost.frame.median_ms];
+        cells.extend(picture.into_iter().chain(times).map(|ms| format!("{ms:.4}")));
+        let stages = [cost.cull, cost.sort, cost.project, cost.composite];
+        cells.extend(stages.map(|times| times.map_or(String::new(), |t| format!("{:.4}", t.median_ms))));
+        let wrong = [errors.root_mean_square, errors.percentile_99_9, errors.maximum];
+        cells.extend(wrong.map(|error| format!("{error:.6e}")));
+        cells.push(errors.pixels_over_step.to_string());
+        cells.push(format!("{:.6e}", row.flip));
+        cells.push(cost.peak_memory_bytes.map_or(String::new(), |bytes| bytes.to_string()));
+        cells.push(cost.segments.map(|count| count.to_string()).unwrap_or_default());
+        cells.extend([row.on_front, study.recommended == Some(i), row.of_file].map(|flag| flag.to_string()));
+        text += &(cells.join(",") + "\n");
+    }
+    text
+}
+
+/// The device that a setting was drawn on.
+fn adapter<'a>(study: &'a Study, setting: &Setting) -> Option<&'a str> {
+    let on_device = setting.engine != Engine::Cpu;
+    study.adapter.as_ref().filter(|_| on_device).map(|adapter| adapter.name.as_str())
+}
+
+/// A text as a cell of CSV: names of devices hold commas.
+fn quoted(text: &str) -> String {
+    format!("\"{}\"", text.replace('"', "\"\""))
+}
+
+/// Everything for programs. Numbers that JSON cannot hold are null.
+pub fn json(study: &Study, title: &str) -> Value {
+    let scene = &study.scene;
+    let setting = |setting: &Setting| {
+        let mut keys = serde_json::Map::new();
+        keys.insert("engine".into(), setting.engine.name().into());
+        keys.extend(setting.engine.compositor().map(|name| ("compositor".into(), name.into())));
+        keys.extend(adapter(study, setting).map(|name| ("adapter".into(), name.into())));
+        for (name, key) in setting.keys() {
+            keys.insert(
+                name.into(),
+                match key {
+                    Key::Text(word) => word.into(),
+                    Key::Integer(n) => n.into(),
+                    Key::Number(x) => x.into(),
+                },
+            );
+        }
+        keys.insert("overlap".into(), overlap_name(setting.overlap).into());
+        keys.insert("order".into(), order_name(setting.order).into());
+        Value::Object(keys)
+    };
+    let row = |row: &Row| {
+        object!({
+            "label": row.setting.label(), "setting": setting(&row.setting), "cost": row.cost,
+            "errors": row.errors, "flip": row.flip, "on_front": row.on_front, "of_file": row.of_file,
+        })
+    };
+    let refused = |refused: &Refused| {
+        let reason = refused.error.to_string();
+        object!({ "label": refused.setting.label(), "setting": setting(&refused.setting), "reason": reason })
+    };
+    object!({
+        "title": title,
+        "node": scene.node,
+        "size": scene.camera.size,
+        "cells": scene.volume.grid.tetrahedra.len(),
+        "threads": rayon::current_num_threads(),
+        "vector_units": voltet_lanes::LaneSet::detect().name(),
+        "measure": study.wish.measure.name(),
+        "max_error": study.wish.max_error,
+        "reference_seconds": study.reference.seconds,
+        "reference_cached": study.reference.cached,
+        "adapter": study.adapter.as_ref().map(|adapter| &adapter.name),
+        "settings": study.setting_count,
+        "refused": study.refused.iter().map(refused).collect::<Vec<_>>(),
+        "left_out": study.left_out,
+        "stopped": study.stopped(),
+        "rows": study.rows.iter().map(row).collect::<Vec<_>>(),
+        "recommended": study.recommended.map(|i| row(&study.rows[i])),
+        "convergence": study.convergence,
+        "refinement": study.refinement,
+        "versions": { "voltet": env!("CARGO_PKG_VERSION") },
+    })
+}
