@@ -1,6 +1,6 @@
 //! Buffers: made within the device's limits, kept while they are large enough, read back.
 
-use crate::device::Device;
+use crate::device::open::Device;
 use std::sync::mpsc;
 use voltet_core::{Error, Result};
 use wgpu::BufferUsages;

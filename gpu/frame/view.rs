@@ -1,7 +1,7 @@
 //! The camera as the device's passes read it.
 
-use crate::axes::split;
-use crate::grid::DeviceGrid;
+use crate::grid::axes::split;
+use crate::grid::uploaded::DeviceGrid;
 use glam::DVec3;
 use voltet_core::camera::{Camera, Projection};
 use voltet_core::{Error, Result};

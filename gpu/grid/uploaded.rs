@@ -1,9 +1,9 @@
 //! A grid on the device: points, tetrahedra and the values that transfer functions look at, uploaded once.
 
-use crate::axes::split;
-use crate::device::Device;
-use crate::parts::{Parted, Sizes};
-use crate::passes::FrameBuffers;
+use crate::device::open::Device;
+use crate::frame::passes::FrameBuffers;
+use crate::grid::axes::split;
+use crate::grid::parts::{Parted, Sizes};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::HashMap;

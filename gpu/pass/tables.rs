@@ -1,8 +1,8 @@
 //! Tables that a scene's shader reads: filled on the device, kept while the scene asks for the same ones.
 
-use crate::device::Device;
-use crate::frame::Frame;
-use crate::pipelines::{Bound, Program, in_order};
+use crate::device::open::Device;
+use crate::device::pipelines::{Bound, Program, in_order};
+use crate::frame::windows::Frame;
 use voltet_core::optics::integrators::{Extent, Integrator};
 use voltet_core::transfer::TransferFunction;
 use voltet_core::{Error, Result};

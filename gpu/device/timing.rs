@@ -1,6 +1,6 @@
 //! Seconds of the passes, where the adapter has timestamps.
 
-use crate::device::Device;
+use crate::device::open::Device;
 use voltet_core::Result;
 use wgpu::BufferUsages;
 

@@ -1,6 +1,6 @@
 //! Pipelines: compiled once for each text, entry point and set of constants, and kept by the device.
 
-use crate::device::Device;
+use crate::device::open::Device;
 use std::sync::atomic::Ordering;
 use std::sync::{Arc, PoisonError};
 use voltet_core::Result;

@@ -1,9 +1,9 @@
 //! A device: what it can hold, its compiled pipelines, and what it says when something fails.
 
-use crate::adapter::{Adapters, describe, kind};
-use crate::drawing::Target;
-use crate::frame::{BUDGET, BUDGET_SOFTWARE};
-use crate::raster::RUN_LENGTH;
+use crate::device::adapter::{Adapters, describe, kind};
+use crate::frame::windows::{BUDGET, BUDGET_SOFTWARE};
+use crate::raster::blended::RUN_LENGTH;
+use crate::raster::drawing::Target;
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -31,7 +31,7 @@ pub struct Device {
     pub(crate) budget: u32,
     /// Nanoseconds of a tick, where passes can be timed.
     pub(crate) tick: Option<f32>,
-    pub(crate) pipelines: Mutex<HashMap<crate::pipelines::Key, Arc<wgpu::ComputePipeline>>>,
+    pub(crate) pipelines: Mutex<HashMap<crate::device::pipelines::Key, Arc<wgpu::ComputePipeline>>>,
     pub(crate) drawings: Mutex<HashMap<(String, Target), Arc<wgpu::RenderPipeline>>>,
     pub(crate) work: WorkCounts,
     lost: Arc<Mutex<Option<String>>>,

@@ -3,7 +3,7 @@
 //! Sums, products, quotients, minima, maxima and elementary functions count one a lane, a multiply-add two; comparisons,
 //! choices, signs and integers none. Of two branches the longer counts, of a loop one round: what loops is counted too low.
 
-use crate::draw::Drawn;
+use crate::frame::draw::Drawn;
 use naga::proc::TypeResolution;
 use naga::valid::{Capabilities, FunctionInfo, ModuleInfo, ValidationFlags, Validator};
 use naga::{

@@ -1,11 +1,11 @@
 //! A frame: windows of the picture that fit the device's memory, and the samples of each.
 
-use crate::device::Device;
-use crate::grid::{DeviceGrid, Stored};
-use crate::parts::Sizes;
-use crate::passes::{FrameBuffers, Passes};
-use crate::tables::TableKey;
-use crate::timing::Timing;
+use crate::device::open::Device;
+use crate::device::timing::Timing;
+use crate::frame::passes::{FrameBuffers, Passes};
+use crate::grid::parts::Sizes;
+use crate::grid::uploaded::{DeviceGrid, Stored};
+use crate::pass::tables::TableKey;
 use std::sync::{Arc, PoisonError};
 use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;

@@ -1,14 +1,14 @@
 //! The passes of a frame, bound to their buffers, and their order.
 
-use crate::buffers::Growing;
-use crate::device::Device;
-use crate::frame::{Frame, count};
-use crate::parts::GrowingParts;
-use crate::pipelines::Program;
-use crate::raster::{Raster, RasterBuffers};
-use crate::steps::{Binder, GridArrays, Step, folded, kinds, own_kinds, run, scene_kinds};
-use crate::tables::Tables;
-use crate::timing::Timing;
+use crate::device::buffers::Growing;
+use crate::device::open::Device;
+use crate::device::pipelines::Program;
+use crate::device::timing::Timing;
+use crate::frame::windows::{Frame, count};
+use crate::grid::parts::GrowingParts;
+use crate::pass::steps::{Binder, GridArrays, Step, folded, kinds, own_kinds, run, scene_kinds};
+use crate::pass::tables::Tables;
+use crate::raster::blended::{Raster, RasterBuffers};
 use voltet_core::Result;
 use voltet_shaders::{CELLS_READ, Compositor, FramePass, GridArray, PlacementRecord, ViewRecord};
 use wgpu::{Buffer, BufferUsages, CommandEncoder};

@@ -1,11 +1,11 @@
 //! Compiled passes with what is bound to them: the view and what is a pass's own in group 1, the grid's arrays in group
 //! 2.
 
-use crate::device::Device;
-use crate::grid::{DeviceGrid, Stored};
-use crate::parts::Parted;
-use crate::pipelines::{Bound, Program, in_order};
-use crate::timing::Timing;
+use crate::device::open::Device;
+use crate::device::pipelines::{Bound, Program, in_order};
+use crate::device::timing::Timing;
+use crate::grid::parts::Parted;
+use crate::grid::uploaded::{DeviceGrid, Stored};
 use std::sync::Arc;
 use voltet_core::Result;
 use voltet_shaders::{Access, FramePass, GRID_GROUP, GridArray, Layout};

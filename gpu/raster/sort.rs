@@ -1,9 +1,9 @@
 //! The sort of all cells by distance: a radix sort on the device, which gathers the cells that can be seen on its way.
 
-use crate::buffers::Growing;
-use crate::drawing::ENTRY_BYTES;
-use crate::grid::Stored;
-use crate::steps::{Binder, Step, in_rows};
+use crate::device::buffers::Growing;
+use crate::grid::uploaded::Stored;
+use crate::pass::steps::{Binder, Step, in_rows};
+use crate::raster::drawing::ENTRY_BYTES;
 use voltet_core::Result;
 use voltet_shaders::{FramePass, RoundRecord};
 use wgpu::Buffer;
@@ -79,11 +79,11 @@ impl SortBuffers {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::device::Device;
-    use crate::grid::{DeviceGrid, Quantity};
-    use crate::parts::Parted;
-    use crate::steps::GridArrays;
-    use crate::timing::Timing;
+    use crate::device::open::Device;
+    use crate::device::timing::Timing;
+    use crate::grid::parts::Parted;
+    use crate::grid::uploaded::{DeviceGrid, Quantity};
+    use crate::pass::steps::GridArrays;
     use std::sync::Arc;
     use voltet_core::volume::Volume;
     use voltet_shaders::{Layout, ViewRecord};
@@ -117,7 +117,7 @@ mod tests {
         device.queue.write_buffer(&sort.digit_counts, 4 * 256, bytemuck::bytes_of(&count));
         let mut encoder = device.device.create_command_encoder(&Default::default());
         let mut timing = Timing::new(device).expect("has a clock or none");
-        sort.steps.iter().for_each(|step| crate::steps::run(&mut encoder, step, &mut timing));
+        sort.steps.iter().for_each(|step| crate::pass::steps::run(&mut encoder, step, &mut timing));
         let mapped = wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST;
         let bytes = 8 * items.len() as u64;
         let back = device.buffer("the list on its way back", bytes, mapped).expect("fits");

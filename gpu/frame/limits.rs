@@ -1,6 +1,6 @@
 //! What a device cannot serve, found before anything is drawn.
 
-use crate::grid::{DeviceGrid, Stored};
+use crate::grid::uploaded::{DeviceGrid, Stored};
 use std::sync::Arc;
 use voltet_core::shading::Shading;
 use voltet_core::transfer::TransferFunction;

@@ -1,8 +1,8 @@
 //! Which compositor is the faster one on a device: a small grid drawn by both.
 
-use crate::device::Device;
-use crate::draw::{Compositing, How, draw};
-use crate::grid::DeviceGrid;
+use crate::device::open::Device;
+use crate::frame::draw::{Compositing, How, draw};
+use crate::grid::uploaded::DeviceGrid;
 use glam::DVec3;
 use std::sync::Arc;
 use std::time::Instant;

@@ -1,7 +1,7 @@
 //! How values are stored on the device: about the place that the transfer function counts them from, so that a widget
 //! far narrower than the range loses nothing.
 
-use crate::grid::Stored;
+use crate::grid::uploaded::Stored;
 use voltet_core::transfer::TransferFunction;
 use voltet_shaders::Axis;
 

@@ -1,7 +1,7 @@
 //! What a device can do at most, for times to be held against.
 
-use crate::device::Device;
-use crate::pipelines::{Bound, Program, in_order};
+use crate::device::open::Device;
+use crate::device::pipelines::{Bound, Program, in_order};
 use std::time::{Duration, Instant};
 use voltet_core::Result;
 use voltet_shaders::multiply_adds;

@@ -3,14 +3,14 @@
 //! The sorted list is drawn in runs. Each is one indirect draw of four vertices and two triangles a cell, whose indices
 //! are the same for all runs; so what drawing takes is a picture, and one list of indices, whatever the grid's size.
 
-use crate::buffers::Growing;
-use crate::device::Device;
-use crate::drawing::{Canvas, Drawing, Target};
-use crate::frame::Frame;
-use crate::pipelines::{Bound, Program, in_order};
-use crate::sort::{ROUNDS, SortBuffers};
-use crate::steps::{Binder, Step, buffers, folded, kinds, run, scene_kinds};
-use crate::timing::Timing;
+use crate::device::buffers::Growing;
+use crate::device::open::Device;
+use crate::device::pipelines::{Bound, Program, in_order};
+use crate::device::timing::Timing;
+use crate::frame::windows::Frame;
+use crate::pass::steps::{Binder, Step, buffers, folded, kinds, run, scene_kinds};
+use crate::raster::drawing::{Canvas, Drawing, Target};
+use crate::raster::sort::{ROUNDS, SortBuffers};
 use std::sync::Arc;
 use voltet_core::Result;
 use voltet_shaders::{Blend, CELLS_READ, FramePass, GRID_GROUP, ViewRecord};

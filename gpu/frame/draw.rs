@@ -1,11 +1,11 @@
 //! Draws a volume on a device.
 
-use crate::axes::{axis, offset_parts};
-use crate::frame::{Frame, count};
-use crate::grid::{DeviceGrid, Quantity};
-use crate::parts::Sizes;
-use crate::tables::TableKey;
-use crate::{limits, support, view};
+use crate::frame::windows::{Frame, count};
+use crate::frame::{limits, support, view};
+use crate::grid::axes::{axis, offset_parts};
+use crate::grid::parts::Sizes;
+use crate::grid::uploaded::{DeviceGrid, Quantity};
+use crate::pass::tables::TableKey;
 use voltet_core::camera::Camera;
 use voltet_core::optics::integrators::Extent;
 use voltet_core::picture::Picture;

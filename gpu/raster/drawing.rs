@@ -1,8 +1,8 @@
 //! Pipelines that draw and blend, and what they draw into. Compiled once for each text and target, and kept by the
 //! device.
 
-use crate::device::Device;
-use crate::pipelines::Bound;
+use crate::device::open::Device;
+use crate::device::pipelines::Bound;
 use std::sync::atomic::Ordering;
 use std::sync::{Arc, PoisonError};
 use voltet_core::{Error, Result};
