@@ -1,14 +1,15 @@
 //! `voltet check`: parses, type-checks and plans; reads no data.
 
-use super::{open_all, registry, show, warn};
+use super::{open_all, show, warn};
 use crate::arguments::Files;
-use voltet::core::Result;
+use crate::core::Result;
+use crate::core::graph::Registry;
 
-pub fn check(arguments: &Files) -> Result<u8> {
-    let (documents, mut code) = open_all(&arguments.files, &arguments.set.options, &registry()?);
+pub fn check(arguments: &Files, registry: &Registry) -> Result<u8> {
+    let (documents, mut code) = open_all(&arguments.files, &arguments.set.options, registry);
     for document in &documents {
         warn(document);
-        if let Err(error) = voltet::nodes::session().plan(&document.graph) {
+        if let Err(error) = crate::nodes::session().plan(&document.graph) {
             code = code.max(show(&document.locate(error), Some(&document.text)));
             continue;
         }

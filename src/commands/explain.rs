@@ -1,18 +1,18 @@
 //! `voltet explain`: what will run, on which engine, what is left out and why. Reads headers of data files, no data.
 
-use super::{DONE, open, registry, show, warn};
+use super::{DONE, open, show, warn};
+use crate::Document;
 use crate::arguments::Explain;
-use voltet::Document;
-use voltet::core::Result;
-use voltet::core::graph::{Demand, Graph, GraphNode, LeftOut, Plan, PortType};
+use crate::core::Result;
+use crate::core::graph::{Demand, Graph, GraphNode, LeftOut, Plan, PortType, Registry};
 
-pub fn explain(arguments: &Explain) -> Result<u8> {
-    let document = match open(&arguments.file, &arguments.set.options, &registry()?) {
+pub fn explain(arguments: &Explain, registry: &Registry) -> Result<u8> {
+    let document = match open(&arguments.file, &arguments.set.options, registry) {
         Ok(document) => document,
         Err((error, text)) => return Ok(show(&error, text.as_deref())),
     };
     warn(&document);
-    let mut session = voltet::nodes::session();
+    let mut session = crate::nodes::session();
     if arguments.no_leave_out {
         session = session.leaving_nothing_out();
     }
@@ -84,7 +84,7 @@ fn note_unread(document: &Document, plan: &mut Plan) -> Vec<String> {
     for &i in readers {
         let (node, resolve) = (&graph.nodes[i], |path: &str| graph.folder.join(path));
         let (demand, notes) = (&plan.demands[i], &mut plan.notes[i]);
-        if voltet::nodes::note_unread(&node.parameters, demand, &resolve, notes).is_err() {
+        if crate::nodes::note_unread(&node.parameters, demand, &resolve, notes).is_err() {
             unknown.push(node.name.clone());
         }
     }

@@ -3,26 +3,25 @@
 //! The nodes that write are left out, and a node of type `bands` stands beside each one that takes a volume and a transfer
 //! function: it asks for what it needs, so nothing else is read or computed.
 
-use super::{DONE, open, registry, show};
+use super::{DONE, open, show};
+use crate::Document;
 use crate::arguments::Info;
+use crate::core::graph::{Datum, Graph, LinkEntry, NodeEntry, PortType, Registry};
+use crate::core::{Error, Result};
 use crate::present::{self, Bar};
-use voltet::Document;
-use voltet::core::graph::{Datum, Graph, LinkEntry, NodeEntry, PortType, Registry};
-use voltet::core::{Error, Result};
 
-pub fn findings(arguments: &Info) -> Result<u8> {
+pub fn findings(arguments: &Info, registry: &Registry) -> Result<u8> {
     if arguments.time_step.is_some() || arguments.solution.is_some() {
         let error = Error::usage("--time-step and --solution are for data files, and this is a pipeline");
         return Err(error.accepted("the reader's parameters, or --set").in_file(&arguments.data));
     }
-    let registry = registry()?;
-    let document = match open(&arguments.data, &arguments.set.options, &registry) {
+    let document = match open(&arguments.data, &arguments.set.options, registry) {
         Ok(document) => document,
         Err((error, text)) => return Ok(show(&error, text.as_deref())),
     };
-    let graph = graph(&document, &registry)?;
+    let graph = graph(&document, registry)?;
     let bar = Bar::new(false);
-    let outcome = voltet::nodes::session().run(&graph, &bar);
+    let outcome = crate::nodes::session().run(&graph, &bar);
     bar.clear();
     match outcome {
         Ok(report) => {

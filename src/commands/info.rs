@@ -3,16 +3,16 @@
 use super::DONE;
 use super::findings::findings;
 use crate::arguments::Info;
+use crate::core::graph::{Datum, Observer, Registry};
+use crate::core::progress::Progress;
+use crate::core::{Error, Result};
+use crate::nodes::formats::{ArraySummary, Association, Request, Summary, TimeStep, inspect};
 use crate::present::{Bar, number};
 use std::path::Path;
-use voltet::core::graph::{Datum, Observer};
-use voltet::core::progress::Progress;
-use voltet::core::{Error, Result};
-use voltet::nodes::formats::{ArraySummary, Association, Request, Summary, TimeStep, inspect};
 
-pub fn info(arguments: &Info) -> Result<u8> {
+pub fn info(arguments: &Info, registry: &Registry) -> Result<u8> {
     if arguments.data.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml")) {
-        return findings(arguments);
+        return findings(arguments, registry);
     }
     if let Some(option) = arguments.set.options.first() {
         let error = Error::usage("--set changes a pipeline, and this is a data file").found(option);

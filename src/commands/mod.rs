@@ -10,31 +10,35 @@ mod stability;
 mod study;
 mod time;
 
+use crate::Document;
 use crate::arguments::{Arguments, Command};
+use crate::core::error::ErrorKind;
+use crate::core::graph::Registry;
+use crate::core::{Error, Result};
 use crate::present;
 use std::path::PathBuf;
 use std::process::ExitCode;
-use voltet::Document;
-use voltet::core::error::ErrorKind;
-use voltet::core::graph::Registry;
-use voltet::core::{Error, Result};
 
 /// Nothing went wrong.
 pub const DONE: u8 = 0;
 
 /// Carries out the command, shows its error if there is one, and gives the exit code.
-pub fn dispatch(arguments: Arguments) -> ExitCode {
-    let outcome = match &arguments.command {
-        Command::Run(arguments) => run::run(arguments),
-        Command::Check(arguments) => check::check(arguments),
-        Command::Explain(arguments) => explain::explain(arguments),
-        Command::Nodes(arguments) => nodes::nodes(arguments),
-        Command::Info(arguments) => info::info(arguments),
-        Command::Stability(arguments) => stability::stability(arguments),
-        Command::Study(arguments) => study::study(arguments),
-        Command::Time(arguments) => time::time(arguments),
-    };
+pub fn dispatch(arguments: &Arguments, registry: Result<Registry>) -> ExitCode {
+    let outcome = registry.and_then(|registry| carry_out(&arguments.command, &registry));
     ExitCode::from(outcome.unwrap_or_else(|error| show(&error, None)))
+}
+
+fn carry_out(command: &Command, registry: &Registry) -> Result<u8> {
+    match command {
+        Command::Run(arguments) => run::run(arguments, registry),
+        Command::Check(arguments) => check::check(arguments, registry),
+        Command::Explain(arguments) => explain::explain(arguments, registry),
+        Command::Nodes(arguments) => nodes::nodes(arguments, registry),
+        Command::Info(arguments) => info::info(arguments, registry),
+        Command::Stability(arguments) => stability::stability(arguments),
+        Command::Study(arguments) => study::study(arguments, registry),
+        Command::Time(arguments) => time::time(arguments, registry),
+    }
 }
 
 /// Shows an error, once, and gives its exit code. `text`: the pipeline file that it may point into.
@@ -70,7 +74,7 @@ pub fn open(
     options: &[String],
     registry: &Registry,
 ) -> std::result::Result<Document, (Error, Option<String>)> {
-    let text = voltet::read_text(path).map_err(|error| (error, None))?;
+    let text = crate::read_text(path).map_err(|error| (error, None))?;
     Document::from_text(path, text.clone(), options, registry).map_err(|error| (error, Some(text)))
 }
 
@@ -80,9 +84,4 @@ pub fn warn(document: &Document) {
         let located = document.locate(warning.clone());
         eprintln!("{}", present::warning(&located, Some(&document.text)));
     }
-}
-
-/// The node types that ship.
-pub fn registry() -> Result<Registry> {
-    voltet::nodes::registry()
 }

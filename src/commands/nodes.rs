@@ -1,13 +1,12 @@
 //! `voltet nodes`: the reference of node types, made from their declarations.
 
-use super::{DONE, registry};
+use super::DONE;
 use crate::arguments::Nodes;
+use crate::core::Result;
+use crate::core::graph::{Node, Registry};
 use crate::present::{node_markdown, node_text};
-use voltet::core::Result;
-use voltet::core::graph::Node;
 
-pub fn nodes(arguments: &Nodes) -> Result<u8> {
-    let registry = registry()?;
+pub fn nodes(arguments: &Nodes, registry: &Registry) -> Result<u8> {
     let shown: Vec<&Node> = match &arguments.name {
         Some(name) => vec![registry.find(name)?],
         None => registry.iter().collect(),

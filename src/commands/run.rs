@@ -1,18 +1,18 @@
 //! `voltet run`: runs pipeline files headless.
 
-use super::{DONE, code, open_all, registry, show, warn};
+use super::{DONE, code, open_all, show, warn};
+use crate::Document;
 use crate::arguments::Run;
+use crate::core::error::ErrorKind;
+use crate::core::graph::{Observer, Registry, RunReport};
+use crate::core::{Error, Result};
+use crate::nodes::files;
 use crate::present::{Bar, json, summary};
-use voltet::Document;
-use voltet::core::error::ErrorKind;
-use voltet::core::graph::{Observer, RunReport};
-use voltet::core::{Error, Result};
-use voltet::nodes::files;
-use voltet::study::Thorough;
+use crate::study::Thorough;
 
-pub fn run(arguments: &Run) -> Result<u8> {
+pub fn run(arguments: &Run, registry: &Registry) -> Result<u8> {
     // Every file is checked before the first one runs.
-    let (documents, wrong) = open_all(&arguments.files, &arguments.set.options, &registry()?);
+    let (documents, wrong) = open_all(&arguments.files, &arguments.set.options, registry);
     if wrong != DONE {
         return Ok(wrong);
     }
@@ -20,7 +20,7 @@ pub fn run(arguments: &Run) -> Result<u8> {
         files::refuse_unwritable(path)?;
     }
     let bar = Bar::new(arguments.quiet);
-    let mut session = voltet::nodes::session();
+    let mut session = crate::nodes::session();
     let mut worst = DONE;
     let mut reports = Vec::new();
     for document in &documents {
@@ -72,7 +72,7 @@ fn compared(document: &Document, observer: &dyn Observer) -> Result<(RunReport, 
     let mut runs: [Option<RunReport>; 2] = [None, None];
     for _ in 0..ROUNDS {
         for (fastest, thorough) in runs.iter_mut().zip([false, true]) {
-            let session = voltet::nodes::session();
+            let session = crate::nodes::session();
             let mut session = if thorough { session.leaving_nothing_out() } else { session };
             let report = session.run(&document.graph, observer)?;
             if fastest.as_ref().is_none_or(|fastest| report.seconds < fastest.seconds) {

@@ -2,14 +2,14 @@
 
 use super::DONE;
 use crate::arguments::Stability;
+use crate::core::graph::Observer;
+use crate::core::progress::Progress;
+use crate::core::{Error, Result};
+use crate::judge::{Forms, Report, judge_all};
 use crate::present::Bar;
+use crate::stability;
 use serde_json::{Value, json};
 use std::path::Path;
-use voltet::core::graph::Observer;
-use voltet::core::progress::Progress;
-use voltet::core::{Error, Result};
-use voltet::judge::{Forms, Report, judge_all};
-use voltet::stability;
 
 /// A bound is broken.
 const BROKEN: u8 = 1;

@@ -1,18 +1,18 @@
 //! `voltet study`: error against time of every integrator on one scene.
 
-use super::{DONE, code, open, registry, show, warn};
+use super::{DONE, code, open, show, warn};
+use crate::Document;
 use crate::arguments;
+use crate::core::graph::{Observer, Registry, nearest};
+use crate::core::optics::integrators::Integrator;
+use crate::core::progress::Progress;
+use crate::core::{Error, Result};
+use crate::nodes::files;
 use crate::present::{Bar, Estimate};
+use crate::study::work_precision::{self as study, Benches, Engines, Frames, Measure, Scene, Study, Wish};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::time::Duration;
-use voltet::Document;
-use voltet::core::graph::{Observer, nearest};
-use voltet::core::optics::integrators::Integrator;
-use voltet::core::progress::Progress;
-use voltet::core::{Error, Result};
-use voltet::nodes::files;
-use voltet::study::work_precision::{self as study, Benches, Engines, Frames, Measure, Scene, Study, Wish};
 
 /// Stopped before the end, or nothing keeps the error allowed.
 const SHORT: u8 = 1;
@@ -23,16 +23,16 @@ fn integrators() -> impl Iterator<Item = &'static str> + Clone {
     Integrator::EVERY.into_iter().filter(studied).map(|integrator| integrator.name())
 }
 
-pub fn study(arguments: &arguments::Study) -> Result<u8> {
+pub fn study(arguments: &arguments::Study, registry: &Registry) -> Result<u8> {
     let wish = wish(arguments)?;
-    let document = match open(&arguments.file, &arguments.set.options, &registry()?) {
+    let document = match open(&arguments.file, &arguments.set.options, registry) {
         Ok(document) => document,
         Err((error, text)) => return Ok(show(&error, text.as_deref())),
     };
     if !arguments.quiet {
         warn(&document);
     }
-    let outcome = carry_out(arguments, wish, &document);
+    let outcome = carry_out(arguments, wish, &document, registry);
     outcome.or_else(|error| Ok(show(&document.locate(error), Some(&document.text))))
 }
 
@@ -81,7 +81,12 @@ fn wish(arguments: &arguments::Study) -> Result<Wish> {
     })
 }
 
-fn carry_out(arguments: &arguments::Study, wish: Wish, document: &Document) -> Result<u8> {
+fn carry_out(
+    arguments: &arguments::Study,
+    wish: Wish,
+    document: &Document,
+    registry: &Registry,
+) -> Result<u8> {
     let folder = arguments.output.clone().unwrap_or_else(|| beside(&arguments.file));
     refuse_unwritable(&folder)?;
     if arguments.apply {
@@ -103,7 +108,7 @@ fn carry_out(arguments: &arguments::Study, wish: Wish, document: &Document) -> R
     if !arguments.quiet {
         print!("{}", summary(&study, &written, &folder));
     }
-    conclude(arguments, document, &study)
+    conclude(arguments, document, registry, &study)
 }
 
 /// The scene, what it is measured on, and its reference picture.
@@ -113,7 +118,7 @@ fn gather(
     document: &Document,
     watch: &Watch,
 ) -> Result<(Scene, Benches, study::Reference)> {
-    let mut session = voltet::nodes::session();
+    let mut session = crate::nodes::session();
     let scene = Scene::gather(&document.graph, arguments.node.as_deref(), &mut session, &watch.bar)?;
     // Before the reference, which takes longest.
     let benches = Benches::open(&scene, wish)?;
@@ -153,7 +158,12 @@ fn summary(study: &Study, written: &[PathBuf], folder: &Path) -> String {
 }
 
 /// What is written back, and the exit code.
-fn conclude(arguments: &arguments::Study, document: &Document, study: &Study) -> Result<u8> {
+fn conclude(
+    arguments: &arguments::Study,
+    document: &Document,
+    registry: &Registry,
+    study: &Study,
+) -> Result<u8> {
     if study.stopped() {
         let error = Error::cancelled();
         let mut done = format!("{} of {} settings are measured", study.rows.len(), study.setting_count);
@@ -172,7 +182,7 @@ fn conclude(arguments: &arguments::Study, document: &Document, study: &Study) ->
     if arguments.apply {
         let text = study::apply(&document.text, study, &row.setting)?;
         // What is written must be readable, also without the options of this call.
-        Document::from_text(&document.path, text.clone(), &[], &registry()?)?;
+        Document::from_text(&document.path, text.clone(), &[], registry)?;
         if text == document.text {
             println!("{}: has it already", document.path.display());
         } else {

@@ -1,21 +1,21 @@
 //! `voltet time`: what a frame costs on each engine, with a camera that turns.
 
-use super::{DONE, open_all, registry, show, warn};
+use super::{DONE, open_all, show, warn};
+use crate::Document;
 use crate::arguments;
+use crate::core::graph::{Observer, Registry};
+use crate::core::progress::Progress;
+use crate::core::shading::Order;
+use crate::core::{Error, Result};
 use crate::present::Bar;
-use std::time::Duration;
-use voltet::Document;
-use voltet::core::graph::Observer;
-use voltet::core::progress::Progress;
-use voltet::core::shading::Order;
-use voltet::core::{Error, Result};
-use voltet::study::work_precision::{
+use crate::study::work_precision::{
     self as study, Benches, Cost, Engine, Engines, Frames, Measure, Scene, Setting, Times, Wish,
 };
+use std::time::Duration;
 
-pub fn time(arguments: &arguments::Time) -> Result<u8> {
+pub fn time(arguments: &arguments::Time, registry: &Registry) -> Result<u8> {
     let wish = wish(arguments)?;
-    let (documents, wrong) = open_all(&arguments.files, &arguments.set.options, &registry()?);
+    let (documents, wrong) = open_all(&arguments.files, &arguments.set.options, registry);
     if wrong != DONE {
         return Ok(wrong);
     }
@@ -81,7 +81,7 @@ fn measure(arguments: &arguments::Time, wish: &Wish, document: &Document, bar: &
         ));
     }
     let title = document.pipeline.title.clone().unwrap_or_else(|| document.path.display().to_string());
-    let mut session = voltet::nodes::session();
+    let mut session = crate::nodes::session();
     for (number, node) in nodes.iter().enumerate() {
         let scene = Scene::gather(&document.graph, Some(node), &mut session, bar)?;
         let mut benches = Benches::open(&scene, wish)?;

@@ -1,12 +1,12 @@
 //! Errors for a person: what, found, the line with a caret, what would be right.
 
+use crate::core::Error;
 use miette::{
     Diagnostic, GraphicalReportHandler, GraphicalTheme, LabeledSpan, NamedSource, Severity, SourceCode,
     ThemeCharacters, ThemeStyles,
 };
 use std::fmt;
 use std::io::IsTerminal;
-use voltet::core::Error;
 
 /// The error as shown. `text`: the pipeline file that its span points into.
 pub fn error(error: &Error, text: Option<&str>) -> String {

@@ -1,11 +1,11 @@
 //! Progress of work that takes longer than a second, on a terminal; and stopping at Ctrl-C.
 
+use crate::core::graph::Observer;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
-use voltet::core::graph::Observer;
 
 /// Work that takes less than this shows no bar.
 const PATIENCE: Duration = Duration::from_secs(1);

@@ -1,9 +1,9 @@
 //! What a run did: a line for people, JSON for programs.
 
+use crate::Document;
+use crate::core::graph::{Finding, RunReport};
+use crate::core::pipeline::FORMAT;
 use serde_json::{Value, json as object};
-use voltet::Document;
-use voltet::core::graph::{Finding, RunReport};
-use voltet::core::pipeline::FORMAT;
 
 /// Counts that every report names, also where the engine that ran does not know them.
 const COUNTS: [&str; 11] = [
