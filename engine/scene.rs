@@ -1,8 +1,8 @@
 //! A scene ready for the compositor: the projection of one sample of every pixel, and how segments are shaded.
 
 use crate::Cells;
+use crate::project::cell64::{Cell64, Crossing64};
 use crate::project::record::{AttributeRecord, Record, TILE};
-use crate::project::special::{Special, SpecialCrossing};
 use crate::project::view::{Seen, View};
 use crate::project::{Attribute, Input, Part, ProjectPart};
 use crate::shade::{Exact, Shader};
@@ -27,9 +27,9 @@ pub(crate) struct Sample {
     tile_starts: Vec<u32>,
     /// Records by tile, in grid order.
     entries: Vec<u32>,
-    special: Vec<Special>,
-    /// Special cells by tile.
-    special_tiles: Vec<Vec<u32>>,
+    cells64: Vec<Cell64>,
+    /// Their numbers by tile.
+    tiles64: Vec<Vec<u32>>,
     distance_origin: f64,
     near: Option<[f32; 2]>,
     pub attribute_count: usize,
@@ -140,20 +140,20 @@ impl Sample {
             }
         });
 
-        let special: Vec<Special> = parts
+        let cells64: Vec<Cell64> = parts
             .iter()
-            .flat_map(|part| &part.special)
+            .flat_map(|part| &part.cells64)
             .filter_map(|&id| {
                 let corners = grid.tetrahedra[id as usize].map(|p| grid.points[p as usize]);
-                Special::new(&view, id, corners)
+                Cell64::new(&view, id, corners)
             })
             .collect();
-        let mut special_tiles = vec![Vec::new(); if special.is_empty() { 0 } else { tile_count }];
-        for (k, special) in special.iter().enumerate() {
-            let [x0, y0, x1, y1] = special.bounds;
+        let mut tiles64 = vec![Vec::new(); if cells64.is_empty() { 0 } else { tile_count }];
+        for (k, cell) in cells64.iter().enumerate() {
+            let [x0, y0, x1, y1] = cell.bounds;
             for ty in y0 / TILE..y1.div_ceil(TILE) {
                 for tx in x0 / TILE..x1.div_ceil(TILE) {
-                    special_tiles[ty * tiles_wide + tx].push(k as u32);
+                    tiles64[ty * tiles_wide + tx].push(k as u32);
                 }
             }
         }
@@ -172,24 +172,24 @@ impl Sample {
             tiles_wide,
             tile_starts,
             entries,
-            special,
-            special_tiles,
+            cells64,
+            tiles64,
             distance_origin,
             near,
             attribute_count: attributes.len(),
         })
     }
 
-    /// Records and special cells.
+    /// Records, and cells drawn in 64 bits.
     pub fn cell_count(&self) -> u64 {
-        (self.parts.iter().map(|part| part.records.len()).sum::<usize>() + self.special.len()) as u64
+        (self.parts.iter().map(|part| part.records.len()).sum::<usize>() + self.cells64.len()) as u64
     }
 
     /// Tiles that hold anything, fullest first.
     pub fn queue(&self) -> Vec<u32> {
         let fill = |tile: usize| {
-            let special = self.special_tiles.get(tile).map_or(0, Vec::len);
-            (self.tile_starts[tile + 1] - self.tile_starts[tile]) as usize + 16 * special
+            let cells64 = self.tiles64.get(tile).map_or(0, Vec::len);
+            (self.tile_starts[tile + 1] - self.tile_starts[tile]) as usize + 16 * cells64
         };
         let mut queue: Vec<u32> =
             (0..self.tile_starts.len() - 1).filter(|&t| fill(t) > 0).map(|t| t as u32).collect();
@@ -263,14 +263,14 @@ impl<'a> Scene<'a> {
         let _ = entry;
     }
 
-    pub fn special_of(&self, tile: usize) -> impl Iterator<Item = &'a Special> {
-        let numbers = self.sample.special_tiles.get(tile).map_or(&[][..], Vec::as_slice);
-        numbers.iter().map(|&k| &self.sample.special[k as usize])
+    pub fn cells64_of(&self, tile: usize) -> impl Iterator<Item = &'a Cell64> {
+        let numbers = self.sample.tiles64.get(tile).map_or(&[][..], Vec::as_slice);
+        numbers.iter().map(|&k| &self.sample.cells64[k as usize])
     }
 
-    /// Optical depth (or opacity, see [`Shaded::depth`]), colour and opacity of a special cell's segment.
-    pub fn shade_special(&self, special: &Special, crossing: &SpecialCrossing, i: usize, j: usize) -> Exact {
-        let corners = self.volume.grid.tetrahedra[special.id as usize];
+    /// Optical depth (or opacity, see [`Shaded::depth`]), colour and opacity of the segment of a cell drawn in 64 bits.
+    pub fn shade64(&self, cell: &Cell64, crossing: &Crossing64, i: usize, j: usize) -> Exact {
+        let corners = self.volume.grid.tetrahedra[cell.id as usize];
         let value = |end: usize, attribute: usize| {
             let values = &self.attributes[attribute];
             let base = values.at(corners[0] as usize);

@@ -3,7 +3,7 @@
 //! No device is needed here: [`compose`] makes a text, [`Parameters`] the bytes that the text reads. Which code exists
 //! is a choice of pieces; equal choices give equal text, so the text is the key of a cache of pipelines. What may
 //! change per frame (colours, extinctions, centres, corners, light) is in [`Parameters`] only. Tables are
-//! [`Resources`], with the passes that fill them. [`held`] tells what 32 bits cannot hold.
+//! [`Resources`], with the passes that fill them. [`check_32_bits`] tells what 32 bits cannot hold.
 //!
 //! A piece is a file under `wgsl/`. Its first line says which pieces it uses, which slot it fills and which slots it
 //! asks for; a slot that no file fills (`values`, `members`, `segment`) is filled by the generated block.
@@ -11,7 +11,7 @@
 mod choices;
 mod compose;
 mod generate;
-mod held;
+mod limits32;
 mod parameters;
 mod parts;
 mod passes;
@@ -21,7 +21,7 @@ pub mod segment_list;
 
 pub use choices::{Blend, Choices, Combine, Compositor, Kind, Method, TileOrder, WidgetChoice};
 pub use compose::{Shader, compose, compose_pieces};
-pub use held::{Spans, held};
+pub use limits32::{Spans, check_32_bits};
 pub use parameters::{Axis, Parameters, SceneHead, WidgetRecord};
 pub use parts::{Access, CELLS_READ, GRID_GROUP, GridArray, Layout, Parts};
 pub use passes::{FramePass, PlacementRecord, RoundRecord, ViewRecord, multiply_adds};

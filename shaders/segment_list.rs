@@ -6,7 +6,7 @@
 
 use crate::choices::{Choices, Combine};
 use crate::compose::Shader;
-use crate::held::{Spans, held};
+use crate::limits32::{Spans, check_32_bits};
 use crate::parameters::Axis;
 use voltet_core::Result;
 use voltet_core::optics::{Contribution, Segment};
@@ -50,11 +50,11 @@ pub fn axes(transfer_function: &TransferFunction, segment: &Segment) -> Vec<Axis
     (0..2 + transfer_function.fields().len()).map(axis).collect()
 }
 
-/// Whether 32 bits hold the segment; see [`held`].
+/// Whether 32 bits hold the segment; see [`check_32_bits`].
 pub fn holds(choices: &Choices, transfer_function: &TransferFunction, segment: &Segment) -> Result<()> {
     let [front, back] = ends(segment);
     let values: Vec<f64> = front.iter().zip(&back).map(|(a, b)| (b - a).abs()).collect();
-    held(choices, transfer_function, &Spans { values: &values, longest: segment.length })
+    check_32_bits(choices, transfer_function, &Spans { values: &values, longest: segment.length })
 }
 
 /// The numbers of a segment: D in units of `length`, then the values that the shader reads at both ends, as the axes store

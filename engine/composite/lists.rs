@@ -8,7 +8,7 @@
 use crate::project::record::TILE;
 use voltet_lanes::{Float, Lanes, Mask, Unsigned, array, inlined};
 
-/// Segments a pixel can hold here; a tile that needs more is drawn again by [`super::deep`].
+/// Segments a pixel can hold here; a tile that needs more is drawn again by [`super::growing_lists`].
 pub(crate) const DEPTH: usize = 1024;
 /// Bits of a slot number.
 const SLOT_BITS: u32 = 10;

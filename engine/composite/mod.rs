@@ -6,12 +6,12 @@
 //! ([`super::lists`]), or, where the scene has one colour, are summed: there no order is needed.
 
 pub(crate) mod crossing;
-pub(crate) mod deep;
+pub(crate) mod growing_lists;
 pub(crate) mod lists;
 pub(crate) mod spans;
 
 use crate::composite::crossing::{BATCH, Batch, Group, LANES_MOST};
-use crate::composite::deep::DeepRow;
+use crate::composite::growing_lists::GrowingLists;
 use crate::composite::lists::{Layer, Lists, Overflow};
 use crate::composite::spans::{Edges, Fragments};
 use crate::project::record::TILE;
@@ -286,9 +286,9 @@ impl Sink for Lists {
     }
 }
 
-impl Sink for DeepRow {
+impl Sink for GrowingLists {
     fn push(&mut self, pixel: usize, _depth: f32, layer: Layer) -> Result<(), Overflow> {
-        DeepRow::push(self, pixel & (TILE - 1), layer);
+        GrowingLists::push(self, pixel & (TILE - 1), layer);
         Ok(())
     }
 }
@@ -341,12 +341,12 @@ fn draw_tile(
         // Rows are independent: draw them one at a time with lists that grow.
         scratch.counts = before;
         scratch.counts.tiles_deep += 1;
-        let mut deep = DeepRow::default();
+        let mut growing = GrowingLists::default();
         for row in 0..TILE {
-            deep.clear();
-            let _ = walk(scene, tile, row..row + 1, scratch, &mut deep);
+            growing.clear();
+            let _ = walk(scene, tile, row..row + 1, scratch, &mut growing);
             scratch.counts.pixels_disordered +=
-                deep.composite(scene.sorted, &mut picture[row * TILE..][..TILE]);
+                growing.composite(scene.sorted, &mut picture[row * TILE..][..TILE]);
         }
     }
 }
@@ -370,7 +370,7 @@ fn walk(
     for (number, cells) in entries.chunks(width).enumerate() {
         if sink.is_full() {
             counts.tiles_stopped += 1;
-            counts.cells_hidden += (entries.len() - number * width + scene.special_of(tile).count()) as u64;
+            counts.cells_hidden += (entries.len() - number * width + scene.cells64_of(tile).count()) as u64;
             return Ok(());
         }
         let after = (number + 1) * width;
@@ -399,13 +399,13 @@ fn walk(
         }
     }
 
-    for special in scene.special_of(tile) {
-        let [x0, y0, x1, y1] = special.bounds;
+    for cell in scene.cells64_of(tile) {
+        let [x0, y0, x1, y1] = cell.bounds;
         for j in y0.max(top + rows.start)..y1.min(top + rows.end) {
             for i in x0.max(left)..x1.min(right) {
-                let Some(crossing) = special.cross(&scene.view, i, j) else { continue };
+                let Some(crossing) = cell.cross(&scene.view, i, j) else { continue };
                 counts.segments += 1;
-                let exact = scene.shade_special(special, &crossing, i, j);
+                let exact = scene.shade64(cell, &crossing, i, j);
                 counts.segments_overlapping += u64::from(exact.overlaps);
                 let [entry, exit] = crossing.depth.map(|z| (z - scene.distance_origin) as f32);
                 let layer = Layer::new(entry, exit, exact.rgba);

@@ -2,10 +2,10 @@
 //!
 //! One pass over the kept cells in grid order, as many at a time as the processor has 64-bit lanes. Cells that
 //! cover no pixel centre go no further. Cells that 32 bits cannot hold (behind or very near the eye, slivers
-//! beyond 1 : 30,000, cells flatter than the pixel coordinates resolve) are listed as special and drawn in 64 bits by [`super::special`].
+//! beyond 1 : 30,000, cells flatter than the pixel coordinates resolve) are set apart and drawn in 64 bits by [`super::cell64`].
 
+pub(crate) mod cell64;
 pub(crate) mod record;
-pub(crate) mod special;
 pub(crate) mod view;
 
 use crate::project::record::{AttributeRecord, Record, STEEP, TILE};
@@ -47,7 +47,7 @@ pub(crate) struct Part {
     /// Records that touch each tile.
     pub tile_counts: Vec<u32>,
     /// Tetrahedra for the 64-bit path.
-    pub special: Vec<u32>,
+    pub cells64: Vec<u32>,
 }
 
 /// Input of [`project_part`].
@@ -152,10 +152,10 @@ fn project_group<L: Lanes>(input: &Input<'_>, group: &[u32], part: &mut Part) {
     };
     let covered = x0.lt(x1).and(y0.lt(y1));
     let live = (1u32 << n) - 1;
-    let mut special = !in_depth.bits() & live;
+    let mut in_64_bits = !in_depth.bits() & live;
     let ordinary = in_depth.and(covered).bits() & live;
     if ordinary == 0 {
-        push_special(group, special, part);
+        push_cells64(group, in_64_bits, part);
         return;
     }
 
@@ -295,8 +295,8 @@ fn project_group<L: Lanes>(input: &Input<'_>, group: &[u32], part: &mut Part) {
     let noise = splat(16.0 * view::PIXEL_STEP) * across;
     ill |= determinant.abs().le(noise).bits();
     let drawn = ordinary & sound.bits();
-    special |= drawn & ill;
-    push_special(group, special, part);
+    in_64_bits |= drawn & ill;
+    push_cells64(group, in_64_bits, part);
 
     // Store lane by lane.
     let mut words = [[0f64; MOST]; 8];
@@ -349,9 +349,10 @@ fn project_group<L: Lanes>(input: &Input<'_>, group: &[u32], part: &mut Part) {
 }
 
 #[inline(always)]
-fn push_special(group: &[u32], special: u32, part: &mut Part) {
-    if special != 0 {
-        part.special
-            .extend(group.iter().enumerate().filter(|(lane, _)| special >> lane & 1 != 0).map(|(_, &id)| id));
+fn push_cells64(group: &[u32], in_64_bits: u32, part: &mut Part) {
+    if in_64_bits != 0 {
+        part.cells64.extend(
+            group.iter().enumerate().filter(|(lane, _)| in_64_bits >> lane & 1 != 0).map(|(_, &id)| id),
+        );
     }
 }

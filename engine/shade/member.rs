@@ -2,8 +2,8 @@
 //! ordered integral.
 
 use crate::project::Attribute;
+use crate::shade::panels::{FIELDS_MOST, Fields};
 use crate::shade::region::LaneRegion;
-use crate::shade::walk::{FIELDS_MOST, Fields};
 use crate::shade::widget::{Along, Inside, LaneWidget};
 use voltet_lanes::optics::gaussian::{LaneGaussianPath, LaneGaussianTrack, mean_profile};
 use voltet_lanes::optics::overlap::{AnyLaneTrack, LaneMember};
@@ -269,7 +269,7 @@ impl LaneWidget {
                 });
                 None
             }
-            // See `Walker::integrate`: those are not walked.
+            // See `PanelWalk::integrate`: those are not walked.
             LaneWidget::Wave { .. } | LaneWidget::Triangular(_) | LaneWidget::Exact => return nothing::<L>(),
         };
         member.range = range_of::<L>(region, along);

@@ -1,23 +1,23 @@
 //! Shade: from a fragment's length and attribute values to its colour and opacity.
 //!
 //! Three roads, each for what the one before leaves over: quick closed forms in lanes (density-emitter; overlaps by
-//! [`super::together`]), a walk in panels in lanes ([`super::walk`]), and the 64-bit integrator segment by segment, which
+//! [`super::overlap`]), a walk in panels in lanes ([`super::panels`]), and the 64-bit integrator segment by segment, which
 //! also serves every integrator but the analytic one. What a scene does not use is not prepared.
 
 pub(crate) mod light;
 pub(crate) mod member;
+pub(crate) mod overlap;
+pub(crate) mod panels;
 pub(crate) mod piecewise;
 pub(crate) mod region;
-pub(crate) mod together;
-pub(crate) mod walk;
 pub(crate) mod wave;
 pub(crate) mod widget;
 
 use crate::composite::crossing::Batch;
 use crate::project::Attribute;
 use crate::shade::light::{Rays, Surface};
-use crate::shade::together::{ORDERED_MOST, Together};
-use crate::shade::walk::Walker;
+use crate::shade::overlap::{ORDERED_MOST, Overlapping};
+use crate::shade::panels::PanelWalk;
 use crate::shade::widget::{Along, LaneWidget};
 use voltet_core::optics::integrators::SegmentIntegrator;
 use voltet_core::optics::{Overlap, Prepared, Segment};
@@ -37,7 +37,7 @@ pub(crate) struct Shader {
     overlap: Overlap,
     widgets: Vec<LaneWidget>,
     /// What the quick forms do not serve, but lanes do.
-    walker: Option<Walker>,
+    walker: Option<PanelWalk>,
     /// Whether the quick forms serve anything.
     quick: bool,
     /// Offset and scale of each attribute: value = offset + scale × stored.
@@ -138,7 +138,7 @@ impl Shader {
         };
         let quick = density_emitter && !widgets.iter().any(slow);
         let walker = (shading.overlap == Overlap::Exact || one_color.is_some())
-            .then(|| Walker::new(transfer_function, &widgets, length, one_color.is_some(), !quick))
+            .then(|| PanelWalk::new(transfer_function, &widgets, length, one_color.is_some(), !quick))
             .flatten();
         let several = transfer_function.widgets.len() > 1;
         let overlaps = several.then(|| Prepared::new(transfer_function)).transpose()?;
@@ -354,12 +354,12 @@ impl Shader {
         if widgets.len() > ORDERED_MOST {
             return unsure | overlapping;
         }
-        let together = Together { widgets, along, shapes: &shapes[..widgets.len()], total, product };
-        let rest = overlapping & !together.smooth(overlapping, at, out);
+        let in_order = Overlapping { widgets, along, shapes: &shapes[..widgets.len()], total, product };
+        let rest = overlapping & !in_order.smooth(overlapping, at, out);
         if rest == 0 {
             return unsure;
         }
-        unsure | together.quadrature(rest, at, out)
+        unsure | in_order.quadrature(rest, at, out)
     }
 }
 

@@ -113,7 +113,7 @@ pub(crate) enum LaneWidget {
         region: Option<LaneRegion>,
     },
     Linear(Box<LaneLinear>),
-    /// Only on the slow road ([`super::walk`]), as the next.
+    /// Only on the slow road ([`super::panels`]), as the next.
     Triangular(LaneTriangular),
     GaussianNd(Box<LaneGaussianNd>),
     /// No twin: the 64-bit path serves it.

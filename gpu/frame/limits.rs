@@ -5,7 +5,7 @@ use std::sync::Arc;
 use voltet_core::shading::Shading;
 use voltet_core::transfer::TransferFunction;
 use voltet_core::{Error, Result};
-use voltet_shaders::{Choices, Compositor, Spans, TileOrder, held};
+use voltet_shaders::{Choices, Compositor, Spans, TileOrder, check_32_bits};
 
 /// Whether the device has shaders for the scene. What depends on the data is found when it is drawn.
 pub fn can_serve(transfer_function: &TransferFunction, shading: &Shading) -> Result<()> {
@@ -26,7 +26,7 @@ pub(crate) fn check(
     };
     let spans: Vec<f64> = values.iter().enumerate().map(span).collect();
     let spans = Spans { values: &spans, longest: grid.longest };
-    held(choices, transfer_function, &spans).map_err(|error: Error| {
+    check_32_bits(choices, transfer_function, &spans).map_err(|error: Error| {
         let accepted = error.accepted.clone().unwrap_or_default();
         error.accepted(format!("{accepted}; engine = \"cpu\" holds it"))
     })

@@ -1,5 +1,5 @@
 //! Widgets that overlap on a segment, in their order along it: corrections of the mix, cheapest first, for profiles that
-//! are smooth there. What these leave over is walked in panels ([`super::walk`]).
+//! are smooth there. What these leave over is walked in panels ([`super::panels`]).
 
 use crate::shade::widget::{Along, LaneWidget, lanes_of};
 use crate::shade::{MIX_PRODUCT, Shaded};
@@ -14,7 +14,7 @@ const SMOOTH_BOUND: f32 = 3e-5;
 pub(crate) const ORDERED_MOST: usize = 8;
 
 /// One vector of segments with the shapes of its widgets.
-pub(crate) struct Together<'a, L: Lanes> {
+pub(crate) struct Overlapping<'a, L: Lanes> {
     pub widgets: &'a [LaneWidget],
     pub along: &'a Along<L>,
     pub shapes: &'a [Shape<L>],
@@ -24,7 +24,7 @@ pub(crate) struct Together<'a, L: Lanes> {
     pub product: L::F,
 }
 
-impl<L: Lanes> Together<'_, L> {
+impl<L: Lanes> Overlapping<'_, L> {
     /// Whether a widget is dense enough for its order to matter.
     #[inline(always)]
     fn matters(&self, shape: &Shape<L>) -> L::M {
@@ -76,7 +76,7 @@ impl<L: Lanes> Together<'_, L> {
     #[inline(always)]
     pub fn quadrature(&self, overlapping: u32, at: usize, out: &mut Shaded) -> u32 {
         let splat = L::F::splat;
-        let &Together { shapes, total, .. } = self;
+        let &Overlapping { shapes, total, .. } = self;
         // How many steps the roughest lane wants: a cubic through four densities leaves 3e-5 of the depth where a Gaussian
         // extends over half a width.
         let mut widest = splat(0.0);
@@ -102,7 +102,7 @@ impl<L: Lanes> Together<'_, L> {
     #[inline(always)]
     fn step_through(&self, steps: usize, lanes: u32, at: usize, out: &mut Shaded) {
         let splat = L::F::splat;
-        let &Together { widgets, along, shapes, total, .. } = self;
+        let &Overlapping { widgets, along, shapes, total, .. } = self;
         let share = splat(1.0 / steps as f32);
         let (mut color, mut through) = ([splat(0.0); 3], splat(1.0));
         // Widgets too thin for the order to matter are mixed in.

@@ -18,7 +18,7 @@ use voltet_lanes::{Float, Lanes, Mask, array};
 const RATE_MOST: f32 = 200.0;
 
 /// The slow road in lanes.
-pub(crate) struct Walker {
+pub(crate) struct PanelWalk {
     /// The constant-emitter's.
     cutoff: Option<f64>,
     /// D/U per scene length.
@@ -28,7 +28,7 @@ pub(crate) struct Walker {
     counts: bool,
 }
 
-impl Walker {
+impl PanelWalk {
     /// `None` where the widgets have no lanes at all.
     pub fn new(
         transfer_function: &TransferFunction,
@@ -36,7 +36,7 @@ impl Walker {
         length: f64,
         one_color: bool,
         counts: bool,
-    ) -> Option<Walker> {
+    ) -> Option<PanelWalk> {
         let served = widgets.len() <= MEMBERS_MOST
             && !widgets.is_empty()
             && !widgets.iter().any(|widget| matches!(widget, LaneWidget::Exact));
@@ -44,7 +44,7 @@ impl Walker {
         let scale = (length / transfer_function.unit_distance) as f32;
         // A scale beyond 32 bits, or so small that its products leave them.
         let held = scale.is_finite() && scale > 1e-30;
-        (served && held).then_some(Walker { cutoff, scale, one_color, counts })
+        (served && held).then_some(PanelWalk { cutoff, scale, one_color, counts })
     }
 
     /// Integrates the segments `which` of a batch; those it cannot serve are pushed to `exact`.

@@ -10,7 +10,7 @@ use glam::DVec3;
 
 /// A tetrahedron in eye space.
 #[derive(Debug, Clone)]
-pub(crate) struct Special {
+pub(crate) struct Cell64 {
     /// Number of the tetrahedron.
     pub id: u32,
     /// Pixels it may cover: x0, y0, x1, y1 (exclusive).
@@ -30,9 +30,9 @@ struct Face {
     height: f64,
 }
 
-/// Where a ray crosses a special cell.
+/// Where a ray crosses such a cell.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct SpecialCrossing {
+pub(crate) struct Crossing64 {
     /// Depth of entry and exit, scene lengths.
     pub depth: [f64; 2],
     /// Barycentric coordinates at entry and exit.
@@ -51,9 +51,9 @@ fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-impl Special {
+impl Cell64 {
     /// `None` if no ray of the picture can cross the cell over a positive length.
-    pub fn new(view: &View, id: u32, corners: [DVec3; 4]) -> Option<Special> {
+    pub fn new(view: &View, id: u32, corners: [DVec3; 4]) -> Option<Cell64> {
         if flat(corners) {
             return None;
         }
@@ -71,11 +71,11 @@ impl Special {
             faces.push(Face { normal, on: a, side: height.signum(), height });
         }
         let faces = faces.try_into().ok()?;
-        Some(Special { id, bounds, faces, near: view.near })
+        Some(Cell64 { id, bounds, faces, near: view.near })
     }
 
     /// Crosses the cell with the ray through a pixel.
-    pub fn cross(&self, view: &View, i: usize, j: usize) -> Option<SpecialCrossing> {
+    pub fn cross(&self, view: &View, i: usize, j: usize) -> Option<Crossing64> {
         let (origin, direction) = view.ray(i as f64, j as f64);
         let (mut enter, mut leave) = (self.near, f64::INFINITY);
         for face in &self.faces {
@@ -108,7 +108,7 @@ impl Special {
             .iter()
             .flatten()
             .all(|w| w.is_finite())
-            .then_some(SpecialCrossing { depth: [enter, leave], weights })
+            .then_some(Crossing64 { depth: [enter, leave], weights })
     }
 }
 

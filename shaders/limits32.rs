@@ -31,7 +31,7 @@ const SUDDEN_BANDS: f64 = 2e4;
 
 /// Checks that a composed shader holds what the segments of a data set may ask of it; the error names the widget and the
 /// limit.
-pub fn held(choices: &Choices, transfer_function: &TransferFunction, spans: &Spans) -> Result<()> {
+pub fn check_32_bits(choices: &Choices, transfer_function: &TransferFunction, spans: &Spans) -> Result<()> {
     if choices.method.is_table_of_lengths() {
         return Ok(());
     }
@@ -148,7 +148,7 @@ mod tests {
         let transfer_function = TransferFunction { model, unit_distance: 1.0, widgets };
         let shading = Shading { integrator, overlap: Overlap::Exact, silhouette: None, light: None };
         let choices = Choices::new(&transfer_function, &shading, Compositor::None).expect("has pieces");
-        held(&choices, &transfer_function, &Spans { values, longest: 2.0 })
+        check_32_bits(&choices, &transfer_function, &Spans { values, longest: 2.0 })
     }
 
     fn widget(profile: Profile, extinction: f64) -> Widget {

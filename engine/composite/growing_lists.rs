@@ -5,11 +5,11 @@ use crate::project::record::TILE;
 
 /// Lists of one row of pixels.
 #[derive(Default)]
-pub(crate) struct DeepRow {
+pub(crate) struct GrowingLists {
     pixels: [Vec<Layer>; TILE],
 }
 
-impl DeepRow {
+impl GrowingLists {
     pub fn clear(&mut self) {
         self.pixels.iter_mut().for_each(Vec::clear);
     }
