@@ -1,13 +1,13 @@
 //! The stages end to end: project, composite, and the one-call form.
 
-use crate::composite::{Drawn, TilePicture, Worker};
-use crate::cull::{attributes_of, gradient_attributes};
-use crate::project::Attribute;
+use crate::attribute::{Attribute, attributes_of, gradient_attributes};
+use crate::cells::{Cells, Counts};
+use crate::composite::sinks::TilePicture;
+use crate::composite::worker::{Drawn, Worker};
 use crate::project::record::TILE;
 use crate::scene::{Sample, Scene};
-use crate::shade::Shader;
 use crate::shade::light::Surface;
-use crate::{Cells, Counts};
+use crate::shade::shader::Shader;
 use rayon::prelude::*;
 use std::borrow::Cow;
 use std::sync::atomic::AtomicUsize;

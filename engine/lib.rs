@@ -1,74 +1,26 @@
 //! voltet-engine: the native engine. Cull, sort, project and composite on all cores with vector units.
+//!
+//! | room | what |
+//! | --- | --- |
+//! | `cells`, `attribute` | the cells that are drawn, and the point arrays that are looked at |
+//! | `cull` | which cells can contribute |
+//! | `project` | cells to records of 32 bits, and the tiles that they touch |
+//! | `fragments` | the pixels that a tile's cells cover, and the rays' segments in them |
+//! | `shade` | a segment's colour and opacity |
+//! | `scene` | what the compositor reads: the projection and how segments are shaded |
+//! | `composite` | segments in order to pixels |
+//! | `draw` | the stages end to end |
 
+mod attribute;
+mod cells;
 mod composite;
 mod cull;
 mod draw;
+mod fragments;
 mod project;
 mod scene;
 mod shade;
 
+pub use cells::{Cells, Counts};
 pub use cull::{cull, keep_all};
 pub use draw::{Projection, Ready, composite, draw, needs_gradient, prepare, project, sort};
-
-use std::sync::Arc;
-use voltet_core::camera::Camera;
-use voltet_core::shading::Order;
-use voltet_core::transfer::TransferFunction;
-use voltet_core::volume::Volume;
-use voltet_lanes::LaneSet;
-
-/// Cells that can contribute. Made by [`cull`]; the `sort` node sets the order.
-#[derive(Debug, Clone)]
-pub struct Cells {
-    /// The volume they belong to.
-    pub volume: Arc<Volume>,
-    /// Numbers of the tetrahedra kept: ascending (grid order), or by centroid if that is the order asked for.
-    pub kept: Arc<Vec<u32>>,
-    /// Order that the compositor carries out.
-    pub order: Order,
-    /// Tetrahedra left out because no widget touches their values.
-    pub culled_by_transfer_function: u64,
-    /// Tetrahedra left out because they are outside the view.
-    pub culled_by_frustum: u64,
-    /// Widgets that no kept cell touches: left out of the integrals.
-    pub untouched: Vec<usize>,
-    /// Nothing is left out for them: they were not culled, and segments are ordered also where one colour needs no order.
-    pub thorough: bool,
-    /// The vector lanes that the further stages run on: the widest that this processor has.
-    pub lanes: LaneSet,
-    /// What the cells were culled for.
-    pub(crate) culled_for: Option<TransferFunction>,
-    /// World units in the scene length that the stages work in: the diagonal of the grid.
-    pub(crate) length: f64,
-    /// The points on the screen of the camera that culled, so that the project stage need not do it again.
-    pub(crate) seen: Option<(Camera, Arc<Vec<project::view::Seen>>)>,
-    /// Ranges of s and g over the grid.
-    pub(crate) ranges: [[f64; 2]; 2],
-    /// Largest component of ∇s over the grid; 0 where there is no gradient.
-    pub(crate) steepest: f64,
-}
-
-/// Counts of a composited picture.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct Counts {
-    /// Ray segments integrated.
-    pub segments: u64,
-    /// Pixels (samples, where a pixel has several) whose segments were composited in an order that was not exact.
-    pub pixels_disordered: u64,
-    /// Cells that were projected: kept, and covering a pixel centre.
-    pub cells_projected: u64,
-    /// Segments integrated in 64 bits because 32 do not hold them.
-    pub segments_exact: u64,
-    /// Segments on which widgets overlap: the optical depths of some two multiply to more than 1e-8.
-    pub segments_overlapping: u64,
-    /// Tiles with more than 1,024 segments on a pixel.
-    pub tiles_deep: u64,
-    /// Tiles that were left because every pixel was opaque; only where no order is needed can that be known.
-    pub tiles_stopped: u64,
-    /// Cells that such tiles did not look at any more; a cell counts in each of them.
-    pub cells_hidden: u64,
-    /// Tiles whose pixels' segments were sorted.
-    pub tiles_sorted: u64,
-    /// Bytes of the integrator's tables.
-    pub table_bytes: u64,
-}

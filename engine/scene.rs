@@ -1,11 +1,13 @@
 //! A scene ready for the compositor: the projection of one sample of every pixel, and how segments are shaded.
 
-use crate::Cells;
+use crate::attribute::Attribute;
+use crate::cells::Cells;
 use crate::project::cell64::{Cell64, Crossing64};
+use crate::project::part::{Input, Part, ProjectPart};
 use crate::project::record::{AttributeRecord, Record, TILE};
 use crate::project::view::{Seen, View};
-use crate::project::{Attribute, Input, Part, ProjectPart};
-use crate::shade::{Exact, Shader};
+use crate::shade::shaded::Exact;
+use crate::shade::shader::Shader;
 use rayon::prelude::*;
 use voltet_core::camera::Camera;
 use voltet_core::progress::Progress;
@@ -48,7 +50,7 @@ pub(crate) struct Scene<'a> {
     /// Whether each pixel's segments are sorted.
     pub sorted: bool,
     pub distance_origin: f64,
-    /// See [`crate::composite::crossing::Group::evaluate`].
+    /// See [`crate::fragments::crossing::Group::evaluate`].
     pub near: Option<[f32; 2]>,
     sample: &'a Sample,
     volume: &'a Volume,

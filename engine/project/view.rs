@@ -6,7 +6,7 @@
 //! **Pixel coordinates** put the centre (or the current sample) of pixel (i, j) at the integers (i, j), j
 //! downwards. They are rounded to 2⁻²⁴ of a pixel: points that coincide on the screen up to 64-bit noise then
 //! coincide exactly, so that a face seen edge-on has an area of exactly zero, and a ray that lies in it is given
-//! to one of the two cells by the fill rule of [`super::spans`].
+//! to one of the two cells by the fill rule of [`crate::fragments::spans`].
 
 use glam::DVec3;
 use rayon::prelude::*;

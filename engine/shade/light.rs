@@ -4,7 +4,7 @@
 //! gradient's three components are attributes of their own, the last ones; the interpolant is linear, so the middle
 //! has the mean of both ends. Only directions matter: the components share one scale.
 
-use crate::composite::crossing::Batch;
+use crate::fragments::batch::Batch;
 use crate::project::record::TILE;
 use crate::project::view::View;
 use glam::DVec3;

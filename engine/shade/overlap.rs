@@ -1,8 +1,9 @@
 //! Widgets that overlap on a segment, in their order along it: corrections of the mix, cheapest first, for profiles that
 //! are smooth there. What these leave over is walked in panels ([`super::panels`]).
 
-use crate::shade::widget::{Along, LaneWidget, lanes_of};
-use crate::shade::{MIX_PRODUCT, Shaded};
+use crate::shade::along::{Along, lanes_of};
+use crate::shade::shaded::{MIX_PRODUCT, Shaded};
+use crate::shade::widget::LaneWidget;
 use voltet_lanes::optics::elementary::{exp, one_minus_exp};
 use voltet_lanes::optics::smooth::{Shape, Smooth};
 use voltet_lanes::{Float, Lanes, Mask, inlined};

@@ -1,13 +1,15 @@
-//! Walk: the segments that the quick forms of [`super::shade`] do not serve, gathered into full vectors and walked
+//! Walk: the segments that the quick forms of [`super::shader`] do not serve, gathered into full vectors and walked
 //! panel by panel in their true order ([`voltet_lanes::optics::overlap`]): deep linear pieces, overlaps,
 //! triangular Gaussians and Gaussians over further fields, the constant-emitter.
 //!
 //! Opacity comes from the widgets' closed forms, not from panels. What 32 bits cannot serve is named again, for the
 //! 64-bit path.
 
-use crate::composite::crossing::{Batch, LANES_MOST};
-use crate::shade::widget::{Along, LaneWidget};
-use crate::shade::{MIX_PRODUCT, Shaded};
+use crate::fragments::batch::{Batch, LANES_MOST};
+use crate::shade::along::{Along, FIELDS_MOST, Fields, lanes_of};
+use crate::shade::member::nothing;
+use crate::shade::shaded::{MIX_PRODUCT, Shaded};
+use crate::shade::widget::LaneWidget;
 use voltet_core::transfer::TransferFunction;
 use voltet_lanes::optics::elementary::one_minus_exp;
 use voltet_lanes::optics::overlap::{MEMBERS_MOST, ordered};
@@ -134,12 +136,12 @@ impl PanelWalk {
         unsure |= in_order & (delicate | splat(RATE_MOST).lt(densest).bits());
         if in_order & !unsure != 0 {
             let scale = along.length * splat(self.scale);
-            let mut members = [crate::shade::member::nothing::<L>(); MEMBERS_MOST];
+            let mut members = [nothing::<L>(); MEMBERS_MOST];
             for (member, widget) in members.iter_mut().zip(widgets) {
                 *member = widget.member::<L>(along, fields, scale, self.cutoff);
             }
             let walked = ordered::<L>(&members[..widgets.len()], self.cutoff.map(|_| scale));
-            let keep = crate::shade::widget::lanes_of::<L>(in_order);
+            let keep = lanes_of::<L>(in_order);
             color = array(
                 #[inline(always)]
                 |i| L::F::select(keep, walked[i], color[i]),
@@ -148,15 +150,6 @@ impl PanelWalk {
         ([color[0], color[1], color[2], opacity, total], unsure, overlapping)
     }
 }
-
-/// Further fields of one vector of segments, at the entry and at the exit.
-pub(crate) struct Fields<L: Lanes> {
-    pub front: [L::F; FIELDS_MOST],
-    pub back: [L::F; FIELDS_MOST],
-}
-
-/// Most further fields that lanes look at.
-pub(crate) const FIELDS_MOST: usize = 8;
 
 /// Segments gathered side by side: length, then the attributes at the entry and at the exit.
 struct Gathered {

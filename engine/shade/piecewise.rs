@@ -2,8 +2,8 @@
 //! linear extinction and colour, integrated without sampling error (Moreland & Angel 2004; Roettger & Ertl 2002
 //! sample the same thing into a table).
 
-use crate::project::Attribute;
-use crate::shade::widget::Along;
+use crate::attribute::Attribute;
+use crate::shade::along::Along;
 use voltet_core::transfer::ControlPoint;
 use voltet_lanes::optics::elementary::one_minus_exp;
 use voltet_lanes::optics::linear::piece_weights;

@@ -1,7 +1,7 @@
 //! Regions in lanes: the stretch of a segment inside a convex polygon of the (s, g) plane.
 
-use crate::project::Attribute;
-use crate::shade::widget::Along;
+use crate::attribute::Attribute;
+use crate::shade::along::Along;
 use voltet_core::transfer::Region;
 use voltet_lanes::{Float, Lanes, Mask, inlined};
 
@@ -70,5 +70,56 @@ impl LaneRegion {
             t1 = L::F::select(back_out.and(front_out.not()), crossing.min(t1), t1);
         }
         (t0, t1)
+    }
+}
+
+impl<L: Lanes> Along<L> {
+    /// The part inside a region; all of the segment without one.
+    #[inline(always)]
+    pub fn inside(&self, region: Option<&LaneRegion>) -> Inside<L> {
+        let (zero, one) = (L::F::splat(0.0), L::F::splat(1.0));
+        match region {
+            None => Inside { front: self.front, back: self.back, share: one, cut: one.lt(zero) },
+            Some(region) => {
+                let (t0, t1) = region.clip(self);
+                Inside {
+                    front: self.at(t0),
+                    back: self.at(t1),
+                    share: (t1 - t0).max(zero),
+                    cut: cuts::<L>(t0, t1),
+                }
+            }
+        }
+    }
+}
+
+/// The part of a segment inside a region.
+pub(crate) struct Inside<L: Lanes> {
+    /// (s, g) where it begins.
+    pub front: [L::F; 2],
+    /// (s, g) where it ends.
+    pub back: [L::F; 2],
+    /// Its share of the length.
+    pub share: L::F,
+    /// Whether it is a part only, neither all nor nothing.
+    pub cut: L::M,
+}
+
+/// Whether the stretch [t₀, t₁] is a part of the segment, neither all nor nothing.
+#[inline(always)]
+fn cuts<L: Lanes>(t0: L::F, t1: L::F) -> L::M {
+    let all = t0.le(L::F::splat(0.0)).and(L::F::splat(1.0).le(t1));
+    t0.lt(t1).and(all.not())
+}
+
+/// The stretch inside a region.
+#[inline(always)]
+pub(crate) fn range_of<L: Lanes>(region: Option<&LaneRegion>, along: &Along<L>) -> [L::F; 2] {
+    match region {
+        None => [L::F::splat(0.0), L::F::splat(1.0)],
+        Some(region) => {
+            let (t0, t1) = region.clip(along);
+            [t0, t1]
+        }
     }
 }

@@ -1,6 +1,6 @@
 //! Triangle and sine waves in lanes: phases of the segments' ends, and the mean of the profile between them.
 
-use crate::project::Attribute;
+use crate::attribute::Attribute;
 use voltet_core::transfer::Wave;
 use voltet_lanes::optics::smooth::Shape;
 use voltet_lanes::optics::wave::{LaneBell, LanePhase};

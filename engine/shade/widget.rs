@@ -1,102 +1,16 @@
 //! Widgets in lanes: optical depth of a batch's segments, and densities at points of them.
 
-use crate::composite::crossing::Batch;
-use crate::project::Attribute;
-use crate::shade::member::{LaneGaussianNd, LaneTriangular};
+use crate::attribute::Attribute;
+use crate::shade::along::Along;
+use crate::shade::gaussian::LaneGaussian;
+use crate::shade::gaussian_nd::LaneGaussianNd;
 use crate::shade::piecewise::LaneLinear;
-use crate::shade::region::LaneRegion;
+use crate::shade::region::{Inside, LaneRegion};
+use crate::shade::triangular::LaneTriangular;
 use crate::shade::wave::LaneWave;
 use voltet_core::transfer::{Profile, Widget};
-use voltet_lanes::optics::gaussian;
 use voltet_lanes::optics::smooth::Shape;
-use voltet_lanes::{Float, Lanes, Mask, Unsigned, array, inlined};
-
-/// One vector of segments of a batch. Lengths in scene lengths, attributes scaled.
-pub(crate) struct Along<L: Lanes> {
-    /// D.
-    pub length: L::F,
-    /// Lanes that cross their cell over a positive length.
-    pub crossing: L::M,
-    /// (s, g) at the entry; g is 0 where it is not asked for.
-    pub front: [L::F; 2],
-    /// (s, g) at the exit.
-    pub back: [L::F; 2],
-}
-
-impl<L: Lanes> Along<L> {
-    #[inline(always)]
-    pub fn load(batch: &Batch, at: usize) -> Self {
-        let column = inlined(
-            #[inline(always)]
-            |columns: &[Vec<f32>], a: usize| match columns[..batch.scalar_count].get(a) {
-                Some(column) => L::F::load(&column[at..]),
-                None => L::F::splat(0.0),
-            },
-        );
-        let length = L::F::load(&batch.length[at..]);
-        Along {
-            length,
-            crossing: L::F::splat(0.0).lt(length),
-            front: [column(&batch.front, 0), column(&batch.front, 1)],
-            back: [column(&batch.back, 0), column(&batch.back, 1)],
-        }
-    }
-
-    #[inline(always)]
-    pub fn at(&self, t: L::F) -> [L::F; 2] {
-        array(
-            #[inline(always)]
-            |i| (self.back[i] - self.front[i]).mul_add(t, self.front[i]),
-        )
-    }
-}
-
-impl<L: Lanes> Along<L> {
-    /// The part inside a region; all of the segment without one.
-    #[inline(always)]
-    pub fn inside(&self, region: Option<&LaneRegion>) -> Inside<L> {
-        let (zero, one) = (L::F::splat(0.0), L::F::splat(1.0));
-        match region {
-            None => Inside { front: self.front, back: self.back, share: one, cut: one.lt(zero) },
-            Some(region) => {
-                let (t0, t1) = region.clip(self);
-                Inside {
-                    front: self.at(t0),
-                    back: self.at(t1),
-                    share: (t1 - t0).max(zero),
-                    cut: cuts::<L>(t0, t1),
-                }
-            }
-        }
-    }
-}
-
-/// The part of a segment inside a region.
-pub(crate) struct Inside<L: Lanes> {
-    /// (s, g) where it begins.
-    pub front: [L::F; 2],
-    /// (s, g) where it ends.
-    pub back: [L::F; 2],
-    /// Its share of the length.
-    pub share: L::F,
-    /// Whether it is a part only, neither all nor nothing.
-    pub cut: L::M,
-}
-
-/// Whether the stretch [t₀, t₁] is a part of the segment, neither all nor nothing.
-#[inline(always)]
-fn cuts<L: Lanes>(t0: L::F, t1: L::F) -> L::M {
-    let all = t0.le(L::F::splat(0.0)).and(L::F::splat(1.0).le(t1));
-    t0.lt(t1).and(all.not())
-}
-
-/// A mask from its bits.
-#[inline(always)]
-pub(crate) fn lanes_of<L: Lanes>(bits: u32) -> L::M {
-    // 2^lane by its float bits, so that no variable shift is needed.
-    let power = L::F::from_bits((L::U::iota() + L::U::splat(127)).shl::<23>()).to_unsigned();
-    power.test(L::U::splat(bits))
-}
+use voltet_lanes::{Float, Lanes};
 
 /// A widget made ready for lanes.
 pub(crate) enum LaneWidget {
@@ -120,21 +34,6 @@ pub(crate) enum LaneWidget {
     Exact,
 }
 
-/// Beyond so many widths the rounding of a segment's ends reaches the square of its distance from the centre:
-/// 4e-3 of the depth at 1e6 widths.
-pub(crate) const WIDTHS_MOST: f32 = 1e5;
-
-/// exp(−|K (v − centre)|²), K and the centre scaled as the attributes are.
-pub(crate) struct LaneGaussian {
-    matrix: [[f32; 2]; 2],
-    centre: [f32; 2],
-    /// Whether a segment can span more than [`WIDTHS_MOST`] widths.
-    narrow: bool,
-    pub density: f32,
-    pub color: [f32; 3],
-    pub region: Option<LaneRegion>,
-}
-
 impl LaneWidget {
     /// `density_scale` turns extinction into optical depth per scene length; `fields`: names of the further fields,
     /// `cutoff`: the constant-emitter's.
@@ -154,17 +53,7 @@ impl LaneWidget {
         match (&widget.profile, region) {
             (Profile::Uniform, Some(region)) => LaneWidget::Uniform { density, color, region },
             (Profile::Gaussian { centre, matrix }, region) => {
-                let axis = |a: usize| attributes.get(a).map_or([0.0, 1.0], |x| [x.offset, x.scale]);
-                let scale = [axis(0)[1], axis(1)[1]];
-                let steepest = matrix.iter().flat_map(|row| [row[0] * scale[0], row[1] * scale[1]]);
-                LaneWidget::Gaussian(LaneGaussian {
-                    narrow: steepest.map(f64::abs).sum::<f64>() > f64::from(WIDTHS_MOST),
-                    matrix: matrix.map(|row| [(row[0] * scale[0]) as f32, (row[1] * scale[1]) as f32]),
-                    centre: std::array::from_fn(|a| ((centre[a] - axis(a)[0]) / axis(a)[1]) as f32),
-                    density,
-                    color,
-                    region,
-                })
+                LaneWidget::Gaussian(LaneGaussian::new(centre, matrix, attributes, density, color, region))
             }
             (Profile::TriangleWave(wave) | Profile::SineWave(wave), region) => {
                 let sine = matches!(&widget.profile, Profile::SineWave(_));
@@ -258,44 +147,5 @@ impl LaneWidget {
             }
             _ => L::F::splat(0.0),
         }
-    }
-}
-
-impl LaneGaussian {
-    #[inline(always)]
-    pub fn point<L: Lanes>(&self, v: &[L::F; 2]) -> [L::F; 2] {
-        let splat = L::F::splat;
-        let d = [v[0] - splat(self.centre[0]), v[1] - splat(self.centre[1])];
-        array(
-            #[inline(always)]
-            |i| splat(self.matrix[i][0]).mul_add(d[0], splat(self.matrix[i][1]) * d[1]),
-        )
-    }
-
-    /// Depth and shape; it jumps where a part of the segment is inside the region.
-    #[inline(always)]
-    fn shape<L: Lanes>(&self, along: &Along<L>) -> Shape<L> {
-        let Inside { front, back, share, cut } = along.inside(self.region.as_ref());
-        let peak = L::F::splat(self.density) * along.length * share;
-        gaussian::shape::<L, 2>(self.point::<L>(&front), self.point::<L>(&back), peak).cut(cut)
-    }
-
-    /// Lanes (bits) on which the segment spans too many widths.
-    #[inline(always)]
-    fn unsure<L: Lanes>(&self, along: &Along<L>) -> u32 {
-        if !self.narrow {
-            return 0;
-        }
-        let (front, back) = (self.point::<L>(&along.front), self.point::<L>(&along.back));
-        let step = [back[0] - front[0], back[1] - front[1]];
-        let extent = step[0].mul_add(step[0], step[1] * step[1]).sqrt();
-        L::F::splat(WIDTHS_MOST).lt(extent).bits()
-    }
-
-    #[inline(always)]
-    fn density_at<L: Lanes>(&self, along: &Along<L>, t: L::F) -> L::F {
-        let q = self.point::<L>(&along.at(t));
-        let profile = voltet_lanes::optics::elementary::exp::<L>(-(q[0].mul_add(q[0], q[1] * q[1])));
-        L::F::splat(self.density) * profile
     }
 }

@@ -1,12 +1,8 @@
 //! Crossings: where each fragment's ray enters and leaves its cell, and the attributes there.
 
+use crate::fragments::batch::{Batch, LANES_MOST};
 use crate::project::record::{ATTRIBUTE_WORDS, AttributeRecord, RECORD_WORDS, Record, TILE};
 use voltet_lanes::{Float, Lanes, Mask, Unsigned, array, inlined};
-
-/// Most lanes of any set.
-pub(crate) const LANES_MOST: usize = 16;
-/// Fragments evaluated at a time: their arrays stay in the first-level cache.
-pub(crate) const BATCH: usize = 256;
 
 /// Records of up to `WIDTH` cells, word by word, cells side by side.
 pub(crate) struct Group {
@@ -14,42 +10,6 @@ pub(crate) struct Group {
     pixel_x: [f32; LANES_MOST],
     pixel_y: [f32; LANES_MOST],
     attributes: Vec<[[f32; LANES_MOST]; ATTRIBUTE_WORDS]>,
-}
-
-/// What is known of a batch of fragments. Lengths in scene lengths; attributes scaled.
-pub(crate) struct Batch {
-    /// Pixel of the tile, row << 4 | column.
-    pub pixel: Vec<u32>,
-    /// Fragments that cross their cell over a positive length.
-    pub hits: u32,
-    /// D; 0 where the ray misses the cell.
-    pub length: Vec<f32>,
-    /// Depth of the entry from the distance origin (orders segments; × stretch = distance).
-    pub entry: Vec<f32>,
-    /// Depth of the exit.
-    pub exit: Vec<f32>,
-    /// Values at the entry, attribute by attribute.
-    pub front: Vec<Vec<f32>>,
-    /// Values at the exit.
-    pub back: Vec<Vec<f32>>,
-    /// Attributes that widgets look at; behind them comes the gradient.
-    pub scalar_count: usize,
-}
-
-impl Batch {
-    pub fn new(attribute_count: usize, scalar_count: usize) -> Self {
-        let column = || vec![0f32; BATCH];
-        Batch {
-            pixel: vec![0; BATCH],
-            hits: 0,
-            length: column(),
-            entry: column(),
-            exit: column(),
-            front: (0..attribute_count).map(|_| column()).collect(),
-            back: (0..attribute_count).map(|_| column()).collect(),
-            scalar_count,
-        }
-    }
 }
 
 impl Group {
@@ -87,7 +47,7 @@ impl Group {
         }
     }
 
-    /// Evaluates `codes` (at most [`BATCH`], readable up to the next multiple of `WIDTH`). `stretch` is the
+    /// Evaluates `codes` (at most [`super::batch::BATCH`], readable up to the next multiple of `WIDTH`). `stretch` is the
     /// length of each pixel's ray direction; `near`, where the near plane cuts cells, gives its
     /// v as scale × (depth, or the distance with parallel rays) + offset. Entry and exit
     /// depths are found only if the segments are `ordered`.

@@ -14,7 +14,7 @@ use voltet_lanes::{Double, Float, Lanes, Mask, Unsigned, inlined};
 const EDGES: [[usize; 2]; 6] = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]];
 
 /// Most lanes of any set.
-const MOST: usize = crate::composite::crossing::LANES_MOST;
+const MOST: usize = crate::fragments::batch::LANES_MOST;
 
 /// 1.5 · 2²³ · 2⁻¹⁷: adding and taking away this times a power of two rounds to 2⁻¹⁷ of that power (up to 32 times
 /// it, twice a tile; beyond, where spans are cut off, more coarsely).

@@ -1,0 +1,103 @@
+//! Attributes: the point arrays that widgets, light and silhouettes look at, scaled for 32 bits.
+
+use crate::cells::Cells;
+use rayon::prelude::*;
+use voltet_core::transfer::TransferFunction;
+use voltet_core::{Error, Result};
+
+/// A point array scaled so that the grid's values span about −½ … ½.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Attribute<'a> {
+    /// Values of the points, `stride` apart.
+    pub values: &'a [f64],
+    /// Distance between the values of two points.
+    pub stride: usize,
+    /// Stored value = (value − offset) / scale.
+    pub offset: f64,
+    /// See `offset`; > 0.
+    pub scale: f64,
+}
+
+impl Attribute<'_> {
+    /// Value of a point, not scaled.
+    #[inline(always)]
+    pub fn at(&self, point: usize) -> f64 {
+        self.values[point * self.stride]
+    }
+}
+
+/// The point arrays that the transfer function looks at, s first, then g, then the further fields, scaled to
+/// about −½ … ½.
+pub(crate) fn attributes_of<'a>(
+    cells: &'a Cells,
+    transfer_function: &TransferFunction,
+) -> Result<Vec<Attribute<'a>>> {
+    let volume = &cells.volume;
+    let fields = transfer_function.fields();
+    let mut attributes = vec![attribute(&volume.scalar, cells.ranges[0], transfer_function.single_centre(0))];
+    if transfer_function.uses_gradient_magnitude() || !fields.is_empty() {
+        match &volume.gradient_magnitude {
+            Some(g) => attributes.push(attribute(g, cells.ranges[1], transfer_function.single_centre(1))),
+            None if transfer_function.uses_gradient_magnitude() => {
+                return Err(Error::usage(
+                    "the transfer function looks at the gradient magnitude, and the volume has none",
+                )
+                .accepted("a gradient-magnitude node before this one"));
+            }
+            // The further fields stand in their own places, behind g.
+            None => attributes.push(attribute(&volume.scalar, cells.ranges[0], None)),
+        }
+    }
+    for name in fields {
+        let array = volume.grid.point_arrays.get(name).filter(|array| array.component_count == 1);
+        let Some(array) = array else {
+            return Err(Error::usage("the transfer function looks at a field that the volume does not have")
+                .found(name)
+                .accepted("a point array of one component that the reader was asked for"));
+        };
+        attributes.push(attribute(&array.values, range(&array.values), None));
+    }
+    Ok(attributes)
+}
+
+/// The components of the gradient as attributes, for light and silhouettes: no offset and one scale, so that small
+/// gradients keep their direction.
+pub(crate) fn gradient_attributes(cells: &Cells) -> Result<Vec<Attribute<'_>>> {
+    let volume = &cells.volume;
+    let gradient = volume.gradient.as_ref().filter(|g| g.len() == volume.grid.points.len());
+    let Some(gradient) = gradient else {
+        let count = volume.gradient.as_ref().map_or(0, |g| g.len());
+        return Err(Error::usage("light and silhouettes need a gradient at every point")
+            .found(format!("{count} gradients, {} points", volume.grid.points.len()))
+            .accepted("a gradient-magnitude node before this one"));
+    };
+    let scale = if cells.steepest > 0.0 { cells.steepest } else { 1.0 };
+    let values: &[f64] = bytemuck::cast_slice(gradient);
+    Ok((0..3)
+        .map(|i| Attribute { values: values.get(i..).unwrap_or(&[]), stride: 3, offset: 0.0, scale })
+        .collect())
+}
+
+fn attribute(values: &[f64], range: [f64; 2], centre: Option<f64>) -> Attribute<'_> {
+    let [low, high] = range;
+    let middle = low + 0.5 * (high - low);
+    let offset = centre.filter(|c| (low..=high).contains(c)).unwrap_or(middle);
+    let span = high - low;
+    // A constant field: any scale serves.
+    let scale = if span > 0.0 && span.is_finite() { span } else { 1.0 };
+    Attribute { values, stride: 1, offset, scale }
+}
+
+/// Smallest and largest finite value; [0, 0] for none.
+pub(crate) fn range(values: &[f64]) -> [f64; 2] {
+    let [low, high] = values
+        .par_chunks(1 << 14)
+        .map(|chunk| {
+            chunk
+                .iter()
+                .filter(|v| v.is_finite())
+                .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], &v| [low.min(v), high.max(v)])
+        })
+        .reduce(|| [f64::INFINITY, f64::NEG_INFINITY], |a, b| [a[0].min(b[0]), a[1].max(b[1])]);
+    if low <= high { [low, high] } else { [0.0; 2] }
+}

@@ -1,0 +1,130 @@
+//! The kernels of a tile: each is compiled once a lane set; everything between them is plain code.
+
+use crate::composite::lists::Lists;
+use crate::composite::sinks::TilePicture;
+use crate::fragments::batch::Batch;
+use crate::fragments::crossing::Group;
+use crate::fragments::spans::{Edges, Fragments};
+use crate::project::record::TILE;
+use crate::scene::Scene;
+use crate::shade::light::Rays;
+use crate::shade::shaded::Shaded;
+use std::ops::Range;
+use voltet_lanes::{Kernel, Lanes};
+
+pub(crate) struct Cover<'a> {
+    pub scene: &'a Scene<'a>,
+    pub cells: &'a [u32],
+    /// The entries after these: their records are asked for one by one, so that the requests do not queue up.
+    pub ahead: &'a [u32],
+    pub left: usize,
+    pub top: usize,
+    pub right: usize,
+    pub rows: Range<usize>,
+    pub group: &'a mut Group,
+    pub edges: &'a mut Edges,
+    pub fragments: &'a mut Fragments,
+}
+
+impl Kernel for Cover<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        self.fragments.count = 0;
+        for (lane, &entry) in self.cells.iter().enumerate() {
+            if let Some(&later) = self.ahead.get(lane) {
+                self.scene.prefetch(later);
+            }
+            let (record, attributes, corners) = self.scene.record(entry);
+            self.group.take(lane, record, attributes, self.left, self.top);
+            self.edges.take(lane, corners);
+        }
+        self.edges.find::<L>(self.left, self.top, &self.rows);
+        for lane in 0..self.cells.len() {
+            self.fragments.cover::<L>(self.edges, lane, self.right - self.left);
+        }
+    }
+}
+
+pub(crate) struct Evaluate<'a> {
+    pub scene: &'a Scene<'a>,
+    pub group: &'a Group,
+    pub codes: &'a [u16],
+    pub count: usize,
+    pub stretch: &'a [f32; TILE * TILE],
+    pub batch: &'a mut Batch,
+}
+
+impl Kernel for Evaluate<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Evaluate { scene, group, codes, count, stretch, batch } = self;
+        let ordered = scene.shader.one_color.is_none();
+        if scene.view.perspective {
+            group.evaluate::<L, true>(codes, count, stretch, scene.near, ordered, batch);
+        } else {
+            group.evaluate::<L, false>(codes, count, stretch, scene.near, ordered, batch);
+        }
+    }
+}
+
+pub(crate) struct Shade<'a> {
+    pub scene: &'a Scene<'a>,
+    pub batch: &'a Batch,
+    pub count: usize,
+    pub shaded: &'a mut Shaded,
+}
+
+impl Kernel for Shade<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        self.scene.shader.shade::<L>(self.batch, self.count, self.shaded);
+    }
+}
+
+pub(crate) struct Walk<'a> {
+    pub scene: &'a Scene<'a>,
+    pub batch: &'a Batch,
+    pub shaded: &'a mut Shaded,
+}
+
+impl Kernel for Walk<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        self.scene.shader.walk::<L>(self.batch, self.shaded);
+    }
+}
+
+pub(crate) struct Illuminate<'a> {
+    pub scene: &'a Scene<'a>,
+    pub batch: &'a Batch,
+    pub count: usize,
+    pub rays: &'a Rays,
+    pub shaded: &'a mut Shaded,
+}
+
+impl Kernel for Illuminate<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        self.scene.shader.light::<L>(self.batch, self.count, self.rays, self.shaded);
+    }
+}
+
+pub(crate) struct Blend<'a> {
+    pub lists: &'a mut Lists,
+    pub sorted: bool,
+    pub picture: &'a mut TilePicture,
+}
+
+impl Kernel for Blend<'_> {
+    /// Pixels composited out of order.
+    type Output = u64;
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> u64 {
+        self.lists.composite::<L>(self.sorted, self.picture)
+    }
+}

@@ -1,0 +1,86 @@
+//! Where a tile's segments go: to lists that are sorted, or, where no order is needed, to sums.
+
+use crate::composite::growing_lists::GrowingLists;
+use crate::composite::lists::{Layer, Lists, Overflow};
+use crate::fragments::batch::Batch;
+use crate::project::record::TILE;
+use crate::shade::shaded::Shaded;
+
+/// Colour and opacity of a tile's pixels.
+pub(crate) type TilePicture = [[f32; 4]; TILE * TILE];
+
+/// Where a tile's segments go.
+pub(crate) trait Sink {
+    /// Takes the first `count` fragments of a batch; those of no length are not segments.
+    fn take(&mut self, batch: &Batch, shaded: &Shaded, count: usize) -> Result<(), Overflow> {
+        for k in 0..count {
+            if batch.length[k] > 0.0 {
+                let rgba = [shaded.rgba[0][k], shaded.rgba[1][k], shaded.rgba[2][k], shaded.rgba[3][k]];
+                let layer = Layer::new(batch.entry[k], batch.exit[k], rgba);
+                self.push(batch.pixel[k] as usize, shaded.depth[k], layer)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Takes one segment.
+    fn push(&mut self, pixel: usize, depth: f32, layer: Layer) -> Result<(), Overflow>;
+
+    /// Whether nothing that may come changes any pixel.
+    fn is_full(&self) -> bool {
+        false
+    }
+}
+
+/// Depth at which a pixel is opaque: what is missing of 1 is under 1e-11.
+pub(crate) const OPAQUE_DEPTH: f32 = 25.0;
+
+/// Sums optical depths, or composites opacities where each segment's has a factor of its own: A is then more than a
+/// sum of depths, but its order does not matter either.
+pub(crate) struct DepthSink<'a> {
+    pub sums: &'a mut [f32; TILE * TILE],
+    pub opacities: bool,
+}
+
+impl Sink for DepthSink<'_> {
+    fn take(&mut self, batch: &Batch, shaded: &Shaded, count: usize) -> Result<(), Overflow> {
+        // Fragments of no length have no depth: no test.
+        let segments = batch.pixel[..count].iter().zip(&shaded.depth[..count]);
+        if self.opacities {
+            for (&pixel, &opacity) in segments {
+                let sum = &mut self.sums[usize::from(pixel as u8)];
+                *sum += (1.0 - *sum) * opacity;
+            }
+        } else {
+            for (&pixel, &depth) in segments {
+                self.sums[usize::from(pixel as u8)] += depth;
+            }
+        }
+        Ok(())
+    }
+
+    fn push(&mut self, pixel: usize, depth: f32, _layer: Layer) -> Result<(), Overflow> {
+        let sum = &mut self.sums[pixel & (TILE * TILE - 1)];
+        *sum += if self.opacities { (1.0 - *sum) * depth } else { depth };
+        Ok(())
+    }
+
+    fn is_full(&self) -> bool {
+        let full = if self.opacities { 1.0 } else { OPAQUE_DEPTH };
+        self.sums.iter().all(|sum| full <= *sum)
+    }
+}
+
+impl Sink for Lists {
+    #[inline(always)]
+    fn push(&mut self, pixel: usize, _depth: f32, layer: Layer) -> Result<(), Overflow> {
+        Lists::push(self, pixel, layer)
+    }
+}
+
+impl Sink for GrowingLists {
+    fn push(&mut self, pixel: usize, _depth: f32, layer: Layer) -> Result<(), Overflow> {
+        GrowingLists::push(self, pixel & (TILE - 1), layer);
+        Ok(())
+    }
+}

@@ -1,0 +1,217 @@
+//! One worker: tile by tile, cells to fragments to segments to pixels.
+//!
+//! Each worker takes tiles, the fullest first, and walks a tile's cells in grid order, as many at a time as there
+//! are lanes: spans of all cells become one dense list of fragments ([`crate::fragments::spans`]), batches of it are
+//! intersected ([`crate::fragments::crossing`]) and integrated ([`crate::shade`]), and the results go to per-pixel lists
+//! ([`super::lists`]), or, where the scene has one colour, are summed: there no order is needed.
+
+use crate::composite::growing_lists::GrowingLists;
+use crate::composite::kernels::{Blend, Cover, Evaluate, Illuminate, Shade, Walk};
+use crate::composite::lists::{Layer, Lists, Overflow};
+use crate::composite::sinks::{DepthSink, OPAQUE_DEPTH, Sink, TilePicture};
+use crate::fragments::batch::{BATCH, Batch, LANES_MOST};
+use crate::fragments::crossing::Group;
+use crate::fragments::spans::{Edges, Fragments};
+use crate::project::record::TILE;
+use crate::scene::Scene;
+use crate::shade::light::{Rays, rays};
+use crate::shade::shaded::Shaded;
+use std::ops::Range;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use voltet_core::progress::Progress;
+use voltet_lanes::{dispatch, dispatch_avx2};
+
+/// What one worker drew: pictures with their tile numbers, and its counts.
+pub(crate) type Drawn = (Vec<(u32, Box<TilePicture>)>, WorkerCounts);
+
+/// Counts of one worker.
+#[derive(Debug, Default, Clone, Copy)]
+pub(crate) struct WorkerCounts {
+    pub segments: u64,
+    pub segments_exact: u64,
+    pub segments_overlapping: u64,
+    pub tiles_deep: u64,
+    pub tiles_sorted: u64,
+    pub pixels_disordered: u64,
+    pub tiles_stopped: u64,
+    pub cells_hidden: u64,
+}
+
+/// One worker: takes tiles until none is left.
+pub(crate) struct Worker<'a> {
+    pub scene: &'a Scene<'a>,
+    /// Tile numbers, fullest first.
+    pub queue: &'a [u32],
+    pub next: &'a AtomicUsize,
+    pub progress: &'a dyn Progress,
+}
+
+/// Scratch of one worker.
+struct Scratch {
+    fragments: Fragments,
+    edges: Edges,
+    group: Group,
+    batch: Batch,
+    shaded: Shaded,
+    stretch: [f32; TILE * TILE],
+    rays: Rays,
+    counts: WorkerCounts,
+}
+
+impl Worker<'_> {
+    /// Draws tiles until the queue is empty. Returns the pictures with their tile numbers.
+    pub fn run(self) -> Drawn {
+        let scene = self.scene;
+        let mut scratch = Scratch {
+            fragments: Fragments::new(LANES_MOST),
+            edges: Edges::new(),
+            group: Group::new(scene.attribute_count),
+            batch: Batch::new(scene.attribute_count, scene.scalar_count),
+            shaded: Shaded::new(),
+            stretch: [1.0; TILE * TILE],
+            rays: [[0.0; TILE * TILE]; 3],
+            counts: WorkerCounts::default(),
+        };
+        let mut lists = Lists::new();
+        let mut done = Vec::new();
+        loop {
+            let k = self.next.fetch_add(1, Ordering::Relaxed);
+            let Some(&tile) = self.queue.get(k) else { break };
+            if k.is_multiple_of(16) {
+                self.progress.report("composite", k as f64 / self.queue.len() as f64);
+            }
+            if self.progress.cancelled() {
+                break;
+            }
+            let mut picture = Box::new([[0.0; 4]; TILE * TILE]);
+            draw_tile(scene, tile as usize, &mut scratch, &mut lists, &mut picture);
+            done.push((tile, picture));
+        }
+        scratch.counts.segments_exact = scratch.shaded.exact_count;
+        scratch.counts.segments_overlapping += scratch.shaded.overlap_count;
+        (done, scratch.counts)
+    }
+}
+
+fn draw_tile(
+    scene: &Scene<'_>,
+    tile: usize,
+    scratch: &mut Scratch,
+    lists: &mut Lists,
+    picture: &mut TilePicture,
+) {
+    let (left, top) = (tile % scene.tiles_wide * TILE, tile / scene.tiles_wide * TILE);
+    if scene.view.perspective {
+        for (pixel, stretch) in scratch.stretch.iter_mut().enumerate() {
+            *stretch = scene.view.stretch((left + pixel % TILE) as f64, (top + pixel / TILE) as f64) as f32;
+        }
+    }
+    if scene.shader.surface.is_some_and(|surface| surface.silhouette.is_some()) {
+        rays(&scene.view, left, top, &mut scratch.rays);
+    }
+    if let Some(color) = scene.shader.one_color {
+        let mut depth = [0.0; TILE * TILE];
+        // Pixels beyond the picture's edge wait for nothing.
+        let [columns, rows] = [scene.view.size[0] - left, scene.view.size[1] - top];
+        for (pixel, depth) in depth.iter_mut().enumerate() {
+            if columns <= pixel % TILE || rows <= pixel / TILE {
+                *depth = OPAQUE_DEPTH;
+            }
+        }
+        // A sum cannot overflow its pixel.
+        let opacities = scene.shader.surface.is_some();
+        let _ = walk(scene, tile, 0..TILE, scratch, &mut DepthSink { sums: &mut depth, opacities });
+        for (pixel, &sum) in picture.iter_mut().zip(&depth) {
+            let sum = f64::from(sum);
+            let opacity = if opacities { sum } else { -(-sum).exp_m1() };
+            let c = color.map(|c| (f64::from(c) * opacity) as f32);
+            *pixel = [c[0], c[1], c[2], opacity as f32];
+        }
+        return;
+    }
+    lists.clear();
+    scratch.counts.tiles_sorted += u64::from(scene.sorted);
+    let before = scratch.counts;
+    let drawn = walk(scene, tile, 0..TILE, scratch, lists);
+    if drawn.is_ok() {
+        scratch.counts.pixels_disordered +=
+            dispatch(scene.lanes, Blend { lists, sorted: scene.sorted, picture });
+    }
+    if drawn.is_err() {
+        // Rows are independent: draw them one at a time with lists that grow.
+        scratch.counts = before;
+        scratch.counts.tiles_deep += 1;
+        let mut growing = GrowingLists::default();
+        for row in 0..TILE {
+            growing.clear();
+            let _ = walk(scene, tile, row..row + 1, scratch, &mut growing);
+            scratch.counts.pixels_disordered +=
+                growing.composite(scene.sorted, &mut picture[row * TILE..][..TILE]);
+        }
+    }
+}
+
+/// Sends all segments of some rows of a tile to a sink.
+fn walk(
+    scene: &Scene<'_>,
+    tile: usize,
+    rows: Range<usize>,
+    scratch: &mut Scratch,
+    sink: &mut impl Sink,
+) -> Result<(), Overflow> {
+    let (left, top) = (tile % scene.tiles_wide * TILE, tile / scene.tiles_wide * TILE);
+    let right = (left + TILE).min(scene.view.size[0]);
+    let bottom = (top + TILE).min(scene.view.size[1]);
+    let rows = rows.start..rows.end.min(bottom - top);
+    let Scratch { fragments, edges, group, batch, shaded, stretch, rays, counts } = scratch;
+
+    let width = scene.lanes.width();
+    let entries = scene.entries_of(tile);
+    for (number, cells) in entries.chunks(width).enumerate() {
+        if sink.is_full() {
+            counts.tiles_stopped += 1;
+            counts.cells_hidden += (entries.len() - number * width + scene.cells64_of(tile).count()) as u64;
+            return Ok(());
+        }
+        let after = (number + 1) * width;
+        let ahead = &entries[after.min(entries.len())..];
+        dispatch(
+            scene.lanes,
+            Cover { scene, cells, ahead, left, top, right, rows: rows.clone(), group, edges, fragments },
+        );
+        let mut from = 0;
+        while from < fragments.count {
+            let count = (fragments.count - from).min(BATCH);
+            let codes = &fragments.codes[from..];
+            dispatch(scene.lanes, Evaluate { scene, group, codes, count, stretch, batch });
+            dispatch(scene.lanes, Shade { scene, batch, count, shaded });
+            if !shaded.rest.is_empty() {
+                // Without AVX2 all that is left over goes the 64-bit way.
+                let _ = dispatch_avx2(scene.lanes, Walk { scene, batch, shaded });
+                scene.shader.finish(batch, shaded);
+            }
+            if scene.shader.surface.is_some() {
+                dispatch(scene.lanes, Illuminate { scene, batch, count, rays, shaded });
+            }
+            counts.segments += u64::from(batch.hits);
+            sink.take(batch, shaded, count)?;
+            from += count;
+        }
+    }
+
+    for cell in scene.cells64_of(tile) {
+        let [x0, y0, x1, y1] = cell.bounds;
+        for j in y0.max(top + rows.start)..y1.min(top + rows.end) {
+            for i in x0.max(left)..x1.min(right) {
+                let Some(crossing) = cell.cross(&scene.view, i, j) else { continue };
+                counts.segments += 1;
+                let exact = scene.shade64(cell, &crossing, i, j);
+                counts.segments_overlapping += u64::from(exact.overlaps);
+                let [entry, exit] = crossing.depth.map(|z| (z - scene.distance_origin) as f32);
+                let layer = Layer::new(entry, exit, exact.rgba);
+                sink.push((j - top) << 4 | (i - left), exact.depth, layer)?;
+            }
+        }
+    }
+    Ok(())
+}

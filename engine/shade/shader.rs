@@ -1,0 +1,323 @@
+//! The shader: from a fragment's length and attribute values to its colour and opacity.
+//!
+//! Three roads, each for what the one before leaves over: quick closed forms in lanes (density-emitter; overlaps by
+//! [`super::overlap`]), a walk in panels in lanes ([`super::panels`]), and the 64-bit integrator segment by segment, which
+//! also serves every integrator but the analytic one. What a scene does not use is not prepared.
+
+use crate::attribute::Attribute;
+use crate::fragments::batch::Batch;
+use crate::shade::along::Along;
+use crate::shade::light::{Rays, Surface};
+use crate::shade::overlap::{ORDERED_MOST, Overlapping};
+use crate::shade::panels::PanelWalk;
+use crate::shade::shaded::{Exact, MIX_PRODUCT, Shaded};
+use crate::shade::widget::LaneWidget;
+use voltet_core::optics::integrators::SegmentIntegrator;
+use voltet_core::optics::{Overlap, Prepared, Segment};
+use voltet_core::shading::{Integrator, Shading};
+use voltet_core::transfer::{OpticalModel, Profile, TransferFunction};
+use voltet_core::{Error, Result};
+use voltet_lanes::optics::elementary::one_minus_exp;
+use voltet_lanes::optics::smooth::Shape;
+use voltet_lanes::{Float, Lanes, Mask};
+
+/// A transfer function made ready for lanes.
+pub(crate) struct Shader {
+    /// Finds overlaps in 64 bits, where there is more than one widget.
+    overlaps: Option<Prepared>,
+    /// What serves one segment in 64 bits.
+    exact: Box<dyn SegmentIntegrator>,
+    overlap: Overlap,
+    widgets: Vec<LaneWidget>,
+    /// What the quick forms do not serve, but lanes do.
+    walker: Option<PanelWalk>,
+    /// Whether the quick forms serve anything.
+    quick: bool,
+    /// Offset and scale of each attribute: value = offset + scale × stored.
+    scaling: Vec<[f64; 2]>,
+    /// World units in a scene length.
+    length: f64,
+    /// Silhouettes and light.
+    pub surface: Option<Surface>,
+    /// The one colour of all widgets, under the density-emitter: C = c · A, so no order is needed.
+    pub one_color: Option<[f32; 3]>,
+}
+
+impl Shader {
+    /// `ordered`: segments are ordered also where one colour needs no order.
+    pub fn new(
+        transfer_function: &TransferFunction,
+        shading: &Shading,
+        exact: Box<dyn SegmentIntegrator>,
+        (attributes, length, ordered): (&[Attribute<'_>], f64, bool),
+        surface: Option<Surface>,
+    ) -> Result<Shader> {
+        let in_lanes = shading.integrator == Integrator::Analytic;
+        let density_emitter = transfer_function.model == OpticalModel::DensityEmitter;
+        let cutoff = transfer_function.model.cutoff();
+        let fields = transfer_function.fields();
+        let per_length = length / transfer_function.unit_distance;
+        let widgets: Vec<LaneWidget> = transfer_function
+            .widgets
+            .iter()
+            .map(|widget| match in_lanes {
+                true => LaneWidget::new(widget, attributes, &fields, per_length, cutoff),
+                false => LaneWidget::Exact,
+            })
+            .collect();
+        let mut colors = transfer_function.widgets.iter().flat_map(|widget| match &widget.profile {
+            Profile::PiecewiseLinear { points } => points.iter().map(|p| Some(p.color)).collect(),
+            Profile::Table(_) => vec![None],
+            _ => vec![Some(widget.color)],
+        });
+        let first = colors.next().unwrap_or(Some([0.0; 3]));
+        let light = surface.map_or(Some(1.0), |surface| surface.even_light());
+        let one_color = match (first, light) {
+            (Some(color), Some(light)) if density_emitter && !ordered && colors.all(|c| c == first) => {
+                Some(color.map(|x| (x * light) as f32))
+            }
+            _ => None,
+        };
+        if length <= 0.0 || !length.is_finite() {
+            return Err(Error::run("the grid has no extent")
+                .found(length)
+                .accepted("points that span a volume"));
+        }
+        let scaling = attributes.iter().map(|a| [a.offset, a.scale]).collect();
+        let slow = |widget: &LaneWidget| {
+            matches!(widget, LaneWidget::Triangular(_) | LaneWidget::GaussianNd(_) | LaneWidget::Exact)
+        };
+        let quick = density_emitter && !widgets.iter().any(slow);
+        let walker = (shading.overlap == Overlap::Exact || one_color.is_some())
+            .then(|| PanelWalk::new(transfer_function, &widgets, length, one_color.is_some(), !quick))
+            .flatten();
+        let several = transfer_function.widgets.len() > 1;
+        let overlaps = several.then(|| Prepared::new(transfer_function)).transpose()?;
+        Ok(Shader {
+            overlaps,
+            exact,
+            overlap: shading.overlap,
+            widgets,
+            walker,
+            quick,
+            scaling,
+            length,
+            surface,
+            one_color,
+        })
+    }
+
+    /// Integrates the first `count` fragments of a batch.
+    #[inline(always)]
+    pub fn shade<L: Lanes>(&self, batch: &Batch, count: usize, out: &mut Shaded) {
+        out.rest.clear();
+        let mut at = 0;
+        while at < count {
+            let along = Along::<L>::load(batch, at);
+            let unsure = match self.widgets.as_slice() {
+                _ if !self.quick => {
+                    // Fragments of no length are summed, too.
+                    L::F::splat(0.0).store(&mut out.depth[at..]);
+                    u32::MAX
+                }
+                [LaneWidget::Linear(linear)] if self.one_color.is_none() => {
+                    let (rgba, unsure) = linear.integrate::<L>(&along);
+                    for (column, value) in out.rgba.iter_mut().zip(rgba) {
+                        value.store(&mut column[at..]);
+                    }
+                    unsure
+                }
+                widgets if self.one_color.is_some() => {
+                    self.of_one_color::<L>(widgets, &along, at, count, out)
+                }
+                widgets => self.several::<L>(widgets, &along, at, count, out),
+            };
+            let mut unsure = unsure & along.crossing.bits();
+            while unsure != 0 {
+                let k = at + unsure.trailing_zeros() as usize;
+                if k < count {
+                    out.rest.push(k);
+                }
+                unsure &= unsure - 1;
+            }
+            at += L::WIDTH;
+        }
+    }
+
+    /// The fragments that [`Shader::shade`] left over, in lanes.
+    #[inline(always)]
+    pub fn walk<L: Lanes>(&self, batch: &Batch, out: &mut Shaded) {
+        let Some(walker) = &self.walker else { return };
+        let which = std::mem::take(&mut out.rest);
+        let mut exact = std::mem::take(&mut out.spare);
+        exact.clear();
+        walker.walk::<L>(&self.widgets, batch, &which, out, &mut exact);
+        out.rest = exact;
+        out.spare = which;
+    }
+
+    /// What is still left over, one by one in 64 bits.
+    pub fn finish(&self, batch: &Batch, out: &mut Shaded) {
+        for i in 0..out.rest.len() {
+            let k = out.rest[i];
+            let at = |columns: &[Vec<f32>], a: usize| f64::from(columns[a][k]);
+            let value =
+                |columns: &[Vec<f32>], a: usize| self.scaling[a][0] + self.scaling[a][1] * at(columns, a);
+            let contribution = self.integrate(
+                f64::from(batch.length[k]),
+                |a| value(&batch.front, a),
+                |a| value(&batch.back, a),
+                // The quick forms have counted theirs.
+                !self.quick,
+            );
+            out.depth[k] = contribution.depth;
+            for (column, value) in out.rgba.iter_mut().zip(contribution.rgba) {
+                column[k] = value;
+            }
+            out.overlap_count += u64::from(contribution.overlaps);
+        }
+        out.exact_count += out.rest.len() as u64;
+    }
+
+    /// Silhouettes and light.
+    #[inline(always)]
+    pub fn light<L: Lanes>(&self, batch: &Batch, count: usize, rays: &Rays, out: &mut Shaded) {
+        let Some(surface) = &self.surface else { return };
+        let mut at = 0;
+        while at < count {
+            let (opacity, color) = surface.factors::<L>(batch, at, rays);
+            if self.one_color.is_some() {
+                let value = one_minus_exp::<L>(L::F::load(&out.depth[at..])) * opacity;
+                value.store(&mut out.depth[at..]);
+            } else {
+                for (column, factor) in out.rgba.iter_mut().zip([color, color, color, opacity]) {
+                    (L::F::load(&column[at..]) * factor).store(&mut column[at..]);
+                }
+            }
+            at += L::WIDTH;
+        }
+    }
+
+    /// The 64-bit integral of one segment: `length` in scene lengths, attributes in their own units;
+    /// `counted`: whether to say if widgets overlap.
+    pub fn integrate(
+        &self,
+        length: f64,
+        front: impl Fn(usize) -> f64,
+        back: impl Fn(usize) -> f64,
+        counted: bool,
+    ) -> Exact {
+        const FIELDS_MOST: usize = 10;
+        let n = self.scaling.len().min(FIELDS_MOST);
+        let mut ends = [[0f64; FIELDS_MOST]; 2];
+        let [fronts, backs] = &mut ends;
+        for (a, (at_front, at_back)) in fronts.iter_mut().zip(backs).enumerate().take(n) {
+            (*at_front, *at_back) = (front(a), back(a));
+        }
+        let g = |values: &[f64; FIELDS_MOST]| if n > 1 { values[1] } else { 0.0 };
+        let fields = if n > 2 { 2..n } else { 0..0 };
+        let segment = Segment {
+            length: length * self.length,
+            front: [ends[0][0], g(&ends[0])],
+            back: [ends[1][0], g(&ends[1])],
+            fields_front: &ends[0][fields.clone()],
+            fields_back: &ends[1][fields],
+        };
+        let c = self.exact.integrate(&segment);
+        let color = c.color.map(|x| x as f32);
+        Exact {
+            depth: c.optical_depth.min(f64::from(f32::MAX)) as f32,
+            rgba: [color[0], color[1], color[2], c.opacity as f32],
+            overlaps: counted
+                && self.overlaps.as_ref().is_some_and(|o| o.overlap(&segment) > f64::from(MIX_PRODUCT)),
+        }
+    }
+
+    /// Widgets of one colour: optical depths add up, whatever the order.
+    #[inline(always)]
+    fn of_one_color<L: Lanes>(
+        &self,
+        widgets: &[LaneWidget],
+        along: &Along<L>,
+        at: usize,
+        count: usize,
+        out: &mut Shaded,
+    ) -> u32 {
+        let zero = L::F::splat(0.0);
+        let (mut total, mut product, mut unsure) = (zero, zero, 0);
+        for widget in widgets {
+            let (depth, no) = widget.depth::<L>(along);
+            unsure |= no;
+            product = depth.mul_add(total, product);
+            total = total + depth;
+        }
+        if widgets.len() > 1 {
+            let overlapping = overlaps::<L>(product, along, count - at);
+            out.overlap_count += u64::from(overlapping.count_ones());
+        }
+        total.store(&mut out.depth[at..]);
+        unsure
+    }
+
+    /// Widgets whose colour does not vary along the segment, one or more.
+    #[inline(always)]
+    fn several<L: Lanes>(
+        &self,
+        widgets: &[LaneWidget],
+        along: &Along<L>,
+        at: usize,
+        count: usize,
+        out: &mut Shaded,
+    ) -> u32 {
+        let splat = L::F::splat;
+        let zero = splat(0.0);
+        // `product` is Σ_{i<j} T_i T_j, without cancellation: a stiff widget must not hide a thin one.
+        let (mut total, mut product, mut unsure) = (zero, zero, 0);
+        let mut color = [zero; 3];
+        let mut shapes = [Shape::<L>::even(zero); ORDERED_MOST];
+        for (i, widget) in widgets.iter().enumerate() {
+            let (shape, no) = widget.shape::<L>(along);
+            let depth = shape.depth;
+            unsure |= no;
+            shapes[i.min(ORDERED_MOST - 1)] = shape;
+            product = depth.mul_add(total, product);
+            total = total + depth;
+            for (sum, c) in color.iter_mut().zip(widget.color()) {
+                *sum = depth.mul_add(splat(c), *sum);
+            }
+            // A piecewise-linear widget's colour varies along the stretch.
+            if matches!(widget, LaneWidget::Linear(_)) {
+                unsure |= zero.lt(depth).bits();
+            }
+        }
+        let overlapping = overlaps::<L>(product, along, count - at);
+        out.overlap_count += u64::from(overlapping.count_ones());
+        let opacity = one_minus_exp::<L>(total);
+        let share = L::F::select(zero.lt(total), opacity / total, zero);
+        for (column, sum) in out.rgba.iter_mut().zip(color) {
+            (sum * share).store(&mut column[at..]);
+        }
+        opacity.store(&mut out.rgba[3][at..]);
+        let overlapping = overlapping & !unsure;
+        if self.overlap == Overlap::Mix || overlapping == 0 {
+            return unsure;
+        }
+        if widgets.len() > ORDERED_MOST {
+            return unsure | overlapping;
+        }
+        let in_order = Overlapping { widgets, along, shapes: &shapes[..widgets.len()], total, product };
+        let rest = overlapping & !in_order.smooth(overlapping, at, out);
+        if rest == 0 {
+            return unsure;
+        }
+        unsure | in_order.quadrature(rest, at, out)
+    }
+}
+
+/// Lanes (bits) of the first `count` segments on which widgets overlap; those past the end of the batch hold fragments of
+/// the next one.
+#[inline(always)]
+fn overlaps<L: Lanes>(product: L::F, along: &Along<L>, count: usize) -> u32 {
+    let meant = u32::MAX >> (32 - count.min(L::WIDTH));
+    L::F::splat(MIX_PRODUCT).lt(product).and(along.crossing).bits() & meant
+}
