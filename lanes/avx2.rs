@@ -66,15 +66,6 @@ impl Neg for F {
     }
 }
 
-impl F {
-    #[inline(always)]
-    fn lanes(self) -> [f32; 8] {
-        let mut out = [0.0; 8];
-        self.store(&mut out);
-        out
-    }
-}
-
 impl Float for F {
     type Lanes = Avx2;
 
@@ -151,18 +142,6 @@ impl Float for F {
     #[inline(always)]
     unsafe fn gather(values: &[f32], index: U) -> F {
         F(unsafe { _mm256_i32gather_ps::<4>(values.as_ptr(), index.0) })
-    }
-    #[inline(always)]
-    fn sum(self) -> f32 {
-        self.lanes().iter().sum()
-    }
-    #[inline(always)]
-    fn smallest(self) -> f32 {
-        self.lanes().into_iter().fold(f32::INFINITY, f32::min)
-    }
-    #[inline(always)]
-    fn largest(self) -> f32 {
-        self.lanes().into_iter().fold(f32::NEG_INFINITY, f32::max)
     }
 }
 
@@ -331,11 +310,6 @@ impl Double for D {
     #[inline(always)]
     fn select(mask: MD, yes: D, no: D) -> D {
         D(unsafe { _mm256_blendv_pd(no.0, yes.0, mask.0) })
-    }
-    #[inline(always)]
-    fn store_i32(self, values: &mut [i32]) {
-        let values: &mut [i32; 4] = (&mut values[..4]).try_into().expect("four values");
-        unsafe { _mm_storeu_si128(values.as_mut_ptr().cast(), _mm256_cvttpd_epi32(self.0)) }
     }
 }
 

@@ -143,18 +143,6 @@ impl Float for F {
     unsafe fn gather(values: &[f32], index: U) -> F {
         F(unsafe { _mm512_i32gather_ps::<4>(index.0, values.as_ptr()) })
     }
-    #[inline(always)]
-    fn sum(self) -> f32 {
-        unsafe { _mm512_reduce_add_ps(self.0) }
-    }
-    #[inline(always)]
-    fn smallest(self) -> f32 {
-        unsafe { _mm512_reduce_min_ps(self.0) }
-    }
-    #[inline(always)]
-    fn largest(self) -> f32 {
-        unsafe { _mm512_reduce_max_ps(self.0) }
-    }
 }
 
 impl Unsigned for U {
@@ -315,11 +303,6 @@ impl Double for D {
     #[inline(always)]
     fn select(mask: MD, yes: D, no: D) -> D {
         D(unsafe { _mm512_mask_blend_pd(mask.0, no.0, yes.0) })
-    }
-    #[inline(always)]
-    fn store_i32(self, values: &mut [i32]) {
-        let values: &mut [i32; 8] = (&mut values[..8]).try_into().expect("eight values");
-        unsafe { _mm256_storeu_si256(values.as_mut_ptr().cast(), _mm512_cvttpd_epi32(self.0)) }
     }
 }
 

@@ -76,8 +76,6 @@ pub trait Double:
     fn le(self, other: Self) -> Self::Mask;
     /// `yes` where the mask is set, else `no`.
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
-    /// Writes the lanes truncated to integers, which must fit, to the first `COUNT` places.
-    fn store_i32(self, values: &mut [i32]);
 }
 
 /// Lanes of 32-bit floats.
@@ -126,12 +124,6 @@ pub trait Float:
     /// # Safety
     /// Every index must lie inside the slice.
     unsafe fn gather(values: &[f32], index: <Self::Lanes as Lanes>::U) -> Self;
-    /// Sum of the lanes.
-    fn sum(self) -> f32;
-    /// Smallest lane.
-    fn smallest(self) -> f32;
-    /// Largest lane.
-    fn largest(self) -> f32;
 }
 
 /// Lanes of 32-bit unsigned integers (wrapping).

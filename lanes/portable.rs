@@ -1,7 +1,13 @@
-//! Four lanes in plain Rust: what every processor runs.
+//! Four lanes that every processor runs, by the crate `wide`: SSE2, which each x86-64 has, NEON or WebAssembly's vectors,
+//! and arrays elsewhere. It has no block that is unsafe.
+//!
+//! What `wide` leaves open or does lane by lane (the operand that a minimum takes where one is NaN, unsigned minima, rounding
+//! down without SSE4.1) is written here in its other operations.
 
 use super::{Double, Float, Lanes, Mask, Unsigned};
+use bytemuck::cast;
 use std::ops::{Add, Div, Mul, Neg, Sub};
+use wide::{f32x4, f64x2, i32x4, u32x4};
 
 const WIDTH: usize = 4;
 
@@ -11,23 +17,23 @@ pub struct Portable;
 
 /// Four floats.
 #[derive(Clone, Copy)]
-pub struct F([f32; WIDTH]);
+pub struct F(f32x4);
 
 /// Four unsigned integers.
 #[derive(Clone, Copy)]
-pub struct U([u32; WIDTH]);
+pub struct U(u32x4);
 
-/// Four booleans.
+/// Four booleans: all bits of a lane, or none.
 #[derive(Clone, Copy)]
-pub struct M([bool; WIDTH]);
+pub struct M(f32x4);
 
 /// Two 64-bit floats.
 #[derive(Clone, Copy)]
-pub struct D([f64; 2]);
+pub struct D(f64x2);
 
-/// Two booleans.
+/// Two booleans: all bits of a lane, or none.
 #[derive(Clone, Copy)]
-pub struct MD([bool; 2]);
+pub struct MD(f64x2);
 
 impl Lanes for Portable {
     const WIDTH: usize = WIDTH;
@@ -38,44 +44,34 @@ impl Lanes for Portable {
     type D = D;
 }
 
-#[inline(always)]
-fn each<T: Copy + Default, const N: usize>(f: impl Fn(usize) -> T) -> [T; N] {
-    let mut out = [T::default(); N];
-    for (i, o) in out.iter_mut().enumerate() {
-        *o = f(i);
-    }
-    out
-}
-
 macro_rules! operator {
-    ($type:ident, $trait:ident, $method:ident, $apply:expr) => {
+    ($type:ident, $trait:ident, $method:ident) => {
         impl $trait for $type {
             type Output = $type;
             #[inline(always)]
             fn $method(self, other: $type) -> $type {
-                $type(each(|i| $apply(self.0[i], other.0[i])))
+                $type($trait::$method(self.0, other.0))
             }
         }
     };
 }
 
-operator!(F, Add, add, |a: f32, b: f32| a + b);
-operator!(F, Sub, sub, |a: f32, b: f32| a - b);
-operator!(F, Mul, mul, |a: f32, b: f32| a * b);
-operator!(F, Div, div, |a: f32, b: f32| a / b);
-operator!(U, Add, add, u32::wrapping_add);
-operator!(U, Sub, sub, u32::wrapping_sub);
-
-operator!(D, Add, add, |a: f64, b: f64| a + b);
-operator!(D, Sub, sub, |a: f64, b: f64| a - b);
-operator!(D, Mul, mul, |a: f64, b: f64| a * b);
-operator!(D, Div, div, |a: f64, b: f64| a / b);
+operator!(F, Add, add);
+operator!(F, Sub, sub);
+operator!(F, Mul, mul);
+operator!(F, Div, div);
+operator!(U, Add, add);
+operator!(U, Sub, sub);
+operator!(D, Add, add);
+operator!(D, Sub, sub);
+operator!(D, Mul, mul);
+operator!(D, Div, div);
 
 impl Neg for D {
     type Output = D;
     #[inline(always)]
     fn neg(self) -> D {
-        D(each(|i| -self.0[i]))
+        D(-self.0)
     }
 }
 
@@ -83,8 +79,21 @@ impl Neg for F {
     type Output = F;
     #[inline(always)]
     fn neg(self) -> F {
-        F(each(|i| -self.0[i]))
+        F(-self.0)
     }
+}
+
+/// The first lanes of a slice.
+#[inline(always)]
+fn first<T: Copy, const N: usize>(values: &[T]) -> [T; N] {
+    values[..N].try_into().expect("as many values")
+}
+
+/// For each lane of `index`, the value it names.
+#[inline(always)]
+fn pick<T: Copy>(index: U, value: impl Fn(usize) -> T) -> [T; WIDTH] {
+    let [a, b, c, d] = index.0.to_array();
+    [value(a as usize), value(b as usize), value(c as usize), value(d as usize)]
 }
 
 impl Float for F {
@@ -92,88 +101,96 @@ impl Float for F {
 
     #[inline(always)]
     fn splat(value: f32) -> F {
-        F([value; WIDTH])
+        F(f32x4::splat(value))
     }
     #[inline(always)]
     fn load(values: &[f32]) -> F {
-        F(each(|i| values[i]))
+        F(f32x4::new(first(values)))
     }
     #[inline(always)]
     fn store(self, values: &mut [f32]) {
-        values[..WIDTH].copy_from_slice(&self.0);
+        values[..WIDTH].copy_from_slice(&self.0.to_array());
     }
     #[inline(always)]
     fn mul_add(self, b: F, c: F) -> F {
-        // Two roundings: a fused operation without the instruction is a slow library call.
-        F(each(|i| self.0[i] * b.0[i] + c.0[i]))
+        // Two roundings where the build has no instruction for it: a fused operation would be a slow library call.
+        F(self.0.mul_add(b.0, c.0))
     }
     #[inline(always)]
     fn min(self, other: F) -> F {
-        F(each(|i| if self.0[i] < other.0[i] { self.0[i] } else { other.0[i] }))
+        if cfg!(target_feature = "sse2") {
+            // MINPS, which takes the second operand where either is NaN.
+            F(self.0.fast_min(other.0))
+        } else {
+            F::select(self.lt(other), self, other)
+        }
     }
     #[inline(always)]
     fn max(self, other: F) -> F {
-        F(each(|i| if self.0[i] > other.0[i] { self.0[i] } else { other.0[i] }))
+        if cfg!(target_feature = "sse2") {
+            F(self.0.fast_max(other.0))
+        } else {
+            F::select(other.lt(self), self, other)
+        }
     }
     #[inline(always)]
     fn abs(self) -> F {
-        F(each(|i| self.0[i].abs()))
+        F(self.0.abs())
     }
     #[inline(always)]
     fn sqrt(self) -> F {
-        F(each(|i| self.0[i].sqrt()))
+        F(self.0.sqrt())
     }
     #[inline(always)]
     fn round(self) -> F {
-        F(each(|i| self.0[i].round_ties_even()))
+        // By way of integers, which know no −0.
+        F(self.0.round_ties_even() | (self.0 & f32x4::splat(-0.0)))
     }
     #[inline(always)]
     fn floor(self) -> F {
-        F(each(|i| self.0[i].floor()))
+        let nearest = self.round().0;
+        F(nearest - (self.0.simd_lt(nearest) & f32x4::splat(1.0)))
     }
     #[inline(always)]
     fn lt(self, other: F) -> M {
-        M(each(|i| self.0[i] < other.0[i]))
+        M(self.0.simd_lt(other.0))
     }
     #[inline(always)]
     fn le(self, other: F) -> M {
-        M(each(|i| self.0[i] <= other.0[i]))
+        M(self.0.simd_le(other.0))
     }
     #[inline(always)]
     fn select(mask: M, yes: F, no: F) -> F {
-        F(each(|i| if mask.0[i] { yes.0[i] } else { no.0[i] }))
+        F(mask.0.bitselect(yes.0, no.0))
     }
     #[inline(always)]
     fn to_bits(self) -> U {
-        U(each(|i| self.0[i].to_bits()))
+        U(cast(self.0))
     }
     #[inline(always)]
     fn from_bits(bits: U) -> F {
-        F(each(|i| f32::from_bits(bits.0[i])))
+        F(cast(bits.0))
     }
     #[inline(always)]
     fn to_unsigned(self) -> U {
-        U(each(|i| self.0[i] as i32 as u32))
+        U(cast(self.0.fast_trunc_int()))
     }
     #[inline(always)]
     fn permute(self, index: U) -> F {
-        F(each(|i| self.0[index.0[i] as usize % WIDTH]))
+        let lanes = self.0.to_array();
+        F(f32x4::new(pick(
+            index,
+            #[inline(always)]
+            |i| lanes[i % WIDTH],
+        )))
     }
     #[inline(always)]
     unsafe fn gather(values: &[f32], index: U) -> F {
-        F(each(|i| values[index.0[i] as usize]))
-    }
-    #[inline(always)]
-    fn sum(self) -> f32 {
-        self.0.iter().sum()
-    }
-    #[inline(always)]
-    fn smallest(self) -> f32 {
-        self.0.iter().copied().fold(f32::INFINITY, f32::min)
-    }
-    #[inline(always)]
-    fn largest(self) -> f32 {
-        self.0.iter().copied().fold(f32::NEG_INFINITY, f32::max)
+        F(f32x4::new(pick(
+            index,
+            #[inline(always)]
+            |i| values[i],
+        )))
     }
 }
 
@@ -182,86 +199,92 @@ impl Unsigned for U {
 
     #[inline(always)]
     fn splat(value: u32) -> U {
-        U([value; WIDTH])
+        U(u32x4::splat(value))
     }
     #[inline(always)]
     fn iota() -> U {
-        U(each(|i| i as u32))
+        U(u32x4::new([0, 1, 2, 3]))
     }
     #[inline(always)]
     fn load(values: &[u32]) -> U {
-        U(each(|i| values[i]))
+        U(u32x4::new(first(values)))
     }
     #[inline(always)]
     fn load_u16(values: &[u16]) -> U {
-        U(each(|i| u32::from(values[i])))
+        let [a, b, c, d] = first(values);
+        U(u32x4::new([u32::from(a), u32::from(b), u32::from(c), u32::from(d)]))
     }
     #[inline(always)]
     fn store(self, values: &mut [u32]) {
-        values[..WIDTH].copy_from_slice(&self.0);
+        values[..WIDTH].copy_from_slice(&self.0.to_array());
     }
     #[inline(always)]
     fn and(self, other: U) -> U {
-        U(each(|i| self.0[i] & other.0[i]))
+        U(self.0 & other.0)
     }
     #[inline(always)]
     fn or(self, other: U) -> U {
-        U(each(|i| self.0[i] | other.0[i]))
+        U(self.0 | other.0)
     }
     #[inline(always)]
     fn shl<const N: u32>(self) -> U {
-        U(each(|i| self.0[i] << N))
+        U(self.0 << N)
     }
     #[inline(always)]
     fn shr<const N: u32>(self) -> U {
-        U(each(|i| self.0[i] >> N))
+        U(self.0 >> N)
     }
     #[inline(always)]
     fn min(self, other: U) -> U {
-        U(each(|i| self.0[i].min(other.0[i])))
+        U(other.0.simd_gt(self.0).bitselect(self.0, other.0))
     }
     #[inline(always)]
     fn max(self, other: U) -> U {
-        U(each(|i| self.0[i].max(other.0[i])))
+        U(other.0.simd_gt(self.0).bitselect(other.0, self.0))
     }
     #[inline(always)]
     fn test(self, bits: U) -> M {
-        M(each(|i| self.0[i] & bits.0[i] != 0))
+        self.and(bits).equal(U::splat(0)).not()
     }
     #[inline(always)]
     fn equal(self, other: U) -> M {
-        M(each(|i| self.0[i] == other.0[i]))
+        M(cast(self.0.simd_eq(other.0)))
     }
     #[inline(always)]
     fn select(mask: M, yes: U, no: U) -> U {
-        U(each(|i| if mask.0[i] { yes.0[i] } else { no.0[i] }))
+        U(cast::<f32x4, u32x4>(mask.0).bitselect(yes.0, no.0))
     }
     #[inline(always)]
     fn to_float(self) -> F {
-        F(each(|i| self.0[i] as i32 as f32))
+        F(f32x4::from_i32x4(cast::<u32x4, i32x4>(self.0)))
     }
     #[inline(always)]
     fn permute(self, index: U) -> U {
-        U(each(|i| self.0[index.0[i] as usize % WIDTH]))
+        let lanes = self.0.to_array();
+        U(u32x4::new(pick(
+            index,
+            #[inline(always)]
+            |i| lanes[i % WIDTH],
+        )))
     }
 }
 
 impl Mask for M {
     #[inline(always)]
     fn and(self, other: M) -> M {
-        M(each(|i| self.0[i] & other.0[i]))
+        M(self.0 & other.0)
     }
     #[inline(always)]
     fn or(self, other: M) -> M {
-        M(each(|i| self.0[i] | other.0[i]))
+        M(self.0 | other.0)
     }
     #[inline(always)]
     fn not(self) -> M {
-        M(each(|i| !self.0[i]))
+        M(!self.0)
     }
     #[inline(always)]
     fn bits(self) -> u32 {
-        self.0.iter().enumerate().fold(0, |bits, (i, &set)| bits | (u32::from(set) << i))
+        self.0.to_bitmask()
     }
 }
 
@@ -271,73 +294,82 @@ impl Double for D {
 
     #[inline(always)]
     fn splat(value: f64) -> D {
-        D([value; 2])
+        D(f64x2::splat(value))
     }
     #[inline(always)]
     fn load(values: &[f64]) -> D {
-        D(each(|i| values[i]))
+        D(f64x2::new(first(values)))
     }
     #[inline(always)]
     fn store(self, values: &mut [f64]) {
-        values[..2].copy_from_slice(&self.0);
+        values[..2].copy_from_slice(&self.0.to_array());
     }
     #[inline(always)]
     fn store_f32(self, values: &mut [f32]) {
-        values[..2].copy_from_slice(&self.0.map(|x| x as f32));
+        let [a, b] = self.0.to_array();
+        values[..2].copy_from_slice(&[a as f32, b as f32]);
     }
     #[inline(always)]
     fn mul_add(self, b: D, c: D) -> D {
-        D(each(|i| self.0[i] * b.0[i] + c.0[i]))
+        D(self.0.mul_add(b.0, c.0))
     }
     #[inline(always)]
     fn min(self, other: D) -> D {
-        D(each(|i| if self.0[i] < other.0[i] { self.0[i] } else { other.0[i] }))
+        if cfg!(target_feature = "sse2") {
+            // MINPD, as above.
+            D(self.0.fast_min(other.0))
+        } else {
+            D::select(self.lt(other), self, other)
+        }
     }
     #[inline(always)]
     fn max(self, other: D) -> D {
-        D(each(|i| if self.0[i] > other.0[i] { self.0[i] } else { other.0[i] }))
+        if cfg!(target_feature = "sse2") {
+            D(self.0.fast_max(other.0))
+        } else {
+            D::select(other.lt(self), self, other)
+        }
     }
     #[inline(always)]
     fn abs(self) -> D {
-        D(each(|i| self.0[i].abs()))
+        D(self.0.abs())
     }
     #[inline(always)]
     fn ceil(self) -> D {
-        D(each(|i| self.0[i].ceil()))
+        let nearest = self.0.round_ties_even();
+        let up = nearest + (nearest.simd_lt(self.0) & f64x2::splat(1.0));
+        // −0 stays, and −0.5 becomes it.
+        D(up | (self.0 & f64x2::splat(-0.0)))
     }
     #[inline(always)]
     fn lt(self, other: D) -> MD {
-        MD(each(|i| self.0[i] < other.0[i]))
+        MD(self.0.simd_lt(other.0))
     }
     #[inline(always)]
     fn le(self, other: D) -> MD {
-        MD(each(|i| self.0[i] <= other.0[i]))
+        MD(self.0.simd_le(other.0))
     }
     #[inline(always)]
     fn select(mask: MD, yes: D, no: D) -> D {
-        D(each(|i| if mask.0[i] { yes.0[i] } else { no.0[i] }))
-    }
-    #[inline(always)]
-    fn store_i32(self, values: &mut [i32]) {
-        values[..2].copy_from_slice(&self.0.map(|x| x as i32));
+        D(mask.0.bitselect(yes.0, no.0))
     }
 }
 
 impl Mask for MD {
     #[inline(always)]
     fn and(self, other: MD) -> MD {
-        MD(each(|i| self.0[i] & other.0[i]))
+        MD(self.0 & other.0)
     }
     #[inline(always)]
     fn or(self, other: MD) -> MD {
-        MD(each(|i| self.0[i] | other.0[i]))
+        MD(self.0 | other.0)
     }
     #[inline(always)]
     fn not(self) -> MD {
-        MD(each(|i| !self.0[i]))
+        MD(!self.0)
     }
     #[inline(always)]
     fn bits(self) -> u32 {
-        self.0.iter().enumerate().fold(0, |bits, (i, &set)| bits | (u32::from(set) << i))
+        self.0.to_bitmask()
     }
 }
