@@ -1,6 +1,6 @@
 //! voltet-gpu: the device engine. Cull, project, sort and composite as passes on a graphics device, through wgpu.
 //!
-//! The grid is uploaded once ([`DeviceGrid`]); a frame changes uniforms and reads back the picture and a few counts.
+//! The grid is uploaded once ([`Renderer`]); a frame changes uniforms and reads back the picture and a few counts.
 //! [`Segments`] runs the same shaders over segments alone, for judging them.
 //! The shaders come from `voltet-shaders`; this crate knows devices, buffers and the order of the passes.
 
@@ -15,6 +15,6 @@ pub use device::adapter::{Adapters, KINDS};
 pub use device::open::{Device, Work};
 pub use frame::draw::{Compositing, Counts, Drawn, How, draw, no_exact_order};
 pub use frame::limits::can_serve;
-pub use grid::uploaded::DeviceGrid;
+pub use frame::renderer::Renderer;
 pub use measure::compositors::{Times, measure};
 pub use measure::segments::Segments;

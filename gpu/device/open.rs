@@ -1,10 +1,7 @@
 //! A device: what it can hold, its compiled pipelines, and what it says when something fails.
 
 use crate::device::adapter::{Adapters, describe, kind};
-use crate::frame::windows::{BUDGET, BUDGET_SOFTWARE};
-use crate::raster::blended::RUN_LENGTH;
-use crate::raster::drawing::Target;
-use std::collections::HashMap;
+use crate::device::compiled::{Compiled, DrawingKey, PassKey};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use voltet_core::{Error, Result};
@@ -25,14 +22,10 @@ pub struct Device {
     pub(crate) downlevel: wgpu::DownlevelFlags,
     /// Whether textures of 32-bit floats can be blended in.
     pub(crate) blends_32_bits: bool,
-    /// Cells of one draw of the raster compositor.
-    pub(crate) run_length: u32,
-    /// Work of a tile in one dispatch, in cells tested.
-    pub(crate) budget: u32,
     /// Nanoseconds of a tick, where passes can be timed.
     pub(crate) tick: Option<f32>,
-    pub(crate) pipelines: Mutex<HashMap<crate::device::pipelines::Key, Arc<wgpu::ComputePipeline>>>,
-    pub(crate) drawings: Mutex<HashMap<(String, Target), Arc<wgpu::RenderPipeline>>>,
+    pub(crate) passes: Compiled<PassKey, wgpu::ComputePipeline>,
+    pub(crate) drawings: Compiled<DrawingKey, wgpu::RenderPipeline>,
     pub(crate) work: WorkCounts,
     lost: Arc<Mutex<Option<String>>>,
 }
@@ -101,10 +94,8 @@ impl Device {
             limits,
             downlevel: adapter.get_downlevel_capabilities().flags,
             blends_32_bits: features.contains(wgpu::Features::FLOAT32_BLENDABLE),
-            run_length: RUN_LENGTH,
-            budget: if is_software { BUDGET_SOFTWARE } else { BUDGET },
-            pipelines: Mutex::default(),
-            drawings: Mutex::default(),
+            passes: Compiled::default(),
+            drawings: Compiled::default(),
             work: WorkCounts::default(),
             lost,
         })
@@ -119,18 +110,6 @@ impl Device {
     /// The same device with so many storage buffers of a pass at most, as if it bound no more.
     pub fn with_buffers_at_a_time(mut self, count: u32) -> Device {
         self.limits.max_storage_buffers_per_shader_stage = count;
-        self
-    }
-
-    /// The same device with so many cells in a draw of the raster compositor.
-    pub fn with_runs_of(mut self, cells: u32) -> Device {
-        self.run_length = cells.max(1);
-        self
-    }
-
-    /// The same device with so much work of a tile in one dispatch at first, in cells tested.
-    pub fn with_budget_of(mut self, work: u32) -> Device {
-        self.budget = work;
         self
     }
 

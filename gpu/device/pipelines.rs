@@ -1,29 +1,13 @@
 //! Pipelines: compiled once for each text, entry point and set of constants, and kept by the device.
 
+use crate::device::bindings::Bound;
+use crate::device::compiled::PassKey;
 use crate::device::open::Device;
+use std::sync::Arc;
 use std::sync::atomic::Ordering;
-use std::sync::{Arc, PoisonError};
 use voltet_core::Result;
 use voltet_shaders::Shader;
 use wgpu::{BufferBindingType, ShaderStages};
-
-/// What a binding is, in the order of the bindings of a group.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub(crate) enum Bound {
-    Uniform,
-    Read,
-    Write,
-    /// A texture that is read texel by texel.
-    Texels,
-}
-
-/// What a pipeline was compiled from.
-#[derive(Debug, Clone, PartialEq, Eq, Hash)]
-pub(crate) struct Key {
-    text: String,
-    entry_point: &'static str,
-    constants: Vec<(&'static str, u64)>,
-}
 
 /// A pass to compile: groups 0, 1 and 2.
 pub(crate) struct Program<'a> {
@@ -37,26 +21,22 @@ pub(crate) struct Program<'a> {
 impl Device {
     /// The pipeline, compiled if it is not there. A compiler's complaint comes at the piece's own file and line.
     pub(crate) fn pipeline(&self, program: &Program) -> Result<Arc<wgpu::ComputePipeline>> {
-        let key = Key {
+        let key = PassKey {
             text: program.shader.text.clone(),
             entry_point: program.entry_point,
             constants: program.constants.iter().map(|(name, x)| (*name, x.to_bits())).collect(),
         };
-        let known = self.pipelines.lock().unwrap_or_else(PoisonError::into_inner).get(&key).cloned();
-        if let Some(pipeline) = known {
-            return Ok(pipeline);
-        }
-        let compiled = Arc::new(self.compile(program)?);
-        self.work.shader_builds.fetch_add(1, Ordering::Relaxed);
-        let mut pipelines = self.pipelines.lock().unwrap_or_else(PoisonError::into_inner);
-        Ok(pipelines.entry(key).or_insert(compiled).clone())
+        self.passes.of(key, || {
+            let compiled = self.compile(program)?;
+            self.work.shader_builds.fetch_add(1, Ordering::Relaxed);
+            Ok(compiled)
+        })
     }
 
     /// The entry points of what is compiled, by name, each once.
     pub fn compiled(&self) -> Vec<&'static str> {
-        let pipelines = self.pipelines.lock().unwrap_or_else(PoisonError::into_inner);
-        let mut names: Vec<&str> = pipelines.keys().map(|key| key.entry_point).collect();
-        if !self.drawings.lock().unwrap_or_else(PoisonError::into_inner).is_empty() {
+        let mut names: Vec<&str> = self.passes.locked().keys().map(|key| key.entry_point).collect();
+        if !self.drawings.locked().is_empty() {
             names.push("blend_cell");
         }
         names.sort_unstable();
@@ -66,8 +46,8 @@ impl Device {
 
     /// Lets go of all that was compiled, so that building it can be measured.
     pub fn forget_pipelines(&self) {
-        self.pipelines.lock().unwrap_or_else(PoisonError::into_inner).clear();
-        self.drawings.lock().unwrap_or_else(PoisonError::into_inner).clear();
+        self.passes.locked().clear();
+        self.drawings.locked().clear();
     }
 
     fn compile(&self, program: &Program) -> Result<wgpu::ComputePipeline> {
@@ -75,7 +55,8 @@ impl Device {
         let text = wgpu::ShaderSource::Wgsl(shader.text.as_str().into());
         let descriptor = wgpu::ShaderModuleDescriptor { label: Some(entry_point), source: text };
         let made = self.guarded(entry_point, || self.device.create_shader_module(descriptor));
-        let module = made.map_err(|error| self.at_its_line(shader, error))?;
+        // The tests of `voltet-shaders` validate the text without a device; what is left is a driver's complaint.
+        let module = made.map_err(|error| shader.error(1, &error.to_string()))?;
         let layout = |group| self.layout(group, ShaderStages::COMPUTE);
         let layouts = groups.map(|group| (!group.is_empty()).then(|| layout(group)));
         self.guarded(entry_point, || {
@@ -93,11 +74,6 @@ impl Device {
                 cache: None,
             })
         })
-    }
-
-    /// The text is validated without a device by the tests of `voltet-shaders`; what is left is a driver's complaint.
-    pub(crate) fn at_its_line(&self, shader: &Shader, error: voltet_core::Error) -> voltet_core::Error {
-        shader.error(1, &error.to_string())
     }
 
     pub(crate) fn layout(&self, group: &[(u32, Bound)], visibility: ShaderStages) -> wgpu::BindGroupLayout {
@@ -146,9 +122,4 @@ impl Device {
         let descriptor = wgpu::BindGroupDescriptor { label: None, layout, entries: &entries };
         self.device.create_bind_group(&descriptor)
     }
-}
-
-/// Things bound at 0, 1, …
-pub(crate) fn in_order<T: Copy>(things: &[T]) -> Vec<(u32, T)> {
-    things.iter().enumerate().map(|(binding, thing)| (binding as u32, *thing)).collect()
 }

@@ -1,7 +1,8 @@
 //! Draws a volume on a device.
 
-use crate::frame::windows::{Frame, count};
-use crate::frame::{limits, support, view};
+use crate::frame::inputs::FrameInputs;
+use crate::frame::renderer::Renderer;
+use crate::frame::{count, limits, support, view};
 use crate::grid::axes::{axis, offset_parts};
 use crate::grid::parts::Sizes;
 use crate::grid::uploaded::{DeviceGrid, Quantity};
@@ -90,12 +91,12 @@ pub struct Counts {
     pub cells_hidden: u64,
 }
 
-/// Draws the volume that `grid` was made from.
+/// Draws the volume that `renderer` was made from.
 ///
 /// Errors: what the device has no shader for, cannot hold in 32 bits, or has more parts than it binds; an order that the
 /// compositor does not have; memory; a lost device; a stopped run.
 pub fn draw(
-    grid: &DeviceGrid,
+    renderer: &Renderer,
     volume: &Volume,
     transfer_function: &TransferFunction,
     camera: &Camera,
@@ -103,6 +104,7 @@ pub fn draw(
     how: impl Into<How>,
     progress: &dyn Progress,
 ) -> Result<Drawn> {
+    let grid = &renderer.grid;
     limits::can_serve(transfer_function, shading)?;
     let how = how.into();
     let compositor = compositor(transfer_function, shading, how)?;
@@ -155,8 +157,8 @@ pub fn draw(
     };
     let shader = compose(&choices);
     let (parts_left_out, part_bytes_left_out) = parts_left_out(&shader);
-    let frame = Frame {
-        grid,
+    let frame = FrameInputs {
+        renderer,
         compositor: shader,
         storage_buffers: choices.storage_buffers(),
         reads_g: choices.reads_gradient_magnitude,

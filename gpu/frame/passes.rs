@@ -1,41 +1,18 @@
 //! The passes of a frame, bound to their buffers, and their order.
 
-use crate::device::buffers::Growing;
+use crate::device::bindings::own_kinds;
 use crate::device::open::Device;
 use crate::device::pipelines::Program;
 use crate::device::timing::Timing;
-use crate::frame::windows::{Frame, count};
+use crate::frame::buffers::FrameBuffers;
+use crate::frame::count;
+use crate::frame::inputs::FrameInputs;
 use crate::grid::parts::GrowingParts;
-use crate::pass::steps::{Binder, GridArrays, Step, folded, kinds, own_kinds, run, scene_kinds};
-use crate::pass::tables::Tables;
-use crate::raster::blended::{Raster, RasterBuffers};
+use crate::pass::steps::{Binder, GridArrays, Step, folded, kinds, run, scene_kinds};
+use crate::raster::blended::{Blending, Raster};
 use voltet_core::Result;
 use voltet_shaders::{CELLS_READ, Compositor, FramePass, GridArray, PlacementRecord, ViewRecord};
 use wgpu::{Buffer, BufferUsages, CommandEncoder};
-
-/// Buffers that stay between frames.
-#[derive(Default)]
-pub(crate) struct FrameBuffers {
-    seen: GrowingParts,
-    attributes: GrowingParts,
-    bounds: GrowingParts,
-    listed: Growing,
-    starts: Growing,
-    entries: Growing,
-    picture: Growing,
-    states: Growing,
-    counts: Growing,
-    returned: Growing,
-    returned_counts: Growing,
-    tables: Tables,
-    raster: RasterBuffers,
-    /// Work of a tile in one dispatch, as far as former frames of the grid have come.
-    pub budget: Option<u32>,
-    /// Entries of the lists that the last frame needed.
-    pub capacity: u32,
-    /// Whether tiles have had more work than one dispatch does, so that their pixels' states are kept.
-    pub keeps_states: bool,
-}
 
 /// What takes the cells to the picture.
 enum Last {
@@ -67,12 +44,12 @@ const COUNTS_BYTES: u64 = count::ALL as u64 * 4;
 impl<'a> Passes<'a> {
     /// Makes what is missing of the buffers, and binds it.
     pub fn new(
-        frame: &'a Frame,
+        frame: &'a FrameInputs,
         window: [u32; 4],
         capacity: u32,
         buffers: &mut FrameBuffers,
     ) -> Result<Passes<'a>> {
-        let (device, grid) = (frame.device(), frame.grid);
+        let (device, grid) = (frame.device(), frame.grid());
         let (sizes, layout) = (&frame.sizes, &frame.choices.layout);
         let tiles = u64::from(window[2]) * u64::from(window[3]);
         let picture_bytes = frame.picture_bytes(window);
@@ -134,21 +111,23 @@ impl<'a> Passes<'a> {
         let mut lists =
             vec![step(FramePass::Cells, over_cells, constants, &[&support, &listed, &counts], scalar)?];
 
-        let tables = buffers.tables.of(device, frame)?;
+        let tables = buffers.tables.of(device, &frame.tables, &frame.choices, &frame.shading)?;
         let mut read: Vec<(u32, &Buffer)> = vec![(0, &scene)];
         for (name, binding) in &frame.storage_buffers {
             read.push((*binding, if name == "numbers" { &numbers } else { tables.named(name)? }));
         }
         let last = if let Compositor::Raster(blend) = frame.choices.compositor {
-            Last::Raster(Box::new(Raster::new(
-                frame,
+            let blending = Blending {
+                shader: &frame.compositor,
                 blend,
+                depths_add_up: frame.choices.depths_add_up(),
+                sorted: frame.sorted,
                 window,
-                &mut buffers.raster,
-                &binder,
-                &read,
-                &pixels,
-            )?))
+                scalar,
+                scene: &read,
+                pixels: &pixels,
+            };
+            Last::Raster(Box::new(Raster::new(&blending, &mut buffers.raster, &binder)?))
         } else {
             lists.push(step(FramePass::Starts, [1, 1], vec![], &[&listed, &starts, &counts], scalar)?);
             lists.push(step(FramePass::Lists, over_cells, vec![], &[&listed, &entries], scalar)?);

@@ -1,54 +1,25 @@
 //! A frame: windows of the picture that fit the device's memory, and the samples of each.
 
-use crate::device::open::Device;
 use crate::device::timing::Timing;
-use crate::frame::passes::{FrameBuffers, Passes};
-use crate::grid::parts::Sizes;
-use crate::grid::uploaded::{DeviceGrid, Stored};
-use crate::pass::tables::TableKey;
-use std::sync::{Arc, PoisonError};
+use crate::frame::buffers::FrameBuffers;
+use crate::frame::count;
+use crate::frame::inputs::FrameInputs;
+use crate::frame::passes::Passes;
 use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
-use voltet_core::shading::Shading;
 use voltet_core::{Error, Result};
-use voltet_shaders::{Choices, Shader, ViewRecord};
-
-/// Numbers that the passes count, by their place in `counts`.
-pub(crate) mod count {
-    pub const ENTRIES: usize = 0;
-    pub const BY_FUNCTION: usize = 1;
-    pub const BY_FRUSTUM: usize = 2;
-    pub const PROJECTED: usize = 3;
-    pub const SEGMENTS: usize = 4;
-    pub const DISORDERED: usize = 5;
-    pub const SWEEPS: usize = 6;
-    /// Tiles of the last dispatch that are to go on.
-    pub const UNFINISHED: usize = 7;
-    pub const LONGEST: usize = 8;
-    /// Cells in view that cover no pixel's middle.
-    pub const UNDER_A_PIXEL: usize = 9;
-    /// Tiles that were opaque before all their cells had been looked at, and those cells.
-    pub const TILES_STOPPED: usize = 10;
-    pub const CELLS_HIDDEN: usize = 11;
-    /// Cells whose tiles a driver did not go through, since it ended the loops: their lists are wrong.
-    pub const CELLS_CUT_SHORT: usize = 12;
-    /// Pixels likewise, whose colours are wrong.
-    pub const PIXELS_CUT_SHORT: usize = 13;
-    pub const ALL: usize = 14;
-    /// Those that are the same in every window.
-    pub const OF_CELLS: [usize; 4] = [BY_FUNCTION, BY_FRUSTUM, PROJECTED, UNDER_A_PIXEL];
-}
+use voltet_shaders::ViewRecord;
 
 /// Entries that lists are given room for before their lengths are known.
 const CAPACITY_AT_FIRST: u32 = 1 << 16;
 
 /// Work that a tile does in one dispatch, in cells tested: under a tenth of a second on a slow device, well within the
 /// seconds that a system grants.
-pub(crate) const BUDGET: u32 = 1 << 22;
+const BUDGET: u32 = 1 << 22;
 
 /// The same on a software driver: Mesa's ends loops after 65,535 rounds in all, of which a segment takes several. Where they
 /// were too many, the shader says so, and the frame is drawn again with a quarter of the budget.
-pub(crate) const BUDGET_SOFTWARE: u32 = 1 << 13;
+const BUDGET_SOFTWARE: u32 = 1 << 13;
 
 /// Less makes no difference: a chunk of cells is gone through without a pause.
 const BUDGET_LEAST: u32 = 1 << 6;
@@ -59,28 +30,6 @@ const DISPATCHES_MOST: u32 = 100_000;
 /// Cells of one tile that a software driver sorts within those rounds.
 const LONGEST_SOFTWARE: u32 = 20_000;
 
-/// Everything of a scene but the camera's sample.
-pub(crate) struct Frame<'a> {
-    pub grid: &'a DeviceGrid,
-    pub choices: Choices,
-    pub sizes: Sizes,
-    pub shading: Shading,
-    pub tables: TableKey,
-    pub compositor: Shader,
-    /// Read-only buffers that the compositor reads, with their bindings in group 0.
-    pub storage_buffers: Vec<(String, u32)>,
-    /// The scalar.
-    pub scalar: Arc<Stored>,
-    /// Further values of the points, each with where it is counted from.
-    pub attributes: Vec<(Arc<Stored>, [f32; 2])>,
-    pub reads_g: bool,
-    pub scene: Vec<u8>,
-    pub numbers: Vec<f32>,
-    pub support: Vec<u32>,
-    pub sorted: bool,
-    pub samples: Vec<ViewRecord>,
-}
-
 /// What came back.
 pub(crate) struct Returned {
     pub picture: Picture,
@@ -88,11 +37,7 @@ pub(crate) struct Returned {
     pub seconds: Vec<(&'static str, f64)>,
 }
 
-impl Frame<'_> {
-    pub fn device(&self) -> &Device {
-        &self.grid.device
-    }
-
+impl FrameInputs<'_> {
     /// Draws the whole picture. Errors: memory, a lost device, a stopped run.
     pub fn draw(&self, progress: &dyn Progress) -> Result<Returned> {
         let [width, height] = self.samples[0].size;
@@ -136,18 +81,12 @@ impl Frame<'_> {
 
     /// Whether tiles stop within their lists and go on, as former frames of the grid found out.
     fn keeps_states(&self) -> bool {
-        self.grid.buffers.lock().unwrap_or_else(PoisonError::into_inner).keeps_states
+        self.renderer.buffers().keeps_states
     }
 
     /// Bytes of a window's largest buffer of pixels: a state is two vectors, a pixel one.
     fn window_bytes(&self, window: [u32; 4], keeps_states: bool) -> u64 {
         self.picture_bytes(window) * if keeps_states { 2 } else { 1 }
-    }
-
-    /// Bytes of a window's pixels.
-    pub fn picture_bytes(&self, window: [u32; 4]) -> u64 {
-        let pixels = u64::from(window[2]) * u64::from(window[3]) * u64::from(ViewRecord::TILE).pow(2);
-        pixels * 16
     }
 
     /// Draws one window; `None` where its lists or its pixels' states do not fit one binding, or a cell has more tiles in it
@@ -160,11 +99,12 @@ impl Frame<'_> {
     ) -> Result<Option<[u32; count::ALL]>> {
         let device = self.device();
         let most = (device.most_bytes() / 8).min(u64::from(u32::MAX)) as u32;
-        let mut buffers = self.grid.buffers.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut buffers = self.renderer.buffers();
         buffers.capacity = buffers.capacity.max(CAPACITY_AT_FIRST.min(most));
         loop {
             let capacity = buffers.capacity;
-            let budget = *buffers.budget.get_or_insert(device.budget);
+            let budget =
+                *buffers.budget.get_or_insert(if device.is_software { BUDGET_SOFTWARE } else { BUDGET });
             let counts = self.run(window, capacity, budget, &mut buffers, picture, timing)?;
             let needed = counts[count::ENTRIES];
             if needed > most || counts[count::CELLS_CUT_SHORT] != 0 {

@@ -1,9 +1,9 @@
 //! Arrays in parts: how those of a scene are split over the bindings of a device, and which grids have more parts than
 //! it binds at a time.
 
+use crate::device::bindings::fixed_buffers;
 use crate::device::buffers::Growing;
 use crate::device::open::Device;
-use crate::pass::steps::fixed_buffers;
 use voltet_core::{Error, Result};
 use voltet_shaders::{Access, CELLS_READ, FramePass, GridArray, Layout, Parts, TEXEL_BYTES};
 

@@ -1,7 +1,6 @@
 //! A grid on the device: points, tetrahedra and the values that transfer functions look at, uploaded once.
 
 use crate::device::open::Device;
-use crate::frame::passes::FrameBuffers;
 use crate::grid::axes::split;
 use crate::grid::parts::{Parted, Sizes};
 use glam::DVec3;
@@ -41,8 +40,7 @@ impl Stored {
 }
 
 /// A volume's grid on a device. Values are uploaded as scenes ask for them.
-pub struct DeviceGrid {
-    /// The device.
+pub(crate) struct DeviceGrid {
     pub device: Arc<Device>,
     pub(crate) positions: Parted,
     pub(crate) tetrahedra: Parted,
@@ -57,7 +55,6 @@ pub struct DeviceGrid {
     /// Half the sides of the box, in lengths.
     pub(crate) half: DVec3,
     stored: Mutex<HashMap<Quantity, Arc<Stored>>>,
-    pub(crate) buffers: Mutex<FrameBuffers>,
 }
 
 impl DeviceGrid {
@@ -117,7 +114,6 @@ impl DeviceGrid {
             half: 0.5 * (sides / length),
             device,
             stored: Mutex::default(),
-            buffers: Mutex::default(),
         })
     }
 

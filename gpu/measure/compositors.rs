@@ -2,7 +2,7 @@
 
 use crate::device::open::Device;
 use crate::frame::draw::{Compositing, How, draw};
-use crate::grid::uploaded::DeviceGrid;
+use crate::frame::renderer::Renderer;
 use glam::DVec3;
 use std::sync::Arc;
 use std::time::Instant;
@@ -53,7 +53,7 @@ pub fn measure(device: &Arc<Device>, needs_order: bool, progress: &dyn Progress)
         gradient: None,
         gradient_magnitude: None,
     };
-    let grid = DeviceGrid::new(device.clone(), &volume)?;
+    let renderer = Renderer::new(device.clone(), &volume)?;
     let shading =
         Shading { integrator: Integrator::Analytic, overlap: Overlap::Exact, silhouette: None, light: None };
     let camera = Camera {
@@ -71,7 +71,7 @@ pub fn measure(device: &Arc<Device>, needs_order: bool, progress: &dyn Progress)
         let mut times = Vec::new();
         for frame in 0..=FRAME_COUNT {
             let begun = Instant::now();
-            let drawn = draw(&grid, &volume, &look, &camera, &shading, how, progress)?;
+            let drawn = draw(&renderer, &volume, &look, &camera, &shading, how, progress)?;
             let whole = begun.elapsed().as_secs_f64();
             // The device's own clock leaves out what the program waits for; both are the same for both compositors.
             let passes: f64 = drawn.seconds.iter().map(|(_, seconds)| seconds).sum();

@@ -1,7 +1,8 @@
 //! What a device can do at most, for times to be held against.
 
+use crate::device::bindings::{Bound, in_order};
 use crate::device::open::Device;
-use crate::device::pipelines::{Bound, Program, in_order};
+use crate::device::pipelines::Program;
 use std::time::{Duration, Instant};
 use voltet_core::Result;
 use voltet_shaders::multiply_adds;

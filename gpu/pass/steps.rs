@@ -1,8 +1,9 @@
 //! Compiled passes with what is bound to them: the view and what is a pass's own in group 1, the grid's arrays in group
 //! 2.
 
+use crate::device::bindings::{Bound, in_order, own_kinds};
 use crate::device::open::Device;
-use crate::device::pipelines::{Bound, Program, in_order};
+use crate::device::pipelines::Program;
 use crate::device::timing::Timing;
 use crate::grid::parts::Parted;
 use crate::grid::uploaded::{DeviceGrid, Stored};
@@ -17,28 +18,6 @@ pub(crate) struct Step {
     pub pipeline: Arc<ComputePipeline>,
     pub groups: Vec<(u32, wgpu::BindGroup)>,
     pub workgroups: [u32; 2],
-}
-
-/// What a pass, or without one the tiles' compositor, is bound to in group 1 behind the view.
-fn bound(pass: Option<FramePass>) -> &'static [Bound] {
-    use Bound::{Read, Uniform, Write};
-    match pass {
-        Some(FramePass::Points) => &[],
-        Some(FramePass::Attribute) => &[Uniform],
-        Some(FramePass::Cells) => &[Read, Write, Write],
-        Some(FramePass::Starts) => &[Write, Write, Write],
-        Some(FramePass::Lists) => &[Write, Write],
-        Some(FramePass::Sort) => &[Read, Write],
-        Some(FramePass::CountDigits | FramePass::PlaceDigits) => &[Uniform, Read, Write],
-        Some(FramePass::MoveDigits) => &[Uniform, Read, Write, Write],
-        Some(FramePass::Runs) => &[Write, Read],
-        None => &[Read, Read, Write, Write, Write],
-    }
-}
-
-/// Storage buffers of a pass, or of the tiles' compositor, beside those of the grid and of the scene.
-pub(crate) fn fixed_buffers(pass: Option<FramePass>) -> u32 {
-    bound(pass).iter().filter(|bound| **bound != Bound::Uniform).count() as u32
 }
 
 /// The grid's arrays, and those that the first passes make of them.
@@ -132,11 +111,6 @@ impl Binder<'_> {
         }
         groups
     }
-}
-
-/// What group 1 of a pass holds, or of the tiles' compositor.
-pub(crate) fn own_kinds(pass: Option<FramePass>) -> Vec<(u32, Bound)> {
-    in_order(&[&[Bound::Uniform], bound(pass)].concat())
 }
 
 /// Runs a pass.

@@ -1,9 +1,10 @@
 //! Tables that a scene's shader reads: filled on the device, kept while the scene asks for the same ones.
 
+use crate::device::bindings::{Bound, in_order};
 use crate::device::open::Device;
-use crate::device::pipelines::{Bound, Program, in_order};
-use crate::frame::windows::Frame;
+use crate::device::pipelines::Program;
 use voltet_core::optics::integrators::{Extent, Integrator};
+use voltet_core::shading::Shading;
 use voltet_core::transfer::TransferFunction;
 use voltet_core::{Error, Result};
 use voltet_shaders::{Axis, Buffer, Choices, Contents, Pass, Resources};
@@ -26,17 +27,21 @@ pub(crate) struct Tables {
 }
 
 impl Tables {
-    /// Those of the frame, made if they are not there.
-    pub fn of(&mut self, device: &Device, frame: &Frame) -> Result<&Tables> {
-        let key = (frame.tables.clone(), frame.choices.clone());
+    /// Those of a scene, made if they are not there.
+    pub fn of(
+        &mut self,
+        device: &Device,
+        scene: &TableKey,
+        choices: &Choices,
+        shading: &Shading,
+    ) -> Result<&Tables> {
+        let key = (scene.clone(), choices.clone());
         if self.made.as_ref() != Some(&key) {
             self.made = None;
             // There may not be room for both.
             self.buffers.clear();
-            let TableKey { transfer_function, axis, length, extent, .. } = &frame.tables;
-            let shading = &frame.shading;
-            let resources =
-                Resources::new(&frame.choices, transfer_function, shading, *axis, *length, extent)?;
+            let TableKey { transfer_function, axis, length, extent, .. } = scene;
+            let resources = Resources::new(choices, transfer_function, shading, *axis, *length, extent)?;
             self.buffers = resources.buffers.iter().map(|b| make(device, b)).collect::<Result<_>>()?;
             for pass in &resources.passes {
                 self.fill(device, pass)?;

@@ -3,21 +3,22 @@
 //! The sorted list is drawn in runs. Each is one indirect draw of four vertices and two triangles a cell, whose indices
 //! are the same for all runs; so what drawing takes is a picture, and one list of indices, whatever the grid's size.
 
+use crate::device::bindings::{Bound, in_order};
 use crate::device::buffers::Growing;
 use crate::device::open::Device;
-use crate::device::pipelines::{Bound, Program, in_order};
+use crate::device::pipelines::Program;
 use crate::device::timing::Timing;
-use crate::frame::windows::Frame;
+use crate::grid::uploaded::Stored;
 use crate::pass::steps::{Binder, Step, buffers, folded, kinds, run, scene_kinds};
 use crate::raster::drawing::{Canvas, Drawing, Target};
 use crate::raster::sort::{ROUNDS, SortBuffers};
 use std::sync::Arc;
 use voltet_core::Result;
-use voltet_shaders::{Blend, CELLS_READ, FramePass, GRID_GROUP, ViewRecord};
+use voltet_shaders::{Blend, CELLS_READ, FramePass, GRID_GROUP, Shader, ViewRecord};
 use wgpu::{Buffer, BufferUsages, CommandEncoder};
 
 /// Cells of a run.
-pub(crate) const RUN_LENGTH: u32 = 1 << 16;
+const RUN_LENGTH: u32 = 1 << 16;
 
 /// Runs of one submission, so that no system takes a long frame for a hang: 4 million cells.
 const RUNS_AT_A_TIME: u32 = 64;
@@ -30,6 +31,24 @@ pub(crate) struct RasterBuffers {
     /// With the run's length that they are for.
     indices: Option<(u32, Buffer)>,
     canvas: Canvas,
+    /// Cells of a run, where it is not [`RUN_LENGTH`].
+    pub run_length: Option<u32>,
+}
+
+/// What is drawn.
+pub(crate) struct Blending<'a> {
+    pub shader: &'a Shader,
+    pub blend: Blend,
+    /// Whether optical depths add up; else opacities are composited.
+    pub depths_add_up: bool,
+    pub sorted: bool,
+    /// The window, in tiles.
+    pub window: [u32; 4],
+    pub scalar: &'a Stored,
+    /// Group 0: the scene and its tables.
+    pub scene: &'a [(u32, &'a Buffer)],
+    /// Where the picture goes.
+    pub pixels: &'a Buffer,
 }
 
 /// The passes over one window.
@@ -50,40 +69,33 @@ fn indices(run_length: u32) -> Vec<u32> {
 }
 
 impl Raster {
-    /// `scene`: group 0, the scene and its tables. `pixels`: where the picture goes.
-    pub fn new(
-        frame: &Frame,
-        blend: Blend,
-        window: [u32; 4],
-        kept: &mut RasterBuffers,
-        binder: &Binder,
-        scene: &[(u32, &Buffer)],
-        pixels: &Buffer,
-    ) -> Result<Raster> {
-        let (device, cell_count, scalar) = (frame.device(), frame.grid.cell_count, &frame.scalar);
+    /// Makes what is missing of the buffers, and binds it.
+    pub fn new(blending: &Blending, kept: &mut RasterBuffers, binder: &Binder) -> Result<Raster> {
+        let &Blending { shader, blend, depths_add_up, sorted, window, scalar, scene, pixels } = blending;
+        let (device, cell_count) = (binder.device, binder.arrays.grid.cell_count);
         let scene_kinds = scene_kinds(scene);
-        let run_length = device.run_length;
+        let run_length = kept.run_length.unwrap_or(RUN_LENGTH);
         let run_count = cell_count.div_ceil(run_length);
-        let rounds = if frame.sorted { ROUNDS } else { 1 };
-        let sort = kept.sort.sort(binder, cell_count, rounds, true, scalar)?;
+        let rounds = if sorted { ROUNDS } else { 1 };
+        let list = kept.sort.sort(binder, cell_count, rounds, true, scalar)?;
         let usage = BufferUsages::STORAGE | BufferUsages::INDIRECT;
         let draws_size = 20 * u64::from(run_count);
         let draws = kept.draws.at_least(draws_size, |size| device.buffer("the draws", size, usage))?;
-        let mut steps = sort.steps;
+        let mut steps = list.steps;
         steps.push(binder.step(
             FramePass::Runs,
             folded(run_count, device.limits.max_compute_workgroups_per_dimension),
             vec![("run_length", f64::from(run_length))],
-            &[&draws, &sort.digit_counts],
+            &[&draws, &list.digit_counts],
             scalar,
         )?);
 
-        let target = Target::new(blend, frame.choices.depths_add_up(), device.blends_32_bits);
+        let target = Target::new(blend, depths_add_up, device.blends_32_bits);
         let size = [window[2], window[3]].map(|tiles| tiles * ViewRecord::TILE);
         let canvas = kept.canvas.of(device, size, target.format)?;
         let in_grid = binder.arrays.of(CELLS_READ, scalar);
         let pipeline = device.drawing(&Drawing {
-            shader: &frame.compositor,
+            shader,
             entry_points: ["outline_cell", "blend_cell"],
             target,
             groups: [&scene_kinds, &in_order(&[Bound::Uniform, Bound::Read]), &kinds(&in_grid)],
@@ -93,13 +105,13 @@ impl Raster {
         };
         let groups = [
             group(0, scene),
-            group(1, &[(0, binder.view), (1, &sort.sorted)]),
+            group(1, &[(0, binder.view), (1, &list.sorted)]),
             group(GRID_GROUP, &buffers(&in_grid)),
         ];
 
         let take_kinds = [(0, Bound::Uniform), (2, Bound::Texels), (3, Bound::Write)];
         let take = device.pipeline(&Program {
-            shader: &frame.compositor,
+            shader,
             entry_point: "take_blended",
             constants: vec![],
             groups: [&scene_kinds, &take_kinds, &[]],

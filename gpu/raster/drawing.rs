@@ -1,10 +1,11 @@
 //! Pipelines that draw and blend, and what they draw into. Compiled once for each text and target, and kept by the
 //! device.
 
+use crate::device::bindings::Bound;
+use crate::device::compiled::DrawingKey;
 use crate::device::open::Device;
-use crate::device::pipelines::Bound;
+use std::sync::Arc;
 use std::sync::atomic::Ordering;
-use std::sync::{Arc, PoisonError};
 use voltet_core::{Error, Result};
 use voltet_shaders::{Blend, Shader};
 use wgpu::{BlendComponent, BlendFactor, DownlevelFlags, ShaderStages, TextureFormat};
@@ -93,15 +94,13 @@ impl Device {
 
     /// The pipeline, compiled if it is not there.
     pub(crate) fn drawing(&self, program: &Drawing) -> Result<Arc<wgpu::RenderPipeline>> {
-        let key = (program.shader.text.clone(), program.target);
-        let known = self.drawings.lock().unwrap_or_else(PoisonError::into_inner).get(&key).cloned();
-        if let Some(pipeline) = known {
-            return Ok(pipeline);
-        }
-        let compiled = Arc::new(self.compile_drawing(program)?);
-        self.work.shader_builds.fetch_add(1, Ordering::Relaxed);
-        let mut drawings = self.drawings.lock().unwrap_or_else(PoisonError::into_inner);
-        Ok(drawings.entry(key).or_insert(compiled).clone())
+        let Target { format, factors } = program.target;
+        let key = DrawingKey { text: program.shader.text.clone(), format, factors };
+        self.drawings.of(key, || {
+            let compiled = self.compile_drawing(program)?;
+            self.work.shader_builds.fetch_add(1, Ordering::Relaxed);
+            Ok(compiled)
+        })
     }
 
     fn compile_drawing(&self, program: &Drawing) -> Result<wgpu::RenderPipeline> {
@@ -109,7 +108,7 @@ impl Device {
         let text = wgpu::ShaderSource::Wgsl(shader.text.as_str().into());
         let descriptor = wgpu::ShaderModuleDescriptor { label: Some(fragment), source: text };
         let made = self.guarded(fragment, || self.device.create_shader_module(descriptor));
-        let module = made.map_err(|error| self.at_its_line(shader, error))?;
+        let module = made.map_err(|error| shader.error(1, &error.to_string()))?;
         let layouts = groups.map(|group| Some(self.layout(group, ShaderStages::VERTEX_FRAGMENT)));
         self.guarded(fragment, || {
             let layout = self.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {

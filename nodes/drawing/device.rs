@@ -8,7 +8,7 @@ use voltet_core::Result;
 use voltet_core::graph::{Call, Saving};
 use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
-use voltet_gpu::{Device, DeviceGrid, Drawn, How, Work};
+use voltet_gpu::{Device, Drawn, How, Renderer, Work};
 
 /// Open devices by what was wished for: the adapter, and whether software will do. Failures are kept too, since looking
 /// for adapters takes a while.
@@ -17,9 +17,9 @@ struct Devices(Mutex<HashMap<Wish, Result<Arc<Device>>>>);
 
 type Wish = (Option<String>, bool);
 
-/// One volume's grids, by device.
+/// One volume's renderers, by device.
 #[derive(Default)]
-struct Grids(Mutex<HashMap<String, Arc<DeviceGrid>>>);
+struct Renderers(Mutex<HashMap<String, Arc<Renderer>>>);
 
 /// Draws on the adapter that the node's parameters name, or the fastest. `hardware`: software devices will not do unless
 /// they are named.
@@ -34,30 +34,35 @@ pub fn draw(call: &mut Call, scene: &Scene, hardware: bool) -> Result<Picture> {
     let (how, compositor, why) = super::compositor::choose(call, scene, &device)?;
     let before = device.work();
     let revision = call.revision("volume")?;
-    let grids = call.keep(revision, || Ok(Grids::default()))?;
-    let grid = call.stage("upload", |_| {
-        let mut grids = grids.0.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(grid) = grids.get(&device.name).filter(|grid| !grid.device.is_lost()) {
-            return Ok(grid.clone());
+    let renderers = call.keep(revision, || Ok(Renderers::default()))?;
+    let renderer = call.stage("upload", |_| {
+        let mut renderers = renderers.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(renderer) = renderers.get(&device.name).filter(|renderer| !renderer.device().is_lost()) {
+            return Ok(renderer.clone());
         }
-        let grid = Arc::new(DeviceGrid::new(device.clone(), &scene.volume)?);
-        grids.insert(device.name.clone(), grid.clone());
-        Ok(grid)
+        let renderer = Arc::new(Renderer::new(device.clone(), &scene.volume)?);
+        renderers.insert(device.name.clone(), renderer.clone());
+        Ok(renderer)
     })?;
-    let drawn = call.stage("draw", |progress| draw_as(&grid, scene, how, progress))?;
+    let drawn = call.stage("draw", |progress| draw_as(&renderer, scene, how, progress))?;
     call.notes.compositor = Some((compositor.into(), why));
     note(call, scene, &device, before, &drawn);
     Ok(drawn.picture)
 }
 
-/// Draws on the grid's device with the compositor of that name.
-pub fn draw_by(grid: &DeviceGrid, scene: &Scene, compositor: &str, progress: &dyn Progress) -> Result<Drawn> {
-    draw_as(grid, scene, super::compositor::how(scene, compositor), progress)
+/// Draws on the renderer's device with the compositor of that name.
+pub fn draw_by(
+    renderer: &Renderer,
+    scene: &Scene,
+    compositor: &str,
+    progress: &dyn Progress,
+) -> Result<Drawn> {
+    draw_as(renderer, scene, super::compositor::how(scene, compositor), progress)
 }
 
-fn draw_as(grid: &DeviceGrid, scene: &Scene, how: How, progress: &dyn Progress) -> Result<Drawn> {
+fn draw_as(renderer: &Renderer, scene: &Scene, how: How, progress: &dyn Progress) -> Result<Drawn> {
     let Scene { volume, transfer_function, camera, shading, .. } = scene;
-    voltet_gpu::draw(grid, volume, transfer_function, camera, shading, how, progress)
+    voltet_gpu::draw(renderer, volume, transfer_function, camera, shading, how, progress)
 }
 
 fn open(devices: &Devices, wish: &Wish) -> Result<Arc<Device>> {

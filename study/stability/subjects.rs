@@ -103,8 +103,8 @@ fn on_device(
 ) -> Result<std::result::Result<Picture, Error>> {
     use voltet_core::shading::Order;
     let draw = || {
-        let grid = voltet_gpu::DeviceGrid::new(device.clone(), volume)?;
-        voltet_gpu::draw(&grid, volume, look, camera, shading, Order::Exact, progress)
+        let renderer = voltet_gpu::Renderer::new(device.clone(), volume)?;
+        voltet_gpu::draw(&renderer, volume, look, camera, shading, Order::Exact, progress)
     };
     match draw() {
         Ok(drawn) => Ok(Ok(drawn.picture)),

@@ -12,7 +12,7 @@ use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
 use voltet_core::shading::{Order, Shading};
 use voltet_core::{Error, Result};
-use voltet_gpu::{Device, DeviceGrid, Drawn};
+use voltet_gpu::{Device, Drawn, Renderer};
 use voltet_nodes::drawing;
 
 /// The device that settings are measured on.
@@ -84,14 +84,14 @@ impl Bench {
         let fresh = forget_peak_memory();
         self.device.forget_pipelines();
         let start = Instant::now();
-        let grid = DeviceGrid::new(self.device.clone(), &scene.volume)?;
-        draw(&grid, scene, setting, progress)?;
+        let renderer = Renderer::new(self.device.clone(), &scene.volume)?;
+        draw(&renderer, scene, setting, progress)?;
         let first = start.elapsed();
-        let (mut drawn, once) = draw(&grid, &frames.scene(scene, 1), setting, progress)?;
+        let (mut drawn, once) = draw(&renderer, &frames.scene(scene, 1), setting, progress)?;
         let mut taken = vec![once];
         while taken.len() < frames.count && start.elapsed() < first + frames.patience {
             let scene = frames.scene(scene, taken.len() + 1);
-            let (further, once) = draw(&grid, &scene, setting, progress)?;
+            let (further, once) = draw(&renderer, &scene, setting, progress)?;
             drawn = further;
             taken.push(once);
         }
@@ -141,7 +141,7 @@ fn cost(taken: &[Taken], first: f64, drawn: &Drawn) -> Cost {
 
 /// One picture, and what it took.
 fn draw(
-    grid: &DeviceGrid,
+    renderer: &Renderer,
     scene: &Scene,
     setting: &Setting,
     progress: &dyn Progress,
@@ -161,7 +161,7 @@ fn draw(
         order,
     };
     let start = Instant::now();
-    let drawn = drawing::draw_by(grid, &wanted, compositor, progress)?;
+    let drawn = drawing::draw_by(renderer, &wanted, compositor, progress)?;
     let taken = Taken { whole: start.elapsed().as_secs_f64(), passes: drawn.seconds.clone() };
     Ok((drawn, taken))
 }

@@ -7,7 +7,7 @@ use voltet_core::picture::Picture;
 use voltet_core::progress::Silent;
 use voltet_core::shading::{Integrator, Order, Shading};
 use voltet_core::transfer::TransferFunction;
-use voltet_gpu::{Device, DeviceGrid, Drawn};
+use voltet_gpu::{Device, Drawn, Renderer};
 
 /// What a dozen 32-bit segments leave of a depth that is known, whose ends round like the grid's diagonal.
 pub const ROUNDING: f64 = 5e-6;
@@ -44,8 +44,8 @@ pub fn device() -> Option<Arc<Device>> {
 pub fn try_draw(scene: &Scene, shading: &Shading, order: Order) -> Option<Result<Drawn>> {
     let device = device()?;
     let draw = || {
-        let grid = DeviceGrid::new(device, &scene.volume)?;
-        voltet_gpu::draw(&grid, &scene.volume, &scene.look, &scene.camera, shading, order, &Silent)
+        let renderer = Renderer::new(device, &scene.volume)?;
+        voltet_gpu::draw(&renderer, &scene.volume, &scene.look, &scene.camera, shading, order, &Silent)
     };
     Some(draw())
 }

@@ -7,7 +7,7 @@ use crate::looks::*;
 use glam::DVec3;
 use voltet_core::progress::Silent;
 use voltet_core::shading::{Integrator, Order, Shading};
-use voltet_gpu::{Device, DeviceGrid};
+use voltet_gpu::Renderer;
 
 /// Hundreds of segments in a pixel, long cells among them: a dispatch that goes on meets cells of every former chunk again.
 #[test]
@@ -68,10 +68,10 @@ fn many_samples_on_each_of_many_segments() {
         ordinary_shaded(&scene, &Shading { integrator, ..SHADING });
     }
     let Some(device) = device().filter(|device| device.is_software) else { return };
-    let grid = DeviceGrid::new(device, &scene.volume).expect("fits");
+    let renderer = Renderer::new(device, &scene.volume).expect("fits");
     let shading = Shading { integrator: Integrator::Riemann { count: 100_000 }, ..SHADING };
     let Scene { volume, look, camera, .. } = &scene;
-    let refused = voltet_gpu::draw(&grid, volume, look, camera, &shading, Order::Exact, &Silent);
+    let refused = voltet_gpu::draw(&renderer, volume, look, camera, &shading, Order::Exact, &Silent);
     let error = refused.expect_err("too many").to_string();
     assert!(error.contains("ends loops") && error.contains("fewer samples"), "{error}");
 }
@@ -86,16 +86,13 @@ fn loops_that_a_driver_ends() {
         look: look(ramp().widgets.iter().map(|widget| widget.with_extinction_times(0.2)).collect()),
         camera: perspective([0.45, -3.0, 0.55], [0.5, 0.0, 0.5], 16.0, [16, 16]),
     };
-    if device().is_none() {
-        return;
-    }
-    let wish = std::env::var("VOLTET_ADAPTER").ok();
-    let device = Device::open(wish.as_deref(), false).expect("opened before").with_budget_of(1 << 22);
-    let grid = DeviceGrid::new(std::sync::Arc::new(device), &scene.volume).expect("fits");
+    let Some(device) = device() else { return };
+    let renderer = Renderer::new(device, &scene.volume).expect("fits").with_budget_of(1 << 22);
     let Scene { volume, look, camera, .. } = &scene;
     let expected = referee(&scene);
     for order in [Order::Exact, Order::Centroid] {
-        let drawn = voltet_gpu::draw(&grid, volume, look, camera, &SHADING, order, &Silent).expect("draws");
+        let drawn = voltet_gpu::draw(&renderer, volume, look, camera, &SHADING, order, &Silent);
+        let drawn = drawn.expect("draws");
         println!("{:?}", drawn.counts);
         // The order of centroids is wrong by more than rounding, but hides nothing.
         let bound = if order == Order::Exact { ORDINARY } else { 2e-2 };

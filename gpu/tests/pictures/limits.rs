@@ -9,7 +9,7 @@ use voltet_core::optics::Overlap;
 use voltet_core::progress::Silent;
 use voltet_core::shading::{Integrator, Order, Shading};
 use voltet_core::transfer::{OpticalModel, TransferFunction};
-use voltet_gpu::{Device, DeviceGrid, Drawn};
+use voltet_gpu::{Device, Drawn, Renderer};
 
 fn scene(look: TransferFunction) -> Scene {
     Scene { name: "limits".into(), volume: smooth(cube([6, 6, 6], 0.3)), look, camera: outside([32, 32]) }
@@ -66,10 +66,10 @@ fn disordered_pixels_are_counted() {
 fn frames_after_the_first() {
     let Some(device) = device() else { return };
     let scene = scene(overlapping());
-    let grid = DeviceGrid::new(device, &scene.volume).expect("fits");
+    let renderer = Renderer::new(device, &scene.volume).expect("fits");
     let picture = |look: &TransferFunction| {
         let drawn =
-            voltet_gpu::draw(&grid, &scene.volume, look, &scene.camera, &SHADING, Order::Exact, &Silent);
+            voltet_gpu::draw(&renderer, &scene.volume, look, &scene.camera, &SHADING, Order::Exact, &Silent);
         drawn.expect("draws").picture
     };
     let before = picture(&scene.look);
@@ -94,9 +94,9 @@ fn small_bindings_draw_in_windows() {
     let small = |scene: &Scene, bytes| {
         let wish = std::env::var("VOLTET_ADAPTER").ok();
         let device = Device::open(wish.as_deref(), false).expect("opened before").with_bindings_of(bytes);
-        let grid = DeviceGrid::new(std::sync::Arc::new(device), &scene.volume)?;
+        let renderer = Renderer::new(std::sync::Arc::new(device), &scene.volume)?;
         let look = &scene.look;
-        voltet_gpu::draw(&grid, &scene.volume, look, &scene.camera, &SHADING, Order::Exact, &Silent)
+        voltet_gpu::draw(&renderer, &scene.volume, look, &scene.camera, &SHADING, Order::Exact, &Silent)
     };
     // 1,296 cells of 16 bytes fit, 48 × 40 pixels of 16 bytes do not; and of 600 cells along the view, that all tiles
     // list, the lists do not. Where one of nine tiles lists 1,320, and goes on in another dispatch, the states of all

@@ -12,7 +12,7 @@ use voltet_core::progress::Silent;
 use voltet_core::shading::{Integrator, Light, Order, Shading};
 use voltet_core::transfer::{Profile, Table, Widget};
 use voltet_core::volume::Volume;
-use voltet_gpu::{Device, DeviceGrid, Drawn};
+use voltet_gpu::{Device, Drawn, Renderer};
 
 const LIGHT: Light = Light { direction: DVec3::new(1.0, 2.0, 3.0), ambient: 0.2, diffuse: 0.8 };
 
@@ -24,8 +24,8 @@ fn small(bytes: u64, count: u32) -> Device {
 }
 
 fn draw_on(device: Device, scene: &Scene, shading: &Shading, order: Order) -> Result<Drawn> {
-    let grid = DeviceGrid::new(Arc::new(device), &scene.volume)?;
-    voltet_gpu::draw(&grid, &scene.volume, &scene.look, &scene.camera, shading, order, &Silent)
+    let renderer = Renderer::new(Arc::new(device), &scene.volume)?;
+    voltet_gpu::draw(&renderer, &scene.volume, &scene.look, &scene.camera, shading, order, &Silent)
 }
 
 /// 1,100 points and 4,860 cells. Bindings of 8 KiB hold 341 positions, 1,024 values, 512 points as they are seen or

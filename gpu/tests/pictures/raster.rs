@@ -14,15 +14,15 @@ use voltet_core::shading::{Integrator, Light, Order, Shading};
 use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
 use voltet_core::{Result, picture::Picture};
-use voltet_gpu::{Compositing, Device, DeviceGrid, Drawn, How};
+use voltet_gpu::{Compositing, Device, Drawn, How, Renderer};
 
 fn how(order: Order) -> How {
     How { order, compositing: Compositing::Raster }
 }
 
 fn draw_on(device: Arc<Device>, scene: &Scene, shading: &Shading, how: How) -> Result<Drawn> {
-    let grid = DeviceGrid::new(device, &scene.volume)?;
-    voltet_gpu::draw(&grid, &scene.volume, &scene.look, &scene.camera, shading, how, &Silent)
+    let renderer = Renderer::new(device, &scene.volume)?;
+    voltet_gpu::draw(&renderer, &scene.volume, &scene.look, &scene.camera, shading, how, &Silent)
 }
 
 fn draw(scene: &Scene, shading: &Shading, order: Order) -> Option<Drawn> {
@@ -242,10 +242,12 @@ fn several_samples_a_pixel() {
 fn runs_and_windows_change_nothing() {
     let Some(device) = device() else { return };
     let scene = jittered(overlapping(), outside([48, 40]));
-    let whole = draw_on(device, &scene, &SHADING, how(Order::Centroid)).expect("draws");
+    let whole = draw_on(device.clone(), &scene, &SHADING, how(Order::Centroid)).expect("draws");
     for length in [7, 100, 1296] {
-        let runs = Arc::new(further_device().with_runs_of(length));
-        let drawn = draw_on(runs, &scene, &SHADING, how(Order::Centroid)).expect("draws");
+        let runs = Renderer::new(device.clone(), &scene.volume).expect("fits").with_runs_of(length);
+        let Scene { volume, look, camera, .. } = &scene;
+        let drawn = voltet_gpu::draw(&runs, volume, look, camera, &SHADING, how(Order::Centroid), &Silent);
+        let drawn = drawn.expect("draws");
         assert_eq!(drawn.picture.rgba, whole.picture.rgba, "{length}");
     }
     for windows in [further_device().with_bindings_of(24_000), further_device().with_textures_of(16)] {

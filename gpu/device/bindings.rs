@@ -1,0 +1,45 @@
+//! What passes are bound to.
+
+use voltet_shaders::FramePass;
+
+/// What a binding is, in the order of the bindings of a group.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(crate) enum Bound {
+    Uniform,
+    Read,
+    Write,
+    /// A texture that is read texel by texel.
+    Texels,
+}
+
+/// Things bound at 0, 1, …
+pub(crate) fn in_order<T: Copy>(things: &[T]) -> Vec<(u32, T)> {
+    things.iter().enumerate().map(|(binding, thing)| (binding as u32, *thing)).collect()
+}
+
+/// What a pass, or without one the tiles' compositor, is bound to in group 1 behind the view.
+fn bound(pass: Option<FramePass>) -> &'static [Bound] {
+    use Bound::{Read, Uniform, Write};
+    match pass {
+        Some(FramePass::Points) => &[],
+        Some(FramePass::Attribute) => &[Uniform],
+        Some(FramePass::Cells) => &[Read, Write, Write],
+        Some(FramePass::Starts) => &[Write, Write, Write],
+        Some(FramePass::Lists) => &[Write, Write],
+        Some(FramePass::Sort) => &[Read, Write],
+        Some(FramePass::CountDigits | FramePass::PlaceDigits) => &[Uniform, Read, Write],
+        Some(FramePass::MoveDigits) => &[Uniform, Read, Write, Write],
+        Some(FramePass::Runs) => &[Write, Read],
+        None => &[Read, Read, Write, Write, Write],
+    }
+}
+
+/// Storage buffers of a pass, or of the tiles' compositor, beside those of the grid and of the scene.
+pub(crate) fn fixed_buffers(pass: Option<FramePass>) -> u32 {
+    bound(pass).iter().filter(|bound| **bound != Bound::Uniform).count() as u32
+}
+
+/// What group 1 of a pass holds, or of the tiles' compositor.
+pub(crate) fn own_kinds(pass: Option<FramePass>) -> Vec<(u32, Bound)> {
+    in_order(&[&[Bound::Uniform], bound(pass)].concat())
+}

@@ -1,0 +1,47 @@
+//! What has been compiled for a device, and is kept.
+
+use std::collections::HashMap;
+use std::hash::Hash;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use voltet_core::Result;
+
+/// What a pass was compiled from.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub(crate) struct PassKey {
+    pub text: String,
+    pub entry_point: &'static str,
+    pub constants: Vec<(&'static str, u64)>,
+}
+
+/// What a pipeline that draws was compiled from: the text, and what it draws into.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub(crate) struct DrawingKey {
+    pub text: String,
+    pub format: wgpu::TextureFormat,
+    pub factors: [wgpu::BlendFactor; 2],
+}
+
+/// Pipelines by what they were compiled from.
+pub(crate) struct Compiled<K, P>(Mutex<HashMap<K, Arc<P>>>);
+
+impl<K, P> Default for Compiled<K, P> {
+    fn default() -> Self {
+        Compiled(Mutex::default())
+    }
+}
+
+impl<K: Eq + Hash, P> Compiled<K, P> {
+    /// The pipeline, compiled if it is not there; nobody waits for another's compiling.
+    pub fn of(&self, key: K, compile: impl FnOnce() -> Result<P>) -> Result<Arc<P>> {
+        let known = self.locked().get(&key).cloned();
+        if let Some(pipeline) = known {
+            return Ok(pipeline);
+        }
+        let compiled = Arc::new(compile()?);
+        Ok(self.locked().entry(key).or_insert(compiled).clone())
+    }
+
+    pub fn locked(&self) -> MutexGuard<'_, HashMap<K, Arc<P>>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
