@@ -160,11 +160,9 @@ impl Sample {
             }
         }
         let near = (nearest < view.near && (!view.perspective || view.near > 0.0)).then(|| {
-            if view.perspective {
-                [(1.0 / view.near) as f32, -1.0]
-            } else {
-                [1.0, (distance_origin - view.near) as f32]
-            }
+            // From the distance, not the depth: far from the eye, depth / near − 1 has no digits left in 32 bits.
+            let scale = if view.perspective { 1.0 / view.near } else { 1.0 };
+            [scale as f32, ((distance_origin - view.near) * scale) as f32]
         });
         Ok(Sample {
             view,

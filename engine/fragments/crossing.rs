@@ -49,8 +49,7 @@ impl Group {
 
     /// Evaluates `codes` (at most [`super::batch::BATCH`], readable up to the next multiple of `WIDTH`). `stretch` is the
     /// length of each pixel's ray direction; `near`, where the near plane cuts cells, gives its
-    /// v as scale × (depth, or the distance with parallel rays) + offset. Entry and exit
-    /// depths are found only if the segments are `ordered`.
+    /// v as scale × distance + offset. Entry and exit depths are found only if the segments are `ordered`.
     #[inline(always)]
     pub fn evaluate<L: Lanes, const PERSPECTIVE: bool>(
         &self,
@@ -98,8 +97,7 @@ impl Group {
             let depth = depth.permute(lane);
             let distance = distance.permute(lane);
             if let Some([scale, offset]) = near {
-                let base = if PERSPECTIVE { depth } else { distance };
-                v_front = v_front.min(base.mul_add(L::F::splat(scale), L::F::splat(offset)));
+                v_front = v_front.min(distance.mul_add(L::F::splat(scale), L::F::splat(offset)));
             }
             let thickness = v_front - v_back;
             let hit = L::F::splat(0.0).lt(thickness);

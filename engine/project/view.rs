@@ -28,6 +28,8 @@ pub(crate) struct View {
     pub pixel: f64,
     /// Pixel coordinates of the view axis.
     pub axis: [f64; 2],
+    /// How far the samples of a pixel reach from its centre, pixels; 0 with one sample.
+    reach: f64,
     eye: DVec3,
     right: DVec3,
     up: DVec3,
@@ -63,6 +65,7 @@ impl View {
         let frame = camera.frame()?;
         let perspective = matches!(camera.projection, Projection::Perspective { .. });
         let size = camera.size.map(|n| n as usize);
+        let reach = camera.sample_offsets().as_flattened().iter().fold(0.0, |reach: f64, x| reach.max(x.abs()));
         Ok(View {
             perspective,
             size,
@@ -70,6 +73,7 @@ impl View {
             near: camera.near / length,
             pixel: if perspective { frame.pixel } else { frame.pixel / length },
             axis: [size[0] as f64 * 0.5 - 0.5 - offset[0], size[1] as f64 * 0.5 - 0.5 - offset[1]],
+            reach,
             eye: camera.eye,
             right: frame.right,
             up: frame.up,
@@ -108,12 +112,12 @@ impl View {
     }
 
     fn outside(&self, e: [f64; 3]) -> u8 {
-        // The planes through the eye and the outermost pixel centres, as signed pixel distances × depth.
+        // The planes through the eye and the outermost samples of the outermost pixels, as signed pixel distances × depth.
         let depth = if self.perspective { e[2] } else { 1.0 };
         let (x, y) = (e[0] / self.pixel + self.axis[0] * depth, e[1] / self.pixel + self.axis[1] * depth);
         let (right, bottom) = ((self.size[0] - 1) as f64 * depth, (self.size[1] - 1) as f64 * depth);
-        // A sliver of slack, so that rounding never drops a cell that touches the outermost pixel centres.
-        let slack = 1e-9 * (x.abs() + y.abs() + right.abs() + bottom.abs());
+        // A sliver of slack, so that rounding never drops a cell that touches the outermost samples.
+        let slack = 1e-9 * (x.abs() + y.abs() + right.abs() + bottom.abs()) + self.reach * depth.abs();
         u8::from(x < -slack)
             | u8::from(x > right + slack) << 1
             | u8::from(y < -slack) << 2

@@ -3,6 +3,7 @@
 use crate::compare::{Scene, ordinary};
 use crate::grids::{cube, smooth};
 use crate::looks::*;
+use glam::DVec3;
 use voltet_core::camera::Camera;
 use voltet_core::transfer::TransferFunction;
 
@@ -45,6 +46,33 @@ fn near_plane_cuts_cells() {
     with_every_look("inside near", camera);
     let camera = Camera { near: 3.9, ..orthographic([3.0, -2.0, 2.5], [0.5, 0.5, 0.5], 1.9, [80, 80]) };
     with_every_look("near ortho", camera);
+}
+
+/// The depth of the plane is that of the grid to many digits: what is left of it behind the plane keeps its own.
+#[test]
+fn near_plane_seen_from_far() {
+    for distance in [50.0, 1.2e3, 1.2e4, 1e6] {
+        let direction = DVec3::new(-0.5, -0.7, 0.51).normalize();
+        let eye = DVec3::splat(0.5) + distance * direction;
+        let fov_y = 2.0 * (0.9 / distance).atan().to_degrees();
+        let camera = perspective(eye.to_array(), [0.5; 3], fov_y, [48, 40]);
+        with_every_look(&format!("near from {distance}"), Camera { near: distance, ..camera });
+    }
+}
+
+/// Cells between the outermost pixels' centres and their outermost samples.
+#[test]
+fn samples_at_the_border_of_the_picture() {
+    let volume = smooth(cube([40, 4, 40], 0.1));
+    for (name, camera) in [
+        ("parallel", orthographic([0.5, -2.0, 0.5], [0.5, 0.5, 0.5], 0.8, [8, 6])),
+        ("perspective", perspective([0.5, -2.0, 0.5], [0.5, 0.5, 0.5], 15.0, [8, 6])),
+    ] {
+        for samples in [9, 5] {
+            let (name, camera) = (format!("border {name} {samples}"), Camera { samples, ..camera });
+            ordinary(&Scene { name, volume: volume.clone(), look: overlapping(), camera });
+        }
+    }
 }
 
 #[test]
