@@ -65,7 +65,8 @@ impl View {
         let frame = camera.frame()?;
         let perspective = matches!(camera.projection, Projection::Perspective { .. });
         let size = camera.size.map(|n| n as usize);
-        let reach = camera.sample_offsets().as_flattened().iter().fold(0.0, |reach: f64, x| reach.max(x.abs()));
+        let reach =
+            camera.sample_offsets().as_flattened().iter().fold(0.0, |reach: f64, x| reach.max(x.abs()));
         Ok(View {
             perspective,
             size,
