@@ -8,6 +8,7 @@ pub mod field;
 pub mod graph;
 pub mod grid;
 pub mod optics;
+pub mod parameters;
 pub mod picture;
 pub mod pipeline;
 pub mod probing;

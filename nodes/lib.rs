@@ -35,6 +35,7 @@ pub use reader::note_unread;
 
 use std::path::Path;
 use voltet_core::Result;
+use voltet_core::field::filters;
 use voltet_core::graph::{Node, Registry, Session, Stamp};
 
 /// The nodes that ship, in the order in which data runs through them.
@@ -57,10 +58,12 @@ pub static NODES: &[&Node] = &[
     &report_writer::NODE,
 ];
 
-/// A registry with the nodes that ship; plug-ins add theirs by the same [`Registry::add`].
+/// A registry with the nodes and gradient filters that ship; others are added by the same [`Registry::add`] and
+/// [`Registry::add_filter`].
 pub fn registry() -> Result<Registry> {
     let mut registry = Registry::new();
     NODES.iter().try_for_each(|node| registry.add(node))?;
+    filters().into_iter().try_for_each(|filter| registry.add_filter(filter))?;
     Ok(registry)
 }
 

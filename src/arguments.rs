@@ -24,7 +24,7 @@ pub enum Command {
     Check(Files),
     /// Say what a pipeline file will run, on which engine, and what it leaves out and why.
     Explain(Explain),
-    /// List the node types, or show one with its ports and parameters.
+    /// List the node types and gradient filters, or show one with its ports and parameters.
     Nodes(Nodes),
     /// Show what a data file holds, or what a pipeline finds out about its data without drawing.
     ///
@@ -109,7 +109,7 @@ pub struct Explain {
 
 #[derive(Debug, Args)]
 pub struct Nodes {
-    /// The node type to show; all of them where none is named.
+    /// The node type or gradient filter to show; all of them where none is named.
     #[arg(value_name = "NAME")]
     pub name: Option<String>,
     /// Write the reference as Markdown.

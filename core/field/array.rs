@@ -1,9 +1,8 @@
 //! `array`: the gradient that a solver wrote itself.
 
-use super::{
-    Declaration, Gradient, GradientFilter, Parameter, ParameterKind, Setting, Settings, check_scalar,
-};
+use super::{Gradient, GradientFilter, check_scalar};
 use crate::grid::Grid;
+use crate::parameters::{Kind, Parameter, ParameterType, Parameters, Standard};
 use crate::progress::Progress;
 use crate::{Error, Result};
 use glam::DVec3;
@@ -12,37 +11,36 @@ use rayon::prelude::*;
 /// Takes ∇s from a point array of three components.
 pub struct FromArray;
 
-fn name(settings: &Settings) -> Option<&str> {
-    match settings.get("array") {
-        Some(Setting::Text(name)) => Some(name),
-        _ => None,
-    }
-}
+const DECLARATION: Kind = Kind {
+    name: "array",
+    summary: "A point array of three components that holds the gradient already.",
+    parameters: &[Parameter {
+        name: "array",
+        parameter_type: ParameterType::Text,
+        unit: "",
+        standard: Standard::Required,
+        help: "name of the point array that holds ∂s/∂x, ∂s/∂y, ∂s/∂z",
+    }],
+};
 
 impl GradientFilter for FromArray {
-    fn declaration(&self) -> Declaration {
-        Declaration {
-            name: "array".into(),
-            help: "A point array of three components that holds the gradient already.".into(),
-            parameters: vec![Parameter {
-                name: "array".into(),
-                help: "Name of the point array that holds ∂s/∂x, ∂s/∂y, ∂s/∂z.".into(),
-                kind: ParameterKind::PointArray,
-            }],
-        }
+    fn declaration(&self) -> Kind {
+        DECLARATION
     }
 
-    fn arrays(&self, settings: &Settings) -> Vec<String> {
-        name(settings).map(String::from).into_iter().collect()
+    fn arrays(&self, parameters: &Parameters) -> Result<Vec<String>> {
+        Ok(vec![parameters.text("array")?.to_string()])
     }
 
-    fn gradient(&self, grid: &Grid, s: &[f64], settings: &Settings, _: &dyn Progress) -> Result<Gradient> {
+    fn gradient(
+        &self,
+        grid: &Grid,
+        s: &[f64],
+        parameters: &Parameters,
+        _: &dyn Progress,
+    ) -> Result<Gradient> {
         check_scalar(grid, s)?;
-        let Some(name) = name(settings) else {
-            return Err(Error::usage("the gradient method 'array' needs the name of an array")
-                .accepted("array = \"NAME\", a point array of three components")
-                .at_item("array"));
-        };
+        let name = parameters.text("array")?;
         let known = || {
             let names: Vec<&str> = grid
                 .point_arrays
@@ -56,13 +54,14 @@ impl GradientFilter for FromArray {
             )
         };
         let Some(array) = grid.point_arrays.get(name) else {
-            return Err(Error::run("there is no such array").found(format!("'{name}'")).accepted(known()));
+            let error = Error::run("there is no such array").found(format!("'{name}'")).accepted(known());
+            return Err(error.at_item("array"));
         };
         if array.component_count != 3 || array.values.len() != 3 * grid.points.len() {
             return Err(Error::run("an array cannot be a gradient")
                 .found(format!("{} components", array.component_count))
                 .accepted(known())
-                .at_item(name));
+                .at_item("array"));
         }
         let vectors = array.values.par_chunks_exact(3).with_min_len(1 << 14).map(DVec3::from_slice).collect();
         Ok(Gradient { vectors, fallbacks: Vec::new() })

@@ -7,9 +7,10 @@
 //! tetrahedra), `volume-weighted` is Σ V ∇s / Σ V = Σ ±n / Σ |d|, which never divides by the volume of one cell.
 
 use super::frame::for_points;
-use super::{Declaration, Fallback, Gradient, GradientFilter, Settings, check_scalar};
+use super::{Fallback, Gradient, GradientFilter, check_scalar};
 use crate::Result;
 use crate::grid::{Grid, sum_over_cells};
+use crate::parameters::{Kind, Parameters};
 use crate::progress::Progress;
 use glam::DVec3;
 
@@ -20,34 +21,31 @@ pub struct CellAverage;
 pub struct VolumeWeighted;
 
 impl GradientFilter for CellAverage {
-    fn declaration(&self) -> Declaration {
-        Declaration {
-            name: "cell-average".into(),
-            help:
-                "Plain mean of the constant gradients of the cells around a point, as VTK's gradient filter: \
-                   first order."
-                    .into(),
-            parameters: Vec::new(),
+    fn declaration(&self) -> Kind {
+        Kind {
+            name: "cell-average",
+            summary: "Plain mean of the constant gradients of the cells around a point, as VTK's gradient filter: \
+                   first order.",
+            parameters: &[],
         }
     }
 
-    fn gradient(&self, grid: &Grid, s: &[f64], _: &Settings, progress: &dyn Progress) -> Result<Gradient> {
+    fn gradient(&self, grid: &Grid, s: &[f64], _: &Parameters, progress: &dyn Progress) -> Result<Gradient> {
         cell_means(grid, s, progress, |n, d| (n / d, 1.0))
     }
 }
 
 impl GradientFilter for VolumeWeighted {
-    fn declaration(&self) -> Declaration {
-        Declaration {
-            name: "volume-weighted".into(),
-            help: "Mean of the constant gradients of the cells around a point, weighted by volume: first order, \
-                   unmoved by flat cells."
-                .into(),
-            parameters: Vec::new(),
+    fn declaration(&self) -> Kind {
+        Kind {
+            name: "volume-weighted",
+            summary: "Mean of the constant gradients of the cells around a point, weighted by volume: first order, \
+                   unmoved by flat cells.",
+            parameters: &[],
         }
     }
 
-    fn gradient(&self, grid: &Grid, s: &[f64], _: &Settings, progress: &dyn Progress) -> Result<Gradient> {
+    fn gradient(&self, grid: &Grid, s: &[f64], _: &Parameters, progress: &dyn Progress) -> Result<Gradient> {
         cell_means(grid, s, progress, |n, d| (n * d.signum(), d.abs()))
     }
 }

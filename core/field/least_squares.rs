@@ -8,9 +8,10 @@
 
 use super::dense::solve3;
 use super::frame::for_points;
-use super::{Declaration, Fallback, Gradient, GradientFilter, Settings, check_scalar};
+use super::{Fallback, Gradient, GradientFilter, check_scalar};
 use crate::Result;
 use crate::grid::{Grid, Neighbours, cells_of_points};
+use crate::parameters::{Kind, Parameters};
 use crate::progress::Progress;
 use glam::{DMat3, DVec3};
 
@@ -22,17 +23,16 @@ pub struct LeastSquares;
 const SMALL_PIVOT: f64 = 1e-6;
 
 impl GradientFilter for LeastSquares {
-    fn declaration(&self) -> Declaration {
-        Declaration {
-            name: "least-squares".into(),
-            help: "Linear fit to the neighbouring points, weighted by inverse distance: exact for linear fields, \
-                   first order."
-                .into(),
-            parameters: Vec::new(),
+    fn declaration(&self) -> Kind {
+        Kind {
+            name: "least-squares",
+            summary: "Linear fit to the neighbouring points, weighted by inverse distance: exact for linear fields, \
+                   first order.",
+            parameters: &[],
         }
     }
 
-    fn gradient(&self, grid: &Grid, s: &[f64], _: &Settings, progress: &dyn Progress) -> Result<Gradient> {
+    fn gradient(&self, grid: &Grid, s: &[f64], _: &Parameters, progress: &dyn Progress) -> Result<Gradient> {
         check_scalar(grid, s)?;
         let scale = grid.length_scale();
         let cells = cells_of_points(grid);

@@ -1,5 +1,4 @@
-//! Gradients of a scalar at the points of a grid: the trait that built-in filters and plug-ins fulfil, and the
-//! built-in ones.
+//! Gradients of a scalar at the points of a grid: the trait that every filter fulfils, and the filters that ship.
 //!
 //! Symbols: s the scalar, ∇s its gradient (units of s per world unit), g = |∇s| the gradient magnitude.
 
@@ -8,71 +7,22 @@ mod cell_mean;
 mod dense;
 mod frame;
 mod least_squares;
+mod method;
 mod quadratic_fit;
-mod registry;
 
 pub use array::FromArray;
 pub use cell_mean::{CellAverage, VolumeWeighted};
 pub use least_squares::LeastSquares;
+pub use method::Method;
 pub use quadratic_fit::QuadraticFit;
-pub use registry::Registry;
 
 use crate::grid::Grid;
+use crate::parameters::{Kind, Parameters};
 use crate::progress::Progress;
 use crate::{Error, Result};
 use glam::DVec3;
 use rayon::prelude::*;
-use std::collections::BTreeMap;
-
-/// What a gradient filter is called, and what can be set.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Declaration {
-    /// The name that pipeline files use (`method = "least-squares"`).
-    pub name: String,
-    /// One sentence for the user.
-    pub help: String,
-    /// What can be set.
-    pub parameters: Vec<Parameter>,
-}
-
-/// One parameter of a filter.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Parameter {
-    /// The key in pipeline files.
-    pub name: String,
-    /// One sentence for the user.
-    pub help: String,
-    /// Its type, default and range.
-    pub kind: ParameterKind,
-}
-
-/// Type, default and range of a parameter.
-#[derive(Debug, Clone, PartialEq)]
-pub enum ParameterKind {
-    /// The name of a point array; required.
-    PointArray,
-    /// A number.
-    Number {
-        /// Value when nothing is set.
-        default: f64,
-        /// Lowest and highest value allowed.
-        range: [f64; 2],
-        /// Unit, empty for a pure number.
-        unit: String,
-    },
-}
-
-/// Values of parameters, by name; what is not set takes its default.
-pub type Settings = BTreeMap<String, Setting>;
-
-/// The value of one parameter.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Setting {
-    /// Text, such as the name of an array.
-    Text(String),
-    /// A number.
-    Number(f64),
-}
+use std::sync::Arc;
 
 /// Gradients at the points, and how often the filter had to do with less than it promises.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -103,23 +53,41 @@ impl Fallback {
     }
 }
 
+/// The filters that ship, in the order in which help lists them.
+pub fn filters() -> [Arc<dyn GradientFilter>; 5] {
+    [
+        Arc::new(LeastSquares),
+        Arc::new(QuadraticFit),
+        Arc::new(VolumeWeighted),
+        Arc::new(CellAverage),
+        Arc::new(FromArray),
+    ]
+}
+
 /// Computes ∇s at the points of a grid.
 pub trait GradientFilter: Send + Sync {
-    /// Name, help and parameters.
-    fn declaration(&self) -> Declaration;
+    /// Its name in pipeline files (`method = "least-squares"`), what it does in a sentence, and what can be set.
+    fn declaration(&self) -> Kind;
 
-    /// Names of the point arrays that it reads with these settings.
-    fn arrays(&self, settings: &Settings) -> Vec<String> {
-        let _ = settings;
-        Vec::new()
+    /// Checks what single declarations cannot say (parameters that exclude each other). Touches no file.
+    fn check(&self, parameters: &Parameters) -> Result<()> {
+        let _ = parameters;
+        Ok(())
     }
 
-    /// ∇s at every point of `grid` for the values `scalar`, one a point. Finite wherever the input is.
+    /// Names of the point arrays that it reads with these parameters. The grid then has them.
+    fn arrays(&self, parameters: &Parameters) -> Result<Vec<String>> {
+        let _ = parameters;
+        Ok(Vec::new())
+    }
+
+    /// ∇s at every point of `grid` for the values `scalar`, one a point. Finite at every point of a cell whose position and
+    /// value are finite.
     fn gradient(
         &self,
         grid: &Grid,
         scalar: &[f64],
-        settings: &Settings,
+        parameters: &Parameters,
         progress: &dyn Progress,
     ) -> Result<Gradient>;
 }

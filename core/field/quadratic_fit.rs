@@ -8,9 +8,10 @@
 use super::dense::solve_qr;
 use super::frame::for_points;
 use super::least_squares::{Apart, Fit, fallbacks};
-use super::{Declaration, Fallback, Gradient, GradientFilter, Settings, check_scalar};
+use super::{Fallback, Gradient, GradientFilter, check_scalar};
 use crate::Result;
 use crate::grid::{Grid, Neighbours, cells_of_points, points_of_points};
+use crate::parameters::{Kind, Parameters};
 use crate::progress::Progress;
 use glam::DVec3;
 
@@ -32,15 +33,15 @@ const SMALL_PIVOT_SECOND_RING: f64 = 1e-3;
 const FEWEST: usize = UNKNOWNS + 3;
 
 impl GradientFilter for QuadraticFit {
-    fn declaration(&self) -> Declaration {
-        Declaration {
-            name: "quadratic-fit".into(),
-            help: "Quadratic fit to the surrounding points: exact for quadratic fields, second order.".into(),
-            parameters: Vec::new(),
+    fn declaration(&self) -> Kind {
+        Kind {
+            name: "quadratic-fit",
+            summary: "Quadratic fit to the surrounding points: exact for quadratic fields, second order.",
+            parameters: &[],
         }
     }
 
-    fn gradient(&self, grid: &Grid, s: &[f64], _: &Settings, progress: &dyn Progress) -> Result<Gradient> {
+    fn gradient(&self, grid: &Grid, s: &[f64], _: &Parameters, progress: &dyn Progress) -> Result<Gradient> {
         check_scalar(grid, s)?;
         let scale = grid.length_scale();
         let neighbours = points_of_points(grid, &cells_of_points(grid));

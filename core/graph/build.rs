@@ -1,10 +1,13 @@
 //! Building a graph: node types found, parameters checked, ports wired, cycles refused, the order of work.
 
-use super::declaration::{Node, ParameterType};
-use super::nearest::suggest;
-use super::parameters::Parameters;
+use super::declaration::Node;
+use super::method;
 use super::registry::Registry;
-use super::setting::{Field, Origin, Setting};
+use crate::field::Method;
+use crate::parameters::ParameterType;
+use crate::parameters::Parameters;
+use crate::parameters::suggest;
+use crate::parameters::{Field, Origin, Setting};
 use crate::{Error, Result};
 use std::path::PathBuf;
 
@@ -26,7 +29,7 @@ pub struct NodeEntry {
 impl NodeEntry {
     /// Sets a parameter, or the part of it that `path` leads to.
     pub fn set(&mut self, name: &str, path: &[&str], setting: Setting) -> Result<()> {
-        super::setting::replace_field(&mut self.settings, name, path, setting)
+        crate::parameters::replace_field(&mut self.settings, name, path, setting)
     }
 }
 
@@ -61,8 +64,10 @@ pub struct GraphNode {
     pub name: String,
     /// Its type.
     pub node: &'static Node,
-    /// Its parameters.
+    /// Its parameters, with those of its gradient filter.
     pub parameters: Parameters,
+    /// The gradient filter that one of its parameters names.
+    pub method: Option<Method>,
     /// What feeds each input port, in the order of [`Node::inputs`]; then the edges of the optional ones.
     pub inputs: Vec<Edge>,
     /// Where it was written.
@@ -88,6 +93,16 @@ impl GraphNode {
         self.node.all_inputs().position(|p| p.name == port).ok_or_else(|| {
             Error::run(format!(
                 "the node type '{}' asks for an input '{port}' it does not declare",
+                self.node.name
+            ))
+        })
+    }
+
+    /// The gradient filter that one of the node's parameters names.
+    pub(super) fn method(&self) -> Result<&Method> {
+        self.method.as_ref().ok_or_else(|| {
+            Error::run(format!(
+                "the node type '{}' asks for a gradient filter and names none",
                 self.node.name
             ))
         })
@@ -122,14 +137,14 @@ impl Graph {
                 return Err(blame(Error::usage(format!("two nodes are called '{}'", entry.name))));
             }
             let node = find_type(entry, registry).map_err(blame)?;
-            let parameters =
-                Parameters::check(node.parameters, &entry.settings, &entry.origin, &[]).map_err(blame)?;
+            let (parameters, method) = method::check(entry, node, registry).map_err(blame)?;
             (node.check)(&parameters).map_err(blame)?;
             let inputs = Vec::new();
             nodes.push(GraphNode {
                 name: entry.name.clone(),
                 node,
                 parameters,
+                method,
                 inputs,
                 origin: entry.origin.clone(),
             });

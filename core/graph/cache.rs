@@ -1,12 +1,13 @@
 //! Former outputs of nodes, and things made from a revision.
 
 use super::build::Graph;
-use super::declaration::{Node, ParameterType};
+use super::declaration::Node;
 use super::demand::Demand;
 use super::notes::Notes;
-use super::parameters::Parameters;
 use super::value::{Revision, Value};
 use crate::Result;
+use crate::parameters::ParameterType;
+use crate::parameters::Parameters;
 use std::any::{Any, TypeId};
 use std::collections::{BTreeSet, HashMap};
 use std::path::{Path, PathBuf};

@@ -5,11 +5,12 @@ use super::cache::{FOR_THE_SESSION, Store};
 use super::declaration::PortType;
 use super::demand::Demand;
 use super::notes::Notes;
-use super::parameters::Parameters;
 use super::session::Observer;
 use super::value::{Look, Prepared, Revision, Value};
 use crate::camera::Camera;
+use crate::field::Method;
 use crate::grid::Grid;
+use crate::parameters::Parameters;
 use crate::picture::Picture;
 use crate::progress::Progress;
 use crate::volume::Volume;
@@ -48,6 +49,11 @@ impl Asking<'_> {
             Some(Value::TransferFunction(look)) => Some(look.clone()),
             _ => None,
         }
+    }
+
+    /// The gradient filter that a parameter names.
+    pub fn method(&self) -> Result<&Method> {
+        self.node.method()
     }
 
     /// Asks for something at an input.
@@ -118,6 +124,11 @@ impl Call<'_> {
         let outcome = work(&self.progress);
         self.notes.stages.push((name.to_string(), start.elapsed().as_secs_f64()));
         outcome
+    }
+
+    /// The gradient filter that a parameter names.
+    pub fn method(&self) -> Result<&Method> {
+        self.node.method()
     }
 
     /// The revision of what an input carries: the key for things to [`Call::keep`].

@@ -2,9 +2,9 @@
 //! the reference of nodes are made from this alone.
 
 use super::call::{Asking, Call, Outputs, Preparation};
-use super::parameters::Parameters;
 use super::value::Value;
 use crate::Result;
+use crate::parameters::{Parameter, ParameterType, Parameters};
 
 /// See [`Node::outline`].
 pub type Outline = dyn Fn(&Parameters, &[Option<Value>]) -> Result<Outputs> + Send + Sync;
@@ -71,6 +71,11 @@ impl Node {
     pub fn parameter(&self, name: &str) -> Option<&'static Parameter> {
         self.parameters.iter().find(|p| p.name == name)
     }
+
+    /// The parameter that names a gradient filter, where it has one.
+    pub fn method(&self) -> Option<&'static Parameter> {
+        self.parameters.iter().find(|p| matches!(p.parameter_type, ParameterType::GradientFilter))
+    }
 }
 
 impl std::fmt::Debug for Node {
@@ -136,205 +141,5 @@ impl PortType {
     /// gradient.
     pub fn serves(self, input: PortType) -> bool {
         self == input || (self == PortType::Grid && input == PortType::Volume)
-    }
-}
-
-/// A parameter of a node, or of a table within one.
-#[derive(Debug, Clone, Copy)]
-pub struct Parameter {
-    /// The key in a pipeline file.
-    pub name: &'static str,
-    /// What it may be.
-    pub parameter_type: ParameterType,
-    /// Its unit, empty where it has none.
-    pub unit: &'static str,
-    /// What holds when the file does not say.
-    pub standard: Standard,
-    /// One line of help.
-    pub help: &'static str,
-}
-
-/// What holds when the file does not give a parameter.
-#[derive(Debug, Clone, Copy)]
-pub enum Standard {
-    /// The file must give it.
-    Required,
-    /// Nothing; the text says what that means.
-    Unset(&'static str),
-    /// A flag.
-    Boolean(bool),
-    /// A whole number.
-    Integer(i64),
-    /// A number.
-    Number(f64),
-    /// A word or text.
-    Text(&'static str),
-    /// A vector.
-    Numbers(&'static [f64]),
-    /// A vector of whole numbers.
-    Integers(&'static [i64]),
-}
-
-/// What a parameter may be.
-#[derive(Debug, Clone, Copy)]
-pub enum ParameterType {
-    /// `true` or `false`.
-    Boolean,
-    /// A whole number within the range.
-    Integer(Range),
-    /// A number within the range.
-    Number(Range),
-    /// A number within the range, or the word.
-    NumberOr(Range, &'static str),
-    /// Any text.
-    Text,
-    /// One of the words; each with its meaning.
-    Choice(&'static [(&'static str, &'static str)]),
-    /// A file to read, relative to the pipeline file.
-    InputPath,
-    /// A file to write, relative to the pipeline file.
-    OutputPath,
-    /// Several numbers, each within the range; `Some(n)`: exactly n of them.
-    Numbers(Option<usize>, Range),
-    /// Exactly n whole numbers, each within the range.
-    Integers(usize, Range),
-    /// Rows of numbers; `Some(n)`: exactly n in each row.
-    Rows(Option<usize>),
-    /// Several texts.
-    Texts,
-    /// A table with these keys.
-    Table(&'static [Parameter]),
-    /// A list of tables, each of a kind that its key `kind` names.
-    Kinds(&'static [Kind]),
-}
-
-/// A kind of table in a [`ParameterType::Kinds`] list.
-#[derive(Debug, Clone, Copy)]
-pub struct Kind {
-    /// The word for `kind`.
-    pub name: &'static str,
-    /// What it is, one sentence.
-    pub summary: &'static str,
-    /// Its keys beside `kind`.
-    pub parameters: &'static [Parameter],
-}
-
-/// The range of a number. Numbers are finite unless the range says otherwise.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Range {
-    /// Smallest value.
-    pub min: f64,
-    /// Largest value.
-    pub max: f64,
-    /// Whether `min` itself is excluded.
-    pub above_min: bool,
-    /// Whether `max` itself is excluded.
-    pub below_max: bool,
-    /// Whether infinite values are allowed.
-    pub infinite: bool,
-}
-
-impl Range {
-    /// Any finite number.
-    pub const ANY: Range = Range {
-        min: f64::NEG_INFINITY,
-        max: f64::INFINITY,
-        above_min: false,
-        below_max: false,
-        infinite: false,
-    };
-    /// Any number, infinite ones too.
-    pub const ANY_OR_INFINITE: Range = Range { infinite: true, ..Range::ANY };
-
-    /// `min` or more.
-    pub const fn at_least(min: f64) -> Range {
-        Range { min, ..Range::ANY }
-    }
-
-    /// More than `min`.
-    pub const fn above(min: f64) -> Range {
-        Range { min, above_min: true, ..Range::ANY }
-    }
-
-    /// From `min` to `max`, both included.
-    pub const fn within(min: f64, max: f64) -> Range {
-        Range { min, max, ..Range::ANY }
-    }
-
-    /// Between `min` and `max`, both excluded.
-    pub const fn between(min: f64, max: f64) -> Range {
-        Range { min, max, above_min: true, below_max: true, infinite: false }
-    }
-
-    /// Whether `x` lies in the range; NaN never does.
-    pub fn holds(&self, x: f64) -> bool {
-        (x.is_finite() || (self.infinite && x.is_infinite()))
-            && (x > self.min || (x == self.min && !self.above_min))
-            && (x < self.max || (x == self.max && !self.below_max))
-    }
-}
-
-impl std::fmt::Display for Range {
-    /// "above 0", "0 or more", "from 0 to 1", "between 0 and 180", or nothing.
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Range { min, max, above_min, below_max, infinite } = *self;
-        match (min.is_finite(), max.is_finite()) {
-            (false, false) => Ok(()),
-            (true, false) if above_min => write!(f, "above {min}"),
-            (true, false) => write!(f, "{min} or more"),
-            (false, true) if below_max => write!(f, "below {max}"),
-            (false, true) => write!(f, "{max} or less"),
-            (true, true) if above_min && below_max => write!(f, "between {min} and {max}"),
-            (true, true) if above_min => write!(f, "above {min}, up to {max}"),
-            (true, true) if below_max => write!(f, "from {min} to below {max}"),
-            (true, true) => write!(f, "from {min} to {max}"),
-        }?;
-        if infinite && (min.is_finite() || max.is_finite()) {
-            f.write_str(", or inf")?;
-        }
-        Ok(())
-    }
-}
-
-impl ParameterType {
-    /// The type in words, with its range: "number above 0", "3 numbers", "exact | centroid | none | auto".
-    pub fn describe(&self) -> String {
-        let ranged = |noun: &str, range: &Range| {
-            let range = range.to_string();
-            if range.is_empty() { noun.to_string() } else { format!("{noun} {range}") }
-        };
-        match self {
-            ParameterType::Boolean => "true | false".into(),
-            ParameterType::Integer(range) => ranged("whole number", range),
-            ParameterType::Number(range) => ranged("number", range),
-            ParameterType::NumberOr(range, word) => format!("{} or \"{word}\"", ranged("number", range)),
-            ParameterType::Text => "text".into(),
-            ParameterType::Choice(words) => words.iter().map(|w| w.0).collect::<Vec<_>>().join(" | "),
-            ParameterType::InputPath | ParameterType::OutputPath => "path".into(),
-            ParameterType::Numbers(Some(n), range) => ranged(&format!("{n} numbers"), range),
-            ParameterType::Numbers(None, range) => ranged("list of numbers", range),
-            ParameterType::Integers(n, range) => ranged(&format!("{n} whole numbers"), range),
-            ParameterType::Rows(Some(n)) => format!("list of rows of {n} numbers"),
-            ParameterType::Rows(None) => "list of rows of numbers".into(),
-            ParameterType::Texts => "list of texts".into(),
-            ParameterType::Table(fields) => {
-                format!("table of {}", fields.iter().map(|p| p.name).collect::<Vec<_>>().join(", "))
-            }
-            ParameterType::Kinds(_) => "list of tables, each with a kind".into(),
-        }
-    }
-}
-
-impl std::fmt::Display for Standard {
-    /// As a pipeline file would write it; "required" or the meaning of leaving it out otherwise.
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Standard::Required => f.write_str("required"),
-            Standard::Unset(meaning) => f.write_str(meaning),
-            other => match other.datum() {
-                Some(datum) => write!(f, "{datum}"),
-                None => Ok(()),
-            },
-        }
     }
 }

@@ -1,4 +1,4 @@
-//! The graph: nodes joined by typed ports, the two passes of a run, and the registry of node types.
+//! The graph: nodes joined by typed ports, the two passes of a run, and the registry of node types and gradient filters.
 //!
 //! A node type is a [`Node`]: a constant that declares ports and parameters, and the functions that work for it.
 //! Nodes keep no state. A run has two passes, as in VTK:
@@ -19,26 +19,24 @@ mod cache;
 mod call;
 mod declaration;
 mod demand;
-mod nearest;
+mod method;
 mod notes;
-mod parameters;
 mod registry;
 mod session;
-mod setting;
 #[cfg(test)]
 mod tests;
 mod value;
 
+pub use crate::parameters::{
+    Datum, Field, Kind, Origin, Parameter, ParameterType, Parameters, Range, Setting, Standard, nearest,
+    suggest,
+};
 pub use build::{Edge, Graph, GraphNode, LinkEntry, NodeEntry};
 pub use cache::{FileStamp, Stamp};
 pub use call::{Asking, Call, Outputs, Preparation};
-pub use declaration::{Kind, Node, Outline, Parameter, ParameterType, Port, PortType, Range, Standard};
+pub use declaration::{Node, Outline, Port, PortType};
 pub use demand::{Demand, Plan};
-pub use nearest::{nearest, suggest};
 pub use notes::{Finding, LeftOut, NodeReport, Notes, RunReport, Saving};
-pub use parameters::Parameters;
 pub use registry::Registry;
 pub use session::{Observer, Session, Unobserved};
-pub(crate) use setting::key_text;
-pub use setting::{Datum, Field, Origin, Setting};
 pub use value::{Look, Prepared, Revision, Value, diagonal};

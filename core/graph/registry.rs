@@ -1,13 +1,19 @@
-//! The registry of node types: open, one function for nodes that ship and for plug-ins.
+//! The registry of node types and gradient filters: open, the same functions for those that ship and for plug-ins.
 
-use super::declaration::{Node, Parameter, ParameterType};
-use super::nearest::suggest;
+use super::declaration::Node;
+use crate::field::GradientFilter;
+use crate::parameters::{ParameterType, refuse_contradictions, repeated, suggest};
 use crate::{Error, Result};
+use std::sync::Arc;
 
-/// The node types that a pipeline may name.
-#[derive(Debug, Default)]
+/// What belongs to a node in a pipeline file, whatever its type.
+const TAKEN: [&str; 2] = ["type", "inputs"];
+
+/// The node types and the gradient filters that a pipeline may name.
+#[derive(Default)]
 pub struct Registry {
     nodes: Vec<&'static Node>,
+    filters: Vec<Arc<dyn GradientFilter>>,
 }
 
 impl Registry {
@@ -30,8 +36,31 @@ impl Registry {
                 return wrong(format!("the node type '{}' declares the port '{twice}' twice", node.name));
             }
         }
-        check_declarations(node.name, node.parameters)?;
+        refuse_contradictions(&format!("the node type '{}'", node.name), node.parameters, &TAKEN)?;
+        let methods =
+            node.parameters.iter().filter(|p| matches!(p.parameter_type, ParameterType::GradientFilter));
+        if methods.count() > 1 {
+            return wrong(format!("the node type '{}' names several gradient filters", node.name));
+        }
+        self.filters.iter().try_for_each(|filter| refuse_shared_names(node, filter.as_ref()))?;
         self.nodes.push(node);
+        Ok(())
+    }
+
+    /// Adds a gradient filter. Errors as those of [`Registry::add`]; its parameters stand beside those of the node that
+    /// names it, so they may not have the names of these.
+    pub fn add_filter(&mut self, filter: Arc<dyn GradientFilter>) -> Result<()> {
+        let kind = filter.declaration();
+        let wrong = |what: String| Err(Error::usage(what).at_item(kind.name));
+        if kind.name.is_empty() || kind.summary.is_empty() {
+            return wrong("a gradient filter needs a name and a summary".into());
+        }
+        if self.filters.iter().any(|known| known.declaration().name == kind.name) {
+            return wrong(format!("there is a gradient filter '{}' already", kind.name));
+        }
+        refuse_contradictions(&format!("the gradient filter '{}'", kind.name), kind.parameters, &TAKEN)?;
+        self.nodes.iter().try_for_each(|node| refuse_shared_names(node, filter.as_ref()))?;
+        self.filters.push(filter);
         Ok(())
     }
 
@@ -42,45 +71,39 @@ impl Registry {
         })
     }
 
+    /// The gradient filter of that name; an error that suggests the nearest otherwise.
+    pub fn find_filter(&self, name: &str) -> Result<&Arc<dyn GradientFilter>> {
+        self.filters.iter().find(|filter| filter.declaration().name == name).ok_or_else(|| {
+            let names = self.filters.iter().map(|filter| filter.declaration().name);
+            Error::usage(format!("unknown gradient filter '{name}'")).accepted(suggest(name, names))
+        })
+    }
+
     /// Every node type, in the order of registration.
     pub fn iter(&self) -> impl Iterator<Item = &'static Node> {
         self.nodes.iter().copied()
     }
 
-    /// The names, in the order of registration.
+    /// The names of the node types, in the order of registration.
     pub fn names(&self) -> impl Iterator<Item = &'static str> {
         self.nodes.iter().map(|n| n.name)
     }
+
+    /// Every gradient filter, in the order of registration.
+    pub fn filters(&self) -> impl Iterator<Item = &Arc<dyn GradientFilter>> {
+        self.filters.iter()
+    }
 }
 
-/// The first name that occurs twice.
-fn repeated(names: impl Iterator<Item = &'static str>) -> Option<&'static str> {
-    let mut seen = Vec::new();
-    for name in names {
-        if seen.contains(&name) {
-            return Some(name);
-        }
-        seen.push(name);
-    }
-    None
-}
-
-/// Names must differ and help must be there, also within tables. `type` and `inputs` belong to the file.
-fn check_declarations(node: &str, parameters: &'static [Parameter]) -> Result<()> {
-    if let Some(twice) = repeated(parameters.iter().map(|p| p.name).chain(["type", "inputs"])) {
-        return Err(Error::usage(format!("the node type '{node}' declares '{twice}' twice")));
-    }
-    for parameter in parameters {
-        if parameter.help.is_empty() {
-            return Err(Error::usage(format!("the parameter '{}' of '{node}' has no help", parameter.name)));
-        }
-        match parameter.parameter_type {
-            ParameterType::Table(fields) => check_declarations(node, fields)?,
-            ParameterType::Kinds(kinds) => {
-                kinds.iter().try_for_each(|kind| check_declarations(node, kind.parameters))?;
-            }
-            _ => {}
-        }
-    }
-    Ok(())
+/// What a filter declares stands in one table with what the node declares that names it.
+fn refuse_shared_names(node: &Node, filter: &dyn GradientFilter) -> Result<()> {
+    let kind = filter.declaration();
+    let shared = kind.parameters.iter().find(|p| node.method().is_some() && node.parameter(p.name).is_some());
+    shared.map_or(Ok(()), |shared| {
+        let what = format!(
+            "the gradient filter '{}' declares a parameter that the node type '{}' has",
+            kind.name, node.name
+        );
+        Err(Error::usage(what).found(shared.name).accepted("a name of its own").at_item(kind.name))
+    })
 }

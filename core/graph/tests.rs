@@ -1,6 +1,7 @@
 //! The passes, the cache and the wiring, on node types that only count.
 
 mod feeding;
+mod methods;
 mod optional_inputs;
 mod thorough;
 

@@ -1,7 +1,8 @@
 //! [`Pipeline`] to text: what is read back is equal, node by node.
 
 use super::{FORMAT, Pipeline};
-use crate::graph::{Datum, Field, NodeEntry, key_text};
+use crate::graph::{Datum, Field, NodeEntry};
+use crate::parameters::key_text;
 use std::fmt;
 
 impl fmt::Display for Pipeline {

@@ -1,25 +1,54 @@
-//! `voltet nodes`: the reference of node types, made from their declarations.
+//! `voltet nodes`: the reference of node types and gradient filters, made from their declarations.
 
 use super::DONE;
 use crate::arguments::Nodes;
-use crate::core::Result;
-use crate::core::graph::{Node, Registry};
-use crate::present::{node_markdown, node_text};
+use crate::core::graph::{Kind, Registry, suggest};
+use crate::core::{Error, Result};
+use crate::present::{filter_markdown, filter_text, node_markdown, node_text};
 
 pub fn nodes(arguments: &Nodes, registry: &Registry) -> Result<u8> {
-    let shown: Vec<&Node> = match &arguments.name {
-        Some(name) => vec![registry.find(name)?],
-        None => registry.iter().collect(),
-    };
-    if arguments.markdown {
-        println!("# Node types\n");
-        shown.iter().for_each(|node| println!("{}", node_markdown(node)));
-    } else if arguments.name.is_some() {
-        shown.iter().for_each(|node| print!("{}", node_text(node)));
-    } else {
-        let width = shown.iter().map(|node| node.name.len()).max().unwrap_or(0);
-        shown.iter().for_each(|node| println!("{:width$}  {}", node.name, node.summary));
-        println!("\nvoltet nodes NAME shows one with its ports, parameters and an example.");
+    match (&arguments.name, arguments.markdown) {
+        (Some(name), markdown) => print!("{}", one(name, markdown, registry)?),
+        (None, true) => {
+            println!("# Node types\n");
+            registry.iter().for_each(|node| println!("{}", node_markdown(node, registry)));
+        }
+        (None, false) => print!("{}", list(registry)),
     }
     Ok(DONE)
+}
+
+fn filters(registry: &Registry) -> impl Iterator<Item = Kind> {
+    registry.filters().map(|filter| filter.declaration())
+}
+
+/// The node type of that name, or else the gradient filter.
+fn one(name: &str, markdown: bool, registry: &Registry) -> Result<String> {
+    if let Some(node) = registry.iter().find(|node| node.name == name) {
+        return Ok(if markdown { node_markdown(node, registry) } else { node_text(node, registry) });
+    }
+    match filters(registry).find(|filter| filter.name == name) {
+        Some(filter) => Ok(if markdown { filter_markdown(&filter) } else { filter_text(&filter) }),
+        None => {
+            let names = registry.names().chain(filters(registry).map(|filter| filter.name));
+            let error = Error::usage(format!("unknown node type or gradient filter '{name}'"));
+            Err(error.accepted(suggest(name, names)))
+        }
+    }
+}
+
+/// All of them, a line each.
+fn list(registry: &Registry) -> String {
+    let nodes: Vec<(&str, &str)> = registry.iter().map(|node| (node.name, node.summary)).collect();
+    let filters: Vec<(&str, &str)> = filters(registry).map(|filter| (filter.name, filter.summary)).collect();
+    let width = nodes.iter().chain(&filters).map(|(name, _)| name.len()).max().unwrap_or(0);
+    let line = |(name, summary): &(&str, &str)| format!("{name:width$}  {summary}\n");
+    let naming = registry.iter().filter(|node| node.method().is_some()).map(|node| node.name);
+    format!(
+        "Node types\n\n{}\nGradient filters, for the parameter method of {}\n\n{}\n\
+         voltet nodes NAME shows one with its ports, parameters and an example.\n",
+        nodes.iter().map(line).collect::<String>(),
+        naming.collect::<Vec<_>>().join(", "),
+        filters.iter().map(line).collect::<String>(),
+    )
 }

@@ -7,5 +7,5 @@ mod report;
 
 pub use error::{error, warning};
 pub use progress::{Bar, Estimate};
-pub use reference::{node_markdown, node_text};
+pub use reference::{filter_markdown, filter_text, node_markdown, node_text};
 pub use report::{findings, json, number, summary};

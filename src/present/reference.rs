@@ -1,6 +1,6 @@
-//! The reference of a node type, as text and as Markdown, from its declaration.
+//! The reference of a node type or gradient filter, as text and as Markdown, from its declaration.
 
-use crate::core::graph::{Node, Parameter, ParameterType, Port};
+use crate::core::graph::{Kind, Node, Parameter, ParameterType, Port, Registry};
 
 /// Type, unit and standard value of a parameter: "number above 0, degrees; default 30.0".
 fn kind(parameter: &Parameter) -> String {
@@ -12,8 +12,34 @@ fn kind(parameter: &Parameter) -> String {
     format!("{}{unit}; {standard}", parameter.parameter_type.describe())
 }
 
+/// What the gradient filters declare.
+fn filters(registry: &Registry) -> Vec<Kind> {
+    registry.filters().map(|filter| filter.declaration()).collect()
+}
+
+/// The reference of one gradient filter, for a terminal.
+pub fn filter_text(kind: &Kind) -> String {
+    let mut text =
+        format!("{}\n\n{}\n\nA gradient filter: method = \"{}\"\n", kind.name, kind.summary, kind.name);
+    if !kind.parameters.is_empty() {
+        text += "\nParameters, beside method:\n";
+        kind.parameters.iter().for_each(|parameter| text += &parameter_text(parameter, "  ", &[]));
+    }
+    text
+}
+
+/// The reference of one gradient filter as Markdown.
+pub fn filter_markdown(kind: &Kind) -> String {
+    let mut text =
+        format!("## {}\n\n{}\n\nA gradient filter: `method = \"{}\"`.\n", kind.name, kind.summary, kind.name);
+    if !kind.parameters.is_empty() {
+        text += &parameters_markdown("key beside `method`", kind.parameters);
+    }
+    text
+}
+
 /// The reference of one node type, for a terminal.
-pub fn node_text(node: &Node) -> String {
+pub fn node_text(node: &Node, registry: &Registry) -> String {
     let mut text = format!("{}\n\n{}\n", node.name, node.summary);
     let kinds =
         [("Inputs", node.inputs), ("Optional inputs", node.optional_inputs), ("Outputs", node.outputs)];
@@ -29,16 +55,26 @@ pub fn node_text(node: &Node) -> String {
     }
     if !node.parameters.is_empty() {
         text += "\nParameters:\n";
-        node.parameters.iter().for_each(|parameter| text += &parameter_text(parameter, "  "));
+        let filters = filters(registry);
+        node.parameters.iter().for_each(|parameter| text += &parameter_text(parameter, "  ", &filters));
     }
     let example = node.example.trim_end().replace('\n', "\n  ").replace("\n  \n", "\n\n");
     text + &format!("\nExample:\n\n  {example}\n")
 }
 
-fn parameter_text(parameter: &Parameter, indent: &str) -> String {
+/// `filters`: what a parameter that names one may name.
+fn parameter_text(parameter: &Parameter, indent: &str, filters: &[Kind]) -> String {
     let mut text =
         format!("{indent}{} ({})\n{indent}    {}\n", parameter.name, kind(parameter), parameter.help);
     let deeper = format!("{indent}    ");
+    let kinds_text = |key: &str, kinds: &[Kind]| {
+        let inner = format!("{deeper}    ");
+        let kind_text = |kind: &Kind| {
+            let fields = kind.parameters.iter().map(|field| parameter_text(field, &inner, &[]));
+            format!("{deeper}{key} = \"{}\": {}\n", kind.name, kind.summary) + &fields.collect::<String>()
+        };
+        kinds.iter().map(kind_text).collect::<String>()
+    };
     match parameter.parameter_type {
         ParameterType::Choice(words) => {
             for (word, meaning) in words {
@@ -46,22 +82,17 @@ fn parameter_text(parameter: &Parameter, indent: &str) -> String {
             }
         }
         ParameterType::Table(fields) => {
-            fields.iter().for_each(|field| text += &parameter_text(field, &deeper));
+            fields.iter().for_each(|field| text += &parameter_text(field, &deeper, &[]));
         }
-        ParameterType::Kinds(kinds) => {
-            for kind in kinds {
-                text += &format!("{deeper}kind = \"{}\": {}\n", kind.name, kind.summary);
-                let inner = format!("{deeper}    ");
-                kind.parameters.iter().for_each(|field| text += &parameter_text(field, &inner));
-            }
-        }
+        ParameterType::Kinds(kinds) => text += &kinds_text("kind", kinds),
+        ParameterType::GradientFilter => text += &kinds_text(parameter.name, filters),
         _ => {}
     }
     text
 }
 
 /// The reference of one node type as Markdown.
-pub fn node_markdown(node: &Node) -> String {
+pub fn node_markdown(node: &Node, registry: &Registry) -> String {
     let mut text = format!("## {}\n\n{}\n", node.name, node.summary);
     let kinds = [("input", node.inputs), ("optional input", node.optional_inputs), ("output", node.outputs)];
     for (title, ports) in kinds {
@@ -84,6 +115,15 @@ pub fn node_markdown(node: &Node) -> String {
             ParameterType::Kinds(kinds) => {
                 for kind in kinds {
                     text += &format!("\n`{}` of kind `{}`: {}\n", parameter.name, kind.name, kind.summary);
+                    text += &parameters_markdown("key", kind.parameters);
+                }
+            }
+            ParameterType::GradientFilter => {
+                let all = filters(registry);
+                text += "\n| gradient filter | |\n| --- | --- |\n";
+                text.extend(all.iter().map(|kind| format!("| `{}` | {} |\n", kind.name, kind.summary)));
+                for kind in all.iter().filter(|kind| !kind.parameters.is_empty()) {
+                    text += &format!("\nKeys beside `{} = \"{}\"`:\n", parameter.name, kind.name);
                     text += &parameters_markdown("key", kind.parameters);
                 }
             }

@@ -12,7 +12,7 @@ use super::{Engine, Reference, Scene, Setting};
 use glam::DVec3;
 use serde::Serialize;
 use std::sync::Arc;
-use voltet_core::field::{Registry, Settings};
+use voltet_core::field::{LeastSquares, Method};
 use voltet_core::grid::{Array, Refined, refine};
 use voltet_core::optics::Overlap;
 use voltet_core::optics::integrators::Integrator;
@@ -132,9 +132,8 @@ fn with_gradient(volume: &Arc<Volume>, progress: &dyn Progress) -> Result<Arc<Vo
     if volume.gradient.is_some() {
         return Ok(volume.clone());
     }
-    let filters = Registry::built_in();
-    let filter = filters.get("least-squares")?;
-    let gradient = filter.gradient(&volume.grid, &volume.scalar, &Settings::new(), progress)?;
+    let method = Method::standard(Arc::new(LeastSquares))?;
+    let gradient = method.gradient(&volume.grid, &volume.scalar, progress)?;
     Ok(Arc::new(Volume { gradient: Some(Arc::new(gradient.vectors)), ..Volume::clone(volume) }))
 }
 

@@ -82,7 +82,22 @@ fn nodes_are_listed_and_shown() {
     assert!(markdown.contains("## image-writer") && markdown.contains("| `background` |"), "{markdown}");
     folder
         .voltet(&["nodes", "rendrer"])
-        .fails(2, &["unknown node type 'rendrer'", "'renderer', the nearest name"]);
+        .fails(2, &["unknown node type or gradient filter 'rendrer'", "'renderer', the nearest name"]);
+    let gradient = folder.voltet(&["nodes", "gradient-magnitude"]).ok().stdout;
+    for filter in voltet::core::field::filters() {
+        let kind = filter.declaration();
+        let shown = folder.voltet(&["nodes", kind.name]).ok().stdout;
+        let known = |text: &str, word: &str| text.contains(word) && text.contains(kind.summary);
+        assert!(known(&list, kind.name) && known(&shown, &format!("method = \"{}\"", kind.name)), "{shown}");
+        assert!(known(&gradient, &format!("method = \"{}\"", kind.name)), "{gradient}");
+        assert!(known(&markdown, &format!("`{}`", kind.name)), "{markdown}");
+        for parameter in kind.parameters {
+            assert!(
+                [&shown, &gradient, &markdown].iter().all(|text| text.contains(parameter.help)),
+                "{shown}"
+            );
+        }
+    }
 }
 
 #[test]

@@ -1,7 +1,8 @@
-//! Values worked by hand, linear and quadratic fields, the array filter, the registry.
+//! Values worked by hand, linear and quadratic fields, the array filter.
 
 use super::*;
 use crate::grid::Array;
+use crate::parameters::Datum;
 
 #[test]
 fn a_single_tetrahedron_by_hand() {
@@ -112,28 +113,18 @@ fn the_array_filter_takes_three_components_and_names_what_is_wrong() {
     let values = (0..24).map(f64::from).collect();
     grid.point_arrays.insert("grad".into(), Arc::new(Array { component_count: 3, values }));
     grid.point_arrays.insert("flat".into(), Arc::new(Array { component_count: 2, values: vec![0.0; 16] }));
-    let registry = Registry::built_in();
-    let filter = registry.get("array").unwrap();
-    let run = |name: Option<&str>| {
-        let settings =
-            name.map(|n| ("array".to_string(), Setting::Text(n.into()))).into_iter().collect::<Settings>();
-        assert_eq!(filter.arrays(&settings), name.map(String::from).into_iter().collect::<Vec<_>>());
-        filter.gradient(&grid, &[0.0; 8], &settings, &Silent)
+    let run = |name: &str| {
+        let values = [("array", Datum::Text(name.into()))];
+        let parameters = Parameters::of(FromArray.declaration().parameters, values).unwrap();
+        let method = Method::new(Arc::new(FromArray), parameters).unwrap();
+        assert_eq!(method.arrays().unwrap(), [name]);
+        method.gradient(&grid, &[0.0; 8], &Silent)
     };
-    assert_eq!(run(Some("grad")).unwrap().vectors[2], DVec3::new(6.0, 7.0, 8.0));
-    assert!(run(Some("flat")).unwrap_err().to_string().contains("2 components"));
-    let missing = run(Some("gard")).unwrap_err().to_string();
+    assert_eq!(run("grad").unwrap().vectors[2], DVec3::new(6.0, 7.0, 8.0));
+    assert!(run("flat").unwrap_err().to_string().contains("2 components"));
+    let missing = run("gard").unwrap_err().to_string();
     assert!(missing.contains("'gard'") && missing.contains("grad"), "{missing}");
-    assert_eq!(run(None).unwrap_err().kind, crate::error::ErrorKind::Usage);
-}
-
-#[test]
-fn filters_are_found_by_name_and_names_are_unique() {
-    let mut registry = Registry::built_in();
-    assert!(METHODS.iter().all(|m| registry.get(m).unwrap().declaration().name == *m));
-    let unknown = registry.get("least-square").err().unwrap().to_string();
-    assert!(unknown.contains("least-squares"), "{unknown}");
-    assert!(registry.register(Arc::new(LeastSquares)).is_err());
+    assert!(Method::standard(Arc::new(FromArray)).unwrap_err().to_string().contains("'array' is missing"));
 }
 
 #[test]

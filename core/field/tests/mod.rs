@@ -3,21 +3,24 @@
 mod convergence;
 mod exact;
 mod hostile;
+mod method;
 
 use super::*;
 use crate::grid::generate::{Random, box_of_tetrahedra, sample};
 use crate::grid::{Grid, tetrahedron_volume};
 use crate::progress::Silent;
-use std::sync::Arc;
 
 pub(super) const UNIT: [DVec3; 2] = [DVec3::ZERO, DVec3::ONE];
 
 /// The methods that compute something.
 pub(super) const METHODS: [&str; 4] = ["least-squares", "quadratic-fit", "volume-weighted", "cell-average"];
 
+pub(super) fn filter(name: &str) -> Arc<dyn GradientFilter> {
+    filters().into_iter().find(|filter| filter.declaration().name == name).unwrap()
+}
+
 pub(super) fn gradient(method: &str, grid: &Grid, scalar: &[f64]) -> Gradient {
-    let registry = Registry::built_in();
-    let result = registry.get(method).unwrap().gradient(grid, scalar, &Settings::new(), &Silent).unwrap();
+    let result = Method::standard(filter(method)).unwrap().gradient(grid, scalar, &Silent).unwrap();
     assert_eq!(result.vectors.len(), grid.points.len());
     assert!(result.vectors.iter().all(|v| v.is_finite()), "{method}: all finite");
     result

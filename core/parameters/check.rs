@@ -1,15 +1,17 @@
 //! Parameters: settings checked against their declarations, with typed getters.
 
-use super::declaration::{Parameter, ParameterType, Range, Standard};
+use super::declaration::{Parameter, ParameterType, Standard};
 use super::nearest::suggest;
+use super::range::Range;
 use super::setting::{Datum, Field, Origin, Setting};
 use crate::{Error, Result};
+use std::borrow::Cow;
 
-/// The parameters of a node, or of a table within one: each declared name with the value that the file gives or
+/// The parameters of a node or a gradient filter, or of a table within one: each declared name with the value that the file gives or
 /// the standard value. Two are equal when their values are.
 #[derive(Debug, Clone, Default)]
 pub struct Parameters {
-    declared: &'static [Parameter],
+    declared: Cow<'static, [Parameter]>,
     /// One for each declaration; `None` where the file is silent and there is no standard value.
     settings: Vec<Option<Setting>>,
     /// Which of them the file gave.
@@ -45,11 +47,12 @@ impl Parameters {
     /// Checks the fields of a table (written at `origin`) against the declarations: unknown and missing names,
     /// types, ranges, also within tables and lists of tables. `also` are keys that the caller has taken.
     pub fn check(
-        declared: &'static [Parameter],
+        declared: impl Into<Cow<'static, [Parameter]>>,
         fields: &[Field],
         origin: &Origin,
         also: &[&str],
     ) -> Result<Parameters> {
+        let declared = declared.into();
         let mut settings: Vec<Option<Setting>> = vec![None; declared.len()];
         for field in fields {
             if also.contains(&field.name.as_str()) {
@@ -84,8 +87,29 @@ impl Parameters {
         Ok(Parameters { declared, settings, given, origin: origin.clone() })
     }
 
+    /// The same for a program: some values by name, the standard values for the rest.
+    pub fn of(
+        declared: impl Into<Cow<'static, [Parameter]>>,
+        values: impl IntoIterator<Item = (&'static str, Datum)>,
+    ) -> Result<Parameters> {
+        let field = |(name, datum): (&str, Datum)| Field {
+            name: name.to_string(),
+            origin: Origin::Nowhere,
+            setting: Setting::from(datum),
+        };
+        Self::check(declared, &values.into_iter().map(field).collect::<Vec<_>>(), &Origin::Nowhere, &[])
+    }
+
+    /// These and others, whose names differ from these: what two declarations ask of one table.
+    pub(crate) fn and(mut self, others: Parameters) -> Parameters {
+        self.declared.to_mut().extend_from_slice(&others.declared);
+        self.settings.extend(others.settings);
+        self.given.extend(others.given);
+        self
+    }
+
     /// The declarations with their values (`None`: not set), and whether the file gave them.
-    pub fn iter(&self) -> impl Iterator<Item = (&'static Parameter, Option<&Setting>, bool)> {
+    pub fn iter(&self) -> impl Iterator<Item = (&Parameter, Option<&Setting>, bool)> {
         self.declared.iter().zip(&self.settings).zip(&self.given).map(|((p, s), g)| (p, s.as_ref(), *g))
     }
 
@@ -230,7 +254,12 @@ fn kind_of(
 }
 
 /// Checks one setting against its declared type.
-fn check_type(parameter_type: &ParameterType, name: &str, unit: &str, setting: &Setting) -> Result<()> {
+pub(super) fn check_type(
+    parameter_type: &ParameterType,
+    name: &str,
+    unit: &str,
+    setting: &Setting,
+) -> Result<()> {
     let accepted = || match unit {
         "" => parameter_type.describe(),
         unit => format!("{} ({unit})", parameter_type.describe()),
@@ -248,7 +277,7 @@ fn check_type(parameter_type: &ParameterType, name: &str, unit: &str, setting: &
             ParameterType::Number(range) | ParameterType::NumberOr(range, _),
             Datum::Number(_) | Datum::Integer(_),
         ) => in_range(setting, setting.number().unwrap_or(f64::NAN), range),
-        (ParameterType::Text, Datum::Text(_)) => Ok(()),
+        (ParameterType::Text | ParameterType::GradientFilter, Datum::Text(_)) => Ok(()),
         (ParameterType::InputPath | ParameterType::OutputPath, Datum::Text(path)) => match path.is_empty() {
             true => Err(setting.error(format!("'{name}' is empty"), "the path of a file")),
             false => Ok(()),
@@ -291,7 +320,7 @@ fn check_type(parameter_type: &ParameterType, name: &str, unit: &str, setting: &
         }
         (ParameterType::Texts, Datum::List(list)) if list.iter().all(|s| s.text().is_some()) => Ok(()),
         (ParameterType::Table(declared), Datum::Table(fields)) => {
-            Parameters::check(declared, fields, &setting.origin, &[]).map(drop)
+            Parameters::check(*declared, fields, &setting.origin, &[]).map(drop)
         }
         (ParameterType::Kinds(kinds), Datum::List(list)) => {
             list.iter().try_for_each(|entry| kind_of(kinds, name, entry).map(drop))

@@ -1,0 +1,93 @@
+//! A gradient filter with its parameters, ready to run, and the check of what it gives.
+
+use super::{Gradient, GradientFilter, check_scalar, length};
+use crate::grid::Grid;
+use crate::parameters::Parameters;
+use crate::progress::Progress;
+use crate::{Error, Result};
+use rayon::prelude::*;
+use std::sync::Arc;
+
+/// A gradient filter with its parameters. Whatever it gives was checked.
+#[derive(Clone)]
+pub struct Method {
+    filter: Arc<dyn GradientFilter>,
+    parameters: Parameters,
+}
+
+impl std::fmt::Debug for Method {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Method").field("name", &self.name()).field("parameters", &self.parameters).finish()
+    }
+}
+
+impl Method {
+    /// The filter with these parameters, which were checked against what it declares.
+    ///
+    /// Errors: what the filter's own check says of them.
+    pub fn new(filter: Arc<dyn GradientFilter>, parameters: Parameters) -> Result<Method> {
+        filter.check(&parameters)?;
+        Ok(Method { filter, parameters })
+    }
+
+    /// The filter with its standard values.
+    ///
+    /// Errors: a parameter that must be given.
+    pub fn standard(filter: Arc<dyn GradientFilter>) -> Result<Method> {
+        let parameters = Parameters::of(filter.declaration().parameters, [])?;
+        Self::new(filter, parameters)
+    }
+
+    /// The filter's name.
+    pub fn name(&self) -> &'static str {
+        self.filter.declaration().name
+    }
+
+    /// Names of the point arrays that it reads.
+    pub fn arrays(&self) -> Result<Vec<String>> {
+        self.filter.arrays(&self.parameters)
+    }
+
+    /// ∇s at every point of `grid` for the values `scalar`, one a point.
+    ///
+    /// Errors: those of the filter; vectors in another number than points, or not finite where position and value are.
+    pub fn gradient(&self, grid: &Grid, scalar: &[f64], progress: &dyn Progress) -> Result<Gradient> {
+        check_scalar(grid, scalar)?;
+        let found = self.filter.gradient(grid, scalar, &self.parameters, progress)?;
+        self.check_count(grid, &found)?;
+        self.check_finite(grid, scalar, &found)?;
+        Ok(found)
+    }
+
+    fn check_count(&self, grid: &Grid, found: &Gradient) -> Result<()> {
+        match (found.vectors.len(), grid.points.len()) {
+            (count, wanted) if count == wanted => Ok(()),
+            (count, wanted) => {
+                let what = format!("the gradient filter '{}' did not give one vector a point", self.name());
+                Err(Error::run(what).found(format!("{count} vectors")).accepted(wanted))
+            }
+        }
+    }
+
+    /// The length counts, which overflows before the components do: it is what widgets look at. Points that no cell uses
+    /// may hold anything: the reader left out what is not finite.
+    fn check_finite(&self, grid: &Grid, scalar: &[f64], found: &Gradient) -> Result<()> {
+        let is_bad = |p: usize| {
+            !length(found.vectors[p]).is_finite() && grid.points[p].is_finite() && scalar[p].is_finite()
+        };
+        let points = (0..found.vectors.len()).into_par_iter().with_min_len(1 << 14);
+        if !points.clone().any(is_bad) {
+            return Ok(());
+        }
+        let mut used = vec![false; grid.points.len()];
+        grid.tetrahedra.iter().flatten().for_each(|&p| used[p as usize] = true);
+        let Some(p) = points.find_first(|&p| used[p] && is_bad(p)) else { return Ok(()) };
+        let (v, at) = (found.vectors[p], grid.points[p]);
+        let what = format!("the gradient filter '{}' gave a vector that is not finite", self.name());
+        let found = format!(
+            "({}, {}, {}) at point {p}, which lies at ({}, {}, {}) and has the value {}",
+            v.x, v.y, v.z, at.x, at.y, at.z, scalar[p]
+        );
+        Err(Error::run(what).found(found).accepted("a finite length wherever position and value are finite"))
+    }
+}

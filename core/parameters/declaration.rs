@@ -1,0 +1,172 @@
+//! What a parameter's declaration says: name, type, unit, standard value, help.
+
+use super::check::check_type;
+use super::range::Range;
+use super::setting::Setting;
+use crate::{Error, Result};
+
+/// A parameter of a node or a gradient filter, or of a table within one.
+#[derive(Debug, Clone, Copy)]
+pub struct Parameter {
+    /// The key in a pipeline file.
+    pub name: &'static str,
+    /// What it may be.
+    pub parameter_type: ParameterType,
+    /// Its unit, empty where it has none.
+    pub unit: &'static str,
+    /// What holds when the file does not say.
+    pub standard: Standard,
+    /// One line of help.
+    pub help: &'static str,
+}
+
+/// What holds when the file does not give a parameter.
+#[derive(Debug, Clone, Copy)]
+pub enum Standard {
+    /// The file must give it.
+    Required,
+    /// Nothing; the text says what that means.
+    Unset(&'static str),
+    /// A flag.
+    Boolean(bool),
+    /// A whole number.
+    Integer(i64),
+    /// A number.
+    Number(f64),
+    /// A word or text.
+    Text(&'static str),
+    /// A vector.
+    Numbers(&'static [f64]),
+    /// A vector of whole numbers.
+    Integers(&'static [i64]),
+}
+
+/// What a parameter may be.
+#[derive(Debug, Clone, Copy)]
+pub enum ParameterType {
+    /// `true` or `false`.
+    Boolean,
+    /// A whole number within the range.
+    Integer(Range),
+    /// A number within the range.
+    Number(Range),
+    /// A number within the range, or the word.
+    NumberOr(Range, &'static str),
+    /// Any text.
+    Text,
+    /// One of the words; each with its meaning.
+    Choice(&'static [(&'static str, &'static str)]),
+    /// A file to read, relative to the pipeline file.
+    InputPath,
+    /// A file to write, relative to the pipeline file.
+    OutputPath,
+    /// Several numbers, each within the range; `Some(n)`: exactly n of them.
+    Numbers(Option<usize>, Range),
+    /// Exactly n whole numbers, each within the range.
+    Integers(usize, Range),
+    /// Rows of numbers; `Some(n)`: exactly n in each row.
+    Rows(Option<usize>),
+    /// Several texts.
+    Texts,
+    /// A table with these keys.
+    Table(&'static [Parameter]),
+    /// A list of tables, each of a kind that its key `kind` names.
+    Kinds(&'static [Kind]),
+    /// The name of a gradient filter, of those that are registered; what it declares stands beside this parameter.
+    GradientFilter,
+}
+
+/// One of several kinds of a thing, named by a word, with parameters of its own: a table in a [`ParameterType::Kinds`]
+/// list, or a gradient filter.
+#[derive(Debug, Clone, Copy)]
+pub struct Kind {
+    /// The word.
+    pub name: &'static str,
+    /// What it is, one sentence.
+    pub summary: &'static str,
+    /// Its keys beside the one that holds the word.
+    pub parameters: &'static [Parameter],
+}
+
+impl ParameterType {
+    /// The type in words, with its range: "number above 0", "3 numbers", "exact | centroid | none | auto".
+    pub fn describe(&self) -> String {
+        let ranged = |noun: &str, range: &Range| {
+            let range = range.to_string();
+            if range.is_empty() { noun.to_string() } else { format!("{noun} {range}") }
+        };
+        match self {
+            ParameterType::Boolean => "true | false".into(),
+            ParameterType::Integer(range) => ranged("whole number", range),
+            ParameterType::Number(range) => ranged("number", range),
+            ParameterType::NumberOr(range, word) => format!("{} or \"{word}\"", ranged("number", range)),
+            ParameterType::Text => "text".into(),
+            ParameterType::Choice(words) => words.iter().map(|w| w.0).collect::<Vec<_>>().join(" | "),
+            ParameterType::InputPath | ParameterType::OutputPath => "path".into(),
+            ParameterType::Numbers(Some(n), range) => ranged(&format!("{n} numbers"), range),
+            ParameterType::Numbers(None, range) => ranged("list of numbers", range),
+            ParameterType::Integers(n, range) => ranged(&format!("{n} whole numbers"), range),
+            ParameterType::Rows(Some(n)) => format!("list of rows of {n} numbers"),
+            ParameterType::Rows(None) => "list of rows of numbers".into(),
+            ParameterType::Texts => "list of texts".into(),
+            ParameterType::Table(fields) => {
+                format!("table of {}", fields.iter().map(|p| p.name).collect::<Vec<_>>().join(", "))
+            }
+            ParameterType::Kinds(_) => "list of tables, each with a kind".into(),
+            ParameterType::GradientFilter => "name of a gradient filter".into(),
+        }
+    }
+}
+
+impl std::fmt::Display for Standard {
+    /// As a pipeline file would write it; "required" or the meaning of leaving it out otherwise.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Standard::Required => f.write_str("required"),
+            Standard::Unset(meaning) => f.write_str(meaning),
+            other => match other.datum() {
+                Some(datum) => write!(f, "{datum}"),
+                None => Ok(()),
+            },
+        }
+    }
+}
+
+/// The first name that occurs twice.
+pub(crate) fn repeated<'a>(names: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+    let mut seen = Vec::new();
+    for name in names {
+        if seen.contains(&name) {
+            return Some(name);
+        }
+        seen.push(name);
+    }
+    None
+}
+
+/// Refuses declarations that contradict themselves, also within tables: names must differ, from those `taken` too, help
+/// must be there, and a standard value must be one that a file could give. `of`: whose they are, for the message.
+pub(crate) fn refuse_contradictions(of: &str, parameters: &[Parameter], taken: &[&str]) -> Result<()> {
+    if let Some(twice) = repeated(parameters.iter().map(|p| p.name).chain(taken.iter().copied())) {
+        return Err(Error::usage(format!("{of} declares '{twice}' twice")));
+    }
+    for Parameter { name, parameter_type, unit, standard, help } in parameters {
+        if name.is_empty() || help.is_empty() {
+            return Err(Error::usage(format!("the parameter '{name}' of {of} has no name or no help")));
+        }
+        if let Some(datum) = standard.datum() {
+            check_type(parameter_type, name, unit, &Setting::from(datum)).map_err(|error| Error {
+                what: format!("of the standard value of {of}, {}", error.what),
+                ..error
+            })?;
+        }
+        match parameter_type {
+            ParameterType::Table(fields) => refuse_contradictions(of, fields, &[])?,
+            ParameterType::Kinds(kinds) => {
+                kinds.iter().try_for_each(|kind| refuse_contradictions(of, kind.parameters, &["kind"]))?;
+            }
+            _ => {}
+        }
+    }
+    Ok(())
+}

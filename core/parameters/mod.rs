@@ -1,0 +1,24 @@
+//! Parameters: what may be set, what a file or a program sets, and whether that fits.
+//!
+//! A node, a gradient filter and each kind of widget declare what can be set by one type, [`Parameter`]. Help, the checker,
+//! editor panels and the reference are made from that. A [`Setting`] is a value with the place where it was written;
+//! [`Parameters`] are settings checked against declarations.
+//!
+//! Declarations live as long as the program: constants for what ships. What is loaded at run time leaks its texts and
+//! lists (`String::leak`, `Vec::leak`), a few hundred bytes each time it is loaded.
+
+mod check;
+mod declaration;
+mod nearest;
+mod range;
+mod setting;
+#[cfg(test)]
+mod tests;
+
+pub use check::Parameters;
+pub use declaration::{Kind, Parameter, ParameterType, Standard};
+pub(crate) use declaration::{refuse_contradictions, repeated};
+pub use nearest::{nearest, suggest};
+pub use range::Range;
+pub use setting::{Datum, Field, Origin, Setting};
+pub(crate) use setting::{key_text, replace_field};

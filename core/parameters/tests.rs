@@ -1,0 +1,45 @@
+//! Declarations that contradict themselves, and those of a program.
+
+use super::*;
+
+const POWER: Parameter = Parameter {
+    name: "power",
+    parameter_type: ParameterType::Number(Range::within(0.0, 4.0)),
+    unit: "",
+    standard: Standard::Number(1.0),
+    help: "help",
+};
+
+#[test]
+fn declarations_that_contradict_themselves_are_refused() {
+    const NO_HELP: &[Parameter] = &[Parameter { help: "", ..POWER }];
+    const INNER: &[Kind] = &[Kind { name: "a", summary: "A.", parameters: NO_HELP }];
+    let kinds =
+        Parameter { parameter_type: ParameterType::Kinds(INNER), standard: Standard::Unset("none"), ..POWER };
+    let of_standard = |standard| Parameter { standard, ..POWER };
+    assert!(refuse_contradictions("it", &[POWER], &["type"]).is_ok());
+    for (parameters, taken, wanted) in [
+        (&[POWER, POWER][..], &[][..], "it declares 'power' twice"),
+        (&[POWER], &["power"], "it declares 'power' twice"),
+        (NO_HELP, &[], "has no name or no help"),
+        (&[kinds], &[], "has no name or no help"),
+        (&[of_standard(Standard::Number(5.0))], &[], "of the standard value of it, 'power' is out of range"),
+        (
+            &[of_standard(Standard::Text("1"))],
+            &[],
+            "of the standard value of it, 'power' is of the wrong type",
+        ),
+    ] {
+        let message = refuse_contradictions("it", parameters, taken).unwrap_err().to_string();
+        assert!(message.contains(wanted), "{message}");
+    }
+}
+
+#[test]
+fn a_program_sets_some_values_and_the_others_are_standard() {
+    const SIDE: Parameter = Parameter { name: "side", standard: Standard::Unset("either"), ..POWER };
+    let set = Parameters::of([POWER, SIDE].to_vec(), [("power", Datum::Integer(2))]).unwrap();
+    assert_eq!((set.number("power").unwrap(), set.optional_number("side")), (2.0, None));
+    assert!(set.given("power") && !set.given("side"));
+    assert!(Parameters::of([POWER].to_vec(), [("power", Datum::Number(5.0))]).is_err());
+}
