@@ -1,4 +1,4 @@
-//! How a volume is drawn, whatever engine draws it: integrator, light, order.
+//! How a volume is drawn, whatever engine draws it: integrator, light, order (docs/optics.md, sections 6 and 7).
 
 use crate::optics::Overlap;
 

@@ -1,4 +1,4 @@
-//! Optics: the integral of one ray segment, and compositing (optics specification, sections 3 to 5).
+//! Optics: the integral of one ray segment, and compositing (docs/optics.md, sections 6, 7, 9 and 10).
 //!
 //! The 64-bit closed forms here are what every other form of the program is compared with. One file a widget
 //! (`uniform` has none: its integral is the length of the clipped stretch), each with its formula's source.

@@ -1,7 +1,7 @@
 //! What the data hold, cell by cell and exactly: moments within a region, the distribution over (s, g), and how many
 //! bands of a wave the cells cross.
 //!
-//! Inside a tetrahedron every field is linear (optics specification, section 1), so all of these are integrals of
+//! Inside a tetrahedron every field is linear (docs/optics.md, section 3), so all of these are integrals of
 //! linear functions over convex pieces of tetrahedra, which have closed forms.
 //!
 //! | file | what |

@@ -1,8 +1,8 @@
 //! The 64-bit referee: adaptive quadrature of every segment and a per-pixel sort, slow and simple, sharing no
 //! formula with the engine or with `optics`.
 //!
-//! A picture is defined by the optics specification; this module follows it as directly as it can, so that the
-//! engine can be held against it. [`draw`] makes a picture, [`Scene`] answers for single rays, and
+//! What a picture means stands in `docs/optics.md`; this module follows it as directly as it can, so that the engines
+//! can be held against it. [`draw`] makes a picture, [`Scene`] answers for single rays, and
 //! [`integrate`] for single segments. The integrator that a scene asks for is not looked at: it is always
 //! quadrature, to 1e-11 of each segment.
 //!

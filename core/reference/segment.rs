@@ -1,4 +1,4 @@
-//! The integral of one ray segment by adaptive quadrature.
+//! The integral of one ray segment by adaptive quadrature (docs/optics.md, section 6).
 //!
 //! The segment is cut at every place where a widget changes its character ([`Term::features`]); each stretch
 //! between two cuts is halved, front first, until the estimated errors of its optical depth and of its colour
@@ -9,7 +9,7 @@ use super::along::Along;
 use super::quadrature::{NODES, RULE, estimated_error};
 use super::term::Term;
 use crate::optics::{Contribution, Overlap};
-use crate::transfer::{OpticalModel, TransferFunction};
+use crate::transfer::{OpticalModel, TransferFunction, Widget};
 use crate::{Error, Result};
 
 /// Behind this optical depth no colour is looked for: e^(−60) is 1e-26.
@@ -49,8 +49,9 @@ pub struct Integrand {
     terms: Vec<Term>,
     model: OpticalModel,
     unit_distance: f64,
-    overlap: Overlap,
     tolerance: Tolerance,
+    /// For the mix of several widgets: each by itself; else empty.
+    alone: Vec<Integrand>,
 }
 
 /// What one stretch looks like; buffers that are kept from segment to segment.
@@ -68,9 +69,6 @@ pub struct Workspace {
     /// Of each term on this stretch: not there, absorbing, absorbing and glowing.
     state: Vec<State>,
     pending: Vec<[f64; 2]>,
-    /// For the mix, of each term: optical depth, and colour weighted by it; of the segment and of one piece.
-    mixed: Vec<[f64; 4]>,
-    piece: Vec<[f64; 4]>,
     /// A first estimate of the segment's optical depth; what colour it could give at most.
     depth: f64,
 }
@@ -100,29 +98,23 @@ impl Integrand {
                 .found(unit_distance)
                 .accepted("world units above 0"));
         }
-        if let OpticalModel::ConstantEmitter { cutoff } = transfer_function.model {
-            if !(0.0..1.0).contains(&cutoff) {
-                return Err(Error::usage("cutoff is out of range")
-                    .found(cutoff)
-                    .accepted("0 or more, below 1"));
-            }
-            if overlap == Overlap::Mix {
-                return Err(Error::usage(
-                    "overlap = \"mix\" averages colours by optical depth, which the \
-                     constant-emitter model does not have",
-                )
-                .accepted("overlap = \"exact\", or model = \"density-emitter\""));
-            }
+        if let OpticalModel::ConstantEmitter { cutoff } = transfer_function.model
+            && !(0.0..1.0).contains(&cutoff)
+        {
+            return Err(Error::usage("cutoff is out of range").found(cutoff).accepted("0 or more, below 1"));
         }
         let fields = transfer_function.fields();
-        let terms = transfer_function.widgets.iter().map(|w| Term::new(w, unit_distance, &fields));
-        Ok(Integrand {
-            terms: terms.collect::<Result<_>>()?,
-            model: transfer_function.model,
-            unit_distance,
-            overlap,
-            tolerance,
-        })
+        let of = |widgets: &[Widget]| -> Result<Integrand> {
+            let terms = widgets.iter().map(|w| Term::new(w, unit_distance, &fields));
+            let (terms, model) = (terms.collect::<Result<_>>()?, transfer_function.model);
+            Ok(Integrand { terms, model, unit_distance, tolerance, alone: Vec::new() })
+        };
+        let all = of(&transfer_function.widgets)?;
+        let alone = match overlap {
+            Overlap::Mix => transfer_function.widgets.chunks(1).map(of).collect::<Result<_>>()?,
+            Overlap::Exact => Vec::new(),
+        };
+        Ok(Integrand { alone, ..all })
     }
 
     /// The pair (C, A) and T of a segment of the given length, world units; `front` and `back` are
@@ -134,14 +126,15 @@ impl Integrand {
         back: &[f64],
         work: &mut Workspace,
     ) -> Result<Contribution> {
+        if !self.alone.is_empty() {
+            return self.mix(length, front, back, work);
+        }
         let mut sum = Contribution::default();
         if length <= 0.0 || length.is_nan() {
             return Ok(sum);
         }
         self.lay_out(front, back, work)?;
         let cuts = std::mem::take(&mut work.cuts);
-        work.mixed.clear();
-        work.mixed.resize(self.terms.len(), [0.0; 4]);
         let stretches = || cuts.windows(2).filter(|pair| pair[1] > pair[0]);
         // A segment of one stretch finds its scale by itself.
         work.depth = 0.0;
@@ -158,13 +151,18 @@ impl Integrand {
         }
         work.cuts = cuts;
         sum.opacity = -(-sum.optical_depth).exp_m1();
-        if self.overlap == Overlap::Mix && work.mixed.iter().filter(|m| m[3] > 0.0).count() > 1 {
-            // Kniss et al. 2003, Eq. 15.
-            for (c, color) in sum.color.iter_mut().enumerate() {
-                *color = sum.opacity * work.mixed.iter().map(|m| m[c]).sum::<f64>() / sum.optical_depth;
-            }
-        }
         Ok(sum)
+    }
+
+    /// The widgets' own lights, dimmed by what all of them absorb on the mean (Kniss et al. 2003, Eq. 15).
+    fn mix(&self, length: f64, front: &[f64], back: &[f64], work: &mut Workspace) -> Result<Contribution> {
+        let parts = self.alone.iter().map(|one| one.integrate(length, front, back, work));
+        let parts = parts.collect::<Result<Vec<Contribution>>>()?;
+        let optical_depth = parts.iter().map(|part| part.optical_depth).sum();
+        let through = |depth: f64| if depth > 0.0 { -(-depth).exp_m1() / depth } else { 1.0 };
+        let dimmed = |part: &Contribution| through(optical_depth) / through(part.optical_depth);
+        let color = std::array::from_fn(|c| parts.iter().map(|part| dimmed(part) * part.color[c]).sum());
+        Ok(Contribution { optical_depth, color, opacity: -(-optical_depth).exp_m1() })
     }
 
     /// Coordinates along the segment, and the cuts: 0, every feature in rising order, 1.
@@ -255,11 +253,6 @@ impl Integrand {
                 work.pending.extend([[middle, high], [low, middle]]);
                 continue;
             }
-            for (total, part) in work.mixed.iter_mut().zip(&work.piece) {
-                for (x, y) in total.iter_mut().zip(part) {
-                    *x += y;
-                }
-            }
             if seen {
                 let light = (-sum.optical_depth).exp();
                 for (total, part) in sum.color.iter_mut().zip(sums.color[0]) {
@@ -275,8 +268,6 @@ impl Integrand {
     /// from the front of the piece.
     fn sample(&self, piece: f64, low: f64, high: f64, seen: bool, work: &mut Workspace) -> Sums {
         let rule = &*RULE;
-        work.piece.clear();
-        work.piece.resize(self.terms.len(), [0.0; 4]);
         let mut sums = Sums::default();
         let mut density = [0.0; NODES];
         let mut glow = [[0.0; 3]; NODES];
@@ -302,12 +293,6 @@ impl Integrand {
                 for c in 0..3 {
                     glow[node][c] += color[c] * brightness;
                     sums.brightest[c] = sums.brightest[c].max(color[c]);
-                }
-                if self.overlap == Overlap::Mix {
-                    let weight = rule.kronrod[node] * piece * extinction;
-                    for (sum, part) in work.piece[k].iter_mut().zip([color[0], color[1], color[2], 1.0]) {
-                        *sum += weight * part;
-                    }
                 }
             }
         }

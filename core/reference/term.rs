@@ -2,7 +2,7 @@
 //!
 //! Every profile is a function of a few coordinates that are linear along the path; they are formed as
 //! differences from the widget's own centre before anything else, so that values near 1e8 that vary by 1e-2
-//! keep their digits. Symbols as in the optics specification, section 2.
+//! keep their digits. Symbols as in docs/optics.md, section 5.
 
 use super::along::{Along, quadratic_crossings};
 use super::side::{Side, sides_of};
@@ -218,6 +218,7 @@ impl Term {
         match &self.shape {
             Shape::Linear { points, peak } if *peak > 0.0 => linear(points, x[0]).0 / peak,
             Shape::Linear { .. } => 0.0,
+            _ if self.peak == 0.0 => 0.0,
             _ => self.profile(x).0,
         }
     }

@@ -1,4 +1,4 @@
-//! Transfer functions: widgets over the (s, g) plane (optics specification, section 2).
+//! Transfer functions: widgets over the (s, g) plane (docs/optics.md, section 5).
 //!
 //! Symbols: s the scalar, g the gradient magnitude, v = (s, g); ρ the extinction coefficient (1/L) =
 //! extinction / unit distance × the widget's profile (peak 1); c the widget's linear RGB colour.
@@ -18,7 +18,7 @@ pub struct TransferFunction {
     pub widgets: Vec<Widget>,
 }
 
-/// The optical model (optics specification, section 3).
+/// The optical model (docs/optics.md, section 6).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum OpticalModel {
     /// C = ∫ Σ c_i ρ_i e^(−T) dl (Williams & Max 1992; Max 1995).

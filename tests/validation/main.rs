@@ -18,3 +18,4 @@ mod ordinary;
 mod stiff;
 mod waves;
 mod widgets;
+mod worked_example;

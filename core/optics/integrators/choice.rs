@@ -3,7 +3,7 @@
 use crate::transfer::{Profile, TransferFunction};
 use crate::{Error, Result};
 
-/// The integrators (optics specification, section 5).
+/// The integrators (docs/optics.md, section 10).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Integrator {
     /// Closed forms; quadrature with closed-form optical depth where widgets overlap.

@@ -1,4 +1,4 @@
-//! The integrators of one segment behind one trait (optics specification, section 5).
+//! The integrators of one segment behind one trait (docs/optics.md, section 10).
 //!
 //! | integrator | what it does |
 //! | --- | --- |

@@ -17,7 +17,7 @@ pub struct Reference {
 }
 
 impl Reference {
-    /// Serves every transfer function; the mix only with the density-emitter.
+    /// Serves every transfer function.
     pub fn new(transfer_function: &TransferFunction, overlap: Overlap) -> Result<Self> {
         Ok(Reference {
             prepared: Prepared::new(transfer_function)?,

@@ -1,7 +1,7 @@
 //! Widgets as a pipeline file states them, and their conversion to [`crate::transfer`].
 //!
 //! The file gives angles in degrees and widths as σ; the library takes radians and the matrix K with
-//! K = diag(1/(√2 σ)) for the axis-aligned Gaussian (optics specification, section 2).
+//! K = diag(1/(√2 σ)) for the axis-aligned Gaussian (docs/optics.md, section 5).
 
 mod kinds;
 #[cfg(test)]
