@@ -5,7 +5,7 @@
 //! decimals.
 
 use crate::compare::{SHADING, Scene};
-use crate::drawing::picture;
+use crate::drawing::{ROUNDING, picture};
 use crate::looks::{everywhere, gaussian, points};
 use glam::DVec3;
 use std::sync::Arc;
@@ -19,9 +19,6 @@ use voltet_core::volume::Volume;
 
 /// Half of the last decimal, and as much again for what stands on a tie.
 const SIX_DECIMALS: f64 = 1e-6;
-
-/// Six decimals and the rounding of an engine's 32-bit segment (some ten roundings of numbers up to 2).
-const ENGINE: f64 = 3e-6;
 
 /// The middle pixel, whose ray enters at (s, g) = (1, 1) and leaves at (2, 2) after a length of 1.
 const MIDDLE: [usize; 2] = [1, 7];
@@ -128,7 +125,7 @@ fn assert_pixel(name: &str, scene: &Scene, shading: &Shading, at: [usize; 2], ex
     if let Some(picture) = picture(scene, shading) {
         let [red, _, blue, opacity] = picture.pixel(at[0], at[1]).map(f64::from);
         let found = [red, blue, opacity];
-        assert!(close(found, ENGINE), "{name}, engine: {found:?} for {expected:?}");
+        assert!(close(found, SIX_DECIMALS + ROUNDING), "{name}, engine: {found:?} for {expected:?}");
     }
 }
 

@@ -26,3 +26,5 @@ mod parts;
 mod raster;
 #[path = "../../../tests/validation/widgets.rs"]
 mod widgets;
+#[path = "../../../tests/validation/worked_example.rs"]
+mod worked_example;
