@@ -1,6 +1,7 @@
 //! How a volume is drawn, whatever engine draws it: integrator, light, order (docs/optics.md, sections 6 and 7).
 
 use crate::optics::Overlap;
+use crate::transfer::TransferFunction;
 
 pub use crate::optics::integrators::Integrator;
 
@@ -46,4 +47,21 @@ pub struct Shading {
     pub silhouette: Option<f64>,
     /// Diffuse lighting.
     pub light: Option<Light>,
+}
+
+impl Shading {
+    /// The factor of every colour, if the light gives all segments the same.
+    pub fn even_light(&self) -> Option<f64> {
+        match self.light {
+            None => Some(1.0),
+            Some(light) => (light.diffuse == 0.0).then_some(light.ambient),
+        }
+    }
+
+    /// The one colour of all that is seen, if there is one: then a pixel's colour is that times its opacity, and no order
+    /// is needed. `None` under the constant-emitter, where several colours are drawn, and where light falls at an angle.
+    pub fn one_color(&self, transfer_function: &TransferFunction) -> Option<[f64; 3]> {
+        let light = self.even_light()?;
+        transfer_function.one_color().map(|color| color.map(|c| c * light))
+    }
 }

@@ -34,10 +34,10 @@ pub(crate) fn attributes_of<'a>(
 ) -> Result<Vec<Attribute<'a>>> {
     let volume = &cells.volume;
     let fields = transfer_function.fields();
-    let mut attributes = vec![attribute(&volume.scalar, cells.ranges[0], transfer_function.single_centre(0))];
+    let mut attributes = vec![attribute(&volume.scalar, cells.ranges[0], transfer_function.axis_origin(0))];
     if transfer_function.uses_gradient_magnitude() || !fields.is_empty() {
         match &volume.gradient_magnitude {
-            Some(g) => attributes.push(attribute(g, cells.ranges[1], transfer_function.single_centre(1))),
+            Some(g) => attributes.push(attribute(g, cells.ranges[1], transfer_function.axis_origin(1))),
             None if transfer_function.uses_gradient_magnitude() => {
                 return Err(Error::usage(
                     "the transfer function looks at the gradient magnitude, and the volume has none",
@@ -48,14 +48,14 @@ pub(crate) fn attributes_of<'a>(
             None => attributes.push(attribute(&volume.scalar, cells.ranges[0], None)),
         }
     }
-    for name in fields {
+    for (i, name) in fields.into_iter().enumerate() {
         let array = volume.grid.point_arrays.get(name).filter(|array| array.component_count == 1);
         let Some(array) = array else {
             return Err(Error::usage("the transfer function looks at a field that the volume does not have")
                 .found(name)
                 .accepted("a point array of one component that the reader was asked for"));
         };
-        attributes.push(attribute(&array.values, range(&array.values), None));
+        attributes.push(attribute(&array.values, range(&array.values), transfer_function.axis_origin(2 + i)));
     }
     Ok(attributes)
 }

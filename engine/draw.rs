@@ -16,7 +16,7 @@ use voltet_core::optics::integrators::{self, Extent};
 use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
 use voltet_core::shading::{Integrator, Order, Shading};
-use voltet_core::transfer::{Profile, TransferFunction};
+use voltet_core::transfer::TransferFunction;
 use voltet_core::{Error, Result};
 
 /// Cells prepared for the compositor: one projection for each sample of a pixel.
@@ -224,7 +224,7 @@ fn without_untouched<'a>(
     reduced.widgets.retain(|widget| {
         let untouched = cells.untouched.contains(&number);
         number += 1;
-        !untouched || matches!(widget.profile, Profile::GaussianNd { .. })
+        !untouched || !widget.profile.properties().fields.is_empty()
     });
     Cow::Owned(reduced)
 }

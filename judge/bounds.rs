@@ -101,7 +101,7 @@ pub(super) fn rule(
     let has = |test: &dyn Fn(&Profile) -> bool| {
         segment.transfer_function.widgets.iter().any(|widget| test(&widget.profile))
     };
-    let by_quadrature = has(&|p| matches!(p, Profile::TriangularGaussian { .. } | Profile::Table(_)));
+    let by_quadrature = has(&|p| !p.properties().has_elementary_mean);
     let narrow = case.category == "narrow";
     let relative = match precision {
         Precision::F64 => {
@@ -130,7 +130,7 @@ pub(super) fn rule(
             if 16.0 * rounding > 0.1 || (color && !one_density && depth > 1e4) {
                 return free;
             }
-            let gaussian = has(&|p| matches!(p, Profile::Gaussian { .. } | Profile::GaussianNd { .. }));
+            let gaussian = has(&is_gaussian);
             if narrow {
                 if !(gaussian && case.subject.ends_with("inside")) {
                     return free;
@@ -208,5 +208,18 @@ fn limit(segment: &SegmentCase, quantity: Quantity) -> f64 {
             OpticalModel::DensityEmitter => segment.brightest() * (1.0 + 1e-5),
             OpticalModel::ConstantEmitter { .. } => f64::MAX,
         },
+    }
+}
+
+/// Whether the peak of a narrow widget is found in 32 bits: of these alone the whole integral is one function of the ends.
+fn is_gaussian(profile: &Profile) -> bool {
+    match profile {
+        Profile::Gaussian { .. } | Profile::GaussianNd { .. } => true,
+        Profile::Uniform
+        | Profile::TriangularGaussian { .. }
+        | Profile::TriangleWave(_)
+        | Profile::SineWave(_)
+        | Profile::PiecewiseLinear { .. }
+        | Profile::Table(_) => false,
     }
 }

@@ -89,7 +89,7 @@ impl Case {
         let list = |values: &[f64]| values.iter().map(|x| format!("{x:?}")).collect::<Vec<_>>().join(", ");
         match &self.kind {
             Kind::Segment(case) => {
-                let peaks: Vec<f64> = case.transfer_function.widgets.iter().map(peak).collect();
+                let peaks: Vec<f64> = case.transfer_function.widgets.iter().map(Widget::peak).collect();
                 let peaks = peaks.iter().map(|x| x / case.transfer_function.unit_distance * case.length);
                 format!(
                     "({}) to ({}), peak depth {}",
@@ -106,14 +106,6 @@ impl Case {
             }
             Kind::Table { a, b, .. } => format!("depths {a:?} and {b:?}"),
         }
-    }
-}
-
-/// The largest extinction of a widget, per unit distance.
-fn peak(widget: &Widget) -> f64 {
-    match &widget.profile {
-        Profile::PiecewiseLinear { points } => points.iter().fold(0.0, |peak: f64, p| p.extinction.max(peak)),
-        _ => widget.extinction,
     }
 }
 
@@ -156,11 +148,7 @@ impl SegmentCase {
 
     /// The largest colour component of all widgets.
     pub fn brightest(&self) -> f64 {
-        let colors = self.transfer_function.widgets.iter().flat_map(|widget| match &widget.profile {
-            Profile::PiecewiseLinear { points } => points.iter().map(|p| p.color).collect(),
-            _ => vec![widget.color],
-        });
-        colors.flatten().fold(0.0, f64::max)
+        self.transfer_function.widgets.iter().map(Widget::brightest).fold(0.0, f64::max)
     }
 }
 
@@ -323,7 +311,8 @@ fn widget(value: &Value) -> Result<Widget> {
         }
         other => return Err(Error::usage("a case has an unknown widget").found(other)),
     };
-    let piecewise = matches!(profile, Profile::PiecewiseLinear { .. });
+    // Control points hold extinctions and colours of their own.
+    let own = profile.properties().own_peak.is_some();
     let region = match value.get("region") {
         None | Some(Value::Null) => None,
         Some(_) => {
@@ -333,8 +322,8 @@ fn widget(value: &Value) -> Result<Widget> {
     };
     Ok(Widget {
         profile,
-        color: if piecewise { [0.0; 3] } else { fixed(member(value, "color")?)? },
-        extinction: if piecewise { 0.0 } else { number(value, "extinction")? },
+        color: if own { [0.0; 3] } else { fixed(member(value, "color")?)? },
+        extinction: if own { 0.0 } else { number(value, "extinction")? },
         region,
     })
 }

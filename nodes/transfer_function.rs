@@ -5,8 +5,7 @@ use std::sync::Arc;
 use voltet_core::graph::{
     Call, Look, Node, Outputs, Parameter, ParameterType, Parameters, Port, PortType, Range, Standard, Value,
 };
-use voltet_core::pipeline::widgets::{LoadImage, WIDGET_KINDS, widget};
-use voltet_core::transfer::{OpticalModel, TransferFunction};
+use voltet_core::transfer::{LoadImage, OpticalModel, TransferFunction, WIDGET_KINDS, read};
 use voltet_core::{Error, Result};
 
 /// The declaration.
@@ -122,7 +121,7 @@ fn look(p: &Parameters, load_image: LoadImage) -> Result<Look> {
     };
     let unit = p.optional_number("unit_distance");
     let widgets = p.kinds("widgets")?;
-    let widgets = widgets.iter().map(|(kind, keys)| widget(kind, keys, load_image)).collect::<Result<_>>()?;
+    let widgets = widgets.iter().map(|(kind, keys)| read(kind, keys, load_image)).collect::<Result<_>>()?;
     let transfer_function = TransferFunction { model, unit_distance: unit.unwrap_or(1.0), widgets };
     Ok(Look { transfer_function, auto_unit_distance: unit.is_none() })
 }

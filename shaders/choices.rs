@@ -1,6 +1,5 @@
 //! What a scene asks of its shader: the choices that decide the text.
 
-use crate::parameters::widget_edges;
 use crate::parts::{Layout, Parts};
 use voltet_core::optics::Overlap;
 use voltet_core::optics::integrators::can_serve;
@@ -175,7 +174,7 @@ impl Choices {
         let combine = match widgets.len() {
             0 => Combine::Nothing,
             _ if method.samples() => Combine::Ordered,
-            _ if !constant_emitter && has_one_color(transfer_function) => Combine::OneColor,
+            _ if transfer_function.one_color().is_some() => Combine::OneColor,
             1 => Combine::Alone,
             _ if mixed => Combine::Mix,
             _ => Combine::Ordered,
@@ -287,19 +286,6 @@ fn choice(widget: &Widget) -> WidgetChoice {
         Profile::PiecewiseLinear { points } => Kind::Piecewise(points.len()),
         Profile::Table(_) => Kind::Table,
     };
-    let clipped = widget.region.is_some() || kind == Kind::Table;
-    WidgetChoice { kind, edges: clipped.then(|| widget_edges(widget).len()) }
-}
-
-/// Whether all light has one colour.
-fn has_one_color(transfer_function: &TransferFunction) -> bool {
-    if transfer_function.widgets.iter().any(|widget| matches!(widget.profile, Profile::Table(_))) {
-        return false;
-    }
-    let mut colors = transfer_function.widgets.iter().flat_map(|widget| match &widget.profile {
-        Profile::PiecewiseLinear { points } => points.iter().map(|p| p.color).collect(),
-        _ => vec![widget.color],
-    });
-    let first = colors.next();
-    colors.all(|color| Some(color) == first)
+    let clipped = widget.region.is_some() || widget.profile.properties().range.is_some();
+    WidgetChoice { kind, edges: clipped.then(|| widget.half_planes().len()) }
 }

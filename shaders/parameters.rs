@@ -3,7 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 use voltet_core::optics::wave::{sine_half_area, sine_half_width};
 use voltet_core::shading::{Integrator, Shading, unit_vector};
-use voltet_core::transfer::{Profile, Region, Table, TransferFunction, Wave, Widget};
+use voltet_core::transfer::{HalfPlane, Profile, Table, TransferFunction, Wave, Widget};
 use voltet_core::{Error, Result};
 
 /// How a value is stored: stored = (value − offset) / scale.
@@ -126,7 +126,7 @@ impl Parameters {
             cutoff: cutoff.unwrap_or(0.0) as f32,
             per_unit: finite("1/unit distance", per_unit)?,
             tolerance,
-            brightest: brightest(transfer_function) as f32,
+            brightest: transfer_function.widgets.iter().map(Widget::brightest).fold(0.0, f64::max) as f32,
             piece_count,
         };
         let first_field = 1 + usize::from(transfer_function.uses_gradient_magnitude());
@@ -135,6 +135,10 @@ impl Parameters {
         let mut widgets = Vec::with_capacity(transfer_function.widgets.len().max(1));
         for (i, widget) in transfer_function.widgets.iter().enumerate() {
             widgets.push(writer.widget(widget).map_err(|e| e.at_item(format!("widgets[{i}]")))?);
+        }
+        if let Some(color) = transfer_function.one_color() {
+            // Any of them stands for all; what is not drawn may have another.
+            widgets.iter_mut().for_each(|record| record.color = color.map(|c| c as f32));
         }
         if widgets.is_empty() {
             widgets.push(WidgetRecord::zeroed());
@@ -275,7 +279,7 @@ impl Writer<'_> {
     }
 
     fn edges(&mut self, widget: &Widget) -> Result<()> {
-        for Edge { normal, corner } in widget_edges(widget) {
+        for HalfPlane { normal, corner } in widget.half_planes() {
             let scaled = [normal[0] * self.axes[0].scale, normal[1] * self.axes[1].scale];
             // Only the ratio of distances matters: a power of two keeps the digits.
             let size = scaled[0].abs().max(scaled[1].abs());
@@ -288,73 +292,10 @@ impl Writer<'_> {
     }
 }
 
-/// An edge of a region.
-pub(crate) struct Edge {
-    /// Points inwards; of any length.
-    normal: [f64; 2],
-    /// A corner on it.
-    corner: [f64; 2],
-}
-
-/// The edges that limit a widget: those of its region, and those of a table's range.
-pub(crate) fn widget_edges(widget: &Widget) -> Vec<Edge> {
-    let mut all = widget.region.as_ref().map(edges).unwrap_or_default();
-    if let Profile::Table(table) = &widget.profile {
-        all.extend(edges(&Region::rectangle(table.s, table.g)));
-    }
-    all
-}
-
-/// The largest channel of any colour.
-fn brightest(transfer_function: &TransferFunction) -> f64 {
-    let of = |widget: &Widget| match &widget.profile {
-        Profile::PiecewiseLinear { points } => points.iter().flat_map(|p| p.color).fold(0.0, f64::max),
-        Profile::Table(table) => {
-            table.texels.iter().flat_map(|t| [t[0], t[1], t[2]]).fold(0.0, f32::max).into()
-        }
-        _ => widget.color.into_iter().fold(0.0, f64::max),
-    };
-    transfer_function.widgets.iter().map(of).fold(0.0, f64::max)
-}
-
 fn pieces(count: usize) -> Result<u32> {
     u32::try_from(count).ok().filter(|count| *count <= PIECES_MOST).ok_or_else(|| {
         Error::usage("a segment has more pieces than a shader walks").found(count).accepted(PIECES_MOST)
     })
-}
-
-/// The edges of a region that limit something: those of a rectangle with open sides only where it is not open.
-fn edges(region: &Region) -> Vec<Edge> {
-    let corners = &region.corners;
-    if corners.iter().flatten().any(|x| x.is_infinite()) {
-        let mut edges = Vec::new();
-        for axis in 0..2 {
-            let low = corners.iter().fold(f64::INFINITY, |low, c| low.min(c[axis]));
-            let high = corners.iter().fold(f64::NEG_INFINITY, |high, c| high.max(c[axis]));
-            for (sign, limit) in [(1.0, low), (-1.0, high)] {
-                if limit.is_finite() {
-                    let along = |value: f64| if axis == 0 { [value, 0.0] } else { [0.0, value] };
-                    edges.push(Edge { normal: along(sign), corner: along(limit) });
-                }
-            }
-        }
-        return edges;
-    }
-    // Differences from the first corner, so that an offset of all of them costs no digits.
-    let from_first = |c: [f64; 2]| [c[0] - corners[0][0], c[1] - corners[0][1]];
-    let pairs = || corners.iter().zip(corners.iter().cycle().skip(1));
-    let turn: f64 = pairs()
-        .map(|(a, b)| {
-            let (a, b) = (from_first(*a), from_first(*b));
-            a[0] * b[1] - a[1] * b[0]
-        })
-        .sum();
-    let sign = if turn >= 0.0 { 1.0 } else { -1.0 };
-    let edge = |(a, b): (&[f64; 2], &[f64; 2])| Edge {
-        normal: [sign * (a[1] - b[1]), sign * (b[0] - a[0])],
-        corner: *a,
-    };
-    pairs().map(edge).filter(|edge| edge.normal != [0.0; 2]).collect()
 }
 
 fn finite32(x: f64) -> f32 {

@@ -9,7 +9,7 @@ use crate::parameters::Axis;
 use crate::parts::{Access, PartedArray, Parts};
 use voltet_core::optics::integrators::{Extent, Integrator, PARTS, PartialTable, Ramp, last_tile};
 use voltet_core::shading::Shading;
-use voltet_core::transfer::{OpticalModel, Profile, TransferFunction};
+use voltet_core::transfer::{ColorSource, OpticalModel, TransferFunction};
 use voltet_core::{Error, Result};
 
 /// Buffers, and the passes that fill some of them.
@@ -201,9 +201,9 @@ pub const TEXEL_BYTES: u64 = 16;
 
 /// Texels of each table widget.
 fn images(transfer_function: &TransferFunction) -> impl Iterator<Item = &[[f32; 4]]> {
-    transfer_function.widgets.iter().filter_map(|widget| match &widget.profile {
-        Profile::Table(table) => Some(table.texels.as_slice()),
-        _ => None,
+    transfer_function.widgets.iter().filter_map(|widget| match widget.profile.properties().color {
+        ColorSource::Texels(texels) => Some(texels),
+        ColorSource::Widget | ColorSource::Points(_) => None,
     })
 }
 

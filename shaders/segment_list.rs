@@ -10,7 +10,7 @@ use crate::limits32::{Spans, check_32_bits};
 use crate::parameters::Axis;
 use voltet_core::Result;
 use voltet_core::optics::{Contribution, Segment};
-use voltet_core::transfer::{Profile, TransferFunction, Widget};
+use voltet_core::transfer::{AxisOrigin, TransferFunction, Widget};
 use voltet_judge::SegmentCase;
 
 /// Numbers of a contribution: r, g, b, A, T, and what its alignment adds.
@@ -22,13 +22,16 @@ pub fn origin(widgets: &[Widget]) -> Option<Vec<f64>> {
     if widget.region.is_some() {
         return None;
     }
-    match &widget.profile {
-        Profile::Gaussian { centre, .. } => Some(centre.to_vec()),
-        Profile::GaussianNd { centre, .. } => Some([&[0.0, 0.0], centre.as_slice()].concat()),
-        Profile::TriangularGaussian { centre, .. } => Some(vec![*centre, 0.0]),
-        Profile::TriangleWave(wave) | Profile::SineWave(wave) => Some(wave.origin.to_vec()),
-        _ => None,
+    let properties = widget.profile.properties();
+    if let Some(bands) = properties.bands {
+        return Some(bands.origin.to_vec());
     }
+    let place = |axis: &AxisOrigin| match axis {
+        AxisOrigin::Centre(centre) => *centre,
+        AxisOrigin::Any | AxisOrigin::Zero => 0.0,
+    };
+    let is_centred = properties.axes.iter().any(|axis| matches!(axis, AxisOrigin::Centre(_)));
+    is_centred.then(|| properties.axes.iter().map(place).collect())
 }
 
 /// [s, g] and the fields at both ends.

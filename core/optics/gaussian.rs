@@ -10,9 +10,6 @@ use super::clip::Stretch;
 use super::special::{HALF_SQRT_PI, gaussian_mean};
 use super::track::{POINTS, Track, mean_transmittance_along};
 
-/// Most fields of a widget.
-pub const FIELD_LIMIT: usize = 8;
-
 /// A path relative to the centre, measured in widths.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GaussianPath {

@@ -1,26 +1,27 @@
 //! Gaussians over a list of fields of their own (Kniss et al. 2003, Eq. 11 and 12): the path in widths.
 
 use super::Segment;
-use super::gaussian::{FIELD_LIMIT, GaussianPath};
+use super::gaussian::GaussianPath;
+use crate::transfer::FIELDS_MOST;
 
 /// A gaussian-nd widget made ready.
 #[derive(Debug, Clone)]
 pub(super) struct GaussianNd {
     /// Where its fields lie in the segment's.
-    slots: [usize; FIELD_LIMIT],
+    slots: [usize; FIELDS_MOST],
     count: usize,
-    centre: [f64; FIELD_LIMIT],
-    matrix: [[f64; FIELD_LIMIT]; FIELD_LIMIT],
+    centre: [f64; FIELDS_MOST],
+    matrix: [[f64; FIELDS_MOST]; FIELDS_MOST],
 }
 
 impl GaussianNd {
     /// `names` are the widget's fields, `fields` those of the segments.
     pub fn new(names: &[String], centre: &[f64], matrix: &[Vec<f64>], fields: &[&str]) -> Self {
         let mut nd = GaussianNd {
-            slots: [0; FIELD_LIMIT],
+            slots: [0; FIELDS_MOST],
             count: names.len(),
-            centre: [0.0; FIELD_LIMIT],
-            matrix: [[0.0; FIELD_LIMIT]; FIELD_LIMIT],
+            centre: [0.0; FIELDS_MOST],
+            matrix: [[0.0; FIELDS_MOST]; FIELDS_MOST],
         };
         for (i, name) in names.iter().enumerate() {
             nd.slots[i] = fields.iter().position(|f| f == name).unwrap_or(0);
@@ -33,7 +34,7 @@ impl GaussianNd {
     /// Along a segment.
     pub fn path(&self, segment: &Segment) -> GaussianPath {
         let n = self.count;
-        let (mut front, mut back, mut along) = ([0.0; FIELD_LIMIT], [0.0; FIELD_LIMIT], [0.0; FIELD_LIMIT]);
+        let (mut front, mut back, mut along) = ([0.0; FIELDS_MOST], [0.0; FIELDS_MOST], [0.0; FIELDS_MOST]);
         for j in 0..n {
             let slot = self.slots[j];
             let (f, b) = (segment.fields_front[slot], segment.fields_back[slot]);

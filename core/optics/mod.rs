@@ -5,6 +5,7 @@
 
 pub mod clip;
 pub mod compositing;
+mod forms;
 pub mod gaussian;
 mod gaussian_nd;
 pub mod integrators;
@@ -18,7 +19,6 @@ pub mod special;
 pub mod table;
 pub mod track;
 pub mod triangular_gaussian;
-mod validate;
 pub mod wave;
 
 pub use prepared::Prepared;

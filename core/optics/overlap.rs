@@ -6,77 +6,10 @@
 //! The error of that is under 1e-12 of the colour; a panel on which one widget of constant colour is alone is
 //! exact.
 
-use super::gaussian::GaussianTrack;
-use super::piecewise_linear::PiecewiseTrack;
+use super::forms::{AnyTrack, TrackColor};
 use super::quadrature::GAUSS_12;
 use super::special::{OPAQUE_DEPTH, opacity};
-use super::table::TablePath;
 use super::track::{POINTS, Track, limit_panel};
-use super::triangular_gaussian::TriangularPath;
-use super::wave::WaveTrack;
-
-/// A widget's rate along the segment.
-#[derive(Debug, Clone, Copy)]
-pub enum AnyTrack<'a> {
-    /// The same rate everywhere.
-    Uniform(f64),
-    /// A Gaussian.
-    Gaussian(GaussianTrack),
-    /// Linear between control points.
-    Piecewise(PiecewiseTrack<'a>),
-    /// A triangular Gaussian.
-    Triangular(TriangularPath),
-    /// A triangle or sine wave.
-    Wave(WaveTrack),
-    /// An image.
-    Table(TablePath<'a>),
-}
-
-impl Track for AnyTrack<'_> {
-    fn rate(&self, t: f64) -> f64 {
-        match self {
-            AnyTrack::Uniform(rate) => *rate,
-            AnyTrack::Gaussian(track) => track.rate(t),
-            AnyTrack::Piecewise(track) => track.rate(t),
-            AnyTrack::Triangular(track) => track.rate(t),
-            AnyTrack::Wave(track) => track.rate(t),
-            AnyTrack::Table(track) => track.rate(t),
-        }
-    }
-
-    fn depth(&self, t: f64, dt: f64) -> f64 {
-        match self {
-            AnyTrack::Uniform(rate) => rate * dt,
-            AnyTrack::Gaussian(track) => track.depth(t, dt),
-            AnyTrack::Piecewise(track) => track.depth(t, dt),
-            AnyTrack::Triangular(track) => track.depth(t, dt),
-            AnyTrack::Wave(track) => track.depth(t, dt),
-            AnyTrack::Table(track) => track.depth(t, dt),
-        }
-    }
-
-    fn next_break(&self, t: f64) -> f64 {
-        match self {
-            AnyTrack::Uniform(_) => f64::INFINITY,
-            AnyTrack::Gaussian(track) => track.next_break(t),
-            AnyTrack::Piecewise(track) => track.next_break(t),
-            AnyTrack::Triangular(track) => track.next_break(t),
-            AnyTrack::Wave(track) => track.next_break(t),
-            AnyTrack::Table(track) => track.next_break(t),
-        }
-    }
-
-    fn depths(&self, t: f64, dt: f64) -> [f64; POINTS] {
-        match self {
-            AnyTrack::Uniform(rate) => GAUSS_12.map(|(x, _)| rate * dt * x),
-            AnyTrack::Gaussian(track) => track.depths(t, dt),
-            AnyTrack::Piecewise(track) => track.depths(t, dt),
-            AnyTrack::Triangular(track) => track.depths(t, dt),
-            AnyTrack::Wave(track) => track.depths(t, dt),
-            AnyTrack::Table(track) => track.depths(t, dt),
-        }
-    }
-}
 
 /// A widget that takes part in the ordered integral.
 #[derive(Debug, Clone, Copy)]
@@ -125,16 +58,12 @@ impl Member<'_> {
 
     /// Colour at t.
     pub fn color_at(&self, t: f64) -> [f64; 3] {
-        match &self.track {
-            AnyTrack::Piecewise(track) => track.path.color(t),
-            AnyTrack::Table(track) => track.color(t),
-            _ => self.color,
-        }
+        self.track.color_at(t).unwrap_or(self.color)
     }
 
     /// Whether its colour is the same everywhere.
     pub fn has_one_color(&self) -> bool {
-        !matches!(self.track, AnyTrack::Piecewise(_) | AnyTrack::Table(_))
+        self.track.color() == TrackColor::OfWidget
     }
 }
 

@@ -1,21 +1,13 @@
 //! A transfer function made ready for integrating many segments.
 
 use super::clip::{Clip, Stretch};
-use super::gaussian::GaussianPath;
-use super::gaussian_nd::GaussianNd;
-use super::overlap::{AnyTrack, Glow, Member, Ordered, Quadrature, ordered};
-use super::piecewise_linear::{PiecewisePath, PiecewiseTrack};
+use super::forms::{Cutoff, Extent, Form, Light, Path};
+use super::overlap::{Glow, Member, Ordered, Quadrature, ordered};
 use super::sample::Samples;
 use super::special::{mean_transmittance, opacity};
-use super::table::TablePath;
-use super::track::Track;
-use super::triangular_gaussian::TriangularPath;
-use super::validate::validate;
-use super::wave::{Bell, WavePath};
 use super::{Contribution, Overlap, Segment};
 use crate::Result;
-use crate::transfer::{ControlPoint, Profile, Table, TransferFunction};
-use std::sync::Arc;
+use crate::transfer::TransferFunction;
 
 /// A transfer function, checked, with what all its segments share worked out.
 #[derive(Debug, Clone)]
@@ -26,42 +18,13 @@ pub struct Prepared {
     widgets: Vec<PreparedWidget>,
 }
 
-#[derive(Debug, Clone, Copy)]
-struct Cutoff {
-    share: f64,
-    /// −ln share: a Gaussian is lit where |q|² is less.
-    level: f64,
-}
-
 #[derive(Debug, Clone)]
 struct PreparedWidget {
-    shape: Shape,
+    form: Form,
     color: [f64; 3],
-    /// Peak extinction; 1 where the shape holds its own.
+    /// Peak extinction; 1 where the form holds extinctions of its own.
     extinction: f64,
     clip: Option<Clip>,
-}
-
-#[derive(Debug, Clone)]
-enum Shape {
-    Uniform,
-    Gaussian { centre: [f64; 2], matrix: [[f64; 2]; 2] },
-    GaussianNd(Box<GaussianNd>),
-    Triangular { centre: f64, sigma: f64 },
-    Wave(Bell),
-    Piecewise { points: Vec<ControlPoint>, peak: f64 },
-    Table { table: Arc<Table>, range: Clip },
-}
-
-/// One widget along one segment.
-#[derive(Debug, Clone, Copy)]
-enum Path<'a> {
-    Uniform,
-    Gaussian(GaussianPath),
-    Triangular(TriangularPath),
-    Wave(WavePath),
-    Piecewise(PiecewisePath<'a>),
-    Table(TablePath<'a>),
 }
 
 /// A widget that the segment crosses.
@@ -69,9 +32,7 @@ enum Path<'a> {
 struct Active<'a> {
     widget: &'a PreparedWidget,
     path: Path<'a>,
-    stretch: Stretch,
-    /// Rate of optical depth per t where the profile is 1.
-    peak: f64,
+    extent: Extent,
     depth: f64,
 }
 
@@ -81,39 +42,17 @@ const INLINE: usize = 8;
 impl Prepared {
     /// Checks the transfer function and makes it ready.
     pub fn new(transfer_function: &TransferFunction) -> Result<Prepared> {
-        validate(transfer_function)?;
+        transfer_function.check()?;
         let fields = transfer_function.fields();
         let mut widgets = Vec::with_capacity(transfer_function.widgets.len());
         for widget in &transfer_function.widgets {
-            let (shape, extinction) = match &widget.profile {
-                Profile::PiecewiseLinear { points } => (
-                    Shape::Piecewise {
-                        points: points.clone(),
-                        peak: points.iter().fold(0.0, |peak, p| p.extinction.max(peak)),
-                    },
-                    1.0,
-                ),
-                Profile::Uniform => (Shape::Uniform, widget.extinction),
-                Profile::Gaussian { centre, matrix } => {
-                    (Shape::Gaussian { centre: *centre, matrix: *matrix }, widget.extinction)
-                }
-                Profile::GaussianNd { fields: names, centre, matrix } => {
-                    let nd = GaussianNd::new(names, centre, matrix, &fields);
-                    (Shape::GaussianNd(Box::new(nd)), widget.extinction)
-                }
-                Profile::TriangularGaussian { centre, sigma } => {
-                    (Shape::Triangular { centre: *centre, sigma: *sigma }, widget.extinction)
-                }
-                Profile::TriangleWave(wave) => (Shape::Wave(Bell::triangle(wave)), widget.extinction),
-                Profile::SineWave(wave) => (Shape::Wave(Bell::sine(wave)), widget.extinction),
-                Profile::Table(table) => {
-                    let range =
-                        Clip::Rectangle { low: [table.s[0], table.g[0]], high: [table.s[1], table.g[1]] };
-                    (Shape::Table { table: Arc::clone(table), range }, widget.extinction)
-                }
-            };
-            let clip = widget.region.as_ref().map(Clip::new).transpose()?;
-            widgets.push(PreparedWidget { shape, color: widget.color, extinction, clip });
+            let own_peak = widget.profile.properties().own_peak;
+            widgets.push(PreparedWidget {
+                form: Form::new(&widget.profile, &fields),
+                color: widget.color,
+                extinction: if own_peak.is_some() { 1.0 } else { widget.extinction },
+                clip: widget.region.as_ref().map(Clip::new).transpose()?,
+            });
         }
         let cutoff = transfer_function.model.cutoff().map(|share| Cutoff { share, level: -share.ln() });
         Ok(Prepared { cutoff, unit_distance: transfer_function.unit_distance, widgets })
@@ -163,8 +102,8 @@ impl Prepared {
         let color = match count {
             0 => [0.0; 3],
             1 => active().next().map_or([0.0; 3], |single| {
-                if Q::ALONE && self.is_integrated(single) {
-                    quadrature.color(&[self.member(single, segment.length)], self.glow(segment.length))
+                if Q::ALONE && single.path.is_integrated(self.cutoff.is_some()) {
+                    quadrature.color(&[self.member(single)], self.glow(segment.length))
                 } else {
                     self.color_alone(single, segment.length)
                 }
@@ -180,92 +119,29 @@ impl Prepared {
             None => Stretch::WHOLE,
             Some(clip) => clip.stretch(segment.front, segment.back)?,
         };
-        let (front, back) = (segment.front, segment.back);
-        let stretch = match &widget.shape {
-            Shape::Table { range, .. } => stretch.intersection(&range.stretch(front, back)?)?,
-            _ => stretch,
+        let stretch = match widget.form.range() {
+            None => stretch,
+            Some(range) => stretch.intersection(&range.stretch(segment.front, segment.back)?)?,
         };
-        let peak = segment.length * widget.extinction / self.unit_distance;
-        let path = match &widget.shape {
-            Shape::Uniform => Path::Uniform,
-            Shape::Gaussian { centre, matrix } => {
-                let times = |v: [f64; 2]| {
-                    [matrix[0][0] * v[0] + matrix[0][1] * v[1], matrix[1][0] * v[0] + matrix[1][1] * v[1]]
-                };
-                let minus = |a: [f64; 2], b: [f64; 2]| [a[0] - b[0], a[1] - b[1]];
-                Path::Gaussian(GaussianPath::new(
-                    times(minus(front, *centre)),
-                    times(minus(back, *centre)),
-                    times(minus(back, front)),
-                ))
-            }
-            Shape::GaussianNd(nd) => Path::Gaussian(nd.path(segment)),
-            // Comparisons with a control point do not tell what is no number.
-            Shape::Piecewise { .. } if (back[0] - front[0]).is_nan() => return None,
-            Shape::Piecewise { points, .. } => Path::Piecewise(PiecewisePath::new(points, front[0], back[0])),
-            Shape::Triangular { centre, sigma } => Path::Triangular(TriangularPath::new(
-                [front[0] - centre, back[0] - centre],
-                [sigma * front[1], sigma * back[1]],
-                peak,
-            )),
-            Shape::Wave(bell) => Path::Wave(bell.path(front, back)),
-            Shape::Table { table, .. } => {
-                Path::Table(TablePath::new(table, front, back, peak, self.cutoff.map(|cutoff| cutoff.share)))
-            }
-        };
-        let depth = match &path {
-            Path::Uniform => peak * stretch.length,
-            Path::Gaussian(path) => path.optical_depth(peak, &stretch),
-            Path::Piecewise(path) => peak * path.integral(&stretch),
-            Path::Triangular(path) => path.optical_depth(&stretch),
-            Path::Wave(path) => peak * path.integral(&stretch),
-            Path::Table(path) => path.depth(stretch.start, stretch.length),
-        };
+        let scale = segment.length / self.unit_distance;
+        let extent = Extent { stretch, peak: segment.length * widget.extinction / self.unit_distance, scale };
+        let path = widget.form.path(segment, extent.peak, self.cutoff)?;
+        let depth = path.depth(&extent);
         // False also where the values are not numbers.
-        (depth >= 0.0 && peak > 0.0).then_some(Active { widget, path, stretch, peak, depth })
+        (depth >= 0.0 && extent.peak > 0.0).then_some(Active { widget, path, extent, depth })
     }
 
     /// C of a widget that is alone on the segment.
     fn color_alone(&self, active: &Active, length: f64) -> [f64; 3] {
-        let scale = length / self.unit_distance;
-        let Active { widget, stretch, peak, depth, .. } = active;
-        if matches!(active.path, Path::Table(_)) {
-            return ordered(&[self.member(active, length)], self.glow(length));
-        }
-        let Some(cutoff) = self.cutoff else {
-            return match &active.path {
-                Path::Piecewise(path) => path.emission(scale, stretch),
-                _ => widget.color.map(|c| c * opacity(*depth)),
-            };
+        let Active { widget, path, extent, depth } = active;
+        let light = match self.cutoff {
+            None => path.density_light(extent, *depth),
+            Some(cutoff) => path.constant_light(extent, *depth, cutoff, threshold(widget, cutoff)),
         };
-        let lit = match &active.path {
-            Path::Uniform => stretch.length * mean_transmittance(*depth),
-            Path::Gaussian(path) => path.glow(*peak, stretch, cutoff.level),
-            Path::Triangular(path) => path.glow(stretch, cutoff.level),
-            Path::Wave(path) => path.glow(*peak, stretch, cutoff.share),
-            // Drawn above.
-            Path::Table(_) => 0.0,
-            Path::Piecewise(path) => {
-                return path.glow(scale, stretch, self.threshold(widget, cutoff)).map(|c| c * scale);
-            }
-        };
-        widget.color.map(|c| c * scale * lit)
-    }
-
-    /// Whether a widget that is alone takes quadrature.
-    fn is_integrated(&self, active: &Active) -> bool {
-        match active.path {
-            Path::Table(_) => true,
-            Path::Gaussian(_) | Path::Triangular(_) => self.cutoff.is_some(),
-            _ => false,
-        }
-    }
-
-    /// Extinction or profile above which a widget glows.
-    fn threshold(&self, widget: &PreparedWidget, cutoff: Cutoff) -> f64 {
-        match &widget.shape {
-            Shape::Piecewise { peak, .. } => peak * cutoff.share,
-            _ => cutoff.share,
+        match light {
+            Light::OfWidget(light) => widget.color.map(|c| c * light),
+            Light::OwnColors(color) => color,
+            Light::Integrated => ordered(&[self.member(active)], self.glow(length)),
         }
     }
 
@@ -280,7 +156,7 @@ impl Prepared {
     ) -> [f64; 3] {
         if self.cutoff.is_none() {
             let first = active().next().map_or([0.0; 3], |a| a.widget.color);
-            if active().all(|a| a.has_one_color() && a.widget.color == first) {
+            if active().all(|a| a.path.has_one_color() && a.widget.color == first) {
                 return first.map(|c| c * opacity(optical_depth));
             }
         }
@@ -294,21 +170,20 @@ impl Prepared {
                 std::array::from_fn(|i| sum[i] + share * alone[i])
             });
         }
-        self.with_members(active(), length, |members| quadrature.color(members, self.glow(length)))
+        self.with_members(active(), |members| quadrature.color(members, self.glow(length)))
     }
 
     /// Calls `f` with the widgets as tracks, without allocation for up to [`INLINE`] of them.
     fn with_members<'a, R>(
         &self,
         active: impl Iterator<Item = &'a Active<'a>>,
-        length: f64,
         f: impl FnOnce(&[Member]) -> R,
     ) -> R {
         let mut inline = [Member::NOTHING; INLINE];
         let mut spilled = Vec::new();
         let mut count = 0;
         for a in active {
-            let member = self.member(a, length);
+            let member = self.member(a);
             match inline.get_mut(count) {
                 Some(slot) => *slot = member,
                 None => {
@@ -328,49 +203,29 @@ impl Prepared {
         let active: Vec<Active> =
             self.widgets.iter().filter_map(|widget| self.cross(widget, segment)).collect();
         let glow = self.glow(segment.length);
-        self.with_members(active.iter(), segment.length, |members| f(Samples::new(members, glow)))
+        self.with_members(active.iter(), |members| f(Samples::new(members, glow)))
     }
 
     fn glow(&self, length: f64) -> Glow {
         if self.cutoff.is_some() { Glow::Constant(length / self.unit_distance) } else { Glow::Density }
     }
 
-    fn member<'a>(&self, active: &Active<'a>, length: f64) -> Member<'a> {
-        let threshold = self.cutoff.map(|cutoff| self.threshold(active.widget, cutoff));
-        let mut window = [f64::NEG_INFINITY, f64::INFINITY];
-        let track = match active.path {
-            Path::Uniform => AnyTrack::Uniform(active.peak),
-            Path::Gaussian(path) => {
-                if let Some(ends) = self.cutoff.and_then(|cutoff| path.window_ends(cutoff.level)) {
-                    window = ends;
-                }
-                AnyTrack::Gaussian(path.track(active.peak))
-            }
-            Path::Triangular(path) => {
-                if let Some(ends) = self.cutoff.and_then(|cutoff| path.window_ends(cutoff.level)) {
-                    window = ends;
-                }
-                AnyTrack::Triangular(path)
-            }
-            Path::Wave(path) => AnyTrack::Wave(path.track(active.peak, self.cutoff.map(|c| c.share))),
-            Path::Table(path) => AnyTrack::Table(path),
-            Path::Piecewise(path) => {
-                AnyTrack::Piecewise(PiecewiseTrack { path, scale: length / self.unit_distance, threshold })
-            }
-        };
+    fn member<'a>(&self, active: &Active<'a>) -> Member<'a> {
+        let Active { widget, path, extent, .. } = active;
+        let threshold = self.cutoff.map(|cutoff| threshold(widget, cutoff));
+        let window = self.cutoff.and_then(|cutoff| path.window(cutoff));
         Member {
-            track,
-            range: [active.stretch.start, active.stretch.end],
-            window,
-            color: active.widget.color,
+            track: path.track(extent, self.cutoff, threshold),
+            range: [extent.stretch.start, extent.stretch.end],
+            window: window.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]),
+            color: widget.color,
             threshold: threshold.unwrap_or(0.0),
-            unit_rate: active.peak,
+            unit_rate: extent.peak,
         }
     }
 }
 
-impl Active<'_> {
-    fn has_one_color(&self) -> bool {
-        !matches!(self.path, Path::Piecewise(_) | Path::Table(_))
-    }
+/// Extinction or profile above which a widget glows.
+fn threshold(widget: &PreparedWidget, cutoff: Cutoff) -> f64 {
+    widget.form.peak() * cutoff.share
 }

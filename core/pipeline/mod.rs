@@ -4,7 +4,6 @@
 //! is shown where it stands. [`Pipeline::graph`] checks it against a registry of node types.
 
 mod parse;
-pub mod widgets;
 mod write;
 
 use crate::graph::{Datum, Graph, NodeEntry, Origin, Registry, Setting, suggest};

@@ -6,7 +6,7 @@
 //! interpolation: where cells cross many bands, the bands show the grid's resolution and not the data.
 
 use crate::Result;
-use crate::transfer::{OpticalModel, Profile, Support, TransferFunction, Wave, Widget};
+use crate::transfer::{OpticalModel, Profile, Support, TransferFunction, Widget};
 use crate::volume::Volume;
 use rayon::prelude::*;
 
@@ -29,26 +29,23 @@ pub struct Bands {
     pub share_above_one: f64,
 }
 
-/// The bands of every triangle-wave and sine-wave widget that some cell's values reach into. Where the volume has no
+/// The bands of every widget whose profile is periodic that some cell's values reach into. Where the volume has no
 /// gradient magnitude, that counts as 0.
 pub fn bands(volume: &Volume, transfer_function: &TransferFunction) -> Result<Vec<Bands>> {
     let mut found = Vec::new();
     for (place, widget) in transfer_function.widgets.iter().enumerate() {
-        let (kind, wave) = match &widget.profile {
-            Profile::TriangleWave(wave) => ("triangle-wave", wave),
-            Profile::SineWave(wave) => ("sine-wave", wave),
-            _ => continue,
-        };
-        let mut crossed = crossed(volume, widget, wave)?;
+        let properties = widget.profile.properties();
+        let Some(bands) = properties.bands else { continue };
+        let mut crossed = crossed(volume, widget, bands.step)?;
         if let Some(bands) = summary(&mut crossed) {
-            found.push(Bands { widget: place, kind, ..bands });
+            found.push(Bands { widget: place, kind: properties.name, ..bands });
         }
     }
     Ok(found)
 }
 
-/// Bands crossed by each cell of the widget's region.
-fn crossed(volume: &Volume, widget: &Widget, wave: &Wave) -> Result<Vec<f32>> {
+/// Bands crossed by each cell of the widget's region; `step`: φ per unit of s and of g.
+fn crossed(volume: &Volume, widget: &Widget, step: [f64; 2]) -> Result<Vec<f32>> {
     let region = match &widget.region {
         None => None,
         Some(region) => {
@@ -58,8 +55,6 @@ fn crossed(volume: &Volume, widget: &Widget, wave: &Wave) -> Result<Vec<f32>> {
             Some(Support::new(&TransferFunction { model, unit_distance: 1.0, widgets: vec![inside] })?)
         }
     };
-    let step =
-        [wave.angle.cos() * wave.scale[0] / wave.period, wave.angle.sin() * wave.scale[1] / wave.period];
     let (s, g) =
         (&volume.scalar, volume.gradient_magnitude.as_ref().filter(|_| widget.uses_gradient_magnitude()));
     let of_cell = |corners: &[u32; 4]| {

@@ -45,14 +45,6 @@ impl Surface {
         (silhouette.is_some() || light.is_some()).then_some(Surface { silhouette, light, first })
     }
 
-    /// The factor of every colour, if it is the same for all segments.
-    pub fn even_light(&self) -> Option<f64> {
-        match self.light {
-            None => Some(1.0),
-            Some(lit) => (lit.diffuse == 0.0).then_some(lit.ambient),
-        }
-    }
-
     /// Factors of opacity and of colour for the segments at `at`.
     #[inline(always)]
     pub fn factors<L: Lanes>(&self, batch: &Batch, at: usize, rays: &Rays) -> (L::F, L::F) {

@@ -2,7 +2,7 @@
 
 use crate::attribute::Attribute;
 use crate::shade::along::Along;
-use voltet_core::transfer::Region;
+use voltet_core::transfer::{HalfPlane, Region};
 use voltet_lanes::{Float, Lanes, Mask, inlined};
 
 /// A convex region as half-planes: inside where n_s s + n_g g ≤ limit.
@@ -12,42 +12,16 @@ pub(crate) struct LaneRegion {
 
 impl LaneRegion {
     pub fn new(region: &Region, attributes: &[Attribute<'_>]) -> LaneRegion {
-        let scaled =
-            |value: f64, a: usize| attributes.get(a).map_or(value, |axis| (value - axis.offset) / axis.scale);
-        let corners: Vec<[f64; 2]> =
-            region.corners.iter().map(|c| [scaled(c[0], 0), scaled(c[1], 1)]).collect();
-        let bounded = corners.iter().flatten().all(|x| x.is_finite());
-        let mut half_planes = Vec::new();
-        if bounded {
-            let turn: f64 = (0..corners.len())
-                .map(|i| {
-                    let (a, b) = (corners[i], corners[(i + 1) % corners.len()]);
-                    a[0] * b[1] - a[1] * b[0]
-                })
-                .sum();
-            for i in 0..corners.len() {
-                let (a, b) = (corners[i], corners[(i + 1) % corners.len()]);
-                let sign = if turn >= 0.0 { 1.0 } else { -1.0 };
-                let normal = [sign * (b[1] - a[1]), sign * (a[0] - b[0])];
-                let size = normal[0].hypot(normal[1]);
-                if size > 0.0 {
-                    let (s, g) = (normal[0] / size, normal[1] / size);
-                    half_planes.push([s as f32, g as f32, (s * a[0] + g * a[1]) as f32]);
-                }
-            }
-        } else {
-            // A rectangle with open sides.
-            for axis in 0..2 {
-                let low = corners.iter().fold(f64::INFINITY, |low, c| low.min(c[axis]));
-                let high = corners.iter().fold(f64::NEG_INFINITY, |high, c| high.max(c[axis]));
-                let unit = |sign: f32| if axis == 0 { [sign, 0.0] } else { [0.0, sign] };
-                for (sign, limit) in [(-1.0, -low), (1.0, high)] {
-                    if limit.is_finite() {
-                        let [s, g] = unit(sign);
-                        half_planes.push([s, g, limit as f32]);
-                    }
-                }
-            }
+        let axis = |a: usize| attributes.get(a).map_or([0.0, 1.0], |x| [x.offset, x.scale]);
+        let ([s, g], mut half_planes) = ([axis(0), axis(1)], Vec::new());
+        for HalfPlane { normal, corner } in region.half_planes() {
+            // Turned outwards, of unit length in scaled attributes.
+            let outward = [-normal[0] * s[1], -normal[1] * g[1]];
+            let size = outward[0].hypot(outward[1]);
+            let part =
+                |a: usize, [offset, scale]: [f64; 2]| outward[a] / size * ((corner[a] - offset) / scale);
+            let limit = part(0, s) + part(1, g);
+            half_planes.push([(outward[0] / size) as f32, (outward[1] / size) as f32, limit as f32]);
         }
         LaneRegion { half_planes }
     }

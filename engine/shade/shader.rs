@@ -15,7 +15,7 @@ use crate::shade::widget::LaneWidget;
 use voltet_core::optics::integrators::SegmentIntegrator;
 use voltet_core::optics::{Overlap, Prepared, Segment};
 use voltet_core::shading::{Integrator, Shading};
-use voltet_core::transfer::{OpticalModel, Profile, TransferFunction};
+use voltet_core::transfer::{OpticalModel, TransferFunction};
 use voltet_core::{Error, Result};
 use voltet_lanes::optics::elementary::one_minus_exp;
 use voltet_lanes::optics::smooth::Shape;
@@ -65,19 +65,8 @@ impl Shader {
                 false => LaneWidget::Exact,
             })
             .collect();
-        let mut colors = transfer_function.widgets.iter().flat_map(|widget| match &widget.profile {
-            Profile::PiecewiseLinear { points } => points.iter().map(|p| Some(p.color)).collect(),
-            Profile::Table(_) => vec![None],
-            _ => vec![Some(widget.color)],
-        });
-        let first = colors.next().unwrap_or(Some([0.0; 3]));
-        let light = surface.map_or(Some(1.0), |surface| surface.even_light());
-        let one_color = match (first, light) {
-            (Some(color), Some(light)) if density_emitter && !ordered && colors.all(|c| c == first) => {
-                Some(color.map(|x| (x * light) as f32))
-            }
-            _ => None,
-        };
+        let one_color = shading.one_color(transfer_function).filter(|_| !ordered);
+        let one_color = one_color.map(|color| color.map(|c| c as f32));
         if length <= 0.0 || !length.is_finite() {
             return Err(Error::run("the grid has no extent")
                 .found(length)

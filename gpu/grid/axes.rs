@@ -18,7 +18,7 @@ pub(crate) fn split(x: f64) -> [f32; 2] {
 
 /// The axis of a value. `number`: 0 for s, 1 for g, further on for fields.
 pub(crate) fn axis(stored: &Stored, transfer_function: &TransferFunction, number: usize) -> Axis {
-    let centre = transfer_function.single_centre(number);
+    let centre = transfer_function.axis_origin(number);
     let [low, high] = stored.range();
     let offset = centre.filter(|centre| (low..=high).contains(centre)).unwrap_or(stored.middle);
     Axis { offset, scale: stored.span }

@@ -5,7 +5,7 @@ use voltet_core::Result;
 use voltet_core::graph::{Asking, Demand, Look, Saving};
 use voltet_core::optics::integrators::{PartialTable, can_serve};
 use voltet_core::shading::Shading;
-use voltet_core::transfer::{OpticalModel, Profile, TransferFunction, Widget};
+use voltet_core::transfer::{OpticalModel, TransferFunction};
 use voltet_engine::needs_gradient;
 
 /// Asks at `port` for what drawing the transfer function at `look` with the node's parameters needs; gives what
@@ -47,29 +47,9 @@ fn demand(look: Option<&Look>, shading: &Shading) -> Demand {
     Demand { gradient, ..known }
 }
 
-/// Whether the order of a pixel's segments changes the picture. With one colour in the density-emitter model and
-/// no light, C = c·A, and A does not depend on the order.
+/// Whether the order of a pixel's segments changes the picture.
 pub fn needs_order(transfer_function: &TransferFunction, shading: &Shading) -> bool {
-    let lit = shading.light.is_some_and(|light| light.diffuse != 0.0);
-    let mut colors = Vec::new();
-    for widget in &transfer_function.widgets {
-        match colors_of(widget) {
-            Some(list) => colors.extend(list),
-            None => return true,
-        }
-    }
-    let one_color = colors.windows(2).all(|pair| pair[0] == pair[1]);
-    transfer_function.model != OpticalModel::DensityEmitter || lit || !one_color
-}
-
-/// The colours of a widget that draws something; `None`: more than can be listed.
-fn colors_of(widget: &Widget) -> Option<Vec<[f64; 3]>> {
-    match &widget.profile {
-        _ if widget.extinction == 0.0 => Some(Vec::new()),
-        Profile::PiecewiseLinear { points } => Some(points.iter().map(|p| p.color).collect()),
-        Profile::Table(_) => None,
-        _ => Some(vec![widget.color]),
-    }
+    shading.one_color(transfer_function).is_none()
 }
 
 #[cfg(test)]
@@ -77,7 +57,7 @@ mod tests {
     use super::*;
     use voltet_core::optics::Overlap;
     use voltet_core::shading::{Integrator, Light};
-    use voltet_core::transfer::ControlPoint;
+    use voltet_core::transfer::{ControlPoint, Profile, Widget};
 
     fn widget(color: [f64; 3], extinction: f64) -> Widget {
         let profile = Profile::Gaussian { centre: [0.0; 2], matrix: [[1.0, 0.0], [0.0, 0.0]] };

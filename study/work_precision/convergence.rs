@@ -7,7 +7,7 @@
 
 use super::Engine;
 use serde::Serialize;
-use voltet_core::transfer::{OpticalModel, Profile, TransferFunction, Wave};
+use voltet_core::transfer::{OpticalModel, TransferFunction};
 
 /// Errors under this many times the floor are left out: the floor is then more than a tenth of what the square of the error holds.
 const ABOVE_FLOOR: f64 = 3.0;
@@ -86,15 +86,8 @@ fn slope(points: &[[f64; 2]]) -> Option<f64> {
 /// The order of sampling at the middles of pieces, and of pieces linear between samples: both are of second order
 /// for a function with a bounded second derivative or corners, of first order where it jumps.
 fn expected(transfer_function: &TransferFunction) -> (f64, &'static str) {
-    let banded = |wave: &Wave| wave.band_width < 1.0;
-    let cut = transfer_function.widgets.iter().any(|widget| {
-        widget.region.is_some()
-            || match &widget.profile {
-                Profile::Uniform | Profile::Table(_) => true,
-                Profile::TriangleWave(wave) | Profile::SineWave(wave) => banded(wave),
-                _ => false,
-            }
-    });
+    let mut widgets = transfer_function.widgets.iter();
+    let cut = widgets.any(|widget| widget.region.is_some() || widget.profile.properties().jumps);
     let glow = matches!(transfer_function.model, OpticalModel::ConstantEmitter { .. });
     match (cut, glow) {
         (true, _) => (1.0, "a widget jumps at an edge, whose place is known to a piece"),
@@ -137,7 +130,7 @@ mod tests {
 
     #[test]
     fn jumps_make_it_first_order() {
-        use voltet_core::transfer::{Region, Widget};
+        use voltet_core::transfer::{Profile, Region, Wave, Widget};
         let profile = Profile::Gaussian { centre: [0.0; 2], matrix: [[1.0, 0.0], [0.0, 0.0]] };
         let widget = Widget { profile, color: [1.0; 3], extinction: 1.0, region: None };
         let of = |widget: Widget| expected(&TransferFunction { widgets: vec![widget], ..smooth() }).0;

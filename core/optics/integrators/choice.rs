@@ -1,6 +1,6 @@
 //! Which integrator, with its settings, and which transfer functions it serves.
 
-use crate::transfer::{Profile, TransferFunction};
+use crate::transfer::{ColorSource, TransferFunction};
 use crate::{Error, Result};
 
 /// The integrators (docs/optics.md, section 10).
@@ -121,7 +121,7 @@ impl Integrator {
                 widgets.iter().enumerate().find_map(|(i, widget)| {
                     if widget.uses_gradient_magnitude() {
                         Some(named(i, "which looks at the gradient magnitude"))
-                    } else if matches!(widget.profile, Profile::GaussianNd { .. }) {
+                    } else if !widget.profile.properties().fields.is_empty() {
                         Some(named(i, "which looks at fields of its own"))
                     } else {
                         None
@@ -129,8 +129,12 @@ impl Integrator {
                 })
             }
             Integrator::Clipped => match widgets.as_slice() {
-                [widget] if matches!(widget.profile, Profile::PiecewiseLinear { .. }) => None,
-                [_] => Some(named(0, "which is not piecewise-linear")),
+                [widget] => match widget.profile.properties().color {
+                    ColorSource::Points(_) => None,
+                    ColorSource::Widget | ColorSource::Texels(_) => {
+                        Some(named(0, "which is not piecewise-linear"))
+                    }
+                },
                 [] => Some("no widget".into()),
                 _ => Some(format!("{} widgets", widgets.len())),
             },

@@ -103,10 +103,7 @@ impl Bell {
             band_width: wave.band_width,
             reach: 0.0,
             half: 0.0,
-            step: [
-                wave.angle.cos() * wave.scale[0] / wave.period,
-                wave.angle.sin() * wave.scale[1] / wave.period,
-            ],
+            step: wave.step(),
             origin: wave.origin,
         }
     }

@@ -1,5 +1,6 @@
 use super::*;
-use crate::optics::{Overlap, Segment};
+use crate::optics::{Overlap, Prepared, Segment};
+use crate::transfer::{Profile, Region};
 use proptest::prelude::*;
 
 fn widget(profile: Profile) -> Widget {

@@ -1,7 +1,7 @@
 //! The mix of one piece and the bound of its error (see the head of module `adaptive`).
 
 use super::MOST;
-use crate::optics::overlap::{AnyTrack, Glow, Member};
+use crate::optics::overlap::{Glow, Member};
 use crate::optics::special::{mean_transmittance, opacity};
 use crate::optics::track::Track;
 
@@ -50,18 +50,10 @@ pub fn mix(members: &[Member], glow: Glow, t: f64, length: f64) -> Estimate {
 pub fn depth_within(member: &Member, t: f64, length: f64) -> f64 {
     let end = t + length;
     if member.range[0] <= t && end <= member.range[1] {
-        return piece_depth(member, t, length);
+        return member.track.depth_over(t, length);
     }
     let (start, end) = (t.max(member.range[0]), end.min(member.range[1]));
-    if start < end { piece_depth(member, start, end - start) } else { 0.0 }
-}
-
-fn piece_depth(member: &Member, t: f64, length: f64) -> f64 {
-    match &member.track {
-        // Its own depth is that of one piece between control points.
-        AnyTrack::Piecewise(track) => track.depth_over(t, length),
-        track => track.depth(t, length),
-    }
+    if start < end { member.track.depth_over(start, end - start) } else { 0.0 }
 }
 
 /// The length over which a widget glows between t and `end`.

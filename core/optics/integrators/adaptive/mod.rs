@@ -24,12 +24,13 @@ mod panel;
 
 use super::{Integrator, SegmentIntegrator, can_serve};
 use crate::Result;
-use crate::optics::overlap::{AnyTrack, Glow, Member, Quadrature, ordered};
+use crate::optics::forms::TrackColor;
+use crate::optics::overlap::{Glow, Member, Quadrature, ordered};
 use crate::optics::quadrature::GAUSS_12;
 use crate::optics::special::{mean_transmittance, opacity};
 use crate::optics::track::{Track, limit_panel};
 use crate::optics::{Contribution, Overlap, Prepared, Segment};
-use crate::transfer::{Profile, TransferFunction};
+use crate::transfer::{TransferFunction, Widget};
 use mix::{Estimate, depth_within, mix};
 use panel::{RULES, panel, present_at};
 
@@ -65,14 +66,8 @@ impl SegmentIntegrator for Adaptive {
 
 /// The largest channel of the widgets whose colour varies.
 fn brightest_of_varying(transfer_function: &TransferFunction) -> f64 {
-    let widget = |profile: &Profile| match profile {
-        Profile::PiecewiseLinear { points } => points.iter().flat_map(|p| p.color).fold(0.0, f64::max),
-        Profile::Table(table) => {
-            table.texels.iter().flat_map(|t| [t[0], t[1], t[2]]).fold(0.0, f32::max).into()
-        }
-        _ => 0.0,
-    };
-    transfer_function.widgets.iter().map(|w| widget(&w.profile)).fold(0.0, f64::max)
+    let varying = transfer_function.widgets.iter().filter(|widget| widget.has_colors_of_its_own());
+    varying.map(Widget::brightest).fold(0.0, f64::max)
 }
 
 /// The quadrature to a tolerance.
@@ -125,7 +120,7 @@ impl<'a> March<'a> {
             members,
             glow,
             brightest: brightest * scale,
-            only_panels: members.iter().any(|m| matches!(m.track, AnyTrack::Table(_))),
+            only_panels: members.iter().any(|m| m.track.color() == TrackColor::Curved),
             t: 0.0,
             rest: 1.0,
             front: 0.0,
@@ -215,9 +210,8 @@ impl<'a> March<'a> {
 
     /// How far the mix may reach: a colour that varies, or a glow of many windows, is known up to its next break.
     fn mixable(&self) -> f64 {
-        let limited = |m: &&Member| {
-            !m.has_one_color() || (self.glow != Glow::Density && matches!(m.track, AnyTrack::Wave(_)))
-        };
+        let limited =
+            |m: &&Member| !m.has_one_color() || (self.glow != Glow::Density && m.track.glows_in_parts());
         self.members
             .iter()
             .filter(limited)

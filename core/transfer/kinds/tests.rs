@@ -1,7 +1,9 @@
+//! Widgets as a pipeline file states them.
+
 use super::*;
-use crate::graph::{Origin, Standard};
-use crate::graph::{Parameter, ParameterType};
+use crate::parameters::{Origin, Parameter, ParameterType, Parameters, Standard};
 use crate::pipeline::Pipeline;
+use crate::transfer::Widget;
 
 const LIST: &[Parameter] = &[Parameter {
     name: "widgets",
@@ -12,13 +14,13 @@ const LIST: &[Parameter] = &[Parameter {
 }];
 
 /// The widget that the keys state, or the error's message.
-fn read(keys: &str) -> std::result::Result<Widget, String> {
+fn stated(keys: &str) -> std::result::Result<Widget, String> {
     let text = format!("[pipeline]\nformat = 1\n[nodes.a]\ntype = \"t\"\n[[nodes.a.widgets]]\n{keys}\n");
     let pipeline = Pipeline::parse(&text).map_err(|e| e.to_string())?;
     let convert = || {
         let p = Parameters::check(LIST, &pipeline.nodes[0].settings, &Origin::Nowhere, &[])?;
         let (kind, keys) = p.kinds("widgets")?.remove(0);
-        widget(kind, &keys, &|_| Ok((1, 1, vec![[0.5, 0.5, 0.5, 1.0]])))
+        read(kind, &keys, &|_| Ok((1, 1, vec![[0.5, 0.5, 0.5, 1.0]])))
     };
     convert().map_err(|error| error.to_string())
 }
@@ -27,29 +29,30 @@ const PEAK: &str = "color = [1, 0.5, 2]\nextinction = 3\n";
 
 #[test]
 fn every_kind_of_the_table_is_read() {
-    let gaussian = read(&format!("kind = \"gaussian\"\n{PEAK}centre = [1, 2]\nsigma = [0.5, inf]")).unwrap();
+    let gaussian =
+        stated(&format!("kind = \"gaussian\"\n{PEAK}centre = [1, 2]\nsigma = [0.5, inf]")).unwrap();
     assert_eq!((gaussian.color, gaussian.extinction), ([1.0, 0.5, 2.0], 3.0));
     let k = 1.0 / (std::f64::consts::SQRT_2 * 0.5);
     assert_eq!(gaussian.profile, Profile::Gaussian { centre: [1.0, 2.0], matrix: [[k, 0.0], [0.0, 0.0]] });
     assert!(!gaussian.uses_gradient_magnitude());
     let matrix =
-        read(&format!("kind = \"gaussian\"\n{PEAK}centre = [1, 2]\nmatrix = [[1, 2], [3, 4]]")).unwrap();
+        stated(&format!("kind = \"gaussian\"\n{PEAK}centre = [1, 2]\nmatrix = [[1, 2], [3, 4]]")).unwrap();
     assert_eq!(matrix.profile, Profile::Gaussian { centre: [1.0, 2.0], matrix: [[1.0, 2.0], [3.0, 4.0]] });
 
     let nd = "kind = \"gaussian-nd\"\nfields = [\"T\", \"p\"]\ncentre = [1, 2]\n";
-    let nd = read(&format!("{nd}{PEAK}matrix = [[1, 0], [0, 2]]")).unwrap();
+    let nd = stated(&format!("{nd}{PEAK}matrix = [[1, 0], [0, 2]]")).unwrap();
     let Profile::GaussianNd { fields, centre, matrix } = nd.profile else { panic!() };
     assert_eq!(
         (fields.join(" "), centre, matrix),
         ("T p".into(), vec![1.0, 2.0], vec![vec![1.0, 0.0], vec![0.0, 2.0]])
     );
 
-    let uniform = read(&format!("kind = \"uniform\"\n{PEAK}region = {{ s = [1, 2] }}")).unwrap();
+    let uniform = stated(&format!("kind = \"uniform\"\n{PEAK}region = {{ s = [1, 2] }}")).unwrap();
     let inf = f64::INFINITY;
     assert_eq!(uniform.region.unwrap(), Region::rectangle([1.0, 2.0], [-inf, inf]));
 
     let triangular =
-        read(&format!("kind = \"triangular-gaussian\"\n{PEAK}centre = 0.6\nsigma = 0.001")).unwrap();
+        stated(&format!("kind = \"triangular-gaussian\"\n{PEAK}centre = 0.6\nsigma = 0.001")).unwrap();
     assert_eq!(triangular.profile, Profile::TriangularGaussian { centre: 0.6, sigma: 0.001 });
 
     let wave = "origin = [1, 2]\nangle = 90\nscale = [1, 0.15]\nperiod = 1.1\nband_width = 0.4";
@@ -60,17 +63,18 @@ fn every_kind_of_the_table_is_read() {
         period: 1.1,
         band_width: 0.4,
     };
-    let triangle = read(&format!("kind = \"triangle-wave\"\n{PEAK}{wave}")).unwrap();
+    let triangle = stated(&format!("kind = \"triangle-wave\"\n{PEAK}{wave}")).unwrap();
     assert_eq!(triangle.profile, Profile::TriangleWave(expected));
-    let sine = read(&format!("kind = \"sine-wave\"\n{PEAK}{wave}")).unwrap();
+    let sine = stated(&format!("kind = \"sine-wave\"\n{PEAK}{wave}")).unwrap();
     assert_eq!(sine.profile, Profile::SineWave(expected));
 
-    let linear = read("kind = \"piecewise-linear\"\npoints = [[0, 1, 0, 0, 2], [1, 0, 1, 0, 5]]").unwrap();
+    let linear = stated("kind = \"piecewise-linear\"\npoints = [[0, 1, 0, 0, 2], [1, 0, 1, 0, 5]]").unwrap();
     assert_eq!(linear.extinction, 5.0);
     let Profile::PiecewiseLinear { points } = linear.profile else { panic!() };
     assert_eq!(points[1], ControlPoint { s: 1.0, color: [0.0, 1.0, 0.0], extinction: 5.0 });
 
-    let table = read("kind = \"table\"\nextinction = 2\nimage = \"a.png\"\ns = [0, 1]\ng = [0, 2]").unwrap();
+    let table =
+        stated("kind = \"table\"\nextinction = 2\nimage = \"a.png\"\ns = [0, 1]\ng = [0, 2]").unwrap();
     let Profile::Table(table) = table.profile else { panic!() };
     assert_eq!((table.width, table.height, table.g), (1, 1, [0.0, 2.0]));
 }
@@ -78,7 +82,7 @@ fn every_kind_of_the_table_is_read() {
 #[test]
 fn regions_are_rectangles_or_convex_polygons_in_either_direction() {
     let region =
-        |text: &str| read(&format!("kind = \"uniform\"\n{PEAK}region = {text}")).map(|w| w.region.unwrap());
+        |text: &str| stated(&format!("kind = \"uniform\"\n{PEAK}region = {text}")).map(|w| w.region.unwrap());
     assert!(region("{ polygon = [[0, 0], [1e-3, 0], [0, 1e9]] }").is_ok());
     assert!(region("{ polygon = [[0, 0], [0, 1], [1, 0]] }").is_ok());
     assert!(region("{ polygon = [[0, 0], [1, 0], [2, 0], [2, 1]] }").is_ok(), "a corner on a straight line");
@@ -125,7 +129,7 @@ fn what_no_widget_can_be_is_refused() {
         ("kind = \"table\"\nextinction = 1\nimage = \"a\"\ns = [1, 1]\ng = [0, 1]", "the range 's' is empty"),
         ("kind = \"table\"\nextinction = 1\nimage = \"\"", "'image' is empty"),
     ] {
-        let message = read(keys).unwrap_err();
+        let message = stated(keys).unwrap_err();
         assert!(message.contains(wanted), "{keys}: {message}");
     }
     for (keys, wanted) in [
@@ -134,7 +138,7 @@ fn what_no_widget_can_be_is_refused() {
         ("centre = [0, 0]\nmatrix = [[1, 0]]", "wrong size: found 1 × 2; expected 2 × 2"),
         ("centre = [0, 0]\nsigma = [1e-310, 1]", "inverse is not finite"),
     ] {
-        let message = read(&format!("kind = \"gaussian\"\n{PEAK}{keys}")).unwrap_err();
+        let message = stated(&format!("kind = \"gaussian\"\n{PEAK}{keys}")).unwrap_err();
         assert!(message.contains(wanted), "{keys}: {message}");
     }
     for (keys, wanted) in [
@@ -142,7 +146,7 @@ fn what_no_widget_can_be_is_refused() {
         ("fields = [\"a\"]\ncentre = [1, 2]\nsigma = [1]", "'centre' has the wrong length"),
         ("fields = [\"a\"]\ncentre = [1]\nsigma = [1, 2]", "'sigma' has the wrong size"),
     ] {
-        let message = read(&format!("kind = \"gaussian-nd\"\n{PEAK}{keys}")).unwrap_err();
+        let message = stated(&format!("kind = \"gaussian-nd\"\n{PEAK}{keys}")).unwrap_err();
         assert!(message.contains(wanted), "{keys}: {message}");
     }
 }

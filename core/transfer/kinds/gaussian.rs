@@ -1,0 +1,123 @@
+//! `gaussian`: exp(−|K (v − centre)|²) over the (s, g) plane (Song et al. 2009, section 4.2; Kniss et al. 2003, Eq. 12).
+
+use super::keys::{COLOR, Declared, EXTINCTION, MATRIX, POSITIVE_OR_INFINITE, REGION, SIGMA, kernel};
+use super::{AxisOrigin, ColorSource, Profile, Properties};
+use crate::Result;
+use crate::parameters::{Kind, Parameter, ParameterType, Parameters, Range, Standard};
+use crate::transfer::check::finite;
+use crate::transfer::support::hull::distance_squared_from_origin;
+use crate::transfer::support::slabs::Slab;
+use crate::transfer::support::{Corners, gaussian, range};
+
+/// The declaration.
+pub(super) const KIND: Declared = Declared {
+    kind: Kind {
+        name: "gaussian",
+        summary: "A Gaussian over the scalar and its gradient magnitude.",
+        parameters: &[
+            COLOR,
+            EXTINCTION,
+            Parameter {
+                name: "centre",
+                parameter_type: ParameterType::Numbers(Some(2), Range::ANY),
+                unit: "(s, g)",
+                standard: Standard::Required,
+                help: "the middle of the widget, [s, g]",
+            },
+            Parameter {
+                parameter_type: ParameterType::Numbers(Some(2), POSITIVE_OR_INFINITE),
+                unit: "(s, g)",
+                help: "standard deviations along s and g; inf ignores the axis",
+                ..SIGMA
+            },
+            Parameter { parameter_type: ParameterType::Rows(Some(2)), unit: "1 / units of s, g", ..MATRIX },
+            REGION,
+        ],
+    },
+    read: |p, _| read(p),
+};
+
+fn read(p: &Parameters) -> Result<Profile> {
+    let rows = kernel(p, 2, std::f64::consts::SQRT_2)?;
+    let matrix = [[rows[0][0], rows[0][1]], [rows[1][0], rows[1][1]]];
+    Ok(Profile::Gaussian { centre: p.vector("centre")?, matrix })
+}
+
+pub(super) fn properties(centre: &[f64; 2], matrix: &[[f64; 2]; 2]) -> Properties<'static> {
+    Properties {
+        name: KIND.kind.name,
+        color: ColorSource::Widget,
+        own_peak: None,
+        fields: Vec::new(),
+        depends_on_g: matrix[0][1] != 0.0 || matrix[1][1] != 0.0,
+        axes: centre.map(AxisOrigin::Centre).to_vec(),
+        bands: None,
+        jumps: false,
+        range: None,
+        needs_region: false,
+        has_elementary_mean: true,
+    }
+}
+
+pub(super) fn check(centre: &[f64; 2], matrix: &[[f64; 2]; 2]) -> Result<()> {
+    finite("the centre", centre)?;
+    finite("the matrix", matrix.as_flattened())
+}
+
+/// Two slabs, one a row of K: |K (v − centre)| ≤ distance lies within both.
+pub(super) fn slabs(centre: &[f64; 2], matrix: &[[f64; 2]; 2], distance: f64) -> Vec<Slab> {
+    let row = |row: &[f64; 2]| {
+        let middle = row[0] * centre[0] + row[1] * centre[1];
+        Slab { normal: *row, low: middle - distance, high: middle + distance }
+    };
+    matrix.iter().filter(|row| **row != [0.0; 2]).map(row).collect()
+}
+
+/// A Gaussian of one axis: the distance is that of an interval.
+#[derive(Debug, Clone)]
+pub(in crate::transfer) struct Line {
+    axis: usize,
+    centre: f64,
+    /// Widths per unit.
+    width: f64,
+}
+
+impl Line {
+    /// `None` where K looks at both axes.
+    pub fn new(centre: &[f64; 2], matrix: &[[f64; 2]; 2]) -> Option<Line> {
+        let norm = |axis: usize| matrix[0][axis].hypot(matrix[1][axis]);
+        let ignored = [1, 0].into_iter().find(|&axis| norm(axis) == 0.0)?;
+        let axis = 1 - ignored;
+        Some(Line { axis, centre: centre[axis], width: norm(axis) })
+    }
+
+    #[inline]
+    pub fn bound(&self, corners: &Corners) -> f64 {
+        let (low, high) = range(if self.axis == 0 { corners.s } else { corners.g });
+        let distance = (low - self.centre).max(self.centre - high).max(0.0) * self.width;
+        gaussian(distance * distance)
+    }
+}
+
+/// A Gaussian of both axes.
+#[derive(Debug, Clone)]
+pub(in crate::transfer) struct Plane {
+    pub centre: [f64; 2],
+    pub matrix: [[f64; 2]; 2],
+}
+
+impl Plane {
+    /// K (v − centre) of a cell's corners.
+    #[inline]
+    pub fn scaled(&self, corners: &Corners) -> [[f64; 2]; 4] {
+        std::array::from_fn(|i| {
+            let (ds, dg) = (corners.s[i] - self.centre[0], corners.g[i] - self.centre[1]);
+            self.matrix.map(|row| row[0] * ds + row[1] * dg)
+        })
+    }
+
+    #[inline]
+    pub fn bound(&self, corners: &Corners) -> f64 {
+        gaussian(distance_squared_from_origin(&self.scaled(corners)))
+    }
+}

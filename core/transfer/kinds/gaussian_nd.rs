@@ -1,0 +1,108 @@
+//! `gaussian-nd`: exp(−|K (v − centre)|²) over a list of fields of its own (Kniss et al. 2003, Eq. 11 and 12).
+
+use super::keys::{
+    CENTRE_OF_FIELDS, COLOR, Declared, EXTINCTION, FIELDS, MATRIX_OF_FIELDS, REGION, SIGMA_OF_FIELDS,
+    fields_and_centre, kernel,
+};
+use super::{AxisOrigin, ColorSource, FIELDS_MOST, Profile, Properties};
+use crate::parameters::{Kind, Parameters};
+use crate::transfer::check::finite;
+use crate::transfer::support::{Corners, gaussian};
+use crate::{Error, Result};
+
+/// The declaration.
+pub(super) const KIND: Declared = Declared {
+    kind: Kind {
+        name: "gaussian-nd",
+        summary: "A Gaussian over one to eight point arrays.",
+        parameters: &[COLOR, EXTINCTION, FIELDS, CENTRE_OF_FIELDS, SIGMA_OF_FIELDS, MATRIX_OF_FIELDS, REGION],
+    },
+    read: |p, _| read(p),
+};
+
+fn read(p: &Parameters) -> Result<Profile> {
+    let (fields, centre) = fields_and_centre(p)?;
+    let matrix = kernel(p, fields.len(), std::f64::consts::SQRT_2)?;
+    Ok(Profile::GaussianNd { fields, centre, matrix })
+}
+
+pub(super) fn properties<'a>(fields: &'a [String], centre: &[f64]) -> Properties<'a> {
+    let centres = centre.iter().map(|&centre| AxisOrigin::Centre(centre));
+    Properties {
+        name: KIND.kind.name,
+        color: ColorSource::Widget,
+        own_peak: None,
+        fields: fields.iter().map(String::as_str).collect(),
+        depends_on_g: false,
+        axes: [AxisOrigin::Any; 2].into_iter().chain(centres).collect(),
+        bands: None,
+        jumps: false,
+        range: None,
+        needs_region: false,
+        has_elementary_mean: true,
+    }
+}
+
+pub(super) fn check(fields: &[String], centre: &[f64], matrix: &[Vec<f64>]) -> Result<()> {
+    let n = fields.len();
+    if !(1..=FIELDS_MOST).contains(&n) {
+        return Err(Error::usage("a widget over fields has a wrong number of them")
+            .found(n)
+            .accepted(format!("1 to {FIELDS_MOST}")));
+    }
+    if centre.len() != n {
+        return Err(Error::usage("the centre does not fit the fields")
+            .found(centre.len())
+            .accepted(format!("{n} numbers, one a field")));
+    }
+    if matrix.len() != n || matrix.iter().any(|row| row.len() != n) {
+        return Err(Error::usage("the matrix does not fit the fields")
+            .found(format!("{} rows", matrix.len()))
+            .accepted(format!("{n} × {n} numbers")));
+    }
+    finite("the centre", centre)?;
+    matrix.iter().try_for_each(|row| finite("the matrix", row))
+}
+
+/// Bounds over cells.
+#[derive(Debug, Clone)]
+pub(in crate::transfer) struct Bounds {
+    /// Where its fields lie among all; past the end where one is unknown.
+    slots: Vec<usize>,
+    centre: Vec<f64>,
+    matrix: Vec<Vec<f64>>,
+}
+
+impl Bounds {
+    /// `names`: all further fields in their order.
+    pub fn new(fields: &[String], centre: &[f64], matrix: &[Vec<f64>], names: &[&str]) -> Self {
+        let slot = |field: &String| names.iter().position(|name| name == field).unwrap_or(usize::MAX);
+        Bounds { slots: fields.iter().map(slot).collect(), centre: centre.to_vec(), matrix: matrix.to_vec() }
+    }
+
+    /// A direction that separates the four points from the centre bounds the distance from below.
+    pub fn bound(&self, corners: &Corners) -> f64 {
+        let Bounds { slots, centre, matrix } = self;
+        let fields = corners.fields;
+        if slots.iter().any(|&slot| slot >= fields.len()) {
+            return 1.0;
+        }
+        let n = slots.len();
+        let mut q = [[0.0; 4]; FIELDS_MOST];
+        for i in 0..n {
+            for j in 0..n {
+                for v in 0..4 {
+                    q[i][v] += matrix[i][j] * (fields[slots[j]][v] - centre[j]);
+                }
+            }
+        }
+        let mean: [f64; FIELDS_MOST] = std::array::from_fn(|i| q[i].iter().sum::<f64>());
+        let length = mean.iter().map(|x| x * x).sum::<f64>().sqrt();
+        if length == 0.0 || length.is_nan() {
+            return 1.0;
+        }
+        let along = |v: usize| (0..n).map(|i| q[i][v] * mean[i]).sum::<f64>() / length;
+        let distance = (0..4).map(along).fold(f64::INFINITY, f64::min).max(0.0);
+        gaussian(distance * distance)
+    }
+}

@@ -1,0 +1,148 @@
+//! `piecewise-linear`: colour and extinction linear between control points in s (Roettger & Ertl 2002; Moreland 2004).
+
+use super::keys::{Declared, REGION};
+use super::{AxisOrigin, ColorSource, ControlPoint, Profile, Properties};
+use crate::parameters::{Kind, Parameter, ParameterType, Parameters, Standard};
+use crate::transfer::check::{finite, not_negative};
+use crate::transfer::support::Corners;
+use crate::transfer::support::slabs::Slab;
+use crate::{Error, Result};
+
+/// The declaration.
+pub(super) const KIND: Declared = Declared {
+    kind: Kind {
+        name: "piecewise-linear",
+        summary: "Colour and extinction linear between control points in s, constant beyond the ends.",
+        parameters: &[
+            Parameter {
+                name: "points",
+                parameter_type: ParameterType::Rows(Some(5)),
+                unit: "(s, linear RGB, per unit_distance)",
+                standard: Standard::Required,
+                help: "control points [s, r, g, b, extinction], s rising",
+            },
+            REGION,
+        ],
+    },
+    read: |p, _| Ok(Profile::PiecewiseLinear { points: read(p)? }),
+};
+
+fn read(p: &Parameters) -> Result<Vec<ControlPoint>> {
+    let rows = p.rows("points")?;
+    if rows.is_empty() {
+        return Err(p
+            .error("points", "there is no control point")
+            .accepted("at least one [s, r, g, b, extinction]"));
+    }
+    if let Some(pair) = rows.windows(2).find(|pair| pair[1][0] <= pair[0][0]) {
+        let found = format!("{} after {}", pair[1][0], pair[0][0]);
+        return Err(p
+            .error("points", "the control points do not rise in s")
+            .found(found)
+            .accepted("s rising"));
+    }
+    if let Some(row) = rows.iter().find(|row| row[1..].iter().any(|&x| x < 0.0)) {
+        let error = p.error("points", "a control point has a negative colour or extinction");
+        return Err(error.found(format!("{row:?}")).accepted("0 or more"));
+    }
+    let point =
+        |row: &Vec<f64>| ControlPoint { s: row[0], color: [row[1], row[2], row[3]], extinction: row[4] };
+    Ok(rows.iter().map(point).collect())
+}
+
+fn peak(points: &[ControlPoint]) -> f64 {
+    points.iter().map(|p| p.extinction).fold(0.0, f64::max)
+}
+
+pub(super) fn properties(points: &[ControlPoint]) -> Properties<'_> {
+    Properties {
+        name: KIND.kind.name,
+        color: ColorSource::Points(points),
+        own_peak: Some(peak(points)),
+        fields: Vec::new(),
+        depends_on_g: false,
+        axes: vec![AxisOrigin::Any; 2],
+        bands: None,
+        jumps: false,
+        range: None,
+        needs_region: false,
+        has_elementary_mean: true,
+    }
+}
+
+pub(super) fn check(points: &[ControlPoint]) -> Result<()> {
+    if points.is_empty() {
+        return Err(Error::usage("a piecewise-linear widget has no control points").accepted("at least one"));
+    }
+    for (i, point) in points.iter().enumerate() {
+        let place = |e: Error| e.at_item(format!("points[{i}]"));
+        finite("the scalar of a control point", &[point.s]).map_err(place)?;
+        not_negative("the extinction of a control point", point.extinction).map_err(place)?;
+        for c in point.color {
+            not_negative("a colour component", c).map_err(place)?;
+        }
+    }
+    match points.windows(2).find(|pair| pair[1].s < pair[0].s) {
+        None => Ok(()),
+        Some(pair) => Err(Error::usage("control points are not in rising order of the scalar")
+            .found(format!("{} after {}", pair[1].s, pair[0].s))),
+    }
+}
+
+/// The ranges of s in which the function absorbs, a list of one slab each.
+pub(super) fn slabs(points: &[ControlPoint]) -> Vec<Vec<Slab>> {
+    let lit = |k: usize| points.get(k).is_some_and(|point| point.extinction > 0.0);
+    let mut runs = Vec::new();
+    let mut k = 0;
+    while k < points.len() {
+        if !lit(k) {
+            k += 1;
+            continue;
+        }
+        let first = k;
+        while lit(k) {
+            k += 1;
+        }
+        // Extinction falls to 0 at the neighbour, or stays beyond the ends.
+        let low = if first == 0 { f64::NEG_INFINITY } else { points[first - 1].s };
+        let high = points.get(k).map_or(f64::INFINITY, |point| point.s);
+        runs.push(vec![Slab { normal: [1.0, 0.0], low, high }]);
+    }
+    runs
+}
+
+/// Bounds over cells.
+#[derive(Debug, Clone)]
+pub(in crate::transfer) struct Bounds {
+    points: Vec<ControlPoint>,
+    peak: f64,
+}
+
+impl Bounds {
+    pub fn new(points: &[ControlPoint]) -> Self {
+        Bounds { points: points.to_vec(), peak: peak(points) }
+    }
+
+    pub fn bound(&self, corners: &Corners) -> f64 {
+        let Bounds { points, peak } = self;
+        let (low, high) = corners.s_range();
+        let first = points.partition_point(|p| p.s < low);
+        let last = points.partition_point(|p| p.s <= high);
+        let inside = points[first..last].iter().map(|p| p.extinction).fold(0.0, f64::max);
+        let most = inside.max(extinction_at(points, low)).max(extinction_at(points, high));
+        if *peak > 0.0 { most / peak } else { 0.0 }
+    }
+}
+
+fn extinction_at(points: &[ControlPoint], s: f64) -> f64 {
+    let after = points.partition_point(|p| p.s <= s);
+    match (after.checked_sub(1).map(|i| points[i]), points.get(after)) {
+        (Some(low), Some(high)) => {
+            let x = (s - low.s) / (high.s - low.s);
+            low.extinction + (high.extinction - low.extinction) * x
+        }
+        (Some(only), None) => only.extinction,
+        (None, Some(only)) => only.extinction,
+        (None, None) => 0.0,
+    }
+}

@@ -1,0 +1,93 @@
+//! `triangular-gaussian`: exp(−((s − centre)/(sigma g))²), 0 where g = 0 (Kniss et al. 2003, section 3.2).
+
+use super::keys::{COLOR, Declared, EXTINCTION, REGION};
+use super::{AxisOrigin, ColorSource, Profile, Properties};
+use crate::Result;
+use crate::parameters::{Kind, Parameter, ParameterType, Range, Standard};
+use crate::transfer::check::{finite, positive};
+use crate::transfer::support::slabs::Slab;
+use crate::transfer::support::{Corners, gaussian};
+
+/// The declaration.
+pub(super) const KIND: Declared = Declared {
+    kind: Kind {
+        name: "triangular-gaussian",
+        summary: "exp(-((s - centre) / (sigma g))²): a Gaussian in s that widens with the gradient magnitude.",
+        parameters: &[
+            COLOR,
+            EXTINCTION,
+            Parameter {
+                name: "centre",
+                parameter_type: ParameterType::Number(Range::ANY),
+                unit: "units of s",
+                standard: Standard::Required,
+                help: "the scalar in the middle",
+            },
+            Parameter {
+                name: "sigma",
+                parameter_type: ParameterType::Number(Range::above(0.0)),
+                unit: "units of s / units of g",
+                standard: Standard::Required,
+                help: "width in s for each unit of g",
+            },
+            REGION,
+        ],
+    },
+    read: |p, _| Ok(Profile::TriangularGaussian { centre: p.number("centre")?, sigma: p.number("sigma")? }),
+};
+
+pub(super) fn properties(centre: f64) -> Properties<'static> {
+    Properties {
+        name: KIND.kind.name,
+        color: ColorSource::Widget,
+        own_peak: None,
+        fields: Vec::new(),
+        depends_on_g: true,
+        axes: vec![AxisOrigin::Centre(centre), AxisOrigin::Zero],
+        bands: None,
+        jumps: false,
+        range: None,
+        needs_region: false,
+        has_elementary_mean: false,
+    }
+}
+
+pub(super) fn check(centre: f64, sigma: f64) -> Result<()> {
+    finite("the centre", &[centre])?;
+    positive("sigma", sigma)
+}
+
+/// |s − centre| ≤ distance σ g is the part between two lines.
+pub(super) fn slabs(centre: f64, sigma: f64, distance: f64) -> Vec<Slab> {
+    let width = distance * sigma;
+    vec![
+        Slab { normal: [1.0, -width], low: f64::NEG_INFINITY, high: centre },
+        Slab { normal: [1.0, width], low: centre, high: f64::INFINITY },
+    ]
+}
+
+/// Bounds over cells.
+#[derive(Debug, Clone)]
+pub(in crate::transfer) struct Bounds {
+    pub centre: f64,
+    pub sigma: f64,
+}
+
+impl Bounds {
+    /// |s − s₀|/(σ g) is a ratio of linear functions: its least value over the hull is at a vertex unless s − s₀ changes
+    /// sign.
+    pub fn bound(&self, corners: &Corners) -> f64 {
+        let (low, high) = corners.s_range();
+        if corners.g_range().1 <= 0.0 {
+            return 0.0;
+        }
+        if low <= self.centre && self.centre <= high {
+            return 1.0;
+        }
+        let nearest = (0..4)
+            .filter(|&i| corners.g[i] > 0.0)
+            .map(|i| (corners.s[i] - self.centre).abs() / (self.sigma * corners.g[i]))
+            .fold(f64::INFINITY, f64::min);
+        gaussian(nearest * nearest)
+    }
+}

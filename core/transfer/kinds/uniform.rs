@@ -1,0 +1,31 @@
+//! `uniform`: 1 inside its region (Song et al. 2009, section 4.1).
+
+use super::keys::{COLOR, Declared, EXTINCTION, REGION};
+use super::{AxisOrigin, ColorSource, Profile, Properties};
+use crate::parameters::{Kind, Parameter, Standard};
+
+/// The declaration.
+pub(super) const KIND: Declared = Declared {
+    kind: Kind {
+        name: "uniform",
+        summary: "The same extinction everywhere in its region.",
+        parameters: &[COLOR, EXTINCTION, Parameter { standard: Standard::Required, ..REGION }],
+    },
+    read: |_, _| Ok(Profile::Uniform),
+};
+
+pub(super) fn properties() -> Properties<'static> {
+    Properties {
+        name: KIND.kind.name,
+        color: ColorSource::Widget,
+        own_peak: None,
+        fields: Vec::new(),
+        depends_on_g: false,
+        axes: vec![AxisOrigin::Any; 2],
+        bands: None,
+        jumps: true,
+        range: None,
+        needs_region: true,
+        has_elementary_mean: true,
+    }
+}

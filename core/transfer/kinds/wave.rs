@@ -1,0 +1,154 @@
+//! `triangle-wave` and `sine-wave`: bands across the (s, g) plane (Song et al. 2009, sections 4.3 and 4.4).
+
+use super::keys::{COLOR, Declared, EXTINCTION, REGION};
+use super::{AxisOrigin, ColorSource, Profile, Properties, Wave};
+use crate::parameters::{Kind, Parameter, ParameterType, Parameters, Range, Standard};
+use crate::transfer::check::{finite, positive};
+use crate::transfer::support::{Corners, ROUNDING, range};
+use crate::{Error, Result};
+
+/// The declaration of the bands with straight flanks.
+pub(super) const TRIANGLE: Declared = Declared {
+    kind: Kind { name: "triangle-wave", summary: "Bands with straight flanks.", parameters: KEYS },
+    read: |p, _| Ok(Profile::TriangleWave(read(p)?)),
+};
+
+/// The declaration of the bands shaped like |sin|.
+pub(super) const SINE: Declared = Declared {
+    kind: Kind { name: "sine-wave", summary: "Bands shaped like |sin|.", parameters: KEYS },
+    read: |p, _| Ok(Profile::SineWave(read(p)?)),
+};
+
+const KEYS: &[Parameter] = &[
+    COLOR,
+    EXTINCTION,
+    Parameter {
+        name: "origin",
+        parameter_type: ParameterType::Numbers(Some(2), Range::ANY),
+        unit: "(s, g)",
+        standard: Standard::Numbers(&[0.0, 0.0]),
+        help: "a point where the wave is 0",
+    },
+    Parameter {
+        name: "angle",
+        parameter_type: ParameterType::Number(Range::ANY),
+        unit: "degrees",
+        standard: Standard::Number(0.0),
+        help: "direction across the bands in the (s, g) plane; 0 bands the scalar",
+    },
+    Parameter {
+        name: "scale",
+        parameter_type: ParameterType::Numbers(Some(2), Range::ANY),
+        unit: "",
+        standard: Standard::Numbers(&[1.0, 1.0]),
+        help: "factors on the two axes, [ws, wg]",
+    },
+    Parameter {
+        name: "period",
+        parameter_type: ParameterType::Number(Range::above(0.0)),
+        unit: "units of scaled s, g",
+        standard: Standard::Required,
+        help: "distance between two bands",
+    },
+    Parameter {
+        name: "band_width",
+        parameter_type: ParameterType::Number(Range { above_min: true, ..Range::within(0.0, 1.0) }),
+        unit: "",
+        standard: Standard::Number(1.0),
+        help: "share of the profile that is kept around its peaks",
+    },
+    REGION,
+];
+
+fn read(p: &Parameters) -> Result<Wave> {
+    Ok(Wave {
+        origin: p.vector("origin")?,
+        angle: p.number("angle")?.to_radians(),
+        scale: p.vector("scale")?,
+        period: p.number("period")?,
+        band_width: p.number("band_width")?,
+    })
+}
+
+/// The bands of a periodic profile.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bands {
+    /// [s₀, g₀], where φ = 0.
+    pub origin: [f64; 2],
+    /// φ per unit of s and of g; one band is a unit of φ.
+    pub step: [f64; 2],
+}
+
+impl Wave {
+    /// φ per unit of s and of g.
+    pub fn step(&self) -> [f64; 2] {
+        let (sin, cos) = self.angle.sin_cos();
+        [cos * self.scale[0] / self.period, sin * self.scale[1] / self.period]
+    }
+}
+
+pub(super) fn properties(name: &'static str, wave: &Wave) -> Properties<'static> {
+    Properties {
+        name,
+        color: ColorSource::Widget,
+        own_peak: None,
+        fields: Vec::new(),
+        depends_on_g: wave.angle.sin() * wave.scale[1] != 0.0,
+        // Whole bands are taken away in 64 bits, wherever the values are counted from.
+        axes: vec![AxisOrigin::Any; 2],
+        bands: Some(Bands { origin: wave.origin, step: wave.step() }),
+        // The feet of a band that is cut narrower are corners, but tell as jumps to pieces that are wider than a band.
+        jumps: wave.band_width < 1.0,
+        range: None,
+        needs_region: false,
+        has_elementary_mean: true,
+    }
+}
+
+pub(super) fn check(wave: &Wave) -> Result<()> {
+    finite("the origin", &wave.origin)?;
+    finite("the scale", &wave.scale)?;
+    finite("the angle", &[wave.angle])?;
+    positive("the period", wave.period)?;
+    if wave.band_width > 0.0 && wave.band_width <= 1.0 {
+        return Ok(());
+    }
+    Err(Error::usage("the band width is out of range").found(wave.band_width).accepted("0 < band width ≤ 1"))
+}
+
+/// Bounds over cells.
+#[derive(Debug, Clone)]
+pub(in crate::transfer) struct Bounds {
+    origin: [f64; 2],
+    step: [f64; 2],
+    band_width: f64,
+    sine: bool,
+}
+
+impl Bounds {
+    pub fn new(wave: &Wave, sine: bool) -> Self {
+        Bounds { origin: wave.origin, step: wave.step(), band_width: wave.band_width, sine }
+    }
+
+    pub fn bound(&self, corners: &Corners) -> f64 {
+        let phases = std::array::from_fn(|i| {
+            (corners.s[i] - self.origin[0]) * self.step[0] + (corners.g[i] - self.origin[1]) * self.step[1]
+        });
+        let (low, high) = range(&phases);
+        let slack = ROUNDING * (1.0 + low.abs().max(high.abs()));
+        self.between(low - slack, high + slack)
+    }
+
+    /// The most of the profile over the phases [low, high].
+    fn between(&self, low: f64, high: f64) -> f64 {
+        // Distance of the nearest peak, a half-integer.
+        let peak_passed = (high - 0.5).floor() >= (low - 0.5).ceil();
+        if peak_passed {
+            return 1.0;
+        }
+        let off_peak = |phase: f64| (phase - (phase - 0.5).round() - 0.5).abs();
+        let away = off_peak(low).min(off_peak(high)).min(0.5);
+        let full = if self.sine { (std::f64::consts::PI * away).cos() } else { 1.0 - 2.0 * away };
+        (1.0 - (1.0 - full) / self.band_width).max(0.0)
+    }
+}
