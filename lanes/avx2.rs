@@ -1,6 +1,6 @@
 //! Eight lanes: AVX2 and FMA.
 //!
-//! Safety of every block here: the module's head.
+//! Why its instructions may run: the crate's head.
 
 use super::{Double, Float, Lanes, Mask, Unsigned};
 use std::arch::x86_64::*;
@@ -8,23 +8,24 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// Eight AVX2 lanes.
 #[derive(Clone, Copy)]
-pub struct Avx2;
+pub(super) struct Avx2;
 
 /// Eight floats.
 #[derive(Clone, Copy)]
-pub struct F(__m256);
+pub(super) struct F(__m256);
 
 /// Eight unsigned integers.
 #[derive(Clone, Copy)]
-pub struct U(__m256i);
+pub(super) struct U(__m256i);
 
 /// Eight booleans.
 #[derive(Clone, Copy)]
-pub struct M(__m256);
+pub(super) struct M(__m256);
+
+impl super::sealed::Sealed for Avx2 {}
 
 impl Lanes for Avx2 {
     const WIDTH: usize = 8;
-    const NATIVE: bool = true;
     type F = F;
     type U = U;
     type M = M;
@@ -33,11 +34,11 @@ impl Lanes for Avx2 {
 
 /// Four 64-bit floats.
 #[derive(Clone, Copy)]
-pub struct D(__m256d);
+pub(super) struct D(__m256d);
 
 /// Four booleans.
 #[derive(Clone, Copy)]
-pub struct MD(__m256d);
+pub(super) struct MD(__m256d);
 
 macro_rules! operator {
     ($type:ident, $trait:ident, $method:ident, $intrinsic:ident) => {
@@ -45,7 +46,7 @@ macro_rules! operator {
             type Output = $type;
             #[inline(always)]
             fn $method(self, other: $type) -> $type {
-                $type(unsafe { $intrinsic(self.0, other.0) })
+                $type(on_processor!($intrinsic(self.0, other.0)))
             }
         }
     };
@@ -62,7 +63,7 @@ impl Neg for F {
     type Output = F;
     #[inline(always)]
     fn neg(self) -> F {
-        F(unsafe { _mm256_xor_ps(self.0, _mm256_set1_ps(-0.0)) })
+        F(on_processor!(_mm256_xor_ps(self.0, _mm256_set1_ps(-0.0))))
     }
 }
 
@@ -71,76 +72,77 @@ impl Float for F {
 
     #[inline(always)]
     fn splat(value: f32) -> F {
-        F(unsafe { _mm256_set1_ps(value) })
+        F(on_processor!(_mm256_set1_ps(value)))
     }
     #[inline(always)]
     fn load(values: &[f32]) -> F {
         let values: &[f32; 8] = values[..8].try_into().expect("eight values");
-        F(unsafe { _mm256_loadu_ps(values.as_ptr()) })
+        F(on_array!(_mm256_loadu_ps(values.as_ptr())))
     }
     #[inline(always)]
     fn store(self, values: &mut [f32]) {
         let values: &mut [f32; 8] = (&mut values[..8]).try_into().expect("eight values");
-        unsafe { _mm256_storeu_ps(values.as_mut_ptr(), self.0) }
+        on_array!(_mm256_storeu_ps(values.as_mut_ptr(), self.0))
     }
     #[inline(always)]
     fn mul_add(self, b: F, c: F) -> F {
-        F(unsafe { _mm256_fmadd_ps(self.0, b.0, c.0) })
+        F(on_processor!(_mm256_fmadd_ps(self.0, b.0, c.0)))
     }
     #[inline(always)]
     fn min(self, other: F) -> F {
-        F(unsafe { _mm256_min_ps(self.0, other.0) })
+        F(on_processor!(_mm256_min_ps(self.0, other.0)))
     }
     #[inline(always)]
     fn max(self, other: F) -> F {
-        F(unsafe { _mm256_max_ps(self.0, other.0) })
+        F(on_processor!(_mm256_max_ps(self.0, other.0)))
     }
     #[inline(always)]
     fn abs(self) -> F {
-        F(unsafe { _mm256_andnot_ps(_mm256_set1_ps(-0.0), self.0) })
+        F(on_processor!(_mm256_andnot_ps(_mm256_set1_ps(-0.0), self.0)))
     }
     #[inline(always)]
     fn sqrt(self) -> F {
-        F(unsafe { _mm256_sqrt_ps(self.0) })
+        F(on_processor!(_mm256_sqrt_ps(self.0)))
     }
     #[inline(always)]
     fn round(self) -> F {
-        F(unsafe { _mm256_round_ps::<{ _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC }>(self.0) })
+        F(on_processor!(_mm256_round_ps::<{ _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC }>(self.0)))
     }
     #[inline(always)]
     fn floor(self) -> F {
-        F(unsafe { _mm256_round_ps::<{ _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC }>(self.0) })
+        F(on_processor!(_mm256_round_ps::<{ _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC }>(self.0)))
     }
     #[inline(always)]
     fn lt(self, other: F) -> M {
-        M(unsafe { _mm256_cmp_ps::<_CMP_LT_OQ>(self.0, other.0) })
+        M(on_processor!(_mm256_cmp_ps::<_CMP_LT_OQ>(self.0, other.0)))
     }
     #[inline(always)]
     fn le(self, other: F) -> M {
-        M(unsafe { _mm256_cmp_ps::<_CMP_LE_OQ>(self.0, other.0) })
+        M(on_processor!(_mm256_cmp_ps::<_CMP_LE_OQ>(self.0, other.0)))
     }
     #[inline(always)]
     fn select(mask: M, yes: F, no: F) -> F {
-        F(unsafe { _mm256_blendv_ps(no.0, yes.0, mask.0) })
+        F(on_processor!(_mm256_blendv_ps(no.0, yes.0, mask.0)))
     }
     #[inline(always)]
     fn to_bits(self) -> U {
-        U(unsafe { _mm256_castps_si256(self.0) })
+        U(on_processor!(_mm256_castps_si256(self.0)))
     }
     #[inline(always)]
     fn from_bits(bits: U) -> F {
-        F(unsafe { _mm256_castsi256_ps(bits.0) })
+        F(on_processor!(_mm256_castsi256_ps(bits.0)))
     }
     #[inline(always)]
     fn to_unsigned(self) -> U {
-        U(unsafe { _mm256_cvttps_epi32(self.0) })
+        U(on_processor!(_mm256_cvttps_epi32(self.0)))
     }
     #[inline(always)]
     fn permute(self, index: U) -> F {
-        F(unsafe { _mm256_permutevar8x32_ps(self.0, index.0) })
+        F(on_processor!(_mm256_permutevar8x32_ps(self.0, index.0)))
     }
     #[inline(always)]
     unsafe fn gather(values: &[f32], index: U) -> F {
+        // SAFETY: the caller keeps every index inside the slice and below 2³¹; the processor: the crate\'s head.
         F(unsafe { _mm256_i32gather_ps::<4>(values.as_ptr(), index.0) })
     }
 }
@@ -150,96 +152,95 @@ impl Unsigned for U {
 
     #[inline(always)]
     fn splat(value: u32) -> U {
-        U(unsafe { _mm256_set1_epi32(value as i32) })
+        U(on_processor!(_mm256_set1_epi32(value as i32)))
     }
     #[inline(always)]
     fn iota() -> U {
-        U(unsafe { _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7) })
+        U(on_processor!(_mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7)))
     }
     #[inline(always)]
     fn load(values: &[u32]) -> U {
         let values: &[u32; 8] = values[..8].try_into().expect("eight values");
-        U(unsafe { _mm256_loadu_si256(values.as_ptr().cast()) })
+        U(on_array!(_mm256_loadu_si256(values.as_ptr().cast())))
     }
     #[inline(always)]
     fn load_u16(values: &[u16]) -> U {
         let values: &[u16; 8] = values[..8].try_into().expect("eight values");
-        U(unsafe { _mm256_cvtepu16_epi32(_mm_loadu_si128(values.as_ptr().cast())) })
+        U(on_array!(_mm256_cvtepu16_epi32(_mm_loadu_si128(values.as_ptr().cast()))))
     }
     #[inline(always)]
     fn store(self, values: &mut [u32]) {
         let values: &mut [u32; 8] = (&mut values[..8]).try_into().expect("eight values");
-        unsafe { _mm256_storeu_si256(values.as_mut_ptr().cast(), self.0) }
+        on_array!(_mm256_storeu_si256(values.as_mut_ptr().cast(), self.0))
     }
     #[inline(always)]
     fn and(self, other: U) -> U {
-        U(unsafe { _mm256_and_si256(self.0, other.0) })
+        U(on_processor!(_mm256_and_si256(self.0, other.0)))
     }
     #[inline(always)]
     fn or(self, other: U) -> U {
-        U(unsafe { _mm256_or_si256(self.0, other.0) })
+        U(on_processor!(_mm256_or_si256(self.0, other.0)))
     }
     #[inline(always)]
     fn shl<const N: u32>(self) -> U {
-        U(unsafe { _mm256_sll_epi32(self.0, _mm_cvtsi32_si128(N as i32)) })
+        U(on_processor!(_mm256_sll_epi32(self.0, _mm_cvtsi32_si128(N as i32))))
     }
     #[inline(always)]
     fn shr<const N: u32>(self) -> U {
-        U(unsafe { _mm256_srl_epi32(self.0, _mm_cvtsi32_si128(N as i32)) })
+        U(on_processor!(_mm256_srl_epi32(self.0, _mm_cvtsi32_si128(N as i32))))
     }
     #[inline(always)]
     fn min(self, other: U) -> U {
-        U(unsafe { _mm256_min_epu32(self.0, other.0) })
+        U(on_processor!(_mm256_min_epu32(self.0, other.0)))
     }
     #[inline(always)]
     fn max(self, other: U) -> U {
-        U(unsafe { _mm256_max_epu32(self.0, other.0) })
+        U(on_processor!(_mm256_max_epu32(self.0, other.0)))
     }
     #[inline(always)]
     fn test(self, bits: U) -> M {
-        let none = unsafe { _mm256_cmpeq_epi32(_mm256_and_si256(self.0, bits.0), _mm256_setzero_si256()) };
-        M(unsafe { _mm256_castsi256_ps(none) }).not()
+        let none =
+            on_processor!(_mm256_cmpeq_epi32(_mm256_and_si256(self.0, bits.0), _mm256_setzero_si256()));
+        M(on_processor!(_mm256_castsi256_ps(none))).not()
     }
     #[inline(always)]
     fn equal(self, other: U) -> M {
-        M(unsafe { _mm256_castsi256_ps(_mm256_cmpeq_epi32(self.0, other.0)) })
+        M(on_processor!(_mm256_castsi256_ps(_mm256_cmpeq_epi32(self.0, other.0))))
     }
     #[inline(always)]
     fn select(mask: M, yes: U, no: U) -> U {
-        U(unsafe {
-            _mm256_castps_si256(_mm256_blendv_ps(
-                _mm256_castsi256_ps(no.0),
-                _mm256_castsi256_ps(yes.0),
-                mask.0,
-            ))
-        })
+        U(on_processor!(_mm256_castps_si256(_mm256_blendv_ps(
+            _mm256_castsi256_ps(no.0),
+            _mm256_castsi256_ps(yes.0),
+            mask.0,
+        ))))
     }
     #[inline(always)]
     fn to_float(self) -> F {
-        F(unsafe { _mm256_cvtepi32_ps(self.0) })
+        F(on_processor!(_mm256_cvtepi32_ps(self.0)))
     }
     #[inline(always)]
     fn permute(self, index: U) -> U {
-        U(unsafe { _mm256_permutevar8x32_epi32(self.0, index.0) })
+        U(on_processor!(_mm256_permutevar8x32_epi32(self.0, index.0)))
     }
 }
 
 impl Mask for M {
     #[inline(always)]
     fn and(self, other: M) -> M {
-        M(unsafe { _mm256_and_ps(self.0, other.0) })
+        M(on_processor!(_mm256_and_ps(self.0, other.0)))
     }
     #[inline(always)]
     fn or(self, other: M) -> M {
-        M(unsafe { _mm256_or_ps(self.0, other.0) })
+        M(on_processor!(_mm256_or_ps(self.0, other.0)))
     }
     #[inline(always)]
     fn not(self) -> M {
-        M(unsafe { _mm256_xor_ps(self.0, _mm256_castsi256_ps(_mm256_set1_epi32(-1))) })
+        M(on_processor!(_mm256_xor_ps(self.0, _mm256_castsi256_ps(_mm256_set1_epi32(-1)))))
     }
     #[inline(always)]
     fn bits(self) -> u32 {
-        (unsafe { _mm256_movemask_ps(self.0) }) as u32
+        (on_processor!(_mm256_movemask_ps(self.0))) as u32
     }
 }
 
@@ -252,7 +253,7 @@ impl Neg for D {
     type Output = D;
     #[inline(always)]
     fn neg(self) -> D {
-        D(unsafe { _mm256_xor_pd(self.0, _mm256_set1_pd(-0.0)) })
+        D(on_processor!(_mm256_xor_pd(self.0, _mm256_set1_pd(-0.0))))
     }
 }
 
@@ -262,72 +263,72 @@ impl Double for D {
 
     #[inline(always)]
     fn splat(value: f64) -> D {
-        D(unsafe { _mm256_set1_pd(value) })
+        D(on_processor!(_mm256_set1_pd(value)))
     }
     #[inline(always)]
     fn load(values: &[f64]) -> D {
         let values: &[f64; 4] = values[..4].try_into().expect("four values");
-        D(unsafe { _mm256_loadu_pd(values.as_ptr()) })
+        D(on_array!(_mm256_loadu_pd(values.as_ptr())))
     }
     #[inline(always)]
     fn store(self, values: &mut [f64]) {
         let values: &mut [f64; 4] = (&mut values[..4]).try_into().expect("four values");
-        unsafe { _mm256_storeu_pd(values.as_mut_ptr(), self.0) }
+        on_array!(_mm256_storeu_pd(values.as_mut_ptr(), self.0))
     }
     #[inline(always)]
     fn store_f32(self, values: &mut [f32]) {
         let values: &mut [f32; 4] = (&mut values[..4]).try_into().expect("four values");
-        unsafe { _mm_storeu_ps(values.as_mut_ptr(), _mm256_cvtpd_ps(self.0)) }
+        on_array!(_mm_storeu_ps(values.as_mut_ptr(), _mm256_cvtpd_ps(self.0)))
     }
     #[inline(always)]
     fn mul_add(self, b: D, c: D) -> D {
-        D(unsafe { _mm256_fmadd_pd(self.0, b.0, c.0) })
+        D(on_processor!(_mm256_fmadd_pd(self.0, b.0, c.0)))
     }
     #[inline(always)]
     fn min(self, other: D) -> D {
-        D(unsafe { _mm256_min_pd(self.0, other.0) })
+        D(on_processor!(_mm256_min_pd(self.0, other.0)))
     }
     #[inline(always)]
     fn max(self, other: D) -> D {
-        D(unsafe { _mm256_max_pd(self.0, other.0) })
+        D(on_processor!(_mm256_max_pd(self.0, other.0)))
     }
     #[inline(always)]
     fn abs(self) -> D {
-        D(unsafe { _mm256_andnot_pd(_mm256_set1_pd(-0.0), self.0) })
+        D(on_processor!(_mm256_andnot_pd(_mm256_set1_pd(-0.0), self.0)))
     }
     #[inline(always)]
     fn ceil(self) -> D {
-        D(unsafe { _mm256_round_pd::<{ _MM_FROUND_TO_POS_INF | _MM_FROUND_NO_EXC }>(self.0) })
+        D(on_processor!(_mm256_round_pd::<{ _MM_FROUND_TO_POS_INF | _MM_FROUND_NO_EXC }>(self.0)))
     }
     #[inline(always)]
     fn lt(self, other: D) -> MD {
-        MD(unsafe { _mm256_cmp_pd::<_CMP_LT_OQ>(self.0, other.0) })
+        MD(on_processor!(_mm256_cmp_pd::<_CMP_LT_OQ>(self.0, other.0)))
     }
     #[inline(always)]
     fn le(self, other: D) -> MD {
-        MD(unsafe { _mm256_cmp_pd::<_CMP_LE_OQ>(self.0, other.0) })
+        MD(on_processor!(_mm256_cmp_pd::<_CMP_LE_OQ>(self.0, other.0)))
     }
     #[inline(always)]
     fn select(mask: MD, yes: D, no: D) -> D {
-        D(unsafe { _mm256_blendv_pd(no.0, yes.0, mask.0) })
+        D(on_processor!(_mm256_blendv_pd(no.0, yes.0, mask.0)))
     }
 }
 
 impl Mask for MD {
     #[inline(always)]
     fn and(self, other: MD) -> MD {
-        MD(unsafe { _mm256_and_pd(self.0, other.0) })
+        MD(on_processor!(_mm256_and_pd(self.0, other.0)))
     }
     #[inline(always)]
     fn or(self, other: MD) -> MD {
-        MD(unsafe { _mm256_or_pd(self.0, other.0) })
+        MD(on_processor!(_mm256_or_pd(self.0, other.0)))
     }
     #[inline(always)]
     fn not(self) -> MD {
-        MD(unsafe { _mm256_xor_pd(self.0, _mm256_castsi256_pd(_mm256_set1_epi32(-1))) })
+        MD(on_processor!(_mm256_xor_pd(self.0, _mm256_castsi256_pd(_mm256_set1_epi32(-1)))))
     }
     #[inline(always)]
     fn bits(self) -> u32 {
-        (unsafe { _mm256_movemask_pd(self.0) }) as u32
+        (on_processor!(_mm256_movemask_pd(self.0))) as u32
     }
 }

@@ -1,6 +1,6 @@
 //! Sixteen lanes: AVX-512 F, BW, DQ, VL.
 //!
-//! Safety of every block here: the module's head.
+//! Why its instructions may run: the crate's head.
 
 use super::{Double, Float, Lanes, Mask, Unsigned};
 use std::arch::x86_64::*;
@@ -8,23 +8,24 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// Sixteen AVX-512 lanes.
 #[derive(Clone, Copy)]
-pub struct Avx512;
+pub(super) struct Avx512;
 
 /// Sixteen floats.
 #[derive(Clone, Copy)]
-pub struct F(__m512);
+pub(super) struct F(__m512);
 
 /// Sixteen unsigned integers.
 #[derive(Clone, Copy)]
-pub struct U(__m512i);
+pub(super) struct U(__m512i);
 
 /// Sixteen booleans.
 #[derive(Clone, Copy)]
-pub struct M(__mmask16);
+pub(super) struct M(__mmask16);
+
+impl super::sealed::Sealed for Avx512 {}
 
 impl Lanes for Avx512 {
     const WIDTH: usize = 16;
-    const NATIVE: bool = true;
     type F = F;
     type U = U;
     type M = M;
@@ -33,11 +34,11 @@ impl Lanes for Avx512 {
 
 /// Eight 64-bit floats.
 #[derive(Clone, Copy)]
-pub struct D(__m512d);
+pub(super) struct D(__m512d);
 
 /// Eight booleans.
 #[derive(Clone, Copy)]
-pub struct MD(__mmask8);
+pub(super) struct MD(__mmask8);
 
 macro_rules! operator {
     ($type:ident, $trait:ident, $method:ident, $intrinsic:ident) => {
@@ -45,7 +46,7 @@ macro_rules! operator {
             type Output = $type;
             #[inline(always)]
             fn $method(self, other: $type) -> $type {
-                $type(unsafe { $intrinsic(self.0, other.0) })
+                $type(on_processor!($intrinsic(self.0, other.0)))
             }
         }
     };
@@ -62,7 +63,7 @@ impl Neg for F {
     type Output = F;
     #[inline(always)]
     fn neg(self) -> F {
-        F(unsafe { _mm512_xor_ps(self.0, _mm512_set1_ps(-0.0)) })
+        F(on_processor!(_mm512_xor_ps(self.0, _mm512_set1_ps(-0.0))))
     }
 }
 
@@ -71,76 +72,77 @@ impl Float for F {
 
     #[inline(always)]
     fn splat(value: f32) -> F {
-        F(unsafe { _mm512_set1_ps(value) })
+        F(on_processor!(_mm512_set1_ps(value)))
     }
     #[inline(always)]
     fn load(values: &[f32]) -> F {
         let values: &[f32; 16] = values[..16].try_into().expect("sixteen values");
-        F(unsafe { _mm512_loadu_ps(values.as_ptr()) })
+        F(on_array!(_mm512_loadu_ps(values.as_ptr())))
     }
     #[inline(always)]
     fn store(self, values: &mut [f32]) {
         let values: &mut [f32; 16] = (&mut values[..16]).try_into().expect("sixteen values");
-        unsafe { _mm512_storeu_ps(values.as_mut_ptr(), self.0) }
+        on_array!(_mm512_storeu_ps(values.as_mut_ptr(), self.0))
     }
     #[inline(always)]
     fn mul_add(self, b: F, c: F) -> F {
-        F(unsafe { _mm512_fmadd_ps(self.0, b.0, c.0) })
+        F(on_processor!(_mm512_fmadd_ps(self.0, b.0, c.0)))
     }
     #[inline(always)]
     fn min(self, other: F) -> F {
-        F(unsafe { _mm512_min_ps(self.0, other.0) })
+        F(on_processor!(_mm512_min_ps(self.0, other.0)))
     }
     #[inline(always)]
     fn max(self, other: F) -> F {
-        F(unsafe { _mm512_max_ps(self.0, other.0) })
+        F(on_processor!(_mm512_max_ps(self.0, other.0)))
     }
     #[inline(always)]
     fn abs(self) -> F {
-        F(unsafe { _mm512_abs_ps(self.0) })
+        F(on_processor!(_mm512_abs_ps(self.0)))
     }
     #[inline(always)]
     fn sqrt(self) -> F {
-        F(unsafe { _mm512_sqrt_ps(self.0) })
+        F(on_processor!(_mm512_sqrt_ps(self.0)))
     }
     #[inline(always)]
     fn round(self) -> F {
-        F(unsafe { _mm512_roundscale_ps::<{ _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC }>(self.0) })
+        F(on_processor!(_mm512_roundscale_ps::<{ _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC }>(self.0)))
     }
     #[inline(always)]
     fn floor(self) -> F {
-        F(unsafe { _mm512_roundscale_ps::<{ _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC }>(self.0) })
+        F(on_processor!(_mm512_roundscale_ps::<{ _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC }>(self.0)))
     }
     #[inline(always)]
     fn lt(self, other: F) -> M {
-        M(unsafe { _mm512_cmp_ps_mask::<_CMP_LT_OQ>(self.0, other.0) })
+        M(on_processor!(_mm512_cmp_ps_mask::<_CMP_LT_OQ>(self.0, other.0)))
     }
     #[inline(always)]
     fn le(self, other: F) -> M {
-        M(unsafe { _mm512_cmp_ps_mask::<_CMP_LE_OQ>(self.0, other.0) })
+        M(on_processor!(_mm512_cmp_ps_mask::<_CMP_LE_OQ>(self.0, other.0)))
     }
     #[inline(always)]
     fn select(mask: M, yes: F, no: F) -> F {
-        F(unsafe { _mm512_mask_blend_ps(mask.0, no.0, yes.0) })
+        F(on_processor!(_mm512_mask_blend_ps(mask.0, no.0, yes.0)))
     }
     #[inline(always)]
     fn to_bits(self) -> U {
-        U(unsafe { _mm512_castps_si512(self.0) })
+        U(on_processor!(_mm512_castps_si512(self.0)))
     }
     #[inline(always)]
     fn from_bits(bits: U) -> F {
-        F(unsafe { _mm512_castsi512_ps(bits.0) })
+        F(on_processor!(_mm512_castsi512_ps(bits.0)))
     }
     #[inline(always)]
     fn to_unsigned(self) -> U {
-        U(unsafe { _mm512_cvttps_epi32(self.0) })
+        U(on_processor!(_mm512_cvttps_epi32(self.0)))
     }
     #[inline(always)]
     fn permute(self, index: U) -> F {
-        F(unsafe { _mm512_permutexvar_ps(index.0, self.0) })
+        F(on_processor!(_mm512_permutexvar_ps(index.0, self.0)))
     }
     #[inline(always)]
     unsafe fn gather(values: &[f32], index: U) -> F {
+        // SAFETY: the caller keeps every index inside the slice and below 2³¹; the processor: the crate\'s head.
         F(unsafe { _mm512_i32gather_ps::<4>(index.0, values.as_ptr()) })
     }
 }
@@ -150,70 +152,70 @@ impl Unsigned for U {
 
     #[inline(always)]
     fn splat(value: u32) -> U {
-        U(unsafe { _mm512_set1_epi32(value as i32) })
+        U(on_processor!(_mm512_set1_epi32(value as i32)))
     }
     #[inline(always)]
     fn iota() -> U {
-        U(unsafe { _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15) })
+        U(on_processor!(_mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15)))
     }
     #[inline(always)]
     fn load(values: &[u32]) -> U {
         let values: &[u32; 16] = values[..16].try_into().expect("sixteen values");
-        U(unsafe { _mm512_loadu_si512(values.as_ptr().cast()) })
+        U(on_array!(_mm512_loadu_si512(values.as_ptr().cast())))
     }
     #[inline(always)]
     fn load_u16(values: &[u16]) -> U {
         let values: &[u16; 16] = values[..16].try_into().expect("sixteen values");
-        U(unsafe { _mm512_cvtepu16_epi32(_mm256_loadu_si256(values.as_ptr().cast())) })
+        U(on_array!(_mm512_cvtepu16_epi32(_mm256_loadu_si256(values.as_ptr().cast()))))
     }
     #[inline(always)]
     fn store(self, values: &mut [u32]) {
         let values: &mut [u32; 16] = (&mut values[..16]).try_into().expect("sixteen values");
-        unsafe { _mm512_storeu_si512(values.as_mut_ptr().cast(), self.0) }
+        on_array!(_mm512_storeu_si512(values.as_mut_ptr().cast(), self.0))
     }
     #[inline(always)]
     fn and(self, other: U) -> U {
-        U(unsafe { _mm512_and_si512(self.0, other.0) })
+        U(on_processor!(_mm512_and_si512(self.0, other.0)))
     }
     #[inline(always)]
     fn or(self, other: U) -> U {
-        U(unsafe { _mm512_or_si512(self.0, other.0) })
+        U(on_processor!(_mm512_or_si512(self.0, other.0)))
     }
     #[inline(always)]
     fn shl<const N: u32>(self) -> U {
-        U(unsafe { _mm512_slli_epi32::<N>(self.0) })
+        U(on_processor!(_mm512_slli_epi32::<N>(self.0)))
     }
     #[inline(always)]
     fn shr<const N: u32>(self) -> U {
-        U(unsafe { _mm512_srli_epi32::<N>(self.0) })
+        U(on_processor!(_mm512_srli_epi32::<N>(self.0)))
     }
     #[inline(always)]
     fn min(self, other: U) -> U {
-        U(unsafe { _mm512_min_epu32(self.0, other.0) })
+        U(on_processor!(_mm512_min_epu32(self.0, other.0)))
     }
     #[inline(always)]
     fn max(self, other: U) -> U {
-        U(unsafe { _mm512_max_epu32(self.0, other.0) })
+        U(on_processor!(_mm512_max_epu32(self.0, other.0)))
     }
     #[inline(always)]
     fn test(self, bits: U) -> M {
-        M(unsafe { _mm512_test_epi32_mask(self.0, bits.0) })
+        M(on_processor!(_mm512_test_epi32_mask(self.0, bits.0)))
     }
     #[inline(always)]
     fn equal(self, other: U) -> M {
-        M(unsafe { _mm512_cmpeq_epi32_mask(self.0, other.0) })
+        M(on_processor!(_mm512_cmpeq_epi32_mask(self.0, other.0)))
     }
     #[inline(always)]
     fn select(mask: M, yes: U, no: U) -> U {
-        U(unsafe { _mm512_mask_blend_epi32(mask.0, no.0, yes.0) })
+        U(on_processor!(_mm512_mask_blend_epi32(mask.0, no.0, yes.0)))
     }
     #[inline(always)]
     fn to_float(self) -> F {
-        F(unsafe { _mm512_cvtepi32_ps(self.0) })
+        F(on_processor!(_mm512_cvtepi32_ps(self.0)))
     }
     #[inline(always)]
     fn permute(self, index: U) -> U {
-        U(unsafe { _mm512_permutexvar_epi32(index.0, self.0) })
+        U(on_processor!(_mm512_permutexvar_epi32(index.0, self.0)))
     }
 }
 
@@ -245,7 +247,7 @@ impl Neg for D {
     type Output = D;
     #[inline(always)]
     fn neg(self) -> D {
-        D(unsafe { _mm512_xor_pd(self.0, _mm512_set1_pd(-0.0)) })
+        D(on_processor!(_mm512_xor_pd(self.0, _mm512_set1_pd(-0.0))))
     }
 }
 
@@ -255,54 +257,54 @@ impl Double for D {
 
     #[inline(always)]
     fn splat(value: f64) -> D {
-        D(unsafe { _mm512_set1_pd(value) })
+        D(on_processor!(_mm512_set1_pd(value)))
     }
     #[inline(always)]
     fn load(values: &[f64]) -> D {
         let values: &[f64; 8] = values[..8].try_into().expect("eight values");
-        D(unsafe { _mm512_loadu_pd(values.as_ptr()) })
+        D(on_array!(_mm512_loadu_pd(values.as_ptr())))
     }
     #[inline(always)]
     fn store(self, values: &mut [f64]) {
         let values: &mut [f64; 8] = (&mut values[..8]).try_into().expect("eight values");
-        unsafe { _mm512_storeu_pd(values.as_mut_ptr(), self.0) }
+        on_array!(_mm512_storeu_pd(values.as_mut_ptr(), self.0))
     }
     #[inline(always)]
     fn store_f32(self, values: &mut [f32]) {
         let values: &mut [f32; 8] = (&mut values[..8]).try_into().expect("eight values");
-        unsafe { _mm256_storeu_ps(values.as_mut_ptr(), _mm512_cvtpd_ps(self.0)) }
+        on_array!(_mm256_storeu_ps(values.as_mut_ptr(), _mm512_cvtpd_ps(self.0)))
     }
     #[inline(always)]
     fn mul_add(self, b: D, c: D) -> D {
-        D(unsafe { _mm512_fmadd_pd(self.0, b.0, c.0) })
+        D(on_processor!(_mm512_fmadd_pd(self.0, b.0, c.0)))
     }
     #[inline(always)]
     fn min(self, other: D) -> D {
-        D(unsafe { _mm512_min_pd(self.0, other.0) })
+        D(on_processor!(_mm512_min_pd(self.0, other.0)))
     }
     #[inline(always)]
     fn max(self, other: D) -> D {
-        D(unsafe { _mm512_max_pd(self.0, other.0) })
+        D(on_processor!(_mm512_max_pd(self.0, other.0)))
     }
     #[inline(always)]
     fn abs(self) -> D {
-        D(unsafe { _mm512_abs_pd(self.0) })
+        D(on_processor!(_mm512_abs_pd(self.0)))
     }
     #[inline(always)]
     fn ceil(self) -> D {
-        D(unsafe { _mm512_roundscale_pd::<{ _MM_FROUND_TO_POS_INF | _MM_FROUND_NO_EXC }>(self.0) })
+        D(on_processor!(_mm512_roundscale_pd::<{ _MM_FROUND_TO_POS_INF | _MM_FROUND_NO_EXC }>(self.0)))
     }
     #[inline(always)]
     fn lt(self, other: D) -> MD {
-        MD(unsafe { _mm512_cmp_pd_mask::<_CMP_LT_OQ>(self.0, other.0) })
+        MD(on_processor!(_mm512_cmp_pd_mask::<_CMP_LT_OQ>(self.0, other.0)))
     }
     #[inline(always)]
     fn le(self, other: D) -> MD {
-        MD(unsafe { _mm512_cmp_pd_mask::<_CMP_LE_OQ>(self.0, other.0) })
+        MD(on_processor!(_mm512_cmp_pd_mask::<_CMP_LE_OQ>(self.0, other.0)))
     }
     #[inline(always)]
     fn select(mask: MD, yes: D, no: D) -> D {
-        D(unsafe { _mm512_mask_blend_pd(mask.0, no.0, yes.0) })
+        D(on_processor!(_mm512_mask_blend_pd(mask.0, no.0, yes.0)))
     }
 }
 

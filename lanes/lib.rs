@@ -7,32 +7,61 @@
 //! function that carries the processor features, chosen once at run time. The three implementations agree lane
 //! by lane (`tests` compares them), except that the portable one rounds a fused multiply-add twice.
 //!
-//! Safety: the methods of the AVX types may only run on a processor that has the features; [`dispatch`] is the
-//! only way to reach them outside tests, and it checks.
+//! # Why code cannot run instructions that the processor lacks
+//!
+//! The methods of the AVX lanes are safe to call and would be undefined on a processor without the features. So their types
+//! are private: outside this crate they have no name, there is no function that gives one, and no type that they could be
+//! reached from. Code meets them only as the type parameter of [`Kernel::run`], which only [`dispatch`] fills in, after
+//! the processor said that it has the features; and what a processor has, it keeps. [`Lanes`] is sealed, so that unsafe code
+//! may rely on what its traits say.
+//!
+//! Under `cargo miri` the processor is taken to have what the build asks for, so that the portable lanes are interpreted.
+
+/// Instructions upon values.
+#[cfg(target_arch = "x86_64")]
+macro_rules! on_processor {
+    ($instructions:expr) => {{
+        // SAFETY: they ask for nothing but a processor that has them, and code over these lanes runs beneath `dispatch`
+        // alone, which made sure of it (see the crate's head).
+        unsafe { $instructions }
+    }};
+}
+
+/// Instructions that read or write a whole array through a reference to it.
+#[cfg(target_arch = "x86_64")]
+macro_rules! on_array {
+    ($instructions:expr) => {{
+        // SAFETY: the pointer is that of an array as long as the vector, and they ask for no alignment; for the processor
+        // as above.
+        unsafe { $instructions }
+    }};
+}
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
+#[cfg(test)]
+mod conformance;
 pub mod optics;
 mod portable;
-#[cfg(test)]
-mod tests;
 
 #[cfg(target_arch = "x86_64")]
-pub use avx2::Avx2;
+use avx2::Avx2;
 #[cfg(target_arch = "x86_64")]
-pub use avx512::Avx512;
-pub use portable::Portable;
+use avx512::Avx512;
+use portable::Portable;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
+mod sealed {
+    /// What only this crate's lanes are.
+    pub trait Sealed {}
+}
+
 /// A set of vector lanes.
-pub trait Lanes: Copy + Send + Sync + 'static {
+pub trait Lanes: sealed::Sealed + Copy + Send + Sync + 'static {
     /// Number of lanes.
     const WIDTH: usize;
-    /// Whether an operation is an instruction. Where it is not, the largest kernels would take minutes to compile; they
-    /// leave out what something slower can stand in for.
-    const NATIVE: bool;
     /// 32-bit floats.
     type F: Float<Lanes = Self>;
     /// 32-bit unsigned integers.
@@ -122,7 +151,7 @@ pub trait Float:
     /// Lane i is `values[index[i]]`.
     ///
     /// # Safety
-    /// Every index must lie inside the slice.
+    /// Every index must lie inside the slice, and below 2³¹.
     unsafe fn gather(values: &[f32], index: <Self::Lanes as Lanes>::U) -> Self;
 }
 
@@ -272,9 +301,14 @@ impl LaneSet {
         }
     }
 
-    /// Lanes of 32-bit floats.
+    /// What [`dispatch`] runs when it is asked for this set: the portable one stands in for one that the processor lacks.
+    fn or_portable(self) -> LaneSet {
+        if self.is_supported() { self } else { LaneSet::Portable }
+    }
+
+    /// Lanes of 32-bit floats that a kernel has which is dispatched on this set.
     pub fn width(self) -> usize {
-        match self {
+        match self.or_portable() {
             LaneSet::Avx512 => 16,
             LaneSet::Avx2 => 8,
             LaneSet::Portable => 4,
@@ -291,24 +325,6 @@ impl LaneSet {
     }
 }
 
-/// Runs a kernel on eight AVX2 lanes; `None` where the lane set or the processor has none. For kernels that take long to
-/// compile and that something slower can stand in for: the portable form alone takes minutes.
-pub fn dispatch_avx2<K: Kernel>(lanes: LaneSet, kernel: K) -> Option<K::Output> {
-    #[cfg(target_arch = "x86_64")]
-    {
-        #[target_feature(enable = "avx2,fma,popcnt,bmi1,bmi2,lzcnt")]
-        fn avx2<K: Kernel>(kernel: K) -> K::Output {
-            kernel.run::<Avx2>()
-        }
-        if lanes != LaneSet::Portable && LaneSet::Avx2.is_supported() {
-            // Safety: the features were just found on this processor.
-            return Some(unsafe { avx2(kernel) });
-        }
-    }
-    let _ = (lanes, kernel);
-    None
-}
-
 /// Runs a kernel on a lane set; one that the processor lacks is replaced by the portable set.
 pub fn dispatch<K: Kernel>(lanes: LaneSet, kernel: K) -> K::Output {
     #[cfg(target_arch = "x86_64")]
@@ -321,13 +337,12 @@ pub fn dispatch<K: Kernel>(lanes: LaneSet, kernel: K) -> K::Output {
         fn avx2<K: Kernel>(kernel: K) -> K::Output {
             kernel.run::<Avx2>()
         }
-        if lanes.is_supported() {
-            // Safety: the features were just found on this processor.
-            match lanes {
-                LaneSet::Avx512 => return unsafe { avx512(kernel) },
-                LaneSet::Avx2 => return unsafe { avx2(kernel) },
-                LaneSet::Portable => {}
-            }
+        match lanes.or_portable() {
+            // SAFETY: the features were just found on this processor.
+            LaneSet::Avx512 => return unsafe { avx512(kernel) },
+            // SAFETY: the features were just found on this processor.
+            LaneSet::Avx2 => return unsafe { avx2(kernel) },
+            LaneSet::Portable => {}
         }
     }
     let _ = lanes;

@@ -13,31 +13,32 @@ const WIDTH: usize = 4;
 
 /// Four portable lanes.
 #[derive(Clone, Copy)]
-pub struct Portable;
+pub(super) struct Portable;
 
 /// Four floats.
 #[derive(Clone, Copy)]
-pub struct F(f32x4);
+pub(super) struct F(f32x4);
 
 /// Four unsigned integers.
 #[derive(Clone, Copy)]
-pub struct U(u32x4);
+pub(super) struct U(u32x4);
 
 /// Four booleans: all bits of a lane, or none.
 #[derive(Clone, Copy)]
-pub struct M(f32x4);
+pub(super) struct M(f32x4);
 
 /// Two 64-bit floats.
 #[derive(Clone, Copy)]
-pub struct D(f64x2);
+pub(super) struct D(f64x2);
 
 /// Two booleans: all bits of a lane, or none.
 #[derive(Clone, Copy)]
-pub struct MD(f64x2);
+pub(super) struct MD(f64x2);
+
+impl super::sealed::Sealed for Portable {}
 
 impl Lanes for Portable {
     const WIDTH: usize = WIDTH;
-    const NATIVE: bool = false;
     type F = F;
     type U = U;
     type M = M;

@@ -19,7 +19,7 @@ use crate::shade::shaded::Shaded;
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use voltet_core::progress::Progress;
-use voltet_lanes::{dispatch, dispatch_avx2};
+use voltet_lanes::dispatch;
 
 /// What one worker drew: pictures with their tile numbers, and its counts.
 pub(crate) type Drawn = (Vec<(u32, Box<TilePicture>)>, WorkerCounts);
@@ -186,8 +186,7 @@ fn walk(
             dispatch(scene.lanes, Evaluate { scene, group, codes, count, stretch, batch });
             dispatch(scene.lanes, Shade { scene, batch, count, shaded });
             if !shaded.rest.is_empty() {
-                // Without AVX2 all that is left over goes the 64-bit way.
-                let _ = dispatch_avx2(scene.lanes, Walk { scene, batch, shaded });
+                dispatch(scene.lanes, Walk { scene, batch, shaded });
                 scene.shader.finish(batch, shaded);
             }
             if scene.shader.surface.is_some() {

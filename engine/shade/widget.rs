@@ -123,7 +123,7 @@ impl LaneWidget {
                 let Inside { share, cut, .. } = along.inside(Some(region));
                 (Shape::even(share * L::F::splat(*density) * along.length).cut(cut), 0)
             }
-            LaneWidget::Wave { wave, density, region, .. } if L::NATIVE => {
+            LaneWidget::Wave { wave, density, region, .. } => {
                 let Inside { front, back, share, cut } = along.inside(region.as_ref());
                 let peak = L::F::splat(*density) * along.length * share;
                 (wave.shape::<L>(&front, &back, peak).cut(cut), 0)
@@ -142,9 +142,7 @@ impl LaneWidget {
         match self {
             LaneWidget::Uniform { density, .. } => L::F::splat(*density),
             LaneWidget::Gaussian(gaussian) => gaussian.density_at::<L>(along, t),
-            LaneWidget::Wave { wave, density, .. } if L::NATIVE => {
-                wave.value::<L>(&along.at(t)) * L::F::splat(*density)
-            }
+            LaneWidget::Wave { wave, density, .. } => wave.value::<L>(&along.at(t)) * L::F::splat(*density),
             _ => L::F::splat(0.0),
         }
     }
