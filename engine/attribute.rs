@@ -5,7 +5,8 @@ use rayon::prelude::*;
 use voltet_core::transfer::TransferFunction;
 use voltet_core::{Error, Result};
 
-/// A point array scaled so that the grid's values span about −½ … ½.
+/// A point array scaled so that the grid's values lie within about −½ … ½. Scales are powers of two: a value of few
+/// binary digits is stored as it is, and lies on the edge of a region where it lies on it in 64 bits.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Attribute<'a> {
     /// Values of the points, `stride` apart.
@@ -16,6 +17,8 @@ pub(crate) struct Attribute<'a> {
     pub offset: f64,
     /// See `offset`; > 0.
     pub scale: f64,
+    /// Of all values; finite.
+    pub span: f64,
 }
 
 impl Attribute<'_> {
@@ -34,10 +37,12 @@ pub(crate) fn attributes_of<'a>(
 ) -> Result<Vec<Attribute<'a>>> {
     let volume = &cells.volume;
     let fields = transfer_function.fields();
-    let mut attributes = vec![attribute(&volume.scalar, cells.ranges[0], transfer_function.axis_origin(0))];
+    let has_edges = transfer_function.widgets.iter().any(|widget| widget.region.is_some());
+    let about = |axis: usize| transfer_function.axis_origin(axis).map(|centre| (centre, has_edges));
+    let mut attributes = vec![attribute(&volume.scalar, cells.ranges[0], about(0))];
     if transfer_function.uses_gradient_magnitude() || !fields.is_empty() {
         match &volume.gradient_magnitude {
-            Some(g) => attributes.push(attribute(g, cells.ranges[1], transfer_function.axis_origin(1))),
+            Some(g) => attributes.push(attribute(g, cells.ranges[1], about(1))),
             None if transfer_function.uses_gradient_magnitude() => {
                 return Err(Error::usage(
                     "the transfer function looks at the gradient magnitude, and the volume has none",
@@ -55,7 +60,7 @@ pub(crate) fn attributes_of<'a>(
                 .found(name)
                 .accepted("a point array of one component that the reader was asked for"));
         };
-        attributes.push(attribute(&array.values, range(&array.values), transfer_function.axis_origin(2 + i)));
+        attributes.push(attribute(&array.values, range(&array.values), about(2 + i)));
     }
     Ok(attributes)
 }
@@ -74,19 +79,35 @@ pub(crate) fn gradient_attributes(cells: &Cells) -> Result<Vec<Attribute<'_>>> {
     let scale = if cells.steepest > 0.0 { cells.steepest } else { 1.0 };
     let values: &[f64] = bytemuck::cast_slice(gradient);
     Ok((0..3)
-        .map(|i| Attribute { values: values.get(i..).unwrap_or(&[]), stride: 3, offset: 0.0, scale })
+        .map(|i| Attribute {
+            values: values.get(i..).unwrap_or(&[]),
+            stride: 3,
+            offset: 0.0,
+            scale,
+            span: 2.0 * scale,
+        })
         .collect())
 }
 
-fn attribute(values: &[f64], range: [f64; 2], centre: Option<f64>) -> Attribute<'_> {
-    let [low, high] = range;
-    let middle = low + 0.5 * (high - low);
-    let offset = centre.filter(|c| (low..=high).contains(c)).unwrap_or(middle);
-    let span = high - low;
-    // A constant field: any scale serves.
-    let scale = if span > 0.0 && span.is_finite() { span } else { 1.0 };
-    Attribute { values, stride: 1, offset, scale }
+/// `about`: the centre that values are counted from if it is among them, and whether widgets have edges there.
+fn attribute(values: &[f64], [low, high]: [f64; 2], about: Option<(f64, bool)>) -> Attribute<'_> {
+    let span = (high - low).min(f64::MAX);
+    // A constant field: any scale serves. The largest power of two is 2^1023.
+    let scale = if span > 0.0 { span.log2().ceil().min(1023.0).exp2() } else { 1.0 };
+    let middle = low + 0.5 * span;
+    // With edges the offset must not add digits to the values; so near the centre 45 bits of the range are left.
+    let coarse = |centre: f64| (centre / scale * OFFSET_STEPS).round() / OFFSET_STEPS * scale;
+    let offset = match about {
+        Some((centre, has_edges)) if (low..=high).contains(&centre) => {
+            Some(coarse(centre)).filter(|offset| has_edges && offset.is_finite()).unwrap_or(centre)
+        }
+        _ => middle,
+    };
+    Attribute { values, stride: 1, offset, scale, span }
 }
+
+/// Places of an offset among widgets with edges, by the scale.
+const OFFSET_STEPS: f64 = (1 << 20) as f64;
 
 /// Smallest and largest finite value; [0, 0] for none.
 pub(crate) fn range(values: &[f64]) -> [f64; 2] {

@@ -125,7 +125,7 @@ pub fn keep_all(
 }
 
 /// What is known of a volume before any cell is kept.
-fn none_kept(volume: &Arc<Volume>) -> Result<Cells> {
+pub(crate) fn none_kept(volume: &Arc<Volume>) -> Result<Cells> {
     Ok(Cells {
         volume: volume.clone(),
         kept: Arc::default(),

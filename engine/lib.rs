@@ -10,6 +10,7 @@
 //! | `scene` | what the compositor reads: the projection and how segments are shaded |
 //! | `composite` | segments in order to pixels |
 //! | `draw` | the stages end to end |
+//! | `segments` | what becomes of segments alone, for judging |
 
 mod attribute;
 mod cells;
@@ -19,8 +20,10 @@ mod draw;
 mod fragments;
 mod project;
 mod scene;
+mod segments;
 mod shade;
 
 pub use cells::{Cells, Counts};
 pub use cull::{cull, keep_all};
 pub use draw::{Projection, Ready, composite, draw, needs_gradient, prepare, project, sort};
+pub use segments::{Integrated, Segments, segments};

@@ -13,8 +13,8 @@ pub struct Chain {
     pub color: [f64; 3],
     /// A.
     pub opacity: f64,
-    /// 1 − A, with its own relative accuracy.
-    pub transparency: f64,
+    /// 1 − A, with its own relative accuracy; `None` where the forms leave off before they know it.
+    pub transparency: Option<f64>,
 }
 
 /// The integrals of a stretch of linear extinction (module `linear`).
@@ -32,11 +32,11 @@ pub struct PartialIntegrals {
 
 /// How a set of forms answers a case.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Answer {
+pub enum Answer<T = Contribution> {
     /// In its own precision.
-    Served(Contribution),
+    Served(T),
     /// In a wider precision, as the engine does where its own cannot; with the reason.
-    Wider(Contribution, &'static str),
+    Wider(T, &'static str),
     /// Not at all; with the reason.
     Skipped(&'static str),
 }
@@ -67,7 +67,7 @@ pub trait Forms {
     fn chain(&self, segments: &[Contribution]) -> Chain;
 
     /// ψ, F, B, ζ.
-    fn partial(&self, a: f64, b: f64) -> PartialIntegrals;
+    fn partial(&self, a: f64, b: f64) -> Result<Answer<PartialIntegrals>>;
 }
 
 /// The 64-bit forms.
@@ -97,11 +97,13 @@ impl Forms for Native64 {
         for segment in segments {
             composite.add(segment.color, segment.opacity);
         }
-        Chain { color: composite.color, opacity: composite.opacity(), transparency: composite.transparency() }
+        let transparency = Some(composite.transparency());
+        Chain { color: composite.color, opacity: composite.opacity(), transparency }
     }
 
-    fn partial(&self, a: f64, b: f64) -> PartialIntegrals {
+    fn partial(&self, a: f64, b: f64) -> Result<Answer<PartialIntegrals>> {
         let (front, back) = linear::front_back(a, b);
-        PartialIntegrals { psi: linear::psi(a, b), front, back, zeta: linear::zeta(a, b) }
+        let (psi, zeta) = (linear::psi(a, b), linear::zeta(a, b));
+        Ok(Answer::Served(PartialIntegrals { psi, front, back, zeta }))
     }
 }

@@ -113,11 +113,22 @@ fn judge_case(case: &Case, forms: &dyn Forms, report: &mut Report) -> Result<()>
             report.enter(case, "A", [chain.opacity, *opacity], bound(relative), false);
             let odds: f64 = segments.iter().map(|s| s.opacity / (1.0 - s.opacity)).sum();
             let relative = (steps + odds) * 4.0 * precision.epsilon();
-            let values = [chain.transparency, *transparency];
-            report.enter(case, "transparency", values, bound(relative), false);
+            if let Some(found) = chain.transparency {
+                report.enter(case, "transparency", [found, *transparency], bound(relative), false);
+            }
         }
         Kind::Table { a, b, exact } => {
-            let found = forms.partial(*a, *b);
+            let (found, wider) = match forms.partial(*a, *b)? {
+                Answer::Served(found) => (found, false),
+                Answer::Wider(found, reason) => {
+                    report.excuse(true, reason);
+                    (found, true)
+                }
+                Answer::Skipped(reason) => {
+                    report.skip(case, reason);
+                    return Ok(());
+                }
+            };
             let values = [
                 ("psi", found.psi, exact.psi),
                 ("F", found.front, exact.front),
@@ -126,7 +137,7 @@ fn judge_case(case: &Case, forms: &dyn Forms, report: &mut Report) -> Result<()>
             ];
             for (quantity, value, exact) in values {
                 let rule = bounds::table_rule(precision, quantity, a + b);
-                report.enter(case, quantity, [value, exact], rule, false);
+                report.enter(case, quantity, [value, exact], rule, wider);
             }
         }
     }

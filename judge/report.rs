@@ -1,7 +1,7 @@
 //! What was found, per kind, category and quantity.
 
 use super::bounds::Rule;
-use super::case::Case;
+use super::case::{Case, Kind};
 use std::fmt;
 
 /// What was found for one quantity of one kind and category.
@@ -162,8 +162,12 @@ impl Report {
     /// Enters a case that is not served.
     pub(super) fn skip(&mut self, case: &Case, reason: &'static str) {
         self.excuse(false, reason);
-        for (quantity, values) in [("T", 1), ("C", 3), ("A", 1)] {
-            self.row(case, quantity).skipped += values;
+        let values: &[(&'static str, usize)] = match case.kind {
+            Kind::Table { .. } => &[("psi", 1), ("F", 1), ("B", 1), ("zeta", 1)],
+            _ => &[("T", 1), ("C", 3), ("A", 1)],
+        };
+        for &(quantity, count) in values {
+            self.row(case, quantity).skipped += count;
         }
     }
 

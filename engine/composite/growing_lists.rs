@@ -7,6 +7,8 @@ use crate::project::record::TILE;
 #[derive(Default)]
 pub(crate) struct GrowingLists {
     pixels: [Vec<Layer>; TILE],
+    /// What is seen through each pixel.
+    pub through: [f64; TILE],
 }
 
 impl GrowingLists {
@@ -21,7 +23,7 @@ impl GrowingLists {
     /// Composites the row; returns the pixels whose segments were not in order.
     pub fn composite(&mut self, sorted: bool, out: &mut [[f32; 4]]) -> u64 {
         let mut disordered = 0;
-        for (layers, out) in self.pixels.iter_mut().zip(out) {
+        for ((layers, seen), out) in self.pixels.iter_mut().zip(&mut self.through).zip(out) {
             if sorted {
                 layers.sort_by(|a, b| a.entry.total_cmp(&b.entry).then_with(|| a.exit.total_cmp(&b.exit)));
                 for k in 1..layers.len() {
@@ -42,6 +44,7 @@ impl GrowingLists {
                 }
                 through *= 1.0 - f64::from(layer.rgba[3]);
             }
+            *seen = through;
             *out = [color[0] as f32, color[1] as f32, color[2] as f32, (1.0 - through) as f32];
         }
         disordered

@@ -69,35 +69,6 @@ impl Kernel for Evaluate<'_> {
     }
 }
 
-pub(crate) struct Shade<'a> {
-    pub scene: &'a Scene<'a>,
-    pub batch: &'a Batch,
-    pub count: usize,
-    pub shaded: &'a mut Shaded,
-}
-
-impl Kernel for Shade<'_> {
-    type Output = ();
-    #[inline(always)]
-    fn run<L: Lanes>(self) {
-        self.scene.shader.shade::<L>(self.batch, self.count, self.shaded);
-    }
-}
-
-pub(crate) struct Walk<'a> {
-    pub scene: &'a Scene<'a>,
-    pub batch: &'a Batch,
-    pub shaded: &'a mut Shaded,
-}
-
-impl Kernel for Walk<'_> {
-    type Output = ();
-    #[inline(always)]
-    fn run<L: Lanes>(self) {
-        self.scene.shader.walk::<L>(self.batch, self.shaded);
-    }
-}
-
 pub(crate) struct Illuminate<'a> {
     pub scene: &'a Scene<'a>,
     pub batch: &'a Batch,

@@ -52,6 +52,9 @@ impl Layer {
     }
 }
 
+/// Share of the picture under which what lies behind is left out: an optical depth of 25.
+pub(crate) const UNSEEN: f32 = 1e-11;
+
 /// Words of 32 bits in a layer, as a power of two.
 const LAYER_WORDS_LOG2: u32 = 3;
 
@@ -62,6 +65,8 @@ pub(crate) struct Lists {
     keys: Vec<u32>,
     /// Entries of the row in hand, side by side.
     entries: Vec<f32>,
+    /// What is seen through each pixel, as far as it is more than [`UNSEEN`].
+    pub through: [f32; TILE * TILE],
     /// Slots of the row in hand whose level is that of the slot before, with the lanes concerned.
     met: Vec<(u32, u32)>,
 }
@@ -77,6 +82,7 @@ impl Lists {
             layers: bytemuck::zeroed_vec(ROW * TILE),
             keys: vec![0; DEPTH * TILE],
             entries: vec![0.0; DEPTH * TILE],
+            through: [1.0; TILE * TILE],
             met: Vec::new(),
         }
     }
@@ -110,6 +116,7 @@ impl Lists {
             let deepest = usize::from(counts.iter().copied().max().unwrap_or(0));
             if deepest == 0 {
                 out[row * TILE..][..TILE].fill([0.0; 4]);
+                self.through[row * TILE..][..TILE].fill(1.0);
                 continue;
             }
             self.make_keys::<L>(row, &counts, deepest);
@@ -220,7 +227,7 @@ impl Lists {
 
     /// Front to back: C += (1 − A) C_seg, A += (1 − A) A_seg.
     #[inline(always)]
-    fn blend<L: Lanes>(&self, row: usize, deepest: usize, out: &mut [[f32; 4]]) {
+    fn blend<L: Lanes>(&mut self, row: usize, deepest: usize, out: &mut [[f32; 4]]) {
         let splat = L::F::splat;
         let words: &[f32] = bytemuck::cast_slice(&self.layers);
         for half in (0..TILE).step_by(L::WIDTH) {
@@ -245,8 +252,7 @@ impl Lists {
                 }
                 opacity = through.mul_add(layer[3], opacity);
                 through = through * (splat(1.0) - layer[3]);
-                // What lies behind an optical depth of 25 is under 1e-11 of the picture.
-                if slot & 15 == 15 && !splat(1e-11).lt(through).any() {
+                if slot & 15 == 15 && !splat(UNSEEN).lt(through).any() {
                     break;
                 }
             }
@@ -256,6 +262,7 @@ impl Lists {
             {
                 value.store(column);
             }
+            through.store(&mut self.through[row * TILE + half..]);
             for x in 0..L::WIDTH {
                 out[half + x] = columns.map(|column| column[x]);
             }

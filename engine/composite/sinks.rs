@@ -71,6 +71,14 @@ impl Sink for DepthSink<'_> {
     }
 }
 
+/// A pixel of one colour from the sum of its segments' optical depths, or `opacities`.
+pub(crate) fn of_one_color(color: [f32; 3], sum: f32, opacities: bool) -> [f32; 4] {
+    let sum = f64::from(sum);
+    let opacity = if opacities { sum } else { -(-sum).exp_m1() };
+    let [r, g, b] = color.map(|c| (f64::from(c) * opacity) as f32);
+    [r, g, b, opacity as f32]
+}
+
 impl Sink for Lists {
     #[inline(always)]
     fn push(&mut self, pixel: usize, _depth: f32, layer: Layer) -> Result<(), Overflow> {

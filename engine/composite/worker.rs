@@ -6,15 +6,16 @@
 //! ([`super::lists`]), or, where the scene has one colour, are summed: there no order is needed.
 
 use crate::composite::growing_lists::GrowingLists;
-use crate::composite::kernels::{Blend, Cover, Evaluate, Illuminate, Shade, Walk};
+use crate::composite::kernels::{Blend, Cover, Evaluate, Illuminate};
 use crate::composite::lists::{Layer, Lists, Overflow};
-use crate::composite::sinks::{DepthSink, OPAQUE_DEPTH, Sink, TilePicture};
+use crate::composite::sinks::{DepthSink, OPAQUE_DEPTH, Sink, TilePicture, of_one_color};
 use crate::fragments::batch::{BATCH, Batch, LANES_MOST};
 use crate::fragments::crossing::Group;
 use crate::fragments::spans::{Edges, Fragments};
 use crate::project::record::TILE;
 use crate::scene::Scene;
 use crate::shade::light::{Rays, rays};
+use crate::shade::roads::integrate;
 use crate::shade::shaded::Shaded;
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -122,10 +123,7 @@ fn draw_tile(
         let opacities = scene.shader.surface.is_some();
         let _ = walk(scene, tile, 0..TILE, scratch, &mut DepthSink { sums: &mut depth, opacities });
         for (pixel, &sum) in picture.iter_mut().zip(&depth) {
-            let sum = f64::from(sum);
-            let opacity = if opacities { sum } else { -(-sum).exp_m1() };
-            let c = color.map(|c| (f64::from(c) * opacity) as f32);
-            *pixel = [c[0], c[1], c[2], opacity as f32];
+            *pixel = of_one_color(color, sum, opacities);
         }
         return;
     }
@@ -184,11 +182,7 @@ fn walk(
             let count = (fragments.count - from).min(BATCH);
             let codes = &fragments.codes[from..];
             dispatch(scene.lanes, Evaluate { scene, group, codes, count, stretch, batch });
-            dispatch(scene.lanes, Shade { scene, batch, count, shaded });
-            if !shaded.rest.is_empty() {
-                dispatch(scene.lanes, Walk { scene, batch, shaded });
-                scene.shader.finish(batch, shaded);
-            }
+            integrate(scene.shader, scene.lanes, batch, count, shaded);
             if scene.shader.surface.is_some() {
                 dispatch(scene.lanes, Illuminate { scene, batch, count, rays, shaded });
             }

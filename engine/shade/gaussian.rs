@@ -24,6 +24,7 @@ pub(crate) struct LaneGaussian {
 }
 
 impl LaneGaussian {
+    /// `None` where the numbers leave 32 bits.
     pub fn new(
         centre: &[f64; 2],
         matrix: &[[f64; 2]; 2],
@@ -31,18 +32,21 @@ impl LaneGaussian {
         density: f32,
         color: [f32; 3],
         region: Option<LaneRegion>,
-    ) -> LaneGaussian {
-        let axis = |a: usize| attributes.get(a).map_or([0.0, 1.0], |x| [x.offset, x.scale]);
-        let scale = [axis(0)[1], axis(1)[1]];
-        let steepest = matrix.iter().flat_map(|row| [row[0] * scale[0], row[1] * scale[1]]);
-        LaneGaussian {
-            narrow: steepest.map(f64::abs).sum::<f64>() > f64::from(WIDTHS_MOST),
-            matrix: matrix.map(|row| [(row[0] * scale[0]) as f32, (row[1] * scale[1]) as f32]),
-            centre: std::array::from_fn(|a| ((centre[a] - axis(a)[0]) / axis(a)[1]) as f32),
+    ) -> Option<LaneGaussian> {
+        // What is not looked at is 0 everywhere.
+        let axis = |a: usize| attributes.get(a).map_or([0.0, 1.0, 0.0], |x| [x.offset, x.scale, x.span]);
+        let axes = [axis(0), axis(1)];
+        let widths = matrix.iter().flat_map(|row| [row[0] * axes[0][2], row[1] * axes[1][2]]);
+        let gaussian = LaneGaussian {
+            narrow: widths.map(f64::abs).sum::<f64>() > f64::from(WIDTHS_MOST),
+            matrix: matrix.map(|row| [(row[0] * axes[0][1]) as f32, (row[1] * axes[1][1]) as f32]),
+            centre: std::array::from_fn(|a| ((centre[a] - axes[a][0]) / axes[a][1]) as f32),
             density,
             color,
             region,
-        }
+        };
+        let held = gaussian.centre.iter().chain(gaussian.matrix.iter().flatten()).all(|x| x.is_finite());
+        held.then_some(gaussian)
     }
 
     #[inline(always)]

@@ -52,7 +52,7 @@ impl LaneGaussianNd {
             nd.centre[j] = ((centre[j] - axis.offset) / axis.scale) as f32;
             for (scaled, row) in nd.matrix.iter_mut().zip(matrix) {
                 scaled[j] = (row[j] * axis.scale) as f32;
-                widths += (row[j] * axis.scale).abs();
+                widths += (row[j] * axis.span).abs();
             }
         }
         nd.narrow = widths > f64::from(WIDTHS_MOST);

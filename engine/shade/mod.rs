@@ -3,6 +3,7 @@
 //! | file | what |
 //! | --- | --- |
 //! | `shader` | a scene's widgets made ready, and the three roads through them |
+//! | `roads` | a batch by all three, one after the other |
 //! | `shaded` | what comes out |
 //! | `along`, `region` | segments in lanes, and their stretch inside a region |
 //! | `widget` | any widget in lanes; `gaussian`, `gaussian_nd`, `piecewise`, `triangular`, `wave`: the kinds |
@@ -19,6 +20,7 @@ pub(crate) mod overlap;
 pub(crate) mod panels;
 pub(crate) mod piecewise;
 pub(crate) mod region;
+pub(crate) mod roads;
 pub(crate) mod shaded;
 pub(crate) mod shader;
 pub(crate) mod triangular;

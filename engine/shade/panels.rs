@@ -8,7 +8,7 @@
 use crate::fragments::batch::{Batch, LANES_MOST};
 use crate::shade::along::{Along, FIELDS_MOST, Fields, lanes_of};
 use crate::shade::member::nothing;
-use crate::shade::shaded::{MIX_PRODUCT, Shaded};
+use crate::shade::shaded::{Left, MIX_PRODUCT, Shaded};
 use crate::shade::widget::LaneWidget;
 use voltet_core::transfer::TransferFunction;
 use voltet_lanes::optics::elementary::one_minus_exp;
@@ -31,41 +31,41 @@ pub(crate) struct PanelWalk {
 }
 
 impl PanelWalk {
-    /// `None` where the widgets have no lanes at all.
+    /// Refused where the widgets have no lanes at all.
     pub fn new(
         transfer_function: &TransferFunction,
         widgets: &[LaneWidget],
         length: f64,
         one_color: bool,
         counts: bool,
-    ) -> Option<PanelWalk> {
-        let served = widgets.len() <= MEMBERS_MOST
-            && !widgets.is_empty()
-            && !widgets.iter().any(|widget| matches!(widget, LaneWidget::Exact));
+    ) -> Result<PanelWalk, Left> {
+        if widgets.len() > MEMBERS_MOST {
+            return Err(Left::TooMany);
+        }
+        if widgets.is_empty() || widgets.iter().any(|widget| matches!(widget, LaneWidget::Exact)) {
+            return Err(Left::NoLanes);
+        }
         let cutoff = transfer_function.model.cutoff();
         let scale = (length / transfer_function.unit_distance) as f32;
         // A scale beyond 32 bits, or so small that its products leave them.
-        let held = scale.is_finite() && scale > 1e-30;
-        (served && held).then_some(PanelWalk { cutoff, scale, one_color, counts })
+        if scale.is_finite() && scale > 1e-30 {
+            Ok(PanelWalk { cutoff, scale, one_color, counts })
+        } else {
+            Err(Left::Lengths)
+        }
     }
 
-    /// Integrates the segments `which` of a batch; those it cannot serve are pushed to `exact`.
+    /// Integrates the segments `which` of a batch; those it cannot serve are left over, each with the reason.
     #[inline(always)]
-    pub fn walk<L: Lanes>(
-        &self,
-        widgets: &[LaneWidget],
-        batch: &Batch,
-        which: &[usize],
-        out: &mut Shaded,
-        exact: &mut Vec<usize>,
-    ) {
+    pub fn walk<L: Lanes>(&self, widgets: &[LaneWidget], batch: &Batch, which: &[usize], out: &mut Shaded) {
         let columns = batch.scalar_count;
         let mut gathered = Gathered::new(columns);
         for group in which.chunks(L::WIDTH) {
             gathered.take(batch, group);
             let along = gathered.along::<L>();
             let fields = gathered.fields::<L>();
-            let (results, unsure, overlapping) = self.integrate::<L>(widgets, &along, &fields);
+            let (results, left, overlapping) = self.integrate::<L>(widgets, &along, &fields);
+            let unsure = left.iter().fold(0, |all, (lanes, _)| all | lanes);
             let mut rows = [[0f32; LANES_MOST]; 5];
             for (row, value) in rows.iter_mut().zip(results) {
                 value.store(row);
@@ -75,7 +75,9 @@ impl PanelWalk {
                     out.overlap_count += u64::from(overlapping & !unsure) >> lane & 1;
                 }
                 if unsure >> lane & 1 != 0 {
-                    exact.push(k);
+                    let first = left.iter().find(|(lanes, _)| lanes >> lane & 1 != 0);
+                    out.rest.push(k);
+                    out.why.extend(first.map(|(_, why)| *why));
                     continue;
                 }
                 out.depth[k] = rows[4][lane];
@@ -86,23 +88,24 @@ impl PanelWalk {
         }
     }
 
-    /// Colour, opacity and optical depth, the lanes for the 64-bit path, and those where widgets overlap.
+    /// Colour, opacity and optical depth, the lanes (bits) for the 64-bit path by their reasons, and those where widgets
+    /// overlap.
     #[inline(always)]
     fn integrate<L: Lanes>(
         &self,
         widgets: &[LaneWidget],
         along: &Along<L>,
         fields: &Fields<L>,
-    ) -> ([L::F; 5], u32, u32) {
+    ) -> ([L::F; 5], [(u32, Left); 4], u32) {
         let splat = L::F::splat;
         let zero = splat(0.0);
-        let (mut total, mut product, mut unsure) = (zero, zero, 0);
+        let (mut total, mut product, mut narrow) = (zero, zero, 0);
         let mut densest = zero;
         let mut color = [zero; 3];
         let (mut varies, mut delicate) = (0, 0);
         for widget in widgets {
             let (depth, no) = widget.any_depth::<L>(along, fields);
-            unsure |= no;
+            narrow |= no;
             product = depth.mul_add(total, product);
             total = total + depth;
             densest = densest + splat(widget.peak(self.scale)) * along.length;
@@ -117,11 +120,19 @@ impl PanelWalk {
             }
         }
         // A depth that is not a number, or has left 32 bits.
-        unsure |= total.le(splat(f32::MAX)).not().bits();
+        let overflow = total.le(splat(f32::MAX)).not().bits();
+        let left = |delicate: u32, dense: u32| {
+            [
+                (narrow, Left::Narrow),
+                (overflow, Left::Overflow),
+                (delicate, Left::Delicate),
+                (dense, Left::Dense),
+            ]
+        };
         let overlapping = splat(MIX_PRODUCT).lt(product).bits() & along.crossing.bits();
         let opacity = one_minus_exp::<L>(total);
         if self.one_color {
-            return ([zero, zero, zero, opacity, total], unsure, overlapping);
+            return ([zero, zero, zero, opacity, total], left(0, 0), overlapping);
         }
         let share = L::F::select(zero.lt(total), opacity / total, zero);
         let mut color: [L::F; 3] = array(
@@ -133,8 +144,9 @@ impl PanelWalk {
             Some(_) => crossing,
             None => overlapping | (varies & crossing),
         };
-        unsure |= in_order & (delicate | splat(RATE_MOST).lt(densest).bits());
-        if in_order & !unsure != 0 {
+        let delicate = in_order & delicate;
+        let dense = in_order & splat(RATE_MOST).lt(densest).bits();
+        if in_order & !(narrow | overflow | delicate | dense) != 0 {
             let scale = along.length * splat(self.scale);
             let mut members = [nothing::<L>(); MEMBERS_MOST];
             for (member, widget) in members.iter_mut().zip(widgets) {
@@ -147,7 +159,7 @@ impl PanelWalk {
                 |i| L::F::select(keep, walked[i], color[i]),
             );
         }
-        ([color[0], color[1], color[2], opacity, total], unsure, overlapping)
+        ([color[0], color[1], color[2], opacity, total], left(delicate, dense), overlapping)
     }
 }
 

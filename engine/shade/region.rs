@@ -15,13 +15,13 @@ impl LaneRegion {
         let axis = |a: usize| attributes.get(a).map_or([0.0, 1.0], |x| [x.offset, x.scale]);
         let ([s, g], mut half_planes) = ([axis(0), axis(1)], Vec::new());
         for HalfPlane { normal, corner } in region.half_planes() {
-            // Turned outwards, of unit length in scaled attributes.
+            // Turned outwards, in scaled attributes; of about unit length, by a power of two, so that no digit is rounded
+            // that the corners do not have.
             let outward = [-normal[0] * s[1], -normal[1] * g[1]];
-            let size = outward[0].hypot(outward[1]);
-            let part =
-                |a: usize, [offset, scale]: [f64; 2]| outward[a] / size * ((corner[a] - offset) / scale);
-            let limit = part(0, s) + part(1, g);
-            half_planes.push([(outward[0] / size) as f32, (outward[1] / size) as f32, limit as f32]);
+            let unit = (-outward[0].hypot(outward[1]).log2().round()).min(1022.0).exp2();
+            let outward = outward.map(|x| x * unit);
+            let part = |a: usize, [offset, scale]: [f64; 2]| outward[a] * ((corner[a] - offset) / scale);
+            half_planes.push([outward[0] as f32, outward[1] as f32, (part(0, s) + part(1, g)) as f32]);
         }
         LaneRegion { half_planes }
     }

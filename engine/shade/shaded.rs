@@ -10,6 +10,8 @@ pub(crate) struct Shaded {
     pub rgba: [Vec<f32>; 4],
     /// Fragments that the quick forms did not serve, then those for the 64-bit path.
     pub rest: Vec<usize>,
+    /// Why the latter go there, one by one.
+    pub why: Vec<Left>,
     /// Scratch for the change from the one to the other.
     pub spare: Vec<usize>,
     /// Segments integrated in 64 bits.
@@ -33,9 +35,58 @@ impl Shaded {
             depth: column(),
             rgba: std::array::from_fn(|_| column()),
             rest: Vec::new(),
+            why: Vec::new(),
             spare: Vec::new(),
             exact_count: 0,
             overlap_count: 0,
+        }
+    }
+
+    /// All that is left over goes to the 64-bit forms, for one reason.
+    pub fn leave_all(&mut self, why: Left) {
+        self.why.clear();
+        self.why.resize(self.rest.len(), why);
+    }
+}
+
+/// Why a segment is left to the 64-bit forms.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Left {
+    /// The integrator is another than the closed forms.
+    Integrator,
+    /// A widget has no lanes.
+    NoLanes,
+    /// Lengths per unit distance leave 32 bits.
+    Lengths,
+    /// More widgets than panels are walked with.
+    TooMany,
+    /// Colours that vary along the segment are mixed.
+    Mixed,
+    /// More widths than 32 bits resolve.
+    Narrow,
+    /// A depth that is no number of 32 bits.
+    Overflow,
+    /// Bands or triangular Gaussians among others, or glowing by themselves.
+    Delicate,
+    /// Denser than panels resolve.
+    Dense,
+}
+
+impl Left {
+    /// For people.
+    pub fn text(self) -> &'static str {
+        match self {
+            Left::Integrator => "the integrator is one of 64 bits",
+            Left::NoLanes => "a widget is a table, or its numbers leave 32 bits",
+            Left::Lengths => "lengths per unit distance leave the range of 32 bits",
+            Left::TooMany => "more than eight widgets overlap",
+            Left::Mixed => "colours that vary along the segment are mixed in 64 bits",
+            Left::Narrow => "the segment spans over 100,000 widths of a Gaussian, or 50 of a triangular one",
+            Left::Overflow => "an optical depth leaves the range of 32 bits",
+            Left::Delicate => {
+                "a wave or a triangular Gaussian stands among others, or glows without absorbing in step"
+            }
+            Left::Dense => "a density of over 200 on the segment needs finer steps than 32 bits take",
         }
     }
 }

@@ -10,7 +10,7 @@ use crate::shade::along::Along;
 use crate::shade::light::{Rays, Surface};
 use crate::shade::overlap::{ORDERED_MOST, Overlapping};
 use crate::shade::panels::PanelWalk;
-use crate::shade::shaded::{Exact, MIX_PRODUCT, Shaded};
+use crate::shade::shaded::{Exact, Left, MIX_PRODUCT, Shaded};
 use crate::shade::widget::LaneWidget;
 use voltet_core::optics::integrators::SegmentIntegrator;
 use voltet_core::optics::{Overlap, Prepared, Segment};
@@ -29,8 +29,8 @@ pub(crate) struct Shader {
     exact: Box<dyn SegmentIntegrator>,
     overlap: Overlap,
     widgets: Vec<LaneWidget>,
-    /// What the quick forms do not serve, but lanes do.
-    walker: Option<PanelWalk>,
+    /// What the quick forms do not serve, but lanes do; or why they do not.
+    walker: std::result::Result<PanelWalk, Left>,
     /// Whether the quick forms serve anything.
     quick: bool,
     /// Offset and scale of each attribute: value = offset + scale × stored.
@@ -77,9 +77,13 @@ impl Shader {
             matches!(widget, LaneWidget::Triangular(_) | LaneWidget::GaussianNd(_) | LaneWidget::Exact)
         };
         let quick = density_emitter && !widgets.iter().any(slow);
-        let walker = (shading.overlap == Overlap::Exact || one_color.is_some())
-            .then(|| PanelWalk::new(transfer_function, &widgets, length, one_color.is_some(), !quick))
-            .flatten();
+        let walker = if !in_lanes {
+            Err(Left::Integrator)
+        } else if shading.overlap == Overlap::Exact || one_color.is_some() {
+            PanelWalk::new(transfer_function, &widgets, length, one_color.is_some(), !quick)
+        } else {
+            Err(Left::Mixed)
+        };
         let several = transfer_function.widgets.len() > 1;
         let overlaps = several.then(|| Prepared::new(transfer_function)).transpose()?;
         Ok(Shader {
@@ -96,7 +100,12 @@ impl Shader {
         })
     }
 
-    /// Integrates the first `count` fragments of a batch.
+    /// Whether every segment's optical depth is kept, not only those that the quick forms leave over.
+    pub fn keeps_depth(&self) -> bool {
+        self.one_color.is_some() || !self.quick
+    }
+
+    /// Integrates the first `count` fragments of a batch by the quick forms.
     #[inline(always)]
     pub fn shade<L: Lanes>(&self, batch: &Batch, count: usize, out: &mut Shaded) {
         out.rest.clear();
@@ -136,12 +145,15 @@ impl Shader {
     /// The fragments that [`Shader::shade`] left over, in lanes.
     #[inline(always)]
     pub fn walk<L: Lanes>(&self, batch: &Batch, out: &mut Shaded) {
-        let Some(walker) = &self.walker else { return };
-        let which = std::mem::take(&mut out.rest);
-        let mut exact = std::mem::take(&mut out.spare);
-        exact.clear();
-        walker.walk::<L>(&self.widgets, batch, &which, out, &mut exact);
-        out.rest = exact;
+        let walker = match &self.walker {
+            Ok(walker) => walker,
+            Err(why) => return out.leave_all(*why),
+        };
+        std::mem::swap(&mut out.rest, &mut out.spare);
+        out.rest.clear();
+        out.why.clear();
+        let which = std::mem::take(&mut out.spare);
+        walker.walk::<L>(&self.widgets, batch, &which, out);
         out.spare = which;
     }
 

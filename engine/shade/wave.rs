@@ -24,20 +24,21 @@ impl LaneWave {
         let bell = if sine { LaneBell::sine(wave) } else { LaneBell::triangle(wave) };
         let (sin, cos) = wave.angle.sin_cos();
         let per_value = [cos * wave.scale[0] / wave.period, sin * wave.scale[1] / wave.period];
-        let axis = |a: usize| attributes.get(a).map_or([0.0, 1.0], |x| [x.offset, x.scale]);
+        let axis = |a: usize| attributes.get(a).map_or([0.0, 1.0, 0.0], |x| [x.offset, x.scale, x.span]);
         let mut start = 0.0;
         let mut step = [0f32; 2];
         let mut bands = 0.0;
         for a in 0..2 {
             if per_value[a] != 0.0 {
-                let [offset, scale] = axis(a);
+                let [offset, scale, span] = axis(a);
                 let phase = per_value[a] * (offset - wave.origin[a]);
                 start += phase - phase.round();
                 step[a] = (per_value[a] * scale) as f32;
-                bands += (per_value[a] * scale).abs();
+                bands += (per_value[a] * span).abs();
             }
         }
-        (bands < BANDS_MOST).then(|| LaneWave { bell, step, start: (start - start.round()) as f32 })
+        let held = bands < BANDS_MOST && step.iter().all(|step| step.is_finite());
+        held.then(|| LaneWave { bell, step, start: (start - start.round()) as f32 })
     }
 
     #[inline(always)]

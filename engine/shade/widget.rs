@@ -53,7 +53,8 @@ impl LaneWidget {
         match (&widget.profile, region) {
             (Profile::Uniform, Some(region)) => LaneWidget::Uniform { density, color, region },
             (Profile::Gaussian { centre, matrix }, region) => {
-                LaneWidget::Gaussian(LaneGaussian::new(centre, matrix, attributes, density, color, region))
+                LaneGaussian::new(centre, matrix, attributes, density, color, region)
+                    .map_or(LaneWidget::Exact, LaneWidget::Gaussian)
             }
             (Profile::TriangleWave(wave) | Profile::SineWave(wave), region) => {
                 let sine = matches!(&widget.profile, Profile::SineWave(_));

@@ -189,14 +189,14 @@ impl Forms for Segments {
     fn chain(&self, segments: &[Contribution]) -> Chain {
         let found = self.composited(segments).unwrap_or(vec![f32::NAN; 8]);
         let [red, green, blue, _, transparency, opacity] = std::array::from_fn(|i| f64::from(found[i]));
-        Chain { color: [red, green, blue], opacity, transparency }
+        Chain { color: [red, green, blue], opacity, transparency: Some(transparency) }
     }
 
-    fn partial(&self, a: f64, b: f64) -> PartialIntegrals {
+    fn partial(&self, a: f64, b: f64) -> Result<Answer<PartialIntegrals>> {
         let rows = [[a as f32, b as f32, (0.5 * (a + b)) as f32, 0.0]];
         let pieces = ["linear/psi", "linear/front_back"];
-        let found = self.small(PARTIAL, &pieces, &rows, &[f32::NAN; 4]).unwrap_or(vec![f32::NAN; 4]);
+        let found = self.small(PARTIAL, &pieces, &rows, &[f32::NAN; 4])?;
         let [psi, front, back, zeta] = std::array::from_fn(|i| f64::from(found[i]));
-        PartialIntegrals { psi, front, back, zeta }
+        Ok(Answer::Served(PartialIntegrals { psi, front, back, zeta }))
     }
 }

@@ -10,8 +10,6 @@
 //!
 //! The cases of the formulas are `voltet_judge`'s, which the program carries.
 
-mod crossing32;
-mod forms32;
 mod json;
 mod markdown;
 mod pictures;
@@ -19,7 +17,6 @@ mod printed;
 mod subjects;
 mod text;
 
-pub use forms32::Native32;
 pub use json::{forms as forms_json, json};
 pub use markdown::markdown;
 pub use pictures::Drawn;
@@ -124,7 +121,7 @@ mod tests {
         fn chain(&self, segments: &[Contribution]) -> Chain {
             Native64.chain(segments)
         }
-        fn partial(&self, a: f64, b: f64) -> PartialIntegrals {
+        fn partial(&self, a: f64, b: f64) -> Result<Answer<PartialIntegrals>> {
             Native64.partial(a, b)
         }
     }

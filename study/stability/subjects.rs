@@ -1,6 +1,5 @@
 //! What is judged: sets of forms, and what draws pictures.
 
-use super::forms32::Native32;
 use crate::devices::{self, Device};
 use std::sync::Arc;
 use voltet_core::camera::Camera;
@@ -36,8 +35,8 @@ pub(super) enum Painter {
 ///
 /// Errors: a device that is named and not there.
 pub fn subjects(adapter: Option<&str>) -> Result<Subjects> {
-    let sets: Vec<Native32> = Native32::each().collect();
-    let painters = sets.iter().map(|set| Painter::Native(set.0)).collect();
+    let sets: Vec<engine::Segments> = engine::Segments::each().collect();
+    let painters = sets.iter().map(|set| Painter::Native(set.lanes)).collect();
     let mut forms: Vec<Box<dyn Forms>> = vec![Box::new(Native64)];
     forms.extend(sets.into_iter().map(|set| Box::new(set) as Box<dyn Forms>));
     let mut subjects = Subjects { forms, left_out: Vec::new(), painters };

@@ -45,7 +45,7 @@ fn without_a_file_the_program_judges_itself() {
     let forms = found["forms"].as_array().unwrap();
     let names: Vec<&str> = forms.iter().map(|forms| forms["forms"].as_str().unwrap()).collect();
     assert!(names.starts_with(&["64-bit", "32-bit portable"]), "{names:?}");
-    let sets = voltet::stability::Native32::each().count();
+    let sets = voltet_engine::Segments::each().count();
     // A graphics device is judged, or said to be missing.
     let devices = names.iter().filter(|name| name.starts_with("WGSL on")).count();
     assert_eq!(names.len(), 1 + sets + devices);

@@ -1,6 +1,5 @@
 //! Optical depth and opacity as printed.
 
-use super::super::forms32::Native32;
 use super::colors::rectangle;
 use super::real::Real;
 use super::{Measured, Printed, between, error, segment};
@@ -8,8 +7,8 @@ use std::f64::consts::PI;
 use voltet_core::Result;
 use voltet_core::optics::Contribution;
 use voltet_core::transfer::{OpticalModel, Profile, TransferFunction, Widget};
+use voltet_engine::Segments;
 use voltet_judge::Forms;
-use voltet_lanes::LaneSet;
 
 pub(super) fn entries() -> Result<Vec<Printed>> {
     Ok(vec![gaussian()?, offset()?, mean()?, triangular()?, opacity()?, chain()])
@@ -196,12 +195,12 @@ fn chain() -> Printed {
         let printed_64 = (0..count).fold(0.0_f64, |sum, _| sum + (1.0 - sum) * opacity);
         let printed_32 = (0..count).fold(0.0_f32, |sum, _| sum + (1.0 - sum) * opacity as f32);
         let parts = vec![Contribution { opacity, ..Contribution::default() }; count];
-        let ours = Native32(LaneSet::detect()).chain(&parts).transparency;
+        let ours = Segments::widest().chain(&parts).transparency;
         Measured {
             inputs: format!("{count} segments of T = {depth:?}"),
             printed_64: error(1.0 - printed_64, exact),
             printed_32: error(1.0 - printed_32, exact),
-            ours_32: Some(error(ours, exact)),
+            ours_32: ours.map(|found| error(found, exact)),
         }
     };
     Printed {

@@ -1,17 +1,14 @@
 //! Colours as printed: the constant-emitter's closed forms, the integrals of linear extinction, pre-integration, the mix.
 
-use super::super::forms32::Native32;
 use super::real::{Real, integral};
-use super::{Measured, Printed, between, error, segment};
+use super::{Measured, Printed, between, error, partial, segment};
 use std::f64::consts::PI;
 use voltet_core::Result;
-use voltet_core::optics::{Overlap, Prepared};
+use voltet_core::optics::{Overlap, Prepared, linear};
 use voltet_core::transfer::{OpticalModel, Profile, Region, TransferFunction, Wave, Widget};
-use voltet_judge::{Forms, Native64};
-use voltet_lanes::LaneSet;
 
 pub(super) fn entries() -> Result<Vec<Printed>> {
-    Ok(vec![uniform()?, gaussian()?, triangle(), falling_flank(), sine()?, psi(), back(), mix()?])
+    Ok(vec![uniform()?, gaussian()?, triangle()?, falling_flank()?, sine()?, psi()?, back()?, mix()?])
 }
 
 /// One widget of the constant-emitter: white, unit distance 1.
@@ -95,21 +92,18 @@ fn rising<T: Real>(k: T, d1: T, d2: T) -> T {
     factor * ((root * d2).erf() - (root * d1).erf())
 }
 
-fn triangle() -> Printed {
+fn triangle() -> Result<Printed> {
     let row = |[k, d1, d2]: [f64; 3]| {
-        let ends = |forms: &dyn Forms| {
-            let length = d2 - d1;
-            forms.partial(k * d1 * length, k * d2 * length).psi * length
-        };
-        let exact = ends(&Native64);
-        Measured {
+        let length = d2 - d1;
+        let (exact, ours) = partial(k * d1 * length, k * d2 * length, |found| found.psi * length)?;
+        Ok(Measured {
             inputs: format!("α/Δt = {k:?}, from {d1:?} to {d2:?}"),
             printed_64: error(rising(k, d1, d2), exact),
             printed_32: error(rising(k as f32, d1 as f32, d2 as f32), exact),
-            ours_32: Some(error(ends(&Native32(LaneSet::detect())), exact)),
-        }
+            ours_32: ours.map(|found| error(found, exact)),
+        })
     };
-    Printed {
+    Ok(Printed {
         source: "Song et al. 2009, section 4.3, increasing part",
         formula: "C = c √(π/2k) e^(k d₁²/2) [erf(√(k/2) d₂) − erf(√(k/2) d₁)], k = α/Δt",
         fails: "erf − erf cancels past the first few units of √(k/2) d₁, while e^(k d₁²/2) grows: 32 bits overflow at \
@@ -117,9 +111,10 @@ fn triangle() -> Printed {
         instead: "ψ of linear extinction by erfcx, whose growth is taken out beforehand; Gauss-Legendre points where the \
                   depth is small. Flanks that rise and fall are cases of the one formula.",
         rows: [[3.08, 0.1, 0.9], [50.0, 0.5, 0.9], [50.0, 1.0, 1.1], [200.0, 0.9, 1.0], [2000.0, 0.9, 1.0]]
+            .into_iter()
             .map(row)
-            .to_vec(),
-    }
+            .collect::<Result<_>>()?,
+    })
 }
 
 /// Song section 4.3, the decreasing part: extinction α (1 − x/Δt) for x/Δt from u3 to u4, in units of Δt. `front` and `table`:
@@ -129,28 +124,26 @@ fn falling<T: Real>(front: T, table: T, [u3, u4]: [T; 2]) -> T {
     (-(front * left(u3))).exp() * integral(u3, u4, |u| (table * left(u)).exp())
 }
 
-fn falling_flank() -> Printed {
+fn falling_flank() -> Result<Printed> {
     let row = |(depth, made_for, [u3, u4]): (f64, f64, [f64; 2])| {
-        let ends = |forms: &dyn Forms| {
-            let length = u4 - u3;
-            forms.partial(depth * (1.0 - u3) * length, depth * (1.0 - u4) * length).psi * length
-        };
-        let exact = ends(&Native64);
+        let length = u4 - u3;
+        let (a, b) = (depth * (1.0 - u3) * length, depth * (1.0 - u4) * length);
+        let (exact, ours) = partial(a, b, |found| found.psi * length)?;
         let (front, table) = (0.5 * depth, 0.5 * made_for);
         let entry = if made_for == depth {
             String::new()
         } else {
             format!(", the table's entry made at {made_for:?}")
         };
-        Measured {
+        Ok(Measured {
             inputs: format!("α Δt = {depth:?}, from {u3:?} to {u4:?} of Δt{entry}"),
             printed_64: error(falling(front, table, [u3, u4]), exact),
             printed_32: error(falling(front as f32, table as f32, [u3 as f32, u4 as f32]), exact),
-            ours_32: Some(error(ends(&Native32(LaneSet::detect())), exact)),
-        }
+            ours_32: ours.map(|found| error(found, exact)),
+        })
     };
     let whole = [0.0, 0.5];
-    Printed {
+    Ok(Printed {
         source: "Song et al. 2009, section 4.3, decreasing part",
         formula: "C = c e^(−(α Δt/2) (1 − d₃/Δt)²) ∫ e^((α Δt/2) (1 − l/Δt)²) dl, the integral from a table by (l/Δt, α)",
         fails: "The product of two exponentials: 32 bits overflow at α Δt = 176, 64 bits at 1,419, and the table with them. \
@@ -164,9 +157,10 @@ fn falling_flank() -> Printed {
             (2000.0, 2000.0, whole),
             (4.0, 2.0, whole),
         ]
+        .into_iter()
         .map(row)
-        .to_vec(),
-    }
+        .collect::<Result<_>>()?,
+    })
 }
 
 /// Song Eq. 10: one band from t1 to t2 (its phase by π), α/k the peak depth of the band by 2.
@@ -211,48 +205,54 @@ fn psi_erf<T: Real>(a: T, b: T) -> T {
     (u * u).exp() * T::of(PI.sqrt() / 2.0) / k * (v.erf() - u.erf())
 }
 
-fn psi() -> Printed {
+fn psi() -> Result<Printed> {
     let row = |[a, b]: [f64; 2]| {
-        let exact = Native64.partial(a, b).psi;
-        Measured {
+        let (exact, ours) = partial(a, b, |found| found.psi)?;
+        Ok(Measured {
             inputs: format!("depths {a:?} and {b:?}"),
             printed_64: error(psi_erf(a, b), exact),
             printed_32: error(psi_erf(a as f32, b as f32), exact),
-            ours_32: Some(error(Native32(LaneSet::detect()).partial(a, b).psi, exact)),
-        }
+            ours_32: ours.map(|found| error(found, exact)),
+        })
     };
-    Printed {
+    Ok(Printed {
         source: "Moreland & Angel 2004, ψ by erf (after Williams et al. 1998)",
         formula: "ψ = e^(u²) (√π/2k) (erf v − erf u), u = α_f D/2k, v = α_b D/2k, k = √((α_b − α_f) D/2)",
         fails: "Where the ends are nearly alike u is large: e^(u²) overflows and erf v − erf u is 0.",
         instead: "Gauss-Legendre points where both depths are under 1; erfcx u − ζ erfcx v, or Dawson's function where \
                   the extinction falls.",
-        rows: [[1.0, 2.0], [1.0, 1.1], [5.0, 5.1], [30.0, 31.0], [30.0, 30.1]].map(row).to_vec(),
-    }
+        rows: [[1.0, 2.0], [1.0, 1.1], [5.0, 5.1], [30.0, 31.0], [30.0, 30.1]]
+            .into_iter()
+            .map(row)
+            .collect::<Result<_>>()?,
+    })
 }
 
-fn back() -> Printed {
+fn back() -> Result<Printed> {
     let row = |[a, b]: [f64; 2]| {
-        let exact = Native64.partial(a, b).back;
+        let (exact, ours) = partial(a, b, |found| found.back)?;
         // ψ and ζ as good as the precision holds them.
-        let psi = Native64.partial(a, b).psi;
+        let psi = linear::psi(a, b);
         let printed_64 = (1.0 - (-0.5 * (a + b)).exp() - a * psi) / (b - a);
         let (x, y) = (a as f32, b as f32);
         let printed_32 = (1.0_f32 - Real::exp(-(0.5 * (x + y))) - x * psi as f32) / (y - x);
-        Measured {
+        Ok(Measured {
             inputs: format!("depths {a:?} and {b:?}"),
             printed_64: error(printed_64, exact),
             printed_32: error(printed_32, exact),
-            ours_32: Some(error(Native32(LaneSet::detect()).partial(a, b).back, exact)),
-        }
+            ours_32: ours.map(|found| error(found, exact)),
+        })
     };
-    Printed {
+    Ok(Printed {
         source: "linear colour of the constant-emitter, from ψ and ζ (Song et al. 2009, Eq. 3)",
         formula: "B = (1 − ζ − a ψ)/(b − a), F = ψ − B",
         fails: "1 − ζ and a ψ agree ever better as b nears a, or as both grow; 0/0 at b = a.",
         instead: "Panels whose step follows from the extinction at their start, 8 Gauss-Legendre points on each.",
-        rows: [[0.1, 1.0], [1.0, 1.001], [1.0, 1.000001], [100.0, 101.0], [1e-3, 2e-3]].map(row).to_vec(),
-    }
+        rows: [[0.1, 1.0], [1.0, 1.001], [1.0, 1.000001], [100.0, 101.0], [1e-3, 2e-3]]
+            .into_iter()
+            .map(row)
+            .collect::<Result<_>>()?,
+    })
 }
 
 fn mix() -> Result<Printed> {

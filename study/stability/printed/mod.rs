@@ -8,14 +8,13 @@ mod colors;
 mod real;
 mod tables;
 
-use super::forms32::Native32;
 use real::Real;
 use serde::Serialize;
 use voltet_core::Result;
 use voltet_core::optics::{Contribution, Overlap, Segment};
 use voltet_core::transfer::TransferFunction;
-use voltet_judge::{Answer, Forms, Native64};
-use voltet_lanes::LaneSet;
+use voltet_engine::Segments;
+use voltet_judge::{Answer, Forms, Native64, PartialIntegrals};
 
 /// One printed formula and what was measured.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -67,7 +66,18 @@ fn segment(transfer_function: &TransferFunction, segment: &Segment) -> Result<[O
             Answer::Wider(..) | Answer::Skipped(_) => None,
         })
     };
-    Ok([found(&Native64)?, found(&Native32(LaneSet::detect()))?])
+    Ok([found(&Native64)?, found(&Segments::widest())?])
+}
+
+/// A number of linear extinction in 64 bits, and in the lanes of the native engine.
+fn partial(a: f64, b: f64, number: impl Fn(&PartialIntegrals) -> f64) -> Result<(f64, Option<f64>)> {
+    let found = |forms: &dyn Forms| -> Result<Option<f64>> {
+        Ok(match forms.partial(a, b)? {
+            Answer::Served(found) => Some(number(&found)),
+            Answer::Wider(..) | Answer::Skipped(_) => None,
+        })
+    };
+    Ok((found(&Native64)?.unwrap_or(f64::NAN), found(&Segments::widest())?))
 }
 
 /// A segment from one pair (s, g) to another.
