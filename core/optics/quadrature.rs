@@ -89,3 +89,35 @@ pub const GAUSS_12: [Node; 12] = [
 pub fn mean<const N: usize>(nodes: &[Node; N], mut f: impl FnMut(f64) -> f64) -> f64 {
     nodes.iter().map(|&(x, w)| w * f(x)).sum()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// x^n: its exact integral over [0, x] is x^(n+1)/(n + 1). Sums of some ten products leave a few roundings of 1.
+    const ROUNDING: f64 = 2e-15;
+
+    fn exact_to(degree: i32, nodes: &[Node], up_to: &[&[f64]]) {
+        for n in 0..=degree {
+            let whole: f64 = nodes.iter().map(|(x, weight)| weight * x.powi(n)).sum();
+            let exact = 1.0 / f64::from(n + 1);
+            assert!((whole - exact).abs() < ROUNDING, "{} points, x^{n}: {whole}", nodes.len());
+        }
+        // Polynomials through all nodes.
+        for (&(end, _), row) in nodes.iter().zip(up_to) {
+            for n in 0..nodes.len() as i32 {
+                let part: f64 = nodes.iter().zip(*row).map(|((x, _), weight)| weight * x.powi(n)).sum();
+                let exact = end.powi(n + 1) / f64::from(n + 1);
+                assert!((part - exact).abs() < ROUNDING, "{} points, x^{n} up to {end}: {part}", nodes.len());
+            }
+        }
+    }
+
+    #[test]
+    fn every_table_is_exact_for_the_polynomials_it_states() {
+        exact_to(7, &GAUSS_4, &UP_TO_4.each_ref().map(|row| row.as_slice()));
+        exact_to(9, &GAUSS_5, &UP_TO_5.each_ref().map(|row| row.as_slice()));
+        exact_to(15, &GAUSS_8, &UP_TO_8.each_ref().map(|row| row.as_slice()));
+        exact_to(23, &GAUSS_12, &[]);
+    }
+}

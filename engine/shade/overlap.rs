@@ -4,7 +4,9 @@
 use crate::shade::along::{Along, lanes_of};
 use crate::shade::shaded::{MIX_PRODUCT, Shaded};
 use crate::shade::widget::LaneWidget;
+use voltet_core::optics::quadrature::{GAUSS_4, UP_TO_4};
 use voltet_lanes::optics::elementary::{exp, one_minus_exp};
+use voltet_lanes::optics::quadrature::{nodes, up_to};
 use voltet_lanes::optics::smooth::{Shape, Smooth};
 use voltet_lanes::{Float, Lanes, Mask, inlined};
 
@@ -119,7 +121,7 @@ impl<L: Lanes> Overlapping<'_, L> {
             for (widget, shape) in widgets.iter().zip(shapes) {
                 let matters = self.matters(shape);
                 for j in 0..4 {
-                    let t = share * splat(step as f32 + NODES[j]);
+                    let t = share * splat(step as f32 + NODES[j].0);
                     let value = L::F::select(matters, widget.density::<L>(along, t), splat(0.0));
                     density[j] = density[j] + value;
                     for (sum, c) in weighted[j].iter_mut().zip(widget.color()) {
@@ -135,11 +137,11 @@ impl<L: Lanes> Overlapping<'_, L> {
                 for k in 0..4 {
                     depth = density[k].mul_add(splat(UP_TO[j][k]), depth);
                 }
-                let visible = through * exp::<L>(-(depth * length)) * length * splat(WEIGHTS[j]);
+                let visible = through * exp::<L>(-(depth * length)) * length * splat(NODES[j].1);
                 for (sum, w) in color.iter_mut().zip(weighted[j]) {
                     *sum = w.mul_add(visible, *sum);
                 }
-                whole = density[j].mul_add(splat(WEIGHTS[j]), whole);
+                whole = density[j].mul_add(splat(NODES[j].1), whole);
             }
             through = through * exp::<L>(-(whole * length));
         }
@@ -167,12 +169,6 @@ fn replace<L: Lanes>(served: u32, at: usize, out: &mut Shaded, color: impl Fn(us
 const STEPS: usize = 4;
 
 /// Gauss-Legendre on [0, 1] with 4 points.
-const NODES: [f32; 4] = [0.069_431_84, 0.330_009_5, 0.669_990_54, 0.930_568_2];
-const WEIGHTS: [f32; 4] = [0.173_927_42, 0.326_072_58, 0.326_072_58, 0.173_927_42];
+const NODES: [(f32, f32); 4] = nodes(GAUSS_4);
 /// ∫₀^{node j} of the Lagrange polynomial of node k.
-const UP_TO: [[f32; 4]; 4] = [
-    [0.08696371, -0.02660418, 0.012627463, -0.0035551498],
-    [0.18811812, 0.16303629, -0.027880428, 0.0067355004],
-    [0.16719192, 0.353953, 0.16303629, -0.014190695],
-    [0.17748258, 0.31344512, 0.35267675, 0.08696371],
-];
+const UP_TO: [[f32; 4]; 4] = up_to(UP_TO_4);

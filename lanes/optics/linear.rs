@@ -4,8 +4,9 @@
 //! a piece whose colour is linear too is c_f (1 − ψ) + c_b (ψ − ζ) (Moreland & Angel 2004).
 
 use super::elementary::{exp, one_minus_exp};
-use super::quadrature::PANEL;
+use super::quadrature::{PANEL, nodes};
 use crate::{Float, Lanes, Mask};
+use voltet_core::optics::quadrature::GAUSS_5;
 
 /// Weights (1 − ψ, ψ − ζ) of the front and back colours and the opacity 1 − ζ, for max(a, b) ≤ 1.
 ///
@@ -14,13 +15,7 @@ use crate::{Float, Lanes, Mask};
 #[inline(always)]
 pub fn piece_weights<L: Lanes>(a: L::F, b: L::F) -> (L::F, L::F, L::F) {
     let splat = L::F::splat;
-    const NODES: [(f32, f32); 5] = [
-        (0.046_910_077, 0.118_463_44),
-        (0.230_765_34, 0.239_314_34),
-        (0.5, 0.284_444_45),
-        (0.769_234_66, 0.239_314_34),
-        (0.953_089_9, 0.118_463_44),
-    ];
+    const NODES: [(f32, f32); 5] = nodes(GAUSS_5);
     let half_slope = (b - a) * splat(0.5);
     let opacity = one_minus_exp::<L>((a + b) * splat(0.5));
     let mut front = splat(0.0);
