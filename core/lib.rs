@@ -20,3 +20,5 @@ pub mod visibility;
 pub mod volume;
 
 pub use error::{Error, Result};
+/// Vectors and matrices, in the version that the types here are made of.
+pub use glam;

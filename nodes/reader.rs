@@ -20,7 +20,7 @@ pub const NODE: Node = Node {
             parameter_type: ParameterType::InputPath,
             unit: "",
             standard: Standard::Required,
-            help: "VTK (.vtu .vts .vtr .vti, .pvtu …, .pvd, legacy .vtk) or a PLOT3D grid",
+            help: formats::FILES,
         },
         Parameter {
             name: "scalar",

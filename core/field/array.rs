@@ -1,10 +1,10 @@
 //! `array`: the gradient that a solver wrote itself.
 
 use super::{Gradient, GradientFilter, check_scalar};
+use crate::Result;
 use crate::grid::Grid;
 use crate::parameters::{Kind, Parameter, ParameterType, Parameters, Standard};
 use crate::progress::Progress;
-use crate::{Error, Result};
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -40,29 +40,7 @@ impl GradientFilter for FromArray {
         _: &dyn Progress,
     ) -> Result<Gradient> {
         check_scalar(grid, s)?;
-        let name = parameters.text("array")?;
-        let known = || {
-            let names: Vec<&str> = grid
-                .point_arrays
-                .iter()
-                .filter(|(_, a)| a.component_count == 3)
-                .map(|(n, _)| n.as_str())
-                .collect();
-            format!(
-                "a point array of three components{}",
-                if names.is_empty() { String::new() } else { format!(", one of: {}", names.join(", ")) }
-            )
-        };
-        let Some(array) = grid.point_arrays.get(name) else {
-            let error = Error::run("there is no such array").found(format!("'{name}'")).accepted(known());
-            return Err(error.at_item("array"));
-        };
-        if array.component_count != 3 || array.values.len() != 3 * grid.points.len() {
-            return Err(Error::run("an array cannot be a gradient")
-                .found(format!("{} components", array.component_count))
-                .accepted(known())
-                .at_item("array"));
-        }
+        let array = grid.point_array(parameters.text("array")?, 3).map_err(|error| error.at_item("array"))?;
         let vectors = array.values.par_chunks_exact(3).with_min_len(1 << 14).map(DVec3::from_slice).collect();
         Ok(Gradient { vectors, fallbacks: Vec::new() })
     }

@@ -1,4 +1,4 @@
-//! What all filters share: the loop over the points.
+//! What filters that work point by point share: the loop over the points, with threads, progress and stopping.
 
 use crate::progress::Progress;
 use crate::{Error, Result};
@@ -9,9 +9,12 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 /// Points that one task handles.
 const TASK: usize = 512;
 
-/// Calls `f(scratch, point)` for every point in parallel; `f` gives the gradient and the number of the fall-back
-/// taken, if any. Returns the gradients and how often each of the `N` fall-backs was taken.
-pub(super) fn for_points<S: Send, const N: usize>(
+/// Calls `f(scratch, point)` for every point, on all cores; `f` gives the gradient and the number of the fall-back
+/// taken, if any. `scratch` makes what one thread works with. Returns the gradients and how often each of the `N`
+/// fall-backs was taken ([`Fallback::list`](super::Fallback::list) makes a list of them).
+///
+/// Errors: a stopped run.
+pub fn for_points<S: Send, const N: usize>(
     point_count: usize,
     progress: &dyn Progress,
     scratch: impl Fn() -> S + Sync + Send,

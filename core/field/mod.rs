@@ -13,6 +13,7 @@ mod quadratic_fit;
 
 pub use array::FromArray;
 pub use cell_mean::{CellAverage, VolumeWeighted};
+pub use frame::for_points;
 pub use least_squares::LeastSquares;
 pub use method::Method;
 pub use quadratic_fit::QuadraticFit;

@@ -15,6 +15,7 @@ mod source;
 mod split;
 mod tally;
 
+use crate::{Error, Result};
 pub use adjacency::{Neighbours, Rows, cells_of_points, points_of_points, sum_over_cells};
 pub use build::build;
 pub use cell_types::{CellType, code, describe_counts};
@@ -90,6 +91,33 @@ impl Grid {
     #[inline]
     pub fn source_cell(&self, i: usize) -> usize {
         self.source_cells.as_ref().map_or(i, |cells| cells[i] as usize)
+    }
+
+    /// The point array of that name with so many components a tuple.
+    ///
+    /// Errors: there is none; says which there are.
+    pub fn point_array(&self, name: &str, component_count: usize) -> Result<&Array> {
+        let of = match component_count {
+            1 => "a point array of one component".to_string(),
+            n => format!("a point array of {n} components"),
+        };
+        let fits = |array: &Array| {
+            array.component_count == component_count
+                && array.values.len() == component_count * self.points.len()
+        };
+        let fitting = self.point_arrays.iter().filter(|(_, array)| fits(array));
+        let names: Vec<&str> = fitting.map(|(name, _)| name.as_str()).collect();
+        let accepted = match names.is_empty() {
+            true => of,
+            false => format!("{of}, one of: {}", names.join(", ")),
+        };
+        match self.point_arrays.get(name) {
+            Some(array) if fits(array) => Ok(array),
+            Some(array) => Err(Error::run("an array has the wrong shape")
+                .found(format!("'{name}' of {} components", array.component_count))
+                .accepted(accepted)),
+            None => Err(Error::run("there is no such array").found(format!("'{name}'")).accepted(accepted)),
+        }
     }
 
     /// Lowest and highest coordinates of all points; `None` without points.

@@ -10,7 +10,8 @@
 //! type and where its bytes lie), without decoding anything. What a [`Request`] asks for is then decoded in
 //! parallel straight into its destination ([`stored`], [`codec`], [`numbers`]) and put together ([`assemble`]).
 //! The format is told by the content of the file, not by its name; PLOT3D, which has no magic, by its name or by a
-//! solution file being given.
+//! solution file being given. A further format is a module that gives a [`Dataset`](piece::Dataset) and declares a
+//! [`Format`], and a line in [`FORMATS`].
 //!
 //! Nothing is allocated because a header says so: a size is believed only after the bytes that back it were found
 //! in the file (with compression, after the greatest ratio that the codec can reach was applied).
@@ -39,11 +40,38 @@ mod xz;
 
 pub use assemble::Unread;
 pub use inspect::{ArraySummary, Summary, inspect};
+use piece::Dataset;
+use source::Source;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 pub use voltet_core::grid::CellValues;
 use voltet_core::grid::Grid;
 use voltet_core::progress::Progress;
 use voltet_core::{Error, Result};
+
+/// A format of files.
+struct Format {
+    /// What its files are called in messages.
+    files: &'static str,
+    /// Whether a file is one, by its name and how it begins (a byte order mark and white space left out).
+    is_meant: fn(head: &[u8], path: &Path, request: &Request) -> bool,
+    /// Reads the table of contents.
+    open: fn(Arc<Source>, &Request) -> Result<Dataset>,
+    /// Whether a file may come with a second one, [`Request::solution`].
+    has_solution: bool,
+}
+
+/// The formats, in the order in which a file is tried as one of them.
+const FORMATS: &[Format] = &[xml::FORMAT, legacy::FORMAT, plot3d::FORMAT];
+
+/// What the reader's help says of its files.
+pub const FILES: &str = "VTK (.vtu .vts .vtr .vti, .pvtu …, .pvd, legacy .vtk) or a PLOT3D grid";
+
+/// What the formats' files are called, in one phrase.
+fn files(mut formats: impl Iterator<Item = &'static Format>) -> String {
+    let first = formats.next().map_or(String::new(), |format| format.files.to_string());
+    formats.fold(first, |phrase, format| phrase + " or " + format.files)
+}
 
 /// Whether an array belongs to the points or to the cells.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -126,9 +154,18 @@ pub fn unread(path: &Path, request: &Request) -> Result<Unread> {
     assemble::unread(&dataset, &assemble::choices(&dataset, request)?).map_err(|error| error.in_file(path))
 }
 
-/// Reads the table of contents of a file; what is asked for but cannot be of such a file is an error.
-fn open(path: &Path, request: &Request) -> Result<piece::Dataset> {
-    let dataset = open_any(path, request)?;
+/// Reads the table of contents of a file by the format that it shows; what is asked for but cannot be of such a file is an
+/// error.
+fn open(path: &Path, request: &Request) -> Result<Dataset> {
+    let source = Source::open(path)?;
+    let in_file = |error: Error| error.in_file(path);
+    let head = source.head(256).map_err(in_file)?;
+    let text = head.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(&head).trim_ascii_start();
+    let Some(format) = FORMATS.iter().find(|format| (format.is_meant)(text, path, request)) else {
+        let error = Error::run("the format of the file is not known").found(source::shown(&head));
+        return Err(in_file(error.accepted(files(FORMATS.iter()))));
+    };
+    let dataset = (format.open)(source, request).map_err(in_file)?;
     if dataset.time_steps.is_empty()
         && let Some(step) = request.time_step.filter(|step| *step != TimeStep::Index(0))
     {
@@ -137,33 +174,15 @@ fn open(path: &Path, request: &Request) -> Result<piece::Dataset> {
             TimeStep::Time(time) => format!("time {time}"),
         };
         let error = Error::run("a time step is asked for, but the file is no time series");
-        return Err(error.found(found).accepted("a .pvd file, or no time step").in_file(path));
+        return Err(in_file(error.found(found).accepted("a .pvd file, or no time step")));
     }
-    if request.solution.is_some() && !dataset.format.starts_with("PLOT3D") {
-        return Err(Error::run("a solution is named, but the grid is no PLOT3D file")
-            .found(&dataset.format)
-            .accepted("a PLOT3D grid, or no solution")
-            .in_file(path));
+    if request.solution.is_some() && !format.has_solution {
+        let with = files(FORMATS.iter().filter(|format| format.has_solution));
+        return Err(in_file(
+            Error::run("a solution is named, but the grid is of a format without")
+                .found(&dataset.format)
+                .accepted(format!("{with}, or no solution")),
+        ));
     }
     Ok(dataset)
-}
-
-/// The same by the format that the file's content shows.
-fn open_any(path: &Path, request: &Request) -> Result<piece::Dataset> {
-    let source = source::Source::open(path)?;
-    let in_file = |error: Error| error.in_file(path);
-    let head = source.head(256).map_err(in_file)?;
-    let text = head.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(&head).trim_ascii_start();
-    if text.starts_with(b"<") {
-        return xml::open(source, request).map_err(in_file);
-    }
-    if text.starts_with(legacy::MAGIC.as_bytes()) {
-        return legacy::open(source).map_err(in_file);
-    }
-    if plot3d::is_meant(path, request) {
-        return plot3d::open(source, request).map_err(in_file);
-    }
-    Err(in_file(Error::run("the format of the file is not known").found(source::shown(&head)).accepted(
-        "a VTK XML file (.vtu, .vts, .vtr, .vti, their parallel forms, .pvd), a legacy VTK file (.vtk) or a PLOT3D grid",
-    )))
 }

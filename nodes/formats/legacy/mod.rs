@@ -11,19 +11,28 @@ use super::piece::{Dataset, Geometry, Piece, PieceArray, StoredCells, StoredFace
 use super::select::GHOST_TYPE;
 use super::source::Source;
 use super::stored::{Encoding, Stored};
+use super::{Format, Request};
 use glam::{DMat3, DVec3};
 use scanner::Scanner;
 use std::sync::Arc;
 use voltet_core::{Error, Result};
 
 /// How every legacy file begins.
-pub(super) const MAGIC: &str = "# vtk DataFile Version";
+const MAGIC: &str = "# vtk DataFile Version";
 
 /// The kinds of data sets with a volume.
 const KINDS: [&str; 4] = ["UNSTRUCTURED_GRID", "STRUCTURED_GRID", "RECTILINEAR_GRID", "STRUCTURED_POINTS"];
 
+/// The declaration.
+pub(super) const FORMAT: Format = Format {
+    files: "a legacy VTK file (.vtk)",
+    is_meant: |head, _, _| head.starts_with(MAGIC.as_bytes()),
+    open,
+    has_solution: false,
+};
+
 /// Reads the table of contents.
-pub(super) fn open(source: Arc<Source>) -> Result<Dataset> {
+fn open(source: Arc<Source>, _: &Request) -> Result<Dataset> {
     let mut scanner = Scanner::new(source);
     let first = scanner.rest_of_line()?.unwrap_or_default();
     let version = first.get(MAGIC.len()..).unwrap_or("").trim().to_owned();

@@ -3,12 +3,12 @@
 mod layout;
 mod quantities;
 
-use super::Request;
 use super::numbers::{ByteOrder, NumberType};
 use super::piece::{Dataset, Geometry, Piece, PieceArray, structured_counts};
 use super::select::GHOST_TYPE;
 use super::source::Source;
 use super::stored::{Compute, Encoding, Stored};
+use super::{Format, Request};
 use layout::{Block, Plane, Role};
 use quantities::{Formula, QUANTITIES};
 use rayon::prelude::*;
@@ -19,8 +19,11 @@ use voltet_core::{Error, Result};
 /// Name of the blanking flags as an array.
 const BLANKING: &str = "iblank";
 
+/// The declaration.
+pub(super) const FORMAT: Format = Format { files: "a PLOT3D grid", is_meant, open, has_solution: true };
+
 /// Whether a file is to be read as PLOT3D: its name says so or a solution was named with it.
-pub(super) fn is_meant(path: &Path, request: &Request) -> bool {
+fn is_meant(_: &[u8], path: &Path, request: &Request) -> bool {
     let extension = path.extension().map(|extension| extension.to_ascii_lowercase());
     let extension = extension.as_deref().and_then(|extension| extension.to_str()).unwrap_or("");
     request.solution.is_some() || ["xyz", "x", "p3d", "g", "grd", "grid"].contains(&extension)
@@ -32,7 +35,7 @@ fn solution(path: &Path, request: &Request) -> Option<PathBuf> {
 }
 
 /// Reads the tables of contents of a grid file and its solution.
-pub(super) fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
+fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
     let (grids, format) = layout::blocks(&source, Role::Grid)?;
     let mut dataset = Dataset { format: format!("PLOT3D, {format}"), ..Dataset::default() };
     let mut solutions = Vec::new();

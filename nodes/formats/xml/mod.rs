@@ -6,14 +6,22 @@ mod parallel;
 mod serial;
 mod series;
 
-use super::Request;
 use super::piece::Dataset;
 use super::source::Source;
+use super::{Format, Request};
 use std::sync::Arc;
 use voltet_core::{Error, Result};
 
+/// The declaration.
+pub(super) const FORMAT: Format = Format {
+    files: "a VTK XML file (.vtu, .vts, .vtr, .vti, their parallel forms, .pvd)",
+    is_meant: |head, _, _| head.starts_with(b"<"),
+    open,
+    has_solution: false,
+};
+
 /// Reads the table of contents of a file of any of these formats.
-pub(super) fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
+fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
     let (root, appended) = header::read(&source)?;
     match root.required("type")? {
         "Collection" => series::open(&source, &root, request),

@@ -153,7 +153,7 @@ fn what_a_file_cannot_have_is_refused() {
     let step = error(Request { time_step: Some(TimeStep::Index(2)), ..request("Int8") });
     assert!(step.contains("no time series") && step.contains("step 2"), "{step}");
     let solution = error(Request { solution: Some("a.q".into()), ..request("Int8") });
-    assert!(solution.contains("no PLOT3D file") && solution.contains("a.vtu"), "{solution}");
+    assert!(solution.contains("a PLOT3D grid, or no solution") && solution.contains("a.vtu"), "{solution}");
     let first = Request { time_step: Some(TimeStep::Index(0)), ..request("Int8") };
     assert!(read(&path, &first, &Silent).is_ok());
 }

@@ -1,0 +1,20 @@
+//! The program voltet with a gradient filter and a node of its own.
+
+mod logarithm;
+mod weighted_fit;
+
+use std::sync::Arc;
+use voltet::core::Result;
+use voltet::core::graph::Registry;
+
+fn main() -> std::process::ExitCode {
+    voltet::run(registry())
+}
+
+/// What ships, and what is added here.
+fn registry() -> Result<Registry> {
+    let mut registry = voltet::nodes::registry()?;
+    registry.add(&logarithm::NODE)?;
+    registry.add_filter(Arc::new(weighted_fit::WeightedFit))?;
+    Ok(registry)
+}
