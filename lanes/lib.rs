@@ -43,6 +43,7 @@ mod avx2;
 mod avx512;
 #[cfg(test)]
 mod conformance;
+pub mod limits;
 pub mod optics;
 mod portable;
 

@@ -1,10 +1,11 @@
 //! What a scene asks of its shader: the choices that decide the text.
 
+use crate::kinds::{Calls, Kind};
 use crate::parts::{Layout, Parts};
 use voltet_core::optics::Overlap;
 use voltet_core::optics::integrators::can_serve;
 use voltet_core::shading::{Integrator, Shading};
-use voltet_core::transfer::{OpticalModel, Profile, TransferFunction, Widget};
+use voltet_core::transfer::{OpticalModel, TransferFunction, Widget};
 use voltet_core::{Error, Result};
 
 /// What runs the integral.
@@ -84,29 +85,6 @@ pub enum Combine {
     Mix,
     /// The ordered integral.
     Ordered,
-}
-
-/// A widget's profile, as far as it decides the text.
-#[derive(Debug, Clone, PartialEq, Eq, Hash)]
-pub enum Kind {
-    /// 1 inside its region.
-    Uniform,
-    /// A Gaussian of the scalar alone.
-    GaussianLine,
-    /// A Gaussian over the (s, g) plane.
-    GaussianPlane,
-    /// A Gaussian over so many fields.
-    GaussianFields(usize),
-    /// A triangular Gaussian.
-    Triangular,
-    /// A triangle wave.
-    TriangleWave,
-    /// A sine wave.
-    SineWave,
-    /// Linear between so many control points.
-    Piecewise(usize),
-    /// An image over the (s, g) plane.
-    Table,
 }
 
 /// A widget, as far as it decides the text.
@@ -189,9 +167,14 @@ impl Choices {
         1 + usize::from(self.reads_gradient_magnitude) + self.field_count
     }
 
+    /// What the generated block calls for a widget of the kind.
+    pub(crate) fn calls(&self, kind: &Kind) -> Calls {
+        kind.calls(self.constant_emitter)
+    }
+
     /// Whether a widget of the kind has no closed form for its light alone.
     pub(crate) fn is_integrated(&self, kind: &Kind) -> bool {
-        *kind == Kind::Table || (*kind == Kind::Triangular && self.constant_emitter)
+        kind.is_integrated(self.constant_emitter)
     }
 
     /// Whether a gradient vector is asked for.
@@ -217,9 +200,7 @@ impl Choices {
 
     /// Whether `numbers` is read, so that something must be bound to it.
     pub fn reads_numbers(&self) -> bool {
-        self.widgets.iter().any(|widget| {
-            widget.edges.is_some() || matches!(widget.kind, Kind::GaussianFields(_) | Kind::Piecewise(_))
-        })
+        self.widgets.iter().any(|widget| widget.edges.is_some() || widget.kind.reads_numbers())
     }
 
     /// The read-only storage buffers of group 0, by name and binding: `numbers`, whose bytes [`crate::Parameters`]
@@ -246,7 +227,7 @@ impl Choices {
         if self.method.is_table_of_lengths() {
             return Some(("glows", "glow"));
         }
-        let has_images = self.widgets.iter().any(|widget| widget.kind == Kind::Table);
+        let has_images = self.widgets.iter().any(|widget| widget.kind.reads_texels());
         has_images.then_some(("texels", "texel"))
     }
 
@@ -275,17 +256,7 @@ fn method(integrator: &Integrator) -> Result<Method> {
 }
 
 fn choice(widget: &Widget) -> WidgetChoice {
-    let kind = match &widget.profile {
-        Profile::Uniform => Kind::Uniform,
-        Profile::Gaussian { matrix, .. } if matrix[0][1] == 0.0 && matrix[1][1] == 0.0 => Kind::GaussianLine,
-        Profile::Gaussian { .. } => Kind::GaussianPlane,
-        Profile::GaussianNd { fields, .. } => Kind::GaussianFields(fields.len()),
-        Profile::TriangularGaussian { .. } => Kind::Triangular,
-        Profile::TriangleWave(_) => Kind::TriangleWave,
-        Profile::SineWave(_) => Kind::SineWave,
-        Profile::PiecewiseLinear { points } => Kind::Piecewise(points.len()),
-        Profile::Table(_) => Kind::Table,
-    };
     let clipped = widget.region.is_some() || widget.profile.properties().range.is_some();
-    WidgetChoice { kind, edges: clipped.then(|| widget.half_planes().len()) }
+    let edges = clipped.then(|| widget.half_planes().len());
+    WidgetChoice { kind: Kind::of(&widget.profile), edges }
 }

@@ -11,6 +11,7 @@
 mod choices;
 mod compose;
 mod generate;
+mod kinds;
 mod limits32;
 mod parameters;
 mod parts;
@@ -19,8 +20,9 @@ mod pieces;
 mod resources;
 pub mod segment_list;
 
-pub use choices::{Blend, Choices, Combine, Compositor, Kind, Method, TileOrder, WidgetChoice};
+pub use choices::{Blend, Choices, Combine, Compositor, Method, TileOrder, WidgetChoice};
 pub use compose::{Shader, compose, compose_pieces};
+pub use kinds::Kind;
 pub use limits32::{Spans, check_32_bits};
 pub use parameters::{Axis, Parameters, SceneHead, WidgetRecord};
 pub use parts::{Access, CELLS_READ, GRID_GROUP, GridArray, Layout, Parts};

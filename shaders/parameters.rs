@@ -1,10 +1,11 @@
 //! What may change per frame without another shader: the bytes of the `scene` uniform and of the `numbers` buffer.
 
+use crate::kinds;
 use bytemuck::{Pod, Zeroable};
-use voltet_core::optics::wave::{sine_half_area, sine_half_width};
 use voltet_core::shading::{Integrator, Shading, unit_vector};
-use voltet_core::transfer::{HalfPlane, Profile, Table, TransferFunction, Wave, Widget};
+use voltet_core::transfer::{HalfPlane, TransferFunction, Widget};
 use voltet_core::{Error, Result};
+use voltet_lanes::limits::PIECES_MOST;
 
 /// How a value is stored: stored = (value − offset) / scale.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -85,12 +86,6 @@ pub struct Parameters {
     pub numbers: Vec<f32>,
 }
 
-/// Bands over one unit of stored values from which on 32 bits do not tell one from the next.
-const BANDS_MOST: f64 = 1e6;
-
-/// Pieces of a segment: all of them are told apart by a 32-bit t.
-const PIECES_MOST: u32 = 1 << 20;
-
 impl Parameters {
     /// `axes`: how s, g (also where it is not read) and the further fields by name are stored. `length`: the scene
     /// length in world units, in which D is counted.
@@ -156,18 +151,43 @@ impl Parameters {
     }
 }
 
-struct Writer<'a> {
+/// Writes the numbers of one widget after the other.
+pub(crate) struct Writer<'a> {
     axes: &'a [Axis],
-    per_unit: f64,
-    cutoff: Option<f64>,
+    /// 1/U in scene lengths.
+    pub per_unit: f64,
+    /// The constant-emitter's.
+    pub cutoff: Option<f64>,
     fields: Vec<&'a str>,
+    /// Where the further fields begin among a segment's values.
     first_field: usize,
-    numbers: Vec<f32>,
+    /// Edges, control points, matrices so far.
+    pub numbers: Vec<f32>,
     /// Of the tables so far.
-    texel_count: u32,
+    pub texel_count: u32,
 }
 
 impl Writer<'_> {
+    /// The axes of s and g.
+    pub fn plane(&self) -> [Axis; 2] {
+        [self.axes[0], self.axes[1]]
+    }
+
+    /// The place of a field among the further ones.
+    pub fn field(&self, name: &str) -> usize {
+        self.fields.iter().position(|field| *field == name).unwrap_or(0)
+    }
+
+    /// The axis of a further field.
+    pub fn axis(&self, field: usize) -> Axis {
+        self.axes[2 + field]
+    }
+
+    /// The place of a further field among a segment's values.
+    pub fn value_of_field(&self, field: usize) -> usize {
+        self.first_field + field
+    }
+
     fn widget(&mut self, widget: &Widget) -> Result<WidgetRecord> {
         let first_edge = self.numbers.len() as u32;
         self.edges(widget)?;
@@ -179,103 +199,8 @@ impl Writer<'_> {
             first_number,
             ..WidgetRecord::zeroed()
         };
-        let [s, g] = [self.axes[0], self.axes[1]];
-        match &widget.profile {
-            Profile::Uniform => {}
-            Profile::Table(table) => self.table(table, &mut record)?,
-            Profile::Gaussian { centre, matrix } => {
-                let one_row = matrix[0][1] == 0.0 && matrix[1][1] == 0.0;
-                let rows = if one_row {
-                    [matrix[0][0].hypot(matrix[1][0]) * s.scale, 0.0, 0.0, 0.0]
-                } else {
-                    let [[a, b], [c, d]] = *matrix;
-                    [a * s.scale, b * g.scale, c * s.scale, d * g.scale]
-                };
-                record.matrix = all_finite("the matrix", rows)?;
-                let centre = [s.stored(centre[0]), if one_row { 0.0 } else { g.stored(centre[1]) }];
-                record.centre = all_finite("the centre", centre)?;
-            }
-            Profile::GaussianNd { fields, centre, matrix } => self.gaussian_fields(fields, centre, matrix)?,
-            Profile::TriangularGaussian { centre, sigma } => {
-                record.matrix[0] = finite("sigma", sigma * g.scale / s.scale)?;
-                record.centre = all_finite("the centre", [s.stored(*centre), g.stored(0.0)])?;
-            }
-            Profile::TriangleWave(wave) => self.wave(wave, false, &mut record)?,
-            Profile::SineWave(wave) => self.wave(wave, true, &mut record)?,
-            Profile::PiecewiseLinear { points } => {
-                record.color = points[0].color.map(|c| c as f32);
-                record.extinction = finite("1/unit distance", self.per_unit)?;
-                let peak = points.iter().fold(0.0, |peak: f64, p| p.extinction.max(peak));
-                record.matrix[0] = self.cutoff.map_or(-1.0, |cutoff| finite32(cutoff * peak));
-                for (i, point) in points.iter().enumerate() {
-                    let span = s.stored(point.s) - s.stored(points[i.saturating_sub(1)].s);
-                    let inverse = if span > 0.0 { 1.0 / span } else { 0.0 };
-                    let [red, green, blue] = point.color;
-                    let row = [s.stored(point.s), point.extinction, inverse, red, green, blue];
-                    self.numbers.extend(all_finite("a control point", row)?);
-                }
-            }
-        }
+        kinds::write(&widget.profile, self, &mut record)?;
         Ok(record)
-    }
-
-    /// Texel coordinates are factor × stored value + place of the stored 0; the texels are those of `Resources`.
-    fn table(&mut self, table: &Table, record: &mut WidgetRecord) -> Result<()> {
-        let [s, g] = [self.axes[0], self.axes[1]];
-        let size = [table.width as f64, table.height as f64];
-        let columns = size[0] / (table.s[1] - table.s[0]);
-        let rows = size[1] / (table.g[1] - table.g[0]);
-        let column = [columns * s.scale, (s.offset - table.s[0]) * columns - 0.5];
-        let row = [-rows * g.scale, (table.g[1] - g.offset) * rows - 0.5];
-        record.matrix = all_finite("a table's range", [column[0], column[1], row[0], row[1]])?;
-        record.bell = [size[0] as f32, size[1] as f32, 0.0, 0.0];
-        record.first_number = self.texel_count;
-        self.texel_count += table.texels.len() as u32;
-        Ok(())
-    }
-
-    fn gaussian_fields(&mut self, names: &[String], centre: &[f64], matrix: &[Vec<f64>]) -> Result<()> {
-        let of = |name: &String| self.fields.iter().position(|field| field == name).unwrap_or(0);
-        let places: Vec<usize> = names.iter().map(of).collect();
-        for &place in &places {
-            self.numbers.push((self.first_field + place) as f32);
-        }
-        for (&place, &centre) in places.iter().zip(centre) {
-            self.numbers.push(finite("the centre", self.axes[2 + place].stored(centre))?);
-        }
-        for row in matrix {
-            for (&place, k) in places.iter().zip(row) {
-                self.numbers.push(finite("the matrix", k * self.axes[2 + place].scale)?);
-            }
-        }
-        Ok(())
-    }
-
-    fn wave(&mut self, wave: &Wave, sine: bool, record: &mut WidgetRecord) -> Result<()> {
-        let (sin, cos) = wave.angle.sin_cos();
-        let per_value = [cos * wave.scale[0] / wave.period, sin * wave.scale[1] / wave.period];
-        let (mut start, mut bands) = (0.0, 0.0);
-        for (a, per_value) in per_value.into_iter().enumerate() {
-            if per_value != 0.0 {
-                let phase = per_value * (self.axes[a].offset - wave.origin[a]);
-                start += phase - phase.round();
-                record.matrix[a] = (per_value * self.axes[a].scale) as f32;
-                bands += (per_value * self.axes[a].scale).abs();
-            }
-        }
-        if bands > BANDS_MOST || bands.is_nan() {
-            return Err(Error::run("a wave has more bands than 32 bits tell apart")
-                .found(format!("{bands:.3e} over the range of the values"))
-                .accepted(format!("at most {BANDS_MOST:.0e}")));
-        }
-        record.matrix[2] = (start - start.round()) as f32;
-        let half_width = |width: f64| if sine { sine_half_width(width) } else { 0.5 * width };
-        let reach = half_width(wave.band_width);
-        let half_area = if sine { sine_half_area(wave.band_width, reach) } else { 0.5 * reach };
-        let lit = self.cutoff.map_or(reach, |cutoff| half_width((1.0 - cutoff) * wave.band_width));
-        record.bell = [1.0 / wave.band_width, reach, half_area, lit].map(|x| x as f32);
-        record.bell_kind = u32::from(sine) | u32::from(wave.band_width == 1.0) << 1;
-        Ok(())
     }
 
     fn edges(&mut self, widget: &Widget) -> Result<()> {
@@ -298,11 +223,8 @@ fn pieces(count: usize) -> Result<u32> {
     })
 }
 
-fn finite32(x: f64) -> f32 {
-    x.min(f64::from(f32::MAX)) as f32
-}
-
-fn finite(what: &str, x: f64) -> Result<f32> {
+/// A number in 32 bits, if it has one there.
+pub(crate) fn finite(what: &str, x: f64) -> Result<f32> {
     let stored = x as f32;
     if stored.is_finite() {
         return Ok(stored);
@@ -312,7 +234,8 @@ fn finite(what: &str, x: f64) -> Result<f32> {
         .accepted(format!("at most {:.1e} in the units of the scene", f32::MAX)))
 }
 
-fn all_finite<const N: usize>(what: &str, numbers: [f64; N]) -> Result<[f32; N]> {
+/// The same for several.
+pub(crate) fn all_finite<const N: usize>(what: &str, numbers: [f64; N]) -> Result<[f32; N]> {
     let mut stored = [0.0; N];
     for (stored, x) in stored.iter_mut().zip(numbers) {
         *stored = finite(what, x)?;

@@ -308,7 +308,7 @@ impl<L: Lanes> LaneTrack<L> for PartTrack<'_, L> {
     }
 }
 
-/// A wave as a [`LaneTrack`].
+/// A wave as a [`LaneTrack`]. It serves [`crate::limits::BANDS_WALKED_MOST`] bands of a segment, by band width.
 #[derive(Clone, Copy)]
 pub struct LaneWaveTrack<'a, L: Lanes> {
     bell: &'a LaneBell,
@@ -320,10 +320,6 @@ pub struct LaneWaveTrack<'a, L: Lanes> {
     /// Places of the breaks in a band, rising; the foot at 0 is another.
     breaks: [f32; 6],
 }
-
-/// Bands of a segment, by band width, that [`LaneWaveTrack`] serves: beyond, the rounding of t blurs where the bands
-/// begin (by 6e-5 of their width here).
-pub const BANDS_MOST: f64 = 1000.0;
 
 impl<'a, L: Lanes> LaneWaveTrack<'a, L> {
     /// The track of a path with the peak rate `peak` = ρ₀ D; it breaks at feet, peaks and where the profile passes

@@ -1,8 +1,8 @@
 //! The widgets as members of an ordered integral, or of what is sampled.
 
 use super::Block;
-use super::widgets::track;
-use crate::choices::{Combine, Kind, Method, WidgetChoice};
+use crate::choices::{Combine, Method, WidgetChoice};
+use crate::kinds::Mixing;
 use std::fmt::Write as _;
 
 impl Block<'_> {
@@ -18,36 +18,17 @@ impl Block<'_> {
         let choices = self.choices;
         let (mut fields, mut breaks, mut lights) = (String::new(), String::new(), String::new());
         for (i, widget) in choices.widgets.iter().enumerate() {
-            let (piece, stem, track) = track(&widget.kind);
             if choices.combine != Combine::Ordered && !choices.is_integrated(&widget.kind) {
                 continue;
             }
-            self.uses(&[piece]);
+            let calls = choices.calls(&widget.kind);
+            let (track, next) = (calls.track_type, calls.next_break.replace('#', &i.to_string()));
+            self.uses(&calls.track.pieces);
+            let light = self.call(i, &calls.member_light);
             let _ = writeln!(fields, "    member_{i}: Member,\n    track_{i}: {track},");
-            let _ = writeln!(
-                breaks,
-                "    next = min(next, member_next_break(members.member_{i}, t, \
-                 {stem}_next_break(members.track_{i}, t)));"
-            );
-            let call = if widget.kind == Kind::Table {
-                self.uses(&["overlap/member_colors"]);
-                format!(
-                    "member_texels_light(members.member_{i}, table_texels(members.track_{i}, at), at, \
-                     members.track_{i}.peak)"
-                )
-            } else if matches!(widget.kind, Kind::Piecewise(_)) {
-                self.uses(&["overlap/member_colors"]);
-                format!(
-                    "member_colors_light(members.member_{i}, piecewise_colors(members.track_{i}, at), at, \
-                     {stem}_rates(members.track_{i}, at))"
-                )
-            } else {
-                format!(
-                    "member_light(members.member_{i}, scene.widgets[{i}].color, at, \
-                     {stem}_rates(members.track_{i}, at))"
-                )
-            };
-            let _ = writeln!(lights, "    light += {call};");
+            let _ =
+                writeln!(breaks, "    next = min(next, member_next_break(members.member_{i}, t, {next}));");
+            let _ = writeln!(lights, "    light += {light};");
         }
         self.line(format!("struct Members {{\n{fields}}}"));
         self.line("fn members_next_break(members: Members, t: f32) -> f32 {\n    var next = 2.0;");
@@ -110,12 +91,10 @@ impl Block<'_> {
         let choices = self.choices;
         self.fill_members("    ");
         let integral = self.ordered_integral(0, "depth");
-        let bounded = |widget: &WidgetChoice| match widget.kind {
-            // Its colour varies.
-            Kind::Piecewise(_) | Kind::Table => false,
-            // It glows in many windows.
-            Kind::TriangleWave | Kind::SineWave => !choices.constant_emitter,
-            _ => true,
+        let bounded = |widget: &WidgetChoice| match choices.calls(&widget.kind).mixing {
+            Mixing::Bounded => true,
+            Mixing::DensityOnly => !choices.constant_emitter,
+            Mixing::Unbounded => false,
         };
         if !choices.widgets.iter().all(bounded) {
             self.line(format!("    let color = {integral};"));
@@ -153,36 +132,14 @@ impl Block<'_> {
 
     /// Expressions of a widget's member and track.
     fn member(&mut self, i: usize, widget: &WidgetChoice) -> (String, String) {
-        let constant = self.choices.constant_emitter;
-        let track = match widget.kind {
-            Kind::Uniform => format!("uniform_track({i}u, part_{i})"),
-            Kind::Triangular => format!("triangular_track({i}u, part_{i})"),
-            Kind::TriangleWave | Kind::SineWave => format!("wave_widget_track({i}u, part_{i})"),
-            Kind::Piecewise(count) => format!("piecewise_track({i}u, {count}u, part_{i})"),
-            Kind::Table => {
-                let cutoff = if constant { "scene.cutoff" } else { "-1.0" };
-                format!("table_track({i}u, {cutoff}, part_{i})")
-            }
-            _ => {
-                let path = self.path(i, widget, "whole");
-                format!("gaussian_track({path}, widget_rate({i}u, part_{i}))")
-            }
-        };
-        let everywhere = "vec2f(-1.0, 2.0)".to_owned();
-        let (window, threshold) = match widget.kind {
-            _ if !constant => (everywhere, "0.0".to_owned()),
-            // Within its window it glows, whatever the rounding of the rate.
-            Kind::Triangular => {
-                (format!("triangular_window_ends(members.track_{i}, scene.level)"), "0.0".to_owned())
-            }
-            Kind::GaussianLine | Kind::GaussianPlane | Kind::GaussianFields(_) => {
-                let path = self.path(i, widget, "whole");
-                (format!("gaussian_window_ends({path}, scene.level)"), "0.0".to_owned())
-            }
-            Kind::Piecewise(_) => {
-                (everywhere, format!("widget_rate({i}u, part_{i}) * scene.widgets[{i}].matrix.x"))
-            }
-            _ => (everywhere, format!("widget_rate({i}u, part_{i}) * scene.cutoff")),
+        let calls = self.choices.calls(&widget.kind);
+        let track = self.call(i, &calls.track);
+        let everywhere = || "vec2f(-1.0, 2.0)".to_owned();
+        let (window, threshold) = if self.choices.constant_emitter {
+            let window = calls.window.map_or_else(everywhere, |window| self.call(i, &window));
+            (window, calls.threshold.replace('#', &i.to_string()))
+        } else {
+            (everywhere(), "0.0".to_owned())
         };
         (format!("Member(part_range(part_{i}), {window}, {threshold})"), track)
     }

@@ -2,9 +2,9 @@
 
 mod members;
 mod tiles;
-mod widgets;
 
-use crate::choices::{Choices, Combine, Compositor, Kind, Method};
+use crate::choices::{Choices, Combine, Compositor, Method};
+use crate::kinds::{Call, Light};
 use crate::parts::{Access, PartedArray};
 
 /// The block, and the pieces that it uses.
@@ -42,7 +42,7 @@ struct Block<'a> {
 pub(crate) fn generate(choices: &Choices) -> Generated {
     let mut block = Block { choices, text: String::new(), uses: vec!["scene"] };
     block.values();
-    block.waves();
+    block.flanks();
     if choices.combine == Combine::Ordered || choices.widgets.iter().any(|w| choices.is_integrated(&w.kind)) {
         block.members();
     }
@@ -69,6 +69,12 @@ impl Block<'_> {
         self.uses.extend_from_slice(pieces);
     }
 
+    /// The text of a call for widget `i`, whose pieces are used from now on.
+    fn call(&mut self, i: usize, call: &Call) -> String {
+        self.uses(&call.pieces);
+        call.text.replace('#', &i.to_string())
+    }
+
     fn values(&mut self) {
         let choices = self.choices;
         if choices.reads_numbers() {
@@ -91,26 +97,25 @@ impl Block<'_> {
         self.line("fn plane(values: Values) -> vec2f { return vec2f(value_s(values), value_g(values)); }");
     }
 
-    fn has(&self, kind: &Kind) -> bool {
-        self.choices.widgets.iter().any(|widget| widget.kind == *kind)
-    }
-
-    fn waves(&mut self) {
-        let (triangle, sine) = (self.has(&Kind::TriangleWave), self.has(&Kind::SineWave));
-        let mean = match (triangle, sine) {
-            (false, false) => return,
-            (true, false) => "return triangle_mean_on_flank(bell, low, high);",
-            (false, true) => "return sine_mean_on_flank(bell, low, high);",
-            (true, true) => {
-                "if bell.is_sine == 1u { return sine_mean_on_flank(bell, low, high); } \
-                 return triangle_mean_on_flank(bell, low, high);"
+    /// The slot `wave_mean_on_flank`, by the kinds of waves that the scene has.
+    fn flanks(&mut self) {
+        let mut flanks: Vec<(&'static str, &'static str)> = Vec::new();
+        for found in self.choices.widgets.iter().filter_map(|widget| widget.kind.flank()) {
+            if !flanks.contains(&found) {
+                flanks.push(found);
             }
-        };
-        if triangle {
-            self.uses(&["wave/triangle"]);
         }
-        if sine {
-            self.uses(&["wave/sine"]);
+        // Equal sets give equal text.
+        flanks.sort_unstable();
+        let mean = match flanks.as_slice() {
+            [] => return,
+            [(_, only)] => format!("return {only}(bell, low, high);"),
+            _ => "if bell.is_sine == 1u { return sine_mean_on_flank(bell, low, high); } \
+                  return triangle_mean_on_flank(bell, low, high);"
+                .to_owned(),
+        };
+        for (piece, _) in flanks {
+            self.uses(&[piece]);
         }
         self.line(format!("fn wave_mean_on_flank(bell: Bell, low: Spot, high: Spot) -> f32 {{ {mean} }}"));
     }
@@ -182,7 +187,8 @@ impl Block<'_> {
         self.parts();
         self.line("    var depth = 0.0;");
         for (i, widget) in choices.widgets.iter().enumerate() {
-            let depth = self.depth(i, widget);
+            let depth = self.choices.calls(&widget.kind).depth;
+            let depth = self.call(i, &depth);
             self.line(format!("    var depth_{i} = 0.0;"));
             self.line(format!("    if 0.0 < part_share(part_{i}) {{ depth_{i} = {depth}; }}"));
             self.line(format!("    depth += depth_{i};"));
@@ -207,7 +213,10 @@ impl Block<'_> {
         self.line("    var color = vec3f(0.0);");
         let choices = self.choices;
         for (i, widget) in choices.widgets.iter().enumerate() {
-            let light = self.light(i, widget);
+            let light = match self.choices.calls(&widget.kind).light {
+                Light::Closed(call) => self.call(i, &call),
+                Light::Integrated => format!("light_alone_{i}(part_{i}, depth_{i})"),
+            };
             let share = share.replace('#', &i.to_string());
             self.line(format!("    if 0.0 < part_share(part_{i}) {{ color += {share} * {light}; }}"));
         }

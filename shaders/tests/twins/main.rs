@@ -54,7 +54,7 @@ fn every_twin_keeps_its_tolerance() {
             pieces.push("gaussian/plane");
         }
         if twin.expression.contains("fields_path") {
-            pieces.push("gaussian/fields");
+            pieces.push("gaussian_nd/path");
         }
         if twin.expression.contains("wave_glow") {
             pieces.push("wave/glow");

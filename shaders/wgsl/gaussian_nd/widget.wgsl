@@ -1,4 +1,4 @@
-// Uses: gaussian/fields, widgets/widget. Fills: nothing. Asks for: numbers.
+// Uses: gaussian_nd/path, widgets/widget. Fills: nothing. Asks for: numbers.
 // Paths through a Gaussian over `count` fields. Its numbers: the indices of its values, the centre, K row by row.
 
 fn gaussian_fields_point(index: u32, count: u32, values: Values) -> Fields {

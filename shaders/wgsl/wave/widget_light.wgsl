@@ -1,4 +1,4 @@
-// Uses: wave/glow, widgets/wave. Fills: nothing.
+// Uses: wave/glow, wave/widget. Fills: nothing.
 // Wave alone under the constant-emitter.
 
 fn wave_light(index: u32, part: Part) -> vec3f {

@@ -1,4 +1,4 @@
-// Uses: wave/track, widgets/wave. Fills: nothing.
+// Uses: wave/track, wave/widget. Fills: nothing.
 // A wave over the whole segment.
 
 fn wave_widget_track(index: u32, part: Part) -> WaveTrack {

@@ -1,4 +1,4 @@
-// Uses: piecewise_linear/emission, widgets/piecewise. Fills: nothing.
+// Uses: piecewise_linear/emission, piecewise_linear/widget. Fills: nothing.
 // Piecewise-linear widget alone under the density-emitter.
 
 fn piecewise_density_light(index: u32, count: u32, part: Part) -> vec3f {

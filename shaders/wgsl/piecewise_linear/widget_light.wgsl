@@ -1,4 +1,4 @@
-// Uses: piecewise_linear/glow, widgets/piecewise. Fills: nothing.
+// Uses: piecewise_linear/glow, piecewise_linear/widget. Fills: nothing.
 // Piecewise-linear widget alone under the constant-emitter; matrix.x is the extinction above which it glows.
 
 fn piecewise_light(index: u32, count: u32, part: Part) -> vec3f {

@@ -1,4 +1,4 @@
-// Uses: piecewise_linear/depth, widgets/piecewise. Fills: nothing.
+// Uses: piecewise_linear/depth, piecewise_linear/widget. Fills: nothing.
 // Optical depth of a piecewise-linear widget.
 
 fn piecewise_depth(index: u32, count: u32, part: Part) -> f32 {

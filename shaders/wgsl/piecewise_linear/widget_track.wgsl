@@ -1,4 +1,4 @@
-// Uses: piecewise_linear/track, widgets/piecewise. Fills: nothing.
+// Uses: piecewise_linear/track, piecewise_linear/widget. Fills: nothing.
 // A piecewise-linear widget over the whole segment.
 
 fn piecewise_track(index: u32, count: u32, part: Part) -> PiecewiseTrack {

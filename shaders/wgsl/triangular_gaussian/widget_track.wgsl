@@ -1,4 +1,4 @@
-// Uses: triangular_gaussian/track, widgets/triangular. Fills: nothing.
+// Uses: triangular_gaussian/track, triangular_gaussian/widget. Fills: nothing.
 // A triangular Gaussian over the whole segment.
 
 fn triangular_track(index: u32, part: Part) -> TriangularTrack {

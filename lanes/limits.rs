@@ -1,0 +1,38 @@
+//! What 32 bits do not hold, for every engine that computes in them: the native one leaves such segments to 64 bits, a
+//! device's shaders refuse such scenes before anything is drawn.
+
+/// Widths of a Gaussian that a segment may span: the rounding of its ends (6e-8 of the span) moves the path by a share of a
+/// width, which enters the square of its distance from the centre: 1e-5 of the depth at this limit, 4e-3 at 1e6 widths.
+pub const GAUSSIAN_WIDTHS_MOST: f64 = 1e5;
+
+/// Widths of a triangular Gaussian, at its wider end, that a segment may span: t finds where the profile is to 1e-7 of the
+/// segment, and the quadrature's panels begin there.
+pub const TRIANGULAR_WIDTHS_MOST: f64 = 50.0;
+
+/// Bands of a wave, over what values span, within which 32 bits tell one from the next.
+pub const BANDS_MOST: f64 = 1e6;
+
+/// Bands of a segment, by band width, that are walked one by one: beyond, the rounding of t blurs where the bands begin (by
+/// 6e-5 of their width here).
+pub const BANDS_WALKED_MOST: f64 = 1000.0;
+
+/// Rate of a segment's densest place, depth per t, up to which panels resolve what is seen: t finds a step to 5e-7, so to
+/// 1e-4 of depth.
+pub const RATE_MOST: f32 = 200.0;
+
+/// Depth from which on all that is seen of a wave of the constant-emitter is where its band begins to glow.
+pub const OPAQUE: f64 = 30.0;
+
+/// That place is then within rounding of where the band begins if the segment crosses more than this times the cutoff of
+/// bands, by band width: the rate there, `cutoff` of its peak, has few digits. Under the limit the colour errs by less
+/// than 1e-4.
+pub const SUDDEN_BANDS: f64 = 2e4;
+
+/// Pieces of a segment that a t tells apart.
+pub const PIECES_MOST: u32 = 1 << 20;
+
+/// Lengths and depths of a segment, in unit distances: within these no product of two steps leaves the normal range.
+pub const LENGTHS: std::ops::Range<f64> = f32::MIN_POSITIVE as f64..f32::MAX as f64 / 4.0;
+
+/// Under this length in unit distances the products of a walk in panels leave the normal range.
+pub const LENGTH_WALKED_LEAST: f32 = 1e-30;

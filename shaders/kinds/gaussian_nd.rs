@@ -1,0 +1,38 @@
+//! `gaussian-nd` in WGSL.
+
+use super::Calls;
+use super::gaussian::calls_of_path;
+use crate::limits32::{Stretch, check_widths};
+use crate::parameters::{Writer, finite};
+use voltet_core::Result;
+
+pub(super) fn calls(count: usize, constant_emitter: bool) -> Calls {
+    calls_of_path("gaussian_nd/widget", "gaussian_fields", &format!("{count}u, "), constant_emitter)
+}
+
+/// Numbers: where the fields lie among a segment's values, the centre, K row by row.
+pub(super) fn write(
+    fields: &[String],
+    centre: &[f64],
+    matrix: &[Vec<f64>],
+    writer: &mut Writer,
+) -> Result<()> {
+    let places: Vec<usize> = fields.iter().map(|name| writer.field(name)).collect();
+    for &place in &places {
+        writer.numbers.push(writer.value_of_field(place) as f32);
+    }
+    for (&place, &centre) in places.iter().zip(centre) {
+        writer.numbers.push(finite("the centre", writer.axis(place).stored(centre))?);
+    }
+    for row in matrix {
+        for (&place, k) in places.iter().zip(row) {
+            writer.numbers.push(finite("the matrix", k * writer.axis(place).scale)?);
+        }
+    }
+    Ok(())
+}
+
+pub(super) fn check_32_bits(fields: &[String], matrix: &[Vec<f64>], stretch: &Stretch) -> Result<()> {
+    let spans: Vec<f64> = fields.iter().map(|name| stretch.span_of(name)).collect();
+    check_widths(matrix.iter().map(|row| row.iter().zip(&spans).map(|(k, span)| (k * span).abs()).sum()))
+}

@@ -1,0 +1,223 @@
+//! The kinds of widgets as shaders know them, one file each: the calls that the generated block makes for one, the numbers
+//! that its pieces read, and what 32 bits do not hold of it. The pieces stand under `wgsl/`, in a folder of the kind's name.
+
+mod gaussian;
+mod gaussian_nd;
+mod piecewise_linear;
+mod table;
+mod triangular_gaussian;
+mod uniform;
+mod wave;
+
+use crate::limits32::Stretch;
+use crate::parameters::{WidgetRecord, Writer};
+use voltet_core::Result;
+use voltet_core::transfer::{Profile, Widget};
+
+/// A widget's profile, as far as it decides the text.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub enum Kind {
+    /// 1 inside its region.
+    Uniform,
+    /// A Gaussian of the scalar alone.
+    GaussianLine,
+    /// A Gaussian over the (s, g) plane.
+    GaussianPlane,
+    /// A Gaussian over so many fields.
+    GaussianNd(usize),
+    /// A triangular Gaussian.
+    TriangularGaussian,
+    /// A triangle wave.
+    TriangleWave,
+    /// A sine wave.
+    SineWave,
+    /// Linear between so many control points.
+    PiecewiseLinear(usize),
+    /// An image over the (s, g) plane.
+    Table,
+}
+
+/// A call of WGSL: the pieces that it takes, and its text. `#` stands for the widget's number, `part_#` for its part of the
+/// segment, `depth_#` for its depth.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Call {
+    pub pieces: Vec<&'static str>,
+    pub text: String,
+}
+
+impl Call {
+    fn new(pieces: &[&'static str], text: impl Into<String>) -> Call {
+        Call { pieces: pieces.to_vec(), text: text.into() }
+    }
+}
+
+/// C of a widget that is alone on the segment.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Light {
+    /// In closed form.
+    Closed(Call),
+    /// By the ordered integral.
+    Integrated,
+}
+
+impl Light {
+    /// c (1 − e^(−T)) of a widget with a colour, under the density-emitter.
+    fn of_density() -> Light {
+        Light::Closed(Call::new(&["widgets/density_light"], "density_light(#u, depth_#)"))
+    }
+}
+
+/// Whether the mix of widgets has a bound of its error, which takes a colour that does not vary.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Mixing {
+    /// Under either model.
+    Bounded,
+    /// Under the density-emitter: under the other it glows in many windows.
+    DensityOnly,
+    /// Never.
+    Unbounded,
+}
+
+/// What the generated block calls for a widget of one kind.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Calls {
+    /// T of its part.
+    pub depth: Call,
+    /// C where it is alone, under the model that was asked for.
+    pub light: Light,
+    /// Makes its track, over the whole segment.
+    pub track: Call,
+    /// The type of the track.
+    pub track_type: &'static str,
+    /// The next break of `members.track_#` behind t.
+    pub next_break: String,
+    /// Light and rate of `members.member_#` with `members.track_#` at four places.
+    pub member_light: Call,
+    /// The t between which it glows under the constant-emitter; `None` for what breaks there itself.
+    pub window: Option<Call>,
+    /// The rate above which it glows under the constant-emitter.
+    pub threshold: &'static str,
+    /// Whether the mix of it with others has a bound.
+    pub mixing: Mixing,
+}
+
+/// The rate at the cutoff, for a profile of peak 1.
+const CUTOFF_RATE: &str = "widget_rate(#u, part_#) * scene.cutoff";
+/// Of what glows within its window, whatever the rounding of the rate.
+const ANY_RATE: &str = "0.0";
+
+/// Light of a member whose colour is the widget's, from its rates.
+fn light_of_rates(piece: &'static str, rates: &str) -> Call {
+    let text =
+        format!("member_light(members.member_#, scene.widgets[#].color, at, {rates}(members.track_#, at))");
+    Call::new(&[piece], text)
+}
+
+impl Kind {
+    pub(crate) fn of(profile: &Profile) -> Kind {
+        match profile {
+            Profile::Uniform => Kind::Uniform,
+            Profile::Gaussian { matrix, .. } if gaussian::is_line(matrix) => Kind::GaussianLine,
+            Profile::Gaussian { .. } => Kind::GaussianPlane,
+            Profile::GaussianNd { fields, .. } => Kind::GaussianNd(fields.len()),
+            Profile::TriangularGaussian { .. } => Kind::TriangularGaussian,
+            Profile::TriangleWave(_) => Kind::TriangleWave,
+            Profile::SineWave(_) => Kind::SineWave,
+            Profile::PiecewiseLinear { points } => Kind::PiecewiseLinear(points.len()),
+            Profile::Table(_) => Kind::Table,
+        }
+    }
+
+    /// What the generated block calls for it.
+    pub(crate) fn calls(&self, constant_emitter: bool) -> Calls {
+        match self {
+            Kind::Uniform => uniform::calls(constant_emitter),
+            Kind::GaussianLine => gaussian::line_calls(constant_emitter),
+            Kind::GaussianPlane => gaussian::plane_calls(constant_emitter),
+            Kind::GaussianNd(count) => gaussian_nd::calls(*count, constant_emitter),
+            Kind::TriangularGaussian => triangular_gaussian::calls(constant_emitter),
+            Kind::TriangleWave | Kind::SineWave => wave::calls(constant_emitter),
+            Kind::PiecewiseLinear(count) => piecewise_linear::calls(*count, constant_emitter),
+            Kind::Table => table::calls(constant_emitter),
+        }
+    }
+
+    /// Whether its light alone has no closed form under the model.
+    pub(crate) fn is_integrated(&self, constant_emitter: bool) -> bool {
+        self.calls(constant_emitter).light == Light::Integrated
+    }
+
+    /// Whether it reads `numbers` beside its region's edges.
+    pub(crate) fn reads_numbers(&self) -> bool {
+        match self {
+            Kind::GaussianNd(_) | Kind::PiecewiseLinear(_) => true,
+            Kind::Uniform
+            | Kind::GaussianLine
+            | Kind::GaussianPlane
+            | Kind::TriangularGaussian
+            | Kind::TriangleWave
+            | Kind::SineWave
+            | Kind::Table => false,
+        }
+    }
+
+    /// Whether it reads an image.
+    pub(crate) fn reads_texels(&self) -> bool {
+        match self {
+            Kind::Table => true,
+            Kind::Uniform
+            | Kind::GaussianLine
+            | Kind::GaussianPlane
+            | Kind::GaussianNd(_)
+            | Kind::TriangularGaussian
+            | Kind::TriangleWave
+            | Kind::SineWave
+            | Kind::PiecewiseLinear(_) => false,
+        }
+    }
+
+    /// The piece that fills the slot `wave_mean_on_flank`, and its function, of a kind that asks for it.
+    pub(crate) fn flank(&self) -> Option<(&'static str, &'static str)> {
+        match self {
+            Kind::TriangleWave => Some(("wave/triangle", "triangle_mean_on_flank")),
+            Kind::SineWave => Some(("wave/sine", "sine_mean_on_flank")),
+            Kind::Uniform
+            | Kind::GaussianLine
+            | Kind::GaussianPlane
+            | Kind::GaussianNd(_)
+            | Kind::TriangularGaussian
+            | Kind::PiecewiseLinear(_)
+            | Kind::Table => None,
+        }
+    }
+}
+
+/// Writes the numbers of a profile, into the record and behind the numbers so far.
+pub(crate) fn write(profile: &Profile, writer: &mut Writer, record: &mut WidgetRecord) -> Result<()> {
+    match profile {
+        Profile::Uniform => Ok(()),
+        Profile::Gaussian { centre, matrix } => gaussian::write(centre, matrix, writer, record),
+        Profile::GaussianNd { fields, centre, matrix } => gaussian_nd::write(fields, centre, matrix, writer),
+        Profile::TriangularGaussian { centre, sigma } => {
+            triangular_gaussian::write(*centre, *sigma, writer, record)
+        }
+        Profile::TriangleWave(wave) => wave::write(wave, false, writer, record),
+        Profile::SineWave(wave) => wave::write(wave, true, writer, record),
+        Profile::PiecewiseLinear { points } => piecewise_linear::write(points, writer, record),
+        Profile::Table(table) => table::write(table, writer, record),
+    }
+}
+
+/// Checks that 32 bits hold the widget on every segment of a data set.
+pub(crate) fn check_32_bits(widget: &Widget, stretch: &Stretch) -> Result<()> {
+    match &widget.profile {
+        Profile::Gaussian { matrix, .. } => gaussian::check_32_bits(matrix, stretch),
+        Profile::GaussianNd { fields, matrix, .. } => gaussian_nd::check_32_bits(fields, matrix, stretch),
+        Profile::TriangleWave(wave) | Profile::SineWave(wave) => wave::check_32_bits(widget, wave, stretch),
+        // Their ends are formed in the values' own 32 bits, and their panels follow the segment.
+        Profile::Uniform
+        | Profile::TriangularGaussian { .. }
+        | Profile::PiecewiseLinear { .. }
+        | Profile::Table(_) => Ok(()),
+    }
+}

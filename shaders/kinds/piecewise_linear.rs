@@ -1,0 +1,45 @@
+//! `piecewise-linear` in WGSL.
+
+use super::{Call, Calls, Light, Mixing};
+use crate::parameters::{WidgetRecord, Writer, all_finite, finite};
+use voltet_core::Result;
+use voltet_core::transfer::ControlPoint;
+
+pub(super) fn calls(count: usize, constant_emitter: bool) -> Calls {
+    let call = |piece, function: &str| Call::new(&[piece], format!("{function}(#u, {count}u, part_#)"));
+    Calls {
+        depth: call("piecewise_linear/widget_depth", "piecewise_depth"),
+        light: Light::Closed(match constant_emitter {
+            false => call("piecewise_linear/widget_density_light", "piecewise_density_light"),
+            true => call("piecewise_linear/widget_light", "piecewise_light"),
+        }),
+        track: call("piecewise_linear/widget_track", "piecewise_track"),
+        track_type: "PiecewiseTrack",
+        next_break: "piecewise_next_break(members.track_#, t)".into(),
+        member_light: Call::new(
+            &["overlap/member_colors", "piecewise_linear/track"],
+            "member_colors_light(members.member_#, piecewise_colors(members.track_#, at), at, \
+             piecewise_rates(members.track_#, at))",
+        ),
+        window: None,
+        threshold: "widget_rate(#u, part_#) * scene.widgets[#].matrix.x",
+        mixing: Mixing::Unbounded,
+    }
+}
+
+/// matrix.x: the extinction above which it glows; numbers: six a point.
+pub(super) fn write(points: &[ControlPoint], writer: &mut Writer, record: &mut WidgetRecord) -> Result<()> {
+    let [s, _] = writer.plane();
+    record.color = points[0].color.map(|c| c as f32);
+    record.extinction = finite("1/unit distance", writer.per_unit)?;
+    let peak = points.iter().fold(0.0, |peak: f64, p| p.extinction.max(peak));
+    record.matrix[0] = writer.cutoff.map_or(-1.0, |cutoff| (cutoff * peak).min(f64::from(f32::MAX)) as f32);
+    for (i, point) in points.iter().enumerate() {
+        let span = s.stored(point.s) - s.stored(points[i.saturating_sub(1)].s);
+        let inverse = if span > 0.0 { 1.0 / span } else { 0.0 };
+        let [red, green, blue] = point.color;
+        let row = [s.stored(point.s), point.extinction, inverse, red, green, blue];
+        writer.numbers.extend(all_finite("a control point", row)?);
+    }
+    Ok(())
+}
