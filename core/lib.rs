@@ -3,6 +3,7 @@
 //! No GPU, no windows, no files. Each module's head says what it is, its symbols and units, and its source.
 
 pub mod camera;
+pub mod engine;
 pub mod error;
 pub mod field;
 pub mod graph;
@@ -14,6 +15,7 @@ pub mod pipeline;
 pub mod probing;
 pub mod progress;
 pub mod reference;
+pub mod scene;
 pub mod shading;
 pub mod transfer;
 pub mod visibility;

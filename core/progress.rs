@@ -16,3 +16,14 @@ pub struct Silent;
 impl Progress for Silent {
     fn report(&self, _stage: &str, _fraction: f64) {}
 }
+
+/// Hands on that the work should stop, and no progress: for parts of a work whose own progress says nothing of the whole.
+pub struct Unreported<'a>(pub &'a dyn Progress);
+
+impl Progress for Unreported<'_> {
+    fn report(&self, _stage: &str, _fraction: f64) {}
+
+    fn cancelled(&self) -> bool {
+        self.0.cancelled()
+    }
+}

@@ -10,6 +10,7 @@
 //! | `scene` | what the compositor reads: the projection and how segments are shaded |
 //! | `composite` | segments in order to pixels |
 //! | `draw` | the stages end to end |
+//! | `native` | the engine as one of the program's |
 //! | `segments` | what becomes of segments alone, for judging |
 
 mod attribute;
@@ -18,6 +19,7 @@ mod composite;
 mod cull;
 mod draw;
 mod fragments;
+mod native;
 mod project;
 mod scene;
 mod segments;
@@ -26,4 +28,5 @@ mod shade;
 pub use cells::{Cells, Counts};
 pub use cull::{cull, keep_all};
 pub use draw::{Projection, Ready, composite, draw, needs_gradient, prepare, project, sort};
+pub use native::ENGINE;
 pub use segments::{Integrated, Segments, segments};

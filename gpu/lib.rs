@@ -5,6 +5,7 @@
 //! The shaders come from `voltet-shaders`; this crate knows devices, buffers and the order of the passes.
 
 mod device;
+mod engine;
 mod frame;
 mod grid;
 mod measure;
@@ -13,8 +14,8 @@ mod raster;
 
 pub use device::adapter::{Adapters, KINDS};
 pub use device::open::{Device, Work};
-pub use frame::draw::{Compositing, Counts, Drawn, How, draw, no_exact_order};
+pub use engine::{ENGINE, OnDevice};
+pub use frame::draw::{Counts, Drawn, draw};
 pub use frame::limits::can_serve;
 pub use frame::renderer::Renderer;
-pub use measure::compositors::{Times, measure};
 pub use measure::segments::Segments;

@@ -35,7 +35,7 @@ fn run(call: &mut Call) -> Result<Outputs> {
     let look = call.look("transfer_function")?;
     let shading = drawing::shading(call.parameters)?;
     let revision = call.revision("projection")?;
-    let (cells, camera) = (projected.projection.cells(), projected.projection.camera());
+    let cells = projected.projection.cells();
     let transfer_function = drawing::for_data(call, &look, &cells.volume, revision)?;
     if transfer_function != projected.transfer_function {
         let what = "the cells were culled for another transfer function than the one to draw";
@@ -45,7 +45,7 @@ fn run(call: &mut Call) -> Result<Outputs> {
     }
     drawing::note_bands(call, &cells.volume, &transfer_function)?;
     let picture = if shading.integrator == Integrator::Reference {
-        drawing::referee(call, &cells.volume, &transfer_function, camera, &shading, cells.order)?
+        drawing::referee(call, &projected.projection, &transfer_function, &shading)?
     } else {
         drawing::composite(call, &projected.projection, &transfer_function, &shading)?
     };

@@ -1,5 +1,8 @@
 //! The command line.
 
+use crate::nodes::drawing::ENGINES;
+use crate::study::work_precision::Engines;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
@@ -178,8 +181,8 @@ pub struct Study {
     ///
     /// A device is measured where this machine has a graphics device, or the one that --adapter names; else the output says
     /// what is missing.
-    #[arg(long, value_name = "WHICH", value_enum, default_value = "all")]
-    pub engine: EngineName,
+    #[arg(long, value_name = "WHICH", value_parser = engines(), default_value = "all")]
+    pub engine: Engines,
     /// The graphics device to measure: a part of its name, or discrete, integrated, virtual, software.
     ///
     /// Without it the one that the file names, or else the fastest that is hardware. A driver that is a program on the CPU
@@ -232,8 +235,8 @@ pub struct Time {
     #[arg(long, value_name = "WIDTHxHEIGHT", value_delimiter = ',', value_parser = size)]
     pub size: Vec<[u32; 2]>,
     /// What draws: the CPU, a graphics device, or both.
-    #[arg(long, value_name = "WHICH", value_enum, default_value = "all")]
-    pub engine: EngineName,
+    #[arg(long, value_name = "WHICH", value_parser = engines(), default_value = "all")]
+    pub engine: Engines,
     /// The graphics device to measure: a part of its name, or discrete, integrated, virtual, software.
     ///
     /// Without it the one that the file names, or else the fastest that is hardware.
@@ -258,15 +261,13 @@ fn size(text: &str) -> Result<[u32; 2], String> {
     both.ok_or_else(|| "a size is WIDTHxHEIGHT in pixels, such as 1024x768".into())
 }
 
-/// Engines.
-#[derive(Debug, Clone, Copy, ValueEnum)]
-pub enum EngineName {
-    /// Native code on all cores.
-    Cpu,
-    /// The graphics device, or an error.
-    Gpu,
-    /// The CPU, and the graphics device where there is one.
-    All,
+/// The engines by name, or all of them.
+fn engines() -> impl TypedValueParser<Value = Engines> {
+    let all = PossibleValue::new("all").help("the CPU, and the graphics device where there is one");
+    let words = ENGINES.iter().map(|engine| PossibleValue::new(engine.name).help(engine.summary));
+    let named = |name: String| ENGINES.iter().find(|engine| engine.name == name);
+    PossibleValuesParser::new(words.chain([all]))
+        .map(move |name| named(name).map_or(Engines::All, Engines::One))
 }
 
 /// Errors of a picture.

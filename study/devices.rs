@@ -1,29 +1,28 @@
-//! The graphics device that a study or the stability of formulas is measured on.
+//! The engines that a study or the stability of formulas is measured on.
 
+use std::sync::Arc;
+use voltet_core::engine::{AdapterWish, Declaration, Engine};
 use voltet_core::{Error, Result};
 
-#[cfg(feature = "gpu")]
-pub(crate) use voltet_gpu::Device;
-
-/// In builds without the device engine there is none.
-#[cfg(not(feature = "gpu"))]
-pub(crate) enum Device {}
-
-/// Opens the adapter that is named, by its kind or a part of its name, or the fastest that is hardware.
+/// Opens an engine on the adapter that is named, by its kind or a part of its name, or on the fastest that is hardware.
 ///
 /// Errors: there is none; `--adapter` is named where it helps.
-#[cfg(feature = "gpu")]
-pub(crate) fn open(adapter: Option<&str>) -> Result<Device> {
-    let hint = |error: Error| match adapter {
-        None if voltet_gpu::Adapters::find().described().is_empty() => error,
-        // What there is, is software.
-        None => error.accepted("one, or --adapter software, which measures what was found"),
-        Some(_) => error,
-    };
-    Device::open(adapter, true).map_err(hint)
+pub(crate) fn open(engine: &Declaration, adapter: Option<&str>) -> Result<Arc<dyn Engine>> {
+    engine.open(&AdapterWish::hardware(adapter)).map_err(|error| helped(engine, adapter, error))
 }
 
-#[cfg(not(feature = "gpu"))]
-pub(crate) fn open(_adapter: Option<&str>) -> Result<Device> {
-    Err(Error::run("this build has no device engine").accepted("one with the feature \"gpu\""))
+/// The same for each of its ways to compute that is judged on its own.
+pub(crate) fn open_each(engine: &Declaration, adapter: Option<&str>) -> Result<Vec<Arc<dyn Engine>>> {
+    engine.open_each(&AdapterWish::hardware(adapter)).map_err(|error| helped(engine, adapter, error))
+}
+
+fn helped(engine: &Declaration, adapter: Option<&str>, error: Error) -> Error {
+    match adapter {
+        _ if engine.absent.is_some() => error.accepted(format!("one with the feature \"{}\"", engine.name)),
+        // What there is, is software.
+        None if !(engine.adapters)().is_empty() => {
+            error.accepted("one, or --adapter software, which measures what was found")
+        }
+        _ => error,
+    }
 }

@@ -9,11 +9,12 @@ use voltet::core::camera::{Camera, Projection};
 use voltet::core::grid::generate::box_of_tetrahedra;
 use voltet::core::optics::Overlap;
 use voltet::core::progress::{Progress, Silent};
+use voltet::core::scene::Scene;
 use voltet::core::shading::{Integrator, Order, Shading};
 use voltet::core::transfer::{OpticalModel, Profile, TransferFunction, Widget};
 use voltet::core::volume::Volume;
 use voltet::study::work_precision::{
-    Asked, Benches, Engines, Form, Frames, Measure, Scene, Source, Wish, reference, refinement, study,
+    Asked, Benches, Engines, Form, Frames, Measure, Source, Subject, Wish, reference, refinement, study,
 };
 
 /// Stops once this many settings have begun.
@@ -22,9 +23,8 @@ struct After(usize, Mutex<Vec<String>>);
 impl Progress for After {
     fn report(&self, stage: &str, _fraction: f64) {
         let mut begun = self.1.lock().unwrap();
-        if !matches!(stage, "cull" | "project" | "composite" | "reference")
-            && begun.last().is_none_or(|last| last != stage)
-        {
+        // The reference is drawn before the settings.
+        if stage != "reference" && begun.last().is_none_or(|last| last != stage) {
             begun.push(stage.into());
         }
     }
@@ -40,28 +40,29 @@ fn a_stopped_study_keeps_the_finished_settings_and_the_reference() {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("pipelines/isotherms.toml");
     let document = voltet::Document::open(&file, &["view.size=[24,18]".into()], &registry).unwrap();
     let mut session = voltet::nodes::session();
-    let scene = Scene::gather(&document.graph, None, &mut session, &voltet::core::graph::Unobserved).unwrap();
+    let unobserved = voltet::core::graph::Unobserved;
+    let subject = Subject::gather(&document.graph, None, &mut session, &unobserved).unwrap();
     let cache = tempfile::tempdir().unwrap();
     let stop = After(3, Mutex::default());
-    let drawn = reference(&scene, cache.path(), &stop).unwrap();
+    let drawn = reference(&subject, cache.path(), &stop).unwrap();
     let wish = Wish {
         only: Vec::new(),
-        engines: Engines::Cpu,
+        engines: Engines::One(voltet::nodes::drawing::NATIVE),
         adapter: None,
         refine: 0,
         frames: Frames { count: 1, patience: Duration::ZERO, turn: 0.0 },
         measure: Measure::Maximum,
         max_error: Some(0.1),
     };
-    let benches = Benches::open(&scene, &wish).unwrap();
-    let found = study(scene.clone(), wish, benches, drawn, &stop).unwrap();
+    let benches = Benches::open(&subject, &wish).unwrap();
+    let found = study(subject.clone(), wish, benches, drawn, &stop).unwrap();
     assert!(found.stopped());
     assert_eq!(found.rows.len(), 3);
     assert!(found.recommended.is_some() && found.rows.iter().any(|row| row.on_front));
     let begun = stop.1.lock().unwrap();
     assert_eq!(begun[..3], found.rows.iter().map(|row| row.setting.label()).collect::<Vec<_>>());
     drop(begun);
-    assert!(reference(&scene, cache.path(), &stop).unwrap().cached);
+    assert!(reference(&subject, cache.path(), &stop).unwrap().cached);
 }
 
 /// Stops once a tenth of the reference picture is drawn; counts what is reported.
@@ -79,27 +80,28 @@ impl Progress for Early {
 
 #[test]
 fn a_stopped_reference_picture_goes_on_where_it_was() {
-    let scene = Scene { camera: Camera { size: [160, 160], ..smooth_scene().camera }, ..smooth_scene() };
+    let mut subject = smooth_subject();
+    subject.scene.camera.size = [160, 160];
     let [cache, other] = [tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap()];
-    let whole = reference(&scene, other.path(), &Silent).unwrap();
+    let whole = reference(&subject, other.path(), &Silent).unwrap();
     let stop = Early(Mutex::default());
-    assert!(reference(&scene, cache.path(), &stop).is_err());
+    assert!(reference(&subject, cache.path(), &stop).is_err());
     let drawn = stop.0.lock().unwrap().len();
     assert!(drawn >= 10, "{drawn} of 100 tiles");
     let rest = After(usize::MAX, Mutex::default());
     let counted = Early(Mutex::new(Vec::new()));
-    assert!(reference(&scene, cache.path(), &counted).is_err(), "a tenth is there already");
+    assert!(reference(&subject, cache.path(), &counted).is_err(), "a tenth is there already");
     assert!(counted.0.lock().unwrap()[0] > 0.1, "it began anew");
-    let resumed = reference(&scene, cache.path(), &rest).unwrap();
+    let resumed = reference(&subject, cache.path(), &rest).unwrap();
     assert!(!resumed.cached);
     assert_eq!(resumed.picture, whole.picture);
-    assert!(reference(&scene, cache.path(), &rest).unwrap().cached);
+    assert!(reference(&subject, cache.path(), &rest).unwrap().cached);
     let left: Vec<_> = std::fs::read_dir(cache.path()).unwrap().collect();
     assert_eq!(left.len(), 1, "the tiles are gone: {left:?}");
 }
 
 /// A smooth field on a box of tetrahedra, with its gradient, drawn as one soft Gaussian over s.
-fn smooth_scene() -> Scene {
+fn smooth_subject() -> Subject {
     let grid = box_of_tetrahedra([6, 6, 6], [DVec3::ZERO, DVec3::ONE], 0.15);
     let of = |f: &dyn Fn(DVec3) -> f64| grid.points.iter().map(|&p| f(p)).collect::<Vec<f64>>();
     let scalar = Arc::new(of(&|p| field(p).0));
@@ -110,11 +112,9 @@ fn smooth_scene() -> Scene {
     let widget = Widget { profile, color: [0.4, 0.7, 1.0], extinction: 3.0, region: None };
     let model = OpticalModel::DensityEmitter;
     let (integrator, overlap) = (Integrator::Analytic, Overlap::Exact);
-    Scene {
-        node: "picture".into(),
-        order_node: None,
+    let scene = Scene {
         volume,
-        transfer_function: TransferFunction { model, unit_distance: 1.0, widgets: vec![widget] },
+        transfer_function: Arc::new(TransferFunction { model, unit_distance: 1.0, widgets: vec![widget] }),
         camera: Camera {
             eye: DVec3::new(-0.9, -1.1, 1.4),
             target: DVec3::splat(0.5),
@@ -126,6 +126,11 @@ fn smooth_scene() -> Scene {
         },
         shading: Shading { integrator, overlap, silhouette: None, light: None },
         order: Order::Exact,
+    };
+    Subject {
+        node: "picture".into(),
+        order_node: None,
+        scene,
         needs_order: false,
         asked: Asked { form: Form::Renderer, engine: "cpu".into(), adapter: None, compositor: "auto".into() },
         background: [0.0; 3],
@@ -140,11 +145,11 @@ fn field(p: DVec3) -> (f64, DVec3) {
 
 #[test]
 fn refining_the_grid_tells_integration_from_the_data_model() {
-    let scene = smooth_scene();
+    let subject = smooth_subject();
     let cache = tempfile::tempdir().unwrap();
-    let drawn = reference(&scene, cache.path(), &Silent).unwrap();
-    let known = refinement(&scene, &drawn, 2, &Source::Function(&field), &Silent).unwrap();
-    let count = scene.volume.grid.tetrahedra.len() as u64;
+    let drawn = reference(&subject, cache.path(), &Silent).unwrap();
+    let known = refinement(&subject, &drawn, 2, &Source::Function(&field), &Silent).unwrap();
+    let count = subject.scene.volume.grid.tetrahedra.len() as u64;
     assert_eq!(known.cells, [count, 8 * count, 64 * count]);
     for found in known.integration.iter().chain([&known.model]) {
         let observed = found.observed.unwrap_or_else(|| panic!("{known:#?}"));
@@ -155,9 +160,9 @@ fn refining_the_grid_tells_integration_from_the_data_model() {
     assert!(known.integration_error < 1e-6, "{known:#?}");
     assert!(known.model_error > 100.0 * known.integration_error, "{known:#?}");
     // What the gradients say of the field between the points is nearly what the field is.
-    let guessed = refinement(&scene, &drawn, 2, &Source::Gradients, &Silent).unwrap();
+    let guessed = refinement(&subject, &drawn, 2, &Source::Gradients, &Silent).unwrap();
     assert!((guessed.model_error / known.model_error - 1.0).abs() < 0.1, "{guessed:#?}\n{known:#?}");
     assert!((guessed.model.observed.unwrap() - 2.0).abs() < 0.4, "{guessed:#?}");
-    let many = refinement(&scene, &drawn, 9, &Source::Gradients, &Silent).unwrap_err().to_string();
+    let many = refinement(&subject, &drawn, 9, &Source::Gradients, &Silent).unwrap_err().to_string();
     assert!(many.contains("too large to be refined"), "{many}");
 }

@@ -96,6 +96,15 @@ impl Notes {
         self.findings.push(Finding { node: String::new(), what: what.into(), figures });
     }
 
+    /// Adds what an engine says of its work.
+    pub fn add(&mut self, of_engine: Notes) {
+        for LeftOut { what, why, saving, .. } in of_engine.left_out {
+            self.leave_out(what, why, saving);
+        }
+        self.warnings.extend(of_engine.warnings);
+        self.counts.extend(of_engine.counts);
+    }
+
     /// Adds what was said while planning to what was said while running.
     pub(super) fn join(&mut self, planned: &Notes) {
         for LeftOut { what, why, saving, .. } in &planned.left_out {

@@ -2,60 +2,46 @@
 //! formula with the engine or with `optics`.
 //!
 //! What a picture means stands in `docs/optics.md`; this module follows it as directly as it can, so that the engines
-//! can be held against it. [`draw`] makes a picture, [`Scene`] answers for single rays, and
+//! can be held against it. [`draw`] makes a picture, [`Tracer`] answers for single rays, and
 //! [`integrate`] for single segments. The integrator that a scene asks for is not looked at: it is always
 //! quadrature, to 1e-11 of each segment.
 //!
 //! Order of reading: [`crossing`](Crossing) (ray against cell), `term` (a widget at a point, and where it
-//! changes), `segment` (the integral), `scene` (shading and compositing), `tiles` (the picture).
+//! changes), `segment` (the integral), `tracer` (shading and compositing), `tiles` (the picture).
 
 mod along;
 mod crossing;
 mod quadrature;
-mod scene;
+mod referee;
 mod segment;
 mod side;
 mod term;
 #[cfg(test)]
 mod tests;
 mod tiles;
+mod tracer;
 
 pub use crossing::{Crossing, Ray};
-pub use scene::{Scene, Seen};
+pub use referee::ENGINE;
 pub use segment::{Integrand, Tolerance, Workspace};
 pub use tiles::{TILE_PIXELS, Tiles};
+pub use tracer::{Seen, Tracer};
 
 use crate::Result;
-use crate::camera::Camera;
 use crate::optics::{Contribution, Overlap, Segment};
 use crate::picture::Picture;
 use crate::progress::Progress;
-use crate::shading::{Order, Shading};
+use crate::scene::Scene;
 use crate::transfer::TransferFunction;
-use crate::volume::Volume;
 
-/// Draws the volume in 64 bits. Errors: arrays that are missing, numbers out of range, a stopped run.
-pub fn draw(
-    volume: &Volume,
-    transfer_function: &TransferFunction,
-    camera: &Camera,
-    shading: &Shading,
-    order: Order,
-    progress: &dyn Progress,
-) -> Result<Picture> {
-    Scene::new(volume, transfer_function, camera, shading, order)?.draw(progress)
+/// Draws the scene in 64 bits. Errors: arrays that are missing, numbers out of range, a stopped run.
+pub fn draw(scene: &Scene, progress: &dyn Progress) -> Result<Picture> {
+    Tracer::new(scene)?.draw(progress)
 }
 
 /// [`draw`] from the tiles that are there already; where it ends early, `tiles` holds those that are drawn.
-pub fn draw_further(
-    volume: &Volume,
-    transfer_function: &TransferFunction,
-    camera: &Camera,
-    shading: &Shading,
-    tiles: &mut Tiles,
-    progress: &dyn Progress,
-) -> Result<Picture> {
-    Scene::new(volume, transfer_function, camera, shading, Order::Exact)?.draw_further(tiles, progress)
+pub fn draw_further(scene: &Scene, tiles: &mut Tiles, progress: &dyn Progress) -> Result<Picture> {
+    Tracer::new(scene)?.draw_further(tiles, progress)
 }
 
 /// The integral of one segment, to a relative 1e-11 of each of its stretches.

@@ -1,11 +1,12 @@
 //! Anchors: exact segments, the fixtures' 20-digit values, and pictures whose truth is a formula.
 
 use super::*;
-use crate::camera::Projection;
+use crate::camera::{Camera, Projection};
 use crate::grid::generate::{box_of_tetrahedra, sample};
 use crate::progress::Silent;
-use crate::shading::{Integrator, Light};
+use crate::shading::{Integrator, Light, Order, Shading};
 use crate::transfer::{OpticalModel, Profile, Region, Widget};
+use crate::volume::Volume;
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -37,6 +38,12 @@ fn cube(counts: [usize; 3], scale: f64, offset: DVec3) -> Volume {
     let grid = box_of_tetrahedra(counts, [offset, offset + DVec3::splat(scale)], 0.0);
     let scalar = sample(&grid, |p| (p.x - offset.x) / scale);
     Volume { grid: Arc::new(grid), scalar: Arc::new(scalar), gradient: None, gradient_magnitude: None }
+}
+
+/// In exact order.
+fn scene(volume: Volume, look: TransferFunction, camera: Camera, shading: Shading) -> Scene {
+    let (volume, transfer_function) = (Arc::new(volume), Arc::new(look));
+    Scene { volume, transfer_function, camera, shading, order: Order::Exact }
 }
 
 fn camera(scale: f64, offset: DVec3, size: [u32; 2]) -> Camera {
@@ -79,15 +86,9 @@ fn gaussian_segments() {
 fn slab() {
     for counts in [[1, 1, 1], [4, 3, 4], [13, 2, 13]] {
         let volume = cube(counts, 1.0, DVec3::ZERO);
-        let picture = draw(
-            &volume,
-            &look(vec![uniform(2.0)]),
-            &camera(1.0, DVec3::ZERO, [13, 13]),
-            &PLAIN,
-            Order::Exact,
-            &Silent,
-        )
-        .expect("draws");
+        let view = camera(1.0, DVec3::ZERO, [13, 13]);
+        let scene = scene(volume, look(vec![uniform(2.0)]), view, PLAIN);
+        let picture = draw(&scene, &Silent).expect("draws");
         let exact = -(-2f64).exp_m1();
         for pixel in &picture.rgba {
             assert!((f64::from(pixel[3]) - exact).abs() < 1e-7, "{counts:?}: {pixel:?}");
@@ -106,7 +107,7 @@ fn place_and_size_do_not_matter() {
         let mut view = camera(scale, offset, [20, 20]);
         view.projection = Projection::Perspective { fov_y: 35.0 };
         view.eye += scale * DVec3::new(0.7, 0.0, 0.4);
-        draw(&cube([3, 3, 3], scale, offset), &looks, &view, &PLAIN, Order::Exact, &Silent).expect("draws")
+        draw(&scene(cube([3, 3, 3], scale, offset), looks, view, PLAIN), &Silent).expect("draws")
     };
     let here = picture(1.0, DVec3::ZERO);
     for (scale, offset) in [(1e20, DVec3::ZERO), (1e-20, DVec3::ZERO), (1.0, DVec3::splat(1e6))] {
@@ -132,13 +133,14 @@ fn eye_inside_and_near_plane() {
         {
             let view = Camera { projection, ..view };
             let looks = look(vec![uniform(1.0)]);
-            let scene = Scene::new(&volume, &looks, &view, &PLAIN, Order::Exact).expect("is a scene");
-            let picture = scene.draw(&Silent).expect("draws");
+            let scene = scene(volume.clone(), looks, view, PLAIN);
+            let tracer = Tracer::new(&scene).expect("is a scene");
+            let picture = tracer.draw(&Silent).expect("draws");
             for (j, i) in (0..9).flat_map(|j| (0..9).map(move |i| (j, i))) {
-                let ray = scene.ray(i as f64 + 0.5, j as f64 + 0.5);
+                let ray = tracer.ray(i as f64 + 0.5, j as f64 + 0.5);
                 let exact = -(-left * ray.stretch()).exp_m1();
                 assert!((f64::from(picture.pixel(i, j)[3]) - exact).abs() < 1e-7, "{i} {j} {projection:?}");
-                assert!((scene.trace(&ray).expect("traces").opacity - exact).abs() < 1e-12);
+                assert!((tracer.trace(&ray).expect("traces").opacity - exact).abs() < 1e-12);
             }
         }
     }
@@ -155,10 +157,11 @@ fn silhouette_and_light() {
         let light = Light { direction: DVec3::X * 7.0, ambient: 0.3, diffuse: 0.5 };
         let looks = look(vec![uniform(1e6)]);
         let lit = Shading { silhouette: Some(2.0), light: Some(light), ..PLAIN };
-        let scene = Scene::new(&volume, &looks, &view, &lit, Order::Exact).expect("is a scene");
+        let scene = scene(volume.clone(), looks, view, lit);
+        let tracer = Tracer::new(&scene).expect("is a scene");
         // A hair beside the middle, where the ray does not lie in the cube's diagonal plane.
-        let ray = scene.ray(0.51, 0.503);
-        let seen = scene.trace(&ray).expect("traces");
+        let ray = tracer.ray(0.51, 0.503);
+        let seen = tracer.trace(&ray).expect("traces");
         // Each cell is opaque but for the factor.
         let factor = (1.0f64 - facing).powi(2);
         let opacity = 1.0 - (1.0 - factor).powi(seen.segments as i32);
@@ -185,7 +188,7 @@ fn what_is_missing_is_said() {
     let volume = cube([1, 1, 1], 1.0, DVec3::ZERO);
     let view = camera(1.0, DVec3::ZERO, [4, 4]);
     let error = |looks: TransferFunction, shading: Shading| {
-        draw(&volume, &looks, &view, &shading, Order::Exact, &Silent).expect_err("refuses").to_string()
+        draw(&scene(volume.clone(), looks, view, shading), &Silent).expect_err("refuses").to_string()
     };
     let mut both = gaussian(0.5, 0.1, 1.0);
     if let Profile::Gaussian { matrix, .. } = &mut both.profile {
@@ -203,6 +206,6 @@ fn what_is_missing_is_said() {
         }
     }
     let looks = look(vec![uniform(1.0)]);
-    let stopped = draw(&volume, &looks, &view, &PLAIN, Order::Exact, &Stop).expect_err("stops");
+    let stopped = draw(&scene(volume, looks, view, PLAIN), &Stop).expect_err("stops");
     assert_eq!(stopped.kind, crate::error::ErrorKind::Cancelled);
 }

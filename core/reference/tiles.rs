@@ -1,8 +1,8 @@
 //! The picture: cells put into screen tiles by conservative bounds, tiles drawn on all cores.
 
 use super::crossing::Crossing;
-use super::scene::Scene;
 use super::segment::Workspace;
+use super::tracer::Tracer;
 use crate::camera::Projection;
 use crate::picture::Picture;
 use crate::progress::Progress;
@@ -31,7 +31,7 @@ pub type Tiles = BTreeMap<u32, Vec<[f32; 4]>>;
 /// Pixels of a tile.
 pub const TILE_PIXELS: usize = SIDE * SIDE;
 
-impl Scene<'_> {
+impl Tracer<'_> {
     /// Draws the picture. Errors when a cell cannot be integrated or the user stopped the run.
     pub fn draw(&self, progress: &dyn Progress) -> Result<Picture> {
         self.draw_further(&mut Tiles::new(), progress)

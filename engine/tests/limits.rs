@@ -9,6 +9,7 @@ use voltet_core::optics::Overlap;
 use voltet_core::picture::Picture;
 use voltet_core::progress::Silent;
 use voltet_core::reference;
+use voltet_core::scene::Scene;
 use voltet_core::shading::{Integrator, Order, Shading};
 use voltet_core::transfer::{OpticalModel, Profile, Region, TransferFunction, Widget};
 use voltet_core::volume::Volume;
@@ -116,7 +117,14 @@ fn cells_that_overlap_are_ordered_by_close_entries() {
     let camera = along(DVec3::Z);
     let cells = cull(&two, &look, &camera, &Silent).expect("culls");
     let (found, _) = draw(&cells, &look, &camera, &SHADING, &Silent).expect("draws");
-    let exact = reference::draw(&two, &look, &camera, &SHADING, Order::Exact, &Silent).expect("draws");
+    let scene = Scene {
+        volume: two,
+        transfer_function: Arc::new(look),
+        camera,
+        shading: SHADING,
+        order: Order::Exact,
+    };
+    let exact = reference::draw(&scene, &Silent).expect("draws");
     let difference = largest_difference(&found, &exact);
     // The wrong order is off by a tenth and more.
     assert!(difference < 2e-4, "off by {difference:e}");

@@ -2,18 +2,23 @@
 
 use crate::device::open::Device;
 use voltet_core::Result;
+use voltet_core::engine::{Stage, Timed};
 use wgpu::BufferUsages;
 
 /// Passes of a frame that are timed; further ones are not.
 const PASSES: u32 = 64;
 
 pub(crate) struct Timing {
-    timed: Option<Timed>,
-    names: Vec<&'static str>,
-    sums: Vec<(&'static str, f64)>,
+    clock: Option<Clock>,
+    /// The passes of the submission in hand.
+    begun: Vec<PassName>,
+    sums: Vec<Timed>,
 }
 
-struct Timed {
+/// A pass by its entry point, and the stage that it is part of.
+pub(crate) type PassName = (&'static str, Stage);
+
+struct Clock {
     queries: wgpu::QuerySet,
     resolved: wgpu::Buffer,
     returned: wgpu::Buffer,
@@ -23,9 +28,9 @@ struct Timed {
 impl Timing {
     pub fn new(device: &Device) -> Result<Timing> {
         let bytes = u64::from(2 * PASSES) * 8;
-        let timed = match device.tick {
+        let clock = match device.tick {
             None => None,
-            Some(tick) => Some(Timed {
+            Some(tick) => Some(Clock {
                 queries: device.guarded("the clock", || {
                     device.device.create_query_set(&wgpu::QuerySetDescriptor {
                         label: Some("passes"),
@@ -46,17 +51,17 @@ impl Timing {
                 tick_secs: f64::from(tick) * 1e-9,
             }),
         };
-        Ok(Timing { timed, names: Vec::new(), sums: Vec::new() })
+        Ok(Timing { clock, begun: Vec::new(), sums: Vec::new() })
     }
 
     /// Before the passes of a submission.
     pub fn begin(&mut self) {
-        self.names.clear();
+        self.begun.clear();
     }
 
     /// What times the next pass.
-    pub fn next(&mut self, name: &'static str) -> Option<wgpu::ComputePassTimestampWrites<'_>> {
-        let (query_set, at) = self.place(name)?;
+    pub fn next(&mut self, pass: PassName) -> Option<wgpu::ComputePassTimestampWrites<'_>> {
+        let (query_set, at) = self.place(pass)?;
         Some(wgpu::ComputePassTimestampWrites {
             query_set,
             beginning_of_pass_write_index: Some(at),
@@ -65,8 +70,8 @@ impl Timing {
     }
 
     /// The same for a pass that draws.
-    pub fn next_drawing(&mut self, name: &'static str) -> Option<wgpu::RenderPassTimestampWrites<'_>> {
-        let (query_set, at) = self.place(name)?;
+    pub fn next_drawing(&mut self, pass: PassName) -> Option<wgpu::RenderPassTimestampWrites<'_>> {
+        let (query_set, at) = self.place(pass)?;
         Some(wgpu::RenderPassTimestampWrites {
             query_set,
             beginning_of_pass_write_index: Some(at),
@@ -75,43 +80,43 @@ impl Timing {
     }
 
     /// Where the next pass writes its begin, and behind it its end.
-    fn place(&mut self, name: &'static str) -> Option<(&wgpu::QuerySet, u32)> {
-        let timed = self.timed.as_ref()?;
-        let at = self.names.len() as u32;
+    fn place(&mut self, pass: PassName) -> Option<(&wgpu::QuerySet, u32)> {
+        let clock = self.clock.as_ref()?;
+        let at = self.begun.len() as u32;
         if at == PASSES {
             return None;
         }
-        self.names.push(name);
-        Some((&timed.queries, 2 * at))
+        self.begun.push(pass);
+        Some((&clock.queries, 2 * at))
     }
 
     /// Behind the passes of a submission.
     pub fn end(&self, encoder: &mut wgpu::CommandEncoder) {
-        if let Some(timed) = &self.timed {
-            let count = 2 * self.names.len() as u32;
-            encoder.resolve_query_set(&timed.queries, 0..count, &timed.resolved, 0);
-            encoder.copy_buffer_to_buffer(&timed.resolved, 0, &timed.returned, 0, timed.returned.size());
+        if let Some(clock) = &self.clock {
+            let count = 2 * self.begun.len() as u32;
+            encoder.resolve_query_set(&clock.queries, 0..count, &clock.resolved, 0);
+            encoder.copy_buffer_to_buffer(&clock.resolved, 0, &clock.returned, 0, clock.returned.size());
         }
     }
 
     /// Adds the times of a submission.
     pub fn take(&mut self, device: &Device) -> Result<()> {
-        let Some(timed) = &self.timed else { return Ok(()) };
-        let bytes = 16 * self.names.len() as u64;
+        let Some(clock) = &self.clock else { return Ok(()) };
+        let bytes = 16 * self.begun.len() as u64;
         let ticks: Vec<u64> =
-            device.read("the times", &timed.returned, bytes, bytemuck::pod_collect_to_vec)?;
-        for (name, pair) in self.names.iter().zip(ticks.chunks_exact(2)) {
-            let seconds = pair[1].saturating_sub(pair[0]) as f64 * timed.tick_secs;
-            match self.sums.iter_mut().find(|(known, _)| known == name) {
-                Some((_, sum)) => *sum += seconds,
-                None => self.sums.push((name, seconds)),
+            device.read("the times", &clock.returned, bytes, bytemuck::pod_collect_to_vec)?;
+        for (&(name, stage), pair) in self.begun.iter().zip(ticks.chunks_exact(2)) {
+            let seconds = pair[1].saturating_sub(pair[0]) as f64 * clock.tick_secs;
+            match self.sums.iter_mut().find(|known| known.pass == Some(name)) {
+                Some(sum) => sum.seconds += seconds,
+                None => self.sums.push(Timed { stage, pass: Some(name), seconds }),
             }
         }
         Ok(())
     }
 
-    /// Seconds by the name of the pass.
-    pub fn seconds(self) -> Vec<(&'static str, f64)> {
+    /// The passes with their times, each once.
+    pub fn passes(self) -> Vec<Timed> {
         self.sums
     }
 }

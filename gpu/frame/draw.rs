@@ -7,44 +7,18 @@ use crate::grid::axes::{axis, offset_parts};
 use crate::grid::parts::Sizes;
 use crate::grid::uploaded::{DeviceGrid, Quantity};
 use crate::pass::tables::TableKey;
-use voltet_core::camera::Camera;
+use voltet_core::Result;
+use voltet_core::engine::{Compositing, Timed};
 use voltet_core::optics::integrators::Extent;
 use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
+use voltet_core::scene::Scene;
 use voltet_core::shading::{Order, Shading};
 use voltet_core::transfer::TransferFunction;
-use voltet_core::volume::Volume;
-use voltet_core::{Error, Result};
-use voltet_shaders::Shader;
 use voltet_shaders::{
-    Axis, Blend, Choices, Combine, Compositor, Parameters, TileOrder, ViewRecord, compose, table_lengths,
+    Axis, Blend, Choices, Combine, Compositor, Parameters, Shader, TileOrder, ViewRecord, compose,
+    table_lengths,
 };
-
-/// What takes the cells to the picture.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Compositing {
-    /// Compute passes over tiles of pixels.
-    #[default]
-    Tiles,
-    /// The cells' silhouettes, drawn farthest first and blended by the hardware: no exact order at every pixel.
-    Raster,
-}
-
-/// How a scene is composited.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct How {
-    /// Order of a pixel's segments.
-    pub order: Order,
-    /// What composites them.
-    pub compositing: Compositing,
-}
-
-impl From<Order> for How {
-    /// By tiles, which serve every order.
-    fn from(order: Order) -> How {
-        How { order, compositing: Compositing::Tiles }
-    }
-}
 
 /// A picture and what it took.
 #[derive(Debug, Clone)]
@@ -53,14 +27,12 @@ pub struct Drawn {
     pub picture: Picture,
     /// Counts.
     pub counts: Counts,
-    /// Seconds of each pass, where the adapter has timestamps.
-    pub seconds: Vec<(&'static str, f64)>,
+    /// The passes with their times, where the adapter has timestamps.
+    pub passes: Vec<Timed>,
     /// What no part of the scene's shader is about: folders of pieces that are not in it.
     pub parts_left_out: Vec<&'static str>,
     /// Bytes of all pieces that are not in it.
     pub part_bytes_left_out: u64,
-    /// What composited it.
-    pub(crate) shader: Shader,
     /// Whether pixels were blended in 16-bit floats, since the device blends none of 32 bits.
     pub blended_in_16_bits: bool,
 }
@@ -91,30 +63,22 @@ pub struct Counts {
     pub cells_hidden: u64,
 }
 
-/// Draws the volume that `renderer` was made from.
+/// Draws a scene of the volume that `renderer` was made from.
 ///
 /// Errors: what the device has no shader for, cannot hold in 32 bits, or has more parts than it binds; an order that the
 /// compositor does not have; memory; a lost device; a stopped run.
 pub fn draw(
     renderer: &Renderer,
-    volume: &Volume,
-    transfer_function: &TransferFunction,
-    camera: &Camera,
-    shading: &Shading,
-    how: impl Into<How>,
+    scene: &Scene,
+    compositing: Compositing,
     progress: &dyn Progress,
 ) -> Result<Drawn> {
+    let Scene { volume, transfer_function, camera, shading, .. } = scene;
     let grid = &renderer.grid;
     limits::can_serve(transfer_function, shading)?;
-    let how = how.into();
-    let compositor = compositor(transfer_function, shading, how)?;
-    if how.compositing == Compositing::Raster {
-        grid.device.check_raster(grid.cell_count.into())?;
-    }
-    let mut choices = Choices::new(transfer_function, shading, compositor)?;
-    let sizes = sizes(grid, &choices, transfer_function, shading);
-    sizes.check(grid.device.room(), &grid.device.name)?;
-    choices.layout = sizes.layout(grid.device.room());
+    let order = order(scene, compositing);
+    let (choices, sizes) = choices(renderer, scene, compositing)?;
+    let compositor = choices.compositor;
 
     let scalar = grid.stored(volume, Quantity::Scalar)?;
     // Where g is not read, s stands in its place.
@@ -141,7 +105,7 @@ pub fn draw(
         }
     }
     let is_free = is_free(compositor);
-    let sort_key = match how.order {
+    let sort_key = match order {
         _ if is_free => 2,
         _ if compositor == Compositor::Tiles(TileOrder::Exact) => 0,
         Order::Centroid => 1,
@@ -175,14 +139,14 @@ pub fn draw(
         scene: parameters.scene_bytes(),
         numbers: parameters.numbers,
         support,
-        sorted: !is_free && (sort_key != 2 || how.compositing == Compositing::Tiles),
+        sorted: !is_free && (sort_key != 2 || compositing == Compositing::Tiles),
         samples: camera.sample_offsets().iter().map(sample).collect::<Result<_>>()?,
         scalar: scalar.clone(),
         attributes,
     };
     let returned = frame.draw(progress)?;
     let counted = returned.counts;
-    let is_counted = how.compositing == Compositing::Tiles;
+    let is_counted = compositing == Compositing::Tiles;
     Ok(Drawn {
         picture: returned.picture,
         counts: Counts {
@@ -197,12 +161,36 @@ pub fn draw(
             tiles_stopped: counted[count::TILES_STOPPED],
             cells_hidden: counted[count::CELLS_HIDDEN],
         },
-        seconds: returned.seconds,
+        passes: returned.passes,
         parts_left_out,
         part_bytes_left_out,
-        shader: frame.compositor,
         blended_in_16_bits: !is_counted && !grid.device.blends_32_bits,
     })
+}
+
+/// The order that is carried out: none is made for blending hardware where none is needed.
+fn order(scene: &Scene, compositing: Compositing) -> Order {
+    let is_made = compositing == Compositing::Tiles || scene.needs_order();
+    if is_made { scene.order } else { Order::None }
+}
+
+/// What decides the text of the scene's shader, and what the scene takes on the device.
+pub(crate) fn choices(
+    renderer: &Renderer,
+    scene: &Scene,
+    compositing: Compositing,
+) -> Result<(Choices, Sizes)> {
+    let grid = &renderer.grid;
+    let Scene { transfer_function, shading, .. } = scene;
+    let compositor = compositor(transfer_function, shading, order(scene, compositing), compositing)?;
+    if compositing == Compositing::Raster {
+        grid.device.check_raster(grid.cell_count.into())?;
+    }
+    let mut choices = Choices::new(transfer_function, shading, compositor)?;
+    let sizes = sizes(grid, &choices, transfer_function, shading);
+    sizes.check(grid.device.room(), &grid.device.name)?;
+    choices.layout = sizes.layout(grid.device.room());
+    Ok((choices, sizes))
 }
 
 /// What the scene takes on the device.
@@ -244,24 +232,22 @@ fn is_free(compositor: Compositor) -> bool {
 }
 
 /// With one colour that no light changes, C = c A whatever the order.
-fn compositor(transfer_function: &TransferFunction, shading: &Shading, how: How) -> Result<Compositor> {
+fn compositor(
+    transfer_function: &TransferFunction,
+    shading: &Shading,
+    order: Order,
+    compositing: Compositing,
+) -> Result<Compositor> {
     let choices = Choices::new(transfer_function, shading, Compositor::None)?;
     let lit = shading.light.is_some_and(|light| light.diffuse != 0.0);
     let known = !choices.method.is_table_of_lengths();
     let free = known && matches!(choices.combine, Combine::OneColor | Combine::Nothing) && !lit;
-    Ok(match (how.compositing, how.order) {
+    compositing.check_order(order, !free)?;
+    Ok(match (compositing, order) {
         (Compositing::Tiles, _) if free => Compositor::Tiles(TileOrder::Sum),
         (Compositing::Tiles, Order::Exact | Order::Auto) => Compositor::Tiles(TileOrder::Exact),
         (Compositing::Tiles, Order::Centroid | Order::None) => Compositor::Tiles(TileOrder::Listed),
         (Compositing::Raster, _) if free => Compositor::Raster(Blend::Sum),
-        (Compositing::Raster, Order::Centroid | Order::None) => Compositor::Raster(Blend::Over),
-        (Compositing::Raster, Order::Exact | Order::Auto) => return Err(no_exact_order()),
+        (Compositing::Raster, _) => Compositor::Raster(Blend::Over),
     })
-}
-
-/// What is said where the raster compositor is asked for an order that it does not have.
-pub fn no_exact_order() -> Error {
-    Error::usage("compositor = \"raster\" has no exact order at every pixel, and this scene needs one")
-        .found("order = \"exact\", or \"auto\", which is exact here")
-        .accepted("order = \"centroid\", an approximation; or compositor = \"tiles\"")
 }

@@ -11,6 +11,7 @@ use crate::grid::parts::GrowingParts;
 use crate::pass::steps::{Binder, GridArrays, Step, folded, kinds, run, scene_kinds};
 use crate::raster::blended::{Blending, Raster};
 use voltet_core::Result;
+use voltet_core::engine::Stage;
 use voltet_shaders::{CELLS_READ, Compositor, FramePass, GridArray, PlacementRecord, ViewRecord};
 use wgpu::{Buffer, BufferUsages, CommandEncoder};
 
@@ -144,7 +145,8 @@ impl<'a> Passes<'a> {
             let bindings = [&starts, &entries, &pixels, &counts, &states];
             let mut groups = binder.groups(&pipeline, &bindings, &in_grid);
             groups.push((0, device.bind(&pipeline, 0, &read)));
-            Last::Tiles(Step { name: "composite_tiles", pipeline, groups, workgroups: over_tiles })
+            let name = ("composite_tiles", Stage::Composite);
+            Last::Tiles(Step { name, pipeline, groups, workgroups: over_tiles })
         };
         Ok(Passes {
             device,

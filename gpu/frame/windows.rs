@@ -5,6 +5,7 @@ use crate::frame::buffers::FrameBuffers;
 use crate::frame::count;
 use crate::frame::inputs::FrameInputs;
 use crate::frame::passes::Passes;
+use voltet_core::engine::Timed;
 use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
 use voltet_core::{Error, Result};
@@ -34,7 +35,7 @@ const LONGEST_SOFTWARE: u32 = 20_000;
 pub(crate) struct Returned {
     pub picture: Picture,
     pub counts: [u64; count::ALL],
-    pub seconds: Vec<(&'static str, f64)>,
+    pub passes: Vec<Timed>,
 }
 
 impl FrameInputs<'_> {
@@ -68,7 +69,7 @@ impl FrameInputs<'_> {
                 None => open.extend(halves(window)?),
             }
         }
-        Ok(Returned { picture, counts: all, seconds: timing.seconds() })
+        Ok(Returned { picture, counts: all, passes: timing.passes() })
     }
 
     /// Whether the device can hold a window's pixels.

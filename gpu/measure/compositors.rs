@@ -1,33 +1,125 @@
-//! Which compositor is the faster one on a device: a small grid drawn by both.
+//! Which way of compositing is the faster one on a device: a small grid drawn by both, once, and remembered.
 
 use crate::device::open::Device;
-use crate::frame::draw::{Compositing, How, draw};
+use crate::frame::draw::draw;
 use crate::frame::renderer::Renderer;
 use glam::DVec3;
-use std::sync::Arc;
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 use voltet_core::Result;
 use voltet_core::camera::{Camera, Projection};
+use voltet_core::engine::{Chosen, Compositing, Memory};
+use voltet_core::error::ErrorKind;
 use voltet_core::grid::generate::box_of_tetrahedra;
 use voltet_core::optics::Overlap;
 use voltet_core::progress::Progress;
+use voltet_core::scene::Scene;
 use voltet_core::shading::{Integrator, Order, Shading};
 use voltet_core::transfer::{ControlPoint, OpticalModel, Profile, TransferFunction, Widget};
 use voltet_core::volume::Volume;
 
 /// Seconds of a frame by each compositor.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Times {
+pub(crate) struct Times {
     /// Compute passes over tiles.
     pub tiles: f64,
     /// Blending hardware.
     pub raster: f64,
 }
 
+/// What was measured of a device so far, for scenes that need an order and such that do not; and whether it was remembered.
+pub(crate) type Known = Mutex<HashMap<bool, (Times, bool)>>;
+
+/// What composites the scene, and why.
+///
+/// Errors: a stopped run.
+pub(crate) fn choose(
+    device: &Arc<Device>,
+    known: &Known,
+    scene: &Scene,
+    memory: &dyn Memory,
+    progress: &dyn Progress,
+) -> Result<Chosen> {
+    let tiles = |why: String| Chosen { compositing: Compositing::Tiles, why, measured_secs: None };
+    let needs_order = scene.needs_order();
+    if needs_order && !Compositing::Raster.has(scene.order) {
+        return Ok(tiles("each pixel needs its exact order".into()));
+    }
+    if !device.blends_32_bits() {
+        return Ok(tiles("the device blends no 32-bit floats".into()));
+    }
+    if let Err(error) = device.check_raster(scene.volume.grid.tetrahedra.len() as u64) {
+        return Ok(tiles(error.to_string()));
+    }
+    let mut known = known.lock().unwrap_or_else(PoisonError::into_inner);
+    let begun = Instant::now();
+    let mut measured_secs = None;
+    let (times, from_before) = match known.get(&needs_order) {
+        Some(found) => *found,
+        None => match remembered(device, needs_order, memory, progress) {
+            Ok(found) => {
+                measured_secs = Some(begun.elapsed().as_secs_f64());
+                *known.entry(needs_order).or_insert(found)
+            }
+            Err(error) if error.kind == ErrorKind::Cancelled => return Err(error),
+            Err(error) => return Ok(tiles(format!("the other one cannot be measured: {error}"))),
+        },
+    };
+    let why = format!(
+        "the faster one here: on a small grid{} tiles take {:.3} ms, raster {:.3} ms{}",
+        if needs_order { " in the order of centroids" } else { " that needs no order" },
+        1e3 * times.tiles,
+        1e3 * times.raster,
+        if from_before { " (remembered)" } else { "" }
+    );
+    Ok(Chosen { compositing: times.faster(), why, measured_secs })
+}
+
+/// The times that the memory holds, or else new ones, which it then holds; and whether they were there.
+fn remembered(
+    device: &Arc<Device>,
+    needs_order: bool,
+    memory: &dyn Memory,
+    progress: &dyn Progress,
+) -> Result<(Times, bool)> {
+    let key = key(&device.name, &device.driver, needs_order);
+    if let Some(times) = memory.recall(&key).and_then(|text| Times::read(&text)) {
+        return Ok((times, true));
+    }
+    let times = measure(device, needs_order, progress)?;
+    memory.keep(&key, &times.written());
+    Ok((times, false))
+}
+
+/// Everything that a measurement holds for. The number changes with what is measured, and with how it is written.
+fn key(adapter: &str, driver: &str, needs_order: bool) -> String {
+    let line = |text: &str| text.replace(['\n', '\r'], " ");
+    let scene = if needs_order { "order of centroids" } else { "no order" };
+    let version = env!("CARGO_PKG_VERSION");
+    format!("voltet compositors 1\n{}\n{}\nprogram {version}\n{scene}\n", line(adapter), line(driver))
+}
+
 impl Times {
     /// The faster one.
-    pub fn faster(&self) -> Compositing {
+    fn faster(&self) -> Compositing {
         if self.raster < self.tiles { Compositing::Raster } else { Compositing::Tiles }
+    }
+
+    fn written(&self) -> String {
+        format!("tiles {:e} s\nraster {:e} s\n", self.tiles, self.raster)
+    }
+
+    /// `None` for what is something else.
+    fn read(text: &str) -> Option<Times> {
+        let number = |line: &str, name: &str| -> Option<f64> {
+            let seconds: f64 = line.strip_prefix(name)?.strip_suffix(" s")?.trim().parse().ok()?;
+            (seconds.is_finite() && seconds > 0.0).then_some(seconds)
+        };
+        let mut lines = text.lines();
+        let times =
+            Times { tiles: number(lines.next()?, "tiles ")?, raster: number(lines.next()?, "raster ")? };
+        (times.written() == text).then_some(times)
     }
 }
 
@@ -42,17 +134,17 @@ const FRAME_COUNT: usize = 5;
 /// Draws a scene of one colour, which needs no order, or one of several in the order of centroids, by both compositors.
 ///
 /// Errors: those of [`draw`]; what the raster compositor lacks on this device.
-pub fn measure(device: &Arc<Device>, needs_order: bool, progress: &dyn Progress) -> Result<Times> {
+fn measure(device: &Arc<Device>, needs_order: bool, progress: &dyn Progress) -> Result<Times> {
     let (side, pixels) = if device.is_software { SOFTWARE } else { HARDWARE };
     let box_grid = box_of_tetrahedra([side; 3], [DVec3::ZERO, DVec3::ONE], 0.2);
     let s = |p: &DVec3| 0.5 + 0.25 * (4.0 * p.x + p.y).sin() + 0.25 * (3.0 * p.z - 2.0 * p.y).cos();
     let scalar: Vec<f64> = box_grid.points.iter().map(s).collect();
-    let volume = Volume {
+    let volume = Arc::new(Volume {
         grid: Arc::new(box_grid),
         scalar: Arc::new(scalar),
         gradient: None,
         gradient_magnitude: None,
-    };
+    });
     let renderer = Renderer::new(device.clone(), &volume)?;
     let shading =
         Shading { integrator: Integrator::Analytic, overlap: Overlap::Exact, silhouette: None, light: None };
@@ -65,16 +157,16 @@ pub fn measure(device: &Arc<Device>, needs_order: bool, progress: &dyn Progress)
         size: [pixels; 2],
         samples: 1,
     };
-    let look = look(needs_order);
+    let transfer_function = Arc::new(look(needs_order));
+    let scene = Scene { volume, transfer_function, camera, shading, order: Order::Centroid };
     let seconds = |compositing| -> Result<f64> {
-        let how = How { order: Order::Centroid, compositing };
         let mut times = Vec::new();
         for frame in 0..=FRAME_COUNT {
             let begun = Instant::now();
-            let drawn = draw(&renderer, &volume, &look, &camera, &shading, how, progress)?;
+            let drawn = draw(&renderer, &scene, compositing, progress)?;
             let whole = begun.elapsed().as_secs_f64();
             // The device's own clock leaves out what the program waits for; both are the same for both compositors.
-            let passes: f64 = drawn.seconds.iter().map(|(_, seconds)| seconds).sum();
+            let passes: f64 = drawn.passes.iter().map(|pass| pass.seconds).sum();
             if frame > 0 {
                 times.push(if passes > 0.0 { passes } else { whole });
             }
@@ -100,4 +192,37 @@ fn look(needs_order: bool) -> TransferFunction {
     };
     let widget = Widget { profile, color: [1.0, 0.5, 0.2], extinction: 4.0, region: None };
     TransferFunction { model: OpticalModel::DensityEmitter, unit_distance: 1.0, widgets: vec![widget] }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_read_back_as_they_were_written_and_nothing_else_does() {
+        let times = Times { tiles: 1.25e-3, raster: 3.5e-4 };
+        let text = times.written();
+        assert_eq!(Times::read(&text), Some(times));
+        for place in 0..text.len() {
+            assert_eq!(Times::read(&text[..place]), None, "cut at {place}");
+        }
+        for wrong in
+            ["tiles 0e0 s\nraster 1e0 s\n", "tiles NaN s\nraster 1e0 s\n", "raster 1e0 s\ntiles 1e0 s\n"]
+        {
+            assert_eq!(Times::read(wrong), None, "{wrong}");
+        }
+    }
+
+    #[test]
+    fn a_measurement_holds_for_one_adapter_driver_and_kind_of_scene() {
+        let known = key("Some GPU (discrete, vulkan)", "driver 1.2", false);
+        for other in [
+            key("Another GPU", "driver 1.2", false),
+            key("Some GPU (discrete, vulkan)", "driver 1.3", false),
+            key("Some GPU (discrete, vulkan)", "driver 1.2", true),
+        ] {
+            assert_ne!(known, other);
+        }
+        assert_eq!(key("a\nb", "c\r", false).lines().count(), 5, "a name has one line");
+    }
 }

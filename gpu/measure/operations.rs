@@ -3,7 +3,6 @@
 //! Sums, products, quotients, minima, maxima and elementary functions count one a lane, a multiply-add two; comparisons,
 //! choices, signs and integers none. Of two branches the longer counts, of a loop one round: what loops is counted too low.
 
-use crate::frame::draw::Drawn;
 use naga::proc::TypeResolution;
 use naga::valid::{Capabilities, FunctionInfo, ModuleInfo, ValidationFlags, Validator};
 use naga::{
@@ -13,19 +12,15 @@ use naga::{
 use voltet_core::{Error, Result};
 use voltet_shaders::Shader;
 
-impl Drawn {
-    /// Floating-point operations of the picture's compositor, at least: of every segment that was counted its crossing of the
-    /// cell's planes once, and its integral. Cells that a ray misses are not counted. `None` for the raster, whose segments
-    /// nobody counts.
-    ///
-    /// Errors: a shader's text that cannot be read.
-    pub fn compositor_operations(&self) -> Result<Option<u64>> {
-        let Some(segments) = self.counts.segments else { return Ok(None) };
-        let operations = Operations::of(&self.shader)?;
-        // One of the two, by the compositor.
-        let shades = ["shade_again", "shade_in_chunk"].map(|name| operations.in_function(name));
-        Ok(Some(segments * (operations.in_function("cross_faces") + shades[0] + shades[1])))
-    }
+/// Floating-point operations of a picture's compositor, at least, of the shader that drew it: of every segment that was counted
+/// its crossing of the cell's planes once, and its integral. Cells that a ray misses are not counted.
+///
+/// Errors: a shader's text that cannot be read.
+pub(crate) fn of_compositor(shader: &Shader, segments: u64) -> Result<u64> {
+    let operations = Operations::of(shader)?;
+    // One of the two, by the compositor.
+    let shades = ["shade_again", "shade_in_chunk"].map(|name| operations.in_function(name));
+    Ok(segments * (operations.in_function("cross_faces") + shades[0] + shades[1]))
 }
 
 /// A shader's text, read.

@@ -4,20 +4,33 @@
 use crate::device::bindings::{Bound, in_order, own_kinds};
 use crate::device::open::Device;
 use crate::device::pipelines::Program;
-use crate::device::timing::Timing;
+use crate::device::timing::{PassName, Timing};
 use crate::grid::parts::Parted;
 use crate::grid::uploaded::{DeviceGrid, Stored};
 use std::sync::Arc;
 use voltet_core::Result;
+use voltet_core::engine::Stage;
 use voltet_shaders::{Access, FramePass, GRID_GROUP, GridArray, Layout};
 use wgpu::{Buffer, CommandEncoder, ComputePipeline};
 
 /// A compiled pass and what is bound to it.
 pub(crate) struct Step {
-    pub name: &'static str,
+    pub name: PassName,
     pub pipeline: Arc<ComputePipeline>,
     pub groups: Vec<(u32, wgpu::BindGroup)>,
     pub workgroups: [u32; 2],
+}
+
+/// The stage that a pass is part of.
+fn stage(pass: FramePass) -> Stage {
+    match pass {
+        FramePass::Points | FramePass::Attribute => Stage::Project,
+        FramePass::Cells => Stage::Cull,
+        FramePass::Starts | FramePass::Lists | FramePass::Sort => Stage::Sort,
+        FramePass::CountDigits | FramePass::PlaceDigits | FramePass::MoveDigits | FramePass::Runs => {
+            Stage::Sort
+        }
+    }
 }
 
 /// The grid's arrays, and those that the first passes make of them.
@@ -94,7 +107,7 @@ impl Binder<'_> {
         };
         let pipeline = self.device.pipeline(&program)?;
         let groups = self.groups(&pipeline, bindings, &in_grid);
-        Ok(Step { name: pass.entry_point(), pipeline, groups, workgroups })
+        Ok(Step { name: (pass.entry_point(), stage(pass)), pipeline, groups, workgroups })
     }
 
     /// Groups 1 and 2 of a pipeline.
@@ -116,7 +129,7 @@ impl Binder<'_> {
 /// Runs a pass.
 pub(crate) fn run(encoder: &mut CommandEncoder, step: &Step, timing: &mut Timing) {
     let descriptor =
-        wgpu::ComputePassDescriptor { label: Some(step.name), timestamp_writes: timing.next(step.name) };
+        wgpu::ComputePassDescriptor { label: Some(step.name.0), timestamp_writes: timing.next(step.name) };
     let mut compute = encoder.begin_compute_pass(&descriptor);
     compute.set_pipeline(&step.pipeline);
     for (number, group) in &step.groups {

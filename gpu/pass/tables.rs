@@ -3,6 +3,7 @@
 use crate::device::bindings::{Bound, in_order};
 use crate::device::open::Device;
 use crate::device::pipelines::Program;
+use std::sync::Arc;
 use voltet_core::optics::integrators::{Extent, Integrator};
 use voltet_core::shading::Shading;
 use voltet_core::transfer::TransferFunction;
@@ -12,7 +13,7 @@ use voltet_shaders::{Axis, Buffer, Choices, Contents, Pass, Resources};
 /// What tables are made from.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct TableKey {
-    pub transfer_function: TransferFunction,
+    pub transfer_function: Arc<TransferFunction>,
     pub integrator: Integrator,
     pub axis: Axis,
     pub length: f64,

@@ -14,6 +14,7 @@ use crate::raster::drawing::{Canvas, Drawing, Target};
 use crate::raster::sort::{ROUNDS, SortBuffers};
 use std::sync::Arc;
 use voltet_core::Result;
+use voltet_core::engine::Stage;
 use voltet_shaders::{Blend, CELLS_READ, FramePass, GRID_GROUP, Shader, ViewRecord};
 use wgpu::{Buffer, BufferUsages, CommandEncoder};
 
@@ -131,7 +132,7 @@ impl Raster {
             draws,
             run_count,
             take: Step {
-                name: "take_blended",
+                name: ("take_blended", Stage::Composite),
                 pipeline: take,
                 groups: take_groups,
                 workgroups: [window[2], window[3]],
@@ -170,7 +171,7 @@ impl Raster {
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("blend_cell"),
             color_attachments: &[Some(attachment)],
-            timestamp_writes: timing.next_drawing("blend_cell"),
+            timestamp_writes: timing.next_drawing(("blend_cell", Stage::Composite)),
             ..Default::default()
         });
         pass.set_pipeline(&self.pipeline);

@@ -1,26 +1,37 @@
 //! Which engine draws: parameters, choice, and what is said about it.
 
-use voltet_core::Result;
-#[cfg(feature = "gpu")]
+use super::engines::{ENGINES, NATIVE, REFEREE};
+use super::opened::draw_on;
+use super::order::leave_out_order;
+use voltet_core::engine::{Compositing, Declaration};
 use voltet_core::error::ErrorKind;
 use voltet_core::graph::{Asking, Call, Parameter, ParameterType, Parameters, Standard};
 use voltet_core::picture::Picture;
-use voltet_core::shading::Order;
+use voltet_core::scene::Scene;
+use voltet_core::shading::{Integrator, Shading};
+use voltet_core::{Error, Result};
 
-use super::stages;
-use super::{Scene, order::leave_out_order};
+/// The word for whatever engine is there.
+const AUTO: &str = "auto";
 
 /// The engine that a pipeline asks for.
 pub const ENGINE: Parameter = Parameter {
     name: "engine",
-    parameter_type: ParameterType::Choice(&[
-        ("auto", "the GPU where this machine has one that holds the scene, the CPU otherwise"),
-        ("cpu", "native code on all cores"),
-        ("gpu", "the graphics device, or an error"),
-    ]),
+    parameter_type: ParameterType::Choice(&ENGINE_WORDS),
     unit: "",
-    standard: Standard::Text("auto"),
+    standard: Standard::Text(AUTO),
     help: "what draws",
+};
+
+const ENGINE_WORDS: [(&str, &str); ENGINES.len() + 1] = {
+    let auto = "the GPU where this machine has one that holds the scene, the CPU otherwise";
+    let mut words = [(AUTO, auto); ENGINES.len() + 1];
+    let mut k = 0;
+    while k < ENGINES.len() {
+        words[k + 1] = (ENGINES[k].name, ENGINES[k].summary);
+        k += 1;
+    }
+    words
 };
 
 /// The adapter that a pipeline asks for.
@@ -35,66 +46,61 @@ pub const ADAPTER: Parameter = Parameter {
 /// The compositor of the device.
 pub const COMPOSITOR: Parameter = Parameter {
     name: "compositor",
-    parameter_type: ParameterType::Choice(&[
-        (
-            "auto",
-            "tiles where each pixel needs its exact order, else what a short measurement finds faster there",
-        ),
-        (
-            "tiles",
-            "compute passes over tiles of 8 × 8 pixels: every order, and pixels in disorder are counted",
-        ),
-        (
-            "raster",
-            "cells sorted by centroid, drawn and blended by the hardware: for scenes that need no order, or \
-             order = \"centroid\" or \"none\"; what it gets wrong is not counted",
-        ),
-    ]),
+    parameter_type: ParameterType::Choice(&COMPOSITOR_WORDS),
     unit: "",
-    standard: Standard::Text("auto"),
+    standard: Standard::Text(AUTO),
     help: "gpu: how pixels are composited; the CPU always works in tiles",
 };
 
-/// The compositors of the device by name, what `auto` takes first.
-pub fn compositors() -> impl Iterator<Item = &'static str> {
-    let choices = match COMPOSITOR.parameter_type {
-        ParameterType::Choice(choices) => choices,
-        _ => &[],
-    };
-    choices.iter().map(|(name, _)| *name).filter(|name| *name != "auto")
-}
-
-/// Whether the compositor of that name carries out the order where the scene needs one: blending hardware knows no pixel's
-/// own order.
-pub fn has_order(compositor: &str, order: Order) -> bool {
-    compositor != "raster" || !matches!(order, Order::Exact | Order::Auto)
-}
-
-/// Why a build without the device engine takes the CPU.
-#[cfg(not(feature = "gpu"))]
-const NO_ENGINE: &str = "this build has no GPU engine";
-
-/// Refuses the device where the build has none.
-fn check_engine(p: &Parameters, wanted: &str) -> Result<()> {
-    #[cfg(not(feature = "gpu"))]
-    if wanted == "gpu" {
-        let item = if p.given("engine") { "engine" } else { "adapter" };
-        let error = p.error(item, NO_ENGINE);
-        return Err(error.found("gpu").accepted("\"cpu\", or \"auto\", which takes the CPU"));
+const COMPOSITOR_WORDS: [(&str, &str); Compositing::WORDS.len() + 1] = {
+    let auto =
+        "tiles where each pixel needs its exact order, else what a short measurement finds faster there";
+    let mut words = [(AUTO, auto); Compositing::WORDS.len() + 1];
+    let mut k = 0;
+    while k < Compositing::WORDS.len() {
+        words[k + 1] = Compositing::WORDS[k];
+        k += 1;
     }
-    let _ = (p, wanted);
-    Ok(())
+    words
+};
+
+/// The adapter that the parameters name.
+pub fn adapter(p: &Parameters) -> Option<String> {
+    p.optional(ADAPTER.name).and_then(|setting| setting.text()).map(str::to_string)
+}
+
+/// The engines that may draw, in the order in which they are asked: for `auto` the last of the list first, else the one that
+/// is wanted. The reference is no device's: whatever else is asked for, it is the referee's picture.
+fn asked(wanted: &str, shading: &Shading) -> Vec<&'static Declaration> {
+    let is_reference = shading.integrator == Integrator::Reference;
+    let drawing = |engine: &'static Declaration| match engine.on_device {
+        false if is_reference => REFEREE,
+        _ => engine,
+    };
+    let is_asked = |engine: &&Declaration| match wanted {
+        AUTO => !(engine.on_device && is_reference),
+        name => engine.name == name,
+    };
+    ENGINES.iter().rev().filter(is_asked).map(drawing).collect()
 }
 
 /// Notes the engine, as far as it is known before the run, and asks for what the scene needs.
 pub fn ask_engine(asking: &mut Asking, wanted: &str) -> Result<()> {
-    check_engine(asking.parameters, wanted)?;
-    let (name, why) = planned(asking, wanted)?;
-    asking.notes.engine = Some((name.into(), why));
+    let shading = super::shading(asking.parameters)?;
+    let engines = asked(wanted, &shading);
+    if let [Declaration { absent: Some(why), .. }] = engines.as_slice() {
+        let item = if asking.parameters.given(ENGINE.name) { ENGINE.name } else { ADAPTER.name };
+        return Err(asking
+            .parameters
+            .error(item, *why)
+            .found(wanted)
+            .accepted(format!("\"{}\", or \"{AUTO}\", which takes what is there", NATIVE.name)));
+    }
+    asking.notes.engine = Some(planned(asking, wanted, &engines, &shading)?);
     let needed = super::ask(asking, "volume", "transfer_function")?;
-    #[cfg(feature = "gpu")]
-    if wanted != "cpu" {
-        super::compositor::refuse_exact_raster(asking, needed.order)?;
+    if asking.look("transfer_function").is_some() {
+        let order = super::order(asking.parameters, needed.order)?;
+        check_compositor(asking.parameters, &engines, |one| one.check_order(order, needed.order))?;
     }
     if !needed.order && !asking.thorough {
         leave_out_order(asking.notes, None);
@@ -102,54 +108,71 @@ pub fn ask_engine(asking: &mut Asking, wanted: &str) -> Result<()> {
     Ok(())
 }
 
-fn planned(asking: &Asking, wanted: &str) -> Result<(&'static str, String)> {
-    let shading = super::shading(asking.parameters)?;
-    let reference = shading.integrator == voltet_core::shading::Integrator::Reference;
-    Ok(match wanted {
-        "cpu" | "auto" if reference => ("reference", "the integrator is the 64-bit reference".into()),
-        "cpu" => ("cpu", "the pipeline asks for it".into()),
-        "gpu" => ("gpu", "the pipeline asks for it".into()),
-        #[cfg(not(feature = "gpu"))]
-        _ => ("cpu", NO_ENGINE.into()),
-        #[cfg(feature = "gpu")]
-        _ => {
-            let look = asking.look("transfer_function");
-            let refused =
-                look.and_then(|look| voltet_gpu::can_serve(&look.transfer_function, &shading).err());
-            match refused {
-                Some(error) => ("cpu", error.to_string()),
-                None => (
-                    "auto",
-                    "the run takes the GPU if a hardware adapter holds the scene, else the CPU".into(),
-                ),
+/// Refuses, before anything is drawn or, where the transfer function is known, read, a compositor without the order that the
+/// scene needs, where an engine that may draw has it.
+fn check_compositor(
+    p: &Parameters,
+    engines: &[&Declaration],
+    check: impl Fn(Compositing) -> Result<()>,
+) -> Result<()> {
+    let asked = Compositing::named(p.text(COMPOSITOR.name)?);
+    let has = |one: &Compositing| engines.iter().any(|engine| engine.compositing.contains(one));
+    let blamed = if p.given(COMPOSITOR.name) { COMPOSITOR.name } else { "order" };
+    asked.filter(has).map_or(Ok(()), check).map_err(|error| p.blame(blamed, error))
+}
+
+/// The engine that will draw, and why, as far as it can be said before a device is opened. Errors: one that was named does not
+/// serve the scene on any device.
+fn planned(
+    asking: &Asking,
+    wanted: &str,
+    engines: &[&'static Declaration],
+    shading: &Shading,
+) -> Result<(String, String)> {
+    let look = asking.look("transfer_function");
+    let serves = |engine: &Declaration| match &look {
+        Some(look) => engine.can_serve(&look.transfer_function, shading),
+        None => engine.absent.map_or(Ok(()), |why| Err(Error::run(why))),
+    };
+    let mut why = "the pipeline asks for it".to_string();
+    for (k, engine) in engines.iter().enumerate() {
+        let named = (engine.name.to_string(), why);
+        match serves(engine) {
+            _ if *engine == REFEREE => {
+                return Ok((named.0, "the integrator is the 64-bit reference".into()));
             }
+            Err(error) if wanted == AUTO => why = error.to_string(),
+            Err(error) => return Err(asking.parameters.blame("integrator", error)),
+            Ok(()) if wanted == AUTO && engine.on_device => {
+                let taken: Vec<&str> = engines[k..].iter().map(|engine| engine.taken).collect();
+                return Ok((AUTO.into(), format!("the run takes {}", taken.join(", else "))));
+            }
+            Ok(()) => return Ok(named),
         }
-    })
+    }
+    Err(Error::run("no engine draws the scene").found(wanted))
 }
 
 /// Draws on the engine that is wanted.
 pub fn draw(call: &mut Call, scene: &Scene, wanted: &str) -> Result<Picture> {
-    #[cfg(feature = "gpu")]
-    {
-        let reference = scene.shading.integrator == voltet_core::shading::Integrator::Reference;
-        if wanted != "cpu" {
-            super::compositor::refuse_exact(call.parameters, scene)?;
+    let engines = asked(wanted, &scene.shading);
+    check_compositor(call.parameters, &engines, |one| one.check(scene))?;
+    let mut refused: Option<String> = None;
+    for engine in &engines {
+        if wanted != AUTO {
+            return draw_on(call, scene, "volume", engine, false);
         }
-        if wanted == "gpu" {
-            return super::device::draw(call, scene, false);
+        if call.thorough && engine.on_device {
+            refused = Some("what is compared with everything done is the native engine's work".into());
+            continue;
         }
-        if wanted == "auto" && !reference {
-            let why = if call.thorough {
-                "what is compared with everything done is the native engine's work".to_string()
-            } else {
-                match super::device::draw(call, scene, true) {
-                    Err(error) if error.kind != ErrorKind::Cancelled => error.to_string(),
-                    done => return done,
-                }
-            };
-            call.notes.engine = Some(("cpu".into(), why));
+        call.notes.engine = refused.take().map(|why| (engine.name.into(), why));
+        match draw_on(call, scene, "volume", engine, true) {
+            Err(error) if engine.on_device && error.kind != ErrorKind::Cancelled => {
+                refused = Some(error.to_string());
+            }
+            done => return done,
         }
     }
-    let _ = wanted;
-    stages::all(call, scene)
+    Err(Error::run("no engine draws the scene").found(wanted))
 }

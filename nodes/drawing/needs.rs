@@ -4,8 +4,9 @@ use super::shading::shading;
 use voltet_core::Result;
 use voltet_core::graph::{Asking, Demand, Look, Saving};
 use voltet_core::optics::integrators::{PartialTable, can_serve};
+use voltet_core::scene::needs_order;
 use voltet_core::shading::Shading;
-use voltet_core::transfer::{OpticalModel, TransferFunction};
+use voltet_core::transfer::OpticalModel;
 use voltet_engine::needs_gradient;
 
 /// Asks at `port` for what drawing the transfer function at `look` with the node's parameters needs; gives what
@@ -47,17 +48,12 @@ fn demand(look: Option<&Look>, shading: &Shading) -> Demand {
     Demand { gradient, ..known }
 }
 
-/// Whether the order of a pixel's segments changes the picture.
-pub fn needs_order(transfer_function: &TransferFunction, shading: &Shading) -> bool {
-    shading.one_color(transfer_function).is_none()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use voltet_core::optics::Overlap;
     use voltet_core::shading::{Integrator, Light};
-    use voltet_core::transfer::{ControlPoint, Profile, Widget};
+    use voltet_core::transfer::{ControlPoint, Profile, TransferFunction, Widget};
 
     fn widget(color: [f64; 3], extinction: f64) -> Widget {
         let profile = Profile::Gaussian { centre: [0.0; 2], matrix: [[1.0, 0.0], [0.0, 0.0]] };

@@ -1,115 +1,79 @@
-//! What was measured of a device, remembered in the user's cache folder: one small file a device and kind of scene.
-
-use std::fs;
-use std::path::Path;
-use voltet_core::Result;
-use voltet_gpu::Times;
+//! What was measured of a device, remembered in the user's cache folder: one small file a key.
 
 use crate::files::{Fnv, write_whole};
+use std::fs;
+use std::path::PathBuf;
+use voltet_core::engine::Memory;
 
-/// The file's first line. The number changes with the format, and with what is measured.
-const HEAD: &str = "voltet compositors 1";
+/// A folder of such files. A damaged one is as none; what cannot be kept is measured again the next time.
+pub(super) struct CacheFolder(pub PathBuf);
 
-/// Everything that a measurement holds for.
-#[derive(Debug, Clone, PartialEq, Eq, Hash)]
-pub struct Key {
-    pub adapter: String,
-    pub driver: String,
-    pub needs_order: bool,
-}
-
-/// The times that the folder holds under the key, or else new ones, which it then holds if it can be written; and
-/// whether they were found. A damaged file is as none.
-pub fn remembered(
-    folder: &Path,
-    key: &Key,
-    measure: impl FnOnce() -> Result<Times>,
-) -> Result<(Times, bool)> {
-    let head = head(key);
-    let mut name = Fnv::default();
-    name.text(&head);
-    let path = folder.join(format!("{:032x}.txt", name.0));
-    if let Some(times) = fs::read_to_string(&path).ok().and_then(|text| decode(&text, &head)) {
-        return Ok((times, true));
+impl CacheFolder {
+    fn path(&self, key: &str) -> PathBuf {
+        let mut name = Fnv::default();
+        name.text(key);
+        self.0.join(format!("{:032x}.txt", name.0))
     }
-    let times = measure()?;
-    // What cannot be kept is measured again the next time.
-    let _ = fs::create_dir_all(folder).map(|()| write_whole(&path, encode(&times, &head).as_bytes()));
-    Ok((times, false))
 }
 
-fn head(key: &Key) -> String {
-    let line = |text: &str| text.replace(['\n', '\r'], " ");
-    let scene = if key.needs_order { "order of centroids" } else { "no order" };
-    let version = env!("CARGO_PKG_VERSION");
-    format!("{HEAD}\n{}\n{}\nprogram {version}\n{scene}\n", line(&key.adapter), line(&key.driver))
+impl Memory for CacheFolder {
+    fn recall(&self, key: &str) -> Option<String> {
+        let file = fs::read_to_string(self.path(key)).ok()?;
+        let (content, _) = file.split_at_checked(file.len().checked_sub(CHECK_LENGTH)?)?;
+        let text = content.strip_prefix(key)?;
+        (checked(content.to_string()) == file).then(|| text.to_string())
+    }
+
+    fn keep(&self, key: &str, text: &str) {
+        let file = checked(format!("{key}{text}"));
+        let _ = fs::create_dir_all(&self.0).map(|()| write_whole(&self.path(key), file.as_bytes()));
+    }
 }
 
-fn encode(times: &Times, head: &str) -> String {
-    let content = format!("{head}tiles {:e} s\nraster {:e} s\n", times.tiles, times.raster);
+/// "check ", 32 digits, a line end.
+const CHECK_LENGTH: usize = 39;
+
+/// The content with a hash of it behind.
+fn checked(content: String) -> String {
     let mut check = Fnv::default();
     check.bytes(content.as_bytes());
     format!("{content}check {:032x}\n", check.0)
 }
 
-/// `None` for what is damaged or of another key.
-fn decode(text: &str, head: &str) -> Option<Times> {
-    let number = |line: &str, name: &str| -> Option<f64> {
-        let seconds: f64 = line.strip_prefix(name)?.strip_suffix(" s")?.trim().parse().ok()?;
-        (seconds.is_finite() && seconds > 0.0).then_some(seconds)
-    };
-    let mut lines = text.strip_prefix(head)?.lines();
-    let times = Times { tiles: number(lines.next()?, "tiles ")?, raster: number(lines.next()?, "raster ")? };
-    (encode(&times, head) == text).then_some(times)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use voltet_core::Error;
 
-    const TIMES: Times = Times { tiles: 1.25e-3, raster: 3.5e-4 };
+    const KEY: &str = "what was measured 1\nSome GPU (discrete, vulkan)\n";
+    const TEXT: &str = "tiles 1.25e-3 s\nraster 3.5e-4 s\n";
 
-    fn key() -> Key {
-        Key { adapter: "Some GPU (discrete, vulkan)".into(), driver: "driver 1.2".into(), needs_order: false }
-    }
-
-    fn must_not_measure() -> Result<Times> {
-        Err(Error::run("measured again"))
+    #[test]
+    fn what_was_kept_is_found_again_under_its_own_key() {
+        let folder = tempfile::tempdir().unwrap();
+        let memory = CacheFolder(folder.path().join("not there yet"));
+        assert_eq!(memory.recall(KEY), None);
+        memory.keep(KEY, TEXT);
+        assert_eq!(memory.recall(KEY).as_deref(), Some(TEXT));
+        assert_eq!(memory.recall(&KEY.replace("Some", "Another")), None);
     }
 
     #[test]
-    fn what_was_measured_is_found_again_under_its_own_key() {
+    fn a_damaged_file_is_as_none_and_is_mended() {
         let folder = tempfile::tempdir().unwrap();
-        let folder = folder.path().join("not there yet");
-        assert_eq!(remembered(&folder, &key(), || Ok(TIMES)).unwrap(), (TIMES, false));
-        assert_eq!(remembered(&folder, &key(), must_not_measure).unwrap(), (TIMES, true));
-        for other in [
-            Key { adapter: "Another GPU".into(), ..key() },
-            Key { driver: "driver 1.3".into(), ..key() },
-            Key { needs_order: true, ..key() },
-        ] {
-            assert!(remembered(&folder, &other, must_not_measure).is_err(), "{other:?}");
-        }
-    }
-
-    #[test]
-    fn a_damaged_file_is_measured_anew_and_mended() {
-        let folder = tempfile::tempdir().unwrap();
-        remembered(folder.path(), &key(), || Ok(TIMES)).unwrap();
+        let memory = CacheFolder(folder.path().into());
+        memory.keep(KEY, TEXT);
         let file = fs::read_dir(folder.path()).unwrap().next().unwrap().unwrap().path();
         let whole = fs::read(&file).unwrap();
-        let other = Times { tiles: 2.0, raster: 1.0 };
         for place in 0..whole.len() {
             let mut damaged = whole.clone();
             damaged[place] ^= 1;
             for content in [&damaged[..], &whole[..place]] {
                 fs::write(&file, content).unwrap();
-                let found = remembered(folder.path(), &key(), || Ok(other)).unwrap();
-                assert_eq!(found, (other, false), "byte {place}");
+                assert_eq!(memory.recall(KEY), None, "byte {place}");
             }
-            assert_eq!(remembered(folder.path(), &key(), must_not_measure).unwrap(), (other, true));
         }
+        memory.keep(KEY, TEXT);
+        assert_eq!(memory.recall(KEY).as_deref(), Some(TEXT));
     }
 
     #[test]
@@ -117,6 +81,8 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("a file");
         fs::write(&file, "in the way").unwrap();
-        assert_eq!(remembered(&file.join("below"), &key(), || Ok(TIMES)).unwrap(), (TIMES, false));
+        let memory = CacheFolder(file.join("below"));
+        memory.keep(KEY, TEXT);
+        assert_eq!(memory.recall(KEY), None);
     }
 }

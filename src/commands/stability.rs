@@ -77,10 +77,7 @@ struct Watch(Bar);
 
 impl Progress for Watch {
     fn report(&self, stage: &str, fraction: f64) {
-        // The stages within a picture say nothing about the whole.
-        if !matches!(stage, "cull" | "project" | "composite" | "reference") {
-            self.0.progress("", stage, fraction);
-        }
+        self.0.progress("", stage, fraction);
     }
 
     fn cancelled(&self) -> bool {

@@ -9,7 +9,7 @@ use crate::core::progress::Progress;
 use crate::core::{Error, Result};
 use crate::nodes::files;
 use crate::present::{Bar, Estimate};
-use crate::study::work_precision::{self as study, Benches, Engines, Frames, Measure, Scene, Study, Wish};
+use crate::study::work_precision::{self as study, Benches, Frames, Measure, Study, Subject, Wish};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::time::Duration;
@@ -59,8 +59,9 @@ fn wish(arguments: &arguments::Study) -> Result<Wish> {
     if arguments.frames == 0 {
         return Err(Error::usage("--frames is out of range").found(0).accepted("1 or more"));
     }
-    let engines = Engines::from(arguments.engine);
-    if let (Engines::Cpu, Some(adapter)) = (engines, &arguments.adapter) {
+    let engines = arguments.engine;
+    let no_device = engines.each().all(|engine| !engine.on_device);
+    if let Some(adapter) = arguments.adapter.as_ref().filter(|_| no_device) {
         return Err(Error::usage("--adapter names a graphics device, and --engine asks for none")
             .found(adapter)
             .accepted("--engine gpu or all, or no --adapter"));
@@ -94,9 +95,9 @@ fn carry_out(
     }
     let watch = Watch { bar: Bar::new(arguments.quiet), estimate: Mutex::new(Estimate::begin()) };
     let gathered = gather(arguments, &wish, document, &watch);
-    let study = gathered.and_then(|(scene, benches, reference)| {
+    let study = gathered.and_then(|(subject, benches, reference)| {
         watch.begin();
-        study::study(scene, wish, benches, reference, &watch)
+        study::study(subject, wish, benches, reference, &watch)
     });
     watch.bar.clear();
     let study = study?;
@@ -117,15 +118,15 @@ fn gather(
     wish: &Wish,
     document: &Document,
     watch: &Watch,
-) -> Result<(Scene, Benches, study::Reference)> {
+) -> Result<(Subject, Benches, study::Reference)> {
     let mut session = crate::nodes::session();
-    let scene = Scene::gather(&document.graph, arguments.node.as_deref(), &mut session, &watch.bar)?;
+    let subject = Subject::gather(&document.graph, arguments.node.as_deref(), &mut session, &watch.bar)?;
     // Before the reference, which takes longest.
-    let benches = Benches::open(&scene, wish)?;
+    let benches = Benches::open(&subject, wish)?;
     let cache = arguments.cache.clone().unwrap_or_else(study::cache_folder);
     watch.begin();
-    let reference = study::reference(&scene, &cache, watch)?;
-    Ok((scene, benches, reference))
+    let reference = study::reference(&subject, &cache, watch)?;
+    Ok((subject, benches, reference))
 }
 
 /// Finds out, before the work, whether the folder is there or can be made, and can be written to.
@@ -217,26 +218,12 @@ impl Watch {
 
 impl Progress for Watch {
     fn report(&self, stage: &str, fraction: f64) {
-        // The stages within a frame report too; they say nothing about the whole.
-        if matches!(stage, "cull" | "project" | "composite" | "gradient") {
-            return;
-        }
         let left = self.lock().left(fraction);
         self.bar.show(stage, fraction, left);
     }
 
     fn cancelled(&self) -> bool {
         self.bar.cancelled()
-    }
-}
-
-impl From<arguments::EngineName> for Engines {
-    fn from(name: arguments::EngineName) -> Engines {
-        match name {
-            arguments::EngineName::Cpu => Engines::Cpu,
-            arguments::EngineName::Gpu => Engines::Gpu,
-            arguments::EngineName::All => Engines::All,
-        }
     }
 }
 

@@ -9,7 +9,7 @@ use crate::core::shading::Order;
 use crate::core::{Error, Result};
 use crate::present::Bar;
 use crate::study::work_precision::{
-    self as study, Benches, Cost, Engine, Engines, Frames, Measure, Scene, Setting, Times, Wish,
+    self as study, Benches, Cost, Frames, Measure, Painter, Setting, Subject, Times, Wish,
 };
 use std::time::Duration;
 
@@ -43,7 +43,7 @@ fn wish(arguments: &arguments::Time) -> Result<Wish> {
     }
     Ok(Wish {
         only: Vec::new(),
-        engines: Engines::from(arguments.engine),
+        engines: arguments.engine,
         adapter: arguments.adapter.clone(),
         frames: Frames {
             count: arguments.frames,
@@ -56,10 +56,10 @@ fn wish(arguments: &arguments::Time) -> Result<Wish> {
     })
 }
 
-/// Ctrl-C is heard; what a frame reports is not shown, since showing it takes time.
-struct Unshown<'a>(&'a Bar);
+/// Ctrl-C is heard; nothing is shown, since that takes time.
+struct Stops<'a>(&'a Bar);
 
-impl Progress for Unshown<'_> {
+impl Progress for Stops<'_> {
     fn report(&self, _stage: &str, _fraction: f64) {}
 
     fn cancelled(&self) -> bool {
@@ -83,27 +83,26 @@ fn measure(arguments: &arguments::Time, wish: &Wish, document: &Document, bar: &
     let title = document.pipeline.title.clone().unwrap_or_else(|| document.path.display().to_string());
     let mut session = crate::nodes::session();
     for (number, node) in nodes.iter().enumerate() {
-        let scene = Scene::gather(&document.graph, Some(node), &mut session, bar)?;
-        let mut benches = Benches::open(&scene, wish)?;
+        let subject = Subject::gather(&document.graph, Some(node), &mut session, bar)?;
+        let mut benches = Benches::open(&subject, wish)?;
         bar.clear();
         if number == 0 {
-            println!("\n{title}: {} tetrahedra", scene.volume.grid.tetrahedra.len());
+            println!("\n{title}: {} tetrahedra", subject.scene.volume.grid.tetrahedra.len());
             benches.left_out.iter().for_each(|what| println!("\nnot measured: {what}"));
-            device(&benches, &scene, wish)?;
+            devices(&benches)?;
             println!("\n{HEAD}");
         }
-        rows(arguments, wish, scene, &mut benches, bar)?;
+        rows(arguments, wish, subject, &mut benches, bar)?;
     }
     Ok(())
 }
 
-/// Says what device is measured, and what it can do at most.
-fn device(benches: &Benches, scene: &Scene, wish: &Wish) -> Result<()> {
-    if let (Some(adapter), Some(rate)) = (benches.adapter(scene, wish), benches.multiply_adds_per_second()?) {
+/// Says what devices are measured, and what they can do at most.
+fn devices(benches: &Benches) -> Result<()> {
+    for (name, rate) in benches.multiply_adds_per_second()? {
         let rate = 1e-9 * rate;
         println!(
-            "\ndevice: {}; measured: {rate:.0}·10⁹ 32-bit multiply-adds/s, {:.0} GFLOP/s",
-            adapter.name,
+            "\ndevice: {name}; measured: {rate:.0}·10⁹ 32-bit multiply-adds/s, {:.0} GFLOP/s",
             2.0 * rate
         );
     }
@@ -114,18 +113,18 @@ fn device(benches: &Benches, scene: &Scene, wish: &Wish) -> Result<()> {
 fn rows(
     arguments: &arguments::Time,
     wish: &Wish,
-    mut scene: Scene,
+    mut subject: Subject,
     benches: &mut Benches,
     bar: &Bar,
 ) -> Result<()> {
-    let own = [scene.camera.size];
+    let own = [subject.scene.camera.size];
     for &size in if arguments.size.is_empty() { &own[..] } else { &arguments.size } {
-        scene.camera.size = size;
-        for setting in settings(&scene, benches) {
-            match benches.measure(&scene, &setting, &wish.frames, &Unshown(bar)) {
-                Ok((_, cost)) => println!("{}", row(&scene, &setting, &cost)),
+        subject.scene.camera.size = size;
+        for setting in settings(&subject, benches) {
+            match benches.measure(&subject, &setting, &wish.frames, &Stops(bar)) {
+                Ok((_, cost)) => println!("{}", row(&subject, &setting, &cost)),
                 Err(error) if bar.cancelled() => return Err(error),
-                Err(error) => println!("{}{error} {}", head(&scene, &setting), "|".repeat(10)),
+                Err(error) => println!("{}{error} {}", head(&subject, &setting), "|".repeat(10)),
             }
         }
     }
@@ -133,26 +132,26 @@ fn rows(
 }
 
 /// What the file draws with, on every engine, in both orders where one is needed.
-fn settings(scene: &Scene, benches: &Benches) -> Vec<Setting> {
-    let own = scene.setting(Engine::Cpu);
+fn settings(subject: &Subject, benches: &Benches) -> Vec<Setting> {
+    let own = subject.setting(Painter::NATIVE);
     let only = [own.integrator.name().to_string()];
-    let mut settings = benches.settings(scene, &only);
+    let mut settings = benches.settings(subject, &only);
     settings.retain(|setting| setting.integrator == own.integrator && setting.overlap == own.overlap);
     settings
 }
 
-fn head(scene: &Scene, setting: &Setting) -> String {
+fn head(subject: &Subject, setting: &Setting) -> String {
     let order = match setting.order {
-        _ if !scene.needs_order => "not needed",
+        _ if !subject.needs_order => "not needed",
         Order::Exact | Order::Auto => "exact",
         Order::Centroid => "centroid",
         Order::None => "none",
     };
-    let [width, height] = scene.camera.size;
-    format!("| {} | {width} × {height} | {} | {order} | ", scene.node, setting.engine.label())
+    let [width, height] = subject.scene.camera.size;
+    format!("| {} | {width} × {height} | {} | {order} | ", subject.node, setting.painter.label())
 }
 
-fn row(scene: &Scene, setting: &Setting, cost: &Cost) -> String {
+fn row(subject: &Subject, setting: &Setting, cost: &Cost) -> String {
     let stage = |times: Option<Times>| times.map_or(String::new(), |times| format!("{:.2}", times.median_ms));
     let Times { median_ms, fastest_ms, slowest_ms } = cost.frame;
     let rate_there = |(count, times): (u64, Times)| format!("{:.0}", count as f64 / times.median_ms * 1e-6);
@@ -162,7 +161,7 @@ fn row(scene: &Scene, setting: &Setting, cost: &Cost) -> String {
         cost.segments.map(|count| format!("{:.0}", count as f64 / median_ms * 1e-3)).unwrap_or_default();
     format!(
         "{}**{median_ms:.2}** | {fastest_ms:.2} to {slowest_ms:.2} | {} | {} | {} | {} | {} | {:.1} | {count} | {rate} |",
-        head(scene, setting),
+        head(subject, setting),
         stage(cost.cull),
         stage(cost.sort),
         stage(cost.project),

@@ -5,11 +5,13 @@ use glam::DVec3;
 use serde::Serialize;
 use std::sync::Arc;
 use voltet_core::camera::{Camera, Projection};
+use voltet_core::engine::Manner;
 use voltet_core::grid::Grid;
 use voltet_core::grid::generate::{box_of_tetrahedra, sample};
 use voltet_core::optics::Overlap;
 use voltet_core::picture::Picture;
-use voltet_core::progress::Progress;
+use voltet_core::progress::{Progress, Unreported};
+use voltet_core::scene::Scene;
 use voltet_core::shading::{Integrator, Order, Shading};
 use voltet_core::transfer::{OpticalModel, Profile, Region, TransferFunction, Widget};
 use voltet_core::volume::Volume;
@@ -45,7 +47,8 @@ impl Drawn {
     }
 }
 
-struct Scene {
+/// A scene that is hard to draw.
+struct Hard {
     category: &'static str,
     name: String,
     grid: Grid,
@@ -57,7 +60,7 @@ struct Scene {
 
 /// Draws every picture with all of them. Errors: a stopped run, and those of drawing.
 pub(super) fn pictures(painters: &[Painter], progress: &dyn Progress) -> Result<Vec<Drawn>> {
-    let scenes: Vec<Scene> =
+    let scenes: Vec<Hard> =
         flat().into_iter().chain(without_volume()).chain(far()).chain([needles(), deep()]).collect();
     let mut all = Vec::new();
     for (k, scene) in scenes.iter().enumerate() {
@@ -70,29 +73,41 @@ pub(super) fn pictures(painters: &[Painter], progress: &dyn Progress) -> Result<
     Ok(all)
 }
 
-fn drawn(scene: &Scene, painters: &[Painter], progress: &dyn Progress) -> Result<Vec<Drawn>> {
+fn drawn(hard: &Hard, painters: &[Painter], progress: &dyn Progress) -> Result<Vec<Drawn>> {
     let s = |p: &DVec3| 0.5 + 0.25 * (4.0 * p.x + p.y).sin() + 0.25 * (3.0 * p.z - 2.0 * p.y).cos();
     let g = |p: &DVec3| 0.4 + p.x + 0.5 * p.y * p.z;
     let volume = Arc::new(Volume {
-        grid: Arc::new(scene.grid.clone()),
-        scalar: Arc::new(scene.places.iter().map(s).collect()),
+        grid: Arc::new(hard.grid.clone()),
+        scalar: Arc::new(hard.places.iter().map(s).collect()),
         gradient: None,
-        gradient_magnitude: Some(Arc::new(scene.places.iter().map(g).collect())),
+        gradient_magnitude: Some(Arc::new(hard.places.iter().map(g).collect())),
     });
-    let look = TransferFunction { unit_distance: scene.unit_distance, ..look() };
+    let transfer_function = Arc::new(TransferFunction { unit_distance: hard.unit_distance, ..look() });
     let (integrator, overlap) = (Integrator::Analytic, Overlap::Exact);
     let shading = Shading { integrator, overlap, silhouette: None, light: None };
-    let exact = reference::draw(&volume, &look, &scene.camera, &shading, Order::Exact, progress)?;
+    let scene = Scene { volume, transfer_function, camera: hard.camera, shading, order: Order::Exact };
+    let exact = reference::draw(&scene, &Unreported(progress))?;
     let draw = |painter: &Painter| {
-        let found = painter.draw(&volume, &look, &scene.camera, &shading, progress)?;
-        let ((worst_error, worst_pixel), refused) = match found {
+        let ((worst_error, worst_pixel), refused) = match picture(painter, &scene, progress) {
             Ok(found) => (worst(&found, &exact), None),
-            Err(error) => ((0.0, [0; 2]), Some(error.to_string())),
+            // What a device does not hold `auto` leaves to the native engine.
+            Err(error) if may_refuse(painter, progress) => ((0.0, [0; 2]), Some(error.to_string())),
+            Err(error) => return Err(error),
         };
-        let (category, scene, engine) = (scene.category, scene.name.clone(), painter.name());
+        let (category, scene, engine) = (hard.category, hard.name.clone(), painter.engine.label());
         Ok(Drawn { category, scene, engine, refused, worst_error, worst_pixel, bound: BOUND })
     };
     painters.iter().map(draw).collect()
+}
+
+fn picture(painter: &Painter, scene: &Scene, progress: &dyn Progress) -> Result<Picture> {
+    let volume = painter.engine.prepare(&scene.volume)?;
+    Ok(volume.draw(scene, &Manner::default(), &Unreported(progress))?.picture)
+}
+
+/// Whether what went wrong is that a device does not hold the scene.
+fn may_refuse(painter: &Painter, progress: &dyn Progress) -> bool {
+    painter.declared.on_device && !painter.engine.is_lost() && !progress.cancelled()
 }
 
 fn worst(found: &Picture, exact: &Picture) -> (f64, [usize; 2]) {
@@ -130,10 +145,10 @@ fn cube(counts: [usize; 3], jitter: f64) -> Grid {
 }
 
 /// The grid with its points moved; the field stays with the points.
-fn moved(name: String, category: &'static str, base: &Grid, place: impl Fn(DVec3) -> DVec3) -> Scene {
+fn moved(name: String, category: &'static str, base: &Grid, place: impl Fn(DVec3) -> DVec3) -> Hard {
     let places = base.points.to_vec();
     let grid = Grid { points: Arc::new(sample(base, place)), ..base.clone() };
-    Scene { category, name, grid, places, camera: outside(), unit_distance: 1.0 }
+    Hard { category, name, grid, places, camera: outside(), unit_distance: 1.0 }
 }
 
 const SIZE: [u32; 2] = [24, 24];
@@ -151,7 +166,7 @@ fn outside() -> Camera {
 }
 
 /// Cells squeezed to a layer.
-fn flat() -> Vec<Scene> {
+fn flat() -> Vec<Hard> {
     let base = cube([3, 3, 3], 0.0);
     let layer = |thickness: f64| {
         let place = move |p: DVec3| {
@@ -164,7 +179,7 @@ fn flat() -> Vec<Scene> {
 }
 
 /// Cells with four points in a plane, on a line or in one place, among others.
-fn without_volume() -> Vec<Scene> {
+fn without_volume() -> Vec<Hard> {
     let base = cube([3, 3, 3], 0.0);
     // Points 0 to 3 lie on an edge, 0, 21, 42, 63 on the diagonal, 0, 1, 4, 5 in a face.
     let kinds: [(&str, &[[u32; 4]]); 3] = [
@@ -186,7 +201,7 @@ fn without_volume() -> Vec<Scene> {
 }
 
 /// Cells a hundred thousand times as long as wide, seen across.
-fn needles() -> Scene {
+fn needles() -> Hard {
     let base = cube([3, 3, 3], 0.2);
     let narrow = |p: DVec3| DVec3::new(p.x, 0.5 + 1e-5 * (p.y - 0.5), p.z);
     let scene = moved("needles of 1 : 100,000".into(), "degenerate cells", &base, narrow);
@@ -197,18 +212,18 @@ fn needles() -> Scene {
         ..outside()
     };
     // So that 1e-5 of length is seen.
-    Scene { camera, unit_distance: 1e-5, ..scene }
+    Hard { camera, unit_distance: 1e-5, ..scene }
 }
 
 /// The cube at other scales, and far from the origin.
-fn far() -> Vec<Scene> {
+fn far() -> Vec<Hard> {
     let base = cube([4, 4, 4], 0.2);
     let scene = |(scale, offset): (f64, DVec3)| {
         let place = move |p: DVec3| offset + scale * p;
         let name = format!("lengths of {scale:.0e} at {:.1e} from the origin", offset.length());
         let view = outside();
         let camera = Camera { eye: place(view.eye), target: place(view.target), ..view };
-        Scene { camera, unit_distance: scale, ..moved(name, "extreme coordinates", &base, place) }
+        Hard { camera, unit_distance: scale, ..moved(name, "extreme coordinates", &base, place) }
     };
     [
         (1e-30, DVec3::ZERO),
@@ -224,14 +239,14 @@ fn far() -> Vec<Scene> {
 }
 
 /// Thousands of segments on a pixel.
-fn deep() -> Scene {
+fn deep() -> Hard {
     let base = cube([1, 600, 1], 0.0);
     let scene = moved("over 1,200 cells along a ray".into(), "long compositing chains", &base, |p| {
         DVec3::new(p.x, 3.0 * p.y, p.z)
     });
     let projection = Projection::Perspective { fov_y: 18.0 };
     let (eye, target) = (DVec3::new(0.45, -3.0, 0.55), DVec3::new(0.5, 0.0, 0.5));
-    Scene { camera: Camera { eye, target, projection, size: [8, 8], ..outside() }, ..scene }
+    Hard { camera: Camera { eye, target, projection, size: [8, 8], ..outside() }, ..scene }
 }
 
 #[cfg(all(test, feature = "gpu"))]
@@ -251,7 +266,7 @@ mod tests {
                 return;
             }
         };
-        let device = found.painters.last().expect("the device paints").name();
+        let device = found.painters.last().expect("the device paints").engine.label();
         let all = pictures(&found.painters, &Silent).expect("drawn");
         let on_device: Vec<&Drawn> = all.iter().filter(|drawn| drawn.engine == device).collect();
         assert_eq!((on_device.len(), all.len()), (17, 17 * found.painters.len()));

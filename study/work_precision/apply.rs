@@ -1,7 +1,7 @@
 //! A setting written into a pipeline file; every other byte stays as it is.
 
 use super::settings::{order_name, overlap_name};
-use super::{Engine, Form, Setting, Study, Value as Key};
+use super::{Form, Setting, Study, Value as Key};
 use toml_edit::{DocumentMut, Item, TableLike, Value};
 use voltet_core::optics::Overlap;
 use voltet_core::optics::integrators::Integrator;
@@ -11,7 +11,7 @@ use voltet_core::{Error, Result};
 /// written where they differ from what the file says or comes to here; a `gpu-renderer` that is to draw on the native
 /// engine becomes a `renderer`.
 pub fn apply(text: &str, study: &Study, setting: &Setting) -> Result<String> {
-    let scene = &study.scene;
+    let subject = &study.subject;
     // Line ends of two characters would come out as one.
     let windows = text.contains("\r\n");
     if windows && text.replace("\r\n", "").contains('\n') {
@@ -23,23 +23,23 @@ pub fn apply(text: &str, study: &Study, setting: &Setting) -> Result<String> {
     let mut document: DocumentMut = text.parse().map_err(|error: toml_edit::TomlError| {
         Error::usage("the pipeline file cannot be read as TOML").found(error.message())
     })?;
-    let own = scene.setting(setting.engine);
+    let own = subject.setting(setting.painter);
     for (name, key) in setting.keys() {
-        set(&mut document, &scene.node, name, key)?;
+        set(&mut document, &subject.node, name, key)?;
     }
     if setting.overlap != own.overlap && setting.integrator == Integrator::Analytic {
-        set(&mut document, &scene.node, "overlap", Key::Text(overlap_name(setting.overlap)))?;
+        set(&mut document, &subject.node, "overlap", Key::Text(overlap_name(setting.overlap)))?;
     } else if own.overlap == Overlap::Mix && setting.integrator != Integrator::Analytic {
         // Of no account for the others, and misleading.
-        set(&mut document, &scene.node, "overlap", Key::Text(overlap_name(Overlap::Exact)))?;
+        set(&mut document, &subject.node, "overlap", Key::Text(overlap_name(Overlap::Exact)))?;
     }
     if setting.order != own.order
-        && let Some(node) = &scene.order_node
+        && let Some(node) = &subject.order_node
     {
         set(&mut document, node, "order", Key::Text(order_name(setting.order)))?;
     }
     for (name, value) in engine_keys(study, setting) {
-        set(&mut document, &scene.node, name, Key::Text(value))?;
+        set(&mut document, &subject.node, name, Key::Text(value))?;
     }
     let written = document.to_string();
     Ok(if windows && !written.contains("\r\n") { written.replace('\n', "\r\n") } else { written })
@@ -47,28 +47,26 @@ pub fn apply(text: &str, study: &Study, setting: &Setting) -> Result<String> {
 
 /// The keys that state the setting's engine, where the file comes to another one.
 fn engine_keys<'a>(study: &'a Study, setting: &Setting) -> Vec<(&'static str, &'a str)> {
-    let asked = &study.scene.asked;
-    let comes_to = study.own.map(|own| own.engine);
+    let asked = &study.subject.asked;
+    let painter = setting.painter;
     let mut keys = Vec::new();
-    match (setting.engine, asked.form) {
-        (_, Form::Stages) => {}
-        (Engine::Cpu, Form::GpuRenderer) => keys.extend([("type", "renderer"), ("engine", "cpu")]),
-        (Engine::Cpu, Form::Renderer) if comes_to != Some(Engine::Cpu) => keys.push(("engine", "cpu")),
-        (Engine::Cpu, Form::Renderer) => {}
-        (Engine::Gpu { compositor }, form) => {
-            if form == Form::Renderer && comes_to.is_none_or(|engine| engine == Engine::Cpu) {
-                keys.push(("engine", "gpu"));
-            }
-            let wish = study.adapter.as_ref().and_then(|adapter| adapter.wish.as_deref());
-            if let Some(wish) = wish.filter(|wish| asked.adapter.as_deref() != Some(wish)) {
-                keys.push(("adapter", wish));
-            }
-            let only = asked.compositor == "auto" && Engine::of_device().count() == 1;
-            if asked.compositor != compositor && !only {
-                keys.push(("compositor", compositor));
-            }
+    match asked.form {
+        Form::Stages => return keys,
+        Form::GpuRenderer if painter.engine.name != asked.engine => {
+            keys.extend([("type", "renderer"), ("engine", painter.engine.name)]);
+        }
+        Form::GpuRenderer => {}
+        Form::Renderer => {
+            let same = study.own.is_some_and(|own| own.painter.engine == painter.engine);
+            keys.extend((!same).then_some(("engine", painter.engine.name)));
         }
     }
+    let adapter = study.adapters.iter().find(|adapter| adapter.engine == painter.engine);
+    let wish = adapter.and_then(|adapter| adapter.wish.as_deref());
+    keys.extend(wish.filter(|wish| asked.adapter.as_deref() != Some(wish)).map(|wish| ("adapter", wish)));
+    let only = asked.compositor == "auto" && painter.engine.compositing.len() == 1;
+    let compositor = painter.compositor().filter(|name| *name != asked.compositor && !only);
+    keys.extend(compositor.map(|name| ("compositor", name)));
     keys
 }
 

@@ -1,35 +1,37 @@
-//! The engines that settings are measured on: the native one, and a device where it is asked for and there.
+//! The engines that settings are measured on: those that are asked for and there.
 
-use super::device::Bench;
 use super::measure::{Cost, Frames, measure};
-use super::scene::Form;
-use super::{Engine, Scene, Setting, Wish, settings};
+use super::subject::Form;
+use super::{Engines, Painter, Setting, Subject, Wish, settings};
+use crate::devices;
+use std::sync::Arc;
+use voltet_core::engine::{Declaration, Engine};
 use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
 use voltet_core::{Error, Result};
+use voltet_nodes::drawing::{ENGINES, NATIVE};
 
 /// What there is to measure on.
 pub struct Benches {
-    cpu: bool,
-    device: Option<Bench>,
-    file_takes: Takes,
+    benches: Vec<Bench>,
+    /// The engines that the file may come to here, in the order in which they are asked; `None`: one that is not measured.
+    file_takes: Option<Vec<&'static Declaration>>,
     /// What is not measured, why, and how to have it.
     pub left_out: Vec<String>,
 }
 
-/// What the file is drawn on here.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Takes {
-    Native,
-    /// The device that is measured.
-    ThisDevice,
-    /// One that is not measured, or not there.
-    Another,
+/// An open engine.
+struct Bench {
+    declared: &'static Declaration,
+    adapter: Option<String>,
+    engine: Arc<dyn Engine>,
 }
 
-/// The device of a study.
-#[derive(Debug, Clone, PartialEq, Eq)]
+/// A device that a study is made on.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Adapter {
+    /// The engine that runs on it.
+    pub engine: &'static Declaration,
     /// Its name and kind, for people.
     pub name: String,
     /// What it is asked for by, where it is not the one that `auto` takes.
@@ -38,102 +40,123 @@ pub struct Adapter {
     pub is_software: bool,
 }
 
+impl Bench {
+    fn open(declared: &'static Declaration, adapter: Option<&str>) -> Result<Bench> {
+        let engine = devices::open(declared, adapter)?;
+        Ok(Bench { declared, adapter: adapter.map(str::to_string), engine })
+    }
+}
+
 impl Benches {
-    /// Opens the device where it is asked for: the one that is named, else the one that the file names, else the fastest
-    /// that is hardware. Where the native engine is to be looked at too, a device that is not there is left out.
+    /// Opens each engine that is asked for, on the adapter that is named, else the one that the file names, else the fastest
+    /// that is hardware. Where several are to be looked at, a device that is not there is left out.
     ///
     /// Errors: a device that was named or is all that was asked for, and is not there or cannot draw the pipeline.
-    pub fn open(scene: &Scene, wish: &Wish) -> Result<Benches> {
-        let mut left_out = Vec::new();
-        let device = match wish.engines.gpu().then(|| open(scene, wish)) {
-            None => None,
-            Some(Ok(device)) => Some(device),
-            Some(Err(error)) if !wish.engines.cpu() || wish.adapter.is_some() => return Err(error),
-            Some(Err(error)) => {
-                left_out.push(format!("the device: {error}"));
-                None
+    pub fn open(subject: &Subject, wish: &Wish) -> Result<Benches> {
+        let (mut benches, mut left_out) = (Vec::new(), Vec::new());
+        for engine in wish.engines.each() {
+            match open(subject, wish, engine) {
+                Ok(bench) => benches.push(bench),
+                Err(error) if wish.engines != Engines::All || wish.adapter.is_some() => return Err(error),
+                Err(error) => left_out.push(format!("the device: {error}")),
             }
+        }
+        let file_takes = takes(subject, wish, &benches);
+        Ok(Benches { benches, file_takes, left_out })
+    }
+
+    /// The devices.
+    pub fn adapters(&self, subject: &Subject, wish: &Wish) -> Vec<Adapter> {
+        let on_device = self.benches.iter().filter(|bench| bench.declared.on_device);
+        let adapter = |bench: &Bench| Adapter {
+            engine: bench.declared,
+            name: bench.engine.adapter(),
+            wish: wish.adapter.clone().or_else(|| subject.asked.adapter.clone()),
+            is_software: bench.engine.is_software(),
         };
-        let file_takes = takes(scene, wish, device.as_ref());
-        Ok(Benches { cpu: wish.engines.cpu(), device, file_takes, left_out })
+        on_device.map(adapter).collect()
     }
 
-    /// The device.
-    pub fn adapter(&self, scene: &Scene, wish: &Wish) -> Option<Adapter> {
-        let device = self.device.as_ref()?;
-        let wish = wish.adapter.clone().or_else(|| scene.asked.adapter.clone());
-        Some(Adapter { name: device.name().into(), wish, is_software: device.is_software() })
-    }
-
-    /// The device's 32-bit multiply-adds a second, measured; `None` without one. Errors: a lost device.
-    pub fn multiply_adds_per_second(&self) -> Result<Option<f64>> {
-        self.device.as_ref().map(Bench::multiply_adds_per_second).transpose()
+    /// Each device's name and its 32-bit multiply-adds a second, measured. Errors: a lost device.
+    pub fn multiply_adds_per_second(&self) -> Result<Vec<(String, f64)>> {
+        let rate = |bench: &Bench| {
+            let rate = bench.engine.multiply_adds_per_second().transpose()?;
+            Some(rate.map(|rate| (bench.engine.adapter(), rate)))
+        };
+        self.benches.iter().filter_map(rate).collect()
     }
 
     /// What is tried, engine by engine.
-    pub fn settings(&self, scene: &Scene, only: &[String]) -> Vec<Setting> {
-        let native = self.cpu.then_some(Engine::Cpu);
-        let device = Engine::of_device().filter(|_| self.device.is_some());
-        native.into_iter().chain(device).flat_map(|engine| settings(scene, only, engine)).collect()
+    pub fn settings(&self, subject: &Subject, only: &[String]) -> Vec<Setting> {
+        let painters = self.benches.iter().flat_map(|bench| Painter::of(bench.declared));
+        painters.flat_map(|painter| settings(subject, only, painter)).collect()
     }
 
     /// Draws the scene with one setting, on its engine.
     pub fn measure(
         &mut self,
-        scene: &Scene,
+        subject: &Subject,
         setting: &Setting,
         frames: &Frames,
         progress: &dyn Progress,
     ) -> Result<(Picture, Cost)> {
-        match (setting.engine, &mut self.device) {
-            (Engine::Gpu { .. }, Some(device)) => device.measure(scene, setting, frames, progress),
-            (Engine::Gpu { .. }, None) => Err(Error::run("there is no device to measure on")),
-            (Engine::Cpu, _) => measure(scene, setting, frames, progress),
+        let found = self.benches.iter_mut().find(|bench| bench.declared == setting.painter.engine);
+        let Some(bench) = found else {
+            return Err(Error::run("there is no such engine to measure on").found(setting.painter.label()));
+        };
+        if bench.engine.is_lost() {
+            bench.engine = devices::open(bench.declared, bench.adapter.as_deref())?;
         }
+        measure(bench.engine.as_ref(), subject, setting, frames, progress)
     }
 
-    /// How the file draws on this machine. `refused`: what the device does not draw, where `auto` takes the native engine;
-    /// `None`: on a device that is not measured.
-    pub(super) fn own(&self, scene: &Scene, refused: &dyn Fn(&Setting) -> bool) -> Option<Setting> {
-        let native = scene.setting(Engine::Cpu);
-        match self.file_takes {
-            Takes::Native => Some(native),
-            Takes::Another => None,
-            Takes::ThisDevice => {
-                let own = scene.setting(scene.on_device()?);
-                Some(if scene.asked.engine == "auto" && refused(&own) { native } else { own })
+    /// How the file draws on this machine. `refused`: what an engine does not draw, where `auto` takes another; `None`: on a
+    /// device that is not measured.
+    pub(super) fn own(&self, subject: &Subject, refused: &dyn Fn(&Setting) -> bool) -> Option<Setting> {
+        for engine in self.file_takes.as_ref()? {
+            let own = subject.setting(subject.painter_on(engine)?);
+            if !(subject.asked.is_auto() && refused(&own)) {
+                return Some(own);
             }
         }
+        None
     }
 }
 
-/// What the file is drawn on here, `device` being what is measured.
-fn takes(scene: &Scene, wish: &Wish, device: Option<&Bench>) -> Takes {
-    let asked = &scene.asked;
-    if asked.engine == "cpu" {
-        return Takes::Native;
+/// The engines that the file may come to here, `benches` being what is measured.
+fn takes(subject: &Subject, wish: &Wish, benches: &[Bench]) -> Option<Vec<&'static Declaration>> {
+    let asked = &subject.asked;
+    let may = |engine: &&Declaration| asked.is_auto() || asked.engine == engine.name;
+    let mut taken = Vec::new();
+    for engine in ENGINES.iter().rev().filter(may) {
+        let bench = benches.iter().find(|bench| bench.declared == engine);
+        let same_wish = wish.adapter.is_none() || wish.adapter == asked.adapter;
+        if engine.on_device && !(bench.is_some() && same_wish) {
+            match (Bench::open(engine, asked.adapter.as_deref()), bench) {
+                (Ok(files), Some(bench)) if files.engine.adapter() == bench.engine.adapter() => {}
+                (Err(_), _) if asked.is_auto() => continue,
+                _ => return None,
+            }
+        }
+        taken.push(engine);
     }
-    if device.is_some() && (wish.adapter.is_none() || wish.adapter == asked.adapter) {
-        return Takes::ThisDevice;
-    }
-    match (Bench::open(asked.adapter.as_deref()), device) {
-        (Ok(files), Some(device)) if files.name() == device.name() => Takes::ThisDevice,
-        (Err(_), _) if asked.engine == "auto" => Takes::Native,
-        _ => Takes::Another,
-    }
+    Some(taken)
 }
 
-/// The device to measure.
-fn open(scene: &Scene, wish: &Wish) -> Result<Bench> {
-    let asked = &scene.asked;
-    if asked.form == Form::Stages {
+/// An engine to measure.
+fn open(subject: &Subject, wish: &Wish, engine: &'static Declaration) -> Result<Bench> {
+    let asked = &subject.asked;
+    if !engine.on_device {
+        return Bench::open(engine, None);
+    }
+    if asked.form == Form::Stages && engine != NATIVE {
         let what =
             "the stages of the pipeline, one by one, are the native engine's: no device stands in for them";
         let accepted = "a pipeline that draws with a node of type \"renderer\"";
         return Err(Error::usage(what)
-            .found(format!("'{}' of type \"composite\"", scene.node))
+            .found(format!("'{}' of type \"composite\"", subject.node))
             .accepted(accepted));
     }
     let named = wish.adapter.as_ref().or(asked.adapter.as_ref());
-    Bench::open(named.map(String::as_str))
+    Bench::open(engine, named.map(String::as_str))
 }

@@ -5,7 +5,7 @@
 //! scene has a p of its own where the transfer function does; where it jumps, the place of the jump is known to
 //! a piece only. Errors near the floor, which 32 bits leave whatever N, tell nothing and are left out.
 
-use super::Engine;
+use super::Painter;
 use serde::Serialize;
 use voltet_core::transfer::{OpticalModel, TransferFunction};
 
@@ -68,7 +68,7 @@ pub fn convergence(
         .collect();
     let observed = slope(&telling[telling.len().saturating_sub(LEVELS)..]).map(|slope| -slope);
     let (expected, reason) = expected(transfer_function);
-    let engine = Engine::Cpu.label();
+    let engine = Painter::NATIVE.label();
     Convergence { integrator, engine, levels, observed, expected, reason }
 }
 

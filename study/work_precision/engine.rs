@@ -1,81 +1,74 @@
-//! The engines that a study draws with, and which of them are asked for.
+//! What a study draws with: engines and their ways of compositing, and which of them are asked for.
 
-use voltet_nodes::drawing;
+use voltet_core::engine::{Compositing, Declaration};
+use voltet_core::shading::Order;
+use voltet_nodes::drawing::{ENGINES, NATIVE};
 
-/// What draws a picture.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Engine {
-    /// Native code on all cores.
-    Cpu,
-    /// The device engine.
-    Gpu {
-        /// How pixels are composited, as the pipeline file calls it.
-        compositor: &'static str,
-    },
+/// What draws a picture: an engine and, where it has several, its way of compositing.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Painter {
+    /// The engine.
+    pub engine: &'static Declaration,
+    /// How it composites; `None` where it has one way.
+    pub compositing: Option<Compositing>,
 }
 
 /// Which engines are studied.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Engines {
-    /// The native engine alone.
-    Cpu,
-    /// The device alone.
-    Gpu,
-    /// The native engine, and the device where there is one.
+    /// This one alone.
+    One(&'static Declaration),
+    /// Every engine that is there.
     #[default]
     All,
 }
 
-impl Engine {
-    /// The device engine with each of its compositors.
-    pub fn of_device() -> impl Iterator<Item = Engine> {
-        drawing::compositors().map(|compositor| Engine::Gpu { compositor })
+impl Painter {
+    /// The engine that draws every scene.
+    pub const NATIVE: Painter = Painter { engine: NATIVE, compositing: None };
+
+    /// An engine with each of its ways.
+    pub fn of(engine: &'static Declaration) -> impl Iterator<Item = Painter> {
+        let only = engine.compositing.is_empty().then_some(None);
+        let ways = only.into_iter().chain(engine.compositing.iter().copied().map(Some));
+        ways.map(move |compositing| Painter { engine, compositing })
     }
 
-    /// Its name in pipeline files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Engine::Cpu => "cpu",
-            Engine::Gpu { .. } => "gpu",
-        }
+    /// Every engine with each of its ways.
+    pub fn all() -> impl Iterator<Item = Painter> {
+        ENGINES.iter().flat_map(Painter::of)
     }
 
     /// The compositor's name in pipeline files.
     pub fn compositor(self) -> Option<&'static str> {
-        match self {
-            Engine::Cpu => None,
-            Engine::Gpu { compositor } => Some(compositor),
-        }
+        self.compositing.map(Compositing::name)
     }
 
-    /// Both, for people: "cpu", "gpu tiles".
+    /// Whether it carries out an order where the scene needs one.
+    pub fn has(self, order: Order) -> bool {
+        self.compositing.is_none_or(|way| way.has(order))
+    }
+
+    /// Both names, for people: "cpu", "gpu tiles".
     pub fn label(self) -> String {
-        match self {
-            Engine::Cpu => "cpu".into(),
-            Engine::Gpu { compositor } => format!("gpu {compositor}"),
+        match self.compositor() {
+            None => self.engine.name.into(),
+            Some(compositor) => format!("{} {compositor}", self.engine.name),
         }
     }
 
-    /// 0 for the native engine, then the compositors of the device in their order.
+    /// Its place among all.
     pub fn number(self) -> usize {
-        match self {
-            Engine::Cpu => 0,
-            Engine::Gpu { compositor } => {
-                let place = drawing::compositors().position(|known| known == compositor);
-                1 + place.unwrap_or_default()
-            }
-        }
+        Painter::all().position(|known| known == self).unwrap_or_default()
     }
 }
 
 impl Engines {
-    /// Whether the native engine is among them.
-    pub fn cpu(self) -> bool {
-        self != Engines::Gpu
-    }
-
-    /// Whether the device is.
-    pub fn gpu(self) -> bool {
-        self != Engines::Cpu
+    /// Those that are looked at.
+    pub fn each(self) -> impl Iterator<Item = &'static Declaration> {
+        ENGINES.iter().filter(move |engine| match self {
+            Engines::One(only) => *engine == only,
+            Engines::All => true,
+        })
     }
 }

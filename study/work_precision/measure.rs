@@ -1,14 +1,14 @@
 //! One setting, drawn again and again: seconds of every stage, memory, and the picture.
 
-use super::{Scene, Setting};
+use super::{Setting, Subject};
 use serde::Serialize;
 use std::time::{Duration, Instant};
 use voltet_core::camera::Camera;
+use voltet_core::engine::{Drawn, Engine, Manner, Stage};
 use voltet_core::picture::Picture;
-use voltet_core::progress::Progress;
-use voltet_core::shading::{Order, Shading};
+use voltet_core::progress::{Progress, Unreported};
+use voltet_core::scene::Scene;
 use voltet_core::{Error, Result};
-use voltet_engine as engine;
 
 /// How often a setting is drawn.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -89,74 +89,107 @@ pub struct Pass {
     pub times: Times,
 }
 
-/// Seconds of one frame: cull, sort, project, set-up, composite.
-type Seconds = [f64; 5];
+/// One picture, and its seconds from end to end.
+struct Taken {
+    drawn: Drawn,
+    seconds: f64,
+}
 
-/// Draws the scene with one setting on the native engine.
-pub fn measure(
-    scene: &Scene,
+/// Draws the scene with one setting on its engine.
+///
+/// What an engine on a device keeps is set up before the first frame, which takes longer by that; the others set up each frame
+/// anew. Errors: also what the engine does not hold.
+pub(super) fn measure(
+    engine: &dyn Engine,
+    subject: &Subject,
     setting: &Setting,
     frames: &Frames,
     progress: &dyn Progress,
 ) -> Result<(Picture, Cost)> {
-    let shading = Shading { integrator: setting.integrator, overlap: setting.overlap, ..scene.shading };
-    // The same picture without the work.
-    let order = if scene.needs_order { setting.order } else { Order::Auto };
+    let scene = setting.scene(subject);
+    let manner = Manner { compositing: setting.painter.compositing, thorough: false };
+    let keeps = setting.painter.engine.on_device;
     let fresh = forget_peak_memory();
+    engine.forget();
     let start = Instant::now();
-    let (picture, counts, first) = frame(scene, &shading, order, progress)?;
-    let mut times: Vec<Seconds> = Vec::new();
-    while times.len() < frames.count && start.elapsed() < frames.patience {
-        let scene = frames.scene(scene, times.len() + 1);
-        times.push(frame(&scene, &shading, order, progress)?.2);
+    let volume = engine.prepare(&scene.volume)?;
+    let draw = |scene: &Scene| {
+        if progress.cancelled() {
+            return Err(Error::cancelled());
+        }
+        let begun = Instant::now();
+        let drawn = volume.draw(scene, &manner, &Unreported(progress))?;
+        Ok(Taken { drawn, seconds: begun.elapsed().as_secs_f64() })
+    };
+    let first = draw(&scene)?;
+    let set_up = start.elapsed();
+    let patience = frames.patience + if keeps { set_up } else { Duration::ZERO };
+    let mut taken: Vec<Taken> = Vec::new();
+    while taken.len() < frames.count && (start.elapsed() < patience || (keeps && taken.is_empty())) {
+        taken.push(draw(&frames.scene(&scene, taken.len() + 1))?);
     }
-    if times.is_empty() {
-        times.push(first);
+    let (picture, counts) = (first.drawn.picture.clone(), first.drawn.counts);
+    if taken.is_empty() {
+        taken.push(first);
     }
-    let of = |f: &dyn Fn(&Seconds) -> f64| spread(times.iter().map(f).collect());
-    let stage = |k: usize| of(&|seconds: &Seconds| seconds[k]);
+    let peak_memory_bytes = peak_memory().filter(|_| fresh);
+    let operations = volume.operations(&scene, &manner, &counts)?;
+    let whole = spread(taken.iter().map(|frame| frame.seconds).collect());
+    let (set_up, frame) = match stage(&taken, Stage::SetUp) {
+        Some(set_up) => {
+            let rest = |frame: &Taken| frame.seconds - seconds_of(&frame.drawn, Stage::SetUp).unwrap_or(0.0);
+            (set_up, spread(taken.iter().map(rest).collect()))
+        }
+        None => {
+            let once = (1e3 * set_up.as_secs_f64() - whole.fastest_ms).max(0.0);
+            (Times { median_ms: once, fastest_ms: once, slowest_ms: once }, whole)
+        }
+    };
     let cost = Cost {
-        frames: times.len(),
-        picture: of(&|seconds| seconds.iter().sum()),
-        set_up: stage(3),
-        frame: of(&|seconds| seconds.iter().sum::<f64>() - seconds[3]),
-        cull: Some(stage(0)),
-        sort: Some(stage(1)),
-        project: Some(stage(2)),
-        composite: Some(stage(4)),
-        passes: Vec::new(),
-        segments: Some(counts.segments),
-        segments_exact: counts.segments_exact,
-        operations: None,
-        peak_memory_bytes: peak_memory().filter(|_| fresh),
+        frames: taken.len(),
+        picture: whole,
+        set_up,
+        frame,
+        cull: stage(&taken, Stage::Cull),
+        sort: stage(&taken, Stage::Sort),
+        project: stage(&taken, Stage::Project),
+        composite: stage(&taken, Stage::Composite),
+        passes: passes(&taken),
+        segments: counts.segments,
+        segments_exact: counts.segments_exact.unwrap_or(0),
+        operations,
+        peak_memory_bytes,
     };
     Ok((picture, cost))
 }
 
-/// Draws once, from culling on.
-fn frame(
-    scene: &Scene,
-    shading: &Shading,
-    order: Order,
-    progress: &dyn Progress,
-) -> Result<(Picture, engine::Counts, Seconds)> {
-    if progress.cancelled() {
-        return Err(Error::cancelled());
+/// Seconds of a stage in one frame; `None` where nothing timed it.
+fn seconds_of(drawn: &Drawn, stage: Stage) -> Option<f64> {
+    let parts: Vec<f64> =
+        drawn.stages.iter().filter(|part| part.stage == stage).map(|part| part.seconds).collect();
+    (!parts.is_empty()).then(|| parts.iter().sum())
+}
+
+/// Times of a stage over all frames; `None` where it was not timed in each.
+fn stage(taken: &[Taken], stage: Stage) -> Option<Times> {
+    taken.iter().map(|frame| seconds_of(&frame.drawn, stage)).collect::<Option<Vec<f64>>>().map(spread)
+}
+
+/// Times of the passes that every frame has.
+fn passes(taken: &[Taken]) -> Vec<Pass> {
+    let mut passes: Vec<Pass> = Vec::new();
+    for name in taken.iter().flat_map(|frame| &frame.drawn.stages).filter_map(|part| part.pass) {
+        let of = |frame: &Taken| {
+            let found = frame.drawn.stages.iter().find(|part| part.pass == Some(name));
+            found.map(|part| part.seconds)
+        };
+        if !passes.iter().any(|known| known.name == name)
+            && let Some(seconds) = taken.iter().map(of).collect::<Option<Vec<f64>>>()
+        {
+            passes.push(Pass { name, times: spread(seconds) });
+        }
     }
-    let Scene { volume, transfer_function, camera, .. } = scene;
-    let gradient = engine::needs_gradient(shading);
-    let mut ends = [Instant::now(); 6];
-    let cells = engine::cull(volume, transfer_function, camera, progress)?;
-    ends[1] = Instant::now();
-    let cells = engine::sort(&cells, camera, order)?;
-    ends[2] = Instant::now();
-    let projection = engine::project(&cells, transfer_function, camera, gradient, progress)?;
-    ends[3] = Instant::now();
-    let ready = engine::prepare(&projection, transfer_function, shading)?;
-    ends[4] = Instant::now();
-    let (picture, counts) = ready.composite(progress)?;
-    ends[5] = Instant::now();
-    Ok((picture, counts, std::array::from_fn(|k| (ends[k + 1] - ends[k]).as_secs_f64())))
+    passes
 }
 
 /// Median and ends of seconds, at least one of them, in milliseconds.

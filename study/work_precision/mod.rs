@@ -3,11 +3,11 @@
 //!
 //! | file | what |
 //! | --- | --- |
-//! | `scene` | what the pipeline's node that draws is given |
+//! | `subject` | what the pipeline's node that draws is given |
 //! | `settings` | what is tried |
 //! | `reference`, `kept` | the picture to compare with, kept between studies, also where it was stopped |
 //! | `engine`, `bench` | which engines there are to measure on |
-//! | `measure`, `device` | times and memory, on the native engine and on a device |
+//! | `measure` | times and memory on an engine |
 //! | `errors`, `flip` | differences of pictures |
 //! | `convergence` | observed and expected orders |
 //! | `refine` | integration and data model apart, by refining the grid |
@@ -21,11 +21,6 @@ mod apply;
 mod bench;
 mod canvas;
 mod convergence;
-#[cfg(feature = "gpu")]
-mod device;
-#[cfg(not(feature = "gpu"))]
-#[path = "no_device.rs"]
-mod device;
 mod engine;
 mod errors;
 mod flip;
@@ -38,14 +33,14 @@ mod plot;
 mod reference;
 mod refine;
 mod run;
-mod scene;
 mod settings;
+mod subject;
 mod table;
 
 pub use apply::apply;
 pub use bench::{Adapter, Benches};
 pub use convergence::{Convergence, Level, convergence};
-pub use engine::{Engine, Engines};
+pub use engine::{Engines, Painter};
 pub use errors::{Errors, difference, errors};
 pub use flip::Seen;
 pub use measure::{Cost, Frames, Pass, Times};
@@ -55,6 +50,6 @@ pub use pareto::{cheapest, front};
 pub use reference::{Reference, cache_folder, reference};
 pub use refine::{Refinement, Source, refinement};
 pub use run::{Measure, Refused, Row, Study, Wish, study};
-pub use scene::{Asked, Form, Scene, drawing_nodes};
 pub use settings::{Setting, Value, settings};
+pub use subject::{Asked, Form, Subject, drawing_nodes};
 pub use table::{csv, json, text};

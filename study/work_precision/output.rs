@@ -14,7 +14,7 @@ pub fn write(study: &Study, title: &str, folder: &Path) -> Result<Vec<PathBuf>> 
     })?;
     let canvas = plot::plot(study, title);
     let plot_svg = canvas.svg();
-    let reference_png = encode::png(&study.reference.picture, study.scene.background)?;
+    let reference_png = encode::png(&study.reference.picture, study.subject.background)?;
     let mut outputs = vec![
         (folder.join("study.html"), page::page(study, title, &plot_svg, &reference_png).into_bytes()),
         (folder.join("study.csv"), csv(study).into_bytes()),

@@ -2,7 +2,7 @@
 
 use super::canvas::escaped;
 use super::table::{by_time, convergence_lines, engine_lines, milliseconds, refinement_lines};
-use super::{Engine, Measure, Row, Study};
+use super::{Measure, Row, Study};
 use std::fmt::Write;
 
 /// The look: black on white, figures in columns, nothing that needs colour.
@@ -21,8 +21,8 @@ const SHOWN: usize = 12;
 
 /// The page. `plot`: the SVG document; `reference`: the reference picture as PNG.
 pub fn page(study: &Study, title: &str, plot: &str, reference: &[u8]) -> String {
-    let scene = &study.scene;
-    let [width, height] = scene.camera.size;
+    let subject = &study.subject;
+    let [width, height] = subject.scene.camera.size;
     let title = escaped(title);
     let mut html = format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
@@ -35,8 +35,8 @@ pub fn page(study: &Study, title: &str, plot: &str, reference: &[u8]) -> String 
         &format!(
             "Node <code>{}</code>, {width} × {height} pixels, {} tetrahedra, {} threads, {}, voltet {}. Every setting against \
          the 64-bit reference ({drawn} in {:.1} s): adaptive quadrature of every ray segment, exact order.",
-            escaped(&scene.node),
-            scene.volume.grid.tetrahedra.len(),
+            escaped(&subject.node),
+            subject.scene.volume.grid.tetrahedra.len(),
             rayon::current_num_threads(),
             escaped(voltet_lanes::LaneSet::detect().name()),
             env!("CARGO_PKG_VERSION"),
@@ -95,9 +95,9 @@ pub fn recommendation(study: &Study) -> Option<String> {
             "Cheapest with {name} at most {bound}: {} ({} ms a picture{}, error {:.1e}).",
             row.setting.label(),
             milliseconds(row.cost.picture.median_ms),
-            match row.setting.engine {
-                Engine::Cpu => String::new(),
-                _ => format!(" after a set-up of {} ms", milliseconds(row.cost.set_up.median_ms)),
+            match row.setting.painter.engine.on_device {
+                false => String::new(),
+                true => format!(" after a set-up of {} ms", milliseconds(row.cost.set_up.median_ms)),
             },
             row.error(measure)
         ),

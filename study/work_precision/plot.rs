@@ -1,7 +1,7 @@
 //! The work-precision plot: error over time, both in powers of ten, the Pareto front marked.
 
 use super::canvas::{Anchor, Canvas, Color, Mark, Size, Symbol, WHITE};
-use super::{Engine, Row, Study};
+use super::{Painter, Row, Study};
 use voltet_core::optics::Overlap;
 use voltet_core::optics::integrators::Integrator;
 use voltet_core::shading::Order;
@@ -112,7 +112,7 @@ pub fn plot(study: &Study, title: &str) -> Canvas {
 
     let mut canvas = Canvas::new(SIZE, &format!("{title}: error against time of every integrator"));
     // A device keeps what it has set up.
-    let time_label = match engines(study).iter().any(|engine| *engine != Engine::Cpu) {
+    let time_label = match painters(study).iter().any(|painter| painter.engine.on_device) {
         true => "time of a picture, set-up included on the CPU, not on the device (ms)",
         false => "time of a picture, set-up included (ms)",
     };
@@ -126,8 +126,8 @@ pub fn plot(study: &Study, title: &str) -> Canvas {
     front(&mut canvas, study, &at);
     for style in &STYLES {
         let mine = || study.rows.iter().filter(|row| row.setting.integrator.name() == style.name);
-        for engine in engines(study) {
-            let main = mine().filter(|row| is_main(row) && row.setting.engine == engine);
+        for painter in painters(study) {
+            let main = mine().filter(|row| is_main(row) && row.setting.painter == painter);
             let main: Vec<[f64; 2]> = main.map(at).collect();
             if main.len() > 1 {
                 canvas.line(&main, 1.4, style.color, style.dashes);
@@ -140,7 +140,7 @@ pub fn plot(study: &Study, title: &str) -> Canvas {
                 format!("{}: {:.3} ms, error {:.2e}", row.setting.label(), time(row), row.error(measure));
             let corners = style.symbol.corners(at(row), radius);
             canvas.marks.push(Mark::Shape { corners, fill, outline: style.color, hint });
-            around(&mut canvas, style, row.setting.engine, at(row), radius);
+            around(&mut canvas, style, row.setting.painter, at(row), radius);
         }
     }
     if let Some(row) = study.recommended.map(|i| &study.rows[i]) {
@@ -153,24 +153,22 @@ pub fn plot(study: &Study, title: &str) -> Canvas {
     canvas
 }
 
-/// The engines of the rows.
-fn engines(study: &Study) -> Vec<Engine> {
-    let all = [Engine::Cpu].into_iter().chain(Engine::of_device());
-    all.filter(|engine| study.rows.iter().any(|row| row.setting.engine == *engine)).collect()
+/// What drew the rows.
+fn painters(study: &Study) -> Vec<Painter> {
+    Painter::all().filter(|painter| study.rows.iter().any(|row| row.setting.painter == *painter)).collect()
 }
 
 /// From one outline to the next.
 const OUTLINE: f64 = 3.0;
 
-/// By how much the outlines of an engine reach further than a symbol.
-fn further(engine: Engine) -> f64 {
-    OUTLINE * engine.number() as f64
+/// By how much the outlines of a painter reach further than a symbol.
+fn further(painter: Painter) -> f64 {
+    OUTLINE * painter.number() as f64
 }
 
-/// What tells a device's symbol from the native engine's, without colour: a further outline for its first compositor, two for
-/// the second.
-fn around(canvas: &mut Canvas, style: &Style, engine: Engine, at: [f64; 2], radius: f64) {
-    for outline in 1..=engine.number() {
+/// What tells the painters' symbols apart, without colour: each has an outline more than the one before.
+fn around(canvas: &mut Canvas, style: &Style, painter: Painter, at: [f64; 2], radius: f64) {
+    for outline in 1..=painter.number() {
         let mut corners = style.symbol.corners(at, radius + OUTLINE * outline as f64);
         corners.extend(corners.first().copied());
         canvas.line(&corners, 1.0, style.color, &[]);
@@ -262,7 +260,7 @@ fn short(row: &Row) -> String {
 /// Labels where there is room: the recommended row first, then the front, then the others.
 fn labels(canvas: &mut Canvas, study: &Study, at: &dyn Fn(&Row) -> [f64; 2]) {
     let around = |row: &Row| {
-        let ([x, y], reach) = (at(row), 6.0 + further(row.setting.engine));
+        let ([x, y], reach) = (at(row), 6.0 + further(row.setting.painter));
         [x - reach, y - reach, x + reach, y + reach]
     };
     let mut taken: Vec<[f64; 4]> = study.rows.iter().map(around).collect();
@@ -273,7 +271,7 @@ fn labels(canvas: &mut Canvas, study: &Study, at: &dyn Fn(&Row) -> [f64; 2]) {
         let row = &study.rows[i];
         let (text, [x, y]) = (short(row), at(row));
         // Beside the ring around the recommended one.
-        let gap = if study.recommended == Some(i) { 15.0 } else { 9.0 + further(row.setting.engine) };
+        let gap = if study.recommended == Some(i) { 15.0 } else { 9.0 + further(row.setting.painter) };
         let width = Size::Small.advance() * text.len() as f64;
         let half = 0.5 * Size::Small.height();
         let boxes = [
@@ -317,14 +315,14 @@ fn legend(canvas: &mut Canvas, study: &Study) {
             y += 20.0;
         }
     }
-    let engines = engines(study);
-    for engine in engines.iter().filter(|_| engines != [Engine::Cpu]) {
+    let painters = painters(study);
+    for painter in painters.iter().filter(|_| painters != [Painter::NATIVE]) {
         y += 6.0;
         let style = &STYLES[0];
         let corners = style.symbol.corners([x + 14.0, y], 5.0);
         canvas.marks.push(Mark::Shape { corners, fill: WHITE, outline: BLACK, hint: String::new() });
-        around(canvas, style, *engine, [x + 14.0, y], 5.0);
-        small(canvas, y, &format!("on {}", engine.label()));
+        around(canvas, style, *painter, [x + 14.0, y], 5.0);
+        small(canvas, y, &format!("on {}", painter.label()));
         y += 20.0;
     }
     y += 8.0;

@@ -1,6 +1,6 @@
 //! The 64-bit reference picture, kept in a folder under a key made of everything that it shows.
 
-use super::Scene;
+use super::Subject;
 use super::kept::{decode, decode_tiles, encode, encode_tiles};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -9,7 +9,8 @@ use voltet_core::optics::Overlap;
 use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
 use voltet_core::reference;
-use voltet_core::shading::Shading;
+use voltet_core::scene::Scene;
+use voltet_core::shading::{Order, Shading};
 use voltet_core::{Error, Result};
 use voltet_nodes::files::{self, Fnv};
 
@@ -32,7 +33,9 @@ pub fn cache_folder() -> PathBuf {
 /// The picture that the scene means: every segment by adaptive quadrature, exact order, overlaps in their order.
 ///
 /// A damaged kept picture is drawn anew; a stop keeps the tiles that are drawn, and the next call goes on from there. Errors: those of the referee, and a folder that cannot be written.
-pub fn reference(scene: &Scene, folder: &Path, progress: &dyn Progress) -> Result<Reference> {
+pub fn reference(subject: &Subject, folder: &Path, progress: &dyn Progress) -> Result<Reference> {
+    let shading = Shading { overlap: Overlap::Exact, ..subject.scene.shading };
+    let scene = &Scene { shading, order: Order::Exact, ..subject.scene.clone() };
     let path = folder.join(format!("{:032x}.picture", key(scene)));
     let size = scene.camera.size.map(|n| n as usize);
     if let Some((picture, seconds)) = std::fs::read(&path).ok().and_then(|bytes| decode(&bytes, size)) {
@@ -46,9 +49,7 @@ pub fn reference(scene: &Scene, folder: &Path, progress: &dyn Progress) -> Resul
     let begun = path.with_extension("tiles");
     let (mut tiles, before) = std::fs::read(&begun).ok().and_then(|b| decode_tiles(&b)).unwrap_or_default();
     let start = Instant::now();
-    let shading = Shading { overlap: Overlap::Exact, ..scene.shading };
-    let Scene { volume, transfer_function, camera, .. } = scene;
-    let drawn = reference::draw_further(volume, transfer_function, camera, &shading, &mut tiles, progress);
+    let drawn = reference::draw_further(scene, &mut tiles, progress);
     let seconds = before + start.elapsed().as_secs_f64();
     match drawn {
         Ok(picture) => {

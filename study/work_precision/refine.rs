@@ -8,20 +8,20 @@
 
 use super::convergence::{Convergence, convergence};
 use super::errors::errors;
-use super::{Engine, Reference, Scene, Setting};
+use super::{Painter, Reference, Setting, Subject};
 use glam::DVec3;
 use serde::Serialize;
 use std::sync::Arc;
+use voltet_core::engine::{AdapterWish, Manner};
 use voltet_core::field::{LeastSquares, Method};
 use voltet_core::grid::{Array, Refined, refine};
 use voltet_core::optics::Overlap;
 use voltet_core::optics::integrators::Integrator;
 use voltet_core::picture::Picture;
-use voltet_core::progress::Progress;
-use voltet_core::shading::{Order, Shading};
+use voltet_core::progress::{Progress, Unreported};
+use voltet_core::shading::Order;
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
-use voltet_engine as engine;
 
 /// Most cells of the finest grid: some 20 GiB while they are drawn.
 const CELLS_MOST: u64 = 100_000_000;
@@ -55,13 +55,13 @@ pub struct Refinement {
 ///
 /// Errors: grids that would get too large, those of drawing, a stop.
 pub fn refinement(
-    scene: &Scene,
+    subject: &Subject,
     reference: &Reference,
     levels: u32,
     source: &Source,
     progress: &dyn Progress,
 ) -> Result<Refinement> {
-    let count = scene.volume.grid.tetrahedra.len() as u64;
+    let count = subject.scene.volume.grid.tetrahedra.len() as u64;
     let finest = count.saturating_mul(8u64.saturating_pow(levels));
     if finest > CELLS_MOST {
         return Err(Error::usage("the grid is too large to be refined that often")
@@ -69,7 +69,7 @@ pub fn refinement(
             .accepted(format!("at most {CELLS_MOST}: --refine with fewer levels")));
     }
     let exact = Setting {
-        engine: Engine::Cpu,
+        painter: Painter::NATIVE,
         integrator: Integrator::Analytic,
         overlap: Overlap::Exact,
         order: Order::Exact,
@@ -84,8 +84,8 @@ pub fn refinement(
     ];
     let mut errors_of: Vec<Vec<(usize, f64)>> = vec![Vec::new(); tried.len()];
     let (mut cells, mut changes, mut model_error) = (vec![count], Vec::new(), 0.0);
-    let mut linear = scene.clone();
-    let mut smooth = Scene { volume: with_gradient(&scene.volume, progress)?, ..scene.clone() };
+    let (mut linear, mut smooth) = (subject.clone(), subject.clone());
+    smooth.scene.volume = with_gradient(&subject.scene.volume, progress)?;
     let given = picture(&smooth, &exact, progress)?;
     let mut coarser = given.clone();
     for level in 0..=levels {
@@ -98,9 +98,9 @@ pub fn refinement(
         if level == levels {
             break;
         }
-        linear.volume = Arc::new(refined(&linear.volume, None)?);
-        smooth.volume = Arc::new(refined(&smooth.volume, Some(source))?);
-        cells.push(linear.volume.grid.tetrahedra.len() as u64);
+        linear.scene.volume = Arc::new(refined(&linear.scene.volume, None)?);
+        smooth.scene.volume = Arc::new(refined(&smooth.scene.volume, Some(source))?);
+        cells.push(linear.scene.volume.grid.tetrahedra.len() as u64);
         let drawn = picture(&smooth, &exact, progress)?;
         changes.push((1 << level, errors(&drawn, &coarser).root_mean_square));
         model_error = errors(&drawn, &given).root_mean_square;
@@ -108,23 +108,20 @@ pub fn refinement(
     }
     let integration_error = errors_of[2][0].1;
     let floor = errors_of[2].iter().map(|level| level.1).fold(0.0, f64::max);
-    let of =
-        |name, errors: &[(usize, f64)], floor| convergence(name, errors, floor, &scene.transfer_function);
+    let of = |name, errors: &[(usize, f64)], floor| {
+        convergence(name, errors, floor, &subject.scene.transfer_function)
+    };
     let integration = (0..2).map(|k| of(tried[k].0, &errors_of[k], floor)).collect();
     let mut model = of("the linear data model", &changes, floor);
     (model.expected, model.reason) = (2.0, "a smooth field, linear in cells");
     Ok(Refinement { cells, integration, model, model_error, integration_error })
 }
 
-/// The scene's picture with one setting.
-fn picture(scene: &Scene, setting: &Setting, progress: &dyn Progress) -> Result<Picture> {
-    if progress.cancelled() {
-        return Err(Error::cancelled());
-    }
-    let Scene { volume, transfer_function, camera, .. } = scene;
-    let shading = Shading { integrator: setting.integrator, overlap: setting.overlap, ..scene.shading };
-    let cells = engine::cull(volume, transfer_function, camera, progress)?;
-    Ok(engine::draw(&cells, transfer_function, camera, &shading, progress)?.0)
+/// The subject's picture with one setting.
+fn picture(subject: &Subject, setting: &Setting, progress: &dyn Progress) -> Result<Picture> {
+    let scene = setting.scene(subject);
+    let volume = setting.painter.engine.open(&AdapterWish::default())?.prepare(&scene.volume)?;
+    Ok(volume.draw(&scene, &Manner::default(), &Unreported(progress))?.picture)
 }
 
 /// The volume with ∇s at every point, computed where the scene did not ask for it.
@@ -133,7 +130,7 @@ fn with_gradient(volume: &Arc<Volume>, progress: &dyn Progress) -> Result<Arc<Vo
         return Ok(volume.clone());
     }
     let method = Method::standard(Arc::new(LeastSquares))?;
-    let gradient = method.gradient(&volume.grid, &volume.scalar, progress)?;
+    let gradient = method.gradient(&volume.grid, &volume.scalar, &Unreported(progress))?;
     Ok(Arc::new(Volume { gradient: Some(Arc::new(gradient.vectors)), ..Volume::clone(volume) }))
 }
 

@@ -8,7 +8,7 @@ use super::measure::{Cost, Frames};
 use super::pareto;
 use super::reference::Reference;
 use super::refine::{Refinement, Source, refinement};
-use super::{Engine, Engines, Scene, Setting};
+use super::{Engines, Painter, Setting, Subject};
 use voltet_core::error::ErrorKind;
 use voltet_core::optics::Overlap;
 use voltet_core::optics::integrators::Integrator;
@@ -105,8 +105,8 @@ pub struct Refused {
 /// What came of it.
 #[derive(Debug, Clone)]
 pub struct Study {
-    /// The scene.
-    pub scene: Scene,
+    /// What is studied.
+    pub subject: Subject,
     /// What was asked for.
     pub wish: Wish,
     /// What the pictures are compared with.
@@ -117,8 +117,8 @@ pub struct Study {
     pub refused: Vec<Refused>,
     /// How many settings there are, those refused among them.
     pub setting_count: usize,
-    /// The device that was looked at.
-    pub adapter: Option<Adapter>,
+    /// The devices that were looked at.
+    pub adapters: Vec<Adapter>,
     /// How the file draws on this machine; `None`: on a device that was not looked at, or not at all.
     pub own: Option<Setting>,
     /// What was not measured, why, and how to have it.
@@ -156,36 +156,36 @@ impl Study {
 /// Errors: integrators asked for that cannot serve the scene; those of drawing on the native engine; a device that draws
 /// nothing, where it is all that was asked for.
 pub fn study(
-    scene: Scene,
+    subject: Subject,
     wish: Wish,
     mut benches: Benches,
     reference: Reference,
     progress: &dyn Progress,
 ) -> Result<Study> {
-    let settings = benches.settings(&scene, &wish.only);
+    let settings = benches.settings(&subject, &wish.only);
     if settings.is_empty() {
         return Err(Error::usage("none of the integrators asked for can serve this scene")
             .found(wish.only.join(", "))
             .accepted("others, or none, for all that can"));
     }
-    let seen = Seen::new(&reference.picture, scene.background);
+    let seen = Seen::new(&reference.picture, subject.background);
     let whole: f64 = settings.iter().map(Setting::weight).sum();
     let (mut done, mut rows, mut refused) = (0.0, Vec::new(), Vec::new());
     for setting in &settings {
         progress.report(&setting.label(), done / whole);
-        match benches.measure(&scene, setting, &wish.frames, progress) {
+        match benches.measure(&subject, setting, &wish.frames, progress) {
             Ok((picture, cost)) => rows.push(Row {
                 difference_png: encode::png(&difference(&picture, &reference.picture), [0.0; 3])?,
                 setting: *setting,
                 cost,
                 errors: errors(&picture, &reference.picture),
-                flip: Seen::new(&picture, scene.background).difference(&seen),
+                flip: Seen::new(&picture, subject.background).difference(&seen),
                 on_front: false,
                 of_file: false,
             }),
             Err(error) if error.kind == ErrorKind::Cancelled => break,
             // What a device does not hold another engine may.
-            Err(error) if setting.engine != Engine::Cpu => {
+            Err(error) if setting.painter.engine.on_device => {
                 refused.push(Refused { setting: *setting, error });
             }
             Err(error) => return Err(error),
@@ -195,17 +195,17 @@ pub fn study(
     if let ([], [first, ..]) = (rows.as_slice(), refused.as_slice()) {
         return Err(first.error.clone());
     }
-    let own = benches.own(&scene, &|own| refused.iter().any(|no: &Refused| no.setting.draws_as(own)));
-    let adapter = benches.adapter(&scene, &wish);
+    let own = benches.own(&subject, &|own| refused.iter().any(|no: &Refused| no.setting.draws_as(own)));
+    let adapters = benches.adapters(&subject, &wish);
     let setting_count = settings.len();
     let mut study = Study {
-        scene,
+        subject,
         wish,
         reference,
         rows,
         refused,
         setting_count,
-        adapter,
+        adapters,
         own,
         left_out: benches.left_out,
         recommended: None,
@@ -214,8 +214,8 @@ pub fn study(
     };
     study.judge();
     if study.wish.refine > 0 && !study.stopped_early() {
-        let Study { scene, reference, wish, .. } = &study;
-        study.refinement = match refinement(scene, reference, wish.refine, &Source::Gradients, progress) {
+        let Study { subject, reference, wish, .. } = &study;
+        study.refinement = match refinement(subject, reference, wish.refine, &Source::Gradients, progress) {
             Ok(found) => Some(found),
             Err(error) if error.kind == ErrorKind::Cancelled => None,
             Err(error) => return Err(error),
@@ -240,16 +240,15 @@ impl Study {
             row.of_file = self.own.is_some_and(|own| row.setting.draws_as(&own));
         }
         self.recommended = wish.max_error.and_then(|bound| pareto::cheapest(&points, bound));
-        let engines: Vec<Engine> = [Engine::Cpu].into_iter().chain(Engine::of_device()).collect();
-        let each = engines.iter().flat_map(|engine| ["segments", "riemann"].map(|name| (*engine, name)));
+        let each = Painter::all().flat_map(|painter| ["segments", "riemann"].map(|name| (painter, name)));
         self.convergence =
-            each.filter_map(|(engine, name)| converging(name, engine, &self.rows, &self.scene)).collect();
+            each.filter_map(|(painter, name)| converging(name, painter, &self.rows, &self.subject)).collect();
     }
 }
 
-/// The convergence of an integrator on one engine over its number of pieces, with its standard table.
-fn converging(name: &'static str, engine: Engine, rows: &[Row], scene: &Scene) -> Option<Convergence> {
-    let rows = || rows.iter().filter(|row| row.setting.engine == engine);
+/// The convergence of an integrator with one painter over its number of pieces, with its standard table.
+fn converging(name: &'static str, painter: Painter, rows: &[Row], subject: &Subject) -> Option<Convergence> {
+    let rows = || rows.iter().filter(|row| row.setting.painter == painter);
     let count = |row: &Row| match row.setting.integrator {
         Integrator::Segments { count, table_size: 256 } if name == "segments" => Some(count),
         Integrator::Riemann { count } if name == "riemann" => Some(count),
@@ -268,6 +267,6 @@ fn converging(name: &'static str, engine: Engine, rows: &[Row], scene: &Scene) -
     let floor = rows().filter(exact).map(|row| row.errors.root_mean_square).fold(f64::INFINITY, f64::min);
     // Where no closed form was looked at, single precision is all that is known.
     let floor = if floor.is_finite() { floor } else { f64::from(f32::EPSILON) };
-    let found = convergence(name, &errors, floor, &scene.transfer_function);
-    Some(Convergence { engine: engine.label(), ..found })
+    let found = convergence(name, &errors, floor, &subject.scene.transfer_function);
+    Some(Convergence { engine: painter.label(), ..found })
 }

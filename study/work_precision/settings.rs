@@ -1,16 +1,16 @@
 //! The settings that are tried: every integrator that can serve the scene, over its own numbers.
 
-use super::{Engine, Scene};
+use super::{Painter, Subject};
 use voltet_core::optics::Overlap;
 use voltet_core::optics::integrators::{Integrator, can_serve};
-use voltet_core::shading::Order;
-use voltet_nodes::drawing;
+use voltet_core::scene::Scene;
+use voltet_core::shading::{Order, Shading};
 
 /// One way to draw the scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Setting {
     /// What draws.
-    pub engine: Engine,
+    pub painter: Painter,
     /// The integrator with its numbers.
     pub integrator: Integrator,
     /// What the closed forms do where widgets overlap.
@@ -31,9 +31,9 @@ const TABLE_SEGMENTS: usize = 16;
 /// Sides of the three-dimensional tables. 256³ takes 190 MiB; the largest, 512³, 1.5 GiB, and is left out.
 const SIDES: [usize; 5] = [16, 32, 64, 128, 256];
 
-/// Every setting for the scene on one engine, each integrator's cheapest first. `only`: names of integrators, none for
+/// Every setting for the scene with one painter, each integrator's cheapest first. `only`: names of integrators, none for
 /// all.
-pub fn settings(scene: &Scene, only: &[String], engine: Engine) -> Vec<Setting> {
+pub fn settings(subject: &Subject, only: &[String], painter: Painter) -> Vec<Setting> {
     let powers = |most: u32| (0..=most).map(|k| 1usize << k);
     let mut integrators = vec![Integrator::Analytic, Integrator::Clipped];
     integrators.extend((1..=6).map(|k| Integrator::Adaptive { tolerance: TOLERANCES[k - 1] }));
@@ -44,23 +44,22 @@ pub fn settings(scene: &Scene, only: &[String], engine: Engine) -> Vec<Setting> 
     integrators.extend(SIDES.map(|table_size| Integrator::PreIntegrated { table_size }));
     integrators.extend(SIDES.map(|table_size| Integrator::PreIntegratedCylindrical { table_size }));
 
-    let serves = |integrator: &Integrator| can_serve(integrator, &scene.transfer_function).is_ok();
+    let serves = |integrator: &Integrator| can_serve(integrator, &subject.scene.transfer_function).is_ok();
     let wanted = |integrator: &Integrator| only.is_empty() || only.iter().any(|n| n == integrator.name());
     let mut settings = Vec::new();
     for integrator in integrators.into_iter().filter(|i| serves(i) && wanted(i)) {
-        for overlap in overlaps(scene, &integrator) {
-            for order in orders(scene, &integrator, engine) {
-                settings.push(Setting { engine, integrator, overlap, order });
+        for overlap in overlaps(subject, &integrator) {
+            for order in orders(subject, &integrator, painter) {
+                settings.push(Setting { painter, integrator, overlap, order });
             }
         }
     }
-    let own = scene.setting(engine);
+    let own = subject.setting(painter);
     let drawn = own.integrator != Integrator::Reference && wanted(&own.integrator);
     if drawn && !settings.iter().any(|setting| setting.draws_as(&own)) {
         settings.push(own);
     }
-    let compositor = engine.compositor().unwrap_or_default();
-    settings.retain(|setting| !scene.needs_order || drawing::has_order(compositor, setting.order));
+    settings.retain(|setting| !subject.needs_order || painter.has(setting.order));
     settings
 }
 
@@ -68,9 +67,9 @@ pub fn settings(scene: &Scene, only: &[String], engine: Engine) -> Vec<Setting> 
 const TOLERANCES: [f64; 6] = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6];
 
 /// Both ways with overlaps where the integrator knows them and the scene has several widgets.
-fn overlaps(scene: &Scene, integrator: &Integrator) -> Vec<Overlap> {
+fn overlaps(subject: &Subject, integrator: &Integrator) -> Vec<Overlap> {
     match integrator {
-        Integrator::Analytic if scene.transfer_function.widgets.len() > 1 => {
+        Integrator::Analytic if subject.scene.transfer_function.widgets.len() > 1 => {
             vec![Overlap::Exact, Overlap::Mix]
         }
         _ => vec![Overlap::Exact],
@@ -79,25 +78,32 @@ fn overlaps(scene: &Scene, integrator: &Integrator) -> Vec<Overlap> {
 
 /// The centroid order too for the integrators without an error of their own, so that the order's shows; for all of them where
 /// a compositor does not have the exact one.
-fn orders(scene: &Scene, integrator: &Integrator, engine: Engine) -> Vec<Order> {
-    let has_exact = |name: &str| drawing::has_order(name, Order::Exact);
-    if scene.needs_order && !engine.compositor().is_none_or(has_exact) {
+fn orders(subject: &Subject, integrator: &Integrator, painter: Painter) -> Vec<Order> {
+    if subject.needs_order && !painter.has(Order::Exact) {
         return vec![Order::Centroid];
     }
     let exact_integrals = matches!(integrator, Integrator::Analytic | Integrator::Clipped);
-    match exact_integrals && scene.needs_order && scene.order_node.is_some() {
+    match exact_integrals && subject.needs_order && subject.order_node.is_some() {
         true => vec![Order::Exact, Order::Centroid],
-        false if scene.needs_order && scene.order_node.is_none() => vec![scene.setting(Engine::Cpu).order],
+        false if subject.needs_order && subject.order_node.is_none() => vec![subject.setting(painter).order],
         false => vec![Order::Exact],
     }
 }
 
 impl Setting {
+    /// The scene as this setting draws it.
+    pub fn scene(&self, subject: &Subject) -> Scene {
+        let shading = Shading { integrator: self.integrator, overlap: self.overlap, ..subject.scene.shading };
+        // The same picture without the work.
+        let order = if subject.needs_order { self.order } else { Order::Auto };
+        Scene { shading, order, ..subject.scene.clone() }
+    }
+
     /// Whether another setting draws the same picture: overlaps count for the closed forms alone.
     pub fn draws_as(&self, other: &Setting) -> bool {
         let overlap = self.overlap == other.overlap || self.integrator != Integrator::Analytic;
         let same = self.integrator == other.integrator && self.order == other.order && overlap;
-        self.engine == other.engine && same
+        self.painter == other.painter && same
     }
 
     /// The keys of a pipeline file that state it, with their values; overlap, order and engine apart.
@@ -143,11 +149,8 @@ impl Setting {
 
     /// Integrator, numbers and the device, for people.
     pub fn label(&self) -> String {
-        let engine = match self.engine {
-            Engine::Cpu => String::new(),
-            engine => engine.label(),
-        };
-        let parts = [self.integrator.name().into(), self.numbers(), engine];
+        let painter = if self.painter == Painter::NATIVE { String::new() } else { self.painter.label() };
+        let parts = [self.integrator.name().into(), self.numbers(), painter];
         parts.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join(", ")
     }
 
@@ -170,10 +173,10 @@ impl Setting {
             | Integrator::PreIntegratedCylindrical { table_size } => 4.0 + cube(table_size),
             Integrator::Reference => 50.0,
         };
-        match self.engine {
-            Engine::Cpu => native,
+        match self.painter.engine.on_device {
+            false => native,
             // Compiling is what most of it takes.
-            Engine::Gpu { .. } => 4.0 + 0.5 * native,
+            true => 4.0 + 0.5 * native,
         }
     }
 }

@@ -1,7 +1,7 @@
 //! The figures of a study as a table for people, CSV and JSON.
 
 use super::settings::{order_name, overlap_name};
-use super::{Convergence, Engine, Refused, Row, Setting, Study, Times, Value as Key};
+use super::{Convergence, Painter, Refused, Row, Setting, Study, Times, Value as Key};
 use serde_json::{Value, json as object};
 
 /// Milliseconds, with three digits that tell something.
@@ -84,15 +84,15 @@ pub fn text(study: &Study) -> String {
 /// What was drawn on which device, what it does not draw, and what was not measured.
 pub(super) fn engine_lines(study: &Study) -> Vec<String> {
     let mut lines = Vec::new();
-    if let Some(adapter) = &study.adapter {
+    for adapter in &study.adapters {
         let software = if adapter.is_software {
             "; a program on the CPU, which says nothing of graphics hardware"
         } else {
             ""
         };
         lines.push(format!(
-            "gpu: {}{software}; total is a frame with grid, pipelines and tables in place, set-up is made once",
-            adapter.name
+            "{}: {}{software}; total is a frame with grid, pipelines and tables in place, set-up is made once",
+            adapter.engine.name, adapter.name
         ));
     }
     let mut reasons: Vec<(String, Vec<String>)> = Vec::new();
@@ -125,7 +125,8 @@ fn convergence_line(found: &Convergence) -> String {
         .filter_map(|level| Some(format!("{} to {}: {:.2}", level.count / 2, level.count, level.order?)))
         .collect();
     let steps = if steps.is_empty() { String::new() } else { format!(" ({})", steps.join(", ")) };
-    let engine = if found.engine == "cpu" { String::new() } else { format!(" on {}", found.engine) };
+    let engine =
+        if found.engine == Painter::NATIVE.label() { String::new() } else { format!(" on {}", found.engine) };
     format!(
         "order of {}{engine}: observed {observed}, expected {:.0} ({}){steps}",
         found.integrator, found.expected, found.reason
@@ -174,9 +175,9 @@ pub fn csv(study: &Study) -> String {
             }
         };
         let (cost, errors) = (&row.cost, &row.errors);
-        let engine = row.setting.engine;
+        let painter = row.setting.painter;
         let mut cells: Vec<String> =
-            vec![engine.name().into(), engine.compositor().unwrap_or_default().into()];
+            vec![painter.engine.name.into(), painter.compositor().unwrap_or_default().into()];
         cells.push(adapter(study, &row.setting).map_or(String::new(), quoted));
         cells.extend(["integrator", "segments", "tolerance", "table_size"].map(key));
         cells.push(overlap_name(row.setting.overlap).into());
@@ -201,8 +202,8 @@ pub fn csv(study: &Study) -> String {
 
 /// The device that a setting was drawn on.
 fn adapter<'a>(study: &'a Study, setting: &Setting) -> Option<&'a str> {
-    let on_device = setting.engine != Engine::Cpu;
-    study.adapter.as_ref().filter(|_| on_device).map(|adapter| adapter.name.as_str())
+    let found = study.adapters.iter().find(|adapter| adapter.engine == setting.painter.engine);
+    found.map(|adapter| adapter.name.as_str())
 }
 
 /// A text as a cell of CSV: names of devices hold commas.
@@ -212,11 +213,11 @@ fn quoted(text: &str) -> String {
 
 /// Everything for programs. Numbers that JSON cannot hold are null.
 pub fn json(study: &Study, title: &str) -> Value {
-    let scene = &study.scene;
+    let subject = &study.subject;
     let setting = |setting: &Setting| {
         let mut keys = serde_json::Map::new();
-        keys.insert("engine".into(), setting.engine.name().into());
-        keys.extend(setting.engine.compositor().map(|name| ("compositor".into(), name.into())));
+        keys.insert("engine".into(), setting.painter.engine.name.into());
+        keys.extend(setting.painter.compositor().map(|name| ("compositor".into(), name.into())));
         keys.extend(adapter(study, setting).map(|name| ("adapter".into(), name.into())));
         for (name, key) in setting.keys() {
             keys.insert(
@@ -244,16 +245,16 @@ pub fn json(study: &Study, title: &str) -> Value {
     };
     object!({
         "title": title,
-        "node": scene.node,
-        "size": scene.camera.size,
-        "cells": scene.volume.grid.tetrahedra.len(),
+        "node": subject.node,
+        "size": subject.scene.camera.size,
+        "cells": subject.scene.volume.grid.tetrahedra.len(),
         "threads": rayon::current_num_threads(),
         "vector_units": voltet_lanes::LaneSet::detect().name(),
         "measure": study.wish.measure.name(),
         "max_error": study.wish.max_error,
         "reference_seconds": study.reference.seconds,
         "reference_cached": study.reference.cached,
-        "adapter": study.adapter.as_ref().map(|adapter| &adapter.name),
+        "adapter": study.adapters.first().map(|adapter| &adapter.name),
         "settings": study.setting_count,
         "refused": study.refused.iter().map(refused).collect::<Vec<_>>(),
         "left_out": study.left_out,

@@ -161,3 +161,16 @@ fn the_raster_refuses_an_exact_order_before_it_draws() {
     folder.voltet(&["check", "slab.toml", "--set", glow]).fails(2, &words);
     folder.voltet(&["check", "slab.toml"]).ok();
 }
+
+/// What no device serves is refused before any data are read, with the line that asks for it; `auto` takes another engine.
+#[test]
+fn an_integrator_that_the_named_engine_lacks_is_refused_by_check() {
+    let folder = Folder::new();
+    let reference = ["check", "slab.toml", "--set", "picture.integrator=reference"];
+    folder.voltet(&reference).ok();
+    let gpu = [&reference[..], &["--set", "picture.engine=gpu"]].concat();
+    folder.voltet(&gpu).fails(2, &["no shader", "reference", "analytic"]);
+    let explained = folder.voltet(&["explain", "slab.toml", "--set", "picture.integrator=reference"]).ok();
+    let wanted = "reference (the integrator is the 64-bit reference)";
+    assert!(explained.stdout.contains(wanted), "{}", explained.stdout);
+}

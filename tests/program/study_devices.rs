@@ -28,7 +28,7 @@ fn a_device_has_rows_of_its_own_beside_the_native_engine() {
     let more = ["--adapter", "software", "--only", "analytic,segments"];
     let Some((ran, json)) = study(&folder, &more) else { return };
     let (native, device) = (rows(&json, "cpu"), rows(&json, "gpu"));
-    let compositors = voltet::nodes::drawing::compositors().count();
+    let compositors = voltet::core::engine::Compositing::ALL.len();
     let of = |name: &str| device.iter().filter(|row| row["setting"]["compositor"] == name).count();
     // Exact and mix in two orders; seven numbers of pieces and three further tables. Blending has one order.
     assert_eq!([native.len(), of("tiles"), of("raster")], [14, 14, 12]);
@@ -120,7 +120,7 @@ fn applied(text: &str, more: &[&str]) -> Option<Vec<String>> {
 fn the_engine_is_written_back_where_the_file_comes_to_another() {
     let on_device = ["--engine", "gpu", "--adapter", "software"];
     let Some(new) = applied(&scene(), &on_device) else { return };
-    let one = voltet::nodes::drawing::compositors().count() == 1;
+    let one = voltet::core::engine::Compositing::ALL.len() == 1;
     let keys = |lines: &[String]| -> Vec<String> {
         let compositor = |line: &&String| !line.starts_with("compositor =");
         assert!(one || lines.iter().any(|line| line.starts_with("compositor =")), "{lines:?}");

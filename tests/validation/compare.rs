@@ -9,6 +9,7 @@ use voltet_core::optics::Overlap;
 use voltet_core::picture::Picture;
 use voltet_core::progress::Silent;
 use voltet_core::reference;
+use voltet_core::scene;
 use voltet_core::shading::{Integrator, Order, Shading};
 use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
@@ -25,6 +26,19 @@ pub struct Scene {
     pub camera: Camera,
 }
 
+impl Scene {
+    /// What an engine is given of it.
+    pub fn drawn_by(&self, shading: &Shading, order: Order) -> scene::Scene {
+        scene::Scene {
+            volume: self.volume.clone(),
+            transfer_function: Arc::new(self.look.clone()),
+            camera: self.camera,
+            shading: *shading,
+            order,
+        }
+    }
+}
+
 /// Closed forms, exact overlap, no light.
 pub const SHADING: Shading =
     Shading { integrator: Integrator::Analytic, overlap: Overlap::Exact, silhouette: None, light: None };
@@ -36,7 +50,7 @@ pub fn referee(scene: &Scene) -> Picture {
 
 /// The referee's picture with another shading.
 pub fn referee_shaded(scene: &Scene, shading: &Shading) -> Picture {
-    reference::draw(&scene.volume, &scene.look, &scene.camera, shading, Order::Exact, &Silent)
+    reference::draw(&scene.drawn_by(shading, Order::Exact), &Silent)
         .unwrap_or_else(|e| panic!("{}: {e}", scene.name))
 }
 

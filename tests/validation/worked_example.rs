@@ -116,8 +116,8 @@ fn rows() -> Vec<Row> {
 
 /// Red, blue and opacity of a pixel: of the referee's ray, and of the picture of the engine that is tested.
 fn assert_pixel(name: &str, scene: &Scene, shading: &Shading, at: [usize; 2], expected: [f64; 3]) {
-    let made = reference::Scene::new(&scene.volume, &scene.look, &scene.camera, shading, Order::Exact);
-    let made = made.unwrap_or_else(|error| panic!("{name}: {error}"));
+    let wanted = scene.drawn_by(shading, Order::Exact);
+    let made = reference::Tracer::new(&wanted).unwrap_or_else(|error| panic!("{name}: {error}"));
     let seen = made.trace(&made.ray(at[0] as f64 + 0.5, at[1] as f64 + 0.5)).expect("traces");
     let found = [seen.color[0], seen.color[2], seen.opacity];
     let close = |found: [f64; 3], bound: f64| found.iter().zip(expected).all(|(a, b)| (a - b).abs() <= bound);

@@ -3,6 +3,7 @@
 use crate::compare::Scene;
 use std::sync::{Arc, OnceLock};
 use voltet_core::Result;
+use voltet_core::engine::Compositing;
 use voltet_core::picture::Picture;
 use voltet_core::progress::Silent;
 use voltet_core::shading::{Integrator, Order, Shading};
@@ -40,14 +41,16 @@ pub fn device() -> Option<Arc<Device>> {
     DEVICE.get_or_init(open).clone()
 }
 
+/// Draws by tiles.
+pub fn tiles(renderer: &Renderer, scene: &Scene, shading: &Shading, order: Order) -> Result<Drawn> {
+    voltet_gpu::draw(renderer, &scene.drawn_by(shading, order), Compositing::Tiles, &Silent)
+}
+
 /// Draws on the device; `None` without one.
 pub fn try_draw(scene: &Scene, shading: &Shading, order: Order) -> Option<Result<Drawn>> {
     let device = device()?;
-    let draw = || {
-        let renderer = Renderer::new(device, &scene.volume)?;
-        voltet_gpu::draw(&renderer, &scene.volume, &scene.look, &scene.camera, shading, order, &Silent)
-    };
-    Some(draw())
+    let renderer = Renderer::new(device, &scene.volume);
+    Some(renderer.and_then(|renderer| tiles(&renderer, scene, shading, order)))
 }
 
 /// The device's picture.

@@ -1,11 +1,10 @@
 //! What is hard for the device's compositor alone: long lists, more segments than it keeps, surfaces within its limits.
 
 use crate::compare::{ORDINARY, SHADING, Scene, ordinary, ordinary_shaded, referee, stiff, within};
-use crate::drawing::{device, draw};
+use crate::drawing::{device, draw, tiles};
 use crate::grids::*;
 use crate::looks::*;
 use glam::DVec3;
-use voltet_core::progress::Silent;
 use voltet_core::shading::{Integrator, Order, Shading};
 use voltet_gpu::Renderer;
 
@@ -70,8 +69,7 @@ fn many_samples_on_each_of_many_segments() {
     let Some(device) = device().filter(|device| device.is_software) else { return };
     let renderer = Renderer::new(device, &scene.volume).expect("fits");
     let shading = Shading { integrator: Integrator::Riemann { count: 100_000 }, ..SHADING };
-    let Scene { volume, look, camera, .. } = &scene;
-    let refused = voltet_gpu::draw(&renderer, volume, look, camera, &shading, Order::Exact, &Silent);
+    let refused = tiles(&renderer, &scene, &shading, Order::Exact);
     let error = refused.expect_err("too many").to_string();
     assert!(error.contains("ends loops") && error.contains("fewer samples"), "{error}");
 }
@@ -88,11 +86,9 @@ fn loops_that_a_driver_ends() {
     };
     let Some(device) = device() else { return };
     let renderer = Renderer::new(device, &scene.volume).expect("fits").with_budget_of(1 << 22);
-    let Scene { volume, look, camera, .. } = &scene;
     let expected = referee(&scene);
     for order in [Order::Exact, Order::Centroid] {
-        let drawn = voltet_gpu::draw(&renderer, volume, look, camera, &SHADING, order, &Silent);
-        let drawn = drawn.expect("draws");
+        let drawn = tiles(&renderer, &scene, &SHADING, order).expect("draws");
         println!("{:?}", drawn.counts);
         // The order of centroids is wrong by more than rounding, but hides nothing.
         let bound = if order == Order::Exact { ORDINARY } else { 2e-2 };

@@ -1,15 +1,16 @@
 //! What the device refuses, orders that are not exact, overlaps mixed, and frames after the first.
 
 use crate::compare::{ORDINARY, SHADING, Scene, referee, within};
-use crate::drawing::{device, draw, try_draw};
+use crate::drawing::{device, draw, tiles, try_draw};
 use crate::grids::{cube, smooth};
 use crate::looks::*;
 use crate::widgets;
+use voltet_core::engine::{Engine, Manner};
 use voltet_core::optics::Overlap;
 use voltet_core::progress::Silent;
 use voltet_core::shading::{Integrator, Order, Shading};
 use voltet_core::transfer::{OpticalModel, TransferFunction};
-use voltet_gpu::{Device, Drawn, Renderer};
+use voltet_gpu::{Device, Drawn, OnDevice, Renderer};
 
 fn scene(look: TransferFunction) -> Scene {
     Scene { name: "limits".into(), volume: smooth(cube([6, 6, 6], 0.3)), look, camera: outside([32, 32]) }
@@ -68,9 +69,8 @@ fn frames_after_the_first() {
     let scene = scene(overlapping());
     let renderer = Renderer::new(device, &scene.volume).expect("fits");
     let picture = |look: &TransferFunction| {
-        let drawn =
-            voltet_gpu::draw(&renderer, &scene.volume, look, &scene.camera, &SHADING, Order::Exact, &Silent);
-        drawn.expect("draws").picture
+        let scene = Scene { look: look.clone(), ..scene.clone() };
+        tiles(&renderer, &scene, &SHADING, Order::Exact).expect("draws").picture
     };
     let before = picture(&scene.look);
     for look in [
@@ -95,8 +95,7 @@ fn small_bindings_draw_in_windows() {
         let wish = std::env::var("VOLTET_ADAPTER").ok();
         let device = Device::open(wish.as_deref(), false).expect("opened before").with_bindings_of(bytes);
         let renderer = Renderer::new(std::sync::Arc::new(device), &scene.volume)?;
-        let look = &scene.look;
-        voltet_gpu::draw(&renderer, &scene.volume, look, &scene.camera, &SHADING, Order::Exact, &Silent)
+        tiles(&renderer, scene, &SHADING, Order::Exact)
     };
     // 1,296 cells of 16 bytes fit, 48 × 40 pixels of 16 bytes do not; and of 600 cells along the view, that all tiles
     // list, the lists do not. Where one of nine tiles lists 1,320, and goes on in another dispatch, the states of all
@@ -188,10 +187,14 @@ fn opaque_tiles_stop_early() {
 /// Four planes, eight weights and two Gaussians are a hundred operations at least, and fewer than five thousand.
 #[test]
 fn operations_of_the_compositor_are_counted() {
+    let Some(device) = device() else { return };
     for order in [Order::Exact, Order::Centroid] {
-        let Some(drawn) = draw(&scene(overlapping()), &SHADING, order) else { return };
-        let counted = drawn.compositor_operations().expect("is WGSL").expect("tiles count");
+        let scene = scene(overlapping()).drawn_by(&SHADING, order);
+        let volume = OnDevice::new(device.clone()).prepare(&scene.volume).expect("fits");
+        let drawn = volume.draw(&scene, &Manner::default(), &Silent).expect("draws");
         let segments = drawn.counts.segments.expect("tiles count");
+        let counted = volume.operations(&scene, &Manner::default(), &drawn.counts).expect("is WGSL");
+        let counted = counted.expect("tiles count");
         println!("{counted} operations in {segments} segments");
         assert!((100 * segments..5000 * segments).contains(&counted), "{counted} in {segments}");
     }

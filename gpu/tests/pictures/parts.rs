@@ -1,14 +1,13 @@
 //! Grids and tables whose arrays stand in several bindings each draw the same as in one.
 
 use crate::compare::{ORDINARY, SHADING, Scene, referee, within};
-use crate::drawing::{device, draw};
+use crate::drawing::{device, draw, tiles};
 use crate::grids::{cube, smooth, smooth_gradient, volume};
 use crate::looks::*;
 use glam::DVec3;
 use std::sync::Arc;
 use voltet_core::Result;
 use voltet_core::grid::generate::box_of_tetrahedra;
-use voltet_core::progress::Silent;
 use voltet_core::shading::{Integrator, Light, Order, Shading};
 use voltet_core::transfer::{Profile, Table, Widget};
 use voltet_core::volume::Volume;
@@ -25,7 +24,7 @@ fn small(bytes: u64, count: u32) -> Device {
 
 fn draw_on(device: Device, scene: &Scene, shading: &Shading, order: Order) -> Result<Drawn> {
     let renderer = Renderer::new(Arc::new(device), &scene.volume)?;
-    voltet_gpu::draw(&renderer, &scene.volume, &scene.look, &scene.camera, shading, order, &Silent)
+    tiles(&renderer, scene, shading, order)
 }
 
 /// 1,100 points and 4,860 cells. Bindings of 8 KiB hold 341 positions, 1,024 values, 512 points as they are seen or

@@ -8,25 +8,34 @@ use crate::looks::*;
 use glam::DVec3;
 use std::sync::Arc;
 use voltet_core::camera::Camera;
+use voltet_core::engine::Compositing;
 use voltet_core::grid::Grid;
 use voltet_core::progress::Silent;
 use voltet_core::shading::{Integrator, Light, Order, Shading};
 use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
 use voltet_core::{Result, picture::Picture};
-use voltet_gpu::{Compositing, Device, Drawn, How, Renderer};
+use voltet_gpu::{Device, Drawn, Renderer};
 
-fn how(order: Order) -> How {
-    How { order, compositing: Compositing::Raster }
+/// What composites, in which order.
+type How = (Compositing, Order);
+
+fn raster(order: Order) -> How {
+    (Compositing::Raster, order)
+}
+
+fn tiles(order: Order) -> How {
+    (Compositing::Tiles, order)
 }
 
 fn draw_on(device: Arc<Device>, scene: &Scene, shading: &Shading, how: How) -> Result<Drawn> {
+    let (compositing, order) = how;
     let renderer = Renderer::new(device, &scene.volume)?;
-    voltet_gpu::draw(&renderer, &scene.volume, &scene.look, &scene.camera, shading, how, &Silent)
+    voltet_gpu::draw(&renderer, &scene.drawn_by(shading, order), compositing, &Silent)
 }
 
 fn draw(scene: &Scene, shading: &Shading, order: Order) -> Option<Drawn> {
-    let drawn = draw_on(device()?, scene, shading, how(order));
+    let drawn = draw_on(device()?, scene, shading, raster(order));
     Some(drawn.unwrap_or_else(|e| panic!("{}: {e}", scene.name)))
 }
 
@@ -205,8 +214,8 @@ fn orders_are_those_of_tiles() {
         for order in [Order::Centroid, Order::None] {
             // More cells than a block of the sort holds.
             let scene = Scene { volume: smooth(cube([10, 9, 9], 0.3)), ..jittered(overlapping(), camera) };
-            let tiles = draw_on(device.clone(), &scene, &SHADING, How::from(order)).expect("draws");
-            let raster = draw_on(device.clone(), &scene, &SHADING, how(order)).expect("draws");
+            let tiles = draw_on(device.clone(), &scene, &SHADING, tiles(order)).expect("draws");
+            let raster = draw_on(device.clone(), &scene, &SHADING, raster(order)).expect("draws");
             // Tiles give up what is behind 1 − 1e-6, and count from the front.
             within(&format!("{order:?}"), &raster.picture, &tiles.picture, 1e-5);
             assert_eq!((raster.counts.segments, raster.counts.pixels_disordered), (None, None));
@@ -220,12 +229,13 @@ fn an_exact_order_is_refused_where_it_is_needed() {
     let Some(device) = device() else { return };
     for order in [Order::Exact, Order::Auto] {
         let scene = jittered(overlapping(), outside([16, 16]));
-        let error = draw_on(device.clone(), &scene, &SHADING, how(order)).expect_err("refused").to_string();
+        let error =
+            draw_on(device.clone(), &scene, &SHADING, raster(order)).expect_err("refused").to_string();
         for word in ["raster", "exact", "centroid", "tiles"] {
             assert!(error.contains(word), "'{word}' is not in: {error}");
         }
         let free = jittered(one_gaussian(), outside([16, 16]));
-        let drawn = draw_on(device.clone(), &free, &SHADING, how(order)).expect("needs no order");
+        let drawn = draw_on(device.clone(), &free, &SHADING, raster(order)).expect("needs no order");
         assert_eq!(drawn.counts.pixels_disordered, Some(0));
     }
 }
@@ -242,16 +252,15 @@ fn several_samples_a_pixel() {
 fn runs_and_windows_change_nothing() {
     let Some(device) = device() else { return };
     let scene = jittered(overlapping(), outside([48, 40]));
-    let whole = draw_on(device.clone(), &scene, &SHADING, how(Order::Centroid)).expect("draws");
+    let whole = draw_on(device.clone(), &scene, &SHADING, raster(Order::Centroid)).expect("draws");
     for length in [7, 100, 1296] {
         let runs = Renderer::new(device.clone(), &scene.volume).expect("fits").with_runs_of(length);
-        let Scene { volume, look, camera, .. } = &scene;
-        let drawn = voltet_gpu::draw(&runs, volume, look, camera, &SHADING, how(Order::Centroid), &Silent);
-        let drawn = drawn.expect("draws");
+        let wanted = scene.drawn_by(&SHADING, Order::Centroid);
+        let drawn = voltet_gpu::draw(&runs, &wanted, Compositing::Raster, &Silent).expect("draws");
         assert_eq!(drawn.picture.rgba, whole.picture.rgba, "{length}");
     }
     for windows in [further_device().with_bindings_of(24_000), further_device().with_textures_of(16)] {
-        let drawn = draw_on(Arc::new(windows), &scene, &SHADING, how(Order::Centroid)).expect("draws");
+        let drawn = draw_on(Arc::new(windows), &scene, &SHADING, raster(Order::Centroid)).expect("draws");
         // Coordinates within a window round otherwise than those of the picture.
         within("windows", &drawn.picture, &whole.picture, 1e-6);
     }
@@ -264,8 +273,8 @@ fn sixteen_bits_are_near_and_said() {
     let narrow = Arc::new(further_device().blending_16_bits());
     for (look, order) in [(overlapping(), Order::Centroid), (one_gaussian(), Order::Auto)] {
         let scene = jittered(look, outside([32, 24]));
-        let wide = draw_on(device.clone(), &scene, &SHADING, how(order)).expect("draws");
-        let half = draw_on(narrow.clone(), &scene, &SHADING, how(order)).expect("draws");
+        let wide = draw_on(device.clone(), &scene, &SHADING, raster(order)).expect("draws");
+        let half = draw_on(narrow.clone(), &scene, &SHADING, raster(order)).expect("draws");
         assert!(half.blended_in_16_bits);
         within("16 bits", &half.picture, &wide.picture, 1e-2);
         assert_ne!(half.picture.rgba, wide.picture.rgba);
@@ -282,17 +291,17 @@ fn what_is_not_asked_for_is_not_compiled() {
     let lists = ["composite_tiles", "fill_lists", "start_lists"];
     let drawn = ["aim_runs", "blend_cell", "count_digits", "move_digits", "place_digits", "take_blended"];
     for (look, how, further) in [
-        (overlapping(), How::from(Order::Exact), [&lists[..], &["sort_lists"]].concat()),
-        (one_gaussian(), How::from(Order::Auto), lists.to_vec()),
-        (overlapping(), how(Order::Centroid), drawn.to_vec()),
-        (one_gaussian(), how(Order::Auto), drawn.to_vec()),
+        (overlapping(), tiles(Order::Exact), [&lists[..], &["sort_lists"]].concat()),
+        (one_gaussian(), tiles(Order::Auto), lists.to_vec()),
+        (overlapping(), raster(Order::Centroid), drawn.to_vec()),
+        (one_gaussian(), raster(Order::Auto), drawn.to_vec()),
     ] {
         let device = Arc::new(further_device());
         let scene = jittered(look, outside([16, 16]));
         let drawn = draw_on(device.clone(), &scene, &SHADING, how).expect("draws");
         // Each pass by its own time, where the adapter has a clock.
-        let timed = |pass: &&str| drawn.seconds.iter().any(|(known, _)| known == pass);
-        assert!(drawn.seconds.is_empty() || further.iter().all(timed), "{:?}", drawn.seconds);
+        let timed = |pass: &&str| drawn.passes.iter().any(|known| known.pass == Some(pass));
+        assert!(drawn.passes.is_empty() || further.iter().all(timed), "{:?}", drawn.passes);
         let mut expected = [&first[..], &further].concat();
         expected.sort_unstable();
         assert_eq!(device.compiled(), expected, "{how:?}");
@@ -331,7 +340,7 @@ fn every_integrator_and_light_is_that_of_tiles() {
                 continue;
             }
             let scene = Scene { name: format!("{kind} {shading:?}"), volume: volume.clone(), look, camera };
-            let [tiles, raster] = [How::from(Order::Centroid), how(Order::Centroid)]
+            let [tiles, raster] = [tiles(Order::Centroid), raster(Order::Centroid)]
                 .map(|how| draw_on(device.clone(), &scene, &shading, how).expect("draws").picture);
             // Tiles give up what is behind 1 − 1e-6.
             within(&scene.name, &raster, &tiles, 1e-5);
@@ -347,14 +356,14 @@ fn every_integrator_and_light_is_that_of_tiles() {
 fn a_grid_in_parts_is_the_same() {
     let Some(device) = device() else { return };
     let scene = Scene { volume: smooth(cube([5, 5, 5], 0.3)), ..jittered(overlapping(), outside([16, 16])) };
-    let whole = draw_on(device, &scene, &SHADING, how(Order::Centroid)).expect("draws");
+    let whole = draw_on(device, &scene, &SHADING, raster(Order::Centroid)).expect("draws");
     // 750 cells of 16 bytes, and as many places of 8 bytes in the sorted list.
     let small = further_device().with_bindings_of(6200).with_buffers_at_a_time(32);
-    let parts = draw_on(Arc::new(small), &scene, &SHADING, how(Order::Centroid)).expect("draws in parts");
+    let parts = draw_on(Arc::new(small), &scene, &SHADING, raster(Order::Centroid)).expect("draws in parts");
     within("parts", &parts.picture, &whole.picture, 1e-6);
     // The sorted list stands in one binding.
     let smaller = further_device().with_bindings_of(5000).with_buffers_at_a_time(64);
-    let error = draw_on(Arc::new(smaller), &scene, &SHADING, how(Order::Centroid)).expect_err("no room");
+    let error = draw_on(Arc::new(smaller), &scene, &SHADING, raster(Order::Centroid)).expect_err("no room");
     for word in ["sorted cells", "750 cells", "at most 625", "tiles"] {
         assert!(error.to_string().contains(word), "'{word}' is not in: {error}");
     }

@@ -1,19 +1,18 @@
-//! The scene of a pipeline: what its node that draws is given, and how it is asked to draw.
+//! What is studied of a pipeline: the scene that its node that draws is given, and how it is asked to draw.
 
-use super::{Engine, Setting};
+use super::{Painter, Setting};
 use std::sync::Arc;
-use voltet_core::camera::Camera;
+use voltet_core::engine::Declaration;
 use voltet_core::graph::{Graph, GraphNode, Observer, Parameters, Session, Value, diagonal};
-use voltet_core::shading::{Order, Shading};
-use voltet_core::transfer::TransferFunction;
-use voltet_core::volume::Volume;
+use voltet_core::scene::{Scene, needs_order};
+use voltet_core::shading::Order;
 use voltet_core::{Error, Result};
 use voltet_nodes::drawing;
 
 /// Which nodes draw, which decides what an engine can be written into.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Form {
-    /// A `renderer`, on either engine.
+    /// A `renderer`, on any engine.
     Renderer,
     /// A `gpu-renderer`.
     GpuRenderer,
@@ -26,7 +25,7 @@ pub enum Form {
 pub struct Asked {
     /// Which nodes draw.
     pub form: Form,
-    /// "auto", "cpu" or "gpu".
+    /// "auto", or the engine's name.
     pub engine: String,
     /// The adapter, where one is named.
     pub adapter: Option<String>,
@@ -34,23 +33,15 @@ pub struct Asked {
     pub compositor: String,
 }
 
-/// What is drawn, by which node, and how.
+/// What is studied: a scene, by which node it is drawn, and how.
 #[derive(Debug, Clone)]
-pub struct Scene {
+pub struct Subject {
     /// The name of the node that draws.
     pub node: String,
     /// The node whose parameter `order` counts; `None` where the pipeline has none that could be set.
     pub order_node: Option<String>,
-    /// The cells and their values.
-    pub volume: Arc<Volume>,
-    /// What is drawn.
-    pub transfer_function: TransferFunction,
-    /// Where it is seen from.
-    pub camera: Camera,
-    /// The light, silhouettes and, as the file has them, integrator and overlap.
-    pub shading: Shading,
-    /// The order that the file asks for.
-    pub order: Order,
+    /// The scene; integrator, overlap and order are those of the file.
+    pub scene: Scene,
     /// Whether the order of a pixel's segments changes the picture.
     pub needs_order: bool,
     /// What the file says about engines.
@@ -59,87 +50,82 @@ pub struct Scene {
     pub background: [f64; 3],
 }
 
-impl Scene {
+impl Subject {
     /// Runs what feeds the node that draws. `name`: which one, where the pipeline has several.
     pub fn gather(
         graph: &Graph,
         name: Option<&str>,
         session: &mut Session,
         observer: &dyn Observer,
-    ) -> Result<Scene> {
+    ) -> Result<Subject> {
         let place = drawing_node(graph, name)?;
         let node = &graph.nodes[place];
         let blame = |error| node.blame(error);
         let inputs = session.inputs(graph, place, observer)?;
         let shading = drawing::shading(&node.parameters).map_err(blame)?;
-        let background = background(graph, place);
-        let asked = Asked::of(node.node.name, &node.parameters);
-        let needs = |look: &TransferFunction| drawing::needs_order(look, &shading);
         let unknown = || node.blame(Error::run("the node that draws is fed by values of unknown types"));
-        match inputs.as_slice() {
+        let (scene, order_node) = match inputs.as_slice() {
             [volume, Value::TransferFunction(look), Value::Camera(camera)] => {
                 let volume = volume.volume().ok_or_else(unknown)?.map_err(blame)?;
                 let diagonal = if look.auto_unit_distance { diagonal(&volume.grid.points) } else { 0.0 };
-                let transfer_function = look.for_diagonal(diagonal);
-                let needs_order = needs(&transfer_function);
-                let order = drawing::order(&node.parameters, needs_order).map_err(blame)?;
-                Ok(Scene {
-                    node: node.name.clone(),
-                    order_node: Some(node.name.clone()),
-                    volume,
-                    transfer_function,
-                    camera: **camera,
-                    shading,
-                    order,
-                    needs_order,
-                    asked,
-                    background,
-                })
+                let transfer_function = Arc::new(look.for_diagonal(diagonal));
+                let needed = needs_order(&transfer_function, &shading);
+                let order = drawing::order(&node.parameters, needed).map_err(blame)?;
+                (
+                    Scene { volume, transfer_function, camera: **camera, shading, order },
+                    Some(node.name.clone()),
+                )
             }
             [Value::Projection(projected), Value::TransferFunction(_)] => {
                 let projected = projected.clone().downcast::<drawing::Projected>().map_err(|_| unknown())?;
                 let cells = projected.projection.cells();
-                Ok(Scene {
-                    node: node.name.clone(),
-                    order_node: sorting_node(graph, place),
+                let scene = Scene {
                     volume: cells.volume.clone(),
-                    transfer_function: (*projected.transfer_function).clone(),
+                    transfer_function: projected.transfer_function.clone(),
                     camera: *projected.projection.camera(),
                     shading,
                     order: cells.order,
-                    needs_order: needs(&projected.transfer_function),
-                    asked,
-                    background,
-                })
+                };
+                (scene, sorting_node(graph, place))
             }
-            _ => Err(unknown()),
-        }
-    }
-
-    /// The device engine as the file has it. `None`: the compositor is left open, and more than one can serve.
-    pub fn on_device(&self) -> Option<Engine> {
-        let mut all = Engine::of_device();
-        let exact = self.needs_order && matches!(self.order, Order::Exact | Order::Auto);
-        match self.asked.compositor.as_str() {
-            "auto" if exact => all.find(|engine| {
-                engine.compositor().is_some_and(|name| drawing::has_order(name, Order::Exact))
-            }),
-            "auto" => all.next().filter(|_| all.next().is_none()),
-            named => all.find(|engine| engine.compositor() == Some(named)),
-        }
-    }
-
-    /// How the file draws it, were it on this engine.
-    pub fn setting(&self, engine: Engine) -> Setting {
-        let order = match self.order {
-            Order::Auto => Order::Exact,
-            order => order,
+            _ => return Err(unknown()),
         };
-        Setting { engine, integrator: self.shading.integrator, overlap: self.shading.overlap, order }
+        Ok(Subject {
+            node: node.name.clone(),
+            order_node,
+            needs_order: scene.needs_order(),
+            scene,
+            asked: Asked::of(node.node.name, &node.parameters),
+            background: background(graph, place),
+        })
+    }
+
+    /// An engine as the file has it. `None`: the compositor is left open, and more than one can serve.
+    pub fn painter_on(&self, engine: &'static Declaration) -> Option<Painter> {
+        let mut all = Painter::of(engine);
+        let exact = self.needs_order && matches!(self.scene.order, Order::Exact | Order::Auto);
+        match self.asked.compositor.as_str() {
+            _ if engine.compositing.is_empty() => all.next(),
+            "auto" if exact => all.find(|painter| painter.has(Order::Exact)),
+            "auto" => all.next().filter(|_| all.next().is_none()),
+            named => all.find(|painter| painter.compositor() == Some(named)),
+        }
+    }
+
+    /// How the file draws it, were it drawn by this painter.
+    pub fn setting(&self, painter: Painter) -> Setting {
+        let Scene { shading, order, .. } = self.scene;
+        let order = if order == Order::Auto { Order::Exact } else { order };
+        Setting { painter, integrator: shading.integrator, overlap: shading.overlap, order }
     }
 }
 
 impl Asked {
+    /// Whether the engine is left open.
+    pub fn is_auto(&self) -> bool {
+        self.engine == "auto"
+    }
+
     fn of(node: &str, parameters: &Parameters) -> Asked {
         let form = match node {
             "renderer" => Form::Renderer,

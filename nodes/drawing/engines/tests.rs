@@ -1,8 +1,12 @@
-use super::*;
+use crate::drawing::opened::Opened;
 use glam::DVec3;
+use std::sync::Arc;
+use voltet_core::Result;
+use voltet_core::engine::{AdapterWish, Engine};
 use voltet_core::graph::{Node, Outputs, Port, PortType, Registry, RunReport, Unobserved, Value};
 use voltet_core::grid::generate::{box_of_tetrahedra, with_scalar};
 use voltet_core::pipeline::Pipeline;
+use voltet_gpu::{Device, OnDevice};
 
 /// A grid of 384 cells; with it, the software driver is opened as if its bindings held 2 KiB, and 10 of them at a time.
 const SOURCE: Node = Node {
@@ -11,12 +15,13 @@ const SOURCE: Node = Node {
     outputs: &[Port { name: "grid", port_type: PortType::Grid, summary: "" }],
     demand: &|_| Ok(()),
     run: &|call| {
-        let devices = call.keep_for_session(|| Ok(Devices::default()))?;
-        let opened = Device::open(Some("software"), true);
-        let small = opened.map(|device| Arc::new(device.with_bindings_of(2048).with_buffers_at_a_time(10)));
-        let mut devices = devices.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let opened = call.keep_for_session(|| Ok(Opened::default()))?;
+        let small = |device: Device| device.with_bindings_of(2048).with_buffers_at_a_time(10);
+        let engine = Device::open(Some("software"), true)
+            .map(|device| Arc::new(OnDevice::new(Arc::new(small(device)))) as Arc<dyn Engine>);
         for hardware in [true, false] {
-            devices.insert((Some("software".into()), hardware), small.clone());
+            let wish = AdapterWish { name: Some("software".into()), hardware };
+            opened.insert(voltet_gpu::ENGINE.name, wish, engine.clone());
         }
         let grid = box_of_tetrahedra([4, 4, 4], [DVec3::ZERO, DVec3::ONE], 0.2);
         Ok(vec![Value::Grid(Arc::new(with_scalar(grid, "s", |p| p.x)))]) as Result<Outputs>

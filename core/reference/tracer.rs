@@ -4,7 +4,8 @@ use super::crossing::{Crossing, Ray, cross};
 use super::segment::{Integrand, Tolerance, Workspace};
 use crate::camera::{Camera, Frame, Projection};
 use crate::optics::Contribution;
-use crate::shading::{Light, Order, Shading};
+use crate::scene::Scene;
+use crate::shading::{Light, Order};
 use crate::transfer::TransferFunction;
 use crate::volume::Volume;
 use crate::{Error, Result};
@@ -28,7 +29,7 @@ pub struct Seen {
 }
 
 /// A scene made ready for rays.
-pub struct Scene<'a> {
+pub struct Tracer<'a> {
     volume: &'a Volume,
     integrand: Integrand,
     camera: Camera,
@@ -45,16 +46,11 @@ pub struct Scene<'a> {
     stride: usize,
 }
 
-impl<'a> Scene<'a> {
+impl<'a> Tracer<'a> {
     /// Errors: arrays that the scene needs and that are missing or of the wrong length, cells with points that
     /// do not exist or are not finite, a camera or a transfer function out of range.
-    pub fn new(
-        volume: &'a Volume,
-        transfer_function: &TransferFunction,
-        camera: &Camera,
-        shading: &Shading,
-        order: Order,
-    ) -> Result<Self> {
+    pub fn new(scene: &'a Scene) -> Result<Self> {
+        let Scene { volume, transfer_function, camera, shading, order } = scene;
         let frame = camera.frame()?;
         let integrand = Integrand::new(transfer_function, shading.overlap, Tolerance::PICTURE)?;
         let (quantities, stride) = quantities(volume, transfer_function)?;
@@ -88,14 +84,14 @@ impl<'a> Scene<'a> {
         let seen = |p: &DVec3| axes.map(|axis| ((*p - camera.eye) / unit).dot(axis));
         let points = world.iter().map(seen).collect();
         let direction = |light: Light| Light { direction: unit_vector(light.direction), ..light };
-        Ok(Scene {
+        Ok(Tracer {
             volume,
             integrand,
             camera: *camera,
             frame,
             silhouette: shading.silhouette,
             light: shading.light.map(direction),
-            order,
+            order: *order,
             unit,
             points,
             quantities,

@@ -1,0 +1,186 @@
+//! Engines: what draws scenes. Each is a [`Declaration`], a constant that says what it is called and what it refuses, and
+//! opens it; an opened [`Engine`] takes in a volume ([`Engine::prepare`]) and draws it ([`Prepared::draw`]).
+//!
+//! The nodes that draw, `voltet study`, `voltet stability` and `voltet time` know engines by these alone, from one list.
+//!
+//! | file | what |
+//! | --- | --- |
+//! | `compositing` | the ways in which a device composites |
+//! | `drawn` | a picture and what it took: counts, stages with their times |
+
+mod compositing;
+mod drawn;
+
+pub use compositing::{Chosen, Compositing, Memory};
+pub use drawn::{Counts, Drawn, Stage, Timed};
+
+use crate::progress::Progress;
+use crate::scene::Scene;
+use crate::shading::Shading;
+use crate::transfer::TransferFunction;
+use crate::volume::Volume;
+use crate::{Error, Result};
+use std::sync::Arc;
+
+/// What is known of an engine before it is opened.
+#[derive(Debug, Clone, Copy)]
+pub struct Declaration {
+    /// Its name in pipeline files and reports.
+    pub name: &'static str,
+    /// What it is, in a few words: the meaning of its name as a value of the parameter `engine`.
+    pub summary: &'static str,
+    /// What `auto` takes where it takes this engine, and if what; follows "the run takes".
+    pub taken: &'static str,
+    /// Why this build does not have it.
+    pub absent: Option<&'static str>,
+    /// Whether it runs on a device, which `adapter` names: it may not be there, has limits of its own, and keeps from frame to
+    /// frame what was set up on it. Other engines draw every scene and set up each frame anew ([`Stage::SetUp`]).
+    pub on_device: bool,
+    /// The ways in which it composites; none where it has one only, of every order.
+    pub compositing: &'static [Compositing],
+    /// Whether the scene is beyond it on any device, found before data are read. What depends on the data is found when it is
+    /// drawn.
+    pub can_serve: fn(&TransferFunction, &Shading) -> Result<()>,
+    /// The adapters that it finds here, in words.
+    pub adapters: fn() -> Vec<String>,
+    /// Opens it. Errors: no such adapter, or none at all.
+    pub open: fn(&AdapterWish) -> Result<Arc<dyn Engine>>,
+    /// Opens each of its ways to compute that is judged on its own: the same way of drawing on other vector units. Errors:
+    /// those of `open`.
+    pub open_each: fn(&AdapterWish) -> Result<Vec<Arc<dyn Engine>>>,
+}
+
+/// The adapter that an engine shall be opened on.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Hash)]
+pub struct AdapterWish {
+    /// Its kind or a part of its name; none for the fastest.
+    pub name: Option<String>,
+    /// Passes over programs on the CPU that stand in for devices, unless they are named.
+    pub hardware: bool,
+}
+
+/// Engines are told apart by their names.
+impl PartialEq for Declaration {
+    fn eq(&self, other: &Self) -> bool {
+        self.name == other.name
+    }
+}
+
+impl Declaration {
+    /// An engine that this build does not have, and why.
+    pub const fn absent(name: &'static str, summary: &'static str, why: &'static str) -> Declaration {
+        Declaration {
+            name,
+            summary,
+            taken: "",
+            absent: Some(why),
+            on_device: true,
+            compositing: &[],
+            can_serve: |_, _| Ok(()),
+            adapters: Vec::new,
+            open: |_| Err(Error::run("this build is without the engine")),
+            open_each: |_| Err(Error::run("this build is without the engine")),
+        }
+    }
+
+    /// Whether the scene is beyond the engine on any device, or the build is without it.
+    pub fn can_serve(&self, transfer_function: &TransferFunction, shading: &Shading) -> Result<()> {
+        self.check()?;
+        (self.can_serve)(transfer_function, shading)
+    }
+
+    /// Opens it. Errors: no such adapter, or none at all; a build without it.
+    pub fn open(&self, wish: &AdapterWish) -> Result<Arc<dyn Engine>> {
+        self.check()?;
+        (self.open)(wish)
+    }
+
+    /// Opens each of its ways to compute that is judged on its own. Errors: those of [`Declaration::open`].
+    pub fn open_each(&self, wish: &AdapterWish) -> Result<Vec<Arc<dyn Engine>>> {
+        self.check()?;
+        (self.open_each)(wish)
+    }
+
+    fn check(&self) -> Result<()> {
+        self.absent.map_or(Ok(()), |why| Err(Error::run(why)))
+    }
+}
+
+impl AdapterWish {
+    /// The adapter of that name, or the fastest that is hardware.
+    pub fn hardware(name: Option<&str>) -> AdapterWish {
+        AdapterWish { name: name.map(str::to_string), hardware: true }
+    }
+}
+
+/// How a scene is drawn, beyond what it means.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Manner {
+    /// How a device composites; where nothing is said, in the way that serves every order.
+    pub compositing: Option<Compositing>,
+    /// Leaves nothing out, needed or not, where the engine can: for comparison. The picture is the same.
+    pub thorough: bool,
+}
+
+/// An engine that is open: what it runs on is there.
+pub trait Engine: Send + Sync {
+    /// What it runs on, for people: a device, or vector units and threads.
+    fn adapter(&self) -> String;
+
+    /// What pages that compare engines call it.
+    fn label(&self) -> String {
+        self.adapter()
+    }
+
+    /// Why it runs on that, where there was a choice.
+    fn reason(&self) -> Option<&str> {
+        None
+    }
+
+    /// Whether it runs on a program on the CPU that stands in for a device.
+    fn is_software(&self) -> bool {
+        false
+    }
+
+    /// Whether the device has been lost: nothing can be done with the engine any more.
+    fn is_lost(&self) -> bool {
+        false
+    }
+
+    /// Takes in a volume: what frames of it share is made once. Errors: what the device cannot hold.
+    fn prepare(&self, volume: &Arc<Volume>) -> Result<Arc<dyn Prepared>>;
+
+    /// Which way of compositing serves the scene best here, where the engine has several. May measure; what was measured is
+    /// kept in `memory`. Errors: a stopped run.
+    fn choose(
+        &self,
+        _scene: &Scene,
+        _memory: &dyn Memory,
+        _progress: &dyn Progress,
+    ) -> Result<Option<Chosen>> {
+        Ok(None)
+    }
+
+    /// Gives up what is kept for further scenes, so that setting up can be measured from nothing.
+    fn forget(&self) {}
+
+    /// 32-bit multiply-adds a second, measured; `None` where nobody measures them. Errors: a lost device.
+    fn multiply_adds_per_second(&self) -> Result<Option<f64>> {
+        Ok(None)
+    }
+}
+
+/// A volume on an engine.
+pub trait Prepared: Send + Sync {
+    /// Draws a scene of this volume.
+    ///
+    /// Errors: what the engine does not serve or its device does not hold; an order that the way of compositing does not have;
+    /// a lost device; a stopped run.
+    fn draw(&self, scene: &Scene, manner: &Manner, progress: &dyn Progress) -> Result<Drawn>;
+
+    /// Floating-point operations of the compositor in a picture of the scene that had these counts, at least; `None` where they
+    /// are not known. Errors: those of [`Prepared::draw`].
+    fn operations(&self, _scene: &Scene, _manner: &Manner, _counts: &Counts) -> Result<Option<u64>> {
+        Ok(None)
+    }
+}

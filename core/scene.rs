@@ -1,0 +1,35 @@
+//! A scene: what is drawn, from where, and how. The one description that every engine is given.
+
+use crate::camera::Camera;
+use crate::shading::{Order, Shading};
+use crate::transfer::TransferFunction;
+use crate::volume::Volume;
+use std::sync::Arc;
+
+/// A volume, how it is looked at, and from where.
+#[derive(Debug, Clone)]
+pub struct Scene {
+    /// The cells and their values.
+    pub volume: Arc<Volume>,
+    /// What is drawn.
+    pub transfer_function: Arc<TransferFunction>,
+    /// Where it is seen from.
+    pub camera: Camera,
+    /// Integrator and light.
+    pub shading: Shading,
+    /// The order of a pixel's segments.
+    pub order: Order,
+}
+
+impl Scene {
+    /// Whether the order of a pixel's segments changes the picture.
+    pub fn needs_order(&self) -> bool {
+        needs_order(&self.transfer_function, &self.shading)
+    }
+}
+
+/// Whether the order of a pixel's segments changes the picture. With one colour in the density-emitter model and
+/// no light, C = c·A, and A does not depend on the order.
+pub fn needs_order(transfer_function: &TransferFunction, shading: &Shading) -> bool {
+    shading.one_color(transfer_function).is_none()
+}

@@ -1,0 +1,153 @@
+//! The native engine as one of the program's engines, and what it counts.
+
+use crate::{Cells, Counts, Projection, cull, keep_all, needs_gradient, prepare, project, sort};
+use std::sync::Arc;
+use std::time::Instant;
+use voltet_core::engine::{self, AdapterWish, Declaration, Drawn, Engine, Manner, Prepared, Stage, Timed};
+use voltet_core::graph::Notes;
+use voltet_core::optics::integrators;
+use voltet_core::progress::Progress;
+use voltet_core::scene::Scene;
+use voltet_core::shading::Order;
+use voltet_core::volume::Volume;
+use voltet_core::{Error, Result};
+use voltet_lanes::LaneSet;
+
+/// The native engine. Its vector units are what is judged one by one.
+pub const ENGINE: Declaration = Declaration {
+    name: "cpu",
+    summary: "native code on all cores",
+    taken: "the CPU",
+    absent: None,
+    on_device: false,
+    compositing: &[],
+    can_serve: |transfer_function, shading| integrators::can_serve(&shading.integrator, transfer_function),
+    adapters: Vec::new,
+    open: |_| Ok(Arc::new(Native { lanes: LaneSet::detect() })),
+    open_each,
+};
+
+fn open_each(_wish: &AdapterWish) -> Result<Vec<Arc<dyn Engine>>> {
+    let sets = [LaneSet::Portable, LaneSet::Avx2, LaneSet::Avx512].into_iter();
+    let native = |lanes| Arc::new(Native { lanes }) as Arc<dyn Engine>;
+    Ok(sets.filter(|lanes| lanes.is_supported()).map(native).collect())
+}
+
+/// The engine on one lane set.
+#[derive(Debug, Clone, Copy)]
+struct Native {
+    lanes: LaneSet,
+}
+
+impl Engine for Native {
+    fn adapter(&self) -> String {
+        format!("{}, {} threads", self.lanes.name(), rayon::current_num_threads())
+    }
+
+    fn label(&self) -> String {
+        format!("native engine, {}", self.lanes.name())
+    }
+
+    fn prepare(&self, _volume: &Arc<Volume>) -> Result<Arc<dyn Prepared>> {
+        // Every frame begins with the volume itself.
+        Ok(Arc::new(*self))
+    }
+}
+
+impl Prepared for Native {
+    fn draw(&self, scene: &Scene, manner: &Manner, progress: &dyn Progress) -> Result<Drawn> {
+        if progress.cancelled() {
+            return Err(Error::cancelled());
+        }
+        let Scene { volume, transfer_function, camera, shading, order } = scene;
+        let mut watch = Watch { last: Instant::now(), stages: Vec::new() };
+        let mut cells = match manner.thorough {
+            true => keep_all(volume, transfer_function, camera)?,
+            false => cull(volume, transfer_function, camera, progress)?,
+        };
+        cells.lanes = self.lanes;
+        watch.end(Stage::Cull);
+        let cells = sort(&cells, camera, *order)?;
+        watch.end(Stage::Sort);
+        // For comparison everything that there is goes along.
+        let gradient = needs_gradient(shading) || (manner.thorough && volume.gradient.is_some());
+        let projection = project(&cells, transfer_function, camera, gradient, progress)?;
+        watch.end(Stage::Project);
+        let ready = prepare(&projection, transfer_function, shading)?;
+        watch.end(Stage::SetUp);
+        let (picture, counts) = ready.composite(progress)?;
+        watch.end(Stage::Composite);
+        let mut drawn = Drawn::new(picture, watch.stages);
+        cells.count(&mut drawn.counts);
+        cells.note(&mut drawn.notes);
+        cells.note_order(&mut drawn.notes);
+        projection.count(&mut drawn.counts);
+        counts.count(&mut drawn.counts);
+        counts.note(&mut drawn.notes);
+        Ok(drawn)
+    }
+}
+
+/// Times stages that follow each other.
+struct Watch {
+    last: Instant,
+    stages: Vec<Timed>,
+}
+
+impl Watch {
+    fn end(&mut self, stage: Stage) {
+        let now = Instant::now();
+        self.stages.push(Timed::whole(stage, (now - self.last).as_secs_f64()));
+        self.last = now;
+    }
+}
+
+impl Cells {
+    /// Fills in what was culled.
+    pub fn count(&self, counts: &mut engine::Counts) {
+        counts.culled_by_transfer_function = Some(self.culled_by_transfer_function);
+        counts.culled_by_frustum = Some(self.culled_by_frustum);
+    }
+
+    /// Notes the widgets that are left out.
+    pub fn note(&self, notes: &mut Notes) {
+        for widget in &self.untouched {
+            notes.leave_out(format!("widget {}", widget + 1), "no visible cell touches it", None);
+        }
+    }
+
+    /// Notes the cells that were put in order.
+    pub fn note_order(&self, notes: &mut Notes) {
+        if self.order == Order::Centroid {
+            notes.counts.insert("cells_sorted", self.kept.len() as u64);
+        }
+    }
+}
+
+impl Projection {
+    /// Fills in what was projected.
+    pub fn count(&self, counts: &mut engine::Counts) {
+        let projected = self.cells_projected();
+        counts.cells_projected = Some(projected);
+        counts.under_a_pixel = Some((self.cells().kept.len() as u64).saturating_sub(projected));
+    }
+}
+
+impl Counts {
+    /// Fills in what was composited.
+    pub fn count(&self, counts: &mut engine::Counts) {
+        counts.segments = Some(self.segments);
+        counts.segments_exact = Some(self.segments_exact);
+        counts.pixels_disordered = Some(self.pixels_disordered);
+        counts.tiles_stopped = Some(self.tiles_stopped);
+        counts.cells_hidden = Some(self.cells_hidden);
+        counts.tables_built = Some(u64::from(self.table_bytes > 0));
+    }
+
+    /// Notes what is this engine's own.
+    pub fn note(&self, notes: &mut Notes) {
+        notes.counts.insert("tiles_sorted", self.tiles_sorted);
+        notes.counts.insert("segments_overlapping", self.segments_overlapping);
+        notes.counts.insert("tiles_deep", self.tiles_deep);
+    }
+}

@@ -1,0 +1,57 @@
+//! What the counts of a picture become in the notes of a node, whatever engine counted them.
+
+use super::order::leave_out_order;
+use voltet_core::Result;
+use voltet_core::engine::Counts;
+use voltet_core::graph::{Call, Saving};
+use voltet_core::optics::integrators::PartialTable;
+use voltet_core::scene::Scene;
+use voltet_core::shading::Order;
+use voltet_core::transfer::OpticalModel;
+
+/// Notes what was counted: of a whole picture, or of one stage.
+pub(super) fn note(call: &mut Call, counts: &Counts) {
+    let notes = &mut call.notes;
+    let culled = counts.culled_by_transfer_function.zip(counts.culled_by_frustum).map(|(a, b)| a + b);
+    for (name, count) in [
+        ("cells_culled", culled),
+        ("cells_projected", counts.cells_projected),
+        ("segments", counts.segments),
+        ("segments_exact", counts.segments_exact),
+        ("pixels_disordered", counts.pixels_disordered),
+        ("tiles_stopped", counts.tiles_stopped),
+        ("tables_built", counts.tables_built),
+    ] {
+        notes.counts.extend(count.map(|count| (name, count)));
+    }
+    for (which, why, count) in [
+        ("that show nothing", "no widget touches their values", counts.culled_by_transfer_function),
+        ("out of view", "they lie outside the view", counts.culled_by_frustum),
+        ("under a pixel's reach", "they cover no pixel centre", counts.under_a_pixel),
+    ] {
+        if let Some(count @ 1..) = count {
+            notes.leave_out(format!("cells {which}"), why, Some(Saving::Cells(count)));
+        }
+    }
+    if let Some(tiles @ 1..) = counts.tiles_stopped {
+        let what = format!("cells of {tiles} tiles that stopped early");
+        notes.leave_out(what, "every pixel of the tile is opaque", counts.cells_hidden.map(Saving::Cells));
+    }
+    if let Some(count @ 1..) = counts.pixels_disordered {
+        notes.warnings.push(format!("{count} pixels were composited in an order that is not exact"));
+    }
+}
+
+/// Notes the order that was not made, and where nothing may be left out makes the table that was not needed.
+pub(super) fn note_whole(call: &mut Call, scene: &Scene, counts: &Counts) -> Result<()> {
+    if !call.thorough && scene.order == Order::Auto && !scene.needs_order() {
+        leave_out_order(&mut call.notes, counts.segments);
+    }
+    if call.thorough && counts.tables_built == Some(0) {
+        let side = call.parameters.integer("table_size")? as usize;
+        let density = scene.transfer_function.model == OpticalModel::DensityEmitter;
+        let table = call.stage("table", |_| Ok(PartialTable::new(density, side)))?;
+        call.notes.counts.insert("tables_built", u64::from(std::hint::black_box(table).bytes() > 0));
+    }
+    Ok(())
+}

@@ -1,0 +1,136 @@
+//! Scenes on opened engines: an engine is opened once a session for each adapter, and takes in a volume once a revision.
+
+use super::noted::{note, note_whole};
+use super::remembered::CacheFolder;
+use crate::files::cache_folder;
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, PoisonError};
+use voltet_core::Result;
+use voltet_core::engine::{AdapterWish, Compositing, Declaration, Engine, Manner, Prepared};
+use voltet_core::graph::Call;
+use voltet_core::picture::Picture;
+use voltet_core::progress::Progress;
+use voltet_core::scene::Scene;
+
+/// Opened engines by their names and what was wished for. Failures are kept too, since looking for adapters takes a while.
+#[derive(Default)]
+pub(super) struct Opened(Mutex<HashMap<(&'static str, AdapterWish), Result<Arc<dyn Engine>>>>);
+
+/// One volume on the engines that took it in, by engine and adapter.
+#[derive(Default)]
+struct Volumes(Mutex<HashMap<(&'static str, String), (Arc<dyn Engine>, Arc<dyn Prepared>)>>);
+
+/// Draws on one engine, on the adapter that the node's parameters name, or the fastest. `port`: the input that the scene's volume
+/// came by; `hardware`: programs that stand in for devices will not do unless they are named.
+pub(super) fn draw_on(
+    call: &mut Call,
+    scene: &Scene,
+    port: &str,
+    declared: &'static Declaration,
+    hardware: bool,
+) -> Result<Picture> {
+    declared
+        .can_serve(&scene.transfer_function, &scene.shading)
+        .map_err(|error| call.parameters.blame("integrator", error))?;
+    let wish = AdapterWish { name: super::adapter(call.parameters), hardware };
+    let opened = call.keep_for_session(|| Ok(Opened::default()))?;
+    let engine = stage(call, declared, "device", |_| opened.open(declared, &wish))
+        .map_err(|error| if wish.name.is_some() { call.parameters.blame("adapter", error) } else { error })?;
+    let (compositing, why) = compositing(call, scene, declared, engine.as_ref())?;
+    let volumes = call.keep(call.revision(port)?, || Ok(Volumes::default()))?;
+    let volume = stage(call, declared, "upload", |_| volumes.prepare(declared, &engine, scene))?;
+    let manner = Manner { compositing, thorough: call.thorough };
+    let drawn = stage(call, declared, "draw", |progress| volume.draw(scene, &manner, progress))?;
+    let stages = drawn.stages.iter().map(|part| match declared.on_device {
+        true => (format!("device {}", part.name()), part.seconds),
+        false => (part.name().to_string(), part.seconds),
+    });
+    call.notes.stages.extend(stages);
+    call.notes.compositor = compositing.map(|one| one.name().to_string()).zip(why);
+    call.notes.adapter = Some(engine.adapter());
+    if let Some(reason) = engine.reason() {
+        call.notes.engine = Some((declared.name.into(), reason.into()));
+    }
+    if engine.is_software() {
+        let slow = "is a program on the CPU, slower than engine = \"cpu\"";
+        call.notes.warnings.push(format!("{} {slow}", engine.adapter()));
+    }
+    call.notes.counts.insert("cells_total", scene.volume.grid.tetrahedra.len() as u64);
+    call.notes.add(drawn.notes);
+    note(call, &drawn.counts);
+    note_whole(call, scene, &drawn.counts)?;
+    Ok(drawn.picture)
+}
+
+/// A part of the work that only a device has.
+fn stage<T>(
+    call: &mut Call,
+    declared: &Declaration,
+    name: &str,
+    work: impl FnOnce(&dyn Progress) -> Result<T>,
+) -> Result<T> {
+    match declared.on_device {
+        true => call.stage(name, work),
+        false => work(call.progress()),
+    }
+}
+
+/// How the engine composites, and why, where it has several ways.
+fn compositing(
+    call: &mut Call,
+    scene: &Scene,
+    declared: &Declaration,
+    engine: &dyn Engine,
+) -> Result<(Option<Compositing>, Option<String>)> {
+    if declared.compositing.is_empty() {
+        return Ok((None, None));
+    }
+    if let Some(asked) = Compositing::named(call.parameters.text("compositor")?) {
+        return Ok((Some(asked), Some("the pipeline asks for it".into())));
+    }
+    let memory = CacheFolder(cache_folder().join("compositors"));
+    let Some(chosen) = engine.choose(scene, &memory, call.progress())? else { return Ok((None, None)) };
+    let measured = chosen.measured_secs.map(|seconds| ("measure compositors".to_string(), seconds));
+    call.notes.stages.extend(measured);
+    Ok((Some(chosen.compositing), Some(chosen.why)))
+}
+
+impl Opened {
+    /// The engine, opened if it is not there or was lost.
+    fn open(&self, declared: &Declaration, wish: &AdapterWish) -> Result<Arc<dyn Engine>> {
+        let mut opened = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let key = (declared.name, wish.clone());
+        if let Some(known) = opened.get(&key).filter(|known| !matches!(known, Ok(engine) if engine.is_lost()))
+        {
+            return known.clone();
+        }
+        let engine = declared.open(wish);
+        opened.insert(key, engine.clone());
+        engine
+    }
+
+    /// Lets an engine stand for what would be opened.
+    #[cfg(test)]
+    pub fn insert(&self, name: &'static str, wish: AdapterWish, engine: Result<Arc<dyn Engine>>) {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).insert((name, wish), engine);
+    }
+}
+
+impl Volumes {
+    /// The scene's volume on the engine, taken in if it is not there.
+    fn prepare(
+        &self,
+        declared: &Declaration,
+        engine: &Arc<dyn Engine>,
+        scene: &Scene,
+    ) -> Result<Arc<dyn Prepared>> {
+        let mut volumes = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let key = (declared.name, engine.adapter());
+        if let Some((_, volume)) = volumes.get(&key).filter(|(known, _)| Arc::ptr_eq(known, engine)) {
+            return Ok(volume.clone());
+        }
+        let volume = engine.prepare(&scene.volume)?;
+        volumes.insert(key, (engine.clone(), volume.clone()));
+        Ok(volume)
+    }
+}
