@@ -1,7 +1,7 @@
 //! Attributes: the point arrays that widgets, light and silhouettes look at, scaled for 32 bits.
 
 use crate::cells::Cells;
-use rayon::prelude::*;
+use voltet_core::grid::extent;
 use voltet_core::transfer::TransferFunction;
 use voltet_core::{Error, Result};
 
@@ -60,7 +60,11 @@ pub(crate) fn attributes_of<'a>(
                 .found(name)
                 .accepted("a point array of one component that the reader was asked for"));
         };
-        attributes.push(attribute(&array.values, range(&array.values), about(2 + i)));
+        attributes.push(attribute(
+            &array.values,
+            extent::range(&array.values).unwrap_or_default(),
+            about(2 + i),
+        ));
     }
     Ok(attributes)
 }
@@ -108,17 +112,3 @@ fn attribute(values: &[f64], [low, high]: [f64; 2], about: Option<(f64, bool)>) 
 
 /// Places of an offset among widgets with edges, by the scale.
 const OFFSET_STEPS: f64 = (1 << 20) as f64;
-
-/// Smallest and largest finite value; [0, 0] for none.
-pub(crate) fn range(values: &[f64]) -> [f64; 2] {
-    let [low, high] = values
-        .par_chunks(1 << 14)
-        .map(|chunk| {
-            chunk
-                .iter()
-                .filter(|v| v.is_finite())
-                .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], &v| [low.min(v), high.max(v)])
-        })
-        .reduce(|| [f64::INFINITY, f64::NEG_INFINITY], |a, b| [a[0].min(b[0]), a[1].max(b[1])]);
-    if low <= high { [low, high] } else { [0.0; 2] }
-}

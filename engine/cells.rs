@@ -1,6 +1,6 @@
 //! The cells that a picture is drawn from, and what is counted on the way.
 
-use crate::project::view::Seen;
+use crate::view::Seen;
 use std::sync::Arc;
 use voltet_core::camera::Camera;
 use voltet_core::shading::Order;

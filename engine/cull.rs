@@ -4,13 +4,14 @@
 //! near enough to any widget to matter, or if it lies outside one plane of the view. The papers test the four
 //! vertices only (Song et al. 2009), which drops a cell whose vertices straddle a narrow widget.
 
-use crate::attribute::{attributes_of, range};
+use crate::attribute::attributes_of;
 use crate::cells::Cells;
-use crate::project::view::View;
+use crate::view::View;
 use rayon::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use voltet_core::camera::Camera;
+use voltet_core::grid::extent;
 use voltet_core::progress::Progress;
 use voltet_core::shading::Order;
 use voltet_core::transfer::{Support, TransferFunction};
@@ -126,13 +127,14 @@ pub fn keep_all(
 
 /// What is known of a volume before any cell is kept.
 pub(crate) fn none_kept(volume: &Arc<Volume>) -> Result<Cells> {
+    let range = |values: &[f64]| extent::range(values).unwrap_or_default();
     Ok(Cells {
         volume: volume.clone(),
         kept: Arc::default(),
         order: Order::Exact,
         culled_by_transfer_function: 0,
         culled_by_frustum: 0,
-        length: diagonal(volume)?,
+        length: extent::scene_length(extent::bounds(&volume.grid.points))?,
         seen: None,
         ranges: [range(&volume.scalar), volume.gradient_magnitude.as_ref().map_or([0.0; 2], |g| range(g))],
         untouched: Vec::new(),
@@ -186,28 +188,4 @@ impl CellValues {
     fn touch(&self, test: impl FnOnce(&[f64; 4], &[f64; 4], &[[f64; 4]]) -> bool) -> bool {
         test(&self.s, &self.g, &self.fields[..self.field_count])
     }
-}
-
-/// Diagonal of the box of the grid's points, world units; 1 for a grid without extent.
-fn diagonal(volume: &Volume) -> Result<f64> {
-    use glam::DVec3;
-    let (low, high) = volume
-        .grid
-        .points
-        .par_chunks(1 << 14)
-        .map(|points| {
-            points
-                .iter()
-                .filter(|p| p.is_finite())
-                .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), &p| (low.min(p), high.max(p)))
-        })
-        .reduce(|| (DVec3::INFINITY, DVec3::NEG_INFINITY), |a, b| (a.0.min(b.0), a.1.max(b.1)));
-    let sides = high - low;
-    let largest = sides.max_element();
-    if !largest.is_finite() && largest != f64::NEG_INFINITY {
-        return Err(
-            Error::run("the grid's extent is beyond 64-bit floats").accepted("coordinates under 1e300")
-        );
-    }
-    Ok(if largest > 0.0 { (sides / largest).length() * largest } else { 1.0 })
 }

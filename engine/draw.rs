@@ -12,6 +12,7 @@ use rayon::prelude::*;
 use std::borrow::Cow;
 use std::sync::atomic::AtomicUsize;
 use voltet_core::camera::Camera;
+use voltet_core::grid::extent::longest_edge_squared;
 use voltet_core::optics::integrators::{self, Extent};
 use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
@@ -237,11 +238,7 @@ fn extent(cells: &Cells, integrator: &Integrator) -> Extent {
         return whole;
     }
     let grid = &cells.volume.grid;
-    let longest = |&cell: &u32| {
-        let at = grid.tetrahedra[cell as usize].map(|p| grid.points[p as usize]);
-        let edge = |i: usize, j: usize| at[i].distance_squared(at[j]);
-        edge(0, 1).max(edge(0, 2)).max(edge(0, 3)).max(edge(1, 2)).max(edge(1, 3)).max(edge(2, 3))
-    };
+    let longest = |&cell: &u32| longest_edge_squared(grid.corners(cell as usize));
     let longest = cells.kept.par_iter().map(longest).reduce(|| 0.0, f64::max).sqrt();
     Extent { longest, ..whole }
 }

@@ -2,6 +2,7 @@
 //!
 //! | room | what |
 //! | --- | --- |
+//! | `view` | the camera as the stages use it |
 //! | `cells`, `attribute` | the cells that are drawn, and the point arrays that are looked at |
 //! | `cull` | which cells can contribute |
 //! | `project` | cells to records of 32 bits, and the tiles that they touch |
@@ -24,6 +25,7 @@ mod project;
 mod scene;
 mod segments;
 mod shade;
+mod view;
 
 pub use cells::{Cells, Counts};
 pub use cull::{cull, keep_all};

@@ -1,71 +1,19 @@
-//! From choices to the text of a shader, and from a line of the text back to the file it came from.
+//! From a scene's choices to the text of its shader.
 
 use crate::choices::Choices;
 use crate::generate::generate;
 use crate::parts::Layout;
 use crate::passes::FramePass;
-use crate::pieces::{PIECES, Piece, piece};
-use voltet_core::Error;
-
-/// A composed shader.
-#[derive(Debug, Clone, PartialEq, Eq, Hash)]
-pub struct Shader {
-    /// WGSL. Equal choices give equal text.
-    pub text: String,
-    /// Line (from 1) of the text at which each part begins, with the part's file.
-    parts: Vec<(usize, &'static str)>,
-}
-
-/// Name of the generated block in messages.
-const GENERATED: &str = "generated for the scene";
+use crate::pieces::{PIECES, Piece};
+use crate::text::{Shader, compose_pieces};
 
 /// The shader of a scene.
 pub fn compose(choices: &Choices) -> Shader {
     let generated = generate(choices);
-    assemble(&generated.text, &generated.uses)
-}
-
-/// Pieces with all that they use, behind `text`, which fills the slots they ask for.
-///
-/// # Panics
-/// On a name that is no piece.
-pub fn compose_pieces(text: &str, names: &[&str]) -> Shader {
-    assemble(text, names)
-}
-
-fn assemble(generated: &str, names: &[&str]) -> Shader {
-    let mut pieces: Vec<&Piece> = Vec::new();
-    let mut open: Vec<&str> = names.to_vec();
-    while let Some(name) = open.pop() {
-        let piece = piece(name).unwrap_or_else(|| panic!("'{name}' is no piece"));
-        if !pieces.contains(&piece) {
-            pieces.push(piece);
-            open.extend(piece.uses());
-        }
-    }
-    pieces.sort_by_key(|piece| piece.name);
-    let mut shader = Shader { text: String::new(), parts: Vec::new() };
-    shader.append(GENERATED, generated);
-    for piece in pieces {
-        shader.append(piece.file, piece.text);
-    }
-    shader
+    compose_pieces(&generated.text, &generated.uses)
 }
 
 impl Shader {
-    fn append(&mut self, file: &'static str, text: &str) {
-        self.parts.push((self.text.lines().count() + 1, file));
-        self.text.push_str(text);
-        if !text.ends_with('\n') {
-            self.text.push('\n');
-        }
-    }
-
-    /// Files of the pieces in it.
-    pub fn files(&self) -> impl Iterator<Item = &'static str> {
-        self.parts.iter().map(|(_, file)| *file).filter(|file| *file != GENERATED)
-    }
-
     /// The pieces that are not in it although some scene asks for them: what makes frames and fills tables is put together
     /// apart.
     pub fn leaves_out(&self) -> Vec<&'static Piece> {
@@ -74,39 +22,5 @@ impl Shader {
             piece.name.contains("/fill_") || frames.iter().any(|frame| frame.files().any(|f| f == piece.file))
         };
         PIECES.iter().filter(|piece| !apart(piece) && !self.files().any(|file| file == piece.file)).collect()
-    }
-
-    /// The file that a line (from 1) of the text came from, and the line there.
-    pub fn locate(&self, line: usize) -> (&'static str, usize) {
-        let part = self.parts.iter().rev().find(|(start, _)| *start <= line);
-        part.map_or((GENERATED, line), |(start, file)| (file, line - start + 1))
-    }
-
-    /// What a shader compiler says of a line (from 1) of the text, as an error at the piece's own line.
-    pub fn error(&self, line: usize, message: &str) -> Error {
-        let (file, line) = self.locate(line);
-        Error::run("a shader does not compile").found(message).in_file(file).at_line(line)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_line_is_found_in_its_own_file() {
-        let shader = compose_pieces("const A = 1;\nconst B = 2;", &["elementary/one_minus_exp"]);
-        assert_eq!(shader.locate(2), (GENERATED, 2));
-        let exponential = "shaders/wgsl/elementary/exponential.wgsl";
-        let one_minus_exp = "shaders/wgsl/elementary/one_minus_exp.wgsl";
-        assert_eq!(shader.files().collect::<Vec<_>>(), [exponential, one_minus_exp]);
-        for (n, line) in shader.text.lines().enumerate() {
-            let (file, at) = shader.locate(n + 1);
-            if let Some(piece) = PIECES.iter().find(|piece| piece.file == file) {
-                assert_eq!(piece.text.lines().nth(at - 1), Some(line));
-            }
-        }
-        let error = shader.error(3, "wrong").to_string();
-        assert!(error.contains(&format!("{exponential}:1:1")), "{error}");
     }
 }

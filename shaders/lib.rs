@@ -19,9 +19,10 @@ mod passes;
 mod pieces;
 mod resources;
 pub mod segment_list;
+mod text;
 
 pub use choices::{Blend, Choices, Combine, Compositor, Method, TileOrder, WidgetChoice};
-pub use compose::{Shader, compose, compose_pieces};
+pub use compose::compose;
 pub use kinds::Kind;
 pub use limits32::{Spans, check_32_bits};
 pub use parameters::{Axis, Parameters, SceneHead, WidgetRecord};
@@ -29,3 +30,4 @@ pub use parts::{Access, CELLS_READ, GRID_GROUP, GridArray, Layout, Parts};
 pub use passes::{FramePass, PlacementRecord, RoundRecord, ViewRecord, multiply_adds};
 pub use pieces::{PIECES, Piece, piece};
 pub use resources::{Buffer, Contents, Pass, Resources, TEXEL_BYTES, table_lengths};
+pub use text::{Shader, compose_pieces};

@@ -1,7 +1,6 @@
 //! Arrays in parts: what does not fit one binding stands in several, each a power of two elements long, and the text
 //! reads it by functions that pick the part. An array in one part is read as it is.
 
-use crate::passes::FramePass;
 use std::fmt::Write;
 
 /// How an array stands in bindings. Equal parts give equal text; of whole arrays all do.
@@ -158,24 +157,6 @@ pub const CELLS_READ: &[(GridArray, Access)] = &[
     (GridArray::Attributes, Access::Read),
     (GridArray::Bounds, Access::Read),
 ];
-
-impl FramePass {
-    /// What the pass reads and writes of the grid.
-    pub fn grid_arrays(self) -> &'static [(GridArray, Access)] {
-        use Access::{Read, Write};
-        use GridArray::{Attributes, Bounds, Positions, Quantity, Seen, Tetrahedra};
-        match self {
-            FramePass::Points => &[(Positions, Read), (Quantity, Read), (Seen, Write)],
-            FramePass::Attribute => &[(Quantity, Read), (Attributes, Write)],
-            FramePass::Cells => &[(Tetrahedra, Read), (Seen, Read), (Attributes, Read), (Bounds, Write)],
-            FramePass::Lists => &[(Tetrahedra, Read), (Seen, Read), (Bounds, Read)],
-            FramePass::CountDigits | FramePass::PlaceDigits | FramePass::MoveDigits => {
-                &[(Tetrahedra, Read), (Seen, Read), (Bounds, Read)]
-            }
-            FramePass::Starts | FramePass::Sort | FramePass::Runs => &[],
-        }
-    }
-}
 
 /// The declarations of the grid's arrays, and the functions that read or write them.
 pub(crate) fn grid_text(arrays: &[(GridArray, Access)], layout: &Layout) -> String {

@@ -1,7 +1,7 @@
 //! The passes over points, cells and lists that stand before the tiles: their texts and their uniforms.
 
-use crate::compose::{Shader, compose_pieces};
-use crate::parts::{Layout, grid_text};
+use crate::parts::{Access, GridArray, Layout, grid_text};
+use crate::text::{Shader, compose_pieces};
 use bytemuck::{Pod, Zeroable};
 
 /// A pass that is the same for every scene.
@@ -59,6 +59,22 @@ impl FramePass {
             FramePass::Runs => "passes/runs",
         };
         compose_pieces(&grid_text(self.grid_arrays(), layout), &[piece])
+    }
+
+    /// What the pass reads and writes of the grid.
+    pub fn grid_arrays(self) -> &'static [(GridArray, Access)] {
+        use Access::{Read, Write};
+        use GridArray::{Attributes, Bounds, Positions, Quantity, Seen, Tetrahedra};
+        match self {
+            FramePass::Points => &[(Positions, Read), (Quantity, Read), (Seen, Write)],
+            FramePass::Attribute => &[(Quantity, Read), (Attributes, Write)],
+            FramePass::Cells => &[(Tetrahedra, Read), (Seen, Read), (Attributes, Read), (Bounds, Write)],
+            FramePass::Lists => &[(Tetrahedra, Read), (Seen, Read), (Bounds, Read)],
+            FramePass::CountDigits | FramePass::PlaceDigits | FramePass::MoveDigits => {
+                &[(Tetrahedra, Read), (Seen, Read), (Bounds, Read)]
+            }
+            FramePass::Starts | FramePass::Sort | FramePass::Runs => &[],
+        }
     }
 
     /// The function that the pass runs.

@@ -5,9 +5,9 @@
 //! range.
 
 use crate::choices::{Choices, Combine};
-use crate::compose::Shader;
 use crate::limits32::{Spans, check_32_bits};
 use crate::parameters::Axis;
+use crate::text::Shader;
 use voltet_core::Result;
 use voltet_core::optics::{Contribution, Segment};
 use voltet_core::transfer::{AxisOrigin, TransferFunction, Widget};

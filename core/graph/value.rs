@@ -5,6 +5,7 @@ use super::declaration::PortType;
 use crate::Result;
 use crate::camera::Camera;
 use crate::grid::Grid;
+use crate::grid::extent;
 use crate::picture::Picture;
 use crate::transfer::TransferFunction;
 use crate::volume::Volume;
@@ -87,16 +88,7 @@ impl Look {
 
 /// Diagonal of the bounding box of the finite points; 100 where the box has no extent, which no picture shows.
 pub fn diagonal(points: &[DVec3]) -> f64 {
-    let mut low = DVec3::INFINITY;
-    let mut high = DVec3::NEG_INFINITY;
-    for &point in points.iter().filter(|p| p.is_finite()) {
-        low = low.min(point);
-        high = high.max(point);
-    }
-    let extent = high - low;
-    let largest = extent.max_element();
-    // Scaled, since squares of 1e-200 or 1e200 leave the range of f64.
-    let diagonal = if largest > 0.0 { (extent / largest).length() * largest } else { 0.0 };
+    let diagonal = extent::bounds(points).map_or(0.0, extent::diagonal);
     if diagonal > 0.0 && diagonal.is_finite() { diagonal } else { 100.0 }
 }
 

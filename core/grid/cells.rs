@@ -21,3 +21,13 @@ pub struct Polyhedron {
     /// Each face a closed loop of point numbers.
     pub faces: Vec<Vec<u32>>,
 }
+
+/// One cell.
+pub(super) struct Cell<'a> {
+    /// Number in the file.
+    pub number: usize,
+    /// VTK type code.
+    pub code: u8,
+    /// Its points.
+    pub corners: &'a [u32],
+}

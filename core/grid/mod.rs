@@ -7,6 +7,7 @@ mod cell_values;
 mod cells;
 mod clean;
 mod curved;
+pub mod extent;
 pub mod generate;
 mod parts;
 mod polyhedron;
@@ -22,7 +23,6 @@ pub use cell_types::{CellType, code, describe_counts};
 pub use cells::{CellSet, Polyhedron};
 use glam::DVec3;
 pub use parts::{Association, CellValues, Cells, Options, Parts, Scalar};
-use rayon::prelude::*;
 pub use refine::{Refined, refine};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -120,22 +120,15 @@ impl Grid {
         }
     }
 
-    /// Lowest and highest coordinates of all points; `None` without points.
+    /// Lowest and highest coordinates of the finite points; `None` where there is none.
     pub fn bounds(&self) -> Option<[DVec3; 2]> {
-        let first = *self.points.first()?;
-        Some(self.points.iter().fold([first, first], |[low, high], &p| [low.min(p), high.max(p)]))
+        extent::bounds(&self.points)
     }
 
     /// The power of two that brings the largest extent of the grid to between 0.5 and 1, so that products of lengths
     /// stay far from the ends of the number range whatever the unit of length; 1 for a grid without extent.
     pub fn length_scale(&self) -> f64 {
-        let first = self.points.first().copied().unwrap_or_default();
-        let [low, high] = self
-            .points
-            .par_iter()
-            .with_min_len(1 << 14)
-            .fold(|| [first, first], |[low, high], &p| [low.min(p), high.max(p)])
-            .reduce(|| [first, first], |a, b| [a[0].min(b[0]), a[1].max(b[1])]);
+        let [low, high] = self.bounds().unwrap_or_default();
         let extent = (high * 0.5 - low * 0.5).max_element();
         if extent > 0.0 && extent.is_finite() {
             // Within the exponents for which the scale and its inverse are normal numbers.

@@ -1,6 +1,7 @@
 //! The cells of a file one by one: which are drawn, and the tetrahedra of each.
 
 use super::cell_types::{CellType, code};
+use super::cells::Cell;
 use super::curved::{Curved, is_curved};
 use super::parts::Cells;
 use super::polyhedron::Polyhedra;
@@ -20,16 +21,6 @@ pub(super) enum Fate {
     NotFinite,
     /// Left out: a type that cannot be split.
     Unsupported,
-}
-
-/// One cell.
-pub(super) struct Cell<'a> {
-    /// Number in the file.
-    pub number: usize,
-    /// VTK type code.
-    pub code: u8,
-    /// Its points.
-    pub corners: &'a [u32],
 }
 
 /// The cells of a file, checked one by one as they are asked for.
@@ -163,7 +154,13 @@ impl Source<'_> {
                     last = Some(kind);
                 }
             }
-            curved.number_points(self, self.point_count)?;
+            if let Some(mut numbering) = curved.numbering(set.types.len(), self.point_count) {
+                for number in 0..set.types.len() {
+                    let cell = self.cell(number, &mut buffer)?;
+                    let adds = is_curved(cell.code) && self.fate(&cell)? == Fate::Drawn;
+                    numbering.take(adds.then(|| (&cell, self.kind(&cell))))?;
+                }
+            }
             self.curved = curved;
         }
         if !set.polyhedra.is_empty() {

@@ -1,19 +1,21 @@
 //! TOML to [`Pipeline`], every key and value with its place.
 
-use super::{FORMAT, Pipeline};
+use super::document::{FORMAT, Pipeline};
 use crate::graph::{Datum, Field, LinkEntry, NodeEntry, Origin, Setting, suggest};
 use crate::{Error, Result};
 use toml::de::{DeTable, DeValue};
 
-/// Reads the text of a pipeline file.
-pub(super) fn parse(text: &str) -> Result<Pipeline> {
-    read(text).map_err(|mut error| {
-        // Errors carry the byte range only; line and column follow from the text.
-        match error.place.span.take() {
-            Some(span) => error.at_span(text, span),
-            None => error,
-        }
-    })
+impl Pipeline {
+    /// Reads the text of a pipeline file. Errors point at the text.
+    pub fn parse(text: &str) -> Result<Pipeline> {
+        read(text).map_err(|mut error| {
+            // Errors carry the byte range only; line and column follow from the text.
+            match error.place.span.take() {
+                Some(span) => error.at_span(text, span),
+                None => error,
+            }
+        })
+    }
 }
 
 fn read(text: &str) -> Result<Pipeline> {

@@ -1,4 +1,5 @@
 use super::*;
+use crate::parameters::Datum;
 
 const TEXT: &str = r#"
 [pipeline]

@@ -1,6 +1,6 @@
 //! [`Pipeline`] to text: what is read back is equal, node by node.
 
-use super::{FORMAT, Pipeline};
+use super::document::{FORMAT, Pipeline};
 use crate::graph::{Datum, Field, NodeEntry};
 use crate::parameters::key_text;
 use std::fmt;

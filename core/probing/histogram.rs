@@ -8,8 +8,9 @@
 //! a fixed order: the same data give the same bits on any number of cores.
 
 use super::piece::{Distribution, Piece};
-use super::{range, scaled_volume};
+use super::scaled_volume;
 use crate::grid::Grid;
+use crate::grid::extent::range;
 use crate::progress::Progress;
 use crate::{Error, Result};
 use rayon::prelude::*;

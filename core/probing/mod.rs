@@ -35,11 +35,3 @@ fn scaled_volume(grid: &crate::grid::Grid, i: usize, scale: f64) -> f64 {
     let [a, b, c, d] = grid.corners(i);
     crate::grid::tetrahedron_volume([glam::DVec3::ZERO, (b - a) * scale, (c - a) * scale, (d - a) * scale])
 }
-
-/// Smallest and largest finite value; `None` where there is none.
-fn range(values: &[f64]) -> Option<[f64; 2]> {
-    let finite = values.iter().filter(|v| v.is_finite());
-    let [low, high] =
-        finite.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], &v| [low.min(v), high.max(v)]);
-    (low <= high).then_some([low, high])
-}

@@ -7,8 +7,9 @@
 
 use super::moments::{MOST, Moments};
 use super::region::Region;
-use super::{range, scaled_volume};
+use super::scaled_volume;
 use crate::grid::Grid;
+use crate::grid::extent::range;
 use crate::progress::Progress;
 use crate::{Error, Result};
 use glam::DVec3;

@@ -7,7 +7,7 @@
 //! centre that lies on a shared silhouette edge is given to exactly one of the cells.
 
 use crate::project::record::TILE;
-use crate::project::view::Seen;
+use crate::view::Seen;
 use voltet_lanes::{Double, Float, Lanes, Mask, Unsigned, inlined};
 
 /// Pairs of corners: the edges.

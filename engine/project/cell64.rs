@@ -5,7 +5,7 @@
 //! in a shared face, the eye on a face) lets the ray into the cell on the positive side of its normal only, the
 //! normal being taken from the face's points in ascending order: one of two neighbours gets the ray.
 
-use crate::project::view::View;
+use crate::view::View;
 use glam::DVec3;
 
 /// A tetrahedron in eye space.

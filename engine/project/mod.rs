@@ -3,4 +3,3 @@
 pub(crate) mod cell64;
 pub(crate) mod part;
 pub(crate) mod record;
-pub(crate) mod view;

@@ -6,7 +6,7 @@
 
 use crate::attribute::Attribute;
 use crate::project::record::{AttributeRecord, Record, STEEP, TILE};
-use crate::project::view::{PIXEL_STEP, Seen, View};
+use crate::view::{PIXEL_STEP, Seen, View};
 use voltet_lanes::{Double, Kernel, Lanes, Mask, array, inlined};
 
 /// What a run of cells became.

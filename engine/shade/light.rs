@@ -6,7 +6,7 @@
 
 use crate::fragments::batch::Batch;
 use crate::project::record::TILE;
-use crate::project::view::View;
+use crate::view::View;
 use glam::DVec3;
 use voltet_core::shading::{Shading, unit_vector};
 use voltet_lanes::optics::elementary::power;

@@ -1,6 +1,6 @@
 //! The camera as the device's passes read it.
 
-use crate::grid::axes::split;
+use crate::grid::double_single::split;
 use crate::grid::uploaded::DeviceGrid;
 use glam::DVec3;
 use voltet_core::camera::{Camera, Projection};

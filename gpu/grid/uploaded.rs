@@ -1,13 +1,14 @@
 //! A grid on the device: points, tetrahedra and the values that transfer functions look at, uploaded once.
 
 use crate::device::open::Device;
-use crate::grid::axes::split;
+use crate::grid::double_single::split;
 use crate::grid::parts::{Parted, Sizes};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::HashMap;
 use std::sync::atomic::Ordering;
 use std::sync::{Arc, Mutex, PoisonError};
+use voltet_core::grid::extent;
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
 use voltet_shaders::GridArray;
@@ -64,31 +65,16 @@ impl DeviceGrid {
         let sizes = sizes(volume);
         sizes.check(device.room(), &device.name)?;
         let layout = sizes.layout(device.room());
-        let (low, high) = grid
-            .points
-            .par_iter()
-            .with_min_len(1 << 14)
-            .map(|&p| (p, p))
-            .reduce(|| (DVec3::INFINITY, DVec3::NEG_INFINITY), |a, b| (a.0.min(b.0), a.1.max(b.1)));
-        let sides = (high - low).max(DVec3::ZERO);
-        let largest = sides.max_element();
-        let length = if largest > 0.0 { (sides / largest).length() * largest } else { 1.0 };
-        if !length.is_finite() {
-            return Err(
-                Error::run("the grid's extent is beyond 64-bit floats").accepted("coordinates under 1e300")
-            );
-        }
-        let centre = if grid.points.is_empty() { DVec3::ZERO } else { low + 0.5 * (high - low) };
+        let bounds = extent::bounds(&grid.points);
+        let length = extent::scene_length(bounds)?;
+        let [low, high] = bounds.unwrap_or_default();
+        let (sides, centre) = (high - low, low + 0.5 * (high - low));
         let position = |p: usize| {
             let parts = ((grid.points[p] - centre) / length).to_array().map(split);
             [parts[0][0], parts[1][0], parts[2][0], parts[0][1], parts[1][1], parts[2][1]]
         };
         let position_of = |point: u32| (grid.points[point as usize] - centre) / length;
-        let edge = |cell: &[u32; 4]| {
-            let at = cell.map(position_of);
-            let edge = |i: usize, j: usize| at[i].distance_squared(at[j]);
-            edge(0, 1).max(edge(0, 2)).max(edge(0, 3)).max(edge(1, 2)).max(edge(1, 3)).max(edge(2, 3))
-        };
+        let edge = |cell: &[u32; 4]| extent::longest_edge_squared(cell.map(position_of));
         let cells = grid.tetrahedra.par_iter().with_min_len(1 << 14);
         let longest = length * cells.map(edge).reduce(|| 0.0, f64::max).sqrt();
         device.work.uploads.fetch_add(2, Ordering::Relaxed);
@@ -162,7 +148,7 @@ impl DeviceGrid {
 
     /// Every `stride`th value from `first` on. Vectors keep their direction: no offset, and one scale for all components.
     fn store(&self, volume: &Volume, values: &[f64], stride: usize, first: usize) -> Result<Stored> {
-        let [low, high] = range(values);
+        let [low, high] = extent::range(values).unwrap_or_default();
         let (middle, span) = match stride {
             1 => (low + 0.5 * (high - low), high - low),
             _ => (0.0, low.abs().max(high.abs())),
@@ -170,7 +156,7 @@ impl DeviceGrid {
         let span = if span > 0.0 && span.is_finite() { span } else { 1.0 };
         let value = |point: usize| values[point * stride + first];
         let widest = |cell: &[u32; 4]| {
-            let [low, high] = range(&cell.map(|p| value(p as usize)));
+            let [low, high] = extent::range(&cell.map(|p| value(p as usize))).unwrap_or_default();
             high - low
         };
         let cells = volume.grid.tetrahedra.par_iter().with_min_len(1 << 14);
@@ -198,19 +184,6 @@ fn without_volume(cell: [u32; 4], position: impl Fn(u32) -> DVec3) -> [u32; 4] {
     let determinant = edges[0].dot(edges[1].cross(edges[2]));
     let sizes: f64 = edges.iter().map(|edge| edge.length()).product();
     if determinant.abs() <= 16.0 * f64::EPSILON * sizes { [cell[0]; 4] } else { cell }
-}
-
-/// Smallest and largest finite value; [0, 0] for none.
-fn range(values: &[f64]) -> [f64; 2] {
-    let none = || [f64::INFINITY, f64::NEG_INFINITY];
-    let join = |a: [f64; 2], b: [f64; 2]| [a[0].min(b[0]), a[1].max(b[1])];
-    let fold =
-        |chunk: &[f64]| chunk.iter().filter(|x| x.is_finite()).fold(none(), |all, &x| join(all, [x, x]));
-    let [low, high] = match values.len() {
-        0..=64 => fold(values),
-        _ => values.par_chunks(1 << 14).map(fold).reduce(none, join),
-    };
-    if low <= high { [low, high] } else { [0.0; 2] }
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! `voltet check`: parses, type-checks and plans; reads no data.
 
-use super::{open_all, show, warn};
+use super::outcome::{show, warn};
+use super::pipelines::open_all;
 use crate::arguments::Files;
 use crate::core::Result;
 use crate::core::graph::Registry;

@@ -1,6 +1,7 @@
 //! `voltet explain`: what will run, on which engine, what is left out and why. Reads headers of data files, no data.
 
-use super::{DONE, open, show, warn};
+use super::outcome::{DONE, show, warn};
+use super::pipelines::open;
 use crate::Document;
 use crate::arguments::Explain;
 use crate::core::Result;

@@ -3,7 +3,8 @@
 //! The nodes that write are left out, and a node of type `bands` stands beside each one that takes a volume and a transfer
 //! function: it asks for what it needs, so nothing else is read or computed.
 
-use super::{DONE, open, show};
+use super::outcome::{DONE, show};
+use super::pipelines::open;
 use crate::Document;
 use crate::arguments::Info;
 use crate::core::graph::{Datum, Graph, LinkEntry, NodeEntry, PortType, Registry};

@@ -1,7 +1,7 @@
 //! `voltet info`: what a data file holds, and a pipeline to start with; of a pipeline, what it finds out.
 
-use super::DONE;
 use super::findings::findings;
+use super::outcome::DONE;
 use crate::arguments::Info;
 use crate::core::graph::{Datum, Observer, Registry};
 use crate::core::progress::Progress;

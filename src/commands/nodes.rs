@@ -1,6 +1,6 @@
 //! `voltet nodes`: the reference of node types and gradient filters, made from their declarations.
 
-use super::DONE;
+use super::outcome::DONE;
 use crate::arguments::Nodes;
 use crate::core::graph::{Kind, Registry, suggest};
 use crate::core::{Error, Result};

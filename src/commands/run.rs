@@ -1,6 +1,7 @@
 //! `voltet run`: runs pipeline files headless.
 
-use super::{DONE, code, open_all, show, warn};
+use super::outcome::{DONE, code, show, warn};
+use super::pipelines::open_all;
 use crate::Document;
 use crate::arguments::Run;
 use crate::core::error::ErrorKind;

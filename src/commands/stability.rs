@@ -1,6 +1,6 @@
 //! `voltet stability`: the formulas against exact values, hard cells against the referee, and what papers print.
 
-use super::DONE;
+use super::outcome::DONE;
 use crate::arguments::Stability;
 use crate::core::graph::Observer;
 use crate::core::progress::Progress;

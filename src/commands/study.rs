@@ -1,6 +1,7 @@
 //! `voltet study`: error against time of every integrator on one scene.
 
-use super::{DONE, code, open, show, warn};
+use super::outcome::{DONE, code, show, warn};
+use super::pipelines::open;
 use crate::Document;
 use crate::arguments;
 use crate::core::graph::{Observer, Registry, nearest};

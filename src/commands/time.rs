@@ -1,6 +1,7 @@
 //! `voltet time`: what a frame costs on each engine, with a camera that turns.
 
-use super::{DONE, open_all, show, warn};
+use super::outcome::{DONE, show, warn};
+use super::pipelines::open_all;
 use crate::Document;
 use crate::arguments;
 use crate::core::graph::{Observer, Registry};

@@ -14,7 +14,7 @@ mod lattice;
 mod nodes;
 
 use super::cell_types::{CellType, code};
-use super::source::{Cell, Source};
+use super::cells::Cell;
 use crate::{Error, Result};
 use basis::Weights;
 use lattice::Piece;
@@ -101,40 +101,15 @@ impl Curved {
         Ok(())
     }
 
-    /// Gives every added point of the drawn cells its number, counting up from `first_free`.
-    pub fn number_points(&mut self, source: &Source, first_free: usize) -> Result<()> {
+    /// What gives the added points of `count` cells their numbers, counting up from `first_free`; `None` where no cell adds
+    /// any.
+    pub fn numbering(&mut self, count: usize, first_free: usize) -> Option<Numbering<'_>> {
         if self.templates.values().all(|t| t.added.is_empty()) {
-            return Ok(());
+            return None;
         }
-        let count = source.cells.count();
-        let mut known: HashMap<Place, u32, BuildHasherDefault<PlaceHasher>> = HashMap::default();
         self.starts = Vec::with_capacity(count + 1);
         self.starts.push(0);
-        let mut buffer = [0; 8];
-        for number in 0..count {
-            let cell = source.cell(number, &mut buffer)?;
-            if is_curved(cell.code) && source.fate(&cell)? == super::source::Fate::Drawn {
-                let template = &self.templates[&source.kind(&cell)];
-                for (added, point) in template.added.iter().enumerate() {
-                    let next = u32::try_from(first_free + self.origins.len()).map_err(|_| {
-                        Error::run("curved cells need too many points")
-                            .found(first_free + self.origins.len())
-                            .accepted(format!("at most {} (or a lower subdivision)", u32::MAX))
-                    })?;
-                    let number_of_point = match Place::of(&point.surface, cell.corners) {
-                        Place::Inside => next,
-                        Place::At(corner) => corner,
-                        place => *known.entry(place).or_insert(next),
-                    };
-                    if number_of_point == next {
-                        self.origins.push((number as u32, added as u32));
-                    }
-                    self.numbers.push(number_of_point);
-                }
-            }
-            self.starts.push(self.numbers.len());
-        }
-        Ok(())
+        Some(Numbering { curved: self, first_free, known: HashMap::default() })
     }
 
     /// Hands out the tetrahedra of a curved cell.
@@ -153,6 +128,40 @@ impl Curved {
     /// Nodes of the cell and weights that make an added point.
     pub fn weights(&self, kind: Kind, added: u32) -> &[(usize, f64)] {
         &self.templates[&kind].added[added as usize].weights
+    }
+}
+
+/// Numbers the points that cells add, cell after cell.
+pub(super) struct Numbering<'a> {
+    curved: &'a mut Curved,
+    first_free: usize,
+    known: HashMap<Place, u32, BuildHasherDefault<PlaceHasher>>,
+}
+
+impl Numbering<'_> {
+    /// Takes the next cell; `None`: one that adds nothing, since it is not curved or not drawn.
+    pub fn take(&mut self, cell: Option<(&Cell, Kind)>) -> Result<()> {
+        let Numbering { curved, first_free, known } = self;
+        if let Some((cell, kind)) = cell {
+            for (added, point) in curved.templates[&kind].added.iter().enumerate() {
+                let next = u32::try_from(*first_free + curved.origins.len()).map_err(|_| {
+                    Error::run("curved cells need too many points")
+                        .found(*first_free + curved.origins.len())
+                        .accepted(format!("at most {} (or a lower subdivision)", u32::MAX))
+                })?;
+                let number_of_point = match Place::of(&point.surface, cell.corners) {
+                    Place::Inside => next,
+                    Place::At(corner) => corner,
+                    place => *known.entry(place).or_insert(next),
+                };
+                if number_of_point == next {
+                    curved.origins.push((cell.number as u32, added as u32));
+                }
+                curved.numbers.push(number_of_point);
+            }
+        }
+        curved.starts.push(curved.numbers.len());
+        Ok(())
     }
 }
 

@@ -2,7 +2,9 @@
 //! cutoff. Whole bands are alike, so any number of them is a geometric series.
 
 use super::super::clip::Stretch;
-use super::{Bell, Form, Place, Spot, WavePath, sine, triangle};
+use super::super::track::{Track, mean_transmittance_along};
+use super::spot::Spot;
+use super::{Bell, Form, Place, WavePath, triangle};
 
 /// A part of one band, by signed distances from its peak.
 #[derive(Clone, Copy)]
@@ -38,7 +40,7 @@ impl Bell {
             Form::Triangle => {
                 triangle::lit(|u| self.value(Spot::from_peak(u.abs())), part.from, part.to, peak)
             }
-            Form::Sine => sine::lit(self, part.from, part.to, peak),
+            Form::Sine => lit_sine(self, part.from, part.to, peak),
         }
     }
 
@@ -104,5 +106,49 @@ impl WavePath {
             bell.part_light(first, window, rate) + (-first_depth).exp() * (middle + behind)
         };
         stretch.length * (light / length)
+    }
+}
+
+/// Mean of e^(−T) along a piece of a sine wave within the reach of one peak; arguments as in the triangle's.
+fn lit_sine(bell: &Bell, from: f64, to: f64, peak: f64) -> f64 {
+    mean_transmittance_along(&Arc { bell, from, to, peak })
+}
+
+/// Part of one band, from `from` to `to`, signed distances from its peak.
+struct Arc<'a> {
+    bell: &'a Bell,
+    from: f64,
+    to: f64,
+    peak: f64,
+}
+
+impl Arc<'_> {
+    fn place(&self, t: f64) -> f64 {
+        self.from * (1.0 - t) + self.to * t
+    }
+}
+
+impl Track for Arc<'_> {
+    fn rate(&self, t: f64) -> f64 {
+        self.peak * self.bell.value(Spot::from_peak(self.place(t).abs()))
+    }
+
+    fn depth(&self, t: f64, dt: f64) -> f64 {
+        let (a, b) = (self.place(t), self.place(t + dt));
+        let (p, q) = (a.abs(), b.abs());
+        let mean = if a * b >= 0.0 {
+            self.bell.mean_on_flank(Spot::from_peak(p.max(q)), Spot::from_peak(p.min(q)))
+        } else {
+            let half = |u| self.bell.flank(Spot::from_peak(u), Spot::PEAK);
+            (half(p) + half(q)) / (p + q)
+        };
+        self.peak * dt * mean.max(0.0)
+    }
+
+    fn next_break(&self, t: f64) -> f64 {
+        if self.place(t) < -1e-15 && self.to > 0.0 {
+            return t - self.place(t) / (self.to - self.from);
+        }
+        f64::INFINITY
     }
 }

@@ -10,6 +10,7 @@
 
 mod glow;
 mod sine;
+mod spot;
 mod triangle;
 
 pub use sine::{half_area as sine_half_area, half_width as sine_half_width};
@@ -17,6 +18,7 @@ pub use sine::{half_area as sine_half_area, half_width as sine_half_width};
 use super::clip::Stretch;
 use super::track::Track;
 use crate::transfer::Wave;
+use spot::Spot;
 
 /// The two profiles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -38,25 +40,6 @@ pub struct Bell {
     /// φ per unit of (s, g).
     step: [f64; 2],
     origin: [f64; 2],
-}
-
-/// A place on a flank, measured from both of its ends: each is exact where it is small.
-#[derive(Debug, Clone, Copy)]
-struct Spot {
-    /// z, distance from the nearest foot.
-    foot: f64,
-    /// u, distance from the nearest peak.
-    peak: f64,
-}
-
-impl Spot {
-    const FOOT: Spot = Spot { foot: 0.0, peak: 0.5 };
-    const PEAK: Spot = Spot { foot: 0.5, peak: 0.0 };
-
-    #[inline]
-    fn from_peak(distance: f64) -> Spot {
-        Spot { foot: 0.5 - distance, peak: distance }
-    }
 }
 
 /// A phase, split into its band and the place within it.

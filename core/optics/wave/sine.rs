@@ -1,8 +1,7 @@
 //! The sine wave: max(0, 1 − (1 − cos πu)/w) about each peak (Song et al. 2009, section 4.4).
 
 use super::super::special::{one_minus_sinc, sinc};
-use super::super::track::{Track, mean_transmittance_along};
-use super::{Bell, Spot};
+use super::spot::Spot;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// u_e = 2 asin √(w/2)/π; the form acos(1 − w)/π loses half of the digits of a narrow band.
@@ -27,48 +26,4 @@ pub fn mean(band_width: f64, low: Spot, high: Spot) -> f64 {
     let sine = (0.5 * FRAC_PI_2 * (low.peak + high.peak)).sin();
     let missing = one_minus_sinc(FRAC_PI_2 * (low.peak - high.peak));
     1.0 - (2.0 * sine * sine * (1.0 - missing) + missing) / band_width
-}
-
-/// Mean of e^(−T) along a piece within the reach of one peak; arguments as in the triangle's.
-pub fn lit(bell: &Bell, from: f64, to: f64, peak: f64) -> f64 {
-    mean_transmittance_along(&Arc { bell, from, to, peak })
-}
-
-/// Part of one band, from `from` to `to`, signed distances from its peak.
-struct Arc<'a> {
-    bell: &'a Bell,
-    from: f64,
-    to: f64,
-    peak: f64,
-}
-
-impl Arc<'_> {
-    fn place(&self, t: f64) -> f64 {
-        self.from * (1.0 - t) + self.to * t
-    }
-}
-
-impl Track for Arc<'_> {
-    fn rate(&self, t: f64) -> f64 {
-        self.peak * self.bell.value(Spot::from_peak(self.place(t).abs()))
-    }
-
-    fn depth(&self, t: f64, dt: f64) -> f64 {
-        let (a, b) = (self.place(t), self.place(t + dt));
-        let (p, q) = (a.abs(), b.abs());
-        let mean = if a * b >= 0.0 {
-            self.bell.mean_on_flank(Spot::from_peak(p.max(q)), Spot::from_peak(p.min(q)))
-        } else {
-            let half = |u| self.bell.flank(Spot::from_peak(u), Spot::PEAK);
-            (half(p) + half(q)) / (p + q)
-        };
-        self.peak * dt * mean.max(0.0)
-    }
-
-    fn next_break(&self, t: f64) -> f64 {
-        if self.place(t) < -1e-15 && self.to > 0.0 {
-            return t - self.place(t) / (self.to - self.from);
-        }
-        f64::INFINITY
-    }
 }

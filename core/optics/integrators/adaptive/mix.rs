@@ -1,9 +1,11 @@
 //! The mix of one piece and the bound of its error (see the head of module `adaptive`).
 
-use super::MOST;
 use crate::optics::overlap::{Glow, Member};
 use crate::optics::special::{mean_transmittance, opacity};
 use crate::optics::track::Track;
+
+/// Widgets that are subdivided together; more of them take the ordered integral to working precision.
+pub(super) const MOST: usize = 16;
 
 /// What a piece gives, and by how much a channel of it can be wrong.
 pub struct Estimate {

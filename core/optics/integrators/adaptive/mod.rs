@@ -77,14 +77,11 @@ struct Subdivided {
     varying: f64,
 }
 
-/// Widgets that are subdivided together; more of them take the ordered integral to working precision.
-const MOST: usize = 16;
-
 impl Quadrature for Subdivided {
     const ALONE: bool = true;
 
     fn color(&self, members: &[Member], glow: Glow) -> [f64; 3] {
-        if members.len() > MOST {
+        if members.len() > mix::MOST {
             return ordered(members, glow);
         }
         March::new(members, glow, self).run()

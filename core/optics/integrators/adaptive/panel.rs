@@ -1,6 +1,6 @@
 //! One panel by Gauss–Legendre quadrature of few points (see the head of module `adaptive`).
 
-use super::MOST;
+use super::mix::MOST;
 use crate::optics::overlap::{self, Glow, Member, Panel};
 use crate::optics::quadrature::{GAUSS_4, GAUSS_5, GAUSS_8, Node, UP_TO_4, UP_TO_5, UP_TO_8};
 use crate::optics::track::Track;

@@ -1,0 +1,31 @@
+//! How a command ends: what is shown of errors and warnings, and the exit code.
+
+use crate::Document;
+use crate::core::Error;
+use crate::core::error::ErrorKind;
+use crate::present;
+
+/// Nothing went wrong.
+pub const DONE: u8 = 0;
+
+/// Shows an error, once, and gives its exit code. `text`: the pipeline file that it may point into.
+pub fn show(error: &Error, text: Option<&str>) -> u8 {
+    eprintln!("{}", present::error(error, text));
+    code(error)
+}
+
+/// The exit code that an error means.
+pub fn code(error: &Error) -> u8 {
+    match error.kind {
+        ErrorKind::Usage => 2,
+        ErrorKind::Run | ErrorKind::Cancelled => 1,
+    }
+}
+
+/// Shows the graph's own warnings.
+pub fn warn(document: &Document) {
+    for warning in &document.graph.warnings {
+        let located = document.locate(warning.clone());
+        eprintln!("{}", present::warning(&located, Some(&document.text)));
+    }
+}
