@@ -9,6 +9,7 @@ use crate::shade::shaded::Exact;
 use crate::shade::shader::Shader;
 use crate::view::{Seen, View};
 use rayon::prelude::*;
+use std::sync::atomic::{AtomicU32, Ordering};
 use voltet_core::camera::Camera;
 use voltet_core::progress::Progress;
 use voltet_core::volume::Volume;
@@ -126,16 +127,14 @@ impl Sample {
         }
         tile_starts.push(sum as u32);
         let mut entries = vec![0u32; sum as usize];
-        let out = SharedEntries(entries.as_mut_ptr());
+        let out = shared(&mut entries);
         parts.par_iter().zip(next.par_iter_mut()).enumerate().for_each(|(number, (part, next))| {
-            let out = &out;
             for (index, rectangle) in part.tiles.iter().enumerate() {
                 let entry = (number << INDEX_BITS | index) as u32;
                 for ty in rectangle[1]..rectangle[3] {
                     for tx in rectangle[0]..rectangle[2] {
                         let place = &mut next[ty as usize * tiles_wide + tx as usize];
-                        // Safety: the counts gave every part a range of its own in every tile.
-                        unsafe { *out.0.add(*place as usize) = entry };
+                        out[*place as usize].store(entry, Ordering::Relaxed);
                         *place += 1;
                     }
                 }
@@ -198,10 +197,11 @@ impl Sample {
     }
 }
 
-/// The entries, written by several threads at places that never meet.
-struct SharedEntries(*mut u32);
-// Safety: see the only use.
-unsafe impl Sync for SharedEntries {}
+/// Numbers that several threads write, each at places of its own.
+fn shared(values: &mut [u32]) -> &[AtomicU32] {
+    // SAFETY: an atomic has the size, the alignment and the bits of its number, and nobody else holds the slice meanwhile.
+    unsafe { &*(std::ptr::from_mut(values) as *const [AtomicU32]) }
+}
 
 impl<'a> Scene<'a> {
     pub fn new(
@@ -251,7 +251,7 @@ impl<'a> Scene<'a> {
             use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
             let part = &self.sample.parts[(entry >> INDEX_BITS) as usize];
             let index = (entry & ((1 << INDEX_BITS) - 1)) as usize;
-            // Safety: a prefetch reads nothing; any address is allowed.
+            // SAFETY: a prefetch reads nothing; any address is allowed.
             unsafe {
                 _mm_prefetch::<_MM_HINT_T0>(part.records.as_ptr().wrapping_add(index).cast());
                 _mm_prefetch::<_MM_HINT_T0>(part.corners.as_ptr().wrapping_add(index).cast());

@@ -2,7 +2,7 @@
 //!
 //! Why its instructions may run: the crate's head.
 
-use super::{Double, Float, Lanes, Mask, Unsigned};
+use super::{Double, Float, Lanes, Mask, Unsigned, inside};
 use std::arch::x86_64::*;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -141,8 +141,9 @@ impl Float for F {
         F(on_processor!(_mm256_permutevar8x32_ps(self.0, index.0)))
     }
     #[inline(always)]
-    unsafe fn gather(values: &[f32], index: U) -> F {
-        // SAFETY: the caller keeps every index inside the slice and below 2³¹; the processor: the crate\'s head.
+    fn gather(values: &[f32], index: U) -> F {
+        let index = inside::<Avx2>(index, values.len());
+        // SAFETY: every index lies inside the slice and below 2³¹; for the processor see the crate's head.
         F(unsafe { _mm256_i32gather_ps::<4>(values.as_ptr(), index.0) })
     }
 }

@@ -1,4 +1,4 @@
-//! voltet-lanes: vector lanes, and the 32-bit formulas written in them ([`optics`]).
+//! voltet-lanes: vector lanes, and what is written in them: the 32-bit formulas ([`optics`]) and a sorting network ([`sort`]).
 //!
 //! Vector lanes are the few operations the kernels are written in, over 16 (AVX-512), 8 (AVX2 + FMA) or 4 portable
 //! lanes.
@@ -46,6 +46,7 @@ mod conformance;
 pub mod limits;
 pub mod optics;
 mod portable;
+pub mod sort;
 
 #[cfg(target_arch = "x86_64")]
 use avx2::Avx2;
@@ -149,11 +150,9 @@ pub trait Float:
     fn to_unsigned(self) -> <Self::Lanes as Lanes>::U;
     /// Lane i is `self[index[i]]`; indices must be below `WIDTH`.
     fn permute(self, index: <Self::Lanes as Lanes>::U) -> Self;
-    /// Lane i is `values[index[i]]`.
-    ///
-    /// # Safety
-    /// Every index must lie inside the slice, and below 2³¹.
-    unsafe fn gather(values: &[f32], index: <Self::Lanes as Lanes>::U) -> Self;
+    /// Lane i is `values[index[i]]`. An index past the end would be the caller's mistake: it takes the last value, and
+    /// stops a build with debug assertions. The slice must hold something, and at most 2³¹ values.
+    fn gather(values: &[f32], index: <Self::Lanes as Lanes>::U) -> Self;
 }
 
 /// Lanes of 32-bit unsigned integers (wrapping).
@@ -210,6 +209,16 @@ pub trait Mask: Copy {
     fn any(self) -> bool {
         self.bits() != 0
     }
+}
+
+/// Indices into a slice of so many values, none past the end: what a gather may follow.
+#[inline(always)]
+fn inside<L: Lanes>(index: L::U, length: usize) -> L::U {
+    assert!(0 < length && length <= 1 << 31, "a gather from {length} values");
+    let last = L::U::splat((length - 1) as u32);
+    let inside = index.min(last);
+    debug_assert!(!inside.equal(index).not().any(), "a gather past {length} values");
+    inside
 }
 
 /// Takes a closure marked `#[inline(always)]` (the attribute is allowed on an argument, not on the value of a

@@ -4,7 +4,7 @@
 //! What `wide` leaves open or does lane by lane (the operand that a minimum takes where one is NaN, unsigned minima, rounding
 //! down without SSE4.1) is written here in its other operations.
 
-use super::{Double, Float, Lanes, Mask, Unsigned};
+use super::{Double, Float, Lanes, Mask, Unsigned, inside};
 use bytemuck::cast;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 use wide::{f32x4, f64x2, i32x4, u32x4};
@@ -186,9 +186,9 @@ impl Float for F {
         )))
     }
     #[inline(always)]
-    unsafe fn gather(values: &[f32], index: U) -> F {
+    fn gather(values: &[f32], index: U) -> F {
         F(f32x4::new(pick(
-            index,
+            inside::<Portable>(index, values.len()),
             #[inline(always)]
             |i| values[i],
         )))

@@ -47,8 +47,11 @@ pub struct Declaration {
     pub open: fn(&AdapterWish) -> Result<Arc<dyn Engine>>,
     /// Opens each of its ways to compute that is judged on its own: the same way of drawing on other vector units. Errors:
     /// those of `open`.
-    pub open_each: fn(&AdapterWish) -> Result<Vec<Arc<dyn Engine>>>,
+    pub open_each: fn(&AdapterWish) -> Result<Engines>,
 }
+
+/// Engines that were opened.
+pub type Engines = Vec<Arc<dyn Engine>>;
 
 /// The adapter that an engine shall be opened on.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Hash)]

@@ -6,6 +6,7 @@
 //! and of the compositor.
 
 use crate::project::record::TILE;
+use voltet_lanes::sort::sort_columns;
 use voltet_lanes::{Float, Lanes, Mask, Unsigned, array, inlined};
 
 /// Segments a pixel can hold here; a tile that needs more is drawn again by [`super::growing_lists`].
@@ -61,7 +62,7 @@ const LAYER_WORDS_LOG2: u32 = 3;
 /// The lists of one tile.
 pub(crate) struct Lists {
     count: [u16; TILE * TILE],
-    layers: Vec<Layer>,
+    layers: Box<[Layer; ROW * TILE]>,
     keys: Vec<u32>,
     /// Entries of the row in hand, side by side.
     entries: Vec<f32>,
@@ -77,9 +78,10 @@ pub(crate) struct Overflow;
 impl Lists {
     pub fn new() -> Self {
         // Zeroed pages are mapped when first touched: a tile touches what its deepest pixel needs.
+        let layers = bytemuck::zeroed_vec(ROW * TILE).into_boxed_slice().try_into();
         Lists {
             count: [0; TILE * TILE],
-            layers: bytemuck::zeroed_vec(ROW * TILE),
+            layers: layers.expect("as many as it was made with"),
             keys: vec![0; DEPTH * TILE],
             entries: vec![0.0; DEPTH * TILE],
             through: [1.0; TILE * TILE],
@@ -101,8 +103,7 @@ impl Lists {
         }
         self.count[pixel] += 1;
         let at = (pixel >> 4) * ROW + slot * TILE + (pixel & 15);
-        // Safety: pixel < TILE² and slot < DEPTH, so `at` < ROW × TILE, the length.
-        unsafe { *self.layers.get_unchecked_mut(at) = layer };
+        self.layers[at] = layer;
         Ok(())
     }
 
@@ -121,7 +122,7 @@ impl Lists {
             }
             self.make_keys::<L>(row, &counts, deepest);
             if sorted {
-                sort_lanes::<L>(&mut self.keys, deepest);
+                sort_columns::<L, TILE>(&mut self.keys, deepest);
                 self.mend::<L>(row, deepest);
             } else {
                 disordered += self.disordered(row, &counts);
@@ -146,7 +147,7 @@ impl Lists {
         let splat = L::F::splat;
         let steps = splat(((1u32 << (32 - SLOT_BITS)) - 2) as f32);
         let counts = counts.map(u32::from);
-        let words: &[f32] = bytemuck::cast_slice(&self.layers);
+        let words: &[f32] = bytemuck::cast_slice(self.layers.as_slice());
         for half in (0..TILE).step_by(L::WIDTH) {
             let count = L::U::load(&counts[half..]);
             // slot ≥ count: max(slot, count) == slot.
@@ -159,8 +160,7 @@ impl Lists {
             let (mut nearest, mut farthest) = (splat(f32::INFINITY), splat(f32::NEG_INFINITY));
             for slot in 0..deepest {
                 let at = lane + entry_word + L::U::splat((slot * TILE) as u32).shl::<LAYER_WORDS_LOG2>();
-                // Safety: slot < DEPTH and lane < ROW × TILE: inside the layers.
-                let entry = unsafe { L::F::gather(words, at) };
+                let entry = L::F::gather(words, at);
                 entry.store(&mut self.entries[slot * TILE + half..]);
                 let past = past(slot);
                 nearest = L::F::select(past, nearest, entry.min(nearest));
@@ -229,7 +229,7 @@ impl Lists {
     #[inline(always)]
     fn blend<L: Lanes>(&mut self, row: usize, deepest: usize, out: &mut [[f32; 4]]) {
         let splat = L::F::splat;
-        let words: &[f32] = bytemuck::cast_slice(&self.layers);
+        let words: &[f32] = bytemuck::cast_slice(self.layers.as_slice());
         for half in (0..TILE).step_by(L::WIDTH) {
             let lane = L::U::iota() + L::U::splat((row * ROW + half) as u32);
             let mut color = [splat(0.0); 3];
@@ -239,11 +239,10 @@ impl Lists {
                 let key = L::U::load(&self.keys[slot * TILE + half..]);
                 let live = key.equal(L::U::splat(u32::MAX)).not();
                 let at = (key.and(L::U::splat(DEPTH as u32 - 1)).shl::<4>() + lane).shl::<LAYER_WORDS_LOG2>();
-                // Safety: slot ≤ DEPTH − 1, so `at` < ROW × TILE layers, the length.
                 let layer: [L::F; 4] = array(
                     #[inline(always)]
                     |c| {
-                        let word = unsafe { L::F::gather(words, at + L::U::splat(c as u32)) };
+                        let word = L::F::gather(words, at + L::U::splat(c as u32));
                         L::F::select(live, word, splat(0.0))
                     },
                 );
@@ -267,40 +266,5 @@ impl Lists {
                 out[half + x] = columns.map(|column| column[x]);
             }
         }
-    }
-}
-
-/// Sorts `n` rows of `TILE` keys, each column for itself: Batcher's merge exchange (Knuth, The Art of Computer
-/// Programming 3, section 5.2.2, algorithm M), which needs no padding to a power of two.
-#[inline(always)]
-fn sort_lanes<L: Lanes>(keys: &mut [u32], n: usize) {
-    if n < 2 {
-        return;
-    }
-    let top = 1usize << (usize::BITS - 1 - (n - 1).leading_zeros());
-    let keys = &mut keys[..n * TILE];
-    let mut p = top;
-    while p > 0 {
-        let (mut q, mut r, mut d) = (top, 0, p);
-        loop {
-            // All i < n − d with i & p == r, in runs of p.
-            let mut start = r;
-            while start < n - d {
-                for i in start..(start + p).min(n - d) {
-                    for half in (0..TILE).step_by(L::WIDTH) {
-                        let (low, high) = (i * TILE + half, (i + d) * TILE + half);
-                        let (a, b) = (L::U::load(&keys[low..]), L::U::load(&keys[high..]));
-                        a.min(b).store(&mut keys[low..]);
-                        a.max(b).store(&mut keys[high..]);
-                    }
-                }
-                start += 2 * p;
-            }
-            if q == p {
-                break;
-            }
-            (d, q, r) = (q - p, q / 2, p);
-        }
-        p /= 2;
     }
 }

@@ -11,5 +11,7 @@
 pub(crate) mod growing_lists;
 pub(crate) mod kernels;
 pub(crate) mod lists;
+#[cfg(test)]
+mod lists_tests;
 pub(crate) mod sinks;
 pub(crate) mod worker;

@@ -103,8 +103,7 @@ impl Group {
             let hit = L::F::splat(0.0).lt(thickness);
             let meant = u32::MAX >> (32 - (count - at).min(L::WIDTH));
             batch.hits += (hit.bits() & meant).count_ones();
-            // Safety: pixels lie in 0 … 255.
-            let stretch = unsafe { L::F::gather(stretch, pixel) };
+            let stretch = L::F::gather(stretch, pixel);
             let (q_front, q_back, length) = if PERSPECTIVE {
                 let (w_front, w_back) = (one + v_front, one + v_back);
                 let both = one / (w_front * w_back);

@@ -72,8 +72,7 @@ impl Surface {
             let pixel = L::U::load(&batch.pixel[at..]);
             let view: [L::F; 3] = array(
                 #[inline(always)]
-                // Safety: pixels lie in 0 … 255.
-                |i| unsafe { L::F::gather(&rays[i], pixel) },
+                |i| L::F::gather(&rays[i], pixel),
             );
             let along = g[0].mul_add(view[0], g[1].mul_add(view[1], g[2] * view[2])).abs();
             let across: [L::F; 3] = array(

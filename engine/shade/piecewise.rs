@@ -92,8 +92,8 @@ impl LaneLinear {
         if self.count < L::WIDTH {
             L::F::load(table).permute(k)
         } else {
-            // Safety: intervals are 0 … count, and tables hold more than that.
-            unsafe { L::F::gather(table, k) }
+            // Intervals are 0 … count, and tables hold more than that.
+            L::F::gather(table, k)
         }
     }
 
@@ -110,7 +110,8 @@ impl LaneLinear {
         let per_scalar = splat(1.0) / span.max(splat(f32::MIN_POSITIVE));
         let mut from = front;
         let mut whole = splat(1.0);
-        loop {
+        // As many rounds as there are intervals: ends that are not numbers never meet.
+        for _ in 0..=self.count {
             let ends = k.le(last).and(last.le(k)).or(along.crossing.not());
             let index = k.to_unsigned();
             // The next control point on the way: k when rising, k − 1 when falling.
@@ -124,7 +125,7 @@ impl LaneLinear {
                 return;
             }
             whole = L::F::select(ends, splat(0.0), (whole - share).max(splat(0.0)));
-            k = L::F::select(ends, k, k + step);
+            k = L::F::select(ends, k, (k + step).max(splat(0.0)));
             from = to;
         }
     }
@@ -181,5 +182,115 @@ impl LaneLinear {
         );
         let opacity = one_minus_exp::<L>(depth);
         ([color[0], color[1], color[2], opacity], splat(1.0).lt(deepest).bits())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use voltet_lanes::{Kernel, LaneSet, dispatch};
+
+    /// Depth, then colour and opacity, of a segment of length 1 for each pair of ends.
+    struct Integrals<'a> {
+        linear: &'a LaneLinear,
+        ends: &'a [[f32; 2]],
+        out: &'a mut Vec<[f32; 5]>,
+    }
+
+    impl Kernel for Integrals<'_> {
+        type Output = ();
+        #[inline(always)]
+        fn run<L: Lanes>(self) {
+            let splat = L::F::splat;
+            for ends in self.ends.chunks_exact(L::WIDTH) {
+                let end = |k: usize| L::F::load(&ends.iter().map(|ends| ends[k]).collect::<Vec<_>>());
+                let along = Along::<L> {
+                    length: splat(1.0),
+                    crossing: splat(0.0).lt(splat(1.0)),
+                    front: [end(0), splat(0.0)],
+                    back: [end(1), splat(0.0)],
+                };
+                let [r, g, b, a] = self.linear.integrate::<L>(&along).0;
+                let mut columns = [[0f32; 16]; 5];
+                for (column, value) in columns.iter_mut().zip([self.linear.depth::<L>(&along), r, g, b, a]) {
+                    value.store(column);
+                }
+                self.out.extend((0..L::WIDTH).map(|lane| columns.map(|column| column[lane])));
+            }
+        }
+    }
+
+    /// ∫ extinction from the first point to s, constant beyond the ends.
+    fn extinction_up_to(points: &[ControlPoint], s: f64) -> f64 {
+        let (first, last) = (points[0], points[points.len() - 1]);
+        let within: f64 = points
+            .windows(2)
+            .map(|pair| {
+                let to = s.clamp(pair[0].s, pair[1].s) - pair[0].s;
+                let slope = (pair[1].extinction - pair[0].extinction) / (pair[1].s - pair[0].s);
+                to * (pair[0].extinction + 0.5 * slope * to)
+            })
+            .sum();
+        within + first.extinction * (s - first.s).min(0.0) + last.extinction * (s - last.s).max(0.0)
+    }
+
+    /// Tables shorter and longer than a vector are read by different instructions; ends that are no numbers spoil no other
+    /// lane, and come to an end.
+    #[test]
+    fn depths_are_right_for_tables_of_any_length() {
+        let axis = Attribute { values: &[], stride: 1, offset: 0.0, scale: 1.0, span: 1.0 };
+        let mut state = 3u32;
+        let mut random = || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            f64::from(state >> 8) / f64::from(1 << 24)
+        };
+        let awkward = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, f32::MAX, f32::MIN];
+        for count in (1..=40).chain([1023, TABLE_MOST]) {
+            let points: Vec<ControlPoint> = (0..count)
+                .map(|k| ControlPoint {
+                    s: (k as f64 + 0.4 * random()) / count as f64 - 0.5,
+                    color: [random(), random(), random()],
+                    extinction: random(),
+                })
+                .collect();
+            let linear = LaneLinear::new(&points, &axis, 1.0, None).expect("a table that lanes hold");
+            let mut ends: Vec<[f32; 2]> =
+                (0..64).map(|_| [1.4 * random() - 0.7, 1.4 * random() - 0.7].map(|s| s as f32)).collect();
+            ends[5] = [0.1; 2];
+            for (k, end) in awkward.into_iter().enumerate() {
+                ends[7 * k + 9][0] = end;
+                ends[5 * k + 2][1] = end;
+            }
+            let steepest = points.windows(2).fold(0.0, |most: f64, pair| {
+                most.max((pair[1].extinction - pair[0].extinction).abs() / (pair[1].s - pair[0].s))
+            });
+            // The scalars are rounded at 2⁻²⁵ of the axis, the sums at as much of their values for each piece.
+            let tolerance = (steepest + count as f64) * 2f64.powi(-23);
+            for lanes in [LaneSet::Portable, LaneSet::Avx2, LaneSet::Avx512] {
+                let mut out = Vec::new();
+                dispatch(lanes, Integrals { linear: &linear, ends: &ends, out: &mut out });
+                for (found, ends) in out.iter().zip(&ends) {
+                    // Where a number is no number, or so large that products are none.
+                    let [front, back] = ends.map(f64::from);
+                    if !(front.abs() < 1.0 && back.abs() < 1.0) {
+                        continue;
+                    }
+                    let depth = if front == back {
+                        let step = 1e-9;
+                        (extinction_up_to(&points, back + step) - extinction_up_to(&points, back)) / step
+                    } else {
+                        (extinction_up_to(&points, back) - extinction_up_to(&points, front)) / (back - front)
+                    };
+                    let [depth_found, .., opacity] = found.map(f64::from);
+                    let case = format!("{count} points, {front} to {back} on {}", lanes.name());
+                    assert!((depth_found - depth).abs() <= tolerance, "{depth_found} for {depth}: {case}");
+                    let expected = -(-depth).exp_m1();
+                    assert!(
+                        (opacity - expected).abs() <= tolerance,
+                        "opacity {opacity} for {expected}: {case}"
+                    );
+                }
+            }
+        }
     }
 }

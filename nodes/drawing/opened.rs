@@ -12,13 +12,19 @@ use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
 use voltet_core::scene::Scene;
 
-/// Opened engines by their names and what was wished for. Failures are kept too, since looking for adapters takes a while.
+/// An engine by its name and what was wished for.
+type Wished = (&'static str, AdapterWish);
+
+/// Opened engines. Failures are kept too, since looking for adapters takes a while.
 #[derive(Default)]
-pub(super) struct Opened(Mutex<HashMap<(&'static str, AdapterWish), Result<Arc<dyn Engine>>>>);
+pub(super) struct Opened(Mutex<HashMap<Wished, Result<Arc<dyn Engine>>>>);
+
+/// An engine, and the volume on it.
+type Taken = (Arc<dyn Engine>, Arc<dyn Prepared>);
 
 /// One volume on the engines that took it in, by engine and adapter.
 #[derive(Default)]
-struct Volumes(Mutex<HashMap<(&'static str, String), (Arc<dyn Engine>, Arc<dyn Prepared>)>>);
+struct Volumes(Mutex<HashMap<(&'static str, String), Taken>>);
 
 /// Draws on one engine, on the adapter that the node's parameters name, or the fastest. `port`: the input that the scene's volume
 /// came by; `hardware`: programs that stand in for devices will not do unless they are named.
