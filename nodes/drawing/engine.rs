@@ -141,7 +141,8 @@ fn planned(
             _ if *engine == REFEREE => {
                 return Ok((named.0, "the integrator is the 64-bit reference".into()));
             }
-            Err(error) if wanted == AUTO => why = error.to_string(),
+            // The first of the list, asked last, draws every scene that can be drawn: what it says is wrong is wrong.
+            Err(error) if k + 1 < engines.len() => why = error.to_string(),
             Err(error) => return Err(asking.parameters.blame("integrator", error)),
             Ok(()) if wanted == AUTO && engine.on_device => {
                 let taken: Vec<&str> = engines[k..].iter().map(|engine| engine.taken).collect();
