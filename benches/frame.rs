@@ -21,7 +21,7 @@ use voltet::engine::{composite, cull, project};
 use voltet::nodes::formats::{self, Request};
 
 /// A grid, where it is seen from, and the transfer functions it is drawn with.
-struct Scene {
+struct Subject {
     file: &'static str,
     scalar: &'static str,
     eye: DVec3,
@@ -35,8 +35,8 @@ struct Scene {
     further: [[f64; 2]; 3],
 }
 
-const SCENES: [Scene; 2] = [
-    Scene {
+const SUBJECTS: [Subject; 2] = [
+    Subject {
         file: "heat_sink.vtu",
         scalar: "Temperature",
         eye: DVec3::new(-70.0, -130.0, 75.0),
@@ -51,7 +51,7 @@ const SCENES: [Scene; 2] = [
         gaussians: &[("wide", [60.0, 0.0], [20.0, 20.0], 1.0), ("narrow", [60.8, 0.0], [0.35, 0.025], 60.0)],
         further: [[90.0, 0.5], [40.0, 1.0], [75.0, 2.0]],
     },
-    Scene {
+    Subject {
         file: "bluntfin.vtu",
         scalar: "density",
         eye: DVec3::new(-12.0314, -30.8182, 24.7259),
@@ -84,7 +84,7 @@ fn main() -> Result<()> {
     );
     let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("data");
     let further = std::env::var_os("VOLTET_TEST_DATA").map(PathBuf::from);
-    for scene in &SCENES {
+    for scene in &SUBJECTS {
         let folders = std::iter::once(&shipped).chain(&further);
         match folders.map(|folder| folder.join(scene.file)).find(|path| path.is_file()) {
             Some(path) => measure(scene, &path)?,
@@ -94,7 +94,7 @@ fn main() -> Result<()> {
     Ok(())
 }
 
-fn measure(scene: &Scene, path: &Path) -> Result<()> {
+fn measure(scene: &Subject, path: &Path) -> Result<()> {
     let request = Request { scalar: Some(scene.scalar.into()), ..Request::default() };
     let (read_ms, grid) = median(9, |_| formats::read(path, &request, &Silent))?;
     let scalar = grid.scalar.clone().ok_or_else(|| Error::run("the grid has no scalar"))?;
@@ -125,7 +125,7 @@ fn measure(scene: &Scene, path: &Path) -> Result<()> {
 }
 
 /// What widgets cost: against the one-dimensional picture, and each further one against the first.
-fn costs(scene: &Scene, plain: &Arc<Volume>, bivariate: &Arc<Volume>) -> Result<()> {
+fn costs(scene: &Subject, plain: &Arc<Volume>, bivariate: &Arc<Volume>) -> Result<()> {
     println!(
         "\n| widgets, 512² | whole, median ms | to the 1-D picture | more than the row above, of the first |"
     );
@@ -166,12 +166,17 @@ fn costs(scene: &Scene, plain: &Arc<Volume>, bivariate: &Arc<Volume>) -> Result<
     Ok(())
 }
 
-/// Median milliseconds of a steady frame at 512²; `thorough`: in order although one colour does not need it.
-fn frame_time(scene: &Scene, volume: &Arc<Volume>, look: &TransferFunction, thorough: bool) -> Result<f64> {
+/// Median milliseconds of a steady frame at 512²; `no_leave_out`: in order although one colour does not need it.
+fn frame_time(
+    scene: &Subject,
+    volume: &Arc<Volume>,
+    look: &TransferFunction,
+    no_leave_out: bool,
+) -> Result<f64> {
     median(FRAME_COUNT, |k| {
         let camera = scene.camera(k as f64, 512);
         let mut cells = cull(volume, look, &camera, &Silent)?;
-        cells.thorough = thorough;
+        cells.no_leave_out = no_leave_out;
         let projection = project(&cells, look, &camera, false, &Silent)?;
         composite(&projection, look, &SHADING, &Silent).map(drop)
     })
@@ -179,7 +184,13 @@ fn frame_time(scene: &Scene, volume: &Arc<Volume>, look: &TransferFunction, thor
 }
 
 /// Draws frames from a camera that turns, and prints a row.
-fn frames(scene: &Scene, name: &str, size: u32, volume: &Arc<Volume>, look: TransferFunction) -> Result<()> {
+fn frames(
+    scene: &Subject,
+    name: &str,
+    size: u32,
+    volume: &Arc<Volume>,
+    look: TransferFunction,
+) -> Result<()> {
     let mut stages = [const { Vec::new() }; 3];
     let (whole_ms, counts) = median(FRAME_COUNT, |k| {
         let camera = scene.camera(k as f64, size);
@@ -203,7 +214,7 @@ fn frames(scene: &Scene, name: &str, size: u32, volume: &Arc<Volume>, look: Tran
     Ok(())
 }
 
-impl Scene {
+impl Subject {
     fn camera(&self, degrees: f64, size: u32) -> Camera {
         let turned = glam::DQuat::from_rotation_z(degrees.to_radians()) * (self.eye - self.target);
         Camera {

@@ -1,4 +1,6 @@
-//! Progress of long work, and stopping it.
+//! Progress of long work, stopping it, and what it may take.
+
+use crate::{Error, Result};
 
 /// Receives progress and says whether the work should stop. Shared by all threads of a stage.
 pub trait Progress: Sync {
@@ -8,6 +10,23 @@ pub trait Progress: Sync {
     fn cancelled(&self) -> bool {
         false
     }
+    /// Bytes that the work may still take, where somebody knows.
+    fn memory_left(&self) -> Option<u64> {
+        None
+    }
+}
+
+/// Refuses work that takes more memory than is left. `what` takes it, as a clause that "takes about 3 GiB" can follow.
+pub fn refuse_beyond_memory(
+    progress: &dyn Progress,
+    what: impl FnOnce() -> String,
+    bytes: u64,
+) -> Result<()> {
+    let Some(left) = progress.memory_left().filter(|left| *left < bytes) else { return Ok(()) };
+    let mebibytes = |bytes: u64| format!("{:.0} MiB", bytes as f64 / f64::from(1 << 20));
+    Err(Error::run("memory ends before the work does")
+        .found(format!("{} takes about {}, {} are left", what(), mebibytes(bytes), mebibytes(left)))
+        .accepted("a smaller grid or picture, or more memory"))
 }
 
 /// Ignores progress and never stops.
@@ -25,5 +44,9 @@ impl Progress for Unreported<'_> {
 
     fn cancelled(&self) -> bool {
         self.0.cancelled()
+    }
+
+    fn memory_left(&self) -> Option<u64> {
+        self.0.memory_left()
     }
 }

@@ -29,6 +29,12 @@ impl Attribute<'_> {
     }
 }
 
+/// Most attributes of a picture: s, g, the further fields and the gradient.
+pub(crate) const ATTRIBUTES_MOST: usize = 16;
+
+/// Most further fields of a picture.
+const FIELDS_MOST: usize = ATTRIBUTES_MOST - 5;
+
 /// The point arrays that the transfer function looks at, s first, then g, then the further fields, scaled to
 /// about −½ … ½.
 pub(crate) fn attributes_of<'a>(
@@ -37,8 +43,14 @@ pub(crate) fn attributes_of<'a>(
 ) -> Result<Vec<Attribute<'a>>> {
     let volume = &cells.volume;
     let fields = transfer_function.fields();
-    let has_edges = transfer_function.widgets.iter().any(|widget| widget.region.is_some());
-    let about = |axis: usize| transfer_function.axis_origin(axis).map(|centre| (centre, has_edges));
+    if fields.len() > FIELDS_MOST {
+        return Err(Error::usage("the widgets look at more point arrays than a picture is drawn from")
+            .found(format!("{} beside s and g", fields.len()))
+            .accepted(format!("at most {FIELDS_MOST}")));
+    }
+    let touched = cells.touched(transfer_function);
+    let has_edges = touched.widgets.iter().any(|widget| widget.region.is_some());
+    let about = |axis: usize| touched.axis_origin(axis).map(|centre| (centre, has_edges));
     let mut attributes = vec![attribute(&volume.scalar, cells.ranges[0], about(0))];
     if transfer_function.uses_gradient_magnitude() || !fields.is_empty() {
         match &volume.gradient_magnitude {
@@ -102,7 +114,8 @@ fn attribute(values: &[f64], [low, high]: [f64; 2], about: Option<(f64, bool)>) 
     // With edges the offset must not add digits to the values; so near the centre 45 bits of the range are left.
     let coarse = |centre: f64| (centre / scale * OFFSET_STEPS).round() / OFFSET_STEPS * scale;
     let offset = match about {
-        Some((centre, has_edges)) if (low..=high).contains(&centre) => {
+        // Just beside the values serves, too: widths are counted from 0, however small the least of them.
+        Some((centre, has_edges)) if (low - span..=high + span).contains(&centre) => {
             Some(coarse(centre)).filter(|offset| has_edges && offset.is_finite()).unwrap_or(centre)
         }
         _ => middle,

@@ -1,6 +1,7 @@
 //! The cells that a picture is drawn from, and what is counted on the way.
 
 use crate::view::Seen;
+use std::borrow::Cow;
 use std::sync::Arc;
 use voltet_core::camera::Camera;
 use voltet_core::shading::Order;
@@ -24,7 +25,7 @@ pub struct Cells {
     /// Widgets that no kept cell touches: left out of the integrals.
     pub untouched: Vec<usize>,
     /// Nothing is left out for them: they were not culled, and segments are ordered also where one colour needs no order.
-    pub thorough: bool,
+    pub no_leave_out: bool,
     /// The vector lanes that the further stages run on: the widest that this processor has.
     pub lanes: LaneSet,
     /// What the cells were culled for.
@@ -37,6 +38,26 @@ pub struct Cells {
     pub(crate) ranges: [[f64; 2]; 2],
     /// Largest component of ∇s over the grid; 0 where there is no gradient.
     pub(crate) steepest: f64,
+}
+
+impl Cells {
+    /// The transfer function without the widgets that no kept cell touches. Widgets over further fields stay: the fields
+    /// are numbered by the whole transfer function.
+    pub(crate) fn touched<'a>(&self, transfer_function: &'a TransferFunction) -> Cow<'a, TransferFunction> {
+        let known = self.culled_for.as_ref() == Some(transfer_function);
+        let all = self.untouched.len() == transfer_function.widgets.len();
+        if !known || all || self.untouched.is_empty() {
+            return Cow::Borrowed(transfer_function);
+        }
+        let mut touched = transfer_function.clone();
+        let mut number = 0;
+        touched.widgets.retain(|widget| {
+            let untouched = self.untouched.contains(&number);
+            number += 1;
+            !untouched || !widget.profile.properties().fields.is_empty()
+        });
+        Cow::Owned(touched)
+    }
 }
 
 /// Counts of a composited picture.

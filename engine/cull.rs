@@ -121,7 +121,7 @@ pub fn keep_all(
     let count = u32::try_from(volume.grid.tetrahedra.len()).map_err(|_| {
         Error::run("the grid has too many tetrahedra").accepted(format!("at most {}", u32::MAX))
     })?;
-    (cells.kept, cells.thorough) = (Arc::new((0..count).collect()), true);
+    (cells.kept, cells.no_leave_out) = (Arc::new((0..count).collect()), true);
     Ok(cells)
 }
 
@@ -138,7 +138,7 @@ pub(crate) fn none_kept(volume: &Arc<Volume>) -> Result<Cells> {
         seen: None,
         ranges: [range(&volume.scalar), volume.gradient_magnitude.as_ref().map_or([0.0; 2], |g| range(g))],
         untouched: Vec::new(),
-        thorough: false,
+        no_leave_out: false,
         lanes: LaneSet::detect(),
         culled_for: None,
         steepest: volume.gradient.as_ref().map_or(0.0, |gradient| {

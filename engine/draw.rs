@@ -4,18 +4,18 @@ use crate::attribute::{Attribute, attributes_of, gradient_attributes};
 use crate::cells::{Cells, Counts};
 use crate::composite::sinks::TilePicture;
 use crate::composite::worker::{Drawn, Worker};
+use crate::memory::drawing_bytes;
 use crate::project::record::TILE;
-use crate::scene::{Sample, Scene};
+use crate::sample::{Frame, Sample};
 use crate::shade::light::Surface;
 use crate::shade::shader::Shader;
 use rayon::prelude::*;
-use std::borrow::Cow;
 use std::sync::atomic::AtomicUsize;
 use voltet_core::camera::Camera;
 use voltet_core::grid::extent::longest_edge_squared;
 use voltet_core::optics::integrators::{self, Extent};
 use voltet_core::picture::Picture;
-use voltet_core::progress::Progress;
+use voltet_core::progress::{Progress, refuse_beyond_memory};
 use voltet_core::shading::{Integrator, Order, Shading};
 use voltet_core::transfer::TransferFunction;
 use voltet_core::{Error, Result};
@@ -64,6 +64,11 @@ pub fn project(
         attributes.extend(gradient_attributes(cells)?);
     }
     let offsets = camera.sample_offsets();
+    let (kept, points) = (cells.kept.len() as u64, cells.volume.grid.points.len() as u64);
+    let bytes = drawing_bytes(kept, points, attributes.len() as u64, camera.size);
+    // Each sample of a pixel has a projection of its own.
+    let bytes = bytes.saturating_mul(offsets.len() as u64);
+    refuse_beyond_memory(progress, || format!("drawing {kept} cells"), bytes)?;
     let mut samples = Vec::with_capacity(offsets.len());
     for (k, &offset) in offsets.iter().enumerate() {
         progress.report("project", k as f64 / offsets.len() as f64);
@@ -118,12 +123,12 @@ pub fn prepare<'a>(
             .accepted("the transfer function that the cull stage of the same pipeline has"));
     }
     integrators::can_serve(&shading.integrator, transfer_function)?;
-    let reduced = without_untouched(cells, transfer_function);
+    let touched = cells.touched(transfer_function);
     let extent = extent(cells, &shading.integrator);
-    let exact = integrators::new(&shading.integrator, shading.overlap, &reduced, &extent)?;
+    let exact = integrators::new(&shading.integrator, shading.overlap, &touched, &extent)?;
     let table_bytes = exact.table_bytes() as u64;
-    let scene = (&attributes[..], cells.length, cells.thorough);
-    let shader = Shader::new(&reduced, shading, exact, scene, surface)?;
+    let scene = (&attributes[..], cells.length, cells.no_leave_out);
+    let shader = Shader::new(&touched, shading, exact, scene, surface)?;
     Ok(Ready { projection, attributes, shader, table_bytes })
 }
 
@@ -140,7 +145,7 @@ pub fn composite(
 }
 
 impl Ready<'_> {
-    /// Integrates and composites every pixel's segments. Errors: a stopped run.
+    /// Integrates and composites every pixel's segments. Errors: a stopped run, a segment that the integrator gives up.
     pub fn composite(&self, progress: &dyn Progress) -> Result<(Picture, Counts)> {
         let Ready { projection, attributes, shader, table_bytes } = self;
         let cells = &projection.cells;
@@ -155,15 +160,18 @@ impl Ready<'_> {
         let mut counts = Counts { cells_projected, table_bytes, ..Counts::default() };
         let weight = 1.0 / projection.samples.len() as f32;
         for sample in &projection.samples {
-            let scene = Scene::new(sample, &cells.volume, attributes, shader, sorted);
+            let frame = Frame::new(sample, &cells.volume, attributes, shader, sorted);
             let queue = sample.queue();
             let next = AtomicUsize::new(0);
             let results: Vec<Drawn> =
-                rayon::broadcast(|_| Worker { scene: &scene, queue: &queue, next: &next, progress }.run());
+                rayon::broadcast(|_| Worker { frame: &frame, queue: &queue, next: &next, progress }.run());
             if progress.cancelled() {
                 return Err(Error::cancelled());
             }
-            let mut tiles: Vec<Option<&TilePicture>> = vec![None; scene.tiles_wide * height.div_ceil(TILE)];
+            if let Some(error) = shader.failure() {
+                return Err(error.clone());
+            }
+            let mut tiles: Vec<Option<&TilePicture>> = vec![None; frame.tiles_wide * height.div_ceil(TILE)];
             for (done, worker) in &results {
                 counts.segments += worker.segments;
                 counts.segments_exact += worker.segments_exact;
@@ -179,7 +187,7 @@ impl Ready<'_> {
             }
             picture.rgba.par_chunks_mut(width).enumerate().for_each(|(j, row)| {
                 for (i, pixel) in row.iter_mut().enumerate() {
-                    if let Some(tile) = tiles[j / TILE * scene.tiles_wide + i / TILE] {
+                    if let Some(tile) = tiles[j / TILE * frame.tiles_wide + i / TILE] {
                         let value = tile[(j % TILE) * TILE + i % TILE];
                         for (sum, value) in pixel.iter_mut().zip(value) {
                             *sum += weight * value;
@@ -207,27 +215,6 @@ pub fn draw(
 ) -> Result<(Picture, Counts)> {
     let projection = project(cells, transfer_function, camera, needs_gradient(shading), progress)?;
     composite(&projection, transfer_function, shading, progress)
-}
-
-/// The transfer function without the widgets that no kept cell touches. Widgets over further fields stay: the fields
-/// are numbered by the whole transfer function.
-fn without_untouched<'a>(
-    cells: &Cells,
-    transfer_function: &'a TransferFunction,
-) -> Cow<'a, TransferFunction> {
-    let known = cells.culled_for.as_ref() == Some(transfer_function);
-    let all = cells.untouched.len() == transfer_function.widgets.len();
-    if !known || all || cells.untouched.is_empty() {
-        return Cow::Borrowed(transfer_function);
-    }
-    let mut reduced = transfer_function.clone();
-    let mut number = 0;
-    reduced.widgets.retain(|widget| {
-        let untouched = cells.untouched.contains(&number);
-        number += 1;
-        !untouched || !widget.profile.properties().fields.is_empty()
-    });
-    Cow::Owned(reduced)
 }
 
 /// What the segments span, as far as the integrator has tables to fill: no segment inside a cell is longer than its

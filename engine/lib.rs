@@ -8,9 +8,10 @@
 //! | `project` | cells to records of 32 bits, and the tiles that they touch |
 //! | `fragments` | the pixels that a tile's cells cover, and the rays' segments in them |
 //! | `shade` | a segment's colour and opacity |
-//! | `scene` | what the compositor reads: the projection and how segments are shaded |
+//! | `sample` | what the compositor reads: the projection and how segments are shaded |
 //! | `composite` | segments in order to pixels |
 //! | `draw` | the stages end to end |
+//! | `memory` | what they take |
 //! | `native` | the engine as one of the program's |
 //! | `segments` | what becomes of segments alone, for judging |
 
@@ -20,9 +21,10 @@ mod composite;
 mod cull;
 mod draw;
 mod fragments;
+mod memory;
 mod native;
 mod project;
-mod scene;
+mod sample;
 mod segments;
 mod shade;
 mod view;
@@ -30,5 +32,6 @@ mod view;
 pub use cells::{Cells, Counts};
 pub use cull::{cull, keep_all};
 pub use draw::{Projection, Ready, composite, draw, needs_gradient, prepare, project, sort};
+pub use memory::drawing_bytes;
 pub use native::ENGINE;
 pub use segments::{Integrated, Segments, segments};

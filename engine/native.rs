@@ -1,10 +1,12 @@
 //! The native engine as one of the program's engines, and what it counts.
 
-use crate::{Cells, Counts, Projection, cull, keep_all, needs_gradient, prepare, project, sort};
+use crate::{Cells, Counts, Projection, Segments, cull, keep_all, needs_gradient, prepare, project, sort};
 use std::sync::Arc;
 use std::time::Instant;
-use voltet_core::engine::{self, AdapterWish, Declaration, Drawn, Engine, Manner, Prepared, Stage, Timed};
-use voltet_core::graph::Notes;
+use voltet_core::engine::{
+    self, AdapterWish, Declaration, Drawn, Engine, Forms, Manner, Prepared, Stage, Timed,
+};
+use voltet_core::graph::{MayLeaveOut, Notes};
 use voltet_core::optics::integrators;
 use voltet_core::progress::Progress;
 use voltet_core::scene::Scene;
@@ -17,7 +19,7 @@ use voltet_lanes::LaneSet;
 pub const ENGINE: Declaration = Declaration {
     name: "cpu",
     summary: "native code on all cores",
-    taken: "the CPU",
+    taken: Some("the CPU"),
     absent: None,
     on_device: false,
     compositing: &[],
@@ -48,6 +50,10 @@ impl Engine for Native {
         format!("native engine, {}", self.lanes.name())
     }
 
+    fn forms(&self) -> Option<Box<dyn Forms>> {
+        Some(Box::new(Segments { lanes: self.lanes, ordered: false }))
+    }
+
     fn prepare(&self, _volume: &Arc<Volume>) -> Result<Arc<dyn Prepared>> {
         // Every frame begins with the volume itself.
         Ok(Arc::new(*self))
@@ -61,16 +67,17 @@ impl Prepared for Native {
         }
         let Scene { volume, transfer_function, camera, shading, order } = scene;
         let mut watch = Watch { last: Instant::now(), stages: Vec::new() };
-        let mut cells = match manner.thorough {
-            true => keep_all(volume, transfer_function, camera)?,
-            false => cull(volume, transfer_function, camera, progress)?,
+        let mut cells = match manner.may_leave_out {
+            None => keep_all(volume, transfer_function, camera)?,
+            Some(_) => cull(volume, transfer_function, camera, progress)?,
         };
         cells.lanes = self.lanes;
         watch.end(Stage::Cull);
         let cells = sort(&cells, camera, *order)?;
         watch.end(Stage::Sort);
         // For comparison everything that there is goes along.
-        let gradient = needs_gradient(shading) || (manner.thorough && volume.gradient.is_some());
+        let gradient =
+            needs_gradient(shading) || (manner.may_leave_out.is_none() && volume.gradient.is_some());
         let projection = project(&cells, transfer_function, camera, gradient, progress)?;
         watch.end(Stage::Project);
         let ready = prepare(&projection, transfer_function, shading)?;
@@ -79,7 +86,9 @@ impl Prepared for Native {
         watch.end(Stage::Composite);
         let mut drawn = Drawn::new(picture, watch.stages);
         cells.count(&mut drawn.counts);
-        cells.note(&mut drawn.notes);
+        if let Some(leave) = manner.may_leave_out {
+            cells.note(leave, &mut drawn.notes);
+        }
         cells.note_order(&mut drawn.notes);
         projection.count(&mut drawn.counts);
         counts.count(&mut drawn.counts);
@@ -110,9 +119,9 @@ impl Cells {
     }
 
     /// Notes the widgets that are left out.
-    pub fn note(&self, notes: &mut Notes) {
+    pub fn note(&self, leave: MayLeaveOut, notes: &mut Notes) {
         for widget in &self.untouched {
-            notes.leave_out(format!("widget {}", widget + 1), "no visible cell touches it", None);
+            notes.leave_out(leave, format!("widget {}", widget + 1), "no visible cell touches it", None);
         }
     }
 

@@ -17,13 +17,13 @@ use crate::shade::shader::Shader;
 use glam::DVec3;
 use std::sync::Arc;
 use voltet_core::Result;
+use voltet_core::engine::{Answer, Chain, Forms, PartialIntegrals, Precision};
 use voltet_core::grid::{Array, Grid};
 use voltet_core::optics::integrators::{self, Extent};
 use voltet_core::optics::{Contribution, Overlap, Segment};
 use voltet_core::shading::{Integrator, Shading};
 use voltet_core::transfer::{ControlPoint, OpticalModel, Profile, TransferFunction, Widget};
 use voltet_core::volume::Volume;
-use voltet_judge::{Answer, Chain, Forms, PartialIntegrals, Precision};
 use voltet_lanes::optics::elementary::exp;
 use voltet_lanes::{Float, Kernel, LaneSet, Lanes, dispatch};
 
@@ -130,14 +130,8 @@ fn taken(shader: &Shader, shaded: &Shaded, k: usize) -> Integrated {
 
 /// The same densities, all white.
 fn in_white(transfer_function: &TransferFunction) -> TransferFunction {
-    let mut white = transfer_function.clone();
-    for widget in &mut white.widgets {
-        widget.color = [1.0; 3];
-        if let Profile::PiecewiseLinear { points } = &mut widget.profile {
-            points.iter_mut().for_each(|point| point.color = [1.0; 3]);
-        }
-    }
-    white
+    let widgets = transfer_function.widgets.iter().map(|widget| widget.in_color([1.0; 3])).collect();
+    TransferFunction { widgets, ..*transfer_function }
 }
 
 /// The engine on one lane set as a set of forms: each segment is a scene of its own.
@@ -154,11 +148,6 @@ impl Segments {
     pub fn each() -> impl Iterator<Item = Segments> {
         let sets = [LaneSet::Portable, LaneSet::Avx2, LaneSet::Avx512];
         sets.into_iter().filter(|set| set.is_supported()).map(|lanes| Segments { lanes, ordered: false })
-    }
-
-    /// The one that draws on this processor.
-    pub fn widest() -> Segments {
-        Segments { lanes: LaneSet::detect(), ordered: false }
     }
 
     fn one(

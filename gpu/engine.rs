@@ -5,12 +5,13 @@ use crate::device::open::Device;
 use crate::frame::draw::{self, draw};
 use crate::frame::limits;
 use crate::frame::renderer::Renderer;
+use crate::measure::segments::Segments;
 use crate::measure::{compositors, operations};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use voltet_core::Result;
 use voltet_core::engine::{
-    AdapterWish, Chosen, Compositing, Counts, Declaration, Drawn, Engine, Manner, Memory, Prepared,
+    AdapterWish, Chosen, Compositing, Counts, Declaration, Drawn, Engine, Forms, Manner, Memory, Prepared,
 };
 use voltet_core::graph::{Notes, Saving};
 use voltet_core::progress::Progress;
@@ -22,7 +23,7 @@ use voltet_shaders::compose;
 pub const ENGINE: Declaration = Declaration {
     name: "gpu",
     summary: "the graphics device, or an error",
-    taken: "the GPU if a hardware adapter holds the scene",
+    taken: Some("the GPU if a hardware adapter holds the scene"),
     absent: None,
     on_device: true,
     compositing: &Compositing::ALL,
@@ -73,6 +74,10 @@ impl Engine for OnDevice {
         Ok(Arc::new(Uploaded { renderer, uploads }))
     }
 
+    fn forms(&self) -> Option<Box<dyn Forms>> {
+        Some(Box::new(Segments::new(self.device.clone())))
+    }
+
     fn choose(&self, scene: &Scene, memory: &dyn Memory, progress: &dyn Progress) -> Result<Option<Chosen>> {
         compositors::choose(&self.device, &self.compositors, scene, memory, progress).map(Some)
     }
@@ -97,28 +102,25 @@ impl Prepared for Uploaded {
     fn draw(&self, scene: &Scene, manner: &Manner, progress: &dyn Progress) -> Result<Drawn> {
         let device = self.renderer.device();
         let before = device.work();
-        let drawn = draw(&self.renderer, scene, compositing(manner), progress)?;
+        let drawn = draw(&self.renderer, scene, manner, progress)?;
         let after = device.work();
-        let mut notes = notes(device, &drawn);
+        let mut notes = notes(device, &drawn, manner);
         notes.counts.insert("shader_builds", after.shader_builds - before.shader_builds);
         let uploads = self.uploads.swap(0, Ordering::Relaxed) + after.uploads - before.uploads;
         notes.counts.insert("uploads", uploads);
-        Ok(Drawn { counts: drawn.counts.of_engine(), picture: drawn.picture, stages: drawn.passes, notes })
+        let counts = drawn.counts.of_engine(manner);
+        Ok(Drawn { counts, picture: drawn.picture, stages: drawn.passes, notes })
     }
 
     fn operations(&self, scene: &Scene, manner: &Manner, counts: &Counts) -> Result<Option<u64>> {
         let Some(segments) = counts.segments else { return Ok(None) };
-        let (choices, _) = draw::choices(&self.renderer, scene, compositing(manner))?;
+        let (choices, _) = draw::choices(&self.renderer, scene, manner)?;
         operations::of_compositor(&compose(&choices), segments).map(Some)
     }
 }
 
-fn compositing(manner: &Manner) -> Compositing {
-    manner.compositing.unwrap_or(Compositing::Tiles)
-}
-
 /// What only this engine counts and leaves out, and what should be known of the device.
-fn notes(device: &Device, drawn: &draw::Drawn) -> Notes {
+fn notes(device: &Device, drawn: &draw::Drawn, manner: &Manner) -> Notes {
     let mut notes = Notes::default();
     notes.counts.insert("tile_entries", drawn.counts.tile_entries);
     notes.counts.insert("sweeps_further", drawn.counts.sweeps_further);
@@ -126,21 +128,26 @@ fn notes(device: &Device, drawn: &draw::Drawn) -> Notes {
         let off = "what it draws may be off by some thousandths; compositor = \"tiles\" has 32 bits";
         notes.warnings.push(format!("{} blends no 32-bit floats: {off}", device.name));
     }
-    if !drawn.parts_left_out.is_empty() {
+    if let (Some(leave), false) = (manner.may_leave_out, drawn.parts_left_out.is_empty()) {
         let what = format!("shader parts {}", drawn.parts_left_out.join(", "));
         let saving = Saving::Bytes(drawn.part_bytes_left_out);
-        notes.leave_out(what, "the scene asks for nothing of the kind", Some(saving));
+        notes.leave_out(leave, what, "the scene asks for nothing of the kind", Some(saving));
     }
     notes
 }
 
 impl draw::Counts {
-    /// Those that every engine may have.
-    fn of_engine(&self) -> Counts {
+    /// Those that every engine may have. Where nothing may be left out, cells beside the picture are as those between its
+    /// pixels: their place is found, and there is nothing more that could be done for them.
+    fn of_engine(&self, manner: &Manner) -> Counts {
+        let [culled_by_frustum, under_a_pixel] = match manner.may_leave_out {
+            Some(_) => [self.culled_by_frustum, self.under_a_pixel],
+            None => [0, self.culled_by_frustum + self.under_a_pixel],
+        };
         Counts {
             culled_by_transfer_function: Some(self.culled_by_transfer_function),
-            culled_by_frustum: Some(self.culled_by_frustum),
-            under_a_pixel: Some(self.under_a_pixel),
+            culled_by_frustum: Some(culled_by_frustum),
+            under_a_pixel: Some(under_a_pixel),
             cells_projected: Some(self.cells_projected),
             segments: self.segments,
             segments_exact: Some(0),

@@ -6,18 +6,8 @@
 //! what plain implementations of the stable forms were measured to need.
 
 use super::case::{Case, SegmentCase};
-use voltet_core::transfer::{OpticalModel, Profile};
-
-/// The precision of a set of forms.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Precision {
-    /// 64-bit.
-    F64,
-    /// 32-bit, with differences formed in 64 bits.
-    F32,
-    /// 32-bit on a device: WGSL lets a quotient err by 2.5 and e^x by 3 + 2|x| units in the last place.
-    Wgsl,
-}
+use voltet_core::engine::{Condition, Precision};
+use voltet_core::transfer::{AxisOrigin, OpticalModel, Profile};
 
 /// How one value is judged.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -44,29 +34,11 @@ pub(super) enum Quantity {
     Opacity,
 }
 
-impl Precision {
-    /// ε: the spacing of numbers at 1.
-    pub fn epsilon(self) -> f64 {
-        match self {
-            Precision::F64 => f64::EPSILON,
-            Precision::F32 | Precision::Wgsl => f64::from(f32::EPSILON),
-        }
-    }
-
-    /// Absolute floor of T and A: below it numbers leave the normal range.
-    pub fn floor(self) -> f64 {
-        match self {
-            Precision::F64 => 1e-290,
-            Precision::F32 | Precision::Wgsl => 1e-30,
-        }
-    }
-
-    /// The share of the brightest colour that may be missing: what lies behind an optical depth of 37 or 25.
-    fn color_floor(self) -> f64 {
-        match self {
-            Precision::F64 => 1e-16,
-            Precision::F32 | Precision::Wgsl => 1e-11,
-        }
+/// The share of the brightest colour that may be missing: what lies behind an optical depth of 37 or 25.
+fn color_floor(precision: Precision) -> f64 {
+    match precision {
+        Precision::F64 => 1e-16,
+        Precision::F32 | Precision::Wgsl => 1e-11,
     }
 }
 
@@ -75,7 +47,7 @@ pub(super) fn rule(
     precision: Precision,
     case: &Case,
     segment: &SegmentCase,
-    condition: [Option<f64>; 3],
+    condition: Condition,
     quantity: Quantity,
 ) -> Rule {
     let condition = match quantity {
@@ -183,7 +155,7 @@ pub(super) fn table_rule(precision: Precision, quantity: &str, depth: f64) -> Ru
 /// The absolute part of a bound. A colour may also be off by what the floor of T makes of it.
 fn floor_of(precision: Precision, segment: &SegmentCase, color: bool) -> f64 {
     if color {
-        precision.color_floor() * brightness(segment) + precision.floor() * segment.brightest()
+        color_floor(precision) * brightness(segment) + precision.floor() * segment.brightest()
     } else {
         precision.floor()
     }
@@ -211,15 +183,8 @@ fn limit(segment: &SegmentCase, quantity: Quantity) -> f64 {
     }
 }
 
-/// Whether the peak of a narrow widget is found in 32 bits: of these alone the whole integral is one function of the ends.
+/// Whether the peak of a narrow widget is found in 32 bits: about one centre, by a function of the segment's ends alone.
 fn is_gaussian(profile: &Profile) -> bool {
-    match profile {
-        Profile::Gaussian { .. } | Profile::GaussianNd { .. } => true,
-        Profile::Uniform
-        | Profile::TriangularGaussian { .. }
-        | Profile::TriangleWave(_)
-        | Profile::SineWave(_)
-        | Profile::PiecewiseLinear { .. }
-        | Profile::Table(_) => false,
-    }
+    let properties = profile.properties();
+    properties.has_elementary_mean && properties.axes.iter().any(|axis| matches!(axis, AxisOrigin::Centre(_)))
 }

@@ -1,9 +1,11 @@
 //! Reads one case: a JSON object on one line.
 
-use super::forms::PartialIntegrals;
+use super::json::{array, fixed, member, number, numbers, text};
+use super::look::transfer_function;
 use serde_json::Value;
+use voltet_core::engine::{Conditions, PartialIntegrals};
 use voltet_core::optics::{Contribution, Segment};
-use voltet_core::transfer::{ControlPoint, OpticalModel, Profile, Region, TransferFunction, Wave, Widget};
+use voltet_core::transfer::{OpticalModel, TransferFunction, Widget};
 use voltet_core::{Error, Result};
 
 /// One case with its exact results.
@@ -141,6 +143,11 @@ impl SegmentCase {
         }
     }
 
+    /// Its condition numbers.
+    pub fn conditions(&self) -> Conditions {
+        Conditions { differences: self.condition, values: self.raw_condition }
+    }
+
     /// Whether the density-emitter is meant.
     pub fn density(&self) -> bool {
         self.transfer_function.model == OpticalModel::DensityEmitter
@@ -243,118 +250,6 @@ fn contribution(value: &Value) -> Result<Contribution> {
 fn condition(value: &Value, key: &str) -> [Option<f64>; 3] {
     let Some(list) = value.get(key).and_then(Value::as_array) else { return [None; 3] };
     std::array::from_fn(|i| list.get(i).and_then(Value::as_f64))
-}
-
-fn transfer_function(value: &Value) -> Result<TransferFunction> {
-    let model = match text(value, "model")? {
-        "density" => OpticalModel::DensityEmitter,
-        "constant" => OpticalModel::ConstantEmitter {
-            cutoff: value.get("cutoff").map_or(Ok(1.0 / 255.0), |_| number(value, "cutoff"))?,
-        },
-        other => {
-            return Err(Error::usage("a case has an unknown model")
-                .found(other)
-                .accepted("density, constant"));
-        }
-    };
-    let widgets = array(value, "widgets")?.iter().map(widget).collect::<Result<_>>()?;
-    Ok(TransferFunction { model, unit_distance: number(value, "unit_distance")?, widgets })
-}
-
-fn widget(value: &Value) -> Result<Widget> {
-    let or = |key: &str, default: f64| value.get(key).map_or(Ok(default), |_| number(value, key));
-    let wave = || -> Result<Wave> {
-        Ok(Wave {
-            origin: [or("s0", 0.0)?, or("g0", 0.0)?],
-            angle: or("theta", 0.0)?,
-            scale: [or("w_s", 1.0)?, or("w_g", 1.0)?],
-            period: number(value, "period")?,
-            band_width: or("band_width", 1.0)?,
-        })
-    };
-    let profile = match text(value, "type")? {
-        "uniform" => Profile::Uniform,
-        "gaussian" => {
-            let rows = array(value, "K")?;
-            let [a, b]: [Value; 2] = rows.clone().try_into().map_err(|_| wrong("K"))?;
-            Profile::Gaussian { centre: fixed(member(value, "center")?)?, matrix: [fixed(&a)?, fixed(&b)?] }
-        }
-        "gaussian-nd" => {
-            let centre = numbers(member(value, "center")?)?;
-            let rows = array(value, "K")?;
-            let matrix = if rows.iter().all(Value::is_number) {
-                let diagonal = numbers(member(value, "K")?)?;
-                let row =
-                    |i: usize| (0..diagonal.len()).map(|j| if i == j { diagonal[i] } else { 0.0 }).collect();
-                (0..diagonal.len()).map(row).collect()
-            } else {
-                rows.iter().map(numbers).collect::<Result<Vec<_>>>()?
-            };
-            // Names whose order is the order of the case's values.
-            let fields = (0..centre.len()).map(|i| format!("field{i}")).collect();
-            Profile::GaussianNd { fields, centre, matrix }
-        }
-        "triangular-gaussian" => {
-            Profile::TriangularGaussian { centre: number(value, "center")?, sigma: number(value, "sigma")? }
-        }
-        "triangle-wave" => Profile::TriangleWave(wave()?),
-        "sine-wave" => Profile::SineWave(wave()?),
-        "piecewise-linear" => {
-            let points = array(value, "points")?
-                .iter()
-                .map(|row| {
-                    let [s, extinction, r, g, b] = fixed(row)?;
-                    Ok(ControlPoint { s, color: [r, g, b], extinction })
-                })
-                .collect::<Result<_>>()?;
-            Profile::PiecewiseLinear { points }
-        }
-        other => return Err(Error::usage("a case has an unknown widget").found(other)),
-    };
-    // Control points hold extinctions and colours of their own.
-    let own = profile.properties().own_peak.is_some();
-    let region = match value.get("region") {
-        None | Some(Value::Null) => None,
-        Some(_) => {
-            let corners = array(value, "region")?.iter().map(fixed).collect::<Result<_>>()?;
-            Some(Region { corners })
-        }
-    };
-    Ok(Widget {
-        profile,
-        color: if own { [0.0; 3] } else { fixed(member(value, "color")?)? },
-        extinction: if own { 0.0 } else { number(value, "extinction")? },
-        region,
-    })
-}
-
-fn member<'a>(value: &'a Value, key: &str) -> Result<&'a Value> {
-    value.get(key).ok_or_else(|| Error::usage(format!("a case lacks '{key}'")))
-}
-
-fn wrong(key: &str) -> Error {
-    Error::usage(format!("'{key}' of a case is of the wrong form"))
-}
-
-fn text<'a>(value: &'a Value, key: &str) -> Result<&'a str> {
-    member(value, key)?.as_str().ok_or_else(|| wrong(key))
-}
-
-fn number(value: &Value, key: &str) -> Result<f64> {
-    member(value, key)?.as_f64().ok_or_else(|| wrong(key))
-}
-
-fn array<'a>(value: &'a Value, key: &str) -> Result<&'a Vec<Value>> {
-    member(value, key)?.as_array().ok_or_else(|| wrong(key))
-}
-
-fn numbers(value: &Value) -> Result<Vec<f64>> {
-    let list = value.as_array().ok_or_else(|| wrong("a list of numbers"))?;
-    list.iter().map(|v| v.as_f64().ok_or_else(|| wrong("a list of numbers"))).collect()
-}
-
-fn fixed<const N: usize>(value: &Value) -> Result<[f64; N]> {
-    numbers(value)?.try_into().map_err(|_| wrong("a list of numbers"))
 }
 
 /// An exact value: a decimal string (or a number), ≥ 0, which may be too small for doubles.

@@ -1,27 +1,36 @@
 //! voltet-judge: judges segment formulas against exact values, whoever states them.
 //!
-//! Judges the segment formulas against exact values, per kind and category.
-//!
 //! A case file holds one JSON object a line: inputs as shortest round-trip doubles, results as strings of 20
 //! digits computed with about 90. A result passes when |error| ≤ bound · |exact| + floor, where the bound is
 //! stated from the working precision ε and the case's condition number k (module `bounds`). One run judges
 //! one set of forms, 64-bit or 32-bit.
+//!
+//! | file | what |
+//! | --- | --- |
+//! | `case`, `look`, `json`, `shipped` | exact values, and those that the program carries |
+//! | `forms` | the 64-bit forms; what else can be judged is any `Forms` of the engines |
+//! | `bounds` | what each answer may be off by |
+//! | `report` | what came out |
+//! | `twin` | one formula against its 64-bit truth |
 
 mod bounds;
 mod case;
 mod forms;
+mod json;
+mod look;
 mod report;
 mod shipped;
 pub mod twin;
 
-pub use bounds::{Precision, Rule};
+pub use bounds::Rule;
 pub use case::{Case, Kind, SegmentCase, parse};
-pub use forms::{Answer, Chain, Forms, Native64, PartialIntegrals};
+pub use forms::Native64;
 pub use report::{Broken, Excuse, Report, Row};
-pub use shipped::shipped;
+pub use shipped::{shipped, stiff};
 
 use bounds::{Quantity, rule};
 use voltet_core::Result;
+use voltet_core::engine::{Answer, Forms};
 use voltet_core::optics::{Contribution, Overlap};
 
 /// Judges every case of `text`, the content of a case file, by each set of forms. Errors name the line.
@@ -73,7 +82,7 @@ fn judge_case(case: &Case, forms: &dyn Forms, report: &mut Report) -> Result<()>
                     return Ok(());
                 }
             };
-            let condition = forms.condition(segment);
+            let condition = forms.condition(&segment.transfer_function, &segment.conditions());
             let rules = |quantity| rule(precision, case, segment, condition, quantity);
             enter_contribution(report, case, &found, segment, wider, &rules);
         }

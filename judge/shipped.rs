@@ -11,6 +11,12 @@ const SEGMENTS: &str = include_str!("fixtures/segments.jsonl");
 /// Random variations of the same kinds, computed apart with 77 digits by quadrature alone.
 const VARIATIONS: &str = include_str!("fixtures/variations.jsonl");
 
+/// Triangular Gaussians over fields, computed with 60 digits by `fixtures/triangular_gaussian_nd.py`.
+const TRIANGULAR_ND: &str = include_str!("fixtures/triangular_gaussian_nd.jsonl");
+
+/// Stiff, steep and narrow segments of up to 1e30 of depth, summed with 60 digits (`stiff.py` beside them).
+const STIFF: &str = include_str!("fixtures/stiff.jsonl");
+
 /// Length of the chains beyond those in the files.
 const CHAIN_LENGTH: i32 = 100_000;
 
@@ -19,10 +25,17 @@ const CHAIN_OPACITIES: [i32; 3] = [-8, -14, -20];
 
 /// Every case that the program carries.
 pub fn shipped() -> Result<Vec<Case>> {
-    let lines = SEGMENTS.lines().chain(VARIATIONS.lines()).filter(|line| !line.trim().is_empty());
+    let lines = [SEGMENTS, VARIATIONS, TRIANGULAR_ND].into_iter().flat_map(str::lines);
+    let lines = lines.filter(|line| !line.trim().is_empty());
     let mut cases = lines.map(parse).collect::<Result<Vec<Case>>>()?;
     cases.extend(CHAIN_OPACITIES.map(|power| chain(CHAIN_LENGTH, power)));
     Ok(cases)
+}
+
+/// Segments for a quadrature of 64 bits alone: closed forms lose digits on the narrowest of them, as rounding their values
+/// does.
+pub fn stiff() -> Result<Vec<Case>> {
+    STIFF.lines().map(parse).collect()
 }
 
 /// n equal segments of opacity a = 2^power: 1 − A = (1 − a)^n, and C = c A of the colour c·a of each.

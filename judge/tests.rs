@@ -1,4 +1,5 @@
 use super::*;
+use voltet_core::engine::{Chain, PartialIntegrals, Precision};
 
 fn fixtures() -> String {
     read("segments.jsonl")
@@ -29,6 +30,14 @@ fn the_64_bit_forms_keep_every_bound() {
 #[test]
 fn random_variations_keep_every_bound() {
     let report = judge(&variations(), &Native64).expect("the case file is well formed");
+    assert!(report.passed(), "{}", table(&report));
+}
+
+/// Also where the magnitude has both signs and the centre lies behind the foot.
+#[test]
+fn triangular_gaussians_over_fields_keep_every_bound() {
+    let report =
+        judge(&read("triangular_gaussian_nd.jsonl"), &Native64).expect("the case file is well formed");
     assert!(report.passed(), "{}", table(&report));
 }
 

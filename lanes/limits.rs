@@ -28,6 +28,15 @@ pub const OPAQUE: f64 = 30.0;
 /// than 1e-4.
 pub const SUDDEN_BANDS: f64 = 2e4;
 
+/// Depth of the longest segment, all of it at the peak, up to which 32 bits find the colour of several widgets in their
+/// order: what is seen of them lies within so small a part of the segment (t finds places to 6e-8) that their shares in it
+/// are known to 1e-4 up to here, and to nothing at ten times that.
+pub const DEPTH_IN_ORDER_MOST: f64 = 2e7;
+
+/// Rate, depth per t, of a ramp between two control points of different colours where it becomes opaque, up to which 32 bits
+/// find what is seen of both: t finds the ramp to 6e-8, which moves its depth by 2e-3 here and colours by a tenth of that.
+pub const RAMP_RATE_MOST: f64 = 4e4;
+
 /// Pieces of a segment that a t tells apart.
 pub const PIECES_MOST: u32 = 1 << 20;
 

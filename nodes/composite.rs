@@ -20,8 +20,8 @@ pub const NODE: Node = Node {
     check: &|parameters| drawing::shading(parameters).map(drop),
     demand: &|asking: &mut Asking| {
         let (engine, why) = match asking.parameters.text("integrator")? {
-            "reference" => ("reference", "the integrator is the 64-bit reference"),
-            _ => ("cpu", "the stages are nodes of their own, which the CPU runs"),
+            "reference" => (drawing::REFEREE.name, "the integrator is the 64-bit reference"),
+            _ => (drawing::NATIVE.name, "the stages are nodes of their own, which the CPU runs"),
         };
         asking.notes.engine = Some((engine.into(), why.into()));
         drawing::ask(asking, "projection", "transfer_function").map(drop)

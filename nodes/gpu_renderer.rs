@@ -14,7 +14,7 @@ pub const NODE: Node = Node {
     parameters: PARAMETERS,
     example: include_str!("examples/gpu_renderer.toml"),
     check: &|parameters| drawing::shading(parameters).map(drop),
-    demand: &|asking| drawing::ask_engine(asking, "gpu"),
+    demand: &|asking| drawing::ask_engine(asking, drawing::DEVICE.name),
     run: &run,
     ..Node::BLANK
 };
@@ -27,6 +27,6 @@ const PARAMETERS: &[Parameter] = match renderer::NODE.parameters {
 
 fn run(call: &mut Call) -> Result<Outputs> {
     let scene = drawing::scene(call)?;
-    let picture = drawing::draw(call, &scene, "gpu")?;
+    let picture = drawing::draw(call, &scene, drawing::DEVICE.name)?;
     Ok(vec![Value::Image(Arc::new(picture))])
 }

@@ -4,8 +4,8 @@ use std::sync::Arc;
 use voltet_core::Result;
 use voltet_core::field::magnitude;
 use voltet_core::graph::{
-    Asking, Call, Demand, Node, Notes, Outputs, Parameter, ParameterType, Port, PortType, Saving, Standard,
-    Value,
+    Asking, Call, Demand, MayLeaveOut, Node, Notes, Outputs, Parameter, ParameterType, Port, PortType,
+    Saving, Standard, Value,
 };
 use voltet_core::volume::Volume;
 
@@ -32,7 +32,9 @@ fn demand(asking: &mut Asking) -> Result<()> {
     let asked = asking.asked;
     let (arrays, cell_arrays) = (asked.arrays.clone(), asked.cell_arrays.clone());
     let mut demand = Demand { arrays, cell_arrays, ..Demand::default() };
-    leave_out(asking.notes, asked, None);
+    if let Some(leave) = asking.may_leave_out() {
+        leave_out(asking.notes, leave, asked, None);
+    }
     if asked.gradient_magnitude || asked.gradient {
         demand.arrays.extend(asking.method()?.arrays()?);
     }
@@ -40,21 +42,23 @@ fn demand(asking: &mut Asking) -> Result<()> {
 }
 
 /// Notes what of the gradient nobody asks for; its memory, where the number of points is known.
-fn leave_out(notes: &mut Notes, asked: &Demand, point_count: Option<usize>) {
+fn leave_out(notes: &mut Notes, leave: MayLeaveOut, asked: &Demand, point_count: Option<usize>) {
     let (what, why, numbers) = match (asked.gradient_magnitude, asked.gradient) {
         (false, false) => ("gradient", "no widget looks at the gradient magnitude and nothing is lit", 4),
         (true, false) => ("gradient vectors", "nothing is lit and there is no silhouette", 3),
         (false, true) => ("gradient magnitude", "no widget looks at it", 1),
         (true, true) => return,
     };
-    notes.leave_out(what, why, point_count.map(|points| Saving::Bytes(8 * numbers * points as u64)));
+    notes.leave_out(leave, what, why, point_count.map(|points| Saving::Bytes(8 * numbers * points as u64)));
 }
 
 fn run(call: &mut Call) -> Result<Outputs> {
     let grid = call.grid("grid")?;
     let mut volume = Volume::clone(&*call.volume("grid")?);
     let (wants_magnitude, wants_vectors) = (call.demand.gradient_magnitude, call.demand.gradient);
-    leave_out(&mut call.notes, call.demand, Some(grid.points.len()));
+    if let Some(leave) = call.may_leave_out() {
+        leave_out(&mut call.notes, leave, call.demand, Some(grid.points.len()));
+    }
     call.notes.counts.insert("gradients_computed", u64::from(wants_magnitude || wants_vectors));
     if wants_magnitude || wants_vectors {
         let gradient = call.method()?.gradient(&grid, &volume.scalar, call.progress())?;

@@ -6,12 +6,14 @@
 //! | [`encode`] | pictures to files |
 //! | [`files`] | writing whole files |
 //! | [`formats`] | data files to grids |
+//! | [`memory`] | what a grid takes, and what is left |
 //! | [`probing`] | parts of the node `probe` |
 
 pub mod drawing;
 pub mod encode;
 pub mod files;
 pub mod formats;
+pub mod memory;
 pub mod probing;
 
 mod bands;
@@ -22,6 +24,7 @@ mod gpu_renderer;
 mod gradient_magnitude;
 mod histogram;
 mod image_writer;
+mod multi_gradient;
 mod probe;
 mod project;
 mod reader;
@@ -30,8 +33,6 @@ mod report_writer;
 mod sort;
 mod transfer_function;
 mod wavelet;
-
-pub use reader::note_unread;
 
 use std::path::Path;
 use voltet_core::Result;
@@ -43,6 +44,7 @@ pub static NODES: &[&Node] = &[
     &reader::NODE,
     &wavelet::NODE,
     &gradient_magnitude::NODE,
+    &multi_gradient::NODE,
     &probe::NODE,
     &histogram::NODE,
     &transfer_function::NODE,

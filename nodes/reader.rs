@@ -4,8 +4,8 @@ use crate::formats::{self, Association, CellValues, Request, TimeStep};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use voltet_core::graph::{
-    Call, Demand, Node, Notes, Outputs, Parameter, ParameterType, Parameters, Port, PortType, Preparation,
-    Range, Saving, Standard, Value, nearest,
+    Call, Demand, Foresight, MayLeaveOut, Node, Notes, Outputs, Parameter, ParameterType, Parameters, Port,
+    PortType, Preparation, Range, Saving, Standard, Value, nearest,
 };
 use voltet_core::{Error, Result};
 
@@ -83,6 +83,7 @@ pub const NODE: Node = Node {
     check: &|parameters| request(parameters).map(drop),
     // A source has no inputs to ask.
     demand: &|_| Ok(()),
+    foresee: &foresee,
     prepare: &prepare,
     run: &run,
     ..Node::BLANK
@@ -97,14 +98,13 @@ fn prepare(preparation: &Preparation) -> Result<()> {
 }
 
 fn run(call: &mut Call) -> Result<Outputs> {
-    let mut request = asked(call.parameters, call.demand, &|path| call.resolve(path))?;
-    request.every_array = call.thorough;
+    let request = asked(call.parameters, call.demand, &|path| call.resolve(path))?;
     let path = call.path("path")?;
     let grid = formats::read(&path, &request, call.progress())?;
     let origin = &grid.origin;
     call.notes.warnings.extend(origin.warnings.iter().cloned());
-    if !origin.arrays_unread.is_empty() {
-        leave_out(&mut call.notes, &origin.arrays_unread, origin.values_unread);
+    if let (Some(leave), false) = (call.may_leave_out(), origin.arrays_unread.is_empty()) {
+        leave_out(&mut call.notes, leave, &origin.arrays_unread, origin.values_unread);
     }
     call.notes.counts.insert("arrays_decoded", origin.arrays_decoded);
     for (name, count) in [
@@ -119,33 +119,29 @@ fn run(call: &mut Call) -> Result<Outputs> {
     Ok(vec![Value::Grid(Arc::new(grid))])
 }
 
-/// Notes the arrays that a reader leaves out, from the headers of its file alone. `resolve`: the path of a file that a
-/// parameter names.
-pub fn note_unread(
-    parameters: &Parameters,
-    demand: &Demand,
-    resolve: &dyn Fn(&str) -> PathBuf,
-    notes: &mut Notes,
-) -> Result<()> {
-    let request = asked(parameters, demand, resolve)?;
-    let unread = formats::unread(&resolve(parameters.text("path")?), &request)?;
+/// Notes the arrays that are left out, from the headers of the file alone.
+fn foresee(foresight: &mut Foresight) -> Result<()> {
+    let parameters = foresight.parameters;
+    let request = asked(parameters, foresight.demand, &|path| foresight.resolve(path))?;
+    let unread = formats::unread(&foresight.resolve(parameters.text("path")?), &request)?;
     if !unread.arrays.is_empty() {
-        leave_out(notes, &unread.arrays, unread.value_count);
+        leave_out(foresight.notes, foresight.leave, &unread.arrays, unread.value_count);
     }
     Ok(())
 }
 
 /// Every number becomes one of 64 bits.
-fn leave_out(notes: &mut Notes, arrays: &[String], value_count: u64) {
+fn leave_out(notes: &mut Notes, leave: MayLeaveOut, arrays: &[String], value_count: u64) {
     let saving = (value_count > 0).then(|| Saving::Bytes(value_count.saturating_mul(8)));
-    notes.leave_out(format!("arrays {}", arrays.join(", ")), "nothing looks at them", saving);
+    notes.leave_out(leave, format!("arrays {}", arrays.join(", ")), "nothing looks at them", saving);
 }
 
 /// What parameters and demand ask of the file.
 fn asked(p: &Parameters, demand: &Demand, resolve: &dyn Fn(&str) -> PathBuf) -> Result<Request> {
     let mut request = request(p)?;
-    request.point_arrays = demand.arrays.iter().cloned().collect();
-    request.cell_arrays = demand.cell_arrays.iter().cloned().collect();
+    request.point_arrays = demand.arrays.named().map(str::to_string).collect();
+    request.cell_arrays = demand.cell_arrays.named().map(str::to_string).collect();
+    request.every_array = demand.arrays.and_all_others() || demand.cell_arrays.and_all_others();
     if p.given("solution") {
         request.solution = Some(resolve(p.text("solution")?));
     }

@@ -1,4 +1,4 @@
-//! `report-writer`: figures to a file, written beside and renamed, so that no partial file is ever seen.
+//! `report-writer`: figures to a file, or to the standard output.
 
 use crate::files;
 use serde_json::Value;
@@ -8,18 +8,37 @@ use voltet_core::graph::{
 };
 use voltet_core::{Error, Result};
 
+/// The word for a format that the path decides.
+const BY_ENDING: &str = "auto";
+
 /// The declaration.
 pub const NODE: Node = Node {
     name: "report-writer",
     summary: "Writes figures: .json with all there is, .csv with the table alone.",
     inputs: &[Port { name: "report", port_type: PortType::Report, summary: "the figures" }],
-    parameters: &[Parameter {
-        name: "path",
-        parameter_type: ParameterType::OutputPath,
-        unit: "",
-        standard: Standard::Required,
-        help: "the file: .json holds everything, .csv the figures' table (its keys columns and rows)",
-    }],
+    parameters: &[
+        Parameter {
+            name: "path",
+            parameter_type: ParameterType::OutputPath,
+            unit: "",
+            standard: Standard::Required,
+            help: "the file; \"-\": the standard output",
+        },
+        Parameter {
+            name: "format",
+            parameter_type: ParameterType::Choice(&[
+                (
+                    BY_ENDING,
+                    "what the path ends in, .json or .csv; json on the standard output and on devices",
+                ),
+                ("json", "everything"),
+                ("csv", "the figures' table (its keys columns and rows)"),
+            ]),
+            unit: "",
+            standard: Standard::Text(BY_ENDING),
+            help: "how the figures are written",
+        },
+    ],
     example: include_str!("examples/histogram.toml"),
     check: &|parameters| is_csv(parameters).map(drop),
     prepare: &|preparation| {
@@ -35,20 +54,21 @@ fn run(call: &mut Call) -> Result<Outputs> {
     let path = call.path("path")?;
     let content = if is_csv(call.parameters)? { csv(&report)? } else { format!("{report}\n") };
     files::write_whole(&path, content.as_bytes()).map_err(|error| call.parameters.blame("path", error))?;
-    call.notes.files.push(path.display().to_string());
+    call.notes.files.push(files::shown(&path));
     Ok(Vec::new())
 }
 
 fn is_csv(parameters: &Parameters) -> Result<bool> {
     let path = parameters.text("path")?;
     let ending = Path::new(path).extension().map(|e| e.to_string_lossy().to_lowercase());
-    match ending.as_deref() {
-        Some("json") => Ok(false),
-        Some("csv") => Ok(true),
+    match (parameters.text("format")?, ending.as_deref()) {
+        ("json", _) | (BY_ENDING, Some("json")) => Ok(false),
+        ("csv", _) | (BY_ENDING, Some("csv")) => Ok(true),
+        (_, None) if files::is_stream(path) => Ok(false),
         _ => Err(parameters
             .error("path", "the format of the figures is not known")
             .found(path)
-            .accepted("a path that ends in .json or .csv")),
+            .accepted("a path that ends in .json or .csv, or format = \"json\" or \"csv\"")),
     }
 }
 

@@ -54,7 +54,7 @@ fn field(p: glam::DVec3) -> f64 {
 }
 
 fn run(call: &mut Call) -> Result<Outputs> {
-    if let Some(name) = call.demand.arrays.iter().chain(&call.demand.cell_arrays).next() {
+    if let Some(name) = call.demand.arrays.named().chain(call.demand.cell_arrays.named()).next() {
         return Err(Error::run("a wavelet has no array of this name")
             .found(name)
             .accepted("its scalar alone, or a reader"));

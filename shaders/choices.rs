@@ -66,9 +66,25 @@ impl Method {
         matches!(self, Method::PreIntegrated | Method::PreIntegratedCylindrical)
     }
 
+    /// What samples the widgets, where the method does: a function of members and a number of pieces, and the pieces of text
+    /// that it is in.
+    pub(crate) fn sampler(self, constant_emitter: bool) -> Option<(&'static str, &'static [&'static str])> {
+        match self {
+            Method::Riemann => Some(("riemann", &["sampled/riemann"])),
+            Method::Segments if constant_emitter => {
+                Some(("linear_pieces", &["sampled/segments", "sampled/partial_constant"]))
+            }
+            Method::Segments => Some(("linear_pieces", &["sampled/segments", "sampled/partial_density"])),
+            Method::Analytic
+            | Method::Adaptive
+            | Method::PreIntegrated
+            | Method::PreIntegratedCylindrical => None,
+        }
+    }
+
     /// Whether the widgets are sampled.
     pub(crate) fn samples(self) -> bool {
-        matches!(self, Method::Riemann | Method::Segments)
+        self.sampler(false).is_some()
     }
 }
 

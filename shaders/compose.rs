@@ -4,7 +4,7 @@ use crate::choices::Choices;
 use crate::generate::generate;
 use crate::parts::Layout;
 use crate::passes::FramePass;
-use crate::pieces::{PIECES, Piece};
+use crate::pieces::{PIECES, WgslPiece};
 use crate::text::{Shader, compose_pieces};
 
 /// The shader of a scene.
@@ -16,9 +16,9 @@ pub fn compose(choices: &Choices) -> Shader {
 impl Shader {
     /// The pieces that are not in it although some scene asks for them: what makes frames and fills tables is put together
     /// apart.
-    pub fn leaves_out(&self) -> Vec<&'static Piece> {
+    pub fn leaves_out(&self) -> Vec<&'static WgslPiece> {
         let frames: Vec<Shader> = FramePass::ALL.iter().map(|pass| pass.shader(&Layout::WHOLE)).collect();
-        let apart = |piece: &Piece| {
+        let apart = |piece: &WgslPiece| {
             piece.name.contains("/fill_") || frames.iter().any(|frame| frame.files().any(|f| f == piece.file))
         };
         PIECES.iter().filter(|piece| !apart(piece) && !self.files().any(|file| file == piece.file)).collect()

@@ -28,6 +28,6 @@ pub use limits32::{Spans, check_32_bits};
 pub use parameters::{Axis, Parameters, SceneHead, WidgetRecord};
 pub use parts::{Access, CELLS_READ, GRID_GROUP, GridArray, Layout, Parts};
 pub use passes::{FramePass, PlacementRecord, RoundRecord, ViewRecord, multiply_adds};
-pub use pieces::{PIECES, Piece, piece};
+pub use pieces::{PIECES, WgslPiece, piece};
 pub use resources::{Buffer, Contents, Pass, Resources, TEXEL_BYTES, table_lengths};
 pub use text::{Shader, compose_pieces};

@@ -4,7 +4,7 @@ use crate::choices::{Choices, Combine};
 use crate::kinds;
 use voltet_core::transfer::{TransferFunction, Widget};
 use voltet_core::{Error, Result};
-use voltet_lanes::limits::{GAUSSIAN_WIDTHS_MOST, LENGTHS};
+use voltet_lanes::limits::{DEPTH_IN_ORDER_MOST, GAUSSIAN_WIDTHS_MOST, LENGTHS};
 
 /// What one segment of a data set spans at most; the ranges of the values bound it, closer numbers refuse less.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -40,6 +40,12 @@ fn check(widget: &Widget, stretch: &Stretch) -> Result<()> {
     if stretch.choices.method.samples() {
         return Ok(());
     }
+    let depth = stretch.depth(widget);
+    if stretch.is_in_order() && depth > DEPTH_IN_ORDER_MOST {
+        return Err(Error::run("widgets that overlap are too dense for 32 bits to tell which is in front")
+            .found(format!("{depth:e} as the optical depth of a segment"))
+            .accepted(format!("at most {DEPTH_IN_ORDER_MOST:e}, or an engine of 64 bits")));
+    }
     kinds::check_32_bits(widget, stretch)
 }
 
@@ -69,7 +75,7 @@ impl Stretch<'_> {
 
     /// Of the widget's peak all along.
     pub fn depth(&self, widget: &Widget) -> f64 {
-        self.length() * widget.extinction
+        self.length() * widget.peak()
     }
 
     /// The constant-emitter's.

@@ -2,7 +2,7 @@
 
 use crate::kinds;
 use bytemuck::{Pod, Zeroable};
-use voltet_core::shading::{Integrator, Shading, unit_vector};
+use voltet_core::shading::{Shading, unit_vector};
 use voltet_core::transfer::{HalfPlane, TransferFunction, Widget};
 use voltet_core::{Error, Result};
 use voltet_lanes::limits::PIECES_MOST;
@@ -106,11 +106,9 @@ impl Parameters {
             (unit_vector(light.direction).to_array(), light.ambient, light.diffuse)
         });
         let per_unit = length / transfer_function.unit_distance;
-        let (tolerance, piece_count) = match shading.integrator {
-            Integrator::Adaptive { tolerance } => (tolerance as f32, 0),
-            Integrator::Segments { count, .. } | Integrator::Riemann { count } => (0.0, pieces(count)?),
-            _ => (0.0, 0),
-        };
+        let numbers = shading.integrator.numbers();
+        let tolerance = numbers.tolerance.unwrap_or(0.0) as f32;
+        let piece_count = numbers.count.map_or(Ok(0), pieces)?;
         let head = SceneHead {
             light_direction: direction.map(|x| x as f32),
             light_ambient: ambient as f32,

@@ -1,6 +1,6 @@
 //! Pieces put together to the text of a shader, and from a line of the text back to the file it came from.
 
-use crate::pieces::{Piece, piece};
+use crate::pieces::{WgslPiece, piece};
 use voltet_core::Error;
 
 /// A composed shader.
@@ -20,7 +20,7 @@ const GENERATED: &str = "generated for the scene";
 /// # Panics
 /// On a name that is no piece.
 pub fn compose_pieces(text: &str, names: &[&str]) -> Shader {
-    let mut pieces: Vec<&Piece> = Vec::new();
+    let mut pieces: Vec<&WgslPiece> = Vec::new();
     let mut open: Vec<&str> = names.to_vec();
     while let Some(name) = open.pop() {
         let piece = piece(name).unwrap_or_else(|| panic!("'{name}' is no piece"));

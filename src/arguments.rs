@@ -34,6 +34,11 @@ pub enum Command {
     /// Of a data file: cells, arrays with ranges, bounds, and a pipeline to start with. Of a pipeline file (.toml): what
     /// its probes find, and for each transfer function with waves how many bands the cells cross.
     Info(Info),
+    /// Write a pipeline file for a data file, with a transfer function found from the data.
+    ///
+    /// The scalar is the file's own, or the first array that is a quantity. Where it changes, over its values and gradient
+    /// magnitudes, are the boundaries that the widgets show; the camera sees them. The file runs as it is.
+    Start(Start),
     /// Judge every formula and engine against exact values, and draw cells that are hard to draw.
     ///
     /// For each set of forms (64-bit, 32-bit by lane set, the shaders of a graphics device): the worst error and its inputs in every category (stiff, narrow,
@@ -133,6 +138,31 @@ pub struct Info {
     /// PLOT3D: the solution (q) file that belongs to the grid.
     #[arg(long, value_name = "Q")]
     pub solution: Option<PathBuf>,
+    /// Write what the data file holds as JSON to the standard output.
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct Start {
+    /// A data file.
+    #[arg(value_name = "DATA")]
+    pub data: PathBuf,
+    /// The pipeline file to write, "-" for the standard output; the data file's name with the ending .toml without it.
+    #[arg(long, short, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+    /// The array to draw; "NAME:magnitude" or "NAME:0" for vectors.
+    #[arg(long, value_name = "NAME")]
+    pub scalar: Option<String>,
+    /// Number of the step of a time series, from 0.
+    #[arg(long, value_name = "N")]
+    pub time_step: Option<usize>,
+    /// PLOT3D: the solution (q) file that belongs to the grid.
+    #[arg(long, value_name = "Q")]
+    pub solution: Option<PathBuf>,
+    /// Write over a pipeline file that is there.
+    #[arg(long)]
+    pub force: bool,
 }
 
 #[derive(Debug, Args)]

@@ -17,12 +17,15 @@
 //! [`run`] is the program itself, so that one with nodes and filters of its own is a `main` of a few lines.
 
 mod arguments;
+mod collisions;
 mod commands;
 mod document;
+mod mistake;
 mod present;
 mod program;
 
 pub use document::{Document, read_text};
+pub use mistake::OrEnd;
 pub use program::run;
 pub use voltet_core as core;
 pub use voltet_engine as engine;

@@ -1,5 +1,8 @@
 //! The program, with the nodes and filters that ship.
 
+#[global_allocator]
+static ALLOCATOR: voltet::OrEnd = voltet::OrEnd;
+
 fn main() -> std::process::ExitCode {
     voltet::run(voltet::nodes::registry())
 }

@@ -2,8 +2,9 @@
 
 use crate::core::Result;
 use crate::core::graph::Registry;
-use crate::{arguments::Arguments, commands};
+use crate::{arguments::Arguments, commands, mistake};
 use clap::Parser;
+use std::panic::AssertUnwindSafe;
 use std::process::ExitCode;
 
 /// The program `voltet` with these nodes and filters: carries out the command line of the process, writes what the command
@@ -16,7 +17,13 @@ use std::process::ExitCode;
 /// ```
 pub fn run(registry: Result<Registry>) -> ExitCode {
     quieten_drivers();
-    commands::dispatch(&Arguments::parse(), registry)
+    mistake::show_in_one_line();
+    // A panic was shown where it happened.
+    std::panic::catch_unwind(AssertUnwindSafe(|| match Arguments::try_parse() {
+        Ok(arguments) => commands::dispatch(&arguments, registry),
+        Err(answer) => ExitCode::from(commands::answer(&answer)),
+    }))
+    .unwrap_or(ExitCode::from(mistake::FAILED))
 }
 
 /// Keeps Mesa's choice of a device from asking a window system that is not there: it complains on standard error. Where

@@ -11,4 +11,4 @@ pub mod no_leave_out;
 pub mod stability;
 pub mod work_precision;
 
-pub use no_leave_out::{SAME, Thorough};
+pub use no_leave_out::{NoLeaveOut, SAME};

@@ -12,7 +12,7 @@ pub const SAME: f64 = 1e-6;
 
 /// How a run that leaves nothing out compares with the usual one.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Thorough {
+pub struct NoLeaveOut {
     /// Seconds of the usual run.
     pub usual_seconds: f64,
     /// Seconds of the other one.
@@ -21,7 +21,7 @@ pub struct Thorough {
     pub times_slower: f64,
     /// Each node's seconds, usual and other, where they differ most first.
     pub nodes: Vec<NodeSeconds>,
-    /// The engines that drew, usual and other, where they are not the same: the native one is what does everything.
+    /// The engines that drew, usual and other, where they are not the same: the other run may be more than a device holds.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub engines: Option<[String; 2]>,
     /// Largest difference of a channel of premultiplied linear RGBA between their pictures; `None` without a picture.
@@ -38,31 +38,31 @@ pub struct NodeSeconds {
     /// Seconds in the usual run.
     pub usual: f64,
     /// Seconds where nothing is left out.
-    pub thorough: f64,
+    pub no_leave_out: f64,
 }
 
-impl Thorough {
+impl NoLeaveOut {
     /// Compares two runs of one graph.
-    pub fn compare(usual: &RunReport, thorough: &RunReport) -> Thorough {
+    pub fn compare(usual: &RunReport, no_leave_out: &RunReport) -> NoLeaveOut {
         let seconds =
-            |name: &str| thorough.nodes.iter().find(|node| node.name == name).map(|node| node.seconds);
+            |name: &str| no_leave_out.nodes.iter().find(|node| node.name == name).map(|node| node.seconds);
         let pair = |node: &voltet_core::graph::NodeReport| {
-            let thorough = seconds(&node.name)?;
-            Some(NodeSeconds { node: node.name.clone(), usual: node.seconds, thorough })
+            let no_leave_out = seconds(&node.name)?;
+            Some(NodeSeconds { node: node.name.clone(), usual: node.seconds, no_leave_out })
         };
         let mut nodes: Vec<NodeSeconds> = usual.nodes.iter().filter_map(pair).collect();
-        nodes.sort_by(|a, b| (b.thorough - b.usual).total_cmp(&(a.thorough - a.usual)));
+        nodes.sort_by(|a, b| (b.no_leave_out - b.usual).total_cmp(&(a.no_leave_out - a.usual)));
         let pictures = usual.pictures.iter().filter_map(|(name, picture)| {
-            let other = &thorough.pictures.iter().find(|(other, _)| other == name)?.1;
+            let other = &no_leave_out.pictures.iter().find(|(other, _)| other == name)?.1;
             Some(largest_difference(picture, other))
         });
         let engine = |report: &RunReport| report.engine.as_ref().map(|engine| engine.0.clone());
-        let engines = engine(usual).zip(engine(thorough)).filter(|(usual, other)| usual != other);
-        Thorough {
+        let engines = engine(usual).zip(engine(no_leave_out)).filter(|(usual, other)| usual != other);
+        NoLeaveOut {
             engines: engines.map(|(usual, other)| [usual, other]),
             usual_seconds: usual.seconds,
-            seconds: thorough.seconds,
-            times_slower: thorough.seconds / usual.seconds,
+            seconds: no_leave_out.seconds,
+            times_slower: no_leave_out.seconds / usual.seconds,
             nodes,
             largest_difference: pictures.reduce(f64::max),
             left_out: usual.left_out.clone(),
@@ -81,8 +81,8 @@ impl Thorough {
             self.seconds, self.usual_seconds, self.times_slower
         );
         let most: Vec<String> = (self.nodes.iter())
-            .filter(|node| node.thorough - node.usual > 0.05 * (self.seconds - self.usual_seconds))
-            .map(|node| format!("{} {:.3} s for {:.3} s", node.node, node.thorough, node.usual))
+            .filter(|node| node.no_leave_out - node.usual > 0.05 * (self.seconds - self.usual_seconds))
+            .map(|node| format!("{} {:.3} s for {:.3} s", node.node, node.no_leave_out, node.usual))
             .collect();
         if self.times_slower > 1.0 && !most.is_empty() {
             text += &format!(" ({})", most.join(", "));

@@ -6,6 +6,7 @@ use std::path::Path;
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 use voltet::core::camera::{Camera, Projection};
+use voltet::core::field::{CellAverage, Method};
 use voltet::core::grid::generate::box_of_tetrahedra;
 use voltet::core::optics::Overlap;
 use voltet::core::progress::{Progress, Silent};
@@ -41,7 +42,7 @@ fn a_stopped_study_keeps_the_finished_settings_and_the_reference() {
     let document = voltet::Document::open(&file, &["view.size=[24,18]".into()], &registry).unwrap();
     let mut session = voltet::nodes::session();
     let unobserved = voltet::core::graph::Unobserved;
-    let subject = Subject::gather(&document.graph, None, &mut session, &unobserved).unwrap();
+    let subject = Subject::gather(&document.graph, None, false, &mut session, &unobserved).unwrap();
     let cache = tempfile::tempdir().unwrap();
     let stop = After(3, Mutex::default());
     let drawn = reference(&subject, cache.path(), &stop).unwrap();
@@ -64,6 +65,56 @@ fn a_stopped_study_keeps_the_finished_settings_and_the_reference() {
     drop(begun);
     assert!(reference(&subject, cache.path(), &stop).unwrap().cached);
 }
+
+/// ∇s of the scene by the filter that the file names, which the scene itself does not look at.
+#[test]
+fn refinement_goes_by_the_filter_of_the_pipeline() {
+    let registry = voltet::nodes::registry().unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("scene.toml");
+    let gradient_of = |drawn: &str, method: &str, wanted: bool| {
+        std::fs::write(&file, FILTERED.replace("DRAWN", drawn).replace("METHOD", method)).unwrap();
+        let document = voltet::Document::open(&file, &[], &registry).unwrap();
+        let unobserved = voltet::core::graph::Unobserved;
+        let mut session = voltet::nodes::session();
+        Subject::gather(&document.graph, None, wanted, &mut session, &unobserved).unwrap().scene.volume
+    };
+    for drawn in [RENDERED, STAGES] {
+        assert!(gradient_of(drawn, "cell-average", false).gradient.is_none());
+        let volume = gradient_of(drawn, "cell-average", true);
+        let method = Method::standard(Arc::new(CellAverage)).unwrap();
+        let of_file = method.gradient(&volume.grid, &volume.scalar, &Silent).unwrap().vectors;
+        assert_eq!(volume.gradient.as_deref(), Some(&of_file));
+        assert_ne!(gradient_of(drawn, "least-squares", true).gradient.as_deref(), Some(&of_file));
+    }
+}
+
+const FILTERED: &str = r#"
+pipeline = { format = 1 }
+nodes.grid = { type = "wavelet", resolution = [4, 4, 4] }
+nodes.gradient = { type = "gradient-magnitude", method = "METHOD", inputs = { grid = "grid" } }
+nodes.view = { type = "camera", eye = [0, -60, 9], target = [0, 0, 0], size = [4, 4] }
+nodes.file = { type = "image-writer", path = "picture.png", inputs = { image = "picture" } }
+DRAWN
+[nodes.look]
+type = "transfer-function"
+unit_distance = 1.0
+[[nodes.look.widgets]]
+kind = "uniform"
+region = { s = [-1e3, 1e3] }
+color = [1, 1, 1]
+extinction = 0.1
+"#;
+
+const RENDERED: &str = r#"
+nodes.picture = { type = "renderer", inputs = { volume = "gradient", transfer_function = "look", camera = "view" } }
+"#;
+
+const STAGES: &str = r#"
+nodes.cells = { type = "cull", inputs = { volume = "gradient", transfer_function = "look", camera = "view" } }
+nodes.cover = { type = "project", inputs = { cells = "cells", camera = "view" } }
+nodes.picture = { type = "composite", inputs = { projection = "cover", transfer_function = "look" } }
+"#;
 
 /// Stops once a tenth of the reference picture is drawn; counts what is reported.
 struct Early(Mutex<Vec<f64>>);

@@ -7,13 +7,17 @@
 //! | --- | --- |
 //! | `compositing` | the ways in which a device composites |
 //! | `drawn` | a picture and what it took: counts, stages with their times |
+//! | `forms` | what an engine makes of ray segments alone |
 
 mod compositing;
 mod drawn;
+mod forms;
 
 pub use compositing::{Chosen, Compositing, Memory};
 pub use drawn::{Counts, Drawn, Stage, Timed};
+pub use forms::{Answer, Chain, Condition, Conditions, Forms, PartialIntegrals, Precision};
 
+use crate::graph::MayLeaveOut;
 use crate::progress::Progress;
 use crate::scene::Scene;
 use crate::shading::Shading;
@@ -29,8 +33,8 @@ pub struct Declaration {
     pub name: &'static str,
     /// What it is, in a few words: the meaning of its name as a value of the parameter `engine`.
     pub summary: &'static str,
-    /// What `auto` takes where it takes this engine, and if what; follows "the run takes".
-    pub taken: &'static str,
+    /// What `auto` takes where it takes this engine, and if what; follows "the run takes". `None`: it takes it only by name.
+    pub taken: Option<&'static str>,
     /// Why this build does not have it.
     pub absent: Option<&'static str>,
     /// Whether it runs on a device, which `adapter` names: it may not be there, has limits of its own, and keeps from frame to
@@ -75,7 +79,7 @@ impl Declaration {
         Declaration {
             name,
             summary,
-            taken: "",
+            taken: Some(name),
             absent: Some(why),
             on_device: true,
             compositing: &[],
@@ -117,12 +121,26 @@ impl AdapterWish {
 }
 
 /// How a scene is drawn, beyond what it means.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Manner {
     /// How a device composites; where nothing is said, in the way that serves every order.
     pub compositing: Option<Compositing>,
-    /// Leaves nothing out, needed or not, where the engine can: for comparison. The picture is the same.
-    pub thorough: bool,
+    /// Leave to leave something out that the picture does not need: without it the engine does everything, for comparison, and
+    /// the picture is the same.
+    pub may_leave_out: Option<MayLeaveOut>,
+}
+
+impl Default for Manner {
+    fn default() -> Self {
+        Manner { compositing: None, may_leave_out: Some(MayLeaveOut::GIVEN) }
+    }
+}
+
+impl Manner {
+    /// Composited in this way.
+    pub fn by(compositing: Compositing) -> Manner {
+        Manner { compositing: Some(compositing), ..Manner::default() }
+    }
 }
 
 /// An engine that is open: what it runs on is there.
@@ -163,6 +181,10 @@ pub trait Engine: Send + Sync {
     ) -> Result<Option<Chosen>> {
         Ok(None)
     }
+
+    /// What it makes of ray segments alone, by what it draws with, for exact values to judge; `None` where only its pictures can
+    /// be judged.
+    fn forms(&self) -> Option<Box<dyn Forms>>;
 
     /// Gives up what is kept for further scenes, so that setting up can be measured from nothing.
     fn forget(&self) {}

@@ -4,7 +4,6 @@ use super::declaration::Node;
 use super::method;
 use super::registry::Registry;
 use crate::field::Method;
-use crate::parameters::ParameterType;
 use crate::parameters::Parameters;
 use crate::parameters::suggest;
 use crate::parameters::{Field, Origin, Setting};
@@ -155,7 +154,6 @@ impl Graph {
         }
         let mut graph = Graph { nodes, order: Vec::new(), folder, warnings: Vec::new() };
         graph.refuse_cycles()?;
-        graph.refuse_shared_files()?;
         graph.order_work()?;
         Ok(graph)
     }
@@ -191,27 +189,6 @@ impl Graph {
                     return Err(edge.origin.blame(error));
                 }
                 path.push((edge.node, 0));
-            }
-        }
-        Ok(())
-    }
-
-    /// Two nodes that write one file would undo each other.
-    fn refuse_shared_files(&self) -> Result<()> {
-        let mut written: Vec<(PathBuf, &str)> = Vec::new();
-        for node in &self.nodes {
-            for (parameter, setting, _) in node.parameters.iter() {
-                let (ParameterType::OutputPath, Some(setting)) = (parameter.parameter_type, setting) else {
-                    continue;
-                };
-                let path = self.folder.join(setting.text().unwrap_or_default());
-                if let Some((_, other)) = written.iter().find(|(p, _)| *p == path) {
-                    let error = Error::usage(format!("'{other}' and '{}' write the same file", node.name))
-                        .found(&setting.datum)
-                        .accepted("a path of its own for each");
-                    return Err(setting.origin.blame(error.at_node(&node.name)));
-                }
-                written.push((path, &node.name));
             }
         }
         Ok(())

@@ -6,7 +6,6 @@ use super::demand::Demand;
 use super::notes::Notes;
 use super::value::{Revision, Value};
 use crate::Result;
-use crate::parameters::ParameterType;
 use crate::parameters::Parameters;
 use std::any::{Any, TypeId};
 use std::collections::{BTreeSet, HashMap};
@@ -95,23 +94,10 @@ impl Cache {
     }
 }
 
-/// The files that a node's parameters name, also within lists of tables, and their state.
+/// The files that a node's parameters name and their state.
 pub(super) fn files_of(parameters: &Parameters, folder: &Path, stamp: FileStamp) -> Vec<(PathBuf, Stamp)> {
-    let mut files = Vec::new();
-    for (parameter, setting, _) in parameters.iter() {
-        match parameter.parameter_type {
-            ParameterType::InputPath | ParameterType::OutputPath => {
-                let path = setting.and_then(|s| s.text()).map(|path| folder.join(path));
-                files.extend(path.map(|path| (path.clone(), stamp(&path))));
-            }
-            ParameterType::Kinds(_) => {
-                let entries = parameters.kinds(parameter.name).unwrap_or_default();
-                files.extend(entries.iter().flat_map(|(_, entry)| files_of(entry, folder, stamp)));
-            }
-            _ => {}
-        }
-    }
-    files
+    let paths = parameters.paths().into_iter().map(|named| named.from(folder));
+    paths.map(|path| (path.clone(), stamp(&path))).collect()
 }
 
 type Kept = Arc<dyn Any + Send + Sync>;

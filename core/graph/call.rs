@@ -4,6 +4,7 @@ use super::build::GraphNode;
 use super::cache::{FOR_THE_SESSION, Store};
 use super::declaration::PortType;
 use super::demand::Demand;
+use super::leave_out::MayLeaveOut;
 use super::notes::Notes;
 use super::session::Observer;
 use super::value::{Look, Prepared, Revision, Value};
@@ -31,8 +32,7 @@ pub struct Asking<'a> {
     pub asked: &'a Demand,
     /// What the node says about it.
     pub notes: &'a mut Notes,
-    /// See [`Call::thorough`].
-    pub thorough: bool,
+    pub(super) no_leave_out: bool,
     pub(super) node: &'a GraphNode,
     /// For each edge its value, or what stands for it, where known.
     pub(super) early: Vec<Option<Value>>,
@@ -41,6 +41,11 @@ pub struct Asking<'a> {
 }
 
 impl Asking<'_> {
+    /// Leave to leave something out that nobody needs. Without it the node does, and says that it will do, everything.
+    pub fn may_leave_out(&self) -> Option<MayLeaveOut> {
+        MayLeaveOut::unless(self.no_leave_out)
+    }
+
     /// The transfer function at an input, or what stands for it where it is made from data; `None` where nothing
     /// is known of it.
     pub fn look(&self, port: &str) -> Option<Arc<Look>> {
@@ -79,9 +84,29 @@ pub struct Preparation<'a> {
 }
 
 impl Preparation<'_> {
-    /// The path that a parameter gives, resolved against the pipeline file's folder.
+    /// The path that a parameter gives, resolved against the pipeline file's folder; "-" as an output is the standard output.
     pub fn path(&self, name: &str) -> Result<PathBuf> {
-        Ok(self.folder.join(self.parameters.text(name)?))
+        self.parameters.path(name, self.folder)
+    }
+}
+
+/// A node between the demand pass and the run, with leave to leave out what nobody asks for.
+pub struct Foresight<'a> {
+    /// The node's parameters.
+    pub parameters: &'a Parameters,
+    /// What is asked of its outputs.
+    pub demand: &'a Demand,
+    /// What it says about it.
+    pub notes: &'a mut Notes,
+    /// What is needed to note something as left out.
+    pub leave: MayLeaveOut,
+    pub(super) folder: &'a Path,
+}
+
+impl Foresight<'_> {
+    /// A path within a parameter, resolved against the pipeline file's folder.
+    pub fn resolve(&self, path: &str) -> PathBuf {
+        self.folder.join(path)
     }
 }
 
@@ -93,8 +118,7 @@ pub struct Call<'a> {
     pub demand: &'a Demand,
     /// What it says about its work.
     pub notes: Notes,
-    /// Nothing may be left out, needed or not: the session compares. The outputs mean the same.
-    pub thorough: bool,
+    pub(super) no_leave_out: bool,
     pub(super) node: &'a GraphNode,
     pub(super) inputs: Vec<(Value, Revision)>,
     pub(super) folder: &'a Path,
@@ -103,14 +127,19 @@ pub struct Call<'a> {
 }
 
 impl Call<'_> {
+    /// Leave to leave something out that nobody needs. Without it the node does everything; the outputs mean the same.
+    pub fn may_leave_out(&self) -> Option<MayLeaveOut> {
+        MayLeaveOut::unless(self.no_leave_out)
+    }
+
     /// Where progress goes, and whether to stop.
     pub fn progress(&self) -> &dyn Progress {
         &self.progress
     }
 
-    /// The path that a parameter gives, resolved against the pipeline file's folder.
+    /// The path that a parameter gives, resolved against the pipeline file's folder; "-" as an output is the standard output.
     pub fn path(&self, name: &str) -> Result<PathBuf> {
-        Ok(self.folder.join(self.parameters.text(name)?))
+        self.parameters.path(name, self.folder)
     }
 
     /// A path within a parameter, resolved against the pipeline file's folder.
@@ -142,7 +171,7 @@ impl Call<'_> {
         revision: Revision,
         make: impl FnOnce() -> Result<T>,
     ) -> Result<Arc<T>> {
-        if self.thorough {
+        if self.no_leave_out {
             return Ok(Arc::new(make()?));
         }
         self.store.get_or_make(revision, make)
@@ -274,5 +303,9 @@ impl Progress for NodeProgress<'_> {
 
     fn cancelled(&self) -> bool {
         self.observer.cancelled()
+    }
+
+    fn memory_left(&self) -> Option<u64> {
+        self.observer.memory_left()
     }
 }

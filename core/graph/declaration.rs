@@ -1,7 +1,7 @@
 //! What a node type declares: ports, parameters, an example. Command-line help, the checker, editor panels and
 //! the reference of nodes are made from this alone.
 
-use super::call::{Asking, Call, Outputs, Preparation};
+use super::call::{Asking, Call, Foresight, Outputs, Preparation};
 use super::value::Value;
 use crate::Result;
 use crate::parameters::{Parameter, ParameterType, Parameters};
@@ -37,6 +37,8 @@ pub struct Node {
     pub check: &'static (dyn Fn(&Parameters) -> Result<()> + Send + Sync),
     /// Says what is needed of the inputs for what is asked of the node.
     pub demand: &'static (dyn Fn(&mut Asking) -> Result<()> + Send + Sync),
+    /// Notes what the headers of its files tell that it will leave out; reads no data. An error where they do not tell.
+    pub foresee: &'static (dyn Fn(&mut Foresight) -> Result<()> + Send + Sync),
     /// Finds out before any long work whether the run can succeed (files exist, folders can be written).
     pub prepare: &'static (dyn Fn(&Preparation) -> Result<()> + Send + Sync),
     /// Does the work: one value for each output, in their order.
@@ -58,6 +60,7 @@ impl Node {
         outline: &|_, _| Ok(Vec::new()),
         check: &|_| Ok(()),
         demand: &|asking| asking.pass_on(),
+        foresee: &|_| Ok(()),
         prepare: &|_| Ok(()),
         run: &|_| Ok(Vec::new()),
     };

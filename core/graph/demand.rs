@@ -1,5 +1,8 @@
 //! The demand pass: what is asked of each node, from the sinks upward.
 
+use super::build::Graph;
+use super::call::Foresight;
+use super::leave_out::MayLeaveOut;
 use super::notes::Notes;
 use super::value::{Revision, Value};
 use std::collections::BTreeSet;
@@ -8,15 +11,76 @@ use std::collections::BTreeSet;
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Demand {
     /// Point arrays beside the scalar.
-    pub arrays: BTreeSet<String>,
+    pub arrays: Arrays,
     /// Arrays of the file's cells, as they are.
-    pub cell_arrays: BTreeSet<String>,
+    pub cell_arrays: Arrays,
     /// *g* = |∇s| at every point.
     pub gradient_magnitude: bool,
     /// ∇s at every point.
     pub gradient: bool,
     /// An order of the cells.
     pub order: bool,
+}
+
+/// Arrays that are asked for: some by name, or those and all others that there are.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Arrays {
+    named: BTreeSet<String>,
+    all: bool,
+}
+
+impl Arrays {
+    /// All that there are.
+    pub(super) fn all() -> Self {
+        Arrays { named: BTreeSet::new(), all: true }
+    }
+
+    /// Those that somebody named, also one of several components or a length (`velocity:0`, `velocity:magnitude`): each must
+    /// be there.
+    pub fn named(&self) -> impl Iterator<Item = &str> {
+        self.named.iter().map(String::as_str)
+    }
+
+    /// Whether all others that there are shall be there, too.
+    pub fn and_all_others(&self) -> bool {
+        self.all
+    }
+
+    /// Whether somebody named this one, or all are asked for.
+    pub fn contains(&self, name: &str) -> bool {
+        self.all || self.named.contains(name)
+    }
+
+    /// Asks for one more.
+    pub fn insert(&mut self, name: String) {
+        self.named.insert(name);
+    }
+
+    /// Takes one back, which a node makes of others.
+    pub fn remove(&mut self, name: &str) {
+        self.named.remove(name);
+    }
+
+    fn join(&mut self, other: &Arrays) {
+        self.named.extend(other.named.iter().cloned());
+        self.all |= other.all;
+    }
+
+    fn covers(&self, other: &Arrays) -> bool {
+        self.named.is_superset(&other.named) && self.all >= other.all
+    }
+}
+
+impl FromIterator<String> for Arrays {
+    fn from_iter<I: IntoIterator<Item = String>>(names: I) -> Self {
+        Arrays { named: names.into_iter().collect(), all: false }
+    }
+}
+
+impl Extend<String> for Arrays {
+    fn extend<I: IntoIterator<Item = String>>(&mut self, names: I) {
+        self.named.extend(names);
+    }
 }
 
 impl Demand {
@@ -27,8 +91,8 @@ impl Demand {
 
     /// Adds another demand on the same node.
     pub fn join(&mut self, other: &Demand) {
-        self.arrays.extend(other.arrays.iter().cloned());
-        self.cell_arrays.extend(other.cell_arrays.iter().cloned());
+        self.arrays.join(&other.arrays);
+        self.cell_arrays.join(&other.cell_arrays);
         self.gradient_magnitude |= other.gradient_magnitude;
         self.gradient |= other.gradient;
         self.order |= other.order;
@@ -36,8 +100,8 @@ impl Demand {
 
     /// Whether an output made for this demand serves the other one too.
     pub fn covers(&self, other: &Demand) -> bool {
-        self.arrays.is_superset(&other.arrays)
-            && self.cell_arrays.is_superset(&other.cell_arrays)
+        self.arrays.covers(&other.arrays)
+            && self.cell_arrays.covers(&other.cell_arrays)
             && self.gradient_magnitude >= other.gradient_magnitude
             && self.gradient >= other.gradient
             && self.order >= other.order
@@ -53,6 +117,27 @@ pub struct Plan {
     pub notes: Vec<Notes>,
     /// The nodes that ran early.
     pub(super) early: Vec<Option<Done>>,
+    /// See [`Session::no_leave_out`](super::Session::no_leave_out).
+    pub(super) no_leave_out: bool,
+}
+
+impl Plan {
+    /// Notes what nodes will leave out by what the headers of their files tell; reads no data. Gives the places of the nodes
+    /// whose files do not tell.
+    pub fn foresee(&mut self, graph: &Graph) -> Vec<usize> {
+        let Some(leave) = MayLeaveOut::unless(self.no_leave_out) else { return Vec::new() };
+        let mut unknown = Vec::new();
+        for &i in &graph.order {
+            let node = &graph.nodes[i];
+            let (demand, notes) = (&self.demands[i], &mut self.notes[i]);
+            let parameters = &node.parameters;
+            let mut foresight = Foresight { parameters, demand, notes, leave, folder: &graph.folder };
+            if (node.node.foresee)(&mut foresight).is_err() {
+                unknown.push(i);
+            }
+        }
+        unknown
+    }
 }
 
 /// A node that ran.

@@ -8,7 +8,8 @@
 //! 2. **Data**, from the sources downward: a node runs when its parameters, its inputs (a [`Revision`] per output)
 //!    or the demand on it changed, and its former outputs are used again otherwise.
 //!
-//! A session that is [`Session::leaving_nothing_out`] asks for everything instead, to show what that saves.
+//! A session of [`Session::no_leave_out`] asks for everything instead, and gives no node leave to leave something out
+//! ([`MayLeaveOut`]), to show what that saves.
 //!
 //! What lives longer than a run (former outputs, things made from a revision) is held by the [`Session`].
 //! Absent on purpose: files (a [`Session`] is given a function that stamps them), threads (a stage uses all cores
@@ -19,6 +20,7 @@ mod cache;
 mod call;
 mod declaration;
 mod demand;
+mod leave_out;
 mod method;
 mod notes;
 mod registry;
@@ -28,14 +30,15 @@ mod tests;
 mod value;
 
 pub use crate::parameters::{
-    Datum, Field, Kind, Origin, Parameter, ParameterType, Parameters, Range, Setting, Standard, nearest,
-    suggest,
+    Datum, Field, Kind, NamedPath, Origin, Parameter, ParameterType, Parameters, Range, Setting, Standard,
+    nearest, suggest,
 };
 pub use build::{Edge, Graph, GraphNode, LinkEntry, NodeEntry};
 pub use cache::{FileStamp, Stamp};
-pub use call::{Asking, Call, Outputs, Preparation};
+pub use call::{Asking, Call, Foresight, Outputs, Preparation};
 pub use declaration::{Node, Outline, Port, PortType};
-pub use demand::{Demand, Plan};
+pub use demand::{Arrays, Demand, Plan};
+pub use leave_out::MayLeaveOut;
 pub use notes::{Finding, LeftOut, NodeReport, Notes, RunReport, Saving};
 pub use registry::Registry;
 pub use session::{Observer, Session, Unobserved};

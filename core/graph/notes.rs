@@ -1,6 +1,7 @@
 //! What nodes say about their work, and the report of a run.
 
 use super::demand::Done;
+use super::leave_out::MayLeaveOut;
 use super::value::Value;
 use crate::Error;
 use crate::picture::Picture;
@@ -84,7 +85,13 @@ pub struct Notes {
 
 impl Notes {
     /// Something is left out, and why. Said twice, it is kept once.
-    pub fn leave_out(&mut self, what: impl Into<String>, why: impl Into<String>, saving: Option<Saving>) {
+    pub fn leave_out(
+        &mut self,
+        _leave: MayLeaveOut,
+        what: impl Into<String>,
+        why: impl Into<String>,
+        saving: Option<Saving>,
+    ) {
         let (node, what, why) = (String::new(), what.into(), why.into());
         if !self.left_out.iter().any(|known| known.what == what) {
             self.left_out.push(LeftOut { node, what, why, saving });
@@ -99,7 +106,7 @@ impl Notes {
     /// Adds what an engine says of its work.
     pub fn add(&mut self, of_engine: Notes) {
         for LeftOut { what, why, saving, .. } in of_engine.left_out {
-            self.leave_out(what, why, saving);
+            self.leave_out(MayLeaveOut::GIVEN, what, why, saving);
         }
         self.warnings.extend(of_engine.warnings);
         self.counts.extend(of_engine.counts);
@@ -108,7 +115,7 @@ impl Notes {
     /// Adds what was said while planning to what was said while running.
     pub(super) fn join(&mut self, planned: &Notes) {
         for LeftOut { what, why, saving, .. } in &planned.left_out {
-            self.leave_out(what.clone(), why.clone(), *saving);
+            self.leave_out(MayLeaveOut::GIVEN, what.clone(), why.clone(), *saving);
         }
         self.warnings.extend(planned.warnings.iter().cloned());
         if self.engine.is_none() {

@@ -4,7 +4,8 @@ use super::build::{Edge, Graph, GraphNode};
 use super::cache::{Cache, Entry, FileStamp, Store, files_of};
 use super::call::{Asking, Call, NodeProgress, Preparation};
 use super::declaration::PortType;
-use super::demand::{Demand, Done, Plan};
+use super::demand::{Arrays, Demand, Done, Plan};
+use super::leave_out::MayLeaveOut;
 use super::notes::{Notes, RunReport, Saving};
 use super::value::{Revision, Value};
 use crate::{Error, Result};
@@ -22,6 +23,10 @@ pub trait Observer: Sync {
     fn cancelled(&self) -> bool {
         false
     }
+    /// Bytes that the run may still take, where somebody knows.
+    fn memory_left(&self) -> Option<u64> {
+        None
+    }
 }
 
 /// Follows nothing and never stops.
@@ -35,29 +40,36 @@ pub struct Session {
     store: Store,
     last_revision: u64,
     file_stamp: FileStamp,
-    thorough: bool,
+    no_leave_out: bool,
 }
 
 impl Session {
     /// A session without former runs. `file_stamp` finds the state of the files that parameters name.
     pub fn new(file_stamp: FileStamp) -> Self {
         let (cache, store) = (Cache::default(), Store::default());
-        Session { cache, store, last_revision: 0, file_stamp, thorough: false }
+        Session { cache, store, last_revision: 0, file_stamp, no_leave_out: false }
     }
 
     /// The session does everything that could be done, needed or not, for comparison: every node is asked for all it can
-    /// give and is told so ([`Call::thorough`]), and no former output is used. The pictures are the same.
-    pub fn leaving_nothing_out(self) -> Self {
-        Session { thorough: true, ..self }
+    /// give and gets no leave to leave something out ([`Call::may_leave_out`]), and no former output is used. The pictures are
+    /// the same.
+    pub fn no_leave_out(self) -> Self {
+        Session { no_leave_out: true, ..self }
     }
 
     /// The demand pass: what will run for what. Runs the early nodes only.
     pub fn plan(&mut self, graph: &Graph) -> Result<Plan> {
+        self.plan_with(graph, &Demand::default())
+    }
+
+    /// `of_volumes`: what is asked, beside what nodes ask for, of those that make a volume of a grid.
+    fn plan_with(&mut self, graph: &Graph, of_volumes: &Demand) -> Result<Plan> {
         let count = graph.nodes.len();
         let mut plan = Plan {
             demands: vec![Demand::default(); count],
             notes: vec![Notes::default(); count],
             early: vec![None; count],
+            no_leave_out: self.no_leave_out,
         };
         for &i in &graph.order {
             let node = &graph.nodes[i];
@@ -69,7 +81,10 @@ impl Session {
         let outlines = outlines(graph, &plan.early)?;
         for &i in graph.order.iter().rev() {
             let node = &graph.nodes[i];
-            if self.thorough {
+            if makes_volume(node) {
+                plan.demands[i].join(of_volumes);
+            }
+            if self.no_leave_out {
                 plan.demands[i].join(&everything_of(node));
             }
             let early = node.inputs.iter().map(|edge| outlines[edge.node].get(edge.output).cloned());
@@ -81,7 +96,7 @@ impl Session {
                 node,
                 early: early.collect(),
                 asks: vec![Demand::default(); node.inputs.len()],
-                thorough: self.thorough,
+                no_leave_out: self.no_leave_out,
             };
             (node.node.demand)(&mut asking).map_err(|error| node.blame(error))?;
             for (edge, ask) in node.inputs.iter().zip(asking.asks) {
@@ -118,7 +133,7 @@ impl Session {
             done.notes.join(&plan.notes[i]);
             if let Some(seconds) = done.reused {
                 let why = "a former output serves: parameters, inputs and files are the same";
-                done.notes.leave_out("repetition", why, Some(Saving::Seconds(seconds)));
+                done.notes.leave_out(MayLeaveOut::GIVEN, "repetition", why, Some(Saving::Seconds(seconds)));
             }
             report.add(&node.name, node.node.name, &done);
             observer.finished(&node.name, done.seconds);
@@ -129,9 +144,16 @@ impl Session {
     }
 
     /// Runs what feeds a node (its place in [`Graph::nodes`]) and gives the values at its inputs, in the order of
-    /// its edges: for programs that do with them what no node does. The node itself and what follows do not run.
-    pub fn inputs(&mut self, graph: &Graph, place: usize, observer: &dyn Observer) -> Result<Vec<Value>> {
-        let plan = self.plan(graph)?;
+    /// its edges: for programs that do with them what no node does. The node itself and what follows do not run. `of_volumes`:
+    /// what is asked, beside what nodes ask for, of those that make a volume of a grid.
+    pub fn inputs(
+        &mut self,
+        graph: &Graph,
+        place: usize,
+        of_volumes: &Demand,
+        observer: &dyn Observer,
+    ) -> Result<Vec<Value>> {
+        let plan = self.plan_with(graph, of_volumes)?;
         let mut needed = vec![false; graph.nodes.len()];
         needed[place] = true;
         for &i in graph.order.iter().rev().filter(|&&i| i != place) {
@@ -175,7 +197,7 @@ impl Session {
             node.inputs.iter().zip(&inputs).map(|(edge, input)| (edge.port, input.1)).collect();
         let files = files_of(&node.parameters, &graph.folder, self.file_stamp);
         let former = self.cache.find(node.node, &node.parameters, &revisions, demand, &files);
-        if let Some(entry) = former.filter(|_| !self.thorough) {
+        if let Some(entry) = former.filter(|_| !self.no_leave_out) {
             let (outputs, notes) = (entry.outputs.clone(), entry.notes.clone());
             return Ok(Done { outputs, notes, seconds: 0.0, reused: Some(entry.seconds) });
         }
@@ -187,7 +209,7 @@ impl Session {
             inputs,
             folder: &graph.folder,
             store: &self.store,
-            thorough: self.thorough,
+            no_leave_out: self.no_leave_out,
             progress: NodeProgress { observer, node: &node.name },
         };
         let values = (node.node.run)(&mut call).map_err(|error| node.blame(error))?;
@@ -218,12 +240,22 @@ impl Session {
     }
 }
 
-/// All that a node can be asked for: an order, and where it makes a volume of a grid, every gradient.
+/// All that a node can be asked for: an order, of a grid every array, and where a volume is made of a grid, every gradient.
 fn everything_of(node: &GraphNode) -> Demand {
-    let gives = node.node.outputs.iter().any(|port| port.port_type == PortType::Volume);
-    let takes = node.node.inputs.iter().any(|port| port.port_type == PortType::Grid);
-    let gradient = gives && takes;
-    Demand { gradient_magnitude: gradient, gradient, order: true, ..Demand::default() }
+    let gradient = makes_volume(node);
+    let arrays = if gives(node, PortType::Grid) { Arrays::all() } else { Arrays::default() };
+    let cell_arrays = arrays.clone();
+    Demand { arrays, cell_arrays, gradient_magnitude: gradient, gradient, order: true }
+}
+
+/// Whether the node makes a volume of a grid.
+fn makes_volume(node: &GraphNode) -> bool {
+    let takes_grid = node.node.inputs.iter().any(|port| port.port_type == PortType::Grid);
+    gives(node, PortType::Volume) && takes_grid
+}
+
+fn gives(node: &GraphNode, wanted: PortType) -> bool {
+    node.node.outputs.iter().any(|port| port.port_type == wanted)
 }
 
 /// The values at a node's inputs. The order of work puts what feeds a node before it.

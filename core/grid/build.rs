@@ -1,6 +1,7 @@
 //! From a file's parts to a grid of tetrahedra.
 
 use super::cell_types::{CellType, describe_counts};
+use super::overlap::overlapping;
 use super::parts::{Association, CellValues, Cells, Options, Parts};
 use super::source::Source;
 use super::tally::{Tally, split_all, tally, tally_plain};
@@ -74,6 +75,7 @@ pub fn build(mut parts: Parts, options: &Options, progress: &dyn Progress) -> Re
 
     let cell_values = cell_values::take(&mut parts);
     clean::drop_unused_points(&mut parts, &mut tetrahedra)?;
+    origin.warnings.extend(overlaps(&parts.points, &tetrahedra, source_cells.as_deref()));
     let mut grid = Grid {
         points: Arc::new(parts.points),
         tetrahedra: Arc::new(tetrahedra),
@@ -94,6 +96,25 @@ pub fn build(mut parts: Parts, options: &Options, progress: &dyn Progress) -> Re
     }
     progress.report("tetrahedra", 1.0);
     Ok(grid)
+}
+
+/// Says which cells overlap others, where there are such.
+fn overlaps(points: &[glam::DVec3], tetrahedra: &[[u32; 4]], source_cells: Option<&[u32]>) -> Option<String> {
+    let found = overlapping(points, tetrahedra);
+    let cell = |tetrahedron: u32| source_cells.map_or(tetrahedron, |cells| cells[tetrahedron as usize]);
+    let mut cells: Vec<u32> = found.iter().map(|&tetrahedron| cell(tetrahedron)).collect();
+    cells.sort_unstable();
+    cells.dedup();
+    let (first, number) = (*found.first()?, cell(*found.first()?));
+    let middle: glam::DVec3 = tetrahedra[first as usize].map(|p| points[p as usize] * 0.25).iter().sum();
+    Some(format!(
+        "{} cells overlap others (the same side of a shared face is theirs too) and are drawn twice as dense there; the first \
+         is cell {number}, about [{}, {}, {}]. Leave out what is there twice, such as ghost cells of pieces",
+        cells.len(),
+        middle.x,
+        middle.y,
+        middle.z
+    ))
 }
 
 /// Appends the points that curved cells and polyhedra add, with all values that sit on points.

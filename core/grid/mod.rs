@@ -9,6 +9,7 @@ mod clean;
 mod curved;
 pub mod extent;
 pub mod generate;
+mod overlap;
 mod parts;
 mod polyhedron;
 mod refine;

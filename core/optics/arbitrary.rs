@@ -49,9 +49,24 @@ fn profile() -> impl Strategy<Value = Profile> {
                 matrix: matrix.map(|row| row.to_vec()).to_vec(),
             }
         });
+    let triangular_nd = (
+        proptest::array::uniform2(0.0..1.0_f64),
+        proptest::array::uniform2(proptest::array::uniform2(-2.0..2.0_f64)),
+        0.0..6.0_f64,
+    )
+        .prop_map(|(centre, mut matrix, narrow)| {
+            (0..2).for_each(|i| matrix[i][i] += narrow);
+            Profile::TriangularGaussianNd {
+                fields: ["c", "a"].map(String::from).to_vec(),
+                magnitude: "b".into(),
+                centre: centre.to_vec(),
+                matrix: matrix.map(|row| row.to_vec()).to_vec(),
+            }
+        });
     prop_oneof![
         Just(Profile::Uniform),
         gaussian_nd,
+        triangular_nd,
         gaussian,
         triangular,
         wave().prop_map(Profile::TriangleWave),

@@ -3,8 +3,8 @@
 
 use super::Segment;
 use super::clip::{Clip, Stretch};
+use super::fields::{Ends, Fields, slot};
 use super::gaussian::{GaussianPath, GaussianTrack};
-use super::gaussian_nd::GaussianNd;
 use super::piecewise_linear::{PiecewisePath, PiecewiseTrack};
 use super::quadrature::GAUSS_12;
 use super::special::{mean_transmittance, opacity};
@@ -28,12 +28,26 @@ pub(super) struct Cutoff {
 #[derive(Debug, Clone)]
 pub(super) enum Form {
     Uniform,
-    Gaussian { centre: [f64; 2], matrix: [[f64; 2]; 2] },
-    GaussianNd(Box<GaussianNd>),
-    Triangular { centre: f64, sigma: f64 },
+    Gaussian {
+        centre: [f64; 2],
+        matrix: [[f64; 2]; 2],
+    },
+    GaussianNd(Box<Fields>),
+    Triangular {
+        centre: f64,
+        sigma: f64,
+    },
+    /// With the place of m among the segments' further fields.
+    TriangularNd(Box<Fields>, usize),
     Wave(Bell),
-    Piecewise { points: Vec<ControlPoint>, peak: f64 },
-    Table { table: Arc<Table>, range: Clip },
+    Piecewise {
+        points: Vec<ControlPoint>,
+        peak: f64,
+    },
+    Table {
+        table: Arc<Table>,
+        range: Clip,
+    },
 }
 
 /// One widget along one segment.
@@ -75,10 +89,14 @@ impl Form {
             Profile::Uniform => Form::Uniform,
             Profile::Gaussian { centre, matrix } => Form::Gaussian { centre: *centre, matrix: *matrix },
             Profile::GaussianNd { fields: names, centre, matrix } => {
-                Form::GaussianNd(Box::new(GaussianNd::new(names, centre, matrix, fields)))
+                Form::GaussianNd(Box::new(Fields::new(names, centre, matrix, fields)))
             }
             Profile::TriangularGaussian { centre, sigma } => {
                 Form::Triangular { centre: *centre, sigma: *sigma }
+            }
+            Profile::TriangularGaussianNd { fields: names, magnitude, centre, matrix } => {
+                let own = Fields::new(names, centre, matrix, fields);
+                Form::TriangularNd(Box::new(own), slot(magnitude, fields))
             }
             Profile::TriangleWave(wave) => Form::Wave(Bell::triangle(wave)),
             Profile::SineWave(wave) => Form::Wave(Bell::sine(wave)),
@@ -101,6 +119,7 @@ impl Form {
             | Form::Gaussian { .. }
             | Form::GaussianNd(_)
             | Form::Triangular { .. }
+            | Form::TriangularNd(..)
             | Form::Wave(_)
             | Form::Table { .. } => 1.0,
         }
@@ -114,6 +133,7 @@ impl Form {
             | Form::Gaussian { .. }
             | Form::GaussianNd(_)
             | Form::Triangular { .. }
+            | Form::TriangularNd(..)
             | Form::Wave(_)
             | Form::Piecewise { .. } => None,
         }
@@ -136,7 +156,15 @@ impl Form {
                     times(minus(back, front)),
                 ))
             }
-            Form::GaussianNd(nd) => Path::Gaussian(nd.path(segment)),
+            Form::GaussianNd(fields) => {
+                let Ends { front, back, along } = fields.ends(segment);
+                Path::Gaussian(GaussianPath::new(front, back, along))
+            }
+            Form::TriangularNd(fields, magnitude) => {
+                let Ends { front, back, along } = fields.ends(segment);
+                let magnitude = [segment.fields_front[*magnitude], segment.fields_back[*magnitude]];
+                Path::Triangular(TriangularPath::over_fields(front, back, along, magnitude, peak))
+            }
             // Comparisons with a control point do not tell what is no number.
             Form::Piecewise { .. } if (back[0] - front[0]).is_nan() => return None,
             Form::Piecewise { points, .. } => Path::Piecewise(PiecewisePath::new(points, front[0], back[0])),

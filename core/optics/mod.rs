@@ -5,9 +5,9 @@
 
 pub mod clip;
 pub mod compositing;
+mod fields;
 mod forms;
 pub mod gaussian;
-mod gaussian_nd;
 pub mod integrators;
 pub mod linear;
 pub mod overlap;

@@ -120,8 +120,13 @@ pub fn ordered(members: &[Member], glow: Glow) -> [f64; 3] {
                 let total = |f: &dyn Fn(&Member) -> f64| members.iter().filter(present).map(f).sum::<f64>();
                 let rate = total(&|m| m.track.rate(t));
                 let (dt, depth) = limit_panel(t, whole, rate, |dt| total(&|m| m.track.depth(t, dt)));
-                panel(&mut color, members, glow, &Panel { t, dt, seen, middle: t + 0.5 * dt });
-                (dt, depth)
+                match blurred(t, dt) {
+                    None => {
+                        panel(&mut color, members, glow, &Panel { t, dt, seen, middle: t + 0.5 * dt });
+                        (dt, depth)
+                    }
+                    Some(dt) => (dt, blur(&mut color, members, glow, &Panel { t, dt, seen, middle })),
+                }
             }
         };
         front += depth;
@@ -187,6 +192,34 @@ pub fn panel(color: &mut [f64; 3], members: &[Member], glow: Glow, panel: &Panel
         }
         add(color, shared, member.color);
     }
+}
+
+/// Roundings of t under which the places in a panel are not told apart well enough for rates that grow from nothing.
+const BLURRED: f64 = 64.0;
+
+/// The length that a panel from t on gets if it is too short for its places to be told apart: at least a rounding of t.
+pub fn blurred(t: f64, dt: f64) -> Option<f64> {
+    let rounding = t.next_up() - t;
+    (dt < BLURRED * rounding).then_some(dt.max(rounding))
+}
+
+/// Adds the light of a panel whose places are not told apart: what is in it has no order, so its colours are mixed by their
+/// depths. Returns its depth.
+pub fn blur(color: &mut [f64; 3], members: &[Member], glow: Glow, panel: &Panel) -> f64 {
+    let &Panel { t, dt, seen, middle } = panel;
+    let present = |m: &&Member| m.range[0] <= middle && middle <= m.range[1];
+    let depth: f64 = members.iter().filter(present).map(|m| m.track.depth(t, dt)).sum();
+    if depth > 0.0 {
+        for member in members.iter().filter(present) {
+            let share = match glow {
+                Glow::Density => member.track.depth(t, dt) / depth,
+                Glow::Constant(_) if member.track.rate(middle) <= member.threshold * member.unit_rate => 0.0,
+                Glow::Constant(scale) => scale * dt / depth,
+            };
+            add(color, seen * opacity(depth) * share, member.color_at(t));
+        }
+    }
+    depth
 }
 
 #[inline]

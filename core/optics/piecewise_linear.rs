@@ -21,7 +21,7 @@ pub struct PiecewisePath<'a> {
 }
 
 /// One piece: a stretch of linear extinction and colour.
-pub struct Piece {
+pub struct LinearPiece {
     /// Its length as a share of the segment.
     pub share: f64,
     /// Extinction at its front and back.
@@ -42,7 +42,7 @@ pub struct Lit {
     pub color: [[f64; 3]; 2],
 }
 
-impl Piece {
+impl LinearPiece {
     /// What of the piece glows; of length 0 where nothing does. The crossing of the threshold is taken from
     /// the end that is nearer to it.
     pub fn lit(&self, threshold: f64) -> Lit {
@@ -120,7 +120,7 @@ impl<'a> PiecewisePath<'a> {
     }
 
     /// Calls `f` for each piece from front to back until it returns false.
-    pub fn pieces(&self, stretch: &Stretch, mut f: impl FnMut(&Piece) -> bool) {
+    pub fn pieces(&self, stretch: &Stretch, mut f: impl FnMut(&LinearPiece) -> bool) {
         let at = |point: usize| (self.points[point].extinction, self.points[point].color);
         let start = (stretch.start, stretch.start_to_back);
         let end = (stretch.end, stretch.end_to_back);
@@ -130,7 +130,11 @@ impl<'a> PiecewisePath<'a> {
             (self.extinction_in(interval, start.0, start.1), self.color_in(interval, start.0, start.1));
         if interval == last {
             let back = (self.extinction_in(last, end.0, end.1), self.color_in(last, end.0, end.1));
-            f(&Piece { share: stretch.length, extinction: [front.0, back.0], color: [front.1, back.1] });
+            f(&LinearPiece {
+                share: stretch.length,
+                extinction: [front.0, back.0],
+                color: [front.1, back.1],
+            });
             return;
         }
         let rising = last > interval;
@@ -142,7 +146,9 @@ impl<'a> PiecewisePath<'a> {
             let point = boundary(interval);
             let back = at(point);
             let share = length / span;
-            if share > 0.0 && !f(&Piece { share, extinction: [front.0, back.0], color: [front.1, back.1] }) {
+            if share > 0.0
+                && !f(&LinearPiece { share, extinction: [front.0, back.0], color: [front.1, back.1] })
+            {
                 return;
             }
             front = back;
@@ -155,7 +161,7 @@ impl<'a> PiecewisePath<'a> {
         }
         if length > 0.0 {
             let back = (self.extinction_in(last, end.0, end.1), self.color_in(last, end.0, end.1));
-            f(&Piece { share: length / span, extinction: [front.0, back.0], color: [front.1, back.1] });
+            f(&LinearPiece { share: length / span, extinction: [front.0, back.0], color: [front.1, back.1] });
         }
     }
 

@@ -3,7 +3,7 @@
 use super::arbitrary::{fields, segment, transfer_function, widget};
 use super::compositing::Composite;
 use super::{Contribution, Overlap, Prepared, Segment};
-use crate::transfer::{OpticalModel, Profile, TransferFunction};
+use crate::transfer::{OpticalModel, Profile, TransferFunction, Widget};
 use proptest::prelude::*;
 
 /// Quadrature of overlaps and of triangular Gaussians is good to 1e-12 of the brightest colour; where a
@@ -167,7 +167,9 @@ proptest! {
                     scaled.g.iter_mut().for_each(|g| *g /= scale);
                     *table = scaled.into();
                 }
-                Profile::Uniform | Profile::GaussianNd { .. } | Profile::PiecewiseLinear { .. } => {}
+                // Of fields of their own.
+                Profile::GaussianNd { .. } | Profile::TriangularGaussianNd { .. } => {}
+                Profile::Uniform | Profile::PiecewiseLinear { .. } => {}
             }
         }
         let smaller = |v: [f64; 2]| [v[0], v[1] / scale];
@@ -178,6 +180,34 @@ proptest! {
             ..segment
         };
         prop_assert_eq!(before, integrate(&transfer_function, &scaled));
+    }
+
+    #[test]
+    fn a_triangular_gaussian_over_one_field_is_that_of_s_and_g(
+        segment in segment(), centre in 0.0..1.0_f64, sigma in 0.02..0.5_f64, constant in any::<bool>(),
+    ) {
+        let model = match constant {
+            true => OpticalModel::ConstantEmitter { cutoff: 0.01 },
+            false => OpticalModel::DensityEmitter,
+        };
+        let of = |profile| TransferFunction {
+            model,
+            unit_distance: 1.0,
+            widgets: vec![Widget { profile, color: [1.0, 0.5, 0.2], extinction: 3.0, region: None }],
+        };
+        let plane = integrate(&of(Profile::TriangularGaussian { centre, sigma }), &segment);
+        let (fields_front, fields_back) = (&segment.front, &segment.back);
+        // Named in the order of s and g.
+        let nd = of(Profile::TriangularGaussianNd {
+            fields: vec!["a".into()],
+            magnitude: "b".into(),
+            centre: vec![centre],
+            matrix: vec![vec![1.0 / sigma]],
+        });
+        let over_field = integrate(&nd, &Segment { fields_front, fields_back, ..segment });
+        // Widths by σ before or after: some roundings of x, and of where panels and the window begin.
+        prop_assert!(close(plane.optical_depth, over_field.optical_depth, plane.optical_depth));
+        prop_assert!(close(plane.color[0], over_field.color[0], brightness(&nd, &segment)));
     }
 
     #[test]

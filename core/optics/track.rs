@@ -1,7 +1,7 @@
 //! A widget along one segment, as the quadrature sees it: a smooth rate of optical depth between breaks.
 
 use super::quadrature::GAUSS_12;
-use super::special::OPAQUE_DEPTH;
+use super::special::{OPAQUE_DEPTH, opacity};
 
 /// Number of points of a panel.
 pub const POINTS: usize = GAUSS_12.len();
@@ -58,7 +58,19 @@ pub fn mean_transmittance_along(track: &impl Track) -> f64 {
         }
         let next = track.next_break(t);
         let whole = if next < 1.0 { (next - t).min(rest) } else { rest };
-        let (dt, depth) = limit_panel(t, whole, track.rate(t), |dt| track.depth(t, dt));
+        let (mut dt, mut depth) = limit_panel(t, whole, track.rate(t), |dt| track.depth(t, dt));
+        if t + dt <= t {
+            // One rounding of t holds more than a panel.
+            dt = (t.next_up() - t).min(rest);
+            depth = track.depth(t, dt);
+            if depth > 0.0 {
+                sum += seen * dt * opacity(depth) / depth;
+            }
+            front += depth;
+            t += dt;
+            rest -= dt;
+            continue;
+        }
         let depths = track.depths(t, dt);
         let mean: f64 =
             GAUSS_12.iter().zip(depths).map(|(&(_, weight), depth)| weight * (-depth).exp()).sum();

@@ -219,7 +219,7 @@ impl Parameters {
         list.iter().map(|setting| kind_of(kinds, name, setting)).collect()
     }
 
-    fn parameter_type(&self, name: &str) -> Option<ParameterType> {
+    pub(super) fn parameter_type(&self, name: &str) -> Option<ParameterType> {
         self.declared.iter().find(|p| p.name == name).map(|p| p.parameter_type)
     }
 

@@ -10,6 +10,7 @@
 mod check;
 mod declaration;
 mod nearest;
+mod paths;
 mod range;
 mod setting;
 #[cfg(test)]
@@ -19,6 +20,7 @@ pub use check::Parameters;
 pub use declaration::{Kind, Parameter, ParameterType, Standard};
 pub(crate) use declaration::{refuse_contradictions, repeated};
 pub use nearest::{nearest, suggest};
+pub use paths::NamedPath;
 pub use range::Range;
 pub use setting::{Datum, Field, Origin, Setting};
 pub(crate) use setting::{key_text, replace_field};

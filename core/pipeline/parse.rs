@@ -22,7 +22,10 @@ fn read(text: &str) -> Result<Pipeline> {
     let table = DeTable::parse(text).map_err(|error| {
         let end = text.len();
         let span = error.span().unwrap_or(end..end);
-        Origin::Span(span).blame(Error::usage(format!("the file is not valid TOML: {}", error.message())))
+        Origin::Span(span).blame(Error::usage(format!(
+            "the file is not valid TOML: {}",
+            error.message().replace('\n', ", ")
+        )))
     })?;
     let top = fields(table.get_ref())?;
     let known = ["pipeline", "nodes"];

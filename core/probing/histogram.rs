@@ -7,8 +7,8 @@
 //! Values are measured in bins from the lower end of the axis, so that edges are whole numbers. Volumes are summed in
 //! a fixed order: the same data give the same bits on any number of cores.
 
-use super::piece::{Distribution, Piece};
 use super::scaled_volume;
+use super::sub_tetrahedron::{Distribution, SubTetrahedron};
 use crate::grid::Grid;
 use crate::grid::extent::range;
 use crate::progress::Progress;
@@ -150,7 +150,7 @@ impl Sums {
             return;
         }
         let places = corners.map(|[s, g]| [self.axes[0].place(s), self.axes[1].place(g)]);
-        let whole = Piece { share: volume, corners: places };
+        let whole = SubTetrahedron { share: volume, corners: places };
         let beyond =
             |axis: usize| places.iter().any(|p| p[axis] < 0.0 || p[axis] > self.axes[axis].bins as f64);
         if !beyond(0) && !beyond(1) {
@@ -187,7 +187,7 @@ impl Sums {
     }
 
     /// Adds a piece that lies within the axes.
-    fn add(&mut self, piece: &Piece<2>) {
+    fn add(&mut self, piece: &SubTetrahedron<2>) {
         let touched = [self.touched(&piece.corners, 0), self.touched(&piece.corners, 1)];
         let [s, g] = touched.map(|(first, last)| last - first);
         let across = if s <= g { 0 } else { 1 };
@@ -197,7 +197,7 @@ impl Sums {
         }
         for column in first..=last {
             let above = piece.corners.map(|c| c[across] - column as f64);
-            let mut part = |part: Piece<2>| {
+            let mut part = |part: SubTetrahedron<2>| {
                 if column == last {
                     return self.add_column(&part, across, column);
                 }
@@ -209,7 +209,7 @@ impl Sums {
     }
 
     /// Adds a piece that lies within one column of bins, the column being a bin of the axis `across`.
-    fn add_column(&mut self, piece: &Piece<2>, across: usize, column: usize) {
+    fn add_column(&mut self, piece: &SubTetrahedron<2>, across: usize, column: usize) {
         let along = 1 - across;
         let (first, last) = self.touched(&piece.corners, along);
         let width = self.axes[0].bins;

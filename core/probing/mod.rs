@@ -6,21 +6,23 @@
 //!
 //! | file | what |
 //! | --- | --- |
-//! | `piece` | a part of a tetrahedron, cut by half-spaces |
+//! | `sub_tetrahedron` | a part of a tetrahedron, cut by half-spaces |
 //! | `moments` | mean and covariance, merged without loss of digits |
 //! | `region` | the part of a tetrahedron in a box or a ball |
 //! | `probe` | the moments of fields in a region (Kniss et al. 2003, section 6) |
 //! | `kernel` | from moments to the matrix K of a Gaussian widget |
 //! | `histogram` | the distribution over (s, g), weighted by volume |
+//! | `proposal` | a first transfer function, from the histogram |
 //! | `bands` | how many bands of a wave widget the cells cross (Song et al. 2009, section 6.3) |
 
 mod bands;
 mod histogram;
 mod kernel;
 mod moments;
-mod piece;
 mod probe;
+mod proposal;
 mod region;
+mod sub_tetrahedron;
 #[cfg(test)]
 mod tests;
 
@@ -28,6 +30,7 @@ pub use bands::{Bands, bands};
 pub use histogram::{Axis, Histogram, histogram};
 pub use kernel::kernel;
 pub use probe::{Found, Mask, probe};
+pub use proposal::{Proposed, proposal, quiet};
 pub use region::Region;
 
 /// Volume of a tetrahedron whose corners were multiplied by `scale`, which keeps it in the number range.

@@ -6,7 +6,7 @@
 //! the bias out. The volume of a ball is met to 1e-6 this way, its centre to 5e-5 radii and its variances to 1e-5 (measured:
 //! 2e-7, 1.1e-5 and 6e-6).
 
-use super::piece::Piece;
+use super::sub_tetrahedron::SubTetrahedron;
 use glam::DVec3;
 
 /// Where the data are probed.
@@ -39,9 +39,9 @@ const DEEPEST: usize = 160;
 
 impl Region {
     /// Hands the parts of a tetrahedron that lie in the region to `sink`.
-    pub(super) fn parts(&self, corners: [DVec3; 4], sink: &mut dyn FnMut(&Piece<4>)) {
+    pub(super) fn parts(&self, corners: [DVec3; 4], sink: &mut dyn FnMut(&SubTetrahedron<4>)) {
         match *self {
-            Region::Everywhere => sink(&Piece::WHOLE),
+            Region::Everywhere => sink(&SubTetrahedron::WHOLE),
             Region::Box { low, high } => in_box(corners, low, high, sink),
             Region::Sphere { centre, radius } => {
                 let local = corners.map(|p| (p - centre) / radius);
@@ -56,15 +56,15 @@ impl Region {
                 if nearest(|p| p.x) || nearest(|p| p.y) || nearest(|p| p.z) {
                     return;
                 }
-                in_ball(&Piece::WHOLE, local, 0, sink);
+                in_ball(&SubTetrahedron::WHOLE, local, 0, sink);
             }
             Region::Points(_) => {}
         }
     }
 }
 
-fn in_box(corners: [DVec3; 4], low: DVec3, high: DVec3, sink: &mut dyn FnMut(&Piece<4>)) {
-    let mut pieces = vec![Piece::WHOLE];
+fn in_box(corners: [DVec3; 4], low: DVec3, high: DVec3, sink: &mut dyn FnMut(&SubTetrahedron<4>)) {
+    let mut pieces = vec![SubTetrahedron::WHOLE];
     let mut cut = Vec::new();
     for axis in 0..3 {
         let at = corners.map(|p| p[axis]);
@@ -85,7 +85,12 @@ fn in_box(corners: [DVec3; 4], low: DVec3, high: DVec3, sink: &mut dyn FnMut(&Pi
 }
 
 /// `at`: the corners of the piece, the ball being that of radius 1 about the origin.
-fn in_ball(piece: &Piece<4>, at: [DVec3; 4], depth: usize, sink: &mut dyn FnMut(&Piece<4>)) {
+fn in_ball(
+    piece: &SubTetrahedron<4>,
+    at: [DVec3; 4],
+    depth: usize,
+    sink: &mut dyn FnMut(&SubTetrahedron<4>),
+) {
     let squares = at.map(|p| p.length_squared());
     if squares.iter().all(|&square| square <= 1.0) {
         return sink(piece);
@@ -105,7 +110,7 @@ fn in_ball(piece: &Piece<4>, at: [DVec3; 4], depth: usize, sink: &mut dyn FnMut(
         let half = 0.5 * piece.share;
         let between = std::array::from_fn(|n| 0.5 * (piece.corners[i][n] + piece.corners[j][n]));
         for k in [i, j] {
-            let mut part = Piece { share: half, corners: piece.corners };
+            let mut part = SubTetrahedron { share: half, corners: piece.corners };
             let mut corners = at;
             part.corners[k] = between;
             corners[k] = at[i].midpoint(at[j]);

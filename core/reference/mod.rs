@@ -11,6 +11,10 @@
 
 mod along;
 mod crossing;
+mod cuts;
+mod features;
+mod layout;
+mod part;
 mod quadrature;
 mod referee;
 mod segment;
@@ -18,8 +22,12 @@ mod side;
 mod term;
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod tests_stiff;
+mod texels;
 mod tiles;
 mod tracer;
+mod wide;
 
 pub use crossing::{Crossing, Ray};
 pub use referee::ENGINE;

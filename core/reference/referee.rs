@@ -1,7 +1,7 @@
 //! The referee as one of the program's engines: what `integrator = "reference"` asks for.
 
 use super::draw;
-use crate::engine::{Declaration, Drawn, Engine, Manner, Prepared, Stage, Timed};
+use crate::engine::{Declaration, Drawn, Engine, Forms, Manner, Prepared, Stage, Timed};
 use crate::progress::Progress;
 use crate::scene::Scene;
 use crate::shading::Integrator;
@@ -14,7 +14,7 @@ use std::time::Instant;
 pub const ENGINE: Declaration = Declaration {
     name: "reference",
     summary: "64-bit adaptive quadrature, slow",
-    taken: "the 64-bit reference",
+    taken: None,
     absent: None,
     on_device: false,
     compositing: &[],
@@ -39,6 +39,11 @@ impl Engine for Referee {
 
     fn reason(&self) -> Option<&str> {
         Some("the integrator is the 64-bit reference")
+    }
+
+    /// It integrates whole rays only.
+    fn forms(&self) -> Option<Box<dyn Forms>> {
+        None
     }
 
     fn prepare(&self, _volume: &Arc<Volume>) -> Result<Arc<dyn Prepared>> {

@@ -1,37 +1,69 @@
 //! The integral of one ray segment by adaptive quadrature (docs/optics.md, section 6).
 //!
-//! The segment is cut at every place where a widget changes its character ([`Term::features`]); each stretch
-//! between two cuts is halved, front first, until the estimated errors of its optical depth and of its colour
-//! are below the tolerance. Symbols: t ∈ [0, 1] along the segment, u ∈ [0, 1] along a stretch, T the optical
-//! depth in front of a point.
+//! Symbols: u ∈ [0, 1] along a stretch, ρ the extinction, T the optical depth in front of a point, A = 1 − e^(−T), κ what
+//! glows (Σ c_i ρ_i, or the constant-emitter's).
+//!
+//! **Stretches.** The segment is cut at every place where a widget begins, ends, breaks or leaves a width of its centre
+//! (`features`), so ρ and κ are smooth on each stretch, and every widget is monotone or a parabola there. A stretch has a
+//! coordinate of its own: what begins at its front is resolved down to u = 1e-300, wherever that lies in the cell.
+//!
+//! **Pieces.** A stretch is halved, front first, until each piece holds at most [`DEPTH_AT_ONCE`] and the estimated
+//! errors are small. So pieces grade geometrically towards the front where ρ is huge (1e30 of depth: a hundred halvings),
+//! and the walk takes steps of about equal dA/A, whatever ρ is. On a piece C = ∫ κ e^(−T) is integrated by the 15-point
+//! rule with T by the running integral of the same points.
+//!
+//! **Errors.** With ε = [`Tolerance::relative`], S a first estimate of the segment's depth (at most twice of it, as at
+//! least half of a monotone part is above its middle's value), l a piece's share of the length and T' its depth:
+//!
+//! - depth, while light is left: ε (T' + l min(S, 1)). An error δ of T moves C by δ C at most, so this is 3 ε C in all.
+//! - depth behind that: ε (T' + l S), 3 ε T in all. It moves A by T e^(−T) of that.
+//! - colour: ε (C' + C T'/60) for each channel: 2 ε C in all, as pieces with light hold 60 of depth. And 1e-17 of the
+//!   piece's brightest channel, which is below the rounding of the sum.
+//!
+//! **The end of light.** Behind a depth T the rest of the segment gives no more than e^(−T) times the brightest colour
+//! (times D/U and summed over widgets for the constant-emitter), since ∫ ρ e^(−T) ≤ 1. Where that is under e^(−60) of
+//! the colour found so far, no more is looked for.
+//!
+//! **What it cannot do** is an error: a piece that does not converge, features nearer to each other than places are
+//! known where light is left, a depth beyond 64 bits.
 
-use super::along::Along;
+use super::layout::{Layout, Stretch};
+use super::part::Part;
 use super::quadrature::{NODES, RULE, estimated_error};
 use super::term::Term;
+use super::wide::Wide;
 use crate::optics::{Contribution, Overlap};
 use crate::transfer::{OpticalModel, TransferFunction, Widget};
 use crate::{Error, Result};
 
-/// Behind this optical depth no colour is looked for: e^(−60) is 1e-26.
-const DEPTH_OF_NO_LIGHT: f64 = 60.0;
+/// What is left of the light is of no account where it is less than this share of the colour: e^(−60).
+const DARK: f64 = 8.7e-27;
+
+/// Depth of the pieces that hold light: −ln [`DARK`].
+const DEPTH_OF_LIGHT: f64 = 60.0;
 
 /// A stretch over which more optical depth piles up is halved before its colour is believed.
 const DEPTH_AT_ONCE: f64 = 3.0;
 
-/// Halving ends here; what is left is shorter than the rounding of the stretch's ends.
-const SHORTEST: f64 = 1e-16;
+/// Halving ends where a piece is this share of its distance from the stretch's front: a few roundings of u.
+const SHORTEST: f64 = 1e-15;
 
 /// A stretch that needs more halvings is an error: what is known of its widgets does not describe it.
 const HALVINGS_AT_MOST: u32 = 100_000;
 
-/// Rounding of a sample, as a share of the segment's mean: near a zero of a profile no relative error is small.
-const NOISE: f64 = 1e-13;
+/// Channels that are darker than the brightest one by this share are below the rounding of a sum.
+const ROUNDING: f64 = 1e-17;
 
-/// When a piece counts as done: estimated error ≤ relative × its value + absolute. Its share of the segment's
-/// length times the segment's optical depth counts as value, too.
+/// Profiles under this share of the peak have no full digits any more.
+const UNDERFLOW: f64 = 1e-305;
+
+/// Depth in a blurred stretch that can be noticed.
+const NOTICED: f64 = 1e-11;
+
+/// When a piece counts as done: estimated error ≤ relative × its value + absolute, and what the module's head says.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tolerance {
-    /// Of the stretch's own optical depth and colour.
+    /// Of optical depth and colour.
     pub relative: f64,
     /// Of optical depth and colour.
     pub absolute: f64,
@@ -50,43 +82,34 @@ pub struct Integrand {
     model: OpticalModel,
     unit_distance: f64,
     tolerance: Tolerance,
+    /// The densest that all widgets together can be, 1/L.
+    densest: f64,
     /// For the mix of several widgets: each by itself; else empty.
     alone: Vec<Integrand>,
 }
 
-/// What one stretch looks like; buffers that are kept from segment to segment.
+/// Buffers that are kept from segment to segment.
 #[derive(Default)]
 pub struct Workspace {
-    /// Coordinates of all terms along the segment, then along the stretch.
-    along: Vec<Along>,
-    stretch: Vec<Along>,
-    /// Of each term: where its coordinates end.
-    ends: Vec<usize>,
-    /// The regions' half planes, all terms'.
-    sides: Vec<Along>,
-    cuts: Vec<f64>,
-    point: Vec<f64>,
-    /// Of each term on this stretch: not there, absorbing, absorbing and glowing.
-    state: Vec<State>,
+    layout: Layout,
+    /// Ends of the pieces that are still to be looked at, the foremost last.
     pending: Vec<[f64; 2]>,
-    /// A first estimate of the segment's optical depth; what colour it could give at most.
+}
+
+/// What is known of the segment as a whole.
+struct Whole {
+    length: f64,
+    /// A first estimate of its optical depth.
     depth: f64,
+    /// What colour it could give at most.
+    brightest: f64,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum State {
-    Absent,
-    Absorbs,
-    Glows,
-}
-
-/// Sums over the nodes of the rule.
+/// Sums over the nodes of the rule: by its Kronrod and by its Gauss weights.
 #[derive(Default)]
 struct Sums {
     depth: [f64; 2],
-    color: [[f64; 3]; 2],
-    /// The largest colour of any widget at any node.
-    brightest: [f64; 3],
+    color: [[f64; 2]; 3],
 }
 
 impl Integrand {
@@ -106,8 +129,9 @@ impl Integrand {
         let fields = transfer_function.fields();
         let of = |widgets: &[Widget]| -> Result<Integrand> {
             let terms = widgets.iter().map(|w| Term::new(w, unit_distance, &fields));
-            let (terms, model) = (terms.collect::<Result<_>>()?, transfer_function.model);
-            Ok(Integrand { terms, model, unit_distance, tolerance, alone: Vec::new() })
+            let (terms, model) = (terms.collect::<Result<Vec<_>>>()?, transfer_function.model);
+            let densest = terms.iter().map(|term: &Term| term.densest).sum();
+            Ok(Integrand { terms, model, unit_distance, tolerance, densest, alone: Vec::new() })
         };
         let all = of(&transfer_function.widgets)?;
         let alone = match overlap {
@@ -119,6 +143,8 @@ impl Integrand {
 
     /// The pair (C, A) and T of a segment of the given length, world units; `front` and `back` are
     /// [s, g, fields …], the fields in the order of [`TransferFunction::fields`].
+    ///
+    /// Errors: what the quadrature cannot resolve, and numbers beyond 64 bits.
     pub fn integrate(
         &self,
         length: f64,
@@ -130,28 +156,41 @@ impl Integrand {
             return self.mix(length, front, back, work);
         }
         let mut sum = Contribution::default();
-        if length <= 0.0 || length.is_nan() {
+        if length <= 0.0 {
             return Ok(sum);
         }
-        self.lay_out(front, back, work)?;
-        let cuts = std::mem::take(&mut work.cuts);
-        let stretches = || cuts.windows(2).filter(|pair| pair[1] > pair[0]);
-        // A segment of one stretch finds its scale by itself.
-        work.depth = 0.0;
-        for pair in stretches().filter(|_| cuts.len() > 2) {
-            if self.enter(pair[0], pair[1], work) {
-                let part = self.sample(length * (pair[1] - pair[0]), 0.0, 1.0, false, work);
-                work.depth += part.depth[0];
-            }
+        let Workspace { layout, pending } = work;
+        let cutoff = self.model.cutoff();
+        layout.lay_out(&self.terms, front, back, cutoff)?;
+        let middle = |stretch: &Stretch| -> f64 {
+            let extinction = |part: &Part| {
+                let mut value = [0.0];
+                part.extinction(&self.terms[part.term as usize], layout.numbers(), &[0.5], &mut value);
+                value[0]
+            };
+            layout.parts(stretch).iter().map(extinction).sum()
+        };
+        let whole = Whole {
+            length,
+            depth: layout.stretches.iter().map(|stretch| middle(stretch) * stretch.share * length).sum(),
+            brightest: self.brightest(length),
+        };
+        let mut depth = Wide::ZERO;
+        for stretch in &layout.stretches {
+            self.walk(&whole, layout, stretch, pending, &mut depth, &mut sum.color)?;
         }
-        for pair in stretches() {
-            if self.enter(pair[0], pair[1], work) {
-                self.stretch(length, pair[1] - pair[0], work, &mut sum)?;
-            }
-        }
-        work.cuts = cuts;
+        sum.optical_depth = depth.value();
         sum.opacity = -(-sum.optical_depth).exp_m1();
         Ok(sum)
+    }
+
+    /// The most that a segment of this length gives in any channel.
+    pub(super) fn brightest(&self, length: f64) -> f64 {
+        let each = self.terms.iter().map(|term| term.brightest);
+        match self.model {
+            OpticalModel::DensityEmitter => each.fold(0.0, f64::max),
+            OpticalModel::ConstantEmitter { .. } => each.sum::<f64>() * length / self.unit_distance,
+        }
     }
 
     /// The widgets' own lights, dimmed by what all of them absorb on the mean (Kniss et al. 2003, Eq. 15).
@@ -165,153 +204,135 @@ impl Integrand {
         Ok(Contribution { optical_depth, color, opacity: -(-optical_depth).exp_m1() })
     }
 
-    /// Coordinates along the segment, and the cuts: 0, every feature in rising order, 1.
-    fn lay_out(&self, front: &[f64], back: &[f64], work: &mut Workspace) -> Result<()> {
-        work.along.clear();
-        work.ends.clear();
-        work.sides.clear();
-        work.cuts.clear();
-        work.cuts.extend([0.0, 1.0]);
-        let cutoff = match self.model {
-            OpticalModel::ConstantEmitter { cutoff } if cutoff > 0.0 => Some(cutoff),
-            _ => None,
-        };
-        for term in &self.terms {
-            let start = work.along.len();
-            term.coordinates(front, back, &mut work.along);
-            term.features(&work.along[start..], cutoff, &mut work.cuts)?;
-            work.ends.push(work.along.len());
-            for side in &term.sides {
-                let side = side.along(front, back);
-                side.level(0.0, &mut work.cuts);
-                work.sides.push(side);
-            }
-        }
-        work.cuts.sort_unstable_by(f64::total_cmp);
-        work.cuts.dedup();
-        Ok(())
-    }
-
-    /// Looks at the part of the segment from t = a to t = b; false where no widget is.
-    fn enter(&self, a: f64, b: f64, work: &mut Workspace) -> bool {
-        work.stretch.clear();
-        work.stretch.extend(work.along.iter().map(|x| x.part(a, b)));
-        work.state.clear();
-        let (mut first, mut side) = (0, 0);
-        for (term, &end) in self.terms.iter().zip(&work.ends) {
-            let sides = &work.sides[side..side + term.sides.len()];
-            side += sides.len();
-            // Between two cuts nothing is crossed, so the middle speaks for the whole stretch.
-            let inside = sides.iter().all(|x| x.at(0.5 * (a + b)) >= 0.0);
-            term.localise(&mut work.stretch[first..end]);
-            work.point.clear();
-            work.point.extend(work.stretch[first..end].iter().map(|x| x.at(0.5)));
-            work.state.push(match self.model {
-                _ if !inside => State::Absent,
-                OpticalModel::ConstantEmitter { cutoff } if term.share_of_peak(&work.point) <= cutoff => {
-                    State::Absorbs
-                }
-                _ => State::Glows,
-            });
-            first = end;
-        }
-        work.state.iter().any(|s| *s != State::Absent)
-    }
-
-    /// Adds the stretch that was entered, a share of a segment of the given length.
-    fn stretch(&self, length: f64, share: f64, work: &mut Workspace, sum: &mut Contribution) -> Result<()> {
+    /// Adds one stretch, piece by piece from its front.
+    fn walk(
+        &self,
+        whole: &Whole,
+        layout: &Layout,
+        stretch: &Stretch,
+        pending: &mut Vec<[f64; 2]>,
+        in_front: &mut Wide,
+        found: &mut [f64; 3],
+    ) -> Result<()> {
+        let Tolerance { relative, absolute } = self.tolerance;
         let mut halvings = 0;
-        work.pending.clear();
-        work.pending.push([0.0, 1.0]);
-        while let Some([low, high]) = work.pending.pop() {
-            let seen = sum.optical_depth < DEPTH_OF_NO_LIGHT;
-            let share = share * (high - low);
-            let piece = length * share;
-            let sums = self.sample(piece, low, high, seen, work);
+        pending.clear();
+        pending.push([0.0, 1.0]);
+        while let Some([low, high]) = pending.pop() {
+            let share = stretch.share * (high - low);
+            let light = (-in_front.value()).exp();
+            let seen = light * whole.brightest > DARK * found.iter().copied().fold(0.0, f64::max);
+            let sums = self.sample(layout, stretch, [low, high], share * whole.length, seen);
             let [depth, depth_gauss] = sums.depth;
-            if work.depth == 0.0 {
-                work.depth = depth;
+            if !depth.is_finite() {
+                return Err(cannot("a segment's optical depth is no number of 64 bits", stretch, *in_front)
+                    .found(depth)
+                    .accepted("finite values, extinctions and lengths"));
             }
-            let Tolerance { relative, absolute } = self.tolerance;
-            let close = |k: f64, g: f64, more: f64| {
-                estimated_error(k, g, k.abs()) <= relative * k.abs() + more + absolute
+            if stretch.blurred && depth * light > NOTICED {
+                return Err(cannot(
+                    "two features of a transfer function are too near to each other",
+                    stretch,
+                    *in_front,
+                )
+                .found(format!("{share:.3e} of the segment, with an optical depth of {depth:.3e}"))
+                .accepted("features in one place, or further apart than 1e-19 of a segment"));
+            }
+            let underflow = UNDERFLOW * self.densest * share * whole.length;
+            let noise = underflow + absolute;
+            let scale = if seen { whole.depth.min(1.0) } else { whole.depth };
+            let deep = relative * (depth + scale * share) + noise;
+            let lit = || {
+                let most = sums.color.iter().map(|c| c[0]).fold(0.0, f64::max);
+                depth <= DEPTH_AT_ONCE
+                    && sums.color.iter().zip(*found).all(|(&[color, gauss], before)| {
+                        let before = before / light * depth / DEPTH_OF_LIGHT;
+                        let dimmest = ROUNDING * most + underflow * whole.brightest + absolute;
+                        let allowed = relative * (color + before) + dimmest;
+                        estimated_error(color, gauss, color) <= allowed
+                    })
             };
-            let done = close(depth, depth_gauss, relative * work.depth * share)
-                && (!seen
-                    || depth <= DEPTH_AT_ONCE
-                        && (0..3).all(|c| {
-                            let most = NOISE * work.depth * share * sums.brightest[c];
-                            close(sums.color[0][c], sums.color[1][c], most)
-                        }));
-            if !done && high - low > SHORTEST {
+            if !(estimated_error(depth, depth_gauss, depth) <= deep && (!seen || lit())) {
                 halvings += 1;
-                if halvings > HALVINGS_AT_MOST {
-                    return Err(Error::run("a segment's integral did not converge")
-                        .found(format!("{halvings} halvings of one stretch")));
+                if halvings > HALVINGS_AT_MOST || high - low < SHORTEST * high {
+                    return Err(cannot("the reference did not converge on a segment", stretch, *in_front)
+                        .found(format!("{halvings} halvings, the last piece {share:.3e} of the segment"))
+                        .accepted(
+                            "widgets that are smooth between their edges, centres and control points",
+                        ));
                 }
                 let middle = 0.5 * (low + high);
-                work.pending.extend([[middle, high], [low, middle]]);
+                pending.extend([[middle, high], [low, middle]]);
                 continue;
             }
             if seen {
-                let light = (-sum.optical_depth).exp();
-                for (total, part) in sum.color.iter_mut().zip(sums.color[0]) {
-                    *total += light * part;
+                for (total, part) in found.iter_mut().zip(sums.color) {
+                    *total += light * part[0];
                 }
             }
-            sum.optical_depth += depth;
+            *in_front = *in_front + Wide::from(depth);
         }
         Ok(())
     }
 
-    /// Kronrod and Gauss values of optical depth and colour over u from `low` to `high`; the colour as seen
-    /// from the front of the piece.
-    fn sample(&self, piece: f64, low: f64, high: f64, seen: bool, work: &mut Workspace) -> Sums {
+    /// Kronrod and Gauss values of optical depth and colour over u from `low` to `high`, a piece of the given length; the
+    /// colour as seen from the front of the piece.
+    fn sample(
+        &self,
+        layout: &Layout,
+        stretch: &Stretch,
+        [low, high]: [f64; 2],
+        length: f64,
+        seen: bool,
+    ) -> Sums {
         let rule = &*RULE;
-        let mut sums = Sums::default();
+        let places = rule.nodes.map(|node| low + (high - low) * node);
         let mut density = [0.0; NODES];
-        let mut glow = [[0.0; 3]; NODES];
-        let mut first = 0;
-        for (k, (term, &end)) in self.terms.iter().zip(&work.ends).enumerate() {
-            let state = work.state[k];
-            let coordinates = &work.stretch[first..end];
-            first = end;
-            if state == State::Absent {
+        let mut glow = [[0.0; NODES]; 3];
+        for part in layout.parts(stretch) {
+            let term = &self.terms[part.term as usize];
+            let mut extinction = [0.0; NODES];
+            part.extinction(term, layout.numbers(), &places, &mut extinction);
+            density.iter_mut().zip(&extinction).for_each(|(sum, x)| *sum += x);
+            if !seen {
                 continue;
             }
-            for node in 0..NODES {
-                let u = low + (high - low) * rule.nodes[node];
-                work.point.clear();
-                work.point.extend(coordinates.iter().map(|x| x.at(u)));
-                let (extinction, color) = term.sample(&work.point);
-                density[node] += extinction;
-                let brightness = match self.model {
-                    OpticalModel::DensityEmitter => extinction,
-                    OpticalModel::ConstantEmitter { .. } if state == State::Glows => 1.0 / self.unit_distance,
-                    OpticalModel::ConstantEmitter { .. } => 0.0,
+            let brightness = match self.model {
+                OpticalModel::DensityEmitter => extinction,
+                OpticalModel::ConstantEmitter { .. } if part.glows => [1.0 / self.unit_distance; NODES],
+                OpticalModel::ConstantEmitter { .. } => continue,
+            };
+            for (node, brightness) in brightness.iter().enumerate() {
+                let color = if part.has_colors() {
+                    part.color(term, layout.numbers(), places[node])
+                } else {
+                    term.color
                 };
-                for c in 0..3 {
-                    glow[node][c] += color[c] * brightness;
-                    sums.brightest[c] = sums.brightest[c].max(color[c]);
-                }
+                (0..3).for_each(|c| glow[c][node] += color[c] * brightness);
             }
         }
-        for (node, density) in density.iter().enumerate() {
-            sums.depth[0] += rule.kronrod[node] * density * piece;
-            sums.depth[1] += rule.gauss[node] * density * piece;
-        }
-        if !seen || sums.depth[0] > DEPTH_AT_ONCE {
+        let over = |weights: &[f64; NODES], values: &[f64; NODES]| -> f64 {
+            weights.iter().zip(values).map(|(w, x)| w * x).sum::<f64>() * length
+        };
+        let depth = [over(&rule.kronrod, &density), over(&rule.gauss, &density)];
+        let mut sums = Sums { depth, ..Sums::default() };
+        if !seen || depth[0] > DEPTH_AT_ONCE {
             return sums;
         }
-        for (node, glow) in glow.iter().enumerate() {
-            let row = &rule.running[node];
-            let in_front: f64 = row.iter().zip(&density).map(|(m, d)| m * d).sum::<f64>() * piece;
-            let light = (-in_front).exp() * piece;
-            for (c, glow) in glow.iter().enumerate() {
-                sums.color[0][c] += rule.kronrod[node] * glow * light;
-                sums.color[1][c] += rule.gauss[node] * glow * light;
-            }
+        let light: [f64; NODES] = std::array::from_fn(|k| (-over(&rule.running[k], &density)).exp());
+        for (sum, mut glow) in sums.color.iter_mut().zip(glow) {
+            glow.iter_mut().zip(&light).for_each(|(glow, light)| *glow *= light);
+            *sum = [over(&rule.kronrod, &glow), over(&rule.gauss, &glow)];
         }
         sums
     }
+}
+
+/// An error that says where on the segment it is.
+fn cannot(what: &str, stretch: &Stretch, in_front: Wide) -> Error {
+    let Stretch { begin, share, .. } = stretch;
+    let depth = in_front.value();
+    Error::run(format!(
+        "{what} (from {begin} of its length on, over {share:.3e} of it, behind a depth of {depth:.3e})"
+    ))
 }

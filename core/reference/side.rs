@@ -1,26 +1,39 @@
 //! A region as an intersection of half planes of the (s, g) plane.
 
 use super::along::Along;
+use super::wide::Wide;
 use crate::transfer::Region;
 use crate::{Error, Result};
 
 /// The half plane normal · (v − origin) ≥ 0; its boundary belongs to it.
 pub(super) struct Side {
     origin: [f64; 2],
-    normal: [f64; 2],
+    normal: [Wide; 2],
 }
 
 impl Side {
     /// normal · (v − origin) along a path from `front` to `back`.
     pub(super) fn along(&self, front: &[f64], back: &[f64]) -> Along {
-        let value = |v: &[f64]| {
-            // A normal along an axis must not multiply the other axis into the value (0 × ∞).
-            let part =
-                |k: usize| if self.normal[k] == 0.0 { 0.0 } else { self.normal[k] * (v[k] - self.origin[k]) };
-            part(0) + part(1)
-        };
-        Along { front: value(front), back: value(back) }
+        Along::new(front, back, (0..2).map(|axis| (axis, self.normal[axis], self.origin[axis])))
     }
+
+    /// The side of the limit on an axis (0: s, 1: g) where values are larger, or smaller.
+    fn of_limit(axis: usize, limit: f64, larger: bool) -> Side {
+        let mut side = Side { origin: [0.0; 2], normal: [Wide::ZERO; 2] };
+        side.origin[axis] = limit;
+        side.normal[axis] = Wide::from(if larger { 1.0 } else { -1.0 });
+        side
+    }
+}
+
+/// The half planes of a rectangle; infinite limits give none.
+pub(super) fn sides_of_rectangle(limits: [[f64; 2]; 2]) -> Vec<Side> {
+    let mut sides = Vec::new();
+    for (axis, [low, high]) in limits.into_iter().enumerate() {
+        let limits = [(low, true), (high, false)].into_iter().filter(|(limit, _)| limit.is_finite());
+        sides.extend(limits.map(|(limit, larger)| Side::of_limit(axis, limit, larger)));
+    }
+    sides
 }
 
 /// The half planes of a region. Rectangles may have infinite limits, which give none.
@@ -31,25 +44,11 @@ pub(super) fn sides_of(region: &Region) -> Result<Vec<Side>> {
         return refuse("a region has fewer than three corners, or one that is not a number");
     }
     if let Some(limits) = rectangle(corners) {
-        let mut sides = Vec::new();
-        for (axis, [low, high]) in limits.into_iter().enumerate() {
-            for (limit, sign) in [(low, 1.0), (high, -1.0)] {
-                if limit.is_finite() {
-                    let (mut origin, mut normal) = ([0.0; 2], [0.0; 2]);
-                    (origin[axis], normal[axis]) = (limit, sign);
-                    sides.push(Side { origin, normal });
-                }
-            }
-        }
-        return Ok(sides);
+        return Ok(sides_of_rectangle(limits));
     }
     if !corners.iter().flatten().all(|c| c.is_finite()) {
         return refuse("a region that is not a rectangle has an infinite corner");
     }
-    let edge = |k: usize| {
-        let (a, b) = (corners[k], corners[(k + 1) % corners.len()]);
-        [b[0] - a[0], b[1] - a[1]]
-    };
     let twice_area: f64 = (1..corners.len() - 1)
         .map(|k| {
             let from_first = |c: [f64; 2]| [c[0] - corners[0][0], c[1] - corners[0][1]];
@@ -60,12 +59,16 @@ pub(super) fn sides_of(region: &Region) -> Result<Vec<Side>> {
     if twice_area == 0.0 {
         return refuse("a region has no area");
     }
-    let turn = twice_area.signum();
-    Ok((0..corners.len())
-        .map(|k| (corners[k], edge(k)))
-        .filter(|(_, e)| *e != [0.0, 0.0])
-        .map(|(origin, e)| Side { origin, normal: [-turn * e[1], turn * e[0]] })
-        .collect())
+    let edge = |k: usize| {
+        // Counted from the same corner in every region that has this edge, so that all pass it at one place.
+        let ends = [corners[k], corners[(k + 1) % corners.len()]];
+        let [a, b] = if ends[0] <= ends[1] { ends } else { [ends[1], ends[0]] };
+        let inwards = (twice_area > 0.0) == (ends[0] <= ends[1]);
+        let sign = if inwards { 1.0 } else { -1.0 };
+        let normal = [Wide::difference(a[1], b[1]) * sign, Wide::difference(b[0], a[0]) * sign];
+        (a != b).then_some(Side { origin: a, normal })
+    };
+    Ok((0..corners.len()).filter_map(edge).collect())
 }
 
 /// [[s_low, s_high], [g_low, g_high]] when the corners are those of a rectangle along the axes.

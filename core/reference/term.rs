@@ -1,30 +1,35 @@
-//! One widget, evaluated point by point, and where along a straight path through the (s, g) plane it changes.
+//! One widget, and where along a straight path through the (s, g) plane it changes.
 //!
-//! Every profile is a function of a few coordinates that are linear along the path; they are formed as
-//! differences from the widget's own centre before anything else, so that values near 1e8 that vary by 1e-2
-//! keep their digits. Symbols as in docs/optics.md, section 5.
+//! Every profile is a function of a few coordinates that are linear along the path. Symbols as in docs/optics.md,
+//! section 5.
 
-use super::along::{Along, quadratic_crossings};
-use super::side::{Side, sides_of};
-use crate::transfer::{ControlPoint, Profile, Table, Wave, Widget};
+use super::along::{Along, Place};
+use super::side::{Side, sides_of, sides_of_rectangle};
+use super::texels::Texels;
+use super::wide::Wide;
+use crate::transfer::{ControlPoint, Profile, Wave, Widget};
 use crate::{Error, Result};
 use std::f64::consts::PI;
-use std::sync::Arc;
 
-/// More bands than this in one cell are refused rather than drawn for hours.
-const BANDS_AT_MOST: f64 = 1e6;
+/// A path that stays within so many widths of a Gaussian's centre is known to 1e-14 of a width in doubles.
+const ROUNDED_WIDTHS: f64 = 100.0;
 
 /// One widget made ready.
 pub(super) struct Term {
-    shape: Shape,
+    pub(super) shape: ReadyProfile,
     /// Extinction / unit distance, 1/L.
-    peak: f64,
-    color: [f64; 3],
-    /// Half planes whose intersection is the region.
-    pub(super) sides: Vec<Side>,
+    pub(super) peak: f64,
+    /// The extinction where it is densest, 1/L.
+    pub(super) densest: f64,
+    pub(super) color: [f64; 3],
+    /// The largest component of any of its colours.
+    pub(super) brightest: f64,
+    /// Half planes whose intersection is the region, and a table's range.
+    sides: Vec<Side>,
 }
 
-enum Shape {
+/// A profile, and in which coordinates it is simplest.
+pub(super) enum ReadyProfile {
     Uniform,
     /// Coordinates: K (v − v0).
     Gaussian {
@@ -32,335 +37,184 @@ enum Shape {
         centre: Vec<f64>,
         matrix: Vec<Vec<f64>>,
     },
-    /// Coordinates: s − s0, σ g.
+    /// Coordinates: K (v − v0), and the width that they are shares of.
     Triangular {
-        centre: f64,
-        sigma: f64,
+        columns: Vec<usize>,
+        centre: Vec<f64>,
+        matrix: Vec<Vec<f64>>,
+        /// Its column and what that is multiplied by.
+        width: (usize, f64),
     },
-    /// Coordinate: φ − ½, so that peaks lie at whole numbers.
-    Bands {
-        wave: Wave,
-        sine: bool,
-    },
-    /// Coordinate: s − (first control point).
+    /// Coordinate: φ.
+    Bands(Bands),
+    /// Coordinate: s.
     Linear {
         points: Vec<ControlPoint>,
         peak: f64,
     },
-    /// Coordinates: texel column and row, 0 at the first centre; distances inside the four range ends.
-    Table(Arc<Table>),
+    /// Coordinates: s, g.
+    Table(Texels),
+}
+
+/// A triangle or sine wave; peaks at φ = n + ½.
+pub(super) struct Bands {
+    pub(super) sine: bool,
+    pub(super) band_width: f64,
+    /// Half-width of a band in φ.
+    pub(super) half: f64,
+    /// ∂φ/∂s and ∂φ/∂g.
+    slope: [Wide; 2],
+    origin: [f64; 2],
+}
+
+impl Bands {
+    fn new(wave: &Wave, sine: bool) -> Self {
+        let (sin, cos) = wave.angle.sin_cos();
+        let slope = [(cos, wave.scale[0]), (sin, wave.scale[1])];
+        let slope = slope.map(|(part, scale)| Wide::from(part) * scale / Wide::from(wave.period));
+        let mut bands = Bands { sine, band_width: wave.band_width, half: 0.5, slope, origin: wave.origin };
+        if wave.band_width < 1.0 {
+            bands.half = bands.half_width(0.0);
+        }
+        bands
+    }
+
+    /// Half-width in φ of what is higher than a share of the peak.
+    pub(super) fn half_width(&self, height: f64) -> f64 {
+        let below = self.band_width * (1.0 - height);
+        if self.sine { (0.5 * below).sqrt().asin() * 2.0 / PI } else { 0.5 * below }
+    }
 }
 
 impl Term {
     /// `fields` are the names of the point quantities that follow s and g in a value.
     pub(super) fn new(widget: &Widget, unit_distance: f64, fields: &[&str]) -> Result<Self> {
+        let mut sides = match &widget.region {
+            Some(region) => sides_of(region)?,
+            None if matches!(widget.profile, Profile::Uniform) => {
+                return Err(Error::usage("a uniform widget has no region"));
+            }
+            None => Vec::new(),
+        };
+        let mut extinction = widget.extinction;
         let shape = match &widget.profile {
-            Profile::Uniform => Shape::Uniform,
-            Profile::Gaussian { centre, matrix } => Shape::Gaussian {
+            Profile::Uniform => ReadyProfile::Uniform,
+            Profile::Gaussian { centre, matrix } => ReadyProfile::Gaussian {
                 columns: vec![0, 1],
                 centre: centre.to_vec(),
                 matrix: matrix.iter().map(|row| row.to_vec()).collect(),
             },
             Profile::GaussianNd { fields: own, centre, matrix } => {
-                let column = |name: &String| fields.iter().position(|f| f == name).map(|k| k + 2);
-                let columns: Option<Vec<usize>> = own.iter().map(column).collect();
-                let columns = columns.ok_or_else(|| {
-                    Error::usage("a gaussian-nd widget names a field that is not at hand")
-                        .found(own.join(", "))
-                })?;
-                let n = columns.len();
-                if centre.len() != n || matrix.len() != n || matrix.iter().any(|row| row.len() != n) {
-                    return Err(Error::usage(
-                        "a gaussian-nd widget's centre or matrix has not its fields' number",
-                    )
-                    .accepted(format!("{n} numbers and {n} × {n} numbers")));
+                let columns = columns(own, centre, matrix, fields)?;
+                ReadyProfile::Gaussian { columns, centre: centre.clone(), matrix: matrix.clone() }
+            }
+            Profile::TriangularGaussian { centre, sigma } => ReadyProfile::Triangular {
+                columns: vec![0],
+                centre: vec![*centre],
+                matrix: vec![vec![1.0]],
+                width: (1, *sigma),
+            },
+            Profile::TriangularGaussianNd { fields: own, magnitude, centre, matrix } => {
+                ReadyProfile::Triangular {
+                    columns: columns(own, centre, matrix, fields)?,
+                    centre: centre.clone(),
+                    matrix: matrix.clone(),
+                    width: (column(magnitude, fields)?, 1.0),
                 }
-                Shape::Gaussian { columns, centre: centre.clone(), matrix: matrix.clone() }
             }
-            Profile::TriangularGaussian { centre, sigma } => {
-                Shape::Triangular { centre: *centre, sigma: *sigma }
-            }
-            Profile::TriangleWave(wave) => Shape::Bands { wave: *wave, sine: false },
-            Profile::SineWave(wave) => Shape::Bands { wave: *wave, sine: true },
+            Profile::TriangleWave(wave) => ReadyProfile::Bands(Bands::new(wave, false)),
+            Profile::SineWave(wave) => ReadyProfile::Bands(Bands::new(wave, true)),
             Profile::PiecewiseLinear { points } => {
                 if points.is_empty() {
                     return Err(Error::usage("a piecewise-linear widget has no control points"));
                 }
+                extinction = 1.0;
                 let peak = points.iter().map(|p| p.extinction).fold(0.0, f64::max);
-                Shape::Linear { points: points.clone(), peak }
+                ReadyProfile::Linear { points: points.clone(), peak }
             }
-            Profile::Table(table) => Shape::Table(table.clone()),
-        };
-        let extinction = match &shape {
-            Shape::Linear { .. } => 1.0,
-            _ => widget.extinction,
-        };
-        let sides = match &widget.region {
-            Some(region) => sides_of(region)?,
-            None if matches!(shape, Shape::Uniform) => {
-                return Err(Error::usage("a uniform widget has no region"));
+            Profile::Table(table) => {
+                sides.extend(sides_of_rectangle([table.s, table.g]));
+                ReadyProfile::Table(Texels::new(table.clone()))
             }
-            None => Vec::new(),
         };
-        Ok(Term { shape, peak: extinction / unit_distance, color: widget.color, sides })
+        Ok(Term {
+            shape,
+            peak: extinction / unit_distance,
+            densest: widget.peak() / unit_distance,
+            color: widget.color,
+            brightest: widget.brightest(),
+            sides,
+        })
+    }
+
+    /// Between which places the path is inside the region; `None` where it is nowhere, and for a widget that is
+    /// nowhere dense: it does not glow either.
+    pub(super) fn window(&self, front: &[f64], back: &[f64]) -> Option<[Place; 2]> {
+        if self.densest == 0.0 {
+            return None;
+        }
+        let [mut from, mut to] = [Place::FRONT, Place::BACK];
+        for side in &self.sides {
+            let along = side.along(front, back);
+            let (f, b) = (along.front.value(), along.back.value());
+            // A path along an edge is inside.
+            if f.min(b) < 0.0 && f.max(b) <= 0.0 {
+                return None;
+            }
+            let Some(place) = along.passes(Wide::ZERO) else { continue };
+            if f < 0.0 && from.is_before(place) {
+                from = place;
+            } else if f > 0.0 && place.is_before(to) {
+                to = place;
+            }
+        }
+        from.is_before(to).then_some([from, to])
     }
 
     /// Appends the coordinates along the path from `front` to `back` (each [s, g, fields …]).
     pub(super) fn coordinates(&self, front: &[f64], back: &[f64], out: &mut Vec<Along>) {
-        let mut push = |f: f64, b: f64| out.push(Along { front: f, back: b });
         match &self.shape {
-            Shape::Uniform => {}
-            Shape::Gaussian { columns, centre, matrix } => {
-                for row in matrix {
-                    let q = |v: &[f64]| -> f64 {
-                        row.iter().zip(columns).zip(centre).map(|((k, &c), v0)| k * (v[c] - v0)).sum()
-                    };
-                    push(q(front), q(back));
+            ReadyProfile::Uniform => {}
+            ReadyProfile::Gaussian { columns, centre, matrix } => out.extend(matrix.iter().map(|row| {
+                let parts =
+                    || row.iter().zip(columns).zip(centre).map(|((k, column), v0)| (*column, *k, *v0));
+                let along = Along::rounded(front, back, parts());
+                let farthest = along.front.abs().value().max(along.back.abs().value());
+                if farthest < ROUNDED_WIDTHS {
+                    return along;
                 }
+                Along::new(front, back, parts().map(|(column, k, v0)| (column, Wide::from(k), v0)))
+            })),
+            ReadyProfile::Triangular { columns, centre, matrix, width: (column, factor) } => {
+                out.extend(matrix.iter().map(|row| {
+                    let parts = row.iter().zip(columns).zip(centre);
+                    Along::new(front, back, parts.map(|((k, column), v0)| (*column, Wide::from(*k), *v0)))
+                }));
+                out.push(Along::new(front, back, std::iter::once((*column, Wide::from(*factor), 0.0))));
             }
-            Shape::Triangular { centre, sigma } => {
-                push(front[0] - centre, back[0] - centre);
-                push(sigma * front[1], sigma * back[1]);
+            ReadyProfile::Bands(bands) => {
+                let parts = (0..2).map(|axis| (axis, bands.slope[axis], bands.origin[axis]));
+                out.push(Along::new(front, back, parts));
             }
-            Shape::Bands { wave, .. } => {
-                let (sin, cos) = wave.angle.sin_cos();
-                let phase = |v: &[f64]| {
-                    let along_s = (v[0] - wave.origin[0]) * cos * wave.scale[0];
-                    (along_s + (v[1] - wave.origin[1]) * sin * wave.scale[1]) / wave.period - 0.5
-                };
-                push(phase(front), phase(back));
-            }
-            Shape::Linear { points, .. } => push(front[0] - points[0].s, back[0] - points[0].s),
-            Shape::Table(table) => {
-                let ([sa, sb], [ga, gb]) = (table.s, table.g);
-                let (w, h) = (table.width as f64, table.height as f64);
-                let column = |v: &[f64]| (v[0] - sa) * w / (sb - sa) - 0.5;
-                let row = |v: &[f64]| (gb - v[1]) * h / (gb - ga) - 0.5;
-                push(column(front), column(back));
-                push(row(front), row(back));
-            }
-        }
-    }
-
-    /// Appends the places t in (0, 1) where the profile has its peaks, kinks and steps, or leaves a width of
-    /// its centre; with a cutoff also where the profile passes it.
-    pub(super) fn features(&self, along: &[Along], cutoff: Option<f64>, out: &mut Vec<f64>) -> Result<()> {
-        match &self.shape {
-            Shape::Uniform => {}
-            Shape::Gaussian { .. } => gaussian_features(along, cutoff, out),
-            Shape::Triangular { .. } => {
-                let [offset, width] = [along[0], along[1]];
-                width.level(0.0, out);
-                let cut = cutoff.map(|c| (-c.ln()).sqrt());
-                for x in [0.0, 1.0, 2.0, 3.0, 4.5, 6.5, 9.0, 13.0, 26.0].into_iter().chain(cut) {
-                    for x in [x, -x] {
-                        let line = Along {
-                            front: offset.front - x * width.front,
-                            back: offset.back - x * width.back,
-                        };
-                        line.level(0.0, out);
-                    }
-                }
-            }
-            Shape::Bands { wave, sine } => {
-                let phase = along[0];
-                let low = phase.front.min(phase.back).round();
-                let high = phase.front.max(phase.back).round();
-                if high - low > BANDS_AT_MOST {
-                    return Err(Error::run("a cell holds more bands of a wave widget than are drawn")
-                        .found(format!("{:.3e} bands", high - low))
-                        .accepted(format!("at most {BANDS_AT_MOST:.0e}")));
-                }
-                let half_width = |height: f64| {
-                    let below = wave.band_width * (1.0 - height);
-                    if *sine { (0.5 * below).sqrt().asin() * 2.0 / PI } else { 0.5 * below }
-                };
-                let cut = cutoff.map(half_width);
-                for band in 0..=(high - low) as u64 {
-                    let peak = low + band as f64;
-                    phase.level(peak, out);
-                    phase.level(peak + 0.5, out);
-                    for half in [Some(half_width(0.0)), cut].into_iter().flatten() {
-                        phase.level(peak - half, out);
-                        phase.level(peak + half, out);
-                    }
-                }
-            }
-            Shape::Linear { points, peak } => {
-                let at = |p: &ControlPoint| p.s - points[0].s;
-                for point in points {
-                    along[0].level(at(point), out);
-                }
-                let level = cutoff.unwrap_or(0.0) * peak;
-                for pair in points.windows(2).filter(|_| cutoff.is_some()) {
-                    let (e0, e1) = (pair[0].extinction, pair[1].extinction);
-                    if (e0 > level) != (e1 > level) {
-                        let share = (level - e0) / (e1 - e0);
-                        along[0].level(at(&pair[0]) + share * (pair[1].s - pair[0].s), out);
-                    }
-                }
-            }
-            Shape::Table(table) => table_features(table, along, cutoff, out),
-        }
-        Ok(())
-    }
-
-    /// Moves the coordinates of a short stretch to where they have the most digits (waves: whole bands off).
-    pub(super) fn localise(&self, along: &mut [Along]) {
-        if let Shape::Bands { .. } = self.shape {
-            let whole = along[0].at(0.5).round();
-            along[0] = Along { front: along[0].front - whole, back: along[0].back - whole };
-        }
-    }
-
-    /// Share of the peak extinction at a point, which the cutoff of the constant-emitter model looks at.
-    pub(super) fn share_of_peak(&self, x: &[f64]) -> f64 {
-        match &self.shape {
-            Shape::Linear { points, peak } if *peak > 0.0 => linear(points, x[0]).0 / peak,
-            Shape::Linear { .. } => 0.0,
-            _ if self.peak == 0.0 => 0.0,
-            _ => self.profile(x).0,
-        }
-    }
-
-    /// ρ (1/L) and linear RGB at a point.
-    pub(super) fn sample(&self, x: &[f64]) -> (f64, [f64; 3]) {
-        let (profile, color) = self.profile(x);
-        (self.peak * profile, color)
-    }
-
-    fn profile(&self, x: &[f64]) -> (f64, [f64; 3]) {
-        let profile = match &self.shape {
-            Shape::Uniform => 1.0,
-            Shape::Gaussian { .. } => (-x.iter().map(|q| q * q).sum::<f64>()).exp(),
-            Shape::Triangular { .. } if x[1] > 0.0 => (-(x[0] / x[1]).powi(2)).exp(),
-            Shape::Triangular { .. } => 0.0,
-            Shape::Bands { wave, sine } => {
-                let from_peak = x[0] - x[0].round();
-                // 1 − the profile without band width; |sin πφ| is cos π(φ − ½) there.
-                let below =
-                    if *sine { 2.0 * (0.5 * PI * from_peak).sin().powi(2) } else { 2.0 * from_peak.abs() };
-                (1.0 - below / wave.band_width).max(0.0)
-            }
-            Shape::Linear { points, .. } => return linear(points, x[0]),
-            Shape::Table(table) => return texels(table, x),
-        };
-        (profile, self.color)
-    }
-}
-
-/// Places around the point nearest to the centre, by widths, and where |q|² passes −ln cutoff.
-fn gaussian_features(along: &[Along], cutoff: Option<f64>, out: &mut Vec<f64>) {
-    let step = |a: &Along| a.back - a.front;
-    let square: f64 = along.iter().map(|a| step(a).powi(2)).sum();
-    let length = square.sqrt();
-    if length == 0.0 || length.is_nan() {
-        return;
-    }
-    let nearest = -along.iter().map(|a| a.front * step(a)).sum::<f64>() / square;
-    let mut push = |t: f64| {
-        if t > 0.0 && t < 1.0 {
-            out.push(t);
-        }
-    };
-    // A stretch of less than a width and a half is smooth enough as it is.
-    if length > 1.5 {
-        push(nearest);
-        let mut widths = 1.5;
-        while widths / length < 1.0 + nearest.abs() && widths < 1e4 {
-            push(nearest - widths / length);
-            push(nearest + widths / length);
-            widths = if widths < 4.0 { widths + 1.5 } else { widths * 1.45 };
-        }
-    }
-    if let Some(cutoff) = cutoff {
-        let reach = -cutoff.ln();
-        if (-1.0..=2.0).contains(&nearest) {
-            let apart: f64 = along.iter().map(|a| a.at(nearest).powi(2)).sum();
-            if apart < reach {
-                let half = (reach - apart).sqrt() / length;
-                push(nearest - half);
-                push(nearest + half);
-            }
-        } else {
-            let slope: f64 = along.iter().map(|a| a.front * step(a)).sum();
-            let offset = along.iter().map(|a| a.front * a.front).sum::<f64>() - reach;
-            quadratic_crossings(square, slope, offset, push);
+            ReadyProfile::Linear { .. } => out.push(Along::column(front, back, 0)),
+            ReadyProfile::Table(_) => out.extend([0, 1].map(|column| Along::column(front, back, column))),
         }
     }
 }
 
-/// Lines of texel centres, range ends, and where the bilinear alpha passes the cutoff.
-fn table_features(table: &Table, along: &[Along], cutoff: Option<f64>, out: &mut Vec<f64>) {
-    let first = out.len();
-    for (axis, count) in [(along[0], table.width), (along[1], table.height)] {
-        axis.level(-0.5, out);
-        axis.level(count as f64 - 0.5, out);
-        let low = axis.front.min(axis.back).max(0.0).floor() as usize;
-        let high = axis.front.max(axis.back).max(0.0).min(count as f64).ceil() as usize;
-        for line in low..=high {
-            axis.level(line as f64, out);
-        }
-    }
-    let Some(cutoff) = cutoff else { return };
-    // Between those places alpha is a quadratic polynomial of t; three values give it.
-    let mut ends = vec![0.0, 1.0];
-    ends.extend_from_slice(&out[first..]);
-    ends.sort_unstable_by(f64::total_cmp);
-    for pair in ends.windows(2) {
-        let (a, b) = (pair[0], pair[1]);
-        let above = |u: f64| {
-            let t = a + (b - a) * u;
-            texels(table, &[along[0].at(t), along[1].at(t)]).0 - cutoff
-        };
-        // Inner points only: at the ends a step may belong to the other side.
-        let (p, q, r) = (above(0.25), above(0.5), above(0.75));
-        let square = 8.0 * (p - 2.0 * q + r);
-        let slope = 2.0 * (r - p) - square;
-        let offset = q - 0.25 * square - 0.5 * slope;
-        quadratic_crossings(square, 0.5 * slope, offset, |u| {
-            if u > 0.0 && u < 1.0 {
-                out.push(a + (b - a) * u);
-            }
-        });
-    }
+/// The column of a field in a value.
+fn column(name: &str, fields: &[&str]) -> Result<usize> {
+    fields.iter().position(|f| *f == name).map(|k| k + 2).ok_or_else(|| {
+        Error::usage("a widget names a field that is not at hand").found(name).accepted(fields.join(", "))
+    })
 }
 
-/// Extinction and colour of a piecewise-linear widget at `x` = s − (first point).
-fn linear(points: &[ControlPoint], x: f64) -> (f64, [f64; 3]) {
-    let at = |k: usize| points[k].s - points[0].s;
-    let after = points.partition_point(|p| p.s - points[0].s <= x);
-    if after == 0 {
-        return (points[0].extinction, points[0].color);
+/// The columns of a widget's fields, of which its numbers must be as many.
+fn columns(own: &[String], centre: &[f64], matrix: &[Vec<f64>], fields: &[&str]) -> Result<Vec<usize>> {
+    let n = own.len();
+    if centre.len() != n || matrix.len() != n || matrix.iter().any(|row| row.len() != n) {
+        return Err(Error::usage("a widget's centre or matrix has not its fields' number")
+            .accepted(format!("{n} numbers and {n} × {n} numbers")));
     }
-    let (low, last) = (after - 1, points.len() - 1);
-    if low == last {
-        return (points[last].extinction, points[last].color);
-    }
-    let share = (x - at(low)) / (at(after) - at(low));
-    let mix = |a: f64, b: f64| a * (1.0 - share) + b * share;
-    let (p, q) = (&points[low], &points[after]);
-    (mix(p.extinction, q.extinction), std::array::from_fn(|c| mix(p.color[c], q.color[c])))
-}
-
-/// Alpha and colour of a table at fractional column x[0] and row x[1].
-fn texels(table: &Table, x: &[f64]) -> (f64, [f64; 3]) {
-    let (w, h) = (table.width, table.height);
-    let inside = |v: f64, count: usize| (-0.5..=count as f64 - 0.5).contains(&v);
-    if !inside(x[0], w) || !inside(x[1], h) {
-        return (0.0, [0.0; 3]);
-    }
-    let split = |v: f64, count: usize| {
-        let v = v.clamp(0.0, (count - 1) as f64);
-        let low = (v.floor() as usize).min(count.saturating_sub(2));
-        (low, (low + 1).min(count - 1), v - low as f64)
-    };
-    let ((i0, i1, u), (j0, j1, v)) = (split(x[0], w), split(x[1], h));
-    let channel = |c: usize| {
-        let texel = |i: usize, j: usize| f64::from(table.texels[j * w + i][c]);
-        let upper = texel(i0, j0) * (1.0 - u) + texel(i1, j0) * u;
-        let lower = texel(i0, j1) * (1.0 - u) + texel(i1, j1) * u;
-        upper * (1.0 - v) + lower * v
-    };
-    (channel(3), [channel(0), channel(1), channel(2)])
+    own.iter().map(|name| column(name, fields)).collect()
 }

@@ -11,7 +11,7 @@ use crate::volume::Volume;
 use crate::{Error, Result};
 use glam::DVec3;
 
-/// Compositing stops where less light than this is left.
+/// Compositing stops where less opacity and colour than this are left.
 const DARK: f64 = 1e-22;
 
 /// Depths that differ by less than this share of themselves are one: some hundred roundings.
@@ -205,7 +205,8 @@ impl<'a> Tracer<'a> {
     /// What one cell contributes to a ray, silhouette and light included.
     pub fn contribution(&self, ray: &Ray, crossing: &Crossing, work: &mut Workspace) -> Result<Contribution> {
         let (length, [front, back]) = self.segment(ray, crossing);
-        let mut part = self.integrand.integrate(length, &front, &back, work)?;
+        let part = self.integrand.integrate(length, &front, &back, work);
+        let mut part = part.map_err(|error| error.at_item(format!("cell {}", crossing.cell)))?;
         if self.silhouette.is_none() && self.light.is_none() {
             return Ok(part);
         }
@@ -222,7 +223,9 @@ impl<'a> Tracer<'a> {
             } else {
                 self.frame.forward
             });
-            let factor = (1.0 - normal.dot(view).abs()).max(0.0).powf(exponent);
+            // 1 − |cos| by the sine, which keeps its digits where the surface is seen face on.
+            let sine = if normal == DVec3::ZERO { 1.0 } else { normal.cross(view).length() };
+            let factor = (sine * sine / (1.0 + normal.dot(view).abs())).powf(exponent);
             part.opacity *= factor;
             part.color = part.color.map(|c| c * factor);
         }
@@ -237,8 +240,13 @@ impl<'a> Tracer<'a> {
     pub(super) fn composite(&self, ray: &Ray, crossings: &[Crossing], work: &mut Workspace) -> Result<Seen> {
         let mut seen = Seen { segments: crossings.len() as u64, ..Seen::default() };
         let mut light = 1.0;
+        // The brightest that any part of the ray could be.
+        let farthest = crossings.iter().map(|crossing| crossing.depth[1]).fold(0.0, f64::max);
+        let nearest = crossings.iter().map(|crossing| crossing.depth[0]).fold(farthest, f64::min);
+        let lit = self.light.map_or(1.0, |light| light.ambient + light.diffuse);
+        let brightest = lit * self.integrand.brightest((farthest - nearest) * ray.stretch() * self.unit);
         for crossing in crossings {
-            if light < DARK {
+            if light * brightest.max(1.0) < DARK {
                 break;
             }
             let part = self.contribution(ray, crossing, work)?;

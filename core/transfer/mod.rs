@@ -61,7 +61,8 @@ impl TransferFunction {
     }
 
     /// The value that an axis (0: s, 1: g, then the further fields by name) is best counted from, if there is one: offsets
-    /// are then taken from it in 64 bits, so that a widget far narrower than the range loses nothing.
+    /// are then taken from it in 64 bits, so that a widget far narrower than the range loses nothing. Of several places
+    /// (centres, and corners of regions) it is the middle: what is near them keeps more digits than the range's ends.
     pub fn axis_origin(&self, axis: usize) -> Option<f64> {
         let names = self.fields();
         let of = |widget: &Widget| -> AxisOrigin {
@@ -74,16 +75,21 @@ impl TransferFunction {
             };
             place.and_then(|place| properties.axes.get(place).copied()).unwrap_or(AxisOrigin::Any)
         };
-        if self.widgets.iter().any(|widget| of(widget) == AxisOrigin::Zero) {
-            return Some(0.0);
+        let mut places = Vec::new();
+        for widget in &self.widgets {
+            match (of(widget), self.widgets.len()) {
+                (AxisOrigin::Zero, _) => return Some(0.0),
+                // Alone, its region's edges may lie farther off than its widths are.
+                (AxisOrigin::Centre(centre), 1) => return Some(centre),
+                (AxisOrigin::Centre(centre), _) => places.push(centre),
+                (AxisOrigin::Any, _) => {}
+            }
+            let corners = widget.region.iter().flat_map(|region| &region.corners);
+            places.extend(corners.filter_map(|corner| corner.get(axis)).filter(|x| x.is_finite()));
         }
-        match self.widgets.as_slice() {
-            [widget] => match of(widget) {
-                AxisOrigin::Centre(centre) => Some(centre),
-                AxisOrigin::Any | AxisOrigin::Zero => None,
-            },
-            _ => None,
-        }
+        let low = places.iter().copied().reduce(f64::min)?;
+        let high = places.iter().copied().reduce(f64::max)?;
+        Some(low + 0.5 * (high - low))
     }
 
     /// Names of further point arrays that the widgets look at.

@@ -38,8 +38,16 @@ fn axes_are_counted_from_a_single_centre_and_widths_from_zero() {
     let triangular = widget(Profile::TriangularGaussian { centre: 2.0, sigma: 0.5 }, RED, 1.0);
     let (alone, both) = (of(vec![gaussian(RED, 1.0)]), of(vec![gaussian(RED, 1.0), triangular.clone()]));
     assert_eq!([0, 1].map(|axis| alone.axis_origin(axis)), [Some(3.0), Some(1.0)]);
-    assert_eq!([0, 1].map(|axis| both.axis_origin(axis)), [None, Some(0.0)]);
+    assert_eq!([0, 1].map(|axis| both.axis_origin(axis)), [Some(2.5), Some(0.0)]);
     assert_eq!([0, 1].map(|axis| of(vec![triangular.clone()]).axis_origin(axis)), [Some(2.0), Some(0.0)]);
+    // Corners of regions are places like centres, but a centre that is alone goes first.
+    let region = Some(Region { corners: vec![[1.0, -4.0], [9.0, 0.0], [2.0, f64::INFINITY]] });
+    let cut = Widget { region, ..gaussian(RED, 1.0) };
+    let even = Widget { profile: Profile::Uniform, ..cut.clone() };
+    let (cut, even, two) = (of(vec![cut]), of(vec![even.clone()]), of(vec![gaussian(RED, 1.0), even]));
+    assert_eq!([0, 1].map(|axis| cut.axis_origin(axis)), [Some(3.0), Some(1.0)]);
+    assert_eq!([0, 1, 2].map(|axis| even.axis_origin(axis)), [Some(5.0), Some(-2.0), None]);
+    assert_eq!([0, 1].map(|axis| two.axis_origin(axis)), [Some(5.0), Some(-1.5)]);
     // Fields are counted in the order of their names, a widget's own in the order that it names them.
     let fields = ["q", "p"].map(String::from).to_vec();
     let matrix = vec![vec![1.0, 0.0], vec![0.0, 1.0]];

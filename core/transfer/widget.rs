@@ -64,6 +64,11 @@ impl Widget {
         Widget { profile, extinction: self.extinction * factor, ..self.clone() }
     }
 
+    /// The same widget in one colour.
+    pub fn in_color(&self, color: [f64; 3]) -> Widget {
+        Widget { profile: self.profile.in_color(color), color, ..self.clone() }
+    }
+
     /// Whether the widget's profile or region depends on the gradient magnitude.
     pub fn uses_gradient_magnitude(&self) -> bool {
         self.profile.properties().depends_on_g || self.region.as_ref().is_some_and(Region::depends_on_g)

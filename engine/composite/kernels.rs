@@ -6,14 +6,14 @@ use crate::fragments::batch::Batch;
 use crate::fragments::crossing::Group;
 use crate::fragments::spans::{Edges, Fragments};
 use crate::project::record::TILE;
-use crate::scene::Scene;
+use crate::sample::Frame;
 use crate::shade::light::Rays;
 use crate::shade::shaded::Shaded;
 use std::ops::Range;
 use voltet_lanes::{Kernel, Lanes};
 
 pub(crate) struct Cover<'a> {
-    pub scene: &'a Scene<'a>,
+    pub frame: &'a Frame<'a>,
     pub cells: &'a [u32],
     /// The entries after these: their records are asked for one by one, so that the requests do not queue up.
     pub ahead: &'a [u32],
@@ -33,9 +33,9 @@ impl Kernel for Cover<'_> {
         self.fragments.count = 0;
         for (lane, &entry) in self.cells.iter().enumerate() {
             if let Some(&later) = self.ahead.get(lane) {
-                self.scene.prefetch(later);
+                self.frame.prefetch(later);
             }
-            let (record, attributes, corners) = self.scene.record(entry);
+            let (record, attributes, corners) = self.frame.record(entry);
             self.group.take(lane, record, attributes, self.left, self.top);
             self.edges.take(lane, corners);
         }
@@ -47,7 +47,7 @@ impl Kernel for Cover<'_> {
 }
 
 pub(crate) struct Evaluate<'a> {
-    pub scene: &'a Scene<'a>,
+    pub frame: &'a Frame<'a>,
     pub group: &'a Group,
     pub codes: &'a [u16],
     pub count: usize,
@@ -59,18 +59,18 @@ impl Kernel for Evaluate<'_> {
     type Output = ();
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        let Evaluate { scene, group, codes, count, stretch, batch } = self;
-        let ordered = scene.shader.one_color.is_none();
-        if scene.view.perspective {
-            group.evaluate::<L, true>(codes, count, stretch, scene.near, ordered, batch);
+        let Evaluate { frame, group, codes, count, stretch, batch } = self;
+        let ordered = frame.shader.one_color.is_none();
+        if frame.view.perspective {
+            group.evaluate::<L, true>(codes, count, stretch, frame.near, ordered, batch);
         } else {
-            group.evaluate::<L, false>(codes, count, stretch, scene.near, ordered, batch);
+            group.evaluate::<L, false>(codes, count, stretch, frame.near, ordered, batch);
         }
     }
 }
 
 pub(crate) struct Illuminate<'a> {
-    pub scene: &'a Scene<'a>,
+    pub frame: &'a Frame<'a>,
     pub batch: &'a Batch,
     pub count: usize,
     pub rays: &'a Rays,
@@ -81,7 +81,7 @@ impl Kernel for Illuminate<'_> {
     type Output = ();
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        self.scene.shader.light::<L>(self.batch, self.count, self.rays, self.shaded);
+        self.frame.shader.light::<L>(self.batch, self.count, self.rays, self.shaded);
     }
 }
 

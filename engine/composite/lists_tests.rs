@@ -202,6 +202,7 @@ fn depths_that_are_no_numbers_spoil_nothing() {
 }
 
 #[test]
+#[cfg_attr(miri, ignore = "a thousand segments take it minutes")]
 fn a_full_list_refuses_and_keeps_what_it_has() {
     let mut lists = Lists::new();
     let layer = |k: usize| Layer::new(k as f32, k as f32 + 1.0, [0.0; 4]);

@@ -13,7 +13,7 @@ use crate::fragments::batch::{BATCH, Batch, LANES_MOST};
 use crate::fragments::crossing::Group;
 use crate::fragments::spans::{Edges, Fragments};
 use crate::project::record::TILE;
-use crate::scene::Scene;
+use crate::sample::Frame;
 use crate::shade::light::{Rays, rays};
 use crate::shade::roads::integrate;
 use crate::shade::shaded::Shaded;
@@ -40,7 +40,7 @@ pub(crate) struct WorkerCounts {
 
 /// One worker: takes tiles until none is left.
 pub(crate) struct Worker<'a> {
-    pub scene: &'a Scene<'a>,
+    pub frame: &'a Frame<'a>,
     /// Tile numbers, fullest first.
     pub queue: &'a [u32],
     pub next: &'a AtomicUsize,
@@ -62,12 +62,12 @@ struct Scratch {
 impl Worker<'_> {
     /// Draws tiles until the queue is empty. Returns the pictures with their tile numbers.
     pub fn run(self) -> Drawn {
-        let scene = self.scene;
+        let frame = self.frame;
         let mut scratch = Scratch {
             fragments: Fragments::new(LANES_MOST),
             edges: Edges::new(),
-            group: Group::new(scene.attribute_count),
-            batch: Batch::new(scene.attribute_count, scene.scalar_count),
+            group: Group::new(frame.attribute_count),
+            batch: Batch::new(frame.attribute_count, frame.scalar_count),
             shaded: Shaded::new(),
             stretch: [1.0; TILE * TILE],
             rays: [[0.0; TILE * TILE]; 3],
@@ -85,7 +85,7 @@ impl Worker<'_> {
                 break;
             }
             let mut picture = Box::new([[0.0; 4]; TILE * TILE]);
-            draw_tile(scene, tile as usize, &mut scratch, &mut lists, &mut picture);
+            draw_tile(frame, tile as usize, &mut scratch, &mut lists, &mut picture);
             done.push((tile, picture));
         }
         scratch.counts.segments_exact = scratch.shaded.exact_count;
@@ -95,45 +95,45 @@ impl Worker<'_> {
 }
 
 fn draw_tile(
-    scene: &Scene<'_>,
+    frame: &Frame<'_>,
     tile: usize,
     scratch: &mut Scratch,
     lists: &mut Lists,
     picture: &mut TilePicture,
 ) {
-    let (left, top) = (tile % scene.tiles_wide * TILE, tile / scene.tiles_wide * TILE);
-    if scene.view.perspective {
+    let (left, top) = (tile % frame.tiles_wide * TILE, tile / frame.tiles_wide * TILE);
+    if frame.view.perspective {
         for (pixel, stretch) in scratch.stretch.iter_mut().enumerate() {
-            *stretch = scene.view.stretch((left + pixel % TILE) as f64, (top + pixel / TILE) as f64) as f32;
+            *stretch = frame.view.stretch((left + pixel % TILE) as f64, (top + pixel / TILE) as f64) as f32;
         }
     }
-    if scene.shader.surface.is_some_and(|surface| surface.silhouette.is_some()) {
-        rays(&scene.view, left, top, &mut scratch.rays);
+    if frame.shader.surface.is_some_and(|surface| surface.silhouette.is_some()) {
+        rays(&frame.view, left, top, &mut scratch.rays);
     }
-    if let Some(color) = scene.shader.one_color {
+    if let Some(color) = frame.shader.one_color {
         let mut depth = [0.0; TILE * TILE];
         // Pixels beyond the picture's edge wait for nothing.
-        let [columns, rows] = [scene.view.size[0] - left, scene.view.size[1] - top];
+        let [columns, rows] = [frame.view.size[0] - left, frame.view.size[1] - top];
         for (pixel, depth) in depth.iter_mut().enumerate() {
             if columns <= pixel % TILE || rows <= pixel / TILE {
                 *depth = OPAQUE_DEPTH;
             }
         }
         // A sum cannot overflow its pixel.
-        let opacities = scene.shader.surface.is_some();
-        let _ = walk(scene, tile, 0..TILE, scratch, &mut DepthSink { sums: &mut depth, opacities });
+        let opacities = frame.shader.surface.is_some();
+        let _ = walk(frame, tile, 0..TILE, scratch, &mut DepthSink { sums: &mut depth, opacities });
         for (pixel, &sum) in picture.iter_mut().zip(&depth) {
             *pixel = of_one_color(color, sum, opacities);
         }
         return;
     }
     lists.clear();
-    scratch.counts.tiles_sorted += u64::from(scene.sorted);
+    scratch.counts.tiles_sorted += u64::from(frame.sorted);
     let before = scratch.counts;
-    let drawn = walk(scene, tile, 0..TILE, scratch, lists);
+    let drawn = walk(frame, tile, 0..TILE, scratch, lists);
     if drawn.is_ok() {
         scratch.counts.pixels_disordered +=
-            dispatch(scene.lanes, Blend { lists, sorted: scene.sorted, picture });
+            dispatch(frame.lanes, Blend { lists, sorted: frame.sorted, picture });
     }
     if drawn.is_err() {
         // Rows are independent: draw them one at a time with lists that grow.
@@ -142,49 +142,49 @@ fn draw_tile(
         let mut growing = GrowingLists::default();
         for row in 0..TILE {
             growing.clear();
-            let _ = walk(scene, tile, row..row + 1, scratch, &mut growing);
+            let _ = walk(frame, tile, row..row + 1, scratch, &mut growing);
             scratch.counts.pixels_disordered +=
-                growing.composite(scene.sorted, &mut picture[row * TILE..][..TILE]);
+                growing.composite(frame.sorted, &mut picture[row * TILE..][..TILE]);
         }
     }
 }
 
 /// Sends all segments of some rows of a tile to a sink.
 fn walk(
-    scene: &Scene<'_>,
+    frame: &Frame<'_>,
     tile: usize,
     rows: Range<usize>,
     scratch: &mut Scratch,
     sink: &mut impl Sink,
 ) -> Result<(), Overflow> {
-    let (left, top) = (tile % scene.tiles_wide * TILE, tile / scene.tiles_wide * TILE);
-    let right = (left + TILE).min(scene.view.size[0]);
-    let bottom = (top + TILE).min(scene.view.size[1]);
+    let (left, top) = (tile % frame.tiles_wide * TILE, tile / frame.tiles_wide * TILE);
+    let right = (left + TILE).min(frame.view.size[0]);
+    let bottom = (top + TILE).min(frame.view.size[1]);
     let rows = rows.start..rows.end.min(bottom - top);
     let Scratch { fragments, edges, group, batch, shaded, stretch, rays, counts } = scratch;
 
-    let width = scene.lanes.width();
-    let entries = scene.entries_of(tile);
+    let width = frame.lanes.width();
+    let entries = frame.entries_of(tile);
     for (number, cells) in entries.chunks(width).enumerate() {
         if sink.is_full() {
             counts.tiles_stopped += 1;
-            counts.cells_hidden += (entries.len() - number * width + scene.cells64_of(tile).count()) as u64;
+            counts.cells_hidden += (entries.len() - number * width + frame.cells64_of(tile).count()) as u64;
             return Ok(());
         }
         let after = (number + 1) * width;
         let ahead = &entries[after.min(entries.len())..];
         dispatch(
-            scene.lanes,
-            Cover { scene, cells, ahead, left, top, right, rows: rows.clone(), group, edges, fragments },
+            frame.lanes,
+            Cover { frame, cells, ahead, left, top, right, rows: rows.clone(), group, edges, fragments },
         );
         let mut from = 0;
         while from < fragments.count {
             let count = (fragments.count - from).min(BATCH);
             let codes = &fragments.codes[from..];
-            dispatch(scene.lanes, Evaluate { scene, group, codes, count, stretch, batch });
-            integrate(scene.shader, scene.lanes, batch, count, shaded);
-            if scene.shader.surface.is_some() {
-                dispatch(scene.lanes, Illuminate { scene, batch, count, rays, shaded });
+            dispatch(frame.lanes, Evaluate { frame, group, codes, count, stretch, batch });
+            integrate(frame.shader, frame.lanes, batch, count, shaded);
+            if frame.shader.surface.is_some() {
+                dispatch(frame.lanes, Illuminate { frame, batch, count, rays, shaded });
             }
             counts.segments += u64::from(batch.hits);
             sink.take(batch, shaded, count)?;
@@ -192,15 +192,15 @@ fn walk(
         }
     }
 
-    for cell in scene.cells64_of(tile) {
+    for cell in frame.cells64_of(tile) {
         let [x0, y0, x1, y1] = cell.bounds;
         for j in y0.max(top + rows.start)..y1.min(top + rows.end) {
             for i in x0.max(left)..x1.min(right) {
-                let Some(crossing) = cell.cross(&scene.view, i, j) else { continue };
+                let Some(crossing) = cell.cross(&frame.view, i, j) else { continue };
                 counts.segments += 1;
-                let exact = scene.shade64(cell, &crossing, i, j);
+                let exact = frame.shade64(cell, &crossing, i, j);
                 counts.segments_overlapping += u64::from(exact.overlaps);
-                let [entry, exit] = crossing.depth.map(|z| (z - scene.distance_origin) as f32);
+                let [entry, exit] = crossing.depth.map(|z| (z - frame.distance_origin) as f32);
                 let layer = Layer::new(entry, exit, exact.rgba);
                 sink.push((j - top) << 4 | (i - left), exact.depth, layer)?;
             }

@@ -4,14 +4,14 @@
 //! cover no pixel centre go no further. Cells that 32 bits cannot hold (behind or very near the eye, slivers
 //! beyond 1 : 30,000, cells flatter than the pixel coordinates resolve) are set apart and drawn in 64 bits by [`super::cell64`].
 
-use crate::attribute::Attribute;
+use crate::attribute::{ATTRIBUTES_MOST, Attribute};
 use crate::project::record::{AttributeRecord, Record, STEEP, TILE};
 use crate::view::{PIXEL_STEP, Seen, View};
 use voltet_lanes::{Double, Kernel, Lanes, Mask, array, inlined};
 
 /// What a run of cells became.
 #[derive(Debug, Default)]
-pub(crate) struct Part {
+pub(crate) struct ProjectedPart {
     /// One record a cell that covers a pixel centre.
     pub records: Vec<Record>,
     /// Attributes of the records: `attribute_count` a record.
@@ -47,10 +47,14 @@ const DEPTH_RATIO: f64 = 4.0;
 /// bits 15 would cancel.
 const CONDITION: f64 = 3e4;
 
+/// Cells with a face that changes v by more than this over the pixels they cover are drawn in 64 bits: a face seen nearly edge
+/// on, whose terms cancel where a ray meets it. They leave 6e-8 times this of v.
+const STEEP_MOST: f64 = 3e3;
+
 pub(crate) struct ProjectPart<'a> {
     pub input: Input<'a>,
     pub cells: &'a [u32],
-    pub part: &'a mut Part,
+    pub part: &'a mut ProjectedPart,
 }
 
 impl Kernel for ProjectPart<'_> {
@@ -81,7 +85,7 @@ struct Corners {
 }
 
 #[inline(always)]
-fn project_group<L: Lanes>(input: &Input<'_>, group: &[u32], part: &mut Part) {
+fn project_group<L: Lanes>(input: &Input<'_>, group: &[u32], part: &mut ProjectedPart) {
     let view = input.view;
     let n = group.len();
     let splat = L::D::splat;
@@ -187,6 +191,7 @@ fn project_group<L: Lanes>(input: &Input<'_>, group: &[u32], part: &mut Part) {
     let (spread_x, spread_y) = (most(&x) - least(&x), most(&y) - least(&y));
     let mut front_bits = [0u32; 4];
     let mut planes = [[[0f32; MOST]; 3]; 4];
+    let mut ill = 0;
     for (k, normal) in [n0, n1, n2, n3].iter().enumerate() {
         // Inside, (normal · (p − corner)) has the sign of the determinant (opposite for face 0); a face is a
         // front face where a smaller v leads inside.
@@ -201,6 +206,8 @@ fn project_group<L: Lanes>(input: &Input<'_>, group: &[u32], part: &mut Part) {
         // A projected area that the rounding of the pixel coordinates could have made is none: edge-on.
         let area_noise = splat(4.0 * PIXEL_STEP) * (spread_x + spread_y);
         let bounded = largest.lt(splat(STEEP)).and(area_noise.lt(normal[2].abs()));
+        let across = a.abs() * (x1 - x0) + b.abs() * (y1 - y0);
+        ill |= bounded.and(splat(STEEP_MOST).lt(across)).bits();
         let open = L::D::select(faces_eye, splat(STEEP), splat(-STEEP));
         // An edge-on face constrains nothing: the silhouette does.
         L::D::select(bounded, a, zero).store_f32(&mut planes[k][0]);
@@ -212,8 +219,6 @@ fn project_group<L: Lanes>(input: &Input<'_>, group: &[u32], part: &mut Part) {
     // Attributes: (s − base)(1 + v) is affine in (x, y, v).
     let inverse = one / determinant;
     let sound = determinant.abs().lt(splat(f64::MAX));
-    let mut ill = 0;
-    const ATTRIBUTES_MOST: usize = 16;
     let mut stored = [[[0f32; MOST]; 6]; ATTRIBUTES_MOST];
     let extent = [x1 - x0, y1 - y0, most(&v) - least(&v)];
     for (attribute, stored) in input.attributes.iter().zip(stored.iter_mut()) {
@@ -325,7 +330,7 @@ fn project_group<L: Lanes>(input: &Input<'_>, group: &[u32], part: &mut Part) {
 }
 
 #[inline(always)]
-fn push_cells64(group: &[u32], in_64_bits: u32, part: &mut Part) {
+fn push_cells64(group: &[u32], in_64_bits: u32, part: &mut ProjectedPart) {
     if in_64_bits != 0 {
         part.cells64.extend(
             group.iter().enumerate().filter(|(lane, _)| in_64_bits >> lane & 1 != 0).map(|(_, &id)| id),

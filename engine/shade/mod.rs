@@ -6,23 +6,17 @@
 //! | `roads` | a batch by all three, one after the other |
 //! | `shaded` | what comes out |
 //! | `along`, `region` | segments in lanes, and their stretch inside a region |
-//! | `widget` | any widget in lanes; `gaussian`, `gaussian_nd`, `piecewise`, `triangular`, `wave`: the kinds |
+//! | `kinds` | any widget in lanes, one file a kind |
 //! | `overlap` | several widgets on one segment, in their order: closed forms and quadrature |
-//! | `panels`, `member` | the same for what is left over: a walk in panels |
+//! | `panels` | the same for what is left over: a walk in panels |
 //! | `light` | silhouettes and light |
 
 pub(crate) mod along;
-pub(crate) mod gaussian;
-pub(crate) mod gaussian_nd;
+pub(crate) mod kinds;
 pub(crate) mod light;
-pub(crate) mod member;
 pub(crate) mod overlap;
 pub(crate) mod panels;
-pub(crate) mod piecewise;
 pub(crate) mod region;
 pub(crate) mod roads;
 pub(crate) mod shaded;
 pub(crate) mod shader;
-pub(crate) mod triangular;
-pub(crate) mod wave;
-pub(crate) mod widget;

@@ -2,12 +2,12 @@
 //! are smooth there. What these leave over is walked in panels ([`super::panels`]).
 
 use crate::shade::along::{Along, lanes_of};
+use crate::shade::kinds::LaneWidget;
 use crate::shade::shaded::{MIX_PRODUCT, Shaded};
-use crate::shade::widget::LaneWidget;
 use voltet_core::optics::quadrature::{GAUSS_4, UP_TO_4};
 use voltet_lanes::optics::elementary::{exp, one_minus_exp};
 use voltet_lanes::optics::quadrature::{nodes, up_to};
-use voltet_lanes::optics::smooth::{Shape, Smooth};
+use voltet_lanes::optics::smooth::{DensityShape, Smooth};
 use voltet_lanes::{Float, Lanes, Mask, inlined};
 
 /// Bound of [`Smooth::holds`]: what is left out of a segment's light is under 2e-7.
@@ -20,7 +20,7 @@ pub(crate) const ORDERED_MOST: usize = 8;
 pub(crate) struct Overlapping<'a, L: Lanes> {
     pub widgets: &'a [LaneWidget],
     pub along: &'a Along<L>,
-    pub shapes: &'a [Shape<L>],
+    pub shapes: &'a [DensityShape<L>],
     /// Σ T.
     pub total: L::F,
     /// Σ_{i<j} T_i T_j.
@@ -30,7 +30,7 @@ pub(crate) struct Overlapping<'a, L: Lanes> {
 impl<L: Lanes> Overlapping<'_, L> {
     /// Whether a widget is dense enough for its order to matter.
     #[inline(always)]
-    fn matters(&self, shape: &Shape<L>) -> L::M {
+    fn matters(&self, shape: &DensityShape<L>) -> L::M {
         L::F::splat(MIX_PRODUCT).lt(shape.depth * self.total)
     }
 
@@ -59,7 +59,7 @@ impl<L: Lanes> Overlapping<'_, L> {
         let mut correction = [zero; 3];
         for (widget, shape) in self.widgets.iter().zip(self.shapes) {
             let more = L::F::select(self.matters(shape), smooth.correction(shape), zero);
-            for (sum, c) in correction.iter_mut().zip(widget.color()) {
+            for (sum, c) in correction.iter_mut().zip(widget.color) {
                 *sum = more.mul_add(L::F::splat(c), *sum);
             }
         }
@@ -112,7 +112,7 @@ impl<L: Lanes> Overlapping<'_, L> {
         let average = one_minus_exp::<L>(total) / total.max(splat(f32::MIN_POSITIVE));
         for (widget, shape) in widgets.iter().zip(shapes) {
             let mixed = L::F::select(self.matters(shape), splat(0.0), shape.depth * average);
-            for (sum, c) in color.iter_mut().zip(widget.color()) {
+            for (sum, c) in color.iter_mut().zip(widget.color) {
                 *sum = mixed.mul_add(splat(c), *sum);
             }
         }
@@ -124,7 +124,7 @@ impl<L: Lanes> Overlapping<'_, L> {
                     let t = share * splat(step as f32 + NODES[j].0);
                     let value = L::F::select(matters, widget.density::<L>(along, t), splat(0.0));
                     density[j] = density[j] + value;
-                    for (sum, c) in weighted[j].iter_mut().zip(widget.color()) {
+                    for (sum, c) in weighted[j].iter_mut().zip(widget.color) {
                         *sum = value.mul_add(splat(c), *sum);
                     }
                 }

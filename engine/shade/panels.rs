@@ -7,17 +7,13 @@
 
 use crate::fragments::batch::{Batch, LANES_MOST};
 use crate::shade::along::{Along, FIELDS_MOST, Fields, lanes_of};
-use crate::shade::member::nothing;
+use crate::shade::kinds::{InOrder, LaneWidget, Road, nothing};
 use crate::shade::shaded::{Left, MIX_PRODUCT, Shaded};
-use crate::shade::widget::LaneWidget;
 use voltet_core::transfer::TransferFunction;
+use voltet_lanes::limits::{LENGTH_WALKED_LEAST, RATE_MOST};
 use voltet_lanes::optics::elementary::one_minus_exp;
 use voltet_lanes::optics::overlap::{MEMBERS_MOST, ordered};
 use voltet_lanes::{Float, Lanes, Mask, array};
-
-/// Rate of a segment's densest place, depth per t, up to which panels resolve what is seen: 32-bit t finds a step to
-/// 5e-7, so to 1e-4 of depth.
-const RATE_MOST: f32 = 200.0;
 
 /// The slow road in lanes.
 pub(crate) struct PanelWalk {
@@ -42,13 +38,13 @@ impl PanelWalk {
         if widgets.len() > MEMBERS_MOST {
             return Err(Left::TooMany);
         }
-        if widgets.is_empty() || widgets.iter().any(|widget| matches!(widget, LaneWidget::Exact)) {
+        if widgets.is_empty() || widgets.iter().any(|widget| widget.road() == Road::Bits64) {
             return Err(Left::NoLanes);
         }
         let cutoff = transfer_function.model.cutoff();
         let scale = (length / transfer_function.unit_distance) as f32;
         // A scale beyond 32 bits, or so small that its products leave them.
-        if scale.is_finite() && scale > 1e-30 {
+        if scale.is_finite() && scale > LENGTH_WALKED_LEAST {
             Ok(PanelWalk { cutoff, scale, one_color, counts })
         } else {
             Err(Left::Lengths)
@@ -109,14 +105,13 @@ impl PanelWalk {
             product = depth.mul_add(total, product);
             total = total + depth;
             densest = densest + splat(widget.peak(self.scale)) * along.length;
-            for (sum, c) in color.iter_mut().zip(widget.color()) {
+            for (sum, c) in color.iter_mut().zip(widget.color) {
                 *sum = depth.mul_add(splat(c), *sum);
             }
-            match widget {
-                LaneWidget::Linear(_) => varies |= zero.lt(depth).bits(),
-                // Panels in 32 bits left 7e-4 of the colour where bands or triangular Gaussians overlap others.
-                LaneWidget::Wave { .. } | LaneWidget::Triangular(_) => delicate |= zero.lt(depth).bits(),
-                _ => {}
+            match widget.in_order() {
+                InOrder::Panels => {}
+                InOrder::Always => varies |= zero.lt(depth).bits(),
+                InOrder::Bits64 => delicate |= zero.lt(depth).bits(),
             }
         }
         // A depth that is not a number, or has left 32 bits.

@@ -4,21 +4,21 @@
 //! [`super::overlap`]), a walk in panels in lanes ([`super::panels`]), and the 64-bit integrator segment by segment, which
 //! also serves every integrator but the analytic one. What a scene does not use is not prepared.
 
-use crate::attribute::Attribute;
+use crate::attribute::{ATTRIBUTES_MOST, Attribute};
 use crate::fragments::batch::Batch;
 use crate::shade::along::Along;
+use crate::shade::kinds::{InOrder, LaneWidget, Making, Road};
 use crate::shade::light::{Rays, Surface};
 use crate::shade::overlap::{ORDERED_MOST, Overlapping};
 use crate::shade::panels::PanelWalk;
 use crate::shade::shaded::{Exact, Left, MIX_PRODUCT, Shaded};
-use crate::shade::widget::LaneWidget;
 use voltet_core::optics::integrators::SegmentIntegrator;
 use voltet_core::optics::{Overlap, Prepared, Segment};
 use voltet_core::shading::{Integrator, Shading};
 use voltet_core::transfer::{OpticalModel, TransferFunction};
 use voltet_core::{Error, Result};
 use voltet_lanes::optics::elementary::one_minus_exp;
-use voltet_lanes::optics::smooth::Shape;
+use voltet_lanes::optics::smooth::DensityShape;
 use voltet_lanes::{Float, Lanes, Mask};
 
 /// A transfer function made ready for lanes.
@@ -56,14 +56,12 @@ impl Shader {
         let density_emitter = transfer_function.model == OpticalModel::DensityEmitter;
         let cutoff = transfer_function.model.cutoff();
         let fields = transfer_function.fields();
-        let per_length = length / transfer_function.unit_distance;
+        let density_scale = length / transfer_function.unit_distance;
+        let making = Making { attributes, fields: &fields, density_scale, cutoff };
         let widgets: Vec<LaneWidget> = transfer_function
             .widgets
             .iter()
-            .map(|widget| match in_lanes {
-                true => LaneWidget::new(widget, attributes, &fields, per_length, cutoff),
-                false => LaneWidget::Exact,
-            })
+            .map(|widget| if in_lanes { LaneWidget::new(widget, &making) } else { LaneWidget::none() })
             .collect();
         let one_color = shading.one_color(transfer_function).filter(|_| !ordered);
         let one_color = one_color.map(|color| color.map(|c| c as f32));
@@ -73,10 +71,7 @@ impl Shader {
                 .accepted("points that span a volume"));
         }
         let scaling = attributes.iter().map(|a| [a.offset, a.scale]).collect();
-        let slow = |widget: &LaneWidget| {
-            matches!(widget, LaneWidget::Triangular(_) | LaneWidget::GaussianNd(_) | LaneWidget::Exact)
-        };
-        let quick = density_emitter && !widgets.iter().any(slow);
+        let quick = density_emitter && widgets.iter().all(|widget| widget.road() == Road::Quick);
         let walker = if !in_lanes {
             Err(Left::Integrator)
         } else if shading.overlap == Overlap::Exact || one_color.is_some() {
@@ -100,6 +95,11 @@ impl Shader {
         })
     }
 
+    /// Why a segment could not be integrated, if there was one.
+    pub fn failure(&self) -> Option<&Error> {
+        self.exact.failure()
+    }
+
     /// Whether every segment's optical depth is kept, not only those that the quick forms leave over.
     pub fn keeps_depth(&self) -> bool {
         self.one_color.is_some() || !self.quick
@@ -109,26 +109,29 @@ impl Shader {
     #[inline(always)]
     pub fn shade<L: Lanes>(&self, batch: &Batch, count: usize, out: &mut Shaded) {
         out.rest.clear();
+        // Alone, its pieces give the colour in closed form.
+        let points = match self.widgets.as_slice() {
+            [widget] if self.one_color.is_none() => widget.points(),
+            _ => None,
+        };
+        let widgets = &self.widgets;
         let mut at = 0;
         while at < count {
             let along = Along::<L>::load(batch, at);
-            let unsure = match self.widgets.as_slice() {
-                _ if !self.quick => {
-                    // Fragments of no length are summed, too.
-                    L::F::splat(0.0).store(&mut out.depth[at..]);
-                    u32::MAX
+            let unsure = if !self.quick {
+                // Fragments of no length are summed, too.
+                L::F::splat(0.0).store(&mut out.depth[at..]);
+                u32::MAX
+            } else if let Some(points) = points {
+                let (rgba, unsure) = points.integrate::<L>(&along);
+                for (column, value) in out.rgba.iter_mut().zip(rgba) {
+                    value.store(&mut column[at..]);
                 }
-                [LaneWidget::Linear(linear)] if self.one_color.is_none() => {
-                    let (rgba, unsure) = linear.integrate::<L>(&along);
-                    for (column, value) in out.rgba.iter_mut().zip(rgba) {
-                        value.store(&mut column[at..]);
-                    }
-                    unsure
-                }
-                widgets if self.one_color.is_some() => {
-                    self.of_one_color::<L>(widgets, &along, at, count, out)
-                }
-                widgets => self.several::<L>(widgets, &along, at, count, out),
+                unsure
+            } else if self.one_color.is_some() {
+                self.of_one_color::<L>(widgets, &along, at, count, out)
+            } else {
+                self.several::<L>(widgets, &along, at, count, out)
             };
             let mut unsure = unsure & along.crossing.bits();
             while unsure != 0 {
@@ -208,14 +211,13 @@ impl Shader {
         back: impl Fn(usize) -> f64,
         counted: bool,
     ) -> Exact {
-        const FIELDS_MOST: usize = 10;
-        let n = self.scaling.len().min(FIELDS_MOST);
-        let mut ends = [[0f64; FIELDS_MOST]; 2];
+        let n = self.scaling.len().min(ATTRIBUTES_MOST);
+        let mut ends = [[0f64; ATTRIBUTES_MOST]; 2];
         let [fronts, backs] = &mut ends;
         for (a, (at_front, at_back)) in fronts.iter_mut().zip(backs).enumerate().take(n) {
             (*at_front, *at_back) = (front(a), back(a));
         }
-        let g = |values: &[f64; FIELDS_MOST]| if n > 1 { values[1] } else { 0.0 };
+        let g = |values: &[f64; ATTRIBUTES_MOST]| if n > 1 { values[1] } else { 0.0 };
         let fields = if n > 2 { 2..n } else { 0..0 };
         let segment = Segment {
             length: length * self.length,
@@ -275,7 +277,7 @@ impl Shader {
         // `product` is Σ_{i<j} T_i T_j, without cancellation: a stiff widget must not hide a thin one.
         let (mut total, mut product, mut unsure) = (zero, zero, 0);
         let mut color = [zero; 3];
-        let mut shapes = [Shape::<L>::even(zero); ORDERED_MOST];
+        let mut shapes = [DensityShape::<L>::even(zero); ORDERED_MOST];
         for (i, widget) in widgets.iter().enumerate() {
             let (shape, no) = widget.shape::<L>(along);
             let depth = shape.depth;
@@ -283,11 +285,10 @@ impl Shader {
             shapes[i.min(ORDERED_MOST - 1)] = shape;
             product = depth.mul_add(total, product);
             total = total + depth;
-            for (sum, c) in color.iter_mut().zip(widget.color()) {
+            for (sum, c) in color.iter_mut().zip(widget.color) {
                 *sum = depth.mul_add(splat(c), *sum);
             }
-            // A piecewise-linear widget's colour varies along the stretch.
-            if matches!(widget, LaneWidget::Linear(_)) {
+            if widget.in_order() == InOrder::Always {
                 unsure |= zero.lt(depth).bits();
             }
         }

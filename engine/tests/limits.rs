@@ -5,7 +5,8 @@ use std::sync::Arc;
 use voltet_core::camera::{Camera, Projection};
 use voltet_core::grid::Grid;
 use voltet_core::grid::generate::box_of_tetrahedra;
-use voltet_core::optics::Overlap;
+use voltet_core::optics::integrators::{self, Extent};
+use voltet_core::optics::{Overlap, Segment};
 use voltet_core::picture::Picture;
 use voltet_core::progress::Silent;
 use voltet_core::reference;
@@ -13,7 +14,8 @@ use voltet_core::scene::Scene;
 use voltet_core::shading::{Integrator, Order, Shading};
 use voltet_core::transfer::{OpticalModel, Profile, Region, TransferFunction, Widget};
 use voltet_core::volume::Volume;
-use voltet_engine::{cull, draw, keep_all};
+use voltet_engine::{Segments, cull, draw, keep_all, segments};
+use voltet_lanes::LaneSet;
 
 const SHADING: Shading =
     Shading { integrator: Integrator::Analytic, overlap: Overlap::Exact, silhouette: None, light: None };
@@ -128,4 +130,116 @@ fn cells_that_overlap_are_ordered_by_close_entries() {
     let difference = largest_difference(&found, &exact);
     // The wrong order is off by a tenth and more.
     assert!(difference < 2e-4, "off by {difference:e}");
+}
+
+/// One widget looks at eight fields at most, several together at more: what is drawn is read where it stands, and what a
+/// picture has no room for is refused.
+#[test]
+fn widgets_look_at_eleven_fields_together() {
+    let nd = |fields: std::ops::Range<usize>, extinction: f64| {
+        let (count, names) = (fields.len(), fields.map(|k| format!("field {k:02}")).collect());
+        let row = |i: usize| (0..count).map(|j| f64::from(u8::from(i == j))).collect();
+        let matrix = (0..count).map(row).collect();
+        let profile = Profile::GaussianNd { fields: names, centre: vec![0.0; count], matrix };
+        Widget { profile, color: [1.0; 3], extinction, region: None }
+    };
+    // The same all along, so that the depths are the profiles at one point.
+    let values: Vec<f64> = (1..=12).map(|k| 0.0625 * f64::from(k)).collect();
+    let at = |fields: std::ops::Range<usize>| (-values[fields].iter().map(|v| v * v).sum::<f64>()).exp();
+    let draw = |count: usize| {
+        let look = look(vec![nd(0..8, 0.5), nd(8..count, 0.3)]);
+        let ends = &values[..count];
+        let segment =
+            Segment { length: 1.0, front: [0.0; 2], back: [0.0; 2], fields_front: ends, fields_back: ends };
+        segments(LaneSet::detect(), &look, &SHADING, false, &[segment])
+    };
+    let depth = draw(11).expect("draws")[0].contribution.optical_depth;
+    let exact = 0.5 * at(0..8) + 0.3 * at(8..11);
+    // Rounding of the depth to 32 bits: the values have few digits.
+    assert!((depth / exact - 1.0).abs() < 2e-7, "{depth} for {exact}");
+    let refusal = draw(12).expect_err("more fields than a picture is drawn from").to_string();
+    assert!(refusal.contains("12 beside s and g") && refusal.contains("at most 11"), "{refusal}");
+}
+
+/// A triangular Gaussian's width is g itself: it keeps its digits where g is a hundred-thousandth of the largest, though no
+/// value of the data is 0.
+#[test]
+fn small_widths_keep_their_digits() {
+    let profile = Profile::TriangularGaussian { centre: 0.5, sigma: 1.0 };
+    let look = look(vec![Widget { profile, color: [1.0; 3], extinction: 1.0, region: None }]);
+    let segment = |front, back| Segment { length: 1.0, front, back, fields_front: &[], fields_back: &[] };
+    let small = segment([0.5, 1e-5], [0.5 + 1e-5, 1.7e-5]);
+    let list = [segment([0.0, 1e-5], [1.0, 1.0]), small];
+    let extent = Extent { scalar: [0.0, 1.0], longest: 1.0 };
+    let exact = integrators::new(&SHADING.integrator, SHADING.overlap, &look, &extent).expect("serves it");
+    let exact = exact.integrate(&small).optical_depth;
+    for Segments { lanes, .. } in Segments::each() {
+        let found = segments(lanes, &look, &SHADING, false, &list).expect("draws")[1];
+        let depth = found.contribution.optical_depth;
+        // Some steps of 32 bits in the ends and in the mean; counted from the middle of g they leave 1e-3.
+        assert!((depth / exact - 1.0).abs() < 2e-6, "{depth} for {exact} on {}", lanes.name());
+        assert_eq!(found.left, None, "left to 64 bits on {}", lanes.name());
+    }
+}
+
+/// What lies near the widgets keeps its digits, though the data reach thirty times as far: a segment along which g changes by
+/// a hundred-thousandth of its range is cut where the edge of a region is.
+#[test]
+fn edges_keep_their_digits_where_the_data_reach_far() {
+    let low = Widget {
+        region: Some(Region::rectangle([0.0, 2.0], [0.0, 2.5])),
+        ..uniform([0.0; 2], 1.0, [1.0; 3])
+    };
+    let profile = Profile::Gaussian { centre: [4.0, 3.0], matrix: [[9.0, 0.0], [0.0, 0.4]] };
+    let look = look(vec![low, Widget { profile, color: [1.0; 3], extinction: 1.0, region: None }]);
+    let segment = |front, back| Segment { length: 1.0, front, back, fields_front: &[], fields_back: &[] };
+    let grazing = segment([0.8, 2.49937], [0.9, 2.50041]);
+    let list = [segment([0.0, 0.0], [5.0, 100.0]), grazing];
+    let extent = Extent { scalar: [0.0, 5.0], longest: 1.0 };
+    let exact = integrators::new(&SHADING.integrator, SHADING.overlap, &look, &extent).expect("serves it");
+    let exact = exact.integrate(&grazing).optical_depth;
+    for Segments { lanes, .. } in Segments::each() {
+        let depth =
+            segments(lanes, &look, &SHADING, false, &list).expect("draws")[1].contribution.optical_depth;
+        // Some steps of 32 bits at a distance of 1 from the middle of the widgets' places, over what g changes by; from the
+        // middle of the data they are fifty times as long.
+        assert!((depth - exact).abs() < 2e-4, "{depth} for {exact} on {}", lanes.name());
+    }
+}
+
+/// Two cells meet in a face that holds a line of pixels but for 1e-6 of a radian: each of their rays passes from one to the
+/// other where terms of a million cancel.
+#[test]
+fn a_face_nearly_edge_on_parts_its_cells_where_it_should() {
+    let across = DVec3::new(1.0, -2.0, 0.0) * 1e-6;
+    let points = vec![
+        DVec3::new(-2.0, -1.0, -3.0) + across,
+        DVec3::new(2.0, 1.0, -3.0) + across,
+        DVec3::new(0.2, 0.1, -9.0) - 2.0 * across,
+        DVec3::new(3.0, -6.0, -5.0),
+        DVec3::new(-3.0, 6.0, -5.0),
+    ];
+    let tetrahedra = Arc::new(vec![[0, 1, 2, 3], [0, 1, 2, 4]]);
+    let grid = Grid { points: Arc::new(points), tetrahedra, ..Grid::default() };
+    let look =
+        look(vec![uniform([-1.0, 0.5], 0.7, [1.0, 0.2, 0.1]), uniform([0.5, 2.0], 0.2, [0.1, 0.3, 1.0])]);
+    let volume = volume(grid, |p| if p.x > 2.5 { 1.0 } else { 0.0 });
+    let camera = Camera {
+        eye: DVec3::ZERO,
+        target: -DVec3::Z,
+        up: DVec3::Y,
+        projection: Projection::Perspective { fov_y: 60.0 },
+        near: 0.0,
+        size: [33, 33],
+        samples: 1,
+    };
+    let all = keep_all(&volume, &look, &camera).expect("keeps all");
+    let found = draw(&all, &look, &camera, &SHADING, &Silent).expect("draws").0;
+    let scene =
+        Scene { volume, transfer_function: Arc::new(look), camera, shading: SHADING, order: Order::Exact };
+    let exact = reference::draw(&scene, &Silent).expect("draws");
+    let lit = exact.rgba.iter().filter(|pixel| pixel[3] > 0.1).count();
+    assert!(lit > 100, "{lit} pixels see the cells");
+    let difference = largest_difference(&found, &exact);
+    assert!(difference < 2e-5, "off by {difference:e}");
 }

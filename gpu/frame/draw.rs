@@ -8,7 +8,7 @@ use crate::grid::parts::Sizes;
 use crate::grid::uploaded::{DeviceGrid, Quantity};
 use crate::pass::tables::TableKey;
 use voltet_core::Result;
-use voltet_core::engine::{Compositing, Timed};
+use voltet_core::engine::{Compositing, Manner, Timed};
 use voltet_core::optics::integrators::Extent;
 use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
@@ -67,17 +67,13 @@ pub struct Counts {
 ///
 /// Errors: what the device has no shader for, cannot hold in 32 bits, or has more parts than it binds; an order that the
 /// compositor does not have; memory; a lost device; a stopped run.
-pub fn draw(
-    renderer: &Renderer,
-    scene: &Scene,
-    compositing: Compositing,
-    progress: &dyn Progress,
-) -> Result<Drawn> {
+pub fn draw(renderer: &Renderer, scene: &Scene, manner: &Manner, progress: &dyn Progress) -> Result<Drawn> {
     let Scene { volume, transfer_function, camera, shading, .. } = scene;
     let grid = &renderer.grid;
     limits::can_serve(transfer_function, shading)?;
-    let order = order(scene, compositing);
-    let (choices, sizes) = choices(renderer, scene, compositing)?;
+    let compositing = compositing(manner);
+    let order = order(scene, manner);
+    let (choices, sizes) = choices(renderer, scene, manner)?;
     let compositor = choices.compositor;
 
     let scalar = grid.stored(volume, Quantity::Scalar)?;
@@ -93,7 +89,10 @@ pub fn draw(
     let numbered = values.iter().enumerate();
     let axes: Vec<Axis> = numbered.map(|(k, value)| axis(value, transfer_function, k)).collect();
     let parameters = Parameters::new(transfer_function, shading, &axes, grid.length)?;
-    let (support, support_count) = support::supports(transfer_function, &axes, grid.length);
+    let (support, support_count) = match manner.may_leave_out {
+        Some(_) => support::supports(transfer_function, &axes, grid.length),
+        None => support::everywhere(),
+    };
 
     let first = if choices.reads_gradient_magnitude { 1 } else { 2 };
     let further = values.iter().zip(&axes).skip(first);
@@ -139,6 +138,7 @@ pub fn draw(
         scene: parameters.scene_bytes(),
         numbers: parameters.numbers,
         support,
+        stops_where_opaque: manner.may_leave_out.is_some(),
         sorted: !is_free && (sort_key != 2 || compositing == Compositing::Tiles),
         samples: camera.sample_offsets().iter().map(sample).collect::<Result<_>>()?,
         scalar: scalar.clone(),
@@ -168,22 +168,27 @@ pub fn draw(
     })
 }
 
-/// The order that is carried out: none is made for blending hardware where none is needed.
-fn order(scene: &Scene, compositing: Compositing) -> Order {
-    let is_made = compositing == Compositing::Tiles || scene.needs_order();
-    if is_made { scene.order } else { Order::None }
+fn compositing(manner: &Manner) -> Compositing {
+    manner.compositing.unwrap_or(Compositing::Tiles)
+}
+
+/// The order that is carried out: none is made for blending hardware where none is needed, unless nothing may be left out; it
+/// makes the one that it has then.
+fn order(scene: &Scene, manner: &Manner) -> Order {
+    match (scene.order, manner.may_leave_out) {
+        (order, _) if compositing(manner) == Compositing::Tiles || scene.needs_order() => order,
+        (_, Some(_)) => Order::None,
+        (Order::Exact | Order::Auto, None) => Order::Centroid,
+        (order, None) => order,
+    }
 }
 
 /// What decides the text of the scene's shader, and what the scene takes on the device.
-pub(crate) fn choices(
-    renderer: &Renderer,
-    scene: &Scene,
-    compositing: Compositing,
-) -> Result<(Choices, Sizes)> {
+pub(crate) fn choices(renderer: &Renderer, scene: &Scene, manner: &Manner) -> Result<(Choices, Sizes)> {
     let grid = &renderer.grid;
     let Scene { transfer_function, shading, .. } = scene;
-    let compositor = compositor(transfer_function, shading, order(scene, compositing), compositing)?;
-    if compositing == Compositing::Raster {
+    let compositor = compositor(transfer_function, shading, order(scene, manner), manner)?;
+    if compositing(manner) == Compositing::Raster {
         grid.device.check_raster(grid.cell_count.into())?;
     }
     let mut choices = Choices::new(transfer_function, shading, compositor)?;
@@ -231,18 +236,20 @@ fn is_free(compositor: Compositor) -> bool {
     matches!(compositor, Compositor::Tiles(TileOrder::Sum) | Compositor::Raster(Blend::Sum))
 }
 
-/// With one colour that no light changes, C = c A whatever the order.
+/// With one colour that no light changes, C = c A whatever the order: none is made, unless nothing may be left out.
 fn compositor(
     transfer_function: &TransferFunction,
     shading: &Shading,
     order: Order,
-    compositing: Compositing,
+    manner: &Manner,
 ) -> Result<Compositor> {
+    let compositing = compositing(manner);
     let choices = Choices::new(transfer_function, shading, Compositor::None)?;
     let lit = shading.light.is_some_and(|light| light.diffuse != 0.0);
     let known = !choices.method.is_table_of_lengths();
-    let free = known && matches!(choices.combine, Combine::OneColor | Combine::Nothing) && !lit;
-    compositing.check_order(order, !free)?;
+    let needed = !known || !matches!(choices.combine, Combine::OneColor | Combine::Nothing) || lit;
+    compositing.check_order(order, needed)?;
+    let free = !needed && manner.may_leave_out.is_some();
     Ok(match (compositing, order) {
         (Compositing::Tiles, _) if free => Compositor::Tiles(TileOrder::Sum),
         (Compositing::Tiles, Order::Exact | Order::Auto) => Compositor::Tiles(TileOrder::Exact),

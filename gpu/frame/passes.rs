@@ -139,7 +139,8 @@ impl<'a> Passes<'a> {
             let pipeline = device.pipeline(&Program {
                 shader: &frame.compositor,
                 entry_point: "composite_tiles",
-                constants: vec![],
+                // No transparency is less than this.
+                constants: if frame.stops_where_opaque { vec![] } else { vec![("OPAQUE", -1.0)] },
                 groups: [&scene_kinds(&read), &own_kinds(None), &kinds(&in_grid)],
             })?;
             let bindings = [&starts, &entries, &pixels, &counts, &states];

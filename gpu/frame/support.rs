@@ -30,6 +30,11 @@ pub(crate) fn supports(transfer_function: &TransferFunction, axes: &[Axis], leng
     (starts, count)
 }
 
+/// One support that holds every cell.
+pub(crate) fn everywhere() -> (Vec<u32>, u32) {
+    (vec![0, 0], 1)
+}
+
 /// A slab in stored values, widened by what rounding can do.
 fn stored(slab: &Slab, axes: &[Axis]) -> [f32; 4] {
     let Slab { normal, low, high } = slab;

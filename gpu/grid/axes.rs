@@ -15,6 +15,8 @@ pub(crate) fn offset_parts(stored: &Stored, axis: &Axis) -> [f32; 2] {
 pub(crate) fn axis(stored: &Stored, transfer_function: &TransferFunction, number: usize) -> Axis {
     let centre = transfer_function.axis_origin(number);
     let [low, high] = stored.range();
-    let offset = centre.filter(|centre| (low..=high).contains(centre)).unwrap_or(stored.middle);
+    // Just beside the values serves, too: widths are counted from 0, however small the least of them.
+    let near = low - stored.span..=high + stored.span;
+    let offset = centre.filter(|centre| near.contains(centre)).unwrap_or(stored.middle);
     Axis { offset, scale: stored.span }
 }

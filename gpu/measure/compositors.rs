@@ -9,7 +9,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 use voltet_core::Result;
 use voltet_core::camera::{Camera, Projection};
-use voltet_core::engine::{Chosen, Compositing, Memory};
+use voltet_core::engine::{Chosen, Compositing, Manner, Memory};
 use voltet_core::error::ErrorKind;
 use voltet_core::grid::generate::box_of_tetrahedra;
 use voltet_core::optics::Overlap;
@@ -163,7 +163,7 @@ fn measure(device: &Arc<Device>, needs_order: bool, progress: &dyn Progress) -> 
         let mut times = Vec::new();
         for frame in 0..=FRAME_COUNT {
             let begun = Instant::now();
-            let drawn = draw(&renderer, &scene, compositing, progress)?;
+            let drawn = draw(&renderer, &scene, &Manner::by(compositing), progress)?;
             let whole = begun.elapsed().as_secs_f64();
             // The device's own clock leaves out what the program waits for; both are the same for both compositors.
             let passes: f64 = drawn.passes.iter().map(|pass| pass.seconds).sum();

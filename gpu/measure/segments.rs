@@ -5,11 +5,11 @@ use crate::device::open::Device;
 use crate::device::pipelines::Program;
 use std::sync::Arc;
 use voltet_core::Result;
+use voltet_core::engine::{Answer, Chain, Condition, Conditions, Forms, PartialIntegrals, Precision};
 use voltet_core::optics::integrators::Extent;
 use voltet_core::optics::{Contribution, Overlap, Segment};
 use voltet_core::shading::{Integrator, Shading};
 use voltet_core::transfer::TransferFunction;
-use voltet_judge::{Answer, Chain, Forms, PartialIntegrals, Precision, SegmentCase};
 use voltet_shaders::segment_list::{CONTRIBUTION, axes, condition, constants, contributions, holds, row};
 use voltet_shaders::{Choices, Compositor, Contents, Parameters, Resources, compose, compose_pieces};
 use wgpu::BufferUsages;
@@ -172,8 +172,8 @@ impl Forms for Segments {
         Precision::Wgsl
     }
 
-    fn condition(&self, case: &SegmentCase) -> [Option<f64>; 3] {
-        condition(case)
+    fn condition(&self, transfer_function: &TransferFunction, of: &Conditions) -> Condition {
+        condition(transfer_function, of)
     }
 
     fn segment(

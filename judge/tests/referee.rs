@@ -3,15 +3,18 @@
 use voltet_core::optics::Overlap;
 use voltet_core::reference::integrate;
 use voltet_core::transfer::OpticalModel;
-use voltet_judge::{Kind, parse};
+use voltet_judge::{Kind, parse, stiff};
 
 /// The fixtures' exact values, by the bound that they state for quadrature: 1e-10 (narrow: 1e-9) of the value
 /// and the condition number's share. C has the fixtures' floor; values below 1e-290 are not judged. Of the
 /// cases with thousands of bands every sixth is enough.
 #[test]
 fn segments_equal_the_exact_values() {
-    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/segments.jsonl");
-    let text = std::fs::read_to_string(path).expect("the case file is part of the source");
+    let read = |name: &str| {
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures").join(name);
+        std::fs::read_to_string(path).expect("the case file is part of the source")
+    };
+    let text = ["segments.jsonl", "triangular_gaussian_nd.jsonl"].map(read).concat();
     let mut judged = 0;
     for (line_number, line) in text.lines().enumerate() {
         let case = parse(line).expect("the case file is well formed");
@@ -48,4 +51,39 @@ fn segments_equal_the_exact_values() {
         }
     }
     assert!(judged > 6000, "{judged} values judged");
+}
+
+/// Stiff, steep and narrow segments, up to 1e30 of depth in one cell, against values that were summed with 60 digits
+/// (`fixtures/stiff.py`): ten times what the quadrature allows itself. What is behind a depth of 37 need not be found.
+#[test]
+fn stiff_segments_equal_the_exact_values() {
+    let (mut wrong, mut judged) = (Vec::new(), 0);
+    for case in stiff().expect("the case file is well formed") {
+        let Kind::Segment(segment) = &case.kind else { continue };
+        judged += 1;
+        let found = match integrate(&segment.segment(), &segment.transfer_function, Overlap::Exact) {
+            Ok(found) => found,
+            Err(error) => {
+                wrong.push(format!("{} ({}): {error}", case.id, case.subject));
+                continue;
+            }
+        };
+        let exact = &segment.exact;
+        let most = match segment.transfer_function.model {
+            OpticalModel::DensityEmitter => exact.optical_depth.min(1.0),
+            OpticalModel::ConstantEmitter { .. } => exact.color.iter().copied().fold(0.0, f64::max),
+        };
+        let floor = 1e-16 * segment.brightest() * most;
+        let mut compare = |what: &str, found: f64, exact: f64, floor: f64| {
+            let error = (found - exact).abs();
+            if error.is_nan() || error > 1e-10 * exact + floor {
+                wrong.push(format!("{} ({}) {what}: {found:e} for {exact:e}", case.id, case.subject));
+            }
+        };
+        compare("T", found.optical_depth, exact.optical_depth, 1e-290);
+        compare("A", found.opacity, exact.opacity, 1e-290);
+        (0..3).for_each(|c| compare("C", found.color[c], exact.color[c], floor + 1e-290));
+    }
+    assert!(wrong.is_empty(), "{} of {judged} cases:\n{}", wrong.len(), wrong.join("\n"));
+    assert!(judged > 180, "{judged} cases judged");
 }

@@ -4,7 +4,7 @@
 //! b = c₂/ρ̄ with the exact mean ρ̄. On a side of a triangle that is exact, with b = 0. On a sine that turns by 2 ω on the
 //! segment c₁ holds ω − ω³/6 where the Legendre coefficient is ω − ω³/10: 1 + ω²/15 of it.
 
-use super::smooth::Shape;
+use super::smooth::DensityShape;
 use super::wave::{LaneBell, LanePhase};
 use crate::{Float, Lanes, Mask};
 
@@ -12,7 +12,7 @@ impl LaneBell {
     /// Depth and shape between two phases, for a rate of `peak` = ρ₀ D at the peaks. It jumps where a triangle has a
     /// corner, a sine a foot, or the band width an end.
     #[inline(always)]
-    pub fn shape<L: Lanes>(&self, front: LanePhase<L>, back: LanePhase<L>, peak: L::F) -> Shape<L> {
+    pub fn shape<L: Lanes>(&self, front: LanePhase<L>, back: LanePhase<L>, peak: L::F) -> DensityShape<L> {
         let splat = L::F::splat;
         let (zero, half, one) = (splat(0.0), splat(0.5), splat(1.0));
         let (front_rises, back_rises) = (zero.le(front.offset), zero.le(back.offset));
@@ -35,7 +35,7 @@ impl LaneBell {
         let turn_squared = turn * turn;
         let tilt = (last - first) * half * turn_squared.mul_add(splat(1.0 / 15.0), one) * inverse;
         let bend = (first + last - middle - middle) * splat(1.0 / 3.0) * inverse;
-        Shape {
+        DensityShape {
             depth: mean * peak,
             tilt,
             bend,
@@ -101,7 +101,7 @@ mod tests {
             let prepared = Prepared::new(&function).expect("a valid transfer function");
             let truth = prepared.integrate(&segment, Overlap::Exact).color;
             let average = lane(one_minus_exp::<P>(splat(total))) / total;
-            for (shape, exact) in [shape, Shape::even(splat(even))].iter().zip(truth) {
+            for (shape, exact) in [shape, DensityShape::even(splat(even))].iter().zip(truth) {
                 let found = lane(shape.depth) * average + lane(smooth.correction(shape));
                 // What the series leave out where they hold, and the roundings of phase (near a foot) and depth.
                 let bound = 3e-7 + 16.0 * f64::from(f32::EPSILON) * exact;

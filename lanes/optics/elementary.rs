@@ -106,13 +106,3 @@ pub fn erfcx<L: Lanes>(x: L::F) -> L::F {
     );
     series * (both * a)
 }
-
-/// E₁(x) = (1 − e^(−x))/x, x ≥ 0: the mean transmittance of a homogeneous stretch. Twin of
-/// `special::mean_transmittance`; within 3 ulp.
-#[inline(always)]
-pub fn mean_transmittance<L: Lanes>(x: L::F) -> L::F {
-    let splat = L::F::splat;
-    let tiny = x.lt(splat(1e-4));
-    let quotient = one_minus_exp::<L>(x) / x.max(splat(1e-4));
-    L::F::select(tiny, splat(1.0) - splat(0.5) * x, quotient)
-}

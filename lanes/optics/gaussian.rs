@@ -11,8 +11,8 @@
 
 use super::elementary::{HALF_SQRT_PI, erfcx, exp, polynomial};
 use super::quadrature::POINTS;
-use super::smooth::Shape;
-use super::track::{LaneTrack, PASSED, at_nodes, mean_transmittance_along};
+use super::smooth::DensityShape;
+use super::track::{LaneTrack, PASSED, at_nodes};
 use crate::{Float, Lanes, Mask, array, inlined};
 
 /// A path relative to the centre, in widths.
@@ -88,21 +88,6 @@ impl<L: Lanes> LaneGaussianPath<L> {
         let start = L::F::select(flat, splat(-1.0), (-half - self.front) * self.inverse);
         let end = L::F::select(flat, splat(2.0), (half - self.front) * self.inverse);
         [start, L::F::select(zero.lt(room), end, start - splat(1.0))]
-    }
-
-    /// Mean of e^(−x² − h²) over the path.
-    #[inline(always)]
-    fn mean(&self) -> L::F {
-        let middle = (self.front + self.back) * L::F::splat(0.5);
-        let near = Near {
-            middle_squared: middle.mul_add(middle, self.offset_squared),
-            product: middle * self.length,
-            length_squared: self.length * self.length,
-        };
-        near.mean(
-            #[inline(always)]
-            || *self,
-        )
     }
 
     /// The mean where the path is long.
@@ -198,7 +183,7 @@ pub fn mean_profile<L: Lanes, const N: usize>(front: [L::F; N], back: [L::F; N])
 /// Depth and shape for a rate of `peak` = ρ₀ D at the centre, q as for [`mean_profile`]. With x = x̄ + ½ d u, p = x̄ d
 /// and r = ¼ d²: a = −p (1 − (p² + 4 r)/15) and b = (p² − 2 r)/3 to fourth order.
 #[inline(always)]
-pub fn shape<L: Lanes, const N: usize>(front: [L::F; N], back: [L::F; N], peak: L::F) -> Shape<L> {
+pub fn shape<L: Lanes, const N: usize>(front: [L::F; N], back: [L::F; N], peak: L::F) -> DensityShape<L> {
     let splat = L::F::splat;
     let near = Near::<L>::new(&front, &back);
     let mean = near.mean(
@@ -207,53 +192,13 @@ pub fn shape<L: Lanes, const N: usize>(front: [L::F; N], back: [L::F; N], peak: 
     );
     let (p, d2) = (near.product, near.length_squared);
     let p2 = p * p;
-    Shape {
+    DensityShape {
         depth: mean * peak,
         tilt: p * (p2 + d2).mul_add(splat(1.0 / 15.0), splat(-1.0)),
         bend: d2.mul_add(splat(-0.5), p2) * splat(1.0 / 3.0),
         change_squared: d2.max(p2),
         extent_squared: d2,
     }
-}
-
-/// ∫ e^(−T) dt, t ∈ [0, 1], over the part of the segment where the profile exceeds e^(−`level`), T counted from the
-/// segment's front; `peak` = ρ₀ D. Times c D/U it is the constant-emitter colour. Twin of `GaussianPath::glow`:
-/// walked in widths from the window's entry, so that a window that is a small share of the segment keeps its digits.
-/// Relative error some 1e-5 (1 + condition).
-#[inline(always)]
-pub fn glow<L: Lanes, const N: usize>(front: [L::F; N], back: [L::F; N], peak: L::F, level: f32) -> L::F {
-    let splat = L::F::splat;
-    let zero = splat(0.0);
-    let path = LaneGaussianPath::<L>::new(front, back);
-    let room = splat(level) - path.offset_squared;
-    let half = room.max(zero).sqrt();
-    let (start, end) = (path.front.max(-half), path.back.min(half));
-    let flat = path.length.le(zero);
-    // A segment of one point in working precision is inside or not.
-    let inside = zero.lt(room).and(start.lt(end).or(flat));
-    if !inside.any() {
-        return zero;
-    }
-    let whole = start.le(path.front).and(path.back.le(end)).or(flat);
-    let width = L::F::select(whole, path.length, end - start);
-    let share = L::F::select(whole, splat(1.0), (width * path.inverse).min(splat(1.0)));
-    let peak = peak * exp::<L>(-path.offset_squared);
-    // What absorbs before the window.
-    let ahead = (start - path.front).max(zero);
-    let entry = LaneGaussianPath::<L> {
-        front: path.front,
-        back: start,
-        length: ahead,
-        inverse: splat(1.0) / ahead.max(splat(1e-30)),
-        offset_squared: zero,
-    };
-    let outside = zero.lt(ahead).and(flat.not());
-    let before = peak * (ahead * path.inverse) * entry.mean();
-    let before = L::F::select(outside, before, zero);
-    let track =
-        LaneGaussianTrack::<L> { front: start, back: start + width, length: width, peak: peak * share };
-    let light = share * exp::<L>(-before) * mean_transmittance_along::<L>(&track);
-    L::F::select(inside, light, zero)
 }
 
 /// A Gaussian as a [`LaneTrack`].

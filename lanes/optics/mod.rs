@@ -7,15 +7,12 @@
 //! | --- | --- | --- |
 //! | region | [`clip::LaneStretch::whole`]`().cut(front, back)` per edge, then `.at_start`, `.at_end` | distances of both ends from the edge |
 //! | opacity 1 − e^(−T) | [`elementary::one_minus_exp`]`(T)` | |
-//! | uniform, constant-emitter | [`elementary::mean_transmittance`]`(T)` | |
 //! | gaussian, gaussian-nd: T/(ρ₀ D) | [`gaussian::mean_profile`]`::<L, N>(q_f, q_b)` | q = K (v − v₀) at the ends of the clipped stretch |
-//! | the same, constant-emitter: C U/(c D) | [`gaussian::glow`]`::<L, N>(q_f, q_b, ρ₀ D, −ln cutoff)` | the same |
 //! | triangular-gaussian: T/(ρ₀ D) | [`triangular_gaussian::mean_profile`]`([δ_f, δ_b], [γ_f, γ_b])` | δ = s − s₀, γ = σ g |
 //! | waves: T/(ρ₀ D) | [`wave::LaneBell::mean`]`(φ_f, φ_b)` | [`wave::LanePhase`]: nearest foot and offset |
 //! | the same within one band, with its shape | [`wave::LaneBell::shape`]`(φ_f, φ_b, ρ₀ D)` | the same |
-//! | the same, constant-emitter: C U/(c D) | [`wave::LaneBell::glow`]`(φ_f, φ_b, ρ₀ D, cutoff)` | the same |
-//! | linear piece | [`linear::emission_weights`], [`linear::front_back`], [`linear::psi`] | (ρ_f D, ρ_b D) |
-//! | widgets that hardly bend, in order: C less the mix | [`smooth::Smooth::correction`]`(shape)` | the sums of [`smooth::Shape`]s |
+//! | linear piece | [`linear::piece_weights`] | (ρ_f D, ρ_b D), at most 1 |
+//! | widgets that hardly bend, in order: C less the mix | [`smooth::Smooth::correction`]`(shape)` | the sums of [`smooth::DensityShape`]s |
 //! | any widgets in order, either model: C | [`overlap::ordered`]`(&members, None or D/U)` | [`overlap::LaneMember`] each, over the whole segment |
 //!
 //! D and ρ₀ D are those of the clipped stretch for all but the last two, which take the whole segment and the ranges of t.

@@ -15,7 +15,7 @@ use crate::{Float, Lanes, Mask};
 
 /// A widget's density along a segment, in the symbols of the module's head.
 #[derive(Clone, Copy)]
-pub struct Shape<L: Lanes> {
+pub struct DensityShape<L: Lanes> {
     /// T_i.
     pub depth: L::F,
     /// a_i.
@@ -28,19 +28,19 @@ pub struct Shape<L: Lanes> {
     pub extent_squared: L::F,
 }
 
-impl<L: Lanes> Shape<L> {
+impl<L: Lanes> DensityShape<L> {
     /// The same density everywhere.
     #[inline(always)]
     pub fn even(depth: L::F) -> Self {
         let zero = L::F::splat(0.0);
-        Shape { depth, tilt: zero, bend: zero, change_squared: zero, extent_squared: zero }
+        DensityShape { depth, tilt: zero, bend: zero, change_squared: zero, extent_squared: zero }
     }
 
     /// The same, where `cut` on a part of the segment only.
     #[inline(always)]
     pub fn cut(self, cut: L::M) -> Self {
         let endless = L::F::splat(f32::INFINITY);
-        Shape {
+        DensityShape {
             change_squared: L::F::select(cut, endless, self.change_squared),
             extent_squared: L::F::select(cut, endless, self.extent_squared),
             ..self
@@ -84,7 +84,7 @@ impl<L: Lanes> Smooth<L> {
 
     /// C_i/c_i less T_i (1 − e^(−T))/T.
     #[inline(always)]
-    pub fn correction(&self, shape: &Shape<L>) -> L::F {
+    pub fn correction(&self, shape: &DensityShape<L>) -> L::F {
         shape.depth * shape.tilt.mul_add(self.of_tilt, shape.bend.mul_add(self.of_bend, self.constant))
     }
 
@@ -141,7 +141,7 @@ pub(super) mod tests {
                 Widget { profile, color, extinction: 10f64.powf(0.3 - 4.0 * u(3)), region: None }
             };
             let widgets: Vec<Widget> = (0..3).map(widget).collect();
-            let shapes: Vec<Shape<P>> = widgets
+            let shapes: Vec<DensityShape<P>> = widgets
                 .iter()
                 .map(|widget| {
                     let Profile::Gaussian { centre, matrix: k } = &widget.profile else { unreachable!() };
@@ -165,7 +165,7 @@ pub(super) mod tests {
                 continue;
             }
             served += 1;
-            let sum = |of: &dyn Fn(&Shape<P>) -> f64| -> f64 {
+            let sum = |of: &dyn Fn(&DensityShape<P>) -> f64| -> f64 {
                 shapes.iter().map(|shape| lane(shape.depth) * of(shape)).sum()
             };
             let smooth =

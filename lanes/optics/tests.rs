@@ -1,21 +1,20 @@
 //! Every twin against its 64-bit truth, on every lane set that the processor has.
 
 use super::clip::LaneStretch;
-use super::elementary::{erfcx, exp, mean_transmittance, one_minus_exp, power};
-use super::gaussian::{self, LaneGaussianPath, LaneGaussianTrack, mean_profile};
-use super::linear;
+use super::elementary::{erfcx, exp, one_minus_exp, power};
+use super::gaussian::{LaneGaussianPath, LaneGaussianTrack, mean_profile};
+use super::linear::piece_weights;
 use super::overlap::{AnyLaneTrack, LaneMember, ordered};
 use super::piecewise_linear::{LanePiecewiseTrack, LanePoints};
-use super::triangular_gaussian::{self, LaneTriangularTrack};
+use super::triangular_gaussian::{self, LaneTriangularPath, LaneTriangularTrack};
 use super::wave::{LaneBell, LanePhase, LaneWaveTrack};
 use crate::{Float, Kernel, LaneSet, Lanes, dispatch};
 use voltet_core::optics::clip::Stretch;
 use voltet_core::optics::gaussian::GaussianPath;
-use voltet_core::optics::linear as truth;
-use voltet_core::optics::special;
 use voltet_core::optics::triangular_gaussian::TriangularPath;
 use voltet_core::optics::wave::Bell;
 use voltet_core::optics::{Overlap, Prepared, Segment};
+use voltet_core::optics::{linear, special};
 use voltet_core::transfer::{ControlPoint, OpticalModel, Profile, Region, TransferFunction, Wave, Widget};
 use voltet_judge::twin::{self, INPUTS, Range};
 
@@ -23,24 +22,20 @@ use voltet_judge::twin::{self, INPUTS, Range};
 enum Formula {
     Exp,
     Opacity,
-    MeanTransmittance,
     Erfcx,
     Power,
     Gaussian,
-    Psi,
-    Front,
-    Back,
-    FrontWeight,
-    BackWeight,
+    /// Of a piece of linear extinction and colour: the front and back colour's weights, the opacity.
+    PieceFront,
+    PieceBack,
+    PieceOpacity,
     Triangle(f64),
     Sine(f64),
     ClipLength,
     /// Its σ is 1.
     TriangularGaussian,
-    /// Constant-emitter; holds ρ₀ D.
-    GaussianGlow(f64),
-    TriangleGlow(f64, f64),
-    SineGlow(f64, f64),
+    /// Over three fields, with a width of 1 at the back.
+    TriangularGaussianNd,
     /// Five widgets at once; of the constant-emitter or not. Sum of the channels.
     Ordered(bool),
 }
@@ -55,25 +50,22 @@ struct Twin {
     reason: &'static str,
 }
 
-const DEPTH: Range = Range::Log(-12.0, 6.0);
+const SHALLOW: Range = Range::Log(-12.0, 0.0);
 const PHASE: Range = Range::Even(-30.0, 30.0);
 const NEAR: Range = Range::Even(-4.0, 4.0);
 const WIDTH: Range = Range::Even(0.0, 3.0);
 const SPAN: Range = Range::Even(-1.0, 3.0);
 
 #[rustfmt::skip]
-const TWINS: [Twin; 27] = [
+const TWINS: [Twin; 18] = [
     Twin { formula: Formula::Exp, inputs: &[Range::Even(-87.0, 87.0)], tolerance: 1.0, reason: "2 ulp" },
     Twin { formula: Formula::Opacity, inputs: &[Range::Log(-30.0, 2.0)], tolerance: 1.0, reason: "3 ulp" },
-    Twin { formula: Formula::MeanTransmittance, inputs: &[Range::Log(-30.0, 4.0)], tolerance: 1.0, reason: "4 ulp" },
     Twin { formula: Formula::Erfcx, inputs: &[Range::Log(-6.0, 6.0)], tolerance: 1.0, reason: "fit of 2e-7" },
     Twin { formula: Formula::Power, inputs: &[Range::Log(-9.0, 0.0), Range::Log(-2.0, 0.9)], tolerance: 1.0, reason: "ln and exp" },
     Twin { formula: Formula::Gaussian, inputs: &[NEAR, NEAR, NEAR, NEAR], tolerance: 2.0, reason: "sums of 2 erfcx and exp" },
-    Twin { formula: Formula::Psi, inputs: &[DEPTH, DEPTH], tolerance: 2.0, reason: "21 panels of 8 points: 1e-6" },
-    Twin { formula: Formula::Front, inputs: &[DEPTH, DEPTH], tolerance: 2.0, reason: "as psi" },
-    Twin { formula: Formula::Back, inputs: &[DEPTH, DEPTH], tolerance: 2.0, reason: "as psi" },
-    Twin { formula: Formula::FrontWeight, inputs: &[DEPTH, DEPTH], tolerance: 2.0, reason: "as psi" },
-    Twin { formula: Formula::BackWeight, inputs: &[DEPTH, DEPTH], tolerance: 2.0, reason: "as psi" },
+    Twin { formula: Formula::PieceFront, inputs: &[SHALLOW, SHALLOW], tolerance: 1.0, reason: "5 points: 5e-7" },
+    Twin { formula: Formula::PieceBack, inputs: &[SHALLOW, SHALLOW], tolerance: 1.0, reason: "what the front leaves of the opacity" },
+    Twin { formula: Formula::PieceOpacity, inputs: &[SHALLOW, SHALLOW], tolerance: 1.0, reason: "3 ulp" },
     Twin { formula: Formula::Triangle(1.0), inputs: &[PHASE, PHASE], tolerance: 1.0, reason: "sums of positive areas" },
     Twin { formula: Formula::Triangle(0.01), inputs: &[PHASE, PHASE], tolerance: 1.0, reason: "the same" },
     Twin { formula: Formula::Sine(1.0), inputs: &[PHASE, PHASE], tolerance: 1.0, reason: "the same" },
@@ -81,15 +73,9 @@ const TWINS: [Twin; 27] = [
     Twin { formula: Formula::Sine(0.001), inputs: &[PHASE, PHASE], tolerance: 1.0, reason: "1 − X/w near the reach" },
     Twin { formula: Formula::ClipLength, inputs: &[Range::Even(-1.0, 0.0), Range::Even(0.1, 1.0)], tolerance: 1.0, reason: "one quotient" },
     Twin { formula: Formula::TriangularGaussian, inputs: &[NEAR, NEAR, WIDTH, WIDTH], tolerance: 2.0, reason: "up to 24 panels of 8 points: 1e-6" },
-    Twin { formula: Formula::GaussianGlow(0.01), inputs: &[NEAR, NEAR, NEAR, NEAR], tolerance: 2.0, reason: "one walk" },
-    Twin { formula: Formula::GaussianGlow(300.0), inputs: &[NEAR, NEAR, NEAR, NEAR], tolerance: 8.0, reason: "panels of depth 2.5 leave 4e-6" },
-    Twin { formula: Formula::TriangleGlow(1.0, 3.0), inputs: &[PHASE, PHASE], tolerance: 4.0, reason: "a series of walks" },
-    Twin { formula: Formula::TriangleGlow(0.1, 300.0), inputs: &[PHASE, PHASE], tolerance: 8.0, reason: "panels of depth 2.5 leave 4e-6" },
-    Twin { formula: Formula::SineGlow(1.0, 3.0), inputs: &[PHASE, PHASE], tolerance: 4.0, reason: "a series of walks" },
-    Twin { formula: Formula::SineGlow(0.1, 300.0), inputs: &[PHASE, PHASE], tolerance: 8.0, reason: "panels of depth 2.5 leave 4e-6" },
+    Twin { formula: Formula::TriangularGaussianNd, inputs: &[NEAR, NEAR, NEAR, WIDTH], tolerance: 2.0, reason: "the same, and the line of q/m" },
     Twin { formula: Formula::Ordered(false), inputs: &[SPAN, SPAN], tolerance: 16.0, reason: "depth within a panel from 8 rates: 1e-5" },
     Twin { formula: Formula::Ordered(true), inputs: &[SPAN, SPAN], tolerance: 16.0, reason: "the same" },
-    Twin { formula: Formula::BackWeight, inputs: &[Range::Even(0.0, 3.0), Range::Even(0.0, 3.0)], tolerance: 2.0, reason: "as psi" },
 ];
 
 /// Share of the peak above which the constant-emitter glows.
@@ -104,36 +90,25 @@ fn exact(formula: Formula, x: &[f64; INPUTS]) -> f64 {
     match formula {
         Formula::Exp => x[0].exp(),
         Formula::Opacity => special::opacity(x[0]),
-        Formula::MeanTransmittance => special::mean_transmittance(x[0]),
         Formula::Erfcx => special::erfcx(x[0]),
         Formula::Power => x[0].powf(x[1]),
         Formula::Gaussian => {
             let along = [x[2] - x[0], x[3] - x[1]];
             GaussianPath::new([x[0], x[1]], [x[2], x[3]], along).optical_depth(1.0, &Stretch::WHOLE)
         }
-        Formula::Psi => truth::psi(x[0], x[1]),
-        Formula::Front => truth::front_back(x[0], x[1]).0,
-        Formula::Back => truth::front_back(x[0], x[1]).1,
-        Formula::FrontWeight => truth::emission_weights(x[0], x[1]).0,
-        Formula::BackWeight => truth::emission_weights(x[0], x[1]).1,
+        Formula::PieceFront => linear::emission_weights(x[0], x[1]).0,
+        Formula::PieceBack => linear::emission_weights(x[0], x[1]).1,
+        Formula::PieceOpacity => special::opacity(0.5 * (x[0] + x[1])),
         Formula::Triangle(width) => band(Bell::triangle(&wave(width))),
         Formula::Sine(width) => band(Bell::sine(&wave(width))),
         Formula::ClipLength => x[1] / (x[1] - x[0]),
         Formula::TriangularGaussian => {
             TriangularPath::new([x[0], x[1]], [x[2], x[3]], 1.0).optical_depth(&Stretch::WHOLE)
         }
-        Formula::GaussianGlow(peak) => {
-            let along = [x[2] - x[0], x[3] - x[1]];
-            let path = GaussianPath::new([x[0], x[1]], [x[2], x[3]], along);
-            path.glow(peak, &Stretch::WHOLE, -CUTOFF.ln())
-        }
-        Formula::TriangleGlow(width, peak) => {
-            let path = Bell::triangle(&wave(width)).path([x[0], 0.0], [x[1], 0.0]);
-            path.glow(peak, &Stretch::WHOLE, CUTOFF)
-        }
-        Formula::SineGlow(width, peak) => {
-            let path = Bell::sine(&wave(width)).path([x[0], 0.0], [x[1], 0.0]);
-            path.glow(peak, &Stretch::WHOLE, CUTOFF)
+        Formula::TriangularGaussianNd => {
+            let (front, back) = ([x[0], x[1], 0.3], [x[2], -0.5, 0.7]);
+            let along = [0, 1, 2].map(|i| back[i] - front[i]);
+            TriangularPath::over_fields(front, back, along, [x[3], 1.0], 1.0).optical_depth(&Stretch::WHOLE)
         }
         Formula::Ordered(constant) => {
             let segment = Segment {
@@ -273,31 +248,21 @@ fn phase<L: Lanes>(x: L::F) -> LanePhase<L> {
 fn values(formula: Formula, lanes: LaneSet, inputs: &[[f64; INPUTS]]) -> Vec<f32> {
     let mut out = vec![f32::NAN; inputs.len()];
     let constants = match formula {
-        Formula::Triangle(a) | Formula::Sine(a) | Formula::GaussianGlow(a) => [a, 0.0],
-        Formula::TriangleGlow(a, b) | Formula::SineGlow(a, b) => [a, b],
+        Formula::Triangle(a) | Formula::Sine(a) => [a, 0.0],
         _ => [0.0; 2],
     };
     let call = Call { lanes, constants, inputs, out: &mut out };
     match formula {
         Formula::Exp => twin_on_lanes!(call, |L, x, _| exp::<L>(x[0])),
         Formula::Opacity => twin_on_lanes!(call, |L, x, _| one_minus_exp::<L>(x[0])),
-        Formula::MeanTransmittance => {
-            twin_on_lanes!(call, |L, x, _| mean_transmittance::<L>(x[0]))
-        }
         Formula::Erfcx => twin_on_lanes!(call, |L, x, _| erfcx::<L>(x[0])),
         Formula::Power => twin_on_lanes!(call, |L, x, _| power::<L>(x[0], x[1])),
         Formula::Gaussian => {
             twin_on_lanes!(call, |L, x, _| mean_profile::<L, 2>([x[0], x[1]], [x[2], x[3]]))
         }
-        Formula::Psi => twin_on_lanes!(call, |L, x, _| linear::psi::<L>(x[0], x[1])),
-        Formula::Front => twin_on_lanes!(call, |L, x, _| linear::front_back::<L>(x[0], x[1]).0),
-        Formula::Back => twin_on_lanes!(call, |L, x, _| linear::front_back::<L>(x[0], x[1]).1),
-        Formula::FrontWeight => {
-            twin_on_lanes!(call, |L, x, _| linear::emission_weights::<L>(x[0], x[1]).0)
-        }
-        Formula::BackWeight => {
-            twin_on_lanes!(call, |L, x, _| linear::emission_weights::<L>(x[0], x[1]).1)
-        }
+        Formula::PieceFront => twin_on_lanes!(call, |L, x, _| piece_weights::<L>(x[0], x[1]).0),
+        Formula::PieceBack => twin_on_lanes!(call, |L, x, _| piece_weights::<L>(x[0], x[1]).1),
+        Formula::PieceOpacity => twin_on_lanes!(call, |L, x, _| piece_weights::<L>(x[0], x[1]).2),
         Formula::Triangle(_) => twin_on_lanes!(call, |L, x, [width, _]| {
             LaneBell::triangle(&wave(width)).mean::<L>(phase(x[0]), phase(x[1]))
         }),
@@ -310,24 +275,11 @@ fn values(formula: Formula, lanes: LaneSet, inputs: &[[f64; INPUTS]]) -> Vec<f32
         Formula::TriangularGaussian => twin_on_lanes!(call, |L, x, _| {
             triangular_gaussian::mean_profile::<L>([x[0], x[1]], [x[2], x[3]])
         }),
-        Formula::GaussianGlow(_) => {
-            twin_on_lanes!(call, |L, x, [peak, _]| {
-                let peak = L::F::splat(peak as f32);
-                gaussian::glow::<L, 2>([x[0], x[1]], [x[2], x[3]], peak, -CUTOFF.ln() as f32)
-            });
-        }
-        Formula::TriangleGlow(..) => {
-            twin_on_lanes!(call, |L, x, [width, peak]| {
-                let bell = LaneBell::triangle(&wave(width));
-                bell.glow::<L>(phase(x[0]), phase(x[1]), L::F::splat(peak as f32), CUTOFF)
-            });
-        }
-        Formula::SineGlow(..) => {
-            twin_on_lanes!(call, |L, x, [width, peak]| {
-                let bell = LaneBell::sine(&wave(width));
-                bell.glow::<L>(phase(x[0]), phase(x[1]), L::F::splat(peak as f32), CUTOFF)
-            });
-        }
+        Formula::TriangularGaussianNd => twin_on_lanes!(call, |L, x, _| {
+            let splat = L::F::splat;
+            let (front, back) = ([x[0], x[1], splat(0.3)], [x[2], splat(-0.5), splat(0.7)]);
+            LaneTriangularPath::<L>::over_fields(front, back, [x[3], splat(1.0)]).mean()
+        }),
         Formula::Ordered(false) => {
             twin_on_lanes!(call, |L, x, _| ordered_sum::<L>(x[0], x[1], false));
         }

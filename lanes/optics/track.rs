@@ -14,9 +14,6 @@ pub const OPAQUE_DEPTH: f32 = 25.0;
 /// Depth that a panel holds at most: 8 points then leave 1e-7 of e^(−T).
 const PANEL_DEPTH: f32 = 2.5;
 
-/// Panels before a walk is given up; only a track that breaks thousands of times needs as many.
-const PANELS_MOST: usize = 1 << 14;
-
 /// Distance in t within which a break counts as passed.
 pub const PASSED: f32 = 5e-7;
 
@@ -87,25 +84,6 @@ impl<L: Lanes> Walk<L> {
         self.limit = L::F::select(deep, dt * share, ahead);
         seen
     }
-}
-
-/// ∫₀¹ e^(−T(t)) dt. Relative error some 1e-5.
-#[inline(always)]
-pub fn mean_transmittance_along<L: Lanes>(track: &impl LaneTrack<L>) -> L::F {
-    let mut walk = Walk::<L>::start();
-    let mut sum = L::F::splat(0.0);
-    for _ in 0..PANELS_MOST {
-        if !walk.open().any() {
-            break;
-        }
-        let next = track.next_break(walk.t);
-        let dt = walk.panel(next);
-        let rates = track.rates(walk.t, dt);
-        for seen in walk.take(next, dt, &rates) {
-            sum = sum + seen;
-        }
-    }
-    sum
 }
 
 /// Linear along t: the value at each point of the panel.

@@ -5,18 +5,102 @@
 //! outwards on at most two parts. Each part is walked from there, with t counted from there, so that what matters
 //! keeps its digits; a panel of 8 points ends where x has grown by 1 or x² by 3, or γ has doubled or halved. What is
 //! e^(−24) times fainter than the brightest place is left out (4e-11).
+//!
+//! Over several fields, exp(−|q|²/m²) is e^(−h²) exp(−((q·e)/m)²): see there.
 
 use super::clip::LaneStretch;
 use super::elementary::exp;
 use super::quadrature::{PANEL, POINTS};
 use super::track::{LaneTrack, PASSED, at_nodes};
-use crate::{Float, Lanes, Mask, array};
+use crate::{Float, Lanes, Mask, array, inlined};
 
 /// x² by which a part grows before it counts as dark.
 const REACH: f32 = 24.0;
 
 /// Panels of a part: 5 by x up to 3, 6 by x², 24 halvings of γ until 32 bits reach the end.
 const PANELS_MOST: usize = 40;
+
+/// A path over fields: exp(−|q|²/m²) = e^(−h²) exp(−(δ/γ)²).
+#[derive(Clone, Copy)]
+pub struct LaneTriangularPath<L: Lanes> {
+    /// δ at front and back.
+    pub offset: [L::F; 2],
+    /// γ at front and back.
+    pub width: [L::F; 2],
+    /// h².
+    pub offset_squared: L::F,
+}
+
+impl<L: Lanes> LaneTriangularPath<L> {
+    /// From q and m at front and back.
+    #[inline(always)]
+    pub fn over_fields<const N: usize>(front: [L::F; N], back: [L::F; N], width: [L::F; 2]) -> Self {
+        let splat = L::F::splat;
+        let (zero, tiny) = (splat(0.0), splat(f32::MIN_POSITIVE));
+        let rise = width[1] - width[0];
+        let turn: [L::F; N] = array(
+            #[inline(always)]
+            |i| (back[i] - front[i]).mul_add(width[0], -(front[i] * rise)),
+        );
+        let largest_of = inlined(
+            #[inline(always)]
+            |v: &[L::F; N]| {
+                let mut largest = v[0].abs();
+                for x in &v[1..] {
+                    largest = largest.max(x.abs());
+                }
+                largest
+            },
+        );
+        // A point that stays where it is moves in any direction, so in that of its own.
+        let stays = largest_of(&turn).le(zero);
+        let front_longer = largest_of(&back).le(largest_of(&front));
+        let direction: [L::F; N] = array(
+            #[inline(always)]
+            |i| L::F::select(stays, L::F::select(front_longer, front[i], back[i]), turn[i]),
+        );
+        let inverse = splat(1.0) / largest_of(&direction).max(tiny);
+        let scaled: [L::F; N] = array(
+            #[inline(always)]
+            |i| direction[i] * inverse,
+        );
+        let dot = inlined(
+            #[inline(always)]
+            |a: &[L::F; N], b: &[L::F; N]| {
+                let mut sum = a[0] * b[0];
+                for i in 1..N {
+                    sum = a[i].mul_add(b[i], sum);
+                }
+                sum
+            },
+        );
+        let inverse = splat(1.0) / dot(&scaled, &scaled).max(tiny).sqrt();
+        let unit: [L::F; N] = array(
+            #[inline(always)]
+            |i| scaled[i] * inverse,
+        );
+        let offset = [dot(&front, &unit), dot(&back, &unit)];
+        // h at the end with the smaller |x|, of those with a width.
+        let nearer = (offset[0] * width[1]).abs().le((offset[1] * width[0]).abs()).or(width[1].le(zero));
+        let at_front = nearer.and(zero.lt(width[0]));
+        let (x, m) =
+            (L::F::select(at_front, offset[0], offset[1]), L::F::select(at_front, width[0], width[1]));
+        let inverse = splat(1.0) / m.max(tiny);
+        let mut offset_squared = zero;
+        for i in 0..N {
+            let across = (L::F::select(at_front, front[i], back[i]) - x * unit[i]) * inverse;
+            let across = across.abs().min(splat(1e9));
+            offset_squared = across.mul_add(across, offset_squared);
+        }
+        LaneTriangularPath { offset, width, offset_squared }
+    }
+
+    /// Mean of the profile over the path.
+    #[inline(always)]
+    pub fn mean(&self) -> L::F {
+        mean_profile::<L>(self.offset, self.width) * exp::<L>(-self.offset_squared)
+    }
+}
 
 /// Mean of the profile over the segment, from δ and γ at its front and back. Relative error 1e-6 (1 + condition).
 #[inline(always)]

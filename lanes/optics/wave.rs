@@ -3,9 +3,9 @@
 //! Phases come split into the nearest foot and the distance from it, reduced in 64 bits where |φ| is large: the
 //! reduction, not the formula, is what 32 bits cannot do.
 
-use super::elementary::{exp, one_minus_exp, polynomial};
+use super::elementary::polynomial;
 use super::quadrature::POINTS;
-use super::track::{LaneTrack, PASSED, at_nodes, mean_transmittance_along};
+use super::track::{LaneTrack, at_nodes};
 use crate::{Float, Lanes, Mask, array};
 use voltet_core::transfer::Wave;
 
@@ -170,7 +170,7 @@ impl LaneBell {
 
 impl LaneBell {
     /// Half-width of the window in which the profile exceeds `cutoff`.
-    pub fn lit_half_width(&self, cutoff: f64) -> f32 {
+    fn lit_half_width(&self, cutoff: f64) -> f32 {
         let width = (1.0 - cutoff) / f64::from(self.inverse_width);
         let half = if self.sine {
             2.0 * (0.5 * width).sqrt().min(1.0).asin() / std::f64::consts::PI
@@ -185,126 +185,6 @@ impl LaneBell {
     pub fn value<L: Lanes>(&self, foot: L::F) -> L::F {
         let spot = Spot::<L> { foot, peak: L::F::splat(0.5) - foot };
         self.mean_on_flank(spot, spot).max(L::F::splat(0.0))
-    }
-
-    /// Area between two signed distances from one peak, `from` ≤ `to`.
-    #[inline(always)]
-    fn part_area<L: Lanes>(&self, from: L::F, to: L::F) -> L::F {
-        let (zero, half) = (L::F::splat(0.0), L::F::splat(0.5));
-        let spot = |distance: L::F| Spot::<L> { foot: half - distance, peak: distance };
-        let (p, q) = (from.abs(), to.abs());
-        let peak = Spot::<L> { foot: half, peak: zero };
-        let over = from.lt(zero).and(zero.lt(to));
-        // On one side of the peak the second flank is empty.
-        let near = L::F::select(over, zero, p.min(q));
-        let other = L::F::select(over, p.min(q), zero);
-        self.flank(spot(p.max(q)), spot(near)) + self.flank(spot(other), peak)
-    }
-
-    /// ∫ e^(−T) dt over what is lit of the part of one band between two signed distances from its peak, T from the
-    /// part's start. `per_phase`: t per unit of phase; `alone`: the part is the whole segment.
-    #[inline(always)]
-    fn part_light<L: Lanes>(
-        &self,
-        [from, to]: [L::F; 2],
-        window: f32,
-        peak: L::F,
-        per_phase: L::F,
-        alone: L::M,
-    ) -> L::F {
-        let splat = L::F::splat;
-        let zero = splat(0.0);
-        let (start, end) = (from.max(splat(-window)), to.min(splat(window)));
-        let whole = start.le(from).and(to.le(end)).and(splat(-window).lt(start)).and(end.lt(splat(window)));
-        let whole = whole.and(alone);
-        let length = (end - start).max(zero);
-        let share = L::F::select(whole, splat(1.0), length * per_phase);
-        let before = L::F::select(from.lt(start), self.part_area::<L>(from, start) * per_phase * peak, zero);
-        let track = PartTrack::<L> { bell: self, from: start, to: start + length, peak: peak * share };
-        let light = share * exp::<L>(-before) * mean_transmittance_along::<L>(&track);
-        L::F::select(zero.lt(length).or(whole), light, zero)
-    }
-
-    /// ∫ e^(−T) dt, t ∈ [0, 1], over the parts of the segment where the profile exceeds `cutoff`, T counted from the
-    /// segment's front; `peak` = ρ₀ D. Times c D/U it is the constant-emitter colour. Whole bands are alike: any
-    /// number of them is a geometric series. Twin of `WavePath::glow`. Relative error some 1e-5 (1 + condition).
-    #[inline(always)]
-    pub fn glow<L: Lanes>(&self, front: LanePhase<L>, back: LanePhase<L>, peak: L::F, cutoff: f64) -> L::F {
-        let splat = L::F::splat;
-        let (zero, half, one) = (splat(0.0), splat(0.5), splat(1.0));
-        let window = self.lit_half_width(cutoff);
-        // The bell is even: a falling phase is a rising one of the opposite sign.
-        let span = (back.nearest - front.nearest) + (back.offset - front.offset);
-        let sign = L::F::select(span.lt(zero), splat(-1.0), one);
-        let span = span.abs();
-        // Band and signed distance from its peak.
-        let place = |phase: LanePhase<L>| {
-            let (nearest, offset) = (phase.nearest * sign, phase.offset * sign);
-            let rising = zero.le(offset);
-            let band = L::F::select(rising, nearest, nearest - one);
-            (band, L::F::select(rising, offset - half, offset + half))
-        };
-        let ((from_band, from), (to_band, to)) = (place(front), place(back));
-        let bands = to_band - from_band;
-        let same = bands.lt(half);
-        let per_phase = one / span.max(splat(f32::MIN_POSITIVE));
-        let end = L::F::select(same, to.max(from), half);
-        // What is left of the band in front, a whole band, what is begun of the last one.
-        let parts = [[from, end], [-half, half], [-half, to]];
-        let several = same.not().any();
-        let count = if several { parts.len() } else { 1 };
-        let mut light = [zero; 3];
-        for (light, part) in light.iter_mut().zip(parts).take(count) {
-            *light = self.part_light::<L>(part, window, peak, per_phase, same);
-        }
-        let [first, band, last] = light;
-        if !several {
-            return first;
-        }
-        let open = same.not();
-        let per_phase = L::F::select(same, one, per_phase);
-        let rate = peak * per_phase;
-        let first_depth = rate * self.part_area::<L>(from, half);
-        let band_depth = rate * splat(2.0 * self.half);
-        let count = (bands - one).max(zero);
-        let series = one_minus_exp::<L>(count * band_depth)
-            / one_minus_exp::<L>(band_depth).max(splat(f32::MIN_POSITIVE));
-        let series = L::F::select(band_depth.lt(splat(1e-25)), count, series);
-        let behind = series.mul_add(band, exp::<L>(-(count * band_depth)) * last);
-        let behind = exp::<L>(-first_depth) * behind;
-        first + L::F::select(open, behind, zero)
-    }
-}
-
-/// A part of one band, by signed distances from its peak.
-struct PartTrack<'a, L: Lanes> {
-    bell: &'a LaneBell,
-    from: L::F,
-    to: L::F,
-    peak: L::F,
-}
-
-impl<L: Lanes> LaneTrack<L> for PartTrack<'_, L> {
-    #[inline(always)]
-    fn rates(&self, t: L::F, dt: L::F) -> [L::F; POINTS] {
-        let place = at_nodes::<L>(self.from, self.to, t, dt);
-        array(
-            #[inline(always)]
-            |i| {
-                let foot = (L::F::splat(0.5) - place[i].abs()).max(L::F::splat(0.0));
-                self.peak * self.bell.value::<L>(foot)
-            },
-        )
-    }
-
-    #[inline(always)]
-    fn next_break(&self, t: L::F) -> L::F {
-        let splat = L::F::splat;
-        let (zero, none) = (splat(0.0), splat(2.0));
-        let length = self.to - self.from;
-        let peak = -(self.from) / length.max(splat(f32::MIN_POSITIVE));
-        let ahead = self.from.lt(zero).and(zero.lt(self.to)).and((t + splat(PASSED)).lt(peak));
-        L::F::select(ahead, peak, none)
     }
 }
 

@@ -12,7 +12,7 @@ use voltet_core::shading::{Integrator, Shading};
 use voltet_core::{Error, Result};
 
 /// The word for whatever engine is there.
-const AUTO: &str = "auto";
+pub const AUTO: &str = "auto";
 
 /// The engine that a pipeline asks for.
 pub const ENGINE: Parameter = Parameter {
@@ -24,7 +24,7 @@ pub const ENGINE: Parameter = Parameter {
 };
 
 const ENGINE_WORDS: [(&str, &str); ENGINES.len() + 1] = {
-    let auto = "the GPU where this machine has one that holds the scene, the CPU otherwise";
+    let auto = "the last of these that this machine has and that holds the scene";
     let mut words = [(AUTO, auto); ENGINES.len() + 1];
     let mut k = 0;
     while k < ENGINES.len() {
@@ -40,7 +40,7 @@ pub const ADAPTER: Parameter = Parameter {
     parameter_type: ParameterType::Text,
     unit: "",
     standard: Standard::Unset("the fastest kind"),
-    help: "gpu: a part of its name, or discrete, integrated, virtual, software",
+    help: "on a device: a part of its name, or discrete, integrated, virtual, software",
 };
 
 /// The compositor of the device.
@@ -49,7 +49,7 @@ pub const COMPOSITOR: Parameter = Parameter {
     parameter_type: ParameterType::Choice(&COMPOSITOR_WORDS),
     unit: "",
     standard: Standard::Text(AUTO),
-    help: "gpu: how pixels are composited; the CPU always works in tiles",
+    help: "on a device: how pixels are composited; other engines have one way",
 };
 
 const COMPOSITOR_WORDS: [(&str, &str); Compositing::WORDS.len() + 1] = {
@@ -69,8 +69,16 @@ pub fn adapter(p: &Parameters) -> Option<String> {
     p.optional(ADAPTER.name).and_then(|setting| setting.text()).map(str::to_string)
 }
 
-/// The engines that may draw, in the order in which they are asked: for `auto` the last of the list first, else the one that
-/// is wanted. The reference is no device's: whatever else is asked for, it is the referee's picture.
+/// Whether an engine is asked where a pipeline says this.
+pub fn is_asked_by(engine: &Declaration, wanted: &str) -> bool {
+    match wanted {
+        AUTO => engine.taken.is_some(),
+        named => engine.name == named,
+    }
+}
+
+/// The engines that may draw, in the order in which they are asked: for `auto` those of the list that it takes, the last first;
+/// else the one that is wanted. The reference is no device's: whatever else is asked for, it is the referee's picture.
 fn asked(wanted: &str, shading: &Shading) -> Vec<&'static Declaration> {
     let is_reference = shading.integrator == Integrator::Reference;
     let drawing = |engine: &'static Declaration| match engine.on_device {
@@ -78,8 +86,8 @@ fn asked(wanted: &str, shading: &Shading) -> Vec<&'static Declaration> {
         _ => engine,
     };
     let is_asked = |engine: &&Declaration| match wanted {
-        AUTO => !(engine.on_device && is_reference),
-        name => engine.name == name,
+        AUTO => is_asked_by(engine, AUTO) && !(engine.on_device && is_reference),
+        named => is_asked_by(engine, named),
     };
     ENGINES.iter().rev().filter(is_asked).map(drawing).collect()
 }
@@ -102,8 +110,8 @@ pub fn ask_engine(asking: &mut Asking, wanted: &str) -> Result<()> {
         let order = super::order(asking.parameters, needed.order)?;
         check_compositor(asking.parameters, &engines, |one| one.check_order(order, needed.order))?;
     }
-    if !needed.order && !asking.thorough {
-        leave_out_order(asking.notes, None);
+    if let (Some(leave), false) = (asking.may_leave_out(), needed.order) {
+        leave_out_order(asking.notes, leave, None);
     }
     Ok(())
 }
@@ -145,7 +153,7 @@ fn planned(
             Err(error) if k + 1 < engines.len() => why = error.to_string(),
             Err(error) => return Err(asking.parameters.blame("integrator", error)),
             Ok(()) if wanted == AUTO && engine.on_device => {
-                let taken: Vec<&str> = engines[k..].iter().map(|engine| engine.taken).collect();
+                let taken: Vec<&str> = engines[k..].iter().filter_map(|engine| engine.taken).collect();
                 return Ok((AUTO.into(), format!("the run takes {}", taken.join(", else "))));
             }
             Ok(()) => return Ok(named),
@@ -162,10 +170,6 @@ pub fn draw(call: &mut Call, scene: &Scene, wanted: &str) -> Result<Picture> {
     for engine in &engines {
         if wanted != AUTO {
             return draw_on(call, scene, "volume", engine, false);
-        }
-        if call.thorough && engine.on_device {
-            refused = Some("what is compared with everything done is the native engine's work".into());
-            continue;
         }
         call.notes.engine = refused.take().map(|why| (engine.name.into(), why));
         match draw_on(call, scene, "volume", engine, true) {

@@ -2,7 +2,6 @@
 
 use voltet_core::engine::Declaration;
 use voltet_core::reference;
-use voltet_core::{Error, Result};
 
 /// The device engine.
 #[cfg(feature = "gpu")]
@@ -14,7 +13,8 @@ const GPU: Declaration = Declaration::absent(
     "this build has no GPU engine",
 );
 
-/// The engines. The first draws every scene; `auto` asks those behind it first, the last before all others.
+/// The engines. The first draws every scene; `auto` asks those behind it first, the last before all others, but for those that
+/// are taken by name only.
 pub const ENGINES: &[Declaration] = &[voltet_engine::ENGINE, GPU];
 
 /// What the engines are held against. It draws where the integrator is the reference.
@@ -23,14 +23,8 @@ pub const REFEREE: &Declaration = &reference::ENGINE;
 /// The engine that draws every scene, whatever machine this is.
 pub const NATIVE: &Declaration = &ENGINES[0];
 
-/// The engine of that name.
-pub fn engine(name: &str) -> Result<&'static Declaration> {
-    ENGINES.iter().find(|engine| engine.name == name).ok_or_else(|| {
-        Error::usage("there is no engine of this name")
-            .found(name)
-            .accepted(voltet_core::graph::suggest(name, ENGINES.iter().map(|engine| engine.name)))
-    })
-}
+/// The engine on a device, which the node `gpu-renderer` always takes.
+pub const DEVICE: &Declaration = &GPU;
 
 #[cfg(all(test, feature = "gpu"))]
 mod tests;

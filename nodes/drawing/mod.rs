@@ -13,10 +13,11 @@ mod remembered;
 mod scene;
 mod shading;
 mod stages;
+mod visible;
 
 pub use bands::note_bands;
-pub use engine::{ADAPTER, COMPOSITOR, ENGINE, adapter, ask_engine, draw};
-pub use engines::{ENGINES, NATIVE, REFEREE, engine};
+pub use engine::{ADAPTER, AUTO, COMPOSITOR, ENGINE, adapter, ask_engine, draw, is_asked_by};
+pub use engines::{DEVICE, ENGINES, NATIVE, REFEREE};
 pub use needs::ask;
 pub use order::{ORDER, leave_out_order, order};
 pub use prepared::{Culled, Projected};

@@ -18,12 +18,12 @@ pub fn ask(asking: &mut Asking, port: &str, look: &str) -> Result<Demand> {
         can_serve(&shading.integrator, &look.transfer_function)
             .map_err(|error| asking.parameters.blame("integrator", error))?;
     }
-    if !shading.integrator.has_table() && !asking.thorough {
+    if let (Some(leave), false) = (asking.may_leave_out(), shading.integrator.has_table()) {
         let why = format!("the integrator '{}' needs none", shading.integrator.name());
         let side = asking.parameters.integer("table_size")? as usize;
         let density = |look: &Look| look.transfer_function.model == OpticalModel::DensityEmitter;
         let bytes = PartialTable::bytes_of(look.as_deref().is_none_or(density), side);
-        asking.notes.leave_out("pre-integration table", why, Some(Saving::Bytes(bytes as u64)));
+        asking.notes.leave_out(leave, "pre-integration table", why, Some(Saving::Bytes(bytes as u64)));
     }
     let demand = demand(look.as_deref(), &shading);
     asking.ask(port, &demand)?;

@@ -3,7 +3,7 @@
 use super::order::leave_out_order;
 use voltet_core::Result;
 use voltet_core::engine::Counts;
-use voltet_core::graph::{Call, Saving};
+use voltet_core::graph::{Call, MayLeaveOut, Notes, Saving};
 use voltet_core::optics::integrators::PartialTable;
 use voltet_core::scene::Scene;
 use voltet_core::shading::Order;
@@ -11,6 +11,7 @@ use voltet_core::transfer::OpticalModel;
 
 /// Notes what was counted: of a whole picture, or of one stage.
 pub(super) fn note(call: &mut Call, counts: &Counts) {
+    let leave = call.may_leave_out();
     let notes = &mut call.notes;
     let culled = counts.culled_by_transfer_function.zip(counts.culled_by_frustum).map(|(a, b)| a + b);
     for (name, count) in [
@@ -24,30 +25,37 @@ pub(super) fn note(call: &mut Call, counts: &Counts) {
     ] {
         notes.counts.extend(count.map(|count| (name, count)));
     }
-    for (which, why, count) in [
-        ("that show nothing", "no widget touches their values", counts.culled_by_transfer_function),
-        ("out of view", "they lie outside the view", counts.culled_by_frustum),
-        ("under a pixel's reach", "they cover no pixel centre", counts.under_a_pixel),
-    ] {
-        if let Some(count @ 1..) = count {
-            notes.leave_out(format!("cells {which}"), why, Some(Saving::Cells(count)));
-        }
-    }
-    if let Some(tiles @ 1..) = counts.tiles_stopped {
-        let what = format!("cells of {tiles} tiles that stopped early");
-        notes.leave_out(what, "every pixel of the tile is opaque", counts.cells_hidden.map(Saving::Cells));
+    if let Some(leave) = leave {
+        leave_out(notes, leave, counts);
     }
     if let Some(count @ 1..) = counts.pixels_disordered {
         notes.warnings.push(format!("{count} pixels were composited in an order that is not exact"));
     }
 }
 
+fn leave_out(notes: &mut Notes, leave: MayLeaveOut, counts: &Counts) {
+    for (which, why, count) in [
+        ("that show nothing", "no widget touches their values", counts.culled_by_transfer_function),
+        ("out of view", "they lie outside the view", counts.culled_by_frustum),
+        ("under a pixel's reach", "they cover no pixel centre", counts.under_a_pixel),
+    ] {
+        if let Some(count @ 1..) = count {
+            notes.leave_out(leave, format!("cells {which}"), why, Some(Saving::Cells(count)));
+        }
+    }
+    if let Some(tiles @ 1..) = counts.tiles_stopped {
+        let what = format!("cells of {tiles} tiles that stopped early");
+        let saving = counts.cells_hidden.map(Saving::Cells);
+        notes.leave_out(leave, what, "every pixel of the tile is opaque", saving);
+    }
+}
+
 /// Notes the order that was not made, and where nothing may be left out makes the table that was not needed.
 pub(super) fn note_whole(call: &mut Call, scene: &Scene, counts: &Counts) -> Result<()> {
-    if !call.thorough && scene.order == Order::Auto && !scene.needs_order() {
-        leave_out_order(&mut call.notes, counts.segments);
+    if let (Some(leave), Order::Auto, false) = (call.may_leave_out(), scene.order, scene.needs_order()) {
+        leave_out_order(&mut call.notes, leave, counts.segments);
     }
-    if call.thorough && counts.tables_built == Some(0) {
+    if call.may_leave_out().is_none() && !scene.shading.integrator.has_table() {
         let side = call.parameters.integer("table_size")? as usize;
         let density = scene.transfer_function.model == OpticalModel::DensityEmitter;
         let table = call.stage("table", |_| Ok(PartialTable::new(density, side)))?;

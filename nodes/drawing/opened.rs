@@ -2,6 +2,7 @@
 
 use super::noted::{note, note_whole};
 use super::remembered::CacheFolder;
+use super::visible;
 use crate::files::cache_folder;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -45,7 +46,7 @@ pub(super) fn draw_on(
     let (compositing, why) = compositing(call, scene, declared, engine.as_ref())?;
     let volumes = call.keep(call.revision(port)?, || Ok(Volumes::default()))?;
     let volume = stage(call, declared, "upload", |_| volumes.prepare(declared, &engine, scene))?;
-    let manner = Manner { compositing, thorough: call.thorough };
+    let manner = Manner { compositing, may_leave_out: call.may_leave_out() };
     let drawn = stage(call, declared, "draw", |progress| volume.draw(scene, &manner, progress))?;
     let stages = drawn.stages.iter().map(|part| match declared.on_device {
         true => (format!("device {}", part.name()), part.seconds),
@@ -65,6 +66,7 @@ pub(super) fn draw_on(
     call.notes.add(drawn.notes);
     note(call, &drawn.counts);
     note_whole(call, scene, &drawn.counts)?;
+    call.notes.warnings.extend(visible::warnings(scene, &drawn.counts, &drawn.picture));
     Ok(drawn.picture)
 }
 

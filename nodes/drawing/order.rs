@@ -1,7 +1,7 @@
 //! The order of a pixel's segments: the parameter, and what becomes of it.
 
 use voltet_core::Result;
-use voltet_core::graph::{Notes, Parameter, ParameterType, Parameters, Saving, Standard};
+use voltet_core::graph::{MayLeaveOut, Notes, Parameter, ParameterType, Parameters, Saving, Standard};
 use voltet_core::shading::Order;
 
 /// The parameter, for the declarations of `sort` and `renderer`.
@@ -31,7 +31,7 @@ pub fn order(p: &Parameters, needed: bool) -> Result<Order> {
 }
 
 /// Notes that no order is needed; `segment_count`: of the segments that are not sorted, where it is known.
-pub fn leave_out_order(notes: &mut Notes, segment_count: Option<u64>) {
+pub fn leave_out_order(notes: &mut Notes, leave: MayLeaveOut, segment_count: Option<u64>) {
     let why = "one colour and no light: the picture does not depend on the order";
-    notes.leave_out("visibility order", why, segment_count.map(Saving::Segments));
+    notes.leave_out(leave, "visibility order", why, segment_count.map(Saving::Segments));
 }

@@ -3,25 +3,14 @@
 use voltet_core::Result;
 use voltet_core::graph::{Parameter, ParameterType, Parameters, Range, Standard};
 use voltet_core::optics::Overlap;
+use voltet_core::optics::integrators::Numbers;
 use voltet_core::shading::{Integrator, Light, Shading};
-
-/// The integrators that a pipeline may name, each with its meaning.
-const INTEGRATORS: &[(&str, &str)] = &[
-    ("analytic", "closed forms; quadrature with closed-form optical depth where widgets overlap"),
-    ("adaptive", "closed forms, subdivided until the error is under the tolerance"),
-    ("segments", "equal pieces, linear in each, combined by the partial pre-integration table"),
-    ("riemann", "point samples"),
-    ("pre-integrated", "a three-dimensional table, for transfer functions of the scalar alone"),
-    ("pre-integrated-cylindrical", "the same table as tiles"),
-    ("clipped", "piecewise-linear functions clipped at their control points"),
-    ("reference", "64-bit adaptive quadrature, slow"),
-];
 
 /// The parameters of shading, for the declarations of `composite` and `renderer`.
 pub const PARAMETERS: [Parameter; 7] = [
     Parameter {
         name: "integrator",
-        parameter_type: ParameterType::Choice(INTEGRATORS),
+        parameter_type: ParameterType::Choice(&Integrator::WORDS),
         unit: "",
         standard: Standard::Text("analytic"),
         help: "how the light of one ray segment is found",
@@ -115,19 +104,14 @@ fn light(p: &Parameters) -> Result<Option<Light>> {
 }
 
 fn integrator(p: &Parameters) -> Result<Integrator> {
-    let count = || p.integer("segments").map(|n| n as usize);
-    let table_size = || p.integer("table_size").map(|n| n as usize);
-    Ok(match p.text("integrator")? {
-        "analytic" => Integrator::Analytic,
-        "adaptive" => Integrator::Adaptive { tolerance: p.number("tolerance")? },
-        "segments" => Integrator::Segments { count: count()?, table_size: table_size()? },
-        "riemann" => Integrator::Riemann { count: count()? },
-        "pre-integrated" => Integrator::PreIntegrated { table_size: table_size()? },
-        "pre-integrated-cylindrical" => Integrator::PreIntegratedCylindrical { table_size: table_size()? },
-        "clipped" => Integrator::Clipped,
-        "reference" => Integrator::Reference,
-        other => {
-            return Err(p.error("integrator", format!("the integrator '{other}' is declared but not known")));
-        }
-    })
+    let named = p.text("integrator")?;
+    let kind = Integrator::EVERY.into_iter().find(|kind| kind.name() == named).ok_or_else(|| {
+        p.error("integrator", format!("the integrator '{named}' is declared but not known"))
+    })?;
+    let whole = |name| p.integer(name).map(|n| Some(n as usize));
+    Ok(kind.with(Numbers {
+        tolerance: Some(p.number("tolerance")?),
+        count: whole("segments")?,
+        table_size: whole("table_size")?,
+    }))
 }

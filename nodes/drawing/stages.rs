@@ -3,6 +3,7 @@
 use super::engines::REFEREE;
 use super::noted::{note, note_whole};
 use super::opened::draw_on;
+use super::visible;
 use std::sync::Arc;
 use voltet_core::Result;
 use voltet_core::camera::Camera;
@@ -41,15 +42,17 @@ pub fn cull(
     transfer_function: &TransferFunction,
     camera: &Camera,
 ) -> Result<Cells> {
-    let thorough = call.thorough;
-    let cells = call.stage(Stage::Cull.name(), |progress| match thorough {
-        true => engine::keep_all(volume, transfer_function, camera),
-        false => engine::cull(volume, transfer_function, camera, progress),
+    let leave = call.may_leave_out();
+    let cells = call.stage(Stage::Cull.name(), |progress| match leave {
+        None => engine::keep_all(volume, transfer_function, camera),
+        Some(_) => engine::cull(volume, transfer_function, camera, progress),
     })?;
     call.notes.counts.insert("cells_total", volume.grid.tetrahedra.len() as u64);
     let mut counts = Counts::default();
     cells.count(&mut counts);
-    cells.note(&mut call.notes);
+    if let Some(leave) = leave {
+        cells.note(leave, &mut call.notes);
+    }
     note(call, &counts);
     Ok(cells)
 }
@@ -70,7 +73,7 @@ pub fn project(
     gradient: bool,
 ) -> Result<Projection> {
     // For comparison everything that there is goes along.
-    let gradient = gradient || (call.thorough && cells.volume.gradient.is_some());
+    let gradient = gradient || (call.may_leave_out().is_none() && cells.volume.gradient.is_some());
     let project =
         |progress: &dyn Progress| engine::project(cells, transfer_function, camera, gradient, progress);
     let projection = call.stage(Stage::Project.name(), project)?;
@@ -94,7 +97,12 @@ pub fn composite(
     composited.count(&mut counts);
     composited.note(&mut call.notes);
     note(call, &counts);
-    note_whole(call, &scene_of(projection, transfer_function, shading), &counts)?;
+    let scene = scene_of(projection, transfer_function, shading);
+    note_whole(call, &scene, &counts)?;
+    // Of all stages: what the former ones left out may be the reason.
+    projection.cells().count(&mut counts);
+    projection.count(&mut counts);
+    call.notes.warnings.extend(visible::warnings(&scene, &counts, &picture));
     let threads = rayon::current_num_threads();
     call.notes.adapter = Some(format!("{}, {threads} threads", LaneSet::detect().name()));
     Ok(picture)

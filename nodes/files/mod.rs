@@ -1,12 +1,21 @@
-//! Writing whole files: beside, then renamed, so that no partial file is ever seen; and the user's cache folder.
+//! Files: which one a path means, writing whole ones, the standard output, the user's cache folder.
+//!
+//! What is being written stands beside the file until it is whole. Two things of this hold for the whole process, since a
+//! signal does: what stands beside files now ([`end_now`] removes it), and whether a reader is waited for.
 
 mod hash;
+mod meant;
+mod temporary;
+mod waiting;
+mod write;
 
 pub use hash::Fnv;
+pub use meant::{Meant, STANDARD_OUTPUT, Use, collision, is_standard_output};
+pub use temporary::end_now;
+pub use waiting::is_waiting;
+pub use write::{refuse_unwritable, standard_output, unwritable_output, write_whole};
 
-use std::io::Write;
 use std::path::{Path, PathBuf};
-use voltet_core::{Error, Result};
 
 /// The program's folder within the user's cache folder. It need not exist.
 pub fn cache_folder() -> PathBuf {
@@ -18,51 +27,23 @@ pub fn cache_folder() -> PathBuf {
     base.unwrap_or_else(std::env::temp_dir).join("voltet")
 }
 
+/// A path to write, as people are told of it.
+pub fn shown(path: &Path) -> String {
+    match path == Path::new(STANDARD_OUTPUT) {
+        true => "the standard output".into(),
+        false => path.display().to_string(),
+    }
+}
+
+/// Whether a path by its words alone is the standard output or a device, which have no endings.
+pub fn is_stream(path: &str) -> bool {
+    path == STANDARD_OUTPUT || path.starts_with("/dev/")
+}
+
 /// The folder that a file lies in.
 fn folder(path: &Path) -> &Path {
     match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),
     }
-}
-
-/// Finds out, before the work, whether `path` can be written.
-pub fn refuse_unwritable(path: &Path) -> Result<()> {
-    let folder = folder(path);
-    if !folder.is_dir() {
-        let error = Error::run(format!("'{}' cannot be written: its folder does not exist", path.display()));
-        return Err(error.found(folder.display()).accepted("a folder that is there"));
-    }
-    if path.is_dir() {
-        let error = Error::run("the path of the file to write is a folder").found(path.display());
-        return Err(error.accepted("the path of a file"));
-    }
-    temporary(path).map(drop)
-}
-
-/// Writes `content` to a file beside `path` and renames it.
-pub fn write_whole(path: &Path, content: &[u8]) -> Result<()> {
-    let mut file = temporary(path)?;
-    file.write_all(content).map_err(|e| unwritable(path, &e))?;
-    file.persist(path).map_err(|e| unwritable(path, &e.error))?;
-    Ok(())
-}
-
-/// A file beside `path` that goes away unless it is kept.
-fn temporary(path: &Path) -> Result<tempfile::NamedTempFile> {
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".voltet-").suffix(".tmp");
-    #[cfg(unix)]
-    {
-        // As for any new file: what the umask leaves.
-        use std::os::unix::fs::PermissionsExt;
-        builder.permissions(std::fs::Permissions::from_mode(0o666));
-    }
-    builder.tempfile_in(folder(path)).map_err(|error| unwritable(path, &error))
-}
-
-fn unwritable(path: &Path, error: &std::io::Error) -> Error {
-    Error::run(format!("'{}' cannot be written", path.display()))
-        .found(error)
-        .accepted("a folder that can be written to, with space left")
 }

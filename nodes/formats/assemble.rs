@@ -1,15 +1,18 @@
 //! From the table of contents to the grid: decodes what is asked for, puts pieces together, builds tetrahedra.
 
+use super::merge::Loaded;
 use super::piece::{Dataset, Geometry, Piece};
+use super::request::{Association, Request};
 use super::select::{self, Choice, Component, GHOST_LEVELS, GHOST_TYPE};
 use super::stored::Meter;
-use super::{Association, Request, cells, merge};
+use super::{cells, merge};
+use crate::memory::GridSize;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 use voltet_core::grid::{self, Array, CellType, Cells, Grid, Parts, Scalar, code};
-use voltet_core::progress::Progress;
+use voltet_core::progress::{self, Progress};
 use voltet_core::{Error, Result};
 
 /// Cell flags that leave a cell out: it is another piece's, it is refined elsewhere, it is hidden
@@ -20,16 +23,6 @@ const HIDDEN_POINT: u64 = 2;
 
 /// The degrees of Lagrange and Bezier cells along their axes, as a cell array.
 const DEGREES: &str = "HigherOrderDegrees";
-
-/// What one piece holds of what was asked for.
-pub(super) struct Loaded {
-    pub points: Vec<DVec3>,
-    pub cells: Cells,
-    pub ghost: Option<Vec<bool>>,
-    pub degrees: Option<Vec<[u8; 3]>>,
-    /// One entry a choice.
-    pub columns: Vec<Vec<f64>>,
-}
 
 /// Reads and builds.
 pub(super) fn assemble(dataset: &Dataset, request: &Request, progress: &dyn Progress) -> Result<Grid> {
@@ -50,6 +43,7 @@ pub(super) fn assemble(dataset: &Dataset, request: &Request, progress: &dyn Prog
             }
         }
     }
+    refuse_beyond_memory(&pieces, &cells, choices.len(), progress)?;
     let mut loaded = Vec::new();
     for (piece, cells) in pieces.iter().zip(cells) {
         loaded.push(load(piece, cells, &choices, &meter)?);
@@ -83,6 +77,22 @@ pub(super) fn assemble(dataset: &Dataset, request: &Request, progress: &dyn Prog
     }
     let options = grid::Options { subdivision: request.subdivision, cell_values: request.cell_values };
     grid::build(parts, &options, progress)
+}
+
+/// An early error where the grid would not fit into memory. The cells of the file are there already.
+fn refuse_beyond_memory(
+    pieces: &[&Piece],
+    cells: &[Cells],
+    array_count: usize,
+    progress: &dyn Progress,
+) -> Result<()> {
+    let mut size =
+        GridSize { points: pieces.iter().map(|piece| piece.point_count).sum(), ..GridSize::default() };
+    cells.iter().for_each(|cells| size.add(cells));
+    let further =
+        (array_count as u64 - 1).saturating_mul(size.points.saturating_mul(size_of::<f64>() as u64));
+    let what = || format!("a grid of about {} tetrahedra", size.tetrahedra);
+    progress::refuse_beyond_memory(progress, what, size.bytes().saturating_add(further))
 }
 
 /// The arrays that a request means: the scalar, those beside it on the points, and those that stay on the cells.

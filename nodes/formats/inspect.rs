@@ -2,13 +2,15 @@
 
 use super::numbers::NumberType;
 use super::piece::{Dataset, Geometry, Piece};
+use super::request::{Association, Request};
 use super::stored::{Meter, Stored};
-use super::{Association, Request, assemble, cells};
+use super::{assemble, cells};
+use crate::memory::GridSize;
 use glam::DVec3;
 use std::collections::BTreeMap;
 use std::path::Path;
 use voltet_core::Result;
-use voltet_core::grid::{Cells, code};
+use voltet_core::grid::{CellType, Cells, code};
 use voltet_core::progress::Progress;
 
 /// What a file holds.
@@ -36,10 +38,18 @@ pub struct Summary {
     pub time_steps: Vec<f64>,
     /// Bytes of the files.
     pub file_bytes: u64,
-    /// About how many bytes the grid takes in memory with one scalar, split into tetrahedra.
-    pub memory_bytes: u64,
+    /// The size of the grid of tetrahedra that it becomes.
+    pub size: GridSize,
     /// Sentences for the user.
     pub warnings: Vec<String>,
+}
+
+impl Summary {
+    /// Whether some cell is three-dimensional.
+    pub fn has_volume(&self) -> bool {
+        let is_volume = |&code: &u8| CellType::of(code).is_some_and(|cell| cell.dimension == 3);
+        self.cells_by_type.keys().any(is_volume)
+    }
 }
 
 /// One array of a file.
@@ -91,55 +101,36 @@ fn summarize(dataset: &Dataset, progress: &dyn Progress) -> Result<Summary> {
         active_scalars: dataset.active_scalars.clone(),
         time_steps: dataset.time_steps.clone(),
         file_bytes,
-        memory_bytes: 0,
+        size: GridSize::default(),
         warnings: dataset.warnings.clone(),
     };
-    let mut tetrahedra = 0;
     for piece in &dataset.pieces {
         summary.point_count = summary.point_count.saturating_add(piece.point_count);
         summary.cell_count = summary.cell_count.saturating_add(piece.cell_count);
         for array in &piece.arrays {
             add_array(&mut summary.arrays, &array.stored, array.per_cell, &meter)?;
         }
-        tetrahedra += count_cells(piece, &mut summary.cells_by_type, &meter)?;
+        if piece.cell_count > 0 {
+            let cells = cells::load(piece, &meter)?;
+            count_cells(&cells, &piece.geometry, &mut summary.cells_by_type);
+            summary.size.add(&cells);
+        }
         if piece.point_count > 0 {
             add_points(&mut summary, &assemble::points(piece, &meter)?);
         }
     }
     summary.arrays.sort_by_key(|array| array.association == Association::Cell);
-    // Positions and one scalar a point; four point numbers a tetrahedron and the number of its cell.
-    summary.memory_bytes = summary.point_count.saturating_mul(32).saturating_add(tetrahedra * 20);
+    summary.size.points = summary.point_count;
     Ok(summary)
 }
 
-/// Counts a piece's cells; returns about how many tetrahedra they become.
-fn count_cells(piece: &Piece, by_type: &mut BTreeMap<u8, u64>, meter: &Meter) -> Result<u64> {
-    if piece.cell_count == 0 {
-        return Ok(0);
-    }
-    let tetrahedra_of = |code: u8| match code {
-        0..=9 => 0,
-        code::TETRA => 1,
-        code::PYRAMID => 2,
-        code::WEDGE => 3,
-        code::QUADRATIC_TETRA => 8,
-        21..=23 => 0,
-        code::QUADRATIC_HEXAHEDRON..=code::TRIQUADRATIC_PYRAMID => 32,
-        _ => 6,
-    };
-    let mut tetrahedra = 0;
-    match (cells::load(piece, meter)?, &piece.geometry) {
-        (Cells::Tetrahedra(own), _) => {
-            *by_type.entry(code::TETRA).or_default() += own.len() as u64;
-            tetrahedra = own.len() as u64;
-        }
-        (Cells::Mixed(set), _) => {
-            for &code in &set.types {
-                *by_type.entry(code).or_default() += 1;
-                tetrahedra += tetrahedra_of(code);
-            }
-        }
-        (Cells::Structured(dimensions), geometry) => {
+/// Counts a piece's cells.
+fn count_cells(cells: &Cells, geometry: &Geometry, by_type: &mut BTreeMap<u8, u64>) {
+    let mut add = |code: u8, count: usize| *by_type.entry(code).or_default() += count as u64;
+    match cells {
+        Cells::Tetrahedra(own) => add(code::TETRA, own.len()),
+        Cells::Mixed(set) => set.types.iter().for_each(|&code| add(code, 1)),
+        Cells::Structured(dimensions) => {
             let is_curvilinear = matches!(geometry, Geometry::Curvilinear { .. });
             // Of fewer dimensions: quads and pixels, lines, vertices.
             let code = match (dimensions.iter().filter(|&&n| n > 1).count(), is_curvilinear) {
@@ -150,11 +141,9 @@ fn count_cells(piece: &Piece, by_type: &mut BTreeMap<u8, u64>, meter: &Meter) ->
                 (1, _) => 3,
                 _ => 1,
             };
-            *by_type.entry(code).or_default() += piece.cell_count;
-            tetrahedra = if code >= code::TETRA { piece.cell_count.saturating_mul(6) } else { 0 };
+            add(code, cells.count());
         }
     }
-    Ok(tetrahedra)
 }
 
 fn add_points(summary: &mut Summary, points: &[DVec3]) {

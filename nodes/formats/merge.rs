@@ -1,10 +1,20 @@
 //! Pieces put together into one grid: points side by side, point numbers shifted.
 
-use super::assemble::Loaded;
 use super::piece::Piece;
+use glam::DVec3;
 use rayon::prelude::*;
 use voltet_core::grid::{CellSet, Cells, code};
 use voltet_core::{Error, Result};
+
+/// What one piece holds of what was asked for.
+pub(super) struct Loaded {
+    pub points: Vec<DVec3>,
+    pub cells: Cells,
+    pub ghost: Option<Vec<bool>>,
+    pub degrees: Option<Vec<[u8; 3]>>,
+    /// One entry a choice.
+    pub columns: Vec<Vec<f64>>,
+}
 
 /// Puts pieces together; a single one is handed through.
 pub(super) fn merge(mut pieces: Vec<Loaded>, from: &[&Piece]) -> Result<Loaded> {

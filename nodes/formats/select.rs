@@ -1,7 +1,7 @@
 //! Which arrays a request means.
 
-use super::Association;
 use super::piece::{Dataset, Piece};
+use super::request::Association;
 use std::collections::BTreeSet;
 use voltet_core::{Error, Result};
 

@@ -133,8 +133,8 @@ impl Block<'_> {
             self.tabulated();
         } else if choices.combine == Combine::Nothing {
             self.line("    return Contribution(vec3f(0.0), 0.0, 0.0);\n}");
-        } else if choices.method.samples() {
-            self.sampled();
+        } else if let Some((function, pieces)) = choices.method.sampler(choices.constant_emitter) {
+            self.sampled(function, pieces);
         } else {
             self.closed_forms();
         }
@@ -148,22 +148,14 @@ impl Block<'_> {
         self.line("    return Contribution(found.rgb, one_minus_exp(found.a), found.a);\n}");
     }
 
-    fn sampled(&mut self) {
+    fn sampled(&mut self, function: &str, pieces: &[&'static str]) {
         let choices = self.choices;
         self.parts();
         self.fill_members("    ");
-        let method = if choices.method == Method::Riemann {
-            self.uses(&["sampled/riemann"]);
-            "riemann"
-        } else {
-            let constant = choices.constant_emitter;
-            let light = if constant { "sampled/partial_constant" } else { "sampled/partial_density" };
-            self.uses(&["sampled/segments", light]);
-            "linear_pieces"
-        };
+        self.uses(pieces);
         self.uses(&["elementary/one_minus_exp"]);
         let scale = if choices.constant_emitter { "glow_scale(part_0) * " } else { "" };
-        self.line(format!("    let found = {method}(members, scene.piece_count);"));
+        self.line(format!("    let found = {function}(members, scene.piece_count);"));
         self.line(format!("    return Contribution({scale}found.rgb, one_minus_exp(found.a), found.a);\n}}"));
     }
 

@@ -6,6 +6,7 @@ mod gaussian_nd;
 mod piecewise_linear;
 mod table;
 mod triangular_gaussian;
+mod triangular_gaussian_nd;
 mod uniform;
 mod wave;
 
@@ -27,6 +28,8 @@ pub enum Kind {
     GaussianNd(usize),
     /// A triangular Gaussian.
     TriangularGaussian,
+    /// A triangular Gaussian over so many fields.
+    TriangularGaussianNd(usize),
     /// A triangle wave.
     TriangleWave,
     /// A sine wave.
@@ -121,6 +124,7 @@ impl Kind {
             Profile::Gaussian { .. } => Kind::GaussianPlane,
             Profile::GaussianNd { fields, .. } => Kind::GaussianNd(fields.len()),
             Profile::TriangularGaussian { .. } => Kind::TriangularGaussian,
+            Profile::TriangularGaussianNd { fields, .. } => Kind::TriangularGaussianNd(fields.len()),
             Profile::TriangleWave(_) => Kind::TriangleWave,
             Profile::SineWave(_) => Kind::SineWave,
             Profile::PiecewiseLinear { points } => Kind::PiecewiseLinear(points.len()),
@@ -136,6 +140,7 @@ impl Kind {
             Kind::GaussianPlane => gaussian::plane_calls(constant_emitter),
             Kind::GaussianNd(count) => gaussian_nd::calls(*count, constant_emitter),
             Kind::TriangularGaussian => triangular_gaussian::calls(constant_emitter),
+            Kind::TriangularGaussianNd(count) => triangular_gaussian_nd::calls(*count, constant_emitter),
             Kind::TriangleWave | Kind::SineWave => wave::calls(constant_emitter),
             Kind::PiecewiseLinear(count) => piecewise_linear::calls(*count, constant_emitter),
             Kind::Table => table::calls(constant_emitter),
@@ -150,7 +155,7 @@ impl Kind {
     /// Whether it reads `numbers` beside its region's edges.
     pub(crate) fn reads_numbers(&self) -> bool {
         match self {
-            Kind::GaussianNd(_) | Kind::PiecewiseLinear(_) => true,
+            Kind::GaussianNd(_) | Kind::TriangularGaussianNd(_) | Kind::PiecewiseLinear(_) => true,
             Kind::Uniform
             | Kind::GaussianLine
             | Kind::GaussianPlane
@@ -170,6 +175,7 @@ impl Kind {
             | Kind::GaussianPlane
             | Kind::GaussianNd(_)
             | Kind::TriangularGaussian
+            | Kind::TriangularGaussianNd(_)
             | Kind::TriangleWave
             | Kind::SineWave
             | Kind::PiecewiseLinear(_) => false,
@@ -186,6 +192,7 @@ impl Kind {
             | Kind::GaussianPlane
             | Kind::GaussianNd(_)
             | Kind::TriangularGaussian
+            | Kind::TriangularGaussianNd(_)
             | Kind::PiecewiseLinear(_)
             | Kind::Table => None,
         }
@@ -201,6 +208,9 @@ pub(crate) fn write(profile: &Profile, writer: &mut Writer, record: &mut WidgetR
         Profile::TriangularGaussian { centre, sigma } => {
             triangular_gaussian::write(*centre, *sigma, writer, record)
         }
+        Profile::TriangularGaussianNd { fields, magnitude, centre, matrix } => {
+            triangular_gaussian_nd::write(fields, magnitude, centre, matrix, writer)
+        }
         Profile::TriangleWave(wave) => wave::write(wave, false, writer, record),
         Profile::SineWave(wave) => wave::write(wave, true, writer, record),
         Profile::PiecewiseLinear { points } => piecewise_linear::write(points, writer, record),
@@ -214,10 +224,11 @@ pub(crate) fn check_32_bits(widget: &Widget, stretch: &Stretch) -> Result<()> {
         Profile::Gaussian { matrix, .. } => gaussian::check_32_bits(matrix, stretch),
         Profile::GaussianNd { fields, matrix, .. } => gaussian_nd::check_32_bits(fields, matrix, stretch),
         Profile::TriangleWave(wave) | Profile::SineWave(wave) => wave::check_32_bits(widget, wave, stretch),
+        Profile::PiecewiseLinear { points } => piecewise_linear::check_32_bits(points, stretch),
         // Their ends are formed in the values' own 32 bits, and their panels follow the segment.
         Profile::Uniform
         | Profile::TriangularGaussian { .. }
-        | Profile::PiecewiseLinear { .. }
+        | Profile::TriangularGaussianNd { .. }
         | Profile::Table(_) => Ok(()),
     }
 }

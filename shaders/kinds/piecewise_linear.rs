@@ -1,9 +1,11 @@
 //! `piecewise-linear` in WGSL.
 
 use super::{Call, Calls, Light, Mixing};
+use crate::limits32::Stretch;
 use crate::parameters::{WidgetRecord, Writer, all_finite, finite};
-use voltet_core::Result;
 use voltet_core::transfer::ControlPoint;
+use voltet_core::{Error, Result};
+use voltet_lanes::limits::RAMP_RATE_MOST;
 
 pub(super) fn calls(count: usize, constant_emitter: bool) -> Calls {
     let call = |piece, function: &str| Call::new(&[piece], format!("{function}(#u, {count}u, part_#)"));
@@ -40,6 +42,23 @@ pub(super) fn write(points: &[ControlPoint], writer: &mut Writer, record: &mut W
         let [red, green, blue] = point.color;
         let row = [s.stored(point.s), point.extinction, inverse, red, green, blue];
         writer.numbers.extend(all_finite("a control point", row)?);
+    }
+    Ok(())
+}
+
+/// A ramp of depth P over the share w of the segment has the depth P t²/2w at t, so at most the rate √(2P/w) where that is 1.
+pub(super) fn check_32_bits(points: &[ControlPoint], stretch: &Stretch) -> Result<()> {
+    for (low, high) in points.iter().zip(points.iter().skip(1)) {
+        let share = ((high.s - low.s) / stretch.span(0)).min(1.0);
+        let depth = stretch.length() * low.extinction.max(high.extinction);
+        let rate = depth.min((2.0 * depth / share).sqrt());
+        if low.color != high.color && high.s > low.s && rate > RAMP_RATE_MOST {
+            return Err(Error::run(
+                "a ramp between two colours is too steep for 32 bits to find what is seen of both",
+            )
+            .found(format!("{rate:e} as its optical depth per segment where it becomes opaque"))
+            .accepted(format!("at most {RAMP_RATE_MOST:e}, or an engine of 64 bits")));
+        }
     }
     Ok(())
 }

@@ -20,19 +20,20 @@ const SHADING: Shading =
 const CONSTANT: OpticalModel = OpticalModel::ConstantEmitter { cutoff: 0.01 };
 
 /// Kinds of widgets.
-const KINDS: usize = 9;
+const KINDS: usize = 10;
 
 /// The words that only text with such a widget may contain.
 const WORDS: [(&str, &[&str]); KINDS] = [
     ("uniform", &["uniform_depth"]),
     ("gaussian line", &["gaussian_line_path"]),
     ("gaussian plane", &["gaussian_plane_path"]),
-    ("gaussian-nd", &["gaussian_fields_path", "alias Fields"]),
-    ("triangular", &["triangular"]),
+    ("gaussian-nd", &["gaussian_fields_path"]),
+    ("triangular", &["triangular_ends"]),
     ("triangle", &["triangle_mean_on_flank"]),
     ("sine", &["sine_mean_on_flank", "sin_pi"]),
     ("piecewise", &["ControlPoints", "POINT_STRIDE"]),
     ("table", &["> texels", "struct TableTrack"]),
+    ("triangular-gaussian-nd", &["triangular_fields"]),
 ];
 
 fn wave(angle: f64) -> Wave {
@@ -57,10 +58,16 @@ fn profile(kind: usize) -> Profile {
         7 => Profile::PiecewiseLinear {
             points: vec![point(0.0, 0.0, 1.0), point(0.5, 2.0, 0.2), point(1.0, 0.5, 0.4)],
         },
-        _ => {
+        8 => {
             let texels = vec![[0.5, 0.2, 0.1, 1.0]; 6];
             Profile::Table(Arc::new(Table { width: 3, height: 2, texels, s: [0.0, 1.0], g: [0.0, 2.0] }))
         }
+        _ => Profile::TriangularGaussianNd {
+            fields: vec!["b".into(), "c".into()],
+            magnitude: "m".into(),
+            centre: vec![0.1, 0.2],
+            matrix: vec![vec![1.0, 0.0], vec![0.5, 2.0]],
+        },
     }
 }
 
@@ -161,7 +168,7 @@ fn check_words(
     let constant = transfer_function.model == CONSTANT;
     let clipped = transfer_function.widgets.iter().any(|w| w.region.is_some()) || kinds.contains(&8);
     let ordered = choices.combine == Combine::Ordered;
-    let integrated = constant && kinds.contains(&4) || kinds.contains(&8);
+    let integrated = constant && (kinds.contains(&4) || kinds.contains(&9)) || kinds.contains(&8);
     let walks = (ordered || integrated) && !samples && !from_table;
     let holds =
         |word: &str, when: bool| assert_eq!(text.contains(word), when, "'{word}' in {kinds:?}, {shading:?}");

@@ -51,6 +51,12 @@ fn scenes() -> Vec<TransferFunction> {
         over_fields(&["a"]),
         over_fields(&["a", "b", "c", "d", "e", "f", "i", "j"]),
         Profile::TriangularGaussian { centre: 0.5, sigma: 0.3 },
+        Profile::TriangularGaussianNd {
+            fields: vec!["a".into(), "b".into()],
+            magnitude: "m".into(),
+            centre: vec![0.1; 2],
+            matrix: vec![vec![1.0, 0.0], vec![0.5, 2.0]],
+        },
         Profile::TriangleWave(wave),
         Profile::SineWave(wave),
         Profile::PiecewiseLinear { points: vec![point(0.0, 0.0), point(1.0, 2.0)] },

@@ -3,18 +3,25 @@
 use super::outcome::{show, warn};
 use super::pipelines::open_all;
 use crate::arguments::Files;
+use crate::collisions;
 use crate::core::Result;
 use crate::core::graph::Registry;
+use crate::present::{name, print};
 
 pub fn check(arguments: &Files, registry: &Registry) -> Result<u8> {
     let (documents, mut code) = open_all(&arguments.files, &arguments.set.options, registry);
     for document in &documents {
         warn(document);
+        if let Err((error, text)) = collisions::refuse([document], true, &[]) {
+            code = code.max(show(&error, text));
+            continue;
+        }
         if let Err(error) = crate::nodes::session().plan(&document.graph) {
             code = code.max(show(&document.locate(error), Some(&document.text)));
             continue;
         }
-        println!("{}: in order, {} nodes", document.path.display(), document.graph.nodes.len());
+        let path = name(&document.path.to_string_lossy());
+        print(&format!("{path}: in order, {} nodes\n", document.graph.nodes.len()))?;
     }
     Ok(code)
 }

@@ -4,8 +4,10 @@ use super::outcome::{DONE, show, warn};
 use super::pipelines::open;
 use crate::Document;
 use crate::arguments::Explain;
+use crate::collisions;
 use crate::core::Result;
 use crate::core::graph::{Demand, Graph, GraphNode, LeftOut, Plan, PortType, Registry};
+use crate::present::print;
 
 pub fn explain(arguments: &Explain, registry: &Registry) -> Result<u8> {
     let document = match open(&arguments.file, &arguments.set.options, registry) {
@@ -13,14 +15,17 @@ pub fn explain(arguments: &Explain, registry: &Registry) -> Result<u8> {
         Err((error, text)) => return Ok(show(&error, text.as_deref())),
     };
     warn(&document);
+    if let Err((error, text)) = collisions::refuse([&document], true, &[]) {
+        return Ok(show(&error, text));
+    }
     let mut session = crate::nodes::session();
     if arguments.no_leave_out {
-        session = session.leaving_nothing_out();
+        session = session.no_leave_out();
     }
     match session.plan(&document.graph) {
         Ok(mut plan) => {
-            let unknown = if arguments.no_leave_out { Vec::new() } else { note_unread(&document, &mut plan) };
-            print!("{}", explained(&document, &plan, &unknown, arguments.no_leave_out));
+            let unknown = plan.foresee(&document.graph);
+            print(&explained(&document, &plan, &unknown, arguments.no_leave_out))?;
             Ok(DONE)
         }
         Err(error) => Ok(show(&document.locate(error), Some(&document.text))),
@@ -28,7 +33,7 @@ pub fn explain(arguments: &Explain, registry: &Registry) -> Result<u8> {
 }
 
 /// The plan in words.
-fn explained(document: &Document, plan: &Plan, unknown: &[String], thorough: bool) -> String {
+fn explained(document: &Document, plan: &Plan, unknown: &[usize], no_leave_out: bool) -> String {
     let graph = &document.graph;
     let mut text = format!("{}", document.path.display());
     if let Some(title) = &document.pipeline.title {
@@ -58,38 +63,23 @@ fn explained(document: &Document, plan: &Plan, unknown: &[String], thorough: boo
         .flat_map(|&i| plan.notes[i].left_out.iter().map(move |left| (&graph.nodes[i].name, left)))
         .map(|(name, left)| format!("  {name}: no {}: {}{}\n", left.what, left.why, saved(left)))
         .collect();
-    match (left_out.is_empty(), thorough) {
+    match (left_out.is_empty(), no_leave_out) {
         (_, true) => text += "\nNothing is left out, needed or not; the picture is the same.\n",
         (true, false) => text += "\nNothing is left out before the data is known.\n",
         (false, false) => text += &format!("\nLeft out:\n{}", left_out.concat()),
     }
-    for name in unknown {
+    for name in unknown.iter().map(|&i| &graph.nodes[i].name) {
         text +=
             &format!("Which arrays of its file '{name}' does not read is known once the file is there.\n");
     }
     if waves(graph) {
         text += "Whether bands are finer than the cells is known with the data: `voltet info` of this file says it.\n";
     }
-    if !thorough {
+    if !no_leave_out {
         text += "Left out once the data is known: cells and widgets that no value touches, cells out of view or under a \
                  pixel's reach. `voltet run --no-leave-out` does everything, and says what that costs.\n";
     }
     text
-}
-
-/// Notes which arrays the readers leave out, by the headers of their files; gives the readers whose files do not tell.
-fn note_unread(document: &Document, plan: &mut Plan) -> Vec<String> {
-    let graph = &document.graph;
-    let mut unknown = Vec::new();
-    let readers = graph.order.iter().filter(|&&i| graph.nodes[i].node.name == "reader");
-    for &i in readers {
-        let (node, resolve) = (&graph.nodes[i], |path: &str| graph.folder.join(path));
-        let (demand, notes) = (&plan.demands[i], &mut plan.notes[i]);
-        if crate::nodes::note_unread(&node.parameters, demand, &resolve, notes).is_err() {
-            unknown.push(node.name.clone());
-        }
-    }
-    unknown
 }
 
 /// What leaving it out saves, in brackets.
@@ -109,8 +99,9 @@ fn asked(node: &GraphNode, demand: &Demand) -> Option<String> {
     let first = node.node.outputs.first()?.port_type;
     let mut asked: Vec<String> = Vec::new();
     if first == PortType::Grid || first == PortType::Volume {
-        asked.extend(demand.arrays.iter().map(|name| format!("array \"{name}\"")));
-        asked.extend(demand.cell_arrays.iter().map(|name| format!("cell array \"{name}\"")));
+        asked.extend(demand.arrays.named().map(|name| format!("array \"{name}\"")));
+        asked.extend(demand.cell_arrays.named().map(|name| format!("cell array \"{name}\"")));
+        asked.extend(demand.arrays.and_all_others().then(|| "every array".to_string()));
     }
     if first == PortType::Volume {
         asked.extend(demand.gradient_magnitude.then(|| "gradient magnitude".to_string()));

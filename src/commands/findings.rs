@@ -26,12 +26,8 @@ pub fn findings(arguments: &Info, registry: &Registry) -> Result<u8> {
     bar.clear();
     match outcome {
         Ok(report) => {
-            report
-                .warnings
-                .iter()
-                .skip(graph.warnings.len())
-                .for_each(|warning| eprintln!("warning: {warning}"));
-            print!("{}", present::findings(&report));
+            present::say(&present::warnings(&report, graph.warnings.len()));
+            present::print(&present::findings(&report))?;
             Ok(DONE)
         }
         Err(error) => Ok(show(&document.locate(error), Some(&document.text))),

@@ -2,36 +2,75 @@
 
 use super::findings::findings;
 use super::outcome::DONE;
+use crate::Document;
 use crate::arguments::Info;
 use crate::core::graph::{Datum, Observer, Registry};
 use crate::core::progress::Progress;
 use crate::core::{Error, Result};
-use crate::nodes::formats::{ArraySummary, Association, Request, Summary, TimeStep, inspect};
-use crate::present::{Bar, number};
-use std::path::Path;
+use crate::nodes::formats::{ArraySummary, Association, Request, Summary, TimeStep, inspect, unread};
+use crate::nodes::memory::{Needs, SIDE};
+use crate::present::{Bar, name, number, print};
+use serde_json::{Value, json as object};
+use std::path::{Path, PathBuf};
 
 pub fn info(arguments: &Info, registry: &Registry) -> Result<u8> {
     if arguments.data.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml")) {
+        if arguments.json {
+            let error = Error::usage("--json is for data files, and this is a pipeline");
+            return Err(error.accepted("voltet run --report FILE.json").in_file(&arguments.data));
+        }
         return findings(arguments, registry);
     }
     if let Some(option) = arguments.set.options.first() {
         let error = Error::usage("--set changes a pipeline, and this is a data file").found(option);
         return Err(error.accepted("a pipeline file (.toml), or no --set").in_file(&arguments.data));
     }
-    let request = Request {
-        time_step: arguments.time_step.map(TimeStep::Index),
-        solution: arguments.solution.clone(),
-        ..Request::default()
-    };
     let bar = Bar::new(false);
-    let summary = inspect(&arguments.data, &request, &Inspecting(&bar));
+    let summary = inspect(
+        &arguments.data,
+        &request(arguments.time_step, arguments.solution.as_ref()),
+        &Inspecting(&bar),
+    );
     bar.clear();
-    print!("{}", described(&arguments.data, &summary?));
+    let summary = summary?;
+    if arguments.json {
+        print(&format!("{:#}\n", json(&summary)))?;
+        return Ok(DONE);
+    }
+    let first = suggestion(arguments, &summary, registry);
+    print(&(described(&arguments.data, &summary) + &first))?;
     Ok(DONE)
 }
 
+/// The same for programs. Memory is in bytes, `null` where there is nothing to draw.
+fn json(summary: &Summary) -> Value {
+    let array = |array: &ArraySummary| {
+        object!({
+            "name": array.name,
+            "association": if array.association == Association::Cell { "cell" } else { "point" },
+            "components": array.component_count, "number_type": array.number_type, "tuples": array.tuple_count,
+            "range": array.range, "not_finite": array.not_finite_count,
+        })
+    };
+    let cells =
+        |(&code, &count): (&u8, &u64)| object!({ "vtk_type": code, "name": cell_name(code), "count": count });
+    let bounds = summary.bounds.map(|corners| corners.map(|corner| corner.to_array()));
+    let memory = summary.has_volume().then(|| {
+        let Needs { reading, drawing, lit } = summary.size.needs();
+        object!({ "reading": reading, "drawing": drawing, "drawing_with_gradient_and_light": lit })
+    });
+    object!({
+        "format": summary.format, "pieces": summary.piece_count, "file_bytes": summary.file_bytes,
+        "points": summary.point_count, "points_not_finite": summary.points_not_finite,
+        "cells": summary.cell_count, "cells_by_type": summary.cells_by_type.iter().map(cells).collect::<Vec<_>>(),
+        "bounds": bounds, "arrays": summary.arrays.iter().map(array).collect::<Vec<_>>(),
+        "active_scalars": summary.active_scalars, "time_steps": summary.time_steps,
+        "memory_bytes": memory, "warnings": summary.warnings,
+    })
+}
+
 /// The bar of a run, for work without nodes.
-struct Inspecting<'a>(&'a Bar);
+pub(super) struct Inspecting<'a>(pub(super) &'a Bar);
 
 impl Progress for Inspecting<'_> {
     fn report(&self, stage: &str, fraction: f64) {
@@ -40,6 +79,10 @@ impl Progress for Inspecting<'_> {
 
     fn cancelled(&self) -> bool {
         self.0.cancelled()
+    }
+
+    fn memory_left(&self) -> Option<u64> {
+        self.0.memory_left()
     }
 }
 
@@ -81,15 +124,24 @@ fn cell_name(code: u8) -> String {
 }
 
 fn described(path: &Path, summary: &Summary) -> String {
-    let mut text = format!("{}\n  {}\n", path.display(), summary.format);
-    let mebibytes = |bytes: u64| format!("{:.1} MiB", bytes as f64 / f64::from(1 << 20));
+    let mut text = format!("{}\n  {}\n", name(&path.to_string_lossy()), name(&summary.format));
+    let mebibytes = |bytes: u64| format!("{:.0} MiB", bytes as f64 / f64::from(1 << 20));
     text += &format!(
-        "  {} in {} piece{}; about {} in memory as tetrahedra\n",
-        mebibytes(summary.file_bytes),
+        "  {:.1} MiB in {} piece{}\n",
+        summary.file_bytes as f64 / f64::from(1 << 20),
         summary.piece_count,
         if summary.piece_count == 1 { "" } else { "s" },
-        mebibytes(summary.memory_bytes)
     );
+    if summary.has_volume() {
+        let Needs { reading, drawing, lit } = summary.size.needs();
+        text += &format!(
+            "  a run takes about {} of memory to read it with one array, {} to draw all of it ({SIDE} × {SIDE} \
+             pixels, on the CPU), {} with gradient and light\n",
+            mebibytes(reading),
+            mebibytes(drawing),
+            mebibytes(lit)
+        );
+    }
     text += &format!("\n{} points, {} cells\n", number(summary.point_count), number(summary.cell_count));
     for (&code, &count) in &summary.cells_by_type {
         text += &format!("  {:>12}  {}\n", number(count), cell_name(code));
@@ -102,7 +154,7 @@ fn described(path: &Path, summary: &Summary) -> String {
         text += &format!("  diagonal {}\n", (high - low).length());
     }
     text += if summary.arrays.is_empty() { "\nNo arrays\n" } else { "\nArrays\n" };
-    let width = summary.arrays.iter().map(|a| a.name.chars().count()).max().unwrap_or(0);
+    let width = summary.arrays.iter().map(|a| name(&a.name).chars().count()).max().unwrap_or(0);
     for array in &summary.arrays {
         text += &array_line(array, width);
     }
@@ -114,8 +166,8 @@ fn described(path: &Path, summary: &Summary) -> String {
     if summary.points_not_finite > 0 {
         text += &format!("warning: {} points are not finite\n", number(summary.points_not_finite));
     }
-    text.extend(summary.warnings.iter().map(|warning| format!("warning: {warning}\n")));
-    text + &suggestion(path, summary)
+    text.extend(summary.warnings.iter().map(|warning| format!("warning: {}\n", name(warning))));
+    text
 }
 
 fn array_line(array: &ArraySummary, width: usize) -> String {
@@ -133,35 +185,90 @@ fn array_line(array: &ArraySummary, width: usize) -> String {
         0 => String::new(),
         n => format!(", {} not finite", number(n)),
     };
-    format!("  {association:5}  {:width$}  {}{components}  {range}{bad}\n", array.name, array.number_type)
+    let name = name(&array.name);
+    format!("  {association:5}  {name:width$}  {}{components}  {range}{bad}\n", array.number_type)
 }
 
-/// A pipeline to start with: the first array with a range, bands of colour over it, and a camera that sees all.
-fn suggestion(path: &Path, summary: &Summary) -> String {
-    let drawn = summary.arrays.iter().find_map(|array| {
-        let [low, high] = array.range.filter(|[low, high]| low < high)?;
-        Some((array, low, high))
-    });
-    let (Some((array, low, high)), Some([from, to])) = (drawn, summary.bounds) else {
+/// A pipeline to start with, of which it is known that `run` takes it; or why there is none.
+fn suggestion(arguments: &Info, summary: &Summary, registry: &Registry) -> String {
+    if !summary.has_volume() {
+        return "\nNo cell has a volume: nothing to draw.\n".into();
+    }
+    let (Some(bounds), true) = (summary.bounds, summary.arrays.iter().any(differs)) else {
         return "\nNo array whose values differ: nothing to draw.\n".into();
     };
+    let mut refusal = None;
+    for array in summary.arrays.iter().filter(|array| differs(array)) {
+        let pipeline = pipeline(arguments, summary, array, bounds);
+        match refused(arguments, array, &pipeline, registry) {
+            None => return format!("\nA pipeline to start with\n{pipeline}"),
+            Some(error) => refusal = refusal.or(Some(error)),
+        }
+    }
+    let why = refusal.map(|error| name(&error.to_string())).unwrap_or_default();
+    format!("\nNo pipeline to start with: {why}\n")
+}
+
+fn differs(array: &ArraySummary) -> bool {
+    array.range.is_some_and(|[low, high]| low < high)
+}
+
+/// What `run` has against a pipeline that draws this array, as far as the headers of its data show.
+fn refused(arguments: &Info, array: &ArraySummary, pipeline: &str, registry: &Registry) -> Option<Error> {
+    let request = Request {
+        scalar: Some(scalar(array)),
+        association: array.association,
+        ..request(arguments.time_step, arguments.solution.as_ref())
+    };
+    let document = Document::from_text(Path::new("suggested.toml"), pipeline.into(), &[], registry);
+    let planned = document.and_then(|document| crate::nodes::session().plan(&document.graph).map(drop));
+    planned.and_then(|()| unread(&arguments.data, &request).map(drop)).err()
+}
+
+/// The array as a reader's parameter names it.
+pub(super) fn scalar(array: &ArraySummary) -> String {
     let magnitude = if array.component_count > 1 { ":magnitude" } else { "" };
-    let scalar = Datum::Text(format!("{}{magnitude}", array.name));
-    let data = Datum::Text(path.display().to_string());
-    let centre = 0.5 * (from + to);
+    format!("{}{magnitude}", array.name)
+}
+
+/// What the options ask of the file.
+pub(super) fn request(time_step: Option<usize>, solution: Option<&PathBuf>) -> Request {
+    Request { time_step: time_step.map(TimeStep::Index), solution: solution.cloned(), ..Request::default() }
+}
+
+/// Bands of colour over an array's range, and a camera that sees all.
+fn pipeline(
+    arguments: &Info,
+    summary: &Summary,
+    array: &ArraySummary,
+    [from, to]: [glam::DVec3; 2],
+) -> String {
+    let [low, high] = array.range.unwrap_or_default();
+    let text = |text: &str| Datum::Text(text.into());
+    let mut reader =
+        format!("path = {}\nscalar = {}\n", text(&arguments.data.to_string_lossy()), text(&scalar(array)));
+    let shadowed = |other: &ArraySummary| other.name == array.name && other.association != array.association;
+    if array.association == Association::Cell && summary.arrays.iter().any(shadowed) {
+        reader += "association = \"cell\"\n";
+    }
+    if let Some(step) = arguments.time_step {
+        reader += &format!("time_step = {step}\n");
+    }
+    if let Some(solution) = &arguments.solution {
+        reader += &format!("solution = {}\n", text(&solution.to_string_lossy()));
+    }
+    let centre = 0.5 * from + 0.5 * to;
     let eye = centre + (to - from).length() * glam::DVec3::new(-0.8, -1.4, 0.9);
-    let middle = 0.5 * (low + high);
+    let middle = 0.5 * low + 0.5 * high;
     let vector = |v: glam::DVec3| format!("[{:?}, {:?}, {:?}]", v.x, v.y, v.z);
     format!(
-        "\nA pipeline to start with\n
+        "
 [pipeline]
 format = 1
 
 [nodes.grid]
 type = \"reader\"
-path = {data}
-scalar = {scalar}
-
+{reader}
 [nodes.look]
 type = \"transfer-function\"
 unit_distance = \"auto\"

@@ -9,19 +9,33 @@ mod outcome;
 mod pipelines;
 mod run;
 mod stability;
+mod start;
 mod study;
 mod time;
 
 use crate::arguments::{Arguments, Command};
 use crate::core::Result;
 use crate::core::graph::Registry;
-use outcome::show;
+use crate::nodes::files;
+use outcome::{WRONG, show};
+use std::io::ErrorKind;
 use std::process::ExitCode;
 
 /// Carries out the command, shows its error if there is one, and gives the exit code.
 pub fn dispatch(arguments: &Arguments, registry: Result<Registry>) -> ExitCode {
     let outcome = registry.and_then(|registry| carry_out(&arguments.command, &registry));
     ExitCode::from(outcome.unwrap_or_else(|error| show(&error, None)))
+}
+
+/// Shows what the command line is answered with, be it help or what is wrong with it, and gives the exit code.
+pub fn answer(answer: &clap::Error) -> u8 {
+    let wanted = u8::try_from(answer.exit_code()).unwrap_or(WRONG);
+    match answer.print() {
+        Err(error) if !answer.use_stderr() && error.kind() != ErrorKind::BrokenPipe => {
+            show(&files::unwritable_output(&error), None)
+        }
+        _ => wanted,
+    }
 }
 
 fn carry_out(command: &Command, registry: &Registry) -> Result<u8> {
@@ -31,6 +45,7 @@ fn carry_out(command: &Command, registry: &Registry) -> Result<u8> {
         Command::Explain(arguments) => explain::explain(arguments, registry),
         Command::Nodes(arguments) => nodes::nodes(arguments, registry),
         Command::Info(arguments) => info::info(arguments, registry),
+        Command::Start(arguments) => start::start(arguments),
         Command::Stability(arguments) => stability::stability(arguments),
         Command::Study(arguments) => study::study(arguments, registry),
         Command::Time(arguments) => time::time(arguments, registry),

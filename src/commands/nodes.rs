@@ -4,17 +4,15 @@ use super::outcome::DONE;
 use crate::arguments::Nodes;
 use crate::core::graph::{Kind, Registry, suggest};
 use crate::core::{Error, Result};
-use crate::present::{filter_markdown, filter_text, node_markdown, node_text};
+use crate::present::{filter_markdown, filter_text, node_markdown, node_text, print};
 
 pub fn nodes(arguments: &Nodes, registry: &Registry) -> Result<u8> {
-    match (&arguments.name, arguments.markdown) {
-        (Some(name), markdown) => print!("{}", one(name, markdown, registry)?),
-        (None, true) => {
-            println!("# Node types\n");
-            registry.iter().for_each(|node| println!("{}", node_markdown(node, registry)));
-        }
-        (None, false) => print!("{}", list(registry)),
-    }
+    let page = || registry.iter().map(|node| node_markdown(node, registry) + "\n").collect::<String>();
+    print(&match (&arguments.name, arguments.markdown) {
+        (Some(name), markdown) => one(name, markdown, registry)?,
+        (None, true) => format!("# Node types\n\n{}", page()),
+        (None, false) => list(registry),
+    })?;
     Ok(DONE)
 }
 

@@ -8,16 +8,19 @@ use crate::present;
 /// Nothing went wrong.
 pub const DONE: u8 = 0;
 
+/// The command or a pipeline file is wrong.
+pub const WRONG: u8 = 2;
+
 /// Shows an error, once, and gives its exit code. `text`: the pipeline file that it may point into.
 pub fn show(error: &Error, text: Option<&str>) -> u8 {
-    eprintln!("{}", present::error(error, text));
+    present::say(&present::error(error, text));
     code(error)
 }
 
 /// The exit code that an error means.
 pub fn code(error: &Error) -> u8 {
     match error.kind {
-        ErrorKind::Usage => 2,
+        ErrorKind::Usage => WRONG,
         ErrorKind::Run | ErrorKind::Cancelled => 1,
     }
 }
@@ -26,6 +29,6 @@ pub fn code(error: &Error) -> u8 {
 pub fn warn(document: &Document) {
     for warning in &document.graph.warnings {
         let located = document.locate(warning.clone());
-        eprintln!("{}", present::warning(&located, Some(&document.text)));
+        present::say(&present::warning(&located, Some(&document.text)));
     }
 }

@@ -4,12 +4,14 @@ use super::outcome::{DONE, code, show, warn};
 use super::pipelines::open_all;
 use crate::Document;
 use crate::arguments::Run;
+use crate::collisions::{self, OptionFile};
 use crate::core::error::ErrorKind;
 use crate::core::graph::{Observer, Registry, RunReport};
 use crate::core::{Error, Result};
 use crate::nodes::files;
-use crate::present::{Bar, json, summary};
-use crate::study::Thorough;
+use crate::present::{Bar, json, print, say, summary, warnings};
+use crate::study::NoLeaveOut;
+use std::path::PathBuf;
 
 pub fn run(arguments: &Run, registry: &Registry) -> Result<u8> {
     // Every file is checked before the first one runs.
@@ -17,9 +19,30 @@ pub fn run(arguments: &Run, registry: &Registry) -> Result<u8> {
     if wrong != DONE {
         return Ok(wrong);
     }
+    let report =
+        arguments.report.iter().map(|path| OptionFile::written("--report", path)).collect::<Vec<_>>();
+    if let Err((error, text)) = collisions::refuse(&documents, true, &report) {
+        return Ok(show(&error, text));
+    }
     if let Some(path) = &arguments.report {
         files::refuse_unwritable(path)?;
     }
+    let streams =
+        outputs(&documents).chain(arguments.report.clone()).any(|path| files::is_standard_output(&path));
+    if streams && arguments.no_leave_out {
+        let error = Error::usage(
+            "--no-leave-out writes every picture several times, and the standard output takes one",
+        );
+        return Err(error.accepted("the path of a file in place of \"-\""));
+    }
+    // What goes to the standard output stands there alone.
+    let tell = |text: &str| match streams {
+        true => {
+            say(text);
+            Ok(())
+        }
+        false => print(text).map(drop),
+    };
     let bar = Bar::new(arguments.quiet);
     let mut session = crate::nodes::session();
     let mut worst = DONE;
@@ -34,14 +57,16 @@ pub fn run(arguments: &Run, registry: &Registry) -> Result<u8> {
         };
         bar.clear();
         match outcome {
-            Ok((report, thorough)) => {
+            Ok((report, no_leave_out)) => {
                 if !arguments.quiet {
-                    print!("{}", summary(document, &report));
-                    thorough.iter().for_each(|thorough| print!("{}", thorough.in_words()));
+                    say(&warnings(&report, document.graph.warnings.len()));
+                    let mut text = summary(&report);
+                    text.extend(no_leave_out.iter().map(NoLeaveOut::in_words));
+                    tell(&text)?;
                 }
                 let mut report = json(document, &report);
-                if let Some(thorough) = thorough {
-                    report["no_leave_out"] = thorough.as_json();
+                if let Some(no_leave_out) = no_leave_out {
+                    report["no_leave_out"] = no_leave_out.as_json();
                 }
                 reports.push(report);
             }
@@ -64,17 +89,27 @@ pub fn run(arguments: &Run, registry: &Registry) -> Result<u8> {
     Ok(worst)
 }
 
+/// The files that the nodes of these pipelines write.
+fn outputs(documents: &[Document]) -> impl Iterator<Item = PathBuf> {
+    let written = |document: &Document| {
+        let named = document.graph.nodes.iter().flat_map(|node| node.parameters.paths());
+        let written = named.filter(|named| named.written).map(|named| named.from(&document.graph.folder));
+        written.collect::<Vec<_>>()
+    };
+    documents.iter().flat_map(written)
+}
+
 /// How often a file is run either way, in turn: the first run finds cold caches.
 const ROUNDS: usize = 2;
 
 /// The file's run that leaves nothing out, and how it compares with the usual one: the fastest of each, every run from a
 /// fresh start.
-fn compared(document: &Document, observer: &dyn Observer) -> Result<(RunReport, Option<Thorough>)> {
+fn compared(document: &Document, observer: &dyn Observer) -> Result<(RunReport, Option<NoLeaveOut>)> {
     let mut runs: [Option<RunReport>; 2] = [None, None];
     for _ in 0..ROUNDS {
-        for (fastest, thorough) in runs.iter_mut().zip([false, true]) {
+        for (fastest, no_leave_out) in runs.iter_mut().zip([false, true]) {
             let session = crate::nodes::session();
-            let mut session = if thorough { session.leaving_nothing_out() } else { session };
+            let mut session = if no_leave_out { session.no_leave_out() } else { session };
             let report = session.run(&document.graph, observer)?;
             if fastest.as_ref().is_none_or(|fastest| report.seconds < fastest.seconds) {
                 *fastest = Some(report);
@@ -82,9 +117,9 @@ fn compared(document: &Document, observer: &dyn Observer) -> Result<(RunReport, 
         }
     }
     match runs {
-        [Some(usual), Some(thorough)] => {
-            let comparison = Thorough::compare(&usual, &thorough);
-            Ok((thorough, Some(comparison)))
+        [Some(usual), Some(no_leave_out)] => {
+            let comparison = NoLeaveOut::compare(&usual, &no_leave_out);
+            Ok((no_leave_out, Some(comparison)))
         }
         _ => Err(Error::run("the file was not run")),
     }

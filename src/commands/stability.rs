@@ -2,11 +2,12 @@
 
 use super::outcome::DONE;
 use crate::arguments::Stability;
+use crate::core::engine::Forms;
 use crate::core::graph::Observer;
 use crate::core::progress::Progress;
 use crate::core::{Error, Result};
-use crate::judge::{Forms, Report, judge_all};
-use crate::present::Bar;
+use crate::judge::{Report, judge_all};
+use crate::present::{Bar, name, print};
 use crate::stability;
 use serde_json::{Value, json};
 use std::path::Path;
@@ -32,11 +33,11 @@ fn all(arguments: &Stability) -> Result<u8> {
     let found = stability::stability(&subjects, &watch);
     watch.0.clear();
     let found = found?;
-    match (arguments.json, arguments.markdown) {
-        (true, _) => println!("{:#}", stability::json(&found)),
-        (false, true) => print!("{}", stability::markdown(&found)),
-        (false, false) => print!("{}", stability::text(&found)),
-    }
+    print(&match (arguments.json, arguments.markdown) {
+        (true, _) => format!("{:#}\n", stability::json(&found)),
+        (false, true) => stability::markdown(&found),
+        (false, false) => stability::text(&found),
+    })?;
     Ok(verdict(found.passed()))
 }
 
@@ -59,15 +60,20 @@ fn judge(path: &Path, arguments: &Stability) -> Result<u8> {
     let passed = reports.iter().all(Report::passed);
     if arguments.json {
         let forms: Vec<Value> = reports.iter().map(stability::forms_json).collect();
-        println!(
-            "{:#}",
-            json!({ "file": path.display().to_string(), "passed": passed, "forms": forms, "left_out": subjects.left_out })
-        );
+        let all = json!({
+            "file": path.display().to_string(),
+            "passed": passed,
+            "forms": forms,
+            "left_out": subjects.left_out,
+        });
+        print(&format!("{all:#}\n"))?;
     } else {
         let cases = reports.first().map_or(0, |report| report.cases);
-        println!("{}: {cases} case{}", path.display(), if cases == 1 { "" } else { "s" });
-        reports.iter().for_each(|report| print!("\n{}", stability::forms_text(report)));
-        subjects.left_out.iter().for_each(|what| println!("\nnot judged: {what}"));
+        let path = name(&path.to_string_lossy());
+        let mut text = format!("{path}: {cases} case{}\n", if cases == 1 { "" } else { "s" });
+        text.extend(reports.iter().map(|report| format!("\n{}", stability::forms_text(report))));
+        text.extend(subjects.left_out.iter().map(|what| format!("\nnot judged: {what}\n")));
+        print(&text)?;
     }
     Ok(verdict(passed))
 }

@@ -4,12 +4,12 @@ use super::outcome::{DONE, code, show, warn};
 use super::pipelines::open;
 use crate::Document;
 use crate::arguments;
+use crate::collisions::{self, OptionFile};
 use crate::core::graph::{Observer, Registry, nearest};
-use crate::core::optics::integrators::Integrator;
 use crate::core::progress::Progress;
 use crate::core::{Error, Result};
 use crate::nodes::files;
-use crate::present::{Bar, Estimate};
+use crate::present::{Bar, Estimate, print};
 use crate::study::work_precision::{self as study, Benches, Frames, Measure, Study, Subject, Wish};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
@@ -18,10 +18,9 @@ use std::time::Duration;
 /// Stopped before the end, or nothing keeps the error allowed.
 const SHORT: u8 = 1;
 
-/// Names that `--only` takes: all but the reference, with which the others are compared.
+/// Names that `--only` takes.
 fn integrators() -> impl Iterator<Item = &'static str> + Clone {
-    let studied = |integrator: &Integrator| *integrator != Integrator::Reference;
-    Integrator::EVERY.into_iter().filter(studied).map(|integrator| integrator.name())
+    study::studied().map(|integrator| integrator.name())
 }
 
 pub fn study(arguments: &arguments::Study, registry: &Registry) -> Result<u8> {
@@ -90,6 +89,11 @@ fn carry_out(
     registry: &Registry,
 ) -> Result<u8> {
     let folder = arguments.output.clone().unwrap_or_else(|| beside(&arguments.file));
+    let outputs: Vec<OptionFile> =
+        study::written(&folder).iter().map(|path| OptionFile::written("--output", path)).collect();
+    if let Err((error, text)) = collisions::refuse([document], false, &outputs) {
+        return Ok(show(&error, text));
+    }
     refuse_unwritable(&folder)?;
     if arguments.apply {
         files::refuse_unwritable(&document.path)?;
@@ -108,7 +112,7 @@ fn carry_out(
         false => study::write(&study, &title, &folder)?,
     };
     if !arguments.quiet {
-        print!("{}", summary(&study, &written, &folder));
+        print(&summary(&study, &written, &folder))?;
     }
     conclude(arguments, document, registry, &study)
 }
@@ -121,8 +125,12 @@ fn gather(
     watch: &Watch,
 ) -> Result<(Subject, Benches, study::Reference)> {
     let mut session = crate::nodes::session();
-    let subject = Subject::gather(&document.graph, arguments.node.as_deref(), &mut session, &watch.bar)?;
+    let (name, gradient) = (arguments.node.as_deref(), wish.refine > 0);
+    let subject = Subject::gather(&document.graph, name, gradient, &mut session, &watch.bar)?;
     // Before the reference, which takes longest.
+    if wish.refine > 0 {
+        study::refuse_too_fine(&subject, wish.refine)?;
+    }
     let benches = Benches::open(&subject, wish)?;
     let cache = arguments.cache.clone().unwrap_or_else(study::cache_folder);
     watch.begin();
@@ -186,10 +194,10 @@ fn conclude(
         // What is written must be readable, also without the options of this call.
         Document::from_text(&document.path, text.clone(), &[], registry)?;
         if text == document.text {
-            println!("{}: has it already", document.path.display());
+            print(&format!("{}: has it already\n", document.path.display()))?;
         } else {
             files::write_whole(&document.path, text.as_bytes())?;
-            println!("{}: now draws with {}", document.path.display(), row.setting.label());
+            print(&format!("{}: now draws with {}\n", document.path.display(), row.setting.label()))?;
         }
     }
     Ok(DONE)
@@ -225,6 +233,10 @@ impl Progress for Watch {
 
     fn cancelled(&self) -> bool {
         self.bar.cancelled()
+    }
+
+    fn memory_left(&self) -> Option<u64> {
+        self.bar.memory_left()
     }
 }
 

@@ -8,7 +8,7 @@ use crate::core::graph::{Observer, Registry};
 use crate::core::progress::Progress;
 use crate::core::shading::Order;
 use crate::core::{Error, Result};
-use crate::present::Bar;
+use crate::present::{Bar, print};
 use crate::study::work_precision::{
     self as study, Benches, Cost, Frames, Measure, Painter, Setting, Subject, Times, Wish,
 };
@@ -66,6 +66,10 @@ impl Progress for Stops<'_> {
     fn cancelled(&self) -> bool {
         self.0.cancelled()
     }
+
+    fn memory_left(&self) -> Option<u64> {
+        self.0.memory_left()
+    }
 }
 
 const HEAD: &str =
@@ -84,52 +88,58 @@ fn measure(arguments: &arguments::Time, wish: &Wish, document: &Document, bar: &
     let title = document.pipeline.title.clone().unwrap_or_else(|| document.path.display().to_string());
     let mut session = crate::nodes::session();
     for (number, node) in nodes.iter().enumerate() {
-        let subject = Subject::gather(&document.graph, Some(node), &mut session, bar)?;
+        let subject = Subject::gather(&document.graph, Some(node), false, &mut session, bar)?;
         let mut benches = Benches::open(&subject, wish)?;
         bar.clear();
         if number == 0 {
-            println!("\n{title}: {} tetrahedra", subject.scene.volume.grid.tetrahedra.len());
-            benches.left_out.iter().for_each(|what| println!("\nnot measured: {what}"));
-            devices(&benches)?;
-            println!("\n{HEAD}");
+            let mut head = format!("\n{title}: {} tetrahedra\n", subject.scene.volume.grid.tetrahedra.len());
+            head.extend(benches.left_out.iter().map(|what| format!("\nnot measured: {what}\n")));
+            head += &devices(&benches)?;
+            print(&format!("{head}\n{HEAD}\n"))?;
         }
-        rows(arguments, wish, subject, &mut benches, bar)?;
+        if !rows(arguments, wish, subject, &mut benches, bar)? {
+            break;
+        }
     }
     Ok(())
 }
 
 /// Says what devices are measured, and what they can do at most.
-fn devices(benches: &Benches) -> Result<()> {
-    for (name, rate) in benches.multiply_adds_per_second()? {
+fn devices(benches: &Benches) -> Result<String> {
+    let line = |(name, rate): (_, f64)| {
         let rate = 1e-9 * rate;
-        println!(
-            "\ndevice: {name}; measured: {rate:.0}·10⁹ 32-bit multiply-adds/s, {:.0} GFLOP/s",
+        format!(
+            "\ndevice: {name}; measured: {rate:.0}·10⁹ 32-bit multiply-adds/s, {:.0} GFLOP/s\n",
             2.0 * rate
-        );
-    }
-    Ok(())
+        )
+    };
+    Ok(benches.multiply_adds_per_second()?.into_iter().map(line).collect())
 }
 
-/// Prints the rows of one node that draws. Errors: a stopped run; what else goes wrong with a row stands in it.
+/// Prints the rows of one node that draws, while somebody reads them; gives whether that is so to the end. Errors: a stopped
+/// run; what else goes wrong with a row stands in it.
 fn rows(
     arguments: &arguments::Time,
     wish: &Wish,
     mut subject: Subject,
     benches: &mut Benches,
     bar: &Bar,
-) -> Result<()> {
+) -> Result<bool> {
     let own = [subject.scene.camera.size];
     for &size in if arguments.size.is_empty() { &own[..] } else { &arguments.size } {
         subject.scene.camera.size = size;
         for setting in settings(&subject, benches) {
-            match benches.measure(&subject, &setting, &wish.frames, &Stops(bar)) {
-                Ok((_, cost)) => println!("{}", row(&subject, &setting, &cost)),
+            let line = match benches.measure(&subject, &setting, &wish.frames, &Stops(bar)) {
+                Ok((_, cost)) => row(&subject, &setting, &cost),
                 Err(error) if bar.cancelled() => return Err(error),
-                Err(error) => println!("{}{error} {}", head(&subject, &setting), "|".repeat(10)),
+                Err(error) => format!("{}{error} {}", head(&subject, &setting), "|".repeat(10)),
+            };
+            if !print(&(line + "\n"))? {
+                return Ok(false);
             }
         }
     }
-    Ok(())
+    Ok(true)
 }
 
 /// What the file draws with, on every engine, in both orders where one is needed.

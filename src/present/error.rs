@@ -1,5 +1,6 @@
 //! Errors for a person: what, found, the line with a caret, what would be right.
 
+use super::streams;
 use crate::core::Error;
 use miette::{
     Diagnostic, GraphicalReportHandler, GraphicalTheme, LabeledSpan, NamedSource, Severity, SourceCode,
@@ -22,7 +23,7 @@ fn shown(error: &Error, text: Option<&str>, severity: Severity) -> String {
     let pointed = error.place.span.clone().zip(text);
     let source = pointed.as_ref().map(|(_, text)| {
         let name = error.place.file.clone().unwrap_or_else(|| "pipeline".into());
-        NamedSource::new(name, text.to_string())
+        NamedSource::new(streams::name(&name), streams::pointed(text))
     });
     let span = pointed.map(|(span, text)| span.start.min(text.len())..span.end.min(text.len()));
     let diagnostic = Shown { error, severity, source, span };
@@ -60,9 +61,9 @@ struct Shown<'a> {
 impl fmt::Display for Shown<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Error { what, found, place, .. } = self.error;
-        f.write_str(what)?;
+        f.write_str(&streams::printable(what))?;
         if let Some(found) = found {
-            write!(f, ": found {found}")?;
+            write!(f, ": found {}", streams::printable(found))?;
         }
         let mut places: Vec<String> = Vec::new();
         if self.source.is_none() {
@@ -74,7 +75,7 @@ impl fmt::Display for Shown<'_> {
         places.extend(place.node.as_ref().map(|node| format!("node '{node}'")));
         places.extend(place.item.as_ref().map(|item| format!("'{item}'")));
         if !places.is_empty() {
-            write!(f, " ({})", places.join(", "))?;
+            write!(f, " ({})", streams::name(&places.join(", ")))?;
         }
         Ok(())
     }
@@ -89,7 +90,7 @@ impl Diagnostic for Shown<'_> {
 
     fn help<'b>(&'b self) -> Option<Box<dyn fmt::Display + 'b>> {
         let accepted = self.error.accepted.as_ref()?;
-        Some(Box::new(format!("expected {accepted}")))
+        Some(Box::new(format!("expected {}", streams::printable(accepted))))
     }
 
     fn source_code(&self) -> Option<&dyn SourceCode> {

@@ -4,8 +4,10 @@ mod error;
 mod progress;
 mod reference;
 mod report;
+mod streams;
 
 pub use error::{error, warning};
 pub use progress::{Bar, Estimate};
 pub use reference::{filter_markdown, filter_text, node_markdown, node_text};
-pub use report::{findings, json, number, summary};
+pub use report::{findings, json, number, summary, warnings};
+pub use streams::{name, print, say};

@@ -1,6 +1,7 @@
-//! Progress of work that takes longer than a second, on a terminal; and stopping at Ctrl-C.
+//! Progress of work that takes longer than a second, on a terminal; and stopping at a signal.
 
 use crate::core::graph::Observer;
+use crate::nodes::{files, memory};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -10,7 +11,7 @@ use std::time::{Duration, Instant};
 /// Work that takes less than this shows no bar.
 const PATIENCE: Duration = Duration::from_secs(1);
 
-/// Set by Ctrl-C.
+/// Set by Ctrl-C and by the request to end that a system sends.
 static STOP: AtomicBool = AtomicBool::new(false);
 
 /// What is left of a piece of work, from how long the part that is done took.
@@ -53,11 +54,11 @@ pub struct Bar {
 impl Bar {
     /// A bar, shown only on a terminal and where not `quiet`.
     pub fn new(quiet: bool) -> Self {
-        // The first Ctrl-C stops the run cleanly; the second one, should that take long, the program. Where no
-        // handler can be set, Ctrl-C ends the program at once, which leaves no partial file either.
+        // The first Ctrl-C or request to end stops the run cleanly; the second one, should that take long, the program, and
+        // so does the first where the run waits for a reader.
         let _ = ctrlc::set_handler(|| {
-            if STOP.swap(true, Ordering::Relaxed) {
-                std::process::exit(1);
+            if STOP.swap(true, Ordering::Relaxed) || files::is_waiting() {
+                files::end_now(1);
             }
         });
         let bar = ProgressBar::with_draw_target(Some(1000), ProgressDrawTarget::hidden());
@@ -112,6 +113,10 @@ impl Observer for Bar {
 
     fn cancelled(&self) -> bool {
         STOP.load(Ordering::Relaxed)
+    }
+
+    fn memory_left(&self) -> Option<u64> {
+        memory::left()
     }
 }
 

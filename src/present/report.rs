@@ -1,5 +1,6 @@
 //! What a run did: a line for people, JSON for programs.
 
+use super::streams::name;
 use crate::Document;
 use crate::core::graph::{Finding, RunReport};
 use crate::core::pipeline::FORMAT;
@@ -47,14 +48,15 @@ pub fn json(document: &Document, report: &RunReport) -> Value {
     })
 }
 
-/// Warnings, and a line for each file written.
-pub fn summary(document: &Document, report: &RunReport) -> String {
-    let mut text = String::new();
-    // The graph's own warnings were shown with their place before the run.
-    for warning in report.warnings.iter().skip(document.graph.warnings.len()) {
-        text += &format!("warning: {warning}\n");
-    }
-    text += &findings(report);
+/// What the user should know, a line each, but for the first `shown` of them: the graph's own warnings are shown with their
+/// place before the run.
+pub fn warnings(report: &RunReport, shown: usize) -> String {
+    report.warnings.iter().skip(shown).map(|warning| format!("warning: {}\n", name(warning))).collect()
+}
+
+/// What was found out, and a line for the files written.
+pub fn summary(report: &RunReport) -> String {
+    let text = findings(report);
     let mut figures = Vec::new();
     let count = |name: &str| report.counts.get(name).copied();
     if let Some(total) = count("cells_total") {

@@ -10,6 +10,7 @@ pub fn json(found: &Stability) -> Value {
         "passed": found.passed(),
         "forms": found.forms.iter().map(forms).collect::<Vec<_>>(),
         "left_out": found.left_out,
+        "integrators": found.integrators,
         "pictures": found.pictures,
         "printed": found.printed,
     })

@@ -31,6 +31,7 @@ pub fn markdown(found: &Stability) -> String {
         }
         text += &excuses(report);
     }
+    text += &integrators(found);
     text += &pictures(found);
     text += "\n## Formulas as printed\n\nEach is computed as it stands in 64 and in 32 bits (its functions rounded ";
     text += "correctly) and compared with the 64-bit form that stands in its place, whose own error is under 1e-14; \"none\": overflow, or 0/0.\n";
@@ -38,11 +39,26 @@ pub fn markdown(found: &Stability) -> String {
     text
 }
 
+/// A row for each integrator.
+fn integrators(found: &Stability) -> String {
+    let mut text =
+        String::from("\n## Integrators in 64 bits\n\nOn the same segments, those that each serves, and on ");
+    text += "stiff ones of up to 1e30 of optical depth: the largest error of C and A, as shares of what is possible at ";
+    text += "most. None may give what cannot be: no number, more than opaque, brighter than its widgets.\n\n";
+    text += "| integrator | cases | error | bound | cannot be |\n| --- | ---: | ---: | ---: | ---: |\n";
+    for found in &found.integrators {
+        let bound = found.bound.map_or("—".into(), |bound| format!("{bound:.0e}"));
+        let (name, cases, impossible) = (found.integrator, found.cases, found.impossible.len());
+        text += &format!("| {name} | {cases} | {} | {bound} | {impossible} |\n", number(found.worst_error));
+    }
+    text
+}
+
 /// A row for each scene, a column for each engine.
 fn pictures(found: &Stability) -> String {
     let engines = found.engines();
     let mut text = String::from(
-        "\n## Hard cells, drawn\n\nAgainst the 64-bit referee: the largest error of a channel of ",
+        "\n## Hard scenes, drawn\n\nAgainst the 64-bit referee: the largest error of a channel of ",
     );
     text += "premultiplied linear RGBA.\n\n";
     let columns = " ---: |".repeat(engines.len() + 1);

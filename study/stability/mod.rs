@@ -1,15 +1,19 @@
 //! How stable the program's formulas are: every formula of every engine and adapter against exact values, pictures of cells
-//! that are hard to draw against the 64-bit referee, and the formulas as papers print them.
+//! that are hard to draw against the 64-bit referee, every integrator, and the formulas as papers print them.
 //!
 //! | file | what |
 //! | --- | --- |
 //! | `subjects` | the sets of forms and the engines that there are |
-//! | `pictures` | degenerate cells, extreme coordinates, long chains |
+//! | `hard` | scenes with hard cells, transfer functions and cameras |
+//! | `pictures` | those, by every engine |
+//! | `integrators` | every integrator in 64 bits |
 //! | `printed` | what papers print, as it stands, and what stands in its place |
 //! | `text`, `markdown` | how it is shown |
 //!
 //! The cases of the formulas are `voltet_judge`'s, which the program carries.
 
+mod hard;
+mod integrators;
 mod json;
 mod markdown;
 mod pictures;
@@ -17,6 +21,7 @@ mod printed;
 mod subjects;
 mod text;
 
+pub use integrators::Integrated;
 pub use json::{forms as forms_json, json};
 pub use markdown::markdown;
 pub use pictures::Drawn;
@@ -33,7 +38,9 @@ use voltet_judge::{Report, judge_cases, shipped};
 pub struct Stability {
     /// One report a set of forms: 64-bit, 32-bit by lane set, further ones.
     pub forms: Vec<Report>,
-    /// Pictures of hard cells, scene by scene.
+    /// Every integrator in 64 bits.
+    pub integrators: Vec<Integrated>,
+    /// Pictures of hard scenes, one after the other.
     pub pictures: Vec<Drawn>,
     /// The formulas as printed.
     pub printed: Vec<Printed>,
@@ -44,7 +51,9 @@ pub struct Stability {
 impl Stability {
     /// Whether every bound was kept.
     pub fn passed(&self) -> bool {
-        self.forms.iter().all(Report::passed) && self.pictures.iter().all(Drawn::passed)
+        self.forms.iter().all(Report::passed)
+            && self.integrators.iter().all(Integrated::passed)
+            && self.pictures.iter().all(Drawn::passed)
     }
 
     /// What drew the pictures, in their order.
@@ -72,9 +81,16 @@ pub fn stability(subjects: &Subjects, progress: &dyn Progress) -> Result<Stabili
         }
         forms.extend(judge_cases(&cases, &[subject.as_ref()])?);
     }
+    let integrators = integrators::integrators(&cases, progress)?;
     let pictures = pictures::pictures(&subjects.painters, progress)?;
     progress.report("printed formulas", 1.0);
-    Ok(Stability { forms, pictures, printed: printed::printed()?, left_out: subjects.left_out.clone() })
+    Ok(Stability {
+        forms,
+        integrators,
+        pictures,
+        printed: printed::printed()?,
+        left_out: subjects.left_out.clone(),
+    })
 }
 
 /// A category as people call it.
@@ -95,9 +111,10 @@ pub fn category(name: &str) -> &str {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use voltet_core::engine::{Answer, Chain, Forms, PartialIntegrals, Precision};
     use voltet_core::optics::{Contribution, Overlap, Segment};
     use voltet_core::transfer::TransferFunction;
-    use voltet_judge::{Answer, Chain, Forms, Kind, Native64, PartialIntegrals, Precision};
+    use voltet_judge::{Kind, Native64};
 
     /// The 64-bit forms, with optical depths off by a millionth: what a wrong engine would be.
     struct Off;
@@ -138,6 +155,7 @@ mod tests {
         let cases: Vec<_> = shipped().unwrap().into_iter().filter(segments).step_by(40).collect();
         let found = |forms: &dyn Forms, error: f64| Stability {
             forms: judge_cases(&cases, &[forms]).unwrap(),
+            integrators: Vec::new(),
             pictures: vec![drawn(error)],
             printed: Vec::new(),
             left_out: Vec::new(),

@@ -3,13 +3,13 @@
 use crate::devices;
 use std::sync::Arc;
 use voltet_core::Result;
-use voltet_core::engine::{Declaration, Engine};
-use voltet_judge::{Forms, Native64};
+use voltet_core::engine::{Declaration, Engine, Forms};
+use voltet_judge::Native64;
 use voltet_nodes::drawing::ENGINES;
 
 /// The sets of forms and the engines that this build and this machine have.
 pub struct Subjects {
-    /// 64-bit, 32-bit by lane set, WGSL on a device.
+    /// The 64-bit ones, then those of every engine that has any.
     pub forms: Vec<Box<dyn Forms>>,
     /// What is not judged, why, and how to have it.
     pub left_out: Vec<String>,
@@ -27,21 +27,16 @@ pub(super) struct Painter {
 ///
 /// Errors: a device that is named and not there.
 pub fn subjects(adapter: Option<&str>) -> Result<Subjects> {
-    let mut forms: Vec<Box<dyn Forms>> = vec![Box::new(Native64)];
-    forms.extend(voltet_engine::Segments::each().map(|set| Box::new(set) as Box<dyn Forms>));
-    let mut subjects = Subjects { forms, left_out: Vec::new(), painters: Vec::new() };
+    let mut subjects =
+        Subjects { forms: vec![Box::new(Native64)], left_out: Vec::new(), painters: Vec::new() };
     for declared in ENGINES {
         match devices::open_each(declared, adapter.filter(|_| declared.on_device)) {
             Ok(each) => {
-                #[cfg(feature = "gpu")]
-                if declared.on_device {
-                    let device = voltet_gpu::Device::open(adapter, true)?;
-                    subjects.forms.push(Box::new(voltet_gpu::Segments::new(Arc::new(device))));
-                }
+                subjects.forms.extend(each.iter().filter_map(|engine| engine.forms()));
                 subjects.painters.extend(each.into_iter().map(|engine| Painter { declared, engine }));
             }
             Err(error) if adapter.is_some() => return Err(error),
-            Err(error) => subjects.left_out.push(format!("the shaders of a device: {error}")),
+            Err(error) => subjects.left_out.push(format!("the engine {}: {error}", declared.name)),
         }
     }
     Ok(subjects)

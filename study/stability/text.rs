@@ -1,6 +1,6 @@
 //! What was found, for a terminal.
 
-use super::{Drawn, Printed, Stability, category};
+use super::{Drawn, Integrated, Printed, Stability, category};
 use voltet_judge::{Excuse, Report, Row};
 
 /// Broken values that are named one by one.
@@ -25,6 +25,9 @@ pub fn text(found: &Stability) -> String {
         text += &conclusion(report);
         text += "\n";
     }
+    text += "integrators in 64 bits: largest error of C and A, as shares of what is possible at most\n";
+    found.integrators.iter().for_each(|integrated| text += &integrator(integrated));
+    text += "\n";
     for engine in found.engines() {
         text += &format!("pictures by {engine} against the 64-bit referee\n");
         found
@@ -72,6 +75,22 @@ fn rows(rows: &[Row], name: impl Fn(&Row) -> &str, other: impl Fn(&Row) -> Strin
         )
     };
     rows.iter().map(line).collect()
+}
+
+fn integrator(found: &Integrated) -> String {
+    let Integrated { integrator, cases, worst_error, worst_case, bound, broken, impossible } = found;
+    let bound = bound.map_or(String::new(), |bound| format!(" of {bound:.0e}"));
+    let verdict = if found.passed() { "" } else { "  BROKEN" };
+    let mut text = format!(
+        "    {integrator:27}  {cases:>5} cases, error {worst_error:.1e}{bound} ({worst_case}){verdict}\n"
+    );
+    for what in impossible.iter().take(NAMED) {
+        text += &format!("        cannot be: {what}\n");
+    }
+    for what in broken.iter().take(NAMED) {
+        text += &format!("        off by more: {what}\n");
+    }
+    text
 }
 
 fn picture(drawn: &Drawn) -> String {

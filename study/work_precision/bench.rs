@@ -9,7 +9,7 @@ use voltet_core::engine::{Declaration, Engine};
 use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
 use voltet_core::{Error, Result};
-use voltet_nodes::drawing::{ENGINES, NATIVE};
+use voltet_nodes::drawing::{ENGINES, NATIVE, is_asked_by};
 
 /// What there is to measure on.
 pub struct Benches {
@@ -126,7 +126,7 @@ impl Benches {
 /// The engines that the file may come to here, `benches` being what is measured.
 fn takes(subject: &Subject, wish: &Wish, benches: &[Bench]) -> Option<Vec<&'static Declaration>> {
     let asked = &subject.asked;
-    let may = |engine: &&Declaration| asked.is_auto() || asked.engine == engine.name;
+    let may = |engine: &&Declaration| is_asked_by(engine, &asked.engine);
     let mut taken = Vec::new();
     for engine in ENGINES.iter().rev().filter(may) {
         let bench = benches.iter().find(|bench| bench.declared == engine);

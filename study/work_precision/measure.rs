@@ -107,7 +107,7 @@ pub(super) fn measure(
     progress: &dyn Progress,
 ) -> Result<(Picture, Cost)> {
     let scene = setting.scene(subject);
-    let manner = Manner { compositing: setting.painter.compositing, thorough: false };
+    let manner = Manner { compositing: setting.painter.compositing, ..Manner::default() };
     let keeps = setting.painter.engine.on_device;
     let fresh = forget_peak_memory();
     engine.forget();

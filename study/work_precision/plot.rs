@@ -3,7 +3,7 @@
 use super::canvas::{Anchor, Canvas, Color, Mark, Size, Symbol, WHITE};
 use super::{Painter, Row, Study};
 use voltet_core::optics::Overlap;
-use voltet_core::optics::integrators::Integrator;
+use voltet_core::optics::integrators::{Integrator, Numbers};
 use voltet_core::shading::Order;
 
 const SIZE: [f64; 2] = [960.0, 600.0];
@@ -21,31 +21,32 @@ const LEAST_ERROR: f64 = 1e-8;
 /// How an integrator's points look. Symbols and dashes tell them apart without colour; the colours (Okabe and Ito 2008)
 /// differ for the colour-blind too.
 struct Style {
-    name: &'static str,
     symbol: Symbol,
     color: Color,
     dashes: &'static [f64],
 }
 
-const STYLES: [Style; 7] = [
-    Style { name: "analytic", symbol: Symbol::Circle, color: [0, 0, 0], dashes: &[] },
-    Style { name: "clipped", symbol: Symbol::Square, color: [204, 121, 167], dashes: &[] },
-    Style { name: "adaptive", symbol: Symbol::Diamond, color: [0, 114, 178], dashes: &[] },
-    Style { name: "segments", symbol: Symbol::TriangleUp, color: [213, 94, 0], dashes: &[7.0, 3.0] },
-    Style { name: "riemann", symbol: Symbol::TriangleDown, color: [0, 158, 115], dashes: &[2.0, 2.5] },
-    Style {
-        name: "pre-integrated",
-        symbol: Symbol::Plus,
-        color: [86, 180, 233],
-        dashes: &[10.0, 3.0, 2.0, 3.0],
-    },
-    Style {
-        name: "pre-integrated-cylindrical",
-        symbol: Symbol::Cross,
-        color: [190, 140, 0],
-        dashes: &[4.0, 4.0],
-    },
+/// In the order of [`Integrator::EVERY`].
+const STYLES: [Style; Integrator::EVERY.len()] = [
+    Style { symbol: Symbol::Circle, color: [0, 0, 0], dashes: &[] },
+    Style { symbol: Symbol::Diamond, color: [0, 114, 178], dashes: &[] },
+    Style { symbol: Symbol::TriangleUp, color: [213, 94, 0], dashes: &[7.0, 3.0] },
+    Style { symbol: Symbol::TriangleDown, color: [0, 158, 115], dashes: &[2.0, 2.5] },
+    Style { symbol: Symbol::Plus, color: [86, 180, 233], dashes: &[10.0, 3.0, 2.0, 3.0] },
+    Style { symbol: Symbol::Cross, color: [190, 140, 0], dashes: &[4.0, 4.0] },
+    Style { symbol: Symbol::Square, color: [204, 121, 167], dashes: &[] },
+    // The referee's, with which the others are compared: it has no points of its own.
+    Style { symbol: Symbol::Circle, color: GREY, dashes: &[] },
 ];
+
+/// Every kind with its style and its rows.
+fn kinds(study: &Study) -> impl Iterator<Item = (Integrator, &'static Style, Vec<&Row>)> {
+    let of = |(kind, style): (Integrator, &'static Style)| {
+        let rows = study.rows.iter().filter(|row| row.setting.integrator.is_kind_of(&kind)).collect();
+        (kind, style, rows)
+    };
+    Integrator::EVERY.into_iter().zip(&STYLES).map(of)
+}
 
 /// An axis in powers of ten.
 struct Axis {
@@ -124,16 +125,15 @@ pub fn plot(study: &Study, title: &str) -> Canvas {
         canvas.text([right - 6.0, height - 9.0], &text, Size::Small, Anchor::End, BLACK);
     }
     front(&mut canvas, study, &at);
-    for style in &STYLES {
-        let mine = || study.rows.iter().filter(|row| row.setting.integrator.name() == style.name);
+    for (_, style, rows) in kinds(study) {
         for painter in painters(study) {
-            let main = mine().filter(|row| is_main(row) && row.setting.painter == painter);
-            let main: Vec<[f64; 2]> = main.map(at).collect();
+            let main = rows.iter().filter(|row| is_main(row) && row.setting.painter == painter);
+            let main: Vec<[f64; 2]> = main.map(|row| at(row)).collect();
             if main.len() > 1 {
                 canvas.line(&main, 1.4, style.color, style.dashes);
             }
         }
-        for row in mine() {
+        for row in rows {
             let radius = if row.on_front { 6.5 } else { 5.0 };
             let fill = if row.on_front { style.color } else { WHITE };
             let hint =
@@ -179,8 +179,12 @@ fn around(canvas: &mut Canvas, style: &Style, painter: Painter, at: [f64; 2], ra
 fn is_main(row: &Row) -> bool {
     let usual_table =
         !matches!(row.setting.integrator, Integrator::Segments { table_size, .. } if table_size != 256);
-    let swept = !matches!(row.setting.integrator, Integrator::Analytic | Integrator::Clipped);
-    swept && usual_table && row.setting.order != Order::Centroid
+    is_swept(&row.setting.integrator) && usual_table && row.setting.order != Order::Centroid
+}
+
+/// Whether the integrator has a number that its line is drawn over.
+fn is_swept(integrator: &Integrator) -> bool {
+    integrator.numbers() != Numbers::default()
 }
 
 fn axes(canvas: &mut Canvas, [x, y]: [&Axis; 2], title: &str, [time, error]: [&str; 2]) {
@@ -239,14 +243,12 @@ fn front(canvas: &mut Canvas, study: &Study, at: &dyn Fn(&Row) -> [f64; 2]) {
 
 /// The number that a row differs by from its neighbours on the line.
 fn short(row: &Row) -> String {
-    let mut text = match row.setting.integrator {
-        Integrator::Adaptive { tolerance } => format!("{tolerance:e}"),
-        Integrator::Segments { count, table_size: 256 } | Integrator::Riemann { count } => count.to_string(),
-        Integrator::Segments { count, table_size } => format!("{count}, table {table_size}"),
-        Integrator::PreIntegrated { table_size } | Integrator::PreIntegratedCylindrical { table_size } => {
-            table_size.to_string()
-        }
-        other => other.name().to_string(),
+    let mut text = match row.setting.integrator.numbers() {
+        Numbers { tolerance: Some(tolerance), .. } => format!("{tolerance:e}"),
+        Numbers { count: Some(count), table_size: None | Some(256), .. } => count.to_string(),
+        Numbers { count: Some(count), table_size: Some(side), .. } => format!("{count}, table {side}"),
+        Numbers { table_size: Some(side), .. } => side.to_string(),
+        Numbers { .. } => row.setting.integrator.name().to_string(),
     };
     if row.setting.overlap == Overlap::Mix {
         text += ", mix";
@@ -303,15 +305,15 @@ fn legend(canvas: &mut Canvas, study: &Study) {
     let small = |canvas: &mut Canvas, y: f64, text: &str| {
         canvas.text([x + 34.0, y], text, Size::Small, Anchor::Start, BLACK);
     };
-    for style in &STYLES {
-        if study.rows.iter().any(|row| row.setting.integrator.name() == style.name) {
-            if !matches!(style.name, "analytic" | "clipped") {
+    for (kind, style, rows) in kinds(study) {
+        if !rows.is_empty() {
+            if is_swept(&kind) {
                 canvas.line(&[[x, y], [x + 28.0, y]], 1.4, style.color, style.dashes);
             }
             let corners = style.symbol.corners([x + 14.0, y], 5.0);
             let (fill, outline) = (WHITE, style.color);
             canvas.marks.push(Mark::Shape { corners, fill, outline, hint: String::new() });
-            small(canvas, y, style.name);
+            small(canvas, y, kind.name());
             y += 20.0;
         }
     }
@@ -357,6 +359,16 @@ mod tests {
         // One value, or none, makes an axis too.
         assert!(Axis::over([7.0].into_iter(), 0.0, 1.0).ticks().iter().any(|tick| tick.1.is_some()));
         assert!(Axis::over([].into_iter(), 0.0, 1.0).ticks().iter().any(|tick| tick.1.is_some()));
+    }
+
+    #[test]
+    fn what_is_studied_is_told_apart_without_colour() {
+        let studied = super::super::studied().count();
+        for (k, style) in STYLES[..studied].iter().enumerate() {
+            assert!(STYLES[..k].iter().all(|other| other.symbol != style.symbol), "{:?}", style.symbol);
+        }
+        let is_referee = |kind: &Integrator| super::super::studied().all(|other| !other.is_kind_of(kind));
+        assert!(Integrator::EVERY[studied..].iter().all(is_referee));
     }
 
     #[test]

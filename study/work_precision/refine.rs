@@ -51,6 +51,26 @@ pub struct Refinement {
     pub integration_error: f64,
 }
 
+/// Refuses levels of refinement that make the grid too large, before anything is drawn.
+pub fn refuse_too_fine(subject: &Subject, levels: u32) -> Result<()> {
+    let count = subject.scene.volume.grid.tetrahedra.len() as u64;
+    let refined = |levels: u32| 8u64.checked_pow(levels).and_then(|pieces| count.checked_mul(pieces));
+    let fits = |levels: u32| refined(levels).is_some_and(|cells| cells <= CELLS_MOST);
+    if fits(levels) {
+        return Ok(());
+    }
+    let cells = match refined(levels) {
+        Some(cells) => cells.to_string(),
+        // Beyond 64 bits nobody needs every digit.
+        None => format!("{:.1e}", count as f64 * 8f64.powi(levels.min(300) as i32)),
+    };
+    let most = (1..levels).rev().find(|&levels| fits(levels));
+    let fewer = most.map_or("no --refine".into(), |most| format!("--refine {most} or less"));
+    Err(Error::usage("the grid is too large to be refined that often")
+        .found(format!("{cells} cells of {count}, refined {levels} times"))
+        .accepted(format!("at most {CELLS_MOST} cells: {fewer}")))
+}
+
 /// Refines the scene's grid `levels` times (at least once).
 ///
 /// Errors: grids that would get too large, those of drawing, a stop.
@@ -61,13 +81,8 @@ pub fn refinement(
     source: &Source,
     progress: &dyn Progress,
 ) -> Result<Refinement> {
+    refuse_too_fine(subject, levels)?;
     let count = subject.scene.volume.grid.tetrahedra.len() as u64;
-    let finest = count.saturating_mul(8u64.saturating_pow(levels));
-    if finest > CELLS_MOST {
-        return Err(Error::usage("the grid is too large to be refined that often")
-            .found(format!("{count} cells, {finest} refined {levels} times"))
-            .accepted(format!("at most {CELLS_MOST}: --refine with fewer levels")));
-    }
     let exact = Setting {
         painter: Painter::NATIVE,
         integrator: Integrator::Analytic,
@@ -124,7 +139,8 @@ fn picture(subject: &Subject, setting: &Setting, progress: &dyn Progress) -> Res
     Ok(volume.draw(&scene, &Manner::default(), &Unreported(progress))?.picture)
 }
 
-/// The volume with ∇s at every point, computed where the scene did not ask for it.
+/// The volume with ∇s at every point: by the filter of the pipeline, where it has one ([`Subject::gather`] was asked for it),
+/// else by the standard one.
 fn with_gradient(volume: &Arc<Volume>, progress: &dyn Progress) -> Result<Arc<Volume>> {
     if volume.gradient.is_some() {
         return Ok(volume.clone());

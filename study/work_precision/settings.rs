@@ -2,7 +2,7 @@
 
 use super::{Painter, Subject};
 use voltet_core::optics::Overlap;
-use voltet_core::optics::integrators::{Integrator, can_serve};
+use voltet_core::optics::integrators::{Integrator, Numbers, can_serve};
 use voltet_core::scene::Scene;
 use voltet_core::shading::{Order, Shading};
 
@@ -34,20 +34,14 @@ const SIDES: [usize; 5] = [16, 32, 64, 128, 256];
 /// Every setting for the scene with one painter, each integrator's cheapest first. `only`: names of integrators, none for
 /// all.
 pub fn settings(subject: &Subject, only: &[String], painter: Painter) -> Vec<Setting> {
-    let powers = |most: u32| (0..=most).map(|k| 1usize << k);
-    let mut integrators = vec![Integrator::Analytic, Integrator::Clipped];
-    integrators.extend((1..=6).map(|k| Integrator::Adaptive { tolerance: TOLERANCES[k - 1] }));
-    integrators.extend(powers(6).map(|count| Integrator::Segments { count, table_size: PARTIAL_SIDE }));
-    integrators
-        .extend(PARTIAL_SIDES.map(|table_size| Integrator::Segments { count: TABLE_SEGMENTS, table_size }));
-    integrators.extend(powers(8).map(|count| Integrator::Riemann { count }));
-    integrators.extend(SIDES.map(|table_size| Integrator::PreIntegrated { table_size }));
-    integrators.extend(SIDES.map(|table_size| Integrator::PreIntegratedCylindrical { table_size }));
+    let without = |kind: &Integrator| kind.numbers() == Numbers::default();
+    let (exact, numbered): (Vec<_>, Vec<_>) = studied().partition(without);
+    let integrators = exact.into_iter().chain(numbered.iter().flat_map(sweep));
 
     let serves = |integrator: &Integrator| can_serve(integrator, &subject.scene.transfer_function).is_ok();
     let wanted = |integrator: &Integrator| only.is_empty() || only.iter().any(|n| n == integrator.name());
     let mut settings = Vec::new();
-    for integrator in integrators.into_iter().filter(|i| serves(i) && wanted(i)) {
+    for integrator in integrators.filter(|i| serves(i) && wanted(i)) {
         for overlap in overlaps(subject, &integrator) {
             for order in orders(subject, &integrator, painter) {
                 settings.push(Setting { painter, integrator, overlap, order });
@@ -65,6 +59,30 @@ pub fn settings(subject: &Subject, only: &[String], painter: Painter) -> Vec<Set
 
 /// Tolerances of the adaptive integrator.
 const TOLERANCES: [f64; 6] = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6];
+
+/// One of each kind that is studied: all but the referee's, with which the others are compared.
+pub fn studied() -> impl Iterator<Item = Integrator> + Clone {
+    Integrator::EVERY.into_iter().filter(|kind| *kind != Integrator::Reference)
+}
+
+/// An integrator over its own numbers.
+fn sweep(kind: &Integrator) -> Vec<Integrator> {
+    let powers = |most: u32| (0..=most).map(|k| 1usize << k);
+    let with = |count, table_size| kind.with(Numbers { count, table_size, ..Numbers::default() });
+    match kind.numbers() {
+        Numbers { tolerance: Some(_), .. } => {
+            let with = |&tolerance| kind.with(Numbers { tolerance: Some(tolerance), ..Numbers::default() });
+            TOLERANCES.iter().map(with).collect()
+        }
+        Numbers { count: Some(_), table_size: Some(_), .. } => {
+            let pieces = powers(6).map(|count| with(Some(count), Some(PARTIAL_SIDE)));
+            pieces.chain(PARTIAL_SIDES.map(|side| with(Some(TABLE_SEGMENTS), Some(side)))).collect()
+        }
+        Numbers { count: Some(_), .. } => powers(8).map(|count| with(Some(count), None)).collect(),
+        Numbers { table_size: Some(_), .. } => SIDES.map(|side| with(None, Some(side))).to_vec(),
+        Numbers { .. } => vec![*kind],
+    }
+}
 
 /// Both ways with overlaps where the integrator knows them and the scene has several widgets.
 fn overlaps(subject: &Subject, integrator: &Integrator) -> Vec<Overlap> {
@@ -110,34 +128,22 @@ impl Setting {
     pub fn keys(&self) -> Vec<(&'static str, Value<'static>)> {
         let whole = |n: usize| Value::Integer(n as i64);
         let mut keys = vec![("integrator", Value::Text(self.integrator.name()))];
-        match self.integrator {
-            Integrator::Adaptive { tolerance } => keys.push(("tolerance", Value::Number(tolerance))),
-            Integrator::Segments { count, table_size } => {
-                keys.push(("segments", whole(count)));
-                keys.push(("table_size", whole(table_size)));
-            }
-            Integrator::Riemann { count } => keys.push(("segments", whole(count))),
-            Integrator::PreIntegrated { table_size }
-            | Integrator::PreIntegratedCylindrical { table_size } => {
-                keys.push(("table_size", whole(table_size)));
-            }
-            Integrator::Analytic | Integrator::Clipped | Integrator::Reference => {}
-        }
+        let Numbers { tolerance, count, table_size } = self.integrator.numbers();
+        keys.extend(tolerance.map(|tolerance| ("tolerance", Value::Number(tolerance))));
+        keys.extend(count.map(|count| ("segments", whole(count))));
+        keys.extend(table_size.map(|side| ("table_size", whole(side))));
         keys
     }
 
     /// The numbers beside the integrator's name, for people: "16 pieces, table 64".
     pub fn numbers(&self) -> String {
-        let mut parts = match self.integrator {
-            Integrator::Adaptive { tolerance } => vec![format!("tolerance {tolerance:e}")],
-            Integrator::Segments { count, table_size } => {
-                vec![format!("{count} pieces"), format!("table {table_size}")]
-            }
-            Integrator::Riemann { count } => vec![format!("{count} samples")],
-            Integrator::PreIntegrated { table_size }
-            | Integrator::PreIntegratedCylindrical { table_size } => vec![format!("table {table_size}")],
-            Integrator::Analytic | Integrator::Clipped | Integrator::Reference => Vec::new(),
-        };
+        let Numbers { tolerance, count, table_size } = self.integrator.numbers();
+        // What a table combines are pieces.
+        let counted = if table_size.is_some() { "pieces" } else { "samples" };
+        let mut parts = Vec::new();
+        parts.extend(tolerance.map(|tolerance| format!("tolerance {tolerance:e}")));
+        parts.extend(count.map(|count| format!("{count} {counted}")));
+        parts.extend(table_size.map(|side| format!("table {side}")));
         if self.overlap == Overlap::Mix && self.integrator == Integrator::Analytic {
             parts.push("overlap mix".into());
         }
@@ -164,14 +170,13 @@ impl Setting {
     /// A rough relative cost, for estimates of what is left to do.
     pub fn weight(&self) -> f64 {
         let cube = |side: usize| (side as f64 / 64.0).powi(3);
-        let native = match self.integrator {
-            Integrator::Analytic | Integrator::Clipped => 1.0,
-            Integrator::Adaptive { .. } => 6.0,
-            Integrator::Segments { count, .. } => 3.0 + count as f64,
-            Integrator::Riemann { count } => 3.0 + 0.5 * count as f64,
-            Integrator::PreIntegrated { table_size }
-            | Integrator::PreIntegratedCylindrical { table_size } => 4.0 + cube(table_size),
-            Integrator::Reference => 50.0,
+        let native = match self.integrator.numbers() {
+            Numbers { tolerance: Some(_), .. } => 6.0,
+            Numbers { count: Some(count), table_size: Some(_), .. } => 3.0 + count as f64,
+            Numbers { count: Some(count), .. } => 3.0 + 0.5 * count as f64,
+            Numbers { table_size: Some(side), .. } => 4.0 + cube(side),
+            Numbers { .. } if self.integrator == Integrator::Reference => 50.0,
+            Numbers { .. } => 1.0,
         };
         match self.painter.engine.on_device {
             false => native,

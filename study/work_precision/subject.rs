@@ -3,7 +3,7 @@
 use super::{Painter, Setting};
 use std::sync::Arc;
 use voltet_core::engine::Declaration;
-use voltet_core::graph::{Graph, GraphNode, Observer, Parameters, Session, Value, diagonal};
+use voltet_core::graph::{Demand, Graph, GraphNode, Observer, Parameters, Session, Value, diagonal};
 use voltet_core::scene::{Scene, needs_order};
 use voltet_core::shading::Order;
 use voltet_core::{Error, Result};
@@ -51,17 +51,19 @@ pub struct Subject {
 }
 
 impl Subject {
-    /// Runs what feeds the node that draws. `name`: which one, where the pipeline has several.
+    /// Runs what feeds the node that draws. `name`: which one, where the pipeline has several; `gradient`: whether ∇s shall be
+    /// there, by the pipeline's own filter, also where the scene does not look at it.
     pub fn gather(
         graph: &Graph,
         name: Option<&str>,
+        gradient: bool,
         session: &mut Session,
         observer: &dyn Observer,
     ) -> Result<Subject> {
         let place = drawing_node(graph, name)?;
         let node = &graph.nodes[place];
         let blame = |error| node.blame(error);
-        let inputs = session.inputs(graph, place, observer)?;
+        let inputs = session.inputs(graph, place, &Demand { gradient, ..Demand::default() }, observer)?;
         let shading = drawing::shading(&node.parameters).map_err(blame)?;
         let unknown = || node.blame(Error::run("the node that draws is fed by values of unknown types"));
         let (scene, order_node) = match inputs.as_slice() {
@@ -123,7 +125,7 @@ impl Subject {
 impl Asked {
     /// Whether the engine is left open.
     pub fn is_auto(&self) -> bool {
-        self.engine == "auto"
+        self.engine == drawing::AUTO
     }
 
     fn of(node: &str, parameters: &Parameters) -> Asked {
@@ -134,9 +136,9 @@ impl Asked {
         };
         let text = |name: &str| parameters.optional(name).and_then(|setting| setting.text());
         let engine = match form {
-            Form::Renderer => text("engine").unwrap_or("auto"),
-            Form::GpuRenderer => "gpu",
-            Form::Stages => "cpu",
+            Form::Renderer => text("engine").unwrap_or(drawing::AUTO),
+            Form::GpuRenderer => drawing::DEVICE.name,
+            Form::Stages => drawing::NATIVE.name,
         };
         Asked {
             form,

@@ -1,6 +1,6 @@
 //! The engine that a pipeline asks for, what is taken, and what is said about it.
 
-use super::support::Folder;
+use super::support::{Folder, SLAB};
 use voltet::Document;
 use voltet::core::graph::Unobserved;
 
@@ -173,4 +173,40 @@ fn an_integrator_that_the_named_engine_lacks_is_refused_by_check() {
     let explained = folder.voltet(&["explain", "slab.toml", "--set", "picture.integrator=reference"]).ok();
     let wanted = "reference (the integrator is the 64-bit reference)";
     assert!(explained.stdout.contains(wanted), "{}", explained.stdout);
+}
+
+/// What draws nothing has no say in the one colour: on no engine does it ask for an order of the pixels' segments, and it
+/// leaves the picture as it is.
+#[test]
+fn an_undrawn_widget_of_another_colour_asks_no_engine_for_an_order() {
+    let folder = Folder::new();
+    let undrawn = "[[nodes.look.widgets]]\nkind = \"gaussian\"\ncolor = [1.0, 0.0, 0.0]\nextinction = 0.0\n\
+                   centre = [0.5, 0.0]\nsigma = [0.3, inf]\n\n[nodes.view]";
+    folder.write("both.toml", SLAB.replace("[nodes.view]", undrawn));
+    for engine in voltet::nodes::drawing::ENGINES {
+        let engine = format!("picture.engine=\"{}\"", engine.name);
+        let draw = |file: &str, extinction: &str| {
+            let extinction = format!("look.widgets.{extinction}");
+            let settings = [&engine, "picture.adapter=\"software\"", "file.path=\"slab.exr\"", &extinction];
+            let mut arguments = vec!["run", file, "--report", "report.json", "--quiet"];
+            settings.iter().for_each(|setting| arguments.extend(["--set", setting]));
+            folder.voltet(&arguments).on_software_driver()?;
+            Some((folder.floats("slab.exr").1, folder.json("report.json")))
+        };
+        let needs_order = |report: &serde_json::Value| {
+            let counted = report["counts"]["tiles_sorted"].as_u64().is_some_and(|count| count > 0);
+            counted || report["compositor_reason"] == "each pixel needs its exact order"
+        };
+        let Some((alone, _)) = draw("slab.toml", "0.extinction=1.0") else { continue };
+        let (behind, report) = draw("both.toml", "1.extinction=0.0").unwrap();
+        assert!(!needs_order(&report), "{engine}: {report:#}");
+        for (a, b) in behind.iter().flatten().zip(alone.iter().flatten()) {
+            // A compiler may fuse the sums of another text otherwise.
+            assert!((a - b).abs() < 1e-6, "{engine}: {a} for {b}");
+        }
+        assert!(alone.iter().any(|pixel| pixel[3] > 0.8), "{engine}: the slab is not seen");
+        // Drawn, it does.
+        let (_, report) = draw("both.toml", "1.extinction=1.0").unwrap();
+        assert!(needs_order(&report), "{engine}: {report:#}");
+    }
 }

@@ -1,9 +1,9 @@
 //! What a scene does not ask for is not done: counted, not timed. And doing it all the same changes no picture.
 
-use super::support::{Folder, SLAB};
+use super::support::{Folder, SLAB, cube, cube_of};
 use voltet::Document;
 use voltet::core::graph::{RunReport, Unobserved};
-use voltet::study::{SAME, Thorough};
+use voltet::study::{NoLeaveOut, SAME};
 
 /// A second widget of another colour, which looks at g; the first one's colour is green.
 const TWO: &str = r#"
@@ -19,8 +19,11 @@ sigma = [0.1, 0.5]
 
 /// On the native engine, whatever devices there are.
 fn open(folder: &Folder, name: &str, options: &[&str]) -> Document {
-    let options = options.iter().chain(&["picture.engine=cpu"]).map(|option| option.to_string());
-    let options: Vec<String> = options.collect();
+    open_with(folder, name, &[options, &["picture.engine=cpu"]].concat())
+}
+
+fn open_with(folder: &Folder, name: &str, options: &[&str]) -> Document {
+    let options: Vec<String> = options.iter().map(|option| option.to_string()).collect();
     Document::open(&folder.join(name), &options, &voltet::nodes::registry().unwrap()).unwrap()
 }
 
@@ -28,8 +31,8 @@ fn run(document: &Document) -> RunReport {
     voltet::nodes::session().run(&document.graph, &Unobserved).unwrap()
 }
 
-fn thorough(document: &Document) -> RunReport {
-    voltet::nodes::session().leaving_nothing_out().run(&document.graph, &Unobserved).unwrap()
+fn no_leave_out(document: &Document) -> RunReport {
+    voltet::nodes::session().no_leave_out().run(&document.graph, &Unobserved).unwrap()
 }
 
 /// Arrays decoded, gradients computed, tiles sorted, cells sorted, tables built.
@@ -126,17 +129,31 @@ fn tiles_that_stop_early_are_said() {
     assert!(tiles > 0 && left.is_some_and(|left| left.saving.is_some()), "{:#?}", report.left_out);
 }
 
+/// What must be true of a run that leaves nothing out, beside the usual one.
+fn assert_nothing_left_out(usual: &RunReport, all: &RunReport, what: &str) {
+    let comparison = NoLeaveOut::compare(usual, all);
+    assert!(comparison.is_same(), "{what}: {comparison:#?}");
+    assert!(all.left_out.is_empty(), "{what}: {:?}", all.left_out);
+    assert_eq!(all.findings, usual.findings, "{what}");
+    for count in ["cells_culled", "tiles_stopped"] {
+        assert_eq!(all.counts.get(count).copied().unwrap_or(0), 0, "{what}: {count}");
+    }
+}
+
 #[test]
-fn doing_everything_changes_no_picture_and_leaves_nothing_out() {
+fn doing_everything_changes_no_picture_and_leaves_nothing_out_on_every_engine() {
     let folder = Folder::new();
     folder.write("two.toml", SLAB.replace("\n[nodes.view]\n", TWO));
     let untouched = "look.widgets.1.centre=[9.0, 1.0]";
     let inside = "view.eye=[0.4, 0.5, 0.5]";
     let light = "picture.light={ direction = [1, 1, 1], diffuse = 0.7 }";
-    let (slab, two) = ("slab.toml", "two.toml");
+    // Enough cells behind each other that a tile can leave some of its list.
+    folder.write("dense.vtu", cube(8));
+    folder.write("dense.toml", SLAB.replace("cube.vtu", "dense.vtu").replace("\n[nodes.view]\n", TWO));
+    let (slab, two, dense) = ("slab.toml", "two.toml", "dense.toml");
     for (name, options) in [
         (slab, &[][..]),
-        (slab, &["picture.silhouette=2"]),
+        (slab, &["picture.silhouette=2", "view.eye=[-3.0, 2.5, 1.5]"]),
         (slab, &["look.widgets.0.region={ s = [0.4, 0.6] }", "view.height=0.5"]),
         (two, &[]),
         (two, &[untouched]),
@@ -144,21 +161,60 @@ fn doing_everything_changes_no_picture_and_leaves_nothing_out() {
         (two, &[light]),
         (two, &["look.model=constant-emitter"]),
         (two, &["picture.order=centroid"]),
+        (dense, &["look.widgets.0.extinction=1e6", "view.height=0.9"]),
     ] {
-        let options: Vec<&str> = options.iter().copied().chain(["view.size=[48, 40]"]).collect();
-        let document = open(&folder, name, &options);
-        let (usual, all) = (run(&document), thorough(&document));
-        let comparison = Thorough::compare(&usual, &all);
-        assert!(comparison.is_same(), "{options:?}: {comparison:#?}");
-        assert!(comparison.largest_difference.is_some());
-        // Cells that cover no pixel centre have nothing that could be done.
-        let left: Vec<_> =
-            all.left_out.iter().filter(|left| left.what != "cells under a pixel's reach").collect();
-        assert!(left.is_empty(), "{options:?}: {left:?}");
-        assert_eq!(all.counts["cells_culled"], 0);
-        let [arrays, gradients, tiles, cells, tables] = work(&all);
-        assert_eq!([arrays, gradients, tables], [5, 1, 1], "{options:?}");
-        assert!(tiles > 0 || cells == 162, "{options:?}");
+        for engine in voltet::nodes::drawing::ENGINES {
+            let mut options = [options, &["view.size=[48, 40]"]].concat();
+            let named = format!("picture.engine={}", engine.name);
+            options.push(&named);
+            if engine.on_device {
+                options.extend(["picture.adapter=software", "picture.compositor=tiles"]);
+            }
+            let document = open_with(&folder, name, &options);
+            let Some(usual) = drawn(&document, voltet::nodes::session()) else { continue };
+            let all = no_leave_out(&document);
+            assert_nothing_left_out(&usual, &all, &format!("{name}, {options:?}"));
+            assert_eq!(all.engine.as_ref().map(|named| named.0.as_str()), Some(engine.name));
+            assert!(all.pictures[0].1.rgba.iter().any(|pixel| pixel[3] > 0.0), "{options:?}");
+            let [arrays, gradients, tiles, cells, tables] = work(&all);
+            assert_eq!([arrays, gradients, tables], [5, 1, 1], "{options:?}");
+            assert!(engine != voltet::nodes::drawing::NATIVE || tiles > 0 || cells == 162, "{options:?}");
+        }
+    }
+}
+
+/// The report of a run; `None` where there is no device to draw on, said loudly, or a failure where one is required.
+fn drawn(document: &Document, mut session: voltet::core::graph::Session) -> Option<RunReport> {
+    match session.run(&document.graph, &Unobserved) {
+        Ok(report) => Some(report),
+        Err(error) => {
+            let text = error.to_string();
+            assert!(
+                text.contains("no adapter is called \"software\"") || text.contains("no GPU engine"),
+                "{text}"
+            );
+            assert!(!std::env::var("VOLTET_REQUIRE_GPU").is_ok_and(|value| value == "1"), "{text}");
+            eprintln!("\n*** SKIPPED: no Vulkan adapter; scripts/install-software-vulkan.sh ***\n");
+            None
+        }
+    }
+}
+
+/// Every node by its own example, on data that the examples' widgets and probes are about.
+#[test]
+fn every_node_that_ships_does_everything_where_nothing_may_be_left_out() {
+    let folder = Folder::new();
+    let cube = cube_of(4, "temperature", |x| 300.0 + 100.0 * x * x);
+    folder.write("data.vtu", cube.replace("\"layer\"", "\"zone\"").replace("\"y\"", "\"humidity\""));
+    let registry = voltet::nodes::registry().unwrap();
+    for node in registry.iter() {
+        let smaller = node.example.replace("[1024, 768]", "[32, 24]").replace("[512, 512]", "[32, 32]");
+        let nearer = smaller.replace("eye = [0.0, -12.0, 6.0]", "eye = [0.2, -3.0, 1.0]");
+        folder.write("example.toml", nearer.replace("\"discrete\"", "\"software\""));
+        let document = Document::open(&folder.join("example.toml"), &[], &registry).unwrap();
+        let Some(usual) = drawn(&document, voltet::nodes::session()) else { continue };
+        assert!(!usual.left_out.is_empty(), "{}", node.name);
+        assert_nothing_left_out(&usual, &no_leave_out(&document), node.name);
     }
 }
 
@@ -181,9 +237,6 @@ fn a_run_that_leaves_nothing_out_says_what_it_costs() {
     assert!(folder.names().contains(&"slab.exr".to_string()));
     let plain = folder.voltet(&["run", "slab.toml"]).ok();
     assert!(!plain.stdout.contains("leaving nothing out"), "{}", plain.stdout);
-    // By itself it takes the native engine, and names it.
-    let ran = folder.voltet(&["run", "slab.toml", "--no-leave-out"]).ok();
-    assert!(ran.stdout.contains("engine cpu"), "{}", ran.stdout);
 }
 
 #[test]

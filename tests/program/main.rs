@@ -3,16 +3,24 @@
 
 mod bad_data;
 mod bad_pipelines;
+mod collisions;
 mod commands;
 #[cfg(feature = "gpu")]
 mod engines;
 mod finders;
+mod foreign;
+mod info;
 mod left_out;
+mod memory;
+mod multi_gradient;
+mod outputs;
 mod pictures;
 mod reports;
 mod stability;
+mod start;
 mod study;
 #[cfg(feature = "gpu")]
 mod study_devices;
 mod support;
 mod time;
+mod visible;

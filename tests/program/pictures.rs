@@ -58,7 +58,7 @@ fn an_order_that_is_not_exact_is_warned_of() {
     // From behind: the grid's own order is back to front.
     let draw = |order: &str| {
         let order = format!("picture.order={order}");
-        folder.voltet(&["run", "two.toml", "--set", "view.eye=[4, 0.5, 0.5]", "--set", &order]).ok().stdout
+        folder.voltet(&["run", "two.toml", "--set", "view.eye=[4, 0.5, 0.5]", "--set", &order]).ok().stderr
     };
     assert!(!draw("exact").contains("warning"));
     let (_, exact) = folder.floats("slab.exr");
@@ -134,7 +134,7 @@ fn cell_values_can_be_drawn_as_they_are() {
 fn a_picture_without_widgets_is_empty_and_says_so() {
     let folder = Folder::new();
     let ran = folder.voltet(&["run", "slab.toml", "--set", "look.widgets=[]"]).ok();
-    assert!(ran.stdout.contains("warning: look: the transfer function has no widgets"), "{}", ran.stdout);
+    assert!(ran.stderr.contains("warning: look: the transfer function has no widgets"), "{}", ran.stderr);
     assert!(folder.floats("slab.exr").1.iter().all(|pixel| *pixel == [0.0; 4]));
 }
 

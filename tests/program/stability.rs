@@ -1,6 +1,8 @@
 //! `voltet stability`: good, wrong and damaged case files.
 
 use super::support::Folder;
+use voltet::core::engine::AdapterWish;
+use voltet::nodes::drawing::ENGINES;
 
 /// Cases of every kind, each line with a key that no reader knows.
 fn cases() -> Vec<String> {
@@ -45,11 +47,12 @@ fn without_a_file_the_program_judges_itself() {
     let forms = found["forms"].as_array().unwrap();
     let names: Vec<&str> = forms.iter().map(|forms| forms["forms"].as_str().unwrap()).collect();
     assert!(names.starts_with(&["64-bit", "32-bit portable"]), "{names:?}");
-    let sets = voltet_engine::Segments::each().count();
-    // A graphics device is judged, or said to be missing.
-    let devices = names.iter().filter(|name| name.starts_with("WGSL on")).count();
-    assert_eq!(names.len(), 1 + sets + devices);
-    assert_eq!(found["left_out"].as_array().unwrap().len() + devices, 1, "{names:?}");
+    // Each engine is judged in each of its ways, or said to be missing.
+    let opened: Vec<_> =
+        ENGINES.iter().filter_map(|engine| engine.open_each(&AdapterWish::hardware(None)).ok()).collect();
+    let ways: Vec<_> = opened.iter().flatten().collect();
+    assert_eq!(names.len(), 1 + ways.iter().filter(|engine| engine.forms().is_some()).count());
+    assert_eq!(found["left_out"].as_array().unwrap().len() + opened.len(), ENGINES.len(), "{names:?}");
     for forms in forms {
         let rows = forms["rows"].as_array().unwrap();
         for category in [
@@ -67,10 +70,29 @@ fn without_a_file_the_program_judges_itself() {
         }
     }
     let pictures = found["pictures"].as_array().unwrap();
-    assert_eq!(pictures.len(), 17 * (sets + devices));
-    for category in ["degenerate cells", "extreme coordinates", "long compositing chains"] {
+    assert_eq!(pictures.len(), 44 * ways.len());
+    for category in [
+        "degenerate cells",
+        "extreme coordinates",
+        "long compositing chains",
+        "optical depths",
+        "narrow widgets",
+        "steps",
+        "many bands",
+        "constant emitter",
+        "tables",
+        "light and silhouettes",
+        "cameras",
+    ] {
         assert!(pictures.iter().any(|picture| picture["category"] == category), "{category}");
     }
+    let integrators: Vec<&str> = found["integrators"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .filter_map(|one| one["integrator"].as_str())
+        .collect();
+    assert!(integrators.contains(&"reference") && integrators.contains(&"riemann"), "{integrators:?}");
     // What papers print fails somewhere (JSON has no infinity: null), and what stands in its place does not.
     let printed = found["printed"].as_array().unwrap();
     assert!(printed.len() >= 12);

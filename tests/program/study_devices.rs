@@ -3,6 +3,8 @@
 use super::study::{scene, stages};
 use super::support::{Folder, Ran};
 use serde_json::Value;
+use voltet::nodes::drawing::ENGINES;
+use voltet::study::work_precision::Painter;
 
 const STUDY: [&str; 6] = ["study", "scene.toml", "--frames", "2", "--cache", "cache"];
 
@@ -28,7 +30,6 @@ fn a_device_has_rows_of_its_own_beside_the_native_engine() {
     let more = ["--adapter", "software", "--only", "analytic,segments"];
     let Some((ran, json)) = study(&folder, &more) else { return };
     let (native, device) = (rows(&json, "cpu"), rows(&json, "gpu"));
-    let compositors = voltet::core::engine::Compositing::ALL.len();
     let of = |name: &str| device.iter().filter(|row| row["setting"]["compositor"] == name).count();
     // Exact and mix in two orders; seven numbers of pieces and three further tables. Blending has one order.
     assert_eq!([native.len(), of("tiles"), of("raster")], [14, 14, 12]);
@@ -54,7 +55,7 @@ fn a_device_has_rows_of_its_own_beside_the_native_engine() {
     let exact = device.iter().find(|row| row["setting"]["integrator"] == "analytic").unwrap();
     assert!(error(exact) < 2e-4, "{exact:#}");
     assert_eq!(native.iter().filter(|row| row["of_file"] == true).count(), 1);
-    assert_eq!(json["convergence"].as_array().unwrap().len(), 1 + compositors);
+    assert_eq!(json["convergence"].as_array().unwrap().len(), Painter::all().count());
 
     let csv = std::fs::read_to_string(folder.join("scene.study/study.csv")).unwrap();
     assert!(csv.starts_with("engine,compositor,adapter,integrator,"), "{csv}");
@@ -94,7 +95,7 @@ fn a_setting_that_the_device_does_not_hold_is_said_and_the_others_are_measured()
     );
     assert!(rows(&json, "gpu").iter().any(|row| row["setting"]["integrator"] == "riemann"));
     assert_eq!(
-        rows(&json, "cpu").len() + rows(&json, "gpu").len() + refused.len(),
+        json["rows"].as_array().unwrap().len() + refused.len(),
         json["settings"].as_u64().unwrap() as usize
     );
     assert_eq!(json["stopped"], false);
@@ -150,7 +151,8 @@ fn what_no_device_can_do_is_said() {
         &["--adapter", "software", "--engine gpu or all"],
     );
     fails(&["--adapter", "no such thing"], 1, &["no adapter is called \"no such thing\""]);
-    fails(&["--engine", "gpus"], 2, &["gpus", "cpu, gpu, all"]);
+    let words: Vec<&str> = ENGINES.iter().map(|engine| engine.name).chain(["all"]).collect();
+    fails(&["--engine", "gpus"], 2, &["gpus", &words.join(", ")]);
     folder.write("scene.toml", stages());
     fails(&["--engine", "gpu"], 2, &["stages", "\"renderer\""]);
     let ran = folder.voltet(&[&STUDY[..], &["--only", "analytic"]].concat()).ok();

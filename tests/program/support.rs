@@ -7,6 +7,11 @@ use std::process::{Command, Output};
 /// The unit cube of n × n × n hexahedra as an ASCII .vtu. Point arrays: `x` (the coordinate), `gradient` (its
 /// gradient, (1, 0, 0)), `y` and `ones`; cell array `layer` (number of the cell along x).
 pub fn cube(n: usize) -> String {
+    cube_of(n, "x", |x| x)
+}
+
+/// The same with a function of the coordinate under a name in place of `x`.
+pub fn cube_of(n: usize, scalar: &str, of: impl Fn(f64) -> f64) -> String {
     let points: Vec<[usize; 3]> = grid(n + 1);
     let position = |p: &[usize; 3]| p.map(|c| c as f64 / n as f64);
     let list = |values: Vec<String>| values.join(" ");
@@ -37,7 +42,7 @@ pub fn cube(n: usize) -> String {
         points.len()
     );
     text += "<PointData>\n";
-    text += &array("x", 1, per_point(&|p| p[0].to_string()));
+    text += &array(scalar, 1, per_point(&|p| of(p[0]).to_string()));
     text += &array("y", 1, per_point(&|p| p[1].to_string()));
     text += &array("ones", 1, per_point(&|_| "1".into()));
     text += &array("gradient", 3, per_point(&|_| "1 0 0".into()));
@@ -141,13 +146,18 @@ impl Folder {
         names
     }
 
-    /// Runs the program in this folder.
-    pub fn voltet(&self, arguments: &[&str]) -> Ran {
+    /// The program in this folder, to be run.
+    pub fn command(&self, arguments: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_voltet"));
         // What is remembered of devices stays out of the user's own folder.
         command.env("XDG_CACHE_HOME", concat!(env!("CARGO_TARGET_TMPDIR"), "/cache"));
-        let output = command.current_dir(self.path()).args(arguments).env("NO_COLOR", "1").output().unwrap();
-        Ran::new(arguments, output)
+        command.current_dir(self.path()).args(arguments).env("NO_COLOR", "1");
+        command
+    }
+
+    /// Runs the program in this folder.
+    pub fn voltet(&self, arguments: &[&str]) -> Ran {
+        Ran::new(arguments, self.command(arguments).output().unwrap())
     }
 
     /// The floats of an .exr.
@@ -178,7 +188,7 @@ impl Ran {
             stdout: String::from_utf8(output.stdout).unwrap(),
             stderr: String::from_utf8(output.stderr).unwrap(),
         };
-        assert!(!ran.stderr.contains("panicked"), "{}: {}", ran.command, ran.stderr);
+        assert!(!ran.stderr.contains("a mistake of the program itself"), "{}: {}", ran.command, ran.stderr);
         ran
     }
 

@@ -19,14 +19,14 @@ pub const ORDINARY: f64 = 2e-4;
 
 /// Everything a picture is made from.
 #[derive(Clone)]
-pub struct Scene {
+pub struct NamedScene {
     pub name: String,
     pub volume: Arc<Volume>,
     pub look: TransferFunction,
     pub camera: Camera,
 }
 
-impl Scene {
+impl NamedScene {
     /// What an engine is given of it.
     pub fn drawn_by(&self, shading: &Shading, order: Order) -> scene::Scene {
         scene::Scene {
@@ -44,28 +44,28 @@ pub const SHADING: Shading =
     Shading { integrator: Integrator::Analytic, overlap: Overlap::Exact, silhouette: None, light: None };
 
 /// The referee's picture.
-pub fn referee(scene: &Scene) -> Picture {
+pub fn referee(scene: &NamedScene) -> Picture {
     referee_shaded(scene, &SHADING)
 }
 
 /// The referee's picture with another shading.
-pub fn referee_shaded(scene: &Scene, shading: &Shading) -> Picture {
+pub fn referee_shaded(scene: &NamedScene, shading: &Shading) -> Picture {
     reference::draw(&scene.drawn_by(shading, Order::Exact), &Silent)
         .unwrap_or_else(|e| panic!("{}: {e}", scene.name))
 }
 
 /// Asserts the bound of ordinary scenes, and that there is something to see.
-pub fn ordinary(scene: &Scene) {
+pub fn ordinary(scene: &NamedScene) {
     ordinary_shaded(scene, &SHADING);
 }
 
 /// The same with another shading.
-pub fn ordinary_shaded(scene: &Scene, shading: &Shading) {
+pub fn ordinary_shaded(scene: &NamedScene, shading: &Shading) {
     close(scene, shading, ORDINARY);
 }
 
 /// The same with a bound of the scene's own.
-pub fn close(scene: &Scene, shading: &Shading, bound: f64) {
+pub fn close(scene: &NamedScene, shading: &Shading, bound: f64) {
     let Some(actual) = picture(scene, shading) else { return };
     let expected = referee_shaded(scene, shading);
     let covered = expected.rgba.iter().filter(|p| p[3] > 0.01).count();
@@ -74,7 +74,7 @@ pub fn close(scene: &Scene, shading: &Shading, bound: f64) {
 }
 
 /// Asserts that the engine draws a picture that is known.
-pub fn matches(scene: &Scene, expected: &Picture, bound: f64) {
+pub fn matches(scene: &NamedScene, expected: &Picture, bound: f64) {
     if let Some(actual) = picture(scene, &SHADING) {
         within(&scene.name, &actual, expected, bound);
     }
@@ -101,7 +101,7 @@ pub fn within(name: &str, actual: &Picture, expected: &Picture, bound: f64) {
 }
 
 /// Asserts the bound of stiff scenes: 99.9 % of the pixels within 1/255, all finite.
-pub fn stiff(scene: &Scene) {
+pub fn stiff(scene: &NamedScene) {
     let Some(actual) = picture(scene, &SHADING) else { return };
     let expected = referee(scene);
     let covered = expected.rgba.iter().filter(|p| p[3] > 0.01).count();

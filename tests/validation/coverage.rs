@@ -1,6 +1,6 @@
 //! Scenes whose truth is a formula: slabs, ramps, subdivision, rays that lie in shared faces. Tests of all engines.
 
-use crate::compare::{SHADING, Scene, matches, ordinary, referee, within};
+use crate::compare::{NamedScene, SHADING, matches, ordinary, referee, within};
 use crate::drawing::{ROUNDING, picture};
 use crate::grids::{cube, grid, smooth, subdivided, volume};
 use crate::looks::*;
@@ -23,7 +23,7 @@ fn rays_in_shared_faces_and_edges() {
     for counts in [[1, 1, 1], [2, 2, 2], [4, 4, 4], [5, 3, 7]] {
         for (k, (eye, target)) in views.into_iter().enumerate() {
             for pixels in [8, 9, 20, 35, 64] {
-                let scene = Scene {
+                let scene = NamedScene {
                     name: format!("faces {counts:?} view {k} {pixels}"),
                     volume: volume(cube(counts, 0.0), |_| 0.5, |_| 0.0),
                     look: look(vec![everywhere(2.0, COLOR)]),
@@ -41,7 +41,7 @@ fn rays_in_shared_faces_and_edges() {
 #[test]
 fn perspective_rays_in_shared_faces() {
     for pixels in [9, 15, 33] {
-        ordinary(&Scene {
+        ordinary(&NamedScene {
             name: format!("faces perspective {pixels}"),
             volume: volume(cube([4, 4, 4], 0.0), |_| 0.5, |_| 0.0),
             look: look(vec![everywhere(2.0, COLOR)]),
@@ -54,7 +54,7 @@ fn perspective_rays_in_shared_faces() {
 #[test]
 fn ramp_along_the_view() {
     for counts in [[1, 1, 1], [3, 8, 3]] {
-        let scene = Scene {
+        let scene = NamedScene {
             name: format!("ramp along {counts:?}"),
             volume: volume(cube(counts, 0.0), |p| p.y, |_| 1.0),
             look: look(vec![points(&[[0.0, 1.0, 0.5, 0.25, 0.0], [1.0, 1.0, 0.5, 0.25, 6.0]])]),
@@ -67,7 +67,7 @@ fn ramp_along_the_view() {
 /// s rises along the view, a Gaussian in its middle: T = ρ₀ σ √(2π) erf(½/√2σ), erf(2.5 √2) = 1 − 5.7e-7.
 #[test]
 fn gaussian_along_the_view() {
-    let scene = Scene {
+    let scene = NamedScene {
         name: "gaussian along".into(),
         volume: volume(cube([3, 5, 3], 0.0), |p| p.y, |_| 1.0),
         look: look(vec![gaussian([0.5, 1.0], [0.1, 0.5], 4.0, COLOR)]),
@@ -83,7 +83,7 @@ fn gaussian_along_the_view() {
 fn subdividing_cells_leaves_the_picture() {
     let base = cube([3, 3, 3], 0.2);
     let s = |p: DVec3| 0.2 * p.x + 0.3 * p.y + 0.5 * p.z;
-    let scene = |grid| Scene {
+    let scene = |grid| NamedScene {
         name: "subdivided".into(),
         volume: volume(grid, s, |p| 1.0 + p.x),
         look: overlapping(),
@@ -92,7 +92,7 @@ fn subdividing_cells_leaves_the_picture() {
     let finer = subdivided(&base);
     let Some(expected) = picture(&scene(base), &SHADING) else { return };
     matches(&scene(finer.clone()), &expected, 1e-4);
-    ordinary(&Scene {
+    ordinary(&NamedScene {
         name: "subdivided".into(),
         volume: smooth(subdivided(&finer)),
         look: overlapping(),
@@ -108,7 +108,7 @@ fn cell_numbering_does_not_matter() {
     cells.reverse();
     let scene = |grid| {
         let (name, camera) = ("reversed".into(), outside([50, 50]));
-        Scene { name, volume: smooth(grid), look: overlapping(), camera }
+        NamedScene { name, volume: smooth(grid), look: overlapping(), camera }
     };
     let reversed = scene(grid(base.points.to_vec(), cells));
     let Some(expected) = picture(&scene(base), &SHADING) else { return };

@@ -1,6 +1,6 @@
 //! Grids and fields that are hard: non-convex, cyclic, flat, far away, deep, huge and tiny cells. Tests of all engines.
 
-use crate::compare::{ORDINARY, SHADING, Scene, close, matches, ordinary, referee, within};
+use crate::compare::{NamedScene, ORDINARY, SHADING, close, matches, ordinary, referee, within};
 use crate::drawing::GRAZING;
 use crate::grids::*;
 use crate::looks::*;
@@ -10,7 +10,7 @@ use voltet_core::camera::Camera;
 #[test]
 fn two_arms_with_an_opening() {
     for (name, eye) in [("front", [0.7, -2.0, 0.8]), ("side", [2.5, 0.3, 1.4]), ("end", [3.0, 0.5, 0.5])] {
-        ordinary(&Scene {
+        ordinary(&NamedScene {
             name: format!("arms {name}"),
             volume: smooth(two_arms()),
             look: overlapping(),
@@ -24,7 +24,7 @@ fn disconnected() {
     let parts: Vec<_> = (0..4)
         .map(|k| moved(&cube([2, 2, 2], 0.2), |p| 0.22 * p + 0.26 * f64::from(k) * DVec3::ONE))
         .collect();
-    ordinary(&Scene {
+    ordinary(&NamedScene {
         name: "disconnected".into(),
         volume: smooth(together(&parts)),
         look: ramp(),
@@ -46,7 +46,7 @@ fn cyclic_order() {
         ("above", orthographic([0.0, -0.01, 5.0], [0.0, 0.0, 0.0], 3.6, [90, 90]), GRAZING),
         ("below", perspective([0.1, -0.2, -5.0], [0.0, 0.0, 0.0], 40.0, [90, 90]), ORDINARY),
     ] {
-        let scene = Scene {
+        let scene = NamedScene {
             name: format!("cyclic {name}"),
             volume: volume.clone(),
             look: look(vec![colors.clone()]),
@@ -64,7 +64,7 @@ fn flat_cells() {
             ("along", orthographic([0.503, -2.0, 0.507], [0.503, 0.0, 0.507], 0.9, [40, 40])),
             ("oblique", outside([48, 48])),
         ] {
-            ordinary(&Scene {
+            ordinary(&NamedScene {
                 name: format!("flat {thickness:e} {name}"),
                 volume: smooth(with_flat_layer(thickness)),
                 look: overlapping(),
@@ -90,7 +90,7 @@ fn without_volume(name: &str, cells: impl Fn(u32) -> Vec<[u32; 4]>) {
     let mut all = base.tetrahedra.to_vec();
     all.extend(cells(first));
     let camera = outside([64, 64]);
-    let scene = |grid| Scene { name: name.into(), volume: smooth(grid), look: overlapping(), camera };
+    let scene = |grid| NamedScene { name: name.into(), volume: smooth(grid), look: overlapping(), camera };
     let with = scene(grid(points, all));
     let expected = referee(&scene(base));
     within(&format!("referee {name}"), &referee(&with), &expected, 1e-7);
@@ -140,7 +140,7 @@ fn scaled_and_far_away() {
             }
             let mut look = overlapping();
             look.unit_distance = scale;
-            ordinary(&Scene {
+            ordinary(&NamedScene {
                 name: format!("scale {scale:e} offset {:e} {name}", offset.x),
                 volume: std::sync::Arc::new(far.clone()),
                 look,
@@ -152,7 +152,7 @@ fn scaled_and_far_away() {
 
 #[test]
 fn constant_field() {
-    ordinary(&Scene {
+    ordinary(&NamedScene {
         name: "constant".into(),
         volume: volume(cube([4, 4, 4], 0.2), |_| 0.55, |_| 0.0),
         look: look(vec![
@@ -195,7 +195,7 @@ fn large_values_that_hardly_vary() {
             )],
         ),
     ] {
-        ordinary(&Scene {
+        ordinary(&NamedScene {
             name: format!("offset values {name}"),
             volume: volume.clone(),
             look: look(widgets),
@@ -210,7 +210,7 @@ fn deep_pixels() {
     let base = moved(&cube([2, 700, 2], 0.0), |p| DVec3::new(p.x, 3.0 * p.y, p.z));
     let volume = volume(base, |p| 0.5 + 0.5 * (9.0 * p.y + 2.0 * p.x).sin(), |p| p.z);
     for (name, look) in [("ramp", ramp()), ("overlap", overlapping())] {
-        ordinary(&Scene {
+        ordinary(&NamedScene {
             name: format!("deep {name}"),
             volume: volume.clone(),
             look,
@@ -228,7 +228,7 @@ fn huge_cell() {
     let mut look = overlapping();
     look.unit_distance = 10.0;
     for (name, eye) in [("outside", [0.0, 0.0, 0.0]), ("inside", [0.0, 14.0, 2.0])] {
-        ordinary(&Scene {
+        ordinary(&NamedScene {
             name: format!("huge cell {name}"),
             volume: volume.clone(),
             look: look.clone(),
@@ -241,7 +241,7 @@ fn huge_cell() {
 #[test]
 fn tiny_cells() {
     for (name, height) in [("one pixel", 40.0), ("some pixels", 4.0)] {
-        ordinary(&Scene {
+        ordinary(&NamedScene {
             name: format!("tiny cells {name}"),
             volume: smooth(cube([12, 12, 12], 0.2)),
             look: overlapping(),
@@ -263,7 +263,7 @@ fn cells_that_overlap_behind_a_shared_face() {
         cells.extend([[0, 1, 2, 3], [0, 1, 2, 4]].map(|cell| cell.map(|p| p + 5 * k)));
     }
     let s = |p: DVec3| (37.0 * (p.x + 2.0 * p.y - 3.0 * p.z)).sin().abs();
-    ordinary(&Scene {
+    ordinary(&NamedScene {
         name: "overlap behind a face".into(),
         volume: volume(grid(points, cells), s, |p| 2.0 * p.y.sin().abs()),
         look: overlapping(),

@@ -1,6 +1,6 @@
 //! The native engine, as the shared scenes ask for it.
 
-use crate::compare::Scene;
+use crate::compare::NamedScene;
 use voltet_core::Result;
 use voltet_core::optics::integrators;
 use voltet_core::picture::Picture;
@@ -21,7 +21,7 @@ pub fn serves(integrator: &Integrator, look: &TransferFunction) -> bool {
 }
 
 /// The picture; always there.
-pub fn picture(scene: &Scene, shading: &Shading) -> Option<Picture> {
+pub fn picture(scene: &NamedScene, shading: &Shading) -> Option<Picture> {
     let draw = || -> Result<Picture> {
         let cells = engine::cull(&scene.volume, &scene.look, &scene.camera, &Silent)?;
         Ok(engine::draw(&cells, &scene.look, &scene.camera, shading, &Silent)?.0)

@@ -1,20 +1,20 @@
 //! Two pictures of the referee, kept, so that neither it nor the engine changes unseen.
 
-use crate::compare::{ORDINARY, Scene, matches, referee, save, within};
+use crate::compare::{NamedScene, ORDINARY, matches, referee, save, within};
 use crate::grids::{cube, cyclic_bars, smooth};
 use crate::looks::*;
 use std::path::PathBuf;
 use voltet_core::picture::Picture;
 
-fn scenes() -> [Scene; 2] {
+fn scenes() -> [NamedScene; 2] {
     [
-        Scene {
+        NamedScene {
             name: "overlap".into(),
             volume: smooth(cube([4, 4, 4], 0.2)),
             look: overlapping(),
             camera: outside([40, 30]),
         },
-        Scene {
+        NamedScene {
             name: "bars".into(),
             volume: smooth(cyclic_bars()),
             look: ramp(),
@@ -23,7 +23,7 @@ fn scenes() -> [Scene; 2] {
     ]
 }
 
-fn path(scene: &Scene) -> PathBuf {
+fn path(scene: &NamedScene) -> PathBuf {
     let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/validation/golden");
     folder.join(format!("{}.exr", scene.name))
 }

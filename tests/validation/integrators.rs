@@ -1,7 +1,7 @@
 //! Every integrator on the scenes that it can serve, each within the error that its sampling or table leaves. Tests
 //! of all engines; the native one has the reference too.
 
-use crate::compare::{ORDINARY, SHADING, Scene, referee, within};
+use crate::compare::{NamedScene, ORDINARY, SHADING, referee, within};
 use crate::drawing::{picture, serves};
 use crate::grids::{cube, smooth};
 use crate::looks::*;
@@ -24,8 +24,8 @@ const BOUNDS: [(Integrator, f64); 8] = [
     (Integrator::Reference, ORDINARY),
 ];
 
-fn scene(name: &str, look: TransferFunction) -> Scene {
-    Scene { name: name.into(), volume: smooth(cube([5, 5, 5], 0.2)), look, camera: outside([64, 48]) }
+fn scene(name: &str, look: TransferFunction) -> NamedScene {
+    NamedScene { name: name.into(), volume: smooth(cube([5, 5, 5], 0.2)), look, camera: outside([64, 48]) }
 }
 
 fn compare(name: &str, look: TransferFunction, wanted: &[&str]) {

@@ -1,6 +1,6 @@
 //! Silhouettes and light. Tests of all engines.
 
-use crate::compare::{SHADING, Scene, ordinary_shaded};
+use crate::compare::{NamedScene, SHADING, ordinary_shaded};
 use crate::drawing::picture;
 use crate::grids::{cube, smooth, smooth_gradient};
 use crate::looks::*;
@@ -33,7 +33,7 @@ fn shadings() -> [(&'static str, Shading); 5] {
 fn with_every_shading(name: &str, volume: &Arc<Volume>, look: &TransferFunction, camera: Camera) {
     for (kind, shading) in shadings() {
         let scene =
-            Scene { name: format!("{name} {kind}"), volume: volume.clone(), look: look.clone(), camera };
+            NamedScene { name: format!("{name} {kind}"), volume: volume.clone(), look: look.clone(), camera };
         ordinary_shaded(&scene, &shading);
     }
 }
@@ -80,7 +80,7 @@ fn gradients_without_and_with_little_length() {
 #[test]
 fn what_changes_nothing_is_left_out() {
     // No gradient in the volume, and none is asked for.
-    let scene = Scene {
+    let scene = NamedScene {
         name: "exponent 0".into(),
         volume: smooth(cube([3, 3, 3], 0.2)),
         look: overlapping(),

@@ -1,6 +1,6 @@
 //! Orders that are not exact, and looks that the engine integrates in 64 bits.
 
-use crate::compare::{SHADING, Scene, ordinary};
+use crate::compare::{NamedScene, SHADING, ordinary};
 use crate::drawing::picture;
 use crate::grids::*;
 use crate::looks::*;
@@ -13,7 +13,7 @@ use voltet_engine as engine;
 /// more places; and where the colour is one, no order is wrong.
 #[test]
 fn disordered_pixels_are_counted() {
-    let scene = Scene {
+    let scene = NamedScene {
         name: "orders".into(),
         volume: smooth(cube([6, 6, 6], 0.3)),
         look: overlapping(),
@@ -46,7 +46,7 @@ fn widgets_without_a_vector_form() {
         ("triangle wave", Profile::TriangleWave(wave(0.21, 0.4))),
         ("sine wave", Profile::SineWave(wave(0.13, 1.0))),
     ] {
-        ordinary(&Scene {
+        ordinary(&NamedScene {
             name: name.into(),
             volume: smooth(cube([4, 4, 4], 0.2)),
             look: look(vec![widget(profile)]),
@@ -59,7 +59,7 @@ fn widgets_without_a_vector_form() {
 fn constant_emitter() {
     let mut look = overlapping();
     look.model = OpticalModel::ConstantEmitter { cutoff: 1.0 / 255.0 };
-    ordinary(&Scene {
+    ordinary(&NamedScene {
         name: "constant emitter".into(),
         volume: smooth(cube([4, 4, 4], 0.2)),
         look,
@@ -70,7 +70,7 @@ fn constant_emitter() {
 /// Also one whose values the data straddle without meeting it: no cell lies in the hole of its region.
 #[test]
 fn widgets_that_no_cell_touches_are_left_out() {
-    let scene = Scene {
+    let scene = NamedScene {
         name: "untouched".into(),
         volume: volume(cube([4, 4, 4], 0.2), |p| p.x, |p| p.x),
         look: overlapping(),
@@ -94,7 +94,7 @@ fn corner() -> Widget {
 /// Counted in lanes and in 64 bits alike; a threshold of 1e-8 lies on a few segments' rounding.
 #[test]
 fn overlaps_are_counted() {
-    let scene = Scene {
+    let scene = NamedScene {
         name: "overlaps".into(),
         volume: smooth(cube([4, 4, 4], 0.2)),
         look: overlapping(),
@@ -118,7 +118,7 @@ fn overlaps_are_counted() {
 #[test]
 fn opaque_tiles_stop_early() {
     let fog = |extinction| look(vec![everywhere(extinction, [1.0, 0.5, 0.25])]);
-    let scene = |extinction| Scene {
+    let scene = |extinction| NamedScene {
         name: format!("fog {extinction}"),
         volume: smooth(cube([10, 10, 10], 0.2)),
         look: fog(extinction),

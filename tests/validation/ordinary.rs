@@ -1,6 +1,6 @@
 //! Ordinary scenes: every kind of camera, look and picture size. Tests of all engines.
 
-use crate::compare::{Scene, ordinary};
+use crate::compare::{NamedScene, ordinary};
 use crate::grids::{cube, smooth};
 use crate::looks::*;
 use glam::DVec3;
@@ -14,7 +14,7 @@ fn looks() -> [(&'static str, TransferFunction); 3] {
 fn with_every_look(name: &str, camera: Camera) {
     let volume = smooth(cube([6, 6, 6], 0.2));
     for (kind, look) in looks() {
-        ordinary(&Scene { name: format!("{name} {kind}"), volume: volume.clone(), look, camera });
+        ordinary(&NamedScene { name: format!("{name} {kind}"), volume: volume.clone(), look, camera });
     }
 }
 
@@ -70,7 +70,7 @@ fn samples_at_the_border_of_the_picture() {
     ] {
         for samples in [9, 5] {
             let (name, camera) = (format!("border {name} {samples}"), Camera { samples, ..camera });
-            ordinary(&Scene { name, volume: volume.clone(), look: overlapping(), camera });
+            ordinary(&NamedScene { name, volume: volume.clone(), look: overlapping(), camera });
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Surfaces: extinction up to 1e8, Gaussians of a millionth of the range.
 
-use crate::compare::{Scene, stiff};
+use crate::compare::{NamedScene, stiff};
 use crate::grids::{cube, smooth, volume};
 use crate::looks::*;
 use voltet_core::transfer::Widget;
@@ -10,7 +10,7 @@ use voltet_core::transfer::Widget;
 fn narrow_gaussians() {
     for sigma in [1e-3, 1e-4, 1e-5, 1e-6] {
         for extinction in [1e4, 1e8] {
-            stiff(&Scene {
+            stiff(&NamedScene {
                 name: format!("narrow {sigma:e} {extinction:e}"),
                 volume: smooth(cube([5, 5, 5], 0.2)),
                 look: look(vec![
@@ -27,7 +27,7 @@ fn narrow_gaussians() {
 #[test]
 fn narrow_and_half_transparent() {
     for sigma in [1e-3, 1e-4, 1e-5, 1e-6] {
-        stiff(&Scene {
+        stiff(&NamedScene {
             name: format!("sheet {sigma:e}"),
             volume: smooth(cube([5, 5, 5], 0.2)),
             look: look(vec![gaussian([0.6, 0.8], [sigma, 2.0], 0.5 / sigma, [1.0, 0.5, 0.15])]),
@@ -37,7 +37,7 @@ fn narrow_and_half_transparent() {
 }
 
 fn step(name: &str, widget: Widget) {
-    stiff(&Scene {
+    stiff(&NamedScene {
         name: name.into(),
         volume: smooth(cube([5, 5, 5], 0.2)),
         look: look(vec![widget, everywhere(0.3, [0.1, 0.1, 0.2])]),
@@ -61,7 +61,7 @@ fn step_at_a_regions_edge() {
 /// Extinction 1e8 all over a part of the volume, and a thin one in front.
 #[test]
 fn opaque_behind_thin() {
-    stiff(&Scene {
+    stiff(&NamedScene {
         name: "opaque behind thin".into(),
         volume: volume(cube([4, 4, 4], 0.2), |p| p.y, |_| 1.0),
         look: look(vec![
@@ -75,7 +75,7 @@ fn opaque_behind_thin() {
 /// The bands also in a field near 1e8, where a band is a thousandth of the last 32-bit digit.
 #[test]
 fn narrow_and_offset() {
-    stiff(&Scene {
+    stiff(&NamedScene {
         name: "narrow offset".into(),
         volume: volume(cube([5, 5, 5], 0.2), |p| 1e8 + crate::grids::smooth_s(p), |_| 0.0),
         look: look(vec![gaussian([1e8 + 0.6, 0.0], [1e-4, f64::INFINITY], 1e6, [1.0, 0.5, 0.15])]),

@@ -1,14 +1,14 @@
 //! Bands: any number in a cell, thin ones, cut by regions, far from the data's values.
 
-use crate::compare::{SHADING, Scene, ordinary};
+use crate::compare::{NamedScene, SHADING, ordinary};
 use crate::grids::{cube, smooth};
 use crate::looks::*;
 use voltet_core::progress::Silent;
 use voltet_core::transfer::{Profile, Region, Wave, Widget};
 use voltet_engine as engine;
 
-fn scene(name: &str, widgets: Vec<Widget>) -> Scene {
-    Scene {
+fn scene(name: &str, widgets: Vec<Widget>) -> NamedScene {
+    NamedScene {
         name: name.into(),
         volume: smooth(cube([4, 4, 4], 0.2)),
         look: look(widgets),

@@ -1,6 +1,6 @@
 //! Every kind of widget, alone and together, with regions, under both models. Scenes and tests of all engines.
 
-use crate::compare::{Scene, ordinary};
+use crate::compare::{NamedScene, ordinary};
 use crate::grids::{cube, smooth, smooth_gradient};
 use crate::looks::*;
 use glam::DVec3;
@@ -9,7 +9,7 @@ use voltet_core::grid::Array;
 use voltet_core::transfer::{OpticalModel, Profile, Region, Table, TransferFunction, Wave, Widget};
 use voltet_core::volume::Volume;
 
-/// The smooth field with its gradient, and two further fields.
+/// The smooth field with its gradient, and three further fields: two, and a magnitude that is 0 on a part.
 fn volume() -> Arc<Volume> {
     let mut grid = cube([4, 4, 4], 0.2);
     let points = grid.points.clone();
@@ -18,6 +18,7 @@ fn volume() -> Arc<Volume> {
     };
     grid.point_arrays.insert("a".into(), field(&|p| (3.0 * p.x).sin()));
     grid.point_arrays.insert("b".into(), field(&|p| 400.0 + 50.0 * p.y * p.z));
+    grid.point_arrays.insert("m".into(), field(&|p| (p.x + p.z - 0.3).max(0.0)));
     let gradient = points.iter().map(|&p| smooth_gradient(p)).collect();
     Arc::new(Volume { gradient: Some(Arc::new(gradient)), ..(*smooth(grid)).clone() })
 }
@@ -46,6 +47,12 @@ fn widgets() -> Vec<(&'static str, Widget)> {
         centre: vec![415.0, 0.6],
         matrix: vec![vec![0.05, 0.0], vec![0.01, 2.0]],
     };
+    let triangular_nd = Profile::TriangularGaussianNd {
+        fields: vec!["b".into(), "a".into()],
+        magnitude: "m".into(),
+        centre: vec![415.0, 0.6],
+        matrix: vec![vec![0.1, 0.0], vec![0.02, 3.0]],
+    };
     let ramp = ramp().widgets.remove(0);
     vec![
         ("uniform", polygon(&[[0.2, 0.0], [0.8, 0.1], [0.7, 1.0], [0.3, 1.3]], 1.5, [0.3, 0.9, 0.4])),
@@ -53,6 +60,7 @@ fn widgets() -> Vec<(&'static str, Widget)> {
         ("plane", gaussian([0.6, 0.8], [0.1, 0.5], 4.0, [0.2, 0.5, 1.1])),
         ("nd", of(nd)),
         ("triangular", of(Profile::TriangularGaussian { centre: 0.5, sigma: 0.1 })),
+        ("triangular nd", of(triangular_nd.clone())),
         ("triangle", of(Profile::TriangleWave(wave(0.21, 0.4)))),
         ("sine", of(Profile::SineWave(wave(0.13, 1.0)))),
         ("ramp", ramp.clone()),
@@ -60,14 +68,15 @@ fn widgets() -> Vec<(&'static str, Widget)> {
         ("cut line", cut(gaussian([0.6, 0.8], [0.1, f64::INFINITY], 4.0, [1.0, 0.5, 0.15]))),
         ("cut sine", cut(of(Profile::SineWave(wave(0.13, 0.7))))),
         ("cut ramp", cut(ramp)),
+        ("cut triangular nd", cut(of(triangular_nd))),
     ]
 }
 
 const CONSTANT: OpticalModel = OpticalModel::ConstantEmitter { cutoff: 1.0 / 255.0 };
 
 /// A look at all the fields.
-pub fn scene(name: String, look: TransferFunction) -> Scene {
-    Scene { name, volume: volume(), look, camera: outside([40, 40]) }
+pub fn scene(name: String, look: TransferFunction) -> NamedScene {
+    NamedScene { name, volume: volume(), look, camera: outside([40, 40]) }
 }
 
 #[test]
@@ -112,5 +121,5 @@ fn a_gaussian_over_eight_fields() {
         Profile::GaussianNd { fields: names, centre: vec![0.4; 8], matrix: (0..8).map(row).collect() };
     let widget = Widget { profile, color: [0.9, 0.6, 0.2], extinction: 3.0, region: None };
     let eight = scene("eight fields".into(), look(vec![widget]));
-    ordinary(&Scene { volume: Arc::new(whole), ..eight });
+    ordinary(&NamedScene { volume: Arc::new(whole), ..eight });
 }

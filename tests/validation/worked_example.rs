@@ -4,7 +4,7 @@
 //! The document's numbers were computed apart from this program, by quadrature with 18 digits, and are given to six
 //! decimals.
 
-use crate::compare::{SHADING, Scene};
+use crate::compare::{NamedScene, SHADING};
 use crate::drawing::{ROUNDING, picture};
 use crate::looks::{everywhere, gaussian, points};
 use glam::DVec3;
@@ -47,9 +47,9 @@ fn camera() -> Camera {
     }
 }
 
-fn scene(widgets: Vec<Widget>, model: OpticalModel) -> Scene {
+fn scene(widgets: Vec<Widget>, model: OpticalModel) -> NamedScene {
     let look = TransferFunction { model, unit_distance: 2.0, widgets };
-    Scene { name: "one cell".into(), volume: cell(), look, camera: camera() }
+    NamedScene { name: "one cell".into(), volume: cell(), look, camera: camera() }
 }
 
 const DENSITY: OpticalModel = OpticalModel::DensityEmitter;
@@ -115,7 +115,7 @@ fn rows() -> Vec<Row> {
 }
 
 /// Red, blue and opacity of a pixel: of the referee's ray, and of the picture of the engine that is tested.
-fn assert_pixel(name: &str, scene: &Scene, shading: &Shading, at: [usize; 2], expected: [f64; 3]) {
+fn assert_pixel(name: &str, scene: &NamedScene, shading: &Shading, at: [usize; 2], expected: [f64; 3]) {
     let wanted = scene.drawn_by(shading, Order::Exact);
     let made = reference::Tracer::new(&wanted).unwrap_or_else(|error| panic!("{name}: {error}"));
     let seen = made.trace(&made.ray(at[0] as f64 + 0.5, at[1] as f64 + 0.5)).expect("traces");
@@ -191,7 +191,7 @@ fn another_ray_and_a_near_plane() {
     let uniform = scene(vec![everywhere(4.0, COLOR)], DENSITY);
     let opacity = 0.759313;
     assert_pixel("left", &uniform, &SHADING, [0, 7], [opacity, 0.25 * opacity, opacity]);
-    let cut = Scene { camera: Camera { near: 2.0, ..camera() }, ..uniform };
+    let cut = NamedScene { camera: Camera { near: 2.0, ..camera() }, ..uniform };
     let opacity = 0.632121;
     assert_pixel("near", &cut, &SHADING, MIDDLE, [opacity, 0.25 * opacity, opacity]);
 }

@@ -4,6 +4,7 @@ mod convergence;
 mod exact;
 mod hostile;
 mod method;
+mod several;
 
 use super::*;
 use crate::grid::generate::{Random, box_of_tetrahedra, sample};

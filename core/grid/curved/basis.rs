@@ -1,4 +1,4 @@
-//! Shape functions: a point of a refined lattice as a weighted sum of a cell's nodes.
+//! ReferenceCell functions: a point of a refined lattice as a weighted sum of a cell's nodes.
 //!
 //! Every cell is brought to the full lattice of its own order first: what a serendipity cell lacks (centres of faces
 //! and of the body) follows from the nodes it has, exactly, since its functions are among those of the full lattice;
@@ -7,7 +7,7 @@
 //! pyramids the rational functions that are polynomials on every face (M. Bergot, G. Cohen, M. Duruflé, "Higher-order
 //! finite elements for hybrid meshes", 2010).
 
-use super::lattice::{Orders, Shape, points};
+use super::lattice::{Orders, ReferenceCell, points};
 use super::nodes::Nodes;
 
 /// Weights of nodes, by their number in the cell; those that vanish are left out.
@@ -60,24 +60,26 @@ fn serendipity(nodes: &Nodes, p: [usize; 3]) -> Option<Weights> {
     let (x, y, z) = ([1, 0, 0], [0, 1, 0], [0, 0, 1]);
     // A wedge's slanted quadrilateral runs along (−1, 1, 0).
     for axes in [[x, y], [x, z], [y, z], [[-1, 1, 0], z]] {
-        let body = nodes.shape == Shape::Hexahedron && p == [1, 1, 1] && nodes.positions.len() < 24;
+        let body = nodes.shape == ReferenceCell::Hexahedron && p == [1, 1, 1] && nodes.positions.len() < 24;
         if !body && let Some(weights) = face(axes) {
             return Some(weights);
         }
     }
     // The centre of a 20-node hexahedron: −1/4 at the corners, 1/4 at the middles of the edges.
-    (nodes.shape == Shape::Hexahedron && nodes.positions.len() == 20)
+    (nodes.shape == ReferenceCell::Hexahedron && nodes.positions.len() == 20)
         .then(|| (0..20).map(|node| (node, if node < 8 { -0.25 } else { 0.25 })).collect())
 }
 
 /// Values of all functions of the full lattice of order `p` at point `at` of the lattice of order `m`, in the order
 /// of [`points`].
-pub(super) fn functions_at(shape: Shape, p: Orders, m: Orders, at: [usize; 3]) -> Vec<f64> {
+pub(super) fn functions_at(shape: ReferenceCell, p: Orders, m: Orders, at: [usize; 3]) -> Vec<f64> {
     let all = points(shape, p);
     let line = |axis: usize, node: usize| lagrange(p[axis], node, m[axis], at[axis]);
     match shape {
-        Shape::Hexahedron => all.iter().map(|q| line(0, q[0]) * line(1, q[1]) * line(2, q[2])).collect(),
-        Shape::Wedge => {
+        ReferenceCell::Hexahedron => {
+            all.iter().map(|q| line(0, q[0]) * line(1, q[1]) * line(2, q[2])).collect()
+        }
+        ReferenceCell::Wedge => {
             let rest = m[0] - at[0] - at[1];
             let triangle = |q: &[usize; 3]| {
                 silvester(p[0], q[0], m[0], at[0])
@@ -86,7 +88,7 @@ pub(super) fn functions_at(shape: Shape, p: Orders, m: Orders, at: [usize; 3]) -
             };
             all.iter().map(|q| triangle(q) * line(2, q[2])).collect()
         }
-        Shape::Tetrahedron => {
+        ReferenceCell::Tetrahedron => {
             let rest = m[0] - at[0] - at[1] - at[2];
             all.iter()
                 .map(|q| {
@@ -95,7 +97,7 @@ pub(super) fn functions_at(shape: Shape, p: Orders, m: Orders, at: [usize; 3]) -
                 })
                 .collect()
         }
-        Shape::Pyramid => pyramid(p[0], m[0], at),
+        ReferenceCell::Pyramid => pyramid(p[0], m[0], at),
     }
 }
 
@@ -112,7 +114,7 @@ fn silvester(p: usize, node: usize, m: usize, x: usize) -> f64 {
 }
 
 /// Bernstein's polynomial of control point `q` at point `p` of the same lattice.
-fn bernstein_at(shape: Shape, m: Orders, q: [usize; 3], p: [usize; 3]) -> f64 {
+fn bernstein_at(shape: ReferenceCell, m: Orders, q: [usize; 3], p: [usize; 3]) -> f64 {
     let power = |x: usize, m: usize, n: usize| (x as f64 / m as f64).powi(n as i32);
     // n! / Π parts! × Π x^part
     let simplex = |m: usize, parts: &[usize], at: &[usize]| {
@@ -127,11 +129,11 @@ fn bernstein_at(shape: Shape, m: Orders, q: [usize; 3], p: [usize; 3]) -> f64 {
         simplex(m, &[q[axis], m - q[axis]], &[p[axis], m - p[axis]])
     };
     match shape {
-        Shape::Tetrahedron => {
+        ReferenceCell::Tetrahedron => {
             let rest = |v: [usize; 3]| m[0] - v[0] - v[1] - v[2];
             simplex(m[0], &[q[0], q[1], q[2], rest(q)], &[p[0], p[1], p[2], rest(p)])
         }
-        Shape::Wedge => {
+        ReferenceCell::Wedge => {
             let rest = |v: [usize; 3]| m[0] - v[0] - v[1];
             simplex(m[0], &[q[0], q[1], rest(q)], &[p[0], p[1], rest(p)]) * line(2)
         }
@@ -161,7 +163,7 @@ fn pyramid(p: usize, m: usize, at: [usize; 3]) -> Vec<f64> {
         }
         out
     };
-    let all = points(Shape::Pyramid, [p; 3]);
+    let all = points(ReferenceCell::Pyramid, [p; 3]);
     // Solves Σ_l weight_l × terms(l) = terms(at).
     let columns: Vec<Vec<f64>> = all.iter().map(|&q| terms(position(q, p))).collect();
     solve(&columns, terms(position(at, m)))

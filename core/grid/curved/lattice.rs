@@ -11,7 +11,7 @@ use super::super::split;
 
 /// The reference cells.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub(super) enum Shape {
+pub(super) enum ReferenceCell {
     Tetrahedron,
     Hexahedron,
     Wedge,
@@ -23,7 +23,7 @@ pub(super) type Orders = [usize; 3];
 
 /// A linear cell between points of a lattice, by their positions in [`points`].
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Piece {
+pub(super) enum LatticeCell {
     Tetrahedron([usize; 4]),
     /// Six corners of which i and i + 3 are opposite.
     Octahedron([usize; 6]),
@@ -37,31 +37,31 @@ pub(super) enum Piece {
 const OCTAHEDRON_FACES: &[&[usize]] =
     &[&[0, 1, 2], &[0, 1, 5], &[0, 4, 2], &[0, 4, 5], &[3, 1, 2], &[3, 1, 5], &[3, 4, 2], &[3, 4, 5]];
 
-impl Piece {
+impl LatticeCell {
     /// Hands out the tetrahedra of the piece; `number` gives the point number of a lattice point.
     pub fn tetrahedra(&self, number: impl Fn(usize) -> u32, emit: &mut impl FnMut([u32; 4])) {
         match self {
-            Piece::Tetrahedron(v) => split::emit_distinct(v.map(number), emit),
-            Piece::Octahedron(v) => split::star(&v.map(number), OCTAHEDRON_FACES, emit),
-            Piece::Pyramid(v) => split::star(&v.map(number), split::PYRAMID_FACES, emit),
-            Piece::Wedge(v) => split::star(&v.map(number), split::WEDGE_FACES, emit),
-            Piece::Hexahedron(v) => split::hexahedron(&v.map(number), emit),
+            LatticeCell::Tetrahedron(v) => split::emit_distinct(v.map(number), emit),
+            LatticeCell::Octahedron(v) => split::star(&v.map(number), OCTAHEDRON_FACES, emit),
+            LatticeCell::Pyramid(v) => split::star(&v.map(number), split::PYRAMID_FACES, emit),
+            LatticeCell::Wedge(v) => split::star(&v.map(number), split::WEDGE_FACES, emit),
+            LatticeCell::Hexahedron(v) => split::hexahedron(&v.map(number), emit),
         }
     }
 }
 
 /// All lattice points, i fastest.
-pub(super) fn points(shape: Shape, m: Orders) -> Vec<[usize; 3]> {
+pub(super) fn points(shape: ReferenceCell, m: Orders) -> Vec<[usize; 3]> {
     let mut out = Vec::new();
     for k in 0..=m[2] {
         let (rows, columns) = match shape {
-            Shape::Tetrahedron | Shape::Pyramid => (m[1] - k, m[0] - k),
-            Shape::Hexahedron | Shape::Wedge => (m[1], m[0]),
+            ReferenceCell::Tetrahedron | ReferenceCell::Pyramid => (m[1] - k, m[0] - k),
+            ReferenceCell::Hexahedron | ReferenceCell::Wedge => (m[1], m[0]),
         };
         for j in 0..=rows {
             let last = match shape {
-                Shape::Tetrahedron | Shape::Wedge => columns - j,
-                Shape::Hexahedron | Shape::Pyramid => columns,
+                ReferenceCell::Tetrahedron | ReferenceCell::Wedge => columns - j,
+                ReferenceCell::Hexahedron | ReferenceCell::Pyramid => columns,
             };
             out.extend((0..=last).map(|i| [i, j, k]));
         }
@@ -71,10 +71,10 @@ pub(super) fn points(shape: Shape, m: Orders) -> Vec<[usize; 3]> {
 
 /// The point as a combination of the corners with whole weights (linear along edges, bilinear on quadrilaterals),
 /// up to a common factor. On an edge or face only its own corners have weight, so neighbours see the same.
-pub(super) fn corner_weights(shape: Shape, m: Orders, [i, j, k]: [usize; 3]) -> Vec<(usize, u64)> {
+pub(super) fn corner_weights(shape: ReferenceCell, m: Orders, [i, j, k]: [usize; 3]) -> Vec<(usize, u64)> {
     let weights: Vec<usize> = match shape {
-        Shape::Tetrahedron => vec![m[0] - i - j - k, i, j, k],
-        Shape::Hexahedron => {
+        ReferenceCell::Tetrahedron => vec![m[0] - i - j - k, i, j, k],
+        ReferenceCell::Hexahedron => {
             [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]]
                 .iter()
                 .map(|c| {
@@ -87,12 +87,12 @@ pub(super) fn corner_weights(shape: Shape, m: Orders, [i, j, k]: [usize; 3]) -> 
                 })
                 .collect()
         }
-        Shape::Wedge => {
+        ReferenceCell::Wedge => {
             let triangle = [m[0] - i - j, i, j];
             triangle.iter().map(|w| w * (m[2] - k)).chain(triangle.iter().map(|w| w * k)).collect()
         }
-        Shape::Pyramid if k == m[2] => vec![0, 0, 0, 0, 1],
-        Shape::Pyramid => {
+        ReferenceCell::Pyramid if k == m[2] => vec![0, 0, 0, 0, 1],
+        ReferenceCell::Pyramid => {
             let n = m[0] - k;
             vec![(n - i) * (n - j), i * (n - j), i * j, (n - i) * j, k * n]
         }
@@ -101,12 +101,12 @@ pub(super) fn corner_weights(shape: Shape, m: Orders, [i, j, k]: [usize; 3]) -> 
 }
 
 /// Whether a point with these corner weights lies on the surface of the cell.
-pub(super) fn on_surface(shape: Shape, corner_weights: &[(usize, u64)]) -> bool {
-    corner_weights.len() < 4 || (corner_weights.len() == 4 && shape != Shape::Tetrahedron)
+pub(super) fn on_surface(shape: ReferenceCell, corner_weights: &[(usize, u64)]) -> bool {
+    corner_weights.len() < 4 || (corner_weights.len() == 4 && shape != ReferenceCell::Tetrahedron)
 }
 
 /// The linear cells between the points of a lattice.
-pub(super) fn pieces(shape: Shape, m: Orders) -> Vec<Piece> {
+pub(super) fn pieces(shape: ReferenceCell, m: Orders) -> Vec<LatticeCell> {
     let all = points(shape, m);
     let at = |p: [usize; 3]| {
         all.binary_search_by_key(&[p[2], p[1], p[0]], |q| [q[2], q[1], q[0]])
@@ -116,37 +116,39 @@ pub(super) fn pieces(shape: Shape, m: Orders) -> Vec<Piece> {
     for &[i, j, k] in &all {
         let o = |a: usize, b: usize, c: usize| at([i + a, j + b, k + c]);
         match shape {
-            Shape::Hexahedron => {
+            ReferenceCell::Hexahedron => {
                 if i < m[0] && j < m[1] && k < m[2] {
-                    out.push(Piece::Hexahedron(std::array::from_fn(|c| o(c & 1, c >> 1 & 1, c >> 2))));
+                    out.push(LatticeCell::Hexahedron(std::array::from_fn(|c| o(c & 1, c >> 1 & 1, c >> 2))));
                 }
             }
-            Shape::Tetrahedron => {
+            ReferenceCell::Tetrahedron => {
                 let rest = m[0] - i - j - k;
                 if rest >= 1 {
-                    out.push(Piece::Tetrahedron([o(0, 0, 0), o(1, 0, 0), o(0, 1, 0), o(0, 0, 1)]));
+                    out.push(LatticeCell::Tetrahedron([o(0, 0, 0), o(1, 0, 0), o(0, 1, 0), o(0, 0, 1)]));
                 }
                 if rest >= 2 {
                     let corners = [o(1, 0, 0), o(0, 1, 0), o(0, 0, 1), o(0, 1, 1), o(1, 0, 1), o(1, 1, 0)];
-                    out.push(Piece::Octahedron(corners));
+                    out.push(LatticeCell::Octahedron(corners));
                 }
                 if rest >= 3 {
-                    out.push(Piece::Tetrahedron([o(1, 1, 0), o(1, 0, 1), o(0, 1, 1), o(1, 1, 1)]));
+                    out.push(LatticeCell::Tetrahedron([o(1, 1, 0), o(1, 0, 1), o(0, 1, 1), o(1, 1, 1)]));
                 }
             }
-            Shape::Wedge => {
+            ReferenceCell::Wedge => {
                 let rest = m[0] - i - j;
                 for up in [[[0, 0], [1, 0], [0, 1]], [[1, 1], [0, 1], [1, 0]]].iter().take(rest.min(2)) {
                     if k < m[2] {
-                        out.push(Piece::Wedge(std::array::from_fn(|c| o(up[c % 3][0], up[c % 3][1], c / 3))));
+                        out.push(LatticeCell::Wedge(std::array::from_fn(|c| {
+                            o(up[c % 3][0], up[c % 3][1], c / 3)
+                        })));
                     }
                 }
             }
-            Shape::Pyramid => {
+            ReferenceCell::Pyramid => {
                 let n = m[0] - k;
                 if i < n && j < n {
                     let base = [o(0, 0, 0), o(1, 0, 0), o(1, 1, 0), o(0, 1, 0)];
-                    out.push(Piece::Pyramid([base[0], base[1], base[2], base[3], o(0, 0, 1)]));
+                    out.push(LatticeCell::Pyramid([base[0], base[1], base[2], base[3], o(0, 0, 1)]));
                 }
                 if n < 2 {
                     continue;
@@ -154,13 +156,13 @@ pub(super) fn pieces(shape: Shape, m: Orders) -> Vec<Piece> {
                 // Between this layer and the next, from the next layer's point (i, j, k + 1).
                 if i < n - 1 && j < n - 1 {
                     let base = [o(0, 0, 1), o(1, 0, 1), o(1, 1, 1), o(0, 1, 1)];
-                    out.push(Piece::Pyramid([base[0], base[1], base[2], base[3], o(1, 1, 0)]));
+                    out.push(LatticeCell::Pyramid([base[0], base[1], base[2], base[3], o(1, 1, 0)]));
                 }
                 if i < n - 1 && j < n {
-                    out.push(Piece::Tetrahedron([o(1, 0, 0), o(1, 1, 0), o(0, 0, 1), o(1, 0, 1)]));
+                    out.push(LatticeCell::Tetrahedron([o(1, 0, 0), o(1, 1, 0), o(0, 0, 1), o(1, 0, 1)]));
                 }
                 if i < n && j < n - 1 {
-                    out.push(Piece::Tetrahedron([o(0, 1, 0), o(1, 1, 0), o(0, 0, 1), o(0, 1, 1)]));
+                    out.push(LatticeCell::Tetrahedron([o(0, 1, 0), o(1, 1, 0), o(0, 0, 1), o(0, 1, 1)]));
                 }
             }
         }

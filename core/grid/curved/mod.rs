@@ -17,7 +17,7 @@ use super::cell_types::{CellType, code};
 use super::cells::Cell;
 use crate::{Error, Result};
 use basis::Weights;
-use lattice::Piece;
+use lattice::LatticeCell;
 use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
 
@@ -46,7 +46,7 @@ struct AddedPoint {
 struct Template {
     points: Vec<LatticePoint>,
     added: Vec<AddedPoint>,
-    pieces: Vec<Piece>,
+    pieces: Vec<LatticeCell>,
 }
 
 /// What decides a template: type, number of points, degrees.
@@ -196,10 +196,10 @@ fn triquadratic_pyramid() -> Template {
     let mut pieces = Vec::new();
     for c in 0..4 {
         let (next, before) = ((c + 1) % 4, (c + 3) % 4);
-        pieces.push(Piece::Pyramid([c, 5 + c, 13, 5 + before, 18]));
+        pieces.push(LatticeCell::Pyramid([c, 5 + c, 13, 5 + before, 18]));
         let around = [c, 5 + c, next, 9 + next, 4, 9 + c];
         for i in 0..6 {
-            pieces.push(Piece::Tetrahedron([around[i], around[(i + 1) % 6], 14 + c, 18]));
+            pieces.push(LatticeCell::Tetrahedron([around[i], around[(i + 1) % 6], 14 + c, 18]));
         }
     }
     Template { points: (0..19).map(LatticePoint::Node).collect(), added: Vec::new(), pieces }

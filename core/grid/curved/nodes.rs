@@ -2,12 +2,12 @@
 //! names; the Lagrange and Bezier orders are those of vtkHigherOrderHexahedron, …Tetra and …Wedge).
 
 use super::super::cell_types::code;
-use super::lattice::{Orders, Shape};
+use super::lattice::{Orders, ReferenceCell};
 
 /// Nodes of one type of cell.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Nodes {
-    pub shape: Shape,
+    pub shape: ReferenceCell,
     /// The cell's own order along each axis.
     pub orders: Orders,
     /// Lattice position of every node, in VTK's order.
@@ -136,28 +136,28 @@ pub(super) fn nodes(code: u8, point_count: usize, degrees: Option<[u8; 3]>) -> O
         Some(Nodes { shape, orders, positions: positions.to_vec(), bezier: false })
     };
     let found = match code {
-        code::QUADRATIC_TETRA => fixed(Shape::Tetrahedron, [2; 3], &TETRAHEDRON),
-        code::QUADRATIC_HEXAHEDRON => fixed(Shape::Hexahedron, [2; 3], &HEXAHEDRON[..20]),
-        code::BIQUADRATIC_QUADRATIC_HEXAHEDRON => fixed(Shape::Hexahedron, [2; 3], &HEXAHEDRON[..24]),
-        code::TRIQUADRATIC_HEXAHEDRON => fixed(Shape::Hexahedron, [2; 3], &HEXAHEDRON),
-        code::QUADRATIC_WEDGE => fixed(Shape::Wedge, [2; 3], &WEDGE[..15]),
-        code::BIQUADRATIC_QUADRATIC_WEDGE => fixed(Shape::Wedge, [2; 3], &WEDGE),
-        code::QUADRATIC_LINEAR_WEDGE => fixed(Shape::Wedge, [2, 2, 1], &LINEAR_WEDGE),
-        code::QUADRATIC_PYRAMID => fixed(Shape::Pyramid, [2; 3], &PYRAMID),
+        code::QUADRATIC_TETRA => fixed(ReferenceCell::Tetrahedron, [2; 3], &TETRAHEDRON),
+        code::QUADRATIC_HEXAHEDRON => fixed(ReferenceCell::Hexahedron, [2; 3], &HEXAHEDRON[..20]),
+        code::BIQUADRATIC_QUADRATIC_HEXAHEDRON => fixed(ReferenceCell::Hexahedron, [2; 3], &HEXAHEDRON[..24]),
+        code::TRIQUADRATIC_HEXAHEDRON => fixed(ReferenceCell::Hexahedron, [2; 3], &HEXAHEDRON),
+        code::QUADRATIC_WEDGE => fixed(ReferenceCell::Wedge, [2; 3], &WEDGE[..15]),
+        code::BIQUADRATIC_QUADRATIC_WEDGE => fixed(ReferenceCell::Wedge, [2; 3], &WEDGE),
+        code::QUADRATIC_LINEAR_WEDGE => fixed(ReferenceCell::Wedge, [2, 2, 1], &LINEAR_WEDGE),
+        code::QUADRATIC_PYRAMID => fixed(ReferenceCell::Pyramid, [2; 3], &PYRAMID),
         _ => {
             let (shape, bezier) = match code {
-                code::LAGRANGE_TETRAHEDRON => (Shape::Tetrahedron, false),
-                code::LAGRANGE_HEXAHEDRON => (Shape::Hexahedron, false),
-                code::LAGRANGE_WEDGE => (Shape::Wedge, false),
-                code::BEZIER_TETRAHEDRON => (Shape::Tetrahedron, true),
-                code::BEZIER_HEXAHEDRON => (Shape::Hexahedron, true),
-                code::BEZIER_WEDGE => (Shape::Wedge, true),
+                code::LAGRANGE_TETRAHEDRON => (ReferenceCell::Tetrahedron, false),
+                code::LAGRANGE_HEXAHEDRON => (ReferenceCell::Hexahedron, false),
+                code::LAGRANGE_WEDGE => (ReferenceCell::Wedge, false),
+                code::BEZIER_TETRAHEDRON => (ReferenceCell::Tetrahedron, true),
+                code::BEZIER_HEXAHEDRON => (ReferenceCell::Hexahedron, true),
+                code::BEZIER_WEDGE => (ReferenceCell::Wedge, true),
                 _ => return None,
             };
             let orders = orders(shape, point_count, degrees)?;
             let positions = match shape {
-                Shape::Tetrahedron => tetrahedron_positions(orders[0]),
-                Shape::Hexahedron => hexahedron_positions(orders),
+                ReferenceCell::Tetrahedron => tetrahedron_positions(orders[0]),
+                ReferenceCell::Hexahedron => hexahedron_positions(orders),
                 _ => wedge_positions(orders[0], orders[2]),
             };
             Some(Nodes { shape, orders, positions, bezier })
@@ -170,16 +170,16 @@ pub(super) fn nodes(code: u8, point_count: usize, degrees: Option<[u8; 3]>) -> O
 const MOST: usize = 16;
 
 /// Orders along the axes, from the degrees if given, else alike along all of them.
-fn orders(shape: Shape, point_count: usize, degrees: Option<[u8; 3]>) -> Option<Orders> {
+fn orders(shape: ReferenceCell, point_count: usize, degrees: Option<[u8; 3]>) -> Option<Orders> {
     let count = |m: Orders| match shape {
-        Shape::Tetrahedron => (m[0] + 1) * (m[0] + 2) * (m[0] + 3) / 6,
-        Shape::Wedge => (m[0] + 1) * (m[0] + 2) / 2 * (m[2] + 1),
+        ReferenceCell::Tetrahedron => (m[0] + 1) * (m[0] + 2) * (m[0] + 3) / 6,
+        ReferenceCell::Wedge => (m[0] + 1) * (m[0] + 2) / 2 * (m[2] + 1),
         _ => (m[0] + 1) * (m[1] + 1) * (m[2] + 1),
     };
     let given = degrees.map(|d| d.map(usize::from));
     let tied = given.map(|d| match shape {
-        Shape::Hexahedron => d,
-        Shape::Wedge => [d[0], d[0], d[2]],
+        ReferenceCell::Hexahedron => d,
+        ReferenceCell::Wedge => [d[0], d[0], d[2]],
         _ => [d[0]; 3],
     });
     // Degrees of zero stand for "not given".

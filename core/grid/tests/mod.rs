@@ -3,6 +3,7 @@
 mod curved;
 mod higher_order;
 mod linear;
+mod overlap;
 mod polyhedra;
 mod values;
 

@@ -60,18 +60,83 @@ impl Integrator {
         Integrator::Reference,
     ];
 
+    /// The words for them in pipeline files, each with its meaning, in the order of [`Integrator::EVERY`].
+    pub const WORDS: [(&'static str, &'static str); Integrator::EVERY.len()] = {
+        let mut words = [("", ""); Integrator::EVERY.len()];
+        let mut k = 0;
+        while k < words.len() {
+            words[k] = Integrator::EVERY[k].word();
+            k += 1;
+        }
+        words
+    };
+
+    const fn word(&self) -> (&'static str, &'static str) {
+        match self {
+            Integrator::Analytic => {
+                ("analytic", "closed forms; quadrature with closed-form optical depth where widgets overlap")
+            }
+            Integrator::Adaptive { .. } => {
+                ("adaptive", "closed forms, subdivided until the error is under the tolerance")
+            }
+            Integrator::Segments { .. } => {
+                ("segments", "equal pieces, linear in each, combined by the partial pre-integration table")
+            }
+            Integrator::Riemann { .. } => ("riemann", "point samples"),
+            Integrator::PreIntegrated { .. } => {
+                ("pre-integrated", "a three-dimensional table, for transfer functions of the scalar alone")
+            }
+            Integrator::PreIntegratedCylindrical { .. } => {
+                ("pre-integrated-cylindrical", "the same table as tiles")
+            }
+            Integrator::Clipped => ("clipped", "piecewise-linear functions clipped at their control points"),
+            Integrator::Reference => ("reference", "64-bit adaptive quadrature, slow"),
+        }
+    }
+
     /// The name in pipeline files.
     pub fn name(&self) -> &'static str {
-        match self {
-            Integrator::Analytic => "analytic",
-            Integrator::Adaptive { .. } => "adaptive",
-            Integrator::Segments { .. } => "segments",
-            Integrator::Riemann { .. } => "riemann",
-            Integrator::PreIntegrated { .. } => "pre-integrated",
-            Integrator::PreIntegratedCylindrical { .. } => "pre-integrated-cylindrical",
-            Integrator::Clipped => "clipped",
-            Integrator::Reference => "reference",
+        self.word().0
+    }
+
+    /// Whether both are of one kind, whatever their numbers.
+    pub fn is_kind_of(&self, other: &Integrator) -> bool {
+        std::mem::discriminant(self) == std::mem::discriminant(other)
+    }
+
+    /// Its numbers.
+    pub fn numbers(&self) -> Numbers {
+        match *self {
+            Integrator::Adaptive { tolerance } => {
+                Numbers { tolerance: Some(tolerance), ..Numbers::default() }
+            }
+            Integrator::Segments { count, table_size } => {
+                Numbers { count: Some(count), table_size: Some(table_size), ..Numbers::default() }
+            }
+            Integrator::Riemann { count } => Numbers { count: Some(count), ..Numbers::default() },
+            Integrator::PreIntegrated { table_size }
+            | Integrator::PreIntegratedCylindrical { table_size } => {
+                Numbers { table_size: Some(table_size), ..Numbers::default() }
+            }
+            Integrator::Analytic | Integrator::Clipped | Integrator::Reference => Numbers::default(),
         }
+    }
+
+    /// The same kind with other numbers, as far as it has them.
+    pub fn with(&self, numbers: Numbers) -> Integrator {
+        let mut with = *self;
+        match &mut with {
+            Integrator::Adaptive { tolerance } => set(tolerance, numbers.tolerance),
+            Integrator::Segments { count, table_size } => {
+                set(count, numbers.count);
+                set(table_size, numbers.table_size);
+            }
+            Integrator::Riemann { count } => set(count, numbers.count),
+            Integrator::PreIntegrated { table_size }
+            | Integrator::PreIntegratedCylindrical { table_size } => set(table_size, numbers.table_size),
+            Integrator::Analytic | Integrator::Clipped | Integrator::Reference => {}
+        }
+        with
     }
 
     /// Whether it tabulates over lengths, so that [`super::new`] looks at the data's extent.
@@ -140,6 +205,23 @@ impl Integrator {
             },
             _ => None,
         }
+    }
+}
+
+/// The numbers that integrators go by; `None`: not given, or none that the integrator has.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Numbers {
+    /// Largest error of a channel of C and of A.
+    pub tolerance: Option<f64>,
+    /// Pieces or samples of a segment.
+    pub count: Option<usize>,
+    /// Entries a side of the table.
+    pub table_size: Option<usize>,
+}
+
+fn set<T>(number: &mut T, given: Option<T>) {
+    if let Some(given) = given {
+        *number = given;
     }
 }
 

@@ -27,7 +27,7 @@ mod tests;
 
 pub use adaptive::Adaptive;
 pub use analytic::Analytic;
-pub use choice::{Integrator, PARTIAL_SIDE_MOST, TABLE_SIDE_MOST, can_serve};
+pub use choice::{Integrator, Numbers, PARTIAL_SIDE_MOST, TABLE_SIDE_MOST, can_serve};
 pub use clipped::Clipped;
 pub use partial_table::PartialTable;
 pub use pre_integrated::PreIntegrated;
@@ -38,8 +38,8 @@ pub use segments::Segments;
 pub use slice::{Matter, PARTS, Ramp};
 
 use super::{Contribution, Overlap, Segment};
-use crate::Result;
 use crate::transfer::TransferFunction;
+use crate::{Error, Result};
 
 /// Computes (C, A) of one segment.
 pub trait SegmentIntegrator: Send + Sync {
@@ -49,6 +49,11 @@ pub trait SegmentIntegrator: Send + Sync {
     /// Bytes of the tables that were built for it.
     fn table_bytes(&self) -> usize {
         0
+    }
+
+    /// Why it could not integrate a segment since it was made: what was drawn with it is not to be shown.
+    fn failure(&self) -> Option<&Error> {
+        None
     }
 }
 

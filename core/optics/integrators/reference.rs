@@ -2,11 +2,12 @@
 //! [`crate::reference`]).
 
 use super::SegmentIntegrator;
-use crate::Result;
 use crate::optics::{Contribution, Overlap, Prepared, Segment};
 use crate::reference::{Integrand, Tolerance, Workspace};
 use crate::transfer::TransferFunction;
+use crate::{Error, Result};
 use std::cell::RefCell;
+use std::sync::OnceLock;
 
 /// Adaptive quadrature to a relative 1e-11.
 pub struct Reference {
@@ -14,6 +15,8 @@ pub struct Reference {
     /// For values that are not finite, which contribute nothing.
     prepared: Prepared,
     overlap: Overlap,
+    /// What it could not integrate first.
+    failure: OnceLock<Error>,
 }
 
 impl Reference {
@@ -23,6 +26,7 @@ impl Reference {
             prepared: Prepared::new(transfer_function)?,
             integrand: Integrand::new(transfer_function, overlap, Tolerance::PICTURE)?,
             overlap,
+            failure: OnceLock::new(),
         })
     }
 }
@@ -46,9 +50,15 @@ impl SegmentIntegrator for Reference {
             };
             fill(front, segment.front, segment.fields_front);
             fill(back, segment.back, segment.fields_back);
-            let found = self.integrand.integrate(segment.length, front, back, work);
-            // It gives up where halving does not end: at values that it cannot tell from one another.
-            found.unwrap_or_else(|_| self.prepared.integrate(segment, self.overlap))
+            self.integrand.integrate(segment.length, front, back, work).unwrap_or_else(|error| {
+                // Of several failures one is enough.
+                let _ = self.failure.set(error);
+                Contribution::default()
+            })
         })
+    }
+
+    fn failure(&self) -> Option<&Error> {
+        self.failure.get()
     }
 }

@@ -8,7 +8,7 @@ use super::{Bell, Form, Place, WavePath, triangle};
 
 /// A part of one band, by signed distances from its peak.
 #[derive(Clone, Copy)]
-struct Part {
+struct BandPart {
     from: f64,
     to: f64,
 }
@@ -24,7 +24,7 @@ impl Bell {
     }
 
     /// Area between two signed distances from one peak, `from` ≤ `to`.
-    fn part_area(&self, part: Part) -> f64 {
+    fn part_area(&self, part: BandPart) -> f64 {
         let (p, q) = (part.from.abs(), part.to.abs());
         if part.from * part.to >= 0.0 {
             self.flank(Spot::from_peak(p.max(q)), Spot::from_peak(p.min(q)))
@@ -35,7 +35,7 @@ impl Bell {
     }
 
     /// Mean of e^(−T) along a lit part; `peak` is the depth along it at profile 1.
-    fn lit(&self, part: Part, peak: f64) -> f64 {
+    fn lit(&self, part: BandPart, peak: f64) -> f64 {
         match self.form {
             Form::Triangle => {
                 triangle::lit(|u| self.value(Spot::from_peak(u.abs())), part.from, part.to, peak)
@@ -45,12 +45,12 @@ impl Bell {
     }
 
     /// ∫ e^(−T) dφ over the lit piece of a part, with T from the part's start; `rate` = dT/dφ at profile 1.
-    fn part_light(&self, part: Part, window: f64, rate: f64) -> f64 {
-        let lit = Part { from: part.from.max(-window), to: part.to.min(window) };
+    fn part_light(&self, part: BandPart, window: f64, rate: f64) -> f64 {
+        let lit = BandPart { from: part.from.max(-window), to: part.to.min(window) };
         if lit.from >= lit.to {
             return 0.0;
         }
-        let before = rate * self.part_area(Part { from: part.from, to: lit.from });
+        let before = rate * self.part_area(BandPart { from: part.from, to: lit.from });
         let length = lit.to - lit.from;
         (-before).exp() * length * self.lit(lit, rate * length)
     }
@@ -75,7 +75,7 @@ impl WavePath {
         let window = bell.lit_half_width(cutoff);
         let peak = peak * stretch.length;
         if from.band == to.band {
-            let whole = Part { from: from.signed(), to: to.signed() };
+            let whole = BandPart { from: from.signed(), to: to.signed() };
             if -window < whole.from && whole.to < window {
                 return stretch.length * bell.lit(whole, peak);
             }
@@ -86,11 +86,11 @@ impl WavePath {
         }
         let rate = peak / length;
         let light = if from.band == to.band {
-            bell.part_light(Part { from: from.signed(), to: to.signed() }, window, rate)
+            bell.part_light(BandPart { from: from.signed(), to: to.signed() }, window, rate)
         } else {
-            let first = Part { from: from.signed(), to: 0.5 };
-            let last = Part { from: -0.5, to: to.signed() };
-            let band = Part { from: -0.5, to: 0.5 };
+            let first = BandPart { from: from.signed(), to: 0.5 };
+            let last = BandPart { from: -0.5, to: to.signed() };
+            let band = BandPart { from: -0.5, to: 0.5 };
             let bands = to.band - from.band - 1.0;
             let (first_depth, band_depth) = (rate * bell.part_area(first), rate * 2.0 * bell.half);
             // Σ e^(−i τ) over the whole bands, and what they leave of the light behind them.

@@ -1,4 +1,4 @@
-use super::super::piece::{Distribution, Piece};
+use super::super::sub_tetrahedron::{Distribution, SubTetrahedron};
 use super::super::{Axis, Bands, bands, histogram};
 use super::{close, cube, numbers};
 use crate::grid::Grid;
@@ -22,7 +22,7 @@ fn both_sides_of_a_cut_make_the_whole() {
         // Some corners lie in the plane itself.
         let f = [(); 4].map(|()| if number() < 0.1 { 0.0 } else { number() - 0.5 });
         let (mut above, mut below) = (0.0, 0.0);
-        Piece::WHOLE.cut(f, |part| {
+        SubTetrahedron::WHOLE.cut(f, |part| {
             above += part.share;
             // The corners make a tetrahedron of that share: the determinant of their coordinates.
             let matrix = glam::DMat4::from_cols_array_2d(&part.corners);
@@ -30,7 +30,7 @@ fn both_sides_of_a_cut_make_the_whole() {
             // Nothing of it lies on the other side, but for rounding.
             assert!(part.values(f).iter().all(|&v| v >= -1e-15), "{f:?}");
         });
-        Piece::WHOLE.cut(f.map(|f| -f), |part| below += part.share);
+        SubTetrahedron::WHOLE.cut(f.map(|f| -f), |part| below += part.share);
         close(above + below, 1.0, 1e-14);
         close(Distribution::new(f).below(0.0), below, 1e-14);
         assert!(round > 0 || above > 0.0);
@@ -67,7 +67,7 @@ fn every_bin_is_the_volume_cut_by_four_half_spaces() {
         let (i, j) = (bin % 7, bin / 7);
         let mut wanted = 0.0;
         for (cell, corners) in grid.tetrahedra.iter().enumerate() {
-            let mut pieces = vec![Piece::WHOLE];
+            let mut pieces = vec![SubTetrahedron::WHOLE];
             for (values, axis, edge, sign) in
                 [(&s, 0, i, 1.0), (&s, 0, i + 1, -1.0), (&g, 1, j, 1.0), (&g, 1, j + 1, -1.0)]
             {

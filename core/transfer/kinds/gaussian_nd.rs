@@ -21,7 +21,7 @@ pub(super) const KIND: Declared = Declared {
 };
 
 fn read(p: &Parameters) -> Result<Profile> {
-    let (fields, centre) = fields_and_centre(p)?;
+    let (fields, centre) = fields_and_centre(p, FIELDS_MOST)?;
     let matrix = kernel(p, fields.len(), std::f64::consts::SQRT_2)?;
     Ok(Profile::GaussianNd { fields, centre, matrix })
 }
@@ -80,8 +80,13 @@ impl Bounds {
         Bounds { slots: fields.iter().map(slot).collect(), centre: centre.to_vec(), matrix: matrix.to_vec() }
     }
 
-    /// A direction that separates the four points from the centre bounds the distance from below.
     pub fn bound(&self, corners: &Corners) -> f64 {
+        self.bound_of(corners, |along| along.iter().copied().fold(f64::INFINITY, f64::min))
+    }
+
+    /// A direction that separates the four points from the centre bounds the distance from below: by what is made of the
+    /// points' places along it, all of which are positive.
+    pub fn bound_of(&self, corners: &Corners, distance: impl Fn(&[f64; 4]) -> f64) -> f64 {
         let Bounds { slots, centre, matrix } = self;
         let fields = corners.fields;
         if slots.iter().any(|&slot| slot >= fields.len()) {
@@ -101,8 +106,13 @@ impl Bounds {
         if length == 0.0 || length.is_nan() {
             return 1.0;
         }
-        let along = |v: usize| (0..n).map(|i| q[i][v] * mean[i]).sum::<f64>() / length;
-        let distance = (0..4).map(along).fold(f64::INFINITY, f64::min).max(0.0);
-        gaussian(distance * distance)
+        let along: [f64; 4] =
+            std::array::from_fn(|v| (0..n).map(|i| q[i][v] * mean[i]).sum::<f64>() / length);
+        if along.iter().all(|&x| x > 0.0) {
+            let distance = distance(&along);
+            gaussian(distance * distance)
+        } else {
+            1.0
+        }
     }
 }

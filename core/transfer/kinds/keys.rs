@@ -1,11 +1,9 @@
-//! Keys that several kinds have, what is read from them, and the list of all kinds.
+//! Keys that several kinds have, and what is read from them.
 //!
 //! The file gives angles in degrees and widths as σ; the library takes radians and the matrix K with
 //! K = diag(1/(√2 σ)) for the axis-aligned Gaussian (docs/optics.md, section 5).
 
-use super::{
-    FIELDS_MOST, Profile, gaussian, gaussian_nd, piecewise_linear, table, triangular_gaussian, uniform, wave,
-};
+use super::{DECLARED, Profile, WIDGET_KINDS};
 use crate::parameters::{Kind, Parameter, ParameterType, Parameters, Range, Standard};
 use crate::transfer::{Region, Widget};
 use crate::{Error, Result};
@@ -18,29 +16,6 @@ pub(super) struct Declared {
     pub kind: Kind,
     pub read: fn(&Parameters, LoadImage) -> Result<Profile>,
 }
-
-/// All kinds, in the order in which help lists them.
-const DECLARED: [Declared; 8] = [
-    uniform::KIND,
-    gaussian::KIND,
-    gaussian_nd::KIND,
-    triangular_gaussian::KIND,
-    wave::TRIANGLE,
-    wave::SINE,
-    piecewise_linear::KIND,
-    table::KIND,
-];
-
-/// The kinds of widgets and their keys.
-pub const WIDGET_KINDS: &[Kind] = &{
-    let mut kinds = [DECLARED[0].kind; DECLARED.len()];
-    let mut i = 0;
-    while i < kinds.len() {
-        kinds[i] = DECLARED[i].kind;
-        i += 1;
-    }
-    kinds
-};
 
 /// One widget of the given kind from its keys.
 pub fn read(kind: &str, p: &Parameters, load_image: LoadImage) -> Result<Widget> {
@@ -151,14 +126,14 @@ pub(super) const SIGMA_OF_FIELDS: Parameter = Parameter {
 
 pub(super) const MATRIX_OF_FIELDS: Parameter = Parameter { unit: "1 / units of the fields", ..MATRIX };
 
-/// `fields` and `centre` of a widget over fields.
-pub(super) fn fields_and_centre(p: &Parameters) -> Result<(Vec<String>, Vec<f64>)> {
+/// `fields` and `centre` of a widget over so many fields at most.
+pub(super) fn fields_and_centre(p: &Parameters, most: usize) -> Result<(Vec<String>, Vec<f64>)> {
     let fields = p.texts("fields")?;
-    if !(1..=FIELDS_MOST).contains(&fields.len()) || fields.iter().any(String::is_empty) {
+    if !(1..=most).contains(&fields.len()) || fields.iter().any(String::is_empty) {
         return Err(p
             .error("fields", "the number of fields is out of range")
             .found(fields.len())
-            .accepted(format!("1 to {FIELDS_MOST} names")));
+            .accepted(format!("1 to {most} names")));
     }
     let centre = p.numbers("centre")?;
     if centre.len() != fields.len() {

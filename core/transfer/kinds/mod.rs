@@ -9,17 +9,44 @@ mod keys;
 mod piecewise_linear;
 mod table;
 mod triangular_gaussian;
+mod triangular_gaussian_nd;
 mod uniform;
 mod wave;
 
-pub use keys::{LoadImage, WIDGET_KINDS, read};
+pub use keys::{LoadImage, read};
 pub use wave::Bands;
 
 use super::region::Region;
 use super::support::slabs::{Reach, Slab};
 use super::support::{Corners, MaximumTable};
 use crate::Result;
+use crate::parameters::Kind;
+use keys::Declared;
 use std::sync::Arc;
+
+/// All kinds, in the order in which help lists them.
+const DECLARED: [Declared; 9] = [
+    uniform::KIND,
+    gaussian::KIND,
+    gaussian_nd::KIND,
+    triangular_gaussian::KIND,
+    triangular_gaussian_nd::KIND,
+    wave::TRIANGLE,
+    wave::SINE,
+    piecewise_linear::KIND,
+    table::KIND,
+];
+
+/// The kinds of widgets and their keys.
+pub const WIDGET_KINDS: &[Kind] = &{
+    let mut kinds = [DECLARED[0].kind; DECLARED.len()];
+    let mut i = 0;
+    while i < kinds.len() {
+        kinds[i] = DECLARED[i].kind;
+        i += 1;
+    }
+    kinds
+};
 
 /// Most fields of a widget that looks at a list of its own.
 pub const FIELDS_MOST: usize = 8;
@@ -51,6 +78,18 @@ pub enum Profile {
         centre: f64,
         /// Width per unit of g.
         sigma: f64,
+    },
+    /// exp(−|K (v − centre)|²/m²) over a list of 1 … [`FIELDS_MOST`] − 1 fields of its own, 0 where m ≤ 0. Kniss section
+    /// 3.2, with m² for the norm of DᵀD, so that one field is the same as above.
+    TriangularGaussianNd {
+        /// Names of the point arrays.
+        fields: Vec<String>,
+        /// Name of the point array m, the magnitude of all their gradients.
+        magnitude: String,
+        /// One value a field.
+        centre: Vec<f64>,
+        /// K, rows first, `fields.len()` squared: the inverse of the widths per unit of m.
+        matrix: Vec<Vec<f64>>,
     },
     /// tri(φ). Song section 4.3.
     TriangleWave(Wave),
@@ -169,6 +208,9 @@ impl Profile {
             Profile::Gaussian { centre, matrix } => gaussian::properties(centre, matrix),
             Profile::GaussianNd { fields, centre, .. } => gaussian_nd::properties(fields, centre),
             Profile::TriangularGaussian { centre, .. } => triangular_gaussian::properties(*centre),
+            Profile::TriangularGaussianNd { fields, magnitude, centre, .. } => {
+                triangular_gaussian_nd::properties(fields, magnitude, centre)
+            }
             Profile::TriangleWave(wave) => wave::properties("triangle-wave", wave),
             Profile::SineWave(wave) => wave::properties("sine-wave", wave),
             Profile::PiecewiseLinear { points } => piecewise_linear::properties(points),
@@ -183,6 +225,9 @@ impl Profile {
             Profile::Gaussian { centre, matrix } => gaussian::check(centre, matrix),
             Profile::GaussianNd { fields, centre, matrix } => gaussian_nd::check(fields, centre, matrix),
             Profile::TriangularGaussian { centre, sigma } => triangular_gaussian::check(*centre, *sigma),
+            Profile::TriangularGaussianNd { fields, magnitude, centre, matrix } => {
+                triangular_gaussian_nd::check(fields, magnitude, centre, matrix)
+            }
             Profile::TriangleWave(wave) | Profile::SineWave(wave) => wave::check(wave),
             Profile::PiecewiseLinear { points } => piecewise_linear::check(points),
             Profile::Table(table) => table::check(table),
@@ -200,11 +245,34 @@ impl Profile {
             | Profile::Gaussian { .. }
             | Profile::GaussianNd { .. }
             | Profile::TriangularGaussian { .. }
+            | Profile::TriangularGaussianNd { .. }
             | Profile::TriangleWave(_)
             | Profile::SineWave(_)
             | Profile::Table(_) => {}
         }
         profile
+    }
+
+    /// The same profile, its own colours, where it holds any, all replaced by one.
+    pub(super) fn in_color(&self, color: [f64; 3]) -> Profile {
+        match self {
+            Profile::PiecewiseLinear { points } => {
+                let points = points.iter().map(|point| ControlPoint { color, ..*point }).collect();
+                Profile::PiecewiseLinear { points }
+            }
+            Profile::Table(table) => {
+                let [r, g, b] = color.map(|c| c as f32);
+                let texels = table.texels.iter().map(|texel| [r, g, b, texel[3]]).collect();
+                Profile::Table(Arc::new(Table { texels, ..table.as_ref().clone() }))
+            }
+            Profile::Uniform
+            | Profile::Gaussian { .. }
+            | Profile::GaussianNd { .. }
+            | Profile::TriangularGaussian { .. }
+            | Profile::TriangularGaussianNd { .. }
+            | Profile::TriangleWave(_)
+            | Profile::SineWave(_) => self.clone(),
+        }
     }
 
     /// Its bounds over cells; `names`: the further fields in their order.
@@ -221,6 +289,11 @@ impl Profile {
             Profile::TriangularGaussian { centre, sigma } => {
                 Bounds::TriangularGaussian(triangular_gaussian::Bounds { centre: *centre, sigma: *sigma })
             }
+            Profile::TriangularGaussianNd { fields, magnitude, centre, matrix } => {
+                let fields = gaussian_nd::Bounds::new(fields, centre, matrix, names);
+                let bounds = triangular_gaussian_nd::Bounds::new(fields, magnitude, names);
+                Bounds::TriangularGaussianNd(bounds)
+            }
             Profile::TriangleWave(wave) => Bounds::Wave(wave::Bounds::new(wave, false)),
             Profile::SineWave(wave) => Bounds::Wave(wave::Bounds::new(wave, true)),
             Profile::PiecewiseLinear { points } => {
@@ -236,6 +309,7 @@ impl Profile {
             // Limited by its region and range alone.
             Profile::Uniform
             | Profile::GaussianNd { .. }
+            | Profile::TriangularGaussianNd { .. }
             | Profile::TriangleWave(_)
             | Profile::SineWave(_)
             | Profile::Table(_) => reach.everywhere(),
@@ -259,6 +333,7 @@ pub(super) enum Bounds {
     GaussianPlane(gaussian::Plane),
     GaussianNd(gaussian_nd::Bounds),
     TriangularGaussian(triangular_gaussian::Bounds),
+    TriangularGaussianNd(triangular_gaussian_nd::Bounds),
     Wave(wave::Bounds),
     PiecewiseLinear(piecewise_linear::Bounds),
     Table(MaximumTable),
@@ -273,6 +348,7 @@ impl Bounds {
             Bounds::GaussianPlane(plane) => plane.bound(corners),
             Bounds::GaussianNd(fields) => fields.bound(corners),
             Bounds::TriangularGaussian(triangular) => triangular.bound(corners),
+            Bounds::TriangularGaussianNd(triangular) => triangular.bound(corners),
             Bounds::Wave(wave) => wave.bound(corners),
             Bounds::PiecewiseLinear(points) => points.bound(corners),
             Bounds::Table(table) => table.bound(corners.s_range(), corners.g_range()),

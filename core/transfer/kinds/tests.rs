@@ -47,6 +47,17 @@ fn every_kind_of_the_table_is_read() {
         ("T p".into(), vec![1.0, 2.0], vec![vec![1.0, 0.0], vec![0.0, 2.0]])
     );
 
+    let triangular_nd = "kind = \"triangular-gaussian-nd\"\nfields = [\"T\", \"p\"]\ncentre = [1, 2]\n";
+    let triangular_nd = stated(&format!("{triangular_nd}{PEAK}sigma = [0.5, inf]")).unwrap();
+    let expected = Profile::TriangularGaussianNd {
+        fields: vec!["T".into(), "p".into()],
+        magnitude: "multi-gradient".into(),
+        centre: vec![1.0, 2.0],
+        matrix: vec![vec![2.0, 0.0], vec![0.0, 0.0]],
+    };
+    assert_eq!(triangular_nd.profile, expected);
+    assert_eq!(triangular_nd.profile.properties().fields, ["T", "p", "multi-gradient"]);
+
     let uniform = stated(&format!("kind = \"uniform\"\n{PEAK}region = {{ s = [1, 2] }}")).unwrap();
     let inf = f64::INFINITY;
     assert_eq!(uniform.region.unwrap(), Region::rectangle([1.0, 2.0], [-inf, inf]));
@@ -147,6 +158,14 @@ fn what_no_widget_can_be_is_refused() {
         ("fields = [\"a\"]\ncentre = [1]\nsigma = [1, 2]", "'sigma' has the wrong size"),
     ] {
         let message = stated(&format!("kind = \"gaussian-nd\"\n{PEAK}{keys}")).unwrap_err();
+        assert!(message.contains(wanted), "{keys}: {message}");
+    }
+    let eight = "fields = [\"a\", \"b\", \"c\", \"d\", \"e\", \"f\", \"g\", \"h\"]";
+    for (keys, wanted) in [
+        (format!("{eight}\ncentre = []\nsigma = []"), "out of range: found 8; expected 1 to 7 names"),
+        ("fields = [\"a\"]\ncentre = [1]\nsigma = [1]\nmagnitude = \"\"".into(), "the magnitude has no name"),
+    ] {
+        let message = stated(&format!("kind = \"triangular-gaussian-nd\"\n{PEAK}{keys}")).unwrap_err();
         assert!(message.contains(wanted), "{keys}: {message}");
     }
 }

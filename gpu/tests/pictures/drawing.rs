@@ -1,9 +1,9 @@
 //! The device, as the shared scenes ask for it.
 
-use crate::compare::Scene;
+use crate::compare::NamedScene;
 use std::sync::{Arc, OnceLock};
 use voltet_core::Result;
-use voltet_core::engine::Compositing;
+use voltet_core::engine::{Compositing, Manner};
 use voltet_core::picture::Picture;
 use voltet_core::progress::Silent;
 use voltet_core::shading::{Integrator, Order, Shading};
@@ -42,24 +42,24 @@ pub fn device() -> Option<Arc<Device>> {
 }
 
 /// Draws by tiles.
-pub fn tiles(renderer: &Renderer, scene: &Scene, shading: &Shading, order: Order) -> Result<Drawn> {
-    voltet_gpu::draw(renderer, &scene.drawn_by(shading, order), Compositing::Tiles, &Silent)
+pub fn tiles(renderer: &Renderer, scene: &NamedScene, shading: &Shading, order: Order) -> Result<Drawn> {
+    voltet_gpu::draw(renderer, &scene.drawn_by(shading, order), &Manner::by(Compositing::Tiles), &Silent)
 }
 
 /// Draws on the device; `None` without one.
-pub fn try_draw(scene: &Scene, shading: &Shading, order: Order) -> Option<Result<Drawn>> {
+pub fn try_draw(scene: &NamedScene, shading: &Shading, order: Order) -> Option<Result<Drawn>> {
     let device = device()?;
     let renderer = Renderer::new(device, &scene.volume);
     Some(renderer.and_then(|renderer| tiles(&renderer, scene, shading, order)))
 }
 
 /// The device's picture.
-pub fn draw(scene: &Scene, shading: &Shading, order: Order) -> Option<Drawn> {
+pub fn draw(scene: &NamedScene, shading: &Shading, order: Order) -> Option<Drawn> {
     Some(try_draw(scene, shading, order)?.unwrap_or_else(|e| panic!("{}: {e}", scene.name)))
 }
 
 /// The device's picture in the exact order; `None` without a device.
-pub fn picture(scene: &Scene, shading: &Shading) -> Option<Picture> {
+pub fn picture(scene: &NamedScene, shading: &Shading) -> Option<Picture> {
     let drawn = draw(scene, shading, Order::Exact)?;
     assert_eq!(drawn.counts.pixels_disordered, Some(0), "{}", scene.name);
     Some(drawn.picture)

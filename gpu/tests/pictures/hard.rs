@@ -1,6 +1,6 @@
 //! What is hard for the device's compositor alone: long lists, more segments than it keeps, surfaces within its limits.
 
-use crate::compare::{ORDINARY, SHADING, Scene, ordinary, ordinary_shaded, referee, stiff, within};
+use crate::compare::{NamedScene, ORDINARY, SHADING, ordinary, ordinary_shaded, referee, stiff, within};
 use crate::drawing::{device, draw, tiles};
 use crate::grids::*;
 use crate::looks::*;
@@ -23,7 +23,7 @@ fn deep_pixels_with_long_cells() {
         cells.push([4 * k, 4 * k + 1, 4 * k + 2, 4 * k + 3]);
     }
     let s = |p: DVec3| 0.5 + 0.5 * (9.0 * p.y + 2.0 * p.x).sin();
-    let scene = Scene {
+    let scene = NamedScene {
         name: "deep with long cells".into(),
         volume: volume(together(&[base, grid(points, cells)]), s, |p| p.z),
         look: look(overlapping().widgets.iter().map(|widget| widget.with_extinction_times(0.2)).collect()),
@@ -41,7 +41,7 @@ fn sweeps_lose_nothing() {
         points.extend([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.2, back, 0.2]].map(DVec3::from));
         cells.push([4 * k, 4 * k + 1, 4 * k + 2, 4 * k + 3]);
     }
-    let scene = Scene {
+    let scene = NamedScene {
         name: "overlapping cells".into(),
         volume: volume(grid(points, cells), |p| (40.0 * p.y).sin().abs(), |p| 2.0 * p.x),
         look: overlapping(),
@@ -56,7 +56,7 @@ fn sweeps_lose_nothing() {
 #[test]
 fn many_samples_on_each_of_many_segments() {
     let base = moved(&cube([2, 60, 2], 0.0), |p| DVec3::new(p.x, 3.0 * p.y, p.z));
-    let scene = Scene {
+    let scene = NamedScene {
         name: "many samples".into(),
         volume: volume(base, |p| 0.5 + 0.4 * (2.0 * p.y + 2.0 * p.x).sin(), |p| p.z),
         look: look(ramp().widgets.iter().map(|widget| widget.with_extinction_times(0.2)).collect()),
@@ -78,7 +78,7 @@ fn many_samples_on_each_of_many_segments() {
 #[test]
 fn loops_that_a_driver_ends() {
     let s = |p: DVec3| 0.5 + 0.5 * (9.0 * p.y + 2.0 * p.x).sin();
-    let scene = Scene {
+    let scene = NamedScene {
         name: "long lists".into(),
         volume: volume(cube([3, 500, 3], 0.2), s, |_| 0.0),
         look: look(ramp().widgets.iter().map(|widget| widget.with_extinction_times(0.2)).collect()),
@@ -100,7 +100,7 @@ fn loops_that_a_driver_ends() {
 #[test]
 fn a_cell_before_130_thousand_tiles() {
     let corners = [[-6.0, 0.0, -6.0], [6.0, 0.0, -6.0], [0.0, 0.0, 10.0], [0.0, 3.0, 0.0]];
-    let scene = Scene {
+    let scene = NamedScene {
         name: "one cell".into(),
         volume: volume(grid(corners.map(DVec3::from).to_vec(), vec![[0, 1, 2, 3]]), |_| 0.5, |_| 0.0),
         look: look(vec![everywhere(0.3, [1.0, 0.5, 0.25])]),
@@ -114,7 +114,7 @@ fn a_cell_before_130_thousand_tiles() {
 #[test]
 fn surfaces() {
     for sigma in [1e-3, 1e-4] {
-        stiff(&Scene {
+        stiff(&NamedScene {
             name: format!("narrow {sigma:e}"),
             volume: smooth(cube([5, 5, 5], 0.2)),
             look: look(vec![
@@ -123,7 +123,7 @@ fn surfaces() {
             ]),
             camera: outside([64, 64]),
         });
-        stiff(&Scene {
+        stiff(&NamedScene {
             name: format!("sheet {sigma:e}"),
             volume: smooth(cube([5, 5, 5], 0.2)),
             look: look(vec![gaussian([0.6, 0.8], [sigma, 2.0], 0.5 / sigma, [1.0, 0.5, 0.15])]),
@@ -137,7 +137,7 @@ fn surfaces() {
 #[test]
 fn cells_that_begin_at_the_eye() {
     let at_the_eye = |name: String, corners: [[f64; 3]; 4], extinction| {
-        ordinary(&Scene {
+        ordinary(&NamedScene {
             name: format!("at the eye {name}"),
             volume: volume(grid(corners.map(DVec3::from).to_vec(), vec![[0, 1, 2, 3]]), |_| 0.5, |_| 0.0),
             look: look(vec![everywhere(extinction, [1.0, 0.5, 0.25])]),
@@ -180,7 +180,7 @@ fn widgets_far_narrower_than_the_range() {
         ("line", gaussian([0.7 + 0.6e-6, 0.0], [1e-7, f64::INFINITY], 4.0, [1.0, 0.5, 0.15])),
         ("plane", gaussian([0.7 + 0.6e-6, 0.3 + 0.8e-6], [1e-7, 5e-7], 4.0, [1.0, 0.5, 0.15])),
     ] {
-        ordinary(&Scene {
+        ordinary(&NamedScene {
             name: format!("narrow in the range {name}"),
             volume: volume(whole.clone(), s, g),
             look: look(vec![widget]),

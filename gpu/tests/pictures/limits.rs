@@ -1,6 +1,6 @@
 //! What the device refuses, orders that are not exact, overlaps mixed, and frames after the first.
 
-use crate::compare::{ORDINARY, SHADING, Scene, referee, within};
+use crate::compare::{NamedScene, ORDINARY, SHADING, referee, within};
 use crate::drawing::{device, draw, tiles, try_draw};
 use crate::grids::{cube, smooth};
 use crate::looks::*;
@@ -12,11 +12,16 @@ use voltet_core::shading::{Integrator, Order, Shading};
 use voltet_core::transfer::{OpticalModel, TransferFunction};
 use voltet_gpu::{Device, Drawn, OnDevice, Renderer};
 
-fn scene(look: TransferFunction) -> Scene {
-    Scene { name: "limits".into(), volume: smooth(cube([6, 6, 6], 0.3)), look, camera: outside([32, 32]) }
+fn scene(look: TransferFunction) -> NamedScene {
+    NamedScene {
+        name: "limits".into(),
+        volume: smooth(cube([6, 6, 6], 0.3)),
+        look,
+        camera: outside([32, 32]),
+    }
 }
 
-fn refused(scene: &Scene, shading: &Shading, words: &[&str]) {
+fn refused(scene: &NamedScene, shading: &Shading, words: &[&str]) {
     let Some(outcome) = try_draw(scene, shading, Order::Exact) else { return };
     let error = outcome.expect_err("refused").to_string();
     for word in words {
@@ -69,7 +74,7 @@ fn frames_after_the_first() {
     let scene = scene(overlapping());
     let renderer = Renderer::new(device, &scene.volume).expect("fits");
     let picture = |look: &TransferFunction| {
-        let scene = Scene { look: look.clone(), ..scene.clone() };
+        let scene = NamedScene { look: look.clone(), ..scene.clone() };
         tiles(&renderer, &scene, &SHADING, Order::Exact).expect("draws").picture
     };
     let before = picture(&scene.look);
@@ -78,7 +83,7 @@ fn frames_after_the_first() {
         ramp(),
         TransferFunction { model: OpticalModel::ConstantEmitter { cutoff: 0.1 }, ..ramp() },
     ] {
-        let fresh = draw(&Scene { look: look.clone(), ..scene.clone() }, &SHADING, Order::Exact);
+        let fresh = draw(&NamedScene { look: look.clone(), ..scene.clone() }, &SHADING, Order::Exact);
         // Sums of one colour are free of order, and so of rounding's: lists are filled in any order.
         within("another look", &picture(&look), &fresh.expect("draws").picture, 1e-6);
     }
@@ -91,7 +96,7 @@ fn small_bindings_draw_in_windows() {
     if device().is_none() {
         return;
     }
-    let small = |scene: &Scene, bytes| {
+    let small = |scene: &NamedScene, bytes| {
         let wish = std::env::var("VOLTET_ADAPTER").ok();
         let device = Device::open(wish.as_deref(), false).expect("opened before").with_bindings_of(bytes);
         let renderer = Renderer::new(std::sync::Arc::new(device), &scene.volume)?;
@@ -100,13 +105,13 @@ fn small_bindings_draw_in_windows() {
     // 1,296 cells of 16 bytes fit, 48 × 40 pixels of 16 bytes do not; and of 600 cells along the view, that all tiles
     // list, the lists do not. Where one of nine tiles lists 1,320, and goes on in another dispatch, the states of all
     // pixels do not, 32 bytes each.
-    let wide = Scene { camera: outside([48, 40]), ..scene(overlapping()) };
+    let wide = NamedScene { camera: outside([48, 40]), ..scene(overlapping()) };
     let along = orthographic([0.5, -2.0, 0.5], [0.5, 0.0, 0.5], 0.9, [16, 16]);
-    let deep = Scene { volume: smooth(cube([1, 100, 1], 0.2)), camera: along, ..scene(overlapping()) };
+    let deep = NamedScene { volume: smooth(cube([1, 100, 1], 0.2)), camera: along, ..scene(overlapping()) };
     let one_tile = orthographic([0.5, -2.0, 0.5], [0.5, 0.0, 0.5], 3.3, [24, 24]);
     let thin = look(overlapping().widgets.iter().map(|widget| widget.with_extinction_times(0.1)).collect());
     let one_tile =
-        Scene { volume: smooth(cube([1, 220, 1], 0.2)), look: thin, camera: one_tile, ..deep.clone() };
+        NamedScene { volume: smooth(cube([1, 220, 1], 0.2)), look: thin, camera: one_tile, ..deep.clone() };
     for (scene, bytes, lists) in [(&wide, 24_000, false), (&deep, 12_000, true), (&one_tile, 12_000, false)] {
         let whole = draw(scene, &SHADING, Order::Exact).expect("draws");
         assert_eq!(whole.counts.tile_entries * 8 > bytes, lists, "{:?}", whole.counts);
@@ -131,7 +136,7 @@ fn small_bindings_draw_in_windows() {
 fn nothing_draws_nothing() {
     let empty = crate::grids::volume(crate::grids::grid(Vec::new(), Vec::new()), |_| 0.0, |_| 0.0);
     for (volume, look) in [(empty, overlapping()), (smooth(cube([2, 2, 2], 0.0)), look(Vec::new()))] {
-        let scene = Scene { name: "nothing".into(), volume, look, camera: outside([20, 12]) };
+        let scene = NamedScene { name: "nothing".into(), volume, look, camera: outside([20, 12]) };
         let Some(drawn) = draw(&scene, &SHADING, Order::Exact) else { return };
         assert_eq!(drawn.counts.segments, Some(0));
         assert!(drawn.picture.rgba.iter().all(|pixel| *pixel == [0.0; 4]));
@@ -161,7 +166,7 @@ fn multiply_adds_are_counted() {
 fn opaque_tiles_stop_early() {
     let fog = |extinction, other| {
         let looks = look(vec![everywhere(extinction, [1.0, 0.5, 0.25]), everywhere(extinction, other)]);
-        Scene {
+        NamedScene {
             name: format!("fog {extinction} {other:?}"),
             volume: smooth(cube([10, 10, 10], 0.2)),
             look: looks,

@@ -1,6 +1,6 @@
 //! Grids and tables whose arrays stand in several bindings each draw the same as in one.
 
-use crate::compare::{ORDINARY, SHADING, Scene, referee, within};
+use crate::compare::{NamedScene, ORDINARY, SHADING, referee, within};
 use crate::drawing::{device, draw, tiles};
 use crate::grids::{cube, smooth, smooth_gradient, volume};
 use crate::looks::*;
@@ -22,7 +22,7 @@ fn small(bytes: u64, count: u32) -> Device {
     device.with_bindings_of(bytes).with_buffers_at_a_time(count)
 }
 
-fn draw_on(device: Device, scene: &Scene, shading: &Shading, order: Order) -> Result<Drawn> {
+fn draw_on(device: Device, scene: &NamedScene, shading: &Shading, order: Order) -> Result<Drawn> {
     let renderer = Renderer::new(Arc::new(device), &scene.volume)?;
     tiles(&renderer, scene, shading, order)
 }
@@ -45,7 +45,7 @@ fn grids_in_parts_draw_the_same() {
         ("centroid", overlapping(), SHADING, Order::Centroid, 0.0),
         ("sum", one_gaussian(), SHADING, Order::Exact, 1e-6),
     ] {
-        let scene = Scene { name: name.into(), volume: volume.clone(), look, camera: outside([64, 48]) };
+        let scene = NamedScene { name: name.into(), volume: volume.clone(), look, camera: outside([64, 48]) };
         let whole = draw(&scene, &shading, order).expect("draws");
         assert!(whole.counts.segments > Some(0));
         let parts = draw_on(small(8192, 32), &scene, &shading, order).expect("draws in parts");
@@ -74,7 +74,8 @@ fn tables_in_parts_draw_the_same() {
     ] {
         let shading = Shading { integrator, ..SHADING };
         let name = format!("table of {}", integrator.name());
-        let scene = Scene { name, volume: smooth(cube([5, 5, 5], 0.2)), look, camera: outside([32, 24]) };
+        let scene =
+            NamedScene { name, volume: smooth(cube([5, 5, 5], 0.2)), look, camera: outside([32, 24]) };
         let whole = draw(&scene, &shading, Order::Exact).expect("draws");
         assert!(whole.counts.segments > Some(0));
         let parts = draw_on(small(bytes, 16), &scene, &shading, Order::Exact).expect("draws in parts");
@@ -94,7 +95,7 @@ fn too_many_parts_are_refused_by_name() {
     }
     let camera = outside([32, 24]);
     let scene =
-        Scene { name: String::new(), volume: smooth(cube([6, 6, 6], 0.3)), look: overlapping(), camera };
+        NamedScene { name: String::new(), volume: smooth(cube([6, 6, 6], 0.3)), look: overlapping(), camera };
     let error = draw_on(small(2048, 12), &scene, &SHADING, Order::Exact).expect_err("too many").to_string();
     // 1,296 cells of 16 bytes, 128 to a part.
     for word in [
@@ -118,7 +119,7 @@ fn millions_of_cells_draw_the_same_as_few() {
         volume(grid, |p| 0.2 * p.x + 0.3 * p.y + 0.4 * p.z, |_| 0.0)
     };
     let widget = gaussian([0.45, 0.0], [0.2, f64::INFINITY], 4.0, [1.0, 0.5, 0.15]);
-    let scene = |count| Scene {
+    let scene = |count| NamedScene {
         name: format!("{count} hexahedra a side"),
         volume: of(count),
         look: look(vec![widget.clone()]),

@@ -1,14 +1,14 @@
 //! The raster compositor, held against the referee: scenes of one colour, which need no order, and stacks of cells whose
 //! centroids are in the order of their entries.
 
-use crate::compare::{ORDINARY, SHADING, Scene, referee_shaded, within};
+use crate::compare::{NamedScene, ORDINARY, SHADING, referee_shaded, within};
 use crate::drawing::device;
 use crate::grids::*;
 use crate::looks::*;
 use glam::DVec3;
 use std::sync::Arc;
 use voltet_core::camera::Camera;
-use voltet_core::engine::Compositing;
+use voltet_core::engine::{Compositing, Manner};
 use voltet_core::grid::Grid;
 use voltet_core::progress::Silent;
 use voltet_core::shading::{Integrator, Light, Order, Shading};
@@ -28,13 +28,13 @@ fn tiles(order: Order) -> How {
     (Compositing::Tiles, order)
 }
 
-fn draw_on(device: Arc<Device>, scene: &Scene, shading: &Shading, how: How) -> Result<Drawn> {
+fn draw_on(device: Arc<Device>, scene: &NamedScene, shading: &Shading, how: How) -> Result<Drawn> {
     let (compositing, order) = how;
     let renderer = Renderer::new(device, &scene.volume)?;
-    voltet_gpu::draw(&renderer, &scene.drawn_by(shading, order), compositing, &Silent)
+    voltet_gpu::draw(&renderer, &scene.drawn_by(shading, order), &Manner::by(compositing), &Silent)
 }
 
-fn draw(scene: &Scene, shading: &Shading, order: Order) -> Option<Drawn> {
+fn draw(scene: &NamedScene, shading: &Shading, order: Order) -> Option<Drawn> {
     let drawn = draw_on(device()?, scene, shading, raster(order));
     Some(drawn.unwrap_or_else(|e| panic!("{}: {e}", scene.name)))
 }
@@ -46,7 +46,7 @@ fn further_device() -> Device {
 }
 
 /// Asserts the bound of ordinary scenes, and that there is something to see.
-fn ordinary(scene: &Scene, shading: &Shading, order: Order) {
+fn ordinary(scene: &NamedScene, shading: &Shading, order: Order) {
     let Some(drawn) = draw(scene, shading, order) else { return };
     let expected = referee_shaded(scene, shading);
     assert!(expected.rgba.iter().any(|p| p[3] > 0.01), "{}: nothing to see", scene.name);
@@ -90,10 +90,10 @@ fn single_cells_of_every_class() {
                 // No pixel's ray runs within the edge of a region.
                 let volume = volume(cell(turned), |p| 0.51 + 0.393 * p.x, |p| 0.8 + 0.117 * p.z);
                 let name = format!("{class} {turn} {view}");
-                let shown = Scene { name, volume, look: overlapping(), camera };
+                let shown = NamedScene { name, volume, look: overlapping(), camera };
                 let Some(drawn) = draw(&shown, &SHADING, Order::Centroid) else { return };
                 within(&shown.name, &drawn.picture, &referee_shaded(&shown, &SHADING), ORDINARY);
-                let looked = Scene { look: look(vec![everywhere(2.0, [1.0, 0.5, 0.2])]), ..shown };
+                let looked = NamedScene { look: look(vec![everywhere(2.0, [1.0, 0.5, 0.2])]), ..shown };
                 ordinary(&looked, &SHADING, Order::Auto);
             }
         }
@@ -107,7 +107,7 @@ fn one_color() -> [(&'static str, TransferFunction); 2] {
 fn with_one_color(name: &str, camera: Camera) {
     for (kind, look) in one_color() {
         let (name, volume) = (format!("{name} {kind}"), smooth(cube([6, 6, 6], 0.2)));
-        ordinary(&Scene { name, volume, look, camera }, &SHADING, Order::Exact);
+        ordinary(&NamedScene { name, volume, look, camera }, &SHADING, Order::Exact);
     }
 }
 
@@ -138,7 +138,7 @@ fn eye_inside_and_near_planes() {
 fn rays_in_shared_faces_and_edges() {
     for counts in [[1, 1, 1], [2, 2, 2], [4, 4, 4], [5, 3, 7]] {
         for pixels in [8u32, 9, 20, 35] {
-            let scene = Scene {
+            let scene = NamedScene {
                 name: format!("faces {counts:?} {pixels}"),
                 volume: volume(cube(counts, 0.0), |_| 0.5, |_| 0.0),
                 look: look(vec![everywhere(2.0, [1.0; 3])]),
@@ -156,7 +156,11 @@ fn rays_in_shared_faces_and_edges() {
 #[test]
 fn holes_flat_cells_and_far_places() {
     let shown = |name: &str, volume, camera| {
-        ordinary(&Scene { name: name.into(), volume, look: one_gaussian(), camera }, &SHADING, Order::Exact);
+        ordinary(
+            &NamedScene { name: name.into(), volume, look: one_gaussian(), camera },
+            &SHADING,
+            Order::Exact,
+        );
     };
     shown("arms", smooth(two_arms()), perspective([0.7, -2.0, 0.8], [0.5, 0.5, 0.5], 35.0, [56, 48]));
     for thickness in [1e-3, 1e-6, 1e-12, 0.0] {
@@ -197,13 +201,13 @@ fn a_stack_in_the_order_of_its_centroids_is_exact() {
     ] {
         for (kind, look) in [("ramp", ramp()), ("overlap", overlapping())] {
             let (name, volume) = (format!("stack {view} {kind}"), volume.clone());
-            ordinary(&Scene { name, volume, look, camera }, &SHADING, Order::Centroid);
+            ordinary(&NamedScene { name, volume, look, camera }, &SHADING, Order::Centroid);
         }
     }
 }
 
-fn jittered(look: TransferFunction, camera: Camera) -> Scene {
-    Scene { name: "jittered".into(), volume: smooth(cube([6, 6, 6], 0.3)), look, camera }
+fn jittered(look: TransferFunction, camera: Camera) -> NamedScene {
+    NamedScene { name: "jittered".into(), volume: smooth(cube([6, 6, 6], 0.3)), look, camera }
 }
 
 /// The order of centroids, and that of the grid, are those of the tiles, over all bits of the key.
@@ -213,7 +217,8 @@ fn orders_are_those_of_tiles() {
     for camera in [outside([40, 32]), orthographic([3.0, -2.0, 2.5], [0.5, 0.5, 0.5], 1.9, [32, 40])] {
         for order in [Order::Centroid, Order::None] {
             // More cells than a block of the sort holds.
-            let scene = Scene { volume: smooth(cube([10, 9, 9], 0.3)), ..jittered(overlapping(), camera) };
+            let scene =
+                NamedScene { volume: smooth(cube([10, 9, 9], 0.3)), ..jittered(overlapping(), camera) };
             let tiles = draw_on(device.clone(), &scene, &SHADING, tiles(order)).expect("draws");
             let raster = draw_on(device.clone(), &scene, &SHADING, raster(order)).expect("draws");
             // Tiles give up what is behind 1 − 1e-6, and count from the front.
@@ -256,7 +261,8 @@ fn runs_and_windows_change_nothing() {
     for length in [7, 100, 1296] {
         let runs = Renderer::new(device.clone(), &scene.volume).expect("fits").with_runs_of(length);
         let wanted = scene.drawn_by(&SHADING, Order::Centroid);
-        let drawn = voltet_gpu::draw(&runs, &wanted, Compositing::Raster, &Silent).expect("draws");
+        let drawn =
+            voltet_gpu::draw(&runs, &wanted, &Manner::by(Compositing::Raster), &Silent).expect("draws");
         assert_eq!(drawn.picture.rgba, whole.picture.rgba, "{length}");
     }
     for windows in [further_device().with_bindings_of(24_000), further_device().with_textures_of(16)] {
@@ -339,7 +345,8 @@ fn every_integrator_and_light_is_that_of_tiles() {
             if voltet_gpu::can_serve(&look, &shading).is_err() {
                 continue;
             }
-            let scene = Scene { name: format!("{kind} {shading:?}"), volume: volume.clone(), look, camera };
+            let scene =
+                NamedScene { name: format!("{kind} {shading:?}"), volume: volume.clone(), look, camera };
             let [tiles, raster] = [tiles(Order::Centroid), raster(Order::Centroid)]
                 .map(|how| draw_on(device.clone(), &scene, &shading, how).expect("draws").picture);
             // Tiles give up what is behind 1 − 1e-6.
@@ -355,7 +362,8 @@ fn every_integrator_and_light_is_that_of_tiles() {
 #[test]
 fn a_grid_in_parts_is_the_same() {
     let Some(device) = device() else { return };
-    let scene = Scene { volume: smooth(cube([5, 5, 5], 0.3)), ..jittered(overlapping(), outside([16, 16])) };
+    let scene =
+        NamedScene { volume: smooth(cube([5, 5, 5], 0.3)), ..jittered(overlapping(), outside([16, 16])) };
     let whole = draw_on(device, &scene, &SHADING, raster(Order::Centroid)).expect("draws");
     // 750 cells of 16 bytes, and as many places of 8 bytes in the sorted list.
     let small = further_device().with_bindings_of(6200).with_buffers_at_a_time(32);

@@ -7,11 +7,12 @@
 mod attributes;
 mod scanner;
 
+use super::format::Format;
 use super::piece::{Dataset, Geometry, Piece, PieceArray, StoredCells, StoredFaces, structured_counts};
+use super::request::Request;
 use super::select::GHOST_TYPE;
 use super::source::Source;
 use super::stored::{Encoding, Stored};
-use super::{Format, Request};
 use glam::{DMat3, DVec3};
 use scanner::Scanner;
 use std::sync::Arc;

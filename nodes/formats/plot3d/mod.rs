@@ -3,12 +3,13 @@
 mod layout;
 mod quantities;
 
+use super::format::Format;
 use super::numbers::{ByteOrder, NumberType};
 use super::piece::{Dataset, Geometry, Piece, PieceArray, structured_counts};
+use super::request::Request;
 use super::select::GHOST_TYPE;
 use super::source::Source;
 use super::stored::{Compute, Encoding, Stored};
-use super::{Format, Request};
 use layout::{Block, Plane, Role};
 use quantities::{Formula, QUANTITIES};
 use rayon::prelude::*;

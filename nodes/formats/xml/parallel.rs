@@ -1,18 +1,22 @@
 //! .pvtu, .pvts, .pvtr and .pvti: files that name the files of their pieces.
 
-use super::header::Element;
-use super::{beside, open_inner};
+use super::header::{Appended, Element};
+use super::{foreign, named, serial};
 use crate::formats::piece::Dataset;
 use crate::formats::source::Source;
+use std::sync::Arc;
 use voltet_core::{Error, Result};
+
+/// Whether a file of this kind names others.
+pub(super) fn is_meant(kind: &str) -> bool {
+    kind.starts_with('P') && kind != "PolyData"
+}
 
 /// Reads the tables of contents of all pieces.
 pub(super) fn open(source: &Source, root: &Element) -> Result<Dataset> {
     let kind = root.required("type")?;
     if !["PUnstructuredGrid", "PStructuredGrid", "PRectilinearGrid", "PImageData"].contains(&kind) {
-        return Err(Error::run("this kind of VTK file holds no volume grid")
-            .found(format_args!("type '{kind}'"))
-            .accepted("PUnstructuredGrid, PStructuredGrid, PRectilinearGrid or PImageData"));
+        return Err(foreign::refusal(kind, root));
     }
     let grid = root
         .child(kind)
@@ -22,7 +26,7 @@ pub(super) fn open(source: &Source, root: &Element) -> Result<Dataset> {
     dataset.active_scalars = scalars("PPointData").or_else(|| scalars("PCellData")).map(str::to_owned);
     let mut count = 0;
     for piece in grid.children_of("Piece") {
-        open_inner(&beside(source, piece.required("Source")?), false, &mut dataset)?;
+        named::add(source, piece.required("Source")?, open_piece, &mut dataset)?;
         count += 1;
     }
     if count == 0 {
@@ -32,4 +36,12 @@ pub(super) fn open(source: &Source, root: &Element) -> Result<Dataset> {
     }
     dataset.format = format!("VTK XML {kind} of {count} pieces; {}", dataset.format);
     Ok(dataset)
+}
+
+/// One piece's file.
+fn open_piece(source: Arc<Source>, root: &Element, appended: Option<Appended>) -> Result<Dataset> {
+    match root.required("type")? {
+        kind if kind == "Collection" || is_meant(kind) => Err(named::misplaced(kind)),
+        _ => serial::open(source, root, appended),
+    }
 }

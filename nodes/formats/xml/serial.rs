@@ -1,6 +1,7 @@
 //! .vtu, .vts, .vtr and .vti: one file, one or several pieces.
 
 use super::arrays::Context;
+use super::foreign;
 use super::header::{Appended, Element};
 use crate::formats::piece::{
     Dataset, Geometry, Piece, StoredCells, StoredFaces, extent_dimensions, structured_counts,
@@ -20,11 +21,7 @@ pub(super) fn open(source: Arc<Source>, root: &Element, appended: Option<Appende
         "StructuredGrid" => structured,
         "RectilinearGrid" => rectilinear,
         "ImageData" => uniform,
-        _ => {
-            return Err(Error::run("this kind of VTK file holds no volume grid")
-                .found(format_args!("type '{kind}'"))
-                .accepted("UnstructuredGrid, StructuredGrid, RectilinearGrid, ImageData, their parallel forms or Collection"));
-        }
+        _ => return Err(foreign::refusal(kind, root)),
     };
     let grid = root
         .child(kind)

@@ -1,10 +1,11 @@
 //! .pvd: a series of time steps, each of one or more files.
 
-use super::header::Element;
-use super::{beside, open_inner};
+use super::header::{Appended, Element};
+use super::{named, parallel, serial};
 use crate::formats::piece::Dataset;
+use crate::formats::request::{Request, TimeStep};
 use crate::formats::source::Source;
-use crate::formats::{Request, TimeStep};
+use std::sync::Arc;
 use voltet_core::{Error, Result};
 
 /// Reads the tables of contents of the files of one step.
@@ -24,11 +25,20 @@ pub(super) fn open(source: &Source, root: &Element, request: &Request) -> Result
     let time = choose(&time_steps, request.time_step)?;
     let mut dataset = Dataset::default();
     for (_, file) in entries.iter().filter(|entry| entry.0 == time) {
-        open_inner(&beside(source, file), true, &mut dataset)?;
+        named::add(source, file, open_step, &mut dataset)?;
     }
     dataset.format = format!("VTK time series of {} steps; {}", time_steps.len(), dataset.format);
     dataset.time_steps = time_steps;
     Ok(dataset)
+}
+
+/// One file of a step.
+fn open_step(source: Arc<Source>, root: &Element, appended: Option<Appended>) -> Result<Dataset> {
+    match root.required("type")? {
+        "Collection" => Err(named::misplaced("Collection")),
+        kind if parallel::is_meant(kind) => parallel::open(&source, root),
+        _ => serial::open(source, root, appended),
+    }
 }
 
 /// The time of the step asked for.

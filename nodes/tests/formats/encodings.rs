@@ -1,10 +1,10 @@
 //! The same grid in every encoding of the XML formats reads as the same grid.
 
-use crate::samples::{TYPES, file, structured, unstructured};
-use crate::writer::encodings;
 use voltet_core::grid::Grid;
 use voltet_core::progress::Silent;
 use voltet_nodes::formats::{Association, Request, inspect, read};
+use voltet_testing::files::samples::{TYPES, file, structured, unstructured};
+use voltet_testing::files::xml::encodings;
 
 /// Reads a scalar of a file.
 pub fn grid(path: &std::path::Path, scalar: &str) -> Grid {

@@ -1,10 +1,10 @@
 //! Legacy files: every kind of data set, attribute and number, ASCII and binary.
 
 use crate::encodings::grid;
-use crate::legacy_writer::{LEGACY_TYPES, points, structured, unstructured, value};
-use crate::samples::file;
 use voltet_core::progress::Silent;
 use voltet_nodes::formats::{Association, Request, inspect, read};
+use voltet_testing::files::legacy::{LEGACY_TYPES, points, structured, unstructured, value};
+use voltet_testing::files::samples::file;
 
 #[test]
 fn unstructured_grids_of_all_versions_read_the_same() {

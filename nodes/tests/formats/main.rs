@@ -4,10 +4,6 @@
 
 mod encodings;
 mod legacy;
-mod legacy_writer;
 mod pieces;
 mod plot3d;
-mod plot3d_writer;
 mod real_files;
-mod samples;
-mod writer;

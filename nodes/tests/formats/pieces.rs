@@ -1,9 +1,9 @@
 //! Files of several pieces, ghost cells, time series, and the forms in which writers differ.
 
-use crate::samples::{file, unstructured};
-use crate::writer::{Encoding, encodings};
 use voltet_core::progress::Silent;
 use voltet_nodes::formats::{Request, TimeStep, inspect, read};
+use voltet_testing::files::samples::{file, unstructured};
+use voltet_testing::files::xml::{Encoding, encodings};
 
 fn request(scalar: &str) -> Request {
     Request { scalar: Some(scalar.to_owned()), ..Request::default() }
@@ -99,8 +99,8 @@ fn steps_of_a_series_are_chosen_by_number_or_time() {
 #[test]
 fn base64_headers_may_stand_alone_and_lines_may_be_broken() {
     let folder = tempfile::tempdir().unwrap();
-    for encoding in encodings().into_iter().filter(|e| e.mode == crate::writer::Mode::Inline) {
-        if encoding.compressor != crate::writer::Compressor::None {
+    for encoding in encodings().into_iter().filter(|e| e.mode == voltet_testing::files::xml::Mode::Inline) {
+        if encoding.compressor != voltet_testing::files::xml::Compressor::None {
             continue;
         }
         let text = String::from_utf8(unstructured(encoding, 3, false)).unwrap();

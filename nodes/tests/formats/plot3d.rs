@@ -1,10 +1,10 @@
 //! PLOT3D files in every way of writing them.
 
-use crate::plot3d_writer::{Layout, grid_file, grids, layouts, position, solution_file};
-use crate::samples::file;
 use voltet_core::grid::Grid;
 use voltet_core::progress::Silent;
 use voltet_nodes::formats::{Request, inspect, read};
+use voltet_testing::files::plot3d::{Layout, grid_file, grids, layouts, position, solution_file};
+use voltet_testing::files::samples::file;
 
 fn check(grid: &Grid, counted: bool, blanking: bool, what: &str) {
     let cells = if counted { 6 + 2 } else { 6 };

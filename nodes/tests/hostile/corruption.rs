@@ -1,12 +1,12 @@
 //! Every kind of small file, cut short and with bytes changed, thousands of times, always the same ones.
 
 use crate::memory::peak_of;
-use crate::samples::{file, structured, unstructured};
-use crate::writer::{Compressor, Encoding, Mode};
-use crate::{legacy_writer, plot3d_writer};
 use std::path::Path;
 use voltet_core::progress::Silent;
 use voltet_nodes::formats::{Request, inspect, read};
+use voltet_testing::files::samples::{file, structured, unstructured};
+use voltet_testing::files::xml::{Compressor, Encoding, Mode};
+use voltet_testing::files::{legacy, plot3d};
 
 /// Beside the file's own bytes: buffers, threads' stacks of work, error texts, and the grid of a file of a few kilobytes
 /// whose compressed blocks may promise the codec's greatest ratio.
@@ -109,19 +109,19 @@ fn damaged_xml_files_are_errors_or_other_grids() {
 fn damaged_legacy_files_are_errors_or_other_grids() {
     for version in ["4.2", "5.1"] {
         for binary in [false, true] {
-            corrupt("a.vtk", "double", &legacy_writer::unstructured(version, binary), 300);
+            corrupt("a.vtk", "double", &legacy::unstructured(version, binary), 300);
         }
     }
     for kind in ["STRUCTURED_GRID", "RECTILINEAR_GRID", "STRUCTURED_POINTS"] {
         for binary in [false, true] {
-            corrupt("a.vtk", "s", &legacy_writer::structured(kind, binary), 100);
+            corrupt("a.vtk", "s", &legacy::structured(kind, binary), 100);
         }
     }
 }
 
 #[test]
 fn damaged_plot3d_files_are_errors_or_other_grids() {
-    for layout in plot3d_writer::layouts().step_by(3) {
-        corrupt("a.xyz", "iblank", &plot3d_writer::grid_file(layout), 40);
+    for layout in plot3d::layouts().step_by(3) {
+        corrupt("a.xyz", "iblank", &plot3d::grid_file(layout), 40);
     }
 }

@@ -1,10 +1,10 @@
 //! Files whose headers promise what is not there.
 
 use crate::memory::peak_of;
-use crate::samples::{file, unstructured};
-use crate::writer::{Compressor, Encoding, Mode};
 use voltet_core::progress::Silent;
 use voltet_nodes::formats::{Request, read};
+use voltet_testing::files::samples::{file, unstructured};
+use voltet_testing::files::xml::{Compressor, Encoding, Mode};
 
 const RAW: Encoding = Encoding {
     mode: Mode::AppendedRaw,
@@ -120,7 +120,7 @@ fn what_is_no_data_file_says_what_would_be() {
     expect(&message("a.vtu", b"<html><body/></html>", &Request::default()), &["not a VTK file", "<html>"]);
     expect(
         &message("a.vtu", b"<VTKFile type=\"PolyData\"><PolyData/></VTKFile>", &Request::default()),
-        &["PolyData", "UnstructuredGrid"],
+        &["PolyData", "cells with a volume"],
     );
     expect(
         &message("a.vtu", b"<VTKFile type=\"UnstructuredGrid\">", &Request::default()),

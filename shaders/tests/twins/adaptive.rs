@@ -2,7 +2,7 @@
 
 use crate::device::Device;
 use crate::integrators::{Measure, cases, shading};
-use crate::scene::{Scene, Scenes};
+use crate::scene::{Composed, Scenes};
 use crate::tables::{MODELS, UNIT, image, segments};
 use voltet_core::optics::integrators::{Extent, Integrator, new};
 use voltet_core::optics::{Contribution, Overlap};
@@ -35,11 +35,14 @@ fn the_tolerance_is_met_on_the_exact_cases() {
         let integrator = Integrator::Adaptive { tolerance };
         let (transfer_function, segment) = (&case.transfer_function, case.segment());
         let axes = axes(transfer_function, &segment);
-        let scene = Scene::new(transfer_function, &shading(integrator), &axes, segment.length, None);
+        let scene = Composed::new(transfer_function, &shading(integrator), &axes, segment.length, None);
         let Ok(scene) = scene.expect("has pieces") else { continue };
         // Where 32 bits hold no digits (narrow widgets among them), or the exact value jumps, no tolerance can be met.
         let known = category != "narrow" && case.condition.iter().all(|k| k.is_some_and(|k| k < 1e4));
-        if holds(&scene.choices, transfer_function, &segment).is_err() || !keeps_digits(&case) || !known {
+        if holds(&scene.choices, transfer_function, &segment).is_err()
+            || !keeps_digits(&case.transfer_function, &case.conditions())
+            || !known
+        {
             continue;
         }
         let extent = Extent { scalar: [0.0, 1.0], longest: segment.length };
@@ -101,10 +104,10 @@ fn scenes() -> Vec<TransferFunction> {
     MODELS.into_iter().flat_map(all).collect()
 }
 
-fn ready(transfer_function: &TransferFunction, tolerance: f64) -> Scene {
+fn ready(transfer_function: &TransferFunction, tolerance: f64) -> Composed {
     let integrator = if tolerance > 0.0 { Integrator::Adaptive { tolerance } } else { Integrator::Analytic };
     let shading = shading(integrator);
-    Scene::new(transfer_function, &shading, &UNIT, 1.0, None).expect("has pieces").expect("in range")
+    Composed::new(transfer_function, &shading, &UNIT, 1.0, None).expect("has pieces").expect("in range")
 }
 
 #[test]

@@ -112,6 +112,14 @@ fn waves(sine: bool, width: f64, peak: Option<f64>) -> Twin {
     Twin { generated, ..made }
 }
 
+/// Of three fields, with a width of 1 at the back.
+const TRIANGULAR_OF_FIELDS: &str = "fn triangular_of_fields(x: vec4f) -> f32 {
+    let front = Fields(x.x, x.y, 0.3, 0.0, 0.0, 0.0, 0.0, 0.0);
+    let back = Fields(x.z, -0.5, 0.7, 0.0, 0.0, 0.0, 0.0, 0.0);
+    let path = triangular_fields_path(front, back, vec2f(x.w, 1.0));
+    return exponential(-path.offset_squared) * triangular_gaussian_mean_profile(path.offset, path.width);
+}";
+
 /// Every twin. On the software driver each needs 2.1 ε (4 + k) at most; the rest is left to devices whose quotients err
 /// by 2.5 and whose exponentials by 3 + 2|x| units in the last place, as WGSL allows.
 pub fn twins() -> Vec<Twin> {
@@ -205,6 +213,22 @@ pub fn twins() -> Vec<Twin> {
             (8.0, "up to 24 panels of 8 points: 1e-6"),
             |x| TriangularPath::new([x[0], x[1]], [x[2], x[3]], 1.0).optical_depth(&Stretch::WHOLE),
         ),
+        Twin {
+            generated: TRIANGULAR_OF_FIELDS,
+            ..twin(
+                "triangular gaussian mean, fields",
+                "triangular_gaussian/mean_profile",
+                "triangular_of_fields(x)",
+                &[NEAR, NEAR, NEAR, WIDTH],
+                (8.0, "up to 24 panels of 8 points: 1e-6"),
+                |x| {
+                    let (front, back) = ([x[0], x[1], 0.3], [x[2], -0.5, 0.7]);
+                    let along = [0, 1, 2].map(|i| back[i] - front[i]);
+                    TriangularPath::over_fields(front, back, along, [x[3], 1.0], 1.0)
+                        .optical_depth(&Stretch::WHOLE)
+                },
+            )
+        },
         twin("psi", "linear/psi", "psi(x.x, x.y)", &[DEPTH, DEPTH], panels, |x| linear::psi(x[0], x[1])),
         twin("F", "linear/front_back", "front_back(x.x, x.y).x", &[DEPTH, DEPTH], panels, |x| {
             linear::front_back(x[0], x[1]).0

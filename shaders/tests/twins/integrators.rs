@@ -1,7 +1,7 @@
 //! The other integrators, composed, against their own 64-bit truths.
 
 use crate::device::Device;
-use crate::scene::{Scene, Scenes};
+use crate::scene::{Composed, Scenes};
 use voltet_core::optics::integrators::{Extent, SegmentIntegrator, new};
 use voltet_core::optics::{Contribution, Overlap, Prepared, Segment};
 use voltet_core::shading::{Integrator, Shading};
@@ -150,7 +150,7 @@ fn sampling_integrators_are_twins_of_their_truths() {
         let extent = Extent { scalar: [0.0, 1.0], longest: segment.length };
         let truth = new(&integrator, Overlap::Exact, transfer_function, &extent).expect("serves");
         let axes = axes(transfer_function, &segment);
-        let scene = Scene::new(transfer_function, &shading(integrator), &axes, segment.length, None);
+        let scene = Composed::new(transfer_function, &shading(integrator), &axes, segment.length, None);
         let Ok(scene) = scene.expect("has pieces") else { continue };
         if holds(&scene.choices, transfer_function, &segment).is_err() {
             continue;
@@ -158,7 +158,7 @@ fn sampling_integrators_are_twins_of_their_truths() {
         let found = scenes.integrate(&scene, &[segment])[0];
         let scale = if case.density() { 1.0 } else { segment.length / transfer_function.unit_distance };
         let brightest = case.brightest() * scale;
-        if !keeps_digits(&case) {
+        if !keeps_digits(&case.transfer_function, &case.conditions()) {
             // Values near 1e8, raw: no digit of the samples is left.
             assert!((0.0..=1.0).contains(&found.opacity), "{id}: {found:?}");
             continue;

@@ -53,8 +53,11 @@ fn every_twin_keeps_its_tolerance() {
         if twin.expression.contains("plane_path") {
             pieces.push("gaussian/plane");
         }
-        if twin.expression.contains("fields_path") {
+        if twin.expression.contains("gaussian_fields_path") {
             pieces.push("gaussian_nd/path");
+        }
+        if twin.expression.contains("triangular_of_fields") {
+            pieces.push("triangular_gaussian_nd/path");
         }
         if twin.expression.contains("wave_glow") {
             pieces.push("wave/glow");

@@ -2,7 +2,7 @@
 
 use crate::device::Device;
 use crate::integrators::{Measure, numbers, shading};
-use crate::scene::{Scene, Scenes};
+use crate::scene::{Composed, Scenes};
 use crate::tables::{MODELS, segments};
 use std::time::Instant;
 use voltet_core::optics::integrators::{
@@ -86,8 +86,8 @@ fn both(table_size: usize) -> [Integrator; 2] {
     [Integrator::PreIntegrated { table_size }, Integrator::PreIntegratedCylindrical { table_size }]
 }
 
-fn ready(transfer_function: &TransferFunction, integrator: Integrator) -> Scene {
-    let scene = Scene::new(transfer_function, &shading(integrator), &AXES, 0.5, Some(&EXTENT));
+fn ready(transfer_function: &TransferFunction, integrator: Integrator) -> Composed {
+    let scene = Composed::new(transfer_function, &shading(integrator), &AXES, 0.5, Some(&EXTENT));
     scene.expect("has pieces").expect("in range")
 }
 

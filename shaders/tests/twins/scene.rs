@@ -20,7 +20,7 @@ pub struct Scenes {
 }
 
 /// A transfer function with its shading, and all that its shader reads but the segments.
-pub struct Scene {
+pub struct Composed {
     pub choices: Choices,
     parameters: Parameters,
     pub resources: Resources,
@@ -32,7 +32,7 @@ pub struct Scene {
 /// Where no table of lengths is asked for.
 const NO_EXTENT: Extent = Extent { scalar: [0.0; 2], longest: 1.0 };
 
-impl Scene {
+impl Composed {
     /// `axes` of s, g and the fields, `length`: the unit of D. What leaves the range of 32 bits is the inner error.
     pub fn new(
         transfer_function: &TransferFunction,
@@ -40,7 +40,7 @@ impl Scene {
         axes: &[Axis],
         length: f64,
         extent: Option<&Extent>,
-    ) -> Result<std::result::Result<Scene, &'static str>> {
+    ) -> Result<std::result::Result<Composed, &'static str>> {
         let choices = Choices::new(transfer_function, shading, Compositor::Segments)?;
         let Ok(parameters) = Parameters::new(transfer_function, shading, axes, length) else {
             return Ok(Err("numbers leave the range of 32 bits"));
@@ -48,7 +48,7 @@ impl Scene {
         let extent = extent.unwrap_or(&NO_EXTENT);
         let resources = Resources::new(&choices, transfer_function, shading, axes[0], length, extent)?;
         let axes = axes.to_vec();
-        Ok(Ok(Scene { choices, parameters, resources, tables: OnceCell::new(), axes, length }))
+        Ok(Ok(Composed { choices, parameters, resources, tables: OnceCell::new(), axes, length }))
     }
 
     /// The tables, filled when they are first asked for.
@@ -79,12 +79,12 @@ impl Scenes {
     }
 
     /// Each segment's contribution, from one dispatch.
-    pub fn integrate(&self, scene: &Scene, segments: &[Segment]) -> Vec<Contribution> {
+    pub fn integrate(&self, scene: &Composed, segments: &[Segment]) -> Vec<Contribution> {
         self.integrate_by(scene, &compose(&scene.choices), segments)
     }
 
     /// The same by another shader that reads what the scene's reads.
-    pub fn integrate_by(&self, scene: &Scene, shader: &Shader, segments: &[Segment]) -> Vec<Contribution> {
+    pub fn integrate_by(&self, scene: &Composed, shader: &Shader, segments: &[Segment]) -> Vec<Contribution> {
         let (pass, inputs) = self.bind(scene, shader, segments);
         let length = CONTRIBUTION * segments.len();
         let found = self.device.run(&pass, inputs, (1, 1), length, segments.len());
@@ -92,7 +92,7 @@ impl Scenes {
     }
 
     /// Seconds of one dispatch over the segments, the least of `count`.
-    pub fn seconds(&self, scene: &Scene, segments: &[Segment], count: u32) -> f64 {
+    pub fn seconds(&self, scene: &Composed, segments: &[Segment], count: u32) -> f64 {
         let (pass, mut inputs) = self.bind(scene, &compose(&scene.choices), segments);
         let buffer = self.device.storage(&vec![0; CONTRIBUTION * segments.len() * size_of::<f32>()]);
         inputs.push(Bound { group: 1, binding: 1, buffer });
@@ -107,7 +107,7 @@ impl Scenes {
     }
 
     /// The pass over a list of segments, and all that it reads.
-    fn bind(&self, scene: &Scene, shader: &Shader, segments: &[Segment]) -> (Rc<Pass>, Vec<Bound>) {
+    fn bind(&self, scene: &Composed, shader: &Shader, segments: &[Segment]) -> (Rc<Pass>, Vec<Bound>) {
         let device = &self.device;
         let pass = self.pass(shader, "integrate_segments", constants(&scene.choices, shader));
         let of = |segment: &Segment| row(&scene.choices, &scene.axes, scene.length, segment);

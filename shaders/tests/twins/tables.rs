@@ -2,7 +2,7 @@
 
 use crate::device::Device;
 use crate::integrators::{Measure, change_of_places, numbers, shading};
-use crate::scene::{Scene, Scenes};
+use crate::scene::{Composed, Scenes};
 use std::sync::Arc;
 use voltet_core::optics::integrators::{Extent, Integrator, new};
 use voltet_core::optics::{Overlap, Prepared, Segment};
@@ -96,7 +96,7 @@ fn table_widgets_are_twins_of_their_truth() {
         for (integrator, places, tolerance) in &integrators {
             let extent = Extent { scalar: [0.0, 1.0], longest: 2.0 };
             let truth = new(integrator, Overlap::Exact, &transfer_function, &extent).expect("serves");
-            let scene = Scene::new(&transfer_function, &shading(*integrator), &UNIT, 1.0, None)
+            let scene = Composed::new(&transfer_function, &shading(*integrator), &UNIT, 1.0, None)
                 .expect("has pieces")
                 .expect("in range");
             let mut worst = (0.0, 0);

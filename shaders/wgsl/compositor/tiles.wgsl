@@ -20,8 +20,8 @@ const LINE_WORDS = 2u * TILE;
 var<workgroup> vote: atomic<u32>;
 var<workgroup> verdict: u32;
 
-// Share of what lies behind that is given up.
-const OPAQUE = 1e-6;
+// Share of what lies behind that is given up; negative where nothing is.
+override OPAQUE: f32 = 1e-6;
 
 fn corners_of(cell: u32) -> array<vec3f, 4> {
     let points = tetrahedron(cell);

@@ -1,7 +1,5 @@
-// Uses: gaussian/path. Fills: nothing.
+// Uses: fields, gaussian/path. Fills: nothing.
 // The path of a Gaussian over up to 8 fields; unused components are 0 (Kniss et al. 2003, Eq. 11).
-
-alias Fields = array<f32, 8>;
 
 fn gaussian_fields_path(front: Fields, back: Fields) -> GaussianPath {
     var squared = 0.0;

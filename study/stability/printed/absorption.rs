@@ -2,16 +2,14 @@
 
 use super::colors::rectangle;
 use super::real::Real;
-use super::{Measured, Printed, between, error, segment};
+use super::{Measured, Printed, between, error, ours, segment};
 use std::f64::consts::PI;
 use voltet_core::Result;
 use voltet_core::optics::Contribution;
 use voltet_core::transfer::{OpticalModel, Profile, TransferFunction, Widget};
-use voltet_engine::Segments;
-use voltet_judge::Forms;
 
 pub(super) fn entries() -> Result<Vec<Printed>> {
-    Ok(vec![gaussian()?, offset()?, mean()?, triangular()?, opacity()?, chain()])
+    Ok(vec![gaussian()?, offset()?, mean()?, triangular()?, opacity()?, chain()?])
 }
 
 /// Kniss Eq. 11 and 12, from q = K (v − c) at both ends.
@@ -188,14 +186,15 @@ fn opacity() -> Result<Printed> {
     })
 }
 
-fn chain() -> Printed {
+fn chain() -> Result<Printed> {
+    let forms = ours()?;
     let row = |(count, depth): (usize, f64)| {
         let opacity = -(-depth).exp_m1();
         let exact = (-depth * count as f64).exp();
         let printed_64 = (0..count).fold(0.0_f64, |sum, _| sum + (1.0 - sum) * opacity);
         let printed_32 = (0..count).fold(0.0_f32, |sum, _| sum + (1.0 - sum) * opacity as f32);
         let parts = vec![Contribution { opacity, ..Contribution::default() }; count];
-        let ours = Segments::widest().chain(&parts).transparency;
+        let ours = forms.chain(&parts).transparency;
         Measured {
             inputs: format!("{count} segments of T = {depth:?}"),
             printed_64: error(1.0 - printed_64, exact),
@@ -203,11 +202,11 @@ fn chain() -> Printed {
             ours_32: ours.map(|found| error(found, exact)),
         }
     };
-    Printed {
+    Ok(Printed {
         source: "front-to-back compositing (Porter & Duff 1984)",
         formula: "A ← A + (1 − A) a, transparency 1 − A",
         fails: "The transparency keeps an absolute 6e-8 (1e-16) only, so what lies behind a dense part has no digits.",
         instead: "The transparency itself is carried along: τ ← τ (1 − a).",
         rows: [(100, 0.05), (1000, 0.01), (1000, 0.02), (1000, 0.04)].map(row).to_vec(),
-    }
+    })
 }

@@ -14,7 +14,7 @@ pub(super) fn entries() -> Result<Vec<Printed>> {
 /// One widget of the constant-emitter: white, unit distance 1.
 fn glowing(profile: Profile, extinction: f64) -> TransferFunction {
     // A uniform widget needs a region; this one holds every segment below.
-    let region = matches!(profile, Profile::Uniform).then(|| rectangle([-1.0, 2.0]));
+    let region = profile.properties().needs_region.then(|| rectangle([-1.0, 2.0]));
     let widget = Widget { profile, color: [1.0; 3], extinction, region };
     let model = OpticalModel::ConstantEmitter { cutoff: 1.0 / 255.0 };
     TransferFunction { model, unit_distance: 1.0, widgets: vec![widget] }

@@ -10,11 +10,12 @@ mod tables;
 
 use real::Real;
 use serde::Serialize;
-use voltet_core::Result;
+use voltet_core::engine::{AdapterWish, Answer, Forms, PartialIntegrals};
 use voltet_core::optics::{Contribution, Overlap, Segment};
 use voltet_core::transfer::TransferFunction;
-use voltet_engine::Segments;
-use voltet_judge::{Answer, Forms, Native64, PartialIntegrals};
+use voltet_core::{Error, Result};
+use voltet_judge::Native64;
+use voltet_nodes::drawing::NATIVE;
 
 /// One printed formula and what was measured.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -58,6 +59,12 @@ fn error(found: impl Real, exact: f64) -> f64 {
     if found.is_finite() { (found - exact).abs() / exact.abs() } else { f64::INFINITY }
 }
 
+/// What the native engine draws with on this processor.
+fn ours() -> Result<Box<dyn Forms>> {
+    let forms = NATIVE.open(&AdapterWish::default())?.forms();
+    forms.ok_or_else(|| Error::run("the engine has no forms of segments").found(NATIVE.name))
+}
+
 /// The segment in 64 bits, and in the lanes of the native engine.
 fn segment(transfer_function: &TransferFunction, segment: &Segment) -> Result<[Option<Contribution>; 2]> {
     let found = |forms: &dyn Forms| -> Result<Option<Contribution>> {
@@ -66,7 +73,7 @@ fn segment(transfer_function: &TransferFunction, segment: &Segment) -> Result<[O
             Answer::Wider(..) | Answer::Skipped(_) => None,
         })
     };
-    Ok([found(&Native64)?, found(&Segments::widest())?])
+    Ok([found(&Native64)?, found(ours()?.as_ref())?])
 }
 
 /// A number of linear extinction in 64 bits, and in the lanes of the native engine.
@@ -77,7 +84,7 @@ fn partial(a: f64, b: f64, number: impl Fn(&PartialIntegrals) -> f64) -> Result<
             Answer::Wider(..) | Answer::Skipped(_) => None,
         })
     };
-    Ok((found(&Native64)?.unwrap_or(f64::NAN), found(&Segments::widest())?))
+    Ok((found(&Native64)?.unwrap_or(f64::NAN), found(ours()?.as_ref())?))
 }
 
 /// A segment from one pair (s, g) to another.

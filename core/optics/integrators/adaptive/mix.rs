@@ -74,12 +74,13 @@ fn ends(member: &Member, t: f64, end: f64) -> [[f64; 3]; 2] {
 /// Sums of a mix: per channel the light, and what it takes to bound the error.
 #[derive(Default)]
 struct Bounds {
-    parts: [Part; MOST],
+    parts: [MixedWidget; MOST],
     count: usize,
 }
 
+/// A widget of a mix: its colour, its light, and by how much that can be too small and too large.
 #[derive(Default, Clone, Copy)]
-struct Part {
+struct MixedWidget {
     middle: [f64; 3],
     /// Half the range of each channel.
     half: [f64; 3],
@@ -93,11 +94,11 @@ impl Bounds {
     fn add(&mut self, ends: &[[f64; 3]; 2], light: f64, above: f64, below: f64) {
         let middle = std::array::from_fn(|i| 0.5 * (ends[0][i] + ends[1][i]));
         let half = std::array::from_fn(|i| 0.5 * (ends[0][i] - ends[1][i]).abs());
-        self.parts[self.count] = Part { middle, half, light, above, below };
+        self.parts[self.count] = MixedWidget { middle, half, light, above, below };
         self.count += 1;
     }
 
-    fn parts(&self) -> &[Part] {
+    fn parts(&self) -> &[MixedWidget] {
         &self.parts[..self.count]
     }
 

@@ -25,7 +25,7 @@ mod panel;
 use super::{Integrator, SegmentIntegrator, can_serve};
 use crate::Result;
 use crate::optics::forms::TrackColor;
-use crate::optics::overlap::{Glow, Member, Quadrature, ordered};
+use crate::optics::overlap::{Glow, Member, Panel, Quadrature, blur, blurred, ordered};
 use crate::optics::quadrature::GAUSS_12;
 use crate::optics::special::{mean_transmittance, opacity};
 use crate::optics::track::{Track, limit_panel};
@@ -132,7 +132,11 @@ impl<'a> March<'a> {
         let (mut step, mut worth, mut again) = (1.0_f64, true, false);
         while self.rest > 0.0 {
             let seen = (-self.front).exp();
-            let at_stake = seen * self.brightest * self.light(self.rest, self.behind);
+            // What absorbs may stand behind what glows: all of the rest may be seen.
+            let at_stake = match self.glow {
+                Glow::Density => seen * self.brightest * opacity(self.behind),
+                Glow::Constant(_) => seen * self.brightest * self.rest,
+            };
             if at_stake <= 1e-3 * self.left {
                 break;
             }
@@ -142,7 +146,7 @@ impl<'a> March<'a> {
             let length = step.min(self.rest).min(self.mixable());
             let mut shorter = 0.0;
             again = false;
-            if worth && !self.only_panels && length > 0.0 {
+            if worth && !self.only_panels && blurred(self.t, length).is_none() {
                 let mixed = mix(self.members, self.glow, self.t, length);
                 let (error, allowed) = (seen * mixed.error, self.allowed(length, mixed.depth));
                 if error <= allowed {
@@ -157,6 +161,10 @@ impl<'a> March<'a> {
                 // The next break is within rounding of t: step over it.
                 self.t = self.next_break().max(self.t.next_up());
                 self.rest = 1.0 - self.t;
+                continue;
+            }
+            if let Some(length) = blurred(self.t, length) {
+                self.blur(length.min(self.rest));
                 continue;
             }
             let allowed = self.allowed(length, depth);
@@ -174,6 +182,14 @@ impl<'a> March<'a> {
             }
         }
         self.color
+    }
+
+    /// Takes a stretch whose places are not told apart.
+    fn blur(&mut self, dt: f64) {
+        let mut color = [0.0; 3];
+        let depth =
+            blur(&mut color, self.members, self.glow, &Panel { t: self.t, dt, seen: 1.0, middle: self.t });
+        self.accept(dt, (-self.front).exp(), 0.0, &Estimate { color, error: 0.0, depth });
     }
 
     fn accept(&mut self, length: f64, seen: f64, error: f64, piece: &Estimate) {

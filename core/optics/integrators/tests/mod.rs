@@ -27,6 +27,24 @@ fn largest_error(a: &Contribution, b: &Contribution) -> f64 {
 const ACROSS: Segment<'static> =
     Segment { length: 1.3, front: [0.1, 0.2], back: [0.9, 0.7], fields_front: &[], fields_back: &[] };
 
+#[test]
+fn every_kind_has_a_word_of_its_own_and_keeps_the_numbers_that_it_has() {
+    let given = Numbers { tolerance: Some(0.5), count: Some(7), table_size: Some(9) };
+    for (k, kind) in Integrator::EVERY.iter().enumerate() {
+        assert_eq!(Integrator::WORDS[k].0, kind.name());
+        assert!(Integrator::EVERY[..k].iter().all(|other| other.name() != kind.name()), "{kind:?}");
+        assert_eq!(kind.with(Numbers::default()), *kind);
+        let (with, own) = (kind.with(given), kind.numbers());
+        assert!(with.is_kind_of(kind) && with.check().is_ok(), "{with:?}");
+        let expected = Numbers {
+            tolerance: own.tolerance.and(given.tolerance),
+            count: own.count.and(given.count),
+            table_size: own.table_size.and(given.table_size),
+        };
+        assert_eq!(with.numbers(), expected);
+    }
+}
+
 /// Both are of second order: twice the samples, a quarter of the error (within a tenth, once it is small).
 #[test]
 fn sampling_converges_to_the_closed_forms_with_second_order() {

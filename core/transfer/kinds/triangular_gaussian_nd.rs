@@ -1,0 +1,121 @@
+//! `triangular-gaussian-nd`: exp(−|K (v − centre)|²/m²) over a list of fields of its own, m another array, the magnitude of
+//! all their gradients; 0 where m ≤ 0 (Kniss et al. 2003, section 3.2). Over one field with K = 1/σ and m = |∇v| it is
+//! `triangular-gaussian`.
+
+use super::keys::{
+    CENTRE_OF_FIELDS, COLOR, Declared, EXTINCTION, FIELDS, MATRIX_OF_FIELDS, REGION, SIGMA_OF_FIELDS,
+    fields_and_centre, kernel,
+};
+use super::{AxisOrigin, ColorSource, FIELDS_MOST, Profile, Properties, gaussian_nd};
+use crate::parameters::{Kind, Parameter, ParameterType, Parameters, Standard};
+use crate::transfer::support::Corners;
+use crate::{Error, Result};
+
+/// The declaration.
+pub(super) const KIND: Declared = Declared {
+    kind: Kind {
+        name: "triangular-gaussian-nd",
+        summary: "A Gaussian over one to seven point arrays that widens with the magnitude of all their gradients.",
+        parameters: &[
+            COLOR,
+            EXTINCTION,
+            Parameter {
+                help: "names of one to seven point arrays; \"NAME:0\" and \"NAME:magnitude\" for vectors",
+                ..FIELDS
+            },
+            Parameter {
+                name: "magnitude",
+                parameter_type: ParameterType::Text,
+                unit: "",
+                standard: Standard::Text("multi-gradient"),
+                help: "the point array that the widths are shares of, such as the node multi-gradient computes",
+            },
+            CENTRE_OF_FIELDS,
+            Parameter {
+                unit: "units of the fields / units of the magnitude",
+                help: "widths for each unit of the magnitude, one a field; inf ignores the field",
+                ..SIGMA_OF_FIELDS
+            },
+            Parameter {
+                unit: "units of the magnitude / units of the fields",
+                standard: Standard::Unset("diag(1 / sigma)"),
+                help: "K of exp(-|K (v - centre) / magnitude|²), rows first, in place of sigma",
+                ..MATRIX_OF_FIELDS
+            },
+            REGION,
+        ],
+    },
+    read: |p, _| read(p),
+};
+
+/// Most fields beside the magnitude.
+const MOST: usize = FIELDS_MOST - 1;
+
+fn read(p: &Parameters) -> Result<Profile> {
+    let (fields, centre) = fields_and_centre(p, MOST)?;
+    let matrix = kernel(p, fields.len(), 1.0)?;
+    let magnitude = p.text("magnitude")?.to_owned();
+    if magnitude.is_empty() {
+        return Err(p.error("magnitude", "the magnitude has no name").accepted("the name of a point array"));
+    }
+    Ok(Profile::TriangularGaussianNd { fields, magnitude, centre, matrix })
+}
+
+pub(super) fn properties<'a>(fields: &'a [String], magnitude: &'a str, centre: &[f64]) -> Properties<'a> {
+    let centres = centre.iter().map(|&centre| AxisOrigin::Centre(centre));
+    Properties {
+        name: KIND.kind.name,
+        color: ColorSource::Widget,
+        own_peak: None,
+        fields: fields.iter().map(String::as_str).chain([magnitude]).collect(),
+        depends_on_g: false,
+        axes: [AxisOrigin::Any; 2].into_iter().chain(centres).chain([AxisOrigin::Zero]).collect(),
+        bands: None,
+        jumps: false,
+        range: None,
+        needs_region: false,
+        has_elementary_mean: false,
+    }
+}
+
+pub(super) fn check(fields: &[String], magnitude: &str, centre: &[f64], matrix: &[Vec<f64>]) -> Result<()> {
+    gaussian_nd::check(fields, centre, matrix)?;
+    if fields.len() > MOST {
+        return Err(Error::usage("a widget over fields and their magnitude has too many of them")
+            .found(fields.len())
+            .accepted(format!("1 to {MOST}")));
+    }
+    match magnitude {
+        "" => Err(Error::usage("the magnitude has no name").accepted("the name of a point array")),
+        _ => Ok(()),
+    }
+}
+
+/// Bounds over cells.
+#[derive(Debug, Clone)]
+pub(in crate::transfer) struct Bounds {
+    fields: gaussian_nd::Bounds,
+    /// Where the magnitude lies among all fields; past the end where it is unknown.
+    magnitude: usize,
+}
+
+impl Bounds {
+    /// `names`: all further fields in their order.
+    pub fn new(fields: gaussian_nd::Bounds, magnitude: &str, names: &[&str]) -> Self {
+        let magnitude = names.iter().position(|name| *name == magnitude).unwrap_or(usize::MAX);
+        Bounds { fields, magnitude }
+    }
+
+    /// Along a direction e in which the whole hull lies on one side of the centre, |q|/m ≥ (q·e)/m, a ratio of linear
+    /// functions, whose least value is at a vertex with m > 0.
+    pub fn bound(&self, corners: &Corners) -> f64 {
+        let Some(magnitude) = corners.fields.get(self.magnitude) else { return 1.0 };
+        if magnitude.iter().all(|&m| m <= 0.0) {
+            return 0.0;
+        }
+        self.fields.bound_of(corners, |along| {
+            let ratio = |v: usize| if magnitude[v] > 0.0 { along[v] / magnitude[v] } else { f64::INFINITY };
+            (0..4).map(ratio).fold(f64::INFINITY, f64::min)
+        })
+    }
+}

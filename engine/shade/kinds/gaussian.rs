@@ -1,0 +1,79 @@
+//! A Gaussian over s and g in lanes.
+
+use crate::attribute::Attribute;
+use crate::shade::along::Along;
+use voltet_lanes::limits::GAUSSIAN_WIDTHS_MOST;
+use voltet_lanes::optics::elementary::exp;
+use voltet_lanes::optics::gaussian::{self, LaneGaussianPath};
+use voltet_lanes::optics::smooth::DensityShape;
+use voltet_lanes::{Float, Lanes, Mask, array};
+
+/// exp(−|K (v − centre)|²), K and the centre scaled as the attributes are.
+pub(crate) struct LaneGaussian {
+    matrix: [[f32; 2]; 2],
+    centre: [f32; 2],
+    /// Whether a segment can span more than [`GAUSSIAN_WIDTHS_MOST`] widths.
+    narrow: bool,
+}
+
+impl LaneGaussian {
+    /// `None` where the numbers leave 32 bits.
+    pub fn new(
+        centre: &[f64; 2],
+        matrix: &[[f64; 2]; 2],
+        attributes: &[Attribute<'_>],
+    ) -> Option<LaneGaussian> {
+        // What is not looked at is 0 everywhere.
+        let axis = |a: usize| attributes.get(a).map_or([0.0, 1.0, 0.0], |x| [x.offset, x.scale, x.span]);
+        let axes = [axis(0), axis(1)];
+        let widths = matrix.iter().flat_map(|row| [row[0] * axes[0][2], row[1] * axes[1][2]]);
+        let gaussian = LaneGaussian {
+            narrow: widths.map(f64::abs).sum::<f64>() > GAUSSIAN_WIDTHS_MOST,
+            matrix: matrix.map(|row| [(row[0] * axes[0][1]) as f32, (row[1] * axes[1][1]) as f32]),
+            centre: std::array::from_fn(|a| ((centre[a] - axes[a][0]) / axes[a][1]) as f32),
+        };
+        let held = gaussian.centre.iter().chain(gaussian.matrix.iter().flatten()).all(|x| x.is_finite());
+        held.then_some(gaussian)
+    }
+
+    #[inline(always)]
+    fn point<L: Lanes>(&self, v: &[L::F; 2]) -> [L::F; 2] {
+        let splat = L::F::splat;
+        let d = [v[0] - splat(self.centre[0]), v[1] - splat(self.centre[1])];
+        array(
+            #[inline(always)]
+            |i| splat(self.matrix[i][0]).mul_add(d[0], splat(self.matrix[i][1]) * d[1]),
+        )
+    }
+
+    /// Depth and shape between two points, for a rate of `peak` at the centre.
+    #[inline(always)]
+    pub fn shape<L: Lanes>(&self, front: &[L::F; 2], back: &[L::F; 2], peak: L::F) -> DensityShape<L> {
+        gaussian::shape::<L, 2>(self.point::<L>(front), self.point::<L>(back), peak)
+    }
+
+    /// The path of the whole segment.
+    #[inline(always)]
+    pub fn path<L: Lanes>(&self, along: &Along<L>) -> LaneGaussianPath<L> {
+        LaneGaussianPath::<L>::new(self.point::<L>(&along.front), self.point::<L>(&along.back))
+    }
+
+    /// Lanes (bits) on which the segment spans too many widths.
+    #[inline(always)]
+    pub fn unsure<L: Lanes>(&self, along: &Along<L>) -> u32 {
+        if !self.narrow {
+            return 0;
+        }
+        let (front, back) = (self.point::<L>(&along.front), self.point::<L>(&along.back));
+        let step = [back[0] - front[0], back[1] - front[1]];
+        let extent = step[0].mul_add(step[0], step[1] * step[1]).sqrt();
+        L::F::splat(GAUSSIAN_WIDTHS_MOST as f32).lt(extent).bits()
+    }
+
+    /// The profile at a point.
+    #[inline(always)]
+    pub fn value<L: Lanes>(&self, at: &[L::F; 2]) -> L::F {
+        let q = self.point::<L>(at);
+        exp::<L>(-(q[0].mul_add(q[0], q[1] * q[1])))
+    }
+}

@@ -1,0 +1,151 @@
+//! Which file a path means, however it is spelled.
+
+use std::path::{Path, PathBuf};
+
+/// The path of the standard output. A file of that name is `./-`.
+pub const STANDARD_OUTPUT: &str = "-";
+
+/// More links than this from one to the next are a ring: what Linux allows.
+const LINKS_MOST: usize = 40;
+
+/// What a path means: equal for two paths where what is written to one shows at the other.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Meant {
+    /// The standard output, where that is a terminal or another device.
+    StandardOutput,
+    /// A file that is there, by the numbers of its device and of itself.
+    #[cfg(unix)]
+    Numbers(u64, u64),
+    /// A file that is not there yet, or is known by its path alone: the path without links.
+    Path(PathBuf),
+}
+
+impl Meant {
+    /// What a path means; `None` for devices (`/dev/null`), which keep nothing that could be lost.
+    pub fn by(path: &Path) -> Option<Meant> {
+        if path == Path::new(STANDARD_OUTPUT) {
+            let there = standard_output().and_then(|metadata| Self::there(&metadata, path));
+            return Some(there.unwrap_or(Meant::StandardOutput));
+        }
+        match std::fs::metadata(path) {
+            Ok(metadata) => Self::there(&metadata, path),
+            Err(_) => Some(Meant::Path(without_links(&followed(path)))),
+        }
+    }
+
+    #[cfg(unix)]
+    fn there(metadata: &std::fs::Metadata, _path: &Path) -> Option<Meant> {
+        use std::os::unix::fs::{FileTypeExt, MetadataExt};
+        let is_device = metadata.file_type().is_char_device();
+        (!is_device).then(|| Meant::Numbers(metadata.dev(), metadata.ino()))
+    }
+
+    #[cfg(not(unix))]
+    fn there(_metadata: &std::fs::Metadata, path: &Path) -> Option<Meant> {
+        Some(Meant::Path(without_links(path)))
+    }
+}
+
+/// Whether a path is the standard output, by its own name or another.
+pub fn is_standard_output(path: &Path) -> bool {
+    let named = [STANDARD_OUTPUT, "/dev/stdout"].iter().any(|name| path == Path::new(name));
+    named || Meant::by(path).is_some_and(|meant| Meant::by(Path::new(STANDARD_OUTPUT)) == Some(meant))
+}
+
+/// What the standard output leads to, where the system tells.
+fn standard_output() -> Option<std::fs::Metadata> {
+    cfg!(unix).then(|| std::fs::metadata("/dev/stdout").ok())?
+}
+
+/// The path that symbolic links lead to from here, whether or not there is something.
+pub(super) fn followed(path: &Path) -> PathBuf {
+    let mut path = path.to_path_buf();
+    for _ in 0..LINKS_MOST {
+        let Ok(link) = std::fs::read_link(&path) else { break };
+        path = super::folder(&path).join(link);
+    }
+    path
+}
+
+/// The folder without links, and the name in it; the path as it is where there is no such folder.
+fn without_links(path: &Path) -> PathBuf {
+    let folder = std::fs::canonicalize(super::folder(path)).ok();
+    folder.zip(path.file_name()).map_or_else(|| path.to_path_buf(), |(folder, name)| folder.join(name))
+}
+
+/// A file that is read or written, by whom does not matter here.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Use {
+    /// The path.
+    pub path: PathBuf,
+    /// Whether it is written; it is read otherwise.
+    pub written: bool,
+}
+
+/// The first of these that writes a file which another one reads or writes, and that other one, by their places.
+pub fn collision(uses: &[Use]) -> Option<[usize; 2]> {
+    let meant: Vec<Option<Meant>> = uses.iter().map(|one| Meant::by(&one.path)).collect();
+    let same = |a: usize, b: usize| a != b && meant[a].is_some() && meant[a] == meant[b];
+    let before_others = |a: usize, b: usize| !uses[b].written || b < a;
+    (0..uses.len()).filter(|&a| uses[a].written).find_map(|a| {
+        let other = (0..uses.len()).find(|&b| same(a, b) && before_others(a, b))?;
+        Some([a, other])
+    })
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+    use std::fs;
+    use std::os::unix::fs::symlink;
+
+    fn collides(a: &Path, b: &Path) -> bool {
+        let of = |path: &Path, written| Use { path: path.into(), written };
+        let both = [of(a, false), of(b, true)];
+        assert_eq!(collision(&both).is_some(), collision(&[of(a, true), of(b, true)]).is_some());
+        collision(&both).is_some()
+    }
+
+    #[test]
+    fn one_file_is_known_by_every_spelling() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        fs::create_dir(at("in")).unwrap();
+        for name in ["a", "b"] {
+            fs::write(at(name), "").unwrap();
+        }
+        fs::hard_link(at("a"), at("hard")).unwrap();
+        symlink("a", at("soft")).unwrap();
+        symlink("in", at("into")).unwrap();
+        symlink("into/later", at("dangling")).unwrap();
+        symlink("dangling", at("twice")).unwrap();
+        symlink("ring", at("ring")).unwrap();
+        for (one, other) in [
+            ("a", "./a"),
+            ("a", "in/../a"),
+            ("a", "hard"),
+            ("soft", "hard"),
+            ("in/later", "into/later"),
+            ("in/later", "dangling"),
+            ("into/../in/later", "twice"),
+            ("ring", "ring"),
+            ("not/there", "not/there"),
+        ] {
+            assert!(collides(&at(one), &at(other)), "{one} {other}");
+        }
+        for (one, other) in [("a", "b"), ("soft", "b"), ("in/later", "later"), ("ring", "a")] {
+            assert!(!collides(&at(one), &at(other)), "{one} {other}");
+        }
+        assert!(collides(Path::new("-"), Path::new("-")));
+        assert!(!collides(Path::new("/dev/null"), Path::new("/dev/null")));
+        assert!(!collides(Path::new("-"), &at("-")));
+    }
+
+    #[test]
+    fn what_is_only_read_never_collides() {
+        let read = Use { path: "a".into(), written: false };
+        assert_eq!(collision(&[read.clone(), read.clone()]), None);
+        let written = Use { written: true, ..read.clone() };
+        assert_eq!(collision(&[written, read]), Some([0, 1]));
+    }
+}

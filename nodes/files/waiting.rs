@@ -1,0 +1,25 @@
+//! Whether the program waits for whoever reads what it writes: then only its end stops it.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+static WAITS: AtomicBool = AtomicBool::new(false);
+
+/// The program waits until this goes away.
+pub(super) struct Waits;
+
+/// A write begins that may have to wait for a reader: to a pipe or a terminal.
+pub(super) fn begin() -> Waits {
+    WAITS.store(true, Ordering::Relaxed);
+    Waits
+}
+
+impl Drop for Waits {
+    fn drop(&mut self) {
+        WAITS.store(false, Ordering::Relaxed);
+    }
+}
+
+/// Whether a write to a pipe or a terminal is on its way.
+pub fn is_waiting() -> bool {
+    WAITS.load(Ordering::Relaxed)
+}

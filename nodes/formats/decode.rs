@@ -1,0 +1,246 @@
+//! Arrays decoded into memory.
+//!
+//! [`Stored::load`] finds an array's bytes, compares their number with what the headers promise, and only then allocates
+//! and decodes, in parallel, block by block straight into the destination.
+
+use super::ascii;
+use super::codec::Decompressor;
+use super::found::{Found, Payload};
+use super::numbers::{Target, convert};
+use super::stored::{Meter, Stored};
+use rayon::prelude::*;
+use voltet_core::{Error, Result};
+
+/// Values that one task decodes from data that is not cut into blocks: 2 MB of 64-bit values.
+const PART: usize = 1 << 18;
+
+/// Looks at a part of an array: the number of all values, that of the part's first, and the part.
+type See<'a, T> = dyn Fn(usize, usize, &[T]) -> Result<()> + Sync + 'a;
+
+impl Stored {
+    /// Reads all values. Allocates once their number is known to lie in the file.
+    pub fn load<T: Target>(&self, meter: &Meter) -> Result<Vec<T>> {
+        self.load_checked(meter).map_err(|error| error.at_item(&self.name))
+    }
+
+    /// Reads all values into `to`, whose length must be their number.
+    ///
+    /// The destination is asked for only once that many values are known to lie in the file.
+    pub fn load_with<T: Target, D>(
+        &self,
+        meter: &Meter,
+        allocate: impl FnOnce(usize) -> D,
+        view: impl FnOnce(&mut D) -> &mut [T],
+    ) -> Result<D> {
+        let inner = || -> Result<D> {
+            let found = self.find(meter)?;
+            let count = self.count(&found)?;
+            let mut destination = allocate(count);
+            self.decode(found, view(&mut destination), meter)?;
+            Ok(destination)
+        };
+        inner().map_err(|error| error.at_item(&self.name))
+    }
+
+    fn load_checked<T: Target>(&self, meter: &Meter) -> Result<Vec<T>> {
+        let found = self.find(meter)?;
+        if let Found::Text(text) = &found {
+            let values = ascii::numbers(self.number_type, text)?;
+            meter.advance(text.len() as u64)?;
+            self.check_count(values.len() as u64)?;
+            return Ok(values);
+        }
+        let count = self.count(&found)?;
+        let mut values = vec![T::default(); count];
+        self.decode(found, &mut values, meter)?;
+        Ok(values)
+    }
+
+    /// Number of values found, which is the number promised.
+    fn count(&self, found: &Found) -> Result<usize> {
+        let byte_count = match found {
+            Found::Text(text) => {
+                let count = ascii::words(text).count() as u64;
+                self.check_count(count)?;
+                return Ok(count as usize);
+            }
+            Found::Computed(values) => {
+                self.check_count(values.len() as u64)?;
+                return Ok(values.len());
+            }
+            Found::Plain(payload) => payload.len(),
+            Found::Blocks { size, last, places, .. } => match places.len() as u64 {
+                0 => 0,
+                count => (count - 1) * size + last,
+            },
+        };
+        let promised = self.promised()?;
+        let count = match (self.number_type.size(), promised) {
+            (Some(size), _) if byte_count.is_multiple_of(size as u64) => byte_count / size as u64,
+            (None, Some(promised)) if promised.div_ceil(8) == byte_count => promised,
+            _ => {
+                return Err(Error::run("the array has the wrong size")
+                    .found(format_args!("{byte_count} bytes"))
+                    .accepted(match promised.and_then(|count| self.number_type.byte_count(count)) {
+                        Some(bytes) => format!("{bytes} bytes of {}", self.number_type.name()),
+                        None => format!("whole values of {}", self.number_type.name()),
+                    }));
+            }
+        };
+        self.check_count(count)?;
+        Ok(count as usize)
+    }
+
+    fn check_count(&self, count: u64) -> Result<()> {
+        match self.promised()? {
+            Some(promised) if promised != count => {
+                Err(Error::run("the array has the wrong number of values").found(count).accepted(
+                    format_args!(
+                        "{promised} ({} tuples of {} components)",
+                        self.tuple_count.unwrap_or(0),
+                        self.component_count
+                    ),
+                ))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Shows all values to `see`, part by part and in parallel, without keeping them.
+    pub fn visit<T: Target>(&self, meter: &Meter, see: &See<T>) -> Result<()> {
+        let inner = || -> Result<()> {
+            let found = self.find(meter)?;
+            if matches!(found, Found::Text(_) | Found::Computed(_)) {
+                let values = self.load_checked(meter)?;
+                return see(values.len(), 0, &values);
+            }
+            let count = self.count(&found)?;
+            let found = self.whole_values(found, meter)?;
+            let part_len = self.part_len(&found);
+            (0..count.div_ceil(part_len)).into_par_iter().try_for_each_init(
+                || (Buffers::default(), Vec::new()),
+                |(buffers, values), part| {
+                    let first = part * part_len;
+                    values.resize((count - first).min(part_len), T::default());
+                    self.part(&found, part, buffers, values, meter)?;
+                    see(count, first, values)
+                },
+            )
+        };
+        inner().map_err(|error| error.at_item(&self.name))
+    }
+
+    /// Decodes what was found into `to`, whose length is the number of values.
+    fn decode<T: Target>(&self, found: Found, to: &mut [T], meter: &Meter) -> Result<()> {
+        match found {
+            Found::Computed(values) => {
+                for (to, value) in to.iter_mut().zip(values) {
+                    *to = T::from_f64(value).0;
+                }
+                Ok(())
+            }
+            Found::Text(text) => {
+                to.copy_from_slice(&ascii::numbers::<T>(self.number_type, &text)?);
+                meter.advance(text.len() as u64)
+            }
+            found => {
+                let found = self.whole_values(found, meter)?;
+                to.par_chunks_mut(self.part_len(&found))
+                    .enumerate()
+                    .try_for_each_init(Buffers::default, |buffers, (part, to)| {
+                        self.part(&found, part, buffers, to, meter)
+                    })
+            }
+        }
+    }
+
+    /// Puts the bytes side by side where values lie across the blocks.
+    fn whole_values(&self, found: Found, meter: &Meter) -> Result<Found> {
+        let Found::Blocks { size, last, places, .. } = &found else { return Ok(found) };
+        if self.number_type.size().is_some_and(|value_size| size.is_multiple_of(value_size as u64)) {
+            return Ok(found);
+        }
+        let total = (places.len().saturating_sub(1)) * *size as usize + *last as usize;
+        let mut bytes = vec![0; if places.is_empty() { 0 } else { total }];
+        bytes
+            .par_chunks_mut((*size as usize).max(1))
+            .enumerate()
+            .try_for_each_init(Buffers::default, |buffers, (index, to)| {
+                self.block(&found, index, buffers, to, meter)
+            })?;
+        Ok(Found::Plain(Payload::Memory(bytes)))
+    }
+
+    /// Values of a part that one task decodes.
+    fn part_len(&self, found: &Found) -> usize {
+        match (found, self.number_type.size()) {
+            (Found::Blocks { size, .. }, Some(value_size)) => (*size as usize / value_size).max(1),
+            _ => PART,
+        }
+    }
+
+    /// Decodes one part.
+    fn part<T: Target>(
+        &self,
+        found: &Found,
+        part: usize,
+        buffers: &mut Buffers,
+        to: &mut [T],
+        meter: &Meter,
+    ) -> Result<()> {
+        let first = part * self.part_len(found);
+        let convert_to = |bytes: &[u8], to: &mut [T]| {
+            convert(self.number_type, self.order, bytes, to).map_err(|index| {
+                Error::run(format!("value {} of the array is out of range", first + index))
+                    .accepted(T::ACCEPTED)
+            })
+        };
+        match found {
+            Found::Plain(payload) => {
+                // A part is a multiple of 8 values, so parts of bit arrays begin with a byte.
+                let (at, end) = match self.number_type.size() {
+                    Some(size) => (first * size, (first + to.len()) * size),
+                    None => (first / 8, (first + to.len()).div_ceil(8)),
+                };
+                convert_to(payload.get(&self.source, at as u64, end - at, &mut buffers.read)?, to)?;
+                meter.advance((end - at) as u64)
+            }
+            _ => {
+                let len = to.len() * self.number_type.size().unwrap_or(1);
+                let mut bytes = std::mem::take(&mut buffers.decompressed);
+                bytes.resize(len, 0);
+                self.block(found, part, buffers, &mut bytes, meter)?;
+                convert_to(&bytes, to)?;
+                buffers.decompressed = bytes;
+                Ok(())
+            }
+        }
+    }
+
+    /// Decompresses block `index` into `to`, which has its size.
+    fn block(
+        &self,
+        found: &Found,
+        index: usize,
+        buffers: &mut Buffers,
+        to: &mut [u8],
+        meter: &Meter,
+    ) -> Result<()> {
+        let Found::Blocks { payload, codec, places, .. } = found else { return Ok(()) };
+        let (at, len) = places[index];
+        let decompressor = buffers.decompressor.get_or_insert_with(|| Decompressor::new(*codec));
+        let bytes = payload.get(&self.source, at, len as usize, &mut buffers.read)?;
+        decompressor
+            .decompress(bytes, to)
+            .map_err(|error| error.found(format_args!("block {index} of {}", places.len())))?;
+        meter.advance(u64::from(len))
+    }
+}
+
+/// Memory that a thread keeps from part to part.
+#[derive(Default)]
+struct Buffers {
+    read: Vec<u8>,
+    decompressed: Vec<u8>,
+    decompressor: Option<Decompressor>,
+}

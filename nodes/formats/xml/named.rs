@@ -1,0 +1,73 @@
+//! Files that a parallel file or a series names.
+
+use super::header::{self, Appended, Element};
+use crate::formats::piece::Dataset;
+use crate::formats::source::Source;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use voltet_core::{Error, Result};
+
+/// Reads the file `name`, a path relative to the file that names it, by `open`, and adds its pieces.
+pub(super) fn add(
+    by: &Source,
+    name: &str,
+    open: impl FnOnce(Arc<Source>, &Element, Option<Appended>) -> Result<Dataset>,
+    to: &mut Dataset,
+) -> Result<()> {
+    let path = by.path().parent().unwrap_or(Path::new("")).join(name);
+    let source = Source::open(&path)?;
+    let inner = || {
+        let (root, appended) = header::read(&source)?;
+        open(source.clone(), &root, appended)
+    };
+    let part = inner().map_err(|error| error.in_file(&path))?;
+    to.pieces.extend(part.pieces);
+    to.warnings.extend(part.warnings);
+    to.active_scalars = to.active_scalars.take().or(part.active_scalars);
+    if to.format.is_empty() {
+        to.format = part.format;
+    }
+    Ok(())
+}
+
+/// The files that a series or a parallel file names, and those that these name; none for files of other kinds, of which no
+/// more than the head is read.
+pub(in crate::formats) fn all(path: &Path) -> Vec<PathBuf> {
+    by_file(path, &MARKS)
+}
+
+/// Those of a file of one of these kinds.
+fn by_file(path: &Path, marks: &[&str]) -> Vec<PathBuf> {
+    let Ok(source) = Source::open(path) else { return Vec::new() };
+    let head = source.head(HEAD).unwrap_or_default();
+    let names_others = |mark: &[u8]| head.windows(mark.len()).any(|window| window == mark);
+    if !head.trim_ascii_start().starts_with(b"<") || !marks.iter().any(|mark| names_others(mark.as_bytes())) {
+        return Vec::new();
+    }
+    let Ok((root, _)) = header::read(&source) else { return Vec::new() };
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let mut names = Vec::new();
+    names_below(&root, &mut names);
+    let paths: Vec<PathBuf> = names.into_iter().map(|name| folder.join(name)).collect();
+    // A series may name parallel files; these name no further ones.
+    let is_series = root.attribute("type") == Some(SERIES);
+    let further = paths.iter().filter(|_| is_series).flat_map(|path| by_file(path, &MARKS[1..]));
+    let further: Vec<PathBuf> = further.collect();
+    paths.into_iter().chain(further).collect()
+}
+
+/// Where the kind of a file stands.
+const HEAD: u64 = 1024;
+/// The kinds that name others, as every writer spells them.
+const MARKS: [&str; 2] = ["type=\"Collection\"", "type=\"P"];
+const SERIES: &str = "Collection";
+
+fn names_below<'a>(element: &'a Element, names: &mut Vec<&'a str>) {
+    names.extend(["file", "Source"].iter().filter_map(|name| element.attribute(name)));
+    element.children.iter().for_each(|child| names_below(child, names));
+}
+
+/// The error about a named file of a kind that cannot be named there.
+pub(super) fn misplaced(kind: &str) -> Error {
+    Error::run("a file names another of a kind that cannot stand there").found(kind)
+}

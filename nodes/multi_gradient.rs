@@ -1,0 +1,151 @@
+//! `multi-gradient`: how fast several fields change at once, as a point array, where somebody looks at it.
+
+use std::sync::Arc;
+use voltet_core::field::spectral_norms;
+use voltet_core::graph::{
+    Asking, Call, Demand, MayLeaveOut, Node, Notes, Outputs, Parameter, ParameterType, Parameters, Port,
+    PortType, Range, Saving, Standard, Value,
+};
+use voltet_core::grid::{Array, Grid};
+use voltet_core::volume::Volume;
+use voltet_core::{Error, Result};
+
+/// The declaration.
+pub const NODE: Node = Node {
+    name: "multi-gradient",
+    summary: "Computes the magnitude of the gradients of several fields together, as a point array.",
+    inputs: &[Port { name: "volume", port_type: PortType::Volume, summary: "the grid with the fields" }],
+    outputs: &[Port { name: "volume", port_type: PortType::Volume, summary: "the same with the array" }],
+    parameters: &[
+        Parameter {
+            name: "fields",
+            parameter_type: ParameterType::Texts,
+            unit: "",
+            standard: Standard::Required,
+            help: "names of point arrays; \"NAME:0\" and \"NAME:magnitude\" for vectors",
+        },
+        Parameter {
+            name: "scale",
+            parameter_type: ParameterType::Numbers(None, Range::above(0.0)),
+            unit: "units of the fields",
+            standard: Standard::Unset("1, for one field"),
+            help: "one number a field, what of it counts as much as 1: rows of D are gradients of field / scale",
+        },
+        Parameter {
+            name: "name",
+            parameter_type: ParameterType::Text,
+            unit: "",
+            standard: Standard::Text("multi-gradient"),
+            help: "the array's name; it holds the largest singular value of D, which for one field is |gradient| / scale",
+        },
+        Parameter {
+            name: "method",
+            parameter_type: ParameterType::GradientFilter,
+            unit: "",
+            standard: Standard::Text("least-squares"),
+            help: "the gradient filter; its own parameters stand beside this one",
+        },
+    ],
+    example: include_str!("examples/multi_gradient.toml"),
+    check: &|parameters| Wish::new(parameters).map(drop),
+    demand: &demand,
+    run: &run,
+    ..Node::BLANK
+};
+
+/// What the parameters state.
+struct Wish {
+    fields: Vec<String>,
+    /// One a field.
+    scale: Vec<f64>,
+    name: String,
+}
+
+impl Wish {
+    fn new(p: &Parameters) -> Result<Wish> {
+        let (fields, name) = (p.texts("fields")?, p.text("name")?.to_owned());
+        if fields.is_empty() || fields.iter().any(String::is_empty) {
+            return Err(p.error("fields", "there is no field").accepted("at least one name"));
+        }
+        if name.is_empty() || fields.contains(&name) {
+            let error = p.error("name", "the array needs a name of its own").found(format!("'{name}'"));
+            return Err(error.accepted("a name that no field has"));
+        }
+        let scale = match (p.given("scale"), fields.len()) {
+            (true, _) => p.numbers("scale")?,
+            (false, 1) => vec![1.0],
+            (false, count) => {
+                let error = p.error("scale", "fields of several units have no common gradient");
+                return Err(error.accepted(format!("scale = [{}, …]: {count} numbers", fields[0])));
+            }
+        };
+        if scale.len() != fields.len() {
+            let error = p.error("scale", "'scale' has the wrong length").found(scale.len());
+            return Err(error.accepted(format!("{}, one number a field", fields.len())));
+        }
+        if fields.len() > 1 && p.text("method")? == "array" {
+            let error = p.error("method", "an array holds the gradient of one field").found("several fields");
+            return Err(error.accepted("a method that computes gradients"));
+        }
+        Ok(Wish { fields, scale, name })
+    }
+}
+
+fn demand(asking: &mut Asking) -> Result<()> {
+    let wish = Wish::new(asking.parameters)?;
+    let mut demand = asking.asked.clone();
+    demand.arrays.remove(&wish.name);
+    match leave_for(&wish, asking.asked, asking.may_leave_out()) {
+        Some(leave) => leave_out(asking.notes, leave, &wish, None),
+        None => {
+            demand.arrays.extend(asking.method()?.arrays()?);
+            demand.arrays.extend(wish.fields);
+        }
+    }
+    asking.ask("volume", &demand)
+}
+
+/// Leave to leave the array out, if nobody looks at it.
+fn leave_for(wish: &Wish, asked: &Demand, leave: Option<MayLeaveOut>) -> Option<MayLeaveOut> {
+    leave.filter(|_| !asked.arrays.contains(&wish.name))
+}
+
+fn leave_out(notes: &mut Notes, leave: MayLeaveOut, wish: &Wish, point_count: Option<usize>) {
+    let saving = point_count.map(|points| Saving::Bytes(8 * points as u64));
+    notes.leave_out(leave, &wish.name, "no widget looks at it", saving);
+}
+
+fn run(call: &mut Call) -> Result<Outputs> {
+    let wish = Wish::new(call.parameters)?;
+    let mut volume = Volume::clone(&*call.volume("volume")?);
+    if let Some(leave) = leave_for(&wish, call.demand, call.may_leave_out()) {
+        call.notes.counts.insert("gradients_computed", 0);
+        leave_out(&mut call.notes, leave, &wish, Some(volume.grid.points.len()));
+        return Ok(vec![Value::Volume(Arc::new(volume))]);
+    }
+    call.notes.counts.insert("gradients_computed", wish.fields.len() as u64);
+    let mut gradients = Vec::with_capacity(wish.fields.len());
+    for (field, scale) in wish.fields.iter().zip(&wish.scale) {
+        let values: Vec<f64> = values(&volume.grid, field)?.iter().map(|value| value / scale).collect();
+        let gradient = call.method()?.gradient(&volume.grid, &values, call.progress())?;
+        for fallback in &gradient.fallbacks {
+            let what = format!("'{field}': {} at {} points", fallback.what, fallback.point_count);
+            call.notes.warnings.push(what);
+        }
+        gradients.push(gradient.vectors);
+    }
+    let array = Array { component_count: 1, values: spectral_norms(&gradients) };
+    let mut grid = Grid::clone(&volume.grid);
+    grid.point_arrays.insert(wish.name, Arc::new(array));
+    volume.grid = Arc::new(grid);
+    Ok(vec![Value::Volume(Arc::new(volume))])
+}
+
+/// The values of a field, one a point.
+fn values<'a>(grid: &'a Grid, name: &str) -> Result<&'a [f64]> {
+    let array = grid.point_arrays.get(name).filter(|array| array.component_count == 1);
+    array.map(|array| array.values.as_slice()).ok_or_else(|| {
+        let names: Vec<&str> = grid.point_arrays.keys().map(String::as_str).collect();
+        Error::run("there is no such field").found(format!("'{name}'")).accepted(names.join(", "))
+    })
+}

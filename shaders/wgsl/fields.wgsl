@@ -1,0 +1,4 @@
+// Uses: nothing. Fills: nothing.
+// Of up to 8 fields; unused components are 0.
+
+alias Fields = array<f32, 8>;

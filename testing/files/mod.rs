@@ -1,0 +1,6 @@
+//! Small data files in every format and encoding, written independently of the readers.
+
+pub mod legacy;
+pub mod plot3d;
+pub mod samples;
+pub mod xml;

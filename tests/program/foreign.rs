@@ -1,0 +1,76 @@
+//! Data in formats that are not read: named, with what to do, and one error.
+
+use super::support::Folder;
+
+/// Runs and describes a file and asserts that either is refused with its format and a remedy.
+#[track_caller]
+fn refused(folder: &Folder, name: &str, wanted: &[&str]) {
+    folder.voltet(&["info", name]).fails(1, &[wanted, &[name]].concat());
+    let ran = folder.voltet(&["run", "slab.toml", "--set", &format!("grid.path={name}")]);
+    ran.fails(1, &[wanted, &["node 'grid'"]].concat());
+}
+
+#[test]
+fn formats_are_told_by_content_and_named_with_a_remedy() {
+    let folder = Folder::new();
+    const HDF5: &str = "\u{89}HDF\r\n\x1a\n";
+    // One byte a character, as Latin 1 has it.
+    let bytes = |text: &str| text.chars().map(|c| c as u8).collect::<Vec<u8>>();
+    let hdf5 = |inside: &str| bytes(&format!("{HDF5}{}{inside}\0\0", "\0".repeat(5000)));
+    let stl = [&[0; 80][..], &1u32.to_le_bytes(), &[7; 50]].concat();
+    let paraview = "open it in ParaView and save its data as .vtu";
+    let surface = "a surface has to be filled";
+    for (name, content, what, remedy) in [
+        ("a.vtkhdf", hdf5("VTKHDF"), "a VTKHDF file", paraview),
+        ("a.cgns", hdf5("CGNSLibraryVersion"), "a CGNS file", paraview),
+        // PLOT3D grids end in .g, too.
+        ("a.g", hdf5("num_el_blk"), "an Exodus II file", paraview),
+        ("a.exo", bytes("CDF\x01\0\0\0\0num_el_blk"), "an Exodus II file", paraview),
+        ("a.med", hdf5("ENS_MAA"), "a MED file", "ParaVis"),
+        ("a.h5", hdf5("fields"), "an HDF5 file", ".xdmf file beside it"),
+        ("user_block.h5", [vec![0; 512], hdf5("VTKHDF")].concat(), "a VTKHDF file", paraview),
+        ("a.nc", bytes("CDF\x02\0\0\0\0lon"), "a netCDF file", "save"),
+        ("a.msh", bytes("$MeshFormat\n4.1 0 8\n"), "a mesh of Gmsh", "meshio convert"),
+        ("fluent.msh", bytes("(0 \"GAMBIT to Fluent File\")\n"), "Ansys Fluent", paraview),
+        ("a.inp", bytes("** a comment\n*Heading\n"), "input of Abaqus", "meshio convert"),
+        ("a.k", bytes("$ a comment\n*KEYWORD\n*NODE\n"), "input of LS-DYNA", "LS-PrePost"),
+        ("a.cdb", bytes("/COM,ANSYS RELEASE\n/PREP7\n"), "input of Ansys", "pymapdl_reader"),
+        ("a.bdf", bytes("SOL 101\nCEND\nBEGIN BULK\n"), "input of Nastran", "meshio"),
+        ("a.case", bytes("FORMAT\ntype:  ensight gold\n"), "an EnSight case", paraview),
+        ("points", bytes("/*---*\\\nFoamFile\n{\n"), "a file of OpenFOAM", "foamToVTK"),
+        ("a.foam", Vec::new(), "a case of OpenFOAM", "foamToVTK"),
+        ("a.xdmf", bytes("<?xml version=\"1.0\"?>\n<Xdmf Version=\"3.0\">"), "an XDMF file", paraview),
+        ("a.xml", bytes("<dolfin>"), "a mesh of FEniCS", "meshio"),
+        ("text.stl", bytes("solid a\n facet normal 0 0 1\n"), "a surface (STL)", surface),
+        ("binary.stl", stl, "a surface (STL)", surface),
+        ("a.ply", bytes("ply\nformat ascii 1.0\n"), "a surface (PLY)", surface),
+        ("a.obj", bytes("# Blender\nv 0 0 0\nf 1 2 3\n"), "a surface (OBJ)", surface),
+        ("a.png", bytes("\u{89}PNG\r\n\x1a\n"), "an image (PNG)", ".vti"),
+        ("a.nrrd", bytes("NRRD0004\n"), "an image (NRRD)", ".vti"),
+        ("a.vtu.gz", bytes("\x1f\u{8b}\x08\0"), "a gzip archive", "unpack it first"),
+        ("a.csv", bytes("x,y,z,t\n0,0,0,1\n"), "a table as text", "points alone have no volume"),
+    ] {
+        folder.write(name, content);
+        refused(&folder, name, &["the format of the file is known, but not read: found", what, remedy]);
+    }
+    std::fs::create_dir_all(folder.join("cavity/constant/polyMesh")).unwrap();
+    refused(&folder, "cavity", &["a case of OpenFOAM", "foamToVTK"]);
+}
+
+#[test]
+fn collections_of_blocks_name_a_grid_that_can_be_read() {
+    let folder = Folder::new();
+    let blocks = "<VTKFile type=\"vtkMultiBlockDataSet\"><vtkMultiBlockDataSet><Block index=\"0\">\
+        <DataSet index=\"0\" file=\"a/surface.vtp\"/><DataSet index=\"1\" file=\"a/solid.vtu\"/></Block>\
+        <DataSet index=\"1\" file=\"a/fluid.vtu\"/></vtkMultiBlockDataSet></VTKFile>";
+    folder.write("a.vtm", blocks);
+    refused(
+        &folder,
+        "a.vtm",
+        &["type 'vtkMultiBlockDataSet'", "one of the 2 grids", "'a/solid.vtu'", "Merge Blocks"],
+    );
+    folder.write("a.vtp", "<VTKFile type=\"PolyData\"><PolyData/></VTKFile>");
+    refused(&folder, "a.vtp", &["type 'PolyData'", "a surface has to be filled"]);
+    folder.write("a.htg", "<VTKFile type=\"HyperTreeGrid\"><HyperTreeGrid/></VTKFile>");
+    refused(&folder, "a.htg", &["type 'HyperTreeGrid'", "ParaView"]);
+}
