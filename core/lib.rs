@@ -2,6 +2,7 @@
 //!
 //! No GPU, no windows, no files. Each module's head says what it is, its symbols and units, and its source.
 
+mod arithmetic;
 pub mod camera;
 pub mod engine;
 pub mod error;

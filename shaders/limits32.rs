@@ -2,18 +2,10 @@
 
 use crate::choices::{Choices, Combine};
 use crate::kinds;
+use crate::stretch::{Spans, Stretch};
 use voltet_core::transfer::{TransferFunction, Widget};
 use voltet_core::{Error, Result};
-use voltet_lanes::limits::{DEPTH_IN_ORDER_MOST, GAUSSIAN_WIDTHS_MOST, LENGTHS};
-
-/// What one segment of a data set spans at most; the ranges of the values bound it, closer numbers refuse less.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Spans<'a> {
-    /// |v_b − v_f| of s, g (also where it is not read) and the further fields by name.
-    pub values: &'a [f64],
-    /// D, world units.
-    pub longest: f64,
-}
+use voltet_lanes::limits::{DEPTH_IN_ORDER_MOST, LENGTHS};
 
 /// Checks that a composed shader holds what the segments of a data set may ask of it; the error names the widget and the
 /// limit.
@@ -21,14 +13,15 @@ pub fn check_32_bits(choices: &Choices, transfer_function: &TransferFunction, sp
     if choices.method.is_table_of_lengths() {
         return Ok(());
     }
-    let stretch = Stretch { choices, transfer_function, spans };
+    let is_in_order = choices.combine == Combine::Ordered;
+    let stretch = Stretch { transfer_function, spans, is_in_order };
     for (i, widget) in transfer_function.widgets.iter().enumerate() {
-        check(widget, &stretch).map_err(|e| e.at_item(format!("widgets[{i}]")))?;
+        check(choices, widget, &stretch).map_err(|e| e.at_item(format!("widgets[{i}]")))?;
     }
     Ok(())
 }
 
-fn check(widget: &Widget, stretch: &Stretch) -> Result<()> {
+fn check(choices: &Choices, widget: &Widget, stretch: &Stretch) -> Result<()> {
     for rate in [stretch.length(), stretch.length().max(stretch.depth(widget))] {
         if !LENGTHS.contains(&rate) {
             return Err(Error::run("lengths or extinctions leave the range of 32 bits")
@@ -37,67 +30,16 @@ fn check(widget: &Widget, stretch: &Stretch) -> Result<()> {
         }
     }
     // Samples are taken where they fall, whatever lies between them.
-    if stretch.choices.method.samples() {
+    if choices.method.samples() {
         return Ok(());
     }
     let depth = stretch.depth(widget);
-    if stretch.is_in_order() && depth > DEPTH_IN_ORDER_MOST {
+    if stretch.is_in_order && depth > DEPTH_IN_ORDER_MOST {
         return Err(Error::run("widgets that overlap are too dense for 32 bits to tell which is in front")
             .found(format!("{depth:e} as the optical depth of a segment"))
             .accepted(format!("at most {DEPTH_IN_ORDER_MOST:e}, or an engine of 64 bits")));
     }
     kinds::check_32_bits(widget, stretch)
-}
-
-/// The longest stretch that a segment may be, of length and values.
-pub(crate) struct Stretch<'a> {
-    choices: &'a Choices,
-    transfer_function: &'a TransferFunction,
-    spans: &'a Spans<'a>,
-}
-
-impl Stretch<'_> {
-    /// Of s (0) or g (1).
-    pub fn span(&self, axis: usize) -> f64 {
-        self.spans.values[axis]
-    }
-
-    /// Of a further field.
-    pub fn span_of(&self, field: &str) -> f64 {
-        let place = self.transfer_function.fields().iter().position(|name| *name == field);
-        place.map_or(0.0, |place| self.spans.values[2 + place])
-    }
-
-    /// D/U.
-    pub fn length(&self) -> f64 {
-        self.spans.longest / self.transfer_function.unit_distance
-    }
-
-    /// Of the widget's peak all along.
-    pub fn depth(&self, widget: &Widget) -> f64 {
-        self.length() * widget.peak()
-    }
-
-    /// The constant-emitter's.
-    pub fn cutoff(&self) -> Option<f64> {
-        self.transfer_function.model.cutoff()
-    }
-
-    /// Whether widgets are walked together, in their order.
-    pub fn is_in_order(&self) -> bool {
-        self.choices.combine == Combine::Ordered
-    }
-}
-
-/// Checks the widths of a Gaussian, one number a row of K.
-pub(crate) fn check_widths(rows: impl Iterator<Item = f64>) -> Result<()> {
-    let widths = rows.map(|x| x * x).sum::<f64>().sqrt();
-    if widths <= GAUSSIAN_WIDTHS_MOST {
-        return Ok(());
-    }
-    Err(Error::run("a Gaussian is narrower than 32 bits resolve along a segment")
-        .found(format!("{widths:e} widths over one segment"))
-        .accepted(format!("at most {GAUSSIAN_WIDTHS_MOST:e}, or an engine of 64 bits")))
 }
 
 #[cfg(test)]

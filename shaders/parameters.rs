@@ -1,29 +1,12 @@
 //! What may change per frame without another shader: the bytes of the `scene` uniform and of the `numbers` buffer.
 
 use crate::kinds;
+use crate::writer::{Axis, WidgetRecord, Writer, finite};
 use bytemuck::{Pod, Zeroable};
 use voltet_core::shading::{Shading, unit_vector};
-use voltet_core::transfer::{HalfPlane, TransferFunction, Widget};
+use voltet_core::transfer::{TransferFunction, Widget};
 use voltet_core::{Error, Result};
 use voltet_lanes::limits::PIECES_MOST;
-
-/// How a value is stored: stored = (value − offset) / scale.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Axis {
-    /// In units of the value.
-    pub offset: f64,
-    /// In units of the value, > 0.
-    pub scale: f64,
-}
-
-impl Axis {
-    /// Values as they are.
-    pub const PLAIN: Axis = Axis { offset: 0.0, scale: 1.0 };
-
-    pub(crate) fn stored(&self, value: f64) -> f64 {
-        (value - self.offset) / self.scale
-    }
-}
 
 /// What stands before the widgets in `Scene` of `scene.wgsl`.
 #[repr(C)]
@@ -49,30 +32,6 @@ pub struct SceneHead {
     pub brightest: f32,
     /// Pieces of a segment (segments, riemann).
     pub piece_count: u32,
-}
-
-/// `Widget` of `scene.wgsl`.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
-pub struct WidgetRecord {
-    /// Linear RGB.
-    pub color: [f32; 3],
-    /// ρ₀ per scene length.
-    pub extinction: f32,
-    /// Numbers of the profile.
-    pub matrix: [f32; 4],
-    /// 1/w, reach, half area, half-width of what glows; of a table columns and rows.
-    pub bell: [f32; 4],
-    /// As values are stored.
-    pub centre: [f32; 2],
-    /// Where the region's edges begin in `numbers`.
-    pub first_edge: u32,
-    /// Where the profile's further numbers begin, or a table's texels.
-    pub first_number: u32,
-    /// Bit 0: a sine wave; bit 1: nothing is cut away.
-    pub bell_kind: u32,
-    /// Fills up to the alignment of a widget.
-    pub padding: [u32; 3],
 }
 
 /// The bytes that a composed shader reads.
@@ -127,7 +86,7 @@ impl Parameters {
             Writer { axes, per_unit, cutoff, fields, first_field, numbers: Vec::new(), texel_count: 0 };
         let mut widgets = Vec::with_capacity(transfer_function.widgets.len().max(1));
         for (i, widget) in transfer_function.widgets.iter().enumerate() {
-            widgets.push(writer.widget(widget).map_err(|e| e.at_item(format!("widgets[{i}]")))?);
+            widgets.push(record(&mut writer, widget).map_err(|e| e.at_item(format!("widgets[{i}]")))?);
         }
         if let Some(color) = transfer_function.one_color() {
             // Any of them stands for all; what is not drawn may have another.
@@ -149,94 +108,24 @@ impl Parameters {
     }
 }
 
-/// Writes the numbers of one widget after the other.
-pub(crate) struct Writer<'a> {
-    axes: &'a [Axis],
-    /// 1/U in scene lengths.
-    pub per_unit: f64,
-    /// The constant-emitter's.
-    pub cutoff: Option<f64>,
-    fields: Vec<&'a str>,
-    /// Where the further fields begin among a segment's values.
-    first_field: usize,
-    /// Edges, control points, matrices so far.
-    pub numbers: Vec<f32>,
-    /// Of the tables so far.
-    pub texel_count: u32,
-}
-
-impl Writer<'_> {
-    /// The axes of s and g.
-    pub fn plane(&self) -> [Axis; 2] {
-        [self.axes[0], self.axes[1]]
-    }
-
-    /// The place of a field among the further ones.
-    pub fn field(&self, name: &str) -> usize {
-        self.fields.iter().position(|field| *field == name).unwrap_or(0)
-    }
-
-    /// The axis of a further field.
-    pub fn axis(&self, field: usize) -> Axis {
-        self.axes[2 + field]
-    }
-
-    /// The place of a further field among a segment's values.
-    pub fn value_of_field(&self, field: usize) -> usize {
-        self.first_field + field
-    }
-
-    fn widget(&mut self, widget: &Widget) -> Result<WidgetRecord> {
-        let first_edge = self.numbers.len() as u32;
-        self.edges(widget)?;
-        let first_number = self.numbers.len() as u32;
-        let mut record = WidgetRecord {
-            color: widget.color.map(|c| c as f32),
-            extinction: finite("the extinction", widget.extinction * self.per_unit)?,
-            first_edge,
-            first_number,
-            ..WidgetRecord::zeroed()
-        };
-        kinds::write(&widget.profile, self, &mut record)?;
-        Ok(record)
-    }
-
-    fn edges(&mut self, widget: &Widget) -> Result<()> {
-        for HalfPlane { normal, corner } in widget.half_planes() {
-            let scaled = [normal[0] * self.axes[0].scale, normal[1] * self.axes[1].scale];
-            // Only the ratio of distances matters: a power of two keeps the digits.
-            let size = scaled[0].abs().max(scaled[1].abs());
-            let unit = size.log2().floor().exp2();
-            let stored = [0, 1].map(|a| if normal[a] == 0.0 { 0.0 } else { self.axes[a].stored(corner[a]) });
-            let row = [scaled[0] / unit, scaled[1] / unit, stored[0], stored[1]];
-            self.numbers.extend(all_finite("a corner of the region", row)?);
-        }
-        Ok(())
-    }
+/// Writes one widget.
+fn record(writer: &mut Writer, widget: &Widget) -> Result<WidgetRecord> {
+    let first_edge = writer.numbers.len() as u32;
+    writer.edges(widget)?;
+    let first_number = writer.numbers.len() as u32;
+    let mut record = WidgetRecord {
+        color: widget.color.map(|c| c as f32),
+        extinction: finite("the extinction", widget.extinction * writer.per_unit)?,
+        first_edge,
+        first_number,
+        ..WidgetRecord::zeroed()
+    };
+    kinds::write(&widget.profile, writer, &mut record)?;
+    Ok(record)
 }
 
 fn pieces(count: usize) -> Result<u32> {
     u32::try_from(count).ok().filter(|count| *count <= PIECES_MOST).ok_or_else(|| {
         Error::usage("a segment has more pieces than a shader walks").found(count).accepted(PIECES_MOST)
     })
-}
-
-/// A number in 32 bits, if it has one there.
-pub(crate) fn finite(what: &str, x: f64) -> Result<f32> {
-    let stored = x as f32;
-    if stored.is_finite() {
-        return Ok(stored);
-    }
-    Err(Error::run(format!("{what} leaves the range of 32 bits"))
-        .found(x)
-        .accepted(format!("at most {:.1e} in the units of the scene", f32::MAX)))
-}
-
-/// The same for several.
-pub(crate) fn all_finite<const N: usize>(what: &str, numbers: [f64; N]) -> Result<[f32; N]> {
-    let mut stored = [0.0; N];
-    for (stored, x) in stored.iter_mut().zip(numbers) {
-        *stored = finite(what, x)?;
-    }
-    Ok(stored)
 }

@@ -4,9 +4,9 @@
 //! not know what they are. They change with the transfer function and the data, not with the camera.
 
 use crate::choices::{Choices, Method};
-use crate::parameters::Axis;
 use crate::parts::{Access, PartedArray, Parts};
 use crate::text::{Shader, compose_pieces};
+use crate::writer::Axis;
 use voltet_core::optics::integrators::{Extent, Integrator, PARTS, PartialTable, Ramp, last_tile};
 use voltet_core::shading::Shading;
 use voltet_core::transfer::{ColorSource, OpticalModel, TransferFunction};

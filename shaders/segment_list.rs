@@ -5,9 +5,10 @@
 //! range.
 
 use crate::choices::{Choices, Combine};
-use crate::limits32::{Spans, check_32_bits};
-use crate::parameters::Axis;
+use crate::limits32::check_32_bits;
+use crate::stretch::Spans;
 use crate::text::Shader;
+use crate::writer::Axis;
 use voltet_core::Result;
 use voltet_core::engine::{Condition, Conditions};
 use voltet_core::optics::{Contribution, Segment};

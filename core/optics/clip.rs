@@ -5,9 +5,8 @@
 //! edge, positive inside. t = d_f/(d_f − d_b) and u = −d_b/(d_f − d_b) are kept side by side, because the
 //! difference 1 − t loses the digits of a short piece.
 
-use super::special::difference_of_products;
-use crate::transfer::Region;
-use crate::{Error, Result};
+use crate::arithmetic::difference_of_products;
+use crate::transfer::Convex;
 
 /// A part [t₀, t₁] of a segment, with the complements and the length known by themselves.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -28,6 +27,15 @@ impl Stretch {
     /// The whole segment.
     pub const WHOLE: Stretch =
         Stretch { start: 0.0, start_to_back: 1.0, end: 1.0, end_to_back: 0.0, length: 1.0 };
+
+    /// The part of the path from `front` to `back` inside the region, whose boundary belongs to it; `None`
+    /// where it has no length. A path that stays at one point of the region is inside over its whole length.
+    pub fn within(region: &Convex, front: [f64; 2], back: [f64; 2]) -> Option<Stretch> {
+        let delta = [back[0] - front[0], back[1] - front[1]];
+        let mut cuts = Cuts::default();
+        let inside = region.distances(front, back, |f, b, axis, level| cuts.edge(f, b, axis, level));
+        if inside { cuts.stretch(delta) } else { None }
+    }
 
     /// The part that two stretches share.
     pub fn intersection(&self, other: &Stretch) -> Option<Stretch> {
@@ -50,20 +58,6 @@ impl Stretch {
     pub fn at_end(&self, front: f64, back: f64) -> f64 {
         front * self.end_to_back + back * self.end
     }
-}
-
-/// A region made ready for clipping.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Clip {
-    /// Axis-parallel; limits may be infinite.
-    Rectangle {
-        /// Lower corner [s, g].
-        low: [f64; 2],
-        /// Upper corner.
-        high: [f64; 2],
-    },
-    /// Corners counter-clockwise, finite.
-    Polygon(Vec<[f64; 2]>),
 }
 
 /// A cut as a fraction p/q of the segment, with the distance q − p kept apart.
@@ -138,114 +132,29 @@ impl Cuts {
     }
 }
 
-impl Clip {
-    /// Checks a region (at least three corners, convex, with an area) and makes it ready.
-    pub fn new(region: &Region) -> Result<Clip> {
-        let corners = &region.corners;
-        if corners.iter().flatten().any(|c| c.is_nan()) {
-            return Err(Error::usage("a region's corner is not a number").accepted("finite corners [s, g]"));
-        }
-        if let Some(rectangle) = rectangle(corners) {
-            return Ok(rectangle);
-        }
-        if corners.len() < 3 {
-            return Err(Error::usage("a region has too few corners")
-                .found(corners.len())
-                .accepted("a convex polygon of at least 3 corners"));
-        }
-        if corners.iter().flatten().any(|c| c.is_infinite()) {
-            return Err(Error::usage("a region that is no rectangle has an infinite corner")
-                .accepted("finite corners [s, g]"));
-        }
-        // Every corner lies on one side of every edge; what is within rounding of an edge lies on it.
-        let (mut left, mut right) = (false, false);
-        for (i, from) in corners.iter().enumerate() {
-            let to = corners[(i + 1) % corners.len()];
-            let edge = [to[0] - from[0], to[1] - from[1]];
-            for corner in corners {
-                let offset = [corner[0] - from[0], corner[1] - from[1]];
-                let side = difference_of_products(edge[0], offset[1], edge[1], offset[0]);
-                let rounding = 1e-9 * ((edge[0] * offset[1]).abs() + (edge[1] * offset[0]).abs());
-                left |= side > rounding;
-                right |= side < -rounding;
-            }
-        }
-        match (left, right) {
-            (true, false) => Ok(Clip::Polygon(corners.clone())),
-            (false, true) => Ok(Clip::Polygon(corners.iter().rev().copied().collect())),
-            (false, false) => Err(Error::usage("a region has no area").accepted("a convex polygon")),
-            (true, true) => Err(Error::usage("a region is not convex").accepted("a convex polygon")),
-        }
-    }
-
-    /// The part of the path from `front` to `back` inside the region, whose boundary belongs to it; `None`
-    /// where it has no length. A path that stays at one point of the region is inside over its whole length.
-    pub fn stretch(&self, front: [f64; 2], back: [f64; 2]) -> Option<Stretch> {
-        let delta = [back[0] - front[0], back[1] - front[1]];
-        let mut cuts = Cuts::default();
-        let inside = self.distances(front, back, |f, b, axis, level| cuts.edge(f, b, axis, level));
-        if inside { cuts.stretch(delta) } else { None }
-    }
-
-    /// Calls `f` with the signed distances of front and back from each edge, positive inside, with the edge's
-    /// axis (2: neither) and level, until it returns false; tells whether it never did.
-    #[inline]
-    pub fn distances(
-        &self,
-        front: [f64; 2],
-        back: [f64; 2],
-        mut f: impl FnMut(f64, f64, u8, f64) -> bool,
-    ) -> bool {
-        match self {
-            Clip::Rectangle { low, high } => (0..2).all(|i| {
-                let axis = i as u8;
-                f(front[i] - low[i], back[i] - low[i], axis, low[i])
-                    && f(high[i] - front[i], high[i] - back[i], axis, high[i])
-            }),
-            Clip::Polygon(corners) => {
-                let mut from = corners[corners.len() - 1];
-                corners.iter().all(|&to| {
-                    let edge = [to[0] - from[0], to[1] - from[1]];
-                    let side = |v: [f64; 2]| {
-                        difference_of_products(edge[0], v[1] - from[1], edge[1], v[0] - from[0])
-                    };
-                    let inside = f(side(front), side(back), 2, 0.0);
-                    from = to;
-                    inside
-                })
-            }
-        }
-    }
-}
-
-/// The region as an axis-parallel rectangle, if it is one.
-fn rectangle(corners: &[[f64; 2]]) -> Option<Clip> {
-    let &[a, b, c, d] = corners else { return None };
-    let along_s = a[1] == b[1] && b[0] == c[0] && c[1] == d[1] && d[0] == a[0];
-    let along_g = a[0] == b[0] && b[1] == c[1] && c[0] == d[0] && d[1] == a[1];
-    let low = [a[0].min(c[0]), a[1].min(c[1])];
-    let high = [a[0].max(c[0]), a[1].max(c[1])];
-    ((along_s || along_g) && low[0] < high[0] && low[1] < high[1]).then_some(Clip::Rectangle { low, high })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::transfer::Region;
 
-    fn unit_square() -> Clip {
-        Clip::new(&Region::rectangle([0.0, 1.0], [0.0, 1.0])).expect("a square is a region")
+    fn unit_square() -> Convex {
+        Convex::new(&Region::rectangle([0.0, 1.0], [0.0, 1.0])).expect("a square is a region")
     }
 
     #[test]
     fn an_edge_belongs_to_the_region_and_a_touched_corner_has_no_length() {
         let triangle =
-            Clip::new(&Region { corners: vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]] }).expect("convex");
+            Convex::new(&Region { corners: vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]] }).expect("convex");
         for clip in [unit_square(), triangle] {
-            let along = clip.stretch([-1.0, 0.0], [3.0, 0.0]).expect("runs along an edge");
+            let along = Stretch::within(&clip, [-1.0, 0.0], [3.0, 0.0]).expect("runs along an edge");
             assert_eq!((along.start, along.length), (0.25, 0.25));
-            assert_eq!(clip.stretch([-1.0, 1.0], [1.0, -1.0]), None, "touches the corner only");
-            assert_eq!(clip.stretch([0.0, 0.0], [0.0, 0.0]), Some(Stretch::WHOLE), "stays at a corner");
-            assert_eq!(clip.stretch([0.0, -1e-300], [1.0, -1e-300]), None, "beside the edge");
+            assert_eq!(Stretch::within(&clip, [-1.0, 1.0], [1.0, -1.0]), None, "touches the corner only");
+            assert_eq!(
+                Stretch::within(&clip, [0.0, 0.0], [0.0, 0.0]),
+                Some(Stretch::WHOLE),
+                "stays at a corner"
+            );
+            assert_eq!(Stretch::within(&clip, [0.0, -1e-300], [1.0, -1e-300]), None, "beside the edge");
         }
     }
 
@@ -253,26 +162,16 @@ mod tests {
     fn the_length_of_a_clipped_corner_keeps_its_digits() {
         // The line s + g = 2⁻³⁰ cuts the corner at the origin over 2⁻³⁰ of its length of (2, 2)/√2.
         let tiny = f64::powi(2.0, -30);
-        let stretch = unit_square().stretch([-1.0, 1.0 + tiny], [1.0, -1.0 + tiny]).expect("cuts the corner");
+        let stretch =
+            Stretch::within(&unit_square(), [-1.0, 1.0 + tiny], [1.0, -1.0 + tiny]).expect("cuts the corner");
         assert_eq!(stretch.length, tiny / 2.0);
-    }
-
-    #[test]
-    fn a_region_that_is_none_is_refused() {
-        let message =
-            |corners: Vec<[f64; 2]>| Clip::new(&Region { corners }).expect_err("refused").to_string();
-        assert!(message(vec![[0.0, 0.0], [1.0, 1.0]]).contains("too few corners"));
-        assert!(message(vec![[0.0, 0.0], [1.0, 1.0], [2.0, 2.0]]).contains("no area"));
-        let dart = vec![[0.0, 0.0], [2.0, 1.0], [0.0, 2.0], [1.0, 1.0]];
-        assert!(message(dart).contains("not convex"));
-        assert!(message(vec![[f64::NAN, 0.0], [1.0, 0.0], [0.0, 1.0]]).contains("not a number"));
     }
 
     #[test]
     fn an_axis_without_limits_does_not_clip() {
         let clip =
-            Clip::new(&Region::rectangle([0.0, 1.0], [f64::NEG_INFINITY, f64::INFINITY])).expect("a strip");
-        let stretch = clip.stretch([-1.0, -1e30], [1.0, 1e30]).expect("crosses the strip");
+            Convex::new(&Region::rectangle([0.0, 1.0], [f64::NEG_INFINITY, f64::INFINITY])).expect("a strip");
+        let stretch = Stretch::within(&clip, [-1.0, -1e30], [1.0, 1e30]).expect("crosses the strip");
         assert_eq!((stretch.start, stretch.length), (0.5, 0.5));
     }
 }

@@ -2,7 +2,7 @@
 //! sees it ([`AnyTrack`]). The formulas stand in one file a kind.
 
 use super::Segment;
-use super::clip::{Clip, Stretch};
+use super::clip::Stretch;
 use super::fields::{Ends, Fields, slot};
 use super::gaussian::{GaussianPath, GaussianTrack};
 use super::piecewise_linear::{PiecewisePath, PiecewiseTrack};
@@ -12,7 +12,7 @@ use super::table::TablePath;
 use super::track::{POINTS, Track};
 use super::triangular_gaussian::TriangularPath;
 use super::wave::{Bell, WavePath, WaveTrack};
-use crate::transfer::{ControlPoint, Profile, Table};
+use crate::transfer::{ControlPoint, Convex, Profile, Table};
 use std::sync::Arc;
 
 /// The constant-emitter's cutoff.
@@ -46,7 +46,7 @@ pub(super) enum Form {
     },
     Table {
         table: Arc<Table>,
-        range: Clip,
+        range: Convex,
     },
 }
 
@@ -106,7 +106,7 @@ impl Form {
             }
             Profile::Table(table) => {
                 let (low, high) = ([table.s[0], table.g[0]], [table.s[1], table.g[1]]);
-                Form::Table { table: Arc::clone(table), range: Clip::Rectangle { low, high } }
+                Form::Table { table: Arc::clone(table), range: Convex::Rectangle { low, high } }
             }
         }
     }
@@ -126,7 +126,7 @@ impl Form {
     }
 
     /// The part of the plane outside which it is 0.
-    pub fn range(&self) -> Option<&Clip> {
+    pub fn range(&self) -> Option<&Convex> {
         match self {
             Form::Table { range, .. } => Some(range),
             Form::Uniform

@@ -1,13 +1,13 @@
 //! A transfer function made ready for integrating many segments.
 
-use super::clip::{Clip, Stretch};
+use super::clip::Stretch;
 use super::forms::{Cutoff, Extent, Form, Light, Path};
 use super::overlap::{Glow, Member, Ordered, Quadrature, ordered};
 use super::sample::Samples;
 use super::special::{mean_transmittance, opacity};
 use super::{Contribution, Overlap, Segment};
 use crate::Result;
-use crate::transfer::TransferFunction;
+use crate::transfer::{Convex, TransferFunction};
 
 /// A transfer function, checked, with what all its segments share worked out.
 #[derive(Debug, Clone)]
@@ -24,7 +24,7 @@ struct PreparedWidget {
     color: [f64; 3],
     /// Peak extinction; 1 where the form holds extinctions of its own.
     extinction: f64,
-    clip: Option<Clip>,
+    clip: Option<Convex>,
 }
 
 /// A widget that the segment crosses.
@@ -51,7 +51,7 @@ impl Prepared {
                 form: Form::new(&widget.profile, &fields),
                 color: widget.color,
                 extinction: if own_peak.is_some() { 1.0 } else { widget.extinction },
-                clip: widget.region.as_ref().map(Clip::new).transpose()?,
+                clip: widget.region.as_ref().map(Convex::new).transpose()?,
             });
         }
         let cutoff = transfer_function.model.cutoff().map(|share| Cutoff { share, level: -share.ln() });
@@ -117,11 +117,11 @@ impl Prepared {
     fn cross<'a>(&'a self, widget: &'a PreparedWidget, segment: &Segment) -> Option<Active<'a>> {
         let stretch = match &widget.clip {
             None => Stretch::WHOLE,
-            Some(clip) => clip.stretch(segment.front, segment.back)?,
+            Some(clip) => Stretch::within(clip, segment.front, segment.back)?,
         };
         let stretch = match widget.form.range() {
             None => stretch,
-            Some(range) => stretch.intersection(&range.stretch(segment.front, segment.back)?)?,
+            Some(range) => stretch.intersection(&Stretch::within(range, segment.front, segment.back)?)?,
         };
         let scale = segment.length / self.unit_distance;
         let extent = Extent { stretch, peak: segment.length * widget.extinction / self.unit_distance, scale };

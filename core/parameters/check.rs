@@ -27,22 +27,6 @@ impl PartialEq for Parameters {
     }
 }
 
-impl Standard {
-    /// The value, if this is one.
-    pub fn datum(&self) -> Option<Datum> {
-        let list = |list: Vec<Datum>| Datum::List(list.into_iter().map(Setting::from).collect());
-        match *self {
-            Standard::Required | Standard::Unset(_) => None,
-            Standard::Boolean(flag) => Some(Datum::Boolean(flag)),
-            Standard::Integer(n) => Some(Datum::Integer(n)),
-            Standard::Number(x) => Some(Datum::Number(x)),
-            Standard::Text(text) => Some(Datum::Text(text.to_string())),
-            Standard::Numbers(xs) => Some(list(xs.iter().map(|&x| Datum::Number(x)).collect())),
-            Standard::Integers(ns) => Some(list(ns.iter().map(|&n| Datum::Integer(n)).collect())),
-        }
-    }
-}
-
 impl Parameters {
     /// Checks the fields of a table (written at `origin`) against the declarations: unknown and missing names,
     /// types, ranges, also within tables and lists of tables. `also` are keys that the caller has taken.

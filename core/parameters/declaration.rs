@@ -1,9 +1,7 @@
 //! What a parameter's declaration says: name, type, unit, standard value, help.
 
-use super::check::check_type;
 use super::range::Range;
-use super::setting::Setting;
-use crate::{Error, Result};
+use super::setting::{Datum, Setting};
 
 /// A parameter of a node or a gradient filter, or of a table within one.
 #[derive(Debug, Clone, Copy)]
@@ -88,6 +86,22 @@ pub struct Kind {
     pub parameters: &'static [Parameter],
 }
 
+impl Standard {
+    /// The value, if this is one.
+    pub fn datum(&self) -> Option<Datum> {
+        let list = |list: Vec<Datum>| Datum::List(list.into_iter().map(Setting::from).collect());
+        match *self {
+            Standard::Required | Standard::Unset(_) => None,
+            Standard::Boolean(flag) => Some(Datum::Boolean(flag)),
+            Standard::Integer(n) => Some(Datum::Integer(n)),
+            Standard::Number(x) => Some(Datum::Number(x)),
+            Standard::Text(text) => Some(Datum::Text(text.to_string())),
+            Standard::Numbers(xs) => Some(list(xs.iter().map(|&x| Datum::Number(x)).collect())),
+            Standard::Integers(ns) => Some(list(ns.iter().map(|&n| Datum::Integer(n)).collect())),
+        }
+    }
+}
+
 impl ParameterType {
     /// The type in words, with its range: "number above 0", "3 numbers", "exact | centroid | none | auto".
     pub fn describe(&self) -> String {
@@ -130,43 +144,4 @@ impl std::fmt::Display for Standard {
             },
         }
     }
-}
-
-/// The first name that occurs twice.
-pub(crate) fn repeated<'a>(names: impl Iterator<Item = &'a str>) -> Option<&'a str> {
-    let mut seen = Vec::new();
-    for name in names {
-        if seen.contains(&name) {
-            return Some(name);
-        }
-        seen.push(name);
-    }
-    None
-}
-
-/// Refuses declarations that contradict themselves, also within tables: names must differ, from those `taken` too, help
-/// must be there, and a standard value must be one that a file could give. `of`: whose they are, for the message.
-pub(crate) fn refuse_contradictions(of: &str, parameters: &[Parameter], taken: &[&str]) -> Result<()> {
-    if let Some(twice) = repeated(parameters.iter().map(|p| p.name).chain(taken.iter().copied())) {
-        return Err(Error::usage(format!("{of} declares '{twice}' twice")));
-    }
-    for Parameter { name, parameter_type, unit, standard, help } in parameters {
-        if name.is_empty() || help.is_empty() {
-            return Err(Error::usage(format!("the parameter '{name}' of {of} has no name or no help")));
-        }
-        if let Some(datum) = standard.datum() {
-            check_type(parameter_type, name, unit, &Setting::from(datum)).map_err(|error| Error {
-                what: format!("of the standard value of {of}, {}", error.what),
-                ..error
-            })?;
-        }
-        match parameter_type {
-            ParameterType::Table(fields) => refuse_contradictions(of, fields, &[])?,
-            ParameterType::Kinds(kinds) => {
-                kinds.iter().try_for_each(|kind| refuse_contradictions(of, kind.parameters, &["kind"]))?;
-            }
-            _ => {}
-        }
-    }
-    Ok(())
 }

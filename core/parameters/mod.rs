@@ -8,6 +8,7 @@
 //! lists (`String::leak`, `Vec::leak`), a few hundred bytes each time it is loaded.
 
 mod check;
+mod contradictions;
 mod declaration;
 mod nearest;
 mod paths;
@@ -17,8 +18,8 @@ mod setting;
 mod tests;
 
 pub use check::Parameters;
+pub(crate) use contradictions::{refuse_contradictions, repeated};
 pub use declaration::{Kind, Parameter, ParameterType, Standard};
-pub(crate) use declaration::{refuse_contradictions, repeated};
 pub use nearest::{nearest, suggest};
 pub use paths::NamedPath;
 pub use range::Range;

@@ -1,40 +1,6 @@
-//! What a transfer function must fulfil before anything is drawn with it.
+//! Checks of single numbers.
 
-use super::{OpticalModel, TransferFunction, Widget};
 use crate::{Error, Result};
-
-impl TransferFunction {
-    /// Checks every number.
-    pub fn check(&self) -> Result<()> {
-        let u = self.unit_distance;
-        if !(u > 0.0 && u.is_finite()) {
-            return Err(Error::usage("the unit distance is not a length").found(u).accepted("a number > 0"));
-        }
-        if let OpticalModel::ConstantEmitter { cutoff } = self.model
-            && !(0.0..1.0).contains(&cutoff)
-        {
-            return Err(Error::usage("the cutoff is out of range").found(cutoff).accepted("0 ≤ cutoff < 1"));
-        }
-        for (i, widget) in self.widgets.iter().enumerate() {
-            check(widget).map_err(|e| e.at_item(format!("widgets[{i}]")))?;
-        }
-        Ok(())
-    }
-}
-
-fn check(widget: &Widget) -> Result<()> {
-    not_negative("the extinction", widget.extinction)?;
-    for c in widget.color {
-        not_negative("a colour component", c)?;
-    }
-    widget.profile.check()?;
-    let properties = widget.profile.properties();
-    if properties.needs_region && widget.region.is_none() {
-        let what = format!("a {} widget has no region", properties.name);
-        return Err(Error::usage(what).accepted("a region"));
-    }
-    Ok(())
-}
 
 /// Every one of the values is finite.
 pub(super) fn finite(what: &str, values: &[f64]) -> Result<()> {

@@ -1,8 +1,8 @@
 //! `gaussian` in WGSL: of s alone, and over the (s, g) plane.
 
-use super::{ANY_RATE, Call, Calls, Light, Mixing, light_of_rates};
-use crate::limits32::{Stretch, check_widths};
-use crate::parameters::{WidgetRecord, Writer, all_finite};
+use super::calls::{ANY_RATE, Call, Calls, Light, Mixing, light_of_rates};
+use crate::stretch::{Stretch, check_widths};
+use crate::writer::{WidgetRecord, Writer, all_finite};
 use voltet_core::Result;
 
 /// Whether K looks at s alone.

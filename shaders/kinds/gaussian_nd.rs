@@ -1,9 +1,9 @@
 //! `gaussian-nd` in WGSL.
 
-use super::Calls;
+use super::calls::Calls;
 use super::gaussian::calls_of_path;
-use crate::limits32::{Stretch, check_widths};
-use crate::parameters::{Writer, finite};
+use crate::stretch::{Stretch, check_widths};
+use crate::writer::{Writer, finite};
 use voltet_core::Result;
 
 pub(super) fn calls(count: usize, constant_emitter: bool) -> Calls {

@@ -1,8 +1,8 @@
 //! `piecewise-linear` in WGSL.
 
-use super::{Call, Calls, Light, Mixing};
-use crate::limits32::Stretch;
-use crate::parameters::{WidgetRecord, Writer, all_finite, finite};
+use super::calls::{Call, Calls, Light, Mixing};
+use crate::stretch::Stretch;
+use crate::writer::{WidgetRecord, Writer, all_finite, finite};
 use voltet_core::transfer::ControlPoint;
 use voltet_core::{Error, Result};
 use voltet_lanes::limits::RAMP_RATE_MOST;

@@ -1,7 +1,7 @@
 //! `table` in WGSL.
 
-use super::{CUTOFF_RATE, Call, Calls, Light, Mixing};
-use crate::parameters::{WidgetRecord, Writer, all_finite};
+use super::calls::{CUTOFF_RATE, Call, Calls, Light, Mixing};
+use crate::writer::{WidgetRecord, Writer, all_finite};
 use voltet_core::Result;
 use voltet_core::transfer::Table;
 

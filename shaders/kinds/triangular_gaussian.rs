@@ -1,7 +1,7 @@
 //! `triangular-gaussian` in WGSL.
 
-use super::{ANY_RATE, Call, Calls, Light, Mixing, light_of_rates};
-use crate::parameters::{WidgetRecord, Writer, all_finite, finite};
+use super::calls::{ANY_RATE, Call, Calls, Light, Mixing, light_of_rates};
+use crate::writer::{WidgetRecord, Writer, all_finite, finite};
 use voltet_core::Result;
 
 pub(super) fn calls(constant_emitter: bool) -> Calls {

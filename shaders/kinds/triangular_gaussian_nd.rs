@@ -1,7 +1,8 @@
 //! `triangular-gaussian-nd` in WGSL.
 
-use super::{Call, Calls, gaussian_nd, triangular_gaussian};
-use crate::parameters::{Writer, finite};
+use super::calls::{Call, Calls};
+use super::{gaussian_nd, triangular_gaussian};
+use crate::writer::{Writer, finite};
 use voltet_core::Result;
 
 pub(super) fn calls(count: usize, constant_emitter: bool) -> Calls {

@@ -1,6 +1,6 @@
 //! `uniform` in WGSL.
 
-use super::{CUTOFF_RATE, Call, Calls, Light, Mixing, light_of_rates};
+use super::calls::{CUTOFF_RATE, Call, Calls, Light, Mixing, light_of_rates};
 
 pub(super) fn calls(constant_emitter: bool) -> Calls {
     Calls {

@@ -1,8 +1,8 @@
 //! `triangle-wave` and `sine-wave` in WGSL.
 
-use super::{CUTOFF_RATE, Call, Calls, Light, Mixing, light_of_rates};
-use crate::limits32::Stretch;
-use crate::parameters::{WidgetRecord, Writer};
+use super::calls::{CUTOFF_RATE, Call, Calls, Light, Mixing, light_of_rates};
+use crate::stretch::Stretch;
+use crate::writer::{WidgetRecord, Writer};
 use voltet_core::optics::wave::{sine_half_area, sine_half_width};
 use voltet_core::transfer::{Wave, Widget};
 use voltet_core::{Error, Result};
@@ -62,7 +62,7 @@ pub(super) fn check_32_bits(widget: &Widget, wave: &Wave, stretch: &Stretch) -> 
     if bands > BANDS_MOST {
         return refuse("a wave has more bands than 32 bits tell apart", bands, BANDS_MOST);
     }
-    if !stretch.is_in_order() {
+    if !stretch.is_in_order {
         return Ok(());
     }
     if by_width > BANDS_WALKED_MOST {

@@ -1,5 +1,5 @@
 // Uses: nothing. Fills: scene.
-// What may change from frame to frame without another shader. Its layout is that of `parameters.rs`, which a test checks.
+// What may change from frame to frame without another shader. Its layout is that of `SceneHead` and `WidgetRecord`, which a test checks.
 
 struct Widget {
     // Linear RGB.

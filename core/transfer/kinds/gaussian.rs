@@ -1,13 +1,13 @@
 //! `gaussian`: exp(−|K (v − centre)|²) over the (s, g) plane (Song et al. 2009, section 4.2; Kniss et al. 2003, Eq. 12).
 
 use super::keys::{COLOR, Declared, EXTINCTION, MATRIX, POSITIVE_OR_INFINITE, REGION, SIGMA, kernel};
-use super::{AxisOrigin, ColorSource, Profile, Properties};
+use super::profile::{AxisOrigin, ColorSource, Profile, Properties};
 use crate::Result;
 use crate::parameters::{Kind, Parameter, ParameterType, Parameters, Range, Standard};
 use crate::transfer::check::finite;
-use crate::transfer::support::hull::distance_squared_from_origin;
-use crate::transfer::support::slabs::Slab;
-use crate::transfer::support::{Corners, gaussian, range};
+use crate::transfer::hull::distance_squared_from_origin;
+use crate::transfer::hull::{Corners, gaussian, range};
+use crate::transfer::slab::Slab;
 
 /// The declaration.
 pub(super) const KIND: Declared = Declared {

@@ -4,10 +4,10 @@ use super::keys::{
     CENTRE_OF_FIELDS, COLOR, Declared, EXTINCTION, FIELDS, MATRIX_OF_FIELDS, REGION, SIGMA_OF_FIELDS,
     fields_and_centre, kernel,
 };
-use super::{AxisOrigin, ColorSource, FIELDS_MOST, Profile, Properties};
+use super::profile::{AxisOrigin, ColorSource, FIELDS_MOST, Profile, Properties};
 use crate::parameters::{Kind, Parameters};
 use crate::transfer::check::finite;
-use crate::transfer::support::{Corners, gaussian};
+use crate::transfer::hull::{Corners, gaussian};
 use crate::{Error, Result};
 
 /// The declaration.

@@ -1,11 +1,11 @@
 //! `piecewise-linear`: colour and extinction linear between control points in s (Roettger & Ertl 2002; Moreland 2004).
 
 use super::keys::{Declared, REGION};
-use super::{AxisOrigin, ColorSource, ControlPoint, Profile, Properties};
+use super::profile::{AxisOrigin, ColorSource, ControlPoint, Profile, Properties};
 use crate::parameters::{Kind, Parameter, ParameterType, Parameters, Standard};
 use crate::transfer::check::{finite, not_negative};
-use crate::transfer::support::Corners;
-use crate::transfer::support::slabs::Slab;
+use crate::transfer::hull::Corners;
+use crate::transfer::slab::Slab;
 use crate::{Error, Result};
 
 /// The declaration.

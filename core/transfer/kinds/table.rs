@@ -1,9 +1,9 @@
 //! `table`: a picture over the (s, g) plane (Song et al. 2009, section 3.3.2).
 
 use super::keys::{COLOR, Declared, EXTINCTION, LoadImage, REGION};
-use super::{AxisOrigin, ColorSource, Profile, Properties, Table};
+use super::profile::{AxisOrigin, ColorSource, Profile, Properties, Table};
 use crate::parameters::{Kind, Parameter, ParameterType, Parameters, Range, Standard};
-use crate::transfer::Region;
+use crate::transfer::region::Region;
 use crate::{Error, Result};
 use std::sync::Arc;
 

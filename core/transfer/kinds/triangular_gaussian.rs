@@ -1,12 +1,12 @@
 //! `triangular-gaussian`: exp(−((s − centre)/(sigma g))²), 0 where g = 0 (Kniss et al. 2003, section 3.2).
 
 use super::keys::{COLOR, Declared, EXTINCTION, REGION};
-use super::{AxisOrigin, ColorSource, Profile, Properties};
+use super::profile::{AxisOrigin, ColorSource, Profile, Properties};
 use crate::Result;
 use crate::parameters::{Kind, Parameter, ParameterType, Range, Standard};
 use crate::transfer::check::{finite, positive};
-use crate::transfer::support::slabs::Slab;
-use crate::transfer::support::{Corners, gaussian};
+use crate::transfer::hull::{Corners, gaussian};
+use crate::transfer::slab::Slab;
 
 /// The declaration.
 pub(super) const KIND: Declared = Declared {

@@ -2,13 +2,14 @@
 //! all their gradients; 0 where m ≤ 0 (Kniss et al. 2003, section 3.2). Over one field with K = 1/σ and m = |∇v| it is
 //! `triangular-gaussian`.
 
+use super::gaussian_nd;
 use super::keys::{
     CENTRE_OF_FIELDS, COLOR, Declared, EXTINCTION, FIELDS, MATRIX_OF_FIELDS, REGION, SIGMA_OF_FIELDS,
     fields_and_centre, kernel,
 };
-use super::{AxisOrigin, ColorSource, FIELDS_MOST, Profile, Properties, gaussian_nd};
+use super::profile::{AxisOrigin, ColorSource, FIELDS_MOST, Profile, Properties};
 use crate::parameters::{Kind, Parameter, ParameterType, Parameters, Standard};
-use crate::transfer::support::Corners;
+use crate::transfer::hull::Corners;
 use crate::{Error, Result};
 
 /// The declaration.

@@ -1,7 +1,7 @@
 //! `uniform`: 1 inside its region (Song et al. 2009, section 4.1).
 
 use super::keys::{COLOR, Declared, EXTINCTION, REGION};
-use super::{AxisOrigin, ColorSource, Profile, Properties};
+use super::profile::{AxisOrigin, ColorSource, Profile, Properties};
 use crate::parameters::{Kind, Parameter, Standard};
 
 /// The declaration.

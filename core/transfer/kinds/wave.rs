@@ -1,10 +1,10 @@
 //! `triangle-wave` and `sine-wave`: bands across the (s, g) plane (Song et al. 2009, sections 4.3 and 4.4).
 
 use super::keys::{COLOR, Declared, EXTINCTION, REGION};
-use super::{AxisOrigin, ColorSource, Profile, Properties, Wave};
+use super::profile::{AxisOrigin, Bands, ColorSource, Profile, Properties, Wave};
 use crate::parameters::{Kind, Parameter, ParameterType, Parameters, Range, Standard};
 use crate::transfer::check::{finite, positive};
-use crate::transfer::support::{Corners, ROUNDING, range};
+use crate::transfer::hull::{Corners, ROUNDING, range};
 use crate::{Error, Result};
 
 /// The declaration of the bands with straight flanks.
@@ -68,15 +68,6 @@ fn read(p: &Parameters) -> Result<Wave> {
         period: p.number("period")?,
         band_width: p.number("band_width")?,
     })
-}
-
-/// The bands of a periodic profile.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Bands {
-    /// [s₀, g₀], where φ = 0.
-    pub origin: [f64; 2],
-    /// φ per unit of s and of g; one band is a unit of φ.
-    pub step: [f64; 2],
 }
 
 impl Wave {

@@ -6,17 +6,14 @@
 //!
 //! The bounds of each kind stand with the kind; [`slabs`] are what a device asks instead.
 
-pub(super) mod hull;
-mod maximum_table;
-pub mod slabs;
+mod slabs;
 
-pub(super) use maximum_table::MaximumTable;
-
+use super::convex::Convex;
+use super::function::{OpticalModel, TransferFunction};
+use super::hull::{Corners, ROUNDING, distance_squared_from_origin, meets, range};
 use super::kinds::Bounds;
-use super::{OpticalModel, TransferFunction, Widget};
+use super::widget::Widget;
 use crate::Result;
-use crate::optics::clip::Clip;
-use hull::{distance_squared_from_origin, meets};
 
 /// Bounds of all widgets of a transfer function over cells.
 #[derive(Debug, Clone)]
@@ -27,7 +24,7 @@ pub struct Support {
 #[derive(Debug, Clone)]
 struct WidgetSupport {
     bounds: Bounds,
-    clip: Option<Clip>,
+    clip: Option<Convex>,
     /// The most that a profile of 1 absorbs or emits per world unit.
     strength: f64,
     /// Constant-emitter: where the profile can exceed the cutoff, the widget emits this per world unit.
@@ -38,27 +35,6 @@ struct WidgetSupport {
 struct Glow {
     cutoff: f64,
     brightest: f64,
-}
-
-/// The values at a cell's vertices.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Corners<'a> {
-    pub s: &'a [f64; 4],
-    pub g: &'a [f64; 4],
-    /// The further fields in the order of [`TransferFunction::fields`]; empty if unknown.
-    pub fields: &'a [[f64; 4]],
-}
-
-impl Corners<'_> {
-    #[inline]
-    pub fn s_range(&self) -> (f64, f64) {
-        range(self.s)
-    }
-
-    #[inline]
-    pub fn g_range(&self) -> (f64, f64) {
-        range(self.g)
-    }
 }
 
 impl Support {
@@ -111,7 +87,7 @@ impl Widget {
     /// An upper bound of the profile (peak 1) over the convex hull of four points of the (s, g) plane; 0
     /// where the hull is outside the region. To ask this of many cells, make a [`Support`] once.
     pub fn profile_bound(&self, s: &[f64; 4], g: &[f64; 4]) -> Result<f64> {
-        let clip = self.region.as_ref().map(Clip::new).transpose()?;
+        let clip = self.region.as_ref().map(Convex::new).transpose()?;
         let widget = WidgetSupport { bounds: self.profile.bounds(&[]), clip, strength: 1.0, glow: None };
         Ok(widget.profile_bound(&Corners { s, g, fields: &[] }))
     }
@@ -130,7 +106,7 @@ impl WidgetSupport {
         };
         Ok(WidgetSupport {
             bounds: widget.profile.bounds(fields),
-            clip: widget.region.as_ref().map(Clip::new).transpose()?,
+            clip: widget.region.as_ref().map(Convex::new).transpose()?,
             strength,
             glow,
         })
@@ -183,24 +159,6 @@ impl WidgetSupport {
         }
         self.bounds.bound(corners)
     }
-}
-
-/// Exact bounds are raised by this, so that rounding never makes them too low.
-pub(super) const ROUNDING: f64 = 1e-12;
-
-/// e^(−x²), not too low.
-#[inline]
-pub(super) fn gaussian(distance_squared: f64) -> f64 {
-    (-distance_squared * (1.0 - ROUNDING)).exp()
-}
-
-/// Smallest and largest.
-#[inline]
-pub(super) fn range(values: &[f64; 4]) -> (f64, f64) {
-    (
-        values[0].min(values[1]).min(values[2].min(values[3])),
-        values[0].max(values[1]).max(values[2].max(values[3])),
-    )
 }
 
 #[cfg(test)]

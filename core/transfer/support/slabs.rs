@@ -3,63 +3,16 @@
 //! A cell may contribute to a widget only if, for one of the widget's lists, its corners reach every slab. That is less
 //! sharp than the hulls of [`super::Support`], and as safe.
 
-use crate::transfer::{OpticalModel, Region, Widget};
-
-/// The points v = (s, g) with low ≤ normal · v ≤ high.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Slab {
-    /// Of any length, not 0.
-    pub normal: [f64; 2],
-    /// −∞ where there is no limit.
-    pub low: f64,
-    /// ∞ where there is no limit.
-    pub high: f64,
-}
-
-/// Squared distance from a widget's centre, in widths, at which a profile exp(−r²) no longer counts.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Reach {
-    /// It counts at no distance.
-    Nowhere,
-    /// This is r².
-    Within(f64),
-    /// It counts at any distance.
-    Everywhere,
-}
-
-impl Reach {
-    /// `ratio`: the depth of the profile's peak by the least depth that counts.
-    fn new(ratio: f64, model: OpticalModel) -> Reach {
-        let absorbs = if ratio > 1.0 { ratio.ln() } else { 0.0 };
-        match model {
-            _ if ratio <= 0.0 => Reach::Nowhere,
-            OpticalModel::ConstantEmitter { cutoff } if cutoff <= 0.0 => Reach::Everywhere,
-            OpticalModel::ConstantEmitter { cutoff } => Reach::Within(absorbs.max(-cutoff.ln())),
-            OpticalModel::DensityEmitter if ratio <= 1.0 => Reach::Nowhere,
-            OpticalModel::DensityEmitter => Reach::Within(absorbs),
-        }
-    }
-
-    /// The lists of a support without slabs of its own.
-    pub(in crate::transfer) fn everywhere(self) -> Vec<Vec<Slab>> {
-        self.within(|_| Vec::new())
-    }
-
-    /// One list, of the slabs that hold what lies within a distance.
-    pub(in crate::transfer) fn within(self, slabs: impl Fn(f64) -> Vec<Slab>) -> Vec<Vec<Slab>> {
-        match self {
-            Reach::Nowhere => Vec::new(),
-            Reach::Everywhere => vec![Vec::new()],
-            Reach::Within(square) => vec![slabs(square.sqrt())],
-        }
-    }
-}
+use crate::transfer::function::OpticalModel;
+use crate::transfer::region::Region;
+use crate::transfer::slab::{Reach, Slab};
+use crate::transfer::widget::Widget;
 
 impl Widget {
     /// Lists of slabs, each a part of the support; no list where the widget draws nothing. `depth`: its peak times the
     /// longest way, `least`: the optical depth under which it counts as nothing.
     pub fn slabs(&self, depth: f64, least: f64, model: OpticalModel) -> Vec<Vec<Slab>> {
-        let mut lists = self.profile.slabs(Reach::new(depth / least, model));
+        let mut lists = self.profile.slabs(Reach::new(depth / least, model.cutoff()));
         let range = self.profile.properties().range;
         for list in &mut lists {
             list.extend(self.region.iter().chain(&range).flat_map(of_region));

@@ -1,6 +1,45 @@
-//! The convex hull of four points of the plane: its distance from the origin, and whether it meets a region.
+//! The convex hull of the values at a cell's four vertices: its distance from the origin, and whether it meets a region.
 
-use crate::optics::clip::Clip;
+use super::convex::Convex;
+
+/// The values at a cell's vertices.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Corners<'a> {
+    pub s: &'a [f64; 4],
+    pub g: &'a [f64; 4],
+    /// The further fields in the order of [`TransferFunction::fields`]; empty if unknown.
+    pub fields: &'a [[f64; 4]],
+}
+
+impl Corners<'_> {
+    #[inline]
+    pub fn s_range(&self) -> (f64, f64) {
+        range(self.s)
+    }
+
+    #[inline]
+    pub fn g_range(&self) -> (f64, f64) {
+        range(self.g)
+    }
+}
+
+/// Exact bounds are raised by this, so that rounding never makes them too low.
+pub(super) const ROUNDING: f64 = 1e-12;
+
+/// e^(−x²), not too low.
+#[inline]
+pub(super) fn gaussian(distance_squared: f64) -> f64 {
+    (-distance_squared * (1.0 - ROUNDING)).exp()
+}
+
+/// Smallest and largest.
+#[inline]
+pub(super) fn range(values: &[f64; 4]) -> (f64, f64) {
+    (
+        values[0].min(values[1]).min(values[2].min(values[3])),
+        values[0].max(values[1]).max(values[2].max(values[3])),
+    )
+}
 
 const PAIRS: [(usize, usize); 6] = [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)];
 
@@ -54,11 +93,11 @@ fn flat_distance(points: &[[f64; 2]; 4], turn: &[f64; 6]) -> f64 {
 }
 
 /// Whether the hull of the points (s, g) can meet the region: false only where a line separates them.
-pub fn meets(clip: &Clip, s: &[f64; 4], g: &[f64; 4]) -> bool {
-    match clip {
-        Clip::Rectangle { low, high } => {
-            let (s_low, s_high) = super::range(s);
-            let (g_low, g_high) = super::range(g);
+pub fn meets(region: &Convex, s: &[f64; 4], g: &[f64; 4]) -> bool {
+    match region {
+        Convex::Rectangle { low, high } => {
+            let (s_low, s_high) = range(s);
+            let (g_low, g_high) = range(g);
             if s_high < low[0] || s_low > high[0] || g_high < low[1] || g_low > high[1] {
                 return false;
             }
@@ -70,7 +109,7 @@ pub fn meets(clip: &Clip, s: &[f64; 4], g: &[f64; 4]) -> bool {
             let (c, d) = (low[1].max(g_low), high[1].min(g_high));
             !separated(s, g, &[[a, c], [b, c], [b, d], [a, d]])
         }
-        Clip::Polygon(corners) => {
+        Convex::Polygon(corners) => {
             let mut from = corners[corners.len() - 1];
             for &to in corners {
                 let edge = [to[0] - from[0], to[1] - from[1]];

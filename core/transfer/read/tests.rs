@@ -3,7 +3,7 @@
 use super::*;
 use crate::parameters::{Origin, Parameter, ParameterType, Parameters, Standard};
 use crate::pipeline::Pipeline;
-use crate::transfer::Widget;
+use crate::transfer::{ControlPoint, Profile, Wave};
 
 const LIST: &[Parameter] = &[Parameter {
     name: "widgets",

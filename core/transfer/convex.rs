@@ -1,0 +1,116 @@
+//! A region as a checked convex polygon, and how far points lie from its edges.
+
+use super::region::Region;
+use crate::arithmetic::difference_of_products;
+use crate::{Error, Result};
+
+/// A region whose corners were checked.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Convex {
+    /// Axis-parallel; limits may be infinite.
+    Rectangle {
+        /// Lower corner [s, g].
+        low: [f64; 2],
+        /// Upper corner.
+        high: [f64; 2],
+    },
+    /// Corners counter-clockwise, finite.
+    Polygon(Vec<[f64; 2]>),
+}
+
+impl Convex {
+    /// Checks a region (at least three corners, convex, with an area) and makes it ready.
+    pub fn new(region: &Region) -> Result<Convex> {
+        let corners = &region.corners;
+        if corners.iter().flatten().any(|c| c.is_nan()) {
+            return Err(Error::usage("a region's corner is not a number").accepted("finite corners [s, g]"));
+        }
+        if let Some(rectangle) = rectangle(corners) {
+            return Ok(rectangle);
+        }
+        if corners.len() < 3 {
+            return Err(Error::usage("a region has too few corners")
+                .found(corners.len())
+                .accepted("a convex polygon of at least 3 corners"));
+        }
+        if corners.iter().flatten().any(|c| c.is_infinite()) {
+            return Err(Error::usage("a region that is no rectangle has an infinite corner")
+                .accepted("finite corners [s, g]"));
+        }
+        // Every corner lies on one side of every edge; what is within rounding of an edge lies on it.
+        let (mut left, mut right) = (false, false);
+        for (i, from) in corners.iter().enumerate() {
+            let to = corners[(i + 1) % corners.len()];
+            let edge = [to[0] - from[0], to[1] - from[1]];
+            for corner in corners {
+                let offset = [corner[0] - from[0], corner[1] - from[1]];
+                let side = difference_of_products(edge[0], offset[1], edge[1], offset[0]);
+                let rounding = 1e-9 * ((edge[0] * offset[1]).abs() + (edge[1] * offset[0]).abs());
+                left |= side > rounding;
+                right |= side < -rounding;
+            }
+        }
+        match (left, right) {
+            (true, false) => Ok(Convex::Polygon(corners.clone())),
+            (false, true) => Ok(Convex::Polygon(corners.iter().rev().copied().collect())),
+            (false, false) => Err(Error::usage("a region has no area").accepted("a convex polygon")),
+            (true, true) => Err(Error::usage("a region is not convex").accepted("a convex polygon")),
+        }
+    }
+
+    /// Calls `f` with the signed distances of front and back from each edge, positive inside, with the edge's
+    /// axis (2: neither) and level, until it returns false; tells whether it never did.
+    #[inline]
+    pub fn distances(
+        &self,
+        front: [f64; 2],
+        back: [f64; 2],
+        mut f: impl FnMut(f64, f64, u8, f64) -> bool,
+    ) -> bool {
+        match self {
+            Convex::Rectangle { low, high } => (0..2).all(|i| {
+                let axis = i as u8;
+                f(front[i] - low[i], back[i] - low[i], axis, low[i])
+                    && f(high[i] - front[i], high[i] - back[i], axis, high[i])
+            }),
+            Convex::Polygon(corners) => {
+                let mut from = corners[corners.len() - 1];
+                corners.iter().all(|&to| {
+                    let edge = [to[0] - from[0], to[1] - from[1]];
+                    let side = |v: [f64; 2]| {
+                        difference_of_products(edge[0], v[1] - from[1], edge[1], v[0] - from[0])
+                    };
+                    let inside = f(side(front), side(back), 2, 0.0);
+                    from = to;
+                    inside
+                })
+            }
+        }
+    }
+}
+
+/// The region as an axis-parallel rectangle, if it is one.
+fn rectangle(corners: &[[f64; 2]]) -> Option<Convex> {
+    let &[a, b, c, d] = corners else { return None };
+    let along_s = a[1] == b[1] && b[0] == c[0] && c[1] == d[1] && d[0] == a[0];
+    let along_g = a[0] == b[0] && b[1] == c[1] && c[0] == d[0] && d[1] == a[1];
+    let low = [a[0].min(c[0]), a[1].min(c[1])];
+    let high = [a[0].max(c[0]), a[1].max(c[1])];
+    ((along_s || along_g) && low[0] < high[0] && low[1] < high[1]).then_some(Convex::Rectangle { low, high })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_region_that_is_none_is_refused() {
+        let message =
+            |corners: Vec<[f64; 2]>| Convex::new(&Region { corners }).expect_err("refused").to_string();
+        assert!(message(vec![[0.0, 0.0], [1.0, 1.0]]).contains("too few corners"));
+        assert!(message(vec![[0.0, 0.0], [1.0, 1.0], [2.0, 2.0]]).contains("no area"));
+        let dart = vec![[0.0, 0.0], [2.0, 1.0], [0.0, 2.0], [1.0, 1.0]];
+        assert!(message(dart).contains("not convex"));
+        assert!(message(vec![[f64::NAN, 0.0], [1.0, 0.0], [0.0, 1.0]]).contains("not a number"));
+    }
+}

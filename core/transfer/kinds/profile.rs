@@ -1,0 +1,160 @@
+//! What a profile may be, and the form in which each kind says what is true of it.
+
+use crate::transfer::region::Region;
+use std::sync::Arc;
+
+/// Most fields of a widget that looks at a list of its own.
+pub const FIELDS_MOST: usize = 8;
+
+/// A widget's profile (peak 1). Lengths along s are in units of s, along g in units of g.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Profile {
+    /// 1 inside the region (which is required). Song et al. 2009, section 4.1.
+    Uniform,
+    /// exp(−|K (v − centre)|²). Song section 4.2; Kniss et al. 2003, Eq. 12.
+    Gaussian {
+        /// [s, g].
+        centre: [f64; 2],
+        /// K, rows first; the axis-aligned form is diag(1/(√2 σ_s), 1/(√2 σ_g)).
+        matrix: [[f64; 2]; 2],
+    },
+    /// The same over its own list of 1 … [`FIELDS_MOST`] fields. Kniss Eq. 11, 12.
+    GaussianNd {
+        /// Names of the point arrays.
+        fields: Vec<String>,
+        /// One value a field.
+        centre: Vec<f64>,
+        /// K, rows first, `fields.len()` squared.
+        matrix: Vec<Vec<f64>>,
+    },
+    /// exp(−((s − centre)/(sigma g))²), 0 where g = 0. Kniss section 3.2.
+    TriangularGaussian {
+        /// s₀.
+        centre: f64,
+        /// Width per unit of g.
+        sigma: f64,
+    },
+    /// exp(−|K (v − centre)|²/m²) over a list of 1 … [`FIELDS_MOST`] − 1 fields of its own, 0 where m ≤ 0. Kniss section
+    /// 3.2, with m² for the norm of DᵀD, so that one field is the same as above.
+    TriangularGaussianNd {
+        /// Names of the point arrays.
+        fields: Vec<String>,
+        /// Name of the point array m, the magnitude of all their gradients.
+        magnitude: String,
+        /// One value a field.
+        centre: Vec<f64>,
+        /// K, rows first, `fields.len()` squared: the inverse of the widths per unit of m.
+        matrix: Vec<Vec<f64>>,
+    },
+    /// tri(φ). Song section 4.3.
+    TriangleWave(Wave),
+    /// |sin(π φ)|. Song section 4.4.
+    SineWave(Wave),
+    /// Colour and extinction linear between control points in s, constant beyond the ends.
+    PiecewiseLinear {
+        /// In rising s, at least one.
+        points: Vec<ControlPoint>,
+    },
+    /// A W × H image over [s_a, s_b] × [g_a, g_b]. Song section 3.3.2.
+    Table(Arc<Table>),
+}
+
+/// φ = ((s − s₀) cos θ·w_s + (g − g₀) sin θ·w_g) / period.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Wave {
+    /// [s₀, g₀].
+    pub origin: [f64; 2],
+    /// θ in radians (files give degrees).
+    pub angle: f64,
+    /// [w_s, w_g].
+    pub scale: [f64; 2],
+    /// One period of φ is one band; > 0.
+    pub period: f64,
+    /// Share of the profile kept around its peaks, in (0, 1].
+    pub band_width: f64,
+}
+
+/// A control point of a piecewise-linear widget.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ControlPoint {
+    /// Scalar.
+    pub s: f64,
+    /// Linear RGB.
+    pub color: [f64; 3],
+    /// Extinction per unit distance.
+    pub extinction: f64,
+}
+
+/// A transfer function painted as an image.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Table {
+    /// Columns (along s).
+    pub width: usize,
+    /// Rows (along g; row 0 at the largest g).
+    pub height: usize,
+    /// Straight linear RGB and alpha, row-major.
+    pub texels: Vec<[f32; 4]>,
+    /// [s_a, s_b].
+    pub s: [f64; 2],
+    /// [g_a, g_b].
+    pub g: [f64; 2],
+}
+
+/// What is true of a profile, whatever draws it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Properties<'a> {
+    /// The kind's name in pipeline files.
+    pub name: &'static str,
+    /// Where the colour comes from.
+    pub color: ColorSource<'a>,
+    /// The largest extinction per unit distance, where the profile holds extinctions and not shares of the widget's.
+    pub own_peak: Option<f64>,
+    /// Names of the further point arrays that it looks at.
+    pub fields: Vec<&'a str>,
+    /// Whether it looks at the gradient magnitude.
+    pub depends_on_g: bool,
+    /// Where s, g and each of the fields are best counted from.
+    pub axes: Vec<AxisOrigin>,
+    /// The bands of a profile that is periodic in s and g.
+    pub bands: Option<Bands>,
+    /// Whether it jumps somewhere, so that sampling converges by first order only.
+    pub jumps: bool,
+    /// The part of the plane outside which it is 0, beside the widget's region.
+    pub range: Option<Region>,
+    /// Whether it is drawn only inside a region, which must be given.
+    pub needs_region: bool,
+    /// Whether its mean over a segment is an elementary function (with erf and polynomials), so that no quadrature
+    /// has a part in the optical depth.
+    pub has_elementary_mean: bool,
+}
+
+/// The bands of a periodic profile.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bands {
+    /// [s₀, g₀], where φ = 0.
+    pub origin: [f64; 2],
+    /// φ per unit of s and of g; one band is a unit of φ.
+    pub step: [f64; 2],
+}
+
+/// Where a widget's colour comes from.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum ColorSource<'a> {
+    /// The widget has one.
+    Widget,
+    /// Linear between those of control points.
+    Points(&'a [ControlPoint]),
+    /// Bilinear between those of texels.
+    Texels(&'a [[f32; 4]]),
+}
+
+/// Where the values of an axis are best counted from, for a profile to keep its digits in 32 bits.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum AxisOrigin {
+    /// From anywhere.
+    Any,
+    /// From here: only differences from it matter.
+    Centre(f64),
+    /// From 0: the values are widths themselves, and small ones matter.
+    Zero,
+}

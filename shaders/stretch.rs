@@ -1,0 +1,61 @@
+//! The longest stretch that a segment of a data set may be, and what 32 bits hold over it.
+
+use voltet_core::transfer::{TransferFunction, Widget};
+use voltet_core::{Error, Result};
+use voltet_lanes::limits::GAUSSIAN_WIDTHS_MOST;
+
+/// What one segment of a data set spans at most; the ranges of the values bound it, closer numbers refuse less.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Spans<'a> {
+    /// |v_b − v_f| of s, g (also where it is not read) and the further fields by name.
+    pub values: &'a [f64],
+    /// D, world units.
+    pub longest: f64,
+}
+
+/// The longest stretch that a segment may be, of length and values.
+pub(crate) struct Stretch<'a> {
+    pub transfer_function: &'a TransferFunction,
+    pub spans: &'a Spans<'a>,
+    /// Whether widgets are walked together, in their order.
+    pub is_in_order: bool,
+}
+
+impl Stretch<'_> {
+    /// Of s (0) or g (1).
+    pub fn span(&self, axis: usize) -> f64 {
+        self.spans.values[axis]
+    }
+
+    /// Of a further field.
+    pub fn span_of(&self, field: &str) -> f64 {
+        let place = self.transfer_function.fields().iter().position(|name| *name == field);
+        place.map_or(0.0, |place| self.spans.values[2 + place])
+    }
+
+    /// D/U.
+    pub fn length(&self) -> f64 {
+        self.spans.longest / self.transfer_function.unit_distance
+    }
+
+    /// Of the widget's peak all along.
+    pub fn depth(&self, widget: &Widget) -> f64 {
+        self.length() * widget.peak()
+    }
+
+    /// The constant-emitter's.
+    pub fn cutoff(&self) -> Option<f64> {
+        self.transfer_function.model.cutoff()
+    }
+}
+
+/// Checks the widths of a Gaussian, one number a row of K.
+pub(crate) fn check_widths(rows: impl Iterator<Item = f64>) -> Result<()> {
+    let widths = rows.map(|x| x * x).sum::<f64>().sqrt();
+    if widths <= GAUSSIAN_WIDTHS_MOST {
+        return Ok(());
+    }
+    Err(Error::run("a Gaussian is narrower than 32 bits resolve along a segment")
+        .found(format!("{widths:e} widths over one segment"))
+        .accepted(format!("at most {GAUSSIAN_WIDTHS_MOST:e}, or an engine of 64 bits")))
+}
