@@ -2,7 +2,7 @@
 //!
 //! Why its instructions may run: the crate's head.
 
-use super::{Double, Float, Lanes, Mask, Unsigned, inside};
+use super::operations::{Double, Float, Lanes, Mask, Unsigned, inside, sealed};
 use std::arch::x86_64::*;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -22,7 +22,7 @@ pub(super) struct U(__m256i);
 #[derive(Clone, Copy)]
 pub(super) struct M(__m256);
 
-impl super::sealed::Sealed for Avx2 {}
+impl sealed::Sealed for Avx2 {}
 
 impl Lanes for Avx2 {
     const WIDTH: usize = 8;

@@ -4,7 +4,7 @@
 //! What `wide` leaves open or does lane by lane (the operand that a minimum takes where one is NaN, unsigned minima, rounding
 //! down without SSE4.1) is written here in its other operations.
 
-use super::{Double, Float, Lanes, Mask, Unsigned, inside};
+use super::operations::{Double, Float, Lanes, Mask, Unsigned, inside, sealed};
 use bytemuck::cast;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 use wide::{f32x4, f64x2, i32x4, u32x4};
@@ -35,7 +35,7 @@ pub(super) struct D(f64x2);
 #[derive(Clone, Copy)]
 pub(super) struct MD(f64x2);
 
-impl super::sealed::Sealed for Portable {}
+impl sealed::Sealed for Portable {}
 
 impl Lanes for Portable {
     const WIDTH: usize = WIDTH;

@@ -6,6 +6,7 @@
 mod array;
 mod cell_mean;
 mod dense;
+mod filter;
 mod frame;
 mod least_squares;
 mod method;
@@ -13,47 +14,15 @@ mod quadratic_fit;
 
 pub use array::FromArray;
 pub use cell_mean::{CellAverage, VolumeWeighted};
+pub use filter::{Fallback, Gradient, GradientFilter, check_scalar};
 pub use frame::for_points;
 pub use least_squares::LeastSquares;
 pub use method::Method;
 pub use quadratic_fit::QuadraticFit;
 
-use crate::grid::Grid;
-use crate::parameters::{Kind, Parameters};
-use crate::progress::Progress;
-use crate::{Error, Result};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::sync::Arc;
-
-/// Gradients at the points, and how often the filter had to do with less than it promises.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Gradient {
-    /// ∇s at every point of the grid.
-    pub vectors: Vec<DVec3>,
-    /// Points at which the filter fell back, by what it did there instead; empty where it never had to.
-    pub fallbacks: Vec<Fallback>,
-}
-
-/// A kind of fall-back, and at how many points it was taken.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Fallback {
-    /// What was done and why, a clause that can follow "at 12 points".
-    pub what: String,
-    /// Number of points, > 0.
-    pub point_count: u64,
-}
-
-impl Fallback {
-    /// Those that were taken at all.
-    pub fn list(taken: impl IntoIterator<Item = (&'static str, u64)>) -> Vec<Fallback> {
-        taken
-            .into_iter()
-            .filter(|&(_, point_count)| point_count > 0)
-            .map(|(what, point_count)| Fallback { what: what.into(), point_count })
-            .collect()
-    }
-}
 
 /// The filters that ship, in the order in which help lists them.
 pub fn filters() -> [Arc<dyn GradientFilter>; 5] {
@@ -64,34 +33,6 @@ pub fn filters() -> [Arc<dyn GradientFilter>; 5] {
         Arc::new(CellAverage),
         Arc::new(FromArray),
     ]
-}
-
-/// Computes ∇s at the points of a grid.
-pub trait GradientFilter: Send + Sync {
-    /// Its name in pipeline files (`method = "least-squares"`), what it does in a sentence, and what can be set.
-    fn declaration(&self) -> Kind;
-
-    /// Checks what single declarations cannot say (parameters that exclude each other). Touches no file.
-    fn check(&self, parameters: &Parameters) -> Result<()> {
-        let _ = parameters;
-        Ok(())
-    }
-
-    /// Names of the point arrays that it reads with these parameters. The grid then has them.
-    fn arrays(&self, parameters: &Parameters) -> Result<Vec<String>> {
-        let _ = parameters;
-        Ok(Vec::new())
-    }
-
-    /// ∇s at every point of `grid` for the values `scalar`, one a point. Finite at every point of a cell whose position and
-    /// value are finite.
-    fn gradient(
-        &self,
-        grid: &Grid,
-        scalar: &[f64],
-        parameters: &Parameters,
-        progress: &dyn Progress,
-    ) -> Result<Gradient>;
 }
 
 /// g = |∇s| at every point.
@@ -165,16 +106,6 @@ pub fn length(v: DVec3) -> f64 {
         return largest;
     }
     largest * (v / largest).length()
-}
-
-/// The error for a scalar whose number of values is not the grid's number of points.
-pub fn check_scalar(grid: &Grid, scalar: &[f64]) -> Result<()> {
-    if scalar.len() == grid.points.len() {
-        return Ok(());
-    }
-    Err(Error::run("the scalar does not have one value a point")
-        .found(scalar.len())
-        .accepted(grid.points.len()))
 }
 
 #[cfg(test)]

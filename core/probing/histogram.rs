@@ -7,7 +7,7 @@
 //! Values are measured in bins from the lower end of the axis, so that edges are whole numbers. Volumes are summed in
 //! a fixed order: the same data give the same bits on any number of cores.
 
-use super::scaled_volume;
+use super::sub_tetrahedron::scaled_volume;
 use super::sub_tetrahedron::{Distribution, SubTetrahedron};
 use crate::grid::Grid;
 use crate::grid::extent::range;

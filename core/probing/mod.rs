@@ -32,9 +32,3 @@ pub use kernel::kernel;
 pub use probe::{Found, Mask, probe};
 pub use proposal::{Proposed, proposal, quiet};
 pub use region::Region;
-
-/// Volume of a tetrahedron whose corners were multiplied by `scale`, which keeps it in the number range.
-fn scaled_volume(grid: &crate::grid::Grid, i: usize, scale: f64) -> f64 {
-    let [a, b, c, d] = grid.corners(i);
-    crate::grid::tetrahedron_volume([glam::DVec3::ZERO, (b - a) * scale, (c - a) * scale, (d - a) * scale])
-}

@@ -7,7 +7,7 @@
 
 use super::moments::{MOST, Moments};
 use super::region::Region;
-use super::scaled_volume;
+use super::sub_tetrahedron::scaled_volume;
 use crate::grid::Grid;
 use crate::grid::extent::range;
 use crate::progress::Progress;

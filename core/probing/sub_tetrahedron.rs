@@ -118,3 +118,9 @@ impl Distribution {
         }
     }
 }
+
+/// Volume of a tetrahedron whose corners were multiplied by `scale`, which keeps it in the number range.
+pub(super) fn scaled_volume(grid: &crate::grid::Grid, i: usize, scale: f64) -> f64 {
+    let [a, b, c, d] = grid.corners(i);
+    crate::grid::tetrahedron_volume([glam::DVec3::ZERO, (b - a) * scale, (c - a) * scale, (d - a) * scale])
+}

@@ -50,10 +50,10 @@ impl LaneBell {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Portable as P;
     use crate::optics::elementary::one_minus_exp;
     use crate::optics::smooth::Smooth;
     use crate::optics::smooth::tests::{lane, uniform};
+    use crate::portable::Portable as P;
     use voltet_core::optics::{Overlap, Prepared, Segment};
     use voltet_core::transfer::{OpticalModel, Profile, Region, TransferFunction, Wave, Widget};
 

@@ -104,9 +104,9 @@ impl<L: Lanes> Smooth<L> {
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
-    use crate::Portable as P;
     use crate::optics::elementary::one_minus_exp;
     use crate::optics::gaussian::shape;
+    use crate::portable::Portable as P;
     use voltet_core::optics::{Overlap, Prepared, Segment};
     use voltet_core::transfer::{OpticalModel, Profile, TransferFunction, Widget};
 

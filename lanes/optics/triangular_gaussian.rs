@@ -261,7 +261,7 @@ impl<L: Lanes> LaneTrack<L> for LaneTriangularTrack<L> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Portable;
+    use crate::portable::Portable;
 
     /// A break at the far level that rounding puts just before it is not taken for one that is never reached.
     #[test]

@@ -3,71 +3,14 @@
 use super::engines::{ENGINES, NATIVE, REFEREE};
 use super::opened::draw_on;
 use super::order::leave_out_order;
+use super::wished::{ADAPTER, AUTO, COMPOSITOR, ENGINE};
 use voltet_core::engine::{Compositing, Declaration};
 use voltet_core::error::ErrorKind;
-use voltet_core::graph::{Asking, Call, Parameter, ParameterType, Parameters, Standard};
+use voltet_core::graph::{Asking, Call, Parameters};
 use voltet_core::picture::Picture;
 use voltet_core::scene::Scene;
 use voltet_core::shading::{Integrator, Shading};
 use voltet_core::{Error, Result};
-
-/// The word for whatever engine is there.
-pub const AUTO: &str = "auto";
-
-/// The engine that a pipeline asks for.
-pub const ENGINE: Parameter = Parameter {
-    name: "engine",
-    parameter_type: ParameterType::Choice(&ENGINE_WORDS),
-    unit: "",
-    standard: Standard::Text(AUTO),
-    help: "what draws",
-};
-
-const ENGINE_WORDS: [(&str, &str); ENGINES.len() + 1] = {
-    let auto = "the last of these that this machine has and that holds the scene";
-    let mut words = [(AUTO, auto); ENGINES.len() + 1];
-    let mut k = 0;
-    while k < ENGINES.len() {
-        words[k + 1] = (ENGINES[k].name, ENGINES[k].summary);
-        k += 1;
-    }
-    words
-};
-
-/// The adapter that a pipeline asks for.
-pub const ADAPTER: Parameter = Parameter {
-    name: "adapter",
-    parameter_type: ParameterType::Text,
-    unit: "",
-    standard: Standard::Unset("the fastest kind"),
-    help: "on a device: a part of its name, or discrete, integrated, virtual, software",
-};
-
-/// The compositor of the device.
-pub const COMPOSITOR: Parameter = Parameter {
-    name: "compositor",
-    parameter_type: ParameterType::Choice(&COMPOSITOR_WORDS),
-    unit: "",
-    standard: Standard::Text(AUTO),
-    help: "on a device: how pixels are composited; other engines have one way",
-};
-
-const COMPOSITOR_WORDS: [(&str, &str); Compositing::WORDS.len() + 1] = {
-    let auto =
-        "tiles where each pixel needs its exact order, else what a short measurement finds faster there";
-    let mut words = [(AUTO, auto); Compositing::WORDS.len() + 1];
-    let mut k = 0;
-    while k < Compositing::WORDS.len() {
-        words[k + 1] = Compositing::WORDS[k];
-        k += 1;
-    }
-    words
-};
-
-/// The adapter that the parameters name.
-pub fn adapter(p: &Parameters) -> Option<String> {
-    p.optional(ADAPTER.name).and_then(|setting| setting.text()).map(str::to_string)
-}
 
 /// Whether an engine is asked where a pipeline says this.
 pub fn is_asked_by(engine: &Declaration, wanted: &str) -> bool {

@@ -14,9 +14,10 @@ mod scene;
 mod shading;
 mod stages;
 mod visible;
+mod wished;
 
 pub use bands::note_bands;
-pub use engine::{ADAPTER, AUTO, COMPOSITOR, ENGINE, adapter, ask_engine, draw, is_asked_by};
+pub use engine::{ask_engine, draw, is_asked_by};
 pub use engines::{DEVICE, ENGINES, NATIVE, REFEREE};
 pub use needs::ask;
 pub use order::{ORDER, leave_out_order, order};
@@ -24,3 +25,4 @@ pub use prepared::{Culled, Projected};
 pub use scene::scene;
 pub use shading::{PARAMETERS, shading};
 pub use stages::{composite, cull, for_data, project, referee, sort};
+pub use wished::{ADAPTER, AUTO, COMPOSITOR, ENGINE, adapter};

@@ -3,6 +3,7 @@
 use super::noted::{note, note_whole};
 use super::remembered::CacheFolder;
 use super::visible;
+use super::wished::adapter;
 use crate::files::cache_folder;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -39,7 +40,7 @@ pub(super) fn draw_on(
     declared
         .can_serve(&scene.transfer_function, &scene.shading)
         .map_err(|error| call.parameters.blame("integrator", error))?;
-    let wish = AdapterWish { name: super::adapter(call.parameters), hardware };
+    let wish = AdapterWish { name: adapter(call.parameters), hardware };
     let opened = call.keep_for_session(|| Ok(Opened::default()))?;
     let engine = stage(call, declared, "device", |_| opened.open(declared, &wish))
         .map_err(|error| if wish.name.is_some() { call.parameters.blame("adapter", error) } else { error })?;

@@ -62,14 +62,14 @@ pub(super) fn followed(path: &Path) -> PathBuf {
     let mut path = path.to_path_buf();
     for _ in 0..LINKS_MOST {
         let Ok(link) = std::fs::read_link(&path) else { break };
-        path = super::folder(&path).join(link);
+        path = folder(&path).join(link);
     }
     path
 }
 
 /// The folder without links, and the name in it; the path as it is where there is no such folder.
 fn without_links(path: &Path) -> PathBuf {
-    let folder = std::fs::canonicalize(super::folder(path)).ok();
+    let folder = std::fs::canonicalize(folder(path)).ok();
     folder.zip(path.file_name()).map_or_else(|| path.to_path_buf(), |(folder, name)| folder.join(name))
 }
 
@@ -91,6 +91,14 @@ pub fn collision(uses: &[Use]) -> Option<[usize; 2]> {
         let other = (0..uses.len()).find(|&b| same(a, b) && before_others(a, b))?;
         Some([a, other])
     })
+}
+
+/// The folder that a file lies in.
+pub(super) fn folder(path: &Path) -> &Path {
+    match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    }
 }
 
 #[cfg(all(test, unix))]

@@ -39,11 +39,3 @@ pub fn shown(path: &Path) -> String {
 pub fn is_stream(path: &str) -> bool {
     path == STANDARD_OUTPUT || path.starts_with("/dev/")
 }
-
-/// The folder that a file lies in.
-fn folder(path: &Path) -> &Path {
-    match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    }
-}

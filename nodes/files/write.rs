@@ -1,8 +1,9 @@
 //! Writing whole files: beside, then renamed; devices and pipes as they are.
 
+use super::meant::folder;
 use super::meant::{followed, is_standard_output};
 use super::temporary::Temporary;
-use super::{folder, waiting};
+use super::waiting;
 use std::fs::{File, Metadata, OpenOptions};
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};

@@ -76,7 +76,7 @@ pub struct ArraySummary {
 /// # Errors
 /// As [`super::read`]; a file without three-dimensional cells or without arrays is no error here.
 pub fn inspect(path: &Path, request: &Request, progress: &dyn Progress) -> Result<Summary> {
-    let dataset = super::open(path, request)?;
+    let dataset = super::open::open(path, request)?;
     summarize(&dataset, progress).map_err(|error| error.in_file(path))
 }
 

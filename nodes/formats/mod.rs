@@ -9,6 +9,7 @@
 //! | file | what |
 //! | --- | --- |
 //! | `request`, `select` | what is asked of a file, and which of its arrays that means |
+//! | `open` | the list of formats, and what tells a file's |
 //! | `format` | the declaration of a format: how its files are told, and what reads them |
 //! | `foreign` | formats that are not read, by name and with what to do |
 //! | `source` | a file, read at positions |
@@ -24,7 +25,7 @@
 //! parallel straight into its destination ([`found`], [`codec`], [`decode`]) and put together ([`assemble`]).
 //! The format is told by the content of the file, not by its name; PLOT3D, which has no magic, by its name or by a
 //! solution file being given. A further format is a module that gives a [`Dataset`] and declares a
-//! [`Format`], and a line in [`FORMATS`].
+//! [`Format`], and a line in `FORMATS` in `open`.
 //!
 //! Nothing is allocated because a header says so: a size is believed only after the bytes that back it were found
 //! in the file (with compression, after the greatest ratio that the codec can reach was applied).
@@ -46,6 +47,7 @@ mod inspect;
 mod legacy;
 mod merge;
 mod numbers;
+mod open;
 mod piece;
 mod plot3d;
 mod request;
@@ -55,28 +57,15 @@ mod stored;
 mod xml;
 
 pub use assemble::Unread;
-use format::Format;
 pub use inspect::{ArraySummary, Summary, inspect};
-use piece::Dataset;
+pub use open::FILES;
+use open::open;
 pub use request::{Association, Request, TimeStep};
-use source::Source;
 use std::path::{Path, PathBuf};
+use voltet_core::Result;
 pub use voltet_core::grid::CellValues;
 use voltet_core::grid::Grid;
 use voltet_core::progress::Progress;
-use voltet_core::{Error, Result};
-
-/// The formats, in the order in which a file is tried as one of them.
-const FORMATS: &[Format] = &[xml::FORMAT, legacy::FORMAT, plot3d::FORMAT];
-
-/// What the reader's help says of its files.
-pub const FILES: &str = "VTK (.vtu .vts .vtr .vti, .pvtu …, .pvd, legacy .vtk) or a PLOT3D grid";
-
-/// What the formats' files are called, in one phrase.
-fn files(mut formats: impl Iterator<Item = &'static Format>) -> String {
-    let first = formats.next().map_or(String::new(), |format| format.files.to_string());
-    formats.fold(first, |phrase, format| phrase + " or " + format.files)
-}
 
 /// Reads a grid and the arrays that `request` names.
 ///
@@ -101,40 +90,4 @@ pub fn unread(path: &Path, request: &Request) -> Result<Unread> {
 pub fn files_beside(path: &Path) -> Vec<PathBuf> {
     let solution = Some(path.with_extension("q")).filter(|solution| solution != path && solution.is_file());
     xml::files_named(path).into_iter().chain(solution).collect()
-}
-
-/// Reads the table of contents of a file by the format that it shows; what is asked for but cannot be of such a file is an
-/// error.
-fn open(path: &Path, request: &Request) -> Result<Dataset> {
-    foreign::refuse_folder(path)?;
-    let source = Source::open(path)?;
-    let in_file = |error: Error| error.in_file(path);
-    foreign::refuse_by_magic(&source).map_err(in_file)?;
-    let head = source.head(256).map_err(in_file)?;
-    let text = head.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(&head).trim_ascii_start();
-    let Some(format) = FORMATS.iter().find(|format| (format.is_meant)(text, path, request)) else {
-        foreign::refuse_by_words(&source).map_err(in_file)?;
-        let error = Error::run("the format of the file is not known").found(source::shown(&head));
-        return Err(in_file(error.accepted(files(FORMATS.iter()))));
-    };
-    let dataset = (format.open)(source, request).map_err(in_file)?;
-    if dataset.time_steps.is_empty()
-        && let Some(step) = request.time_step.filter(|step| *step != TimeStep::Index(0))
-    {
-        let found = match step {
-            TimeStep::Index(index) => format!("step {index}"),
-            TimeStep::Time(time) => format!("time {time}"),
-        };
-        let error = Error::run("a time step is asked for, but the file is no time series");
-        return Err(in_file(error.found(found).accepted("a .pvd file, or no time step")));
-    }
-    if request.solution.is_some() && !format.has_solution {
-        let with = files(FORMATS.iter().filter(|format| format.has_solution));
-        return Err(in_file(
-            Error::run("a solution is named, but the grid is of a format without")
-                .found(&dataset.format)
-                .accepted(format!("{with}, or no solution")),
-        ));
-    }
-    Ok(dataset)
 }

@@ -144,7 +144,7 @@ fn rows(
 
 /// What the file draws with, on every engine, in both orders where one is needed.
 fn settings(subject: &Subject, benches: &Benches) -> Vec<Setting> {
-    let own = subject.setting(Painter::NATIVE);
+    let own = Setting::of_file(subject, Painter::NATIVE);
     let only = [own.integrator.name().to_string()];
     let mut settings = benches.settings(subject, &only);
     settings.retain(|setting| setting.integrator == own.integrator && setting.overlap == own.overlap);

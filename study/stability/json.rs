@@ -1,6 +1,6 @@
 //! What was found, for programs. JSON has no ∞: such a ratio is written as null.
 
-use super::Stability;
+use super::found::Stability;
 use serde_json::{Value, json as object};
 use voltet_judge::{Report, Row};
 

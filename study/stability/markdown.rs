@@ -1,7 +1,8 @@
 //! What was found, as a page of documentation.
 
+use super::found::{Stability, category};
 use super::text::number;
-use super::{Drawn, Printed, Stability, category};
+use super::{Drawn, Printed};
 use voltet_judge::{Report, Row};
 
 /// The page, without a title.

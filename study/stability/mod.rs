@@ -3,6 +3,7 @@
 //!
 //! | file | what |
 //! | --- | --- |
+//! | `found` | what was found |
 //! | `subjects` | the sets of forms and the engines that there are |
 //! | `hard` | scenes with hard cells, transfer functions and cameras |
 //! | `pictures` | those, by every engine |
@@ -12,6 +13,7 @@
 //!
 //! The cases of the formulas are `voltet_judge`'s, which the program carries.
 
+mod found;
 mod hard;
 mod integrators;
 mod json;
@@ -21,6 +23,7 @@ mod printed;
 mod subjects;
 mod text;
 
+pub use found::{Stability, category};
 pub use integrators::Integrated;
 pub use json::{forms as forms_json, json};
 pub use markdown::markdown;
@@ -31,42 +34,7 @@ pub use text::{forms_text, text};
 
 use voltet_core::progress::Progress;
 use voltet_core::{Error, Result};
-use voltet_judge::{Report, judge_cases, shipped};
-
-/// What was found.
-#[derive(Debug, Clone)]
-pub struct Stability {
-    /// One report a set of forms: 64-bit, 32-bit by lane set, further ones.
-    pub forms: Vec<Report>,
-    /// Every integrator in 64 bits.
-    pub integrators: Vec<Integrated>,
-    /// Pictures of hard scenes, one after the other.
-    pub pictures: Vec<Drawn>,
-    /// The formulas as printed.
-    pub printed: Vec<Printed>,
-    /// What was not judged, why, and how to have it.
-    pub left_out: Vec<String>,
-}
-
-impl Stability {
-    /// Whether every bound was kept.
-    pub fn passed(&self) -> bool {
-        self.forms.iter().all(Report::passed)
-            && self.integrators.iter().all(Integrated::passed)
-            && self.pictures.iter().all(Drawn::passed)
-    }
-
-    /// What drew the pictures, in their order.
-    fn engines(&self) -> Vec<&str> {
-        let mut engines: Vec<&str> = Vec::new();
-        for drawn in &self.pictures {
-            if !engines.contains(&drawn.engine.as_str()) {
-                engines.push(&drawn.engine);
-            }
-        }
-        engines
-    }
-}
+use voltet_judge::{judge_cases, shipped};
 
 /// Judges all of the forms by the cases that the program carries, draws the pictures, evaluates what papers print.
 ///
@@ -91,21 +59,6 @@ pub fn stability(subjects: &Subjects, progress: &dyn Progress) -> Result<Stabili
         printed: printed::printed()?,
         left_out: subjects.left_out.clone(),
     })
-}
-
-/// A category as people call it.
-pub fn category(name: &str) -> &str {
-    match name {
-        "bands" => "many bands",
-        "scale" => "tiny and huge lengths",
-        "edges" => "region edges",
-        "overlap" => "widgets that overlap",
-        "chain" => "long compositing chains",
-        "ray" => "cells along a ray",
-        "table" => "partial pre-integration",
-        "wild" => "anything goes",
-        other => other,
-    }
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! What was found, for a terminal.
 
-use super::{Drawn, Integrated, Printed, Stability, category};
+use super::found::{Stability, category};
+use super::{Drawn, Integrated, Printed};
 use voltet_judge::{Excuse, Report, Row};
 
 /// Broken values that are named one by one.

@@ -23,7 +23,7 @@ pub fn apply(text: &str, study: &Study, setting: &Setting) -> Result<String> {
     let mut document: DocumentMut = text.parse().map_err(|error: toml_edit::TomlError| {
         Error::usage("the pipeline file cannot be read as TOML").found(error.message())
     })?;
-    let own = subject.setting(setting.painter);
+    let own = Setting::of_file(subject, setting.painter);
     for (name, key) in setting.keys() {
         set(&mut document, &subject.node, name, key)?;
     }

@@ -114,7 +114,7 @@ impl Benches {
     /// device that is not measured.
     pub(super) fn own(&self, subject: &Subject, refused: &dyn Fn(&Setting) -> bool) -> Option<Setting> {
         for engine in self.file_takes.as_ref()? {
-            let own = subject.setting(subject.painter_on(engine)?);
+            let own = Setting::of_file(subject, subject.painter_on(engine)?);
             if !(subject.asked.is_auto() && refused(&own)) {
                 return Some(own);
             }

@@ -3,6 +3,7 @@
 //!
 //! | file | what |
 //! | --- | --- |
+//! | `wish` | what is asked of a study |
 //! | `subject` | what the pipeline's node that draws is given |
 //! | `settings` | what is tried |
 //! | `reference`, `kept` | the picture to compare with, kept between studies, also where it was stopped |
@@ -36,6 +37,7 @@ mod run;
 mod settings;
 mod subject;
 mod table;
+mod wish;
 
 pub use apply::apply;
 pub use bench::{Adapter, Benches};
@@ -49,7 +51,8 @@ pub use page::recommendation;
 pub use pareto::{cheapest, front};
 pub use reference::{Reference, cache_folder, reference};
 pub use refine::{Refinement, Source, refinement, refuse_too_fine};
-pub use run::{Measure, Refused, Row, Study, Wish, study};
+pub use run::{Refused, Row, Study, study};
 pub use settings::{Setting, Value, settings, studied};
 pub use subject::{Asked, Form, Subject, drawing_nodes};
 pub use table::{csv, json, text};
+pub use wish::{Measure, Wish};

@@ -4,11 +4,12 @@ use super::bench::{Adapter, Benches};
 use super::convergence::{Convergence, convergence};
 use super::errors::{Errors, difference, errors};
 use super::flip::Seen;
-use super::measure::{Cost, Frames};
+use super::measure::Cost;
 use super::pareto;
 use super::reference::Reference;
 use super::refine::{Refinement, Source, refinement};
-use super::{Engines, Painter, Setting, Subject};
+use super::wish::{Measure, Wish};
+use super::{Painter, Setting, Subject};
 use voltet_core::error::ErrorKind;
 use voltet_core::optics::Overlap;
 use voltet_core::optics::integrators::Integrator;
@@ -16,63 +17,6 @@ use voltet_core::progress::Progress;
 use voltet_core::shading::Order;
 use voltet_core::{Error, Result};
 use voltet_nodes::encode;
-
-/// Which of the errors decides.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Measure {
-    /// The largest error of a pixel.
-    #[default]
-    Maximum,
-    /// The root of the mean square.
-    RootMeanSquare,
-    /// What 99.9 % of the pixels are under.
-    Percentile,
-    /// The mean of FLIP.
-    Flip,
-}
-
-impl Measure {
-    /// Its name on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            Measure::Maximum => "max",
-            Measure::RootMeanSquare => "rms",
-            Measure::Percentile => "p99.9",
-            Measure::Flip => "flip",
-        }
-    }
-
-    /// What it is, as the label of an axis.
-    pub fn label(self) -> &'static str {
-        match self {
-            Measure::Maximum => "largest error of premultiplied linear RGBA (1 = full scale)",
-            Measure::RootMeanSquare => "root-mean-square error of premultiplied linear RGBA (1 = full scale)",
-            Measure::Percentile => {
-                "99.9 percentile of the error of premultiplied linear RGBA (1 = full scale)"
-            }
-            Measure::Flip => "mean FLIP difference (0 = equal, 1 = largest)",
-        }
-    }
-}
-
-/// What is asked of a study.
-#[derive(Debug, Clone)]
-pub struct Wish {
-    /// Integrators to look at; none for all.
-    pub only: Vec<String>,
-    /// Engines to look at.
-    pub engines: Engines,
-    /// The adapter, by a part of its name or its kind; none for the file's, or the fastest that is hardware.
-    pub adapter: Option<String>,
-    /// How often each is drawn.
-    pub frames: Frames,
-    /// Which error decides about the front and the recommendation.
-    pub measure: Measure,
-    /// The error that is allowed.
-    pub max_error: Option<f64>,
-    /// How often the grid is refined, to tell the integration's error from the data model's; 0: not at all.
-    pub refine: u32,
-}
 
 /// One setting, measured.
 #[derive(Debug, Clone)]

@@ -48,7 +48,7 @@ pub fn settings(subject: &Subject, only: &[String], painter: Painter) -> Vec<Set
             }
         }
     }
-    let own = subject.setting(painter);
+    let own = Setting::of_file(subject, painter);
     let drawn = own.integrator != Integrator::Reference && wanted(&own.integrator);
     if drawn && !settings.iter().any(|setting| setting.draws_as(&own)) {
         settings.push(own);
@@ -103,12 +103,21 @@ fn orders(subject: &Subject, integrator: &Integrator, painter: Painter) -> Vec<O
     let exact_integrals = matches!(integrator, Integrator::Analytic | Integrator::Clipped);
     match exact_integrals && subject.needs_order && subject.order_node.is_some() {
         true => vec![Order::Exact, Order::Centroid],
-        false if subject.needs_order && subject.order_node.is_none() => vec![subject.setting(painter).order],
+        false if subject.needs_order && subject.order_node.is_none() => {
+            vec![Setting::of_file(subject, painter).order]
+        }
         false => vec![Order::Exact],
     }
 }
 
 impl Setting {
+    /// How the file draws the scene, were it drawn by this painter.
+    pub fn of_file(subject: &Subject, painter: Painter) -> Setting {
+        let Scene { shading, order, .. } = subject.scene;
+        let order = if order == Order::Auto { Order::Exact } else { order };
+        Setting { painter, integrator: shading.integrator, overlap: shading.overlap, order }
+    }
+
     /// The scene as this setting draws it.
     pub fn scene(&self, subject: &Subject) -> Scene {
         let shading = Shading { integrator: self.integrator, overlap: self.overlap, ..subject.scene.shading };

@@ -1,6 +1,6 @@
 //! What is studied of a pipeline: the scene that its node that draws is given, and how it is asked to draw.
 
-use super::{Painter, Setting};
+use super::Painter;
 use std::sync::Arc;
 use voltet_core::engine::Declaration;
 use voltet_core::graph::{Demand, Graph, GraphNode, Observer, Parameters, Session, Value, diagonal};
@@ -112,13 +112,6 @@ impl Subject {
             "auto" => all.next().filter(|_| all.next().is_none()),
             named => all.find(|painter| painter.compositor() == Some(named)),
         }
-    }
-
-    /// How the file draws it, were it drawn by this painter.
-    pub fn setting(&self, painter: Painter) -> Setting {
-        let Scene { shading, order, .. } = self.scene;
-        let order = if order == Order::Auto { Order::Exact } else { order };
-        Setting { painter, integrator: shading.integrator, overlap: shading.overlap, order }
     }
 }
 

@@ -7,9 +7,11 @@ mod method;
 mod several;
 
 use super::*;
+use crate::Result;
 use crate::grid::generate::{Random, box_of_tetrahedra, sample};
 use crate::grid::{Grid, tetrahedron_volume};
-use crate::progress::Silent;
+use crate::parameters::{Kind, Parameters};
+use crate::progress::{Progress, Silent};
 
 pub(super) const UNIT: [DVec3; 2] = [DVec3::ZERO, DVec3::ONE];
 

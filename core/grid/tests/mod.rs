@@ -9,6 +9,7 @@ mod values;
 
 use super::generate::Random;
 use super::*;
+use glam::DVec3;
 use std::collections::HashMap;
 
 pub(super) const UNIT: [DVec3; 2] = [DVec3::ZERO, DVec3::ONE];

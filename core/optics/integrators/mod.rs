@@ -20,6 +20,7 @@ mod pre_integrated;
 mod pre_integrated_cylindrical;
 mod reference;
 mod riemann;
+mod segment_integrator;
 mod segments;
 mod slice;
 #[cfg(test)]
@@ -34,37 +35,13 @@ pub use pre_integrated::PreIntegrated;
 pub use pre_integrated_cylindrical::{PreIntegratedCylindrical, last_tile};
 pub use reference::Reference;
 pub use riemann::Riemann;
+pub use segment_integrator::{Extent, SegmentIntegrator};
 pub use segments::Segments;
 pub use slice::{Matter, PARTS, Ramp};
 
-use super::{Contribution, Overlap, Segment};
+use super::Overlap;
+use crate::Result;
 use crate::transfer::TransferFunction;
-use crate::{Error, Result};
-
-/// Computes (C, A) of one segment.
-pub trait SegmentIntegrator: Send + Sync {
-    /// The segment's contribution.
-    fn integrate(&self, segment: &Segment) -> Contribution;
-
-    /// Bytes of the tables that were built for it.
-    fn table_bytes(&self) -> usize {
-        0
-    }
-
-    /// Why it could not integrate a segment since it was made: what was drawn with it is not to be shown.
-    fn failure(&self) -> Option<&Error> {
-        None
-    }
-}
-
-/// What the segments of a data set span: the domain of a pre-integrated table.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Extent {
-    /// Least and largest scalar.
-    pub scalar: [f64; 2],
-    /// Length of the longest segment, world units.
-    pub longest: f64,
-}
 
 /// The integrator, made ready. `overlap` says what `Analytic` and `Reference` do where widgets overlap; the
 /// others take widgets together in their order.

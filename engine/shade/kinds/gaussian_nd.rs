@@ -1,7 +1,7 @@
 //! A Gaussian over further fields in lanes.
 
 use crate::shade::along::{FIELDS_MOST, Fields};
-use crate::shade::kinds::Making;
+use crate::shade::kinds::making::Making;
 use voltet_lanes::limits::GAUSSIAN_WIDTHS_MOST;
 use voltet_lanes::optics::gaussian::{LaneGaussianPath, mean_profile};
 use voltet_lanes::{Float, Lanes, array};

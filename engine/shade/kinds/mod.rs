@@ -3,12 +3,14 @@
 
 mod gaussian;
 mod gaussian_nd;
+mod making;
 mod piecewise_linear;
 mod triangular_gaussian;
 mod triangular_gaussian_nd;
 mod wave;
 
-use crate::attribute::Attribute;
+pub(crate) use making::Making;
+
 use crate::shade::along::{Along, Fields};
 use crate::shade::region::{Inside, LaneRegion, range_of};
 use gaussian::LaneGaussian;
@@ -67,27 +69,6 @@ pub(crate) enum InOrder {
     Always,
     /// 64 bits: panels in 32 left 7e-4 of the colour.
     Bits64,
-}
-
-/// The scene that widgets are made ready for.
-#[derive(Clone, Copy)]
-pub(crate) struct Making<'a> {
-    /// s, then g where it is at hand, then the further fields.
-    pub attributes: &'a [Attribute<'a>],
-    /// Names of the further fields.
-    pub fields: &'a [&'a str],
-    /// Turns extinction into optical depth per scene length.
-    pub density_scale: f64,
-    /// The constant-emitter's.
-    pub cutoff: Option<f64>,
-}
-
-impl<'a> Making<'a> {
-    /// A further field: its place among them, and its attribute.
-    fn field(&self, name: &str) -> Option<(usize, &'a Attribute<'a>)> {
-        let place = self.fields.iter().position(|field| *field == name)?;
-        self.attributes.get(2 + place).map(|attribute| (place, attribute))
-    }
 }
 
 impl LaneForm {

@@ -1,8 +1,8 @@
 //! A triangular Gaussian over further fields in lanes.
 
 use crate::shade::along::{FIELDS_MOST, Fields};
-use crate::shade::kinds::Making;
 use crate::shade::kinds::gaussian_nd::{LaneFields, between};
+use crate::shade::kinds::making::Making;
 use voltet_lanes::limits::TRIANGULAR_WIDTHS_MOST;
 use voltet_lanes::optics::triangular_gaussian::LaneTriangularPath;
 use voltet_lanes::{Float, Lanes, Mask};

@@ -1,6 +1,6 @@
 //! Hard cameras: the eye inside or far away, angles from the widest to the narrowest, rays along edges and faces.
 
-use super::{Hard, cube, moved, outside};
+use super::scene::{Hard, cube, moved, outside};
 use glam::DVec3;
 use voltet_core::camera::{Camera, Projection};
 

@@ -1,6 +1,6 @@
 //! Hard cells: degenerate, at extreme coordinates, thousands along a ray.
 
-use super::{Hard, cube, look, moved, outside};
+use super::scene::{Hard, cube, look, moved, outside};
 use glam::DVec3;
 use std::sync::Arc;
 use voltet_core::camera::{Camera, Projection};

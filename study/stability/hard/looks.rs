@@ -1,6 +1,6 @@
 //! Hard transfer functions: thin and stiff, narrow, stepped, banded, tabulated, lit.
 
-use super::{Hard, PLAIN, cube, look, moved};
+use super::scene::{Hard, PLAIN, cube, look, moved};
 use glam::DVec3;
 use std::sync::Arc;
 use voltet_core::shading::{Light, Shading};

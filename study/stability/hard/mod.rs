@@ -3,97 +3,11 @@
 mod cameras;
 mod cells;
 mod looks;
+mod scene;
 
-use glam::DVec3;
-use std::sync::Arc;
-use voltet_core::camera::{Camera, Projection};
-use voltet_core::grid::Grid;
-use voltet_core::grid::generate::{box_of_tetrahedra, sample};
-use voltet_core::optics::Overlap;
-use voltet_core::scene::Scene;
-use voltet_core::shading::{Integrator, Order, Shading};
-use voltet_core::transfer::{OpticalModel, Profile, Region, TransferFunction, Widget};
-use voltet_core::volume::Volume;
-
-/// A scene that is hard to draw.
-pub(super) struct Hard {
-    pub(super) category: &'static str,
-    pub(super) name: String,
-    grid: Grid,
-    /// Positions in the unit cube, where the fields are taken.
-    places: Vec<DVec3>,
-    camera: Camera,
-    look: TransferFunction,
-    shading: Shading,
-}
+pub(super) use scene::Hard;
 
 /// Every one.
 pub(super) fn all() -> Vec<Hard> {
     cells::scenes().into_iter().chain(looks::scenes()).chain(cameras::scenes()).collect()
-}
-
-impl Hard {
-    /// As engines take it. Both fields are smooth, of order 1, with gradients of order 1.
-    pub(super) fn scene(&self) -> Scene {
-        let s = |p: &DVec3| 0.5 + 0.25 * (4.0 * p.x + p.y).sin() + 0.25 * (3.0 * p.z - 2.0 * p.y).cos();
-        let g = |p: &DVec3| 0.4 + p.x + 0.5 * p.y * p.z;
-        let gradient = |p: &DVec3| {
-            let (wave, other) = ((4.0 * p.x + p.y).cos(), (3.0 * p.z - 2.0 * p.y).sin());
-            DVec3::new(wave, 0.25 * wave + 0.5 * other, -0.75 * other)
-        };
-        let shaded = self.shading.light.is_some() || self.shading.silhouette.is_some();
-        let volume = Arc::new(Volume {
-            grid: Arc::new(self.grid.clone()),
-            scalar: Arc::new(self.places.iter().map(s).collect()),
-            gradient: shaded.then(|| Arc::new(self.places.iter().map(gradient).collect())),
-            gradient_magnitude: Some(Arc::new(self.places.iter().map(g).collect())),
-        });
-        let transfer_function = Arc::new(self.look.clone());
-        Scene { volume, transfer_function, camera: self.camera, shading: self.shading, order: Order::Exact }
-    }
-}
-
-/// By closed forms, in the order of widgets that overlap, without light.
-const PLAIN: Shading =
-    Shading { integrator: Integrator::Analytic, overlap: Overlap::Exact, silhouette: None, light: None };
-
-/// Two Gaussians, one of them tilted and one cut by a region, that overlap.
-fn look() -> TransferFunction {
-    let widget = |centre, matrix, extinction, color, region| Widget {
-        profile: Profile::Gaussian { centre, matrix },
-        color,
-        extinction,
-        region,
-    };
-    let rectangle = Region { corners: vec![[0.35, 0.2], [0.75, 0.2], [0.75, 1.4], [0.35, 1.4]] };
-    let widgets = vec![
-        widget([0.55, 0.9], [[4.0, 1.5], [-1.0, 1.6]], 3.0, [0.2, 0.5, 1.1], None),
-        widget([0.5, 0.7], [[4.7, 0.0], [0.0, 1.2]], 5.0, [0.9, 0.3, 0.2], Some(rectangle)),
-    ];
-    TransferFunction { model: OpticalModel::DensityEmitter, unit_distance: 1.0, widgets }
-}
-
-fn cube(counts: [usize; 3], jitter: f64) -> Grid {
-    box_of_tetrahedra(counts, [DVec3::ZERO, DVec3::ONE], jitter)
-}
-
-/// The grid with its points moved; the field stays with the points.
-fn moved(name: String, category: &'static str, base: &Grid, place: impl Fn(DVec3) -> DVec3) -> Hard {
-    let places = base.points.to_vec();
-    let grid = Grid { points: Arc::new(sample(base, place)), ..base.clone() };
-    Hard { category, name, grid, places, camera: outside(), look: look(), shading: PLAIN }
-}
-
-const SIZE: [u32; 2] = [24, 24];
-
-fn outside() -> Camera {
-    Camera {
-        eye: DVec3::new(-0.9, -1.1, 1.4),
-        target: DVec3::splat(0.5),
-        up: DVec3::Z,
-        projection: Projection::Perspective { fov_y: 45.0 },
-        near: 0.0,
-        size: SIZE,
-        samples: 1,
-    }
 }

@@ -1,8 +1,8 @@
 //! Optical depth and opacity as printed.
 
 use super::colors::rectangle;
+use super::measured::{Measured, Printed, between, error, ours, segment};
 use super::real::Real;
-use super::{Measured, Printed, between, error, ours, segment};
 use std::f64::consts::PI;
 use voltet_core::Result;
 use voltet_core::optics::Contribution;

@@ -1,7 +1,7 @@
 //! Colours as printed: the constant-emitter's closed forms, the integrals of linear extinction, pre-integration, the mix.
 
+use super::measured::{Measured, Printed, between, error, partial, segment};
 use super::real::{Real, integral};
-use super::{Measured, Printed, between, error, partial, segment};
 use std::f64::consts::PI;
 use voltet_core::Result;
 use voltet_core::optics::{Overlap, Prepared, linear};

@@ -1,7 +1,7 @@
 //! Pre-integration as printed: the steps of the numerical integral, and the tiles that stand for the table.
 
+use super::measured::{Measured, Printed, between, error, segment};
 use super::real::Real;
-use super::{Measured, Printed, between, error, segment};
 use std::f64::consts::PI;
 use voltet_core::Result;
 use voltet_core::transfer::{OpticalModel, Profile, TransferFunction, Widget};

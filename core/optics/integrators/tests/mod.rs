@@ -5,6 +5,7 @@ mod tables;
 
 use super::*;
 use crate::optics::arbitrary::segment;
+use crate::optics::{Contribution, Segment};
 use crate::transfer::{ControlPoint, OpticalModel, Profile, Widget};
 use proptest::prelude::*;
 

@@ -1,0 +1,138 @@
+//! A grid of tetrahedra with its arrays, and what it was made from.
+
+use super::extent;
+use crate::{Error, Result};
+use glam::DVec3;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// Values of one array, one tuple a point (or cell), components of a tuple side by side.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Array {
+    /// Components of a tuple, at least 1.
+    pub component_count: usize,
+    /// `tuples × component_count` values.
+    pub values: Vec<f64>,
+}
+
+/// A grid of tetrahedra. Immutable once made; nodes share it.
+#[derive(Debug, Clone, Default)]
+pub struct Grid {
+    /// Point positions, world units.
+    pub points: Arc<Vec<DVec3>>,
+    /// Four point numbers a cell, **ascending** (orientation carries no meaning for a volume picture, and a
+    /// canonical order makes neighbours treat a shared face alike).
+    pub tetrahedra: Arc<Vec<[u32; 4]>>,
+    /// For each tetrahedron the cell of the file it is a part of; `None`: tetrahedron i is cell i.
+    pub source_cells: Option<Arc<Vec<u32>>>,
+    /// The scalar that the reader was asked for, per point.
+    pub scalar: Option<Arc<Vec<f64>>>,
+    /// Its name as the user wrote it (`momentum:magnitude`).
+    pub scalar_name: String,
+    /// Further point arrays that somebody asked for (fields of gaussian-nd widgets, a solver's own gradient).
+    pub point_arrays: BTreeMap<String, Arc<Array>>,
+    /// Arrays of the file's cells that somebody asked for as they are: one tuple a cell of the file (see
+    /// [`Grid::source_cell`]). Their values need not be finite.
+    pub cell_arrays: BTreeMap<String, Arc<Array>>,
+    /// What the reader counted and left out.
+    pub origin: Arc<Origin>,
+}
+
+/// What a grid was made from: counts for `info` and the report.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Origin {
+    /// Cells of the file by VTK type code.
+    pub cells_by_type: BTreeMap<u8, u64>,
+    /// Three-dimensional cells left out because a position or the scalar is not finite.
+    pub cells_not_finite: u64,
+    /// Ghost cells left out.
+    pub cells_ghost: u64,
+    /// Cells that are not three-dimensional (vertices, lines, triangles, …), which a volume picture ignores.
+    pub cells_not_volume: u64,
+    /// Arrays of the file that nobody asked for and that were not decoded.
+    pub arrays_unread: Vec<String>,
+    /// Numbers that they hold, as far as the file's headers say.
+    pub values_unread: u64,
+    /// Arrays that were decoded: the scalar and those beside it.
+    pub arrays_decoded: u64,
+    /// Warnings for the user, each a sentence.
+    pub warnings: Vec<String>,
+}
+
+impl Grid {
+    /// Positions of the four corners of tetrahedron `i`.
+    #[inline]
+    pub fn corners(&self, i: usize) -> [DVec3; 4] {
+        self.tetrahedra[i].map(|p| self.points[p as usize])
+    }
+
+    /// The cell of the file that tetrahedron `i` is a part of.
+    #[inline]
+    pub fn source_cell(&self, i: usize) -> usize {
+        self.source_cells.as_ref().map_or(i, |cells| cells[i] as usize)
+    }
+
+    /// The point array of that name with so many components a tuple.
+    ///
+    /// Errors: there is none; says which there are.
+    pub fn point_array(&self, name: &str, component_count: usize) -> Result<&Array> {
+        let of = match component_count {
+            1 => "a point array of one component".to_string(),
+            n => format!("a point array of {n} components"),
+        };
+        let fits = |array: &Array| {
+            array.component_count == component_count
+                && array.values.len() == component_count * self.points.len()
+        };
+        let fitting = self.point_arrays.iter().filter(|(_, array)| fits(array));
+        let names: Vec<&str> = fitting.map(|(name, _)| name.as_str()).collect();
+        let accepted = match names.is_empty() {
+            true => of,
+            false => format!("{of}, one of: {}", names.join(", ")),
+        };
+        match self.point_arrays.get(name) {
+            Some(array) if fits(array) => Ok(array),
+            Some(array) => Err(Error::run("an array has the wrong shape")
+                .found(format!("'{name}' of {} components", array.component_count))
+                .accepted(accepted)),
+            None => Err(Error::run("there is no such array").found(format!("'{name}'")).accepted(accepted)),
+        }
+    }
+
+    /// Lowest and highest coordinates of the finite points; `None` where there is none.
+    pub fn bounds(&self) -> Option<[DVec3; 2]> {
+        extent::bounds(&self.points)
+    }
+
+    /// The power of two that brings the largest extent of the grid to between 0.5 and 1, so that products of lengths
+    /// stay far from the ends of the number range whatever the unit of length; 1 for a grid without extent.
+    pub fn length_scale(&self) -> f64 {
+        let [low, high] = self.bounds().unwrap_or_default();
+        let extent = (high * 0.5 - low * 0.5).max_element();
+        if extent > 0.0 && extent.is_finite() {
+            // Within the exponents for which the scale and its inverse are normal numbers.
+            let exponent = (libm::ilogb(extent) + 2).clamp(-1000, 1000);
+            libm::ldexp(1.0, -exponent)
+        } else {
+            1.0
+        }
+    }
+
+    /// Bytes held by the arrays of this grid, shared ones included.
+    pub fn memory_bytes(&self) -> u64 {
+        let values = self.scalar.as_ref().map_or(0, |s| s.len())
+            + self.point_arrays.values().map(|a| a.values.len()).sum::<usize>()
+            + self.cell_arrays.values().map(|a| a.values.len()).sum::<usize>();
+        let bytes = self.points.len() * size_of::<DVec3>()
+            + self.tetrahedra.len() * size_of::<[u32; 4]>()
+            + self.source_cells.as_ref().map_or(0, |s| s.len() * size_of::<u32>())
+            + values * size_of::<f64>();
+        bytes as u64
+    }
+}
+
+/// Volume of a tetrahedron, ≥ 0.
+#[inline]
+pub fn tetrahedron_volume([a, b, c, d]: [DVec3; 4]) -> f64 {
+    (b - a).dot((c - a).cross(d - a)).abs() / 6.0
+}

@@ -1,0 +1,24 @@
+//! What widgets are made ready for.
+
+use crate::attribute::Attribute;
+
+/// The scene that widgets are made ready for.
+#[derive(Clone, Copy)]
+pub(crate) struct Making<'a> {
+    /// s, then g where it is at hand, then the further fields.
+    pub attributes: &'a [Attribute<'a>],
+    /// Names of the further fields.
+    pub fields: &'a [&'a str],
+    /// Turns extinction into optical depth per scene length.
+    pub density_scale: f64,
+    /// The constant-emitter's.
+    pub cutoff: Option<f64>,
+}
+
+impl<'a> Making<'a> {
+    /// A further field: its place among them, and its attribute.
+    pub(super) fn field(&self, name: &str) -> Option<(usize, &'a Attribute<'a>)> {
+        let place = self.fields.iter().position(|field| *field == name)?;
+        self.attributes.get(2 + place).map(|attribute| (place, attribute))
+    }
+}

@@ -1,0 +1,189 @@
+//! What vector lanes can do.
+
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+pub(super) mod sealed {
+    /// What only this crate's lanes are.
+    pub trait Sealed {}
+}
+
+/// A set of vector lanes.
+pub trait Lanes: sealed::Sealed + Copy + Send + Sync + 'static {
+    /// Number of lanes.
+    const WIDTH: usize;
+    /// 32-bit floats.
+    type F: Float<Lanes = Self>;
+    /// 32-bit unsigned integers.
+    type U: Unsigned<Lanes = Self>;
+    /// Booleans.
+    type M: Mask;
+    /// 64-bit floats, half as many.
+    type D: Double;
+}
+
+/// Lanes of 64-bit floats, [`Double::COUNT`] = `WIDTH / 2` of them.
+pub trait Double:
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + Neg<Output = Self>
+{
+    /// Number of lanes.
+    const COUNT: usize;
+    /// Booleans.
+    type Mask: Mask;
+
+    /// The same value in every lane.
+    fn splat(value: f64) -> Self;
+    /// The first `COUNT` values of the slice, which must hold as many.
+    fn load(values: &[f64]) -> Self;
+    /// Writes the lanes to the first `COUNT` places of the slice, which must hold as many.
+    fn store(self, values: &mut [f64]);
+    /// Writes the lanes, rounded to 32 bits, to the first `COUNT` places of the slice.
+    fn store_f32(self, values: &mut [f32]);
+    /// self × b + c, fused where the processor can.
+    fn mul_add(self, b: Self, c: Self) -> Self;
+    /// The smaller lane; the second operand where either is NaN.
+    fn min(self, other: Self) -> Self;
+    /// The larger lane; the second operand where either is NaN.
+    fn max(self, other: Self) -> Self;
+    /// Absolute value.
+    fn abs(self) -> Self;
+    /// Smallest integer not below.
+    fn ceil(self) -> Self;
+    /// self < other (false for NaN).
+    fn lt(self, other: Self) -> Self::Mask;
+    /// self ≤ other (false for NaN).
+    fn le(self, other: Self) -> Self::Mask;
+    /// `yes` where the mask is set, else `no`.
+    fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
+}
+
+/// Lanes of 32-bit floats.
+pub trait Float:
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + Neg<Output = Self>
+{
+    /// The lane set.
+    type Lanes: Lanes<F = Self>;
+
+    /// The same value in every lane.
+    fn splat(value: f32) -> Self;
+    /// The first `WIDTH` values of the slice, which must hold as many.
+    fn load(values: &[f32]) -> Self;
+    /// Writes the lanes to the first `WIDTH` places of the slice, which must hold as many.
+    fn store(self, values: &mut [f32]);
+    /// self × b + c, fused where the processor can.
+    fn mul_add(self, b: Self, c: Self) -> Self;
+    /// The smaller lane; the second operand where either is NaN.
+    fn min(self, other: Self) -> Self;
+    /// The larger lane; the second operand where either is NaN.
+    fn max(self, other: Self) -> Self;
+    /// Absolute value.
+    fn abs(self) -> Self;
+    /// Square root, correctly rounded.
+    fn sqrt(self) -> Self;
+    /// Nearest integer, ties to even.
+    fn round(self) -> Self;
+    /// Nearest integer towards −∞.
+    fn floor(self) -> Self;
+    /// self < other (false for NaN).
+    fn lt(self, other: Self) -> <Self::Lanes as Lanes>::M;
+    /// self ≤ other (false for NaN).
+    fn le(self, other: Self) -> <Self::Lanes as Lanes>::M;
+    /// `yes` where the mask is set, else `no`.
+    fn select(mask: <Self::Lanes as Lanes>::M, yes: Self, no: Self) -> Self;
+    /// The bits of the floats.
+    fn to_bits(self) -> <Self::Lanes as Lanes>::U;
+    /// Floats from their bits.
+    fn from_bits(bits: <Self::Lanes as Lanes>::U) -> Self;
+    /// Truncated to an integer; values must lie in 0 … 2³¹ − 1.
+    fn to_unsigned(self) -> <Self::Lanes as Lanes>::U;
+    /// Lane i is `self[index[i]]`; indices must be below `WIDTH`.
+    fn permute(self, index: <Self::Lanes as Lanes>::U) -> Self;
+    /// Lane i is `values[index[i]]`. An index past the end would be the caller's mistake: it takes the last value, and
+    /// stops a build with debug assertions. The slice must hold something, and at most 2³¹ values.
+    fn gather(values: &[f32], index: <Self::Lanes as Lanes>::U) -> Self;
+}
+
+/// Lanes of 32-bit unsigned integers (wrapping).
+pub trait Unsigned: Copy + Add<Output = Self> + Sub<Output = Self> {
+    /// The lane set.
+    type Lanes: Lanes<U = Self>;
+
+    /// The same value in every lane.
+    fn splat(value: u32) -> Self;
+    /// 0, 1, 2, …
+    fn iota() -> Self;
+    /// The first `WIDTH` values of the slice, which must hold as many.
+    fn load(values: &[u32]) -> Self;
+    /// The first `WIDTH` values of the slice, widened.
+    fn load_u16(values: &[u16]) -> Self;
+    /// Writes the lanes to the first `WIDTH` places of the slice, which must hold as many.
+    fn store(self, values: &mut [u32]);
+    /// Bitwise and.
+    fn and(self, other: Self) -> Self;
+    /// Bitwise or.
+    fn or(self, other: Self) -> Self;
+    /// Shifted left by a constant.
+    fn shl<const N: u32>(self) -> Self;
+    /// Shifted right by a constant, zeros in.
+    fn shr<const N: u32>(self) -> Self;
+    /// The smaller lane.
+    fn min(self, other: Self) -> Self;
+    /// The larger lane.
+    fn max(self, other: Self) -> Self;
+    /// Whether any bit of `bits` is set.
+    fn test(self, bits: Self) -> <Self::Lanes as Lanes>::M;
+    /// self == other.
+    fn equal(self, other: Self) -> <Self::Lanes as Lanes>::M;
+    /// `yes` where the mask is set, else `no`.
+    fn select(mask: <Self::Lanes as Lanes>::M, yes: Self, no: Self) -> Self;
+    /// As floats; values above 2³¹ − 1 are not supported.
+    fn to_float(self) -> <Self::Lanes as Lanes>::F;
+    /// Lane i is `self[index[i]]`; indices must be below `WIDTH`.
+    fn permute(self, index: Self) -> Self;
+}
+
+/// Lanes of booleans.
+pub trait Mask: Copy {
+    /// Both.
+    fn and(self, other: Self) -> Self;
+    /// Either.
+    fn or(self, other: Self) -> Self;
+    /// The opposite.
+    fn not(self) -> Self;
+    /// One bit a lane, lane 0 the lowest.
+    fn bits(self) -> u32;
+    /// True if any lane is set.
+    #[inline(always)]
+    fn any(self) -> bool {
+        self.bits() != 0
+    }
+}
+
+/// Indices into a slice of so many values, none past the end: what a gather may follow.
+#[inline(always)]
+pub(super) fn inside<L: Lanes>(index: L::U, length: usize) -> L::U {
+    assert!(0 < length && length <= 1 << 31, "a gather from {length} values");
+    let last = L::U::splat((length - 1) as u32);
+    let inside = index.min(last);
+    debug_assert!(!inside.equal(index).not().any(), "a gather past {length} values");
+    inside
+}
+
+/// Takes a closure marked `#[inline(always)]` (the attribute is allowed on an argument, not on the value of a
+/// `let`).
+#[inline(always)]
+pub fn inlined<F>(closure: F) -> F {
+    closure
+}
+
+/// An array made element by element.
+///
+/// Kernels use this, not `std::array::from_fn` or `map`, and mark every closure `#[inline(always)]`: a closure
+/// has no processor features of its own, so one that is left as a function calls every vector operation.
+#[inline(always)]
+pub fn array<T: Copy, const N: usize>(mut element: impl FnMut(usize) -> T) -> [T; N] {
+    let mut out = [element(0); N];
+    for (i, out) in out.iter_mut().enumerate().skip(1) {
+        *out = element(i);
+    }
+    out
+}

@@ -1,0 +1,57 @@
+//! The list of formats, and what tells a file's.
+
+use super::format::Format;
+use super::piece::Dataset;
+use super::request::{Request, TimeStep};
+use super::source::{self, Source};
+use super::{foreign, legacy, plot3d, xml};
+use std::path::Path;
+use voltet_core::{Error, Result};
+
+/// The formats, in the order in which a file is tried as one of them.
+const FORMATS: &[Format] = &[xml::FORMAT, legacy::FORMAT, plot3d::FORMAT];
+
+/// What the reader's help says of its files.
+pub const FILES: &str = "VTK (.vtu .vts .vtr .vti, .pvtu …, .pvd, legacy .vtk) or a PLOT3D grid";
+
+/// What the formats' files are called, in one phrase.
+fn files(mut formats: impl Iterator<Item = &'static Format>) -> String {
+    let first = formats.next().map_or(String::new(), |format| format.files.to_string());
+    formats.fold(first, |phrase, format| phrase + " or " + format.files)
+}
+
+/// Reads the table of contents of a file by the format that it shows; what is asked for but cannot be of such a file is an
+/// error.
+pub(super) fn open(path: &Path, request: &Request) -> Result<Dataset> {
+    foreign::refuse_folder(path)?;
+    let source = Source::open(path)?;
+    let in_file = |error: Error| error.in_file(path);
+    foreign::refuse_by_magic(&source).map_err(in_file)?;
+    let head = source.head(256).map_err(in_file)?;
+    let text = head.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(&head).trim_ascii_start();
+    let Some(format) = FORMATS.iter().find(|format| (format.is_meant)(text, path, request)) else {
+        foreign::refuse_by_words(&source).map_err(in_file)?;
+        let error = Error::run("the format of the file is not known").found(source::shown(&head));
+        return Err(in_file(error.accepted(files(FORMATS.iter()))));
+    };
+    let dataset = (format.open)(source, request).map_err(in_file)?;
+    if dataset.time_steps.is_empty()
+        && let Some(step) = request.time_step.filter(|step| *step != TimeStep::Index(0))
+    {
+        let found = match step {
+            TimeStep::Index(index) => format!("step {index}"),
+            TimeStep::Time(time) => format!("time {time}"),
+        };
+        let error = Error::run("a time step is asked for, but the file is no time series");
+        return Err(in_file(error.found(found).accepted("a .pvd file, or no time step")));
+    }
+    if request.solution.is_some() && !format.has_solution {
+        let with = files(FORMATS.iter().filter(|format| format.has_solution));
+        return Err(in_file(
+            Error::run("a solution is named, but the grid is of a format without")
+                .found(&dataset.format)
+                .accepted(format!("{with}, or no solution")),
+        ));
+    }
+    Ok(dataset)
+}
