@@ -1,8 +1,10 @@
 //! `bands`: whether the bands of a transfer function are finer than the cells of a volume.
 
 use crate::drawing;
+use std::sync::Arc;
 use voltet_core::Result;
-use voltet_core::graph::{Asking, Call, Demand, Node, Outputs, Port, PortType};
+use voltet_core::graph::{Asking, Call, CellValues, Demand, Node, Outputs, Port, PortType, Value};
+use voltet_core::probing::bands_of_cells;
 
 /// The declaration.
 pub const NODE: Node = Node {
@@ -16,7 +18,13 @@ pub const NODE: Node = Node {
             summary: "its triangle-wave and sine-wave widgets are looked at",
         },
     ],
+    outputs: &[Port {
+        name: "cell_values",
+        port_type: PortType::CellValues,
+        summary: "the bands that each cell crosses, an array bands_N for widget N (from 0); 0 outside its region",
+    }],
     example: include_str!("examples/bands.toml"),
+    finds: true,
     demand: &demand,
     run: &run,
     ..Node::BLANK
@@ -36,5 +44,10 @@ fn run(call: &mut Call) -> Result<Outputs> {
         let what = "the transfer function has no wave widgets whose bands any cell crosses";
         call.notes.find(what, serde_json::Value::Null);
     }
-    Ok(Vec::new())
+    let mut values = CellValues::default();
+    if call.demand.cell_values {
+        let found = bands_of_cells(&volume, &look.transfer_function)?;
+        values.arrays = found.into_iter().map(|(widget, bands)| (format!("bands_{widget}"), bands)).collect();
+    }
+    Ok(vec![Value::CellValues(Arc::new(values))])
 }

@@ -31,7 +31,8 @@ pub const NODE: Node = Node {
 fn demand(asking: &mut Asking) -> Result<()> {
     let asked = asking.asked;
     let (arrays, cell_arrays) = (asked.arrays.clone(), asked.cell_arrays.clone());
-    let mut demand = Demand { arrays, cell_arrays, ..Demand::default() };
+    let file_cells = asked.file_cells;
+    let mut demand = Demand { arrays, cell_arrays, file_cells, ..Demand::default() };
     if let Some(leave) = asking.may_leave_out() {
         leave_out(asking.notes, leave, asked, None);
     }

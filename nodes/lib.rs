@@ -8,6 +8,7 @@
 //! | [`formats`] | data files to grids |
 //! | [`memory`] | what a grid takes, and what is left |
 //! | [`probing`] | parts of the node `probe` |
+//! | [`vtu`] | grids to VTK files |
 
 pub mod drawing;
 pub mod encode;
@@ -15,6 +16,7 @@ pub mod files;
 pub mod formats;
 pub mod memory;
 pub mod probing;
+pub mod vtu;
 
 mod bands;
 mod camera;
@@ -22,6 +24,7 @@ mod composite;
 mod cull;
 mod gpu_renderer;
 mod gradient_magnitude;
+mod grid_writer;
 mod histogram;
 mod image_writer;
 mod multi_gradient;
@@ -56,6 +59,7 @@ pub static NODES: &[&Node] = &[
     &composite::NODE,
     &renderer::NODE,
     &gpu_renderer::NODE,
+    &grid_writer::NODE,
     &image_writer::NODE,
     &report_writer::NODE,
 ];

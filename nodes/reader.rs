@@ -141,6 +141,7 @@ fn asked(p: &Parameters, demand: &Demand, resolve: &dyn Fn(&str) -> PathBuf) -> 
     let mut request = request(p)?;
     request.point_arrays = demand.arrays.named().map(str::to_string).collect();
     request.cell_arrays = demand.cell_arrays.named().map(str::to_string).collect();
+    request.keep_cells = demand.file_cells;
     request.every_array = demand.arrays.and_all_others() || demand.cell_arrays.and_all_others();
     if p.given("solution") {
         request.solution = Some(resolve(p.text("solution")?));

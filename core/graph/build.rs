@@ -196,7 +196,7 @@ impl Graph {
 
     /// The order of work, from the sinks; warns of nodes that no sink needs.
     fn order_work(&mut self) -> Result<()> {
-        let sinks = (0..self.nodes.len()).filter(|&i| self.nodes[i].node.outputs.is_empty());
+        let sinks = (0..self.nodes.len()).filter(|&i| self.nodes[i].node.is_sink());
         let mut placed = vec![false; self.nodes.len()];
         let mut order = Vec::new();
         for sink in sinks {

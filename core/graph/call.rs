@@ -7,7 +7,7 @@ use super::demand::Demand;
 use super::leave_out::MayLeaveOut;
 use super::notes::Notes;
 use super::session::Observer;
-use super::value::{Look, Prepared, Revision, Value};
+use super::value::{CellValues, Look, Prepared, Revision, Value};
 use crate::camera::Camera;
 use crate::field::Method;
 use crate::grid::Grid;
@@ -36,6 +36,8 @@ pub struct Asking<'a> {
     pub(super) node: &'a GraphNode,
     /// For each edge its value, or what stands for it, where known.
     pub(super) early: Vec<Option<Value>>,
+    /// For each edge the type of the output that feeds it.
+    pub(super) fed: Vec<PortType>,
     /// For each edge what is asked of it.
     pub(super) asks: Vec<Demand>,
 }
@@ -54,6 +56,11 @@ impl Asking<'_> {
             Some(Value::TransferFunction(look)) => Some(look.clone()),
             _ => None,
         }
+    }
+
+    /// The type of the output that feeds an input, the first of several; `None` where nothing does.
+    pub fn fed_by(&self, port: &str) -> Result<Option<PortType>> {
+        Ok(self.node.edges(port)?.next().map(|edge| self.fed[edge]))
     }
 
     /// The gradient filter that a parameter names.
@@ -254,6 +261,21 @@ impl Call<'_> {
             Value::Image(picture) => Ok(picture.clone()),
             other => Err(self.miswired(port, PortType::Image, other)),
         }
+    }
+
+    /// The cells at an optional input, as the engine of type `T` prepared them; `None` where it is not wired.
+    pub fn optional_cells<T: Any + Send + Sync>(&self, port: &str) -> Result<Option<Arc<T>>> {
+        let wired = self.node.edges(port)?.next().is_some();
+        wired.then(|| self.cells(port)).transpose()
+    }
+
+    /// The numbers of tetrahedra at an optional input.
+    pub fn cell_values(&self, port: &str) -> Result<Vec<Arc<CellValues>>> {
+        let values = |edge: usize| match &self.inputs[edge].0 {
+            Value::CellValues(values) => Ok(values.clone()),
+            other => Err(self.miswired(port, PortType::CellValues, other)),
+        };
+        self.node.edges(port)?.map(values).collect()
     }
 
     /// The figures at an input, JSON text.

@@ -20,7 +20,7 @@ pub struct Node {
     pub inputs: &'static [Port],
     /// What it takes besides: each of these may be left out, or be fed by one output or by a list of them.
     pub optional_inputs: &'static [Port],
-    /// What it gives; a node without outputs is a sink, and the run is made for the sinks.
+    /// What it gives; a node without outputs is a sink, and the run is made for the sinks (see [`Node::finds`], too).
     pub outputs: &'static [Port],
     /// Its parameters, in the order in which help lists them.
     pub parameters: &'static [Parameter],
@@ -29,6 +29,8 @@ pub struct Node {
     /// True for cheap nodes without data (a camera, a transfer function): they run before the demand pass, which
     /// can then look at their values.
     pub early: bool,
+    /// True for nodes that find something out about the data, which is worth a run though nobody uses their outputs.
+    pub finds: bool,
     /// What its outputs will be made of, as far as the demand pass asks for it before any data is known: values that
     /// stand for the outputs, given what stands for the inputs (`None`: not known). Nothing at all where it cannot be
     /// said. Must ask for no less than the true outputs will.
@@ -57,6 +59,7 @@ impl Node {
         parameters: &[],
         example: "",
         early: false,
+        finds: false,
         outline: &|_, _| Ok(Vec::new()),
         check: &|_| Ok(()),
         demand: &|asking| asking.pass_on(),
@@ -68,6 +71,11 @@ impl Node {
     /// The inputs that must be fed, then the optional ones.
     pub fn all_inputs(&self) -> impl Iterator<Item = &'static Port> + Clone {
         self.inputs.iter().chain(self.optional_inputs)
+    }
+
+    /// Whether runs are made for it.
+    pub fn is_sink(&self) -> bool {
+        self.finds || self.outputs.is_empty()
     }
 
     /// The parameter of that name.
@@ -117,6 +125,8 @@ pub enum PortType {
     Image,
     /// Figures about a run.
     Report,
+    /// Numbers of tetrahedra.
+    CellValues,
 }
 
 impl PortType {
@@ -131,6 +141,7 @@ impl PortType {
             PortType::Projection => "projection",
             PortType::Image => "image",
             PortType::Report => "report",
+            PortType::CellValues => "cell-values",
         }
     }
 

@@ -20,6 +20,10 @@ pub struct Demand {
     pub gradient: bool,
     /// An order of the cells.
     pub order: bool,
+    /// The file's own cells, to write them back.
+    pub file_cells: bool,
+    /// Numbers a tetrahedron, at ports of that type.
+    pub cell_values: bool,
 }
 
 /// Arrays that are asked for: some by name, or those and all others that there are.
@@ -96,6 +100,8 @@ impl Demand {
         self.gradient_magnitude |= other.gradient_magnitude;
         self.gradient |= other.gradient;
         self.order |= other.order;
+        self.file_cells |= other.file_cells;
+        self.cell_values |= other.cell_values;
     }
 
     /// Whether an output made for this demand serves the other one too.
@@ -105,6 +111,8 @@ impl Demand {
             && self.gradient_magnitude >= other.gradient_magnitude
             && self.gradient >= other.gradient
             && self.order >= other.order
+            && self.file_cells >= other.file_cells
+            && self.cell_values >= other.cell_values
     }
 }
 

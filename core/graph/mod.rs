@@ -42,4 +42,4 @@ pub use leave_out::MayLeaveOut;
 pub use notes::{Finding, LeftOut, NodeReport, Notes, RunReport, Saving};
 pub use registry::Registry;
 pub use session::{Observer, Session, Unobserved};
-pub use value::{Look, Prepared, Revision, Value, diagonal};
+pub use value::{CellValues, Look, Prepared, Revision, Value, diagonal};

@@ -88,6 +88,7 @@ impl Session {
                 plan.demands[i].join(&everything_of(node));
             }
             let early = node.inputs.iter().map(|edge| outlines[edge.node].get(edge.output).cloned());
+            let output_type = |edge: &Edge| graph.nodes[edge.node].node.outputs[edge.output].port_type;
             let asked = plan.demands[i].clone();
             let mut asking = Asking {
                 parameters: &node.parameters,
@@ -95,6 +96,7 @@ impl Session {
                 notes: &mut plan.notes[i],
                 node,
                 early: early.collect(),
+                fed: node.inputs.iter().map(output_type).collect(),
                 asks: vec![Demand::default(); node.inputs.len()],
                 no_leave_out: self.no_leave_out,
             };
@@ -240,12 +242,15 @@ impl Session {
     }
 }
 
-/// All that a node can be asked for: an order, of a grid every array, and where a volume is made of a grid, every gradient.
+/// All that a node can be asked for: an order, of a grid every array and its cells, and where a volume is made of a grid, every
+/// gradient.
 fn everything_of(node: &GraphNode) -> Demand {
     let gradient = makes_volume(node);
     let arrays = if gives(node, PortType::Grid) { Arrays::all() } else { Arrays::default() };
     let cell_arrays = arrays.clone();
-    Demand { arrays, cell_arrays, gradient_magnitude: gradient, gradient, order: true }
+    let (file_cells, cell_values) = (gives(node, PortType::Grid), gives(node, PortType::CellValues));
+    let order = true;
+    Demand { arrays, cell_arrays, gradient_magnitude: gradient, gradient, order, file_cells, cell_values }
 }
 
 /// Whether the node makes a volume of a grid.
@@ -294,7 +299,8 @@ fn refuse_missing_gradient(graph: &Graph, node: &GraphNode, edge: &Edge, ask: &D
         let why = match (ask.gradient_magnitude, draws) {
             (true, true) => "the transfer function looks at the gradient magnitude",
             (true, false) => "the node looks at the gradient magnitude",
-            (false, _) => "lighting and silhouettes need the gradient",
+            (false, true) => "lighting and silhouettes need the gradient",
+            (false, false) => "the node looks at the gradient",
         };
         let error = Error::usage(format!("{why}, but '{}' gives a grid without gradient", giving.name))
             .accepted(format!(

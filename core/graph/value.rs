@@ -11,6 +11,7 @@ use crate::transfer::TransferFunction;
 use crate::volume::Volume;
 use glam::DVec3;
 use std::any::Any;
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// Number of an output's content: equal revisions mean equal content, within one session.
@@ -39,6 +40,8 @@ pub enum Value {
     Image(Arc<Picture>),
     /// See [`PortType::Report`]; JSON text.
     Report(Arc<str>),
+    /// See [`PortType::CellValues`].
+    CellValues(Arc<CellValues>),
 }
 
 impl Value {
@@ -53,6 +56,7 @@ impl Value {
             Value::Projection(_) => PortType::Projection,
             Value::Image(_) => PortType::Image,
             Value::Report(_) => PortType::Report,
+            Value::CellValues(_) => PortType::CellValues,
         }
     }
 
@@ -64,6 +68,14 @@ impl Value {
             _ => None,
         }
     }
+}
+
+/// Numbers of tetrahedra, by name: one a tetrahedron in the order of [`Grid::tetrahedra`]. A cell of the file has the largest
+/// of its tetrahedra's.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct CellValues {
+    /// The arrays; none where nobody asked for them.
+    pub arrays: BTreeMap<String, Vec<f32>>,
 }
 
 /// A transfer function as a pipeline states it: its unit distance may be left to the data.

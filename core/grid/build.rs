@@ -1,6 +1,7 @@
 //! From a file's parts to a grid of tetrahedra.
 
 use super::cell_types::{CellType, describe_counts};
+use super::file_cells::FileCells;
 use super::overlap::overlapping;
 use super::parts::{Association, CellValues, Cells, Options, Parts};
 use super::source::Source;
@@ -60,10 +61,13 @@ pub fn build(mut parts: Parts, options: &Options, progress: &dyn Progress) -> Re
             .accepted(format!("at most {}", u32::MAX)));
     }
     let split = if plain { None } else { Some(split_all(&source, &tally, progress)?) };
+    // Before points are added, and cells taken apart.
+    let file_points = options.keep_cells.then(|| parts.points.clone());
     if source.added_count() > 0 {
         add_points(&mut parts, &source)?;
     }
     drop(source);
+    let file_cells = options.keep_cells.then(|| cells.clone());
     let (mut tetrahedra, source_cells) = match (split, cells) {
         (Some((tetrahedra, source_cells)), _) => (tetrahedra, Some(source_cells)),
         // Nothing is left out and nothing is split: the file's cells are the tetrahedra.
@@ -74,7 +78,7 @@ pub fn build(mut parts: Parts, options: &Options, progress: &dyn Progress) -> Re
     progress.report("tetrahedra", 0.8);
 
     let cell_values = cell_values::take(&mut parts);
-    clean::drop_unused_points(&mut parts, &mut tetrahedra)?;
+    let numbers = clean::drop_unused_points(&mut parts, &mut tetrahedra)?;
     origin.warnings.extend(overlaps(&parts.points, &tetrahedra, source_cells.as_deref()));
     let mut grid = Grid {
         points: Arc::new(parts.points),
@@ -84,8 +88,14 @@ pub fn build(mut parts: Parts, options: &Options, progress: &dyn Progress) -> Re
         scalar_name: String::new(),
         point_arrays: parts.point_arrays.into_iter().map(|(name, a)| (name, Arc::new(a))).collect(),
         cell_arrays: parts.kept_cell_arrays.into_iter().map(|(name, a)| (name, Arc::new(a))).collect(),
+        file_cells: None,
         origin: Arc::new(origin),
     };
+    if let Some((cells, points)) = file_cells.zip(file_points) {
+        let same = numbers.is_none() && points.len() == grid.points.len();
+        let points = if same { grid.points.clone() } else { Arc::new(points) };
+        grid.file_cells = Some(Arc::new(FileCells { cells, points, numbers, ghost, degrees }));
+    }
     if let Some(scalar) = parts.scalar {
         grid.scalar_name = scalar.name;
         grid.scalar = Some(Arc::new(scalar.values));

@@ -150,6 +150,7 @@ pub(super) fn keep_constant(grid: &mut Grid, cells: CellArrays) -> Result<()> {
             .found(old_points.len())
             .accepted(format!("at most {} (or values averaged to the points)", u32::MAX)));
     }
+    grid.file_cells = None;
     grid.points = Arc::new(old_points.par_iter().map(|&p| grid.points[p as usize]).collect());
     grid.tetrahedra = Arc::new(tetrahedra);
     let scalar_on_points = grid.scalar.take();

@@ -1,6 +1,7 @@
 //! What is not finite, and points that nobody uses.
 
 use super::Array;
+use super::file_cells::UNUSED;
 use super::parts::{Association, Parts};
 use crate::{Error, Result};
 use rayon::prelude::*;
@@ -65,8 +66,8 @@ impl Marks {
 }
 
 /// Drops the points that no tetrahedron uses, with their values; keeps the order of the others, so that ascending
-/// point numbers stay ascending.
-pub(super) fn drop_unused_points(parts: &mut Parts, tetrahedra: &mut [[u32; 4]]) -> Result<()> {
+/// point numbers stay ascending. Gives each point's new number, [`UNUSED`] for those that are dropped; `None` where all stay.
+pub(super) fn drop_unused_points(parts: &mut Parts, tetrahedra: &mut [[u32; 4]]) -> Result<Option<Vec<u32>>> {
     let point_count = parts.points.len();
     let used: Vec<AtomicBool> = (0..point_count).map(|_| AtomicBool::new(false)).collect();
     tetrahedra.par_iter().with_min_len(CHUNK).for_each(|t| {
@@ -80,12 +81,12 @@ pub(super) fn drop_unused_points(parts: &mut Parts, tetrahedra: &mut [[u32; 4]])
     let used: Vec<bool> = used.into_iter().map(AtomicBool::into_inner).collect();
     let used_count = used.iter().filter(|&&u| u).count();
     if used_count == point_count {
-        return Ok(());
+        return Ok(None);
     }
     let mut new_number = vec![0_u32; point_count];
     let mut next = 0_u32;
     for (slot, &used) in new_number.iter_mut().zip(&used) {
-        *slot = next;
+        *slot = if used { next } else { UNUSED };
         next += u32::from(used);
     }
     tetrahedra
@@ -102,7 +103,7 @@ pub(super) fn drop_unused_points(parts: &mut Parts, tetrahedra: &mut [[u32; 4]])
     for Array { component_count, values } in parts.point_arrays.values_mut() {
         keep(values, *component_count, &used);
     }
-    Ok(())
+    Ok(Some(new_number))
 }
 
 /// Keeps the tuples that are used, in place.

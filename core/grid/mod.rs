@@ -8,6 +8,7 @@ mod cells;
 mod clean;
 mod curved;
 pub mod extent;
+mod file_cells;
 pub mod generate;
 mod overlap;
 mod parts;
@@ -22,6 +23,7 @@ pub use adjacency::{Neighbours, Rows, cells_of_points, points_of_points, sum_ove
 pub use build::build;
 pub use cell_types::{CellType, code, describe_counts};
 pub use cells::{CellSet, Polyhedron};
+pub use file_cells::FileCells;
 pub use parts::{Association, CellValues, Cells, Options, Parts, Scalar};
 pub use refine::{Refined, refine};
 pub use tetrahedra::{Array, Grid, Origin, tetrahedron_volume};

@@ -117,10 +117,12 @@ pub struct Options {
     pub subdivision: u32,
     /// How values on cells become values of points.
     pub cell_values: CellValues,
+    /// Whether the grid keeps the file's cells, to write them back: [`super::Grid::file_cells`].
+    pub keep_cells: bool,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Options { subdivision: 1, cell_values: CellValues::Average }
+        Options { subdivision: 1, cell_values: CellValues::Average, keep_cells: false }
     }
 }

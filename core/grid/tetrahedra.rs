@@ -1,6 +1,7 @@
 //! A grid of tetrahedra with its arrays, and what it was made from.
 
 use super::extent;
+use super::file_cells::FileCells;
 use crate::{Error, Result};
 use glam::DVec3;
 use std::collections::BTreeMap;
@@ -34,6 +35,9 @@ pub struct Grid {
     /// Arrays of the file's cells that somebody asked for as they are: one tuple a cell of the file (see
     /// [`Grid::source_cell`]). Their values need not be finite.
     pub cell_arrays: BTreeMap<String, Arc<Array>>,
+    /// The file's own cells and points, where somebody asked for them and every point of the file is one point here
+    /// (cells that keep constant values have points of their own).
+    pub file_cells: Option<Arc<FileCells>>,
     /// What the reader counted and left out.
     pub origin: Arc<Origin>,
 }

@@ -37,6 +37,7 @@ pub fn bands(volume: &Volume, transfer_function: &TransferFunction) -> Result<Ve
         let properties = widget.profile.properties();
         let Some(bands) = properties.bands else { continue };
         let mut crossed = crossed(volume, widget, bands.step)?;
+        crossed.retain(|bands| !bands.is_nan());
         if let Some(bands) = summary(&mut crossed) {
             found.push(Bands { widget: place, kind: properties.name, ..bands });
         }
@@ -44,7 +45,23 @@ pub fn bands(volume: &Volume, transfer_function: &TransferFunction) -> Result<Ve
     Ok(found)
 }
 
-/// Bands crossed by each cell of the widget's region; `step`: φ per unit of s and of g.
+/// For every widget whose profile is periodic, its place in the transfer function and the bands that each tetrahedron crosses:
+/// 0 outside its region.
+pub fn bands_of_cells(
+    volume: &Volume,
+    transfer_function: &TransferFunction,
+) -> Result<Vec<(usize, Vec<f32>)>> {
+    let mut found = Vec::new();
+    for (place, widget) in transfer_function.widgets.iter().enumerate() {
+        let Some(bands) = widget.profile.properties().bands else { continue };
+        let mut crossed = crossed(volume, widget, bands.step)?;
+        crossed.iter_mut().filter(|bands| bands.is_nan()).for_each(|bands| *bands = 0.0);
+        found.push((place, crossed));
+    }
+    Ok(found)
+}
+
+/// Bands crossed by each cell, NaN outside the widget's region; `step`: φ per unit of s and of g.
 fn crossed(volume: &Volume, widget: &Widget, step: [f64; 2]) -> Result<Vec<f32>> {
     let region = match &widget.region {
         None => None,
@@ -62,16 +79,16 @@ fn crossed(volume: &Volume, widget: &Widget, step: [f64; 2]) -> Result<Vec<f32>>
         let s = at.map(|p| s[p]);
         let g = g.map_or([0.0; 4], |g| at.map(|p| g[p]));
         if region.as_ref().is_some_and(|region| !region.touches(&s, &g, &[], 0.0)) {
-            return None;
+            return f32::NAN;
         }
         // From the first corner, since φ itself may be large.
         let phase =
             |i: usize| (s[i] - s[0]) * step[0] + if step[1] == 0.0 { 0.0 } else { (g[i] - g[0]) * step[1] };
         let phases = [0.0, phase(1), phase(2), phase(3)];
         let [low, high] = phases.iter().fold([0.0_f64; 2], |[low, high], &p| [low.min(p), high.max(p)]);
-        phases.iter().all(|p| p.is_finite()).then_some((high - low) as f32)
+        if phases.iter().all(|p| p.is_finite()) { (high - low) as f32 } else { f32::NAN }
     };
-    Ok(volume.grid.tetrahedra.par_iter().with_min_len(1 << 13).filter_map(of_cell).collect())
+    Ok(volume.grid.tetrahedra.par_iter().with_min_len(1 << 13).map(of_cell).collect())
 }
 
 /// Quantiles by nearest rank; the widget is not named yet. `None` without cells.

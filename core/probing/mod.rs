@@ -26,7 +26,7 @@ mod sub_tetrahedron;
 #[cfg(test)]
 mod tests;
 
-pub use bands::{Bands, bands};
+pub use bands::{Bands, bands, bands_of_cells};
 pub use histogram::{Axis, Histogram, histogram};
 pub use kernel::kernel;
 pub use probe::{Found, Mask, probe};

@@ -75,7 +75,8 @@ pub(super) fn assemble(dataset: &Dataset, request: &Request, progress: &dyn Prog
             None => parts.kept_cell_arrays.insert(kept[i - names.len()].clone(), array),
         };
     }
-    let options = grid::Options { subdivision: request.subdivision, cell_values: request.cell_values };
+    let &Request { subdivision, cell_values, keep_cells, .. } = request;
+    let options = grid::Options { subdivision, cell_values, keep_cells };
     grid::build(parts, &options, progress)
 }
 

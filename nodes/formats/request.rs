@@ -38,6 +38,8 @@ pub struct Request {
     pub point_arrays: Vec<String>,
     /// Cell arrays that are wanted as they are; all components, or one as in `scalar`.
     pub cell_arrays: Vec<String>,
+    /// Whether the grid keeps the file's cells as they are.
+    pub keep_cells: bool,
     /// The step of a time series (.pvd); `None`: the first.
     pub time_step: Option<TimeStep>,
     /// Pieces between two neighbouring nodes of a curved cell's edge, 1 to 64: 1 goes straight from node to node
@@ -58,6 +60,7 @@ impl Default for Request {
             cell_values: CellValues::Average,
             point_arrays: Vec::new(),
             cell_arrays: Vec::new(),
+            keep_cells: false,
             time_step: None,
             subdivision: 1,
             solution: None,

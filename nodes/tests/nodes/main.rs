@@ -1,5 +1,7 @@
 //! The list of nodes against the folder, and the declarations' examples.
 
+mod written;
+
 use voltet_core::graph::Graph;
 use voltet_core::pipeline::Pipeline;
 use voltet_nodes::{NODES, registry};
