@@ -19,7 +19,11 @@ pub const NODE: Node = Node {
     summary: "Writes the grid with what was computed of it as .vtu: gradient, culled cells, bands, arrays of the file.",
     inputs: &[Port { name: "volume", port_type: PortType::Volume, summary: "the points and their values" }],
     optional_inputs: &[
-        Port { name: "cells", port_type: PortType::Cells, summary: "cells that cull has left, of the same volume" },
+        Port {
+            name: "cells",
+            port_type: PortType::Cells,
+            summary: "cells that cull has left, of the same volume",
+        },
         Port {
             name: "cell_values",
             port_type: PortType::CellValues,
@@ -46,13 +50,20 @@ pub const NODE: Node = Node {
             help: "further arrays of the file, per point; \"NAME:0\" and \"NAME:magnitude\" for parts of vectors",
             ..ARRAYS
         },
-        Parameter { name: "cell_arrays", help: "further arrays of the file, per cell, as they are", ..ARRAYS },
+        Parameter {
+            name: "cell_arrays",
+            help: "further arrays of the file, per cell, as they are",
+            ..ARRAYS
+        },
         Parameter {
             name: "cells",
             parameter_type: ParameterType::Choice(&[
                 ("auto", "the file's where the grid keeps them, else tetrahedra"),
                 ("file", "the file's own points and cells, of their own types and in their order"),
-                ("tetrahedra", "the tetrahedra that they were split into; the array file_cell says of which cell"),
+                (
+                    "tetrahedra",
+                    "the tetrahedra that they were split into; the array file_cell says of which cell",
+                ),
             ]),
             unit: "",
             standard: Standard::Text("auto"),
@@ -144,7 +155,8 @@ fn demand(asking: &mut Asking) -> Result<()> {
     };
     for (word, port) in [("culled", "cells"), ("cell-values", "cell_values")] {
         if wanted.is_some() && wants(word, false) && asking.fed_by(port)?.is_none() {
-            let error = p.error("arrays", format!("\"{word}\" is asked for, and the input '{port}' is not wired"));
+            let error =
+                p.error("arrays", format!("\"{word}\" is asked for, and the input '{port}' is not wired"));
             return Err(error.accepted(match port {
                 "cells" => "inputs = { cells = \"NODE\" }, a node of type \"cull\"",
                 _ => "inputs = { cell_values = \"NODE\" }, a node of type \"bands\"",
@@ -168,7 +180,8 @@ fn run(call: &mut Call) -> Result<Outputs> {
     let volume = call.volume("volume")?;
     let contents = contents(call, &volume)?;
     let bytes = vtu::encoding_bytes(&contents);
-    let what = || format!("writing {} points and {} cells", contents.points.len(), contents.cells.types.len());
+    let what =
+        || format!("writing {} points and {} cells", contents.points.len(), contents.cells.types.len());
     refuse_beyond_memory(call.progress(), what, bytes)?;
     let precision = match call.parameters.text("precision")? {
         "single" => Precision::Single,
@@ -211,7 +224,9 @@ fn contents(call: &mut Call, volume: &Volume) -> Result<Contents> {
     let wants = |word: &str| wanted.as_ref().is_none_or(|words| words.iter().any(|w| w == word));
     let missing = |word: &str, what: &str| -> Result<()> {
         match wanted.is_some() && wants(word) {
-            true => Err(p.error("arrays", format!("the volume has no {what}")).accepted("a node that computes it")),
+            true => Err(p
+                .error("arrays", format!("the volume has no {what}"))
+                .accepted("a node that computes it")),
             false => Ok(()),
         }
     };

@@ -32,11 +32,13 @@ pub fn encode(contents: Contents, precision: Precision, compress: bool) -> Resul
     let coordinates: Vec<f64> = points.iter().flat_map(|p| p.to_array()).collect();
     let points_written = buffer(Values::Floats(coordinates), precision);
     let has_degrees = cell_arrays.iter().any(|array| array.name == DEGREES);
-    let lagrange = cells.types.iter().any(|&t| [code::LAGRANGE_HEXAHEDRON, code::BEZIER_HEXAHEDRON].contains(&t));
+    let lagrange =
+        cells.types.iter().any(|&t| [code::LAGRANGE_HEXAHEDRON, code::BEZIER_HEXAHEDRON].contains(&t));
     let cell_count = cells.types.len();
     let sections = sections(cells, points.len());
     drop(points);
-    let of = |arrays: Vec<Column>| arrays.into_iter().map(|array| attribute(array, precision)).collect::<Vec<_>>();
+    let of =
+        |arrays: Vec<Column>| arrays.into_iter().map(|array| attribute(array, precision)).collect::<Vec<_>>();
     let data = model::Attributes { point: of(point_arrays), cell: of(cell_arrays) };
     let whole_blocks = |buffer: &IOBuffer| buffer.num_bytes() % BLOCK == 0;
     let attributes = data.point.iter().chain(&data.cell);
@@ -58,19 +60,23 @@ pub fn encode(contents: Contents, precision: Precision, compress: bool) -> Resul
         data: DataSet::inline(piece),
         file_path: None,
     };
-    let failed = |error: &dyn std::fmt::Display| Error::run("the grid cannot be put into VTK's form").found(error);
+    let failed =
+        |error: &dyn std::fmt::Display| Error::run("the grid cannot be put into VTK's form").found(error);
     let file = file.try_into_xml_format(compressor, compression_level).map_err(|error| failed(&error))?;
     let mut bytes = Vec::new();
     file.write(&mut bytes).map_err(|error| failed(&error))?;
     drop(file);
     let header_type = ScalarType::UInt64;
-    let encoding = EncodingInfo { byte_order: ByteOrder::LittleEndian, header_type, compressor, compression_level };
+    let encoding =
+        EncodingInfo { byte_order: ByteOrder::LittleEndian, header_type, compressor, compression_level };
     let mut section = String::from("<Cells>");
     for (name, buffer) in sections {
         let array = xml::DataArray::from_io_buffer(buffer, encoding).map_err(|error| failed(&error))?;
         let Some(Data::Data(text)) = array.data.first() else { return Err(failed(&"an array without data")) };
         let number_type = number_type(array.scalar_type);
-        section += &format!("<DataArray type=\"{number_type}\" Name=\"{name}\" format=\"binary\">{text}</DataArray>");
+        section += &format!(
+            "<DataArray type=\"{number_type}\" Name=\"{name}\" format=\"binary\">{text}</DataArray>"
+        );
     }
     section += "</Cells>";
     // Names and texts are escaped, so these marks are the elements.
@@ -90,7 +96,8 @@ pub fn encode(contents: Contents, precision: Precision, compress: bool) -> Resul
 pub fn encoding_bytes(contents: &Contents) -> u64 {
     let of = |arrays: &[Column]| arrays.iter().map(|array| array.values.len() as u64 * 8).sum::<u64>();
     let cells = 8 * (contents.cells.connectivity.len() + contents.cells.ends.len()) as u64;
-    let raw = 24 * contents.points.len() as u64 + of(&contents.point_arrays) + of(&contents.cell_arrays) + cells;
+    let raw =
+        24 * contents.points.len() as u64 + of(&contents.point_arrays) + of(&contents.cell_arrays) + cells;
     // base64 takes four characters for three bytes.
     raw.saturating_mul(1 + 2 * 4 / 3 + 1)
 }

@@ -66,7 +66,14 @@ fn oriented(grid: &Grid, i: usize) -> [u32; 4] {
 
 impl Contents {
     /// Adds values of the grid's points. Points of the file that no tetrahedron uses get NaN.
-    pub fn add_point_values(&mut self, form: Form, name: &str, role: Role, values: &[f64], components: usize) {
+    pub fn add_point_values(
+        &mut self,
+        form: Form,
+        name: &str,
+        role: Role,
+        values: &[f64],
+        components: usize,
+    ) {
         let values = match form {
             Form::Tetrahedra => values.to_vec(),
             Form::File(file) => {

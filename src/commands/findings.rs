@@ -36,8 +36,7 @@ pub fn findings(arguments: &Info, registry: &Registry) -> Result<u8> {
 
 /// The graph that finds out and does not draw.
 fn graph(document: &Document, registry: &Registry) -> Result<Graph> {
-    let is_sink =
-        |entry: &NodeEntry| document.graph.node(&entry.name).is_some_and(|n| n.node.is_sink());
+    let is_sink = |entry: &NodeEntry| document.graph.node(&entry.name).is_some_and(|n| n.node.is_sink());
     let mut entries: Vec<NodeEntry> =
         document.pipeline.nodes.iter().filter(|entry| !is_sink(entry)).cloned().collect();
     let mut looks: Vec<[&LinkEntry; 2]> = Vec::new();

@@ -89,7 +89,10 @@ fn every_type_of_cell_comes_back_with_its_values() {
         let report = run(&graph);
         assert_eq!(report.counts["arrays_written"], 6);
         let said = report.warnings.join("\n");
-        assert!(said.contains("points belong to no cell with a volume; their values are written as nan"), "{said}");
+        assert!(
+            said.contains("points belong to no cell with a volume; their values are written as nan"),
+            "{said}"
+        );
         let arrays = ["s_gradient_magnitude", "s_gradient", "T", "v"];
         let again = read_back(folder.path(), "s", &arrays, &["material"]);
         let volume = volume(&graph);
@@ -106,7 +109,8 @@ fn every_type_of_cell_comes_back_with_its_values() {
 #[test]
 fn tetrahedra_are_written_with_the_cells_that_they_were() {
     let folder = folder_with(EVERY_TYPE);
-    let graph = pipeline(folder.path(), "scalar = \"s\"", "cells = \"tetrahedra\"\ncell_arrays = [\"material\"]");
+    let graph =
+        pipeline(folder.path(), "scalar = \"s\"", "cells = \"tetrahedra\"\ncell_arrays = [\"material\"]");
     run(&graph);
     let again =
         read_back(folder.path(), "s", &["s_gradient_magnitude", "s_gradient"], &["file_cell", "material"]);
@@ -127,7 +131,9 @@ fn vtkio_reads_what_was_written() {
     run(&graph);
     let volume = volume(&graph);
     let file = vtkio::Vtk::import(folder.path().join("out.vtu")).unwrap();
-    let vtkio::model::DataSet::UnstructuredGrid { pieces, .. } = file.data else { panic!("another data set") };
+    let vtkio::model::DataSet::UnstructuredGrid { pieces, .. } = file.data else {
+        panic!("another data set")
+    };
     let piece = pieces.into_iter().next().unwrap().into_loaded_piece_data(None).unwrap();
     let counts = &volume.grid.origin.cells_by_type;
     for (&code, &count) in counts {
@@ -148,7 +154,8 @@ fn only_what_is_asked_for_is_computed_and_read() {
         ("", 1, 1, 3),
     ] {
         let report = run(&pipeline(folder.path(), "scalar = \"s\"", keys));
-        let counts = ["gradients_computed", "arrays_decoded", "arrays_written"].map(|name| report.counts[name]);
+        let counts =
+            ["gradients_computed", "arrays_decoded", "arrays_written"].map(|name| report.counts[name]);
         assert_eq!(counts, [gradients, decoded, written], "{keys}");
     }
 }
@@ -245,7 +252,10 @@ fn what_cannot_be_written_is_refused_with_its_place() {
     refused(&text(s, "gradient", &format!("{out}\narrays = [\"culled\"]")), "the input 'cells' is not wired");
     refused(&text(s, "grid", &format!("{out}\narrays = [\"gradient\"]")), "gives a grid without gradient");
     let constant = "scalar = \"material\"\ncell_values = \"constant\"";
-    refused(&text(constant, "grid", &format!("{out}\ncells = \"file\"")), "does not keep the cells of a file");
+    refused(
+        &text(constant, "grid", &format!("{out}\ncells = \"file\"")),
+        "does not keep the cells of a file",
+    );
 }
 
 /// Prints what VTK reads: types, connectivity, faces, and each array's type and bits.
@@ -313,7 +323,8 @@ fn vtk_reads_what_was_written() {
         // The material's numbers are whole, and its type is not kept.
         assert_eq!(after["cell"]["material"][0], "float");
         let file = volume.grid.file_cells.as_ref().unwrap();
-        let gradient: Vec<f64> = volume.gradient.as_ref().unwrap().iter().flat_map(|v| v.to_array()).collect();
+        let gradient: Vec<f64> =
+            volume.gradient.as_ref().unwrap().iter().flat_map(|v| v.to_array()).collect();
         let expected = |values: &[f64], n: usize, single: bool| -> String {
             let own = (0..file.points.len()).flat_map(|p| match file.grid_point(p) {
                 Some(at) => values[at * n..(at + 1) * n].to_vec(),
