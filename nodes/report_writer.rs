@@ -1,15 +1,13 @@
 //! `report-writer`: figures to a file, or to the standard output.
 
-use crate::files;
+use crate::files::output::{self, BY_ENDING, FORMAT, PATH};
 use serde_json::Value;
-use std::path::Path;
-use voltet_core::graph::{
-    Call, Node, Outputs, Parameter, ParameterType, Parameters, Port, PortType, Standard,
-};
+use voltet_core::graph::{Call, Node, Outputs, Parameter, ParameterType, Parameters, Port, PortType};
 use voltet_core::{Error, Result};
 
-/// The word for a format that the path decides.
-const BY_ENDING: &str = "auto";
+/// The formats.
+const JSON: &str = "json";
+const CSV: &str = "csv";
 
 /// The declaration.
 pub const NODE: Node = Node {
@@ -17,59 +15,36 @@ pub const NODE: Node = Node {
     summary: "Writes figures: .json with all there is, .csv with the table alone.",
     inputs: &[Port { name: "report", port_type: PortType::Report, summary: "the figures" }],
     parameters: &[
+        PATH,
         Parameter {
-            name: "path",
-            parameter_type: ParameterType::OutputPath,
-            unit: "",
-            standard: Standard::Required,
-            help: "the file; \"-\": the standard output",
-        },
-        Parameter {
-            name: "format",
             parameter_type: ParameterType::Choice(&[
                 (
                     BY_ENDING,
                     "what the path ends in, .json or .csv; json on the standard output and on devices",
                 ),
-                ("json", "everything"),
-                ("csv", "the figures' table (its keys columns and rows)"),
+                (JSON, "everything"),
+                (CSV, "the figures' table (its keys columns and rows)"),
             ]),
-            unit: "",
-            standard: Standard::Text(BY_ENDING),
             help: "how the figures are written",
+            ..FORMAT
         },
     ],
     example: include_str!("examples/histogram.toml"),
     check: &|parameters| is_csv(parameters).map(drop),
-    prepare: &|preparation| {
-        let path = preparation.path("path")?;
-        files::refuse_unwritable(&path).map_err(|error| preparation.parameters.blame("path", error))
-    },
+    prepare: &output::prepare,
     run: &run,
     ..Node::BLANK
 };
 
 fn run(call: &mut Call) -> Result<Outputs> {
     let report = call.report("report")?;
-    let path = call.path("path")?;
     let content = if is_csv(call.parameters)? { csv(&report)? } else { format!("{report}\n") };
-    files::write_whole(&path, content.as_bytes()).map_err(|error| call.parameters.blame("path", error))?;
-    call.notes.files.push(files::shown(&path));
+    output::write(call, content.as_bytes())?;
     Ok(Vec::new())
 }
 
 fn is_csv(parameters: &Parameters) -> Result<bool> {
-    let path = parameters.text("path")?;
-    let ending = Path::new(path).extension().map(|e| e.to_string_lossy().to_lowercase());
-    match (parameters.text("format")?, ending.as_deref()) {
-        ("json", _) | (BY_ENDING, Some("json")) => Ok(false),
-        ("csv", _) | (BY_ENDING, Some("csv")) => Ok(true),
-        (_, None) if files::is_stream(path) => Ok(false),
-        _ => Err(parameters
-            .error("path", "the format of the figures is not known")
-            .found(path)
-            .accepted("a path that ends in .json or .csv, or format = \"json\" or \"csv\"")),
-    }
+    Ok(output::format(parameters, "the format of the figures", [JSON, CSV])? == CSV)
 }
 
 /// The table of figures: a head line and a line for each row.

@@ -15,6 +15,16 @@ pub fn polynomial<L: Lanes, const N: usize>(x: L::F, coefficients: [f32; N]) -> 
     sum
 }
 
+/// a · b.
+#[inline(always)]
+pub fn dot<L: Lanes, const N: usize>(a: &[L::F; N], b: &[L::F; N]) -> L::F {
+    let mut sum = a[0] * b[0];
+    for i in 1..N {
+        sum = a[i].mul_add(b[i], sum);
+    }
+    sum
+}
+
 /// e^x, within 2 ulp for −87.3 ≤ x ≤ 88; 0 below, e^88 above.
 ///
 /// x = n ln 2 + r, |r| ≤ ½ ln 2; ln 2 in two parts (Cody & Waite 1980); the Taylor polynomial of degree 7 leaves

@@ -9,7 +9,7 @@
 //! - else √π/2 ((a < 0: 2 − E_a; a ≥ 0: E_a) − E_b)/d with E_x = e^(−x²) erfcx |x|. For a ≥ 0 the difference loses
 //!   less than one bit, since E_b/E_a ≤ e^(−d(a + b)) and d (a + b) > ½ there.
 
-use super::elementary::{HALF_SQRT_PI, erfcx, exp, polynomial};
+use super::elementary::{HALF_SQRT_PI, dot, erfcx, exp, polynomial};
 use super::quadrature::POINTS;
 use super::smooth::DensityShape;
 use super::track::{LaneTrack, PASSED, at_nodes};
@@ -36,21 +36,11 @@ impl<L: Lanes> LaneGaussianPath<L> {
     pub fn new<const N: usize>(front: [L::F; N], back: [L::F; N]) -> Self {
         let splat = L::F::splat;
         let zero = splat(0.0);
-        let dot = inlined(
-            #[inline(always)]
-            |a: &[L::F; N], b: &[L::F; N]| {
-                let mut sum = a[0] * b[0];
-                for i in 1..N {
-                    sum = a[i].mul_add(b[i], sum);
-                }
-                sum
-            },
-        );
         let step: [L::F; N] = array(
             #[inline(always)]
             |i| back[i] - front[i],
         );
-        let d2 = dot(&step, &step);
+        let d2 = dot::<L, N>(&step, &step);
         // 1/d, or 0 for a segment without extent: then a = b = 0 and h² = |q_f|².
         let flat = d2.le(splat(1e-30));
         let inverse = L::F::select(flat, zero, splat(1.0) / d2.max(splat(1e-30)).sqrt());
@@ -59,7 +49,7 @@ impl<L: Lanes> LaneGaussianPath<L> {
             #[inline(always)]
             |i| step[i] * inverse,
         );
-        let (a, b) = (dot(&front, &direction), dot(&back, &direction));
+        let (a, b) = (dot::<L, N>(&front, &direction), dot::<L, N>(&back, &direction));
         // h from the end nearer to the foot, as a vector: never |q|² − a².
         let front_nearer = a.abs().lt(b.abs());
         let along = L::F::select(front_nearer, a, b);

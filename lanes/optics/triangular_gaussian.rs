@@ -9,7 +9,7 @@
 //! Over several fields, exp(−|q|²/m²) is e^(−h²) exp(−((q·e)/m)²): see there.
 
 use super::clip::LaneStretch;
-use super::elementary::exp;
+use super::elementary::{dot, exp};
 use super::quadrature::{PANEL, POINTS};
 use super::track::{LaneTrack, PASSED, at_nodes};
 use crate::{Float, Lanes, Mask, array, inlined};
@@ -64,22 +64,12 @@ impl<L: Lanes> LaneTriangularPath<L> {
             #[inline(always)]
             |i| direction[i] * inverse,
         );
-        let dot = inlined(
-            #[inline(always)]
-            |a: &[L::F; N], b: &[L::F; N]| {
-                let mut sum = a[0] * b[0];
-                for i in 1..N {
-                    sum = a[i].mul_add(b[i], sum);
-                }
-                sum
-            },
-        );
-        let inverse = splat(1.0) / dot(&scaled, &scaled).max(tiny).sqrt();
+        let inverse = splat(1.0) / dot::<L, N>(&scaled, &scaled).max(tiny).sqrt();
         let unit: [L::F; N] = array(
             #[inline(always)]
             |i| scaled[i] * inverse,
         );
-        let offset = [dot(&front, &unit), dot(&back, &unit)];
+        let offset = [dot::<L, N>(&front, &unit), dot::<L, N>(&back, &unit)];
         // h at the end with the smaller |x|, of those with a width.
         let nearer = (offset[0] * width[1]).abs().le((offset[1] * width[0]).abs()).or(width[1].le(zero));
         let at_front = nearer.and(zero.lt(width[0]));

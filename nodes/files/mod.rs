@@ -5,6 +5,7 @@
 
 mod hash;
 mod meant;
+pub mod output;
 mod temporary;
 mod waiting;
 mod write;

@@ -52,15 +52,22 @@ impl Summary {
     }
 }
 
-/// One array of a file.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ArraySummary {
+/// What the headers of a file say of one of its arrays.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ArrayHead {
     /// Its name.
     pub name: String,
     /// [`Association::Point`] or [`Association::Cell`].
     pub association: Association,
     /// Components of a tuple.
     pub component_count: usize,
+}
+
+/// One array of a file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ArraySummary {
+    /// What the headers say.
+    pub head: ArrayHead,
     /// Type of the numbers as the XML formats call it: "Float32".
     pub number_type: &'static str,
     /// Tuples of all pieces.
@@ -69,6 +76,31 @@ pub struct ArraySummary {
     pub range: Option<[f64; 2]>,
     /// Tuples with a value that is not finite.
     pub not_finite_count: u64,
+}
+
+/// The arrays of a file, each once, the points' first. Reads headers alone.
+///
+/// # Errors
+/// As [`super::read`], as far as headers show them.
+pub fn arrays(path: &Path, request: &Request) -> Result<Vec<ArrayHead>> {
+    let dataset = super::open::open(path, request)?;
+    let mut heads: Vec<ArrayHead> = Vec::new();
+    for array in dataset.pieces.iter().flat_map(|piece| &piece.arrays) {
+        let head = head(&array.stored, array.per_cell);
+        if !heads.contains(&head) {
+            heads.push(head);
+        }
+    }
+    heads.sort_by_key(|head| head.association == Association::Cell);
+    Ok(heads)
+}
+
+fn head(stored: &Stored, per_cell: bool) -> ArrayHead {
+    ArrayHead {
+        name: stored.name.clone(),
+        association: if per_cell { Association::Cell } else { Association::Point },
+        component_count: stored.component_count,
+    }
 }
 
 /// Reads everything that a file holds, one array at a time, and says what it is.
@@ -119,7 +151,7 @@ fn summarize(dataset: &Dataset, progress: &dyn Progress) -> Result<Summary> {
             add_points(&mut summary, &assemble::points(piece, &meter)?);
         }
     }
-    summary.arrays.sort_by_key(|array| array.association == Association::Cell);
+    summary.arrays.sort_by_key(|array| array.head.association == Association::Cell);
     summary.size.points = summary.point_count;
     Ok(summary)
 }
@@ -159,19 +191,12 @@ fn add_points(summary: &mut Summary, points: &[DVec3]) {
 
 /// Adds a piece's array to that of the same name of the pieces before.
 fn add_array(arrays: &mut Vec<ArraySummary>, stored: &Stored, per_cell: bool, meter: &Meter) -> Result<()> {
-    let association = if per_cell { Association::Cell } else { Association::Point };
+    let head = head(stored, per_cell);
     let values: Vec<f64> = stored.load(meter)?;
     let number_type: NumberType = stored.number_type;
-    let known = |array: &&mut ArraySummary| {
-        array.name == stored.name
-            && array.association == association
-            && array.component_count == stored.component_count
-            && array.number_type == number_type.name()
-    };
+    let known = |array: &&mut ArraySummary| array.head == head && array.number_type == number_type.name();
     let mut new = ArraySummary {
-        name: stored.name.clone(),
-        association,
-        component_count: stored.component_count,
+        head: head.clone(),
         number_type: number_type.name(),
         tuple_count: 0,
         range: None,

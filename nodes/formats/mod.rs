@@ -57,7 +57,7 @@ mod stored;
 mod xml;
 
 pub use assemble::Unread;
-pub use inspect::{ArraySummary, Summary, inspect};
+pub use inspect::{ArrayHead, ArraySummary, Summary, arrays, inspect};
 pub use open::FILES;
 use open::open;
 pub use request::{Association, Request, TimeStep};

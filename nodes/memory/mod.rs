@@ -1,7 +1,11 @@
-//! Memory: what a grid takes while it is read and drawn, and what this process may still take.
+//! Memory: what a grid takes while it is read and drawn, what this process may still take, and the most that it took.
 //!
 //! What is taken was measured (largest resident memory of a run) on grids of 28 thousand to 6 million tetrahedra and follows
 //! from the arrays that stand at the same time; `tests/program/memory.rs` holds the two against each other.
+
+mod peak;
+
+pub use peak::{forget_peak, peak};
 
 use voltet_core::grid::{Cells, code};
 use voltet_engine::drawing_bytes;

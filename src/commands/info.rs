@@ -2,16 +2,16 @@
 
 use super::findings::findings;
 use super::outcome::DONE;
+use super::reading::{Inspecting, Meant, differs, request};
 use crate::Document;
 use crate::arguments::Info;
-use crate::core::graph::{Datum, Observer, Registry};
-use crate::core::progress::Progress;
+use crate::core::graph::Registry;
 use crate::core::{Error, Result};
-use crate::nodes::formats::{ArraySummary, Association, Request, Summary, TimeStep, inspect, unread};
+use crate::nodes::formats::{ArrayHead, ArraySummary, Association, Request, Summary, inspect, unread};
 use crate::nodes::memory::{Needs, SIDE};
 use crate::present::{Bar, name, number, print};
 use serde_json::{Value, json as object};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 pub fn info(arguments: &Info, registry: &Registry) -> Result<u8> {
     if arguments.data.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml")) {
@@ -46,9 +46,9 @@ pub fn info(arguments: &Info, registry: &Registry) -> Result<u8> {
 fn json(summary: &Summary) -> Value {
     let array = |array: &ArraySummary| {
         object!({
-            "name": array.name,
-            "association": if array.association == Association::Cell { "cell" } else { "point" },
-            "components": array.component_count, "number_type": array.number_type, "tuples": array.tuple_count,
+            "name": array.head.name,
+            "association": if array.head.association == Association::Cell { "cell" } else { "point" },
+            "components": array.head.component_count, "number_type": array.number_type, "tuples": array.tuple_count,
             "range": array.range, "not_finite": array.not_finite_count,
         })
     };
@@ -67,23 +67,6 @@ fn json(summary: &Summary) -> Value {
         "active_scalars": summary.active_scalars, "time_steps": summary.time_steps,
         "memory_bytes": memory, "warnings": summary.warnings,
     })
-}
-
-/// The bar of a run, for work without nodes.
-pub(super) struct Inspecting<'a>(pub(super) &'a Bar);
-
-impl Progress for Inspecting<'_> {
-    fn report(&self, stage: &str, fraction: f64) {
-        self.0.progress("", stage, fraction);
-    }
-
-    fn cancelled(&self) -> bool {
-        self.0.cancelled()
-    }
-
-    fn memory_left(&self) -> Option<u64> {
-        self.0.memory_left()
-    }
 }
 
 /// The name of a VTK cell type.
@@ -154,7 +137,7 @@ fn described(path: &Path, summary: &Summary) -> String {
         text += &format!("  diagonal {}\n", (high - low).length());
     }
     text += if summary.arrays.is_empty() { "\nNo arrays\n" } else { "\nArrays\n" };
-    let width = summary.arrays.iter().map(|a| name(&a.name).chars().count()).max().unwrap_or(0);
+    let width = summary.arrays.iter().map(|a| name(&a.head.name).chars().count()).max().unwrap_or(0);
     for array in &summary.arrays {
         text += &array_line(array, width);
     }
@@ -171,12 +154,12 @@ fn described(path: &Path, summary: &Summary) -> String {
 }
 
 fn array_line(array: &ArraySummary, width: usize) -> String {
-    let association = if array.association == Association::Cell { "cell" } else { "point" };
-    let components = match array.component_count {
+    let association = if array.head.association == Association::Cell { "cell" } else { "point" };
+    let components = match array.head.component_count {
         1 => String::new(),
         n => format!(" × {n}"),
     };
-    let range = match (array.range, array.component_count) {
+    let range = match (array.range, array.head.component_count) {
         (Some([low, high]), 1) => format!("[{low}, {high}]"),
         (Some([low, high]), _) => format!("length [{low}, {high}]"),
         (None, _) => "no finite value".into(),
@@ -185,7 +168,7 @@ fn array_line(array: &ArraySummary, width: usize) -> String {
         0 => String::new(),
         n => format!(", {} not finite", number(n)),
     };
-    let name = name(&array.name);
+    let name = name(&array.head.name);
     format!("  {association:5}  {name:width$}  {}{components}  {range}{bad}\n", array.number_type)
 }
 
@@ -197,10 +180,12 @@ fn suggestion(arguments: &Info, summary: &Summary, registry: &Registry) -> Strin
     let (Some(bounds), true) = (summary.bounds, summary.arrays.iter().any(differs)) else {
         return "\nNo array whose values differ: nothing to draw.\n".into();
     };
+    let heads: Vec<ArrayHead> = summary.arrays.iter().map(|array| array.head.clone()).collect();
     let mut refusal = None;
     for array in summary.arrays.iter().filter(|array| differs(array)) {
-        let pipeline = pipeline(arguments, summary, array, bounds);
-        match refused(arguments, array, &pipeline, registry) {
+        let meant = Meant::of(&array.head, &heads);
+        let pipeline = pipeline(arguments, &meant, array.range.unwrap_or_default(), bounds);
+        match refused(arguments, meant, &pipeline, registry) {
             None => return format!("\nA pipeline to start with\n{pipeline}"),
             Some(error) => refusal = refusal.or(Some(error)),
         }
@@ -209,15 +194,11 @@ fn suggestion(arguments: &Info, summary: &Summary, registry: &Registry) -> Strin
     format!("\nNo pipeline to start with: {why}\n")
 }
 
-fn differs(array: &ArraySummary) -> bool {
-    array.range.is_some_and(|[low, high]| low < high)
-}
-
 /// What `run` has against a pipeline that draws this array, as far as the headers of its data show.
-fn refused(arguments: &Info, array: &ArraySummary, pipeline: &str, registry: &Registry) -> Option<Error> {
+fn refused(arguments: &Info, meant: Meant, pipeline: &str, registry: &Registry) -> Option<Error> {
     let request = Request {
-        scalar: Some(scalar(array)),
-        association: array.association,
+        scalar: Some(meant.scalar),
+        association: meant.association,
         ..request(arguments.time_step, arguments.solution.as_ref())
     };
     let document = Document::from_text(Path::new("suggested.toml"), pipeline.into(), &[], registry);
@@ -225,38 +206,9 @@ fn refused(arguments: &Info, array: &ArraySummary, pipeline: &str, registry: &Re
     planned.and_then(|()| unread(&arguments.data, &request).map(drop)).err()
 }
 
-/// The array as a reader's parameter names it.
-pub(super) fn scalar(array: &ArraySummary) -> String {
-    let magnitude = if array.component_count > 1 { ":magnitude" } else { "" };
-    format!("{}{magnitude}", array.name)
-}
-
-/// What the options ask of the file.
-pub(super) fn request(time_step: Option<usize>, solution: Option<&PathBuf>) -> Request {
-    Request { time_step: time_step.map(TimeStep::Index), solution: solution.cloned(), ..Request::default() }
-}
-
 /// Bands of colour over an array's range, and a camera that sees all.
-fn pipeline(
-    arguments: &Info,
-    summary: &Summary,
-    array: &ArraySummary,
-    [from, to]: [glam::DVec3; 2],
-) -> String {
-    let [low, high] = array.range.unwrap_or_default();
-    let text = |text: &str| Datum::Text(text.into());
-    let mut reader =
-        format!("path = {}\nscalar = {}\n", text(&arguments.data.to_string_lossy()), text(&scalar(array)));
-    let shadowed = |other: &ArraySummary| other.name == array.name && other.association != array.association;
-    if array.association == Association::Cell && summary.arrays.iter().any(shadowed) {
-        reader += "association = \"cell\"\n";
-    }
-    if let Some(step) = arguments.time_step {
-        reader += &format!("time_step = {step}\n");
-    }
-    if let Some(solution) = &arguments.solution {
-        reader += &format!("solution = {}\n", text(&solution.to_string_lossy()));
-    }
+fn pipeline(arguments: &Info, meant: &Meant, [low, high]: [f64; 2], [from, to]: [glam::DVec3; 2]) -> String {
+    let reader = meant.keys(&arguments.data, arguments.time_step, arguments.solution.as_deref());
     let centre = 0.5 * from + 0.5 * to;
     let eye = centre + (to - from).length() * glam::DVec3::new(-0.8, -1.4, 0.9);
     let middle = 0.5 * low + 0.5 * high;

@@ -7,6 +7,7 @@ mod info;
 mod nodes;
 mod outcome;
 mod pipelines;
+mod reading;
 mod run;
 mod stability;
 mod start;

@@ -1,7 +1,7 @@
 //! `voltet start`: a pipeline file for a data file, with a transfer function over (s, g) found from the data.
 
-use super::info::{Inspecting, request, scalar};
 use super::outcome::DONE;
+use super::reading::{Inspecting, Meant, differs, request, scalar};
 use crate::arguments::Start;
 use crate::core::field::{LeastSquares, Method, magnitude};
 use crate::core::graph::Datum;
@@ -11,7 +11,7 @@ use crate::core::probing::{Axis, Histogram, Proposed, histogram, proposal, quiet
 use crate::core::progress::Progress;
 use crate::core::{Error, Result};
 use crate::nodes::files::{is_standard_output, refuse_unwritable, standard_output, write_whole};
-use crate::nodes::formats::{ArraySummary, Association, Request, Summary, inspect, read};
+use crate::nodes::formats::{ArrayHead, ArraySummary, Association, Request, Summary, arrays, inspect, read};
 use crate::present::{Bar, name, say};
 use glam::DVec3;
 use std::path::{Component, Path, PathBuf};
@@ -62,46 +62,32 @@ pub fn start(arguments: &Start) -> Result<u8> {
 /// The text of the pipeline file, and what was chosen in a sentence.
 fn pipeline(arguments: &Start, output: &Path, progress: &dyn Progress) -> Result<(String, String)> {
     let asked = request(arguments.time_step, arguments.solution.as_ref());
-    let summary = inspect(&arguments.data, &asked, progress)?;
-    if !summary.has_volume() {
-        return Err(Error::run("no cell has a volume, so there is nothing to draw").in_file(&arguments.data));
-    }
-    let (named, association) = chosen(arguments, &summary)?;
-    let wanted = Request { scalar: Some(named.clone()), association, ..asked };
+    let meant = match &arguments.scalar {
+        Some(name) => Meant::by_name(name, &arrays(&arguments.data, &asked)?),
+        None => first_quantity(arguments, &inspect(&arguments.data, &asked, progress)?)?,
+    };
+    let Meant { scalar: named, association } = meant.clone();
+    let wanted = Request { scalar: Some(named.clone()), association, ..asked.clone() };
     let grid = read(&arguments.data, &wanted, progress)?;
     let scalar = grid.scalar.clone().unwrap_or_default();
     // Gradients of what is the same everywhere are roundings.
-    let varies = range(&scalar).is_some_and(|[low, high]| low < high);
+    if !range(&scalar).is_some_and(|[low, high]| low < high) {
+        return Err(without_boundary(arguments, &asked, &named, progress));
+    }
     let gradient = Method::standard(Arc::new(LeastSquares))?.gradient(&grid, &scalar, progress)?;
     let g = magnitude(&gradient.vectors);
     let found = histogram_of(&grid, &scalar, &g, progress)?;
     let look = proposal(&found, COLORS.len());
     let [s_axis, g_axis] = found.axes;
-    if look.is_empty() || !varies {
-        let error = Error::run(format!("'{named}' has no boundary: it is the same everywhere"));
-        let others: Vec<String> =
-            summary.arrays.iter().filter(|a| differs(a)).map(super::info::scalar).collect();
-        let accepted = format!("another array after --scalar: {}", others.join(", "));
-        return Err(error.accepted(accepted).in_file(&arguments.data));
+    if look.is_empty() {
+        return Err(without_boundary(arguments, &asked, &named, progress));
     }
     let view = View::of(&grid, &scalar, &g, &look);
     let diagonal = scene_length(bounds(&grid.points))?;
     let unit = rounded(diagonal / 10.0);
     let text = |text: &str| Datum::Text(text.into()).to_string();
-    let mut reader = format!(
-        "path = {}\nscalar = {}\n",
-        text(&beside(&arguments.data, output).to_string_lossy()),
-        text(&named)
-    );
-    if association == Association::Cell {
-        reader += "association = \"cell\"\n";
-    }
-    if let Some(step) = arguments.time_step {
-        reader += &format!("time_step = {step}\n");
-    }
-    if let Some(solution) = &arguments.solution {
-        reader += &format!("solution = {}\n", text(&beside(solution, output).to_string_lossy()));
-    }
+    let solution = arguments.solution.as_ref().map(|solution| beside(solution, output));
+    let reader = meant.keys(&beside(&arguments.data, output), arguments.time_step, solution.as_deref());
     let steepest = g.iter().copied().filter(|g| g.is_finite()).fold(g_axis.high, f64::max);
     let region = format!(
         "region = {{ s = [{}, {}], g = [{}, {}] }}\n",
@@ -167,41 +153,35 @@ inputs = {{ image = \"picture\" }}
     Ok((text, said))
 }
 
-/// The scalar as a reader's parameter names it: the one that is asked for, or the file's own, or the first that is a
-/// quantity (not a flag, a number of something, or the same everywhere).
-fn chosen(arguments: &Start, summary: &Summary) -> Result<(String, Association)> {
-    let cell_only = |array: &ArraySummary| {
-        let shadowed =
-            |other: &ArraySummary| other.name == array.name && other.association != array.association;
-        array.association == Association::Cell && summary.arrays.iter().any(shadowed)
-    };
-    let of = |array: &ArraySummary| {
-        (scalar(array), if cell_only(array) { Association::Cell } else { Association::Auto })
-    };
-    if let Some(asked) = &arguments.scalar {
-        // An array of several components without more is meant by its length.
-        let bare = summary.arrays.iter().find(|array| array.name == *asked && array.component_count > 1);
-        return Ok(bare.map_or_else(|| (asked.clone(), Association::Auto), of));
+/// The error for an array that is the same everywhere; names those that are not.
+fn without_boundary(arguments: &Start, asked: &Request, named: &str, progress: &dyn Progress) -> Error {
+    let error = Error::run(format!("'{named}' has no boundary: it is the same everywhere"));
+    let found = inspect(&arguments.data, asked, progress).map(|summary| summary.arrays).unwrap_or_default();
+    let others: Vec<String> = found.iter().filter(|a| differs(a)).map(|a| scalar(&a.head)).collect();
+    error.accepted(format!("another array after --scalar: {}", others.join(", "))).in_file(&arguments.data)
+}
+
+/// The file's own scalar, or the first that is a quantity (not a flag, a number of something, or the same everywhere).
+fn first_quantity(arguments: &Start, summary: &Summary) -> Result<Meant> {
+    if !summary.has_volume() {
+        return Err(Error::run("no cell has a volume, so there is nothing to draw").in_file(&arguments.data));
     }
+    let heads: Vec<ArrayHead> = summary.arrays.iter().map(|array| array.head.clone()).collect();
     let quantity = |array: &&ArraySummary| differs(array) && !is_label(array);
     let mut arrays: Vec<&ArraySummary> = summary.arrays.iter().filter(quantity).collect();
     // The file's own first, then scalars of the points, scalars of the cells, vectors.
     arrays.sort_by_key(|array| {
-        let own = summary.active_scalars.as_deref() == Some(array.name.as_str());
-        (!own, array.component_count > 1, array.association == Association::Cell)
+        let own = summary.active_scalars.as_deref() == Some(array.head.name.as_str());
+        (!own, array.head.component_count > 1, array.head.association == Association::Cell)
     });
-    arrays.first().map(|array| of(array)).ok_or_else(|| {
-        let names: Vec<&str> = summary.arrays.iter().map(|array| array.name.as_str()).collect();
+    arrays.first().map(|array| Meant::of(&array.head, &heads)).ok_or_else(|| {
+        let names: Vec<&str> = heads.iter().map(|array| array.name.as_str()).collect();
         let found = if names.is_empty() { "no arrays".into() } else { name(&names.join(", ")) };
         Error::run("no array is a quantity that varies")
             .found(found)
             .accepted("--scalar NAME")
             .in_file(&arguments.data)
     })
-}
-
-fn differs(array: &ArraySummary) -> bool {
-    array.range.is_some_and(|[low, high]| low < high)
 }
 
 /// Whether it numbers or marks things.
@@ -222,7 +202,7 @@ fn is_label(array: &ArraySummary) -> bool {
         "block",
         "region",
     ];
-    let lower = array.name.to_lowercase();
+    let lower = array.head.name.to_lowercase();
     let words = lower.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty());
     let mut words = words.map(|word| word.trim_start_matches("vtk"));
     !array.number_type.starts_with("Float")

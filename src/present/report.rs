@@ -43,7 +43,7 @@ pub fn json(document: &Document, report: &RunReport) -> Value {
         "findings": report.findings,
         "warnings": report.warnings,
         "files": report.files,
-        "peak_memory_bytes": peak_memory_bytes(),
+        "peak_memory_bytes": crate::nodes::memory::peak(),
         "versions": { "voltet": env!("CARGO_PKG_VERSION"), "pipeline_format": FORMAT },
     })
 }
@@ -87,12 +87,4 @@ pub fn number(n: u64) -> String {
         text.push(digit);
     }
     text
-}
-
-/// Largest resident memory of the process so far, where the system tells.
-fn peak_memory_bytes() -> Option<u64> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
-    let kibibytes: u64 = line.split_whitespace().next()?.parse().ok()?;
-    Some(kibibytes * 1024)
 }

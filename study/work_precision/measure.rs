@@ -9,6 +9,7 @@ use voltet_core::picture::Picture;
 use voltet_core::progress::{Progress, Unreported};
 use voltet_core::scene::Scene;
 use voltet_core::{Error, Result};
+use voltet_nodes::memory;
 
 /// How often a setting is drawn.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -109,7 +110,7 @@ pub(super) fn measure(
     let scene = setting.scene(subject);
     let manner = Manner { compositing: setting.painter.compositing, ..Manner::default() };
     let keeps = setting.painter.engine.on_device;
-    let fresh = forget_peak_memory();
+    let fresh = memory::forget_peak();
     engine.forget();
     let start = Instant::now();
     let volume = engine.prepare(&scene.volume)?;
@@ -132,7 +133,7 @@ pub(super) fn measure(
     if taken.is_empty() {
         taken.push(first);
     }
-    let peak_memory_bytes = peak_memory().filter(|_| fresh);
+    let peak_memory_bytes = memory::peak().filter(|_| fresh);
     let operations = volume.operations(&scene, &manner, &counts)?;
     let whole = spread(taken.iter().map(|frame| frame.seconds).collect());
     let (set_up, frame) = match stage(&taken, Stage::SetUp) {
@@ -204,19 +205,6 @@ pub(super) fn spread(mut seconds: Vec<f64>) -> Times {
     }
 }
 
-/// Lets the system's count of the largest memory begin anew (Linux: proc(5), clear_refs); whether it does.
-pub(super) fn forget_peak_memory() -> bool {
-    std::fs::write("/proc/self/clear_refs", "5").is_ok()
-}
-
-/// Largest resident memory of the process since then.
-pub(super) fn peak_memory() -> Option<u64> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
-    let kibibytes: u64 = line.split_whitespace().next()?.parse().ok()?;
-    Some(kibibytes * 1024)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -231,22 +219,5 @@ mod tests {
         assert_eq!(of(&[4.0, 0.5, 2.0, 1.0]), [1500.0, 500.0, 4000.0]);
         assert_eq!(of(&[4.0, 0.5, 2.0]), [2000.0, 500.0, 4000.0]);
         assert_eq!(of(&[0.25]), [250.0, 250.0, 250.0]);
-    }
-
-    #[test]
-    #[cfg(target_os = "linux")]
-    fn the_peak_of_memory_is_forgotten_and_found_again() {
-        if !forget_peak_memory() {
-            eprintln!("skipped: this system does not let a process forget its peak");
-            return;
-        }
-        let touched = |mebibytes: usize| std::hint::black_box(vec![1u8; mebibytes << 20]).len();
-        touched(256);
-        let high = peak_memory().unwrap();
-        assert!(forget_peak_memory());
-        touched(16);
-        let low = peak_memory().unwrap();
-        // Other tests of this process may hold some memory.
-        assert!(high > low + (64 << 20), "{high} {low}");
     }
 }

@@ -56,3 +56,18 @@ fn labels_and_constants_are_not_chosen() {
         .voltet(&["start", "cube.vtu", "-o", "-", "--scalar", "ones"])
         .fails(1, &["'ones' has no boundary"]);
 }
+
+#[test]
+fn of_a_scalar_that_is_named_nothing_else_is_decoded() {
+    let folder = Folder::new();
+    // One of the numbers of `y` is none.
+    let whole = cube(2);
+    let at = whole.find("Name=\"y\"").unwrap();
+    let (head, tail) = whole.split_at(at + whole[at..].find('>').unwrap() + 1);
+    folder.write("cube.vtu", format!("{head}broken {tail}"));
+    folder.voltet(&["start", "cube.vtu", "-o", "-"]).fails(1, &["'y'"]);
+    let text = folder.voltet(&["start", "cube.vtu", "-o", "-", "--scalar", "x"]).ok().stdout;
+    assert!(text.contains("scalar = \"x\""), "{text}");
+    let length = folder.voltet(&["start", "cube.vtu", "-o", "-", "--scalar", "gradient"]);
+    length.fails(1, &["'gradient:magnitude' has no boundary"]);
+}

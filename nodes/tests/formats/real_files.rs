@@ -138,10 +138,10 @@ fn check(known: &Known, summary: &Summary) {
         known.cells,
         "{file}"
     );
-    let names: Vec<_> = summary.arrays.iter().map(|a| a.name.as_str()).collect();
+    let names: Vec<_> = summary.arrays.iter().map(|a| a.head.name.as_str()).collect();
     assert_eq!(names, known.arrays.iter().map(|a| a.0).collect::<Vec<_>>(), "{file}");
     for (array, known) in summary.arrays.iter().zip(known.arrays) {
-        assert_eq!((array.component_count, array.number_type), (known.1, known.2), "{file} {}", known.0);
+        assert_eq!((array.head.component_count, array.number_type), (known.1, known.2), "{file} {}", known.0);
         let range = array.range.unwrap();
         assert!(same(range[0], known.3[0]) && same(range[1], known.3[1]), "{file} {} {range:?}", known.0);
         assert_eq!(array.not_finite_count, 0, "{file} {}", known.0);

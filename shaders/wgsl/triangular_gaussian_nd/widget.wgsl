@@ -1,4 +1,4 @@
-// Uses: triangular_gaussian/mean_profile, triangular_gaussian/track, triangular_gaussian_nd/path, widgets/fields, widgets/widget. Fills: nothing.
+// Uses: triangular_gaussian/mean_profile, triangular_gaussian/track, triangular_gaussian_nd/path, widgets/fields, widgets/fields_inside, widgets/widget. Fills: nothing.
 // Triangular Gaussian over `count` fields. Its numbers: those of its fields, then the index of m, and m = 0 as it is stored.
 
 fn triangular_fields_width(index: u32, count: u32, values: Values) -> f32 {
@@ -8,17 +8,10 @@ fn triangular_fields_width(index: u32, count: u32, values: Values) -> f32 {
 }
 
 fn triangular_fields_depth(index: u32, count: u32, part: Part) -> f32 {
-    let front = widget_fields(index, count, part.front);
-    let back = widget_fields(index, count, part.back);
-    var start = Fields();
-    var end = Fields();
-    for (var i = 0u; i < count; i++) {
-        start[i] = part_start(part, front[i], back[i]);
-        end[i] = part_end(part, front[i], back[i]);
-    }
+    let ends = widget_fields_inside(index, count, part);
     let near = triangular_fields_width(index, count, part.front);
     let far = triangular_fields_width(index, count, part.back);
-    let path = triangular_fields_path(start, end, vec2f(part_start(part, near, far), part_end(part, near, far)));
+    let path = triangular_fields_path(ends.start, ends.end, vec2f(part_start(part, near, far), part_end(part, near, far)));
     let mean = triangular_gaussian_mean_profile(path.offset, path.width);
     return widget_peak(index, part) * exponential(-path.offset_squared) * mean;
 }

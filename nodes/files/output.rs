@@ -1,0 +1,59 @@
+//! The file that a node writes: its path, and the format that the path's ending means.
+
+use super::write::{refuse_unwritable, write_whole};
+use super::{is_stream, shown};
+use std::path::Path;
+use voltet_core::Result;
+use voltet_core::graph::{Call, Parameter, ParameterType, Parameters, Preparation, Standard};
+
+/// The word for a format that the path decides.
+pub const BY_ENDING: &str = "auto";
+
+/// Where it is written.
+pub const PATH: Parameter = Parameter {
+    name: "path",
+    parameter_type: ParameterType::OutputPath,
+    unit: "",
+    standard: Standard::Required,
+    help: "the file; \"-\": the standard output",
+};
+
+/// How it is written; the words of formats stand in place of none.
+pub const FORMAT: Parameter = Parameter {
+    name: "format",
+    parameter_type: ParameterType::Choice(&[]),
+    unit: "",
+    standard: Standard::Text(BY_ENDING),
+    help: "",
+};
+
+/// The word of the format: the one that is asked for, or the path's ending, or the first on streams. `formats`: the words, which
+/// are endings too. `what`: whose format, for the error.
+pub fn format(parameters: &Parameters, what: &str, formats: [&'static str; 2]) -> Result<&'static str> {
+    let path = parameters.text(PATH.name)?;
+    let ending = Path::new(path).extension().map(|ending| ending.to_string_lossy().to_lowercase());
+    let asked = parameters.text(FORMAT.name)?;
+    let word = if asked == BY_ENDING { ending.as_deref() } else { Some(asked) };
+    let [first, second] = formats;
+    match formats.into_iter().find(|format| word == Some(format)) {
+        Some(format) => Ok(format),
+        None if ending.is_none() && is_stream(path) => Ok(first),
+        None => Err(parameters.error(PATH.name, format!("{what} is not known")).found(path).accepted(
+            format!("a path that ends in .{first} or .{second}, or format = \"{first}\" or \"{second}\""),
+        )),
+    }
+}
+
+/// Refuses a path that cannot be written, before anything is computed.
+pub fn prepare(preparation: &Preparation) -> Result<()> {
+    let path = preparation.path(PATH.name)?;
+    refuse_unwritable(&path).map_err(|error| preparation.parameters.blame(PATH.name, error))
+}
+
+/// Writes it whole, and notes it.
+pub fn write(call: &mut Call, content: &[u8]) -> Result<()> {
+    let path = call.path(PATH.name)?;
+    write_whole(&path, content).map_err(|error| call.parameters.blame(PATH.name, error))?;
+    call.notes.files.push(shown(&path));
+    Ok(())
+}
