@@ -1,6 +1,5 @@
 //! The native engine, as the shared scenes ask for it.
 
-use crate::compare::NamedScene;
 use voltet_core::Result;
 use voltet_core::optics::integrators;
 use voltet_core::picture::Picture;
@@ -8,23 +7,36 @@ use voltet_core::progress::Silent;
 use voltet_core::shading::{Integrator, Shading};
 use voltet_core::transfer::TransferFunction;
 use voltet_engine as engine;
+use voltet_testing::pictures::Engine;
+use voltet_testing::pictures::compare::{NamedScene, ORDINARY};
 
-/// What a dozen 32-bit segments leave of a depth that is known.
-pub const ROUNDING: f64 = 1e-6;
+/// The engine.
+pub struct Tested;
 
-/// What is left where rays graze the grid's surface: crossings keep their digits.
-pub const GRAZING: f64 = crate::compare::ORDINARY;
+impl Engine for Tested {
+    fn picture(&self, scene: &NamedScene, shading: &Shading) -> Option<Picture> {
+        Some(picture(scene, shading))
+    }
 
-/// Whether the engine has the integrator for a look.
-pub fn serves(integrator: &Integrator, look: &TransferFunction) -> bool {
-    integrators::can_serve(integrator, look).is_ok()
+    fn serves(&self, integrator: &Integrator, look: &TransferFunction) -> bool {
+        integrators::can_serve(integrator, look).is_ok()
+    }
+
+    fn rounding(&self) -> f64 {
+        1e-6
+    }
+
+    /// Crossings keep their digits.
+    fn grazing(&self) -> f64 {
+        ORDINARY
+    }
 }
 
-/// The picture; always there.
-pub fn picture(scene: &NamedScene, shading: &Shading) -> Option<Picture> {
+/// The picture.
+pub fn picture(scene: &NamedScene, shading: &Shading) -> Picture {
     let draw = || -> Result<Picture> {
         let cells = engine::cull(&scene.volume, &scene.look, &scene.camera, &Silent)?;
         Ok(engine::draw(&cells, &scene.look, &scene.camera, shading, &Silent)?.0)
     };
-    Some(draw().unwrap_or_else(|e| panic!("{}: {e}", scene.name)))
+    draw().unwrap_or_else(|e| panic!("{}: {e}", scene.name))
 }

@@ -1,10 +1,11 @@
 //! Two pictures of the referee, kept, so that neither it nor the engine changes unseen.
 
-use crate::compare::{NamedScene, ORDINARY, matches, referee, save, within};
-use crate::grids::{cube, cyclic_bars, smooth};
-use crate::looks::*;
+use crate::drawing::Tested;
 use std::path::PathBuf;
 use voltet_core::picture::Picture;
+use voltet_testing::pictures::compare::{NamedScene, ORDINARY, matches, referee, save, within};
+use voltet_testing::pictures::grids::{cube, cyclic_bars, smooth};
+use voltet_testing::pictures::looks::*;
 
 fn scenes() -> [NamedScene; 2] {
     [
@@ -35,7 +36,7 @@ fn golden_pictures() {
     for scene in scenes() {
         let golden = load(&path(&scene));
         within(&format!("golden referee {}", scene.name), &referee(&scene), &golden, 2e-7);
-        matches(&scene, &golden, ORDINARY);
+        matches(&Tested, &scene, &golden, ORDINARY);
     }
 }
 

@@ -1,13 +1,13 @@
 //! Orders that are not exact, and looks that the engine integrates in 64 bits.
 
-use crate::compare::{NamedScene, SHADING, ordinary};
-use crate::drawing::picture;
-use crate::grids::*;
-use crate::looks::*;
+use crate::drawing::{Tested, picture};
 use voltet_core::progress::Silent;
 use voltet_core::shading::{Integrator, Order, Shading};
 use voltet_core::transfer::{OpticalModel, Profile, TransferFunction, Wave, Widget};
 use voltet_engine as engine;
+use voltet_testing::pictures::compare::{NamedScene, SHADING, ordinary};
+use voltet_testing::pictures::grids::*;
+use voltet_testing::pictures::looks::*;
 
 /// The exact order leaves no pixel disordered; centroids are wrong somewhere in a jittered grid, grid order in
 /// more places; and where the colour is one, no order is wrong.
@@ -46,12 +46,15 @@ fn widgets_without_a_vector_form() {
         ("triangle wave", Profile::TriangleWave(wave(0.21, 0.4))),
         ("sine wave", Profile::SineWave(wave(0.13, 1.0))),
     ] {
-        ordinary(&NamedScene {
-            name: name.into(),
-            volume: smooth(cube([4, 4, 4], 0.2)),
-            look: look(vec![widget(profile)]),
-            camera: outside([40, 40]),
-        });
+        ordinary(
+            &Tested,
+            &NamedScene {
+                name: name.into(),
+                volume: smooth(cube([4, 4, 4], 0.2)),
+                look: look(vec![widget(profile)]),
+                camera: outside([40, 40]),
+            },
+        );
     }
 }
 
@@ -59,12 +62,15 @@ fn widgets_without_a_vector_form() {
 fn constant_emitter() {
     let mut look = overlapping();
     look.model = OpticalModel::ConstantEmitter { cutoff: 1.0 / 255.0 };
-    ordinary(&NamedScene {
-        name: "constant emitter".into(),
-        volume: smooth(cube([4, 4, 4], 0.2)),
-        look,
-        camera: outside([40, 40]),
-    });
+    ordinary(
+        &Tested,
+        &NamedScene {
+            name: "constant emitter".into(),
+            volume: smooth(cube([4, 4, 4], 0.2)),
+            look,
+            camera: outside([40, 40]),
+        },
+    );
 }
 
 /// Also one whose values the data straddle without meeting it: no cell lies in the hole of its region.
@@ -76,13 +82,13 @@ fn widgets_that_no_cell_touches_are_left_out() {
         look: overlapping(),
         camera: outside([32, 32]),
     };
-    let kept = picture(&scene, &SHADING).map(|picture| picture.rgba);
+    let kept = picture(&scene, &SHADING).rgba;
     for far in [gaussian([40.0, 0.0], [0.5, 0.5], 3.0, [0.0, 1.0, 0.0]), corner()] {
         let mut more = scene.clone();
         more.look.widgets.insert(1, far);
         let cells = engine::cull(&more.volume, &more.look, &more.camera, &Silent).unwrap();
         assert_eq!(cells.untouched, [1]);
-        assert_eq!(picture(&more, &SHADING).map(|picture| picture.rgba), kept);
+        assert_eq!(picture(&more, &SHADING).rgba, kept);
     }
 }
 
@@ -126,7 +132,7 @@ fn opaque_tiles_stop_early() {
     };
     let counts = |extinction| {
         let scene = scene(extinction);
-        ordinary(&scene);
+        ordinary(&Tested, &scene);
         let cells = engine::cull(&scene.volume, &scene.look, &scene.camera, &Silent).unwrap();
         engine::draw(&cells, &scene.look, &scene.camera, &SHADING, &Silent).unwrap().1
     };

@@ -1,6 +1,5 @@
 //! The device, as the shared scenes ask for it.
 
-use crate::compare::NamedScene;
 use std::sync::{Arc, OnceLock};
 use voltet_core::Result;
 use voltet_core::engine::{Compositing, Manner};
@@ -9,17 +8,30 @@ use voltet_core::progress::Silent;
 use voltet_core::shading::{Integrator, Order, Shading};
 use voltet_core::transfer::TransferFunction;
 use voltet_gpu::{Device, Drawn, Renderer};
+use voltet_testing::pictures::Engine;
+use voltet_testing::pictures::compare::{NamedScene, SHADING};
 
-/// What a dozen 32-bit segments leave of a depth that is known, whose ends round like the grid's diagonal.
-pub const ROUNDING: f64 = 5e-6;
+/// The device, where there is one.
+pub struct Tested;
 
-/// What is left where rays graze the grid's surface at an angle of 0.002 and the extinction behind it is 9: a plane of
-/// 32-bit corners lies right to 2e-7 of the view's extent, so the depth behind it to 2e-7 / 0.002 × 9.
-pub const GRAZING: f64 = 9e-4;
+impl Engine for Tested {
+    fn picture(&self, scene: &NamedScene, shading: &Shading) -> Option<Picture> {
+        picture(scene, shading)
+    }
 
-/// Whether the device has the integrator for a look.
-pub fn serves(integrator: &Integrator, look: &TransferFunction) -> bool {
-    voltet_gpu::can_serve(look, &Shading { integrator: *integrator, ..crate::compare::SHADING }).is_ok()
+    fn serves(&self, integrator: &Integrator, look: &TransferFunction) -> bool {
+        voltet_gpu::can_serve(look, &Shading { integrator: *integrator, ..SHADING }).is_ok()
+    }
+
+    /// The depth's ends round like the grid's diagonal.
+    fn rounding(&self) -> f64 {
+        5e-6
+    }
+
+    /// A plane of 32-bit corners lies right to 2e-7 of the view's extent, so the depth behind it to 2e-7 / 0.002 × 9.
+    fn grazing(&self) -> f64 {
+        9e-4
+    }
 }
 
 /// The device of all tests, opened once. `None` where there is no adapter, said loudly; a failure if the environment

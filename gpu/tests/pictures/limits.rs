@@ -1,16 +1,16 @@
 //! What the device refuses, orders that are not exact, overlaps mixed, and frames after the first.
 
-use crate::compare::{NamedScene, ORDINARY, SHADING, referee, within};
 use crate::drawing::{device, draw, tiles, try_draw};
-use crate::grids::{cube, smooth};
-use crate::looks::*;
-use crate::widgets;
 use voltet_core::engine::{Engine, Manner};
 use voltet_core::optics::Overlap;
 use voltet_core::progress::Silent;
 use voltet_core::shading::{Integrator, Order, Shading};
 use voltet_core::transfer::{OpticalModel, TransferFunction};
 use voltet_gpu::{Device, Drawn, OnDevice, Renderer};
+use voltet_testing::pictures::compare::{NamedScene, ORDINARY, SHADING, referee, within};
+use voltet_testing::pictures::grids::{cube, smooth};
+use voltet_testing::pictures::looks::*;
+use voltet_testing::pictures::widgets;
 
 fn scene(look: TransferFunction) -> NamedScene {
     NamedScene {
@@ -134,7 +134,11 @@ fn small_bindings_draw_in_windows() {
 
 #[test]
 fn nothing_draws_nothing() {
-    let empty = crate::grids::volume(crate::grids::grid(Vec::new(), Vec::new()), |_| 0.0, |_| 0.0);
+    let empty = voltet_testing::pictures::grids::volume(
+        voltet_testing::pictures::grids::grid(Vec::new(), Vec::new()),
+        |_| 0.0,
+        |_| 0.0,
+    );
     for (volume, look) in [(empty, overlapping()), (smooth(cube([2, 2, 2], 0.0)), look(Vec::new()))] {
         let scene = NamedScene { name: "nothing".into(), volume, look, camera: outside([20, 12]) };
         let Some(drawn) = draw(&scene, &SHADING, Order::Exact) else { return };

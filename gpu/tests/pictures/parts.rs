@@ -1,9 +1,6 @@
 //! Grids and tables whose arrays stand in several bindings each draw the same as in one.
 
-use crate::compare::{NamedScene, ORDINARY, SHADING, referee, within};
 use crate::drawing::{device, draw, tiles};
-use crate::grids::{cube, smooth, smooth_gradient, volume};
-use crate::looks::*;
 use glam::DVec3;
 use std::sync::Arc;
 use voltet_core::Result;
@@ -12,6 +9,9 @@ use voltet_core::shading::{Integrator, Light, Order, Shading};
 use voltet_core::transfer::{Profile, Table, Widget};
 use voltet_core::volume::Volume;
 use voltet_gpu::{Device, Drawn, Renderer};
+use voltet_testing::pictures::compare::{NamedScene, ORDINARY, SHADING, referee, within};
+use voltet_testing::pictures::grids::{cube, smooth, smooth_gradient, volume};
+use voltet_testing::pictures::looks::*;
 
 const LIGHT: Light = Light { direction: DVec3::new(1.0, 2.0, 3.0), ambient: 0.2, diffuse: 0.8 };
 

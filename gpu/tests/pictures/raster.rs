@@ -1,10 +1,7 @@
 //! The raster compositor, held against the referee: scenes of one colour, which need no order, and stacks of cells whose
 //! centroids are in the order of their entries.
 
-use crate::compare::{NamedScene, ORDINARY, SHADING, referee_shaded, within};
 use crate::drawing::device;
-use crate::grids::*;
-use crate::looks::*;
 use glam::DVec3;
 use std::sync::Arc;
 use voltet_core::camera::Camera;
@@ -16,6 +13,9 @@ use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
 use voltet_core::{Result, picture::Picture};
 use voltet_gpu::{Device, Drawn, Renderer};
+use voltet_testing::pictures::compare::{NamedScene, ORDINARY, SHADING, referee_shaded, within};
+use voltet_testing::pictures::grids::*;
+use voltet_testing::pictures::looks::*;
 
 /// What composites, in which order.
 type How = (Compositing, Order);

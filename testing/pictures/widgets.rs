@@ -1,8 +1,9 @@
 //! Every kind of widget, alone and together, with regions, under both models. Scenes and tests of all engines.
 
-use crate::compare::{NamedScene, ordinary};
-use crate::grids::{cube, smooth, smooth_gradient};
-use crate::looks::*;
+use super::Engine;
+use super::compare::{NamedScene, ordinary};
+use super::grids::{cube, smooth, smooth_gradient};
+use super::looks::*;
 use glam::DVec3;
 use std::sync::Arc;
 use voltet_core::grid::Array;
@@ -79,12 +80,11 @@ pub fn scene(name: String, look: TransferFunction) -> NamedScene {
     NamedScene { name, volume: volume(), look, camera: outside([40, 40]) }
 }
 
-#[test]
-fn each_alone_under_both_models() {
+pub fn each_alone_under_both_models(engine: &dyn Engine) {
     for (name, widget) in widgets() {
         let density = look(vec![widget]);
-        ordinary(&scene(name.into(), density.clone()));
-        ordinary(&scene(format!("glowing {name}"), TransferFunction { model: CONSTANT, ..density }));
+        ordinary(engine, &scene(name.into(), density.clone()));
+        ordinary(engine, &scene(format!("glowing {name}"), TransferFunction { model: CONSTANT, ..density }));
     }
 }
 
@@ -93,20 +93,17 @@ pub fn all() -> TransferFunction {
     look(widgets().into_iter().map(|(_, widget)| widget.with_extinction_times(0.2)).collect())
 }
 
-#[test]
-fn all_at_once() {
-    ordinary(&scene("all".into(), all()));
+pub fn all_at_once(engine: &dyn Engine) {
+    ordinary(engine, &scene("all".into(), all()));
 }
 
-#[test]
-fn overlaps_that_glow() {
+pub fn overlaps_that_glow(engine: &dyn Engine) {
     let look = TransferFunction { model: CONSTANT, ..overlapping() };
-    ordinary(&scene("glowing overlap".into(), look));
+    ordinary(engine, &scene("glowing overlap".into(), look));
 }
 
 /// With the scalar more values than a device's workgroup keeps of a cell.
-#[test]
-fn a_gaussian_over_eight_fields() {
+pub fn a_gaussian_over_eight_fields(engine: &dyn Engine) {
     let names: Vec<String> = (0..8).map(|k| format!("field {k}")).collect();
     let mut whole = (*volume()).clone();
     let mut grid = (*whole.grid).clone();
@@ -121,5 +118,5 @@ fn a_gaussian_over_eight_fields() {
         Profile::GaussianNd { fields: names, centre: vec![0.4; 8], matrix: (0..8).map(row).collect() };
     let widget = Widget { profile, color: [0.9, 0.6, 0.2], extinction: 3.0, region: None };
     let eight = scene("eight fields".into(), look(vec![widget]));
-    ordinary(&NamedScene { volume: Arc::new(whole), ..eight });
+    ordinary(engine, &NamedScene { volume: Arc::new(whole), ..eight });
 }

@@ -4,9 +4,9 @@
 //! The document's numbers were computed apart from this program, by quadrature with 18 digits, and are given to six
 //! decimals.
 
-use crate::compare::{NamedScene, SHADING};
-use crate::drawing::{ROUNDING, picture};
-use crate::looks::{everywhere, gaussian, points};
+use super::Engine;
+use super::compare::{NamedScene, SHADING};
+use super::looks::{everywhere, gaussian, points};
 use glam::DVec3;
 use std::sync::Arc;
 use voltet_core::camera::{Camera, Projection};
@@ -115,34 +115,39 @@ fn rows() -> Vec<Row> {
 }
 
 /// Red, blue and opacity of a pixel: of the referee's ray, and of the picture of the engine that is tested.
-fn assert_pixel(name: &str, scene: &NamedScene, shading: &Shading, at: [usize; 2], expected: [f64; 3]) {
+fn assert_pixel(
+    engine: &dyn Engine,
+    name: &str,
+    scene: &NamedScene,
+    shading: &Shading,
+    at: [usize; 2],
+    expected: [f64; 3],
+) {
     let wanted = scene.drawn_by(shading, Order::Exact);
     let made = reference::Tracer::new(&wanted).unwrap_or_else(|error| panic!("{name}: {error}"));
     let seen = made.trace(&made.ray(at[0] as f64 + 0.5, at[1] as f64 + 0.5)).expect("traces");
     let found = [seen.color[0], seen.color[2], seen.opacity];
     let close = |found: [f64; 3], bound: f64| found.iter().zip(expected).all(|(a, b)| (a - b).abs() <= bound);
     assert!(close(found, SIX_DECIMALS), "{name}, referee: {found:?} for {expected:?}");
-    if let Some(picture) = picture(scene, shading) {
+    if let Some(picture) = engine.picture(scene, shading) {
         let [red, _, blue, opacity] = picture.pixel(at[0], at[1]).map(f64::from);
         let found = [red, blue, opacity];
-        assert!(close(found, SIX_DECIMALS + ROUNDING), "{name}, engine: {found:?} for {expected:?}");
+        assert!(close(found, SIX_DECIMALS + engine.rounding()), "{name}, engine: {found:?} for {expected:?}");
     }
 }
 
-#[test]
-fn each_kind_of_widget() {
+pub fn each_kind_of_widget(engine: &dyn Engine) {
     for (name, widget, depth, density, constant) in rows() {
         let opacity = 1.0 - (-depth).exp();
         for (model, [red, blue]) in [(DENSITY, density), (CONSTANT, constant)] {
             let scene = scene(vec![widget.clone()], model);
-            assert_pixel(name, &scene, &SHADING, MIDDLE, [red, blue, opacity]);
+            assert_pixel(engine, name, &scene, &SHADING, MIDDLE, [red, blue, opacity]);
         }
     }
 }
 
 /// A uniform widget in red with a Gaussian in blue, in their order and mixed.
-#[test]
-fn widgets_that_overlap() {
+pub fn widgets_that_overlap(engine: &dyn Engine) {
     let blue = gaussian([1.75, 0.0], [0.1, f64::INFINITY], 4.0, [0.0, 0.0, 1.0]);
     let widgets = vec![everywhere(4.0, [1.0, 0.0, 0.0]), blue];
     for (overlap, model, red, blue) in [
@@ -153,23 +158,21 @@ fn widgets_that_overlap() {
     ] {
         let shading = Shading { overlap, ..SHADING };
         let name = format!("{overlap:?} {model:?}");
-        assert_pixel(&name, &scene(widgets.clone(), model), &shading, MIDDLE, [red, blue, 0.917768]);
+        assert_pixel(engine, &name, &scene(widgets.clone(), model), &shading, MIDDLE, [red, blue, 0.917768]);
     }
 }
 
 /// The piecewise-linear widget in a uniform one without light: the mix keeps the colour that it has alone.
-#[test]
-fn a_colour_that_varies_in_a_mix() {
+pub fn a_colour_that_varies_in_a_mix(engine: &dyn Engine) {
     let scene = scene(vec![ramp(), everywhere(4.0, [0.0; 3])], DENSITY);
     for (overlap, red, blue) in [(Overlap::Exact, 0.055735, 0.117571), (Overlap::Mix, 0.072343, 0.244395)] {
         let shading = Shading { overlap, ..SHADING };
-        assert_pixel(&format!("{overlap:?}"), &scene, &shading, MIDDLE, [red, blue, 0.950213]);
+        assert_pixel(engine, &format!("{overlap:?}"), &scene, &shading, MIDDLE, [red, blue, 0.950213]);
     }
 }
 
 /// ĝ = (0, 0.6, 0.8) at the middle of the segment.
-#[test]
-fn silhouette_and_light() {
+pub fn silhouette_and_light(engine: &dyn Engine) {
     let scene = scene(vec![everywhere(4.0, COLOR)], DENSITY);
     let light = Light { direction: DVec3::Y * 5.0, ambient: 0.3, diffuse: 0.7 };
     let lit = Shading { light: Some(light), ..SHADING };
@@ -181,27 +184,26 @@ fn silhouette_and_light() {
         (edged, 0.172933, 0.172933),
         (both, 0.124512, 0.172933),
     ] {
-        assert_pixel("surface", &scene, &shading, MIDDLE, [red, 0.25 * red, opacity]);
+        assert_pixel(engine, "surface", &scene, &shading, MIDDLE, [red, 0.25 * red, opacity]);
     }
 }
 
 /// The camera: right is −x here, so the left pixel's ray leans to +x; the near plane is a depth, a length is not.
-#[test]
-fn another_ray_and_a_near_plane() {
+pub fn another_ray_and_a_near_plane(engine: &dyn Engine) {
     let uniform = scene(vec![everywhere(4.0, COLOR)], DENSITY);
     let opacity = 0.759313;
-    assert_pixel("left", &uniform, &SHADING, [0, 7], [opacity, 0.25 * opacity, opacity]);
+    assert_pixel(engine, "left", &uniform, &SHADING, [0, 7], [opacity, 0.25 * opacity, opacity]);
     let cut = NamedScene { camera: Camera { near: 2.0, ..camera() }, ..uniform };
     let opacity = 0.632121;
-    assert_pixel("near", &cut, &SHADING, MIDDLE, [opacity, 0.25 * opacity, opacity]);
+    assert_pixel(engine, "near", &cut, &SHADING, MIDDLE, [opacity, 0.25 * opacity, opacity]);
 }
 
 /// What has no extinction has no share of its peak above the cutoff.
-#[test]
-fn nothing_glows_without_extinction() {
+pub fn nothing_glows_without_extinction(engine: &dyn Engine) {
     let bright = gaussian([1.5, 0.0], [0.25, f64::INFINITY], 0.0, [9.0; 3]);
     let widgets = vec![everywhere(4.0, COLOR), bright];
     assert_pixel(
+        engine,
         "no extinction",
         &scene(widgets, CONSTANT),
         &SHADING,

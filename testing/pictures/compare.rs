@@ -1,7 +1,6 @@
-//! Draws a scene with the crate's engine (`crate::drawing`) and with the referee, compares, and keeps what differs for
-//! looking at. Shared by the tests of all engines.
+//! Draws a scene with an engine and with the referee, compares, and keeps what differs for looking at.
 
-use crate::drawing::picture;
+use super::Engine;
 use std::path::PathBuf;
 use std::sync::Arc;
 use voltet_core::camera::Camera;
@@ -20,6 +19,7 @@ pub const ORDINARY: f64 = 2e-4;
 /// Everything a picture is made from.
 #[derive(Clone)]
 pub struct NamedScene {
+    /// As failures call it.
     pub name: String,
     pub volume: Arc<Volume>,
     pub look: TransferFunction,
@@ -55,18 +55,18 @@ pub fn referee_shaded(scene: &NamedScene, shading: &Shading) -> Picture {
 }
 
 /// Asserts the bound of ordinary scenes, and that there is something to see.
-pub fn ordinary(scene: &NamedScene) {
-    ordinary_shaded(scene, &SHADING);
+pub fn ordinary(engine: &dyn Engine, scene: &NamedScene) {
+    ordinary_shaded(engine, scene, &SHADING);
 }
 
 /// The same with another shading.
-pub fn ordinary_shaded(scene: &NamedScene, shading: &Shading) {
-    close(scene, shading, ORDINARY);
+pub fn ordinary_shaded(engine: &dyn Engine, scene: &NamedScene, shading: &Shading) {
+    close(engine, scene, shading, ORDINARY);
 }
 
 /// The same with a bound of the scene's own.
-pub fn close(scene: &NamedScene, shading: &Shading, bound: f64) {
-    let Some(actual) = picture(scene, shading) else { return };
+pub fn close(engine: &dyn Engine, scene: &NamedScene, shading: &Shading, bound: f64) {
+    let Some(actual) = engine.picture(scene, shading) else { return };
     let expected = referee_shaded(scene, shading);
     let covered = expected.rgba.iter().filter(|p| p[3] > 0.01).count();
     assert!(covered > 0, "{}: the scene shows nothing, so it proves nothing", scene.name);
@@ -74,8 +74,8 @@ pub fn close(scene: &NamedScene, shading: &Shading, bound: f64) {
 }
 
 /// Asserts that the engine draws a picture that is known.
-pub fn matches(scene: &NamedScene, expected: &Picture, bound: f64) {
-    if let Some(actual) = picture(scene, &SHADING) {
+pub fn matches(engine: &dyn Engine, scene: &NamedScene, expected: &Picture, bound: f64) {
+    if let Some(actual) = engine.picture(scene, &SHADING) {
         within(&scene.name, &actual, expected, bound);
     }
 }
@@ -101,8 +101,8 @@ pub fn within(name: &str, actual: &Picture, expected: &Picture, bound: f64) {
 }
 
 /// Asserts the bound of stiff scenes: 99.9 % of the pixels within 1/255, all finite.
-pub fn stiff(scene: &NamedScene) {
-    let Some(actual) = picture(scene, &SHADING) else { return };
+pub fn stiff(engine: &dyn Engine, scene: &NamedScene) {
+    let Some(actual) = engine.picture(scene, &SHADING) else { return };
     let expected = referee(scene);
     let covered = expected.rgba.iter().filter(|p| p[3] > 0.01).count();
     assert!(covered > 0, "{}: the scene shows nothing, so it proves nothing", scene.name);
@@ -141,7 +141,10 @@ fn worst(errors: &[f64]) -> (f64, usize) {
 
 /// Writes the actual and the expected picture (.exr) and the difference (.png, white from 1/255 on).
 fn keep(name: &str, actual: &Picture, expected: &Picture, errors: &[f64]) -> PathBuf {
-    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("validation");
+    // The tests lie in `target/PROFILE/deps`.
+    let program = std::env::current_exe().expect("the tests are a program");
+    let target = program.ancestors().nth(3).expect("the tests lie in the target folder");
+    let folder = target.join("tmp/validation");
     std::fs::create_dir_all(&folder).expect("the target folder can be written");
     let base = folder.join(name.replace([' ', '/'], "_"));
     save(actual, &base.with_extension("actual.exr"));
@@ -164,8 +167,7 @@ pub fn save(picture: &Picture, path: &std::path::Path) {
 }
 
 /// The check itself: it must see a missing pixel, a wrong one and one that is not a number.
-#[test]
-fn comparison_sees_what_is_wrong() {
+pub fn sees_what_is_wrong() {
     let mut right = Picture::transparent(4, 3);
     right.rgba.fill([0.5; 4]);
     assert_eq!(worst(&errors(&right, &right)).0, 0.0);

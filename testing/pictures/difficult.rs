@@ -1,40 +1,43 @@
 //! Grids and fields that are hard: non-convex, cyclic, flat, far away, deep, huge and tiny cells. Tests of all engines.
 
-use crate::compare::{NamedScene, ORDINARY, SHADING, close, matches, ordinary, referee, within};
-use crate::drawing::GRAZING;
-use crate::grids::*;
-use crate::looks::*;
+use super::Engine;
+use super::compare::{NamedScene, ORDINARY, SHADING, close, matches, ordinary, referee, within};
+use super::grids::*;
+use super::looks::*;
 use glam::DVec3;
 use voltet_core::camera::Camera;
 
-#[test]
-fn two_arms_with_an_opening() {
+pub fn two_arms_with_an_opening(engine: &dyn Engine) {
     for (name, eye) in [("front", [0.7, -2.0, 0.8]), ("side", [2.5, 0.3, 1.4]), ("end", [3.0, 0.5, 0.5])] {
-        ordinary(&NamedScene {
-            name: format!("arms {name}"),
-            volume: smooth(two_arms()),
-            look: overlapping(),
-            camera: perspective(eye, [0.5, 0.5, 0.5], 35.0, [72, 56]),
-        });
+        ordinary(
+            engine,
+            &NamedScene {
+                name: format!("arms {name}"),
+                volume: smooth(two_arms()),
+                look: overlapping(),
+                camera: perspective(eye, [0.5, 0.5, 0.5], 35.0, [72, 56]),
+            },
+        );
     }
 }
 
-#[test]
-fn disconnected() {
+pub fn disconnected(engine: &dyn Engine) {
     let parts: Vec<_> = (0..4)
         .map(|k| moved(&cube([2, 2, 2], 0.2), |p| 0.22 * p + 0.26 * f64::from(k) * DVec3::ONE))
         .collect();
-    ordinary(&NamedScene {
-        name: "disconnected".into(),
-        volume: smooth(together(&parts)),
-        look: ramp(),
-        camera: outside([64, 64]),
-    });
+    ordinary(
+        engine,
+        &NamedScene {
+            name: "disconnected".into(),
+            volume: smooth(together(&parts)),
+            look: ramp(),
+            camera: outside([64, 64]),
+        },
+    );
 }
 
 /// Each bar has its own colour, dense enough that the front one wins.
-#[test]
-fn cyclic_order() {
+pub fn cyclic_order(engine: &dyn Engine) {
     let bars = cyclic_bars();
     let each = bars.points.len() / 3;
     let values = (0..bars.points.len()).map(|k| (k / each) as f64).collect();
@@ -43,7 +46,7 @@ fn cyclic_order() {
     let volume = std::sync::Arc::new(volume);
     let colors = points(&[[0.0, 1.0, 0.0, 0.0, 9.0], [1.0, 0.0, 1.0, 0.0, 9.0], [2.0, 0.0, 0.0, 1.0, 9.0]]);
     for (name, camera, bound) in [
-        ("above", orthographic([0.0, -0.01, 5.0], [0.0, 0.0, 0.0], 3.6, [90, 90]), GRAZING),
+        ("above", orthographic([0.0, -0.01, 5.0], [0.0, 0.0, 0.0], 3.6, [90, 90]), engine.grazing()),
         ("below", perspective([0.1, -0.2, -5.0], [0.0, 0.0, 0.0], 40.0, [90, 90]), ORDINARY),
     ] {
         let scene = NamedScene {
@@ -52,30 +55,32 @@ fn cyclic_order() {
             look: look(vec![colors.clone()]),
             camera,
         };
-        close(&scene, &SHADING, bound);
+        close(engine, &scene, &SHADING, bound);
     }
 }
 
-#[test]
-fn flat_cells() {
+pub fn flat_cells(engine: &dyn Engine) {
     for thickness in [1e-3, 1e-6, 1e-9, 1e-12, 0.0] {
         for (name, camera) in [
             ("across", orthographic([-2.0, 0.503, 0.507], [0.0, 0.503, 0.507], 0.9, [40, 40])),
             ("along", orthographic([0.503, -2.0, 0.507], [0.503, 0.0, 0.507], 0.9, [40, 40])),
             ("oblique", outside([48, 48])),
         ] {
-            ordinary(&NamedScene {
-                name: format!("flat {thickness:e} {name}"),
-                volume: smooth(with_flat_layer(thickness)),
-                look: overlapping(),
-                camera,
-            });
+            ordinary(
+                engine,
+                &NamedScene {
+                    name: format!("flat {thickness:e} {name}"),
+                    volume: smooth(with_flat_layer(thickness)),
+                    look: overlapping(),
+                    camera,
+                },
+            );
         }
     }
 }
 
 /// Cells with four points in a plane, on a line, or in one place change nothing.
-fn without_volume(name: &str, cells: impl Fn(u32) -> Vec<[u32; 4]>) {
+fn without_volume(engine: &dyn Engine, name: &str, cells: impl Fn(u32) -> Vec<[u32; 4]>) {
     let base = cube([3, 3, 3], 0.0);
     let mut points = base.points.to_vec();
     let first = points.len() as u32;
@@ -94,29 +99,25 @@ fn without_volume(name: &str, cells: impl Fn(u32) -> Vec<[u32; 4]>) {
     let with = scene(grid(points, all));
     let expected = referee(&scene(base));
     within(&format!("referee {name}"), &referee(&with), &expected, 1e-7);
-    matches(&with, &expected, ORDINARY);
+    matches(engine, &with, &expected, ORDINARY);
 }
 
-#[test]
-fn cells_in_a_plane() {
-    without_volume("coplanar", |first| {
+pub fn cells_in_a_plane(engine: &dyn Engine) {
+    without_volume(engine, "coplanar", |first| {
         vec![[first, first + 1, first + 2, first + 3], [first, first + 1, first + 2, first + 4]]
     });
 }
 
-#[test]
-fn cells_with_equal_points() {
-    without_volume("equal points", |_| vec![[5, 5, 9, 11], [7, 7, 7, 7], [3, 3, 3, 30]]);
+pub fn cells_with_equal_points(engine: &dyn Engine) {
+    without_volume(engine, "equal points", |_| vec![[5, 5, 9, 11], [7, 7, 7, 7], [3, 3, 3, 30]]);
 }
 
 /// Points 0 to 3 lie on an edge of the cube, points 0, 21, 42, 63 on its diagonal.
-#[test]
-fn cells_on_a_line() {
-    without_volume("collinear", |_| vec![[0, 1, 2, 3], [0, 21, 42, 63]]);
+pub fn cells_on_a_line(engine: &dyn Engine) {
+    without_volume(engine, "collinear", |_| vec![[0, 1, 2, 3], [0, 21, 42, 63]]);
 }
 
-#[test]
-fn scaled_and_far_away() {
+pub fn scaled_and_far_away(engine: &dyn Engine) {
     let base = cube([4, 4, 4], 0.2);
     for (scale, offset) in [
         (1e-20, DVec3::ZERO),
@@ -140,32 +141,36 @@ fn scaled_and_far_away() {
             }
             let mut look = overlapping();
             look.unit_distance = scale;
-            ordinary(&NamedScene {
-                name: format!("scale {scale:e} offset {:e} {name}", offset.x),
-                volume: std::sync::Arc::new(far.clone()),
-                look,
-                camera,
-            });
+            ordinary(
+                engine,
+                &NamedScene {
+                    name: format!("scale {scale:e} offset {:e} {name}", offset.x),
+                    volume: std::sync::Arc::new(far.clone()),
+                    look,
+                    camera,
+                },
+            );
         }
     }
 }
 
-#[test]
-fn constant_field() {
-    ordinary(&NamedScene {
-        name: "constant".into(),
-        volume: volume(cube([4, 4, 4], 0.2), |_| 0.55, |_| 0.0),
-        look: look(vec![
-            gaussian([0.5, 0.0], [0.1, 0.5], 2.0, [1.0, 0.5, 0.2]),
-            points(&[[0.0, 0.1, 0.2, 0.3, 0.0], [1.0, 0.9, 0.8, 0.7, 1.0]]),
-        ]),
-        camera: outside([64, 64]),
-    });
+pub fn constant_field(engine: &dyn Engine) {
+    ordinary(
+        engine,
+        &NamedScene {
+            name: "constant".into(),
+            volume: volume(cube([4, 4, 4], 0.2), |_| 0.55, |_| 0.0),
+            look: look(vec![
+                gaussian([0.5, 0.0], [0.1, 0.5], 2.0, [1.0, 0.5, 0.2]),
+                points(&[[0.0, 0.1, 0.2, 0.3, 0.0], [1.0, 0.9, 0.8, 0.7, 1.0]]),
+            ]),
+            camera: outside([64, 64]),
+        },
+    );
 }
 
 /// s near 1e8 varies by 1e-2: its 64-bit digits are enough, 32-bit ones are not.
-#[test]
-fn large_values_that_hardly_vary() {
+pub fn large_values_that_hardly_vary(engine: &dyn Engine) {
     let (base, span) = (1e8, 1e-2);
     let volume = volume(cube([5, 5, 5], 0.2), |p| base + span * smooth_s(p), |p| span * smooth_g(p));
     for (name, widgets) in [
@@ -195,64 +200,72 @@ fn large_values_that_hardly_vary() {
             )],
         ),
     ] {
-        ordinary(&NamedScene {
-            name: format!("offset values {name}"),
-            volume: volume.clone(),
-            look: look(widgets),
-            camera: outside([64, 64]),
-        });
+        ordinary(
+            engine,
+            &NamedScene {
+                name: format!("offset values {name}"),
+                volume: volume.clone(),
+                look: look(widgets),
+                camera: outside([64, 64]),
+            },
+        );
     }
 }
 
 /// More than 1,024 segments in a pixel.
-#[test]
-fn deep_pixels() {
+pub fn deep_pixels(engine: &dyn Engine) {
     let base = moved(&cube([2, 700, 2], 0.0), |p| DVec3::new(p.x, 3.0 * p.y, p.z));
     let volume = volume(base, |p| 0.5 + 0.5 * (9.0 * p.y + 2.0 * p.x).sin(), |p| p.z);
     for (name, look) in [("ramp", ramp()), ("overlap", overlapping())] {
-        ordinary(&NamedScene {
-            name: format!("deep {name}"),
-            volume: volume.clone(),
-            look,
-            camera: perspective([0.45, -3.0, 0.55], [0.5, 0.0, 0.5], 18.0, [24, 20]),
-        });
+        ordinary(
+            engine,
+            &NamedScene {
+                name: format!("deep {name}"),
+                volume: volume.clone(),
+                look,
+                camera: perspective([0.45, -3.0, 0.55], [0.5, 0.0, 0.5], 18.0, [24, 20]),
+            },
+        );
     }
 }
 
 /// One cell over the whole picture, from outside and from inside.
-#[test]
-fn huge_cell() {
+pub fn huge_cell(engine: &dyn Engine) {
     let corners = [[-50.0, 10.0, -50.0], [60.0, 11.0, -45.0], [1.0, 12.0, 70.0], [0.0, 30.0, 2.0]];
     let one = grid(corners.map(DVec3::from).to_vec(), vec![[0, 1, 2, 3]]);
     let volume = volume(one, |p| 0.5 + 0.01 * p.x, |p| 0.8 + 0.01 * p.z);
     let mut look = overlapping();
     look.unit_distance = 10.0;
     for (name, eye) in [("outside", [0.0, 0.0, 0.0]), ("inside", [0.0, 14.0, 2.0])] {
-        ordinary(&NamedScene {
-            name: format!("huge cell {name}"),
-            volume: volume.clone(),
-            look: look.clone(),
-            camera: perspective(eye, [0.0, 40.0, 1.0], 30.0, [70, 50]),
-        });
+        ordinary(
+            engine,
+            &NamedScene {
+                name: format!("huge cell {name}"),
+                volume: volume.clone(),
+                look: look.clone(),
+                camera: perspective(eye, [0.0, 40.0, 1.0], 30.0, [70, 50]),
+            },
+        );
     }
 }
 
 /// Thousands of cells in one pixel.
-#[test]
-fn tiny_cells() {
+pub fn tiny_cells(engine: &dyn Engine) {
     for (name, height) in [("one pixel", 40.0), ("some pixels", 4.0)] {
-        ordinary(&NamedScene {
-            name: format!("tiny cells {name}"),
-            volume: smooth(cube([12, 12, 12], 0.2)),
-            look: overlapping(),
-            camera: orthographic([3.1, -2.0, 2.5], [0.51, 0.52, 0.53], height, [21, 21]),
-        });
+        ordinary(
+            engine,
+            &NamedScene {
+                name: format!("tiny cells {name}"),
+                volume: smooth(cube([12, 12, 12], 0.2)),
+                look: overlapping(),
+                camera: orthographic([3.1, -2.0, 2.5], [0.51, 0.52, 0.53], height, [21, 21]),
+            },
+        );
     }
 }
 
 /// Two cells on the same side of a face that they share: both begin there, and the one that ends first comes first.
-#[test]
-fn cells_that_overlap_behind_a_shared_face() {
+pub fn cells_that_overlap_behind_a_shared_face(engine: &dyn Engine) {
     let mut points = Vec::new();
     let mut cells = Vec::new();
     for k in 0..12u32 {
@@ -263,10 +276,13 @@ fn cells_that_overlap_behind_a_shared_face() {
         cells.extend([[0, 1, 2, 3], [0, 1, 2, 4]].map(|cell| cell.map(|p| p + 5 * k)));
     }
     let s = |p: DVec3| (37.0 * (p.x + 2.0 * p.y - 3.0 * p.z)).sin().abs();
-    ordinary(&NamedScene {
-        name: "overlap behind a face".into(),
-        volume: volume(grid(points, cells), s, |p| 2.0 * p.y.sin().abs()),
-        look: overlapping(),
-        camera: orthographic([3.0, -4.0, 9.0], [3.0, 2.0, 0.0], 8.0, [90, 80]),
-    });
+    ordinary(
+        engine,
+        &NamedScene {
+            name: "overlap behind a face".into(),
+            volume: volume(grid(points, cells), s, |p| 2.0 * p.y.sin().abs()),
+            look: overlapping(),
+            camera: orthographic([3.0, -4.0, 9.0], [3.0, 2.0, 0.0], 8.0, [90, 80]),
+        },
+    );
 }

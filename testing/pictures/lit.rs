@@ -1,9 +1,9 @@
 //! Silhouettes and light. Tests of all engines.
 
-use crate::compare::{NamedScene, SHADING, ordinary_shaded};
-use crate::drawing::picture;
-use crate::grids::{cube, smooth, smooth_gradient};
-use crate::looks::*;
+use super::Engine;
+use super::compare::{NamedScene, SHADING, ordinary_shaded};
+use super::grids::{cube, smooth, smooth_gradient};
+use super::looks::*;
 use glam::DVec3;
 use std::sync::Arc;
 use voltet_core::camera::Camera;
@@ -30,55 +30,56 @@ fn shadings() -> [(&'static str, Shading); 5] {
     ]
 }
 
-fn with_every_shading(name: &str, volume: &Arc<Volume>, look: &TransferFunction, camera: Camera) {
+fn with_every_shading(
+    engine: &dyn Engine,
+    name: &str,
+    volume: &Arc<Volume>,
+    look: &TransferFunction,
+    camera: Camera,
+) {
     for (kind, shading) in shadings() {
         let scene =
             NamedScene { name: format!("{name} {kind}"), volume: volume.clone(), look: look.clone(), camera };
-        ordinary_shaded(&scene, &shading);
+        ordinary_shaded(engine, &scene, &shading);
     }
 }
 
-#[test]
-fn several_colours() {
+pub fn several_colours(engine: &dyn Engine) {
     let volume = lit(cube([6, 6, 6], 0.2), smooth_gradient);
-    with_every_shading("overlap", &volume, &overlapping(), outside([64, 48]));
-    with_every_shading("ramp", &volume, &ramp(), outside([48, 64]));
+    with_every_shading(engine, "overlap", &volume, &overlapping(), outside([64, 48]));
+    with_every_shading(engine, "ramp", &volume, &ramp(), outside([48, 64]));
 }
 
-#[test]
-fn one_colour() {
+pub fn one_colour(engine: &dyn Engine) {
     let volume = lit(cube([6, 6, 6], 0.2), smooth_gradient);
-    with_every_shading("one colour", &volume, &one_gaussian(), outside([64, 48]));
+    with_every_shading(engine, "one colour", &volume, &one_gaussian(), outside([64, 48]));
 }
 
 /// Orthographic rays have one direction; cells that reach behind the eye go their own way.
-#[test]
-fn cameras() {
+pub fn cameras(engine: &dyn Engine) {
     let volume = lit(cube([5, 5, 5], 0.2), smooth_gradient);
     let oblique = orthographic([3.0, -2.0, 2.5], [0.5, 0.5, 0.5], 1.9, [40, 40]);
-    with_every_shading("oblique", &volume, &overlapping(), oblique);
+    with_every_shading(engine, "oblique", &volume, &overlapping(), oblique);
     let inside = perspective([0.43, 0.37, 0.52], [0.9, 0.8, 0.45], 90.0, [40, 40]);
-    with_every_shading("inside", &volume, &overlapping(), inside);
-    with_every_shading("inside one colour", &volume, &one_gaussian(), inside);
+    with_every_shading(engine, "inside", &volume, &overlapping(), inside);
+    with_every_shading(engine, "inside one colour", &volume, &one_gaussian(), inside);
     let near = Camera { near: 0.2, ..inside };
-    with_every_shading("near", &volume, &overlapping(), near);
+    with_every_shading(engine, "near", &volume, &overlapping(), near);
 }
 
 /// No gradient: the silhouette's factor is 1 and the light's the ambient share; tiny gradients have a direction.
-#[test]
-fn gradients_without_and_with_little_length() {
+pub fn gradients_without_and_with_little_length(engine: &dyn Engine) {
     let grid = || cube([5, 5, 5], 0.2);
     let nowhere = lit(grid(), |p| if p.x < 0.5 { DVec3::ZERO } else { smooth_gradient(p) });
-    with_every_shading("partly constant", &nowhere, &overlapping(), outside([40, 40]));
+    with_every_shading(engine, "partly constant", &nowhere, &overlapping(), outside([40, 40]));
     let tiny =
         lit(grid(), |p| if p.x < 0.5 { 1e-20 * DVec3::new(0.3, 1.0, p.y) } else { smooth_gradient(p) });
-    with_every_shading("partly tiny", &tiny, &overlapping(), outside([40, 40]));
+    with_every_shading(engine, "partly tiny", &tiny, &overlapping(), outside([40, 40]));
     let along = lit(grid(), |p| 1e200 * (DVec3::new(0.5, 0.5, 0.5) - p));
-    with_every_shading("along the rays", &along, &overlapping(), outside([40, 40]));
+    with_every_shading(engine, "along the rays", &along, &overlapping(), outside([40, 40]));
 }
 
-#[test]
-fn what_changes_nothing_is_left_out() {
+pub fn what_changes_nothing_is_left_out(engine: &dyn Engine) {
     // No gradient in the volume, and none is asked for.
     let scene = NamedScene {
         name: "exponent 0".into(),
@@ -87,6 +88,6 @@ fn what_changes_nothing_is_left_out() {
         camera: outside([16, 16]),
     };
     let shading = Shading { silhouette: Some(0.0), ..SHADING };
-    let rgba = |shading: &Shading| picture(&scene, shading).map(|picture| picture.rgba);
+    let rgba = |shading: &Shading| engine.picture(&scene, shading).map(|picture| picture.rgba);
     assert_eq!(rgba(&shading), rgba(&SHADING));
 }

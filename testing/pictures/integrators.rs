@@ -1,10 +1,10 @@
 //! Every integrator on the scenes that it can serve, each within the error that its sampling or table leaves. Tests
 //! of all engines; the native one has the reference too.
 
-use crate::compare::{NamedScene, ORDINARY, SHADING, referee, within};
-use crate::drawing::{picture, serves};
-use crate::grids::{cube, smooth};
-use crate::looks::*;
+use super::Engine;
+use super::compare::{NamedScene, ORDINARY, SHADING, referee, within};
+use super::grids::{cube, smooth};
+use super::looks::*;
 use voltet_core::shading::{Integrator, Shading};
 use voltet_core::transfer::{OpticalModel, TransferFunction};
 
@@ -28,23 +28,23 @@ fn scene(name: &str, look: TransferFunction) -> NamedScene {
     NamedScene { name: name.into(), volume: smooth(cube([5, 5, 5], 0.2)), look, camera: outside([64, 48]) }
 }
 
-fn compare(name: &str, look: TransferFunction, wanted: &[&str]) {
+fn compare(engine: &dyn Engine, name: &str, look: TransferFunction, wanted: &[&str]) {
     let expected = referee(&scene(name, look.clone()));
     assert!(expected.rgba.iter().any(|p| p[3] > 0.1), "{name}: the scene shows nothing");
     let mut served = Vec::new();
     for (integrator, bound) in BOUNDS {
-        if !serves(&integrator, &look) {
+        if !engine.serves(&integrator, &look) {
             continue;
         }
         let scene = scene(&format!("{name} by {}", integrator.name()), look.clone());
-        let Some(actual) = picture(&scene, &Shading { integrator, ..SHADING }) else { return };
+        let Some(actual) = engine.picture(&scene, &Shading { integrator, ..SHADING }) else { return };
         within(&scene.name, &actual, &expected, bound);
         served.push(integrator.name());
     }
     let wanted: Vec<&str> = wanted
         .iter()
         .copied()
-        .filter(|name| *name != "reference" || serves(&Integrator::Reference, &look))
+        .filter(|name| *name != "reference" || engine.serves(&Integrator::Reference, &look))
         .collect();
     assert_eq!(served, wanted, "{name}");
 }
@@ -62,17 +62,15 @@ const ALL: [&str; 8] = [
     "reference",
 ];
 
-#[test]
-fn a_function_of_the_scalar_is_served_by_all() {
-    compare("ramp", ramp(), &ALL);
+pub fn a_function_of_the_scalar_is_served_by_all(engine: &dyn Engine) {
+    compare(engine, "ramp", ramp(), &ALL);
     let model = OpticalModel::ConstantEmitter { cutoff: 0.0 };
-    compare("glowing ramp", TransferFunction { model, ..ramp() }, &ALL);
+    compare(engine, "glowing ramp", TransferFunction { model, ..ramp() }, &ALL);
 }
 
-#[test]
-fn bivariate_widgets_are_served_by_all_but_tables_of_the_scalar() {
-    compare("gaussian", one_gaussian(), &ALWAYS);
-    compare("overlap", overlapping(), &ALWAYS);
+pub fn bivariate_widgets_are_served_by_all_but_tables_of_the_scalar(engine: &dyn Engine) {
+    compare(engine, "gaussian", one_gaussian(), &ALWAYS);
+    compare(engine, "overlap", overlapping(), &ALWAYS);
     let model = OpticalModel::ConstantEmitter { cutoff: 1.0 / 255.0 };
-    compare("glowing overlap", TransferFunction { model, ..overlapping() }, &ALWAYS);
+    compare(engine, "glowing overlap", TransferFunction { model, ..overlapping() }, &ALWAYS);
 }
