@@ -139,7 +139,7 @@ pub(crate) fn none_kept(volume: &Arc<Volume>) -> Result<Cells> {
         ranges: [range(&volume.scalar), volume.gradient_magnitude.as_ref().map_or([0.0; 2], |g| range(g))],
         untouched: Vec::new(),
         no_leave_out: false,
-        lanes: LaneSet::detect(),
+        lanes: LaneSet::detect()?,
         culled_for: None,
         steepest: volume.gradient.as_ref().map_or(0.0, |gradient| {
             let [low, high] = range(bytemuck::cast_slice(gradient));

@@ -25,12 +25,12 @@ pub const ENGINE: Declaration = Declaration {
     compositing: &[],
     can_serve: |transfer_function, shading| integrators::can_serve(&shading.integrator, transfer_function),
     adapters: Vec::new,
-    open: |_| Ok(Arc::new(Native { lanes: LaneSet::detect() })),
+    open: |_| Ok(Arc::new(Native { lanes: LaneSet::detect()? })),
     open_each,
 };
 
 fn open_each(_wish: &AdapterWish) -> Result<Vec<Arc<dyn Engine>>> {
-    let sets = [LaneSet::Portable, LaneSet::Avx2, LaneSet::Avx512].into_iter();
+    let sets = LaneSet::ALL.into_iter().rev();
     let native = |lanes| Arc::new(Native { lanes }) as Arc<dyn Engine>;
     Ok(sets.filter(|lanes| lanes.is_supported()).map(native).collect())
 }

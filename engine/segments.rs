@@ -146,8 +146,8 @@ pub struct Segments {
 impl Segments {
     /// One for each lane set that this processor has.
     pub fn each() -> impl Iterator<Item = Segments> {
-        let sets = [LaneSet::Portable, LaneSet::Avx2, LaneSet::Avx512];
-        sets.into_iter().filter(|set| set.is_supported()).map(|lanes| Segments { lanes, ordered: false })
+        let sets = LaneSet::ALL.into_iter().rev();
+        sets.filter(|set| set.is_supported()).map(|lanes| Segments { lanes, ordered: false })
     }
 
     fn one(

@@ -169,7 +169,7 @@ fn masks64<L: Lanes>(mask: <L::D as Double>::Mask) -> Vec<Found> {
 
 #[test]
 fn every_operation_is_what_its_trait_says_on_every_lane_set() {
-    for lanes in [LaneSet::Portable, LaneSet::Avx2, LaneSet::Avx512] {
+    for lanes in LaneSet::ALL {
         if !lanes.is_supported() {
             eprintln!("skipped: this processor has no {}", lanes.name());
             continue;
@@ -221,7 +221,7 @@ impl Kernel for TooShort {
 #[test]
 fn a_slice_that_is_too_short_stops_the_program_and_is_not_passed() {
     // Also a set that the processor lacks: the portable one takes its place.
-    for lanes in [LaneSet::Portable, LaneSet::Avx2, LaneSet::Avx512] {
+    for lanes in LaneSet::ALL {
         for what in 0..8 {
             let ran = catch_unwind(AssertUnwindSafe(|| dispatch(lanes, TooShort(what))));
             assert!(ran.is_err(), "slice {what} on {}", lanes.name());

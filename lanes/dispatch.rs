@@ -6,6 +6,11 @@ use super::avx2::Avx2;
 use super::avx512::Avx512;
 use super::operations::Lanes;
 use super::portable::Portable;
+use std::sync::OnceLock;
+use voltet_core::{Error, Result};
+
+/// The environment variable that names a lane set.
+const VARIABLE: &str = "VOLTET_LANES";
 
 /// Work that can run on any lane set.
 pub trait Kernel {
@@ -27,25 +32,34 @@ pub enum LaneSet {
 }
 
 impl LaneSet {
-    /// The widest set this processor has. `VOLTET_LANES` = `avx512`, `avx2` or `portable` narrows it (to compare
-    /// the paths); a set that the processor lacks is never chosen.
-    pub fn detect() -> LaneSet {
-        static DETECTED: std::sync::OnceLock<LaneSet> = std::sync::OnceLock::new();
-        *DETECTED.get_or_init(|| {
-            let asked = std::env::var("VOLTET_LANES").unwrap_or_default();
-            let at_most = match asked.as_str() {
-                "portable" => return LaneSet::Portable,
-                "avx2" => LaneSet::Avx2,
-                _ => LaneSet::Avx512,
-            };
-            if at_most == LaneSet::Avx512 && LaneSet::Avx512.is_supported() {
-                LaneSet::Avx512
-            } else if LaneSet::Avx2.is_supported() {
-                LaneSet::Avx2
-            } else {
-                LaneSet::Portable
-            }
-        })
+    /// All of them, the widest first.
+    pub const ALL: [LaneSet; 3] = [LaneSet::Avx512, LaneSet::Avx2, LaneSet::Portable];
+
+    /// The set that the environment variable `VOLTET_LANES` names (to compare them), or the widest that this processor has.
+    ///
+    /// Errors: the variable names none, or one that this processor lacks.
+    pub fn detect() -> Result<LaneSet> {
+        static DETECTED: OnceLock<Result<LaneSet>> = OnceLock::new();
+        let asked = || std::env::var_os(VARIABLE).map(|asked| asked.to_string_lossy().into_owned());
+        DETECTED.get_or_init(|| LaneSet::asked(asked().as_deref(), LaneSet::is_supported)).clone()
+    }
+
+    /// The set that is asked for by name, or the widest of those that there are.
+    fn asked(asked: Option<&str>, is_supported: fn(LaneSet) -> bool) -> Result<LaneSet> {
+        let mut there = LaneSet::ALL.into_iter().filter(|set| is_supported(*set));
+        let Some(asked) = asked.filter(|asked| !asked.is_empty()) else {
+            return Ok(there.next().unwrap_or(LaneSet::Portable));
+        };
+        let names = |sets: &mut dyn Iterator<Item = LaneSet>| sets.map(LaneSet::name).collect::<Vec<_>>().join(", ");
+        match LaneSet::ALL.into_iter().find(|set| set.name() == asked) {
+            Some(set) if is_supported(set) => Ok(set),
+            Some(_) => Err(Error::usage(format!("this processor lacks the vector units that {VARIABLE} names"))
+                .found(asked)
+                .accepted(names(&mut there))),
+            None => Err(Error::usage(format!("{VARIABLE} names no set of vector lanes"))
+                .found(asked)
+                .accepted(names(&mut LaneSet::ALL.into_iter()))),
+        }
     }
 
     /// Whether this processor has the set.
@@ -123,4 +137,26 @@ pub fn dispatch<K: Kernel>(lanes: LaneSet, kernel: K) -> K::Output {
     }
     let _ = lanes;
     kernel.run::<Portable>()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_set_that_is_no_name_or_not_there_is_refused() {
+        let narrow = |set: LaneSet| set != LaneSet::Avx512;
+        assert_eq!(LaneSet::asked(None, narrow).unwrap(), LaneSet::Avx2);
+        assert_eq!(LaneSet::asked(Some(""), |_| true).unwrap(), LaneSet::Avx512);
+        for set in LaneSet::ALL {
+            assert_eq!(LaneSet::asked(Some(set.name()), |_| true).unwrap(), set);
+        }
+        let said = |asked: &str| LaneSet::asked(Some(asked), narrow).unwrap_err().to_string();
+        let unknown = said("AVX2");
+        assert!(unknown.contains("VOLTET_LANES") && unknown.contains("AVX2"), "{unknown}");
+        assert!(unknown.contains("avx512, avx2, portable"), "{unknown}");
+        let lacking = said("avx512");
+        assert!(lacking.contains("this processor lacks") && lacking.contains("VOLTET_LANES"), "{lacking}");
+        assert!(lacking.contains("avx512") && lacking.contains("avx2, portable"), "{lacking}");
+    }
 }

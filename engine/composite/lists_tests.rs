@@ -95,7 +95,7 @@ fn blended(layers: &[Layer]) -> [f64; 4] {
 
 /// Composites on each lane set that the processor has; `pixels` holds the segments in the order of arrival.
 fn composited(pixels: &[Vec<Layer>], sorted: bool, mut check: impl FnMut(&str, &[[f32; 4]], u64)) {
-    for lanes in [LaneSet::Portable, LaneSet::Avx2, LaneSet::Avx512] {
+    for lanes in LaneSet::ALL {
         if !lanes.is_supported() {
             continue;
         }
@@ -212,9 +212,9 @@ fn a_full_list_refuses_and_keeps_what_it_has() {
     assert!(lists.push(17, Layer::new(-1.0, 0.0, [1.0; 4])).is_err());
     assert!(lists.push(18, Layer::new(0.0, 1.0, [0.25, 0.5, 0.75, 1.0])).is_ok());
     let mut picture = [[f32::NAN; 4]; PIXELS];
-    dispatch(LaneSet::detect(), Blend { lists: &mut lists, sorted: true, picture: &mut picture });
+    dispatch(LaneSet::detect().unwrap(), Blend { lists: &mut lists, sorted: true, picture: &mut picture });
     assert_eq!([picture[17], picture[18], picture[19]], [[0.0; 4], [0.25, 0.5, 0.75, 1.0], [0.0; 4]]);
     lists.clear();
-    dispatch(LaneSet::detect(), Blend { lists: &mut lists, sorted: true, picture: &mut picture });
+    dispatch(LaneSet::detect().unwrap(), Blend { lists: &mut lists, sorted: true, picture: &mut picture });
     assert!(picture.iter().all(|pixel| *pixel == [0.0; 4]));
 }

@@ -151,7 +151,7 @@ fn widgets_look_at_eleven_fields_together() {
         let ends = &values[..count];
         let segment =
             Segment { length: 1.0, front: [0.0; 2], back: [0.0; 2], fields_front: ends, fields_back: ends };
-        segments(LaneSet::detect(), &look, &SHADING, false, &[segment])
+        segments(LaneSet::detect().unwrap(), &look, &SHADING, false, &[segment])
     };
     let depth = draw(11).expect("draws")[0].contribution.optical_depth;
     let exact = 0.5 * at(0..8) + 0.3 * at(8..11);

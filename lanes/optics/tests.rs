@@ -304,7 +304,7 @@ fn every_twin_keeps_its_tolerance_on_every_lane_set() {
                 row
             })
             .collect();
-        for lanes in [LaneSet::Avx512, LaneSet::Avx2, LaneSet::Portable] {
+        for lanes in LaneSet::ALL {
             if !lanes.is_supported() {
                 println!("skipped: this processor has no {}", lanes.name());
                 continue;

@@ -104,7 +104,7 @@ pub fn composite(
     projection.count(&mut counts);
     call.notes.warnings.extend(visible::warnings(&scene, &counts, &picture));
     let threads = rayon::current_num_threads();
-    call.notes.adapter = Some(format!("{}, {threads} threads", LaneSet::detect().name()));
+    call.notes.adapter = Some(format!("{}, {threads} threads", LaneSet::detect()?.name()));
     Ok(picture)
 }
 

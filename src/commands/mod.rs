@@ -17,14 +17,16 @@ mod time;
 use crate::arguments::{Arguments, Command};
 use crate::core::Result;
 use crate::core::graph::Registry;
+use crate::lanes::LaneSet;
 use crate::nodes::files;
 use outcome::{WRONG, show};
 use std::io::ErrorKind;
 use std::process::ExitCode;
 
-/// Carries out the command, shows its error if there is one, and gives the exit code.
+/// Carries out the command, shows its error if there is one, and gives the exit code. What the environment asks for is looked
+/// at first.
 pub fn dispatch(arguments: &Arguments, registry: Result<Registry>) -> ExitCode {
-    let outcome = registry.and_then(|registry| carry_out(&arguments.command, &registry));
+    let outcome = LaneSet::detect().and(registry).and_then(|registry| carry_out(&arguments.command, &registry));
     ExitCode::from(outcome.unwrap_or_else(|error| show(&error, None)))
 }
 

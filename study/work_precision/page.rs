@@ -38,7 +38,7 @@ pub fn page(study: &Study, title: &str, plot: &str, reference: &[u8]) -> String 
             escaped(&subject.node),
             subject.scene.volume.grid.tetrahedra.len(),
             rayon::current_num_threads(),
-            escaped(voltet_lanes::LaneSet::detect().name()),
+            escaped(study.vector_units),
             env!("CARGO_PKG_VERSION"),
             study.reference.seconds,
         ),

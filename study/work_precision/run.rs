@@ -16,6 +16,7 @@ use voltet_core::optics::integrators::Integrator;
 use voltet_core::progress::Progress;
 use voltet_core::shading::Order;
 use voltet_core::{Error, Result};
+use voltet_lanes::LaneSet;
 use voltet_nodes::encode;
 
 /// One setting, measured.
@@ -63,6 +64,8 @@ pub struct Study {
     pub setting_count: usize,
     /// The devices that were looked at.
     pub adapters: Vec<Adapter>,
+    /// The vector lanes of the native engine.
+    pub vector_units: &'static str,
     /// How the file draws on this machine; `None`: on a device that was not looked at, or not at all.
     pub own: Option<Setting>,
     /// What was not measured, why, and how to have it.
@@ -143,6 +146,7 @@ pub fn study(
     let adapters = benches.adapters(&subject, &wish);
     let setting_count = settings.len();
     let mut study = Study {
+        vector_units: LaneSet::detect()?.name(),
         subject,
         wish,
         reference,

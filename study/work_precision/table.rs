@@ -249,7 +249,7 @@ pub fn json(study: &Study, title: &str) -> Value {
         "size": subject.scene.camera.size,
         "cells": subject.scene.volume.grid.tetrahedra.len(),
         "threads": rayon::current_num_threads(),
-        "vector_units": voltet_lanes::LaneSet::detect().name(),
+        "vector_units": study.vector_units,
         "measure": study.wish.measure.name(),
         "max_error": study.wish.max_error,
         "reference_seconds": study.reference.seconds,

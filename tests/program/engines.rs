@@ -210,3 +210,15 @@ fn an_undrawn_widget_of_another_colour_asks_no_engine_for_an_order() {
         assert!(needs_order(&report), "{engine}: {report:#}");
     }
 }
+
+/// The environment chooses the vector lanes of the native engine; what it does not know is no choice.
+#[test]
+fn vector_lanes_that_are_misspelt_are_refused() {
+    let folder = Folder::new();
+    let run = ["run", "slab.toml", "--report", "r.json", "--quiet", "--set", "picture.engine=\"cpu\""];
+    let misspelt = folder.voltet_where(("VOLTET_LANES", "avx-2"), &run);
+    misspelt.fails(2, &["VOLTET_LANES", "found avx-2", "avx512, avx2, portable"]);
+    assert!(!folder.join("slab.exr").exists());
+    folder.voltet_where(("VOLTET_LANES", "portable"), &run).ok();
+    assert!(folder.json("r.json")["adapter"].as_str().unwrap().starts_with("portable, "));
+}

@@ -160,6 +160,11 @@ impl Folder {
         Ran::new(arguments, self.command(arguments).output().unwrap())
     }
 
+    /// The same with an environment variable set.
+    pub fn voltet_where(&self, (variable, value): (&str, &str), arguments: &[&str]) -> Ran {
+        Ran::new(arguments, self.command(arguments).env(variable, value).output().unwrap())
+    }
+
     /// The floats of an .exr.
     pub fn floats(&self, name: &str) -> (usize, Vec<[f32; 4]>) {
         let image = image::open(self.join(name)).unwrap().into_rgba32f();
