@@ -50,12 +50,15 @@ impl LaneSet {
         let Some(asked) = asked.filter(|asked| !asked.is_empty()) else {
             return Ok(there.next().unwrap_or(LaneSet::Portable));
         };
-        let names = |sets: &mut dyn Iterator<Item = LaneSet>| sets.map(LaneSet::name).collect::<Vec<_>>().join(", ");
+        let names =
+            |sets: &mut dyn Iterator<Item = LaneSet>| sets.map(LaneSet::name).collect::<Vec<_>>().join(", ");
         match LaneSet::ALL.into_iter().find(|set| set.name() == asked) {
             Some(set) if is_supported(set) => Ok(set),
-            Some(_) => Err(Error::usage(format!("this processor lacks the vector units that {VARIABLE} names"))
-                .found(asked)
-                .accepted(names(&mut there))),
+            Some(_) => {
+                Err(Error::usage(format!("this processor lacks the vector units that {VARIABLE} names"))
+                    .found(asked)
+                    .accepted(names(&mut there)))
+            }
             None => Err(Error::usage(format!("{VARIABLE} names no set of vector lanes"))
                 .found(asked)
                 .accepted(names(&mut LaneSet::ALL.into_iter()))),

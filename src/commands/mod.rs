@@ -26,7 +26,8 @@ use std::process::ExitCode;
 /// Carries out the command, shows its error if there is one, and gives the exit code. What the environment asks for is looked
 /// at first.
 pub fn dispatch(arguments: &Arguments, registry: Result<Registry>) -> ExitCode {
-    let outcome = LaneSet::detect().and(registry).and_then(|registry| carry_out(&arguments.command, &registry));
+    let outcome =
+        LaneSet::detect().and(registry).and_then(|registry| carry_out(&arguments.command, &registry));
     ExitCode::from(outcome.unwrap_or_else(|error| show(&error, None)))
 }
 

@@ -1,6 +1,6 @@
 //! Every combination that a scene can ask for is parsed and validated, without a device; what was not chosen is absent.
 
-use naga::valid::{Capabilities, ValidationFlags, Validator};
+use crate::module::{SHADING, layout, offsets, validate};
 use std::collections::HashSet;
 use std::sync::Arc;
 use voltet_core::optics::Overlap;
@@ -11,11 +11,8 @@ use voltet_core::transfer::{
 };
 use voltet_shaders::{
     Axis, Buffer, Choices, Combine, Compositor, Method, PIECES, Parameters, Parts, Resources, SceneHead,
-    Shader, TEXEL_BYTES, WidgetRecord, compose, table_lengths,
+    TEXEL_BYTES, WidgetRecord, compose, table_lengths,
 };
-
-const SHADING: Shading =
-    Shading { integrator: Integrator::Analytic, overlap: Overlap::Exact, silhouette: None, light: None };
 
 const CONSTANT: OpticalModel = OpticalModel::ConstantEmitter { cutoff: 0.01 };
 
@@ -96,19 +93,6 @@ fn shadings() -> Vec<Shading> {
         Integrator::EVERY.iter().filter(|i| !matches!(i, Integrator::Analytic | Integrator::Reference));
     shadings.extend(others.map(|integrator| Shading { integrator: *integrator, ..SHADING }));
     shadings
-}
-
-fn validate(shader: &Shader) -> naga::Module {
-    let module = naga::front::wgsl::parse_str(&shader.text).unwrap_or_else(|error| {
-        let line = error.location(&shader.text).map_or(1, |location| location.line_number as usize);
-        let text = shader.text.lines().nth(line - 1).unwrap_or("");
-        panic!("{}: {text}", shader.error(line, error.message()))
-    });
-    if let Err(error) = Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&module) {
-        let line = error.location(&shader.text).map_or(1, |location| location.line_number as usize);
-        panic!("{}", shader.error(line, &format!("{:?}", error.into_inner())));
-    }
-    module
 }
 
 fn scene(model: OpticalModel, widgets: Vec<Widget>) -> TransferFunction {
@@ -351,32 +335,17 @@ fn what_has_no_shader_is_refused() {
     assert!(error.contains("gradient magnitude"), "{error}");
 }
 
-/// Offsets of a struct's members in the composed text.
-fn layout(name: &str) -> (Vec<(String, u32)>, u32) {
-    let transfer_function = scene(CONSTANT, vec![widget(1, None), widget(2, None)]);
-    let choices = Choices::new(&transfer_function, &SHADING, Compositor::None).expect("has pieces");
-    let module = validate(&compose(&choices));
-    let found =
-        module.types.iter().find(|(_, t)| t.name.as_deref() == Some(name)).expect("the struct exists");
-    let naga::TypeInner::Struct { members, span } = &found.1.inner else { panic!("{name} is no struct") };
-    (members.iter().map(|m| (m.name.clone().unwrap_or_default(), m.offset)).collect(), *span)
-}
-
-macro_rules! offsets {
-    ($type:ty: $($field:ident),* $(,)?) => {
-        vec![$((stringify!($field).to_owned(), std::mem::offset_of!($type, $field) as u32)),*]
-    };
-}
-
 #[test]
 fn structs_are_laid_out_as_in_the_shader() {
+    let transfer_function = scene(CONSTANT, vec![widget(1, None), widget(2, None)]);
+    let shader = compose(&Choices::new(&transfer_function, &SHADING, Compositor::None).expect("has pieces"));
     let widget = offsets!(WidgetRecord:
         color, extinction, matrix, bell, centre, first_edge, first_number, bell_kind);
-    assert_eq!(layout("Widget"), (widget, size_of::<WidgetRecord>() as u32));
+    assert_eq!(layout(&shader, "Widget"), (widget, size_of::<WidgetRecord>() as u32));
     let mut head = offsets!(SceneHead:
         light_direction, light_ambient, light_diffuse, silhouette_exponent, level, cutoff, per_unit, tolerance,
         brightest, piece_count);
     head.push(("widgets".to_owned(), size_of::<SceneHead>() as u32));
     let whole = size_of::<SceneHead>() + 2 * size_of::<WidgetRecord>();
-    assert_eq!(layout("Scene"), (head, whole as u32));
+    assert_eq!(layout(&shader, "Scene"), (head, whole as u32));
 }

@@ -1,9 +1,8 @@
 //! The passes of a frame and the compositors of pixels: parsed and validated without a device; layouts of their uniforms.
 
-use naga::valid::{Capabilities, ValidationFlags, Validator};
+use crate::module::{SHADING, layout, offsets, validate};
 use std::collections::HashSet;
 use std::sync::Arc;
-use voltet_core::optics::Overlap;
 use voltet_core::optics::integrators::can_serve;
 use voltet_core::shading::{Integrator, Light, Shading};
 use voltet_core::transfer::{
@@ -11,26 +10,10 @@ use voltet_core::transfer::{
 };
 use voltet_shaders::{
     Access, Blend, CELLS_READ, Choices, Compositor, FramePass, GRID_GROUP, GridArray, Layout, PIECES, Parts,
-    PlacementRecord, RoundRecord, Shader, TileOrder, ViewRecord, compose,
+    PlacementRecord, RoundRecord, TileOrder, ViewRecord, compose,
 };
 
-const SHADING: Shading =
-    Shading { integrator: Integrator::Analytic, overlap: Overlap::Exact, silhouette: None, light: None };
-
 const ORDERS: [TileOrder; 3] = [TileOrder::Exact, TileOrder::Listed, TileOrder::Sum];
-
-fn validate(shader: &Shader) -> naga::Module {
-    let module = naga::front::wgsl::parse_str(&shader.text).unwrap_or_else(|error| {
-        let line = error.location(&shader.text).map_or(1, |location| location.line_number as usize);
-        let text = shader.text.lines().nth(line - 1).unwrap_or("");
-        panic!("{}: {text}", shader.error(line, error.message()))
-    });
-    if let Err(error) = Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&module) {
-        let line = error.location(&shader.text).map_or(1, |location| location.line_number as usize);
-        panic!("{}", shader.error(line, &format!("{:?}", error.into_inner())));
-    }
-    module
-}
 
 /// One scene a kind, each with a region and without, and one of two widgets, under both models.
 fn scenes() -> Vec<TransferFunction> {
@@ -246,21 +229,6 @@ fn every_pass_and_compositor_is_used() {
     for piece in PIECES.iter().filter(|p| apart(p.name) && p.name != "compositor/segments") {
         assert!(used.contains(piece.file), "{}", piece.name);
     }
-}
-
-/// Offsets of a struct's members.
-fn layout(shader: &Shader, name: &str) -> (Vec<(String, u32)>, u32) {
-    let module = validate(shader);
-    let found =
-        module.types.iter().find(|(_, t)| t.name.as_deref() == Some(name)).expect("the struct exists");
-    let naga::TypeInner::Struct { members, span } = &found.1.inner else { panic!("{name} is no struct") };
-    (members.iter().map(|m| (m.name.clone().unwrap_or_default(), m.offset)).collect(), *span)
-}
-
-macro_rules! offsets {
-    ($type:ty: $($field:ident),* $(,)?) => {
-        vec![$((stringify!($field).to_owned(), std::mem::offset_of!($type, $field) as u32)),*]
-    };
 }
 
 #[test]
