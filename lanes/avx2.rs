@@ -40,18 +40,6 @@ pub(super) struct D(__m256d);
 #[derive(Clone, Copy)]
 pub(super) struct MD(__m256d);
 
-macro_rules! operator {
-    ($type:ident, $trait:ident, $method:ident, $intrinsic:ident) => {
-        impl $trait for $type {
-            type Output = $type;
-            #[inline(always)]
-            fn $method(self, other: $type) -> $type {
-                $type(on_processor!($intrinsic(self.0, other.0)))
-            }
-        }
-    };
-}
-
 operator!(F, Add, add, _mm256_add_ps);
 operator!(F, Sub, sub, _mm256_sub_ps);
 operator!(F, Mul, mul, _mm256_mul_ps);

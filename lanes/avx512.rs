@@ -40,18 +40,6 @@ pub(super) struct D(__m512d);
 #[derive(Clone, Copy)]
 pub(super) struct MD(__mmask8);
 
-macro_rules! operator {
-    ($type:ident, $trait:ident, $method:ident, $intrinsic:ident) => {
-        impl $trait for $type {
-            type Output = $type;
-            #[inline(always)]
-            fn $method(self, other: $type) -> $type {
-                $type(on_processor!($intrinsic(self.0, other.0)))
-            }
-        }
-    };
-}
-
 operator!(F, Add, add, _mm512_add_ps);
 operator!(F, Sub, sub, _mm512_sub_ps);
 operator!(F, Mul, mul, _mm512_mul_ps);

@@ -37,6 +37,20 @@ macro_rules! on_array {
     }};
 }
 
+/// An operator by an instruction upon two vectors.
+#[cfg(target_arch = "x86_64")]
+macro_rules! operator {
+    ($type:ident, $trait:ident, $method:ident, $intrinsic:ident) => {
+        impl $trait for $type {
+            type Output = $type;
+            #[inline(always)]
+            fn $method(self, other: $type) -> $type {
+                $type(on_processor!($intrinsic(self.0, other.0)))
+            }
+        }
+    };
+}
+
 #[cfg(target_arch = "x86_64")]
 mod avx2;
 #[cfg(target_arch = "x86_64")]

@@ -121,18 +121,6 @@ impl Grid {
             1.0
         }
     }
-
-    /// Bytes held by the arrays of this grid, shared ones included.
-    pub fn memory_bytes(&self) -> u64 {
-        let values = self.scalar.as_ref().map_or(0, |s| s.len())
-            + self.point_arrays.values().map(|a| a.values.len()).sum::<usize>()
-            + self.cell_arrays.values().map(|a| a.values.len()).sum::<usize>();
-        let bytes = self.points.len() * size_of::<DVec3>()
-            + self.tetrahedra.len() * size_of::<[u32; 4]>()
-            + self.source_cells.as_ref().map_or(0, |s| s.len() * size_of::<u32>())
-            + values * size_of::<f64>();
-        bytes as u64
-    }
 }
 
 /// Volume of a tetrahedron, ≥ 0.

@@ -26,7 +26,7 @@ pub mod overlap;
 pub mod piecewise_linear;
 pub mod quadrature;
 pub mod smooth;
-pub mod track;
+mod track;
 pub mod triangular_gaussian;
 pub mod wave;
 

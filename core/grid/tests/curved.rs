@@ -1,6 +1,6 @@
 //! Curved cells.
 
-use super::generate::{Kind, box_of, built, parts_with_scalar};
+use super::boxes::{Kind, box_of, built, parts_with_scalar};
 use super::*;
 use crate::progress::Silent;
 

@@ -1,6 +1,6 @@
 //! Lagrange and Bezier cells: VTK's order of nodes, volumes, values.
 
-use super::generate::parts_with_scalar;
+use super::boxes::parts_with_scalar;
 use super::*;
 use crate::progress::Silent;
 

@@ -1,6 +1,6 @@
 //! Linear cells.
 
-use super::generate::{Kind, box_of, built};
+use super::boxes::{Kind, box_of, built};
 use super::*;
 
 #[test]

@@ -1,5 +1,6 @@
 //! Tests of the tetrahedralisation: volumes, shared faces, the rule of the lowest corner, what is left out.
 
+mod boxes;
 mod curved;
 mod higher_order;
 mod linear;
@@ -9,6 +10,7 @@ mod values;
 
 use super::generate::Random;
 use super::*;
+use crate::Result;
 use glam::DVec3;
 use std::collections::HashMap;
 

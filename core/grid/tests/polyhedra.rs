@@ -1,6 +1,6 @@
 //! Polyhedra.
 
-use super::generate::{Kind, box_of, built, parts_with_scalar};
+use super::boxes::{Kind, box_of, built, parts_with_scalar};
 use super::*;
 
 #[test]

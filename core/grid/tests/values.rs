@@ -1,6 +1,7 @@
 //! What is left out, what is dropped, values on cells, structured grids, damaged input.
 
-use super::generate::{Kind, box_of, box_of_tetrahedra, built, parts_with_scalar};
+use super::boxes::{Kind, box_of, built, parts_with_scalar};
+use super::generate::box_of_tetrahedra;
 use super::*;
 use crate::error::ErrorKind;
 use crate::progress::{Progress, Silent};
@@ -167,7 +168,7 @@ fn plain_tetrahedra_are_the_cells_of_the_file() {
     assert_eq!(built.tetrahedra, grid.tetrahedra);
     // Cells without volume stay.
     let flat = Parts::new(vec![DVec3::ZERO; 4], Cells::Tetrahedra(vec![[3, 1, 0, 2]]));
-    assert_eq!(generate::built(flat).unwrap().tetrahedra[0], [0, 1, 2, 3]);
+    assert_eq!(boxes::built(flat).unwrap().tetrahedra[0], [0, 1, 2, 3]);
 }
 
 #[test]
