@@ -2,6 +2,7 @@
 
 use crate::drawing::Culled;
 use crate::files;
+use crate::files::output::{self, PATH};
 use crate::vtu::{self, Contents, Form, OfTetrahedra, Precision, Role};
 use std::path::Path;
 use voltet_core::graph::{
@@ -31,13 +32,7 @@ pub const NODE: Node = Node {
         },
     ],
     parameters: &[
-        Parameter {
-            name: "path",
-            parameter_type: ParameterType::OutputPath,
-            unit: "",
-            standard: Standard::Required,
-            help: "the file, .vtu; \"-\": the standard output",
-        },
+        Parameter { help: "the file, .vtu; \"-\": the standard output", ..PATH },
         Parameter {
             name: "arrays",
             parameter_type: ParameterType::Texts,
@@ -91,10 +86,7 @@ pub const NODE: Node = Node {
     example: include_str!("examples/grid_writer.toml"),
     check: &|parameters| wanted(parameters).and_then(|_| refuse_ending(parameters)),
     demand: &demand,
-    prepare: &|preparation| {
-        let path = preparation.path("path")?;
-        files::refuse_unwritable(&path).map_err(|error| preparation.parameters.blame("path", error))
-    },
+    prepare: &output::prepare,
     run: &run,
     ..Node::BLANK
 };
@@ -196,13 +188,7 @@ fn run(call: &mut Call) -> Result<Outputs> {
         let why = "not compressed: an array fills whole blocks of 32,768 bytes, which the library that writes gets wrong";
         call.notes.warnings.push(why.into());
     }
-    // Encoding a large grid takes seconds, in which a stop may have been asked for.
-    if call.progress().cancelled() {
-        return Err(Error::cancelled());
-    }
-    let path = call.path("path")?;
-    files::write_whole(&path, &encoded.bytes).map_err(|error| call.parameters.blame("path", error))?;
-    call.notes.files.push(files::shown(&path));
+    output::write(call, &encoded.bytes)?;
     Ok(Vec::new())
 }
 

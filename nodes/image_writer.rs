@@ -2,10 +2,10 @@
 
 use crate::encode;
 use crate::files::output::{self, BY_ENDING, FORMAT, PATH};
+use voltet_core::Result;
 use voltet_core::graph::{
     Call, Node, Outputs, Parameter, ParameterType, Parameters, Port, PortType, Range, Standard,
 };
-use voltet_core::{Error, Result};
 
 /// The formats.
 const PNG: &str = "png";
@@ -48,10 +48,6 @@ fn run(call: &mut Call) -> Result<Outputs> {
         PNG => encode::png(&picture, call.parameters.vector("background")?)?,
         _ => encode::exr(&picture)?,
     };
-    // Encoding a large picture takes seconds, in which a stop may have been asked for.
-    if call.progress().cancelled() {
-        return Err(Error::cancelled());
-    }
     output::write(call, &encoded)?;
     Ok(Vec::new())
 }

@@ -1,6 +1,7 @@
 //! Grids: points, cells as a file gives them, and the tetrahedra that are drawn.
 
 mod adjacency;
+mod array;
 mod build;
 mod cell_types;
 mod cell_values;
@@ -20,13 +21,14 @@ mod tally;
 mod tetrahedra;
 
 pub use adjacency::{Neighbours, Rows, cells_of_points, points_of_points, sum_over_cells};
+pub use array::Array;
 pub use build::build;
 pub use cell_types::{CellType, code, describe_counts};
 pub use cells::{CellSet, Polyhedron};
 pub use file_cells::FileCells;
 pub use parts::{Association, CellValues, Cells, Options, Parts, Scalar};
 pub use refine::{Refined, refine};
-pub use tetrahedra::{Array, Grid, Origin, tetrahedron_volume};
+pub use tetrahedra::{Grid, Origin, tetrahedron_volume};
 
 #[cfg(test)]
 mod tests;

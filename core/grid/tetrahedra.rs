@@ -1,20 +1,12 @@
 //! A grid of tetrahedra with its arrays, and what it was made from.
 
+use super::array::Array;
 use super::extent;
 use super::file_cells::FileCells;
 use crate::{Error, Result};
 use glam::DVec3;
 use std::collections::BTreeMap;
 use std::sync::Arc;
-
-/// Values of one array, one tuple a point (or cell), components of a tuple side by side.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Array {
-    /// Components of a tuple, at least 1.
-    pub component_count: usize,
-    /// `tuples × component_count` values.
-    pub values: Vec<f64>,
-}
 
 /// A grid of tetrahedra. Immutable once made; nodes share it.
 #[derive(Debug, Clone, Default)]

@@ -3,8 +3,8 @@
 use super::write::{refuse_unwritable, write_whole};
 use super::{is_stream, shown};
 use std::path::Path;
-use voltet_core::Result;
 use voltet_core::graph::{Call, Parameter, ParameterType, Parameters, Preparation, Standard};
+use voltet_core::{Error, Result};
 
 /// The word for a format that the path decides.
 pub const BY_ENDING: &str = "auto";
@@ -50,8 +50,11 @@ pub fn prepare(preparation: &Preparation) -> Result<()> {
     refuse_unwritable(&path).map_err(|error| preparation.parameters.blame(PATH.name, error))
 }
 
-/// Writes it whole, and notes it.
+/// Writes it whole, and notes it. Errors: also a stop, since encoding takes seconds in which one may have been asked for.
 pub fn write(call: &mut Call, content: &[u8]) -> Result<()> {
+    if call.progress().cancelled() {
+        return Err(Error::cancelled());
+    }
     let path = call.path(PATH.name)?;
     write_whole(&path, content).map_err(|error| call.parameters.blame(PATH.name, error))?;
     call.notes.files.push(shown(&path));

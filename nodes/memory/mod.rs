@@ -3,9 +3,9 @@
 //! What is taken was measured (largest resident memory of a run) on grids of 28 thousand to 6 million tetrahedra and follows
 //! from the arrays that stand at the same time; `tests/program/memory.rs` holds the two against each other.
 
-mod peak;
+mod process;
 
-pub use peak::{forget_peak, peak};
+pub use process::{forget_peak, left, peak};
 
 use voltet_core::grid::{Cells, code};
 use voltet_engine::drawing_bytes;
@@ -109,54 +109,4 @@ impl GridSize {
         let lit = gradient.saturating_add(drawn(5)).max(solving);
         Needs { reading, drawing, lit: drawing.max(grid.saturating_add(lit)) }
     }
-}
-
-/// Bytes that this process may still take: what the system has left, and what limits on the process leave of it. `None` where
-/// the system does not tell.
-pub fn left() -> Option<u64> {
-    [available(), group(), address_space()].into_iter().flatten().min()
-}
-
-/// What Linux has for new work without swapping.
-fn available() -> Option<u64> {
-    kibibytes(&std::fs::read_to_string("/proc/meminfo").ok()?, "MemAvailable:")
-}
-
-/// What the control groups of the process leave (version 2: every group up to the root; version 1: the one that is mounted).
-fn group() -> Option<u64> {
-    let of_process = std::fs::read_to_string("/proc/self/cgroup").unwrap_or_default();
-    let own = of_process.lines().find_map(|line| line.strip_prefix("0::/")).unwrap_or_default();
-    let root = std::path::Path::new("/sys/fs/cgroup");
-    let own = root.join(own);
-    let groups = own.ancestors().take_while(|folder| folder.starts_with(root));
-    let second = groups.filter_map(|folder| rest(folder, "memory.max", "memory.current", "inactive_file"));
-    let first =
-        rest(&root.join("memory"), "memory.limit_in_bytes", "memory.usage_in_bytes", "total_inactive_file");
-    second.chain(first).min()
-}
-
-/// What one group leaves; files kept in memory that nobody uses give way.
-fn rest(folder: &std::path::Path, limit: &str, used: &str, idle: &str) -> Option<u64> {
-    let read = |name: &str| std::fs::read_to_string(folder.join(name)).ok();
-    let limit: u64 = read(limit)?.trim().parse().ok()?;
-    let used: u64 = read(used)?.trim().parse().ok()?;
-    let statistics = read("memory.stat").unwrap_or_default();
-    let idle =
-        statistics.lines().find_map(|line| line.strip_prefix(idle)?.trim().parse().ok()).unwrap_or(0u64);
-    Some(limit.saturating_sub(used.saturating_sub(idle)))
-}
-
-/// What the limit on the address space (`ulimit -v`) leaves.
-fn address_space() -> Option<u64> {
-    let limits = std::fs::read_to_string("/proc/self/limits").ok()?;
-    let line = limits.lines().find_map(|line| line.strip_prefix("Max address space"))?;
-    let limit: u64 = line.split_whitespace().next()?.parse().ok()?;
-    let used = kibibytes(&std::fs::read_to_string("/proc/self/status").ok()?, "VmSize:")?;
-    Some(limit.saturating_sub(used))
-}
-
-/// The number of a line such as "VmSize:  1024 kB", in bytes.
-fn kibibytes(text: &str, key: &str) -> Option<u64> {
-    let line = text.lines().find_map(|line| line.strip_prefix(key))?;
-    line.split_whitespace().next()?.parse::<u64>().ok()?.checked_mul(1024)
 }

@@ -1,47 +1,16 @@
 //! Draws a scene with an engine and with the referee, compares, and keeps what differs for looking at.
 
-use super::Engine;
+pub use super::engine::{NamedScene, SHADING};
+
+use super::engine::Engine;
 use std::path::PathBuf;
-use std::sync::Arc;
-use voltet_core::camera::Camera;
-use voltet_core::optics::Overlap;
 use voltet_core::picture::Picture;
 use voltet_core::progress::Silent;
 use voltet_core::reference;
-use voltet_core::scene;
-use voltet_core::shading::{Integrator, Order, Shading};
-use voltet_core::transfer::TransferFunction;
-use voltet_core::volume::Volume;
+use voltet_core::shading::{Order, Shading};
 
 /// What 32-bit segments may leave on an ordinary scene.
 pub const ORDINARY: f64 = 2e-4;
-
-/// Everything a picture is made from.
-#[derive(Clone)]
-pub struct NamedScene {
-    /// As failures call it.
-    pub name: String,
-    pub volume: Arc<Volume>,
-    pub look: TransferFunction,
-    pub camera: Camera,
-}
-
-impl NamedScene {
-    /// What an engine is given of it.
-    pub fn drawn_by(&self, shading: &Shading, order: Order) -> scene::Scene {
-        scene::Scene {
-            volume: self.volume.clone(),
-            transfer_function: Arc::new(self.look.clone()),
-            camera: self.camera,
-            shading: *shading,
-            order,
-        }
-    }
-}
-
-/// Closed forms, exact overlap, no light.
-pub const SHADING: Shading =
-    Shading { integrator: Integrator::Analytic, overlap: Overlap::Exact, silhouette: None, light: None };
 
 /// The referee's picture.
 pub fn referee(scene: &NamedScene) -> Picture {

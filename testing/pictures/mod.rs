@@ -8,6 +8,7 @@
 pub mod compare;
 pub mod coverage;
 pub mod difficult;
+mod engine;
 pub mod grids;
 pub mod integrators;
 pub mod lit;
@@ -16,25 +17,7 @@ pub mod ordinary;
 pub mod widgets;
 pub mod worked_example;
 
-use compare::NamedScene;
-use voltet_core::picture::Picture;
-use voltet_core::shading::{Integrator, Shading};
-use voltet_core::transfer::TransferFunction;
-
-/// An engine under test.
-pub trait Engine {
-    /// Its picture of a scene in the exact order; `None` where it cannot be tested here, which was said loudly.
-    fn picture(&self, scene: &NamedScene, shading: &Shading) -> Option<Picture>;
-
-    /// Whether it has the integrator for a look.
-    fn serves(&self, integrator: &Integrator, look: &TransferFunction) -> bool;
-
-    /// What it leaves of a depth that is known, on a dozen segments.
-    fn rounding(&self) -> f64;
-
-    /// What it leaves where rays graze the grid's surface at an angle of 0.002 and the extinction behind it is 9.
-    fn grazing(&self) -> f64;
-}
+pub use engine::Engine;
 
 /// The modules with scenes, as they are written.
 pub const SOURCES: &[&str] = &[

@@ -1,0 +1,52 @@
+//! An engine under test, and a scene as it is given one.
+
+use std::sync::Arc;
+use voltet_core::camera::Camera;
+use voltet_core::optics::Overlap;
+use voltet_core::picture::Picture;
+use voltet_core::scene;
+use voltet_core::shading::{Integrator, Order, Shading};
+use voltet_core::transfer::TransferFunction;
+use voltet_core::volume::Volume;
+
+/// Everything a picture is made from.
+#[derive(Clone)]
+pub struct NamedScene {
+    /// As failures call it.
+    pub name: String,
+    pub volume: Arc<Volume>,
+    pub look: TransferFunction,
+    pub camera: Camera,
+}
+
+impl NamedScene {
+    /// What an engine is given of it.
+    pub fn drawn_by(&self, shading: &Shading, order: Order) -> scene::Scene {
+        scene::Scene {
+            volume: self.volume.clone(),
+            transfer_function: Arc::new(self.look.clone()),
+            camera: self.camera,
+            shading: *shading,
+            order,
+        }
+    }
+}
+
+/// Closed forms, exact overlap, no light.
+pub const SHADING: Shading =
+    Shading { integrator: Integrator::Analytic, overlap: Overlap::Exact, silhouette: None, light: None };
+
+/// An engine under test.
+pub trait Engine {
+    /// Its picture of a scene in the exact order; `None` where it cannot be tested here, which was said loudly.
+    fn picture(&self, scene: &NamedScene, shading: &Shading) -> Option<Picture>;
+
+    /// Whether it has the integrator for a look.
+    fn serves(&self, integrator: &Integrator, look: &TransferFunction) -> bool;
+
+    /// What it leaves of a depth that is known, on a dozen segments.
+    fn rounding(&self) -> f64;
+
+    /// What it leaves where rays graze the grid's surface at an angle of 0.002 and the extinction behind it is 9.
+    fn grazing(&self) -> f64;
+}
