@@ -16,9 +16,10 @@ use std::path::Path;
 const BROKEN: u8 = 1;
 
 pub fn stability(arguments: &Stability) -> Result<u8> {
-    match &arguments.cases {
-        Some(path) => judge(path, arguments),
-        None => all(arguments),
+    match (&arguments.cases, arguments.scenes) {
+        (Some(path), _) => judge(path, arguments),
+        (None, Some(count)) => scenes(count, arguments),
+        (None, None) => all(arguments),
     }
 }
 
@@ -37,6 +38,21 @@ fn all(arguments: &Stability) -> Result<u8> {
         (true, _) => format!("{:#}\n", stability::json(&found)),
         (false, true) => stability::markdown(&found),
         (false, false) => stability::text(&found),
+    })?;
+    Ok(verdict(found.passed()))
+}
+
+/// Scenes drawn by lot.
+fn scenes(count: u64, arguments: &Stability) -> Result<u8> {
+    let watch = Watch(Bar::new(false));
+    let subjects = stability::subjects(arguments.adapter.as_deref())?;
+    let numbers = arguments.first..arguments.first.saturating_add(count);
+    let found = stability::random(&subjects, arguments.seed, numbers, &watch);
+    watch.0.clear();
+    let found = found?;
+    print(&match arguments.json {
+        true => format!("{:#}\n", json!(found)),
+        false => stability::random_text(&found),
     })?;
     Ok(verdict(found.passed()))
 }

@@ -7,6 +7,7 @@
 //! | `subjects` | the sets of forms and the engines that there are |
 //! | `hard` | scenes with hard cells, transfer functions and cameras |
 //! | `pictures` | those, by every engine |
+//! | `random` | scenes drawn by lot, by every engine |
 //! | `integrators` | every integrator in 64 bits |
 //! | `printed` | what papers print, as it stands, and what stands in its place |
 //! | `text`, `markdown` | how it is shown |
@@ -20,6 +21,7 @@ mod json;
 mod markdown;
 mod pictures;
 mod printed;
+mod random;
 mod subjects;
 mod text;
 
@@ -29,8 +31,9 @@ pub use json::{forms as forms_json, json};
 pub use markdown::markdown;
 pub use pictures::Drawn;
 pub use printed::{Measured, Printed};
+pub use random::{Beyond, Random, random, scene as random_scene};
 pub use subjects::{Subjects, subjects};
-pub use text::{forms_text, text};
+pub use text::{forms_text, random_text, text};
 
 use voltet_core::progress::Progress;
 use voltet_core::{Error, Result};

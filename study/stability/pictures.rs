@@ -11,7 +11,7 @@ use voltet_core::{Error, Result, reference};
 
 /// Largest error of a channel of premultiplied linear RGBA, on either engine: what 32-bit segments leave on ordinary scenes,
 /// with room for their condition.
-const BOUND: f64 = 2e-4;
+pub(super) const BOUND: f64 = 2e-4;
 
 /// One picture.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -69,13 +69,13 @@ fn drawn(hard: &Hard, painters: &[Painter], progress: &dyn Progress) -> Result<V
     painters.iter().map(draw).collect()
 }
 
-fn picture(painter: &Painter, scene: &Scene, progress: &dyn Progress) -> Result<Picture> {
+pub(super) fn picture(painter: &Painter, scene: &Scene, progress: &dyn Progress) -> Result<Picture> {
     let volume = painter.engine.prepare(&scene.volume)?;
     Ok(volume.draw(scene, &Manner::default(), &Unreported(progress))?.picture)
 }
 
 /// Whether what went wrong is that a device does not hold the scene.
-fn may_refuse(painter: &Painter, progress: &dyn Progress) -> bool {
+pub(super) fn may_refuse(painter: &Painter, progress: &dyn Progress) -> bool {
     painter.declared.on_device && !painter.engine.is_lost() && !progress.cancelled()
 }
 

@@ -1,6 +1,7 @@
 //! What was found, for a terminal.
 
 use super::found::{Stability, category};
+use super::random::{Beyond, Random};
 use super::{Drawn, Integrated, Printed};
 use voltet_judge::{Excuse, Report, Row};
 
@@ -103,6 +104,32 @@ fn picture(drawn: &Drawn) -> String {
     format!(
         "    {category:23}  {scene:45}  error {worst_error:.1e} of {bound:.0e} at pixel {i}, {j}{verdict}\n"
     )
+}
+
+/// What scenes drawn by lot showed.
+pub fn random_text(found: &Random) -> String {
+    let Random { seed, drawn, shown, without_reference, refused, bound, beyond } = found;
+    let mut text = format!(
+        "{drawn} random scenes of seed {seed} against the 64-bit referee, bound {bound:.0e}; {shown} show something\n"
+    );
+    if *without_reference > 0 {
+        text += &format!("  {without_reference} more that the referee says it cannot integrate\n");
+    }
+    refused.iter().for_each(|(engine, scenes)| text += &format!("  {scenes} that {engine} refuses\n"));
+    let line = |scene: &Beyond| {
+        let Beyond { scene, engine, pixels, wrong, worst_error, worst_pixel: [i, j] } = scene;
+        let verdict = match wrong {
+            0 => "explained".to_string(),
+            n => format!("{n} NOT EXPLAINED"),
+        };
+        format!(
+            "    scene {scene:>6}  {engine}: {pixels} pixels beyond, {verdict}, {worst_error:.1e} at pixel {i}, {j}\n"
+        )
+    };
+    beyond.iter().for_each(|scene| text += &line(scene));
+    let wrong = beyond.iter().filter(|scene| scene.wrong > 0).count();
+    let explained = beyond.len() - wrong;
+    text + &format!("  beyond the bound: {explained} explained by rounding, {wrong} not\n")
 }
 
 fn formula(printed: &Printed) -> String {

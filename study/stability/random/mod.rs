@@ -1,0 +1,236 @@
+//! Scenes drawn by lot (grids, fields, transfer functions, cameras), by every engine, held against the 64-bit referee.
+//!
+//! | file | what |
+//! | --- | --- |
+//! | `dice` | numbers that follow from a seed |
+//! | `volumes` | grids and fields |
+//! | `looks` | transfer functions and shading |
+//! | `cameras` | cameras |
+//!
+//! Some scenes have no picture that 32 bits, or the data's own rounding, determine: a ray within a face, a widget a
+//! millionth as wide as a cell's range. A pixel beyond its bound is *explained* where the referee itself changes by as much
+//! when the camera moves by a thousandth of a pixel, or when s and g, the points or the widgets' places are rounded to 32
+//! bits. What is not explained is wrong.
+
+mod cameras;
+mod dice;
+mod looks;
+mod volumes;
+
+use super::pictures::{BOUND, may_refuse, picture};
+use super::subjects::Subjects;
+use dice::Dice;
+use serde::Serialize;
+use std::sync::Arc;
+use voltet_core::grid::extent::bounds;
+use voltet_core::picture::Picture;
+use voltet_core::progress::{Progress, Unreported};
+use voltet_core::scene::Scene;
+use voltet_core::shading::Order;
+use voltet_core::volume::Volume;
+use voltet_core::{Error, Result, reference};
+
+/// How far the camera moves, pixels.
+const NUDGE: f64 = 1e-3;
+
+/// A scene on which an engine was beyond its bound.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Beyond {
+    /// The scene's number: with the seed all that it takes to draw it again.
+    pub scene: u64,
+    /// What drew it.
+    pub engine: String,
+    /// Pixels beyond the bound.
+    pub pixels: usize,
+    /// Those of them that neither the camera nor the data's rounding explain.
+    pub wrong: usize,
+    /// The largest error of a channel, of those not explained where there are any.
+    pub worst_error: f64,
+    /// Where it is.
+    pub worst_pixel: [usize; 2],
+}
+
+/// What was found.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct Random {
+    /// All scenes follow from it.
+    pub seed: u64,
+    /// Scenes with a picture.
+    pub drawn: u64,
+    /// Those of them in which something is seen: an opacity of more than 1/255 somewhere.
+    pub shown: u64,
+    /// Scenes that the referee cannot integrate: it says so, and nothing can be held against it.
+    pub without_reference: u64,
+    /// Scenes that an engine refused, by engine.
+    pub refused: Vec<(String, u64)>,
+    /// The error of a channel that is allowed.
+    pub bound: f64,
+    /// Scenes beyond it.
+    pub beyond: Vec<Beyond>,
+}
+
+impl Random {
+    /// Whether nothing is beyond its bound without an explanation.
+    pub fn passed(&self) -> bool {
+        self.beyond.iter().all(|scene| scene.wrong == 0)
+    }
+}
+
+/// Draws the scenes of these numbers with every engine.
+///
+/// Errors: a stopped run, and an engine that does not draw a scene that has a reference picture.
+pub fn random(
+    subjects: &Subjects,
+    seed: u64,
+    scenes: std::ops::Range<u64>,
+    progress: &dyn Progress,
+) -> Result<Random> {
+    let mut found = Random { seed, bound: BOUND, ..Random::default() };
+    let (first, count) = (scenes.start, scenes.end.saturating_sub(scenes.start));
+    for number in scenes {
+        progress.report("random scenes", (number - first) as f64 / count as f64);
+        if progress.cancelled() {
+            return Err(Error::cancelled());
+        }
+        let scene = scene(seed, number)?;
+        let Ok(exact) = reference::draw(&scene, &Unreported(progress)) else {
+            found.without_reference += 1;
+            continue;
+        };
+        found.drawn += 1;
+        found.shown += u64::from(exact.rgba.iter().any(|pixel| pixel[3] > 1.0 / 255.0));
+        let mut neighbours = None;
+        for painter in &subjects.painters {
+            let engine = painter.engine.label();
+            let picture = match picture(painter, &scene, progress) {
+                Ok(picture) => picture,
+                Err(_) if may_refuse(painter, progress) => {
+                    match found.refused.iter_mut().find(|refused| refused.0 == engine) {
+                        Some(refused) => refused.1 += 1,
+                        None => found.refused.push((engine, 1)),
+                    }
+                    continue;
+                }
+                Err(error) => return Err(error.at_item(format!("scene {number} of seed {seed}"))),
+            };
+            let errors = errors(&picture, &exact);
+            if errors.iter().all(|error| *error <= BOUND) {
+                continue;
+            }
+            let changes = neighbours.get_or_insert_with(|| changes(&scene, &exact, progress));
+            found.beyond.push(beyond(number, engine, &errors, changes, exact.width));
+        }
+    }
+    Ok(found)
+}
+
+/// One scene.
+pub fn scene(seed: u64, number: u64) -> Result<Scene> {
+    let mut dice = Dice::new(seed, number);
+    let volume = volumes::volume(&mut dice)?;
+    let bounds = bounds(&volume.grid.points).unwrap_or_default();
+    let transfer_function = Arc::new(looks::look(&mut dice, &volume, bounds[0].distance(bounds[1])));
+    let shading = looks::shading(&mut dice);
+    let camera = cameras::camera(&mut dice, bounds);
+    Ok(Scene { volume: Arc::new(volume), transfer_function, camera, shading, order: Order::Exact })
+}
+
+/// The largest difference of each pixel's channels; ∞ where one is not finite.
+fn errors(found: &Picture, exact: &Picture) -> Vec<f64> {
+    let channel = |(a, b): (&f32, &f32)| {
+        let error = (f64::from(*a) - f64::from(*b)).abs();
+        if error.is_nan() { f64::INFINITY } else { error }
+    };
+    let pixel = |(a, b): (&[f32; 4], &[f32; 4])| a.iter().zip(b).map(channel).fold(0.0, f64::max);
+    found.rgba.iter().zip(&exact.rgba).map(pixel).collect()
+}
+
+/// By how much each pixel of the referee's picture changes for what nobody can see, and for the data's rounding.
+fn changes(scene: &Scene, exact: &Picture, progress: &dyn Progress) -> Vec<f64> {
+    let mut most = vec![0.0_f64; exact.rgba.len()];
+    for neighbour in neighbours(scene) {
+        if let Ok(picture) = reference::draw(&neighbour, &Unreported(progress)) {
+            most.iter_mut().zip(errors(&picture, exact)).for_each(|(most, change)| *most = most.max(change));
+        }
+    }
+    most
+}
+
+fn neighbours(scene: &Scene) -> Vec<Scene> {
+    let steps = [[NUDGE, 0.0], [-NUDGE, 0.0], [0.0, NUDGE], [0.0, -NUDGE], [NUDGE, NUDGE], [-NUDGE, -NUDGE]];
+    let nudged = steps.iter().filter_map(|&step| cameras::nudged(&scene.camera, step));
+    let mut all: Vec<Scene> = nudged.map(|camera| Scene { camera, ..scene.clone() }).collect();
+    let rounded = |values: &[f64]| Arc::new(values.iter().map(|&x| f64::from(x as f32)).collect::<Vec<_>>());
+    let Volume { grid, scalar, gradient, gradient_magnitude } = (*scene.volume).clone();
+    let values = Volume {
+        scalar: rounded(&scalar),
+        gradient_magnitude: gradient_magnitude.as_ref().map(|g| rounded(g)),
+        grid: grid.clone(),
+        gradient: gradient.clone(),
+    };
+    let mut moved = (*grid).clone();
+    moved.points = Arc::new(grid.points.iter().map(|p| p.as_vec3().as_dvec3()).collect());
+    let points = Volume { grid: Arc::new(moved), scalar, gradient, gradient_magnitude };
+    all.extend([values, points].map(|volume| Scene { volume: Arc::new(volume), ..scene.clone() }));
+    all
+}
+
+fn beyond(scene: u64, engine: String, errors: &[f64], changes: &[f64], width: usize) -> Beyond {
+    let pixels = errors.iter().filter(|error| **error > BOUND).count();
+    let wrong: Vec<usize> = (0..errors.len()).filter(|&k| errors[k] > BOUND + changes[k]).collect();
+    let all: Vec<usize> = (0..errors.len()).collect();
+    let among = if wrong.is_empty() { &all } else { &wrong };
+    let worst = among.iter().copied().max_by(|&a, &b| errors[a].total_cmp(&errors[b])).unwrap_or(0);
+    Beyond {
+        scene,
+        engine,
+        pixels,
+        wrong: wrong.len(),
+        worst_error: errors[worst],
+        worst_pixel: [worst % width, worst / width],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::stability::subjects;
+    use voltet_core::progress::Silent;
+
+    /// On every lane set; most show something, so that they prove something.
+    #[test]
+    fn no_scene_is_beyond_its_bound_unexplained() {
+        let found = random(&subjects(None).expect("the native engine"), 1, 0..150, &Silent).expect("drawn");
+        assert_eq!((found.drawn, found.without_reference), (150, 0));
+        assert!(found.shown > 90, "{}", found.shown);
+        assert!(found.passed(), "{:#?}", found.beyond);
+    }
+
+    #[test]
+    fn a_scene_follows_from_its_number() {
+        let look = |seed, number| scene(seed, number).expect("a scene").transfer_function;
+        assert_eq!(look(1, 5), look(1, 5));
+        assert_ne!(look(1, 5), look(1, 6));
+        assert_ne!(look(1, 5), look(2, 5));
+    }
+
+    /// Three pixels beyond: one that the referee's own change explains, two not, of which one is not finite.
+    #[test]
+    fn only_what_changes_as_much_is_explained() {
+        let errors = [0.0, 3e-4, 4e-4, f64::INFINITY];
+        let found = beyond(7, "an engine".into(), &errors, &[0.0, 1.5e-4, 1.5e-4, 9.0], 2);
+        assert_eq!((found.pixels, found.wrong), (3, 2));
+        assert_eq!((found.worst_error, found.worst_pixel), (f64::INFINITY, [1, 1]));
+        let all = Random { beyond: vec![found], ..Random::default() };
+        assert!(!all.passed());
+    }
+
+    /// A pixel that is not a number differs by ∞.
+    #[test]
+    fn what_is_not_finite_is_wrong() {
+        let exact = Picture::transparent(2, 1);
+        let mut found = exact.clone();
+        found.rgba[1][2] = f32::NAN;
+        assert_eq!(errors(&found, &exact), [0.0, f64::INFINITY]);
+    }
+}

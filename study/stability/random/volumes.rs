@@ -1,0 +1,139 @@
+//! Random grids of up to some hundred cells, and the fields on them.
+
+use super::dice::Dice;
+use glam::{DQuat, DVec3};
+use std::sync::Arc;
+use voltet_core::Result;
+use voltet_core::field::{Method, VolumeWeighted, magnitude};
+use voltet_core::grid::generate::{Kind, box_of, box_of_tetrahedra, built, sample};
+use voltet_core::grid::{Array, Grid};
+use voltet_core::progress::Silent;
+use voltet_core::volume::Volume;
+
+/// Names of the further fields, and of one that is nowhere negative.
+pub(super) const FIELDS: [&str; 2] = ["a", "b"];
+pub(super) const MAGNITUDE: &str = "m";
+
+/// A grid with s, ∇s by the volumes of its cells, g, and further fields. Errors: none that a grid of these shapes has.
+pub(super) fn volume(dice: &mut Dice) -> Result<Volume> {
+    let unit = grid(dice)?;
+    let scalar = field(dice, &unit);
+    let wave = |dice: &mut Dice| (3.0 * dice.direction(), dice.between(0.0, 6.0));
+    let (a, b, m) = (wave(dice), wave(dice), wave(dice));
+    let one = |(along, phase): (DVec3, f64)| sample(&unit, move |p| (along.dot(p) + phase).sin());
+    let array = |values| Arc::new(Array { component_count: 1, values });
+    let mut grid = placed(dice, &unit);
+    grid.point_arrays.insert(FIELDS[0].into(), array(one(a)));
+    grid.point_arrays.insert(FIELDS[1].into(), array(one(b)));
+    grid.point_arrays.insert(MAGNITUDE.into(), array(one(m).iter().map(|x| x.abs() + 0.1).collect()));
+    let gradient = Method::standard(Arc::new(VolumeWeighted))?.gradient(&grid, &scalar, &Silent)?.vectors;
+    Ok(Volume {
+        gradient_magnitude: Some(Arc::new(magnitude(&gradient))),
+        gradient: Some(Arc::new(gradient)),
+        scalar: Arc::new(scalar),
+        grid: Arc::new(grid),
+    })
+}
+
+/// In the unit cube.
+fn grid(dice: &mut Dice) -> Result<Grid> {
+    let unit = [DVec3::ZERO, DVec3::ONE];
+    let counts = [1 + dice.of(4), 1 + dice.of(4), 1 + dice.of(4)];
+    let jitter = if dice.chance(0.7) { dice.between(0.0, 0.25) } else { 0.0 };
+    let cube = || box_of_tetrahedra(counts, unit, jitter);
+    Ok(match dice.of(8) {
+        0 => {
+            let kinds = [
+                Kind::Voxels,
+                Kind::Hexahedra,
+                Kind::Wedges,
+                Kind::Pyramids,
+                Kind::Polyhedra,
+                Kind::QuadraticTetrahedra,
+                Kind::QuadraticHexahedra,
+            ];
+            built(box_of(kinds[dice.of(kinds.len())], counts.map(|n| n.min(2)), unit, jitter.min(0.2)))?
+        }
+        // Holes, and pieces that do not touch.
+        1 => {
+            let share = dice.between(0.3, 0.9);
+            let whole = cube();
+            let mut cells = whole.tetrahedra.to_vec();
+            cells.retain(|_| dice.chance(share));
+            let cells = if cells.is_empty() { whole.tetrahedra.to_vec() } else { cells };
+            Grid { tetrahedra: Arc::new(cells), ..whole }
+        }
+        // A layer of slivers across one axis.
+        2 => {
+            let (axis, thin) = (dice.of(3), dice.power(-9.0, -1.0));
+            moved(&cube(), |mut p| {
+                p[axis] = if p[axis] < 0.5 { p[axis] } else { 0.5 + thin * (p[axis] - 0.5) };
+                p
+            })
+        }
+        // Twisted and sheared.
+        3 => {
+            let (twist, shear) = (dice.between(-2.0, 2.0), dice.between(-1.0, 1.0));
+            moved(&cube(), |p| {
+                let q = DQuat::from_rotation_z(twist * p.z) * (p - 0.5);
+                q + 0.5 + DVec3::new(shear * q.y, 0.0, 0.0)
+            })
+        }
+        // A lattice whose planes are nearly, but not quite, even.
+        4 => {
+            let least = dice.power(-12.0, -3.0);
+            let regular = box_of_tetrahedra(counts, unit, 0.0);
+            let shifts: Vec<DVec3> = regular.points.iter().map(|_| dice.place(-least, least)).collect();
+            let points = regular.points.iter().zip(shifts).map(|(p, shift)| *p + shift).collect();
+            Grid { points: Arc::new(points), ..regular }
+        }
+        // Few cells at random places, which may overlap.
+        5 => {
+            let count = 1 + dice.of(3);
+            let points: Vec<DVec3> = (0..4 * count).map(|_| dice.place(0.0, 1.0)).collect();
+            let cells = (0..count as u32).map(|k| [4 * k, 4 * k + 1, 4 * k + 2, 4 * k + 3]).collect();
+            Grid { points: Arc::new(points), tetrahedra: Arc::new(cells), ..Grid::default() }
+        }
+        _ => cube(),
+    })
+}
+
+/// The grid where it stands in the world: scaled, stretched, far from the origin.
+fn placed(dice: &mut Dice, unit: &Grid) -> Grid {
+    let scale = if dice.chance(0.3) { dice.power(-6.0, 6.0) } else { 1.0 };
+    let mut stretch = DVec3::splat(scale);
+    if dice.chance(0.2) {
+        stretch[dice.of(3)] *= dice.power(-3.0, 0.0);
+    }
+    let turn = match dice.chance(0.5) {
+        true => DQuat::from_axis_angle(dice.direction(), dice.between(0.0, 3.0)),
+        false => DQuat::IDENTITY,
+    };
+    let offset =
+        if dice.chance(0.15) { scale * dice.power(0.0, 8.0) * dice.direction() } else { DVec3::ZERO };
+    moved(unit, |p| turn * (stretch * (p - 0.5)) + offset)
+}
+
+fn moved(grid: &Grid, place: impl Fn(DVec3) -> DVec3) -> Grid {
+    Grid { points: Arc::new(sample(grid, place)), ..grid.clone() }
+}
+
+/// s at the points: smooth, linear, a steep step, constant, noise; of any size and offset.
+fn field(dice: &mut Dice, unit: &Grid) -> Vec<f64> {
+    let (along, phase) = (dice.direction(), dice.between(0.0, 6.0));
+    let steep = dice.power(0.5, 3.0);
+    let values: Vec<f64> = match dice.of(8) {
+        0 => sample(unit, |p| along.dot(p)),
+        1 => sample(unit, |p| (steep * along.dot(p - 0.5)).tanh()),
+        2 => unit.points.iter().map(|_| dice.between(0.0, 1.0)).collect(),
+        3 if dice.chance(0.3) => vec![phase; unit.points.len()],
+        _ => sample(unit, |p| (3.0 * along.dot(p) + phase).sin() + 0.5 * (2.0 * p.z - p.x).cos()),
+    };
+    let (scale, offset) = match dice.of(8) {
+        0 => (dice.power(-20.0, 20.0), 0.0),
+        1 => (1e-2, 1e8),
+        2 => (1.0, dice.between(-100.0, 100.0)),
+        _ => (1.0, 0.0),
+    };
+    values.iter().map(|x| scale * x + offset).collect()
+}
