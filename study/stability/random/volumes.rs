@@ -5,7 +5,7 @@ use glam::{DQuat, DVec3};
 use std::sync::Arc;
 use voltet_core::Result;
 use voltet_core::field::{Method, VolumeWeighted, magnitude};
-use voltet_core::grid::generate::{Kind, box_of, box_of_tetrahedra, built, sample};
+use voltet_core::grid::generate::{box_of_tetrahedra, sample};
 use voltet_core::grid::{Array, Grid};
 use voltet_core::progress::Silent;
 use voltet_core::volume::Volume;
@@ -16,7 +16,7 @@ pub(super) const MAGNITUDE: &str = "m";
 
 /// A grid with s, ∇s by the volumes of its cells, g, and further fields. Errors: none that a grid of these shapes has.
 pub(super) fn volume(dice: &mut Dice) -> Result<Volume> {
-    let unit = grid(dice)?;
+    let unit = grid(dice);
     let scalar = field(dice, &unit);
     let wave = |dice: &mut Dice| (3.0 * dice.direction(), dice.between(0.0, 6.0));
     let (a, b, m) = (wave(dice), wave(dice), wave(dice));
@@ -36,23 +36,24 @@ pub(super) fn volume(dice: &mut Dice) -> Result<Volume> {
 }
 
 /// In the unit cube.
-fn grid(dice: &mut Dice) -> Result<Grid> {
+fn grid(dice: &mut Dice) -> Grid {
     let unit = [DVec3::ZERO, DVec3::ONE];
     let counts = [1 + dice.of(4), 1 + dice.of(4), 1 + dice.of(4)];
     let jitter = if dice.chance(0.7) { dice.between(0.0, 0.25) } else { 0.0 };
     let cube = || box_of_tetrahedra(counts, unit, jitter);
-    Ok(match dice.of(8) {
+    match dice.of(8) {
+        // Each cell cut into four about a point within, at times close to a corner.
         0 => {
-            let kinds = [
-                Kind::Voxels,
-                Kind::Hexahedra,
-                Kind::Wedges,
-                Kind::Pyramids,
-                Kind::Polyhedra,
-                Kind::QuadraticTetrahedra,
-                Kind::QuadraticHexahedra,
-            ];
-            built(box_of(kinds[dice.of(kinds.len())], counts.map(|n| n.min(2)), unit, jitter.min(0.2)))?
+            let (whole, shares) = (cube(), [0.25, dice.power(-6.0, -0.7)]);
+            let (mut points, mut cells) = (whole.points.to_vec(), Vec::new());
+            for &[a, b, c, d] in whole.tetrahedra.iter() {
+                let centre = points.len() as u32;
+                let corners = [a, b, c, d].map(|p| points[p as usize]);
+                let near = shares[dice.of(2)];
+                points.push(corners[0] * (1.0 - 3.0 * near) + near * (corners[1] + corners[2] + corners[3]));
+                cells.extend([[a, b, c, centre], [a, b, d, centre], [a, c, d, centre], [b, c, d, centre]]);
+            }
+            Grid { points: Arc::new(points), tetrahedra: Arc::new(cells), ..Grid::default() }
         }
         // Holes, and pieces that do not touch.
         1 => {
@@ -95,7 +96,7 @@ fn grid(dice: &mut Dice) -> Result<Grid> {
             Grid { points: Arc::new(points), tetrahedra: Arc::new(cells), ..Grid::default() }
         }
         _ => cube(),
-    })
+    }
 }
 
 /// The grid where it stands in the world: scaled, stretched, far from the origin.
