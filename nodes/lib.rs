@@ -8,6 +8,7 @@
 //! | [`formats`] | data files to grids |
 //! | [`memory`] | what a grid takes, and what is left |
 //! | [`probing`] | parts of the node `probe` |
+//! | [`relative`] | numbers relative to data: ranges and percentiles |
 //! | [`vtu`] | grids to VTK files |
 
 pub mod drawing;
@@ -16,6 +17,7 @@ pub mod files;
 pub mod formats;
 pub mod memory;
 pub mod probing;
+pub mod relative;
 pub mod vtu;
 
 mod bands;

@@ -1,6 +1,7 @@
 //! `probe`: the statistics of the data where somebody points at them, as a Gaussian widget.
 
-use crate::probing::{PARAMETERS, fields, figures, mask, region, sentence};
+use crate::probing::{PARAMETERS, check_region, fields, figures, mask, placed, region, sentence};
+use crate::relative;
 use std::sync::Arc;
 use voltet_core::error::ErrorKind;
 use voltet_core::graph::{Asking, Call, Demand, Look, Node, Outputs, Parameters, Port, PortType, Value};
@@ -23,7 +24,7 @@ pub const NODE: Node = Node {
     example: include_str!("examples/probe.toml"),
     check: &|parameters| {
         fields(parameters)?;
-        region(parameters).map(drop)
+        check_region(parameters)
     },
     outline: &|parameters, _| {
         let names = fields(parameters)?;
@@ -53,7 +54,11 @@ fn run(call: &mut Call) -> Result<Outputs> {
     let volume = call.volume("volume")?;
     let names = fields(p)?;
     let values = values(&volume, names.as_deref()).map_err(|error| p.blame("fields", error))?;
-    let region = region(p)?;
+    let own = placed(p, &volume.grid)?;
+    let region = region(&own)?;
+    if own != *p {
+        relative::note_numbers(&mut call.notes, "region", "over the bounds", p, &own);
+    }
     let mask = mask(p, &volume)?;
     let found = call
         .stage("probe", |progress| probe(&volume.grid, &values, &region, mask.as_deref(), progress))

@@ -4,8 +4,8 @@ use crate::formats::{self, Association, CellValues, Request, TimeStep};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use voltet_core::graph::{
-    Call, Demand, Foresight, MayLeaveOut, Node, Notes, Outputs, Parameter, ParameterType, Parameters, Port,
-    PortType, Preparation, Range, Saving, Standard, Value, nearest,
+    Call, Datum, Demand, Foresight, MayLeaveOut, Node, Notes, Outputs, Parameter, ParameterType, Parameters,
+    Port, PortType, Preparation, Range, Saving, Standard, Value, nearest,
 };
 use voltet_core::{Error, Result};
 
@@ -84,6 +84,7 @@ pub const NODE: Node = Node {
     // A source has no inputs to ask.
     demand: &|_| Ok(()),
     foresee: &foresee,
+    steps: &steps,
     prepare: &prepare,
     run: &run,
     ..Node::BLANK
@@ -117,6 +118,22 @@ fn run(call: &mut Call) -> Result<Outputs> {
         }
     }
     Ok(vec![Value::Grid(Arc::new(grid))])
+}
+
+/// Each step of a series by its number.
+fn steps(preparation: &Preparation) -> Result<Vec<Parameters>> {
+    let p = preparation.parameters;
+    let mut request = request(p)?;
+    if p.given("solution") {
+        request.solution = Some(preparation.path("solution")?);
+    }
+    // A step that is not there is said when it is read.
+    let count = formats::step_count(&preparation.path("path")?, &Request { time_step: None, ..request })?;
+    if count == 1 {
+        return Ok(vec![p.clone()]);
+    }
+    let at = |step: usize| p.with("time", None).with("time_step", Some(Datum::Integer(step as i64)));
+    Ok((0..count).map(at).collect())
 }
 
 /// Notes the arrays that are left out, from the headers of the file alone.

@@ -1,9 +1,11 @@
 //! `transfer-function`: widgets over the scalar and its gradient magnitude, and the optical model.
 
+use crate::relative;
 use std::path::Path;
 use std::sync::Arc;
 use voltet_core::graph::{
-    Call, Look, Node, Outputs, Parameter, ParameterType, Parameters, Port, PortType, Range, Standard, Value,
+    Call, Look, Node, Outlined, Outputs, Parameter, ParameterType, Parameters, Port, PortType, Range,
+    Standard, Value,
 };
 use voltet_core::transfer::{LoadImage, OpticalModel, TransferFunction, WIDGET_KINDS, read};
 use voltet_core::{Error, Result};
@@ -12,11 +14,18 @@ use voltet_core::{Error, Result};
 pub const NODE: Node = Node {
     name: "transfer-function",
     summary: "Turns the scalar and its gradient magnitude into colour and extinction, by a list of widgets.",
-    optional_inputs: &[Port {
-        name: "widgets",
-        port_type: PortType::TransferFunction,
-        summary: "further widgets, such as those of probes; model and unit_distance are this node's",
-    }],
+    optional_inputs: &[
+        Port {
+            name: "widgets",
+            port_type: PortType::TransferFunction,
+            summary: "further widgets, such as those of probes; model and unit_distance are this node's",
+        },
+        Port {
+            name: "volume",
+            port_type: PortType::Volume,
+            summary: "the data that numbers such as \"25 %\" and \"p90\" are relative to; not read where there are none",
+        },
+    ],
     outputs: &[Port {
         name: "transfer_function",
         port_type: PortType::TransferFunction,
@@ -48,6 +57,16 @@ pub const NODE: Node = Node {
             help: "the length over which extinction is stated; \"auto\": a hundredth of the data's diagonal",
         },
         Parameter {
+            name: "relative_to",
+            parameter_type: ParameterType::Choice(&[
+                ("step", "the volume that is wired in"),
+                ("series", "all steps of its time series together, read one after the other"),
+            ]),
+            unit: "",
+            standard: Standard::Text("step"),
+            help: "what percentages are shares of the range of, and percentiles of the volume of",
+        },
+        Parameter {
             name: "widgets",
             parameter_type: ParameterType::Kinds(WIDGET_KINDS),
             unit: "",
@@ -57,8 +76,13 @@ pub const NODE: Node = Node {
     ],
     example: include_str!("examples/stages.toml"),
     early: true,
-    check: &|parameters| look(parameters, &one_texel).map(drop),
+    check: &|parameters| look(parameters, &relative::stood_in(parameters)?, &one_texel).map(drop),
     outline: &outline,
+    demand: &|asking| {
+        let asked = asking.asked.clone();
+        asking.ask("widgets", &asked)?;
+        relative::ask(asking)
+    },
     run: &run,
     ..Node::BLANK
 };
@@ -69,9 +93,9 @@ fn one_texel(_path: &str) -> Result<(usize, usize, Vec<[f32; 4]>)> {
 }
 
 /// The same from what stands for the widgets of others, where that is known.
-fn outline(parameters: &Parameters, inputs: &[Option<Value>]) -> Result<Outputs> {
-    let mut look = look(parameters, &one_texel)?;
-    for input in inputs {
+fn outline(parameters: &Parameters, inputs: &[Outlined]) -> Result<Outputs> {
+    let mut look = look(parameters, &relative::stood_in(parameters)?, &one_texel)?;
+    for (_, input) in inputs.iter().filter(|(port, _)| *port == "widgets") {
         let Some(Value::TransferFunction(other)) = input else { return Ok(Vec::new()) };
         add(parameters, &mut look, other)?;
     }
@@ -96,7 +120,8 @@ fn add(p: &Parameters, look: &mut Look, other: &Look) -> Result<()> {
 }
 
 fn run(call: &mut Call) -> Result<Outputs> {
-    let mut look = look(call.parameters, &|path| load_image(&call.resolve(path)))?;
+    let widgets = relative::known(call)?;
+    let mut look = look(call.parameters, &widgets, &|path| load_image(&call.resolve(path)))?;
     for other in call.looks("widgets")? {
         add(call.parameters, &mut look, &other)?;
     }
@@ -114,13 +139,12 @@ fn run(call: &mut Call) -> Result<Outputs> {
 }
 
 /// The transfer function that the parameters state.
-fn look(p: &Parameters, load_image: LoadImage) -> Result<Look> {
+fn look(p: &Parameters, widgets: &relative::Widgets, load_image: LoadImage) -> Result<Look> {
     let model = match p.text("model")? {
         "constant-emitter" => OpticalModel::ConstantEmitter { cutoff: p.number("cutoff")? },
         _ => OpticalModel::DensityEmitter,
     };
     let unit = p.optional_number("unit_distance");
-    let widgets = p.kinds("widgets")?;
     let widgets = widgets.iter().map(|(kind, keys)| read(kind, keys, load_image)).collect::<Result<_>>()?;
     let transfer_function = TransferFunction { model, unit_distance: unit.unwrap_or(1.0), widgets };
     Ok(Look { transfer_function, auto_unit_distance: unit.is_none() })

@@ -105,9 +105,19 @@ type Kept = Arc<dyn Any + Send + Sync>;
 /// The revision of what is made from no output, and stays as long as the session. Outputs count from 1.
 pub(super) const FOR_THE_SESSION: Revision = Revision(0);
 
+/// What the results over all steps were made from.
+#[derive(PartialEq)]
+pub(super) struct Key {
+    /// Type, parameters, what feeds which port, and files.
+    pub(super) nodes: Vec<(&'static str, Vec<Parameters>, Vec<(usize, usize, usize)>, Vec<(PathBuf, Stamp)>)>,
+    pub(super) demands: Vec<Demand>,
+    pub(super) port: (usize, usize),
+}
+
 /// Things made from a revision, by the revision and their own type.
 #[derive(Default)]
 pub(super) struct Store {
+    over_steps: Mutex<Vec<(Key, Kept)>>,
     kept: Mutex<HashMap<(Revision, TypeId), Kept>>,
 }
 
@@ -126,6 +136,18 @@ impl Store {
         let made = Arc::new(make()?);
         self.lock().insert(key, made.clone());
         Ok(made)
+    }
+
+    /// What was made over all steps of a time series.
+    pub(super) fn over_steps(&self, key: &Key) -> Option<Kept> {
+        let kept = self.over_steps.lock().unwrap_or_else(PoisonError::into_inner);
+        kept.iter().find(|(known, _)| known == key).map(|(_, kept)| kept.clone())
+    }
+
+    pub(super) fn keep_over_steps(&self, key: Key, made: Kept) {
+        let mut kept = self.over_steps.lock().unwrap_or_else(PoisonError::into_inner);
+        kept.retain(|(known, _)| *known != key);
+        kept.push((key, made));
     }
 
     /// Drops what was made from revisions that are gone.

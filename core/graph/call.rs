@@ -1,7 +1,7 @@
 //! What a node's functions are given: its side of the two passes.
 
-use super::build::GraphNode;
-use super::cache::{FOR_THE_SESSION, Store};
+use super::build::{Graph, GraphNode};
+use super::cache::{FOR_THE_SESSION, FileStamp, Store};
 use super::declaration::PortType;
 use super::demand::Demand;
 use super::leave_out::MayLeaveOut;
@@ -128,6 +128,8 @@ pub struct Call<'a> {
     pub(super) no_leave_out: bool,
     pub(super) node: &'a GraphNode,
     pub(super) inputs: Vec<(Value, Revision)>,
+    pub(super) graph: &'a Graph,
+    pub(super) file_stamp: FileStamp,
     pub(super) folder: &'a Path,
     pub(super) store: &'a Store,
     pub(super) progress: NodeProgress<'a>,
@@ -214,6 +216,11 @@ impl Call<'_> {
         }
     }
 
+    /// Whether something feeds an input.
+    pub fn is_wired(&self, port: &str) -> Result<bool> {
+        Ok(self.node.edges(port)?.next().is_some())
+    }
+
     /// The transfer functions at an optional input.
     pub fn looks(&self, port: &str) -> Result<Vec<Arc<Look>>> {
         let look = |edge: usize| match &self.inputs[edge].0 {
@@ -265,8 +272,7 @@ impl Call<'_> {
 
     /// The cells at an optional input, as the engine of type `T` prepared them; `None` where it is not wired.
     pub fn optional_cells<T: Any + Send + Sync>(&self, port: &str) -> Result<Option<Arc<T>>> {
-        let wired = self.node.edges(port)?.next().is_some();
-        wired.then(|| self.cells(port)).transpose()
+        self.is_wired(port)?.then(|| self.cells(port)).transpose()
     }
 
     /// The numbers of tetrahedra at an optional input.

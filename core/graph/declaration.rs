@@ -6,8 +6,11 @@ use super::value::Value;
 use crate::Result;
 use crate::parameters::{Parameter, ParameterType, Parameters};
 
+/// What is known of an input before any data are: the port's name and what stands for its value, `None` where nothing does.
+pub type Outlined<'a> = (&'a str, Option<Value>);
+
 /// See [`Node::outline`].
-pub type Outline = dyn Fn(&Parameters, &[Option<Value>]) -> Result<Outputs> + Send + Sync;
+pub type Outline = dyn Fn(&Parameters, &[Outlined]) -> Result<Outputs> + Send + Sync;
 
 /// A node type: its declaration and the functions that work for it. A constant for the nodes that ship; a plug-in
 /// leaks its own (`Box::leak`), since node types live as long as the program.
@@ -32,7 +35,7 @@ pub struct Node {
     /// True for nodes that find something out about the data, which is worth a run though nobody uses their outputs.
     pub finds: bool,
     /// What its outputs will be made of, as far as the demand pass asks for it before any data is known: values that
-    /// stand for the outputs, given what stands for the inputs (`None`: not known). Nothing at all where it cannot be
+    /// stand for the outputs, given what stands for each wire of the inputs. Nothing at all where it cannot be
     /// said. Must ask for no less than the true outputs will.
     pub outline: &'static Outline,
     /// Checks what single declarations cannot say (parameters that exclude each other). Touches no file.
@@ -41,6 +44,9 @@ pub struct Node {
     pub demand: &'static (dyn Fn(&mut Asking) -> Result<()> + Send + Sync),
     /// Notes what the headers of its files tell that it will leave out; reads no data. An error where they do not tell.
     pub foresee: &'static (dyn Fn(&mut Foresight) -> Result<()> + Send + Sync),
+    /// The parameters with which the node reads each step of the time series that its files are, as far as headers tell; these
+    /// alone where it reads none.
+    pub steps: &'static (dyn Fn(&Preparation) -> Result<Vec<Parameters>> + Send + Sync),
     /// Finds out before any long work whether the run can succeed (files exist, folders can be written).
     pub prepare: &'static (dyn Fn(&Preparation) -> Result<()> + Send + Sync),
     /// Does the work: one value for each output, in their order.
@@ -64,6 +70,7 @@ impl Node {
         check: &|_| Ok(()),
         demand: &|asking| asking.pass_on(),
         foresee: &|_| Ok(()),
+        steps: &|preparation| Ok(vec![preparation.parameters.clone()]),
         prepare: &|_| Ok(()),
         run: &|_| Ok(Vec::new()),
     };

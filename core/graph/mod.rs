@@ -25,18 +25,19 @@ mod method;
 mod notes;
 mod registry;
 mod session;
+mod steps;
 #[cfg(test)]
 mod tests;
 mod value;
 
 pub use crate::parameters::{
-    Datum, Field, Kind, NamedPath, Origin, Parameter, ParameterType, Parameters, Range, Setting, Standard,
-    nearest, suggest,
+    Along, Datum, Field, Kind, Measure, Measured, NamedPath, Origin, Parameter, ParameterType, Parameters,
+    Quantity, Range, Relative, RelativeNumber, Setting, Standard, nearest, suggest,
 };
 pub use build::{Edge, Graph, GraphNode, LinkEntry, NodeEntry};
 pub use cache::{FileStamp, Stamp};
 pub use call::{Asking, Call, Foresight, Outputs, Preparation};
-pub use declaration::{Node, Outline, Port, PortType};
+pub use declaration::{Node, Outline, Outlined, Port, PortType};
 pub use demand::{Arrays, Demand, Plan};
 pub use leave_out::MayLeaveOut;
 pub use notes::{Finding, LeftOut, NodeReport, Notes, RunReport, Saving};

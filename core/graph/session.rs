@@ -3,7 +3,7 @@
 use super::build::{Edge, Graph, GraphNode};
 use super::cache::{Cache, Entry, FileStamp, Store, files_of};
 use super::call::{Asking, Call, NodeProgress, Preparation};
-use super::declaration::PortType;
+use super::declaration::{Outlined, PortType};
 use super::demand::{Arrays, Demand, Done, Plan};
 use super::leave_out::MayLeaveOut;
 use super::notes::{Notes, RunReport, Saving};
@@ -208,6 +208,8 @@ impl Session {
             demand,
             notes: Notes::default(),
             node,
+            graph,
+            file_stamp: self.file_stamp,
             inputs,
             folder: &graph.folder,
             store: &self.store,
@@ -264,7 +266,7 @@ fn gives(node: &GraphNode, wanted: PortType) -> bool {
 }
 
 /// The values at a node's inputs. The order of work puts what feeds a node before it.
-fn inputs_of(node: &GraphNode, all_done: &[Option<Done>]) -> Vec<(Value, Revision)> {
+pub(super) fn inputs_of(node: &GraphNode, all_done: &[Option<Done>]) -> Vec<(Value, Revision)> {
     let made = node.inputs.iter().map(|edge| (all_done[edge.node].as_ref(), edge.output));
     made.filter_map(|(done, output)| Some(done?.outputs[output].clone())).collect()
 }
@@ -277,8 +279,9 @@ fn outlines(graph: &Graph, early: &[Option<Done>]) -> Result<Vec<Vec<Value>>> {
         outlines[i] = match &early[i] {
             Some(done) => done.outputs.iter().map(|output| output.0.clone()).collect(),
             None => {
-                let known = |edge: &Edge| outlines[edge.node].get(edge.output).cloned();
-                let inputs: Vec<Option<Value>> = node.inputs.iter().map(known).collect();
+                let port = |edge: &Edge| node.node.all_inputs().nth(edge.port).map_or("", |port| port.name);
+                let known = |edge: &Edge| (port(edge), outlines[edge.node].get(edge.output).cloned());
+                let inputs: Vec<Outlined> = node.inputs.iter().map(known).collect();
                 (node.node.outline)(&node.parameters, &inputs).map_err(|error| node.blame(error))?
             }
         };
@@ -287,7 +290,12 @@ fn outlines(graph: &Graph, early: &[Option<Done>]) -> Result<Vec<Vec<Value>>> {
 }
 
 /// A grid wired straight to a volume input has no gradient to give.
-fn refuse_missing_gradient(graph: &Graph, node: &GraphNode, edge: &Edge, ask: &Demand) -> Result<()> {
+pub(super) fn refuse_missing_gradient(
+    graph: &Graph,
+    node: &GraphNode,
+    edge: &Edge,
+    ask: &Demand,
+) -> Result<()> {
     let giving = &graph.nodes[edge.node];
     let given = giving.node.outputs[edge.output].port_type;
     let Some(taken) = node.node.all_inputs().nth(edge.port) else { return Ok(()) };

@@ -97,6 +97,16 @@ impl Parameters {
         self.declared.iter().zip(&self.settings).zip(&self.given).map(|((p, s), g)| (p, s.as_ref(), *g))
     }
 
+    /// These with another value for one, as if the file had given it, or not where it is `None`.
+    pub fn with(&self, name: &str, datum: Option<Datum>) -> Parameters {
+        let mut changed = self.clone();
+        if let Some(i) = self.declared.iter().position(|p| p.name == name) {
+            changed.given[i] = datum.is_some();
+        }
+        changed.put(name, datum.map(Setting::from));
+        changed
+    }
+
     /// Whether the file (or the command line) gave the parameter.
     pub fn given(&self, name: &str) -> bool {
         self.declared.iter().position(|p| p.name == name).is_some_and(|i| self.given[i])
@@ -207,6 +217,13 @@ impl Parameters {
         self.declared.iter().find(|p| p.name == name).map(|p| p.parameter_type)
     }
 
+    /// Puts another setting in the place of one.
+    pub(super) fn put(&mut self, name: &str, setting: Option<Setting>) {
+        if let Some(i) = self.declared.iter().position(|p| p.name == name) {
+            self.settings[i] = setting;
+        }
+    }
+
     fn mistyped(&self, name: &str) -> Error {
         self.error(name, format!("the parameter '{name}' is not of the type that its reader expects"))
     }
@@ -305,6 +322,14 @@ pub(super) fn check_type(
         (ParameterType::Texts, Datum::List(list)) if list.iter().all(|s| s.text().is_some()) => Ok(()),
         (ParameterType::Table(declared), Datum::Table(fields)) => {
             Parameters::check(*declared, fields, &setting.origin, &[]).map(drop)
+        }
+        (ParameterType::Measured(measured), _) => {
+            // 1 is in every range of what may be relative; the others are checked beside it.
+            let numbers = measured.replaced(name, setting, &mut |_, _, _| Ok(1.0))?;
+            check_type(&measured.plain, name, unit, &numbers).map_err(|error| match error.accepted.clone() {
+                Some(plain) => error.accepted(format!("{plain}, {}", measured.describe())),
+                None => error,
+            })
         }
         (ParameterType::Kinds(kinds), Datum::List(list)) => {
             list.iter().try_for_each(|entry| kind_of(kinds, name, entry).map(drop))

@@ -70,8 +70,49 @@ pub enum ParameterType {
     Table(&'static [Parameter]),
     /// A list of tables, each of a kind that its key `kind` names.
     Kinds(&'static [Kind]),
+    /// A type whose numbers may be given relative to data, as texts such as "25 %" and "p90".
+    Measured(&'static Measured),
     /// The name of a gradient filter, of those that are registered; what it declares stands beside this parameter.
     GradientFilter,
+}
+
+/// A type whose numbers may be given relative to data.
+#[derive(Debug, Clone, Copy)]
+pub struct Measured {
+    /// The type without relative numbers.
+    pub plain: ParameterType,
+    /// What the numbers are.
+    pub is: Measure,
+    /// Of which quantities.
+    pub along: Along,
+}
+
+/// What a number is that may be relative.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Measure {
+    /// A value of a field: shares and percentiles.
+    Value,
+    /// A place in space: shares.
+    Place,
+    /// A width or a length: shares above 0.
+    Width,
+    /// A factor on a field's values; a share says how much of the range counts as 1.
+    Factor,
+}
+
+/// Of which quantities the numbers of a list, or of each row, are.
+#[derive(Debug, Clone, Copy)]
+pub enum Along {
+    /// All of one.
+    Every(&'static str),
+    /// By their place; those beyond the list are not relative.
+    Places(&'static [&'static str]),
+    /// By their place in the list of arrays that another parameter gives.
+    Names(&'static str),
+    /// All of one per unit of another.
+    EveryPer(&'static str, &'static str),
+    /// As `Names`, per unit of the array that a further parameter names.
+    NamesPer(&'static str, &'static str),
 }
 
 /// One of several kinds of a thing, named by a word, with parameters of its own: a table in a [`ParameterType::Kinds`]
@@ -127,7 +168,22 @@ impl ParameterType {
                 format!("table of {}", fields.iter().map(|p| p.name).collect::<Vec<_>>().join(", "))
             }
             ParameterType::Kinds(_) => "list of tables, each with a kind".into(),
+            ParameterType::Measured(measured) => {
+                format!("{}, {}", measured.plain.describe(), measured.describe())
+            }
             ParameterType::GradientFilter => "name of a gradient filter".into(),
+        }
+    }
+}
+
+impl Measured {
+    /// What may stand in place of a number, for help and messages.
+    pub(super) fn describe(&self) -> &'static str {
+        match self.is {
+            Measure::Value => "or \"25 %\" of the range, \"p90\" by volume",
+            Measure::Place => "or \"25 %\" of the bounds",
+            Measure::Width => "or \"5 %\" of the range's length",
+            Measure::Factor => "or \"5 %\": 1 for so much of the range",
         }
     }
 }

@@ -10,18 +10,23 @@
 mod check;
 mod contradictions;
 mod declaration;
+mod measured;
 mod nearest;
+mod numbers;
 mod paths;
 mod range;
+mod relative;
 mod setting;
 #[cfg(test)]
 mod tests;
 
 pub use check::Parameters;
 pub(crate) use contradictions::{refuse_contradictions, repeated};
-pub use declaration::{Kind, Parameter, ParameterType, Standard};
+pub use declaration::{Along, Kind, Measure, Measured, Parameter, ParameterType, Standard};
+pub use measured::RelativeNumber;
 pub use nearest::{nearest, suggest};
 pub use paths::NamedPath;
 pub use range::Range;
+pub use relative::{Quantity, Relative};
 pub use setting::{Datum, Field, Origin, Setting};
 pub(crate) use setting::{key_text, replace_field};

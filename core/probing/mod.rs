@@ -12,6 +12,7 @@
 //! | `probe` | the moments of fields in a region (Kniss et al. 2003, section 6) |
 //! | `kernel` | from moments to the matrix K of a Gaussian widget |
 //! | `histogram` | the distribution over (s, g), weighted by volume |
+//! | `percentile` | percentiles of a field by volume |
 //! | `proposal` | a first transfer function, from the histogram |
 //! | `bands` | how many bands of a wave widget the cells cross (Song et al. 2009, section 6.3) |
 
@@ -19,6 +20,7 @@ mod bands;
 mod histogram;
 mod kernel;
 mod moments;
+mod percentile;
 mod probe;
 mod proposal;
 mod region;
@@ -29,6 +31,7 @@ mod tests;
 pub use bands::{Bands, bands, bands_of_cells};
 pub use histogram::{Axis, Histogram, histogram};
 pub use kernel::kernel;
+pub use percentile::{Volumes, value_range};
 pub use probe::{Found, Mask, probe};
 pub use proposal::{Proposed, proposal, quiet};
 pub use region::Region;

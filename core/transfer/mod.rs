@@ -13,6 +13,7 @@ mod hull;
 mod kinds;
 mod read;
 mod region;
+mod relative;
 mod slab;
 mod support;
 mod widget;
@@ -25,6 +26,7 @@ pub use kinds::{
 };
 pub use read::read;
 pub use region::{HalfPlane, Region};
+pub use relative::{Scales, Wanted, resolved, standing_in, wanted};
 pub use slab::{Reach, Slab};
 pub use support::Support;
 pub use widget::Widget;

@@ -1,5 +1,7 @@
 //! What is asked of a whole transfer function.
 
+mod relative;
+
 use super::*;
 
 fn widget(profile: Profile, color: [f64; 3], extinction: f64) -> Widget {

@@ -85,6 +85,14 @@ pub fn unread(path: &Path, request: &Request) -> Result<Unread> {
     assemble::unread(&dataset, &assemble::choices(&dataset, request)?).map_err(|error| error.in_file(path))
 }
 
+/// The number of time steps of a file: 1 where it is no series. Reads headers alone.
+///
+/// # Errors
+/// As [`read`], as far as headers show them.
+pub fn step_count(path: &Path, request: &Request) -> Result<usize> {
+    Ok(open(path, request)?.time_steps.len().max(1))
+}
+
 /// The files that reading a data file may open beside it: those that a series or a parallel file names, the solution beside
 /// a PLOT3D grid. What cannot be read names none.
 pub fn files_beside(path: &Path) -> Vec<PathBuf> {

@@ -4,4 +4,4 @@ mod found;
 mod parameters;
 
 pub use found::{figures, sentence};
-pub use parameters::{PARAMETERS, fields, mask, region};
+pub use parameters::{PARAMETERS, check_region, fields, mask, placed, region};

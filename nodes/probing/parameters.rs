@@ -1,8 +1,13 @@
 //! The parameters of `probe`: the region, the fields, and how the widget is made.
 
 use glam::DVec3;
-use voltet_core::graph::{Parameter, ParameterType, Parameters, Range, Standard};
+use voltet_core::graph::{
+    Along, Datum, Field, Measure, Measured, Origin, Parameter, ParameterType, Parameters, Quantity, Range,
+    Setting, Standard,
+};
+use voltet_core::grid::{Grid, extent};
 use voltet_core::probing::Region;
+use voltet_core::transfer::{Scales, resolved, standing_in};
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
 
@@ -24,8 +29,12 @@ pub const PARAMETERS: &[Parameter] = &[
             Parameter { name: "centre", help: "its centre", ..POSITION },
             Parameter {
                 name: "radius",
-                parameter_type: ParameterType::Number(Range::above(0.0)),
-                help: "its radius",
+                parameter_type: ParameterType::Measured(&Measured {
+                    plain: ParameterType::Number(Range::above(0.0)),
+                    is: Measure::Width,
+                    along: Along::Every("diagonal"),
+                }),
+                help: "its radius; a percentage: of the diagonal of the bounds",
                 ..POSITION
             },
         ]),
@@ -35,7 +44,11 @@ pub const PARAMETERS: &[Parameter] = &[
     },
     Parameter {
         name: "points",
-        parameter_type: ParameterType::Rows(Some(3)),
+        parameter_type: ParameterType::Measured(&Measured {
+            plain: ParameterType::Rows(Some(3)),
+            is: Measure::Place,
+            along: Along::Places(&["x", "y", "z"]),
+        }),
         unit: "world units",
         standard: Standard::Unset("another region"),
         help: "the region: the values at points [x, y, z], each counting the same",
@@ -108,7 +121,11 @@ pub const PARAMETERS: &[Parameter] = &[
 
 const POSITION: Parameter = Parameter {
     name: "",
-    parameter_type: ParameterType::Numbers(Some(3), Range::ANY),
+    parameter_type: ParameterType::Measured(&Measured {
+        plain: ParameterType::Numbers(Some(3), Range::ANY),
+        is: Measure::Place,
+        along: Along::Places(&["x", "y", "z"]),
+    }),
     unit: "world units",
     standard: Standard::Required,
     help: "",
@@ -125,6 +142,44 @@ pub fn fields(p: &Parameters) -> Result<Option<Vec<String>>> {
             let error = p.error("fields", "'fields' cannot be probed").found(format!("{names:?}"));
             Err(error.accepted("1 to 8 different names of point arrays"))
         }
+    }
+}
+
+/// The parameters with places for percentages of the grid's bounds, and a radius for one of their diagonal.
+pub fn placed(p: &Parameters, grid: &Grid) -> Result<Parameters> {
+    let none = || Error::run("the grid has no points, so nothing can be relative to its bounds");
+    resolved(p, &InSpace(grid.bounds().ok_or_else(none)?))
+}
+
+/// Checks the region as far as it can be before the grid is known: whether a box that mixes percentages and numbers is empty
+/// is not.
+pub fn check_region(p: &Parameters) -> Result<()> {
+    let of_box = p.table("box")?.map_or(0, |table| table.relative_numbers().len());
+    let corner = |name: &str, at: f64| {
+        let numbers = vec![Setting::from(Datum::Number(at)); 3];
+        Field { name: name.into(), origin: Origin::Nowhere, setting: Datum::List(numbers).into() }
+    };
+    let any_box = || Datum::Table(vec![corner("low", 0.0), corner("high", 1.0)]);
+    let p = if matches!(of_box, 1..=5) { p.with("box", Some(any_box())) } else { p.clone() };
+    region(&standing_in(&p)?).map(drop)
+}
+
+/// The bounds of a grid.
+struct InSpace([DVec3; 2]);
+
+impl Scales for InSpace {
+    fn range(&self, quantity: &Quantity) -> Result<[f64; 2]> {
+        let [low, high] = self.0;
+        match quantity {
+            Quantity::Named("x") => Ok([low.x, high.x]),
+            Quantity::Named("y") => Ok([low.y, high.y]),
+            Quantity::Named("z") => Ok([low.z, high.z]),
+            _ => Ok([0.0, extent::diagonal(self.0)]),
+        }
+    }
+
+    fn percentile(&self, quantity: &Quantity, _: f64) -> Result<f64> {
+        Err(Error::usage(format!("{quantity} is a place, and a percentile is a value of a field")))
     }
 }
 

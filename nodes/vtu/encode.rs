@@ -92,21 +92,32 @@ pub fn encode(contents: Contents, precision: Precision, compress: bool) -> Resul
     Ok(Encoded { bytes, compressed })
 }
 
-/// Bytes that encoding takes beside the contents, at most: each array as bytes, as text, and as text of the file.
+/// Bytes that encoding takes beside the contents, which it uses up, at most: each array as text, and as text of the file. Of
+/// three million tetrahedra it took 260 MiB where this says 280.
 pub fn encoding_bytes(contents: &Contents) -> u64 {
-    let of = |arrays: &[Column]| arrays.iter().map(|array| array.values.len() as u64 * 8).sum::<u64>();
-    let cells = 8 * (contents.cells.connectivity.len() + contents.cells.ends.len()) as u64;
-    let raw =
-        24 * contents.points.len() as u64 + of(&contents.point_arrays) + of(&contents.cell_arrays) + cells;
+    let width = |values: &Values| match values {
+        Values::Floats(_) => 8,
+        Values::Numbers(_) => 4,
+        Values::Bytes(_) => 1,
+    };
+    let of = |array: &Column| width(&array.values) * array.values.len() as u64;
+    let arrays: u64 = contents.point_arrays.iter().chain(&contents.cell_arrays).map(of).sum();
+    let Topology { connectivity, ends, types, .. } = &contents.cells;
+    let cells = if is_narrow(connectivity, contents.points.len()) { 4 } else { 8 };
+    let cells = cells * (connectivity.len() + ends.len()) as u64 + types.len() as u64;
     // base64 takes four characters for three bytes.
-    raw.saturating_mul(1 + 2 * 4 / 3 + 1)
+    (24 * contents.points.len() as u64 + arrays + cells).saturating_mul(8) / 3
+}
+
+/// Whether 32 bits hold all numbers of points and offsets: half of most files.
+fn is_narrow(connectivity: &[u32], point_count: usize) -> bool {
+    point_count.max(connectivity.len()) <= i32::MAX as usize
 }
 
 /// The arrays of the section of the cells, by name.
 fn sections(cells: Topology, point_count: usize) -> Vec<(&'static str, IOBuffer)> {
     let Topology { connectivity, ends, types, polyhedra } = cells;
-    // 32 bits where they hold all numbers: half of most files.
-    let narrow = point_count.max(connectivity.len()) <= i32::MAX as usize;
+    let narrow = is_narrow(&connectivity, point_count);
     let whole = |numbers: Box<dyn Iterator<Item = i64>>| match narrow {
         true => IOBuffer::I32(numbers.map(|number| number as i32).collect()),
         false => IOBuffer::I64(numbers.collect()),

@@ -75,6 +75,9 @@ fn explained(document: &Document, plan: &Plan, unknown: &[usize], no_leave_out: 
     if waves(graph) {
         text += "Whether bands are finer than the cells is known with the data: `voltet info` of this file says it.\n";
     }
+    if graph.order.iter().any(|&i| is_relative(&graph.nodes[i])) {
+        text += "Numbers relative to data are known with the data: `voltet info` of this file says what they become.\n";
+    }
     if !no_leave_out {
         text += "Left out once the data is known: cells and widgets that no value touches, cells out of view or under a \
                  pixel's reach. `voltet run --no-leave-out` does everything, and says what that costs.\n";
@@ -85,6 +88,13 @@ fn explained(document: &Document, plan: &Plan, unknown: &[usize], no_leave_out: 
 /// What leaving it out saves, in brackets.
 fn saved(left: &LeftOut) -> String {
     left.saving.map(|saving| format!(" (saves {saving})")).unwrap_or_default()
+}
+
+/// Whether a node's numbers, or those of its widgets, are relative to data.
+fn is_relative(node: &GraphNode) -> bool {
+    let widgets = node.parameters.kinds("widgets").unwrap_or_default();
+    let tables = std::iter::once(&node.parameters).chain(widgets.iter().map(|(_, keys)| keys));
+    tables.into_iter().any(|parameters| !parameters.relative_numbers().is_empty())
 }
 
 /// Whether some transfer function has bands.

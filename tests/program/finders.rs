@@ -175,3 +175,30 @@ fn bands_that_are_finer_than_the_cells_are_reported() {
     folder.voltet(&["info", "cube.vtu", "--set", "a.b=1"]).fails(2, &["--set changes a pipeline"]);
     folder.voltet(&["info", "slab.toml", "--time-step", "1"]).fails(2, &["are for data files"]);
 }
+
+#[test]
+fn numbers_relative_to_data_are_told_by_run_and_info_and_placed_where_wrong() {
+    let folder = Folder::new();
+    let widget = "\n[[nodes.look.widgets]]\nkind = \"gaussian\"\ncolor = [1.0, 1.0, 1.0]\nextinction = 1.0\n\
+                  centre = [\"p25\", 1.0]\nsigma = [\"5 %\", inf]\n";
+    let wired = SLAB
+        .replace("unit_distance = 0.5", "unit_distance = 0.5\ninputs = { volume = \"gradient\" }")
+        + widget;
+    folder.write("slab.toml", &wired);
+    folder.voltet(&["check", "slab.toml"]).ok();
+    // Nothing is read to plan; s = x alone is asked for.
+    let text = folder.voltet(&["explain", "slab.toml"]).ok().stdout;
+    assert!(text.contains("Numbers relative to data are known with the data"), "{text}");
+    for command in [&["run", "slab.toml"][..], &["info", "slab.toml"]] {
+        let said = folder.voltet(command).ok().stdout;
+        let wanted = "look: widget 1 (gaussian): centre = [0.2";
+        assert!(said.contains(wanted) && said.contains("sigma = [0.05, inf]"), "{command:?}: {said}");
+    }
+    folder.write("unwired.toml", SLAB.to_string() + widget);
+    let line = format!("unwired.toml:{}:", SLAB.lines().count() + 6);
+    let wanted = ["no data are wired in: found \"p25\"", "inputs = { volume = \"NODE\" }", &line];
+    folder.voltet(&["check", "unwired.toml"]).fails(2, &wanted);
+    let percentile = folder.voltet(&["check", "slab.toml", "--set", "look.widgets.1.sigma.0=p5"]);
+    percentile
+        .fails(2, &["a percentile is a value of the data: found \"p5\"", "--set look.widgets.1.sigma.0=p5"]);
+}

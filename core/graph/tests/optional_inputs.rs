@@ -10,7 +10,7 @@ const FOUND: Node = Node {
     outputs: &[port("look", PortType::TransferFunction)],
     parameters: &[number("promise", Standard::Required)],
     outline: &|parameters, inputs| {
-        assert!(inputs[0].is_none(), "the volume is not known while planning");
+        assert!(inputs[0].1.is_none(), "the volume is not known while planning");
         Ok(vec![look(parameters.number("promise")?)])
     },
     demand: &|asking| {
@@ -34,7 +34,7 @@ const SUM: Node = Node {
     parameters: &[number("unit", Standard::Number(0.0))],
     early: true,
     outline: &|parameters, inputs| {
-        let unit = |input: &Option<Value>| match input {
+        let unit = |input: &Outlined| match &input.1 {
             Some(Value::TransferFunction(look)) => look.transfer_function.unit_distance,
             _ => panic!("what stands for an input is not handed on"),
         };

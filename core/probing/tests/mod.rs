@@ -3,6 +3,7 @@
 mod distributions;
 mod hostile;
 mod moments;
+mod percentiles;
 
 use crate::grid::Grid;
 use crate::grid::generate::box_of_tetrahedra;

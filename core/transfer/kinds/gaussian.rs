@@ -3,7 +3,9 @@
 use super::keys::{COLOR, Declared, EXTINCTION, MATRIX, POSITIVE_OR_INFINITE, REGION, SIGMA, kernel};
 use super::profile::{AxisOrigin, ColorSource, Profile, Properties};
 use crate::Result;
-use crate::parameters::{Kind, Parameter, ParameterType, Parameters, Range, Standard};
+use crate::parameters::{
+    Along, Kind, Measure, Measured, Parameter, ParameterType, Parameters, Range, Standard,
+};
 use crate::transfer::check::finite;
 use crate::transfer::hull::distance_squared_from_origin;
 use crate::transfer::hull::{Corners, gaussian, range};
@@ -19,13 +21,13 @@ pub(super) const KIND: Declared = Declared {
             EXTINCTION,
             Parameter {
                 name: "centre",
-                parameter_type: ParameterType::Numbers(Some(2), Range::ANY),
+                parameter_type: VALUES,
                 unit: "(s, g)",
                 standard: Standard::Required,
                 help: "the middle of the widget, [s, g]",
             },
             Parameter {
-                parameter_type: ParameterType::Numbers(Some(2), POSITIVE_OR_INFINITE),
+                parameter_type: WIDTHS,
                 unit: "(s, g)",
                 help: "standard deviations along s and g; inf ignores the axis",
                 ..SIGMA
@@ -36,6 +38,19 @@ pub(super) const KIND: Declared = Declared {
     },
     read: |p, _| read(p),
 };
+
+/// [s, g].
+const VALUES: ParameterType = ParameterType::Measured(&Measured {
+    plain: ParameterType::Numbers(Some(2), Range::ANY),
+    is: Measure::Value,
+    along: Along::Places(&["s", "g"]),
+});
+
+const WIDTHS: ParameterType = ParameterType::Measured(&Measured {
+    plain: ParameterType::Numbers(Some(2), POSITIVE_OR_INFINITE),
+    is: Measure::Width,
+    along: Along::Places(&["s", "g"]),
+});
 
 fn read(p: &Parameters) -> Result<Profile> {
     let rows = kernel(p, 2, std::f64::consts::SQRT_2)?;

@@ -5,7 +5,9 @@
 
 use super::profile::Profile;
 use crate::Result;
-use crate::parameters::{Kind, Parameter, ParameterType, Parameters, Range, Standard};
+use crate::parameters::{
+    Along, Kind, Measure, Measured, Parameter, ParameterType, Parameters, Range, Standard,
+};
 
 /// Reads the image of a table widget: width, height and straight linear RGBA texels, row 0 at the top.
 pub type LoadImage<'a> = &'a dyn Fn(&str) -> Result<(usize, usize, Vec<[f32; 4]>)>;
@@ -43,28 +45,36 @@ pub(super) const REGION: Parameter = Parameter {
 const REGION_KEYS: &[Parameter] = &[
     Parameter {
         name: "s",
-        parameter_type: LIMITS,
+        parameter_type: ParameterType::Measured(&Measured { along: Along::Every("s"), ..LIMITS }),
         unit: "units of s",
         standard: Standard::Unset("no limit"),
         help: "range of the scalar, [low, high]",
     },
     Parameter {
         name: "g",
-        parameter_type: LIMITS,
+        parameter_type: ParameterType::Measured(&Measured { along: Along::Every("g"), ..LIMITS }),
         unit: "units of g",
         standard: Standard::Unset("no limit"),
         help: "range of the gradient magnitude, [low, high]",
     },
     Parameter {
         name: "polygon",
-        parameter_type: ParameterType::Rows(Some(2)),
+        parameter_type: ParameterType::Measured(&Measured {
+            plain: ParameterType::Rows(Some(2)),
+            is: Measure::Value,
+            along: Along::Places(&["s", "g"]),
+        }),
         unit: "(s, g)",
         standard: Standard::Unset("the ranges s and g"),
         help: "corners [s, g] of a convex polygon, in place of the ranges",
     },
 ];
 
-const LIMITS: ParameterType = ParameterType::Numbers(Some(2), Range::ANY_OR_INFINITE);
+const LIMITS: Measured = Measured {
+    plain: ParameterType::Numbers(Some(2), Range::ANY_OR_INFINITE),
+    is: Measure::Value,
+    along: Along::Every("s"),
+};
 
 /// What a standard deviation may be: an infinite one ignores its axis.
 pub(super) const POSITIVE_OR_INFINITE: Range = Range { infinite: true, ..Range::above(0.0) };
@@ -95,13 +105,22 @@ pub(super) const FIELDS: Parameter = Parameter {
 
 pub(super) const CENTRE_OF_FIELDS: Parameter = Parameter {
     name: "centre",
-    parameter_type: ParameterType::Numbers(None, Range::ANY),
+    parameter_type: ParameterType::Measured(&Measured {
+        plain: ParameterType::Numbers(None, Range::ANY),
+        is: Measure::Value,
+        along: Along::Names("fields"),
+    }),
     unit: "units of the fields",
     standard: Standard::Required,
     help: "the middle of the widget, one number a field",
 };
 
 pub(super) const SIGMA_OF_FIELDS: Parameter = Parameter {
+    parameter_type: ParameterType::Measured(&Measured {
+        plain: ParameterType::Numbers(None, POSITIVE_OR_INFINITE),
+        is: Measure::Width,
+        along: Along::Names("fields"),
+    }),
     unit: "units of the fields",
     help: "standard deviations, one a field; inf ignores the field",
     ..SIGMA

@@ -19,6 +19,7 @@ pub use keys::LoadImage;
 pub use profile::{
     AxisOrigin, Bands, ColorSource, ControlPoint, FIELDS_MOST, Profile, Properties, Table, Wave,
 };
+pub(super) use wave::ACROSS;
 
 use super::hull::Corners;
 use super::slab::{Reach, Slab};

@@ -2,7 +2,7 @@
 
 use super::keys::{Declared, REGION};
 use super::profile::{AxisOrigin, ColorSource, ControlPoint, Profile, Properties};
-use crate::parameters::{Kind, Parameter, ParameterType, Parameters, Standard};
+use crate::parameters::{Along, Kind, Measure, Measured, Parameter, ParameterType, Parameters, Standard};
 use crate::transfer::check::{finite, not_negative};
 use crate::transfer::hull::Corners;
 use crate::transfer::slab::Slab;
@@ -16,7 +16,11 @@ pub(super) const KIND: Declared = Declared {
         parameters: &[
             Parameter {
                 name: "points",
-                parameter_type: ParameterType::Rows(Some(5)),
+                parameter_type: ParameterType::Measured(&Measured {
+                    plain: ParameterType::Rows(Some(5)),
+                    is: Measure::Value,
+                    along: Along::Places(&["s"]),
+                }),
                 unit: "(s, linear RGB, per unit_distance)",
                 standard: Standard::Required,
                 help: "control points [s, r, g, b, extinction], s rising",

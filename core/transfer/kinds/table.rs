@@ -2,7 +2,9 @@
 
 use super::keys::{COLOR, Declared, EXTINCTION, LoadImage, REGION};
 use super::profile::{AxisOrigin, ColorSource, Profile, Properties, Table};
-use crate::parameters::{Kind, Parameter, ParameterType, Parameters, Range, Standard};
+use crate::parameters::{
+    Along, Kind, Measure, Measured, Parameter, ParameterType, Parameters, Range, Standard,
+};
 use crate::transfer::region::Region;
 use crate::{Error, Result};
 use std::sync::Arc;
@@ -28,14 +30,14 @@ pub(super) const KIND: Declared = Declared {
             },
             Parameter {
                 name: "s",
-                parameter_type: ParameterType::Numbers(Some(2), Range::ANY),
+                parameter_type: ParameterType::Measured(VALUES_OF_S),
                 unit: "units of s",
                 standard: Standard::Required,
                 help: "range of the scalar across the picture, [left, right]",
             },
             Parameter {
                 name: "g",
-                parameter_type: ParameterType::Numbers(Some(2), Range::ANY),
+                parameter_type: ParameterType::Measured(VALUES_OF_G),
                 unit: "units of g",
                 standard: Standard::Required,
                 help: "range of the gradient magnitude up the picture, [bottom, top]",
@@ -45,6 +47,13 @@ pub(super) const KIND: Declared = Declared {
     },
     read,
 };
+
+const VALUES_OF_S: &Measured = &Measured {
+    plain: ParameterType::Numbers(Some(2), Range::ANY),
+    is: Measure::Value,
+    along: Along::Every("s"),
+};
+const VALUES_OF_G: &Measured = &Measured { along: Along::Every("g"), ..*VALUES_OF_S };
 
 fn read(p: &Parameters, load_image: LoadImage) -> Result<Profile> {
     let (s, g): ([f64; 2], [f64; 2]) = (p.vector("s")?, p.vector("g")?);

@@ -3,7 +3,7 @@
 use super::keys::{COLOR, Declared, EXTINCTION, REGION};
 use super::profile::{AxisOrigin, ColorSource, Profile, Properties};
 use crate::Result;
-use crate::parameters::{Kind, Parameter, ParameterType, Range, Standard};
+use crate::parameters::{Along, Kind, Measure, Measured, Parameter, ParameterType, Range, Standard};
 use crate::transfer::check::{finite, positive};
 use crate::transfer::hull::{Corners, gaussian};
 use crate::transfer::slab::Slab;
@@ -18,14 +18,22 @@ pub(super) const KIND: Declared = Declared {
             EXTINCTION,
             Parameter {
                 name: "centre",
-                parameter_type: ParameterType::Number(Range::ANY),
+                parameter_type: ParameterType::Measured(&Measured {
+                    plain: ParameterType::Number(Range::ANY),
+                    is: Measure::Value,
+                    along: Along::Every("s"),
+                }),
                 unit: "units of s",
                 standard: Standard::Required,
                 help: "the scalar in the middle",
             },
             Parameter {
                 name: "sigma",
-                parameter_type: ParameterType::Number(Range::above(0.0)),
+                parameter_type: ParameterType::Measured(&Measured {
+                    plain: ParameterType::Number(Range::above(0.0)),
+                    is: Measure::Width,
+                    along: Along::EveryPer("s", "g"),
+                }),
                 unit: "units of s / units of g",
                 standard: Standard::Required,
                 help: "width in s for each unit of g",

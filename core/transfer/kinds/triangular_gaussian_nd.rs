@@ -4,11 +4,11 @@
 
 use super::gaussian_nd;
 use super::keys::{
-    CENTRE_OF_FIELDS, COLOR, Declared, EXTINCTION, FIELDS, MATRIX_OF_FIELDS, REGION, SIGMA_OF_FIELDS,
-    fields_and_centre, kernel,
+    CENTRE_OF_FIELDS, COLOR, Declared, EXTINCTION, FIELDS, MATRIX_OF_FIELDS, POSITIVE_OR_INFINITE, REGION,
+    SIGMA_OF_FIELDS, fields_and_centre, kernel,
 };
 use super::profile::{AxisOrigin, ColorSource, FIELDS_MOST, Profile, Properties};
-use crate::parameters::{Kind, Parameter, ParameterType, Parameters, Standard};
+use crate::parameters::{Along, Kind, Measure, Measured, Parameter, ParameterType, Parameters, Standard};
 use crate::transfer::hull::Corners;
 use crate::{Error, Result};
 
@@ -33,6 +33,11 @@ pub(super) const KIND: Declared = Declared {
             },
             CENTRE_OF_FIELDS,
             Parameter {
+                parameter_type: ParameterType::Measured(&Measured {
+                    plain: ParameterType::Numbers(None, POSITIVE_OR_INFINITE),
+                    is: Measure::Width,
+                    along: Along::NamesPer("fields", "magnitude"),
+                }),
                 unit: "units of the fields / units of the magnitude",
                 help: "widths for each unit of the magnitude, one a field; inf ignores the field",
                 ..SIGMA_OF_FIELDS

@@ -2,7 +2,9 @@
 
 use super::keys::{COLOR, Declared, EXTINCTION, REGION};
 use super::profile::{AxisOrigin, Bands, ColorSource, Profile, Properties, Wave};
-use crate::parameters::{Kind, Parameter, ParameterType, Parameters, Range, Standard};
+use crate::parameters::{
+    Along, Kind, Measure, Measured, Parameter, ParameterType, Parameters, Range, Standard,
+};
 use crate::transfer::check::{finite, positive};
 use crate::transfer::hull::{Corners, ROUNDING, range};
 use crate::{Error, Result};
@@ -19,12 +21,20 @@ pub(super) const SINE: Declared = Declared {
     read: |p, _| Ok(Profile::SineWave(read(p)?)),
 };
 
+/// What the bands are counted along: s and g, scaled, in their direction. Its range has the length
+/// |cos θ·w_s| (range of s) + |sin θ·w_g| (range of g), so that a period of 10 % makes ten bands.
+pub(in crate::transfer) const ACROSS: &str = "s and g across the bands";
+
 const KEYS: &[Parameter] = &[
     COLOR,
     EXTINCTION,
     Parameter {
         name: "origin",
-        parameter_type: ParameterType::Numbers(Some(2), Range::ANY),
+        parameter_type: ParameterType::Measured(&Measured {
+            plain: ParameterType::Numbers(Some(2), Range::ANY),
+            is: Measure::Value,
+            along: Along::Places(&["s", "g"]),
+        }),
         unit: "(s, g)",
         standard: Standard::Numbers(&[0.0, 0.0]),
         help: "a point where the wave is 0",
@@ -38,14 +48,22 @@ const KEYS: &[Parameter] = &[
     },
     Parameter {
         name: "scale",
-        parameter_type: ParameterType::Numbers(Some(2), Range::ANY),
+        parameter_type: ParameterType::Measured(&Measured {
+            plain: ParameterType::Numbers(Some(2), Range::ANY),
+            is: Measure::Factor,
+            along: Along::Places(&["s", "g"]),
+        }),
         unit: "",
         standard: Standard::Numbers(&[1.0, 1.0]),
         help: "factors on the two axes, [ws, wg]",
     },
     Parameter {
         name: "period",
-        parameter_type: ParameterType::Number(Range::above(0.0)),
+        parameter_type: ParameterType::Measured(&Measured {
+            plain: ParameterType::Number(Range::above(0.0)),
+            is: Measure::Width,
+            along: Along::Every(ACROSS),
+        }),
         unit: "units of scaled s, g",
         standard: Standard::Required,
         help: "distance between two bands",

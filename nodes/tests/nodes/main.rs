@@ -1,5 +1,6 @@
 //! The list of nodes against the folder, and the declarations' examples.
 
+mod relative;
 mod written;
 
 use voltet_core::graph::Graph;

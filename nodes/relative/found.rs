@@ -1,0 +1,52 @@
+//! What was found of the data.
+
+use std::collections::{BTreeMap, BTreeSet};
+use voltet_core::graph::Quantity;
+use voltet_core::transfer::{Scales, Wanted};
+use voltet_core::{Error, Result};
+
+/// What was found of the data.
+#[derive(Debug, Clone, Default)]
+pub struct Found {
+    /// The range of each quantity that was asked for.
+    pub ranges: BTreeMap<Quantity, [f64; 2]>,
+    /// Each percentile, by the bits of its percentage.
+    pub percentiles: BTreeMap<(Quantity, u64), f64>,
+}
+
+impl Scales for Found {
+    fn range(&self, quantity: &Quantity) -> Result<[f64; 2]> {
+        self.ranges.get(quantity).copied().ok_or_else(|| not_found(quantity))
+    }
+
+    fn percentile(&self, quantity: &Quantity, percent: f64) -> Result<f64> {
+        let found = self.percentiles.get(&(quantity.clone(), percent.to_bits()));
+        found.copied().ok_or_else(|| not_found(quantity))
+    }
+}
+
+fn not_found(quantity: &Quantity) -> Error {
+    Error::run(format!("nothing is known of the values of {quantity}"))
+}
+
+impl Found {
+    /// What of `wanted` is not here.
+    pub fn missing(&self, wanted: &Wanted) -> Wanted {
+        let mut missing = Wanted::default();
+        missing.ranges.extend(wanted.ranges.iter().filter(|q| !self.ranges.contains_key(q)).cloned());
+        for (quantity, percents) in &wanted.percentiles {
+            let open = percents.iter().filter(|&&p| !self.percentiles.contains_key(&(quantity.clone(), p)));
+            let open: BTreeSet<u64> = open.copied().collect();
+            if !open.is_empty() {
+                missing.percentiles.insert(quantity.clone(), open);
+            }
+        }
+        missing
+    }
+
+    /// Adds what else was found.
+    pub fn add(&mut self, other: Found) {
+        self.ranges.extend(other.ranges);
+        self.percentiles.extend(other.percentiles);
+    }
+}
