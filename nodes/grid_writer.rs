@@ -112,7 +112,7 @@ fn wanted(p: &Parameters) -> Result<Option<Vec<String>>> {
         None => Ok(Some(words)),
         Some(word) => {
             let error = p.error("arrays", "'arrays' does not know this word").found(format!("\"{word}\""));
-            let known = suggest(word, WORDS.into_iter());
+            let known = suggest(word, WORDS);
             Err(error.accepted(format!("{known}; point_arrays and cell_arrays name arrays of the file")))
         }
     }
@@ -236,7 +236,7 @@ fn contents(call: &mut Call, volume: &Volume) -> Result<Contents> {
         None => missing("gradient", "gradient")?,
     }
     let asked = |parameter: &str| -> Result<Option<Vec<String>>> {
-        Ok(p.optional(parameter).is_some().then(|| names(p, parameter)).transpose()?)
+        p.optional(parameter).is_some().then(|| names(p, parameter)).transpose()
     };
     let listed = |names: &Option<Vec<String>>, name: &String| names.as_ref().is_none_or(|n| n.contains(name));
     let points = asked("point_arrays")?;

@@ -40,7 +40,7 @@ pub fn encode(contents: Contents, precision: Precision, compress: bool) -> Resul
     let of =
         |arrays: Vec<Column>| arrays.into_iter().map(|array| attribute(array, precision)).collect::<Vec<_>>();
     let data = model::Attributes { point: of(point_arrays), cell: of(cell_arrays) };
-    let whole_blocks = |buffer: &IOBuffer| buffer.num_bytes() % BLOCK == 0;
+    let whole_blocks = |buffer: &IOBuffer| buffer.num_bytes().is_multiple_of(BLOCK);
     let attributes = data.point.iter().chain(&data.cell);
     let compressed = compress
         && !whole_blocks(&points_written)
