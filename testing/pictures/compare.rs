@@ -1,8 +1,7 @@
 //! Draws a scene with an engine and with the referee, compares, and keeps what differs for looking at.
 
-pub use super::engine::{NamedScene, SHADING};
+pub use super::scene::{NamedScene, SHADING};
 
-use super::engine::Engine;
 use std::path::PathBuf;
 use voltet_core::picture::Picture;
 use voltet_core::progress::Silent;
@@ -21,32 +20,6 @@ pub fn referee(scene: &NamedScene) -> Picture {
 pub fn referee_shaded(scene: &NamedScene, shading: &Shading) -> Picture {
     reference::draw(&scene.drawn_by(shading, Order::Exact), &Silent)
         .unwrap_or_else(|e| panic!("{}: {e}", scene.name))
-}
-
-/// Asserts the bound of ordinary scenes, and that there is something to see.
-pub fn ordinary(engine: &dyn Engine, scene: &NamedScene) {
-    ordinary_shaded(engine, scene, &SHADING);
-}
-
-/// The same with another shading.
-pub fn ordinary_shaded(engine: &dyn Engine, scene: &NamedScene, shading: &Shading) {
-    close(engine, scene, shading, ORDINARY);
-}
-
-/// The same with a bound of the scene's own.
-pub fn close(engine: &dyn Engine, scene: &NamedScene, shading: &Shading, bound: f64) {
-    let Some(actual) = engine.picture(scene, shading) else { return };
-    let expected = referee_shaded(scene, shading);
-    let covered = expected.rgba.iter().filter(|p| p[3] > 0.01).count();
-    assert!(covered > 0, "{}: the scene shows nothing, so it proves nothing", scene.name);
-    within(&scene.name, &actual, &expected, bound);
-}
-
-/// Asserts that the engine draws a picture that is known.
-pub fn matches(engine: &dyn Engine, scene: &NamedScene, expected: &Picture, bound: f64) {
-    if let Some(actual) = engine.picture(scene, &SHADING) {
-        within(&scene.name, &actual, expected, bound);
-    }
 }
 
 /// Asserts that no pixel differs by more than `bound` and none is not finite.
@@ -70,20 +43,15 @@ pub fn within(name: &str, actual: &Picture, expected: &Picture, bound: f64) {
 }
 
 /// Asserts the bound of stiff scenes: 99.9 % of the pixels within 1/255, all finite.
-pub fn stiff(engine: &dyn Engine, scene: &NamedScene) {
-    let Some(actual) = engine.picture(scene, &SHADING) else { return };
-    let expected = referee(scene);
-    let covered = expected.rgba.iter().filter(|p| p[3] > 0.01).count();
-    assert!(covered > 0, "{}: the scene shows nothing, so it proves nothing", scene.name);
-    let errors = errors(&actual, &expected);
+pub fn nearly_all_within(name: &str, actual: &Picture, expected: &Picture) {
+    let errors = errors(actual, expected);
     let beyond = errors.iter().filter(|e| **e > 1.0 / 255.0).count();
     let broken = errors.iter().filter(|e| !e.is_finite()).count();
-    println!("{}: {beyond} of {} beyond 1/255, at most {:.2e}", scene.name, errors.len(), worst(&errors).0);
+    println!("{name}: {beyond} of {} beyond 1/255, at most {:.2e}", errors.len(), worst(&errors).0);
     if broken > 0 || beyond as f64 > 0.001 * errors.len() as f64 {
-        let kept = keep(&scene.name, &actual, &expected, &errors);
+        let kept = keep(name, actual, expected, &errors);
         panic!(
-            "{}: {beyond} of {} pixels differ by more than 1/255 ({broken} not finite); pictures: {}",
-            scene.name,
+            "{name}: {beyond} of {} pixels differ by more than 1/255 ({broken} not finite); pictures: {}",
             errors.len(),
             kept.display()
         );

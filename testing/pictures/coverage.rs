@@ -1,7 +1,7 @@
 //! Scenes whose truth is a formula: slabs, ramps, subdivision, rays that lie in shared faces. Tests of all engines.
 
 use super::Engine;
-use super::compare::{NamedScene, SHADING, matches, ordinary, referee, within};
+use super::compare::{NamedScene, SHADING, referee, within};
 use super::grids::{cube, grid, smooth, subdivided, volume};
 use super::looks::*;
 use glam::DVec3;
@@ -30,7 +30,7 @@ pub fn rays_in_shared_faces_and_edges(engine: &dyn Engine) {
                 };
                 let exact = known(pixels as usize, pixels as usize, -(-2f64).exp_m1());
                 within(&format!("referee {}", scene.name), &referee(&scene), &exact, 1e-6);
-                matches(engine, &scene, &exact, engine.rounding());
+                engine.matches(&scene, &exact, engine.rounding());
             }
         }
     }
@@ -39,15 +39,12 @@ pub fn rays_in_shared_faces_and_edges(engine: &dyn Engine) {
 /// Perspective rays through the middle of a symmetric cube also meet edges and diagonals.
 pub fn perspective_rays_in_shared_faces(engine: &dyn Engine) {
     for pixels in [9, 15, 33] {
-        ordinary(
-            engine,
-            &NamedScene {
-                name: format!("faces perspective {pixels}"),
-                volume: volume(cube([4, 4, 4], 0.0), |_| 0.5, |_| 0.0),
-                look: look(vec![everywhere(2.0, COLOR)]),
-                camera: perspective([0.5, -2.0, 0.5], [0.5, 0.5, 0.5], 25.0, [pixels, pixels]),
-            },
-        );
+        engine.ordinary(&NamedScene {
+            name: format!("faces perspective {pixels}"),
+            volume: volume(cube([4, 4, 4], 0.0), |_| 0.5, |_| 0.0),
+            look: look(vec![everywhere(2.0, COLOR)]),
+            camera: perspective([0.5, -2.0, 0.5], [0.5, 0.5, 0.5], 25.0, [pixels, pixels]),
+        });
     }
 }
 
@@ -60,7 +57,7 @@ pub fn ramp_along_the_view(engine: &dyn Engine) {
             look: look(vec![points(&[[0.0, 1.0, 0.5, 0.25, 0.0], [1.0, 1.0, 0.5, 0.25, 6.0]])]),
             camera: orthographic([0.503, -2.0, 0.507], [0.503, 0.0, 0.507], 0.9, [30, 30]),
         };
-        matches(engine, &scene, &known(30, 30, -(-3f64).exp_m1()), 2.0 * engine.rounding());
+        engine.matches(&scene, &known(30, 30, -(-3f64).exp_m1()), 2.0 * engine.rounding());
     }
 }
 
@@ -73,7 +70,7 @@ pub fn gaussian_along_the_view(engine: &dyn Engine) {
         camera: orthographic([0.503, -2.0, 0.507], [0.503, 0.0, 0.507], 0.9, [30, 30]),
     };
     let depth = 0.4 * std::f64::consts::TAU.sqrt() * (1.0 - 5.733e-7);
-    matches(engine, &scene, &known(30, 30, -(-depth).exp_m1()), 2.0 * engine.rounding());
+    engine.matches(&scene, &known(30, 30, -(-depth).exp_m1()), 2.0 * engine.rounding());
 }
 
 /// The field is linear in each cell, so cutting cells changes nothing; twice the ordinary bound would hide
@@ -89,16 +86,13 @@ pub fn subdividing_cells_leaves_the_picture(engine: &dyn Engine) {
     };
     let finer = subdivided(&base);
     let Some(expected) = engine.picture(&scene(base), &SHADING) else { return };
-    matches(engine, &scene(finer.clone()), &expected, 1e-4);
-    ordinary(
-        engine,
-        &NamedScene {
-            name: "subdivided".into(),
-            volume: smooth(subdivided(&finer)),
-            look: overlapping(),
-            camera: outside([64, 64]),
-        },
-    );
+    engine.matches(&scene(finer.clone()), &expected, 1e-4);
+    engine.ordinary(&NamedScene {
+        name: "subdivided".into(),
+        volume: smooth(subdivided(&finer)),
+        look: overlapping(),
+        camera: outside([64, 64]),
+    });
 }
 
 /// What only absorbs is free of the order of its cells: T adds up. Cells in reverse grid order draw the same.
@@ -112,5 +106,5 @@ pub fn cell_numbering_does_not_matter(engine: &dyn Engine) {
     };
     let reversed = scene(grid(base.points.to_vec(), cells));
     let Some(expected) = engine.picture(&scene(base), &SHADING) else { return };
-    matches(engine, &reversed, &expected, 1e-5);
+    engine.matches(&reversed, &expected, 1e-5);
 }

@@ -1,7 +1,7 @@
 //! Grids and fields that are hard: non-convex, cyclic, flat, far away, deep, huge and tiny cells. Tests of all engines.
 
 use super::Engine;
-use super::compare::{NamedScene, ORDINARY, SHADING, close, matches, ordinary, referee, within};
+use super::compare::{NamedScene, ORDINARY, SHADING, referee, within};
 use super::grids::*;
 use super::looks::*;
 use glam::DVec3;
@@ -9,15 +9,12 @@ use voltet_core::camera::Camera;
 
 pub fn two_arms_with_an_opening(engine: &dyn Engine) {
     for (name, eye) in [("front", [0.7, -2.0, 0.8]), ("side", [2.5, 0.3, 1.4]), ("end", [3.0, 0.5, 0.5])] {
-        ordinary(
-            engine,
-            &NamedScene {
-                name: format!("arms {name}"),
-                volume: smooth(two_arms()),
-                look: overlapping(),
-                camera: perspective(eye, [0.5, 0.5, 0.5], 35.0, [72, 56]),
-            },
-        );
+        engine.ordinary(&NamedScene {
+            name: format!("arms {name}"),
+            volume: smooth(two_arms()),
+            look: overlapping(),
+            camera: perspective(eye, [0.5, 0.5, 0.5], 35.0, [72, 56]),
+        });
     }
 }
 
@@ -25,15 +22,12 @@ pub fn disconnected(engine: &dyn Engine) {
     let parts: Vec<_> = (0..4)
         .map(|k| moved(&cube([2, 2, 2], 0.2), |p| 0.22 * p + 0.26 * f64::from(k) * DVec3::ONE))
         .collect();
-    ordinary(
-        engine,
-        &NamedScene {
-            name: "disconnected".into(),
-            volume: smooth(together(&parts)),
-            look: ramp(),
-            camera: outside([64, 64]),
-        },
-    );
+    engine.ordinary(&NamedScene {
+        name: "disconnected".into(),
+        volume: smooth(together(&parts)),
+        look: ramp(),
+        camera: outside([64, 64]),
+    });
 }
 
 /// Each bar has its own colour, dense enough that the front one wins.
@@ -55,7 +49,7 @@ pub fn cyclic_order(engine: &dyn Engine) {
             look: look(vec![colors.clone()]),
             camera,
         };
-        close(engine, &scene, &SHADING, bound);
+        engine.close(&scene, &SHADING, bound);
     }
 }
 
@@ -66,15 +60,12 @@ pub fn flat_cells(engine: &dyn Engine) {
             ("along", orthographic([0.503, -2.0, 0.507], [0.503, 0.0, 0.507], 0.9, [40, 40])),
             ("oblique", outside([48, 48])),
         ] {
-            ordinary(
-                engine,
-                &NamedScene {
-                    name: format!("flat {thickness:e} {name}"),
-                    volume: smooth(with_flat_layer(thickness)),
-                    look: overlapping(),
-                    camera,
-                },
-            );
+            engine.ordinary(&NamedScene {
+                name: format!("flat {thickness:e} {name}"),
+                volume: smooth(with_flat_layer(thickness)),
+                look: overlapping(),
+                camera,
+            });
         }
     }
 }
@@ -99,7 +90,7 @@ fn without_volume(engine: &dyn Engine, name: &str, cells: impl Fn(u32) -> Vec<[u
     let with = scene(grid(points, all));
     let expected = referee(&scene(base));
     within(&format!("referee {name}"), &referee(&with), &expected, 1e-7);
-    matches(engine, &with, &expected, ORDINARY);
+    engine.matches(&with, &expected, ORDINARY);
 }
 
 pub fn cells_in_a_plane(engine: &dyn Engine) {
@@ -141,32 +132,26 @@ pub fn scaled_and_far_away(engine: &dyn Engine) {
             }
             let mut look = overlapping();
             look.unit_distance = scale;
-            ordinary(
-                engine,
-                &NamedScene {
-                    name: format!("scale {scale:e} offset {:e} {name}", offset.x),
-                    volume: std::sync::Arc::new(far.clone()),
-                    look,
-                    camera,
-                },
-            );
+            engine.ordinary(&NamedScene {
+                name: format!("scale {scale:e} offset {:e} {name}", offset.x),
+                volume: std::sync::Arc::new(far.clone()),
+                look,
+                camera,
+            });
         }
     }
 }
 
 pub fn constant_field(engine: &dyn Engine) {
-    ordinary(
-        engine,
-        &NamedScene {
-            name: "constant".into(),
-            volume: volume(cube([4, 4, 4], 0.2), |_| 0.55, |_| 0.0),
-            look: look(vec![
-                gaussian([0.5, 0.0], [0.1, 0.5], 2.0, [1.0, 0.5, 0.2]),
-                points(&[[0.0, 0.1, 0.2, 0.3, 0.0], [1.0, 0.9, 0.8, 0.7, 1.0]]),
-            ]),
-            camera: outside([64, 64]),
-        },
-    );
+    engine.ordinary(&NamedScene {
+        name: "constant".into(),
+        volume: volume(cube([4, 4, 4], 0.2), |_| 0.55, |_| 0.0),
+        look: look(vec![
+            gaussian([0.5, 0.0], [0.1, 0.5], 2.0, [1.0, 0.5, 0.2]),
+            points(&[[0.0, 0.1, 0.2, 0.3, 0.0], [1.0, 0.9, 0.8, 0.7, 1.0]]),
+        ]),
+        camera: outside([64, 64]),
+    });
 }
 
 /// s near 1e8 varies by 1e-2: its 64-bit digits are enough, 32-bit ones are not.
@@ -200,15 +185,12 @@ pub fn large_values_that_hardly_vary(engine: &dyn Engine) {
             )],
         ),
     ] {
-        ordinary(
-            engine,
-            &NamedScene {
-                name: format!("offset values {name}"),
-                volume: volume.clone(),
-                look: look(widgets),
-                camera: outside([64, 64]),
-            },
-        );
+        engine.ordinary(&NamedScene {
+            name: format!("offset values {name}"),
+            volume: volume.clone(),
+            look: look(widgets),
+            camera: outside([64, 64]),
+        });
     }
 }
 
@@ -217,15 +199,12 @@ pub fn deep_pixels(engine: &dyn Engine) {
     let base = moved(&cube([2, 700, 2], 0.0), |p| DVec3::new(p.x, 3.0 * p.y, p.z));
     let volume = volume(base, |p| 0.5 + 0.5 * (9.0 * p.y + 2.0 * p.x).sin(), |p| p.z);
     for (name, look) in [("ramp", ramp()), ("overlap", overlapping())] {
-        ordinary(
-            engine,
-            &NamedScene {
-                name: format!("deep {name}"),
-                volume: volume.clone(),
-                look,
-                camera: perspective([0.45, -3.0, 0.55], [0.5, 0.0, 0.5], 18.0, [24, 20]),
-            },
-        );
+        engine.ordinary(&NamedScene {
+            name: format!("deep {name}"),
+            volume: volume.clone(),
+            look,
+            camera: perspective([0.45, -3.0, 0.55], [0.5, 0.0, 0.5], 18.0, [24, 20]),
+        });
     }
 }
 
@@ -237,30 +216,24 @@ pub fn huge_cell(engine: &dyn Engine) {
     let mut look = overlapping();
     look.unit_distance = 10.0;
     for (name, eye) in [("outside", [0.0, 0.0, 0.0]), ("inside", [0.0, 14.0, 2.0])] {
-        ordinary(
-            engine,
-            &NamedScene {
-                name: format!("huge cell {name}"),
-                volume: volume.clone(),
-                look: look.clone(),
-                camera: perspective(eye, [0.0, 40.0, 1.0], 30.0, [70, 50]),
-            },
-        );
+        engine.ordinary(&NamedScene {
+            name: format!("huge cell {name}"),
+            volume: volume.clone(),
+            look: look.clone(),
+            camera: perspective(eye, [0.0, 40.0, 1.0], 30.0, [70, 50]),
+        });
     }
 }
 
 /// Thousands of cells in one pixel.
 pub fn tiny_cells(engine: &dyn Engine) {
     for (name, height) in [("one pixel", 40.0), ("some pixels", 4.0)] {
-        ordinary(
-            engine,
-            &NamedScene {
-                name: format!("tiny cells {name}"),
-                volume: smooth(cube([12, 12, 12], 0.2)),
-                look: overlapping(),
-                camera: orthographic([3.1, -2.0, 2.5], [0.51, 0.52, 0.53], height, [21, 21]),
-            },
-        );
+        engine.ordinary(&NamedScene {
+            name: format!("tiny cells {name}"),
+            volume: smooth(cube([12, 12, 12], 0.2)),
+            look: overlapping(),
+            camera: orthographic([3.1, -2.0, 2.5], [0.51, 0.52, 0.53], height, [21, 21]),
+        });
     }
 }
 
@@ -276,13 +249,10 @@ pub fn cells_that_overlap_behind_a_shared_face(engine: &dyn Engine) {
         cells.extend([[0, 1, 2, 3], [0, 1, 2, 4]].map(|cell| cell.map(|p| p + 5 * k)));
     }
     let s = |p: DVec3| (37.0 * (p.x + 2.0 * p.y - 3.0 * p.z)).sin().abs();
-    ordinary(
-        engine,
-        &NamedScene {
-            name: "overlap behind a face".into(),
-            volume: volume(grid(points, cells), s, |p| 2.0 * p.y.sin().abs()),
-            look: overlapping(),
-            camera: orthographic([3.0, -4.0, 9.0], [3.0, 2.0, 0.0], 8.0, [90, 80]),
-        },
-    );
+    engine.ordinary(&NamedScene {
+        name: "overlap behind a face".into(),
+        volume: volume(grid(points, cells), s, |p| 2.0 * p.y.sin().abs()),
+        look: overlapping(),
+        camera: orthographic([3.0, -4.0, 9.0], [3.0, 2.0, 0.0], 8.0, [90, 80]),
+    });
 }

@@ -1,40 +1,10 @@
-//! An engine under test, and a scene as it is given one.
+//! An engine under test, and what it is held to.
 
-use std::sync::Arc;
-use voltet_core::camera::Camera;
-use voltet_core::optics::Overlap;
+use super::compare::{ORDINARY, nearly_all_within, referee_shaded, within};
+use super::scene::{NamedScene, SHADING};
 use voltet_core::picture::Picture;
-use voltet_core::scene;
-use voltet_core::shading::{Integrator, Order, Shading};
+use voltet_core::shading::{Integrator, Shading};
 use voltet_core::transfer::TransferFunction;
-use voltet_core::volume::Volume;
-
-/// Everything a picture is made from.
-#[derive(Clone)]
-pub struct NamedScene {
-    /// As failures call it.
-    pub name: String,
-    pub volume: Arc<Volume>,
-    pub look: TransferFunction,
-    pub camera: Camera,
-}
-
-impl NamedScene {
-    /// What an engine is given of it.
-    pub fn drawn_by(&self, shading: &Shading, order: Order) -> scene::Scene {
-        scene::Scene {
-            volume: self.volume.clone(),
-            transfer_function: Arc::new(self.look.clone()),
-            camera: self.camera,
-            shading: *shading,
-            order,
-        }
-    }
-}
-
-/// Closed forms, exact overlap, no light.
-pub const SHADING: Shading =
-    Shading { integrator: Integrator::Analytic, overlap: Overlap::Exact, silhouette: None, light: None };
 
 /// An engine under test.
 pub trait Engine {
@@ -49,4 +19,44 @@ pub trait Engine {
 
     /// What it leaves where rays graze the grid's surface at an angle of 0.002 and the extinction behind it is 9.
     fn grazing(&self) -> f64;
+
+    /// Asserts the bound of ordinary scenes, and that there is something to see.
+    fn ordinary(&self, scene: &NamedScene) {
+        self.ordinary_shaded(scene, &SHADING);
+    }
+
+    /// The same with another shading.
+    fn ordinary_shaded(&self, scene: &NamedScene, shading: &Shading) {
+        self.close(scene, shading, ORDINARY);
+    }
+
+    /// The same with a bound of the scene's own.
+    fn close(&self, scene: &NamedScene, shading: &Shading, bound: f64) {
+        if let Some((actual, expected)) = self.beside_referee(scene, shading) {
+            within(&scene.name, &actual, &expected, bound);
+        }
+    }
+
+    /// Asserts the bound of stiff scenes, and that there is something to see.
+    fn stiff(&self, scene: &NamedScene) {
+        if let Some((actual, expected)) = self.beside_referee(scene, &SHADING) {
+            nearly_all_within(&scene.name, &actual, &expected);
+        }
+    }
+
+    /// Its picture and the referee's, in which there is something to see.
+    fn beside_referee(&self, scene: &NamedScene, shading: &Shading) -> Option<(Picture, Picture)> {
+        let actual = self.picture(scene, shading)?;
+        let expected = referee_shaded(scene, shading);
+        let covered = expected.rgba.iter().filter(|p| p[3] > 0.01).count();
+        assert!(covered > 0, "{}: the scene shows nothing, so it proves nothing", scene.name);
+        Some((actual, expected))
+    }
+
+    /// Asserts that it draws a picture that is known.
+    fn matches(&self, scene: &NamedScene, expected: &Picture, bound: f64) {
+        if let Some(actual) = self.picture(scene, &SHADING) {
+            within(&scene.name, &actual, expected, bound);
+        }
+    }
 }

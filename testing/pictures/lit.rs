@@ -1,7 +1,7 @@
 //! Silhouettes and light. Tests of all engines.
 
 use super::Engine;
-use super::compare::{NamedScene, SHADING, ordinary_shaded};
+use super::compare::{NamedScene, SHADING};
 use super::grids::{cube, smooth, smooth_gradient};
 use super::looks::*;
 use glam::DVec3;
@@ -40,7 +40,7 @@ fn with_every_shading(
     for (kind, shading) in shadings() {
         let scene =
             NamedScene { name: format!("{name} {kind}"), volume: volume.clone(), look: look.clone(), camera };
-        ordinary_shaded(engine, &scene, &shading);
+        engine.ordinary_shaded(&scene, &shading);
     }
 }
 

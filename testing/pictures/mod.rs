@@ -14,6 +14,7 @@ pub mod integrators;
 pub mod lit;
 pub mod looks;
 pub mod ordinary;
+mod scene;
 pub mod widgets;
 pub mod worked_example;
 

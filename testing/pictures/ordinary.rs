@@ -1,7 +1,7 @@
 //! Ordinary scenes: every kind of camera, look and picture size. Tests of all engines.
 
 use super::Engine;
-use super::compare::{NamedScene, ordinary};
+use super::compare::NamedScene;
 use super::grids::{cube, smooth};
 use super::looks::*;
 use glam::DVec3;
@@ -15,10 +15,7 @@ fn looks() -> [(&'static str, TransferFunction); 3] {
 fn with_every_look(engine: &dyn Engine, name: &str, camera: Camera) {
     let volume = smooth(cube([6, 6, 6], 0.2));
     for (kind, look) in looks() {
-        ordinary(
-            engine,
-            &NamedScene { name: format!("{name} {kind}"), volume: volume.clone(), look, camera },
-        );
+        engine.ordinary(&NamedScene { name: format!("{name} {kind}"), volume: volume.clone(), look, camera });
     }
 }
 
@@ -71,7 +68,7 @@ pub fn samples_at_the_border_of_the_picture(engine: &dyn Engine) {
     ] {
         for samples in [9, 5] {
             let (name, camera) = (format!("border {name} {samples}"), Camera { samples, ..camera });
-            ordinary(engine, &NamedScene { name, volume: volume.clone(), look: overlapping(), camera });
+            engine.ordinary(&NamedScene { name, volume: volume.clone(), look: overlapping(), camera });
         }
     }
 }

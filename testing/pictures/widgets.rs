@@ -1,7 +1,7 @@
 //! Every kind of widget, alone and together, with regions, under both models. Scenes and tests of all engines.
 
 use super::Engine;
-use super::compare::{NamedScene, ordinary};
+use super::compare::NamedScene;
 use super::grids::{cube, smooth, smooth_gradient};
 use super::looks::*;
 use glam::DVec3;
@@ -83,8 +83,8 @@ pub fn scene(name: String, look: TransferFunction) -> NamedScene {
 pub fn each_alone_under_both_models(engine: &dyn Engine) {
     for (name, widget) in widgets() {
         let density = look(vec![widget]);
-        ordinary(engine, &scene(name.into(), density.clone()));
-        ordinary(engine, &scene(format!("glowing {name}"), TransferFunction { model: CONSTANT, ..density }));
+        engine.ordinary(&scene(name.into(), density.clone()));
+        engine.ordinary(&scene(format!("glowing {name}"), TransferFunction { model: CONSTANT, ..density }));
     }
 }
 
@@ -94,12 +94,12 @@ pub fn all() -> TransferFunction {
 }
 
 pub fn all_at_once(engine: &dyn Engine) {
-    ordinary(engine, &scene("all".into(), all()));
+    engine.ordinary(&scene("all".into(), all()));
 }
 
 pub fn overlaps_that_glow(engine: &dyn Engine) {
     let look = TransferFunction { model: CONSTANT, ..overlapping() };
-    ordinary(engine, &scene("glowing overlap".into(), look));
+    engine.ordinary(&scene("glowing overlap".into(), look));
 }
 
 /// With the scalar more values than a device's workgroup keeps of a cell.
@@ -118,5 +118,5 @@ pub fn a_gaussian_over_eight_fields(engine: &dyn Engine) {
         Profile::GaussianNd { fields: names, centre: vec![0.4; 8], matrix: (0..8).map(row).collect() };
     let widget = Widget { profile, color: [0.9, 0.6, 0.2], extinction: 3.0, region: None };
     let eight = scene("eight fields".into(), look(vec![widget]));
-    ordinary(engine, &NamedScene { volume: Arc::new(whole), ..eight });
+    engine.ordinary(&NamedScene { volume: Arc::new(whole), ..eight });
 }

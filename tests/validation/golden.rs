@@ -3,7 +3,8 @@
 use crate::drawing::Tested;
 use std::path::PathBuf;
 use voltet_core::picture::Picture;
-use voltet_testing::pictures::compare::{NamedScene, ORDINARY, matches, referee, save, within};
+use voltet_testing::pictures::Engine;
+use voltet_testing::pictures::compare::{NamedScene, ORDINARY, referee, save, within};
 use voltet_testing::pictures::grids::{cube, cyclic_bars, smooth};
 use voltet_testing::pictures::looks::*;
 
@@ -36,7 +37,7 @@ fn golden_pictures() {
     for scene in scenes() {
         let golden = load(&path(&scene));
         within(&format!("golden referee {}", scene.name), &referee(&scene), &golden, 2e-7);
-        matches(&Tested, &scene, &golden, ORDINARY);
+        Tested.matches(&scene, &golden, ORDINARY);
     }
 }
 

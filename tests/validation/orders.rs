@@ -5,7 +5,8 @@ use voltet_core::progress::Silent;
 use voltet_core::shading::{Integrator, Order, Shading};
 use voltet_core::transfer::{OpticalModel, Profile, TransferFunction, Wave, Widget};
 use voltet_engine as engine;
-use voltet_testing::pictures::compare::{NamedScene, SHADING, ordinary};
+use voltet_testing::pictures::Engine;
+use voltet_testing::pictures::compare::{NamedScene, SHADING};
 use voltet_testing::pictures::grids::*;
 use voltet_testing::pictures::looks::*;
 
@@ -46,15 +47,12 @@ fn widgets_without_a_vector_form() {
         ("triangle wave", Profile::TriangleWave(wave(0.21, 0.4))),
         ("sine wave", Profile::SineWave(wave(0.13, 1.0))),
     ] {
-        ordinary(
-            &Tested,
-            &NamedScene {
-                name: name.into(),
-                volume: smooth(cube([4, 4, 4], 0.2)),
-                look: look(vec![widget(profile)]),
-                camera: outside([40, 40]),
-            },
-        );
+        Tested.ordinary(&NamedScene {
+            name: name.into(),
+            volume: smooth(cube([4, 4, 4], 0.2)),
+            look: look(vec![widget(profile)]),
+            camera: outside([40, 40]),
+        });
     }
 }
 
@@ -62,15 +60,12 @@ fn widgets_without_a_vector_form() {
 fn constant_emitter() {
     let mut look = overlapping();
     look.model = OpticalModel::ConstantEmitter { cutoff: 1.0 / 255.0 };
-    ordinary(
-        &Tested,
-        &NamedScene {
-            name: "constant emitter".into(),
-            volume: smooth(cube([4, 4, 4], 0.2)),
-            look,
-            camera: outside([40, 40]),
-        },
-    );
+    Tested.ordinary(&NamedScene {
+        name: "constant emitter".into(),
+        volume: smooth(cube([4, 4, 4], 0.2)),
+        look,
+        camera: outside([40, 40]),
+    });
 }
 
 /// Also one whose values the data straddle without meeting it: no cell lies in the hole of its region.
@@ -132,7 +127,7 @@ fn opaque_tiles_stop_early() {
     };
     let counts = |extinction| {
         let scene = scene(extinction);
-        ordinary(&Tested, &scene);
+        Tested.ordinary(&scene);
         let cells = engine::cull(&scene.volume, &scene.look, &scene.camera, &Silent).unwrap();
         engine::draw(&cells, &scene.look, &scene.camera, &SHADING, &Silent).unwrap().1
     };

@@ -4,7 +4,8 @@ use crate::drawing::Tested;
 use voltet_core::progress::Silent;
 use voltet_core::transfer::{Profile, Region, Wave, Widget};
 use voltet_engine as engine;
-use voltet_testing::pictures::compare::{NamedScene, SHADING, ordinary};
+use voltet_testing::pictures::Engine;
+use voltet_testing::pictures::compare::{NamedScene, SHADING};
 use voltet_testing::pictures::grids::{cube, smooth};
 use voltet_testing::pictures::looks::*;
 
@@ -22,7 +23,7 @@ fn both(name: &str, wave: Wave, extinction: f64, region: Option<Region>) {
         let kind = if matches!(profile, Profile::SineWave(_)) { "sine" } else { "triangle" };
         let widget = Widget { profile, color: [0.9, 0.6, 0.2], extinction, region: region.clone() };
         let scene = scene(&format!("{name} {kind}"), vec![widget]);
-        ordinary(&Tested, &scene);
+        Tested.ordinary(&scene);
         let cells =
             engine::cull(&scene.volume, &scene.look, &scene.camera, &Silent).expect("the scene can be drawn");
         let (_, counts) = engine::draw(&cells, &scene.look, &scene.camera, &SHADING, &Silent)

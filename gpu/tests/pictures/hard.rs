@@ -4,9 +4,8 @@ use crate::drawing::{Tested, device, draw, tiles};
 use glam::DVec3;
 use voltet_core::shading::{Integrator, Order, Shading};
 use voltet_gpu::Renderer;
-use voltet_testing::pictures::compare::{
-    NamedScene, ORDINARY, SHADING, ordinary, ordinary_shaded, referee, stiff, within,
-};
+use voltet_testing::pictures::Engine;
+use voltet_testing::pictures::compare::{NamedScene, ORDINARY, SHADING, referee, within};
 use voltet_testing::pictures::grids::*;
 use voltet_testing::pictures::looks::*;
 
@@ -31,7 +30,7 @@ fn deep_pixels_with_long_cells() {
         look: look(overlapping().widgets.iter().map(|widget| widget.with_extinction_times(0.2)).collect()),
         camera: perspective([0.45, -3.0, 0.55], [0.5, 0.0, 0.5], 18.0, [16, 16]),
     };
-    ordinary(&Tested, &scene);
+    Tested.ordinary(&scene);
 }
 
 /// Many cells that begin at one depth and overlap: a pixel gives up what finds no room, and sweeps again.
@@ -51,7 +50,7 @@ fn sweeps_lose_nothing() {
     };
     let Some(drawn) = draw(&scene, &SHADING, Order::Exact) else { return };
     assert!(drawn.counts.sweeps_further > 0);
-    ordinary(&Tested, &scene);
+    Tested.ordinary(&scene);
 }
 
 /// Samples are rounds of loops, too, of which a software driver makes 65,535.
@@ -66,7 +65,7 @@ fn many_samples_on_each_of_many_segments() {
     };
     let riemann = Integrator::Riemann { count: 256 };
     for integrator in [riemann, Integrator::Segments { count: 128, table_size: 256 }] {
-        ordinary_shaded(&Tested, &scene, &Shading { integrator, ..SHADING });
+        Tested.ordinary_shaded(&scene, &Shading { integrator, ..SHADING });
     }
     let Some(device) = device().filter(|device| device.is_software) else { return };
     let renderer = Renderer::new(device, &scene.volume).expect("fits");
@@ -116,27 +115,21 @@ fn a_cell_before_130_thousand_tiles() {
 #[test]
 fn surfaces() {
     for sigma in [1e-3, 1e-4] {
-        stiff(
-            &Tested,
-            &NamedScene {
-                name: format!("narrow {sigma:e}"),
-                volume: smooth(cube([5, 5, 5], 0.2)),
-                look: look(vec![
-                    gaussian([0.6, 0.8], [sigma, 2.0], 1e4, [1.0, 0.5, 0.15]),
-                    gaussian([0.35, 0.8], [sigma, 0.6], 5e3, [0.2, 0.5, 1.0]),
-                ]),
-                camera: outside([64, 64]),
-            },
-        );
-        stiff(
-            &Tested,
-            &NamedScene {
-                name: format!("sheet {sigma:e}"),
-                volume: smooth(cube([5, 5, 5], 0.2)),
-                look: look(vec![gaussian([0.6, 0.8], [sigma, 2.0], 0.5 / sigma, [1.0, 0.5, 0.15])]),
-                camera: outside([64, 64]),
-            },
-        );
+        Tested.stiff(&NamedScene {
+            name: format!("narrow {sigma:e}"),
+            volume: smooth(cube([5, 5, 5], 0.2)),
+            look: look(vec![
+                gaussian([0.6, 0.8], [sigma, 2.0], 1e4, [1.0, 0.5, 0.15]),
+                gaussian([0.35, 0.8], [sigma, 0.6], 5e3, [0.2, 0.5, 1.0]),
+            ]),
+            camera: outside([64, 64]),
+        });
+        Tested.stiff(&NamedScene {
+            name: format!("sheet {sigma:e}"),
+            volume: smooth(cube([5, 5, 5], 0.2)),
+            look: look(vec![gaussian([0.6, 0.8], [sigma, 2.0], 0.5 / sigma, [1.0, 0.5, 0.15])]),
+            camera: outside([64, 64]),
+        });
     }
 }
 
@@ -145,15 +138,12 @@ fn surfaces() {
 #[test]
 fn cells_that_begin_at_the_eye() {
     let at_the_eye = |name: String, corners: [[f64; 3]; 4], extinction| {
-        ordinary(
-            &Tested,
-            &NamedScene {
-                name: format!("at the eye {name}"),
-                volume: volume(grid(corners.map(DVec3::from).to_vec(), vec![[0, 1, 2, 3]]), |_| 0.5, |_| 0.0),
-                look: look(vec![everywhere(extinction, [1.0, 0.5, 0.25])]),
-                camera: perspective([0.0; 3], [0.0, 1.0, 0.0], 60.0, [40, 40]),
-            },
-        );
+        Tested.ordinary(&NamedScene {
+            name: format!("at the eye {name}"),
+            volume: volume(grid(corners.map(DVec3::from).to_vec(), vec![[0, 1, 2, 3]]), |_| 0.5, |_| 0.0),
+            look: look(vec![everywhere(extinction, [1.0, 0.5, 0.25])]),
+            camera: perspective([0.0; 3], [0.0, 1.0, 0.0], 60.0, [40, 40]),
+        });
     };
     // Fills the picture at its nearest, half of which is tan 30° = 0.58 wide at depth 1; where it is cut, it spans half.
     let narrowing = [[-3e-5, 1e-5, -3e-5], [3e-5, 1e-5, -3e-5], [0.0, 1e-5, 4e-5], [0.0, 1.0, 0.0]];
@@ -191,14 +181,11 @@ fn widgets_far_narrower_than_the_range() {
         ("line", gaussian([0.7 + 0.6e-6, 0.0], [1e-7, f64::INFINITY], 4.0, [1.0, 0.5, 0.15])),
         ("plane", gaussian([0.7 + 0.6e-6, 0.3 + 0.8e-6], [1e-7, 5e-7], 4.0, [1.0, 0.5, 0.15])),
     ] {
-        ordinary(
-            &Tested,
-            &NamedScene {
-                name: format!("narrow in the range {name}"),
-                volume: volume(whole.clone(), s, g),
-                look: look(vec![widget]),
-                camera: outside([40, 40]),
-            },
-        );
+        Tested.ordinary(&NamedScene {
+            name: format!("narrow in the range {name}"),
+            volume: volume(whole.clone(), s, g),
+            look: look(vec![widget]),
+            camera: outside([40, 40]),
+        });
     }
 }

@@ -1,0 +1,36 @@
+//! A scene to draw.
+
+use std::sync::Arc;
+use voltet_core::camera::Camera;
+use voltet_core::optics::Overlap;
+use voltet_core::scene;
+use voltet_core::shading::{Integrator, Order, Shading};
+use voltet_core::transfer::TransferFunction;
+use voltet_core::volume::Volume;
+
+/// Everything a picture is made from.
+#[derive(Clone)]
+pub struct NamedScene {
+    /// As failures call it.
+    pub name: String,
+    pub volume: Arc<Volume>,
+    pub look: TransferFunction,
+    pub camera: Camera,
+}
+
+impl NamedScene {
+    /// What an engine is given of it.
+    pub fn drawn_by(&self, shading: &Shading, order: Order) -> scene::Scene {
+        scene::Scene {
+            volume: self.volume.clone(),
+            transfer_function: Arc::new(self.look.clone()),
+            camera: self.camera,
+            shading: *shading,
+            order,
+        }
+    }
+}
+
+/// Closed forms, exact overlap, no light.
+pub const SHADING: Shading =
+    Shading { integrator: Integrator::Analytic, overlap: Overlap::Exact, silhouette: None, light: None };
