@@ -3,7 +3,7 @@
 use voltet_core::Result;
 use voltet_core::graph::{Parameter, ParameterType, Parameters, Range, Standard};
 use voltet_core::optics::Overlap;
-use voltet_core::optics::integrators::Numbers;
+use voltet_core::optics::integrators::{Numbers, PARTIAL_SIDE_MOST, STANDARD_PIECES, STANDARD_SIDE};
 use voltet_core::shading::{Integrator, Light, Shading};
 
 /// The parameters of shading, for the declarations of `composite` and `renderer`.
@@ -29,7 +29,7 @@ pub const PARAMETERS: [Parameter; 7] = [
         name: "segments",
         parameter_type: ParameterType::Integer(Range::within(1.0, 65536.0)),
         unit: "",
-        standard: Standard::Integer(16),
+        standard: Standard::Integer(STANDARD_PIECES as i64),
         help: "segments and riemann: pieces of each ray segment",
     },
     Parameter {
@@ -41,9 +41,9 @@ pub const PARAMETERS: [Parameter; 7] = [
     },
     Parameter {
         name: "table_size",
-        parameter_type: ParameterType::Integer(Range::within(2.0, 4096.0)),
+        parameter_type: ParameterType::Integer(Range::within(2.0, PARTIAL_SIDE_MOST as f64)),
         unit: "entries a side",
-        standard: Standard::Integer(256),
+        standard: Standard::Integer(STANDARD_SIDE as i64),
         help: "segments and pre-integrated: side of the table; 512 at most where it has three dimensions",
     },
     Parameter {

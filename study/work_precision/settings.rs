@@ -2,7 +2,7 @@
 
 use super::{Painter, Subject};
 use voltet_core::optics::Overlap;
-use voltet_core::optics::integrators::{Integrator, Numbers, can_serve};
+use voltet_core::optics::integrators::{Integrator, Numbers, STANDARD_PIECES, STANDARD_SIDE, can_serve};
 use voltet_core::scene::Scene;
 use voltet_core::shading::{Order, Shading};
 
@@ -19,14 +19,8 @@ pub struct Setting {
     pub order: Order,
 }
 
-/// Sides of the partial pre-integration table beside the standard one, at [`TABLE_SEGMENTS`] pieces.
+/// Sides of the partial pre-integration table beside the standard one, at the standard number of pieces.
 const PARTIAL_SIDES: [usize; 3] = [16, 64, 1024];
-
-/// Side of that table while the number of pieces changes: the standard of the parameter.
-const PARTIAL_SIDE: usize = 256;
-
-/// Pieces while the side of that table changes: the standard of the parameter.
-const TABLE_SEGMENTS: usize = 16;
 
 /// Sides of the three-dimensional tables. 256³ takes 190 MiB; the largest, 512³, 1.5 GiB, and is left out.
 const SIDES: [usize; 5] = [16, 32, 64, 128, 256];
@@ -75,8 +69,8 @@ fn sweep(kind: &Integrator) -> Vec<Integrator> {
             TOLERANCES.iter().map(with).collect()
         }
         Numbers { count: Some(_), table_size: Some(_), .. } => {
-            let pieces = powers(6).map(|count| with(Some(count), Some(PARTIAL_SIDE)));
-            pieces.chain(PARTIAL_SIDES.map(|side| with(Some(TABLE_SEGMENTS), Some(side)))).collect()
+            let pieces = powers(6).map(|count| with(Some(count), Some(STANDARD_SIDE)));
+            pieces.chain(PARTIAL_SIDES.map(|side| with(Some(STANDARD_PIECES), Some(side)))).collect()
         }
         Numbers { count: Some(_), .. } => powers(8).map(|count| with(Some(count), None)).collect(),
         Numbers { table_size: Some(_), .. } => SIDES.map(|side| with(None, Some(side))).to_vec(),

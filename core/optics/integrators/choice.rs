@@ -41,6 +41,12 @@ pub enum Integrator {
     Reference,
 }
 
+/// Pieces of a ray segment where nobody says how many.
+pub const STANDARD_PIECES: usize = 16;
+
+/// Side of a table where nobody says it.
+pub const STANDARD_SIDE: usize = 256;
+
 /// Largest side of a three-dimensional table: 512³ colours take 1.5 GiB.
 pub const TABLE_SIDE_MOST: usize = 512;
 

@@ -28,7 +28,9 @@ mod tests;
 
 pub use adaptive::Adaptive;
 pub use analytic::Analytic;
-pub use choice::{Integrator, Numbers, PARTIAL_SIDE_MOST, TABLE_SIDE_MOST, can_serve};
+pub use choice::{
+    Integrator, Numbers, PARTIAL_SIDE_MOST, STANDARD_PIECES, STANDARD_SIDE, TABLE_SIDE_MOST, can_serve,
+};
 pub use clipped::Clipped;
 pub use partial_table::PartialTable;
 pub use pre_integrated::PreIntegrated;
