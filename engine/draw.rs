@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use std::sync::atomic::AtomicUsize;
 use voltet_core::camera::Camera;
 use voltet_core::grid::extent::longest_edge_squared;
-use voltet_core::optics::integrators::{self, Extent};
+use voltet_core::optics::integrators::{self, Extent, SegmentIntegrator};
 use voltet_core::picture::Picture;
 use voltet_core::progress::{Progress, refuse_beyond_memory};
 use voltet_core::shading::{Integrator, Order, Shading};
@@ -124,8 +124,7 @@ pub fn prepare<'a>(
     }
     integrators::can_serve(&shading.integrator, transfer_function)?;
     let touched = cells.touched(transfer_function);
-    let extent = extent(cells, &shading.integrator);
-    let exact = integrators::new(&shading.integrator, shading.overlap, &touched, &extent)?;
+    let exact = integrator(cells, &touched, shading)?;
     let table_bytes = exact.table_bytes() as u64;
     let scene = (&attributes[..], cells.length, cells.no_leave_out);
     let shader = Shader::new(&touched, shading, exact, scene, surface)?;
@@ -215,6 +214,18 @@ pub fn draw(
 ) -> Result<(Picture, Counts)> {
     let projection = project(cells, transfer_function, camera, needs_gradient(shading), progress)?;
     composite(&projection, transfer_function, shading, progress)
+}
+
+/// The integrator in 64 bits, as [`prepare`] makes it ready: what draws the segments that lanes do not.
+///
+/// Errors: an integrator that cannot serve the transfer function; one with a number out of range.
+pub fn integrator(
+    cells: &Cells,
+    transfer_function: &TransferFunction,
+    shading: &Shading,
+) -> Result<Box<dyn SegmentIntegrator>> {
+    let extent = extent(cells, &shading.integrator);
+    integrators::new(&shading.integrator, shading.overlap, transfer_function, &extent)
 }
 
 /// What the segments span, as far as the integrator has tables to fill: no segment inside a cell is longer than its

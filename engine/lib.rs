@@ -31,7 +31,7 @@ mod view;
 
 pub use cells::{Cells, Counts};
 pub use cull::{cull, keep_all};
-pub use draw::{Projection, Ready, composite, draw, needs_gradient, prepare, project, sort};
+pub use draw::{Projection, Ready, composite, draw, integrator, needs_gradient, prepare, project, sort};
 pub use memory::drawing_bytes;
 pub use native::ENGINE;
 pub use segments::{Integrated, Segments, segments};

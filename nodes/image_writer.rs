@@ -2,6 +2,8 @@
 
 use crate::encode;
 use crate::files::output::{self, BY_ENDING, FORMAT, PATH};
+use crate::provenance::{self, Provenance};
+use std::path::Path;
 use voltet_core::Result;
 use voltet_core::graph::{
     Call, Node, Outputs, Parameter, ParameterType, Parameters, Port, PortType, Range, Standard,
@@ -34,6 +36,14 @@ pub const NODE: Node = Node {
             standard: Standard::Numbers(&[0.0, 0.0, 0.0]),
             help: "png: the colour behind the picture",
         },
+        Parameter {
+            name: "provenance",
+            parameter_type: ParameterType::Boolean,
+            unit: "",
+            standard: Standard::Boolean(true),
+            help: "whether the picture carries the pipeline that drew it (`voltet run` of it draws it again), its camera, \
+                   and names, sizes and dates of the data files",
+        },
     ],
     example: include_str!("examples/stages.toml"),
     check: &|parameters| format(parameters).map(drop),
@@ -44,12 +54,29 @@ pub const NODE: Node = Node {
 
 fn run(call: &mut Call) -> Result<Outputs> {
     let picture = call.image("image")?;
+    let path = call.path("path")?;
+    let carried = carried(call, &path)?;
     let encoded = match format(call.parameters)? {
-        PNG => encode::png(&picture, call.parameters.vector("background")?)?,
-        _ => encode::exr(&picture)?,
+        PNG => encode::png(&picture, call.parameters.vector("background")?, carried.as_ref())?,
+        _ => encode::exr(&picture, carried.as_ref())?,
     };
     output::write(call, &encoded)?;
     Ok(Vec::new())
+}
+
+/// What the picture is to carry.
+fn carried(call: &mut Call, path: &Path) -> Result<Option<Provenance>> {
+    if !call.parameters.flag("provenance")? {
+        return Ok(None);
+    }
+    let provenance = Provenance::of_picture(call, call.parameters.text("path")?, path);
+    if provenance.texts().is_none() {
+        call.notes.warnings.push(format!(
+            "the picture does not carry its pipeline, which is longer than {} bytes",
+            provenance::TEXT_MOST
+        ));
+    }
+    Ok(Some(provenance))
 }
 
 fn format(parameters: &Parameters) -> Result<&'static str> {

@@ -8,6 +8,7 @@
 //! | [`formats`] | data files to grids |
 //! | [`memory`] | what a grid takes, and what is left |
 //! | [`probing`] | parts of the node `probe` |
+//! | [`provenance`] | what was drawn from what: written into pictures and reports, read again |
 //! | [`relative`] | numbers relative to data: ranges and percentiles |
 //! | [`vtu`] | grids to VTK files |
 
@@ -17,6 +18,7 @@ pub mod files;
 pub mod formats;
 pub mod memory;
 pub mod probing;
+pub mod provenance;
 pub mod relative;
 pub mod vtu;
 

@@ -22,6 +22,9 @@ pub struct Arguments {
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Run pipeline files and write their pictures.
+    ///
+    /// A picture that voltet wrote (.png, .exr) serves as a pipeline file here and for every other command: it carries the
+    /// pipeline that drew it.
     Run(Run),
     /// Check pipeline files: names, types, ranges and wires. Runs nothing, reads no data.
     Check(Files),
@@ -29,16 +32,24 @@ pub enum Command {
     Explain(Explain),
     /// List the node types and gradient filters, or show one with its ports and parameters.
     Nodes(Nodes),
-    /// Show what a data file holds, or what a pipeline finds out about its data without drawing.
+    /// Show what a data file holds, what a pipeline finds out about its data without drawing, or what a picture carries.
     ///
     /// Of a data file: cells, arrays with ranges, bounds, and a pipeline to start with. Of a pipeline file (.toml): what
-    /// its probes find, and for each transfer function with waves how many bands the cells cross.
+    /// its probes find, and for each transfer function with waves how many bands the cells cross. Of a picture (.png, .exr):
+    /// the data, the camera and the pipeline that drew it.
     Info(Info),
     /// Write a pipeline file for a data file, with a transfer function found from the data.
     ///
     /// The scalar is the file's own, or the first array that is a quantity. Where it changes, over its values and gradient
     /// magnitudes, are the boundaries that the widgets show; the camera sees them. The file runs as it is.
     Start(Start),
+    /// Say what one pixel is made of: the cells along its ray, and what each of them adds.
+    ///
+    /// From the eye on, for each cell: where the ray enters and leaves it, s and g there, the widgets met with their shares of
+    /// the optical depth, opacity and colour, the share of its light that reaches the eye, and what it adds to the pixel. Then
+    /// the pixel by the 64-bit referee, as the pipeline draws it, and by every integrator that can serve the scene. Serves any
+    /// pipeline that draws a volume, and any picture that carries one.
+    Pixel(Pixel),
     /// Judge every formula and engine against exact values, and draw cells that are hard to draw.
     ///
     /// For each set of forms (64-bit, 32-bit by lane set, the shaders of a graphics device): the worst error and its inputs in every category (stiff, narrow,
@@ -127,7 +138,7 @@ pub struct Nodes {
 
 #[derive(Debug, Args)]
 pub struct Info {
-    /// A data file, or a pipeline file (.toml).
+    /// A data file, a pipeline file (.toml), or a picture (.png, .exr).
     #[arg(value_name = "DATA")]
     pub data: PathBuf,
     #[command(flatten)]
@@ -138,7 +149,7 @@ pub struct Info {
     /// PLOT3D: the solution (q) file that belongs to the grid.
     #[arg(long, value_name = "Q")]
     pub solution: Option<PathBuf>,
-    /// Write what the data file holds as JSON to the standard output.
+    /// Write what the data file holds, or the picture carries, as JSON to the standard output.
     #[arg(long)]
     pub json: bool,
 }
@@ -163,6 +174,39 @@ pub struct Start {
     /// Write over a pipeline file that is there.
     #[arg(long)]
     pub force: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct Pixel {
+    /// A pipeline file, or a picture that carries one.
+    #[arg(value_name = "FILE")]
+    pub file: PathBuf,
+    /// Column of the pixel, from the left, from 0.
+    #[arg(value_name = "X", allow_negative_numbers = true)]
+    pub x: i64,
+    /// Row of the pixel, from the top, from 0.
+    #[arg(value_name = "Y", allow_negative_numbers = true)]
+    pub y: i64,
+    #[command(flatten)]
+    pub set: Set,
+    /// The node that draws, of type renderer, gpu-renderer or composite, where the pipeline has several.
+    #[arg(long, value_name = "NODE")]
+    pub node: Option<String>,
+    /// Which ray of the pixel is shown, from 0, where the camera has several samples.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub sample: u32,
+    /// Show every cell of the ray; without it the 24 that add most where there are more.
+    #[arg(long)]
+    pub all: bool,
+    /// Write all cells to this file, as CSV.
+    #[arg(long, value_name = "FILE.csv")]
+    pub csv: Option<PathBuf>,
+    /// Write everything to this file, as JSON.
+    #[arg(long, value_name = "FILE.json")]
+    pub json: Option<PathBuf>,
+    /// Plot s and g along the ray, and what each cell adds; .svg or .png.
+    #[arg(long, value_name = "FILE.svg")]
+    pub plot: Option<PathBuf>,
 }
 
 #[derive(Debug, Args)]

@@ -31,6 +31,8 @@ struct Entry<'a> {
     /// "'path' of the node 'file'".
     by: String,
     document: Option<&'a Document>,
+    /// The node and the parameter that name it.
+    node: Option<(String, String)>,
     /// An error that points there.
     blame: Box<dyn Fn(Error) -> Error + 'a>,
 }
@@ -78,7 +80,15 @@ pub fn refuse<'a>(
     };
     let error = Error::usage(what)
         .found(format!("'{own}'{spelled}, which {} {verb}", other.place()))
-        .accepted("a file of its own for every output");
+        .accepted(match (&writer.node, other.document) {
+            // Only what is read has no node and a document.
+            (Some((node, parameter)), Some(document))
+                if other.node.is_none() && document.carried.is_some() =>
+            {
+                format!("--set {node}.{parameter}=OTHER, or the picture to draw again under another name")
+            }
+            _ => "a file of its own for every output".into(),
+        });
     Err(((writer.blame)(error), writer.document.map(|document| document.text.as_str())))
 }
 
@@ -89,6 +99,7 @@ fn beside<'a>(entry: &Entry<'a>) -> Vec<Entry<'a>> {
         one: Use { path, written: false },
         by: format!("the program, as a part of {by},"),
         document: entry.document,
+        node: None,
         blame: Box::new(|error| error),
     };
     files_beside(&entry.one.path).into_iter().map(of).collect()
@@ -99,6 +110,7 @@ fn of_option(file: &OptionFile) -> Entry<'_> {
         one: Use { path: file.path.clone(), written: file.written },
         by: file.option.clone(),
         document: None,
+        node: None,
         blame: Box::new(|error| error.in_file(&file.option)),
     }
 }
@@ -106,8 +118,12 @@ fn of_option(file: &OptionFile) -> Entry<'_> {
 fn of_pipeline(document: &Document) -> Entry<'_> {
     Entry {
         one: Use { path: document.path.clone(), written: false },
-        by: "the program, as a pipeline file,".into(),
+        by: match document.carried {
+            Some(_) => "the program, as the picture to draw again,".into(),
+            None => "the program, as a pipeline file,".into(),
+        },
         document: Some(document),
+        node: None,
         blame: Box::new(|error| error),
     }
 }
@@ -120,6 +136,7 @@ fn of_nodes(document: &Document) -> impl Iterator<Item = Entry<'_>> {
         one: Use { path: named.from(&graph.folder), written: named.written },
         by: format!("'{}' of the node '{}'", named.parameter, node.name),
         document: Some(document),
+        node: Some((node.name.clone(), named.parameter.clone())),
         blame: Box::new(move |error| {
             let origin = match &named.origin {
                 Origin::Nowhere => &node.origin,

@@ -1,14 +1,18 @@
-//! A pipeline file with its text and its checked graph.
+//! A pipeline file, or a picture that carries one, with its text and its checked graph.
 
+use crate::options::stated;
+use std::fs::File;
+use std::io::{BufReader, Read, Seek};
 use std::path::{Path, PathBuf};
-use voltet_core::graph::{Graph, Registry, suggest};
+use voltet_core::graph::{Graph, NamedPath, Registry, suggest};
 use voltet_core::pipeline::{Pipeline, locate};
 use voltet_core::{Error, Result};
+use voltet_nodes::provenance::{self, DataFile, Provenance};
 
-/// A pipeline file, read and checked.
+/// A pipeline, read and checked.
 #[derive(Debug)]
 pub struct Document {
-    /// Its path.
+    /// The path of its file, or of the picture that carries it.
     pub path: PathBuf,
     /// Its text.
     pub text: String,
@@ -16,47 +20,145 @@ pub struct Document {
     pub pipeline: Pipeline,
     /// The graph that it makes.
     pub graph: Graph,
+    /// What the picture says of itself, where the pipeline comes from one.
+    pub carried: Option<Provenance>,
+}
+
+/// The text of a pipeline, and where it comes from.
+#[derive(Debug, Clone)]
+pub struct Source {
+    /// The text.
+    pub text: String,
+    /// What the picture that it comes from says of itself.
+    pub carried: Option<Provenance>,
 }
 
 impl Document {
-    /// Reads a pipeline file, carries out `options` (`node.param=value`) and checks it.
+    /// Reads a pipeline file, or a picture (.png, .exr) that carries its pipeline, carries out `options` (`node.param=value`)
+    /// and checks it.
     pub fn open(path: &Path, options: &[String], registry: &Registry) -> Result<Document> {
-        let text = read_text(path)?;
-        Self::from_text(path, text, options, registry)
+        Self::from_source(path, Source::read(path)?, options, registry)
     }
 
     /// The same for a text that was read already; paths in it are relative to the folder of `path`.
     pub fn from_text(path: &Path, text: String, options: &[String], registry: &Registry) -> Result<Document> {
+        Self::from_source(path, Source { text, carried: None }, options, registry)
+    }
+
+    /// The same for what was read already.
+    pub fn from_source(
+        path: &Path,
+        source: Source,
+        options: &[String],
+        registry: &Registry,
+    ) -> Result<Document> {
+        let Source { text, carried } = source;
         let located = |error| locate(error, &text, path);
         let mut pipeline = Pipeline::parse(&text).map_err(located)?;
         options.iter().try_for_each(|option| pipeline.set(option)).map_err(located)?;
         let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
-        let graph = pipeline.graph(registry, folder).map_err(located)?;
-        Ok(Document { path: path.to_path_buf(), text, pipeline, graph })
+        let mut graph = Graph::build(&pipeline.nodes, registry, folder).map_err(located)?;
+        graph.stated = stated(&text, options, &pipeline, registry).map_err(located)?;
+        Ok(Document { path: path.to_path_buf(), text, pipeline, graph, carried })
     }
 
     /// Completes an error of a run with the place in this file.
     pub fn locate(&self, error: Error) -> Error {
         locate(error, &self.text, &self.path)
     }
+
+    /// Of a picture: finds out, before any work, whether the data files that it names are there.
+    pub fn refuse_missing_data(&self) -> Result<()> {
+        for (node, named, former) in self.data() {
+            let path = named.from(&self.graph.folder);
+            if let Err(error) = std::fs::metadata(&path) {
+                let what = "a data file that the picture was drawn from is not where the picture says";
+                let state = former.map(state).unwrap_or_default();
+                return Err(Error::usage(what)
+                    .found(format!("no '{}'{state}: {error}", path.display()))
+                    .accepted(format!(
+                        "the picture where it was written, or --set {node}.{}=FILE (a path is relative to the picture)",
+                        named.parameter
+                    ))
+                    .in_file(&self.path));
+            }
+        }
+        Ok(())
+    }
+
+    /// Of a picture: data files that are not those that it was drawn from, by their sizes.
+    pub fn changed_data(&self) -> Vec<Error> {
+        let changed = self.data().filter_map(|(node, named, former)| {
+            let path = named.from(&self.graph.folder);
+            let (now, then) = (std::fs::metadata(&path).ok()?.len(), former?.bytes?);
+            (now != then).then(|| {
+                Error::usage("the picture was drawn from other data than this file holds now")
+                    .found(format!("{now} bytes in '{}'", path.display()))
+                    .accepted(format!("{then} bytes, or no such picture as before"))
+                    .at_node(node)
+            })
+        });
+        changed.collect()
+    }
+
+    /// The data files that are read, each with the node that does, and how it was when the picture was drawn.
+    fn data(&self) -> impl Iterator<Item = (&str, NamedPath, Option<&DataFile>)> {
+        let nodes = self.carried.iter().flat_map(|_| &self.graph.order).map(|&i| &self.graph.nodes[i]);
+        let read = nodes.flat_map(|node| node.parameters.paths().into_iter().map(move |named| (node, named)));
+        read.filter(|(_, named)| !named.written).map(|(node, named)| {
+            let carried = self.carried.as_ref();
+            let former = carried.and_then(|c| c.data_file(&node.name, &named.parameter, &named.path));
+            (node.name.as_str(), named, former)
+        })
+    }
 }
 
-/// The text of a pipeline file.
-pub fn read_text(path: &Path) -> Result<String> {
-    let bytes = std::fs::read(path).map_err(|error| {
-        let folder = path.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
-        let names: Vec<String> = entries.map(|e| e.file_name().to_string_lossy().into_owned()).collect();
-        let pipelines = names.iter().map(String::as_str).filter(|name| name.ends_with(".toml"));
-        let wanted = path.file_name().unwrap_or_default().to_string_lossy();
-        let error = Error::usage("the pipeline file cannot be read").found(error).in_file(path);
-        match pipelines.clone().next() {
-            Some(_) => error.accepted(suggest(&wanted, pipelines)),
-            None => error.accepted("the path of a pipeline file (.toml)"),
+/// " (12 bytes, of 2026-11-22T14:51:03Z, when the picture was drawn)".
+fn state(former: &DataFile) -> String {
+    let bytes = former.bytes.map(|bytes| format!("{bytes} bytes"));
+    let date = former.modified.as_ref().map(|date| format!("of {date}"));
+    let parts: Vec<String> = bytes.into_iter().chain(date).collect();
+    if parts.is_empty() {
+        String::new()
+    } else {
+        format!(" ({}, when the picture was drawn)", parts.join(", "))
+    }
+}
+
+impl Source {
+    /// Reads a pipeline file, or what a picture carries.
+    pub fn read(path: &Path) -> Result<Source> {
+        let unreadable = |error| unreadable(path, error);
+        let mut file = File::open(path).map_err(unreadable)?;
+        let mut bytes = Vec::new();
+        // A pipe can be read once.
+        file.by_ref().take(8).read_to_end(&mut bytes).map_err(unreadable)?;
+        if provenance::is_picture(&bytes) {
+            file.rewind().map_err(unreadable)?;
+            let carried =
+                provenance::read(&bytes, BufReader::new(file)).map_err(|error| error.in_file(path))?;
+            return Ok(Source { text: carried.pipeline.clone(), carried: Some(carried) });
         }
-    })?;
-    String::from_utf8(bytes).map_err(|error| {
-        let found = format!("byte {} is no UTF-8", error.utf8_error().valid_up_to());
-        Error::usage("the file is no pipeline file").found(found).accepted("TOML text").in_file(path)
-    })
+        file.read_to_end(&mut bytes).map_err(unreadable)?;
+        let text = String::from_utf8(bytes).map_err(|error| {
+            let found = format!("byte {} is no UTF-8", error.utf8_error().valid_up_to());
+            let error = Error::usage("the file is no pipeline file").found(found);
+            error.accepted("TOML text, or a picture (.png, .exr) that carries it").in_file(path)
+        })?;
+        Ok(Source { text, carried: None })
+    }
+}
+
+/// The error where a pipeline file cannot be read.
+fn unreadable(path: &Path, error: std::io::Error) -> Error {
+    let folder = path.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let names: Vec<String> = entries.map(|e| e.file_name().to_string_lossy().into_owned()).collect();
+    let pipelines = names.iter().map(String::as_str).filter(|name| name.ends_with(".toml"));
+    let wanted = path.file_name().unwrap_or_default().to_string_lossy();
+    let error = Error::usage("the pipeline file cannot be read").found(error).in_file(path);
+    match pipelines.clone().next() {
+        Some(_) => error.accepted(suggest(&wanted, pipelines)),
+        None => error.accepted("the path of a pipeline file (.toml)"),
+    }
 }

@@ -21,10 +21,11 @@ mod collisions;
 mod commands;
 mod document;
 mod mistake;
+mod options;
 mod present;
 mod program;
 
-pub use document::{Document, read_text};
+pub use document::{Document, Source};
 pub use mistake::OrEnd;
 pub use program::run;
 pub use voltet_core as core;

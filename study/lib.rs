@@ -3,11 +3,13 @@
 //! | room | what |
 //! | --- | --- |
 //! | [`work_precision`] | one scene with every integrator and setting on every engine: time against error |
+//! | [`pixel`] | one pixel's ray cell by cell, and what each integrator makes of it |
 //! | [`stability`] | every formula by exact values, hard pictures by the referee, formulas as printed |
 //! | [`no_leave_out`] | a run that leaves nothing out, held against the usual one |
 
 mod devices;
 pub mod no_leave_out;
+pub mod pixel;
 pub mod stability;
 pub mod work_precision;
 

@@ -3,6 +3,7 @@
 use super::declaration::Node;
 use super::method;
 use super::registry::Registry;
+use super::stated::Stated;
 use crate::field::Method;
 use crate::parameters::Parameters;
 use crate::parameters::suggest;
@@ -54,6 +55,8 @@ pub struct Graph {
     pub folder: PathBuf,
     /// What is not wrong but hardly meant.
     pub warnings: Vec<Error>,
+    /// The text that states it.
+    pub stated: Stated,
 }
 
 /// A checked node.
@@ -152,7 +155,7 @@ impl Graph {
             let edges = wire(entry, &nodes, i).map_err(|e| entry.origin.blame(e.at_node(&entry.name)))?;
             nodes[i].inputs = edges;
         }
-        let mut graph = Graph { nodes, order: Vec::new(), folder, warnings: Vec::new() };
+        let mut graph = Graph { nodes, folder, ..Graph::default() };
         graph.refuse_cycles()?;
         graph.order_work()?;
         Ok(graph)

@@ -4,6 +4,7 @@ use super::build::Graph;
 use super::declaration::Node;
 use super::demand::Demand;
 use super::notes::Notes;
+use super::stated::Stated;
 use super::value::{Revision, Value};
 use crate::Result;
 use crate::parameters::Parameters;
@@ -27,6 +28,8 @@ pub(super) struct Entry {
     pub(super) demand: Demand,
     /// The files that its parameters name, as they were after the run.
     pub(super) files: Vec<(PathBuf, Stamp)>,
+    /// What it was told of the graph that it was part of.
+    pub(super) carried: Option<Stated>,
     pub(super) outputs: Vec<(Value, Revision)>,
     pub(super) notes: Notes,
     /// What the run took.
@@ -41,7 +44,8 @@ pub(super) struct Cache {
 }
 
 impl Cache {
-    /// The former run of this node type with these parameters, inputs and files, for at least this demand.
+    /// The former run of this node type with these parameters, inputs and files, for at least this demand. `stated`: the graph
+    /// that it is part of, for one that was told.
     pub(super) fn find(
         &self,
         node: &'static Node,
@@ -49,11 +53,13 @@ impl Cache {
         inputs: &[(usize, Revision)],
         demand: &Demand,
         files: &[(PathBuf, Stamp)],
+        stated: &Stated,
     ) -> Option<&Entry> {
         self.entries.iter().find(|e| {
             e.node.name == node.name
                 && e.inputs == inputs
                 && e.files == files
+                && e.carried.as_ref().is_none_or(|carried| carried == stated)
                 && e.parameters == *parameters
                 && e.demand.covers(demand)
         })

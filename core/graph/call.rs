@@ -3,10 +3,12 @@
 use super::build::{Graph, GraphNode};
 use super::cache::{FOR_THE_SESSION, FileStamp, Store};
 use super::declaration::PortType;
-use super::demand::Demand;
+use super::demand::{Demand, Done};
 use super::leave_out::MayLeaveOut;
 use super::notes::Notes;
+use super::origins::{Origins, origins, upstream};
 use super::session::Observer;
+use super::stated::Stated;
 use super::value::{CellValues, Look, Prepared, Revision, Value};
 use crate::camera::Camera;
 use crate::field::Method;
@@ -17,6 +19,7 @@ use crate::progress::Progress;
 use crate::volume::Volume;
 use crate::{Error, Result};
 use std::any::Any;
+use std::cell::Cell;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
@@ -133,9 +136,26 @@ pub struct Call<'a> {
     pub(super) folder: &'a Path,
     pub(super) store: &'a Store,
     pub(super) progress: NodeProgress<'a>,
+    /// The node's place in the graph, and what ran before.
+    pub(super) place: usize,
+    pub(super) done: &'a [Option<Done>],
+    /// Whether the node asked for what led to it: then it runs again where the graph is another.
+    pub(super) is_told: Cell<bool>,
 }
 
 impl Call<'_> {
+    /// What the values at the inputs were made from.
+    pub fn origins(&self) -> Origins {
+        self.is_told.set(true);
+        origins(self.graph, &upstream(self.graph, self.place), self.done, self.file_stamp)
+    }
+
+    /// The text that states the graph, and the folder that its paths are relative to.
+    pub fn stated(&self) -> (&Stated, &Path) {
+        self.is_told.set(true);
+        (&self.graph.stated, self.folder)
+    }
+
     /// Leave to leave something out that nobody needs. Without it the node does everything; the outputs mean the same.
     pub fn may_leave_out(&self) -> Option<MayLeaveOut> {
         MayLeaveOut::unless(self.no_leave_out)

@@ -2,6 +2,7 @@
 
 use super::demand::Done;
 use super::leave_out::MayLeaveOut;
+use super::origins::Origins;
 use super::value::Value;
 use crate::Error;
 use crate::picture::Picture;
@@ -168,6 +169,8 @@ pub struct RunReport {
     pub files: Vec<String>,
     /// The pictures that were made, each with the name of its node.
     pub pictures: Vec<(String, Arc<Picture>)>,
+    /// What all of it was made from.
+    pub origins: Origins,
     /// Seconds of the whole run.
     pub seconds: f64,
 }

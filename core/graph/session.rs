@@ -7,8 +7,10 @@ use super::declaration::{Outlined, PortType};
 use super::demand::{Arrays, Demand, Done, Plan};
 use super::leave_out::MayLeaveOut;
 use super::notes::{Notes, RunReport, Saving};
+use super::origins::{origins, upstream};
 use super::value::{Revision, Value};
 use crate::{Error, Result};
+use std::cell::Cell;
 use std::time::Instant;
 
 /// Follows a run, and may stop it. Called from any thread.
@@ -75,7 +77,8 @@ impl Session {
             let node = &graph.nodes[i];
             if node.node.early && node.inputs.iter().all(|edge| plan.early[edge.node].is_some()) {
                 let inputs = inputs_of(node, &plan.early);
-                plan.early[i] = Some(self.execute(graph, i, inputs, &Demand::default(), &Unobserved)?);
+                let done = self.execute(graph, i, inputs, &Demand::default(), &plan.early, &Unobserved)?;
+                plan.early[i] = Some(done);
             }
         }
         let outlines = outlines(graph, &plan.early)?;
@@ -130,7 +133,10 @@ impl Session {
             observer.started(&node.name, place, graph.order.len());
             let mut done = match &plan.early[i] {
                 Some(done) => done.clone(),
-                None => self.execute(graph, i, inputs_of(node, &all_done), &plan.demands[i], observer)?,
+                None => {
+                    let inputs = inputs_of(node, &all_done);
+                    self.execute(graph, i, inputs, &plan.demands[i], &all_done, observer)?
+                }
             };
             done.notes.join(&plan.notes[i]);
             if let Some(seconds) = done.reused {
@@ -141,6 +147,7 @@ impl Session {
             observer.finished(&node.name, done.seconds);
             all_done[i] = Some(done);
         }
+        report.origins = origins(graph, &graph.order, &all_done, self.file_stamp);
         report.seconds = start.elapsed().as_secs_f64();
         Ok(report)
     }
@@ -155,18 +162,20 @@ impl Session {
         of_volumes: &Demand,
         observer: &dyn Observer,
     ) -> Result<Vec<Value>> {
+        Ok(self.feed(graph, place, of_volumes, observer)?.0)
+    }
+
+    /// The same with the report of what ran.
+    pub fn feed(
+        &mut self,
+        graph: &Graph,
+        place: usize,
+        of_volumes: &Demand,
+        observer: &dyn Observer,
+    ) -> Result<(Vec<Value>, RunReport)> {
+        let mut report = RunReport::begin(&graph.warnings);
         let plan = self.plan_with(graph, of_volumes)?;
-        let mut needed = vec![false; graph.nodes.len()];
-        needed[place] = true;
-        for &i in graph.order.iter().rev().filter(|&&i| i != place) {
-            // Whatever follows a node stands behind it in the order of work.
-            needed[i] = graph
-                .nodes
-                .iter()
-                .enumerate()
-                .any(|(k, node)| needed[k] && node.inputs.iter().any(|edge| edge.node == i));
-        }
-        let feeding: Vec<usize> = graph.order.iter().copied().filter(|&i| needed[i] && i != place).collect();
+        let feeding: Vec<usize> = upstream(graph, place).into_iter().filter(|&i| i != place).collect();
         let mut all_done: Vec<Option<Done>> = vec![None; graph.nodes.len()];
         for (number, &i) in feeding.iter().enumerate() {
             if observer.cancelled() {
@@ -174,23 +183,30 @@ impl Session {
             }
             let node = &graph.nodes[i];
             observer.started(&node.name, number, feeding.len());
-            let done = match &plan.early[i] {
+            let mut done = match &plan.early[i] {
                 Some(done) => done.clone(),
-                None => self.execute(graph, i, inputs_of(node, &all_done), &plan.demands[i], observer)?,
+                None => {
+                    let inputs = inputs_of(node, &all_done);
+                    self.execute(graph, i, inputs, &plan.demands[i], &all_done, observer)?
+                }
             };
+            done.notes.join(&plan.notes[i]);
+            report.add(&node.name, node.node.name, &done);
             observer.finished(&node.name, done.seconds);
             all_done[i] = Some(done);
         }
-        Ok(inputs_of(&graph.nodes[place], &all_done).into_iter().map(|(value, _)| value).collect())
+        let values = inputs_of(&graph.nodes[place], &all_done);
+        Ok((values.into_iter().map(|(value, _)| value).collect(), report))
     }
 
-    /// Runs a node, or finds its former outputs.
+    /// Runs a node, or finds its former outputs. `done`: what ran so far.
     fn execute(
         &mut self,
         graph: &Graph,
         i: usize,
         inputs: Vec<(Value, Revision)>,
         demand: &Demand,
+        done: &[Option<Done>],
         observer: &dyn Observer,
     ) -> Result<Done> {
         let start = Instant::now();
@@ -198,7 +214,7 @@ impl Session {
         let revisions: Vec<(usize, Revision)> =
             node.inputs.iter().zip(&inputs).map(|(edge, input)| (edge.port, input.1)).collect();
         let files = files_of(&node.parameters, &graph.folder, self.file_stamp);
-        let former = self.cache.find(node.node, &node.parameters, &revisions, demand, &files);
+        let former = self.cache.find(node.node, &node.parameters, &revisions, demand, &files, &graph.stated);
         if let Some(entry) = former.filter(|_| !self.no_leave_out) {
             let (outputs, notes) = (entry.outputs.clone(), entry.notes.clone());
             return Ok(Done { outputs, notes, seconds: 0.0, reused: Some(entry.seconds) });
@@ -209,6 +225,9 @@ impl Session {
             notes: Notes::default(),
             node,
             graph,
+            place: i,
+            done,
+            is_told: Cell::new(false),
             file_stamp: self.file_stamp,
             inputs,
             folder: &graph.folder,
@@ -218,6 +237,7 @@ impl Session {
         };
         let values = (node.node.run)(&mut call).map_err(|error| node.blame(error))?;
         let notes = std::mem::take(&mut call.notes);
+        let carried = call.is_told.get().then(|| graph.stated.clone());
         let declared = node.node.outputs.iter().map(|port| port.port_type);
         if !values.iter().map(Value::port_type).eq(declared) {
             return Err(node.blame(Error::run("the node gave other outputs than it declares")));
@@ -231,6 +251,7 @@ impl Session {
             inputs: revisions,
             demand: demand.clone(),
             files: files_of(&node.parameters, &graph.folder, self.file_stamp),
+            carried,
             outputs: outputs.clone(),
             notes: notes.clone(),
             seconds,

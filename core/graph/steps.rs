@@ -9,6 +9,7 @@ use super::session::{inputs_of, refuse_missing_gradient};
 use super::value::{Revision, Value};
 use crate::parameters::Parameters;
 use crate::{Error, Result};
+use std::cell::Cell;
 use std::sync::Arc;
 
 /// What feeds an input: the nodes, with their parameters at each step, and what is asked of them.
@@ -139,6 +140,9 @@ impl Call<'_> {
                 no_leave_out: false,
                 node,
                 graph: self.graph,
+                place: i,
+                done: &all_done,
+                is_told: Cell::new(false),
                 file_stamp: self.file_stamp,
                 inputs: inputs_of(node, &all_done),
                 folder: self.folder,

@@ -20,6 +20,11 @@ pub struct NamedPath {
 }
 
 impl NamedPath {
+    /// Whether it depends on the folder of what states it; "-" as an output does not.
+    pub fn is_relative(&self) -> bool {
+        !(self.written && self.path == "-") && Path::new(&self.path).is_relative()
+    }
+
     /// The path from where the program runs, if it was written for something in this folder.
     pub fn from(&self, folder: &Path) -> PathBuf {
         resolved(&self.path, self.written, folder)

@@ -1,7 +1,7 @@
 //! The document: what a file states.
 
 use crate::Result;
-use crate::graph::{Graph, NodeEntry, Registry};
+use crate::graph::{Graph, NodeEntry, Registry, Stated};
 use std::path::PathBuf;
 
 /// The format that this program reads and writes.
@@ -19,6 +19,16 @@ pub struct Pipeline {
 impl Pipeline {
     /// Checks the document and builds the graph. `folder`: what paths are relative to.
     pub fn graph(&self, registry: &Registry, folder: PathBuf) -> Result<Graph> {
-        Graph::build(&self.nodes, registry, folder)
+        let mut graph = Graph::build(&self.nodes, registry, folder)?;
+        graph.stated = Self::stated(self.to_string(), registry)?;
+        Ok(graph)
+    }
+
+    /// A text that states a pipeline, with the places of its paths. Errors: it states none.
+    pub fn stated(text: String, registry: &Registry) -> Result<Stated> {
+        let pipeline = Self::parse(&text)?;
+        let graph = Graph::build(&pipeline.nodes, registry, PathBuf::new())?;
+        let named = graph.nodes.iter().flat_map(|node| node.parameters.paths());
+        Ok(Stated::new(pipeline.title, text, named))
     }
 }

@@ -7,7 +7,8 @@
 //! quadrature, to 1e-11 of each segment.
 //!
 //! Order of reading: [`crossing`](Crossing) (ray against cell), `term` (a widget at a point, and where it
-//! changes), `segment` (the integral), `tracer` (shading and compositing), `tiles` (the picture).
+//! changes), `segment` (the integral), `tracer` (shading and compositing), `tiles` (the picture), `walk` (one ray
+//! cell by cell).
 
 mod along;
 mod crossing;
@@ -24,9 +25,12 @@ mod term;
 mod tests;
 #[cfg(test)]
 mod tests_stiff;
+#[cfg(test)]
+mod tests_walk;
 mod texels;
 mod tiles;
 mod tracer;
+mod walk;
 mod wide;
 
 pub use crossing::{Crossing, Ray};
@@ -34,6 +38,7 @@ pub use referee::ENGINE;
 pub use segment::{Integrand, Tolerance, Workspace};
 pub use tiles::{TILE_PIXELS, Tiles};
 pub use tracer::{Seen, Tracer};
+pub use walk::{Step, Walk};
 
 use crate::Result;
 use crate::optics::{Contribution, Overlap, Segment};

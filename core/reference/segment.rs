@@ -184,6 +184,18 @@ impl Integrand {
         Ok(sum)
     }
 
+    /// The optical depth of each widget by itself, of one made for [`Overlap::Mix`]. Errors: those of [`Integrand::integrate`].
+    pub(super) fn depths(
+        &self,
+        length: f64,
+        front: &[f64],
+        back: &[f64],
+        work: &mut Workspace,
+    ) -> Result<Vec<f64>> {
+        let depth = |one: &Integrand| Ok(one.integrate(length, front, back, work)?.optical_depth);
+        self.alone.iter().map(depth).collect()
+    }
+
     /// The most that a segment of this length gives in any channel.
     pub(super) fn brightest(&self, length: f64) -> f64 {
         let each = self.terms.iter().map(|term| term.brightest);

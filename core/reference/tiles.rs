@@ -101,7 +101,7 @@ impl Tracer<'_> {
             for (k, list) in lists.iter_mut().enumerate().filter(|(_, list)| !list.is_empty()) {
                 self.sort(list);
                 let ray = self.ray(position(0, k % SIDE), position(1, k / SIDE));
-                let seen = self.composite(&ray, list, &mut work)?;
+                let seen = self.composite(&ray, list, &mut work, |_, _, _| {})?;
                 let [r, g, b] = seen.color;
                 for (sum, part) in sums[k].iter_mut().zip([r, g, b, seen.opacity]) {
                     *sum += part / samples.len() as f64;
@@ -190,7 +190,7 @@ impl Tracer<'_> {
 
 /// Where in a pixel its samples lie, from its upper left corner: the middles of n × n equal parts for square
 /// numbers, else the points of Roberts' sequence R₂ (2018), the first in the middle.
-fn sample_places(count: u32) -> Vec<[f64; 2]> {
+pub(super) fn sample_places(count: u32) -> Vec<[f64; 2]> {
     let count = count.max(1);
     let side = (1..=count).find(|n| n * n >= count).unwrap_or(count);
     if side * side == count {

@@ -10,6 +10,7 @@ use crate::transfer::TransferFunction;
 use crate::volume::Volume;
 use crate::{Error, Result};
 use glam::DVec3;
+use rayon::prelude::*;
 
 /// Compositing stops where less opacity and colour than this are left.
 const DARK: f64 = 1e-22;
@@ -120,6 +121,11 @@ impl<'a> Tracer<'a> {
         self.camera.near / self.unit
     }
 
+    /// World units in an internal unit.
+    pub(super) fn unit(&self) -> f64 {
+        self.unit
+    }
+
     /// The camera.
     pub fn camera(&self) -> &Camera {
         &self.camera
@@ -137,12 +143,18 @@ impl<'a> Tracer<'a> {
 
     /// The crossing of one cell, if its length is positive.
     pub fn crossing(&self, ray: &Ray, cell: u32) -> Option<Crossing> {
-        cross(ray, cell, &self.corners(cell), self.near())
+        self.crossing_from(ray, cell, self.near())
+    }
+
+    /// The same with the near plane at this depth, internal units.
+    pub(super) fn crossing_from(&self, ray: &Ray, cell: u32, near: f64) -> Option<Crossing> {
+        cross(ray, cell, &self.corners(cell), near)
     }
 
     /// All crossings of a ray in the order of the scene. Tries every cell.
     pub fn crossings(&self, ray: &Ray) -> Vec<Crossing> {
-        let mut found: Vec<_> = (0..self.cell_count()).filter_map(|c| self.crossing(ray, c)).collect();
+        let cells = (0..self.cell_count()).into_par_iter();
+        let mut found: Vec<_> = cells.filter_map(|c| self.crossing(ray, c)).collect();
         self.sort(&mut found);
         found
     }
@@ -207,10 +219,19 @@ impl<'a> Tracer<'a> {
         let (length, [front, back]) = self.segment(ray, crossing);
         let part = self.integrand.integrate(length, &front, &back, work);
         let mut part = part.map_err(|error| error.at_item(format!("cell {}", crossing.cell)))?;
+        let [silhouette, light] = self.surface(ray, crossing);
+        part.opacity *= silhouette;
+        part.color = part.color.map(|c| c * silhouette * light);
+        Ok(part)
+    }
+
+    /// What silhouettes make of a crossing's opacity and colour, and light of its colour: factors, 1 without.
+    pub fn surface(&self, ray: &Ray, crossing: &Crossing) -> [f64; 2] {
+        let mut factors = [1.0; 2];
         if self.silhouette.is_none() && self.light.is_none() {
-            return Ok(part);
+            return factors;
         }
-        let Some(gradient) = &self.volume.gradient else { return Ok(part) };
+        let Some(gradient) = &self.volume.gradient else { return factors };
         let corners = self.volume.grid.tetrahedra[crossing.cell as usize];
         let middle = (0..4).fold(DVec3::ZERO, |sum, k| {
             sum + 0.5 * (crossing.weights[0][k] + crossing.weights[1][k]) * gradient[corners[k] as usize]
@@ -225,19 +246,23 @@ impl<'a> Tracer<'a> {
             });
             // 1 − |cos| by the sine, which keeps its digits where the surface is seen face on.
             let sine = if normal == DVec3::ZERO { 1.0 } else { normal.cross(view).length() };
-            let factor = (sine * sine / (1.0 + normal.dot(view).abs())).powf(exponent);
-            part.opacity *= factor;
-            part.color = part.color.map(|c| c * factor);
+            factors[0] = (sine * sine / (1.0 + normal.dot(view).abs())).powf(exponent);
         }
         if let Some(light) = self.light {
-            let factor = light.ambient + light.diffuse * normal.dot(light.direction).abs();
-            part.color = part.color.map(|c| c * factor);
+            factors[1] = light.ambient + light.diffuse * normal.dot(light.direction).abs();
         }
-        Ok(part)
+        factors
     }
 
-    /// Composites crossings that are in order, front to back.
-    pub(super) fn composite(&self, ray: &Ray, crossings: &[Crossing], work: &mut Workspace) -> Result<Seen> {
+    /// Composites crossings that are in order, front to back, as far as light comes from them. `each`: is told every one of
+    /// these, the light from there that reaches the eye, and what it gives.
+    pub(super) fn composite(
+        &self,
+        ray: &Ray,
+        crossings: &[Crossing],
+        work: &mut Workspace,
+        mut each: impl FnMut(&Crossing, f64, &Contribution),
+    ) -> Result<Seen> {
         let mut seen = Seen { segments: crossings.len() as u64, ..Seen::default() };
         let mut light = 1.0;
         // The brightest that any part of the ray could be.
@@ -250,6 +275,7 @@ impl<'a> Tracer<'a> {
                 break;
             }
             let part = self.contribution(ray, crossing, work)?;
+            each(crossing, light, &part);
             for (total, color) in seen.color.iter_mut().zip(part.color) {
                 *total += light * color;
             }
@@ -261,7 +287,18 @@ impl<'a> Tracer<'a> {
 
     /// What a ray sees. Tries every cell.
     pub fn trace(&self, ray: &Ray) -> Result<Seen> {
-        self.composite(ray, &self.crossings(ray), &mut Workspace::default())
+        self.composite(ray, &self.crossings(ray), &mut Workspace::default(), |_, _, _| {})
+    }
+
+    /// Where a ray begins, and its unit direction, in world space.
+    pub fn world(&self, ray: &Ray) -> [[f64; 3]; 2] {
+        let Frame { right, up, forward, .. } = self.frame;
+        let aside = right * ray.x + up * ray.y;
+        let [origin, direction] = match ray.perspective {
+            true => [self.camera.eye, forward + aside],
+            false => [self.camera.eye + aside * self.unit, forward],
+        };
+        [origin.into(), direction.normalize().into()]
     }
 }
 

@@ -1,6 +1,7 @@
 //! What the nodes that draw share: parameters, what a scene needs, the engines, and the native engine's stages, which
 //! `cull`, `sort`, `project` and `composite` run one by one.
 
+mod alone;
 mod bands;
 mod engine;
 mod engines;
@@ -16,6 +17,7 @@ mod stages;
 mod visible;
 mod wished;
 
+pub use alone::Alone;
 pub use bands::note_bands;
 pub use engine::{ask_engine, draw, is_asked_by};
 pub use engines::{DEVICE, ENGINES, NATIVE, REFEREE};
@@ -23,6 +25,6 @@ pub use needs::ask;
 pub use order::{ORDER, leave_out_order, order};
 pub use prepared::{Culled, Projected};
 pub use scene::scene;
-pub use shading::{PARAMETERS, shading};
+pub use shading::{PARAMETERS, USUAL, shading};
 pub use stages::{composite, cull, for_data, project, referee, sort};
 pub use wished::{ADAPTER, AUTO, COMPOSITOR, ENGINE, adapter};

@@ -6,6 +6,12 @@ use voltet_core::optics::Overlap;
 use voltet_core::optics::integrators::{Numbers, PARTIAL_SIDE_MOST, STANDARD_PIECES, STANDARD_SIDE};
 use voltet_core::shading::{Integrator, Light, Shading};
 
+/// The numbers of an integrator that nobody sets.
+pub const USUAL: Numbers =
+    Numbers { tolerance: Some(TOLERANCE), count: Some(STANDARD_PIECES), table_size: Some(STANDARD_SIDE) };
+
+const TOLERANCE: f64 = 1e-3;
+
 /// The parameters of shading, for the declarations of `composite` and `renderer`.
 pub const PARAMETERS: [Parameter; 7] = [
     Parameter {
@@ -36,7 +42,7 @@ pub const PARAMETERS: [Parameter; 7] = [
         name: "tolerance",
         parameter_type: ParameterType::Number(Range { above_min: true, ..Range::within(0.0, 1.0) }),
         unit: "",
-        standard: Standard::Number(1e-3),
+        standard: Standard::Number(TOLERANCE),
         help: "adaptive: largest error of colour and opacity of a ray segment",
     },
     Parameter {

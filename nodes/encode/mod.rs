@@ -4,9 +4,12 @@ mod colors;
 
 pub use colors::viridis;
 
-use exr::prelude::{Blocks, Compression, Encoding, Image, LineOrder, SpecificChannels, WritableImage};
-use image::codecs::png::PngEncoder;
-use image::{ExtendedColorType, ImageEncoder};
+use crate::provenance::Provenance;
+use exr::meta::attribute::{AttributeValue, Chromaticities};
+use exr::prelude::{
+    Blocks, Compression, Encoding, Image, LineOrder, SpecificChannels, Text, Vec2, WritableImage,
+};
+use png::text_metadata::ITXtChunk;
 use std::io::Cursor;
 use voltet_core::picture::Picture;
 use voltet_core::{Error, Result};
@@ -21,8 +24,9 @@ pub fn srgb_from_linear(v: f32) -> f32 {
     if v <= 0.003_130_8 { v * 12.92 } else { 1.055 * v.powf(1.0 / 2.4) - 0.055 }
 }
 
-/// 8-bit sRGB: the premultiplied picture over a linear background, clamped to 0 … 1.
-pub fn png(picture: &Picture, background: [f64; 3]) -> Result<Vec<u8>> {
+/// 8-bit sRGB: the premultiplied picture over a linear background, clamped to 0 … 1. The file says that it is sRGB, to readers
+/// that know gamma and chromaticities only too (PNG, third edition, section 11.3.2.5), and carries what it was made from.
+pub fn png(picture: &Picture, background: [f64; 3], carried: Option<&Provenance>) -> Result<Vec<u8>> {
     let mut bytes = Vec::with_capacity(picture.rgba.len() * 3);
     for pixel in &picture.rgba {
         for (channel, behind) in background.iter().enumerate() {
@@ -31,15 +35,53 @@ pub fn png(picture: &Picture, background: [f64; 3]) -> Result<Vec<u8>> {
         }
     }
     let mut file = Vec::new();
-    let (width, height) = (picture.width as u32, picture.height as u32);
-    let written = PngEncoder::new(&mut file).write_image(&bytes, width, height, ExtendedColorType::Rgb8);
-    written.map_err(|error| Error::run("the picture cannot be encoded as PNG").found(error))?;
+    png_file(&mut file, picture, &bytes, carried)
+        .map_err(|error| Error::run("the picture cannot be encoded as PNG").found(error))?;
     Ok(file)
 }
 
-/// Premultiplied linear 32-bit RGBA, scan lines, ZIP: as every reader of OpenEXR takes it.
-pub fn exr(picture: &Picture) -> Result<Vec<u8>> {
-    let pixel = |place: exr::math::Vec2<usize>| {
+/// The file of these pixels, 8-bit RGB.
+fn png_file(
+    file: &mut Vec<u8>,
+    picture: &Picture,
+    pixels: &[u8],
+    carried: Option<&Provenance>,
+) -> std::result::Result<(), png::EncodingError> {
+    let mut encoder = png::Encoder::new(file, picture.width as u32, picture.height as u32);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_compression(png::Compression::Fast);
+    encoder.set_filter(png::Filter::Adaptive);
+    let scaled = png::ScaledFloat::from_scaled;
+    let [white, red, green, blue] = REC_709.map(|place| place.map(|k| scaled(k * 10)).into());
+    encoder.set_source_gamma(scaled(45_455));
+    encoder.set_source_chromaticities(png::SourceChromaticities { white, red, green, blue });
+    // Figures are read off colours: they are to look alike.
+    encoder.set_source_srgb(png::SrgbRenderingIntent::RelativeColorimetric);
+    let mut writer = encoder.write_header()?;
+    for (name, text) in texts(carried) {
+        writer.write_text_chunk(&ITXtChunk::new(name, text))?;
+    }
+    writer.write_image_data(pixels)?;
+    writer.finish()
+}
+
+/// White, red, green and blue of Rec. 709 and sRGB: x and y of CIE 1931, in ten-thousandths.
+const REC_709: [[u32; 2]; 4] = [[3127, 3290], [6400, 3300], [3000, 6000], [1500, 600]];
+
+/// What the texts of a PNG file are called where its specification has a name (section 11.3.3.2), and those of its own.
+fn texts(carried: Option<&Provenance>) -> Vec<(&'static str, String)> {
+    let Some((carried, own)) = carried.and_then(|carried| Some((carried, carried.texts()?))) else {
+        return Vec::new();
+    };
+    let title = carried.title.iter().map(|title| ("Title", title.clone()));
+    title.chain([("Software", carried.program.clone())]).chain(own).collect()
+}
+
+/// Premultiplied linear 32-bit RGBA, scan lines, ZIP: as every reader of OpenEXR takes it. The file says which primaries its
+/// colours have, and carries what it was made from.
+pub fn exr(picture: &Picture, carried: Option<&Provenance>) -> Result<Vec<u8>> {
+    let pixel = |place: Vec2<usize>| {
         let [r, g, b, a] = picture.pixel(place.x(), place.y());
         (r, g, b, a)
     };
@@ -49,7 +91,19 @@ pub fn exr(picture: &Picture) -> Result<Vec<u8>> {
         line_order: LineOrder::Increasing,
     };
     let size = (picture.width, picture.height);
-    let image = Image::from_encoded_channels(size, encoding, SpecificChannels::rgba(pixel));
+    let mut image = Image::from_encoded_channels(size, encoding, SpecificChannels::rgba(pixel));
+    let [white, red, green, blue] = REC_709.map(|[x, y]| Vec2(x as f32 / 1e4, y as f32 / 1e4));
+    image.attributes.chromaticities = Some(Chromaticities { red, green, blue, white });
+    if let Some((carried, [pipeline, rest])) = carried.and_then(|carried| Some((carried, carried.texts()?))) {
+        // Texts of OpenEXR are bytes, by custom UTF-8.
+        let text = |text: &str| Text::from_slice_unchecked(text.as_bytes());
+        image.layer_data.attributes.software_name = Some(text(&carried.program));
+        image.layer_data.attributes.comments = carried.title.as_deref().map(text);
+        // One in each list: a list is written in no certain order.
+        let named = |(name, value): (&str, String)| (text(name), AttributeValue::Text(text(&value)));
+        image.attributes.other.extend([named(pipeline)]);
+        image.layer_data.attributes.other.extend([named(rest)]);
+    }
     let mut file = Cursor::new(Vec::new());
     let written = image.write().to_buffered(&mut file);
     written.map_err(|error| Error::run("the picture cannot be encoded as OpenEXR").found(error))?;
@@ -77,7 +131,7 @@ mod tests {
 
     #[test]
     fn a_png_lies_over_its_background() {
-        let file = png(&picture(), [0.0, 0.5, 1.0]).unwrap();
+        let file = png(&picture(), [0.0, 0.5, 1.0], None).unwrap();
         let read = image::load_from_memory(&file).unwrap().into_rgb8();
         let half = (srgb_from_linear(0.5) * 255.0).round() as u8;
         let middle = (srgb_from_linear(0.5) * 255.0).round() as u8;
@@ -86,7 +140,7 @@ mod tests {
 
     #[test]
     fn an_exr_holds_every_float_as_it_is() {
-        let file = exr(&picture()).unwrap();
+        let file = exr(&picture(), None).unwrap();
         let read = image::load_from_memory(&file).unwrap().into_rgba32f();
         assert_eq!(read.as_raw()[..], picture().rgba.concat());
         // Scan lines (version 2, no flags), ZIP of 16 lines: read by the simplest readers.

@@ -11,6 +11,7 @@ mod waiting;
 mod write;
 
 pub use hash::Fnv;
+pub(crate) use meant::folder;
 pub use meant::{Meant, STANDARD_OUTPUT, Use, collision, is_standard_output};
 pub use temporary::end_now;
 pub use waiting::is_waiting;

@@ -1,5 +1,6 @@
 //! `voltet info`: what a data file holds, and a pipeline to start with; of a pipeline, what it finds out.
 
+use super::carried::{carried, is_picture};
 use super::findings::findings;
 use super::outcome::DONE;
 use super::reading::{Inspecting, Meant, differs, request};
@@ -14,6 +15,9 @@ use serde_json::{Value, json as object};
 use std::path::Path;
 
 pub fn info(arguments: &Info, registry: &Registry) -> Result<u8> {
+    if is_picture(&arguments.data) {
+        return carried(arguments);
+    }
     if arguments.data.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml")) {
         if arguments.json {
             let error = Error::usage("--json is for data files, and this is a pipeline");

@@ -1,5 +1,6 @@
 //! The commands, one file each: a function that gives the exit code, or the error that ends it.
 
+mod carried;
 mod check;
 mod explain;
 mod findings;
@@ -7,6 +8,7 @@ mod info;
 mod nodes;
 mod outcome;
 mod pipelines;
+mod pixel;
 mod reading;
 mod run;
 mod stability;
@@ -50,6 +52,7 @@ fn carry_out(command: &Command, registry: &Registry) -> Result<u8> {
         Command::Nodes(arguments) => nodes::nodes(arguments, registry),
         Command::Info(arguments) => info::info(arguments, registry),
         Command::Start(arguments) => start::start(arguments),
+        Command::Pixel(arguments) => pixel::pixel(arguments, registry),
         Command::Stability(arguments) => stability::stability(arguments),
         Command::Study(arguments) => study::study(arguments, registry),
         Command::Time(arguments) => time::time(arguments, registry),

@@ -25,10 +25,10 @@ pub fn code(error: &Error) -> u8 {
     }
 }
 
-/// Shows the graph's own warnings.
+/// Shows the graph's own warnings, and what is no longer as a picture says.
 pub fn warn(document: &Document) {
-    for warning in &document.graph.warnings {
-        let located = document.locate(warning.clone());
+    for warning in document.graph.warnings.iter().cloned().chain(document.changed_data()) {
+        let located = document.locate(warning);
         present::say(&present::warning(&located, Some(&document.text)));
     }
 }

@@ -1,9 +1,9 @@
 //! The pipeline files that a command names, opened.
 
 use super::outcome::{DONE, show};
-use crate::Document;
 use crate::core::Error;
 use crate::core::graph::Registry;
+use crate::{Document, Source};
 use std::path::PathBuf;
 
 /// Opens every file, showing each error; `None` with the exit code where any is wrong.
@@ -25,6 +25,7 @@ pub fn open(
     options: &[String],
     registry: &Registry,
 ) -> Result<Document, (Error, Option<String>)> {
-    let text = crate::read_text(path).map_err(|error| (error, None))?;
-    Document::from_text(path, text.clone(), options, registry).map_err(|error| (error, Some(text)))
+    let source = Source::read(path).map_err(|error| (error, None))?;
+    let text = source.text.clone();
+    Document::from_source(path, source, options, registry).map_err(|error| (error, Some(text)))
 }

@@ -9,7 +9,7 @@ use crate::core::error::ErrorKind;
 use crate::core::graph::{Observer, Registry, RunReport};
 use crate::core::{Error, Result};
 use crate::nodes::files;
-use crate::present::{Bar, json, print, say, summary, warnings};
+use crate::present::{Bar, json, print, say, summary, warnings, whole};
 use crate::study::NoLeaveOut;
 use std::path::PathBuf;
 
@@ -24,6 +24,7 @@ pub fn run(arguments: &Run, registry: &Registry) -> Result<u8> {
     if let Err((error, text)) = collisions::refuse(&documents, true, &report) {
         return Ok(show(&error, text));
     }
+    documents.iter().try_for_each(Document::refuse_missing_data)?;
     if let Some(path) = &arguments.report {
         files::refuse_unwritable(path)?;
     }
@@ -80,11 +81,7 @@ pub fn run(arguments: &Run, registry: &Registry) -> Result<u8> {
         }
     }
     if let (Some(path), DONE) = (&arguments.report, worst) {
-        let whole = match reports.len() {
-            1 => reports.remove(0),
-            _ => serde_json::json!({ "runs": reports }),
-        };
-        files::write_whole(path, format!("{whole:#}\n").as_bytes())?;
+        files::write_whole(path, format!("{:#}\n", whole(reports)).as_bytes())?;
     }
     Ok(worst)
 }

@@ -88,6 +88,13 @@ fn carry_out(
     document: &Document,
     registry: &Registry,
 ) -> Result<u8> {
+    document.refuse_missing_data()?;
+    if arguments.apply && document.carried.is_some() {
+        let error = Error::usage("--apply writes into a pipeline file, and this is a picture");
+        return Err(error
+            .accepted("a pipeline file (.toml); `voltet info` of the picture prints it")
+            .in_file(&document.path));
+    }
     let folder = arguments.output.clone().unwrap_or_else(|| beside(&arguments.file));
     let outputs: Vec<OptionFile> =
         study::written(&folder).iter().map(|path| OptionFile::written("--output", path)).collect();

@@ -79,6 +79,7 @@ composite | GFLOP/s there | set-up, ms | segments | 10⁶ segments/s |
 
 /// Prints the table of one file.
 fn measure(arguments: &arguments::Time, wish: &Wish, document: &Document, bar: &Bar) -> Result<()> {
+    document.refuse_missing_data()?;
     let nodes = study::drawing_nodes(&document.graph);
     if nodes.is_empty() {
         return Err(Error::usage("the pipeline draws no volume, so there is nothing to time").accepted(

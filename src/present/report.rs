@@ -4,7 +4,11 @@ use super::streams::name;
 use crate::Document;
 use crate::core::graph::{Finding, RunReport};
 use crate::core::pipeline::FORMAT;
+use crate::nodes::provenance::Provenance;
 use serde_json::{Value, json as object};
+
+/// The shape of the report. It changes where something is renamed or moved, not where something is added.
+const REPORT_FORMAT: u32 = 1;
 
 /// Counts that every report names, also where the engine that ran does not know them.
 const COUNTS: [&str; 11] = [
@@ -21,7 +25,16 @@ const COUNTS: [&str; 11] = [
     "uploads",
 ];
 
-/// The report as JSON.
+/// The report of a call (docs/provenance.md): what is said of each of its runs.
+pub fn whole(runs: Vec<Value>) -> Value {
+    object!({
+        "versions": { "voltet": env!("CARGO_PKG_VERSION"), "report": REPORT_FORMAT, "pipeline_format": FORMAT },
+        "peak_memory_bytes": crate::nodes::memory::peak(),
+        "runs": runs,
+    })
+}
+
+/// What is said of one run.
 pub fn json(document: &Document, report: &RunReport) -> Value {
     let mut counts = serde_json::Map::new();
     for name in COUNTS {
@@ -43,8 +56,7 @@ pub fn json(document: &Document, report: &RunReport) -> Value {
         "findings": report.findings,
         "warnings": report.warnings,
         "files": report.files,
-        "peak_memory_bytes": crate::nodes::memory::peak(),
-        "versions": { "voltet": env!("CARGO_PKG_VERSION"), "pipeline_format": FORMAT },
+        "provenance": Provenance::of_run(&report.origins, &document.graph.stated),
     })
 }
 

@@ -20,7 +20,7 @@
 
 mod apply;
 mod bench;
-mod canvas;
+pub(crate) mod canvas;
 mod convergence;
 mod engine;
 mod errors;

@@ -26,13 +26,13 @@ pub fn write(study: &Study, title: &str, folder: &Path) -> Result<Vec<PathBuf>> 
     })?;
     let canvas = plot::plot(study, title);
     let plot_svg = canvas.svg();
-    let reference_png = encode::png(&study.reference.picture, study.subject.background)?;
+    let reference_png = encode::png(&study.reference.picture, study.subject.background, None)?;
     let contents = [
         page::page(study, title, &plot_svg, &reference_png).into_bytes(),
         csv(study).into_bytes(),
         format!("{:#}\n", json(study, title)).into_bytes(),
         plot_svg.into_bytes(),
-        encode::png(&canvas.picture(), [1.0; 3])?,
+        encode::png(&canvas.picture(), [1.0; 3], None)?,
         reference_png,
     ];
     let mut outputs: Vec<(PathBuf, Vec<u8>)> =

@@ -122,7 +122,7 @@ pub fn study(
         progress.report(&setting.label(), done / whole);
         match benches.measure(&subject, setting, &wish.frames, progress) {
             Ok((picture, cost)) => rows.push(Row {
-                difference_png: encode::png(&difference(&picture, &reference.picture), [0.0; 3])?,
+                difference_png: encode::png(&difference(&picture, &reference.picture), [0.0; 3], None)?,
                 setting: *setting,
                 cost,
                 errors: errors(&picture, &reference.picture),

@@ -163,10 +163,9 @@ fn drawing_node(graph: &Graph, name: Option<&str>) -> Result<usize> {
                 .accepted(voltet_core::graph::suggest(name, names.iter().copied()))
         }),
         (None, [place]) => Ok(*place),
-        (None, []) => Err(Error::usage("the pipeline draws no volume, so there is nothing to study")
-            .accepted(
-                "a node of type \"renderer\", \"gpu-renderer\" or \"composite\" that an image-writer needs",
-            )),
+        (None, []) => Err(Error::usage("the pipeline draws no volume").accepted(
+            "a node of type \"renderer\", \"gpu-renderer\" or \"composite\" that an image-writer needs",
+        )),
         (None, _) => Err(Error::usage("several nodes of the pipeline draw")
             .found(names.join(", "))
             .accepted("--node with the name of one of them")),

@@ -11,7 +11,7 @@ fn run_on_device(folder: &Folder) -> Option<serde_json::Value> {
     let arguments = ["run", "slab.toml", "--report", "report.json", "--quiet", "--set", gpu, "--set", tiles];
     let ran = folder.voltet(&arguments);
     if ran.code == 0 {
-        return Some(folder.json("report.json"));
+        return Some(folder.report("report.json"));
     }
     assert!(ran.stderr.contains("no hardware adapter"), "{}", ran.stderr);
     assert!(!std::env::var("VOLTET_REQUIRE_GPU").is_ok_and(|value| value == "1"), "{}", ran.stderr);
@@ -52,7 +52,7 @@ fn the_device_draws_what_the_cpu_draws_and_is_named() {
 fn auto_says_which_engine_it_took_and_why() {
     let folder = Folder::new();
     folder.voltet(&["run", "slab.toml", "--report", "report.json", "--quiet"]).ok();
-    let report = folder.json("report.json");
+    let report = folder.report("report.json");
     let reason = report["engine_reason"].as_str().unwrap();
     match report["engine"].as_str().unwrap() {
         "gpu" => assert!(reason.contains("fastest kind"), "{reason}"),
@@ -106,7 +106,7 @@ fn composited(folder: &Folder, settings: &[&str]) -> Option<serde_json::Value> {
         arguments.extend(["--set", setting]);
     }
     folder.voltet(&arguments).on_software_driver()?;
-    Some(folder.json("report.json"))
+    Some(folder.report("report.json"))
 }
 
 /// One colour needs no order: `auto` measures once and remembers, also in the next process; each compositor draws the
@@ -191,7 +191,7 @@ fn an_undrawn_widget_of_another_colour_asks_no_engine_for_an_order() {
             let mut arguments = vec!["run", file, "--report", "report.json", "--quiet"];
             settings.iter().for_each(|setting| arguments.extend(["--set", setting]));
             folder.voltet(&arguments).on_software_driver()?;
-            Some((folder.floats("slab.exr").1, folder.json("report.json")))
+            Some((folder.floats("slab.exr").1, folder.report("report.json")))
         };
         let needs_order = |report: &serde_json::Value| {
             let counted = report["counts"]["tiles_sorted"].as_u64().is_some_and(|count| count > 0);
@@ -220,5 +220,5 @@ fn vector_lanes_that_are_misspelt_are_refused() {
     misspelt.fails(2, &["VOLTET_LANES", "found avx-2", "avx512, avx2, portable"]);
     assert!(!folder.join("slab.exr").exists());
     folder.voltet_where(("VOLTET_LANES", "portable"), &run).ok();
-    assert!(folder.json("r.json")["adapter"].as_str().unwrap().starts_with("portable, "));
+    assert!(folder.report("r.json")["adapter"].as_str().unwrap().starts_with("portable, "));
 }

@@ -23,7 +23,7 @@ fn probes_and_widgets_by_hand_are_drawn_together() {
         + &probe("layer", "mask = { array = \"layer\", equals = 2 }\ncolor = [0.5, 1.0, 0.25]");
     folder.write("slab.toml", slab("[\"left\", \"layer\"]", &probes));
     folder.voltet(&["run", "slab.toml", "--report", "r.json"]).ok();
-    let report = folder.json("r.json");
+    let report = folder.report("r.json");
     let found = |name: &str| {
         let findings = report["findings"].as_array().unwrap();
         findings.iter().find(|finding| finding["node"] == name).unwrap()["figures"].clone()
@@ -64,7 +64,7 @@ fn a_probe_of_fields_asks_for_them_and_not_for_the_gradient() {
     let text = folder.voltet(&["explain", "slab.toml"]).ok().stdout;
     assert!(text.contains("array \"x\", array \"y\"") && text.contains("gradient: no gradient:"), "{text}");
     folder.voltet(&["run", "slab.toml", "--report", "r.json"]).ok();
-    let figures = &folder.json("r.json")["findings"][0]["figures"];
+    let figures = &folder.report("r.json")["findings"][0]["figures"];
     assert_eq!(figures["fields"], serde_json::json!(["y", "x"]));
     let mean = figures["centre"][0].as_f64().unwrap();
     assert!((mean - 0.5).abs() < 1e-12, "{mean}");
@@ -156,7 +156,7 @@ fn bands_that_are_finer_than_the_cells_are_reported() {
         text.contains("100.00 % cross more than one, where the picture is finer than the grid"),
         "{text}"
     );
-    let bands = &folder.json("r.json")["findings"][0]["figures"]["bands"];
+    let bands = &folder.report("r.json")["findings"][0]["figures"]["bands"];
     assert_eq!((&bands["kind"], &bands["cells"]), (&"sine-wave".into(), &162.into()));
     for name in ["median", "percent_99", "most"] {
         assert!((bands[name].as_f64().unwrap() - 10.0 / 3.0).abs() < 1e-6, "{bands:#}");

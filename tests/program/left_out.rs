@@ -227,7 +227,7 @@ fn a_run_that_leaves_nothing_out_says_what_it_costs() {
     for text in ["leaving nothing out took", "times as long", "the pictures differ by at most"] {
         assert!(ran.stdout.contains(text), "'{text}' is not in\n{}", ran.stdout);
     }
-    let report = folder.json("r.json");
+    let report = folder.report("r.json");
     let comparison = &report["no_leave_out"];
     assert!(comparison["largest_difference"].as_f64().unwrap() <= SAME, "{comparison:#}");
     assert!(comparison["times_slower"].as_f64().unwrap() > 0.0);

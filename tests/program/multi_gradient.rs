@@ -49,7 +49,7 @@ fn two_fields_widen_by_the_steeper_of_them() {
     let opacity = 1.0 - (-depth).exp();
     let middle = f64::from(pixels[4 * width + 4][3]);
     assert!((middle - opacity).abs() <= 2e-6, "{middle} for {opacity}");
-    let report = folder.json("two.json");
+    let report = folder.report("two.json");
     assert_eq!(report["counts"]["gradients_computed"], 2, "{report:#}");
 }
 
@@ -62,7 +62,7 @@ fn what_no_widget_looks_at_is_not_computed() {
     let ran = folder.voltet(&["explain", "even.toml"]).ok();
     assert!(ran.stdout.contains("multi-gradient: no widget looks at it"), "{}", ran.stdout);
     folder.voltet(&["run", "even.toml", "--set", "file.path=even.exr", "--report", "even.json"]).ok();
-    let counts = &folder.json("even.json")["counts"];
+    let counts = &folder.report("even.json")["counts"];
     assert_eq!(
         (&counts["gradients_computed"], &counts["arrays_decoded"]),
         (&0.into(), &1.into()),

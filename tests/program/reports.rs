@@ -9,7 +9,10 @@ fn the_report_has_times_counts_and_what_was_left_out() {
     let folder = Folder::new();
     let cpu = "picture.engine=\"cpu\"";
     folder.voltet(&["run", "slab.toml", "--report", "report.json", "--quiet", "--set", cpu]).ok();
-    let report = folder.json("report.json");
+    let whole = folder.json("report.json");
+    assert!(cfg!(not(target_os = "linux")) || whole["peak_memory_bytes"].as_u64().unwrap() > 1 << 20);
+    assert_eq!(whole["versions"]["voltet"], env!("CARGO_PKG_VERSION"));
+    let report = folder.report("report.json");
     assert_eq!(report["engine"], "cpu");
     assert_eq!(report["engine_reason"], "the pipeline asks for it");
     assert_eq!(report["counts"]["cells_total"], 162);
@@ -32,8 +35,6 @@ fn the_report_has_times_counts_and_what_was_left_out() {
         left_out.iter().any(|left| left.starts_with("grid: arrays") && left.contains("ones")),
         "{left_out:?}"
     );
-    assert!(cfg!(not(target_os = "linux")) || report["peak_memory_bytes"].as_u64().unwrap() > 1 << 20);
-    assert_eq!(report["versions"]["voltet"], env!("CARGO_PKG_VERSION"));
 }
 
 #[test]
@@ -41,7 +42,7 @@ fn a_gradient_that_is_looked_at_is_not_left_out() {
     let folder = Folder::new();
     let region = "look.widgets.0.region={ g = [0.5, 2.0] }";
     folder.voltet(&["run", "slab.toml", "--report", "report.json", "--set", region]).ok();
-    let report = folder.json("report.json");
+    let report = folder.report("report.json");
     let what: Vec<&str> =
         report["left_out"].as_array().unwrap().iter().map(|left| left["what"].as_str().unwrap()).collect();
     assert!(what.contains(&"gradient vectors") && !what.contains(&"gradient"), "{what:?}");
@@ -89,4 +90,11 @@ fn a_changed_parameter_repeats_only_what_depends_on_it() {
     assert_eq!(repeated(&[color, size, region, "file.path=b.exr"]), ["file"]);
     folder.write("cube.vtu", super::support::cube(2));
     assert_eq!(repeated(&[color, size, region, "file.path=b.exr"]), ["grid", "gradient", "picture", "file"]);
+    // A picture carries its pipeline.
+    folder.write("slab.toml", SLAB.replace("An even slab", "A slab"));
+    assert_eq!(repeated(&[color, size, region, "file.path=b.exr"]), ["file"]);
+    let without = [color, size, region, "file.path=b.exr", "file.provenance=false"];
+    assert_eq!(repeated(&without), ["file"]);
+    folder.write("slab.toml", SLAB);
+    assert_eq!(repeated(&without), Vec::<String>::new());
 }

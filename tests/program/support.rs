@@ -171,6 +171,13 @@ impl Folder {
         (image.width() as usize, image.pixels().map(|p| p.0).collect())
     }
 
+    /// What a report says of the one run that it is of.
+    pub fn report(&self, name: &str) -> serde_json::Value {
+        let mut whole = self.json(name);
+        assert_eq!(whole["runs"].as_array().unwrap().len(), 1);
+        whole["runs"][0].take()
+    }
+
     /// A JSON file.
     pub fn json(&self, name: &str) -> serde_json::Value {
         serde_json::from_slice(&std::fs::read(self.join(name)).unwrap()).unwrap()

@@ -9,7 +9,7 @@ fn warnings(folder: &Folder, file: &str, options: &[&str]) -> Vec<String> {
     let sets: Vec<&str> = options.iter().flat_map(|option| ["--set", option]).collect();
     let cpu = ["--set", "file.path=a.exr"];
     let ran = folder.voltet(&[&["run", file, "--report", "r.json"], &sets[..], &cpu].concat()).ok();
-    let report = folder.json("r.json");
+    let report = folder.report("r.json");
     let warnings =
         report["warnings"].as_array().unwrap().iter().map(|warning| warning.as_str().unwrap().to_string());
     let warnings: Vec<String> = warnings.collect();

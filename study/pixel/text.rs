@@ -1,0 +1,221 @@
+//! A pixel as a table for a terminal.
+
+use super::found::Pixel;
+use voltet_core::reference::Step;
+use voltet_nodes::encode::srgb_from_linear;
+
+/// Cells that are shown where a ray crosses more and not all are asked for.
+pub const SHOWN: usize = 24;
+
+/// The pixel in words and tables. `all`: every cell of the ray, not only the [`SHOWN`] that add most.
+pub fn text(pixel: &Pixel, all: bool) -> String {
+    let Pixel { node, place: [x, y], size: [width, height], samples, sample, ray, walk, .. } = pixel;
+    let mut text = format!("pixel X {x}, Y {y} of {width} × {height}, drawn by '{node}'\n");
+    if *samples > 1 {
+        text += &format!("ray {sample} of its rays 0 to {}; the pixel is the mean of all\n", samples - 1);
+    }
+    let vector = |v: [f64; 3]| v.map(number).join(", ");
+    text += &format!("ray from ({}) along ({})\n", vector(ray[0]), vector(ray[1]));
+    if let Some(why) = &pixel.nothing {
+        text += &format!("nothing is seen: {why}\n");
+    }
+    let shown = shown(&walk.steps, if all { usize::MAX } else { SHOWN });
+    if !shown.is_empty() {
+        text += &format!("\n{}", cells(pixel, &shown));
+    }
+    text += &left_out(pixel, &shown);
+    text += &format!("\n{}", sums(pixel));
+    text
+}
+
+/// The places of the steps that add most, in the order of the ray.
+fn shown(steps: &[Step], most: usize) -> Vec<usize> {
+    let mut places: Vec<usize> = (0..steps.len()).collect();
+    if places.len() > most {
+        places.sort_by(|&a, &b| adds(&steps[b]).total_cmp(&adds(&steps[a])));
+        places.truncate(most);
+        places.sort_unstable();
+    }
+    places
+}
+
+/// The most that a step adds to a channel.
+fn adds(step: &Step) -> f64 {
+    step.contribution().into_iter().fold(0.0, f64::max)
+}
+
+fn left_out(pixel: &Pixel, shown: &[usize]) -> String {
+    let mut text = String::new();
+    let steps = &pixel.walk.steps;
+    let rest = steps.iter().enumerate().filter(|(k, _)| !shown.contains(k));
+    let (count, sum) = rest.fold((0, [0.0; 4]), |(count, sum), (_, step)| {
+        let adds = step.contribution();
+        (count + 1, std::array::from_fn(|c| sum[c] + adds[c]))
+    });
+    if count > 0 {
+        let [r, g, b, a] = sum.map(number);
+        text += &format!(
+            "{count} cells that add less are left out, together {r} {g} {b} {a}; --all shows them\n"
+        );
+    }
+    if pixel.walk.hidden > 0 {
+        text += &format!("{} cells behind these are hidden by them\n", pixel.walk.hidden);
+    }
+    text
+}
+
+/// The table of the cells.
+fn cells(pixel: &Pixel, shown: &[usize]) -> String {
+    let steps = &pixel.walk.steps;
+    let looks = |of: &dyn Fn(&Step) -> bool| steps.iter().any(of);
+    let has_g = looks(&|step| step.front[1] != 0.0 || step.back[1] != 0.0);
+    let (silhouettes, lit) = (looks(&|step| step.silhouette != 1.0), looks(&|step| step.light != 1.0));
+    let mut head: Vec<String> =
+        ["#", "entry", "exit", "length", "cell", "tetrahedron"].map(String::from).into();
+    let values: Vec<usize> = (0..pixel.names.len()).filter(|&q| q != 1 || has_g).collect();
+    head.extend(values.iter().map(|&q| pixel.names[q].clone()));
+    head.extend(["widgets", "depth", "opacity"].map(String::from));
+    head.extend(silhouettes.then(|| "silhouette".into()));
+    head.extend(lit.then(|| "light".into()));
+    head.extend(["colour", "reaches eye", "adds r", "g", "b", "a"].map(String::from));
+    let mut rows = vec![head];
+    for &k in shown {
+        let (step, (cell, kind)) = (&steps[k], &pixel.cells[k]);
+        let [entry, exit] = step.distance.map(number);
+        let mut row = vec![k.to_string(), entry, exit, number(step.length), format!("{kind} {cell}")];
+        row.push(step.cell.to_string());
+        row.extend(values.iter().map(|&q| format!("{} to {}", number(step.front[q]), number(step.back[q]))));
+        row.push(widgets(pixel, step));
+        row.extend([step.part.optical_depth, step.part.opacity].map(number));
+        row.extend(silhouettes.then(|| number(step.silhouette)));
+        row.extend(lit.then(|| number(step.light)));
+        row.push(own_color(step));
+        row.push(number(step.transmittance));
+        row.extend(step.contribution().map(number));
+        rows.push(row);
+    }
+    aligned(&rows)
+}
+
+/// Shares of the optical depth under this are not shown.
+const NOTABLE: f64 = 1e-3;
+
+/// The widgets met, the most first, each with its share of the optical depth where there are several.
+fn widgets(pixel: &Pixel, step: &Step) -> String {
+    let mut met: Vec<(usize, f64)> = Pixel::shares(step).filter(|(_, share)| *share >= NOTABLE).collect();
+    met.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let one = met.len() == 1;
+    let name = |&(k, share): &(usize, f64)| match one {
+        true => format!("{k} {}", pixel.widgets[k]),
+        false => format!("{k} {} {:.1}%", pixel.widgets[k], 100.0 * share),
+    };
+    if met.is_empty() { "none".into() } else { met.iter().map(name).collect::<Vec<_>>().join(", ") }
+}
+
+/// The colour of what is in the cell.
+fn own_color(step: &Step) -> String {
+    let opacity = step.part.opacity;
+    if opacity > 0.0 { srgb(step.part.color.map(|c| c / opacity)) } else { String::new() }
+}
+
+/// The pixel by all who can say it.
+fn sums(pixel: &Pixel) -> String {
+    let row = |name: String, rgba: [f64; 4], of: Option<f64>| {
+        let mut row = vec![name];
+        row.extend(rgba.map(|x| format!("{x:.7}")));
+        let over: [f64; 3] = std::array::from_fn(|c| rgba[c] + (1.0 - rgba[3]) * pixel.background[c]);
+        row.push(srgb(over));
+        row.push(of.map(|difference| format!("{difference:.1e}")).unwrap_or_default());
+        row
+    };
+    let head = ["", "r", "g", "b", "a", "shown", "from the referee"].map(String::from).to_vec();
+    let mut rows = vec![head];
+    let [r, g, b] = pixel.walk.seen.color;
+    rows.push(row("this ray".into(), [r, g, b, pixel.walk.seen.opacity], None));
+    rows.push(row("the pixel by the 64-bit referee".into(), pixel.referee, None));
+    let drawn = &pixel.drawn;
+    rows.push(row(format!("as drawn ({})", drawn.engine), drawn.rgba, Some(pixel.difference(drawn.rgba))));
+    let mut cannot = String::new();
+    for said in &pixel.said {
+        let parts = [said.name, &said.numbers, if said.own { "the pipeline's" } else { "" }];
+        let name = parts.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join(", ");
+        match &said.rgba {
+            Ok(rgba) => rows.push(row(name, *rgba, Some(pixel.difference(*rgba)))),
+            Err(why) => cannot += &format!("{name}: cannot, {why}\n"),
+        }
+    }
+    aligned(&rows) + &cannot
+}
+
+/// Linear colour as an 8-bit sRGB one.
+pub(super) fn srgb(linear: [f64; 3]) -> String {
+    let byte = |c: f64| (srgb_from_linear(c.clamp(0.0, 1.0) as f32) * 255.0).round() as u8;
+    let [r, g, b] = linear.map(byte);
+    format!("#{r:02x}{g:02x}{b:02x}")
+}
+
+/// A number in six characters or so.
+pub(super) fn number(x: f64) -> String {
+    let size = x.abs();
+    match () {
+        () if x == 0.0 => "0".into(),
+        () if !(1e-3..1e6).contains(&size) => format!("{x:.3e}"),
+        // Five digits.
+        () => {
+            let before = size.log10().floor() as i32;
+            let text = format!("{x:.*}", (4 - before).max(0) as usize);
+            match text.contains('.') {
+                true => text.trim_end_matches('0').trim_end_matches('.').to_string(),
+                false => text,
+            }
+        }
+    }
+}
+
+/// Rows in columns: numbers to the right, what else there is to the left. The first row is the head.
+fn aligned(rows: &[Vec<String>]) -> String {
+    let columns = rows[0].len();
+    let width = |c: usize| rows.iter().map(|row| row[c].chars().count()).max().unwrap_or(0);
+    let widths: Vec<usize> = (0..columns).map(width).collect();
+    let is_number = |text: &str| text.is_empty() || text.parse::<f64>().is_ok();
+    let right: Vec<bool> = (0..columns).map(|c| rows[1..].iter().all(|row| is_number(&row[c]))).collect();
+    let mut text = String::new();
+    for row in rows {
+        let cell = |c: usize| match right[c] {
+            true => format!("{:>1$}", row[c], widths[c]),
+            false => format!("{:<1$}", row[c], widths[c]),
+        };
+        text += (0..columns).map(cell).collect::<Vec<_>>().join("  ").trim_end();
+        text += "\n";
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_have_five_digits_and_no_idle_ones() {
+        for (x, text) in [
+            (0.0, "0"),
+            (1.0, "1"),
+            (-0.5, "-0.5"),
+            (123.456789, "123.46"),
+            (99999.0, "99999"),
+            (123456.7, "123457"),
+            (0.00123456, "0.0012346"),
+            (1.5e-7, "1.500e-7"),
+            (2e9, "2.000e9"),
+            (1200.0, "1200"),
+        ] {
+            assert_eq!(number(x), text);
+        }
+    }
+
+    #[test]
+    fn columns_of_numbers_stand_to_the_right() {
+        let rows = [["#", "what"], ["1", "a"], ["23", ""]].map(|row| row.map(String::from).to_vec());
+        assert_eq!(aligned(&rows), " #  what\n 1  a\n23\n");
+    }
+}
