@@ -8,9 +8,8 @@
 //! | `cameras` | cameras |
 //!
 //! Some scenes have no picture that 32 bits, or the data's own rounding, determine: a ray within a face, a widget a
-//! millionth as wide as a cell's range. A pixel beyond its bound is *explained* where the referee itself changes by as much
-//! when the camera moves by a thousandth of a pixel, or when s and g, the points or the widgets' places are rounded to 32
-//! bits. What is not explained is wrong.
+//! millionth as wide as a cell's range. A pixel beyond its bound is *explained* where the referee itself changes by half as much
+//! when the camera moves by a thousandth of a pixel, or when s and g or the points are rounded to 32 bits. What is not explained is wrong.
 
 mod cameras;
 mod dice;
@@ -32,6 +31,8 @@ use voltet_core::{Error, Result, reference};
 
 /// How far the camera moves, pixels.
 const NUDGE: f64 = 1e-3;
+/// How much larger an error may be than the largest change that was found: only eight neighbours of a scene are looked at.
+const LIKE: f64 = 2.0;
 
 /// A scene on which an engine was beyond its bound.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -177,7 +178,7 @@ fn neighbours(scene: &Scene) -> Vec<Scene> {
 
 fn beyond(scene: u64, engine: String, errors: &[f64], changes: &[f64], width: usize) -> Beyond {
     let pixels = errors.iter().filter(|error| **error > BOUND).count();
-    let wrong: Vec<usize> = (0..errors.len()).filter(|&k| errors[k] > BOUND + changes[k]).collect();
+    let wrong: Vec<usize> = (0..errors.len()).filter(|&k| errors[k] > BOUND + LIKE * changes[k]).collect();
     let all: Vec<usize> = (0..errors.len()).collect();
     let among = if wrong.is_empty() { &all } else { &wrong };
     let worst = among.iter().copied().max_by(|&a, &b| errors[a].total_cmp(&errors[b])).unwrap_or(0);
@@ -218,7 +219,7 @@ mod tests {
     #[test]
     fn only_what_changes_as_much_is_explained() {
         let errors = [0.0, 3e-4, 4e-4, f64::INFINITY];
-        let found = beyond(7, "an engine".into(), &errors, &[0.0, 1.5e-4, 1.5e-4, 9.0], 2);
+        let found = beyond(7, "an engine".into(), &errors, &[0.0, 0.6e-4, 0.6e-4, 9.0], 2);
         assert_eq!((found.pixels, found.wrong), (3, 2));
         assert_eq!((found.worst_error, found.worst_pixel), (f64::INFINITY, [1, 1]));
         let all = Random { beyond: vec![found], ..Random::default() };

@@ -67,7 +67,7 @@ fn grid(dice: &mut Dice) -> Grid {
         // A layer of slivers across one axis.
         2 => {
             let (axis, thin) = (dice.of(3), dice.power(-9.0, -1.0));
-            moved(&cube(), |mut p| {
+            moved(&box_of_tetrahedra(counts, unit, 0.0), |mut p| {
                 p[axis] = if p[axis] < 0.5 { p[axis] } else { 0.5 + thin * (p[axis] - 0.5) };
                 p
             })
@@ -115,8 +115,16 @@ fn placed(dice: &mut Dice, unit: &Grid) -> Grid {
     moved(unit, |p| turn * (stretch * (p - 0.5)) + offset)
 }
 
+/// The grid with its points moved, or as it was where that would turn cells over: cells that lie over each other and begin
+/// in a face that they share have no order.
 fn moved(grid: &Grid, place: impl Fn(DVec3) -> DVec3) -> Grid {
-    Grid { points: Arc::new(sample(grid, place)), ..grid.clone() }
+    let points = sample(grid, place);
+    let side = |points: &[DVec3], cell: &[u32; 4]| {
+        let [a, b, c, d] = cell.map(|p| points[p as usize]);
+        (b - a).cross(c - a).dot(d - a) > 0.0
+    };
+    let turned = grid.tetrahedra.iter().any(|cell| side(&points, cell) != side(&grid.points, cell));
+    if turned { grid.clone() } else { Grid { points: Arc::new(points), ..grid.clone() } }
 }
 
 /// s at the points: smooth, linear, a steep step, constant, noise; of any size and offset.
