@@ -111,11 +111,13 @@ type Kept = Arc<dyn Any + Send + Sync>;
 /// The revision of what is made from no output, and stays as long as the session. Outputs count from 1.
 pub(super) const FOR_THE_SESSION: Revision = Revision(0);
 
+/// A node's type, its parameters, what feeds which port, and its files.
+type NodeKey = (&'static str, Vec<Parameters>, Vec<(usize, usize, usize)>, Vec<(PathBuf, Stamp)>);
+
 /// What the results over all steps were made from.
 #[derive(PartialEq)]
 pub(super) struct Key {
-    /// Type, parameters, what feeds which port, and files.
-    pub(super) nodes: Vec<(&'static str, Vec<Parameters>, Vec<(usize, usize, usize)>, Vec<(PathBuf, Stamp)>)>,
+    pub(super) nodes: Vec<NodeKey>,
     pub(super) demands: Vec<Demand>,
     pub(super) port: (usize, usize),
 }
