@@ -73,7 +73,7 @@ pub fn measure(call: &Call, wanted: &Wanted, demand: &Demand, read: &mut u64) ->
     }
     if !sums.is_empty() {
         each(call, demand, read, &mut |volume| {
-            for (quantity, _) in &wanted.percentiles {
+            for quantity in wanted.percentiles.keys() {
                 let mut own = sums.iter_mut().filter(|((of, _), _)| of == quantity).peekable();
                 if own.peek().is_none() {
                     continue;

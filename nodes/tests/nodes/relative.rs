@@ -8,6 +8,9 @@ use voltet_core::pipeline::Pipeline;
 use voltet_core::{Error, Result};
 use voltet_nodes::{registry, session};
 
+/// A function of the place.
+type Field<'a> = Box<dyn Fn([f64; 3]) -> f64 + 'a>;
+
 /// A grid of 7³ points with the array `a` by this function of the place, `b` = 2 a + 8 and `c`, the same everywhere.
 fn data(a: impl Fn([f64; 3]) -> f64) -> String {
     let mut text = String::from(
@@ -15,7 +18,7 @@ fn data(a: impl Fn([f64; 3]) -> f64) -> String {
          SPACING 1 1 1\nPOINT_DATA 343\n",
     );
     let places = || (0..343).map(|i| [i % 7, i / 7 % 7, i / 49].map(f64::from));
-    let all: [(&str, Box<dyn Fn([f64; 3]) -> f64 + '_>); 3] =
+    let all: [(&str, Field); 3] =
         [("a", Box::new(&a)), ("b", Box::new(|p| 2.0 * a(p) + 8.0)), ("c", Box::new(|_| 5.0))];
     for (name, values) in all {
         write!(text, "SCALARS {name} double 1\nLOOKUP_TABLE default\n").unwrap();
