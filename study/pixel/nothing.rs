@@ -3,9 +3,13 @@
 use voltet_core::reference::{Ray, Tracer, Walk};
 use voltet_core::scene::Scene;
 
-/// A sentence for a ray without opacity and colour; `None` for others.
+/// What is less than this does not show in 8 bits.
+const HALF_STEP: f64 = 0.5 / 255.0;
+
+/// A sentence for a ray without opacity and colour that show; `None` for others.
 pub(super) fn why(tracer: &Tracer, ray: &Ray, walk: &Walk, scene: &Scene) -> Option<String> {
-    if walk.seen.opacity > 0.0 || walk.seen.color.iter().any(|c| *c > 0.0) {
+    let most = walk.seen.color.iter().copied().fold(walk.seen.opacity, f64::max);
+    if most >= HALF_STEP {
         return None;
     }
     if walk.steps.is_empty() {
@@ -31,7 +35,10 @@ pub(super) fn why(tracer: &Tracer, ray: &Ray, walk: &Walk, scene: &Scene) -> Opt
         () if scene.transfer_function.widgets.is_empty() => {
             format!("{met}; the transfer function has no widgets")
         }
-        () if depth > 0.0 => format!("{met}; silhouettes take all of its optical depth of {depth:.3e}"),
+        () if depth < HALF_STEP && most > 0.0 => {
+            format!("{met}, where the widgets hardly absorb: an optical depth of {depth:.3e} in all")
+        }
+        () if depth > 0.0 => format!("{met}; silhouettes take most of its optical depth of {depth:.3e}"),
         () => format!("{met}; no widget takes any of these values"),
     })
 }

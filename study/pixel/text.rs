@@ -17,7 +17,7 @@ pub fn text(pixel: &Pixel, all: bool) -> String {
     let vector = |v: [f64; 3]| v.map(number).join(", ");
     text += &format!("ray from ({}) along ({})\n", vector(ray[0]), vector(ray[1]));
     if let Some(why) = &pixel.nothing {
-        text += &format!("nothing is seen: {why}\n");
+        text += &format!("nothing to be seen: {why}\n");
     }
     let shown = shown(&walk.steps, if all { usize::MAX } else { SHOWN });
     if !shown.is_empty() {

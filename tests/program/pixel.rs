@@ -157,10 +157,14 @@ fn what_shows_nothing_says_why() {
         (&["view.near=7"], "cells on the ray lie before the near plane"),
         (&["look.widgets.0.region={ s = [5.0, 6.0] }"], "no widget takes any of these values"),
         (&["look.widgets.0.extinction=0"], "no widget takes any of these values"),
+        (
+            &["look.widgets.0.extinction=1e-9"],
+            "where the widgets hardly absorb: an optical depth of 2.000e-9",
+        ),
     ] {
         let sets: Vec<&str> = sets.iter().flat_map(|set| ["--set", set]).collect();
         let text = folder.voltet(&[&["pixel", "slab.toml", "4", "4"], &sets[..]].concat()).ok().stdout;
-        assert!(text.contains("nothing is seen: ") && text.contains(wanted), "{text}");
+        assert!(text.contains("nothing to be seen: ") && text.contains(wanted), "{text}");
     }
     let outside = ["pixel", "slab.toml", "8", "-1"];
     folder.voltet(&outside).fails(2, &["outside the picture", "X 8, Y -1", "X 0 to 7, Y 0 to 7"]);
