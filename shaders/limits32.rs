@@ -48,7 +48,7 @@ mod tests {
     use crate::Compositor;
     use voltet_core::optics::Overlap;
     use voltet_core::shading::{Integrator, Shading};
-    use voltet_core::transfer::{OpticalModel, Profile, Wave};
+    use voltet_core::transfer::{ControlPoint, OpticalModel, Profile, Wave};
 
     fn answer(integrator: Integrator, widgets: Vec<Widget>, values: &[f64]) -> Result<()> {
         let model = OpticalModel::ConstantEmitter { cutoff: 1e-3 };
@@ -87,16 +87,36 @@ mod tests {
         assert!(answer(analytic, vec![gaussian(1.0)], &[1e6, 1.0]).is_err());
     }
 
+    fn ramp(extinction: f64) -> Widget {
+        let point = |s, extinction, red| ControlPoint { s, color: [red, 1.0, 1.0], extinction };
+        let points = vec![point(0.5, 0.0, 0.0), point(0.5001, extinction, 1.0)];
+        widget(Profile::PiecewiseLinear { points }, 0.0)
+    }
+
+    /// A tenth inside each limit a scene is served, a tenth beyond it is refused with that limit.
     #[test]
-    fn waves_of_many_bands_are_refused_among_others_first() {
-        let analytic = Integrator::Analytic;
+    fn limits_are_where_they_are_stated() {
         let among = |wave| vec![wave, gaussian(1.0)];
-        assert!(answer(analytic, vec![wave(1e-4, 1.0)], &[1.0, 1.0]).is_ok());
-        assert!(answer(analytic, among(wave(1e-4, 1.0)), &[1.0, 1.0]).is_err());
-        assert!(answer(analytic, vec![wave(1e-7, 1.0)], &[1.0, 1.0]).is_err());
-        // 40 bands by band width are more than 2e4 × 1e-3; they matter where they are opaque.
-        assert!(answer(analytic, among(wave(0.05, 1.0)), &[1.0, 1.0]).is_ok());
-        assert!(answer(analytic, among(wave(0.05, 100.0)), &[1.0, 1.0]).is_err());
-        assert!(answer(analytic, among(wave(1.0, 1e38)), &[1.0, 1.0]).is_err());
+        let most = f64::from(f32::MAX) / 4.0;
+        // Segments are 2 long; the waves' band width is a half, the cutoff a thousandth.
+        type Of<'a> = &'a dyn Fn(f64) -> Vec<Widget>;
+        let cases: [(f64, Of, &str); 8] = [
+            (1e5, &|widths| vec![gaussian(widths)], "at most 1e5"),
+            (1e6, &|bands| vec![wave(1.0 / bands, 1.0)], "at most 1e6"),
+            (1e3, &|by_width| among(wave(2.0 / by_width, 1.0)), "at most 1e3"),
+            // Opaque ones: 2e4 × 1e-3 bands by band width; and opaque is a depth of 30.
+            (20.0, &|by_width| among(wave(2.0 / by_width, 100.0)), "at most 2e1"),
+            (30.0, &|depth| among(wave(0.05, 0.5 * depth)), "at most 2e1"),
+            (2e7, &|depth| vec![widget(gaussian(1.0).profile, 0.5 * depth), gaussian(1.0)], "at most 2e7"),
+            // Over 1e-4 of the segment: P = r² 1e-4 / 2.
+            (4e4, &|rate| vec![ramp(0.25e-4 * rate * rate)], "at most 4e4"),
+            (most, &|depth| vec![widget(gaussian(1.0).profile, 0.5 * depth)], "to 8.5e37"),
+        ];
+        for (limit, of, words) in cases {
+            let answer = |share: f64| answer(Integrator::Analytic, of(share * limit), &[1.0, 1.0]);
+            assert!(answer(0.9).is_ok(), "{words}: {:?}", answer(0.9));
+            let message = answer(1.1).expect_err("beyond").to_string();
+            assert!(message.contains(words), "{message}");
+        }
     }
 }

@@ -129,3 +129,15 @@ fn pieces(count: usize) -> Result<u32> {
         Error::usage("a segment has more pieces than a shader walks").found(count).accepted(PIECES_MOST)
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::pieces;
+
+    #[test]
+    fn a_million_pieces_are_walked_and_no_more() {
+        assert_eq!(pieces(1 << 20).expect("fits"), 1 << 20);
+        let message = pieces((1 << 20) + 1).expect_err("too many").to_string();
+        assert!(message.contains("found 1048577") && message.contains("1048576"), "{message}");
+    }
+}

@@ -44,3 +44,21 @@ impl Composite {
         self.transparency
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::Composite;
+
+    /// Both sums keep their digits: A while it is small, and what is missing of 1 beyond.
+    #[test]
+    fn opacities_keep_their_digits_at_both_ends() {
+        for (opacity, count) in [(1.0 / 3.0, 1000), (0.01, 100_000), (0.003, 100_000), (1e-12, 1000)] {
+            let mut sum = Composite::default();
+            (0..count).for_each(|_| sum.add([0.0; 3], opacity));
+            let exact = -(f64::from(count) * f64::ln_1p(-opacity)).exp_m1();
+            // A thousand roundings of a small sum; what is left of 1 is nothing.
+            let bound = if exact < 0.5 { 1e-13 * exact } else { 0.0 };
+            assert!((sum.opacity() - exact).abs() <= bound, "{count} of {opacity}: {}", sum.opacity());
+        }
+    }
+}

@@ -162,3 +162,20 @@ pub fn one_minus_sinc(y: f64) -> f64 {
         1.0 - y.sin() / y
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Beyond the range in which e^(−a²) is a number what is left is e^(−a²) × √π/2 erfcx(a)/d: erfcx(30) has 18 digits from a
+    /// table, and what the far end takes away is e^(−61) of it.
+    #[test]
+    fn a_mean_far_from_the_peak_keeps_its_digits() {
+        let exact = HALF_SQRT_PI * 0.018_795_888_861_416_75;
+        for (a, b) in [(30.0, 31.0), (-31.0, -30.0)] {
+            let (mean, exponent) = gaussian_mean(a, b, 1.0);
+            assert_eq!(exponent, 900.0);
+            assert!((mean / exact - 1.0).abs() < 4.0 * f64::EPSILON, "{mean} for {exact}");
+        }
+    }
+}

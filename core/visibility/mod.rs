@@ -35,29 +35,56 @@ pub fn centroid_order(
 mod tests {
     use super::*;
 
+    /// Small cells at these places.
+    fn cells_at(places: &[DVec3]) -> (Vec<DVec3>, Vec<[u32; 4]>) {
+        let corners = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
+        let points = places.iter().flat_map(|place| corners.map(|corner| *place + corner * 0.1)).collect();
+        let cells = (0..places.len() as u32).map(|k| [4 * k, 4 * k + 1, 4 * k + 2, 4 * k + 3]).collect();
+        (points, cells)
+    }
+
+    fn order(places: &[DVec3], projection: Projection) -> Vec<u32> {
+        let (points, tetrahedra) = cells_at(places);
+        let camera = Camera {
+            eye: DVec3::new(9.0, 0.0, 0.0),
+            target: DVec3::ZERO,
+            up: DVec3::Z,
+            projection,
+            near: 0.0,
+            size: [8, 8],
+            samples: 1,
+        };
+        let all: Vec<u32> = (0..places.len() as u32).collect();
+        centroid_order(&points, &tetrahedra, &all, &camera).unwrap()
+    }
+
+    const PERSPECTIVE: Projection = Projection::Perspective { fov_y: 30.0 };
+    const PARALLEL: Projection = Projection::Orthographic { height: 2.0 };
+
     /// Four cells along x, seen from the far end: the order is reversed; with parallel rays likewise.
     #[test]
     fn nearer_centroids_come_first() {
-        let points: Vec<DVec3> = (0..16)
-            .map(|k| {
-                let corner = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z][k % 4];
-                corner * 0.1 + DVec3::X * (k / 4) as f64
-            })
-            .collect();
-        let tetrahedra: Vec<[u32; 4]> = (0..4).map(|k| [4 * k, 4 * k + 1, 4 * k + 2, 4 * k + 3]).collect();
-        for projection in [Projection::Perspective { fov_y: 30.0 }, Projection::Orthographic { height: 2.0 }]
-        {
-            let camera = Camera {
-                eye: DVec3::new(9.0, 0.0, 0.0),
-                target: DVec3::ZERO,
-                up: DVec3::Z,
-                projection,
-                near: 0.0,
-                size: [8, 8],
-                samples: 1,
-            };
-            let order = centroid_order(&points, &tetrahedra, &[0, 1, 2, 3], &camera).unwrap();
-            assert_eq!(order, [3, 2, 1, 0]);
+        let row: Vec<DVec3> = (0..4).map(|k| DVec3::X * f64::from(k)).collect();
+        for projection in [PERSPECTIVE, PARALLEL] {
+            assert_eq!(order(&row, projection), [3, 2, 1, 0]);
+        }
+    }
+
+    /// At a depth of 5 far beside the axis, and at 6 on it: parallel rays meet the first sooner, an eye is nearer to the second.
+    #[test]
+    fn an_eye_measures_distance_and_parallel_rays_depth() {
+        let places = [DVec3::new(4.0, 5.0, 0.0), DVec3::new(3.0, 0.0, 0.0)];
+        assert_eq!(order(&places, PARALLEL), [0, 1]);
+        assert_eq!(order(&places, PERSPECTIVE), [1, 0]);
+    }
+
+    /// More of them than an insertion sort takes.
+    #[test]
+    fn cells_at_one_distance_stay_in_the_order_given() {
+        let places: Vec<DVec3> = (0..4000).map(|k| DVec3::X * f64::from(k % 3)).collect();
+        let expected: Vec<u32> = (0..3).rev().flat_map(|x| (0..4000).filter(move |k| k % 3 == x)).collect();
+        for projection in [PERSPECTIVE, PARALLEL] {
+            assert_eq!(order(&places, projection), expected);
         }
     }
 }

@@ -1,5 +1,6 @@
 //! The lists of a tile against compositing in 64 bits, for every number of segments and on every lane set.
 
+use crate::composite::growing_lists::GrowingLists;
 use crate::composite::kernels::Blend;
 use crate::composite::lists::{DEPTH, Layer, Lists};
 use crate::project::record::TILE;
@@ -145,6 +146,44 @@ fn every_number_of_segments_is_put_in_order() {
                 }
             });
         }
+    }
+}
+
+/// Lists that grow keep the same order, beyond what the others hold.
+#[test]
+#[cfg_attr(miri, ignore = "thousands of segments take it minutes")]
+fn rows_of_any_number_of_segments_are_put_in_order() {
+    // Short ones, too: among thousands of segments few of those that are seen are neighbours.
+    for (place, longer) in
+        [even as Place, paired, close].into_iter().flat_map(|place| [(place, 1), (place, 190)])
+    {
+        let mut random = Random(7);
+        let mut lists = GrowingLists::default();
+        let rows: Vec<_> = (0..TILE).map(|k| segments(longer * k, place, &mut random)).collect();
+        for (column, layers) in rows.iter().enumerate() {
+            shuffled(layers, &mut random).into_iter().for_each(|layer| lists.push(column, layer));
+        }
+        let mut out = [[f32::NAN; 4]; TILE];
+        assert_eq!(lists.composite(true, &mut out), 0);
+        for (found, layers) in out.iter().zip(&rows) {
+            assert_near(*found, blended(layers), &format!("{} segments", layers.len()));
+        }
+    }
+}
+
+/// What shines through 16 segments that leave 3e-11 is seen; where less than 1e-11 is left the list ends.
+#[test]
+fn lists_end_where_next_to_nothing_is_seen() {
+    for (left, seen) in [(3e-11, 0.3), (1e-12, 0.0)] {
+        let opacity = (1.0 - f64::powf(left, 1.0 / 16.0)) as f32;
+        let wall = (0..16).map(|k| Layer::new(k as f32, k as f32 + 1.0, [0.0, 0.0, 0.0, opacity]));
+        let layers: Vec<Layer> = wall.chain([Layer::new(16.0, 17.0, [1e10, 0.0, 0.0, 0.5])]).collect();
+        composited(&vec![layers; PIXELS], true, |lanes, picture, _| {
+            for pixel in picture {
+                // 16 roundings of what is left, each many times of it.
+                assert!((f64::from(pixel[0]) - seen).abs() < 1e-3, "{} for {seen} on {lanes}", pixel[0]);
+            }
+        });
     }
 }
 

@@ -140,7 +140,7 @@ fn draw_tile(
         scratch.counts = before;
         scratch.counts.tiles_deep += 1;
         let mut growing = GrowingLists::default();
-        for row in 0..TILE {
+        for row in 0..TILE.min(frame.view.size[1] - top) {
             growing.clear();
             let _ = walk(frame, tile, row..row + 1, scratch, &mut growing);
             scratch.counts.pixels_disordered +=

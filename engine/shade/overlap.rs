@@ -10,9 +10,6 @@ use voltet_lanes::optics::quadrature::{nodes, up_to};
 use voltet_lanes::optics::smooth::{DensityShape, Smooth};
 use voltet_lanes::{Float, Lanes, Mask, inlined};
 
-/// Bound of [`Smooth::holds`]: what is left out of a segment's light is under 2e-7.
-const SMOOTH_BOUND: f32 = 3e-5;
-
 /// Widgets that are ordered here; more on one scene go the 64-bit way where they overlap.
 pub(crate) const ORDERED_MOST: usize = 8;
 
@@ -51,7 +48,8 @@ impl<L: Lanes> Overlapping<'_, L> {
             tilted = add(tilted, shape.tilt);
             bent = add(bent, shape.bend);
         }
-        let served = overlapping & Smooth::<L>::holds(self.total, self.product, change, SMOOTH_BOUND).bits();
+        let served =
+            overlapping & Smooth::<L>::holds(self.total, self.product, change, Smooth::<L>::BOUND).bits();
         if served == 0 {
             return 0;
         }

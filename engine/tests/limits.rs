@@ -6,13 +6,13 @@ use voltet_core::camera::{Camera, Projection};
 use voltet_core::grid::Grid;
 use voltet_core::grid::generate::box_of_tetrahedra;
 use voltet_core::optics::integrators::{self, Extent};
-use voltet_core::optics::{Overlap, Segment};
+use voltet_core::optics::{Contribution, Overlap, Segment};
 use voltet_core::picture::Picture;
 use voltet_core::progress::Silent;
 use voltet_core::reference;
 use voltet_core::scene::Scene;
 use voltet_core::shading::{Integrator, Order, Shading};
-use voltet_core::transfer::{OpticalModel, Profile, Region, TransferFunction, Widget};
+use voltet_core::transfer::{OpticalModel, Profile, Region, TransferFunction, Wave, Widget};
 use voltet_core::volume::Volume;
 use voltet_engine::{Segments, cull, draw, keep_all, segments};
 use voltet_lanes::LaneSet;
@@ -64,7 +64,7 @@ fn largest_difference(a: &Picture, b: &Picture) -> f32 {
 fn culling_changes_no_pixel_by_more_than_a_millionth() {
     let (cube, camera) = (unit_cube([4; 3]), along(DVec3::Y));
     let diagonal = 3f64.sqrt();
-    for depth in [2e-8, 8e-8, 3e-7, 3e-6, 3e-5, 3e-4, 3e-3] {
+    for depth in [2e-8, 9e-8, 1.1e-7, 3e-7, 3e-6, 3e-5, 3e-4, 3e-3] {
         let look = look(vec![uniform([-1.0, 2.0], depth / diagonal, [1.0, 0.5, 0.2])]);
         let culled = cull(&cube, &look, &camera, &Silent).expect("culls");
         // All of it together has a depth of 1e-7 at most.
@@ -74,6 +74,20 @@ fn culling_changes_no_pixel_by_more_than_a_millionth() {
             [culled, all].map(|cells| draw(&cells, &look, &camera, &SHADING, &Silent).expect("draws").0);
         let difference = largest_difference(&pictures[0], &pictures[1]);
         assert!(difference <= 1e-6, "depth {depth:e}: a pixel changes by {difference:e}");
+    }
+}
+
+/// A cell is out of view where all of its corners lie beyond one plane: the outermost pixels' rays, or the near plane.
+#[test]
+fn cells_out_of_view_are_culled_and_counted() {
+    let cube = unit_cube([4; 3]);
+    let look = look(vec![uniform([-1.0, 2.0], 1.0, [1.0; 3])]);
+    // Outermost rays at 3/16 beside the middle, planes of corners at quarters: two by two columns of six cells are seen.
+    let narrow = Camera { projection: Projection::Orthographic { height: 0.4 }, ..along(DVec3::Y) };
+    // And two of their four layers lie before 5.01, but for what reaches beyond.
+    for (near, seen) in [(0.0, 2 * 2 * 4 * 6), (5.01, 2 * 2 * 2 * 6)] {
+        let cells = cull(&cube, &look, &Camera { near, ..narrow }, &Silent).expect("culls");
+        assert_eq!((cells.kept.len(), cells.culled_by_frustum), (seen, 384 - seen as u64), "near {near}");
     }
 }
 
@@ -242,4 +256,180 @@ fn a_face_nearly_edge_on_parts_its_cells_where_it_should() {
     assert!(lit > 100, "{lit} pixels see the cells");
     let difference = largest_difference(&found, &exact);
     assert!(difference < 2e-5, "off by {difference:e}");
+}
+
+/// Exact integrals of segments of one length unit, with two widgets in front of each other.
+fn exact_of(look: &TransferFunction, segment: &Segment) -> Contribution {
+    let extent = Extent { scalar: [0.0, 1.0], longest: 1.0 };
+    let exact = integrators::new(&SHADING.integrator, SHADING.overlap, look, &extent).expect("serves it");
+    exact.integrate(segment)
+}
+
+fn segment(front: [f64; 2], back: [f64; 2]) -> Segment<'static> {
+    Segment { length: 1.0, front, back, fields_front: &[], fields_back: &[] }
+}
+
+/// Widgets are mixed without regard to their order only where that is worth less than 1e-8.
+#[test]
+fn overlap_is_ordered_from_a_product_of_depths_on() {
+    for depth in [3e-5, 9e-5, 1.1e-4, 3e-4, 1e-3] {
+        let halves = [([0.0, 0.5], [1.0, 0.0, 0.0]), ([0.5, 1.0], [0.0, 0.0, 1.0])]
+            .map(|(s, c)| uniform(s, 2.0 * depth, c));
+        let gaussian = |s, color| {
+            let profile = Profile::Gaussian { centre: [s, 0.0], matrix: [[1.0, 0.0], [0.0, 0.0]] };
+            Widget { profile, color, extinction: depth, region: None }
+        };
+        let smooth = [gaussian(-0.5, [1.0, 0.0, 0.0]), gaussian(1.5, [0.0, 0.0, 1.0])];
+        for widgets in [halves, smooth] {
+            let look = look(widgets.to_vec());
+            let across = segment([0.0; 2], [1.0, 0.0]);
+            let exact = exact_of(&look, &across).color;
+            for Segments { lanes, .. } in Segments::each() {
+                let found = segments(lanes, &look, &SHADING, false, &[across]).expect("draws")[0];
+                for (found, exact) in found.contribution.color.into_iter().zip(exact) {
+                    // And some roundings of 32 bits.
+                    let bound = 1e-8 + 1e-6 * exact;
+                    let error = (found - exact).abs();
+                    assert!(error < bound, "depth {depth:e} on {}: {found} for {exact}", lanes.name());
+                }
+            }
+        }
+    }
+}
+
+/// Where Gaussians extend over up to two widths four points on one or four steps leave 3e-5 of their depth.
+#[test]
+fn overlap_is_integrated_by_as_many_steps_as_it_needs() {
+    let share = |i: usize, step: f64| (0.5 + i as f64 * step).fract();
+    let gaussian = |s, color| {
+        let profile = Profile::Gaussian { centre: [s, 0.0], matrix: [[2.0, 0.0], [0.0, 0.0]] };
+        Widget { profile, color, extinction: 1.5, region: None }
+    };
+    let look = look(vec![gaussian(0.3, [1.0, 0.0, 0.0]), gaussian(0.6, [0.0, 0.0, 1.0])]);
+    // A width is a half; the first spans all.
+    let list: Vec<Segment> = (0..400)
+        .map(|i| match i {
+            0 => segment([0.0; 2], [1.0, 0.0]),
+            _ => segment([share(i, 0.618), 0.0], [share(i, 0.755), 0.0]),
+        })
+        .collect();
+    for Segments { lanes, .. } in Segments::each() {
+        let found = segments(lanes, &look, &SHADING, false, &list).expect("draws");
+        let mut worst = 0.0;
+        for (found, segment) in found.iter().zip(&list) {
+            let exact = exact_of(&look, segment);
+            for (found, color) in found.contribution.color.into_iter().zip(exact.color) {
+                worst = f64::max(worst, (found - color).abs() / exact.optical_depth);
+            }
+        }
+        println!("{worst:.1e} of the depth on {}", lanes.name());
+        assert!(worst < 3e-5, "{worst:e} of the depth on {}", lanes.name());
+    }
+}
+
+/// A tenth inside each limit lanes serve a segment, a tenth beyond it 64 bits do, and it is said why.
+#[test]
+fn what_32_bits_do_not_hold_is_left_to_64() {
+    let widget = |profile| Widget { profile, color: [1.0, 0.5, 0.2], extinction: 1.0, region: None };
+    let line = |widths: f64| Profile::Gaussian { centre: [0.5, 0.0], matrix: [[widths, 0.0], [0.0, 0.0]] };
+    let everywhere = |extinction, color| uniform([-1.0, 2.0], extinction, color);
+    let wave = |bands: f64| {
+        let period = 1.0 / bands;
+        Profile::SineWave(Wave { origin: [0.0; 2], angle: 0.0, scale: [1.0; 2], period, band_width: 1.0 })
+    };
+    let nd = |widths: f64| {
+        let (fields, matrix) = (vec!["field".to_owned()], vec![vec![widths]]);
+        Profile::GaussianNd { fields, centre: vec![0.5], matrix }
+    };
+    let triangular_nd = |widths: f64| {
+        let (fields, matrix) = (vec!["field".to_owned()], vec![vec![widths]]);
+        Profile::TriangularGaussianNd { fields, magnitude: "one".into(), centre: vec![0.5], matrix }
+    };
+    type Of<'a> = &'a dyn Fn(f64) -> Vec<Widget>;
+    let of_gaussian = "100,000 widths of a Gaussian, or 50 of a triangular one";
+    let cases: [(f64, f64, Of, &str); 7] = [
+        (1e5, 1.0, &|widths| vec![widget(line(widths))], of_gaussian),
+        (1e5, 1.0, &|widths| vec![widget(nd(widths))], of_gaussian),
+        // g is 1.
+        (
+            50.0,
+            1.0,
+            &|widths| vec![widget(Profile::TriangularGaussian { centre: 0.5, sigma: 1.0 / widths })],
+            of_gaussian,
+        ),
+        (50.0, 1.0, &|widths| vec![widget(triangular_nd(widths))], of_gaussian),
+        (1e6, 1.0, &|bands| vec![widget(wave(bands))], "its numbers leave 32 bits"),
+        (
+            200.0,
+            1.0,
+            &|depth| vec![everywhere(0.9 * depth, [1.0; 3]), everywhere(0.1 * depth, [0.5; 3])],
+            "a density of over 200",
+        ),
+        // A unit distance of 1e30 lengths.
+        (
+            1.0,
+            1e30,
+            &|_| vec![widget(Profile::TriangularGaussian { centre: 0.5, sigma: 0.1 })],
+            "lengths per unit distance",
+        ),
+    ];
+    let (one, zero) = ([0.0, 1.0], [1.0, 1.0]);
+    for (limit, unit_distance, of, why) in cases {
+        for (share, is_left) in [(0.9, false), (1.1, true)] {
+            let mut look = look(of(share * limit));
+            // A longer unit is a shorter length.
+            look.unit_distance = unit_distance * share;
+            let names = look.fields().len();
+            let across = Segment {
+                fields_front: &one[..names],
+                fields_back: &zero[..names],
+                ..segment([0.0, 1.0], [1.0, 1.0])
+            };
+            let across = if unit_distance == 1.0 { Segment { length: share, ..across } } else { across };
+            for Segments { lanes, .. } in Segments::each() {
+                let found = segments(lanes, &look, &SHADING, false, &[across]).expect("draws")[0];
+                let expected = is_left.then_some(true);
+                assert_eq!(
+                    found.left.map(|left| left.contains(why)),
+                    expected,
+                    "{why}, {share} on {}: {:?}",
+                    lanes.name(),
+                    found.left
+                );
+            }
+        }
+    }
+}
+
+/// A tile of over a thousand segments in a pixel, of which some are of cells about the eye, which 64 bits draw: its rows are
+/// drawn one by one, and no segment is counted or drawn twice.
+#[test]
+fn deep_tiles_with_cells_about_the_eye_are_drawn_once() {
+    let grid = box_of_tetrahedra([1, 400, 1], [DVec3::ZERO, DVec3::new(1.0, 3.0, 1.0)], 0.0);
+    let volume = volume(grid, |p| 0.5 + 0.4 * (9.0 * p.y + 2.0 * p.x).sin());
+    let look =
+        look(vec![uniform([0.0, 0.5], 0.4, [1.0, 0.2, 0.1]), uniform([0.5, 1.0], 0.9, [0.1, 0.3, 1.0])]);
+    let camera = Camera {
+        eye: DVec3::new(0.45, 0.015, 0.55),
+        target: DVec3::new(0.5, 3.0, 0.5),
+        up: DVec3::Z,
+        projection: Projection::Perspective { fov_y: 14.0 },
+        near: 0.0,
+        size: [6, 6],
+        samples: 1,
+    };
+    let cells = cull(&volume, &look, &camera, &Silent).expect("culls");
+    let (found, counts) = draw(&cells, &look, &camera, &SHADING, &Silent).expect("draws");
+    assert_eq!(counts.tiles_deep, 1, "{counts:?}");
+    let scene =
+        Scene { volume, transfer_function: Arc::new(look), camera, shading: SHADING, order: Order::Exact };
+    let exact = reference::draw(&scene, &Silent).expect("draws");
+    let difference = largest_difference(&found, &exact);
+    assert!(difference < 2e-4, "off by {difference:e}");
+    let tracer = reference::Tracer::new(&scene).expect("is a scene");
+    let on =
+        |k: usize| tracer.crossings(&tracer.ray((k % 6) as f64 + 0.5, (k / 6) as f64 + 0.5)).len() as u64;
+    let segments: u64 = (0..36).map(on).sum();
+    // Some of no length for the one or the other.
+    assert!(counts.segments.abs_diff(segments) * 100 < segments, "{} for {segments}", counts.segments);
 }

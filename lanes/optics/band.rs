@@ -76,7 +76,7 @@ mod tests {
             let shape = bell.shape::<P>(phase(front), phase(back), splat(extinctions[0]));
             let (depth, even) = (lane(shape.depth), extinctions[1]);
             let (total, product, change) = (depth + even, depth * even, lane(shape.change_squared));
-            let holds = Smooth::<P>::holds(splat(total), splat(product), splat(change), 3e-5);
+            let holds = Smooth::<P>::holds(splat(total), splat(product), splat(change), Smooth::<P>::BOUND);
             if lane(F::select(holds, splat(1.0), splat(0.0))) == 0.0 || depth == 0.0 {
                 continue;
             }

@@ -1,7 +1,6 @@
 //! Data that cannot be read and files that cannot be written: one error, exit code 1, no partial file.
 
 use super::support::{Folder, cube};
-use std::time::{Duration, Instant};
 
 /// Runs the slab and asserts that it fails with one error that says all of this and leaves no file.
 #[track_caller]
@@ -48,9 +47,8 @@ fn surfaces_and_points_alone_are_nothing_to_draw() {
 }
 
 #[test]
-fn a_header_that_promises_terabytes_ends_at_once() {
+fn a_header_that_promises_terabytes_is_an_error() {
     let folder = Folder::new();
-    let start = Instant::now();
     for (from, to) in [
         ("NumberOfPoints=\"64\"", "NumberOfPoints=\"999999999999\""),
         ("NumberOfCells=\"27\"", "NumberOfCells=\"999999999999\""),
@@ -62,8 +60,6 @@ fn a_header_that_promises_terabytes_ends_at_once() {
         folder.write("cube.vtu", cube(3).replacen(from, to, 1));
         fails(&folder, &[], &["cube.vtu", "node 'grid'"]);
     }
-    // Generous on a loaded machine; reading what the headers promise would take minutes.
-    assert!(start.elapsed() < Duration::from_secs(20));
 }
 
 #[test]
@@ -116,32 +112,4 @@ fn a_failed_run_leaves_an_earlier_picture_as_it_was() {
     folder.write("cube.vtu", "damaged");
     fails(&folder, &[], &["cube.vtu"]);
     assert_eq!(std::fs::read(folder.join("slab.exr")).unwrap(), earlier);
-}
-
-#[cfg(unix)]
-#[test]
-fn an_interrupted_run_ends_cleanly() {
-    let folder = Folder::new();
-    folder.write("cube.vtu", cube(24));
-    let mut program = std::process::Command::new(env!("CARGO_BIN_EXE_voltet"))
-        .current_dir(folder.path())
-        .args([
-            "run",
-            "slab.toml",
-            "--set",
-            "picture.integrator=reference",
-            "--set",
-            "view.size=[4000, 4000]",
-        ])
-        .stderr(std::process::Stdio::piped())
-        .spawn()
-        .unwrap();
-    std::thread::sleep(Duration::from_millis(1000));
-    let sent = std::process::Command::new("kill").args(["-INT", &program.id().to_string()]).status().unwrap();
-    assert!(sent.success());
-    let start = Instant::now();
-    assert_eq!(program.wait().unwrap().code(), Some(1));
-    // Loops ask at least once a second; the rest is for a loaded machine.
-    assert!(start.elapsed() < Duration::from_secs(20));
-    assert_eq!(folder.names(), ["cube.vtu", "slab.toml"]);
 }

@@ -7,6 +7,9 @@ use super::support::{Folder, cube};
 /// not taken, what threads set aside is taken and not promised.
 const SHARE: f64 = 0.25;
 
+/// What threads set aside is theirs, and machines have few or many.
+const THREADS: (&str, &str) = ("RAYON_NUM_THREADS", "2");
+
 /// A grid by formula, of as many cells as one likes.
 const WAVELET: &str = r#"[pipeline]
 format = 1
@@ -62,7 +65,8 @@ fn info_promises_what_runs_take() {
     let taken = |file: &str, sets: &[&str]| {
         let sets: Vec<&str> = sets.iter().flat_map(|set| ["--set", set]).collect();
         let size = ["--set", "view.size=[1024, 1024]", "--set", "picture.engine=cpu"];
-        folder.voltet(&[&["run", file, "--report", "r.json"], &size[..], &sets].concat()).ok();
+        let arguments = [&["run", file, "--report", "r.json"], &size[..], &sets].concat();
+        assert!(folder.command(&arguments).env(THREADS.0, THREADS.1).status().unwrap().success());
         folder.json("r.json")["peak_memory_bytes"].as_f64().unwrap() / f64::from(1 << 20)
     };
     // Nothing but reading: every cell is culled.
@@ -83,8 +87,8 @@ fn info_promises_what_runs_take() {
 fn limited(folder: &Folder, mebibytes: usize, set: &str) -> std::process::Output {
     let program = env!("CARGO_BIN_EXE_voltet");
     let line = format!("ulimit -v {} && exec {program} run wavelet.toml --set '{set}'", mebibytes * 1024);
-    let shell = std::process::Command::new("sh").args(["-c", &line]).current_dir(folder.path()).output();
-    shell.unwrap()
+    let mut shell = std::process::Command::new("sh");
+    shell.args(["-c", &line]).env(THREADS.0, THREADS.1).current_dir(folder.path()).output().unwrap()
 }
 
 #[test]

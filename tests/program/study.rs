@@ -1,6 +1,6 @@
 //! `voltet study`: a whole study of a tiny scene, its files, the recommendation written back, bad input.
 
-use super::support::{Folder, SLAB};
+use super::support::{Folder, SLAB, cube, cube_of};
 use serde_json::Value;
 
 /// The slab with two Gaussian widgets that overlap, so that integrators differ, orders and overlaps count.
@@ -119,6 +119,28 @@ fn apply_writes_the_setting_and_leaves_every_other_byte() {
         assert_eq!(lines, wanted.lines().collect::<Vec<_>>());
         folder.voltet(&["check", "scene.toml"]).ok();
     }
+}
+
+/// The slab's scalar is linear: no grid says more of it, and what is left is rounding. Of a curved one finer grids do.
+#[test]
+fn a_refined_study_tells_the_data_model_from_the_integration() {
+    let folder = folder();
+    let errors = |curved: bool| {
+        folder.write("cube.vtu", if curved { cube_of(3, "x", |x| x * x) } else { cube(3) });
+        let ran = folder.voltet(&study(&["analytic", "--refine", "1", "--output", "out"])).ok();
+        let found = &folder.json("out/study.json")["refinement"];
+        assert_eq!(found["cells"], serde_json::json!([162, 8 * 162]));
+        for text in ["grids of 162, 1296 cells", "since the data are taken as linear in cells"] {
+            assert!(ran.stdout.contains(text), "'{text}' is not in\n{}", ran.stdout);
+        }
+        let page = std::fs::read_to_string(folder.join("out/study.html")).unwrap();
+        assert!(page.contains("since the data are taken as linear in cells"));
+        ["model_error", "integration_error"].map(|name| found[name].as_f64().unwrap())
+    };
+    let ([straight, _], [curved, integration]) = (errors(false), errors(true));
+    // Pictures of 32 bits.
+    assert!(straight < 1e-5, "{straight:e}");
+    assert!(curved > 1e-3 && curved > 10.0 * integration, "{curved:e}, {integration:e}");
 }
 
 /// The scene with a node for each stage.

@@ -91,29 +91,51 @@ fn random_of(p: DVec3) -> f64 {
 
 #[test]
 fn coincident_points_and_lonely_points_are_harmless() {
-    // A box with one point doubled: a cell without volume joins the pair, their values differ.
-    let mut grid = box_of_tetrahedra([3, 3, 3], UNIT, 0.1);
-    let slope = DVec3::new(1.0, 2.0, -1.0);
-    let mut points = grid.points.to_vec();
-    let mut tetrahedra = grid.tetrahedra.to_vec();
-    let twin = points.len() as u32;
-    points.push(points[21]);
-    points.push(DVec3::splat(0.4));
-    let [a, b, ..] = *tetrahedra.iter().find(|t| t[0] == 21).unwrap();
-    assert_eq!(a, 21);
-    tetrahedra.push([a, b, b + 1, twin]);
-    (grid.points, grid.tetrahedra) = (Arc::new(points), Arc::new(tetrahedra));
-    assert_eq!(tetrahedron_volume(grid.corners(grid.tetrahedra.len() - 1)), 0.0);
-    let mut s = sample(&grid, |p| slope.dot(p));
-    s[twin as usize] += 1.0;
-    for method in METHODS {
-        let found = gradient(method, &grid, &s);
-        // At the point itself the twin has no say, since it lies in no direction.
-        assert!((found.vectors[21] - slope).length() < 1e-9, "{method}: {}", found.vectors[21]);
-        // The last point belongs to no cell.
-        assert_eq!(found.vectors[twin as usize + 1], DVec3::ZERO);
-        assert!(!found.fallbacks.is_empty());
+    // A box with one point doubled, in its place and one rounding beside it: a cell without volume joins the pair, their
+    // values differ.
+    for beside in [DVec3::ZERO, DVec3::X * f64::EPSILON / 4.0] {
+        let mut grid = box_of_tetrahedra([3, 3, 3], UNIT, 0.1);
+        let slope = DVec3::new(1.0, 2.0, -1.0);
+        let mut points = grid.points.to_vec();
+        let mut tetrahedra = grid.tetrahedra.to_vec();
+        let twin = points.len() as u32;
+        points.push(points[21] + beside);
+        assert_eq!(points[21] == points[twin as usize], beside == DVec3::ZERO);
+        points.push(DVec3::splat(0.4));
+        let [a, b, ..] = *tetrahedra.iter().find(|t| t[0] == 21).unwrap();
+        assert_eq!(a, 21);
+        tetrahedra.push([a, b, b + 1, twin]);
+        (grid.points, grid.tetrahedra) = (Arc::new(points), Arc::new(tetrahedra));
+        assert!(tetrahedron_volume(grid.corners(grid.tetrahedra.len() - 1)).abs() < 1e-17);
+        let mut s = sample(&grid, |p| slope.dot(p));
+        s[twin as usize] += 1.0;
+        for method in METHODS {
+            let found = gradient(method, &grid, &s);
+            // At the point itself the twin has no say, since it lies in no direction.
+            assert!((found.vectors[21] - slope).length() < 1e-9, "{method}: {}", found.vectors[21]);
+            // The last point belongs to no cell.
+            assert_eq!(found.vectors[twin as usize + 1], DVec3::ZERO);
+            assert!(!found.fallbacks.is_empty());
+        }
     }
+}
+
+#[test]
+fn surroundings_on_a_paraboloid_do_not_blow_up_what_a_quadratic_fit_cannot_hold() {
+    // All neighbours within 1e-6 of z = x² + y²: a slope along z is as good as a curvature, and a cubic field, whose gradient is
+    // 0 at the middle, decides between them by chance.
+    let mut random = Random(3);
+    let mut around = || {
+        let (x, y) = (2.0 * random.next() - 1.0, 2.0 * random.next() - 1.0);
+        DVec3::new(x, y, x * x + y * y + 1e-6 * random.next())
+    };
+    let mut points = vec![DVec3::ZERO];
+    points.extend((0..16).map(|_| around()));
+    let tetrahedra = (1..15).map(|i| [0, i, i + 1, i + 2]).collect();
+    let grid = grid_of(points, tetrahedra);
+    let found = gradient("quadratic-fit", &grid, &sample(&grid, |p| p.x.powi(3) + p.y.powi(3)));
+    assert!(found.vectors[0].length() < 3.0, "{}", found.vectors[0]);
+    assert!(found.fallbacks[0].what.contains("linear"), "{:?}", found.fallbacks);
 }
 
 #[test]

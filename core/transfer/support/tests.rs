@@ -32,6 +32,40 @@ fn a_region_that_only_its_corner_box_meets_is_left_out() {
     assert_eq!(bound([0.5, 1.7, 0.9, 1.2], [1.7, 0.5, 1.0, 1.0]), 1.0);
 }
 
+/// What lies on an edge of a region is in it, so a cell whose values reach just there is not left out: where they stay on the
+/// edge, all of the cell is inside.
+#[test]
+fn values_on_an_edge_of_a_region_are_in_it() {
+    let mut uniform = widget(Profile::Uniform);
+    let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+    let five = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.5, 1.0], [0.0, 1.0]];
+    for corners in [square.to_vec(), five.to_vec()] {
+        uniform.region = Some(Region { corners });
+        let bound = |s, g| uniform.profile_bound(&s, &g).expect("a valid widget");
+        for (on, beyond) in [(0.0, -0.1), (1.0, 1.1)] {
+            assert_eq!(bound([on; 4], [0.2, 0.4, 0.6, 0.8]), 1.0, "s stays at {on}");
+            assert_eq!(bound([0.2, 0.4, 0.6, 0.8], [on; 4]), 1.0, "g stays at {on}");
+            assert_eq!(bound([on, on, beyond, beyond], [0.2, 0.4, 0.6, 0.8]), 1.0, "s reaches {on}");
+            assert_eq!(bound([beyond; 4], [0.2, 0.4, 0.6, 0.8]), 0.0, "s stays at {beyond}");
+        }
+    }
+}
+
+/// Each of three widgets adds two thirds of what counts, all of them together twice as much.
+#[test]
+fn widgets_that_are_too_thin_alone_count_together() {
+    let region = Some(Region::rectangle([-1.0, 2.0], [-1.0, 2.0]));
+    let thin = |profile| Widget { extinction: 2e-7, region: region.clone(), ..widget(profile) };
+    let wide = Profile::Gaussian { centre: [0.5; 2], matrix: [[1e-3, 0.0], [0.0, 1e-3]] };
+    for profile in [Profile::Uniform, wide] {
+        let widgets = vec![thin(profile); 3];
+        let look = TransferFunction { model: OpticalModel::DensityEmitter, unit_distance: 1.0, widgets };
+        let support = Support::new(&look).expect("valid");
+        let touches = |least| support.touches(&[0.5; 4], &[0.5; 4], &[], least);
+        assert!(touches(3e-7) && touches(5.9e-7) && !touches(6.1e-7));
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(600) })]
 

@@ -340,11 +340,13 @@ fn every_integrator_and_light_is_that_of_tiles() {
         .map(|integrator| Shading { integrator, ..SHADING }),
     );
     let camera = outside([32, 28]);
+    let mut served = 0;
     for shading in shadings {
         for (kind, look) in [("ramp", ramp()), ("overlap", overlapping()), ("one colour", one_gaussian())] {
             if voltet_gpu::can_serve(&look, &shading).is_err() {
                 continue;
             }
+            served += 1;
             let scene =
                 NamedScene { name: format!("{kind} {shading:?}"), volume: volume.clone(), look, camera };
             let [tiles, raster] = [tiles(Order::Centroid), raster(Order::Centroid)]
@@ -356,6 +358,8 @@ fn every_integrator_and_light_is_that_of_tiles() {
             }
         }
     }
+    // The ramp by all nine, and what tables of the scalar do not serve by the others.
+    assert!(served >= 9 + 6, "{served} pictures");
 }
 
 /// A grid whose arrays stand in several bindings each.

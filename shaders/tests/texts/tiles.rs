@@ -108,6 +108,8 @@ fn tiles_are_valid_for_every_kind_light_and_integrator() {
         }
     }
     println!("{} texts", texts.len());
+    // Each kind alone and in pairs, by each integrator, lit and not.
+    assert!(texts.len() > 500, "{}", texts.len());
 }
 
 /// Of the three entry points a driver compiles those that it is asked for; all are in one text.
@@ -144,6 +146,8 @@ fn rasters_are_valid_for_every_kind_light_and_integrator() {
         }
     }
     println!("{} texts", texts.len());
+    // Each kind alone and in pairs, by each integrator, lit and not.
+    assert!(texts.len() > 500, "{}", texts.len());
 }
 
 #[test]
