@@ -41,8 +41,7 @@ pub const NODE: Node = Node {
             parameter_type: ParameterType::Boolean,
             unit: "",
             standard: Standard::Boolean(true),
-            help: "whether the picture carries the pipeline that drew it (`voltet run` of it draws it again), its camera, \
-                   and names, sizes and dates of the data files",
+            help: "whether the picture carries the pipeline that drew it, its camera, and names, sizes and dates of the data",
         },
     ],
     example: include_str!("examples/stages.toml"),
