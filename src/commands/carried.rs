@@ -35,7 +35,11 @@ pub fn carried(arguments: &Info) -> Result<u8> {
         let error = Error::usage("the option is not for pictures").found(option);
         return Err(error.accepted("voltet info PICTURE, or with --json").in_file(path));
     }
-    let Source { carried, .. } = Source::read(path)?;
+    let Source { carried, .. } = Source::read(path).map_err(|error| {
+        error.accepted(
+            "a picture that an image-writer with provenance = true wrote; slices as data: in one volume (.vti)",
+        )
+    })?;
     // A picture without it is an error of `read`.
     let carried = carried.unwrap_or_default();
     print(&match arguments.json {

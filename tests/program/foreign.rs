@@ -45,7 +45,6 @@ fn formats_are_told_by_content_and_named_with_a_remedy() {
         ("binary.stl", stl, "a surface (STL)", surface),
         ("a.ply", bytes("ply\nformat ascii 1.0\n"), "a surface (PLY)", surface),
         ("a.obj", bytes("# Blender\nv 0 0 0\nf 1 2 3\n"), "a surface (OBJ)", surface),
-        ("a.png", bytes("\u{89}PNG\r\n\x1a\n"), "an image (PNG)", ".vti"),
         ("a.nrrd", bytes("NRRD0004\n"), "an image (NRRD)", ".vti"),
         ("a.vtu.gz", bytes("\x1f\u{8b}\x08\0"), "a gzip archive", "unpack it first"),
         ("a.csv", bytes("x,y,z,t\n0,0,0,1\n"), "a table as text", "points alone have no volume"),
@@ -53,6 +52,11 @@ fn formats_are_told_by_content_and_named_with_a_remedy() {
         folder.write(name, content);
         refused(&folder, name, &["the format of the file is known, but not read: found", what, remedy]);
     }
+    // A picture may carry a pipeline, so `info` looks into it.
+    folder.write("a.png", bytes("\u{89}PNG\r\n\x1a\n"));
+    folder.voltet(&["info", "a.png"]).fails(2, &["cannot be read as PNG", "volume (.vti)", "a.png"]);
+    let ran = folder.voltet(&["run", "slab.toml", "--set", "grid.path=a.png"]);
+    ran.fails(1, &["an image (PNG)", ".vti", "node 'grid'"]);
     std::fs::create_dir_all(folder.join("cavity/constant/polyMesh")).unwrap();
     refused(&folder, "cavity", &["a case of OpenFOAM", "foamToVTK"]);
 }
