@@ -1,0 +1,213 @@
+//! Movements of the camera: from where a picture is seen to where it is seen next. Pure functions, without a window.
+//!
+//! Distances in the picture are in heights of it, from its middle, to the right and up.
+
+use glam::{DQuat, DVec3};
+use voltet_core::camera::{Camera, Projection};
+use voltet_core::graph::{Datum, NodeEntry, Setting};
+
+/// Narrowest and widest view of a perspective camera that zooming with a fixed eye may reach, degrees.
+const FOV: [f64; 2] = [1e-3, 170.0];
+
+/// Digits that a moved camera is written with: a picture of 30,000 pixels does not show the rest.
+const DIGITS: usize = 7;
+
+/// Where a picture is seen from.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct View {
+    /// Position of the eye, world units.
+    pub eye: DVec3,
+    /// The point in the middle of the picture, world units.
+    pub target: DVec3,
+    /// The direction that points up in the picture.
+    pub up: DVec3,
+    /// How rays leave the eye.
+    pub projection: Projection,
+}
+
+/// The picture's own axes in world space, unit vectors.
+struct Axes {
+    right: DVec3,
+    up: DVec3,
+    forward: DVec3,
+}
+
+impl View {
+    /// The view that a camera node states; `None` where it is not sound.
+    pub fn of(node: &NodeEntry) -> Option<View> {
+        let find =
+            |name: &str| node.settings.iter().find(|field| field.name == name).map(|field| &field.setting);
+        let vector = |name: &str| -> Option<DVec3> {
+            let numbers = find(name)?.numbers()?;
+            <[f64; 3]>::try_from(numbers).ok().map(DVec3::from)
+        };
+        let projection = match (find("height").and_then(Setting::number), find("fov_y")) {
+            (Some(height), None) => Projection::Orthographic { height },
+            (None, None) => Projection::Perspective { fov_y: 30.0 },
+            (_, Some(fov_y)) => Projection::Perspective { fov_y: fov_y.number()? },
+        };
+        let up = if find("up").is_some() { vector("up")? } else { DVec3::Z };
+        let view = View { eye: vector("eye")?, target: vector("target")?, up, projection };
+        view.axes().map(|_| view)
+    }
+
+    /// The parameters of a camera node that say so: a name and a value each. Numbers are written with seven digits.
+    pub fn settings(&self) -> Vec<(&'static str, Datum)> {
+        let scale = (self.eye - self.target).length();
+        let vector = |v: DVec3, scale: f64| {
+            let numbers = v.to_array().map(|x| Setting::from(Datum::Number(written(x, scale))));
+            Datum::List(numbers.to_vec())
+        };
+        let projection = match self.projection {
+            Projection::Perspective { fov_y } => ("fov_y", Datum::Number(written(fov_y, fov_y))),
+            Projection::Orthographic { height } => ("height", Datum::Number(written(height, height))),
+        };
+        vec![
+            ("eye", vector(self.eye, scale)),
+            ("target", vector(self.target, scale)),
+            ("up", vector(self.up, self.up.length())),
+            projection,
+        ]
+    }
+
+    /// The camera of a picture of that size.
+    pub fn camera(&self, size: [u32; 2]) -> Camera {
+        let View { eye, target, up, projection } = *self;
+        Camera { eye, target, up, projection, near: 0.0, size, samples: 1 }
+    }
+
+    fn axes(&self) -> Option<Axes> {
+        let frame = self.camera([1, 1]).frame().ok()?;
+        Some(Axes { right: frame.right, up: frame.up, forward: frame.forward })
+    }
+
+    fn distance(&self) -> f64 {
+        (self.target - self.eye).length()
+    }
+
+    /// Height of the picture at the target, world units.
+    pub fn height(&self) -> f64 {
+        match self.projection {
+            Projection::Perspective { fov_y } => 2.0 * self.distance() * (0.5 * fov_y).to_radians().tan(),
+            Projection::Orthographic { height } => height,
+        }
+    }
+
+    /// The view if it is sound, else the one before.
+    fn or(self, before: View) -> View {
+        let finite = [self.eye, self.target, self.up].iter().all(|v| v.is_finite());
+        if finite && self.axes().is_some() { self } else { before }
+    }
+
+    /// About the target: `[to the right, up]`, radians; the scene follows the hand. The view's own axes turn with it, so no
+    /// direction is special.
+    pub fn orbited(self, [right, up]: [f64; 2]) -> View {
+        let Some(axes) = self.axes() else { return self };
+        let turn = DQuat::from_axis_angle(axes.up, -right) * DQuat::from_axis_angle(axes.right, up);
+        let eye = self.target + turn * (self.eye - self.target);
+        View { eye, up: turn * axes.up, ..self }.or(self)
+    }
+
+    /// Sideways, in heights of the picture: what lies at the target's depth follows the hand.
+    pub fn panned(self, [right, up]: [f64; 2]) -> View {
+        let Some(axes) = self.axes() else { return self };
+        let step = -self.height() * (right * axes.right + up * axes.up);
+        View { eye: self.eye + step, target: self.target + step, ..self }.or(self)
+    }
+
+    /// Nearer (`factor` > 1) or farther; what lies at the target's depth under `at` stays there.
+    pub fn zoomed(self, factor: f64, [right, up]: [f64; 2]) -> View {
+        let Some(axes) = self.axes() else { return self };
+        if !(factor > 0.0 && factor.is_finite()) {
+            return self;
+        }
+        let at = self.target + self.height() * (right * axes.right + up * axes.up);
+        let target = at + (self.target - at) / factor;
+        let view = match self.projection {
+            Projection::Perspective { .. } => {
+                View { eye: target - axes.forward * self.distance() / factor, target, ..self }
+            }
+            Projection::Orthographic { height } => {
+                let projection = Projection::Orthographic { height: height / factor };
+                View { eye: self.eye + (target - self.target), target, projection, ..self }
+            }
+        };
+        // Where eye and target fall together in 64 bits there is no nearer.
+        if view.distance() <= 1e-9 * view.target.length() { self } else { view.or(self) }
+    }
+
+    /// Wider or narrower from the same place: the angle of view is divided by `factor`.
+    pub fn narrowed(self, factor: f64) -> View {
+        let projection = match self.projection {
+            Projection::Perspective { fov_y } => {
+                Projection::Perspective { fov_y: (fov_y / factor).clamp(FOV[0], FOV[1]) }
+            }
+            Projection::Orthographic { height } => Projection::Orthographic { height: height / factor },
+        };
+        View { projection, ..self }.or(self)
+    }
+
+    /// About the view direction, radians: the picture turns to the left.
+    pub fn rolled(self, angle: f64) -> View {
+        let Some(axes) = self.axes() else { return self };
+        View { up: DQuat::from_axis_angle(axes.forward, angle) * axes.up, ..self }.or(self)
+    }
+
+    /// All of a box in the picture, seen from the same side. `aspect`: the picture's width by its height.
+    pub fn home(self, [low, high]: [DVec3; 2], aspect: f64) -> View {
+        let Some(axes) = self.axes() else { return self };
+        let (target, radius) = (0.5 * low + 0.5 * high, 0.5 * (high - low).length());
+        if !(radius > 0.0 && radius.is_finite()) {
+            return self;
+        }
+        let narrow = aspect.min(1.0);
+        match self.projection {
+            Projection::Perspective { fov_y } => {
+                let half = ((0.5 * fov_y).to_radians().tan() * narrow).atan();
+                View { eye: target - axes.forward * radius / half.sin(), target, ..self }.or(self)
+            }
+            Projection::Orthographic { .. } => {
+                let projection = Projection::Orthographic { height: 2.0 * radius / narrow };
+                View { eye: target - axes.forward * 2.0 * radius, target, projection, ..self }.or(self)
+            }
+        }
+    }
+
+    /// Along an axis: the eye lies on its side of the target. `up`: what then points up.
+    pub fn along(self, axis: DVec3, up: DVec3) -> View {
+        View { eye: self.target + axis.normalize_or_zero() * self.distance(), up, ..self }.or(self)
+    }
+
+    /// Turned so that a point is in the middle of the picture and orbited about; the eye moves along with it.
+    pub fn centred(self, point: DVec3) -> View {
+        let step = point - self.target;
+        View { eye: self.eye + step, target: point, ..self }.or(self)
+    }
+
+    /// The ray through a place of the picture: where it begins, and its unit direction.
+    pub fn ray(&self, [right, up]: [f64; 2]) -> Option<[DVec3; 2]> {
+        let axes = self.axes()?;
+        let at = self.target + self.height() * (right * axes.right + up * axes.up);
+        match self.projection {
+            Projection::Perspective { .. } => Some([self.eye, (at - self.eye).normalize()]),
+            Projection::Orthographic { .. } => Some([at - axes.forward * self.distance(), axes.forward]),
+        }
+    }
+}
+
+/// To so many digits of the scale that it belongs to, or of its own where it is larger.
+fn written(x: f64, scale: f64) -> f64 {
+    let largest = x.abs().max(scale.abs());
+    if largest == 0.0 || !largest.is_finite() {
+        return x;
+    }
+    let places = DIGITS as i32 - 1 - largest.log10().floor() as i32;
+    match usize::try_from(places) {
+        // Minus zero is no place.
+        Ok(places) => format!("{x:.*}", places.min(300)).parse().map_or(x, |x: f64| x + 0.0),
+        Err(_) => format!("{x:.*e}", DIGITS).parse().unwrap_or(x),
+    }
+}
+
+#[cfg(test)]
+mod tests;

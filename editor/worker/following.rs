@@ -1,0 +1,84 @@
+//! Follows a run for what is shown of it.
+
+use super::{Shared, lock};
+use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
+use voltet_core::graph::Observer;
+use voltet_core::progress::Progress;
+use voltet_nodes::memory;
+
+/// Progress is shown no more often than a screen does.
+const BETWEEN: Duration = Duration::from_millis(50);
+
+pub(super) struct Following<'a> {
+    shared: &'a Shared,
+    cancelled: &'a (dyn Fn() -> bool + Sync),
+    told: bool,
+    node: Mutex<Option<String>>,
+    last: Mutex<Instant>,
+}
+
+impl<'a> Following<'a> {
+    /// Stops where `cancelled` says so.
+    pub fn new(shared: &'a Shared, cancelled: &'a (dyn Fn() -> bool + Sync)) -> Self {
+        Following { shared, cancelled, told: true, node: Mutex::default(), last: Mutex::new(Instant::now()) }
+    }
+
+    /// The same for work that is shown by its outcome alone.
+    pub fn silent(shared: &'a Shared, cancelled: &'a (dyn Fn() -> bool + Sync)) -> Self {
+        Following { told: false, ..Self::new(shared, cancelled) }
+    }
+
+    /// The node that runs.
+    pub fn node(&self) -> Option<String> {
+        lock(&self.node).clone()
+    }
+}
+
+impl Observer for Following<'_> {
+    fn started(&self, node: &str, _place: usize, _count: usize) {
+        *lock(&self.node) = Some(node.to_string());
+        if self.told {
+            lock(&self.shared.shown).started(node);
+        }
+    }
+
+    fn finished(&self, node: &str, seconds: f64) {
+        if self.told {
+            lock(&self.shared.shown).done(node, seconds);
+        }
+    }
+
+    fn progress(&self, node: &str, stage: &str, fraction: f64) {
+        if !self.told {
+            return;
+        }
+        let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
+        if last.elapsed() < BETWEEN {
+            return;
+        }
+        *last = Instant::now();
+        drop(last);
+        self.shared.show(|shown| shown.progress(node, stage, fraction));
+    }
+
+    fn cancelled(&self) -> bool {
+        (self.cancelled)()
+    }
+
+    fn memory_left(&self) -> Option<u64> {
+        memory::left()
+    }
+}
+
+impl Progress for Following<'_> {
+    fn report(&self, _stage: &str, _fraction: f64) {}
+
+    fn cancelled(&self) -> bool {
+        (self.cancelled)()
+    }
+
+    fn memory_left(&self) -> Option<u64> {
+        memory::left()
+    }
+}

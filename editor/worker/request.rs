@@ -1,0 +1,201 @@
+//! What is asked of the worker: nodes as a document states them, and which of their outputs is looked at.
+
+use super::following::Following;
+use super::look_on::{ASKS_FOR_G, NAME, entry};
+use std::collections::BTreeSet;
+use std::path::PathBuf;
+use voltet_core::graph::{Datum, Graph, Node, NodeEntry, Registry, Setting};
+use voltet_core::probing::{Axis, Histogram, histogram};
+use voltet_core::volume::Volume;
+use voltet_core::{Error, Result};
+
+/// The node type that says where a picture is seen from, and its parameters that coarse pictures change.
+const CAMERA: &str = "camera";
+const SIZE: &str = "size";
+const SAMPLES: &str = "samples";
+
+/// Bins along s and g.
+const BINS: usize = 256;
+
+/// A picture that is wanted.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Wanted {
+    /// The nodes of the document; those that do not feed the picture are of no account, even broken.
+    pub nodes: Vec<NodeEntry>,
+    /// The folder that paths are relative to.
+    pub folder: PathBuf,
+    /// The node whose picture it is.
+    pub node: String,
+    /// The full picture's width and height; `None`: as the camera says.
+    pub size: Option<[u32; 2]>,
+    /// Linear RGB behind it.
+    pub background: [f64; 3],
+    /// Whether a picture of fewer pixels is wanted while the full one is drawn.
+    pub coarse_first: bool,
+}
+
+/// The distribution of the data over (s, g) that is wanted.
+#[derive(Debug, Clone)]
+pub struct Distribution {
+    /// As of [`Wanted`].
+    pub nodes: Vec<NodeEntry>,
+    /// As of [`Wanted`].
+    pub folder: PathBuf,
+    /// The node that gives the volume.
+    pub node: String,
+    /// What tells it from others.
+    pub key: u64,
+}
+
+impl Wanted {
+    /// The names of the nodes that feed the picture, and its own.
+    pub fn upstream(&self) -> BTreeSet<String> {
+        upstream(&self.nodes, &self.node)
+    }
+
+    /// Pixels of the full picture, as far as the document says.
+    pub(super) fn pixels(&self) -> f64 {
+        let size = self.size.or_else(|| self.upstream().iter().find_map(|name| self.camera_size(name)));
+        size.map_or(786_432.0, |[width, height]| f64::from(width) * f64::from(height))
+    }
+
+    fn camera_size(&self, name: &str) -> Option<[u32; 2]> {
+        let node = self.nodes.iter().find(|node| node.name == name && is_camera(node))?;
+        size_of(node)
+    }
+
+    /// Whether the node is one that takes no time to speak of: what is left of a run is drawing.
+    pub(super) fn is_cheap(&self, name: &str) -> bool {
+        const QUICK: [&str; 8] =
+            [CAMERA, "transfer-function", "cull", "sort", "project", "composite", "renderer", "gpu-renderer"];
+        let node = self.nodes.iter().find(|node| node.name == name);
+        node.is_none_or(|node| node.node_type.text().is_some_and(|text| QUICK.contains(&text)))
+    }
+
+    /// The graph that makes the picture and nothing else; `divisor`: by how much its sides are divided.
+    pub(super) fn graph(&self, registry: &Registry, divisor: u32) -> Result<Graph> {
+        let mut nodes = feeding(&self.nodes, &self.node)?;
+        let mut looked_at = Vec::new();
+        for node in &mut nodes {
+            if is_camera(node) {
+                resize(node, self.size, divisor)?;
+            }
+            let node_type = node.node_type.text().and_then(|name| registry.find(name).ok());
+            if let Some(node_type) = node_type.filter(|_| !node.name.contains('.')) {
+                looked_at.extend(outputs(node, node_type));
+            }
+        }
+        nodes.push(entry(NAME, looked_at.into_iter()));
+        Graph::build(&nodes, registry, self.folder.clone())
+    }
+}
+
+impl Distribution {
+    /// The graph, and the place in it of the node that is fed the volume.
+    pub(super) fn graph(&self, registry: &Registry) -> Result<(Graph, usize)> {
+        let mut nodes = feeding(&self.nodes, &self.node)?;
+        nodes
+            .push(entry(ASKS_FOR_G.name, [("volume".to_string(), self.node.clone())].into_iter()).unlisted());
+        let graph = Graph::build(&nodes, registry, self.folder.clone())?;
+        let place = graph.nodes.len() - 1;
+        Ok((graph, place))
+    }
+}
+
+/// A node whose inputs take one output each.
+trait Unlisted {
+    fn unlisted(self) -> Self;
+}
+
+impl Unlisted for NodeEntry {
+    fn unlisted(mut self) -> Self {
+        for link in &mut self.inputs {
+            if let Some([only]) = link.source.list() {
+                link.source = only.clone();
+            }
+        }
+        self
+    }
+}
+
+/// The distribution over (s, g), exact within every cell; of s alone where there is no gradient.
+pub(super) fn histogram_of(volume: &Volume, following: &Following) -> Result<Histogram> {
+    let s = &volume.scalar;
+    let flat = || vec![0.0; s.len()];
+    let g = volume.gradient_magnitude.clone().map_or_else(flat, |g| g.to_vec());
+    let whole = Axis::over(&g, BINS);
+    let axes = [Axis::over(s, BINS), Axis { low: whole.low.min(0.0), ..whole }];
+    histogram(&volume.grid, [s, &g], axes, following)
+}
+
+/// The outputs of a node, each with the port of its type at the node that looks on.
+fn outputs(entry: &NodeEntry, node: &'static Node) -> Vec<(String, String)> {
+    let output = |port: &voltet_core::graph::Port| {
+        (port.port_type.name().to_string(), format!("{}.{}", entry.name, port.name))
+    };
+    node.outputs.iter().map(output).collect()
+}
+
+fn is_camera(node: &NodeEntry) -> bool {
+    node.node_type.text() == Some(CAMERA)
+}
+
+fn size_of(node: &NodeEntry) -> Option<[u32; 2]> {
+    let field = node.settings.iter().find(|field| field.name == SIZE);
+    let Some(field) = field else { return Some([1024, 768]) };
+    match field.setting.numbers()?[..] {
+        [width, height] if width >= 1.0 && height >= 1.0 => Some([width as u32, height as u32]),
+        _ => None,
+    }
+}
+
+/// Gives a camera fewer pixels. A size that is wrong is left for the checker to find.
+fn resize(node: &mut NodeEntry, size: Option<[u32; 2]>, divisor: u32) -> Result<()> {
+    let Some(own) = size_of(node) else { return Ok(()) };
+    let whole = size.unwrap_or(own);
+    if whole == own && divisor == 1 {
+        return Ok(());
+    }
+    let sides = whole.map(|side| Setting::from(Datum::Integer(i64::from(side.div_ceil(divisor).max(1)))));
+    node.set(SIZE, &[], Datum::List(sides.to_vec()).into())?;
+    if divisor > 1 && node.settings.iter().any(|field| field.name == SAMPLES) {
+        node.set(SAMPLES, &[], Datum::Integer(1).into())?;
+    }
+    Ok(())
+}
+
+/// The nodes that feed one, and it; in the order of the document.
+fn feeding(nodes: &[NodeEntry], name: &str) -> Result<Vec<NodeEntry>> {
+    if !nodes.iter().any(|node| node.name == name) {
+        return Err(Error::usage(format!("there is no node '{name}' to show the picture of")));
+    }
+    let names = upstream(nodes, name);
+    Ok(nodes.iter().filter(|node| names.contains(&node.name)).cloned().collect())
+}
+
+/// The names of the nodes that feed one, and its own. Wires that lead nowhere are passed over.
+pub(crate) fn upstream(nodes: &[NodeEntry], name: &str) -> BTreeSet<String> {
+    let mut found = BTreeSet::from([name.to_string()]);
+    let mut open = vec![name.to_string()];
+    while let Some(name) = open.pop() {
+        for entry in nodes.iter().filter(|node| node.name == name) {
+            for source in entry.inputs.iter().flat_map(|link| sources(&link.source)) {
+                let whole = nodes.iter().any(|node| node.name == source);
+                let node =
+                    if whole { source } else { source.rsplit_once('.').map_or(source, |(node, _)| node) };
+                if found.insert(node.to_string()) {
+                    open.push(node.to_string());
+                }
+            }
+        }
+    }
+    found
+}
+
+/// What feeds an input, as written.
+fn sources(source: &Setting) -> Vec<&str> {
+    match source.list() {
+        Some(list) => list.iter().filter_map(Setting::text).collect(),
+        None => source.text().into_iter().collect(),
+    }
+}

@@ -1,0 +1,311 @@
+use super::*;
+use std::path::PathBuf;
+use std::sync::atomic::AtomicUsize;
+use voltet_core::graph::{Datum, Node, NodeEntry, Observer, Outputs, Port, PortType, Setting};
+use voltet_core::picture::Picture;
+use voltet_core::pipeline::Pipeline;
+
+/// The wavelet, drawn stage by stage.
+const TEXT: &str = r#"
+[pipeline]
+format = 1
+[nodes.grid]
+type = "wavelet"
+resolution = [12, 12, 12]
+[nodes.gradient]
+type = "gradient-magnitude"
+inputs = { grid = "grid" }
+[nodes.look]
+type = "transfer-function"
+[[nodes.look.widgets]]
+kind = "gaussian"
+color = [1.0, 0.5, 0.15]
+extinction = 4.0
+centre = [150.0, 20.0]
+sigma = [60.0, 40.0]
+[nodes.view]
+type = "camera"
+eye = [-28.0, -38.0, 24.0]
+target = [0.0, 0.0, 0.0]
+size = [160, 120]
+[nodes.cells]
+type = "cull"
+inputs = { volume = "gradient", transfer_function = "look", camera = "view" }
+[nodes.order]
+type = "sort"
+inputs = { cells = "cells", camera = "view" }
+[nodes.cover]
+type = "project"
+inputs = { cells = "order", camera = "view" }
+[nodes.picture]
+type = "composite"
+inputs = { projection = "cover", transfer_function = "look" }
+[nodes.file]
+type = "image-writer"
+path = "picture.png"
+inputs = { image = "picture" }
+"#;
+
+fn nodes(text: &str) -> Vec<NodeEntry> {
+    Pipeline::parse(text).unwrap().nodes
+}
+
+fn wanted(nodes: Vec<NodeEntry>, folder: &std::path::Path) -> Wanted {
+    Wanted {
+        nodes,
+        folder: folder.to_path_buf(),
+        node: "picture".into(),
+        size: None,
+        background: [0.0; 3],
+        coarse_first: false,
+    }
+}
+
+fn worker() -> Worker {
+    Worker::start(&voltet_nodes::registry().unwrap(), Box::new(|| {})).unwrap()
+}
+
+/// Waits until nothing is made any more.
+fn settle(worker: &Worker) {
+    for _ in 0..6000 {
+        if worker.shown(|shown| !shown.is_busy) {
+            return;
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    panic!("the worker does not come to an end");
+}
+
+fn set(nodes: &mut [NodeEntry], node: &str, path: &[&str], datum: Datum) {
+    let node = nodes.iter_mut().find(|entry| entry.name == node).unwrap();
+    node.set(path[0], &path[1..], Setting::from(datum)).unwrap();
+}
+
+/// The names of the nodes that ran in the last full run.
+fn ran(worker: &Worker) -> Vec<String> {
+    worker.shown(|shown| {
+        let report = shown.report.as_ref().unwrap();
+        report.nodes.iter().filter(|node| !node.reused).map(|node| node.name.clone()).collect()
+    })
+}
+
+#[test]
+fn the_picture_is_that_of_a_run_bit_for_bit_and_nothing_is_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let worker = worker();
+    let number = worker.draw(Wanted { coarse_first: true, ..wanted(nodes(TEXT), folder.path()) });
+    settle(&worker);
+    let drawn = worker.shown(|shown| shown.pixels.clone().unwrap());
+    assert_eq!((drawn.divisor, drawn.number, drawn.size()), (1, number, [160, 120]));
+    assert!(!folder.path().join("picture.png").exists());
+    let registry = voltet_nodes::registry().unwrap();
+    let graph = Pipeline::parse(TEXT).unwrap().graph(&registry, folder.path().to_path_buf()).unwrap();
+    let report = voltet_nodes::session().run(&graph, &Unobserved).unwrap();
+    assert_eq!(report.pictures.last().unwrap().1, drawn.picture);
+    assert!(folder.path().join("picture.png").exists(), "a run writes");
+}
+
+#[test]
+fn of_a_moved_widget_the_drawing_alone_is_made_again() {
+    let worker = worker();
+    let mut nodes = nodes(TEXT);
+    worker.draw(wanted(nodes.clone(), &PathBuf::new()));
+    settle(&worker);
+    assert!(ran(&worker).iter().any(|name| name == "gradient"));
+    let centre = Datum::List([140.0, 22.0].map(|x| Setting::from(Datum::Number(x))).to_vec());
+    set(&mut nodes, "look", &["widgets", "0", "centre"], centre);
+    worker.draw(Wanted { coarse_first: true, ..wanted(nodes, &PathBuf::new()) });
+    settle(&worker);
+    let ran = ran(&worker);
+    assert!(!ran.iter().any(|name| ["grid", "gradient"].contains(&name.as_str())), "{ran:?}");
+    assert!(ran.iter().any(|name| name == "picture"), "{ran:?}");
+}
+
+#[test]
+fn of_what_follows_from_a_change_alone_is_said_that_it_is_stale() {
+    let mut shown = Shown::default();
+    let mut nodes = nodes(TEXT);
+    shown.begin(1, &wanted(nodes.clone(), &PathBuf::new()));
+    let names: Vec<String> = shown.nodes.keys().cloned().collect();
+    names.iter().for_each(|name| shown.done(name, 0.5));
+    set(&mut nodes, "look", &["unit_distance"], Datum::Number(3.0));
+    shown.begin(2, &wanted(nodes, &PathBuf::new()));
+    let stale: Vec<&str> = shown
+        .nodes
+        .iter()
+        .filter(|(_, s)| s.state == NodeState::Stale)
+        .map(|(name, _)| name.as_str())
+        .collect();
+    assert_eq!(stale, ["cells", "cover", "look", "order", "picture"]);
+}
+
+#[test]
+fn nodes_that_do_not_feed_the_picture_may_be_broken() {
+    let worker = worker();
+    let text = format!("{TEXT}\n[nodes.broken]\ntype = \"no-such\"\n[nodes.other]\ntype = \"renderer\"\n");
+    worker.draw(wanted(nodes(&text), &PathBuf::new()));
+    settle(&worker);
+    worker.shown(|shown| {
+        assert!(shown.failure.is_none(), "{:?}", shown.failure);
+        assert!(shown.pixels.is_some());
+        assert!(!shown.nodes.contains_key("broken"));
+        assert!(shown.values["gradient.volume"].contains("tetrahedra"), "{:?}", shown.values);
+    });
+}
+
+#[test]
+fn an_error_stands_at_its_node_and_the_next_picture_comes() {
+    let worker = worker();
+    let mut broken = nodes(TEXT);
+    set(&mut broken, "grid", &["resolution"], Datum::Text("large".into()));
+    worker.draw(wanted(broken, &PathBuf::new()));
+    settle(&worker);
+    worker.shown(|shown| {
+        let error = shown.failure.as_ref().unwrap();
+        assert_eq!(error.place.node.as_deref(), Some("grid"));
+        assert!(matches!(shown.nodes["grid"].state, NodeState::Failed(_)));
+    });
+    worker.draw(wanted(nodes(TEXT), &PathBuf::new()));
+    settle(&worker);
+    assert!(worker.shown(|shown| shown.failure.is_none() && shown.pixels.is_some()));
+}
+
+const IMAGE: &[Port] = &[Port { name: "image", port_type: PortType::Image, summary: "a picture" }];
+
+static PANICS: Node = Node {
+    name: "panics",
+    summary: "Ends by a mistake.",
+    outputs: IMAGE,
+    demand: &|_| Ok(()),
+    run: &|_| panic!("index out of bounds"),
+    ..Node::BLANK
+};
+
+/// How often the slow node began.
+static BEGUN: AtomicUsize = AtomicUsize::new(0);
+
+static SLOW: Node = Node {
+    name: "slow",
+    summary: "Takes half a minute, or until it is stopped.",
+    outputs: IMAGE,
+    parameters: &[voltet_core::graph::Parameter {
+        name: "number",
+        parameter_type: voltet_core::graph::ParameterType::Integer(voltet_core::graph::Range::ANY),
+        unit: "",
+        standard: voltet_core::graph::Standard::Integer(0),
+        help: "tells pictures apart",
+    }],
+    demand: &|_| Ok(()),
+    run: &|call| -> Result<Outputs> {
+        BEGUN.fetch_add(1, Ordering::SeqCst);
+        if call.parameters.integer("number")? > 0 {
+            return Ok(vec![Value::Image(Arc::new(Picture::transparent(3, 2)))]);
+        }
+        for step in 0..3000 {
+            call.progress().report("waiting", f64::from(step) / 3000.0);
+            if call.progress().cancelled() {
+                return Err(Error::cancelled());
+            }
+            std::thread::sleep(Duration::from_millis(10));
+        }
+        Ok(vec![Value::Image(Arc::new(Picture::transparent(2, 2)))])
+    },
+    ..Node::BLANK
+};
+
+fn worker_with_own() -> Worker {
+    let mut registry = voltet_nodes::registry().unwrap();
+    registry.add(&PANICS).unwrap();
+    registry.add(&SLOW).unwrap();
+    Worker::start(&registry, Box::new(|| {})).unwrap()
+}
+
+#[test]
+fn a_panic_is_the_error_of_its_node() {
+    let worker = worker_with_own();
+    worker.draw(wanted(nodes("[pipeline]\nformat = 1\n[nodes.picture]\ntype = \"panics\""), &PathBuf::new()));
+    settle(&worker);
+    worker.shown(|shown| {
+        let error = shown.failure.as_ref().unwrap();
+        assert_eq!(error.place.node.as_deref(), Some("picture"));
+        assert!(error.to_string().contains("index out of bounds"), "{error}");
+    });
+    worker.draw(wanted(nodes(TEXT), &PathBuf::new()));
+    settle(&worker);
+    assert!(worker.shown(|shown| shown.pixels.is_some()));
+}
+
+#[test]
+fn a_newer_request_stops_the_one_that_runs() {
+    let worker = worker_with_own();
+    let mut slow = nodes("[pipeline]\nformat = 1\n[nodes.picture]\ntype = \"slow\"");
+    worker.draw(wanted(slow.clone(), &PathBuf::new()));
+    while BEGUN.load(Ordering::SeqCst) == 0 {
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    let start = Instant::now();
+    slow[0].settings.push(voltet_core::graph::Field {
+        name: "number".into(),
+        origin: Default::default(),
+        setting: Datum::Integer(1).into(),
+    });
+    let number = worker.draw(wanted(slow, &PathBuf::new()));
+    settle(&worker);
+    let pixels = worker.shown(|shown| shown.pixels.clone().unwrap());
+    assert_eq!((pixels.number, pixels.size()), (number, [3, 2]));
+    // The slow one would have gone on for half a minute.
+    assert!(start.elapsed() < Duration::from_secs(15));
+}
+
+#[test]
+fn dropping_the_worker_stops_what_runs() {
+    let start = Instant::now();
+    let worker = worker_with_own();
+    worker.draw(wanted(nodes("[pipeline]\nformat = 1\n[nodes.picture]\ntype = \"slow\""), &PathBuf::new()));
+    drop(worker);
+    assert!(start.elapsed() < Duration::from_secs(15));
+}
+
+#[test]
+fn the_distribution_comes_late_and_leaves_the_picture_as_it_is() {
+    let worker = worker();
+    // Of s alone: nobody but the distribution asks for a gradient.
+    let mut one_dimensional = nodes(TEXT);
+    let sigma = Datum::List([60.0, f64::INFINITY].map(|x| Setting::from(Datum::Number(x))).to_vec());
+    set(&mut one_dimensional, "look", &["widgets", "0", "sigma"], sigma);
+    worker.draw(wanted(one_dimensional.clone(), &PathBuf::new()));
+    let nodes = one_dimensional.clone();
+    worker.find_distribution(Distribution { nodes, folder: PathBuf::new(), node: "gradient".into(), key: 7 });
+    settle(&worker);
+    let before = worker.shown(|shown| shown.pixels.clone().unwrap().picture);
+    for _ in 0..6000 {
+        if worker.shown(|shown| shown.distribution.is_some()) {
+            break;
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    let (key, found) = worker.shown(|shown| shown.distribution.clone()).unwrap();
+    let found = found.unwrap();
+    assert_eq!(key, 7);
+    let sum: f64 = found.volumes.iter().sum();
+    // The box is 20 wide; every point has a value within the axes.
+    assert!((sum / 8000.0 - 1.0).abs() < 1e-9, "{sum}");
+    assert!(found.axes[1].high > 1.0, "g is known");
+    worker.draw(wanted(one_dimensional, &PathBuf::new()));
+    settle(&worker);
+    assert_eq!(worker.shown(|shown| shown.pixels.clone().unwrap().picture), before);
+}
+
+#[test]
+fn memory_is_what_the_program_may_take() {
+    let (queue, never) = (Mutex::default(), || false);
+    let shared = Shared {
+        wanted: queue,
+        changed: Condvar::new(),
+        newest: AtomicU64::new(0),
+        shown: Mutex::default(),
+        wake: Box::new(|| {}),
+    };
+    let following = Following::new(&shared, &never);
+    assert_eq!(Observer::memory_left(&following).is_some(), voltet_nodes::memory::left().is_some());
+}
