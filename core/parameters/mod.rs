@@ -28,5 +28,5 @@ pub use nearest::{nearest, suggest};
 pub use paths::NamedPath;
 pub use range::Range;
 pub use relative::{Quantity, Relative};
-pub use setting::{Datum, Field, Origin, Setting};
-pub(crate) use setting::{key_text, replace_field};
+pub(crate) use setting::replace_field;
+pub use setting::{Datum, Field, Origin, Setting, key_text};

@@ -217,7 +217,7 @@ fn write_text(f: &mut fmt::Formatter<'_>, text: &str) -> fmt::Result {
 }
 
 /// A TOML key: bare where that is allowed, quoted otherwise.
-pub(crate) fn key_text(name: &str) -> String {
+pub fn key_text(name: &str) -> String {
     let bare = !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '-' || c == '_');
     if bare { name.to_string() } else { Datum::Text(name.to_string()).to_string() }
 }

@@ -1,7 +1,8 @@
 //! The pipeline file: TOML in, a checked graph out, and back to text.
 //!
 //! [`Pipeline`] is the document: what a file states, unchecked, with the place of every word, so that each mistake
-//! is shown where it stands. [`Pipeline::graph`] checks it against a registry of node types.
+//! is shown where it stands. [`Pipeline::graph`] checks it against a registry of node types. The table `[editor]` is the
+//! node editor's own: it is handed on by [`Pipeline::survey`] and looked at by nothing that runs.
 
 mod document;
 mod option;
@@ -9,6 +10,7 @@ mod parse;
 mod write;
 
 pub use document::{FORMAT, Pipeline};
+pub use parse::{EDITOR, Survey, value};
 
 use crate::Error;
 

@@ -100,7 +100,45 @@ fn wrong_options_name_themselves() {
 
 #[test]
 fn a_value_that_is_no_toml_is_text() {
-    assert_eq!(parse::value("[1, 2").map(|s| s.datum), None);
-    assert_eq!(parse::value("1\nx = 2").map(|s| s.datum), None);
-    assert_eq!(parse::value("true").map(|s| s.datum), Some(Datum::Boolean(true)));
+    assert_eq!(value("[1, 2").map(|s| s.datum), None);
+    assert_eq!(value("1\nx = 2").map(|s| s.datum), None);
+    assert_eq!(value("true").map(|s| s.datum), Some(Datum::Boolean(true)));
+}
+
+#[test]
+fn what_belongs_to_the_editor_is_of_no_account() {
+    // A date, and names that nothing knows: none of it is looked at.
+    let editor = "\n[editor.nodes]\nz = [1, 2]\nnowhere = 1979-05-27\n\n[[editor.frames]]\ntitle = 3\n";
+    let text = format!("{TEXT}{editor}");
+    assert_eq!(Pipeline::parse(&text).unwrap(), Pipeline::parse(TEXT).unwrap());
+    let survey = Pipeline::survey(&text);
+    let names: Vec<&str> = survey.editor.iter().map(|field| field.name.as_str()).collect();
+    assert_eq!((names, survey.faults.len()), (vec!["nodes", "frames"], 0));
+    assert!(Pipeline::parse(&text.replace("[editor.nodes]", "[editors.nodes]")).is_err());
+}
+
+#[test]
+fn every_mistake_is_found_and_the_rest_is_read() {
+    let text = TEXT
+        .replace("format = 1", "format = 2\nfrmat = 1")
+        .replace("path = \"a.vtu\"", "path = 1979-05-27")
+        .replace("type = \"sort\"\n", "")
+        .replace("[nodes.z]", "[nodes]\nb = 3\n\n[nodes.z]");
+    let survey = Pipeline::survey(&text);
+    let found: Vec<String> = survey.faults.iter().map(|fault| fault.to_string()).collect();
+    for (wanted, fault) in
+        ["not a date", "unknown key 'frmat'", "does not know the format", "must be a table", "has no type"]
+            .iter()
+            .zip(&found)
+    {
+        assert!(fault.contains(wanted), "{fault}");
+    }
+    assert_eq!(found.len(), 5, "{found:?}");
+    assert!(survey.faults.iter().all(|fault| fault.place.line_column.is_some()));
+    assert_eq!(survey.pipeline.nodes.len(), 3);
+    assert_eq!(survey.pipeline.nodes[2].inputs.len(), 2);
+    // What is no TOML hides no more than it must.
+    let survey = Pipeline::survey(&TEXT.replace("path = \"a.vtu\"", "path = "));
+    assert!(!survey.is_toml && survey.pipeline.nodes.len() == 3);
+    assert_eq!(survey.faults[0].place.line_column, Some((8, 7)));
 }

@@ -1,43 +1,5 @@
-//! Files: which one a path means, writing whole ones, the standard output, the user's cache folder.
-//!
-//! What is being written stands beside the file until it is whole. Two things of this hold for the whole process, since a
-//! signal does: what stands beside files now ([`end_now`] removes it), and whether a reader is waited for.
+//! Files: what nodes that write one share, and the crate `voltet-files`.
 
-mod hash;
-mod meant;
 pub mod output;
-mod temporary;
-mod waiting;
-mod write;
 
-pub use hash::Fnv;
-pub(crate) use meant::folder;
-pub use meant::{Meant, STANDARD_OUTPUT, Use, collision, is_standard_output};
-pub use temporary::end_now;
-pub use waiting::is_waiting;
-pub use write::{refuse_unwritable, standard_output, unwritable_output, write_whole};
-
-use std::path::{Path, PathBuf};
-
-/// The program's folder within the user's cache folder. It need not exist.
-pub fn cache_folder() -> PathBuf {
-    let set = |name: &str| std::env::var_os(name).filter(|value| !value.is_empty()).map(PathBuf::from);
-    let home = || {
-        set("HOME").map(|home| home.join(if cfg!(target_os = "macos") { "Library/Caches" } else { ".cache" }))
-    };
-    let base = set("XDG_CACHE_HOME").or_else(|| set("LOCALAPPDATA")).or_else(home);
-    base.unwrap_or_else(std::env::temp_dir).join("voltet")
-}
-
-/// A path to write, as people are told of it.
-pub fn shown(path: &Path) -> String {
-    match path == Path::new(STANDARD_OUTPUT) {
-        true => "the standard output".into(),
-        false => path.display().to_string(),
-    }
-}
-
-/// Whether a path by its words alone is the standard output or a device, which have no endings.
-pub fn is_stream(path: &str) -> bool {
-    path == STANDARD_OUTPUT || path.starts_with("/dev/")
-}
+pub use voltet_files::*;

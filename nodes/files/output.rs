@@ -1,7 +1,6 @@
 //! The file that a node writes: its path, and the format that the path's ending means.
 
-use super::write::{refuse_unwritable, write_whole};
-use super::{is_stream, shown};
+use super::{is_stream, refuse_unwritable, shown, write_whole};
 use std::path::Path;
 use voltet_core::graph::{Call, Parameter, ParameterType, Parameters, Preparation, Standard};
 use voltet_core::{Error, Result};

@@ -94,7 +94,7 @@ pub fn collision(uses: &[Use]) -> Option<[usize; 2]> {
 }
 
 /// The folder that a file lies in.
-pub(crate) fn folder(path: &Path) -> &Path {
+pub fn folder(path: &Path) -> &Path {
     match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),

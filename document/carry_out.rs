@@ -1,0 +1,286 @@
+//! Edits carried out on a text.
+
+use crate::delta::Delta;
+use crate::edit::Edit;
+use crate::links;
+use crate::path::Path;
+use crate::text::{Draft, Syntax};
+use crate::view::{NodeView, View, place};
+use std::sync::Arc;
+use voltet_core::graph::{Datum, Field, NodeEntry, Setting, suggest};
+use voltet_core::parameters::key_text;
+use voltet_core::pipeline::{EDITOR, Pipeline, Survey};
+use voltet_core::{Error, Result};
+
+/// A text that edits are carried out on, and what it states.
+pub(crate) struct Work {
+    draft: Draft,
+    survey: Arc<Survey>,
+}
+
+impl Work {
+    pub fn new(text: Arc<str>, syntax: Arc<Syntax>, survey: Arc<Survey>) -> Work {
+        Work { draft: Draft::new(text, syntax), survey }
+    }
+
+    /// All changes, the text that they make, and what it states.
+    pub fn finish(self) -> Result<(Delta, Arc<str>, Arc<Syntax>, Arc<Survey>)> {
+        let (delta, text, syntax) = self.draft.finish()?;
+        Ok((delta, text, syntax, self.survey))
+    }
+
+    /// Carries one out. `shown`: the places of the nodes in the view, which the file gets where it has none.
+    pub fn carry_out(&mut self, edit: &Edit, shown: &dyn Fn(&str) -> Option<[f64; 2]>) -> Result<()> {
+        self.change(edit, shown)?;
+        self.draft.settle()?;
+        self.survey = Arc::new(Pipeline::survey(self.draft.text()));
+        if !self.survey.is_toml {
+            // A form that this does not know how to change.
+            let error = Error::run(format!(
+                "this cannot be done in the way that the file is written: {}",
+                edit.label()
+            ));
+            return Err(error.accepted("the change made in the text"));
+        }
+        Ok(())
+    }
+
+    fn change(&mut self, edit: &Edit, shown: &dyn Fn(&str) -> Option<[f64; 2]>) -> Result<()> {
+        match edit {
+            Edit::AddNode { name, node_type, settings, at } => {
+                self.add_node(name, node_type, settings, *at, shown)
+            }
+            Edit::RemoveNodes(names) => self.remove_nodes(names),
+            Edit::Rename { node, to } => self.rename(node, to),
+            Edit::Set { node, path, value } => self.draft.set(&self.parameter(node, path)?, value),
+            Edit::Unset { node, path } => {
+                let path = self.parameter(node, path)?;
+                self.draft.unset(&path)
+            }
+            Edit::Insert { node, list, place, entry } => {
+                self.draft.insert(&self.parameter(node, list)?, *place, entry)
+            }
+            Edit::Duplicate { node, list, place } => {
+                self.draft.duplicate(&self.parameter(node, list)?, *place)
+            }
+            Edit::MoveEntry { node, list, from, to } => {
+                self.draft.move_entry(&self.parameter(node, list)?, *from, *to)
+            }
+            Edit::Connect { node, port, source, beside } => self.connect(node, port, source, *beside),
+            Edit::Disconnect { node, port, source } => self.disconnect(node, port, source.as_deref()),
+            Edit::MoveNodes(moved) => self.move_nodes(moved, shown),
+            Edit::Fold { node, folded } => self.show_node(node, shown, |view| view.folded = *folded),
+            Edit::Remark { node, text } => self.show_node(node, shown, |view| view.remark = text.clone()),
+            Edit::PutFrame(number, frame) => self.put("frames", *number, &frame.datum()),
+            Edit::RemoveFrame(number) => self.take("frames", *number),
+            Edit::PutNote(number, note) => self.put("notes", *number, &note.datum()),
+            Edit::RemoveNote(number) => self.take("notes", *number),
+            Edit::Title(Some(title)) => {
+                self.draft.set(&Path::from(["pipeline", "title"]), &Datum::Text(title.clone()))
+            }
+            Edit::Title(None) => self.draft.unset(&Path::from(["pipeline", "title"])),
+            // Whole texts are no work on a draft; the document takes them in itself.
+            Edit::Text(_) => Ok(()),
+        }
+    }
+
+    fn node(&self, name: &str) -> Result<&NodeEntry> {
+        let nodes = &self.survey.pipeline.nodes;
+        nodes.iter().find(|node| node.name == name).ok_or_else(|| {
+            let known = suggest(name, nodes.iter().map(|node| node.name.as_str()));
+            Error::usage(format!("there is no node '{name}'")).accepted(known)
+        })
+    }
+
+    fn parameter(&self, node: &str, path: &Path) -> Result<Path> {
+        self.node(node)?;
+        if path.0.is_empty() {
+            return Err(Error::usage("a path must name a parameter"));
+        }
+        Ok(Path::from(["nodes", node]).and(path))
+    }
+
+    fn refuse_taken(&self, name: &str) -> Result<()> {
+        if name.is_empty() {
+            return Err(Error::usage("a node needs a name"));
+        }
+        match self.node(name) {
+            Ok(_) => Err(Error::usage(format!("there is a node '{name}' already")).accepted("another name")),
+            Err(_) => Ok(()),
+        }
+    }
+
+    fn add_node(
+        &mut self,
+        name: &str,
+        node_type: &str,
+        settings: &[Field],
+        at: Option<[f64; 2]>,
+        shown: &dyn Fn(&str) -> Option<[f64; 2]>,
+    ) -> Result<()> {
+        self.refuse_taken(name)?;
+        let type_field = Field {
+            name: "type".into(),
+            origin: Default::default(),
+            setting: Datum::Text(node_type.into()).into(),
+        };
+        let fields: Vec<Field> = [type_field].into_iter().chain(settings.iter().cloned()).collect();
+        self.draft.add_table(&Path::from(["nodes", name]), &fields)?;
+        if let Some(at) = at {
+            self.draft.settle()?;
+            self.pin(&[(name.to_string(), at)], shown)?;
+        }
+        Ok(())
+    }
+
+    fn remove_nodes(&mut self, names: &[String]) -> Result<()> {
+        let nodes = self.survey.pipeline.nodes.clone();
+        let view = View::read(&self.survey.editor);
+        for name in names {
+            self.node(name)?;
+            self.draft.unset(&Path::from(["nodes", name]))?;
+            if view.nodes.contains_key(name) {
+                self.draft.unset(&Path::from([EDITOR, "nodes", name]))?;
+            }
+        }
+        for node in nodes.iter().filter(|node| !names.contains(&node.name)) {
+            let kept =
+                links::without(node, |source| names.iter().any(|name| links::is_of(source, name, &nodes)));
+            self.put_inputs(node, kept)?;
+        }
+        Ok(())
+    }
+
+    fn rename(&mut self, from: &str, to: &str) -> Result<()> {
+        self.node(from)?;
+        if from == to {
+            return Ok(());
+        }
+        self.refuse_taken(to)?;
+        let nodes = self.survey.pipeline.nodes.clone();
+        self.draft.rename(&Path::from(["nodes", from]), to)?;
+        if View::read(&self.survey.editor).nodes.contains_key(from) {
+            self.draft.rename(&Path::from([EDITOR, "nodes", from]), to)?;
+        }
+        // Where the renamed node is fed by itself or others, its inputs are written below the old name still.
+        for node in &nodes {
+            let named = links::renamed(node, from, to, &nodes);
+            self.put_inputs(node, named)?;
+        }
+        Ok(())
+    }
+
+    fn connect(&mut self, node: &str, port: &str, source: &str, beside: bool) -> Result<()> {
+        let path = Path::from(["nodes", node, "inputs", port]);
+        let there = self.node(node)?.inputs.iter().find(|link| link.port == port).map(|link| &link.source);
+        let wire = Setting::from(Datum::Text(source.to_string()));
+        let datum = match there.filter(|_| beside) {
+            None => wire.datum,
+            Some(there) => {
+                let several = there.list().map(<[Setting]>::to_vec).unwrap_or_else(|| vec![there.clone()]);
+                if several.iter().any(|known| known.text() == Some(source)) {
+                    return Ok(());
+                }
+                Datum::List(several.into_iter().chain([wire]).collect())
+            }
+        };
+        self.draft.set(&path, &datum)
+    }
+
+    fn disconnect(&mut self, node: &str, port: &str, source: Option<&str>) -> Result<()> {
+        let entry = self.node(node)?.clone();
+        let kept = links::without_wire(&entry, port, source);
+        self.put_inputs(&entry, kept)
+    }
+
+    /// Writes what feeds a node, where that differs.
+    fn put_inputs(&mut self, node: &NodeEntry, inputs: Option<Vec<Field>>) -> Result<()> {
+        let path = Path::from(["nodes", &node.name, "inputs"]);
+        match inputs {
+            None => Ok(()),
+            Some(fields) if fields.is_empty() => self.draft.unset(&path),
+            Some(fields) => self.draft.set(&path, &Datum::Table(fields)),
+        }
+    }
+
+    fn move_nodes(
+        &mut self,
+        moved: &[(String, [f64; 2])],
+        shown: &dyn Fn(&str) -> Option<[f64; 2]>,
+    ) -> Result<()> {
+        moved.iter().try_for_each(|(name, _)| self.node(name).map(drop))?;
+        self.pin(moved, shown)
+    }
+
+    /// Writes places: those given, and those of all other nodes as they are shown, so that the file shows the same again.
+    fn pin(&mut self, given: &[(String, [f64; 2])], shown: &dyn Fn(&str) -> Option<[f64; 2]>) -> Result<()> {
+        let view = View::read(&self.survey.editor);
+        let has_place = |name: &str| view.nodes.get(name).is_some_and(|node| node.at.is_some());
+        let others = self.survey.pipeline.nodes.iter().map(|node| &node.name);
+        let others = others.filter(|name| !has_place(name) && !given.iter().any(|(known, _)| known == *name));
+        let others: Vec<(String, [f64; 2])> =
+            others.filter_map(|name| Some((name.clone(), shown(name)?))).collect();
+        let mut fresh = Vec::new();
+        for (name, at) in others.iter().chain(given) {
+            let mut node = view.nodes.get(name).cloned().unwrap_or_default();
+            node.at = Some(*at);
+            match view.nodes.contains_key(name) {
+                true => self.put_view(name, &node)?,
+                false => fresh.push((name.as_str(), place(*at))),
+            }
+        }
+        self.draft.add_lines(&Path::from([EDITOR, "nodes"]), &fresh)
+    }
+
+    fn show_node(
+        &mut self,
+        name: &str,
+        shown: &dyn Fn(&str) -> Option<[f64; 2]>,
+        change: impl FnOnce(&mut NodeView),
+    ) -> Result<()> {
+        self.node(name)?;
+        let mut node = View::read(&self.survey.editor).nodes.remove(name).unwrap_or_default();
+        node.at = node.at.or_else(|| shown(name));
+        change(&mut node);
+        self.put_view(name, &node)
+    }
+
+    fn put_view(&mut self, name: &str, node: &NodeView) -> Result<()> {
+        let path = Path::from([EDITOR, "nodes", name]);
+        match node.datum() {
+            Some(datum) => self.draft.set(&path, &datum),
+            None => self.draft.unset(&path),
+        }
+    }
+
+    /// Puts a frame or a note, each on a line of its own.
+    fn put(&mut self, list: &str, number: usize, datum: &Datum) -> Result<()> {
+        let path = Path::from([EDITOR, list]);
+        let count = self.survey.editor.iter().find(|field| field.name == list);
+        match count.and_then(|field| field.setting.list()).map_or(0, <[Setting]>::len) {
+            0 if number == 0 => {
+                self.draft.unset(&path)?;
+                self.draft.settle()?;
+                self.draft.add(&path, &format!("[\n  {datum},\n]"))
+            }
+            count if number < count => self.draft.set(&path.with(number), datum),
+            _ => self.draft.insert(&path, number, datum),
+        }
+    }
+
+    fn take(&mut self, list: &str, number: usize) -> Result<()> {
+        let path = Path::from([EDITOR, list]);
+        let entries = self.survey.editor.iter().find(|field| field.name == list);
+        match entries.and_then(|field| field.setting.list()).map_or(0, <[Setting]>::len) {
+            1 if number == 0 => self.draft.unset(&path),
+            count if number < count => self.draft.unset(&path.with(number)),
+            _ => Err(Error::usage("there is no such thing in the view").found(path.with(number))),
+        }
+    }
+}
+
+/// The text of a new pipeline file.
+pub(crate) fn blank(title: Option<&str>) -> String {
+    let title = title.map(|title| format!("{} = {}\n", key_text("title"), Datum::Text(title.into())));
+    format!("[pipeline]\nformat = {}\n{}", voltet_core::pipeline::FORMAT, title.unwrap_or_default())
+}

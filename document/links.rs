@@ -1,0 +1,66 @@
+//! Wires as pipeline files state them: `"node"` or `"node.port"`, one or a list.
+
+use voltet_core::graph::{Datum, Field, LinkEntry, NodeEntry, Setting};
+
+/// The node that a source names, and its output where it names one: a whole text that is a node's name means that node.
+pub fn source<'a>(text: &'a str, nodes: &[NodeEntry]) -> (&'a str, Option<&'a str>) {
+    let is_node = |name: &str| nodes.iter().any(|node| node.name == name);
+    match text.rsplit_once('.') {
+        Some((node, port)) if !is_node(text) => (node, Some(port)),
+        _ => (text, None),
+    }
+}
+
+/// What feeds an input, wire by wire, as the file says it.
+pub fn sources(link: &LinkEntry) -> impl Iterator<Item = &str> {
+    link.source.list().unwrap_or(std::slice::from_ref(&link.source)).iter().filter_map(Setting::text)
+}
+
+/// Whether a source is an output of a node.
+pub(crate) fn is_of(text: &str, name: &str, nodes: &[NodeEntry]) -> bool {
+    source(text, nodes).0 == name
+}
+
+/// What feeds a node without some sources; `None` where it has none of them.
+pub(crate) fn without(node: &NodeEntry, gone: impl Fn(&str) -> bool) -> Option<Vec<Field>> {
+    changed(node, |_, text| (!gone(text)).then(|| text.to_string()))
+}
+
+/// The same without one wire of an input, or all.
+pub(crate) fn without_wire(node: &NodeEntry, port: &str, gone: Option<&str>) -> Option<Vec<Field>> {
+    let is_gone = |name: &str, text: &str| name == port && gone.is_none_or(|gone| gone == text);
+    changed(node, |name, text| (!is_gone(name, text)).then(|| text.to_string()))
+}
+
+/// The same where a node has another name; `None` where it does not feed it.
+pub(crate) fn renamed(node: &NodeEntry, from: &str, to: &str, nodes: &[NodeEntry]) -> Option<Vec<Field>> {
+    changed(node, |_, text| match source(text, nodes) {
+        (name, port) if name == from => Some(port.map_or(to.to_string(), |port| format!("{to}.{port}"))),
+        _ => Some(text.to_string()),
+    })
+}
+
+/// What feeds a node after a change of each wire (its input and its source), where that is another; what is no wire stays.
+fn changed(node: &NodeEntry, change: impl Fn(&str, &str) -> Option<String>) -> Option<Vec<Field>> {
+    let one = |port: &str, setting: &Setting| match setting.text() {
+        Some(text) => change(port, text).map(|text| Setting::from(Datum::Text(text))),
+        None => Some(setting.clone()),
+    };
+    let all = |link: &LinkEntry| {
+        let setting = match link.source.list() {
+            None => one(&link.port, &link.source)?,
+            Some(list) => {
+                let kept: Vec<Setting> = list.iter().filter_map(|part| one(&link.port, part)).collect();
+                if kept.is_empty() && !list.is_empty() {
+                    return None;
+                }
+                Datum::List(kept).into()
+            }
+        };
+        Some(Field { name: link.port.clone(), origin: link.origin.clone(), setting })
+    };
+    let fields: Vec<Field> = node.inputs.iter().filter_map(all).collect();
+    let same = fields.len() == node.inputs.len()
+        && fields.iter().zip(&node.inputs).all(|(field, link)| field.setting == link.source);
+    (!same).then_some(fields)
+}

@@ -1,0 +1,181 @@
+//! Lists of tables, however they are written: `[[…]]` with lines below, or in place.
+
+use super::draft::{Draft, nothing_at};
+use super::find::{Found, Piece};
+use super::syntax::Value;
+use crate::path::{Path, Step};
+use std::ops::Range;
+use voltet_core::graph::{Datum, Setting};
+use voltet_core::parameters::key_text;
+use voltet_core::{Error, Result};
+
+/// Where the entries of a list stand.
+enum Entries<'a> {
+    /// In place.
+    Inline(&'a Value),
+    /// Each a block of lines.
+    Blocks(Vec<Range<usize>>),
+    /// The list is not there.
+    Nowhere,
+}
+
+impl Draft {
+    /// Adds an entry before the one at `place`, or at the end: as the others are written.
+    pub fn insert(&mut self, list: &Path, place: usize, entry: &Datum) -> Result<()> {
+        let syntax = self.syntax.clone();
+        match self.entries(&syntax, list)? {
+            Entries::Inline(value) => {
+                self.refuse_beyond(list, place, value.elements().len() + 1)?;
+                self.add_elements(value, place, &[entry.to_string()]);
+                Ok(())
+            }
+            Entries::Blocks(blocks) => {
+                self.refuse_beyond(list, place, blocks.len() + 1)?;
+                let text = headed(list, entry)?;
+                self.insert_block(&blocks, place, &text);
+                Ok(())
+            }
+            Entries::Nowhere => {
+                self.refuse_beyond(list, place, 1)?;
+                match (self.own_block(list), entry) {
+                    (Some(block), Datum::Table(_)) => {
+                        self.add_section(block.end, &headed(list, entry)?);
+                        Ok(())
+                    }
+                    _ => self.set(list, &Datum::List(vec![Setting::from(entry.clone())])),
+                }
+            }
+        }
+    }
+
+    /// Adds a copy of an entry after it, word by word.
+    pub fn duplicate(&mut self, list: &Path, place: usize) -> Result<()> {
+        let syntax = self.syntax.clone();
+        match self.entries(&syntax, list)? {
+            Entries::Inline(value) => {
+                self.refuse_beyond(list, place, value.elements().len())?;
+                let copy = self.text[value.elements()[place].place()].to_string();
+                self.add_elements(value, place + 1, &[copy]);
+            }
+            Entries::Blocks(blocks) => {
+                self.refuse_beyond(list, place, blocks.len())?;
+                let copy = ended(&self.text[blocks[place].clone()]);
+                self.insert_block(&blocks, place + 1, &copy);
+            }
+            Entries::Nowhere => return Err(nothing_at(list)),
+        }
+        Ok(())
+    }
+
+    /// Moves an entry to another place of its list; those between move up or down.
+    pub fn move_entry(&mut self, list: &Path, from: usize, to: usize) -> Result<()> {
+        let syntax = self.syntax.clone();
+        let slots: Vec<Range<usize>> = match self.entries(&syntax, list)? {
+            Entries::Inline(value) => value.elements().iter().map(|element| element.place()).collect(),
+            Entries::Blocks(blocks) => blocks,
+            Entries::Nowhere => return Err(nothing_at(list)),
+        };
+        self.refuse_beyond(list, from.max(to), slots.len())?;
+        let mut order: Vec<usize> = (0..slots.len()).collect();
+        let moved = order.remove(from);
+        order.insert(to, moved);
+        let text = self.text.clone();
+        // The last block may lack its line end, which belongs to the place, not to the entry.
+        let ends = |range: &Range<usize>| text[range.clone()].ends_with('\n');
+        let is_lines = slots.iter().any(ends);
+        for (slot, &i) in slots.iter().zip(&order) {
+            let entry = text[slots[i].clone()].trim_end_matches(['\r', '\n']);
+            let end = &text[slot.clone()][text[slot.clone()].trim_end_matches(['\r', '\n']).len()..];
+            self.replace(slot.clone(), &if is_lines { format!("{entry}{end}") } else { entry.to_string() });
+        }
+        Ok(())
+    }
+
+    fn insert_block(&mut self, blocks: &[Range<usize>], place: usize, text: &str) {
+        match blocks.get(place) {
+            Some(block) => self.add_text(block.start, &format!("{text}\n")),
+            None => {
+                let end = blocks.last().map_or(self.text.len(), |last| last.end);
+                self.add_section(end, text);
+            }
+        }
+    }
+
+    fn entries<'a>(&self, syntax: &'a super::Syntax, list: &Path) -> Result<Entries<'a>> {
+        let pieces = match syntax.find(&list.0) {
+            Found::Value(spot) => return Ok(Entries::Inline(&spot.element.value)),
+            Found::Nothing => return Ok(Entries::Nowhere),
+            Found::Pieces(pieces) => pieces,
+        };
+        let scattered = || {
+            Error::usage("the entries of this list are not written one after the other").found(list).accepted(
+                "each [[…]] with what belongs to it directly below, before others can be added or moved",
+            )
+        };
+        let mut blocks: Vec<Range<usize>> = Vec::new();
+        let mut before = None;
+        for piece in pieces {
+            let Piece::Section(i) = piece else { return Err(scattered()) };
+            let Some(Step::Entry(number)) = syntax.sections[i].path.0.get(list.0.len()) else {
+                return Err(scattered());
+            };
+            let block = syntax.block(&self.text, i);
+            match blocks.get_mut(*number) {
+                Some(known) if before == Some(i - 1) => known.end = block.end,
+                Some(_) => return Err(scattered()),
+                None => blocks.push(block),
+            }
+            before = Some(i);
+        }
+        Ok(Entries::Blocks(blocks))
+    }
+
+    /// The lines of the table that a list belongs to, with all that is headed below it; none where it has no header.
+    fn own_block(&self, list: &Path) -> Option<Range<usize>> {
+        let (_, owner) = list.0.split_last()?;
+        let Found::Pieces(pieces) = self.syntax.find(owner) else { return None };
+        let sections: Vec<usize> = pieces
+            .iter()
+            .map(|piece| match piece {
+                Piece::Section(i) => Some(*i),
+                Piece::Assignment(..) => None,
+            })
+            .collect::<Option<_>>()?;
+        // Headers below it that stand elsewhere may be of any place.
+        let from = *sections.first()?;
+        let last = sections.iter().enumerate().take_while(|(k, i)| **i == from + k).last()?;
+        Some(self.syntax.block(&self.text, from).start..self.syntax.block(&self.text, *last.1).end)
+    }
+
+    fn refuse_beyond(&self, list: &Path, place: usize, count: usize) -> Result<()> {
+        if place < count {
+            return Ok(());
+        }
+        let error = Error::usage("there is no such entry in the list").found(format!("{list}.{place}"));
+        Err(error.accepted(format!("a number below {count}")))
+    }
+}
+
+/// An entry under a header of its own.
+pub(super) fn headed(list: &Path, entry: &Datum) -> Result<String> {
+    let Datum::Table(fields) = entry else {
+        return Err(Error::usage("an entry of this list must be a table").found(entry));
+    };
+    // Numbers of entries are not written: the last one before is meant.
+    let keys: Vec<String> = list
+        .0
+        .iter()
+        .filter_map(|step| match step {
+            Step::Key(key) => Some(key_text(key)),
+            Step::Entry(_) => None,
+        })
+        .collect();
+    let lines = fields.iter().map(|field| format!("{} = {}\n", key_text(&field.name), field.setting.datum));
+    Ok(format!("[[{}]]\n{}", keys.join("."), lines.collect::<String>()))
+}
+
+/// Lines that end.
+fn ended(text: &str) -> String {
+    let end = if text.ends_with('\n') { "" } else { "\n" };
+    format!("{text}{end}")
+}

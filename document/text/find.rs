@@ -1,0 +1,169 @@
+//! What a path leads to in a text.
+
+use super::lines;
+use super::syntax::{Element, Section, Syntax, Value, ValueKind};
+use crate::path::Step;
+use std::ops::Range;
+
+/// What a path leads to.
+#[derive(Debug)]
+pub enum Found<'a> {
+    /// A value that is written in one place.
+    Value(Spot<'a>),
+    /// A table, or a list of tables, that headers and keys with points make together.
+    Pieces(Vec<Piece>),
+    /// Nothing.
+    Nothing,
+}
+
+/// An element and what holds it.
+#[derive(Debug, Clone, Copy)]
+pub struct Spot<'a> {
+    /// The element.
+    pub element: &'a Element,
+    /// The inline list or table that holds it and its number there; none for an assignment on lines of its own.
+    pub holder: Option<(&'a Value, usize)>,
+    /// The section and, of an assignment on lines of its own, its number there.
+    pub section: usize,
+    /// The number of the assignment in its section that holds it or is it.
+    pub assignment: usize,
+}
+
+/// A part of a table that is written in several.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Piece {
+    /// A section: its header and all below it.
+    Section(usize),
+    /// An assignment with points in a section that holds more.
+    Assignment(usize, usize),
+}
+
+/// How two paths go together.
+enum Way {
+    /// The path ends within or at the longer one.
+    Within,
+    /// The path goes on for so many steps.
+    Beyond(usize),
+    Elsewhere,
+}
+
+/// How `path` lies to what begins with `start`.
+fn way(path: &[Step], start: &[Step]) -> Way {
+    let shared = path.iter().zip(start).take_while(|(a, b)| a == b || a.key() == b.key()).count();
+    match (shared == path.len(), shared == start.len()) {
+        (true, _) => Way::Within,
+        (false, true) => Way::Beyond(path.len() - shared),
+        (false, false) => Way::Elsewhere,
+    }
+}
+
+impl Syntax {
+    /// What a path leads to.
+    pub fn find(&self, path: &[Step]) -> Found<'_> {
+        let mut pieces = Vec::new();
+        for (i, section) in self.sections.iter().enumerate() {
+            let rest = match way(path, &section.path.0) {
+                Way::Elsewhere => continue,
+                Way::Within if section.header.is_some() => {
+                    pieces.push(Piece::Section(i));
+                    continue;
+                }
+                Way::Within => path,
+                Way::Beyond(steps) => &path[path.len() - steps..],
+            };
+            for (k, element) in section.assignments.iter().enumerate() {
+                let keys: Vec<Step> = element.path().collect();
+                match way(rest, &keys) {
+                    Way::Elsewhere => {}
+                    Way::Within if rest.len() < keys.len() => pieces.push(Piece::Assignment(i, k)),
+                    Way::Within => {
+                        return Found::Value(Spot { element, holder: None, section: i, assignment: k });
+                    }
+                    Way::Beyond(steps) => {
+                        let rest = &rest[rest.len() - steps..];
+                        let found = within(&element.value, rest);
+                        return found.map_or(Found::Nothing, |(element, holder)| {
+                            Found::Value(Spot { element, holder: Some(holder), section: i, assignment: k })
+                        });
+                    }
+                }
+            }
+        }
+        if pieces.is_empty() { Found::Nothing } else { Found::Pieces(pieces) }
+    }
+
+    /// The keys, or numbers of entries, that pieces have directly below a path of so many steps, in their order.
+    pub fn below(&self, pieces: &[Piece], depth: usize) -> Vec<Step> {
+        let mut steps: Vec<Step> = Vec::new();
+        let mut add = |step: Option<Step>| {
+            if let Some(step) = step.filter(|step| !steps.contains(step)) {
+                steps.push(step);
+            }
+        };
+        for &piece in pieces {
+            match piece {
+                Piece::Section(i) => {
+                    let section = &self.sections[i];
+                    match section.path.0.get(depth) {
+                        Some(step) => add(Some(step.clone())),
+                        None => section.assignments.iter().for_each(|a| add(a.path().next())),
+                    }
+                }
+                Piece::Assignment(i, k) => {
+                    let section = &self.sections[i];
+                    let within = depth - section.path.0.len();
+                    add(section.assignments[k].path().nth(within));
+                }
+            }
+        }
+        steps
+    }
+
+    /// Where the line begins after all that comes before a section.
+    pub fn floor(&self, text: &str, section: usize) -> usize {
+        match section.checked_sub(1).map(|before| self.sections[before].end()) {
+            Some(end) if end > 0 => lines::end(text, end),
+            _ => 0,
+        }
+    }
+
+    /// The lines of a section with the comments that belong to it.
+    pub fn block(&self, text: &str, section: usize) -> Range<usize> {
+        let this: &Section = &self.sections[section];
+        let from = match this.header {
+            Some(_) => {
+                lines::with_comments_above(text, lines::start(text, this.start()), self.floor(text, section))
+            }
+            None => 0,
+        };
+        let last = if this.end() == 0 { 0 } else { lines::end(text, this.end()) };
+        let ceiling = match self.sections.get(section + 1) {
+            Some(next) => lines::with_comments_above(text, lines::start(text, next.start()), last),
+            None => text.len(),
+        };
+        from..lines::with_comments_below(text, last, ceiling)
+    }
+}
+
+/// What a path leads to in a value, and what holds it there.
+fn within<'a>(value: &'a Value, path: &[Step]) -> Option<(&'a Element, (&'a Value, usize))> {
+    for (i, element) in value.elements().iter().enumerate() {
+        let (taken, is_here) = match (&value.kind, path.first()?) {
+            (ValueKind::List(_), Step::Entry(number)) => (1, *number == i),
+            (ValueKind::List(_), Step::Key(_)) | (ValueKind::Scalar, _) => return None,
+            (ValueKind::Table(_), _) => {
+                let keys: Vec<Step> = element.path().collect();
+                let here =
+                    keys.len() <= path.len() && matches!(way(path, &keys), Way::Within | Way::Beyond(_));
+                (keys.len(), here)
+            }
+        };
+        if is_here {
+            return match &path[taken..] {
+                [] => Some((element, (value, i))),
+                rest => within(&element.value, rest),
+            };
+        }
+    }
+    None
+}

@@ -1,0 +1,92 @@
+//! Lines: where they begin and end, and which comments belong to what stands below or above them.
+//!
+//! Comment lines directly above a header or an assignment, with no blank line between, belong to it; so does a comment on its
+//! own line's end. Comment lines directly below the last assignment of a table, followed by a blank line or the end, belong to
+//! the table. What stands by itself between blank lines belongs to nobody and stays.
+
+use std::ops::Range;
+
+/// Where the line of a byte begins.
+pub fn start(text: &str, at: usize) -> usize {
+    text[..at].rfind('\n').map_or(0, |end| end + 1)
+}
+
+/// Where the line of a byte ends, its line end included.
+pub fn end(text: &str, at: usize) -> usize {
+    text[at..].find('\n').map_or(text.len(), |end| at + end + 1)
+}
+
+/// The spaces at the beginning of the line of a byte.
+pub fn indent(text: &str, at: usize) -> &str {
+    let line = &text[start(text, at)..];
+    let spaces = line.find(|c| c != ' ' && c != '\t').unwrap_or(line.len());
+    &line[..spaces]
+}
+
+/// Whether nothing but spaces stands before a byte on its line.
+pub fn is_first(text: &str, at: usize) -> bool {
+    text[start(text, at)..at].trim().is_empty()
+}
+
+fn is_comment(line: &str) -> bool {
+    line.trim_start().starts_with('#')
+}
+
+fn is_blank(line: &str) -> bool {
+    line.trim().is_empty()
+}
+
+/// Where the comment lines begin that stand directly above the line which begins at `at`, not before `floor`, which is the
+/// beginning of a line.
+pub fn with_comments_above(text: &str, at: usize, floor: usize) -> usize {
+    let mut from = at;
+    while from > floor {
+        let before = start(text, from - 1);
+        if before < floor || !is_comment(&text[before..from]) {
+            break;
+        }
+        from = before;
+    }
+    from
+}
+
+/// Where the comment lines end that stand directly below the line which ends at `at`, where a blank line, or `ceiling`, which
+/// is the beginning of a line, follows them after no other.
+pub fn with_comments_below(text: &str, at: usize, ceiling: usize) -> usize {
+    let mut to = at;
+    while to < ceiling {
+        let after = end(text, to);
+        if !is_comment(&text[to..after]) {
+            break;
+        }
+        to = after;
+    }
+    to.min(ceiling)
+}
+
+/// The range with the blank lines before it, not before `floor`; where it begins the text, with those after it.
+pub fn with_blanks(text: &str, range: Range<usize>, floor: usize) -> Range<usize> {
+    let Range { start: mut from, end: mut to } = range;
+    while from > floor && is_blank(&text[start(text, from - 1)..from]) {
+        from = start(text, from - 1);
+    }
+    if from == 0 {
+        while to < text.len() && is_blank(&text[to..end(text, to)]) {
+            to = end(text, to);
+        }
+    }
+    from..to
+}
+
+/// Whether a line begins at `at` that is not blank.
+pub fn is_followed(text: &str, at: usize) -> bool {
+    at < text.len() && !is_blank(&text[at..end(text, at)])
+}
+
+/// How lines of a text end.
+pub fn line_end(text: &str) -> &'static str {
+    match text.find('\n') {
+        Some(at) if text[..at].ends_with('\r') => "\r\n",
+        _ => "\n",
+    }
+}

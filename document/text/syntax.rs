@@ -1,0 +1,106 @@
+//! Where everything stands in a TOML text: headers, assignments, keys, values, commas, each with its bytes.
+
+use crate::path::{Path, Step};
+use std::ops::Range;
+
+/// The sections of a text in its order; the first is what stands before any header.
+#[derive(Debug, Clone, Default)]
+pub struct Syntax {
+    /// The sections.
+    pub sections: Vec<Section>,
+}
+
+/// A header and the assignments below it.
+#[derive(Debug, Clone, Default)]
+pub struct Section {
+    /// What it is the table of; entries of lists of tables have their numbers.
+    pub path: Path,
+    /// `[a.b]` or `[[a.b]]`; none for the first section.
+    pub header: Option<Header>,
+    /// What it assigns.
+    pub assignments: Vec<Element>,
+}
+
+/// A header.
+#[derive(Debug, Clone)]
+pub struct Header {
+    /// From the first bracket to after the last.
+    pub place: Range<usize>,
+    /// The places of its keys.
+    pub keys: Vec<Key>,
+}
+
+/// A key.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Key {
+    /// What it says, without quotes.
+    pub name: String,
+    /// Where, with quotes.
+    pub place: Range<usize>,
+}
+
+/// An assignment, an entry of an inline table, or one of a list (which has no keys).
+#[derive(Debug, Clone)]
+pub struct Element {
+    /// Its keys: several where points are between them.
+    pub keys: Vec<Key>,
+    /// Its value.
+    pub value: Value,
+    /// The comma after it.
+    pub comma: Option<usize>,
+}
+
+/// A value.
+#[derive(Debug, Clone)]
+pub struct Value {
+    /// Where it stands.
+    pub place: Range<usize>,
+    /// What it is made of.
+    pub kind: ValueKind,
+}
+
+/// What a value is made of.
+#[derive(Debug, Clone)]
+pub enum ValueKind {
+    /// A text, a number, a word.
+    Scalar,
+    /// `[…]`.
+    List(Vec<Element>),
+    /// `{…}`.
+    Table(Vec<Element>),
+}
+
+impl Section {
+    /// Where the header or, of the first section, the text begins.
+    pub fn start(&self) -> usize {
+        self.header.as_ref().map_or(0, |header| header.place.start)
+    }
+
+    /// Where its last word ends.
+    pub fn end(&self) -> usize {
+        let header = self.header.as_ref().map_or(0, |header| header.place.end);
+        self.assignments.last().map_or(header, |last| last.value.place.end)
+    }
+}
+
+impl Element {
+    /// From its first key, or its value, to the end of its value.
+    pub fn place(&self) -> Range<usize> {
+        self.keys.first().map_or(self.value.place.start, |key| key.place.start)..self.value.place.end
+    }
+
+    /// Its keys as a path.
+    pub fn path(&self) -> impl Iterator<Item = Step> + '_ {
+        self.keys.iter().map(|key| Step::Key(key.name.clone()))
+    }
+}
+
+impl Value {
+    /// Its elements; none of a scalar.
+    pub fn elements(&self) -> &[Element] {
+        match &self.kind {
+            ValueKind::Scalar => &[],
+            ValueKind::List(elements) | ValueKind::Table(elements) => elements,
+        }
+    }
+}

@@ -1,0 +1,163 @@
+//! What only the editor knows of a pipeline, kept in the table `[editor]` of its file: places, frames, notes.
+//!
+//! ```toml
+//! [editor]
+//! frames = [
+//!   { title = "materials", at = [0, 40], size = [420, 260] },
+//! ]
+//! notes = [
+//!   { text = "after Kniss et al.", at = [20, 320] },
+//! ]
+//!
+//! [editor.nodes]
+//! grid = [0, 120]
+//! look = { at = [220, 40], folded = true, remark = "by hand" }
+//! ```
+//!
+//! Places and sizes are in points of the graph view at its usual scale, to the right and downward, and are written as whole
+//! numbers. What is not understood is left as it is.
+
+use std::collections::BTreeMap;
+use voltet_core::graph::{Datum, Field, Setting};
+
+/// How a node is shown.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct NodeView {
+    /// Its place; none where the file gives none.
+    pub at: Option<[f64; 2]>,
+    /// Whether its head alone is shown.
+    pub folded: bool,
+    /// Words that stand with it.
+    pub remark: Option<String>,
+}
+
+/// A frame around nodes.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Frame {
+    /// Its title.
+    pub title: String,
+    /// Its upper left corner.
+    pub at: [f64; 2],
+    /// Its width and height.
+    pub size: [f64; 2],
+    /// Red, green and blue, 0 to 1; none for the usual colour.
+    pub color: Option<[f64; 3]>,
+}
+
+/// Words anywhere in the graph view.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Note {
+    /// The words.
+    pub text: String,
+    /// Their upper left corner.
+    pub at: [f64; 2],
+}
+
+/// All that the table `[editor]` says.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct View {
+    /// Nodes, by name.
+    pub nodes: BTreeMap<String, NodeView>,
+    /// The frames.
+    pub frames: Vec<Frame>,
+    /// The notes.
+    pub notes: Vec<Note>,
+}
+
+impl View {
+    /// From the keys of the table.
+    pub fn read(fields: &[Field]) -> View {
+        let list = |name: &str| find(fields, name).and_then(Setting::list).unwrap_or_default();
+        let nodes = find(fields, "nodes").and_then(Setting::table).unwrap_or_default();
+        View {
+            nodes: nodes.iter().map(|field| (field.name.clone(), NodeView::read(&field.setting))).collect(),
+            frames: list("frames").iter().map(Frame::read).collect(),
+            notes: list("notes").iter().map(Note::read).collect(),
+        }
+    }
+}
+
+impl NodeView {
+    fn read(setting: &Setting) -> NodeView {
+        if let Some(fields) = setting.table() {
+            return NodeView {
+                at: numbers(fields, "at"),
+                folded: find(fields, "folded").is_some_and(|folded| folded.datum == Datum::Boolean(true)),
+                remark: text(fields, "remark"),
+            };
+        }
+        let at = setting.numbers().and_then(|at| at.try_into().ok());
+        NodeView { at, ..NodeView::default() }
+    }
+
+    /// As the file has it; none where there is nothing to say.
+    pub(crate) fn datum(&self) -> Option<Datum> {
+        let at = self.at.map(place);
+        if !self.folded && self.remark.is_none() {
+            return at;
+        }
+        let folded = self.folded.then_some(Datum::Boolean(true));
+        let remark = self.remark.clone().map(Datum::Text);
+        Some(table([("at", at), ("folded", folded), ("remark", remark)]))
+    }
+}
+
+impl Frame {
+    fn read(setting: &Setting) -> Frame {
+        let fields = setting.table().unwrap_or_default();
+        Frame {
+            title: text(fields, "title").unwrap_or_default(),
+            at: numbers(fields, "at").unwrap_or_default(),
+            size: numbers(fields, "size").unwrap_or([200.0, 100.0]),
+            color: numbers(fields, "color"),
+        }
+    }
+
+    pub(crate) fn datum(&self) -> Datum {
+        let hundredths = |x: f64| Datum::Number((x * 100.0).round() / 100.0).into();
+        let color = self.color.map(|color| Datum::List(color.map(hundredths).to_vec()));
+        let title = Some(Datum::Text(self.title.clone()));
+        table([
+            ("title", title),
+            ("at", Some(place(self.at))),
+            ("size", Some(place(self.size))),
+            ("color", color),
+        ])
+    }
+}
+
+impl Note {
+    fn read(setting: &Setting) -> Note {
+        let fields = setting.table().unwrap_or_default();
+        Note { text: text(fields, "text").unwrap_or_default(), at: numbers(fields, "at").unwrap_or_default() }
+    }
+
+    pub(crate) fn datum(&self) -> Datum {
+        table([("text", Some(Datum::Text(self.text.clone()))), ("at", Some(place(self.at)))])
+    }
+}
+
+fn find<'a>(fields: &'a [Field], name: &str) -> Option<&'a Setting> {
+    fields.iter().find(|field| field.name == name).map(|field| &field.setting)
+}
+
+fn text(fields: &[Field], name: &str) -> Option<String> {
+    find(fields, name)?.text().map(str::to_string)
+}
+
+fn numbers<const N: usize>(fields: &[Field], name: &str) -> Option<[f64; N]> {
+    find(fields, name)?.numbers()?.try_into().ok()
+}
+
+/// A place as whole numbers.
+pub(crate) fn place(at: [f64; 2]) -> Datum {
+    // Beyond the range of integers they saturate, which no screen shows.
+    Datum::List(at.map(|x| Datum::Integer(x.round() as i64).into()).to_vec())
+}
+
+fn table<const N: usize>(entries: [(&str, Option<Datum>); N]) -> Datum {
+    let field = |(name, datum): (&str, Option<Datum>)| {
+        Some(Field { name: name.to_string(), origin: Default::default(), setting: datum?.into() })
+    };
+    Datum::Table(entries.into_iter().filter_map(field).collect())
+}
