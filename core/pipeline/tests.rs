@@ -140,5 +140,5 @@ fn every_mistake_is_found_and_the_rest_is_read() {
     // What is no TOML hides no more than it must.
     let survey = Pipeline::survey(&TEXT.replace("path = \"a.vtu\"", "path = "));
     assert!(!survey.is_toml && survey.pipeline.nodes.len() == 3);
-    assert_eq!(survey.faults[0].place.line_column, Some((8, 7)));
+    assert_eq!(survey.faults[0].place.line_column, Some((8, 8)));
 }
