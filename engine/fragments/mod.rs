@@ -3,3 +3,5 @@
 pub(crate) mod batch;
 pub(crate) mod crossing;
 pub(crate) mod spans;
+#[cfg(test)]
+mod spans_tests;

@@ -119,6 +119,24 @@ impl Edges {
     }
 }
 
+/// Where the edge between two points crosses a row of pixel centres, columns from the left edge of the tile that holds the pixel;
+/// `None` where it does not. Bit for bit what [`Edges`] and [`Fragments::cover`] find.
+pub(crate) fn crossing_of_row(ends: [&Seen; 2], [i, j]: [usize; 2]) -> Option<f32> {
+    let [upper, lower] = if ends[0].y <= ends[1].y { ends } else { [ends[1], ends[0]] };
+    let (left, top) = ((i - i % TILE) as f64, (j - j % TILE) as f64);
+    let row = (j % TILE) as f32;
+    let rows = (upper.y.ceil() - top) as f32..(lower.y.ceil() - top) as f32;
+    if !rows.contains(&row) {
+        return None;
+    }
+    let tilt = (lower.x - upper.x) / (lower.y - upper.y);
+    let at_top = (top - upper.y).mul_add(tilt, upper.x - left) as f32;
+    let slope = tilt as f32;
+    let power = f32::from_bits(slope.abs().clamp(1.0, 1e6).to_bits() & 0x7f80_0000);
+    let x = row.mul_add(slope, at_top);
+    Some((x + power * ROUND) - power * ROUND)
+}
+
 impl Fragments {
     /// Room for the fragments of `lanes` cells in one tile.
     pub fn new(lanes: usize) -> Self {

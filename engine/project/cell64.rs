@@ -4,7 +4,11 @@
 //! The ray is held against the four face planes in eye space. A face whose plane contains the ray exactly (a ray
 //! in a shared face, the eye on a face) lets the ray into the cell on the positive side of its normal only, the
 //! normal being taken from the face's points in ascending order: one of two neighbours gets the ray.
+//!
+//! The neighbour may be a record, for which a face seen edge-on is a line on the screen, and one side of it gets the ray by
+//! [`crate::fragments::spans`]. So such a face is that line here, too.
 
+use crate::project::outline::Outline;
 use crate::view::View;
 use glam::DVec3;
 
@@ -28,6 +32,8 @@ struct Face {
     side: f64,
     /// normal · (opposite corner − on).
     height: f64,
+    /// Where it is seen edge-on.
+    outline: Option<Outline>,
 }
 
 /// Where a ray crosses such a cell.
@@ -68,7 +74,9 @@ impl Cell64 {
             if height == 0.0 || !height.is_finite() {
                 return None;
             }
-            faces.push(Face { normal, on: a, side: height.signum(), height });
+            let side = height.signum();
+            let outline = Outline::of(view, [a, b, c], [side * normal[0], side * normal[1]]);
+            faces.push(Face { normal, on: a, side, height, outline });
         }
         let faces = faces.try_into().ok()?;
         Some(Cell64 { id, bounds, faces, near: view.near })
@@ -79,6 +87,11 @@ impl Cell64 {
         let (origin, direction) = view.ray(i as f64, j as f64);
         let (mut enter, mut leave) = (self.near, f64::INFINITY);
         for face in &self.faces {
+            match face.outline.as_ref().and_then(|outline| outline.admits([i, j])) {
+                Some(true) => continue,
+                Some(false) => return None,
+                None => {}
+            }
             let at = dot(face.normal, sub(origin, face.on));
             let slope = dot(face.normal, direction);
             if slope == 0.0 {

@@ -2,9 +2,10 @@
 //!
 //! One pass over the kept cells in grid order, as many at a time as the processor has 64-bit lanes. Cells that
 //! cover no pixel centre go no further. Cells that 32 bits cannot hold (behind or very near the eye, slivers
-//! beyond 1 : 30,000, cells flatter than the pixel coordinates resolve) are set apart and drawn in 64 bits by [`super::cell64`].
+//! beyond 1 : 4,000, cells flatter than the pixel coordinates resolve) are set apart and drawn in 64 bits by [`super::cell64`].
 
 use crate::attribute::{ATTRIBUTES_MOST, Attribute};
+use crate::project::outline::{AREA_NOISE, LEVEL};
 use crate::project::record::{AttributeRecord, Record, STEEP, TILE};
 use crate::view::{PIXEL_STEP, Seen, View};
 use voltet_lanes::{Double, Kernel, Lanes, Mask, array, inlined};
@@ -44,8 +45,8 @@ pub(crate) struct Input<'a> {
 const DEPTH_RATIO: f64 = 4.0;
 
 /// Slivers whose attribute coefficients exceed this many times the cell's own range are drawn in 64 bits: of 24
-/// bits 15 would cancel.
-const CONDITION: f64 = 3e4;
+/// bits 12 would cancel, and a length or a value be off by 2e-4 of its range.
+const CONDITION: f64 = 4e3;
 
 /// Cells with a face that changes v by more than this over the pixels they cover are drawn in 64 bits: a face seen nearly edge
 /// on, whose terms cancel where a ray meets it. They leave 6e-8 times this of v.
@@ -188,7 +189,18 @@ fn project_group<L: Lanes>(input: &Input<'_>, group: &[u32], part: &mut Projecte
     );
     let n0 = cross(&f[0], &f[1]);
 
-    let (spread_x, spread_y) = (most(&x) - least(&x), most(&y) - least(&y));
+    let area_noise = splat(AREA_NOISE) * ((most(&x) - least(&x)) + (most(&y) - least(&y)));
+    let extent_of_face = inlined(
+        #[inline(always)]
+        |c: &[L::D; 4], opposite: usize| {
+            let [a, b, c] = array(
+                #[inline(always)]
+                |k| c[if k < opposite { k } else { k + 1 }],
+            );
+            let (least, most) = (a.min(b).min(c), a.max(b).max(c));
+            [most - least, least, most]
+        },
+    );
     let mut front_bits = [0u32; 4];
     let mut planes = [[[0f32; MOST]; 3]; 4];
     let mut ill = 0;
@@ -203,9 +215,17 @@ fn project_group<L: Lanes>(input: &Input<'_>, group: &[u32], part: &mut Projecte
         let c = v[from] + (a * (pixel_x - x[from]) + b * (pixel_y - y[from]));
         let largest = a.abs().max(b.abs()).max(c.abs());
         // NaN (0/0 of an edge-on face) fails the comparison too.
-        // A projected area that the rounding of the pixel coordinates could have made is none: edge-on.
-        let area_noise = splat(4.0 * PIXEL_STEP) * (spread_x + spread_y);
-        let bounded = largest.lt(splat(STEEP)).and(area_noise.lt(normal[2].abs()));
+        let mut bounded = largest.lt(splat(STEEP));
+        // A projected area that the rounding of the pixel coordinates could have made is none: edge-on. Few cells come near.
+        let area = normal[2].abs();
+        if area.le(area_noise).bits() & ordinary != 0 {
+            let [reach_x, _, _] = extent_of_face(&x, k);
+            let [reach_y, top, bottom] = extent_of_face(&y, k);
+            let edge_on = area.le(splat(AREA_NOISE) * (reach_x + reach_y));
+            bounded = bounded.and((splat(AREA_NOISE) * (reach_x + reach_y)).lt(area));
+            let level = (splat(LEVEL) * reach_y).lt(reach_x);
+            ill |= edge_on.and(level).and(top.ceil().lt(bottom.ceil())).bits();
+        }
         let across = a.abs() * (x1 - x0) + b.abs() * (y1 - y0);
         ill |= bounded.and(splat(STEEP_MOST).lt(across)).bits();
         let open = L::D::select(faces_eye, splat(STEEP), splat(-STEEP));

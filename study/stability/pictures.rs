@@ -79,18 +79,21 @@ pub(super) fn may_refuse(painter: &Painter, progress: &dyn Progress) -> bool {
     painter.declared.on_device && !painter.engine.is_lost() && !progress.cancelled()
 }
 
+/// The largest difference of each pixel's channels; ∞ where one is not finite.
+pub(super) fn errors(found: &Picture, exact: &Picture) -> Vec<f64> {
+    let channel = |(a, b): (&f32, &f32)| {
+        let error = (f64::from(*a) - f64::from(*b)).abs();
+        if error.is_nan() { f64::INFINITY } else { error }
+    };
+    let pixel = |(a, b): (&[f32; 4], &[f32; 4])| a.iter().zip(b).map(channel).fold(0.0, f64::max);
+    found.rgba.iter().zip(&exact.rgba).map(pixel).collect()
+}
+
+/// The largest of them, and its pixel.
 fn worst(found: &Picture, exact: &Picture) -> (f64, [usize; 2]) {
-    let mut worst = (0.0, 0);
-    for (k, (found, exact)) in found.rgba.iter().zip(&exact.rgba).enumerate() {
-        for (found, exact) in found.iter().zip(exact) {
-            let error = (f64::from(*found) - f64::from(*exact)).abs();
-            let error = if error.is_nan() { f64::INFINITY } else { error };
-            if error > worst.0 {
-                worst = (error, k);
-            }
-        }
-    }
-    (worst.0, [worst.1 % exact.width, worst.1 / exact.width])
+    let errors = errors(found, exact).into_iter().enumerate();
+    let (at, error) = errors.fold((0, 0.0), |most, one| if one.1 > most.1 { one } else { most });
+    (error, [at % exact.width, at / exact.width])
 }
 
 #[cfg(test)]

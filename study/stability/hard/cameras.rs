@@ -28,6 +28,7 @@ pub(super) fn scenes() -> Vec<Hard> {
     vec![
         scene("an eye inside the grid", perspective(CENTRE, 60.0), &irregular),
         scene("an eye inside, 170 degrees", perspective(CENTRE, 170.0), &irregular),
+        scene("an eye inside, 179.9 degrees", perspective(CENTRE, 179.9), &irregular),
         scene("an eye at a corner of cells", perspective(DVec3::splat(0.25), 90.0), &regular),
         scene("an eye in a face of cells", perspective(DVec3::new(0.25, 0.3, 0.4), 90.0), &regular),
         scene(

@@ -1,15 +1,22 @@
 //! Hard cells: degenerate, at extreme coordinates, thousands along a ray.
 
-use super::scene::{Hard, cube, look, moved, outside};
+use super::scene::{FIELDS, Hard, cube, look, moved, outside};
 use glam::DVec3;
 use std::sync::Arc;
 use voltet_core::camera::{Camera, Projection};
 use voltet_core::grid::Grid;
-use voltet_core::transfer::TransferFunction;
+use voltet_core::transfer::{Profile, TransferFunction, Widget};
 
 /// Every one.
 pub(super) fn scenes() -> Vec<Hard> {
-    flat().into_iter().chain(without_volume()).chain(far()).chain([needles(), deep()]).collect()
+    let slivers = [1e-2, 1e-4, 1e-6].map(slivers);
+    flat()
+        .into_iter()
+        .chain(slivers)
+        .chain(without_volume())
+        .chain(far())
+        .chain([needles(), deep()])
+        .collect()
 }
 
 /// Cells squeezed to a layer.
@@ -23,6 +30,23 @@ fn flat() -> Vec<Hard> {
         moved(format!("a layer of thickness {thickness:e}"), "degenerate cells", &base, place)
     };
     [1e-3, 1e-6, 1e-9, 1e-12, 0.0].map(layer).into()
+}
+
+/// Cells squeezed together across one axis but for a layer at each end, by a Gaussian over two further fields.
+fn slivers(thin: f64) -> Hard {
+    let base = cube([4, 4, 4], 0.1);
+    let place = move |p: DVec3| {
+        DVec3::new(p.x, p.y, 0.5 + (p.z - 0.5) * if p.z.min(1.0 - p.z) < 0.2 { 1.0 } else { thin })
+    };
+    let name = format!("slivers of {thin:e} by two fields");
+    let several = Profile::GaussianNd {
+        fields: FIELDS.map(String::from).into(),
+        centre: vec![0.2, 0.9],
+        matrix: vec![vec![3.0, 0.7], vec![-0.4, 2.5]],
+    };
+    let widget = Widget { profile: several, extinction: 6.0, color: [0.9, 0.6, 0.1], region: None };
+    let look = TransferFunction { widgets: vec![widget], ..look() };
+    Hard { look, ..moved(name, "degenerate cells", &base, place) }
 }
 
 /// Cells with four points in a plane, on a line or in one place, among others.

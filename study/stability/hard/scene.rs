@@ -3,8 +3,8 @@
 use glam::DVec3;
 use std::sync::Arc;
 use voltet_core::camera::{Camera, Projection};
-use voltet_core::grid::Grid;
 use voltet_core::grid::generate::{box_of_tetrahedra, sample};
+use voltet_core::grid::{Array, Grid};
 use voltet_core::optics::Overlap;
 use voltet_core::scene::Scene;
 use voltet_core::shading::{Integrator, Order, Shading};
@@ -33,8 +33,15 @@ impl Hard {
             DVec3::new(wave, 0.25 * wave + 0.5 * other, -0.75 * other)
         };
         let shaded = self.shading.light.is_some() || self.shading.silhouette.is_some();
+        let further: [fn(&DVec3) -> f64; 2] =
+            [|p| (3.0 * p.x - p.z).sin(), |p| (2.0 * p.y + 2.0 * p.z).cos()];
+        let mut grid = self.grid.clone();
+        for (name, field) in FIELDS.iter().zip(further) {
+            let values = self.places.iter().map(field).collect();
+            grid.point_arrays.insert(name.to_string(), Arc::new(Array { component_count: 1, values }));
+        }
         let volume = Arc::new(Volume {
-            grid: Arc::new(self.grid.clone()),
+            grid: Arc::new(grid),
             scalar: Arc::new(self.places.iter().map(s).collect()),
             gradient: shaded.then(|| Arc::new(self.places.iter().map(gradient).collect())),
             gradient_magnitude: Some(Arc::new(self.places.iter().map(g).collect())),
@@ -43,6 +50,9 @@ impl Hard {
         Scene { volume, transfer_function, camera: self.camera, shading: self.shading, order: Order::Exact }
     }
 }
+
+/// Names of the further fields of every scene.
+pub(super) const FIELDS: [&str; 2] = ["a", "b"];
 
 /// By closed forms, in the order of widgets that overlap, without light.
 pub(super) const PLAIN: Shading =

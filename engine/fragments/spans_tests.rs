@@ -1,0 +1,65 @@
+//! Spans of single cells, against the crossings that cells in 64 bits ask for.
+
+use super::spans::{Edges, Fragments, crossing_of_row};
+use crate::project::record::TILE;
+use crate::view::Seen;
+use proptest::prelude::*;
+use voltet_lanes::{Kernel, LaneSet, Lanes, dispatch};
+
+/// The fragments of one cell on a tile.
+struct Spans<'a> {
+    corners: [&'a Seen; 4],
+    tile: [usize; 2],
+}
+
+impl Kernel for Spans<'_> {
+    type Output = Vec<u16>;
+
+    fn run<L: Lanes>(self) -> Vec<u16> {
+        let (mut edges, mut fragments) = (Edges::new(), Fragments::new(L::WIDTH));
+        edges.take(0, self.corners);
+        edges.find::<L>(self.tile[0], self.tile[1], &(0..TILE));
+        fragments.cover::<L>(&edges, 0, TILE);
+        fragments.codes[..fragments.count].to_vec()
+    }
+}
+
+/// The same from each row's crossings.
+fn expected(corners: [&Seen; 4], tile: [usize; 2]) -> Vec<u16> {
+    let mut codes = Vec::new();
+    for row in 0..TILE {
+        let pairs = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]];
+        let crossings: Vec<f32> = pairs
+            .iter()
+            .filter_map(|ends| crossing_of_row(ends.map(|k| corners[k]), [tile[0], tile[1] + row]))
+            .collect();
+        let bound = |x: f32| x.ceil().clamp(0.0, TILE as f32) as u16;
+        let from = crossings.iter().copied().fold(f32::INFINITY, f32::min);
+        let to = crossings.iter().copied().fold(f32::NEG_INFINITY, f32::max);
+        codes.extend((bound(from)..bound(to)).map(|column| (row as u16) << 4 | column));
+    }
+    codes
+}
+
+/// Pixel coordinates about a tile: anywhere, on centres, next to them.
+fn coordinate() -> impl Strategy<Value = f64> {
+    let near = (0..80i32, -3..4i32).prop_map(|(n, step)| f64::from(n) + f64::from(step) * 2f64.powi(-24));
+    prop_oneof![-50.0..120.0, near, (0..80i32).prop_map(f64::from)]
+}
+
+proptest! {
+    /// Bit for bit, so that a face seen edge-on gives its pixels to one of two cells, whichever way they are drawn.
+    #[test]
+    fn one_rule_for_records_and_cells_in_64_bits(
+        places in prop::array::uniform4((coordinate(), coordinate())),
+        tile in (0..4usize, 0..4usize),
+    ) {
+        let seen = places.map(|(x, y)| Seen { x, y, z: 1.0 });
+        let corners = [&seen[0], &seen[1], &seen[2], &seen[3]];
+        let tile = [tile.0 * TILE, tile.1 * TILE];
+        let expected = expected(corners, tile);
+        for lanes in LaneSet::ALL.into_iter().filter(|lanes| lanes.is_supported()) {
+            prop_assert_eq!(dispatch(lanes, Spans { corners, tile }), expected.clone());
+        }
+    }
+}
