@@ -154,16 +154,56 @@ fn nobody_who_reads_is_no_error_and_a_full_output_is_one() {
     }
 }
 
+/// How far a run has come before it is stopped.
+#[derive(Clone, Copy)]
+enum Come {
+    /// It computes, and has for a second of its own time.
+    Computes,
+    /// It waits for somebody who reads.
+    Waits,
+}
+
+/// Returns once a run has come so far, as Linux tells of its threads; elsewhere after a time that is long enough.
+fn wait_until(come: Come, id: u32) {
+    if !cfg!(target_os = "linux") {
+        return std::thread::sleep(Duration::from_millis(1500));
+    }
+    let start = Instant::now();
+    let mut quiet = 0;
+    while quiet < 10 {
+        assert!(start.elapsed() < PATIENCE, "the run never comes so far");
+        std::thread::sleep(Duration::from_millis(20));
+        let tasks = std::fs::read_dir(format!("/proc/{id}/task")).expect("the run is still on its way");
+        // Behind the name in brackets: the state, then ten numbers, then ticks of a hundredth of a second.
+        let stat = |task: std::io::Result<std::fs::DirEntry>| {
+            std::fs::read_to_string(task.ok()?.path().join("stat")).ok()
+        };
+        let stats: Vec<String> = tasks.filter_map(stat).collect();
+        let fields = stats.iter().filter_map(|stat| stat.rsplit_once(") ")).map(|(_, rest)| rest.split(' '));
+        quiet = match come {
+            Come::Computes => {
+                let ticks = |mut fields: std::str::Split<char>| fields.nth(11)?.parse::<u64>().ok();
+                if fields.filter_map(ticks).sum::<u64>() >= 100 { 10 } else { 0 }
+            }
+            // Threads that have something to do are not asleep, however busy the machine is.
+            Come::Waits if fields.map(|mut fields| fields.next()).all(|state| state == Some("S")) => {
+                quiet + 1
+            }
+            Come::Waits => 0,
+        };
+    }
+}
+
 /// Starts a run, sends the signal once the program has come so far, and asserts that it ends soon and leaves nothing.
 #[track_caller]
-fn stopped(signal: &str, arguments: &[&str]) {
+fn stopped(signal: &str, arguments: &[&str], come: Come) {
     let folder = Folder::new();
     folder.write("cube.vtu", cube(24));
     pipe(&folder, "pipe");
     let before = folder.names();
     let mut program =
         folder.command(arguments).stderr(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
-    std::thread::sleep(Duration::from_millis(1500));
+    wait_until(come, program.id());
     assert!(program.try_wait().unwrap().is_none(), "the run is still on its way");
     let sent = Command::new("kill").args([signal, &program.id().to_string()]).status().unwrap();
     assert!(sent.success());
@@ -193,8 +233,8 @@ fn a_signal_ends_the_work_and_the_wait_for_a_reader_and_leaves_nothing() {
         "view.size=[3000, 3000]",
     ];
     for signal in ["-TERM", "-INT", "-HUP"] {
-        stopped(signal, &drawing);
-        stopped(signal, &waiting);
-        stopped(signal, &printing);
+        stopped(signal, &drawing, Come::Computes);
+        stopped(signal, &waiting, Come::Waits);
+        stopped(signal, &printing, Come::Waits);
     }
 }
