@@ -7,6 +7,15 @@
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+/// Says loudly that a test is skipped for want of a graphics device; fails if the environment variable `VOLTET_REQUIRE_GPU`
+/// is 1.
+#[track_caller]
+pub fn skipped_without_device(why: impl std::fmt::Display) {
+    let required = std::env::var("VOLTET_REQUIRE_GPU").is_ok_and(|value| value == "1");
+    assert!(!required, "VOLTET_REQUIRE_GPU is 1, but there is no device: {why}");
+    eprintln!("\n*** SKIPPED: {why}; scripts/install-software-vulkan.sh ***\n");
+}
+
 #[cfg(feature = "files")]
 pub mod files;
 #[cfg(feature = "pictures")]

@@ -26,9 +26,8 @@ fn draw(pipeline: &str, integrator: &str, engine: &str, folder: &Path) -> Option
         .output()
         .expect("the program starts");
     let said = String::from_utf8_lossy(&output.stderr);
-    let required = std::env::var("VOLTET_REQUIRE_GPU").is_ok_and(|value| value == "1");
-    if engine == "gpu" && said.contains("no hardware adapter") && !required {
-        eprintln!("\n*** SKIPPED: no Vulkan adapter; scripts/install-software-vulkan.sh ***\n");
+    if engine == "gpu" && said.contains("no hardware adapter") {
+        voltet_testing::skipped_without_device(said);
         return None;
     }
     assert!(output.status.success(), "{pipeline}: {said}");

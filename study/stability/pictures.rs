@@ -112,8 +112,7 @@ mod tests {
         let found = match subjects(Some("software")) {
             Ok(found) => found,
             Err(why) => {
-                assert!(!std::env::var("VOLTET_REQUIRE_GPU").is_ok_and(|value| value == "1"), "{why}");
-                eprintln!("\n*** SKIPPED: {why}; scripts/install-software-vulkan.sh ***\n");
+                voltet_testing::skipped_without_device(why);
                 return;
             }
         };

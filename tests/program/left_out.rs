@@ -193,8 +193,7 @@ fn drawn(document: &Document, mut session: voltet::core::graph::Session) -> Opti
                 text.contains("no adapter is called \"software\"") || text.contains("no GPU engine"),
                 "{text}"
             );
-            assert!(!std::env::var("VOLTET_REQUIRE_GPU").is_ok_and(|value| value == "1"), "{text}");
-            eprintln!("\n*** SKIPPED: no Vulkan adapter; scripts/install-software-vulkan.sh ***\n");
+            voltet_testing::skipped_without_device(text);
             None
         }
     }
@@ -275,8 +274,7 @@ fn nothing_is_compiled_or_sent_to_a_device_twice() {
         Ok(first) => first,
         Err(error) => {
             assert!(error.to_string().contains("no hardware adapter"), "{error}");
-            assert!(!std::env::var("VOLTET_REQUIRE_GPU").is_ok_and(|value| value == "1"), "{error}");
-            eprintln!("\n*** SKIPPED: no Vulkan adapter; scripts/install-software-vulkan.sh ***\n");
+            voltet_testing::skipped_without_device(error);
             return;
         }
     };

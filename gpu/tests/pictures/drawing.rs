@@ -44,9 +44,7 @@ pub fn device() -> Option<Arc<Device>> {
             Some(Arc::new(device))
         }
         Err(why) => {
-            let required = std::env::var("VOLTET_REQUIRE_GPU").is_ok_and(|value| value == "1");
-            assert!(!required, "VOLTET_REQUIRE_GPU is 1, but no device opens: {why}");
-            eprintln!("\n*** SKIPPED: {why}; scripts/install-software-vulkan.sh ***\n");
+            voltet_testing::skipped_without_device(why);
             None
         }
     };

@@ -38,11 +38,7 @@ impl Device {
                 Some(device)
             }
             Err(why) => {
-                let required = std::env::var("VOLTET_REQUIRE_GPU").is_ok_and(|value| value == "1");
-                assert!(!required, "VOLTET_REQUIRE_GPU is 1, but there is no adapter: {why}");
-                eprintln!(
-                    "\n*** SKIPPED: no Vulkan adapter ({why}); scripts/install-software-vulkan.sh ***\n"
-                );
+                voltet_testing::skipped_without_device(why);
                 None
             }
         }
