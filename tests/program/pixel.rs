@@ -2,6 +2,7 @@
 
 use super::support::{Folder, SLAB};
 use serde_json::Value;
+use voltet_testing::pictures::integrators::NAMES;
 
 /// The slab with a ramp of the scalar, which every integrator serves, on the CPU.
 fn ramp(folder: &Folder) {
@@ -62,15 +63,7 @@ const ROUNDING: f64 = 1e-5;
 fn each_integrator_says_what_it_draws() {
     let folder = Folder::new();
     ramp(&folder);
-    for name in [
-        "analytic",
-        "adaptive",
-        "segments",
-        "riemann",
-        "pre-integrated",
-        "pre-integrated-cylindrical",
-        "clipped",
-    ] {
+    for name in NAMES {
         let set = format!("picture.integrator={name}");
         // Few pieces and small tables: what an integrator gets wrong is more than rounding.
         let sets = ["--set", &set, "--set", "picture.segments=2", "--set", "picture.table_size=16"];

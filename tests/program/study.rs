@@ -2,6 +2,7 @@
 
 use super::support::{Folder, SLAB, cube, cube_of};
 use serde_json::Value;
+use voltet_testing::pictures::integrators::NAMES;
 
 /// The slab with two Gaussian widgets that overlap, so that integrators differ, orders and overlaps count.
 pub fn scene() -> String {
@@ -48,16 +49,7 @@ fn a_study_writes_its_files_and_says_what_is_worth_taking() {
     let of = |name: &str| rows.iter().filter(|row| row["setting"]["integrator"] == name).collect::<Vec<_>>();
     // Exact and mix, each in exact and centroid order; the scene's widgets depend on s alone but are not one
     // piecewise-linear function.
-    let counts = [
-        "analytic",
-        "adaptive",
-        "segments",
-        "riemann",
-        "pre-integrated",
-        "pre-integrated-cylindrical",
-        "clipped",
-    ]
-    .map(|name| of(name).len());
+    let counts = NAMES.map(|name| of(name).len());
     assert_eq!(counts, [4, 6, 10, 9, 5, 5, 0]);
     let error = |row: &Value| row["errors"]["maximum"].as_f64().unwrap();
     // What the engine's pictures of ordinary scenes are held to elsewhere.
