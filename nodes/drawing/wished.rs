@@ -16,16 +16,25 @@ pub const ENGINE: Parameter = Parameter {
     help: "what draws",
 };
 
-const ENGINE_WORDS: [(&str, &str); ENGINES.len() + 1] = {
-    let auto = "the last of these that this machine has and that holds the scene";
-    let mut words = [(AUTO, auto); ENGINES.len() + 1];
-    let mut k = 0;
-    while k < ENGINES.len() {
-        words[k + 1] = (ENGINES[k].name, ENGINES[k].summary);
-        k += 1;
-    }
-    words
-};
+/// [`AUTO`] with what it means, then a word with its meaning for each of a list.
+macro_rules! words {
+    ($auto:literal, $list:expr, |$one:ident| $word:expr) => {{
+        let mut words = [(AUTO, $auto); $list.len() + 1];
+        let mut k = 0;
+        while k < $list.len() {
+            let $one = &$list[k];
+            words[k + 1] = $word;
+            k += 1;
+        }
+        words
+    }};
+}
+
+const ENGINE_WORDS: [(&str, &str); ENGINES.len() + 1] = words!(
+    "the last of these that this machine has and that holds the scene",
+    ENGINES,
+    |engine| (engine.name, engine.summary)
+);
 
 /// The adapter that a pipeline asks for.
 pub const ADAPTER: Parameter = Parameter {
@@ -45,17 +54,11 @@ pub const COMPOSITOR: Parameter = Parameter {
     help: "on a device: how pixels are composited; other engines have one way",
 };
 
-const COMPOSITOR_WORDS: [(&str, &str); Compositing::WORDS.len() + 1] = {
-    let auto =
-        "tiles where each pixel needs its exact order, else what a short measurement finds faster there";
-    let mut words = [(AUTO, auto); Compositing::WORDS.len() + 1];
-    let mut k = 0;
-    while k < Compositing::WORDS.len() {
-        words[k + 1] = Compositing::WORDS[k];
-        k += 1;
-    }
-    words
-};
+const COMPOSITOR_WORDS: [(&str, &str); Compositing::WORDS.len() + 1] = words!(
+    "tiles where each pixel needs its exact order, else what a short measurement finds faster there",
+    Compositing::WORDS,
+    |word| *word
+);
 
 /// The adapter that the parameters name.
 pub fn adapter(p: &Parameters) -> Option<String> {

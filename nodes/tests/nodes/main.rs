@@ -5,9 +5,16 @@
 mod relative;
 mod written;
 
+use std::path::Path;
+use voltet_core::Result;
 use voltet_core::graph::Graph;
 use voltet_core::pipeline::Pipeline;
 use voltet_nodes::{NODES, registry};
+
+/// A pipeline file's text in a folder, ready to run.
+fn graph(text: &str, folder: &Path) -> Result<Graph> {
+    Pipeline::parse(text)?.graph(&registry()?, folder.into())
+}
 
 #[test]
 fn the_folder_and_the_list_of_nodes_are_the_same() {
@@ -25,11 +32,9 @@ fn the_folder_and_the_list_of_nodes_are_the_same() {
 
 #[test]
 fn every_example_passes_the_checker_and_uses_its_node() {
-    let registry = registry().unwrap();
-    for node in registry.iter() {
-        let graph: Graph = Pipeline::parse(node.example)
-            .and_then(|pipeline| pipeline.graph(&registry, ".".into()))
-            .unwrap_or_else(|error| panic!("{}: {error}", node.name));
+    for node in registry().unwrap().iter() {
+        let graph =
+            graph(node.example, Path::new(".")).unwrap_or_else(|error| panic!("{}: {error}", node.name));
         assert!(graph.warnings.is_empty(), "{}: {:?}", node.name, graph.warnings);
         assert!(graph.nodes.iter().any(|n| n.node.name == node.name), "{}", node.name);
     }

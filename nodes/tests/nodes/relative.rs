@@ -1,12 +1,12 @@
 //! Numbers relative to data: pipelines that serve other arrays and other time steps.
 
+use super::graph;
 use std::fmt::Write;
 use std::path::Path;
+use voltet_core::Error;
 use voltet_core::error::ErrorKind;
-use voltet_core::graph::{Graph, RunReport, Session, Unobserved};
-use voltet_core::pipeline::Pipeline;
-use voltet_core::{Error, Result};
-use voltet_nodes::{registry, session};
+use voltet_core::graph::{RunReport, Session, Unobserved};
+use voltet_nodes::session;
 
 /// A function of the place.
 type Field<'a> = Box<dyn Fn([f64; 3]) -> f64 + 'a>;
@@ -94,11 +94,6 @@ region = { s = ["p5", "90 %"], g = ["0 %", "80 %"] }
 kind = "piecewise-linear"
 points = [["p40", 1.0, 1.0, 1.0, 0.0], ["p80", 1.0, 0.2, 1.0, 0.4], ["100 %", 1.0, 1.0, 1.0, 0.0]]
 "#;
-
-fn graph(text: &str, folder: &Path) -> Result<Graph> {
-    let pipeline = Pipeline::parse(text)?;
-    pipeline.graph(&registry()?, folder.into())
-}
 
 fn run(session: &mut Session, text: &str, folder: &Path) -> RunReport {
     let report = graph(text, folder).and_then(|graph| session.run(&graph, &Unobserved));

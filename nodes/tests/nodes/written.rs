@@ -1,15 +1,15 @@
 //! What `grid-writer` writes, read back by this program's own reader, by vtkio and by VTK: every bit.
 
+use super::graph;
 use std::path::Path;
 use std::process::Command;
 use std::sync::Arc;
 use voltet_core::graph::{Demand, Graph, RunReport, Unobserved, Value};
 use voltet_core::grid::{Grid, code};
-use voltet_core::pipeline::Pipeline;
 use voltet_core::progress::Silent;
 use voltet_core::volume::Volume;
 use voltet_nodes::formats::{Request, read};
-use voltet_nodes::{registry, session};
+use voltet_nodes::session;
 use voltet_testing::files::samples;
 
 /// A file of VTK's own writer: a cell of every type that is a volume, a triangle, a vertex, a point that no cell uses.
@@ -22,11 +22,7 @@ fn pipeline(folder: &Path, reader: &str, writer: &str) -> Graph {
          [nodes.gradient]\ntype = \"gradient-magnitude\"\ninputs = {{ grid = \"grid\" }}\n\
          [nodes.file]\ntype = \"grid-writer\"\npath = \"out.vtu\"\ninputs = {{ volume = \"gradient\" }}\n{writer}\n"
     );
-    graph(&text, folder)
-}
-
-fn graph(text: &str, folder: &Path) -> Graph {
-    Pipeline::parse(text).and_then(|p| p.graph(&registry().unwrap(), folder.into())).unwrap()
+    graph(&text, folder).unwrap()
 }
 
 fn run(graph: &Graph) -> RunReport {
@@ -167,7 +163,7 @@ fn an_array_of_whole_blocks_is_not_compressed_and_reads_back() {
                 [nodes.file]\ntype = \"grid-writer\"\npath = \"out.vtu\"\ncompression = \"zlib\"\n\
                 precision = \"double\"\ninputs = { volume = \"grid\" }\n";
     let folder = tempfile::tempdir().unwrap();
-    let graph = graph(text, folder.path());
+    let graph = graph(text, folder.path()).unwrap();
     let report = run(&graph);
     assert!(report.warnings.join("\n").contains("not compressed"), "{:?}", report.warnings);
     let (volume, again) = (volume(&graph), read_back(folder.path(), "wavelet", &[], &["file_cell"]));
@@ -209,13 +205,13 @@ fn culled_cells_and_bands_are_those_of_their_tetrahedra() {
              inputs = {{ volume = \"gradient\", cells = \"left\", cell_values = \"finer\" }}\n"
         )
     };
-    let report = run(&graph(&text("tetrahedra"), folder.path()));
+    let report = run(&graph(&text("tetrahedra"), folder.path()).unwrap());
     let fine = read_back(folder.path(), "s", &[], &["culled", "bands_0", "file_cell"]);
     let [culled, bands, cell] = ["culled", "bands_0", "file_cell"].map(|name| &fine.cell_arrays[name].values);
     assert_eq!(culled.iter().sum::<f64>(), report.counts["cells_culled"] as f64);
     let widest = report.findings.iter().find_map(|f| f.figures["bands"]["most"].as_f64()).unwrap();
     assert_eq!(bands.iter().copied().fold(0.0, f64::max), widest);
-    run(&graph(&text("file"), folder.path()));
+    run(&graph(&text("file"), folder.path()).unwrap());
     let own = read_back(folder.path(), "s", &[], &["culled", "bands_0"]);
     let mut kept = 0;
     for number in 0..own.cell_arrays["culled"].values.len() {
@@ -233,8 +229,8 @@ fn culled_cells_and_bands_are_those_of_their_tetrahedra() {
 fn what_cannot_be_written_is_refused_with_its_place() {
     let refused = |text: &str, wanted: &str| {
         let folder = folder_with(EVERY_TYPE);
-        let made = Pipeline::parse(text).and_then(|p| p.graph(&registry().unwrap(), folder.path().into()));
-        let error = made.and_then(|graph| session().run(&graph, &Unobserved)).unwrap_err();
+        let error =
+            graph(text, folder.path()).and_then(|graph| session().run(&graph, &Unobserved)).unwrap_err();
         assert!(error.to_string().contains(wanted), "{error}");
         assert!(error.place.span.is_some() || error.place.line_column.is_some(), "{error}");
         assert!(!folder.path().join("out.vtu").exists());
