@@ -28,8 +28,7 @@ impl LaneWave {
         for a in 0..2 {
             if per_value[a] != 0.0 {
                 let [offset, scale, span] = axis(a);
-                let phase = per_value[a] * (offset - wave.origin[a]);
-                start += phase - phase.round();
+                start += per_value[a] * (offset - wave.origin[a]);
                 step[a] = (per_value[a] * scale) as f32;
                 bands += (per_value[a] * span).abs();
             }
