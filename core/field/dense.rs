@@ -129,3 +129,38 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     }
     (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A = Q diag(1, ½, 10⁻³) Rᵀ with Q and R rotations: each direction counts while its singular value is above the tolerance,
+    /// and along the others the solution is 0.
+    #[test]
+    fn directions_are_left_out_by_their_singular_value() {
+        let (q, r) = (rotation(0.4, 1.1), rotation(-0.7, 0.3));
+        let values = [1.0, 0.5, 1e-3];
+        let wanted = [0.3, -2.0, 1.5];
+        let entry = |i: usize, j: usize| (0..3).map(|k| q[i][k] * values[k] * r[j][k]).sum::<f64>();
+        let right: [f64; 3] = std::array::from_fn(|i| (0..3).map(|j| entry(i, j) * wanted[j]).sum::<f64>());
+        for (tolerance, rank) in [(1e-12, 3), (0.9e-3, 3), (1.1e-3, 2), (0.1, 2), (0.6, 1)] {
+            let mut columns: [[f64; 3]; 3] = std::array::from_fn(|j| std::array::from_fn(|i| entry(i, j)));
+            let [x, y, z] = &mut columns;
+            let (found, held) = solve3([x, y, z], &right, tolerance);
+            assert_eq!(held, rank, "at {tolerance:e}");
+            // What is left of the solution along the directions that count.
+            let share = |k: usize| (0..3).map(|j| r[j][k] * wanted[j]).sum::<f64>();
+            for j in 0..3 {
+                let expected: f64 = (0..rank).map(|k| r[j][k] * share(k)).sum();
+                // Rounding, by the inverse of the least singular value.
+                assert!((found[j] - expected).abs() < 1e-12, "{found:?} at {tolerance:e}");
+            }
+        }
+    }
+
+    /// A rotation by one angle about z, then by another about x.
+    fn rotation(a: f64, b: f64) -> [[f64; 3]; 3] {
+        let ((sin_a, cos_a), (sin_b, cos_b)) = (a.sin_cos(), b.sin_cos());
+        [[cos_a, -sin_a, 0.0], [cos_b * sin_a, cos_b * cos_a, -sin_b], [sin_b * sin_a, sin_b * cos_a, cos_b]]
+    }
+}

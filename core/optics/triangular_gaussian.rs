@@ -279,4 +279,20 @@ mod tests {
             assert!((found / exact - 1.0).abs() < 2e-13, "{offset:?} {width:?}: {found:e} for {exact:e}");
         }
     }
+
+    /// The same where x alone ends panels, and where all that there is lies between two levels.
+    #[test]
+    fn levels_of_x_resolve_the_profile_where_the_width_stays() {
+        for k in 0..140 {
+            for extent in [0.3, 1.1, 2.0, 4.0] {
+                let from = 0.05 * f64::from(k);
+                let path = TriangularPath::new([from, from + extent], [1.0; 2], 1.0);
+                const COUNT: usize = 200;
+                let part = |k: usize| mean(&GAUSS_12, |u| path.rate((k as f64 + u) / COUNT as f64));
+                let exact = (0..COUNT).map(part).sum::<f64>() / COUNT as f64;
+                let found = path.optical_depth(&Stretch::WHOLE);
+                assert!((found / exact - 1.0).abs() < 2e-13, "{from} over {extent}: {found:e} for {exact:e}");
+            }
+        }
+    }
 }

@@ -132,7 +132,7 @@ pub(super) mod tests {
         for i in 0..20_000 {
             let end = |j: i32| [uniform(i, j), uniform(i, j + 1)].map(|u| f64::from((2.0 * u - 1.0) as f32));
             let (front, toward) = (end(1), end(3));
-            let size = 10f64.powf(-1.5 * uniform(i, 5));
+            let size = 10f64.powf(-3.0 * uniform(i, 5));
             let back = [0, 1].map(|a| f64::from((front[a] + size * toward[a]) as f32));
             let widget = |channel: usize| {
                 let u = |j: i32| uniform(i, 6 + 4 * channel as i32 + j);
@@ -140,7 +140,7 @@ pub(super) mod tests {
                 color[channel] = 1.0;
                 let centre = [0.0, 1.0].map(|a: f64| if a == 0.0 { u(0) } else { u(1) } - 0.5);
                 let profile = Profile::Gaussian { centre, matrix: [[1.0 + u(2), 0.5], [0.0, 1.0]] };
-                Widget { profile, color, extinction: 10f64.powf(0.3 - 4.0 * u(3)), region: None }
+                Widget { profile, color, extinction: 10f64.powf(1.0 - 4.7 * u(3)), region: None }
             };
             let widgets: Vec<Widget> = (0..3).map(widget).collect();
             let shapes: Vec<DensityShape<P>> = widgets

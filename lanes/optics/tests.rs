@@ -32,10 +32,16 @@ enum Formula {
     Triangle(f64),
     Sine(f64),
     ClipLength,
+    /// Of a segment that enters, or leaves, a corner of a region by two edges.
+    ClipCorner,
     /// Its σ is 1.
     TriangularGaussian,
     /// Over three fields, with a width of 1 at the back.
     TriangularGaussianNd,
+    /// Light of one Gaussian alone, walked over many widths.
+    GaussianWalked,
+    /// The same of a triangular one.
+    TriangularWalked,
     /// Five widgets at once; of the constant-emitter or not. Sum of the channels.
     Ordered(bool),
 }
@@ -55,9 +61,12 @@ const PHASE: Range = Range::Even(-30.0, 30.0);
 const NEAR: Range = Range::Even(-4.0, 4.0);
 const WIDTH: Range = Range::Even(0.0, 3.0);
 const SPAN: Range = Range::Even(-1.0, 3.0);
+const FAR: Range = Range::Even(-12.0, 12.0);
+const INSIDE: Range = Range::Even(0.1, 1.0);
+const OUTSIDE: Range = Range::Even(-1.0, 0.0);
 
 #[rustfmt::skip]
-const TWINS: [Twin; 18] = [
+const TWINS: [Twin; 22] = [
     Twin { formula: Formula::Exp, inputs: &[Range::Even(-87.0, 87.0)], tolerance: 1.0, reason: "2 ulp" },
     Twin { formula: Formula::Opacity, inputs: &[Range::Log(-30.0, 2.0)], tolerance: 1.0, reason: "3 ulp" },
     Twin { formula: Formula::Erfcx, inputs: &[Range::Log(-6.0, 6.0)], tolerance: 1.0, reason: "fit of 2e-7" },
@@ -71,12 +80,22 @@ const TWINS: [Twin; 18] = [
     Twin { formula: Formula::Sine(1.0), inputs: &[PHASE, PHASE], tolerance: 1.0, reason: "the same" },
     Twin { formula: Formula::Sine(0.3), inputs: &[PHASE, PHASE], tolerance: 1.0, reason: "the same" },
     Twin { formula: Formula::Sine(0.001), inputs: &[PHASE, PHASE], tolerance: 1.0, reason: "1 − X/w near the reach" },
-    Twin { formula: Formula::ClipLength, inputs: &[Range::Even(-1.0, 0.0), Range::Even(0.1, 1.0)], tolerance: 1.0, reason: "one quotient" },
+    Twin { formula: Formula::ClipLength, inputs: &[OUTSIDE, INSIDE], tolerance: 1.0, reason: "one quotient" },
+    Twin { formula: Formula::ClipCorner, inputs: &[INSIDE, OUTSIDE, INSIDE, OUTSIDE], tolerance: 1.0, reason: "the same" },
+    Twin { formula: Formula::ClipCorner, inputs: &[OUTSIDE, INSIDE, OUTSIDE, INSIDE], tolerance: 1.0, reason: "the same" },
     Twin { formula: Formula::TriangularGaussian, inputs: &[NEAR, NEAR, WIDTH, WIDTH], tolerance: 2.0, reason: "up to 24 panels of 8 points: 1e-6" },
     Twin { formula: Formula::TriangularGaussianNd, inputs: &[NEAR, NEAR, NEAR, WIDTH], tolerance: 2.0, reason: "the same, and the line of q/m" },
+    Twin { formula: Formula::GaussianWalked, inputs: &[FAR, FAR], tolerance: 16.0, reason: "depth within a panel from 8 rates: 1e-5" },
+    Twin { formula: Formula::TriangularWalked, inputs: &[FAR, FAR, WIDTH, WIDTH], tolerance: 16.0, reason: "the same" },
     Twin { formula: Formula::Ordered(false), inputs: &[SPAN, SPAN], tolerance: 16.0, reason: "depth within a panel from 8 rates: 1e-5" },
     Twin { formula: Formula::Ordered(true), inputs: &[SPAN, SPAN], tolerance: 16.0, reason: "the same" },
 ];
+
+/// Rate of what is walked alone, where it is densest.
+const PEAK: f64 = 3.0;
+
+/// So little light that nothing of it is resolved: e^(−49), of what lies seven widths away, is far less.
+const UNSEEN: f64 = 1e-12;
 
 /// Share of the peak above which the constant-emitter glows.
 const CUTOFF: f64 = 0.01;
@@ -102,6 +121,18 @@ fn exact(formula: Formula, x: &[f64; INPUTS]) -> f64 {
         Formula::Triangle(width) => band(Bell::triangle(&wave(width))),
         Formula::Sine(width) => band(Bell::sine(&wave(width))),
         Formula::ClipLength => x[1] / (x[1] - x[0]),
+        Formula::ClipCorner => {
+            let inside = |a: f64, b: f64| a.max(b) / (a - b).abs();
+            inside(x[0], x[1]).min(inside(x[2], x[3]))
+        }
+        Formula::GaussianWalked => {
+            let depth = GaussianPath::new([x[0]], [x[1]], [x[1] - x[0]]).optical_depth(1.0, &Stretch::WHOLE);
+            UNSEEN + special::opacity(PEAK * depth)
+        }
+        Formula::TriangularWalked => {
+            let path = TriangularPath::new([x[0], x[1]], [x[2], x[3]], PEAK);
+            UNSEEN + special::opacity(path.optical_depth(&Stretch::WHOLE))
+        }
         Formula::TriangularGaussian => {
             TriangularPath::new([x[0], x[1]], [x[2], x[3]], 1.0).optical_depth(&Stretch::WHOLE)
         }
@@ -150,7 +181,22 @@ fn several(model: OpticalModel) -> TransferFunction {
     TransferFunction { model, unit_distance: 1.0, widgets: widgets.collect() }
 }
 
-/// The same in lanes.
+/// The light of one widget of colour 1, walked in panels, and [`UNSEEN`].
+#[inline(always)]
+fn walked<L: Lanes>(track: AnyLaneTrack<L>) -> L::F {
+    let splat = L::F::splat;
+    let member = LaneMember {
+        track,
+        range: [splat(0.0), splat(1.0)],
+        window: [splat(-1.0), splat(2.0)],
+        color: [1.0; 3],
+        threshold: 0.0,
+        unit_rate: splat(1.0),
+    };
+    ordered::<L>(&[member], None)[0] + splat(UNSEEN as f32)
+}
+
+/// [`several`] in lanes.
 #[inline(always)]
 fn ordered_sum<L: Lanes>(front: L::F, back: L::F, constant: bool) -> L::F {
     let splat = L::F::splat;
@@ -272,6 +318,17 @@ fn values(formula: Formula, lanes: LaneSet, inputs: &[[f64; INPUTS]]) -> Vec<f32
         Formula::ClipLength => {
             twin_on_lanes!(call, |L, x, _| LaneStretch::<L>::whole().cut(x[0], x[1]).length)
         }
+        Formula::ClipCorner => twin_on_lanes!(call, |L, x, _| {
+            LaneStretch::<L>::whole().cut(x[0], x[1]).cut(x[2], x[3]).length
+        }),
+        Formula::GaussianWalked => twin_on_lanes!(call, |L, x, _| {
+            let path = LaneGaussianPath::<L>::new::<1>([x[0]], [x[1]]);
+            walked::<L>(AnyLaneTrack::Gaussian(LaneGaussianTrack::new(&path, L::F::splat(PEAK as f32))))
+        }),
+        Formula::TriangularWalked => twin_on_lanes!(call, |L, x, _| {
+            let (offset, width, peak) = ([x[0], x[1]], [x[2], x[3]], L::F::splat(PEAK as f32));
+            walked::<L>(AnyLaneTrack::Triangular(LaneTriangularTrack { offset, width, peak }))
+        }),
         Formula::TriangularGaussian => twin_on_lanes!(call, |L, x, _| {
             triangular_gaussian::mean_profile::<L>([x[0], x[1]], [x[2], x[3]])
         }),

@@ -77,6 +77,14 @@ fn a_picture_that_shows_nothing_says_why() {
                 "nearly empty: no pixel reaches 1/255 (the largest opacity is 2.0e-5). With 3.5e4 times the extinction",
             ),
         ),
+        // On both sides of 1/255.
+        (
+            &["look.widgets.0.extinction=1.9e-3"],
+            Some("nearly empty: no pixel reaches 1/255 (the largest opacity is 3.8e-3)"),
+        ),
+        (&["look.widgets.0.extinction=2.1e-3"], None),
+        // Seen askew some pixels are opaque and some are not.
+        (&["view.eye=[-3.0, -3.0, 0.5]", "look.widgets.0.extinction=6"], None),
         (
             &["look.widgets.0.extinction=100"],
             Some("every pixel that shows anything is opaque: what lies behind"),

@@ -1,0 +1,154 @@
+//! Pictures: what is culled, which cells go in 64 bits, in which order segments are composited, where tiles end.
+
+use super::*;
+use voltet_engine::{cull, draw, keep_all};
+
+/// Cells of a density that is nothing along the longest ray are left out, those that a picture shows are not: no pixel
+/// changes by more than 1e-6, whatever the density of all that is culled.
+#[test]
+fn culling_changes_no_pixel_by_more_than_a_millionth() {
+    let (cube, camera) = (unit_cube([4; 3]), along(DVec3::Y));
+    let diagonal = 3f64.sqrt();
+    for depth in [2e-8, 9e-8, 1.1e-7, 3e-7, 3e-6, 3e-5, 3e-4, 3e-3] {
+        let look = look(vec![uniform([-1.0, 2.0], depth / diagonal, [1.0, 0.5, 0.2])]);
+        let culled = cull(&cube, &look, &camera, &Silent).expect("culls");
+        // All of it together has a depth of 1e-7 at most.
+        assert_eq!(culled.kept.is_empty(), depth < 1e-7, "depth {depth:e}");
+        let all = keep_all(&cube, &look, &camera).expect("keeps all");
+        let pictures =
+            [culled, all].map(|cells| draw(&cells, &look, &camera, &SHADING, &Silent).expect("draws").0);
+        let difference = largest_difference(&pictures[0], &pictures[1]);
+        assert!(difference <= 1e-6, "depth {depth:e}: a pixel changes by {difference:e}");
+    }
+}
+
+/// A cell is out of view where all of its corners lie beyond one plane: the outermost pixels' rays, or the near plane.
+#[test]
+fn cells_out_of_view_are_culled_and_counted() {
+    let cube = unit_cube([4; 3]);
+    let look = look(vec![uniform([-1.0, 2.0], 1.0, [1.0; 3])]);
+    // Outermost rays at 3/16 beside the middle, planes of corners at quarters: two by two columns of six cells are seen.
+    let narrow = Camera { projection: Projection::Orthographic { height: 0.4 }, ..along(DVec3::Y) };
+    // And two of their four layers lie before 5.01, but for what reaches beyond.
+    for (near, seen) in [(0.0, 2 * 2 * 4 * 6), (5.01, 2 * 2 * 2 * 6)] {
+        let cells = cull(&cube, &look, &Camera { near, ..narrow }, &Silent).expect("culls");
+        assert_eq!((cells.kept.len(), cells.culled_by_frustum), (seen, 384 - seen as u64), "near {near}");
+    }
+}
+
+/// A tile is left where every pixel is opaque, and what is missing of 1 then is under 1e-11: a stack of layers of depth ½,
+/// seen from each side, so that some are taken front to back.
+#[test]
+fn tiles_are_left_where_nothing_is_missing() {
+    let mut stopped = 0;
+    for (counts, axis) in [([32, 1, 1], DVec3::X), ([1, 32, 1], DVec3::Y), ([1, 1, 32], DVec3::Z)] {
+        let (cube, camera) = (unit_cube(counts), along(axis));
+        for whole in [16.0, 64.0] {
+            let look = look(vec![uniform([-1.0, 2.0], whole, [1.0, 0.5, 0.2])]);
+            let cells = cull(&cube, &look, &camera, &Silent).expect("culls");
+            let (picture, counts) = draw(&cells, &look, &camera, &SHADING, &Silent).expect("draws");
+            // The rounding of 1 − e^(−16) to 32 bits, and of the 32 depths that it is a sum of.
+            let exact = -f64::exp_m1(-whole);
+            let worst = picture.rgba.iter().map(|p| (f64::from(p[3]) - exact).abs()).fold(0.0, f64::max);
+            assert!(worst < 1.5e-7, "depth {whole} along {axis}: off by {worst:e}");
+            stopped += u64::from(whole > 25.0) * counts.tiles_stopped;
+            assert!(whole > 25.0 || counts.tiles_stopped == 0, "a tile of depth {whole} was left");
+        }
+    }
+    assert!(stopped > 0, "no tile was left");
+}
+
+/// Segments whose entries differ by a ten-thousandth are two, in the order of their entries: only what rounding leaves
+/// between the entries through one face (3e-7 of them) counts as equal. Two cells, the one within the other's shadow, and a
+/// point nearer to the eye, from which depths are counted.
+#[test]
+fn cells_that_overlap_are_ordered_by_close_entries() {
+    let cell = |front: f64, back: f64| {
+        [[-1.0, -1.0, front], [3.0, -1.0, front], [-1.0, 3.0, front], [0.4, 0.4, back]].map(DVec3::from_array)
+    };
+    // The farther entry ends first: taken as equal, they would be ordered by their exits.
+    let points = [cell(2.0, 4.0), cell(2.0001, 3.0)].concat();
+    let points = [points, vec![DVec3::new(0.5, 0.5, 0.0)]].concat();
+    let tetrahedra = Arc::new(vec![[4, 5, 6, 7], [0, 1, 2, 3]]);
+    let grid = Grid { points: Arc::new(points), tetrahedra, ..Grid::default() };
+    let scalar = Arc::new((0..9).map(|i| if (4..8).contains(&i) { 0.75 } else { 0.25 }).collect());
+    let two = Arc::new(Volume { scalar, ..Volume::clone(&volume(grid, |_| 0.0)) });
+    let red = uniform([0.0, 0.5], 2.0, [1.0, 0.0, 0.0]);
+    let look = look(vec![red, uniform([0.5, 1.0], 2.0, [0.0, 0.0, 1.0])]);
+    let camera = along(DVec3::Z);
+    let cells = cull(&two, &look, &camera, &Silent).expect("culls");
+    let (found, _) = draw(&cells, &look, &camera, &SHADING, &Silent).expect("draws");
+    let exact = drawn_exactly(two, look, camera);
+    let difference = largest_difference(&found, &exact);
+    // The wrong order is off by a tenth and more.
+    assert!(difference < 2e-4, "off by {difference:e}");
+}
+/// Two cells meet in a face that holds a line of pixels but for a small angle: each of their rays passes from one to the other
+/// where large terms cancel, a million of them at 1e-6 of a radian.
+#[test]
+fn a_face_nearly_edge_on_parts_its_cells_where_it_should() {
+    let camera = Camera {
+        eye: DVec3::ZERO,
+        target: -DVec3::Z,
+        up: DVec3::Y,
+        projection: Projection::Perspective { fov_y: 60.0 },
+        near: 0.0,
+        size: [33, 33],
+        samples: 1,
+    };
+    for angle in [1e-6, 4e-5, 5e-5, 7e-5, 1e-4, 2e-4, 5e-4, 1e-3, 1e-2] {
+        let across = DVec3::new(1.0, -2.0, 0.0) * angle;
+        let points = vec![
+            DVec3::new(-2.0, -1.0, -3.0) + across,
+            DVec3::new(2.0, 1.0, -3.0) + across,
+            DVec3::new(0.2, 0.1, -9.0) - 2.0 * across,
+            DVec3::new(3.0, -6.0, -5.0),
+            DVec3::new(-3.0, 6.0, -5.0),
+        ];
+        let tetrahedra = Arc::new(vec![[0, 1, 2, 3], [0, 1, 2, 4]]);
+        let grid = Grid { points: Arc::new(points), tetrahedra, ..Grid::default() };
+        let (red, blue) = ([1.0, 0.2, 0.1], [0.1, 0.3, 1.0]);
+        let look = look(vec![uniform([-1.0, 0.5], 0.7, red), uniform([0.5, 2.0], 0.2, blue)]);
+        let volume = volume(grid, |p| if p.x > 2.5 { 1.0 } else { 0.0 });
+        let all = keep_all(&volume, &look, &camera).expect("keeps all");
+        let found = draw(&all, &look, &camera, &SHADING, &Silent).expect("draws").0;
+        let exact = drawn_exactly(volume, look, camera);
+        let lit = exact.rgba.iter().filter(|pixel| pixel[3] > 0.1).count();
+        assert!(lit > 100, "{lit} pixels see the cells");
+        let difference = largest_difference(&found, &exact);
+        // 2.6e-5 at 5e-4, where 32 bits hold the face still; ten times as steep a face would leave ten times that.
+        assert!(difference < 6e-5, "off by {difference:e} at {angle:e}");
+    }
+}
+
+/// A tile of over a thousand segments in a pixel, of which some are of cells about the eye, which 64 bits draw: its rows are
+/// drawn one by one, and no segment is counted or drawn twice.
+#[test]
+fn deep_tiles_with_cells_about_the_eye_are_drawn_once() {
+    let grid = box_of_tetrahedra([1, 400, 1], [DVec3::ZERO, DVec3::new(1.0, 3.0, 1.0)], 0.0);
+    let volume = volume(grid, |p| 0.5 + 0.4 * (9.0 * p.y + 2.0 * p.x).sin());
+    let look =
+        look(vec![uniform([0.0, 0.5], 0.4, [1.0, 0.2, 0.1]), uniform([0.5, 1.0], 0.9, [0.1, 0.3, 1.0])]);
+    let camera = Camera {
+        eye: DVec3::new(0.45, 0.015, 0.55),
+        target: DVec3::new(0.5, 3.0, 0.5),
+        up: DVec3::Z,
+        projection: Projection::Perspective { fov_y: 14.0 },
+        near: 0.0,
+        size: [6, 6],
+        samples: 1,
+    };
+    let cells = cull(&volume, &look, &camera, &Silent).expect("culls");
+    let (found, counts) = draw(&cells, &look, &camera, &SHADING, &Silent).expect("draws");
+    assert_eq!(counts.tiles_deep, 1, "{counts:?}");
+    let scene = scene(volume, look, camera);
+    let exact = reference::draw(&scene, &Silent).expect("draws");
+    let difference = largest_difference(&found, &exact);
+    assert!(difference < 2e-4, "off by {difference:e}");
+    let tracer = reference::Tracer::new(&scene).expect("is a scene");
+    let on =
+        |k: usize| tracer.crossings(&tracer.ray((k % 6) as f64 + 0.5, (k / 6) as f64 + 0.5)).len() as u64;
+    let segments: u64 = (0..36).map(on).sum();
+    // Some of no length for the one or the other.
+    assert!(counts.segments.abs_diff(segments) * 100 < segments, "{} for {segments}", counts.segments);
+}
