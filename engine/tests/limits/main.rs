@@ -5,34 +5,26 @@ mod segments;
 
 use glam::DVec3;
 use std::sync::Arc;
-use voltet_core::camera::{Camera, Projection};
+use voltet_core::camera::Camera;
 use voltet_core::grid::Grid;
-use voltet_core::grid::generate::box_of_tetrahedra;
 use voltet_core::optics::integrators::{self, Extent};
-use voltet_core::optics::{Contribution, Overlap, Segment};
+use voltet_core::optics::{Contribution, Segment};
 use voltet_core::picture::Picture;
 use voltet_core::progress::Silent;
 use voltet_core::reference;
 use voltet_core::scene::Scene;
-use voltet_core::shading::{Integrator, Order, Shading};
-use voltet_core::transfer::{OpticalModel, Profile, Region, TransferFunction, Widget};
+use voltet_core::shading::Order;
+use voltet_core::transfer::{Profile, Region, TransferFunction, Widget};
 use voltet_core::volume::Volume;
-
-const SHADING: Shading =
-    Shading { integrator: Integrator::Analytic, overlap: Overlap::Exact, silhouette: None, light: None };
+use voltet_testing::pictures::compare::SHADING;
+use voltet_testing::pictures::grids::cube;
+use voltet_testing::pictures::looks::{look, orthographic};
 
 /// The unit square seen along an axis, 16 pixels a side: one tile.
 fn along(axis: DVec3) -> Camera {
     let centre = DVec3::splat(0.5);
-    Camera {
-        eye: centre - 5.0 * axis,
-        target: centre,
-        up: if axis.z == 0.0 { DVec3::Z } else { DVec3::Y },
-        projection: Projection::Orthographic { height: 0.99 },
-        near: 0.0,
-        size: [16, 16],
-        samples: 1,
-    }
+    let up = if axis.z == 0.0 { DVec3::Z } else { DVec3::Y };
+    Camera { up, ..orthographic((centre - 5.0 * axis).into(), centre.into(), 0.99, [16, 16]) }
 }
 
 /// Where s lies in a range: one density, one colour.
@@ -41,17 +33,13 @@ fn uniform(range: [f64; 2], extinction: f64, color: [f64; 3]) -> Widget {
     Widget { profile: Profile::Uniform, color, extinction, region }
 }
 
-fn look(widgets: Vec<Widget>) -> TransferFunction {
-    TransferFunction { model: OpticalModel::DensityEmitter, unit_distance: 1.0, widgets }
-}
-
 fn volume(grid: Grid, s: impl Fn(&DVec3) -> f64) -> Arc<Volume> {
     let scalar = Arc::new(grid.points.iter().map(s).collect());
     Arc::new(Volume { grid: Arc::new(grid), scalar, gradient: None, gradient_magnitude: None })
 }
 
 fn unit_cube(counts: [usize; 3]) -> Arc<Volume> {
-    volume(box_of_tetrahedra(counts, [DVec3::ZERO, DVec3::ONE], 0.0), |p| p.x)
+    volume(cube(counts, 0.0), |p| p.x)
 }
 
 fn largest_difference(a: &Picture, b: &Picture) -> f32 {

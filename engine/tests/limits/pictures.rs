@@ -1,7 +1,10 @@
 //! Pictures: what is culled, which cells go in 64 bits, in which order segments are composited, where tiles end.
 
 use super::*;
+use voltet_core::camera::Projection;
+use voltet_core::grid::generate::box_of_tetrahedra;
 use voltet_engine::{cull, draw, keep_all};
+use voltet_testing::pictures::looks::perspective;
 
 /// Cells of a density that is nothing along the longest ray are left out, those that a picture shows are not: no pixel
 /// changes by more than 1e-6, whatever the density of all that is culled.
@@ -87,15 +90,7 @@ fn cells_that_overlap_are_ordered_by_close_entries() {
 /// where large terms cancel, a million of them at 1e-6 of a radian.
 #[test]
 fn a_face_nearly_edge_on_parts_its_cells_where_it_should() {
-    let camera = Camera {
-        eye: DVec3::ZERO,
-        target: -DVec3::Z,
-        up: DVec3::Y,
-        projection: Projection::Perspective { fov_y: 60.0 },
-        near: 0.0,
-        size: [33, 33],
-        samples: 1,
-    };
+    let camera = Camera { up: DVec3::Y, ..perspective([0.0; 3], [0.0, 0.0, -1.0], 60.0, [33, 33]) };
     for angle in [1e-6, 4e-5, 5e-5, 7e-5, 1e-4, 2e-4, 5e-4, 1e-3, 1e-2] {
         let across = DVec3::new(1.0, -2.0, 0.0) * angle;
         let points = vec![
@@ -129,15 +124,7 @@ fn deep_tiles_with_cells_about_the_eye_are_drawn_once() {
     let volume = volume(grid, |p| 0.5 + 0.4 * (9.0 * p.y + 2.0 * p.x).sin());
     let look =
         look(vec![uniform([0.0, 0.5], 0.4, [1.0, 0.2, 0.1]), uniform([0.5, 1.0], 0.9, [0.1, 0.3, 1.0])]);
-    let camera = Camera {
-        eye: DVec3::new(0.45, 0.015, 0.55),
-        target: DVec3::new(0.5, 3.0, 0.5),
-        up: DVec3::Z,
-        projection: Projection::Perspective { fov_y: 14.0 },
-        near: 0.0,
-        size: [6, 6],
-        samples: 1,
-    };
+    let camera = perspective([0.45, 0.015, 0.55], [0.5, 3.0, 0.5], 14.0, [6, 6]);
     let cells = cull(&volume, &look, &camera, &Silent).expect("culls");
     let (found, counts) = draw(&cells, &look, &camera, &SHADING, &Silent).expect("draws");
     assert_eq!(counts.tiles_deep, 1, "{counts:?}");
