@@ -43,6 +43,11 @@ pub enum Command {
     /// The scalar is the file's own, or the first array that is a quantity. Where it changes, over its values and gradient
     /// magnitudes, are the boundaries that the widgets show; the camera sees them. The file runs as it is.
     Start(Start),
+    /// Open the node editor: the pipeline as a graph, its picture live beside it.
+    ///
+    /// A pipeline file, a picture that carries one, or a data file, for which a pipeline is made as by `voltet start`. What is
+    /// changed is saved into the same file, everything else in it stays as it is. Nothing is written but by saving.
+    Edit(Edit),
     /// Say what one pixel is made of: the cells along its ray, and what each of them adds.
     ///
     /// From the eye on, for each cell: where the ray enters and leaves it, s and g there, the widgets met with their shares of
@@ -174,6 +179,13 @@ pub struct Start {
     /// Write over a pipeline file that is there.
     #[arg(long)]
     pub force: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct Edit {
+    /// A pipeline file, a picture that carries one, or a data file; an empty pipeline without it.
+    #[arg(value_name = "FILE")]
+    pub file: Option<PathBuf>,
 }
 
 #[derive(Debug, Args)]

@@ -1,12 +1,15 @@
 //! A node that looks on: it takes every output of what feeds a picture and does nothing, so that a run is made for the picture
 //! and for nothing else, and what runs through the wires can be asked for.
 
+use glam::DVec3;
+use std::collections::BTreeMap;
+use std::sync::Arc;
 use voltet_core::Result;
-use voltet_core::graph::{Datum, Value};
+use voltet_core::graph::{Datum, Look, Value};
 use voltet_core::graph::{
     Demand, Graph, LinkEntry, Node, NodeEntry, Origin, Port, PortType, Registry, Setting,
 };
-use voltet_core::grid::extent::range;
+use voltet_core::grid::extent::{bounds, range};
 use voltet_core::volume::Volume;
 
 /// The type's name, which no pipeline file can be meant to name.
@@ -54,6 +57,15 @@ pub(super) static ASKS_FOR_G: Node = Node {
     ..Node::BLANK
 };
 
+/// What asks for all that a ray of the picture is made of.
+pub(super) static PROBES: Node = Node {
+    name: "(probes)",
+    summary: "Looks on, and asks for g.",
+    optional_inputs: &[PORTS[1], PORTS[2], PORTS[3]],
+    demand: ASKS_FOR_G.demand,
+    ..Node::BLANK
+};
+
 /// The same registry with these nodes.
 pub(super) fn with_own(registry: &Registry) -> Result<Registry> {
     let mut own = Registry::new();
@@ -61,6 +73,7 @@ pub(super) fn with_own(registry: &Registry) -> Result<Registry> {
     registry.filters().try_for_each(|filter| own.add_filter(filter.clone()))?;
     own.add(&NODE)?;
     own.add(&ASKS_FOR_G)?;
+    own.add(&PROBES)?;
     Ok(own)
 }
 
@@ -81,13 +94,39 @@ pub(super) fn entry(node_type: &str, looked_at: impl Iterator<Item = (String, St
     NodeEntry { name: NAME.into(), origin: Origin::Nowhere, node_type, settings: Vec::new(), inputs }
 }
 
-/// For each output, `"node.port"`, what runs through it.
-pub(super) fn in_words(graph: &Graph, place: usize, values: &[Value]) -> Vec<(String, String)> {
-    let said = graph.nodes[place].inputs.iter().zip(values).map(|(edge, value)| {
+/// What runs through the wires of a run.
+#[derive(Default)]
+pub(super) struct Values {
+    /// For each output, `"node.port"`, in words.
+    pub words: BTreeMap<String, String>,
+    /// Least and greatest coordinates of the data.
+    pub bounds: Option<[DVec3; 2]>,
+    /// Transfer functions with their relative numbers resolved, by their nodes.
+    pub looks: BTreeMap<String, Arc<Look>>,
+}
+
+/// What runs through the wires.
+pub(super) fn seen(graph: &Graph, place: usize, values: &[Value]) -> Values {
+    let mut seen = Values::default();
+    for (edge, value) in graph.nodes[place].inputs.iter().zip(values) {
         let giving = &graph.nodes[edge.node];
-        (format!("{}.{}", giving.name, giving.node.outputs[edge.output].name), describe(value))
-    });
-    said.collect()
+        let output = format!("{}.{}", giving.name, giving.node.outputs[edge.output].name);
+        seen.words.insert(output, describe(value));
+        match value {
+            Value::Grid(grid) => seen.bounds = seen.bounds.or_else(|| bounds(&grid.points)),
+            Value::Volume(volume) => seen.bounds = seen.bounds.or_else(|| bounds(&volume.grid.points)),
+            Value::TransferFunction(look) => {
+                seen.looks.insert(giving.name.clone(), look.clone());
+            }
+            Value::Camera(_)
+            | Value::Cells(_)
+            | Value::Projection(_)
+            | Value::Image(_)
+            | Value::Report(_)
+            | Value::CellValues(_) => {}
+        }
+    }
+    seen
 }
 
 fn describe(value: &Value) -> String {

@@ -9,17 +9,22 @@ mod coarse;
 mod following;
 mod look_on;
 mod pixels;
+mod probing;
 mod request;
 mod states;
 #[cfg(test)]
 mod tests;
 
+pub use look_on::short;
 pub use pixels::Pixels;
+pub use probing::{Probed, Probing};
 pub use request::{Distribution, Wanted};
+pub(crate) use request::{size_of, upstream};
 pub use states::{NodeState, NodeStatus, Shown};
 
 use coarse::Pace;
 use following::Following;
+use look_on::Values;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -55,6 +60,7 @@ struct Shared {
 struct Queue {
     picture: Option<Wanted>,
     distribution: Option<Distribution>,
+    probing: Option<Probing>,
     ends: bool,
 }
 
@@ -95,6 +101,12 @@ impl Worker {
         self.shared.changed.notify_one();
     }
 
+    /// Asks what lies at a place of the picture, in place of any that was asked for before.
+    pub fn probe(&self, wanted: Probing) {
+        lock(&self.shared.wanted).probing = Some(wanted);
+        self.shared.changed.notify_one();
+    }
+
     /// What there is to show.
     pub fn shown<T>(&self, look: impl FnOnce(&Shown) -> T) -> T {
         look(&lock(&self.shared.shown))
@@ -128,6 +140,7 @@ impl Shared {
 enum Task {
     Picture(u64, Wanted),
     Distribution(Distribution),
+    Probing(Probing),
 }
 
 /// The thread's own.
@@ -144,6 +157,7 @@ impl Work<'_> {
             match task {
                 Task::Picture(number, wanted) => self.picture(number, &wanted),
                 Task::Distribution(wanted) => self.distribution(wanted),
+                Task::Probing(wanted) => self.probe(&wanted),
             }
         }
     }
@@ -156,6 +170,9 @@ impl Work<'_> {
             }
             if let Some(wanted) = queue.picture.take() {
                 return Some(Task::Picture(self.shared.newest.load(Ordering::SeqCst), wanted));
+            }
+            if let Some(wanted) = queue.probing.take() {
+                return Some(Task::Probing(wanted));
             }
             if let Some(wanted) = queue.distribution.take() {
                 return Some(Task::Distribution(wanted));
@@ -215,19 +232,19 @@ impl Work<'_> {
         if drew_alone {
             self.pace.learn(divisor, pixels.count(), seconds);
         }
-        let values = if divisor == 1 { self.values(&graph) } else { Vec::new() };
+        let values = if divisor == 1 { self.values(&graph) } else { Values::default() };
         self.shared.show(|shown| shown.finished(pixels, &report, values, seconds));
         Ok(())
     }
 
     /// What runs through the wires, in words; the session has all of it.
-    fn values(&mut self, graph: &Graph) -> Vec<(String, String)> {
+    fn values(&mut self, graph: &Graph) -> Values {
         let Some(place) = graph.nodes.iter().position(|node| node.node.name == look_on::NAME) else {
-            return Vec::new();
+            return Values::default();
         };
         let fed = self.session.feed(graph, place, &Demand::default(), &Unobserved);
-        let Ok((values, _)) = fed else { return Vec::new() };
-        look_on::in_words(graph, place, &values)
+        let Ok((values, _)) = fed else { return Values::default() };
+        look_on::seen(graph, place, &values)
     }
 
     /// Runs something of the session; a panic is the error of the node that ran, and costs the session's memory.
@@ -257,6 +274,22 @@ impl Work<'_> {
                 queue.distribution.get_or_insert(wanted);
             }
             outcome => self.shared.show(|shown| shown.distribution = Some((wanted.key, outcome))),
+        }
+    }
+
+    /// What lies at a place of the picture; given up for a newer picture, in which it lies elsewhere.
+    fn probe(&mut self, wanted: &Probing) {
+        let before = self.shared.newest.load(Ordering::SeqCst);
+        let stop = || self.shared.newest.load(Ordering::SeqCst) != before;
+        let following = Following::silent(self.shared, &stop);
+        let found = wanted.graph(self.registry).and_then(|(graph, place)| {
+            let demand = Demand::default();
+            let fed = self.guarded(&following, |session| session.feed(&graph, place, &demand, &following));
+            wanted.walk(&fed?.0, &following).map(Arc::new)
+        });
+        match found {
+            Err(error) if error.kind == ErrorKind::Cancelled => {}
+            found => self.shared.show(|shown| shown.probed = Some((wanted.key, found))),
         }
     }
 

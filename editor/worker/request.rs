@@ -140,7 +140,8 @@ fn is_camera(node: &NodeEntry) -> bool {
     node.node_type.text() == Some(CAMERA)
 }
 
-fn size_of(node: &NodeEntry) -> Option<[u32; 2]> {
+/// Width and height that a camera node states.
+pub(crate) fn size_of(node: &NodeEntry) -> Option<[u32; 2]> {
     let field = node.settings.iter().find(|field| field.name == SIZE);
     let Some(field) = field else { return Some([1024, 768]) };
     match field.setting.numbers()?[..] {
@@ -165,7 +166,7 @@ fn resize(node: &mut NodeEntry, size: Option<[u32; 2]>, divisor: u32) -> Result<
 }
 
 /// The nodes that feed one, and it; in the order of the document.
-fn feeding(nodes: &[NodeEntry], name: &str) -> Result<Vec<NodeEntry>> {
+pub(super) fn feeding(nodes: &[NodeEntry], name: &str) -> Result<Vec<NodeEntry>> {
     if !nodes.iter().any(|node| node.name == name) {
         return Err(Error::usage(format!("there is no node '{name}' to show the picture of")));
     }

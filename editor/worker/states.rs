@@ -1,12 +1,14 @@
 //! What there is to show of the worker's work.
 
-use super::look_on::NAME;
+use super::look_on::{NAME, Values};
 use super::pixels::Pixels;
+use super::probing::Probed;
 use super::request::{Wanted, upstream};
+use glam::DVec3;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use voltet_core::error::ErrorKind;
-use voltet_core::graph::RunReport;
+use voltet_core::graph::{Look, RunReport};
 use voltet_core::probing::Histogram;
 use voltet_core::{Error, Result};
 
@@ -48,9 +50,15 @@ pub struct Shown {
     /// The last full run's report, without its pictures.
     pub report: Option<RunReport>,
     /// For each output, `"node.port"`, what runs through it.
-    pub values: BTreeMap<String, String>,
+    pub values: Arc<BTreeMap<String, String>>,
+    /// Least and greatest coordinates of the data.
+    pub bounds: Option<[DVec3; 2]>,
+    /// Transfer functions with their relative numbers resolved, by their nodes.
+    pub looks: Arc<BTreeMap<String, Arc<Look>>>,
     /// The distribution of the data, with the key that it was asked for by.
     pub distribution: Option<(u64, Result<Arc<Histogram>>)>,
+    /// What was found at a place of the picture, with the key that it was asked for by.
+    pub probed: Option<(u64, Result<Arc<Probed>>)>,
     number: u64,
     wanted: Option<Wanted>,
 }
@@ -103,13 +111,7 @@ impl Shown {
         }
     }
 
-    pub(super) fn finished(
-        &mut self,
-        pixels: Pixels,
-        report: &RunReport,
-        values: Vec<(String, String)>,
-        seconds: f64,
-    ) {
+    pub(super) fn finished(&mut self, pixels: Pixels, report: &RunReport, values: Values, seconds: f64) {
         let is_full = pixels.divisor == 1;
         self.failure = None;
         self.seconds[usize::from(!is_full)] = Some(seconds);
@@ -118,7 +120,9 @@ impl Shown {
             let mut report = RunReport { pictures: Vec::new(), ..report.clone() };
             report.nodes.retain(|node| node.name != NAME);
             self.report = Some(report);
-            self.values = values.into_iter().collect();
+            self.values = Arc::new(values.words);
+            self.bounds = values.bounds;
+            self.looks = Arc::new(values.looks);
         }
     }
 

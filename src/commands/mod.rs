@@ -2,6 +2,7 @@
 
 mod carried;
 mod check;
+mod edit;
 mod explain;
 mod findings;
 mod info;
@@ -52,6 +53,7 @@ fn carry_out(command: &Command, registry: &Registry) -> Result<u8> {
         Command::Nodes(arguments) => nodes::nodes(arguments, registry),
         Command::Info(arguments) => info::info(arguments, registry),
         Command::Start(arguments) => start::start(arguments),
+        Command::Edit(arguments) => edit::edit(arguments, registry),
         Command::Pixel(arguments) => pixel::pixel(arguments, registry),
         Command::Stability(arguments) => stability::stability(arguments),
         Command::Study(arguments) => study::study(arguments, registry),

@@ -60,7 +60,7 @@ pub fn start(arguments: &Start) -> Result<u8> {
 }
 
 /// The text of the pipeline file, and what was chosen in a sentence.
-fn pipeline(arguments: &Start, output: &Path, progress: &dyn Progress) -> Result<(String, String)> {
+pub fn pipeline(arguments: &Start, output: &Path, progress: &dyn Progress) -> Result<(String, String)> {
     let asked = request(arguments.time_step, arguments.solution.as_ref());
     let meant = match &arguments.scalar {
         Some(name) => Meant::by_name(name, &arrays(&arguments.data, &asked)?),

@@ -1,0 +1,110 @@
+//! What the parts of the window ask for; carried out after all of them were shown, so that each sees the same document.
+
+use crate::view::View;
+use std::collections::BTreeSet;
+use std::path::PathBuf;
+use voltet_document::Edit;
+
+/// Something that is to be done.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Action {
+    /// Edits of the document, one step in its history; while a mouse button is held, all of them are one.
+    Edit(String, Vec<Edit>),
+    /// These nodes are selected, and no others.
+    Select(BTreeSet<String>),
+    /// The picture of this node is shown.
+    Show(String),
+    /// The picture is seen from elsewhere.
+    Look(View),
+    /// The values at places of the picture are asked for (heights from its middle, to the right and up).
+    Probe(Vec<[f64; 2]>),
+    /// What lies at a place of the picture becomes its centre.
+    Centre([f64; 2]),
+    /// What a key or a menu says.
+    Do(Command),
+    /// A line for the person.
+    Say(String),
+    /// A pipeline file is opened, or one that is made for a file that is none.
+    Open(PathBuf),
+    /// The document is saved in this file.
+    SaveAs(PathBuf),
+}
+
+/// What a key or a menu says.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Command {
+    /// An empty document.
+    New,
+    /// Ask for a file.
+    Open,
+    /// Into the document's own file.
+    Save,
+    /// Ask for a file to save in.
+    SaveAs,
+    /// End.
+    Quit,
+    /// The last step back.
+    Undo,
+    /// A step on again.
+    Redo,
+    /// The selected nodes to the clipboard.
+    Copy,
+    /// The same, and away with them.
+    Cut,
+    /// Copies of the selected nodes beside them.
+    Duplicate,
+    /// Away with the selected nodes.
+    Delete,
+    /// All nodes.
+    SelectAll,
+    /// The menu of node types.
+    Add,
+    /// The selected nodes, or all, in layers from left to right.
+    Tidy,
+    /// The selected nodes one under the other.
+    Align,
+    /// A frame around the selected nodes.
+    Frame,
+    /// Words in the graph view.
+    Note,
+    /// All nodes into the graph view.
+    FitGraph,
+    /// All of the data into the picture.
+    Home,
+    /// Seen along an axis (0: x, 1: y, 2: z), from its positive or its negative side.
+    Along(usize, bool),
+    /// The picture turns to the left (or right).
+    Roll(bool),
+    /// Light or dark.
+    Theme,
+    /// The sheet of keys.
+    Help,
+}
+
+/// What was asked for while a frame was shown.
+#[derive(Debug, Default)]
+pub struct Actions(pub Vec<Action>);
+
+impl Actions {
+    /// Asks for something.
+    pub fn push(&mut self, action: Action) {
+        self.0.push(action);
+    }
+
+    /// Asks for an edit.
+    pub fn edit(&mut self, edit: Edit) {
+        self.0.push(Action::Edit(edit.label(), vec![edit]));
+    }
+
+    /// Asks for several edits as one step.
+    pub fn edits(&mut self, label: impl Into<String>, edits: Vec<Edit>) {
+        if !edits.is_empty() {
+            self.0.push(Action::Edit(label.into(), edits));
+        }
+    }
+
+    /// Asks for what a key says.
+    pub fn command(&mut self, command: Command) {
+        self.0.push(Action::Do(command));
+    }
+}

@@ -1,0 +1,106 @@
+use super::*;
+use voltet_core::graph::NodeEntry;
+
+fn node<'a>(hand: &'a Hand, name: &str) -> Option<&'a NodeEntry> {
+    hand.editor.document().pipeline().nodes.iter().find(|node| node.name == name)
+}
+
+fn port(hand: &Hand, node: &str, name: &str, is_input: bool) -> Pos2 {
+    hand.editor.graph.port_at(node, name, is_input).unwrap_or_else(|| panic!("{node}.{name} is not in view"))
+}
+
+fn title(hand: &Hand, node: &str) -> Pos2 {
+    hand.editor.graph.frame_of(node).unwrap().min + vec2(30.0, 8.0)
+}
+
+#[test]
+fn a_dragged_node_has_its_place_in_the_file_and_undo_takes_it_back() {
+    let mut hand = Hand::new(TEXT);
+    let before = hand.editor.document().position("look");
+    let from = title(&hand, "look");
+    hand.drag(from, from + vec2(30.0, 90.0));
+    let after = hand.editor.document().position("look");
+    assert!(after[0] > before[0] + 20.0 && after[1] > before[1] + 60.0, "{before:?} {after:?}");
+    assert_eq!(hand.steps(), 1);
+    assert!(hand.text().contains("[editor"), "{}", hand.text());
+    hand.key(Key::Z, Modifiers::COMMAND);
+    assert_eq!(hand.text(), TEXT);
+}
+
+#[test]
+fn a_wire_is_drawn_from_port_to_port_and_taken_off_again() {
+    let mut hand = Hand::new(TEXT);
+    let (from, to) = (port(&hand, "gradient", "volume", false), port(&hand, "look", "volume", true));
+    hand.drag(from, to);
+    let feeds = |hand: &Hand| node(hand, "look").unwrap().inputs.iter().any(|link| link.port == "volume");
+    assert!(feeds(&hand), "{}", hand.said());
+    let empty = hand.editor.graph.frame_of("view").unwrap().max + vec2(60.0, 60.0);
+    let to = port(&hand, "look", "volume", true);
+    hand.drag(to, empty);
+    assert!(!feeds(&hand), "{}", hand.text());
+    assert_eq!(hand.steps(), 2);
+}
+
+#[test]
+fn what_does_not_fit_is_not_joined_and_the_reason_is_said() {
+    let mut hand = Hand::new(TEXT);
+    let (from, to) = (port(&hand, "view", "camera", false), port(&hand, "picture", "volume", true));
+    hand.drag(from, to);
+    assert_eq!(hand.text(), TEXT);
+    assert_eq!(hand.said(), "picture.volume takes a volume, and view.camera gives a camera");
+}
+
+#[test]
+fn a_wire_dropped_on_empty_space_offers_what_fits_and_joins_it() {
+    let mut hand = Hand::new(TEXT);
+    let empty = hand.editor.graph.frame_of("view").unwrap().max + vec2(40.0, 40.0);
+    let from = port(&hand, "gradient", "volume", false);
+    hand.drag(from, empty);
+    hand.typed("histogram");
+    hand.frames(2);
+    hand.key(Key::Enter, Modifiers::NONE);
+    let added = node(&hand, "histogram").expect("the node is added");
+    assert_eq!(added.inputs[0].source.text(), Some("gradient"));
+    assert_eq!(hand.steps(), 1, "the node and its wire are one step");
+}
+
+#[test]
+fn nodes_are_added_selected_copied_and_deleted_by_keys() {
+    let mut hand = Hand::new(TEXT);
+    let ground = hand.editor.graph.frame_of("view").unwrap().max + vec2(40.0, 60.0);
+    hand.move_to(ground, Modifiers::NONE);
+    hand.key(Key::Space, Modifiers::NONE);
+    hand.typed("wavelet");
+    hand.frames(2);
+    hand.key(Key::Enter, Modifiers::NONE);
+    hand.frames(2);
+    assert!(node(&hand, "wavelet").is_some());
+    assert_eq!(hand.editor.selection().iter().collect::<Vec<_>>(), ["wavelet"]);
+    hand.time += 2.0;
+    hand.key(Key::D, Modifiers::COMMAND);
+    assert!(node(&hand, "wavelet_2").is_some());
+    hand.frames(2);
+    hand.key(Key::Delete, Modifiers::NONE);
+    assert!(node(&hand, "wavelet_2").is_none() && node(&hand, "wavelet").is_some());
+    hand.key(Key::A, Modifiers::COMMAND);
+    hand.key(Key::Delete, Modifiers::NONE);
+    assert!(hand.editor.document().pipeline().nodes.is_empty());
+    for _ in 0..4 {
+        hand.key(Key::Z, Modifiers::COMMAND);
+    }
+    assert_eq!(hand.text(), TEXT);
+}
+
+#[test]
+fn a_box_selects_and_a_click_on_the_ground_takes_it_back() {
+    let mut hand = Hand::new(TEXT);
+    let (first, last) =
+        (hand.editor.graph.frame_of("look").unwrap(), hand.editor.graph.frame_of("view").unwrap());
+    hand.drag(last.max + vec2(30.0, 60.0), first.min - vec2(6.0, 6.0));
+    let selected = hand.editor.selection().clone();
+    assert!(selected.contains("look") && selected.contains("view"), "{selected:?}");
+    hand.click(last.max + vec2(40.0, 70.0));
+    assert!(hand.editor.selection().is_empty(), "{:?}", hand.editor.selection());
+    hand.click(title(&hand, "look"));
+    assert_eq!(hand.editor.selection().iter().collect::<Vec<_>>(), ["look"]);
+}

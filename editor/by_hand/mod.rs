@@ -1,0 +1,179 @@
+//! The window's logic, driven by raw input events without a display.
+
+mod graph;
+mod picture;
+mod session;
+mod transfer;
+
+use crate::editor::Editor;
+use eframe::egui::{Context, Event, Key, Modifiers, PointerButton, Pos2, RawInput, Rect, pos2, vec2};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Duration;
+use voltet_core::Error;
+use voltet_document::Document;
+
+/// A pipeline with a comment, drawn in one node.
+const TEXT: &str = "# A picture of nothing much.
+[pipeline]
+format = 1
+
+[nodes.grid]
+type = \"wavelet\"
+resolution = [8, 8, 8] # coarse
+
+[nodes.gradient]
+type = \"gradient-magnitude\"
+inputs = { grid = \"grid\" }
+
+[nodes.look]
+type = \"transfer-function\"
+
+[[nodes.look.widgets]]
+kind = \"gaussian\"
+color = [1.0, 0.5, 0.15]
+extinction = 4.0
+centre = [150.0, 20.0]
+sigma = [60.0, 40.0]
+
+[nodes.view]
+type = \"camera\"
+eye = [-28.0, -38.0, 24.0]
+target = [0.0, 0.0, 0.0]
+size = [160, 120]
+
+[nodes.picture]
+type = \"renderer\"
+engine = \"cpu\"
+inputs = { volume = \"gradient\", transfer_function = \"look\", camera = \"view\" }
+
+[nodes.file]
+type = \"image-writer\"
+path = \"picture.png\"
+inputs = { image = \"picture\" }
+";
+
+/// A person before a window that is not there.
+struct Hand {
+    ctx: Context,
+    editor: Editor,
+    at: Pos2,
+    time: f64,
+    folder: tempfile::TempDir,
+}
+
+impl Hand {
+    fn new(text: &str) -> Hand {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("scene.toml");
+        std::fs::write(&path, text).unwrap();
+        let document = Document::open(&path).unwrap();
+        let start = Arc::new(|_: &Path, _: &Path| Err(Error::usage("no data here")));
+        let registry = voltet_nodes::registry().unwrap();
+        let editor = Editor::new(document, &registry, start, Box::new(|| {})).unwrap();
+        let ctx = Context::default();
+        crate::theme::apply(&ctx);
+        let mut hand = Hand { ctx, editor, at: pos2(5.0, 400.0), time: 0.0, folder };
+        hand.settle();
+        hand
+    }
+
+    /// One frame with these events.
+    fn frame(&mut self, events: Vec<Event>, modifiers: Modifiers) {
+        self.time += 1.0 / 60.0;
+        let input = RawInput {
+            screen_rect: Some(Rect::from_min_size(Pos2::ZERO, vec2(1280.0, 720.0))),
+            time: Some(self.time),
+            events,
+            modifiers,
+            ..RawInput::default()
+        };
+        let editor = &mut self.editor;
+        let _ = self.ctx.run(input, |ctx| editor.frame(ctx));
+    }
+
+    fn frames(&mut self, count: usize) {
+        (0..count).for_each(|_| self.frame(Vec::new(), Modifiers::NONE));
+    }
+
+    /// Until the picture is there.
+    fn settle(&mut self) {
+        self.frames(4);
+        for _ in 0..4000 {
+            if self.editor.worker().shown(|shown| !shown.is_busy) {
+                self.frames(2);
+                return;
+            }
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        panic!("the worker does not come to an end");
+    }
+
+    fn move_to(&mut self, to: Pos2, modifiers: Modifiers) {
+        self.at = to;
+        self.frame(vec![Event::PointerMoved(to)], modifiers);
+    }
+
+    fn button(&mut self, pressed: bool, button: PointerButton, modifiers: Modifiers) {
+        self.frame(vec![Event::PointerButton { pos: self.at, button, pressed, modifiers }], modifiers);
+    }
+
+    fn click(&mut self, at: Pos2) {
+        self.move_to(at, Modifiers::NONE);
+        self.button(true, PointerButton::Primary, Modifiers::NONE);
+        self.button(false, PointerButton::Primary, Modifiers::NONE);
+        self.frames(1);
+        // The next one is no double click.
+        self.time += 1.0;
+    }
+
+    /// In ten steps, as a hand does.
+    fn drag_with(&mut self, from: Pos2, to: Pos2, button: PointerButton, modifiers: Modifiers) {
+        self.move_to(from, modifiers);
+        self.button(true, button, modifiers);
+        for step in 1..=10 {
+            self.move_to(from + (to - from) * (step as f32 / 10.0), modifiers);
+        }
+        self.button(false, button, modifiers);
+        self.frames(2);
+        self.time += 1.0;
+    }
+
+    fn drag(&mut self, from: Pos2, to: Pos2) {
+        self.drag_with(from, to, PointerButton::Primary, Modifiers::NONE);
+    }
+
+    fn key(&mut self, key: Key, modifiers: Modifiers) {
+        let event = |pressed| Event::Key { key, physical_key: None, pressed, repeat: false, modifiers };
+        self.frame(vec![event(true)], modifiers);
+        self.frame(vec![event(false)], modifiers);
+    }
+
+    fn typed(&mut self, text: &str) {
+        self.frame(vec![Event::Text(text.into())], Modifiers::NONE);
+    }
+
+    fn text(&self) -> String {
+        self.editor.document().text().to_string()
+    }
+
+    /// How many steps can be undone.
+    fn steps(&self) -> usize {
+        self.editor.document().history().place().0
+    }
+
+    fn numbers(&self, node: &str, key: &str) -> Vec<f64> {
+        let nodes = &self.editor.document().pipeline().nodes;
+        let node = nodes.iter().find(|entry| entry.name == node).unwrap();
+        let field = node.settings.iter().find(|field| field.name == key).unwrap();
+        field.setting.numbers().unwrap()
+    }
+
+    fn path(&self) -> PathBuf {
+        self.folder.path().join("scene.toml")
+    }
+
+    fn said(&self) -> String {
+        self.editor.message.clone().map_or(String::new(), |(text, _)| text)
+    }
+}

@@ -1,0 +1,109 @@
+use super::*;
+
+fn middle(hand: &Hand) -> Pos2 {
+    hand.editor.picture.rect().unwrap().center()
+}
+
+#[test]
+fn a_drag_orbits_the_camera_in_the_file_and_is_one_step() {
+    let mut hand = Hand::new(TEXT);
+    let before = hand.numbers("view", "eye");
+    let at = middle(&hand);
+    hand.drag(at, at + vec2(60.0, 0.0));
+    let after = hand.numbers("view", "eye");
+    let length = |v: &[f64]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
+    assert_ne!(before, after);
+    assert!((length(&after) / length(&before) - 1.0).abs() < 1e-5, "the distance is kept");
+    assert_eq!(hand.steps(), 1);
+    assert!(hand.text().contains("# A picture of nothing much.") && hand.text().contains("# coarse"));
+    hand.key(Key::Z, Modifiers::COMMAND);
+    assert_eq!(hand.text(), TEXT);
+    assert!(hand.editor.document().is_saved());
+}
+
+#[test]
+fn other_drags_and_the_wheel_do_what_the_sheet_says() {
+    let mut hand = Hand::new(TEXT);
+    let at = middle(&hand);
+    hand.drag_with(at, at + vec2(40.0, 0.0), PointerButton::Primary, Modifiers::SHIFT);
+    assert_ne!(hand.numbers("view", "target"), [0.0, 0.0, 0.0], "Shift-drag pans");
+    hand.key(Key::Z, Modifiers::COMMAND);
+    hand.drag_with(at, at + vec2(0.0, 40.0), PointerButton::Middle, Modifiers::NONE);
+    assert_ne!(hand.numbers("view", "target"), [0.0, 0.0, 0.0], "the middle button pans");
+    hand.key(Key::Z, Modifiers::COMMAND);
+    assert_eq!(hand.text(), TEXT);
+    hand.move_to(at, Modifiers::NONE);
+    let wheel = Event::MouseWheel {
+        unit: eframe::egui::MouseWheelUnit::Line,
+        delta: vec2(0.0, 2.0),
+        modifiers: Modifiers::NONE,
+    };
+    hand.frame(vec![wheel], Modifiers::NONE);
+    hand.frames(20);
+    let length = |v: Vec<f64>| v.iter().map(|x| x * x).sum::<f64>().sqrt();
+    assert!(length(hand.numbers("view", "eye")) < 52.0, "the wheel zooms: {:?}", hand.numbers("view", "eye"));
+    assert_eq!(hand.steps(), 1, "the smooth steps of a wheel are one");
+}
+
+#[test]
+fn the_picture_follows_the_camera_and_typed_numbers_do_the_same() {
+    let mut hand = Hand::new(TEXT);
+    let picture = |hand: &Hand| hand.editor.worker().shown(|shown| shown.pixels.clone().unwrap().picture);
+    let before = picture(&hand);
+    hand.key(Key::X, Modifiers::NONE);
+    hand.settle();
+    let eye = hand.numbers("view", "eye");
+    assert!(eye[0] > 50.0 && eye[1].abs() < 1e-3 && eye[2].abs() < 1e-3, "seen from +x: {eye:?}");
+    assert_ne!(picture(&hand), before);
+    hand.key(Key::Z, Modifiers::COMMAND);
+    hand.settle();
+    assert_eq!(picture(&hand), before, "undone, the picture is the same bit for bit");
+}
+
+/// Until a probe answers.
+fn answered(hand: &mut Hand) {
+    for _ in 0..2000 {
+        hand.frames(1);
+        if hand.said().starts_with("on the ray") || hand.said().starts_with("the ray") {
+            return;
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    panic!("no answer comes: {}", hand.said());
+}
+
+#[test]
+fn a_click_finds_the_values_there_and_they_make_a_widget() {
+    let mut hand = Hand::new(TEXT);
+    let at = middle(&hand);
+    hand.click(at);
+    answered(&mut hand);
+    let probed = hand.editor.scene().probed.clone().unwrap();
+    let [[s, g], [ds, dg]] = probed.moments().unwrap();
+    // The widget that is drawn holds s from 90 to 210, and its middle is opaque.
+    assert!((90.0..260.0).contains(&s) && g > 0.0 && ds > 0.0 && dg > 0.0, "{s} {g} {ds} {dg}");
+    assert!(probed.opacity > 0.5, "{}", probed.opacity);
+    assert!(probed.point.unwrap().length() < 18.0, "within the box: {:?}", probed.point);
+    assert_eq!(hand.text(), TEXT, "looking changes nothing");
+}
+
+#[test]
+fn a_double_click_makes_what_is_there_the_centre() {
+    let mut hand = Hand::new(TEXT);
+    let at = middle(&hand) + vec2(30.0, -20.0);
+    hand.move_to(at, Modifiers::NONE);
+    for _ in 0..2 {
+        hand.button(true, PointerButton::Primary, Modifiers::NONE);
+        hand.button(false, PointerButton::Primary, Modifiers::NONE);
+    }
+    for _ in 0..2000 {
+        hand.frames(1);
+        if hand.steps() > 0 {
+            break;
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    let target = hand.numbers("view", "target");
+    assert!(target.iter().any(|x| x.abs() > 0.5) && target.iter().all(|x| x.abs() <= 10.0), "{target:?}");
+    assert_eq!(hand.steps(), 1);
+}

@@ -1,0 +1,97 @@
+use super::*;
+use crate::actions::Command;
+use voltet_core::graph::Unobserved;
+
+#[test]
+fn a_file_saved_here_runs_headless_to_the_picture_that_was_shown() {
+    let mut hand = Hand::new(TEXT);
+    let at = hand.editor.picture.rect().unwrap().center();
+    hand.drag(at, at + vec2(30.0, 45.0));
+    hand.settle();
+    hand.key(Key::S, Modifiers::COMMAND);
+    assert!(hand.editor.document().is_saved(), "{}", hand.said());
+    let shown = hand.editor.worker().shown(|shown| shown.pixels.clone().unwrap());
+    assert_eq!(shown.divisor, 1);
+    let text = std::fs::read_to_string(hand.path()).unwrap();
+    let registry = voltet_nodes::registry().unwrap();
+    let pipeline = voltet_core::pipeline::Pipeline::parse(&text).unwrap();
+    let graph = pipeline.graph(&registry, hand.folder.path().to_path_buf()).unwrap();
+    let report = voltet_nodes::session().run(&graph, &Unobserved).unwrap();
+    assert_eq!(report.pictures.last().unwrap().1, shown.picture);
+}
+
+#[test]
+fn unsaved_work_is_asked_about_and_saved_work_is_not() {
+    let mut hand = Hand::new(TEXT);
+    let ctx = hand.ctx.clone();
+    hand.editor.command(&ctx, Command::Quit);
+    assert!(hand.editor.ends(), "nothing is unsaved");
+    let mut hand = Hand::new(TEXT);
+    hand.key(Key::X, Modifiers::NONE);
+    let ctx = hand.ctx.clone();
+    hand.editor.command(&ctx, Command::Quit);
+    hand.frames(2);
+    assert!(!hand.editor.ends() && hand.editor.unsaved.is_some());
+}
+
+#[test]
+fn a_broken_file_opens_with_its_fault_at_the_node_and_the_rest_is_drawn() {
+    let text = format!("{TEXT}\n[nodes.broken]\ntype = \"camera\"\neye = 3\n");
+    let hand = Hand::new(&text);
+    let scene = hand.editor.scene();
+    assert!(
+        scene.faults.iter().any(|fault| fault.place.node.as_deref() == Some("broken")),
+        "{:?}",
+        scene.faults
+    );
+    assert!(scene.pixels.is_some(), "{:?}", scene.failure);
+}
+
+#[test]
+fn a_node_that_fails_shows_its_error_and_the_window_goes_on() {
+    let text = TEXT.replace(
+        "type = \"wavelet\"\nresolution = [8, 8, 8] # coarse",
+        "type = \"reader\"\npath = \"none.vtu\"",
+    );
+    let mut hand = Hand::new(&text);
+    assert!(hand.editor.scene().failure.is_some());
+    hand.frames(3);
+    hand.key(Key::F1, Modifiers::NONE);
+    hand.frames(2);
+    assert!(hand.editor.help);
+}
+
+#[test]
+fn every_command_can_be_given_in_an_empty_window() {
+    let mut hand = Hand::new("[pipeline]\nformat = 1\n");
+    let ctx = hand.ctx.clone();
+    use Command::{
+        Add, Align, Along, Copy, Cut, Delete, Duplicate, FitGraph, Frame, Help, Home, Note, Redo, Roll,
+    };
+    use Command::{SelectAll, Theme, Tidy, Undo};
+    for command in [
+        Add,
+        Align,
+        Along(0, true),
+        Along(2, false),
+        Copy,
+        Cut,
+        Delete,
+        Duplicate,
+        FitGraph,
+        Frame,
+        Help,
+        Home,
+        Note,
+        Redo,
+        Roll(true),
+        SelectAll,
+        Theme,
+        Tidy,
+        Undo,
+    ] {
+        hand.editor.command(&ctx, command);
+        hand.frames(2);
+    }
+    assert!(hand.editor.document().pipeline().nodes.is_empty());
+}

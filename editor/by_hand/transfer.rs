@@ -1,0 +1,95 @@
+use super::*;
+
+/// Until the distribution is there.
+fn with_distribution(hand: &mut Hand) {
+    for _ in 0..4000 {
+        hand.frames(1);
+        if hand.editor.worker().shown(|shown| shown.distribution.is_some()) {
+            hand.frames(2);
+            return;
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    panic!("no distribution comes");
+}
+
+fn centre(hand: &Hand) -> Vec<f64> {
+    let nodes = &hand.editor.document().pipeline().nodes;
+    let look = nodes.iter().find(|node| node.name == "look").unwrap();
+    let widgets = look.settings.iter().find(|field| field.name == "widgets").unwrap();
+    let first = widgets.setting.list().unwrap()[0].table().unwrap();
+    first.iter().find(|field| field.name == "centre").unwrap().setting.numbers().unwrap()
+}
+
+#[test]
+fn a_widget_is_dragged_on_the_histogram_and_the_picture_follows() {
+    let mut hand = Hand::new(TEXT);
+    with_distribution(&mut hand);
+    let picture = |hand: &Hand| hand.editor.worker().shown(|shown| shown.pixels.clone().unwrap().picture);
+    let before = picture(&hand);
+    let at = hand.editor.transfer.place_of([150.0, 20.0]).unwrap();
+    hand.drag(at, at + vec2(40.0, -20.0));
+    let after = centre(&hand);
+    assert!(after[0] > 151.0 && after[1] > 20.1, "{after:?}");
+    assert_eq!(hand.steps(), 1);
+    hand.settle();
+    assert_ne!(picture(&hand), before);
+    hand.key(Key::Z, Modifiers::COMMAND);
+    hand.settle();
+    assert_eq!(hand.text(), TEXT);
+    assert_eq!(picture(&hand), before);
+}
+
+#[test]
+fn arrows_nudge_and_the_modifiers_change_by_how_much() {
+    let mut hand = Hand::new(TEXT);
+    with_distribution(&mut hand);
+    let at = hand.editor.transfer.place_of([150.0, 20.0]).unwrap();
+    hand.move_to(at, Modifiers::NONE);
+    hand.key(Key::ArrowRight, Modifiers::NONE);
+    let one = centre(&hand)[0] - 150.0;
+    hand.key(Key::ArrowRight, Modifiers::SHIFT);
+    let five = centre(&hand)[0] - 150.0 - one;
+    hand.key(Key::ArrowLeft, Modifiers::ALT);
+    let fifth = 150.0 + one + five - centre(&hand)[0];
+    assert!(
+        one > 0.0 && (five / one - 5.0).abs() < 0.01 && (fifth / one - 0.2).abs() < 0.01,
+        "{one} {five} {fifth}"
+    );
+}
+
+#[test]
+fn the_wheel_zooms_one_axis_and_with_alt_the_other() {
+    let mut hand = Hand::new(TEXT);
+    with_distribution(&mut hand);
+    let at = hand.editor.transfer.place_of([150.0, 20.0]).unwrap();
+    let wheel = |modifiers| Event::MouseWheel {
+        unit: eframe::egui::MouseWheelUnit::Line,
+        delta: vec2(0.0, 2.0),
+        modifiers,
+    };
+    let lengths = |hand: &Hand| hand.editor.transfer.shown_axes().map(|[low, high]| high - low);
+    let before = lengths(&hand);
+    hand.move_to(at, Modifiers::NONE);
+    hand.frame(vec![wheel(Modifiers::NONE)], Modifiers::NONE);
+    hand.frames(20);
+    let after = lengths(&hand);
+    assert!(after[0] < 0.9 * before[0] && after[1] == before[1], "{before:?} {after:?}");
+    hand.frame(vec![wheel(Modifiers::ALT)], Modifiers::ALT);
+    (0..20).for_each(|_| hand.frame(Vec::new(), Modifiers::ALT));
+    assert!(lengths(&hand)[1] < 0.9 * before[1]);
+    assert_eq!(hand.text(), TEXT, "looking changes nothing");
+}
+
+#[test]
+fn digits_store_and_recall_the_widgets() {
+    let mut hand = Hand::new(TEXT);
+    with_distribution(&mut hand);
+    let at = hand.editor.transfer.place_of([150.0, 20.0]).unwrap();
+    hand.move_to(at, Modifiers::NONE);
+    hand.key(Key::Num3, Modifiers::COMMAND);
+    hand.drag(at, at + vec2(50.0, 0.0));
+    assert_ne!(centre(&hand), [150.0, 20.0]);
+    hand.key(Key::Num3, Modifiers::NONE);
+    assert_eq!(centre(&hand), [150.0, 20.0]);
+}

@@ -1,0 +1,228 @@
+//! Wires in a hand: begun at a port, ended at another, on empty space, or where they do not fit, with the reason.
+
+use super::menu::Menu;
+use super::places::Port;
+use super::{GraphView, NEAR};
+use crate::actions::{Action, Actions};
+use crate::scene::Scene;
+use crate::theme;
+use eframe::egui::{self, Pos2, Rect, RichText, Ui};
+use egui_node_graph2::AnyParameterId;
+use voltet_core::graph::PortType;
+use voltet_document::{Edit, links};
+
+/// A wire in the hand.
+#[derive(Debug, Clone)]
+pub(super) struct InHand {
+    /// The node that it is held by.
+    pub node: String,
+    pub port: Port,
+    /// The input that it was taken off from, and its source as the file says it.
+    pub taken_off: Option<(String, String, String)>,
+    pub from: Pos2,
+}
+
+impl GraphView {
+    /// A wire begins. One that is drawn from a fed input is taken off from it.
+    pub(super) fn begin_wire(&mut self, scene: &Scene, end: AnyParameterId) {
+        let Some(port) = self.ports.get(&end).cloned() else { return };
+        let from =
+            self.places.seen.iter().find(|(seen, _)| *seen == port).map(|(_, at)| *at).unwrap_or_default();
+        self.wire = Some(InHand { node: port.node.clone(), port: port.clone(), taken_off: None, from });
+        if !port.is_input {
+            return;
+        }
+        let Some(entry) = scene.entry(&port.node) else { return };
+        let nodes = &scene.document.pipeline().nodes;
+        let Some(link) = entry.inputs.iter().find(|link| link.port == port.name) else { return };
+        let Some(text) = links::sources(link).last().map(str::to_string) else { return };
+        let (feeding, output) = links::source(&text, nodes);
+        let Some(feeding) = scene.entry(feeding) else { return };
+        let Some(given) = scene.node_type(feeding).and_then(|node| match output {
+            Some(output) => node.outputs.iter().find(|port| port.name == output),
+            None => node.outputs.first(),
+        }) else {
+            return;
+        };
+        let taken_off = Some((port.node.clone(), port.name.clone(), text.clone()));
+        let held = Port {
+            node: feeding.name.clone(),
+            name: given.name.to_string(),
+            port_type: given.port_type,
+            is_input: false,
+            is_optional: false,
+        };
+        let key = self.ports.iter().find(|(_, known)| **known == held).map(|(key, _)| *key);
+        if let (Some(key), Some(id)) = (key, self.ids.get(&held.node)) {
+            self.state.connection_in_progress = Some((*id, key));
+        }
+        let from = self.places.seen.iter().find(|(seen, _)| *seen == held).map(|(_, at)| *at).unwrap_or(from);
+        self.wire = Some(InHand { node: held.node.clone(), port: held, taken_off, from });
+    }
+
+    /// A wire ends at a port that fits.
+    pub(super) fn end_wire(&mut self, scene: &Scene, from: &Port, to: &Port, actions: &mut Actions) {
+        let mut edits = Vec::new();
+        let taken_off = self.wire.take().and_then(|wire| wire.taken_off);
+        if let Some((node, port, source)) = taken_off {
+            if node == to.node && port == to.name {
+                return;
+            }
+            edits.push(Edit::Disconnect { node, port, source: Some(source) });
+        }
+        let connect = connect(scene, from, to);
+        let label = connect.label();
+        edits.push(connect);
+        actions.edits(label, edits);
+    }
+
+    /// The wire in the hand: what it would do here, and what it does when let go.
+    pub(super) fn joining(
+        &mut self,
+        ui: &mut Ui,
+        rect: Rect,
+        scene: &Scene,
+        was_wiring: bool,
+        actions: &mut Actions,
+    ) {
+        let Some(wire) = self.wire.clone() else { return };
+        let Some(at) = ui.input(|input| input.pointer.interact_pos()) else { return };
+        let is_held = ui.input(|input| input.pointer.any_down());
+        let dark = ui.visuals().dark_mode;
+        let target = self.places.port_at(at, NEAR * self.zoom.max(0.6));
+        let reason = target.as_ref().and_then(|target| refusal(&wire.port, target));
+        if is_held {
+            let words = match (&target, &reason) {
+                (Some(_), Some(reason)) => Some(RichText::new(reason).color(theme::wrong(dark))),
+                (Some(target), None) if *target != wire.port => {
+                    Some(RichText::new(format!("to {}.{}", target.node, target.name)))
+                }
+                _ => None,
+            };
+            if let Some(words) = words {
+                egui::show_tooltip_at_pointer(ui.ctx(), ui.layer_id(), ui.id().with("joining"), |ui| {
+                    ui.label(words)
+                });
+            }
+            return;
+        }
+        let _ = was_wiring;
+        self.wire = None;
+        self.state.connection_in_progress = None;
+        match (target, reason) {
+            (Some(_), Some(reason)) => actions.push(Action::Say(reason)),
+            (Some(target), None) if target != wire.port => {
+                let (from, to) = if target.is_input { (&wire.port, &target) } else { (&target, &wire.port) };
+                self.wire = Some(wire.clone());
+                self.end_wire(scene, from, to, actions);
+            }
+            (Some(_), None) => {}
+            (None, _) => match wire.taken_off {
+                Some((node, port, source)) => {
+                    actions.edit(Edit::Disconnect { node, port, source: Some(source) });
+                }
+                None if rect.contains(at) && self.places.node_at(at).is_none() => {
+                    self.menu = Some(Menu::new(at, Some(wire.port)));
+                }
+                None => {}
+            },
+        }
+    }
+}
+
+/// The wire between two ports as an edit.
+pub(super) fn connect(scene: &Scene, from: &Port, to: &Port) -> Edit {
+    let outputs =
+        scene.entry(&from.node).and_then(|entry| scene.node_type(entry)).map_or(1, |node| node.outputs.len());
+    let source = if outputs == 1 { from.node.clone() } else { format!("{}.{}", from.node, from.name) };
+    Edit::Connect { node: to.node.clone(), port: to.name.clone(), source, beside: to.is_optional }
+}
+
+/// Why two ports cannot be joined.
+fn refusal(held: &Port, target: &Port) -> Option<String> {
+    if held == target {
+        return None;
+    }
+    if held.node == target.node {
+        return Some(format!("'{}' cannot feed itself", held.node));
+    }
+    let (from, to) = match (held.is_input, target.is_input) {
+        (false, true) => (held, target),
+        (true, false) => (target, held),
+        (false, false) => return Some("both are outputs: a wire leads from an output to an input".into()),
+        (true, true) => return Some("both are inputs: a wire leads from an output to an input".into()),
+    };
+    (!from.port_type.serves(to.port_type)).then(|| {
+        format!(
+            "{}.{} takes {}, and {}.{} gives {}",
+            to.node,
+            to.name,
+            to.port_type.with_article(),
+            from.node,
+            from.name,
+            from.port_type.with_article()
+        )
+    })
+}
+
+/// What a port is, and what runs through it.
+pub(super) fn in_words(scene: &Scene, port: &Port) -> String {
+    let entry = scene.entry(&port.node);
+    let node = entry.and_then(|entry| scene.node_type(entry));
+    let declared = node.and_then(|node| {
+        let mut all = node.all_inputs().chain(node.outputs);
+        all.find(|declared| declared.name == port.name && declared.port_type == port.port_type)
+    });
+    let summary = declared.map_or("", |declared| declared.summary);
+    let side = match (port.is_input, port.is_optional) {
+        (true, true) => "optional input",
+        (true, false) => "input",
+        (false, _) => "output",
+    };
+    let nodes = &scene.document.pipeline().nodes;
+    let sources: Vec<String> = match port.is_input {
+        false => vec![format!("{}.{}", port.node, port.name)],
+        true => entry
+            .and_then(|entry| entry.inputs.iter().find(|link| link.port == port.name))
+            .map(|link| links::sources(link).map(|text| whole(scene, text, nodes)).collect())
+            .unwrap_or_default(),
+    };
+    let runs: Vec<String> = sources
+        .iter()
+        .filter_map(|source| {
+            let value = scene.values.get(source)?;
+            Some(if port.is_input { format!("from {source}: {value}") } else { value.clone() })
+        })
+        .collect();
+    let mut text = format!("{} ({}, {side})\n{summary}", port.name, port.port_type.name());
+    if !runs.is_empty() {
+        text += &format!("\n{}", runs.join("\n"));
+    } else if sources.is_empty() {
+        text += "\nnot wired";
+    }
+    text
+}
+
+/// "node.port" of what a file calls "node" or so.
+fn whole(scene: &Scene, text: &str, nodes: &[voltet_core::graph::NodeEntry]) -> String {
+    let (name, output) = links::source(text, nodes);
+    let first = || {
+        let entry = scene.entry(name)?;
+        Some(scene.node_type(entry)?.outputs.first()?.name)
+    };
+    format!("{name}.{}", output.or_else(first).unwrap_or_default())
+}
+
+/// Whether a node type has a port that a wire of this port fits.
+pub(super) fn fitting(held: &Port, node: &voltet_core::graph::Node) -> Option<(String, PortType, bool)> {
+    let of =
+        |port: &voltet_core::graph::Port, optional: bool| (port.name.to_string(), port.port_type, optional);
+    if held.is_input {
+        let port = node.outputs.iter().find(|port| port.port_type.serves(held.port_type))?;
+        return Some(of(port, false));
+    }
+    let exact = node.inputs.iter().find(|port| port.port_type == held.port_type);
+    let port = exact.or_else(|| node.inputs.iter().find(|port| held.port_type.serves(port.port_type)));
+    let optional = || node.optional_inputs.iter().find(|port| held.port_type.serves(port.port_type));
+    port.map(|port| of(port, false)).or_else(|| optional().map(|port| of(port, true)))
+}

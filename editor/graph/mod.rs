@@ -1,0 +1,453 @@
+//! The graph view: the document's nodes and wires, and the hand that moves and joins them.
+//!
+//! One small interface ([`GraphView::show`]) around the package that draws nodes (`package.rs`). Pan and zoom are this
+//! module's, places are the document's; wires, the menu, frames and notes are drawn here.
+
+mod faces;
+mod joining;
+mod menu;
+mod package;
+mod places;
+mod wires;
+
+use crate::actions::{Action, Actions};
+use crate::scene::Scene;
+use crate::theme;
+use eframe::egui::{
+    self, Color32, PointerButton, Pos2, Rect, Rounding, Sense, Stroke, TextureHandle, Ui, Vec2, vec2,
+};
+use egui_node_graph2::{AnyParameterId, NodeId, NodeResponse};
+use joining::InHand;
+use menu::Menu;
+use package::{NoTemplates, State, Written};
+use places::{Places, Port};
+use std::collections::{BTreeSet, HashMap};
+use voltet_document::Edit;
+
+/// Least and largest scale: beyond, text cannot be read or nothing else is seen.
+const ZOOM: [f32; 2] = [0.25, 2.0];
+
+/// Frames until nodes have the sizes that they are fitted by.
+const FRAMES_TO_FIT: u32 = 3;
+
+/// How near to a port a pointer means it, points.
+const NEAR: f32 = 11.0;
+
+/// The view, with what a hand is doing in it.
+pub(crate) struct GraphView {
+    /// Where the document's origin lies, points from the view's corner.
+    pan: Vec2,
+    zoom: f32,
+    /// For so many frames more all nodes are brought into view: their sizes are known once they were drawn.
+    fits: u32,
+    state: State,
+    ids: HashMap<String, NodeId>,
+    ports: HashMap<AnyParameterId, Port>,
+    places: Places,
+    /// A drag of nodes: where they were, and how far it went.
+    dragged: Option<(Vec<(String, [f64; 2])>, Vec2)>,
+    wire: Option<InHand>,
+    menu: Option<Menu>,
+    /// The menu is to be opened at the pointer.
+    asked: bool,
+    /// The style that the package's scaled one was made of.
+    styled: Option<(f32, bool)>,
+}
+
+impl Default for GraphView {
+    fn default() -> Self {
+        GraphView {
+            pan: vec2(20.0, 20.0),
+            zoom: 1.0,
+            fits: FRAMES_TO_FIT,
+            state: State::default(),
+            ids: HashMap::new(),
+            ports: HashMap::new(),
+            places: Places::default(),
+            dragged: None,
+            wire: None,
+            menu: None,
+            asked: false,
+            styled: None,
+        }
+    }
+}
+
+impl GraphView {
+    /// Opens the menu of node types.
+    pub fn open_menu(&mut self) {
+        self.asked = true;
+    }
+
+    /// Brings all nodes into view.
+    pub fn fit(&mut self) {
+        self.fits = FRAMES_TO_FIT;
+    }
+
+    /// Where a port was drawn.
+    #[cfg(test)]
+    pub fn port_at(&self, node: &str, name: &str, is_input: bool) -> Option<Pos2> {
+        let is_it = |port: &Port| port.node == node && port.name == name && port.is_input == is_input;
+        self.places.seen.iter().find(|(port, _)| is_it(port)).map(|(_, at)| *at)
+    }
+
+    /// Where a node was drawn.
+    #[cfg(test)]
+    pub fn frame_of(&self, node: &str) -> Option<Rect> {
+        self.places.drawn.iter().find(|(name, _)| name == node).map(|(_, frame)| *frame)
+    }
+
+    pub fn show(
+        &mut self,
+        ui: &mut Ui,
+        scene: &Scene,
+        picture: Option<&TextureHandle>,
+        actions: &mut Actions,
+    ) {
+        let rect = ui.max_rect();
+        ui.set_clip_rect(rect);
+        self.move_view(ui, rect, scene);
+        self.grid(ui, rect);
+        self.frames_and_notes(ui, rect, scene, actions);
+        let wires_at = ui.painter().add(egui::Shape::Noop);
+        let visible = self.visible(scene, rect);
+        self.sync(ui, scene, picture, &visible);
+        self.style(ui);
+        let in_hand_before = self.state.connection_in_progress;
+        let mut written = Written { zoom: self.zoom, ..Written::default() };
+        let response = self.state.draw_graph_editor(ui, NoTemplates, &mut written, Vec::new());
+        // The package's own menu knows nothing of what fits.
+        self.state.node_finder = None;
+        self.places.write_down(&self.state, &written, &self.ports, rect.min.to_vec2() + self.pan, self.zoom);
+        wires::draw(ui, wires_at, scene, &self.places, self.wire.as_ref(), self.to_window(rect), self.zoom);
+        self.over_nodes(ui, scene);
+        for response in response.node_responses {
+            self.respond(ui, scene, response, actions);
+        }
+        self.selected(ui, scene, in_hand_before.is_some(), actions);
+        self.joining(ui, rect, scene, in_hand_before.is_some(), actions);
+        self.point_at(ui, scene, actions);
+        self.show_menu(ui, rect, scene, actions);
+        if !ui.input(|input| input.pointer.any_down()) {
+            self.dragged = None;
+        }
+    }
+
+    /// From the document's places to the window's.
+    fn to_window(&self, rect: Rect) -> impl Fn([f64; 2]) -> Pos2 + use<> {
+        let (pan, zoom, origin) = (self.pan, self.zoom, rect.min);
+        move |[x, y]| origin + pan + zoom * vec2(x as f32, y as f32)
+    }
+
+    /// From the window's places to the document's.
+    fn to_document(&self, rect: Rect, at: Pos2) -> [f64; 2] {
+        let from = (at - rect.min - self.pan) / self.zoom;
+        [f64::from(from.x), f64::from(from.y)]
+    }
+
+    /// Wheel, middle drag, and bringing all into view.
+    fn move_view(&mut self, ui: &mut Ui, rect: Rect, scene: &Scene) {
+        if self.fits > 0 {
+            self.fits -= 1;
+            self.bring_into_view(rect, scene);
+            ui.ctx().request_repaint();
+        }
+        let over = ui.rect_contains_pointer(rect) && self.menu.is_none();
+        let (scroll, zoom_delta, at, delta, pans) = ui.input(|input| {
+            let pans =
+                input.pointer.middle_down() || (input.pointer.primary_down() && input.modifiers.command);
+            (
+                input.smooth_scroll_delta,
+                input.zoom_delta(),
+                input.pointer.hover_pos(),
+                input.pointer.delta(),
+                pans,
+            )
+        });
+        if let Some(at) = at.filter(|_| over) {
+            let factor = (scroll.y * 0.0025).exp() * zoom_delta;
+            let zoom = (self.zoom * factor).clamp(ZOOM[0], ZOOM[1]);
+            let from = at - rect.min;
+            self.pan = from - (from - self.pan) * (zoom / self.zoom);
+            self.zoom = zoom;
+            if pans {
+                self.pan += delta;
+            }
+            // The package would zoom about the view's middle by moving the nodes.
+            ui.input_mut(|input| input.smooth_scroll_delta = Vec2::ZERO);
+        }
+    }
+
+    fn bring_into_view(&mut self, rect: Rect, scene: &Scene) {
+        let nodes = &scene.document.pipeline().nodes;
+        let mut all = Rect::NOTHING;
+        for node in nodes {
+            all = all.union(self.places.frame(scene, node));
+        }
+        if !all.is_finite() || all.is_negative() {
+            (self.pan, self.zoom) = (vec2(20.0, 20.0), 1.0);
+            return;
+        }
+        let room = rect.size() - vec2(40.0, 40.0);
+        self.zoom = (room.x / all.width()).min(room.y / all.height()).clamp(ZOOM[0], 1.0);
+        self.pan = rect.size() / 2.0 - self.zoom * all.center().to_vec2();
+    }
+
+    /// The names of the nodes in view, and of those that a hand holds.
+    fn visible(&self, scene: &Scene, rect: Rect) -> BTreeSet<String> {
+        let to_window = self.to_window(rect);
+        let held = self.wire.as_ref().map(|wire| wire.node.as_str());
+        let seen = |node: &&voltet_core::graph::NodeEntry| {
+            let frame = self.places.frame(scene, node);
+            let [low, high] = [frame.min, frame.max].map(|at| to_window([f64::from(at.x), f64::from(at.y)]));
+            rect.intersects(Rect::from_min_max(low, high).expand(20.0)) || held == Some(&node.name)
+        };
+        scene.document.pipeline().nodes.iter().filter(seen).map(|node| node.name.clone()).collect()
+    }
+
+    /// The package scales a copy of the style; it is made again where the scale or the theme is another.
+    fn style(&mut self, ui: &Ui) {
+        let key = (self.zoom, ui.visuals().dark_mode);
+        if self.styled != Some(key) {
+            let by = self.zoom / self.state.pan_zoom.zoom;
+            self.state.pan_zoom.zoom(ui.clip_rect(), ui.style(), by);
+            self.state.pan_zoom.started = true;
+            self.styled = Some(key);
+        }
+    }
+
+    fn grid(&self, ui: &Ui, rect: Rect) {
+        let step = 40.0 * self.zoom * if self.zoom < 0.5 { 4.0 } else { 1.0 };
+        let color = if ui.visuals().dark_mode { Color32::from_gray(30) } else { Color32::from_gray(216) };
+        let stroke = Stroke::new(1.0, color);
+        let first = |pan: f32| pan.rem_euclid(step);
+        let mut x = rect.left() + first(self.pan.x);
+        while x < rect.right() {
+            ui.painter().vline(x, rect.y_range(), stroke);
+            x += step;
+        }
+        let mut y = rect.top() + first(self.pan.y);
+        while y < rect.bottom() {
+            ui.painter().hline(rect.x_range(), y, stroke);
+            y += step;
+        }
+    }
+
+    /// What stands behind the nodes: frames with their titles, and notes.
+    fn frames_and_notes(&self, ui: &mut Ui, rect: Rect, scene: &Scene, actions: &mut Actions) {
+        let dark = ui.visuals().dark_mode;
+        let to_window = self.to_window(rect);
+        let size = egui::FontId::proportional(12.0 * self.zoom);
+        for (i, frame) in scene.document.view().frames.iter().enumerate() {
+            let low = to_window(frame.at);
+            let place =
+                Rect::from_min_size(low, self.zoom * vec2(frame.size[0] as f32, frame.size[1] as f32));
+            let color = frame.color.map_or(theme::weak(dark), |c| {
+                Color32::from_rgb((c[0] * 255.0) as u8, (c[1] * 255.0) as u8, (c[2] * 255.0) as u8)
+            });
+            ui.painter().rect(
+                place,
+                Rounding::same(6.0),
+                color.gamma_multiply(0.12),
+                Stroke::new(1.0, color),
+            );
+            ui.painter().text(
+                low + vec2(8.0, 4.0) * self.zoom,
+                egui::Align2::LEFT_TOP,
+                &frame.title,
+                size.clone(),
+                theme::weak(dark),
+            );
+            let title = Rect::from_min_size(low, vec2(place.width(), 22.0 * self.zoom));
+            let response = ui.interact(title, ui.id().with(("frame", i)), Sense::click_and_drag());
+            response.context_menu(|ui| {
+                let mut title = frame.title.clone();
+                if ui.text_edit_singleline(&mut title).changed() {
+                    actions.edit(Edit::PutFrame(i, voltet_document::Frame { title, ..frame.clone() }));
+                }
+                if ui.button("Remove the frame").clicked() {
+                    actions.edit(Edit::RemoveFrame(i));
+                    ui.close_menu();
+                }
+            });
+        }
+        for (i, note) in scene.document.view().notes.iter().enumerate() {
+            let low = to_window(note.at);
+            let galley =
+                ui.painter().layout(note.text.clone(), size.clone(), theme::weak(dark), 220.0 * self.zoom);
+            let place = Rect::from_min_size(low, galley.size()).expand(5.0 * self.zoom);
+            let paper = if dark { Color32::from_rgb(60, 56, 40) } else { Color32::from_rgb(255, 250, 215) };
+            ui.painter().rect_filled(place, 3.0, paper);
+            ui.painter().galley(low, galley, theme::weak(dark));
+            let response = ui.interact(place, ui.id().with(("note", i)), Sense::click_and_drag());
+            if response.dragged() && response.drag_delta() != Vec2::ZERO {
+                let by = response.drag_delta() / self.zoom;
+                let at = [note.at[0] + f64::from(by.x), note.at[1] + f64::from(by.y)];
+                actions.edit(Edit::PutNote(i, voltet_document::Note { at, ..note.clone() }));
+            }
+            response.context_menu(|ui| {
+                let mut text = note.text.clone();
+                if ui.text_edit_multiline(&mut text).changed() {
+                    actions.edit(Edit::PutNote(i, voltet_document::Note { text, ..note.clone() }));
+                }
+                if ui.button("Remove the note").clicked() {
+                    actions.edit(Edit::RemoveNote(i));
+                    ui.close_menu();
+                }
+            });
+        }
+    }
+
+    /// Ports in their shapes, and what is selected, over the package's nodes.
+    fn over_nodes(&self, ui: &Ui, scene: &Scene) {
+        let dark = ui.visuals().dark_mode;
+        for (name, frame) in &self.places.drawn {
+            if scene.selection.contains(name) {
+                let stroke = Stroke::new(2.0, theme::accent(dark));
+                ui.painter().rect_stroke(frame.expand(2.0), Rounding::same(5.0 * self.zoom), stroke);
+            }
+        }
+        for (port, at) in &self.places.seen {
+            let fed = !port.is_input
+                || scene
+                    .entry(&port.node)
+                    .is_some_and(|entry| entry.inputs.iter().any(|l| l.port == port.name));
+            theme::port(ui.painter(), *at, 5.0 * self.zoom, port.port_type, dark, fed);
+        }
+    }
+
+    /// What a hand did to nodes.
+    fn respond(
+        &mut self,
+        ui: &Ui,
+        scene: &Scene,
+        response: NodeResponse<package::NoResponse, package::Face>,
+        actions: &mut Actions,
+    ) {
+        let name_of =
+            |state: &State, id: NodeId| state.graph.nodes.get(id).map(|node| node.user_data.name.clone());
+        match response {
+            NodeResponse::MoveNode { node, drag_delta } => {
+                let Some(name) = name_of(&self.state, node) else { return };
+                self.drag(ui, scene, &name, drag_delta, actions);
+            }
+            NodeResponse::ConnectEventStarted(_, end) => self.begin_wire(scene, end),
+            NodeResponse::ConnectEventEnded { output, input, .. } => {
+                let ends = [AnyParameterId::Output(output), AnyParameterId::Input(input)];
+                if let [Some(from), Some(to)] = ends.map(|end| self.ports.get(&end).cloned()) {
+                    self.end_wire(scene, &from, &to, actions);
+                }
+                self.wire = None;
+            }
+            NodeResponse::CreatedNode(_)
+            | NodeResponse::SelectNode(_)
+            | NodeResponse::DeleteNodeUi(_)
+            | NodeResponse::DeleteNodeFull { .. }
+            | NodeResponse::DisconnectEvent { .. }
+            | NodeResponse::RaiseNode(_)
+            | NodeResponse::User(_) => {}
+        }
+    }
+
+    /// A node is dragged, with all that are selected if it is.
+    fn drag(&mut self, ui: &Ui, scene: &Scene, name: &str, delta: Vec2, actions: &mut Actions) {
+        if ui.input(|input| input.pointer.button_down(PointerButton::Middle)) {
+            return;
+        }
+        let (origins, way) = self.dragged.get_or_insert_with(|| {
+            let with: BTreeSet<String> = match scene.selection.contains(name) {
+                true => scene.selection.clone(),
+                false => BTreeSet::from([name.to_string()]),
+            };
+            let at = |name: &String| (name.clone(), scene.document.position(name));
+            (with.iter().map(at).collect(), Vec2::ZERO)
+        });
+        *way += delta / self.zoom;
+        let moved: Vec<(String, [f64; 2])> = origins
+            .iter()
+            .map(|(name, at)| (name.clone(), [at[0] + f64::from(way.x), at[1] + f64::from(way.y)]))
+            .collect();
+        actions.edit(Edit::MoveNodes(moved));
+    }
+
+    /// Hands on which nodes are selected.
+    fn selected(&mut self, ui: &Ui, scene: &Scene, was_wiring: bool, actions: &mut Actions) {
+        if was_wiring || self.wire.is_some() {
+            return;
+        }
+        let (released, down, adds) = ui.input(|input| {
+            (
+                input.pointer.primary_released(),
+                input.pointer.primary_down(),
+                input.modifiers.shift || input.modifiers.command,
+            )
+        });
+        if !(released || down) || !ui.rect_contains_pointer(ui.max_rect()) || self.menu.is_some() {
+            return;
+        }
+        let of_package: BTreeSet<String> = self
+            .state
+            .selected_nodes
+            .iter()
+            .filter_map(|id| self.state.graph.nodes.get(*id))
+            .map(|node| node.user_data.name.clone())
+            .collect();
+        let hidden = scene.selection.iter().filter(|name| !self.ids.contains_key(*name));
+        let wanted: BTreeSet<String> = match adds {
+            true => of_package.union(scene.selection).cloned().collect(),
+            // What is out of view stays selected while other nodes are moved.
+            false if self.dragged.is_some() => of_package.iter().chain(hidden).cloned().collect(),
+            false => of_package,
+        };
+        if wanted != *scene.selection {
+            actions.push(Action::Select(wanted));
+        }
+    }
+
+    /// Words about what the pointer points at; a double click shows a picture or opens the menu.
+    fn point_at(&mut self, ui: &Ui, scene: &Scene, actions: &mut Actions) {
+        let Some(at) = ui.input(|input| input.pointer.hover_pos()) else { return };
+        if !ui.rect_contains_pointer(ui.max_rect()) || self.menu.is_some() || self.wire.is_some() {
+            return;
+        }
+        let double = ui.input(|input| input.pointer.button_double_clicked(PointerButton::Primary));
+        let secondary = ui.input(|input| input.pointer.secondary_clicked());
+        let port = self.places.port_at(at, NEAR * self.zoom.max(0.6));
+        let node = self.places.node_at(at);
+        if let Some(name) = node.filter(|_| double) {
+            if scene.pictures().contains(&name) {
+                actions.push(Action::Show(name.to_string()));
+            }
+        } else if (double || secondary) && node.is_none() {
+            self.asked = true;
+        }
+        let id = ui.id().with("words");
+        let still = ui.input(|input| input.pointer.velocity().length() < 60.0 && !input.pointer.any_down());
+        let words = match (port, node) {
+            (Some(port), _) => Some(joining::in_words(scene, &port)),
+            (None, Some(name)) => {
+                let id = self.ids.get(name);
+                id.and_then(|id| self.state.graph.nodes.get(*id)).map(|node| node.user_data.in_words())
+            }
+            (None, None) => None,
+        };
+        if let Some(words) = words.filter(|_| still) {
+            egui::show_tooltip_at_pointer(ui.ctx(), ui.layer_id(), id, |ui| {
+                ui.set_max_width(320.0);
+                ui.label(words);
+            });
+        }
+    }
+
+    fn show_menu(&mut self, ui: &mut Ui, rect: Rect, scene: &Scene, actions: &mut Actions) {
+        if std::mem::take(&mut self.asked) {
+            let at = ui.input(|input| input.pointer.hover_pos()).filter(|at| rect.contains(*at));
+            self.menu = Some(Menu::new(at.unwrap_or(rect.center()), None));
+        }
+        let Some(mut menu) = self.menu.take() else { return };
+        let at = self.to_document(rect, menu.at);
+        if menu.show(ui, rect, scene, at, actions) {
+            self.menu = Some(menu);
+        }
+    }
+}

@@ -1,0 +1,108 @@
+//! Where nodes and ports lie: as drawn where they are in view, else by what they will be.
+
+use super::package::{INNER, State, Written};
+use crate::scene::Scene;
+use eframe::egui::{Pos2, Rect, Vec2, pos2, vec2};
+use egui_node_graph2::AnyParameterId;
+use std::collections::HashMap;
+use voltet_core::graph::{NodeEntry, PortType};
+
+/// The package's margin on each side of what a node shows, points.
+const MARGIN: f32 = 15.0;
+
+/// Height of a title, a row and what ends a node, before it was drawn once.
+const TITLE: f32 = 30.0;
+const ROW: f32 = 21.0;
+
+/// A port of a node.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub(super) struct Port {
+    pub node: String,
+    pub name: String,
+    pub port_type: PortType,
+    pub is_input: bool,
+    /// Whether it takes several wires, or none.
+    pub is_optional: bool,
+}
+
+/// What was drawn.
+#[derive(Debug, Default)]
+pub(super) struct Places {
+    /// For each port ever drawn, where it lies from its node's corner at the usual scale.
+    ports: HashMap<(String, String, bool), Vec2>,
+    /// For each node ever drawn its size at the usual scale.
+    sizes: HashMap<String, Vec2>,
+    /// The ports and nodes of this frame, in the window; the upper ones last.
+    pub seen: Vec<(Port, Pos2)>,
+    pub drawn: Vec<(String, Rect)>,
+}
+
+impl Places {
+    /// Takes down what the package drew. `origin`: where the document's origin lies in the window.
+    pub fn write_down(
+        &mut self,
+        state: &State,
+        written: &Written,
+        known: &HashMap<AnyParameterId, Port>,
+        origin: Vec2,
+        zoom: f32,
+    ) {
+        self.seen.clear();
+        self.drawn.clear();
+        for id in &state.node_order {
+            let (Some(node), Some(at)) = (state.graph.nodes.get(*id), state.node_positions.get(*id)) else {
+                continue;
+            };
+            let low = *at + (origin - vec2(0.0, 0.0));
+            let inputs = node.inputs.iter().map(|(_, id)| AnyParameterId::Input(*id));
+            let ends = inputs.chain(node.outputs.iter().map(|(_, id)| AnyParameterId::Output(*id)));
+            let right = written.right.get(id).copied().unwrap_or(low.x + MARGIN * zoom) + MARGIN * zoom;
+            let mut bottom = low.y + TITLE * zoom;
+            for end in ends {
+                let (Some(port), Some(y)) = (known.get(&end), written.rows.get(&end)) else { continue };
+                let place = pos2(if port.is_input { low.x } else { right }, *y);
+                let from = (place - low) / zoom;
+                self.ports.insert((port.node.clone(), port.name.clone(), port.is_input), from);
+                self.seen.push((port.clone(), place));
+                bottom = bottom.max(y + 0.5 * ROW * zoom);
+            }
+            bottom = written.bottom.get(id).map_or(bottom, |y| y + 5.0 * zoom);
+            let frame = Rect::from_min_max(low, pos2(right, bottom));
+            self.sizes.insert(node.user_data.name.clone(), frame.size() / zoom);
+            self.drawn.push((node.user_data.name.clone(), frame));
+        }
+    }
+
+    /// The frame of a node in the document's points.
+    pub fn frame(&self, scene: &Scene, entry: &NodeEntry) -> Rect {
+        let [x, y] = scene.document.position(&entry.name);
+        let rows = scene.node_type(entry).map_or(1, |node| node.all_inputs().count() + node.outputs.len());
+        let guessed = vec2(INNER + 2.0 * MARGIN, TITLE + ROW * (rows + 1) as f32);
+        let size = self.sizes.get(&entry.name).copied().unwrap_or(guessed);
+        Rect::from_min_size(pos2(x as f32, y as f32), size)
+    }
+
+    /// Where a port lies in the document's points.
+    pub fn port(&self, scene: &Scene, entry: &NodeEntry, name: &str, is_input: bool) -> [f64; 2] {
+        let [x, y] = scene.document.position(&entry.name);
+        let key = (entry.name.clone(), name.to_string(), is_input);
+        let from = self.ports.get(&key).copied().unwrap_or_else(|| {
+            let frame = self.frame(scene, entry);
+            vec2(if is_input { 0.0 } else { frame.width() }, 0.5 * frame.height())
+        });
+        [x + f64::from(from.x), y + f64::from(from.y)]
+    }
+
+    /// The port next to a place of the window.
+    pub fn port_at(&self, at: Pos2, near: f32) -> Option<Port> {
+        let by_distance = self.seen.iter().map(|(port, place)| (place.distance(at), port));
+        let nearest =
+            by_distance.filter(|(distance, _)| *distance <= near).min_by(|a, b| a.0.total_cmp(&b.0));
+        nearest.map(|(_, port)| port.clone())
+    }
+
+    /// The uppermost node at a place of the window.
+    pub fn node_at(&self, at: Pos2) -> Option<&str> {
+        self.drawn.iter().rev().find(|(_, frame)| frame.contains(at)).map(|(name, _)| name.as_str())
+    }
+}

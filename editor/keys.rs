@@ -1,0 +1,158 @@
+//! The keys: one table, from which they are read and the help sheet is made.
+
+use crate::actions::{Actions, Command};
+use eframe::egui::{Context, Event, Grid, Key, KeyboardShortcut, Modifiers, RichText, Window};
+
+/// A key of the window: what it does, and the words for it. Where a command has several, help shows the first.
+type Binding = (Command, Modifiers, Key, &'static str);
+
+const NONE: Modifiers = Modifiers::NONE;
+const CTRL: Modifiers = Modifiers::COMMAND;
+const CTRL_SHIFT: Modifiers = Modifiers { shift: true, ..Modifiers::COMMAND };
+const SHIFT: Modifiers = Modifiers::SHIFT;
+
+/// Longer combinations first: a key with Shift is not the key alone.
+const KEYS: &[Binding] = &[
+    (Command::New, CTRL, Key::N, "new pipeline"),
+    (Command::Open, CTRL, Key::O, "open a pipeline, a picture that carries one, or a data file"),
+    (Command::SaveAs, CTRL_SHIFT, Key::S, "save as"),
+    (Command::Save, CTRL, Key::S, "save"),
+    (Command::Quit, CTRL, Key::Q, "quit"),
+    (Command::Redo, CTRL_SHIFT, Key::Z, "redo"),
+    (Command::Redo, CTRL, Key::Y, "redo"),
+    (Command::Undo, CTRL, Key::Z, "undo"),
+    (Command::Duplicate, CTRL, Key::D, "duplicate the selected nodes"),
+    (Command::SelectAll, CTRL, Key::A, "select all nodes"),
+    (Command::Frame, CTRL, Key::G, "frame around the selected nodes"),
+    (Command::Delete, NONE, Key::Delete, "delete the selected nodes"),
+    (Command::Delete, NONE, Key::Backspace, "delete the selected nodes"),
+    (Command::Add, NONE, Key::Space, "add a node: type to search, Enter takes the first"),
+    (Command::Add, NONE, Key::Tab, "add a node"),
+    (Command::Tidy, NONE, Key::L, "tidy: lay the nodes out"),
+    (Command::Align, SHIFT, Key::L, "align the selected nodes in a column"),
+    (Command::Note, NONE, Key::N, "note in the graph"),
+    (Command::FitGraph, NONE, Key::F, "all nodes into view"),
+    (Command::Home, NONE, Key::H, "all of the data into the picture"),
+    (Command::Along(0, false), SHIFT, Key::X, "seen from −x"),
+    (Command::Along(1, false), SHIFT, Key::Y, "seen from −y"),
+    (Command::Along(2, false), SHIFT, Key::Z, "seen from −z"),
+    (Command::Along(0, true), NONE, Key::X, "seen from +x"),
+    (Command::Along(1, true), NONE, Key::Y, "seen from +y"),
+    (Command::Along(2, true), NONE, Key::Z, "seen from +z"),
+    (Command::Roll(true), NONE, Key::Comma, "roll to the left"),
+    (Command::Roll(false), NONE, Key::Period, "roll to the right"),
+    (Command::Theme, NONE, Key::T, "light or dark"),
+    (Command::Help, NONE, Key::F1, "this sheet"),
+];
+
+/// What the mouse does, for the help sheet.
+const MOUSE: &[(&str, &[(&str, &str)])] = &[
+    (
+        "Picture",
+        &[
+            ("drag", "orbit"),
+            ("Shift-drag, middle drag", "pan"),
+            ("Ctrl-drag", "roll"),
+            ("wheel, right drag", "zoom to the pointer"),
+            ("double click", "pick the centre to orbit about"),
+            ("click", "probe: the values on the ray"),
+        ],
+    ),
+    (
+        "Graph",
+        &[
+            ("drag a node", "move it, and all that are selected"),
+            ("drag from a port", "wire; dropped on empty space: nodes that fit"),
+            ("drag from a fed input", "take the wire off"),
+            ("drag on empty space", "select nodes in a box"),
+            ("right click, double click", "add a node"),
+            ("middle drag, Space-drag", "pan"),
+            ("wheel", "zoom to the pointer"),
+            ("double click on a node", "show its picture"),
+        ],
+    ),
+    (
+        "Transfer function",
+        &[
+            ("drag a widget", "move its centre; its handles: widths, angle, corners"),
+            ("wheel, Alt-wheel", "zoom s, zoom g"),
+            ("Shift-drag", "pan"),
+            ("arrows", "nudge the widget; Shift: five times, Alt: a fifth"),
+            ("Ctrl+0 … 9, 0 … 9", "store and recall the widgets"),
+        ],
+    ),
+];
+
+/// Reads the keys that no text field wants.
+pub(crate) fn read(ctx: &Context, actions: &mut Actions) {
+    let typing = ctx.wants_keyboard_input();
+    ctx.input_mut(|input| {
+        for &(command, modifiers, key, _) in KEYS {
+            // In a text field keys are letters, but for those of the window's own business.
+            let anywhere = matches!(command, Command::Save | Command::SaveAs | Command::Open | Command::Help);
+            if (!typing || anywhere) && input.consume_key(modifiers, key) {
+                actions.command(command);
+            }
+        }
+        if typing {
+            return;
+        }
+        for event in &input.events {
+            match event {
+                Event::Copy => actions.command(Command::Copy),
+                Event::Cut => actions.command(Command::Cut),
+                _ => {}
+            }
+        }
+    });
+}
+
+/// The key of a command as menus show it.
+pub(crate) fn shortcut(ctx: &Context, command: Command) -> String {
+    match command {
+        Command::Copy => return "Ctrl+C".into(),
+        Command::Cut => return "Ctrl+X".into(),
+        _ => {}
+    }
+    let binding = KEYS.iter().find(|binding| binding.0 == command);
+    binding.map_or(String::new(), |&(_, modifiers, key, _)| {
+        ctx.format_shortcut(&KeyboardShortcut::new(modifiers, key))
+    })
+}
+
+/// The help sheet.
+pub(crate) fn sheet(ctx: &Context, open: &mut bool) {
+    Window::new("Keys and mouse").open(open).resizable(true).default_width(720.0).show(ctx, |ui| {
+        ui.columns(2, |columns| {
+            Grid::new("keys").num_columns(2).striped(true).show(&mut columns[0], |ui| {
+                let mut last = None;
+                for &(command, modifiers, key, words) in KEYS {
+                    if last != Some(command) {
+                        let keys = ctx.format_shortcut(&KeyboardShortcut::new(modifiers, key));
+                        ui.label(RichText::new(keys).monospace());
+                        ui.label(words);
+                        ui.end_row();
+                    }
+                    last = Some(command);
+                }
+                for (keys, words) in [("Ctrl+C, X, V", "copy, cut, paste nodes (as text of the file)")] {
+                    ui.label(RichText::new(keys).monospace());
+                    ui.label(words);
+                    ui.end_row();
+                }
+            });
+            let ui = &mut columns[1];
+            for (place, rows) in MOUSE {
+                ui.strong(*place);
+                Grid::new(place).num_columns(2).striped(true).show(ui, |ui| {
+                    for (hand, words) in *rows {
+                        ui.label(RichText::new(*hand).monospace());
+                        ui.label(*words);
+                        ui.end_row();
+                    }
+                });
+                ui.add_space(6.0);
+            }
+        });
+    });
+}

@@ -1,0 +1,173 @@
+//! Where the parts of the window stand.
+
+use crate::actions::{Actions, Command};
+use crate::editor::Editor;
+use crate::files;
+use crate::keys;
+use crate::picture;
+use crate::scene::Scene;
+use crate::theme;
+use eframe::egui::{
+    Align, CentralPanel, Context, Frame, Layout, RichText, SidePanel, TopBottomPanel, Ui, Window, menu,
+};
+
+/// Shows everything once.
+pub(crate) fn show(editor: &mut Editor, ctx: &Context, actions: &mut Actions) {
+    // The views keep what a hand is doing; everything else is looked at.
+    let mut graph = std::mem::take(&mut editor.graph);
+    let mut panel = std::mem::take(&mut editor.picture);
+    let mut parameters = std::mem::take(&mut editor.parameters);
+    let mut transfer = std::mem::take(&mut editor.transfer);
+    {
+        let scene = editor.scene();
+        TopBottomPanel::top("menus").show(ctx, |ui| menus(ui, &scene, actions));
+        TopBottomPanel::bottom("status").show(ctx, |ui| status(ui, editor, &scene));
+        let width = ctx.screen_rect().width();
+        SidePanel::right("right")
+            .resizable(true)
+            .default_width(0.5 * width)
+            .width_range(280.0..=0.75 * width)
+            .show(ctx, |ui| {
+                if transfer.is_wanted(&scene) {
+                    let height = ui.available_height();
+                    TopBottomPanel::bottom("transfer")
+                        .resizable(true)
+                        .default_height(0.42 * height)
+                        .height_range(140.0..=0.75 * height)
+                        .frame(Frame::none())
+                        .show_inside(ui, |ui| transfer.show(ui, &scene, actions));
+                }
+                panel.show(ui, &scene, actions);
+            });
+        let height = ctx.available_rect().height();
+        TopBottomPanel::bottom("parameters")
+            .resizable(true)
+            .default_height(0.42 * height)
+            .height_range(80.0..=0.75 * height)
+            .show(ctx, |ui| parameters.show(ui, &scene, actions));
+        CentralPanel::default()
+            .frame(Frame::none().fill(theme::ground(ctx.style().visuals.dark_mode)))
+            .show(ctx, |ui| graph.show(ui, &scene, panel.texture(), actions));
+    }
+    (editor.graph, editor.picture, editor.parameters, editor.transfer) = (graph, panel, parameters, transfer);
+    keys::sheet(ctx, &mut editor.help);
+    files::show(editor, ctx, actions);
+    unsaved(editor, ctx);
+}
+
+fn menus(ui: &mut Ui, scene: &Scene, actions: &mut Actions) {
+    menu::bar(ui, |ui| {
+        let mut list = |ui: &mut Ui, title: &str, entries: &[(&str, Command)]| {
+            ui.menu_button(title, |ui| {
+                ui.set_min_width(220.0);
+                for (text, command) in entries {
+                    let key = keys::shortcut(ui.ctx(), *command);
+                    if ui.add(eframe::egui::Button::new(*text).shortcut_text(key)).clicked() {
+                        actions.command(*command);
+                        ui.close_menu();
+                    }
+                }
+            });
+        };
+        let file = [
+            ("New", Command::New),
+            ("Open …", Command::Open),
+            ("Save", Command::Save),
+            ("Save as …", Command::SaveAs),
+            ("Quit", Command::Quit),
+        ];
+        let history = scene.document.history();
+        let undo = history.undo_label().map_or("Undo".into(), |label| format!("Undo: {label}"));
+        let redo = history.redo_label().map_or("Redo".into(), |label| format!("Redo: {label}"));
+        let edit = [
+            (undo.as_str(), Command::Undo),
+            (redo.as_str(), Command::Redo),
+            ("Cut", Command::Cut),
+            ("Copy", Command::Copy),
+            ("Duplicate", Command::Duplicate),
+            ("Delete", Command::Delete),
+            ("Select all", Command::SelectAll),
+        ];
+        let graph = [
+            ("Add a node …", Command::Add),
+            ("Tidy", Command::Tidy),
+            ("Align", Command::Align),
+            ("Frame", Command::Frame),
+            ("Note", Command::Note),
+            ("All into view", Command::FitGraph),
+        ];
+        let view =
+            [("Home", Command::Home), ("Light or dark", Command::Theme), ("Keys and mouse", Command::Help)];
+        list(ui, "File", &file);
+        list(ui, "Edit", &edit);
+        list(ui, "Graph", &graph);
+        list(ui, "View", &view);
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            let path = scene.document.path().map(|path| path.display().to_string());
+            let mark = if scene.document.is_saved() { "" } else { " •" };
+            let name = format!("{}{mark}", path.as_deref().unwrap_or("new pipeline"));
+            ui.label(RichText::new(name).color(theme::weak(ui.visuals().dark_mode)));
+        });
+    });
+}
+
+fn status(ui: &mut Ui, editor: &Editor, scene: &Scene) {
+    let dark = ui.visuals().dark_mode;
+    ui.horizontal(|ui| {
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            picture::status(ui, scene);
+            ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+                let said = match (&editor.message, scene.faults.first()) {
+                    (Some((text, true)), _) => Some((text.clone(), theme::wrong(dark))),
+                    (Some((text, false)), _) => Some((text.clone(), theme::weak(dark))),
+                    (None, Some(fault)) => Some((fault.to_string(), theme::wrong(dark))),
+                    (None, None) => None,
+                };
+                if let Some((text, color)) = said {
+                    let label = eframe::egui::Label::new(RichText::new(&text).color(color)).truncate();
+                    ui.add(label).on_hover_text(text);
+                } else {
+                    ui.label(RichText::new("F1: keys and mouse").color(theme::weak(dark)));
+                }
+            });
+        });
+    });
+}
+
+/// The question about unsaved work.
+fn unsaved(editor: &mut Editor, ctx: &Context) {
+    let Some(command) = editor.unsaved else { return };
+    let mut answer = None;
+    Window::new("Unsaved work")
+        .collapsible(false)
+        .resizable(false)
+        .anchor(eframe::egui::Align2::CENTER_CENTER, [0.0, 0.0])
+        .show(ctx, |ui| {
+            let name =
+                editor.document().path().map_or("The new pipeline".into(), |path| path.display().to_string());
+            ui.label(format!("{name} has changes that are not saved."));
+            ui.add_space(6.0);
+            ui.horizontal(|ui| {
+                for (text, is_answer) in [("Save", Some(true)), ("Discard", Some(false)), ("Cancel", None)] {
+                    if ui.button(text).clicked() {
+                        answer = Some(is_answer);
+                    }
+                }
+            });
+        });
+    match answer {
+        None => {}
+        Some(None) => editor.unsaved = None,
+        Some(Some(false)) => {
+            editor.unsaved = None;
+            editor.go_on(command);
+        }
+        Some(Some(true)) => {
+            editor.unsaved = None;
+            editor.save();
+            if editor.document().is_saved() {
+                editor.go_on(command);
+            }
+        }
+    }
+}

@@ -1,0 +1,97 @@
+//! The arrays that the data really has, with their ranges: found on a thread of its own, once a file.
+
+use crate::scene::Scene;
+use crate::worker::{short, upstream};
+use eframe::egui::Context;
+use std::collections::HashMap;
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, PoisonError};
+use voltet_core::graph::Parameter;
+use voltet_core::progress::Silent;
+use voltet_nodes::formats::{self, Association, Request};
+
+/// An array that may be chosen.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Choice {
+    /// As a file names it.
+    pub name: String,
+    /// With what it is and its range.
+    pub label: String,
+}
+
+type Known = Arc<Mutex<HashMap<PathBuf, Arc<Vec<Choice>>>>>;
+
+/// What is known of files.
+#[derive(Default)]
+pub(super) struct Arrays {
+    known: Known,
+    asked: Vec<PathBuf>,
+}
+
+/// Whether a parameter of type text names an array.
+pub(super) fn names_array(parameter: &Parameter) -> bool {
+    ["scalar", "array", "field", "magnitude"].contains(&parameter.name)
+}
+
+impl Arrays {
+    /// The arrays of the files that feed a node; empty while they are not known.
+    pub fn of(&mut self, ctx: &Context, scene: &Scene, node: &str) -> Arc<Vec<Choice>> {
+        let nodes = &scene.document.pipeline().nodes;
+        let feeding = upstream(nodes, node);
+        let reader = nodes
+            .iter()
+            .find(|entry| feeding.contains(&entry.name) && entry.node_type.text() == Some("reader"));
+        let stated = reader.and_then(|reader| reader.settings.iter().find(|field| field.name == "path"));
+        let Some(path) = stated.and_then(|field| field.setting.text()) else { return Arc::default() };
+        let path = scene.document.folder().join(path);
+        if let Some(known) = self.known.lock().unwrap_or_else(PoisonError::into_inner).get(&path) {
+            return known.clone();
+        }
+        if !self.asked.contains(&path) {
+            self.asked.push(path.clone());
+            let (known, ctx) = (self.known.clone(), ctx.clone());
+            // Without a thread there are no choices, and the name is typed.
+            let _ = std::thread::Builder::new().name("arrays".into()).spawn(move || {
+                let tell = |found: Vec<Choice>| {
+                    known
+                        .lock()
+                        .unwrap_or_else(PoisonError::into_inner)
+                        .insert(path.clone(), Arc::new(found));
+                    ctx.request_repaint();
+                };
+                // Names come from the headers at once; ranges take a reading of the file.
+                tell(heads(&path));
+                if let Some(found) = ranges(&path) {
+                    tell(found);
+                }
+            });
+        }
+        Arc::default()
+    }
+}
+
+fn heads(path: &std::path::Path) -> Vec<Choice> {
+    let arrays = formats::arrays(path, &Request::default()).unwrap_or_default();
+    arrays.iter().flat_map(|head| choices(head, None)).collect()
+}
+
+fn ranges(path: &std::path::Path) -> Option<Vec<Choice>> {
+    let summary = formats::inspect(path, &Request::default(), &Silent).ok()?;
+    Some(summary.arrays.iter().flat_map(|array| choices(&array.head, array.range)).collect())
+}
+
+/// An array as it is, or its length and components.
+fn choices(head: &formats::ArrayHead, range: Option<[f64; 2]>) -> Vec<Choice> {
+    let place = if head.association == Association::Cell { "cells" } else { "points" };
+    let range = range.map_or(String::new(), |[low, high]| format!(", {} to {}", short(low), short(high)));
+    if head.component_count == 1 {
+        return vec![Choice { name: head.name.clone(), label: format!("{}  ({place}{range})", head.name) }];
+    }
+    let length = format!("{}:magnitude", head.name);
+    let all = std::iter::once(Choice { label: format!("{length}  ({place}{range})"), name: length });
+    let parts = (0..head.component_count).map(|i| {
+        let name = format!("{}:{i}", head.name);
+        Choice { label: format!("{name}  ({place})"), name }
+    });
+    all.chain(parts).collect()
+}

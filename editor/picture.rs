@@ -1,0 +1,222 @@
+//! The picture: what the worker drew last, and the hand that moves the camera.
+
+use crate::actions::{Action, Actions};
+use crate::scene::Scene;
+use crate::theme;
+use crate::view::View;
+use crate::worker::Pixels;
+use eframe::egui::{
+    Align2, Color32, ColorImage, ComboBox, FontId, PointerButton, Rect, Response, RichText, Sense,
+    TextureHandle, TextureOptions, Ui, pos2, vec2,
+};
+use std::f64::consts::PI;
+
+/// Radians that a drag over the height of the picture turns.
+const TURN: f64 = PI;
+
+/// Factor of one notch of the wheel (50 points).
+const NOTCH: f64 = 1.15;
+
+/// The large view of a picture.
+#[derive(Default)]
+pub(crate) struct PicturePanel {
+    texture: Option<TextureHandle>,
+    /// What the texture holds: the request and how coarse.
+    holds: Option<(u64, u32)>,
+    /// Where the picture lies, in points, for tests.
+    #[cfg(test)]
+    rect: Option<Rect>,
+    /// Pixels that it can show.
+    pub room: [u32; 2],
+}
+
+impl PicturePanel {
+    pub fn show(&mut self, ui: &mut Ui, scene: &Scene, actions: &mut Actions) {
+        self.head(ui, scene, actions);
+        let (rect, response) =
+            ui.allocate_exact_size(ui.available_size().max(vec2(16.0, 16.0)), Sense::click_and_drag());
+        let room = rect.size() * ui.ctx().pixels_per_point();
+        self.room = [room.x.max(1.0) as u32, room.y.max(1.0) as u32];
+        self.take(ui, scene);
+        ui.painter().rect_filled(rect, 0.0, Color32::BLACK);
+        let aspect = scene.picture_size.map_or(4.0 / 3.0, |[width, height]| width as f32 / height as f32);
+        let size = if rect.width() > rect.height() * aspect {
+            vec2(rect.height() * aspect, rect.height())
+        } else {
+            vec2(rect.width(), rect.width() / aspect)
+        };
+        let picture = Rect::from_center_size(rect.center(), size);
+        #[cfg(test)]
+        {
+            self.rect = Some(picture);
+        }
+        if let Some(texture) = self.texture.as_ref().filter(|_| scene.shown_node.is_some()) {
+            let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
+            ui.painter().image(texture.id(), picture, whole, Color32::WHITE);
+        }
+        self.over(ui, scene, rect);
+        if let Some(view) = scene.view {
+            self.hand(ui, &response, view, picture, actions);
+        }
+        response.on_hover_cursor(eframe::egui::CursorIcon::Grab);
+    }
+
+    /// The texture of the picture as a node shows it.
+    pub fn texture(&self) -> Option<&TextureHandle> {
+        self.texture.as_ref()
+    }
+
+    /// Where the picture lies in the window.
+    #[cfg(test)]
+    pub fn rect(&self) -> Option<Rect> {
+        self.rect
+    }
+
+    /// Which picture is shown, and the ways to look at it.
+    fn head(&self, ui: &mut Ui, scene: &Scene, actions: &mut Actions) {
+        ui.horizontal(|ui| {
+            let pictures = scene.pictures();
+            let shown = scene.shown_node.unwrap_or("no picture");
+            ComboBox::from_id_salt("shown").selected_text(shown).width(120.0).show_ui(ui, |ui| {
+                for name in pictures {
+                    if ui.selectable_label(scene.shown_node == Some(name), name).clicked() {
+                        actions.push(Action::Show(name.to_string()));
+                    }
+                }
+            });
+            ui.add_enabled_ui(scene.view.is_some(), |ui| {
+                use crate::actions::Command::{Along, Home, Roll};
+                for (text, command, help) in [
+                    ("Home", Home, "all of the data into the picture (H)"),
+                    ("+x", Along(0, true), "seen from +x (X)"),
+                    ("−x", Along(0, false), "seen from −x (Shift+X)"),
+                    ("+y", Along(1, true), "seen from +y (Y)"),
+                    ("−y", Along(1, false), "seen from −y (Shift+Y)"),
+                    ("+z", Along(2, true), "seen from +z (Z)"),
+                    ("−z", Along(2, false), "seen from −z (Shift+Z)"),
+                    ("⟲", Roll(true), "roll to the left (,)"),
+                    ("⟳", Roll(false), "roll to the right (.)"),
+                ] {
+                    if ui.small_button(text).on_hover_text(help).clicked() {
+                        actions.command(command);
+                    }
+                }
+            });
+        });
+    }
+
+    /// Takes over what the worker drew.
+    fn take(&mut self, ui: &Ui, scene: &Scene) {
+        let Some(pixels) = &scene.pixels else { return };
+        if self.holds == Some((pixels.number, pixels.divisor)) {
+            return;
+        }
+        let image = color_image(pixels);
+        // What is smaller than its place is shown as its pixels are where it is the full picture.
+        let options = if pixels.divisor == 1 { TextureOptions::LINEAR } else { TextureOptions::LINEAR };
+        match &mut self.texture {
+            Some(texture) => texture.set(image, options),
+            None => self.texture = Some(ui.ctx().load_texture("picture", image, options)),
+        }
+        self.holds = Some((pixels.number, pixels.divisor));
+    }
+
+    /// What stands over the picture: why there is none, or that it is being made.
+    fn over(&self, ui: &Ui, scene: &Scene, rect: Rect) {
+        let dark = true; // The ground is black.
+        let say = |text: &str, color: Color32| {
+            let galley =
+                ui.painter().layout(text.into(), FontId::proportional(14.0), color, rect.width() - 40.0);
+            let place = Align2::CENTER_CENTER.anchor_size(rect.center(), galley.size());
+            ui.painter().rect_filled(place.expand(8.0), 4.0, Color32::from_black_alpha(200));
+            ui.painter().galley(place.min, galley, color);
+        };
+        match (&scene.failure, scene.shown_node) {
+            (_, None) => {
+                let text = match scene.document.pipeline().nodes.is_empty() {
+                    true => "Open a pipeline or a data file (Ctrl+O), or add nodes (Space).",
+                    false => "No node gives a picture yet: add a renderer (Space).",
+                };
+                say(text, Color32::from_gray(200));
+            }
+            (Some(failure), Some(_)) => say(&failure.to_string(), theme::wrong(dark)),
+            (None, Some(_)) if scene.pixels.is_none() => {
+                say(scene.running.as_deref().unwrap_or("drawing …"), Color32::from_gray(200));
+            }
+            (None, Some(_)) => {}
+        }
+    }
+
+    /// Drags and the wheel, as movements of the camera.
+    fn hand(&self, ui: &Ui, response: &Response, view: View, picture: Rect, actions: &mut Actions) {
+        let height = f64::from(picture.height().max(1.0));
+        let place = |at: eframe::egui::Pos2| {
+            let from = at - picture.center();
+            [f64::from(from.x) / height, -f64::from(from.y) / height]
+        };
+        let delta = response.drag_delta();
+        let by = [f64::from(delta.x) / height, -f64::from(delta.y) / height];
+        let mut to = view;
+        if delta != eframe::egui::Vec2::ZERO {
+            let modifiers = ui.input(|input| input.modifiers);
+            let middle = response.dragged_by(PointerButton::Middle);
+            let at = response.interact_pointer_pos().unwrap_or(picture.center());
+            if response.dragged_by(PointerButton::Secondary) {
+                let from = ui.input(|input| input.pointer.press_origin()).unwrap_or(at);
+                to = to.zoomed((3.0 * by[1]).exp(), place(from));
+            } else if middle || modifiers.shift {
+                to = to.panned(by);
+            } else if modifiers.command {
+                let [x, y] = place(at);
+                let angle = |x: f64, y: f64| y.atan2(x);
+                to = to.rolled(angle(x - by[0], y - by[1]) - angle(x, y));
+            } else {
+                to = to.orbited([TURN * by[0], TURN * by[1]]);
+            }
+        }
+        if let Some(at) = response.hover_pos() {
+            let scroll =
+                ui.input(|input| input.smooth_scroll_delta.y + 50.0 * 5.0 * (input.zoom_delta().ln()));
+            if scroll != 0.0 {
+                to = to.zoomed(NOTCH.powf(f64::from(scroll) / 50.0), place(at));
+            }
+        }
+        let at = response.interact_pointer_pos().filter(|at| picture.contains(*at));
+        match at {
+            Some(at) if response.double_clicked() => actions.push(Action::Centre(place(at))),
+            Some(at) if response.clicked() => actions.push(Action::Probe(vec![place(at)])),
+            _ => {}
+        }
+        if to != view {
+            actions.push(Action::Look(to));
+        }
+    }
+}
+
+/// The line under the picture.
+pub(crate) fn status(ui: &mut Ui, scene: &Scene) {
+    let dark = ui.visuals().dark_mode;
+    if let Some(running) = &scene.running {
+        ui.label(running.as_str());
+    } else if let Some(pixels) = &scene.pixels {
+        let [width, height] = pixels.size();
+        let seconds = scene.seconds.map_or(String::new(), |s| format!(" · {}", milliseconds(s)));
+        let engine = scene.engine.as_deref().map_or(String::new(), |engine| format!(" · {engine}"));
+        ui.label(RichText::new(format!("{width} × {height}{seconds}{engine}")).color(theme::weak(dark)));
+    }
+}
+
+/// A time as a person reads it.
+pub(crate) fn milliseconds(seconds: f64) -> String {
+    match seconds {
+        s if s < 1e-3 => "< 1 ms".into(),
+        s if s < 1.0 => format!("{:.0} ms", s * 1e3),
+        s if s < 100.0 => format!("{s:.1} s"),
+        s => format!("{s:.0} s"),
+    }
+}
+
+fn color_image(pixels: &Pixels) -> ColorImage {
+    let of = |&[r, g, b, _]: &[u8; 4]| Color32::from_rgb(r, g, b);
+    ColorImage { size: pixels.size(), pixels: pixels.rgba.iter().map(of).collect() }
+}

@@ -1,0 +1,69 @@
+//! What the parts of the window look at while a frame is shown; they change none of it.
+
+use crate::view::View;
+use crate::worker::{NodeStatus, Pixels, Probed};
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+use voltet_core::Error;
+use voltet_core::graph::{Look, Node, NodeEntry, PortType, Registry};
+use voltet_core::probing::Histogram;
+use voltet_document::Document;
+
+/// One frame's view of everything.
+pub(crate) struct Scene<'a> {
+    pub document: &'a Document,
+    pub registry: &'a Registry,
+    pub selection: &'a BTreeSet<String>,
+    /// The node whose picture is shown.
+    pub shown_node: Option<&'a str>,
+    /// Where that picture is seen from.
+    pub view: Option<View>,
+    /// Its size as the document says.
+    pub picture_size: Option<[u32; 2]>,
+    pub pixels: Option<Pixels>,
+    /// The nodes that feed the picture.
+    pub nodes: BTreeMap<String, NodeStatus>,
+    /// For each output what runs through it.
+    pub values: Arc<BTreeMap<String, String>>,
+    pub failure: Option<Error>,
+    /// What runs, in words.
+    pub running: Option<String>,
+    pub seconds: Option<f64>,
+    pub engine: Option<String>,
+    /// The distribution over (s, g) of what the selected transfer function is drawn with.
+    pub distribution: Option<Arc<Histogram>>,
+    /// Why there is none.
+    pub distribution_fault: Option<String>,
+    /// Transfer functions with their relative numbers resolved, by their nodes.
+    pub looks: Arc<BTreeMap<String, Arc<Look>>>,
+    /// What was found at a place of the picture.
+    pub probed: Option<Arc<Probed>>,
+    /// Faults of the document, each with the node that it concerns.
+    pub faults: &'a [Error],
+}
+
+impl<'a> Scene<'a> {
+    /// The node of that name.
+    pub fn entry(&self, name: &str) -> Option<&'a NodeEntry> {
+        self.document.pipeline().nodes.iter().find(|node| node.name == name)
+    }
+
+    /// The type of a node, where it is known.
+    pub fn node_type(&self, entry: &NodeEntry) -> Option<&'static Node> {
+        self.registry.find(entry.node_type.text()?).ok()
+    }
+
+    /// The names of the nodes that give pictures.
+    pub fn pictures(&self) -> Vec<&'a str> {
+        pictures(self.document, self.registry)
+    }
+}
+
+/// The names of the nodes that give pictures, in the order of the document.
+pub(crate) fn pictures<'a>(document: &'a Document, registry: &Registry) -> Vec<&'a str> {
+    let gives = |node: &&NodeEntry| {
+        let node_type = node.node_type.text().and_then(|name| registry.find(name).ok());
+        node_type.is_some_and(|node| node.outputs.iter().any(|port| port.port_type == PortType::Image))
+    };
+    document.pipeline().nodes.iter().filter(gives).map(|node| node.name.as_str()).collect()
+}

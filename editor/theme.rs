@@ -1,0 +1,104 @@
+//! Colours, light and dark, and the shapes of ports.
+
+use eframe::egui::{Color32, Context, Painter, Pos2, Shape, Stroke, Theme, Visuals, vec2};
+use voltet_core::graph::PortType;
+
+/// Applies the theme, once.
+pub(crate) fn apply(ctx: &Context) {
+    for theme in [Theme::Dark, Theme::Light] {
+        ctx.style_mut_of(theme, |style| {
+            // Labels are dragged with what they stand on.
+            style.interaction.selectable_labels = false;
+            // A blinking cursor would keep an idle window busy.
+            style.visuals.text_cursor.blink = false;
+            style.spacing.slider_width = 130.0;
+        });
+    }
+    ctx.set_visuals_of(
+        Theme::Dark,
+        Visuals {
+            panel_fill: Color32::from_gray(30),
+            window_fill: Color32::from_gray(36),
+            extreme_bg_color: Color32::from_gray(18),
+            override_text_color: Some(Color32::from_gray(210)),
+            ..base(true)
+        },
+    );
+    ctx.set_visuals_of(
+        Theme::Light,
+        Visuals {
+            panel_fill: Color32::from_gray(243),
+            window_fill: Color32::from_gray(250),
+            extreme_bg_color: Color32::WHITE,
+            override_text_color: Some(Color32::from_gray(30)),
+            ..base(false)
+        },
+    );
+}
+
+fn base(dark: bool) -> Visuals {
+    let mut visuals = if dark { Visuals::dark() } else { Visuals::light() };
+    visuals.text_cursor.blink = false;
+    visuals
+}
+
+/// What marks the selected.
+pub(crate) fn accent(dark: bool) -> Color32 {
+    if dark { Color32::from_rgb(255, 200, 80) } else { Color32::from_rgb(200, 110, 0) }
+}
+
+/// What marks an error.
+pub(crate) fn wrong(dark: bool) -> Color32 {
+    if dark { Color32::from_rgb(255, 110, 100) } else { Color32::from_rgb(190, 20, 20) }
+}
+
+/// What is of less weight, still read with ease.
+pub(crate) fn weak(dark: bool) -> Color32 {
+    if dark { Color32::from_gray(165) } else { Color32::from_gray(85) }
+}
+
+/// The graph's ground.
+pub(crate) fn ground(dark: bool) -> Color32 {
+    if dark { Color32::from_gray(22) } else { Color32::from_gray(226) }
+}
+
+/// The colour of a port type: hues apart also for most who see few of them, which the shapes serve besides.
+pub(crate) fn port_color(port_type: PortType, dark: bool) -> Color32 {
+    let [r, g, b] = match port_type {
+        PortType::Grid => [86, 156, 230],
+        PortType::Volume => [60, 190, 180],
+        PortType::TransferFunction => [226, 120, 200],
+        PortType::Camera => [235, 190, 70],
+        PortType::Cells => [120, 200, 90],
+        PortType::Projection => [170, 200, 60],
+        PortType::Image => [240, 120, 80],
+        PortType::Report => [170, 170, 180],
+        PortType::CellValues => [160, 130, 240],
+    };
+    let color = Color32::from_rgb(r, g, b);
+    // On white the same hues, darker.
+    if dark { color } else { color.lerp_to_gamma(Color32::BLACK, 0.3) }
+}
+
+/// The shape of a port: round for what lies in space, a diamond for a transfer function, a triangle for a camera, a square
+/// for pictures, a bar for figures.
+pub(crate) fn port(painter: &Painter, at: Pos2, radius: f32, port_type: PortType, dark: bool, is_fed: bool) {
+    let color = port_color(port_type, dark);
+    let fill = if is_fed { color } else { ground(dark) };
+    let stroke = Stroke::new((radius * 0.4).max(1.0), color);
+    let polygon = |corners: &[(f32, f32)]| {
+        let points = corners.iter().map(|&(x, y)| at + radius * vec2(x, y)).collect();
+        Shape::convex_polygon(points, fill, stroke)
+    };
+    painter.add(match port_type {
+        PortType::Grid | PortType::Volume | PortType::Cells | PortType::Projection => {
+            Shape::Circle(eframe::egui::epaint::CircleShape { center: at, radius, fill, stroke })
+        }
+        PortType::TransferFunction => polygon(&[(0.0, -1.25), (1.25, 0.0), (0.0, 1.25), (-1.25, 0.0)]),
+        PortType::Camera => polygon(&[(-0.95, -1.1), (1.25, 0.0), (-0.95, 1.1)]),
+        PortType::Image => polygon(&[(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]),
+        PortType::Report | PortType::CellValues => {
+            polygon(&[(-0.6, -1.1), (0.6, -1.1), (0.6, 1.1), (-0.6, 1.1)])
+        }
+    });
+}

@@ -1,0 +1,379 @@
+//! The transfer function editor: the volume-weighted histogram over s and g, and every widget on it, edited where it lies.
+
+mod draw;
+mod form;
+mod head;
+mod plane;
+mod sets;
+
+use crate::actions::Actions;
+use crate::scene::Scene;
+use crate::theme;
+use crate::worker::{Probed, short, upstream};
+use eframe::egui::{self, Align2, FontId, Key, PointerButton, Pos2, Rect, Sense, Ui, pos2, vec2};
+use form::{Change, Drawn, Handle, Region};
+use plane::{Counts, Plane};
+use sets::Sets;
+use std::collections::BTreeSet;
+use std::sync::Arc;
+use voltet_core::graph::{NodeEntry, PortType, Setting};
+use voltet_core::probing::Histogram;
+use voltet_document::{Edit, Path};
+
+/// How near to a handle a pointer means it, points.
+const NEAR: f32 = 9.0;
+
+/// Room for the numbers of the axes: left, below.
+const MARGIN: [f32; 2] = [52.0, 18.0];
+
+/// A nudge by an arrow key, as a share of the shown axis.
+const NUDGE: f64 = 0.01;
+
+/// Factor of a zoom by one notch of the wheel (50 points).
+const NOTCH: f64 = 1.2;
+
+/// The panel, with what a hand is doing in it.
+#[derive(Default)]
+pub(crate) struct TransferPanel {
+    /// The shown part of the plane; all of the data until a hand chose another.
+    shown: Option<[[f64; 2]; 2]>,
+    /// The widget in hand, by its place.
+    chosen: usize,
+    drag: Option<Drag>,
+    counts: Counts,
+    sets: Sets,
+    /// Widgets that the window's picture leaves out; the file keeps them.
+    hidden: BTreeSet<usize>,
+    of: Option<String>,
+    /// The plane of the last frame, for tests.
+    #[cfg(test)]
+    plane: Option<Plane>,
+}
+
+/// A drag: the widget as it was, what is held, and where it began.
+struct Drag {
+    widget: Drawn,
+    handle: Option<Handle>,
+    from: [f64; 2],
+}
+
+/// What is edited.
+struct Look<'a> {
+    node: &'a NodeEntry,
+    list: &'a [Setting],
+    widgets: Vec<Drawn>,
+    histogram: Option<Arc<Histogram>>,
+    extent: [f64; 2],
+    /// The extinction at the top of the plot, for curves.
+    peak: f64,
+    probed: Option<Arc<Probed>>,
+}
+
+/// The transfer function that is edited: the selected one, else the first that feeds the picture.
+pub(crate) fn of<'a>(scene: &Scene<'a>) -> Option<&'a NodeEntry> {
+    let nodes = &scene.document.pipeline().nodes;
+    let is_one = |node: &&NodeEntry| node.node_type.text() == Some("transfer-function");
+    let selected = nodes.iter().filter(is_one).find(|node| scene.selection.contains(&node.name));
+    let feeding = upstream(nodes, scene.shown_node?);
+    selected.or_else(|| nodes.iter().filter(is_one).find(|node| feeding.contains(&node.name)))
+}
+
+/// The output that gives the volume that a transfer function is drawn with: "node" or "node.port".
+pub(crate) fn volume_of(scene: &Scene, look: &str) -> Option<String> {
+    let nodes = &scene.document.pipeline().nodes;
+    let source = |node: &NodeEntry, port_type: PortType| {
+        let declared = scene.node_type(node)?;
+        let port = declared.all_inputs().find(|port| port.port_type == port_type)?;
+        node.inputs.iter().find(|link| link.port == port.name)?.source.text().map(str::to_string)
+    };
+    let draws = |node: &&NodeEntry| {
+        source(node, PortType::TransferFunction)
+            .is_some_and(|text| text == look || text.split('.').next() == Some(look))
+    };
+    let mut drawn = nodes.iter().filter(draws).filter(|node| node.name != look);
+    let by_use = drawn.find_map(|node| source(node, PortType::Volume));
+    by_use.or_else(|| source(scene.entry(look)?, PortType::Volume))
+}
+
+impl TransferPanel {
+    /// Whether there is a transfer function to edit.
+    pub fn is_wanted(&self, scene: &Scene) -> bool {
+        of(scene).is_some()
+    }
+
+    /// The widgets of a node that the window's picture leaves out.
+    pub fn hidden(&self) -> Option<(&str, &BTreeSet<usize>)> {
+        self.of.as_deref().filter(|_| !self.hidden.is_empty()).map(|of| (of, &self.hidden))
+    }
+
+    /// Where a value was drawn.
+    #[cfg(test)]
+    pub fn place_of(&self, value: [f64; 2]) -> Option<Pos2> {
+        self.plane.map(|plane| plane.to_window(value))
+    }
+
+    /// The axes that were drawn.
+    #[cfg(test)]
+    pub fn shown_axes(&self) -> [[f64; 2]; 2] {
+        self.plane.map_or([[0.0; 2]; 2], |plane| plane.shown)
+    }
+
+    pub fn show(&mut self, ui: &mut Ui, scene: &Scene, actions: &mut Actions) {
+        let Some(node) = of(scene) else { return };
+        if self.of.as_deref() != Some(&node.name) {
+            let before = self.of.replace(node.name.clone());
+            (self.chosen, self.drag, self.shown) = (0, None, None);
+            if before.is_some() {
+                self.hidden.clear();
+            }
+        }
+        let look = self.look(scene, node);
+        self.chosen = self.chosen.min(look.widgets.len().saturating_sub(1));
+        self.hidden.retain(|place| *place < look.widgets.len());
+        ui.add_space(3.0);
+        self.head(ui, &look, actions);
+        let (whole, response) =
+            ui.allocate_exact_size(ui.available_size().max(vec2(60.0, 60.0)), Sense::click_and_drag());
+        let rect = Rect::from_min_max(
+            pos2(whole.left() + MARGIN[0], whole.top() + 2.0),
+            pos2(whole.right() - 8.0, whole.bottom() - MARGIN[1]),
+        );
+        let of_data = look.histogram.as_ref().map(|histogram| plane::whole(histogram));
+        let shown = self.shown.or(of_data).unwrap_or([[0.0, 1.0], [0.0, 1.0]]);
+        let plane = Plane { rect, shown };
+        #[cfg(test)]
+        {
+            self.plane = Some(plane);
+        }
+        let dark = ui.visuals().dark_mode;
+        ui.painter().rect_filled(rect, 0.0, ui.visuals().extreme_bg_color);
+        if let Some(histogram) = &look.histogram {
+            self.counts.draw(ui, plane, histogram);
+        }
+        plane::axes(ui, plane, ["s", "g = |∇s|"]);
+        for (place, widget) in look.widgets.iter().enumerate() {
+            let is_chosen = place == self.chosen;
+            draw::widget(ui, plane, widget, is_chosen, self.hidden.contains(&place), look.peak);
+        }
+        if let Some(probed) = &look.probed {
+            draw::probed(ui, plane, probed);
+        }
+        if look.histogram.is_none() {
+            let text = scene
+                .distribution_fault
+                .clone()
+                .unwrap_or_else(|| "the distribution of the data comes …".into());
+            let font = FontId::proportional(12.0);
+            ui.painter().text(rect.center(), Align2::CENTER_CENTER, text, font, theme::weak(dark));
+        }
+        self.move_plane(ui, &response, plane, of_data);
+        self.hand(ui, &response, plane, &look, actions);
+        self.keys(ui, whole, plane, &look, actions);
+        self.readout(ui, &response, plane, &look);
+    }
+
+    fn look<'a>(&self, scene: &Scene<'a>, node: &'a NodeEntry) -> Look<'a> {
+        let stated = node.settings.iter().find(|field| field.name == "widgets");
+        let list = stated.and_then(|field| field.setting.list()).unwrap_or_default();
+        let histogram = scene.distribution.clone();
+        let extent =
+            histogram.as_ref().map_or([1.0; 2], |histogram| histogram.axes.map(|axis| axis.high - axis.low));
+        let known = scene.looks.get(&node.name);
+        let widget = |(place, entry): (usize, &Setting)| {
+            let resolved = known.and_then(|look| look.transfer_function.widgets.get(place));
+            Drawn::read(entry.table().unwrap_or_default(), resolved, extent)
+        };
+        let widgets: Vec<Drawn> = list.iter().enumerate().map(widget).collect();
+        let of_curve = |widget: &Drawn| match &widget.form {
+            form::Form::Points(points) => points.iter().map(|point| point[4]).fold(0.0, f64::max),
+            _ => 0.0,
+        };
+        let peak = match &self.drag {
+            // The scale stands still while a point is dragged.
+            Some(Drag { widget, .. }) => of_curve(widget),
+            None => widgets.iter().map(of_curve).fold(0.0, f64::max),
+        };
+        let peak = if peak > 0.0 { 1.1 * peak } else { 1.0 };
+        Look { node, list, widgets, histogram, extent, peak, probed: scene.probed.clone() }
+    }
+
+    /// Wheel and Shift-drag: which part of the plane is shown.
+    fn move_plane(
+        &mut self,
+        ui: &Ui,
+        response: &egui::Response,
+        plane: Plane,
+        of_data: Option<[[f64; 2]; 2]>,
+    ) {
+        if let Some(at) = response.hover_pos() {
+            let (scroll, alt) = ui.input(|input| {
+                let scroll = input.smooth_scroll_delta;
+                // Some systems turn the wheel sideways where Alt is held.
+                (if scroll.y == 0.0 { scroll.x } else { scroll.y }, input.modifiers.alt)
+            });
+            if scroll != 0.0 {
+                let axis = usize::from(alt);
+                let mut shown = plane.shown;
+                let factor = NOTCH.powf(f64::from(scroll) / 50.0);
+                shown[axis] = plane::zoomed(shown[axis], factor, plane.to_values(at)[axis]);
+                self.shown = Some(shown);
+            }
+        }
+        let pans = ui.input(|input| input.modifiers.shift) || response.dragged_by(PointerButton::Middle);
+        let delta = response.drag_delta();
+        if pans && self.drag.is_none() && delta != egui::Vec2::ZERO {
+            let [per_s, per_g] = plane.per_point();
+            let by = [-f64::from(delta.x) * per_s, f64::from(delta.y) * per_g];
+            let [s, g] = plane.shown;
+            self.shown = Some([s.map(|x| x + by[0]), g.map(|x| x + by[1])]);
+        }
+        if response.double_clicked() && self.drag.is_none() && of_data.is_some() {
+            self.shown = None;
+        }
+    }
+
+    /// Choosing and dragging widgets.
+    fn hand(&mut self, ui: &Ui, response: &egui::Response, plane: Plane, look: &Look, actions: &mut Actions) {
+        let shift = ui.input(|input| input.modifiers.shift);
+        let press = ui.input(|input| input.pointer.press_origin());
+        let top = plane.shown[1][1];
+        if response.drag_started_by(PointerButton::Primary) && !shift {
+            if let Some(at) = press {
+                self.take(at, plane, look, top);
+            }
+        }
+        if response.clicked()
+            && let Some(at) = response.interact_pointer_pos()
+        {
+            self.take(at, plane, look, top);
+            self.drag = None;
+        }
+        let Some(drag) = &self.drag else { return };
+        if response.drag_stopped() || !ui.input(|input| input.pointer.primary_down()) {
+            self.drag = None;
+            return;
+        }
+        let Some(at) = ui.input(|input| input.pointer.interact_pos()) else { return };
+        if response.drag_delta() == egui::Vec2::ZERO {
+            return;
+        }
+        let to = plane.to_values(at);
+        let bounds = [top, look.peak];
+        let changes = match drag.handle {
+            Some(handle) => drag.widget.moved(handle, to, look.extent, bounds),
+            None => drag.widget.shifted([to[0] - drag.from[0], to[1] - drag.from[1]], look.extent, bounds),
+        };
+        edit(look, self.chosen, changes, actions);
+    }
+
+    /// What lies under a press: a handle of the widget in hand, another widget, or nothing.
+    fn take(&mut self, at: Pos2, plane: Plane, look: &Look, top: f64) {
+        let value = plane.to_values(at);
+        let nearest = |widget: &Drawn| {
+            let handles = widget.handles(top, look.peak).into_iter();
+            let by_distance = handles.map(|(handle, place)| (plane.to_window(place).distance(at), handle));
+            by_distance
+                .filter(|(distance, _)| *distance <= NEAR)
+                .min_by(|a, b| a.0.total_cmp(&b.0))
+                .map(|(_, handle)| handle)
+        };
+        let hold = |widget: &Drawn, handle| Some(Drag { widget: widget.clone(), handle, from: value });
+        if let Some(widget) = look.widgets.get(self.chosen)
+            && let Some(handle) = nearest(widget)
+        {
+            self.drag = hold(widget, Some(handle));
+            return;
+        }
+        // Handles of others come before what others cover; of what covers the place, the strongest.
+        let by_handle =
+            look.widgets.iter().enumerate().find_map(|(place, widget)| Some((place, nearest(widget)?)));
+        if let Some((place, handle)) = by_handle {
+            self.chosen = place;
+            self.drag = hold(&look.widgets[place], Some(handle));
+            return;
+        }
+        let strengths =
+            look.widgets.iter().enumerate().map(|(place, widget)| (place, widget.strength(value)));
+        // What is everywhere is taken by its handles alone.
+        let local = strengths.filter(|(place, strength)| {
+            *strength > 0.13
+                && !(matches!(look.widgets[*place].region, Region::Whole)
+                    && is_everywhere(&look.widgets[*place], look))
+        });
+        if let Some((place, _)) = local.max_by(|a, b| a.1.total_cmp(&b.1)) {
+            self.chosen = place;
+            self.drag = hold(&look.widgets[place], None);
+        }
+    }
+
+    /// Arrows nudge, digits recall and with Ctrl store a set.
+    fn keys(&mut self, ui: &Ui, whole: Rect, plane: Plane, look: &Look, actions: &mut Actions) {
+        if ui.ctx().wants_keyboard_input() || !ui.rect_contains_pointer(whole) {
+            return;
+        }
+        self.sets.keys(ui, look, actions);
+        let (modifiers, by) = ui.input(|input| {
+            let pressed = |key| f64::from(u8::from(input.key_pressed(key)));
+            let by = [
+                pressed(Key::ArrowRight) - pressed(Key::ArrowLeft),
+                pressed(Key::ArrowUp) - pressed(Key::ArrowDown),
+            ];
+            (input.modifiers, by)
+        });
+        if by == [0.0; 2] {
+            return;
+        }
+        let times = if modifiers.shift {
+            5.0
+        } else if modifiers.alt {
+            0.2
+        } else {
+            1.0
+        };
+        let step = [0, 1].map(|k| by[k] * times * NUDGE * (plane.shown[k][1] - plane.shown[k][0]));
+        if let Some(widget) = look.widgets.get(self.chosen) {
+            edit(
+                look,
+                self.chosen,
+                widget.shifted(step, look.extent, [plane.shown[1][1], look.peak]),
+                actions,
+            );
+        }
+    }
+
+    /// The value and the share of the volume under the pointer.
+    fn readout(&self, ui: &Ui, response: &egui::Response, plane: Plane, look: &Look) {
+        let Some(at) = response.hover_pos().filter(|at| plane.rect.contains(*at)) else { return };
+        let value = plane.to_values(at);
+        let share = look.histogram.as_ref().and_then(|histogram| plane::share_at(histogram, value));
+        let share =
+            share.map_or(String::new(), |share| format!("   {} % of the volume a bin", short(100.0 * share)));
+        let text = format!("s {}   g {}{share}", short(value[0]), short(value[1]));
+        let color = ui.visuals().text_color();
+        let galley = ui.painter().layout_no_wrap(text, FontId::proportional(11.5), color);
+        let place = Align2::RIGHT_TOP.anchor_size(plane.rect.right_top() + vec2(-6.0, 4.0), galley.size());
+        ui.painter().rect_filled(place.expand(3.0), 3.0, ui.visuals().extreme_bg_color.gamma_multiply(0.85));
+        ui.painter().galley(place.min, galley, color);
+    }
+}
+
+/// Whether it is as strong at all four corners of the data.
+fn is_everywhere(widget: &Drawn, look: &Look) -> bool {
+    let Some(histogram) = &look.histogram else { return false };
+    let [s, g] = histogram.axes;
+    let corners = [[s.low, g.low], [s.high, g.low], [s.low, g.high], [s.high, g.high]];
+    corners.iter().all(|at| widget.strength(*at) > 0.13)
+}
+
+/// The changes of a widget as edits of its node, one step.
+fn edit(look: &Look, place: usize, changes: Vec<Change>, actions: &mut Actions) {
+    let Some(entry) = look.list.get(place).and_then(Setting::table) else { return };
+    let is_stated = |key: &str| entry.iter().any(|field| field.name == key);
+    let path = |key: &str| Path::from("widgets").with(place).and(&Path::from(key));
+    let node = || look.node.name.clone();
+    let edits = changes.into_iter().filter_map(|(key, value)| match value {
+        Some(value) => Some(Edit::Set { node: node(), path: path(key), value }),
+        None => is_stated(key).then(|| Edit::Unset { node: node(), path: path(key) }),
+    });
+    actions.edits(format!("move widget {} of '{}'", place + 1, look.node.name), edits.collect());
+}

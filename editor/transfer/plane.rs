@@ -1,0 +1,187 @@
+//! The plane of s and g: from values to the window and back, its ticks, and the histogram as a texture.
+
+use crate::theme;
+use crate::worker::short;
+use eframe::egui::{
+    Align2, Color32, ColorImage, FontId, Pos2, Rect, Stroke, TextureHandle, TextureOptions, Ui, pos2, vec2,
+};
+use std::sync::Arc;
+use voltet_core::probing::Histogram;
+
+/// Decades of counts that are told apart.
+const DECADES: f64 = 6.0;
+
+/// The shown part of the plane in a rectangle of the window.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Plane {
+    pub rect: Rect,
+    /// From low to high, of s and of g.
+    pub shown: [[f64; 2]; 2],
+}
+
+impl Plane {
+    pub fn to_window(self, [s, g]: [f64; 2]) -> Pos2 {
+        let share = |axis: usize, x: f64| {
+            ((x - self.shown[axis][0]) / (self.shown[axis][1] - self.shown[axis][0])) as f32
+        };
+        // Far beyond the window is as good as farther.
+        let clamped = |x: f32| x.clamp(-1e5, 1e5);
+        pos2(
+            clamped(self.rect.left() + share(0, s) * self.rect.width()),
+            clamped(self.rect.bottom() - share(1, g) * self.rect.height()),
+        )
+    }
+
+    pub fn to_values(self, at: Pos2) -> [f64; 2] {
+        let x = f64::from((at.x - self.rect.left()) / self.rect.width());
+        let y = f64::from((self.rect.bottom() - at.y) / self.rect.height());
+        let [s, g] = self.shown;
+        [s[0] + x * (s[1] - s[0]), g[0] + y * (g[1] - g[0])]
+    }
+
+    /// Value a point of the window, along each axis.
+    pub fn per_point(self) -> [f64; 2] {
+        let [s, g] = self.shown;
+        [(s[1] - s[0]) / f64::from(self.rect.width()), (g[1] - g[0]) / f64::from(self.rect.height())]
+    }
+}
+
+/// An axis zoomed about a value; no finer than its numbers tell apart.
+pub(super) fn zoomed([low, high]: [f64; 2], factor: f64, about: f64) -> [f64; 2] {
+    let to = [about - (about - low) / factor, about + (high - about) / factor];
+    let finest = 1e-9 * to[0].abs().max(to[1].abs()).max(f64::MIN_POSITIVE);
+    if to[1] - to[0] > finest && (to[1] - to[0]).is_finite() { to } else { [low, high] }
+}
+
+/// Both axes of a histogram, with a little room.
+pub(super) fn whole(histogram: &Histogram) -> [[f64; 2]; 2] {
+    histogram.axes.map(|axis| {
+        let room = 0.03 * (axis.high - axis.low);
+        [axis.low - room, axis.high + room]
+    })
+}
+
+/// Round values of an axis, some `count` of them.
+fn ticks([low, high]: [f64; 2], count: f64) -> Vec<f64> {
+    let raw = (high - low) / count;
+    let power = 10f64.powf(raw.log10().floor());
+    let step = [1.0, 2.0, 5.0, 10.0].map(|k| k * power).into_iter().find(|step| *step >= raw).unwrap_or(raw);
+    if !(step > 0.0 && step.is_finite()) {
+        return Vec::new();
+    }
+    let first = (low / step).ceil();
+    (0..40).map(|i| (first + f64::from(i)) * step).take_while(|x| *x <= high).collect()
+}
+
+/// Lines and numbers of the axes.
+pub(super) fn axes(ui: &Ui, plane: Plane, names: [&str; 2]) {
+    let dark = ui.visuals().dark_mode;
+    let (line, text) = (Stroke::new(1.0, theme::weak(dark).gamma_multiply(0.25)), theme::weak(dark));
+    let font = FontId::proportional(10.5);
+    let rect = plane.rect;
+    for s in ticks(plane.shown[0], f64::from(rect.width()) / 90.0) {
+        let x = plane.to_window([s, 0.0]).x;
+        ui.painter().vline(x, rect.y_range(), line);
+        ui.painter().text(pos2(x, rect.bottom() + 2.0), Align2::CENTER_TOP, short(s), font.clone(), text);
+    }
+    for g in ticks(plane.shown[1], f64::from(rect.height()) / 45.0) {
+        let y = plane.to_window([0.0, g]).y;
+        ui.painter().hline(rect.x_range(), y, line);
+        ui.painter().text(pos2(rect.left() - 4.0, y), Align2::RIGHT_CENTER, short(g), font.clone(), text);
+    }
+    let named = |at: Pos2, align: Align2, name: &str| {
+        ui.painter().text(at, align, name, FontId::proportional(12.0), text);
+    };
+    named(rect.right_bottom() + vec2(-4.0, -4.0), Align2::RIGHT_BOTTOM, names[0]);
+    named(rect.left_top() + vec2(5.0, 3.0), Align2::LEFT_TOP, names[1]);
+}
+
+/// The histogram as a texture, made again where it is another or the theme is.
+#[derive(Default)]
+pub(super) struct Counts {
+    texture: Option<TextureHandle>,
+    of: Option<(Arc<Histogram>, bool)>,
+}
+
+impl Counts {
+    pub fn draw(&mut self, ui: &Ui, plane: Plane, histogram: &Arc<Histogram>) {
+        let dark = ui.visuals().dark_mode;
+        let same =
+            self.of.as_ref().is_some_and(|(of, of_dark)| Arc::ptr_eq(of, histogram) && *of_dark == dark);
+        if !same {
+            let image = image(histogram, dark);
+            match &mut self.texture {
+                Some(texture) => texture.set(image, TextureOptions::NEAREST),
+                None => self.texture = Some(ui.ctx().load_texture("counts", image, TextureOptions::NEAREST)),
+            }
+            self.of = Some((histogram.clone(), dark));
+        }
+        let Some(texture) = &self.texture else { return };
+        let [s, g] = histogram.axes;
+        let place = Rect::from_two_pos(plane.to_window([s.low, g.low]), plane.to_window([s.high, g.high]));
+        let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
+        ui.painter().with_clip_rect(plane.rect).image(texture.id(), place, whole, Color32::WHITE);
+    }
+}
+
+/// Logarithms of the volumes, from the ground's colour to the brightest (or darkest).
+fn image(histogram: &Histogram, dark: bool) -> ColorImage {
+    let [wide, high] = [histogram.axes[0].bins, histogram.axes[1].bins];
+    let most = histogram.volumes.iter().copied().fold(0.0, f64::max);
+    let level = |volume: f64| {
+        if volume <= 0.0 || most <= 0.0 {
+            return 0.0;
+        }
+        (1.0 + (volume / most).log10() / DECADES).max(0.08)
+    };
+    let color = |volume: f64| {
+        let level = level(volume) as f32;
+        let [from, to] = if dark { [18.0, 235.0] } else { [255.0, 40.0] };
+        Color32::from_gray((from + level * (to - from)) as u8)
+    };
+    // Rows of a texture go down, g goes up.
+    let pixels = (0..high).rev().flat_map(|j| (0..wide).map(move |i| (i, j)));
+    let pixels = pixels.map(|(i, j)| color(histogram.volumes[j * wide + i])).collect();
+    ColorImage { size: [wide, high], pixels }
+}
+
+/// The share of the volume in the bin under a place; none beyond the axes.
+pub(super) fn share_at(histogram: &Histogram, [s, g]: [f64; 2]) -> Option<f64> {
+    let bin = |axis: usize, x: f64| {
+        let axis = histogram.axes[axis];
+        let place = (x - axis.low) / (axis.high - axis.low) * axis.bins as f64;
+        (place >= 0.0 && place < axis.bins as f64).then_some(place as usize)
+    };
+    let (i, j) = (bin(0, s)?, bin(1, g)?);
+    Some(histogram.volumes[j * histogram.axes[0].bins + i] / histogram.total)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_window_and_the_values_are_inverse() {
+        let rect = Rect::from_min_size(pos2(50.0, 20.0), vec2(400.0, 200.0));
+        let plane = Plane { rect, shown: [[-2.0, 6.0], [0.0, 1e-3]] };
+        let [s, g] = plane.to_values(plane.to_window([1.5, 4e-4]));
+        assert!((s - 1.5).abs() < 1e-5 && (g - 4e-4).abs() < 1e-9);
+        assert_eq!(plane.to_window([-2.0, 0.0]), rect.left_bottom());
+    }
+
+    #[test]
+    fn zooming_keeps_the_value_under_the_pointer_and_has_an_end() {
+        let mut axis = zoomed([0.0, 10.0], 2.0, 4.0);
+        assert_eq!(axis, [2.0, 7.0]);
+        for _ in 0..1000 {
+            axis = zoomed(axis, 1.5, 4.0);
+        }
+        assert!(axis[0] < axis[1]);
+    }
+
+    #[test]
+    fn ticks_are_round_and_few() {
+        assert_eq!(ticks([0.0, 10.0], 5.0), [0.0, 2.0, 4.0, 6.0, 8.0, 10.0]);
+        assert!(ticks([0.0, 0.0], 5.0).is_empty());
+    }
+}

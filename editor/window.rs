@@ -1,0 +1,97 @@
+//! The window itself: eframe's glow backend around [`Editor`].
+
+use crate::editor::{Editor, Start};
+use crate::files::is_pipeline;
+use crate::theme;
+use eframe::egui::{Context, ViewportBuilder, ViewportCommand};
+use eframe::{App, Frame, NativeOptions, Renderer};
+use std::path::Path;
+use voltet_core::graph::Registry;
+use voltet_core::{Error, Result};
+use voltet_document::Document;
+
+/// Width and height at the first start, points.
+const SIZE: [f32; 2] = [1280.0, 720.0];
+
+/// Least width and height, points.
+const LEAST: [f32; 2] = [800.0, 500.0];
+
+/// Opens the window on a file, or on an empty pipeline, and waits for its end. Must be called from the main thread. `start`
+/// makes the text of a pipeline for a file that is none. Errors: the file cannot be read, there is no display, or it has no
+/// OpenGL.
+pub fn run(file: Option<&Path>, registry: &Registry, start: Start) -> Result<()> {
+    let document = match file {
+        Some(path) if is_pipeline(path) => Document::open(path)?,
+        Some(path) => {
+            std::fs::metadata(path)
+                .map_err(|error| Error::usage("the file cannot be read").found(error).in_file(path))?;
+            Document::new()
+        }
+        None => Document::new(),
+    };
+    refuse_without_display()?;
+    let data = file.filter(|path| !is_pipeline(path)).map(Path::to_path_buf);
+    let options = NativeOptions {
+        viewport: ViewportBuilder::default()
+            .with_title("voltet")
+            .with_app_id("voltet")
+            .with_inner_size(SIZE)
+            .with_min_inner_size(LEAST),
+        renderer: Renderer::Glow,
+        // Text and textures need no depth, and smooth edges come from feathering.
+        multisampling: 0,
+        vsync: true,
+        ..NativeOptions::default()
+    };
+    let failed = |error: &dyn std::fmt::Display| {
+        Error::run("the window cannot be opened")
+            .found(error.to_string().replace('\n', ", "))
+            .accepted("a display with OpenGL 2 or later (Mesa's software driver will do)")
+    };
+    let made = |context: &eframe::CreationContext| -> std::result::Result<Box<dyn App>, Box<dyn std::error::Error + Send + Sync>> {
+        theme::apply(&context.egui_ctx);
+        let ctx = context.egui_ctx.clone();
+        let wake = Box::new(move || ctx.request_repaint());
+        let mut editor = Editor::new(document, registry, start, wake)?;
+        if let Some(data) = data {
+            editor.open_any(&context.egui_ctx, &data);
+        }
+        Ok(Box::new(Window { editor, title: String::new() }))
+    };
+    eframe::run_native("voltet", options, Box::new(made)).map_err(|error| failed(&error))
+}
+
+/// On systems where a display is named by the environment: one must be.
+fn refuse_without_display() -> Result<()> {
+    let named = ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"];
+    let has_one = named.iter().any(|name| std::env::var_os(name).is_some_and(|value| !value.is_empty()));
+    match cfg!(any(target_os = "macos", target_os = "windows")) || has_one {
+        true => Ok(()),
+        false => Err(Error::run("there is no display to open a window on")
+            .found("neither DISPLAY nor WAYLAND_DISPLAY is set")
+            .accepted("a desktop session, or `voltet run FILE`, which needs none")),
+    }
+}
+
+struct Window {
+    editor: Editor,
+    title: String,
+}
+
+impl App for Window {
+    fn update(&mut self, ctx: &Context, _frame: &mut Frame) {
+        self.editor.frame(ctx);
+        let document = self.editor.document();
+        let name =
+            document.path().and_then(|path| path.file_name()).map(|name| name.to_string_lossy().into_owned());
+        let mark = if document.is_saved() { "" } else { " •" };
+        let title = format!("{}{mark} – voltet", name.as_deref().unwrap_or("new pipeline"));
+        if title != self.title {
+            ctx.send_viewport_cmd(ViewportCommand::Title(title.clone()));
+            self.title = title;
+        }
+        if self.editor.ends() {
+            ctx.send_viewport_cmd(ViewportCommand::Close);
+        }
+    }
+}

@@ -1,0 +1,143 @@
+//! What lies on rays of the picture: the values there, weighted by what they add to it.
+
+use super::following::Following;
+use super::look_on::{PROBES, entry};
+use super::request::feeding;
+use glam::DVec3;
+use std::path::PathBuf;
+use std::sync::Arc;
+use voltet_core::camera::Camera;
+use voltet_core::graph::{Graph, Look, NodeEntry, Registry, Value, diagonal};
+use voltet_core::optics::Overlap;
+use voltet_core::optics::integrators::Integrator;
+use voltet_core::reference::Tracer;
+use voltet_core::scene::Scene;
+use voltet_core::shading::{Order, Shading};
+use voltet_core::volume::Volume;
+use voltet_core::{Error, Result};
+
+/// A place of the picture that is asked about.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Probing {
+    /// As of [`Wanted`](super::Wanted).
+    pub nodes: Vec<NodeEntry>,
+    /// As of [`Wanted`](super::Wanted).
+    pub folder: PathBuf,
+    /// The outputs that give the volume, the transfer function and the camera.
+    pub sources: [String; 3],
+    /// Places, in heights of the picture from its middle, to the right and up.
+    pub places: Vec<[f64; 2]>,
+    /// What tells it from others.
+    pub key: u64,
+}
+
+/// What was found.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Probed {
+    /// As of [`Probing`].
+    pub key: u64,
+    /// Values [s, g] with their shares of what is seen (or of the way, where nothing is).
+    pub values: Vec<([f64; 2], f64)>,
+    /// The point where the most is seen, world units; `None` where no ray meets a cell.
+    pub point: Option<DVec3>,
+    /// Opacity of the rays, mean.
+    pub opacity: f64,
+}
+
+impl Probing {
+    /// The graph, and the place in it of the node that is fed.
+    pub(super) fn graph(&self, registry: &Registry) -> Result<(Graph, usize)> {
+        let mut nodes: Vec<NodeEntry> = Vec::new();
+        for source in &self.sources {
+            let (name, _) = voltet_document::links::source(source, &self.nodes);
+            for node in feeding(&self.nodes, name)? {
+                if !nodes.iter().any(|known| known.name == node.name) {
+                    nodes.push(node);
+                }
+            }
+        }
+        let ports = ["volume", "transfer-function", "camera"].map(str::to_string);
+        nodes.push(entry(PROBES.name, ports.into_iter().zip(self.sources.iter().cloned())));
+        let graph = Graph::build(&nodes, registry, self.folder.clone())?;
+        let place = graph.nodes.len() - 1;
+        Ok((graph, place))
+    }
+
+    /// Walks the rays.
+    pub(super) fn walk(&self, values: &[Value], following: &Following) -> Result<Probed> {
+        let (mut volume, mut look, mut camera): (
+            Option<Arc<Volume>>,
+            Option<Arc<Look>>,
+            Option<Arc<Camera>>,
+        ) = (None, None, None);
+        for value in values {
+            match value {
+                Value::TransferFunction(of) => look = Some(of.clone()),
+                Value::Camera(of) => camera = Some(of.clone()),
+                other => volume = other.volume().transpose()?,
+            }
+        }
+        let (Some(volume), Some(look), Some(camera)) = (volume, look, camera) else {
+            return Err(Error::run("the picture's volume, transfer function and camera are not all known"));
+        };
+        let transfer_function = look.for_diagonal(diagonal(&volume.grid.points));
+        let camera = Camera { samples: 1, ..*camera };
+        let scene = Scene {
+            volume,
+            transfer_function: Arc::new(transfer_function),
+            camera,
+            // What is seen, as the values count: light and silhouettes change colours.
+            shading: Shading {
+                integrator: Integrator::Reference,
+                overlap: Overlap::Exact,
+                silhouette: None,
+                light: None,
+            },
+            order: Order::Exact,
+        };
+        let tracer = Tracer::new(&scene)?;
+        let transfer_function = &scene.transfer_function;
+        let mut probed = Probed { key: self.key, ..Probed::default() };
+        let (mut seen_most, [width, height]) = (0.0, camera.size.map(f64::from));
+        for place in &self.places {
+            if voltet_core::progress::Progress::cancelled(following) {
+                return Err(Error::cancelled());
+            }
+            let ray = tracer.ray(0.5 * width + place[0] * height, (0.5 - place[1]) * height);
+            let walk = tracer.walk(&ray, transfer_function)?;
+            probed.opacity += walk.seen.opacity / self.places.len() as f64;
+            let all: f64 = walk.steps.iter().map(|step| step.contribution()[3]).sum();
+            let way: f64 = walk.steps.iter().map(|step| step.length).sum();
+            let [start, direction] = tracer.world(&ray).map(DVec3::from);
+            for step in &walk.steps {
+                let share = if all > 1e-6 { step.contribution()[3] / all } else { step.length / way };
+                let value = |k: usize| {
+                    let (front, back) = (step.front.get(k).copied(), step.back.get(k).copied());
+                    0.5 * front.unwrap_or(0.0) + 0.5 * back.unwrap_or(0.0)
+                };
+                probed.values.push(([value(0), value(1)], share / self.places.len() as f64));
+                if share > seen_most {
+                    seen_most = share;
+                    let middle = 0.5 * (step.distance[0] + step.distance[1]);
+                    probed.point = Some(start + middle * direction);
+                }
+            }
+        }
+        Ok(probed)
+    }
+}
+
+impl Probed {
+    /// Mean and standard deviations of the values; `None` where there are none.
+    pub fn moments(&self) -> Option<[[f64; 2]; 2]> {
+        let total: f64 = self.values.iter().map(|(_, share)| share).sum();
+        if total.is_nan() || total <= 0.0 {
+            return None;
+        }
+        let mean =
+            |of: &dyn Fn([f64; 2]) -> f64| self.values.iter().map(|(v, w)| w * of(*v)).sum::<f64>() / total;
+        let centre = [mean(&|v| v[0]), mean(&|v| v[1])];
+        let deviation = [0, 1].map(|k| mean(&|v| (v[k] - centre[k]).powi(2)).max(0.0).sqrt());
+        Some([centre, deviation])
+    }
+}
