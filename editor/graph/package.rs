@@ -13,8 +13,8 @@ use std::borrow::Cow;
 use std::collections::HashMap;
 use voltet_core::graph::PortType;
 
-/// Width of what a node shows, points at the usual scale; its frame is 15 wider on each side.
-pub(super) const INNER: f32 = 150.0;
+/// Width of what a node shows, points at the usual scale: the package's 200, less its margins of 15.
+pub(super) const INNER: f32 = 170.0;
 
 /// Height of a picture in its node.
 const PICTURE: f32 = 64.0;
@@ -59,8 +59,18 @@ pub(super) struct Written {
     pub rows: HashMap<AnyParameterId, f32>,
     pub right: HashMap<NodeId, f32>,
     pub begun: f32,
+    /// For each node the lower end of its title.
+    pub titled: HashMap<NodeId, f32>,
     /// For each node the lower end of what it shows.
     pub bottom: HashMap<NodeId, f32>,
+}
+
+impl Written {
+    /// A row of a node begins.
+    fn begin(&mut self, node: NodeId, ui: &Ui) {
+        self.begun = ui.min_rect().bottom();
+        self.titled.entry(node).or_insert(self.begun);
+    }
 }
 
 /// Parameters stand in a panel of their own.
@@ -128,12 +138,12 @@ impl WidgetValueTrait for NoValue {
     fn value_widget(
         &mut self,
         name: &str,
-        _: NodeId,
+        node: NodeId,
         ui: &mut Ui,
         written: &mut Written,
         _: &Face,
     ) -> Vec<NoResponse> {
-        written.begun = ui.min_rect().bottom();
+        written.begin(node, ui);
         ui.label(RichText::new(name).text_style(egui::TextStyle::Body));
         Vec::new()
     }
@@ -165,12 +175,12 @@ impl NodeDataTrait for Face {
     fn output_ui(
         &self,
         ui: &mut Ui,
-        _: NodeId,
+        node: NodeId,
         _: &Graph<Face, End, NoValue>,
         written: &mut Written,
         name: &str,
     ) -> Vec<NodeResponse<NoResponse, Face>> {
-        written.begun = ui.min_rect().bottom();
+        written.begin(node, ui);
         let font = egui::TextStyle::Body.resolve(ui.style());
         let galley = ui.painter().layout_no_wrap(name.into(), font, ui.visuals().text_color());
         let (rect, _) =

@@ -53,7 +53,7 @@ impl Places {
             let (Some(node), Some(at)) = (state.graph.nodes.get(*id), state.node_positions.get(*id)) else {
                 continue;
             };
-            let low = *at + (origin - vec2(0.0, 0.0));
+            let low = *at + origin;
             let inputs = node.inputs.iter().map(|(_, id)| AnyParameterId::Input(*id));
             let ends = inputs.chain(node.outputs.iter().map(|(_, id)| AnyParameterId::Output(*id)));
             let right = written.right.get(id).copied().unwrap_or(low.x + MARGIN * zoom) + MARGIN * zoom;
@@ -66,7 +66,9 @@ impl Places {
                 self.seen.push((port.clone(), place));
                 bottom = bottom.max(y + 0.5 * ROW * zoom);
             }
-            bottom = written.bottom.get(id).map_or(bottom, |y| y + 5.0 * zoom);
+            // As the package draws its frame: half a title lower than its content and margin end, less the rounding.
+            let title = written.titled.get(id).map_or(TITLE * zoom, |y| y - low.y);
+            bottom = written.bottom.get(id).map_or(bottom, |y| y + zoom + 0.5 * title);
             let frame = Rect::from_min_max(low, pos2(right, bottom));
             self.sizes.insert(node.user_data.name.clone(), frame.size() / zoom);
             self.drawn.push((node.user_data.name.clone(), frame));

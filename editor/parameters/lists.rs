@@ -2,7 +2,8 @@
 
 use super::{ParameterPanel, Table};
 use crate::actions::Actions;
-use eframe::egui::{CollapsingHeader, Color32, Rgba, RichText, Sense, Ui, vec2};
+use eframe::egui::collapsing_header::CollapsingState;
+use eframe::egui::{CollapsingHeader, Color32, Rgba, Sense, Ui, vec2};
 use voltet_core::graph::{Datum, Field, Kind, Parameter, Setting, Standard};
 use voltet_document::Edit;
 
@@ -44,8 +45,11 @@ impl ParameterPanel {
             let kind_name = word("kind").and_then(Setting::text).unwrap_or("no kind");
             let own = path.with(i);
             let salt = (table.node, own.to_string());
-            ui.horizontal(|ui| {
+            let id = ui.make_persistent_id(salt);
+            let state = CollapsingState::load_with_default_open(ui.ctx(), id, list.len() <= 2);
+            let head = state.show_header(ui, |ui| {
                 swatch(ui, fields);
+                ui.label(format!("{} {kind_name}", i + 1));
                 if ui.small_button("⬆").on_hover_text("before the one above").clicked() && i > 0 {
                     actions.edit(Edit::MoveEntry { node: node(), list: path.clone(), from: i, to: i - 1 });
                 }
@@ -53,15 +57,14 @@ impl ParameterPanel {
                 {
                     actions.edit(Edit::MoveEntry { node: node(), list: path.clone(), from: i, to: i + 1 });
                 }
-                if ui.small_button("⧉").on_hover_text("duplicate").clicked() {
+                if ui.small_button("×2").on_hover_text("duplicate").clicked() {
                     actions.edit(Edit::Duplicate { node: node(), list: path.clone(), place: i });
                 }
                 if ui.small_button("✖").on_hover_text("take away").clicked() {
                     actions.edit(Edit::Unset { node: node(), path: own.clone() });
                 }
-                ui.label(RichText::new(format!("{} {kind_name}", i + 1)));
             });
-            CollapsingHeader::new("numbers").id_salt(salt).default_open(list.len() <= 2).show(ui, |ui| {
+            head.body(|ui| {
                 let Some(kind) = kinds.iter().find(|kind| kind.name == kind_name) else { return };
                 let inner = Table { scene: table.scene, node: table.node, path: own.clone(), stated: fields };
                 self.table(ui, &inner, kind.parameters, actions);

@@ -2,7 +2,7 @@
 
 use super::{ParameterPanel, Table};
 use crate::theme;
-use eframe::egui::{Color32, ComboBox, DragValue, Rgba, RichText, Slider, Ui};
+use eframe::egui::{Color32, ComboBox, DragValue, Response, Rgba, RichText, Slider, Ui};
 use voltet_core::graph::{Datum, Parameter, ParameterType, Range, Setting};
 
 /// The largest span that a slider serves: beyond, a drag of a few points is a large step.
@@ -34,10 +34,10 @@ impl ParameterPanel {
             ParameterType::Integer(range) => {
                 let mut x = now.as_ref().and_then(number).unwrap_or(range.min.max(0.0));
                 let field = DragValue::new(&mut x)
-                    .range(low(range)..=range.max)
+                    .range(range.min..=range.max)
                     .speed(0.2)
                     .update_while_editing(false);
-                ui.add(field.max_decimals(0)).changed().then_some(Datum::Integer(x.round() as i64))
+                by_hand(&ui.add(field.max_decimals(0))).then_some(Datum::Integer(x.round() as i64))
             }
             ParameterType::Number(range) => {
                 number_field(ui, now.as_ref().and_then(number), range).map(Datum::Number)
@@ -121,8 +121,10 @@ impl ParameterPanel {
     }
 }
 
-fn low(range: &Range) -> f64 {
-    range.min
+/// Whether a hand changed it: to be shown rounded or within its range is no change.
+fn by_hand(response: &Response) -> bool {
+    response.changed()
+        && (response.dragged() || response.drag_stopped() || response.lost_focus() || response.has_focus())
 }
 
 /// A number: with a slider where its range is not wide.
@@ -141,7 +143,7 @@ fn number_field(ui: &mut Ui, now: Option<f64>, range: &Range) -> Option<f64> {
         let dark = ui.visuals().dark_mode;
         ui.label(RichText::new("not set").small().color(theme::weak(dark)));
     }
-    (response.changed() && range.holds(x)).then_some(x)
+    (by_hand(&response) && range.holds(x)).then(|| rounded(x))
 }
 
 fn numbers(ui: &mut Ui, now: Option<&Datum>, count: usize, range: &Range, whole: bool) -> Option<Datum> {
@@ -159,7 +161,7 @@ fn numbers(ui: &mut Ui, now: Option<&Datum>, count: usize, range: &Range, whole:
             9
         });
         let field = field.update_while_editing(false).custom_formatter(|x, _| written(x));
-        changed |= ui.add(field).changed();
+        changed |= by_hand(&ui.add(field));
     }
     changed.then(|| {
         let datum = |x: f64| if whole { Datum::Integer(x.round() as i64) } else { Datum::Number(rounded(x)) };

@@ -58,9 +58,17 @@ impl TransferPanel {
                     self.chosen = look.widgets.len();
                 }
             }
+            if !self.hidden.is_empty() {
+                let text = format!("{} hidden in this window", self.hidden.len());
+                ui.label(RichText::new(text).small().color(theme::accent(dark)));
+            }
+        });
+        ui.horizontal(|ui| {
             let Some(widget) = look.widgets.get(self.chosen) else { return };
             let place = self.chosen;
-            if ui.small_button("⧉").on_hover_text("duplicate the widget").clicked() {
+            ui.label(format!("{} {}", place + 1, widget.kind));
+            self.color_and_strength(ui, look, widget, actions);
+            if ui.small_button("×2").on_hover_text("duplicate the widget").clicked() {
                 actions.edit(Edit::Duplicate { node: name.clone(), list: list(), place });
                 self.chosen = place + 1;
             }
@@ -84,18 +92,13 @@ impl TransferPanel {
             {
                 self.hidden = if is_solo { Default::default() } else { others };
             }
-            self.color_and_strength(ui, look, widget, actions);
             if let Some(held) = look.histogram.as_ref().and_then(|histogram| held(histogram, widget)) {
                 ui.label(
-                    RichText::new(format!("holds {} % of the volume", short(100.0 * held)))
+                    RichText::new(format!("holds {} % of the volume", short((1e4 * held).round() / 100.0)))
                         .small()
                         .color(theme::weak(dark)),
                 )
                 .on_hover_text("where the widget is at half of its peak or more");
-            }
-            if !self.hidden.is_empty() {
-                let text = format!("{} hidden here", self.hidden.len());
-                ui.label(RichText::new(text).small().color(theme::accent(dark)));
             }
         });
     }

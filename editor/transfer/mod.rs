@@ -150,7 +150,7 @@ impl TransferPanel {
         if let Some(histogram) = &look.histogram {
             self.counts.draw(ui, plane, histogram);
         }
-        plane::axes(ui, plane, ["s", "g = |∇s|"]);
+        plane::axes(ui, plane, ["s", "g = |grad s|"]);
         for (place, widget) in look.widgets.iter().enumerate() {
             let is_chosen = place == self.chosen;
             draw::widget(ui, plane, widget, is_chosen, self.hidden.contains(&place), look.peak);

@@ -92,7 +92,7 @@ pub(super) fn axes(ui: &Ui, plane: Plane, names: [&str; 2]) {
     let named = |at: Pos2, align: Align2, name: &str| {
         ui.painter().text(at, align, name, FontId::proportional(12.0), text);
     };
-    named(rect.right_bottom() + vec2(-4.0, -4.0), Align2::RIGHT_BOTTOM, names[0]);
+    named(rect.right_bottom() + vec2(4.0, 1.0), Align2::RIGHT_TOP, names[0]);
     named(rect.left_top() + vec2(5.0, 3.0), Align2::LEFT_TOP, names[1]);
 }
 
