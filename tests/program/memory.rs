@@ -4,7 +4,8 @@
 use super::support::{Folder, cube};
 
 /// What is promised is held to the peak that the system counted within this: cells that no pixel centre sees are promised and
-/// not taken, what threads set aside is taken and not promised.
+/// not taken, what threads set aside is taken and not promised. A busy machine changes neither: the peak counts pages that the
+/// process itself has touched.
 const SHARE: f64 = 0.25;
 
 /// What threads set aside is theirs, and machines have few or many.
