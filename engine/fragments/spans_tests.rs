@@ -62,4 +62,24 @@ proptest! {
             prop_assert_eq!(dispatch(lanes, Spans { corners, tile }), expected.clone());
         }
     }
+
+    /// The three edges of a face seen edge-on lie on one line: where that comes by the middle of a pixel each of them does,
+    /// though each is rounded in its own way.
+    #[test]
+    fn edges_on_one_line_cross_a_row_at_one_place(
+        pixel in (0..64usize, 0..64usize),
+        step in (-1_000_000..1_000_000i32, 1000..1_000_000i32),
+        along in prop::array::uniform3(-60..60i32),
+    ) {
+        let place = |n: i32| {
+            let [x, y] = [step.0, step.1].map(|step| f64::from(n) * f64::from(step) * 2f64.powi(-20));
+            Seen { x: x + pixel.0 as f64, y: y + pixel.1 as f64, z: 1.0 }
+        };
+        let corners = along.map(place);
+        for [a, b] in [[0, 1], [0, 2], [1, 2]] {
+            if let Some(x) = crossing_of_row([&corners[a], &corners[b]], [pixel.0, pixel.1]) {
+                prop_assert_eq!(x, (pixel.0 % TILE) as f32);
+            }
+        }
+    }
 }
