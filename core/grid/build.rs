@@ -2,10 +2,11 @@
 
 use super::cell_types::{CellType, describe_counts};
 use super::file_cells::FileCells;
-use super::overlap::overlapping;
+use super::overlap::faces;
 use super::parts::{Association, CellValues, Cells, Options, Parts};
 use super::source::Source;
 use super::tally::{Tally, split_all, tally, tally_plain};
+use super::within::within;
 use super::{Grid, cell_values, clean};
 use crate::progress::Progress;
 use crate::{Error, Result};
@@ -110,20 +111,36 @@ pub fn build(mut parts: Parts, options: &Options, progress: &dyn Progress) -> Re
 
 /// Says which cells overlap others, where there are such.
 fn overlaps(points: &[glam::DVec3], tetrahedra: &[[u32; 4]], source_cells: Option<&[u32]>) -> Option<String> {
-    let found = overlapping(points, tetrahedra);
+    let found = faces(points, tetrahedra);
     let cell = |tetrahedron: u32| source_cells.map_or(tetrahedron, |cells| cells[tetrahedron as usize]);
-    let mut cells: Vec<u32> = found.iter().map(|&tetrahedron| cell(tetrahedron)).collect();
-    cells.sort_unstable();
-    cells.dedup();
-    let (first, number) = (*found.first()?, cell(*found.first()?));
-    let middle: glam::DVec3 = tetrahedra[first as usize].map(|p| points[p as usize] * 0.25).iter().sum();
+    let remedy = "and are drawn twice as dense there";
+    if let Some(&first) = found.overlapping.first() {
+        let mut cells: Vec<u32> = found.overlapping.iter().map(|&tetrahedron| cell(tetrahedron)).collect();
+        cells.sort_unstable();
+        cells.dedup();
+        let middle: glam::DVec3 = tetrahedra[first as usize].map(|p| points[p as usize] * 0.25).iter().sum();
+        return Some(format!(
+            "{} cells overlap others (the same side of a shared face is theirs too) {remedy}; the first is cell {}, about \
+             [{}, {}, {}]. Leave out what is there twice, such as ghost cells of pieces",
+            cells.len(),
+            cell(first),
+            middle.x,
+            middle.y,
+            middle.z
+        ));
+    }
+    let within = within(points, tetrahedra, &found.boundary);
+    let (place, [own, other]) = within.first?;
     Some(format!(
-        "{} cells overlap others (the same side of a shared face is theirs too) and are drawn twice as dense there; the first \
-         is cell {number}, about [{}, {}, {}]. Leave out what is there twice, such as ghost cells of pieces",
-        cells.len(),
-        middle.x,
-        middle.y,
-        middle.z
+        "cells overlap others that they share no face with {remedy}: of {} places on the grid's boundary {} lie in another cell; \
+         the first is [{}, {}, {}], of cell {} and within cell {}. Leave out what is there twice, such as parts of overset grids",
+        within.tried,
+        within.inside,
+        place.x,
+        place.y,
+        place.z,
+        cell(own),
+        cell(other)
     ))
 }
 

@@ -19,6 +19,7 @@ mod source;
 mod split;
 mod tally;
 mod tetrahedra;
+mod within;
 
 pub use adjacency::{Neighbours, Rows, cells_of_points, points_of_points, sum_over_cells};
 pub use array::Array;

@@ -1,8 +1,8 @@
 //! Cells that overlap their neighbours: on the same side of a shared face.
 //!
 //! Two cells of a grid that fills space once lie on different sides of the face that they share. Cells that are there twice,
-//! that are folded over, or that are joined three to a face are found by that; cells that overlap and share no face are not.
-//! Points at one place count as one, so that pieces that hold the same cells are seen.
+//! that are folded over, or that are joined three to a face are found by that; [`super::within`] finds those that overlap and
+//! share no face. Points at one place count as one, so that pieces that hold the same cells are seen.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -15,8 +15,18 @@ const FLAT: f64 = 1e-9;
 /// Cells of a chunk of work.
 const CHUNK: usize = 1 << 13;
 
-/// The tetrahedra (corners ascending) that lie on the same side of a face as another one does, ascending.
-pub(super) fn overlapping(points: &[DVec3], tetrahedra: &[[u32; 4]]) -> Vec<u32> {
+/// What the faces of a grid say.
+#[derive(Debug, PartialEq)]
+pub(super) struct Faces {
+    /// The tetrahedra that lie on the same side of a face as another one does, ascending.
+    pub overlapping: Vec<u32>,
+    /// The faces of one cell alone, the grid's boundary: the cell and the point opposite (the first at its place),
+    /// ascending.
+    pub boundary: Vec<[u32; 2]>,
+}
+
+/// Looks at all faces of tetrahedra (corners ascending).
+pub(super) fn faces(points: &[DVec3], tetrahedra: &[[u32; 4]]) -> Faces {
     let first_at_place = points_at_one_place(points);
     let corners = |cell: u32| {
         let mut corners = tetrahedra[cell as usize];
@@ -29,35 +39,41 @@ pub(super) fn overlapping(points: &[DVec3], tetrahedra: &[[u32; 4]]) -> Vec<u32>
     // Each cell at its lowest corner, where three of its faces have theirs, and at the next, where the fourth has.
     let starts = starts(points.len(), tetrahedra.len(), &corners);
     let cells = by_point(&starts, tetrahedra.len(), &corners);
-    let mut found: Vec<u32> = (0..points.len())
+    let none = || Faces { overlapping: Vec::new(), boundary: Vec::new() };
+    let mut found = (0..points.len())
         .into_par_iter()
         .with_min_len(CHUNK)
         .fold(
-            || (Vec::new(), Vec::new()),
+            || (Vec::new(), none()),
             |(mut faces, mut found), p| {
                 let around = &cells[starts[p] as usize..starts[p + 1] as usize];
-                same_sides(points, p as u32, around, &corners, &mut faces, &mut found);
+                look_at(points, p as u32, around, &corners, &mut faces, &mut found);
                 (faces, found)
             },
         )
-        .flat_map_iter(|(_, found)| found)
-        .collect();
-    found.par_sort_unstable();
-    found.dedup();
+        .map(|(_, found)| found)
+        .reduce(none, |mut all, mut more| {
+            all.overlapping.append(&mut more.overlapping);
+            all.boundary.append(&mut more.boundary);
+            all
+        });
+    found.overlapping.par_sort_unstable();
+    found.overlapping.dedup();
+    found.boundary.par_sort_unstable();
     found
 }
 
 /// A face of a cell that begins at a given point: its other corners, the cell, and the corner opposite.
 type Face = [u32; 4];
 
-/// Adds the cells around a point that lie on one side of a face with another one.
-fn same_sides(
+/// Adds the cells around a point that lie on one side of a face with another one, and the faces of one cell.
+fn look_at(
     points: &[DVec3],
     p: u32,
     around: &[u32],
     corners: &impl Fn(u32) -> [u32; 4],
     faces: &mut Vec<Face>,
-    found: &mut Vec<u32>,
+    found: &mut Faces,
 ) {
     faces.clear();
     for &cell in around {
@@ -69,7 +85,11 @@ fn same_sides(
         }
     }
     faces.sort_unstable();
-    for shared in faces.chunk_by(|a, b| a[..2] == b[..2]).filter(|shared| shared.len() > 1) {
+    for shared in faces.chunk_by(|a, b| a[..2] == b[..2]) {
+        if let [[_, _, cell, opposite]] = *shared {
+            found.boundary.push([cell, opposite]);
+            continue;
+        }
         let [origin, q, r] = [p, shared[0][0], shared[0][1]].map(|point| points[point as usize]);
         let normal = (q - origin).cross(r - origin);
         let side = |face: &Face| {
@@ -81,7 +101,7 @@ fn same_sides(
         for which in [-1.0, 1.0] {
             let there = shared.iter().filter(|face| side(face) == which);
             if there.clone().count() > 1 {
-                found.extend(there.map(|face| face[2]));
+                found.overlapping.extend(there.map(|face| face[2]));
             }
         }
     }
