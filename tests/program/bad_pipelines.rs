@@ -7,14 +7,13 @@ fn a_mistake_is_shown_with_its_line_and_a_caret() {
     let folder = Folder::new();
     folder.write("slab.toml", SLAB.replace("method = ", "metod = "));
     let ran = folder.voltet(&["run", "slab.toml"]).fails(2, &[]);
-    let expected = r#"  error: unknown parameter 'metod' (node 'gradient')
-    ,-[slab.toml:12:1]
- 11 | type = "gradient-magnitude"
- 12 | metod = "least-squares"
-    : ^^^^^
- 13 | inputs = { grid = "grid" }
-    `----
-  help: expected 'method'
+    let expected = r#"error: unknown parameter 'metod' (node 'gradient')
+  --> slab.toml:12:1
+   |
+12 | metod = "least-squares"
+   | ^^^^^
+   |
+   = help: expected 'method'
 "#;
     assert_eq!(ran.stderr, expected);
     assert_eq!(folder.names(), ["cube.vtu", "slab.toml"]);

@@ -70,7 +70,7 @@ fn without_a_file_the_program_judges_itself() {
         }
     }
     let pictures = found["pictures"].as_array().unwrap();
-    assert_eq!(pictures.len(), 44 * ways.len());
+    assert_eq!(pictures.len(), 48 * ways.len());
     for category in [
         "degenerate cells",
         "extreme coordinates",
