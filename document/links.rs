@@ -1,5 +1,6 @@
 //! Wires as pipeline files state them: `"node"` or `"node.port"`, one or a list.
 
+use std::collections::BTreeSet;
 use voltet_core::graph::{Datum, Field, LinkEntry, NodeEntry, Setting};
 
 /// The node that a source names, and its output where it names one: a whole text that is a node's name means that node.
@@ -63,4 +64,20 @@ fn changed(node: &NodeEntry, change: impl Fn(&str, &str) -> Option<String>) -> O
     let same = fields.len() == node.inputs.len()
         && fields.iter().zip(&node.inputs).all(|(field, link)| field.setting == link.source);
     (!same).then_some(fields)
+}
+
+/// The names of the nodes that feed one, and its own. Wires that lead nowhere are passed over.
+pub fn upstream(nodes: &[NodeEntry], name: &str) -> BTreeSet<String> {
+    let mut found = BTreeSet::from([name.to_string()]);
+    let mut open = vec![name];
+    while let Some(name) = open.pop() {
+        let entry = nodes.iter().find(|node| node.name == name);
+        for text in entry.iter().flat_map(|entry| entry.inputs.iter().flat_map(sources)) {
+            let feeding = source(text, nodes).0;
+            if found.insert(feeding.to_string()) {
+                open.push(feeding);
+            }
+        }
+    }
+    found
 }

@@ -1,13 +1,13 @@
 //! Building a graph: node types found, parameters checked, ports wired, cycles refused, the order of work.
 
 use super::declaration::Node;
+use super::faults::{Fault, Part};
 use super::method;
 use super::registry::Registry;
 use super::stated::Stated;
+use super::wire::wires;
 use crate::field::Method;
-use crate::parameters::Parameters;
-use crate::parameters::suggest;
-use crate::parameters::{Field, Origin, Setting};
+use crate::parameters::{Field, Origin, Parameters, Setting};
 use crate::{Error, Result};
 use std::path::PathBuf;
 
@@ -81,6 +81,8 @@ pub struct GraphNode {
 pub struct Edge {
     /// The input port, by its place in [`Node::all_inputs`].
     pub port: usize,
+    /// Its name.
+    pub name: &'static str,
     /// The node, by its place in [`Graph::nodes`].
     pub node: usize,
     /// Its output.
@@ -132,69 +134,61 @@ impl GraphNode {
 impl Graph {
     /// Checks the entries against the registry and wires them. `folder`: what paths are relative to.
     pub fn build(entries: &[NodeEntry], registry: &Registry, folder: PathBuf) -> Result<Graph> {
-        let mut nodes = Vec::with_capacity(entries.len());
-        for (i, entry) in entries.iter().enumerate() {
-            let blame = |error: Error| entry.origin.blame(error.at_node(&entry.name));
-            if entries[..i].iter().any(|e| e.name == entry.name) {
-                return Err(blame(Error::usage(format!("two nodes are called '{}'", entry.name))));
-            }
-            let node = find_type(entry, registry).map_err(blame)?;
-            let (parameters, method) = method::check(entry, node, registry).map_err(blame)?;
-            (node.check)(&parameters).map_err(blame)?;
-            let inputs = Vec::new();
-            nodes.push(GraphNode {
-                name: entry.name.clone(),
-                node,
-                parameters,
-                method,
-                inputs,
-                origin: entry.origin.clone(),
-            });
+        let mut faults = Vec::new();
+        let graph = Self::survey(entries, registry, folder, &mut faults);
+        if let Some(fault) = faults.into_iter().next() {
+            return Err(fault.error);
         }
-        for (i, entry) in entries.iter().enumerate() {
-            let edges = wire(entry, &nodes, i).map_err(|e| entry.origin.blame(e.at_node(&entry.name)))?;
-            nodes[i].inputs = edges;
-        }
-        let mut graph = Graph { nodes, folder, ..Graph::default() };
-        graph.refuse_cycles()?;
+        let mut graph = graph.unwrap_or_default();
         graph.order_work()?;
         Ok(graph)
+    }
+
+    /// Every mistake of the entries: of types, parameters and wires, in the order in which [`Graph::build`] finds the first. That
+    /// nothing is written is none of them.
+    pub fn faults(entries: &[NodeEntry], registry: &Registry) -> Vec<Fault> {
+        let mut faults = Vec::new();
+        Self::survey(entries, registry, PathBuf::new(), &mut faults);
+        faults
+    }
+
+    /// The graph without its order of work; `None` where there are faults.
+    fn survey(
+        entries: &[NodeEntry],
+        registry: &Registry,
+        folder: PathBuf,
+        faults: &mut Vec<Fault>,
+    ) -> Option<Graph> {
+        let mut types = Vec::with_capacity(entries.len());
+        let mut checked = Vec::with_capacity(entries.len());
+        for (i, entry) in entries.iter().enumerate() {
+            if entries[..i].iter().any(|e| e.name == entry.name) {
+                let error = Error::usage(format!("two nodes are called '{}'", entry.name));
+                faults.push(Fault::of(entry, Part::Node, error));
+            }
+            let node =
+                find_type(entry, registry).map_err(|error| faults.push(Fault::of(entry, Part::Node, error)));
+            types.push((entry.name.as_str(), node.ok()));
+            checked.push(node.ok().and_then(|node| check(entry, node, registry, faults)));
+        }
+        let edges: Vec<Vec<Edge>> =
+            entries.iter().enumerate().map(|(i, entry)| wires(entry, &types, i, faults)).collect();
+        refuse_cycles(entries, &edges, faults);
+        if !faults.is_empty() {
+            return None;
+        }
+        let whole = entries.iter().zip(types).zip(checked.into_iter().zip(edges));
+        let nodes = whole.map(|((entry, (_, node)), (checked, inputs))| {
+            let (parameters, method) = checked?;
+            let (name, origin) = (entry.name.clone(), entry.origin.clone());
+            Some(GraphNode { name, node: node?, parameters, method, inputs, origin })
+        });
+        Some(Graph { nodes: nodes.collect::<Option<_>>()?, folder, ..Graph::default() })
     }
 
     /// The node of that name.
     pub fn node(&self, name: &str) -> Option<&GraphNode> {
         self.nodes.iter().find(|n| n.name == name)
-    }
-
-    /// Depth-first from every node; an edge back into the path is a cycle, which is named.
-    fn refuse_cycles(&self) -> Result<()> {
-        let mut done = vec![false; self.nodes.len()];
-        for start in 0..self.nodes.len() {
-            // The path from the start, each node with the next of its inputs to follow.
-            let mut path: Vec<(usize, usize)> = vec![(start, 0)];
-            while let Some(&mut (i, ref mut next)) = path.last_mut() {
-                if done[i] || *next == self.nodes[i].inputs.len() {
-                    done[i] = true;
-                    path.pop();
-                    continue;
-                }
-                let edge = &self.nodes[i].inputs[*next];
-                *next += 1;
-                if let Some(first) = path.iter().position(|&(n, _)| n == edge.node) {
-                    // Data runs against the path: the last node on it feeds the one before.
-                    let mut names: Vec<&str> =
-                        path[first..].iter().rev().map(|&(n, _)| self.nodes[n].name.as_str()).collect();
-                    names.push(names[0]);
-                    let error = Error::usage("the graph has a cycle")
-                        .found(names.join(" → "))
-                        .accepted("inputs that lead back to sources")
-                        .at_node(&self.nodes[i].name);
-                    return Err(edge.origin.blame(error));
-                }
-                path.push((edge.node, 0));
-            }
-        }
-        Ok(())
     }
 
     /// The order of work, from the sinks; warns of nodes that no sink needs.
@@ -234,6 +228,26 @@ impl Graph {
     }
 }
 
+/// What the entry sets, checked, with what its type says of the whole.
+fn check(
+    entry: &NodeEntry,
+    node: &'static Node,
+    registry: &Registry,
+    faults: &mut Vec<Fault>,
+) -> Option<(Parameters, Option<Method>)> {
+    let mut wrong = Vec::new();
+    let surveyed = method::survey(entry, node, registry, &mut wrong);
+    let is_right = wrong.is_empty();
+    faults.extend(
+        wrong.into_iter().map(|wrong| Fault::of(entry, Part::Parameter(wrong.parameter), wrong.error)),
+    );
+    let checked = surveyed.filter(|_| is_right)?;
+    if let Err(error) = (node.check)(&checked.0) {
+        faults.push(Fault::of(entry, Part::Node, error));
+    }
+    Some(checked)
+}
+
 /// The node type that an entry names.
 fn find_type(entry: &NodeEntry, registry: &Registry) -> Result<&'static Node> {
     let Some(name) = entry.node_type.text() else {
@@ -242,93 +256,33 @@ fn find_type(entry: &NodeEntry, registry: &Registry) -> Result<&'static Node> {
     registry.find(name).map_err(|error| entry.node_type.origin.blame(error))
 }
 
-/// The wires of one entry: every input of the node type fed once, by an output of a type that serves it; then the
-/// optional inputs, each fed by any number of them.
-fn wire(entry: &NodeEntry, nodes: &[GraphNode], place: usize) -> Result<Vec<Edge>> {
-    let node = nodes[place].node;
-    let required = node.inputs.len();
-    let mut edges: Vec<Option<Edge>> = vec![None; required];
-    for link in &entry.inputs {
-        let Some(port) = node.all_inputs().position(|p| p.name == link.port) else {
-            let error = Error::usage(format!("the node type '{}' has no input '{}'", node.name, link.port))
-                .accepted(suggest(&link.port, node.all_inputs().map(|p| p.name)));
-            return Err(link.origin.blame(error));
-        };
-        let sources = match link.source.list() {
-            Some(list) if port >= required => list,
-            _ => std::slice::from_ref(&link.source),
-        };
-        for source in sources {
-            let edge = edge(source, node, port, nodes)?;
-            match edges.get_mut(port).filter(|_| port < required) {
-                Some(slot) => *slot = Some(edge),
-                None => edges.push(Some(edge)),
+/// Depth-first from every node; an edge back into the path is a cycle, which is named. Each is found once.
+fn refuse_cycles(entries: &[NodeEntry], edges: &[Vec<Edge>], faults: &mut Vec<Fault>) {
+    let mut done = vec![false; entries.len()];
+    for start in 0..entries.len() {
+        // The path from the start, each node with the next of its inputs to follow.
+        let mut path: Vec<(usize, usize)> = vec![(start, 0)];
+        while let Some(&mut (i, ref mut next)) = path.last_mut() {
+            if done[i] || *next == edges[i].len() {
+                done[i] = true;
+                path.pop();
+                continue;
             }
+            let edge = &edges[i][*next];
+            *next += 1;
+            if let Some(first) = path.iter().position(|&(n, _)| n == edge.node) {
+                // Data runs against the path: the last node on it feeds the one before.
+                let mut names: Vec<&str> =
+                    path[first..].iter().rev().map(|&(n, _)| entries[n].name.as_str()).collect();
+                names.push(names[0]);
+                let error = Error::usage("the graph has a cycle")
+                    .found(names.join(" → "))
+                    .accepted("inputs that lead back to sources");
+                let error = edge.origin.blame(error.at_node(&entries[i].name));
+                faults.push(Fault::of(&entries[i], Part::Input(edge.name.to_string()), error));
+                continue;
+            }
+            path.push((edge.node, 0));
         }
-    }
-    let missing = |port: usize| {
-        let port = &node.inputs[port];
-        Error::usage(format!("the input '{}' is not wired", port.name)).accepted(format!(
-            "inputs = {{ {} = \"…\" }}, the name of a node that gives {}",
-            port.name,
-            port.port_type.with_article()
-        ))
-    };
-    edges.into_iter().enumerate().map(|(port, edge)| edge.ok_or_else(|| missing(port))).collect()
-}
-
-/// One wire, from the output that `written` names to an input port.
-fn edge(written: &Setting, node: &Node, port: usize, nodes: &[GraphNode]) -> Result<Edge> {
-    let Some(text) = written.text() else {
-        let accepted = match port < node.inputs.len() {
-            true => "\"node\" or \"node.port\"",
-            false => "\"node\" or \"node.port\", or a list of them",
-        };
-        return Err(written.error("an input must name the node that feeds it", accepted));
-    };
-    let (feeding, output) = source(text, nodes).map_err(|error| written.origin.blame(error))?;
-    let found = nodes[feeding].node.outputs[output].port_type;
-    let Some(taken) = node.all_inputs().nth(port) else {
-        return Err(Error::run("a wire leads to an input that is not declared"));
-    };
-    let wanted = taken.port_type;
-    if !found.serves(wanted) {
-        let giving = nodes.iter().filter(|n| n.node.outputs.iter().any(|o| o.port_type.serves(wanted)));
-        let names: Vec<&str> = giving.map(|n| n.name.as_str()).collect();
-        let remedy = match names.is_empty() {
-            true => format!("{}, which no node here gives", wanted.with_article()),
-            false => format!("{}, which these nodes give: {}", wanted.with_article(), names.join(", ")),
-        };
-        let what = format!("the input '{}' is wired to the wrong type", taken.name);
-        let error =
-            Error::usage(what).found(format!("{} from '{text}'", found.with_article())).accepted(remedy);
-        return Err(written.origin.blame(error));
-    }
-    Ok(Edge { port, node: feeding, output, origin: written.origin.clone() })
-}
-
-/// The node and the output that `"node"` or `"node.port"` means.
-fn source(text: &str, nodes: &[GraphNode]) -> Result<(usize, usize)> {
-    let whole = nodes.iter().position(|n| n.name == text);
-    let (name, port) = match (whole, text.rsplit_once('.')) {
-        (None, Some((name, port))) => (name, Some(port)),
-        _ => (text, None),
-    };
-    let Some(i) = nodes.iter().position(|n| n.name == name) else {
-        return Err(Error::usage(format!("there is no node '{name}'"))
-            .accepted(suggest(name, nodes.iter().map(|n| n.name.as_str()))));
-    };
-    let outputs = nodes[i].node.outputs;
-    match (port, outputs.len()) {
-        (_, 0) => Err(Error::usage(format!("the node '{name}' has no output"))),
-        (None, 1) => Ok((i, 0)),
-        (None, _) => Err(Error::usage(format!("the node '{name}' has several outputs")).accepted(
-            outputs.iter().map(|o| format!("\"{name}.{}\"", o.name)).collect::<Vec<_>>().join(" or "),
-        )),
-        (Some(port), _) => match outputs.iter().position(|o| o.name == port) {
-            Some(output) => Ok((i, output)),
-            None => Err(Error::usage(format!("the node '{name}' has no output '{port}'"))
-                .accepted(suggest(port, outputs.iter().map(|o| o.name)))),
-        },
     }
 }

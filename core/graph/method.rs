@@ -3,36 +3,55 @@
 use super::build::NodeEntry;
 use super::declaration::Node;
 use super::registry::Registry;
+use crate::Error;
 use crate::field::Method;
-use crate::parameters::{Field, Kind, Parameter, Parameters, nearest, suggest};
-use crate::{Error, Result};
+use crate::parameters::{Field, Kind, Parameter, ParameterFault, Parameters, nearest, suggest};
 
-/// Checks what an entry sets: against what the node declares, and what the filter that it names does.
-pub(super) fn check(
+/// Checks what an entry sets: against what the node declares, and what the filter that it names does. `None` where that is
+/// not known; what has faults is not to be used.
+pub(super) fn survey(
     entry: &NodeEntry,
     node: &'static Node,
     registry: &Registry,
-) -> Result<(Parameters, Option<Method>)> {
-    let own = |fields: &[Field]| Parameters::check(node.parameters, fields, &entry.origin, &[]);
-    let Some(parameter) = node.method() else { return Ok((own(&entry.settings)?, None)) };
+    faults: &mut Vec<ParameterFault>,
+) -> Option<(Parameters, Option<Method>)> {
+    let own = |fields: &[Field], faults: &mut Vec<ParameterFault>| {
+        Parameters::survey(node.parameters, fields, &entry.origin, &[], faults)
+    };
+    let Some(parameter) = node.method() else { return Some((own(&entry.settings, faults), None)) };
     let given = entry.settings.iter().find(|field| field.name == parameter.name).map(|field| &field.setting);
     let standard = parameter.standard.datum().map(Into::into);
-    let Some(named) = given.or(standard.as_ref()) else { return Ok((own(&entry.settings)?, None)) };
+    let Some(named) = given.or(standard.as_ref()) else { return Some((own(&entry.settings, faults), None)) };
+    let wrong = |error| ParameterFault { parameter: parameter.name.to_string(), error };
     let Some(name) = named.text() else {
         let what = format!("'{}' is of the wrong type", parameter.name);
-        return Err(named.error(what, parameter.parameter_type.describe()));
+        faults.push(wrong(named.error(what, parameter.parameter_type.describe())));
+        return None;
     };
-    let filter = registry.find_filter(name).map_err(|error| named.origin.blame(error))?;
+    let filter = match registry.find_filter(name) {
+        Ok(filter) => filter,
+        Err(error) => {
+            faults.push(wrong(named.origin.blame(error)));
+            return None;
+        }
+    };
     let kind = filter.declaration();
-    let (theirs, ours): (Vec<Field>, Vec<Field>) =
+    let (theirs, rest): (Vec<Field>, Vec<Field>) =
         entry.settings.iter().cloned().partition(|field| declares(kind.parameters, field));
-    if let Some(field) = ours.iter().find(|field| !declares(node.parameters, field)) {
-        return Err(field.origin.blame(unknown(field, node, parameter, &kind, registry)));
-    }
+    let (ours, strange): (Vec<Field>, Vec<Field>) =
+        rest.into_iter().partition(|field| declares(node.parameters, field));
+    faults.extend(strange.iter().map(|field| ParameterFault {
+        parameter: field.name.clone(),
+        error: field.origin.blame(unknown(field, node, parameter, &kind, registry)),
+    }));
     // What is missing is missing because of the word.
-    let theirs = Parameters::check(kind.parameters, &theirs, &named.origin, &[])?;
-    let method = Method::new(filter.clone(), theirs.clone())?;
-    Ok((own(&ours)?.and(theirs), Some(method)))
+    let before = faults.len();
+    let theirs = Parameters::survey(kind.parameters, &theirs, &named.origin, &[], faults);
+    let is_right = faults.len() == before;
+    let method = is_right.then(|| Method::new(filter.clone(), theirs.clone()));
+    let method = method.and_then(|method| method.map_err(|error| faults.push(wrong(error))).ok());
+    let ours = own(&ours, faults);
+    Some((ours.and(theirs), Some(method?)))
 }
 
 fn declares(parameters: &[Parameter], field: &Field) -> bool {

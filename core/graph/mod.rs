@@ -20,6 +20,7 @@ mod cache;
 mod call;
 mod declaration;
 mod demand;
+mod faults;
 mod leave_out;
 mod method;
 mod notes;
@@ -31,6 +32,7 @@ mod steps;
 #[cfg(test)]
 mod tests;
 mod value;
+mod wire;
 
 pub use crate::parameters::{
     Along, Datum, Field, Kind, Measure, Measured, NamedPath, Origin, Parameter, ParameterType, Parameters,
@@ -41,6 +43,7 @@ pub use cache::{FileStamp, Stamp};
 pub use call::{Asking, Call, Foresight, Outputs, Preparation};
 pub use declaration::{Node, Outline, Outlined, Port, PortType};
 pub use demand::{Arrays, Demand, Plan};
+pub use faults::{Fault, Part};
 pub use leave_out::MayLeaveOut;
 pub use notes::{Finding, LeftOut, NodeReport, Notes, RunReport, Saving};
 pub use origins::{FileRead, Origins};

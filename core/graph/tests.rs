@@ -1,5 +1,6 @@
 //! The passes, the cache and the wiring, on node types that only count.
 
+mod faults;
 mod feeding;
 mod methods;
 mod no_leave_out;

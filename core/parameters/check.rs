@@ -1,8 +1,8 @@
 //! Parameters: settings checked against their declarations, with typed getters.
 
 use super::declaration::{Parameter, ParameterType, Standard};
+use super::fit::{kind_of, survey_type};
 use super::nearest::suggest;
-use super::range::Range;
 use super::setting::{Datum, Field, Origin, Setting};
 use crate::{Error, Result};
 use std::borrow::Cow;
@@ -18,6 +18,15 @@ pub struct Parameters {
     given: Vec<bool>,
     /// Where the table they stand in was written.
     origin: Origin,
+}
+
+/// A mistake in what a table sets.
+#[derive(Debug, Clone)]
+pub struct ParameterFault {
+    /// The parameter, or the unknown key.
+    pub parameter: String,
+    /// What is wrong, at its place.
+    pub error: Error,
 }
 
 /// Of one node type: the declarations are not compared.
@@ -36,19 +45,41 @@ impl Parameters {
         origin: &Origin,
         also: &[&str],
     ) -> Result<Parameters> {
+        let mut faults = Vec::new();
+        let parameters = Self::survey(declared, fields, origin, also, &mut faults);
+        faults.into_iter().next().map_or(Ok(parameters), |fault| Err(fault.error))
+    }
+
+    /// The same with every mistake, in the order in which [`Parameters::check`] finds them. What is wrong is set nevertheless: what
+    /// has faults is not to be used.
+    pub fn survey(
+        declared: impl Into<Cow<'static, [Parameter]>>,
+        fields: &[Field],
+        origin: &Origin,
+        also: &[&str],
+        faults: &mut Vec<ParameterFault>,
+    ) -> Parameters {
         let declared = declared.into();
         let mut settings: Vec<Option<Setting>> = vec![None; declared.len()];
         for field in fields {
             if also.contains(&field.name.as_str()) {
                 continue;
             }
+            let mut add = |error| faults.push(ParameterFault { parameter: field.name.clone(), error });
             let Some(i) = declared.iter().position(|p| p.name == field.name) else {
                 let names = also.iter().copied().chain(declared.iter().map(|p| p.name));
                 let error = Error::usage(format!("unknown parameter '{}'", field.name))
                     .accepted(suggest(&field.name, names));
-                return Err(field.origin.blame(error));
+                add(field.origin.blame(error));
+                continue;
             };
-            check_type(&declared[i].parameter_type, declared[i].name, declared[i].unit, &field.setting)?;
+            survey_type(
+                &declared[i].parameter_type,
+                declared[i].name,
+                declared[i].unit,
+                &field.setting,
+                &mut add,
+            );
             settings[i] = Some(field.setting.clone());
         }
         let given: Vec<bool> = settings.iter().map(Option::is_some).collect();
@@ -64,11 +95,14 @@ impl Parameters {
                         parameter.parameter_type.describe(),
                         parameter.help
                     ));
-                return Err(origin.blame(error));
+                faults.push(ParameterFault {
+                    parameter: parameter.name.to_string(),
+                    error: origin.blame(error),
+                });
             }
             *setting = parameter.standard.datum().map(Setting::from);
         }
-        Ok(Parameters { declared, settings, given, origin: origin.clone() })
+        Parameters { declared, settings, given, origin: origin.clone() }
     }
 
     /// The same for a program: some values by name, the standard values for the rest.
@@ -210,7 +244,15 @@ impl Parameters {
         let (Some(ParameterType::Kinds(kinds)), Some(list)) = (declared, setting.list()) else {
             return Err(self.mistyped(name));
         };
-        list.iter().map(|setting| kind_of(kinds, name, setting)).collect()
+        let kind = |setting: &Setting| {
+            let mut faults = Vec::new();
+            let kind = kind_of(kinds, name, setting, &mut |error| faults.push(error));
+            match (kind, faults.into_iter().next()) {
+                (Some(kind), None) => Ok(kind),
+                (_, fault) => Err(fault.unwrap_or_else(|| self.mistyped(name))),
+            }
+        };
+        list.iter().map(kind).collect()
     }
 
     pub(super) fn parameter_type(&self, name: &str) -> Option<ParameterType> {
@@ -226,114 +268,5 @@ impl Parameters {
 
     fn mistyped(&self, name: &str) -> Error {
         self.error(name, format!("the parameter '{name}' is not of the type that its reader expects"))
-    }
-}
-
-/// The kind of one entry of a list of tables, and its checked parameters.
-fn kind_of(
-    kinds: &'static [super::declaration::Kind],
-    name: &str,
-    setting: &Setting,
-) -> Result<(&'static str, Parameters)> {
-    let names = || kinds.iter().map(|k| k.name);
-    let Some(fields) = setting.table() else {
-        return Err(setting.error(format!("each entry of '{name}' must be a table"), "[[…]] with a kind"));
-    };
-    let Some(kind) = fields.iter().find(|f| f.name == "kind") else {
-        let error = Error::usage(format!("an entry of '{name}' has no 'kind'"))
-            .accepted(format!("kind = one of {}", names().collect::<Vec<_>>().join(", ")));
-        return Err(setting.origin.blame(error));
-    };
-    let word = kind.setting.text().unwrap_or_default();
-    match kinds.iter().find(|k| k.name == word) {
-        Some(found) => {
-            let parameters = Parameters::check(found.parameters, fields, &setting.origin, &["kind"])?;
-            Ok((found.name, parameters))
-        }
-        None => Err(kind.setting.error("unknown kind", suggest(word, names()))),
-    }
-}
-
-/// Checks one setting against its declared type.
-pub(super) fn check_type(
-    parameter_type: &ParameterType,
-    name: &str,
-    unit: &str,
-    setting: &Setting,
-) -> Result<()> {
-    let accepted = || match unit {
-        "" => parameter_type.describe(),
-        unit => format!("{} ({unit})", parameter_type.describe()),
-    };
-    let wrong_type = || Err(setting.error(format!("'{name}' is of the wrong type"), accepted()));
-    let in_range = |part: &Setting, x: f64, range: &Range| match range.holds(x) {
-        true => Ok(()),
-        false => Err(part.error(format!("'{name}' is out of range"), accepted())),
-    };
-    match (parameter_type, &setting.datum) {
-        (ParameterType::Boolean, Datum::Boolean(_)) => Ok(()),
-        (ParameterType::Integer(range), Datum::Integer(n)) => in_range(setting, *n as f64, range),
-        (ParameterType::NumberOr(_, word), Datum::Text(text)) if text == word => Ok(()),
-        (
-            ParameterType::Number(range) | ParameterType::NumberOr(range, _),
-            Datum::Number(_) | Datum::Integer(_),
-        ) => in_range(setting, setting.number().unwrap_or(f64::NAN), range),
-        (ParameterType::Text | ParameterType::GradientFilter, Datum::Text(_)) => Ok(()),
-        (ParameterType::InputPath | ParameterType::OutputPath, Datum::Text(path)) => match path.is_empty() {
-            true => Err(setting.error(format!("'{name}' is empty"), "the path of a file")),
-            false => Ok(()),
-        },
-        (ParameterType::Choice(words), Datum::Text(text)) => match words.iter().any(|w| w.0 == text) {
-            true => Ok(()),
-            false => Err(setting.error(
-                format!("'{name}' does not know this word"),
-                suggest(text, words.iter().map(|w| w.0)),
-            )),
-        },
-        (ParameterType::Numbers(count, range), Datum::List(list)) => {
-            for part in list {
-                let Some(x) = part.number() else { return wrong_type() };
-                in_range(part, x, range)?;
-            }
-            match count.is_none_or(|n| n == list.len()) {
-                true => Ok(()),
-                false => wrong_type(),
-            }
-        }
-        (ParameterType::Integers(count, range), Datum::List(list)) => {
-            for part in list {
-                let Datum::Integer(n) = part.datum else { return wrong_type() };
-                in_range(part, n as f64, range)?;
-            }
-            if *count == list.len() { Ok(()) } else { wrong_type() }
-        }
-        (ParameterType::Rows(width), Datum::List(rows)) => {
-            for row in rows {
-                let Some(numbers) = row.numbers() else { return wrong_type() };
-                if width.is_some_and(|n| n != numbers.len()) {
-                    return Err(row.error(format!("a row of '{name}' has the wrong length"), accepted()));
-                }
-                if numbers.iter().any(|x| !x.is_finite()) {
-                    return Err(row.error(format!("'{name}' is out of range"), "finite numbers"));
-                }
-            }
-            Ok(())
-        }
-        (ParameterType::Texts, Datum::List(list)) if list.iter().all(|s| s.text().is_some()) => Ok(()),
-        (ParameterType::Table(declared), Datum::Table(fields)) => {
-            Parameters::check(*declared, fields, &setting.origin, &[]).map(drop)
-        }
-        (ParameterType::Measured(measured), _) => {
-            // 1 is in every range of what may be relative; the others are checked beside it.
-            let numbers = measured.replaced(name, setting, &mut |_, _, _| Ok(1.0))?;
-            check_type(&measured.plain, name, unit, &numbers).map_err(|error| match error.accepted.clone() {
-                Some(plain) => error.accepted(format!("{plain}, {}", measured.describe())),
-                None => error,
-            })
-        }
-        (ParameterType::Kinds(kinds), Datum::List(list)) => {
-            list.iter().try_for_each(|entry| kind_of(kinds, name, entry).map(drop))
-        }
-        _ => wrong_type(),
     }
 }

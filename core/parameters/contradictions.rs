@@ -1,7 +1,7 @@
 //! Declarations that contradict themselves.
 
-use super::check::check_type;
 use super::declaration::{Parameter, ParameterType};
+use super::fit::check_type;
 use super::setting::Setting;
 use crate::{Error, Result};
 

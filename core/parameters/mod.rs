@@ -10,6 +10,7 @@
 mod check;
 mod contradictions;
 mod declaration;
+mod fit;
 mod measured;
 mod nearest;
 mod numbers;
@@ -20,7 +21,7 @@ mod setting;
 #[cfg(test)]
 mod tests;
 
-pub use check::Parameters;
+pub use check::{ParameterFault, Parameters};
 pub(crate) use contradictions::{refuse_contradictions, repeated};
 pub use declaration::{Along, Kind, Measure, Measured, Parameter, ParameterType, Standard};
 pub use measured::RelativeNumber;

@@ -96,6 +96,11 @@ impl Element {
 }
 
 impl Value {
+    /// Whether its elements have numbers.
+    pub fn is_list(&self) -> bool {
+        matches!(self.kind, ValueKind::List(_))
+    }
+
     /// Its elements; none of a scalar.
     pub fn elements(&self) -> &[Element] {
         match &self.kind {

@@ -1,0 +1,151 @@
+//! Whether a setting fits its declared type.
+
+use super::check::Parameters;
+use super::declaration::{Kind, ParameterType};
+use super::nearest::suggest;
+use super::range::Range;
+use super::setting::{Datum, Setting};
+use crate::{Error, Result};
+
+/// The kind of one entry of a list of tables, and its parameters; `None` where it has no kind that is known.
+pub(super) fn kind_of(
+    kinds: &'static [Kind],
+    name: &str,
+    setting: &Setting,
+    fault: &mut dyn FnMut(Error),
+) -> Option<(&'static str, Parameters)> {
+    let names = || kinds.iter().map(|k| k.name);
+    let Some(fields) = setting.table() else {
+        fault(setting.error(format!("each entry of '{name}' must be a table"), "[[…]] with a kind"));
+        return None;
+    };
+    let Some(kind) = fields.iter().find(|f| f.name == "kind") else {
+        let error = Error::usage(format!("an entry of '{name}' has no 'kind'"))
+            .accepted(format!("kind = one of {}", names().collect::<Vec<_>>().join(", ")));
+        fault(setting.origin.blame(error));
+        return None;
+    };
+    let word = kind.setting.text().unwrap_or_default();
+    let Some(found) = kinds.iter().find(|k| k.name == word) else {
+        fault(kind.setting.error("unknown kind", suggest(word, names())));
+        return None;
+    };
+    let mut faults = Vec::new();
+    let parameters = Parameters::survey(found.parameters, fields, &setting.origin, &["kind"], &mut faults);
+    faults.into_iter().for_each(|one| fault(one.error));
+    Some((found.name, parameters))
+}
+
+/// Checks one setting against its declared type.
+pub(super) fn check_type(
+    parameter_type: &ParameterType,
+    name: &str,
+    unit: &str,
+    setting: &Setting,
+) -> Result<()> {
+    let mut first = None;
+    survey_type(parameter_type, name, unit, setting, &mut |error| {
+        first.get_or_insert(error);
+    });
+    first.map_or(Ok(()), Err)
+}
+
+/// The same with every mistake: a table, or a list of tables, may have several.
+pub(super) fn survey_type(
+    parameter_type: &ParameterType,
+    name: &str,
+    unit: &str,
+    setting: &Setting,
+    fault: &mut dyn FnMut(Error),
+) {
+    match (parameter_type, &setting.datum) {
+        (ParameterType::Table(declared), Datum::Table(fields)) => {
+            let mut faults = Vec::new();
+            Parameters::survey(*declared, fields, &setting.origin, &[], &mut faults);
+            faults.into_iter().for_each(|one| fault(one.error));
+        }
+        (ParameterType::Kinds(kinds), Datum::List(list)) => {
+            for entry in list {
+                kind_of(kinds, name, entry, fault);
+            }
+        }
+        _ => {
+            if let Err(error) = check_plain(parameter_type, name, unit, setting) {
+                fault(error);
+            }
+        }
+    }
+}
+
+/// Checks a setting that has one mistake at most.
+fn check_plain(parameter_type: &ParameterType, name: &str, unit: &str, setting: &Setting) -> Result<()> {
+    let accepted = || match unit {
+        "" => parameter_type.describe(),
+        unit => format!("{} ({unit})", parameter_type.describe()),
+    };
+    let wrong_type = || Err(setting.error(format!("'{name}' is of the wrong type"), accepted()));
+    let in_range = |part: &Setting, x: f64, range: &Range| match range.holds(x) {
+        true => Ok(()),
+        false => Err(part.error(format!("'{name}' is out of range"), accepted())),
+    };
+    match (parameter_type, &setting.datum) {
+        (ParameterType::Boolean, Datum::Boolean(_)) => Ok(()),
+        (ParameterType::Integer(range), Datum::Integer(n)) => in_range(setting, *n as f64, range),
+        (ParameterType::NumberOr(_, word), Datum::Text(text)) if text == word => Ok(()),
+        (
+            ParameterType::Number(range) | ParameterType::NumberOr(range, _),
+            Datum::Number(_) | Datum::Integer(_),
+        ) => in_range(setting, setting.number().unwrap_or(f64::NAN), range),
+        (ParameterType::Text | ParameterType::GradientFilter, Datum::Text(_)) => Ok(()),
+        (ParameterType::InputPath | ParameterType::OutputPath, Datum::Text(path)) => match path.is_empty() {
+            true => Err(setting.error(format!("'{name}' is empty"), "the path of a file")),
+            false => Ok(()),
+        },
+        (ParameterType::Choice(words), Datum::Text(text)) => match words.iter().any(|w| w.0 == text) {
+            true => Ok(()),
+            false => Err(setting.error(
+                format!("'{name}' does not know this word"),
+                suggest(text, words.iter().map(|w| w.0)),
+            )),
+        },
+        (ParameterType::Numbers(count, range), Datum::List(list)) => {
+            for part in list {
+                let Some(x) = part.number() else { return wrong_type() };
+                in_range(part, x, range)?;
+            }
+            match count.is_none_or(|n| n == list.len()) {
+                true => Ok(()),
+                false => wrong_type(),
+            }
+        }
+        (ParameterType::Integers(count, range), Datum::List(list)) => {
+            for part in list {
+                let Datum::Integer(n) = part.datum else { return wrong_type() };
+                in_range(part, n as f64, range)?;
+            }
+            if *count == list.len() { Ok(()) } else { wrong_type() }
+        }
+        (ParameterType::Rows(width), Datum::List(rows)) => {
+            for row in rows {
+                let Some(numbers) = row.numbers() else { return wrong_type() };
+                if width.is_some_and(|n| n != numbers.len()) {
+                    return Err(row.error(format!("a row of '{name}' has the wrong length"), accepted()));
+                }
+                if numbers.iter().any(|x| !x.is_finite()) {
+                    return Err(row.error(format!("'{name}' is out of range"), "finite numbers"));
+                }
+            }
+            Ok(())
+        }
+        (ParameterType::Texts, Datum::List(list)) if list.iter().all(|s| s.text().is_some()) => Ok(()),
+        (ParameterType::Measured(measured), _) => {
+            // 1 is in every range of what may be relative; the others are checked beside it.
+            let numbers = measured.replaced(name, setting, &mut |_, _, _| Ok(1.0))?;
+            check_type(&measured.plain, name, unit, &numbers).map_err(|error| match error.accepted.clone() {
+                Some(plain) => error.accepted(format!("{plain}, {}", measured.describe())),
+                None => error,
+            })
+        }
+        _ => wrong_type(),
+    }
+}

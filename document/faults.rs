@@ -1,0 +1,114 @@
+//! What is wrong with a document, each mistake at the node, the parameter or the input that it is about.
+
+use crate::links;
+use crate::path::{Path, Step};
+use crate::{Document, text::Syntax};
+use voltet_core::Error;
+use voltet_core::graph::{Graph, Part as Stated, Registry};
+
+/// A mistake in a document.
+#[derive(Debug, Clone)]
+pub struct Fault {
+    /// The node; none where it is about the file as a whole.
+    pub node: Option<String>,
+    /// What of the node is wrong.
+    pub part: Part,
+    /// What is wrong, with line and column.
+    pub error: Error,
+}
+
+/// What a mistake is about.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Part {
+    /// The file, or a node as a whole: its name, its type, how its parameters go together.
+    Whole,
+    /// A parameter, or a part of one: `widgets.0.centre`.
+    Parameter(Path),
+    /// An input.
+    Input(String),
+}
+
+impl Document {
+    /// Every mistake that can be found without data: of the text, of types, parameters and wires.
+    pub fn faults(&self, registry: &Registry) -> Vec<Fault> {
+        let mut faults: Vec<Fault> = Vec::new();
+        let is_known = |faults: &[Fault], error: &Error| {
+            error.place.span.is_some() && faults.iter().any(|fault| fault.error.place.span == error.place.span)
+        };
+        for error in &self.survey.faults {
+            if is_known(&faults, error) {
+                continue;
+            }
+            let (place, part) = self.part(error);
+            let node = error.place.node.clone().or(place);
+            faults.push(Fault { node, part, error: self.locate(error.clone()) });
+        }
+        for fault in Graph::faults(&self.survey.pipeline.nodes, registry) {
+            // What cannot be read at all is said once.
+            if is_known(&faults[..], &fault.error) && self.is_said(&fault.error) {
+                continue;
+            }
+            let (_, placed) = self.part(&fault.error);
+            let part = match (fault.part, placed) {
+                (Stated::Input(port), _) => Part::Input(port),
+                (Stated::Parameter(name), Part::Parameter(path)) if path.0.first().is_some_and(|s| s.key() == name) => {
+                    Part::Parameter(path)
+                }
+                (Stated::Parameter(name), _) => Part::Parameter(Path(vec![Step::Key(name)])),
+                (Stated::Node, placed) => placed,
+            };
+            faults.push(Fault { node: Some(fault.node), part, error: self.locate(fault.error) });
+        }
+        faults
+    }
+
+    /// Of these faults, those for which a node cannot run: its own, and those of what feeds it. Empty: what feeds the node, and it,
+    /// can be built into a graph and run, whatever is wrong elsewhere.
+    pub fn faults_before<'a>(&self, node: &str, faults: &'a [Fault]) -> Vec<&'a Fault> {
+        let needed = links::upstream(&self.survey.pipeline.nodes, node);
+        let concerns = |fault: &&Fault| fault.node.as_ref().is_none_or(|name| needed.contains(name));
+        // A file that says a wrong format, or nothing of one, may still be drawn; one that is no TOML may lack anything.
+        faults.iter().filter(concerns).filter(|fault| fault.node.is_some() || !self.is_toml()).collect()
+    }
+
+    /// Whether a fault of the form was found at the very place.
+    fn is_said(&self, error: &Error) -> bool {
+        self.survey.faults.iter().any(|known| known.place.span == error.place.span)
+    }
+
+    /// The node and the part that stand where an error points.
+    fn part(&self, error: &Error) -> (Option<String>, Part) {
+        let Some(span) = &error.place.span else { return (None, Part::Whole) };
+        let path = self.syntax.path_at(span.start);
+        let keys: Vec<String> = path.0.iter().take(4).map(|step| step.key().into_owned()).collect();
+        let keys: Vec<&str> = keys.iter().map(String::as_str).collect();
+        match keys[..] {
+            ["nodes", node] | ["nodes", node, "type", ..] | ["nodes", node, "inputs"] => {
+                (Some(node.to_string()), Part::Whole)
+            }
+            ["nodes", node, "inputs", port] => (Some(node.to_string()), Part::Input(port.to_string())),
+            ["nodes", node, ..] => (Some(node.to_string()), Part::Parameter(Path(path.0[2..].to_vec()))),
+            _ => (None, Part::Whole),
+        }
+    }
+}
+
+impl Syntax {
+    /// The path of what stands at a byte: the innermost part of a value, or the table of a header.
+    pub fn path_at(&self, at: usize) -> Path {
+        let after = self.sections.iter().rposition(|section| section.start() <= at).unwrap_or(0);
+        let Some(section) = self.sections.get(after) else { return Path::default() };
+        let mut path = section.path.0.clone();
+        let mut elements = section.assignments.as_slice();
+        let mut is_list = false;
+        while let Some(i) = elements.iter().position(|element| element.place().contains(&at)) {
+            match is_list {
+                true => path.push(Step::Entry(i)),
+                false => path.extend(elements[i].path()),
+            }
+            is_list = elements[i].value.is_list();
+            elements = elements[i].value.elements();
+        }
+        Path(path)
+    }
+}

@@ -1,0 +1,210 @@
+//! What fits where: node types by kind and by words, ports that can be joined.
+
+use crate::edit::Edit;
+use crate::links;
+use crate::Document;
+use voltet_core::graph::{Node, Port, PortType, Registry};
+use voltet_core::{Error, Result};
+
+/// A kind of node types, for a menu; told from the ports.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Group {
+    /// Gives data and takes none.
+    Sources,
+    /// Makes something of data.
+    Filters,
+    /// Says what is drawn.
+    TransferFunctions,
+    /// Says where it is seen from.
+    Cameras,
+    /// Makes a picture.
+    Drawing,
+    /// One stage of making a picture.
+    Stages,
+    /// Finds something out about data.
+    Findings,
+    /// Writes a file.
+    Writers,
+}
+
+impl Group {
+    /// All, in the order in which data runs through them.
+    pub const ALL: [Group; 8] = [
+        Group::Sources,
+        Group::Filters,
+        Group::Findings,
+        Group::TransferFunctions,
+        Group::Cameras,
+        Group::Drawing,
+        Group::Stages,
+        Group::Writers,
+    ];
+
+    /// The kind of a node type.
+    pub fn of(node: &Node) -> Group {
+        let gives = |wanted: PortType| node.outputs.iter().any(|port| port.port_type == wanted);
+        let takes = |wanted: PortType| node.inputs.iter().any(|port| port.port_type == wanted);
+        let is_stage = |wanted| gives(wanted) || takes(wanted);
+        if node.outputs.is_empty() {
+            Group::Writers
+        } else if gives(PortType::TransferFunction) {
+            Group::TransferFunctions
+        } else if gives(PortType::Camera) {
+            Group::Cameras
+        } else if is_stage(PortType::Cells) || is_stage(PortType::Projection) {
+            Group::Stages
+        } else if gives(PortType::Report) || node.finds {
+            Group::Findings
+        } else if gives(PortType::Image) {
+            Group::Drawing
+        } else if node.inputs.is_empty() {
+            Group::Sources
+        } else {
+            Group::Filters
+        }
+    }
+
+    /// The name in a menu.
+    pub fn name(self) -> &'static str {
+        match self {
+            Group::Sources => "data",
+            Group::Filters => "filters",
+            Group::TransferFunctions => "transfer functions",
+            Group::Cameras => "cameras",
+            Group::Drawing => "drawing",
+            Group::Stages => "drawing, stage by stage",
+            Group::Findings => "findings",
+            Group::Writers => "writers",
+        }
+    }
+}
+
+/// A node type and one of its ports.
+#[derive(Debug, Clone, Copy)]
+pub struct Fitting {
+    /// The type.
+    pub node: &'static Node,
+    /// The port that fits.
+    pub port: &'static Port,
+}
+
+/// The node types whose name or summary has all words of a text, the best first: whose name begins with it, whose name has it,
+/// then the rest. All types for an empty text, in the order of the registry.
+pub fn search(registry: &Registry, text: &str) -> Vec<&'static Node> {
+    let text = text.trim().to_lowercase();
+    let words: Vec<&str> = text.split_whitespace().collect();
+    let rank = |node: &Node| {
+        let summary = node.summary.to_lowercase();
+        let spoken = node.name.replace('-', " ");
+        let has = |word: &&str| spoken.contains(*word) || node.name.contains(*word);
+        match words.iter().all(|word| has(word) || summary.contains(*word)) {
+            true if node.name.starts_with(&text) || spoken.starts_with(&text) => Some(0),
+            true if words.iter().all(has) => Some(1),
+            true => Some(2),
+            false => None,
+        }
+    };
+    let mut found: Vec<(usize, &'static Node)> =
+        registry.iter().filter_map(|node| Some((rank(node)?, node))).collect();
+    found.sort_by_key(|(rank, _)| *rank);
+    if found.is_empty() {
+        let near = voltet_core::graph::nearest(&text, registry.names());
+        return near.and_then(|name| registry.find(name).ok()).into_iter().collect();
+    }
+    found.into_iter().map(|(_, node)| node).collect()
+}
+
+/// The node types that an output of this type can be wired to, each with the first input that takes it.
+pub fn taking(registry: &Registry, output: PortType) -> Vec<Fitting> {
+    let port = |node: &'static Node| node.all_inputs().find(|port| output.serves(port.port_type));
+    registry.iter().filter_map(|node| Some(Fitting { node, port: port(node)? })).collect()
+}
+
+/// The node types that can feed an input of this type, each with the first output that does.
+pub fn giving(registry: &Registry, input: PortType) -> Vec<Fitting> {
+    let port = |node: &'static Node| node.outputs.iter().find(|port| port.port_type.serves(input));
+    registry.iter().filter_map(|node| Some(Fitting { node, port: port(node)? })).collect()
+}
+
+/// A wire that can be drawn.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Join {
+    /// What draws it.
+    pub edit: Edit,
+    /// The wire that gives way to it, as the file says it.
+    pub replaces: Option<String>,
+}
+
+impl Document {
+    /// The type of a node, where the registry knows it.
+    pub fn node_type(&self, registry: &Registry, node: &str) -> Option<&'static Node> {
+        let entry = self.pipeline().nodes.iter().find(|entry| entry.name == node)?;
+        registry.find(entry.node_type.text()?).ok()
+    }
+
+    /// Whether an output can be wired to an input, and how. Errors say in words why not: the wrong type, a circle, or joined
+    /// already.
+    pub fn join(&self, registry: &Registry, from: (&str, &str), to: (&str, &str)) -> Result<Join> {
+        let nodes = &self.pipeline().nodes;
+        let known = |node: &str| {
+            let error = || Error::usage(format!("the type of the node '{node}' is not known"));
+            self.node_type(registry, node).ok_or_else(error)
+        };
+        let (giving, taking) = (known(from.0)?, known(to.0)?);
+        let missing = |node: &str, port: &str| Error::usage(format!("the node '{node}' has no port '{port}'"));
+        let output = giving.outputs.iter().find(|port| port.name == from.1).ok_or_else(|| missing(from.0, from.1))?;
+        let input = taking.all_inputs().find(|port| port.name == to.1).ok_or_else(|| missing(to.0, to.1))?;
+        if !output.port_type.serves(input.port_type) {
+            let what = format!("'{}' takes {}", input.name, input.port_type.with_article());
+            return Err(Error::usage(what).found(output.port_type.with_article()));
+        }
+        if links::upstream(nodes, from.0).contains(to.0) {
+            let error = Error::usage(format!("'{}' would feed itself", to.0));
+            return Err(error.found(self.way(to.0, from.0).join(" → ")));
+        }
+        let source = match giving.outputs.len() {
+            1 => from.0.to_string(),
+            _ => format!("{}.{}", from.0, from.1),
+        };
+        if source != from.0 && nodes.iter().any(|node| node.name == source) {
+            let error = Error::usage(format!("a node is called '{source}', which is how this output would be named"));
+            return Err(error.accepted("another name for that node"));
+        }
+        let beside = taking.optional_inputs.iter().any(|port| port.name == to.1);
+        let link = nodes.iter().find(|node| node.name == to.0);
+        let link = link.and_then(|node| node.inputs.iter().find(|link| link.port == to.1));
+        let there: Vec<&str> = link.into_iter().flat_map(links::sources).collect();
+        let same = |text: &&str| {
+            let (node, port) = links::source(text, nodes);
+            node == from.0 && port.is_none_or(|port| port == from.1)
+        };
+        if there.iter().any(same) {
+            return Err(Error::usage("these are joined already"));
+        }
+        let replaces = there.first().filter(|_| !beside).map(|text| text.to_string());
+        let (node, port) = (to.0.to_string(), to.1.to_string());
+        Ok(Join { edit: Edit::Connect { node, port, source, beside }, replaces })
+    }
+
+    /// The nodes on a way along wires from one node to another, and back to the first.
+    fn way(&self, from: &str, to: &str) -> Vec<String> {
+        let nodes = &self.pipeline().nodes;
+        let mut names = vec![from.to_string()];
+        let mut at = to.to_string();
+        let mut back = vec![at.clone()];
+        while at != from {
+            let entry = nodes.iter().find(|node| node.name == at);
+            let feeding = entry.iter().flat_map(|node| node.inputs.iter().flat_map(links::sources));
+            let mut feeding = feeding.map(|text| links::source(text, nodes).0);
+            let next = feeding.find(|name| !back.iter().any(|b| b == name) && links::upstream(nodes, name).contains(from));
+            match next {
+                Some(next) => at = next.to_string(),
+                None => break,
+            }
+            back.push(at.clone());
+        }
+        names.extend(back.into_iter().rev().skip_while(|name| name == from));
+        names.push(from.to_string());
+        names
+    }
+}
