@@ -1,36 +1,213 @@
-//! Places for nodes: in layers from left to right.
+//! Places for nodes: in layers from left to right, and in line with each other.
 
 use crate::links;
 use voltet_core::graph::NodeEntry;
 
-/// From the left edge of one layer to that of the next, in points.
-pub const LAYER: f64 = 240.0;
-/// From the top of one node to that of the next.
-pub const ROW: f64 = 140.0;
+/// What is left between two layers, and between two nodes of one, in points.
+const GAP: [f64; 2] = [70.0, 40.0];
+/// The size of a node that nobody has drawn yet.
+pub const USUAL: [f64; 2] = [170.0, 100.0];
+/// How often the layers are ordered by their neighbours.
+const SWEEPS: usize = 4;
 
-/// A place for each node: in the layer of the longest way that leads to it, ordered so that wires cross little. Equal
-/// pipelines have equal places.
-pub fn layers(nodes: &[NodeEntry]) -> Vec<[f64; 2]> {
+/// A node as it is drawn.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Placed {
+    /// The node.
+    pub name: String,
+    /// Its upper left corner.
+    pub at: [f64; 2],
+    /// Its width and height.
+    pub size: [f64; 2],
+}
+
+/// How nodes are brought in line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Align {
+    /// Left sides.
+    Left,
+    /// Right sides.
+    Right,
+    /// Upper sides.
+    Top,
+    /// Lower sides.
+    Bottom,
+    /// Equal gaps from left to right.
+    Across,
+    /// Equal gaps from top to bottom.
+    Down,
+}
+
+/// Places of nodes of a usual size; see [`tidy`].
+pub(crate) fn layers(nodes: &[NodeEntry]) -> Vec<[f64; 2]> {
+    tidy(nodes, &|_| USUAL)
+}
+
+/// A place for each node: in the layer that the longest way from a source leads to, a source in the one before the first that it
+/// feeds; within the layers in the order of the mean place of their neighbours, swept back and forth (Sugiyama, Tagawa, Toda
+/// 1981), the best order kept. Equal pipelines have equal places.
+pub fn tidy(nodes: &[NodeEntry], size: &dyn Fn(&str) -> [f64; 2]) -> Vec<[f64; 2]> {
+    let feeding = feeding(nodes);
+    let layer = layer_of(&feeding);
+    let count = layer.iter().max().map_or(0, |last| last + 1);
+    let mut layers: Vec<Vec<usize>> = vec![Vec::new(); count];
+    for (i, &layer) in layer.iter().enumerate() {
+        layers[layer].push(i);
+    }
+    order(&mut layers, &feeding);
+    let mut places = vec![[0.0; 2]; nodes.len()];
+    let mut left = 0.0;
+    let heights = |layer: &[usize]| {
+        let heights = layer.iter().map(|&i| size(&nodes[i].name)[1]);
+        heights.sum::<f64>() + GAP[1] * (layer.len().max(1) - 1) as f64
+    };
+    let tallest = layers.iter().map(|layer| heights(layer)).fold(0.0, f64::max);
+    for layer in &layers {
+        let mut top = ((tallest - heights(layer)) / 2.0).round();
+        let mut width: f64 = 0.0;
+        for &i in layer {
+            let [own_width, height] = size(&nodes[i].name);
+            places[i] = [left, top];
+            top += height + GAP[1];
+            width = width.max(own_width);
+        }
+        left += width + GAP[0];
+    }
+    places
+}
+
+/// For each node those that feed it, by their numbers.
+fn feeding(nodes: &[NodeEntry]) -> Vec<Vec<usize>> {
     let number = |name: &str| nodes.iter().position(|node| node.name == name);
-    let feeding: Vec<Vec<usize>> = nodes
-        .iter()
-        .map(|node| {
-            let named = node.inputs.iter().flat_map(links::sources);
-            named.filter_map(|text| number(links::source(text, nodes).0)).collect()
-        })
-        .collect();
-    let mut layer = vec![0usize; nodes.len()];
-    for _ in 0..nodes.len() {
-        for i in 0..nodes.len() {
-            layer[i] = feeding[i].iter().map(|&k| layer[k] + 1).max().unwrap_or(0).min(nodes.len());
+    let of = |node: &NodeEntry| {
+        let named = node.inputs.iter().flat_map(links::sources);
+        named.filter_map(|text| number(links::source(text, nodes).0)).collect()
+    };
+    nodes.iter().map(of).collect()
+}
+
+/// The layer of each node. Wires that close a circle count for nothing.
+fn layer_of(feeding: &[Vec<usize>]) -> Vec<usize> {
+    // An order in which what feeds comes first, by depth; a node met again on its own way is not gone into.
+    let (mut order, mut state) = (Vec::new(), vec![0u8; feeding.len()]);
+    let mut before: Vec<Vec<usize>> = vec![Vec::new(); feeding.len()];
+    for start in 0..feeding.len() {
+        let mut way = vec![(start, 0)];
+        while let Some(&mut (i, ref mut next)) = way.last_mut() {
+            if state[i] == 2 || *next == feeding[i].len() {
+                if state[i] != 2 {
+                    order.push(i);
+                }
+                state[i] = 2;
+                way.pop();
+                continue;
+            }
+            state[i] = 1;
+            let k = feeding[i][*next];
+            *next += 1;
+            if state[k] != 1 {
+                before[i].push(k);
+                way.push((k, 0));
+            }
         }
     }
-    let mut rows = vec![0usize; nodes.len() + 1];
+    let mut layer = vec![0; feeding.len()];
+    for &i in &order {
+        layer[i] = before[i].iter().map(|&k| layer[k] + 1).max().unwrap_or(0);
+    }
+    // A source stands by what it feeds.
+    for &i in order.iter().filter(|&&i| before[i].is_empty()) {
+        let fed = (0..feeding.len()).filter(|&k| before[k].contains(&i)).map(|k| layer[k]);
+        layer[i] = fed.min().map_or(0, |first| first - 1);
+    }
     layer
-        .iter()
-        .map(|&layer| {
-            rows[layer] += 1;
-            [layer as f64 * LAYER, (rows[layer] - 1) as f64 * ROW]
-        })
-        .collect()
+}
+
+/// Orders the nodes within layers so that wires cross little.
+fn order(layers: &mut [Vec<usize>], feeding: &[Vec<usize>]) {
+    let count = feeding.len();
+    let mut fed: Vec<Vec<usize>> = vec![Vec::new(); count];
+    for (i, from) in feeding.iter().enumerate() {
+        from.iter().for_each(|&k| fed[k].push(i));
+    }
+    let mut row = rows(layers, count);
+    let mut best = (crossings(layers, feeding, &row), layers.to_vec());
+    for sweep in 0..2 * SWEEPS {
+        let neighbours = if sweep % 2 == 0 { feeding } else { &fed };
+        let mut turns: Vec<usize> = (0..layers.len()).collect();
+        if sweep % 2 == 1 {
+            turns.reverse();
+        }
+        for l in turns {
+            let mean = |i: usize| {
+                let rows: Vec<f64> = neighbours[i].iter().map(|&k| row[k]).collect();
+                if rows.is_empty() { row[i] } else { rows.iter().sum::<f64>() / rows.len() as f64 }
+            };
+            let mut keyed: Vec<(f64, usize)> = layers[l].iter().map(|&i| (mean(i), i)).collect();
+            keyed.sort_by(|a, b| a.0.total_cmp(&b.0));
+            layers[l] = keyed.into_iter().map(|(_, i)| i).collect();
+            row = rows(layers, count);
+        }
+        let found = crossings(layers, feeding, &row);
+        if found < best.0 {
+            best = (found, layers.to_vec());
+        }
+    }
+    layers.clone_from_slice(&best.1);
+}
+
+/// The place of each node in its layer, from the middle of the layer on.
+fn rows(layers: &[Vec<usize>], count: usize) -> Vec<f64> {
+    let mut rows = vec![0.0; count];
+    for layer in layers {
+        let middle = (layer.len().max(1) - 1) as f64 / 2.0;
+        layer.iter().enumerate().for_each(|(row, &i)| rows[i] = row as f64 - middle);
+    }
+    rows
+}
+
+/// How many pairs of wires between the same layers cross.
+fn crossings(layers: &[Vec<usize>], feeding: &[Vec<usize>], row: &[f64]) -> usize {
+    let mut layer = vec![0; feeding.len()];
+    for (l, nodes) in layers.iter().enumerate() {
+        nodes.iter().for_each(|&i| layer[i] = l);
+    }
+    let wires: Vec<(usize, usize)> =
+        feeding.iter().enumerate().flat_map(|(i, from)| from.iter().map(move |&k| (k, i))).collect();
+    let cross = |&(a, b): &(usize, usize), &(c, d): &(usize, usize)| {
+        let same = layer[a] == layer[c] && layer[b] == layer[d];
+        same && (row[a] - row[c]) * (row[b] - row[d]) < 0.0
+    };
+    wires.iter().enumerate().map(|(n, one)| wires[..n].iter().filter(|other| cross(one, other)).count()).sum()
+}
+
+/// Other places that bring nodes in line; only those that move.
+pub fn align(nodes: &[Placed], how: Align) -> Vec<(String, [f64; 2])> {
+    let axis = match how {
+        Align::Left | Align::Right | Align::Across => 0,
+        Align::Top | Align::Bottom | Align::Down => 1,
+    };
+    let low = nodes.iter().map(|node| node.at[axis]).fold(f64::INFINITY, f64::min);
+    let high = nodes.iter().map(|node| node.at[axis] + node.size[axis]).fold(f64::NEG_INFINITY, f64::max);
+    let mut order: Vec<usize> = (0..nodes.len()).collect();
+    order.sort_by(|&a, &b| nodes[a].at[axis].total_cmp(&nodes[b].at[axis]));
+    let whole: f64 = nodes.iter().map(|node| node.size[axis]).sum();
+    let gap = (high - low - whole) / (nodes.len().max(2) - 1) as f64;
+    let mut next = low;
+    let mut moved = Vec::new();
+    for i in order {
+        let node = &nodes[i];
+        let place = match how {
+            Align::Left | Align::Top => low,
+            Align::Right | Align::Bottom => high - node.size[axis],
+            Align::Across | Align::Down => next,
+        };
+        next += node.size[axis] + gap;
+        let mut at = node.at;
+        at[axis] = place.round();
+        if at != node.at {
+            moved.push((node.name.clone(), at));
+        }
+    }
+    moved
 }

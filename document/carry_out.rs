@@ -68,6 +68,7 @@ impl Work {
             }
             Edit::Connect { node, port, source, beside } => self.connect(node, port, source, *beside),
             Edit::Disconnect { node, port, source } => self.disconnect(node, port, source.as_deref()),
+            Edit::AddLines(text) => self.draft.add_block(&Path::from(["nodes"]), text),
             Edit::MoveNodes(moved) => self.move_nodes(moved, shown),
             Edit::Fold { node, folded } => self.show_node(node, shown, |view| view.folded = *folded),
             Edit::Remark { node, text } => self.show_node(node, shown, |view| view.remark = text.clone()),

@@ -94,6 +94,8 @@ pub enum Edit {
         /// The wire, as the file says it; `None`: all of the input.
         source: Option<String>,
     },
+    /// Nodes more, as TOML text, after the others; see [`Document::paste`](crate::Document::paste).
+    AddLines(String),
     /// Other places in the graph view.
     MoveNodes(Vec<(String, [f64; 2])>),
     /// A node shows its head alone, or all.
@@ -147,6 +149,7 @@ impl Edit {
             Edit::MoveEntry { node, list, from, .. } => format!("move {node}.{list}.{from}"),
             Edit::Connect { node, port, source, .. } => format!("connect '{source}' to {node}.{port}"),
             Edit::Disconnect { node, port, .. } => format!("disconnect {node}.{port}"),
+            Edit::AddLines(_) => "paste".into(),
             Edit::MoveNodes(moved) => {
                 format!("move {}", nodes(&moved.iter().map(|(name, _)| name.clone()).collect::<Vec<_>>()))
             }

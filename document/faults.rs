@@ -32,11 +32,8 @@ impl Document {
     /// Every mistake that can be found without data: of the text, of types, parameters and wires.
     pub fn faults(&self, registry: &Registry) -> Vec<Fault> {
         let mut faults: Vec<Fault> = Vec::new();
-        let is_known = |faults: &[Fault], error: &Error| {
-            error.place.span.is_some() && faults.iter().any(|fault| fault.error.place.span == error.place.span)
-        };
-        for error in &self.survey.faults {
-            if is_known(&faults, error) {
+        for (i, error) in self.survey.faults.iter().enumerate() {
+            if self.survey.faults[..i].iter().any(|known| is_same(known, error)) {
                 continue;
             }
             let (place, part) = self.part(error);
@@ -45,13 +42,15 @@ impl Document {
         }
         for fault in Graph::faults(&self.survey.pipeline.nodes, registry) {
             // What cannot be read at all is said once.
-            if is_known(&faults[..], &fault.error) && self.is_said(&fault.error) {
+            if self.survey.faults.iter().any(|known| is_same(known, &fault.error)) {
                 continue;
             }
             let (_, placed) = self.part(&fault.error);
             let part = match (fault.part, placed) {
                 (Stated::Input(port), _) => Part::Input(port),
-                (Stated::Parameter(name), Part::Parameter(path)) if path.0.first().is_some_and(|s| s.key() == name) => {
+                (Stated::Parameter(name), Part::Parameter(path))
+                    if path.0.first().is_some_and(|s| s.key() == name) =>
+                {
                     Part::Parameter(path)
                 }
                 (Stated::Parameter(name), _) => Part::Parameter(Path(vec![Step::Key(name)])),
@@ -71,11 +70,6 @@ impl Document {
         faults.iter().filter(concerns).filter(|fault| fault.node.is_some() || !self.is_toml()).collect()
     }
 
-    /// Whether a fault of the form was found at the very place.
-    fn is_said(&self, error: &Error) -> bool {
-        self.survey.faults.iter().any(|known| known.place.span == error.place.span)
-    }
-
     /// The node and the part that stand where an error points.
     fn part(&self, error: &Error) -> (Option<String>, Part) {
         let Some(span) = &error.place.span else { return (None, Part::Whole) };
@@ -91,6 +85,11 @@ impl Document {
             _ => (None, Part::Whole),
         }
     }
+}
+
+/// Whether two mistakes are of the very same bytes.
+fn is_same(one: &Error, other: &Error) -> bool {
+    one.place.span.is_some() && one.place.span == other.place.span
 }
 
 impl Syntax {

@@ -1,8 +1,8 @@
 //! What fits where: node types by kind and by words, ports that can be joined.
 
+use crate::Document;
 use crate::edit::Edit;
 use crate::links;
-use crate::Document;
 use voltet_core::graph::{Node, Port, PortType, Registry};
 use voltet_core::{Error, Result};
 
@@ -151,8 +151,10 @@ impl Document {
             self.node_type(registry, node).ok_or_else(error)
         };
         let (giving, taking) = (known(from.0)?, known(to.0)?);
-        let missing = |node: &str, port: &str| Error::usage(format!("the node '{node}' has no port '{port}'"));
-        let output = giving.outputs.iter().find(|port| port.name == from.1).ok_or_else(|| missing(from.0, from.1))?;
+        let missing =
+            |node: &str, port: &str| Error::usage(format!("the node '{node}' has no port '{port}'"));
+        let output =
+            giving.outputs.iter().find(|port| port.name == from.1).ok_or_else(|| missing(from.0, from.1))?;
         let input = taking.all_inputs().find(|port| port.name == to.1).ok_or_else(|| missing(to.0, to.1))?;
         if !output.port_type.serves(input.port_type) {
             let what = format!("'{}' takes {}", input.name, input.port_type.with_article());
@@ -167,7 +169,8 @@ impl Document {
             _ => format!("{}.{}", from.0, from.1),
         };
         if source != from.0 && nodes.iter().any(|node| node.name == source) {
-            let error = Error::usage(format!("a node is called '{source}', which is how this output would be named"));
+            let error =
+                Error::usage(format!("a node is called '{source}', which is how this output would be named"));
             return Err(error.accepted("another name for that node"));
         }
         let beside = taking.optional_inputs.iter().any(|port| port.name == to.1);
@@ -196,7 +199,8 @@ impl Document {
             let entry = nodes.iter().find(|node| node.name == at);
             let feeding = entry.iter().flat_map(|node| node.inputs.iter().flat_map(links::sources));
             let mut feeding = feeding.map(|text| links::source(text, nodes).0);
-            let next = feeding.find(|name| !back.iter().any(|b| b == name) && links::upstream(nodes, name).contains(from));
+            let next = feeding
+                .find(|name| !back.iter().any(|b| b == name) && links::upstream(nodes, name).contains(from));
             match next {
                 Some(next) => at = next.to_string(),
                 None => break,

@@ -6,29 +6,38 @@
 //!
 //! | file | what |
 //! | --- | --- |
-//! | [`document`](Document) | the text, what it states, its history, its file |
-//! | [`edit`](Edit) | what can be done |
-//! | `file` | opening, saving whole, noticing changes by others |
-//! | `carry_out` | edits of nodes and wires as changes of the text |
-//! | `text` | changes of a TOML text, whatever forms it is written in |
+//! | [`document`](Document) | the text, what it states, its history |
+//! | `file`, [`recovery`](Recovery) | opening, saving whole, changes by others; work that outlives a crash |
+//! | [`edit`](Edit), `carry_out` | what can be done, as changes of the text |
+//! | `text` | a TOML text changed where asked, whatever forms it is written in |
 //! | [`delta`](Delta), [`history`](History) | how one text becomes another, and steps of it |
+//! | [`faults`](Fault) | every mistake, at its node, parameter or input |
+//! | [`fits`](Join) | node types by kind and words, what can be joined with what |
+//! | `clipboard`, [`arrange`] | nodes copied, pasted, duplicated; brought in line and in layers |
 //! | [`view`](View) | what only the editor knows: the table `[editor]` |
 
-mod arrange;
+pub mod arrange;
 mod carry_out;
+mod clipboard;
 mod delta;
 mod document;
 mod edit;
+mod faults;
 mod file;
+mod fits;
 mod history;
 pub mod links;
 mod path;
+mod recovery;
 mod text;
 mod view;
 
 pub use delta::{Delta, Hunk};
 pub use document::Document;
 pub use edit::Edit;
+pub use faults::{Fault, Part};
+pub use fits::{Fitting, Group, Join, giving, search, taking};
 pub use history::{Gesture, History};
 pub use path::{Path, Step};
+pub use recovery::{Keeper, LeftBehind, Recovery};
 pub use view::{Frame, NodeView, Note, View};

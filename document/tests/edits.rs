@@ -109,3 +109,155 @@ fn values_change_where_they_stand() {
         "-color = [1, 2.0, 3]\n+color = [1.0, 2.0, 3.5]\n",
     );
 }
+
+#[test]
+fn new_keys_stand_before_what_feeds_the_node_and_in_the_table_that_is_there() {
+    changes(
+        FILE,
+        &[Edit::set("gradient", "method", Datum::Text("quadratic-fit".into()))],
+        "+method = \"quadratic-fit\"\n",
+    );
+    let text = after(FILE, &[Edit::set("gradient", "method", Datum::Text("x".into()))]);
+    assert!(text.contains("type = \"gradient-magnitude\"\nmethod = \"x\"\ninputs ="), "{text}");
+    changes(FILE, &[Edit::set("look", "widgets.1.sigma.low", number(1.0))], "+sigma = { low = 1.0 }\n");
+    changes(FILE, &[Edit::set("view", "light.a.b", number(1.0))], "+light = { a = { b = 1.0 } }\n");
+    changes(FILE, &[Edit::Title(Some("T".into()))], "+title = \"T\"\n");
+}
+
+#[test]
+fn a_node_goes_with_its_own_comments_and_wires_and_nobody_else_s() {
+    let gone = "-# What is read.\n-[nodes.grid]\n-type = \"reader\" # a reader\n-path = \"a.vtu\"\n-\n-inputs = { grid = \"grid\" } # fed\n";
+    changes(FILE, &[Edit::RemoveNodes(vec!["grid".into()])], gone);
+    let look = after(FILE, &[Edit::RemoveNodes(vec!["look".into()])]);
+    assert!(
+        look.ends_with(
+            "# fed\n\n# By itself.\n\n# The last.\n[nodes.view]\ntype = \"camera\"\nsize = [8, 6]\n"
+        ),
+        "{look}"
+    );
+    let view = after(FILE, &[Edit::RemoveNodes(vec!["view".into()])]);
+    assert!(view.ends_with("]\n# end of look\n"), "{view}");
+}
+
+#[test]
+fn wires_follow_a_name_and_lists_of_them_grow_and_shrink() {
+    let rename = Edit::Rename { node: "grid".into(), to: "my grid".into() };
+    let wanted = "-[nodes.grid]\n+[nodes.\"my grid\"]\n-inputs = { grid = \"grid\" } # fed\n+inputs = { grid = \"my grid\" } # fed\n";
+    changes(FILE, &[rename], wanted);
+    let connect = |source: &str| Edit::Connect {
+        node: "look".into(),
+        port: "widgets".into(),
+        source: source.into(),
+        beside: true,
+    };
+    changes(FILE, &[connect("a")], "+inputs = { widgets = \"a\" }\n");
+    changes(FILE, &[connect("a"), connect("b"), connect("b")], "+inputs = { widgets = [\"a\", \"b\"] }\n");
+    let disconnect = |source: Option<&str>| Edit::Disconnect {
+        node: "look".into(),
+        port: "widgets".into(),
+        source: source.map(str::to_string),
+    };
+    changes(FILE, &[connect("a"), connect("b"), disconnect(Some("a"))], "+inputs = { widgets = [\"b\"] }\n");
+    changes(FILE, &[connect("a"), connect("b"), disconnect(None)], "");
+}
+
+#[test]
+fn widgets_come_and_go_with_their_comments() {
+    let list = || "widgets".into();
+    let remove = Edit::Unset { node: "look".into(), path: "widgets.0".into() };
+    let without = after(FILE, &[remove]);
+    assert!(
+        without.contains("type = \"transfer-function\"\n\n[[nodes.look.widgets]]\nkind = \"gaussian\""),
+        "{without}"
+    );
+    assert!(!without.contains("# The first."), "{without}");
+    let twice = after(FILE, &[Edit::Duplicate { node: "look".into(), list: list(), place: 0 }]);
+    let first = "# The first.\n[[nodes.look.widgets]]\nkind = \"uniform\" # all\ncolor = [1, 2.0, 3]\n\n";
+    assert_eq!(twice, FILE.replace(first, &first.repeat(2)));
+    let moved = after(FILE, &[Edit::MoveEntry { node: "look".into(), list: list(), from: 1, to: 0 }]);
+    let (gaussian, other) = (moved.find("gaussian").unwrap(), moved.find("# The first.").unwrap());
+    assert!(
+        gaussian < moved.find("# end of look").unwrap() && moved.find("# end of look").unwrap() < other,
+        "{moved}"
+    );
+    let entry = Datum::Table(vec![voltet_core::graph::Field {
+        name: "kind".into(),
+        origin: Default::default(),
+        setting: Datum::Text("new".into()).into(),
+    }]);
+    let insert = |place| Edit::Insert { node: "look".into(), list: list(), place, entry: entry.clone() };
+    let last = after(FILE, &[insert(2)]);
+    assert!(
+        last.contains("# end of look\n\n[[nodes.look.widgets]]\nkind = \"new\"\n\n# The last."),
+        "{last}"
+    );
+    let new = "[[nodes.look.widgets]]\nkind = \"new\"\n\n";
+    assert_eq!(after(FILE, &[insert(0)]), FILE.replace(first, &format!("{new}{first}")));
+}
+
+#[test]
+fn the_view_takes_one_line_a_node_and_all_others_keep_their_places() {
+    let mut document = Document::from_text(FILE.into(), None);
+    let before = document.position("view");
+    document.edit(&Edit::MoveNodes(vec![("grid".into(), [10.4, -3.0])])).unwrap();
+    assert_eq!((document.position("grid"), document.position("view")), ([10.0, -3.0], before));
+    let added = difference(FILE, document.text());
+    assert_eq!(added.lines().count(), 6, "{added}");
+    assert!(added.contains("+[editor.nodes]\n") && added.contains("+grid = [10, -3]\n"), "{added}");
+    // A new node stands with the nodes, before what the editor keeps.
+    document
+        .edit(&Edit::AddNode {
+            name: "n".into(),
+            node_type: "t".into(),
+            settings: Vec::new(),
+            at: Some([1.0, 2.0]),
+        })
+        .unwrap();
+    let text = document.text();
+    assert!(text.find("[nodes.n]").unwrap() < text.find("[editor.nodes]").unwrap(), "{text}");
+    assert!(text.contains("size = [8, 6]\n\n[nodes.n]\ntype = \"t\"\n\n[editor.nodes]\n"), "{text}");
+}
+
+#[test]
+fn what_cannot_be_done_says_why_and_changes_nothing() {
+    let mut document = Document::from_text(FILE.into(), None);
+    for (edit, wanted) in [
+        (Edit::set("gird", "a", number(1.0)), "there is no node 'gird'; expected 'grid', the nearest"),
+        (Edit::set("grid", "path.x", number(1.0)), "no parts"),
+        (Edit::set("look", "widgets.7.kind", number(1.0)), "no such entry"),
+        (Edit::Rename { node: "grid".into(), to: "view".into() }, "there is a node 'view' already"),
+        (Edit::Rename { node: "grid".into(), to: "".into() }, "needs a name"),
+        (Edit::MoveEntry { node: "look".into(), list: "widgets".into(), from: 0, to: 2 }, "no such entry"),
+        (Edit::RemoveFrame(0), "no such thing"),
+    ] {
+        let error = document.edit(&edit).unwrap_err().to_string();
+        assert!(error.contains(wanted), "{error}");
+    }
+    // The first of several that can be done is undone with the second.
+    let both = [Edit::Title(Some("a".into())), Edit::RemoveFrame(0)];
+    assert!(document.edit_all("both".into(), &both, None).is_err());
+    assert_eq!((document.text(), document.revision(), document.history().place()), (FILE, 0, (0, 0)));
+}
+
+#[test]
+fn a_text_that_is_no_toml_can_be_mended() {
+    let broken = FILE.replace("size = [8, 6]", "size = [8, ");
+    let mut document = Document::from_text(broken.clone(), None);
+    assert!(!document.is_toml());
+    assert_eq!(document.text(), broken);
+    assert_eq!(document.pipeline().nodes.len(), 4, "what stands before can be read");
+    let error = document.edit(&Edit::Title(None)).unwrap_err().to_string();
+    assert!(error.contains("not valid TOML"), "{error}");
+    document.edit(&Edit::Text(FILE.into())).unwrap();
+    assert!(document.is_toml());
+    document.edit(&Edit::Title(Some("t".into()))).unwrap();
+    while document.undo().unwrap() {}
+    assert_eq!(document.text(), broken);
+}
+
+/// The text after edits.
+fn after(text: &str, edits: &[Edit]) -> String {
+    let mut document = Document::from_text(text.to_string(), None);
+    edits.iter().for_each(|edit| document.edit(edit).unwrap());
+    document.text().to_string()
+}

@@ -2,7 +2,7 @@
 
 use super::lines;
 use super::syntax::{Element, Section, Syntax, Value, ValueKind};
-use crate::path::Step;
+use crate::path::{Path, Step};
 use std::ops::Range;
 
 /// What a path leads to.
@@ -117,6 +117,18 @@ impl Syntax {
             }
         }
         steps
+    }
+
+    /// The lines of a table with the comments that belong to it; none where it is not headers all.
+    pub fn lines_of(&self, text: &str, path: &Path) -> Option<String> {
+        let Found::Pieces(pieces) = self.find(&path.0) else { return None };
+        let mut blocks = Vec::new();
+        for piece in pieces {
+            let Piece::Section(i) = piece else { return None };
+            let block = &text[self.block(text, i)];
+            blocks.push(format!("{}{}", block, if block.ends_with('\n') { "" } else { "\n" }));
+        }
+        Some(blocks.join("\n"))
     }
 
     /// Where the line begins after all that comes before a section.

@@ -39,8 +39,15 @@ impl Draft {
                     .iter()
                     .try_for_each(|field| self.set(&path.with(field.name.as_str()), &field.setting.datum))
             }
-            Datum::List(list) if is_list && list.len() == below.len() => {
+            Datum::List(list)
+                if is_list
+                    && list.len() == below.len()
+                    && list.iter().all(|part| matches!(part.datum, Datum::Table(_))) =>
+            {
                 list.iter().enumerate().try_for_each(|(i, part)| self.set(&path.with(i), &part.datum))
+            }
+            other if matches!(path.0.last(), Some(Step::Entry(_))) => {
+                Err(Error::usage("an entry of this list must be a table").found(other))
             }
             other => {
                 self.unset(path)?;
@@ -143,7 +150,14 @@ impl Draft {
         let syntax = self.syntax.clone();
         match syntax.find(&parent.0) {
             Found::Value(spot) => self.add_within(path, &spot.element.value, last, value),
-            Found::Pieces(pieces) => self.add_line(&parent, &pieces, &last.key(), value),
+            Found::Pieces(pieces) => {
+                let below = syntax.below(&pieces, parent.0.len());
+                if below.iter().any(|step| matches!(step, Step::Entry(_))) {
+                    let error = Error::usage("there is no such entry in the list").found(path);
+                    return Err(error.accepted(format!("a number below {}", below.len())));
+                }
+                self.add_line(&parent, &pieces, &last.key(), value)
+            }
             Found::Nothing if parent.0.is_empty() => self.add_at_the_top(&key, value),
             Found::Nothing if parent.0.len() <= HEADED => {
                 self.add_section(self.end_of_all(), &format!("[{parent}]\n{key} = {value}\n"));
@@ -261,17 +275,19 @@ impl Draft {
                 text += &headed(&path.with(list.name.as_str()), &entry.datum)?;
             }
         }
-        let at = match syntax.find(parent) {
+        self.add_block(&Path(parent.to_vec()), &text)
+    }
+
+    /// Adds lines that begin with a header after all that is headed so.
+    pub fn add_block(&mut self, after: &Path, text: &str) -> Result<()> {
+        let syntax = self.syntax.clone();
+        let at = match syntax.find(&after.0) {
             Found::Pieces(pieces) => pieces.iter().fold(0, |at, piece| match piece {
-                Piece::Section(i) => at.max(syntax.block(&self.text, *i).end),
-                Piece::Assignment(i, _) => at.max(syntax.block(&self.text, *i).end),
+                Piece::Section(i) | Piece::Assignment(i, _) => at.max(syntax.block(&self.text, *i).end),
             }),
-            Found::Value(_) | Found::Nothing => match self.foreign_end() {
-                Some(at) => at,
-                None => self.end_of_all(),
-            },
+            Found::Value(_) | Found::Nothing => self.foreign_end().unwrap_or_else(|| self.end_of_all()),
         };
-        self.add_section(at, &text);
+        self.add_section(at, text);
         Ok(())
     }
 

@@ -2,27 +2,18 @@
 
 use super::settings::{order_name, overlap_name};
 use super::{Form, Setting, Study, Value as Key};
-use toml_edit::{DocumentMut, Item, TableLike, Value};
+use voltet_core::Result;
+use voltet_core::graph::Datum;
 use voltet_core::optics::Overlap;
 use voltet_core::optics::integrators::Integrator;
-use voltet_core::{Error, Result};
+use voltet_document::{Document, Edit};
 
 /// The text of the pipeline file with one of the study's settings in it. Overlap, order, engine, adapter and compositor are
 /// written where they differ from what the file says or comes to here; a `gpu-renderer` that is to draw on the native
 /// engine becomes a `renderer`.
 pub fn apply(text: &str, study: &Study, setting: &Setting) -> Result<String> {
     let subject = &study.subject;
-    // Line ends of two characters would come out as one.
-    let windows = text.contains("\r\n");
-    if windows && text.replace("\r\n", "").contains('\n') {
-        return Err(Error::usage(
-            "the file mixes two kinds of line ends, so that it cannot be changed alone where asked",
-        )
-        .accepted("one kind of line end throughout"));
-    }
-    let mut document: DocumentMut = text.parse().map_err(|error: toml_edit::TomlError| {
-        Error::usage("the pipeline file cannot be read as TOML").found(error.message())
-    })?;
+    let mut document = Document::from_text(text.to_string(), None);
     let own = Setting::of_file(subject, setting.painter);
     for (name, key) in setting.keys() {
         set(&mut document, &subject.node, name, key)?;
@@ -41,8 +32,7 @@ pub fn apply(text: &str, study: &Study, setting: &Setting) -> Result<String> {
     for (name, value) in engine_keys(study, setting) {
         set(&mut document, &subject.node, name, Key::Text(value))?;
     }
-    let written = document.to_string();
-    Ok(if windows && !written.contains("\r\n") { written.replace('\n', "\r\n") } else { written })
+    Ok(document.text().to_string())
 }
 
 /// The keys that state the setting's engine, where the file comes to another one.
@@ -70,40 +60,12 @@ fn engine_keys<'a>(study: &'a Study, setting: &Setting) -> Vec<(&'static str, &'
     keys
 }
 
-/// Sets a key of a node. The spaces and comments around a value that is there stay.
-fn set(document: &mut DocumentMut, node: &str, name: &str, key: Key) -> Result<()> {
-    let missing =
-        || Error::run("the node is not where the pipeline file should have it").found(node.to_string());
-    let table: &mut dyn TableLike = document
-        .get_mut("nodes")
-        .and_then(Item::as_table_like_mut)
-        .and_then(|nodes| nodes.get_mut(node))
-        .and_then(Item::as_table_like_mut)
-        .ok_or_else(missing)?;
-    let mut value = match key {
-        Key::Text(word) => Value::from(word),
-        Key::Integer(n) => Value::from(n),
-        Key::Number(x) => Value::from(x),
+/// Sets a key of a node. One that says so already stays as it is written.
+fn set(document: &mut Document, node: &str, name: &str, key: Key) -> Result<()> {
+    let value = match key {
+        Key::Text(word) => Datum::Text(word.to_string()),
+        Key::Integer(n) => Datum::Integer(n),
+        Key::Number(x) => Datum::Number(x),
     };
-    match table.get_mut(name).and_then(Item::as_value_mut) {
-        Some(there) if same(there, &value) => {}
-        Some(there) => {
-            *value.decor_mut() = there.decor().clone();
-            *there = value;
-        }
-        None => {
-            table.insert(name, Item::Value(value));
-        }
-    }
-    Ok(())
-}
-
-/// Whether both mean the same, so that the way it is written can stay.
-fn same(a: &Value, b: &Value) -> bool {
-    match (a.as_str(), b.as_str(), a.as_integer(), b.as_integer(), a.as_float(), b.as_float()) {
-        (Some(a), Some(b), ..) => a == b,
-        (_, _, Some(a), Some(b), ..) => a == b,
-        (.., Some(a), Some(b)) => a == b,
-        _ => false,
-    }
+    document.edit(&Edit::set(node, name, value))
 }
