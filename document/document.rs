@@ -219,8 +219,8 @@ pub(crate) fn free_name(like: &str, is_taken: &dyn Fn(&str) -> bool) -> String {
     }
     let base = like.trim_end_matches(|c: char| c.is_ascii_digit());
     let base = if base.len() < like.len() { base.trim_end_matches('_') } else { like };
-    let numbered = (2..).map(|number: u64| format!("{base}_{number}"));
-    numbered.filter(|name| !is_taken(name)).next().unwrap_or_default()
+    let mut numbered = (2..).map(|number: u64| format!("{base}_{number}"));
+    numbered.find(|name| !is_taken(name)).unwrap_or_default()
 }
 
 impl Default for Document {

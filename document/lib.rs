@@ -14,6 +14,7 @@
 //! | [`faults`](Fault) | every mistake, at its node, parameter or input |
 //! | [`fits`](Join) | node types by kind and words, what can be joined with what |
 //! | `clipboard`, [`arrange`] | nodes copied, pasted, duplicated; brought in line and in layers |
+//! | [`panel`] | the parameters of a node as rows: values, controls, what is typed |
 //! | [`view`](View) | what only the editor knows: the table `[editor]` |
 
 pub mod arrange;
@@ -27,6 +28,7 @@ mod file;
 mod fits;
 mod history;
 pub mod links;
+pub mod panel;
 mod path;
 mod recovery;
 mod text;

@@ -3,6 +3,7 @@
 //! A [`Draft`] holds a text and the places of everything in it, and collects replacements of bytes; what is not replaced is not
 //! written again, so comments, order, spaces and line ends stay by construction.
 
+mod add;
 mod draft;
 mod entries;
 mod find;
@@ -11,8 +12,6 @@ mod lines;
 mod read;
 mod set;
 mod syntax;
-#[cfg(test)]
-mod tests;
 mod unset;
 
 pub use draft::Draft;

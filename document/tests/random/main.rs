@@ -1,6 +1,7 @@
 //! Ten thousand random edits, each held against a model that knows no text, then undone to the first byte and done again to the
 //! last.
 
+mod draw;
 mod forms;
 mod lot;
 mod model;

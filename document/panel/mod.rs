@@ -1,0 +1,115 @@
+//! The parameters of a node as rows of a panel: what each is, what holds now, how it is to be changed. Made from the
+//! declarations alone.
+
+mod control;
+mod typed;
+
+pub use control::{Control, Relative, Scale};
+pub use typed::{rounded, shown, typed};
+
+use crate::Document;
+use crate::path::Path;
+use voltet_core::graph::{Datum, Field, Kind, Parameter, ParameterType, Registry, Setting, Standard};
+
+/// A parameter as a row.
+#[derive(Debug, Clone)]
+pub struct Row {
+    /// What leads to it from the node's table, for [`Edit::Set`](crate::Edit::Set) and [`Edit::Unset`](crate::Edit::Unset).
+    pub path: Path,
+    /// Its declaration: name, unit, help, range, standard value.
+    pub parameter: &'static Parameter,
+    /// How it is changed.
+    pub control: Control,
+    /// What the file states.
+    pub stated: Option<Datum>,
+    /// What holds where the file states nothing, or why that is nothing.
+    pub standard: Option<Datum>,
+    /// The rows within it: of a table.
+    pub rows: Vec<Row>,
+    /// The entries of a list of tables.
+    pub entries: Vec<Entry>,
+}
+
+/// An entry of a list of tables, such as a widget.
+#[derive(Debug, Clone)]
+pub struct Entry {
+    /// What leads to it from the node's table.
+    pub path: Path,
+    /// Its kind; none where the file names none that is known.
+    pub kind: Option<&'static Kind>,
+    /// Its parameters.
+    pub rows: Vec<Row>,
+}
+
+impl Row {
+    /// The value that holds: stated, else the standard one.
+    pub fn value(&self) -> Option<&Datum> {
+        self.stated.as_ref().or(self.standard.as_ref())
+    }
+
+    /// Whether the file must state it, and does not.
+    pub fn is_missing(&self) -> bool {
+        self.stated.is_none() && matches!(self.parameter.standard, Standard::Required)
+    }
+
+    /// What holds where nothing is stated, in words: "0.5", "no widgets: an empty picture", "required".
+    pub fn standard_in_words(&self) -> String {
+        self.parameter.standard.to_string()
+    }
+}
+
+impl Document {
+    /// The rows of a node: its own parameters and, where it names a gradient filter, those of the filter. Empty where its type is
+    /// not known.
+    pub fn rows(&self, registry: &Registry, node: &str) -> Vec<Row> {
+        let entry = self.pipeline().nodes.iter().find(|entry| entry.name == node);
+        let Some((entry, node)) = entry.zip(self.node_type(registry, node)) else { return Vec::new() };
+        let mut rows = rows(registry, node.parameters, &entry.settings, &Path::default());
+        let method =
+            node.method().and_then(|method| rows.iter().find(|row| row.parameter.name == method.name));
+        let word = method.and_then(Row::value).and_then(|datum| match datum {
+            Datum::Text(word) => Some(word.clone()),
+            _ => None,
+        });
+        if let Some(filter) = word.and_then(|word| registry.find_filter(&word).ok()) {
+            let declared = filter.declaration().parameters;
+            rows.extend(self::rows(registry, declared, &entry.settings, &Path::default()));
+        }
+        rows
+    }
+}
+
+/// The rows of a table that states some of what is declared.
+fn rows(registry: &Registry, declared: &'static [Parameter], stated: &[Field], path: &Path) -> Vec<Row> {
+    let row = |parameter: &'static Parameter| {
+        let setting = stated.iter().find(|field| field.name == parameter.name).map(|field| &field.setting);
+        let path = path.with(parameter.name);
+        let (mut inner, mut entries) = (Vec::new(), Vec::new());
+        if let ParameterType::Table(declared) = parameter.parameter_type {
+            inner = rows(registry, declared, setting.and_then(Setting::table).unwrap_or_default(), &path);
+        }
+        if let ParameterType::Kinds(kinds) = parameter.parameter_type {
+            let list = setting.and_then(Setting::list).unwrap_or_default();
+            entries =
+                list.iter().enumerate().map(|(i, one)| entry(registry, kinds, one, path.with(i))).collect();
+        }
+        Row {
+            path,
+            parameter,
+            control: Control::of(parameter, registry),
+            stated: setting.map(|setting| setting.datum.clone()),
+            standard: parameter.standard.datum(),
+            rows: inner,
+            entries,
+        }
+    };
+    declared.iter().map(row).collect()
+}
+
+fn entry(registry: &Registry, kinds: &'static [Kind], setting: &Setting, path: Path) -> Entry {
+    let fields = setting.table().unwrap_or_default();
+    let word = fields.iter().find(|field| field.name == "kind").and_then(|field| field.setting.text());
+    let kind = kinds.iter().find(|kind| Some(kind.name) == word);
+    let rows = kind.map(|kind| rows(registry, kind.parameters, fields, &path)).unwrap_or_default();
+    Entry { path, kind, rows }
+}

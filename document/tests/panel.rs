@@ -1,0 +1,172 @@
+//! The rows of a panel, made from the declarations that ship.
+
+use voltet_core::graph::{Datum, Measure, Registry, Setting};
+use voltet_document::panel::{Control, Row, Scale, rounded, shown, typed};
+use voltet_document::{Document, Edit};
+
+const FILE: &str = r#"
+[pipeline]
+format = 1
+[nodes.grid]
+type = "reader"
+path = "a.vtu"
+[nodes.gradient]
+type = "gradient-magnitude"
+method = "array"
+[nodes.look]
+type = "transfer-function"
+[[nodes.look.widgets]]
+kind = "gaussian"
+centre = ["p90", 2.0]
+[[nodes.look.widgets]]
+kind = "strange"
+[nodes.view]
+type = "camera"
+fov_y = 30.0
+[nodes.file]
+type = "image-writer"
+[nodes.none]
+type = "nobody knows"
+"#;
+
+fn registry() -> Registry {
+    voltet_nodes::registry().unwrap()
+}
+
+fn rows(node: &str) -> Vec<Row> {
+    Document::from_text(FILE.into(), None).rows(&registry(), node)
+}
+
+fn row(node: &str, name: &str) -> Row {
+    rows(node).into_iter().find(|row| row.parameter.name == name).unwrap()
+}
+
+fn numbers(list: &[f64]) -> Datum {
+    Datum::List(list.iter().map(|x| Setting::from(Datum::Number(*x))).collect())
+}
+
+#[test]
+fn a_row_says_what_holds_and_whether_the_file_says_so() {
+    let fov = row("view", "fov_y");
+    assert_eq!(
+        (fov.stated.clone(), fov.value().cloned()),
+        (Some(Datum::Number(30.0)), Some(Datum::Number(30.0)))
+    );
+    let up = row("view", "up");
+    assert!(up.stated.is_none() && up.value().is_some() && !up.is_missing());
+    assert!(row("file", "path").is_missing());
+    assert_eq!(row("look", "widgets").standard_in_words(), "no widgets: an empty picture");
+    assert!(rows("none").is_empty() && rows("nowhere").is_empty());
+    // What the filter declares stands beside the word that names it.
+    let names: Vec<&str> = rows("gradient").iter().map(|row| row.parameter.name).collect();
+    assert!(names.contains(&"method") && names.contains(&"array"), "{names:?}");
+}
+
+#[test]
+fn controls_are_by_kind() {
+    assert!(matches!(row("view", "fov_y").control, Control::Number { scale: Scale::Linear, word: None, .. }));
+    let unit = row("look", "unit_distance").control;
+    assert!(
+        matches!(unit, Control::Number { scale: Scale::Logarithmic, word: Some("auto"), .. }),
+        "{unit:?}"
+    );
+    assert!(matches!(row("view", "size").control, Control::Vector { count: Some(2), whole: true, .. }));
+    assert!(matches!(row("file", "background").control, Control::Colour { most: 1.0 }));
+    assert!(matches!(row("grid", "path").control, Control::InputFile));
+    assert!(matches!(row("file", "path").control, Control::OutputFile));
+    assert!(matches!(row("grid", "scalar").control, Control::Array));
+    let Control::Choice(filters) = row("gradient", "method").control else { panic!("a choice") };
+    assert!(filters.iter().any(|(word, meaning)| *word == "least-squares" && !meaning.is_empty()));
+    let widgets = row("look", "widgets");
+    let kinds: Vec<Option<&str>> =
+        widgets.entries.iter().map(|entry| entry.kind.map(|kind| kind.name)).collect();
+    assert_eq!(kinds, [Some("gaussian"), None]);
+    let centre = widgets.entries[0].rows.iter().find(|row| row.parameter.name == "centre").unwrap();
+    let Control::Vector { relative: Some(relative), .. } = centre.control else {
+        panic!("{:?}", centre.control)
+    };
+    assert_eq!(relative.is, Measure::Value);
+    assert_eq!(centre.path, "widgets.0.centre".into());
+    let color = widgets.entries[0].rows.iter().find(|row| row.parameter.name == "color").unwrap();
+    assert!(matches!(color.control, Control::Colour { most: f64::INFINITY }));
+}
+
+/// A new text that names arrays, or a colour, must be known as such: what is plain is listed here.
+#[test]
+fn every_text_and_every_three_numbers_are_told_apart() {
+    let registry = registry();
+    let mut plain = Vec::new();
+    for node in registry.iter() {
+        let text = format!("[pipeline]\nformat = 1\n[nodes.a]\ntype = \"{}\"\n", node.name);
+        for row in Document::from_text(text, None).rows(&registry, "a") {
+            let inner = row.rows.clone();
+            for row in [row].into_iter().chain(inner) {
+                let is_plain = match row.control {
+                    Control::Text | Control::Texts => true,
+                    Control::Vector { count: Some(3), .. } => true,
+                    _ => false,
+                };
+                if is_plain && !plain.contains(&row.parameter.name) {
+                    plain.push(row.parameter.name);
+                }
+            }
+        }
+    }
+    plain.sort();
+    assert_eq!(plain, ["adapter", "center", "eye", "high", "low", "name", "target", "up"]);
+}
+
+#[test]
+fn what_is_typed_is_read_as_it_is_meant_or_refused_in_words() {
+    let unit = row("look", "unit_distance");
+    assert_eq!(typed(&unit, " .5 ").unwrap(), Datum::Number(0.5));
+    assert_eq!(typed(&unit, "3").unwrap(), Datum::Integer(3));
+    assert_eq!(typed(&unit, "auto").unwrap(), Datum::Text("auto".into()));
+    let widgets = row("look", "widgets");
+    let centre = widgets.entries[0].rows.iter().find(|row| row.parameter.name == "centre").unwrap();
+    assert_eq!(shown(centre.value().unwrap()), "p90, 2.0");
+    let relative = Datum::List(vec![Datum::Text("25 %".into()).into(), Datum::Number(1e-3).into()]);
+    assert_eq!(typed(centre, "25 %, 1e-3").unwrap(), relative);
+    let eye = row("view", "eye");
+    for text in ["1.0 2.0 3.5", "[1.0, 2.0, 3.5]", "1.0,2.0,3.5,"] {
+        assert_eq!(typed(&eye, text).unwrap(), numbers(&[1.0, 2.0, 3.5]), "{text}");
+    }
+    let background = row("file", "background");
+    assert_eq!(typed(&background, "#ff0080").unwrap(), numbers(&[1.0, 0.0, 0.21586]));
+    assert_eq!(typed(&row("grid", "scalar"), "1.5").unwrap(), Datum::Text("1.5".into()));
+    for (row, text, wanted) in [
+        (row("view", "fov_y"), "200", "'fov_y' is out of range: found 200"),
+        (row("view", "fov_y"), "12,5", "a number has a point, not a comma: found 12,5; expected 12.5"),
+        (row("view", "fov_y"), "wide", "'fov_y' is of the wrong type: found \"wide\""),
+        (row("view", "eye"), "1 2", "expected 3 numbers"),
+        (row("view", "size"), "1.5 2", "whole numbers"),
+        (row("file", "background"), "2 0 0", "out of range"),
+        (
+            row("gradient", "method"),
+            "least-square",
+            "'method' does not know this word: found \"least-square\"; expected 'least-squares'",
+        ),
+        (row("grid", "path"), " ", "'path' is empty"),
+    ] {
+        let error = typed(&row, text).unwrap_err().to_string();
+        assert!(error.contains(wanted), "{error}");
+    }
+    // What is shown can be typed again.
+    let document = Document::from_text(FILE.into(), None);
+    for row in ["grid", "gradient", "view", "look"].iter().flat_map(|node| document.rows(&registry(), node)) {
+        if let Some(value) = row.value().filter(|_| row.entries.is_empty()) {
+            assert_eq!(&typed(&row, &shown(value)).unwrap(), value, "{}", row.path);
+        }
+    }
+}
+
+#[test]
+fn a_dragged_number_has_the_digits_of_its_step() {
+    assert_eq!(rounded(0.1 + 0.2, 0.01), 0.3);
+    assert_eq!(rounded(1234.5678, 10.0), 1235.0);
+    assert_eq!(rounded(1.23456e-7, 1e-9), 1.235e-7);
+    assert!(rounded(f64::INFINITY, 0.1).is_infinite());
+    let mut document = Document::from_text(FILE.into(), None);
+    document.edit(&Edit::set("view", "fov_y", Datum::Number(rounded(31.000000000000004, 0.1)))).unwrap();
+    assert!(document.text().contains("fov_y = 31.0\n"));
+}
