@@ -240,6 +240,24 @@ fn what_cannot_be_done_says_why_and_changes_nothing() {
 }
 
 #[test]
+fn keys_with_points_within_a_value_are_left_to_hands() {
+    let text =
+        "pipeline = { format = 1 }\nnodes = { a.type = \"x\", a.path = \"y\", b = { type = \"z\" } }\n";
+    let mut document = Document::from_text(text.into(), None);
+    for edit in [
+        Edit::RemoveNodes(vec!["a".into()]),
+        Edit::Rename { node: "a".into(), to: "c".into() },
+        Edit::set("a", "more", number(1.0)),
+    ] {
+        let error = document.edit(&edit).unwrap_err().to_string();
+        assert!(error.contains("by keys with points within a value: found a.type"), "{error}");
+        assert_eq!(document.text(), text);
+    }
+    document.edit(&Edit::set("a", "path", Datum::Text("w".into()))).unwrap();
+    assert_eq!(document.text(), text.replace("\"y\"", "\"w\""));
+}
+
+#[test]
 fn a_text_that_is_no_toml_can_be_mended() {
     let broken = FILE.replace("size = [8, 6]", "size = [8, ");
     let mut document = Document::from_text(broken.clone(), None);

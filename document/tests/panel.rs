@@ -113,7 +113,10 @@ fn every_text_and_every_three_numbers_are_told_apart() {
         }
     }
     plain.sort();
-    assert_eq!(plain, ["adapter", "center", "eye", "high", "low", "name", "target", "up"]);
+    assert_eq!(
+        plain,
+        ["adapter", "centre", "direction", "eye", "high", "low", "name", "resolution", "target", "up"]
+    );
 }
 
 #[test]

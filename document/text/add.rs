@@ -24,7 +24,7 @@ impl Draft {
         let parent = Path(parent.to_vec());
         let key = key_text(&last.key());
         let syntax = self.syntax.clone();
-        match syntax.find(&parent.0) {
+        match syntax.find(&parent.0)? {
             Found::Value(spot) => self.add_within(path, &spot.element.value, last, value),
             Found::Pieces(pieces) => {
                 let below = syntax.below(&pieces, parent.0.len());
@@ -132,7 +132,7 @@ impl Draft {
     pub fn add_table(&mut self, path: &Path, fields: &[Field]) -> Result<()> {
         let syntax = self.syntax.clone();
         let parent = &path.0[..path.0.len().saturating_sub(1)];
-        if let Found::Value(_) = syntax.find(parent) {
+        if let Found::Value(_) = syntax.find(parent)? {
             return self.add(path, &Datum::Table(fields.to_vec()).to_string());
         }
         let is_tables = |setting: &Setting| {
@@ -157,7 +157,7 @@ impl Draft {
     /// Adds lines that begin with a header after all that is headed so.
     pub fn add_block(&mut self, after: &Path, text: &str) -> Result<()> {
         let syntax = self.syntax.clone();
-        let at = match syntax.find(&after.0) {
+        let at = match syntax.find(&after.0)? {
             Found::Pieces(pieces) => pieces.iter().fold(0, |at, piece| match piece {
                 Piece::Section(i) | Piece::Assignment(i, _) => at.max(syntax.block(&self.text, *i).end),
             }),
@@ -177,7 +177,7 @@ impl Draft {
 
     /// Adds assignments to a table, which need not be there.
     pub fn add_lines(&mut self, table: &Path, values: &[(&str, Datum)]) -> Result<()> {
-        let is_there = !matches!(self.syntax.find(&table.0), Found::Nothing);
+        let is_there = !matches!(self.syntax.find(&table.0)?, Found::Nothing);
         if !is_there && !values.is_empty() {
             let line = |(key, value): &(&str, Datum)| format!("{} = {value}\n", key_text(key));
             let text: String = values.iter().map(line).collect();

@@ -102,7 +102,7 @@ impl Draft {
     }
 
     fn entries<'a>(&self, syntax: &'a super::Syntax, list: &Path) -> Result<Entries<'a>> {
-        let pieces = match syntax.find(&list.0) {
+        let pieces = match syntax.find(&list.0)? {
             Found::Value(spot) => return Ok(Entries::Inline(&spot.element.value)),
             Found::Nothing => return Ok(Entries::Nowhere),
             Found::Pieces(pieces) => pieces,
@@ -133,7 +133,7 @@ impl Draft {
     /// The lines of the table that a list belongs to, with all that is headed below it; none where it has no header.
     fn own_block(&self, list: &Path) -> Option<Range<usize>> {
         let (_, owner) = list.0.split_last()?;
-        let Found::Pieces(pieces) = self.syntax.find(owner) else { return None };
+        let Found::Pieces(pieces) = self.syntax.find(owner).ok()? else { return None };
         let sections: Vec<usize> = pieces
             .iter()
             .map(|piece| match piece {

@@ -4,6 +4,7 @@ use super::lines;
 use super::syntax::{Element, Section, Syntax, Value, ValueKind};
 use crate::path::{Path, Step};
 use std::ops::Range;
+use voltet_core::{Error, Result};
 
 /// What a path leads to.
 #[derive(Debug)]
@@ -58,8 +59,8 @@ fn way(path: &[Step], start: &[Step]) -> Way {
 }
 
 impl Syntax {
-    /// What a path leads to.
-    pub fn find(&self, path: &[Step]) -> Found<'_> {
+    /// What a path leads to. Errors: a table that keys with points make within a value, which nothing here changes.
+    pub fn find(&self, path: &[Step]) -> Result<Found<'_>> {
         let mut pieces = Vec::new();
         for (i, section) in self.sections.iter().enumerate() {
             let rest = match way(path, &section.path.0) {
@@ -77,19 +78,19 @@ impl Syntax {
                     Way::Elsewhere => {}
                     Way::Within if rest.len() < keys.len() => pieces.push(Piece::Assignment(i, k)),
                     Way::Within => {
-                        return Found::Value(Spot { element, holder: None, section: i, assignment: k });
+                        return Ok(Found::Value(Spot { element, holder: None, section: i, assignment: k }));
                     }
                     Way::Beyond(steps) => {
                         let rest = &rest[rest.len() - steps..];
-                        let found = within(&element.value, rest);
-                        return found.map_or(Found::Nothing, |(element, holder)| {
+                        let found = within(&element.value, rest)?;
+                        return Ok(found.map_or(Found::Nothing, |(element, holder)| {
                             Found::Value(Spot { element, holder: Some(holder), section: i, assignment: k })
-                        });
+                        }));
                     }
                 }
             }
         }
-        if pieces.is_empty() { Found::Nothing } else { Found::Pieces(pieces) }
+        Ok(if pieces.is_empty() { Found::Nothing } else { Found::Pieces(pieces) })
     }
 
     /// The keys, or numbers of entries, that pieces have directly below a path of so many steps, in their order.
@@ -121,7 +122,7 @@ impl Syntax {
 
     /// The lines of a table with the comments that belong to it; none where it is not headers all.
     pub fn lines_of(&self, text: &str, path: &Path) -> Option<String> {
-        let Found::Pieces(pieces) = self.find(&path.0) else { return None };
+        let Found::Pieces(pieces) = self.find(&path.0).ok()? else { return None };
         let mut blocks = Vec::new();
         for piece in pieces {
             let Piece::Section(i) = piece else { return None };
@@ -158,24 +159,31 @@ impl Syntax {
 }
 
 /// What a path leads to in a value, and what holds it there.
-fn within<'a>(value: &'a Value, path: &[Step]) -> Option<(&'a Element, (&'a Value, usize))> {
+fn within<'a>(value: &'a Value, path: &[Step]) -> Result<Option<(&'a Element, (&'a Value, usize))>> {
+    let Some(first) = path.first() else { return Ok(None) };
     for (i, element) in value.elements().iter().enumerate() {
-        let (taken, is_here) = match (&value.kind, path.first()?) {
-            (ValueKind::List(_), Step::Entry(number)) => (1, *number == i),
-            (ValueKind::List(_), Step::Key(_)) | (ValueKind::Scalar, _) => return None,
+        let taken = match (&value.kind, first) {
+            (ValueKind::List(_), Step::Entry(number)) if *number == i => 1,
+            (ValueKind::List(_) | ValueKind::Scalar, _) => continue,
             (ValueKind::Table(_), _) => {
                 let keys: Vec<Step> = element.path().collect();
-                let here =
-                    keys.len() <= path.len() && matches!(way(path, &keys), Way::Within | Way::Beyond(_));
-                (keys.len(), here)
+                match way(path, &keys) {
+                    Way::Elsewhere => continue,
+                    Way::Within if path.len() < keys.len() => {
+                        let error = Error::usage("a table is written by keys with points within a value");
+                        let found = keys.iter().map(|key| key.key()).collect::<Vec<_>>().join(".");
+                        return Err(error
+                            .found(found)
+                            .accepted("{ … } in its place, or the change made in the text"));
+                    }
+                    Way::Within | Way::Beyond(_) => keys.len(),
+                }
             }
         };
-        if is_here {
-            return match &path[taken..] {
-                [] => Some((element, (value, i))),
-                rest => within(&element.value, rest),
-            };
-        }
+        return match &path[taken..] {
+            [] => Ok(Some((element, (value, i)))),
+            rest => within(&element.value, rest),
+        };
     }
-    None
+    Ok(None)
 }

@@ -12,7 +12,7 @@ impl Draft {
     /// Sets what a path leads to, and makes tables that are not there. Of lists and tables only the parts are written that differ.
     pub fn set(&mut self, path: &Path, datum: &Datum) -> Result<()> {
         let syntax = self.syntax.clone();
-        match syntax.find(&path.0) {
+        match syntax.find(&path.0)? {
             Found::Value(spot) => self.change(&spot.element.value, datum),
             Found::Pieces(pieces) => self.set_pieces(path, &pieces, datum),
             Found::Nothing => self.add(path, &datum.to_string()),

@@ -12,7 +12,7 @@ impl Draft {
     /// Takes out what a path leads to; nothing where there is nothing.
     pub fn unset(&mut self, path: &Path) -> Result<()> {
         let syntax = self.syntax.clone();
-        match syntax.find(&path.0) {
+        match syntax.find(&path.0)? {
             Found::Nothing => {}
             Found::Value(Spot { holder: Some((holder, number)), .. }) => {
                 self.remove_elements(holder, &[number])
@@ -67,7 +67,7 @@ impl Draft {
         let syntax = self.syntax.clone();
         let depth = path.0.len().checked_sub(1).ok_or_else(|| Error::usage("a path must name something"))?;
         let new = key_text(name);
-        match syntax.find(&path.0) {
+        match syntax.find(&path.0)? {
             Found::Nothing => return Err(nothing_at(path)),
             Found::Value(spot) => match spot.element.keys.last() {
                 Some(key) => self.replace(key.place.clone(), &new),
