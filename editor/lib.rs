@@ -4,7 +4,9 @@
 //! | --- | --- |
 //! | [`worker`] | draws the picture at a node, on a thread of its own |
 //! | [`view`] | movements of the camera |
-//! | `editor`, `layout`, `actions`, `keys` | one frame: what is shown where, and what is done then |
+//! | `editor`, `layout`, `scene` | one frame: what is shown where, and what the parts of the window look at |
+//! | `actions`, `carry_out`, `hand`, `keys` | what a hand asks for, what is done then, and which edits are one step |
+//! | `wishes` | what the worker is asked for |
 //! | `graph` | nodes and wires, by `egui_node_graph2` behind a small interface |
 //! | `picture`, `parameters`, `files` | the picture, the panel of the selected node, asking for files |
 //! | `transfer` | the transfer function over the histogram of s and g |
@@ -13,10 +15,12 @@
 mod actions;
 #[cfg(test)]
 mod by_hand;
+mod carry_out;
 mod clipboard;
 mod editor;
 mod files;
 mod graph;
+mod hand;
 mod keys;
 mod layout;
 mod parameters;
@@ -26,6 +30,7 @@ mod theme;
 mod transfer;
 pub mod view;
 mod window;
+mod wishes;
 pub mod worker;
 
 pub use editor::{Editor, Start};

@@ -4,6 +4,8 @@
 //! module's, places are the document's; wires, the menu, frames and notes are drawn here.
 
 mod faces;
+mod ground;
+mod hand;
 mod joining;
 mod menu;
 mod package;
@@ -13,16 +15,13 @@ mod wires;
 use crate::actions::{Action, Actions};
 use crate::scene::Scene;
 use crate::theme;
-use eframe::egui::{
-    self, Color32, PointerButton, Pos2, Rect, Rounding, Sense, Stroke, TextureHandle, Ui, Vec2, vec2,
-};
-use egui_node_graph2::{AnyParameterId, NodeId, NodeResponse};
+use eframe::egui::{self, PointerButton, Pos2, Rect, Rounding, Stroke, TextureHandle, Ui, Vec2, vec2};
+use egui_node_graph2::{AnyParameterId, NodeId};
 use joining::InHand;
 use menu::Menu;
 use package::{NoTemplates, State, Written};
 use places::{Places, Port};
 use std::collections::{BTreeSet, HashMap};
-use voltet_document::Edit;
 
 /// Least and largest scale: beyond, text cannot be read or nothing else is seen.
 const ZOOM: [f32; 2] = [0.25, 2.0];
@@ -216,88 +215,6 @@ impl GraphView {
         }
     }
 
-    fn grid(&self, ui: &Ui, rect: Rect) {
-        let step = 40.0 * self.zoom * if self.zoom < 0.5 { 4.0 } else { 1.0 };
-        let color = if ui.visuals().dark_mode { Color32::from_gray(30) } else { Color32::from_gray(216) };
-        let stroke = Stroke::new(1.0, color);
-        let first = |pan: f32| pan.rem_euclid(step);
-        let mut x = rect.left() + first(self.pan.x);
-        while x < rect.right() {
-            ui.painter().vline(x, rect.y_range(), stroke);
-            x += step;
-        }
-        let mut y = rect.top() + first(self.pan.y);
-        while y < rect.bottom() {
-            ui.painter().hline(rect.x_range(), y, stroke);
-            y += step;
-        }
-    }
-
-    /// What stands behind the nodes: frames with their titles, and notes.
-    fn frames_and_notes(&self, ui: &mut Ui, rect: Rect, scene: &Scene, actions: &mut Actions) {
-        let dark = ui.visuals().dark_mode;
-        let to_window = self.to_window(rect);
-        let size = egui::FontId::proportional(12.0 * self.zoom);
-        for (i, frame) in scene.document.view().frames.iter().enumerate() {
-            let low = to_window(frame.at);
-            let place =
-                Rect::from_min_size(low, self.zoom * vec2(frame.size[0] as f32, frame.size[1] as f32));
-            let color = frame.color.map_or(theme::weak(dark), |c| {
-                Color32::from_rgb((c[0] * 255.0) as u8, (c[1] * 255.0) as u8, (c[2] * 255.0) as u8)
-            });
-            ui.painter().rect(
-                place,
-                Rounding::same(6.0),
-                color.gamma_multiply(0.12),
-                Stroke::new(1.0, color),
-            );
-            ui.painter().text(
-                low + vec2(8.0, 4.0) * self.zoom,
-                egui::Align2::LEFT_TOP,
-                &frame.title,
-                size.clone(),
-                theme::weak(dark),
-            );
-            let title = Rect::from_min_size(low, vec2(place.width(), 22.0 * self.zoom));
-            let response = ui.interact(title, ui.id().with(("frame", i)), Sense::click_and_drag());
-            response.context_menu(|ui| {
-                let mut title = frame.title.clone();
-                if ui.text_edit_singleline(&mut title).changed() {
-                    actions.edit(Edit::PutFrame(i, voltet_document::Frame { title, ..frame.clone() }));
-                }
-                if ui.button("Remove the frame").clicked() {
-                    actions.edit(Edit::RemoveFrame(i));
-                    ui.close_menu();
-                }
-            });
-        }
-        for (i, note) in scene.document.view().notes.iter().enumerate() {
-            let low = to_window(note.at);
-            let galley =
-                ui.painter().layout(note.text.clone(), size.clone(), theme::weak(dark), 220.0 * self.zoom);
-            let place = Rect::from_min_size(low, galley.size()).expand(5.0 * self.zoom);
-            let paper = if dark { Color32::from_rgb(60, 56, 40) } else { Color32::from_rgb(255, 250, 215) };
-            ui.painter().rect_filled(place, 3.0, paper);
-            ui.painter().galley(low, galley, theme::weak(dark));
-            let response = ui.interact(place, ui.id().with(("note", i)), Sense::click_and_drag());
-            if response.dragged() && response.drag_delta() != Vec2::ZERO {
-                let by = response.drag_delta() / self.zoom;
-                let at = [note.at[0] + f64::from(by.x), note.at[1] + f64::from(by.y)];
-                actions.edit(Edit::PutNote(i, voltet_document::Note { at, ..note.clone() }));
-            }
-            response.context_menu(|ui| {
-                let mut text = note.text.clone();
-                if ui.text_edit_multiline(&mut text).changed() {
-                    actions.edit(Edit::PutNote(i, voltet_document::Note { text, ..note.clone() }));
-                }
-                if ui.button("Remove the note").clicked() {
-                    actions.edit(Edit::RemoveNote(i));
-                    ui.close_menu();
-                }
-            });
-        }
-    }
-
     /// Ports in their shapes, and what is selected, over the package's nodes.
     fn over_nodes(&self, ui: &Ui, scene: &Scene) {
         let dark = ui.visuals().dark_mode;
@@ -313,94 +230,6 @@ impl GraphView {
                     .entry(&port.node)
                     .is_some_and(|entry| entry.inputs.iter().any(|l| l.port == port.name));
             theme::port(ui.painter(), *at, 5.0 * self.zoom, port.port_type, dark, fed);
-        }
-    }
-
-    /// What a hand did to nodes.
-    fn respond(
-        &mut self,
-        ui: &Ui,
-        scene: &Scene,
-        response: NodeResponse<package::NoResponse, package::Face>,
-        actions: &mut Actions,
-    ) {
-        let name_of =
-            |state: &State, id: NodeId| state.graph.nodes.get(id).map(|node| node.user_data.name.clone());
-        match response {
-            NodeResponse::MoveNode { node, drag_delta } => {
-                let Some(name) = name_of(&self.state, node) else { return };
-                self.drag(ui, scene, &name, drag_delta, actions);
-            }
-            NodeResponse::ConnectEventStarted(_, end) => self.begin_wire(scene, end),
-            NodeResponse::ConnectEventEnded { output, input, .. } => {
-                let ends = [AnyParameterId::Output(output), AnyParameterId::Input(input)];
-                if let [Some(from), Some(to)] = ends.map(|end| self.ports.get(&end).cloned()) {
-                    self.end_wire(scene, &from, &to, actions);
-                }
-                self.wire = None;
-            }
-            NodeResponse::CreatedNode(_)
-            | NodeResponse::SelectNode(_)
-            | NodeResponse::DeleteNodeUi(_)
-            | NodeResponse::DeleteNodeFull { .. }
-            | NodeResponse::DisconnectEvent { .. }
-            | NodeResponse::RaiseNode(_)
-            | NodeResponse::User(_) => {}
-        }
-    }
-
-    /// A node is dragged, with all that are selected if it is.
-    fn drag(&mut self, ui: &Ui, scene: &Scene, name: &str, delta: Vec2, actions: &mut Actions) {
-        if ui.input(|input| input.pointer.button_down(PointerButton::Middle)) {
-            return;
-        }
-        let (origins, way) = self.dragged.get_or_insert_with(|| {
-            let with: BTreeSet<String> = match scene.selection.contains(name) {
-                true => scene.selection.clone(),
-                false => BTreeSet::from([name.to_string()]),
-            };
-            let at = |name: &String| (name.clone(), scene.document.position(name));
-            (with.iter().map(at).collect(), Vec2::ZERO)
-        });
-        *way += delta / self.zoom;
-        let moved: Vec<(String, [f64; 2])> = origins
-            .iter()
-            .map(|(name, at)| (name.clone(), [at[0] + f64::from(way.x), at[1] + f64::from(way.y)]))
-            .collect();
-        actions.edit(Edit::MoveNodes(moved));
-    }
-
-    /// Hands on which nodes are selected.
-    fn selected(&mut self, ui: &Ui, scene: &Scene, was_wiring: bool, actions: &mut Actions) {
-        if was_wiring || self.wire.is_some() {
-            return;
-        }
-        let (released, down, adds) = ui.input(|input| {
-            (
-                input.pointer.primary_released(),
-                input.pointer.primary_down(),
-                input.modifiers.shift || input.modifiers.command,
-            )
-        });
-        if !(released || down) || !ui.rect_contains_pointer(ui.max_rect()) || self.menu.is_some() {
-            return;
-        }
-        let of_package: BTreeSet<String> = self
-            .state
-            .selected_nodes
-            .iter()
-            .filter_map(|id| self.state.graph.nodes.get(*id))
-            .map(|node| node.user_data.name.clone())
-            .collect();
-        let hidden = scene.selection.iter().filter(|name| !self.ids.contains_key(*name));
-        let wanted: BTreeSet<String> = match adds {
-            true => of_package.union(scene.selection).cloned().collect(),
-            // What is out of view stays selected while other nodes are moved.
-            false if self.dragged.is_some() => of_package.iter().chain(hidden).cloned().collect(),
-            false => of_package,
-        };
-        if wanted != *scene.selection {
-            actions.push(Action::Select(wanted));
         }
     }
 

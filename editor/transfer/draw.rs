@@ -1,6 +1,7 @@
 //! Widgets drawn in the plane.
 
-use super::form::{Drawn, Form, Handle, Region, height_of};
+use super::form::{Drawn, Form, Region};
+use super::moved::{Handle, height_of};
 use super::plane::Plane;
 use crate::theme;
 use crate::worker::Probed;

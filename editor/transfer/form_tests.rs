@@ -1,4 +1,6 @@
+use super::super::moved::{Change, Handle, list, rows};
 use super::*;
+use voltet_core::graph::Datum;
 
 fn field(name: &str, datum: Datum) -> Field {
     Field { name: name.into(), origin: Default::default(), setting: datum.into() }

@@ -1,0 +1,188 @@
+//! Carries out what the parts of the window ask for.
+
+use crate::actions::{Action, Command};
+use crate::editor::{Editor, camera_size};
+use crate::files::{Asked, FileAsking};
+use crate::graph::GraphView;
+use crate::transfer::TransferPanel;
+use crate::view::View;
+use eframe::egui::{Context, ThemePreference};
+use glam::DVec3;
+use std::collections::BTreeSet;
+use voltet_core::Error;
+use voltet_core::graph::Datum;
+use voltet_document::{Document, Edit};
+
+impl Editor {
+    pub(crate) fn carry_out(&mut self, ctx: &Context, action: Action) {
+        match action {
+            Action::Edit(label, edits) => self.edit(label, &edits),
+            Action::Select(names) => self.selection = names,
+            Action::Show(name) => self.shown_node = Some(name),
+            Action::Look(view) => self.look(view),
+            Action::Probe(places) => self.probe(places, false),
+            Action::Centre(place) => self.probe(vec![place], true),
+            Action::Do(command) => self.command(ctx, command),
+            Action::Say(text) => self.message = Some((text, false)),
+            Action::Open(path) => self.open_any(ctx, &path),
+            Action::SaveAs(path) => self.save_as(&path),
+        }
+    }
+
+    pub(crate) fn complain(&mut self, error: &Error) {
+        self.message = Some((error.to_string(), true));
+    }
+
+    pub(crate) fn edit(&mut self, label: String, edits: &[Edit]) {
+        self.message = None;
+        if let Err(error) = self.document.edit_all(label, edits, self.gesture) {
+            self.complain(&error);
+            return;
+        }
+        // What is new is what is worked on next.
+        let added: BTreeSet<String> = edits
+            .iter()
+            .filter_map(|edit| match edit {
+                Edit::AddNode { name, .. } => Some(name.clone()),
+                _ => None,
+            })
+            .collect();
+        if !added.is_empty() {
+            self.selection = added;
+        }
+        for edit in edits {
+            if let Edit::Rename { node, to } = edit
+                && self.selection.remove(node)
+            {
+                self.selection.insert(to.clone());
+            }
+        }
+    }
+
+    /// Has the camera node say so.
+    pub(crate) fn look(&mut self, view: View) {
+        let Some(camera) = self.camera() else { return };
+        let name = camera.name.clone();
+        let stated = |key: &str| camera.settings.iter().find(|field| field.name == key);
+        let settings = view.settings().into_iter();
+        let changed = settings
+            .filter(|(key, datum)| stated(key).is_none_or(|field| !same(&field.setting.datum, datum)));
+        // A standard value that stays needs not be written.
+        let standing = View::of(camera);
+        let needed = changed.filter(|(key, _)| {
+            stated(key).is_some()
+                || standing.is_none_or(|before| match *key {
+                    "up" => before.up != view.up,
+                    _ => before.projection != view.projection,
+                })
+        });
+        let edits: Vec<Edit> = needed.map(|(key, datum)| Edit::set(&name, [key], datum)).collect();
+        if !edits.is_empty() {
+            self.edit(format!("move the camera '{name}'"), &edits);
+        }
+    }
+
+    pub(crate) fn command(&mut self, ctx: &Context, command: Command) {
+        let names = || self.selection.iter().cloned().collect::<Vec<_>>();
+        match command {
+            Command::New | Command::Open | Command::Quit => self.unless_unsaved(command),
+            Command::Save => self.save(),
+            Command::SaveAs => self.asking = Some(FileAsking::new(Asked::SaveAs, self.document.path())),
+            Command::Undo | Command::Redo => self.step(command == Command::Undo),
+            Command::Copy => self.copy(ctx),
+            Command::Cut => {
+                self.copy(ctx);
+                self.command(ctx, Command::Delete);
+            }
+            Command::Duplicate => self.duplicate(),
+            Command::Delete => {
+                let edits = [Edit::RemoveNodes(names())];
+                if !self.selection.is_empty() {
+                    self.edit(edits[0].label(), &edits);
+                }
+            }
+            Command::SelectAll => {
+                self.selection =
+                    self.document.pipeline().nodes.iter().map(|node| node.name.clone()).collect();
+            }
+            Command::Add => self.graph.open_menu(),
+            Command::Tidy | Command::Align | Command::Frame | Command::Note => self.arrange(command),
+            Command::FitGraph => self.graph.fit(),
+            Command::Home => {
+                let bounds = self.worker.shown(|shown| shown.bounds);
+                let size = self.camera().and_then(camera_size).unwrap_or([4, 3]);
+                if let (Some(view), Some(bounds)) = (self.camera().and_then(View::of), bounds) {
+                    self.look(view.home(bounds, f64::from(size[0]) / f64::from(size[1])));
+                }
+            }
+            Command::Along(axis, from_positive) => {
+                let Some(view) = self.camera().and_then(View::of) else { return };
+                let towards = DVec3::AXES[axis.min(2)] * if from_positive { 1.0 } else { -1.0 };
+                let up = if axis == 2 { DVec3::Y } else { DVec3::Z };
+                self.look(view.along(towards, up));
+            }
+            Command::Roll(left) => {
+                let Some(view) = self.camera().and_then(View::of) else { return };
+                let angle = 15f64.to_radians();
+                self.look(view.rolled(if left { -angle } else { angle }));
+            }
+            Command::Theme => {
+                let dark = ctx.style().visuals.dark_mode;
+                ctx.set_theme(if dark { ThemePreference::Light } else { ThemePreference::Dark });
+            }
+            Command::Help => self.help = !self.help,
+        }
+    }
+
+    fn step(&mut self, back: bool) {
+        let label = match back {
+            true => self.document.history().undo_label().map(|label| format!("undone: {label}")),
+            false => self.document.history().redo_label().map(|label| format!("done again: {label}")),
+        };
+        let outcome = if back { self.document.undo() } else { self.document.redo() };
+        match outcome {
+            Ok(true) => self.message = label.map(|label| (label, false)),
+            Ok(false) => self.message = Some(("there is nothing more".into(), false)),
+            Err(error) => self.complain(&error),
+        }
+    }
+
+    /// Carries out what takes the document away, or asks first.
+    fn unless_unsaved(&mut self, command: Command) {
+        match self.document.is_saved() {
+            true => self.go_on(command),
+            false => self.unsaved = Some(command),
+        }
+    }
+
+    /// Carries it out.
+    pub(crate) fn go_on(&mut self, command: Command) {
+        match command {
+            Command::New => self.take(Document::new()),
+            Command::Open => self.asking = Some(FileAsking::new(Asked::Open, self.document.path())),
+            _ => self.ends = true,
+        }
+    }
+
+    /// Another document in place of this one.
+    pub(crate) fn take(&mut self, document: Document) {
+        self.document = document;
+        self.selection.clear();
+        self.shown_node = None;
+        self.asked = None;
+        self.message = None;
+        self.graph = GraphView::default();
+        self.transfer = TransferPanel::default();
+    }
+}
+
+/// Whether two values are the same; 2 and 2.0 are.
+fn same(a: &Datum, b: &Datum) -> bool {
+    match (a, b) {
+        (Datum::List(a), Datum::List(b)) => {
+            a.len() == b.len() && a.iter().zip(b).all(|(a, b)| same(&a.datum, &b.datum))
+        }
+        (Datum::Integer(a), Datum::Number(b)) | (Datum::Number(b), Datum::Integer(a)) => *a as f64 == *b,
+        _ => a == b,
+    }
+}
