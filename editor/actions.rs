@@ -20,6 +20,8 @@ pub enum Action {
     Probe(Vec<[f64; 2]>),
     /// What lies at a place of the picture becomes its centre.
     Centre([f64; 2]),
+    /// How wrong the picture is, is asked for.
+    Estimate,
     /// What a key or a menu says.
     Do(Command),
     /// A line for the person.
@@ -77,6 +79,8 @@ pub enum Command {
     Roll(bool),
     /// Light or dark.
     Theme,
+    /// What the picture costs.
+    Costs,
     /// The sheet of keys.
     Help,
 }

@@ -2,6 +2,7 @@
 
 use crate::actions::{Action, Command};
 use crate::editor::{Editor, camera_size};
+use crate::files::Disk;
 use crate::files::{Asked, FileAsking};
 use crate::graph::GraphView;
 use crate::transfer::TransferPanel;
@@ -22,6 +23,12 @@ impl Editor {
             Action::Look(view) => self.look(view),
             Action::Probe(places) => self.probe(places, false),
             Action::Centre(place) => self.probe(vec![place], true),
+            Action::Estimate => {
+                if let Some(asked) = self.asked.clone() {
+                    self.last_estimate += 1;
+                    self.worker.estimate(asked, self.last_estimate);
+                }
+            }
             Action::Do(command) => self.command(ctx, command),
             Action::Say(text) => self.message = Some((text, false)),
             Action::Open(path) => self.open_any(ctx, &path),
@@ -130,6 +137,7 @@ impl Editor {
                 let dark = ctx.style().visuals.dark_mode;
                 ctx.set_theme(if dark { ThemePreference::Light } else { ThemePreference::Dark });
             }
+            Command::Costs => self.costs = !self.costs,
             Command::Help => self.help = !self.help,
         }
     }
@@ -167,7 +175,8 @@ impl Editor {
     /// Another document in place of this one.
     pub(crate) fn take(&mut self, document: Document) {
         self.document = document;
-        self.selection.clear();
+        self.begin();
+        self.disk = Disk::default();
         self.shown_node = None;
         self.asked = None;
         self.message = None;

@@ -1,7 +1,7 @@
 //! The editor: a document, a worker, what is selected and shown; one function a frame, which knows no window.
 
 use crate::actions::{Actions, Command};
-use crate::files::{FileAsking, begun, free_path, is_pipeline};
+use crate::files::{Disk, FileAsking, begun, free_path, is_pipeline};
 use crate::graph::GraphView;
 use crate::hand::Hand;
 use crate::keys;
@@ -39,7 +39,10 @@ pub struct Editor {
     pub(crate) parameters: ParameterPanel,
     pub(crate) transfer: TransferPanel,
     pub(crate) message: Option<(String, bool)>,
+    pub(crate) disk: Disk,
     pub(crate) help: bool,
+    pub(crate) costs: bool,
+    pub(crate) last_estimate: u64,
     pub(crate) asking: Option<FileAsking>,
     /// What waits for an answer about unsaved work.
     pub(crate) unsaved: Option<Command>,
@@ -68,7 +71,7 @@ impl Editor {
         let mut own = Registry::new();
         registry.iter().try_for_each(|node| own.add(node))?;
         registry.filters().try_for_each(|filter| own.add_filter(filter.clone()))?;
-        Ok(Editor {
+        let mut editor = Editor {
             document,
             worker: Worker::start(&own, wake)?,
             registry: own,
@@ -81,7 +84,10 @@ impl Editor {
             parameters: ParameterPanel::default(),
             transfer: TransferPanel::default(),
             message: None,
+            disk: Disk::default(),
             help: false,
+            costs: false,
+            last_estimate: 0,
             asking: None,
             unsaved: None,
             asked: None,
@@ -93,7 +99,9 @@ impl Editor {
             hand: Hand::default(),
             gesture: None,
             ends: false,
-        })
+        };
+        editor.begin();
+        Ok(editor)
     }
 
     /// The document.
@@ -113,6 +121,7 @@ impl Editor {
 
     /// Shows everything once and carries out what was asked for.
     pub fn frame(&mut self, ctx: &Context) {
+        self.disk.look(&self.document);
         self.take_made();
         self.take_probed();
         self.settle_on_nodes();
@@ -131,6 +140,13 @@ impl Editor {
         self.settle_on_nodes();
         self.draw();
         self.find_distribution();
+    }
+
+    /// The transfer function is what is worked on first.
+    pub(crate) fn begin(&mut self) {
+        let nodes = &self.document.pipeline().nodes;
+        let look = nodes.iter().find(|node| node.node_type.text() == Some("transfer-function"));
+        self.selection = look.iter().map(|node| node.name.clone()).collect();
     }
 
     /// Drops from the selection what is gone, and finds a picture to show where there is none.
@@ -165,6 +181,8 @@ impl Editor {
                 found.and_then(|found| found.as_ref().ok().cloned()),
                 found.and_then(|found| found.as_ref().err().map(Error::to_string)),
                 shown.looks.clone(),
+                shown.report.clone(),
+                shown.estimate.clone().filter(|(key, _)| *key == self.last_estimate).map(|(_, found)| found),
             )
         });
         let (
@@ -178,6 +196,8 @@ impl Editor {
             distribution,
             distribution_fault,
             looks,
+            report,
+            estimate,
         ) = of_worker;
         Scene {
             document: &self.document,
@@ -197,6 +217,8 @@ impl Editor {
             distribution_fault,
             looks,
             probed: self.probed.clone(),
+            report,
+            estimate: estimate.map(|found| found.map_err(|error| error.to_string())),
             faults: &self.faults.1,
         }
     }

@@ -4,8 +4,28 @@ use crate::actions::{Action, Actions};
 use crate::editor::Editor;
 use eframe::egui::{Align2, Context, Key, ScrollArea, TextEdit, Ui, Window};
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 use voltet_core::Result;
 use voltet_document::{Document, Edit};
+
+/// How often the file is looked at, while the window is shown anew anyway.
+const BETWEEN: Duration = Duration::from_secs(1);
+
+/// Whether another program wrote the document's file.
+#[derive(Debug, Default)]
+pub(crate) struct Disk {
+    pub is_changed: bool,
+    looked: Option<Instant>,
+}
+
+impl Disk {
+    pub fn look(&mut self, document: &Document) {
+        if self.looked.is_none_or(|looked| looked.elapsed() >= BETWEEN) {
+            self.is_changed = document.changed_on_disk();
+            self.looked = Some(Instant::now());
+        }
+    }
+}
 
 /// Ends of the names of pipelines, and of pictures that carry one.
 const PIPELINES: [&str; 3] = ["toml", "png", "exr"];
@@ -178,11 +198,25 @@ pub(crate) fn begun(text: String, at: &Path) -> Result<Document> {
 }
 
 impl Editor {
-    /// Saves the document in its own file, or asks for one.
+    /// Saves the document in its own file, or asks for one; and asks where another program wrote it meanwhile.
     pub(crate) fn save(&mut self) {
-        match self.document.path().map(Path::to_path_buf) {
-            Some(path) => self.save_as(&path),
-            None => self.asking = Some(FileAsking::new(Asked::SaveAs, None)),
+        let Some(path) = self.document.path().map(Path::to_path_buf) else {
+            self.asking = Some(FileAsking::new(Asked::SaveAs, None));
+            return;
+        };
+        if self.document.changed_on_disk() {
+            self.disk.is_changed = true;
+            return;
+        }
+        self.save_as(&path);
+    }
+
+    /// What another program wrote is taken over, or written over.
+    pub(crate) fn settle_with_disk(&mut self, takes_over: bool) {
+        let outcome = if takes_over { self.document.reload() } else { self.document.save_over() };
+        self.disk = Disk::default();
+        if let Err(error) = outcome {
+            self.complain(&error);
         }
     }
 

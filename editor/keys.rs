@@ -41,6 +41,7 @@ const KEYS: &[Binding] = &[
     (Command::Along(2, true), NONE, Key::Z, "seen from +z"),
     (Command::Roll(true), NONE, Key::Comma, "roll to the left"),
     (Command::Roll(false), NONE, Key::Period, "roll to the right"),
+    (Command::Costs, NONE, Key::C, "what the picture costs, and how wrong it is"),
     (Command::Theme, NONE, Key::T, "light or dark"),
     (Command::Help, NONE, Key::F1, "this sheet"),
 ];
@@ -66,7 +67,7 @@ const MOUSE: &[(&str, &[(&str, &str)])] = &[
             ("drag from a fed input", "take the wire off"),
             ("drag on empty space", "select nodes in a box"),
             ("right click, double click", "add a node"),
-            ("middle drag, Space-drag", "pan"),
+            ("middle drag, Ctrl-drag", "pan"),
             ("wheel", "zoom to the pointer"),
             ("double click on a node", "show its picture"),
         ],

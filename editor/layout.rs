@@ -1,6 +1,7 @@
 //! Where the parts of the window stand.
 
 use crate::actions::{Actions, Command};
+use crate::costs;
 use crate::editor::Editor;
 use crate::files;
 use crate::keys;
@@ -13,11 +14,13 @@ use eframe::egui::{
 
 /// Shows everything once.
 pub(crate) fn show(editor: &mut Editor, ctx: &Context, actions: &mut Actions) {
+    changed_on_disk(editor, ctx);
     // The views keep what a hand is doing; everything else is looked at.
     let mut graph = std::mem::take(&mut editor.graph);
     let mut panel = std::mem::take(&mut editor.picture);
     let mut parameters = std::mem::take(&mut editor.parameters);
     let mut transfer = std::mem::take(&mut editor.transfer);
+    let mut open = editor.costs;
     {
         let scene = editor.scene();
         TopBottomPanel::top("menus").show(ctx, |ui| menus(ui, &scene, actions));
@@ -48,8 +51,10 @@ pub(crate) fn show(editor: &mut Editor, ctx: &Context, actions: &mut Actions) {
         CentralPanel::default()
             .frame(Frame::none().fill(theme::ground(ctx.style().visuals.dark_mode)))
             .show(ctx, |ui| graph.show(ui, &scene, panel.texture(), actions));
+        costs::show(ctx, &mut open, &scene, actions);
     }
     (editor.graph, editor.picture, editor.parameters, editor.transfer) = (graph, panel, parameters, transfer);
+    editor.costs = open;
     keys::sheet(ctx, &mut editor.help);
     files::show(editor, ctx, actions);
     unsaved(editor, ctx);
@@ -96,8 +101,12 @@ fn menus(ui: &mut Ui, scene: &Scene, actions: &mut Actions) {
             ("Note", Command::Note),
             ("All into view", Command::FitGraph),
         ];
-        let view =
-            [("Home", Command::Home), ("Light or dark", Command::Theme), ("Keys and mouse", Command::Help)];
+        let view = [
+            ("Home", Command::Home),
+            ("Costs and errors", Command::Costs),
+            ("Light or dark", Command::Theme),
+            ("Keys and mouse", Command::Help),
+        ];
         list(ui, "File", &file);
         list(ui, "Edit", &edit);
         list(ui, "Graph", &graph);
@@ -134,6 +143,30 @@ fn status(ui: &mut Ui, editor: &Editor, scene: &Scene) {
     });
 }
 
+/// The question about a file that another program wrote.
+fn changed_on_disk(editor: &mut Editor, ctx: &Context) {
+    if !editor.disk.is_changed {
+        return;
+    }
+    let mut answer = None;
+    TopBottomPanel::top("changed").show(ctx, |ui| {
+        ui.horizontal(|ui| {
+            ui.label("Another program changed the file.");
+            for (text, help, takes_over) in [
+                ("Take it over", "as a step that can be undone", true),
+                ("Write over it", "with what is shown here", false),
+            ] {
+                if ui.button(text).on_hover_text(help).clicked() {
+                    answer = Some(takes_over);
+                }
+            }
+        });
+    });
+    if let Some(takes_over) = answer {
+        editor.settle_with_disk(takes_over);
+    }
+}
+
 /// The question about unsaved work.
 fn unsaved(editor: &mut Editor, ctx: &Context) {
     let Some(command) = editor.unsaved else { return };
@@ -155,6 +188,9 @@ fn unsaved(editor: &mut Editor, ctx: &Context) {
                 }
             });
         });
+    if ctx.input(|input| input.key_pressed(eframe::egui::Key::Escape)) {
+        answer = Some(None);
+    }
     match answer {
         None => {}
         Some(None) => editor.unsaved = None,

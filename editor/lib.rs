@@ -8,7 +8,7 @@
 //! | `actions`, `carry_out`, `hand`, `keys` | what a hand asks for, what is done then, and which edits are one step |
 //! | `wishes` | what the worker is asked for |
 //! | `graph` | nodes and wires, by `egui_node_graph2` behind a small interface |
-//! | `picture`, `parameters`, `files` | the picture, the panel of the selected node, asking for files |
+//! | `picture`, `parameters`, `costs`, `files` | the picture, the panel of the selected node, times and errors, asking for files |
 //! | `transfer` | the transfer function over the histogram of s and g |
 //! | `window` | eframe's window around it |
 
@@ -17,6 +17,7 @@ mod actions;
 mod by_hand;
 mod carry_out;
 mod clipboard;
+mod costs;
 mod editor;
 mod files;
 mod graph;

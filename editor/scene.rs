@@ -5,7 +5,7 @@ use crate::worker::{NodeStatus, Pixels, Probed};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 use voltet_core::Error;
-use voltet_core::graph::{Look, Node, NodeEntry, PortType, Registry};
+use voltet_core::graph::{Look, Node, NodeEntry, PortType, Registry, RunReport};
 use voltet_core::probing::Histogram;
 use voltet_document::Document;
 
@@ -38,6 +38,10 @@ pub(crate) struct Scene<'a> {
     pub looks: Arc<BTreeMap<String, Arc<Look>>>,
     /// What was found at a place of the picture.
     pub probed: Option<Arc<Probed>>,
+    /// The last full run.
+    pub report: Option<Arc<RunReport>>,
+    /// How wrong the picture is, where that was asked for.
+    pub estimate: Option<Result<[f64; 2], String>>,
     /// Faults of the document, each with the node that it concerns.
     pub faults: &'a [Error],
 }

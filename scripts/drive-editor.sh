@@ -90,6 +90,9 @@ for _ in $(seq 1 60); do
     sleep 0.5
 done
 sleep "${PATIENCE:-4}"
+# Without a window manager nobody gives the window the keys.
+xdotool search --onlyvisible --name voltet windowfocus
+sleep 0.3
 shot 01-opened
 
 width=${size%x*}; height=${size#*x}

@@ -95,3 +95,55 @@ fn every_command_can_be_given_in_an_empty_window() {
     }
     assert!(hand.editor.document().pipeline().nodes.is_empty());
 }
+
+#[test]
+fn a_file_that_another_program_wrote_is_asked_about_and_never_written_over_unasked() {
+    let mut hand = Hand::new(TEXT);
+    let other = TEXT.replace("extinction = 4.0", "extinction = 40.0");
+    std::fs::write(hand.path(), &other).unwrap();
+    hand.key(Key::X, Modifiers::NONE);
+    hand.key(Key::S, Modifiers::COMMAND);
+    assert!(hand.editor.disk.is_changed);
+    assert_eq!(std::fs::read_to_string(hand.path()).unwrap(), other);
+    hand.editor.settle_with_disk(true);
+    assert_eq!(hand.text(), other);
+    hand.key(Key::Z, Modifiers::COMMAND);
+    assert!(hand.text().contains("extinction = 4.0"), "taking over can be undone");
+}
+
+#[test]
+fn how_wrong_the_picture_is_can_be_asked() {
+    let mut hand = Hand::new(TEXT);
+    hand.editor.carry_out(&hand.ctx.clone(), crate::actions::Action::Estimate);
+    for _ in 0..4000 {
+        hand.frames(1);
+        if let Some(found) = hand.editor.scene().estimate {
+            let [most, rms] = found.unwrap();
+            assert!(most < 2e-4 && rms <= most, "{most} {rms}");
+            return;
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    panic!("no answer comes");
+}
+
+#[test]
+fn data_are_opened_with_a_pipeline_made_for_them() {
+    let mut hand = Hand::new(TEXT);
+    hand.editor.start = Arc::new(|_: &Path, _: &Path| Ok(TEXT.replace("nothing much", "a data file")));
+    let data = hand.folder.path().join("data.vtu");
+    std::fs::write(&data, "").unwrap();
+    hand.editor.open_any(&hand.ctx.clone(), &data);
+    for _ in 0..4000 {
+        hand.frames(1);
+        if hand.text().contains("a data file") {
+            break;
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    let document = hand.editor.document();
+    assert!(!document.is_saved() && !hand.folder.path().join("data.toml").exists(), "nothing is written yet");
+    assert_eq!(document.path(), Some(hand.folder.path().join("data.toml").as_path()));
+    hand.key(Key::S, Modifiers::COMMAND);
+    assert!(hand.folder.path().join("data.toml").exists(), "{}", hand.said());
+}

@@ -150,6 +150,16 @@ impl ParameterPanel {
         );
         ui.label(RichText::new(parameter.name).color(color)).on_hover_text(&help);
         ui.horizontal(|ui| {
+            if let (None, Some(first), Standard::Unset(meaning)) =
+                (stated, value::first(&parameter.parameter_type), parameter.standard)
+            {
+                // A number that is not there is no number.
+                if ui.small_button("set").on_hover_text("states a value to begin with").clicked() {
+                    actions.edit(table.set(parameter.name, first));
+                }
+                ui.label(RichText::new(meaning).small().color(theme::weak(dark)));
+                return;
+            }
             if let Some(value) = self.value(ui, table, parameter) {
                 actions.edit(table.set(parameter.name, value));
             }

@@ -1,8 +1,7 @@
 //! The widget for a value, by its declared type.
 
 use super::{ParameterPanel, Table};
-use crate::theme;
-use eframe::egui::{Color32, ComboBox, DragValue, Response, Rgba, RichText, Slider, Ui};
+use eframe::egui::{Color32, ComboBox, DragValue, Response, Rgba, Slider, Ui};
 use voltet_core::graph::{Datum, Parameter, ParameterType, Range, Setting};
 
 /// The largest span that a slider serves: beyond, a drag of a few points is a large step.
@@ -127,9 +126,37 @@ fn by_hand(response: &Response) -> bool {
         && (response.dragged() || response.drag_stopped() || response.lost_focus() || response.has_focus())
 }
 
+/// A value to begin with where nothing is stated and nothing holds; none for types that are typed as text.
+pub(super) fn first(parameter_type: &ParameterType) -> Option<Datum> {
+    let within = |range: &Range| 1.0f64.clamp(range.min, range.max);
+    let several = |count: usize, one: Datum| Datum::List(vec![Setting::from(one); count]);
+    match parameter_type {
+        ParameterType::Integer(range) => Some(Datum::Integer(within(range) as i64)),
+        ParameterType::Number(range) | ParameterType::NumberOr(range, _) => {
+            Some(Datum::Number(within(range)))
+        }
+        ParameterType::Numbers(Some(2), range) if range.min < 0.0 => {
+            Some(Datum::List([0.0, 1.0].map(|x| Setting::from(Datum::Number(x))).to_vec()))
+        }
+        ParameterType::Numbers(Some(count), range) => Some(several(*count, Datum::Number(within(range)))),
+        ParameterType::Integers(count, range) => Some(several(*count, Datum::Integer(within(range) as i64))),
+        ParameterType::Measured(measured) => first(&measured.plain),
+        ParameterType::Boolean
+        | ParameterType::Text
+        | ParameterType::Choice(_)
+        | ParameterType::InputPath
+        | ParameterType::OutputPath
+        | ParameterType::Numbers(None, _)
+        | ParameterType::Rows(_)
+        | ParameterType::Texts
+        | ParameterType::Table(_)
+        | ParameterType::Kinds(_)
+        | ParameterType::GradientFilter => None,
+    }
+}
+
 /// A number: with a slider where its range is not wide.
 fn number_field(ui: &mut Ui, now: Option<f64>, range: &Range) -> Option<f64> {
-    let is_unset = now.is_none();
     let mut x = now.unwrap_or(range.min.max(0.0).min(range.max));
     let span = range.max - range.min;
     let response = if span.is_finite() && span <= SPAN_OF_SLIDER {
@@ -139,10 +166,6 @@ fn number_field(ui: &mut Ui, now: Option<f64>, range: &Range) -> Option<f64> {
         let field = DragValue::new(&mut x).range(range.min..=range.max).speed(speed).max_decimals(9);
         ui.add(field.update_while_editing(false).custom_formatter(|x, _| written(x)))
     };
-    if is_unset {
-        let dark = ui.visuals().dark_mode;
-        ui.label(RichText::new("not set").small().color(theme::weak(dark)));
-    }
     (by_hand(&response) && range.holds(x)).then(|| rounded(x))
 }
 

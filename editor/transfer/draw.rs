@@ -89,7 +89,7 @@ fn ellipses(
     for times in [1.0, 2.0] {
         let thin = Stroke::new(stroke.width / times as f32, stroke.color);
         let fill = if times == 1.0 {
-            stroke.color.gamma_multiply(if is_chosen { 0.22 } else { 0.1 })
+            stroke.color.gamma_multiply(if is_chosen { 0.12 } else { 0.05 })
         } else {
             Color32::TRANSPARENT
         };

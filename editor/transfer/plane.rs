@@ -136,7 +136,7 @@ fn image(histogram: &Histogram, dark: bool) -> ColorImage {
     };
     let color = |volume: f64| {
         let level = level(volume) as f32;
-        let [from, to] = if dark { [18.0, 235.0] } else { [255.0, 40.0] };
+        let [from, to] = if dark { [18.0, 185.0] } else { [255.0, 70.0] };
         Color32::from_gray((from + level * (to - from)) as u8)
     };
     // Rows of a texture go down, g goes up.

@@ -6,6 +6,7 @@
 //! feeds the picture, and a node that writes feeds nothing.
 
 mod coarse;
+mod estimate;
 mod following;
 mod look_on;
 mod pixels;
@@ -61,6 +62,7 @@ struct Queue {
     picture: Option<Wanted>,
     distribution: Option<Distribution>,
     probing: Option<Probing>,
+    estimate: Option<(u64, Wanted)>,
     ends: bool,
 }
 
@@ -107,6 +109,12 @@ impl Worker {
         self.shared.changed.notify_one();
     }
 
+    /// Asks how wrong a picture is; `key` tells it from others.
+    pub fn estimate(&self, wanted: Wanted, key: u64) {
+        lock(&self.shared.wanted).estimate = Some((key, wanted));
+        self.shared.changed.notify_one();
+    }
+
     /// What there is to show.
     pub fn shown<T>(&self, look: impl FnOnce(&Shown) -> T) -> T {
         look(&lock(&self.shared.shown))
@@ -141,6 +149,7 @@ enum Task {
     Picture(u64, Wanted),
     Distribution(Distribution),
     Probing(Probing),
+    Estimate(u64, Wanted),
 }
 
 /// The thread's own.
@@ -158,6 +167,7 @@ impl Work<'_> {
                 Task::Picture(number, wanted) => self.picture(number, &wanted),
                 Task::Distribution(wanted) => self.distribution(wanted),
                 Task::Probing(wanted) => self.probe(&wanted),
+                Task::Estimate(key, wanted) => self.estimate(key, &wanted),
             }
         }
     }
@@ -173,6 +183,9 @@ impl Work<'_> {
             }
             if let Some(wanted) = queue.probing.take() {
                 return Some(Task::Probing(wanted));
+            }
+            if let Some((key, wanted)) = queue.estimate.take() {
+                return Some(Task::Estimate(key, wanted));
             }
             if let Some(wanted) = queue.distribution.take() {
                 return Some(Task::Distribution(wanted));
@@ -275,6 +288,25 @@ impl Work<'_> {
             }
             outcome => self.shared.show(|shown| shown.distribution = Some((wanted.key, outcome))),
         }
+    }
+
+    /// How wrong a picture is; given up for a newer picture.
+    fn estimate(&mut self, key: u64, wanted: &Wanted) {
+        let before = self.shared.newest.load(Ordering::SeqCst);
+        let stop = || self.shared.newest.load(Ordering::SeqCst) != before;
+        let following = Following::silent(self.shared, &stop);
+        let found = estimate::graphs(wanted, self.registry).and_then(|graphs| {
+            let mut pictures = Vec::new();
+            for graph in &graphs {
+                let report = self.guarded(&following, |session| session.run(graph, &following))?;
+                let picture = report.pictures.iter().rev().find(|(node, _)| *node == wanted.node);
+                let picture =
+                    picture.ok_or_else(|| Error::run("the node gives no picture").at_node(&wanted.node))?;
+                pictures.push(picture.1.clone());
+            }
+            Ok(estimate::difference(&pictures[0], &pictures[1]))
+        });
+        self.shared.show(|shown| shown.estimate = Some((key, found)));
     }
 
     /// What lies at a place of the picture; given up for a newer picture, in which it lies elsewhere.

@@ -48,7 +48,9 @@ pub struct Shown {
     /// Seconds of the last full picture and of the last coarse one.
     pub seconds: [Option<f64>; 2],
     /// The last full run's report, without its pictures.
-    pub report: Option<RunReport>,
+    pub report: Option<Arc<RunReport>>,
+    /// The largest and the root mean square error of a picture, with the key that it was asked for by.
+    pub estimate: Option<(u64, Result<[f64; 2]>)>,
     /// For each output, `"node.port"`, what runs through it.
     pub values: Arc<BTreeMap<String, String>>,
     /// Least and greatest coordinates of the data.
@@ -119,7 +121,7 @@ impl Shown {
         if is_full {
             let mut report = RunReport { pictures: Vec::new(), ..report.clone() };
             report.nodes.retain(|node| node.name != NAME);
-            self.report = Some(report);
+            self.report = Some(Arc::new(report));
             self.values = Arc::new(values.words);
             self.bounds = values.bounds;
             self.looks = Arc::new(values.looks);

@@ -1,0 +1,45 @@
+//! How wrong a picture is: as it is drawn, and by the 64-bit referee, at a few thousand pixels.
+
+use super::request::Wanted;
+use voltet_core::graph::{Datum, Graph, Registry};
+use voltet_core::picture::Picture;
+use voltet_core::{Error, Result};
+
+/// Pixels that are compared, at most.
+const PIXELS: f64 = 3072.0;
+
+/// A node's integrator, and the one that all others are judged by.
+const INTEGRATOR: &str = "integrator";
+const REFEREE: &str = "reference";
+
+/// The graphs of both pictures.
+pub(super) fn graphs(wanted: &Wanted, registry: &Registry) -> Result<[Graph; 2]> {
+    let divisor = (wanted.pixels() / PIXELS).sqrt().ceil().max(1.0) as u32;
+    let mut better = wanted.clone();
+    let drawing = better.nodes.iter_mut().find(|node| node.name == wanted.node);
+    let known = drawing.as_ref().and_then(|node| registry.find(node.node_type.text()?).ok());
+    let (Some(drawing), Some(known)) = (drawing, known.filter(|node| node.parameter(INTEGRATOR).is_some()))
+    else {
+        return Err(Error::usage(format!("'{}' does not integrate anything", wanted.node))
+            .accepted("the picture of a node that draws a volume"));
+    };
+    drawing.set(INTEGRATOR, &[], Datum::Text(REFEREE.into()).into())?;
+    // The referee is an engine of its own.
+    let has_engine = known.parameter("engine").is_some();
+    if has_engine {
+        drawing.set("engine", &[], Datum::Text("auto".into()).into())?;
+    }
+    drawing.settings.retain(|field| !["compositor", "adapter"].contains(&field.name.as_str()));
+    Ok([wanted.graph(registry, divisor)?, better.graph(registry, divisor)?])
+}
+
+/// The largest difference of a premultiplied channel, and the root of the mean square.
+pub(super) fn difference(a: &Picture, b: &Picture) -> [f64; 2] {
+    let (mut most, mut sum) = (0.0f64, 0.0);
+    for (a, b) in a.rgba.iter().flatten().zip(b.rgba.iter().flatten()) {
+        let by = f64::from((a - b).abs());
+        most = most.max(by);
+        sum += by * by;
+    }
+    [most, (sum / (4 * a.rgba.len().max(1)) as f64).sqrt()]
+}
