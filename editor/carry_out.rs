@@ -178,7 +178,7 @@ impl Editor {
         self.begin();
         self.disk = Disk::default();
         self.shown_node = None;
-        self.asked = None;
+        (self.asked, self.ground) = (None, None);
         self.message = None;
         self.graph = GraphView::default();
         self.transfer = TransferPanel::default();

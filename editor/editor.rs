@@ -11,6 +11,7 @@ use crate::picture::PicturePanel;
 use crate::scene::{Scene, pictures};
 use crate::transfer::TransferPanel;
 use crate::view::View;
+use crate::wishes::Ground;
 use crate::worker::{Distribution, NodeState, Probed, Shown, Wanted, Worker};
 use eframe::egui::{Context, ViewportCommand};
 use std::collections::BTreeSet;
@@ -39,6 +40,7 @@ pub struct Editor {
     pub(crate) parameters: ParameterPanel,
     pub(crate) transfer: TransferPanel,
     pub(crate) message: Option<(String, bool)>,
+    pub(crate) ground: Option<Ground>,
     pub(crate) disk: Disk,
     pub(crate) help: bool,
     pub(crate) costs: bool,
@@ -84,6 +86,7 @@ impl Editor {
             parameters: ParameterPanel::default(),
             transfer: TransferPanel::default(),
             message: None,
+            ground: None,
             disk: Disk::default(),
             help: false,
             costs: false,
@@ -138,8 +141,7 @@ impl Editor {
         }
         self.paste(ctx);
         self.settle_on_nodes();
-        self.draw();
-        self.find_distribution();
+        self.wish();
     }
 
     /// The transfer function is what is worked on first.

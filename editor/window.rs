@@ -45,7 +45,7 @@ pub fn run(file: Option<&Path>, registry: &Registry, start: Start) -> Result<()>
     };
     let failed = |error: &dyn std::fmt::Display| {
         Error::run("the window cannot be opened")
-            .found(error.to_string().replace('\n', ", "))
+            .found(without_place(&error.to_string().replace('\n', ", ")))
             .accepted("a display with OpenGL 2 or later (Mesa's software driver will do)")
     };
     let made = |context: &eframe::CreationContext| -> std::result::Result<Box<dyn App>, Box<dyn std::error::Error + Send + Sync>> {
@@ -59,6 +59,14 @@ pub fn run(file: Option<&Path>, registry: &Registry, start: Start) -> Result<()>
         Ok(Box::new(Window { editor, title: String::new() }))
     };
     eframe::run_native("voltet", options, Box::new(made)).map_err(|error| failed(&error))
+}
+
+/// A driver's message without the source file that it comes from.
+fn without_place(message: &str) -> &str {
+    match message.rsplit_once(".rs:").and_then(|(_, rest)| rest.split_once(": ")) {
+        Some((_, words)) => words,
+        None => message,
+    }
 }
 
 /// On systems where a display is named by the environment: one must be.

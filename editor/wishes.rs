@@ -7,9 +7,36 @@ use crate::worker::{Distribution, Probing, Wanted, short};
 use std::collections::BTreeSet;
 use voltet_core::graph::{Datum, NodeEntry};
 
+/// What the wishes follow from: as long as it is the same, so are they.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Ground {
+    revision: u64,
+    shown: Option<String>,
+    room: [u32; 2],
+    hidden: Option<(String, BTreeSet<usize>)>,
+    selection: BTreeSet<String>,
+}
+
 impl Editor {
+    /// Asks the worker for what is wanted now and was not before.
+    pub(crate) fn wish(&mut self) {
+        let hidden = self.transfer.hidden().map(|(look, hidden)| (look.to_string(), hidden.clone()));
+        let ground = Ground {
+            revision: self.document.revision(),
+            shown: self.shown_node.clone(),
+            room: self.picture.room,
+            hidden,
+            selection: self.selection.clone(),
+        };
+        if self.ground.as_ref() != Some(&ground) {
+            self.draw();
+            self.find_distribution();
+            self.ground = Some(ground);
+        }
+    }
+
     /// Asks the worker for the picture where another is wanted than before.
-    pub(crate) fn draw(&mut self) {
+    fn draw(&mut self) {
         let Some(node) = self.shown_node.clone() else { return };
         let nodes = &self.document.pipeline().nodes;
         let size =
@@ -42,7 +69,7 @@ impl Editor {
     }
 
     /// Asks for the distribution of what the edited transfer function is drawn with, where another is wanted than before.
-    pub(crate) fn find_distribution(&mut self) {
+    fn find_distribution(&mut self) {
         let source = {
             let scene = self.scene();
             let look = transfer::of(&scene).map(|look| look.name.clone());

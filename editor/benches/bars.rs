@@ -1,7 +1,7 @@
 //! How long the editor takes, printed: a frame of the interface with 200 nodes; the first coarse picture and the full one
 //! after a widget's move; orbiting; the first picture of a larger file.
 //!
-//! `cargo bench -p voltet-editor -- [BLUNT_FIN.vtu [LARGER.vtu]]`: without files the wavelet stands in for both.
+//! `cargo bench -p voltet-editor -- [BLUNT_FIN.vtu [LARGER.vtu]]`: with an array `density`; without files the wavelet stands in.
 
 use eframe::egui::{Context, Pos2, RawInput, Rect, vec2};
 use std::path::{Path, PathBuf};
@@ -79,7 +79,9 @@ fn pipeline(
     target: [f64; 3],
 ) -> Vec<NodeEntry> {
     let source = match file {
-        Some(file) => format!("type = \"reader\"\npath = {:?}", file.display().to_string()),
+        Some(file) => {
+            format!("type = \"reader\"\nscalar = \"density\"\npath = {:?}", file.display().to_string())
+        }
         None => "type = \"wavelet\"\nresolution = [32, 32, 32]".into(),
     };
     let text = format!(

@@ -29,7 +29,7 @@ pub(super) struct Port {
 #[derive(Debug, Default)]
 pub(super) struct Places {
     /// For each port ever drawn, where it lies from its node's corner at the usual scale.
-    ports: HashMap<(String, String, bool), Vec2>,
+    ports: HashMap<String, Vec<(String, bool, Vec2)>>,
     /// For each node ever drawn its size at the usual scale.
     sizes: HashMap<String, Vec2>,
     /// The ports and nodes of this frame, in the window; the upper ones last.
@@ -62,7 +62,14 @@ impl Places {
                 let (Some(port), Some(y)) = (known.get(&end), written.rows.get(&end)) else { continue };
                 let place = pos2(if port.is_input { low.x } else { right }, *y);
                 let from = (place - low) / zoom;
-                self.ports.insert((port.node.clone(), port.name.clone(), port.is_input), from);
+                let known = self.ports.entry(port.node.clone()).or_default();
+                match known
+                    .iter_mut()
+                    .find(|(name, is_input, _)| *name == port.name && *is_input == port.is_input)
+                {
+                    Some(known) => known.2 = from,
+                    None => known.push((port.name.clone(), port.is_input, from)),
+                }
                 self.seen.push((port.clone(), place));
                 bottom = bottom.max(y + 0.5 * ROW * zoom);
             }
@@ -87,8 +94,13 @@ impl Places {
     /// Where a port lies in the document's points.
     pub fn port(&self, scene: &Scene, entry: &NodeEntry, name: &str, is_input: bool) -> [f64; 2] {
         let [x, y] = scene.document.position(&entry.name);
-        let key = (entry.name.clone(), name.to_string(), is_input);
-        let from = self.ports.get(&key).copied().unwrap_or_else(|| {
+        let known = self.ports.get(&entry.name).and_then(|known| {
+            known
+                .iter()
+                .find(|(port, of_input, _)| port == name && *of_input == is_input)
+                .map(|known| known.2)
+        });
+        let from = known.unwrap_or_else(|| {
             let frame = self.frame(scene, entry);
             vec2(if is_input { 0.0 } else { frame.width() }, 0.5 * frame.height())
         });

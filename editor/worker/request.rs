@@ -17,6 +17,9 @@ const SAMPLES: &str = "samples";
 /// Bins along s and g.
 const BINS: usize = 256;
 
+/// Share of the volume whose largest gradient magnitudes lie beyond the distribution.
+const STEEPEST: f64 = 1e-3;
+
 /// A picture that is wanted.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Wanted {
@@ -118,14 +121,23 @@ impl Unlisted for NodeEntry {
     }
 }
 
-/// The distribution over (s, g), exact within every cell; of s alone where there is no gradient.
+/// The distribution over (s, g), exact within every cell; of s alone where there is no gradient. Along g it reaches as far as
+/// nearly all of the volume does: a few slivers have gradients of many times that.
 pub(super) fn histogram_of(volume: &Volume, following: &Following) -> Result<Histogram> {
     let s = &volume.scalar;
     let flat = || vec![0.0; s.len()];
     let g = volume.gradient_magnitude.clone().map_or_else(flat, |g| g.to_vec());
-    let whole = Axis::over(&g, BINS);
-    let axes = [Axis::over(s, BINS), Axis { low: whole.low.min(0.0), ..whole }];
-    histogram(&volume.grid, [s, &g], axes, following)
+    let of_s = Axis::over(s, BINS);
+    let whole = Axis::over(&g, 16 * BINS);
+    let whole = Axis { low: whole.low.min(0.0), ..whole };
+    let coarse = histogram(&volume.grid, [s, &g], [Axis { bins: 1, ..of_s }, whole], following)?;
+    let (all, mut below) = (coarse.volumes.iter().sum::<f64>(), 0.0);
+    let last = coarse.volumes.iter().position(|volume| {
+        below += volume;
+        below >= (1.0 - STEEPEST) * all
+    });
+    let high = last.map_or(whole.high, |row| whole.edge(row + 1));
+    histogram(&volume.grid, [s, &g], [of_s, Axis { high, bins: BINS, ..whole }], following)
 }
 
 /// The outputs of a node, each with the port of its type at the node that looks on.
