@@ -175,6 +175,7 @@ impl Editor {
     /// Another document in place of this one.
     pub(crate) fn take(&mut self, document: Document) {
         self.document = document;
+        self.recover.forget();
         self.begin();
         self.disk = Disk::default();
         self.shown_node = None;

@@ -8,6 +8,7 @@ use crate::keys;
 use crate::layout;
 use crate::parameters::ParameterPanel;
 use crate::picture::PicturePanel;
+use crate::recover::Recover;
 use crate::scene::{Scene, pictures};
 use crate::transfer::TransferPanel;
 use crate::view::View;
@@ -41,6 +42,7 @@ pub struct Editor {
     pub(crate) transfer: TransferPanel,
     pub(crate) message: Option<(String, bool)>,
     pub(crate) ground: Option<Ground>,
+    pub(crate) recover: Recover,
     pub(crate) disk: Disk,
     pub(crate) help: bool,
     pub(crate) costs: bool,
@@ -87,6 +89,7 @@ impl Editor {
             transfer: TransferPanel::default(),
             message: None,
             ground: None,
+            recover: Recover::default(),
             disk: Disk::default(),
             help: false,
             costs: false,
@@ -140,6 +143,7 @@ impl Editor {
             self.carry_out(ctx, action);
         }
         self.paste(ctx);
+        self.keep(ctx);
         self.settle_on_nodes();
         self.wish();
     }
@@ -262,10 +266,6 @@ impl Editor {
             Err(error) => self.complain(&error),
         }
     }
-
-    pub(crate) fn selection(&self) -> &BTreeSet<String> {
-        &self.selection
-    }
 }
 
 /// Width and height that a camera node states.
@@ -286,11 +286,14 @@ fn running(shown: &Shown) -> Option<String> {
     Some(in_hand.unwrap_or_else(|| "drawing …".into()))
 }
 
-/// What is wrong with the document as a whole.
+/// What is wrong with the document, each mistake at its node.
 fn faults(document: &Document, registry: &Registry) -> Vec<Error> {
-    if document.pipeline().nodes.is_empty() {
+    if document.pipeline().nodes.is_empty() && document.is_toml() {
         return Vec::new();
     }
-    let graph = document.pipeline().graph(registry, document.folder());
-    graph.err().into_iter().map(|error| document.locate(error)).collect()
+    let named = |fault: voltet_document::Fault| match fault.node {
+        Some(node) => fault.error.at_node(node),
+        None => fault.error,
+    };
+    document.faults(registry).into_iter().map(named).collect()
 }

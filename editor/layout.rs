@@ -58,6 +58,7 @@ pub(crate) fn show(editor: &mut Editor, ctx: &Context, actions: &mut Actions) {
     keys::sheet(ctx, &mut editor.help);
     files::show(editor, ctx, actions);
     unsaved(editor, ctx);
+    editor.offer_left_behind(ctx);
 }
 
 fn menus(ui: &mut Ui, scene: &Scene, actions: &mut Actions) {

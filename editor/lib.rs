@@ -6,6 +6,7 @@
 //! | [`view`] | movements of the camera |
 //! | `editor`, `layout`, `scene` | one frame: what is shown where, and what the parts of the window look at |
 //! | `actions`, `carry_out`, `hand`, `keys` | what a hand asks for, what is done then, and which edits are one step |
+//! | `recover` | unsaved work outlives a crash |
 //! | `wishes` | what the worker is asked for |
 //! | `graph` | nodes and wires, by `egui_node_graph2` behind a small interface |
 //! | `picture`, `parameters`, `costs`, `files` | the picture, the panel of the selected node, times and errors, asking for files |
@@ -26,6 +27,7 @@ mod keys;
 mod layout;
 mod parameters;
 mod picture;
+mod recover;
 mod scene;
 mod theme;
 mod transfer;

@@ -53,6 +53,7 @@ pub fn run(file: Option<&Path>, registry: &Registry, start: Start) -> Result<()>
         let ctx = context.egui_ctx.clone();
         let wake = Box::new(move || ctx.request_repaint());
         let mut editor = Editor::new(document, registry, start, wake)?;
+        editor.keep_in(voltet_document::Recovery::usual());
         if let Some(data) = data {
             editor.open_any(&context.egui_ctx, &data);
         }
@@ -87,6 +88,13 @@ struct Window {
 }
 
 impl App for Window {
+    fn on_exit(&mut self, _gl: Option<&eframe::glow::Context>) {
+        // The person ended it and was asked: nothing is left behind.
+        if self.editor.ends() {
+            self.editor.recover.forget();
+        }
+    }
+
     fn update(&mut self, ctx: &Context, _frame: &mut Frame) {
         self.editor.frame(ctx);
         let document = self.editor.document();

@@ -147,3 +147,29 @@ fn data_are_opened_with_a_pipeline_made_for_them() {
     hand.key(Key::S, Modifiers::COMMAND);
     assert!(hand.folder.path().join("data.toml").exists(), "{}", hand.said());
 }
+
+#[test]
+fn unsaved_work_outlives_a_crash_and_saved_work_leaves_nothing() {
+    let kept = tempfile::tempdir().unwrap();
+    let place = || voltet_document::Recovery::in_folder(kept.path().to_path_buf());
+    let mut hand = Hand::new(TEXT);
+    hand.editor.keep_in(place());
+    hand.key(Key::X, Modifiers::NONE);
+    hand.frames(3);
+    let text = hand.text();
+    // The window is gone without a word; its lock goes with it.
+    let folder = hand.folder;
+    drop(hand.editor);
+    let left = place().left_behind();
+    assert_eq!(left.len(), 1);
+    assert_eq!(left[0].text, text);
+    assert_eq!(
+        left[0].path.as_deref(),
+        Some(folder.path().canonicalize().unwrap().join("scene.toml").as_path())
+    );
+    drop(left);
+    let mut next = Hand::new(TEXT);
+    next.editor.keep_in(place());
+    next.frames(2);
+    assert!(next.editor.document().is_saved(), "it is offered, not taken");
+}

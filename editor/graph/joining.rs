@@ -9,6 +9,7 @@ use crate::theme;
 use eframe::egui::{self, Pos2, Rect, RichText, Ui};
 use egui_node_graph2::AnyParameterId;
 use voltet_core::graph::PortType;
+use voltet_core::{Error, Result};
 use voltet_document::{Edit, links};
 
 /// A wire in the hand.
@@ -70,10 +71,14 @@ impl GraphView {
             }
             edits.push(Edit::Disconnect { node, port, source: Some(source) });
         }
-        let connect = connect(scene, from, to);
-        let label = connect.label();
-        edits.push(connect);
-        actions.edits(label, edits);
+        match joined(scene, from, to) {
+            Ok(connect) => {
+                let label = connect.label();
+                edits.push(connect);
+                actions.edits(label, edits);
+            }
+            Err(error) => actions.push(Action::Say(error.to_string())),
+        }
     }
 
     /// The wire in the hand: what it would do here, and what it does when let go.
@@ -90,7 +95,13 @@ impl GraphView {
         let is_held = ui.input(|input| input.pointer.any_down());
         let dark = ui.visuals().dark_mode;
         let target = self.places.port_at(at, NEAR * self.zoom.max(0.6));
-        let reason = target.as_ref().and_then(|target| refusal(&wire.port, target));
+        let reason = target.as_ref().filter(|target| **target != wire.port).and_then(|target| {
+            let back = wire
+                .taken_off
+                .as_ref()
+                .is_some_and(|(node, port, _)| *node == target.node && *port == target.name);
+            joined(scene, &wire.port, target).err().filter(|_| !back).map(|error| error.to_string())
+        });
         if is_held {
             let words = match (&target, &reason) {
                 (Some(_), Some(reason)) => Some(RichText::new(reason).color(theme::wrong(dark))),
@@ -130,39 +141,18 @@ impl GraphView {
     }
 }
 
-/// The wire between two ports as an edit.
-pub(super) fn connect(scene: &Scene, from: &Port, to: &Port) -> Edit {
-    let outputs =
-        scene.entry(&from.node).and_then(|entry| scene.node_type(entry)).map_or(1, |node| node.outputs.len());
-    let source = if outputs == 1 { from.node.clone() } else { format!("{}.{}", from.node, from.name) };
-    Edit::Connect { node: to.node.clone(), port: to.name.clone(), source, beside: to.is_optional }
-}
-
-/// Why two ports cannot be joined.
-fn refusal(held: &Port, target: &Port) -> Option<String> {
-    if held == target {
-        return None;
-    }
-    if held.node == target.node {
-        return Some(format!("'{}' cannot feed itself", held.node));
-    }
+/// The wire between two ports as an edit, or why there can be none.
+fn joined(scene: &Scene, held: &Port, target: &Port) -> Result<Edit> {
     let (from, to) = match (held.is_input, target.is_input) {
         (false, true) => (held, target),
         (true, false) => (target, held),
-        (false, false) => return Some("both are outputs: a wire leads from an output to an input".into()),
-        (true, true) => return Some("both are inputs: a wire leads from an output to an input".into()),
+        (false, false) => {
+            return Err(Error::usage("both are outputs: a wire leads from an output to an input"));
+        }
+        (true, true) => return Err(Error::usage("both are inputs: a wire leads from an output to an input")),
     };
-    (!from.port_type.serves(to.port_type)).then(|| {
-        format!(
-            "{}.{} takes {}, and {}.{} gives {}",
-            to.node,
-            to.name,
-            to.port_type.with_article(),
-            from.node,
-            from.name,
-            from.port_type.with_article()
-        )
-    })
+    let join = scene.document.join(scene.registry, (&from.node, &from.name), (&to.node, &to.name))?;
+    Ok(join.edit)
 }
 
 /// What a port is, and what runs through it.

@@ -1,6 +1,6 @@
 //! The menu of node types: searchable, in groups, and by a wire dropped on empty space only what fits.
 
-use super::joining::{connect, fitting};
+use super::joining::fitting;
 use super::places::Port;
 use crate::actions::Actions;
 use crate::scene::Scene;
@@ -149,7 +149,12 @@ impl Menu {
                     beside: wire.is_optional,
                 });
             } else {
-                edits.push(connect(scene, wire, &own));
+                let given = scene.entry(&wire.node).and_then(|entry| scene.node_type(entry));
+                let source = match given.map_or(1, |node| node.outputs.len()) {
+                    1 => wire.node.clone(),
+                    _ => format!("{}.{}", wire.node, wire.name),
+                };
+                edits.push(Edit::Connect { node: name.clone(), port: own.name, source, beside: is_optional });
             }
         }
         actions.edits(format!("add '{name}'"), edits);

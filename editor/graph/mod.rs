@@ -78,6 +78,11 @@ impl GraphView {
         self.asked = true;
     }
 
+    /// Width and height of a node as it was drawn; of one that was not, the usual ones.
+    pub fn size_of(&self, node: &str) -> [f64; 2] {
+        self.places.size_of(node)
+    }
+
     /// Brings all nodes into view.
     pub fn fit(&mut self) {
         self.fits = FRAMES_TO_FIT;

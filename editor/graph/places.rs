@@ -82,6 +82,12 @@ impl Places {
         }
     }
 
+    /// Width and height of a node at the usual scale.
+    pub fn size_of(&self, node: &str) -> [f64; 2] {
+        let size = self.sizes.get(node).copied().unwrap_or(vec2(INNER + 2.0 * MARGIN, TITLE + 4.0 * ROW));
+        [f64::from(size.x), f64::from(size.y)]
+    }
+
     /// The frame of a node in the document's points.
     pub fn frame(&self, scene: &Scene, entry: &NodeEntry) -> Rect {
         let [x, y] = scene.document.position(&entry.name);
