@@ -1,5 +1,7 @@
 //! What the tests of several crates share. Nothing of it ships.
 //!
+//! The unit tests of `core` build scenes of their own: to them those here are of another `voltet_core`.
+//!
 //! | room | what |
 //! | --- | --- |
 //! | `pictures` | scenes that every engine is held to, and the comparison with the referee |
