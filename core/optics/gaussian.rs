@@ -194,4 +194,24 @@ mod tests {
         }
         assert_eq!((resolved_from(-9.0), resolved_from(7.7)), (-7.6, f64::INFINITY));
     }
+
+    /// Far from the centre, where erf is all but 1 and the depths themselves have no rounding to speak of.
+    #[test]
+    fn depths_within_a_panel_are_right_to_1e_15() {
+        for scale in [0.4, 3.9, 4.1, 39.0] {
+            for k in 0..40 {
+                let (front, length) = (2.5 + 0.02 * f64::from(k), 0.8);
+                let path = GaussianPath::new([front], [front + length], [length]);
+                let track = GaussianTrack { path, peak: scale * length / HALF_SQRT_PI };
+                let nodes = super::super::quadrature::GAUSS_12;
+                for ((x, _), found) in nodes.iter().zip(track.depths(0.0, 1.0)) {
+                    let exact = track.depth(0.0, *x);
+                    assert!(
+                        (found - exact).abs() < 1e-15,
+                        "{found:e} for {exact:e} at {front}, scale {scale}"
+                    );
+                }
+            }
+        }
+    }
 }
