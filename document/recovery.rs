@@ -6,6 +6,7 @@
 use crate::Document;
 use std::fs::{File, OpenOptions, TryLockError};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::SystemTime;
 use voltet_core::graph::Datum;
 use voltet_core::{Error, Result};
@@ -34,8 +35,8 @@ pub struct Keeper {
     lock: File,
     lock_path: PathBuf,
     of: Option<PathBuf>,
-    /// The revision that was kept last.
-    kept: Option<u64>,
+    /// The text that was kept last.
+    kept: Option<Arc<str>>,
 }
 
 /// Work that was left behind.
@@ -106,15 +107,16 @@ impl Keeper {
         if document.is_saved() {
             return self.give_up();
         }
-        if self.kept == Some(document.revision()) {
+        let text = document.shared_text();
+        if self.kept.as_ref().is_some_and(|kept| Arc::ptr_eq(kept, &text)) {
             return Ok(());
         }
         let head = match &self.of {
             Some(path) => format!("{OF}{}\n", Datum::Text(path.to_string_lossy().into_owned())),
             None => format!("{NEW}\n"),
         };
-        write_whole(&self.text, format!("{head}{}", document.text()).as_bytes())?;
-        self.kept = Some(document.revision());
+        write_whole(&self.text, format!("{head}{text}").as_bytes())?;
+        self.kept = Some(text);
         Ok(())
     }
 

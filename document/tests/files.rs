@@ -131,6 +131,20 @@ fn unsaved_work_is_kept_until_it_is_saved_or_given_up() {
     assert_eq!(fs::read_dir(folder.path().join("state")).unwrap().count(), 0, "nothing stays");
 }
 
+#[test]
+fn another_document_of_as_many_edits_is_kept_too() {
+    let folder = tempfile::tempdir().unwrap();
+    let recovery = Recovery::in_folder(folder.path().to_path_buf());
+    let mut documents = [Document::new(), Document::new()];
+    let mut keeper = recovery.keeper(&documents[0]).unwrap();
+    for (document, text) in documents.iter_mut().zip(["one", "other"]) {
+        document.edit(&title(text)).unwrap();
+        keeper.follow(document).unwrap();
+    }
+    drop(keeper);
+    assert_eq!(recovery.left_behind()[0].document().text(), documents[1].text());
+}
+
 /// Where the program that is to be killed keeps its work.
 const KILLED: &str = "VOLTET_TEST_KILLED";
 
