@@ -136,11 +136,9 @@ pub(crate) fn sheet(ctx: &Context, open: &mut bool) {
                     }
                     last = Some(command);
                 }
-                for (keys, words) in [("Ctrl+C, X, V", "copy, cut, paste nodes (as text of the file)")] {
-                    ui.label(RichText::new(keys).monospace());
-                    ui.label(words);
-                    ui.end_row();
-                }
+                ui.label(RichText::new("Ctrl+C, X, V").monospace());
+                ui.label("copy, cut, paste nodes (as text of the file)");
+                ui.end_row();
             });
             let ui = &mut columns[1];
             for (place, rows) in MOUSE {

@@ -112,8 +112,7 @@ impl PicturePanel {
             return;
         }
         let image = color_image(pixels);
-        // What is smaller than its place is shown as its pixels are where it is the full picture.
-        let options = if pixels.divisor == 1 { TextureOptions::LINEAR } else { TextureOptions::LINEAR };
+        let options = TextureOptions::LINEAR;
         match &mut self.texture {
             Some(texture) => texture.set(image, options),
             None => self.texture = Some(ui.ctx().load_texture("picture", image, options)),

@@ -39,8 +39,7 @@ impl Editor {
     fn draw(&mut self) {
         let Some(node) = self.shown_node.clone() else { return };
         let nodes = &self.document.pipeline().nodes;
-        let size =
-            self.camera().and_then(|camera| camera_size(camera)).map(|own| fitted(own, self.picture.room));
+        let size = self.camera().and_then(camera_size).map(|own| fitted(own, self.picture.room));
         let mut nodes = nodes.clone();
         if let Some((look, hidden)) = self.transfer.hidden() {
             leave_out(&mut nodes, look, hidden);

@@ -32,6 +32,9 @@ const FRAMES_TO_FIT: u32 = 3;
 /// How near to a port a pointer means it, points.
 const NEAR: f32 = 11.0;
 
+/// A drag of nodes: where they were, and how far it went.
+type Dragged = (Vec<(String, [f64; 2])>, Vec2);
+
 /// The view, with what a hand is doing in it.
 pub(crate) struct GraphView {
     /// Where the document's origin lies, points from the view's corner.
@@ -43,8 +46,7 @@ pub(crate) struct GraphView {
     ids: HashMap<String, NodeId>,
     ports: HashMap<AnyParameterId, Port>,
     places: Places,
-    /// A drag of nodes: where they were, and how far it went.
-    dragged: Option<(Vec<(String, [f64; 2])>, Vec2)>,
+    dragged: Option<Dragged>,
     wire: Option<InHand>,
     menu: Option<Menu>,
     /// The menu is to be opened at the pointer.

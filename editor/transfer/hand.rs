@@ -63,10 +63,9 @@ impl TransferPanel {
         let shift = ui.input(|input| input.modifiers.shift);
         let press = ui.input(|input| input.pointer.press_origin());
         let top = plane.shown[1][1];
-        if response.drag_started_by(PointerButton::Primary) && !shift {
-            if let Some(at) = press {
-                self.take(at, plane, look, top);
-            }
+        let begins = response.drag_started_by(PointerButton::Primary) && !shift;
+        if let Some(at) = press.filter(|_| begins) {
+            self.take(at, plane, look, top);
         }
         if response.clicked()
             && let Some(at) = response.interact_pointer_pos()

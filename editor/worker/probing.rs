@@ -65,11 +65,9 @@ impl Probing {
 
     /// Walks the rays.
     pub(super) fn walk(&self, values: &[Value], following: &Following) -> Result<Probed> {
-        let (mut volume, mut look, mut camera): (
-            Option<Arc<Volume>>,
-            Option<Arc<Look>>,
-            Option<Arc<Camera>>,
-        ) = (None, None, None);
+        let mut volume: Option<Arc<Volume>> = None;
+        let mut look: Option<Arc<Look>> = None;
+        let mut camera: Option<Arc<Camera>> = None;
         for value in values {
             match value {
                 Value::TransferFunction(of) => look = Some(of.clone()),
