@@ -18,15 +18,23 @@ pub(crate) struct Work {
     survey: Arc<Survey>,
 }
 
+/// A text that edits made, and the way to it.
+pub(crate) struct Worked {
+    pub delta: Delta,
+    pub text: Arc<str>,
+    pub syntax: Arc<Syntax>,
+    pub survey: Arc<Survey>,
+}
+
 impl Work {
     pub fn new(text: Arc<str>, syntax: Arc<Syntax>, survey: Arc<Survey>) -> Work {
         Work { draft: Draft::new(text, syntax), survey }
     }
 
     /// All changes, the text that they make, and what it states.
-    pub fn finish(self) -> Result<(Delta, Arc<str>, Arc<Syntax>, Arc<Survey>)> {
+    pub fn finish(self) -> Result<Worked> {
         let (delta, text, syntax) = self.draft.finish()?;
-        Ok((delta, text, syntax, self.survey))
+        Ok(Worked { delta, text, syntax, survey: self.survey })
     }
 
     /// Carries one out. `shown`: the places of the nodes in the view, which the file gets where it has none.

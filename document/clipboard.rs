@@ -74,7 +74,8 @@ impl Document {
                     let among =
                         names.iter().any(|name| name == links::source(text, &copies.pipeline().nodes).0);
                     let outside = here.contains(links::source(text, &self.pipeline().nodes).0);
-                    if !among && !(keep_feeding && outside) {
+                    let stays = among || (keep_feeding && outside);
+                    if !stays {
                         let (node, port) = (node.name.clone(), link.port.clone());
                         copies.edit(&Edit::Disconnect { node, port, source: Some(text.to_string()) })?;
                     }

@@ -1,6 +1,6 @@
 //! The document: a pipeline file with its history.
 
-use crate::carry_out::{Work, blank};
+use crate::carry_out::{Work, Worked, blank};
 use crate::delta::Delta;
 use crate::edit::Edit;
 use crate::history::{Gesture, History};
@@ -106,7 +106,7 @@ impl Document {
 
     /// Carries out several edits, one after the other, as one step. Errors: one cannot be done; then nothing has changed.
     pub fn edit_all(&mut self, label: String, edits: &[Edit], gesture: Option<Gesture>) -> Result<()> {
-        let (delta, text, syntax, survey) = self.worked(edits)?;
+        let Worked { delta, text, syntax, survey } = self.worked(edits)?;
         self.history.record(label, delta, gesture);
         for edit in edits {
             if let Edit::Rename { node, to } = edit
@@ -119,12 +119,12 @@ impl Document {
         Ok(())
     }
 
-    fn worked(&self, edits: &[Edit]) -> Result<(Delta, Arc<str>, Arc<Syntax>, Arc<Survey>)> {
+    fn worked(&self, edits: &[Edit]) -> Result<Worked> {
         if let Some(Edit::Text(new)) = edits.last() {
             let delta = Delta::between(&self.text, new);
             let text: Arc<str> = new.as_str().into();
-            let (syntax, survey) = (Syntax::read(&text), Pipeline::survey(&text));
-            return Ok((delta, text, Arc::new(syntax), Arc::new(survey)));
+            let (syntax, survey) = (Arc::new(Syntax::read(&text)), Arc::new(Pipeline::survey(&text)));
+            return Ok(Worked { delta, text, syntax, survey });
         }
         if !self.survey.is_toml {
             let fault = self.survey.faults.first().cloned();

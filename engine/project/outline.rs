@@ -66,7 +66,7 @@ impl Outline {
             (Some([_, most]), _) => Some(column < most.ceil()),
             (None, Some([top, bottom])) => {
                 let row = j as f64;
-                (top - NEAR..=bottom + NEAR).contains(&row).then(|| self.below == (bottom <= row))
+                (top - NEAR..=bottom + NEAR).contains(&row).then_some(self.below == (bottom <= row))
             }
             (None, None) => None,
         }
