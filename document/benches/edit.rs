@@ -1,5 +1,7 @@
 //! What an edit takes in a file of 200 nodes, part by part: `cargo bench -p voltet-document`.
 
+#![allow(clippy::unwrap_used, reason = "a timing of what failed is none")]
+
 use std::hint::black_box;
 use std::time::Instant;
 use voltet_core::graph::Datum;

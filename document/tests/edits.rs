@@ -1,5 +1,7 @@
 //! Single edits, in every way in which files are written.
 
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
 use voltet_core::graph::{Datum, Setting};
 use voltet_document::{Document, Edit};
 

@@ -1,5 +1,7 @@
 //! Files of documents: saved whole, changed by others, unsaved work that outlives its program.
 
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
 use std::fs;
 use std::io::{BufRead, BufReader};
 use std::process::{Command, Stdio};

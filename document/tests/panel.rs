@@ -1,5 +1,7 @@
 //! The rows of a panel, made from the declarations that ship.
 
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
 use voltet_core::graph::{Datum, Measure, Registry, Setting};
 use voltet_document::panel::{Control, Row, Scale, rounded, shown, typed};
 use voltet_document::{Document, Edit};
@@ -101,11 +103,10 @@ fn every_text_and_every_three_numbers_are_told_apart() {
         for row in Document::from_text(text, None).rows(&registry, "a") {
             let inner = row.rows.clone();
             for row in [row].into_iter().chain(inner) {
-                let is_plain = match row.control {
-                    Control::Text | Control::Texts => true,
-                    Control::Vector { count: Some(3), .. } => true,
-                    _ => false,
-                };
+                let is_plain = matches!(
+                    row.control,
+                    Control::Text | Control::Texts | Control::Vector { count: Some(3), .. }
+                );
                 if is_plain && !plain.contains(&row.parameter.name) {
                     plain.push(row.parameter.name);
                 }

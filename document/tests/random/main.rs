@@ -1,6 +1,8 @@
 //! Ten thousand random edits, each held against a model that knows no text, then undone to the first byte and done again to the
 //! last.
 
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
 mod draw;
 mod forms;
 mod lot;
