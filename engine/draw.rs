@@ -17,7 +17,7 @@ use voltet_core::optics::integrators::{self, Extent, SegmentIntegrator};
 use voltet_core::picture::Picture;
 use voltet_core::progress::{Progress, refuse_beyond_memory};
 use voltet_core::shading::{Integrator, Order, Shading};
-use voltet_core::transfer::TransferFunction;
+use voltet_core::transfer::{OpticalModel, TransferFunction, Widget};
 use voltet_core::{Error, Result};
 
 /// Cells prepared for the compositor: one projection for each sample of a pixel.
@@ -69,12 +69,22 @@ pub fn project(
     // Each sample of a pixel has a projection of its own.
     let bytes = bytes.saturating_mul(offsets.len() as u64);
     refuse_beyond_memory(progress, || format!("drawing {kept} cells"), bytes)?;
+    let densest = densest(transfer_function) * cells.length;
     let mut samples = Vec::with_capacity(offsets.len());
     for (k, &offset) in offsets.iter().enumerate() {
         progress.report("project", k as f64 / offsets.len() as f64);
-        samples.push(Sample::new(cells, camera, offset, &attributes, progress)?);
+        samples.push(Sample::new(cells, camera, offset, &attributes, densest, progress)?);
     }
     Ok(Projection { cells: cells.clone(), camera: *camera, samples })
+}
+
+/// The largest optical depth, or colour, that all widgets together give over a unit of length.
+fn densest(transfer_function: &TransferFunction) -> f64 {
+    let most = |widget: &Widget| match transfer_function.model {
+        OpticalModel::DensityEmitter => widget.peak() * widget.brightest().max(1.0),
+        OpticalModel::ConstantEmitter { .. } => widget.peak().max(widget.brightest()),
+    };
+    transfer_function.widgets.iter().map(most).sum::<f64>() / transfer_function.unit_distance
 }
 
 /// Gives the cells the order in which the compositor shall take a pixel's segments. The exact order is carried out

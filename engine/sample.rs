@@ -59,12 +59,13 @@ pub(crate) struct Frame<'a> {
 }
 
 impl Sample {
-    /// Projects the kept cells.
+    /// Projects the kept cells. `densest`: see [`Input::densest`].
     pub fn new(
         cells: &Cells,
         camera: &Camera,
         offset: [f64; 2],
         attributes: &[Attribute<'_>],
+        densest: f64,
         progress: &dyn Progress,
     ) -> Result<Sample> {
         let grid = &cells.volume.grid;
@@ -83,6 +84,7 @@ impl Sample {
             tetrahedra: &grid.tetrahedra,
             attributes,
             distance_origin,
+            densest,
             tiles_wide,
             tiles_high,
         };

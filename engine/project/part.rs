@@ -36,6 +36,8 @@ pub(crate) struct Input<'a> {
     pub attributes: &'a [Attribute<'a>],
     /// Depth that distances are counted from.
     pub distance_origin: f64,
+    /// The largest optical depth, or colour, that the widgets give together over a scene length.
+    pub densest: f64,
     pub tiles_wide: usize,
     pub tiles_high: usize,
 }
@@ -47,6 +49,13 @@ const DEPTH_RATIO: f64 = 4.0;
 /// Slivers whose attribute coefficients exceed this many times the cell's own range are drawn in 64 bits: of 24
 /// bits 12 would cancel, and a length or a value be off by 2e-4 of its range.
 const CONDITION: f64 = 4e3;
+
+/// A cell in whose depth range the densest place would be an optical depth beyond this is drawn in 64 bits if it is flatter than
+/// [`FLAT`]: the rounding of its faces, some 6e-8 of that range, is an optical depth of 2e-5 by itself.
+const DENSE: f64 = 300.0;
+
+/// See [`DENSE`]: the depth range over the thickest place; the rounding of the faces is 6e-5 of that.
+const FLAT: f64 = 1e3;
 
 /// Cells with a face that changes v by more than this over the pixels they cover are drawn in 64 bits: a face seen nearly edge
 /// on, whose terms cancel where a ray meets it. They leave 6e-8 times this of v.
@@ -203,7 +212,7 @@ fn project_group<L: Lanes>(input: &Input<'_>, group: &[u32], part: &mut Projecte
     );
     let mut front_bits = [0u32; 4];
     let mut planes = [[[0f32; MOST]; 3]; 4];
-    let mut ill = 0;
+    let (mut ill, mut areas) = (0, zero);
     for (k, normal) in [n0, n1, n2, n3].iter().enumerate() {
         // Inside, (normal · (p − corner)) has the sign of the determinant (opposite for face 0); a face is a
         // front face where a smaller v leads inside.
@@ -218,6 +227,7 @@ fn project_group<L: Lanes>(input: &Input<'_>, group: &[u32], part: &mut Projecte
         let mut bounded = largest.lt(splat(STEEP));
         // A projected area that the rounding of the pixel coordinates could have made is none: edge-on. Few cells come near.
         let area = normal[2].abs();
+        areas = areas + area;
         if area.le(area_noise).bits() & ordinary != 0 {
             let [reach_x, _, _] = extent_of_face(&x, k);
             let [reach_y, top, bottom] = extent_of_face(&y, k);
@@ -236,11 +246,18 @@ fn project_group<L: Lanes>(input: &Input<'_>, group: &[u32], part: &mut Projecte
         front_bits[k] = faces_eye.bits();
     }
 
+    // The thickest place of a flat cell measures the determinant over the area that it covers, half of the areas' sum.
+    let range = most(&v) - least(&v);
+    let dense = splat(DENSE).lt(range * depth * splat(input.densest)).bits();
+    if dense & ordinary != 0 {
+        ill |= dense & (splat(FLAT) * determinant.abs()).lt(range * areas * splat(0.5)).bits();
+    }
+
     // Attributes: (s − base)(1 + v) is affine in (x, y, v).
     let inverse = one / determinant;
     let sound = determinant.abs().lt(splat(f64::MAX));
     let mut stored = [[[0f32; MOST]; 6]; ATTRIBUTES_MOST];
-    let extent = [x1 - x0, y1 - y0, most(&v) - least(&v)];
+    let extent = [x1 - x0, y1 - y0, range];
     for (attribute, stored) in input.attributes.iter().zip(stored.iter_mut()) {
         let mut raw = [[0f64; MOST]; 4];
         for lane in 0..L::D::COUNT {

@@ -200,6 +200,18 @@ fn slivers_keep_their_digits() {
     }
 }
 
+/// The same where s hardly varies: its length is what is seen.
+#[test]
+fn flat_cells_keep_their_length() {
+    for thin in [1e-3, 3e-4, 1e-4, 4e-5, 1e-5, 1e-6] {
+        let middle = [0.04, -0.17, -3.02 + 2.0 * thin];
+        let corners = [[-1.0, -1.0, -3.0], [1.0, -0.9, -3.2], [0.1, 1.0, -2.9], middle];
+        let look = look(vec![uniform([0.0, 1.0], 1.0 / thin, [1.0, 0.2, 0.1])]);
+        let difference = off(one_cell(corners, [0.1, 0.11, 0.12, 0.1]), look, 40.0, 800);
+        assert!(difference < 2e-4, "off by {difference:e} at {thin:e}");
+    }
+}
+
 /// In a sliver all whose points but one have s = 0 nothing is met of what is dense where s is less than 0 by a millionth and more.
 #[test]
 fn values_lie_between_those_of_the_corners() {
