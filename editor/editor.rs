@@ -1,20 +1,17 @@
 //! The editor: a document, a worker, what is selected and shown; one function a frame, which knows no window.
 
-use crate::actions::{Actions, Command};
+use crate::actions::Command;
 use crate::files::{Disk, FileAsking, begun, free_path, is_pipeline};
 use crate::graph::GraphView;
 use crate::hand::Hand;
-use crate::keys;
-use crate::layout;
 use crate::parameters::ParameterPanel;
 use crate::picture::PicturePanel;
 use crate::recover::Recover;
 use crate::scene::{Scene, pictures};
 use crate::transfer::TransferPanel;
 use crate::view::View;
-use crate::wishes::Ground;
 use crate::worker::{Distribution, NodeState, Probed, Shown, Wanted, Worker};
-use eframe::egui::{Context, ViewportCommand};
+use eframe::egui::Context;
 use std::collections::BTreeSet;
 use std::path::Path;
 use std::sync::Arc;
@@ -25,6 +22,16 @@ use voltet_document::{Document, Gesture};
 
 /// Makes the text of a pipeline for a file that is none, such as data; the second path is where it would be saved.
 pub type Start = Arc<dyn Fn(&Path, &Path) -> Result<String> + Send + Sync>;
+
+/// What the wishes follow from: as long as it is the same, so are they.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Ground {
+    pub revision: u64,
+    pub shown: Option<String>,
+    pub room: [u32; 2],
+    pub hidden: Option<(String, BTreeSet<usize>)>,
+    pub selection: BTreeSet<String>,
+}
 
 /// All that a window shows.
 pub struct Editor {
@@ -125,29 +132,6 @@ impl Editor {
         self.ends
     }
 
-    /// Shows everything once and carries out what was asked for.
-    pub fn frame(&mut self, ctx: &Context) {
-        self.disk.look(&self.document);
-        self.take_made();
-        self.take_probed();
-        self.settle_on_nodes();
-        self.gesture = self.hand.gesture(ctx);
-        if ctx.input(|input| input.viewport().close_requested()) && !self.ends {
-            ctx.send_viewport_cmd(ViewportCommand::CancelClose);
-            self.command(ctx, Command::Quit);
-        }
-        let mut actions = Actions::default();
-        keys::read(ctx, &mut actions);
-        layout::show(self, ctx, &mut actions);
-        for action in actions.0 {
-            self.carry_out(ctx, action);
-        }
-        self.paste(ctx);
-        self.keep(ctx);
-        self.settle_on_nodes();
-        self.wish();
-    }
-
     /// The transfer function is what is worked on first.
     pub(crate) fn begin(&mut self) {
         let nodes = &self.document.pipeline().nodes;
@@ -156,7 +140,7 @@ impl Editor {
     }
 
     /// Drops from the selection what is gone, and finds a picture to show where there is none.
-    fn settle_on_nodes(&mut self) {
+    pub(crate) fn settle_on_nodes(&mut self) {
         let nodes = &self.document.pipeline().nodes;
         self.selection.retain(|name| nodes.iter().any(|node| node.name == *name));
         let pictures = pictures(&self.document, &self.registry);
@@ -258,7 +242,7 @@ impl Editor {
     }
 
     /// Takes over a pipeline that was made.
-    fn take_made(&mut self) {
+    pub(crate) fn take_made(&mut self) {
         let Some(made) = self.made.as_ref().and_then(|made| made.try_recv().ok()) else { return };
         self.made = None;
         match made {

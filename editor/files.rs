@@ -1,7 +1,6 @@
 //! Files: asking for one in the window, opening, saving.
 
 use crate::actions::{Action, Actions};
-use crate::editor::Editor;
 use eframe::egui::{Align2, Context, Key, ScrollArea, TextEdit, Ui, Window};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -156,8 +155,8 @@ impl FileAsking {
 }
 
 /// Shows what is asked for.
-pub(crate) fn show(editor: &mut Editor, ctx: &Context, actions: &mut Actions) {
-    let Some(mut asking) = editor.asking.take() else { return };
+pub(crate) fn show(wanted: &mut Option<FileAsking>, ctx: &Context, actions: &mut Actions) {
+    let Some(mut asking) = wanted.take() else { return };
     let title = if asking.asked == Asked::Open { "Open a pipeline or data" } else { "Save as" };
     let mut open = true;
     let mut chosen = None;
@@ -172,7 +171,7 @@ pub(crate) fn show(editor: &mut Editor, ctx: &Context, actions: &mut Actions) {
             Asked::SaveAs => Action::SaveAs(path),
             Asked::Open => Action::Open(path),
         }),
-        None if open && !ctx.input(|input| input.key_pressed(Key::Escape)) => editor.asking = Some(asking),
+        None if open && !ctx.input(|input| input.key_pressed(Key::Escape)) => *wanted = Some(asking),
         None => {}
     }
 }
@@ -195,40 +194,4 @@ pub(crate) fn begun(text: String, at: &Path) -> Result<Document> {
     let mut document = Document::from_text(String::new(), Some(at.to_path_buf()));
     document.edit(&Edit::Text(text))?;
     Ok(document)
-}
-
-impl Editor {
-    /// Saves the document in its own file, or asks for one; and asks where another program wrote it meanwhile.
-    pub(crate) fn save(&mut self) {
-        let Some(path) = self.document.path().map(Path::to_path_buf) else {
-            self.asking = Some(FileAsking::new(Asked::SaveAs, None));
-            return;
-        };
-        if self.document.changed_on_disk() {
-            self.disk.is_changed = true;
-            return;
-        }
-        self.save_as(&path);
-    }
-
-    /// What another program wrote is taken over, or written over.
-    pub(crate) fn settle_with_disk(&mut self, takes_over: bool) {
-        let outcome = if takes_over { self.document.reload() } else { self.document.save_over() };
-        self.disk = Disk::default();
-        if let Err(error) = outcome {
-            self.complain(&error);
-        }
-    }
-
-    pub(crate) fn save_as(&mut self, path: &Path) {
-        let mut path = path.to_path_buf();
-        if path.extension().is_none() {
-            path.set_extension("toml");
-        }
-        let outcome = self.document.save_as(&path);
-        match outcome {
-            Ok(()) => self.message = Some((format!("saved: {}", path.display()), false)),
-            Err(error) => self.complain(&error),
-        }
-    }
 }

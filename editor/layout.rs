@@ -56,7 +56,7 @@ pub(crate) fn show(editor: &mut Editor, ctx: &Context, actions: &mut Actions) {
     (editor.graph, editor.picture, editor.parameters, editor.transfer) = (graph, panel, parameters, transfer);
     editor.costs = open;
     keys::sheet(ctx, &mut editor.help);
-    files::show(editor, ctx, actions);
+    files::show(&mut editor.asking, ctx, actions);
     unsaved(editor, ctx);
     editor.offer_left_behind(ctx);
 }

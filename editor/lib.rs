@@ -4,9 +4,9 @@
 //! | --- | --- |
 //! | [`worker`] | draws the picture at a node, on a thread of its own |
 //! | [`view`] | movements of the camera |
-//! | `editor`, `layout`, `scene` | one frame: what is shown where, and what the parts of the window look at |
+//! | `editor`, `frame`, `layout`, `scene` | one frame: what is shown where, and what the parts of the window look at |
 //! | `actions`, `carry_out`, `hand`, `keys` | what a hand asks for, what is done then, and which edits are one step |
-//! | `recover` | unsaved work outlives a crash |
+//! | `saving`, `recover`, `keeping` | saving; unsaved work outlives a crash |
 //! | `wishes` | what the worker is asked for |
 //! | `graph` | nodes and wires, by `egui_node_graph2` behind a small interface |
 //! | `picture`, `parameters`, `costs`, `files` | the picture, the panel of the selected node, times and errors, asking for files |
@@ -21,13 +21,16 @@ mod clipboard;
 mod costs;
 mod editor;
 mod files;
+mod frame;
 mod graph;
 mod hand;
+mod keeping;
 mod keys;
 mod layout;
 mod parameters;
 mod picture;
 mod recover;
+mod saving;
 mod scene;
 mod theme;
 mod transfer;

@@ -1,21 +1,11 @@
 //! What the worker is asked for, and what becomes of its answers.
 
-use crate::editor::{Editor, camera_size};
+use crate::editor::{Editor, Ground, camera_size};
 use crate::transfer;
 use crate::view::View;
 use crate::worker::{Distribution, Probing, Wanted, short};
 use std::collections::BTreeSet;
 use voltet_core::graph::{Datum, NodeEntry};
-
-/// What the wishes follow from: as long as it is the same, so are they.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Ground {
-    revision: u64,
-    shown: Option<String>,
-    room: [u32; 2],
-    hidden: Option<(String, BTreeSet<usize>)>,
-    selection: BTreeSet<String>,
-}
 
 impl Editor {
     /// Asks the worker for what is wanted now and was not before.

@@ -2,26 +2,15 @@
 
 use super::menu::Menu;
 use super::places::Port;
+use super::wires::InHand;
 use super::{GraphView, NEAR};
 use crate::actions::{Action, Actions};
 use crate::scene::Scene;
 use crate::theme;
-use eframe::egui::{self, Pos2, Rect, RichText, Ui};
+use eframe::egui::{self, Rect, RichText, Ui};
 use egui_node_graph2::AnyParameterId;
-use voltet_core::graph::PortType;
 use voltet_core::{Error, Result};
 use voltet_document::{Edit, links};
-
-/// A wire in the hand.
-#[derive(Debug, Clone)]
-pub(super) struct InHand {
-    /// The node that it is held by.
-    pub node: String,
-    pub port: Port,
-    /// The input that it was taken off from, and its source as the file says it.
-    pub taken_off: Option<(String, String, String)>,
-    pub from: Pos2,
-}
 
 impl GraphView {
     /// A wire begins. One that is drawn from a fed input is taken off from it.
@@ -201,18 +190,4 @@ fn whole(scene: &Scene, text: &str, nodes: &[voltet_core::graph::NodeEntry]) -> 
         Some(scene.node_type(entry)?.outputs.first()?.name)
     };
     format!("{name}.{}", output.or_else(first).unwrap_or_default())
-}
-
-/// Whether a node type has a port that a wire of this port fits.
-pub(super) fn fitting(held: &Port, node: &voltet_core::graph::Node) -> Option<(String, PortType, bool)> {
-    let of =
-        |port: &voltet_core::graph::Port, optional: bool| (port.name.to_string(), port.port_type, optional);
-    if held.is_input {
-        let port = node.outputs.iter().find(|port| port.port_type.serves(held.port_type))?;
-        return Some(of(port, false));
-    }
-    let exact = node.inputs.iter().find(|port| port.port_type == held.port_type);
-    let port = exact.or_else(|| node.inputs.iter().find(|port| held.port_type.serves(port.port_type)));
-    let optional = || node.optional_inputs.iter().find(|port| held.port_type.serves(port.port_type));
-    port.map(|port| of(port, false)).or_else(|| optional().map(|port| of(port, true)))
 }

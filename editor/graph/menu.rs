@@ -1,6 +1,5 @@
 //! The menu of node types: searchable, in groups, and by a wire dropped on empty space only what fits.
 
-use super::joining::fitting;
 use super::places::Port;
 use crate::actions::Actions;
 use crate::scene::Scene;
@@ -184,4 +183,18 @@ fn group(node: &Node) -> &'static str {
     } else {
         "figures"
     }
+}
+
+/// Whether a node type has a port that a wire of this port fits.
+fn fitting(held: &Port, node: &Node) -> Option<(String, PortType, bool)> {
+    let of =
+        |port: &voltet_core::graph::Port, optional: bool| (port.name.to_string(), port.port_type, optional);
+    if held.is_input {
+        let port = node.outputs.iter().find(|port| port.port_type.serves(held.port_type))?;
+        return Some(of(port, false));
+    }
+    let exact = node.inputs.iter().find(|port| port.port_type == held.port_type);
+    let port = exact.or_else(|| node.inputs.iter().find(|port| held.port_type.serves(port.port_type)));
+    let optional = || node.optional_inputs.iter().find(|port| held.port_type.serves(port.port_type));
+    port.map(|port| of(port, false)).or_else(|| optional().map(|port| of(port, true)))
 }

@@ -17,11 +17,11 @@ use crate::scene::Scene;
 use crate::theme;
 use eframe::egui::{self, PointerButton, Pos2, Rect, Rounding, Stroke, TextureHandle, Ui, Vec2, vec2};
 use egui_node_graph2::{AnyParameterId, NodeId};
-use joining::InHand;
 use menu::Menu;
 use package::{NoTemplates, State, Written};
 use places::{Places, Port};
 use std::collections::{BTreeSet, HashMap};
+use wires::InHand;
 
 /// Least and largest scale: beyond, text cannot be read or nothing else is seen.
 const ZOOM: [f32; 2] = [0.25, 2.0];

@@ -1,13 +1,23 @@
 //! Wires: curves from outputs to inputs, in the colour of what runs through them.
 
-use super::joining::InHand;
-use super::places::Places;
+use super::places::{Places, Port};
 use crate::scene::Scene;
 use crate::theme;
 use eframe::egui::epaint::CubicBezierShape;
 use eframe::egui::layers::ShapeIdx;
 use eframe::egui::{Color32, Pos2, Shape, Stroke, Ui, vec2};
 use voltet_document::links;
+
+/// A wire in the hand.
+#[derive(Debug, Clone)]
+pub(super) struct InHand {
+    /// The node that it is held by.
+    pub node: String,
+    pub port: Port,
+    /// The input that it was taken off from, and its source as the file says it.
+    pub taken_off: Option<(String, String, String)>,
+    pub from: Pos2,
+}
 
 /// Draws them where `at` was kept free, behind the nodes.
 pub(super) fn draw(

@@ -4,6 +4,7 @@ mod draw;
 mod form;
 mod hand;
 mod head;
+mod look;
 mod moved;
 mod plane;
 mod sets;
@@ -11,16 +12,15 @@ mod sets;
 use crate::actions::Actions;
 use crate::scene::Scene;
 use crate::theme;
-use crate::worker::{Probed, short, upstream};
+use crate::worker::{short, upstream};
 use eframe::egui::{self, Align2, FontId, Rect, Sense, Ui, pos2, vec2};
 use form::Drawn;
+use look::Look;
 use moved::{Change, Handle};
 use plane::{Counts, Plane};
 use sets::Sets;
 use std::collections::BTreeSet;
-use std::sync::Arc;
 use voltet_core::graph::{NodeEntry, PortType, Setting};
-use voltet_core::probing::Histogram;
 use voltet_document::{Edit, Path};
 
 /// Room for the numbers of the axes: left, below.
@@ -49,18 +49,6 @@ struct Drag {
     widget: Drawn,
     handle: Option<Handle>,
     from: [f64; 2],
-}
-
-/// What is edited.
-struct Look<'a> {
-    node: &'a NodeEntry,
-    list: &'a [Setting],
-    widgets: Vec<Drawn>,
-    histogram: Option<Arc<Histogram>>,
-    extent: [f64; 2],
-    /// The extinction at the top of the plot, for curves.
-    peak: f64,
-    probed: Option<Arc<Probed>>,
 }
 
 /// The transfer function that is edited: the selected one, else the first that feeds the picture.

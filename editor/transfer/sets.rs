@@ -1,6 +1,6 @@
 //! Sets of widgets that digits recall and, with Ctrl, store; kept as long as the window.
 
-use super::Look;
+use super::look::Look;
 use crate::actions::{Action, Actions};
 use eframe::egui::{Key, Modifiers, Ui};
 use voltet_core::graph::{Datum, Setting};

@@ -1,6 +1,6 @@
 //! Follows a run for what is shown of it.
 
-use super::{Shared, lock};
+use super::shared::{Shared, lock};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 use voltet_core::graph::Observer;

@@ -12,6 +12,7 @@ mod look_on;
 mod pixels;
 mod probing;
 mod request;
+mod shared;
 mod states;
 #[cfg(test)]
 mod tests;
@@ -21,14 +22,16 @@ pub use pixels::Pixels;
 pub use probing::{Probed, Probing};
 pub use request::{Distribution, Wanted};
 pub(crate) use request::{size_of, upstream};
+pub use shared::Wake;
 pub use states::{NodeState, NodeStatus, Shown};
 
 use coarse::Pace;
 use following::Following;
 use look_on::Values;
+use shared::{Shared, lock};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 use voltet_core::error::ErrorKind;
@@ -38,32 +41,10 @@ use voltet_core::{Error, Result};
 /// How long a coarse picture that is no longer wanted may still take.
 const PATIENCE: Duration = Duration::from_millis(200);
 
-/// Wakes whoever shows what the worker did; called from the worker's thread.
-pub type Wake = Box<dyn Fn() + Send + Sync>;
-
 /// The handle of the thread; dropped, it stops what runs and waits for its end.
 pub struct Worker {
     shared: Arc<Shared>,
     thread: Option<JoinHandle<()>>,
-}
-
-/// What both threads see.
-struct Shared {
-    wanted: Mutex<Queue>,
-    changed: Condvar,
-    /// The number of the newest request for a picture.
-    newest: AtomicU64,
-    shown: Mutex<Shown>,
-    wake: Wake,
-}
-
-#[derive(Default)]
-struct Queue {
-    picture: Option<Wanted>,
-    distribution: Option<Distribution>,
-    probing: Option<Probing>,
-    estimate: Option<(u64, Wanted)>,
-    ends: bool,
 }
 
 impl Worker {
@@ -130,18 +111,6 @@ impl Drop for Worker {
             // A panic of the thread was shown when it happened.
             let _ = thread.join();
         }
-    }
-}
-
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-impl Shared {
-    /// Changes what is shown, and has it shown.
-    fn show(&self, change: impl FnOnce(&mut Shown)) {
-        change(&mut lock(&self.shown));
-        (self.wake)();
     }
 }
 

@@ -1,6 +1,5 @@
 //! What lies on rays of the picture: the values there, weighted by what they add to it.
 
-use super::following::Following;
 use super::look_on::{PROBES, entry};
 use super::request::feeding;
 use glam::DVec3;
@@ -10,6 +9,7 @@ use voltet_core::camera::Camera;
 use voltet_core::graph::{Graph, Look, NodeEntry, Registry, Value, diagonal};
 use voltet_core::optics::Overlap;
 use voltet_core::optics::integrators::Integrator;
+use voltet_core::progress::Progress;
 use voltet_core::reference::Tracer;
 use voltet_core::scene::Scene;
 use voltet_core::shading::{Order, Shading};
@@ -64,7 +64,7 @@ impl Probing {
     }
 
     /// Walks the rays.
-    pub(super) fn walk(&self, values: &[Value], following: &Following) -> Result<Probed> {
+    pub(super) fn walk(&self, values: &[Value], progress: &dyn Progress) -> Result<Probed> {
         let mut volume: Option<Arc<Volume>> = None;
         let mut look: Option<Arc<Look>> = None;
         let mut camera: Option<Arc<Camera>> = None;
@@ -98,7 +98,7 @@ impl Probing {
         let mut probed = Probed { key: self.key, ..Probed::default() };
         let (mut seen_most, [width, height]) = (0.0, camera.size.map(f64::from));
         for place in &self.places {
-            if voltet_core::progress::Progress::cancelled(following) {
+            if progress.cancelled() {
                 return Err(Error::cancelled());
             }
             let ray = tracer.ray(0.5 * width + place[0] * height, (0.5 - place[1]) * height);

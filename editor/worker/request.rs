@@ -1,11 +1,11 @@
 //! What is asked of the worker: nodes as a document states them, and which of their outputs is looked at.
 
-use super::following::Following;
 use super::look_on::{ASKS_FOR_G, NAME, entry};
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 use voltet_core::graph::{Datum, Graph, Node, NodeEntry, Registry, Setting};
 use voltet_core::probing::{Axis, Histogram, histogram};
+use voltet_core::progress::Progress;
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
 
@@ -123,21 +123,21 @@ impl Unlisted for NodeEntry {
 
 /// The distribution over (s, g), exact within every cell; of s alone where there is no gradient. Along g it reaches as far as
 /// nearly all of the volume does: a few slivers have gradients of many times that.
-pub(super) fn histogram_of(volume: &Volume, following: &Following) -> Result<Histogram> {
+pub(super) fn histogram_of(volume: &Volume, progress: &dyn Progress) -> Result<Histogram> {
     let s = &volume.scalar;
     let flat = || vec![0.0; s.len()];
     let g = volume.gradient_magnitude.clone().map_or_else(flat, |g| g.to_vec());
     let of_s = Axis::over(s, BINS);
     let whole = Axis::over(&g, 16 * BINS);
     let whole = Axis { low: whole.low.min(0.0), ..whole };
-    let coarse = histogram(&volume.grid, [s, &g], [Axis { bins: 1, ..of_s }, whole], following)?;
+    let coarse = histogram(&volume.grid, [s, &g], [Axis { bins: 1, ..of_s }, whole], progress)?;
     let (all, mut below) = (coarse.volumes.iter().sum::<f64>(), 0.0);
     let last = coarse.volumes.iter().position(|volume| {
         below += volume;
         below >= (1.0 - STEEPEST) * all
     });
     let high = last.map_or(whole.high, |row| whole.edge(row + 1));
-    histogram(&volume.grid, [s, &g], [of_s, Axis { high, bins: BINS, ..whole }], following)
+    histogram(&volume.grid, [s, &g], [of_s, Axis { high, bins: BINS, ..whole }], progress)
 }
 
 /// The outputs of a node, each with the port of its type at the node that looks on.

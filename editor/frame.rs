@@ -1,0 +1,31 @@
+//! One frame: what happened meanwhile, what the hand asks for, what is shown, what is asked of the worker.
+
+use crate::actions::{Actions, Command};
+use crate::editor::Editor;
+use crate::{keys, layout};
+use eframe::egui::{Context, ViewportCommand};
+
+impl Editor {
+    /// Shows everything once and carries out what was asked for.
+    pub fn frame(&mut self, ctx: &Context) {
+        self.disk.look(&self.document);
+        self.take_made();
+        self.take_probed();
+        self.settle_on_nodes();
+        self.gesture = self.hand.gesture(ctx);
+        if ctx.input(|input| input.viewport().close_requested()) && !self.ends {
+            ctx.send_viewport_cmd(ViewportCommand::CancelClose);
+            self.command(ctx, Command::Quit);
+        }
+        let mut actions = Actions::default();
+        keys::read(ctx, &mut actions);
+        layout::show(self, ctx, &mut actions);
+        for action in actions.0 {
+            self.carry_out(ctx, action);
+        }
+        self.paste(ctx);
+        self.keep(ctx);
+        self.settle_on_nodes();
+        self.wish();
+    }
+}

@@ -1,0 +1,41 @@
+//! What the window's thread and the worker's both see.
+
+use super::probing::Probing;
+use super::request::{Distribution, Wanted};
+use super::states::Shown;
+use std::sync::atomic::AtomicU64;
+use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
+
+/// Wakes whoever shows what the worker did; called from the worker's thread.
+pub type Wake = Box<dyn Fn() + Send + Sync>;
+
+/// What both threads see.
+pub(super) struct Shared {
+    pub wanted: Mutex<Queue>,
+    pub changed: Condvar,
+    /// The number of the newest request for a picture.
+    pub newest: AtomicU64,
+    pub shown: Mutex<Shown>,
+    pub wake: Wake,
+}
+
+#[derive(Default)]
+pub(super) struct Queue {
+    pub picture: Option<Wanted>,
+    pub distribution: Option<Distribution>,
+    pub probing: Option<Probing>,
+    pub estimate: Option<(u64, Wanted)>,
+    pub ends: bool,
+}
+
+pub(super) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Shared {
+    /// Changes what is shown, and has it shown.
+    pub fn show(&self, change: impl FnOnce(&mut Shown)) {
+        change(&mut lock(&self.shown));
+        (self.wake)();
+    }
+}
