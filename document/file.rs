@@ -57,8 +57,8 @@ impl Document {
         self.save()
     }
 
-    /// Writes the text to a file, which is the document's from now on. Relative paths in it are not changed: they are of its
-    /// folder.
+    /// Writes the text to a file, which is the document's from now on. Relative paths in it are of its folder: see
+    /// [`Document::following_to`].
     pub fn save_as(&mut self, path: &Path) -> Result<()> {
         write_whole(path, self.text.as_bytes())?;
         self.stamp = stamp(path);

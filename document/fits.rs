@@ -114,9 +114,13 @@ pub fn search(registry: &Registry, text: &str) -> Vec<&'static Node> {
     found.into_iter().map(|(_, node)| node).collect()
 }
 
-/// The node types that an output of this type can be wired to, each with the first input that takes it.
+/// The node types that an output of this type can be wired to, each with the input that takes it: one of the very type before
+/// others, one that must be fed before one that may be.
 pub fn taking(registry: &Registry, output: PortType) -> Vec<Fitting> {
-    let port = |node: &'static Node| node.all_inputs().find(|port| output.serves(port.port_type));
+    let exact = |node: &'static Node| node.inputs.iter().find(|port| port.port_type == output);
+    let port = |node: &'static Node| {
+        exact(node).or_else(|| node.all_inputs().find(|port| output.serves(port.port_type)))
+    };
     registry.iter().filter_map(|node| Some(Fitting { node, port: port(node)? })).collect()
 }
 
@@ -140,6 +144,32 @@ impl Document {
     pub fn node_type(&self, registry: &Registry, node: &str) -> Option<&'static Node> {
         let entry = self.pipeline().nodes.iter().find(|entry| entry.name == node)?;
         registry.find(entry.node_type.text()?).ok()
+    }
+
+    /// The edit that adds a node of a type at a place of the graph view, named after its type.
+    pub fn adding(&self, node: &Node, at: [f64; 2]) -> Edit {
+        let name = self.free_name(&node.name.replace('-', "_"));
+        Edit::AddNode { name, node_type: node.name.to_string(), settings: Vec::new(), at: Some(at) }
+    }
+
+    /// The same, and the edit that joins the new node by its port to a port (node, port) of the document; `is_input` says
+    /// whether that one is an input. Errors: as of [`Document::join`].
+    pub fn adding_joined(
+        &self,
+        registry: &Registry,
+        fitting: Fitting,
+        at: [f64; 2],
+        held: (&str, &str),
+        is_input: bool,
+    ) -> Result<[Edit; 2]> {
+        let add = self.adding(fitting.node, at);
+        let name = self.free_name(&fitting.node.name.replace('-', "_"));
+        let mut with_it = self.clone();
+        with_it.edit(&add)?;
+        let own = (name.as_str(), fitting.port.name);
+        let (from, to) = if is_input { (own, held) } else { (held, own) };
+        let join = with_it.join(registry, from, to)?;
+        Ok([add, join.edit])
     }
 
     /// Whether an output can be wired to an input, and how. Errors say in words why not: the wrong type, a circle, or joined

@@ -7,7 +7,7 @@
 //! | file | what |
 //! | --- | --- |
 //! | [`document`](Document) | the text, what it states, its history |
-//! | `file`, [`recovery`](Recovery) | opening, saving whole, changes by others; work that outlives a crash |
+//! | `file`, `moved`, [`recovery`](Recovery) | opening, saving whole, changes by others, another folder; work that outlives a crash |
 //! | [`edit`](Edit), `carry_out` | what can be done, as changes of the text |
 //! | `text` | a TOML text changed where asked, whatever forms it is written in |
 //! | [`delta`](Delta), [`history`](History) | how one text becomes another, and steps of it |
@@ -28,6 +28,7 @@ mod file;
 mod fits;
 mod history;
 pub mod links;
+mod moved;
 pub mod panel;
 mod path;
 mod recovery;

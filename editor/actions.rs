@@ -1,5 +1,6 @@
 //! What the parts of the window ask for; carried out after all of them were shown, so that each sees the same document.
 
+use crate::asking::Asked;
 use crate::view::View;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -30,6 +31,17 @@ pub enum Action {
     Open(PathBuf),
     /// The document is saved in this file.
     SaveAs(PathBuf),
+    /// A file is asked for; where to begin.
+    Ask(Asked, Option<PathBuf>),
+    /// A parameter names this file.
+    Name {
+        /// The node.
+        node: String,
+        /// What leads to the parameter.
+        path: voltet_document::Path,
+        /// The file.
+        file: PathBuf,
+    },
 }
 
 /// What a key or a menu says.

@@ -1,10 +1,11 @@
 //! Carries out what the parts of the window ask for.
 
 use crate::actions::{Action, Command};
+use crate::asking::{Asked, FileAsking};
 use crate::editor::{Editor, camera_size};
 use crate::files::Disk;
-use crate::files::{Asked, FileAsking};
 use crate::graph::GraphView;
+use crate::parameters::ParameterPanel;
 use crate::transfer::TransferPanel;
 use crate::view::View;
 use eframe::egui::{Context, ThemePreference};
@@ -13,6 +14,7 @@ use std::collections::BTreeSet;
 use voltet_core::Error;
 use voltet_core::graph::Datum;
 use voltet_document::{Document, Edit};
+use voltet_nodes::files::beside;
 
 impl Editor {
     pub(crate) fn carry_out(&mut self, ctx: &Context, action: Action) {
@@ -33,6 +35,12 @@ impl Editor {
             Action::Say(text) => self.message = Some((text, false)),
             Action::Open(path) => self.open_any(ctx, &path),
             Action::SaveAs(path) => self.save_as(&path),
+            Action::Ask(asked, at) => self.asking = Some(FileAsking::new(asked, at.as_deref())),
+            Action::Name { node, path, file } => {
+                let text = beside(&file, &self.document.folder()).to_string_lossy().into_owned();
+                let edit = Edit::Set { node, path, value: Datum::Text(text) };
+                self.edit(edit.label(), &[edit]);
+            }
         }
     }
 
@@ -180,6 +188,9 @@ impl Editor {
         self.disk = Disk::default();
         self.shown_node = None;
         (self.asked, self.ground) = (None, None);
+        // Revisions count from the beginning of each document.
+        self.faults = (None, Vec::new());
+        self.parameters = ParameterPanel::default();
         self.message = None;
         self.graph = GraphView::default();
         self.transfer = TransferPanel::default();

@@ -1,7 +1,8 @@
 //! The editor: a document, a worker, what is selected and shown; one function a frame, which knows no window.
 
 use crate::actions::Command;
-use crate::files::{Disk, FileAsking, begun, free_path, is_pipeline};
+use crate::asking::FileAsking;
+use crate::files::{Disk, begun, free_path, is_pipeline};
 use crate::graph::GraphView;
 use crate::hand::Hand;
 use crate::parameters::ParameterPanel;
@@ -155,62 +156,35 @@ impl Editor {
     /// What the parts of the window look at.
     pub(crate) fn scene(&self) -> Scene<'_> {
         let camera = self.camera();
-        let of_worker = self.worker.shown(|shown| {
+        let key = self.distribution.as_ref().map(|asked| asked.key);
+        self.worker.shown(|shown| {
             let engine = shown.report.as_ref().and_then(|report| report.engine.as_ref());
-            let key = self.distribution.as_ref().map(|asked| asked.key);
-            let found =
-                shown.distribution.as_ref().filter(|(of, _)| Some(*of) == key).map(|(_, found)| found);
-            (
-                shown.pixels.clone().filter(|_| self.shown_node.is_some()),
-                shown.nodes.clone(),
-                shown.values.clone(),
-                shown.failure.clone(),
-                running(shown),
-                shown.pixels.as_ref().and_then(|p| shown.seconds[usize::from(p.divisor != 1)]),
-                engine.map(|engine| engine.0.clone()),
-                found.and_then(|found| found.as_ref().ok().cloned()),
-                found.and_then(|found| found.as_ref().err().map(Error::to_string)),
-                shown.looks.clone(),
-                shown.report.clone(),
-                shown.estimate.clone().filter(|(key, _)| *key == self.last_estimate).map(|(_, found)| found),
-            )
-        });
-        let (
-            pixels,
-            nodes,
-            values,
-            failure,
-            running,
-            seconds,
-            engine,
-            distribution,
-            distribution_fault,
-            looks,
-            report,
-            estimate,
-        ) = of_worker;
-        Scene {
-            document: &self.document,
-            registry: &self.registry,
-            selection: &self.selection,
-            shown_node: self.shown_node.as_deref(),
-            view: camera.and_then(View::of),
-            picture_size: camera.and_then(camera_size),
-            pixels,
-            nodes,
-            values,
-            failure,
-            running,
-            seconds,
-            engine,
-            distribution,
-            distribution_fault,
-            looks,
-            probed: self.probed.clone(),
-            report,
-            estimate: estimate.map(|found| found.map_err(|error| error.to_string())),
-            faults: &self.faults.1,
-        }
+            let found = shown.distribution.as_ref().filter(|(of, _)| Some(*of) == key);
+            let found = found.map(|(_, found)| found);
+            let estimate = shown.estimate.as_ref().filter(|(key, _)| *key == self.last_estimate);
+            Scene {
+                document: &self.document,
+                registry: &self.registry,
+                selection: &self.selection,
+                shown_node: self.shown_node.as_deref(),
+                view: camera.and_then(View::of),
+                picture_size: camera.and_then(camera_size),
+                pixels: shown.pixels.clone().filter(|_| self.shown_node.is_some()),
+                nodes: shown.nodes.clone(),
+                values: shown.values.clone(),
+                failure: shown.failure.clone(),
+                running: running(shown),
+                seconds: shown.pixels.as_ref().and_then(|p| shown.seconds[usize::from(p.divisor != 1)]),
+                engine: engine.map(|engine| engine.0.clone()),
+                distribution: found.and_then(|found| found.as_ref().ok().cloned()),
+                distribution_fault: found.and_then(|found| found.as_ref().err().map(Error::to_string)),
+                looks: shown.looks.clone(),
+                probed: self.probed.clone(),
+                report: shown.report.clone(),
+                estimate: estimate.map(|(_, found)| found.clone().map_err(|error| error.to_string())),
+                faults: &self.faults.1,
+            }
+        })
     }
 
     /// Opens a pipeline file, or makes a pipeline for another file, on a thread of its own.

@@ -18,13 +18,15 @@ impl Editor {
     /// Keeps the work as it is now; true where there is more to keep a little later.
     pub(crate) fn keep(&mut self, ctx: &Context) {
         let Some(place) = &self.recover.place else { return };
-        if self.document.is_saved() && self.recover.keeper.is_none() {
+        if self.document.is_saved() {
+            // What is saved is not offered again, however the window ends.
+            if let (Some(_), Some(keeper)) = (self.recover.kept.take(), &mut self.recover.keeper) {
+                let _ = keeper.give_up();
+            }
             return;
         }
         if let Some(kept) = self.recover.kept.filter(|kept| kept.elapsed() < BETWEEN) {
-            if !self.document.is_saved() {
-                ctx.request_repaint_after(BETWEEN - kept.elapsed().min(BETWEEN));
-            }
+            ctx.request_repaint_after(BETWEEN - kept.elapsed().min(BETWEEN));
             return;
         }
         if self.recover.keeper.is_none() {

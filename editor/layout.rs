@@ -1,9 +1,9 @@
 //! Where the parts of the window stand.
 
 use crate::actions::{Actions, Command};
+use crate::asking;
 use crate::costs;
 use crate::editor::Editor;
-use crate::files;
 use crate::keys;
 use crate::picture;
 use crate::scene::Scene;
@@ -56,7 +56,7 @@ pub(crate) fn show(editor: &mut Editor, ctx: &Context, actions: &mut Actions) {
     (editor.graph, editor.picture, editor.parameters, editor.transfer) = (graph, panel, parameters, transfer);
     editor.costs = open;
     keys::sheet(ctx, &mut editor.help);
-    files::show(&mut editor.asking, ctx, actions);
+    asking::show(&mut editor.asking, ctx, actions);
     unsaved(editor, ctx);
     editor.offer_left_behind(ctx);
 }

@@ -9,11 +9,13 @@
 //! | `saving`, `recover`, `keeping` | saving; unsaved work outlives a crash |
 //! | `wishes` | what the worker is asked for |
 //! | `graph` | nodes and wires, by `egui_node_graph2` behind a small interface |
-//! | `picture`, `parameters`, `costs`, `files` | the picture, the panel of the selected node, times and errors, asking for files |
+//! | `picture`, `parameters`, `costs` | the picture, the panel of the selected node, times and errors |
+//! | `files`, `asking` | what the names of files say; asking for one |
 //! | `transfer` | the transfer function over the histogram of s and g |
 //! | `window` | eframe's window around it |
 
 mod actions;
+mod asking;
 #[cfg(test)]
 mod by_hand;
 mod carry_out;

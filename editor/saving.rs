@@ -1,8 +1,10 @@
 //! The document into its file, and what another program wrote there.
 
+use crate::asking::{Asked, FileAsking};
 use crate::editor::Editor;
-use crate::files::{Asked, Disk, FileAsking};
+use crate::files::Disk;
 use std::path::Path;
+use voltet_nodes::files::{folder, refuse_unwritable};
 
 impl Editor {
     /// Saves the document in its own file, or asks for one; and asks where another program wrote it meanwhile.
@@ -32,9 +34,21 @@ impl Editor {
         if path.extension().is_none() {
             path.set_extension("toml");
         }
-        let outcome = self.document.save_as(&path);
-        match outcome {
-            Ok(()) => self.message = Some((format!("saved: {}", path.display()), false)),
+        if let Err(error) = refuse_unwritable(&path) {
+            self.complain(&error);
+            return;
+        }
+        let follow = self.document.following_to(&self.registry, folder(&path));
+        let paths = match follow.len() {
+            0 => String::new(),
+            1 => "; a path in it leads to the same file from there".into(),
+            count => format!("; {count} paths in it lead to the same files from there"),
+        };
+        if !follow.is_empty() {
+            self.edit("paths that lead from the new folder".into(), &follow);
+        }
+        match self.document.save_as(&path) {
+            Ok(()) => self.message = Some((format!("saved: {}{paths}", path.display()), false)),
             Err(error) => self.complain(&error),
         }
     }

@@ -6,6 +6,7 @@ use crate::view::View;
 use crate::worker::{Distribution, Probing, Wanted, short};
 use std::collections::BTreeSet;
 use voltet_core::graph::{Datum, NodeEntry};
+use voltet_document::links::{self, upstream};
 
 impl Editor {
     /// Asks the worker for what is wanted now and was not before.
@@ -66,8 +67,8 @@ impl Editor {
         };
         let Some(source) = source else { return };
         let all = &self.document.pipeline().nodes;
-        let (name, _) = voltet_document::links::source(&source, all);
-        let feeding = crate::worker::upstream(all, name);
+        let (name, _) = links::source(&source, all);
+        let feeding = upstream(all, name);
         let nodes: Vec<NodeEntry> = all.iter().filter(|node| feeding.contains(&node.name)).cloned().collect();
         let folder = self.document.folder();
         let same =
@@ -131,7 +132,7 @@ impl Editor {
     /// The camera node that the shown picture is seen from.
     pub(crate) fn camera(&self) -> Option<&NodeEntry> {
         let nodes = &self.document.pipeline().nodes;
-        let feeding = crate::worker::upstream(nodes, self.shown_node.as_deref()?);
+        let feeding = upstream(nodes, self.shown_node.as_deref()?);
         nodes.iter().find(|node| node.node_type.text() == Some("camera") && feeding.contains(&node.name))
     }
 }

@@ -10,7 +10,7 @@ mod waiting;
 mod write;
 
 pub use hash::Fnv;
-pub use meant::{Meant, STANDARD_OUTPUT, Use, collision, folder, is_standard_output};
+pub use meant::{Meant, STANDARD_OUTPUT, Use, beside, collision, folder, is_standard_output};
 pub use temporary::end_now;
 pub use waiting::is_waiting;
 pub use write::{refuse_unwritable, standard_output, unwritable_output, write_whole};

@@ -101,6 +101,20 @@ pub fn folder(path: &Path) -> &Path {
     }
 }
 
+/// How a file in `folder` names the file at `path`, which need not be there yet: by a relative path where both lie in a folder
+/// other than the root, else by the whole path; as it is where its folder is not there.
+pub fn beside(path: &Path, folder: &Path) -> PathBuf {
+    let own = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let there = std::fs::canonicalize(path).unwrap_or_else(|_| without_links(path));
+    let Ok(own) = std::fs::canonicalize(own) else { return path.to_path_buf() };
+    let shared = there.components().zip(own.components()).take_while(|(a, b)| a == b);
+    let has_home = shared.into_iter().any(|(part, _)| matches!(part, std::path::Component::Normal(_)));
+    match voltet_core::graph::way(&own, &there).filter(|_| has_home) {
+        Some(way) => PathBuf::from(way),
+        None => there,
+    }
+}
+
 #[cfg(all(test, unix))]
 mod tests {
     use super::*;
@@ -147,6 +161,22 @@ mod tests {
         assert!(collides(Path::new("-"), Path::new("-")));
         assert!(!collides(Path::new("/dev/null"), Path::new("/dev/null")));
         assert!(!collides(Path::new("-"), &at("-")));
+    }
+
+    #[test]
+    fn a_file_is_named_from_a_folder() {
+        let whole = tempfile::tempdir().unwrap();
+        let home = whole.path().canonicalize().unwrap();
+        fs::create_dir_all(home.join("a/b")).unwrap();
+        fs::write(home.join("a/data.vtu"), "").unwrap();
+        let named = |path: &str, folder: &str| beside(&home.join(path), &home.join(folder));
+        assert_eq!(named("a/data.vtu", "a"), Path::new("data.vtu"));
+        assert_eq!(named("a/data.vtu", "a/b"), Path::new("../data.vtu"));
+        assert_eq!(named("a/b/../data.vtu", "."), Path::new("a/data.vtu"));
+        assert_eq!(named("a/not_yet.png", "a/b"), Path::new("../not_yet.png"));
+        // Nothing but the root is shared.
+        assert_eq!(beside(Path::new("/dev/null"), &home), Path::new("/dev/null"));
+        assert_eq!(beside(Path::new("/dev/null"), Path::new("/no/such/folder")), Path::new("/dev/null"));
     }
 
     #[test]

@@ -26,45 +26,7 @@ trap finish EXIT
 export DISPLAY=$display
 sleep 1
 
-cat >"$work/scene.toml" <<'TOML'
-# The wavelet, in one colour.
-[pipeline]
-format = 1
-
-[nodes.grid]
-type = "wavelet"
-resolution = [16, 16, 16] # coarse
-
-[nodes.gradient]
-type = "gradient-magnitude"
-inputs = { grid = "grid" }
-
-[nodes.look]
-type = "transfer-function"
-
-[[nodes.look.widgets]]
-kind = "gaussian"
-color = [1.0, 0.5, 0.15]
-extinction = 4.0
-centre = [150.0, 20.0]
-sigma = [60.0, 40.0]
-
-[nodes.view]
-type = "camera"
-eye = [-28.0, -38.0, 24.0]
-target = [0.0, 0.0, 0.0]
-size = [320, 240]
-
-[nodes.picture]
-type = "renderer"
-engine = "cpu"
-inputs = { volume = "gradient", transfer_function = "look", camera = "view" }
-
-[nodes.file]
-type = "image-writer"
-path = "picture.png"
-inputs = { image = "picture" }
-TOML
+cp editor/by_hand/scene.toml "$work/scene.toml"
 cp "$work/scene.toml" "$work/before.toml"
 
 fail() { echo "FAILED: $*"; shot failed; exit 1; }

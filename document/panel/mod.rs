@@ -1,9 +1,11 @@
 //! The parameters of a node as rows of a panel: what each is, what holds now, how it is to be changed. Made from the
 //! declarations alone.
 
+mod begin;
 mod control;
 mod typed;
 
+pub use begin::begun;
 pub use control::{Control, Relative, Scale};
 pub use typed::{rounded, shown, typed};
 
@@ -45,6 +47,27 @@ impl Row {
     /// The value that holds: stated, else the standard one.
     pub fn value(&self) -> Option<&Datum> {
         self.stated.as_ref().or(self.standard.as_ref())
+    }
+
+    /// Whether the value is given relative to data: texts in place of numbers.
+    pub fn is_relative(&self) -> bool {
+        fn has_text(datum: &Datum) -> bool {
+            match datum {
+                Datum::Text(_) => true,
+                Datum::List(list) => list.iter().any(|part| has_text(&part.datum)),
+                Datum::Boolean(_) | Datum::Integer(_) | Datum::Number(_) | Datum::Table(_) => false,
+            }
+        }
+        match &self.control {
+            Control::Number { word, relative: Some(_), .. } => match self.value() {
+                Some(Datum::Text(text)) => Some(text.as_str()) != *word,
+                _ => false,
+            },
+            Control::Vector { relative: Some(_), .. } | Control::Rows { relative: Some(_), .. } => {
+                self.value().is_some_and(has_text)
+            }
+            _ => false,
+        }
     }
 
     /// Whether the file must state it, and does not.

@@ -186,3 +186,28 @@ fn work_outlives_a_program_that_is_killed() {
     left.into_iter().for_each(|one| one.give_up().unwrap());
     assert!(recovery.left_behind().is_empty());
 }
+
+#[test]
+fn saved_in_another_folder_a_document_means_the_same_data() {
+    let registry = voltet_nodes::registry().unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    fs::create_dir_all(at("one/data")).unwrap();
+    fs::create_dir_all(at("two")).unwrap();
+    for name in ["one/data/a.vtu", "one/look.png"] {
+        fs::write(at(name), "").unwrap();
+    }
+    let text = "[pipeline]\nformat = 1\n[nodes.grid]\ntype = \"reader\"\npath = \"data/a.vtu\" # here\n\
+                [nodes.gone]\ntype = \"reader\"\npath = \"gone.vtu\"\n\
+                [nodes.look]\ntype = \"transfer-function\"\n[[nodes.look.widgets]]\nkind = \"table\"\nimage = \"look.png\"\n\
+                [nodes.file]\ntype = \"image-writer\"\npath = \"picture.png\"\n";
+    fs::write(at("one/a.toml"), text).unwrap();
+    let mut document = Document::open(&at("one/a.toml")).unwrap();
+    assert!(document.following_to(&registry, &at("one/data/..")).is_empty());
+    let edits = document.following_to(&registry, &at("two"));
+    document.edit_all("follow".into(), &edits, None).unwrap();
+    let wanted = text
+        .replace("\"data/a.vtu\" # here", "\"../one/data/a.vtu\" # here")
+        .replace("\"look.png\"", "\"../one/look.png\"");
+    assert_eq!(document.text(), wanted, "the picture is written beside the file");
+}

@@ -1,57 +1,24 @@
 //! The window's logic, driven by raw input events without a display.
 
+mod files;
 mod graph;
+mod parameters;
 mod picture;
+mod recovery;
 mod session;
 mod transfer;
 
 use crate::editor::Editor;
-use eframe::egui::{Context, Event, Key, Modifiers, PointerButton, Pos2, RawInput, Rect, pos2, vec2};
+use eframe::egui::epaint::ClippedShape;
+use eframe::egui::{Context, Event, Key, Modifiers, PointerButton, Pos2, RawInput, Rect, Shape, pos2, vec2};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 use voltet_core::Error;
 use voltet_document::Document;
 
-/// A pipeline with a comment, drawn in one node.
-const TEXT: &str = "# A picture of nothing much.
-[pipeline]
-format = 1
-
-[nodes.grid]
-type = \"wavelet\"
-resolution = [8, 8, 8] # coarse
-
-[nodes.gradient]
-type = \"gradient-magnitude\"
-inputs = { grid = \"grid\" }
-
-[nodes.look]
-type = \"transfer-function\"
-
-[[nodes.look.widgets]]
-kind = \"gaussian\"
-color = [1.0, 0.5, 0.15]
-extinction = 4.0
-centre = [150.0, 20.0]
-sigma = [60.0, 40.0]
-
-[nodes.view]
-type = \"camera\"
-eye = [-28.0, -38.0, 24.0]
-target = [0.0, 0.0, 0.0]
-size = [160, 120]
-
-[nodes.picture]
-type = \"renderer\"
-engine = \"cpu\"
-inputs = { volume = \"gradient\", transfer_function = \"look\", camera = \"view\" }
-
-[nodes.file]
-type = \"image-writer\"
-path = \"picture.png\"
-inputs = { image = \"picture\" }
-";
+/// A pipeline with comments, drawn in one node.
+const TEXT: &str = include_str!("scene.toml");
 
 /// A person before a window that is not there.
 struct Hand {
@@ -59,6 +26,8 @@ struct Hand {
     editor: Editor,
     at: Pos2,
     time: f64,
+    /// What the last frame shows.
+    shapes: Vec<ClippedShape>,
     folder: tempfile::TempDir,
 }
 
@@ -73,7 +42,7 @@ impl Hand {
         let editor = Editor::new(document, &registry, start, Box::new(|| {})).unwrap();
         let ctx = Context::default();
         crate::theme::apply(&ctx);
-        let mut hand = Hand { ctx, editor, at: pos2(5.0, 400.0), time: 0.0, folder };
+        let mut hand = Hand { ctx, editor, at: pos2(5.0, 400.0), time: 0.0, shapes: Vec::new(), folder };
         hand.settle();
         hand
     }
@@ -89,7 +58,30 @@ impl Hand {
             ..RawInput::default()
         };
         let editor = &mut self.editor;
-        let _ = self.ctx.run(input, |ctx| editor.frame(ctx));
+        self.shapes = self.ctx.run(input, |ctx| editor.frame(ctx)).shapes;
+    }
+
+    /// Where a text stands in the window: buttons, labels, titles.
+    fn texts(&self, text: &str) -> Vec<Pos2> {
+        fn of(shape: &Shape, text: &str, found: &mut Vec<Pos2>) {
+            match shape {
+                Shape::Vec(shapes) => shapes.iter().for_each(|shape| of(shape, text, found)),
+                Shape::Text(shape) if shape.galley.text() == text => {
+                    found.push(shape.visual_bounding_rect().center());
+                }
+                _ => {}
+            }
+        }
+        let mut found = Vec::new();
+        self.shapes.iter().for_each(|clipped| of(&clipped.shape, text, &mut found));
+        found
+    }
+
+    /// Clicks at a text.
+    fn click_on(&mut self, text: &str) {
+        let at = self.texts(text).first().copied().unwrap_or_else(|| panic!("'{text}' is not in the window"));
+        self.click(at);
+        self.frames(2);
     }
 
     fn frames(&mut self, count: usize) {

@@ -15,7 +15,7 @@ fn a_drag_orbits_the_camera_in_the_file_and_is_one_step() {
     assert_ne!(before, after);
     assert!((length(&after) / length(&before) - 1.0).abs() < 1e-5, "the distance is kept");
     assert_eq!(hand.steps(), 1);
-    assert!(hand.text().contains("# A picture of nothing much.") && hand.text().contains("# coarse"));
+    assert!(hand.text().contains("# The wavelet, in one colour") && hand.text().contains("# coarse"));
     hand.key(Key::Z, Modifiers::COMMAND);
     assert_eq!(hand.text(), TEXT);
     assert!(hand.editor.document().is_saved());

@@ -1,15 +1,18 @@
 //! The menu of node types: searchable, in groups, and by a wire dropped on empty space only what fits.
 
 use super::places::Port;
-use crate::actions::Actions;
+use crate::actions::{Action, Actions};
 use crate::scene::Scene;
 use crate::theme;
 use eframe::egui::{Area, Frame, Key, Order, Pos2, Rect, RichText, ScrollArea, TextEdit, Ui, vec2};
-use voltet_core::graph::{Node, PortType};
-use voltet_document::Edit;
+use voltet_core::graph::Node;
+use voltet_document::{Fitting, Group, giving, search, taking};
 
 /// Width and greatest height, points.
 const SIZE: [f32; 2] = [300.0, 360.0];
+
+/// A type, and the port of it that the wire in hand would go to.
+type Entry = (&'static Node, Option<Fitting>);
 
 /// The menu while it is open.
 pub(super) struct Menu {
@@ -41,7 +44,7 @@ impl Menu {
         let dark = ui.visuals().dark_mode;
         let corner =
             self.at.min(rect.max - vec2(SIZE[0] + 20.0, SIZE[1].min(rect.height() - 20.0))).max(rect.min);
-        let mut taken: Option<&'static Node> = None;
+        let mut taken: Option<Entry> = None;
         let (up, down, enter, escape) = ui.input_mut(|input| {
             let mut pressed = |key| input.consume_key(eframe::egui::Modifiers::NONE, key);
             (pressed(Key::ArrowUp), pressed(Key::ArrowDown), pressed(Key::Enter), pressed(Key::Escape))
@@ -69,16 +72,16 @@ impl Menu {
                 let height = (SIZE[1] - 60.0).min(rect.height() - 80.0).max(80.0);
                 ScrollArea::vertical().max_height(height).show(ui, |ui| {
                     ui.set_width(SIZE[0]);
-                    let mut group = "";
-                    for (i, (of, node)) in entries.iter().enumerate() {
-                        if *of != group {
-                            ui.label(RichText::new(*of).small().color(theme::weak(dark)));
-                            group = of;
+                    let (mut group, by_group) = (None, self.typed.trim().is_empty());
+                    for (i, entry) in entries.iter().enumerate() {
+                        let (node, of) = (entry.0, Group::of(entry.0));
+                        if by_group && group.replace(of) != Some(of) {
+                            ui.label(RichText::new(of.name()).small().color(theme::weak(dark)));
                         }
                         let row = ui.selectable_label(i == self.chosen, format!("  {}", node.name));
                         let row = row.on_hover_text(node.summary);
                         if row.clicked() {
-                            taken = Some(node);
+                            taken = Some(*entry);
                         }
                         if i == self.chosen && (up || down) {
                             row.scroll_to_me(None);
@@ -88,16 +91,16 @@ impl Menu {
                         ui.label("nothing of that name fits");
                     }
                 });
-                let chosen = entries.get(self.chosen).map_or("", |(_, node)| node.summary);
+                let chosen = entries.get(self.chosen).map_or("", |(node, _)| node.summary);
                 ui.separator();
                 ui.label(RichText::new(chosen).small());
             });
         });
         if enter {
-            taken = entries.get(self.chosen).map(|(_, node)| *node);
+            taken = entries.get(self.chosen).copied();
         }
-        if let Some(node) = taken {
-            self.add(scene, node, at, actions);
+        if let Some(entry) = taken {
+            self.add(scene, entry, at, actions);
             return false;
         }
         let clicked = ui.input(|input| input.pointer.any_pressed());
@@ -106,95 +109,40 @@ impl Menu {
         !(escape || (clicked && !over))
     }
 
-    /// The types that fit, those of one group together.
-    fn entries(&self, scene: &Scene) -> Vec<(&'static str, &'static Node)> {
-        let typed = self.typed.to_lowercase();
-        let words: Vec<&str> = typed.split_whitespace().collect();
-        let matches = |node: &&'static Node| {
-            let text = format!("{} {}", node.name, node.summary).to_lowercase();
-            words.iter().all(|word| text.contains(word))
-        };
-        let fits = |node: &&'static Node| self.wire.as_ref().is_none_or(|wire| fitting(wire, node).is_some());
-        let mut entries: Vec<(&'static str, &'static Node)> =
-            scene.registry.iter().filter(matches).filter(fits).map(|node| (group(node), node)).collect();
-        // A name that was typed comes before a sentence that has the word.
-        entries.sort_by_key(|(group, node)| {
-            let by_name = !typed.is_empty() && node.name.contains(typed.trim());
-            (!by_name, ORDER.iter().position(|of| of == group))
+    /// The types that fit, the best of the words that were typed first; without words those of one group together. With the
+    /// port that a wire would go to.
+    fn entries(&self, scene: &Scene) -> Vec<Entry> {
+        let fitting = self.wire.as_ref().map(|wire| match wire.is_input {
+            true => giving(scene.registry, wire.port_type),
+            false => taking(scene.registry, wire.port_type),
         });
+        let with_port = |node: &'static Node| match &fitting {
+            None => Some((node, None)),
+            Some(fitting) => {
+                let fitting = fitting.iter().find(|fitting| fitting.node.name == node.name)?;
+                Some((node, Some(*fitting)))
+            }
+        };
+        let found = search(scene.registry, &self.typed);
+        let mut entries: Vec<Entry> = found.into_iter().filter_map(with_port).collect();
+        if self.typed.trim().is_empty() {
+            entries.sort_by_key(|(node, _)| Group::ALL.iter().position(|of| *of == Group::of(node)));
+        }
         entries
     }
 
-    fn add(&self, scene: &Scene, node: &'static Node, at: [f64; 2], actions: &mut Actions) {
-        let name = scene.document.free_name(&node.name.replace('-', "_"));
-        let mut edits = vec![Edit::AddNode {
-            name: name.clone(),
-            node_type: node.name.to_string(),
-            settings: Vec::new(),
-            at: Some(at),
-        }];
-        if let Some(wire) = &self.wire
-            && let Some((port, port_type, is_optional)) = fitting(wire, node)
-        {
-            let own =
-                Port { node: name.clone(), name: port, port_type, is_input: !wire.is_input, is_optional };
-            if wire.is_input {
-                let source =
-                    if node.outputs.len() == 1 { name.clone() } else { format!("{name}.{}", own.name) };
-                edits.push(Edit::Connect {
-                    node: wire.node.clone(),
-                    port: wire.name.clone(),
-                    source,
-                    beside: wire.is_optional,
-                });
-            } else {
-                let given = scene.entry(&wire.node).and_then(|entry| scene.node_type(entry));
-                let source = match given.map_or(1, |node| node.outputs.len()) {
-                    1 => wire.node.clone(),
-                    _ => format!("{}.{}", wire.node, wire.name),
-                };
-                edits.push(Edit::Connect { node: name.clone(), port: own.name, source, beside: is_optional });
+    fn add(&self, scene: &Scene, (node, fitting): Entry, at: [f64; 2], actions: &mut Actions) {
+        let edits = match (&self.wire, fitting) {
+            (Some(wire), Some(fitting)) => {
+                let held = (wire.node.as_str(), wire.name.as_str());
+                let edits = scene.document.adding_joined(scene.registry, fitting, at, held, wire.is_input);
+                edits.map(|edits| edits.to_vec())
             }
+            _ => Ok(vec![scene.document.adding(node, at)]),
+        };
+        match edits {
+            Ok(edits) => actions.edits(edits[0].label(), edits),
+            Err(error) => actions.push(Action::Say(error.to_string())),
         }
-        actions.edits(format!("add '{name}'"), edits);
     }
-}
-
-/// The groups in their order.
-const ORDER: [&str; 6] =
-    ["data", "looks and cameras", "drawing in one node", "drawing, stage by stage", "figures", "files"];
-
-/// What a node type belongs to, by what it takes and gives.
-fn group(node: &Node) -> &'static str {
-    let gives = |wanted: &[PortType]| node.outputs.iter().any(|port| wanted.contains(&port.port_type));
-    let takes = |wanted: PortType| node.inputs.iter().any(|port| port.port_type == wanted);
-    if node.outputs.is_empty() {
-        "files"
-    } else if gives(&[PortType::TransferFunction, PortType::Camera]) {
-        "looks and cameras"
-    } else if gives(&[PortType::Image]) && takes(PortType::Volume) && takes(PortType::Camera) {
-        "drawing in one node"
-    } else if gives(&[PortType::Cells, PortType::Projection])
-        || (gives(&[PortType::Image]) && takes(PortType::Projection))
-    {
-        "drawing, stage by stage"
-    } else if gives(&[PortType::Grid, PortType::Volume]) {
-        "data"
-    } else {
-        "figures"
-    }
-}
-
-/// Whether a node type has a port that a wire of this port fits.
-fn fitting(held: &Port, node: &Node) -> Option<(String, PortType, bool)> {
-    let of =
-        |port: &voltet_core::graph::Port, optional: bool| (port.name.to_string(), port.port_type, optional);
-    if held.is_input {
-        let port = node.outputs.iter().find(|port| port.port_type.serves(held.port_type))?;
-        return Some(of(port, false));
-    }
-    let exact = node.inputs.iter().find(|port| port.port_type == held.port_type);
-    let port = exact.or_else(|| node.inputs.iter().find(|port| held.port_type.serves(port.port_type)));
-    let optional = || node.optional_inputs.iter().find(|port| held.port_type.serves(port.port_type));
-    port.map(|port| of(port, false)).or_else(|| optional().map(|port| of(port, true)))
 }

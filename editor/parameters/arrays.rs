@@ -1,13 +1,13 @@
 //! The arrays that the data really has, with their ranges: found on a thread of its own, once a file.
 
 use crate::scene::Scene;
-use crate::worker::{short, upstream};
+use crate::worker::short;
 use eframe::egui::Context;
 use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
-use voltet_core::graph::Parameter;
 use voltet_core::progress::Silent;
+use voltet_document::links::upstream;
 use voltet_nodes::formats::{self, Association, Request};
 
 /// An array that may be chosen.
@@ -26,11 +26,6 @@ type Known = Arc<Mutex<HashMap<PathBuf, Arc<Vec<Choice>>>>>;
 pub(super) struct Arrays {
     known: Known,
     asked: Vec<PathBuf>,
-}
-
-/// Whether a parameter of type text names an array.
-pub(super) fn names_array(parameter: &Parameter) -> bool {
-    ["scalar", "array", "field", "magnitude"].contains(&parameter.name)
 }
 
 impl Arrays {

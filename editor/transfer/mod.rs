@@ -12,7 +12,7 @@ mod sets;
 use crate::actions::Actions;
 use crate::scene::Scene;
 use crate::theme;
-use crate::worker::{short, upstream};
+use crate::worker::short;
 use eframe::egui::{self, Align2, FontId, Rect, Sense, Ui, pos2, vec2};
 use form::Drawn;
 use look::Look;
@@ -21,6 +21,7 @@ use plane::{Counts, Plane};
 use sets::Sets;
 use std::collections::BTreeSet;
 use voltet_core::graph::{NodeEntry, PortType, Setting};
+use voltet_document::links::upstream;
 use voltet_document::{Edit, Path};
 
 /// Room for the numbers of the axes: left, below.

@@ -20,8 +20,8 @@ mod tests;
 pub use look_on::short;
 pub use pixels::Pixels;
 pub use probing::{Probed, Probing};
+pub(crate) use request::size_of;
 pub use request::{Distribution, Wanted};
-pub(crate) use request::{size_of, upstream};
 pub use shared::Wake;
 pub use states::{NodeState, NodeStatus, Shown};
 

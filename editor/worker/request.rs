@@ -8,6 +8,7 @@ use voltet_core::probing::{Axis, Histogram, histogram};
 use voltet_core::progress::Progress;
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
+use voltet_document::links::upstream;
 
 /// The node type that says where a picture is seen from, and its parameters that coarse pictures change.
 const CAMERA: &str = "camera";
@@ -184,31 +185,4 @@ pub(super) fn feeding(nodes: &[NodeEntry], name: &str) -> Result<Vec<NodeEntry>>
     }
     let names = upstream(nodes, name);
     Ok(nodes.iter().filter(|node| names.contains(&node.name)).cloned().collect())
-}
-
-/// The names of the nodes that feed one, and its own. Wires that lead nowhere are passed over.
-pub(crate) fn upstream(nodes: &[NodeEntry], name: &str) -> BTreeSet<String> {
-    let mut found = BTreeSet::from([name.to_string()]);
-    let mut open = vec![name.to_string()];
-    while let Some(name) = open.pop() {
-        for entry in nodes.iter().filter(|node| node.name == name) {
-            for source in entry.inputs.iter().flat_map(|link| sources(&link.source)) {
-                let whole = nodes.iter().any(|node| node.name == source);
-                let node =
-                    if whole { source } else { source.rsplit_once('.').map_or(source, |(node, _)| node) };
-                if found.insert(node.to_string()) {
-                    open.push(node.to_string());
-                }
-            }
-        }
-    }
-    found
-}
-
-/// What feeds an input, as written.
-fn sources(source: &Setting) -> Vec<&str> {
-    match source.list() {
-        Some(list) => list.iter().filter_map(Setting::text).collect(),
-        None => source.text().into_iter().collect(),
-    }
 }

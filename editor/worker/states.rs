@@ -3,7 +3,7 @@
 use super::look_on::{NAME, Values};
 use super::pixels::Pixels;
 use super::probing::Probed;
-use super::request::{Wanted, upstream};
+use super::request::Wanted;
 use glam::DVec3;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -11,6 +11,7 @@ use voltet_core::error::ErrorKind;
 use voltet_core::graph::{Look, RunReport};
 use voltet_core::probing::Histogram;
 use voltet_core::{Error, Result};
+use voltet_document::links::upstream;
 
 /// How a node stands.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,50 +1,32 @@
 use super::*;
 use std::path::PathBuf;
+use std::sync::LazyLock;
 use std::sync::atomic::AtomicUsize;
 use voltet_core::graph::{Datum, Node, NodeEntry, Observer, Outputs, Port, PortType, Setting};
 use voltet_core::picture::Picture;
 use voltet_core::pipeline::Pipeline;
 
-/// The wavelet, drawn stage by stage.
-const TEXT: &str = r#"
-[pipeline]
-format = 1
-[nodes.grid]
-type = "wavelet"
-resolution = [12, 12, 12]
-[nodes.gradient]
-type = "gradient-magnitude"
-inputs = { grid = "grid" }
-[nodes.look]
-type = "transfer-function"
-[[nodes.look.widgets]]
-kind = "gaussian"
-color = [1.0, 0.5, 0.15]
-extinction = 4.0
-centre = [150.0, 20.0]
-sigma = [60.0, 40.0]
-[nodes.view]
-type = "camera"
-eye = [-28.0, -38.0, 24.0]
-target = [0.0, 0.0, 0.0]
-size = [160, 120]
-[nodes.cells]
-type = "cull"
-inputs = { volume = "gradient", transfer_function = "look", camera = "view" }
+/// The scene of the tests by hand, drawn stage by stage.
+static TEXT: LazyLock<String> = LazyLock::new(|| {
+    let scene = include_str!("../by_hand/scene.toml");
+    let (before, after) = scene.split_once("[nodes.picture]").unwrap();
+    let (_, after) = after.split_once("[nodes.file]").unwrap();
+    format!(
+        "{before}[nodes.cells]
+type = \"cull\"
+inputs = {{ volume = \"gradient\", transfer_function = \"look\", camera = \"view\" }}
 [nodes.order]
-type = "sort"
-inputs = { cells = "cells", camera = "view" }
+type = \"sort\"
+inputs = {{ cells = \"cells\", camera = \"view\" }}
 [nodes.cover]
-type = "project"
-inputs = { cells = "order", camera = "view" }
+type = \"project\"
+inputs = {{ cells = \"order\", camera = \"view\" }}
 [nodes.picture]
-type = "composite"
-inputs = { projection = "cover", transfer_function = "look" }
-[nodes.file]
-type = "image-writer"
-path = "picture.png"
-inputs = { image = "picture" }
-"#;
+type = \"composite\"
+inputs = {{ projection = \"cover\", transfer_function = \"look\" }}
+[nodes.file]{after}"
+    )
+});
 
 fn nodes(text: &str) -> Vec<NodeEntry> {
     Pipeline::parse(text).unwrap().nodes
@@ -93,13 +75,13 @@ fn ran(worker: &Worker) -> Vec<String> {
 fn the_picture_is_that_of_a_run_bit_for_bit_and_nothing_is_written() {
     let folder = tempfile::tempdir().unwrap();
     let worker = worker();
-    let number = worker.draw(Wanted { coarse_first: true, ..wanted(nodes(TEXT), folder.path()) });
+    let number = worker.draw(Wanted { coarse_first: true, ..wanted(nodes(&TEXT), folder.path()) });
     settle(&worker);
     let drawn = worker.shown(|shown| shown.pixels.clone().unwrap());
     assert_eq!((drawn.divisor, drawn.number, drawn.size()), (1, number, [160, 120]));
     assert!(!folder.path().join("picture.png").exists());
     let registry = voltet_nodes::registry().unwrap();
-    let graph = Pipeline::parse(TEXT).unwrap().graph(&registry, folder.path().to_path_buf()).unwrap();
+    let graph = Pipeline::parse(&TEXT).unwrap().graph(&registry, folder.path().to_path_buf()).unwrap();
     let report = voltet_nodes::session().run(&graph, &Unobserved).unwrap();
     assert_eq!(report.pictures.last().unwrap().1, drawn.picture);
     assert!(folder.path().join("picture.png").exists(), "a run writes");
@@ -108,7 +90,7 @@ fn the_picture_is_that_of_a_run_bit_for_bit_and_nothing_is_written() {
 #[test]
 fn of_a_moved_widget_the_drawing_alone_is_made_again() {
     let worker = worker();
-    let mut nodes = nodes(TEXT);
+    let mut nodes = nodes(&TEXT);
     worker.draw(wanted(nodes.clone(), &PathBuf::new()));
     settle(&worker);
     assert!(ran(&worker).iter().any(|name| name == "gradient"));
@@ -124,7 +106,7 @@ fn of_a_moved_widget_the_drawing_alone_is_made_again() {
 #[test]
 fn of_what_follows_from_a_change_alone_is_said_that_it_is_stale() {
     let mut shown = Shown::default();
-    let mut nodes = nodes(TEXT);
+    let mut nodes = nodes(&TEXT);
     shown.begin(1, &wanted(nodes.clone(), &PathBuf::new()));
     let names: Vec<String> = shown.nodes.keys().cloned().collect();
     names.iter().for_each(|name| shown.done(name, 0.5));
@@ -142,7 +124,7 @@ fn of_what_follows_from_a_change_alone_is_said_that_it_is_stale() {
 #[test]
 fn nodes_that_do_not_feed_the_picture_may_be_broken() {
     let worker = worker();
-    let text = format!("{TEXT}\n[nodes.broken]\ntype = \"no-such\"\n[nodes.other]\ntype = \"renderer\"\n");
+    let text = format!("{}\n[nodes.broken]\ntype = \"no-such\"\n[nodes.other]\ntype = \"renderer\"\n", *TEXT);
     worker.draw(wanted(nodes(&text), &PathBuf::new()));
     settle(&worker);
     worker.shown(|shown| {
@@ -156,7 +138,7 @@ fn nodes_that_do_not_feed_the_picture_may_be_broken() {
 #[test]
 fn an_error_stands_at_its_node_and_the_next_picture_comes() {
     let worker = worker();
-    let mut broken = nodes(TEXT);
+    let mut broken = nodes(&TEXT);
     set(&mut broken, "grid", &["resolution"], Datum::Text("large".into()));
     worker.draw(wanted(broken, &PathBuf::new()));
     settle(&worker);
@@ -165,7 +147,7 @@ fn an_error_stands_at_its_node_and_the_next_picture_comes() {
         assert_eq!(error.place.node.as_deref(), Some("grid"));
         assert!(matches!(shown.nodes["grid"].state, NodeState::Failed(_)));
     });
-    worker.draw(wanted(nodes(TEXT), &PathBuf::new()));
+    worker.draw(wanted(nodes(&TEXT), &PathBuf::new()));
     settle(&worker);
     assert!(worker.shown(|shown| shown.failure.is_none() && shown.pixels.is_some()));
 }
@@ -230,7 +212,7 @@ fn a_panic_is_the_error_of_its_node() {
         assert_eq!(error.place.node.as_deref(), Some("picture"));
         assert!(error.to_string().contains("index out of bounds"), "{error}");
     });
-    worker.draw(wanted(nodes(TEXT), &PathBuf::new()));
+    worker.draw(wanted(nodes(&TEXT), &PathBuf::new()));
     settle(&worker);
     assert!(worker.shown(|shown| shown.pixels.is_some()));
 }
@@ -270,7 +252,7 @@ fn dropping_the_worker_stops_what_runs() {
 fn the_distribution_comes_late_and_leaves_the_picture_as_it_is() {
     let worker = worker();
     // Of s alone: nobody but the distribution asks for a gradient.
-    let mut one_dimensional = nodes(TEXT);
+    let mut one_dimensional = nodes(&TEXT);
     let sigma = Datum::List([60.0, f64::INFINITY].map(|x| Setting::from(Datum::Number(x))).to_vec());
     set(&mut one_dimensional, "look", &["widgets", "0", "sigma"], sigma);
     worker.draw(wanted(one_dimensional.clone(), &PathBuf::new()));

@@ -10,11 +10,13 @@ use crate::core::grid::extent::{bounds, range, scene_length};
 use crate::core::probing::{Axis, Histogram, Proposed, histogram, proposal, quiet};
 use crate::core::progress::Progress;
 use crate::core::{Error, Result};
-use crate::nodes::files::{is_standard_output, refuse_unwritable, standard_output, write_whole};
+use crate::nodes::files::{
+    beside, folder, is_standard_output, refuse_unwritable, standard_output, write_whole,
+};
 use crate::nodes::formats::{ArrayHead, ArraySummary, Association, Request, Summary, arrays, inspect, read};
 use crate::present::{Bar, name, say};
 use glam::DVec3;
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Bins along s and g: what 64 colours of a curve would tell apart, four times over.
@@ -86,8 +88,9 @@ pub fn pipeline(arguments: &Start, output: &Path, progress: &dyn Progress) -> Re
     let diagonal = scene_length(bounds(&grid.points))?;
     let unit = rounded(diagonal / 10.0);
     let text = |text: &str| Datum::Text(text.into()).to_string();
-    let solution = arguments.solution.as_ref().map(|solution| beside(solution, output));
-    let reader = meant.keys(&beside(&arguments.data, output), arguments.time_step, solution.as_deref());
+    let own = if is_standard_output(output) { Path::new(".") } else { folder(output) };
+    let solution = arguments.solution.as_ref().map(|solution| beside(solution, own));
+    let reader = meant.keys(&beside(&arguments.data, own), arguments.time_step, solution.as_deref());
     let steepest = g.iter().copied().filter(|g| g.is_finite()).fold(g_axis.high, f64::max);
     let region = format!(
         "region = {{ s = [{}, {}], g = [{}, {}] }}\n",
@@ -312,22 +315,4 @@ fn digits(x: f64) -> String {
     }
     let rounded: f64 = format!("{x:.5e}").parse().unwrap_or(x);
     format!("{rounded:?}")
-}
-
-/// How a file in the folder of `output` names `path`: relative where both have a folder in common other than the root.
-fn beside(path: &Path, output: &Path) -> PathBuf {
-    let folder =
-        output.parent().filter(|folder| !folder.as_os_str().is_empty() && !is_standard_output(output));
-    let whole = |path: &Path| std::fs::canonicalize(path);
-    let (Ok(path_whole), Ok(folder)) = (whole(path), whole(folder.unwrap_or(Path::new(".")))) else {
-        return path.to_path_buf();
-    };
-    let (to, from): (Vec<Component>, Vec<Component>) =
-        (path_whole.components().collect(), folder.components().collect());
-    let common = to.iter().zip(&from).take_while(|(a, b)| a == b).count();
-    if !to[..common].iter().any(|component| matches!(component, Component::Normal(_))) {
-        return path_whole;
-    }
-    let up = from[common..].iter().map(|_| Component::ParentDir);
-    up.chain(to[common..].iter().copied()).collect()
 }

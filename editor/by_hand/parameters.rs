@@ -1,0 +1,82 @@
+use super::*;
+
+/// The value of a row; the panel shows it once its node is selected.
+fn row(hand: &Hand, key: &str) -> Rect {
+    let places = &hand.editor.parameters.places;
+    *places.get(key).unwrap_or_else(|| panic!("{key} is not shown: {:?}", places.keys()))
+}
+
+/// Selects a node.
+fn select(hand: &mut Hand, node: &str) {
+    let title = hand.editor.graph.frame_of(node).unwrap().min + vec2(30.0, 8.0);
+    hand.click(title);
+    hand.frames(3);
+}
+
+/// Types a text in place of what stands in the field at a place.
+fn type_at(hand: &mut Hand, at: Pos2, text: &str) {
+    hand.click(at);
+    hand.key(Key::A, Modifiers::COMMAND);
+    hand.typed(text);
+    hand.key(Key::Enter, Modifiers::NONE);
+    hand.frames(2);
+}
+
+#[test]
+fn a_dragged_number_is_one_step_with_digits_that_a_hand_means() {
+    let mut hand = Hand::new(TEXT);
+    select(&mut hand, "look");
+    let at = row(&hand, "look.widgets.0.extinction").left_center() + vec2(14.0, 0.0);
+    hand.drag(at, at + vec2(25.0, 0.0));
+    let line = hand.text().lines().find(|line| line.starts_with("extinction")).unwrap().to_string();
+    let value: f64 = line.split_once("= ").unwrap().1.parse().unwrap();
+    assert!(value > 4.2 && line.len() <= "extinction = 4.123".len(), "{line}");
+    assert_eq!(hand.steps(), 1);
+    hand.key(Key::Z, Modifiers::COMMAND);
+    assert_eq!(hand.text(), TEXT);
+}
+
+#[test]
+fn a_number_is_typed_relative_to_the_data_and_what_is_wrong_is_said() {
+    let mut hand = Hand::new(TEXT);
+    select(&mut hand, "look");
+    let key = "look.widgets.0.centre";
+    let pencils = hand.texts("✏");
+    let line = row(&hand, key);
+    hand.click(*pencils.iter().find(|at| line.contains(**at)).expect("a pencil"));
+    hand.frames(2);
+    hand.key(Key::A, Modifiers::COMMAND);
+    hand.typed("p50, 10 percent");
+    hand.key(Key::Enter, Modifiers::NONE);
+    hand.frames(2);
+    assert_eq!(hand.text(), TEXT, "what is wrong is no edit");
+    assert!(row(&hand, key).height() > 30.0, "the reason stands below the field");
+    let field = row(&hand, key).left_top() + vec2(20.0, 8.0);
+    type_at(&mut hand, field, "p50, 10 %");
+    assert!(hand.text().contains("centre = [\"p50\", \"10 %\"]"), "{}", hand.text());
+    assert!(row(&hand, key).height() < 30.0, "there is nothing wrong any more");
+    assert_eq!(hand.steps(), 1);
+}
+
+#[test]
+fn what_a_new_widget_begins_with_is_right() {
+    let registry = voltet_nodes::registry().unwrap();
+    let mut hand = Hand::new(TEXT);
+    let rows = hand.editor.document().rows(&registry, "look");
+    let row = rows.iter().find(|row| row.parameter.name == "widgets").unwrap();
+    let voltet_document::panel::Control::Entries(kinds) = row.control else { panic!("a list") };
+    for kind in kinds {
+        let entry = voltet_document::panel::begun(kind);
+        let list = row.path.clone();
+        let edit = voltet_document::Edit::Insert { node: "look".into(), list, place: 1, entry };
+        hand.editor.edit(edit.label(), &[edit]);
+        let faults = hand.editor.document().faults(&registry);
+        let is_name = |fault: &voltet_document::Fault| {
+            ["'fields' is missing", "'image' is missing"].iter().any(|what| fault.error.what.contains(what))
+        };
+        assert!(faults.iter().all(is_name), "{}: {faults:?}", kind.name);
+        hand.frames(2);
+        hand.key(Key::Z, Modifiers::COMMAND);
+    }
+    assert_eq!(hand.text(), TEXT);
+}

@@ -1,0 +1,66 @@
+use super::*;
+use voltet_document::Recovery;
+
+fn place(kept: &tempfile::TempDir) -> Recovery {
+    Recovery::in_folder(kept.path().to_path_buf())
+}
+
+/// What a window leaves behind that ends without a word while its work is not saved: the text, and the folder of its file.
+fn crashed(kept: &tempfile::TempDir) -> (String, tempfile::TempDir) {
+    let mut hand = Hand::new(TEXT);
+    hand.editor.keep_in(place(kept));
+    hand.key(Key::X, Modifiers::NONE);
+    hand.frames(3);
+    // Its lock goes with it.
+    (hand.text(), hand.folder)
+}
+
+#[test]
+fn unsaved_work_outlives_a_crash() {
+    let kept = tempfile::tempdir().unwrap();
+    let (text, folder) = crashed(&kept);
+    let left = place(&kept).left_behind();
+    assert_eq!(left.len(), 1);
+    assert_eq!(left[0].text, text);
+    let own = folder.path().canonicalize().unwrap().join("scene.toml");
+    assert_eq!(left[0].path.as_deref(), Some(own.as_path()));
+}
+
+#[test]
+fn work_that_was_left_behind_is_offered_and_taken_up() {
+    let kept = tempfile::tempdir().unwrap();
+    let (text, _folder) = crashed(&kept);
+    let mut next = Hand::new("[pipeline]\nformat = 1\n");
+    next.editor.keep_in(place(&kept));
+    next.frames(2);
+    assert_ne!(next.text(), text, "it is offered, not taken");
+    next.click_on("Open it");
+    assert_eq!(next.text(), text);
+    assert!(!next.editor.document().is_saved());
+    assert!(next.texts("Work that was not saved").is_empty(), "the question is gone");
+    // It is kept anew until it is saved; then nothing is left.
+    assert_eq!(std::fs::read_dir(kept.path()).unwrap().count(), 2, "a text and its lock");
+    next.key(Key::S, Modifiers::COMMAND);
+    next.frames(2);
+    drop(next);
+    assert_eq!(place(&kept).left_behind().len(), 0);
+}
+
+#[test]
+fn work_that_nobody_wants_is_thrown_away_and_what_is_put_off_is_offered_again() {
+    let kept = tempfile::tempdir().unwrap();
+    let (_, _folder) = crashed(&kept);
+    let mut later = Hand::new(TEXT);
+    later.editor.keep_in(place(&kept));
+    later.frames(2);
+    later.click_on("Later");
+    assert_eq!(later.text(), TEXT);
+    drop(later);
+    let mut next = Hand::new(TEXT);
+    next.editor.keep_in(place(&kept));
+    next.frames(2);
+    next.click_on("Throw it away");
+    assert_eq!(next.text(), TEXT);
+    drop(next);
+    assert_eq!(place(&kept).left_behind().len(), 0);
+}
