@@ -84,6 +84,16 @@ impl Work {
             Edit::RemoveFrame(number) => self.take("frames", *number),
             Edit::PutNote(number, note) => self.put("notes", *number, &note.datum()),
             Edit::RemoveNote(number) => self.take("notes", *number),
+            Edit::StoreSet(digit, widgets) => {
+                if *digit > 9 {
+                    return Err(Error::usage("there is no such set").found(digit).accepted("0 to 9"));
+                }
+                let path = Path::from([EDITOR, "sets", &digit.to_string()]);
+                // Written anew: what stood there says nothing of these.
+                self.draft.unset(&path)?;
+                self.draft.settle()?;
+                self.draft.add(&path, &Datum::List(widgets.clone()).to_string())
+            }
             Edit::Title(Some(title)) => {
                 self.draft.set(&Path::from(["pipeline", "title"]), &Datum::Text(title.clone()))
             }

@@ -2,7 +2,7 @@
 
 use crate::path::Path;
 use crate::view::{Frame, Note};
-use voltet_core::graph::{Datum, Field};
+use voltet_core::graph::{Datum, Field, Setting};
 
 /// One edit. A path leads from a node's table to a part of its parameters: `"widgets.0.centre".into()`.
 #[derive(Debug, Clone, PartialEq)]
@@ -120,6 +120,8 @@ pub enum Edit {
     PutNote(usize, Note),
     /// A note less.
     RemoveNote(usize),
+    /// A set of widgets under a digit, 0 to 9, in place of what was there.
+    StoreSet(u8, Vec<Setting>),
     /// Another title; none takes it away.
     Title(Option<String>),
     /// Another text, which need not be valid: for typing in it.
@@ -160,6 +162,7 @@ impl Edit {
             Edit::RemoveFrame(_) => "remove a frame".into(),
             Edit::PutNote(..) => "change a note".into(),
             Edit::RemoveNote(_) => "remove a note".into(),
+            Edit::StoreSet(digit, widgets) => format!("store {} widgets as {digit}", widgets.len()),
             Edit::Title(_) => "change the title".into(),
             Edit::Text(_) => "edit the text".into(),
         }

@@ -1,4 +1,4 @@
-//! What only the editor knows of a pipeline, kept in the table `[editor]` of its file: places, frames, notes.
+//! What only the editor knows of a pipeline, kept in the table `[editor]` of its file: places, frames, notes, sets of widgets.
 //!
 //! ```toml
 //! [editor]
@@ -12,6 +12,9 @@
 //! [editor.nodes]
 //! grid = [0, 120]
 //! look = { at = [220, 40], folded = true, remark = "by hand" }
+//!
+//! [editor.sets]
+//! 3 = [{ kind = "uniform", color = [1.0, 0.5, 0.2], extinction = 4.0, region = { s = [1.0, 2.0] } }]
 //! ```
 //!
 //! Places and sizes are in points of the graph view at its usual scale, to the right and downward, and are written as whole
@@ -62,6 +65,8 @@ pub struct View {
     pub frames: Vec<Frame>,
     /// The notes.
     pub notes: Vec<Note>,
+    /// Sets of widgets that a digit recalls into a transfer function, 0 to 9.
+    pub sets: BTreeMap<u8, Vec<Setting>>,
 }
 
 impl View {
@@ -73,8 +78,20 @@ impl View {
             nodes: nodes.iter().map(|field| (field.name.clone(), NodeView::read(&field.setting))).collect(),
             frames: list("frames").iter().map(Frame::read).collect(),
             notes: list("notes").iter().map(Note::read).collect(),
+            sets: find(fields, "sets")
+                .and_then(Setting::table)
+                .unwrap_or_default()
+                .iter()
+                .filter_map(set)
+                .collect(),
         }
     }
+}
+
+/// A set of widgets and its digit.
+fn set(field: &Field) -> Option<(u8, Vec<Setting>)> {
+    let digit = field.name.parse().ok().filter(|digit| *digit <= 9 && field.name.len() == 1)?;
+    Some((digit, field.setting.list()?.to_vec()))
 }
 
 impl NodeView {

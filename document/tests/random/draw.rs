@@ -25,7 +25,7 @@ impl Model {
         let paths = self.paths(&node);
         let lists: Vec<(Path, usize)> = self.lists(&node);
         let list = lot.of(&lists).cloned();
-        match (lot.below(24), list) {
+        match (lot.below(25), list) {
             (0 | 1, _) => self.new_node(lot, document),
             (2, _) => {
                 let count = 1 + lot.below(2);
@@ -108,6 +108,10 @@ impl Model {
                         Edit::PutFrame(lot.below(count + 1), frame)
                     }
                 }
+            }
+            (23, _) => {
+                let widgets = (0..lot.below(3)).map(|_| table(lot, 2).into()).collect();
+                Edit::StoreSet(lot.below(10) as u8, widgets)
             }
             _ => {
                 let (count, at) = (self.view.notes.len(), [lot.below(900) as f64, -5.0]);

@@ -136,6 +136,7 @@ impl Model {
             Edit::RemoveFrame(number) => drop(self.view.frames.remove(*number)),
             Edit::PutNote(number, note) => put(&mut self.view.notes, *number, note.clone()),
             Edit::RemoveNote(number) => drop(self.view.notes.remove(*number)),
+            Edit::StoreSet(digit, widgets) => drop(self.view.sets.insert(*digit, widgets.clone())),
             Edit::Title(title) => self.title = title.clone(),
             Edit::AddLines(_) | Edit::Text(_) => unreachable!("not drawn here"),
         }
