@@ -2,8 +2,10 @@
 
 use crate::asking::Asked;
 use crate::view::View;
+use crate::worker::Probed;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
+use std::sync::Arc;
 use voltet_document::Edit;
 
 /// Something that is to be done.
@@ -19,6 +21,8 @@ pub enum Action {
     Look(View),
     /// The values at places of the picture are asked for (heights from its middle, to the right and up).
     Probe(Vec<[f64; 2]>),
+    /// Values were found otherwise.
+    Probed(Arc<Probed>),
     /// What lies at a place of the picture becomes its centre.
     Centre([f64; 2]),
     /// How wrong the picture is, is asked for.
@@ -93,6 +97,10 @@ pub enum Command {
     Theme,
     /// What the picture costs.
     Costs,
+    /// The plane through the data.
+    Section,
+    /// Error against time.
+    Study,
     /// The sheet of keys.
     Help,
 }

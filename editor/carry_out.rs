@@ -24,6 +24,7 @@ impl Editor {
             Action::Show(name) => self.shown_node = Some(name),
             Action::Look(view) => self.look(view),
             Action::Probe(places) => self.probe(places, false),
+            Action::Probed(found) => self.show_probed(found),
             Action::Centre(place) => self.probe(vec![place], true),
             Action::Estimate => {
                 if let Some(asked) = self.asked.clone() {
@@ -146,6 +147,8 @@ impl Editor {
                 ctx.set_theme(if dark { ThemePreference::Light } else { ThemePreference::Dark });
             }
             Command::Costs => self.costs = !self.costs,
+            Command::Section => self.section.open = !self.section.open,
+            Command::Study => self.study.open = !self.study.open,
             Command::Help => self.help = !self.help,
         }
     }

@@ -5,10 +5,13 @@ use crate::asking::FileAsking;
 use crate::files::{Disk, begun, free_path, is_pipeline};
 use crate::graph::GraphView;
 use crate::hand::Hand;
+use crate::lookups::Lookups;
 use crate::parameters::ParameterPanel;
 use crate::picture::PicturePanel;
 use crate::recover::Recover;
 use crate::scene::{Scene, pictures};
+use crate::section::SectionPanel;
+use crate::study::StudyPanel;
 use crate::transfer::TransferPanel;
 use crate::view::View;
 use crate::worker::{Distribution, NodeState, Probed, Shown, Wanted, Worker};
@@ -17,7 +20,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, channel};
-use voltet_core::graph::{NodeEntry, Registry};
+use voltet_core::graph::{NodeEntry, Quantity, Registry};
 use voltet_core::{Error, Result};
 use voltet_document::{Document, Gesture};
 
@@ -31,6 +34,7 @@ pub(crate) struct Ground {
     pub shown: Option<String>,
     pub room: [u32; 2],
     pub hidden: Option<(String, BTreeSet<usize>)>,
+    pub axes: [Quantity; 2],
     pub selection: BTreeSet<String>,
 }
 
@@ -65,6 +69,9 @@ pub struct Editor {
     pub(crate) probing: Option<(u64, bool)>,
     pub(crate) last_probe: u64,
     pub(crate) probed: Option<Arc<Probed>>,
+    pub(crate) lookups: Lookups,
+    pub(crate) section: SectionPanel,
+    pub(crate) study: StudyPanel,
     pub(crate) faults: (Option<u64>, Vec<Error>),
     pub(crate) hand: Hand,
     /// What the edits of this frame belong to.
@@ -109,6 +116,9 @@ impl Editor {
             probing: None,
             last_probe: 0,
             probed: None,
+            lookups: Lookups::default(),
+            section: SectionPanel::default(),
+            study: StudyPanel::default(),
             faults: (None, Vec::new()),
             hand: Hand::default(),
             gesture: None,
@@ -178,8 +188,10 @@ impl Editor {
                 engine: engine.map(|engine| engine.0.clone()),
                 distribution: found.and_then(|found| found.as_ref().ok().cloned()),
                 distribution_fault: found.and_then(|found| found.as_ref().err().map(Error::to_string)),
-                looks: shown.looks.clone(),
                 probed: self.probed.clone(),
+                share: self.lookups.share(shown),
+                section: self.lookups.section(shown),
+                bounds: shown.bounds,
                 report: shown.report.clone(),
                 estimate: estimate.map(|(_, found)| found.clone().map_err(|error| error.to_string())),
                 faults: &self.faults.1,

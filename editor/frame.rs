@@ -11,6 +11,7 @@ impl Editor {
         self.disk.look(&self.document);
         self.take_made();
         self.take_probed();
+        self.study.take_found();
         self.settle_on_nodes();
         self.gesture = self.hand.gesture(ctx);
         if ctx.input(|input| input.viewport().close_requested()) && !self.ends {
@@ -18,7 +19,7 @@ impl Editor {
             self.command(ctx, Command::Quit);
         }
         let mut actions = Actions::default();
-        keys::read(ctx, &mut actions);
+        keys::read(ctx, self.transfer.has_pointer, &mut actions);
         layout::show(self, ctx, &mut actions);
         for action in actions.0 {
             self.carry_out(ctx, action);

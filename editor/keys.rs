@@ -42,6 +42,8 @@ const KEYS: &[Binding] = &[
     (Command::Roll(true), NONE, Key::Comma, "roll to the left"),
     (Command::Roll(false), NONE, Key::Period, "roll to the right"),
     (Command::Costs, NONE, Key::C, "what the picture costs, and how wrong it is"),
+    (Command::Section, NONE, Key::K, "section: s on a plane through the data"),
+    (Command::Study, NONE, Key::U, "study: error against time of every integrator"),
     (Command::Theme, NONE, Key::T, "light or dark"),
     (Command::Help, NONE, Key::F1, "this sheet"),
 ];
@@ -57,6 +59,7 @@ const MOUSE: &[(&str, &[(&str, &str)])] = &[
             ("wheel, right drag", "zoom to the pointer"),
             ("double click", "pick the centre to orbit about"),
             ("click", "probe: the values on the ray"),
+            ("Alt-drag", "probe: the values on rays through a box"),
         ],
     ),
     (
@@ -75,23 +78,30 @@ const MOUSE: &[(&str, &[(&str, &str)])] = &[
     (
         "Transfer function",
         &[
-            ("drag a widget", "move its centre; its handles: widths, angle, corners"),
-            ("wheel, Alt-wheel", "zoom s, zoom g"),
+            ("drag a widget", "move it; its handles: widths, angle, corners, bands"),
+            ("Alt-drag", "the same, a fifth of the hand's way"),
+            ("double click", "a point more of the curve or polygon in hand; else show all"),
+            ("right click on a point", "take it away"),
+            ("wheel, Alt-wheel", "zoom to the right, zoom up"),
             ("Shift-drag", "pan"),
-            ("arrows", "nudge the widget; Shift: five times, Alt: a fifth"),
-            ("Ctrl+0 … 9, 0 … 9", "store and recall the widgets"),
+            ("arrows", "nudge the point or widget; Shift: five times, Alt: a fifth"),
+            ("PageUp, PageDown", "choose another widget; with Shift: its place in the list"),
+            ("P, Ctrl+D, Delete", "add at the peak, duplicate, take away"),
+            ("V, S", "hide, show alone"),
+            ("Ctrl+0 … 9, 0 … 9", "store (in the file) and recall the widgets"),
         ],
     ),
 ];
 
-/// Reads the keys that no text field wants.
-pub(crate) fn read(ctx: &Context, actions: &mut Actions) {
+/// Reads the keys that no text field wants. `over_widgets`: what is deleted and duplicated is a widget then, not a node.
+pub(crate) fn read(ctx: &Context, over_widgets: bool, actions: &mut Actions) {
     let typing = ctx.wants_keyboard_input();
     ctx.input_mut(|input| {
         for &(command, modifiers, key, _) in KEYS {
             // In a text field keys are letters, but for those of the window's own business.
             let anywhere = matches!(command, Command::Save | Command::SaveAs | Command::Open | Command::Help);
-            if (!typing || anywhere) && input.consume_key(modifiers, key) {
+            let of_widgets = over_widgets && matches!(command, Command::Delete | Command::Duplicate);
+            if (!typing || anywhere) && !of_widgets && input.consume_key(modifiers, key) {
                 actions.command(command);
             }
         }

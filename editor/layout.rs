@@ -20,6 +20,8 @@ pub(crate) fn show(editor: &mut Editor, ctx: &Context, actions: &mut Actions) {
     let mut panel = std::mem::take(&mut editor.picture);
     let mut parameters = std::mem::take(&mut editor.parameters);
     let mut transfer = std::mem::take(&mut editor.transfer);
+    let mut section = std::mem::take(&mut editor.section);
+    let mut study = std::mem::take(&mut editor.study);
     let mut open = editor.costs;
     {
         let scene = editor.scene();
@@ -52,7 +54,10 @@ pub(crate) fn show(editor: &mut Editor, ctx: &Context, actions: &mut Actions) {
             .frame(Frame::none().fill(theme::ground(ctx.style().visuals.dark_mode)))
             .show(ctx, |ui| graph.show(ui, &scene, panel.texture(), actions));
         costs::show(ctx, &mut open, &scene, actions);
+        section.show(ctx, &scene, actions);
+        study.show(ctx, &scene);
     }
+    (editor.section, editor.study) = (section, study);
     (editor.graph, editor.picture, editor.parameters, editor.transfer) = (graph, panel, parameters, transfer);
     editor.costs = open;
     keys::sheet(ctx, &mut editor.help);
@@ -104,7 +109,9 @@ fn menus(ui: &mut Ui, scene: &Scene, actions: &mut Actions) {
         ];
         let view = [
             ("Home", Command::Home),
+            ("Section", Command::Section),
             ("Costs and errors", Command::Costs),
+            ("Study", Command::Study),
             ("Light or dark", Command::Theme),
             ("Keys and mouse", Command::Help),
         ];

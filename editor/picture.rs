@@ -6,13 +6,16 @@ use crate::theme;
 use crate::view::View;
 use crate::worker::Pixels;
 use eframe::egui::{
-    Align2, Color32, ColorImage, ComboBox, FontId, PointerButton, Rect, Response, RichText, Sense,
-    TextureHandle, TextureOptions, Ui, pos2, vec2,
+    Align2, Color32, ColorImage, ComboBox, FontId, PointerButton, Pos2, Rect, Response, RichText, Sense,
+    Stroke, TextureHandle, TextureOptions, Ui, pos2, vec2,
 };
 use std::f64::consts::PI;
 
 /// Radians that a drag over the height of the picture turns.
 const TURN: f64 = PI;
+
+/// Rays through a box that is probed, along each side at most.
+const RAYS: usize = 16;
 
 /// Factor of one notch of the wheel (50 points).
 const NOTCH: f64 = 1.15;
@@ -23,6 +26,8 @@ pub(crate) struct PicturePanel {
     texture: Option<TextureHandle>,
     /// What the texture holds: the request and how coarse.
     holds: Option<(u64, u32)>,
+    /// Where the box of a probe began.
+    boxed: Option<Pos2>,
     /// Where the picture lies, in points, for tests.
     #[cfg(test)]
     rect: Option<Rect>,
@@ -146,15 +151,45 @@ impl PicturePanel {
         }
     }
 
+    /// Alt-drag: a box whose rays are probed; whether one is drawn.
+    fn box_of_probe(
+        &mut self,
+        ui: &Ui,
+        response: &Response,
+        picture: Rect,
+        place: &dyn Fn(Pos2) -> [f64; 2],
+        actions: &mut Actions,
+    ) -> bool {
+        if response.drag_started_by(PointerButton::Primary) && ui.input(|input| input.modifiers.alt) {
+            self.boxed = ui.input(|input| input.pointer.press_origin());
+        }
+        let (Some(from), Some(to)) = (self.boxed, response.interact_pointer_pos()) else {
+            self.boxed = None;
+            return false;
+        };
+        let chosen = Rect::from_two_pos(from, to).intersect(picture);
+        ui.painter().rect_stroke(chosen, 0.0, Stroke::new(1.5, theme::accent(true)));
+        if response.drag_stopped() {
+            self.boxed = None;
+            if chosen.is_positive() {
+                actions.push(Action::Probe(grid(chosen).into_iter().map(place).collect()));
+            }
+        }
+        true
+    }
+
     /// Drags and the wheel, as movements of the camera.
-    fn hand(&self, ui: &Ui, response: &Response, view: View, picture: Rect, actions: &mut Actions) {
+    fn hand(&mut self, ui: &Ui, response: &Response, view: View, picture: Rect, actions: &mut Actions) {
         let height = f64::from(picture.height().max(1.0));
-        let place = |at: eframe::egui::Pos2| {
+        let place = |at: Pos2| {
             let from = at - picture.center();
             [f64::from(from.x) / height, -f64::from(from.y) / height]
         };
         let delta = response.drag_delta();
         let by = [f64::from(delta.x) / height, -f64::from(delta.y) / height];
+        if self.box_of_probe(ui, response, picture, &place, actions) {
+            return;
+        }
         let mut to = view;
         if delta != eframe::egui::Vec2::ZERO {
             let modifiers = ui.input(|input| input.modifiers);
@@ -190,6 +225,16 @@ impl PicturePanel {
             actions.push(Action::Look(to));
         }
     }
+}
+
+/// Places spread evenly over a box, no nearer to each other than three points.
+fn grid(of: Rect) -> Vec<Pos2> {
+    let count = |length: f32| ((length / 3.0).ceil() as usize).clamp(1, RAYS);
+    let (wide, high) = (count(of.width()), count(of.height()));
+    let at = |i: usize, count: usize| (i as f32 + 0.5) / count as f32;
+    let row =
+        |j: usize| (0..wide).map(move |i| of.min + vec2(at(i, wide) * of.width(), at(j, high) * of.height()));
+    (0..high).flat_map(row).collect()
 }
 
 /// The line under the picture.

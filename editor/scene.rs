@@ -1,12 +1,12 @@
 //! What the parts of the window look at while a frame is shown; they change none of it.
 
 use crate::view::View;
-use crate::worker::{NodeStatus, Pixels, Probed};
+use crate::worker::{Distributed, NodeStatus, Pixels, Probed, Section, Share};
+use glam::DVec3;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 use voltet_core::Error;
-use voltet_core::graph::{Look, Node, NodeEntry, PortType, Registry, RunReport};
-use voltet_core::probing::Histogram;
+use voltet_core::graph::{Node, NodeEntry, PortType, Registry, RunReport};
 use voltet_document::Document;
 
 /// One frame's view of everything.
@@ -30,14 +30,18 @@ pub(crate) struct Scene<'a> {
     pub running: Option<String>,
     pub seconds: Option<f64>,
     pub engine: Option<String>,
-    /// The distribution over (s, g) of what the selected transfer function is drawn with.
-    pub distribution: Option<Arc<Histogram>>,
+    /// The distribution of what the selected transfer function is drawn with.
+    pub distribution: Option<Arc<Distributed>>,
     /// Why there is none.
     pub distribution_fault: Option<String>,
-    /// Transfer functions with their relative numbers resolved, by their nodes.
-    pub looks: Arc<BTreeMap<String, Arc<Look>>>,
     /// What was found at a place of the picture.
     pub probed: Option<Arc<Probed>>,
+    /// What the widget in hand adds to the picture; an error in words; none while it is not known.
+    pub share: Option<Result<Share, String>>,
+    /// What the plane of the section meets.
+    pub section: Option<Result<Arc<Section>, String>>,
+    /// Least and greatest coordinates of the data.
+    pub bounds: Option<[DVec3; 2]>,
     /// The last full run.
     pub report: Option<Arc<RunReport>>,
     /// How wrong the picture is, where that was asked for.

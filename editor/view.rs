@@ -81,6 +81,11 @@ impl View {
         Some(Axes { right: frame.right, up: frame.up, forward: frame.forward })
     }
 
+    /// Unit vectors that point to the right and up in the picture; `None` of a view that is not sound.
+    pub fn sides(&self) -> Option<[DVec3; 2]> {
+        self.axes().map(|axes| [axes.right, axes.up])
+    }
+
     fn distance(&self) -> f64 {
         (self.target - self.eye).length()
     }

@@ -2,6 +2,7 @@
 
 use crate::editor::{Editor, Start};
 use crate::files::is_pipeline;
+use crate::study::Study;
 use crate::theme;
 use eframe::egui::{Context, ViewportBuilder, ViewportCommand};
 use eframe::{App, Frame, NativeOptions, Renderer};
@@ -17,9 +18,9 @@ const SIZE: [f32; 2] = [1280.0, 720.0];
 const LEAST: [f32; 2] = [800.0, 500.0];
 
 /// Opens the window on a file, or on an empty pipeline, and waits for its end. Must be called from the main thread. `start`
-/// makes the text of a pipeline for a file that is none. Errors: the file cannot be read, there is no display, or it has no
+/// makes the text of a pipeline for a file that is none, `study` studies. Errors: the file cannot be read, there is no display, or it has no
 /// OpenGL.
-pub fn run(file: Option<&Path>, registry: &Registry, start: Start) -> Result<()> {
+pub fn run(file: Option<&Path>, registry: &Registry, start: Start, study: Study) -> Result<()> {
     let document = match file {
         Some(path) if is_pipeline(path) => Document::open(path)?,
         Some(path) => {
@@ -53,6 +54,7 @@ pub fn run(file: Option<&Path>, registry: &Registry, start: Start) -> Result<()>
         let ctx = context.egui_ctx.clone();
         let wake = Box::new(move || ctx.request_repaint());
         let mut editor = Editor::new(document, registry, start, wake)?;
+        editor.study.make = Some(study);
         editor.keep_in(voltet_document::Recovery::usual());
         if let Some(data) = data {
             editor.open_any(&context.egui_ctx, &data);

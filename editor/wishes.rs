@@ -3,8 +3,9 @@
 use crate::editor::{Editor, Ground, camera_size};
 use crate::transfer;
 use crate::view::View;
-use crate::worker::{Distribution, Probing, Wanted, short};
+use crate::worker::{Distribution, Probed, Probing, Sectioning, Sharing, Wanted, short};
 use std::collections::BTreeSet;
+use std::sync::Arc;
 use voltet_core::graph::{Datum, NodeEntry};
 use voltet_document::links::{self, upstream};
 
@@ -17,6 +18,7 @@ impl Editor {
             shown: self.shown_node.clone(),
             room: self.picture.room,
             hidden,
+            axes: self.transfer.axes(),
             selection: self.selection.clone(),
         };
         if self.ground.as_ref() != Some(&ground) {
@@ -24,6 +26,8 @@ impl Editor {
             self.find_distribution();
             self.ground = Some(ground);
         }
+        self.find_share();
+        self.find_section();
     }
 
     /// Asks the worker for the picture where another is wanted than before.
@@ -53,31 +57,75 @@ impl Editor {
                 && feeding(asked) == feeding(&wanted)
         };
         if !self.asked.as_ref().is_some_and(same) {
-            self.worker.draw(wanted.clone());
+            self.lookups.picture = self.worker.draw(wanted.clone());
             self.asked = Some(wanted);
         }
     }
 
     /// Asks for the distribution of what the edited transfer function is drawn with, where another is wanted than before.
     fn find_distribution(&mut self) {
-        let source = {
+        let (source, fields) = {
             let scene = self.scene();
-            let look = transfer::of(&scene).map(|look| look.name.clone());
-            look.and_then(|look| transfer::volume_of(&scene, &look))
+            let look = transfer::of(&scene);
+            let fields = look.map(transfer::fields_of).unwrap_or_default();
+            (look.and_then(|look| transfer::volume_of(&scene, &look.name)), fields)
         };
         let Some(source) = source else { return };
         let all = &self.document.pipeline().nodes;
         let (name, _) = links::source(&source, all);
         let feeding = upstream(all, name);
         let nodes: Vec<NodeEntry> = all.iter().filter(|node| feeding.contains(&node.name)).cloned().collect();
-        let folder = self.document.folder();
-        let same =
-            |asked: &Distribution| asked.nodes == nodes && asked.node == source && asked.folder == folder;
-        if !self.distribution.as_ref().is_some_and(same) {
-            let key = self.distribution.as_ref().map_or(0, |asked| asked.key) + 1;
-            let wanted = Distribution { nodes, folder, node: source, key };
+        let (folder, axes) = (self.document.folder(), self.transfer.axes());
+        let key = self.distribution.as_ref().map_or(0, |asked| asked.key);
+        let mut wanted = Distribution { nodes, folder, node: source, axes, fields, key };
+        if self.distribution.as_ref() != Some(&wanted) {
+            wanted.key += 1;
             self.worker.find_distribution(wanted.clone());
             self.distribution = Some(wanted);
+        }
+    }
+
+    /// Asks what the widget in hand adds to the picture, once the full one is there.
+    fn find_share(&mut self) {
+        let Some((look, chosen)) = self.transfer.in_hand() else { return };
+        let drawn = self.transfer.hidden().filter(|(of, _)| *of == look);
+        let is_hidden = |place: &usize| drawn.is_some_and(|(_, hidden)| hidden.contains(place));
+        let of = (self.lookups.picture, look.to_string(), chosen);
+        let is_settled = self.worker.shown(|shown| !shown.is_busy && shown.failure.is_none());
+        let Some(wanted) = self.asked.clone().filter(|_| is_settled && !is_hidden(&chosen)) else { return };
+        if !wanted.upstream().contains(look) || self.lookups.is_shared(&of) {
+            return;
+        }
+        let widget = (0..chosen).filter(|place| !is_hidden(place)).count();
+        let key = self.lookups.next_share(of.clone());
+        self.worker.share(Sharing { wanted, look: of.1, widget, key });
+    }
+
+    /// Asks for the section, where it is shown and another is wanted than before.
+    fn find_section(&mut self) {
+        if !self.section.open {
+            return;
+        }
+        let found = {
+            let scene = self.scene();
+            let look = transfer::of(&scene).map(|look| look.name.clone());
+            let source = look.and_then(|look| transfer::volume_of(&scene, &look));
+            let plane =
+                scene.view.zip(scene.bounds).and_then(|(view, bounds)| self.section.wanted(view, bounds));
+            source.zip(plane)
+        };
+        let Some((node, (centre, axes, half))) = found else { return };
+        let all = &self.document.pipeline().nodes;
+        let (name, _) = links::source(&node, all);
+        let feeding = upstream(all, name);
+        let nodes: Vec<NodeEntry> = all.iter().filter(|node| feeding.contains(&node.name)).cloned().collect();
+        let (folder, size) = (self.document.folder(), self.section.size());
+        let key = self.lookups.section.as_ref().map_or(0, |asked| asked.key);
+        let mut wanted = Sectioning { nodes, folder, node, centre, axes, half, size, key };
+        if self.lookups.section.as_ref() != Some(&wanted) {
+            wanted.key += 1;
+            self.worker.cut(wanted.clone());
+            self.lookups.section = Some(wanted);
         }
     }
 
@@ -109,24 +157,32 @@ impl Editor {
                     self.look(view.centred(point));
                 }
             }
-            Some((_, Ok(found))) => {
-                let text = match found.moments() {
-                    Some([[s, g], [ds, dg]]) => format!(
-                        "on the ray: s {} ± {}, g {} ± {}, opacity {}; \"+ at probe\" makes a widget of it",
-                        short(s),
-                        short(ds),
-                        short(g),
-                        short(dg),
-                        short(found.opacity)
-                    ),
-                    None => "the ray meets no cell".into(),
-                };
-                self.message = Some((text, false));
-                self.probed = Some(found);
-            }
+            Some((_, Ok(found))) => self.show_probed(found),
             None => return,
         }
         self.probing = None;
+    }
+
+    /// Shows values that were found.
+    pub(crate) fn show_probed(&mut self, found: Arc<Probed>) {
+        let place = match found.rays {
+            0 => "in the section".to_string(),
+            1 => "on the ray".to_string(),
+            rays => format!("on {rays} rays"),
+        };
+        let text = match found.moments() {
+            Some(([s, g], [[ss, _], [_, gg]])) => format!(
+                "{} values {place}: s {} ± {}, g {} ± {}; \"+ at probe\" makes a widget of them",
+                found.values.len(),
+                short(s),
+                short(ss.sqrt()),
+                short(g),
+                short(gg.sqrt()),
+            ),
+            None => format!("no cell is met {place}"),
+        };
+        self.message = Some((text, false));
+        self.probed = Some(found);
     }
 
     /// The camera node that the shown picture is seen from.

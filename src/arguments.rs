@@ -324,6 +324,18 @@ pub struct Study {
     pub quiet: bool,
 }
 
+#[cfg(feature = "editor")]
+impl Study {
+    /// Those of `voltet study FILE` without options.
+    pub fn of(file: &std::path::Path) -> crate::core::Result<Study> {
+        use clap::FromArgMatches;
+        let command = Study::augment_args(clap::Command::new("study"));
+        let given = command.try_get_matches_from(["study".as_ref(), file.as_os_str()]);
+        let study = given.and_then(|matches| Study::from_arg_matches(&matches));
+        study.map_err(|error| crate::core::Error::usage("the study has no such file").found(error))
+    }
+}
+
 #[derive(Debug, Args)]
 pub struct Time {
     /// Pipeline files.

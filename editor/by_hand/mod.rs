@@ -4,9 +4,11 @@ mod files;
 mod graph;
 mod parameters;
 mod picture;
+mod probe;
 mod recovery;
 mod session;
 mod transfer;
+mod transfer_more;
 
 use crate::editor::Editor;
 use eframe::egui::epaint::ClippedShape;
@@ -33,7 +35,13 @@ struct Hand {
 
 impl Hand {
     fn new(text: &str) -> Hand {
+        Self::with_file(text, "unused", "")
+    }
+
+    /// With another file beside the pipeline.
+    fn with_file(text: &str, name: &str, content: &str) -> Hand {
         let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join(name), content).unwrap();
         let path = folder.path().join("scene.toml");
         std::fs::write(&path, text).unwrap();
         let document = Document::open(&path).unwrap();

@@ -1,16 +1,16 @@
 use super::*;
 
 /// Until the distribution is there.
-fn with_distribution(hand: &mut Hand) {
+pub(super) fn with_distribution(hand: &mut Hand) {
     for _ in 0..4000 {
         hand.frames(1);
-        if hand.editor.worker().shown(|shown| shown.distribution.is_some()) {
+        if hand.editor.scene().distribution.is_some() {
             hand.frames(2);
             return;
         }
         std::thread::sleep(Duration::from_millis(5));
     }
-    panic!("no distribution comes");
+    panic!("no distribution comes: {:?}", hand.editor.scene().distribution_fault);
 }
 
 fn centre(hand: &Hand) -> Vec<f64> {

@@ -1,7 +1,8 @@
 //! Widgets drawn in the plane.
 
 use super::form::{Drawn, Form, Region};
-use super::moved::{Handle, height_of};
+use super::handles::{Handle, height_of};
+use super::look::Scale;
 use super::plane::Plane;
 use crate::theme;
 use crate::worker::Probed;
@@ -20,9 +21,17 @@ pub(super) fn color(linear: [f64; 3]) -> Color32 {
     Color32::from(Rgba::from_rgb(r, g, b))
 }
 
-pub(super) fn widget(ui: &Ui, plane: Plane, widget: &Drawn, is_chosen: bool, is_hidden: bool, peak: f64) {
+/// `handles`: of the widget in hand, with the one that was taken last.
+pub(super) fn widget(
+    ui: &Ui,
+    plane: Plane,
+    widget: &Drawn,
+    scale: &Scale,
+    handles: Option<Option<Handle>>,
+    is_hidden: bool,
+) {
     let painter = ui.painter().with_clip_rect(plane.rect.expand(1.0));
-    let dark = ui.visuals().dark_mode;
+    let (dark, is_chosen, peak) = (ui.visuals().dark_mode, handles.is_some(), scale.peak);
     let base = color(widget.color);
     let base = if is_hidden { base.gamma_multiply(0.35) } else { base };
     let stroke = Stroke::new(if is_chosen { 2.2 } else { 1.4 }, base);
@@ -35,7 +44,7 @@ pub(super) fn widget(ui: &Ui, plane: Plane, widget: &Drawn, is_chosen: bool, is_
             let fill = base.gamma_multiply(0.15);
             painter.add(Shape::convex_polygon(vec![foot, end(-1.0), end(1.0)], fill, stroke));
         }
-        Form::Wave { origin, angle, scale, period } => {
+        Form::Wave { origin, angle, scale, period, .. } => {
             bands(&painter, plane, *origin, angle.to_radians(), *scale, *period, stroke);
         }
         Form::Points(points) => curve(&painter, plane, points, peak, dark, is_chosen),
@@ -58,9 +67,9 @@ pub(super) fn widget(ui: &Ui, plane: Plane, widget: &Drawn, is_chosen: bool, is_
             painter.add(Shape::closed_line(points, Stroke::new(stroke.width * 0.6, base)));
         }
     }
-    if is_chosen {
-        for (handle, at) in widget.handles(top, peak) {
-            grip(&painter, plane.to_window(at), handle, base, dark);
+    if let Some(held) = handles {
+        for (handle, at) in widget.handles(scale) {
+            grip(&painter, plane.to_window(at), handle, held == Some(handle), base, dark);
         }
     }
 }
@@ -202,17 +211,28 @@ fn curve(painter: &Painter, plane: Plane, points: &[[f64; 5]], peak: f64, dark: 
     }
 }
 
-fn grip(painter: &Painter, at: Pos2, handle: Handle, base: Color32, dark: bool) {
-    let edge = Stroke::new(1.5, if dark { Color32::WHITE } else { Color32::BLACK });
+fn grip(painter: &Painter, at: Pos2, handle: Handle, is_held: bool, base: Color32, dark: bool) {
+    let edge = match (is_held, dark) {
+        (true, _) => Stroke::new(2.0, theme::accent(dark)),
+        (false, true) => Stroke::new(1.5, Color32::WHITE),
+        (false, false) => Stroke::new(1.5, Color32::BLACK),
+    };
+    let square = |width: f32, height: f32| Rect::from_center_size(at, eframe::egui::vec2(width, height));
     match handle {
         Handle::Centre => {
             painter.circle(at, 5.0, base, edge);
         }
-        Handle::Angle => {
+        Handle::Angle | Handle::Band => {
             painter.circle(at, 4.0, Color32::TRANSPARENT, edge);
         }
         Handle::Width(_) | Handle::Corner(_) | Handle::Point(_) => {
-            painter.rect(Rect::from_center_size(at, eframe::egui::vec2(8.0, 8.0)), 1.0, base, edge);
+            painter.rect(square(8.0, 8.0), 1.0, base, edge);
+        }
+        Handle::Side(0, _) => {
+            painter.rect(square(5.0, 12.0), 1.0, base, edge);
+        }
+        Handle::Side(..) => {
+            painter.rect(square(12.0, 5.0), 1.0, base, edge);
         }
     }
 }

@@ -1,7 +1,10 @@
 //! Widgets as they lie in the plane.
 
-use voltet_core::graph::{Field, Setting};
-use voltet_core::transfer::{Profile, Widget};
+use super::fields::OfFields;
+use super::look::S_AND_G;
+use super::relative;
+use crate::worker::Known;
+use voltet_core::graph::{Field, Quantity, Setting};
 
 /// A widget in the plane.
 #[derive(Debug, Clone, PartialEq)]
@@ -12,6 +15,12 @@ pub(super) struct Drawn {
     /// Linear RGB.
     pub color: [f64; 3],
     pub extinction: f64,
+    /// Of one over a list of fields, what lies outside of the plane.
+    pub of_fields: Option<OfFields>,
+    /// Its table as the file states it.
+    pub stated: Vec<Field>,
+    /// Why it is not drawn.
+    pub fault: Option<String>,
 }
 
 /// What its profile is.
@@ -19,17 +28,17 @@ pub(super) struct Drawn {
 pub(super) enum Form {
     /// Its middle and its two half axes at one standard deviation; an infinite one ignores its axis.
     Gaussian { centre: [f64; 2], axes: [[f64; 2]; 2] },
-    /// Its s, and its width in s a unit of g.
+    /// Its s, and its width in s a unit of g; or a field and the magnitude of its gradients.
     Triangular { centre: f64, sigma: f64 },
-    /// Bands: where the wave is 0, the direction across (degrees), factors on the axes, distance.
-    Wave { origin: [f64; 2], angle: f64, scale: [f64; 2], period: f64 },
+    /// Bands: where the wave is 0, the direction across (degrees), factors on the axes, distance, share that is kept.
+    Wave { origin: [f64; 2], angle: f64, scale: [f64; 2], period: f64, band_width: f64 },
     /// [s, r, g, b, extinction] each.
     Points(Vec<[f64; 5]>),
     /// A picture over ranges of s and g.
     Table { s: [f64; 2], g: [f64; 2] },
     /// The same everywhere in its region.
     Uniform,
-    /// Over other fields, or with numbers that are not known yet.
+    /// Along other axes, or with numbers that are not known yet.
     Elsewhere,
 }
 
@@ -42,83 +51,77 @@ pub(super) enum Region {
     Polygon(Vec<[f64; 2]>),
 }
 
+pub(super) fn find<'a>(fields: &'a [Field], name: &str) -> Option<&'a Setting> {
+    fields.iter().find(|field| field.name == name).map(|field| &field.setting)
+}
+
+pub(super) fn array<const N: usize>(fields: &[Field], name: &str) -> Option<[f64; N]> {
+    find(fields, name)?.numbers()?.try_into().ok()
+}
+
+fn number(fields: &[Field], name: &str) -> Option<f64> {
+    find(fields, name).and_then(Setting::number)
+}
+
 impl Drawn {
-    /// From what the file states. `known`: the widget with its relative numbers resolved, where a run found them; `extent`:
-    /// lengths of the axes, for angles.
-    pub fn read(fields: &[Field], known: Option<&Widget>, extent: [f64; 2]) -> Drawn {
-        let find = |name: &str| fields.iter().find(|field| field.name == name).map(|field| &field.setting);
-        let kind = find("kind").and_then(Setting::text).unwrap_or_default().to_string();
-        let pair = |name: &str| -> Option<[f64; 2]> { find(name)?.numbers()?.try_into().ok() };
-        let number = |name: &str| find(name).and_then(Setting::number);
-        let form = stated(&kind, &pair, &number, &find, extent)
-            .or_else(|| known.map(|widget| of_profile(&widget.profile, extent)));
-        let region = match find("region").and_then(Setting::table) {
-            None => Region::Whole,
-            Some(region) => {
-                let of =
-                    |name: &str| region.iter().find(|field| field.name == name).map(|field| &field.setting);
-                let corners: Option<Vec<[f64; 2]>> = of("polygon")
-                    .and_then(Setting::list)
-                    .and_then(|list| list.iter().map(|row| row.numbers()?.try_into().ok()).collect());
-                let limits = |name: &str| -> [f64; 2] {
-                    let stated = of(name).and_then(|s| s.numbers()).and_then(|list| list.try_into().ok());
-                    stated.unwrap_or([f64::NEG_INFINITY, f64::INFINITY])
-                };
-                corners.map_or_else(|| Region::Box([limits("s"), limits("g")]), Region::Polygon)
+    /// From what the file states, with numbers relative to data found by what is known of these.
+    pub fn of(fields: &[Field], axes: &[Quantity; 2], known: Option<&Known>, extent: [f64; 2]) -> Drawn {
+        match relative::resolved(fields, known) {
+            Ok(resolved) => Drawn { stated: fields.to_vec(), ..Drawn::read(&resolved, axes, known, extent) },
+            Err(error) => {
+                let mut drawn = Drawn::read(fields, axes, known, extent);
+                drawn.form = Form::Elsewhere;
+                drawn.region = Region::Whole;
+                drawn.fault = Some(error.to_string());
+                drawn
             }
+        }
+    }
+
+    /// From a table of numbers. `extent`: lengths of the axes, for angles.
+    pub fn read(fields: &[Field], axes: &[Quantity; 2], known: Option<&Known>, extent: [f64; 2]) -> Drawn {
+        let kind = find(fields, "kind").and_then(Setting::text).unwrap_or_default().to_string();
+        let of_fields = OfFields::read(fields, axes, known);
+        let is_flat = *axes == S_AND_G;
+        let form = match (&of_fields, is_flat || (kind == "piecewise-linear" && axes[0] == S_AND_G[0])) {
+            (Some(of_fields), _) => of_fields.form(extent),
+            (None, true) => stated(&kind, fields, extent),
+            (None, false) => None,
         };
         Drawn {
             form: form.unwrap_or(Form::Elsewhere),
-            region,
-            color: find("color").and_then(|s| s.numbers()?.try_into().ok()).unwrap_or([1.0; 3]),
-            extinction: number("extinction").unwrap_or(0.0),
+            region: if is_flat { region(fields) } else { Region::Whole },
+            color: array(fields, "color").unwrap_or([1.0; 3]),
+            extinction: number(fields, "extinction").unwrap_or(0.0),
+            of_fields,
+            stated: fields.to_vec(),
+            fault: None,
             kind,
         }
     }
 
-    /// Its strength at a place, 0 to 1 of its peak; what it holds is where that is half or more.
-    pub fn strength(&self, at: [f64; 2]) -> f64 {
-        let within = match &self.region {
-            Region::Whole => true,
-            Region::Box(limits) => (0..2).all(|k| at[k] >= limits[k][0] && at[k] <= limits[k][1]),
-            Region::Polygon(corners) => holds(corners, at),
-        };
-        let of_form = match &self.form {
-            Form::Gaussian { centre, axes } => {
-                let v = [at[0] - centre[0], at[1] - centre[1]];
-                (-0.5 * squared(axes, v)).exp()
-            }
-            Form::Triangular { centre, sigma } => {
-                let q = (at[0] - centre) / (sigma * at[1]).abs().max(1e-300);
-                (-q * q).exp()
-            }
-            Form::Wave { .. } | Form::Points(_) | Form::Elsewhere => 0.0,
-            Form::Table { s, g } => {
-                f64::from(at[0] >= s[0] && at[0] <= s[1] && at[1] >= g[0] && at[1] <= g[1])
-            }
-            Form::Uniform => 1.0,
-        };
-        if within { of_form } else { 0.0 }
+    /// The largest extinction of a curve; 0 of others.
+    pub fn peak_of_curve(&self) -> f64 {
+        match &self.form {
+            Form::Points(points) => points.iter().map(|point| point[4]).fold(0.0, f64::max),
+            _ => 0.0,
+        }
     }
 }
 
-/// Squared length of a vector in half axes; those that are infinite count nothing.
-fn squared(axes: &[[f64; 2]; 2], v: [f64; 2]) -> f64 {
-    if axes[0][1] == 0.0 && axes[1][0] == 0.0 {
-        return (v[0] / axes[0][0]).powi(2) + (v[1] / axes[1][1]).powi(2);
-    }
-    let det = axes[0][0] * axes[1][1] - axes[1][0] * axes[0][1];
-    let a = (v[0] * axes[1][1] - v[1] * axes[1][0]) / det;
-    let b = (axes[0][0] * v[1] - axes[0][1] * v[0]) / det;
-    a * a + b * b
+fn region(fields: &[Field]) -> Region {
+    let Some(region) = find(fields, "region").and_then(Setting::table) else { return Region::Whole };
+    let corners: Option<Vec<[f64; 2]>> = find(region, "polygon")
+        .and_then(Setting::list)
+        .and_then(|list| list.iter().map(|row| row.numbers()?.try_into().ok()).collect());
+    let limits = |name: &str| array(region, name).unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
+    corners.map_or_else(|| Region::Box([limits("s"), limits("g")]), Region::Polygon)
 }
 
-/// Half axes of the matrix K, at right angles in the plane where both extents are as long.
-fn half_axes(k: [[f64; 2]; 2], extent: [f64; 2]) -> [[f64; 2]; 2] {
-    let k = k.map(|row| [row[0] * extent[0], row[1] * extent[1]]);
-    let (p, q) = (k[0][0] * k[0][0] + k[1][0] * k[1][0], k[0][1] * k[0][1] + k[1][1] * k[1][1]);
-    let r = k[0][0] * k[0][1] + k[1][0] * k[1][1];
-    // KᵀK is diagonal in these directions.
+/// What the metric of a Gaussian, exp(−p x² − 2 r x y − q y²), has for half axes: at right angles in the plane where both extents
+/// are as long.
+pub(super) fn half_axes([p, r, q]: [f64; 3], extent: [f64; 2]) -> [[f64; 2]; 2] {
+    let (p, r, q) = (p * extent[0] * extent[0], r * extent[0] * extent[1], q * extent[1] * extent[1]);
     let (sin, cos) = (0.5 * (2.0 * r).atan2(p - q)).sin_cos();
     let (sin, cos) = if r == 0.0 { (0.0, 1.0) } else { (sin, cos) };
     let length = |x: f64, y: f64| (0.5 / (p * x * x + 2.0 * r * x * y + q * y * y).max(0.0)).sqrt();
@@ -131,68 +134,51 @@ fn half_axes(k: [[f64; 2]; 2], extent: [f64; 2]) -> [[f64; 2]; 2] {
     [axis(cos, sin), axis(-sin, cos)]
 }
 
-fn stated<'a>(
-    kind: &str,
-    pair: &dyn Fn(&str) -> Option<[f64; 2]>,
-    number: &dyn Fn(&str) -> Option<f64>,
-    find: &dyn Fn(&str) -> Option<&'a Setting>,
-    extent: [f64; 2],
-) -> Option<Form> {
+/// p, r, q of |K v|² along two columns of K; 0 along one that it does not have.
+pub(super) fn metric(k: &[Vec<f64>], columns: [Option<usize>; 2]) -> [f64; 3] {
+    let of = |row: &Vec<f64>, column: Option<usize>| column.and_then(|c| row.get(c).copied()).unwrap_or(0.0);
+    let product = |a: usize, b: usize| k.iter().map(|row| of(row, columns[a]) * of(row, columns[b])).sum();
+    [product(0, 0), product(0, 1), product(1, 1)]
+}
+
+fn stated(kind: &str, fields: &[Field], extent: [f64; 2]) -> Option<Form> {
     match kind {
         "gaussian" => {
-            let centre = pair("centre")?;
-            if let Some([s, g]) = pair("sigma") {
+            let centre = array(fields, "centre")?;
+            if let Some([s, g]) = array(fields, "sigma") {
                 return Some(Form::Gaussian { centre, axes: [[s, 0.0], [0.0, g]] });
             }
-            let list = find("matrix")?.list()?;
-            let row = |i: usize| -> Option<[f64; 2]> { list.get(i)?.numbers()?.try_into().ok() };
-            Some(Form::Gaussian { centre, axes: half_axes([row(0)?, row(1)?], extent) })
+            let rows: Option<Vec<Vec<f64>>> =
+                find(fields, "matrix")?.list()?.iter().map(Setting::numbers).collect();
+            let axes = half_axes(metric(&rows?, [Some(0), Some(1)]), extent);
+            Some(Form::Gaussian { centre, axes })
         }
         "triangular-gaussian" => {
-            Some(Form::Triangular { centre: number("centre")?, sigma: number("sigma")? })
+            Some(Form::Triangular { centre: number(fields, "centre")?, sigma: number(fields, "sigma")? })
         }
         "triangle-wave" | "sine-wave" => {
-            let standing =
-                |name: &str, or: [f64; 2]| if find(name).is_some() { pair(name) } else { Some(or) };
+            let standing = |name: &str, or: [f64; 2]| match find(fields, name) {
+                Some(_) => array(fields, name),
+                None => Some(or),
+            };
             Some(Form::Wave {
                 origin: standing("origin", [0.0; 2])?,
-                angle: number("angle").unwrap_or(0.0),
+                angle: number(fields, "angle").unwrap_or(0.0),
                 scale: standing("scale", [1.0; 2])?,
-                period: number("period")?,
+                period: number(fields, "period")?,
+                band_width: number(fields, "band_width").unwrap_or(1.0),
             })
         }
         "piecewise-linear" => {
-            let list = find("points")?.list()?;
+            let list = find(fields, "points")?.list()?;
             let points: Option<Vec<[f64; 5]>> =
                 list.iter().map(|row| row.numbers()?.try_into().ok()).collect();
             points.map(Form::Points)
         }
-        "table" => Some(Form::Table { s: pair("s")?, g: pair("g")? }),
+        "table" => Some(Form::Table { s: array(fields, "s")?, g: array(fields, "g")? }),
         "uniform" => Some(Form::Uniform),
         _ => None,
     }
-}
-
-/// The form of a widget whose numbers a run resolved.
-fn of_profile(profile: &Profile, extent: [f64; 2]) -> Form {
-    match profile {
-        Profile::Gaussian { centre, matrix } => {
-            Form::Gaussian { centre: *centre, axes: half_axes(*matrix, extent) }
-        }
-        _ => Form::Elsewhere,
-    }
-}
-
-/// Whether a polygon holds a place.
-fn holds(corners: &[[f64; 2]], at: [f64; 2]) -> bool {
-    let mut inside = false;
-    for (i, a) in corners.iter().enumerate() {
-        let b = corners[(i + 1) % corners.len()];
-        if (a[1] > at[1]) != (b[1] > at[1]) && at[0] < (b[0] - a[0]) * (at[1] - a[1]) / (b[1] - a[1]) + a[0] {
-            inside = !inside;
-        }
-    }
-    inside
 }
 
 #[cfg(test)]

@@ -1,4 +1,6 @@
-use super::super::moved::{Change, Handle, list, rows};
+use super::super::handles::Handle;
+use super::super::look::Scale;
+use super::super::moved::{Change, list, rows};
 use super::*;
 use voltet_core::graph::Datum;
 
@@ -26,18 +28,21 @@ fn changed(mut fields: Vec<Field>, changes: Vec<Change>) -> Vec<Field> {
 }
 
 const EXTENT: [f64; 2] = [100.0, 10.0];
-const BOUNDS: [f64; 2] = [10.0, 50.0];
+const SCALE: Scale = Scale { extent: EXTENT, shown: [[0.0, 100.0], [0.0, 10.0]], peak: 50.0 };
+
+fn read(fields: &[Field]) -> Drawn {
+    Drawn::of(fields, &S_AND_G, None, EXTENT)
+}
 
 #[test]
 fn a_handle_goes_where_the_hand_brings_it() {
     let fields = gaussian_widget();
-    let drawn = Drawn::read(&fields, None, EXTENT);
+    let drawn = read(&fields);
     let moves =
         [(Handle::Centre, [12.0, 3.0]), (Handle::Width(0), [13.0, 2.0]), (Handle::Width(1), [10.0, 4.5])];
     for (handle, to) in moves {
-        let after =
-            Drawn::read(&changed(fields.clone(), drawn.moved(handle, to, EXTENT, BOUNDS)), None, EXTENT);
-        let (_, at) = after.handles(10.0, 50.0).into_iter().find(|(other, _)| *other == handle).unwrap();
+        let after = read(&changed(fields.clone(), drawn.moved(handle, to, &SCALE)));
+        let (_, at) = after.handles(&SCALE).into_iter().find(|(other, _)| *other == handle).unwrap();
         assert!((at[0] - to[0]).abs() < 1e-6 && (at[1] - to[1]).abs() < 1e-6, "{handle:?}: {at:?}");
     }
 }
@@ -46,22 +51,22 @@ fn a_handle_goes_where_the_hand_brings_it() {
 #[test]
 fn a_turned_gaussian_is_a_matrix_and_an_upright_one_is_not() {
     let fields = gaussian_widget();
-    let drawn = Drawn::read(&fields, None, EXTENT);
+    let drawn = read(&fields);
     // 30° in the plane where both axes are as long.
     let (sin, cos) = 30f64.to_radians().sin_cos();
     let to = [10.0 + 5.0 * cos * EXTENT[0], 2.0 + 5.0 * sin * EXTENT[1]];
-    let turned = changed(fields.clone(), drawn.moved(Handle::Angle, to, EXTENT, BOUNDS));
+    let turned = changed(fields.clone(), drawn.moved(Handle::Angle, to, &SCALE));
     assert!(
         turned.iter().any(|field| field.name == "matrix")
             && !turned.iter().any(|field| field.name == "sigma")
     );
-    let again = Drawn::read(&turned, None, EXTENT);
+    let again = read(&turned);
     // At one half axis along 30° the strength is that of one deviation.
     let length = 0.5 / EXTENT[0];
     let on_axis = [10.0 + length * cos * EXTENT[0], 2.0 + length * sin * EXTENT[1]];
     assert!((again.strength(on_axis) - (-0.5f64).exp()).abs() < 1e-4, "{}", again.strength(on_axis));
-    let upright = changed(turned, drawn.moved(Handle::Angle, [60.0, 2.01], EXTENT, BOUNDS));
-    assert_eq!(Drawn::read(&upright, None, EXTENT), drawn);
+    let upright = changed(turned, drawn.moved(Handle::Angle, [60.0, 2.01], &SCALE));
+    assert_eq!(read(&upright), drawn);
 }
 
 #[test]
@@ -72,7 +77,7 @@ fn a_matrix_and_its_half_axes_say_the_same() {
         field("centre", list(&[0.0, 0.0])),
         field("matrix", rows(&k)),
     ];
-    let drawn = Drawn::read(&fields, None, EXTENT);
+    let drawn = read(&fields);
     for v in [[0.3, 0.1], [-0.7, 0.4], [0.0, 1.0]] {
         let kv = [k[0][0] * v[0] + k[0][1] * v[1], k[1][0] * v[0] + k[1][1] * v[1]];
         let exact = (-(kv[0] * kv[0] + kv[1] * kv[1])).exp();
@@ -84,10 +89,10 @@ fn a_matrix_and_its_half_axes_say_the_same() {
 fn an_infinite_deviation_has_no_handle_and_stays() {
     let mut fields = gaussian_widget();
     fields[4] = field("sigma", list(&[0.5, f64::INFINITY]));
-    let drawn = Drawn::read(&fields, None, EXTENT);
-    let handles: Vec<Handle> = drawn.handles(10.0, 50.0).into_iter().map(|(handle, _)| handle).collect();
+    let drawn = read(&fields);
+    let handles: Vec<Handle> = drawn.handles(&SCALE).into_iter().map(|(handle, _)| handle).collect();
     assert_eq!(handles, [Handle::Centre, Handle::Width(0)]);
-    let after = changed(fields, drawn.moved(Handle::Width(0), [11.5, 2.0], EXTENT, BOUNDS));
+    let after = changed(fields, drawn.moved(Handle::Width(0), [11.5, 2.0], &SCALE));
     let sigma = after.iter().find(|field| field.name == "sigma").unwrap().setting.numbers().unwrap();
     assert_eq!(sigma, [1.5, f64::INFINITY]);
 }
@@ -96,14 +101,11 @@ fn an_infinite_deviation_has_no_handle_and_stays() {
 fn points_of_a_curve_keep_their_order_and_reach_zero() {
     let points = [[0.0, 1.0, 0.0, 0.0, 0.0], [5.0, 1.0, 1.0, 0.0, 8.0], [9.0, 1.0, 1.0, 1.0, 2.0]];
     let fields = vec![field("kind", Datum::Text("piecewise-linear".into())), field("points", rows(&points))];
-    let drawn = Drawn::read(&fields, None, EXTENT);
-    let (_, at) = drawn.handles(10.0, 8.0)[1];
+    let drawn = read(&fields);
+    let (_, at) = drawn.handles(&Scale { peak: 8.0, ..SCALE })[1];
     assert_eq!(at, [5.0, 10.0]);
-    let after = Drawn::read(
-        &changed(fields, drawn.moved(Handle::Point(1), [20.0, 0.02], EXTENT, [10.0, 8.0])),
-        None,
-        EXTENT,
-    );
+    let after =
+        read(&changed(fields, drawn.moved(Handle::Point(1), [20.0, 0.02], &Scale { peak: 8.0, ..SCALE })));
     let Form::Points(points) = after.form else { panic!("no curve") };
     assert!(points[1][0] < 9.0 && points[1][0] > 8.9);
     assert_eq!(points[1][4], 0.0);
@@ -113,11 +115,88 @@ fn points_of_a_curve_keep_their_order_and_reach_zero() {
 fn regions_follow_their_corners_and_the_widget() {
     let region = Datum::Table(vec![field("s", list(&[1.0, 3.0])), field("g", list(&[0.0, 2.0]))]);
     let fields = vec![field("kind", Datum::Text("uniform".into())), field("region", region)];
-    let drawn = Drawn::read(&fields, None, EXTENT);
+    let drawn = read(&fields);
     assert_eq!(drawn.strength([2.0, 1.0]), 1.0);
     assert_eq!(drawn.strength([3.5, 1.0]), 0.0);
     // Past the other corner, the ends change places.
-    let changes = drawn.moved(Handle::Corner(2), [0.5, 1.0], EXTENT, BOUNDS);
+    let changes = drawn.moved(Handle::Corner(2), [0.5, 1.0], &SCALE);
     assert_eq!(changes[0], ("region.s", Some(list(&[0.5, 1.0]))));
-    assert_eq!(drawn.shifted([1.0, 0.5], EXTENT, BOUNDS)[1], ("region.g", Some(list(&[0.5, 2.5]))));
+    assert_eq!(drawn.shifted([1.0, 0.5], &SCALE)[1], ("region.g", Some(list(&[0.5, 2.5]))));
+}
+
+#[test]
+fn sides_move_alone_and_a_polygon_stays_convex() {
+    let region = Datum::Table(vec![field("s", list(&[1.0, 3.0]))]);
+    let fields = vec![field("kind", Datum::Text("uniform".into())), field("region", region)];
+    let drawn = read(&fields);
+    let handles: Vec<Handle> = drawn.handles(&SCALE).into_iter().map(|(handle, _)| handle).collect();
+    assert_eq!(handles, [Handle::Side(0, false), Handle::Side(0, true)], "there is no limit of g");
+    assert_eq!(
+        drawn.moved(Handle::Side(0, true), [7.0, 4.0], &SCALE),
+        [("region.s", Some(list(&[1.0, 7.0])))]
+    );
+    let corners = [[0.0, 0.0], [10.0, 0.0], [10.0, 5.0], [0.0, 5.0]];
+    let region = Datum::Table(vec![field("polygon", rows(&corners))]);
+    let fields = vec![field("kind", Datum::Text("uniform".into())), field("region", region)];
+    let drawn = read(&fields);
+    assert!(drawn.moved(Handle::Corner(2), [1.0, 1.0], &SCALE).is_empty(), "it would be dented");
+    // A point near the right side goes there, one outside stays where it is.
+    let (changes, handle) = drawn.with_point([9.0, 2.0], &SCALE).unwrap();
+    assert_eq!(handle, Handle::Corner(2));
+    let Some(Datum::List(polygon)) = changes[0].1.clone() else { panic!("no polygon") };
+    assert_eq!(polygon[2].numbers().unwrap(), [10.0, 2.0]);
+    let (changes, _) = drawn.with_point([11.0, 2.0], &SCALE).unwrap();
+    let Some(Datum::List(polygon)) = changes[0].1.clone() else { panic!("no polygon") };
+    assert_eq!(polygon[2].numbers().unwrap(), [11.0, 2.0]);
+    assert!(drawn.without_point(Handle::Corner(0)).is_some_and(|changes| changes.len() == 1));
+}
+
+#[test]
+fn bands_are_as_wide_as_the_profile_says() {
+    for kind in ["triangle-wave", "sine-wave"] {
+        let mut fields = vec![
+            field("kind", Datum::Text(kind.into())),
+            field("origin", list(&[10.0, 0.0])),
+            field("period", Datum::Number(20.0)),
+        ];
+        let drawn = read(&fields);
+        assert!((drawn.strength([20.0, 3.0]) - 1.0).abs() < 1e-12, "{kind}: the peak of the first band");
+        let changes = drawn.moved(Handle::Band, [24.0, 1.0], &SCALE);
+        fields.push(field("band_width", changes[0].1.clone().unwrap()));
+        let narrow = read(&fields);
+        // It ends where the hand is.
+        let place = narrow.handles(&SCALE).into_iter().find(|(handle, _)| *handle == Handle::Band).unwrap().1;
+        assert!((place[0] - 24.0).abs() < 1e-3, "{kind}: {place:?}");
+        assert!(narrow.strength([24.1, 0.0]) == 0.0 && narrow.strength([23.0, 0.0]) > 0.0, "{kind}");
+    }
+}
+
+/// The axis is 0 to 100, half of the volume below 20.
+fn known() -> Known {
+    let spread = crate::worker::Spread::from_knots(vec![0.0, 20.0, 100.0], vec![0.0, 0.5, 1.0]);
+    let [s, g] = S_AND_G;
+    Known { ranges: [(s.clone(), [0.0, 100.0]), (g, [0.0, 10.0])].into(), spreads: [(s, spread)].into() }
+}
+
+#[test]
+fn relative_numbers_stay_relative_and_others_as_they_are_written() {
+    let text = |text: &str| Setting::from(Datum::Text(text.into()));
+    let mut fields = gaussian_widget();
+    fields[3] = field("centre", Datum::List(vec![text("p50"), text("25 %")]));
+    fields[4] = field("sigma", Datum::List(vec![text("10 %"), Datum::Number(0.123456789).into()]));
+    let known = known();
+    let drawn = Drawn::of(&fields, &S_AND_G, Some(&known), EXTENT);
+    assert_eq!(drawn.form, Form::Gaussian { centre: [20.0, 2.5], axes: [[10.0, 0.0], [0.0, 0.123456789]] });
+    let written = |changes: Vec<Change>, key: &str| {
+        let change = changes.into_iter().find(|(name, _)| *name == key).unwrap();
+        let datum = relative::as_written(&fields, Some(&known), key, change.1.unwrap());
+        datum.to_string()
+    };
+    assert_eq!(written(drawn.moved(Handle::Centre, [60.0, 5.0], &SCALE), "centre"), "[\"p75.0\", \"50 %\"]");
+    assert_eq!(written(drawn.moved(Handle::Centre, [60.0, 2.5], &SCALE), "centre"), "[\"p75.0\", \"25 %\"]");
+    let wider = drawn.moved(Handle::Width(0), [60.0, 2.5], &SCALE);
+    assert_eq!(written(wider, "sigma"), "[\"40 %\", 0.123456789]");
+    // Where nothing is known of the data, it is not drawn, and says why.
+    let unknown = Drawn::of(&fields, &S_AND_G, None, EXTENT);
+    assert!(unknown.form == Form::Elsewhere && unknown.fault.is_some());
 }

@@ -1,29 +1,39 @@
-//! What a hand does in the plane: looking elsewhere, taking hold of widgets, nudging them.
+//! What a mouse does in the plane: looking elsewhere, taking hold of widgets, adding and taking away points.
 
-use super::form::{Drawn, Region};
+use super::form::{Drawn, Form, Region};
+use super::handles::{Handle, height_of};
+use super::look::{Look, Scale};
 use super::plane::{self, Plane};
-use super::{Drag, Look, TransferPanel, edit};
+use super::strength::along;
+use super::{TransferPanel, edit};
 use crate::actions::Actions;
-use eframe::egui::{self, Key, PointerButton, Pos2, Rect, Ui};
+use eframe::egui::{self, PointerButton, Pos2, Ui, Vec2};
 
-/// How near to a handle a pointer means it, points.
+/// How near to a handle, or to a curve, a pointer means it, points.
 const NEAR: f32 = 9.0;
-
-/// A nudge by an arrow key, as a share of the shown axis.
-const NUDGE: f64 = 0.01;
 
 /// Factor of a zoom by one notch of the wheel (50 points).
 const NOTCH: f64 = 1.2;
 
+/// With Alt a drag goes so much of the hand's way.
+pub(super) const FINE: f64 = 0.2;
+
+/// What covers a place more than this is meant there.
+const COVERS: f64 = 0.13;
+
+/// A drag: the widget as it was, what is held, and where that was and is.
+pub(super) struct Drag {
+    pub widget: Drawn,
+    handle: Option<Handle>,
+    from: [f64; 2],
+    at: [f64; 2],
+    /// The extinction at the top of the plot stands still meanwhile.
+    pub peak: f64,
+}
+
 impl TransferPanel {
     /// Wheel and Shift-drag: which part of the plane is shown.
-    pub(super) fn move_plane(
-        &mut self,
-        ui: &Ui,
-        response: &egui::Response,
-        plane: Plane,
-        of_data: Option<[[f64; 2]; 2]>,
-    ) {
+    pub(super) fn move_plane(&mut self, ui: &Ui, response: &egui::Response, plane: Plane) {
         if let Some(at) = response.hover_pos() {
             let (scroll, alt) = ui.input(|input| {
                 let scroll = input.smooth_scroll_delta;
@@ -40,18 +50,14 @@ impl TransferPanel {
         }
         let pans = ui.input(|input| input.modifiers.shift) || response.dragged_by(PointerButton::Middle);
         let delta = response.drag_delta();
-        if pans && self.drag.is_none() && delta != egui::Vec2::ZERO {
-            let [per_s, per_g] = plane.per_point();
-            let by = [-f64::from(delta.x) * per_s, f64::from(delta.y) * per_g];
+        if pans && self.drag.is_none() && delta != Vec2::ZERO {
+            let by = plane.way(-delta);
             let [s, g] = plane.shown;
             self.shown = Some([s.map(|x| x + by[0]), g.map(|x| x + by[1])]);
         }
-        if response.double_clicked() && self.drag.is_none() && of_data.is_some() {
-            self.shown = None;
-        }
     }
 
-    /// Choosing and dragging widgets.
+    /// Choosing and dragging widgets, and points of them.
     pub(super) fn hand(
         &mut self,
         ui: &Ui,
@@ -60,117 +66,150 @@ impl TransferPanel {
         look: &Look,
         actions: &mut Actions,
     ) {
-        let shift = ui.input(|input| input.modifiers.shift);
+        let modifiers = ui.input(|input| input.modifiers);
         let press = ui.input(|input| input.pointer.press_origin());
-        let top = plane.shown[1][1];
-        let begins = response.drag_started_by(PointerButton::Primary) && !shift;
-        if let Some(at) = press.filter(|_| begins) {
-            self.take(at, plane, look, top);
+        let scale = look.scale(plane.shown);
+        let at = response.interact_pointer_pos();
+        if let Some(at) = at.filter(|_| response.double_clicked()) {
+            self.add_point_or_show_all(plane.to_values(at), look, &scale, actions);
+            return;
         }
-        if response.clicked()
-            && let Some(at) = response.interact_pointer_pos()
-        {
-            self.take(at, plane, look, top);
+        if let Some(at) = at.filter(|_| response.clicked()) {
+            self.before_click = self.chosen;
+            self.take(at, plane, look, &scale);
             self.drag = None;
         }
-        let Some(drag) = &self.drag else { return };
+        if let Some(at) = at.filter(|_| response.secondary_clicked()) {
+            self.take_point_away(at, plane, look, &scale, actions);
+        }
+        let begins = response.drag_started_by(PointerButton::Primary) && !modifiers.shift;
+        if let Some(at) = press.filter(|_| begins) {
+            self.take(at, plane, look, &scale);
+        }
+        let Some(drag) = &mut self.drag else { return };
         if response.drag_stopped() || !ui.input(|input| input.pointer.primary_down()) {
             self.drag = None;
             return;
         }
-        let Some(at) = ui.input(|input| input.pointer.interact_pos()) else { return };
-        if response.drag_delta() == egui::Vec2::ZERO {
+        let delta = response.drag_delta();
+        if delta == Vec2::ZERO {
             return;
         }
-        let to = plane.to_values(at);
-        let bounds = [top, look.peak];
-        let changes = match drag.handle {
-            Some(handle) => drag.widget.moved(handle, to, look.extent, bounds),
-            None => drag.widget.shifted([to[0] - drag.from[0], to[1] - drag.from[1]], look.extent, bounds),
+        // From where it was taken hold of the hand may have gone a little before that was a drag.
+        let delta = match at.filter(|_| begins) {
+            Some(at) => at - plane.to_window(drag.from),
+            None => delta,
         };
-        edit(look, self.chosen, changes, actions);
+        let way = plane.way(delta);
+        let times = if modifiers.alt { FINE } else { 1.0 };
+        (0..2).for_each(|k| drag.at[k] += times * way[k]);
+        let changes = match drag.handle {
+            Some(handle) => drag.widget.moved(handle, drag.at, &scale),
+            None => drag.widget.shifted([0, 1].map(|k: usize| drag.at[k] - drag.from[k]), &scale),
+        };
+        let before = drag.widget.clone();
+        edit(look, self.chosen, &before, changes, actions);
+    }
+
+    /// A double click adds a point to a curve or polygon in hand, else all of the data is shown.
+    fn add_point_or_show_all(&mut self, at: [f64; 2], look: &Look, scale: &Scale, actions: &mut Actions) {
+        let has_points = |place: usize| look.widgets.get(place).is_some_and(Drawn::has_points);
+        let Some(place) = [self.chosen, self.before_click].into_iter().find(|place| has_points(*place))
+        else {
+            self.shown = None;
+            return;
+        };
+        self.chosen = place;
+        let widget = &look.widgets[place];
+        if let Some((changes, handle)) = widget.with_point(at, scale) {
+            self.held = Some(handle);
+            edit(look, place, widget, changes, actions);
+        }
+    }
+
+    /// A right click on a point takes it away.
+    fn take_point_away(&mut self, at: Pos2, plane: Plane, look: &Look, scale: &Scale, actions: &mut Actions) {
+        let Some(widget) = look.widgets.get(self.chosen) else { return };
+        let handle = nearest(widget, at, plane, scale);
+        if let Some(changes) = handle.and_then(|handle| widget.without_point(handle)) {
+            self.held = None;
+            edit(look, self.chosen, widget, changes, actions);
+        }
     }
 
     /// What lies under a press: a handle of the widget in hand, another widget, or nothing.
-    fn take(&mut self, at: Pos2, plane: Plane, look: &Look, top: f64) {
+    fn take(&mut self, at: Pos2, plane: Plane, look: &Look, scale: &Scale) {
         let value = plane.to_values(at);
-        let nearest = |widget: &Drawn| {
-            let handles = widget.handles(top, look.peak).into_iter();
-            let by_distance = handles.map(|(handle, place)| (plane.to_window(place).distance(at), handle));
-            by_distance
-                .filter(|(distance, _)| *distance <= NEAR)
-                .min_by(|a, b| a.0.total_cmp(&b.0))
-                .map(|(_, handle)| handle)
+        let hold = |widget: &Drawn, handle: Option<Handle>| {
+            let place =
+                |handle: Handle| widget.handles(scale).into_iter().find(|(known, _)| *known == handle);
+            let from = handle.and_then(place).map_or(value, |(_, place)| place);
+            Some(Drag { widget: widget.clone(), handle, from, at: from, peak: look.peak })
         };
-        let hold = |widget: &Drawn, handle| Some(Drag { widget: widget.clone(), handle, from: value });
+        self.held = None;
         if let Some(widget) = look.widgets.get(self.chosen)
-            && let Some(handle) = nearest(widget)
+            && let Some(handle) = nearest(widget, at, plane, scale)
         {
+            self.held = Some(handle);
             self.drag = hold(widget, Some(handle));
             return;
         }
-        // Handles of others come before what others cover; of what covers the place, the strongest.
-        let by_handle =
-            look.widgets.iter().enumerate().find_map(|(place, widget)| Some((place, nearest(widget)?)));
+        // Handles and lines of others come before what others cover; of what covers the place, the strongest.
+        let by_handle = look
+            .widgets
+            .iter()
+            .enumerate()
+            .find_map(|(place, widget)| nearest(widget, at, plane, scale).map(|handle| (place, handle)));
         if let Some((place, handle)) = by_handle {
-            self.chosen = place;
+            (self.chosen, self.held) = (place, Some(handle));
             self.drag = hold(&look.widgets[place], Some(handle));
             return;
         }
-        let strengths =
-            look.widgets.iter().enumerate().map(|(place, widget)| (place, widget.strength(value)));
-        // What is everywhere is taken by its handles alone.
+        let on_curve = |widget: &&Drawn| is_on_curve(widget, at, plane, scale);
+        if let Some(place) = look.widgets.iter().position(|widget| on_curve(&widget)) {
+            self.chosen = place;
+            self.drag = hold(&look.widgets[place], None);
+            return;
+        }
+        let strengths = look.widgets.iter().enumerate();
+        let strengths = strengths.map(|(place, widget)| (place, widget.strength(value)));
+        // What is everywhere, and lines, are taken by what is drawn of them alone.
         let local = strengths.filter(|(place, strength)| {
-            *strength > 0.13
-                && !(matches!(look.widgets[*place].region, Region::Whole)
-                    && is_everywhere(&look.widgets[*place], look))
+            let widget = &look.widgets[*place];
+            let is_area = !matches!(widget.form, Form::Points(_) | Form::Wave { .. })
+                || !matches!(widget.region, Region::Whole);
+            *strength > COVERS && is_area && !is_everywhere(widget, look)
         });
         if let Some((place, _)) = local.max_by(|a, b| a.1.total_cmp(&b.1)) {
             self.chosen = place;
             self.drag = hold(&look.widgets[place], None);
         }
     }
+}
 
-    /// Arrows nudge, digits recall and with Ctrl store a set.
-    pub(super) fn keys(&mut self, ui: &Ui, whole: Rect, plane: Plane, look: &Look, actions: &mut Actions) {
-        if ui.ctx().wants_keyboard_input() || !ui.rect_contains_pointer(whole) {
-            return;
-        }
-        self.sets.keys(ui, look, actions);
-        let (modifiers, by) = ui.input(|input| {
-            let pressed = |key| f64::from(u8::from(input.key_pressed(key)));
-            let by = [
-                pressed(Key::ArrowRight) - pressed(Key::ArrowLeft),
-                pressed(Key::ArrowUp) - pressed(Key::ArrowDown),
-            ];
-            (input.modifiers, by)
-        });
-        if by == [0.0; 2] {
-            return;
-        }
-        let times = if modifiers.shift {
-            5.0
-        } else if modifiers.alt {
-            0.2
-        } else {
-            1.0
-        };
-        let step = [0, 1].map(|k| by[k] * times * NUDGE * (plane.shown[k][1] - plane.shown[k][0]));
-        if let Some(widget) = look.widgets.get(self.chosen) {
-            edit(
-                look,
-                self.chosen,
-                widget.shifted(step, look.extent, [plane.shown[1][1], look.peak]),
-                actions,
-            );
-        }
-    }
+/// The handle that a pointer means.
+pub(super) fn nearest(widget: &Drawn, at: Pos2, plane: Plane, scale: &Scale) -> Option<Handle> {
+    let handles = widget.handles(scale).into_iter();
+    let by_distance = handles.map(|(handle, place)| (plane.to_window(place).distance(at), handle));
+    let near = by_distance.filter(|(distance, _)| *distance <= NEAR);
+    near.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, handle)| handle)
+}
+
+/// Whether a pointer is on the line of a curve.
+fn is_on_curve(widget: &Drawn, at: Pos2, plane: Plane, scale: &Scale) -> bool {
+    let Form::Points(points) = &widget.form else { return false };
+    let s = plane.to_values(at)[0];
+    let height = height_of(along(points, s)[4], scale.peak) * scale.top();
+    (plane.to_window([s, height]).y - at.y).abs() <= NEAR
 }
 
 /// Whether it is as strong at all four corners of the data.
 fn is_everywhere(widget: &Drawn, look: &Look) -> bool {
-    let Some(histogram) = &look.histogram else { return false };
+    let Some(histogram) = look.histogram() else { return false };
+    if !matches!(widget.region, Region::Whole) {
+        return false;
+    }
     let [s, g] = histogram.axes;
     let corners = [[s.low, g.low], [s.high, g.low], [s.low, g.high], [s.high, g.high]];
-    corners.iter().all(|at| widget.strength(*at) > 0.13)
+    corners.iter().all(|at| widget.strength(*at) > COVERS)
 }

@@ -1,110 +1,130 @@
 //! What stands above the plane: the widgets, and what can be done to the one in hand.
 
-use super::form::Drawn;
-use super::{Look, TransferPanel, draw};
+use super::form::{Drawn, Form};
+use super::look::{Look, S_AND_G};
+use super::{TransferPanel, draw, fields, new};
 use crate::actions::Actions;
 use crate::theme;
 use crate::worker::short;
-use eframe::egui::{Color32, DragValue, Rgba, RichText, Sense, Stroke, Ui, vec2};
-use voltet_core::graph::{Datum, Field, Setting};
-use voltet_core::probing::Histogram;
+use eframe::egui::{Color32, DragValue, Rgba, RichText, Sense, Stroke, TextEdit, Ui, vec2};
+use std::collections::BTreeSet;
+use voltet_core::graph::{Datum, Quantity, Setting};
 use voltet_document::{Edit, Path};
-
-/// Deviations of a new Gaussian, as shares of the axes.
-const NEW: [f64; 2] = [0.02, 0.05];
-
-/// Least deviations of one on probed values, as a share of the axes.
-const LEAST: f64 = 0.01;
-
-/// Extinction of a new widget, per unit distance, where no other shows what is usual.
-const EXTINCTION: f64 = 10.0;
 
 impl TransferPanel {
     pub(super) fn head(&mut self, ui: &mut Ui, look: &Look, actions: &mut Actions) {
         let dark = ui.visuals().dark_mode;
-        let name = &look.node.name;
-        let list = || Path::from("widgets");
         ui.horizontal_wrapped(|ui| {
-            ui.strong(name.as_str());
+            ui.strong(look.node.name.as_str());
             for (place, widget) in look.widgets.iter().enumerate() {
-                self.chip(ui, place, widget);
+                self.chip(ui, place, widget, look);
             }
-            ui.separator();
             let peak = ui
                 .small_button("+ at peak")
-                .on_hover_text("a Gaussian where most of the volume is that no widget holds");
+                .on_hover_text("a Gaussian where most of the volume is that no widget holds (P)");
             if peak.clicked() {
-                let entry = at_peak(look);
-                actions.edit(Edit::Insert {
-                    node: name.clone(),
-                    list: list(),
-                    place: look.widgets.len(),
-                    entry,
-                });
-                self.chosen = look.widgets.len();
+                self.add(look, new::at_peak(look), actions);
             }
-            if let Some(moments) = look.probed.as_ref().and_then(|probed| probed.moments()) {
+            if let Some(entry) = look.probed.as_ref().and_then(|probed| new::at_probe(look, probed)) {
                 let found = ui
                     .small_button("+ at probe")
-                    .on_hover_text("a Gaussian on the values of the probe: their mean and deviations");
+                    .on_hover_text("a Gaussian on the values of the probe: their mean and covariance");
                 if found.clicked() {
-                    let entry = at_probe(look, moments);
-                    actions.edit(Edit::Insert {
-                        node: name.clone(),
-                        list: list(),
-                        place: look.widgets.len(),
-                        entry,
-                    });
-                    self.chosen = look.widgets.len();
+                    self.add(look, entry, actions);
                 }
             }
+            self.set_menu(ui, look, actions);
+            self.axes_menu(ui, look);
             if !self.hidden.is_empty() {
                 let text = format!("{} hidden in this window", self.hidden.len());
                 ui.label(RichText::new(text).small().color(theme::accent(dark)));
             }
         });
-        ui.horizontal(|ui| {
+        ui.horizontal_wrapped(|ui| {
             let Some(widget) = look.widgets.get(self.chosen) else { return };
-            let place = self.chosen;
-            ui.label(format!("{} {}", place + 1, widget.kind));
-            self.color_and_strength(ui, look, widget, actions);
-            if ui.small_button("×2").on_hover_text("duplicate the widget").clicked() {
-                actions.edit(Edit::Duplicate { node: name.clone(), list: list(), place });
-                self.chosen = place + 1;
+            self.of_widget(ui, look, widget, actions);
+        });
+        self.figures(ui, look);
+    }
+
+    /// What can be done to the widget in hand.
+    fn of_widget(&mut self, ui: &mut Ui, look: &Look, widget: &Drawn, actions: &mut Actions) {
+        let (place, count) = (self.chosen, look.widgets.len());
+        ui.label(format!("{} {}", place + 1, widget.kind));
+        self.color_and_strength(ui, look, widget, actions);
+        if ui.small_button("×2").on_hover_text("duplicate the widget (Ctrl+D over the plane)").clicked() {
+            self.duplicate(look, actions);
+        }
+        if ui.small_button("✖").on_hover_text("take the widget away (Delete over the plane)").clicked() {
+            self.remove(look, actions);
+        }
+        for (text, to, help) in [
+            ("◀", place.saturating_sub(1), "earlier in the list (Shift+PageUp)"),
+            ("▶", (place + 1).min(count - 1), "later in the list (Shift+PageDown)"),
+        ] {
+            let button = eframe::egui::Button::new(text).small();
+            if ui.add_enabled(to != place, button).on_hover_text(help).clicked() {
+                self.reorder(look, to, actions);
             }
-            if ui.small_button("✖").on_hover_text("take the widget away").clicked() {
-                actions.edit(Edit::Unset { node: name.clone(), path: list().with(place) });
+        }
+        let hide = ui
+            .selectable_label(self.hidden.contains(&place), "hide")
+            .on_hover_text("leave it out of this window's picture; the file keeps it (V)");
+        if hide.clicked() {
+            self.hide(place);
+        }
+        let solo = ui
+            .selectable_label(self.is_solo(place, count), "solo")
+            .on_hover_text("this widget alone in this window's picture (S)");
+        if solo.clicked() {
+            self.solo(place, count);
+        }
+    }
+
+    /// What the widget in hand holds of the data and adds to the picture.
+    fn figures(&self, ui: &mut Ui, look: &Look) {
+        let Some(widget) = look.widgets.get(self.chosen) else { return };
+        let color = theme::weak(ui.visuals().dark_mode);
+        let weak = |text: String| RichText::new(text).small().color(color);
+        let percent = |share: f64| short((1e4 * share).round() / 100.0);
+        let mut texts: Vec<(String, &str)> = Vec::new();
+        if let (Form::Elsewhere, Some(axes)) = (&widget.form, natural_axes(widget)) {
+            let [x, y] = axes.map(|axis| axis_name(&axis));
+            let why = widget.fault.clone().unwrap_or_else(|| format!("lies on the axes {x} and {y}"));
+            texts.push((why, "choose the axes above, or click on the widget's colour"));
+        }
+        if let Some(held) = look.histogram().and_then(|histogram| widget.held(histogram)) {
+            let text = format!("holds {} % of the volume", percent(held));
+            texts.push((text, "where the widget is at half of its peak or more"));
+        }
+        match &look.share {
+            _ if self.hidden.contains(&self.chosen) => {}
+            None => {}
+            Some(Err(error)) => texts.push((error.clone(), "its share of the picture")),
+            Some(Ok(share)) => {
+                let cells = share.cells.map(|[own, all]| format!("in {own} of {all} cells, "));
+                let text = format!(
+                    "{}{} % of the picture's opacity, {} % of its light",
+                    cells.unwrap_or_default(),
+                    percent(share.opacity),
+                    percent(share.light)
+                );
+                texts.push((
+                    text,
+                    "what a coarse picture loses without the widget; what it hides comes to light instead",
+                ));
             }
-            let is_hidden = self.hidden.contains(&place);
-            let hide = ui
-                .selectable_label(is_hidden, "hide")
-                .on_hover_text("leave it out of this window's picture; the file keeps it");
-            if hide.clicked() && !self.hidden.remove(&place) {
-                self.hidden.insert(place);
-            }
-            let others: std::collections::BTreeSet<usize> =
-                (0..look.widgets.len()).filter(|i| *i != place).collect();
-            let is_solo = !others.is_empty() && self.hidden == others;
-            if ui
-                .selectable_label(is_solo, "solo")
-                .on_hover_text("this widget alone in this window's picture")
-                .clicked()
-            {
-                self.hidden = if is_solo { Default::default() } else { others };
-            }
-            if let Some(held) = look.histogram.as_ref().and_then(|histogram| held(histogram, widget)) {
-                ui.label(
-                    RichText::new(format!("holds {} % of the volume", short((1e4 * held).round() / 100.0)))
-                        .small()
-                        .color(theme::weak(dark)),
-                )
-                .on_hover_text("where the widget is at half of its peak or more");
+        }
+        ui.horizontal_wrapped(|ui| {
+            for (i, (text, help)) in texts.into_iter().enumerate() {
+                let text = if i > 0 { format!("· {text}") } else { text };
+                ui.label(weak(text)).on_hover_text(help);
             }
         });
     }
 
     /// A widget by its colour; the one in hand has a frame.
-    fn chip(&mut self, ui: &mut Ui, place: usize, widget: &Drawn) {
+    fn chip(&mut self, ui: &mut Ui, place: usize, widget: &Drawn, look: &Look) {
         let dark = ui.visuals().dark_mode;
         let (rect, response) = ui.allocate_exact_size(vec2(18.0, 14.0), Sense::click());
         let color = draw::color(widget.color);
@@ -114,14 +134,54 @@ impl TransferPanel {
             ui.painter().rect_stroke(rect, 3.0, Stroke::new(1.5, theme::accent(dark)));
         }
         if response.on_hover_text(format!("{} {}", place + 1, widget.kind)).clicked() {
-            self.chosen = place;
+            self.choose(place, look);
         }
+    }
+
+    /// Which quantities the plane is over.
+    fn axes_menu(&mut self, ui: &mut Ui, look: &Look) {
+        let [x, y] = self.axes.each_ref().map(axis_name);
+        let arrays: BTreeSet<String> = fields_of_all(look);
+        ui.menu_button(format!("axes {x}, {y}"), |ui| {
+            ui.set_min_width(220.0);
+            if ui.button("s, g").clicked() {
+                self.set_axes(S_AND_G);
+                ui.close_menu();
+            }
+            for (k, title) in ["to the right", "up"].into_iter().enumerate() {
+                ui.separator();
+                ui.label(title);
+                let named = S_AND_G.into_iter();
+                for axis in named.chain(arrays.iter().cloned().map(Quantity::Array)) {
+                    if ui.selectable_label(self.axes[k] == axis, axis_name(&axis)).clicked() {
+                        let mut axes = self.axes.clone();
+                        axes[k] = axis;
+                        self.set_axes(axes);
+                        ui.close_menu();
+                    }
+                }
+                let typed = TextEdit::singleline(&mut self.typed_axis[k]).hint_text("another point array");
+                let response = ui.add(typed.desired_width(180.0));
+                let enters = ui.input(|input| input.key_pressed(eframe::egui::Key::Enter));
+                if response.lost_focus() && enters && !self.typed_axis[k].is_empty() {
+                    let mut axes = self.axes.clone();
+                    axes[k] = Quantity::Array(std::mem::take(&mut self.typed_axis[k]));
+                    self.set_axes(axes);
+                    ui.close_menu();
+                }
+            }
+        })
+        .response
+        .on_hover_text("the quantities that the plane is over; widgets of several fields lie on theirs");
     }
 
     fn color_and_strength(&self, ui: &mut Ui, look: &Look, widget: &Drawn, actions: &mut Actions) {
         let fields = look.list.get(self.chosen).and_then(Setting::table).unwrap_or_default();
         let is_stated = |key: &str| fields.iter().any(|field| field.name == key);
         let path = |key: &str| Path::from("widgets").with(self.chosen).with(key);
+        let mut set = |key: &str, value: Datum| {
+            actions.edit(Edit::Set { node: look.node.name.clone(), path: path(key), value });
+        };
         if is_stated("color") {
             let brightest = widget.color.iter().copied().fold(1.0, f64::max);
             let mut shown: Color32 = draw::color(widget.color.map(|x| x / brightest));
@@ -129,95 +189,97 @@ impl TransferPanel {
                 let linear = Rgba::from(shown);
                 let channel = |x: f32| (f64::from(x) * brightest * 1e4).round() / 1e4;
                 let color = [linear.r(), linear.g(), linear.b()].map(channel);
-                let value = Datum::List(color.map(|x| Setting::from(Datum::Number(x))).to_vec());
-                actions.edit(Edit::Set { node: look.node.name.clone(), path: path("color"), value });
+                set("color", Datum::List(color.map(|x| Setting::from(Datum::Number(x))).to_vec()));
             }
         }
         if is_stated("extinction") {
             let mut extinction = widget.extinction;
             let speed = (extinction * 0.01).max(1e-3);
             let field = DragValue::new(&mut extinction).range(0.0..=f64::MAX).speed(speed).max_decimals(4);
-            if ui
-                .add(field.update_while_editing(false))
-                .on_hover_text("extinction, per unit_distance")
-                .changed()
-            {
-                let value = Datum::Number(format!("{extinction:.5e}").parse().unwrap_or(extinction));
-                actions.edit(Edit::Set { node: look.node.name.clone(), path: path("extinction"), value });
+            let response = ui.add(field.update_while_editing(false));
+            if response.on_hover_text("extinction, per unit_distance").changed() {
+                set("extinction", Datum::Number(super::moved::rounded(extinction)));
             }
+        }
+    }
+
+    /// A widget more, which is then in hand.
+    pub(super) fn add(&mut self, look: &Look, entry: Datum, actions: &mut Actions) {
+        let (node, place) = (look.node.name.clone(), look.widgets.len());
+        actions.edit(Edit::Insert { node, list: "widgets".into(), place, entry });
+        (self.chosen, self.held) = (place, None);
+    }
+
+    /// A copy of the widget in hand, which is then in hand.
+    pub(super) fn duplicate(&mut self, look: &Look, actions: &mut Actions) {
+        let (node, place) = (look.node.name.clone(), self.chosen);
+        actions.edit(Edit::Duplicate { node, list: "widgets".into(), place });
+        self.hidden = self.hidden.iter().map(|known| known + usize::from(*known > place)).collect();
+        (self.chosen, self.held) = (place + 1, None);
+    }
+
+    /// The widget in hand goes.
+    pub(super) fn remove(&mut self, look: &Look, actions: &mut Actions) {
+        let place = self.chosen;
+        actions.edit(Edit::Unset { node: look.node.name.clone(), path: Path::from("widgets").with(place) });
+        let kept = self.hidden.iter().filter(|known| **known != place);
+        self.hidden = kept.map(|known| known - usize::from(*known > place)).collect();
+        self.held = None;
+    }
+
+    pub(super) fn hide(&mut self, place: usize) {
+        if !self.hidden.remove(&place) {
+            self.hidden.insert(place);
+        }
+    }
+
+    fn is_solo(&self, place: usize, count: usize) -> bool {
+        count > 1 && self.hidden.len() == count - 1 && !self.hidden.contains(&place)
+    }
+
+    pub(super) fn solo(&mut self, place: usize, count: usize) {
+        self.hidden = match self.is_solo(place, count) {
+            true => BTreeSet::new(),
+            false => (0..count).filter(|i| *i != place).collect(),
+        };
+    }
+
+    /// Takes a widget in hand, on axes where it can be seen.
+    pub(super) fn choose(&mut self, place: usize, look: &Look) {
+        (self.chosen, self.held) = (place, None);
+        let Some(widget) = look.widgets.get(place) else { return };
+        if matches!(widget.form, Form::Elsewhere)
+            && let Some(axes) = natural_axes(widget)
+        {
+            self.set_axes(axes);
+        }
+    }
+
+    /// Another plane, all of it shown.
+    pub(super) fn set_axes(&mut self, axes: [Quantity; 2]) {
+        if self.axes != axes {
+            (self.axes, self.shown, self.drag) = (axes, None, None);
         }
     }
 }
 
-/// The share of the volume where a widget is at half of its peak or more.
-fn held(histogram: &Histogram, widget: &Drawn) -> Option<f64> {
-    use super::form::Form;
-    if matches!(widget.form, Form::Wave { .. } | Form::Points(_) | Form::Elsewhere) {
-        return None;
+/// The axes on which a widget is seen.
+fn natural_axes(widget: &Drawn) -> Option<[Quantity; 2]> {
+    match widget.kind.as_str() {
+        "" => None,
+        _ => Some(fields::natural_axes(&widget.stated).unwrap_or(S_AND_G)),
     }
-    let [s, g] = histogram.axes;
-    let middle = |axis: voltet_core::probing::Axis, i: usize| 0.5 * (axis.edge(i) + axis.edge(i + 1));
-    let mut sum = 0.0;
-    for (j, row) in histogram.volumes.chunks(s.bins).enumerate() {
-        let at_g = middle(g, j);
-        for (i, volume) in row.iter().enumerate().filter(|(_, volume)| **volume > 0.0) {
-            if widget.strength([middle(s, i), at_g]) >= 0.5 {
-                sum += volume;
-            }
-        }
-    }
-    Some(sum / histogram.total)
 }
 
-/// A Gaussian at the bin with the most volume that no widget holds.
-fn at_peak(look: &Look) -> Datum {
-    let (mut centre, mut sigma) = ([0.5, 0.0], [0.1, 0.1]);
-    if let Some(histogram) = &look.histogram {
-        let [s, g] = histogram.axes;
-        let middle = |axis: voltet_core::probing::Axis, i: usize| 0.5 * (axis.edge(i) + axis.edge(i + 1));
-        let mut most = -1.0;
-        for (k, volume) in histogram.volumes.iter().enumerate() {
-            let at = [middle(s, k % s.bins), middle(g, k / s.bins)];
-            if *volume > most && look.widgets.iter().all(|widget| widget.strength(at) < 0.1) {
-                (most, centre) = (*volume, at);
-            }
-        }
-        sigma = [NEW[0] * (s.high - s.low), NEW[1] * (g.high - g.low)];
+/// The arrays that any of the widgets names.
+fn fields_of_all(look: &Look) -> BTreeSet<String> {
+    look.list.iter().filter_map(Setting::table).flat_map(fields::arrays).collect()
+}
+
+/// A quantity as an axis names it.
+pub(super) fn axis_name(axis: &Quantity) -> String {
+    match axis {
+        Quantity::Array(name) => name.clone(),
+        Quantity::Named(_) | Quantity::Per(..) => axis.to_string(),
     }
-    gaussian(look, centre, sigma)
-}
-
-/// A Gaussian on values that were found, no narrower than what a hand can take hold of.
-fn at_probe(look: &Look, [centre, deviation]: [[f64; 2]; 2]) -> Datum {
-    gaussian(look, centre, [0, 1].map(|k| deviation[k].max(LEAST * look.extent[k])))
-}
-
-/// A new Gaussian in a colour of its own.
-fn gaussian(look: &Look, centre: [f64; 2], sigma: [f64; 2]) -> Datum {
-    let extinction = look.widgets.iter().map(|widget| widget.extinction).fold(0.0, f64::max);
-    let extinction = if extinction > 0.0 { extinction } else { EXTINCTION };
-    // Hues far apart, one after the other.
-    const COLORS: [[f64; 3]; 6] = [
-        [1.0, 0.5, 0.1],
-        [0.1, 0.45, 1.0],
-        [0.2, 0.8, 0.25],
-        [0.9, 0.15, 0.5],
-        [0.95, 0.85, 0.2],
-        [0.3, 0.8, 0.85],
-    ];
-    let color = COLORS[look.widgets.len() % COLORS.len()];
-    let number = |x: f64| Setting::from(Datum::Number(format!("{x:.5e}").parse().unwrap_or(x)));
-    let list = |numbers: &[f64]| Datum::List(numbers.iter().map(|x| number(*x)).collect());
-    let field = |name: &str, datum: Datum| Field {
-        name: name.into(),
-        origin: Default::default(),
-        setting: datum.into(),
-    };
-    Datum::Table(vec![
-        field("kind", Datum::Text("gaussian".into())),
-        field("color", list(&color)),
-        field("extinction", number(extinction).datum),
-        field("centre", list(&centre)),
-        field("sigma", list(&sigma)),
-    ])
 }

@@ -1,9 +1,11 @@
 //! What the panel shows and edits.
 
 use super::form::Drawn;
-use crate::worker::Probed;
+use crate::scene::Scene;
+use crate::worker::{Distributed, Probed, Share};
+use std::collections::BTreeMap;
 use std::sync::Arc;
-use voltet_core::graph::{NodeEntry, Setting};
+use voltet_core::graph::{NodeEntry, Quantity, Setting};
 use voltet_core::probing::Histogram;
 
 /// What is edited.
@@ -11,9 +13,88 @@ pub(super) struct Look<'a> {
     pub node: &'a NodeEntry,
     pub list: &'a [Setting],
     pub widgets: Vec<Drawn>,
-    pub histogram: Option<Arc<Histogram>>,
+    /// What the axes of the plane are.
+    pub axes: [Quantity; 2],
+    pub found: Option<Arc<Distributed>>,
+    /// Lengths of the axes; an ellipse is turned in the plane where both are as long.
     pub extent: [f64; 2],
     /// The extinction at the top of the plot, for curves.
     pub peak: f64,
     pub probed: Option<Arc<Probed>>,
+    pub share: Option<Result<Share, String>>,
+    /// Sets of widgets that the file keeps, by their digits.
+    pub sets: &'a BTreeMap<u8, Vec<Setting>>,
+}
+
+/// What the plane measures where a handle is drawn or moved.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Scale {
+    pub extent: [f64; 2],
+    /// The shown part, low and high of each axis.
+    pub shown: [[f64; 2]; 2],
+    pub peak: f64,
+}
+
+impl Scale {
+    /// The largest value shown along the second axis, where a curve reaches its peak.
+    pub fn top(&self) -> f64 {
+        self.shown[1][1]
+    }
+}
+
+/// The plane of the scalar and its gradient magnitude.
+pub(super) const S_AND_G: [Quantity; 2] = [Quantity::Named("s"), Quantity::Named("g")];
+
+impl<'a> Look<'a> {
+    /// `former_peak`: where a point is dragged, the scale stands still.
+    pub fn of(
+        scene: &Scene<'a>,
+        node: &'a NodeEntry,
+        axes: &[Quantity; 2],
+        former_peak: Option<f64>,
+    ) -> Look<'a> {
+        let stated = node.settings.iter().find(|field| field.name == "widgets");
+        let list = stated.and_then(|field| field.setting.list()).unwrap_or_default();
+        let found = scene.distribution.clone();
+        let extent =
+            found.as_ref().map_or([1.0; 2], |found| found.histogram.axes.map(|axis| axis.high - axis.low));
+        let known = found.as_ref().map(|found| &found.known);
+        let of_series =
+            node.settings.iter().any(|f| f.name == "relative_to" && f.setting.text() == Some("series"));
+        // Of all steps of a series this volume says nothing.
+        let known = known.filter(|_| !of_series);
+        let widget = |entry: &Setting| Drawn::of(entry.table().unwrap_or_default(), axes, known, extent);
+        let widgets: Vec<Drawn> = list.iter().map(widget).collect();
+        let peak = former_peak.unwrap_or_else(|| {
+            let most = widgets.iter().map(Drawn::peak_of_curve).fold(0.0, f64::max);
+            if most > 0.0 { 1.1 * most } else { 1.0 }
+        });
+        let (probed, share) = (scene.probed.clone(), scene.share.clone());
+        Look {
+            node,
+            list,
+            widgets,
+            axes: axes.clone(),
+            found,
+            extent,
+            peak,
+            probed,
+            share,
+            sets: &scene.document.view().sets,
+        }
+    }
+
+    /// The volume in each bin of the plane.
+    pub fn histogram(&self) -> Option<&Histogram> {
+        self.found.as_ref().map(|found| &found.histogram)
+    }
+
+    /// Whether the plane is that of s and g.
+    pub fn is_of_s_and_g(&self) -> bool {
+        self.axes == S_AND_G
+    }
+
+    pub fn scale(&self, shown: [[f64; 2]; 2]) -> Scale {
+        Scale { extent: self.extent, shown, peak: self.peak }
+    }
 }

@@ -1,55 +1,93 @@
-//! The transfer function editor: the volume-weighted histogram over s and g, and every widget on it, edited where it lies.
+//! The transfer function editor: the volume-weighted histogram over s and g, or over two arrays, and every widget on it, edited
+//! where it lies.
+//!
+//! | file | what |
+//! | --- | --- |
+//! | `look` | what is shown and edited |
+//! | `form`, `strength`, `fields` | widgets in the plane: their shapes, how strong they are where, those over lists of fields |
+//! | `relative` | numbers relative to data: found for the plane, and kept relative where a hand moves them |
+//! | `handles`, `moved`, `points` | what is taken hold of, what a drag makes of the numbers, points added and taken away |
+//! | `hand`, `keys`, `sets` | what mouse and keys do |
+//! | `head`, `new` | the line above the plane; new widgets |
+//! | `plane`, `draw` | axes and histogram; widgets drawn |
 
 mod draw;
+mod fields;
 mod form;
 mod hand;
+mod handles;
 mod head;
+mod keys;
 mod look;
 mod moved;
+mod new;
 mod plane;
+mod points;
+mod relative;
 mod sets;
+mod strength;
 
 use crate::actions::Actions;
 use crate::scene::Scene;
 use crate::theme;
 use crate::worker::short;
 use eframe::egui::{self, Align2, FontId, Rect, Sense, Ui, pos2, vec2};
-use form::Drawn;
-use look::Look;
-use moved::{Change, Handle};
+use form::{Drawn, Form};
+use hand::Drag;
+use handles::Handle;
+use look::{Look, S_AND_G};
+use moved::Change;
 use plane::{Counts, Plane};
-use sets::Sets;
 use std::collections::BTreeSet;
-use voltet_core::graph::{NodeEntry, PortType, Setting};
+use voltet_core::graph::{NodeEntry, PortType, Quantity, Setting};
 use voltet_document::links::upstream;
 use voltet_document::{Edit, Path};
 
-/// Room for the numbers of the axes: left, below.
-const MARGIN: [f32; 2] = [52.0, 18.0];
+/// Room for the numbers of the axes: left, below, and right where a curve has its own.
+const MARGIN: [f32; 3] = [52.0, 18.0, 44.0];
 
 /// The panel, with what a hand is doing in it.
-#[derive(Default)]
 pub(crate) struct TransferPanel {
+    /// What the plane is over.
+    axes: [Quantity; 2],
+    typed_axis: [String; 2],
     /// The shown part of the plane; all of the data until a hand chose another.
     shown: Option<[[f64; 2]; 2]>,
-    /// The widget in hand, by its place.
+    /// The widget in hand, by its place, and the one before the last click.
     chosen: usize,
+    before_click: usize,
+    /// The handle that was taken last.
+    held: Option<Handle>,
     drag: Option<Drag>,
     counts: Counts,
-    sets: Sets,
     /// Widgets that the window's picture leaves out; the file keeps them.
     hidden: BTreeSet<usize>,
     of: Option<String>,
+    /// Whether the pointer was over the panel in the last frame: then its keys are for the widgets.
+    pub has_pointer: bool,
     /// The plane of the last frame, for tests.
     #[cfg(test)]
     plane: Option<Plane>,
 }
 
-/// A drag: the widget as it was, what is held, and where it began.
-struct Drag {
-    widget: Drawn,
-    handle: Option<Handle>,
-    from: [f64; 2],
+impl Default for TransferPanel {
+    fn default() -> Self {
+        TransferPanel {
+            axes: S_AND_G,
+            typed_axis: Default::default(),
+            shown: None,
+            chosen: 0,
+            before_click: 0,
+            held: None,
+            drag: None,
+            counts: Counts::default(),
+            hidden: BTreeSet::new(),
+            of: None,
+            has_pointer: false,
+            #[cfg(test)]
+            plane: None,
+        }
+    }
 }
 
 /// The transfer function that is edited: the selected one, else the first that feeds the picture.
@@ -59,6 +97,14 @@ pub(crate) fn of<'a>(scene: &Scene<'a>) -> Option<&'a NodeEntry> {
     let selected = nodes.iter().filter(is_one).find(|node| scene.selection.contains(&node.name));
     let feeding = upstream(nodes, scene.shown_node?);
     selected.or_else(|| nodes.iter().filter(is_one).find(|node| feeding.contains(&node.name)))
+}
+
+/// The arrays that the widgets of a transfer function name.
+pub(crate) fn fields_of(look: &NodeEntry) -> Vec<String> {
+    let widgets = look.settings.iter().find(|field| field.name == "widgets");
+    let list = widgets.and_then(|field| field.setting.list()).unwrap_or_default();
+    let all: BTreeSet<String> = list.iter().filter_map(Setting::table).flat_map(fields::arrays).collect();
+    all.into_iter().collect()
 }
 
 /// The output that gives the volume that a transfer function is drawn with: "node" or "node.port".
@@ -89,6 +135,16 @@ impl TransferPanel {
         self.of.as_deref().filter(|_| !self.hidden.is_empty()).map(|of| (of, &self.hidden))
     }
 
+    /// What the plane is over.
+    pub fn axes(&self) -> [Quantity; 2] {
+        self.axes.clone()
+    }
+
+    /// The transfer function and the place of the widget in hand, while nobody drags it.
+    pub fn in_hand(&self) -> Option<(&str, usize)> {
+        self.of.as_deref().filter(|_| self.drag.is_none()).map(|of| (of, self.chosen))
+    }
+
     /// Where a value was drawn.
     #[cfg(test)]
     pub fn place_of(&self, value: [f64; 2]) -> Option<egui::Pos2> {
@@ -101,93 +157,105 @@ impl TransferPanel {
         self.plane.map_or([[0.0; 2]; 2], |plane| plane.shown)
     }
 
+    /// The value that was drawn at a place.
+    #[cfg(test)]
+    pub fn value_at(&self, place: egui::Pos2) -> Option<[f64; 2]> {
+        self.plane.map(|plane| plane.to_values(place))
+    }
+
+    /// Another plane.
+    #[cfg(test)]
+    pub fn choose_for_tests(&mut self, axes: [Quantity; 2]) {
+        self.set_axes(axes);
+    }
+
+    /// The widget that a probe would make.
+    #[cfg(test)]
+    pub fn at_probe_for_tests(&self, scene: &Scene) -> Option<voltet_core::graph::Datum> {
+        let look = Look::of(scene, of(scene)?, &self.axes, None);
+        new::at_probe(&look, look.probed.as_ref()?)
+    }
+
     pub fn show(&mut self, ui: &mut Ui, scene: &Scene, actions: &mut Actions) {
+        self.has_pointer = ui.rect_contains_pointer(ui.max_rect());
         let Some(node) = of(scene) else { return };
         if self.of.as_deref() != Some(&node.name) {
             let before = self.of.replace(node.name.clone());
-            (self.chosen, self.drag, self.shown) = (0, None, None);
+            (self.chosen, self.drag, self.held, self.shown) = (0, None, None, None);
             if before.is_some() {
                 self.hidden.clear();
             }
         }
-        let look = self.look(scene, node);
+        let look = Look::of(scene, node, &self.axes, self.drag.as_ref().map(|drag| drag.peak));
         self.chosen = self.chosen.min(look.widgets.len().saturating_sub(1));
         self.hidden.retain(|place| *place < look.widgets.len());
         ui.add_space(3.0);
         self.head(ui, &look, actions);
         let (whole, response) =
             ui.allocate_exact_size(ui.available_size().max(vec2(60.0, 60.0)), Sense::click_and_drag());
+        let in_hand = look.widgets.get(self.chosen);
+        let has_curve = in_hand.is_some_and(|widget| matches!(widget.form, Form::Points(_)));
         let rect = Rect::from_min_max(
             pos2(whole.left() + MARGIN[0], whole.top() + 2.0),
-            pos2(whole.right() - 8.0, whole.bottom() - MARGIN[1]),
+            pos2(whole.right() - if has_curve { MARGIN[2] } else { 8.0 }, whole.bottom() - MARGIN[1]),
         );
-        let of_data = look.histogram.as_ref().map(|histogram| plane::whole(histogram));
-        let shown = self.shown.or(of_data).unwrap_or([[0.0, 1.0], [0.0, 1.0]]);
-        let plane = Plane { rect, shown };
+        let shown = self.shown.or_else(|| look.histogram().map(plane::whole));
+        let plane = Plane { rect, shown: shown.unwrap_or([[0.0, 1.0], [0.0, 1.0]]) };
         #[cfg(test)]
         {
             self.plane = Some(plane);
         }
-        let dark = ui.visuals().dark_mode;
+        self.draw(ui, scene, plane, &look);
+        if has_curve {
+            plane::extinctions(ui, plane, look.peak);
+        }
+        self.move_plane(ui, &response, plane);
+        self.hand(ui, &response, plane, &look, actions);
+        self.keys(ui, plane, &look, actions);
+        self.readout(ui, &response, plane, &look);
+    }
+
+    /// The histogram, its axes, and the widgets on it.
+    fn draw(&mut self, ui: &Ui, scene: &Scene, plane: Plane, look: &Look) {
+        let (rect, dark) = (plane.rect, ui.visuals().dark_mode);
         ui.painter().rect_filled(rect, 0.0, ui.visuals().extreme_bg_color);
-        if let Some(histogram) = &look.histogram {
-            self.counts.draw(ui, plane, histogram);
+        if let Some(found) = &look.found {
+            self.counts.draw(ui, plane, found);
         }
-        plane::axes(ui, plane, ["s", "g = |grad s|"]);
-        for (place, widget) in look.widgets.iter().enumerate() {
-            let is_chosen = place == self.chosen;
-            draw::widget(ui, plane, widget, is_chosen, self.hidden.contains(&place), look.peak);
+        let [x, y] = self.axes.each_ref().map(head::axis_name);
+        plane::axes(ui, plane, [&x, if y == "g" { "g = |grad s|" } else { &y }]);
+        let scale = look.scale(plane.shown);
+        // The one in hand above the others.
+        let others = (0..look.widgets.len()).filter(|place| *place != self.chosen);
+        for place in others.chain([self.chosen]) {
+            let Some(widget) = look.widgets.get(place) else { continue };
+            let handles = (place == self.chosen).then_some(self.held);
+            draw::widget(ui, plane, widget, &scale, handles, self.hidden.contains(&place));
         }
-        if let Some(probed) = &look.probed {
+        if let Some(probed) = look.probed.as_ref().filter(|_| look.is_of_s_and_g()) {
             draw::probed(ui, plane, probed);
         }
-        if look.histogram.is_none() {
+        if look.found.is_none() {
             let text = scene
                 .distribution_fault
                 .clone()
                 .unwrap_or_else(|| "the distribution of the data comes …".into());
-            let font = FontId::proportional(12.0);
-            ui.painter().text(rect.center(), Align2::CENTER_CENTER, text, font, theme::weak(dark));
+            let galley =
+                ui.painter().layout(text, FontId::proportional(12.0), theme::weak(dark), rect.width() - 20.0);
+            let place = Align2::CENTER_CENTER.anchor_size(rect.center(), galley.size());
+            ui.painter().galley(place.min, galley, theme::weak(dark));
         }
-        self.move_plane(ui, &response, plane, of_data);
-        self.hand(ui, &response, plane, &look, actions);
-        self.keys(ui, whole, plane, &look, actions);
-        self.readout(ui, &response, plane, &look);
-    }
-
-    fn look<'a>(&self, scene: &Scene<'a>, node: &'a NodeEntry) -> Look<'a> {
-        let stated = node.settings.iter().find(|field| field.name == "widgets");
-        let list = stated.and_then(|field| field.setting.list()).unwrap_or_default();
-        let histogram = scene.distribution.clone();
-        let extent =
-            histogram.as_ref().map_or([1.0; 2], |histogram| histogram.axes.map(|axis| axis.high - axis.low));
-        let known = scene.looks.get(&node.name);
-        let widget = |(place, entry): (usize, &Setting)| {
-            let resolved = known.and_then(|look| look.transfer_function.widgets.get(place));
-            Drawn::read(entry.table().unwrap_or_default(), resolved, extent)
-        };
-        let widgets: Vec<Drawn> = list.iter().enumerate().map(widget).collect();
-        let of_curve = |widget: &Drawn| match &widget.form {
-            form::Form::Points(points) => points.iter().map(|point| point[4]).fold(0.0, f64::max),
-            _ => 0.0,
-        };
-        let peak = match &self.drag {
-            // The scale stands still while a point is dragged.
-            Some(Drag { widget, .. }) => of_curve(widget),
-            None => widgets.iter().map(of_curve).fold(0.0, f64::max),
-        };
-        let peak = if peak > 0.0 { 1.1 * peak } else { 1.0 };
-        Look { node, list, widgets, histogram, extent, peak, probed: scene.probed.clone() }
     }
 
     /// The value and the share of the volume under the pointer.
     fn readout(&self, ui: &Ui, response: &egui::Response, plane: Plane, look: &Look) {
         let Some(at) = response.hover_pos().filter(|at| plane.rect.contains(*at)) else { return };
         let value = plane.to_values(at);
-        let share = look.histogram.as_ref().and_then(|histogram| plane::share_at(histogram, value));
+        let share = look.histogram().and_then(|histogram| plane::share_at(histogram, value));
         let share =
             share.map_or(String::new(), |share| format!("   {} % of the volume a bin", short(100.0 * share)));
-        let text = format!("s {}   g {}{share}", short(value[0]), short(value[1]));
+        let [x, y] = self.axes.each_ref().map(head::axis_name);
+        let text = format!("{x} {}   {y} {}{share}", short(value[0]), short(value[1]));
         let color = ui.visuals().text_color();
         let galley = ui.painter().layout_no_wrap(text, FontId::proportional(11.5), color);
         let place = Align2::RIGHT_TOP.anchor_size(plane.rect.right_top() + vec2(-6.0, 4.0), galley.size());
@@ -196,14 +264,18 @@ impl TransferPanel {
     }
 }
 
-/// The changes of a widget as edits of its node, one step.
-fn edit(look: &Look, place: usize, changes: Vec<Change>, actions: &mut Actions) {
+/// The changes of a widget (as it was when they began) as edits of its node, one step.
+fn edit(look: &Look, place: usize, before: &Drawn, changes: Vec<Change>, actions: &mut Actions) {
     let Some(entry) = look.list.get(place).and_then(Setting::table) else { return };
     let is_stated = |key: &str| entry.iter().any(|field| field.name == key);
+    let known = look.found.as_ref().map(|found| &found.known);
     let path = |key: &str| Path::from("widgets").with(place).and(&Path::from(key));
     let node = || look.node.name.clone();
     let edits = changes.into_iter().filter_map(|(key, value)| match value {
-        Some(value) => Some(Edit::Set { node: node(), path: path(key), value }),
+        Some(value) => {
+            let value = relative::as_written(&before.stated, known, key, value);
+            Some(Edit::Set { node: node(), path: path(key), value })
+        }
         None => is_stated(key).then(|| Edit::Unset { node: node(), path: path(key) }),
     });
     actions.edits(format!("move widget {} of '{}'", place + 1, look.node.name), edits.collect());

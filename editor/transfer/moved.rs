@@ -1,20 +1,9 @@
-//! Handles of widgets, and what a drag of one makes of their numbers.
+//! What a drag of a handle makes of a widget's numbers.
 
 use super::form::{Drawn, Form, Region};
+use super::handles::Handle;
+use super::look::Scale;
 use voltet_core::graph::{Datum, Setting};
-
-/// What a hand takes hold of.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Handle {
-    Centre,
-    /// The end of a half axis.
-    Width(usize),
-    Angle,
-    /// A corner of the region.
-    Corner(usize),
-    /// A point of a curve, by its place.
-    Point(usize),
-}
 
 /// A change of a widget's table: a key, and its value or none to take it out.
 pub(super) type Change = (&'static str, Option<Datum>);
@@ -27,115 +16,67 @@ pub(super) fn rows<const N: usize>(rows: &[[f64; N]]) -> Datum {
     Datum::List(rows.iter().map(|row| Setting::from(list(row))).collect())
 }
 
+pub(super) fn rows_of(rows: &[Vec<f64>]) -> Datum {
+    Datum::List(rows.iter().map(|row| Setting::from(list(row))).collect())
+}
+
 /// Six digits: finer than a pixel of any screen.
-fn rounded(x: f64) -> f64 {
+pub(super) fn rounded(x: f64) -> f64 {
     if x.is_finite() { format!("{x:.5e}").parse().unwrap_or(x) } else { x }
 }
 
 impl Drawn {
-    /// The handles, each with its place. `top`: the largest g shown; `peak`: the extinction at the top of the plot.
-    pub fn handles(&self, top: f64, peak: f64) -> Vec<(Handle, [f64; 2])> {
-        let mut handles = Vec::new();
-        match &self.form {
-            Form::Gaussian { centre, axes } => {
-                handles.push((Handle::Centre, *centre));
-                for (i, axis) in
-                    axes.iter().enumerate().filter(|(_, axis)| axis.iter().all(|x| x.is_finite()))
-                {
-                    handles.push((Handle::Width(i), [centre[0] + axis[0], centre[1] + axis[1]]));
-                }
-                if axes.as_flattened().iter().all(|x| x.is_finite()) {
-                    handles
-                        .push((Handle::Angle, [centre[0] + 1.7 * axes[0][0], centre[1] + 1.7 * axes[0][1]]));
-                }
-            }
-            Form::Triangular { centre, sigma } => {
-                handles.push((Handle::Centre, [*centre, 0.0]));
-                handles.push((Handle::Width(0), [centre + sigma * 0.8 * top, 0.8 * top]));
-            }
-            Form::Wave { origin, angle, scale, period } => {
-                handles.push((Handle::Centre, *origin));
-                let (sin, cos) = angle.to_radians().sin_cos();
-                let along = [cos * period / scale[0], sin * period / scale[1]];
-                handles.push((Handle::Width(0), [origin[0] + along[0], origin[1] + along[1]]));
-            }
-            Form::Points(points) => {
-                let place = |p: &[f64; 5]| [p[0], height_of(p[4], peak) * top];
-                handles.extend(points.iter().enumerate().map(|(i, p)| (Handle::Point(i), place(p))));
-            }
-            Form::Table { s, g } => {
-                for (i, corner) in corners([*s, *g]).into_iter().enumerate() {
-                    handles.push((Handle::Corner(i), corner));
-                }
-            }
-            Form::Uniform | Form::Elsewhere => {}
-        }
-        match &self.region {
-            Region::Whole => {}
-            Region::Box(limits) if limits.as_flattened().iter().all(|x| x.is_finite()) => {
-                handles
-                    .extend(corners(*limits).into_iter().enumerate().map(|(i, at)| (Handle::Corner(i), at)));
-            }
-            Region::Box(_) => {}
-            Region::Polygon(corners) => {
-                handles.extend(corners.iter().enumerate().map(|(i, at)| (Handle::Corner(i), *at)));
-            }
-        }
-        handles
-    }
-
-    /// What becomes of the numbers when a handle is brought to a place. `extent`: lengths of the axes, for angles; `top` and
-    /// `peak` as for [`Drawn::handles`].
-    pub fn moved(
-        &self,
-        handle: Handle,
-        to: [f64; 2],
-        extent: [f64; 2],
-        [top, peak]: [f64; 2],
-    ) -> Vec<Change> {
+    /// What becomes of the numbers when a handle is brought to a place.
+    pub fn moved(&self, handle: Handle, to: [f64; 2], scale: &Scale) -> Vec<Change> {
+        let extent = scale.extent;
         match (&self.form, handle) {
+            (Form::Gaussian { .. } | Form::Triangular { .. }, Handle::Centre) if self.of_fields.is_some() => {
+                self.of_fields.as_ref().map_or(Vec::new(), |of| of.centred(to))
+            }
             (Form::Gaussian { .. }, Handle::Centre) => vec![("centre", Some(list(&to)))],
             (Form::Gaussian { centre, axes }, Handle::Width(i)) => {
                 let v = [(to[0] - centre[0]) / extent[0], (to[1] - centre[1]) / extent[1]];
                 let own = [axes[i][0] / extent[0], axes[i][1] / extent[1]];
                 let length = own[0].hypot(own[1]);
                 let share = (v[0] * own[0] + v[1] * own[1]).abs() / (length * length);
-                let mut axes = *axes;
-                axes[i] = axes[i].map(|x| x * share.max(1e-6));
-                gaussian(axes)
+                let mut after = *axes;
+                after[i] = after[i].map(|x| x * share.max(1e-6));
+                self.spread(*axes, after)
             }
             (Form::Gaussian { centre, axes }, Handle::Angle) => {
-                let v = [(to[0] - centre[0]) / extent[0], (to[1] - centre[1]) / extent[1]];
-                let lengths = axes.map(|axis| (axis[0] / extent[0]).hypot(axis[1] / extent[1]));
-                let angle = v[1].atan2(v[0]);
-                // Upright again within two degrees.
-                let quarter = std::f64::consts::FRAC_PI_2;
-                let near = (angle / quarter).round() * quarter;
-                let angle = if (angle - near).abs() < 0.035 { near } else { angle };
-                let (sin, cos) = angle.sin_cos();
-                let turned = [[cos, sin], [-sin, cos]];
-                let axis =
-                    |i: usize| [turned[i][0] * lengths[i] * extent[0], turned[i][1] * lengths[i] * extent[1]];
-                gaussian([axis(0), axis(1)])
+                self.spread(*axes, turned(*axes, [to[0] - centre[0], to[1] - centre[1]], extent))
             }
             (Form::Triangular { .. }, Handle::Centre) => {
                 vec![("centre", Some(Datum::Number(rounded(to[0]))))]
             }
-            (Form::Triangular { centre, .. }, Handle::Width(_)) => {
-                let g = to[1].max(0.02 * top);
-                let sigma = ((to[0] - centre) / g).abs().max(1e-9 * extent[0] / extent[1]);
-                vec![("sigma", Some(Datum::Number(rounded(sigma))))]
+            (Form::Triangular { centre, sigma }, Handle::Width(_)) => {
+                let g = to[1].max(0.02 * scale.top());
+                let after = ((to[0] - centre) / g).abs().max(1e-9 * extent[0] / extent[1]);
+                match &self.of_fields {
+                    Some(of) => of.scaled([after / sigma, 1.0]),
+                    None => vec![("sigma", Some(Datum::Number(rounded(after))))],
+                }
             }
             (Form::Wave { .. }, Handle::Centre) => vec![("origin", Some(list(&to)))],
-            (Form::Wave { origin, scale, .. }, Handle::Width(_)) => {
-                let v = [(to[0] - origin[0]) * scale[0], (to[1] - origin[1]) * scale[1]];
-                let period = v[0].hypot(v[1]).max(1e-6 * extent[0] * scale[0].abs());
+            (Form::Wave { origin, scale: factors, .. }, Handle::Width(_)) => {
+                let v = [(to[0] - origin[0]) * factors[0], (to[1] - origin[1]) * factors[1]];
+                let period = v[0].hypot(v[1]).max(1e-6 * extent[0] * factors[0].abs());
                 let angle = v[1].atan2(v[0]).to_degrees();
                 let angle = if angle.abs() < 2.0 { 0.0 } else { angle };
                 vec![
                     ("period", Some(Datum::Number(rounded(period)))),
                     ("angle", Some(Datum::Number(rounded(angle)))),
                 ]
+            }
+            (Form::Wave { origin, angle, scale: factors, period, .. }, Handle::Band) => {
+                let (sin, cos) = angle.to_radians().sin_cos();
+                let across = (to[0] - origin[0]) * cos * factors[0] + (to[1] - origin[1]) * sin * factors[1];
+                let half = (across / period - 0.5).clamp(0.005, 0.5);
+                let width = match self.kind.as_str() {
+                    "sine-wave" => 2.0 * (0.5 * std::f64::consts::PI * half).sin().powi(2),
+                    _ => 2.0 * half,
+                };
+                vec![("band_width", Some(Datum::Number(rounded(width.min(1.0)))))]
             }
             (Form::Points(points), Handle::Point(i)) => {
                 let mut points = points.clone();
@@ -144,7 +85,7 @@ impl Drawn {
                 if let Some(point) = points.get_mut(i) {
                     let gap = 1e-6 * extent[0];
                     point[0] = to[0].clamp(low + gap, (high - gap).max(low + gap));
-                    point[4] = extinction_at(to[1] / top, peak);
+                    point[4] = extinction_at(to[1] / scale.top(), scale.peak);
                 }
                 vec![("points", Some(rows(&points)))]
             }
@@ -163,24 +104,33 @@ impl Drawn {
                     if let Some(corner) = corners.get_mut(i) {
                         *corner = to;
                     }
+                    // A region is convex: a hand that would dent it waits at its bounds.
+                    if !is_convex(&corners) {
+                        return Vec::new();
+                    }
                     vec![("region.polygon", Some(rows(&corners)))]
                 }
             },
+            (_, Handle::Side(axis, upper)) => {
+                let Region::Box(limits) = &self.region else { return Vec::new() };
+                let mut limits = limits[axis];
+                limits[usize::from(upper)] = to[axis];
+                let limits = [limits[0].min(limits[1]), limits[0].max(limits[1])];
+                vec![(if axis == 0 { "region.s" } else { "region.g" }, Some(list(&limits)))]
+            }
             _ => Vec::new(),
         }
     }
 
     /// What becomes of the numbers when all of it is moved along.
-    pub fn shifted(&self, by: [f64; 2], extent: [f64; 2], bounds: [f64; 2]) -> Vec<Change> {
+    pub fn shifted(&self, by: [f64; 2], scale: &Scale) -> Vec<Change> {
         let mut changes = match &self.form {
             Form::Gaussian { centre, .. } => {
-                self.moved(Handle::Centre, [centre[0] + by[0], centre[1] + by[1]], extent, bounds)
+                self.moved(Handle::Centre, [centre[0] + by[0], centre[1] + by[1]], scale)
             }
-            Form::Triangular { centre, .. } => {
-                self.moved(Handle::Centre, [centre + by[0], 0.0], extent, bounds)
-            }
+            Form::Triangular { centre, .. } => self.moved(Handle::Centre, [centre + by[0], 0.0], scale),
             Form::Wave { origin, .. } => {
-                self.moved(Handle::Centre, [origin[0] + by[0], origin[1] + by[1]], extent, bounds)
+                self.moved(Handle::Centre, [origin[0] + by[0], origin[1] + by[1]], scale)
             }
             Form::Points(points) => {
                 let moved: Vec<[f64; 5]> =
@@ -194,12 +144,12 @@ impl Drawn {
         };
         match &self.region {
             Region::Whole => {}
-            Region::Box([s, g]) => {
-                if s.iter().any(|x| x.is_finite()) {
-                    changes.push(("region.s", Some(list(&s.map(|x| x + by[0])))));
-                }
-                if g.iter().any(|x| x.is_finite()) {
-                    changes.push(("region.g", Some(list(&g.map(|x| x + by[1])))));
+            Region::Box(limits) => {
+                let names = ["region.s", "region.g"];
+                for (axis, name) in names.into_iter().enumerate() {
+                    if limits[axis].iter().any(|x| x.is_finite()) && by[axis] != 0.0 {
+                        changes.push((name, Some(list(&limits[axis].map(|x| x + by[axis])))));
+                    }
                 }
             }
             Region::Polygon(corners) => {
@@ -209,21 +159,38 @@ impl Drawn {
         }
         changes
     }
+
+    /// Other half axes, as the file states them.
+    fn spread(&self, before: [[f64; 2]; 2], after: [[f64; 2]; 2]) -> Vec<Change> {
+        match &self.of_fields {
+            Some(of) => of.stretched(before, after),
+            None => gaussian(after),
+        }
+    }
 }
 
-/// The height in the plot of an extinction, 0 to 1: its cube root, so that small ones are told apart.
-pub(super) fn height_of(extinction: f64, peak: f64) -> f64 {
-    (extinction / peak).max(0.0).cbrt()
+/// Half axes as long as before, the first of them in a direction.
+fn turned(axes: [[f64; 2]; 2], towards: [f64; 2], extent: [f64; 2]) -> [[f64; 2]; 2] {
+    let lengths = axes.map(|axis| (axis[0] / extent[0]).hypot(axis[1] / extent[1]));
+    let angle = (towards[1] / extent[1]).atan2(towards[0] / extent[0]);
+    // Upright again within two degrees.
+    let quarter = std::f64::consts::FRAC_PI_2;
+    let near = (angle / quarter).round() * quarter;
+    let angle = if (angle - near).abs() < 0.035 { near } else { angle };
+    let (sin, cos) = angle.sin_cos();
+    let directions = [[cos, sin], [-sin, cos]];
+    [0, 1].map(|i| [0, 1].map(|k: usize| directions[i][k] * lengths[i] * extent[k]))
 }
 
-fn extinction_at(height: f64, peak: f64) -> f64 {
+/// The extinction at a height of the plot.
+pub(super) fn extinction_at(height: f64, peak: f64) -> f64 {
     let height = height.clamp(0.0, 1.5);
     // At the foot it is none at all.
     if height < 0.01 { 0.0 } else { rounded(height.powi(3) * peak) }
 }
 
 /// Half axes as a file states them: upright ones as sigma, turned ones as a matrix.
-fn gaussian(axes: [[f64; 2]; 2]) -> Vec<Change> {
+pub(super) fn gaussian(axes: [[f64; 2]; 2]) -> Vec<Change> {
     let [[a, b], [c, d]] = axes;
     let small = |x: f64, of: f64| x.abs() <= 1e-9 * of.abs();
     if small(b, d) && small(c, a) {
@@ -238,8 +205,14 @@ fn gaussian(axes: [[f64; 2]; 2]) -> Vec<Change> {
     vec![("matrix", Some(rows(&matrix))), ("sigma", None)]
 }
 
-fn corners([s, g]: [[f64; 2]; 2]) -> [[f64; 2]; 4] {
-    [[s[0], g[0]], [s[1], g[0]], [s[1], g[1]], [s[0], g[1]]]
+/// Whether a polygon turns one way at all of its corners.
+pub(super) fn is_convex(corners: &[[f64; 2]]) -> bool {
+    let n = corners.len();
+    let turn = |i: usize| {
+        let [a, b, c] = [0, 1, 2].map(|k| corners[(i + k) % n]);
+        (b[0] - a[0]) * (c[1] - b[1]) - (b[1] - a[1]) * (c[0] - b[0])
+    };
+    n >= 3 && ((0..n).all(|i| turn(i) > 0.0) || (0..n).all(|i| turn(i) < 0.0))
 }
 
 /// The ranges with a corner elsewhere; the lower end stays the lower one.

@@ -1,9 +1,11 @@
 //! The plane of s and g: from values to the window and back, its ticks, and the histogram as a texture.
 
+use super::handles::height_of;
 use crate::theme;
-use crate::worker::short;
+use crate::worker::{Distributed, short};
 use eframe::egui::{
-    Align2, Color32, ColorImage, FontId, Pos2, Rect, Stroke, TextureHandle, TextureOptions, Ui, pos2, vec2,
+    Align2, Color32, ColorImage, FontId, Pos2, Rect, Stroke, TextureHandle, TextureOptions, Ui, Vec2, pos2,
+    vec2,
 };
 use std::sync::Arc;
 use voltet_core::probing::Histogram;
@@ -39,10 +41,12 @@ impl Plane {
         [s[0] + x * (s[1] - s[0]), g[0] + y * (g[1] - g[0])]
     }
 
-    /// Value a point of the window, along each axis.
-    pub fn per_point(self) -> [f64; 2] {
+    /// A way of the pointer, in values.
+    pub fn way(self, by: Vec2) -> [f64; 2] {
         let [s, g] = self.shown;
-        [(s[1] - s[0]) / f64::from(self.rect.width()), (g[1] - g[0]) / f64::from(self.rect.height())]
+        let per_point =
+            [(s[1] - s[0]) / f64::from(self.rect.width()), (g[1] - g[0]) / f64::from(self.rect.height())];
+        [f64::from(by.x) * per_point[0], -f64::from(by.y) * per_point[1]]
     }
 }
 
@@ -96,25 +100,47 @@ pub(super) fn axes(ui: &Ui, plane: Plane, names: [&str; 2]) {
     named(rect.left_top() + vec2(5.0, 3.0), Align2::LEFT_TOP, names[1]);
 }
 
+/// Extinctions at the right, as curves have them: small ones are told apart by the cube root.
+pub(super) fn extinctions(ui: &Ui, plane: Plane, peak: f64) {
+    let text = theme::weak(ui.visuals().dark_mode);
+    let font = FontId::proportional(10.5);
+    let (rect, top) = (plane.rect, plane.shown[1][1]);
+    let power = 10f64.powf(peak.log10().floor());
+    let mut last = f32::INFINITY;
+    for tick in [0.0, 1e-3, 1e-2, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0].map(|k| k * power) {
+        let y = plane.to_window([0.0, height_of(tick, peak) * top]).y;
+        if tick > peak || !rect.y_range().contains(y) || last - y < 14.0 {
+            continue;
+        }
+        last = y;
+        ui.painter().hline(rect.right()..=rect.right() + 4.0, y, Stroke::new(1.0, text));
+        let at = pos2(rect.right() + 6.0, y);
+        ui.painter().text(at, Align2::LEFT_CENTER, short(tick), font.clone(), text);
+    }
+    let name = "extinction, cube root";
+    let at = rect.right_bottom() + vec2(-5.0, -4.0);
+    ui.painter().text(at, Align2::RIGHT_BOTTOM, name, FontId::proportional(11.0), text);
+}
+
 /// The histogram as a texture, made again where it is another or the theme is.
 #[derive(Default)]
 pub(super) struct Counts {
     texture: Option<TextureHandle>,
-    of: Option<(Arc<Histogram>, bool)>,
+    of: Option<(Arc<Distributed>, bool)>,
 }
 
 impl Counts {
-    pub fn draw(&mut self, ui: &Ui, plane: Plane, histogram: &Arc<Histogram>) {
+    pub fn draw(&mut self, ui: &Ui, plane: Plane, found: &Arc<Distributed>) {
+        let histogram = &found.histogram;
         let dark = ui.visuals().dark_mode;
-        let same =
-            self.of.as_ref().is_some_and(|(of, of_dark)| Arc::ptr_eq(of, histogram) && *of_dark == dark);
+        let same = self.of.as_ref().is_some_and(|(of, of_dark)| Arc::ptr_eq(of, found) && *of_dark == dark);
         if !same {
             let image = image(histogram, dark);
             match &mut self.texture {
                 Some(texture) => texture.set(image, TextureOptions::NEAREST),
                 None => self.texture = Some(ui.ctx().load_texture("counts", image, TextureOptions::NEAREST)),
             }
-            self.of = Some((histogram.clone(), dark));
+            self.of = Some((found.clone(), dark));
         }
         let Some(texture) = &self.texture else { return };
         let [s, g] = histogram.axes;

@@ -1,5 +1,7 @@
 //! How many pixels a coarse picture has: as many as are drawn in the time that a hand does not notice.
 
+use std::time::Duration;
+
 /// What a coarse picture may take, seconds: twenty-five of them a second, of which the wires take some.
 const COARSE_SECONDS: f64 = 0.035;
 
@@ -11,6 +13,12 @@ const DIVISOR_MOST: u32 = 8;
 
 /// Before anything was drawn.
 const FIRST: u32 = 4;
+
+/// How long a coarse picture may go on that a hand has moved past, seconds: at least this, so that twenty a second are shown.
+const PATIENCE: f64 = 0.05;
+
+/// The same before any was drawn.
+const FIRST_PATIENCE: f64 = 0.2;
 
 /// What drawing takes, learnt from the pictures drawn: so much a picture, and so much a pixel.
 #[derive(Debug, Default)]
@@ -30,6 +38,12 @@ impl Pace {
         }
         let fits = |divisor: &u32| fixed + each * pixels / f64::from(divisor * divisor) <= COARSE_SECONDS;
         (2..DIVISOR_MOST).find(fits).unwrap_or(DIVISOR_MOST)
+    }
+
+    /// How long a coarse picture may go on that a hand has moved past: where the data are large, twice what the last one took.
+    pub fn patience(&self) -> Duration {
+        let usual = self.coarse.map_or(FIRST_PATIENCE, |(_, seconds)| 2.0 * seconds);
+        Duration::from_secs_f64(usual.max(PATIENCE))
     }
 
     /// Seconds of a picture and of a pixel, through what was measured last.

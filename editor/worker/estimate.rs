@@ -1,6 +1,8 @@
 //! How wrong a picture is: as it is drawn, and by the 64-bit referee, at a few thousand pixels.
 
+use super::following::Following;
 use super::request::Wanted;
+use super::work::Work;
 use voltet_core::graph::{Datum, Graph, Registry};
 use voltet_core::picture::Picture;
 use voltet_core::{Error, Result};
@@ -12,9 +14,14 @@ const PIXELS: f64 = 3072.0;
 const INTEGRATOR: &str = "integrator";
 const REFEREE: &str = "reference";
 
+/// By how much the sides of a picture are divided where so many pixels are enough.
+pub(super) fn coarsened(wanted: &Wanted) -> u32 {
+    (wanted.pixels() / PIXELS).sqrt().ceil().max(1.0) as u32
+}
+
 /// The graphs of both pictures.
-pub(super) fn graphs(wanted: &Wanted, registry: &Registry) -> Result<[Graph; 2]> {
-    let divisor = (wanted.pixels() / PIXELS).sqrt().ceil().max(1.0) as u32;
+fn graphs(wanted: &Wanted, registry: &Registry) -> Result<[Graph; 2]> {
+    let divisor = coarsened(wanted);
     let mut better = wanted.clone();
     let drawing = better.nodes.iter_mut().find(|node| node.name == wanted.node);
     let known = drawing.as_ref().and_then(|node| registry.find(node.node_type.text()?).ok());
@@ -34,7 +41,7 @@ pub(super) fn graphs(wanted: &Wanted, registry: &Registry) -> Result<[Graph; 2]>
 }
 
 /// The largest difference of a premultiplied channel, and the root of the mean square.
-pub(super) fn difference(a: &Picture, b: &Picture) -> [f64; 2] {
+fn difference(a: &Picture, b: &Picture) -> [f64; 2] {
     let (mut most, mut sum) = (0.0f64, 0.0);
     for (a, b) in a.rgba.iter().flatten().zip(b.rgba.iter().flatten()) {
         let by = f64::from((a - b).abs());
@@ -42,4 +49,24 @@ pub(super) fn difference(a: &Picture, b: &Picture) -> [f64; 2] {
         sum += by * by;
     }
     [most, (sum / (4 * a.rgba.len().max(1)) as f64).sqrt()]
+}
+
+impl Work<'_> {
+    /// How wrong a picture is; given up for a newer picture.
+    pub(super) fn estimate(&mut self, key: u64, wanted: &Wanted) {
+        let registry = self.registry;
+        let found = self.aside(|session, following: &Following| {
+            let mut pictures = Vec::new();
+            for graph in &graphs(wanted, registry)? {
+                let report = session.run(graph, following)?;
+                let picture = report.pictures.iter().rev().find(|(node, _)| *node == wanted.node);
+                let picture =
+                    picture.ok_or_else(|| Error::run("the node gives no picture").at_node(&wanted.node))?;
+                pictures.push(picture.1.clone());
+            }
+            Ok(difference(&pictures[0], &pictures[1]))
+        });
+        let given_up = || Err(Error::run("given up for a newer picture").accepted("to be asked again"));
+        self.shared.show(|shown| shown.estimate = Some((key, found.unwrap_or_else(given_up))));
+    }
 }

@@ -10,23 +10,26 @@ use voltet_nodes::memory;
 /// Progress is shown no more often than a screen does.
 const BETWEEN: Duration = Duration::from_millis(50);
 
+/// Says whether a run is to stop, given what tells the node that runs; none between two.
+pub(super) type Stop<'a> = &'a (dyn Fn(&dyn Fn() -> Option<String>) -> bool + Sync);
+
 pub(super) struct Following<'a> {
     shared: &'a Shared,
-    cancelled: &'a (dyn Fn() -> bool + Sync),
+    stop: Stop<'a>,
     told: bool,
     node: Mutex<Option<String>>,
     last: Mutex<Instant>,
 }
 
 impl<'a> Following<'a> {
-    /// Stops where `cancelled` says so.
-    pub fn new(shared: &'a Shared, cancelled: &'a (dyn Fn() -> bool + Sync)) -> Self {
-        Following { shared, cancelled, told: true, node: Mutex::default(), last: Mutex::new(Instant::now()) }
+    /// Stops where `stop` says so.
+    pub fn new(shared: &'a Shared, stop: Stop<'a>) -> Self {
+        Following { shared, stop, told: true, node: Mutex::default(), last: Mutex::new(Instant::now()) }
     }
 
     /// The same for work that is shown by its outcome alone.
-    pub fn silent(shared: &'a Shared, cancelled: &'a (dyn Fn() -> bool + Sync)) -> Self {
-        Following { told: false, ..Self::new(shared, cancelled) }
+    pub fn silent(shared: &'a Shared, stop: Stop<'a>) -> Self {
+        Following { told: false, ..Self::new(shared, stop) }
     }
 
     /// The node that runs.
@@ -44,6 +47,7 @@ impl Observer for Following<'_> {
     }
 
     fn finished(&self, node: &str, seconds: f64) {
+        *lock(&self.node) = None;
         if self.told {
             lock(&self.shared.shown).done(node, seconds);
         }
@@ -63,7 +67,7 @@ impl Observer for Following<'_> {
     }
 
     fn cancelled(&self) -> bool {
-        (self.cancelled)()
+        (self.stop)(&|| self.node())
     }
 
     fn memory_left(&self) -> Option<u64> {
@@ -75,7 +79,7 @@ impl Progress for Following<'_> {
     fn report(&self, _stage: &str, _fraction: f64) {}
 
     fn cancelled(&self) -> bool {
-        (self.cancelled)()
+        (self.stop)(&|| self.node())
     }
 
     fn memory_left(&self) -> Option<u64> {

@@ -3,11 +3,11 @@
 
 use glam::DVec3;
 use std::collections::BTreeMap;
-use std::sync::Arc;
 use voltet_core::Result;
-use voltet_core::graph::{Datum, Look, Value};
+use voltet_core::graph::{Datum, Value};
 use voltet_core::graph::{
-    Demand, Graph, LinkEntry, Node, NodeEntry, Origin, Port, PortType, Registry, Setting,
+    Demand, Field, Graph, LinkEntry, Node, NodeEntry, Origin, Parameter, ParameterType, Port, PortType,
+    Registry, Setting, Standard,
 };
 use voltet_core::grid::extent::{bounds, range};
 use voltet_core::volume::Volume;
@@ -41,28 +41,42 @@ static NODE: Node = Node {
     ..Node::BLANK
 };
 
-/// What asks for *g* besides.
-pub(super) static ASKS_FOR_G: Node = Node {
-    name: "(asks for g)",
-    summary: "Looks on, and asks for g.",
+/// What asks for *g* and arrays besides.
+pub(super) static ASKS_FOR_ARRAYS: Node = Node {
+    name: "(asks for arrays)",
+    summary: "Looks on, and asks for g and for arrays.",
     inputs: &[port("volume", PortType::Volume)],
+    parameters: &[Parameter {
+        name: ARRAYS,
+        parameter_type: ParameterType::Texts,
+        unit: "",
+        standard: Standard::Unset("no arrays"),
+        help: "names of point arrays",
+    }],
     demand: &|asking| {
-        let demand = Demand { gradient_magnitude: true, ..Demand::default() };
+        let arrays = match asking.parameters.given(ARRAYS) {
+            true => asking.parameters.texts(ARRAYS)?.into_iter().collect(),
+            false => Default::default(),
+        };
         // A grid alone has no gradient to give.
-        match asking.fed_by("volume")? {
-            Some(PortType::Grid) => Ok(()),
-            _ => asking.ask("volume", &demand),
-        }
+        let gradient_magnitude = asking.fed_by("volume")? != Some(PortType::Grid);
+        asking.ask("volume", &Demand { gradient_magnitude, arrays, ..Demand::default() })
     },
     ..Node::BLANK
 };
+
+const ARRAYS: &str = "arrays";
 
 /// What asks for all that a ray of the picture is made of.
 pub(super) static PROBES: Node = Node {
     name: "(probes)",
     summary: "Looks on, and asks for g.",
     optional_inputs: &[PORTS[1], PORTS[2], PORTS[3]],
-    demand: ASKS_FOR_G.demand,
+    demand: &|asking| match asking.fed_by("volume")? {
+        // A grid alone has no gradient to give.
+        Some(PortType::Grid) => Ok(()),
+        _ => asking.ask("volume", &Demand { gradient_magnitude: true, ..Demand::default() }),
+    },
     ..Node::BLANK
 };
 
@@ -72,7 +86,7 @@ pub(super) fn with_own(registry: &Registry) -> Result<Registry> {
     registry.iter().try_for_each(|node| own.add(node))?;
     registry.filters().try_for_each(|filter| own.add_filter(filter.clone()))?;
     own.add(&NODE)?;
-    own.add(&ASKS_FOR_G)?;
+    own.add(&ASKS_FOR_ARRAYS)?;
     own.add(&PROBES)?;
     Ok(own)
 }
@@ -94,6 +108,21 @@ pub(super) fn entry(node_type: &str, looked_at: impl Iterator<Item = (String, St
     NodeEntry { name: NAME.into(), origin: Origin::Nowhere, node_type, settings: Vec::new(), inputs }
 }
 
+/// A node that looks at one output, given as `"node.port"`, and asks for arrays.
+pub(super) fn fed_by(node: &Node, source: &str, arrays: &[&String]) -> NodeEntry {
+    let text = |text: &str| Setting::from(Datum::Text(text.to_string()));
+    let link = LinkEntry { port: node.inputs[0].name.into(), origin: Origin::Nowhere, source: text(source) };
+    let list = Datum::List(arrays.iter().map(|name| text(name)).collect());
+    let arrays = Field { name: ARRAYS.into(), origin: Origin::Nowhere, setting: list.into() };
+    NodeEntry {
+        name: NAME.into(),
+        origin: Origin::Nowhere,
+        node_type: text(node.name),
+        settings: vec![arrays],
+        inputs: vec![link],
+    }
+}
+
 /// What runs through the wires of a run.
 #[derive(Default)]
 pub(super) struct Values {
@@ -101,8 +130,6 @@ pub(super) struct Values {
     pub words: BTreeMap<String, String>,
     /// Least and greatest coordinates of the data.
     pub bounds: Option<[DVec3; 2]>,
-    /// Transfer functions with their relative numbers resolved, by their nodes.
-    pub looks: BTreeMap<String, Arc<Look>>,
 }
 
 /// What runs through the wires.
@@ -115,10 +142,8 @@ pub(super) fn seen(graph: &Graph, place: usize, values: &[Value]) -> Values {
         match value {
             Value::Grid(grid) => seen.bounds = seen.bounds.or_else(|| bounds(&grid.points)),
             Value::Volume(volume) => seen.bounds = seen.bounds.or_else(|| bounds(&volume.grid.points)),
-            Value::TransferFunction(look) => {
-                seen.looks.insert(giving.name.clone(), look.clone());
-            }
-            Value::Camera(_)
+            Value::TransferFunction(_)
+            | Value::Camera(_)
             | Value::Cells(_)
             | Value::Projection(_)
             | Value::Image(_)

@@ -1,45 +1,58 @@
 //! The worker: one thread that owns a session and draws the picture at a node of a graph, apart from any window.
 //!
 //! It takes the newest request alone. A picture is drawn coarse at once (fewer pixels) and in full when nothing newer is
-//! wanted; a newer request stops a full picture that is being drawn. A coarse one is let run to its end, else a steady drag
-//! would never show any; what is not done within [`PATIENCE`] is stopped all the same. Nothing is written: a preview runs what
-//! feeds the picture, and a node that writes feeds nothing.
+//! wanted; a newer request stops what is being drawn, but for two things that would only be lost (see [`superseding`]): a node
+//! that the change does not touch, and a coarse picture while a hand moves. Nothing is written: a preview runs what feeds the
+//! picture, and a node that writes feeds nothing. What else is asked (distribution, probe, section, share, estimate) waits until
+//! no picture is wanted, and is given up for one.
+//!
+//! | file | what |
+//! | --- | --- |
+//! | `request` | pictures that are wanted, and their graphs |
+//! | `work`, `superseding`, `coarse` | the thread; when a pass is stopped; how many pixels a coarse picture has |
+//! | `following`, `states`, `pixels` | what is shown of it |
+//! | `look_on` | nodes that look at what runs through the wires |
+//! | `distribution`, `scales` | the volume over two quantities, and their ranges and percentiles |
+//! | `probing`, `section` | the values on rays, and on a plane through the data |
+//! | `share`, `estimate` | what a widget adds to the picture; how wrong it is |
 
 mod coarse;
+mod distribution;
 mod estimate;
 mod following;
 mod look_on;
 mod pixels;
 mod probing;
 mod request;
+mod scales;
+mod section;
+mod share;
 mod shared;
 mod states;
+mod superseding;
 #[cfg(test)]
 mod tests;
+mod work;
 
+pub use distribution::{Distributed, Distribution};
 pub use look_on::short;
 pub use pixels::Pixels;
 pub use probing::{Probed, Probing};
+pub use request::Wanted;
 pub(crate) use request::size_of;
-pub use request::{Distribution, Wanted};
+pub use scales::{Known, Spread};
+pub use section::{Section, Sectioning};
+pub use share::{Share, Sharing};
 pub use shared::Wake;
 pub use states::{NodeState, NodeStatus, Shown};
 
-use coarse::Pace;
-use following::Following;
-use look_on::Values;
 use shared::{Shared, lock};
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, Condvar, Mutex, PoisonError};
+use std::sync::{Arc, Condvar, Mutex};
 use std::thread::JoinHandle;
-use std::time::{Duration, Instant};
-use voltet_core::error::ErrorKind;
-use voltet_core::graph::{Demand, Graph, Registry, RunReport, Session, Unobserved, Value};
+use voltet_core::graph::Registry;
 use voltet_core::{Error, Result};
-
-/// How long a coarse picture that is no longer wanted may still take.
-const PATIENCE: Duration = Duration::from_millis(200);
+use work::Work;
 
 /// The handle of the thread; dropped, it stops what runs and waits for its end.
 pub struct Worker {
@@ -60,8 +73,7 @@ impl Worker {
         });
         let of_thread = shared.clone();
         let spawned = std::thread::Builder::new().name("worker".into()).spawn(move || {
-            let session = voltet_nodes::session();
-            Work { shared: &of_thread, registry: &registry, session, pace: Pace::default() }.until_the_end();
+            Work::new(&of_thread, &registry).until_the_end();
         });
         let thread = spawned.map_err(|error| Error::run("no thread can be had to draw with").found(error))?;
         Ok(Worker { shared, thread: Some(thread) })
@@ -96,6 +108,18 @@ impl Worker {
         self.shared.changed.notify_one();
     }
 
+    /// Asks what a plane through the data meets, in place of any that was asked for before.
+    pub fn cut(&self, wanted: Sectioning) {
+        lock(&self.shared.wanted).section = Some(wanted);
+        self.shared.changed.notify_one();
+    }
+
+    /// Asks what a widget adds to a picture.
+    pub fn share(&self, wanted: Sharing) {
+        lock(&self.shared.wanted).share = Some(wanted);
+        self.shared.changed.notify_one();
+    }
+
     /// What there is to show.
     pub fn shown<T>(&self, look: impl FnOnce(&Shown) -> T) -> T {
         look(&lock(&self.shared.shown))
@@ -111,200 +135,5 @@ impl Drop for Worker {
             // A panic of the thread was shown when it happened.
             let _ = thread.join();
         }
-    }
-}
-
-enum Task {
-    Picture(u64, Wanted),
-    Distribution(Distribution),
-    Probing(Probing),
-    Estimate(u64, Wanted),
-}
-
-/// The thread's own.
-struct Work<'a> {
-    shared: &'a Shared,
-    registry: &'a Registry,
-    session: Session,
-    pace: Pace,
-}
-
-impl Work<'_> {
-    fn until_the_end(&mut self) {
-        while let Some(task) = self.next() {
-            match task {
-                Task::Picture(number, wanted) => self.picture(number, &wanted),
-                Task::Distribution(wanted) => self.distribution(wanted),
-                Task::Probing(wanted) => self.probe(&wanted),
-                Task::Estimate(key, wanted) => self.estimate(key, &wanted),
-            }
-        }
-    }
-
-    fn next(&self) -> Option<Task> {
-        let mut queue = lock(&self.shared.wanted);
-        loop {
-            if queue.ends {
-                return None;
-            }
-            if let Some(wanted) = queue.picture.take() {
-                return Some(Task::Picture(self.shared.newest.load(Ordering::SeqCst), wanted));
-            }
-            if let Some(wanted) = queue.probing.take() {
-                return Some(Task::Probing(wanted));
-            }
-            if let Some((key, wanted)) = queue.estimate.take() {
-                return Some(Task::Estimate(key, wanted));
-            }
-            if let Some(wanted) = queue.distribution.take() {
-                return Some(Task::Distribution(wanted));
-            }
-            queue = self.shared.changed.wait(queue).unwrap_or_else(PoisonError::into_inner);
-        }
-    }
-
-    /// Draws what is wanted, coarse first where the full picture takes longer than a person waits for.
-    fn picture(&mut self, number: u64, wanted: &Wanted) {
-        let newest = || self.shared.newest.load(Ordering::SeqCst);
-        let coarse = if wanted.coarse_first { self.pace.divisor(wanted.pixels()) } else { 1 };
-        if coarse > 1 {
-            let deadline = Instant::now() + PATIENCE;
-            let outcome =
-                self.pass(number, wanted, coarse, &|| newest() != number && Instant::now() > deadline);
-            if !self.keep(number, outcome) || newest() != number {
-                return;
-            }
-        }
-        let outcome = self.pass(number, wanted, 1, &|| newest() != number);
-        if self.keep(number, outcome) {
-            self.shared.show(|shown| shown.settled(number));
-        }
-    }
-
-    /// Shows the error of a pass, if it has one; whether it has none.
-    fn keep(&self, number: u64, outcome: Result<()>) -> bool {
-        match outcome {
-            Ok(()) => true,
-            Err(error) => {
-                self.shared.show(|shown| shown.failed(number, error));
-                false
-            }
-        }
-    }
-
-    /// One run, with so many pixels less along each side.
-    fn pass(
-        &mut self,
-        number: u64,
-        wanted: &Wanted,
-        divisor: u32,
-        cancelled: &(dyn Fn() -> bool + Sync),
-    ) -> Result<()> {
-        let start = Instant::now();
-        let graph = wanted.graph(self.registry, divisor)?;
-        let following = Following::new(self.shared, cancelled);
-        let report = self.guarded(&following, |session| session.run(&graph, &following))?;
-        let seconds = start.elapsed().as_secs_f64();
-        let drew_alone = report.nodes.iter().all(|node| node.reused || wanted.is_cheap(&node.name));
-        let picture = report.pictures.iter().rev().find(|(node, _)| *node == wanted.node);
-        let Some((_, picture)) = picture else {
-            return Err(Error::run("the node gives no picture").at_node(&wanted.node));
-        };
-        let pixels = Pixels::of(picture.clone(), wanted.background, divisor, number);
-        if drew_alone {
-            self.pace.learn(divisor, pixels.count(), seconds);
-        }
-        let values = if divisor == 1 { self.values(&graph) } else { Values::default() };
-        self.shared.show(|shown| shown.finished(pixels, &report, values, seconds));
-        Ok(())
-    }
-
-    /// What runs through the wires, in words; the session has all of it.
-    fn values(&mut self, graph: &Graph) -> Values {
-        let Some(place) = graph.nodes.iter().position(|node| node.node.name == look_on::NAME) else {
-            return Values::default();
-        };
-        let fed = self.session.feed(graph, place, &Demand::default(), &Unobserved);
-        let Ok((values, _)) = fed else { return Values::default() };
-        look_on::seen(graph, place, &values)
-    }
-
-    /// Runs something of the session; a panic is the error of the node that ran, and costs the session's memory.
-    fn guarded<T>(
-        &mut self,
-        following: &Following,
-        work: impl FnOnce(&mut Session) -> Result<T>,
-    ) -> Result<T> {
-        let session = &mut self.session;
-        catch_unwind(AssertUnwindSafe(|| work(session))).unwrap_or_else(|payload| {
-            self.session = voltet_nodes::session();
-            let text = payload.downcast_ref::<&str>().map(|text| (*text).to_string());
-            let text = text.or_else(|| payload.downcast_ref::<String>().cloned()).unwrap_or_default();
-            let error = Error::run("the node ended by a mistake of its own").found(text);
-            Err(following.node().into_iter().fold(error, |error, node| error.at_node(node)))
-        })
-    }
-
-    /// The distribution over (s, g); given up for a picture, and begun again after it.
-    fn distribution(&mut self, wanted: Distribution) {
-        let before = self.shared.newest.load(Ordering::SeqCst);
-        let stop = || self.shared.newest.load(Ordering::SeqCst) != before;
-        let outcome = self.found(&wanted, &stop);
-        match outcome {
-            Err(error) if error.kind == ErrorKind::Cancelled => {
-                let mut queue = lock(&self.shared.wanted);
-                queue.distribution.get_or_insert(wanted);
-            }
-            outcome => self.shared.show(|shown| shown.distribution = Some((wanted.key, outcome))),
-        }
-    }
-
-    /// How wrong a picture is; given up for a newer picture.
-    fn estimate(&mut self, key: u64, wanted: &Wanted) {
-        let before = self.shared.newest.load(Ordering::SeqCst);
-        let stop = || self.shared.newest.load(Ordering::SeqCst) != before;
-        let following = Following::silent(self.shared, &stop);
-        let found = estimate::graphs(wanted, self.registry).and_then(|graphs| {
-            let mut pictures = Vec::new();
-            for graph in &graphs {
-                let report = self.guarded(&following, |session| session.run(graph, &following))?;
-                let picture = report.pictures.iter().rev().find(|(node, _)| *node == wanted.node);
-                let picture =
-                    picture.ok_or_else(|| Error::run("the node gives no picture").at_node(&wanted.node))?;
-                pictures.push(picture.1.clone());
-            }
-            Ok(estimate::difference(&pictures[0], &pictures[1]))
-        });
-        self.shared.show(|shown| shown.estimate = Some((key, found)));
-    }
-
-    /// What lies at a place of the picture; given up for a newer picture, in which it lies elsewhere.
-    fn probe(&mut self, wanted: &Probing) {
-        let before = self.shared.newest.load(Ordering::SeqCst);
-        let stop = || self.shared.newest.load(Ordering::SeqCst) != before;
-        let following = Following::silent(self.shared, &stop);
-        let found = wanted.graph(self.registry).and_then(|(graph, place)| {
-            let demand = Demand::default();
-            let fed = self.guarded(&following, |session| session.feed(&graph, place, &demand, &following));
-            wanted.walk(&fed?.0, &following).map(Arc::new)
-        });
-        match found {
-            Err(error) if error.kind == ErrorKind::Cancelled => {}
-            found => self.shared.show(|shown| shown.probed = Some((wanted.key, found))),
-        }
-    }
-
-    fn found(
-        &mut self,
-        wanted: &Distribution,
-        stop: &(dyn Fn() -> bool + Sync),
-    ) -> Result<Arc<voltet_core::probing::Histogram>> {
-        let (graph, place) = wanted.graph(self.registry)?;
-        let following = Following::silent(self.shared, stop);
-        let (values, _): (Vec<Value>, RunReport) =
-            self.guarded(&following, |session| session.feed(&graph, place, &Demand::default(), &following))?;
-        let volume = values.first().and_then(Value::volume);
-        let volume = volume.ok_or_else(|| Error::run("the node gives no volume").at_node(&wanted.node))??;
-        request::histogram_of(&volume, &following).map(Arc::new)
     }
 }

@@ -1,12 +1,14 @@
 //! What lies on rays of the picture: the values there, weighted by what they add to it.
 
+use super::following::Following;
 use super::look_on::{PROBES, entry};
 use super::request::feeding;
+use super::work::Work;
 use glam::DVec3;
 use std::path::PathBuf;
 use std::sync::Arc;
 use voltet_core::camera::Camera;
-use voltet_core::graph::{Graph, Look, NodeEntry, Registry, Value, diagonal};
+use voltet_core::graph::{Demand, Graph, Look, NodeEntry, Registry, Value, diagonal};
 use voltet_core::optics::Overlap;
 use voltet_core::optics::integrators::Integrator;
 use voltet_core::progress::Progress;
@@ -36,6 +38,8 @@ pub struct Probing {
 pub struct Probed {
     /// As of [`Probing`].
     pub key: u64,
+    /// Rays that were walked; 0 where the values are those of a section.
+    pub rays: usize,
     /// Values [s, g] with their shares of what is seen (or of the way, where nothing is).
     pub values: Vec<([f64; 2], f64)>,
     /// The point where the most is seen, world units; `None` where no ray meets a cell.
@@ -46,7 +50,7 @@ pub struct Probed {
 
 impl Probing {
     /// The graph, and the place in it of the node that is fed.
-    pub(super) fn graph(&self, registry: &Registry) -> Result<(Graph, usize)> {
+    fn graph(&self, registry: &Registry) -> Result<(Graph, usize)> {
         let mut nodes: Vec<NodeEntry> = Vec::new();
         for source in &self.sources {
             let (name, _) = voltet_document::links::source(source, &self.nodes);
@@ -64,7 +68,7 @@ impl Probing {
     }
 
     /// Walks the rays.
-    pub(super) fn walk(&self, values: &[Value], progress: &dyn Progress) -> Result<Probed> {
+    fn walk(&self, values: &[Value], progress: &dyn Progress) -> Result<Probed> {
         let mut volume: Option<Arc<Volume>> = None;
         let mut look: Option<Arc<Look>> = None;
         let mut camera: Option<Arc<Camera>> = None;
@@ -95,7 +99,7 @@ impl Probing {
         };
         let tracer = Tracer::new(&scene)?;
         let transfer_function = &scene.transfer_function;
-        let mut probed = Probed { key: self.key, ..Probed::default() };
+        let mut probed = Probed { key: self.key, rays: self.places.len(), ..Probed::default() };
         let (mut seen_most, [width, height]) = (0.0, camera.size.map(f64::from));
         for place in &self.places {
             if progress.cancelled() {
@@ -125,9 +129,24 @@ impl Probing {
     }
 }
 
+impl Work<'_> {
+    /// What lies at places of the picture; given up for a newer picture, in which it lies elsewhere.
+    pub(super) fn probe(&mut self, wanted: &Probing) {
+        let registry = self.registry;
+        let found = self.aside(|session, following: &Following| {
+            let (graph, place) = wanted.graph(registry)?;
+            let (values, _) = session.feed(&graph, place, &Demand::default(), following)?;
+            wanted.walk(&values, following).map(Arc::new)
+        });
+        if let Some(found) = found {
+            self.shared.show(|shown| shown.probed = Some((wanted.key, found)));
+        }
+    }
+}
+
 impl Probed {
-    /// Mean and standard deviations of the values; `None` where there are none.
-    pub fn moments(&self) -> Option<[[f64; 2]; 2]> {
+    /// Mean and covariance of the values by their shares; `None` where there are none.
+    pub fn moments(&self) -> Option<([f64; 2], [[f64; 2]; 2])> {
         let total: f64 = self.values.iter().map(|(_, share)| share).sum();
         if total.is_nan() || total <= 0.0 {
             return None;
@@ -135,7 +154,23 @@ impl Probed {
         let mean =
             |of: &dyn Fn([f64; 2]) -> f64| self.values.iter().map(|(v, w)| w * of(*v)).sum::<f64>() / total;
         let centre = [mean(&|v| v[0]), mean(&|v| v[1])];
-        let deviation = [0, 1].map(|k| mean(&|v| (v[k] - centre[k]).powi(2)).max(0.0).sqrt());
-        Some([centre, deviation])
+        let covariance = |i: usize, j: usize| mean(&|v| (v[i] - centre[i]) * (v[j] - centre[j]));
+        let mixed = covariance(0, 1);
+        Some((centre, [[covariance(0, 0).max(0.0), mixed], [mixed, covariance(1, 1).max(0.0)]]))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn moments_are_those_of_the_values_by_their_shares() {
+        let values = vec![([1.0, 10.0], 1.0), ([3.0, 30.0], 1.0), ([50.0, 5.0], 0.0)];
+        let (centre, covariance) = Probed { values, ..Probed::default() }.moments().unwrap();
+        assert_eq!((centre, covariance), ([2.0, 20.0], [[1.0, 10.0], [10.0, 100.0]]));
+        let (_, of_one) = Probed { values: vec![([7.0, 2.0], 0.3)], ..Probed::default() }.moments().unwrap();
+        assert!(of_one.as_flattened().iter().all(|x| x.abs() < 1e-20), "{of_one:?}");
+        assert!(Probed::default().moments().is_none());
     }
 }

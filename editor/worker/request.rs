@@ -1,12 +1,9 @@
 //! What is asked of the worker: nodes as a document states them, and which of their outputs is looked at.
 
-use super::look_on::{ASKS_FOR_G, NAME, entry};
+use super::look_on::{NAME, entry};
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 use voltet_core::graph::{Datum, Graph, Node, NodeEntry, Registry, Setting};
-use voltet_core::probing::{Axis, Histogram, histogram};
-use voltet_core::progress::Progress;
-use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
 use voltet_document::links::upstream;
 
@@ -14,12 +11,6 @@ use voltet_document::links::upstream;
 const CAMERA: &str = "camera";
 const SIZE: &str = "size";
 const SAMPLES: &str = "samples";
-
-/// Bins along s and g.
-const BINS: usize = 256;
-
-/// Share of the volume whose largest gradient magnitudes lie beyond the distribution.
-const STEEPEST: f64 = 1e-3;
 
 /// A picture that is wanted.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,19 +27,6 @@ pub struct Wanted {
     pub background: [f64; 3],
     /// Whether a picture of fewer pixels is wanted while the full one is drawn.
     pub coarse_first: bool,
-}
-
-/// The distribution of the data over (s, g) that is wanted.
-#[derive(Debug, Clone)]
-pub struct Distribution {
-    /// As of [`Wanted`].
-    pub nodes: Vec<NodeEntry>,
-    /// As of [`Wanted`].
-    pub folder: PathBuf,
-    /// The node that gives the volume.
-    pub node: String,
-    /// What tells it from others.
-    pub key: u64,
 }
 
 impl Wanted {
@@ -92,53 +70,6 @@ impl Wanted {
         nodes.push(entry(NAME, looked_at.into_iter()));
         Graph::build(&nodes, registry, self.folder.clone())
     }
-}
-
-impl Distribution {
-    /// The graph, and the place in it of the node that is fed the volume.
-    pub(super) fn graph(&self, registry: &Registry) -> Result<(Graph, usize)> {
-        let mut nodes = feeding(&self.nodes, &self.node)?;
-        nodes
-            .push(entry(ASKS_FOR_G.name, [("volume".to_string(), self.node.clone())].into_iter()).unlisted());
-        let graph = Graph::build(&nodes, registry, self.folder.clone())?;
-        let place = graph.nodes.len() - 1;
-        Ok((graph, place))
-    }
-}
-
-/// A node whose inputs take one output each.
-trait Unlisted {
-    fn unlisted(self) -> Self;
-}
-
-impl Unlisted for NodeEntry {
-    fn unlisted(mut self) -> Self {
-        for link in &mut self.inputs {
-            if let Some([only]) = link.source.list() {
-                link.source = only.clone();
-            }
-        }
-        self
-    }
-}
-
-/// The distribution over (s, g), exact within every cell; of s alone where there is no gradient. Along g it reaches as far as
-/// nearly all of the volume does: a few slivers have gradients of many times that.
-pub(super) fn histogram_of(volume: &Volume, progress: &dyn Progress) -> Result<Histogram> {
-    let s = &volume.scalar;
-    let flat = || vec![0.0; s.len()];
-    let g = volume.gradient_magnitude.clone().map_or_else(flat, |g| g.to_vec());
-    let of_s = Axis::over(s, BINS);
-    let whole = Axis::over(&g, 16 * BINS);
-    let whole = Axis { low: whole.low.min(0.0), ..whole };
-    let coarse = histogram(&volume.grid, [s, &g], [Axis { bins: 1, ..of_s }, whole], progress)?;
-    let (all, mut below) = (coarse.volumes.iter().sum::<f64>(), 0.0);
-    let last = coarse.volumes.iter().position(|volume| {
-        below += volume;
-        below >= (1.0 - STEEPEST) * all
-    });
-    let high = last.map_or(whole.high, |row| whole.edge(row + 1));
-    histogram(&volume.grid, [s, &g], [of_s, Axis { high, bins: BINS, ..whole }], progress)
 }
 
 /// The outputs of a node, each with the port of its type at the node that looks on.

@@ -1,7 +1,10 @@
 //! What the window's thread and the worker's both see.
 
+use super::distribution::Distribution;
 use super::probing::Probing;
-use super::request::{Distribution, Wanted};
+use super::request::Wanted;
+use super::section::Sectioning;
+use super::share::Sharing;
 use super::states::Shown;
 use std::sync::atomic::AtomicU64;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
@@ -24,7 +27,9 @@ pub(super) struct Queue {
     pub picture: Option<Wanted>,
     pub distribution: Option<Distribution>,
     pub probing: Option<Probing>,
+    pub section: Option<Sectioning>,
     pub estimate: Option<(u64, Wanted)>,
+    pub share: Option<Sharing>,
     pub ends: bool,
 }
 

@@ -1,15 +1,17 @@
 //! What there is to show of the worker's work.
 
+use super::distribution::Distributed;
 use super::look_on::{NAME, Values};
 use super::pixels::Pixels;
 use super::probing::Probed;
 use super::request::Wanted;
+use super::section::Section;
+use super::share::Share;
 use glam::DVec3;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use voltet_core::error::ErrorKind;
-use voltet_core::graph::{Look, RunReport};
-use voltet_core::probing::Histogram;
+use voltet_core::graph::RunReport;
 use voltet_core::{Error, Result};
 use voltet_document::links::upstream;
 
@@ -56,12 +58,14 @@ pub struct Shown {
     pub values: Arc<BTreeMap<String, String>>,
     /// Least and greatest coordinates of the data.
     pub bounds: Option<[DVec3; 2]>,
-    /// Transfer functions with their relative numbers resolved, by their nodes.
-    pub looks: Arc<BTreeMap<String, Arc<Look>>>,
     /// The distribution of the data, with the key that it was asked for by.
-    pub distribution: Option<(u64, Result<Arc<Histogram>>)>,
+    pub distribution: Option<(u64, Result<Arc<Distributed>>)>,
     /// What was found at a place of the picture, with the key that it was asked for by.
     pub probed: Option<(u64, Result<Arc<Probed>>)>,
+    /// What a plane through the data meets, with the key that it was asked for by.
+    pub section: Option<(u64, Result<Arc<Section>>)>,
+    /// What a widget adds to the picture, with the key that it was asked for by.
+    pub share: Option<(u64, Result<Share>)>,
     number: u64,
     wanted: Option<Wanted>,
 }
@@ -125,7 +129,6 @@ impl Shown {
             self.report = Some(Arc::new(report));
             self.values = Arc::new(values.words);
             self.bounds = values.bounds;
-            self.looks = Arc::new(values.looks);
         }
     }
 

@@ -1,8 +1,12 @@
+use super::following::Following;
 use super::*;
 use std::path::PathBuf;
 use std::sync::LazyLock;
 use std::sync::atomic::AtomicUsize;
-use voltet_core::graph::{Datum, Node, NodeEntry, Observer, Outputs, Port, PortType, Setting};
+use std::time::{Duration, Instant};
+use voltet_core::graph::{
+    Datum, Node, NodeEntry, Observer, Outputs, Port, PortType, Quantity, Setting, Unobserved, Value,
+};
 use voltet_core::picture::Picture;
 use voltet_core::pipeline::Pipeline;
 
@@ -87,20 +91,44 @@ fn the_picture_is_that_of_a_run_bit_for_bit_and_nothing_is_written() {
     assert!(folder.path().join("picture.png").exists(), "a run writes");
 }
 
-#[test]
-fn of_a_moved_widget_the_drawing_alone_is_made_again() {
+/// The nodes that ran, and what they counted that is no part of drawing.
+fn ran_of_a_moved_widget(text: &str) -> (Vec<String>, Vec<&'static str>) {
     let worker = worker();
-    let mut nodes = nodes(&TEXT);
+    let mut nodes = nodes(text);
     worker.draw(wanted(nodes.clone(), &PathBuf::new()));
     settle(&worker);
     assert!(ran(&worker).iter().any(|name| name == "gradient"));
     let centre = Datum::List([140.0, 22.0].map(|x| Setting::from(Datum::Number(x))).to_vec());
     set(&mut nodes, "look", &["widgets", "0", "centre"], centre);
-    worker.draw(Wanted { coarse_first: true, ..wanted(nodes, &PathBuf::new()) });
+    worker.draw(wanted(nodes, &PathBuf::new()));
     settle(&worker);
-    let ran = ran(&worker);
-    assert!(!ran.iter().any(|name| ["grid", "gradient"].contains(&name.as_str())), "{ran:?}");
-    assert!(ran.iter().any(|name| name == "picture"), "{ran:?}");
+    let counted = worker.shown(|shown| {
+        let report = shown.report.clone().unwrap();
+        let fresh = report.nodes.iter().filter(|node| !node.reused);
+        let counts =
+            fresh.flat_map(|node| node.counts.iter().filter(|(_, n)| **n > 0).map(|(name, _)| *name));
+        let of_data = ["arrays_decoded", "gradients_computed", "cells_sorted"];
+        counts.filter(|name| of_data.contains(name)).collect()
+    });
+    (ran(&worker), counted)
+}
+
+#[test]
+fn of_a_moved_widget_the_drawing_alone_is_made_again() {
+    // Stage by stage: which cells are drawn is another for another widget; nothing is read, no gradient is found, nothing sorted.
+    let (ran, counted) = ran_of_a_moved_widget(&TEXT);
+    assert_eq!(
+        (ran, counted),
+        (["look", "cells", "order", "cover", "picture"].map(String::from).to_vec(), vec![])
+    );
+    let i = TEXT.find("[nodes.cells]").unwrap();
+    let one = format!(
+        "{}[nodes.picture]\ntype = \"renderer\"\nengine = \"cpu\"\n\
+         inputs = {{ volume = \"gradient\", transfer_function = \"look\", camera = \"view\" }}\n",
+        &TEXT[..i]
+    );
+    let (ran, counted) = ran_of_a_moved_widget(&one);
+    assert_eq!((ran, counted), (["look", "picture"].map(String::from).to_vec(), vec![]));
 }
 
 #[test]
@@ -257,7 +285,14 @@ fn the_distribution_comes_late_and_leaves_the_picture_as_it_is() {
     set(&mut one_dimensional, "look", &["widgets", "0", "sigma"], sigma);
     worker.draw(wanted(one_dimensional.clone(), &PathBuf::new()));
     let nodes = one_dimensional.clone();
-    worker.find_distribution(Distribution { nodes, folder: PathBuf::new(), node: "gradient".into(), key: 7 });
+    worker.find_distribution(Distribution {
+        nodes,
+        folder: PathBuf::new(),
+        node: "gradient".into(),
+        axes: ["s", "g"].map(Quantity::Named),
+        fields: Vec::new(),
+        key: 7,
+    });
     settle(&worker);
     let before = worker.shown(|shown| shown.pixels.clone().unwrap().picture);
     for _ in 0..6000 {
@@ -267,7 +302,8 @@ fn the_distribution_comes_late_and_leaves_the_picture_as_it_is() {
         std::thread::sleep(Duration::from_millis(5));
     }
     let (key, found) = worker.shown(|shown| shown.distribution.clone()).unwrap();
-    let found = found.unwrap();
+    let distributed = found.unwrap();
+    let found = &distributed.histogram;
     assert_eq!(key, 7);
     let sum: f64 = found.volumes.iter().sum();
     // The box is 20 wide; a thousandth of it, the steepest, lies beyond the axis of g.
@@ -281,7 +317,7 @@ fn the_distribution_comes_late_and_leaves_the_picture_as_it_is() {
 
 #[test]
 fn memory_is_what_the_program_may_take() {
-    let (queue, never) = (Mutex::default(), || false);
+    let (queue, never) = (Mutex::default(), |_: &dyn Fn() -> Option<String>| false);
     let shared = Shared {
         wanted: queue,
         changed: Condvar::new(),
@@ -291,4 +327,84 @@ fn memory_is_what_the_program_may_take() {
     };
     let following = Following::new(&shared, &never);
     assert_eq!(Observer::memory_left(&following).is_some(), voltet_nodes::memory::left().is_some());
+}
+
+/// How often the node that takes its time began and ended.
+static STEADY: [AtomicUsize; 2] = [AtomicUsize::new(0), AtomicUsize::new(0)];
+
+static STEADY_SOURCE: Node = Node {
+    name: "steady",
+    summary: "Takes a second, or until it is stopped.",
+    outputs: IMAGE,
+    demand: &|_| Ok(()),
+    run: &|call| -> Result<Outputs> {
+        STEADY[0].fetch_add(1, Ordering::SeqCst);
+        for _ in 0..100 {
+            if call.progress().cancelled() {
+                return Err(Error::cancelled());
+            }
+            std::thread::sleep(Duration::from_millis(10));
+        }
+        STEADY[1].fetch_add(1, Ordering::SeqCst);
+        Ok(vec![Value::Image(Arc::new(Picture::transparent(2, 2)))])
+    },
+    ..Node::BLANK
+};
+
+static AFTER: Node = Node {
+    name: "after",
+    summary: "Gives on what it is given.",
+    inputs: IMAGE,
+    outputs: IMAGE,
+    parameters: SLOW.parameters,
+    demand: &|asking| asking.ask("image", &voltet_core::graph::Demand::default()),
+    run: &|call| Ok(vec![Value::Image(call.image("image")?)]),
+    ..Node::BLANK
+};
+
+/// Each of a steady stream of changes behind a slow node would stop it, and it would never come to its end.
+#[test]
+fn a_node_that_a_change_does_not_touch_runs_to_its_end_and_serves() {
+    let mut registry = voltet_nodes::registry().unwrap();
+    registry.add(&STEADY_SOURCE).unwrap();
+    registry.add(&AFTER).unwrap();
+    let worker = Worker::start(&registry, Box::new(|| {})).unwrap();
+    let text = |number: u32| {
+        format!(
+            "[pipeline]\nformat = 1\n[nodes.source]\ntype = \"steady\"\n[nodes.picture]\ntype = \"after\"\n\
+             number = {number}\ninputs = {{ image = \"source\" }}\n"
+        )
+    };
+    let mut last = worker.draw(wanted(nodes(&text(0)), &PathBuf::new()));
+    while STEADY[0].load(Ordering::SeqCst) == 0 {
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    for number in 1..20 {
+        last = worker.draw(Wanted { coarse_first: true, ..wanted(nodes(&text(number)), &PathBuf::new()) });
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    settle(&worker);
+    assert_eq!(STEADY.each_ref().map(|count| count.load(Ordering::SeqCst)), [1, 1]);
+    assert_eq!(worker.shown(|shown| shown.pixels.clone().unwrap().number), last);
+}
+
+/// In a coarse picture, too, where a node has another parameter than those that a hand moves; and none of it is shown.
+#[test]
+fn a_coarse_picture_is_stopped_by_a_change_of_another_kind() {
+    let worker = worker_with_own();
+    let of = |number: i64| {
+        let text = format!("[pipeline]\nformat = 1\n[nodes.picture]\ntype = \"slow\"\nnumber = {number}");
+        Wanted { coarse_first: true, ..wanted(nodes(&text), &PathBuf::new()) }
+    };
+    let begun = BEGUN.load(Ordering::SeqCst);
+    worker.draw(of(-1));
+    while BEGUN.load(Ordering::SeqCst) == begun {
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    let start = Instant::now();
+    let number = worker.draw(of(1));
+    settle(&worker);
+    assert!(start.elapsed() < Duration::from_secs(15), "the slow one would have gone on for half a minute");
+    let pixels = worker.shown(|shown| shown.pixels.clone().unwrap());
+    assert_eq!((pixels.number, pixels.size()), (number, [3, 2]));
 }

@@ -36,7 +36,7 @@ pub fn study(arguments: &arguments::Study, registry: &Registry) -> Result<u8> {
     outcome.or_else(|error| Ok(show(&document.locate(error), Some(&document.text))))
 }
 
-fn wish(arguments: &arguments::Study) -> Result<Wish> {
+pub(super) fn wish(arguments: &arguments::Study) -> Result<Wish> {
     if let Some(name) = arguments.only.iter().find(|name| !integrators().any(|known| known == name.as_str()))
     {
         let known = integrators().collect::<Vec<_>>().join(", ");
@@ -106,47 +106,48 @@ fn carry_out(
         files::refuse_unwritable(&document.path)?;
     }
     let watch = Watch { bar: Bar::new(arguments.quiet), estimate: Mutex::new(Estimate::begin()) };
-    let gathered = gather(arguments, &wish, document, &watch);
-    let study = gathered.and_then(|(subject, benches, reference)| {
-        watch.begin();
-        study::study(subject, wish, benches, reference, &watch)
-    });
+    let cache = arguments.cache.clone().unwrap_or_else(study::cache_folder);
+    let node = arguments.node.as_deref();
+    let made = make(document, node, wish, [&folder, &cache], (&watch.bar, &watch), &|| watch.begin());
     watch.bar.clear();
-    let study = study?;
-    let title = document.pipeline.title.clone().unwrap_or_else(|| document.path.display().to_string());
-    let written = match study.rows.is_empty() {
-        true => Vec::new(),
-        false => study::write(&study, &title, &folder)?,
-    };
+    let (study, written) = made?;
     if !arguments.quiet {
         print(&summary(&study, &written, &folder))?;
     }
     conclude(arguments, document, registry, &study)
 }
 
-/// The scene, what it is measured on, and its reference picture.
-fn gather(
-    arguments: &arguments::Study,
-    wish: &Wish,
+/// Measures and writes: the study and its files, none where nothing was measured. `folders`: that of the study, and the one that
+/// keeps reference pictures; `begin` is called where a new piece of work begins, whose fraction counts from 0.
+pub(super) fn make(
     document: &Document,
-    watch: &Watch,
-) -> Result<(Subject, Benches, study::Reference)> {
+    node: Option<&str>,
+    wish: Wish,
+    [folder, cache]: [&Path; 2],
+    (observer, progress): (&dyn Observer, &dyn Progress),
+    begin: &dyn Fn(),
+) -> Result<(Study, Vec<PathBuf>)> {
     let mut session = crate::nodes::session();
-    let (name, gradient) = (arguments.node.as_deref(), wish.refine > 0);
-    let subject = Subject::gather(&document.graph, name, gradient, &mut session, &watch.bar)?;
+    let subject = Subject::gather(&document.graph, node, wish.refine > 0, &mut session, observer)?;
     // Before the reference, which takes longest.
     if wish.refine > 0 {
         study::refuse_too_fine(&subject, wish.refine)?;
     }
-    let benches = Benches::open(&subject, wish)?;
-    let cache = arguments.cache.clone().unwrap_or_else(study::cache_folder);
-    watch.begin();
-    let reference = study::reference(&subject, &cache, watch)?;
-    Ok((subject, benches, reference))
+    let benches = Benches::open(&subject, &wish)?;
+    begin();
+    let reference = study::reference(&subject, cache, progress)?;
+    begin();
+    let study = study::study(subject, wish, benches, reference, progress)?;
+    let title = document.pipeline.title.clone().unwrap_or_else(|| document.path.display().to_string());
+    let written = match study.rows.is_empty() {
+        true => Vec::new(),
+        false => study::write(&study, &title, folder)?,
+    };
+    Ok((study, written))
 }
 
 /// Finds out, before the work, whether the folder is there or can be made, and can be written to.
-fn refuse_unwritable(folder: &Path) -> Result<()> {
+pub(super) fn refuse_unwritable(folder: &Path) -> Result<()> {
     let there = folder.ancestors().find(|path| path.exists()).unwrap_or(Path::new("."));
     if !there.is_dir() {
         let error = Error::run("the folder for the study cannot be made: a file is in its place");
@@ -156,7 +157,7 @@ fn refuse_unwritable(folder: &Path) -> Result<()> {
 }
 
 /// `scene.toml` is studied in `scene.study`.
-fn beside(file: &Path) -> PathBuf {
+pub(super) fn beside(file: &Path) -> PathBuf {
     file.with_extension("study")
 }
 

@@ -1,0 +1,142 @@
+//! Probes: boxes in the picture and in the section, and the widgets of their values. The study.
+
+use super::transfer::with_distribution;
+use super::*;
+use crate::actions::Command;
+use crate::study::{Studied, StudyOf};
+use voltet_core::graph::Setting;
+use voltet_core::progress::Progress;
+
+fn until(hand: &mut Hand, what: &str, is_so: impl Fn(&Hand) -> bool) {
+    for _ in 0..4000 {
+        hand.frames(1);
+        if is_so(hand) {
+            return;
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    panic!("{what}: {}", hand.said());
+}
+
+fn last_widget(hand: &Hand) -> Vec<voltet_core::graph::Field> {
+    let nodes = &hand.editor.document().pipeline().nodes;
+    let look = nodes.iter().find(|node| node.name == "look").unwrap();
+    let widgets = look.settings.iter().find(|field| field.name == "widgets").unwrap();
+    widgets.setting.list().unwrap().last().and_then(Setting::table).unwrap().to_vec()
+}
+
+#[test]
+fn a_box_in_the_picture_finds_the_values_on_its_rays() {
+    let mut hand = Hand::new(TEXT);
+    let middle = hand.editor.picture.rect().unwrap().center();
+    let corner = middle - vec2(20.0, 15.0);
+    hand.drag_with(corner, middle + vec2(20.0, 15.0), PointerButton::Primary, Modifiers::ALT);
+    until(&mut hand, "no answer comes", |hand| hand.editor.scene().probed.is_some());
+    let probed = hand.editor.scene().probed.clone().unwrap();
+    assert!(probed.rays > 100 && probed.values.len() > 500, "{} {}", probed.rays, probed.values.len());
+    let total: f64 = probed.values.iter().map(|(_, share)| share).sum();
+    assert!((total - 1.0).abs() < 1e-6, "the shares of all rays are one: {total}");
+    assert!(hand.said().contains(&format!("on {} rays", probed.rays)), "{}", hand.said());
+    assert_eq!(hand.text(), TEXT, "looking changes nothing, nor does the view turn");
+}
+
+#[test]
+fn values_in_the_section_make_a_widget_of_their_mean_and_covariance() {
+    let mut hand = Hand::new(TEXT);
+    with_distribution(&mut hand);
+    hand.editor.command(&hand.ctx.clone(), Command::Section);
+    until(&mut hand, "no section comes", |hand| matches!(hand.editor.scene().section, Some(Ok(_))));
+    hand.frames(3);
+    let Some(Ok(section)) = hand.editor.scene().section else { panic!("no section") };
+    assert!(section.cells > 50 && section.values.iter().flatten().count() > 5000, "{}", section.cells);
+    // The wavelet's own formula is not linear, but its values stay within its range: 37 to 277.
+    assert!(section.values.iter().flatten().all(|[s, g]| (30.0..280.0).contains(s) && *g >= 0.0));
+    let rect = hand.editor.section.rect.unwrap();
+    let from = rect.center() - vec2(40.0, 40.0);
+    hand.drag(from, rect.center() + vec2(30.0, 20.0));
+    let probed = hand.editor.scene().probed.clone().unwrap();
+    assert!(probed.values.len() > 1000 && probed.rays == 0, "{}", probed.values.len());
+    assert!(hand.said().contains("in the section"), "{}", hand.said());
+    let (mean, covariance) = probed.moments().unwrap();
+    let entry = hand.editor.transfer.at_probe_for_tests(&hand.editor.scene()).unwrap();
+    let edit = voltet_document::Edit::Insert { node: "look".into(), list: "widgets".into(), place: 1, entry };
+    hand.editor.edit("probe".into(), &[edit]);
+    let widget = last_widget(&hand);
+    let find = |name: &str| widget.iter().find(|field| field.name == name).map(|field| field.setting.clone());
+    let centre = find("centre").unwrap().numbers().unwrap();
+    assert!((0..2).all(|k| (centre[k] / mean[k] - 1.0).abs() < 1e-4), "{centre:?} {mean:?}");
+    // K of exp(−|K v|²) is such that 2 KᵀK is the inverse of the covariance.
+    let k: Vec<Vec<f64>> = match find("matrix") {
+        Some(rows) => rows.list().unwrap().iter().map(|row| row.numbers().unwrap()).collect(),
+        None => {
+            let sigma = find("sigma").unwrap().numbers().unwrap();
+            let entry = |i: usize| 1.0 / (2f64.sqrt() * sigma[i]);
+            vec![vec![entry(0), 0.0], vec![0.0, entry(1)]]
+        }
+    };
+    let product = |i: usize, j: usize| {
+        let kk = |a: usize, b: usize| 2.0 * (0..2).map(|r| k[r][a] * k[r][b]).sum::<f64>();
+        (0..2).map(|m| kk(i, m) * covariance[m][j]).sum::<f64>()
+    };
+    for (i, j) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+        let scaled = product(i, j) * (covariance[i][i] / covariance[j][j]).sqrt();
+        assert!((scaled - f64::from(u8::from(i == j))).abs() < 0.06, "{i} {j}: {scaled}");
+    }
+    assert_eq!(hand.steps(), 1);
+    // One value alone is no width: the widget is as wide as a hand can take hold of.
+    let at = rect.center();
+    hand.click(at);
+    assert_eq!(hand.editor.scene().probed.clone().unwrap().values.len(), 1);
+    let entry = hand.editor.transfer.at_probe_for_tests(&hand.editor.scene()).unwrap();
+    let sigma = entry.table_for_tests("sigma");
+    assert!(sigma.iter().all(|sigma| *sigma > 0.0 && sigma.is_finite()), "{sigma:?}");
+}
+
+/// A field of an entry.
+trait Entry {
+    fn table_for_tests(&self, name: &str) -> Vec<f64>;
+}
+
+impl Entry for voltet_core::graph::Datum {
+    fn table_for_tests(&self, name: &str) -> Vec<f64> {
+        let entry = Setting::from(self.clone());
+        let fields = entry.table().unwrap().to_vec();
+        fields.iter().find(|field| field.name == name).unwrap().setting.numbers().unwrap()
+    }
+}
+
+#[test]
+fn a_study_runs_beside_the_window_and_can_be_stopped() {
+    let mut hand = Hand::new(TEXT);
+    hand.editor.study.make = Some(Arc::new(|of: &StudyOf, progress: &dyn Progress| {
+        assert!(of.text.contains("wavelet") && of.node.as_deref() == Some("picture"));
+        for i in 0..2000 {
+            progress.report("settings", f64::from(i) / 2000.0);
+            if progress.cancelled() {
+                return Err(Error::cancelled());
+            }
+            std::thread::sleep(Duration::from_millis(10));
+        }
+        Ok(Studied { rows: Vec::new(), notes: Vec::new(), folder: None })
+    }));
+    hand.editor.command(&hand.ctx.clone(), Command::Study);
+    hand.frames(2);
+    let of = StudyOf {
+        text: hand.text(),
+        path: hand.path(),
+        node: hand.editor.scene().shown_node.map(str::to_string),
+    };
+    hand.editor.study.begin(of.clone(), &hand.ctx.clone());
+    let begun = std::time::Instant::now();
+    hand.frames(5);
+    assert!(hand.editor.study.found().is_none());
+    hand.editor.study.stop();
+    until(&mut hand, "it does not stop", |hand| hand.editor.study.found().is_some());
+    assert!(begun.elapsed() < Duration::from_secs(15));
+    assert_eq!(hand.editor.study.found().unwrap().as_ref().unwrap_err(), "stopped");
+    hand.editor.study.make = Some(Arc::new(|_: &StudyOf, _: &dyn Progress| panic!("a mistake")));
+    hand.editor.study.begin(of, &hand.ctx.clone());
+    until(&mut hand, "no end", |hand| hand.editor.study.found().is_some());
+    assert!(hand.editor.study.found().unwrap().as_ref().is_err_and(|error| error.contains("mistake")));
+    hand.frames(3);
+}

@@ -1,0 +1,216 @@
+//! The section: s on a plane through the data, where a click or a box finds values.
+
+use crate::actions::{Action, Actions};
+use crate::scene::Scene;
+use crate::theme;
+use crate::view::View;
+use crate::worker::{Probed, Section, short};
+use eframe::egui::{
+    Color32, ColorImage, Context, Pos2, Rect, RichText, Sense, Slider, Stroke, TextureHandle, TextureOptions,
+    Ui, Window, pos2, vec2,
+};
+use glam::DVec3;
+use std::sync::Arc;
+use voltet_core::graph::Quantity;
+
+/// Pixels of its picture.
+const SIZE: [usize; 2] = [320, 240];
+
+/// Colours from the least to the largest value: rising in lightness, apart for those too who see few hues (viridis).
+const COLORS: [[u8; 3]; 5] = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]];
+
+/// How the plane lies.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+enum Plane {
+    /// As the picture does.
+    #[default]
+    Camera,
+    /// Across an axis.
+    Across(usize),
+}
+
+/// The window of the section.
+#[derive(Default)]
+pub(crate) struct SectionPanel {
+    pub open: bool,
+    plane: Plane,
+    /// From the centre that was picked, as a share of half of the data's diagonal.
+    offset: f64,
+    texture: Option<TextureHandle>,
+    shown: Option<Arc<Section>>,
+    begun: Option<Pos2>,
+    /// Where its picture lies, for tests.
+    #[cfg(test)]
+    pub rect: Option<Rect>,
+}
+
+impl SectionPanel {
+    /// The section that is wanted of a volume: its middle, the plane's axes and half of its height.
+    pub fn wanted(&self, view: View, bounds: [DVec3; 2]) -> Option<(DVec3, [DVec3; 2], f64)> {
+        let radius = 0.5 * (bounds[1] - bounds[0]).length();
+        let (axes, half) = match self.plane {
+            Plane::Camera => (view.sides()?, (0.5 * view.height()).min(radius)),
+            Plane::Across(0) => ([DVec3::Y, DVec3::Z], radius),
+            Plane::Across(1) => ([DVec3::X, DVec3::Z], radius),
+            Plane::Across(_) => ([DVec3::X, DVec3::Y], radius),
+        };
+        let normal = axes[0].cross(axes[1]);
+        let sound = half > 0.0 && half.is_finite();
+        sound.then(|| (view.target + self.offset * radius * normal, axes, half))
+    }
+
+    /// Asked for with so many pixels.
+    pub fn size(&self) -> [usize; 2] {
+        SIZE
+    }
+
+    pub fn show(&mut self, ctx: &Context, scene: &Scene, actions: &mut Actions) {
+        let mut open = self.open;
+        Window::new("Section: s on a plane").open(&mut open).resizable(false).show(ctx, |ui| {
+            ui.horizontal(|ui| {
+                for (plane, text, help) in [
+                    (Plane::Camera, "as seen", "parallel to the picture"),
+                    (Plane::Across(0), "x", "across the x axis"),
+                    (Plane::Across(1), "y", "across the y axis"),
+                    (Plane::Across(2), "z", "across the z axis"),
+                ] {
+                    if ui.selectable_label(self.plane == plane, text).on_hover_text(help).clicked() {
+                        self.plane = plane;
+                    }
+                }
+                ui.add(Slider::new(&mut self.offset, -1.0..=1.0).show_value(false))
+                    .on_hover_text("how far from the centre that was picked (double click in the picture)");
+                if ui.small_button("0").on_hover_text("through the centre that was picked").clicked() {
+                    self.offset = 0.0;
+                }
+            });
+            self.picture(ui, scene, actions);
+        });
+        self.open = open;
+    }
+
+    fn picture(&mut self, ui: &mut Ui, scene: &Scene, actions: &mut Actions) {
+        let size = vec2(1.25 * SIZE[0] as f32, 1.25 * SIZE[1] as f32);
+        let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
+        ui.painter().rect_filled(rect, 0.0, Color32::BLACK);
+        #[cfg(test)]
+        {
+            self.rect = Some(rect);
+        }
+        match &scene.section {
+            Some(Ok(section)) => self.take(ui, scene, section),
+            Some(Err(error)) => drop(ui.colored_label(theme::wrong(ui.visuals().dark_mode), error)),
+            None => drop(ui.label("the section is made …")),
+        }
+        let (Some(section), Some(texture)) = (self.shown.clone(), &self.texture) else { return };
+        let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
+        ui.painter().image(texture.id(), rect, whole, Color32::WHITE);
+        let pixel = |at: Pos2| {
+            let share = (at - rect.min) / rect.size();
+            [share.x * SIZE[0] as f32, share.y * SIZE[1] as f32].map(|x| f64::from(x.max(0.0)))
+        };
+        if response.drag_started() {
+            self.begun = ui.input(|input| input.pointer.press_origin());
+        }
+        let at = response.interact_pointer_pos().or(response.hover_pos());
+        if let (Some(from), Some(to)) = (self.begun, at) {
+            let stroke = Stroke::new(1.5, theme::accent(true));
+            ui.painter().with_clip_rect(rect).rect_stroke(Rect::from_two_pos(from, to), 0.0, stroke);
+            if response.drag_stopped() {
+                self.begun = None;
+                let (from, to) = (pixel(from), pixel(to));
+                probe(&section, [0, 1].map(|k: usize| [from[k].min(to[k]), from[k].max(to[k])]), actions);
+            }
+        }
+        if let Some(at) = at.filter(|_| response.clicked()) {
+            let at = pixel(at);
+            probe(&section, at.map(|x| [x, x]), actions);
+        }
+        let weak = theme::weak(ui.visuals().dark_mode);
+        let words = match response.hover_pos().map(pixel) {
+            Some(at) => under(&section, at),
+            None => format!("{} cells are cut; click or drag a box: the values there", section.cells),
+        };
+        ui.label(RichText::new(words).small().color(weak));
+    }
+
+    /// The section as a texture, by the range of s in all of the data where that is known.
+    fn take(&mut self, ui: &Ui, scene: &Scene, section: &Arc<Section>) {
+        if self.shown.as_ref().is_some_and(|shown| Arc::ptr_eq(shown, section)) {
+            return;
+        }
+        let of_data = scene.distribution.as_ref();
+        let of_data = of_data.and_then(|found| found.known.ranges.get(&Quantity::Named("s")).copied());
+        let found = section.values.iter().flatten().map(|value| value[0]);
+        let [low, high] = of_data.unwrap_or_else(|| {
+            found.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], s| [low.min(s), high.max(s)])
+        });
+        let color = |value: &Option<[f64; 2]>| match value {
+            Some([s, _]) => colored((s - low) / (high - low)),
+            None => Color32::from_gray(24),
+        };
+        let image = ColorImage { size: section.of.size, pixels: section.values.iter().map(color).collect() };
+        match &mut self.texture {
+            Some(texture) => texture.set(image, TextureOptions::NEAREST),
+            None => {
+                self.texture = Some(ui.ctx().load_texture("section", image, TextureOptions::NEAREST));
+            }
+        }
+        self.shown = Some(section.clone());
+    }
+}
+
+fn colored(share: f64) -> Color32 {
+    // A constant field has no range.
+    let place = if share.is_finite() { share.clamp(0.0, 1.0) * (COLORS.len() - 1) as f64 } else { 0.0 };
+    let first = (place as usize).min(COLORS.len() - 2);
+    let part = place - first as f64;
+    let mix = |k: usize| {
+        let (a, b) = (f64::from(COLORS[first][k]), f64::from(COLORS[first + 1][k]));
+        (a + part * (b - a)).round() as u8
+    };
+    Color32::from_rgb(mix(0), mix(1), mix(2))
+}
+
+fn value_at(section: &Section, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
+    let [width, height] = section.of.size;
+    let (column, row) = ((x as usize).min(width - 1), (y as usize).min(height - 1));
+    *section.values.get(row * width + column)?
+}
+
+fn under(section: &Section, at: [f64; 2]) -> String {
+    let point = section.of.point(at).to_array().map(short).join(", ");
+    match value_at(section, at) {
+        Some([s, g]) => format!("s {}   g {}   at ({point})", short(s), short(g)),
+        None => format!("no cell at ({point})"),
+    }
+}
+
+/// The values at the pixels of a box, as what a probe found.
+fn probe(section: &Section, [x, y]: [[f64; 2]; 2], actions: &mut Actions) {
+    let [width, height] = section.of.size;
+    let within =
+        |[low, high]: [f64; 2], count: usize| (low as usize).min(count - 1)..=(high as usize).min(count - 1);
+    let columns = within(x, width);
+    let pixels = within(y, height).flat_map(|row| columns.clone().map(move |column| row * width + column));
+    let values: Vec<([f64; 2], f64)> =
+        pixels.filter_map(|i| section.values[i].map(|value| (value, 1.0))).collect();
+    let middle = section.of.point([0.5 * (x[0] + x[1]), 0.5 * (y[0] + y[1])]);
+    let point = Some(middle).filter(|_| !values.is_empty());
+    actions.push(Action::Probed(Arc::new(Probed { key: 0, rays: 0, values, point, opacity: 0.0 })));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn colours_rise_and_a_constant_field_has_one() {
+        let brightness = |share: f64| {
+            let [r, g, b, _] = colored(share).to_array();
+            u32::from(r) + 2 * u32::from(g) + u32::from(b)
+        };
+        assert!((0..20).all(|i| brightness(f64::from(i) / 20.0) < brightness(f64::from(i + 1) / 20.0)));
+        assert_eq!(colored(f64::NAN), colored(0.0));
+    }
+}

@@ -1,0 +1,295 @@
+//! `study` at a click: every integrator on the picture that is shown, its time and its error, off the window's thread.
+
+use crate::picture::milliseconds;
+use crate::scene::Scene;
+use crate::theme;
+use eframe::egui::{
+    Align2, Color32, Context, FontId, Grid, ProgressBar, Rect, RichText, ScrollArea, Sense, Stroke, Ui,
+    Window, pos2, vec2,
+};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use voltet_core::error::ErrorKind;
+use voltet_core::progress::Progress;
+use voltet_core::{Error, Result};
+
+/// What is to be studied.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StudyOf {
+    /// The pipeline, saved or not.
+    pub text: String,
+    /// Its file, which paths are relative to and beside which the study is written.
+    pub path: PathBuf,
+    /// The node that draws.
+    pub node: Option<String>,
+}
+
+/// What came of it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Studied {
+    /// The settings that were measured, cheapest first.
+    pub rows: Vec<StudiedRow>,
+    /// What else there is to say: what is recommended, what was left out.
+    pub notes: Vec<String>,
+    /// The folder that the study was written into; none where nothing was measured.
+    pub folder: Option<PathBuf>,
+}
+
+/// One setting, measured.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StudiedRow {
+    /// The setting in words.
+    pub label: String,
+    /// Median seconds of a picture.
+    pub seconds: f64,
+    /// The largest error, 1 being full scale.
+    pub most: f64,
+    /// The root of the mean square error.
+    pub rms: f64,
+    /// Whether nothing is both cheaper and better.
+    pub on_front: bool,
+    /// Whether the pipeline draws with it.
+    pub of_file: bool,
+}
+
+/// Makes a study; called on a thread of its own. Errors: those of `voltet study`; a stop.
+pub type Study = Arc<dyn Fn(&StudyOf, &dyn Progress) -> Result<Studied> + Send + Sync>;
+
+/// A study that is made.
+#[derive(Default)]
+struct Made {
+    stops: AtomicBool,
+    at: Mutex<(String, f64)>,
+    found: Mutex<Option<Result<Studied>>>,
+}
+
+/// The window of the study.
+#[derive(Default)]
+pub(crate) struct StudyPanel {
+    pub open: bool,
+    /// What makes studies, where the program can.
+    pub make: Option<Study>,
+    made: Option<Arc<Made>>,
+    found: Option<std::result::Result<Studied, String>>,
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+struct Watching(Arc<Made>, Context);
+
+impl Progress for Watching {
+    fn report(&self, stage: &str, fraction: f64) {
+        *lock(&self.0.at) = (stage.to_string(), fraction);
+        self.1.request_repaint();
+    }
+
+    fn cancelled(&self) -> bool {
+        self.0.stops.load(Ordering::SeqCst)
+    }
+
+    fn memory_left(&self) -> Option<u64> {
+        voltet_nodes::memory::left()
+    }
+}
+
+impl StudyPanel {
+    /// Shows the window; begins a study where that is asked for.
+    pub fn show(&mut self, ctx: &Context, scene: &Scene) {
+        let mut open = self.open;
+        Window::new("Study: error against time").open(&mut open).default_size([560.0, 460.0]).show(ctx, |ui| {
+            ui.horizontal_wrapped(|ui| self.controls(ui, scene));
+            ui.separator();
+            match &self.found {
+                Some(Ok(studied)) => results(ui, studied),
+                Some(Err(error)) => drop(ui.colored_label(theme::wrong(ui.visuals().dark_mode), error)),
+                None => {
+                    ui.label(
+                        "Draws the picture with every integrator and setting on every engine, and holds each against the \
+                         64-bit referee. That takes seconds to minutes; leave the window alone meanwhile, as what else runs \
+                         is in the times.",
+                    );
+                }
+            }
+        });
+        self.open = open;
+    }
+
+    /// Takes over what a study has found.
+    pub fn take_found(&mut self) {
+        let found = self.made.as_ref().and_then(|made| lock(&made.found).take());
+        let Some(found) = found else { return };
+        self.made = None;
+        self.found = match found {
+            Err(error) if error.kind == ErrorKind::Cancelled => Some(Err("stopped".into())),
+            found => Some(found.map_err(|error| error.to_string())),
+        };
+    }
+
+    fn controls(&mut self, ui: &mut Ui, scene: &Scene) {
+        if let Some(made) = &self.made {
+            let (stage, fraction) = lock(&made.at).clone();
+            if ui.button("Stop").clicked() {
+                self.stop();
+            }
+            ui.add(ProgressBar::new(fraction as f32).desired_width(160.0).show_percentage());
+            ui.label(stage);
+            return;
+        }
+        let path = scene.document.path();
+        let can = self.make.is_some() && path.is_some() && scene.shown_node.is_some();
+        let button = ui.add_enabled(can, eframe::egui::Button::new("Study this picture"));
+        let button =
+            button.on_disabled_hover_text("save the pipeline first: the study is written beside its file");
+        if let (true, Some(path)) = (button.clicked(), path) {
+            self.begin(
+                StudyOf {
+                    text: scene.document.text().to_string(),
+                    path: path.to_path_buf(),
+                    node: scene.shown_node.map(str::to_string),
+                },
+                ui.ctx(),
+            );
+        }
+        if let Some(path) = path {
+            let folder = path.with_extension("study");
+            ui.label(RichText::new(format!("into {}", folder.display())).small());
+        }
+    }
+
+    /// Begins a study.
+    pub fn begin(&mut self, of: StudyOf, ctx: &Context) {
+        let Some(make) = self.make.clone() else { return };
+        let made = Arc::new(Made::default());
+        let watching = Watching(made.clone(), ctx.clone());
+        let spawned = std::thread::Builder::new().name("study".into()).spawn(move || {
+            let work = || make(&of, &watching);
+            let found = catch_unwind(AssertUnwindSafe(work));
+            let ended = |_| Err(Error::run("the study ended by a mistake of its own"));
+            *lock(&watching.0.found) = Some(found.unwrap_or_else(ended));
+            watching.1.request_repaint();
+        });
+        match spawned {
+            Ok(_) => (self.made, self.found) = (Some(made), None),
+            Err(error) => self.found = Some(Err(format!("no thread can be had: {error}"))),
+        }
+    }
+
+    /// Stops the study that is made.
+    pub fn stop(&self) {
+        if let Some(made) = &self.made {
+            made.stops.store(true, Ordering::SeqCst);
+        }
+    }
+
+    /// What was found, for tests.
+    #[cfg(test)]
+    pub fn found(&self) -> Option<&std::result::Result<Studied, String>> {
+        self.found.as_ref()
+    }
+}
+
+impl Drop for StudyPanel {
+    fn drop(&mut self) {
+        self.stop();
+    }
+}
+
+fn results(ui: &mut Ui, studied: &Studied) {
+    if let Some(folder) = &studied.folder {
+        ui.label(format!("Written: {} (study.html, study.csv, plot.svg …)", folder.display()));
+    }
+    for note in &studied.notes {
+        ui.label(note);
+    }
+    plot(ui, &studied.rows);
+    ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
+        Grid::new("settings").num_columns(4).striped(true).spacing([18.0, 3.0]).show(ui, |ui| {
+            for title in ["setting", "time", "largest error", "root mean square"] {
+                ui.strong(title);
+            }
+            ui.end_row();
+            for row in &studied.rows {
+                let mark = match (row.of_file, row.on_front) {
+                    (true, _) => "  (as the file draws)",
+                    (false, true) => "  (nothing is cheaper and better)",
+                    (false, false) => "",
+                };
+                let label = RichText::new(format!("{}{mark}", row.label));
+                ui.label(if row.on_front || row.of_file { label.strong() } else { label });
+                ui.label(milliseconds(row.seconds));
+                ui.label(format!("{:.1e}", row.most));
+                ui.label(format!("{:.1e}", row.rms));
+                ui.end_row();
+            }
+        });
+    });
+}
+
+/// Least and largest decade of values above 0.
+fn decades(values: impl Iterator<Item = f64>) -> [f64; 2] {
+    let logs = values.filter(|x| *x > 0.0 && x.is_finite()).map(f64::log10);
+    let [low, high] =
+        logs.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)]);
+    if low > high { [0.0, 1.0] } else { [(low - 0.05).floor(), (high + 0.05).ceil().max(low.floor() + 1.0)] }
+}
+
+/// Largest error over time, both by decades; a setting's name under the pointer.
+fn plot(ui: &mut Ui, rows: &[StudiedRow]) {
+    let (whole, response) = ui.allocate_exact_size(vec2(ui.available_width(), 190.0), Sense::hover());
+    let rect = Rect::from_min_max(whole.min + vec2(48.0, 6.0), whole.max - vec2(10.0, 30.0));
+    let dark = ui.visuals().dark_mode;
+    let (text, font) = (theme::weak(dark), FontId::proportional(10.5));
+    let painter = ui.painter();
+    painter.rect_filled(rect, 0.0, ui.visuals().extreme_bg_color);
+    let (x, y) = (decades(rows.iter().map(|row| row.seconds)), decades(rows.iter().map(|row| row.most)));
+    let share = |value: f64, [low, high]: [f64; 2]| {
+        // No error at all stands at the foot.
+        (((value.max(1e-300).log10() - low) / (high - low)) as f32).clamp(0.0, 1.0)
+    };
+    let place = |seconds: f64, most: f64| {
+        pos2(rect.left() + share(seconds, x) * rect.width(), rect.bottom() - share(most, y) * rect.height())
+    };
+    let line = Stroke::new(1.0, text.gamma_multiply(0.3));
+    for decade in (x[0] as i32)..=(x[1] as i32) {
+        let seconds = 10f64.powi(decade);
+        let at = place(seconds, 0.0);
+        painter.vline(at.x, rect.y_range(), line);
+        let name = if decade < 0 { format!("{} ms", 1000.0 * seconds) } else { format!("{seconds} s") };
+        painter.text(pos2(at.x, rect.bottom() + 2.0), Align2::CENTER_TOP, name, font.clone(), text);
+    }
+    for decade in (y[0] as i32)..=(y[1] as i32) {
+        let at = place(1e-300, 10f64.powi(decade));
+        painter.hline(rect.x_range(), at.y, line);
+        let name = format!("1e{decade}");
+        painter.text(pos2(rect.left() - 4.0, at.y), Align2::RIGHT_CENTER, name, font.clone(), text);
+    }
+    painter.text(
+        pos2(rect.center().x, whole.bottom() - 1.0),
+        Align2::CENTER_BOTTOM,
+        "time of a picture; upward: largest error (1 is full scale)",
+        font.clone(),
+        text,
+    );
+    let mut nearest: Option<(f32, &StudiedRow)> = None;
+    for row in rows {
+        let at = place(row.seconds, row.most);
+        let color = match (row.of_file, row.on_front) {
+            (true, _) => theme::wrong(dark),
+            (false, true) => theme::accent(dark),
+            (false, false) => text,
+        };
+        painter.circle(at, 4.0, color, Stroke::new(1.0, Color32::BLACK));
+        let apart = response.hover_pos().map_or(f32::INFINITY, |pointer| pointer.distance(at));
+        if apart < 12.0 && nearest.is_none_or(|(least, _)| apart < least) {
+            nearest = Some((apart, row));
+        }
+    }
+    if let Some((_, row)) = nearest {
+        let words = format!("{}: {}, {:.1e}", row.label, milliseconds(row.seconds), row.most);
+        response.on_hover_text_at_pointer(words);
+    }
+}

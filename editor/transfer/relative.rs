@@ -1,0 +1,139 @@
+//! Numbers relative to data among those of a widget: what they are, and how a hand's numbers are written in their place.
+
+use crate::worker::Known;
+use voltet_core::graph::{Datum, Field, Origin, Setting};
+use voltet_core::parameters::{Measure, Parameters, Relative, RelativeNumber};
+use voltet_core::transfer::{self, Scales, WIDGET_KINDS};
+use voltet_core::{Error, Result};
+
+/// Digits after the point of a percentage of a range.
+const SHARE_DIGITS: usize = 3;
+
+/// Digits after the point of a percentile, at most, and how much of the range it may be off by.
+const PERCENTILE_DIGITS: usize = 6;
+const NEAR: f64 = 2e-4;
+
+/// The widget's parameters as its kind declares them.
+fn parameters(fields: &[Field]) -> Option<Parameters> {
+    let kind = fields.iter().find(|field| field.name == "kind")?.setting.text()?;
+    let kind = WIDGET_KINDS.iter().find(|known| known.name == kind)?;
+    // What is wrong is said elsewhere; what is not set has no numbers.
+    Some(Parameters::survey(kind.parameters, fields, &Origin::Nowhere, &["kind"], &mut Vec::new()))
+}
+
+/// The table with numbers in place of those relative to data. Error: they are not known yet.
+pub(super) fn resolved(fields: &[Field], known: Option<&Known>) -> Result<Vec<Field>> {
+    let Some(parameters) = parameters(fields) else { return Ok(fields.to_vec()) };
+    if parameters.relative_numbers().is_empty() {
+        return Ok(fields.to_vec());
+    }
+    let unknown = || Error::run("its numbers are relative to data that are not known here yet");
+    let found = transfer::resolved(&parameters, known.ok_or_else(unknown)?)?;
+    let replaced = |field: &Field| {
+        let new = found.iter().find(|(parameter, ..)| parameter.name == field.name);
+        let setting = new.and_then(|(_, setting, _)| setting.cloned());
+        Field { setting: setting.unwrap_or_else(|| field.setting.clone()), ..field.clone() }
+    };
+    Ok(fields.iter().map(replaced).collect())
+}
+
+/// What is to be written at a key of the table ("centre", "region.s"), where a hand made numbers of what is there: relative ones
+/// stay relative, and those that did not change stay as they are written.
+pub(super) fn as_written(fields: &[Field], known: Option<&Known>, key: &str, new: Datum) -> Datum {
+    let now = resolved(fields, known).unwrap_or_else(|_| fields.to_vec());
+    let (Some(old), Some(now)) = (at(fields, key), at(&now, key)) else { return new };
+    let mut numbers = Vec::new();
+    // Each relative number is marked by its place among them.
+    let marked = parameters(fields).and_then(|parameters| {
+        let marked = parameters.with_numbers(&mut |number| {
+            numbers.push(number.clone());
+            Ok((numbers.len() - 1) as f64)
+        });
+        let marked = marked.ok()?;
+        let fields: Vec<Field> = marked
+            .iter()
+            .filter_map(|(parameter, setting, _)| {
+                Some(Field {
+                    name: parameter.name.to_string(),
+                    origin: Origin::Nowhere,
+                    setting: setting?.clone(),
+                })
+            })
+            .collect();
+        at(&fields, key).cloned()
+    });
+    written(old, now, marked.as_ref(), &numbers, known, new)
+}
+
+fn at<'a>(fields: &'a [Field], key: &str) -> Option<&'a Setting> {
+    let (first, rest) = key.split_once('.').map_or((key, None), |(first, rest)| (first, Some(rest)));
+    let setting = &fields.iter().find(|field| field.name == first)?.setting;
+    rest.map_or(Some(setting), |rest| at(setting.table()?, rest))
+}
+
+fn written(
+    old: &Setting,
+    now: &Setting,
+    marked: Option<&Setting>,
+    numbers: &[RelativeNumber],
+    known: Option<&Known>,
+    new: Datum,
+) -> Datum {
+    if let (Datum::List(olds), Datum::List(nows), Datum::List(news)) = (&old.datum, &now.datum, &new)
+        && olds.len() == news.len()
+        && nows.len() == news.len()
+    {
+        let marks = marked.and_then(Setting::list);
+        let parts = (0..news.len()).map(|i| {
+            let mark = marks.and_then(|marks| marks.get(i));
+            Setting::from(written(&olds[i], &nows[i], mark, numbers, known, news[i].datum.clone()))
+        });
+        return Datum::List(parts.collect());
+    }
+    let (Some(was), Some(is)) = (now.number(), Setting::from(new.clone()).number()) else { return new };
+    if is == was || (is - was).abs() <= 1e-9 * was.abs() || is == super::moved::rounded(was) {
+        return old.datum.clone();
+    }
+    let mark = marked.and_then(Setting::number).map(|mark| mark as usize);
+    match (&old.datum, mark.and_then(|mark| numbers.get(mark)), known) {
+        (Datum::Text(_), Some(number), Some(known)) => {
+            relative(number, was, is, known).map_or(new, Datum::Text)
+        }
+        _ => new,
+    }
+}
+
+/// The number relative to data that says so; `None` where there is none.
+fn relative(number: &RelativeNumber, was: f64, is: f64, known: &Known) -> Option<String> {
+    let percent = |share: f64| {
+        let text = format!("{:.SHARE_DIGITS$}", 100.0 * share);
+        format!("{} %", text.trim_end_matches('0').trim_end_matches('.'))
+    };
+    match (number.relative, number.is) {
+        (Relative::Share(_), Measure::Value | Measure::Place) => {
+            let [low, high] = known.range(&number.quantity).ok()?;
+            (high > low).then(|| percent((is - low) / (high - low)))
+        }
+        // Widths are in proportion to their shares, factors the other way round.
+        (Relative::Share(share), Measure::Width) => {
+            (is / was > 0.0).then(|| percent((share * is / was).max(1e-5)))
+        }
+        (Relative::Share(share), Measure::Factor) => {
+            (was / is > 0.0).then(|| percent((share * was / is).max(1e-5)))
+        }
+        (Relative::Percentile(_), _) => {
+            let [low, high] = known.range(&number.quantity).ok()?;
+            let share = known.spreads.get(&number.quantity)?.below(is);
+            let is = is.clamp(low, high);
+            let text = |digits: usize| format!("{:.digits$}", 100.0 * share);
+            // So many digits as it takes to come down where the hand is.
+            let is_near = |digits: &usize| {
+                let percent: f64 = text(*digits).parse().unwrap_or(0.0);
+                let found = known.percentile(&number.quantity, percent);
+                found.is_ok_and(|found| (found - is).abs() <= NEAR * (high - low))
+            };
+            let digits = (1..PERCENTILE_DIGITS).find(is_near).unwrap_or(PERCENTILE_DIGITS);
+            Some(format!("p{}", text(digits)))
+        }
+    }
+}

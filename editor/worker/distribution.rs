@@ -1,0 +1,134 @@
+//! The distribution of the data over two quantities, weighted by volume, with what numbers relative to data are found by.
+
+use super::following::Following;
+use super::look_on::{ASKS_FOR_ARRAYS, fed_by};
+use super::request::feeding;
+use super::scales::{Known, Spread};
+use super::shared::lock;
+use super::work::Work;
+use std::borrow::Cow;
+use std::path::PathBuf;
+use std::sync::Arc;
+use voltet_core::graph::{Demand, Graph, NodeEntry, Quantity, Registry, Value};
+use voltet_core::probing::{Axis, Histogram, histogram, value_range};
+use voltet_core::progress::Progress;
+use voltet_core::volume::Volume;
+use voltet_core::{Error, Result};
+
+/// Bins along each axis.
+const BINS: usize = 256;
+
+/// Share of the volume whose largest gradient magnitudes lie beyond the distribution.
+const STEEPEST: f64 = 1e-3;
+
+/// The distribution of the data that is wanted.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Distribution {
+    /// As of [`Wanted`](super::Wanted).
+    pub nodes: Vec<NodeEntry>,
+    /// As of [`Wanted`](super::Wanted).
+    pub folder: PathBuf,
+    /// The output that gives the volume.
+    pub node: String,
+    /// Along which quantities: "s", "g", or arrays.
+    pub axes: [Quantity; 2],
+    /// Further arrays whose ranges are wanted.
+    pub fields: Vec<String>,
+    /// What tells it from others.
+    pub key: u64,
+}
+
+/// What was found.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Distributed {
+    /// The volume in each bin.
+    pub histogram: Histogram,
+    /// Ranges, and the volume below each value of the axes.
+    pub known: Known,
+}
+
+impl Distribution {
+    /// The graph, and the place in it of the node that is fed the volume.
+    fn graph(&self, registry: &Registry) -> Result<(Graph, usize)> {
+        let (name, _) = voltet_document::links::source(&self.node, &self.nodes);
+        let mut nodes = feeding(&self.nodes, name)?;
+        let of_axes = self.axes.iter().filter_map(|axis| match axis {
+            Quantity::Array(name) => Some(name),
+            Quantity::Named(_) | Quantity::Per(..) => None,
+        });
+        let mut arrays: Vec<&String> = of_axes.chain(&self.fields).collect();
+        arrays.sort_unstable();
+        arrays.dedup();
+        nodes.push(fed_by(&ASKS_FOR_ARRAYS, &self.node, &arrays));
+        let graph = Graph::build(&nodes, registry, self.folder.clone())?;
+        let place = graph.nodes.len() - 1;
+        Ok((graph, place))
+    }
+
+    /// Exact within every cell. Along *g* it reaches as far as nearly all of the volume does: a few slivers have gradients of
+    /// many times that. Where there is no gradient, *g* is 0.
+    fn find(&self, volume: &Volume, progress: &dyn Progress) -> Result<Distributed> {
+        let [x, y] = [values(volume, &self.axes[0])?, values(volume, &self.axes[1])?];
+        let grid = &volume.grid;
+        let mut axes = [Axis::over(&x, BINS), Axis::over(&y, BINS)];
+        for axis in (0..2).filter(|axis| self.axes[*axis] == Quantity::Named("g")) {
+            let of_g = if axis == 0 { &x } else { &y };
+            let whole = Axis { low: axes[axis].low.min(0.0), bins: 16 * BINS, ..axes[axis] };
+            let flat = Axis { low: 0.0, high: 1.0, bins: 1 };
+            let nothing = vec![0.5; of_g.len()];
+            let coarse = histogram(grid, [&nothing, of_g], [flat, whole], progress)?;
+            let (all, mut below) = (coarse.volumes.iter().sum::<f64>(), 0.0);
+            let last = coarse.volumes.iter().position(|volume| {
+                below += volume;
+                below >= (1.0 - STEEPEST) * all
+            });
+            let high = last.map_or(whole.high, |row| whole.edge(row + 1));
+            axes[axis] = Axis { high, bins: BINS, ..whole };
+        }
+        let found = histogram(grid, [&x, &y], axes, progress)?;
+        let mut known = Known::default();
+        for (k, (values, quantity)) in [x, y].iter().zip(&self.axes).enumerate() {
+            let shown = [axes[k].low, axes[k].high];
+            known.ranges.insert(quantity.clone(), value_range(values)?);
+            known.spreads.insert(quantity.clone(), Spread::of(grid, values, shown, progress)?);
+        }
+        let arrays = self.fields.iter().map(|name| Quantity::Array(name.clone()));
+        for quantity in arrays.chain(["s", "g"].map(Quantity::Named)) {
+            if !known.ranges.contains_key(&quantity) {
+                known.ranges.insert(quantity.clone(), value_range(&values(volume, &quantity)?)?);
+            }
+        }
+        Ok(Distributed { histogram: found, known })
+    }
+}
+
+/// The values of a quantity, one a point.
+fn values<'a>(volume: &'a Volume, quantity: &Quantity) -> Result<Cow<'a, [f64]>> {
+    match quantity {
+        Quantity::Array(name) => Ok(Cow::Borrowed(&volume.grid.point_array(name, 1)?.values)),
+        Quantity::Named("g") => Ok(match &volume.gradient_magnitude {
+            Some(g) => Cow::Borrowed(g),
+            None => Cow::Owned(vec![0.0; volume.scalar.len()]),
+        }),
+        Quantity::Named(_) | Quantity::Per(..) => Ok(Cow::Borrowed(&volume.scalar)),
+    }
+}
+
+impl Work<'_> {
+    /// The distribution; given up for a picture, and begun again after it.
+    pub(super) fn distribution(&mut self, wanted: Distribution) {
+        let registry = self.registry;
+        let found = self.aside(|session, following: &Following| {
+            let (graph, place) = wanted.graph(registry)?;
+            let (values, _) = session.feed(&graph, place, &Demand::default(), following)?;
+            let volume = values.first().and_then(Value::volume);
+            let volume =
+                volume.ok_or_else(|| Error::run("the node gives no volume").at_node(&wanted.node))??;
+            wanted.find(&volume, following).map(Arc::new)
+        });
+        match found {
+            Some(found) => self.shared.show(|shown| shown.distribution = Some((wanted.key, found))),
+            None => drop(lock(&self.shared.wanted).distribution.get_or_insert(wanted)),
+        }
+    }
+}

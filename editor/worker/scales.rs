@@ -1,0 +1,122 @@
+//! What the data say of quantities: their ranges, and the volume below each value. Numbers relative to data are found by it, and
+//! turned back into such where a hand moved them.
+
+use std::collections::BTreeMap;
+use voltet_core::graph::Quantity;
+use voltet_core::grid::Grid;
+use voltet_core::probing::{Volumes, value_range};
+use voltet_core::progress::Progress;
+use voltet_core::transfer::Scales;
+use voltet_core::{Error, Result};
+
+/// Values that the volume below is found at: within the shown axis, and beyond it.
+const KNOTS: [usize; 2] = [1024, 64];
+
+/// The share of the volume below each value of a quantity; straight between the values that are known.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Spread {
+    /// Rising.
+    values: Vec<f64>,
+    /// 0 to 1, rising.
+    below: Vec<f64>,
+}
+
+impl Spread {
+    /// Of the values of a volume's points. `shown`: the axis on which it should be fine.
+    pub(super) fn of(
+        grid: &Grid,
+        values: &[f64],
+        [low, high]: [f64; 2],
+        progress: &dyn Progress,
+    ) -> Result<Spread> {
+        let volumes = Volumes::new(grid, values, progress)?;
+        let [least, most] = value_range(values)?;
+        let even = |[from, to]: [f64; 2], count: usize| {
+            (0..=count).map(move |i| {
+                let share = i as f64 / count as f64;
+                from * (1.0 - share) + to * share
+            })
+        };
+        let mut knots: Vec<f64> = even([low, high], KNOTS[0]).chain(even([high, most], KNOTS[1])).collect();
+        knots.push(least);
+        knots.retain(|knot| (least..=most).contains(knot));
+        knots.sort_by(f64::total_cmp);
+        knots.dedup();
+        let mut below = volumes.below_each(&knots);
+        below.iter_mut().for_each(|below| *below = (*below / volumes.total()).clamp(0.0, 1.0));
+        if let Some(last) = below.last_mut() {
+            *last = 1.0;
+        }
+        Ok(Spread { values: knots, below })
+    }
+
+    /// From what is known already, for tests.
+    #[cfg(test)]
+    pub(crate) fn from_knots(values: Vec<f64>, below: Vec<f64>) -> Spread {
+        Spread { values, below }
+    }
+
+    /// The share of the volume below a value.
+    pub fn below(&self, value: f64) -> f64 {
+        between(&self.values, &self.below, value)
+    }
+
+    /// The value that so much of the volume lies below.
+    pub fn value_at(&self, share: f64) -> f64 {
+        between(&self.below, &self.values, share)
+    }
+}
+
+/// On the straight line between the two places of `from` around `x`; the ends beyond them.
+fn between(from: &[f64], to: &[f64], x: f64) -> f64 {
+    let after = from.partition_point(|known| *known < x);
+    match (after.checked_sub(1), from.get(after)) {
+        (None, _) => to.first().copied().unwrap_or(x),
+        (_, None) => to.last().copied().unwrap_or(x),
+        (Some(before), Some(&high)) => {
+            let low = from[before];
+            let share = if high > low { (x - low) / (high - low) } else { 1.0 };
+            to[before] * (1.0 - share) + to[after] * share
+        }
+    }
+}
+
+/// What is known of the data.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Known {
+    /// Least and largest values.
+    pub ranges: BTreeMap<Quantity, [f64; 2]>,
+    /// Of the quantities of the plane.
+    pub spreads: BTreeMap<Quantity, Spread>,
+}
+
+impl Scales for Known {
+    fn range(&self, quantity: &Quantity) -> Result<[f64; 2]> {
+        self.ranges.get(quantity).copied().ok_or_else(|| unknown(quantity))
+    }
+
+    fn percentile(&self, quantity: &Quantity, percent: f64) -> Result<f64> {
+        let spread = self.spreads.get(quantity).ok_or_else(|| unknown(quantity))?;
+        Ok(spread.value_at(percent / 100.0))
+    }
+}
+
+fn unknown(quantity: &Quantity) -> Error {
+    Error::run(format!("nothing is known yet of the values of {quantity}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shares_and_values_are_inverse_and_end_at_the_ends() {
+        let spread = Spread { values: vec![0.0, 1.0, 3.0, 10.0], below: vec![0.0, 0.5, 0.9, 1.0] };
+        for value in [0.0, 0.25, 1.0, 2.0, 9.0, 10.0] {
+            assert!((spread.value_at(spread.below(value)) - value).abs() < 1e-12, "{value}");
+        }
+        assert_eq!([spread.below(-5.0), spread.below(50.0)], [0.0, 1.0]);
+        assert_eq!([spread.value_at(0.0), spread.value_at(1.0)], [0.0, 10.0]);
+        assert!((spread.below(2.0) - 0.7).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,116 @@
+//! What a widget adds to the picture: a coarse picture with it and without it, and one of it alone for its cells.
+
+use super::estimate::coarsened;
+use super::following::Following;
+use super::request::Wanted;
+use super::work::Work;
+use std::sync::Arc;
+use voltet_core::graph::{Datum, NodeEntry, RunReport};
+use voltet_core::picture::Picture;
+use voltet_core::{Error, Result};
+
+/// A widget that is asked about.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sharing {
+    /// The picture that is shown.
+    pub wanted: Wanted,
+    /// The transfer function.
+    pub look: String,
+    /// The widget's place in that picture's list.
+    pub widget: usize,
+    /// What tells it from others.
+    pub key: u64,
+}
+
+/// What a widget adds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Share {
+    /// Of the picture's opacity, what is gone without the widget, 0 to 1; what it hides comes to light instead.
+    pub opacity: f64,
+    /// Of the picture's light, what is another without the widget; above 1 where more comes to light than it gave.
+    pub light: f64,
+    /// Pixels that were compared.
+    pub pixels: usize,
+    /// Cells that it may contribute in, of all; none where no engine counts them.
+    pub cells: Option<[u64; 2]>,
+}
+
+impl Share {
+    fn between(with: &Picture, without: &Picture) -> Share {
+        let sum = |of: &dyn Fn([f32; 4], [f32; 4]) -> f64| {
+            with.rgba.iter().zip(&without.rgba).map(|(a, b)| of(*a, *b)).sum::<f64>()
+        };
+        let alpha = |p: [f32; 4]| f64::from(p[3]);
+        let light = |p: [f32; 4]| p[..3].iter().map(|x| f64::from(*x)).sum::<f64>();
+        let apart = |a: [f32; 4], b: [f32; 4]| (0..3).map(|k| f64::from((a[k] - b[k]).abs())).sum::<f64>();
+        let of = |part: f64, all: f64| if all > 0.0 { part / all } else { 0.0 };
+        Share {
+            opacity: of(sum(&|a, b| alpha(a) - alpha(b)), sum(&|a, _| alpha(a))).max(0.0),
+            light: of(sum(&apart), sum(&|a, _| light(a))),
+            pixels: with.rgba.len(),
+            cells: None,
+        }
+    }
+}
+
+impl Sharing {
+    /// The nodes with those widgets alone that `keeps` says.
+    fn with(&self, keeps: &dyn Fn(usize) -> bool) -> Wanted {
+        let mut wanted = self.wanted.clone();
+        let find = |node: &&mut NodeEntry| node.name == self.look;
+        let field = wanted.nodes.iter_mut().find(find);
+        let field = field.and_then(|node| node.settings.iter_mut().find(|field| field.name == "widgets"));
+        if let Some(Datum::List(list)) = field.map(|field| &mut field.setting.datum) {
+            let mut place = 0..;
+            list.retain(|_| place.next().is_some_and(keeps));
+        }
+        wanted
+    }
+}
+
+impl Work<'_> {
+    /// The share of a widget; given up for a newer picture, which will ask again.
+    pub(super) fn share(&mut self, wanted: &Sharing) {
+        let registry = self.registry;
+        let found = self.aside(|session, following: &Following| {
+            let mut draw = |wanted: &Wanted| -> Result<(Arc<Picture>, RunReport)> {
+                let graph = wanted.graph(registry, coarsened(wanted))?;
+                let report = session.run(&graph, following)?;
+                let picture = report.pictures.iter().rev().find(|(node, _)| *node == wanted.node);
+                let none = || Error::run("the node gives no picture").at_node(&wanted.node);
+                let picture = picture.ok_or_else(none)?.1.clone();
+                Ok((picture, report))
+            };
+            let (with, _) = draw(&wanted.wanted)?;
+            let (without, _) = draw(&wanted.with(&|place| place != wanted.widget))?;
+            let (_, alone) = draw(&wanted.with(&|place| place == wanted.widget))?;
+            Ok(Share { cells: cells(&alone), ..Share::between(&with, &without) })
+        });
+        if let Some(found) = found {
+            self.shared.show(|shown| shown.share = Some((wanted.key, found)));
+        }
+    }
+}
+
+/// Cells that were drawn, of all.
+fn cells(report: &RunReport) -> Option<[u64; 2]> {
+    let count = |name: &str| report.nodes.iter().find_map(|node| node.counts.get(name).copied());
+    let all = count("cells_total")?;
+    Some([all.saturating_sub(count("cells_culled")?), all])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_share_is_what_is_gone() {
+        let picture = |rgba: [[f32; 4]; 2]| Picture { width: 2, height: 1, rgba: rgba.to_vec() };
+        let with = picture([[0.5, 0.0, 0.0, 0.5], [0.0, 0.25, 0.0, 0.5]]);
+        let without = picture([[0.0; 4], [0.0, 0.25, 0.0, 0.5]]);
+        let share = Share::between(&with, &without);
+        assert!((share.opacity - 0.5).abs() < 1e-12 && (share.light - 2.0 / 3.0).abs() < 1e-12, "{share:?}");
+        let nothing = Share::between(&picture([[0.0; 4]; 2]), &picture([[0.0; 4]; 2]));
+        assert_eq!([nothing.opacity, nothing.light], [0.0, 0.0]);
+    }
+}

@@ -1,0 +1,151 @@
+//! When a pass is stopped that a newer wish came after. It is stopped at once, but for two cases:
+//!
+//! - The node that runs is not touched by the change: its output will serve, and the pass ends after it.
+//! - The picture is coarse and the change is a hand's movement (numbers of cameras and transfer functions): stopped each time, a
+//!   steady drag would never show any. It has about the time that such a picture takes.
+//!
+//! A picture that was drawn to its end after another kind of change is not shown.
+
+use super::request::Wanted;
+use super::shared::{Shared, lock};
+use std::collections::BTreeSet;
+use std::sync::atomic::Ordering;
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+use voltet_core::graph::NodeEntry;
+use voltet_document::links::upstream;
+
+/// A pass that may be superseded.
+pub(super) struct Pass<'a> {
+    shared: &'a Shared,
+    number: u64,
+    wanted: &'a Wanted,
+    begun: Instant,
+    /// How long it goes on while a hand moves; `None` for a full picture.
+    patience: Option<Duration>,
+    /// What the newest wish, by its number, changes.
+    judged: Mutex<Option<(u64, Arc<Change>)>>,
+}
+
+/// What a wish changes of another.
+#[derive(Debug, Default, PartialEq)]
+pub(super) struct Change {
+    /// The nodes whose output is another, or is not needed any more.
+    touched: BTreeSet<String>,
+    /// Whether it is a hand's movement.
+    moves: bool,
+}
+
+impl<'a> Pass<'a> {
+    pub fn new(shared: &'a Shared, number: u64, wanted: &'a Wanted, patience: Option<Duration>) -> Self {
+        Pass { shared, number, wanted, begun: Instant::now(), patience, judged: Mutex::default() }
+    }
+
+    /// Whether it is to stop. `running`: the node that runs; none between two.
+    pub fn stops(&self, running: &dyn Fn() -> Option<String>) -> bool {
+        let newest = self.shared.newest.load(Ordering::SeqCst);
+        if newest == self.number {
+            return false;
+        }
+        let Some(change) = self.change(newest) else { return true };
+        if change.moves && self.patience.is_some_and(|patience| self.begun.elapsed() < patience) {
+            return false;
+        }
+        running().is_none_or(|node| change.touched.contains(&node))
+    }
+
+    /// Whether its picture is of no use any more, even to a hand that moves.
+    pub fn is_stale(&self) -> bool {
+        let newest = self.shared.newest.load(Ordering::SeqCst);
+        newest != self.number && self.change(newest).is_none_or(|change| !change.moves)
+    }
+
+    /// What the newest wish changes; none where the worker ends.
+    fn change(&self, newest: u64) -> Option<Arc<Change>> {
+        let mut judged = lock(&self.judged);
+        if let Some((number, change)) = &*judged
+            && *number == newest
+        {
+            return Some(change.clone());
+        }
+        let queue = lock(&self.shared.wanted);
+        let change = Arc::new(Change::between(self.wanted, queue.picture.as_ref()?));
+        *judged = Some((newest, change.clone()));
+        Some(change)
+    }
+}
+
+impl Change {
+    fn between(before: &Wanted, now: &Wanted) -> Change {
+        let elsewhere = before.folder != now.folder;
+        let needed = now.upstream();
+        let is_other = |name: &String| elsewhere || find(&before.nodes, name) != find(&now.nodes, name);
+        let touched = before
+            .upstream()
+            .into_iter()
+            .filter(|name| !needed.contains(name) || upstream(&before.nodes, name).iter().any(is_other));
+        let moves = !elsewhere
+            && (&before.node, before.size, before.background) == (&now.node, now.size, now.background)
+            && before.nodes.len() == now.nodes.len()
+            && before.nodes.iter().zip(&now.nodes).all(|(a, b)| a == b || is_movement(a, b));
+        Change { touched: touched.collect(), moves }
+    }
+}
+
+fn find<'a>(nodes: &'a [NodeEntry], name: &str) -> Option<&'a NodeEntry> {
+    nodes.iter().find(|node| node.name == name)
+}
+
+/// Whether two states of a node differ in what a hand moves in the picture or over the histogram.
+fn is_movement(before: &NodeEntry, now: &NodeEntry) -> bool {
+    let is_moved = ["camera", "transfer-function"].iter().any(|name| before.node_type.text() == Some(name));
+    is_moved && NodeEntry { settings: now.settings.clone(), ..before.clone() } == *now
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::PathBuf;
+    use voltet_core::graph::{Datum, Setting};
+    use voltet_core::pipeline::Pipeline;
+
+    fn wanted() -> Wanted {
+        Wanted {
+            nodes: Pipeline::parse(include_str!("../by_hand/scene.toml")).unwrap().nodes,
+            folder: PathBuf::new(),
+            node: "picture".into(),
+            size: None,
+            background: [0.0; 3],
+            coarse_first: true,
+        }
+    }
+
+    fn with(node: &str, key: &str, datum: Datum) -> Wanted {
+        let mut wanted = wanted();
+        let node = wanted.nodes.iter_mut().find(|entry| entry.name == node).unwrap();
+        node.set(key, &[], Setting::from(datum)).unwrap();
+        wanted
+    }
+
+    fn touched(now: &Wanted) -> (Vec<String>, bool) {
+        let change = Change::between(&wanted(), now);
+        (change.touched.into_iter().collect(), change.moves)
+    }
+
+    #[test]
+    fn a_moved_camera_or_widget_touches_what_follows_and_is_a_movement() {
+        let of = |names: &[&str]| names.iter().map(|name| name.to_string()).collect::<Vec<_>>();
+        assert_eq!(touched(&wanted()), (of(&[]), true));
+        assert_eq!(touched(&with("view", "fov_y", Datum::Number(20.0))), (of(&["picture", "view"]), true));
+        assert_eq!(
+            touched(&with("look", "unit_distance", Datum::Number(2.0))),
+            (of(&["look", "picture"]), true)
+        );
+        let other = with("gradient", "method", Datum::Text("cell-average".into()));
+        assert_eq!(touched(&other), (of(&["gradient", "picture"]), false));
+        let elsewhere = Wanted { folder: "elsewhere".into(), ..wanted() };
+        assert_eq!(touched(&elsewhere).0.len(), 5);
+        let other_node = Wanted { node: "gradient".into(), ..wanted() };
+        assert_eq!(touched(&other_node), (of(&["look", "picture", "view"]), false));
+    }
+}

@@ -1,0 +1,176 @@
+//! The thread's own work: the newest wish first, panics caught.
+
+use super::coarse::Pace;
+use super::following::Following;
+use super::look_on::{self, Values};
+use super::pixels::Pixels;
+use super::request::Wanted;
+use super::shared::{Shared, lock};
+use super::superseding::Pass;
+use super::{Distribution, Probing, Sectioning, Sharing};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::PoisonError;
+use std::sync::atomic::Ordering;
+use std::time::Instant;
+use voltet_core::error::ErrorKind;
+use voltet_core::graph::{Demand, Graph, Registry, Session, Unobserved};
+use voltet_core::{Error, Result};
+
+enum Task {
+    Picture(u64, Wanted),
+    Probing(Probing),
+    Section(Sectioning),
+    Estimate(u64, Wanted),
+    Distribution(Distribution),
+    Share(Sharing),
+}
+
+/// The thread's own.
+pub(super) struct Work<'a> {
+    pub shared: &'a Shared,
+    pub registry: &'a Registry,
+    session: Session,
+    pace: Pace,
+}
+
+impl<'a> Work<'a> {
+    pub fn new(shared: &'a Shared, registry: &'a Registry) -> Self {
+        Work { shared, registry, session: voltet_nodes::session(), pace: Pace::default() }
+    }
+
+    pub fn until_the_end(&mut self) {
+        while let Some(task) = self.next() {
+            match task {
+                Task::Picture(number, wanted) => self.picture(number, &wanted),
+                Task::Probing(wanted) => self.probe(&wanted),
+                Task::Section(wanted) => self.section(wanted),
+                Task::Estimate(key, wanted) => self.estimate(key, &wanted),
+                Task::Distribution(wanted) => self.distribution(wanted),
+                Task::Share(wanted) => self.share(&wanted),
+            }
+        }
+    }
+
+    fn next(&self) -> Option<Task> {
+        let mut queue = lock(&self.shared.wanted);
+        loop {
+            if queue.ends {
+                return None;
+            }
+            if let Some(wanted) = queue.picture.take() {
+                return Some(Task::Picture(self.shared.newest.load(Ordering::SeqCst), wanted));
+            }
+            if let Some(wanted) = queue.probing.take() {
+                return Some(Task::Probing(wanted));
+            }
+            if let Some(wanted) = queue.section.take() {
+                return Some(Task::Section(wanted));
+            }
+            if let Some((key, wanted)) = queue.estimate.take() {
+                return Some(Task::Estimate(key, wanted));
+            }
+            if let Some(wanted) = queue.distribution.take() {
+                return Some(Task::Distribution(wanted));
+            }
+            if let Some(wanted) = queue.share.take() {
+                return Some(Task::Share(wanted));
+            }
+            queue = self.shared.changed.wait(queue).unwrap_or_else(PoisonError::into_inner);
+        }
+    }
+
+    /// Draws what is wanted, coarse first where the full picture takes longer than a person waits for.
+    fn picture(&mut self, number: u64, wanted: &Wanted) {
+        let newest = || self.shared.newest.load(Ordering::SeqCst);
+        let coarse = if wanted.coarse_first { self.pace.divisor(wanted.pixels()) } else { 1 };
+        if coarse > 1 {
+            let outcome = self.pass(number, wanted, coarse);
+            if !self.keep(number, outcome) || newest() != number {
+                return;
+            }
+        }
+        let outcome = self.pass(number, wanted, 1);
+        if self.keep(number, outcome) {
+            self.shared.show(|shown| shown.settled(number));
+        }
+    }
+
+    /// Shows the error of a pass, if it has one; whether it has none.
+    fn keep(&self, number: u64, outcome: Result<()>) -> bool {
+        match outcome {
+            Ok(()) => true,
+            Err(error) => {
+                self.shared.show(|shown| shown.failed(number, error));
+                false
+            }
+        }
+    }
+
+    /// One run, with so many pixels less along each side.
+    fn pass(&mut self, number: u64, wanted: &Wanted, divisor: u32) -> Result<()> {
+        let start = Instant::now();
+        let graph = wanted.graph(self.registry, divisor)?;
+        let patience = if divisor > 1 { Some(self.pace.patience()) } else { None };
+        let pass = Pass::new(self.shared, number, wanted, patience);
+        let stop = |running: &dyn Fn() -> Option<String>| pass.stops(running);
+        let following = Following::new(self.shared, &stop);
+        let report = self.guarded(&following, |session| session.run(&graph, &following))?;
+        let seconds = start.elapsed().as_secs_f64();
+        let drew_alone = report.nodes.iter().all(|node| node.reused || wanted.is_cheap(&node.name));
+        let picture = report.pictures.iter().rev().find(|(node, _)| *node == wanted.node);
+        let Some((_, picture)) = picture else {
+            return Err(Error::run("the node gives no picture").at_node(&wanted.node));
+        };
+        let pixels = Pixels::of(picture.clone(), wanted.background, divisor, number);
+        if drew_alone {
+            self.pace.learn(divisor, pixels.count(), seconds);
+        }
+        if pass.is_stale() {
+            return Err(Error::cancelled());
+        }
+        let values = if divisor == 1 { self.values(&graph) } else { Values::default() };
+        self.shared.show(|shown| shown.finished(pixels, &report, values, seconds));
+        Ok(())
+    }
+
+    /// What runs through the wires, in words; the session has all of it.
+    fn values(&mut self, graph: &Graph) -> Values {
+        let Some(place) = graph.nodes.iter().position(|node| node.node.name == look_on::NAME) else {
+            return Values::default();
+        };
+        let fed = self.session.feed(graph, place, &Demand::default(), &Unobserved);
+        let Ok((values, _)) = fed else { return Values::default() };
+        look_on::seen(graph, place, &values)
+    }
+
+    /// Works with the session; a panic is the error of the node that ran, and costs the session's memory.
+    pub fn guarded<T>(
+        &mut self,
+        following: &Following,
+        work: impl FnOnce(&mut Session) -> Result<T>,
+    ) -> Result<T> {
+        let session = &mut self.session;
+        catch_unwind(AssertUnwindSafe(|| work(session))).unwrap_or_else(|payload| {
+            self.session = voltet_nodes::session();
+            let text = payload.downcast_ref::<&str>().map(|text| (*text).to_string());
+            let text = text.or_else(|| payload.downcast_ref::<String>().cloned()).unwrap_or_default();
+            let error = Error::run("the node ended by a mistake of its own").found(text);
+            Err(following.node().into_iter().fold(error, |error, node| error.at_node(node)))
+        })
+    }
+
+    /// Works with the session at something beside pictures; `None` where it was given up for a newer one.
+    pub fn aside<T>(
+        &mut self,
+        work: impl FnOnce(&mut Session, &Following) -> Result<T>,
+    ) -> Option<Result<T>> {
+        let shared = self.shared;
+        let before = shared.newest.load(Ordering::SeqCst);
+        let stop = |_: &dyn Fn() -> Option<String>| shared.newest.load(Ordering::SeqCst) != before;
+        let following = Following::silent(shared, &stop);
+        match self.guarded(&following, |session| work(session, &following)) {
+            Err(error) if error.kind == ErrorKind::Cancelled => None,
+            found => Some(found),
+        }
+    }
+}
