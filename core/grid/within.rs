@@ -48,7 +48,7 @@ pub(super) fn within(points: &[DVec3], tetrahedra: &[[u32; 4]], boundary: &[[u32
         .with_min_len(CHUNK)
         .fold(Vec::new, |mut found, cell| {
             let corners = tetrahedra[cell as usize].map(corner);
-            bins.each_near(corners, |k| {
+            bins.each_near(corners, &places, |k| {
                 if holds(corners, places[k].0) {
                     found.push((k, cell));
                 }
@@ -112,8 +112,8 @@ impl Bins {
         (z * BINS + y) * BINS + x
     }
 
-    /// Every place in the bins that the box of a tetrahedron meets.
-    fn each_near(&self, corners: [DVec3; 4], mut take: impl FnMut(usize)) {
+    /// Every place in the box of a tetrahedron.
+    fn each_near(&self, corners: [DVec3; 4], places: &[(DVec3, u32)], mut take: impl FnMut(usize)) {
         let [a, b, c, d] = corners;
         let (low, high) = (a.min(b).min(c).min(d), a.max(b).max(c).max(d));
         if low.cmpgt(self.high).any() || high.cmplt(self.low).any() {
@@ -123,7 +123,10 @@ impl Bins {
         for z in from[2]..=to[2] {
             for y in from[1]..=to[1] {
                 let row = [from[0], to[0]].map(|x| self.number([x, y, z]));
-                self.places[self.starts[row[0]]..self.starts[row[1] + 1]].iter().for_each(|&k| take(k));
+                self.places[self.starts[row[0]]..self.starts[row[1] + 1]]
+                    .iter()
+                    .filter(|&&k| places[k].0.cmpge(low).all() && places[k].0.cmple(high).all())
+                    .for_each(|&k| take(k));
             }
         }
     }
