@@ -8,7 +8,7 @@ mod models;
 
 use super::*;
 use inputs::{Row, vectors};
-use models::{DOUBLES, Found, TABLE, bits, convertible, number, number64, operations, table};
+use models::{DOUBLES, Found, MULTIPLY_ADD, TABLE, bits, convertible, number, number64, operations, table};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// Runs every operation on one vector of rows; what each lane gave, operation by operation.
@@ -84,45 +84,52 @@ impl Kernel for All<'_> {
             longer[..L::WIDTH].iter().map(|&x| bits(x)).collect(),
             vec![bits(behind); L::WIDTH],
         ];
-        let mut doubles = vec![Vec::new(); DOUBLES.len() + 1];
-        for half in rows.chunks(L::D::COUNT) {
-            let double = |of: fn(&Row) -> f64| L::D::load(&half.iter().map(of).collect::<Vec<_>>());
-            let (p, q, r) = (double(|row| row.p), double(|row| row.q), double(|row| row.r));
-            let (less, not_above) = (p.lt(q), q.le(r));
-            let mut rounded = [0f32; 8];
-            p.store_f32(&mut rounded);
-            let answers = [
-                exact64::<L>(L::D::splat(2.5)),
-                exact64::<L>(p),
-                numbers64::<L>(p + q),
-                numbers64::<L>(p - q),
-                numbers64::<L>(p * q),
-                numbers64::<L>(p / q),
-                exact64::<L>(-p),
-                exact64::<L>(p.min(q)),
-                exact64::<L>(p.max(q)),
-                exact64::<L>(p.abs()),
-                numbers64::<L>(p.ceil()),
-                masks64::<L>(less),
-                masks64::<L>(p.le(q)),
-                exact64::<L>(L::D::select(less, q, r)),
-                rounded[..L::D::COUNT].iter().map(|&x| number(x)).collect(),
-                masks64::<L>(less.and(not_above)),
-                masks64::<L>(less.or(not_above)),
-                masks64::<L>(less.not()),
-                vec![Found::from(less.not().bits()) >> L::D::COUNT; L::D::COUNT],
-                numbers64::<L>(p.mul_add(q, r)),
-            ];
-            for (all, answer) in doubles.iter_mut().zip(answers) {
-                all.extend(answer);
-            }
-        }
+        let mut doubles = doubles::<L::D>(rows);
         let last = doubles.pop();
         found.extend(doubles);
         found.push(numbers::<L>(a.mul_add(b, c)));
         found.extend(last);
         found
     }
+}
+
+/// Every operation of 64-bit lanes on rows, as many at a time as there are lanes; ×+ comes last.
+#[inline(always)]
+fn doubles<D: Double>(rows: &[Row]) -> Vec<Vec<Found>> {
+    let mut doubles = vec![Vec::new(); DOUBLES.len() + 1];
+    for half in rows.chunks(D::COUNT) {
+        let double = |of: fn(&Row) -> f64| D::load(&half.iter().map(of).collect::<Vec<_>>());
+        let (p, q, r) = (double(|row| row.p), double(|row| row.q), double(|row| row.r));
+        let (less, not_above) = (p.lt(q), q.le(r));
+        let mut rounded = [0f32; 8];
+        p.store_f32(&mut rounded);
+        let answers = [
+            exact64(D::splat(2.5)),
+            exact64(p),
+            numbers64(p + q),
+            numbers64(p - q),
+            numbers64(p * q),
+            numbers64(p / q),
+            exact64(-p),
+            exact64(p.min(q)),
+            exact64(p.max(q)),
+            exact64(p.abs()),
+            numbers64(p.ceil()),
+            masks64::<D>(less),
+            masks64::<D>(p.le(q)),
+            exact64(D::select(less, q, r)),
+            rounded[..D::COUNT].iter().map(|&x| number(x)).collect(),
+            masks64::<D>(less.and(not_above)),
+            masks64::<D>(less.or(not_above)),
+            masks64::<D>(less.not()),
+            vec![Found::from(less.not().bits()) >> D::COUNT; D::COUNT],
+            numbers64(p.mul_add(q, r)),
+        ];
+        for (all, answer) in doubles.iter_mut().zip(answers) {
+            all.extend(answer);
+        }
+    }
+    doubles
 }
 
 fn stored<L: Lanes>(x: L::F) -> Vec<f32> {
@@ -149,22 +156,22 @@ fn masks<L: Lanes>(mask: L::M) -> Vec<Found> {
     (0..L::WIDTH).map(|lane| Found::from(mask.bits() >> lane & 1)).collect()
 }
 
-fn stored64<L: Lanes>(x: L::D) -> Vec<f64> {
-    let mut lanes = vec![0.0; L::D::COUNT];
+fn stored64<D: Double>(x: D) -> Vec<f64> {
+    let mut lanes = vec![0.0; D::COUNT];
     x.store(&mut lanes);
     lanes
 }
 
-fn exact64<L: Lanes>(x: L::D) -> Vec<Found> {
-    stored64::<L>(x).into_iter().map(f64::to_bits).collect()
+fn exact64<D: Double>(x: D) -> Vec<Found> {
+    stored64(x).into_iter().map(f64::to_bits).collect()
 }
 
-fn numbers64<L: Lanes>(x: L::D) -> Vec<Found> {
-    stored64::<L>(x).into_iter().map(number64).collect()
+fn numbers64<D: Double>(x: D) -> Vec<Found> {
+    stored64(x).into_iter().map(number64).collect()
 }
 
-fn masks64<L: Lanes>(mask: <L::D as Double>::Mask) -> Vec<Found> {
-    (0..L::D::COUNT).map(|lane| Found::from(mask.bits() >> lane & 1)).collect()
+fn masks64<D: Double>(mask: D::Mask) -> Vec<Found> {
+    (0..D::COUNT).map(|lane| Found::from(mask.bits() >> lane & 1)).collect()
 }
 
 #[test]
@@ -181,6 +188,17 @@ fn every_operation_is_what_its_trait_says_on_every_lane_set() {
                 let expected: Vec<Found> = (0..vector.len()).map(|lane| model(&vector, lane)).collect();
                 assert_eq!(found, expected, "{name} on {}", lanes.name());
             }
+        }
+    }
+}
+
+/// It rounds ×+ once wherever it runs.
+#[test]
+fn a_single_lane_is_what_its_trait_says() {
+    for row in vectors(1) {
+        let fused = MULTIPLY_ADD[1][1];
+        for ((name, model, _), found) in DOUBLES.into_iter().chain([fused]).zip(doubles::<f64>(&row)) {
+            assert_eq!(found, [model(&row, 0)], "{name}");
         }
     }
 }
@@ -211,7 +229,7 @@ impl Kernel for TooShort {
             2 => drop(unsigneds::<L>(L::U::load(&vec![0; short]))),
             3 => drop(unsigneds::<L>(L::U::load_u16(&vec![0; short]))),
             4 => L::U::splat(0).store(&mut vec![0; short]),
-            5 => drop(stored64::<L>(L::D::load(&vec![0.0; half]))),
+            5 => drop(stored64(L::D::load(&vec![0.0; half]))),
             6 => L::D::splat(0.0).store(&mut vec![0.0; half]),
             _ => L::D::splat(0.0).store_f32(&mut vec![0.0; half]),
         }

@@ -62,6 +62,7 @@ pub mod limits;
 mod operations;
 pub mod optics;
 mod portable;
+mod single;
 pub mod sort;
 
 pub use dispatch::{Kernel, LaneSet, dispatch};

@@ -5,7 +5,7 @@
 //! beyond 1 : 4,000, cells flatter than the pixel coordinates resolve) are set apart and drawn in 64 bits by [`super::cell64`].
 
 use crate::attribute::{ATTRIBUTES_MOST, Attribute};
-use crate::project::outline::{AREA_NOISE, LEVEL};
+use crate::project::outline::{edge_on, may_be_edge_on};
 use crate::project::record::{AttributeRecord, Record, STEEP, TILE};
 use crate::view::{PIXEL_STEP, Seen, View};
 use voltet_lanes::{Double, Kernel, Lanes, Mask, array, inlined};
@@ -198,16 +198,14 @@ fn project_group<L: Lanes>(input: &Input<'_>, group: &[u32], part: &mut Projecte
     );
     let n0 = cross(&f[0], &f[1]);
 
-    let area_noise = splat(AREA_NOISE) * ((most(&x) - least(&x)) + (most(&y) - least(&y)));
-    let extent_of_face = inlined(
+    let reach = (most(&x) - least(&x)) + (most(&y) - least(&y));
+    let face = inlined(
         #[inline(always)]
-        |c: &[L::D; 4], opposite: usize| {
-            let [a, b, c] = array(
+        |c: &[L::D; 4], opposite: usize| -> [L::D; 3] {
+            array(
                 #[inline(always)]
                 |k| c[if k < opposite { k } else { k + 1 }],
-            );
-            let (least, most) = (a.min(b).min(c), a.max(b).max(c));
-            [most - least, least, most]
+            )
         },
     );
     let mut front_bits = [0u32; 4];
@@ -225,16 +223,13 @@ fn project_group<L: Lanes>(input: &Input<'_>, group: &[u32], part: &mut Projecte
         let largest = a.abs().max(b.abs()).max(c.abs());
         // NaN (0/0 of an edge-on face) fails the comparison too.
         let mut bounded = largest.lt(splat(STEEP));
-        // A projected area that the rounding of the pixel coordinates could have made is none: edge-on. Few cells come near.
+        // Few cells come near.
         let area = normal[2].abs();
         areas = areas + area;
-        if area.le(area_noise).bits() & ordinary != 0 {
-            let [reach_x, _, _] = extent_of_face(&x, k);
-            let [reach_y, top, bottom] = extent_of_face(&y, k);
-            let edge_on = area.le(splat(AREA_NOISE) * (reach_x + reach_y));
-            bounded = bounded.and((splat(AREA_NOISE) * (reach_x + reach_y)).lt(area));
-            let level = (splat(LEVEL) * reach_y).lt(reach_x);
-            ill |= edge_on.and(level).and(top.ceil().lt(bottom.ceil())).bits();
+        if may_be_edge_on(area, reach).bits() & ordinary != 0 {
+            let seen = edge_on(face(&x, k), face(&y, k), area);
+            bounded = bounded.and(seen.edge_on.not());
+            ill |= seen.undecided.bits();
         }
         let across = a.abs() * (x1 - x0) + b.abs() * (y1 - y0);
         ill |= bounded.and(splat(STEEP_MOST).lt(across)).bits();
