@@ -79,12 +79,15 @@ impl<L: Lanes> Overlapping<'_, L> {
         let splat = L::F::splat;
         let &Overlapping { shapes, total, .. } = self;
         // How many steps the roughest lane wants: a cubic through four densities leaves 3e-5 of the depth where a Gaussian
-        // extends over half a width.
-        let mut widest = splat(0.0);
+        // extends over half a width; where the logarithm of a density changes by more than 0.6 to either side of a step's middle
+        // more is left of a tail.
+        let (mut widest, mut steepest) = (splat(0.0), splat(0.0));
         for shape in shapes {
-            widest = L::F::select(self.matters(shape), widest.max(shape.extent_squared), widest);
+            let matters = self.matters(shape);
+            widest = L::F::select(matters, widest.max(shape.extent_squared), widest);
+            steepest = L::F::select(matters, steepest.max(shape.change_squared), steepest);
         }
-        let wish = total.max(widest.sqrt() * splat(2.0));
+        let wish = total.max(widest.sqrt() * splat(2.0)).max(steepest.sqrt() * splat(1.6));
         let served = overlapping & wish.le(splat(STEPS as f32)).bits();
         if served == 0 {
             return overlapping;
@@ -106,14 +109,7 @@ impl<L: Lanes> Overlapping<'_, L> {
         let &Overlapping { widgets, along, shapes, total, .. } = self;
         let share = splat(1.0 / steps as f32);
         let (mut color, mut through) = ([splat(0.0); 3], splat(1.0));
-        // Widgets too thin for the order to matter are mixed in.
-        let average = one_minus_exp::<L>(total) / total.max(splat(f32::MIN_POSITIVE));
-        for (widget, shape) in widgets.iter().zip(shapes) {
-            let mixed = L::F::select(self.matters(shape), splat(0.0), shape.depth * average);
-            for (sum, c) in color.iter_mut().zip(widget.color) {
-                *sum = mixed.mul_add(splat(c), *sum);
-            }
-        }
+        let mut light = splat(0.0);
         for step in 0..steps {
             let (mut density, mut weighted) = ([splat(0.0); 4], [[splat(0.0); 3]; 4]);
             for (widget, shape) in widgets.iter().zip(shapes) {
@@ -136,12 +132,35 @@ impl<L: Lanes> Overlapping<'_, L> {
                     depth = density[k].mul_add(splat(UP_TO[j][k]), depth);
                 }
                 let visible = through * exp::<L>(-(depth * length)) * length * splat(NODES[j].1);
+                light = density[j].mul_add(visible, light);
                 for (sum, w) in color.iter_mut().zip(weighted[j]) {
                     *sum = w.mul_add(visible, *sum);
                 }
                 whole = density[j].mul_add(splat(NODES[j].1), whole);
             }
             through = through * exp::<L>(-(whole * length));
+        }
+        // All light together is known in closed form; the quadrature only shares it out, so that where one widget is nearly all
+        // there is, nearly nothing of its error stays. Widgets too thin for the order to matter are mixed in.
+        let average = one_minus_exp::<L>(total) / total.max(splat(f32::MIN_POSITIVE));
+        let ordered = shapes.iter().fold(
+            splat(0.0),
+            inlined(
+                #[inline(always)]
+                |sum: L::F, shape: &DensityShape<L>| {
+                    L::F::select(self.matters(shape), sum + shape.depth, sum)
+                },
+            ),
+        );
+        let exact = ordered * average / light.max(splat(f32::MIN_POSITIVE));
+        for sum in &mut color {
+            *sum = *sum * exact;
+        }
+        for (widget, shape) in widgets.iter().zip(shapes) {
+            let mixed = L::F::select(self.matters(shape), splat(0.0), shape.depth * average);
+            for (sum, c) in color.iter_mut().zip(widget.color) {
+                *sum = mixed.mul_add(splat(c), *sum);
+            }
         }
         replace::<L>(
             lanes,

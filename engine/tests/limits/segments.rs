@@ -134,6 +134,46 @@ fn overlap_is_integrated_by_as_many_steps_as_it_needs() {
     }
 }
 
+/// The same where densities fall steeply, towards each other, whichever share each has of the depth: 4e-6 of
+/// all light.
+#[test]
+fn overlap_of_tails_is_integrated_by_as_many_steps_as_it_needs() {
+    let share = |i: usize, step: f64| (0.5 + i as f64 * step).fract();
+    for (widths, from, thinner) in [0.3, 0.5, 1.0, 2.0]
+        .into_iter()
+        .flat_map(|w| [1.0, 2.0, 3.5].map(|q| (w, q)))
+        .flat_map(|(w, q)| [1.0, 1e-2, 1e-4].map(|f| (w, q, f)))
+    {
+        let gaussian = |s, share: f64, color| {
+            let profile = Profile::Gaussian { centre: [s, 0.0], matrix: [[widths, 0.0], [0.0, 0.0]] };
+            Widget { profile, color, extinction: share * 3.0 * f64::exp(from * from), region: None }
+        };
+        let away = from / widths;
+        let look =
+            look(vec![gaussian(-away, 1.0, [1.0, 0.0, 0.0]), gaussian(1.0 + away, thinner, [0.0, 0.0, 1.0])]);
+        let list: Vec<Segment> = (0..100)
+            .map(|i| match i {
+                0 => segment([0.0; 2], [1.0, 0.0]),
+                _ => segment([share(i, 0.618), 0.0], [share(i, 0.755), 0.0]),
+            })
+            .collect();
+        for Segments { lanes, .. } in Segments::each() {
+            let found = segments(lanes, &look, &SHADING, false, &list).expect("draws");
+            for (found, segment) in found.iter().zip(&list) {
+                let exact = exact_of(&look, segment);
+                for (found, color) in found.contribution.color.into_iter().zip(exact.color) {
+                    let error = (found - color).abs();
+                    assert!(
+                        error < 4e-6,
+                        "{found} for {color}, {widths} widths, {from}, {thinner}, on {}",
+                        lanes.name()
+                    );
+                }
+            }
+        }
+    }
+}
+
 /// What a region cuts on a segment is dense on a part of it alone, so that its order is that of the part.
 #[test]
 fn what_a_region_cuts_is_ordered_where_it_is() {
