@@ -87,7 +87,7 @@ fn memory_ends(size: usize) -> *mut u8 {
     use std::io::Write;
     let _ = writeln!(
         std::io::stderr(),
-        "error: memory ends: found no room for {size} bytes more\n  help: expected a smaller grid or picture, or more \
+        "error: memory ends: found no room for {size} bytes more\n |\n = help: expected a smaller grid or picture, or more \
          memory; `voltet info DATA` says how much a grid takes"
     );
     files::end_now(i32::from(FAILED))

@@ -106,7 +106,11 @@ fn where_memory_ends_the_run_is_refused_or_ends_with_one_line() {
         let output = limited(&folder, 900, set);
         let said = String::from_utf8(output.stderr).unwrap();
         assert_eq!(output.status.code(), Some(1), "{said}");
-        assert!(said.contains(wanted) && said.contains("more memory"), "{said}");
+        assert!(
+            said.contains(wanted)
+                && said.contains("\n = help: expected a smaller grid or picture, or more memory"),
+            "{said}"
+        );
         assert_eq!(said.matches("error:").count(), 1, "{said}");
         assert_eq!(folder.names(), before);
     }
