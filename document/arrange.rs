@@ -22,16 +22,20 @@ pub struct Placed {
 }
 
 /// How nodes are brought in line.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Align {
     /// Left sides.
     Left,
     /// Right sides.
     Right,
+    /// Middles, one under the other.
+    Centre,
     /// Upper sides.
     Top,
     /// Lower sides.
     Bottom,
+    /// Middles, one beside the other.
+    Middle,
     /// Equal gaps from left to right.
     Across,
     /// Equal gaps from top to bottom.
@@ -184,8 +188,8 @@ fn crossings(layers: &[Vec<usize>], feeding: &[Vec<usize>], row: &[f64]) -> usiz
 /// Other places that bring nodes in line; only those that move.
 pub fn align(nodes: &[Placed], how: Align) -> Vec<(String, [f64; 2])> {
     let axis = match how {
-        Align::Left | Align::Right | Align::Across => 0,
-        Align::Top | Align::Bottom | Align::Down => 1,
+        Align::Left | Align::Right | Align::Centre | Align::Across => 0,
+        Align::Top | Align::Bottom | Align::Middle | Align::Down => 1,
     };
     let low = nodes.iter().map(|node| node.at[axis]).fold(f64::INFINITY, f64::min);
     let high = nodes.iter().map(|node| node.at[axis] + node.size[axis]).fold(f64::NEG_INFINITY, f64::max);
@@ -200,6 +204,7 @@ pub fn align(nodes: &[Placed], how: Align) -> Vec<(String, [f64; 2])> {
         let place = match how {
             Align::Left | Align::Top => low,
             Align::Right | Align::Bottom => high - node.size[axis],
+            Align::Centre | Align::Middle => 0.5 * (low + high - node.size[axis]),
             Align::Across | Align::Down => next,
         };
         next += node.size[axis] + gap;

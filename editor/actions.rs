@@ -7,6 +7,7 @@ use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::sync::Arc;
 use voltet_document::Edit;
+use voltet_document::arrange::Align;
 
 /// Something that is to be done.
 #[derive(Debug, Clone, PartialEq)]
@@ -79,8 +80,10 @@ pub enum Command {
     Add,
     /// The selected nodes, or all, in layers from left to right.
     Tidy,
-    /// The selected nodes one under the other.
-    Align,
+    /// The selected nodes in line.
+    Align(Align),
+    /// The selected nodes show their heads alone, or all again.
+    Fold,
     /// A frame around the selected nodes.
     Frame,
     /// Words in the graph view.

@@ -122,7 +122,8 @@ impl Editor {
                     self.document.pipeline().nodes.iter().map(|node| node.name.clone()).collect();
             }
             Command::Add => self.graph.open_menu(),
-            Command::Tidy | Command::Align | Command::Frame | Command::Note => self.arrange(command),
+            Command::Tidy | Command::Align(_) | Command::Frame | Command::Note => self.arrange(command),
+            Command::Fold => self.fold(),
             Command::FitGraph => self.graph.fit(),
             Command::Home => {
                 let bounds = self.worker.shown(|shown| shown.bounds);

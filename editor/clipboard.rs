@@ -2,10 +2,11 @@
 
 use crate::actions::Command;
 use crate::editor::Editor;
+use crate::graph::Thing;
 use eframe::egui::{Context, Event};
 use voltet_core::Result;
 use voltet_core::graph::NodeEntry;
-use voltet_document::arrange::{Align, Placed, align, tidy};
+use voltet_document::arrange::{Placed, align, tidy};
 use voltet_document::{Edit, Frame, Note};
 
 /// From a node to what is pasted after it, points.
@@ -56,6 +57,18 @@ impl Editor {
         }
     }
 
+    /// The selected nodes show their heads alone; all of them, if all do.
+    pub(crate) fn fold(&mut self) {
+        let views = &self.document.view().nodes;
+        let is_folded = |name: &String| views.get(name).is_some_and(|view| view.folded);
+        let folded = !self.selection.iter().all(is_folded);
+        let other = self.selection.iter().filter(|name| is_folded(name) != folded);
+        let edits: Vec<Edit> = other.map(|name| Edit::Fold { node: name.clone(), folded }).collect();
+        if !edits.is_empty() {
+            self.edit(if folded { "fold" } else { "unfold" }.into(), &edits);
+        }
+    }
+
     /// Where nodes stand, frames and notes.
     pub(crate) fn arrange(&mut self, command: Command) {
         let all = &self.document.pipeline().nodes;
@@ -80,7 +93,7 @@ impl Editor {
                 let moved = moved.map(|(node, [x, y])| (node.name.clone(), [x + least(0), y + least(1)]));
                 ("tidy", Edit::MoveNodes(moved.collect()))
             }
-            Command::Align if nodes.len() > 1 => ("align", Edit::MoveNodes(align(&placed, Align::Left))),
+            Command::Align(how) if nodes.len() > 1 => ("align", Edit::MoveNodes(align(&placed, how))),
             Command::Frame if !self.selection.is_empty() => {
                 let at = [least(0) - 20.0, least(1) - 36.0];
                 let size = [most(0) + 20.0 - at[0], most(1) + 20.0 - at[1]];
@@ -91,13 +104,16 @@ impl Editor {
             Command::Note => {
                 let count = self.document.view().notes.len();
                 let at = if nodes.is_empty() { [0.0, 0.0] } else { [least(0), most(1) + 30.0] };
-                ("add a note", Edit::PutNote(count, Note { text: "a note: right click to write".into(), at }))
+                ("add a note", Edit::PutNote(count, Note { text: "a note".into(), at }))
             }
             _ => return,
         };
-        self.edit(label.into(), &[edit]);
-        if command == Command::Tidy {
-            self.graph.fit();
+        self.edit(label.into(), std::slice::from_ref(&edit));
+        match &edit {
+            Edit::PutFrame(number, frame) => self.graph.write_on(Thing::Frame(*number), &frame.title),
+            Edit::PutNote(number, note) => self.graph.write_on(Thing::Note(*number), &note.text),
+            _ if command == Command::Tidy => self.graph.fit(),
+            _ => {}
         }
     }
 }

@@ -195,6 +195,13 @@ impl Editor {
                 report: shown.report.clone(),
                 estimate: estimate.map(|(_, found)| found.clone().map_err(|error| error.to_string())),
                 faults: &self.faults.1,
+                entries: self
+                    .document
+                    .pipeline()
+                    .nodes
+                    .iter()
+                    .map(|node| (node.name.as_str(), node))
+                    .collect(),
             }
         })
     }

@@ -2,6 +2,7 @@
 
 use crate::actions::{Actions, Command};
 use eframe::egui::{Context, Event, Grid, Key, KeyboardShortcut, Modifiers, RichText, Window};
+use voltet_document::arrange::Align;
 
 /// A key of the window: what it does, and the words for it. Where a command has several, help shows the first.
 type Binding = (Command, Modifiers, Key, &'static str);
@@ -29,7 +30,13 @@ const KEYS: &[Binding] = &[
     (Command::Add, NONE, Key::Space, "add a node: type to search, Enter takes the first"),
     (Command::Add, NONE, Key::Tab, "add a node"),
     (Command::Tidy, NONE, Key::L, "tidy: lay the nodes out"),
-    (Command::Align, SHIFT, Key::L, "align the selected nodes in a column"),
+    (
+        Command::Align(Align::Left),
+        SHIFT,
+        Key::L,
+        "align the selected nodes in a column; other ways in the menu",
+    ),
+    (Command::Fold, NONE, Key::K, "fold the selected nodes, or unfold them"),
     (Command::Note, NONE, Key::N, "note in the graph"),
     (Command::FitGraph, NONE, Key::F, "all nodes into view"),
     (Command::Home, NONE, Key::H, "all of the data into the picture"),

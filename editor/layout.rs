@@ -9,8 +9,9 @@ use crate::picture;
 use crate::scene::Scene;
 use crate::theme;
 use eframe::egui::{
-    Align, CentralPanel, Context, Frame, Layout, RichText, SidePanel, TopBottomPanel, Ui, Window, menu,
+    CentralPanel, Context, Frame, Layout, RichText, SidePanel, TopBottomPanel, Ui, Window, menu,
 };
+use voltet_document::arrange::Align;
 
 /// Shows everything once.
 pub(crate) fn show(editor: &mut Editor, ctx: &Context, actions: &mut Actions) {
@@ -102,10 +103,20 @@ fn menus(ui: &mut Ui, scene: &Scene, actions: &mut Actions) {
         let graph = [
             ("Add a node …", Command::Add),
             ("Tidy", Command::Tidy),
-            ("Align", Command::Align),
             ("Frame", Command::Frame),
             ("Note", Command::Note),
+            ("Fold", Command::Fold),
             ("All into view", Command::FitGraph),
+        ];
+        let align = [
+            ("Left sides", Command::Align(Align::Left)),
+            ("Middles in a column", Command::Align(Align::Centre)),
+            ("Right sides", Command::Align(Align::Right)),
+            ("Upper sides", Command::Align(Align::Top)),
+            ("Middles in a row", Command::Align(Align::Middle)),
+            ("Lower sides", Command::Align(Align::Bottom)),
+            ("Equal gaps across", Command::Align(Align::Across)),
+            ("Equal gaps down", Command::Align(Align::Down)),
         ];
         let view = [
             ("Home", Command::Home),
@@ -118,8 +129,9 @@ fn menus(ui: &mut Ui, scene: &Scene, actions: &mut Actions) {
         list(ui, "File", &file);
         list(ui, "Edit", &edit);
         list(ui, "Graph", &graph);
+        list(ui, "Align", &align);
         list(ui, "View", &view);
-        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+        ui.with_layout(Layout::right_to_left(eframe::egui::Align::Center), |ui| {
             let path = scene.document.path().map(|path| path.display().to_string());
             let mark = if scene.document.is_saved() { "" } else { " •" };
             let name = format!("{}{mark}", path.as_deref().unwrap_or("new pipeline"));
@@ -131,9 +143,9 @@ fn menus(ui: &mut Ui, scene: &Scene, actions: &mut Actions) {
 fn status(ui: &mut Ui, editor: &Editor, scene: &Scene) {
     let dark = ui.visuals().dark_mode;
     ui.horizontal(|ui| {
-        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+        ui.with_layout(Layout::right_to_left(eframe::egui::Align::Center), |ui| {
             picture::status(ui, scene);
-            ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+            ui.with_layout(Layout::left_to_right(eframe::egui::Align::Center), |ui| {
                 let said = match (&editor.message, scene.faults.first()) {
                     (Some((text, true)), _) => Some((text.clone(), theme::wrong(dark))),
                     (Some((text, false)), _) => Some((text.clone(), theme::weak(dark))),

@@ -3,7 +3,7 @@
 use crate::view::View;
 use crate::worker::{Distributed, NodeStatus, Pixels, Probed, Section, Share};
 use glam::DVec3;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::Arc;
 use voltet_core::Error;
 use voltet_core::graph::{Node, NodeEntry, PortType, Registry, RunReport};
@@ -48,12 +48,14 @@ pub(crate) struct Scene<'a> {
     pub estimate: Option<Result<[f64; 2], String>>,
     /// Faults of the document, each with the node that it concerns.
     pub faults: &'a [Error],
+    /// The document's nodes by name: looked up for every port and wire of a frame.
+    pub entries: HashMap<&'a str, &'a NodeEntry>,
 }
 
 impl<'a> Scene<'a> {
     /// The node of that name.
     pub fn entry(&self, name: &str) -> Option<&'a NodeEntry> {
-        self.document.pipeline().nodes.iter().find(|node| node.name == name)
+        self.entries.get(name).copied()
     }
 
     /// The type of a node, where it is known.

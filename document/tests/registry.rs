@@ -231,6 +231,9 @@ fn nodes_are_brought_in_line() {
     assert_eq!(moved(Align::Left), [at("c", 0.0, 40.0), at("b", 0.0, 5.0)]);
     assert_eq!(moved(Align::Right), [at("a", 70.0, 0.0), at("c", 60.0, 40.0)]);
     assert_eq!(moved(Align::Top), [at("b", 50.0, 0.0), at("c", 15.0, 0.0)]);
+    assert_eq!(moved(Align::Bottom), [at("a", 0.0, 40.0), at("b", 50.0, 30.0)]);
+    assert_eq!(moved(Align::Centre), [at("a", 35.0, 0.0), at("c", 30.0, 40.0), at("b", 25.0, 5.0)]);
+    assert_eq!(moved(Align::Middle), [at("a", 0.0, 20.0), at("b", 50.0, 15.0), at("c", 15.0, 20.0)]);
     assert_eq!(moved(Align::Across), [at("c", 20.0, 40.0)]);
     assert_eq!(moved(Align::Down), [at("b", 50.0, 15.0)]);
 }

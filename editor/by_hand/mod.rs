@@ -2,6 +2,7 @@
 
 mod files;
 mod graph;
+mod ground;
 mod parameters;
 mod picture;
 mod probe;

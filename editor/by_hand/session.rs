@@ -65,13 +65,12 @@ fn a_node_that_fails_shows_its_error_and_the_window_goes_on() {
 fn every_command_can_be_given_in_an_empty_window() {
     let mut hand = Hand::new("[pipeline]\nformat = 1\n");
     let ctx = hand.ctx.clone();
-    use Command::{
-        Add, Align, Along, Copy, Cut, Delete, Duplicate, FitGraph, Frame, Help, Home, Note, Redo, Roll,
-    };
+    use Command::{Add, Along, Copy, Cut, Delete, Duplicate, FitGraph, Frame, Help, Home, Note, Redo, Roll};
     use Command::{SelectAll, Theme, Tidy, Undo};
     for command in [
         Add,
-        Align,
+        Command::Align(voltet_document::arrange::Align::Left),
+        Command::Fold,
         Along(0, true),
         Along(2, false),
         Copy,

@@ -1,12 +1,14 @@
 //! The visible nodes as the package is given them, made from the document each frame.
 
 use super::GraphView;
-use super::package::{End, Face, NoValue};
+use super::face::Face;
+use super::package::{End, NoValue};
 use super::places::Port;
 use crate::scene::Scene;
 use eframe::egui::{TextureHandle, Ui, pos2};
 use egui_node_graph2::{AnyParameterId, InputParamKind, NodeId};
 use std::collections::BTreeSet;
+use std::rc::Rc;
 use voltet_core::graph::{Node, NodeEntry};
 
 /// Letters of a name that fit beside the time.
@@ -23,21 +25,22 @@ impl GraphView {
     ) {
         let gone: Vec<String> = self.ids.keys().filter(|name| !visible.contains(*name)).cloned().collect();
         gone.iter().for_each(|name| self.forget(name));
+        let is_same = self.ported.replace(scene.document.revision()) == Some(scene.document.revision());
+        let is_far = self.is_far(ui);
         for name in visible {
             let Some(entry) = scene.entry(name) else { continue };
             let node = scene.node_type(entry);
-            let ports = ports(entry, node);
-            let known = self.ids.get(name).copied();
-            // Another type has other ports.
-            if known.is_some_and(|id| !self.has_ports(id, &ports)) {
-                self.forget(name);
-            }
-            let id = self.ids.get(name).copied().unwrap_or_else(|| self.add(name, ports));
+            let view = scene.document.view().nodes.get(name);
+            let is_folded = view.is_some_and(|view| view.folded);
+            let id = match self.ids.get(name).copied().filter(|_| is_same) {
+                Some(id) => id,
+                None => self.with_ports(name, if is_folded { Vec::new() } else { ports(entry, node) }),
+            };
             let at = scene.document.position(name);
             self.state.node_positions.insert(id, pos2(at[0] as f32 * self.zoom, at[1] as f32 * self.zoom));
             if let Some(shown) = self.state.graph.nodes.get_mut(id) {
                 shown.user_data = face(scene, entry, node, picture);
-                shown.label = shortened(name);
+                shown.label = if is_far { String::new() } else { shortened(name) };
             }
         }
         let joined: Vec<_> = self.state.graph.connections.keys().collect();
@@ -54,11 +57,22 @@ impl GraphView {
         }
     }
 
+    /// The node of that name with these ports: another type has others, a folded node none.
+    fn with_ports(&mut self, name: &str, ports: Vec<Port>) -> NodeId {
+        if let Some(id) = self.ids.get(name).copied() {
+            if self.has_ports(id, &ports) {
+                return id;
+            }
+            self.forget(name);
+        }
+        self.add(name, ports)
+    }
+
     fn has_ports(&self, id: NodeId, ports: &[Port]) -> bool {
         let Some(node) = self.state.graph.nodes.get(id) else { return false };
         let inputs = node.inputs.iter().map(|(_, id)| AnyParameterId::Input(*id));
         let ends = inputs.chain(node.outputs.iter().map(|(_, id)| AnyParameterId::Output(*id)));
-        ends.map(|end| self.ports.get(&end)).eq(ports.iter().map(Some))
+        ends.map(|end| self.ports.get(&end).map(|port| &**port)).eq(ports.iter().map(Some))
     }
 
     fn add(&mut self, name: &str, ports: Vec<Port>) -> NodeId {
@@ -79,7 +93,7 @@ impl GraphView {
                     AnyParameterId::Output(self.state.graph.add_output_param(id, port.name.clone(), end))
                 }
             };
-            self.ports.insert(key, port);
+            self.ports.insert(key, Rc::new(port));
         }
         self.ids.insert(name.to_string(), id);
         self.state.node_order.push(id);

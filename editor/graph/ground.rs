@@ -1,11 +1,18 @@
-//! What stands behind the nodes: a grid, frames with their titles, and notes.
+//! What stands behind the nodes, painted: a grid, frames with their titles, and notes.
 
 use super::GraphView;
-use crate::actions::Actions;
 use crate::scene::Scene;
 use crate::theme;
-use eframe::egui::{self, Color32, Rect, Rounding, Sense, Stroke, Ui, Vec2, vec2};
-use voltet_document::Edit;
+use eframe::egui::{Align2, Color32, FontId, Galley, Rect, Rounding, Stroke, Ui, Vec2, vec2};
+use std::sync::Arc;
+use voltet_document::{Frame, Note};
+
+/// Height of a frame's title and width of a note, points at the usual scale.
+const TITLE: f32 = 22.0;
+const NOTE: f32 = 220.0;
+
+/// Least height of a title in the window, points: a hand must find it.
+const LEAST_TITLE: f32 = 12.0;
 
 impl GraphView {
     pub(super) fn grid(&self, ui: &Ui, rect: Rect) {
@@ -25,68 +32,56 @@ impl GraphView {
         }
     }
 
-    /// What stands behind the nodes: frames with their titles, and notes.
-    pub(super) fn frames_and_notes(&self, ui: &mut Ui, rect: Rect, scene: &Scene, actions: &mut Actions) {
+    pub(super) fn frames_and_notes(&self, ui: &Ui, rect: Rect, scene: &Scene) {
         let dark = ui.visuals().dark_mode;
-        let to_window = self.to_window(rect);
-        let size = egui::FontId::proportional(12.0 * self.zoom);
-        for (i, frame) in scene.document.view().frames.iter().enumerate() {
-            let low = to_window(frame.at);
-            let place =
-                Rect::from_min_size(low, self.zoom * vec2(frame.size[0] as f32, frame.size[1] as f32));
-            let color = frame.color.map_or(theme::weak(dark), |c| {
-                Color32::from_rgb((c[0] * 255.0) as u8, (c[1] * 255.0) as u8, (c[2] * 255.0) as u8)
-            });
-            ui.painter().rect(
-                place,
-                Rounding::same(6.0),
-                color.gamma_multiply(0.12),
-                Stroke::new(1.0, color),
-            );
-            ui.painter().text(
-                low + vec2(8.0, 4.0) * self.zoom,
-                egui::Align2::LEFT_TOP,
-                &frame.title,
-                size.clone(),
-                theme::weak(dark),
-            );
-            let title = Rect::from_min_size(low, vec2(place.width(), 22.0 * self.zoom));
-            let response = ui.interact(title, ui.id().with(("frame", i)), Sense::click_and_drag());
-            response.context_menu(|ui| {
-                let mut title = frame.title.clone();
-                if ui.text_edit_singleline(&mut title).changed() {
-                    actions.edit(Edit::PutFrame(i, voltet_document::Frame { title, ..frame.clone() }));
-                }
-                if ui.button("Remove the frame").clicked() {
-                    actions.edit(Edit::RemoveFrame(i));
-                    ui.close_menu();
-                }
-            });
+        for frame in &scene.document.view().frames {
+            let place = self.frame_place(rect, frame);
+            let color = frame.color.map_or(theme::weak(dark), of_channels);
+            let (fill, stroke) = (color.gamma_multiply(0.12), Stroke::new(1.0, color));
+            ui.painter().rect(place, Rounding::same(6.0), fill, stroke);
+            let corner = place.min + vec2(8.0, 4.0) * self.zoom;
+            let clipped = ui.painter().with_clip_rect(place.intersect(ui.clip_rect()));
+            let font = FontId::proportional(self.letters());
+            clipped.text(corner, Align2::LEFT_TOP, &frame.title, font, theme::weak(dark));
         }
-        for (i, note) in scene.document.view().notes.iter().enumerate() {
-            let low = to_window(note.at);
-            let galley =
-                ui.painter().layout(note.text.clone(), size.clone(), theme::weak(dark), 220.0 * self.zoom);
-            let place = Rect::from_min_size(low, galley.size()).expand(5.0 * self.zoom);
-            let paper = if dark { Color32::from_rgb(60, 56, 40) } else { Color32::from_rgb(255, 250, 215) };
+        let paper = if dark { Color32::from_rgb(60, 56, 40) } else { Color32::from_rgb(255, 250, 215) };
+        for note in &scene.document.view().notes {
+            let (place, galley) = self.note_place(ui, rect, note);
             ui.painter().rect_filled(place, 3.0, paper);
-            ui.painter().galley(low, galley, theme::weak(dark));
-            let response = ui.interact(place, ui.id().with(("note", i)), Sense::click_and_drag());
-            if response.dragged() && response.drag_delta() != Vec2::ZERO {
-                let by = response.drag_delta() / self.zoom;
-                let at = [note.at[0] + f64::from(by.x), note.at[1] + f64::from(by.y)];
-                actions.edit(Edit::PutNote(i, voltet_document::Note { at, ..note.clone() }));
-            }
-            response.context_menu(|ui| {
-                let mut text = note.text.clone();
-                if ui.text_edit_multiline(&mut text).changed() {
-                    actions.edit(Edit::PutNote(i, voltet_document::Note { text, ..note.clone() }));
-                }
-                if ui.button("Remove the note").clicked() {
-                    actions.edit(Edit::RemoveNote(i));
-                    ui.close_menu();
-                }
-            });
+            ui.painter().galley(self.to_window(rect)(note.at), galley, theme::weak(dark));
         }
     }
+
+    /// Size of the letters of titles and notes.
+    fn letters(&self) -> f32 {
+        (12.0 * self.zoom).max(8.0)
+    }
+
+    /// Where a frame lies in the window.
+    pub(super) fn frame_place(&self, rect: Rect, frame: &Frame) -> Rect {
+        let size = self.zoom * vec2(frame.size[0] as f32, frame.size[1] as f32);
+        Rect::from_min_size(self.to_window(rect)(frame.at), size)
+    }
+
+    /// Where its title lies.
+    pub(super) fn title_place(&self, rect: Rect, frame: &Frame) -> Rect {
+        let place = self.frame_place(rect, frame);
+        let height = (TITLE * self.zoom).max(LEAST_TITLE).min(place.height());
+        Rect::from_min_size(place.min, vec2(place.width(), height))
+    }
+
+    /// Where a note lies, with its words.
+    pub(super) fn note_place(&self, ui: &Ui, rect: Rect, note: &Note) -> (Rect, Arc<Galley>) {
+        let (font, color) = (FontId::proportional(self.letters()), theme::weak(ui.visuals().dark_mode));
+        let galley = ui.painter().layout(note.text.clone(), font, color, NOTE * self.zoom.max(0.6));
+        // An empty note can be found, too.
+        let size = galley.size().max(Vec2::splat(self.letters()));
+        (Rect::from_min_size(self.to_window(rect)(note.at), size).expand(5.0 * self.zoom), galley)
+    }
+}
+
+/// Red, green and blue, 0 to 1.
+fn of_channels(color: [f64; 3]) -> Color32 {
+    let [r, g, b] = color.map(|x| (255.0 * x.clamp(0.0, 1.0)).round() as u8);
+    Color32::from_rgb(r, g, b)
 }

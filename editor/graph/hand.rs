@@ -1,7 +1,8 @@
 //! What a hand does to nodes: moving and selecting them.
 
 use super::GraphView;
-use super::package::{Face, NoResponse, State};
+use super::face::Face;
+use super::package::{NoResponse, State};
 use crate::actions::{Action, Actions};
 use crate::scene::Scene;
 use eframe::egui::{PointerButton, Ui, Vec2};

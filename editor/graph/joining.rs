@@ -9,6 +9,7 @@ use crate::scene::Scene;
 use crate::theme;
 use eframe::egui::{self, Rect, RichText, Ui};
 use egui_node_graph2::AnyParameterId;
+use std::rc::Rc;
 use voltet_core::{Error, Result};
 use voltet_document::{Edit, links};
 
@@ -35,13 +36,13 @@ impl GraphView {
             return;
         };
         let taken_off = Some((port.node.clone(), port.name.clone(), text.clone()));
-        let held = Port {
+        let held = Rc::new(Port {
             node: feeding.name.clone(),
             name: given.name.to_string(),
             port_type: given.port_type,
             is_input: false,
             is_optional: false,
-        };
+        });
         let key = self.ports.iter().find(|(_, known)| **known == held).map(|(key, _)| *key);
         if let (Some(key), Some(id)) = (key, self.ids.get(&held.node)) {
             self.state.connection_in_progress = Some((*id, key));
@@ -71,14 +72,7 @@ impl GraphView {
     }
 
     /// The wire in the hand: what it would do here, and what it does when let go.
-    pub(super) fn joining(
-        &mut self,
-        ui: &mut Ui,
-        rect: Rect,
-        scene: &Scene,
-        was_wiring: bool,
-        actions: &mut Actions,
-    ) {
+    pub(super) fn joining(&mut self, ui: &mut Ui, rect: Rect, scene: &Scene, actions: &mut Actions) {
         let Some(wire) = self.wire.clone() else { return };
         let Some(at) = ui.input(|input| input.pointer.interact_pos()) else { return };
         let is_held = ui.input(|input| input.pointer.any_down());
@@ -106,7 +100,6 @@ impl GraphView {
             }
             return;
         }
-        let _ = was_wiring;
         self.wire = None;
         self.state.connection_in_progress = None;
         match (target, reason) {

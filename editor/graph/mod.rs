@@ -3,7 +3,9 @@
 //! One small interface ([`GraphView::show`]) around the package that draws nodes (`package.rs`). Pan and zoom are this
 //! module's, places are the document's; wires, the menu, frames and notes are drawn here.
 
+mod face;
 mod faces;
+mod frames;
 mod ground;
 mod hand;
 mod joining;
@@ -15,12 +17,18 @@ mod wires;
 use crate::actions::{Action, Actions};
 use crate::scene::Scene;
 use crate::theme;
-use eframe::egui::{self, PointerButton, Pos2, Rect, Rounding, Stroke, TextureHandle, Ui, Vec2, vec2};
+use eframe::egui::{
+    self, Color32, FontId, PointerButton, Pos2, Rect, Rounding, Stroke, TextStyle, TextureHandle, Ui, Vec2,
+    pos2, vec2,
+};
 use egui_node_graph2::{AnyParameterId, NodeId};
+pub(crate) use frames::Thing;
+use frames::{Carried, Writing};
 use menu::Menu;
 use package::{NoTemplates, State, Written};
 use places::{Places, Port};
 use std::collections::{BTreeSet, HashMap};
+use std::rc::Rc;
 use wires::InHand;
 
 /// Least and largest scale: beyond, text cannot be read or nothing else is seen.
@@ -31,6 +39,10 @@ const FRAMES_TO_FIT: u32 = 3;
 
 /// How near to a port a pointer means it, points.
 const NEAR: f32 = 11.0;
+
+/// Height of letters, points, below which they are left out, and that of names then.
+const FAR_LETTERS: f32 = 6.0;
+const LEAST_LETTERS: f32 = 9.0;
 
 /// A drag of nodes: where they were, and how far it went.
 type Dragged = (Vec<(String, [f64; 2])>, Vec2);
@@ -44,9 +56,13 @@ pub(crate) struct GraphView {
     fits: u32,
     state: State,
     ids: HashMap<String, NodeId>,
-    ports: HashMap<AnyParameterId, Port>,
+    ports: HashMap<AnyParameterId, Rc<Port>>,
+    /// The document that the known nodes have the ports of, by its revision.
+    ported: Option<u64>,
     places: Places,
     dragged: Option<Dragged>,
+    carried: Option<Carried>,
+    writing: Option<Writing>,
     wire: Option<InHand>,
     menu: Option<Menu>,
     /// The menu is to be opened at the pointer.
@@ -64,8 +80,11 @@ impl Default for GraphView {
             state: State::default(),
             ids: HashMap::new(),
             ports: HashMap::new(),
+            ported: None,
             places: Places::default(),
             dragged: None,
+            carried: None,
+            writing: None,
             wire: None,
             menu: None,
             asked: false,
@@ -93,7 +112,7 @@ impl GraphView {
     /// Where a port was drawn.
     #[cfg(test)]
     pub fn port_at(&self, node: &str, name: &str, is_input: bool) -> Option<Pos2> {
-        let is_it = |port: &Port| port.node == node && port.name == name && port.is_input == is_input;
+        let is_it = |port: &Rc<Port>| port.node == node && port.name == name && port.is_input == is_input;
         self.places.seen.iter().find(|(port, _)| is_it(port)).map(|(_, at)| *at)
     }
 
@@ -114,28 +133,30 @@ impl GraphView {
         ui.set_clip_rect(rect);
         self.move_view(ui, rect, scene);
         self.grid(ui, rect);
-        self.frames_and_notes(ui, rect, scene, actions);
+        self.frames_and_notes(ui, rect, scene);
         let wires_at = ui.painter().add(egui::Shape::Noop);
         let visible = self.visible(scene, rect);
         self.sync(ui, scene, picture, &visible);
         self.style(ui);
         let in_hand_before = self.state.connection_in_progress;
-        let mut written = Written { zoom: self.zoom, ..Written::default() };
+        let is_far = self.is_far(ui);
+        let mut written = Written { zoom: self.zoom, is_far, ..Written::default() };
         let response = self.state.draw_graph_editor(ui, NoTemplates, &mut written, Vec::new());
         // The package's own menu knows nothing of what fits.
         self.state.node_finder = None;
         self.places.write_down(&self.state, &written, &self.ports, rect.min.to_vec2() + self.pan, self.zoom);
         wires::draw(ui, wires_at, scene, &self.places, self.wire.as_ref(), self.to_window(rect), self.zoom);
-        self.over_nodes(ui, scene);
+        self.over_nodes(ui, scene, is_far);
         for response in response.node_responses {
             self.respond(ui, scene, response, actions);
         }
         self.selected(ui, scene, in_hand_before.is_some(), actions);
-        self.joining(ui, rect, scene, in_hand_before.is_some(), actions);
-        self.point_at(ui, scene, actions);
+        self.joining(ui, rect, scene, actions);
+        let is_at_ground = self.hold_ground(ui, rect, scene, actions);
+        self.point_at(ui, scene, is_at_ground, actions);
         self.show_menu(ui, rect, scene, actions);
         if !ui.input(|input| input.pointer.any_down()) {
-            self.dragged = None;
+            (self.dragged, self.carried) = (None, None);
         }
     }
 
@@ -184,6 +205,14 @@ impl GraphView {
         }
     }
 
+    /// Whether the letters of nodes are too small to be read; then nodes show their names alone, in letters of one size.
+    fn is_far(&self, ui: &Ui) -> bool {
+        let body = TextStyle::Body.resolve(ui.style()).size;
+        // On screens of a high density smaller letters can be read, down to a limit.
+        let sharp = ui.ctx().pixels_per_point().clamp(1.0, 1.5);
+        body * self.zoom * sharp < FAR_LETTERS
+    }
+
     fn bring_into_view(&mut self, rect: Rect, scene: &Scene) {
         let nodes = &scene.document.pipeline().nodes;
         let mut all = Rect::NOTHING;
@@ -223,9 +252,16 @@ impl GraphView {
     }
 
     /// Ports in their shapes, and what is selected, over the package's nodes.
-    fn over_nodes(&self, ui: &Ui, scene: &Scene) {
+    fn over_nodes(&self, ui: &Ui, scene: &Scene, is_far: bool) {
         let dark = ui.visuals().dark_mode;
         for (name, frame) in &self.places.drawn {
+            if is_far {
+                let font = FontId::proportional(LEAST_LETTERS);
+                let painter = ui.painter().with_clip_rect(frame.intersect(ui.clip_rect()));
+                let galley = painter.layout_no_wrap(name.clone(), font, ui.visuals().strong_text_color());
+                let at = frame.center() - 0.5 * galley.size();
+                painter.galley(at.max(pos2(frame.left() + 2.0, at.y)), galley, Color32::WHITE);
+            }
             if scene.selection.contains(name) {
                 let stroke = Stroke::new(2.0, theme::accent(dark));
                 ui.painter().rect_stroke(frame.expand(2.0), Rounding::same(5.0 * self.zoom), stroke);
@@ -241,7 +277,7 @@ impl GraphView {
     }
 
     /// Words about what the pointer points at; a double click shows a picture or opens the menu.
-    fn point_at(&mut self, ui: &Ui, scene: &Scene, actions: &mut Actions) {
+    fn point_at(&mut self, ui: &Ui, scene: &Scene, is_at_ground: bool, actions: &mut Actions) {
         let Some(at) = ui.input(|input| input.pointer.hover_pos()) else { return };
         if !ui.rect_contains_pointer(ui.max_rect()) || self.menu.is_some() || self.wire.is_some() {
             return;
@@ -254,7 +290,7 @@ impl GraphView {
             if scene.pictures().contains(&name) {
                 actions.push(Action::Show(name.to_string()));
             }
-        } else if (double || secondary) && node.is_none() {
+        } else if (double || secondary) && node.is_none() && !is_at_ground {
             self.asked = true;
         }
         let id = ui.id().with("words");

@@ -2,9 +2,9 @@
 //! them; it is given the visible ones alone, made from the document each frame, and no wires: those it would look for at both
 //! ends, drawn or not, and join by equal types only. Where its ports lie it does not say, so the callbacks write that down.
 
+use super::face::Face;
 use crate::theme;
-use crate::worker::NodeState;
-use eframe::egui::{self, Align, Color32, Layout, RichText, TextureId, Ui, pos2, vec2};
+use eframe::egui::{self, Align, Align2, Color32, FontId, Layout, RichText, TextStyle, Ui, pos2, vec2};
 use egui_node_graph2::{
     AnyParameterId, DataTypeTrait, Graph, GraphEditorState, NodeDataTrait, NodeId, NodeResponse,
     NodeTemplateIter, NodeTemplateTrait, UserResponseTrait, WidgetValueTrait,
@@ -18,6 +18,9 @@ pub(super) const INNER: f32 = 170.0;
 
 /// Height of a picture in its node.
 const PICTURE: f32 = 64.0;
+
+/// Size of small letters.
+const SMALL: f32 = 10.5;
 
 /// A port's type and its side, so that what may be joined counts as equal: an output serves an input.
 #[derive(Debug, Clone, Copy, Eq)]
@@ -36,26 +39,12 @@ impl PartialEq for End {
     }
 }
 
-/// What a node shows besides its ports.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Face {
-    pub name: String,
-    pub node_type: String,
-    pub summary: String,
-    pub state: Option<NodeState>,
-    pub seconds: Option<f64>,
-    /// Why it is not needed for the picture.
-    pub idle: Option<String>,
-    pub fault: Option<String>,
-    pub picture: Option<(TextureId, f32)>,
-    pub is_folded: bool,
-    pub remark: Option<String>,
-}
-
 /// What the callbacks write down: for each port its height in the window, for each node its right edge.
 #[derive(Debug, Default)]
 pub(super) struct Written {
     pub zoom: f32,
+    /// Texts are too small to be read: they are left out, their room is kept.
+    pub is_far: bool,
     pub rows: HashMap<AnyParameterId, f32>,
     pub right: HashMap<NodeId, f32>,
     pub begun: f32,
@@ -71,6 +60,30 @@ impl Written {
         self.begun = ui.min_rect().bottom();
         self.titled.entry(node).or_insert(self.begun);
     }
+}
+
+impl Face {
+    /// The room of what [`NodeDataTrait::bottom_ui`] shows where it can be read; the picture is shown all the same.
+    fn far_bottom(&self, ui: &mut Ui, zoom: f32) {
+        let row = ui.fonts(|fonts| fonts.row_height(&FontId::proportional(SMALL * zoom)));
+        if let Some((texture, aspect)) = self.picture.filter(|_| !self.is_folded) {
+            paint_picture(ui, texture, aspect, zoom);
+        }
+        let has_type = !self.is_folded && self.node_type != self.name;
+        let rows =
+            usize::from(has_type) + usize::from(self.remark.is_some()) + usize::from(self.fault.is_some());
+        for _ in 0..rows {
+            ui.allocate_space(vec2(1.0, row));
+        }
+    }
+}
+
+fn paint_picture(ui: &mut Ui, texture: egui::TextureId, aspect: f32, zoom: f32) {
+    let height = PICTURE.min(INNER / aspect) * zoom;
+    let (_, rect) = ui.allocate_space(vec2(INNER * zoom, height));
+    let rect = egui::Rect::from_center_size(rect.center(), vec2(height * aspect, height));
+    let whole = egui::Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
+    ui.painter().image(texture, rect, whole, Color32::WHITE);
 }
 
 /// Parameters stand in a panel of their own.
@@ -144,7 +157,10 @@ impl WidgetValueTrait for NoValue {
         _: &Face,
     ) -> Vec<NoResponse> {
         written.begin(node, ui);
-        ui.label(RichText::new(name).text_style(egui::TextStyle::Body));
+        match written.is_far {
+            true => drop(ui.allocate_space(vec2(1.0, ui.text_style_height(&TextStyle::Body)))),
+            false => drop(ui.label(RichText::new(name).text_style(TextStyle::Body))),
+        }
         Vec::new()
     }
 }
@@ -162,6 +178,9 @@ impl NodeDataTrait for Face {
         _: &Graph<Face, End, NoValue>,
         written: &mut Written,
     ) -> Vec<NodeResponse<NoResponse, Face>> {
+        if written.is_far {
+            return Vec::new();
+        }
         let dark = ui.visuals().dark_mode;
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             let (text, color) = self.mark(dark);
@@ -181,15 +200,12 @@ impl NodeDataTrait for Face {
         name: &str,
     ) -> Vec<NodeResponse<NoResponse, Face>> {
         written.begin(node, ui);
-        let font = egui::TextStyle::Body.resolve(ui.style());
-        let galley = ui.painter().layout_no_wrap(name.into(), font, ui.visuals().text_color());
-        let (rect, _) =
-            ui.allocate_exact_size(vec2(INNER * written.zoom, galley.size().y), egui::Sense::hover());
-        ui.painter().galley(
-            pos2(rect.right() - galley.size().x, rect.top()),
-            galley,
-            ui.visuals().text_color(),
-        );
+        let height = ui.text_style_height(&TextStyle::Body);
+        let (_, rect) = ui.allocate_space(vec2(INNER * written.zoom, height));
+        if !written.is_far {
+            let (font, color) = (TextStyle::Body.resolve(ui.style()), ui.visuals().text_color());
+            ui.painter().text(rect.right_top(), Align2::RIGHT_TOP, name, font, color);
+        }
         Vec::new()
     }
 
@@ -214,15 +230,18 @@ impl NodeDataTrait for Face {
     ) -> Vec<NodeResponse<NoResponse, Face>> {
         let dark = ui.visuals().dark_mode;
         let zoom = written.zoom;
+        written.titled.entry(node).or_insert(ui.min_rect().bottom());
         ui.allocate_space(vec2(INNER * zoom, 0.0));
-        let small = |text: &str, color: Color32| RichText::new(text).size(10.5 * zoom).color(color);
+        if written.is_far {
+            self.far_bottom(ui, zoom);
+            written.right.insert(node, ui.min_rect().right());
+            written.bottom.insert(node, ui.min_rect().bottom());
+            return Vec::new();
+        }
+        let small = |text: &str, color: Color32| RichText::new(text).size(SMALL * zoom).color(color);
         if !self.is_folded {
             if let Some((texture, aspect)) = self.picture {
-                let height = (PICTURE * zoom).min(INNER * zoom / aspect);
-                let (rect, _) = ui.allocate_exact_size(vec2(INNER * zoom, height), egui::Sense::hover());
-                let rect = egui::Rect::from_center_size(rect.center(), vec2(height * aspect, height));
-                let whole = egui::Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-                ui.painter().image(texture, rect, whole, Color32::WHITE);
+                paint_picture(ui, texture, aspect, zoom);
             }
             let text = if self.node_type == self.name { "" } else { self.node_type.as_str() };
             if !text.is_empty() {
@@ -249,72 +268,11 @@ impl NodeDataTrait for Face {
         _: &Graph<Face, End, NoValue>,
         _: &mut Written,
     ) -> Option<Color32> {
-        let dark = ui.visuals().dark_mode;
-        let gray = if dark { 72 } else { 205 };
-        Some(match (&self.fault, &self.state) {
-            (Some(_), _) | (None, Some(NodeState::Failed(_))) => {
-                if dark {
-                    Color32::from_rgb(120, 40, 36)
-                } else {
-                    Color32::from_rgb(240, 180, 175)
-                }
-            }
-            (None, Some(NodeState::Running(..))) => {
-                if dark {
-                    Color32::from_rgb(40, 84, 130)
-                } else {
-                    Color32::from_rgb(175, 208, 240)
-                }
-            }
-            (None, Some(NodeState::Fresh | NodeState::Stale)) => Color32::from_gray(gray),
-            (None, None) => Color32::from_gray(if dark { 52 } else { 220 }),
-        })
+        Some(self.title_color(ui.visuals().dark_mode))
     }
 
     fn can_delete(&self, _: NodeId, _: &Graph<Face, End, NoValue>, _: &mut Written) -> bool {
         // By key and menu, so that a click beside the title takes nothing away.
         false
-    }
-}
-
-impl Face {
-    /// What stands at the right of the title.
-    fn mark(&self, dark: bool) -> (String, Color32) {
-        let weak = theme::weak(dark);
-        match (&self.fault, &self.state) {
-            (Some(_), _) | (None, Some(NodeState::Failed(_))) => ("✖".into(), theme::wrong(dark)),
-            (None, Some(NodeState::Running(_, fraction))) if *fraction > 0.0 => {
-                (format!("{:.0} %", 100.0 * fraction), theme::accent(dark))
-            }
-            (None, Some(NodeState::Running(..))) => ("…".into(), theme::accent(dark)),
-            (None, Some(NodeState::Stale)) => ("stale".into(), weak),
-            (None, Some(NodeState::Fresh)) => {
-                (self.seconds.map_or(String::new(), crate::picture::milliseconds), weak)
-            }
-            (None, None) => ("–".into(), weak),
-        }
-    }
-
-    /// Everything about it, for whoever points at it.
-    pub fn in_words(&self) -> String {
-        let state = match (&self.state, &self.idle) {
-            (Some(NodeState::Fresh), _) => match self.seconds {
-                Some(seconds) => format!("done; took {}", crate::picture::milliseconds(seconds)),
-                None => "done".into(),
-            },
-            (Some(NodeState::Stale), _) => "stale: will be made again".into(),
-            (Some(NodeState::Running(stage, fraction)), _) => format!("{stage} {:.0} %", 100.0 * fraction),
-            (Some(NodeState::Failed(error)), _) => error.clone(),
-            (None, Some(idle)) => format!("not needed: {idle}"),
-            (None, None) => String::new(),
-        };
-        let fault = self.fault.as_ref().filter(|fault| state != **fault);
-        let lines = [
-            Some(format!("{} ({})", self.name, self.node_type)),
-            Some(self.summary.clone()),
-            Some(state),
-            fault.cloned(),
-        ];
-        lines.into_iter().flatten().filter(|line| !line.is_empty()).collect::<Vec<_>>().join("\n")
     }
 }

@@ -5,6 +5,7 @@ use crate::scene::Scene;
 use eframe::egui::{Pos2, Rect, Vec2, pos2, vec2};
 use egui_node_graph2::AnyParameterId;
 use std::collections::HashMap;
+use std::rc::Rc;
 use voltet_core::graph::{NodeEntry, PortType};
 
 /// The package's margin on each side of what a node shows, points.
@@ -25,15 +26,21 @@ pub(super) struct Port {
     pub is_optional: bool,
 }
 
+/// A node as it was drawn last, at the usual scale.
+#[derive(Debug, Default)]
+struct Known {
+    size: Vec2,
+    /// Where its ports lie from its corner.
+    ports: Vec<(Rc<Port>, Vec2)>,
+}
+
 /// What was drawn.
 #[derive(Debug, Default)]
 pub(super) struct Places {
-    /// For each port ever drawn, where it lies from its node's corner at the usual scale.
-    ports: HashMap<String, Vec<(String, bool, Vec2)>>,
-    /// For each node ever drawn its size at the usual scale.
-    sizes: HashMap<String, Vec2>,
+    /// Each node that was ever drawn.
+    known: HashMap<String, Known>,
     /// The ports and nodes of this frame, in the window; the upper ones last.
-    pub seen: Vec<(Port, Pos2)>,
+    pub seen: Vec<(Rc<Port>, Pos2)>,
     pub drawn: Vec<(String, Rect)>,
 }
 
@@ -43,7 +50,7 @@ impl Places {
         &mut self,
         state: &State,
         written: &Written,
-        known: &HashMap<AnyParameterId, Port>,
+        ends: &HashMap<AnyParameterId, Rc<Port>>,
         origin: Vec2,
         zoom: f32,
     ) {
@@ -54,22 +61,15 @@ impl Places {
                 continue;
             };
             let low = *at + origin;
-            let inputs = node.inputs.iter().map(|(_, id)| AnyParameterId::Input(*id));
-            let ends = inputs.chain(node.outputs.iter().map(|(_, id)| AnyParameterId::Output(*id)));
+            let name = &node.user_data.name;
             let right = written.right.get(id).copied().unwrap_or(low.x + MARGIN * zoom) + MARGIN * zoom;
             let mut bottom = low.y + TITLE * zoom;
-            for end in ends {
-                let (Some(port), Some(y)) = (known.get(&end), written.rows.get(&end)) else { continue };
+            let mut ports = Vec::new();
+            let inputs = node.inputs.iter().map(|(_, id)| AnyParameterId::Input(*id));
+            for end in inputs.chain(node.outputs.iter().map(|(_, id)| AnyParameterId::Output(*id))) {
+                let (Some(port), Some(y)) = (ends.get(&end), written.rows.get(&end)) else { continue };
                 let place = pos2(if port.is_input { low.x } else { right }, *y);
-                let from = (place - low) / zoom;
-                let known = self.ports.entry(port.node.clone()).or_default();
-                match known
-                    .iter_mut()
-                    .find(|(name, is_input, _)| *name == port.name && *is_input == port.is_input)
-                {
-                    Some(known) => known.2 = from,
-                    None => known.push((port.name.clone(), port.is_input, from)),
-                }
+                ports.push((port.clone(), (place - low) / zoom));
                 self.seen.push((port.clone(), place));
                 bottom = bottom.max(y + 0.5 * ROW * zoom);
             }
@@ -77,14 +77,19 @@ impl Places {
             let title = written.titled.get(id).map_or(TITLE * zoom, |y| y - low.y);
             bottom = written.bottom.get(id).map_or(bottom, |y| y + zoom + 0.5 * title);
             let frame = Rect::from_min_max(low, pos2(right, bottom));
-            self.sizes.insert(node.user_data.name.clone(), frame.size() / zoom);
-            self.drawn.push((node.user_data.name.clone(), frame));
+            let known = Known { size: frame.size() / zoom, ports };
+            match self.known.get_mut(name) {
+                Some(there) => *there = known,
+                None => drop(self.known.insert(name.clone(), known)),
+            }
+            self.drawn.push((name.clone(), frame));
         }
     }
 
     /// Width and height of a node at the usual scale.
     pub fn size_of(&self, node: &str) -> [f64; 2] {
-        let size = self.sizes.get(node).copied().unwrap_or(vec2(INNER + 2.0 * MARGIN, TITLE + 4.0 * ROW));
+        let usual = vec2(INNER + 2.0 * MARGIN, TITLE + 4.0 * ROW);
+        let size = self.known.get(node).map_or(usual, |known| known.size);
         [f64::from(size.x), f64::from(size.y)]
     }
 
@@ -93,18 +98,16 @@ impl Places {
         let [x, y] = scene.document.position(&entry.name);
         let rows = scene.node_type(entry).map_or(1, |node| node.all_inputs().count() + node.outputs.len());
         let guessed = vec2(INNER + 2.0 * MARGIN, TITLE + ROW * (rows + 1) as f32);
-        let size = self.sizes.get(&entry.name).copied().unwrap_or(guessed);
+        let size = self.known.get(&entry.name).map_or(guessed, |known| known.size);
         Rect::from_min_size(pos2(x as f32, y as f32), size)
     }
 
     /// Where a port lies in the document's points.
     pub fn port(&self, scene: &Scene, entry: &NodeEntry, name: &str, is_input: bool) -> [f64; 2] {
         let [x, y] = scene.document.position(&entry.name);
-        let known = self.ports.get(&entry.name).and_then(|known| {
-            known
-                .iter()
-                .find(|(port, of_input, _)| port == name && *of_input == is_input)
-                .map(|known| known.2)
+        let known = self.known.get(&entry.name).and_then(|known| {
+            let is_it = |(port, _): &&(Rc<Port>, Vec2)| port.name == name && port.is_input == is_input;
+            known.ports.iter().find(is_it).map(|(_, from)| *from)
         });
         let from = known.unwrap_or_else(|| {
             let frame = self.frame(scene, entry);
@@ -114,7 +117,7 @@ impl Places {
     }
 
     /// The port next to a place of the window.
-    pub fn port_at(&self, at: Pos2, near: f32) -> Option<Port> {
+    pub fn port_at(&self, at: Pos2, near: f32) -> Option<Rc<Port>> {
         let by_distance = self.seen.iter().map(|(port, place)| (place.distance(at), port));
         let nearest =
             by_distance.filter(|(distance, _)| *distance <= near).min_by(|a, b| a.0.total_cmp(&b.0));

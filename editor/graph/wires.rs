@@ -6,6 +6,7 @@ use crate::theme;
 use eframe::egui::epaint::CubicBezierShape;
 use eframe::egui::layers::ShapeIdx;
 use eframe::egui::{Color32, Pos2, Shape, Stroke, Ui, vec2};
+use std::rc::Rc;
 use voltet_document::links;
 
 /// A wire in the hand.
@@ -13,7 +14,7 @@ use voltet_document::links;
 pub(super) struct InHand {
     /// The node that it is held by.
     pub node: String,
-    pub port: Port,
+    pub port: Rc<Port>,
     /// The input that it was taken off from, and its source as the file says it.
     pub taken_off: Option<(String, String, String)>,
     pub from: Pos2,

@@ -1,0 +1,89 @@
+use super::*;
+use crate::actions::Command;
+
+/// A window with a frame around two nodes that is named.
+fn framed() -> Hand {
+    let mut hand = Hand::new(TEXT);
+    hand.editor.selection = ["look", "view"].map(String::from).into();
+    let ctx = hand.ctx.clone();
+    hand.editor.command(&ctx, Command::Frame);
+    hand.frames(2);
+    hand.typed("What is seen");
+    hand.key(Key::Enter, Modifiers::NONE);
+    hand.frames(2);
+    hand.time += 2.0;
+    hand
+}
+
+#[test]
+fn a_frame_is_named_moved_with_what_it_holds_and_resized() {
+    let mut hand = framed();
+    assert!(hand.text().contains("{ title = \"What is seen\""), "{}", hand.text());
+    let before = hand.text();
+    let steps = hand.steps();
+    let at = |hand: &Hand, node: &str| hand.editor.document().position(node);
+    let (look, grid) = (at(&hand, "look"), at(&hand, "grid"));
+    let frame = hand.editor.document().view().frames[0].clone();
+    let title = hand.texts("What is seen")[0];
+    hand.drag(title, title + vec2(20.0, 60.0));
+    let moved = hand.editor.document().view().frames[0].clone();
+    let by = [moved.at[0] - frame.at[0], moved.at[1] - frame.at[1]];
+    assert!(by[0] > 15.0 && by[1] > 50.0, "{by:?}");
+    for (node, from) in [("look", look), ("grid", grid)] {
+        let went = [at(&hand, node)[0] - from[0], at(&hand, node)[1] - from[1]];
+        let wanted = if node == "look" { by } else { [0.0; 2] };
+        assert!((0..2).all(|i| (went[i] - wanted[i]).abs() <= 1.0), "{node}: {went:?} {wanted:?}");
+    }
+    assert_eq!(hand.steps(), steps + 1, "a drag is one step");
+    hand.key(Key::Z, Modifiers::COMMAND);
+    assert_eq!(hand.text(), before);
+    let title = hand.texts("What is seen")[0];
+    hand.move_to(title, Modifiers::NONE);
+    for _ in 0..2 {
+        hand.button(true, PointerButton::Primary, Modifiers::NONE);
+        hand.button(false, PointerButton::Primary, Modifiers::NONE);
+    }
+    hand.frames(2);
+    hand.typed("Other words");
+    hand.key(Key::Enter, Modifiers::NONE);
+    hand.frames(2);
+    assert!(hand.text().contains("{ title = \"Other words\""), "{}", hand.text());
+}
+
+#[test]
+fn nodes_are_folded_and_keep_their_wires() {
+    let mut hand = Hand::new(TEXT);
+    let before = hand.editor.graph.frame_of("picture").unwrap();
+    hand.editor.selection = ["picture", "view"].map(String::from).into();
+    hand.key(Key::K, Modifiers::NONE);
+    hand.frames(3);
+    let after = hand.editor.graph.frame_of("picture").unwrap();
+    assert!(after.height() < 0.6 * before.height(), "{before:?} {after:?}");
+    assert!(hand.editor.graph.port_at("picture", "camera", true).is_none(), "the head alone");
+    assert!(hand.text().contains("folded = true"), "{}", hand.text());
+    hand.key(Key::K, Modifiers::NONE);
+    hand.frames(3);
+    assert!(hand.editor.graph.port_at("picture", "camera", true).is_some());
+    hand.key(Key::Z, Modifiers::COMMAND);
+    hand.key(Key::Z, Modifiers::COMMAND);
+    assert_eq!(hand.text(), TEXT);
+}
+
+#[test]
+fn far_away_nodes_show_their_names_alone_and_are_still_moved() {
+    let mut hand = Hand::new(TEXT);
+    assert_eq!(hand.texts("transfer_function").len(), 2, "ports have names");
+    let ground = hand.editor.graph.frame_of("view").unwrap().max + vec2(40.0, 40.0);
+    hand.move_to(ground, Modifiers::NONE);
+    let delta = vec2(0.0, -12.0);
+    let unit = eframe::egui::MouseWheelUnit::Line;
+    hand.frame(vec![Event::MouseWheel { unit, delta, modifiers: Modifiers::NONE }], Modifiers::NONE);
+    hand.frames(30);
+    assert_eq!(hand.texts("transfer_function").len(), 0);
+    let frame = hand.editor.graph.frame_of("picture").unwrap();
+    let names = hand.texts("picture");
+    assert!(names.iter().any(|at| frame.contains(*at)) && frame.width() < 90.0, "{frame:?} {names:?}");
+    let before = hand.editor.document().position("picture");
+    hand.drag(frame.center(), frame.center() + vec2(0.0, 30.0));
+    assert!(hand.editor.document().position("picture")[1] > before[1] + 60.0);
+}
