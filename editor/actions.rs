@@ -34,6 +34,8 @@ pub enum Action {
     Say(String),
     /// A pipeline file is opened, or one that is made for a file that is none.
     Open(PathBuf),
+    /// The same, after a question about unsaved work.
+    Begin(PathBuf),
     /// The document is saved in this file.
     SaveAs(PathBuf),
     /// A file is asked for; where to begin.
@@ -60,6 +62,8 @@ pub enum Command {
     Save,
     /// Ask for a file to save in.
     SaveAs,
+    /// A whole run, which writes files; stops the one that is under way.
+    Run,
     /// End.
     Quit,
     /// The last step back.

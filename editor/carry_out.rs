@@ -35,6 +35,10 @@ impl Editor {
             Action::Do(command) => self.command(ctx, command),
             Action::Say(text) => self.message = Some((text, false)),
             Action::Open(path) => self.open_any(ctx, &path),
+            Action::Begin(path) => {
+                self.begin_with = Some(path);
+                self.unless_unsaved(ctx, Command::Open);
+            }
             Action::SaveAs(path) => self.save_as(&path),
             Action::Ask(asked, at) => self.asking = Some(FileAsking::new(asked, at.as_deref())),
             Action::Name { node, path, file } => {
@@ -101,7 +105,11 @@ impl Editor {
     pub(crate) fn command(&mut self, ctx: &Context, command: Command) {
         let names = || self.selection.iter().cloned().collect::<Vec<_>>();
         match command {
-            Command::New | Command::Open | Command::Quit => self.unless_unsaved(command),
+            Command::New | Command::Open | Command::Quit => {
+                self.begin_with = None;
+                self.unless_unsaved(ctx, command);
+            }
+            Command::Run => self.run(ctx),
             Command::Save => self.save(),
             Command::SaveAs => self.asking = Some(FileAsking::new(Asked::SaveAs, self.document.path())),
             Command::Undo | Command::Redo => self.step(command == Command::Undo),
@@ -168,18 +176,19 @@ impl Editor {
     }
 
     /// Carries out what takes the document away, or asks first.
-    fn unless_unsaved(&mut self, command: Command) {
+    fn unless_unsaved(&mut self, ctx: &Context, command: Command) {
         match self.document.is_saved() {
-            true => self.go_on(command),
+            true => self.go_on(ctx, command),
             false => self.unsaved = Some(command),
         }
     }
 
     /// Carries it out.
-    pub(crate) fn go_on(&mut self, command: Command) {
-        match command {
-            Command::New => self.take(Document::new()),
-            Command::Open => self.asking = Some(FileAsking::new(Asked::Open, self.document.path())),
+    pub(crate) fn go_on(&mut self, ctx: &Context, command: Command) {
+        match (command, self.begin_with.take()) {
+            (Command::New, _) => self.take(Document::new()),
+            (Command::Open, Some(path)) => self.open_any(ctx, &path),
+            (Command::Open, None) => self.asking = Some(FileAsking::new(Asked::Open, self.document.path())),
             _ => self.ends = true,
         }
     }
@@ -187,6 +196,7 @@ impl Editor {
     /// Another document in place of this one.
     pub(crate) fn take(&mut self, document: Document) {
         self.document = document;
+        self.run = None;
         self.recover.forget();
         self.begin();
         self.disk = Disk::default();

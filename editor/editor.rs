@@ -8,7 +8,9 @@ use crate::hand::Hand;
 use crate::lookups::Lookups;
 use crate::parameters::ParameterPanel;
 use crate::picture::PicturePanel;
+use crate::recent::Recent;
 use crate::recover::Recover;
+use crate::run::Run;
 use crate::scene::{Scene, pictures};
 use crate::section::SectionPanel;
 use crate::study::StudyPanel;
@@ -17,7 +19,7 @@ use crate::view::View;
 use crate::worker::{Distribution, NodeState, Probed, Shown, Wanted, Worker};
 use eframe::egui::Context;
 use std::collections::BTreeSet;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, channel};
 use voltet_core::graph::{NodeEntry, Quantity, Registry};
@@ -60,6 +62,11 @@ pub struct Editor {
     pub(crate) costs: bool,
     pub(crate) last_estimate: u64,
     pub(crate) asking: Option<FileAsking>,
+    /// What is opened once unsaved work is settled; a file is asked for where there is none.
+    pub(crate) begin_with: Option<PathBuf>,
+    pub(crate) recent: Recent,
+    /// A whole run that is under way.
+    pub(crate) run: Option<Run>,
     /// What waits for an answer about unsaved work.
     pub(crate) unsaved: Option<Command>,
     pub(crate) asked: Option<Wanted>,
@@ -110,6 +117,9 @@ impl Editor {
             costs: false,
             last_estimate: 0,
             asking: None,
+            begin_with: None,
+            recent: Recent::default(),
+            run: None,
             unsaved: None,
             asked: None,
             distribution: None,
@@ -210,11 +220,15 @@ impl Editor {
     pub(crate) fn open_any(&mut self, ctx: &Context, path: &Path) {
         if is_pipeline(path) {
             match Document::open(path) {
-                Ok(document) => self.take(document),
+                Ok(document) => {
+                    self.recent.add(path);
+                    self.take(document);
+                }
                 Err(error) => self.complain(&error),
             }
             return;
         }
+        self.recent.add(path);
         let at = free_path(path);
         let (start, path, ctx) = (self.start.clone(), path.to_path_buf(), ctx.clone());
         let (sender, made) = channel();

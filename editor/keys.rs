@@ -18,6 +18,7 @@ const KEYS: &[Binding] = &[
     (Command::Open, CTRL, Key::O, "open a pipeline, a picture that carries one, or a data file"),
     (Command::SaveAs, CTRL_SHIFT, Key::S, "save as"),
     (Command::Save, CTRL, Key::S, "save"),
+    (Command::Run, CTRL, Key::R, "run: write the files of the pipeline; stops a run"),
     (Command::Quit, CTRL, Key::Q, "quit"),
     (Command::Redo, CTRL_SHIFT, Key::Z, "redo"),
     (Command::Redo, CTRL, Key::Y, "redo"),
@@ -106,7 +107,10 @@ pub(crate) fn read(ctx: &Context, over_widgets: bool, actions: &mut Actions) {
     ctx.input_mut(|input| {
         for &(command, modifiers, key, _) in KEYS {
             // In a text field keys are letters, but for those of the window's own business.
-            let anywhere = matches!(command, Command::Save | Command::SaveAs | Command::Open | Command::Help);
+            let anywhere = matches!(
+                command,
+                Command::Save | Command::SaveAs | Command::Open | Command::Run | Command::Help
+            );
             let of_widgets = over_widgets && matches!(command, Command::Delete | Command::Duplicate);
             if (!typing || anywhere) && !of_widgets && input.consume_key(modifiers, key) {
                 actions.command(command);

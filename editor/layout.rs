@@ -2,12 +2,16 @@
 
 use crate::actions::{Actions, Command};
 use crate::asking;
+use crate::begin;
 use crate::costs;
 use crate::editor::Editor;
+use crate::graph::GraphView;
 use crate::keys;
-use crate::picture;
+use crate::parameters::ParameterPanel;
+use crate::picture::{self, PicturePanel};
 use crate::scene::Scene;
 use crate::theme;
+use crate::transfer::TransferPanel;
 use eframe::egui::{
     CentralPanel, Context, Frame, Layout, RichText, SidePanel, TopBottomPanel, Ui, Window, menu,
 };
@@ -28,32 +32,11 @@ pub(crate) fn show(editor: &mut Editor, ctx: &Context, actions: &mut Actions) {
         let scene = editor.scene();
         TopBottomPanel::top("menus").show(ctx, |ui| menus(ui, &scene, actions));
         TopBottomPanel::bottom("status").show(ctx, |ui| status(ui, editor, &scene));
-        let width = ctx.screen_rect().width();
-        SidePanel::right("right")
-            .resizable(true)
-            .default_width(0.5 * width)
-            .width_range(280.0..=0.75 * width)
-            .show(ctx, |ui| {
-                if transfer.is_wanted(&scene) {
-                    let height = ui.available_height();
-                    TopBottomPanel::bottom("transfer")
-                        .resizable(true)
-                        .default_height(0.42 * height)
-                        .height_range(140.0..=0.75 * height)
-                        .frame(Frame::none())
-                        .show_inside(ui, |ui| transfer.show(ui, &scene, actions));
-                }
-                panel.show(ui, &scene, actions);
-            });
-        let height = ctx.available_rect().height();
-        TopBottomPanel::bottom("parameters")
-            .resizable(true)
-            .default_height(0.42 * height)
-            .height_range(80.0..=0.75 * height)
-            .show(ctx, |ui| parameters.show(ui, &scene, actions));
-        CentralPanel::default()
-            .frame(Frame::none().fill(theme::ground(ctx.style().visuals.dark_mode)))
-            .show(ctx, |ui| graph.show(ui, &scene, panel.texture(), actions));
+        if scene.is_empty() {
+            empty(editor, ctx, &mut graph, &scene, actions);
+        } else {
+            parts(ctx, &scene, &mut graph, &mut panel, &mut parameters, &mut transfer, actions);
+        }
         costs::show(ctx, &mut open, &scene, actions);
         section.show(ctx, &scene, actions);
         study.show(ctx, &scene);
@@ -65,6 +48,54 @@ pub(crate) fn show(editor: &mut Editor, ctx: &Context, actions: &mut Actions) {
     asking::show(&mut editor.asking, ctx, actions);
     unsaved(editor, ctx);
     editor.offer_left_behind(ctx);
+}
+
+/// An empty window: the ways to begin, over the graph view.
+fn empty(editor: &Editor, ctx: &Context, graph: &mut GraphView, scene: &Scene, actions: &mut Actions) {
+    let ground = Frame::none().fill(theme::ground(ctx.style().visuals.dark_mode));
+    CentralPanel::default().frame(ground).show(ctx, |ui| {
+        let place = ui.max_rect();
+        graph.show(ui, scene, None, actions);
+        let recent: Vec<&std::path::Path> = editor.recent.paths().collect();
+        begin::invite(ui, place, &recent, editor.made.is_some(), actions);
+    });
+}
+
+/// The graph and the parameters at the left, the picture and the transfer function at the right.
+fn parts(
+    ctx: &Context,
+    scene: &Scene,
+    graph: &mut GraphView,
+    panel: &mut PicturePanel,
+    parameters: &mut ParameterPanel,
+    transfer: &mut TransferPanel,
+    actions: &mut Actions,
+) {
+    let width = ctx.screen_rect().width();
+    SidePanel::right("right")
+        .resizable(true)
+        .default_width(0.5 * width)
+        .width_range(280.0..=0.75 * width)
+        .show(ctx, |ui| {
+            if transfer.is_wanted(scene) {
+                let height = ui.available_height();
+                TopBottomPanel::bottom("transfer")
+                    .resizable(true)
+                    .default_height(0.42 * height)
+                    .height_range(140.0..=0.75 * height)
+                    .frame(Frame::none())
+                    .show_inside(ui, |ui| transfer.show(ui, scene, actions));
+            }
+            panel.show(ui, scene, actions);
+        });
+    let height = ctx.available_rect().height();
+    TopBottomPanel::bottom("parameters")
+        .resizable(true)
+        .default_height(0.42 * height)
+        .height_range(80.0..=0.75 * height)
+        .show(ctx, |ui| parameters.show(ui, scene, actions));
+    let ground = Frame::none().fill(theme::ground(ctx.style().visuals.dark_mode));
+    CentralPanel::default().frame(ground).show(ctx, |ui| graph.show(ui, scene, panel.texture(), actions));
 }
 
 fn menus(ui: &mut Ui, scene: &Scene, actions: &mut Actions) {
@@ -86,6 +117,7 @@ fn menus(ui: &mut Ui, scene: &Scene, actions: &mut Actions) {
             ("Open …", Command::Open),
             ("Save", Command::Save),
             ("Save as …", Command::SaveAs),
+            ("Run: write the files", Command::Run),
             ("Quit", Command::Quit),
         ];
         let history = scene.document.history();
@@ -216,13 +248,13 @@ fn unsaved(editor: &mut Editor, ctx: &Context) {
         Some(None) => editor.unsaved = None,
         Some(Some(false)) => {
             editor.unsaved = None;
-            editor.go_on(command);
+            editor.go_on(ctx, command);
         }
         Some(Some(true)) => {
             editor.unsaved = None;
             editor.save();
             if editor.document().is_saved() {
-                editor.go_on(command);
+                editor.go_on(ctx, command);
             }
         }
     }

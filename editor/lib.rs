@@ -10,12 +10,14 @@
 //! | `wishes` | what the worker is asked for |
 //! | `graph` | nodes and wires, by `egui_node_graph2` behind a small interface |
 //! | `picture`, `parameters`, `costs` | the picture, the panel of the selected node, times and errors |
-//! | `files`, `asking` | what the names of files say; asking for one |
+//! | `files`, `asking`, `recent`, `begin` | what the names of files say; asking for one; the last ones; what an empty window invites to |
+//! | `run` | a whole run, which writes files |
 //! | `transfer` | the transfer function over the histogram of s and g |
 //! | `window` | eframe's window around it |
 
 mod actions;
 mod asking;
+mod begin;
 #[cfg(test)]
 mod by_hand;
 mod carry_out;
@@ -32,7 +34,9 @@ mod layout;
 mod lookups;
 mod parameters;
 mod picture;
+mod recent;
 mod recover;
+mod run;
 mod saving;
 mod scene;
 mod section;

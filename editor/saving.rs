@@ -48,7 +48,10 @@ impl Editor {
             self.edit("paths that lead from the new folder".into(), &follow);
         }
         match self.document.save_as(&path) {
-            Ok(()) => self.message = Some((format!("saved: {}{paths}", path.display()), false)),
+            Ok(()) => {
+                self.recent.add(&path);
+                self.message = Some((format!("saved: {}{paths}", path.display()), false));
+            }
             Err(error) => self.complain(&error),
         }
     }

@@ -58,6 +58,11 @@ impl<'a> Scene<'a> {
         self.entries.get(name).copied()
     }
 
+    /// Whether there is nothing yet.
+    pub fn is_empty(&self) -> bool {
+        self.document.pipeline().nodes.is_empty() && self.document.is_toml()
+    }
+
     /// The type of a node, where it is known.
     pub fn node_type(&self, entry: &NodeEntry) -> Option<&'static Node> {
         self.registry.find(entry.node_type.text()?).ok()

@@ -3,6 +3,7 @@
 use crate::editor::{Editor, Start};
 use crate::files::is_pipeline;
 use crate::study::Study;
+use crate::recent::Recent;
 use crate::theme;
 use eframe::egui::{Context, ViewportBuilder, ViewportCommand};
 use eframe::{App, Frame, NativeOptions, Renderer};
@@ -56,6 +57,10 @@ pub fn run(file: Option<&Path>, registry: &Registry, start: Start, study: Study)
         let mut editor = Editor::new(document, registry, start, wake)?;
         editor.study.make = Some(study);
         editor.keep_in(voltet_document::Recovery::usual());
+        editor.recent = Recent::usual();
+        if let Some(path) = editor.document.path().map(Path::to_path_buf) {
+            editor.recent.add(&path);
+        }
         if let Some(data) = data {
             editor.open_any(&context.egui_ctx, &data);
         }

@@ -39,3 +39,74 @@ fn the_file_of_a_parameter_is_chosen_in_a_list() {
     assert!(hand.text().contains("path = \"pictures/other.png\""), "{}", hand.said());
     assert_eq!(hand.steps(), 1);
 }
+
+/// Until something is said that begins so.
+fn said(hand: &mut Hand, wanted: &str) {
+    for _ in 0..2000 {
+        hand.frames(1);
+        if hand.said().starts_with(wanted) {
+            return;
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    panic!("'{wanted}' is not said, but '{}'", hand.said());
+}
+
+#[test]
+fn a_run_writes_what_a_run_of_the_file_would() {
+    let mut hand = Hand::new(TEXT);
+    hand.key(Key::X, Modifiers::NONE);
+    hand.key(Key::S, Modifiers::COMMAND);
+    hand.key(Key::R, Modifiers::COMMAND);
+    said(&mut hand, "written in");
+    let picture = hand.folder.path().join("picture.png");
+    let here = std::fs::read(&picture).unwrap();
+    std::fs::remove_file(&picture).unwrap();
+    let registry = voltet_nodes::registry().unwrap();
+    let text = std::fs::read_to_string(hand.path()).unwrap();
+    let pipeline = voltet_core::pipeline::Pipeline::parse(&text).unwrap();
+    let graph = pipeline.graph(&registry, hand.folder.path().to_path_buf()).unwrap();
+    voltet_nodes::session().run(&graph, &voltet_core::graph::Unobserved).unwrap();
+    assert_eq!(std::fs::read(&picture).unwrap(), here, "to the byte");
+    // Without a writer it says what is missing.
+    let start = hand.text().find("[nodes.file]").unwrap();
+    let text = hand.text()[..start].to_string();
+    hand.editor.edit("text".into(), &[voltet_document::Edit::Text(text)]);
+    hand.key(Key::R, Modifiers::COMMAND);
+    said(&mut hand, "the pipeline writes nothing");
+}
+
+#[test]
+fn an_empty_window_offers_the_files_opened_last_and_takes_dropped_ones() {
+    let mut hand = Hand::new("[pipeline]\nformat = 1\n");
+    let list = hand.folder.path().join("state/recent");
+    hand.editor.recent = crate::recent::Recent::in_file(list.clone());
+    let (other, gone) = (hand.folder.path().join("other.toml"), hand.folder.path().join("gone.toml"));
+    std::fs::write(&other, TEXT).unwrap();
+    std::fs::write(&gone, TEXT).unwrap();
+    hand.editor.recent.add(&gone);
+    hand.editor.recent.add(&other);
+    std::fs::remove_file(&gone).unwrap();
+    hand.editor.recent = crate::recent::Recent::in_file(list);
+    hand.frames(2);
+    assert_eq!(hand.texts("Open data or a pipeline …").len(), 1);
+    assert!(hand.texts("Lately opened").len() == 1);
+    assert_eq!(hand.editor.recent.paths().count(), 1, "what is gone is not offered");
+    let folder = other.parent().unwrap().canonicalize().unwrap();
+    let entry = hand.shown_beginning(&format!("other.toml   in {}", &folder.display().to_string()[..3]));
+    hand.click(entry[0]);
+    hand.frames(2);
+    assert_eq!(hand.text(), TEXT);
+    assert!(hand.texts("Open data or a pipeline …").is_empty());
+    // A dropped file is asked about where work is not saved.
+    hand.key(Key::X, Modifiers::NONE);
+    let dropped = eframe::egui::DroppedFile { path: Some(hand.path()), ..Default::default() };
+    hand.time += 1.0 / 60.0;
+    let input = RawInput { dropped_files: vec![dropped], time: Some(hand.time), ..RawInput::default() };
+    let editor = &mut hand.editor;
+    let _ = hand.ctx.run(input, |ctx| editor.frame(ctx));
+    hand.frames(2);
+    assert_ne!(hand.text(), "[pipeline]\nformat = 1\n");
+    hand.click_on("Discard");
+    assert_eq!(hand.text(), "[pipeline]\nformat = 1\n");
+}

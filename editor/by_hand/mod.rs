@@ -72,17 +72,26 @@ impl Hand {
 
     /// Where a text stands in the window: buttons, labels, titles.
     fn texts(&self, text: &str) -> Vec<Pos2> {
-        fn of(shape: &Shape, text: &str, found: &mut Vec<Pos2>) {
+        self.shown(&|shown| shown == text)
+    }
+
+    /// Where texts stand that begin so.
+    fn shown_beginning(&self, text: &str) -> Vec<Pos2> {
+        self.shown(&|shown| shown.starts_with(text))
+    }
+
+    fn shown(&self, is_it: &dyn Fn(&str) -> bool) -> Vec<Pos2> {
+        fn of(shape: &Shape, is_it: &dyn Fn(&str) -> bool, found: &mut Vec<Pos2>) {
             match shape {
-                Shape::Vec(shapes) => shapes.iter().for_each(|shape| of(shape, text, found)),
-                Shape::Text(shape) if shape.galley.text() == text => {
+                Shape::Vec(shapes) => shapes.iter().for_each(|shape| of(shape, is_it, found)),
+                Shape::Text(shape) if is_it(shape.galley.text()) => {
                     found.push(shape.visual_bounding_rect().center());
                 }
                 _ => {}
             }
         }
         let mut found = Vec::new();
-        self.shapes.iter().for_each(|clipped| of(&clipped.shape, text, &mut found));
+        self.shapes.iter().for_each(|clipped| of(&clipped.shape, is_it, &mut found));
         found
     }
 

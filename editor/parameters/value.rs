@@ -148,20 +148,28 @@ fn number_field(ui: &mut Ui, now: Option<f64>, range: &Range, scale: Option<Scal
         Some(_) => (SPEED * x.abs()).max(LEAST_STEP),
         None => 0.2,
     };
+    let before = x;
     let (response, x) = drag(ui, x, range, step, scale.is_none());
-    slid.or((by_hand(&response) && range.holds(x)).then_some(x))
+    slid.or((by_hand(&response) && x != before && range.holds(x)).then_some(x))
+}
+
+/// A number with no more digits than six, as a file would have it.
+fn short(x: f64) -> String {
+    Datum::Number(format!("{x:.5e}").parse().unwrap_or(x)).to_string()
 }
 
 /// A number that is dragged and typed.
-fn drag(ui: &mut Ui, mut x: f64, range: &Range, step: f64, whole: bool) -> (Response, f64) {
+fn drag(ui: &mut Ui, before: f64, range: &Range, step: f64, whole: bool) -> (Response, f64) {
+    let mut x = before;
     let field = DragValue::new(&mut x).range(range.min..=range.max).speed(step).update_while_editing(false);
     let field = match whole {
         true => field.max_decimals(0),
-        false => field.custom_formatter(|x, _| Datum::Number(x).to_string()),
+        false => field.custom_formatter(|x, _| short(x)),
     };
     let response = ui.add(field);
     let x = if whole { x.round() } else { meant(&response, x, step) };
-    (response, x)
+    // What is shown shorter than it is stays as it is where nobody typed another number.
+    (response, if short(x) == short(before) { before } else { x })
 }
 
 fn numbers(ui: &mut Ui, now: Option<&Datum>, count: usize, range: &Range, whole: bool) -> Option<Datum> {
@@ -174,7 +182,7 @@ fn numbers(ui: &mut Ui, now: Option<&Datum>, count: usize, range: &Range, whole:
     for number in &mut list {
         let step = if whole { 1.0 } else { (SPEED * number.abs()).max(LEAST_STEP) };
         let (response, x) = drag(ui, *number, range, step, whole);
-        if by_hand(&response) && range.holds(x) {
+        if by_hand(&response) && x != *number && range.holds(x) {
             (*number, changed) = (x, true);
         }
     }
