@@ -144,7 +144,7 @@ pub(crate) fn shortcut(ctx: &Context, command: Command) -> String {
 
 /// The help sheet.
 pub(crate) fn sheet(ctx: &Context, open: &mut bool) {
-    Window::new("Keys and mouse").open(open).resizable(true).default_width(720.0).show(ctx, |ui| {
+    Window::new("Keys and mouse").open(open).resizable(true).default_width(860.0).show(ctx, |ui| {
         ui.columns(2, |columns| {
             Grid::new("keys").num_columns(2).striped(true).show(&mut columns[0], |ui| {
                 let mut last = None;

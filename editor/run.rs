@@ -8,6 +8,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use voltet_core::graph::{Graph, Observer, RunReport};
+use voltet_core::pipeline::Pipeline;
 use voltet_core::{Error, Result};
 use voltet_nodes::memory;
 
@@ -59,7 +60,12 @@ impl Editor {
             self.message = Some(("the run is stopped; nothing of it is half written".into(), false));
             return;
         }
-        let graph = self.document.pipeline().graph(&self.registry, self.document.folder());
+        let (text, folder) = (self.document.text().to_string(), self.document.folder());
+        let graph = self.document.pipeline().graph(&self.registry, folder).and_then(|mut graph| {
+            // Pictures carry the text with its comments.
+            graph.stated = Pipeline::stated(text, &self.registry)?;
+            Ok(graph)
+        });
         match graph.and_then(|graph| Run::start(graph, ctx)) {
             Ok(run) => {
                 self.run = Some(run);

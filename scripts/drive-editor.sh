@@ -1,20 +1,26 @@
 #!/usr/bin/env bash
-# Drives the real editor by mouse and keys under a virtual display, through a person's round: open, add a node, wire it, drag a
-# widget, orbit, undo, save, run headless, compare. Pictures of the window are kept in the folder given, or target/editor.
-# Needs Xvfb, xdotool and import (ImageMagick), and a built program: cargo build --features editor.
+# Drives the real editor by mouse and keys under a virtual display.
+#
+# A round over a pipeline: open, orbit, undo, add a node, wire it from port to port, drag a widget, save, run in the window, run
+# headless, compare the two pictures bit for bit; idle, light and dark, unsaved work. With the path of a data file as the second
+# argument: from an empty window to a saved picture of two materials by the mouse alone. Pictures of the window are kept in the
+# folder that the first argument names, else target/editor.
+#
+# Needs Xvfb, xdotool, import and compare (ImageMagick), and a built program: cargo build --features editor.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-program=${VOLTET:-target/debug/voltet}
+program=$(realpath "${VOLTET:-target/debug/voltet}")
 shots=$(mkdir -p "${1:-target/editor}" && cd "${1:-target/editor}" && pwd)
-size=${SIZE:-1280x720}
-for tool in Xvfb xdotool import; do
+data=${2:+$(realpath "$2")}
+for tool in Xvfb xdotool import compare; do
     command -v "$tool" >/dev/null || { echo "SKIPPED: $tool is not installed"; exit 0; }
 done
-program=$(realpath "$program")
 
 work=$(mktemp -d)
+export XDG_STATE_HOME=$work/state XDG_CACHE_HOME=$work/cache
 display=:$((90 + RANDOM % 400))
-Xvfb "$display" -screen 0 "${size}x24" >"$work/xvfb.log" 2>&1 &
+# Places below are of this size.
+Xvfb "$display" -screen 0 1280x720x24 >"$work/xvfb.log" 2>&1 &
 xvfb=$!
 editor=
 finish() {
@@ -26,93 +32,166 @@ trap finish EXIT
 export DISPLAY=$display
 sleep 1
 
-cp editor/by_hand/scene.toml "$work/scene.toml"
-cp "$work/scene.toml" "$work/before.toml"
-
-fail() { echo "FAILED: $*"; shot failed; exit 1; }
+fail() {
+    echo "FAILED: $*"
+    shot failed
+    cat "$work/editor.log"
+    exit 1
+}
 shot() { import -window root "$shots/$1.png"; }
 key() { xdotool key --clearmodifiers "$@"; sleep 0.4; }
+# Waits for up to 20 s until a command succeeds.
+until_true() {
+    local i
+    for i in $(seq 1 100); do
+        "$@" && return 0
+        sleep 0.2
+    done
+    return 1
+}
+at() { xdotool mousemove "$1" "$2"; sleep 0.15; }
+click() { at "$1" "$2"; xdotool click "${3:-1}"; sleep 0.6; }
 drag() { # from x y to x y, button
-    xdotool mousemove "$1" "$2" mousedown "${5:-1}"
+    at "$1" "$2"
+    # A press and a move within one slow frame would be taken for a press where the move ended.
+    xdotool mousedown "${5:-1}"
+    sleep 0.2
     local i
     for i in 1 2 3 4 5 6 7 8; do
         xdotool mousemove $(($1 + ($3 - $1) * i / 8)) $(($2 + ($4 - $2) * i / 8))
-        sleep 0.03
+        sleep 0.04
     done
     sleep 0.1
     xdotool mouseup "${5:-1}"
-    sleep 0.5
+    sleep 0.6
 }
-save() { key ctrl+s; sleep 0.5; }
+save() { key ctrl+s; sleep 0.3; }
+begin() { # the arguments of voltet edit
+    (cd "$work" && exec "$program" edit "$@" >"$work/editor.log" 2>&1) &
+    editor=$!
+    until_true xdotool search --onlyvisible --name voltet >/dev/null 2>&1 || fail "no window comes"
+    sleep "${PATIENCE:-3}"
+    # Without a window manager nobody gives the window the keys.
+    xdotool search --onlyvisible --name voltet windowfocus
+    sleep 0.3
+}
+end() {
+    key ctrl+q
+    until_true has_ended || fail "the window does not close"
+    editor=
+}
+has_ended() { ! kill -0 "$editor" 2>/dev/null; }
+ticks() { awk '{print $14 + $15}' "/proc/$editor/stat"; }
+is_busy() { local before; before=$(ticks); sleep 0.5; [ $(($(ticks) - before)) -gt 2 ]; }
+rests() { ! is_busy; }
 
-"$program" edit "$work/scene.toml" >"$work/editor.log" 2>&1 &
-editor=$!
-for _ in $(seq 1 60); do
-    xdotool search --name voltet >/dev/null 2>&1 && break
-    sleep 0.5
-done
-sleep "${PATIENCE:-4}"
-# Without a window manager nobody gives the window the keys.
-xdotool search --onlyvisible --name voltet windowfocus
-sleep 0.3
+# A picture of 32-bit floats: nothing is lost before it is compared.
+sed 's/picture\.png/picture.exr/' editor/by_hand/scene.toml >"$work/scene.toml"
+cp "$work/scene.toml" "$work/before.toml"
+begin scene.toml
 shot 01-opened
 
-width=${size%x*}; height=${size#*x}
-# The picture lies in the upper half of the right half, the histogram below it, the graph in the upper left.
-picture_x=$((width * 3 / 4)); picture_y=$((height / 4))
-
-drag $picture_x $picture_y $((picture_x + 80)) $((picture_y + 30))
-sleep 1
+drag 960 200 1040 230
 shot 02-orbited
 save
 cmp -s "$work/scene.toml" "$work/before.toml" && fail "an orbit changes nothing in the file"
 grep -q "# coarse" "$work/scene.toml" || fail "a comment is lost"
-
 key ctrl+z
 save
-diff "$work/scene.toml" "$work/before.toml" >/dev/null || fail "undo does not give the file back"
+cmp -s "$work/scene.toml" "$work/before.toml" || fail "undo does not give the file back"
 
-xdotool mousemove $((width / 4)) $((height / 2 - 40)); sleep 0.3
+# Below the others; its first port lies 27 points below its corner.
+at 400 356
 key space
-sleep 0.4
 xdotool type --delay 40 histogram
 sleep 0.4
 shot 03-menu
 key Return
-sleep 0.6
-shot 04-added
+sleep 0.4
+drag 312 144 400 383
+shot 04-wired
 save
-grep -q 'type = "histogram"' "$work/scene.toml" || fail "no node is added by the menu"
-key ctrl+z
+grep -A3 'type = "histogram"' "$work/scene.toml" | grep -q 'volume = "gradient"' || fail "no wire is drawn"
+key Delete
+# The node may be hidden behind the panel below: F shows all.
+key f
+click 240 200
 
-# The widget: from the middle of the histogram, wherever it lies there.
-drag $((width * 3 / 4)) $((height * 4 / 5)) $((width * 3 / 4 + 60)) $((height * 4 / 5 - 20))
-sleep 1
+# The widget by its centre on the histogram, then the camera.
+before=$(grep '^centre' "$work/scene.toml")
+drag 972 518 1020 500
 shot 05-widget
-key F1
-sleep 0.5
-shot 06-help
-key F1
-key t
-sleep 0.7
-shot 07-light
-key t
-drag $picture_x $picture_y $((picture_x - 50)) $((picture_y + 20))
-sleep 2
+drag 960 200 910 220
 save
-shot 08-saved
+[ "$(grep '^centre' "$work/scene.toml")" != "$before" ] || fail "no widget is moved"
+grep -q 'type = "histogram"' "$work/scene.toml" && fail "the node is not deleted"
 
-(cd "$work" && "$program" run scene.toml --quiet --set file.path=headless.exr) || fail "the saved file does not run"
-test -s "$work/headless.exr" || fail "no picture is written"
+key ctrl+r
+until_true test -s "$work/picture.exr" || fail "the window's run writes no picture"
+sleep 0.5
+shot 06-run
+mv "$work/picture.exr" "$work/window.exr"
+(cd "$work" && "$program" run scene.toml --quiet) || fail "the saved file does not run"
+cmp "$work/window.exr" "$work/picture.exr" || fail "the picture of the window is not that of a run"
+cmp -s "$work/picture.exr" "$work/scene.toml" && fail "nothing was compared"
 
-ticks() { awk '{print $14 + $15}' "/proc/$editor/stat"; }
-before=$(ticks); sleep 3; after=$(ticks)
-echo "idle: $((after - before)) of $((3 * $(getconf CLK_TCK))) ticks of processor time in 3 s"
-[ $((after - before)) -le 6 ] || fail "an idle window takes processor time"
+key F1
+shot 07-keys
+key F1
+key t
+sleep 0.5
+shot 08-light
+key t
+key c
+sleep 0.5
+shot 09-costs
+key c
+until_true rests || fail "the window does not come to rest"
+before=$(ticks)
+sleep 3
+spent=$(($(ticks) - before))
+echo "idle: $spent of $((3 * $(getconf CLK_TCK))) ticks of processor time in 3 s"
+[ "$spent" -le 3 ] || fail "an idle window takes processor time"
 
 key x
 key ctrl+q
-sleep 0.7
-shot 09-unsaved
-kill -0 "$editor" 2>/dev/null || fail "the window closed without asking about unsaved work"
+shot 10-unsaved
+has_ended && fail "the window closed without asking about unsaved work"
+key Escape
+key ctrl+z
+end
+
+if [ -n "$data" ]; then
+    cp "$data" "$work/"
+    begin
+    shot 11-empty
+    click 640 289 # "Open data or a pipeline …"
+    shot 12-asking
+    xdotool type --delay 20 "$(basename "$data")"
+    key Return
+    until_true rests || true
+    sleep 4
+    until_true rests || true
+    shot 13-data
+    key ctrl+s
+    key ctrl+r
+    stem=$(basename "${data%.*}")
+    until_true test -s "$work/$stem.png" || fail "no picture of the data is written"
+    test -s "$work/$stem.toml" || fail "the pipeline is not saved"
+    sleep 0.5
+    shot 14-written
+    cp "$work/$stem.png" "$shots/15-picture.png"
+    end
+fi
+
+# Screens of a high density: the same window of 1280 x 720 points.
+kill "$xvfb"
+display=:$((490 + RANDOM % 400))
+Xvfb "$display" -screen 0 2560x1440x24 >"$work/xvfb.log" 2>&1 &
+xvfb=$!
+export DISPLAY=$display
+sleep 1
+WINIT_X11_SCALE_FACTOR=2 begin scene.toml
+shot 16-dense
+key ctrl+q
 echo "the round is done; pictures of the window are in $shots"

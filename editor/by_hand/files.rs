@@ -65,7 +65,8 @@ fn a_run_writes_what_a_run_of_the_file_would() {
     let registry = voltet_nodes::registry().unwrap();
     let text = std::fs::read_to_string(hand.path()).unwrap();
     let pipeline = voltet_core::pipeline::Pipeline::parse(&text).unwrap();
-    let graph = pipeline.graph(&registry, hand.folder.path().to_path_buf()).unwrap();
+    let mut graph = pipeline.graph(&registry, hand.folder.path().to_path_buf()).unwrap();
+    graph.stated = voltet_core::pipeline::Pipeline::stated(text, &registry).unwrap();
     voltet_nodes::session().run(&graph, &voltet_core::graph::Unobserved).unwrap();
     assert_eq!(std::fs::read(&picture).unwrap(), here, "to the byte");
     // Without a writer it says what is missing.
