@@ -2,8 +2,8 @@
 
 use crate::editor::{Editor, Start};
 use crate::files::is_pipeline;
-use crate::study::Study;
 use crate::recent::Recent;
+use crate::study::Study;
 use crate::theme;
 use eframe::egui::{Context, ViewportBuilder, ViewportCommand};
 use eframe::{App, Frame, NativeOptions, Renderer};
