@@ -204,6 +204,7 @@ impl Editor {
                 bounds: shown.bounds,
                 report: shown.report.clone(),
                 estimate: estimate.map(|(_, found)| found.clone().map_err(|error| error.to_string())),
+                is_estimating: self.last_estimate > 0,
                 faults: &self.faults.1,
                 entries: self
                     .document

@@ -46,6 +46,8 @@ pub(crate) struct Scene<'a> {
     pub report: Option<Arc<RunReport>>,
     /// How wrong the picture is, where that was asked for.
     pub estimate: Option<Result<[f64; 2], String>>,
+    /// Whether that was asked for.
+    pub is_estimating: bool,
     /// Faults of the document, each with the node that it concerns.
     pub faults: &'a [Error],
     /// The document's nodes by name: looked up for every port and wire of a frame.

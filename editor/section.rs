@@ -4,7 +4,7 @@ use crate::actions::{Action, Actions};
 use crate::scene::Scene;
 use crate::theme;
 use crate::view::View;
-use crate::worker::{Probed, Section, short};
+use crate::worker::{Probed, Section, grouped, short};
 use eframe::egui::{
     Color32, ColorImage, Context, Pos2, Rect, RichText, Sense, Slider, Stroke, TextureHandle, TextureOptions,
     Ui, Window, pos2, vec2,
@@ -66,26 +66,30 @@ impl SectionPanel {
 
     pub fn show(&mut self, ctx: &Context, scene: &Scene, actions: &mut Actions) {
         let mut open = self.open;
-        Window::new("Section: s on a plane").open(&mut open).resizable(false).show(ctx, |ui| {
-            ui.horizontal(|ui| {
-                for (plane, text, help) in [
-                    (Plane::Camera, "as seen", "parallel to the picture"),
-                    (Plane::Across(0), "x", "across the x axis"),
-                    (Plane::Across(1), "y", "across the y axis"),
-                    (Plane::Across(2), "z", "across the z axis"),
-                ] {
-                    if ui.selectable_label(self.plane == plane, text).on_hover_text(help).clicked() {
-                        self.plane = plane;
+        Window::new("Section: s on a plane").open(&mut open).resizable(false).default_pos([20.0, 60.0]).show(
+            ctx,
+            |ui| {
+                ui.horizontal(|ui| {
+                    for (plane, text, help) in [
+                        (Plane::Camera, "as seen", "parallel to the picture"),
+                        (Plane::Across(0), "x", "across the x axis"),
+                        (Plane::Across(1), "y", "across the y axis"),
+                        (Plane::Across(2), "z", "across the z axis"),
+                    ] {
+                        if ui.selectable_label(self.plane == plane, text).on_hover_text(help).clicked() {
+                            self.plane = plane;
+                        }
                     }
-                }
-                ui.add(Slider::new(&mut self.offset, -1.0..=1.0).show_value(false))
-                    .on_hover_text("how far from the centre that was picked (double click in the picture)");
-                if ui.small_button("0").on_hover_text("through the centre that was picked").clicked() {
-                    self.offset = 0.0;
-                }
-            });
-            self.picture(ui, scene, actions);
-        });
+                    ui.add(Slider::new(&mut self.offset, -1.0..=1.0).show_value(false)).on_hover_text(
+                        "how far from the centre that was picked (double click in the picture)",
+                    );
+                    if ui.small_button("0").on_hover_text("through the centre that was picked").clicked() {
+                        self.offset = 0.0;
+                    }
+                });
+                self.picture(ui, scene, actions);
+            },
+        );
         self.open = open;
     }
 
@@ -129,7 +133,9 @@ impl SectionPanel {
         let weak = theme::weak(ui.visuals().dark_mode);
         let words = match response.hover_pos().map(pixel) {
             Some(at) => under(&section, at),
-            None => format!("{} cells are cut; click or drag a box: the values there", section.cells),
+            None => {
+                format!("{} cells are cut; click or drag a box: the values there", grouped(section.cells))
+            }
         };
         ui.label(RichText::new(words).small().color(weak));
     }

@@ -100,7 +100,8 @@ impl StudyPanel {
     /// Shows the window; begins a study where that is asked for.
     pub fn show(&mut self, ctx: &Context, scene: &Scene) {
         let mut open = self.open;
-        Window::new("Study: error against time").open(&mut open).default_size([560.0, 460.0]).show(ctx, |ui| {
+        let window = Window::new("Study: error against time").open(&mut open).default_pos([40.0, 110.0]);
+        window.default_size([600.0, 460.0]).show(ctx, |ui| {
             ui.horizontal_wrapped(|ui| self.controls(ui, scene));
             ui.separator();
             match &self.found {

@@ -7,10 +7,17 @@ use super::plane::Plane;
 use crate::theme;
 use crate::worker::Probed;
 use eframe::egui::{Color32, Painter, Pos2, Rect, Rgba, Shape, Stroke, Ui};
+use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
 /// Points of an ellipse.
 const ROUND: u32 = 72;
+
+/// So many probed values are told apart.
+const FEW: usize = 300;
+
+/// A dot of a cloud of values, points.
+const DOT: f32 = 2.0;
 
 /// Bands that are drawn at most.
 const BANDS: i64 = 200;
@@ -74,14 +81,28 @@ pub(super) fn widget(
     }
 }
 
-/// Values found at a place of the picture: the more of it they are, the larger.
+/// Values that a probe found: few as circles, the larger the more of it they are; many as a cloud.
 pub(super) fn probed(ui: &Ui, plane: Plane, probed: &Probed) {
     let painter = ui.painter().with_clip_rect(plane.rect);
     let color = theme::accent(ui.visuals().dark_mode);
     let most = probed.values.iter().map(|(_, share)| *share).fold(1e-12, f64::max);
-    for (value, share) in probed.values.iter().filter(|(_, share)| *share > 1e-3 * most) {
-        let radius = 1.5 + 3.0 * (share / most).sqrt() as f32;
-        painter.circle_stroke(plane.to_window(*value), radius, Stroke::new(1.2, color));
+    if probed.values.len() <= FEW {
+        for (value, share) in probed.values.iter().filter(|(_, share)| *share > 1e-3 * most) {
+            let radius = 1.5 + 3.0 * (share / most).sqrt() as f32;
+            painter.circle_stroke(plane.to_window(*value), radius, Stroke::new(1.2, color));
+        }
+        return;
+    }
+    let mut cloud: BTreeMap<(i32, i32), f64> = BTreeMap::new();
+    for (value, share) in &probed.values {
+        let at = plane.to_window(*value) / DOT;
+        *cloud.entry((at.x as i32, at.y as i32)).or_default() += share;
+    }
+    let densest = cloud.values().copied().fold(1e-12, f64::max);
+    for ((x, y), share) in cloud {
+        let at = Pos2::new(x as f32, y as f32) * DOT;
+        let dot = Rect::from_min_size(at, eframe::egui::Vec2::splat(DOT));
+        painter.rect_filled(dot, 0.0, color.gamma_multiply(0.25 + 0.75 * (share / densest).sqrt() as f32));
     }
 }
 

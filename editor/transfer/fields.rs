@@ -71,6 +71,17 @@ impl OfFields {
         Some(OfFields { at, centre, sigma, kernel, magnitude })
     }
 
+    /// Whether the plane says all of it: no field lies outside, and the widths do not depend on what does.
+    pub fn is_in_plane(&self) -> bool {
+        let in_plane = (0..self.centre.len()).all(|field| self.at.contains(&Some(field)));
+        in_plane && self.magnitude.is_none_or(|magnitude| magnitude.axis == Some(1))
+    }
+
+    /// The magnitude that its ellipse is drawn at, where it depends on one that is no axis.
+    pub fn level(&self) -> Option<f64> {
+        self.magnitude.filter(|magnitude| magnitude.axis.is_none()).map(|magnitude| magnitude.level)
+    }
+
     pub fn form(&self, extent: [f64; 2]) -> Option<Form> {
         let of = |axis: usize| self.at[axis].map_or(0.0, |i| self.centre[i]);
         let centre = [of(0), of(1)];

@@ -89,14 +89,14 @@ impl Drawn {
             (None, false) => None,
         };
         Drawn {
-            form: form.unwrap_or(Form::Elsewhere),
             region: if is_flat { region(fields) } else { Region::Whole },
-            color: array(fields, "color").unwrap_or([1.0; 3]),
+            color: array(fields, "color").or_else(|| strongest(&form)).unwrap_or([1.0; 3]),
             extinction: number(fields, "extinction").unwrap_or(0.0),
             of_fields,
             stated: fields.to_vec(),
             fault: None,
             kind,
+            form: form.unwrap_or(Form::Elsewhere),
         }
     }
 
@@ -107,6 +107,13 @@ impl Drawn {
             _ => 0.0,
         }
     }
+}
+
+/// The colour of a curve where it is strongest.
+fn strongest(form: &Option<Form>) -> Option<[f64; 3]> {
+    let Some(Form::Points(points)) = form else { return None };
+    let strongest = points.iter().max_by(|a, b| a[4].total_cmp(&b[4]))?;
+    Some([strongest[1], strongest[2], strongest[3]])
 }
 
 fn region(fields: &[Field]) -> Region {

@@ -1,11 +1,12 @@
 //! What stands above the plane: the widgets, and what can be done to the one in hand.
 
+use super::fields::OfFields;
 use super::form::{Drawn, Form};
 use super::look::{Look, S_AND_G};
 use super::{TransferPanel, draw, fields, new};
 use crate::actions::Actions;
 use crate::theme;
-use crate::worker::short;
+use crate::worker::{grouped, short};
 use eframe::egui::{Color32, DragValue, Rgba, RichText, Sense, Stroke, TextEdit, Ui, vec2};
 use std::collections::BTreeSet;
 use voltet_core::graph::{Datum, Quantity, Setting};
@@ -93,6 +94,13 @@ impl TransferPanel {
             let why = widget.fault.clone().unwrap_or_else(|| format!("lies on the axes {x} and {y}"));
             texts.push((why, "choose the axes above, or click on the widget's colour"));
         }
+        if let Some(level) = widget.of_fields.as_ref().and_then(OfFields::level) {
+            let text = format!("drawn where the magnitude is {}", short(level));
+            texts.push((
+                text,
+                "its widths are shares of the magnitude of all gradients; half of the largest is shown",
+            ));
+        }
         if let Some(held) = look.histogram().and_then(|histogram| widget.held(histogram)) {
             let text = format!("holds {} % of the volume", percent(held));
             texts.push((text, "where the widget is at half of its peak or more"));
@@ -102,7 +110,10 @@ impl TransferPanel {
             None => {}
             Some(Err(error)) => texts.push((error.clone(), "its share of the picture")),
             Some(Ok(share)) => {
-                let cells = share.cells.map(|[own, all]| format!("in {own} of {all} cells, "));
+                let cells = share.cells.map(|cells| {
+                    let [own, all] = cells.map(|count| grouped(count as usize));
+                    format!("in {own} of {all} cells, ")
+                });
                 let text = format!(
                     "{}{} % of the picture's opacity, {} % of its light",
                     cells.unwrap_or_default(),

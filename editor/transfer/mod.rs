@@ -179,7 +179,8 @@ impl TransferPanel {
     pub fn show(&mut self, ui: &mut Ui, scene: &Scene, actions: &mut Actions) {
         self.has_pointer = ui.rect_contains_pointer(ui.max_rect());
         let Some(node) = of(scene) else { return };
-        if self.of.as_deref() != Some(&node.name) {
+        let is_another = self.of.as_deref() != Some(&node.name);
+        if is_another {
             let before = self.of.replace(node.name.clone());
             (self.chosen, self.drag, self.held, self.shown) = (0, None, None, None);
             if before.is_some() {
@@ -188,6 +189,9 @@ impl TransferPanel {
         }
         let look = Look::of(scene, node, &self.axes, self.drag.as_ref().map(|drag| drag.peak));
         self.chosen = self.chosen.min(look.widgets.len().saturating_sub(1));
+        if is_another {
+            self.choose(0, &look);
+        }
         self.hidden.retain(|place| *place < look.widgets.len());
         ui.add_space(3.0);
         self.head(ui, &look, actions);
@@ -224,6 +228,9 @@ impl TransferPanel {
         }
         let [x, y] = self.axes.each_ref().map(head::axis_name);
         plane::axes(ui, plane, [&x, if y == "g" { "g = |grad s|" } else { &y }]);
+        if let Some(probed) = look.probed.as_ref().filter(|_| look.is_of_s_and_g()) {
+            draw::probed(ui, plane, probed);
+        }
         let scale = look.scale(plane.shown);
         // The one in hand above the others.
         let others = (0..look.widgets.len()).filter(|place| *place != self.chosen);
@@ -231,9 +238,6 @@ impl TransferPanel {
             let Some(widget) = look.widgets.get(place) else { continue };
             let handles = (place == self.chosen).then_some(self.held);
             draw::widget(ui, plane, widget, &scale, handles, self.hidden.contains(&place));
-        }
-        if let Some(probed) = look.probed.as_ref().filter(|_| look.is_of_s_and_g()) {
-            draw::probed(ui, plane, probed);
         }
         if look.found.is_none() {
             let text = scene
@@ -259,8 +263,7 @@ impl TransferPanel {
         let color = ui.visuals().text_color();
         let galley = ui.painter().layout_no_wrap(text, FontId::proportional(11.5), color);
         let place = Align2::RIGHT_TOP.anchor_size(plane.rect.right_top() + vec2(-6.0, 4.0), galley.size());
-        ui.painter().rect_filled(place.expand(3.0), 3.0, ui.visuals().extreme_bg_color.gamma_multiply(0.85));
-        ui.painter().galley(place.min, galley, color);
+        plane::on_ground(ui, place.min, galley);
     }
 }
 

@@ -4,8 +4,8 @@ use super::handles::height_of;
 use crate::theme;
 use crate::worker::{Distributed, short};
 use eframe::egui::{
-    Align2, Color32, ColorImage, FontId, Pos2, Rect, Stroke, TextureHandle, TextureOptions, Ui, Vec2, pos2,
-    vec2,
+    Align2, Color32, ColorImage, FontId, Galley, Pos2, Rect, Stroke, TextureHandle, TextureOptions, Ui, Vec2,
+    pos2, vec2,
 };
 use std::sync::Arc;
 use voltet_core::probing::Histogram;
@@ -83,21 +83,25 @@ pub(super) fn axes(ui: &Ui, plane: Plane, names: [&str; 2]) {
     let (line, text) = (Stroke::new(1.0, theme::weak(dark).gamma_multiply(0.25)), theme::weak(dark));
     let font = FontId::proportional(10.5);
     let rect = plane.rect;
+    let [x_name, y_name] =
+        names.map(|name| ui.painter().layout_no_wrap(name.into(), FontId::proportional(12.0), text));
+    let name_at = rect.right_bottom() + vec2(4.0 - x_name.size().x, 1.0);
     for s in ticks(plane.shown[0], f64::from(rect.width()) / 90.0) {
         let x = plane.to_window([s, 0.0]).x;
         ui.painter().vline(x, rect.y_range(), line);
-        ui.painter().text(pos2(x, rect.bottom() + 2.0), Align2::CENTER_TOP, short(s), font.clone(), text);
+        let number = ui.painter().layout_no_wrap(short(s), font.clone(), text);
+        // The axis' name comes before a number where both have no room.
+        if x + 0.5 * number.size().x < name_at.x - 4.0 {
+            ui.painter().galley(pos2(x - 0.5 * number.size().x, rect.bottom() + 2.0), number, text);
+        }
     }
     for g in ticks(plane.shown[1], f64::from(rect.height()) / 45.0) {
         let y = plane.to_window([0.0, g]).y;
         ui.painter().hline(rect.x_range(), y, line);
         ui.painter().text(pos2(rect.left() - 4.0, y), Align2::RIGHT_CENTER, short(g), font.clone(), text);
     }
-    let named = |at: Pos2, align: Align2, name: &str| {
-        ui.painter().text(at, align, name, FontId::proportional(12.0), text);
-    };
-    named(rect.right_bottom() + vec2(4.0, 1.0), Align2::RIGHT_TOP, names[0]);
-    named(rect.left_top() + vec2(5.0, 3.0), Align2::LEFT_TOP, names[1]);
+    ui.painter().galley(name_at, x_name, text);
+    on_ground(ui, rect.left_top() + vec2(5.0, 3.0), y_name);
 }
 
 /// Extinctions at the right, as curves have them: small ones are told apart by the cube root.
@@ -117,9 +121,15 @@ pub(super) fn extinctions(ui: &Ui, plane: Plane, peak: f64) {
         let at = pos2(rect.right() + 6.0, y);
         ui.painter().text(at, Align2::LEFT_CENTER, short(tick), font.clone(), text);
     }
-    let name = "extinction, cube root";
-    let at = rect.right_bottom() + vec2(-5.0, -4.0);
-    ui.painter().text(at, Align2::RIGHT_BOTTOM, name, FontId::proportional(11.0), text);
+    let name = ui.painter().layout_no_wrap("extinction, cube root".into(), FontId::proportional(11.0), text);
+    on_ground(ui, rect.right_bottom() - name.size() - vec2(6.0, 4.0), name);
+}
+
+/// Words over the histogram, on a ground of their own.
+pub(super) fn on_ground(ui: &Ui, at: Pos2, words: Arc<Galley>) {
+    let place = Rect::from_min_size(at, words.size()).expand(3.0);
+    ui.painter().rect_filled(place, 3.0, ui.visuals().extreme_bg_color.gamma_multiply(0.85));
+    ui.painter().galley(at, words, ui.visuals().text_color());
 }
 
 /// The histogram as a texture, made again where it is another or the theme is.

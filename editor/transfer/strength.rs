@@ -1,5 +1,6 @@
 //! How strong a widget is at a place of the plane, and how much of the volume it holds.
 
+use super::fields::OfFields;
 use super::form::{Drawn, Form, Region};
 use std::f64::consts::PI;
 use voltet_core::probing::{Axis, Histogram};
@@ -48,7 +49,8 @@ impl Drawn {
 
     /// The share of the volume where it is at half of its peak or more; `None` where it does not lie in the plane.
     pub fn held(&self, histogram: &Histogram) -> Option<f64> {
-        if matches!(self.form, Form::Elsewhere) {
+        let in_plane = self.of_fields.as_ref().is_none_or(OfFields::is_in_plane);
+        if matches!(self.form, Form::Elsewhere) || !in_plane {
             return None;
         }
         let [s, g] = histogram.axes;

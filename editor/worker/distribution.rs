@@ -1,19 +1,18 @@
 //! The distribution of the data over two quantities, weighted by volume, with what numbers relative to data are found by.
 
 use super::following::Following;
-use super::look_on::{ASKS_FOR_ARRAYS, fed_by};
-use super::request::feeding;
+use super::look_on::volume_with;
 use super::scales::{Known, Spread};
 use super::shared::lock;
 use super::work::Work;
 use std::borrow::Cow;
 use std::path::PathBuf;
 use std::sync::Arc;
-use voltet_core::graph::{Demand, Graph, NodeEntry, Quantity, Registry, Value};
+use voltet_core::Result;
+use voltet_core::graph::{NodeEntry, Quantity};
 use voltet_core::probing::{Axis, Histogram, histogram, value_range};
 use voltet_core::progress::Progress;
 use voltet_core::volume::Volume;
-use voltet_core::{Error, Result};
 
 /// Bins along each axis.
 const BINS: usize = 256;
@@ -48,10 +47,8 @@ pub struct Distributed {
 }
 
 impl Distribution {
-    /// The graph, and the place in it of the node that is fed the volume.
-    fn graph(&self, registry: &Registry) -> Result<(Graph, usize)> {
-        let (name, _) = voltet_document::links::source(&self.node, &self.nodes);
-        let mut nodes = feeding(&self.nodes, name)?;
+    /// The arrays of the axes, and the further ones.
+    fn arrays(&self) -> Vec<&String> {
         let of_axes = self.axes.iter().filter_map(|axis| match axis {
             Quantity::Array(name) => Some(name),
             Quantity::Named(_) | Quantity::Per(..) => None,
@@ -59,10 +56,7 @@ impl Distribution {
         let mut arrays: Vec<&String> = of_axes.chain(&self.fields).collect();
         arrays.sort_unstable();
         arrays.dedup();
-        nodes.push(fed_by(&ASKS_FOR_ARRAYS, &self.node, &arrays));
-        let graph = Graph::build(&nodes, registry, self.folder.clone())?;
-        let place = graph.nodes.len() - 1;
-        Ok((graph, place))
+        arrays
     }
 
     /// Exact within every cell. Along *g* it reaches as far as nearly all of the volume does: a few slivers have gradients of
@@ -119,11 +113,8 @@ impl Work<'_> {
     pub(super) fn distribution(&mut self, wanted: Distribution) {
         let registry = self.registry;
         let found = self.aside(|session, following: &Following| {
-            let (graph, place) = wanted.graph(registry)?;
-            let (values, _) = session.feed(&graph, place, &Demand::default(), following)?;
-            let volume = values.first().and_then(Value::volume);
-            let volume =
-                volume.ok_or_else(|| Error::run("the node gives no volume").at_node(&wanted.node))??;
+            let of = (wanted.nodes.as_slice(), wanted.folder.as_path());
+            let volume = volume_with(session, registry, of, &wanted.node, &wanted.arrays(), following)?;
             wanted.find(&volume, following).map(Arc::new)
         });
         match found {

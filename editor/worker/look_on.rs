@@ -1,16 +1,19 @@
 //! A node that looks on: it takes every output of what feeds a picture and does nothing, so that a run is made for the picture
 //! and for nothing else, and what runs through the wires can be asked for.
 
+use super::request::feeding;
 use glam::DVec3;
 use std::collections::BTreeMap;
-use voltet_core::Result;
+use std::sync::Arc;
+use voltet_core::error::ErrorKind;
 use voltet_core::graph::{Datum, Value};
 use voltet_core::graph::{
-    Demand, Field, Graph, LinkEntry, Node, NodeEntry, Origin, Parameter, ParameterType, Port, PortType,
-    Registry, Setting, Standard,
+    Demand, Field, Graph, LinkEntry, Node, NodeEntry, Observer, Origin, Parameter, ParameterType, Port,
+    PortType, Registry, Session, Setting, Standard,
 };
 use voltet_core::grid::extent::{bounds, range};
 use voltet_core::volume::Volume;
+use voltet_core::{Error, Result};
 
 /// The type's name, which no pipeline file can be meant to name.
 pub(super) const NAME: &str = "(looks on)";
@@ -41,31 +44,37 @@ static NODE: Node = Node {
     ..Node::BLANK
 };
 
-/// What asks for *g* and arrays besides.
-pub(super) static ASKS_FOR_ARRAYS: Node = Node {
+/// What asks for arrays besides, and for *g*.
+static ASKS_FOR_ARRAYS: Node = Node {
     name: "(asks for arrays)",
-    summary: "Looks on, and asks for g and for arrays.",
+    summary: "Looks on, and asks for arrays and for g.",
     inputs: &[port("volume", PortType::Volume)],
-    parameters: &[Parameter {
-        name: ARRAYS,
-        parameter_type: ParameterType::Texts,
-        unit: "",
-        standard: Standard::Unset("no arrays"),
-        help: "names of point arrays",
-    }],
+    parameters: &[
+        Parameter {
+            name: ARRAYS,
+            parameter_type: ParameterType::Texts,
+            unit: "",
+            standard: Standard::Unset("no arrays"),
+            help: "names of point arrays",
+        },
+        Parameter {
+            name: GRADIENT,
+            parameter_type: ParameterType::Boolean,
+            unit: "",
+            standard: Standard::Boolean(true),
+            help: "whether g is wanted",
+        },
+    ],
     demand: &|asking| {
-        let arrays = match asking.parameters.given(ARRAYS) {
-            true => asking.parameters.texts(ARRAYS)?.into_iter().collect(),
-            false => Default::default(),
-        };
-        // A grid alone has no gradient to give.
-        let gradient_magnitude = asking.fed_by("volume")? != Some(PortType::Grid);
+        let arrays = asking.parameters.texts(ARRAYS)?.into_iter().collect();
+        let gradient_magnitude = asking.parameters.flag(GRADIENT)?;
         asking.ask("volume", &Demand { gradient_magnitude, arrays, ..Demand::default() })
     },
     ..Node::BLANK
 };
 
 const ARRAYS: &str = "arrays";
+const GRADIENT: &str = "gradient";
 
 /// What asks for all that a ray of the picture is made of.
 pub(super) static PROBES: Node = Node {
@@ -108,18 +117,47 @@ pub(super) fn entry(node_type: &str, looked_at: impl Iterator<Item = (String, St
     NodeEntry { name: NAME.into(), origin: Origin::Nowhere, node_type, settings: Vec::new(), inputs }
 }
 
-/// A node that looks at one output, given as `"node.port"`, and asks for arrays.
-pub(super) fn fed_by(node: &Node, source: &str, arrays: &[&String]) -> NodeEntry {
+/// The volume that an output gives (`"node"` or `"node.port"`), with arrays, and with *g* where what feeds it has a gradient.
+pub(super) fn volume_with(
+    session: &mut Session,
+    registry: &Registry,
+    (nodes, folder): (&[NodeEntry], &std::path::Path),
+    source: &str,
+    arrays: &[&String],
+    observer: &dyn Observer,
+) -> Result<Arc<Volume>> {
+    let (name, _) = voltet_document::links::source(source, nodes);
+    let mut feed = |gradient: bool| {
+        let mut nodes = feeding(nodes, name)?;
+        nodes.push(asking(source, arrays, gradient));
+        let graph = Graph::build(&nodes, registry, folder.to_path_buf())?;
+        let (values, _) = session.feed(&graph, graph.nodes.len() - 1, &Demand::default(), observer)?;
+        let none = || Error::run("the node gives no volume").at_node(name);
+        values.first().and_then(Value::volume).ok_or_else(none)?
+    };
+    match feed(true) {
+        // Without a gradient to have there is no g; every other mistake is made again.
+        Err(error) if error.kind == ErrorKind::Usage => feed(false),
+        found => found,
+    }
+}
+
+fn asking(source: &str, arrays: &[&String], gradient: bool) -> NodeEntry {
     let text = |text: &str| Setting::from(Datum::Text(text.to_string()));
-    let link = LinkEntry { port: node.inputs[0].name.into(), origin: Origin::Nowhere, source: text(source) };
-    let list = Datum::List(arrays.iter().map(|name| text(name)).collect());
-    let arrays = Field { name: ARRAYS.into(), origin: Origin::Nowhere, setting: list.into() };
+    let field = |name: &str, datum: Datum| Field {
+        name: name.into(),
+        origin: Origin::Nowhere,
+        setting: Setting::from(datum),
+    };
     NodeEntry {
         name: NAME.into(),
         origin: Origin::Nowhere,
-        node_type: text(node.name),
-        settings: vec![arrays],
-        inputs: vec![link],
+        node_type: text(ASKS_FOR_ARRAYS.name),
+        settings: vec![
+            field(ARRAYS, Datum::List(arrays.iter().map(|name| text(name)).collect())),
+            field(GRADIENT, Datum::Boolean(gradient)),
+        ],
+        inputs: vec![LinkEntry { port: "volume".into(), origin: Origin::Nowhere, source: text(source) }],
     }
 }
 
@@ -206,7 +244,7 @@ pub fn short(x: f64) -> String {
 }
 
 /// A count with its thousands apart.
-fn grouped(count: usize) -> String {
+pub fn grouped(count: usize) -> String {
     let digits = count.to_string();
     let groups: Vec<&str> =
         digits.as_bytes().rchunks(3).rev().filter_map(|group| std::str::from_utf8(group).ok()).collect();

@@ -35,7 +35,7 @@ mod tests;
 mod work;
 
 pub use distribution::{Distributed, Distribution};
-pub use look_on::short;
+pub use look_on::{grouped, short};
 pub use pixels::Pixels;
 pub use probing::{Probed, Probing};
 pub use request::Wanted;

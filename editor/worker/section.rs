@@ -1,14 +1,13 @@
 //! What a plane through the data meets: s and g at the pixels of a picture of it, linear in each cell.
 
 use super::following::Following;
-use super::look_on::{ASKS_FOR_ARRAYS, fed_by};
-use super::request::feeding;
+use super::look_on::volume_with;
 use super::shared::lock;
 use super::work::Work;
 use glam::{DMat3, DVec2, DVec3};
 use std::path::PathBuf;
 use std::sync::Arc;
-use voltet_core::graph::{Demand, Graph, NodeEntry, Registry, Value};
+use voltet_core::graph::NodeEntry;
 use voltet_core::progress::Progress;
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
@@ -49,15 +48,6 @@ pub struct Section {
 }
 
 impl Sectioning {
-    fn graph(&self, registry: &Registry) -> Result<(Graph, usize)> {
-        let (name, _) = voltet_document::links::source(&self.node, &self.nodes);
-        let mut nodes = feeding(&self.nodes, name)?;
-        nodes.push(fed_by(&ASKS_FOR_ARRAYS, &self.node, &[]));
-        let graph = Graph::build(&nodes, registry, self.folder.clone())?;
-        let place = graph.nodes.len() - 1;
-        Ok((graph, place))
-    }
-
     /// World units a pixel.
     fn step(&self) -> f64 {
         2.0 * self.half / self.size[1].max(1) as f64
@@ -149,11 +139,8 @@ impl Work<'_> {
     pub(super) fn section(&mut self, wanted: Sectioning) {
         let registry = self.registry;
         let found = self.aside(|session, following: &Following| {
-            let (graph, place) = wanted.graph(registry)?;
-            let (values, _) = session.feed(&graph, place, &Demand::default(), following)?;
-            let volume = values.first().and_then(Value::volume);
-            let volume =
-                volume.ok_or_else(|| Error::run("the node gives no volume").at_node(&wanted.node))??;
+            let of = (wanted.nodes.as_slice(), wanted.folder.as_path());
+            let volume = volume_with(session, registry, of, &wanted.node, &[], following)?;
             wanted.cut(&volume, following).map(Arc::new)
         });
         match found {
