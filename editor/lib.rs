@@ -7,11 +7,12 @@
 //! | `editor`, `frame`, `layout`, `scene` | one frame: what is shown where, and what the parts of the window look at |
 //! | `actions`, `carry_out`, `hand`, `keys` | what a hand asks for, what is done then, and which edits are one step |
 //! | `saving`, `recover`, `keeping` | saving; unsaved work outlives a crash |
-//! | `wishes` | what the worker is asked for |
+//! | `wishes`, `lookups` | what the worker is asked for, and which answers are the newest |
 //! | `graph` | nodes and wires, by `egui_node_graph2` behind a small interface |
 //! | `picture`, `parameters`, `costs` | the picture, the panel of the selected node, times and errors |
 //! | `files`, `asking`, `recent`, `begin` | what the names of files say; asking for one; the last ones; what an empty window invites to |
 //! | `run` | a whole run, which writes files |
+//! | `section`, `study` | a plane through the data; error against time |
 //! | `transfer` | the transfer function over the histogram of s and g |
 //! | `window` | eframe's window around it |
 

@@ -26,6 +26,8 @@ pub(crate) struct PicturePanel {
     texture: Option<TextureHandle>,
     /// What the texture holds: the request and how coarse.
     holds: Option<(u64, u32)>,
+    /// Whether a drag is a box to be probed, as it is with Alt, which some window managers keep for themselves.
+    boxes: bool,
     /// Where the box of a probe began.
     boxed: Option<Pos2>,
     /// Where the picture lies, in points, for tests.
@@ -78,7 +80,7 @@ impl PicturePanel {
     }
 
     /// Which picture is shown, and the ways to look at it.
-    fn head(&self, ui: &mut Ui, scene: &Scene, actions: &mut Actions) {
+    fn head(&mut self, ui: &mut Ui, scene: &Scene, actions: &mut Actions) {
         ui.horizontal(|ui| {
             let pictures = scene.pictures();
             let shown = scene.shown_node.unwrap_or("no picture");
@@ -90,7 +92,7 @@ impl PicturePanel {
                 }
             });
             ui.add_enabled_ui(scene.view.is_some(), |ui| {
-                use crate::actions::Command::{Along, Home, Roll};
+                use crate::actions::Command::{Along, Home, Roll, Section};
                 for (text, command, help) in [
                     ("Home", Home, "all of the data into the picture (H)"),
                     ("+x", Along(0, true), "seen from +x (X)"),
@@ -105,6 +107,13 @@ impl PicturePanel {
                     if ui.small_button(text).on_hover_text(help).clicked() {
                         actions.command(command);
                     }
+                }
+                let help = "a drag probes the values in a box, as it does with Alt";
+                if ui.selectable_label(self.boxes, "box").on_hover_text(help).clicked() {
+                    self.boxes = !self.boxes;
+                }
+                if ui.small_button("section").on_hover_text("s on a plane through the data (K)").clicked() {
+                    actions.command(Section);
                 }
             });
         });
@@ -160,7 +169,8 @@ impl PicturePanel {
         place: &dyn Fn(Pos2) -> [f64; 2],
         actions: &mut Actions,
     ) -> bool {
-        if response.drag_started_by(PointerButton::Primary) && ui.input(|input| input.modifiers.alt) {
+        let boxes = self.boxes || ui.input(|input| input.modifiers.alt);
+        if response.drag_started_by(PointerButton::Primary) && boxes {
             self.boxed = ui.input(|input| input.pointer.press_origin());
         }
         let (Some(from), Some(to)) = (self.boxed, response.interact_pointer_pos()) else {

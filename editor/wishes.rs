@@ -71,10 +71,7 @@ impl Editor {
             (look.and_then(|look| transfer::volume_of(&scene, &look.name)), fields)
         };
         let Some(source) = source else { return };
-        let all = &self.document.pipeline().nodes;
-        let (name, _) = links::source(&source, all);
-        let feeding = upstream(all, name);
-        let nodes: Vec<NodeEntry> = all.iter().filter(|node| feeding.contains(&node.name)).cloned().collect();
+        let nodes = self.feeding(&source);
         let (folder, axes) = (self.document.folder(), self.transfer.axes());
         let key = self.distribution.as_ref().map_or(0, |asked| asked.key);
         let mut wanted = Distribution { nodes, folder, node: source, axes, fields, key };
@@ -85,15 +82,27 @@ impl Editor {
         }
     }
 
+    /// The nodes that feed an output, and its own.
+    fn feeding(&self, source: &str) -> Vec<NodeEntry> {
+        let all = &self.document.pipeline().nodes;
+        let (name, _) = links::source(source, all);
+        let names = upstream(all, name);
+        all.iter().filter(|node| names.contains(&node.name)).cloned().collect()
+    }
+
     /// Asks what the widget in hand adds to the picture, once the full one is there.
     fn find_share(&mut self) {
         let Some((look, chosen)) = self.transfer.in_hand() else { return };
+        let of = (self.lookups.picture, look.to_string(), chosen);
+        if self.lookups.is_shared(&of)
+            || !self.worker.shown(|shown| !shown.is_busy && shown.failure.is_none())
+        {
+            return;
+        }
         let drawn = self.transfer.hidden().filter(|(of, _)| *of == look);
         let is_hidden = |place: &usize| drawn.is_some_and(|(_, hidden)| hidden.contains(place));
-        let of = (self.lookups.picture, look.to_string(), chosen);
-        let is_settled = self.worker.shown(|shown| !shown.is_busy && shown.failure.is_none());
-        let Some(wanted) = self.asked.clone().filter(|_| is_settled && !is_hidden(&chosen)) else { return };
-        if !wanted.upstream().contains(look) || self.lookups.is_shared(&of) {
+        let Some(wanted) = self.asked.clone().filter(|_| !is_hidden(&chosen)) else { return };
+        if !wanted.upstream().contains(look) {
             return;
         }
         let widget = (0..chosen).filter(|place| !is_hidden(place)).count();
@@ -115,10 +124,7 @@ impl Editor {
             source.zip(plane)
         };
         let Some((node, (centre, axes, half))) = found else { return };
-        let all = &self.document.pipeline().nodes;
-        let (name, _) = links::source(&node, all);
-        let feeding = upstream(all, name);
-        let nodes: Vec<NodeEntry> = all.iter().filter(|node| feeding.contains(&node.name)).cloned().collect();
+        let nodes = self.feeding(&node);
         let (folder, size) = (self.document.folder(), self.section.size());
         let key = self.lookups.section.as_ref().map_or(0, |asked| asked.key);
         let mut wanted = Sectioning { nodes, folder, node, centre, axes, half, size, key };

@@ -14,7 +14,7 @@ const DIVISOR_MOST: u32 = 8;
 /// Before anything was drawn.
 const FIRST: u32 = 4;
 
-/// How long a coarse picture may go on that a hand has moved past, seconds: at least this, so that twenty a second are shown.
+/// How long the first picture of a wish may go on that a hand has moved past, seconds: at least this, so that twenty a second are shown.
 const PATIENCE: f64 = 0.05;
 
 /// The same before any was drawn.
@@ -40,9 +40,10 @@ impl Pace {
         (2..DIVISOR_MOST).find(fits).unwrap_or(DIVISOR_MOST)
     }
 
-    /// How long a coarse picture may go on that a hand has moved past: where the data are large, twice what the last one took.
-    pub fn patience(&self) -> Duration {
-        let usual = self.coarse.map_or(FIRST_PATIENCE, |(_, seconds)| 2.0 * seconds);
+    /// How long the first picture of a wish may go on that a hand has moved past: twice what the last such one took.
+    pub fn patience(&self, divisor: u32) -> Duration {
+        let last = if divisor == 1 { self.full } else { self.coarse };
+        let usual = last.map_or(FIRST_PATIENCE, |(_, seconds)| 2.0 * seconds);
         Duration::from_secs_f64(usual.max(PATIENCE))
     }
 

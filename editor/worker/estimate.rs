@@ -2,7 +2,7 @@
 
 use super::following::Following;
 use super::request::Wanted;
-use super::work::Work;
+use super::work::{Work, picture_of};
 use voltet_core::graph::{Datum, Graph, Registry};
 use voltet_core::picture::Picture;
 use voltet_core::{Error, Result};
@@ -59,10 +59,7 @@ impl Work<'_> {
             let mut pictures = Vec::new();
             for graph in &graphs(wanted, registry)? {
                 let report = session.run(graph, following)?;
-                let picture = report.pictures.iter().rev().find(|(node, _)| *node == wanted.node);
-                let picture =
-                    picture.ok_or_else(|| Error::run("the node gives no picture").at_node(&wanted.node))?;
-                pictures.push(picture.1.clone());
+                pictures.push(picture_of(&report, wanted)?);
             }
             Ok(difference(&pictures[0], &pictures[1]))
         });

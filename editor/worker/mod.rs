@@ -2,7 +2,7 @@
 //!
 //! It takes the newest request alone. A picture is drawn coarse at once (fewer pixels) and in full when nothing newer is
 //! wanted; a newer request stops what is being drawn, but for two things that would only be lost (see [`superseding`]): a node
-//! that the change does not touch, and a coarse picture while a hand moves. Nothing is written: a preview runs what feeds the
+//! that the change does not touch, and the first picture while a hand moves. Nothing is written: a preview runs what feeds the
 //! picture, and a node that writes feeds nothing. What else is asked (distribution, probe, section, share, estimate) waits until
 //! no picture is wanted, and is given up for one.
 //!

@@ -3,11 +3,11 @@
 use super::estimate::coarsened;
 use super::following::Following;
 use super::request::Wanted;
-use super::work::Work;
+use super::work::{Work, picture_of};
 use std::sync::Arc;
+use voltet_core::Result;
 use voltet_core::graph::{Datum, NodeEntry, RunReport};
 use voltet_core::picture::Picture;
-use voltet_core::{Error, Result};
 
 /// A widget that is asked about.
 #[derive(Debug, Clone, PartialEq)]
@@ -76,10 +76,7 @@ impl Work<'_> {
             let mut draw = |wanted: &Wanted| -> Result<(Arc<Picture>, RunReport)> {
                 let graph = wanted.graph(registry, coarsened(wanted))?;
                 let report = session.run(&graph, following)?;
-                let picture = report.pictures.iter().rev().find(|(node, _)| *node == wanted.node);
-                let none = || Error::run("the node gives no picture").at_node(&wanted.node);
-                let picture = picture.ok_or_else(none)?.1.clone();
-                Ok((picture, report))
+                Ok((picture_of(&report, wanted)?, report))
             };
             let (with, _) = draw(&wanted.wanted)?;
             let (without, _) = draw(&wanted.with(&|place| place != wanted.widget))?;

@@ -1,8 +1,8 @@
 //! When a pass is stopped that a newer wish came after. It is stopped at once, but for two cases:
 //!
 //! - The node that runs is not touched by the change: its output will serve, and the pass ends after it.
-//! - The picture is coarse and the change is a hand's movement (numbers of cameras and transfer functions): stopped each time, a
-//!   steady drag would never show any. It has about the time that such a picture takes.
+//! - The picture is the first of its wish, coarse or quick, and the change is a hand's movement (numbers of cameras and transfer
+//!   functions): stopped each time, a steady drag would never show any. It has about the time that such a picture takes.
 //!
 //! A picture that was drawn to its end after another kind of change is not shown.
 
@@ -21,7 +21,7 @@ pub(super) struct Pass<'a> {
     number: u64,
     wanted: &'a Wanted,
     begun: Instant,
-    /// How long it goes on while a hand moves; `None` for a full picture.
+    /// How long it goes on while a hand moves; `None` for a picture that a coarse one came before.
     patience: Option<Duration>,
     /// What the newest wish, by its number, changes.
     judged: Mutex<Option<(u64, Arc<Change>)>>,

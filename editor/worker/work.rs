@@ -9,11 +9,12 @@ use super::shared::{Shared, lock};
 use super::superseding::Pass;
 use super::{Distribution, Probing, Sectioning, Sharing};
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::PoisonError;
 use std::sync::atomic::Ordering;
-use std::time::Instant;
+use std::sync::{Arc, PoisonError};
+use std::time::{Duration, Instant};
 use voltet_core::error::ErrorKind;
-use voltet_core::graph::{Demand, Graph, Registry, Session, Unobserved};
+use voltet_core::graph::{Demand, Graph, Registry, RunReport, Session, Unobserved};
+use voltet_core::picture::Picture;
 use voltet_core::{Error, Result};
 
 enum Task {
@@ -84,12 +85,14 @@ impl<'a> Work<'a> {
         let newest = || self.shared.newest.load(Ordering::SeqCst);
         let coarse = if wanted.coarse_first { self.pace.divisor(wanted.pixels()) } else { 1 };
         if coarse > 1 {
-            let outcome = self.pass(number, wanted, coarse);
+            let outcome = self.pass(number, wanted, coarse, Some(self.pace.patience(coarse)));
             if !self.keep(number, outcome) || newest() != number {
                 return;
             }
         }
-        let outcome = self.pass(number, wanted, 1);
+        // The first picture of a wish is for a hand that moves, whether it is coarse or quick enough to be the full one.
+        let patience = (coarse == 1 && wanted.coarse_first).then(|| self.pace.patience(1));
+        let outcome = self.pass(number, wanted, 1, patience);
         if self.keep(number, outcome) {
             self.shared.show(|shown| shown.settled(number));
         }
@@ -106,22 +109,17 @@ impl<'a> Work<'a> {
         }
     }
 
-    /// One run, with so many pixels less along each side.
-    fn pass(&mut self, number: u64, wanted: &Wanted, divisor: u32) -> Result<()> {
+    /// One run, with so many pixels less along each side; `patience`: how long it goes on while a hand moves.
+    fn pass(&mut self, number: u64, wanted: &Wanted, divisor: u32, patience: Option<Duration>) -> Result<()> {
         let start = Instant::now();
         let graph = wanted.graph(self.registry, divisor)?;
-        let patience = if divisor > 1 { Some(self.pace.patience()) } else { None };
         let pass = Pass::new(self.shared, number, wanted, patience);
         let stop = |running: &dyn Fn() -> Option<String>| pass.stops(running);
         let following = Following::new(self.shared, &stop);
         let report = self.guarded(&following, |session| session.run(&graph, &following))?;
         let seconds = start.elapsed().as_secs_f64();
         let drew_alone = report.nodes.iter().all(|node| node.reused || wanted.is_cheap(&node.name));
-        let picture = report.pictures.iter().rev().find(|(node, _)| *node == wanted.node);
-        let Some((_, picture)) = picture else {
-            return Err(Error::run("the node gives no picture").at_node(&wanted.node));
-        };
-        let pixels = Pixels::of(picture.clone(), wanted.background, divisor, number);
+        let pixels = Pixels::of(picture_of(&report, wanted)?, wanted.background, divisor, number);
         if drew_alone {
             self.pace.learn(divisor, pixels.count(), seconds);
         }
@@ -173,4 +171,11 @@ impl<'a> Work<'a> {
             found => Some(found),
         }
     }
+}
+
+/// The picture that was wanted of a run.
+pub(super) fn picture_of(report: &RunReport, wanted: &Wanted) -> Result<Arc<Picture>> {
+    let picture = report.pictures.iter().rev().find(|(node, _)| *node == wanted.node);
+    let none = || Error::run("the node gives no picture").at_node(&wanted.node);
+    picture.map(|(_, picture)| picture.clone()).ok_or_else(none)
 }
