@@ -32,6 +32,8 @@ mod states;
 mod superseding;
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod tests_superseding;
 mod work;
 
 pub use distribution::{Distributed, Distribution};

@@ -1,13 +1,10 @@
 use super::following::Following;
+use super::tests_superseding::worker_with_own;
 use super::*;
 use std::path::PathBuf;
 use std::sync::LazyLock;
-use std::sync::atomic::AtomicUsize;
-use std::time::{Duration, Instant};
-use voltet_core::graph::{
-    Datum, Node, NodeEntry, Observer, Outputs, Port, PortType, Quantity, Setting, Unobserved, Value,
-};
-use voltet_core::picture::Picture;
+use std::time::Duration;
+use voltet_core::graph::{Datum, Node, NodeEntry, Observer, Port, PortType, Quantity, Setting, Unobserved};
 use voltet_core::pipeline::Pipeline;
 
 /// The scene of the tests by hand, drawn stage by stage.
@@ -32,11 +29,11 @@ inputs = {{ projection = \"cover\", transfer_function = \"look\" }}
     )
 });
 
-fn nodes(text: &str) -> Vec<NodeEntry> {
+pub(super) fn nodes(text: &str) -> Vec<NodeEntry> {
     Pipeline::parse(text).unwrap().nodes
 }
 
-fn wanted(nodes: Vec<NodeEntry>, folder: &std::path::Path) -> Wanted {
+pub(super) fn wanted(nodes: Vec<NodeEntry>, folder: &std::path::Path) -> Wanted {
     Wanted {
         nodes,
         folder: folder.to_path_buf(),
@@ -52,7 +49,7 @@ fn worker() -> Worker {
 }
 
 /// Waits until nothing is made any more.
-fn settle(worker: &Worker) {
+pub(super) fn settle(worker: &Worker) {
     for _ in 0..6000 {
         if worker.shown(|shown| !shown.is_busy) {
             return;
@@ -180,9 +177,9 @@ fn an_error_stands_at_its_node_and_the_next_picture_comes() {
     assert!(worker.shown(|shown| shown.failure.is_none() && shown.pixels.is_some()));
 }
 
-const IMAGE: &[Port] = &[Port { name: "image", port_type: PortType::Image, summary: "a picture" }];
+pub(super) const IMAGE: &[Port] = &[Port { name: "image", port_type: PortType::Image, summary: "a picture" }];
 
-static PANICS: Node = Node {
+pub(super) static PANICS: Node = Node {
     name: "panics",
     summary: "Ends by a mistake.",
     outputs: IMAGE,
@@ -190,45 +187,6 @@ static PANICS: Node = Node {
     run: &|_| panic!("index out of bounds"),
     ..Node::BLANK
 };
-
-/// How often the slow node began.
-static BEGUN: AtomicUsize = AtomicUsize::new(0);
-
-static SLOW: Node = Node {
-    name: "slow",
-    summary: "Takes half a minute, or until it is stopped.",
-    outputs: IMAGE,
-    parameters: &[voltet_core::graph::Parameter {
-        name: "number",
-        parameter_type: voltet_core::graph::ParameterType::Integer(voltet_core::graph::Range::ANY),
-        unit: "",
-        standard: voltet_core::graph::Standard::Integer(0),
-        help: "tells pictures apart",
-    }],
-    demand: &|_| Ok(()),
-    run: &|call| -> Result<Outputs> {
-        BEGUN.fetch_add(1, Ordering::SeqCst);
-        if call.parameters.integer("number")? > 0 {
-            return Ok(vec![Value::Image(Arc::new(Picture::transparent(3, 2)))]);
-        }
-        for step in 0..3000 {
-            call.progress().report("waiting", f64::from(step) / 3000.0);
-            if call.progress().cancelled() {
-                return Err(Error::cancelled());
-            }
-            std::thread::sleep(Duration::from_millis(10));
-        }
-        Ok(vec![Value::Image(Arc::new(Picture::transparent(2, 2)))])
-    },
-    ..Node::BLANK
-};
-
-fn worker_with_own() -> Worker {
-    let mut registry = voltet_nodes::registry().unwrap();
-    registry.add(&PANICS).unwrap();
-    registry.add(&SLOW).unwrap();
-    Worker::start(&registry, Box::new(|| {})).unwrap()
-}
 
 #[test]
 fn a_panic_is_the_error_of_its_node() {
@@ -243,37 +201,6 @@ fn a_panic_is_the_error_of_its_node() {
     worker.draw(wanted(nodes(&TEXT), &PathBuf::new()));
     settle(&worker);
     assert!(worker.shown(|shown| shown.pixels.is_some()));
-}
-
-#[test]
-fn a_newer_request_stops_the_one_that_runs() {
-    let worker = worker_with_own();
-    let mut slow = nodes("[pipeline]\nformat = 1\n[nodes.picture]\ntype = \"slow\"");
-    worker.draw(wanted(slow.clone(), &PathBuf::new()));
-    while BEGUN.load(Ordering::SeqCst) == 0 {
-        std::thread::sleep(Duration::from_millis(2));
-    }
-    let start = Instant::now();
-    slow[0].settings.push(voltet_core::graph::Field {
-        name: "number".into(),
-        origin: Default::default(),
-        setting: Datum::Integer(1).into(),
-    });
-    let number = worker.draw(wanted(slow, &PathBuf::new()));
-    settle(&worker);
-    let pixels = worker.shown(|shown| shown.pixels.clone().unwrap());
-    assert_eq!((pixels.number, pixels.size()), (number, [3, 2]));
-    // The slow one would have gone on for half a minute.
-    assert!(start.elapsed() < Duration::from_secs(15));
-}
-
-#[test]
-fn dropping_the_worker_stops_what_runs() {
-    let start = Instant::now();
-    let worker = worker_with_own();
-    worker.draw(wanted(nodes("[pipeline]\nformat = 1\n[nodes.picture]\ntype = \"slow\""), &PathBuf::new()));
-    drop(worker);
-    assert!(start.elapsed() < Duration::from_secs(15));
 }
 
 #[test]
@@ -327,105 +254,4 @@ fn memory_is_what_the_program_may_take() {
     };
     let following = Following::new(&shared, &never);
     assert_eq!(Observer::memory_left(&following).is_some(), voltet_nodes::memory::left().is_some());
-}
-
-/// How often the node that takes its time began and ended.
-static STEADY: [AtomicUsize; 2] = [AtomicUsize::new(0), AtomicUsize::new(0)];
-
-static STEADY_SOURCE: Node = Node {
-    name: "steady",
-    summary: "Takes a second, or until it is stopped.",
-    outputs: IMAGE,
-    demand: &|_| Ok(()),
-    run: &|call| -> Result<Outputs> {
-        STEADY[0].fetch_add(1, Ordering::SeqCst);
-        for _ in 0..100 {
-            if call.progress().cancelled() {
-                return Err(Error::cancelled());
-            }
-            std::thread::sleep(Duration::from_millis(10));
-        }
-        STEADY[1].fetch_add(1, Ordering::SeqCst);
-        Ok(vec![Value::Image(Arc::new(Picture::transparent(2, 2)))])
-    },
-    ..Node::BLANK
-};
-
-static AFTER: Node = Node {
-    name: "after",
-    summary: "Gives on what it is given.",
-    inputs: IMAGE,
-    outputs: IMAGE,
-    parameters: SLOW.parameters,
-    demand: &|asking| asking.ask("image", &voltet_core::graph::Demand::default()),
-    run: &|call| Ok(vec![Value::Image(call.image("image")?)]),
-    ..Node::BLANK
-};
-
-/// Each of a steady stream of changes behind a slow node would stop it, and it would never come to its end.
-#[test]
-fn a_node_that_a_change_does_not_touch_runs_to_its_end_and_serves() {
-    let mut registry = voltet_nodes::registry().unwrap();
-    registry.add(&STEADY_SOURCE).unwrap();
-    registry.add(&AFTER).unwrap();
-    let worker = Worker::start(&registry, Box::new(|| {})).unwrap();
-    let text = |number: u32| {
-        format!(
-            "[pipeline]\nformat = 1\n[nodes.source]\ntype = \"steady\"\n[nodes.picture]\ntype = \"after\"\n\
-             number = {number}\ninputs = {{ image = \"source\" }}\n"
-        )
-    };
-    let mut last = worker.draw(wanted(nodes(&text(0)), &PathBuf::new()));
-    while STEADY[0].load(Ordering::SeqCst) == 0 {
-        std::thread::sleep(Duration::from_millis(2));
-    }
-    for number in 1..20 {
-        last = worker.draw(Wanted { coarse_first: true, ..wanted(nodes(&text(number)), &PathBuf::new()) });
-        std::thread::sleep(Duration::from_millis(10));
-    }
-    settle(&worker);
-    assert_eq!(STEADY.each_ref().map(|count| count.load(Ordering::SeqCst)), [1, 1]);
-    assert_eq!(worker.shown(|shown| shown.pixels.clone().unwrap().number), last);
-}
-
-/// In a coarse picture, too, where a node has another parameter than those that a hand moves; and none of it is shown.
-#[test]
-fn a_coarse_picture_is_stopped_by_a_change_of_another_kind() {
-    let worker = worker_with_own();
-    let of = |number: i64| {
-        let text = format!("[pipeline]\nformat = 1\n[nodes.picture]\ntype = \"slow\"\nnumber = {number}");
-        Wanted { coarse_first: true, ..wanted(nodes(&text), &PathBuf::new()) }
-    };
-    let begun = BEGUN.load(Ordering::SeqCst);
-    worker.draw(of(-1));
-    while BEGUN.load(Ordering::SeqCst) == begun {
-        std::thread::sleep(Duration::from_millis(2));
-    }
-    let start = Instant::now();
-    let number = worker.draw(of(1));
-    settle(&worker);
-    assert!(start.elapsed() < Duration::from_secs(15), "the slow one would have gone on for half a minute");
-    let pixels = worker.shown(|shown| shown.pixels.clone().unwrap());
-    assert_eq!((pixels.number, pixels.size()), (number, [3, 2]));
-}
-
-/// Sixty wishes a second of a hand that turns the camera: pictures come all the same, also where the full one is quick.
-#[test]
-fn a_steady_drag_shows_pictures() {
-    let worker = worker();
-    let mut nodes = nodes(&TEXT);
-    let draw = |nodes: &[NodeEntry]| {
-        worker.draw(Wanted { coarse_first: true, ..wanted(nodes.to_vec(), &PathBuf::new()) })
-    };
-    draw(&nodes);
-    settle(&worker);
-    let mut seen = std::collections::BTreeSet::new();
-    for step in 0..90 {
-        set(&mut nodes, "view", &["fov_y"], Datum::Number(25.0 + 0.1 * f64::from(step)));
-        draw(&nodes);
-        std::thread::sleep(Duration::from_millis(16));
-        seen.insert(worker.shown(|shown| shown.pixels.as_ref().map_or(0, |pixels| pixels.number)));
-    }
-    // Ninety wishes in a second and a half; how many are met is for the benchmark, but some are.
-    assert!(seen.len() >= 5, "{seen:?}");
 }
