@@ -1,21 +1,21 @@
 //! Where the parts of the window stand.
 
-use crate::actions::{Actions, Command};
+use crate::actions::Actions;
 use crate::asking;
 use crate::begin;
 use crate::costs;
 use crate::editor::Editor;
 use crate::graph::GraphView;
 use crate::keys;
+use crate::menus;
 use crate::parameters::ParameterPanel;
 use crate::picture::{self, PicturePanel};
 use crate::scene::Scene;
 use crate::theme;
 use crate::transfer::TransferPanel;
 use eframe::egui::{
-    CentralPanel, Context, Frame, Layout, RichText, SidePanel, TopBottomPanel, Ui, Window, menu,
+    Align, CentralPanel, Context, Frame, Layout, RichText, SidePanel, TopBottomPanel, Ui, Window,
 };
-use voltet_document::arrange::Align;
 
 /// Shows everything once.
 pub(crate) fn show(editor: &mut Editor, ctx: &Context, actions: &mut Actions) {
@@ -30,7 +30,7 @@ pub(crate) fn show(editor: &mut Editor, ctx: &Context, actions: &mut Actions) {
     let mut open = editor.costs;
     {
         let scene = editor.scene();
-        TopBottomPanel::top("menus").show(ctx, |ui| menus(ui, &scene, actions));
+        TopBottomPanel::top("menus").show(ctx, |ui| menus::show(ui, &scene, actions));
         TopBottomPanel::bottom("status").show(ctx, |ui| status(ui, editor, &scene));
         if scene.is_empty() {
             empty(editor, ctx, &mut graph, &scene, actions);
@@ -98,86 +98,12 @@ fn parts(
     CentralPanel::default().frame(ground).show(ctx, |ui| graph.show(ui, scene, panel.texture(), actions));
 }
 
-fn menus(ui: &mut Ui, scene: &Scene, actions: &mut Actions) {
-    menu::bar(ui, |ui| {
-        let mut list = |ui: &mut Ui, title: &str, entries: &[(&str, Command)]| {
-            ui.menu_button(title, |ui| {
-                ui.set_min_width(220.0);
-                for (text, command) in entries {
-                    let key = keys::shortcut(ui.ctx(), *command);
-                    if ui.add(eframe::egui::Button::new(*text).shortcut_text(key)).clicked() {
-                        actions.command(*command);
-                        ui.close_menu();
-                    }
-                }
-            });
-        };
-        let file = [
-            ("New", Command::New),
-            ("Open …", Command::Open),
-            ("Save", Command::Save),
-            ("Save as …", Command::SaveAs),
-            ("Run: write the files", Command::Run),
-            ("Quit", Command::Quit),
-        ];
-        let history = scene.document.history();
-        let undo = history.undo_label().map_or("Undo".into(), |label| format!("Undo: {label}"));
-        let redo = history.redo_label().map_or("Redo".into(), |label| format!("Redo: {label}"));
-        let edit = [
-            (undo.as_str(), Command::Undo),
-            (redo.as_str(), Command::Redo),
-            ("Cut", Command::Cut),
-            ("Copy", Command::Copy),
-            ("Duplicate", Command::Duplicate),
-            ("Delete", Command::Delete),
-            ("Select all", Command::SelectAll),
-        ];
-        let graph = [
-            ("Add a node …", Command::Add),
-            ("Tidy", Command::Tidy),
-            ("Frame", Command::Frame),
-            ("Note", Command::Note),
-            ("Fold", Command::Fold),
-            ("All into view", Command::FitGraph),
-        ];
-        let align = [
-            ("Left sides", Command::Align(Align::Left)),
-            ("Middles in a column", Command::Align(Align::Centre)),
-            ("Right sides", Command::Align(Align::Right)),
-            ("Upper sides", Command::Align(Align::Top)),
-            ("Middles in a row", Command::Align(Align::Middle)),
-            ("Lower sides", Command::Align(Align::Bottom)),
-            ("Equal gaps across", Command::Align(Align::Across)),
-            ("Equal gaps down", Command::Align(Align::Down)),
-        ];
-        let view = [
-            ("Home", Command::Home),
-            ("Section", Command::Section),
-            ("Costs and errors", Command::Costs),
-            ("Study", Command::Study),
-            ("Light or dark", Command::Theme),
-            ("Keys and mouse", Command::Help),
-        ];
-        list(ui, "File", &file);
-        list(ui, "Edit", &edit);
-        list(ui, "Graph", &graph);
-        list(ui, "Align", &align);
-        list(ui, "View", &view);
-        ui.with_layout(Layout::right_to_left(eframe::egui::Align::Center), |ui| {
-            let path = scene.document.path().map(|path| path.display().to_string());
-            let mark = if scene.document.is_saved() { "" } else { " •" };
-            let name = format!("{}{mark}", path.as_deref().unwrap_or("new pipeline"));
-            ui.label(RichText::new(name).color(theme::weak(ui.visuals().dark_mode)));
-        });
-    });
-}
-
 fn status(ui: &mut Ui, editor: &Editor, scene: &Scene) {
     let dark = ui.visuals().dark_mode;
     ui.horizontal(|ui| {
-        ui.with_layout(Layout::right_to_left(eframe::egui::Align::Center), |ui| {
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             picture::status(ui, scene);
-            ui.with_layout(Layout::left_to_right(eframe::egui::Align::Center), |ui| {
+            ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
                 let said = match (&editor.message, scene.faults.first()) {
                     (Some((text, true)), _) => Some((text.clone(), theme::wrong(dark))),
                     (Some((text, false)), _) => Some((text.clone(), theme::weak(dark))),

@@ -4,7 +4,7 @@
 //! | --- | --- |
 //! | [`worker`] | draws the picture at a node, on a thread of its own |
 //! | [`view`] | movements of the camera |
-//! | `editor`, `frame`, `layout`, `scene` | one frame: what is shown where, and what the parts of the window look at |
+//! | `editor`, `frame`, `layout`, `menus`, `scene` | one frame: what is shown where, and what the parts of the window look at |
 //! | `actions`, `carry_out`, `hand`, `keys` | what a hand asks for, what is done then, and which edits are one step |
 //! | `saving`, `recover`, `keeping` | saving; unsaved work outlives a crash |
 //! | `wishes`, `lookups` | what the worker is asked for, and which answers are the newest |
@@ -33,6 +33,7 @@ mod keeping;
 mod keys;
 mod layout;
 mod lookups;
+mod menus;
 mod parameters;
 mod picture;
 mod recent;

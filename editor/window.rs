@@ -31,7 +31,9 @@ pub fn run(file: Option<&Path>, registry: &Registry, start: Start, study: Study)
         }
         None => Document::new(),
     };
-    refuse_without_display()?;
+    if !cfg!(any(target_os = "macos", target_os = "windows")) {
+        refuse_without_display(&|name| std::env::var_os(name).is_some_and(|value| !value.is_empty()))?;
+    }
     let data = file.filter(|path| !is_pipeline(path)).map(Path::to_path_buf);
     let options = NativeOptions {
         viewport: ViewportBuilder::default()
@@ -77,11 +79,9 @@ fn without_place(message: &str) -> &str {
     }
 }
 
-/// On systems where a display is named by the environment: one must be.
-fn refuse_without_display() -> Result<()> {
-    let named = ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"];
-    let has_one = named.iter().any(|name| std::env::var_os(name).is_some_and(|value| !value.is_empty()));
-    match cfg!(any(target_os = "macos", target_os = "windows")) || has_one {
+/// Where a display is named by the environment, one must be. `is_set`: whether a variable is.
+fn refuse_without_display(is_set: &dyn Fn(&str) -> bool) -> Result<()> {
+    match ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"].into_iter().any(is_set) {
         true => Ok(()),
         false => Err(Error::run("there is no display to open a window on")
             .found("neither DISPLAY nor WAYLAND_DISPLAY is set")
@@ -116,5 +116,20 @@ impl App for Window {
         if self.editor.ends() {
             ctx.send_viewport_cmd(ViewportCommand::Close);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn without_a_display_there_is_one_clear_line() {
+        let error = refuse_without_display(&|_| false).unwrap_err().to_string();
+        assert!(error.starts_with("there is no display") && error.contains("voltet run"), "{error}");
+        assert_eq!(error.lines().count(), 1);
+        assert!(refuse_without_display(&|name| name == "WAYLAND_DISPLAY").is_ok());
+        let of_driver = "winit EventLoopError: os error at /home/a/src/x11/mod.rs:42: XOpenDisplayFailed";
+        assert_eq!(without_place(of_driver), "XOpenDisplayFailed");
     }
 }

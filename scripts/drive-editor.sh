@@ -85,6 +85,10 @@ ticks() { awk '{print $14 + $15}' "/proc/$editor/stat"; }
 is_busy() { local before; before=$(ticks); sleep 0.5; [ $(($(ticks) - before)) -gt 2 ]; }
 rests() { ! is_busy; }
 
+lines=$(env -u DISPLAY -u WAYLAND_DISPLAY "$program" edit 2>&1) && fail "a window opens without a display"
+[ "$(wc -l <<<"$lines")" = 1 ] || fail "without a display, not one line: $lines"
+echo "$lines"
+
 # A picture of 32-bit floats: nothing is lost before it is compared.
 sed 's/picture\.png/picture.exr/' editor/by_hand/scene.toml >"$work/scene.toml"
 cp "$work/scene.toml" "$work/before.toml"

@@ -7,6 +7,7 @@ mod parameters;
 mod picture;
 mod probe;
 mod recovery;
+mod screens;
 mod session;
 mod transfer;
 mod transfer_more;
@@ -29,6 +30,8 @@ struct Hand {
     editor: Editor,
     at: Pos2,
     time: f64,
+    /// Width and height of the window in points, and the screen's pixels a point.
+    screen: ([f32; 2], f32),
     /// What the last frame shows.
     shapes: Vec<ClippedShape>,
     folder: tempfile::TempDir,
@@ -51,7 +54,15 @@ impl Hand {
         let editor = Editor::new(document, &registry, start, Box::new(|| {})).unwrap();
         let ctx = Context::default();
         crate::theme::apply(&ctx);
-        let mut hand = Hand { ctx, editor, at: pos2(5.0, 400.0), time: 0.0, shapes: Vec::new(), folder };
+        let mut hand = Hand {
+            ctx,
+            editor,
+            at: pos2(5.0, 400.0),
+            time: 0.0,
+            screen: ([1280.0, 720.0], 1.0),
+            shapes: Vec::new(),
+            folder,
+        };
         hand.settle();
         hand
     }
@@ -59,13 +70,17 @@ impl Hand {
     /// One frame with these events.
     fn frame(&mut self, events: Vec<Event>, modifiers: Modifiers) {
         self.time += 1.0 / 60.0;
-        let input = RawInput {
-            screen_rect: Some(Rect::from_min_size(Pos2::ZERO, vec2(1280.0, 720.0))),
+        let ([width, height], pixels_per_point) = self.screen;
+        let mut input = RawInput {
+            screen_rect: Some(Rect::from_min_size(Pos2::ZERO, vec2(width, height))),
             time: Some(self.time),
             events,
             modifiers,
             ..RawInput::default()
         };
+        if let Some(viewport) = input.viewports.get_mut(&input.viewport_id) {
+            viewport.native_pixels_per_point = Some(pixels_per_point);
+        }
         let editor = &mut self.editor;
         self.shapes = self.ctx.run(input, |ctx| editor.frame(ctx)).shapes;
     }

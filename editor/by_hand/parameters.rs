@@ -80,3 +80,44 @@ fn what_a_new_widget_begins_with_is_right() {
     }
     assert_eq!(hand.text(), TEXT);
 }
+
+#[test]
+fn arrays_of_the_data_are_chosen_one_or_several() {
+    let text = TEXT
+        .replace("type = \"wavelet\"\nresolution = [12, 12, 12] # coarse", "type = \"reader\"\npath = \"data.vtk\"")
+        .replace("[nodes.view]", "[nodes.fields]\ntype = \"multi-gradient\"\nfields = [\"heat\"]\ninputs = { grid = \"grid\" }\n\n[nodes.view]");
+    let mut hand = Hand::new(&text);
+    let points = "0 0 0\n1 0 0\n0 1 0\n0 0 1\n";
+    let data = format!(
+        "# vtk DataFile Version 3.0\ndata\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 4 float\n{points}CELLS 1 5\n4 0 1 2 3\n\
+         CELL_TYPES 1\n10\nPOINT_DATA 4\nSCALARS heat float 1\nLOOKUP_TABLE default\n1 2 3 4\nSCALARS speed float 1\nLOOKUP_TABLE default\n5 6 7 8\n"
+    );
+    std::fs::write(hand.folder.path().join("data.vtk"), data).unwrap();
+    for (node, list, wanted) in [
+        ("fields", "speed  (points, 5 to 8)", "fields = [\"heat\", \"speed\"]"),
+        ("grid", "heat  (points, 1 to 4)", "scalar = \"heat\""),
+    ] {
+        select(&mut hand, node);
+        // Their ranges are found on a thread of its own.
+        for _ in 0..2000 {
+            hand.frames(1);
+            if !hand.texts("▾").is_empty() {
+                break;
+            }
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        for _ in 0..400 {
+            let at = hand.texts("▾")[0];
+            hand.click(at);
+            hand.frames(2);
+            if !hand.texts(list).is_empty() {
+                break;
+            }
+            hand.key(Key::Escape, Modifiers::NONE);
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        hand.click_on(list);
+        hand.key(Key::Escape, Modifiers::NONE);
+        assert!(hand.text().contains(wanted), "{node}: {}", hand.text());
+    }
+}

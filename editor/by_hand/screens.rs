@@ -1,0 +1,78 @@
+use super::*;
+use crate::actions::Command;
+
+/// A window with room for so much.
+fn on(size: [f32; 2], pixels_per_point: f32, text: &str) -> Hand {
+    let mut hand = Hand::new(text);
+    hand.screen = (size, pixels_per_point);
+    let ctx = hand.ctx.clone();
+    hand.editor.command(&ctx, Command::FitGraph);
+    hand.frames(4);
+    hand.settle();
+    hand
+}
+
+/// Texts that do not fit where they are shown; those that end with "…" by themselves do.
+fn cut(hand: &Hand) -> Vec<String> {
+    fn of(shape: &Shape, clip: Rect, found: &mut Vec<String>) {
+        match shape {
+            Shape::Vec(shapes) => shapes.iter().for_each(|shape| of(shape, clip, found)),
+            Shape::Text(text) if !text.galley.text().trim().is_empty() => {
+                let rect = text.galley.rect.translate(text.pos.to_vec2());
+                // What is scrolled out of view, above or below, is not cut.
+                let is_seen = clip.y_range().contains(rect.center().y) && clip.intersects(rect);
+                if is_seen && (rect.left() < clip.left() - 1.0 || rect.right() > clip.right() + 1.0) {
+                    found.push(format!("{:?} at {rect:?} in {clip:?}", text.galley.text()));
+                }
+            }
+            _ => {}
+        }
+    }
+    let ([width, height], _) = hand.screen;
+    let screen = Rect::from_min_size(Pos2::ZERO, vec2(width, height));
+    let mut found = Vec::new();
+    for clipped in &hand.shapes {
+        of(&clipped.shape, clipped.clip_rect.intersect(screen), &mut found);
+    }
+    found
+}
+
+#[test]
+fn no_text_is_cut_on_small_and_dense_screens() {
+    for (size, density) in
+        [([1280.0, 720.0], 1.0), ([1280.0, 720.0], 1.5), ([1280.0, 720.0], 2.0), ([1920.0, 1080.0], 1.0)]
+    {
+        let mut hand = on(size, density, TEXT);
+        assert_eq!(hand.ctx.pixels_per_point(), density);
+        for node in ["grid", "look", "view", "picture", "file"] {
+            hand.editor.selection = [node.to_string()].into();
+            hand.frames(3);
+            assert_eq!(cut(&hand), [""; 0], "{size:?} {density} {node}");
+        }
+        for command in [Command::Help, Command::Costs] {
+            let ctx = hand.ctx.clone();
+            hand.editor.command(&ctx, command);
+            hand.frames(4);
+            assert_eq!(cut(&hand), [""; 0], "{size:?} {density} {command:?}");
+            hand.editor.command(&ctx, command);
+        }
+    }
+}
+
+#[test]
+fn a_denser_screen_gets_a_picture_of_more_pixels() {
+    let text = TEXT.replace("size = [160, 120]", "size = [2000, 1500]");
+    let pixels = |density: f32| {
+        let hand = on([1280.0, 720.0], density, &text);
+        hand.editor.scene().pixels.unwrap().size()[0] as f32
+    };
+    let (usual, dense) = (pixels(1.0), pixels(2.0));
+    assert!((dense / usual - 2.0).abs() < 0.02, "{usual} {dense}");
+}
+
+#[test]
+fn nothing_is_shown_anew_while_nothing_happens() {
+    let mut hand = Hand::new(TEXT);
+    hand.frames(20);
+    assert!(!hand.ctx.has_requested_repaint(), "{:?}", hand.ctx.repaint_causes());
+}
