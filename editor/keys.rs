@@ -1,7 +1,9 @@
 //! The keys: one table, from which they are read and the help sheet is made.
 
 use crate::actions::{Actions, Command};
-use eframe::egui::{Context, Event, Grid, Key, KeyboardShortcut, Modifiers, RichText, Window};
+use eframe::egui::{
+    Context, Event, Grid, Key, KeyboardShortcut, Modifiers, RichText, ScrollArea, Ui, Window, vec2,
+};
 use voltet_document::arrange::Align;
 
 /// A key of the window: what it does, and the words for it. Where a command has several, help shows the first.
@@ -37,7 +39,7 @@ const KEYS: &[Binding] = &[
         Key::L,
         "align the selected nodes in a column; other ways in the menu",
     ),
-    (Command::Fold, NONE, Key::K, "fold the selected nodes, or unfold them"),
+    (Command::Fold, NONE, Key::B, "fold the selected nodes, or unfold them"),
     (Command::Note, NONE, Key::N, "note in the graph"),
     (Command::FitGraph, NONE, Key::F, "all nodes into view"),
     (Command::Home, NONE, Key::H, "all of the data into the picture"),
@@ -77,6 +79,8 @@ const MOUSE: &[(&str, &[(&str, &str)])] = &[
             ("drag from a port", "wire; dropped on empty space: nodes that fit"),
             ("drag from a fed input", "take the wire off"),
             ("drag on empty space", "select nodes in a box"),
+            ("drag the title of a frame", "move it with what it holds; its corner: its size"),
+            ("double click on a title, a note", "write on it"),
             ("right click, double click", "add a node"),
             ("middle drag, Ctrl-drag", "pan"),
             ("wheel", "zoom to the pointer"),
@@ -142,37 +146,80 @@ pub(crate) fn shortcut(ctx: &Context, command: Command) -> String {
     })
 }
 
-/// The help sheet.
+/// The keys with the words for them; of a command that has several, the first.
+fn rows(ctx: &Context) -> Vec<(String, &'static str)> {
+    let mut rows = Vec::new();
+    let mut last = None;
+    for &(command, modifiers, key, words) in KEYS {
+        if last.replace(command) != Some(command) {
+            rows.push((ctx.format_shortcut(&KeyboardShortcut::new(modifiers, key)), words));
+        }
+    }
+    rows.push(("Ctrl+C, X, V".into(), "copy, cut, paste nodes (as text of the file)"));
+    rows
+}
+
+/// The help sheet: the keys, and beside them what the mouse does.
 pub(crate) fn sheet(ctx: &Context, open: &mut bool) {
-    Window::new("Keys and mouse").open(open).resizable(true).default_width(860.0).show(ctx, |ui| {
-        ui.columns(2, |columns| {
-            Grid::new("keys").num_columns(2).striped(true).show(&mut columns[0], |ui| {
-                let mut last = None;
-                for &(command, modifiers, key, words) in KEYS {
-                    if last != Some(command) {
-                        let keys = ctx.format_shortcut(&KeyboardShortcut::new(modifiers, key));
-                        ui.label(RichText::new(keys).monospace());
-                        ui.label(words);
-                        ui.end_row();
-                    }
-                    last = Some(command);
+    let grid = |ui: &mut Ui, name: &str, rows: &[(&str, &str)]| {
+        Grid::new(name).num_columns(2).striped(true).min_row_height(0.0).spacing([10.0, 2.0]).show(
+            ui,
+            |ui| {
+                for (hand, words) in rows {
+                    ui.label(RichText::new(*hand).monospace());
+                    ui.label(*words);
+                    ui.end_row();
                 }
-                ui.label(RichText::new("Ctrl+C, X, V").monospace());
-                ui.label("copy, cut, paste nodes (as text of the file)");
-                ui.end_row();
-            });
-            let ui = &mut columns[1];
-            for (place, rows) in MOUSE {
-                ui.strong(*place);
-                Grid::new(place).num_columns(2).striped(true).show(ui, |ui| {
-                    for (hand, words) in *rows {
-                        ui.label(RichText::new(*hand).monospace());
-                        ui.label(*words);
-                        ui.end_row();
-                    }
+            },
+        );
+    };
+    let room = ctx.screen_rect().size() - vec2(60.0, 90.0);
+    Window::new("Keys and mouse").open(open).resizable(true).default_size([room.x.min(1090.0), room.y]).show(
+        ctx,
+        |ui| {
+            ScrollArea::both().max_height(room.y).max_width(room.x).show(ui, |ui| {
+                ui.horizontal_top(|ui| {
+                    let all = rows(ctx);
+                    let keys: Vec<(&str, &str)> =
+                        all.iter().map(|(keys, words)| (keys.as_str(), *words)).collect();
+                    ui.vertical(|ui| grid(ui, "keys", &keys));
+                    ui.add_space(12.0);
+                    ui.vertical(|ui| {
+                        for (place, rows) in MOUSE {
+                            ui.strong(*place);
+                            grid(ui, place, rows);
+                            ui.add_space(4.0);
+                        }
+                    });
                 });
-                ui.add_space(6.0);
-            }
-        });
-    });
+            });
+        },
+    );
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn no_key_means_two_things() {
+        let keys: BTreeSet<String> =
+            KEYS.iter().map(|(_, modifiers, key, _)| format!("{modifiers:?} {key:?}")).collect();
+        assert_eq!(keys.len(), KEYS.len());
+    }
+
+    #[test]
+    fn the_page_about_the_editor_has_every_key_and_what_the_mouse_does() {
+        let page = include_str!("../docs/editor.md");
+        let mut lines = Vec::new();
+        lines.extend(rows(&Context::default()).iter().map(|(keys, words)| format!("| {keys} | {words} |")));
+        for (place, rows) in MOUSE {
+            lines.extend(
+                rows.iter().map(|(hand, words)| format!("| {} | {hand} | {words} |", place.to_lowercase())),
+            );
+        }
+        let missing: Vec<&String> = lines.iter().filter(|line| !page.contains(line.as_str())).collect();
+        assert!(missing.is_empty(), "docs/editor.md lacks\n{missing:#?}");
+    }
 }

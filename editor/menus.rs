@@ -5,6 +5,7 @@ use crate::keys;
 use crate::scene::Scene;
 use crate::theme;
 use eframe::egui::{self, Button, Label, Layout, RichText, Ui, menu};
+use std::path::Path;
 use voltet_document::arrange::Align;
 
 /// The menus, what is done most at a click, and the file.
@@ -86,11 +87,15 @@ pub(crate) fn show(ui: &mut Ui, scene: &Scene, actions: &mut Actions) {
             }
         });
         ui.with_layout(Layout::right_to_left(egui::Align::Center), |ui| {
-            let path = scene.document.path().map(|path| path.display().to_string());
-            let mark = if scene.document.is_saved() { "" } else { " •" };
-            let name = format!("{}{mark}", path.as_deref().unwrap_or("new pipeline"));
-            let name = RichText::new(name).color(theme::weak(ui.visuals().dark_mode));
-            ui.add(Label::new(name).truncate());
+            let path = scene.document.path();
+            let name =
+                path.and_then(Path::file_name).map_or("new pipeline".into(), |name| name.to_string_lossy());
+            let mark = if scene.document.is_saved() { "" } else { " • not saved" };
+            let name = RichText::new(format!("{name}{mark}")).color(theme::weak(ui.visuals().dark_mode));
+            let label = ui.add(Label::new(name).truncate());
+            if let Some(path) = path {
+                label.on_hover_text(path.display().to_string());
+            }
         });
     });
 }

@@ -4,12 +4,14 @@
 use crate::editor::Editor;
 use crate::picture::milliseconds;
 use eframe::egui::Context;
+use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use voltet_core::graph::{Graph, Observer, RunReport};
 use voltet_core::pipeline::Pipeline;
 use voltet_core::{Error, Result};
+use voltet_nodes::files::beside;
 use voltet_nodes::memory;
 
 /// A run that is under way; dropped, it stops.
@@ -75,6 +77,11 @@ impl Editor {
         }
     }
 
+    /// A file as it is named from the document's folder.
+    fn from_document(&self, file: &str) -> String {
+        beside(Path::new(file), &self.document.folder()).display().to_string()
+    }
+
     /// Takes over what a run came to.
     pub(crate) fn take_run(&mut self) {
         let Some(run) = &self.run else { return };
@@ -88,7 +95,12 @@ impl Editor {
             Ok(report) => {
                 let files = match report.files.is_empty() {
                     true => "no files".into(),
-                    false => report.files.join(", "),
+                    false => report
+                        .files
+                        .iter()
+                        .map(|file| self.from_document(file))
+                        .collect::<Vec<_>>()
+                        .join(", "),
                 };
                 let text = format!("written in {}: {files}", milliseconds(report.seconds));
                 self.message = Some((text, false));

@@ -55,13 +55,13 @@ fn nodes_are_folded_and_keep_their_wires() {
     let mut hand = Hand::new(TEXT);
     let before = hand.editor.graph.frame_of("picture").unwrap();
     hand.editor.selection = ["picture", "view"].map(String::from).into();
-    hand.key(Key::K, Modifiers::NONE);
+    hand.key(Key::B, Modifiers::NONE);
     hand.frames(3);
     let after = hand.editor.graph.frame_of("picture").unwrap();
     assert!(after.height() < 0.6 * before.height(), "{before:?} {after:?}");
     assert!(hand.editor.graph.port_at("picture", "camera", true).is_none(), "the head alone");
     assert!(hand.text().contains("folded = true"), "{}", hand.text());
-    hand.key(Key::K, Modifiers::NONE);
+    hand.key(Key::B, Modifiers::NONE);
     hand.frames(3);
     assert!(hand.editor.graph.port_at("picture", "camera", true).is_some());
     hand.key(Key::Z, Modifiers::COMMAND);
