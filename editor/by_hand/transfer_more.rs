@@ -256,3 +256,33 @@ fn a_late_distribution_leaves_the_picture_as_it_is() {
     assert_eq!(picture(&hand), before, "not even drawn again");
     assert!(empty == hand.editor.transfer.shown_axes() || empty == [[0.0, 1.0]; 2]);
 }
+
+/// On the screen: the ring follows the hand, both half axes stay as long as they are, at a right angle.
+#[test]
+fn an_ellipse_is_turned_as_it_is_seen() {
+    let mut hand = Hand::new(TEXT);
+    with_distribution(&mut hand);
+    hand.frames(2);
+    let length = |hand: &Hand, value: [f64; 2]| {
+        let by = place(hand, value) - place(hand, [150.0, 20.0]);
+        f64::from(by.length())
+    };
+    let [wide, high] = [length(&hand, [210.0, 20.0]), length(&hand, [150.0, 60.0])];
+    let centre = place(&hand, [150.0, 20.0]);
+    hand.click(centre);
+    let ring = place(&hand, [150.0 + 1.7 * 60.0, 20.0]);
+    // A quarter of the way round, upward.
+    let turned = centre + (ring - centre).length() * vec2(1.0, -1.0) / 2f32.sqrt();
+    hand.drag(ring, turned);
+    let rows = of(&widgets(&hand)[0], "matrix");
+    let k: Vec<Vec<f64>> = rows.list().unwrap().iter().map(|row| row.numbers().unwrap()).collect();
+    let strength = |at: Pos2| {
+        let value = hand.editor.transfer.value_at(at).unwrap();
+        let v = [value[0] - 150.0, value[1] - 20.0];
+        (-k.iter().map(|row| (row[0] * v[0] + row[1] * v[1]).powi(2)).sum::<f64>()).exp()
+    };
+    for (length, way) in [(wide, vec2(1.0, -1.0)), (high, vec2(-1.0, -1.0)), (high, vec2(1.0, 1.0))] {
+        let at = strength(centre + length as f32 * way / 2f32.sqrt());
+        assert!((at - (-0.5f64).exp()).abs() < 0.02, "{way:?}: {at}");
+    }
+}

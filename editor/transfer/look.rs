@@ -1,6 +1,7 @@
 //! What the panel shows and edits.
 
 use super::form::Drawn;
+use super::plane::Plane;
 use crate::scene::Scene;
 use crate::worker::{Distributed, Probed, Share};
 use std::collections::BTreeMap;
@@ -16,8 +17,10 @@ pub(super) struct Look<'a> {
     /// What the axes of the plane are.
     pub axes: [Quantity; 2],
     pub found: Option<Arc<Distributed>>,
-    /// Lengths of the axes; an ellipse is turned in the plane where both are as long.
+    /// Lengths of the axes of the data.
     pub extent: [f64; 2],
+    /// The same for lengths that are equal on the screen, where ellipses have their axes and are turned.
+    metric: [f64; 2],
     /// The extinction at the top of the plot, for curves.
     pub peak: f64,
     pub probed: Option<Arc<Probed>>,
@@ -29,6 +32,7 @@ pub(super) struct Look<'a> {
 /// What the plane measures where a handle is drawn or moved.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Scale {
+    /// Lengths along both axes that are equal on the screen.
     pub extent: [f64; 2],
     /// The shown part, low and high of each axis.
     pub shown: [[f64; 2]; 2],
@@ -46,11 +50,12 @@ impl Scale {
 pub(super) const S_AND_G: [Quantity; 2] = [Quantity::Named("s"), Quantity::Named("g")];
 
 impl<'a> Look<'a> {
-    /// `former_peak`: where a point is dragged, the scale stands still.
+    /// `plane`: the one of the last frame; `former_peak`: where a point is dragged, the scale stands still.
     pub fn of(
         scene: &Scene<'a>,
         node: &'a NodeEntry,
         axes: &[Quantity; 2],
+        plane: Option<Plane>,
         former_peak: Option<f64>,
     ) -> Look<'a> {
         let stated = node.settings.iter().find(|field| field.name == "widgets");
@@ -58,12 +63,13 @@ impl<'a> Look<'a> {
         let found = scene.distribution.clone();
         let extent =
             found.as_ref().map_or([1.0; 2], |found| found.histogram.axes.map(|axis| axis.high - axis.low));
+        let metric = plane.map_or(extent, Plane::metric);
         let known = found.as_ref().map(|found| &found.known);
         let of_series =
             node.settings.iter().any(|f| f.name == "relative_to" && f.setting.text() == Some("series"));
         // Of all steps of a series this volume says nothing.
         let known = known.filter(|_| !of_series);
-        let widget = |entry: &Setting| Drawn::of(entry.table().unwrap_or_default(), axes, known, extent);
+        let widget = |entry: &Setting| Drawn::of(entry.table().unwrap_or_default(), axes, known, metric);
         let widgets: Vec<Drawn> = list.iter().map(widget).collect();
         let peak = former_peak.unwrap_or_else(|| {
             let most = widgets.iter().map(Drawn::peak_of_curve).fold(0.0, f64::max);
@@ -77,6 +83,7 @@ impl<'a> Look<'a> {
             axes: axes.clone(),
             found,
             extent,
+            metric,
             peak,
             probed,
             share,
@@ -95,6 +102,6 @@ impl<'a> Look<'a> {
     }
 
     pub fn scale(&self, shown: [[f64; 2]; 2]) -> Scale {
-        Scale { extent: self.extent, shown, peak: self.peak }
+        Scale { extent: self.metric, shown, peak: self.peak }
     }
 }

@@ -65,8 +65,7 @@ pub(crate) struct TransferPanel {
     of: Option<String>,
     /// Whether the pointer was over the panel in the last frame: then its keys are for the widgets.
     pub has_pointer: bool,
-    /// The plane of the last frame, for tests.
-    #[cfg(test)]
+    /// The plane of the last frame.
     plane: Option<Plane>,
 }
 
@@ -84,7 +83,6 @@ impl Default for TransferPanel {
             hidden: BTreeSet::new(),
             of: None,
             has_pointer: false,
-            #[cfg(test)]
             plane: None,
         }
     }
@@ -172,7 +170,7 @@ impl TransferPanel {
     /// The widget that a probe would make.
     #[cfg(test)]
     pub fn at_probe_for_tests(&self, scene: &Scene) -> Option<voltet_core::graph::Datum> {
-        let look = Look::of(scene, of(scene)?, &self.axes, None);
+        let look = Look::of(scene, of(scene)?, &self.axes, self.plane, None);
         new::at_probe(&look, look.probed.as_ref()?)
     }
 
@@ -182,12 +180,12 @@ impl TransferPanel {
         let is_another = self.of.as_deref() != Some(&node.name);
         if is_another {
             let before = self.of.replace(node.name.clone());
-            (self.chosen, self.drag, self.held, self.shown) = (0, None, None, None);
+            (self.chosen, self.drag, self.held, self.shown, self.plane) = (0, None, None, None, None);
             if before.is_some() {
                 self.hidden.clear();
             }
         }
-        let look = Look::of(scene, node, &self.axes, self.drag.as_ref().map(|drag| drag.peak));
+        let look = Look::of(scene, node, &self.axes, self.plane, self.drag.as_ref().map(|drag| drag.peak));
         self.chosen = self.chosen.min(look.widgets.len().saturating_sub(1));
         if is_another {
             self.choose(0, &look);
@@ -205,10 +203,7 @@ impl TransferPanel {
         );
         let shown = self.shown.or_else(|| look.histogram().map(plane::whole));
         let plane = Plane { rect, shown: shown.unwrap_or([[0.0, 1.0], [0.0, 1.0]]) };
-        #[cfg(test)]
-        {
-            self.plane = Some(plane);
-        }
+        self.plane = Some(plane);
         self.draw(ui, scene, plane, &look);
         if has_curve {
             plane::extinctions(ui, plane, look.peak);

@@ -41,6 +41,12 @@ impl Plane {
         [s[0] + x * (s[1] - s[0]), g[0] + y * (g[1] - g[0])]
     }
 
+    /// Lengths along both axes that are equal on the screen, about as long as the axes.
+    pub fn metric(self) -> [f64; 2] {
+        let side = self.rect.width().max(1.0);
+        self.way(vec2(side, -side))
+    }
+
     /// A way of the pointer, in values.
     pub fn way(self, by: Vec2) -> [f64; 2] {
         let [s, g] = self.shown;
