@@ -104,6 +104,8 @@ pub enum Command {
     Theme,
     /// What the picture costs.
     Costs,
+    /// The keys are for the widgets wherever the pointer is, or not any more.
+    Widgets,
     /// The plane through the data.
     Section,
     /// Error against time.

@@ -156,6 +156,7 @@ impl Editor {
                 ctx.set_theme(if dark { ThemePreference::Light } else { ThemePreference::Dark });
             }
             Command::Costs => self.costs = !self.costs,
+            Command::Widgets => self.transfer.by_keyboard = !self.transfer.by_keyboard,
             Command::Section => self.section.open = !self.section.open,
             Command::Study => self.study.open = !self.study.open,
             Command::Help => self.help = !self.help,

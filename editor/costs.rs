@@ -28,7 +28,8 @@ pub(crate) fn show(ctx: &Context, open: &mut bool, scene: &Scene, actions: &mut 
             ui.columns(2, |columns| {
                 if let [left, right] = columns {
                     stages(left, report);
-                    left_out(right, report);
+                    // Columns are justified, which tears short lines of words apart.
+                    right.vertical(|right| left_out(right, report));
                 }
             });
         });

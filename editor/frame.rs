@@ -22,7 +22,7 @@ impl Editor {
         let mut actions = Actions::default();
         let dropped = ctx.input(|input| input.raw.dropped_files.iter().find_map(|file| file.path.clone()));
         dropped.into_iter().for_each(|path| actions.push(Action::Begin(path)));
-        keys::read(ctx, self.transfer.has_pointer, &mut actions);
+        keys::read(ctx, self.transfer.takes_keys(), &mut actions);
         layout::show(self, ctx, &mut actions);
         for action in actions.0 {
             self.carry_out(ctx, action);

@@ -52,6 +52,12 @@ const KEYS: &[Binding] = &[
     (Command::Roll(true), NONE, Key::Comma, "roll to the left"),
     (Command::Roll(false), NONE, Key::Period, "roll to the right"),
     (Command::Costs, NONE, Key::C, "what the picture costs, and how wrong it is"),
+    (
+        Command::Widgets,
+        NONE,
+        Key::W,
+        "keys for the widgets wherever the pointer is; again or Escape: no more",
+    ),
     (Command::Section, NONE, Key::K, "section: s on a plane through the data"),
     (Command::Study, NONE, Key::U, "study: error against time of every integrator"),
     (Command::Theme, NONE, Key::T, "light or dark"),

@@ -107,6 +107,14 @@ fn keys_over_the_plane_are_for_widgets_and_elsewhere_for_nodes() {
     let picture = hand.editor.picture.rect().unwrap().center();
     hand.move_to(picture, Modifiers::NONE);
     hand.frames(2);
+    // By the keyboard alone, wherever the pointer is.
+    let centre = of(&widgets(&hand)[0], "centre");
+    hand.key(Key::W, Modifiers::NONE);
+    hand.key(Key::PageDown, Modifiers::NONE);
+    hand.key(Key::PageDown, Modifiers::NONE);
+    hand.key(Key::ArrowRight, Modifiers::NONE);
+    assert_ne!(of(&widgets(&hand)[0], "centre"), centre);
+    hand.key(Key::Escape, Modifiers::NONE);
     hand.key(Key::Delete, Modifiers::NONE);
     assert!(
         !hand.editor.document().pipeline().nodes.iter().any(|node| node.name == "look"),

@@ -14,7 +14,7 @@ const NUDGE: f64 = 0.01;
 impl TransferPanel {
     /// What the keys say while the pointer is over the panel.
     pub(super) fn keys(&mut self, ui: &Ui, plane: Plane, look: &Look, actions: &mut Actions) {
-        if ui.ctx().wants_keyboard_input() || !self.has_pointer {
+        if ui.ctx().wants_keyboard_input() || !self.takes_keys() {
             return;
         }
         self.set_keys(ui, look, actions);

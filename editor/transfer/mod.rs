@@ -31,7 +31,7 @@ use crate::actions::Actions;
 use crate::scene::Scene;
 use crate::theme;
 use crate::worker::short;
-use eframe::egui::{self, Align2, FontId, Rect, Sense, Ui, pos2, vec2};
+use eframe::egui::{self, Align2, FontId, Rect, Sense, Stroke, Ui, pos2, vec2};
 use form::{Drawn, Form};
 use hand::Drag;
 use handles::Handle;
@@ -63,8 +63,10 @@ pub(crate) struct TransferPanel {
     /// Widgets that the window's picture leaves out; the file keeps them.
     hidden: BTreeSet<usize>,
     of: Option<String>,
-    /// Whether the pointer was over the panel in the last frame: then its keys are for the widgets.
-    pub has_pointer: bool,
+    /// Whether the pointer was over the panel in the last frame.
+    has_pointer: bool,
+    /// Whether the keys are for the widgets wherever the pointer is.
+    pub by_keyboard: bool,
     /// The plane of the last frame.
     plane: Option<Plane>,
 }
@@ -83,6 +85,7 @@ impl Default for TransferPanel {
             hidden: BTreeSet::new(),
             of: None,
             has_pointer: false,
+            by_keyboard: false,
             plane: None,
         }
     }
@@ -126,6 +129,11 @@ impl TransferPanel {
     /// Whether there is a transfer function to edit.
     pub fn is_wanted(&self, scene: &Scene) -> bool {
         of(scene).is_some()
+    }
+
+    /// Whether the keys are for the widgets.
+    pub fn takes_keys(&self) -> bool {
+        self.has_pointer || self.by_keyboard
     }
 
     /// The widgets of a node that the window's picture leaves out.
@@ -176,6 +184,9 @@ impl TransferPanel {
 
     pub fn show(&mut self, ui: &mut Ui, scene: &Scene, actions: &mut Actions) {
         self.has_pointer = ui.rect_contains_pointer(ui.max_rect());
+        if self.by_keyboard && ui.input(|input| input.key_pressed(egui::Key::Escape)) {
+            self.by_keyboard = false;
+        }
         let Some(node) = of(scene) else { return };
         let is_another = self.of.as_deref() != Some(&node.name);
         if is_another {
@@ -220,6 +231,9 @@ impl TransferPanel {
         ui.painter().rect_filled(rect, 0.0, ui.visuals().extreme_bg_color);
         if let Some(found) = &look.found {
             self.counts.draw(ui, plane, found);
+        }
+        if self.by_keyboard {
+            ui.painter().rect_stroke(rect, 0.0, Stroke::new(2.0, theme::accent(dark)));
         }
         let [x, y] = self.axes.each_ref().map(head::axis_name);
         plane::axes(ui, plane, [&x, if y == "g" { "g = |grad s|" } else { &y }]);
