@@ -95,7 +95,13 @@ fn parts(
         .height_range(80.0..=0.75 * height)
         .show(ctx, |ui| parameters.show(ui, scene, actions));
     let ground = Frame::none().fill(theme::ground(ctx.style().visuals.dark_mode));
-    CentralPanel::default().frame(ground).show(ctx, |ui| graph.show(ui, scene, panel.texture(), actions));
+    CentralPanel::default().frame(ground).show(ctx, |ui| {
+        let place = ui.max_rect();
+        graph.show(ui, scene, panel.texture(), actions);
+        if !scene.document.is_toml() {
+            begin::broken(ui, place, scene.faults);
+        }
+    });
 }
 
 fn status(ui: &mut Ui, editor: &Editor, scene: &Scene) {

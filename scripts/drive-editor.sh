@@ -68,8 +68,10 @@ drag() { # from x y to x y, button
     sleep 0.6
 }
 save() { key ctrl+s; sleep 0.3; }
-begin() { # the arguments of voltet edit
-    (cd "$work" && exec "$program" edit "$@" >"$work/editor.log" 2>&1) &
+begin() { # a folder, the arguments of voltet edit
+    local folder=$1
+    shift
+    (cd "$folder" && exec "$program" edit "$@" >"$work/editor.log" 2>&1) &
     editor=$!
     until_true xdotool search --onlyvisible --name voltet >/dev/null 2>&1 || fail "no window comes"
     sleep "${PATIENCE:-3}"
@@ -99,7 +101,7 @@ display 1280x720
 # A picture of 32-bit floats: nothing is lost before it is compared.
 sed 's/picture\.png/picture.exr/' editor/by_hand/scene.toml >"$work/scene.toml"
 cp "$work/scene.toml" "$work/before.toml"
-begin scene.toml
+begin "$work" scene.toml
 shot 01-opened
 
 drag 960 200 1040 230
@@ -173,31 +175,33 @@ key ctrl+z
 end
 
 if [ -n "$data" ]; then
-    cp "$data" "$work/"
-    begin
+    mkdir "$work/data"
+    cp "$data" "$work/data/"
+    begin "$work/data"
     shot 11-empty
     click 640 289 # "Open data or a pipeline …"
     shot 12-asking
-    xdotool type --delay 20 "$(basename "$data")"
-    key Return
+    # The one file of the folder.
+    at 480 225
+    xdotool click --repeat 2 --delay 80 1
     until_true rests || true
     sleep 4
     until_true rests || true
     shot 13-data
-    key ctrl+s
-    key ctrl+r
+    click 226 11 # "Save"
+    click 270 11 # "Run"
     stem=$(basename "${data%.*}")
-    until_true test -s "$work/$stem.png" || fail "no picture of the data is written"
-    test -s "$work/$stem.toml" || fail "the pipeline is not saved"
+    until_true test -s "$work/data/$stem.png" || fail "no picture of the data is written"
+    test -s "$work/data/$stem.toml" || fail "the pipeline is not saved"
     sleep 0.5
     shot 14-written
-    cp "$work/$stem.png" "$shots/15-picture.png"
+    cp "$work/data/$stem.png" "$shots/15-picture.png"
     end
 fi
 
 # Screens of a high density: the same window of 1280 x 720 points.
 display 2560x1440
-WINIT_X11_SCALE_FACTOR=2 begin scene.toml
+WINIT_X11_SCALE_FACTOR=2 begin "$work" scene.toml
 shot 16-dense
 key ctrl+q
 echo "the round is done; pictures of the window are in $shots"

@@ -87,3 +87,25 @@ fn far_away_nodes_show_their_names_alone_and_are_still_moved() {
     hand.drag(frame.center(), frame.center() + vec2(0.0, 30.0));
     assert!(hand.editor.document().position("picture")[1] > before[1] + 60.0);
 }
+
+#[test]
+fn a_node_has_a_remark_and_the_pipeline_a_title() {
+    let mut hand = Hand::new(TEXT);
+    hand.editor.selection = ["view".to_string()].into();
+    hand.frames(3);
+    hand.click_on("a remark, shown in the node");
+    hand.typed("from the south");
+    hand.key(Key::Enter, Modifiers::NONE);
+    hand.frames(3);
+    assert!(hand.text().contains("remark = \"from the south\""), "{}", hand.text());
+    let frame = hand.editor.graph.frame_of("view").unwrap();
+    assert!(hand.texts("from the south").iter().any(|at| frame.contains(*at)), "it stands in the node");
+    hand.editor.selection.clear();
+    hand.frames(2);
+    hand.click_on("none");
+    hand.typed("A box");
+    hand.key(Key::Enter, Modifiers::NONE);
+    hand.frames(2);
+    assert!(hand.text().contains("title = \"A box\""), "{}", hand.text());
+    assert_eq!(hand.steps(), 2);
+}

@@ -121,3 +121,24 @@ fn arrays_of_the_data_are_chosen_one_or_several() {
         assert!(hand.text().contains(wanted), "{node}: {}", hand.text());
     }
 }
+
+/// The data are not there, so that nothing is drawn; what is wrong is shown, too.
+#[test]
+fn to_look_at_a_pipeline_that_ships_changes_nothing() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../pipelines");
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_none_or(|end| end != "toml") {
+            continue;
+        }
+        let text = std::fs::read_to_string(&path).unwrap();
+        let mut hand = Hand::new(&text);
+        let nodes: Vec<String> =
+            hand.editor.document().pipeline().nodes.iter().map(|node| node.name.clone()).collect();
+        for node in nodes {
+            hand.editor.selection = [node].into();
+            hand.frames(3);
+        }
+        assert_eq!(hand.text(), text, "{}", path.display());
+    }
+}

@@ -146,3 +146,34 @@ fn data_are_opened_with_a_pipeline_made_for_them() {
     hand.key(Key::S, Modifiers::COMMAND);
     assert!(hand.folder.path().join("data.toml").exists(), "{}", hand.said());
 }
+
+#[test]
+fn faults_are_those_of_the_document_that_is_shown() {
+    let mut hand = Hand::new(TEXT);
+    let broken = hand.folder.path().join("broken.toml");
+    std::fs::write(&broken, TEXT.replace("extinction = 4.0", "extinction = -4.0")).unwrap();
+    let ctx = hand.ctx.clone();
+    hand.editor.open_any(&ctx, &broken);
+    hand.frames(2);
+    assert_eq!(hand.editor.scene().faults.len(), 1, "{}", hand.text());
+    assert_eq!(hand.steps(), 0, "to show a wrong number changes nothing");
+    hand.editor.open_any(&ctx, &hand.path());
+    hand.frames(2);
+    assert!(hand.editor.scene().faults.is_empty(), "{:?}", hand.editor.scene().faults);
+}
+
+#[test]
+fn a_file_that_is_no_toml_says_where_and_is_taken_over_once_it_is_mended() {
+    let mut hand = Hand::new(&TEXT.replace("type = \"camera\"", "type = camera\""));
+    let said = hand.shown_beginning("Mend it in a text editor");
+    assert_eq!(said.len(), 1);
+    let fault = &hand.editor.scene().faults[0];
+    assert!(fault.place.line_column.is_some(), "{fault}");
+    std::fs::write(hand.path(), TEXT).unwrap();
+    // The file is looked at once a second.
+    std::thread::sleep(Duration::from_millis(1100));
+    hand.frames(2);
+    hand.click_on("Take it over");
+    assert_eq!(hand.text(), TEXT);
+    assert!(hand.editor.graph.frame_of("view").is_some());
+}

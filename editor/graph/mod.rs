@@ -12,14 +12,14 @@ mod joining;
 mod menu;
 mod package;
 mod places;
+mod sight;
 mod wires;
 
 use crate::actions::{Action, Actions};
 use crate::scene::Scene;
 use crate::theme;
 use eframe::egui::{
-    self, Color32, FontId, PointerButton, Pos2, Rect, Rounding, Stroke, TextStyle, TextureHandle, Ui, Vec2,
-    pos2, vec2,
+    self, Color32, FontId, PointerButton, Rect, Rounding, Stroke, TextureHandle, Ui, Vec2, pos2, vec2,
 };
 use egui_node_graph2::{AnyParameterId, NodeId};
 pub(crate) use frames::Thing;
@@ -27,12 +27,9 @@ use frames::{Carried, Writing};
 use menu::Menu;
 use package::{NoTemplates, State, Written};
 use places::{Places, Port};
-use std::collections::{BTreeSet, HashMap};
+use std::collections::HashMap;
 use std::rc::Rc;
 use wires::InHand;
-
-/// Least and largest scale: beyond, text cannot be read or nothing else is seen.
-const ZOOM: [f32; 2] = [0.25, 2.0];
 
 /// Frames until nodes have the sizes that they are fitted by.
 const FRAMES_TO_FIT: u32 = 3;
@@ -40,8 +37,7 @@ const FRAMES_TO_FIT: u32 = 3;
 /// How near to a port a pointer means it, points.
 const NEAR: f32 = 11.0;
 
-/// Height of letters, points, below which they are left out, and that of names then.
-const FAR_LETTERS: f32 = 6.0;
+/// Height of the letters of names where others are left out, points.
 const LEAST_LETTERS: f32 = 9.0;
 
 /// A drag of nodes: where they were, and how far it went.
@@ -111,7 +107,7 @@ impl GraphView {
 
     /// Where a port was drawn.
     #[cfg(test)]
-    pub fn port_at(&self, node: &str, name: &str, is_input: bool) -> Option<Pos2> {
+    pub fn port_at(&self, node: &str, name: &str, is_input: bool) -> Option<egui::Pos2> {
         let is_it = |port: &Rc<Port>| port.node == node && port.name == name && port.is_input == is_input;
         self.places.seen.iter().find(|(port, _)| is_it(port)).map(|(_, at)| *at)
     }
@@ -158,86 +154,6 @@ impl GraphView {
         if !ui.input(|input| input.pointer.any_down()) {
             (self.dragged, self.carried) = (None, None);
         }
-    }
-
-    /// From the document's places to the window's.
-    fn to_window(&self, rect: Rect) -> impl Fn([f64; 2]) -> Pos2 + use<> {
-        let (pan, zoom, origin) = (self.pan, self.zoom, rect.min);
-        move |[x, y]| origin + pan + zoom * vec2(x as f32, y as f32)
-    }
-
-    /// From the window's places to the document's.
-    fn to_document(&self, rect: Rect, at: Pos2) -> [f64; 2] {
-        let from = (at - rect.min - self.pan) / self.zoom;
-        [f64::from(from.x), f64::from(from.y)]
-    }
-
-    /// Wheel, middle drag, and bringing all into view.
-    fn move_view(&mut self, ui: &mut Ui, rect: Rect, scene: &Scene) {
-        if self.fits > 0 {
-            self.fits -= 1;
-            self.bring_into_view(rect, scene);
-            ui.ctx().request_repaint();
-        }
-        let over = ui.rect_contains_pointer(rect) && self.menu.is_none();
-        let (scroll, zoom_delta, at, delta, pans) = ui.input(|input| {
-            let pans =
-                input.pointer.middle_down() || (input.pointer.primary_down() && input.modifiers.command);
-            (
-                input.smooth_scroll_delta,
-                input.zoom_delta(),
-                input.pointer.hover_pos(),
-                input.pointer.delta(),
-                pans,
-            )
-        });
-        if let Some(at) = at.filter(|_| over) {
-            let factor = (scroll.y * 0.0025).exp() * zoom_delta;
-            let zoom = (self.zoom * factor).clamp(ZOOM[0], ZOOM[1]);
-            let from = at - rect.min;
-            self.pan = from - (from - self.pan) * (zoom / self.zoom);
-            self.zoom = zoom;
-            if pans {
-                self.pan += delta;
-            }
-            // The package would zoom about the view's middle by moving the nodes.
-            ui.input_mut(|input| input.smooth_scroll_delta = Vec2::ZERO);
-        }
-    }
-
-    /// Whether the letters of nodes are too small to be read; then nodes show their names alone, in letters of one size.
-    fn is_far(&self, ui: &Ui) -> bool {
-        let body = TextStyle::Body.resolve(ui.style()).size;
-        // On screens of a high density smaller letters can be read, down to a limit.
-        let sharp = ui.ctx().pixels_per_point().clamp(1.0, 1.5);
-        body * self.zoom * sharp < FAR_LETTERS
-    }
-
-    fn bring_into_view(&mut self, rect: Rect, scene: &Scene) {
-        let nodes = &scene.document.pipeline().nodes;
-        let mut all = Rect::NOTHING;
-        for node in nodes {
-            all = all.union(self.places.frame(scene, node));
-        }
-        if !all.is_finite() || all.is_negative() {
-            (self.pan, self.zoom) = (vec2(20.0, 20.0), 1.0);
-            return;
-        }
-        let room = rect.size() - vec2(40.0, 40.0);
-        self.zoom = (room.x / all.width()).min(room.y / all.height()).clamp(ZOOM[0], 1.0);
-        self.pan = rect.size() / 2.0 - self.zoom * all.center().to_vec2();
-    }
-
-    /// The names of the nodes in view, and of those that a hand holds.
-    fn visible(&self, scene: &Scene, rect: Rect) -> BTreeSet<String> {
-        let to_window = self.to_window(rect);
-        let held = self.wire.as_ref().map(|wire| wire.node.as_str());
-        let seen = |node: &&voltet_core::graph::NodeEntry| {
-            let frame = self.places.frame(scene, node);
-            let [low, high] = [frame.min, frame.max].map(|at| to_window([f64::from(at.x), f64::from(at.y)]));
-            rect.intersects(Rect::from_min_max(low, high).expand(20.0)) || held == Some(&node.name)
-        };
-        scene.document.pipeline().nodes.iter().filter(seen).map(|node| node.name.clone()).collect()
     }
 
     /// The package scales a copy of the style; it is made again where the scale or the theme is another.

@@ -66,6 +66,7 @@ impl ParameterPanel {
             };
             ui.add_space(4.0);
             ui.label(RichText::new(text).color(theme::weak(dark)));
+            self.title(ui, scene, actions);
             return;
         };
         let Some(entry) = scene.entry(name) else { return };
@@ -76,6 +77,17 @@ impl ParameterPanel {
                 ui.label(RichText::new(fault.to_string()).color(theme::wrong(dark)));
             }
             self.table(ui, Of { scene, node: name }, &Path::default(), &rows, actions);
+        });
+    }
+
+    /// The title of the pipeline, which its pictures carry.
+    fn title(&mut self, ui: &mut Ui, scene: &Scene, actions: &mut Actions) {
+        let now = scene.document.pipeline().title.clone().unwrap_or_default();
+        ui.horizontal(|ui| {
+            ui.label("title").on_hover_text("of the pipeline; its pictures carry it");
+            if let Some(title) = self.typing.line(ui, "title!", &now, 320.0, "none") {
+                actions.edit(Edit::Title(Some(title).filter(|title| !title.is_empty())));
+            }
         });
     }
 
@@ -108,6 +120,14 @@ impl ParameterPanel {
             let label = Label::new(RichText::new(summary).color(theme::weak(dark))).truncate();
             ui.add(label).on_hover_text(summary);
         });
+        let view = scene.document.view().nodes.get(&entry.name);
+        let now = view.and_then(|view| view.remark.clone()).unwrap_or_default();
+        let width = (ui.available_width() - 24.0).max(80.0);
+        let key = format!("{}?", entry.name);
+        if let Some(text) = self.typing.line(ui, &key, &now, width, "a remark, shown in the node") {
+            let text = Some(text).filter(|text| !text.is_empty());
+            actions.edit(Edit::Remark { node: entry.name.clone(), text });
+        }
         ui.separator();
     }
 

@@ -3,7 +3,7 @@
 use super::{Of, ParameterPanel};
 use crate::actions::{Action, Actions};
 use crate::asking::Asked;
-use eframe::egui::{Color32, ComboBox, DragValue, Response, Rgba, Slider, Ui};
+use eframe::egui::{Color32, ComboBox, DragValue, Response, Rgba, Slider, SliderClamping, Ui};
 use voltet_core::graph::{Datum, Range, Setting};
 use voltet_document::panel::{Control, Row, Scale, rounded, shown};
 
@@ -138,7 +138,10 @@ fn number_field(ui: &mut Ui, now: Option<f64>, range: &Range, scale: Option<Scal
     let is_logarithmic = scale == Some(Scale::Logarithmic);
     let mut slid = None;
     if scale.is_some() && span.is_finite() && (is_logarithmic || span <= SPAN_OF_SLIDER) {
-        let slider = Slider::new(&mut x, range.min..=range.max).logarithmic(is_logarithmic).show_value(false);
+        let slider = Slider::new(&mut x, range.min..=range.max)
+            .logarithmic(is_logarithmic)
+            .show_value(false)
+            .clamping(SliderClamping::Edits);
         let response = ui.add(slider.smart_aim(true));
         let step = span / f64::from(response.rect.width().max(1.0));
         let step = if is_logarithmic { step.min(SPEED * x.abs()) } else { step };
@@ -161,7 +164,8 @@ fn short(x: f64) -> String {
 /// A number that is dragged and typed.
 fn drag(ui: &mut Ui, before: f64, range: &Range, step: f64, whole: bool) -> (Response, f64) {
     let mut x = before;
-    let field = DragValue::new(&mut x).range(range.min..=range.max).speed(step).update_while_editing(false);
+    let field = DragValue::new(&mut x).range(range.min..=range.max).clamp_existing_to_range(false);
+    let field = field.speed(step).update_while_editing(false);
     let field = match whole {
         true => field.max_decimals(0),
         false => field.custom_formatter(|x, _| short(x)),

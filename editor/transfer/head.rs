@@ -206,7 +206,9 @@ impl TransferPanel {
         if is_stated("extinction") {
             let mut extinction = widget.extinction;
             let speed = (extinction * 0.01).max(1e-3);
-            let field = DragValue::new(&mut extinction).range(0.0..=f64::MAX).speed(speed).max_decimals(4);
+            // What a file states stays until a hand changes it, however wrong.
+            let field = DragValue::new(&mut extinction).range(0.0..=f64::MAX).clamp_existing_to_range(false);
+            let field = field.speed(speed).max_decimals(4);
             let response = ui.add(field.update_while_editing(false));
             if response.on_hover_text("extinction, per unit_distance").changed() {
                 set("extinction", Datum::Number(super::moved::rounded(extinction)));
