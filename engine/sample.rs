@@ -34,7 +34,7 @@ pub(crate) struct Sample {
     /// Their numbers by tile.
     tiles64: Vec<Vec<u32>>,
     distance_origin: f64,
-    near: Option<[f32; 2]>,
+    near: Option<[f32; 3]>,
     pub attribute_count: usize,
 }
 
@@ -52,7 +52,7 @@ pub(crate) struct Frame<'a> {
     pub sorted: bool,
     pub distance_origin: f64,
     /// See [`crate::fragments::crossing::Group::evaluate`].
-    pub near: Option<[f32; 2]>,
+    pub near: Option<[f32; 3]>,
     sample: &'a Sample,
     volume: &'a Volume,
     attributes: &'a [Attribute<'a>],
@@ -163,7 +163,8 @@ impl Sample {
         let near = (nearest < view.near && (!view.perspective || view.near > 0.0)).then(|| {
             // From the distance, not the depth: far from the eye, depth / near − 1 has no digits left in 32 bits.
             let scale = if view.perspective { 1.0 / view.near } else { 1.0 };
-            [scale as f32, ((distance_origin - view.near) * scale) as f32]
+            let past = distance_origin - view.near;
+            [scale as f32, (past * scale) as f32, -past as f32]
         });
         Ok(Sample {
             view,

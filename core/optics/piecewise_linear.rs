@@ -75,17 +75,22 @@ impl<'a> PiecewisePath<'a> {
         PiecewisePath { points, front, back }
     }
 
-    /// How many control points lie at or below s: the number of the interval that holds it.
+    /// How many control points lie at or below s at t and t' (= 1 − t): the number of the interval that holds it. By the
+    /// difference from each, so that an offset of all numbers costs no digits.
     #[inline]
-    fn interval(&self, s: f64) -> usize {
-        self.points.partition_point(|p| p.s <= s)
+    fn interval(&self, t: f64, rest: f64) -> usize {
+        self.points.partition_point(|point| 0.0 <= self.offset_from(point, t, rest))
     }
 
     /// s at t and t' (= 1 − t) minus the control point's: each difference from the raw numbers.
     #[inline]
     fn offset(&self, point: usize, t: f64, rest: f64) -> f64 {
-        let s = self.points[point].s;
-        (self.front - s) * rest + (self.back - s) * t
+        self.offset_from(&self.points[point], t, rest)
+    }
+
+    #[inline]
+    fn offset_from(&self, point: &ControlPoint, t: f64, rest: f64) -> f64 {
+        (self.front - point.s) * rest + (self.back - point.s) * t
     }
 
     /// Share of the upper control point of `interval` at t; the interval has two control points.
@@ -124,8 +129,8 @@ impl<'a> PiecewisePath<'a> {
         let at = |point: usize| (self.points[point].extinction, self.points[point].color);
         let start = (stretch.start, stretch.start_to_back);
         let end = (stretch.end, stretch.end_to_back);
-        let mut interval = self.interval(stretch.at_start(self.front, self.back));
-        let last = self.interval(stretch.at_end(self.front, self.back));
+        let mut interval = self.interval(start.0, start.1);
+        let last = self.interval(end.0, end.1);
         let mut front =
             (self.extinction_in(interval, start.0, start.1), self.color_in(interval, start.0, start.1));
         if interval == last {
@@ -215,13 +220,13 @@ impl<'a> PiecewisePath<'a> {
     /// Colour at t.
     pub fn color(&self, t: f64) -> [f64; 3] {
         let rest = 1.0 - t;
-        self.color_in(self.interval(self.front * rest + self.back * t), t, rest)
+        self.color_in(self.interval(t, rest), t, rest)
     }
 
     /// Extinction at t.
     pub fn extinction(&self, t: f64) -> f64 {
         let rest = 1.0 - t;
-        self.extinction_in(self.interval(self.front * rest + self.back * t), t, rest)
+        self.extinction_in(self.interval(t, rest), t, rest)
     }
 
     /// The next t' > t at which the extinction passes a control point or the threshold of glowing.
@@ -231,7 +236,7 @@ impl<'a> PiecewisePath<'a> {
             return f64::INFINITY;
         }
         let past = t + 1e-15;
-        let mut interval = self.interval(self.front * (1.0 - t) + self.back * t);
+        let mut interval = self.interval(t, 1.0 - t);
         loop {
             let point = if span > 0.0 { interval } else { interval.wrapping_sub(1) };
             if point >= self.points.len() {
@@ -286,7 +291,7 @@ impl Track for PiecewiseTrack<'_> {
         // points with one scalar make a step, rounding would tell which side is meant.
         let path = &self.path;
         let (middle, end) = (t + 0.5 * dt, t + dt);
-        let interval = path.interval(path.front * (1.0 - middle) + path.back * middle);
+        let interval = path.interval(middle, 1.0 - middle);
         let sum = path.extinction_in(interval, t, 1.0 - t) + path.extinction_in(interval, end, 1.0 - end);
         0.5 * dt * self.scale * sum
     }

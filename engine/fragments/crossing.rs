@@ -49,14 +49,14 @@ impl Group {
 
     /// Evaluates `codes` (at most [`super::batch::BATCH`], readable up to the next multiple of `WIDTH`). `stretch` is the
     /// length of each pixel's ray direction; `near`, where the near plane cuts cells, gives its
-    /// v as scale × distance + offset. Entry and exit depths are found only if the segments are `ordered`.
+    /// v as scale × distance + offset, and its depth from the distance origin. Entry and exit depths are found only if the segments are `ordered`.
     #[inline(always)]
     pub fn evaluate<L: Lanes, const PERSPECTIVE: bool>(
         &self,
         codes: &[u16],
         count: usize,
         stretch: &[f32; TILE * TILE],
-        near: Option<[f32; 2]>,
+        near: Option<[f32; 3]>,
         ordered: bool,
         batch: &mut Batch,
     ) {
@@ -96,8 +96,12 @@ impl Group {
             }
             let depth = depth.permute(lane);
             let distance = distance.permute(lane);
-            if let Some([scale, offset]) = near {
-                v_front = v_front.min(distance.mul_add(L::F::splat(scale), L::F::splat(offset)));
+            // What the plane cuts begins where it is, bit for bit in all cells: their exits tell their order.
+            let (mut cut, mut cut_at) = (L::F::splat(0.0).lt(L::F::splat(0.0)), L::F::splat(0.0));
+            if let Some([scale, offset, entry]) = near {
+                let v_near = distance.mul_add(L::F::splat(scale), L::F::splat(offset));
+                (cut, cut_at) = (v_near.lt(v_front), L::F::splat(entry));
+                v_front = v_front.min(v_near);
             }
             let thickness = v_front - v_back;
             let hit = L::F::splat(0.0).lt(thickness);
@@ -117,7 +121,7 @@ impl Group {
             );
             L::F::select(hit, length, L::F::splat(0.0)).store(&mut batch.length[at..]);
             if ordered {
-                depth_at(v_front, q_front).store(&mut batch.entry[at..]);
+                L::F::select(cut, cut_at, depth_at(v_front, q_front)).store(&mut batch.entry[at..]);
                 depth_at(v_back, q_back).store(&mut batch.exit[at..]);
             }
             pixel.store(&mut batch.pixel[at..]);

@@ -95,8 +95,11 @@ impl Cell64 {
             let at = dot(face.normal, sub(origin, face.on));
             let slope = dot(face.normal, direction);
             if slope == 0.0 {
-                let inside = if at == 0.0 { face.side > 0.0 } else { at * face.side > 0.0 };
-                if !inside {
+                // In a face: as if moved by (ε, ε²) to the right and down, which is the rule of the spans. The faces about an edge
+                // then give the ray to one of their cells.
+                let moved = if face.normal[0] == 0.0 { face.normal[1] } else { face.normal[0] };
+                let to = if at == 0.0 { moved } else { at };
+                if to * face.side <= 0.0 {
                     return None;
                 }
             } else if slope * face.side > 0.0 {

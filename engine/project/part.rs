@@ -42,6 +42,9 @@ pub(crate) struct Input<'a> {
     pub tiles_high: usize,
 }
 
+/// Pixels by which a span may be rounded beyond its cell: its edges cross rows at multiples of 2⁻¹⁷.
+const BESIDE: f64 = 1.0 / (1 << 16) as f64;
+
 /// Perspective cells whose depths differ by more than this factor are drawn in 64 bits: v would span too many
 /// octaves for 24 bits.
 const DEPTH_RATIO: f64 = 4.0;
@@ -60,6 +63,10 @@ const FLAT: f64 = 1e3;
 /// Cells with a face that changes v by more than this over the pixels they cover are drawn in 64 bits: a face seen nearly edge
 /// on, whose terms cancel where a ray meets it. They leave 6e-8 times this of v.
 const STEEP_MOST: f64 = 3e3;
+
+/// A face that crosses the cell's whole range of depths within so many pixels is drawn in 64 bits: the rounding of pixel coordinates
+/// moves it by 3e-5 of that range.
+const NARROW: f64 = 2e-3;
 
 pub(crate) struct ProjectPart<'a> {
     pub input: Input<'a>,
@@ -128,10 +135,11 @@ fn project_group<L: Lanes>(input: &Input<'_>, group: &[u32], part: &mut Projecte
         |c: &[L::D; 4]| c[0].max(c[1]).max(c[2].max(c[3])),
     );
 
-    // Pixel centres that the cell's box covers: [ceil(low), ceil(high)) in each direction.
+    // Pixel centres that the cell's box covers: [ceil(low), ceil(high)) in each direction, and those that its spans may round to.
     let (width, height) = (splat(view.size[0] as f64), splat(view.size[1] as f64));
-    let x0 = least(&x).ceil().max(zero).min(width);
-    let x1 = most(&x).ceil().max(zero).min(width);
+    let beside = splat(BESIDE);
+    let x0 = (least(&x) - beside).ceil().max(zero).min(width);
+    let x1 = (most(&x) + beside).ceil().max(zero).min(width);
     let y0 = least(&y).ceil().max(zero).min(height);
     let y1 = most(&y).ceil().max(zero).min(height);
     let (z_least, z_most) = (least(&z), most(&z));
@@ -199,6 +207,7 @@ fn project_group<L: Lanes>(input: &Input<'_>, group: &[u32], part: &mut Projecte
     let n0 = cross(&f[0], &f[1]);
 
     let reach = (most(&x) - least(&x)) + (most(&y) - least(&y));
+    let range = most(&v) - least(&v);
     let face = inlined(
         #[inline(always)]
         |c: &[L::D; 4], opposite: usize| -> [L::D; 3] {
@@ -233,6 +242,7 @@ fn project_group<L: Lanes>(input: &Input<'_>, group: &[u32], part: &mut Projecte
         }
         let across = a.abs() * (x1 - x0) + b.abs() * (y1 - y0);
         ill |= bounded.and(splat(STEEP_MOST).lt(across)).bits();
+        ill |= bounded.and(range.lt(splat(NARROW) * (a.abs() + b.abs()))).bits();
         let open = L::D::select(faces_eye, splat(STEEP), splat(-STEEP));
         // An edge-on face constrains nothing: the silhouette does.
         L::D::select(bounded, a, zero).store_f32(&mut planes[k][0]);
@@ -242,7 +252,6 @@ fn project_group<L: Lanes>(input: &Input<'_>, group: &[u32], part: &mut Projecte
     }
 
     // The thickest place of a flat cell measures the determinant over the area that it covers, half of the areas' sum.
-    let range = most(&v) - least(&v);
     let dense = splat(DENSE).lt(range * depth * splat(input.densest)).bits();
     if dense & ordinary != 0 {
         ill |= dense & (splat(FLAT) * determinant.abs()).lt(range * areas * splat(0.5)).bits();

@@ -222,13 +222,26 @@ mod tests {
     }
 
     /// Edge-on faces that lie along a row of pixels to some 1e-9, slivers of 1 : 30,000 behind steep widgets, faces that are lines
-    /// on the screen since they are narrow, a widget that falls by e⁻¹⁶ over a cell where another begins.
+    /// on the screen since they are narrow, a widget that falls by e⁻¹⁶ over a cell where another begins, an edge through the eye that
+    /// the middle ray follows, cells that overlap at the near plane, faces of a millionth of a pixel, a stiff ramp at 1e8.
     #[test]
     fn scenes_once_beyond_their_bound_are_not() {
         let subjects = subjects(None).expect("the native engine");
-        for (seed, number) in
-            [(5, 4042), (5, 3438), (5, 4970), (6, 2674), (6, 5644), (7, 838), (7, 1390), (7, 5801)]
-        {
+        for (seed, number) in [
+            (5, 4042),
+            (5, 3438),
+            (5, 4970),
+            (6, 2674),
+            (6, 5644),
+            (7, 838),
+            (7, 1390),
+            (7, 5801),
+            (2, 4397),
+            (5, 4221),
+            (8, 3186),
+            (8, 5116),
+            (8, 9196),
+        ] {
             let found = random(&subjects, seed, number..number + 1, &Silent).expect("drawn");
             assert!(found.beyond.is_empty(), "{:#?}", found.beyond);
         }
