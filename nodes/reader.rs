@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use voltet_core::graph::{
     Call, Datum, Demand, Foresight, MayLeaveOut, Node, Notes, Outputs, Parameter, ParameterType, Parameters,
-    Port, PortType, Preparation, Range, Saving, Standard, Value, nearest,
+    Port, PortType, Preparation, Range, Saving, Standard, Steps, Value, nearest,
 };
 use voltet_core::{Error, Result};
 
@@ -85,6 +85,7 @@ pub const NODE: Node = Node {
     demand: &|_| Ok(()),
     foresee: &foresee,
     steps: &steps,
+    files_beside: &files_beside,
     prepare: &prepare,
     run: &run,
     ..Node::BLANK
@@ -118,6 +119,20 @@ fn run(call: &mut Call) -> Result<Outputs> {
         }
     }
     Ok(vec![Value::Grid(Arc::new(grid))])
+}
+
+/// Pieces, the files of the step, a solution that nobody named. Mistakes are said when it runs.
+fn files_beside(preparation: &Preparation, steps: Steps) -> Vec<PathBuf> {
+    let (Ok(path), Ok(mut request)) = (preparation.path("path"), request(preparation.parameters)) else {
+        return Vec::new();
+    };
+    if preparation.parameters.given("solution") {
+        request.solution = preparation.path("solution").ok();
+    }
+    match steps {
+        Steps::Read => formats::files_read_beside(&path, &request),
+        Steps::All => formats::files_beside(&path),
+    }
 }
 
 /// Each step of a series by its number.

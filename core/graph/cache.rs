@@ -1,7 +1,8 @@
 //! Former outputs of nodes, and things made from a revision.
 
 use super::build::Graph;
-use super::declaration::Node;
+use super::call::Preparation;
+use super::declaration::{Node, Steps};
 use super::demand::Demand;
 use super::notes::Notes;
 use super::stated::Stated;
@@ -26,7 +27,7 @@ pub(super) struct Entry {
     /// What fed each of its ports.
     pub(super) inputs: Vec<(usize, Revision)>,
     pub(super) demand: Demand,
-    /// The files that its parameters name, as they were after the run.
+    /// The files that its parameters name and those that it reads beside them, as they were after the run.
     pub(super) files: Vec<(PathBuf, Stamp)>,
     /// What it was told of the graph that it was part of.
     pub(super) carried: Option<Stated>,
@@ -100,10 +101,27 @@ impl Cache {
     }
 }
 
-/// The files that a node's parameters name and their state.
-pub(super) fn files_of(parameters: &Parameters, folder: &Path, stamp: FileStamp) -> Vec<(PathBuf, Stamp)> {
-    let paths = parameters.paths().into_iter().map(|named| named.from(folder));
-    paths.map(|path| (path.clone(), stamp(&path))).collect()
+/// The files that a node's parameters name, those that it reads beside them, and their state.
+pub(super) fn files_of(
+    (node, parameters): (&'static Node, &Parameters),
+    steps: Steps,
+    folder: &Path,
+    stamp: FileStamp,
+) -> Vec<(PathBuf, Stamp)> {
+    let named = parameters.paths().into_iter().map(|named| named.from(folder));
+    let named: Vec<_> = named.map(|path| (path.clone(), stamp(&path))).collect();
+    named.into_iter().chain(files_beside((node, parameters), steps, folder, stamp)).collect()
+}
+
+/// The files that a node reads beside those that its parameters name.
+pub(super) fn files_beside(
+    (node, parameters): (&'static Node, &Parameters),
+    steps: Steps,
+    folder: &Path,
+    stamp: FileStamp,
+) -> Vec<(PathBuf, Stamp)> {
+    let beside = (node.files_beside)(&Preparation { parameters, folder }, steps);
+    beside.into_iter().map(|path| (path.clone(), stamp(&path))).collect()
 }
 
 type Kept = Arc<dyn Any + Send + Sync>;

@@ -5,12 +5,22 @@ use super::call::{Asking, Call, Foresight, Outputs, Preparation};
 use super::value::Value;
 use crate::Result;
 use crate::parameters::{Parameter, ParameterType, Parameters};
+use std::path::PathBuf;
 
 /// What is known of an input before any data are: the port's name and what stands for its value, `None` where nothing does.
 pub type Outlined<'a> = (&'a str, Option<Value>);
 
 /// See [`Node::outline`].
 pub type Outline = dyn Fn(&Parameters, &[Outlined]) -> Result<Outputs> + Send + Sync;
+
+/// Which steps of a time series are meant.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Steps {
+    /// The one that parameters name.
+    Read,
+    /// All.
+    All,
+}
 
 /// A node type: its declaration and the functions that work for it. A constant for the nodes that ship; a plug-in
 /// leaks its own (`Box::leak`), since node types live as long as the program.
@@ -47,6 +57,9 @@ pub struct Node {
     /// The parameters with which the node reads each step of the time series that its files are, as far as headers tell; these
     /// alone where it reads none.
     pub steps: &'static (dyn Fn(&Preparation) -> Result<Vec<Parameters>> + Send + Sync),
+    /// The files that it reads beside those that its parameters name, from headers alone: where one of them changes it runs again,
+    /// and pictures say what they were. Of a series the files of the step that is read, or of all. What cannot be read names none.
+    pub files_beside: &'static (dyn Fn(&Preparation, Steps) -> Vec<PathBuf> + Send + Sync),
     /// Finds out before any long work whether the run can succeed (files exist, folders can be written).
     pub prepare: &'static (dyn Fn(&Preparation) -> Result<()> + Send + Sync),
     /// Does the work: one value for each output, in their order.
@@ -71,6 +84,7 @@ impl Node {
         demand: &|asking| asking.pass_on(),
         foresee: &|_| Ok(()),
         steps: &|preparation| Ok(vec![preparation.parameters.clone()]),
+        files_beside: &|_, _| Vec::new(),
         prepare: &|_| Ok(()),
         run: &|_| Ok(Vec::new()),
     };

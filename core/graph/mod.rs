@@ -41,7 +41,7 @@ pub use crate::parameters::{
 pub use build::{Edge, Graph, GraphNode, LinkEntry, NodeEntry};
 pub use cache::{FileStamp, Stamp};
 pub use call::{Asking, Call, Foresight, Outputs, Preparation};
-pub use declaration::{Node, Outline, Outlined, Port, PortType};
+pub use declaration::{Node, Outline, Outlined, Port, PortType, Steps};
 pub use demand::{Arrays, Demand, Plan};
 pub use faults::{Fault, Part};
 pub use leave_out::MayLeaveOut;

@@ -1,8 +1,8 @@
 //! What values were made from: cameras, units and files, for what is written to say.
 
 use super::build::Graph;
-use super::cache::{FileStamp, Stamp};
-use super::declaration::PortType;
+use super::cache::{FileStamp, Stamp, files_beside};
+use super::declaration::{PortType, Steps};
 use super::demand::Done;
 use super::value::{Value, diagonal};
 use crate::camera::Camera;
@@ -33,6 +33,8 @@ pub struct FileRead {
     pub path: PathBuf,
     /// Its state.
     pub stamp: Stamp,
+    /// The files that were read beside it: pieces, the file of a step.
+    pub beside: Vec<(PathBuf, Stamp)>,
 }
 
 /// Of these nodes, which ran.
@@ -54,9 +56,12 @@ pub(super) fn origins(graph: &Graph, places: &[usize], done: &[Option<Done>], st
             }
         }
         let read = node.parameters.paths().into_iter().filter(|named| !named.written);
+        // The first names the others.
+        let mut beside = files_beside((node.node, &node.parameters), Steps::Read, &graph.folder, stamp);
         origins.files.extend(read.map(|named| {
             let path = named.from(&graph.folder);
-            FileRead { node: node.name.clone(), stamp: stamp(&path), named, path }
+            let beside = std::mem::take(&mut beside);
+            FileRead { node: node.name.clone(), stamp: stamp(&path), named, path, beside }
         }));
     }
     origins

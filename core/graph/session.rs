@@ -3,7 +3,7 @@
 use super::build::{Edge, Graph, GraphNode};
 use super::cache::{Cache, Entry, FileStamp, Store, files_of};
 use super::call::{Asking, Call, NodeProgress, Preparation};
-use super::declaration::{Outlined, PortType};
+use super::declaration::{Outlined, PortType, Steps};
 use super::demand::{Arrays, Demand, Done, Plan};
 use super::leave_out::MayLeaveOut;
 use super::notes::{Notes, RunReport, Saving};
@@ -213,7 +213,7 @@ impl Session {
         let node = &graph.nodes[i];
         let revisions: Vec<(usize, Revision)> =
             node.inputs.iter().zip(&inputs).map(|(edge, input)| (edge.port, input.1)).collect();
-        let files = files_of(&node.parameters, &graph.folder, self.file_stamp);
+        let files = files_of((node.node, &node.parameters), Steps::Read, &graph.folder, self.file_stamp);
         let former = self.cache.find(node.node, &node.parameters, &revisions, demand, &files, &graph.stated);
         if let Some(entry) = former.filter(|_| !self.no_leave_out) {
             let (outputs, notes) = (entry.outputs.clone(), entry.notes.clone());
@@ -250,7 +250,7 @@ impl Session {
             parameters: node.parameters.clone(),
             inputs: revisions,
             demand: demand.clone(),
-            files: files_of(&node.parameters, &graph.folder, self.file_stamp),
+            files: files_of((node.node, &node.parameters), Steps::Read, &graph.folder, self.file_stamp),
             carried,
             outputs: outputs.clone(),
             notes: notes.clone(),

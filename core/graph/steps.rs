@@ -3,6 +3,7 @@
 use super::build::{Graph, GraphNode};
 use super::cache::{Key, Store, files_of};
 use super::call::{Asking, Call, NodeProgress, Preparation};
+use super::declaration::Steps;
 use super::demand::{Demand, Done};
 use super::notes::Notes;
 use super::session::{inputs_of, refuse_missing_gradient};
@@ -166,7 +167,7 @@ impl Call<'_> {
         let of = |(&i, parameters): (&usize, &Vec<Parameters>)| {
             let node = &self.graph.nodes[i];
             let edges = node.inputs.iter().map(|edge| (edge.port, place(edge.node), edge.output)).collect();
-            let files = files_of(&node.parameters, self.folder, self.file_stamp);
+            let files = files_of((node.node, &node.parameters), Steps::All, self.folder, self.file_stamp);
             (node.node.name, parameters.clone(), edges, files)
         };
         let nodes = feeding.nodes.iter().zip(&feeding.parameters).map(of).collect();

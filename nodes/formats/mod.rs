@@ -97,5 +97,11 @@ pub fn step_count(path: &Path, request: &Request) -> Result<usize> {
 /// a PLOT3D grid. What cannot be read names none.
 pub fn files_beside(path: &Path) -> Vec<PathBuf> {
     let solution = Some(path.with_extension("q")).filter(|solution| solution != path && solution.is_file());
-    xml::files_named(path).into_iter().chain(solution).collect()
+    xml::files_named(path, None).into_iter().chain(solution).collect()
+}
+
+/// Those that reading it for this request opens: of a series the files of one step.
+pub fn files_read_beside(path: &Path, request: &Request) -> Vec<PathBuf> {
+    let solution = plot3d::solution_beside(path, request);
+    xml::files_named(path, Some(request)).into_iter().chain(solution).collect()
 }

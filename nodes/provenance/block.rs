@@ -3,7 +3,7 @@
 use super::date;
 use crate::files;
 use serde::{Deserialize, Serialize};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use voltet_core::camera::{Camera, Projection};
 use voltet_core::graph::{Call, FileRead, Origins, Stated};
 
@@ -49,7 +49,27 @@ pub struct DataFile {
     pub bytes: Option<u64>,
     /// When it was last written: UTC, RFC 3339.
     pub modified: Option<String>,
+    /// What was read beside it: pieces, the files of a series' step.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub beside: Option<Beside>,
 }
+
+/// Files that were read beside one that names them.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Beside {
+    /// How many.
+    pub files: u64,
+    /// Their size together.
+    pub bytes: u64,
+    /// When the last of them was written: UTC, RFC 3339.
+    pub modified: Option<String>,
+    /// The first of them, at most [`NAMED_MOST`], relative to the folder of the file that names them.
+    pub names: Vec<String>,
+}
+
+/// Most files that are named of those read beside another.
+pub const NAMED_MOST: usize = 16;
 
 /// A camera, with the parameters of the node `camera`; computed ones as they came out.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -181,6 +201,21 @@ impl DataFile {
             path: file.named.path.clone(),
             bytes: file.stamp.map(|(bytes, _)| bytes),
             modified: file.stamp.map(|(_, time)| date::of(time)),
+            beside: (!file.beside.is_empty()).then(|| Beside::new(file)),
+        }
+    }
+}
+
+impl Beside {
+    fn new(file: &FileRead) -> Beside {
+        let folder = files::folder(&file.path);
+        let name = |path: &PathBuf| path.strip_prefix(folder).unwrap_or(path).to_string_lossy().into_owned();
+        let there = file.beside.iter().filter_map(|(_, stamp)| *stamp);
+        Beside {
+            files: file.beside.len() as u64,
+            bytes: there.clone().map(|(bytes, _)| bytes).sum(),
+            modified: there.map(|(_, time)| time).max().map(date::of),
+            names: file.beside.iter().take(NAMED_MOST).map(|(path, _)| name(path)).collect(),
         }
     }
 }

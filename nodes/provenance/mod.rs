@@ -10,5 +10,7 @@ mod block;
 mod carried;
 mod date;
 
-pub use block::{CameraOf, DataFile, PIPELINE, PROVENANCE, Provenance, TEXT_MOST, UnitDistance, Units};
+pub use block::{
+    Beside, CameraOf, DataFile, NAMED_MOST, PIPELINE, PROVENANCE, Provenance, TEXT_MOST, UnitDistance, Units,
+};
 pub use carried::{is_picture, read};

@@ -6,7 +6,7 @@ use crate::arguments::Info;
 use crate::core::graph::{Datum, NodeEntry};
 use crate::core::pipeline::Pipeline;
 use crate::core::{Error, Result};
-use crate::nodes::provenance::{self, CameraOf, DataFile, Provenance};
+use crate::nodes::provenance::{self, Beside, CameraOf, DataFile, Provenance};
 use crate::present::{number, print};
 use std::fs::File;
 use std::io::Read;
@@ -83,10 +83,21 @@ fn known(text: &str) -> &str {
 }
 
 fn of_data(file: &DataFile) -> String {
-    let DataFile { node, path, bytes, modified, .. } = file;
+    let DataFile { node, path, bytes, modified, beside, .. } = file;
     let bytes = bytes.map(|bytes| format!(", {} bytes", number(bytes))).unwrap_or_default();
     let date = modified.as_ref().map(|date| format!(", of {date}")).unwrap_or_default();
-    format!("data ({node}): {path}{bytes}{date}\n")
+    let beside = beside.iter().map(|beside| {
+        let Beside { files, bytes, modified, names } = beside;
+        let date = modified.as_ref().map(|date| format!(", the last of {date}")).unwrap_or_default();
+        let more = if names.len() as u64 == *files { "" } else { ", …" };
+        format!(
+            "  and {} beside it, {} bytes{date}: {}{more}\n",
+            number(*files),
+            number(*bytes),
+            names.join(", ")
+        )
+    });
+    format!("data ({node}): {path}{bytes}{date}\n{}", beside.collect::<String>())
 }
 
 fn of_camera(camera: &CameraOf) -> String {

@@ -73,6 +73,29 @@ fn a_picture_says_what_it_was_drawn_from_as_the_report_does() {
     assert_eq!(report["runs"].as_array().unwrap().len(), 1);
 }
 
+/// A series tells the file of its step, with its size.
+#[test]
+fn what_is_read_beside_a_named_file_is_said() {
+    let folder = Folder::new();
+    let steps = "<VTKFile type=\"Collection\"><Collection><DataSet timestep=\"0\" file=\"cube.vtu\"/>\
+                 <DataSet timestep=\"1\" file=\"gone.vtu\"/></Collection></VTKFile>";
+    std::fs::write(folder.join("all.pvd"), steps).unwrap();
+    folder.voltet(&["run", "slab.toml", "--set", "grid.path=all.pvd"]).ok();
+    let data = &carried(&folder, "slab.exr")["data"];
+    assert_eq!((data.as_array().unwrap().len(), &data[0]["path"]), (1, &"all.pvd".into()));
+    let beside = &data[0]["beside"];
+    assert_eq!(
+        (&beside["files"], &beside["bytes"], &beside["names"]),
+        (&1.into(), &bytes(&folder, "cube.vtu").len().into(), &serde_json::json!(["cube.vtu"]))
+    );
+    let said = folder.voltet(&["info", "slab.exr"]).ok();
+    assert!(
+        said.stdout.contains("and 1 beside it, ") && said.stdout.contains(": cube.vtu\n"),
+        "{}",
+        said.stdout
+    );
+}
+
 #[test]
 fn a_picture_in_another_folder_finds_its_data_from_there() {
     let folder = Folder::new();

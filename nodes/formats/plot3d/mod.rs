@@ -35,6 +35,12 @@ fn solution(path: &Path, request: &Request) -> Option<PathBuf> {
     request.solution.clone().or_else(|| Some(path.with_extension("q")).filter(|path| path.is_file()))
 }
 
+/// The solution that is read with a grid though nobody named it.
+pub(super) fn solution_beside(path: &Path, request: &Request) -> Option<PathBuf> {
+    let meant = is_meant(&[], path, request) && request.solution.is_none();
+    solution(path, request).filter(|solution| meant && solution != path)
+}
+
 /// Reads the tables of contents of a grid file and its solution.
 fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
     let (grids, format) = layout::blocks(&source, Role::Grid)?;

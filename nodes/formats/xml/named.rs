@@ -1,7 +1,9 @@
 //! Files that a parallel file or a series names.
 
 use super::header::{self, Appended, Element};
+use super::series;
 use crate::formats::piece::Dataset;
+use crate::formats::request::Request;
 use crate::formats::source::Source;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -30,14 +32,14 @@ pub(super) fn add(
     Ok(())
 }
 
-/// The files that a series or a parallel file names, and those that these name; none for files of other kinds, of which no
-/// more than the head is read.
-pub(in crate::formats) fn all(path: &Path) -> Vec<PathBuf> {
-    by_file(path, &MARKS)
+/// The files that a series (of every step, or of that asked for) or a parallel file names, and those that these name; none for
+/// files of other kinds, of which no more than the head is read.
+pub(in crate::formats) fn all(path: &Path, request: Option<&Request>) -> Vec<PathBuf> {
+    by_file(path, &MARKS, request)
 }
 
 /// Those of a file of one of these kinds.
-fn by_file(path: &Path, marks: &[&str]) -> Vec<PathBuf> {
+fn by_file(path: &Path, marks: &[&str], request: Option<&Request>) -> Vec<PathBuf> {
     let Ok(source) = Source::open(path) else { return Vec::new() };
     let head = source.head(HEAD).unwrap_or_default();
     let names_others = |mark: &[u8]| head.windows(mark.len()).any(|window| window == mark);
@@ -46,12 +48,15 @@ fn by_file(path: &Path, marks: &[&str]) -> Vec<PathBuf> {
     }
     let Ok((root, _)) = header::read(&source) else { return Vec::new() };
     let folder = path.parent().unwrap_or(Path::new(""));
-    let mut names = Vec::new();
-    names_below(&root, &mut names);
-    let paths: Vec<PathBuf> = names.into_iter().map(|name| folder.join(name)).collect();
     // A series may name parallel files; these name no further ones.
     let is_series = root.attribute("type") == Some(SERIES);
-    let further = paths.iter().filter(|_| is_series).flat_map(|path| by_file(path, &MARKS[1..]));
+    let mut names = Vec::new();
+    match request.filter(|_| is_series) {
+        Some(request) => names.extend(series::files_of_step(&root, request).unwrap_or_default()),
+        None => names_below(&root, &mut names),
+    }
+    let paths: Vec<PathBuf> = names.into_iter().map(|name| folder.join(name)).collect();
+    let further = paths.iter().filter(|_| is_series).flat_map(|path| by_file(path, &MARKS[1..], None));
     let further: Vec<PathBuf> = further.collect();
     paths.into_iter().chain(further).collect()
 }

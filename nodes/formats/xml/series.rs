@@ -10,6 +10,23 @@ use voltet_core::{Error, Result};
 
 /// Reads the tables of contents of the files of one step.
 pub(super) fn open(source: &Source, root: &Element, request: &Request) -> Result<Dataset> {
+    let (time_steps, files) = step(root, request)?;
+    let mut dataset = Dataset::default();
+    for file in files {
+        named::add(source, file, open_step, &mut dataset)?;
+    }
+    dataset.format = format!("VTK time series of {} steps; {}", time_steps.len(), dataset.format);
+    dataset.time_steps = time_steps;
+    Ok(dataset)
+}
+
+/// The files of the step asked for.
+pub(super) fn files_of_step<'a>(root: &'a Element, request: &Request) -> Result<Vec<&'a str>> {
+    step(root, request).map(|(_, files)| files)
+}
+
+/// The times of all steps, and the files of that asked for.
+fn step<'a>(root: &'a Element, request: &Request) -> Result<(Vec<f64>, Vec<&'a str>)> {
     let collection = root.child("Collection").ok_or_else(|| Error::run("the file holds no <Collection>"))?;
     let mut entries = Vec::new();
     for element in collection.children_of("DataSet") {
@@ -23,13 +40,8 @@ pub(super) fn open(source: &Source, root: &Element, request: &Request) -> Result
     time_steps.sort_by(f64::total_cmp);
     time_steps.dedup();
     let time = choose(&time_steps, request.time_step)?;
-    let mut dataset = Dataset::default();
-    for (_, file) in entries.iter().filter(|entry| entry.0 == time) {
-        named::add(source, file, open_step, &mut dataset)?;
-    }
-    dataset.format = format!("VTK time series of {} steps; {}", time_steps.len(), dataset.format);
-    dataset.time_steps = time_steps;
-    Ok(dataset)
+    let files = entries.into_iter().filter(|entry| entry.0 == time).map(|entry| entry.1).collect();
+    Ok((time_steps, files))
 }
 
 /// One file of a step.

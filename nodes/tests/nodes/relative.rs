@@ -282,6 +282,49 @@ fn a_series_has_one_range_over_all_its_steps() {
     assert!(!report.counts.contains_key("steps_read"));
 }
 
+/// The file of a step is written again while a session is open, as a solver does.
+#[test]
+fn a_changed_step_is_read_again() {
+    let folder = tempfile::tempdir().unwrap();
+    series(folder.path());
+    let widgets = |relative: &str| {
+        format!(
+            "relative_to = \"{relative}\"\n[[nodes.look.widgets]]\nkind = \"uniform\"\ncolor = [1, 1, 1]\nextinction = 1\n\
+             region = {{ s = [\"0 %\", \"100 %\"] }}\n"
+        )
+    };
+    let at = |step: usize, relative: &str| {
+        let text = scene("all.pvd", "a", WIRED, &widgets(relative));
+        text.replace("scalar =", &format!("time_step = {step}\nscalar ="))
+    };
+    let top = |report: &RunReport| -> f64 {
+        let found = report.findings.iter().find(|f| f.what.starts_with("widget 0")).unwrap();
+        found.figures["relative"]["numbers"]["region"]["s"][1].as_f64().unwrap()
+    };
+    let read = |report: &RunReport| !report.nodes.iter().find(|node| node.name == "grid").unwrap().reused;
+    let mut session = session();
+    for relative in ["step", "series"] {
+        let expected = if relative == "step" { 6.0 } else { 18.0 };
+        assert_eq!(top(&run(&mut session, &at(0, relative), folder.path())), expected);
+    }
+    assert!(!read(&run(&mut session, &at(0, "step"), folder.path())));
+    let rewrite = |step: usize, from: &str, to: &str| {
+        let path = folder.path().join(format!("step{step}.vti"));
+        let text = std::fs::read_to_string(&path).unwrap();
+        std::fs::write(&path, text.replace(from, to)).unwrap();
+    };
+    // Another step's file is none of what was read, but of what a range over all steps was found from.
+    rewrite(2, "18.0 ", "180.0 ");
+    assert!(!read(&run(&mut session, &at(0, "step"), folder.path())));
+    assert_eq!(top(&run(&mut session, &at(0, "series"), folder.path())), 180.0);
+    rewrite(0, "6.0 ", "60.0 ");
+    let report = run(&mut session, &at(0, "step"), folder.path());
+    assert!(read(&report) && top(&report) == 60.0);
+    let beside = &report.origins.files[0].beside;
+    assert_eq!((report.origins.files.len(), beside.len()), (1, 1));
+    assert_eq!(beside[0].0, folder.path().join("step0.vti"));
+}
+
 #[test]
 fn a_probe_is_placed_by_shares_of_the_bounds() {
     let folder = folder();
