@@ -108,7 +108,7 @@ fn where_memory_ends_the_run_is_refused_or_ends_with_one_line() {
         assert_eq!(output.status.code(), Some(1), "{said}");
         assert!(
             said.contains(wanted)
-                && said.contains("\n = help: expected a smaller grid or picture, or more memory"),
+                && said.contains(" = help: expected a smaller grid or picture, or more memory"),
             "{said}"
         );
         assert_eq!(said.matches("error:").count(), 1, "{said}");
