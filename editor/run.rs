@@ -78,7 +78,7 @@ impl Editor {
     }
 
     /// A file as it is named from the document's folder.
-    fn from_document(&self, file: &str) -> String {
+    fn named_here(&self, file: &str) -> String {
         beside(Path::new(file), &self.document.folder()).display().to_string()
     }
 
@@ -95,12 +95,9 @@ impl Editor {
             Ok(report) => {
                 let files = match report.files.is_empty() {
                     true => "no files".into(),
-                    false => report
-                        .files
-                        .iter()
-                        .map(|file| self.from_document(file))
-                        .collect::<Vec<_>>()
-                        .join(", "),
+                    false => {
+                        report.files.iter().map(|file| self.named_here(file)).collect::<Vec<_>>().join(", ")
+                    }
                 };
                 let text = format!("written in {}: {files}", milliseconds(report.seconds));
                 self.message = Some((text, false));

@@ -20,7 +20,7 @@ pub(super) const INNER: f32 = 170.0;
 const PICTURE: f32 = 64.0;
 
 /// Size of small letters.
-const SMALL: f32 = 10.5;
+const SMALL: f32 = 11.5;
 
 /// A port's type and its side, so that what may be joined counts as equal: an output serves an input.
 #[derive(Debug, Clone, Copy, Eq)]
