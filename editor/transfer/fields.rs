@@ -192,18 +192,15 @@ pub(super) fn arrays(fields: &[Field]) -> Vec<String> {
     names
 }
 
-/// A Gaussian over two arrays.
+/// The keys of a Gaussian over two arrays; `None` where an axis is none.
 pub(super) fn gaussian_over(
     axes: &[Quantity; 2],
     centre: [f64; 2],
     sigma: [f64; 2],
-) -> Vec<(&'static str, Datum)> {
-    let name = |axis: &Quantity| match axis {
-        Quantity::Array(name) => name.clone(),
-        other => other.to_string(),
-    };
-    let names = axes.iter().map(|axis| Setting::from(Datum::Text(name(axis)))).collect();
-    vec![("fields", Datum::List(names)), ("centre", list(&centre)), ("sigma", list(&sigma))]
+) -> Option<Vec<(&'static str, Datum)>> {
+    let [Quantity::Array(x), Quantity::Array(y)] = axes else { return None };
+    let names = [x, y].map(|name| Setting::from(Datum::Text(name.clone())));
+    Some(vec![("fields", Datum::List(names.to_vec())), ("centre", list(&centre)), ("sigma", list(&sigma))])
 }
 
 #[cfg(test)]

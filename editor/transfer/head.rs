@@ -20,11 +20,15 @@ impl TransferPanel {
             for (place, widget) in look.widgets.iter().enumerate() {
                 self.chip(ui, place, widget, look);
             }
+            let peak = eframe::egui::Button::new("+ at peak").small();
+            let fits =
+                look.is_of_s_and_g() || look.axes.iter().all(|axis| matches!(axis, Quantity::Array(_)));
             let peak = ui
-                .small_button("+ at peak")
-                .on_hover_text("a Gaussian where most of the volume is that no widget holds (P)");
+                .add_enabled(fits, peak)
+                .on_hover_text("a Gaussian where most of the volume is that no widget holds (P)")
+                .on_disabled_hover_text("a widget is over s and g, or over arrays");
             if peak.clicked() {
-                self.add(look, new::at_peak(look), actions);
+                self.add_at_peak(look, actions);
             }
             if let Some(entry) = look.probed.as_ref().and_then(|probed| new::at_probe(look, probed)) {
                 let found = ui
@@ -33,6 +37,11 @@ impl TransferPanel {
                 if found.clicked() {
                     self.add(look, entry, actions);
                 }
+            }
+            if self.shown.is_some()
+                && ui.small_button("all").on_hover_text("all of the data into view").clicked()
+            {
+                self.shown = None;
             }
             self.set_menu(ui, look, actions);
             self.axes_menu(ui, look);
@@ -215,69 +224,10 @@ impl TransferPanel {
             }
         }
     }
-
-    /// A widget more, which is then in hand.
-    pub(super) fn add(&mut self, look: &Look, entry: Datum, actions: &mut Actions) {
-        let (node, place) = (look.node.name.clone(), look.widgets.len());
-        actions.edit(Edit::Insert { node, list: "widgets".into(), place, entry });
-        (self.chosen, self.held) = (place, None);
-    }
-
-    /// A copy of the widget in hand, which is then in hand.
-    pub(super) fn duplicate(&mut self, look: &Look, actions: &mut Actions) {
-        let (node, place) = (look.node.name.clone(), self.chosen);
-        actions.edit(Edit::Duplicate { node, list: "widgets".into(), place });
-        self.hidden = self.hidden.iter().map(|known| known + usize::from(*known > place)).collect();
-        (self.chosen, self.held) = (place + 1, None);
-    }
-
-    /// The widget in hand goes.
-    pub(super) fn remove(&mut self, look: &Look, actions: &mut Actions) {
-        let place = self.chosen;
-        actions.edit(Edit::Unset { node: look.node.name.clone(), path: Path::from("widgets").with(place) });
-        let kept = self.hidden.iter().filter(|known| **known != place);
-        self.hidden = kept.map(|known| known - usize::from(*known > place)).collect();
-        self.held = None;
-    }
-
-    pub(super) fn hide(&mut self, place: usize) {
-        if !self.hidden.remove(&place) {
-            self.hidden.insert(place);
-        }
-    }
-
-    fn is_solo(&self, place: usize, count: usize) -> bool {
-        count > 1 && self.hidden.len() == count - 1 && !self.hidden.contains(&place)
-    }
-
-    pub(super) fn solo(&mut self, place: usize, count: usize) {
-        self.hidden = match self.is_solo(place, count) {
-            true => BTreeSet::new(),
-            false => (0..count).filter(|i| *i != place).collect(),
-        };
-    }
-
-    /// Takes a widget in hand, on axes where it can be seen.
-    pub(super) fn choose(&mut self, place: usize, look: &Look) {
-        (self.chosen, self.held) = (place, None);
-        let Some(widget) = look.widgets.get(place) else { return };
-        if matches!(widget.form, Form::Elsewhere)
-            && let Some(axes) = natural_axes(widget)
-        {
-            self.set_axes(axes);
-        }
-    }
-
-    /// Another plane, all of it shown.
-    pub(super) fn set_axes(&mut self, axes: [Quantity; 2]) {
-        if self.axes != axes {
-            (self.axes, self.shown, self.drag) = (axes, None, None);
-        }
-    }
 }
 
 /// The axes on which a widget is seen.
-fn natural_axes(widget: &Drawn) -> Option<[Quantity; 2]> {
+pub(super) fn natural_axes(widget: &Drawn) -> Option<[Quantity; 2]> {
     match widget.kind.as_str() {
         "" => None,
         _ => Some(fields::natural_axes(&widget.stated).unwrap_or(S_AND_G)),

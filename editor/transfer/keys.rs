@@ -3,10 +3,9 @@
 use super::hand::FINE;
 use super::look::Look;
 use super::plane::Plane;
-use super::{TransferPanel, edit, new};
+use super::{TransferPanel, edit};
 use crate::actions::Actions;
 use eframe::egui::{Key, Modifiers, Ui};
-use voltet_document::{Edit, Path};
 
 /// A nudge by an arrow key, as a share of the shown axis.
 const NUDGE: f64 = 0.01;
@@ -43,7 +42,7 @@ impl TransferPanel {
             self.solo(self.chosen, count);
         }
         if pressed(Modifiers::NONE, Key::P) {
-            self.add(look, new::at_peak(look), actions);
+            self.add_at_peak(look, actions);
         }
         if pressed(Modifiers::COMMAND, Key::D) {
             self.duplicate(look, actions);
@@ -61,24 +60,6 @@ impl TransferPanel {
             Some(changes) => edit(look, self.chosen, widget, changes, actions),
             None => self.remove(look, actions),
         }
-    }
-
-    /// The widget in hand gets another number.
-    pub(super) fn reorder(&mut self, look: &Look, to: usize, actions: &mut Actions) {
-        let from = self.chosen;
-        if from == to || to >= look.widgets.len() {
-            return;
-        }
-        let (node, list) = (look.node.name.clone(), Path::from("widgets"));
-        actions.edit(Edit::MoveEntry { node, list, from, to });
-        let moved = |place: usize| match place {
-            place if place == from => to,
-            place if from < place && place <= to => place - 1,
-            place if to <= place && place < from => place + 1,
-            place => place,
-        };
-        self.hidden = self.hidden.iter().map(|place| moved(*place)).collect();
-        self.chosen = to;
     }
 
     /// Arrows move the point in hand, else the widget.

@@ -8,7 +8,7 @@
 //! | `relative` | numbers relative to data: found for the plane, and kept relative where a hand moves them |
 //! | `handles`, `moved`, `points` | what is taken hold of, what a drag makes of the numbers, points added and taken away |
 //! | `hand`, `keys`, `sets` | what mouse and keys do |
-//! | `head`, `new` | the line above the plane; new widgets |
+//! | `head`, `list`, `new` | the lines above the plane; the list of widgets; new ones |
 //! | `plane`, `draw` | axes and histogram; widgets drawn |
 
 mod draw;
@@ -18,6 +18,7 @@ mod hand;
 mod handles;
 mod head;
 mod keys;
+mod list;
 mod look;
 mod moved;
 mod new;

@@ -21,8 +21,8 @@ const UPRIGHT: f64 = 0.05;
 /// Extinction of a new widget, per unit distance, where no other shows what is usual.
 const EXTINCTION: f64 = 10.0;
 
-/// A Gaussian at the bin with the most volume that no widget holds.
-pub(super) fn at_peak(look: &Look) -> Datum {
+/// A Gaussian at the bin with the most volume that no widget holds; `None` on axes that no kind of widget is over.
+pub(super) fn at_peak(look: &Look) -> Option<Datum> {
     let (mut centre, mut sigma) = ([0.5, 0.0], [0.1, 0.1]);
     if let Some(histogram) = look.histogram() {
         let [s, g] = histogram.axes;
@@ -36,9 +36,9 @@ pub(super) fn at_peak(look: &Look) -> Datum {
         sigma = [NEW[0] * (s.high - s.low), NEW[1] * (g.high - g.low)];
     }
     if look.is_of_s_and_g() {
-        return widget(look, "gaussian", vec![("centre", list(&centre)), ("sigma", list(&sigma))]);
+        return Some(widget(look, "gaussian", vec![("centre", list(&centre)), ("sigma", list(&sigma))]));
     }
-    widget(look, "gaussian-nd", gaussian_over(&look.axes, centre, sigma))
+    Some(widget(look, "gaussian-nd", gaussian_over(&look.axes, centre, sigma)?))
 }
 
 /// A Gaussian by the mean and the covariance of probed values (Kniss et al. 2003, section 6), turned to the covariance's principal

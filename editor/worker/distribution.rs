@@ -10,6 +10,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use voltet_core::Result;
 use voltet_core::graph::{NodeEntry, Quantity};
+use voltet_core::grid::Grid;
 use voltet_core::probing::{Axis, Histogram, histogram, value_range};
 use voltet_core::progress::Progress;
 use voltet_core::volume::Volume;
@@ -66,18 +67,7 @@ impl Distribution {
         let grid = &volume.grid;
         let mut axes = [Axis::over(&x, BINS), Axis::over(&y, BINS)];
         for axis in (0..2).filter(|axis| self.axes[*axis] == Quantity::Named("g")) {
-            let of_g = if axis == 0 { &x } else { &y };
-            let whole = Axis { low: axes[axis].low.min(0.0), bins: 16 * BINS, ..axes[axis] };
-            let flat = Axis { low: 0.0, high: 1.0, bins: 1 };
-            let nothing = vec![0.5; of_g.len()];
-            let coarse = histogram(grid, [&nothing, of_g], [flat, whole], progress)?;
-            let (all, mut below) = (coarse.volumes.iter().sum::<f64>(), 0.0);
-            let last = coarse.volumes.iter().position(|volume| {
-                below += volume;
-                below >= (1.0 - STEEPEST) * all
-            });
-            let high = last.map_or(whole.high, |row| whole.edge(row + 1));
-            axes[axis] = Axis { high, bins: BINS, ..whole };
+            axes[axis] = of_nearly_all(grid, if axis == 0 { &x } else { &y }, progress)?;
         }
         let found = histogram(grid, [&x, &y], axes, progress)?;
         let mut known = Known::default();
@@ -94,6 +84,23 @@ impl Distribution {
         }
         Ok(Distributed { histogram: found, known })
     }
+}
+
+/// The axis from 0 to what nearly all of the volume lies below.
+fn of_nearly_all(grid: &Grid, g: &[f64], progress: &dyn Progress) -> Result<Axis> {
+    let [low, high] = value_range(g)?;
+    let whole = Axis { low: low.min(0.0), high: if high > 0.0 { high } else { 1.0 }, bins: 16 * BINS };
+    if low == high {
+        return Ok(Axis { bins: BINS, ..whole });
+    }
+    let (flat, nothing) = (Axis { low: 0.0, high: 1.0, bins: 1 }, vec![0.5; g.len()]);
+    let coarse = histogram(grid, [&nothing, g], [flat, whole], progress)?;
+    let (all, mut below) = (coarse.volumes.iter().sum::<f64>(), 0.0);
+    let last = coarse.volumes.iter().position(|volume| {
+        below += volume;
+        below >= (1.0 - STEEPEST) * all
+    });
+    Ok(Axis { high: last.map_or(whole.high, |row| whole.edge(row + 1)), bins: BINS, ..whole })
 }
 
 /// The values of a quantity, one a point.
