@@ -1,8 +1,6 @@
-//! Parameters: settings checked against their declarations, with typed getters.
+//! Parameters: settings that were checked against their declarations, with typed getters.
 
-use super::declaration::{Parameter, ParameterType, Standard};
-use super::fit::{kind_of, survey_type};
-use super::nearest::suggest;
+use super::declaration::{Parameter, ParameterType};
 use super::setting::{Datum, Field, Origin, Setting};
 use crate::{Error, Result};
 use std::borrow::Cow;
@@ -11,13 +9,13 @@ use std::borrow::Cow;
 /// the standard value. Two are equal when their values are.
 #[derive(Debug, Clone, Default)]
 pub struct Parameters {
-    declared: Cow<'static, [Parameter]>,
+    pub(super) declared: Cow<'static, [Parameter]>,
     /// One for each declaration; `None` where the file is silent and there is no standard value.
-    settings: Vec<Option<Setting>>,
+    pub(super) settings: Vec<Option<Setting>>,
     /// Which of them the file gave.
-    given: Vec<bool>,
+    pub(super) given: Vec<bool>,
     /// Where the table they stand in was written.
-    origin: Origin,
+    pub(super) origin: Origin,
 }
 
 /// A mistake in what a table sets.
@@ -37,75 +35,7 @@ impl PartialEq for Parameters {
 }
 
 impl Parameters {
-    /// Checks the fields of a table (written at `origin`) against the declarations: unknown and missing names,
-    /// types, ranges, also within tables and lists of tables. `also` are keys that the caller has taken.
-    pub fn check(
-        declared: impl Into<Cow<'static, [Parameter]>>,
-        fields: &[Field],
-        origin: &Origin,
-        also: &[&str],
-    ) -> Result<Parameters> {
-        let mut faults = Vec::new();
-        let parameters = Self::survey(declared, fields, origin, also, &mut faults);
-        faults.into_iter().next().map_or(Ok(parameters), |fault| Err(fault.error))
-    }
-
-    /// The same with every mistake, in the order in which [`Parameters::check`] finds them. What is wrong is set nevertheless: what
-    /// has faults is not to be used.
-    pub fn survey(
-        declared: impl Into<Cow<'static, [Parameter]>>,
-        fields: &[Field],
-        origin: &Origin,
-        also: &[&str],
-        faults: &mut Vec<ParameterFault>,
-    ) -> Parameters {
-        let declared = declared.into();
-        let mut settings: Vec<Option<Setting>> = vec![None; declared.len()];
-        for field in fields {
-            if also.contains(&field.name.as_str()) {
-                continue;
-            }
-            let mut add = |error| faults.push(ParameterFault { parameter: field.name.clone(), error });
-            let Some(i) = declared.iter().position(|p| p.name == field.name) else {
-                let names = also.iter().copied().chain(declared.iter().map(|p| p.name));
-                let error = Error::usage(format!("unknown parameter '{}'", field.name))
-                    .accepted(suggest(&field.name, names));
-                add(field.origin.blame(error));
-                continue;
-            };
-            survey_type(
-                &declared[i].parameter_type,
-                declared[i].name,
-                declared[i].unit,
-                &field.setting,
-                &mut add,
-            );
-            settings[i] = Some(field.setting.clone());
-        }
-        let given: Vec<bool> = settings.iter().map(Option::is_some).collect();
-        for (parameter, setting) in declared.iter().zip(&mut settings) {
-            if setting.is_some() {
-                continue;
-            }
-            if let Standard::Required = parameter.standard {
-                let error =
-                    Error::usage(format!("the parameter '{}' is missing", parameter.name)).accepted(format!(
-                        "{} = … ({}): {}",
-                        parameter.name,
-                        parameter.parameter_type.describe(),
-                        parameter.help
-                    ));
-                faults.push(ParameterFault {
-                    parameter: parameter.name.to_string(),
-                    error: origin.blame(error),
-                });
-            }
-            *setting = parameter.standard.datum().map(Setting::from);
-        }
-        Parameters { declared, settings, given, origin: origin.clone() }
-    }
-
-    /// The same for a program: some values by name, the standard values for the rest.
+    /// For a program: some values by name, the standard values for the rest.
     pub fn of(
         declared: impl Into<Cow<'static, [Parameter]>>,
         values: impl IntoIterator<Item = (&'static str, Datum)>,
@@ -237,24 +167,6 @@ impl Parameters {
         }
     }
 
-    /// A list of tables of several kinds: each one's kind and parameters. Empty where not set.
-    pub fn kinds(&self, name: &str) -> Result<Vec<(&'static str, Parameters)>> {
-        let Some(setting) = self.optional(name) else { return Ok(Vec::new()) };
-        let declared = self.parameter_type(name);
-        let (Some(ParameterType::Kinds(kinds)), Some(list)) = (declared, setting.list()) else {
-            return Err(self.mistyped(name));
-        };
-        let kind = |setting: &Setting| {
-            let mut faults = Vec::new();
-            let kind = kind_of(kinds, name, setting, &mut |error| faults.push(error));
-            match (kind, faults.into_iter().next()) {
-                (Some(kind), None) => Ok(kind),
-                (_, fault) => Err(fault.unwrap_or_else(|| self.mistyped(name))),
-            }
-        };
-        list.iter().map(kind).collect()
-    }
-
     pub(super) fn parameter_type(&self, name: &str) -> Option<ParameterType> {
         self.declared.iter().find(|p| p.name == name).map(|p| p.parameter_type)
     }
@@ -266,7 +178,7 @@ impl Parameters {
         }
     }
 
-    fn mistyped(&self, name: &str) -> Error {
+    pub(super) fn mistyped(&self, name: &str) -> Error {
         self.error(name, format!("the parameter '{name}' is not of the type that its reader expects"))
     }
 }

@@ -1,14 +1,103 @@
-//! Whether a setting fits its declared type.
+//! Whether settings fit their declarations: tables, what stands in them, and each by its type.
 
-use super::check::Parameters;
-use super::declaration::{Kind, ParameterType};
+use super::check::{ParameterFault, Parameters};
+use super::declaration::{Kind, Parameter, ParameterType, Standard};
 use super::nearest::suggest;
 use super::range::Range;
-use super::setting::{Datum, Setting};
+use super::setting::{Datum, Field, Origin, Setting};
 use crate::{Error, Result};
+use std::borrow::Cow;
+
+impl Parameters {
+    /// Checks the fields of a table (written at `origin`) against the declarations: unknown and missing names,
+    /// types, ranges, also within tables and lists of tables. `also` are keys that the caller has taken.
+    pub fn check(
+        declared: impl Into<Cow<'static, [Parameter]>>,
+        fields: &[Field],
+        origin: &Origin,
+        also: &[&str],
+    ) -> Result<Parameters> {
+        let mut faults = Vec::new();
+        let parameters = Self::survey(declared, fields, origin, also, &mut faults);
+        faults.into_iter().next().map_or(Ok(parameters), |fault| Err(fault.error))
+    }
+
+    /// The same with every mistake, in the order in which [`Parameters::check`] finds them. What is wrong is set nevertheless: what
+    /// has faults is not to be used.
+    pub fn survey(
+        declared: impl Into<Cow<'static, [Parameter]>>,
+        fields: &[Field],
+        origin: &Origin,
+        also: &[&str],
+        faults: &mut Vec<ParameterFault>,
+    ) -> Parameters {
+        let declared = declared.into();
+        let mut settings: Vec<Option<Setting>> = vec![None; declared.len()];
+        for field in fields {
+            if also.contains(&field.name.as_str()) {
+                continue;
+            }
+            let mut add = |error| faults.push(ParameterFault { parameter: field.name.clone(), error });
+            let Some(i) = declared.iter().position(|p| p.name == field.name) else {
+                let names = also.iter().copied().chain(declared.iter().map(|p| p.name));
+                let error = Error::usage(format!("unknown parameter '{}'", field.name))
+                    .accepted(suggest(&field.name, names));
+                add(field.origin.blame(error));
+                continue;
+            };
+            survey_type(
+                &declared[i].parameter_type,
+                declared[i].name,
+                declared[i].unit,
+                &field.setting,
+                &mut add,
+            );
+            settings[i] = Some(field.setting.clone());
+        }
+        let given: Vec<bool> = settings.iter().map(Option::is_some).collect();
+        for (parameter, setting) in declared.iter().zip(&mut settings) {
+            if setting.is_some() {
+                continue;
+            }
+            if let Standard::Required = parameter.standard {
+                let error =
+                    Error::usage(format!("the parameter '{}' is missing", parameter.name)).accepted(format!(
+                        "{} = … ({}): {}",
+                        parameter.name,
+                        parameter.parameter_type.describe(),
+                        parameter.help
+                    ));
+                faults.push(ParameterFault {
+                    parameter: parameter.name.to_string(),
+                    error: origin.blame(error),
+                });
+            }
+            *setting = parameter.standard.datum().map(Setting::from);
+        }
+        Parameters { declared, settings, given, origin: origin.clone() }
+    }
+
+    /// A list of tables of several kinds: each one's kind and parameters. Empty where not set.
+    pub fn kinds(&self, name: &str) -> Result<Vec<(&'static str, Parameters)>> {
+        let Some(setting) = self.optional(name) else { return Ok(Vec::new()) };
+        let declared = self.parameter_type(name);
+        let (Some(ParameterType::Kinds(kinds)), Some(list)) = (declared, setting.list()) else {
+            return Err(self.mistyped(name));
+        };
+        let kind = |setting: &Setting| {
+            let mut faults = Vec::new();
+            let kind = kind_of(kinds, name, setting, &mut |error| faults.push(error));
+            match (kind, faults.into_iter().next()) {
+                (Some(kind), None) => Ok(kind),
+                (_, fault) => Err(fault.unwrap_or_else(|| self.mistyped(name))),
+            }
+        };
+        list.iter().map(kind).collect()
+    }
+}
 
 /// The kind of one entry of a list of tables, and its parameters; `None` where it has no kind that is known.
-pub(super) fn kind_of(
+fn kind_of(
     kinds: &'static [Kind],
     name: &str,
     setting: &Setting,
@@ -51,7 +140,7 @@ pub(super) fn check_type(
 }
 
 /// The same with every mistake: a table, or a list of tables, may have several.
-pub(super) fn survey_type(
+fn survey_type(
     parameter_type: &ParameterType,
     name: &str,
     unit: &str,

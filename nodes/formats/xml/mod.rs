@@ -1,6 +1,7 @@
 //! The VTK XML formats: .vtu .vts .vtr .vti, their parallel forms, and .pvd.
 
 mod arrays;
+mod beside;
 mod foreign;
 mod header;
 mod named;
@@ -8,7 +9,7 @@ mod parallel;
 mod serial;
 mod series;
 
-pub(super) use named::all as files_named;
+pub(super) use beside::all as files_named;
 
 use super::format::Format;
 use super::piece::Dataset;
