@@ -37,6 +37,7 @@ pub(crate) struct Ground {
     pub room: [u32; 2],
     pub hidden: Option<(String, BTreeSet<usize>)>,
     pub axes: [Quantity; 2],
+    pub drags: bool,
     pub selection: BTreeSet<String>,
 }
 

@@ -3,10 +3,10 @@
 use crate::editor::{Editor, Ground, camera_size};
 use crate::transfer;
 use crate::view::View;
-use crate::worker::{Distribution, Probed, Probing, Sectioning, Sharing, Wanted, short};
+use crate::worker::{Distribution, Known, Probed, Probing, Sectioning, Sharing, Wanted, short};
 use std::collections::BTreeSet;
 use std::sync::Arc;
-use voltet_core::graph::{Datum, NodeEntry};
+use voltet_core::graph::{Datum, Field, NodeEntry};
 use voltet_document::links::{self, upstream};
 
 impl Editor {
@@ -19,6 +19,7 @@ impl Editor {
             room: self.picture.room,
             hidden,
             axes: self.transfer.axes(),
+            drags: self.transfer.dragged().is_some(),
             selection: self.selection.clone(),
         };
         if self.ground.as_ref() != Some(&ground) {
@@ -36,6 +37,9 @@ impl Editor {
         let nodes = &self.document.pipeline().nodes;
         let size = self.camera().and_then(camera_size).map(|own| fitted(own, self.picture.room));
         let mut nodes = nodes.clone();
+        if let (Some(look), Some(found)) = (self.transfer.dragged(), self.scene().distribution) {
+            put_in_numbers(&mut nodes, look, &found.known);
+        }
         if let Some((look, hidden)) = self.transfer.hidden() {
             leave_out(&mut nodes, look, hidden);
         }
@@ -196,6 +200,21 @@ impl Editor {
         let nodes = &self.document.pipeline().nodes;
         let feeding = upstream(nodes, self.shown_node.as_deref()?);
         nodes.iter().find(|node| node.node_type.text() == Some("camera") && feeding.contains(&node.name))
+    }
+}
+
+/// Puts numbers in the place of those relative to data, where they are known.
+fn put_in_numbers(nodes: &mut [NodeEntry], look: &str, known: &Known) {
+    let Some(node) = nodes.iter_mut().find(|node| node.name == look) else { return };
+    let of_series = |field: &Field| field.name == "relative_to" && field.setting.text() == Some("series");
+    if node.settings.iter().any(of_series) {
+        return;
+    }
+    let widgets = node.settings.iter_mut().find(|field| field.name == "widgets");
+    if let Some(setting) = widgets.map(|field| &mut field.setting)
+        && let Some(list) = setting.list().and_then(|list| transfer::in_numbers(list, known))
+    {
+        setting.datum = Datum::List(list);
     }
 }
 

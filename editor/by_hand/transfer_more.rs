@@ -165,7 +165,20 @@ fn relative_numbers_stay_relative_where_a_hand_moves_them() {
     let [_, high] = known.known.ranges[&Quantity::Named("g")];
     let centre = [of_s.value_at(0.6), 0.4 * high];
     let from = place(&hand, centre);
-    hand.drag(from, from + vec2(40.0, -12.0));
+    // While it is dragged the picture is drawn with numbers: no percentile is found for each step.
+    hand.move_to(from, Modifiers::NONE);
+    hand.button(true, PointerButton::Primary, Modifiers::NONE);
+    (1..=10).for_each(|step| hand.move_to(from + step as f32 * vec2(4.0, -1.2), Modifiers::NONE));
+    let drawn = |hand: &Hand| {
+        let asked = hand.editor.asked.clone().unwrap();
+        let look = asked.nodes.iter().find(|node| node.name == "look").unwrap().clone();
+        let widgets = look.settings.iter().find(|field| field.name == "widgets").unwrap().setting.clone();
+        of(&widgets.list().unwrap()[0], "centre")
+    };
+    let meanwhile = drawn(&hand).numbers().unwrap();
+    hand.button(false, PointerButton::Primary, Modifiers::NONE);
+    hand.frames(2);
+    assert!(drawn(&hand).numbers().is_none(), "the file's own at the end");
     let after = of(&widgets(&hand)[0], "centre");
     let texts: Vec<&str> = after.list().unwrap().iter().map(|part| part.text().unwrap()).collect();
     assert!(texts[0].starts_with('p') && texts[1].ends_with(" %"), "{texts:?}");
@@ -178,6 +191,7 @@ fn relative_numbers_stay_relative_where_a_hand_moves_them() {
     let to = hand.editor.transfer.value_at(from + vec2(40.0, -12.0)).unwrap();
     let percent: f64 = texts[0][1..].parse().unwrap();
     let landed = of_s.value_at(percent / 100.0);
+    assert!((meanwhile[0] - landed).abs() < 1e-9 * landed, "{meanwhile:?} {landed}");
     assert!((landed - to[0]).abs() < 1e-3 * (axes[0][1] - axes[0][0]), "{landed} for {}: {said}", to[0]);
 }
 

@@ -39,6 +39,7 @@ use handles::Handle;
 use look::{Look, S_AND_G};
 use moved::Change;
 use plane::{Counts, Plane};
+pub(crate) use relative::in_numbers;
 use std::collections::BTreeSet;
 use voltet_core::graph::{NodeEntry, PortType, Quantity, Setting};
 use voltet_document::links::upstream;
@@ -140,6 +141,11 @@ impl TransferPanel {
     /// The widgets of a node that the window's picture leaves out.
     pub fn hidden(&self) -> Option<(&str, &BTreeSet<usize>)> {
         self.of.as_deref().filter(|_| !self.hidden.is_empty()).map(|of| (of, &self.hidden))
+    }
+
+    /// The transfer function whose widgets are dragged.
+    pub fn dragged(&self) -> Option<&str> {
+        self.of.as_deref().filter(|_| self.drag.is_some())
     }
 
     /// What the plane is over.

@@ -37,6 +37,17 @@ pub(super) fn resolved(fields: &[Field], known: Option<&Known>) -> Result<Vec<Fi
     Ok(fields.iter().map(replaced).collect())
 }
 
+/// Widgets with numbers in place of those relative to data: what is drawn while one is dragged, as nothing is to be found anew of
+/// the data for each step. None where all are numbers, or some are not known.
+pub(crate) fn in_numbers(list: &[Setting], known: &Known) -> Option<Vec<Setting>> {
+    let widget = |entry: &Setting| {
+        let fields = resolved(entry.table()?, Some(known)).ok()?;
+        Some(Setting { datum: Datum::Table(fields), ..entry.clone() })
+    };
+    let found: Vec<Setting> = list.iter().map(widget).collect::<Option<_>>()?;
+    (found != list).then_some(found)
+}
+
 /// What is to be written at a key of the table ("centre", "region.s"), where a hand made numbers of what is there: relative ones
 /// stay relative, and those that did not change stay as they are written.
 pub(super) fn as_written(fields: &[Field], known: Option<&Known>, key: &str, new: Datum) -> Datum {
