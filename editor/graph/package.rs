@@ -19,6 +19,9 @@ pub(super) const INNER: f32 = 170.0;
 /// Height of a picture in its node.
 const PICTURE: f32 = 64.0;
 
+/// Height of the body of a folded node, points at the usual scale.
+const FOLDED: f32 = 10.0;
+
 /// Size of small letters.
 const SMALL: f32 = 11.5;
 
@@ -231,7 +234,9 @@ impl NodeDataTrait for Face {
         let dark = ui.visuals().dark_mode;
         let zoom = written.zoom;
         written.titled.entry(node).or_insert(ui.min_rect().bottom());
-        ui.allocate_space(vec2(INNER * zoom, 0.0));
+        // The package draws the lower half of a title's height again, rounded: without a body it would lie on the title.
+        let body = if self.is_folded { FOLDED } else { 0.0 };
+        ui.allocate_space(vec2(INNER * zoom, body * zoom));
         if written.is_far {
             self.far_bottom(ui, zoom);
             written.right.insert(node, ui.min_rect().right());

@@ -2,7 +2,7 @@
 
 use super::GraphView;
 use crate::scene::Scene;
-use eframe::egui::{Pos2, Rect, TextStyle, Ui, Vec2, vec2};
+use eframe::egui::{Pos2, Rect, TextStyle, Ui, Vec2, pos2, vec2};
 use std::collections::BTreeSet;
 
 /// Least and largest scale: the package draws no smaller, and beyond the other nothing else is seen.
@@ -70,6 +70,15 @@ impl GraphView {
         let mut all = Rect::NOTHING;
         for node in nodes {
             all = all.union(self.places.frame(scene, node));
+        }
+        let corner = |at: [f64; 2]| pos2(at[0] as f32, at[1] as f32);
+        let view = scene.document.view();
+        for frame in &view.frames {
+            let size = vec2(frame.size[0] as f32, frame.size[1] as f32);
+            all = all.union(Rect::from_min_size(corner(frame.at), size));
+        }
+        for note in &view.notes {
+            all.extend_with(corner(note.at));
         }
         if !all.is_finite() || all.is_negative() {
             (self.pan, self.zoom) = (vec2(20.0, 20.0), 1.0);
