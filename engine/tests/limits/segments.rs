@@ -101,11 +101,20 @@ fn overlap_is_ordered_from_a_product_of_depths_on() {
     }
 }
 
+/// Segments of s anywhere between 0 and 1, the first of them all of it.
+fn some_segments(count: usize) -> Vec<Segment<'static>> {
+    let share = |i: usize, step: f64| (0.5 + i as f64 * step).fract();
+    let one = |i| match i {
+        0 => segment([0.0; 2], [1.0, 0.0]),
+        _ => segment([share(i, 0.618), 0.0], [share(i, 0.755), 0.0]),
+    };
+    (0..count).map(one).collect()
+}
+
 /// Where Gaussians extend over up to two widths four points on one or four steps leave 3e-5 of their depth, and where they
 /// extend over more, panels leave no more than that.
 #[test]
 fn overlap_is_integrated_by_as_many_steps_as_it_needs() {
-    let share = |i: usize, step: f64| (0.5 + i as f64 * step).fract();
     // A segment spans one unit at most; the first spans all.
     for (widths, extinction) in [(2.0, 1.5), (2.0, 0.4), (8.0, 1.5), (8.0, 0.4)] {
         let gaussian = |s, color| {
@@ -113,12 +122,7 @@ fn overlap_is_integrated_by_as_many_steps_as_it_needs() {
             Widget { profile, color, extinction, region: None }
         };
         let look = look(vec![gaussian(0.3, [1.0, 0.0, 0.0]), gaussian(0.6, [0.0, 0.0, 1.0])]);
-        let list: Vec<Segment> = (0..400)
-            .map(|i| match i {
-                0 => segment([0.0; 2], [1.0, 0.0]),
-                _ => segment([share(i, 0.618), 0.0], [share(i, 0.755), 0.0]),
-            })
-            .collect();
+        let list = some_segments(400);
         for Segments { lanes, .. } in Segments::each() {
             let found = segments(lanes, &look, &SHADING, false, &list).expect("draws");
             let mut worst = 0.0;
@@ -138,7 +142,6 @@ fn overlap_is_integrated_by_as_many_steps_as_it_needs() {
 /// all light.
 #[test]
 fn overlap_of_tails_is_integrated_by_as_many_steps_as_it_needs() {
-    let share = |i: usize, step: f64| (0.5 + i as f64 * step).fract();
     for (widths, from, thinner) in [0.3, 0.5, 1.0, 2.0]
         .into_iter()
         .flat_map(|w| [1.0, 2.0, 3.5].map(|q| (w, q)))
@@ -151,12 +154,7 @@ fn overlap_of_tails_is_integrated_by_as_many_steps_as_it_needs() {
         let away = from / widths;
         let look =
             look(vec![gaussian(-away, 1.0, [1.0, 0.0, 0.0]), gaussian(1.0 + away, thinner, [0.0, 0.0, 1.0])]);
-        let list: Vec<Segment> = (0..100)
-            .map(|i| match i {
-                0 => segment([0.0; 2], [1.0, 0.0]),
-                _ => segment([share(i, 0.618), 0.0], [share(i, 0.755), 0.0]),
-            })
-            .collect();
+        let list = some_segments(100);
         for Segments { lanes, .. } in Segments::each() {
             let found = segments(lanes, &look, &SHADING, false, &list).expect("draws");
             for (found, segment) in found.iter().zip(&list) {
