@@ -92,6 +92,34 @@ fn values_in_the_section_make_a_widget_of_their_mean_and_covariance() {
     assert!(sigma.iter().all(|sigma| *sigma > 0.0 && sigma.is_finite()), "{sigma:?}");
 }
 
+/// What is the same in all of the data is not looked at, and the widget is sound all the same.
+#[test]
+fn a_probe_of_a_constant_field_makes_a_widget_that_draws() {
+    let text = TEXT.replace(
+        "type = \"wavelet\"\nresolution = [12, 12, 12] # coarse",
+        "type = \"reader\"\npath = \"cube.vtk\"\nscalar = \"same\"",
+    );
+    let text =
+        text.replace("centre = [150.0, 20.0]", "centre = [5.0, 0.0]").replace("[60.0, 40.0]", "[1.0, 1.0]");
+    let mut hand = Hand::with_file(&text, "cube.vtk", transfer_more::CUBE);
+    with_distribution(&mut hand);
+    hand.key(Key::H, Modifiers::NONE);
+    hand.settle();
+    hand.editor.command(&hand.ctx.clone(), Command::Section);
+    until(&mut hand, "no section comes", |hand| matches!(hand.editor.scene().section, Some(Ok(_))));
+    hand.frames(3);
+    let rect = hand.editor.section.rect.unwrap();
+    hand.drag(rect.center() - vec2(30.0, 30.0), rect.center() + vec2(30.0, 30.0));
+    let entry = hand.editor.transfer.at_probe_for_tests(&hand.editor.scene()).unwrap();
+    assert_eq!(entry.table_for_tests("centre"), [5.0, 0.0]);
+    assert!(entry.table_for_tests("sigma").iter().all(|sigma| *sigma > 0.0));
+    let edit = voltet_document::Edit::Insert { node: "look".into(), list: "widgets".into(), place: 1, entry };
+    hand.editor.edit("probe".into(), &[edit]);
+    hand.settle();
+    assert!(hand.editor.scene().failure.is_none(), "{:?}", hand.editor.scene().failure);
+    hand.frames(3);
+}
+
 /// A field of an entry.
 trait Entry {
     fn table_for_tests(&self, name: &str) -> Vec<f64>;

@@ -196,10 +196,11 @@ fn relative_numbers_stay_relative_where_a_hand_moves_them() {
 }
 
 /// A cube of two arrays, cut into tetrahedra by the reader.
-const CUBE: &str = "# vtk DataFile Version 3.0\ncube\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 8 float\n\
+pub(super) const CUBE: &str = "# vtk DataFile Version 3.0\ncube\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 8 float\n\
     0 0 0 1 0 0 1 1 0 0 1 0 0 0 1 1 0 1 1 1 1 0 1 1\nCELLS 1 9\n8 0 1 2 3 4 5 6 7\nCELL_TYPES 1\n12\nPOINT_DATA 8\n\
     SCALARS a float 1\nLOOKUP_TABLE default\n0 1 1 0 0 1 1 0\nSCALARS b float 1\nLOOKUP_TABLE default\n0 0 4 4 0 0 4 4\n\
-    SCALARS c float 1\nLOOKUP_TABLE default\n0 0 0 0 2 2 2 2\n";
+    SCALARS c float 1\nLOOKUP_TABLE default\n0 0 0 0 2 2 2 2\n\
+    SCALARS same float 1\nLOOKUP_TABLE default\n5 5 5 5 5 5 5 5\n";
 
 #[test]
 fn a_widget_over_several_fields_is_moved_on_the_plane_of_two_of_them() {
