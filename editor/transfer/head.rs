@@ -97,27 +97,28 @@ impl TransferPanel {
         let color = theme::weak(ui.visuals().dark_mode);
         let weak = |text: String| RichText::new(text).small().color(color);
         let percent = |share: f64| short((1e4 * share).round() / 100.0);
-        let mut texts: Vec<(String, &str)> = Vec::new();
+        let mut texts: Vec<(String, String)> = Vec::new();
         if let (Form::Elsewhere, Some(axes)) = (&widget.form, natural_axes(widget)) {
             let [x, y] = axes.map(|axis| axis_name(&axis));
             let why = widget.fault.clone().unwrap_or_else(|| format!("lies on the axes {x} and {y}"));
-            texts.push((why, "choose the axes above, or click on the widget's colour"));
+            texts.push((why, "choose the axes above, or click on the widget's colour".into()));
         }
         if let Some(level) = widget.of_fields.as_ref().and_then(OfFields::level) {
             let text = format!("drawn where the magnitude is {}", short(level));
             texts.push((
                 text,
-                "its widths are shares of the magnitude of all gradients; half of the largest is shown",
+                "its widths are shares of the magnitude of all gradients; half of the largest is shown"
+                    .into(),
             ));
         }
         if let Some(held) = look.histogram().and_then(|histogram| widget.held(histogram)) {
             let text = format!("holds {} % of the volume", percent(held));
-            texts.push((text, "where the widget is at half of its peak or more"));
+            texts.push((text, "where the widget is at half of its peak or more".into()));
         }
         match &look.share {
             _ if self.hidden.contains(&self.chosen) => {}
             None => {}
-            Some(Err(error)) => texts.push((error.clone(), "its share of the picture")),
+            Some(Err(error)) => texts.push((error.clone(), "its share of the picture".into())),
             Some(Ok(share)) => {
                 let cells = share.cells.map(|cells| {
                     let [own, all] = cells.map(|count| grouped(count as usize));
@@ -129,10 +130,11 @@ impl TransferPanel {
                     percent(share.opacity),
                     percent(share.light)
                 );
-                texts.push((
-                    text,
-                    "what a coarse picture loses without the widget; what it hides comes to light instead",
-                ));
+                let help = format!(
+                    "what a picture of {} pixels loses without the widget; what it hides comes to light instead",
+                    grouped(share.pixels)
+                );
+                texts.push((text, help));
             }
         }
         ui.horizontal_wrapped(|ui| {
