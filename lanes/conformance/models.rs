@@ -34,9 +34,10 @@ pub(super) fn bits(x: f32) -> Found {
     u64::from(x.to_bits())
 }
 
-/// In 0 … 2³¹ − 1, for conversions.
+/// In 0 … 2³¹ − 1, for conversions. (An interpreter may let a power differ in its last digit, each time in another way.)
 pub(super) fn convertible(x: f32) -> f32 {
-    if x.abs() < 2f32.powi(31) { x.abs() } else { 0.0 }
+    const ABOVE: f32 = (1_u32 << 31) as f32;
+    if x.abs() < ABOVE { x.abs() } else { 0.0 }
 }
 
 pub(super) fn smaller<T: PartialOrd>(a: T, b: T) -> T {
