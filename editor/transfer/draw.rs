@@ -1,9 +1,10 @@
 //! Widgets drawn in the plane.
 
-use super::form::{Drawn, Form, Region};
-use super::handles::{Handle, height_of};
-use super::look::Scale;
+use super::form::Drawn;
+use super::handles::Handle;
 use super::plane::Plane;
+use super::scale::{Scale, height_of};
+use super::shape::{Form, Region};
 use crate::theme;
 use crate::worker::Probed;
 use eframe::egui::{Color32, Painter, Pos2, Rect, Rgba, Shape, Stroke, Ui};

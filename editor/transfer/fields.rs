@@ -1,7 +1,7 @@
 //! Widgets over a list of fields, on the plane of two of them: what lies outside of the plane stays as it is.
 
-use super::form::{Form, find, half_axes, metric};
-use super::moved::{Change, list, rounded, rows_of};
+use super::numbers::{Change, find, list, rounded, rows_of};
+use super::shape::{Form, half_axes, metric};
 use crate::worker::Known;
 use voltet_core::graph::{Datum, Field, Quantity, Setting};
 
@@ -205,7 +205,7 @@ pub(super) fn gaussian_over(
 
 #[cfg(test)]
 mod tests {
-    use super::super::form::array;
+    use super::super::numbers::array;
     use super::*;
 
     fn field(name: &str, datum: Datum) -> Field {

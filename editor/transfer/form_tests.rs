@@ -1,6 +1,6 @@
 use super::super::handles::Handle;
-use super::super::look::Scale;
-use super::super::moved::{Change, list, rows};
+use super::super::numbers::{Change, list, rows};
+use super::super::scale::Scale;
 use super::*;
 use voltet_core::graph::Datum;
 

@@ -1,9 +1,12 @@
 //! What a mouse does in the plane: looking elsewhere, taking hold of widgets, adding and taking away points.
 
-use super::form::{Drawn, Form, Region};
-use super::handles::{Handle, height_of};
-use super::look::{Look, Scale};
+use super::drag::Drag;
+use super::form::Drawn;
+use super::handles::Handle;
+use super::look::Look;
 use super::plane::{self, Plane};
+use super::scale::{Scale, height_of};
+use super::shape::{Form, Region};
 use super::strength::along;
 use super::{TransferPanel, edit};
 use crate::actions::Actions;
@@ -20,16 +23,6 @@ pub(super) const FINE: f64 = 0.2;
 
 /// What covers a place more than this is meant there.
 const COVERS: f64 = 0.13;
-
-/// A drag: the widget as it was, what is held, and where that was and is.
-pub(super) struct Drag {
-    pub widget: Drawn,
-    handle: Option<Handle>,
-    from: [f64; 2],
-    at: [f64; 2],
-    /// The extinction at the top of the plot stands still meanwhile.
-    pub peak: f64,
-}
 
 impl TransferPanel {
     /// Wheel and Shift-drag: which part of the plane is shown.

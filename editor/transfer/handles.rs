@@ -1,7 +1,8 @@
 //! Handles of widgets: what a hand takes hold of, and where it lies.
 
-use super::form::{Drawn, Form, Region};
-use super::look::Scale;
+use super::form::Drawn;
+use super::scale::{Scale, height_of};
+use super::shape::{Form, Region};
 
 /// What a hand takes hold of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -107,11 +108,6 @@ fn sides(limits: [[f64; 2]; 2], scale: &Scale) -> Vec<(Handle, [f64; 2])> {
         }
     }
     handles
-}
-
-/// The height in the plot of an extinction, 0 to 1: its cube root, so that small ones are told apart.
-pub(super) fn height_of(extinction: f64, peak: f64) -> f64 {
-    (extinction / peak).max(0.0).cbrt()
 }
 
 /// The corners of a box, against the clock from the lower left.

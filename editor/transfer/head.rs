@@ -1,8 +1,10 @@
 //! What stands above the plane: the widgets, and what can be done to the one in hand.
 
 use super::fields::OfFields;
-use super::form::{Drawn, Form};
-use super::look::{Look, S_AND_G};
+use super::form::Drawn;
+use super::look::Look;
+use super::scale::S_AND_G;
+use super::shape::Form;
 use super::{TransferPanel, draw, fields, new};
 use crate::actions::Actions;
 use crate::theme;
@@ -222,7 +224,7 @@ impl TransferPanel {
             let field = field.speed(speed).max_decimals(4);
             let response = ui.add(field.update_while_editing(false));
             if response.on_hover_text("extinction, per unit_distance").changed() {
-                set("extinction", Datum::Number(super::moved::rounded(extinction)));
+                set("extinction", Datum::Number(super::numbers::rounded(extinction)));
             }
         }
     }

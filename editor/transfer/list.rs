@@ -1,8 +1,8 @@
 //! What is done to the list of widgets: more, fewer, another order, hidden, in hand.
 
-use super::form::Form;
 use super::head::natural_axes;
 use super::look::Look;
+use super::shape::Form;
 use super::{TransferPanel, new};
 use crate::actions::Actions;
 use std::collections::BTreeSet;

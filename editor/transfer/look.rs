@@ -2,6 +2,7 @@
 
 use super::form::Drawn;
 use super::plane::Plane;
+use super::scale::{S_AND_G, Scale};
 use crate::scene::Scene;
 use crate::worker::{Distributed, Probed, Share};
 use std::collections::BTreeMap;
@@ -28,26 +29,6 @@ pub(super) struct Look<'a> {
     /// Sets of widgets that the file keeps, by their digits.
     pub sets: &'a BTreeMap<u8, Vec<Setting>>,
 }
-
-/// What the plane measures where a handle is drawn or moved.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Scale {
-    /// Lengths along both axes that are equal on the screen.
-    pub extent: [f64; 2],
-    /// The shown part, low and high of each axis.
-    pub shown: [[f64; 2]; 2],
-    pub peak: f64,
-}
-
-impl Scale {
-    /// The largest value shown along the second axis, where a curve reaches its peak.
-    pub fn top(&self) -> f64 {
-        self.shown[1][1]
-    }
-}
-
-/// The plane of the scalar and its gradient magnitude.
-pub(super) const S_AND_G: [Quantity; 2] = [Quantity::Named("s"), Quantity::Named("g")];
 
 impl<'a> Look<'a> {
     /// `plane`: the one of the last frame; `former_peak`: where a point is dragged, the scale stands still.

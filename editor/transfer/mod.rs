@@ -4,13 +4,15 @@
 //! | file | what |
 //! | --- | --- |
 //! | `look` | what is shown and edited |
-//! | `form`, `strength`, `fields` | widgets in the plane: their shapes, how strong they are where, those over lists of fields |
+//! | `shape`, `form`, `strength`, `fields` | widgets in the plane: their shapes, how strong they are where, those over lists of fields |
+//! | `scale`, `numbers` | what the axes measure; numbers of a widget's table, read and written |
 //! | `relative` | numbers relative to data: found for the plane, and kept relative where a hand moves them |
 //! | `handles`, `moved`, `points` | what is taken hold of, what a drag makes of the numbers, points added and taken away |
-//! | `hand`, `keys`, `sets` | what mouse and keys do |
+//! | `hand`, `drag`, `keys`, `sets` | what mouse and keys do |
 //! | `head`, `list`, `new` | the lines above the plane; the list of widgets; new ones |
 //! | `plane`, `draw` | axes and histogram; widgets drawn |
 
+mod drag;
 mod draw;
 mod fields;
 mod form;
@@ -22,24 +24,29 @@ mod list;
 mod look;
 mod moved;
 mod new;
+mod numbers;
 mod plane;
 mod points;
 mod relative;
+mod scale;
 mod sets;
+mod shape;
 mod strength;
 
 use crate::actions::Actions;
 use crate::scene::Scene;
 use crate::theme;
 use crate::worker::short;
+use drag::Drag;
 use eframe::egui::{self, Align2, FontId, Rect, Sense, Stroke, Ui, pos2, vec2};
-use form::{Drawn, Form};
-use hand::Drag;
+use form::Drawn;
 use handles::Handle;
-use look::{Look, S_AND_G};
-use moved::Change;
+use look::Look;
+use numbers::Change;
 use plane::{Counts, Plane};
 pub(crate) use relative::in_numbers;
+use scale::S_AND_G;
+use shape::Form;
 use std::collections::BTreeSet;
 use voltet_core::graph::{NodeEntry, PortType, Quantity, Setting};
 use voltet_document::links::upstream;

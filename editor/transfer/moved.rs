@@ -1,29 +1,11 @@
 //! What a drag of a handle makes of a widget's numbers.
 
-use super::form::{Drawn, Form, Region};
+use super::form::Drawn;
 use super::handles::Handle;
-use super::look::Scale;
-use voltet_core::graph::{Datum, Setting};
-
-/// A change of a widget's table: a key, and its value or none to take it out.
-pub(super) type Change = (&'static str, Option<Datum>);
-
-pub(super) fn list(numbers: &[f64]) -> Datum {
-    Datum::List(numbers.iter().map(|&x| Setting::from(Datum::Number(rounded(x)))).collect())
-}
-
-pub(super) fn rows<const N: usize>(rows: &[[f64; N]]) -> Datum {
-    Datum::List(rows.iter().map(|row| Setting::from(list(row))).collect())
-}
-
-pub(super) fn rows_of(rows: &[Vec<f64>]) -> Datum {
-    Datum::List(rows.iter().map(|row| Setting::from(list(row))).collect())
-}
-
-/// Six digits: finer than a pixel of any screen.
-pub(super) fn rounded(x: f64) -> f64 {
-    if x.is_finite() { format!("{x:.5e}").parse().unwrap_or(x) } else { x }
-}
+use super::numbers::{Change, list, rounded, rows};
+use super::scale::{Scale, extinction_at};
+use super::shape::{Form, Region};
+use voltet_core::graph::Datum;
 
 impl Drawn {
     /// What becomes of the numbers when a handle is brought to a place.
@@ -180,13 +162,6 @@ fn turned(axes: [[f64; 2]; 2], towards: [f64; 2], extent: [f64; 2]) -> [[f64; 2]
     let (sin, cos) = angle.sin_cos();
     let directions = [[cos, sin], [-sin, cos]];
     [0, 1].map(|i| [0, 1].map(|k: usize| directions[i][k] * lengths[i] * extent[k]))
-}
-
-/// The extinction at a height of the plot.
-pub(super) fn extinction_at(height: f64, peak: f64) -> f64 {
-    let height = height.clamp(0.0, 1.5);
-    // At the foot it is none at all.
-    if height < 0.01 { 0.0 } else { rounded(height.powi(3) * peak) }
 }
 
 /// Half axes as a file states them: upright ones as sigma, turned ones as a matrix.

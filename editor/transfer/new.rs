@@ -1,9 +1,10 @@
 //! New widgets: where most of the volume is, and on the values of a probe.
 
 use super::fields::gaussian_over;
-use super::form::{half_axes, metric};
 use super::look::Look;
-use super::moved::{gaussian, list};
+use super::moved::gaussian;
+use super::numbers::list;
+use super::shape::{half_axes, metric};
 use super::strength::middle;
 use crate::worker::Probed;
 use voltet_core::graph::{Datum, Field, Quantity, Setting};
@@ -98,7 +99,7 @@ fn widget(look: &Look, kind: &str, numbers: Vec<(&'static str, Datum)>) -> Datum
     let first = [
         ("kind", Datum::Text(kind.into())),
         ("color", list(&color)),
-        ("extinction", Datum::Number(super::moved::rounded(extinction))),
+        ("extinction", Datum::Number(super::numbers::rounded(extinction))),
     ];
     let field = |(name, datum): (&'static str, Datum)| Field {
         name: name.into(),

@@ -1,6 +1,6 @@
 //! The plane of s and g: from values to the window and back, its ticks, and the histogram as a texture.
 
-use super::handles::height_of;
+use super::scale::height_of;
 use crate::theme;
 use crate::worker::{Distributed, short};
 use eframe::egui::{

@@ -1,9 +1,11 @@
 //! Points of a curve and corners of a region, added and taken away.
 
-use super::form::{Drawn, Form, Region};
+use super::form::Drawn;
 use super::handles::Handle;
-use super::look::Scale;
-use super::moved::{Change, extinction_at, is_convex, rows};
+use super::moved::is_convex;
+use super::numbers::{Change, rows};
+use super::scale::{Scale, extinction_at};
+use super::shape::{Form, Region};
 use super::strength::along;
 
 impl Drawn {

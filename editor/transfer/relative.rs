@@ -102,7 +102,7 @@ fn written(
         return Datum::List(parts.collect());
     }
     let (Some(was), Some(is)) = (now.number(), Setting::from(new.clone()).number()) else { return new };
-    if is == was || (is - was).abs() <= 1e-9 * was.abs() || is == super::moved::rounded(was) {
+    if is == was || (is - was).abs() <= 1e-9 * was.abs() || is == super::numbers::rounded(was) {
         return old.datum.clone();
     }
     let mark = marked.and_then(Setting::number).map(|mark| mark as usize);

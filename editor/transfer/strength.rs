@@ -1,7 +1,8 @@
 //! How strong a widget is at a place of the plane, and how much of the volume it holds.
 
 use super::fields::OfFields;
-use super::form::{Drawn, Form, Region};
+use super::form::Drawn;
+use super::shape::{Form, Region};
 use std::f64::consts::PI;
 use voltet_core::probing::{Axis, Histogram};
 

@@ -1,17 +1,17 @@
 //! The distribution of the data over two quantities, weighted by volume, with what numbers relative to data are found by.
 
+use super::asked::{Distributed, Distribution};
 use super::following::Following;
 use super::look_on::volume_with;
 use super::scales::{Known, Spread};
 use super::shared::lock;
 use super::work::Work;
 use std::borrow::Cow;
-use std::path::PathBuf;
 use std::sync::Arc;
 use voltet_core::Result;
-use voltet_core::graph::{NodeEntry, Quantity};
+use voltet_core::graph::Quantity;
 use voltet_core::grid::Grid;
-use voltet_core::probing::{Axis, Histogram, histogram, value_range};
+use voltet_core::probing::{Axis, histogram, value_range};
 use voltet_core::progress::Progress;
 use voltet_core::volume::Volume;
 
@@ -20,32 +20,6 @@ const BINS: usize = 256;
 
 /// Share of the volume whose largest gradient magnitudes lie beyond the distribution.
 const STEEPEST: f64 = 1e-3;
-
-/// The distribution of the data that is wanted.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Distribution {
-    /// As of [`Wanted`](super::Wanted).
-    pub nodes: Vec<NodeEntry>,
-    /// As of [`Wanted`](super::Wanted).
-    pub folder: PathBuf,
-    /// The output that gives the volume.
-    pub node: String,
-    /// Along which quantities: "s", "g", or arrays.
-    pub axes: [Quantity; 2],
-    /// Further arrays whose ranges are wanted.
-    pub fields: Vec<String>,
-    /// What tells it from others.
-    pub key: u64,
-}
-
-/// What was found.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Distributed {
-    /// The volume in each bin.
-    pub histogram: Histogram,
-    /// Ranges, and the volume below each value of the axes.
-    pub known: Known,
-}
 
 impl Distribution {
     /// The arrays of the axes, and the further ones.

@@ -1,7 +1,6 @@
 //! A node that looks on: it takes every output of what feeds a picture and does nothing, so that a run is made for the picture
 //! and for nothing else, and what runs through the wires can be asked for.
 
-use super::request::feeding;
 use glam::DVec3;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -14,6 +13,7 @@ use voltet_core::graph::{
 use voltet_core::grid::extent::{bounds, range};
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
+use voltet_document::links::upstream;
 
 /// The type's name, which no pipeline file can be meant to name.
 pub(super) const NAME: &str = "(looks on)";
@@ -249,4 +249,13 @@ pub fn grouped(count: usize) -> String {
     let groups: Vec<&str> =
         digits.as_bytes().rchunks(3).rev().filter_map(|group| std::str::from_utf8(group).ok()).collect();
     groups.join(",")
+}
+
+/// The nodes that feed one, and it; in the order of the document.
+pub(super) fn feeding(nodes: &[NodeEntry], name: &str) -> Result<Vec<NodeEntry>> {
+    if !nodes.iter().any(|node| node.name == name) {
+        return Err(Error::usage(format!("there is no node '{name}' to show the picture of")));
+    }
+    let names = upstream(nodes, name);
+    Ok(nodes.iter().filter(|node| names.contains(&node.name)).cloned().collect())
 }

@@ -8,7 +8,7 @@
 //!
 //! | file | what |
 //! | --- | --- |
-//! | `request` | pictures that are wanted, and their graphs |
+//! | `request`, `asked` | pictures that are wanted, and their graphs; what else is, and what is found |
 //! | `work`, `superseding`, `coarse` | the thread; when a pass is stopped; how many pixels a coarse picture has |
 //! | `following`, `states`, `pixels` | what is shown of it |
 //! | `look_on` | nodes that look at what runs through the wires |
@@ -16,6 +16,7 @@
 //! | `probing`, `section` | the values on rays, and on a plane through the data |
 //! | `share`, `estimate` | what a widget adds to the picture; how wrong it is |
 
+mod asked;
 mod coarse;
 mod distribution;
 mod estimate;
@@ -36,15 +37,12 @@ mod tests;
 mod tests_superseding;
 mod work;
 
-pub use distribution::{Distributed, Distribution};
+pub use asked::{Distributed, Distribution, Probed, Probing, Section, Sectioning, Share, Sharing};
 pub use look_on::{grouped, short};
 pub use pixels::Pixels;
-pub use probing::{Probed, Probing};
 pub use request::Wanted;
 pub(crate) use request::size_of;
 pub use scales::{Known, Spread};
-pub use section::{Section, Sectioning};
-pub use share::{Share, Sharing};
 pub use shared::Wake;
 pub use states::{NodeState, NodeStatus, Shown};
 

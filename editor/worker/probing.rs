@@ -1,11 +1,10 @@
 //! What lies on rays of the picture: the values there, weighted by what they add to it.
 
+use super::asked::{Probed, Probing};
 use super::following::Following;
-use super::look_on::{PROBES, entry};
-use super::request::feeding;
+use super::look_on::{PROBES, entry, feeding};
 use super::work::Work;
 use glam::DVec3;
-use std::path::PathBuf;
 use std::sync::Arc;
 use voltet_core::camera::Camera;
 use voltet_core::graph::{Demand, Graph, Look, NodeEntry, Registry, Value, diagonal};
@@ -17,36 +16,6 @@ use voltet_core::scene::Scene;
 use voltet_core::shading::{Order, Shading};
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
-
-/// A place of the picture that is asked about.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Probing {
-    /// As of [`Wanted`](super::Wanted).
-    pub nodes: Vec<NodeEntry>,
-    /// As of [`Wanted`](super::Wanted).
-    pub folder: PathBuf,
-    /// The outputs that give the volume, the transfer function and the camera.
-    pub sources: [String; 3],
-    /// Places, in heights of the picture from its middle, to the right and up.
-    pub places: Vec<[f64; 2]>,
-    /// What tells it from others.
-    pub key: u64,
-}
-
-/// What was found.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Probed {
-    /// As of [`Probing`].
-    pub key: u64,
-    /// Rays that were walked; 0 where the values are those of a section.
-    pub rays: usize,
-    /// Values [s, g] with their shares of what is seen (or of the way, where nothing is).
-    pub values: Vec<([f64; 2], f64)>,
-    /// The point where the most is seen, world units; `None` where no ray meets a cell.
-    pub point: Option<DVec3>,
-    /// Opacity of the rays, mean.
-    pub opacity: f64,
-}
 
 impl Probing {
     /// The graph, and the place in it of the node that is fed.

@@ -1,10 +1,10 @@
 //! What is asked of the worker: nodes as a document states them, and which of their outputs is looked at.
 
-use super::look_on::{NAME, entry};
+use super::look_on::{NAME, entry, feeding};
 use std::collections::BTreeSet;
 use std::path::PathBuf;
+use voltet_core::Result;
 use voltet_core::graph::{Datum, Graph, Node, NodeEntry, Registry, Setting};
-use voltet_core::{Error, Result};
 use voltet_document::links::upstream;
 
 /// The node type that says where a picture is seen from, and its parameters that coarse pictures change.
@@ -107,13 +107,4 @@ fn resize(node: &mut NodeEntry, size: Option<[u32; 2]>, divisor: u32) -> Result<
         node.set(SAMPLES, &[], Datum::Integer(1).into())?;
     }
     Ok(())
-}
-
-/// The nodes that feed one, and it; in the order of the document.
-pub(super) fn feeding(nodes: &[NodeEntry], name: &str) -> Result<Vec<NodeEntry>> {
-    if !nodes.iter().any(|node| node.name == name) {
-        return Err(Error::usage(format!("there is no node '{name}' to show the picture of")));
-    }
-    let names = upstream(nodes, name);
-    Ok(nodes.iter().filter(|node| names.contains(&node.name)).cloned().collect())
 }

@@ -1,51 +1,18 @@
 //! What a plane through the data meets: s and g at the pixels of a picture of it, linear in each cell.
 
+use super::asked::{Section, Sectioning};
 use super::following::Following;
 use super::look_on::volume_with;
 use super::shared::lock;
 use super::work::Work;
 use glam::{DMat3, DVec2, DVec3};
-use std::path::PathBuf;
 use std::sync::Arc;
-use voltet_core::graph::NodeEntry;
 use voltet_core::progress::Progress;
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
 
 /// How far outside of a cell, in its barycentric coordinates, a place still counts as on its face.
 const ON_FACE: f64 = 1e-9;
-
-/// A section that is wanted.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Sectioning {
-    /// As of [`Wanted`](super::Wanted).
-    pub nodes: Vec<NodeEntry>,
-    /// As of [`Wanted`](super::Wanted).
-    pub folder: PathBuf,
-    /// The output that gives the volume.
-    pub node: String,
-    /// The point in the middle, world units.
-    pub centre: DVec3,
-    /// Unit vectors in the plane: to the right and up in its picture.
-    pub axes: [DVec3; 2],
-    /// Half of its height, world units.
-    pub half: f64,
-    /// Pixels of its picture.
-    pub size: [usize; 2],
-    /// What tells it from others.
-    pub key: u64,
-}
-
-/// What was found.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Section {
-    /// As it was asked for.
-    pub of: Sectioning,
-    /// [s, g] at the middle of each pixel, rows from the top; none outside of all cells.
-    pub values: Vec<Option<[f64; 2]>>,
-    /// Cells that the plane cuts.
-    pub cells: usize,
-}
 
 impl Sectioning {
     /// World units a pixel.

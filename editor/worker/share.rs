@@ -1,5 +1,6 @@
 //! What a widget adds to the picture: a coarse picture with it and without it, and one of it alone for its cells.
 
+use super::asked::{Share, Sharing};
 use super::estimate::coarsened;
 use super::following::Following;
 use super::request::Wanted;
@@ -8,32 +9,6 @@ use std::sync::Arc;
 use voltet_core::Result;
 use voltet_core::graph::{Datum, NodeEntry, RunReport};
 use voltet_core::picture::Picture;
-
-/// A widget that is asked about.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Sharing {
-    /// The picture that is shown.
-    pub wanted: Wanted,
-    /// The transfer function.
-    pub look: String,
-    /// The widget's place in that picture's list.
-    pub widget: usize,
-    /// What tells it from others.
-    pub key: u64,
-}
-
-/// What a widget adds.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Share {
-    /// Of the picture's opacity, what is gone without the widget, 0 to 1; what it hides comes to light instead.
-    pub opacity: f64,
-    /// Of the picture's light, what is another without the widget; above 1 where more comes to light than it gave.
-    pub light: f64,
-    /// Pixels that were compared.
-    pub pixels: usize,
-    /// Cells that it may contribute in, of all; none where no engine counts them.
-    pub cells: Option<[u64; 2]>,
-}
 
 impl Share {
     fn between(with: &Picture, without: &Picture) -> Share {

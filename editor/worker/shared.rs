@@ -1,10 +1,7 @@
 //! What the window's thread and the worker's both see.
 
-use super::distribution::Distribution;
-use super::probing::Probing;
+use super::asked::{Distribution, Probing, Sectioning, Sharing};
 use super::request::Wanted;
-use super::section::Sectioning;
-use super::share::Sharing;
 use super::states::Shown;
 use std::sync::atomic::AtomicU64;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};

@@ -1,12 +1,9 @@
 //! What there is to show of the worker's work.
 
-use super::distribution::Distributed;
+use super::asked::{Distributed, Probed, Section, Share};
 use super::look_on::{NAME, Values};
 use super::pixels::Pixels;
-use super::probing::Probed;
 use super::request::Wanted;
-use super::section::Section;
-use super::share::Share;
 use glam::DVec3;
 use std::collections::BTreeMap;
 use std::sync::Arc;

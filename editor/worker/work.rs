@@ -1,5 +1,6 @@
 //! The thread's own work: the newest wish first, panics caught.
 
+use super::asked::{Distribution, Probing, Sectioning, Sharing};
 use super::coarse::Pace;
 use super::following::Following;
 use super::look_on::{self, Values};
@@ -7,7 +8,6 @@ use super::pixels::Pixels;
 use super::request::Wanted;
 use super::shared::{Shared, lock};
 use super::superseding::Pass;
-use super::{Distribution, Probing, Sectioning, Sharing};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::Ordering;
 use std::sync::{Arc, PoisonError};
