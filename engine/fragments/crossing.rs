@@ -96,11 +96,12 @@ impl Group {
             }
             let depth = depth.permute(lane);
             let distance = distance.permute(lane);
-            // What the plane cuts begins where it is, bit for bit in all cells: their exits tell their order.
-            let (mut cut, mut cut_at) = (L::F::splat(0.0).lt(L::F::splat(0.0)), L::F::splat(0.0));
-            if let Some([scale, offset, entry]) = near {
-                let v_near = distance.mul_add(L::F::splat(scale), L::F::splat(offset));
-                (cut, cut_at) = (v_near.lt(v_front), L::F::splat(entry));
+            let mut v_near = L::F::splat(f32::MAX);
+            if let Some([scale, offset, _]) = near {
+                v_near = distance.mul_add(L::F::splat(scale), L::F::splat(offset));
+            }
+            let v_whole = v_front;
+            if near.is_some() {
                 v_front = v_front.min(v_near);
             }
             let thickness = v_front - v_back;
@@ -121,7 +122,12 @@ impl Group {
             );
             L::F::select(hit, length, L::F::splat(0.0)).store(&mut batch.length[at..]);
             if ordered {
-                L::F::select(cut, cut_at, depth_at(v_front, q_front)).store(&mut batch.entry[at..]);
+                let mut entry = depth_at(v_front, q_front);
+                if let Some([_, _, cut_at]) = near {
+                    // What the plane cuts begins where it is, bit for bit in all cells: their exits tell their order.
+                    entry = L::F::select(v_near.lt(v_whole), L::F::splat(cut_at), entry);
+                }
+                entry.store(&mut batch.entry[at..]);
                 depth_at(v_back, q_back).store(&mut batch.exit[at..]);
             }
             pixel.store(&mut batch.pixel[at..]);

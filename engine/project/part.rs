@@ -208,6 +208,8 @@ fn project_group<L: Lanes>(input: &Input<'_>, group: &[u32], part: &mut Projecte
 
     let reach = (most(&x) - least(&x)) + (most(&y) - least(&y));
     let range = most(&v) - least(&v);
+    // What is narrow compares with STEEP_MOST like what is steep.
+    let narrow = splat(NARROW * STEEP_MOST) / range;
     let face = inlined(
         #[inline(always)]
         |c: &[L::D; 4], opposite: usize| -> [L::D; 3] {
@@ -241,8 +243,8 @@ fn project_group<L: Lanes>(input: &Input<'_>, group: &[u32], part: &mut Projecte
             ill |= seen.undecided.bits();
         }
         let across = a.abs() * (x1 - x0) + b.abs() * (y1 - y0);
-        ill |= bounded.and(splat(STEEP_MOST).lt(across)).bits();
-        ill |= bounded.and(range.lt(splat(NARROW) * (a.abs() + b.abs()))).bits();
+        let within = (a.abs() + b.abs()) * narrow;
+        ill |= bounded.and(splat(STEEP_MOST).lt(across.max(within))).bits();
         let open = L::D::select(faces_eye, splat(STEEP), splat(-STEEP));
         // An edge-on face constrains nothing: the silhouette does.
         L::D::select(bounded, a, zero).store_f32(&mut planes[k][0]);

@@ -79,7 +79,7 @@ impl<L: Lanes> Overlapping<'_, L> {
         let splat = L::F::splat;
         let &Overlapping { shapes, total, .. } = self;
         // How many steps the roughest lane wants: a cubic through four densities leaves 3e-5 of the depth where a Gaussian
-        // extends over half a width; where the logarithm of a density changes by more than 0.6 to either side of a step's middle
+        // extends over half a width; where the logarithm of a density changes by more than 0.7 to either side of a step's middle
         // more is left of a tail.
         let (mut widest, mut steepest) = (splat(0.0), splat(0.0));
         for shape in shapes {
@@ -87,7 +87,7 @@ impl<L: Lanes> Overlapping<'_, L> {
             widest = L::F::select(matters, widest.max(shape.extent_squared), widest);
             steepest = L::F::select(matters, steepest.max(shape.change_squared), steepest);
         }
-        let wish = total.max(widest.sqrt() * splat(2.0)).max(steepest.sqrt() * splat(1.6));
+        let wish = total.max(widest.sqrt() * splat(2.0)).max(steepest.sqrt() * splat(1.4));
         let served = overlapping & wish.le(splat(STEPS as f32)).bits();
         if served == 0 {
             return overlapping;
@@ -143,24 +143,17 @@ impl<L: Lanes> Overlapping<'_, L> {
         // All light together is known in closed form; the quadrature only shares it out, so that where one widget is nearly all
         // there is, nearly nothing of its error stays. Widgets too thin for the order to matter are mixed in.
         let average = one_minus_exp::<L>(total) / total.max(splat(f32::MIN_POSITIVE));
-        let ordered = shapes.iter().fold(
-            splat(0.0),
-            inlined(
-                #[inline(always)]
-                |sum: L::F, shape: &DensityShape<L>| {
-                    L::F::select(self.matters(shape), sum + shape.depth, sum)
-                },
-            ),
-        );
-        let exact = ordered * average / light.max(splat(f32::MIN_POSITIVE));
-        for sum in &mut color {
-            *sum = *sum * exact;
-        }
+        let (mut thin, mut mixed) = (splat(0.0), [splat(0.0); 3]);
         for (widget, shape) in widgets.iter().zip(shapes) {
-            let mixed = L::F::select(self.matters(shape), splat(0.0), shape.depth * average);
-            for (sum, c) in color.iter_mut().zip(widget.color) {
-                *sum = mixed.mul_add(splat(c), *sum);
+            let depth = L::F::select(self.matters(shape), splat(0.0), shape.depth);
+            thin = thin + depth;
+            for (sum, c) in mixed.iter_mut().zip(widget.color) {
+                *sum = depth.mul_add(splat(c), *sum);
             }
+        }
+        let exact = (total - thin) * average / light.max(splat(f32::MIN_POSITIVE));
+        for (sum, mixed) in color.iter_mut().zip(mixed) {
+            *sum = mixed.mul_add(average, *sum * exact);
         }
         replace::<L>(
             lanes,
