@@ -1,6 +1,7 @@
 //! Frames and notes in a hand: moved (a frame with all that it holds), resized, written on, coloured, taken away.
 
 use super::GraphView;
+use super::things::{Carried, Thing, Writing};
 use crate::actions::Actions;
 use crate::scene::Scene;
 use eframe::egui::{
@@ -11,32 +12,6 @@ use voltet_document::{Edit, Frame, Note};
 /// Side of the corner that a frame is resized by, and its least width and height, points.
 const CORNER: f32 = 14.0;
 const LEAST: f64 = 60.0;
-
-/// A frame or a note, by its number.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub(crate) enum Thing {
-    Frame(usize),
-    Note(usize),
-}
-
-/// What moves in a hand: where it stood, and how far it went.
-#[derive(Debug, Default)]
-pub(super) struct Carried {
-    frames: Vec<(usize, Frame)>,
-    notes: Vec<(usize, Note)>,
-    nodes: Vec<(String, [f64; 2])>,
-    /// The frame changes its size instead.
-    resizes: bool,
-    way: Vec2,
-}
-
-/// Words that are being written.
-#[derive(Debug)]
-pub(super) struct Writing {
-    thing: Thing,
-    text: String,
-    is_new: bool,
-}
 
 impl GraphView {
     /// Has the words of a frame or a note written.

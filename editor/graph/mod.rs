@@ -13,6 +13,7 @@ mod menu;
 mod package;
 mod places;
 mod sight;
+mod things;
 mod wires;
 
 use crate::actions::{Action, Actions};
@@ -22,13 +23,13 @@ use eframe::egui::{
     self, Color32, FontId, PointerButton, Rect, Rounding, Stroke, TextureHandle, Ui, Vec2, pos2, vec2,
 };
 use egui_node_graph2::{AnyParameterId, NodeId};
-pub(crate) use frames::Thing;
-use frames::{Carried, Writing};
 use menu::Menu;
 use package::{NoTemplates, State, Written};
 use places::{Places, Port};
 use std::collections::HashMap;
 use std::rc::Rc;
+pub(crate) use things::Thing;
+use things::{Carried, Writing};
 use wires::InHand;
 
 /// Frames until nodes have the sizes that they are fitted by.
