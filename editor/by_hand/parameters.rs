@@ -142,3 +142,23 @@ fn to_look_at_a_pipeline_that_ships_changes_nothing() {
         assert_eq!(hand.text(), text, "{}", path.display());
     }
 }
+
+#[test]
+fn a_wrong_number_stays_until_another_is_typed() {
+    let text = TEXT.replace("extinction = 4.0", "extinction = -4.0");
+    let mut hand = Hand::new(&text);
+    select(&mut hand, "look");
+    let field = |hand: &Hand| row(hand, "look.widgets.0.extinction").left_center() + vec2(14.0, 0.0);
+    let at = field(&hand);
+    hand.click(at);
+    hand.frames(2);
+    let ground = hand.editor.graph.frame_of("view").unwrap().max + vec2(60.0, 30.0);
+    hand.key(Key::Tab, Modifiers::NONE);
+    hand.click(ground);
+    assert_eq!(hand.text(), text, "a look at it changes nothing");
+    select(&mut hand, "look");
+    let at = field(&hand);
+    type_at(&mut hand, at, "7");
+    assert!(hand.text().contains("extinction = 7\n"), "{}", hand.text());
+    assert_eq!(hand.steps(), 1);
+}

@@ -3,7 +3,7 @@
 use super::{Of, ParameterPanel};
 use crate::actions::{Action, Actions};
 use crate::asking::Asked;
-use eframe::egui::{Color32, ComboBox, DragValue, Response, Rgba, Slider, SliderClamping, Ui};
+use eframe::egui::{Color32, ComboBox, DragValue, Response, Rgba, Slider, Ui};
 use voltet_core::graph::{Datum, Range, Setting};
 use voltet_document::panel::{Control, Row, Scale, rounded, shown};
 
@@ -23,6 +23,12 @@ impl ParameterPanel {
             Control::Toggle => {
                 let mut flag = now == Some(&Datum::Boolean(true));
                 ui.checkbox(&mut flag, "").changed().then_some(Datum::Boolean(flag))
+            }
+            // What is wrong is typed anew; a field would set it within its range.
+            Control::Integer(range) | Control::Number { range, .. } | Control::Vector { range, .. }
+                if !holds_all(range, now) =>
+            {
+                self.typing.value(ui, &key, row, 160.0, "")
             }
             Control::Integer(range) => {
                 number_field(ui, now.and_then(number), range, None).map(|x| Datum::Integer(x as i64))
@@ -108,6 +114,15 @@ impl ParameterPanel {
     }
 }
 
+/// Whether all numbers of a value lie in the range.
+fn holds_all(range: &Range, datum: Option<&Datum>) -> bool {
+    match datum {
+        Some(Datum::List(list)) => list.iter().all(|part| holds_all(range, Some(&part.datum))),
+        Some(datum) => number(datum).is_none_or(|x| range.holds(x)),
+        None => true,
+    }
+}
+
 /// Asks for the file of a row, beginning where the one lies that it names.
 fn browse(of: Of, row: &Row) -> Action {
     let named = row.value().and_then(|datum| Setting::from(datum.clone()).text().map(str::to_string));
@@ -138,10 +153,7 @@ fn number_field(ui: &mut Ui, now: Option<f64>, range: &Range, scale: Option<Scal
     let is_logarithmic = scale == Some(Scale::Logarithmic);
     let mut slid = None;
     if scale.is_some() && span.is_finite() && (is_logarithmic || span <= SPAN_OF_SLIDER) {
-        let slider = Slider::new(&mut x, range.min..=range.max)
-            .logarithmic(is_logarithmic)
-            .show_value(false)
-            .clamping(SliderClamping::Edits);
+        let slider = Slider::new(&mut x, range.min..=range.max).logarithmic(is_logarithmic).show_value(false);
         let response = ui.add(slider.smart_aim(true));
         let step = span / f64::from(response.rect.width().max(1.0));
         let step = if is_logarithmic { step.min(SPEED * x.abs()) } else { step };
@@ -164,8 +176,7 @@ fn short(x: f64) -> String {
 /// A number that is dragged and typed.
 fn drag(ui: &mut Ui, before: f64, range: &Range, step: f64, whole: bool) -> (Response, f64) {
     let mut x = before;
-    let field = DragValue::new(&mut x).range(range.min..=range.max).clamp_existing_to_range(false);
-    let field = field.speed(step).update_while_editing(false);
+    let field = DragValue::new(&mut x).range(range.min..=range.max).speed(step).update_while_editing(false);
     let field = match whole {
         true => field.max_decimals(0),
         false => field.custom_formatter(|x, _| short(x)),

@@ -220,7 +220,8 @@ impl TransferPanel {
             let mut extinction = widget.extinction;
             let speed = (extinction * 0.01).max(1e-3);
             // What a file states stays until a hand changes it, however wrong.
-            let field = DragValue::new(&mut extinction).range(0.0..=f64::MAX).clamp_existing_to_range(false);
+            let least = extinction.min(0.0);
+            let field = DragValue::new(&mut extinction).range(least..=f64::MAX);
             let field = field.speed(speed).max_decimals(4);
             let response = ui.add(field.update_while_editing(false));
             if response.on_hover_text("extinction, per unit_distance").changed() {
