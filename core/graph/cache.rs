@@ -109,8 +109,7 @@ pub(super) fn files_of(
     stamp: FileStamp,
 ) -> Vec<(PathBuf, Stamp)> {
     let named = parameters.paths().into_iter().map(|named| named.from(folder));
-    let named: Vec<_> = named.map(|path| (path.clone(), stamp(&path))).collect();
-    named.into_iter().chain(files_beside((node, parameters), steps, folder, stamp)).collect()
+    stamped(named.chain((node.files_beside)(&Preparation { parameters, folder }, steps)), stamp)
 }
 
 /// The files that a node reads beside those that its parameters name.
@@ -120,8 +119,16 @@ pub(super) fn files_beside(
     folder: &Path,
     stamp: FileStamp,
 ) -> Vec<(PathBuf, Stamp)> {
-    let beside = (node.files_beside)(&Preparation { parameters, folder }, steps);
-    beside.into_iter().map(|path| (path.clone(), stamp(&path))).collect()
+    stamped((node.files_beside)(&Preparation { parameters, folder }, steps), stamp)
+}
+
+/// Files with their state as it is now.
+pub(super) fn stamped(paths: impl IntoIterator<Item = PathBuf>, stamp: FileStamp) -> Vec<(PathBuf, Stamp)> {
+    let with_state = |path: PathBuf| {
+        let state = stamp(&path);
+        (path, state)
+    };
+    paths.into_iter().map(with_state).collect()
 }
 
 type Kept = Arc<dyn Any + Send + Sync>;

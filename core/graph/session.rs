@@ -1,7 +1,7 @@
 //! Runs graphs: the two passes, the cache between runs, progress and stopping.
 
 use super::build::{Edge, Graph, GraphNode};
-use super::cache::{Cache, Entry, FileStamp, Store, files_of};
+use super::cache::{Cache, Entry, FileStamp, Store, files_of, stamped};
 use super::call::{Asking, Call, NodeProgress, Preparation};
 use super::declaration::{Outlined, PortType, Steps};
 use super::demand::{Arrays, Demand, Done, Plan};
@@ -250,7 +250,7 @@ impl Session {
             parameters: node.parameters.clone(),
             inputs: revisions,
             demand: demand.clone(),
-            files: files_of((node.node, &node.parameters), Steps::Read, &graph.folder, self.file_stamp),
+            files: stamped(files.into_iter().map(|(path, _)| path), self.file_stamp),
             carried,
             outputs: outputs.clone(),
             notes: notes.clone(),

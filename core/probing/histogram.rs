@@ -41,6 +41,22 @@ pub struct Histogram {
     pub not_finite: f64,
 }
 
+impl Histogram {
+    /// Along the second axis, over all of the first: below what nearly all of the volume lies, all but a thousandth. What lies beyond
+    /// is of few cells, mostly slivers, whose gradients are many times those of the others.
+    pub fn nearly_all(&self) -> f64 {
+        const BEYOND: f64 = 1e-3;
+        let axis = &self.axes[1];
+        let all: f64 = self.volumes.iter().sum();
+        let mut below = 0.0;
+        let last = self.volumes.chunks(self.axes[0].bins.max(1)).position(|row| {
+            row.iter().for_each(|volume| below += volume);
+            below >= (1.0 - BEYOND) * all
+        });
+        last.map_or(axis.high, |row| axis.edge(row + 1))
+    }
+}
+
 impl Axis {
     /// From the smallest to the largest finite value; a constant field gets an axis around it.
     pub fn over(values: &[f64], bins: usize) -> Axis {

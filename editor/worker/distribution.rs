@@ -18,9 +18,6 @@ use voltet_core::volume::Volume;
 /// Bins along each axis.
 const BINS: usize = 256;
 
-/// Share of the volume whose largest gradient magnitudes lie beyond the distribution.
-const STEEPEST: f64 = 1e-3;
-
 impl Distribution {
     /// The arrays of the axes, and the further ones.
     fn arrays(&self) -> Vec<&String> {
@@ -69,12 +66,7 @@ fn of_nearly_all(grid: &Grid, g: &[f64], progress: &dyn Progress) -> Result<Axis
     }
     let (flat, nothing) = (Axis { low: 0.0, high: 1.0, bins: 1 }, vec![0.5; g.len()]);
     let coarse = histogram(grid, [&nothing, g], [flat, whole], progress)?;
-    let (all, mut below) = (coarse.volumes.iter().sum::<f64>(), 0.0);
-    let last = coarse.volumes.iter().position(|volume| {
-        below += volume;
-        below >= (1.0 - STEEPEST) * all
-    });
-    Ok(Axis { high: last.map_or(whole.high, |row| whole.edge(row + 1)), bins: BINS, ..whole })
+    Ok(Axis { high: coarse.nearly_all(), bins: BINS, ..whole })
 }
 
 /// The values of a quantity, one a point.

@@ -49,7 +49,8 @@ impl Group {
 
     /// Evaluates `codes` (at most [`super::batch::BATCH`], readable up to the next multiple of `WIDTH`). `stretch` is the
     /// length of each pixel's ray direction; `near`, where the near plane cuts cells, gives its
-    /// v as scale × distance + offset, and its depth from the distance origin. Entry and exit depths are found only if the segments are `ordered`.
+    /// v as scale × distance + offset, and its depth from the distance origin. Entry and exit depths are found only if the
+    /// segments are `ordered`.
     #[inline(always)]
     pub fn evaluate<L: Lanes, const PERSPECTIVE: bool>(
         &self,
@@ -96,14 +97,12 @@ impl Group {
             }
             let depth = depth.permute(lane);
             let distance = distance.permute(lane);
-            let mut v_near = L::F::splat(f32::MAX);
-            if let Some([scale, offset, _]) = near {
-                v_near = distance.mul_add(L::F::splat(scale), L::F::splat(offset));
-            }
             let v_whole = v_front;
-            if near.is_some() {
-                v_front = v_front.min(v_near);
-            }
+            let v_near = match near {
+                Some([scale, offset, _]) => distance.mul_add(L::F::splat(scale), L::F::splat(offset)),
+                None => v_whole,
+            };
+            v_front = v_whole.min(v_near);
             let thickness = v_front - v_back;
             let hit = L::F::splat(0.0).lt(thickness);
             let meant = u32::MAX >> (32 - (count - at).min(L::WIDTH));

@@ -22,9 +22,6 @@ use std::sync::Arc;
 /// Bins along s and g: what 64 colours of a curve would tell apart, four times over.
 const BINS: usize = 256;
 
-/// Share of the volume whose largest gradient magnitudes lie beyond the histogram: of few cells, mostly slivers.
-const STEEPEST: f64 = 1e-3;
-
 /// Linear RGB of the boundaries, in rising s.
 const COLORS: [[f64; 3]; 4] = [[0.08, 0.25, 0.9], [0.05, 0.65, 0.45], [0.95, 0.6, 0.08], [0.9, 0.1, 0.06]];
 
@@ -222,13 +219,7 @@ fn histogram_of(grid: &Grid, s: &[f64], g: &[f64], progress: &dyn Progress) -> R
         [Axis { bins: 1, ..s_axis }, Axis { low: whole.low.min(0.0), ..whole }],
         progress,
     )?;
-    let within: f64 = coarse.volumes.iter().sum();
-    let mut below = 0.0;
-    let last = coarse.volumes.iter().position(|volume| {
-        below += volume;
-        below >= (1.0 - STEEPEST) * within
-    });
-    let high = last.map_or(whole.high, |row| coarse.axes[1].edge(row + 1));
+    let high = coarse.nearly_all();
     let low = quiet(&coarse).min(0.5 * high);
     histogram(grid, [s, g], [s_axis, Axis { low, high, bins: BINS }], progress)
 }
