@@ -168,8 +168,13 @@ impl Ready<'_> {
         let (cells_projected, table_bytes) = (projection.cells_projected(), *table_bytes);
         let mut counts = Counts { cells_projected, table_bytes, ..Counts::default() };
         let weight = 1.0 / projection.samples.len() as f32;
+        let mut all = attributes.clone();
+        if projection.samples.iter().any(|sample| attributes.len() < sample.attribute_count) {
+            all.extend(gradient_attributes(cells)?);
+        }
         for sample in &projection.samples {
-            let frame = Frame::new(sample, &cells.volume, attributes, shader, sorted);
+            let tetrahedra = &cells.volume.grid.tetrahedra;
+            let frame = Frame::new(sample, tetrahedra, &all, attributes.len(), shader, sorted);
             let queue = sample.queue();
             let next = AtomicUsize::new(0);
             let results: Vec<Drawn> =

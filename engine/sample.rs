@@ -2,17 +2,16 @@
 
 use crate::attribute::Attribute;
 use crate::cells::Cells;
+use crate::fragments::batch::Batch;
 use crate::project::cell64::{Cell64, Crossing64};
 use crate::project::part::{Input, ProjectPart, ProjectedPart};
 use crate::project::record::{AttributeRecord, Record, TILE};
-use crate::shade::shaded::Exact;
 use crate::shade::shader::Shader;
 use crate::view::{Seen, View};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU32, Ordering};
 use voltet_core::camera::Camera;
 use voltet_core::progress::Progress;
-use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
 
 /// Bits of a record's number within its part; the part's number stands above.
@@ -54,7 +53,8 @@ pub(crate) struct Frame<'a> {
     /// See [`crate::fragments::crossing::Group::evaluate`].
     pub near: Option<[f32; 3]>,
     sample: &'a Sample,
-    volume: &'a Volume,
+    tetrahedra: &'a [[u32; 4]],
+    /// What widgets look at, then the gradient where it is looked at.
     attributes: &'a [Attribute<'a>],
 }
 
@@ -209,8 +209,9 @@ fn shared(values: &mut [u32]) -> &[AtomicU32] {
 impl<'a> Frame<'a> {
     pub fn new(
         sample: &'a Sample,
-        volume: &'a Volume,
+        tetrahedra: &'a [[u32; 4]],
         attributes: &'a [Attribute<'a>],
+        scalar_count: usize,
         shader: &'a Shader,
         sorted: bool,
     ) -> Frame<'a> {
@@ -218,14 +219,14 @@ impl<'a> Frame<'a> {
             view: sample.view,
             tiles_wide: sample.tiles_wide,
             attribute_count: sample.attribute_count,
-            scalar_count: attributes.len(),
+            scalar_count,
             shader,
             lanes: sample.lanes,
             sorted,
             distance_origin: sample.distance_origin,
             near: sample.near,
             sample,
-            volume,
+            tetrahedra,
             attributes,
         }
     }
@@ -271,29 +272,22 @@ impl<'a> Frame<'a> {
         numbers.iter().map(|&k| &self.sample.cells64[k as usize])
     }
 
-    /// Optical depth (or opacity, see [`Shaded::depth`]), colour and opacity of the segment of a cell drawn in 64 bits.
-    pub fn shade64(&self, cell: &Cell64, crossing: &Crossing64, i: usize, j: usize) -> Exact {
-        let corners = self.volume.grid.tetrahedra[cell.id as usize];
-        let value = |end: usize, attribute: usize| {
-            let values = &self.attributes[attribute];
-            let base = values.at(corners[0] as usize);
+    /// Puts the segment of a cell that was crossed in 64 bits in place `k` of a batch, to be shaded like any other.
+    pub fn put64(&self, cell: &Cell64, crossing: &Crossing64, [i, j]: [usize; 2], k: usize, batch: &mut Batch) {
+        let corners = self.tetrahedra[cell.id as usize].map(|p| p as usize);
+        let [entry, exit] = crossing.depth;
+        batch.pixel[k] = ((j % TILE) << 4 | (i % TILE)) as u32;
+        batch.length[k] = ((exit - entry) * self.view.stretch(i as f64, j as f64)) as f32;
+        batch.entry[k] = (entry - self.distance_origin) as f32;
+        batch.exit[k] = (exit - self.distance_origin) as f32;
+        for (a, attribute) in self.attributes.iter().enumerate() {
             // Relative to one corner, so that values near 1e8 keep their differences.
-            (0..4).map(|k| crossing.weights[end][k] * (values.at(corners[k] as usize) - base)).sum::<f64>()
-                + base
-        };
-        let length = (crossing.depth[1] - crossing.depth[0]) * self.view.stretch(i as f64, j as f64);
-        let mut exact = self.shader.integrate(length, |a| value(0, a), |a| value(1, a), true);
-        if let (Some(surface), Some(gradient)) = (&self.shader.surface, &self.volume.gradient) {
-            let middle = (0..4).map(|k| {
-                0.5 * (crossing.weights[0][k] + crossing.weights[1][k]) * gradient[corners[k] as usize]
+            let base = attribute.at(corners[0]);
+            let [front, back] = crossing.weights.map(|weights| {
+                let above = weights.iter().zip(corners).map(|(w, p)| w * (attribute.at(p) - base)).sum::<f64>();
+                (((base - attribute.offset) + above) / attribute.scale) as f32
             });
-            let (opacity, color) = surface.factors_of(middle.sum(), self.view.direction(i as f64, j as f64));
-            if self.shader.one_color.is_some() {
-                exact.depth = (-(-f64::from(exact.depth)).exp_m1() * opacity) as f32;
-            }
-            let [r, g, b, a] = exact.rgba.map(f64::from);
-            exact.rgba = [r * color, g * color, b * color, a * opacity].map(|x| x as f32);
+            (batch.front[a][k], batch.back[a][k]) = (front, back);
         }
-        exact
     }
 }

@@ -7,7 +7,7 @@
 
 use crate::composite::growing_lists::GrowingLists;
 use crate::composite::kernels::{Blend, Cover, Evaluate, Illuminate};
-use crate::composite::lists::{Layer, Lists, Overflow};
+use crate::composite::lists::{Lists, Overflow};
 use crate::composite::sinks::{DepthSink, OPAQUE_DEPTH, Sink, TilePicture, of_one_color};
 use crate::fragments::batch::{BATCH, Batch, LANES_MOST};
 use crate::fragments::crossing::Group;
@@ -89,7 +89,7 @@ impl Worker<'_> {
             done.push((tile, picture));
         }
         scratch.counts.segments_exact = scratch.shaded.exact_count;
-        scratch.counts.segments_overlapping += scratch.shaded.overlap_count;
+        scratch.counts.segments_overlapping = scratch.shaded.overlap_count;
         (done, scratch.counts)
     }
 }
@@ -182,29 +182,41 @@ fn walk(
             let count = (fragments.count - from).min(BATCH);
             let codes = &fragments.codes[from..];
             dispatch(frame.lanes, Evaluate { frame, group, codes, count, stretch, batch });
-            integrate(frame.shader, frame.lanes, batch, count, shaded);
-            if frame.shader.surface.is_some() {
-                dispatch(frame.lanes, Illuminate { frame, batch, count, rays, shaded });
-            }
+            shade(frame, rays, batch, count, shaded);
             counts.segments += u64::from(batch.hits);
             sink.take(batch, shaded, count)?;
             from += count;
         }
     }
 
+    let mut count = 0;
     for cell in frame.cells64_of(tile) {
         let [x0, y0, x1, y1] = cell.bounds;
         for j in y0.max(top + rows.start)..y1.min(top + rows.end) {
             for i in x0.max(left)..x1.min(right) {
                 let Some(crossing) = cell.cross(&frame.view, i, j) else { continue };
-                counts.segments += 1;
-                let exact = frame.shade64(cell, &crossing, i, j);
-                counts.segments_overlapping += u64::from(exact.overlaps);
-                let [entry, exit] = crossing.depth.map(|z| (z - frame.distance_origin) as f32);
-                let layer = Layer::new(entry, exit, exact.rgba);
-                sink.push((j - top) << 4 | (i - left), exact.depth, layer)?;
+                frame.put64(cell, &crossing, [i, j], count, batch);
+                count += 1;
+                if count == BATCH {
+                    counts.segments += count as u64;
+                    shade(frame, rays, batch, std::mem::take(&mut count), shaded);
+                    sink.take(batch, shaded, BATCH)?;
+                }
             }
         }
     }
+    if count > 0 {
+        counts.segments += count as u64;
+        shade(frame, rays, batch, count, shaded);
+        sink.take(batch, shaded, count)?;
+    }
     Ok(())
+}
+
+/// Integrates and lights the first `count` segments of a batch.
+fn shade(frame: &Frame<'_>, rays: &Rays, batch: &Batch, count: usize, shaded: &mut Shaded) {
+    integrate(frame.shader, frame.lanes, batch, count, shaded);
+    if frame.shader.surface.is_some() {
+        dispatch(frame.lanes, Illuminate { frame, batch, count, rays, shaded });
+    }
 }

@@ -1,4 +1,4 @@
-//! Cells that 32 bits cannot hold, drawn in 64: cells that reach behind the eye or very near it, and extreme
+//! Cells that 32 bits cannot hold, crossed in 64: cells that reach behind the eye or very near it, and extreme
 //! slivers.
 //!
 //! The ray is held against the four face planes in eye space. A face whose plane contains the ray exactly (a ray

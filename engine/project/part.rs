@@ -2,7 +2,7 @@
 //!
 //! One pass over the kept cells in grid order, as many at a time as the processor has 64-bit lanes. Cells that
 //! cover no pixel centre go no further. Cells that 32 bits cannot hold (behind or very near the eye, slivers
-//! beyond 1 : 4,000, cells flatter than the pixel coordinates resolve) are set apart and drawn in 64 bits by [`super::cell64`].
+//! beyond 1 : 4,000, cells flatter than the pixel coordinates resolve) are set apart and crossed in 64 bits by [`super::cell64`].
 
 use crate::attribute::{ATTRIBUTES_MOST, Attribute};
 use crate::project::outline::{edge_on, may_be_edge_on};
@@ -45,26 +45,26 @@ pub(crate) struct Input<'a> {
 /// Pixels by which a span may be rounded beyond its cell: its edges cross rows at multiples of 2⁻¹⁷.
 const BESIDE: f64 = 1.0 / (1 << 16) as f64;
 
-/// Perspective cells whose depths differ by more than this factor are drawn in 64 bits: v would span too many
+/// Perspective cells whose depths differ by more than this factor are crossed in 64 bits: v would span too many
 /// octaves for 24 bits.
 const DEPTH_RATIO: f64 = 4.0;
 
-/// Slivers whose attribute coefficients exceed this many times the cell's own range are drawn in 64 bits: of 24
+/// Slivers whose attribute coefficients exceed this many times the cell's own range are crossed in 64 bits: of 24
 /// bits 12 would cancel, and a length or a value be off by 2e-4 of its range.
 const CONDITION: f64 = 4e3;
 
-/// A cell in whose depth range the densest place would be an optical depth beyond this is drawn in 64 bits if it is flatter than
+/// A cell in whose depth range the densest place would be an optical depth beyond this is crossed in 64 bits if it is flatter than
 /// [`FLAT`]: the rounding of its faces, some 6e-8 of that range, is an optical depth of 2e-5 by itself.
 const DENSE: f64 = 300.0;
 
 /// See [`DENSE`]: the depth range over the thickest place; the rounding of the faces is 6e-5 of that.
 const FLAT: f64 = 1e3;
 
-/// Cells with a face that changes v by more than this over the pixels they cover are drawn in 64 bits: a face seen nearly edge
+/// Cells with a face that changes v by more than this over the pixels they cover are crossed in 64 bits: a face seen nearly edge
 /// on, whose terms cancel where a ray meets it. They leave 6e-8 times this of v.
 const STEEP_MOST: f64 = 3e3;
 
-/// A face that crosses the cell's whole range of depths within so many pixels is drawn in 64 bits: the rounding of pixel coordinates
+/// A face that crosses the cell's whole range of depths within so many pixels is crossed in 64 bits: the rounding of pixel coordinates
 /// moves it by 3e-5 of that range.
 const NARROW: f64 = 2e-3;
 

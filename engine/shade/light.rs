@@ -101,19 +101,6 @@ impl Surface {
         };
         (opacity, color)
     }
-
-    /// The same in 64 bits, for one segment: `gradient` at its middle, `view` the ray's direction, unit length.
-    pub fn factors_of(&self, gradient: DVec3, view: DVec3) -> (f64, f64) {
-        let normal = unit_vector(gradient);
-        let opacity = match self.silhouette {
-            Some(p) if normal != DVec3::ZERO => {
-                (normal.cross(view).length_squared() / (1.0 + normal.dot(view).abs())).min(1.0).powf(p)
-            }
-            _ => 1.0,
-        };
-        let light = self.light.map_or(1.0, |lit| lit.ambient + lit.diffuse * normal.dot(lit.direction).abs());
-        (opacity, opacity * light)
-    }
 }
 
 /// Directions of the rays of the tile at (`left`, `top`).

@@ -166,8 +166,8 @@ fn cells_about_the_eye_and_beside_it_are_seen_whole() {
     for (name, corners) in [("about", about), ("beside", beside)] {
         let look = look(vec![uniform([-1.0, 2.0], 0.3, [1.0, 0.5, 0.2])]);
         let difference = off(one_cell(corners, [0.0, 0.2, 0.7, 1.0]), look, 120.0, 1200);
-        // The rounding of a colour to 32 bits.
-        assert!(difference < 1e-7, "{name}: off by {difference:e}");
+        // Two roundings of a colour near 1 to 32 bits, in which such a cell is shaded like any other.
+        assert!(difference < 2.5e-7, "{name}: off by {difference:e}");
     }
 }
 
