@@ -273,7 +273,14 @@ impl<'a> Frame<'a> {
     }
 
     /// Puts the segment of a cell that was crossed in 64 bits in place `k` of a batch, to be shaded like any other.
-    pub fn put64(&self, cell: &Cell64, crossing: &Crossing64, [i, j]: [usize; 2], k: usize, batch: &mut Batch) {
+    pub fn put64(
+        &self,
+        cell: &Cell64,
+        crossing: &Crossing64,
+        [i, j]: [usize; 2],
+        k: usize,
+        batch: &mut Batch,
+    ) {
         let corners = self.tetrahedra[cell.id as usize].map(|p| p as usize);
         let [entry, exit] = crossing.depth;
         batch.pixel[k] = ((j % TILE) << 4 | (i % TILE)) as u32;
@@ -284,7 +291,8 @@ impl<'a> Frame<'a> {
             // Relative to one corner, so that values near 1e8 keep their differences.
             let base = attribute.at(corners[0]);
             let [front, back] = crossing.weights.map(|weights| {
-                let above = weights.iter().zip(corners).map(|(w, p)| w * (attribute.at(p) - base)).sum::<f64>();
+                let above =
+                    weights.iter().zip(corners).map(|(w, p)| w * (attribute.at(p) - base)).sum::<f64>();
                 (((base - attribute.offset) + above) / attribute.scale) as f32
             });
             (batch.front[a][k], batch.back[a][k]) = (front, back);
