@@ -41,6 +41,8 @@ mod sort;
 mod transfer_function;
 mod wavelet;
 
+pub use transfer_function::load_image as table_image;
+
 use std::path::Path;
 use voltet_core::Result;
 use voltet_core::field::filters;

@@ -154,7 +154,7 @@ fn look(p: &Parameters, widgets: &relative::Widgets, load_image: LoadImage) -> R
 const LARGEST_SIDE: u32 = 8192;
 
 /// The picture of a table widget: straight linear RGBA, decoded from 8 or 16-bit sRGB.
-fn load_image(path: &Path) -> Result<(usize, usize, Vec<[f32; 4]>)> {
+pub fn load_image(path: &Path) -> Result<(usize, usize, Vec<[f32; 4]>)> {
     let failed = |error: &dyn std::fmt::Display| {
         Error::run("the picture of a table widget cannot be read")
             .found(error)

@@ -76,8 +76,12 @@ impl Measured {
                 format!("'{name}' is a place, and a percentile is a value of a field"),
                 "a number, or a percentage of the bounds such as \"50 %\"",
             )),
-            (Measure::Width | Measure::Factor, Relative::Share(share)) if share <= 0.0 => {
+            (Measure::Width, Relative::Share(share)) if share <= 0.0 => {
                 Err(part.error(format!("'{name}' is out of range"), "a percentage above 0"))
+            }
+            // A factor may turn its axis round.
+            (Measure::Factor, Relative::Share(share)) if share == 0.0 => {
+                Err(part.error(format!("'{name}' is out of range"), "a percentage other than 0, or 0.0"))
             }
             (_, relative) => Ok(relative),
         }

@@ -27,6 +27,14 @@ impl Region {
         self.corners.iter().any(|c| c[1].is_finite())
     }
 
+    /// Whether a place lies within; the boundary belongs to it.
+    pub fn holds(&self, v: [f64; 2]) -> bool {
+        self.half_planes().iter().all(|plane| {
+            let part = |k: usize| plane.normal[k] * (v[k] - plane.corner[k]);
+            part(0) + part(1) >= 0.0
+        })
+    }
+
     /// [low, high] along an axis (0: s, 1: g).
     pub fn limits(&self, axis: usize) -> [f64; 2] {
         let wider = |[low, high]: [f64; 2], c: &[f64; 2]| [low.min(c[axis]), high.max(c[axis])];
@@ -76,20 +84,13 @@ impl Region {
 mod tests {
     use super::*;
 
-    fn inside(region: &Region, v: [f64; 2]) -> bool {
-        region.half_planes().iter().all(|plane| {
-            let part = |a: usize| plane.normal[a] * (v[a] - plane.corner[a]);
-            part(0) + part(1) >= 0.0
-        })
-    }
-
     #[test]
     fn half_planes_hold_the_region_whichever_way_its_corners_turn() {
         let corners = vec![[1e8, 2.0], [1e8 + 2.0, 2.0], [1e8 + 1.0, 5.0]];
         let reversed = corners.iter().rev().copied().collect();
         for region in [Region { corners }, Region { corners: reversed }] {
-            assert!(inside(&region, [1e8 + 1.0, 3.0]) && inside(&region, [1e8, 2.0]));
-            assert!(!inside(&region, [1e8 + 1.0, 1.9]) && !inside(&region, [1e8 + 0.1, 4.0]));
+            assert!(region.holds([1e8 + 1.0, 3.0]) && region.holds([1e8, 2.0]));
+            assert!(!region.holds([1e8 + 1.0, 1.9]) && !region.holds([1e8 + 0.1, 4.0]));
         }
     }
 

@@ -1,5 +1,6 @@
 //! What is asked of a whole transfer function.
 
+mod places;
 mod relative;
 
 use super::*;

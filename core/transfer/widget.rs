@@ -58,6 +58,14 @@ impl Widget {
         }
     }
 
+    /// Its profile at a place of the plane, 0 to 1; 0 outside of its region. `fields`: as of [`Profile::at`].
+    pub fn at(&self, v: [f64; 2], fields: &[f64]) -> f64 {
+        match &self.region {
+            Some(region) if !region.holds(v) => 0.0,
+            _ => self.profile.at(v, fields),
+        }
+    }
+
     /// The same widget with its extinction, or those of its control points, multiplied.
     pub fn with_extinction_times(&self, factor: f64) -> Widget {
         let profile = self.profile.with_extinction_times(factor);

@@ -46,7 +46,7 @@ pub fn begun(kind: &Kind) -> Datum {
     };
     let is_needed = |parameter: &&Parameter| {
         matches!(parameter.standard, Standard::Required)
-            || (parameter.name == "sigma" && kind.name.starts_with("gaussian"))
+            || (parameter.name == "sigma")
     };
     let needed = kind.parameters.iter().filter(is_needed);
     let values = needed.filter_map(|parameter| Some(field(parameter.name, value(parameter)?)));

@@ -1,6 +1,6 @@
 //! What is held in the plane.
 
-use super::form::Drawn;
+use super::drawn::Drawn;
 use super::handles::Handle;
 
 /// A drag: the widget as it was, what is held, and where that was and is.

@@ -1,13 +1,12 @@
 //! What a mouse does in the plane: looking elsewhere, taking hold of widgets, adding and taking away points.
 
 use super::drag::Drag;
-use super::form::Drawn;
+use super::drawn::Drawn;
 use super::handles::Handle;
 use super::look::Look;
 use super::plane::{self, Plane};
 use super::scale::{Scale, height_of};
-use super::shape::{Form, Region};
-use super::strength::along;
+use super::region::Region;
 use super::{TransferPanel, edit};
 use crate::actions::Actions;
 use eframe::egui::{self, PointerButton, Pos2, Ui, Vec2};
@@ -98,7 +97,7 @@ impl TransferPanel {
         (0..2).for_each(|k| drag.at[k] += times * way[k]);
         let changes = match drag.handle {
             Some(handle) => drag.widget.moved(handle, drag.at, &scale),
-            None => drag.widget.shifted([0, 1].map(|k: usize| drag.at[k] - drag.from[k]), &scale),
+            None => drag.widget.shifted([0, 1].map(|k: usize| drag.at[k] - drag.from[k])),
         };
         let before = drag.widget.clone();
         edit(look, self.chosen, &before, changes, actions);
@@ -169,9 +168,7 @@ impl TransferPanel {
         // What is everywhere, and lines, are taken by what is drawn of them alone.
         let local = strengths.filter(|(place, strength)| {
             let widget = &look.widgets[*place];
-            let is_area = !matches!(widget.form, Form::Points(_) | Form::Wave { .. })
-                || !matches!(widget.region, Region::Whole);
-            *strength > COVERS && is_area && !is_everywhere(widget, look)
+            *strength > COVERS && widget.is_area() && !is_everywhere(widget, look)
         });
         if let Some((place, _)) = local.max_by(|a, b| a.1.total_cmp(&b.1)) {
             self.chosen = place;
@@ -190,10 +187,10 @@ pub(super) fn nearest(widget: &Drawn, at: Pos2, plane: Plane, scale: &Scale) -> 
 
 /// Whether a pointer is on the line of a curve.
 fn is_on_curve(widget: &Drawn, at: Pos2, plane: Plane, scale: &Scale) -> bool {
-    let Form::Points(points) = &widget.form else { return false };
-    let s = plane.to_values(at)[0];
-    let height = height_of(along(points, s)[4], scale.peak) * scale.top();
-    (plane.to_window([s, height]).y - at.y).abs() <= NEAR
+    let Some(peak) = widget.peak_of_curve() else { return false };
+    let value = plane.to_values(at);
+    let height = height_of(peak * widget.strength(value), scale.peak) * scale.top();
+    (plane.to_window([value[0], height]).y - at.y).abs() <= NEAR
 }
 
 /// Whether it is as strong at all four corners of the data.

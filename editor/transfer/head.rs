@@ -1,11 +1,9 @@
 //! What stands above the plane: the widgets, and what can be done to the one in hand.
 
-use super::fields::OfFields;
-use super::form::Drawn;
+use super::drawn::{self, Drawn};
 use super::look::Look;
 use super::scale::S_AND_G;
-use super::shape::Form;
-use super::{TransferPanel, draw, fields, new};
+use super::{TransferPanel, draw, new};
 use crate::actions::Actions;
 use crate::theme;
 use crate::worker::{grouped, short};
@@ -100,12 +98,16 @@ impl TransferPanel {
         let weak = |text: String| RichText::new(text).small().color(color);
         let percent = |share: f64| short((1e4 * share).round() / 100.0);
         let mut texts: Vec<(String, String)> = Vec::new();
-        if let (Form::Elsewhere, Some(axes)) = (&widget.form, natural_axes(widget)) {
-            let [x, y] = axes.map(|axis| axis_name(&axis));
-            let why = widget.fault.clone().unwrap_or_else(|| format!("lies on the axes {x} and {y}"));
-            texts.push((why, "choose the axes above, or click on the widget's colour".into()));
+        match (&widget.fault, &widget.shape, widget.natural_axes()) {
+            (Some(fault), ..) => texts.push((fault.clone(), "what is wrong, or not known yet".into())),
+            (None, None, Some(axes)) => {
+                let [x, y] = axes.map(|axis| axis_name(&axis));
+                let text = format!("lies on the axes {x} and {y}");
+                texts.push((text, "choose the axes above, or click on the widget's colour".into()));
+            }
+            (None, ..) => {}
         }
-        if let Some(level) = widget.of_fields.as_ref().and_then(OfFields::level) {
+        if let Some(level) = widget.shape.as_ref().and_then(|shape| shape.level()) {
             let text = format!("drawn where the magnitude is {}", short(level));
             texts.push((
                 text,
@@ -231,17 +233,9 @@ impl TransferPanel {
     }
 }
 
-/// The axes on which a widget is seen.
-pub(super) fn natural_axes(widget: &Drawn) -> Option<[Quantity; 2]> {
-    match widget.kind.as_str() {
-        "" => None,
-        _ => Some(fields::natural_axes(&widget.stated).unwrap_or(S_AND_G)),
-    }
-}
-
 /// The arrays that any of the widgets names.
 fn fields_of_all(look: &Look) -> BTreeSet<String> {
-    look.list.iter().filter_map(Setting::table).flat_map(fields::arrays).collect()
+    look.list.iter().filter_map(Setting::table).flat_map(drawn::arrays).collect()
 }
 
 /// A quantity as an axis names it.

@@ -1,8 +1,6 @@
 //! What is done to the list of widgets: more, fewer, another order, hidden, in hand.
 
-use super::head::natural_axes;
 use super::look::Look;
-use super::shape::Form;
 use super::{TransferPanel, new};
 use crate::actions::Actions;
 use std::collections::BTreeSet;
@@ -61,8 +59,8 @@ impl TransferPanel {
     pub(super) fn choose(&mut self, place: usize, look: &Look) {
         (self.chosen, self.held) = (place, None);
         let Some(widget) = look.widgets.get(place) else { return };
-        if matches!(widget.form, Form::Elsewhere)
-            && let Some(axes) = natural_axes(widget)
+        if widget.shape.is_none()
+            && let Some(axes) = widget.natural_axes()
         {
             self.set_axes(axes);
         }

@@ -1,6 +1,8 @@
 //! What the panel shows and edits.
 
-use super::form::Drawn;
+use super::drawn::Drawn;
+use super::images::Images;
+use super::kinds::On;
 use super::plane::Plane;
 use super::scale::{S_AND_G, Scale};
 use crate::scene::Scene;
@@ -38,6 +40,7 @@ impl<'a> Look<'a> {
         axes: &[Quantity; 2],
         plane: Option<Plane>,
         former_peak: Option<f64>,
+        images: &Images,
     ) -> Look<'a> {
         let stated = node.settings.iter().find(|field| field.name == "widgets");
         let list = stated.and_then(|field| field.setting.list()).unwrap_or_default();
@@ -50,10 +53,11 @@ impl<'a> Look<'a> {
             node.settings.iter().any(|f| f.name == "relative_to" && f.setting.text() == Some("series"));
         // Of all steps of a series this volume says nothing.
         let known = known.filter(|_| !of_series);
-        let widget = |entry: &Setting| Drawn::of(entry.table().unwrap_or_default(), axes, known, metric);
+        let on = On { axes, extent: metric, known, images };
+        let widget = |entry: &Setting| Drawn::of(entry.table().unwrap_or_default(), &on);
         let widgets: Vec<Drawn> = list.iter().map(widget).collect();
         let peak = former_peak.unwrap_or_else(|| {
-            let most = widgets.iter().map(Drawn::peak_of_curve).fold(0.0, f64::max);
+            let most = widgets.iter().filter_map(Drawn::peak_of_curve).fold(0.0, f64::max);
             if most > 0.0 { 1.1 * most } else { 1.0 }
         });
         let (probed, share) = (scene.probed.clone(), scene.share.clone());

@@ -4,34 +4,33 @@
 //! | file | what |
 //! | --- | --- |
 //! | `look` | what is shown and edited |
-//! | `shape`, `form`, `strength`, `fields` | widgets in the plane: their shapes, how strong they are where, those over lists of fields |
+//! | `drawn`, `kinds`, `region` | widgets in the plane: one file a kind; where they are not 0 |
+//! | `images` | the pictures of tables |
 //! | `scale`, `numbers` | what the axes measure; numbers of a widget's table, read and written |
 //! | `relative` | numbers relative to data: found for the plane, and kept relative where a hand moves them |
-//! | `handles`, `moved`, `points` | what is taken hold of, what a drag makes of the numbers, points added and taken away |
+//! | `handles` | what is taken hold of |
 //! | `hand`, `drag`, `keys`, `sets` | what mouse and keys do |
 //! | `head`, `list`, `new` | the lines above the plane; the list of widgets; new ones |
 //! | `plane`, `draw` | axes and histogram; widgets drawn |
 
 mod drag;
 mod draw;
-mod fields;
-mod form;
+mod drawn;
 mod hand;
 mod handles;
 mod head;
+mod images;
 mod keys;
+mod kinds;
 mod list;
 mod look;
-mod moved;
 mod new;
 mod numbers;
 mod plane;
-mod points;
+mod region;
 mod relative;
 mod scale;
 mod sets;
-mod shape;
-mod strength;
 
 use crate::actions::Actions;
 use crate::scene::Scene;
@@ -39,14 +38,14 @@ use crate::theme;
 use crate::worker::short;
 use drag::Drag;
 use eframe::egui::{self, Align2, FontId, Rect, Sense, Stroke, Ui, pos2, vec2};
-use form::Drawn;
+use drawn::Drawn;
 use handles::Handle;
+use images::Images;
 use look::Look;
 use numbers::Change;
 use plane::{Counts, Plane};
 pub(crate) use relative::in_numbers;
 use scale::S_AND_G;
-use shape::Form;
 use std::collections::BTreeSet;
 use voltet_core::graph::{NodeEntry, PortType, Quantity, Setting};
 use voltet_document::links::upstream;
@@ -69,6 +68,7 @@ pub(crate) struct TransferPanel {
     held: Option<Handle>,
     drag: Option<Drag>,
     counts: Counts,
+    images: Images,
     /// Widgets that the window's picture leaves out; the file keeps them.
     hidden: BTreeSet<usize>,
     of: Option<String>,
@@ -91,6 +91,7 @@ impl Default for TransferPanel {
             held: None,
             drag: None,
             counts: Counts::default(),
+            images: Images::default(),
             hidden: BTreeSet::new(),
             of: None,
             has_pointer: false,
@@ -113,7 +114,7 @@ pub(crate) fn of<'a>(scene: &Scene<'a>) -> Option<&'a NodeEntry> {
 pub(crate) fn fields_of(look: &NodeEntry) -> Vec<String> {
     let widgets = look.settings.iter().find(|field| field.name == "widgets");
     let list = widgets.and_then(|field| field.setting.list()).unwrap_or_default();
-    let all: BTreeSet<String> = list.iter().filter_map(Setting::table).flat_map(fields::arrays).collect();
+    let all: BTreeSet<String> = list.iter().filter_map(Setting::table).flat_map(drawn::arrays).collect();
     all.into_iter().collect()
 }
 
@@ -192,7 +193,7 @@ impl TransferPanel {
     /// The widget that a probe would make.
     #[cfg(test)]
     pub fn at_probe_for_tests(&self, scene: &Scene) -> Option<voltet_core::graph::Datum> {
-        let look = Look::of(scene, of(scene)?, &self.axes, self.plane, None);
+        let look = Look::of(scene, of(scene)?, &self.axes, self.plane, None, &self.images);
         new::at_probe(&look, look.probed.as_ref()?)
     }
 
@@ -210,7 +211,9 @@ impl TransferPanel {
                 self.hidden.clear();
             }
         }
-        let look = Look::of(scene, node, &self.axes, self.plane, self.drag.as_ref().map(|drag| drag.peak));
+        let images = self.images.of(ui.ctx(), scene.document.folder());
+        let peak = self.drag.as_ref().map(|drag| drag.peak);
+        let look = Look::of(scene, node, &self.axes, self.plane, peak, &images);
         self.chosen = self.chosen.min(look.widgets.len().saturating_sub(1));
         if is_another {
             self.choose(0, &look);
@@ -221,7 +224,7 @@ impl TransferPanel {
         let (whole, response) =
             ui.allocate_exact_size(ui.available_size().max(vec2(60.0, 60.0)), Sense::click_and_drag());
         let in_hand = look.widgets.get(self.chosen);
-        let has_curve = in_hand.is_some_and(|widget| matches!(widget.form, Form::Points(_)));
+        let has_curve = in_hand.is_some_and(|widget| widget.peak_of_curve().is_some());
         let rect = Rect::from_min_max(
             pos2(whole.left() + MARGIN[0], whole.top() + 2.0),
             pos2(whole.right() - if has_curve { MARGIN[2] } else { 8.0 }, whole.bottom() - MARGIN[1]),

@@ -1,12 +1,11 @@
 //! New widgets: where most of the volume is, and on the values of a probe.
 
-use super::fields::gaussian_over;
+use super::kinds::{gaussian, gaussian_over};
 use super::look::Look;
-use super::moved::gaussian;
-use super::numbers::list;
-use super::shape::{half_axes, metric};
-use super::strength::middle;
+use super::numbers::{Change, list};
+use super::plane::middle;
 use crate::worker::Probed;
+use std::f64::consts::FRAC_1_SQRT_2;
 use voltet_core::graph::{Datum, Field, Quantity, Setting};
 use voltet_core::probing::{Found, kernel};
 
@@ -37,9 +36,10 @@ pub(super) fn at_peak(look: &Look) -> Option<Datum> {
         sigma = [NEW[0] * (s.high - s.low), NEW[1] * (g.high - g.low)];
     }
     if look.is_of_s_and_g() {
-        return Some(widget(look, "gaussian", vec![("centre", list(&centre)), ("sigma", list(&sigma))]));
+        let k = [[1.0 / sigma[0], 0.0], [0.0, 1.0 / sigma[1]]].map(|row| row.map(|x| x * FRAC_1_SQRT_2).to_vec());
+        return Some(widget(look, gaussian(centre, &k, [1.0; 2])));
     }
-    Some(widget(look, "gaussian-nd", gaussian_over(&look.axes, centre, sigma)?))
+    Some(widget(look, gaussian_over(&look.axes, centre, sigma)?))
 }
 
 /// A Gaussian by the mean and the covariance of probed values (Kniss et al. 2003, section 6), turned to the covariance's principal
@@ -77,13 +77,11 @@ pub(super) fn at_probe(look: &Look, probed: &Probed) -> Option<Datum> {
     let is_correlated = spread > 0.0 && (covariance[0][1] / spread).abs() > UPRIGHT;
     let k = kernel(&found, LEAST, 1.0, is_correlated);
     let extent = [0, 1].map(|k: usize| if found.extent[k] > 0.0 { found.extent[k] } else { 1.0 });
-    let axes = half_axes(metric(&k, [Some(0), Some(1)]), extent);
-    let spread = gaussian(axes).into_iter().filter_map(|(key, datum)| Some((key, datum?)));
-    Some(widget(look, "gaussian", [("centre", list(&mean))].into_iter().chain(spread).collect()))
+    Some(widget(look, gaussian(mean, &k, extent)))
 }
 
 /// A new widget in a colour of its own.
-fn widget(look: &Look, kind: &str, numbers: Vec<(&'static str, Datum)>) -> Datum {
+fn widget(look: &Look, (kind, numbers): (&str, Vec<Change>)) -> Datum {
     let extinction = look.widgets.iter().map(|widget| widget.extinction).fold(0.0, f64::max);
     let extinction = if extinction > 0.0 { extinction } else { EXTINCTION };
     // Hues far apart, one after the other.
@@ -106,5 +104,6 @@ fn widget(look: &Look, kind: &str, numbers: Vec<(&'static str, Datum)>) -> Datum
         origin: Default::default(),
         setting: Setting::from(datum),
     };
+    let numbers = numbers.into_iter().filter_map(|(key, value)| Some((key, value?)));
     Datum::Table(first.into_iter().chain(numbers).map(field).collect())
 }

@@ -8,7 +8,7 @@ use eframe::egui::{
     pos2, vec2,
 };
 use std::sync::Arc;
-use voltet_core::probing::Histogram;
+use voltet_core::probing::{Axis, Histogram};
 
 /// Decades of counts that are told apart.
 const DECADES: f64 = 6.0;
@@ -54,6 +54,11 @@ impl Plane {
             [(s[1] - s[0]) / f64::from(self.rect.width()), (g[1] - g[0]) / f64::from(self.rect.height())];
         [f64::from(by.x) * per_point[0], -f64::from(by.y) * per_point[1]]
     }
+}
+
+/// The value in the middle of a bin.
+pub(super) fn middle(axis: Axis, i: usize) -> f64 {
+    0.5 * axis.edge(i) + 0.5 * axis.edge(i + 1)
 }
 
 /// An axis zoomed about a value; no finer than its numbers tell apart.

@@ -32,7 +32,7 @@ pub(super) const KIND: Declared = Declared {
                 help: "standard deviations along s and g; inf ignores the axis",
                 ..SIGMA
             },
-            Parameter { parameter_type: ParameterType::Rows(Some(2)), unit: "1 / units of s, g", ..MATRIX },
+            Parameter { parameter_type: FACTORS, unit: "1 / units of s, g", ..MATRIX },
             REGION,
         ],
     },
@@ -49,6 +49,13 @@ const VALUES: ParameterType = ParameterType::Measured(&Measured {
 const WIDTHS: ParameterType = ParameterType::Measured(&Measured {
     plain: ParameterType::Numbers(Some(2), POSITIVE_OR_INFINITE),
     is: Measure::Width,
+    along: Along::Places(&["s", "g"]),
+});
+
+/// Columns belong to s and g.
+const FACTORS: ParameterType = ParameterType::Measured(&Measured {
+    plain: ParameterType::Rows(Some(2)),
+    is: Measure::Factor,
     along: Along::Places(&["s", "g"]),
 });
 
@@ -77,6 +84,11 @@ pub(super) fn properties(centre: &[f64; 2], matrix: &[[f64; 2]; 2]) -> Propertie
 pub(super) fn check(centre: &[f64; 2], matrix: &[[f64; 2]; 2]) -> Result<()> {
     finite("the centre", centre)?;
     finite("the matrix", matrix.as_flattened())
+}
+
+pub(super) fn at(centre: &[f64; 2], matrix: &[[f64; 2]; 2], v: [f64; 2]) -> f64 {
+    let d = [v[0] - centre[0], v[1] - centre[1]];
+    (-matrix.iter().map(|row| (row[0] * d[0] + row[1] * d[1]).powi(2)).sum::<f64>()).exp()
 }
 
 /// Two slabs, one a row of K: |K (v − centre)| ≤ distance lies within both.

@@ -64,6 +64,16 @@ pub(super) fn check(fields: &[String], centre: &[f64], matrix: &[Vec<f64>]) -> R
     matrix.iter().try_for_each(|row| finite("the matrix", row))
 }
 
+/// |K (v − centre)|².
+pub(super) fn distance_squared(centre: &[f64], matrix: &[Vec<f64>], v: &[f64]) -> f64 {
+    let along = |row: &Vec<f64>| row.iter().zip(v).zip(centre).map(|((k, v), c)| k * (v - c)).sum::<f64>();
+    matrix.iter().map(|row| along(row).powi(2)).sum()
+}
+
+pub(super) fn at(centre: &[f64], matrix: &[Vec<f64>], v: &[f64]) -> f64 {
+    (-distance_squared(centre, matrix, v)).exp()
+}
+
 /// Bounds over cells.
 #[derive(Debug, Clone)]
 pub(in crate::transfer) struct Bounds {

@@ -126,7 +126,15 @@ pub(super) const SIGMA_OF_FIELDS: Parameter = Parameter {
     ..SIGMA
 };
 
-pub(super) const MATRIX_OF_FIELDS: Parameter = Parameter { unit: "1 / units of the fields", ..MATRIX };
+pub(super) const MATRIX_OF_FIELDS: Parameter = Parameter {
+    parameter_type: ParameterType::Measured(&Measured {
+        plain: ParameterType::Rows(None),
+        is: Measure::Factor,
+        along: Along::Names("fields"),
+    }),
+    unit: "1 / units of the fields",
+    ..MATRIX
+};
 
 /// `fields` and `centre` of a widget over so many fields at most.
 pub(super) fn fields_and_centre(p: &Parameters, most: usize) -> Result<(Vec<String>, Vec<f64>)> {

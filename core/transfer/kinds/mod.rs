@@ -76,6 +76,24 @@ impl Profile {
         }
     }
 
+    /// What it is at a place of the plane, 0 to 1 (docs/optics.md, section 5). `fields`: the values of its further fields, in the
+    /// order of [`Properties::fields`]. A table is 0 outside of its range.
+    pub fn at(&self, v: [f64; 2], fields: &[f64]) -> f64 {
+        match self {
+            Profile::Uniform => 1.0,
+            Profile::Gaussian { centre, matrix } => gaussian::at(centre, matrix, v),
+            Profile::GaussianNd { centre, matrix, .. } => gaussian_nd::at(centre, matrix, fields),
+            Profile::TriangularGaussian { centre, sigma } => triangular_gaussian::at(*centre, *sigma, v),
+            Profile::TriangularGaussianNd { centre, matrix, .. } => {
+                triangular_gaussian_nd::at(centre, matrix, fields)
+            }
+            Profile::TriangleWave(wave) => wave.at(v, false),
+            Profile::SineWave(wave) => wave.at(v, true),
+            Profile::PiecewiseLinear { points } => piecewise_linear::at(points, v[0]),
+            Profile::Table(table) => f64::from(table.at(v)[3]),
+        }
+    }
+
     /// Checks its numbers.
     pub(super) fn check(&self) -> Result<()> {
         match self {

@@ -138,15 +138,30 @@ impl Bounds {
     }
 }
 
+/// The share of the peak at s.
+pub(super) fn at(points: &[ControlPoint], s: f64) -> f64 {
+    let peak = peak(points);
+    if peak > 0.0 { extinction_at(points, s) / peak } else { 0.0 }
+}
+
 fn extinction_at(points: &[ControlPoint], s: f64) -> f64 {
-    let after = points.partition_point(|p| p.s <= s);
-    match (after.checked_sub(1).map(|i| points[i]), points.get(after)) {
-        (Some(low), Some(high)) => {
-            let x = (s - low.s) / (high.s - low.s);
-            low.extinction + (high.extinction - low.extinction) * x
+    ControlPoint::between(points, s).map_or(0.0, |point| point.extinction)
+}
+
+impl ControlPoint {
+    /// What is between control points (in rising s) at s: linear, constant beyond the ends; `None` of no points.
+    pub fn between(points: &[ControlPoint], s: f64) -> Option<ControlPoint> {
+        let after = points.partition_point(|p| p.s <= s);
+        match (after.checked_sub(1).map(|i| points[i]), points.get(after)) {
+            (Some(low), Some(high)) => {
+                let x = (s - low.s) / (high.s - low.s);
+                let mixed = |low: f64, high: f64| low + (high - low) * x;
+                let color = [0, 1, 2].map(|k| mixed(low.color[k], high.color[k]));
+                Some(ControlPoint { s, color, extinction: mixed(low.extinction, high.extinction) })
+            }
+            (Some(only), None) => Some(ControlPoint { s, ..only }),
+            (None, Some(only)) => Some(ControlPoint { s, ..*only }),
+            (None, None) => None,
         }
-        (Some(only), None) => only.extinction,
-        (None, Some(only)) => only.extinction,
-        (None, None) => 0.0,
     }
 }

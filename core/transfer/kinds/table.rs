@@ -84,6 +84,31 @@ pub(super) fn properties(table: &Table) -> Properties<'_> {
     }
 }
 
+impl Table {
+    /// Straight colour and alpha at a place, bilinear between the texels' centres; 0 outside of the ranges.
+    pub fn at(&self, v: [f64; 2]) -> [f32; 4] {
+        let ranges = [self.s, self.g];
+        if (0..2).any(|k| !(ranges[k][0]..=ranges[k][1]).contains(&v[k])) {
+            return [0.0; 4];
+        }
+        // The two texels around, and the share of the second.
+        let around = |place: f64, count: usize| {
+            let place = (place * count as f64 - 0.5).clamp(0.0, (count - 1) as f64);
+            let first = place.floor() as usize;
+            (first, (first + 1).min(count - 1), (place - first as f64) as f32)
+        };
+        let share = |k: usize| (v[k] - ranges[k][0]) / (ranges[k][1] - ranges[k][0]);
+        let (i, next_i, x) = around(share(0), self.width);
+        let (j, next_j, y) = around(1.0 - share(1), self.height);
+        let texel = |i: usize, j: usize, k: usize| self.texels[j * self.width + i][k];
+        let mix = |a: f32, b: f32, share: f32| a + (b - a) * share;
+        std::array::from_fn(|k| {
+            let row = |j: usize| mix(texel(i, j, k), texel(next_i, j, k), x);
+            mix(row(j), row(next_j), y)
+        })
+    }
+}
+
 pub(super) fn check(table: &Table) -> Result<()> {
     if table.width == 0 || table.height == 0 || table.texels.len() != table.width * table.height {
         return Err(Error::usage("a table's texels do not fit its size")

@@ -65,6 +65,10 @@ pub(super) fn check(centre: f64, sigma: f64) -> Result<()> {
     positive("sigma", sigma)
 }
 
+pub(super) fn at(centre: f64, sigma: f64, [s, g]: [f64; 2]) -> f64 {
+    if g > 0.0 { (-((s - centre) / (sigma * g)).powi(2)).exp() } else { 0.0 }
+}
+
 /// |s − centre| ≤ distance σ g is the part between two lines.
 pub(super) fn slabs(centre: f64, sigma: f64, distance: f64) -> Vec<Slab> {
     let width = distance * sigma;

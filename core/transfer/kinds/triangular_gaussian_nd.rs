@@ -43,6 +43,11 @@ pub(super) const KIND: Declared = Declared {
                 ..SIGMA_OF_FIELDS
             },
             Parameter {
+                parameter_type: ParameterType::Measured(&Measured {
+                    plain: ParameterType::Rows(None),
+                    is: Measure::Factor,
+                    along: Along::NamesPer("fields", "magnitude"),
+                }),
                 unit: "units of the magnitude / units of the fields",
                 standard: Standard::Unset("diag(1 / sigma)"),
                 help: "K of exp(-|K (v - centre) / magnitude|²), rows first, in place of sigma",
@@ -94,6 +99,14 @@ pub(super) fn check(fields: &[String], magnitude: &str, centre: &[f64], matrix: 
     match magnitude {
         "" => Err(Error::usage("the magnitude has no name").accepted("the name of a point array")),
         _ => Ok(()),
+    }
+}
+
+/// `v`: the fields, then the magnitude.
+pub(super) fn at(centre: &[f64], matrix: &[Vec<f64>], v: &[f64]) -> f64 {
+    match v.split_last() {
+        Some((&m, v)) if m > 0.0 => (-gaussian_nd::distance_squared(centre, matrix, v) / (m * m)).exp(),
+        _ => 0.0,
     }
 }
 

@@ -8,6 +8,7 @@ use crate::parameters::{
 use crate::transfer::check::{finite, positive};
 use crate::transfer::hull::{Corners, ROUNDING, range};
 use crate::{Error, Result};
+use std::f64::consts::PI;
 
 /// The declaration of the bands with straight flanks.
 pub(super) const TRIANGLE: Declared = Declared {
@@ -94,6 +95,29 @@ impl Wave {
         let (sin, cos) = self.angle.sin_cos();
         [cos * self.scale[0] / self.period, sin * self.scale[1] / self.period]
     }
+
+    /// The profile at a place of the plane; `sine`: of the wave that is shaped so.
+    pub(super) fn at(&self, v: [f64; 2], sine: bool) -> f64 {
+        let step = self.step();
+        let phase = (v[0] - self.origin[0]) * step[0] + (v[1] - self.origin[1]) * step[1];
+        height(phase - phase.floor() - 0.5, self.band_width, sine)
+    }
+
+    /// Half of the width, in φ, of what is kept around a peak: at most ½.
+    pub fn half_band(&self, sine: bool) -> f64 {
+        match sine {
+            true => 2.0 / PI * (0.5 * self.band_width).sqrt().asin(),
+            false => 0.5 * self.band_width,
+        }
+    }
+
+    /// The band width that keeps so much on both sides of a peak (φ, at most ½): the inverse of [`Wave::half_band`].
+    pub fn band_width_of(half: f64, sine: bool) -> f64 {
+        match sine {
+            true => 2.0 * (0.5 * PI * half).sin().powi(2),
+            false => 2.0 * half,
+        }
+    }
 }
 
 pub(super) fn properties(name: &'static str, wave: &Wave) -> Properties<'static> {
@@ -157,7 +181,12 @@ impl Bounds {
         }
         let off_peak = |phase: f64| (phase - (phase - 0.5).round() - 0.5).abs();
         let away = off_peak(low).min(off_peak(high)).min(0.5);
-        let full = if self.sine { (std::f64::consts::PI * away).cos() } else { 1.0 - 2.0 * away };
-        (1.0 - (1.0 - full) / self.band_width).max(0.0)
+        height(away, self.band_width, self.sine)
     }
+}
+
+/// The profile so far from a peak, in φ, at most ½.
+fn height(away: f64, band_width: f64, sine: bool) -> f64 {
+    let full = if sine { (PI * away).cos() } else { 1.0 - 2.0 * away.abs() };
+    (1.0 - (1.0 - full) / band_width).max(0.0)
 }

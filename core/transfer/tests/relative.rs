@@ -60,6 +60,11 @@ fn every_kind_takes_shares_and_percentiles() {
         &gaussian("centre = [\"25 %\", \"p50\"]\nsigma = [\"5%\", \"100 %\"]"),
         &gaussian("centre = [15, 4]\nsigma = [1, 8]"),
     );
+    // So much of the range is one unit of a row of K.
+    assert_becomes(
+        &gaussian("centre = [1, 1]\nmatrix = [[\"5 %\", \"-25 %\"], [0, \"50 %\"]]"),
+        &gaussian("centre = [1, 1]\nmatrix = [[1, -0.5], [0, 0.25]]"),
+    );
     // Beyond the range, and beside numbers.
     assert_becomes(
         &gaussian(

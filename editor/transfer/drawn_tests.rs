@@ -1,7 +1,9 @@
 use super::super::handles::Handle;
 use super::super::numbers::{Change, list, rows};
-use super::super::scale::Scale;
+use super::super::images::Images;
+use super::super::scale::{S_AND_G, Scale};
 use super::*;
+use crate::worker::Known;
 use voltet_core::graph::Datum;
 
 fn field(name: &str, datum: Datum) -> Field {
@@ -31,7 +33,29 @@ const EXTENT: [f64; 2] = [100.0, 10.0];
 const SCALE: Scale = Scale { extent: EXTENT, shown: [[0.0, 100.0], [0.0, 10.0]], peak: 50.0 };
 
 fn read(fields: &[Field]) -> Drawn {
-    Drawn::of(fields, &S_AND_G, None, EXTENT)
+    read_with(fields, None)
+}
+
+fn read_with(fields: &[Field], known: Option<&Known>) -> Drawn {
+    let images = Images::default();
+    Drawn::of(fields, &On { axes: &S_AND_G, extent: EXTENT, known, images: &images })
+}
+
+/// Where its handles lie.
+fn places(drawn: &Drawn) -> Vec<[f64; 2]> {
+    drawn.handles(&SCALE).into_iter().map(|(_, at)| at).collect()
+}
+
+fn assert_near(found: &[[f64; 2]], wanted: &[[f64; 2]]) {
+    assert_eq!(found.len(), wanted.len());
+    for (a, b) in found.iter().zip(wanted) {
+        assert!((0..2).all(|k| (a[k] - b[k]).abs() < 1e-5 * EXTENT[k]), "{found:?}, not {wanted:?}");
+    }
+}
+
+/// What every widget states.
+fn look() -> [Field; 2] {
+    [field("color", list(&[1.0, 0.5, 0.25])), field("extinction", Datum::Number(7.0))]
 }
 
 #[test]
@@ -66,18 +90,27 @@ fn a_turned_gaussian_is_a_matrix_and_an_upright_one_is_not() {
     let on_axis = [10.0 + length * cos * EXTENT[0], 2.0 + length * sin * EXTENT[1]];
     assert!((again.strength(on_axis) - (-0.5f64).exp()).abs() < 1e-4, "{}", again.strength(on_axis));
     let upright = changed(turned, drawn.moved(Handle::Angle, [60.0, 2.01], &SCALE));
-    assert_eq!(read(&upright), drawn);
+    assert!(upright.iter().any(|field| field.name == "sigma") && upright.len() == 5);
+    assert_near(&places(&read(&upright)), &places(&drawn));
 }
 
 #[test]
 fn a_matrix_and_its_half_axes_say_the_same() {
     let k = [[1.3, -0.4], [0.2, 0.9]];
+    let [color, extinction] = look();
     let fields = [
         field("kind", Datum::Text("gaussian".into())),
         field("centre", list(&[0.0, 0.0])),
         field("matrix", rows(&k)),
+        color,
+        extinction,
     ];
     let drawn = read(&fields);
+    // At the ends of its half axes it is at one standard deviation.
+    let ends = drawn.handles(&SCALE).into_iter().filter(|(handle, _)| matches!(handle, Handle::Width(_)));
+    for (_, at) in ends {
+        assert!((drawn.strength(at) - (-0.5f64).exp()).abs() < 1e-12, "{at:?}");
+    }
     for v in [[0.3, 0.1], [-0.7, 0.4], [0.0, 1.0]] {
         let kv = [k[0][0] * v[0] + k[0][1] * v[1], k[1][0] * v[0] + k[1][1] * v[1]];
         let exact = (-(kv[0] * kv[0] + kv[1] * kv[1])).exp();
@@ -106,28 +139,30 @@ fn points_of_a_curve_keep_their_order_and_reach_zero() {
     assert_eq!(at, [5.0, 10.0]);
     let after =
         read(&changed(fields, drawn.moved(Handle::Point(1), [20.0, 0.02], &Scale { peak: 8.0, ..SCALE })));
-    let Form::Points(points) = after.form else { panic!("no curve") };
-    assert!(points[1][0] < 9.0 && points[1][0] > 8.9);
-    assert_eq!(points[1][4], 0.0);
+    let [s, height] = places(&after)[1];
+    assert!(s < 9.0 && s > 8.9);
+    assert_eq!(height, 0.0);
 }
 
 #[test]
 fn regions_follow_their_corners_and_the_widget() {
     let region = Datum::Table(vec![field("s", list(&[1.0, 3.0])), field("g", list(&[0.0, 2.0]))]);
-    let fields = vec![field("kind", Datum::Text("uniform".into())), field("region", region)];
+    let mut fields = vec![field("kind", Datum::Text("uniform".into())), field("region", region)];
+    fields.extend(look());
     let drawn = read(&fields);
     assert_eq!(drawn.strength([2.0, 1.0]), 1.0);
     assert_eq!(drawn.strength([3.5, 1.0]), 0.0);
     // Past the other corner, the ends change places.
     let changes = drawn.moved(Handle::Corner(2), [0.5, 1.0], &SCALE);
     assert_eq!(changes[0], ("region.s", Some(list(&[0.5, 1.0]))));
-    assert_eq!(drawn.shifted([1.0, 0.5], &SCALE)[1], ("region.g", Some(list(&[0.5, 2.5]))));
+    assert_eq!(drawn.shifted([1.0, 0.5])[1], ("region.g", Some(list(&[0.5, 2.5]))));
 }
 
 #[test]
 fn sides_move_alone_and_a_polygon_stays_convex() {
     let region = Datum::Table(vec![field("s", list(&[1.0, 3.0]))]);
-    let fields = vec![field("kind", Datum::Text("uniform".into())), field("region", region)];
+    let mut fields = vec![field("kind", Datum::Text("uniform".into())), field("region", region)];
+    fields.extend(look());
     let drawn = read(&fields);
     let handles: Vec<Handle> = drawn.handles(&SCALE).into_iter().map(|(handle, _)| handle).collect();
     assert_eq!(handles, [Handle::Side(0, false), Handle::Side(0, true)], "there is no limit of g");
@@ -137,7 +172,8 @@ fn sides_move_alone_and_a_polygon_stays_convex() {
     );
     let corners = [[0.0, 0.0], [10.0, 0.0], [10.0, 5.0], [0.0, 5.0]];
     let region = Datum::Table(vec![field("polygon", rows(&corners))]);
-    let fields = vec![field("kind", Datum::Text("uniform".into())), field("region", region)];
+    let mut fields = vec![field("kind", Datum::Text("uniform".into())), field("region", region)];
+    fields.extend(look());
     let drawn = read(&fields);
     assert!(drawn.moved(Handle::Corner(2), [1.0, 1.0], &SCALE).is_empty(), "it would be dented");
     // A point near the right side goes there, one outside stays where it is.
@@ -159,6 +195,7 @@ fn bands_are_as_wide_as_the_profile_says() {
             field("origin", list(&[10.0, 0.0])),
             field("period", Datum::Number(20.0)),
         ];
+        fields.extend(look());
         let drawn = read(&fields);
         assert!((drawn.strength([20.0, 3.0]) - 1.0).abs() < 1e-12, "{kind}: the peak of the first band");
         let changes = drawn.moved(Handle::Band, [24.0, 1.0], &SCALE);
@@ -185,8 +222,8 @@ fn relative_numbers_stay_relative_and_others_as_they_are_written() {
     fields[3] = field("centre", Datum::List(vec![text("p50"), text("25 %")]));
     fields[4] = field("sigma", Datum::List(vec![text("10 %"), Datum::Number(0.123456789).into()]));
     let known = known();
-    let drawn = Drawn::of(&fields, &S_AND_G, Some(&known), EXTENT);
-    assert_eq!(drawn.form, Form::Gaussian { centre: [20.0, 2.5], axes: [[10.0, 0.0], [0.0, 0.123456789]] });
+    let drawn = read_with(&fields, Some(&known));
+    assert_eq!(places(&drawn)[..3], [[20.0, 2.5], [30.0, 2.5], [20.0, 2.5 + 0.123456789]]);
     let written = |changes: Vec<Change>, key: &str| {
         let change = changes.into_iter().find(|(name, _)| *name == key).unwrap();
         let datum = relative::as_written(&fields, Some(&known), key, change.1.unwrap());
@@ -197,6 +234,53 @@ fn relative_numbers_stay_relative_and_others_as_they_are_written() {
     let wider = drawn.moved(Handle::Width(0), [60.0, 2.5], &SCALE);
     assert_eq!(written(wider, "sigma"), "[\"40 %\", 0.123456789]");
     // Where nothing is known of the data, it is not drawn, and says why.
-    let unknown = Drawn::of(&fields, &S_AND_G, None, EXTENT);
-    assert!(unknown.form == Form::Elsewhere && unknown.fault.is_some());
+    let unknown = read(&fields);
+    assert!(unknown.shape.is_none() && unknown.fault.is_some());
+}
+
+/// A picture of 2 × 1 texels over [2, 6] × [1, 5]: read by a thread of its own.
+#[test]
+fn a_table_is_drawn_as_its_picture_and_moved_and_scaled_by_its_ranges() {
+    let folder = tempfile::tempdir().unwrap();
+    let png = include_bytes!("two_texels.png");
+    std::fs::write(folder.path().join("look.png"), png).unwrap();
+    let images = Images::default().of(&Default::default(), folder.path().to_path_buf());
+    let mut fields = vec![
+        field("kind", Datum::Text("table".into())),
+        field("extinction", Datum::Number(7.0)),
+        field("image", Datum::Text("look.png".into())),
+        field("s", list(&[2.0, 6.0])),
+        field("g", list(&[1.0, 5.0])),
+    ];
+    let read = |fields: &[Field]| {
+        Drawn::of(fields, &On { axes: &S_AND_G, extent: EXTENT, known: None, images: &images })
+    };
+    let begun = std::time::Instant::now();
+    while images.texture("look.png").is_none() {
+        assert!(begun.elapsed().as_secs() < 60, "{:?}", images.fault("look.png"));
+        read(&fields);
+        std::thread::yield_now();
+    }
+    let drawn = read(&fields);
+    assert!(drawn.fault.is_none() && format!("{:?}", drawn.shape).contains("Some("), "{:?}", drawn.shape);
+    // Red at the left, clear green at the right.
+    assert_eq!(drawn.color, [1.0, 0.0, 0.0]);
+    assert_eq!([drawn.strength([2.5, 2.0]), drawn.strength([5.5, 2.0])], [1.0, 0.0]);
+    assert_eq!(drawn.strength([4.0, 3.0]), 0.5, "between the texels");
+    assert_eq!(
+        drawn.moved(Handle::Rim(2), [8.0, 7.0], &SCALE),
+        [("s", Some(list(&[2.0, 8.0]))), ("g", Some(list(&[1.0, 7.0])))]
+    );
+    assert_eq!(drawn.moved(Handle::Edge(0, true), [9.0, 77.0], &SCALE), [("s", Some(list(&[2.0, 9.0])))]);
+    assert_eq!(drawn.moved(Handle::Centre, [5.0, 3.0], &SCALE), [("s", Some(list(&[3.0, 7.0])))]);
+    assert_eq!(drawn.moved(Handle::Edge(0, true), [2.0, 3.0], &SCALE), [], "a range would be empty");
+    // Without its picture it can still be moved, and says what is wrong.
+    fields[2] = field("image", Datum::Text("none.png".into()));
+    while images.fault("none.png").is_none() {
+        assert!(begun.elapsed().as_secs() < 60);
+        std::thread::yield_now();
+    }
+    let drawn = read(&fields);
+    assert!(drawn.fault.as_ref().is_some_and(|fault| fault.contains("none.png")), "{:?}", drawn.fault);
+    assert_eq!(drawn.shifted([1.0, 0.0]), [("s", Some(list(&[3.0, 7.0])))]);
 }

@@ -1,0 +1,81 @@
+//! Tables: pictures over ranges of s and g, moved and scaled by these.
+
+use super::super::draw::Pen;
+use super::super::handles::{Handle, corners, edges};
+use super::super::numbers::{Change, find, list};
+use super::super::region::with_corner;
+use super::super::scale::Scale;
+use super::{On, Shape};
+use eframe::egui::{Color32, Rect, TextureId, pos2};
+use voltet_core::graph::{Field, Setting};
+use voltet_core::transfer::Table;
+
+/// The least length of a side, as a share of what is shown: a range that is empty is refused.
+const LEAST: f64 = 1e-3;
+
+/// How strongly the picture covers the histogram.
+const COVERS: f32 = 0.85;
+
+#[derive(Debug)]
+pub(super) struct Picture {
+    /// Ranges of s and g.
+    ranges: [[f64; 2]; 2],
+    texture: Option<TextureId>,
+}
+
+impl Picture {
+    pub fn new(table: &Table, numbers: &[Field], on: &On) -> Picture {
+        let path = find(numbers, "image").and_then(Setting::text);
+        Picture { ranges: [table.s, table.g], texture: path.and_then(|path| on.images.texture(path)) }
+    }
+}
+
+/// The ranges as a file states them, as far as they changed.
+fn stated(before: [[f64; 2]; 2], after: [[f64; 2]; 2]) -> Vec<Change> {
+    let of = |k: usize| (before[k] != after[k]).then(|| (["s", "g"][k], Some(list(&after[k]))));
+    (0..2).filter_map(of).collect()
+}
+
+impl Shape for Picture {
+    fn handles(&self, scale: &Scale) -> Vec<(Handle, [f64; 2])> {
+        let middle = self.ranges.map(|[low, high]| 0.5 * low + 0.5 * high);
+        let corners = corners(self.ranges).into_iter().enumerate().map(|(i, at)| (Handle::Rim(i), at));
+        let edges = edges(self.ranges, scale).map(|(axis, upper, at)| (Handle::Edge(axis, upper), at));
+        std::iter::once((Handle::Centre, middle)).chain(corners).chain(edges).collect()
+    }
+
+    fn moved(&self, handle: Handle, to: [f64; 2], scale: &Scale) -> Vec<Change> {
+        let mut after = self.ranges;
+        match handle {
+            Handle::Rim(i) => after = with_corner(self.ranges, i, to),
+            Handle::Edge(axis, upper) => {
+                after[axis][usize::from(upper)] = to[axis];
+                after[axis] = [after[axis][0].min(after[axis][1]), after[axis][0].max(after[axis][1])];
+            }
+            _ => {
+                let by = [0, 1].map(|k: usize| to[k] - 0.5 * (self.ranges[k][0] + self.ranges[k][1]));
+                return self.shifted(by);
+            }
+        }
+        let least = |k: usize| LEAST * (scale.shown[k][1] - scale.shown[k][0]);
+        match (0..2).all(|k| after[k][1] - after[k][0] >= least(k)) {
+            true => stated(self.ranges, after),
+            false => Vec::new(),
+        }
+    }
+
+    fn shifted(&self, by: [f64; 2]) -> Vec<Change> {
+        stated(self.ranges, [0, 1].map(|k: usize| self.ranges[k].map(|x| x + by[k])))
+    }
+
+    fn draw(&self, pen: &Pen) {
+        let [s, g] = self.ranges;
+        if let Some(texture) = self.texture {
+            let place = Rect::from_two_pos(pen.plane.to_window([s[0], g[0]]), pen.plane.to_window([s[1], g[1]]));
+            let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
+            let tint = Color32::WHITE.gamma_multiply(if pen.is_hidden { 0.3 * COVERS } else { COVERS });
+            pen.painter.image(texture, place, whole, tint);
+        }
+        pen.rectangle(self.ranges, pen.stroke, Color32::TRANSPARENT);
+    }
+}
