@@ -1,6 +1,7 @@
 //! The editor: a document, a worker, what is selected and shown; one function a frame, which knows no window.
 
 use crate::actions::Command;
+use crate::arrays::Arrays;
 use crate::asking::FileAsking;
 use crate::files::{Disk, begun, free_path, is_pipeline};
 use crate::graph::GraphView;
@@ -55,6 +56,7 @@ pub struct Editor {
     pub(crate) picture: PicturePanel,
     pub(crate) parameters: ParameterPanel,
     pub(crate) transfer: TransferPanel,
+    pub(crate) arrays: Arrays,
     pub(crate) message: Option<(String, bool)>,
     pub(crate) ground: Option<Ground>,
     pub(crate) recover: Recover,
@@ -110,6 +112,7 @@ impl Editor {
             picture: PicturePanel::default(),
             parameters: ParameterPanel::default(),
             transfer: TransferPanel::default(),
+            arrays: Arrays::default(),
             message: None,
             ground: None,
             recover: Recover::default(),
@@ -186,6 +189,7 @@ impl Editor {
             Scene {
                 document: &self.document,
                 registry: &self.registry,
+                arrays: &self.arrays,
                 selection: &self.selection,
                 shown_node: self.shown_node.as_deref(),
                 view: camera.and_then(View::of),

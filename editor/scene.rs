@@ -1,5 +1,6 @@
 //! What the parts of the window look at while a frame is shown; they change none of it.
 
+use crate::arrays::Arrays;
 use crate::view::View;
 use crate::worker::{Distributed, NodeStatus, Pixels, Probed, Section, Share};
 use glam::DVec3;
@@ -13,6 +14,8 @@ use voltet_document::Document;
 pub(crate) struct Scene<'a> {
     pub document: &'a Document,
     pub registry: &'a Registry,
+    /// The arrays that files hold.
+    pub arrays: &'a Arrays,
     pub selection: &'a BTreeSet<String>,
     /// The node whose picture is shown.
     pub shown_node: Option<&'a str>,

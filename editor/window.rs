@@ -2,10 +2,11 @@
 
 use crate::editor::{Editor, Start};
 use crate::files::is_pipeline;
+use crate::presses::Presses;
 use crate::recent::Recent;
 use crate::study::Study;
 use crate::theme;
-use eframe::egui::{Context, ViewportBuilder, ViewportCommand};
+use eframe::egui::{Context, RawInput, ViewportBuilder, ViewportCommand};
 use eframe::{App, Frame, NativeOptions, Renderer};
 use std::path::Path;
 use voltet_core::graph::Registry;
@@ -66,7 +67,7 @@ pub fn run(file: Option<&Path>, registry: &Registry, start: Start, study: Study)
         if let Some(data) = data {
             editor.open_any(&context.egui_ctx, &data);
         }
-        Ok(Box::new(Window { editor, title: String::new() }))
+        Ok(Box::new(Window { editor, title: String::new(), presses: Presses::default() }))
     };
     eframe::run_native("voltet", options, Box::new(made)).map_err(|error| failed(&error))
 }
@@ -92,6 +93,7 @@ fn refuse_without_display(is_set: &dyn Fn(&str) -> bool) -> Result<()> {
 struct Window {
     editor: Editor,
     title: String,
+    presses: Presses,
 }
 
 impl App for Window {
@@ -99,6 +101,12 @@ impl App for Window {
         // The person ended it and was asked: nothing is left behind.
         if self.editor.ends() {
             self.editor.recover.forget();
+        }
+    }
+
+    fn raw_input_hook(&mut self, ctx: &Context, input: &mut RawInput) {
+        if self.presses.cut(input) {
+            ctx.request_repaint();
         }
     }
 

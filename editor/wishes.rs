@@ -6,7 +6,7 @@ use crate::view::View;
 use crate::worker::{Distribution, Known, Probed, Probing, Sectioning, Sharing, Wanted, short};
 use std::collections::BTreeSet;
 use std::sync::Arc;
-use voltet_core::graph::{Datum, Field, NodeEntry};
+use voltet_core::graph::{Datum, NodeEntry};
 use voltet_document::links::{self, upstream};
 
 impl Editor {
@@ -68,17 +68,18 @@ impl Editor {
 
     /// Asks for the distribution of what the edited transfer function is drawn with, where another is wanted than before.
     fn find_distribution(&mut self) {
-        let (source, fields) = {
+        let (source, fields, of_series) = {
             let scene = self.scene();
             let look = transfer::of(&scene);
             let fields = look.map(transfer::fields_of).unwrap_or_default();
-            (look.and_then(|look| transfer::volume_of(&scene, &look.name)), fields)
+            let of_series = look.is_some_and(transfer::is_of_series);
+            (look.and_then(|look| transfer::volume_of(&scene, &look.name)), fields, of_series)
         };
         let Some(source) = source else { return };
         let nodes = self.feeding(&source);
         let (folder, axes) = (self.document.folder(), self.transfer.axes());
         let key = self.distribution.as_ref().map_or(0, |asked| asked.key);
-        let mut wanted = Distribution { nodes, folder, node: source, axes, fields, key };
+        let mut wanted = Distribution { nodes, folder, node: source, axes, fields, of_series, key };
         if self.distribution.as_ref() != Some(&wanted) {
             wanted.key += 1;
             self.worker.find_distribution(wanted.clone());
@@ -206,10 +207,6 @@ impl Editor {
 /// Puts numbers in the place of those relative to data, where they are known.
 fn put_in_numbers(nodes: &mut [NodeEntry], look: &str, known: &Known) {
     let Some(node) = nodes.iter_mut().find(|node| node.name == look) else { return };
-    let of_series = |field: &Field| field.name == "relative_to" && field.setting.text() == Some("series");
-    if node.settings.iter().any(of_series) {
-        return;
-    }
     let widgets = node.settings.iter_mut().find(|field| field.name == "widgets");
     if let Some(setting) = widgets.map(|field| &mut field.setting)
         && let Some(list) = setting.list().and_then(|list| transfer::in_numbers(list, known))

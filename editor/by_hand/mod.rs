@@ -10,9 +10,11 @@ mod recovery;
 mod screens;
 mod session;
 mod transfer;
+mod transfer_axes;
 mod transfer_more;
 
 use crate::editor::Editor;
+use crate::presses::Presses;
 use eframe::egui::epaint::ClippedShape;
 use eframe::egui::{Context, Event, Key, Modifiers, PointerButton, Pos2, RawInput, Rect, Shape, pos2, vec2};
 use std::path::{Path, PathBuf};
@@ -32,6 +34,7 @@ struct Hand {
     time: f64,
     /// Width and height of the window in points, and the screen's pixels a point.
     screen: ([f32; 2], f32),
+    presses: Presses,
     /// What the last frame shows.
     shapes: Vec<ClippedShape>,
     folder: tempfile::TempDir,
@@ -44,8 +47,13 @@ impl Hand {
 
     /// With another file beside the pipeline.
     fn with_file(text: &str, name: &str, content: &str) -> Hand {
+        Self::in_folder(text, &|folder| std::fs::write(folder.join(name), content).unwrap())
+    }
+
+    /// With what is written beside the pipeline.
+    fn in_folder(text: &str, write: &dyn Fn(&Path)) -> Hand {
         let folder = tempfile::tempdir().unwrap();
-        std::fs::write(folder.path().join(name), content).unwrap();
+        write(folder.path());
         let path = folder.path().join("scene.toml");
         std::fs::write(&path, text).unwrap();
         let document = Document::open(&path).unwrap();
@@ -60,6 +68,7 @@ impl Hand {
             at: pos2(5.0, 400.0),
             time: 0.0,
             screen: ([1280.0, 720.0], 1.0),
+            presses: Presses::default(),
             shapes: Vec::new(),
             folder,
         };
@@ -67,7 +76,7 @@ impl Hand {
         hand
     }
 
-    /// One frame with these events.
+    /// One frame with these events, or more where a button is followed by something.
     fn frame(&mut self, events: Vec<Event>, modifiers: Modifiers) {
         self.time += 1.0 / 60.0;
         let ([width, height], pixels_per_point) = self.screen;
@@ -81,8 +90,12 @@ impl Hand {
         if let Some(viewport) = input.viewports.get_mut(&input.viewport_id) {
             viewport.native_pixels_per_point = Some(pixels_per_point);
         }
+        let waits = self.presses.cut(&mut input);
         let editor = &mut self.editor;
         self.shapes = self.ctx.run(input, |ctx| editor.frame(ctx)).shapes;
+        if waits {
+            self.frame(Vec::new(), modifiers);
+        }
     }
 
     /// Where a text stands in the window: buttons, labels, titles.
@@ -108,6 +121,17 @@ impl Hand {
         let mut found = Vec::new();
         self.shapes.iter().for_each(|clipped| of(&clipped.shape, is_it, &mut found));
         found
+    }
+
+    /// Whether so many textures are drawn.
+    fn has_textures(&self, count: usize) -> bool {
+        let of = |clipped: &ClippedShape| match &clipped.shape {
+            Shape::Rect(shape) => Some(shape.fill_texture_id),
+            Shape::Mesh(mesh) => Some(mesh.texture_id),
+            _ => None,
+        };
+        let all: std::collections::HashSet<_> = self.shapes.iter().filter_map(of).collect();
+        all.len() >= count
     }
 
     /// Clicks at a text.

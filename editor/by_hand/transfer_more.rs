@@ -4,13 +4,13 @@ use super::transfer::with_distribution;
 use super::*;
 use voltet_core::graph::{NodeEntry, Quantity, Setting};
 
-fn widgets(hand: &Hand) -> Vec<Setting> {
+pub(super) fn widgets(hand: &Hand) -> Vec<Setting> {
     let nodes = &hand.editor.document().pipeline().nodes;
     let look: &NodeEntry = nodes.iter().find(|node| node.name == "look").unwrap();
     look.settings.iter().find(|field| field.name == "widgets").unwrap().setting.list().unwrap().to_vec()
 }
 
-fn of(widget: &Setting, key: &str) -> Setting {
+pub(super) fn of(widget: &Setting, key: &str) -> Setting {
     widget.table().unwrap().iter().find(|field| field.name == key).unwrap().setting.clone()
 }
 
@@ -18,7 +18,7 @@ fn points(hand: &Hand) -> Vec<Vec<f64>> {
     of(&widgets(hand)[0], "points").list().unwrap().iter().map(|row| row.numbers().unwrap()).collect()
 }
 
-fn place(hand: &Hand, value: [f64; 2]) -> Pos2 {
+pub(super) fn place(hand: &Hand, value: [f64; 2]) -> Pos2 {
     hand.editor.transfer.place_of(value).unwrap()
 }
 

@@ -1,6 +1,5 @@
 //! The parameter panel: the rows that the document makes of the selected node's declaration, as widgets.
 
-mod arrays;
 mod lists;
 mod typing;
 mod value;
@@ -8,7 +7,6 @@ mod value;
 use crate::actions::Actions;
 use crate::scene::Scene;
 use crate::theme;
-use arrays::Arrays;
 use eframe::egui::{Grid, Label, RichText, ScrollArea, Ui};
 use std::rc::Rc;
 use typing::Typing;
@@ -20,7 +18,6 @@ use voltet_document::{Edit, Path};
 #[derive(Default)]
 pub(crate) struct ParameterPanel {
     typing: Typing,
-    arrays: Arrays,
     /// The rows of a node, as long as the document is the same.
     rows: Option<(u64, String, Rc<Vec<Row>>)>,
     /// Where the value of each row was drawn, by its key, for tests.

@@ -86,7 +86,7 @@ impl ParameterPanel {
     fn arrays(&mut self, ui: &mut Ui, of: Of, row: &Row, key: &str) -> Option<Datum> {
         let several = matches!(row.control, Control::Arrays);
         let mut taken = None;
-        let arrays = self.arrays.of(ui.ctx(), of.scene, of.node);
+        let arrays = of.scene.arrays.of(ui.ctx(), of.scene, of.node);
         if !arrays.is_empty() {
             let names = row.value().map(texts).unwrap_or_default();
             ComboBox::from_id_salt(("arrays", key)).selected_text("▾").width(24.0).show_ui(ui, |ui| {

@@ -233,6 +233,33 @@ fn relative_numbers_stay_relative_and_others_as_they_are_written() {
     assert_eq!(written(drawn.moved(Handle::Centre, [60.0, 2.5], &SCALE), "centre"), "[\"p75.0\", \"25 %\"]");
     let wider = drawn.moved(Handle::Width(0), [60.0, 2.5], &SCALE);
     assert_eq!(written(wider, "sigma"), "[\"40 %\", 0.123456789]");
+    // Turned, it is a matrix whose first column stays relative, and the same widget.
+    let turned = drawn.moved(Handle::Angle, [60.0, 7.0], &SCALE);
+    let matrix = written(turned.clone(), "matrix");
+    assert_eq!(matrix.matches('%').count(), 2, "{matrix}");
+    let as_written = |key: &str, change: Option<Datum>| {
+        change.map(|new| relative::as_written(&fields, Some(&known), key, new))
+    };
+    let changes = turned.iter().map(|(key, change)| (*key, as_written(key, change.clone()))).collect();
+    let mut after = changed(fields.clone(), changes);
+    let in_numbers = changed(fields.clone(), turned.clone());
+    assert_near(&places(&read_with(&after, Some(&known))), &places(&read_with(&in_numbers, Some(&known))));
+    // On data of twice the range it is twice as wide.
+    let mut wider = known.clone();
+    wider.ranges.insert(Quantity::Named("s"), [0.0, 200.0]);
+    let strength = |of: &Known, s: f64| read_with(&after, Some(of)).strength([20.0 + s, 2.5]);
+    assert!(strength(&known, 1.0) < 0.9 && strength(&known, 1.0) > 0.3, "{}", strength(&known, 1.0));
+    assert!((strength(&known, 1.0) / strength(&wider, 2.0) - 1.0).abs() < 1e-9);
+    // Upright again, the deviations are relative as they were.
+    let drawn = read_with(&after, Some(&known));
+    let ring = drawn.handles(&SCALE).into_iter().find(|(handle, _)| *handle == Handle::Angle).unwrap().1;
+    let slope = |at: [f64; 2]| (at[1] - 2.5) / (at[0] - 20.0);
+    assert!((slope(ring) / slope([60.0, 7.0]) - 1.0).abs() < 1e-3 && ring[0] > 20.0, "the ring is where it was left");
+    let upright = drawn.moved(Handle::Angle, [60.0, 2.51], &SCALE);
+    let sigma = relative::as_written(&after, Some(&known), "sigma", upright[0].1.clone().unwrap());
+    assert_eq!(sigma.to_string(), "[\"10 %\", 0.123457]");
+    after.retain(|field| field.name != "matrix");
+    assert_eq!(relative::as_written(&after, Some(&known), "sigma", list(&[1.0, 2.0])), list(&[1.0, 2.0]));
     // Where nothing is known of the data, it is not drawn, and says why.
     let unknown = read(&fields);
     assert!(unknown.shape.is_none() && unknown.fault.is_some());

@@ -1,19 +1,19 @@
 //! What stands above the plane: the widgets, and what can be done to the one in hand.
 
-use super::drawn::{self, Drawn};
+use super::axes::axis_name;
+use super::drawn::Drawn;
 use super::look::Look;
-use super::scale::S_AND_G;
 use super::{TransferPanel, draw, new};
 use crate::actions::Actions;
+use crate::scene::Scene;
 use crate::theme;
 use crate::worker::{grouped, short};
-use eframe::egui::{Color32, DragValue, Rgba, RichText, Sense, Stroke, TextEdit, Ui, vec2};
-use std::collections::BTreeSet;
+use eframe::egui::{Color32, DragValue, Rgba, RichText, Sense, Stroke, Ui, vec2};
 use voltet_core::graph::{Datum, Quantity, Setting};
 use voltet_document::{Edit, Path};
 
 impl TransferPanel {
-    pub(super) fn head(&mut self, ui: &mut Ui, look: &Look, actions: &mut Actions) {
+    pub(super) fn head(&mut self, ui: &mut Ui, scene: &Scene, look: &Look, actions: &mut Actions) {
         let dark = ui.visuals().dark_mode;
         ui.horizontal_wrapped(|ui| {
             ui.strong(look.node.name.as_str());
@@ -44,7 +44,7 @@ impl TransferPanel {
                 self.shown = None;
             }
             self.set_menu(ui, look, actions);
-            self.axes_menu(ui, look);
+            self.axes_menu(ui, scene, look);
             if !self.hidden.is_empty() {
                 let text = format!("{} hidden in this window", self.hidden.len());
                 ui.label(RichText::new(text).small().color(theme::accent(dark)));
@@ -164,43 +164,6 @@ impl TransferPanel {
         }
     }
 
-    /// Which quantities the plane is over.
-    fn axes_menu(&mut self, ui: &mut Ui, look: &Look) {
-        let [x, y] = self.axes.each_ref().map(axis_name);
-        let arrays: BTreeSet<String> = fields_of_all(look);
-        ui.menu_button(format!("axes {x}, {y}"), |ui| {
-            ui.set_min_width(220.0);
-            if ui.button("s, g").clicked() {
-                self.set_axes(S_AND_G);
-                ui.close_menu();
-            }
-            for (k, title) in ["to the right", "up"].into_iter().enumerate() {
-                ui.separator();
-                ui.label(title);
-                let named = S_AND_G.into_iter();
-                for axis in named.chain(arrays.iter().cloned().map(Quantity::Array)) {
-                    if ui.selectable_label(self.axes[k] == axis, axis_name(&axis)).clicked() {
-                        let mut axes = self.axes.clone();
-                        axes[k] = axis;
-                        self.set_axes(axes);
-                        ui.close_menu();
-                    }
-                }
-                let typed = TextEdit::singleline(&mut self.typed_axis[k]).hint_text("another point array");
-                let response = ui.add(typed.desired_width(180.0));
-                let enters = ui.input(|input| input.key_pressed(eframe::egui::Key::Enter));
-                if response.lost_focus() && enters && !self.typed_axis[k].is_empty() {
-                    let mut axes = self.axes.clone();
-                    axes[k] = Quantity::Array(std::mem::take(&mut self.typed_axis[k]));
-                    self.set_axes(axes);
-                    ui.close_menu();
-                }
-            }
-        })
-        .response
-        .on_hover_text("the quantities that the plane is over; widgets of several fields lie on theirs");
-    }
-
     fn color_and_strength(&self, ui: &mut Ui, look: &Look, widget: &Drawn, actions: &mut Actions) {
         let fields = look.list.get(self.chosen).and_then(Setting::table).unwrap_or_default();
         let is_stated = |key: &str| fields.iter().any(|field| field.name == key);
@@ -230,18 +193,5 @@ impl TransferPanel {
                 set("extinction", Datum::Number(super::numbers::rounded(extinction)));
             }
         }
-    }
-}
-
-/// The arrays that any of the widgets names.
-fn fields_of_all(look: &Look) -> BTreeSet<String> {
-    look.list.iter().filter_map(Setting::table).flat_map(drawn::arrays).collect()
-}
-
-/// A quantity as an axis names it.
-pub(super) fn axis_name(axis: &Quantity) -> String {
-    match axis {
-        Quantity::Array(name) => name.clone(),
-        Quantity::Named(_) | Quantity::Per(..) => axis.to_string(),
     }
 }

@@ -49,10 +49,6 @@ impl<'a> Look<'a> {
             found.as_ref().map_or([1.0; 2], |found| found.histogram.axes.map(|axis| axis.high - axis.low));
         let metric = plane.map_or(extent, Plane::metric);
         let known = found.as_ref().map(|found| &found.known);
-        let of_series =
-            node.settings.iter().any(|f| f.name == "relative_to" && f.setting.text() == Some("series"));
-        // Of all steps of a series this volume says nothing.
-        let known = known.filter(|_| !of_series);
         let on = On { axes, extent: metric, known, images };
         let widget = |entry: &Setting| Drawn::of(entry.table().unwrap_or_default(), &on);
         let widgets: Vec<Drawn> = list.iter().map(widget).collect();

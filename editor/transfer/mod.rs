@@ -10,9 +10,10 @@
 //! | `relative` | numbers relative to data: found for the plane, and kept relative where a hand moves them |
 //! | `handles` | what is taken hold of |
 //! | `hand`, `drag`, `keys`, `sets` | what mouse and keys do |
-//! | `head`, `list`, `new` | the lines above the plane; the list of widgets; new ones |
+//! | `head`, `axes`, `list`, `new` | the lines above the plane; what its axes are; the list of widgets; new ones |
 //! | `plane`, `draw` | axes and histogram; widgets drawn |
 
+mod axes;
 mod drag;
 mod draw;
 mod drawn;
@@ -36,6 +37,7 @@ use crate::actions::Actions;
 use crate::scene::Scene;
 use crate::theme;
 use crate::worker::short;
+use axes::axis_name;
 use drag::Drag;
 use eframe::egui::{self, Align2, FontId, Rect, Sense, Stroke, Ui, pos2, vec2};
 use drawn::Drawn;
@@ -116,6 +118,14 @@ pub(crate) fn fields_of(look: &NodeEntry) -> Vec<String> {
     let list = widgets.and_then(|field| field.setting.list()).unwrap_or_default();
     let all: BTreeSet<String> = list.iter().filter_map(Setting::table).flat_map(drawn::arrays).collect();
     all.into_iter().collect()
+}
+
+/// Whether a transfer function has numbers relative to all steps of a time series.
+pub(crate) fn is_of_series(look: &NodeEntry) -> bool {
+    let says_so = look.settings.iter().any(|f| f.name == "relative_to" && f.setting.text() == Some("series"));
+    let widgets = look.settings.iter().find(|field| field.name == "widgets");
+    let list = widgets.and_then(|field| field.setting.list()).unwrap_or_default();
+    says_so && list.iter().filter_map(Setting::table).any(relative::is_relative)
 }
 
 /// The output that gives the volume that a transfer function is drawn with: "node" or "node.port".
@@ -220,7 +230,7 @@ impl TransferPanel {
         }
         self.hidden.retain(|place| *place < look.widgets.len());
         ui.add_space(3.0);
-        self.head(ui, &look, actions);
+        self.head(ui, scene, &look, actions);
         let (whole, response) =
             ui.allocate_exact_size(ui.available_size().max(vec2(60.0, 60.0)), Sense::click_and_drag());
         let in_hand = look.widgets.get(self.chosen);
@@ -252,7 +262,7 @@ impl TransferPanel {
         if self.by_keyboard {
             ui.painter().rect_stroke(rect, 0.0, Stroke::new(2.0, theme::accent(dark)));
         }
-        let [x, y] = self.axes.each_ref().map(head::axis_name);
+        let [x, y] = self.axes.each_ref().map(axis_name);
         plane::axes(ui, plane, [&x, if y == "g" { "g = |grad s|" } else { &y }]);
         if let Some(probed) = look.probed.as_ref().filter(|_| look.is_of_s_and_g()) {
             draw::probed(ui, plane, probed);
@@ -284,7 +294,7 @@ impl TransferPanel {
         let share = look.histogram().and_then(|histogram| plane::share_at(histogram, value));
         let share =
             share.map_or(String::new(), |share| format!("   {} % of the volume a bin", short(100.0 * share)));
-        let [x, y] = self.axes.each_ref().map(head::axis_name);
+        let [x, y] = self.axes.each_ref().map(axis_name);
         let text = format!("{x} {}   {y} {}{share}", short(value[0]), short(value[1]));
         let color = ui.visuals().text_color();
         let galley = ui.painter().layout_no_wrap(text, FontId::proportional(11.5), color);

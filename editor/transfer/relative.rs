@@ -6,8 +6,14 @@ use voltet_core::parameters::{Measure, Parameters, Relative, RelativeNumber};
 use voltet_core::transfer::{self, Scales, WIDGET_KINDS};
 use voltet_core::{Error, Result};
 
-/// Digits after the point of a percentage of a range.
+/// Digits after the point of a percentage of a range: of a value, and at least of a width.
 const SHARE_DIGITS: usize = 3;
+
+/// Digits of the percentage that a width is.
+const WIDTH_DIGITS: i32 = 5;
+
+/// Two keys that say the same in two ways: deviations, and a matrix whose columns belong to the same quantities.
+const IN_PLACE_OF_EACH_OTHER: [[&str; 2]; 2] = [["sigma", "matrix"], ["matrix", "sigma"]];
 
 /// Digits after the point of a percentile, at most, and how much of the range it may be off by.
 const PERCENTILE_DIGITS: usize = 6;
@@ -19,6 +25,11 @@ fn parameters(fields: &[Field]) -> Option<Parameters> {
     let kind = WIDGET_KINDS.iter().find(|known| known.name == kind)?;
     // What is wrong is said elsewhere; what is not set has no numbers.
     Some(Parameters::survey(kind.parameters, fields, &Origin::Nowhere, &["kind"], &mut Vec::new()))
+}
+
+/// Whether a widget's table has numbers relative to data.
+pub(super) fn is_relative(fields: &[Field]) -> bool {
+    parameters(fields).is_some_and(|parameters| !parameters.relative_numbers().is_empty())
 }
 
 /// The table with numbers in place of those relative to data. Error: they are not known yet.
@@ -51,6 +62,9 @@ pub(crate) fn in_numbers(list: &[Setting], known: &Known) -> Option<Vec<Setting>
 /// What is to be written at a key of the table ("centre", "region.s"), where a hand made numbers of what is there: relative ones
 /// stay relative, and those that did not change stay as they are written.
 pub(super) fn as_written(fields: &[Field], known: Option<&Known>, key: &str, new: Datum) -> Datum {
+    let other = IN_PLACE_OF_EACH_OTHER.iter().find(|[to, _]| *to == key).map(|[_, from]| *from);
+    let carried = other.filter(|_| at(fields, key).is_none()).and_then(|from| carried(fields, from, key, &new));
+    let fields = carried.as_deref().unwrap_or(fields);
     let now = resolved(fields, known).unwrap_or_else(|_| fields.to_vec());
     let (Some(old), Some(now)) = (at(fields, key), at(&now, key)) else { return new };
     let mut numbers = Vec::new();
@@ -74,6 +88,34 @@ pub(super) fn as_written(fields: &[Field], known: Option<&Known>, key: &str, new
         at(&fields, key).cloned()
     });
     written(old, now, marked.as_ref(), &numbers, known, new)
+}
+
+/// The table with a key in place of the other that says the same: 100 % for each number of a quantity that has relative ones there,
+/// 0 for the others. `None` where there are none.
+fn carried(fields: &[Field], from: &str, to: &str, new: &Datum) -> Option<Vec<Field>> {
+    let stated = at(fields, from)?.list()?;
+    let is_text = |place: usize| {
+        let of = |part: &Setting| match part.list() {
+            Some(row) => row.get(place).is_some_and(|entry| entry.text().is_some()),
+            None => false,
+        };
+        stated.get(place).is_some_and(|part| part.text().is_some()) || stated.iter().any(of)
+    };
+    let one = |place: usize| match is_text(place) {
+        true => Setting::from(Datum::Text("100 %".into())),
+        false => Setting::from(Datum::Number(0.0)),
+    };
+    let Datum::List(parts) = new else { return None };
+    let list = |count: usize| Setting::from(Datum::List((0..count).map(one).collect()));
+    let setting = match parts.first()?.list() {
+        Some(_) => Datum::List(parts.iter().map(|row| list(row.list().map_or(0, <[_]>::len))).collect()).into(),
+        None => list(parts.len()),
+    };
+    if !(0..parts.len()).any(is_text) {
+        return None;
+    }
+    let others = fields.iter().filter(|field| field.name != from).cloned();
+    Some(others.chain([Field { name: to.into(), origin: Origin::Nowhere, setting }]).collect())
 }
 
 fn at<'a>(fields: &'a [Field], key: &str) -> Option<&'a Setting> {
@@ -116,21 +158,29 @@ fn written(
 
 /// The number relative to data that says so; `None` where there is none.
 fn relative(number: &RelativeNumber, was: f64, is: f64, known: &Known) -> Option<String> {
-    let percent = |share: f64| {
-        let text = format!("{:.SHARE_DIGITS$}", 100.0 * share);
-        format!("{} %", text.trim_end_matches('0').trim_end_matches('.'))
+    let with_digits = |share: f64, digits: usize| {
+        let text = format!("{:.digits$}", 100.0 * share);
+        let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
+        format!("{text} %")
+    };
+    // Of a width as many digits count, however narrow it is.
+    let width = |share: f64| {
+        let before = (100.0 * share.abs()).log10().floor() as i32 + 1;
+        with_digits(share, (WIDTH_DIGITS - before).max(SHARE_DIGITS as i32) as usize)
     };
     match (number.relative, number.is) {
         (Relative::Share(_), Measure::Value | Measure::Place) => {
             let [low, high] = known.range(&number.quantity).ok()?;
-            (high > low).then(|| percent((is - low) / (high - low)))
+            (high > low).then(|| with_digits((is - low) / (high - low), SHARE_DIGITS))
         }
         // Widths are in proportion to their shares, factors the other way round.
         (Relative::Share(share), Measure::Width) => {
-            (is / was > 0.0).then(|| percent((share * is / was).max(1e-5)))
+            let share = share * is / was;
+            (share > 0.0 && share.is_finite()).then(|| width(share))
         }
         (Relative::Share(share), Measure::Factor) => {
-            (was / is > 0.0).then(|| percent((share * was / is).max(1e-5)))
+            let share = share * was / is;
+            (share != 0.0 && share.is_finite()).then(|| width(share))
         }
         (Relative::Percentile(_), _) => {
             let [low, high] = known.range(&number.quantity).ok()?;

@@ -20,6 +20,8 @@ pub struct Distribution {
     pub axes: [Quantity; 2],
     /// Further arrays whose ranges are wanted.
     pub fields: Vec<String>,
+    /// Whether what numbers are relative to is all steps of a time series together.
+    pub of_series: bool,
     /// What tells it from others.
     pub key: u64,
 }
@@ -29,7 +31,7 @@ pub struct Distribution {
 pub struct Distributed {
     /// The volume in each bin.
     pub histogram: Histogram,
-    /// Ranges, and the volume below each value of the axes.
+    /// Ranges, and the volume below each value of the axes: of this volume, or of all steps of its series.
     pub known: Known,
 }
 

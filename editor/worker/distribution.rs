@@ -4,16 +4,18 @@ use super::asked::{Distributed, Distribution};
 use super::following::Following;
 use super::look_on::volume_with;
 use super::scales::{Known, Spread};
+use super::series;
 use super::shared::lock;
 use super::work::Work;
 use std::borrow::Cow;
 use std::sync::Arc;
 use voltet_core::Result;
-use voltet_core::graph::Quantity;
+use voltet_core::graph::{Observer, Quantity, Registry, Session};
 use voltet_core::grid::Grid;
 use voltet_core::probing::{Axis, histogram, value_range};
 use voltet_core::progress::Progress;
 use voltet_core::volume::Volume;
+use voltet_nodes::relative;
 
 /// Bins along each axis.
 const BINS: usize = 256;
@@ -31,6 +33,18 @@ impl Distribution {
         arrays
     }
 
+    /// The quantities that something is asked of: the axes first.
+    fn quantities(&self) -> Vec<Quantity> {
+        let mut all = self.axes.to_vec();
+        let arrays = self.fields.iter().map(|name| Quantity::Array(name.clone()));
+        for quantity in arrays.chain(["s", "g"].map(Quantity::Named)) {
+            if !all.contains(&quantity) {
+                all.push(quantity);
+            }
+        }
+        all
+    }
+
     /// Exact within every cell. Along *g* it reaches as far as nearly all of the volume does: a few slivers have gradients of
     /// many times that. Where there is no gradient, *g* is 0.
     fn find(&self, volume: &Volume, progress: &dyn Progress) -> Result<Distributed> {
@@ -42,18 +56,25 @@ impl Distribution {
         }
         let found = histogram(grid, [&x, &y], axes, progress)?;
         let mut known = Known::default();
-        for (k, (values, quantity)) in [x, y].iter().zip(&self.axes).enumerate() {
-            let shown = [axes[k].low, axes[k].high];
-            known.ranges.insert(quantity.clone(), value_range(values)?);
-            known.spreads.insert(quantity.clone(), Spread::of(grid, values, shown, progress)?);
+        if self.of_series {
+            return Ok(Distributed { histogram: found, known });
         }
-        let arrays = self.fields.iter().map(|name| Quantity::Array(name.clone()));
-        for quantity in arrays.chain(["s", "g"].map(Quantity::Named)) {
-            if !known.ranges.contains_key(&quantity) {
-                known.ranges.insert(quantity.clone(), value_range(&values(volume, &quantity)?)?);
-            }
+        for quantity in self.quantities() {
+            known.ranges.insert(quantity.clone(), value_range(&values(volume, &quantity)?)?);
+        }
+        for (k, (values, quantity)) in [x, y].iter().zip(&self.axes).enumerate() {
+            let mut spread = Spread::new([axes[k].low, axes[k].high], known.ranges[quantity]);
+            spread.add(grid, values, progress)?;
+            known.spreads.insert(quantity.clone(), spread.finished());
         }
         Ok(Distributed { histogram: found, known })
+    }
+
+    /// What numbers relative to all steps are found by. `shown`: the axes of the step that is shown.
+    fn of_series(&self, session: &mut Session, registry: &Registry, shown: [Axis; 2], observer: &dyn Observer) -> Result<Known> {
+        let of = (self.nodes.as_slice(), self.folder.as_path());
+        let shown = shown.map(|axis| [axis.low, axis.high]);
+        series::known(session, registry, of, &self.node, &self.quantities(), shown, observer)
     }
 }
 
@@ -69,15 +90,11 @@ fn of_nearly_all(grid: &Grid, g: &[f64], progress: &dyn Progress) -> Result<Axis
     Ok(Axis { high: coarse.nearly_all(), bins: BINS, ..whole })
 }
 
-/// The values of a quantity, one a point.
-fn values<'a>(volume: &'a Volume, quantity: &Quantity) -> Result<Cow<'a, [f64]>> {
-    match quantity {
-        Quantity::Array(name) => Ok(Cow::Borrowed(&volume.grid.point_array(name, 1)?.values)),
-        Quantity::Named("g") => Ok(match &volume.gradient_magnitude {
-            Some(g) => Cow::Borrowed(g),
-            None => Cow::Owned(vec![0.0; volume.scalar.len()]),
-        }),
-        Quantity::Named(_) | Quantity::Per(..) => Ok(Cow::Borrowed(&volume.scalar)),
+/// The values of a quantity, one a point; where there is no gradient, *g* is 0.
+pub(super) fn values<'a>(volume: &'a Volume, quantity: &Quantity) -> Result<Cow<'a, [f64]>> {
+    match (quantity, &volume.gradient_magnitude) {
+        (Quantity::Named("g"), None) => Ok(Cow::Owned(vec![0.0; volume.scalar.len()])),
+        _ => relative::values(volume, quantity).map(Cow::Borrowed),
     }
 }
 
@@ -88,7 +105,11 @@ impl Work<'_> {
         let found = self.aside(|session, following: &Following| {
             let of = (wanted.nodes.as_slice(), wanted.folder.as_path());
             let volume = volume_with(session, registry, of, &wanted.node, &wanted.arrays(), following)?;
-            wanted.find(&volume, following).map(Arc::new)
+            let mut found = wanted.find(&volume, following)?;
+            if wanted.of_series {
+                found.known = wanted.of_series(session, registry, found.histogram.axes, following)?;
+            }
+            Ok(Arc::new(found))
         });
         match found {
             Some(found) => self.shared.show(|shown| shown.distribution = Some((wanted.key, found))),

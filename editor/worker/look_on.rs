@@ -97,6 +97,7 @@ pub(super) fn with_own(registry: &Registry) -> Result<Registry> {
     own.add(&NODE)?;
     own.add(&ASKS_FOR_ARRAYS)?;
     own.add(&PROBES)?;
+    own.add(&super::series::NODE)?;
     Ok(own)
 }
 

@@ -12,7 +12,7 @@
 //! | `work`, `superseding`, `coarse` | the thread; when a pass is stopped; how many pixels a coarse picture has |
 //! | `following`, `states`, `pixels` | what is shown of it |
 //! | `look_on` | nodes that look at what runs through the wires |
-//! | `distribution`, `scales` | the volume over two quantities, and their ranges and percentiles |
+//! | `distribution`, `scales`, `series` | the volume over two quantities, their ranges and percentiles, those of all time steps |
 //! | `probing`, `section` | the values on rays, and on a plane through the data |
 //! | `share`, `estimate` | what a widget adds to the picture; how wrong it is |
 
@@ -27,6 +27,7 @@ mod probing;
 mod request;
 mod scales;
 mod section;
+mod series;
 mod share;
 mod shared;
 mod states;

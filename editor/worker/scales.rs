@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 use voltet_core::graph::Quantity;
 use voltet_core::grid::Grid;
-use voltet_core::probing::{Volumes, value_range};
+use voltet_core::probing::Volumes;
 use voltet_core::progress::Progress;
 use voltet_core::transfer::Scales;
 use voltet_core::{Error, Result};
@@ -17,43 +17,51 @@ const KNOTS: [usize; 2] = [1024, 64];
 pub struct Spread {
     /// Rising.
     values: Vec<f64>,
-    /// 0 to 1, rising.
+    /// The volume below each: 0 to 1, rising, once it is finished.
     below: Vec<f64>,
+    /// All of it, in the same measure.
+    total: f64,
 }
 
 impl Spread {
-    /// Of the values of a volume's points. `shown`: the axis on which it should be fine.
-    pub(super) fn of(
-        grid: &Grid,
-        values: &[f64],
-        [low, high]: [f64; 2],
-        progress: &dyn Progress,
-    ) -> Result<Spread> {
-        let volumes = Volumes::new(grid, values, progress)?;
-        let [least, most] = value_range(values)?;
+    /// Nothing yet. `shown`: the axis on which it should be fine; the range is that of all values.
+    pub(super) fn new([low, high]: [f64; 2], [least, most]: [f64; 2]) -> Spread {
         let even = |[from, to]: [f64; 2], count: usize| {
             (0..=count).map(move |i| {
                 let share = i as f64 / count as f64;
                 from * (1.0 - share) + to * share
             })
         };
-        let mut knots: Vec<f64> = even([low, high], KNOTS[0]).chain(even([high, most], KNOTS[1])).collect();
-        knots.push(least);
-        knots.retain(|knot| (least..=most).contains(knot));
-        knots.sort_by(f64::total_cmp);
-        knots.dedup();
-        let mut below = volumes.below_each(&knots);
-        below.iter_mut().for_each(|below| *below = (*below / volumes.total()).clamp(0.0, 1.0));
-        if let Some(last) = below.last_mut() {
+        let beyond = even([least, low], KNOTS[1]).chain(even([high, most], KNOTS[1]));
+        let mut values: Vec<f64> = even([low, high], KNOTS[0]).chain(beyond).collect();
+        values.retain(|knot| (least..=most).contains(knot));
+        values.sort_by(f64::total_cmp);
+        values.dedup();
+        Spread { below: vec![0.0; values.len()], total: 0.0, values }
+    }
+
+    /// Adds the values of a volume's points.
+    pub(super) fn add(&mut self, grid: &Grid, values: &[f64], progress: &dyn Progress) -> Result<()> {
+        let volumes = Volumes::new(grid, values, progress)?;
+        let own = volumes.below_each(&self.values);
+        self.below.iter_mut().zip(own).for_each(|(sum, own)| *sum += own);
+        self.total += volumes.total();
+        Ok(())
+    }
+
+    /// As shares, once all is added.
+    pub(super) fn finished(mut self) -> Spread {
+        self.below.iter_mut().for_each(|below| *below = (*below / self.total).clamp(0.0, 1.0));
+        if let Some(last) = self.below.last_mut() {
             *last = 1.0;
         }
-        Ok(Spread { values: knots, below })
+        Spread { total: 1.0, ..self }
     }
 
     /// From what is known already, for tests.
     #[cfg(test)]
     pub(crate) fn from_knots(values: Vec<f64>, below: Vec<f64>) -> Spread {
-        Spread { values, below }
+        Spread { values, below, total: 1.0 }
     }
 
     /// The share of the volume below a value.
@@ -111,7 +119,7 @@ mod tests {
 
     #[test]
     fn shares_and_values_are_inverse_and_end_at_the_ends() {
-        let spread = Spread { values: vec![0.0, 1.0, 3.0, 10.0], below: vec![0.0, 0.5, 0.9, 1.0] };
+        let spread = Spread { values: vec![0.0, 1.0, 3.0, 10.0], below: vec![0.0, 0.5, 0.9, 1.0], total: 1.0 };
         for value in [0.0, 0.25, 1.0, 2.0, 9.0, 10.0] {
             assert!((spread.value_at(spread.below(value)) - value).abs() < 1e-12, "{value}");
         }

@@ -213,6 +213,7 @@ fn the_distribution_comes_late_and_leaves_the_picture_as_it_is() {
     worker.draw(wanted(one_dimensional.clone(), &PathBuf::new()));
     let nodes = one_dimensional.clone();
     worker.find_distribution(Distribution {
+        of_series: false,
         nodes,
         folder: PathBuf::new(),
         node: "gradient".into(),

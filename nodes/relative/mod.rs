@@ -16,4 +16,5 @@ mod volume;
 mod widgets;
 
 pub use shown::note_numbers;
+pub use volume::values;
 pub use widgets::{Widgets, ask, known, stood_in};

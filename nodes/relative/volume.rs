@@ -21,7 +21,7 @@ pub fn demand(wanted: &Wanted) -> Demand {
     demand
 }
 
-/// The values of a quantity, one a point.
+/// The values of a quantity, one a point. Errors: there is no such array, or no gradient magnitude.
 pub fn values<'a>(volume: &'a Volume, quantity: &Quantity) -> Result<&'a [f64]> {
     match quantity {
         Quantity::Array(name) => Ok(&volume.grid.point_array(name, 1)?.values),

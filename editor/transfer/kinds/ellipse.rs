@@ -20,10 +20,20 @@ pub(in crate::transfer) struct Ellipse {
 }
 
 impl Ellipse {
-    /// Of exp(−p x² − 2 r x y − q y²) about a centre. `extent`: lengths along the axes that are equal on the screen, where the half
-    /// axes are at right angles.
-    pub fn new(centre: [f64; 2], metric: [f64; 3], extent: [f64; 2]) -> Ellipse {
-        Ellipse { centre, axes: half_axes(metric, extent) }
+    /// Of exp(−|K v|²) about a centre, along two columns of K. `extent`: lengths along the axes that are equal on the screen, where
+    /// the half axes are at right angles. The first is the one that its own row of K is about, as [`super::gaussian`] writes it: so
+    /// the ring stays where a hand brought it.
+    pub fn new(centre: [f64; 2], k: &[Vec<f64>], columns: [Option<usize>; 2], extent: [f64; 2]) -> Ellipse {
+        let [a, b] = half_axes(metric(k, columns), extent);
+        let row = k.get(columns[0].unwrap_or(0));
+        let entry = |column: Option<usize>| row.zip(column).map_or(0.0, |(row, column)| row[column]);
+        let along = |axis: [f64; 2]| {
+            let part = |i: usize| if axis[i] == 0.0 { 0.0 } else { entry(columns[i]) * axis[i] };
+            part(0) + part(1)
+        };
+        let turned = |axis: [f64; 2]| axis.map(|x| if x == 0.0 { 0.0 } else { -x });
+        let axes = if along(a).abs() >= along(b).abs() { [a, b] } else { [b, turned(a)] };
+        Ellipse { centre, axes: if along(axes[0]) < 0.0 { axes.map(turned) } else { axes } }
     }
 
     pub fn handles(&self) -> Vec<(Handle, [f64; 2])> {
@@ -133,7 +143,7 @@ fn half_axes([p, r, q]: [f64; 3], extent: [f64; 2]) -> [[f64; 2]; 2] {
 }
 
 /// p, r, q of |K v|² along two columns of K; 0 along one that it does not have.
-pub(in crate::transfer) fn metric(k: &[Vec<f64>], columns: [Option<usize>; 2]) -> [f64; 3] {
+fn metric(k: &[Vec<f64>], columns: [Option<usize>; 2]) -> [f64; 3] {
     let of = |row: &Vec<f64>, column: Option<usize>| column.and_then(|c| row.get(c).copied()).unwrap_or(0.0);
     let product = |a: usize, b: usize| k.iter().map(|row| of(row, columns[a]) * of(row, columns[b])).sum();
     [product(0, 0), product(0, 1), product(1, 1)]

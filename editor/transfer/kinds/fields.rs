@@ -4,7 +4,7 @@ use super::super::draw::Pen;
 use super::super::handles::Handle;
 use super::super::numbers::{Change, find, list, rounded, rows_of};
 use super::super::scale::Scale;
-use super::ellipse::{Ellipse, metric};
+use super::ellipse::Ellipse;
 use super::triangle::Triangle;
 use super::{On, Shape};
 use std::sync::Arc;
@@ -77,18 +77,19 @@ impl OfFields {
         });
         let sigma = find(numbers, "sigma").and_then(Setting::numbers);
         let middle = at.map(|place| place.map_or(0.0, |i| centre[i]));
-        let [p, r, q] = metric(kernel, at);
+        let ellipse = Ellipse::new(middle, kernel, at, on.extent);
         let figure = match magnitude {
             Some(Magnitude { axis: Some(1), .. }) => {
-                Figure::Triangle(Triangle { centre: middle[0], sigma: 1.0 / p.sqrt() })
+                let width = kernel.iter().map(|row| at[0].map_or(0.0, |i| row[i] * row[i])).sum::<f64>();
+                Figure::Triangle(Triangle { centre: middle[0], sigma: 1.0 / width.sqrt() })
             }
             Some(Magnitude { axis: Some(_), .. }) => return None,
             Some(Magnitude { axis: None, level }) => {
-                let times = level * level;
-                Figure::Ellipse(Ellipse::new(middle, [p / times, r / times, q / times], on.extent))
+                let axes = ellipse.axes.map(|axis| axis.map(|x| if x == 0.0 { 0.0 } else { x * level }));
+                Figure::Ellipse(Ellipse { axes, ..ellipse })
             }
             None => {
-                let mut ellipse = Ellipse::new(middle, [p, r, q], on.extent);
+                let mut ellipse = ellipse;
                 // Deviations that are stated need no inverse.
                 for (axis, place) in at.iter().enumerate() {
                     if let Some(sigma) = place.and_then(|i| sigma.as_ref()?.get(i)) {

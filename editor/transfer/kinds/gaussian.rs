@@ -4,7 +4,7 @@ use super::super::draw::Pen;
 use super::super::handles::Handle;
 use super::super::numbers::{Change, array, list, rows};
 use super::super::scale::Scale;
-use super::ellipse::{Ellipse, metric};
+use super::ellipse::Ellipse;
 use super::{On, Shape};
 use voltet_core::graph::Field;
 
@@ -18,7 +18,7 @@ impl Gaussian {
             return Gaussian(Ellipse { centre, axes: [[s, 0.0], [0.0, g]] });
         }
         let matrix = matrix.map(Vec::from);
-        Gaussian(Ellipse::new(centre, metric(&matrix, [Some(0), Some(1)]), on.extent))
+        Gaussian(Ellipse::new(centre, &matrix, [Some(0), Some(1)], on.extent))
     }
 }
 
@@ -50,7 +50,7 @@ pub(in crate::transfer) fn gaussian(
     k: &[Vec<f64>],
     extent: [f64; 2],
 ) -> (&'static str, Vec<Change>) {
-    let ellipse = Ellipse::new(centre, metric(k, [Some(0), Some(1)]), extent);
+    let ellipse = Ellipse::new(centre, k, [Some(0), Some(1)], extent);
     ("gaussian", std::iter::once(("centre", Some(list(&centre)))).chain(spread(ellipse.axes)).collect())
 }
 

@@ -12,25 +12,20 @@ use voltet_nodes::formats::{self, Association, Request};
 
 /// An array that may be chosen.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Choice {
+pub(crate) struct Choice {
     /// As a file names it.
     pub name: String,
     /// With what it is and its range.
     pub label: String,
 }
 
-type Known = Arc<Mutex<HashMap<PathBuf, Arc<Vec<Choice>>>>>;
-
-/// What is known of files.
+/// What is known of files; nothing as long as they are being read.
 #[derive(Default)]
-pub(super) struct Arrays {
-    known: Known,
-    asked: Vec<PathBuf>,
-}
+pub(crate) struct Arrays(Arc<Mutex<HashMap<PathBuf, Arc<Vec<Choice>>>>>);
 
 impl Arrays {
     /// The arrays of the files that feed a node; empty while they are not known.
-    pub fn of(&mut self, ctx: &Context, scene: &Scene, node: &str) -> Arc<Vec<Choice>> {
+    pub fn of(&self, ctx: &Context, scene: &Scene, node: &str) -> Arc<Vec<Choice>> {
         let nodes = &scene.document.pipeline().nodes;
         let feeding = upstream(nodes, node);
         let reader = nodes
@@ -39,19 +34,15 @@ impl Arrays {
         let stated = reader.and_then(|reader| reader.settings.iter().find(|field| field.name == "path"));
         let Some(path) = stated.and_then(|field| field.setting.text()) else { return Arc::default() };
         let path = scene.document.folder().join(path);
-        if let Some(known) = self.known.lock().unwrap_or_else(PoisonError::into_inner).get(&path) {
-            return known.clone();
-        }
-        if !self.asked.contains(&path) {
-            self.asked.push(path.clone());
-            let (known, ctx) = (self.known.clone(), ctx.clone());
+        let mut known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let begin = || {
+            let (known, ctx, path) = (self.0.clone(), ctx.clone(), path.clone());
             // Without a thread there are no choices, and the name is typed.
             let _ = std::thread::Builder::new().name("arrays".into()).spawn(move || {
                 let tell = |found: Vec<Choice>| {
-                    known
-                        .lock()
-                        .unwrap_or_else(PoisonError::into_inner)
-                        .insert(path.clone(), Arc::new(found));
+                    let mut known = known.lock().unwrap_or_else(PoisonError::into_inner);
+                    known.insert(path.clone(), Arc::new(found));
+                    drop(known);
                     ctx.request_repaint();
                 };
                 // Names come from the headers at once; ranges take a reading of the file.
@@ -60,8 +51,9 @@ impl Arrays {
                     tell(found);
                 }
             });
-        }
-        Arc::default()
+            Arc::default()
+        };
+        known.entry(path.clone()).or_insert_with(begin).clone()
     }
 }
 

@@ -1,0 +1,158 @@
+//! What all steps of a time series say together: a node that looks at each step, one at a time, as the transfer function does.
+
+use super::distribution::values;
+use super::look_on::{NAME, entry, feeding};
+use super::scales::{Known, Spread};
+use std::path::Path;
+use std::sync::{Arc, Mutex, PoisonError};
+use voltet_core::error::ErrorKind;
+use voltet_core::graph::{
+    Call, Datum, Demand, Field, Graph, LinkEntry, Node, NodeEntry, Observer, Origin, Outputs, Parameter, ParameterType, Port,
+    PortType, Quantity, Range, Registry, Session, Setting, Standard, Value,
+};
+use voltet_core::probing::value_range;
+use voltet_core::volume::Volume;
+use voltet_core::{Error, Result};
+
+const fn parameter(name: &'static str, parameter_type: ParameterType, help: &'static str) -> Parameter {
+    Parameter { name, parameter_type, unit: "", standard: Standard::Required, help }
+}
+
+/// Looks at every step.
+pub(super) static NODE: Node = Node {
+    name: "(looks at every step)",
+    summary: "Finds ranges and volumes below values over all steps of a time series.",
+    inputs: &[Port { name: "volume", port_type: PortType::Volume, summary: "one step of the series" }],
+    outputs: &[Port { name: "known", port_type: PortType::Cells, summary: "what was found" }],
+    parameters: &[
+        parameter(QUANTITIES, ParameterType::Texts, "\"s\", \"g\", or the name of an array after a slash; the axes first"),
+        parameter(SHOWN, ParameterType::Numbers(Some(4), Range::ANY), "low and high of both axes"),
+        parameter(GRADIENT, ParameterType::Boolean, "whether there is a g"),
+    ],
+    demand: &|asking| asking.ask("volume", &Demand::default()),
+    run: &run,
+    ..Node::BLANK
+};
+
+const QUANTITIES: &str = "quantities";
+const SHOWN: &str = "shown";
+const GRADIENT: &str = "gradient";
+
+/// What a quantity is called in the parameters, and back.
+fn named(quantity: &Quantity) -> String {
+    match quantity {
+        Quantity::Array(name) => format!("/{name}"),
+        Quantity::Named(_) | Quantity::Per(..) => quantity.to_string(),
+    }
+}
+
+fn quantity(text: &str) -> Quantity {
+    match text.strip_prefix('/') {
+        Some(name) => Quantity::Array(name.to_string()),
+        None => Quantity::Named(if text == "g" { "g" } else { "s" }),
+    }
+}
+
+/// What was found of the series, by the quantities and axes that it was found for.
+type Kept = Mutex<Vec<((Vec<String>, Vec<u64>), Known)>>;
+
+fn run(call: &mut Call) -> Result<Outputs> {
+    let names = call.parameters.texts(QUANTITIES)?;
+    let shown = call.parameters.numbers(SHOWN)?;
+    let mut demand = Demand { gradient_magnitude: call.parameters.flag(GRADIENT)?, ..Demand::default() };
+    let quantities: Vec<Quantity> = names.iter().map(|name| quantity(name)).collect();
+    for quantity in &quantities {
+        if let Quantity::Array(name) = quantity {
+            demand.arrays.insert(name.clone());
+        }
+    }
+    let kept: Arc<Kept> = call.keep_over_steps("volume", &demand, || Ok(Kept::default()))?;
+    let key = (names, shown.iter().map(|x| x.to_bits()).collect::<Vec<_>>());
+    let mut kept = kept.lock().unwrap_or_else(PoisonError::into_inner);
+    let known = match kept.iter().find(|(of, _)| *of == key) {
+        Some((_, known)) => known.clone(),
+        None => {
+            let known = find(call, &demand, &quantities, &shown)?;
+            kept.push((key, known.clone()));
+            known
+        }
+    };
+    Ok(vec![Value::Cells(Arc::new(known))])
+}
+
+/// Every step is read twice: for the ranges, and for the volumes below values within them.
+fn find(call: &Call, demand: &Demand, quantities: &[Quantity], shown: &[f64]) -> Result<Known> {
+    let each = |look: &mut dyn FnMut(&Volume) -> Result<()>| {
+        call.each_step("volume", demand, &mut |_, value| match value.volume() {
+            Some(volume) => look(&*volume?),
+            None => Ok(()),
+        })
+    };
+    let mut known = Known::default();
+    each(&mut |volume| {
+        for quantity in quantities {
+            let [low, high] = value_range(&values(volume, quantity)?)?;
+            let range = known.ranges.entry(quantity.clone()).or_insert([low, high]);
+            *range = [range[0].min(low), range[1].max(high)];
+        }
+        Ok(())
+    })?;
+    let of_axes = || quantities.iter().zip(shown.chunks_exact(2));
+    for (quantity, shown) in of_axes() {
+        let spread = Spread::new([shown[0], shown[1]], known.ranges[quantity]);
+        known.spreads.insert(quantity.clone(), spread);
+    }
+    each(&mut |volume| {
+        for (quantity, spread) in &mut known.spreads {
+            spread.add(&volume.grid, &values(volume, quantity)?, call.progress())?;
+        }
+        Ok(())
+    })?;
+    known.spreads.values_mut().for_each(|spread| *spread = std::mem::take(spread).finished());
+    Ok(known)
+}
+
+/// What all steps of the series that feeds an output say of quantities, the axes of the plane first. `shown`: low and high of these.
+pub(super) fn known(
+    session: &mut Session,
+    registry: &Registry,
+    (nodes, folder): (&[NodeEntry], &Path),
+    source: &str,
+    quantities: &[Quantity],
+    shown: [[f64; 2]; 2],
+    observer: &dyn Observer,
+) -> Result<Known> {
+    let (name, _) = voltet_document::links::source(source, nodes);
+    let mut look = |gradient: bool| -> Result<Known> {
+        let mut nodes = feeding(nodes, name)?;
+        let text = |text: &str| Setting::from(Datum::Text(text.to_string()));
+        let number = |x: &f64| Setting::from(Datum::Number(*x));
+        let field =
+            |name: &str, datum: Datum| Field { name: name.into(), origin: Origin::Nowhere, setting: datum.into() };
+        let quantities = quantities.iter().map(|quantity| text(&named(quantity)));
+        nodes.push(NodeEntry {
+            name: NODE.name.into(),
+            origin: Origin::Nowhere,
+            node_type: text(NODE.name),
+            settings: vec![
+                field(QUANTITIES, Datum::List(quantities.collect())),
+                field(SHOWN, Datum::List(shown.as_flattened().iter().map(number).collect())),
+                field(GRADIENT, Datum::Boolean(gradient)),
+            ],
+            inputs: vec![LinkEntry { port: "volume".into(), origin: Origin::Nowhere, source: text(source) }],
+        });
+        nodes.push(entry(NAME, [("cells".to_string(), format!("{}.known", NODE.name))].into_iter()));
+        let graph = Graph::build(&nodes, registry, folder.to_path_buf())?;
+        let (values, _) = session.feed(&graph, graph.nodes.len() - 1, &Demand::default(), observer)?;
+        let found = values.into_iter().find_map(|value| match value {
+            Value::Cells(found) => found.downcast::<Known>().ok(),
+            _ => None,
+        });
+        found.map(Arc::unwrap_or_clone).ok_or_else(|| Error::run("nothing was found of the series"))
+    };
+    match look(true) {
+        // Without a gradient to have there is no g; every other mistake is made again.
+        Err(error) if error.kind == ErrorKind::Usage => look(false),
+        found => found,
+    }
+}
