@@ -55,9 +55,7 @@ at() { xdotool mousemove "$1" "$2"; sleep 0.15; }
 click() { at "$1" "$2"; xdotool click "${3:-1}"; sleep 0.6; }
 drag() { # from x y to x y, button
     at "$1" "$2"
-    # A press and a move within one slow frame would be taken for a press where the move ended.
     xdotool mousedown "${5:-1}"
-    sleep 0.2
     local i
     for i in 1 2 3 4 5 6 7 8; do
         xdotool mousemove $(($1 + ($3 - $1) * i / 8)) $(($2 + ($4 - $2) * i / 8))

@@ -45,8 +45,7 @@ pub fn begun(kind: &Kind) -> Datum {
         setting: datum.into(),
     };
     let is_needed = |parameter: &&Parameter| {
-        matches!(parameter.standard, Standard::Required)
-            || (parameter.name == "sigma")
+        matches!(parameter.standard, Standard::Required) || (parameter.name == "sigma")
     };
     let needed = kind.parameters.iter().filter(is_needed);
     let values = needed.filter_map(|parameter| Some(field(parameter.name, value(parameter)?)));

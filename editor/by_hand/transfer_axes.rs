@@ -21,7 +21,8 @@ fn what_is_taken_hold_of_lies_where_the_button_was_pressed() {
     // The last place lies on the picture above, which would be turned.
     let picture = hand.editor.picture.rect().unwrap().center();
     let moved = Event::PointerMoved;
-    let events = vec![moved(from), button(from, true), moved(picture), moved(to), button(to, false), moved(picture)];
+    let events =
+        vec![moved(from), button(from, true), moved(picture), moved(to), button(to, false), moved(picture)];
     hand.frame(events, Modifiers::NONE);
     hand.frames(3);
     let centre = of(&widgets(&hand)[0], "centre").numbers().unwrap();
@@ -67,8 +68,7 @@ fn a_table_is_moved_and_scaled_on_the_plane() {
         "type = \"transfer-function\"\ninputs = { volume = \"gradient\" }",
     );
     let image = include_bytes!("../transfer/two_texels.png");
-    let mut hand =
-        Hand::in_folder(&text, &|folder| std::fs::write(folder.join("look.png"), image).unwrap());
+    let mut hand = Hand::in_folder(&text, &|folder| std::fs::write(folder.join("look.png"), image).unwrap());
     with_distribution(&mut hand);
     for _ in 0..4000 {
         if hand.has_textures(4) {
@@ -108,9 +108,8 @@ fn write_series(folder: &Path) {
         std::fs::write(folder.join(format!("step{step}.vti")), data).unwrap();
         steps += &format!("<DataSet timestep=\"{step}\" file=\"step{step}.vti\"/>");
     }
-    let series = format!(
-        "<VTKFile type=\"Collection\" version=\"0.1\"><Collection>{steps}</Collection></VTKFile>"
-    );
+    let series =
+        format!("<VTKFile type=\"Collection\" version=\"0.1\"><Collection>{steps}</Collection></VTKFile>");
     std::fs::write(folder.join("all.pvd"), series).unwrap();
 }
 

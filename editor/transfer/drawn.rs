@@ -143,7 +143,8 @@ impl Drawn {
 
     /// Whether points can be added.
     pub fn has_points(&self) -> bool {
-        self.shape.as_ref().is_some_and(|shape| shape.has_points()) || matches!(self.region, Region::Polygon(_))
+        self.shape.as_ref().is_some_and(|shape| shape.has_points())
+            || matches!(self.region, Region::Polygon(_))
     }
 
     /// With a point more at a place, and which one that is.

@@ -1,6 +1,6 @@
 use super::super::handles::Handle;
-use super::super::numbers::{Change, list, rows};
 use super::super::images::Images;
+use super::super::numbers::{Change, list, rows};
 use super::super::scale::{S_AND_G, Scale};
 use super::*;
 use crate::worker::Known;
@@ -254,7 +254,10 @@ fn relative_numbers_stay_relative_and_others_as_they_are_written() {
     let drawn = read_with(&after, Some(&known));
     let ring = drawn.handles(&SCALE).into_iter().find(|(handle, _)| *handle == Handle::Angle).unwrap().1;
     let slope = |at: [f64; 2]| (at[1] - 2.5) / (at[0] - 20.0);
-    assert!((slope(ring) / slope([60.0, 7.0]) - 1.0).abs() < 1e-3 && ring[0] > 20.0, "the ring is where it was left");
+    assert!(
+        (slope(ring) / slope([60.0, 7.0]) - 1.0).abs() < 1e-3 && ring[0] > 20.0,
+        "the ring is where it was left"
+    );
     let upright = drawn.moved(Handle::Angle, [60.0, 2.51], &SCALE);
     let sigma = relative::as_written(&after, Some(&known), "sigma", upright[0].1.clone().unwrap());
     assert_eq!(sigma.to_string(), "[\"10 %\", 0.123457]");

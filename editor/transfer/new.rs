@@ -36,7 +36,8 @@ pub(super) fn at_peak(look: &Look) -> Option<Datum> {
         sigma = [NEW[0] * (s.high - s.low), NEW[1] * (g.high - g.low)];
     }
     if look.is_of_s_and_g() {
-        let k = [[1.0 / sigma[0], 0.0], [0.0, 1.0 / sigma[1]]].map(|row| row.map(|x| x * FRAC_1_SQRT_2).to_vec());
+        let k =
+            [[1.0 / sigma[0], 0.0], [0.0, 1.0 / sigma[1]]].map(|row| row.map(|x| x * FRAC_1_SQRT_2).to_vec());
         return Some(widget(look, gaussian(centre, &k, [1.0; 2])));
     }
     Some(widget(look, gaussian_over(&look.axes, centre, sigma)?))

@@ -63,7 +63,8 @@ pub(crate) fn in_numbers(list: &[Setting], known: &Known) -> Option<Vec<Setting>
 /// stay relative, and those that did not change stay as they are written.
 pub(super) fn as_written(fields: &[Field], known: Option<&Known>, key: &str, new: Datum) -> Datum {
     let other = IN_PLACE_OF_EACH_OTHER.iter().find(|[to, _]| *to == key).map(|[_, from]| *from);
-    let carried = other.filter(|_| at(fields, key).is_none()).and_then(|from| carried(fields, from, key, &new));
+    let carried =
+        other.filter(|_| at(fields, key).is_none()).and_then(|from| carried(fields, from, key, &new));
     let fields = carried.as_deref().unwrap_or(fields);
     let now = resolved(fields, known).unwrap_or_else(|_| fields.to_vec());
     let (Some(old), Some(now)) = (at(fields, key), at(&now, key)) else { return new };
@@ -108,7 +109,9 @@ fn carried(fields: &[Field], from: &str, to: &str, new: &Datum) -> Option<Vec<Fi
     let Datum::List(parts) = new else { return None };
     let list = |count: usize| Setting::from(Datum::List((0..count).map(one).collect()));
     let setting = match parts.first()?.list() {
-        Some(_) => Datum::List(parts.iter().map(|row| list(row.list().map_or(0, <[_]>::len))).collect()).into(),
+        Some(_) => {
+            Datum::List(parts.iter().map(|row| list(row.list().map_or(0, <[_]>::len))).collect()).into()
+        }
         None => list(parts.len()),
     };
     if !(0..parts.len()).any(is_text) {

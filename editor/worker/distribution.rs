@@ -71,7 +71,13 @@ impl Distribution {
     }
 
     /// What numbers relative to all steps are found by. `shown`: the axes of the step that is shown.
-    fn of_series(&self, session: &mut Session, registry: &Registry, shown: [Axis; 2], observer: &dyn Observer) -> Result<Known> {
+    fn of_series(
+        &self,
+        session: &mut Session,
+        registry: &Registry,
+        shown: [Axis; 2],
+        observer: &dyn Observer,
+    ) -> Result<Known> {
         let of = (self.nodes.as_slice(), self.folder.as_path());
         let shown = shown.map(|axis| [axis.low, axis.high]);
         series::known(session, registry, of, &self.node, &self.quantities(), shown, observer)

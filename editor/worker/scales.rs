@@ -119,7 +119,8 @@ mod tests {
 
     #[test]
     fn shares_and_values_are_inverse_and_end_at_the_ends() {
-        let spread = Spread { values: vec![0.0, 1.0, 3.0, 10.0], below: vec![0.0, 0.5, 0.9, 1.0], total: 1.0 };
+        let spread =
+            Spread { values: vec![0.0, 1.0, 3.0, 10.0], below: vec![0.0, 0.5, 0.9, 1.0], total: 1.0 };
         for value in [0.0, 0.25, 1.0, 2.0, 9.0, 10.0] {
             assert!((spread.value_at(spread.below(value)) - value).abs() < 1e-12, "{value}");
         }

@@ -7,8 +7,8 @@ use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
 use voltet_core::error::ErrorKind;
 use voltet_core::graph::{
-    Call, Datum, Demand, Field, Graph, LinkEntry, Node, NodeEntry, Observer, Origin, Outputs, Parameter, ParameterType, Port,
-    PortType, Quantity, Range, Registry, Session, Setting, Standard, Value,
+    Call, Datum, Demand, Field, Graph, LinkEntry, Node, NodeEntry, Observer, Origin, Outputs, Parameter,
+    ParameterType, Port, PortType, Quantity, Range, Registry, Session, Setting, Standard, Value,
 };
 use voltet_core::probing::value_range;
 use voltet_core::volume::Volume;
@@ -25,7 +25,11 @@ pub(super) static NODE: Node = Node {
     inputs: &[Port { name: "volume", port_type: PortType::Volume, summary: "one step of the series" }],
     outputs: &[Port { name: "known", port_type: PortType::Cells, summary: "what was found" }],
     parameters: &[
-        parameter(QUANTITIES, ParameterType::Texts, "\"s\", \"g\", or the name of an array after a slash; the axes first"),
+        parameter(
+            QUANTITIES,
+            ParameterType::Texts,
+            "\"s\", \"g\", or the name of an array after a slash; the axes first",
+        ),
         parameter(SHOWN, ParameterType::Numbers(Some(4), Range::ANY), "low and high of both axes"),
         parameter(GRADIENT, ParameterType::Boolean, "whether there is a g"),
     ],
@@ -127,8 +131,11 @@ pub(super) fn known(
         let mut nodes = feeding(nodes, name)?;
         let text = |text: &str| Setting::from(Datum::Text(text.to_string()));
         let number = |x: &f64| Setting::from(Datum::Number(*x));
-        let field =
-            |name: &str, datum: Datum| Field { name: name.into(), origin: Origin::Nowhere, setting: datum.into() };
+        let field = |name: &str, datum: Datum| Field {
+            name: name.into(),
+            origin: Origin::Nowhere,
+            setting: datum.into(),
+        };
         let quantities = quantities.iter().map(|quantity| text(&named(quantity)));
         nodes.push(NodeEntry {
             name: NODE.name.into(),

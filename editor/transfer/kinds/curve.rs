@@ -50,8 +50,10 @@ impl Shape for Curve {
     fn draw(&self, pen: &Pen) {
         let (Some(first), Some(last)) = (self.points.first(), self.points.last()) else { return };
         let [low, high] = pen.plane.shown[0];
-        let ends = [ControlPoint { s: low.min(first.s), ..*first }, ControlPoint { s: high.max(last.s), ..*last }];
-        let all: Vec<ControlPoint> = [ends[0]].into_iter().chain(self.points.clone()).chain([ends[1]]).collect();
+        let ends =
+            [ControlPoint { s: low.min(first.s), ..*first }, ControlPoint { s: high.max(last.s), ..*last }];
+        let all: Vec<ControlPoint> =
+            [ends[0]].into_iter().chain(self.points.clone()).chain([ends[1]]).collect();
         let at = |s: f64, extinction: f64| {
             pen.plane.to_window([s, height_of(extinction, pen.scale.peak) * pen.scale.top()])
         };

@@ -71,7 +71,8 @@ impl Shape for Picture {
     fn draw(&self, pen: &Pen) {
         let [s, g] = self.ranges;
         if let Some(texture) = self.texture {
-            let place = Rect::from_two_pos(pen.plane.to_window([s[0], g[0]]), pen.plane.to_window([s[1], g[1]]));
+            let place =
+                Rect::from_two_pos(pen.plane.to_window([s[0], g[0]]), pen.plane.to_window([s[1], g[1]]));
             let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
             let tint = Color32::WHITE.gamma_multiply(if pen.is_hidden { 0.3 * COVERS } else { COVERS });
             pen.painter.image(texture, place, whole, tint);
