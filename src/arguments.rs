@@ -75,6 +75,13 @@ pub enum Command {
     /// passes the table has the compositor's floating-point rate too (counted in the shader's text, each loop once), and
     /// above it stands the rate of multiply-adds that the device reaches at most, measured.
     Time(Time),
+    /// Measure a gradient filter: how right it is, how it scales, what it costs and what it does to a picture.
+    ///
+    /// Truth is formulas alone: manufactured fields on regular, distorted, stretched and anisotropic grids, inside and at
+    /// boundaries, and two materials that meet. Orders of convergence, exactness on linear and quadratic fields, invariance
+    /// under translation, rotation, scaling, numbering and the scalar's units, amplification of noise, time, memory, and the
+    /// error of a picture, beside the other filters.
+    GradientTest(GradientTest),
 }
 
 #[derive(Debug, Args)]
@@ -363,6 +370,76 @@ pub struct Time {
     /// Degrees that the camera turns about its target before each frame.
     #[arg(long, value_name = "DEGREES", default_value_t = 1.0, allow_negative_numbers = true)]
     pub turn: f64,
+}
+
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Exit codes: 0 the filter keeps what it is held to, 1 it does not, or the test was stopped; 2 the command \
+is wrong."
+)]
+pub struct GradientTest {
+    /// A gradient filter; `voltet nodes` lists them.
+    #[arg(value_name = "NAME")]
+    pub name: String,
+    /// Set a parameter of the filter; may be given several times.
+    ///
+    /// The value is read as TOML, or taken as text where it is none.
+    #[arg(long = "set", value_name = "name=value")]
+    pub options: Vec<String>,
+    /// Filters to measure beside it, separated by commas, with their standard values; all others without it.
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    pub beside: Option<Vec<String>>,
+    /// What the filter is held to, separated by commas.
+    #[arg(
+        long,
+        value_name = "WHAT",
+        value_delimiter = ',',
+        value_enum,
+        default_value = "finite,linear,order,invariance"
+    )]
+    pub hold_to: Vec<HoldName>,
+    /// The least order of convergence inside, on every family of grids.
+    #[arg(long, value_name = "ORDER", default_value_t = 0.8, allow_negative_numbers = true)]
+    pub order: f64,
+    /// The largest error on linear fields, by the largest gradient.
+    #[arg(long, value_name = "ERROR", default_value_t = 1e-9, allow_negative_numbers = true)]
+    pub linear_error: f64,
+    /// Boxes along a side of each grid, coarse to fine; orders are those between the two finest.
+    #[arg(long, value_name = "COUNTS", value_delimiter = ',', default_value = "4,8,16,24")]
+    pub levels: Vec<usize>,
+    /// Boxes along a side of the grid that is timed: 40 are 68,921 points.
+    #[arg(long, value_name = "COUNT", default_value_t = 40)]
+    pub timed: usize,
+    /// How often each filter is timed, after once that warms up; filters take turns.
+    #[arg(long, value_name = "N", default_value_t = 5)]
+    pub rounds: usize,
+    /// Write everything to this file, as a page that needs no other file.
+    #[arg(long, value_name = "FILE.html")]
+    pub html: Option<PathBuf>,
+    /// Write everything to this file, as JSON.
+    #[arg(long, value_name = "FILE.json")]
+    pub json: Option<PathBuf>,
+    /// Plot the error against fineness; .svg or .png.
+    #[arg(long, value_name = "FILE.svg")]
+    pub plot: Option<PathBuf>,
+    /// Print nothing but errors.
+    #[arg(long, short)]
+    pub quiet: bool,
+}
+
+/// What a gradient filter is held to.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub enum HoldName {
+    /// A finite vector at every point, on every grid.
+    Finite,
+    /// Exact on linear fields: --linear-error.
+    Linear,
+    /// Converges inside on every family of grids: --order.
+    Order,
+    /// The same gradient, but for rounding, wherever the grid stands and however it is turned, scaled and numbered.
+    Invariance,
+    /// Nothing: the exit code is 0 whatever is found.
+    Nothing,
 }
 
 /// A picture's size, "1024x768".

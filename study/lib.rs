@@ -5,9 +5,11 @@
 //! | [`work_precision`] | one scene with every integrator and setting on every engine: time against error |
 //! | [`pixel`] | one pixel's ray cell by cell, and what each integrator makes of it |
 //! | [`stability`] | every formula by exact values, hard pictures by the referee, formulas as printed |
+//! | [`gradient_test`] | gradient filters by manufactured fields: orders, exactness, invariance, noise, cost, pictures |
 //! | [`no_leave_out`] | a run that leaves nothing out, held against the usual one |
 
 mod devices;
+pub mod gradient_test;
 pub mod no_leave_out;
 pub mod pixel;
 pub mod stability;

@@ -2,7 +2,7 @@
 
 use super::{Gradient, GradientFilter, check_scalar, length};
 use crate::grid::Grid;
-use crate::parameters::Parameters;
+use crate::parameters::{Kind, Parameters};
 use crate::progress::Progress;
 use crate::{Error, Result};
 use rayon::prelude::*;
@@ -41,6 +41,16 @@ impl Method {
     /// The filter's name.
     pub fn name(&self) -> &'static str {
         self.filter.declaration().name
+    }
+
+    /// What the filter declares.
+    pub fn declaration(&self) -> Kind {
+        self.filter.declaration()
+    }
+
+    /// The values that it goes by.
+    pub fn parameters(&self) -> &Parameters {
+        &self.parameters
     }
 
     /// Names of the point arrays that it reads.

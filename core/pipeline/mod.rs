@@ -10,6 +10,7 @@ mod parse;
 mod write;
 
 pub use document::{FORMAT, Pipeline};
+pub use option::field;
 pub use parse::{EDITOR, Survey, value};
 
 use crate::Error;

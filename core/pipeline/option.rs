@@ -2,7 +2,7 @@
 
 use super::document::Pipeline;
 use super::parse;
-use crate::graph::{Datum, Origin, Setting, suggest};
+use crate::graph::{Datum, Field, Origin, Setting, suggest};
 use crate::{Error, Result};
 use std::sync::Arc;
 
@@ -28,9 +28,7 @@ impl Pipeline {
             let known = suggest(name, names.iter().map(String::as_str));
             return Err(blame(Error::usage(format!("there is no node '{name}'")).accepted(known)));
         };
-        let mut setting =
-            parse::value(value.trim()).unwrap_or_else(|| Datum::Text(value.trim().into()).into());
-        mark(&mut setting, &Origin::Option(shown.clone()));
+        let setting = given(value, &shown);
         if matches!(first, "type" | "inputs") {
             return Err(blame(
                 Error::usage(format!("'{first}' cannot be set from the command line"))
@@ -39,6 +37,31 @@ impl Pipeline {
         }
         node.set(first, rest, setting).map_err(blame)
     }
+}
+
+/// What an option `name=value` sets where no node need be named: the value is read as TOML, or taken as text where it is
+/// none.
+pub fn field(option: &str) -> Result<Field> {
+    let shown: Arc<str> = format!("--set {option}").into();
+    match option.split_once('=').map(|(name, value)| (name.trim(), value)) {
+        Some((name, value)) if !name.is_empty() => Ok(Field {
+            name: name.into(),
+            origin: Origin::Option(shown.clone()),
+            setting: given(value, &shown),
+        }),
+        _ => {
+            let error = Error::usage("the option sets no parameter").accepted("name=value");
+            Err(Origin::Option(shown).blame(error))
+        }
+    }
+}
+
+/// The value that an option gives.
+fn given(value: &str, shown: &Arc<str>) -> Setting {
+    let value = value.trim();
+    let mut setting = parse::value(value).unwrap_or_else(|| Datum::Text(value.into()).into());
+    mark(&mut setting, &Origin::Option(shown.clone()));
+    setting
 }
 
 /// Gives a setting and all its parts one origin.

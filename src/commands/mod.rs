@@ -5,6 +5,7 @@ mod check;
 mod edit;
 mod explain;
 mod findings;
+mod gradient_test;
 mod info;
 mod nodes;
 mod outcome;
@@ -58,5 +59,6 @@ fn carry_out(command: &Command, registry: &Registry) -> Result<u8> {
         Command::Stability(arguments) => stability::stability(arguments),
         Command::Study(arguments) => study::study(arguments, registry),
         Command::Time(arguments) => time::time(arguments, registry),
+        Command::GradientTest(arguments) => gradient_test::gradient_test(arguments, registry),
     }
 }

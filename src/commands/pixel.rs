@@ -73,7 +73,7 @@ fn content(pixel: &Pixel, option: &str, path: &Path) -> Result<Vec<u8>> {
 }
 
 /// Whether a plot is to be a PNG file; it is SVG otherwise.
-fn is_png(path: &Path) -> Result<bool> {
+pub(super) fn is_png(path: &Path) -> Result<bool> {
     let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
     match ending.as_deref() {
         Some("png") => Ok(true),

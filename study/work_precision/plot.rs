@@ -1,6 +1,6 @@
 //! The work-precision plot: error over time, both in powers of ten, the Pareto front marked.
 
-use super::canvas::{Anchor, Canvas, Color, Mark, Size, Symbol, WHITE};
+use super::canvas::{Anchor, Axis, Canvas, Color, Mark, Size, Symbol, WHITE, shown};
 use super::{Painter, Row, Study};
 use voltet_core::optics::Overlap;
 use voltet_core::optics::integrators::{Integrator, Numbers};
@@ -46,58 +46,6 @@ fn kinds(study: &Study) -> impl Iterator<Item = (Integrator, &'static Style, Vec
         (kind, style, rows)
     };
     Integrator::EVERY.into_iter().zip(&STYLES).map(of)
-}
-
-/// An axis in powers of ten.
-struct Axis {
-    low: f64,
-    high: f64,
-    start: f64,
-    end: f64,
-}
-
-impl Axis {
-    /// Covers the values with some room, one power of ten at least.
-    fn over(values: impl Iterator<Item = f64>, start: f64, end: f64) -> Axis {
-        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-        for value in values.filter(|v| v.is_finite() && *v > 0.0) {
-            (low, high) = (low.min(value.log10()), high.max(value.log10()));
-        }
-        if low > high {
-            (low, high) = (-0.5, 0.5);
-        }
-        let room = (0.06 * (high - low)).max(0.5 * (1.0 - (high - low))).max(0.05);
-        Axis { low: low - room, high: high + room, start, end }
-    }
-
-    fn place(&self, value: f64) -> f64 {
-        self.start + (value.log10() - self.low) / (self.high - self.low) * (self.end - self.start)
-    }
-
-    /// Ticks with their labels: the powers of ten, between them 2 … 9, labelled where there is room.
-    fn ticks(&self) -> Vec<(f64, Option<String>)> {
-        let span = self.high - self.low;
-        let mut ticks = Vec::new();
-        for power in self.low.floor() as i32..=self.high.ceil() as i32 {
-            for digit in 1..10 {
-                let value = f64::from(digit) * 10f64.powi(power);
-                if (self.low..=self.high).contains(&value.log10()) {
-                    let labelled = digit == 1 || span < 2.2 && matches!(digit, 2 | 5);
-                    ticks.push((value, labelled.then(|| number(digit, power))));
-                }
-            }
-        }
-        ticks
-    }
-}
-
-/// digit × 10^power, as short as can be.
-fn number(digit: i32, power: i32) -> String {
-    match power {
-        0..=4 => (i64::from(digit) * 10i64.pow(power as u32)).to_string(),
-        -2..=-1 => format!("{:.*}", (-power) as usize, f64::from(digit) * 10f64.powi(power)),
-        _ => format!("{digit}e{power}"),
-    }
 }
 
 /// Draws the plot.
@@ -217,12 +165,6 @@ fn axes(canvas: &mut Canvas, [x, y]: [&Axis; 2], title: &str, [time, error]: [&s
         upward: true,
         color: BLACK,
     });
-}
-
-/// What the bitmaps of letters can show (Latin-1), not too long.
-fn shown(text: &str, most: usize) -> String {
-    let known = |c: char| matches!(c, ' '..='~' | '\u{a0}'..='\u{ff}');
-    text.chars().map(|c| if known(c) { c } else { '?' }).take(most).collect()
 }
 
 /// A broad grey line in steps: what is to the right of it and above is beaten.
@@ -369,13 +311,5 @@ mod tests {
         }
         let is_referee = |kind: &Integrator| super::super::studied().all(|other| !other.is_kind_of(kind));
         assert!(Integrator::EVERY[studied..].iter().all(is_referee));
-    }
-
-    #[test]
-    fn numbers_are_written_short() {
-        assert_eq!(number(2, 3), "2000");
-        assert_eq!(number(5, -1), "0.5");
-        assert_eq!(number(1, -4), "1e-4");
-        assert_eq!(shown("52 °C → 1", 8), "52 °C ? ");
     }
 }

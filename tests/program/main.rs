@@ -9,6 +9,7 @@ mod commands;
 mod engines;
 mod finders;
 mod foreign;
+mod gradient_test;
 mod info;
 mod left_out;
 mod memory;

@@ -2,10 +2,12 @@
 //!
 //! Coordinates: x to the right, y downward, in units of an SVG pixel.
 
+mod axis;
 mod raster;
 mod svg;
 
-pub(super) use svg::escaped;
+pub use axis::{Axis, shown};
+pub(crate) use svg::escaped;
 
 /// A drawing; what comes later lies on top.
 #[derive(Debug, Clone)]

@@ -80,6 +80,6 @@ fn hex([r, g, b]: Color) -> String {
 }
 
 /// Text that XML and HTML read as it is.
-pub(in super::super) fn escaped(text: &str) -> String {
+pub(crate) fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
