@@ -27,6 +27,11 @@ pub fn state_folder() -> PathBuf {
     user_folder("XDG_STATE_HOME", ".local/state", "Library/Application Support")
 }
 
+/// The program's folder within the user's configuration folder: what the user wrote. It need not exist.
+pub fn configuration_folder() -> PathBuf {
+    user_folder("XDG_CONFIG_HOME", ".config", "Library/Application Support")
+}
+
 /// By the variable, or within the user's home, on macOS elsewhere.
 fn user_folder(variable: &str, usual: &str, on_macos: &str) -> PathBuf {
     let set = |name: &str| std::env::var_os(name).filter(|value| !value.is_empty()).map(PathBuf::from);

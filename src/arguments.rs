@@ -84,6 +84,31 @@ pub enum Command {
     GradientTest(GradientTest),
 }
 
+impl Command {
+    /// The plug-ins that are asked for; `None` of a command that has no use for their filters.
+    pub fn plugins(&self) -> Option<&Plugins> {
+        match self {
+            Command::Run(arguments) => Some(&arguments.plugins),
+            Command::Check(arguments) => Some(&arguments.plugins),
+            Command::Explain(arguments) => Some(&arguments.plugins),
+            Command::Nodes(arguments) => Some(&arguments.plugins),
+            Command::Info(arguments) => arguments.of_pipeline().then_some(&arguments.plugins),
+            Command::Edit(arguments) => Some(&arguments.plugins),
+            Command::Pixel(arguments) => Some(&arguments.plugins),
+            Command::Study(arguments) => Some(&arguments.plugins),
+            Command::Time(arguments) => Some(&arguments.plugins),
+            Command::Start(_) | Command::Stability(_) => None,
+        }
+    }
+}
+
+impl Info {
+    /// Whether it is of a pipeline file.
+    pub fn of_pipeline(&self) -> bool {
+        self.data.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml"))
+    }
+}
+
 #[derive(Debug, Args)]
 pub struct Run {
     /// Pipeline files.
@@ -91,6 +116,8 @@ pub struct Run {
     pub files: Vec<PathBuf>,
     #[command(flatten)]
     pub set: Set,
+    #[command(flatten)]
+    pub plugins: Plugins,
     /// Do everything that could be done, needed or not, and say how much longer that takes.
     ///
     /// Runs each file twice as usual and twice reading every array, computing the gradient and its length, culling nothing,
@@ -104,6 +131,16 @@ pub struct Run {
     /// Print nothing but errors.
     #[arg(long, short)]
     pub quiet: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct Plugins {
+    /// Load gradient filters from this shared library; may be given several times.
+    ///
+    /// They are named in pipelines by `method`, as those that ship; `voltet nodes --plugin PATH` lists them. The libraries that
+    /// the user's own file plugins.toml names are loaded as well. No pipeline file can load any. See docs/plugins.md.
+    #[arg(long = "plugin", value_name = "PATH")]
+    pub plugin_files: Vec<PathBuf>,
 }
 
 #[derive(Debug, Args)]
@@ -124,6 +161,8 @@ pub struct Files {
     pub files: Vec<PathBuf>,
     #[command(flatten)]
     pub set: Set,
+    #[command(flatten)]
+    pub plugins: Plugins,
 }
 
 #[derive(Debug, Args)]
@@ -133,6 +172,8 @@ pub struct Explain {
     pub file: PathBuf,
     #[command(flatten)]
     pub set: Set,
+    #[command(flatten)]
+    pub plugins: Plugins,
     /// Explain the run of `voltet run --no-leave-out`, which does everything.
     #[arg(long)]
     pub no_leave_out: bool,
@@ -146,6 +187,8 @@ pub struct Nodes {
     /// Write the reference as Markdown.
     #[arg(long)]
     pub markdown: bool,
+    #[command(flatten)]
+    pub plugins: Plugins,
 }
 
 #[derive(Debug, Args)]
@@ -155,6 +198,8 @@ pub struct Info {
     pub data: PathBuf,
     #[command(flatten)]
     pub set: Set,
+    #[command(flatten)]
+    pub plugins: Plugins,
     /// Number of the step of a time series, from 0.
     #[arg(long, value_name = "N")]
     pub time_step: Option<usize>,
@@ -193,6 +238,8 @@ pub struct Edit {
     /// A pipeline file, a picture that carries one, or a data file; an empty pipeline without it.
     #[arg(value_name = "FILE")]
     pub file: Option<PathBuf>,
+    #[command(flatten)]
+    pub plugins: Plugins,
 }
 
 #[derive(Debug, Args)]
@@ -208,6 +255,8 @@ pub struct Pixel {
     pub y: i64,
     #[command(flatten)]
     pub set: Set,
+    #[command(flatten)]
+    pub plugins: Plugins,
     /// The node that draws, of type renderer, gpu-renderer or composite, where the pipeline has several.
     #[arg(long, value_name = "NODE")]
     pub node: Option<String>,
@@ -278,6 +327,8 @@ pub struct Study {
     pub file: PathBuf,
     #[command(flatten)]
     pub set: Set,
+    #[command(flatten)]
+    pub plugins: Plugins,
     /// The node to study, of type renderer, gpu-renderer or composite, where the pipeline has several.
     #[arg(long, value_name = "NODE")]
     pub node: Option<String>,
@@ -350,6 +401,8 @@ pub struct Time {
     pub files: Vec<PathBuf>,
     #[command(flatten)]
     pub set: Set,
+    #[command(flatten)]
+    pub plugins: Plugins,
     /// Sizes of the picture in pixels, separated by commas; those of the files without it.
     #[arg(long, value_name = "WIDTHxHEIGHT", value_delimiter = ',', value_parser = size)]
     pub size: Vec<[u32; 2]>,

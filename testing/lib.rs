@@ -5,6 +5,7 @@
 //! | room | what |
 //! | --- | --- |
 //! | `pictures` | scenes that every engine is held to, and the comparison with the referee |
+//! | `compilers` | plug-ins in other languages |
 //! | `files` | small data files in every format and encoding, written independently of the readers |
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
@@ -18,6 +19,7 @@ pub fn skipped_without_device(why: impl std::fmt::Display) {
     eprintln!("\n*** SKIPPED: {why}; scripts/install-software-vulkan.sh ***\n");
 }
 
+pub mod compilers;
 #[cfg(feature = "files")]
 pub mod files;
 #[cfg(feature = "pictures")]

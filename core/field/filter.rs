@@ -5,6 +5,9 @@ use crate::parameters::{Kind, Parameters};
 use crate::progress::Progress;
 use crate::{Error, Result};
 use glam::DVec3;
+use std::fmt;
+use std::path::PathBuf;
+use std::time::SystemTime;
 
 /// Gradients at the points, and how often the filter had to do with less than it promises.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -35,10 +38,37 @@ impl Fallback {
     }
 }
 
+/// The plug-in that a filter was loaded from.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Plugin {
+    /// Its own name.
+    pub name: String,
+    /// Its version, in any form.
+    pub version: String,
+    /// Its file, as it was given.
+    pub path: PathBuf,
+    /// The file's size when it was loaded: bytes.
+    pub bytes: u64,
+    /// When the file was last written, as it was loaded.
+    pub modified: Option<SystemTime>,
+}
+
+/// "plug-in 'name' (path)".
+impl fmt::Display for Plugin {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "plug-in '{}' ({})", self.name, self.path.display())
+    }
+}
+
 /// Computes ∇s at the points of a grid.
 pub trait GradientFilter: Send + Sync {
     /// Its name in pipeline files (`method = "least-squares"`), what it does in a sentence, and what can be set.
     fn declaration(&self) -> Kind;
+
+    /// The plug-in that it was loaded from; `None` for one that the program was built with.
+    fn plugin(&self) -> Option<&Plugin> {
+        None
+    }
 
     /// Checks what single declarations cannot say (parameters that exclude each other). Touches no file.
     fn check(&self, parameters: &Parameters) -> Result<()> {

@@ -1,6 +1,6 @@
 //! A gradient filter with its parameters, ready to run, and the check of what it gives.
 
-use super::{Gradient, GradientFilter, check_scalar, length};
+use super::{Gradient, GradientFilter, Plugin, check_scalar, length};
 use crate::grid::Grid;
 use crate::parameters::{Kind, Parameters};
 use crate::progress::Progress;
@@ -53,6 +53,17 @@ impl Method {
         &self.parameters
     }
 
+    /// The plug-in that the filter was loaded from.
+    pub fn plugin(&self) -> Option<&Plugin> {
+        self.filter.plugin()
+    }
+
+    /// The filter as messages call it.
+    fn in_words(&self) -> String {
+        let of = self.plugin().map(|plugin| format!(" of the {plugin}")).unwrap_or_default();
+        format!("the gradient filter '{}'{of}", self.name())
+    }
+
     /// Names of the point arrays that it reads.
     pub fn arrays(&self) -> Result<Vec<String>> {
         self.filter.arrays(&self.parameters)
@@ -73,7 +84,7 @@ impl Method {
         match (found.vectors.len(), grid.points.len()) {
             (count, wanted) if count == wanted => Ok(()),
             (count, wanted) => {
-                let what = format!("the gradient filter '{}' did not give one vector a point", self.name());
+                let what = format!("{} did not give one vector a point", self.in_words());
                 Err(Error::run(what).found(format!("{count} vectors")).accepted(wanted))
             }
         }
@@ -93,7 +104,7 @@ impl Method {
         grid.tetrahedra.iter().flatten().for_each(|&p| used[p as usize] = true);
         let Some(p) = points.find_first(|&p| used[p] && is_bad(p)) else { return Ok(()) };
         let (v, at) = (found.vectors[p], grid.points[p]);
-        let what = format!("the gradient filter '{}' gave a vector that is not finite", self.name());
+        let what = format!("{} gave a vector that is not finite", self.in_words());
         let found = format!(
             "({}, {}, {}) at point {p}, which lies at ({}, {}, {}) and has the value {}",
             v.x, v.y, v.z, at.x, at.y, at.z, scalar[p]

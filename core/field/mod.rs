@@ -14,7 +14,7 @@ mod quadratic_fit;
 
 pub use array::FromArray;
 pub use cell_mean::{CellAverage, VolumeWeighted};
-pub use filter::{Fallback, Gradient, GradientFilter, check_scalar};
+pub use filter::{Fallback, Gradient, GradientFilter, Plugin, check_scalar};
 pub use frame::for_points;
 pub use least_squares::LeastSquares;
 pub use method::Method;

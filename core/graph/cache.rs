@@ -1,6 +1,6 @@
 //! Former outputs of nodes, and things made from a revision.
 
-use super::build::Graph;
+use super::build::{Graph, GraphNode};
 use super::call::Preparation;
 use super::declaration::{Node, Steps};
 use super::demand::Demand;
@@ -8,6 +8,7 @@ use super::notes::Notes;
 use super::stated::Stated;
 use super::value::{Revision, Value};
 use crate::Result;
+use crate::field::{Method, Plugin};
 use crate::parameters::Parameters;
 use std::any::{Any, TypeId};
 use std::collections::{BTreeSet, HashMap};
@@ -24,6 +25,8 @@ pub type FileStamp = fn(&Path) -> Stamp;
 pub(super) struct Entry {
     pub(super) node: &'static Node,
     pub(super) parameters: Parameters,
+    /// The plug-in that its gradient filter came from.
+    pub(super) plugin: Option<Plugin>,
     /// What fed each of its ports.
     pub(super) inputs: Vec<(usize, Revision)>,
     pub(super) demand: Demand,
@@ -45,23 +48,23 @@ pub(super) struct Cache {
 }
 
 impl Cache {
-    /// The former run of this node type with these parameters, inputs and files, for at least this demand. `stated`: the graph
-    /// that it is part of, for one that was told.
+    /// The former run of a node of this type with these parameters, inputs and files, for at least this demand. `stated`: the
+    /// graph that it is part of, for one that was told.
     pub(super) fn find(
         &self,
-        node: &'static Node,
-        parameters: &Parameters,
+        node: &GraphNode,
         inputs: &[(usize, Revision)],
         demand: &Demand,
         files: &[(PathBuf, Stamp)],
         stated: &Stated,
     ) -> Option<&Entry> {
         self.entries.iter().find(|e| {
-            e.node.name == node.name
+            e.node.name == node.node.name
                 && e.inputs == inputs
                 && e.files == files
+                && e.plugin.as_ref() == plugin_of(node)
                 && e.carried.as_ref().is_none_or(|carried| carried == stated)
-                && e.parameters == *parameters
+                && e.parameters == node.parameters
                 && e.demand.covers(demand)
         })
     }
@@ -101,6 +104,11 @@ impl Cache {
     }
 }
 
+/// The plug-in that a node's gradient filter came from: another one of that name gives other gradients.
+pub(super) fn plugin_of(node: &GraphNode) -> Option<&Plugin> {
+    node.method.as_ref().and_then(Method::plugin)
+}
+
 /// The files that a node's parameters name, those that it reads beside them, and their state.
 pub(super) fn files_of(
     (node, parameters): (&'static Node, &Parameters),
@@ -136,8 +144,9 @@ type Kept = Arc<dyn Any + Send + Sync>;
 /// The revision of what is made from no output, and stays as long as the session. Outputs count from 1.
 pub(super) const FOR_THE_SESSION: Revision = Revision(0);
 
-/// A node's type, its parameters, what feeds which port, and its files.
-type NodeKey = (&'static str, Vec<Parameters>, Vec<(usize, usize, usize)>, Vec<(PathBuf, Stamp)>);
+/// A node's type, its parameters, what feeds which port, its files, and the plug-in of its filter.
+type NodeKey =
+    (&'static str, Vec<Parameters>, Vec<(usize, usize, usize)>, Vec<(PathBuf, Stamp)>, Option<Plugin>);
 
 /// What the results over all steps were made from.
 #[derive(PartialEq)]

@@ -1,11 +1,12 @@
 //! What values were made from: cameras, units and files, for what is written to say.
 
 use super::build::Graph;
-use super::cache::{FileStamp, Stamp, files_beside};
+use super::cache::{FileStamp, Stamp, files_beside, plugin_of};
 use super::declaration::{PortType, Steps};
 use super::demand::Done;
 use super::value::{Value, diagonal};
 use crate::camera::Camera;
+use crate::field::Plugin;
 use crate::parameters::NamedPath;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -20,6 +21,8 @@ pub struct Origins {
     pub unit_distances: Vec<(String, Option<f64>)>,
     /// The files that parameters name to be read.
     pub files: Vec<FileRead>,
+    /// The plug-ins that gradient filters came from, each with the node that names the filter.
+    pub plugins: Vec<(String, Plugin)>,
 }
 
 /// A file that was read.
@@ -55,6 +58,7 @@ pub(super) fn origins(graph: &Graph, places: &[usize], done: &[Option<Done>], st
                 origins.unit_distances.push((node.name.clone(), unit));
             }
         }
+        origins.plugins.extend(plugin_of(node).map(|plugin| (node.name.clone(), plugin.clone())));
         let read = node.parameters.paths().into_iter().filter(|named| !named.written);
         // The first names the others.
         let mut beside = files_beside((node.node, &node.parameters), Steps::Read, &graph.folder, stamp);

@@ -10,10 +10,11 @@ use std::sync::Arc;
 const TAKEN: [&str; 2] = ["type", "inputs"];
 
 /// The node types and the gradient filters that a pipeline may name.
-#[derive(Default)]
+#[derive(Default, Clone)]
 pub struct Registry {
     nodes: Vec<&'static Node>,
     filters: Vec<Arc<dyn GradientFilter>>,
+    plugins: Option<String>,
 }
 
 impl Registry {
@@ -64,6 +65,11 @@ impl Registry {
         Ok(())
     }
 
+    /// Says which plug-ins were asked for filters, for the error about one that none of them has; a clause.
+    pub fn tell_plugins(&mut self, clause: String) {
+        self.plugins = Some(clause);
+    }
+
     /// The node type of that name; an error that suggests the nearest otherwise.
     pub fn find(&self, name: &str) -> Result<&'static Node> {
         self.nodes.iter().copied().find(|n| n.name == name).ok_or_else(|| {
@@ -75,7 +81,9 @@ impl Registry {
     pub fn find_filter(&self, name: &str) -> Result<&Arc<dyn GradientFilter>> {
         self.filters.iter().find(|filter| filter.declaration().name == name).ok_or_else(|| {
             let names = self.filters.iter().map(|filter| filter.declaration().name);
-            Error::usage(format!("unknown gradient filter '{name}'")).accepted(suggest(name, names))
+            let plugins = self.plugins.as_ref().map(|clause| format!("; {clause}")).unwrap_or_default();
+            Error::usage(format!("unknown gradient filter '{name}'"))
+                .accepted(suggest(name, names) + &plugins)
         })
     }
 

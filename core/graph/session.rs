@@ -1,7 +1,7 @@
 //! Runs graphs: the two passes, the cache between runs, progress and stopping.
 
 use super::build::{Edge, Graph, GraphNode};
-use super::cache::{Cache, Entry, FileStamp, Store, files_of, stamped};
+use super::cache::{Cache, Entry, FileStamp, Store, files_of, plugin_of, stamped};
 use super::call::{Asking, Call, NodeProgress, Preparation};
 use super::declaration::{Outlined, PortType, Steps};
 use super::demand::{Arrays, Demand, Done, Plan};
@@ -214,7 +214,7 @@ impl Session {
         let revisions: Vec<(usize, Revision)> =
             node.inputs.iter().zip(&inputs).map(|(edge, input)| (edge.port, input.1)).collect();
         let files = files_of((node.node, &node.parameters), Steps::Read, &graph.folder, self.file_stamp);
-        let former = self.cache.find(node.node, &node.parameters, &revisions, demand, &files, &graph.stated);
+        let former = self.cache.find(node, &revisions, demand, &files, &graph.stated);
         if let Some(entry) = former.filter(|_| !self.no_leave_out) {
             let (outputs, notes) = (entry.outputs.clone(), entry.notes.clone());
             return Ok(Done { outputs, notes, seconds: 0.0, reused: Some(entry.seconds) });
@@ -248,6 +248,7 @@ impl Session {
         self.cache.add(Entry {
             node: node.node,
             parameters: node.parameters.clone(),
+            plugin: plugin_of(node).cloned(),
             inputs: revisions,
             demand: demand.clone(),
             files: stamped(files.into_iter().map(|(path, _)| path), self.file_stamp),

@@ -5,6 +5,7 @@ use crate::files;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use voltet_core::camera::{Camera, Projection};
+use voltet_core::field::Plugin;
 use voltet_core::graph::{Call, FileRead, Origins, Stated};
 
 /// The name of the text that holds the pipeline.
@@ -29,6 +30,9 @@ pub struct Provenance {
     pub pipeline: String,
     /// The files that were read.
     pub data: Vec<DataFile>,
+    /// The plug-ins that gradient filters came from.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub plugins: Vec<PluginOf>,
     /// The cameras.
     pub cameras: Vec<CameraOf>,
     /// Units of what stands here and in the pipeline.
@@ -52,6 +56,24 @@ pub struct DataFile {
     /// What was read beside it: pieces, the files of a series' step.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub beside: Option<Beside>,
+}
+
+/// A plug-in whose gradient filter was used.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct PluginOf {
+    /// The node that named the filter.
+    pub node: String,
+    /// The plug-in's own name.
+    pub name: String,
+    /// Its version.
+    pub version: String,
+    /// Its file, as it was given.
+    pub path: String,
+    /// The file's size.
+    pub bytes: u64,
+    /// When it was last written: UTC, RFC 3339.
+    pub modified: Option<String>,
 }
 
 /// Files that were read beside one that names them.
@@ -143,6 +165,7 @@ impl Provenance {
             title,
             pipeline,
             data: origins.files.iter().map(DataFile::new).collect(),
+            plugins: origins.plugins.iter().map(|(node, plugin)| PluginOf::new(node, plugin)).collect(),
             cameras: origins.cameras.iter().map(|(node, camera)| CameraOf::new(node, camera)).collect(),
             units: Units {
                 length: "that of the data".into(),
@@ -202,6 +225,19 @@ impl DataFile {
             bytes: file.stamp.map(|(bytes, _)| bytes),
             modified: file.stamp.map(|(_, time)| date::of(time)),
             beside: (!file.beside.is_empty()).then(|| Beside::new(file)),
+        }
+    }
+}
+
+impl PluginOf {
+    fn new(node: &str, plugin: &Plugin) -> PluginOf {
+        PluginOf {
+            node: node.into(),
+            name: plugin.name.clone(),
+            version: plugin.version.clone(),
+            path: plugin.path.display().to_string(),
+            bytes: plugin.bytes,
+            modified: plugin.modified.map(date::of),
         }
     }
 }

@@ -11,6 +11,7 @@ mod carried;
 mod date;
 
 pub use block::{
-    Beside, CameraOf, DataFile, NAMED_MOST, PIPELINE, PROVENANCE, Provenance, TEXT_MOST, UnitDistance, Units,
+    Beside, CameraOf, DataFile, NAMED_MOST, PIPELINE, PROVENANCE, PluginOf, Provenance, TEXT_MOST,
+    UnitDistance, Units,
 };
 pub use carried::{is_picture, read};

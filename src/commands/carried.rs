@@ -6,7 +6,7 @@ use crate::arguments::Info;
 use crate::core::graph::{Datum, NodeEntry};
 use crate::core::pipeline::Pipeline;
 use crate::core::{Error, Result};
-use crate::nodes::provenance::{self, Beside, CameraOf, DataFile, Provenance};
+use crate::nodes::provenance::{self, Beside, CameraOf, DataFile, PluginOf, Provenance};
 use crate::present::{number, print};
 use std::fs::File;
 use std::io::Read;
@@ -57,6 +57,7 @@ fn described(path: &Path, carried: &Provenance) -> String {
     let mut text = format!("{}: drawn by {}\n", path.display(), known(&carried.program));
     text.extend(carried.title.iter().map(|title| format!("title: {title}\n")));
     text.extend(carried.data.iter().map(of_data));
+    text.extend(carried.plugins.iter().map(of_plugin));
     text.extend(carried.cameras.iter().map(of_camera));
     for unit in &carried.units.unit_distances {
         let length = unit.length.map_or("decided by data".into(), |length| Datum::Number(length).to_string());
@@ -98,6 +99,12 @@ fn of_data(file: &DataFile) -> String {
         )
     });
     format!("data ({node}): {path}{bytes}{date}\n{}", beside.collect::<String>())
+}
+
+fn of_plugin(plugin: &PluginOf) -> String {
+    let PluginOf { node, name, version, path, bytes, modified } = plugin;
+    let date = modified.as_ref().map(|date| format!(", of {date}")).unwrap_or_default();
+    format!("plug-in ({node}): {name} {version}, {path}, {} bytes{date}\n", number(*bytes))
 }
 
 fn of_camera(camera: &CameraOf) -> String {

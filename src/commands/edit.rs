@@ -11,9 +11,7 @@ use voltet_editor::{Studied, StudiedRow, StudyOf};
 #[cfg(feature = "editor")]
 pub fn edit(arguments: &Edit, registry: &Registry) -> Result<u8> {
     use std::sync::Arc;
-    let mut own = Registry::new();
-    registry.iter().try_for_each(|node| own.add(node))?;
-    registry.filters().try_for_each(|filter| own.add_filter(filter.clone()))?;
+    let own = registry.clone();
     let study = Arc::new(move |of: &StudyOf, progress: &dyn Progress| study_of(of, &own, progress));
     voltet_editor::run(arguments.file.as_deref(), registry, Arc::new(pipeline_for), study)?;
     Ok(super::outcome::DONE)

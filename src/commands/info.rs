@@ -18,7 +18,7 @@ pub fn info(arguments: &Info, registry: &Registry) -> Result<u8> {
     if is_picture(&arguments.data) {
         return carried(arguments);
     }
-    if arguments.data.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml")) {
+    if arguments.of_pipeline() {
         if arguments.json {
             let error = Error::usage("--json is for data files, and this is a pipeline");
             return Err(error.accepted("voltet run --report FILE.json").in_file(&arguments.data));

@@ -11,6 +11,7 @@ mod nodes;
 mod outcome;
 mod pipelines;
 mod pixel;
+mod plugins;
 mod reading;
 mod run;
 mod stability;
@@ -30,8 +31,13 @@ use std::process::ExitCode;
 /// Carries out the command, shows its error if there is one, and gives the exit code. What the environment asks for is looked
 /// at first.
 pub fn dispatch(arguments: &Arguments, registry: Result<Registry>) -> ExitCode {
-    let outcome =
-        LaneSet::detect().and(registry).and_then(|registry| carry_out(&arguments.command, &registry));
+    let outcome = LaneSet::detect().and(registry).and_then(|registry| {
+        let registry = match arguments.command.plugins() {
+            Some(wanted) => plugins::with(registry, wanted)?,
+            None => registry,
+        };
+        carry_out(&arguments.command, &registry)
+    });
     ExitCode::from(outcome.unwrap_or_else(|error| show(&error, None)))
 }
 

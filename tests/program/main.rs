@@ -17,6 +17,7 @@ mod multi_gradient;
 mod outputs;
 mod pictures;
 mod pixel;
+mod plugins;
 mod reports;
 mod stability;
 mod start;

@@ -151,6 +151,8 @@ impl Folder {
         let mut command = Command::new(env!("CARGO_BIN_EXE_voltet"));
         // What is remembered of devices stays out of the user's own folder.
         command.env("XDG_CACHE_HOME", concat!(env!("CARGO_TARGET_TMPDIR"), "/cache"));
+        // Nor is what the user configured theirs.
+        command.env("XDG_CONFIG_HOME", concat!(env!("CARGO_TARGET_TMPDIR"), "/configuration"));
         command.current_dir(self.path()).args(arguments).env("NO_COLOR", "1");
         command
     }

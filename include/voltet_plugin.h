@@ -1,0 +1,244 @@
+/*
+ * voltet_plugin.h: gradient filters for voltet, in C, C++, or whatever speaks C's calling convention.
+ *
+ * A plug-in is a shared library that exports one symbol, the constant `voltet_plugin_entry`. It is loaded by the user's word
+ * alone (`voltet run --plugin ./filter.so scene.toml`). Its filters are then named in pipeline files and shown in help and in the
+ * editor as those that ship are. A whole plug-in: examples/plugin_c/least_squares.c. Build it with
+ *
+ *     cc -std=c99 -O2 -shared -fPIC -Iinclude -o filter.so filter.c -lm
+ *
+ * Rules that hold throughout
+ *
+ * - Order of calls: init, get_factory, filter_count, filter (the descriptions), then check and gradient as often as the user
+ *   likes, last deinit. A library stays loaded until the program ends. After a deinit there may be another init.
+ * - Size: every struct begins with its size in bytes, as its maker knows it: `sizeof`. Structs grow at their ends only. Before
+ *   you read what came after version 1.0 of a host's struct, compare its size.
+ * - Memory: nobody frees or keeps what the other side allocated. What a description points to stays as it is until deinit. What
+ *   the host hands over is valid during that call, is constant but for the output, and is not to be written otherwise.
+ * - Text is UTF-8 and ends with a 0 byte. Limits, in bytes: names, words and units 64; summaries, help, versions, meanings 1024;
+ *   errors and notes 4096. Names of filters and parameters are lower-case letters, digits, '-' and '_', beginning with a letter.
+ * - Threads: the host calls the functions of one plug-in one at a time, not always from the same thread. Threads of your own
+ *   are allowed; they must have ended when the function returns that began them (idle ones of a run-time library may stay). The
+ *   thread that calls `gradient` has a stack of 64 MiB, those of `parallel_for` 2 MiB.
+ * - Exceptions (C++), longjmp and whatever unwinds must not leave a plug-in's function: catch them and call host->error. One that
+ *   does leave ends the program, with a message that names the plug-in.
+ * - A crash ends the program, too. `voltet --plugin-process` runs filters in a process of their own, which may crash.
+ * - Standard output belongs to the program: a picture may be on its way there. Say what there is to say by the host's functions.
+ */
+#ifndef VOLTET_PLUGIN_H
+#define VOLTET_PLUGIN_H
+
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* The version of this interface. A program loads plug-ins of its own major version, whatever the others are. */
+#define VOLTET_PLUGIN_MAJOR 1
+#define VOLTET_PLUGIN_MINOR 0
+#define VOLTET_PLUGIN_PATCH 0
+
+#if defined(_WIN32)
+#define VOLTET_PLUGIN_EXPORT __declspec(dllexport)
+#elif defined(__GNUC__)
+#define VOLTET_PLUGIN_EXPORT __attribute__((visibility("default")))
+#else
+#define VOLTET_PLUGIN_EXPORT
+#endif
+
+/* What functions return. Any other number counts as VOLTET_ERROR. */
+enum {
+    VOLTET_OK = 0,
+    VOLTET_CANCELLED = 1, /* The user asked to stop, and the function stopped. */
+    VOLTET_ERROR = 2      /* The text is what host->error was called with. */
+};
+
+/* ---- What the host can do for a plug-in ------------------------------------------------------------------------------------- */
+
+/* A part of a loop: the numbers from `first` to `end` - 1. `thread` is below the host's thread_count, and no two parts run under
+ * the same number at once: the place of scratch memory. Called from any thread. */
+typedef void (*voltet_loop_body)(void *user, uint64_t first, uint64_t end, uint32_t thread);
+
+/* Valid during the call that it was handed to. Each function takes the host itself first, and may be called from any thread
+ * while that call lasts. */
+typedef struct voltet_host {
+    uint32_t size;
+    uint32_t major, minor, patch; /* The version of the interface that the program was built with. */
+    uint32_t thread_count;        /* Threads that the plug-in may use, at least 1. */
+    uint32_t reserved;
+    const char *program; /* "voltet 0.1.0". */
+    void *context;       /* The host's own. */
+
+    /* `fraction` of the work (0 to 1) is done. Cheap: call it a thousand times a second if you like. */
+    void (*progress)(const struct voltet_host *host, double fraction);
+
+    /* Whether the user asked to stop. Long loops ask now and then, and return VOLTET_CANCELLED. A filter that does not is
+     * given up after three seconds: the user is told that the program must be ended. */
+    int32_t (*cancelled)(const struct voltet_host *host);
+
+    /* What went wrong: a clause without a full stop, such as "cell 12 has no volume". The first text counts. */
+    void (*error)(const struct voltet_host *host, const char *text);
+
+    /* The filter did with less than it promises at `point_count` points. `what` is a clause that "at 12 points" can follow:
+     * "set to zero: the neighbours lie in a plane". The user is warned. Counts of the same text add up; 0 says nothing. At most
+     * 32 different texts. */
+    void (*fallback)(const struct voltet_host *host, const char *what, uint64_t point_count);
+
+    /* Runs `body` over the numbers below `count` on the host's threads, in parts of `chunk` numbers (the last may be shorter; 0:
+     * the host chooses), each once, in any order. Comes back when all are done. When the user asked to stop, parts that have not
+     * begun are left out, and it returns VOLTET_CANCELLED; otherwise VOLTET_OK. A body may call all of these functions; loops
+     * within a body run one part after the other. */
+    int32_t (*parallel_for)(const struct voltet_host *host, uint64_t count, uint64_t chunk, voltet_loop_body body,
+                            void *user);
+} voltet_host;
+
+/* ---- Parameters -------------------------------------------------------------------------------------------------------------- */
+
+/* What a parameter may be: how the pipeline file gives it, and where the call finds it in voltet_values. */
+enum {
+    VOLTET_BOOLEAN = 1,     /* true or false: integers, 0 or 1. */
+    VOLTET_INTEGER = 2,     /* A whole number: integers and numbers. */
+    VOLTET_NUMBER = 3,      /* A number: numbers. */
+    VOLTET_CHOICE = 4,      /* One of several words: integers (its place, from 0) and texts. */
+    VOLTET_TEXT = 5,        /* Any text: texts. */
+    VOLTET_VECTOR = 6,      /* A list of numbers: vectors and lengths. */
+    VOLTET_POINT_ARRAY = 7  /* The name of an array of the data with a value a point: texts; the values: voltet_call.arrays. */
+};
+
+/* Flags of a parameter. */
+enum {
+    VOLTET_REQUIRED = 1,   /* The pipeline file must give it; there is no default. */
+    VOLTET_ABOVE_LEAST = 2, /* `least` itself is excluded. */
+    VOLTET_BELOW_MOST = 4   /* `most` itself is excluded. */
+};
+
+/* A parameter. The elements of an array of these are `size` bytes apart, and all of the same size. What does not belong to its
+ * type is 0. */
+typedef struct voltet_parameter {
+    uint32_t size;
+    uint32_t type;    /* VOLTET_BOOLEAN ... */
+    const char *name; /* The key in the pipeline file. "type", "inputs" and "method" are taken. */
+    const char *unit; /* NULL or "" where it has none. */
+    const char *help; /* One line. */
+    uint32_t flags;   /* VOLTET_REQUIRED ... or 0. */
+    uint32_t length;  /* VOLTET_VECTOR: how many numbers, 0: any, at most 1024. VOLTET_POINT_ARRAY: components a point, at least 1. */
+    double least;     /* The range of VOLTET_INTEGER, VOLTET_NUMBER and each number of VOLTET_VECTOR: from least to most, */
+    double most;      /* both included unless flags say otherwise. -INFINITY and INFINITY: no limit. Both 0: no limits. */
+    double number;    /* The default of VOLTET_BOOLEAN (0 or 1), VOLTET_INTEGER and VOLTET_NUMBER. */
+    const char *text; /* The default of VOLTET_CHOICE and VOLTET_TEXT. VOLTET_POINT_ARRAY: NULL, or a default name. */
+    const double *numbers; /* The default of VOLTET_VECTOR, `length` of them; NULL: none. */
+    const char *unset; /* What it means where VOLTET_TEXT, VOLTET_VECTOR or VOLTET_POINT_ARRAY has no default and is not given,
+                          such as "every point alike". They are NULL in the call then. */
+    uint32_t word_count; /* VOLTET_CHOICE: how many words, at most 64. */
+    uint32_t reserved;
+    const char *const *words;    /* VOLTET_CHOICE: the words, */
+    const char *const *meanings; /* and what each means, one line. */
+} voltet_parameter;
+
+/* What the parameters are set to: arrays of `count` elements, in the order of the declarations. They were checked against
+ * these. Elements that do not belong to a parameter's type are 0 or NULL. */
+typedef struct voltet_values {
+    uint32_t size;
+    uint32_t count;
+    const int64_t *integers;
+    const double *numbers;
+    const char *const *texts;
+    const double *const *vectors;
+    const uint32_t *lengths; /* How many numbers a vector has. */
+} voltet_values;
+
+/* ---- Gradient filters -------------------------------------------------------------------------------------------------------- */
+
+/* What a filter needs beside points, cells and scalar. What it does not ask for is not computed, and NULL in the call. */
+enum {
+    VOLTET_NEEDS_NEIGHBOURS = 1,     /* neighbour_starts and neighbours. */
+    VOLTET_NEEDS_CELLS_OF_POINTS = 2 /* cell_starts and cells_of_points. */
+};
+
+/* The grid, the scalar, and where the gradient goes. */
+typedef struct voltet_call {
+    uint32_t size;
+    uint32_t reserved;
+    uint64_t point_count;
+    uint64_t cell_count;
+    const double *points;  /* x, y, z of each point: 3 point_count numbers. Those of points that no cell uses may not be finite. */
+    const uint32_t *cells; /* The points of each cell, ascending: 4 cell_count numbers. All cells are tetrahedra; those of other
+                              shapes were split into such that share faces. */
+    /* The points that share an edge with point p: neighbours[neighbour_starts[p]] up to, without, [neighbour_starts[p + 1]],
+     * each once, without p. point_count + 1 starts. */
+    const uint64_t *neighbour_starts;
+    const uint32_t *neighbours;
+    /* The cells that use point p, ascending, in the same form. */
+    const uint64_t *cell_starts;
+    const uint32_t *cells_of_points;
+    const double *scalar; /* One value a point. */
+    /* The values of the array that each parameter of type VOLTET_POINT_ARRAY names, the components of a point side by side; as
+     * many elements as there are parameters. */
+    const double *const *arrays;
+    const voltet_values *values;
+    /* Out: the gradient's x, y, z at each point, in units of the scalar per length: 3 point_count numbers. A point of a cell that
+     * gets none, or one that is not finite, makes the run fail. What no cell uses may be left as it is. */
+    double *gradient;
+} voltet_call;
+
+/* What a filter is: its name, what it does, its parameters and its functions. */
+typedef struct voltet_gradient_filter {
+    uint32_t size;
+    uint32_t needs;      /* VOLTET_NEEDS_NEIGHBOURS ... or 0. */
+    const char *name;    /* The name in pipeline files: method = "name". */
+    const char *summary; /* What it does, one sentence. */
+    uint32_t parameter_count; /* At most 64. */
+    uint32_t reserved;
+    const voltet_parameter *parameters;
+
+    /* Checks what single declarations cannot say, such as parameters that exclude each other. May be NULL. Quick; touches no
+     * files. VOLTET_OK, or VOLTET_ERROR with a text. */
+    int32_t (*check)(const voltet_values *values, const voltet_host *host);
+
+    /* Computes the gradient at every point. VOLTET_OK, VOLTET_CANCELLED, or VOLTET_ERROR with a text. */
+    int32_t (*gradient)(const voltet_call *call, const voltet_host *host);
+} voltet_gradient_filter;
+
+/* The kind of factory that gives gradient filters. Further kinds (readers, grid and image filters) will have names of their
+ * own; return NULL for those that you do not know. */
+#define VOLTET_GRADIENT_FILTERS "voltet.gradient-filters/1"
+
+typedef struct voltet_gradient_factory {
+    uint32_t size;
+    uint32_t reserved;
+    /* How many filters there are, at most 256. */
+    uint32_t (*filter_count)(void);
+    /* The description of one, by its place from 0. */
+    const voltet_gradient_filter *(*filter)(uint32_t place);
+} voltet_gradient_factory;
+
+/* ---- The library ------------------------------------------------------------------------------------------------------------- */
+
+/* What a plug-in says of itself. */
+typedef struct voltet_plugin {
+    uint32_t size;
+    uint32_t reserved;
+    const char *name;    /* For messages, and for pictures that say what they were made with. */
+    const char *version; /* Its own, in any form. */
+} voltet_plugin;
+
+/* The one symbol that a plug-in exports. */
+typedef struct voltet_entry {
+    uint32_t size;
+    uint32_t major, minor, patch; /* VOLTET_PLUGIN_MAJOR ... of the header that the plug-in was compiled with. */
+    /* Called first. `path`: the library's own file. What the plug-in is; NULL, with a text by host->error, where it cannot serve. */
+    const voltet_plugin *(*init)(const char *path, const voltet_host *host);
+    /* Called last, if init gave something; not where the program ends at once. May be NULL. */
+    void (*deinit)(void);
+    /* The factory of a kind, such as VOLTET_GRADIENT_FILTERS for a voltet_gradient_factory; NULL where there is none. */
+    const void *(*get_factory)(const char *kind);
+} voltet_entry;
+
+extern VOLTET_PLUGIN_EXPORT const voltet_entry voltet_plugin_entry;
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

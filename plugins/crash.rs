@@ -1,0 +1,107 @@
+//! A crash in a plug-in ends the program: nobody can go on after one. What can be done is to say whose it was.
+
+use std::sync::atomic::{AtomicPtr, Ordering};
+use voltet_core::field::Plugin;
+
+/// What is said if the program crashes now, by each plug-in that runs; null where a place is free.
+static SAID: [AtomicPtr<String>; 16] = [const { AtomicPtr::new(std::ptr::null_mut()) }; 16];
+
+/// While this is there, a crash is announced as the plug-in's.
+pub(crate) struct Guard(Option<(usize, *mut String)>);
+
+/// The plug-in runs. `when`: a clause such as "in the gradient filter 'x'".
+pub(crate) fn during(plugin: &Plugin, when: &str) -> Guard {
+    install();
+    let said = format!(
+        " {when} of the {plugin}: the program ends\n |\n = help: expected a plug-in that does not crash; --plugin-process runs \
+         it in a process of its own, which may\n"
+    );
+    let own = Box::into_raw(Box::new(said));
+    let free = |place: &&AtomicPtr<String>| {
+        place.compare_exchange(std::ptr::null_mut(), own, Ordering::SeqCst, Ordering::SeqCst).is_ok()
+    };
+    match SAID.iter().enumerate().find(|(_, place)| free(place)) {
+        Some((place, _)) => Guard(Some((place, own))),
+        None => {
+            // SAFETY: made above, and nobody else has it.
+            drop(unsafe { Box::from_raw(own) });
+            Guard(None)
+        }
+    }
+}
+
+impl Drop for Guard {
+    fn drop(&mut self) {
+        if let Some((place, own)) = self.0 {
+            SAID[place].store(std::ptr::null_mut(), Ordering::SeqCst);
+            // SAFETY: made by `during` and taken back once; a handler that reads it still ends the program.
+            drop(unsafe { Box::from_raw(own) });
+        }
+    }
+}
+
+#[cfg(not(unix))]
+fn install() {}
+
+#[cfg(unix)]
+pub(crate) use unix::install;
+
+#[cfg(unix)]
+mod unix {
+    use super::SAID;
+    use std::sync::OnceLock;
+    use std::sync::atomic::Ordering;
+
+    const SIGNALS: [(libc::c_int, &str); 5] = [
+        (libc::SIGSEGV, "SIGSEGV, memory that is not there"),
+        (libc::SIGBUS, "SIGBUS, memory that is not there"),
+        (libc::SIGFPE, "SIGFPE, a division by zero"),
+        (libc::SIGILL, "SIGILL, an unknown instruction"),
+        (libc::SIGABRT, "SIGABRT, it gave up, by an exception perhaps"),
+    ];
+
+    /// What was there before, in the order of the signals.
+    static FORMER: OnceLock<[libc::sigaction; 5]> = OnceLock::new();
+
+    /// Once for the process.
+    pub(crate) fn install() {
+        FORMER.get_or_init(|| SIGNALS.map(|(signal, _)| handle(signal)));
+    }
+
+    /// Gives what was there before.
+    fn handle(signal: libc::c_int) -> libc::sigaction {
+        // SAFETY: a zeroed sigaction is one without flags; the handler only calls what may be called from one.
+        unsafe {
+            let mut action: libc::sigaction = std::mem::zeroed();
+            let mut former: libc::sigaction = std::mem::zeroed();
+            action.sa_sigaction = on_crash as extern "C" fn(libc::c_int) as libc::sighandler_t;
+            action.sa_flags = libc::SA_ONSTACK;
+            libc::sigemptyset(&mut action.sa_mask);
+            libc::sigaction(signal, &action, &mut former);
+            former
+        }
+    }
+
+    extern "C" fn on_crash(signal: libc::c_int) {
+        let said = SAID.iter().map(|place| place.load(Ordering::SeqCst)).find(|said| !said.is_null());
+        let place = SIGNALS.iter().position(|(known, _)| *known == signal);
+        let (Some(said), Some(place)) = (said, place) else {
+            // It comes again, and does what it did without us.
+            let former = place.and_then(|place| FORMER.get().map(|former| &former[place]));
+            // SAFETY: as it was, or as it is without a handler.
+            match former {
+                Some(former) => unsafe { libc::sigaction(signal, former, std::ptr::null_mut()) },
+                None => unsafe { libc::signal(signal, libc::SIG_DFL) as libc::c_int },
+            };
+            return;
+        };
+        // SAFETY: whoever made the text is in the call that crashed.
+        let said = unsafe { &*said };
+        for part in ["error: a crash (", SIGNALS[place].1, ")", said] {
+            // SAFETY: `write` and `_exit` may be called from a handler.
+            unsafe { libc::write(2, part.as_ptr().cast(), part.len()) };
+        }
+        // SAFETY: the same.
+        unsafe { libc::_exit(1) }
+    }
+}

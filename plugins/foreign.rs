@@ -1,0 +1,154 @@
+//! Reading what a plug-in points to, by bounded amounts, and where the system can say so, without touching what is not there.
+
+use crate::interface;
+use std::ffi::c_char;
+use std::mem::{MaybeUninit, size_of};
+
+/// A struct of the interface that begins with its size.
+///
+/// # Safety
+///
+/// Every pattern of bits is a value: numbers, raw pointers, and functions that may be absent.
+pub(crate) unsafe trait Sized32: Copy {
+    /// As messages call it.
+    const NAME: &'static str;
+}
+
+// SAFETY: numbers, raw pointers, optional functions.
+unsafe impl Sized32 for interface::Entry {
+    const NAME: &'static str = "voltet_entry";
+}
+// SAFETY: the same.
+unsafe impl Sized32 for interface::Plugin {
+    const NAME: &'static str = "voltet_plugin";
+}
+// SAFETY: the same.
+unsafe impl Sized32 for interface::GradientFactory {
+    const NAME: &'static str = "voltet_gradient_factory";
+}
+// SAFETY: the same.
+unsafe impl Sized32 for interface::GradientFilter {
+    const NAME: &'static str = "voltet_gradient_filter";
+}
+// SAFETY: the same.
+unsafe impl Sized32 for interface::Parameter {
+    const NAME: &'static str = "voltet_parameter";
+}
+
+/// No struct is larger, whatever comes after version 1.0: bytes.
+const STRUCT_MOST: u32 = 4096;
+
+/// What is wrong with something that a plug-in points to; a clause.
+pub(crate) type Wrong = String;
+
+/// The bytes at an address; `None` where some of them are not there to be read. Where the system cannot say so, what is not there
+/// ends the program, as it would in the plug-in itself.
+fn bytes(address: usize, into: &mut [MaybeUninit<u8>]) -> Option<()> {
+    if address.checked_add(into.len()).is_none() {
+        return None;
+    }
+    if into.is_empty() {
+        return Some(());
+    }
+    #[cfg(target_os = "linux")]
+    {
+        let own = libc::iovec { iov_base: into.as_mut_ptr().cast(), iov_len: into.len() };
+        let theirs = libc::iovec { iov_base: address as *mut libc::c_void, iov_len: into.len() };
+        // SAFETY: `own` is the buffer; the system checks every address of `theirs`, and copies what is there.
+        let copied = unsafe { libc::process_vm_readv(libc::getpid(), &own, 1, &theirs, 1, 0) };
+        if copied == into.len() as isize {
+            return Some(());
+        }
+        if copied >= 0 || std::io::Error::last_os_error().raw_os_error() == Some(libc::EFAULT) {
+            return None;
+        }
+        // Not allowed here: as on other systems.
+    }
+    // SAFETY: the interface says that the plug-in keeps what it points to until deinit.
+    unsafe { std::ptr::copy_nonoverlapping(address as *const u8, into.as_mut_ptr().cast(), into.len()) };
+    Some(())
+}
+
+/// Plain values at an address.
+///
+/// Errors: null, or not there.
+pub(crate) fn values<T: Copy>(address: *const T, count: usize) -> Result<Vec<T>, Wrong> {
+    if address.is_null() {
+        return Err("is a null pointer".into());
+    }
+    let mut values = Vec::<T>::with_capacity(count);
+    let spare = &mut values.spare_capacity_mut()[..count];
+    // SAFETY: the same memory as bytes, of which any may be uninitialised.
+    let spare = unsafe {
+        std::slice::from_raw_parts_mut(spare.as_mut_ptr().cast::<MaybeUninit<u8>>(), size_of_val(spare))
+    };
+    bytes(address as usize, spare).ok_or("points to memory that is not there")?;
+    // SAFETY: all bytes were copied, and T is a number or a raw pointer here.
+    unsafe { values.set_len(count) };
+    Ok(values)
+}
+
+/// A struct at an address, and the size that it says it has.
+///
+/// Errors: null, not there, or smaller than in version 1.0 of the interface.
+pub(crate) fn sized<T: Sized32>(address: *const T) -> Result<(T, usize), Wrong> {
+    let wrong = |what| format!("{} {what}", T::NAME);
+    let size = values(address.cast::<u32>(), 1).map_err(wrong)?[0];
+    if (size as usize) < size_of::<T>() || size > STRUCT_MOST || size % 8 != 0 {
+        let (name, least) = (T::NAME, size_of::<T>());
+        return Err(format!("{name} says that its size is {size} bytes, in place of {least} (sizeof)"));
+    }
+    let read = values(address, 1).map_err(wrong)?;
+    Ok((read[0], size as usize))
+}
+
+/// A text; `None` for a null pointer.
+///
+/// Errors: longer than `most` bytes, no UTF-8, or not there.
+pub(crate) fn text(address: *const c_char, most: usize) -> Result<Option<String>, Wrong> {
+    let Some(bytes) = bytes_of_text(address, most)? else { return Ok(None) };
+    match bytes {
+        (bytes, true) => String::from_utf8(bytes).map(Some).map_err(|error| {
+            let at = error.utf8_error().valid_up_to();
+            format!("is no UTF-8 at byte {at}: \"{}\"", String::from_utf8_lossy(error.as_bytes()))
+        }),
+        (bytes, false) => {
+            let begin: String = String::from_utf8_lossy(&bytes).chars().take(32).collect();
+            Err(format!("is longer than {most} bytes: \"{begin}…\""))
+        }
+    }
+}
+
+/// A text for a message: what is there of it.
+pub(crate) fn message(address: *const c_char, most: usize) -> String {
+    match bytes_of_text(address, most) {
+        Ok(Some((bytes, _))) => String::from_utf8_lossy(&bytes).into_owned(),
+        Ok(None) => "(a null pointer in place of a text)".into(),
+        Err(wrong) => format!("(a text that {wrong})"),
+    }
+}
+
+/// The bytes of a text, and whether it ends within `most` of them.
+fn bytes_of_text(address: *const c_char, most: usize) -> Result<Option<(Vec<u8>, bool)>, Wrong> {
+    if address.is_null() {
+        return Ok(None);
+    }
+    let mut found = Vec::new();
+    while found.len() <= most {
+        let begin = (address as usize).wrapping_add(found.len());
+        // Within one page of 4096 bytes: the next need not be there.
+        let count = (4096 - begin % 4096).min(64);
+        let part = values(begin as *const u8, count)?;
+        match part.iter().position(|&byte| byte == 0) {
+            Some(end) => {
+                found.extend_from_slice(&part[..end]);
+                let fits = found.len() <= most;
+                found.truncate(most);
+                return Ok(Some((found, fits)));
+            }
+            None => found.extend_from_slice(&part),
+        }
+    }
+    found.truncate(most);
+    Ok(Some((found, false)))
+}

@@ -1,0 +1,179 @@
+//! What the host does for a plug-in during a call.
+
+use crate::foreign::message;
+use crate::interface::{CANCELLED, Host, LoopBody, MAJOR, MINOR, OK, PATCH};
+use rayon::prelude::*;
+use std::cell::Cell;
+use std::ffi::{c_char, c_void};
+use std::mem::size_of;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Mutex, PoisonError};
+use voltet_core::field::Fallback;
+
+/// Longest error or note: bytes.
+const TEXT_MOST: usize = 4096;
+
+/// Most different texts of fall-backs.
+const FALLBACKS_MOST: usize = 32;
+
+/// What a call says while it lasts, and is told. Shared by the plug-in's threads and the one who waits.
+#[derive(Default)]
+pub(crate) struct State {
+    /// The bits of the fraction that is done.
+    fraction: AtomicU64,
+    cancelled: AtomicBool,
+    error: Mutex<Option<String>>,
+    fallbacks: Mutex<Vec<Fallback>>,
+}
+
+impl State {
+    /// The part of the work that is done, 0 to 1.
+    pub fn fraction(&self) -> f64 {
+        let fraction = f64::from_bits(self.fraction.load(Ordering::Relaxed));
+        if fraction.is_finite() { fraction.clamp(0.0, 1.0) } else { 0.0 }
+    }
+
+    /// The user asked to stop.
+    pub fn cancel(&self) {
+        self.cancelled.store(true, Ordering::Relaxed);
+    }
+
+    fn is_cancelled(&self) -> bool {
+        self.cancelled.load(Ordering::Relaxed)
+    }
+
+    /// What the plug-in says went wrong.
+    pub fn error(&self) -> Option<String> {
+        self.error.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    fn set_error(&self, text: String) {
+        self.error.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(text);
+    }
+
+    /// The fall-backs that it counted.
+    pub fn fallbacks(&self) -> Vec<Fallback> {
+        self.fallbacks.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    /// The functions for a call; they go by this state, which must outlive them.
+    pub fn host(&self) -> Host {
+        Host {
+            size: size_of::<Host>() as u32,
+            major: MAJOR,
+            minor: MINOR,
+            patch: PATCH,
+            thread_count: rayon::current_num_threads() as u32,
+            reserved: 0,
+            program: concat!("voltet ", env!("CARGO_PKG_VERSION"), "\0").as_ptr().cast(),
+            context: std::ptr::from_ref(self).cast_mut().cast(),
+            progress,
+            cancelled,
+            error,
+            fallback,
+            parallel_for,
+        }
+    }
+}
+
+/// The state behind a host; `None` for none.
+///
+/// # Safety
+///
+/// `host` is null or what [`State::host`] gave, and the state is still there.
+unsafe fn state<'a>(host: *const Host) -> Option<&'a State> {
+    // SAFETY: the caller's contract; `context` is a state, which is shared by reference only.
+    unsafe { host.as_ref().and_then(|host| host.context.cast::<State>().cast_const().as_ref()) }
+}
+
+unsafe extern "C-unwind" fn progress(host: *const Host, fraction: f64) {
+    // SAFETY: the plug-in hands over the host of the call that it is in.
+    if let Some(state) = unsafe { state(host) } {
+        state.fraction.store(fraction.to_bits(), Ordering::Relaxed);
+    }
+}
+
+unsafe extern "C-unwind" fn cancelled(host: *const Host) -> i32 {
+    // SAFETY: as in `progress`.
+    i32::from(unsafe { state(host) }.is_some_and(State::is_cancelled))
+}
+
+unsafe extern "C-unwind" fn error(host: *const Host, text: *const c_char) {
+    // SAFETY: as in `progress`.
+    if let Some(state) = unsafe { state(host) } {
+        state.set_error(message(text, TEXT_MOST));
+    }
+}
+
+unsafe extern "C-unwind" fn fallback(host: *const Host, what: *const c_char, point_count: u64) {
+    // SAFETY: as in `progress`.
+    let Some(state) = (unsafe { state(host) }) else { return };
+    if point_count == 0 {
+        return;
+    }
+    let what = message(what, TEXT_MOST);
+    let mut fallbacks = state.fallbacks.lock().unwrap_or_else(PoisonError::into_inner);
+    match fallbacks.iter().position(|known| known.what == what) {
+        Some(i) => fallbacks[i].point_count = fallbacks[i].point_count.saturating_add(point_count),
+        None if fallbacks.len() < FALLBACKS_MOST => fallbacks.push(Fallback { what, point_count }),
+        None => {}
+    }
+}
+
+thread_local! {
+    /// Whether this thread is within the body of a loop.
+    static IN_BODY: Cell<bool> = const { Cell::new(false) };
+}
+
+/// A pointer of the plug-in's that its own loop body is given on every thread.
+#[derive(Clone, Copy)]
+struct User(*mut c_void);
+// SAFETY: the host only hands it on; the interface says that bodies run on several threads.
+unsafe impl Send for User {}
+// SAFETY: the same.
+unsafe impl Sync for User {}
+
+impl User {
+    fn get(self) -> *mut c_void {
+        self.0
+    }
+}
+
+unsafe extern "C-unwind" fn parallel_for(
+    host: *const Host,
+    count: u64,
+    chunk: u64,
+    body: Option<LoopBody>,
+    user: *mut c_void,
+) -> i32 {
+    // SAFETY: as in `progress`.
+    let Some(state) = (unsafe { state(host) }) else { return crate::interface::ERROR };
+    let Some(body) = body else {
+        state.set_error("parallel_for was called without a body".into());
+        return crate::interface::ERROR;
+    };
+    let threads = rayon::current_num_threads() as u64;
+    let chunk = match chunk {
+        0 => (count / (16 * threads)).clamp(1, 4096),
+        chunk => chunk,
+    };
+    let user = User(user);
+    let part = |number: u64| {
+        if state.is_cancelled() {
+            return;
+        }
+        let first = number * chunk;
+        let thread = rayon::current_thread_index().unwrap_or(0) as u32;
+        let outer = IN_BODY.replace(true);
+        // SAFETY: the plug-in's own function with its own pointer, as it asked for.
+        unsafe { body(user.get(), first, first.saturating_add(chunk).min(count), thread) };
+        IN_BODY.set(outer);
+    };
+    let parts = 0..count.div_ceil(chunk);
+    // A thread that waited within a body could take another part under the same number.
+    match IN_BODY.get() {
+        true => parts.for_each(part),
+        false => parts.into_par_iter().for_each(part),
+    }
+    if state.is_cancelled() { CANCELLED } else { OK }
+}

@@ -1,0 +1,82 @@
+//! The structs here and in the header are the same to the byte.
+#![allow(clippy::unwrap_used)] // A test that cannot go on has failed.
+
+use crate::interface::*;
+use std::mem::{offset_of, size_of};
+use voltet_testing::compilers;
+
+/// Each struct with its fields: their offsets as Rust has them, and C's expressions for the same.
+macro_rules! layout {
+    ($($c:ident = $rust:ident { $($field:ident $(as $named:ident)?),* })*) => {
+        vec![$(
+            (format!("sizeof({})", stringify!($c)), size_of::<$rust>()),
+            $((format!("offsetof({}, {})", stringify!($c), name!($field $($named)?)), offset_of!($rust, $field)),)*
+        )*]
+    };
+}
+
+macro_rules! name {
+    ($field:ident) => {
+        stringify!($field)
+    };
+    ($field:ident $named:ident) => {
+        stringify!($named)
+    };
+}
+
+#[test]
+fn the_header_has_the_same_layout() {
+    let layout = layout! {
+        voltet_host = Host { size, major, minor, patch, thread_count, reserved, program, context, progress, cancelled, error,
+                             fallback, parallel_for }
+        voltet_parameter = Parameter { size, parameter_type as type, name, unit, help, flags, length, least, most, number, text,
+                                       numbers, unset, word_count, reserved, words, meanings }
+        voltet_values = Values { size, count, integers, numbers, texts, vectors, lengths }
+        voltet_call = Call { size, reserved, point_count, cell_count, points, cells, neighbour_starts, neighbours, cell_starts,
+                             cells_of_points, scalar, arrays, values, gradient }
+        voltet_gradient_filter = GradientFilter { size, needs, name, summary, parameter_count, reserved, parameters, check,
+                                                  gradient }
+        voltet_gradient_factory = GradientFactory { size, reserved, filter_count, filter }
+        voltet_plugin = Plugin { size, reserved, name, version }
+        voltet_entry = Entry { size, major, minor, patch, init, deinit, get_factory }
+    };
+    let numbers = [
+        ("VOLTET_PLUGIN_MAJOR", MAJOR),
+        ("VOLTET_PLUGIN_MINOR", MINOR),
+        ("VOLTET_PLUGIN_PATCH", PATCH),
+        ("VOLTET_OK", OK as u32),
+        ("VOLTET_CANCELLED", CANCELLED as u32),
+        ("VOLTET_ERROR", ERROR as u32),
+        ("VOLTET_BOOLEAN", BOOLEAN),
+        ("VOLTET_INTEGER", INTEGER),
+        ("VOLTET_NUMBER", NUMBER),
+        ("VOLTET_CHOICE", CHOICE),
+        ("VOLTET_TEXT", TEXT),
+        ("VOLTET_VECTOR", VECTOR),
+        ("VOLTET_POINT_ARRAY", POINT_ARRAY),
+        ("VOLTET_REQUIRED", REQUIRED),
+        ("VOLTET_ABOVE_LEAST", ABOVE_LEAST),
+        ("VOLTET_BELOW_MOST", BELOW_MOST),
+        ("VOLTET_NEEDS_NEIGHBOURS", NEEDS_NEIGHBOURS),
+        ("VOLTET_NEEDS_CELLS_OF_POINTS", NEEDS_CELLS_OF_POINTS),
+    ];
+    let all: Vec<(String, usize)> =
+        layout.into_iter().chain(numbers.map(|(name, n)| (name.to_string(), n as usize))).collect();
+    let lines: String = all
+        .iter()
+        .map(|(expression, _)| format!("    printf(\"{expression} %zu\\n\", (size_t)({expression}));\n"))
+        .collect();
+    let text = format!(
+        "#include \"voltet_plugin.h\"\n#include <stddef.h>\n#include <stdio.h>\nint main(void) {{\n{lines}    \
+         puts(VOLTET_GRADIENT_FILTERS);\n    return 0;\n}}\n"
+    );
+    let folder = tempfile::tempdir().unwrap();
+    let source = folder.path().join("layout.c");
+    std::fs::write(&source, text).unwrap();
+    let Some(program) = compilers::program(folder.path(), "layout", &[source]) else { return };
+    let output = std::process::Command::new(program).output().unwrap();
+    let found = String::from_utf8(output.stdout).unwrap();
+    let mut wanted: Vec<String> = all.iter().map(|(expression, n)| format!("{expression} {n}")).collect();
+    wanted.push(GRADIENT_FILTERS.to_str().unwrap().into());
+    assert_eq!(found.lines().collect::<Vec<_>>(), wanted);
+}

@@ -1,0 +1,56 @@
+//! voltet-plugins: gradient filters from shared libraries, by the interface of `include/voltet_plugin.h`.
+//!
+//! A library is loaded by the user's word alone: [`load`] is called for what the command line or the user's own configuration
+//! file names ([`Configured`]), never for what a pipeline file says. Its filters are then as any other. What it declares and what it gives is
+//! checked, and every message names the plug-in, its file and the filter.
+//!
+//! | file | what |
+//! | --- | --- |
+//! | `interface` | the structs of the header |
+//! | `foreign` | reading what a plug-in points to |
+//! | `image` | whether a file can be a library at all |
+//! | `library` | loading, and the entry |
+//! | `describe` | declarations, read and checked |
+//! | `values` | what the parameters are set to |
+//! | `host` | what the host does for a plug-in |
+//! | `apart` | work on a thread of its own, which can be given up |
+//! | `work` | a call of a filter |
+//! | `outcome` | what comes back, judged |
+//! | `native` | a filter, run in this process |
+//! | `configured` | the user's own file of plug-ins |
+//! | `crash` | whose crash it was |
+
+mod apart;
+mod configured;
+mod crash;
+mod describe;
+mod foreign;
+mod host;
+mod image;
+mod interface;
+#[cfg(test)]
+mod interface_tests;
+mod library;
+mod native;
+mod outcome;
+mod values;
+mod work;
+
+pub use configured::configured;
+
+use std::path::Path;
+use std::sync::Arc;
+use voltet_core::Result;
+use voltet_core::field::GradientFilter;
+
+/// The gradient filters of the library at `path`, which runs in this process. Load a file once.
+///
+/// Errors: the file is no library that can be loaded, or not of this interface, or what it declares is wrong.
+pub fn load(path: &Path) -> Result<Vec<Arc<dyn GradientFilter>>> {
+    let (library, filters) = library::load(path)?;
+    let library = Arc::new(library);
+    Ok(filters
+        .into_iter()
+        .map(|declared| Arc::new(native::Native::new(library.clone(), declared)) as _)
+        .collect())
+}

@@ -1,0 +1,186 @@
+//! A library: loaded, its entry checked, its filters described.
+
+use crate::apart::{self, Lost};
+use crate::crash;
+use crate::describe::{self, Declared};
+use crate::foreign::{Wrong, sized};
+use crate::host::State;
+use crate::image;
+use crate::interface::{Deinit, ENTRY, Entry, GRADIENT_FILTERS, GradientFactory, MAJOR};
+use std::ffi::CString;
+use std::mem::ManuallyDrop;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+use std::time::{Duration, Instant};
+use voltet_core::field::Plugin;
+use voltet_core::{Error, Result};
+
+/// Most filters of a plug-in.
+const FILTERS_MOST: u32 = 256;
+
+/// A library whose plug-in does not begin within this is given up.
+const PATIENCE: Duration = Duration::from_secs(20);
+
+/// A loaded plug-in. Stays in memory until the program ends: threads of a run-time library that it brought may still be there.
+pub(crate) struct Library {
+    pub plugin: Plugin,
+    /// Whether one of its functions runs.
+    pub busy: AtomicBool,
+    deinit: Option<Deinit>,
+    _loaded: ManuallyDrop<libloading::Library>,
+}
+
+impl Drop for Library {
+    fn drop(&mut self) {
+        if let Some(deinit) = self.deinit {
+            let _guard = crash::during(&self.plugin, "while it ended (deinit)");
+            // SAFETY: init was carried out, and no function of the plug-in runs: each holds this library.
+            unsafe { deinit() };
+        }
+    }
+}
+
+/// Loads a library and reads what it declares. `contained`: a crash harms nobody, and is not announced.
+///
+/// Errors: no library that can be loaded, none of this interface, or what it declares is wrong; each says what.
+pub(crate) fn load(path: &Path) -> Result<(Library, Vec<Declared>)> {
+    let failed = |wrong: Wrong| {
+        Error::usage("the plug-in cannot be loaded")
+            .found(wrong)
+            .accepted("a library that keeps to include/voltet_plugin.h")
+            .in_file(path)
+    };
+    let stated = state_of(path)?;
+    image::check(path).map_err(failed)?;
+    let whole = std::fs::canonicalize(path).map_err(|error| failed(error.to_string()))?;
+    let start = Instant::now();
+    let given = path.to_path_buf();
+    // Compilers can make a library change how its thread rounds; so that thread is none of ours.
+    let begun = apart::run(move || open(&whole, stated, given), || start.elapsed() < PATIENCE);
+    match begun {
+        Ok(outcome) => outcome.map_err(failed),
+        Err(Lost::GivenUp) => Err(failed(format!("it did not begin within {} s", PATIENCE.as_secs()))),
+        Err(Lost::NoThread | Lost::Ended) => Err(failed("there is no thread for it".into())),
+    }
+}
+
+/// The file's size and date, in a plug-in without a name yet.
+///
+/// Errors: it cannot be read.
+pub(crate) fn state_of(path: &Path) -> Result<Plugin> {
+    let metadata = std::fs::metadata(path).map_err(|error| {
+        Error::usage("the plug-in cannot be read")
+            .found(error)
+            .accepted("the path of a shared library")
+            .in_file(path)
+    })?;
+    Ok(Plugin {
+        name: String::new(),
+        version: String::new(),
+        path: path.to_path_buf(),
+        bytes: metadata.len(),
+        modified: metadata.modified().ok(),
+    })
+}
+
+fn open(
+    whole: &Path,
+    stated: Plugin,
+    given: PathBuf,
+) -> std::result::Result<(Library, Vec<Declared>), Wrong> {
+    let nameless = Plugin { name: file_name(&given), ..stated };
+    let _guard = crash::during(&nameless, "while it was loaded");
+    let loaded = ManuallyDrop::new(open_library(whole).map_err(|error| in_one_line(&error.to_string()))?);
+    // SAFETY: the symbol is only taken for an address, and what is there read with care.
+    let entry = unsafe { loaded.get::<*const Entry>(ENTRY.as_bytes()) };
+    let entry = entry.map_err(|_| format!("it does not export the symbol '{ENTRY}'"))?;
+    // SAFETY: the address of a data symbol.
+    let address = unsafe { entry.into_raw() }.into_raw().cast::<Entry>().cast_const();
+    let entry = checked(address)?;
+    let (Some(init), Some(get_factory)) = (entry.init, entry.get_factory) else {
+        let missing = if entry.init.is_none() { "init" } else { "get_factory" };
+        return Err(format!("the function '{missing}' of its entry is a null pointer"));
+    };
+    let path = CString::new(whole.to_string_lossy().into_owned()).map_err(|error| error.to_string())?;
+    let state = State::default();
+    // SAFETY: the entry was checked; both arguments live through the call.
+    let said = unsafe { init(path.as_ptr(), &state.host()) };
+    if said.is_null() {
+        return Err(match state.error() {
+            Some(text) => format!("it says: {text}"),
+            None => "its init gave nothing, and no reason".into(),
+        });
+    }
+    let [name, version] = describe::plugin(said)?;
+    let plugin = Plugin { name, version, path: given, ..nameless.clone() };
+    let busy = AtomicBool::new(false);
+    // From here on it is ended properly.
+    let library = Library { plugin, busy, deinit: entry.deinit, _loaded: loaded };
+    // SAFETY: init was carried out; the text lives as long as the program.
+    let factory = unsafe { get_factory(GRADIENT_FILTERS.as_ptr()) };
+    let filters = filters(factory.cast())?;
+    Ok((library, filters))
+}
+
+/// The entry, if it is of a version that can be understood.
+fn checked(address: *const Entry) -> std::result::Result<Entry, Wrong> {
+    // The version stands where it always will, whatever the size.
+    let head =
+        crate::foreign::values(address.cast::<u32>(), 4).map_err(|wrong| format!("its entry {wrong}"))?;
+    let [_, major, minor, patch] = head[..] else { return Err("its entry is too short".into()) };
+    if major != MAJOR {
+        return Err(format!(
+            "its interface is version {major}.{minor}.{patch}, and this program's {MAJOR}.x"
+        ));
+    }
+    Ok(sized(address)?.0)
+}
+
+fn filters(factory: *const GradientFactory) -> std::result::Result<Vec<Declared>, Wrong> {
+    if factory.is_null() {
+        return Err("it has no gradient filters (get_factory gave nothing)".into());
+    }
+    let (factory, _) = sized(factory)?;
+    let (Some(filter_count), Some(filter)) = (factory.filter_count, factory.filter) else {
+        return Err("a function of its factory is a null pointer".into());
+    };
+    // SAFETY: the plug-in's own function, after init.
+    let count = unsafe { filter_count() };
+    if !(1..=FILTERS_MOST).contains(&count) {
+        return Err(format!("it says that it has {count} filters, 1 to {FILTERS_MOST} can be"));
+    }
+    let describe = |place: u32| {
+        // SAFETY: the same, with a place below the count.
+        let described = describe::filter(unsafe { filter(place) });
+        described.map_err(|wrong| format!("filter {place}: {wrong}"))
+    };
+    let filters: Vec<Declared> = (0..count).map(describe).collect::<std::result::Result<_, _>>()?;
+    for (i, one) in filters.iter().enumerate() {
+        if filters[..i].iter().any(|other| other.kind.name == one.kind.name) {
+            return Err(format!("two of its filters are called '{}'", one.kind.name));
+        }
+    }
+    Ok(filters)
+}
+
+/// All symbols are looked up now: one that is missing is an error, and not a crash later.
+#[cfg(unix)]
+fn open_library(path: &Path) -> std::result::Result<libloading::Library, libloading::Error> {
+    use libloading::os::unix::{Library, RTLD_LOCAL, RTLD_NOW};
+    // SAFETY: the user named the file; what its start-up code does is its own.
+    unsafe { Library::open(Some(path), RTLD_NOW | RTLD_LOCAL) }.map(Into::into)
+}
+
+#[cfg(not(unix))]
+fn open_library(path: &Path) -> std::result::Result<libloading::Library, libloading::Error> {
+    // SAFETY: the user named the file; what its start-up code does is its own.
+    unsafe { libloading::Library::new(path) }
+}
+
+fn file_name(path: &Path) -> String {
+    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+fn in_one_line(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}

@@ -1,0 +1,57 @@
+//! Plug-ins in other languages, compiled for a test.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// The repository's folder.
+const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
+
+/// A file of the repository.
+pub fn source(path: &str) -> PathBuf {
+    Path::new(ROOT).join(path)
+}
+
+/// The shared library `name` in `folder`, made of these sources by the compiler of the first one's language (`.c`: `cc`, `.cpp`:
+/// `c++`, `.f90`: `gfortran`), without a warning. `None` where there is no such compiler, said loudly; a failure if the
+/// environment variable `VOLTET_REQUIRE_COMPILERS` is 1.
+#[track_caller]
+pub fn library(folder: &Path, name: &str, sources: &[PathBuf], options: &[&str]) -> Option<PathBuf> {
+    let path = folder.join(name);
+    let options: Vec<&str> = ["-shared", "-fPIC", "-O2"].iter().chain(options).copied().collect();
+    compiled(folder, &path, sources, &options).then_some(path)
+}
+
+/// The same for a program.
+#[track_caller]
+pub fn program(folder: &Path, name: &str, sources: &[PathBuf]) -> Option<PathBuf> {
+    let path = folder.join(name);
+    compiled(folder, &path, sources, &[]).then_some(path)
+}
+
+#[track_caller]
+fn compiled(folder: &Path, path: &Path, sources: &[PathBuf], options: &[&str]) -> bool {
+    let ending = sources[0].extension().and_then(|ending| ending.to_str());
+    let (compiler, standard): (&str, &[&str]) = match ending {
+        Some("c") => ("cc", &["-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror"]),
+        Some("cpp") => ("c++", &["-std=c++17", "-pedantic", "-Wall", "-Wextra", "-Werror"]),
+        Some("f90") => ("gfortran", &["-Wall", "-Wextra", "-Werror"]),
+        other => panic!("no compiler for {other:?}"),
+    };
+    let mut command = Command::new(compiler);
+    // Fortran writes what its modules export beside it.
+    command.current_dir(folder).args(standard).arg("-I").arg(source("include"));
+    command.arg("-o").arg(path).args(sources).args(options).arg("-lm");
+    match command.output() {
+        Ok(output) => {
+            let said = String::from_utf8_lossy(&output.stderr);
+            assert!(output.status.success(), "{command:?}: {said}");
+            true
+        }
+        Err(error) => {
+            let required = std::env::var("VOLTET_REQUIRE_COMPILERS").is_ok_and(|value| value == "1");
+            assert!(!required, "VOLTET_REQUIRE_COMPILERS is 1, but there is no {compiler}: {error}");
+            eprintln!("\n*** SKIPPED: there is no {compiler} ({error}) ***\n");
+            false
+        }
+    }
+}

@@ -1,0 +1,112 @@
+//! Gradient filters from shared libraries, as their users meet them.
+
+use crate::support::{Folder, SLAB};
+use voltet_testing::compilers;
+
+/// The slab lit, so that its gradient is looked at, with a filter of a plug-in.
+fn slab(method: &str) -> String {
+    let own = "method = \"least-squares\"";
+    let scene = "transfer_function = \"look\", camera = \"view\" }";
+    assert!(SLAB.contains(own) && SLAB.contains(scene));
+    SLAB.replace(own, method).replace(scene, &format!("{scene}\nlight = {{ direction = [-1.0, 0.0, 0.0] }}"))
+}
+
+/// A folder with the example in C, compiled; `None` where there is no compiler.
+fn folder() -> Option<Folder> {
+    let folder = Folder::new();
+    let source = compilers::source("examples/plugin_c/least_squares.c");
+    compilers::library(folder.path(), "filter.so", &[source], &[])?;
+    folder.write("slab.toml", slab("method = \"c-least-squares\"\npower = 1.0"));
+    Some(folder)
+}
+
+#[test]
+fn a_plugin_is_listed_checked_explained_and_run_as_what_ships() {
+    let Some(folder) = folder() else { return };
+    let with = ["--plugin", "./filter.so"];
+    let help = folder.voltet(&["nodes", with[0], with[1]]).ok();
+    assert!(help.stdout.contains("c-least-squares     Linear fit"), "{}", help.stdout);
+    let one = folder.voltet(&["nodes", "c-least-squares", with[0], with[1]]).ok();
+    assert!(one.stdout.contains("power (number from 0 to 4; default: 1.0)"), "{}", one.stdout);
+    folder.voltet(&["check", "slab.toml", with[0], with[1]]).ok();
+    let explained = folder.voltet(&["explain", "slab.toml", with[0], with[1]]).ok();
+    assert!(explained.stdout.contains("method = \"c-least-squares\"; power = 1.0"), "{}", explained.stdout);
+    folder.voltet(&["run", "slab.toml", with[0], with[1], "--report", "r.json"]).ok();
+    let own = folder.floats("slab.exr").1;
+    let plugins = &folder.report("r.json")["provenance"]["plugins"];
+    let bytes = std::fs::metadata(folder.join("filter.so")).unwrap().len();
+    assert_eq!(plugins[0]["name"], "least squares in C");
+    assert_eq!((&plugins[0]["path"], &plugins[0]["bytes"]), (&"./filter.so".into(), &bytes.into()));
+    assert!(
+        folder
+            .voltet(&["info", "slab.exr"])
+            .ok()
+            .stdout
+            .contains("plug-in (gradient): least squares in C 1.0.0")
+    );
+    folder.voltet(&["run", "slab.toml", "--set", "gradient.method=least-squares", with[0], with[1]]).fails(
+        2,
+        &[
+            "the method \"least-squares\" has no parameter 'power'",
+            "power goes with method = \"c-least-squares\"",
+        ],
+    );
+    folder.write("slab.toml", slab("method = \"least-squares\""));
+    folder.voltet(&["run", "slab.toml"]).ok();
+    let built_in = folder.floats("slab.exr").1;
+    let difference =
+        own.iter().flatten().zip(built_in.iter().flatten()).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+    assert!(difference < 1e-6, "{difference:e}");
+}
+
+#[test]
+fn a_filter_that_is_not_loaded_is_unknown_and_the_plugins_are_named() {
+    let Some(folder) = folder() else { return };
+    let unknown = "unknown gradient filter 'c-least-squares'";
+    folder
+        .voltet(&["run", "slab.toml"])
+        .fails(2, &[unknown, "no plug-in is loaded: --plugin PATH does", "slab.toml:12:10"]);
+    folder.voltet(&["check", "slab.toml", "--set", "gradient.method=other", "--plugin", "filter.so"]).fails(
+        2,
+        &["unknown gradient filter 'other'", "plug-in 'least squares in C' (filter.so) with c-least-squares"],
+    );
+    // Only the user loads anything: not the pipeline, whatever it says.
+    folder
+        .write("slab.toml", format!("plugins = [\"./filter.so\"]\n{}", slab("method = \"c-least-squares\"")));
+    assert_ne!(folder.voltet(&["run", "slab.toml"]).code, 0);
+}
+
+#[test]
+fn the_users_own_file_names_plugins() {
+    let Some(folder) = folder() else { return };
+    let configuration = folder.join("configuration");
+    std::fs::create_dir_all(configuration.join("voltet")).unwrap();
+    let file = configuration.join("voltet/plugins.toml");
+    let home = ("XDG_CONFIG_HOME", configuration.to_str().unwrap());
+    let path = folder.join("filter.so");
+    std::fs::write(&file, format!("plugins = ['{}']\n", path.display())).unwrap();
+    folder.voltet_where(home, &["run", "slab.toml"]).ok();
+    // The same library by an option: once is enough.
+    folder.voltet_where(home, &["check", "slab.toml", "--plugin", "filter.so"]).ok();
+    // One that is gone is warned of; the pipeline may do without.
+    std::fs::write(&file, "plugins = ['gone.so']\n").unwrap();
+    let ran = folder.voltet_where(home, &["check", "slab.toml", "--plugin", "filter.so"]).ok();
+    assert!(
+        ran.stderr.contains("warning: the plug-in cannot be read") && ran.stderr.contains("gone.so"),
+        "{}",
+        ran.stderr
+    );
+    folder
+        .voltet_where(home, &["check", "slab.toml", "--plugin", "gone.so"])
+        .fails(2, &["the plug-in cannot be read"]);
+    for (text, wanted) in [
+        ("plugins = 3\n", &["'plugins' is no list of paths", "plugins.toml"][..]),
+        ("plug = []\n", &["unknown key 'plug'"]),
+        ("plugins = [\n", &["plugins.toml:"]),
+    ] {
+        std::fs::write(&file, text).unwrap();
+        folder.voltet_where(home, &["check", "slab.toml"]).fails(2, wanted);
+    }
+    // A command that opens no pipeline does not read it.
+    folder.voltet_where(home, &["info", "cube.vtu"]).ok();
+}
