@@ -43,14 +43,17 @@ impl Drop for Guard {
 #[cfg(not(unix))]
 fn install() {}
 
+#[cfg(not(unix))]
+pub(crate) fn leave() {}
+
 #[cfg(unix)]
-pub(crate) use unix::install;
+pub(crate) use unix::{install, leave};
 
 #[cfg(unix)]
 mod unix {
     use super::SAID;
     use std::sync::OnceLock;
-    use std::sync::atomic::Ordering;
+    use std::sync::atomic::{AtomicBool, Ordering};
 
     const SIGNALS: [(libc::c_int, &str); 5] = [
         (libc::SIGSEGV, "SIGSEGV, memory that is not there"),
@@ -63,9 +66,18 @@ mod unix {
     /// What was there before, in the order of the signals.
     static FORMER: OnceLock<[libc::sigaction; 5]> = OnceLock::new();
 
+    static LEFT: AtomicBool = AtomicBool::new(false);
+
+    /// Crashes are somebody else's to announce: the process is there for one plug-in.
+    pub(crate) fn leave() {
+        LEFT.store(true, Ordering::Relaxed);
+    }
+
     /// Once for the process.
     pub(crate) fn install() {
-        FORMER.get_or_init(|| SIGNALS.map(|(signal, _)| handle(signal)));
+        if !LEFT.load(Ordering::Relaxed) {
+            FORMER.get_or_init(|| SIGNALS.map(|(signal, _)| handle(signal)));
+        }
     }
 
     /// Gives what was there before.
@@ -87,12 +99,12 @@ mod unix {
         let place = SIGNALS.iter().position(|(known, _)| *known == signal);
         let (Some(said), Some(place)) = (said, place) else {
             // It comes again, and does what it did without us.
-            let former = place.and_then(|place| FORMER.get().map(|former| &former[place]));
-            // SAFETY: as it was, or as it is without a handler.
-            match former {
-                Some(former) => unsafe { libc::sigaction(signal, former, std::ptr::null_mut()) },
-                None => unsafe { libc::signal(signal, libc::SIG_DFL) as libc::c_int },
-            };
+            match place.and_then(|place| FORMER.get().map(|former| &former[place])) {
+                // SAFETY: as it was.
+                Some(former) => drop(unsafe { libc::sigaction(signal, former, std::ptr::null_mut()) }),
+                // SAFETY: as it is without a handler.
+                None => drop(unsafe { libc::signal(signal, libc::SIG_DFL) }),
+            }
             return;
         };
         // SAFETY: whoever made the text is in the call that crashed.

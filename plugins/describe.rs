@@ -1,7 +1,8 @@
 //! What a plug-in declares, read and checked, as declarations of the program's own.
 
 use crate::foreign::{Wrong, sized, text, values};
-use crate::interface::{self, Check, Gradient};
+use crate::interface;
+use crate::library::Filter;
 use std::ffi::c_char;
 use voltet_core::parameters::{Kind, Parameter, ParameterType, Range, Standard};
 
@@ -17,15 +18,15 @@ const PARAMETERS_MOST: u32 = 64;
 /// Longest vector.
 const VECTOR_MOST: u32 = 1024;
 
-/// A filter as it was declared, with its functions.
+/// A filter as it was declared.
 #[derive(Clone)]
 pub(crate) struct Declared {
     pub kind: Kind,
     pub needs: u32,
+    /// Whether it has a function that checks parameters.
+    pub checks: bool,
     /// For each parameter that names a point array how many components a point has; 0 for the others.
     pub components: Vec<u32>,
-    pub check: Option<Check>,
-    pub gradient: Gradient,
 }
 
 /// The name and version of a plug-in.
@@ -37,7 +38,7 @@ pub(crate) fn plugin(address: *const interface::Plugin) -> Result<[String; 2], W
 }
 
 /// The filter at an address; its texts and lists live from now on as long as the program.
-pub(crate) fn filter(address: *const interface::GradientFilter) -> Result<Declared, Wrong> {
+pub(crate) fn filter(address: *const interface::GradientFilter) -> Result<Filter, Wrong> {
     let (read, _) = sized(address)?;
     let name = identifier("the name of the filter", read.name)?;
     let of = |wrong: Wrong| format!("of the filter '{name}', {wrong}");
@@ -58,7 +59,8 @@ pub(crate) fn filter(address: *const interface::GradientFilter) -> Result<Declar
     }
     let (parameters, components) = parameters(&read).map_err(of)?;
     let kind = Kind { name: leak(name.clone()), summary: leak(summary), parameters: parameters.leak() };
-    Ok(Declared { kind, needs: read.needs, components, check: read.check, gradient })
+    let declared = Declared { kind, needs: read.needs, checks: read.check.is_some(), components };
+    Ok(Filter { declared, check: read.check, gradient })
 }
 
 fn parameters(filter: &interface::GradientFilter) -> Result<(Vec<Parameter>, Vec<u32>), Wrong> {

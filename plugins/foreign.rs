@@ -44,9 +44,7 @@ pub(crate) type Wrong = String;
 /// The bytes at an address; `None` where some of them are not there to be read. Where the system cannot say so, what is not there
 /// ends the program, as it would in the plug-in itself.
 fn bytes(address: usize, into: &mut [MaybeUninit<u8>]) -> Option<()> {
-    if address.checked_add(into.len()).is_none() {
-        return None;
-    }
+    address.checked_add(into.len())?;
     if into.is_empty() {
         return Some(());
     }

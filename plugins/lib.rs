@@ -18,6 +18,7 @@
 //! | `outcome` | what comes back, judged |
 //! | `native` | a filter, run in this process |
 //! | `configured` | the user's own file of plug-ins |
+//! | `process` | filters in a process of their own |
 //! | `crash` | whose crash it was |
 
 mod apart;
@@ -33,12 +34,14 @@ mod interface_tests;
 mod library;
 mod native;
 mod outcome;
+mod process;
 mod values;
 mod work;
 
 pub use configured::configured;
+pub use process::serve;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use voltet_core::Result;
 use voltet_core::field::GradientFilter;
@@ -51,6 +54,14 @@ pub fn load(path: &Path) -> Result<Vec<Arc<dyn GradientFilter>>> {
     let library = Arc::new(library);
     Ok(filters
         .into_iter()
-        .map(|declared| Arc::new(native::Native::new(library.clone(), declared)) as _)
+        .map(|filter| Arc::new(native::Native::new(library.clone(), filter)) as _)
         .collect())
+}
+
+/// The same, but loaded and run in processes of `program`, which must call [`serve`] where its arguments are
+/// `plugin-process PATH`: a crash of the plug-in ends those alone.
+///
+/// Errors: those of [`load`]; a process that crashes or cannot be started.
+pub fn load_apart(path: &Path, program: PathBuf) -> Result<Vec<Arc<dyn GradientFilter>>> {
+    process::load(path, program)
 }

@@ -6,7 +6,7 @@ use crate::describe::{self, Declared};
 use crate::foreign::{Wrong, sized};
 use crate::host::State;
 use crate::image;
-use crate::interface::{Deinit, ENTRY, Entry, GRADIENT_FILTERS, GradientFactory, MAJOR};
+use crate::interface::{Check, Deinit, ENTRY, Entry, GRADIENT_FILTERS, Gradient, GradientFactory, MAJOR};
 use std::ffi::CString;
 use std::mem::ManuallyDrop;
 use std::path::{Path, PathBuf};
@@ -30,6 +30,14 @@ pub(crate) struct Library {
     _loaded: ManuallyDrop<libloading::Library>,
 }
 
+/// A filter of it: what it declares, and its functions.
+#[derive(Clone)]
+pub(crate) struct Filter {
+    pub declared: Declared,
+    pub check: Option<Check>,
+    pub gradient: Gradient,
+}
+
 impl Drop for Library {
     fn drop(&mut self) {
         if let Some(deinit) = self.deinit {
@@ -40,10 +48,10 @@ impl Drop for Library {
     }
 }
 
-/// Loads a library and reads what it declares. `contained`: a crash harms nobody, and is not announced.
+/// Loads a library and reads what it declares.
 ///
 /// Errors: no library that can be loaded, none of this interface, or what it declares is wrong; each says what.
-pub(crate) fn load(path: &Path) -> Result<(Library, Vec<Declared>)> {
+pub(crate) fn load(path: &Path) -> Result<(Library, Vec<Filter>)> {
     let failed = |wrong: Wrong| {
         Error::usage("the plug-in cannot be loaded")
             .found(wrong)
@@ -83,11 +91,7 @@ pub(crate) fn state_of(path: &Path) -> Result<Plugin> {
     })
 }
 
-fn open(
-    whole: &Path,
-    stated: Plugin,
-    given: PathBuf,
-) -> std::result::Result<(Library, Vec<Declared>), Wrong> {
+fn open(whole: &Path, stated: Plugin, given: PathBuf) -> std::result::Result<(Library, Vec<Filter>), Wrong> {
     let nameless = Plugin { name: file_name(&given), ..stated };
     let _guard = crash::during(&nameless, "while it was loaded");
     let loaded = ManuallyDrop::new(open_library(whole).map_err(|error| in_one_line(&error.to_string()))?);
@@ -136,7 +140,7 @@ fn checked(address: *const Entry) -> std::result::Result<Entry, Wrong> {
     Ok(sized(address)?.0)
 }
 
-fn filters(factory: *const GradientFactory) -> std::result::Result<Vec<Declared>, Wrong> {
+fn filters(factory: *const GradientFactory) -> std::result::Result<Vec<Filter>, Wrong> {
     if factory.is_null() {
         return Err("it has no gradient filters (get_factory gave nothing)".into());
     }
@@ -154,10 +158,10 @@ fn filters(factory: *const GradientFactory) -> std::result::Result<Vec<Declared>
         let described = describe::filter(unsafe { filter(place) });
         described.map_err(|wrong| format!("filter {place}: {wrong}"))
     };
-    let filters: Vec<Declared> = (0..count).map(describe).collect::<std::result::Result<_, _>>()?;
+    let filters: Vec<Filter> = (0..count).map(describe).collect::<std::result::Result<_, _>>()?;
     for (i, one) in filters.iter().enumerate() {
-        if filters[..i].iter().any(|other| other.kind.name == one.kind.name) {
-            return Err(format!("two of its filters are called '{}'", one.kind.name));
+        if filters[..i].iter().any(|other| other.declared.kind.name == one.declared.kind.name) {
+            return Err(format!("two of its filters are called '{}'", one.declared.kind.name));
         }
     }
     Ok(filters)

@@ -2,9 +2,8 @@
 
 use crate::apart::{self, Lost};
 use crate::crash;
-use crate::describe::Declared;
 use crate::host::State;
-use crate::library::Library;
+use crate::library::{Filter, Library};
 use crate::outcome::Whose;
 use crate::values::{Owned, array_names};
 use crate::work::{Given, check};
@@ -23,7 +22,7 @@ const GRACE: Duration = Duration::from_secs(3);
 /// A filter of a loaded library.
 pub(crate) struct Native {
     library: Arc<Library>,
-    declared: Declared,
+    filter: Filter,
 }
 
 /// A function of the library runs, or is about to.
@@ -36,12 +35,12 @@ impl Drop for Busy {
 }
 
 impl Native {
-    pub fn new(library: Arc<Library>, declared: Declared) -> Native {
-        Native { library, declared }
+    pub fn new(library: Arc<Library>, filter: Filter) -> Native {
+        Native { library, filter }
     }
 
     fn whose(&self) -> Whose<'_> {
-        Whose { filter: self.declared.kind.name, plugin: &self.library.plugin }
+        Whose { filter: self.filter.declared.kind.name, plugin: &self.library.plugin }
     }
 
     /// Runs a function of the plug-in, one at a time, on a thread of its own, while `waits` says so.
@@ -56,7 +55,7 @@ impl Native {
             }
             std::thread::sleep(Duration::from_millis(5));
         }
-        let (busy, name) = (Busy(self.library.clone()), self.declared.kind.name);
+        let (busy, name) = (Busy(self.library.clone()), self.filter.declared.kind.name);
         let work = move || {
             let _guard = crash::during(&busy.0.plugin, &format!("in the gradient filter '{name}'"));
             work()
@@ -79,7 +78,7 @@ impl Native {
 
 impl GradientFilter for Native {
     fn declaration(&self) -> Kind {
-        self.declared.kind
+        self.filter.declared.kind
     }
 
     fn plugin(&self) -> Option<&Plugin> {
@@ -87,8 +86,8 @@ impl GradientFilter for Native {
     }
 
     fn check(&self, parameters: &Parameters) -> Result<()> {
-        let values = Owned::new(&self.declared, parameters)?;
-        let Some(function) = self.declared.check else { return Ok(()) };
+        let values = Owned::new(&self.filter.declared, parameters)?;
+        let Some(function) = self.filter.check else { return Ok(()) };
         let start = Instant::now();
         let said = self.call(move || check(function, &values, &State::default()), || start.elapsed() < GRACE);
         match said {
@@ -99,7 +98,7 @@ impl GradientFilter for Native {
     }
 
     fn arrays(&self, parameters: &Parameters) -> Result<Vec<String>> {
-        Ok(array_names(&self.declared, parameters))
+        Ok(array_names(&self.filter.declared, parameters))
     }
 
     fn gradient(
@@ -110,8 +109,8 @@ impl GradientFilter for Native {
         progress: &dyn Progress,
     ) -> Result<Gradient> {
         check_scalar(grid, scalar)?;
-        let given = Given::new(&self.declared, grid, scalar, parameters)?;
-        let (function, needs) = (self.declared.gradient, self.declared.needs);
+        let given = Given::new(&self.filter.declared, grid, scalar, parameters)?;
+        let (function, needs) = (self.filter.gradient, self.filter.declared.needs);
         let state = Arc::new(State::default());
         let mut asked: Option<Instant> = None;
         let waits = || {

@@ -2,6 +2,7 @@
 
 use crate::describe::Declared;
 use crate::interface;
+use crate::process::wire::{Reader, Writer};
 use std::ffi::{CString, c_char};
 use std::mem::size_of;
 use std::sync::Arc;
@@ -50,6 +51,29 @@ impl Owned {
             owned.vectors.push(setting.and_then(Setting::numbers));
         }
         Ok(owned)
+    }
+
+    /// Into a message.
+    pub fn write(&self, to: &mut Writer) {
+        to.number(self.integers.len() as u64);
+        for (i, (integer, number)) in self.integers.iter().zip(&self.numbers).enumerate() {
+            to.number(*integer as u64);
+            to.float(*number);
+            to.optional(self.texts[i].as_ref(), |to, text| to.bytes(text.as_bytes()));
+            to.optional(self.vectors[i].as_ref(), |to, vector| to.floats(vector));
+        }
+    }
+
+    /// From a message; `None` where it is none.
+    pub fn read(from: &mut Reader) -> Option<Owned> {
+        let mut owned = Owned::default();
+        for _ in 0..from.count()? {
+            owned.integers.push(from.number()? as i64);
+            owned.numbers.push(from.float()?);
+            owned.texts.push(from.optional(|from| CString::new(from.bytes()?).ok())?);
+            owned.vectors.push(from.optional(Reader::floats)?);
+        }
+        Some(owned)
     }
 
     pub fn pointers(&self) -> Pointers {

@@ -69,7 +69,11 @@ contains
         d = w%points(:, q) - w%points(:, p)
         square = dot_product(d, d)
         if (.not. square > 0) cycle
-        weight = square**(-w%power)
+        if (abs(w%power - 1) > 0) then
+          weight = square**(-w%power)
+        else
+          weight = 1/square
+        end if
         do i = 1, 3
           m(:, i) = m(:, i) + weight*d*d(i)
         end do

@@ -86,7 +86,9 @@ impl Request {
         let mut reader = Reader(&bytes);
         let request = match tag {
             DESCRIBE => Some(Request::Describe),
-            CHECK => reader.text().zip(Owned::read(&mut reader)).map(|(name, values)| Request::Check(name, values)),
+            CHECK => {
+                reader.text().zip(Owned::read(&mut reader)).map(|(name, values)| Request::Check(name, values))
+            }
             GRADIENT => {
                 let name = reader.text().ok_or_else(garbled)?;
                 return Ok(Request::Gradient(name, Box::new(given(reader, from)?)));
@@ -176,8 +178,9 @@ impl Answer {
             SAID => {
                 let code = reader.number()? as i32;
                 let error = reader.optional(Reader::text)?;
-                let fallback =
-                    |reader: &mut Reader| Some(Fallback { what: reader.text()?, point_count: reader.number()? });
+                let fallback = |reader: &mut Reader| {
+                    Some(Fallback { what: reader.text()?, point_count: reader.number()? })
+                };
                 Some(Answer::Said(Said { code, error, fallbacks: reader.list(fallback)? }))
             }
             _ => None,
@@ -280,7 +283,9 @@ fn read_type(reader: &mut Reader) -> Option<ParameterType> {
             });
             ParameterType::Choice(words?.leak())
         }
-        4 => ParameterType::Numbers(reader.optional(Reader::number)?.map(|n| n as usize), read_range(reader)?),
+        4 => {
+            ParameterType::Numbers(reader.optional(Reader::number)?.map(|n| n as usize), read_range(reader)?)
+        }
         5 => ParameterType::Text,
         _ => return None,
     })

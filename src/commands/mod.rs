@@ -66,5 +66,6 @@ fn carry_out(command: &Command, registry: &Registry) -> Result<u8> {
         Command::Study(arguments) => study::study(arguments, registry),
         Command::Time(arguments) => time::time(arguments, registry),
         Command::GradientTest(arguments) => gradient_test::gradient_test(arguments, registry),
+        Command::PluginProcess(arguments) => voltet_plugins::serve(&arguments.path),
     }
 }

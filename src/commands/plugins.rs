@@ -1,9 +1,9 @@
 //! The plug-ins that a command loads: those of its options, and those of the user's own file.
 
 use crate::arguments::Plugins;
-use crate::core::Result;
 use crate::core::field::{GradientFilter, Plugin};
 use crate::core::graph::Registry;
+use crate::core::{Error, Result};
 use crate::nodes::files;
 use crate::present::{say, warning};
 use std::path::{Path, PathBuf};
@@ -28,7 +28,7 @@ pub fn with(mut registry: Registry, wanted: &Plugins) -> Result<Registry> {
             continue;
         }
         loaded.push(whole);
-        match add(&registry, path) {
+        match add(&registry, path, wanted.plugin_process) {
             Ok((more, plugin)) => {
                 registry = more;
                 told.push(plugin);
@@ -48,13 +48,23 @@ pub fn with(mut registry: Registry, wanted: &Plugins) -> Result<Registry> {
 }
 
 /// The registry with the filters of one more plug-in, and what is said of it.
-fn add(registry: &Registry, path: &Path) -> Result<(Registry, String)> {
-    let filters = voltet_plugins::load(path)?;
+fn add(registry: &Registry, path: &Path, apart: bool) -> Result<(Registry, String)> {
+    let filters = match apart {
+        true => voltet_plugins::load_apart(path, own_program()?)?,
+        false => voltet_plugins::load(path)?,
+    };
     let mut registry = registry.clone();
     for filter in &filters {
         registry.add_filter(filter.clone()).map_err(|error| error.in_file(path))?;
     }
     Ok((registry, told(&filters)))
+}
+
+/// The file of this program.
+fn own_program() -> Result<PathBuf> {
+    std::env::current_exe().map_err(|error| {
+        Error::run("the program does not find its own file, which --plugin-process starts").found(error)
+    })
 }
 
 /// "plug-in 'name' (path) with a, b".

@@ -17,6 +17,8 @@ mod multi_gradient;
 mod outputs;
 mod pictures;
 mod pixel;
+mod plugin_faults;
+mod plugin_fuzz;
 mod plugins;
 mod reports;
 mod stability;

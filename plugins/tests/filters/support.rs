@@ -1,18 +1,19 @@
 //! Libraries of test sources, and a grid to run their filters on.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
+use voltet_core::Result;
 use voltet_core::field::{Gradient, GradientFilter, Method};
 use voltet_core::glam::DVec3;
 use voltet_core::grid::{Array, Grid, generate};
 use voltet_core::parameters::{Datum, Parameters};
 use voltet_core::progress::{Progress, Silent};
-use voltet_core::{Error, Result};
 use voltet_testing::compilers;
 
-/// A folder with a library in it.
+/// A library in a folder of its own.
 pub struct Built {
-    pub folder: tempfile::TempDir,
+    /// Goes away with this.
+    _folder: tempfile::TempDir,
     pub path: PathBuf,
 }
 
@@ -22,7 +23,7 @@ pub fn built(sources: &[&str], options: &[&str]) -> Option<Built> {
     let folder = tempfile::tempdir().unwrap();
     let sources: Vec<PathBuf> = sources.iter().map(|path| compilers::source(path)).collect();
     let path = compilers::library(folder.path(), "filter.so", &sources, options)?;
-    Some(Built { folder, path })
+    Some(Built { _folder: folder, path })
 }
 
 /// A box of some thousand tetrahedra, no two of them alike, with a smooth scalar and an array `trust` of ones.
@@ -60,18 +61,4 @@ pub fn difference_from(name: &str, found: &Gradient) -> f64 {
     let pairs = own.vectors.iter().zip(&found.vectors);
     assert_eq!(own.vectors.len(), found.vectors.len());
     pairs.map(|(a, b)| (*a - *b).length()).fold(0.0, f64::max) / largest
-}
-
-/// Asserts that a message says all of this.
-#[track_caller]
-pub fn says(error: &Error, wanted: &[&str]) {
-    let message = error.to_string();
-    for text in wanted {
-        assert!(message.contains(text), "'{text}' is not in\n{message}");
-    }
-}
-
-/// The path as messages show it.
-pub fn shown(path: &Path) -> String {
-    path.display().to_string()
 }
