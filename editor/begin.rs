@@ -2,24 +2,26 @@
 
 use crate::actions::{Action, Actions, Command};
 use crate::theme;
-use eframe::egui::{Align, Button, Layout, Rect, RichText, Ui, UiBuilder, vec2};
+use eframe::egui::{Align, Button, Frame, Layout, Rect, RichText, Ui, UiBuilder, vec2};
 use std::path::Path;
 use voltet_core::Error;
 
 /// Width of what is offered, points.
 const WIDTH: f32 = 340.0;
 
-/// What a file that is no TOML shows in place of its graph.
+/// What a file that is no TOML shows above the rest of its graph.
 pub(crate) fn broken(ui: &mut Ui, place: Rect, faults: &[Error]) {
     let dark = ui.visuals().dark_mode;
-    let rect = Rect::from_center_size(place.center(), vec2(place.width() - 40.0, 120.0));
+    // At the top, on a ground of its own: what can be read of the file is shown below.
+    let rect = Rect::from_min_size(place.min + vec2(12.0, 8.0), vec2(place.width() - 24.0, 120.0));
     ui.allocate_new_ui(UiBuilder::new().max_rect(rect), |ui| {
-        for fault in faults.iter().take(3) {
-            ui.label(RichText::new(fault.to_string()).color(theme::wrong(dark)));
-        }
-        ui.add_space(6.0);
-        let text = "Mend it in a text editor; once it is saved there, it can be taken over here.";
-        ui.label(RichText::new(text).color(theme::weak(dark)));
+        Frame::none().fill(ui.visuals().window_fill).inner_margin(8.0).rounding(4.0).show(ui, |ui| {
+            for fault in faults.iter().take(3) {
+                ui.label(RichText::new(fault.to_string()).color(theme::wrong(dark)));
+            }
+            let text = "Mend it in a text editor; once it is saved there, it can be taken over here.";
+            ui.label(RichText::new(text).color(theme::weak(dark)));
+        });
     });
 }
 

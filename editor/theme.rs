@@ -52,6 +52,18 @@ pub(crate) fn wrong(dark: bool) -> Color32 {
     if dark { Color32::from_rgb(255, 110, 100) } else { Color32::from_rgb(190, 20, 20) }
 }
 
+/// A colour as it can be told from the ground that it is drawn on: a dark one lighter, a bright one darker, of the same hue.
+pub(crate) fn readable(color: Color32, dark: bool) -> Color32 {
+    let [r, g, b] = [color.r(), color.g(), color.b()].map(f32::from);
+    // The luma of Rec. 601.
+    let luma = 0.299 * r + 0.587 * g + 0.114 * b;
+    let (least, most) = if dark { (90.0, 255.0) } else { (0.0, 150.0) };
+    let lighter = ((least - luma) / (255.0 - luma).max(1.0)).max(0.0);
+    let darker = (most / luma.max(1.0)).min(1.0);
+    let [r, g, b] = [r, g, b].map(|x| (darker * (x + lighter * (255.0 - x))).round() as u8);
+    Color32::from_rgb(r, g, b)
+}
+
 /// What is of less weight, still read with ease.
 pub(crate) fn weak(dark: bool) -> Color32 {
     if dark { Color32::from_gray(165) } else { Color32::from_gray(85) }
@@ -101,4 +113,22 @@ pub(crate) fn port(painter: &Painter, at: Pos2, radius: f32, port_type: PortType
             polygon(&[(-0.6, -1.1), (0.6, -1.1), (0.6, 1.1), (-0.6, 1.1)])
         }
     });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn colours_are_told_from_the_ground_and_others_stay_as_they_are() {
+        let luma = |c: Color32| 0.299 * f32::from(c.r()) + 0.587 * f32::from(c.g()) + 0.114 * f32::from(c.b());
+        for color in [Color32::BLACK, Color32::from_rgb(10, 0, 60), Color32::from_rgb(60, 0, 0)] {
+            assert!(luma(readable(color, true)) > 85.0 && readable(color, false) == color, "{color:?}");
+        }
+        for color in [Color32::WHITE, Color32::from_rgb(255, 240, 90)] {
+            assert!(luma(readable(color, false)) < 155.0 && readable(color, true) == color, "{color:?}");
+        }
+        let orange = Color32::from_rgb(220, 110, 40);
+        assert_eq!([true, false].map(|dark| readable(orange, dark)), [orange; 2]);
+    }
 }

@@ -47,7 +47,8 @@ until_true() {
 display() { # its size
     [ -z "$xvfb" ] || kill "$xvfb"
     export DISPLAY=:$((90 + RANDOM % 800))
-    Xvfb "$DISPLAY" -screen 0 "$1x24" >"$work/xvfb.log" 2>&1 &
+    # Without -noreset it begins anew when the last client leaves, and refuses the next one meanwhile.
+    Xvfb "$DISPLAY" -noreset -screen 0 "$1x24" >"$work/xvfb.log" 2>&1 &
     xvfb=$!
     until_true xdotool getdisplaygeometry >/dev/null 2>&1 || fail "no virtual display comes"
 }
@@ -119,7 +120,7 @@ sleep 0.4
 shot 03-menu
 key Return
 sleep 0.4
-drag 312 144 400 383
+drag 312 128 400 383
 shot 04-wired
 save
 grep -A3 'type = "histogram"' "$work/scene.toml" | grep -q 'volume = "gradient"' || fail "no wire is drawn"

@@ -1,7 +1,8 @@
 //! How long the editor takes, printed: a frame of the interface with 200 nodes; the first coarse picture and the full one
 //! after a widget's move; orbiting; the first picture of a larger file.
 //!
-//! `cargo bench -p voltet-editor -- [BLUNT_FIN.vtu [LARGER.vtu]]`: with an array `density`; without files the wavelet stands in.
+//! `cargo bench -p voltet-editor -- [BLUNT_FIN.vtu [POST.vtu]]`: VTK's example data, with an array `density` the one and `energy`
+//! the other; without files the wavelet stands in.
 
 use eframe::egui::{Context, Pos2, RawInput, Rect, vec2};
 use std::path::{Path, PathBuf};
@@ -70,17 +71,17 @@ fn interface() {
     row("a frame of the interface, 200 nodes in view (median of 60)", times[30], 16.0);
 }
 
-/// A pipeline over a file, or the wavelet.
+/// A pipeline over an array of a file, or the wavelet.
 fn pipeline(
-    file: Option<&Path>,
+    file: Option<(&Path, &str)>,
     centre: [f64; 2],
     sigma: [f64; 2],
     eye: [f64; 3],
     target: [f64; 3],
 ) -> Vec<NodeEntry> {
     let source = match file {
-        Some(file) => {
-            format!("type = \"reader\"\nscalar = \"density\"\npath = {:?}", file.display().to_string())
+        Some((file, scalar)) => {
+            format!("type = \"reader\"\nscalar = {scalar:?}\npath = {:?}", file.display().to_string())
         }
         None => "type = \"wavelet\"\nresolution = [32, 32, 32]".into(),
     };
@@ -95,7 +96,10 @@ fn pipeline(
 
 fn blunt_fin(file: Option<&Path>) -> Vec<NodeEntry> {
     match file {
-        Some(_) => pipeline(file, [1.6, 0.8], [0.05, 0.3], [0.0, -12.0, 6.0], [3.0, 0.0, 1.5]),
+        Some(file) => {
+            let of = Some((file, "density"));
+            pipeline(of, [1.6, 0.8], [0.05, 0.3], [0.0, -12.0, 6.0], [3.0, 0.0, 1.5])
+        }
         None => pipeline(None, [150.0, 20.0], [60.0, 40.0], [-28.0, -38.0, 24.0], [0.0; 3]),
     }
 }
@@ -189,7 +193,11 @@ fn drawing(file: Option<&Path>) {
 
 fn opening(file: Option<&Path>) {
     let nodes = match file {
-        Some(_) => pipeline(file, [400.0, 50.0], [100.0, 200.0], [-60.0, -60.0, 60.0], [0.0, 0.0, 0.0]),
+        // The boundary that `voltet start` finds with the most area, seen from where it looks.
+        Some(file) => {
+            let of = Some((file, "energy"));
+            pipeline(of, [2.5, 0.5], [0.05, 0.35], [-19.8, -32.0, 51.4], [-1.0, 0.4, 2.4])
+        }
         None => pipeline(None, [150.0, 20.0], [60.0, 40.0], [-28.0, -38.0, 24.0], [0.0; 3]),
     };
     let begun = Instant::now();

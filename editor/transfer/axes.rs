@@ -7,7 +7,8 @@ use super::{TransferPanel, volume_of};
 use crate::scene::Scene;
 use eframe::egui::{Key, ScrollArea, TextEdit, Ui};
 use std::collections::BTreeMap;
-use voltet_core::graph::{Quantity, Setting};
+use voltet_core::graph::{NodeEntry, Quantity, Setting};
+use voltet_document::links::{self, upstream};
 
 /// Width of one list, and the most of its height, points.
 const WIDTH: f32 = 230.0;
@@ -64,14 +65,34 @@ impl TransferPanel {
 
 /// What an axis may be, in words: with what it is and its range, where the data have it.
 fn choices(ui: &Ui, scene: &Scene, look: &Look) -> Vec<(Quantity, String)> {
+    let nodes = &scene.document.pipeline().nodes;
     let source = volume_of(scene, &look.node.name);
-    let source = source.as_deref().and_then(|source| source.split('.').next());
+    let source = source.as_deref().map(|source| links::source(source, nodes).0);
     let of_data = source.map(|node| scene.arrays.of(ui.ctx(), scene, node)).unwrap_or_default();
     let named = look.list.iter().filter_map(Setting::table).flat_map(drawn::arrays);
     let mut arrays: BTreeMap<String, String> = named.map(|name| (name.clone(), name)).collect();
     arrays.extend(of_data.iter().map(|array| (array.name.clone(), array.label.clone())));
     let named = S_AND_G.into_iter().map(|axis| (axis.clone(), axis_name(&axis)));
     named.chain(arrays.into_iter().map(|(name, label)| (Quantity::Array(name), label))).collect()
+}
+
+/// An axis with what it is: s is the array that the reader reads for it, where one does.
+pub(super) fn axis_title(scene: &Scene, look: &str, axis: &Quantity) -> String {
+    match axis {
+        Quantity::Named("s") => {
+            let source = volume_of(scene, look);
+            let nodes = &scene.document.pipeline().nodes;
+            let feeding = source.map(|source| upstream(nodes, links::source(&source, nodes).0));
+            let reads = |node: &&NodeEntry| feeding.as_ref().is_some_and(|names| names.contains(&node.name));
+            let scalar = |node: &NodeEntry| {
+                let stated = node.settings.iter().find(|field| field.name == "scalar")?;
+                Some(format!("s = {}", stated.setting.text()?))
+            };
+            nodes.iter().filter(reads).find_map(scalar).unwrap_or_else(|| "s".into())
+        }
+        Quantity::Named("g") => "g = |grad s|".into(),
+        Quantity::Array(_) | Quantity::Named(_) | Quantity::Per(..) => axis_name(axis),
+    }
 }
 
 /// A quantity as an axis names it.

@@ -56,7 +56,7 @@ pub(super) fn widget(
     is_hidden: bool,
 ) {
     let (dark, is_chosen) = (ui.visuals().dark_mode, handles.is_some());
-    let base = color(widget.color);
+    let base = theme::readable(color(widget.color), dark);
     let base = if is_hidden { base.gamma_multiply(0.35) } else { base };
     let stroke = Stroke::new(if is_chosen { 2.2 } else { 1.4 }, base);
     let painter = ui.painter().with_clip_rect(plane.rect.expand(1.0));

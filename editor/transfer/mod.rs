@@ -37,7 +37,7 @@ use crate::actions::Actions;
 use crate::scene::Scene;
 use crate::theme;
 use crate::worker::short;
-use axes::axis_name;
+use axes::{axis_name, axis_title};
 use drag::Drag;
 use drawn::Drawn;
 use eframe::egui::{self, Align2, FontId, Rect, Sense, Stroke, Ui, pos2, vec2};
@@ -262,8 +262,8 @@ impl TransferPanel {
         if self.by_keyboard {
             ui.painter().rect_stroke(rect, 0.0, Stroke::new(2.0, theme::accent(dark)));
         }
-        let [x, y] = self.axes.each_ref().map(axis_name);
-        plane::axes(ui, plane, [&x, if y == "g" { "g = |grad s|" } else { &y }]);
+        let [x, y] = self.axes.each_ref().map(|axis| axis_title(scene, &look.node.name, axis));
+        plane::axes(ui, plane, [&x, &y]);
         if let Some(probed) = look.probed.as_ref().filter(|_| look.is_of_s_and_g()) {
             draw::probed(ui, plane, probed);
         }

@@ -240,7 +240,11 @@ pub fn short(x: f64) -> String {
             false => text,
         }
     } else {
-        format!("{x:.3e}")
+        let text = format!("{x:.3e}");
+        match text.split_once('e') {
+            Some((digits, power)) => format!("{}e{power}", digits.trim_end_matches('0').trim_end_matches('.')),
+            None => text,
+        }
     }
 }
 

@@ -66,10 +66,8 @@ impl Shape for Curve {
             };
             for i in 0..PIECES {
                 let t = (f64::from(i) + 0.5) / f64::from(PIECES);
-                let mut shade = color([0, 1, 2].map(|k: usize| a.color[k] + t * (b.color[k] - a.color[k])));
-                if pen.dark && shade.r().max(shade.g()).max(shade.b()) < 60 {
-                    shade = theme::weak(pen.dark);
-                }
+                let mixed = [0, 1, 2].map(|k: usize| a.color[k] + t * (b.color[k] - a.color[k]));
+                let shade = theme::readable(color(mixed), pen.dark);
                 pen.painter.line_segment([along(i), along(i + 1)], Stroke::new(width, shade));
             }
         }
