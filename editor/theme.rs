@@ -121,7 +121,8 @@ mod tests {
 
     #[test]
     fn colours_are_told_from_the_ground_and_others_stay_as_they_are() {
-        let luma = |c: Color32| 0.299 * f32::from(c.r()) + 0.587 * f32::from(c.g()) + 0.114 * f32::from(c.b());
+        let luma =
+            |c: Color32| 0.299 * f32::from(c.r()) + 0.587 * f32::from(c.g()) + 0.114 * f32::from(c.b());
         for color in [Color32::BLACK, Color32::from_rgb(10, 0, 60), Color32::from_rgb(60, 0, 0)] {
             assert!(luma(readable(color, true)) > 85.0 && readable(color, false) == color, "{color:?}");
         }

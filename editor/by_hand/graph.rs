@@ -96,10 +96,10 @@ fn a_box_selects_and_a_click_on_the_ground_takes_it_back() {
     let mut hand = Hand::new(TEXT);
     let (first, last) =
         (hand.editor.graph.frame_of("look").unwrap(), hand.editor.graph.frame_of("view").unwrap());
-    hand.drag(last.max + vec2(30.0, 60.0), first.min - vec2(6.0, 6.0));
+    hand.drag(last.max + vec2(30.0, 40.0), first.min - vec2(6.0, 6.0));
     let selected = hand.editor.selection.clone();
     assert!(selected.contains("look") && selected.contains("view"), "{selected:?}");
-    hand.click(last.max + vec2(40.0, 70.0));
+    hand.click(last.max + vec2(40.0, 40.0));
     assert!(hand.editor.selection.is_empty(), "{:?}", hand.editor.selection);
     hand.click(title(&hand, "look"));
     assert_eq!(hand.editor.selection.iter().collect::<Vec<_>>(), ["look"]);

@@ -28,6 +28,7 @@ use package::{NoTemplates, State, Written};
 use places::{Places, Port};
 use std::collections::HashMap;
 use std::rc::Rc;
+use std::time::Duration;
 pub(crate) use things::Thing;
 use things::{Carried, Writing};
 use wires::InHand;
@@ -40,6 +41,10 @@ const NEAR: f32 = 11.0;
 
 /// Height of the letters of names where others are left out, points.
 const LEAST_LETTERS: f32 = 9.0;
+
+/// How long a pointer rests before it is told what it points at, seconds. Words that come
+/// while it moves would lie under it in their first frame, and take the press.
+const REST: f64 = 0.25;
 
 /// A drag of nodes: where they were, and how far it went.
 type Dragged = (Vec<(String, [f64; 2])>, Vec2);
@@ -64,6 +69,8 @@ pub(crate) struct GraphView {
     menu: Option<Menu>,
     /// The menu is to be opened at the pointer.
     asked: bool,
+    /// Where the pointer is, and since when.
+    rests: Option<(egui::Pos2, f64)>,
     /// The style that the package's scaled one was made of.
     styled: Option<(f32, bool)>,
 }
@@ -85,6 +92,7 @@ impl Default for GraphView {
             wire: None,
             menu: None,
             asked: false,
+            rests: None,
             styled: None,
         }
     }
@@ -211,7 +219,11 @@ impl GraphView {
             self.asked = true;
         }
         let id = ui.id().with("words");
-        let still = ui.input(|input| input.pointer.velocity().length() < 60.0 && !input.pointer.any_down());
+        let (now, is_down) = ui.input(|input| (input.time, input.pointer.any_down()));
+        let since = self.rests.filter(|(place, _)| *place == at && !is_down).map_or(now, |(_, since)| since);
+        self.rests = Some((at, since));
+        let left = REST - (now - since);
+        let still = left <= 0.0 && !is_down;
         let words = match (port, node) {
             (Some(port), _) => Some(joining::in_words(scene, &port)),
             (None, Some(name)) => {
@@ -220,6 +232,9 @@ impl GraphView {
             }
             (None, None) => None,
         };
+        if words.is_some() && !still && !is_down {
+            ui.ctx().request_repaint_after(Duration::from_secs_f64(left));
+        }
         if let Some(words) = words.filter(|_| still) {
             egui::show_tooltip_at_pointer(ui.ctx(), ui.layer_id(), id, |ui| {
                 ui.set_max_width(320.0);

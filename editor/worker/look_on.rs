@@ -242,7 +242,9 @@ pub fn short(x: f64) -> String {
     } else {
         let text = format!("{x:.3e}");
         match text.split_once('e') {
-            Some((digits, power)) => format!("{}e{power}", digits.trim_end_matches('0').trim_end_matches('.')),
+            Some((digits, power)) => {
+                format!("{}e{power}", digits.trim_end_matches('0').trim_end_matches('.'))
+            }
             None => text,
         }
     }
