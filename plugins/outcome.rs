@@ -18,11 +18,13 @@ pub(crate) struct Said {
     pub code: i32,
     pub error: Option<String>,
     pub fallbacks: Vec<Fallback>,
+    /// It wrote beyond the end of the gradient.
+    pub overran: bool,
 }
 
 impl Said {
     pub fn new(code: i32, state: &State) -> Said {
-        Said { code, error: state.error(), fallbacks: state.fallbacks() }
+        Said { code, error: state.error(), fallbacks: state.fallbacks(), overran: false }
     }
 }
 
@@ -49,6 +51,11 @@ impl Whose<'_> {
 
     /// What came of computing a gradient, with what was not written found out. `stopped`: whether the user asked for that.
     pub fn gradient(&self, grid: &Grid, said: Said, vectors: Vec<DVec3>, stopped: bool) -> Result<Gradient> {
+        if said.overran {
+            let error =
+                self.error("wrote beyond the end of the gradient: what else it wrote over is unknown");
+            return Err(error.accepted(format!("3 numbers for each of the {} points", grid.points.len())));
+        }
         match said.code {
             OK => {
                 let vectors = self.taken(grid, vectors)?;

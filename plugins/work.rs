@@ -12,6 +12,9 @@ use voltet_core::glam::DVec3;
 use voltet_core::grid::{Array, Grid, Rows, cells_of_points, points_of_points};
 use voltet_core::parameters::Parameters;
 
+/// Vectors behind the last, which nobody may write: those who miscount by a few are found.
+const BEYOND: usize = 64;
+
 /// What a filter is given: owned, or shared, so that a call that never ends harms nobody.
 pub(crate) struct Given {
     /// Points and tetrahedra.
@@ -61,11 +64,12 @@ impl Given {
         let arrays: Vec<*const f64> = self.arrays.iter().map(values_of).collect();
         let pointers = self.values.pointers();
         let values: Values = self.values.by(&pointers);
-        let mut vectors = vec![DVec3::splat(UNSET); self.grid.points.len()];
+        let point_count = self.grid.points.len();
+        let mut vectors = vec![DVec3::splat(UNSET); point_count + BEYOND];
         let call = Call {
             size: size_of::<Call>() as u32,
             reserved: 0,
-            point_count: self.grid.points.len() as u64,
+            point_count: point_count as u64,
             cell_count: self.grid.tetrahedra.len() as u64,
             // Three doubles a point and four numbers a cell, side by side.
             points: self.grid.points.as_ptr().cast(),
@@ -81,7 +85,10 @@ impl Given {
         };
         // SAFETY: the plug-in's own function; what it is given lives through the call and has the sizes stated.
         let code = unsafe { function(&call, &state.host()) };
-        (Said::new(code, state), vectors)
+        let is_unset = |v: &DVec3| v.to_array().iter().all(|x| x.to_bits() == UNSET.to_bits());
+        let overran = !vectors[point_count..].iter().all(is_unset);
+        vectors.truncate(point_count);
+        (Said { overran, ..Said::new(code, state) }, vectors)
     }
 }
 

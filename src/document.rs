@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use voltet_core::graph::{Graph, NamedPath, Registry, suggest};
 use voltet_core::pipeline::{Pipeline, locate};
 use voltet_core::{Error, Result};
-use voltet_nodes::provenance::{self, DataFile, Provenance};
+use voltet_nodes::provenance::{self, DataFile, PluginOf, Provenance};
 
 /// A pipeline, read and checked.
 #[derive(Debug)]
@@ -57,7 +57,9 @@ impl Document {
         let mut pipeline = Pipeline::parse(&text).map_err(located)?;
         options.iter().try_for_each(|option| pipeline.set(option)).map_err(located)?;
         let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
-        let mut graph = Graph::build(&pipeline.nodes, registry, folder).map_err(located)?;
+        let mut graph = Graph::build(&pipeline.nodes, registry, folder)
+            .map_err(|error| with_plugins(error, carried.as_ref()))
+            .map_err(located)?;
         graph.stated = stated(&text, options, &pipeline, registry).map_err(located)?;
         Ok(Document { path: path.to_path_buf(), text, pipeline, graph, carried })
     }
@@ -101,6 +103,22 @@ impl Document {
         changed.collect()
     }
 
+    /// Of a picture: plug-ins that are not those that it was drawn with.
+    pub fn changed_plugins(&self) -> Vec<Error> {
+        let drawn_with = self.carried.iter().flat_map(|carried| &carried.plugins);
+        let changed = drawn_with.filter_map(|then| {
+            let now = self.graph.node(&then.node)?.method.as_ref()?.plugin()?;
+            let is_same = (&now.name, &now.version, now.bytes) == (&then.name, &then.version, then.bytes);
+            (!is_same).then(|| {
+                Error::usage("the picture was drawn with another plug-in than is loaded now")
+                    .found(format!("{now}, version {}, {} bytes", now.version, now.bytes))
+                    .accepted(format!("{}, or no such picture as before", in_words(then)))
+                    .at_node(&then.node)
+            })
+        });
+        changed.collect()
+    }
+
     /// The data files that are read, each with the node that does, and how it was when the picture was drawn.
     fn data(&self) -> impl Iterator<Item = (&str, NamedPath, Option<&DataFile>)> {
         let nodes = self.carried.iter().flat_map(|_| &self.graph.order).map(|&i| &self.graph.nodes[i]);
@@ -111,6 +129,23 @@ impl Document {
             (node.name.as_str(), named, former)
         })
     }
+}
+
+/// An error of a picture's pipeline, with the plug-ins that it was drawn with: one may be missing.
+fn with_plugins(error: Error, carried: Option<&Provenance>) -> Error {
+    let plugins: Vec<String> = carried.iter().flat_map(|carried| &carried.plugins).map(in_words).collect();
+    match (plugins.is_empty(), error.accepted.clone()) {
+        (false, Some(accepted)) => {
+            error.accepted(format!("{accepted}; the picture was drawn with the {}", plugins.join(", ")))
+        }
+        _ => error,
+    }
+}
+
+/// "plug-in 'name' (path), version 1.0, 16000 bytes".
+fn in_words(plugin: &PluginOf) -> String {
+    let PluginOf { name, path, version, bytes, .. } = plugin;
+    format!("plug-in '{name}' ({path}), version {version}, {bytes} bytes")
 }
 
 /// " (12 bytes, of 2026-11-22T14:51:03Z, when the picture was drawn)".

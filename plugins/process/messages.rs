@@ -144,6 +144,7 @@ impl Answer {
             }
             Answer::Said(said) => {
                 body.number(said.code as u64);
+                body.number(u64::from(said.overran));
                 body.optional(said.error.as_ref(), |body, text| body.text(text));
                 body.number(said.fallbacks.len() as u64);
                 for fallback in &said.fallbacks {
@@ -177,11 +178,12 @@ impl Answer {
             FAILED => Some(Answer::Failed([reader.text()?, reader.text()?, reader.text()?])),
             SAID => {
                 let code = reader.number()? as i32;
+                let overran = reader.number()? == 1;
                 let error = reader.optional(Reader::text)?;
                 let fallback = |reader: &mut Reader| {
                     Some(Fallback { what: reader.text()?, point_count: reader.number()? })
                 };
-                Some(Answer::Said(Said { code, error, fallbacks: reader.list(fallback)? }))
+                Some(Answer::Said(Said { code, error, fallbacks: reader.list(fallback)?, overran }))
             }
             _ => None,
         };

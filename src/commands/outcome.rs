@@ -27,7 +27,8 @@ pub fn code(error: &Error) -> u8 {
 
 /// Shows the graph's own warnings, and what is no longer as a picture says.
 pub fn warn(document: &Document) {
-    for warning in document.graph.warnings.iter().cloned().chain(document.changed_data()) {
+    let changed = document.changed_data().into_iter().chain(document.changed_plugins());
+    for warning in document.graph.warnings.iter().cloned().chain(changed) {
         let located = document.locate(warning);
         present::say(&present::warning(&located, Some(&document.text)));
     }

@@ -133,6 +133,7 @@ fn what_a_filter_gives_wrongly_is_said() {
     said("error", &["says: found cell 12 has no volume", "node 'gradient'"]);
     said("mute", &["failed and did not say why: found code 77"]);
     said("stopped", &["stopped, and nobody asked it to"]);
+    said("beyond", &["wrote beyond the end of the gradient", "3 numbers for each of the 64 points"]);
     for fault in ["nan", "infinite", "huge"] {
         said(fault, &["gave a vector that is not finite", "at point 1"]);
     }
@@ -215,6 +216,27 @@ fn a_crash_is_said_to_be_the_plugins_and_stays_in_a_process_of_its_own() {
     );
 }
 
+#[cfg(unix)]
+#[test]
+fn an_exception_that_leaves_a_plugin_is_said_to_be_its() {
+    let folder = Folder::new();
+    let method = "method = \"throwing\"";
+    folder.write("slab.toml", slab("").replace("method = \"faulty\"\nfault = \"\"", method));
+    let source = compilers::source("tests/plugins/throws.cpp");
+    for (place, in_filter) in [(1, true), (2, true), (3, false)] {
+        let option = format!("-DWHERE={place}");
+        if compilers::library(folder.path(), "filter.so", std::slice::from_ref(&source), &[&option]).is_none()
+        {
+            return;
+        }
+        let ran = folder.voltet(&[&LOADED[..], &["slab.toml"]].concat());
+        let whose = if in_filter { "in the gradient filter 'throwing'" } else { "while it was loaded" };
+        ran.fails(1, &["a crash (SIGABRT, it gave up, by an exception perhaps)", whose, "(filter.so)"]);
+        let ran = folder.voltet(&[&LOADED[..], &["slab.toml", "--plugin-process"]].concat());
+        ran.fails(if in_filter { 1 } else { 2 }, &["crashed with signal 6 (SIGABRT)", "filter.so"]);
+    }
+}
+
 /// Starts a run, stops it after a while, and gives its message with the seconds that stopping took.
 #[cfg(unix)]
 fn stopped(folder: &Folder, options: &[&str]) -> (String, f64) {
@@ -246,6 +268,17 @@ fn a_filter_that_never_ends_is_given_up() {
     ] {
         assert!(said.contains(text), "{said}");
     }
+    // The second Ctrl-C ends it at once.
+    let mut command = folder.command(&[&LOADED[..], &["slab.toml"]].concat());
+    let mut child = command.stderr(std::process::Stdio::null()).spawn().unwrap();
+    std::thread::sleep(Duration::from_millis(1500));
+    let start = Instant::now();
+    for _ in 0..2 {
+        std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+        std::thread::sleep(Duration::from_millis(300));
+    }
+    assert_eq!(child.wait().unwrap().code(), Some(1));
+    assert!(start.elapsed() < Duration::from_millis(2500), "{:?}", start.elapsed());
     let (said, seconds) = stopped(&folder, &["--plugin-process"]);
     assert!(said.contains("the run was stopped") && seconds < 2.5, "{seconds} s: {said}");
 }

@@ -77,8 +77,8 @@ fn what_plugins_declare_and_give_at_random_is_refused_or_right() {
     let options = ["-D_GNU_SOURCE", "-ldl"];
     let Some(library) = compilers::library(folder.path(), "whole.so", &[source()], &options) else { return };
     let (mut tally, grid) = (Tally::default(), grid());
-    // A library stays loaded, and a process maps some 65,000 pieces at most.
-    for seed in 0..count(300).min(3000) {
+    // A library stays loaded, in five pieces, and a process has some 65,000 at most.
+    for seed in 0..count(300).min(10_000) {
         let name = format!("random-{seed}.so");
         let path = copy(folder.path(), &library, &name);
         tried(&mut tally, &grid, voltet_plugins::load(&path), &name);

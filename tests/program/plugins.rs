@@ -77,6 +77,73 @@ fn a_filter_that_is_not_loaded_is_unknown_and_the_plugins_are_named() {
 }
 
 #[test]
+fn a_picture_says_which_plugin_drew_it_and_when_another_would() {
+    let Some(folder) = folder() else { return };
+    let with = ["--plugin", "filter.so"];
+    folder.voltet(&["run", "slab.toml", with[0], with[1]]).ok();
+    let again = ["run", "slab.exr", "--set", "file.path=again.exr", with[0], with[1]];
+    assert_eq!(folder.voltet(&again).ok().stderr, "");
+    folder
+        .voltet(&again[..4])
+        .fails(2, &["unknown gradient filter", "drawn with the plug-in 'least squares in C' (filter.so)"]);
+    let source = std::fs::read_to_string(compilers::source("examples/plugin_c/least_squares.c")).unwrap();
+    assert!(source.contains("\"1.0.0\""));
+    folder.write("other.c", source.replace("\"1.0.0\"", "\"2.0\""));
+    compilers::library(folder.path(), "filter.so", &[folder.join("other.c")], &[]);
+    let said = folder.voltet(&again).ok().stderr;
+    for text in [
+        "warning: the picture was drawn with another plug-in",
+        "version 2.0",
+        "version 1.0.0",
+        "node 'gradient'",
+    ] {
+        assert!(said.contains(text), "{said}");
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn the_commands_of_the_page_do_what_it_says() {
+    let Some(folder) = folder() else { return };
+    let page = std::fs::read_to_string(compilers::source("docs/plugins.md")).unwrap();
+    let commands = page.split("```sh\n").skip(1).flat_map(|block| block.split("```").next().unwrap().lines());
+    for name in ["pipelines", "include", "examples", "data"] {
+        std::os::unix::fs::symlink(compilers::source(name), folder.join(name)).unwrap();
+    }
+    let mut count = 0;
+    for command in commands.map(|line| line.split(" #").next().unwrap().trim()) {
+        let words: Vec<&str> = command.split_whitespace().collect();
+        match words[0] {
+            // Pictures go beside, and small ones are enough.
+            "voltet" => {
+                let small = [
+                    "--set",
+                    "view.size=[8,6]",
+                    "--set",
+                    "file.path=/dev/null",
+                    "--set",
+                    "picture.engine=cpu",
+                ];
+                let rest = if words[1] == "run" { &small[..] } else { &[] };
+                folder.voltet(&[&words[1..], rest].concat()).ok();
+                count += 1;
+            }
+            compiler => {
+                let sources =
+                    words.iter().filter(|word| [".c", ".cpp", ".f90"].iter().any(|end| word.ends_with(end)));
+                let sources: Vec<_> = sources.map(|path| compilers::source(path)).collect();
+                assert!(["cc", "c++", "gfortran"].contains(&compiler), "{command}");
+                if compilers::library(folder.path(), "compiled.so", &sources, &[]).is_some() {
+                    folder.voltet(&["nodes", "--plugin", "compiled.so"]).ok();
+                }
+                count += 1;
+            }
+        }
+    }
+    assert_eq!(count, 8);
+}
+
+#[test]
 fn the_users_own_file_names_plugins() {
     let Some(folder) = folder() else { return };
     let configuration = folder.join("configuration");

@@ -1,7 +1,7 @@
 //! Gradient filters that a node names: their parameters beside its own, what they read, and what is refused.
 
 use super::*;
-use crate::field::{Gradient, GradientFilter};
+use crate::field::{Gradient, GradientFilter, Plugin};
 use crate::grid::Array;
 use crate::grid::generate::{box_of_tetrahedra, with_scalar};
 use crate::progress::Progress;
@@ -130,12 +130,17 @@ fn registry() -> Registry {
     registry
 }
 
-/// The graph of a slope node with these keys.
-fn graph(keys: &str) -> Result<Graph> {
-    let text = format!(
+/// A pipeline with these keys of a slope node.
+fn text(keys: &str) -> String {
+    format!(
         "[pipeline]\nformat = 1\n[nodes.cube]\ntype = \"cube\"\n[nodes.slope]\ntype = \"slope\"\n\
          inputs = {{ grid = \"cube\" }}\n{keys}\n[nodes.sink]\ntype = \"sink\"\ninputs = {{ volume = \"slope\" }}\n"
-    );
+    )
+}
+
+/// Its graph.
+fn graph(keys: &str) -> Result<Graph> {
+    let text = text(keys);
     let graph = Pipeline::parse(&text)?.graph(&registry(), PathBuf::new());
     graph.map_err(|error| crate::pipeline::locate(error, &text, "f".as_ref()))
 }
@@ -158,6 +163,44 @@ fn a_filter_s_parameters_stand_beside_the_node_s_and_a_change_runs_it_again() {
     let parameters = &built.node("slope").unwrap().parameters;
     let shown: Vec<(&str, bool)> = parameters.iter().map(|(p, _, given)| (p.name, given)).collect();
     assert_eq!(shown, [("method", true), ("limit", false), ("factor", true), ("weights", false)]);
+}
+
+/// A filter of a plug-in, of which there are several versions: gives (version, 0, 0) everywhere.
+struct OfPlugin(Plugin);
+
+impl GradientFilter for OfPlugin {
+    fn declaration(&self) -> Kind {
+        Kind { name: "foreign", summary: "Its version along x.", parameters: &[] }
+    }
+
+    fn plugin(&self) -> Option<&Plugin> {
+        Some(&self.0)
+    }
+
+    fn gradient(&self, grid: &Grid, _: &[f64], _: &Parameters, _: &dyn Progress) -> Result<Gradient> {
+        let version: f64 = self.0.version.parse().unwrap();
+        Ok(Gradient { vectors: vec![DVec3::X * version; grid.points.len()], fallbacks: Vec::new() })
+    }
+}
+
+#[test]
+fn another_plugin_of_the_same_name_is_run_and_named() {
+    let mut session = session();
+    let mut found = |version: &str, bytes: u64| {
+        let mut registry = registry();
+        let (name, version, path) = ("plug-in".to_string(), version.to_string(), "filter.so".into());
+        let plugin = Plugin { name, version, path, bytes, modified: None };
+        registry.add_filter(Arc::new(OfPlugin(plugin.clone()))).unwrap();
+        let text = text("method = \"foreign\"");
+        let graph = Pipeline::parse(&text).unwrap().graph(&registry, PathBuf::new()).unwrap();
+        let report = session.run(&graph, &Unobserved).unwrap();
+        assert_eq!(report.origins.plugins, [("slope".to_string(), plugin)]);
+        (FOUND.with_borrow(|found| *found), runs())
+    };
+    assert_eq!(found("1", 10), (1.0, vec![("cube", 1), ("slope", 1)]));
+    assert_eq!(found("1", 10).1, []);
+    assert_eq!(found("2", 10), (2.0, vec![("slope", 1)]));
+    assert_eq!(found("2", 11), (2.0, vec![("slope", 1)]));
 }
 
 #[test]

@@ -140,3 +140,21 @@ fn the_program_as_it_ships_knows_neither_and_says_what_it_knows() {
     let known = "one of least-squares, quadratic-fit, volume-weighted, cell-average, array";
     assert!(filter.contains("unknown gradient filter 'weighted-fit'") && filter.contains(known), "{filter}");
 }
+
+#[test]
+fn filters_of_plugins_stand_beside_its_own() {
+    use voltet_testing::compilers;
+    let folder = folder(&with("method = \"c-least-squares\""));
+    let source = compilers::source("examples/plugin_c/least_squares.c");
+    if compilers::library(folder.path(), "filter.so", &[source], &[]).is_none() {
+        return;
+    }
+    let small = ["--set", "view.size=[40,40]", "--set", "picture.engine=cpu"];
+    for own_process in [&[][..], &["--plugin-process"]] {
+        let options = ["run", "own.toml", "--plugin", "filter.so"];
+        let (code, _, stderr) = program(folder.path(), &[&options, &small[..], own_process].concat());
+        assert_eq!(code, 0, "{stderr}");
+    }
+    let (_, stdout, _) = program(folder.path(), &["nodes", "--plugin", "filter.so"]);
+    assert!(stdout.contains("weighted-fit") && stdout.contains("c-least-squares"), "{stdout}");
+}
