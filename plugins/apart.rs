@@ -1,5 +1,6 @@
 //! Work on a thread of its own, which can be given up: what a plug-in does not end, nobody can end for it.
 
+use std::panic::AssertUnwindSafe;
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::Duration;
 
@@ -16,7 +17,7 @@ pub(crate) enum Lost {
     GivenUp,
     /// The system has no thread for it.
     NoThread,
-    /// The thread ended without one.
+    /// The thread ended without one: a mistake of ours, which was shown.
     Ended,
 }
 
@@ -29,8 +30,11 @@ pub(crate) fn run<T: Send + 'static>(
     let (sender, receiver) = channel();
     let thread = std::thread::Builder::new().name("plug-in".into()).stack_size(STACK);
     let begun = thread.spawn(move || {
-        // Nobody may wait any more.
-        let _ = sender.send(work());
+        // An exception of another language ends the program here, before anybody takes the thread for ended.
+        if let Ok(outcome) = std::panic::catch_unwind(AssertUnwindSafe(work)) {
+            // Nobody may wait any more.
+            let _ = sender.send(outcome);
+        }
     });
     begun.map_err(|_| Lost::NoThread)?;
     // A thread of the pool must go on with the pool's work, which may be that of the plug-in.

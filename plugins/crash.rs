@@ -6,38 +6,27 @@ use voltet_core::field::Plugin;
 /// What is said if the program crashes now, by each plug-in that runs; null where a place is free.
 static SAID: [AtomicPtr<String>; 16] = [const { AtomicPtr::new(std::ptr::null_mut()) }; 16];
 
-/// While this is there, a crash is announced as the plug-in's.
-pub(crate) struct Guard(Option<(usize, *mut String)>);
-
-/// The plug-in runs. `when`: a clause such as "in the gradient filter 'x'".
-pub(crate) fn during(plugin: &Plugin, when: &str) -> Guard {
+/// Runs a part of the plug-in; a crash meanwhile is announced as its. `when`: a clause such as "in the gradient filter 'x'".
+///
+/// What unwinds out of it, an exception of another language, ends the program a little later: that is announced, too.
+pub(crate) fn during<T>(plugin: &Plugin, when: &str, work: impl FnOnce() -> T) -> T {
     install();
     let said = format!(
         " {when} of the {plugin}: the program ends\n |\n = help: expected a plug-in that does not crash; --plugin-process runs \
          it in a process of its own, which may\n"
     );
     let own = Box::into_raw(Box::new(said));
-    let free = |place: &&AtomicPtr<String>| {
+    let is_free = |place: &&AtomicPtr<String>| {
         place.compare_exchange(std::ptr::null_mut(), own, Ordering::SeqCst, Ordering::SeqCst).is_ok()
     };
-    match SAID.iter().enumerate().find(|(_, place)| free(place)) {
-        Some((place, _)) => Guard(Some((place, own))),
-        None => {
-            // SAFETY: made above, and nobody else has it.
-            drop(unsafe { Box::from_raw(own) });
-            Guard(None)
-        }
+    let place = SAID.iter().find(is_free);
+    let outcome = work();
+    if let Some(place) = place {
+        place.store(std::ptr::null_mut(), Ordering::SeqCst);
     }
-}
-
-impl Drop for Guard {
-    fn drop(&mut self) {
-        if let Some((place, own)) = self.0 {
-            SAID[place].store(std::ptr::null_mut(), Ordering::SeqCst);
-            // SAFETY: made by `during` and taken back once; a handler that reads it still ends the program.
-            drop(unsafe { Box::from_raw(own) });
-        }
-    }
+    // SAFETY: made above and taken back once; a handler that reads it still ends the program.
+    drop(unsafe { Box::from_raw(own) });
+    outcome
 }
 
 #[cfg(not(unix))]

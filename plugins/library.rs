@@ -9,7 +9,7 @@ use crate::image;
 use crate::interface::{Check, Deinit, ENTRY, Entry, GRADIENT_FILTERS, Gradient, GradientFactory, MAJOR};
 use std::ffi::CString;
 use std::mem::ManuallyDrop;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 use voltet_core::field::Plugin;
@@ -41,9 +41,8 @@ pub(crate) struct Filter {
 impl Drop for Library {
     fn drop(&mut self) {
         if let Some(deinit) = self.deinit {
-            let _guard = crash::during(&self.plugin, "while it ended (deinit)");
             // SAFETY: init was carried out, and no function of the plug-in runs: each holds this library.
-            unsafe { deinit() };
+            crash::during(&self.plugin, "while it ended (deinit)", || unsafe { deinit() });
         }
     }
 }
@@ -62,9 +61,10 @@ pub(crate) fn load(path: &Path) -> Result<(Library, Vec<Filter>)> {
     image::check(path).map_err(failed)?;
     let whole = std::fs::canonicalize(path).map_err(|error| failed(error.to_string()))?;
     let start = Instant::now();
-    let given = path.to_path_buf();
     // Compilers can make a library change how its thread rounds; so that thread is none of ours.
-    let begun = apart::run(move || open(&whole, stated, given), || start.elapsed() < PATIENCE);
+    let nameless = Plugin { name: file_name(path), ..stated };
+    let open = move || crash::during(&nameless, "while it was loaded", || open(&whole, &nameless));
+    let begun = apart::run(open, || start.elapsed() < PATIENCE);
     match begun {
         Ok(outcome) => outcome.map_err(failed),
         Err(Lost::GivenUp) => Err(failed(format!("it did not begin within {} s", PATIENCE.as_secs()))),
@@ -91,9 +91,7 @@ pub(crate) fn state_of(path: &Path) -> Result<Plugin> {
     })
 }
 
-fn open(whole: &Path, stated: Plugin, given: PathBuf) -> std::result::Result<(Library, Vec<Filter>), Wrong> {
-    let nameless = Plugin { name: file_name(&given), ..stated };
-    let _guard = crash::during(&nameless, "while it was loaded");
+fn open(whole: &Path, nameless: &Plugin) -> std::result::Result<(Library, Vec<Filter>), Wrong> {
     let loaded = ManuallyDrop::new(open_library(whole).map_err(|error| in_one_line(&error.to_string()))?);
     // SAFETY: the symbol is only taken for an address, and what is there read with care.
     let entry = unsafe { loaded.get::<*const Entry>(ENTRY.as_bytes()) };
@@ -116,7 +114,7 @@ fn open(whole: &Path, stated: Plugin, given: PathBuf) -> std::result::Result<(Li
         });
     }
     let [name, version] = describe::plugin(said)?;
-    let plugin = Plugin { name, version, path: given, ..nameless.clone() };
+    let plugin = Plugin { name, version, ..nameless.clone() };
     let busy = AtomicBool::new(false);
     // From here on it is ended properly.
     let library = Library { plugin, busy, deinit: entry.deinit, _loaded: loaded };

@@ -56,10 +56,7 @@ impl Native {
             std::thread::sleep(Duration::from_millis(5));
         }
         let (busy, name) = (Busy(self.library.clone()), self.filter.declared.kind.name);
-        let work = move || {
-            let _guard = crash::during(&busy.0.plugin, &format!("in the gradient filter '{name}'"));
-            work()
-        };
+        let work = move || crash::during(&busy.0.plugin, &format!("in the gradient filter '{name}'"), work);
         apart::run(work, waits)
     }
 
