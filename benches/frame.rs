@@ -109,7 +109,7 @@ fn measure(scene: &Subject, path: &Path) -> Result<()> {
     let (histogram_ms, _) = median(9, |_| histogram(&grid, [&scalar, &magnitude], axes, &Silent))?;
     println!("| histogram over (s, g), 256 × 256 bins | {histogram_ms:.1} |");
     let plain = Volume { grid: Arc::new(grid), scalar, gradient: None, gradient_magnitude: None };
-    let bivariate = Arc::new(Volume { gradient_magnitude: Some(magnitude), ..plain.clone() });
+    let bivariate = Arc::new(Volume { gradient_magnitude: Some(magnitude.into()), ..plain.clone() });
     let plain = Arc::new(plain);
     println!("\n| steady frame | size | cull | project | composite | whole, median ms | segments |");
     println!("| --- | --- | ---: | ---: | ---: | ---: | ---: |");

@@ -18,6 +18,7 @@ pub mod progress;
 pub mod reference;
 pub mod scene;
 pub mod shading;
+mod shared;
 pub mod transfer;
 pub mod visibility;
 pub mod volume;
@@ -25,3 +26,4 @@ pub mod volume;
 pub use error::{Error, Result};
 /// Vectors and matrices, in the version that the types here are made of.
 pub use glam;
+pub use shared::Shared;

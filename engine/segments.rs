@@ -94,10 +94,10 @@ fn volume(transfer_function: &TransferFunction, list: &[Segment]) -> Volume {
     };
     let point_arrays = transfer_function.fields().into_iter().enumerate().map(field).collect();
     Volume {
-        grid: Arc::new(Grid { points: Arc::new(points), point_arrays, ..Grid::default() }),
-        scalar: Arc::new(ends(0)),
+        grid: Arc::new(Grid { points: points, point_arrays, ..Grid::default() }),
+        scalar: ends(0),
         gradient: None,
-        gradient_magnitude: Some(Arc::new(ends(1))),
+        gradient_magnitude: Some(ends(1)),
     }
 }
 

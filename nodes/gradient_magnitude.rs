@@ -71,8 +71,8 @@ fn run(call: &mut Call) -> Result<Outputs> {
         if fallbacks > 0 {
             call.notes.counts.insert("gradient_fallbacks", fallbacks);
         }
-        volume.gradient_magnitude = wants_magnitude.then(|| Arc::new(magnitude(&gradient.vectors)));
-        volume.gradient = wants_vectors.then(|| Arc::new(gradient.vectors));
+        volume.gradient_magnitude = wants_magnitude.then(|| magnitude(&gradient.vectors).into());
+        volume.gradient = wants_vectors.then(|| gradient.vectors.into());
     }
     Ok(vec![Value::Volume(Arc::new(volume))])
 }

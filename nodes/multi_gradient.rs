@@ -134,7 +134,7 @@ fn run(call: &mut Call) -> Result<Outputs> {
         }
         gradients.push(gradient.vectors);
     }
-    let array = Array { component_count: 1, values: spectral_norms(&gradients) };
+    let array = Array { component_count: 1, values: spectral_norms(&gradients).into() };
     let mut grid = Grid::clone(&volume.grid);
     grid.point_arrays.insert(wish.name, Arc::new(array));
     volume.grid = Arc::new(grid);

@@ -7,6 +7,7 @@ mod no_leave_out;
 mod optional_inputs;
 
 use super::*;
+use crate::Shared;
 use crate::camera::{Camera, Projection as Rays};
 use crate::grid::Grid;
 use crate::picture::Picture;
@@ -58,7 +59,7 @@ const GRID: Node = Node {
     run: &|call| {
         count("grid");
         ASKED.with_borrow_mut(|asked| *asked = call.demand.clone());
-        let scalar = Some(Arc::new(vec![call.parameters.number("size")?]));
+        let scalar = Some(Shared::from(vec![call.parameters.number("size")?]));
         Ok(vec![Value::Grid(Arc::new(Grid { scalar, ..Grid::default() }))])
     },
     ..Node::BLANK

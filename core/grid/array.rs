@@ -1,10 +1,12 @@
 //! Values of points or cells.
 
+use crate::Shared;
+
 /// Values of one array, one tuple a point (or cell), components of a tuple side by side.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Array {
     /// Components of a tuple, at least 1.
     pub component_count: usize,
     /// `tuples × component_count` values.
-    pub values: Vec<f64>,
+    pub values: Shared<f64>,
 }

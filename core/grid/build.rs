@@ -8,6 +8,7 @@ use super::source::Source;
 use super::tally::{Tally, split_all, tally, tally_plain};
 use super::within::within;
 use super::{Grid, cell_values, clean};
+use crate::Shared;
 use crate::progress::Progress;
 use crate::{Error, Result};
 use rayon::prelude::*;
@@ -82,8 +83,8 @@ pub fn build(mut parts: Parts, options: &Options, progress: &dyn Progress) -> Re
     let numbers = clean::drop_unused_points(&mut parts, &mut tetrahedra)?;
     origin.warnings.extend(overlaps(&parts.points, &tetrahedra, source_cells.as_deref()));
     let mut grid = Grid {
-        points: Arc::new(parts.points),
-        tetrahedra: Arc::new(tetrahedra),
+        points: parts.points,
+        tetrahedra: Shared::from(tetrahedra),
         source_cells: source_cells.map(Arc::new),
         scalar: None,
         scalar_name: String::new(),
@@ -94,12 +95,12 @@ pub fn build(mut parts: Parts, options: &Options, progress: &dyn Progress) -> Re
     };
     if let Some((cells, points)) = file_cells.zip(file_points) {
         let same = numbers.is_none() && points.len() == grid.points.len();
-        let points = if same { grid.points.clone() } else { Arc::new(points) };
+        let points = if same { grid.points.clone() } else { points };
         grid.file_cells = Some(Arc::new(FileCells { cells, points, numbers, ghost, degrees }));
     }
     if let Some(scalar) = parts.scalar {
         grid.scalar_name = scalar.name;
-        grid.scalar = Some(Arc::new(scalar.values));
+        grid.scalar = Some(scalar.values);
     }
     match options.cell_values {
         CellValues::Average => cell_values::average(&mut grid, cell_values),
@@ -153,8 +154,8 @@ fn add_points(parts: &mut Parts, source: &Source) -> Result<()> {
             source.weights_of_added(i, |weights| weights.map(|(p, w)| parts.points[p as usize] * w).sum())
         })
         .collect::<Result<_>>()?;
-    parts.points.extend_from_slice(&points);
-    let interpolate = |values: &mut Vec<f64>, component_count: usize| -> Result<()> {
+    parts.points.make_mut().extend_from_slice(&points);
+    let interpolate = |values: &mut Shared<f64>, component_count: usize| -> Result<()> {
         let n = component_count.max(1);
         let mut added = vec![0.0; count * n];
         added.par_chunks_exact_mut(n).enumerate().try_for_each(|(i, tuple)| {
@@ -164,7 +165,7 @@ fn add_points(parts: &mut Parts, source: &Source) -> Result<()> {
                 }
             })
         })?;
-        values.extend_from_slice(&added);
+        values.make_mut().extend_from_slice(&added);
         Ok(())
     };
     if let Some(scalar) = parts.scalar.as_mut().filter(|s| s.association == Association::Point) {

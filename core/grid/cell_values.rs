@@ -2,6 +2,7 @@
 
 use super::parts::{Association, Parts, Scalar};
 use super::{Array, Grid, cells_of_points, tetrahedron_volume};
+use crate::Shared;
 use crate::{Error, Result};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -69,7 +70,7 @@ pub(super) fn average(grid: &mut Grid, cells: CellArrays) {
         .arrays
         .into_iter()
         .map(|(name, a)| {
-            let values = average(&a.values, a.component_count);
+            let values = average(&a.values, a.component_count).into();
             (name, Array { component_count: a.component_count, values })
         })
         .collect();
@@ -101,7 +102,7 @@ fn volumes_of_cells(grid: &Grid) -> Vec<f64> {
 fn set(grid: &mut Grid, scalar: Option<(String, Vec<f64>)>, arrays: Vec<(String, Array)>) {
     if let Some((name, values)) = scalar {
         grid.scalar_name = name;
-        grid.scalar = Some(Arc::new(values));
+        grid.scalar = Some(Shared::from(values));
     }
     for (name, array) in arrays {
         // A point array of the same name is the better one.
@@ -151,20 +152,20 @@ pub(super) fn keep_constant(grid: &mut Grid, cells: CellArrays) -> Result<()> {
             .accepted(format!("at most {} (or values averaged to the points)", u32::MAX)));
     }
     grid.file_cells = None;
-    grid.points = Arc::new(old_points.par_iter().map(|&p| grid.points[p as usize]).collect());
-    grid.tetrahedra = Arc::new(tetrahedra);
+    grid.points = old_points.par_iter().map(|&p| grid.points[p as usize]).collect::<Vec<_>>().into();
+    grid.tetrahedra = tetrahedra.into();
     let scalar_on_points = grid.scalar.take();
-    grid.scalar = scalar_on_points.map(|s| Arc::new(gather(&s, 1, &old_points)));
+    grid.scalar = scalar_on_points.map(|s| gather(&s, 1, &old_points).into());
     for array in grid.point_arrays.values_mut() {
         let n = array.component_count;
-        *array = Arc::new(Array { component_count: n, values: gather(&array.values, n, &old_points) });
+        *array = Arc::new(Array { component_count: n, values: gather(&array.values, n, &old_points).into() });
     }
     let scalar = cells.scalar.map(|s| (s.name, gather(&s.values, 1, &owners)));
     let arrays = cells
         .arrays
         .into_iter()
         .map(|(name, a)| {
-            let values = gather(&a.values, a.component_count, &owners);
+            let values = gather(&a.values, a.component_count, &owners).into();
             (name, Array { component_count: a.component_count, values })
         })
         .collect();

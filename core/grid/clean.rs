@@ -3,6 +3,7 @@
 use super::Array;
 use super::file_cells::UNUSED;
 use super::parts::{Association, Parts};
+use crate::Shared;
 use crate::{Error, Result};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -107,7 +108,8 @@ pub(super) fn drop_unused_points(parts: &mut Parts, tetrahedra: &mut [[u32; 4]])
 }
 
 /// Keeps the tuples that are used, in place.
-fn keep<T: Copy>(values: &mut Vec<T>, component_count: usize, used: &[bool]) {
+fn keep<T: Copy>(values: &mut Shared<T>, component_count: usize, used: &[bool]) {
+    let values = values.make_mut();
     let n = component_count.max(1);
     let mut at = 0;
     for (i, _) in used.iter().enumerate().filter(|&(_, &used)| used) {

@@ -2,6 +2,7 @@
 
 use super::parts::{Cells, Options, Parts};
 use super::{Grid, build, code};
+use crate::Shared;
 use crate::progress::Silent;
 use glam::DVec3;
 use std::sync::Arc;
@@ -21,7 +22,7 @@ pub fn box_of_tetrahedra(counts: [usize; 3], bounds: [DVec3; 2], jitter: f64) ->
 
 /// Gives a grid the scalar `field`, sampled at its points.
 pub fn with_scalar(mut grid: Grid, name: &str, field: impl Fn(DVec3) -> f64) -> Grid {
-    grid.scalar = Some(Arc::new(sample(&grid, field)));
+    grid.scalar = Some(Shared::from(sample(&grid, field)));
     grid.scalar_name = name.into();
     grid
 }

@@ -2,6 +2,7 @@
 
 use super::Array;
 use super::cells::CellSet;
+use crate::Shared;
 use glam::DVec3;
 use std::collections::BTreeMap;
 
@@ -56,14 +57,14 @@ pub struct Scalar {
     /// Where it sits.
     pub association: Association,
     /// One value a point or cell of the file.
-    pub values: Vec<f64>,
+    pub values: Shared<f64>,
 }
 
 /// What a reader hands over. Everything is in the file's own numbering.
 #[derive(Debug, Clone)]
 pub struct Parts {
     /// Positions, world units. May hold points that no cell uses.
-    pub points: Vec<DVec3>,
+    pub points: Shared<DVec3>,
     /// The cells.
     pub cells: Cells,
     /// One flag a cell: true leaves it out as a ghost (it is drawn by another piece) or a blanked cell.
@@ -91,9 +92,9 @@ pub struct Parts {
 
 impl Parts {
     /// Points and cells, without any values.
-    pub fn new(points: Vec<DVec3>, cells: Cells) -> Self {
+    pub fn new(points: impl Into<Shared<DVec3>>, cells: Cells) -> Self {
         Parts {
-            points,
+            points: points.into(),
             cells,
             ghost: None,
             scalar: None,

@@ -5,10 +5,10 @@
 //! shortest one is taken, which keeps cells from getting thin.
 
 use super::Grid;
+use crate::Shared;
 use crate::{Error, Result};
 use glam::DVec3;
 use rayon::prelude::*;
-use std::sync::Arc;
 
 /// A refined grid: points and tetrahedra alone, no values.
 #[derive(Debug, Clone)]
@@ -76,7 +76,7 @@ pub fn refine(grid: &Grid) -> Result<Refined> {
             eight(cell, &middle, &points)
         })
         .collect();
-    let grid = Grid { points: Arc::new(points), tetrahedra: Arc::new(tetrahedra), ..Grid::default() };
+    let grid = Grid { points: Shared::from(points), tetrahedra: Shared::from(tetrahedra), ..Grid::default() };
     Ok(Refined { grid, ends })
 }
 

@@ -3,6 +3,7 @@
 use super::array::Array;
 use super::extent;
 use super::file_cells::FileCells;
+use crate::Shared;
 use crate::{Error, Result};
 use glam::DVec3;
 use std::collections::BTreeMap;
@@ -12,14 +13,14 @@ use std::sync::Arc;
 #[derive(Debug, Clone, Default)]
 pub struct Grid {
     /// Point positions, world units.
-    pub points: Arc<Vec<DVec3>>,
+    pub points: Shared<DVec3>,
     /// Four point numbers a cell, **ascending** (orientation carries no meaning for a volume picture, and a
     /// canonical order makes neighbours treat a shared face alike).
-    pub tetrahedra: Arc<Vec<[u32; 4]>>,
+    pub tetrahedra: Shared<[u32; 4]>,
     /// For each tetrahedron the cell of the file it is a part of; `None`: tetrahedron i is cell i.
     pub source_cells: Option<Arc<Vec<u32>>>,
     /// The scalar that the reader was asked for, per point.
-    pub scalar: Option<Arc<Vec<f64>>>,
+    pub scalar: Option<Shared<f64>>,
     /// Its name as the user wrote it (`momentum:magnitude`).
     pub scalar_name: String,
     /// Further point arrays that somebody asked for (fields of gaussian-nd widgets, a solver's own gradient).

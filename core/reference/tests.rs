@@ -1,6 +1,7 @@
 //! Anchors: exact segments, the fixtures' 20-digit values, and pictures whose truth is a formula.
 
 use super::*;
+use crate::Shared;
 use crate::camera::{Camera, Projection};
 use crate::grid::generate::{box_of_tetrahedra, sample};
 use crate::progress::Silent;
@@ -37,7 +38,7 @@ fn segment(length: f64, front: f64, back: f64) -> Segment<'static> {
 fn cube(counts: [usize; 3], scale: f64, offset: DVec3) -> Volume {
     let grid = box_of_tetrahedra(counts, [offset, offset + DVec3::splat(scale)], 0.0);
     let scalar = sample(&grid, |p| (p.x - offset.x) / scale);
-    Volume { grid: Arc::new(grid), scalar: Arc::new(scalar), gradient: None, gradient_magnitude: None }
+    Volume { grid: Arc::new(grid), scalar: Shared::from(scalar), gradient: None, gradient_magnitude: None }
 }
 
 /// In exact order.
@@ -150,7 +151,7 @@ fn eye_inside_and_near_plane() {
 #[test]
 fn silhouette_and_light() {
     let mut volume = cube([2, 2, 2], 1.0, DVec3::ZERO);
-    volume.gradient = Some(Arc::new(vec![DVec3::X * 3.0; volume.scalar.len()]));
+    volume.gradient = Some(Shared::from(vec![DVec3::X * 3.0; volume.scalar.len()]));
     let half = std::f64::consts::FRAC_1_SQRT_2;
     for (eye, facing) in [(DVec3::new(0.5, -2.0, 0.5), 0.0), (DVec3::new(2.5, -1.5, 0.5), half)] {
         let view = Camera { eye, target: DVec3::splat(0.5), ..camera(1.0, DVec3::ZERO, [1, 1]) };
@@ -228,7 +229,7 @@ fn crossings_are_in_the_order_of_their_entries_but_for_rounding() {
 #[test]
 fn what_is_behind_a_wall_is_seen_through_it() {
     let mut volume = cube([1, 2, 1], 1.0, DVec3::ZERO);
-    volume.scalar = Arc::new(volume.grid.points.iter().map(|p| p.y).collect());
+    volume.scalar = volume.grid.points.iter().map(|p| p.y).collect();
     let layer = |s: [f64; 2], extinction, color| {
         let region = Some(Region::rectangle(s, [f64::NEG_INFINITY, f64::INFINITY]));
         Widget { color, region, ..uniform(extinction) }

@@ -1,6 +1,7 @@
 //! Rays cell by cell.
 
 use super::*;
+use crate::Shared;
 use crate::camera::{Camera, Projection};
 use crate::grid::Grid;
 use crate::grid::generate::{box_of_tetrahedra, sample};
@@ -29,14 +30,14 @@ fn two_cells() -> Scene {
     let corners = [[0.0, 0.0, 0.0], [-1.0, -1.0, 1.0], [2.0, -1.0, 1.0], [-1.0, 2.0, 1.0], [0.0, 0.0, 3.0]];
     let points: Vec<DVec3> = corners.map(DVec3::from).to_vec();
     let scalar = points.iter().map(|p| p.z).collect();
-    let tetrahedra = Arc::new(vec![[1, 2, 3, 4], [0, 1, 2, 3]]);
-    let grid = Grid { points: Arc::new(points), tetrahedra, ..Grid::default() };
+    let tetrahedra = vec![[1, 2, 3, 4], [0, 1, 2, 3]];
+    let grid = Grid { points: Shared::from(points), tetrahedra: tetrahedra.into(), ..Grid::default() };
     let infinity = f64::INFINITY;
     let (red, green) = ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0]);
     Scene {
         volume: Arc::new(Volume {
             grid: Arc::new(grid),
-            scalar: Arc::new(scalar),
+            scalar: scalar,
             gradient: None,
             gradient_magnitude: None,
         }),
@@ -97,9 +98,9 @@ fn scenes() -> Vec<(&'static str, Scene)> {
     let grid = box_of_tetrahedra([4, 3, 5], [DVec3::ZERO, DVec3::ONE], 0.0);
     let gradient: Vec<DVec3> = grid.points.iter().map(|p| DVec3::new(2.0 * p.x, p.z, p.y)).collect();
     let volume = Arc::new(Volume {
-        scalar: Arc::new(sample(&grid, |p| p.x * p.x + p.y * p.z)),
-        gradient_magnitude: Some(Arc::new(gradient.iter().map(|v| v.length()).collect())),
-        gradient: Some(Arc::new(gradient)),
+        scalar: Shared::from(sample(&grid, |p| p.x * p.x + p.y * p.z)),
+        gradient_magnitude: Some(Shared::from(gradient.iter().map(|v| v.length()).collect::<Vec<_>>())),
+        gradient: Some(Shared::from(gradient)),
         grid: Arc::new(grid),
     });
     let gaussian = |centre: [f64; 2], color| Widget {

@@ -8,6 +8,7 @@ use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 use voltet_core::Result;
+use voltet_core::Shared;
 use voltet_core::camera::{Camera, Projection};
 use voltet_core::engine::{Chosen, Compositing, Manner, Memory};
 use voltet_core::error::ErrorKind;
@@ -141,7 +142,7 @@ fn measure(device: &Arc<Device>, needs_order: bool, progress: &dyn Progress) -> 
     let scalar: Vec<f64> = box_grid.points.iter().map(s).collect();
     let volume = Arc::new(Volume {
         grid: Arc::new(box_grid),
-        scalar: Arc::new(scalar),
+        scalar: Shared::from(scalar),
         gradient: None,
         gradient_magnitude: None,
     });

@@ -129,7 +129,7 @@ mod tests {
     fn keys_are_sorted_and_ties_stay() {
         let Some(device) = device() else { return };
         let volume =
-            Volume { grid: Arc::default(), scalar: Arc::default(), gradient: None, gradient_magnitude: None };
+            Volume { grid: Arc::default(), scalar: Default::default(), gradient: None, gradient_magnitude: None };
         let grid = DeviceGrid::new(Arc::new(device), &volume).expect("fits");
         let mut state = 1u64;
         let mut random = || {

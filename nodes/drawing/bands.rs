@@ -3,6 +3,7 @@
 use serde_json::json;
 use std::sync::Arc;
 use voltet_core::Result;
+use voltet_core::Shared;
 use voltet_core::graph::Call;
 use voltet_core::probing::{Bands, bands};
 use voltet_core::transfer::TransferFunction;
@@ -10,19 +11,19 @@ use voltet_core::volume::Volume;
 
 /// The bands of one transfer function over one volume, kept between runs.
 struct Kept {
-    scalar: Arc<Vec<f64>>,
-    gradient_magnitude: Option<Arc<Vec<f64>>>,
+    scalar: Shared<f64>,
+    gradient_magnitude: Option<Shared<f64>>,
     bands: Vec<Bands>,
 }
 
 impl Kept {
     fn is_of(&self, volume: &Volume) -> bool {
         let same_g = match (&self.gradient_magnitude, &volume.gradient_magnitude) {
-            (Some(a), Some(b)) => Arc::ptr_eq(a, b),
+            (Some(a), Some(b)) => a.is(b),
             (None, None) => true,
             _ => false,
         };
-        Arc::ptr_eq(&self.scalar, &volume.scalar) && same_g
+        self.scalar.is(&volume.scalar) && same_g
     }
 }
 

@@ -64,11 +64,11 @@ pub(super) fn assemble(dataset: &Dataset, request: &Request, progress: &dyn Prog
     if let Some((choice, values)) = columns.next() {
         let name = request.scalar.clone().unwrap_or_else(|| choice.name.clone());
         let association = if choice.per_cell { grid::Association::Cell } else { grid::Association::Point };
-        parts.scalar = Some(Scalar { name, association, values });
+        parts.scalar = Some(Scalar { name, association, values: values.into() });
     }
     for (i, (choice, values)) in columns.enumerate() {
         let component_count = if choice.component == Component::All { choice.component_count } else { 1 };
-        let array = Array { component_count, values };
+        let array = Array { component_count, values: values.into() };
         match names.get(i) {
             Some(name) if choice.per_cell => parts.cell_arrays.insert(name.to_string(), array),
             Some(name) => parts.point_arrays.insert(name.to_string(), array),

@@ -1,14 +1,14 @@
 //! What a file will hold.
 
 use glam::DVec3;
-use std::sync::Arc;
+use voltet_core::Shared;
 use voltet_core::grid::{CellSet, Cells, Polyhedron, code};
 
 /// Points, cells and arrays.
 #[derive(Debug, Clone)]
 pub struct Contents {
     /// Positions, world units.
-    pub points: Arc<Vec<DVec3>>,
+    pub points: Shared<DVec3>,
     /// The cells.
     pub cells: Topology,
     /// One tuple a point.

@@ -96,7 +96,7 @@ impl Contents {
         for (name, array) in arrays {
             let n = array.component_count;
             let values = match form {
-                Form::File(_) => array.values.clone(),
+                Form::File(_) => array.values.to_vec(),
                 Form::Tetrahedra => (0..grid.tetrahedra.len())
                     .map(|i| grid.source_cell(i))
                     .flat_map(|cell| &array.values[cell * n..(cell + 1) * n])

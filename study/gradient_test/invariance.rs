@@ -6,8 +6,8 @@ use super::found::Invariance;
 use super::meshes::{Mesh, turn};
 use super::subject::{Subject, sizes};
 use glam::DVec3;
-use std::sync::Arc;
 use voltet_core::Result;
+use voltet_core::Shared;
 use voltet_core::grid::Grid;
 use voltet_core::grid::generate::{Random, sample};
 use voltet_core::progress::Progress;
@@ -37,7 +37,7 @@ pub(super) fn invariance(
     let [_, scale] = sizes(usual.iter().map(|v| v.length()));
     let [_, reach] = sizes(FAR.to_array().into_iter());
     let moved = |place: &dyn Fn(DVec3) -> DVec3| Grid {
-        points: Arc::new(grid.points.iter().map(|&p| place(p)).collect()),
+        points: Shared::from(grid.points.iter().map(|&p| place(p)).collect::<Vec<_>>()),
         ..grid.clone()
     };
     let with = |change: &dyn Fn(f64) -> f64| scalar.iter().map(|&s| change(s)).collect::<Vec<f64>>();
@@ -95,7 +95,8 @@ impl Numbering {
         let turned = |[a, b, c, d]: [u32; 4]| [b, c, a, d].map(|p| from[p as usize]);
         let tetrahedra = cells.iter().map(|&cell| turned(grid.tetrahedra[cell])).collect();
         let points = to.iter().map(|&old| grid.points[old]).collect();
-        let grid = Grid { points: Arc::new(points), tetrahedra: Arc::new(tetrahedra), ..grid.clone() };
+        let grid =
+            Grid { points: points, tetrahedra: tetrahedra, ..grid.clone() };
         Numbering { grid, to }
     }
 

@@ -8,6 +8,7 @@ use crate::work_precision;
 use glam::DVec3;
 use std::sync::Arc;
 use voltet_core::Result;
+use voltet_core::Shared;
 use voltet_core::camera::{Camera, Projection};
 use voltet_core::engine::{AdapterWish, Engine, Manner};
 use voltet_core::field::magnitude;
@@ -80,9 +81,9 @@ fn draw(
 ) -> Result<Picture> {
     let volume = Arc::new(Volume {
         grid: grid.clone(),
-        scalar: Arc::new(sample(grid, FIELD.value)),
-        gradient_magnitude: Some(Arc::new(magnitude(&gradient))),
-        gradient: Some(Arc::new(gradient)),
+        scalar: Shared::from(sample(grid, FIELD.value)),
+        gradient_magnitude: Some(Shared::from(magnitude(&gradient))),
+        gradient: Some(Shared::from(gradient)),
     });
     let light = Light { ambient: 0.4, diffuse: 0.6, direction: DVec3::new(-1.0, -1.5, 2.0).normalize() };
     let shading = Shading {

@@ -12,6 +12,7 @@ use super::{Painter, Reference, Setting, Subject};
 use glam::DVec3;
 use serde::Serialize;
 use std::sync::Arc;
+use voltet_core::Shared;
 use voltet_core::engine::{AdapterWish, Manner};
 use voltet_core::field::{LeastSquares, Method};
 use voltet_core::grid::{Array, Refined, refine};
@@ -147,7 +148,7 @@ fn with_gradient(volume: &Arc<Volume>, progress: &dyn Progress) -> Result<Arc<Vo
     }
     let method = Method::standard(Arc::new(LeastSquares))?;
     let gradient = method.gradient(&volume.grid, &volume.scalar, &Unreported(progress))?;
-    Ok(Arc::new(Volume { gradient: Some(Arc::new(gradient.vectors)), ..Volume::clone(volume) }))
+    Ok(Arc::new(Volume { gradient: Some(Shared::from(gradient.vectors)), ..Volume::clone(volume) }))
 }
 
 /// The volume on the refined grid: everything linear between the coarse points, or s, ∇s and g from a source.
@@ -158,32 +159,32 @@ fn refined(volume: &Volume, source: Option<&Source>) -> Result<Volume> {
         let mut values = array.values.clone();
         for [a, b] in &refined.ends {
             let at = |p: u32, k: usize| array.values[p as usize * count + k];
-            values.extend((0..count).map(|k| 0.5 * (at(*a, k) + at(*b, k))));
+            values.make_mut().extend((0..count).map(|k| 0.5 * (at(*a, k) + at(*b, k))));
         }
         let array = Array { component_count: count, values };
         refined.grid.point_arrays.insert(name.clone(), Arc::new(array));
     }
-    let halfway = |values: &Vec<f64>| refined.values(values, |[a, b]| 0.5 * (values[a] + values[b]));
+    let halfway = |values: &[f64]| refined.values(values, |[a, b]| 0.5 * (values[a] + values[b]));
     let (scalar, gradient, gradient_magnitude);
     match (source, &volume.gradient) {
         (Some(source), Some(slopes)) => {
             let values = between(volume, slopes, &refined, source);
-            let magnitude = |g: &Arc<Vec<f64>>| {
+            let magnitude = |g: &Shared<f64>| {
                 let coarse = g.len();
                 g.iter().copied().chain(values[coarse..].iter().map(|(_, slope)| slope.length())).collect()
             };
-            gradient_magnitude = volume.gradient_magnitude.as_ref().map(|g| Arc::new(magnitude(g)));
+            gradient_magnitude = volume.gradient_magnitude.as_ref().map(|g| magnitude(g));
             scalar = values.iter().map(|value| value.0).collect();
-            gradient = Some(Arc::new(values.iter().map(|value| value.1).collect()));
+            gradient = Some(Shared::from(values.iter().map(|value| value.1).collect::<Vec<_>>()));
         }
         _ => {
             scalar = halfway(&volume.scalar);
-            gradient_magnitude = volume.gradient_magnitude.as_ref().map(|g| Arc::new(halfway(g)));
-            let middle = |slopes: &Vec<DVec3>| refined.values(slopes, |[a, b]| 0.5 * (slopes[a] + slopes[b]));
-            gradient = volume.gradient.as_ref().map(|slopes| Arc::new(middle(slopes)));
+            gradient_magnitude = volume.gradient_magnitude.as_ref().map(|g| halfway(g).into());
+            let middle = |slopes: &[DVec3]| refined.values(slopes, |[a, b]| 0.5 * (slopes[a] + slopes[b]));
+            gradient = volume.gradient.as_ref().map(|slopes| middle(slopes).into());
         }
     }
-    Ok(Volume { grid: Arc::new(refined.grid), scalar: Arc::new(scalar), gradient, gradient_magnitude })
+    Ok(Volume { grid: Arc::new(refined.grid), scalar: Shared::from(scalar), gradient, gradient_magnitude })
 }
 
 /// s and ∇s at every point of the refined grid.

@@ -34,9 +34,9 @@ pub fn disconnected(engine: &dyn Engine) {
 pub fn cyclic_order(engine: &dyn Engine) {
     let bars = cyclic_bars();
     let each = bars.points.len() / 3;
-    let values = (0..bars.points.len()).map(|k| (k / each) as f64).collect();
+    let values = (0..bars.points.len()).map(|k| (k / each) as f64).collect::<Vec<_>>();
     let mut volume = (*volume(bars, |_| 0.0, |_| 0.0)).clone();
-    volume.scalar = std::sync::Arc::new(values);
+    volume.scalar = values.into();
     let volume = std::sync::Arc::new(volume);
     let colors = points(&[[0.0, 1.0, 0.0, 0.0, 9.0], [1.0, 0.0, 1.0, 0.0, 9.0], [2.0, 0.0, 0.0, 1.0, 9.0]]);
     for (name, camera, bound) in [

@@ -2,6 +2,7 @@
 
 use glam::{DQuat, DVec3};
 use std::sync::Arc;
+use voltet_core::Shared;
 use voltet_core::grid::Grid;
 use voltet_core::grid::generate::box_of_tetrahedra;
 use voltet_core::volume::Volume;
@@ -14,7 +15,7 @@ pub fn cube(counts: [usize; 3], jitter: f64) -> Grid {
 /// A grid of the given points and cells.
 pub fn grid(points: Vec<DVec3>, mut tetrahedra: Vec<[u32; 4]>) -> Grid {
     tetrahedra.iter_mut().for_each(|cell| cell.sort_unstable());
-    Grid { points: Arc::new(points), tetrahedra: Arc::new(tetrahedra), ..Grid::default() }
+    Grid { points: Shared::from(points), tetrahedra: Shared::from(tetrahedra), ..Grid::default() }
 }
 
 /// The grid with every point moved.
@@ -84,9 +85,9 @@ pub fn volume(grid: Grid, s: impl Fn(DVec3) -> f64, g: impl Fn(DVec3) -> f64) ->
     let magnitude = grid.points.iter().map(|&p| g(p)).collect();
     Arc::new(Volume {
         grid: Arc::new(grid),
-        scalar: Arc::new(scalar),
+        scalar: scalar,
         gradient: None,
-        gradient_magnitude: Some(Arc::new(magnitude)),
+        gradient_magnitude: Some(magnitude),
     })
 }
 

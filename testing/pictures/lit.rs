@@ -16,7 +16,7 @@ const LIGHT: Light = Light { direction: DVec3::new(0.4, -0.7, 3.5), ambient: 0.3
 
 fn lit(grid: Grid, gradient: impl Fn(DVec3) -> DVec3) -> Arc<Volume> {
     let vectors = grid.points.iter().map(|&p| gradient(p)).collect();
-    Arc::new(Volume { gradient: Some(Arc::new(vectors)), ..(*smooth(grid)).clone() })
+    Arc::new(Volume { gradient: Some(vectors), ..(*smooth(grid)).clone() })
 }
 
 fn shadings() -> [(&'static str, Shading); 5] {

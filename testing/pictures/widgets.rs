@@ -21,7 +21,7 @@ fn volume() -> Arc<Volume> {
     grid.point_arrays.insert("b".into(), field(&|p| 400.0 + 50.0 * p.y * p.z));
     grid.point_arrays.insert("m".into(), field(&|p| (p.x + p.z - 0.3).max(0.0)));
     let gradient = points.iter().map(|&p| smooth_gradient(p)).collect();
-    Arc::new(Volume { gradient: Some(Arc::new(gradient)), ..(*smooth(grid)).clone() })
+    Arc::new(Volume { gradient: Some(gradient), ..(*smooth(grid)).clone() })
 }
 
 fn wave(period: f64, band_width: f64) -> Wave {

@@ -9,6 +9,7 @@ use super::compare::{NamedScene, SHADING};
 use super::looks::{everywhere, gaussian, points};
 use glam::DVec3;
 use std::sync::Arc;
+use voltet_core::Shared;
 use voltet_core::camera::{Camera, Projection};
 use voltet_core::grid::Grid;
 use voltet_core::optics::Overlap;
@@ -25,13 +26,13 @@ const MIDDLE: [usize; 2] = [1, 7];
 
 fn cell() -> Arc<Volume> {
     let points = vec![DVec3::ZERO, DVec3::X * 2.0, DVec3::Y * 2.0, DVec3::Z * 2.0];
-    let tetrahedra = Arc::new(vec![[0, 1, 2, 3]]);
+    let tetrahedra = vec![[0, 1, 2, 3]];
     let gradient = vec![DVec3::Z, DVec3::Z, DVec3::Z, DVec3::new(0.0, 2.88, 0.84)];
     Arc::new(Volume {
-        grid: Arc::new(Grid { points: Arc::new(points), tetrahedra, ..Grid::default() }),
-        scalar: Arc::new(vec![0.0, 2.0, 2.0, 2.0]),
-        gradient_magnitude: Some(Arc::new(gradient.iter().map(|v| v.length()).collect())),
-        gradient: Some(Arc::new(gradient)),
+        grid: Arc::new(Grid { points: Shared::from(points), tetrahedra: tetrahedra.into(), ..Grid::default() }),
+        scalar: Shared::from(vec![0.0, 2.0, 2.0, 2.0]),
+        gradient_magnitude: Some(Shared::from(gradient.iter().map(|v| v.length()).collect::<Vec<_>>())),
+        gradient: Some(Shared::from(gradient)),
     })
 }
 

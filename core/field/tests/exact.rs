@@ -1,6 +1,7 @@
 //! Values worked by hand, linear and quadratic fields, the array filter.
 
 use super::*;
+use crate::Shared;
 use crate::grid::Array;
 use crate::parameters::Datum;
 
@@ -89,7 +90,7 @@ fn cell_average_equals_vtks_gradient_filter() {
             )
         })
         .collect();
-    let grid = Grid { points: Arc::new(points), ..box_of_tetrahedra([2, 2, 2], UNIT, 0.0) };
+    let grid = Grid { points: Shared::from(points), ..box_of_tetrahedra([2, 2, 2], UNIT, 0.0) };
     assert_eq!(grid.tetrahedra.len(), 48);
     let s = sample(&grid, |p| p.x * p.x + 2.0 * p.y * p.z - p.z * p.z * p.z);
     let found = gradient("cell-average", &grid, &s).vectors;
@@ -112,7 +113,7 @@ fn the_array_filter_takes_three_components_and_names_what_is_wrong() {
     let mut grid = box_of_tetrahedra([1, 1, 1], UNIT, 0.0);
     let values = (0..24).map(f64::from).collect();
     grid.point_arrays.insert("grad".into(), Arc::new(Array { component_count: 3, values }));
-    grid.point_arrays.insert("flat".into(), Arc::new(Array { component_count: 2, values: vec![0.0; 16] }));
+    grid.point_arrays.insert("flat".into(), Arc::new(Array { component_count: 2, values: vec![0.0; 16].into() }));
     let run = |name: &str| {
         let values = [("array", Datum::Text(name.into()))];
         let parameters = Parameters::of(FromArray.declaration().parameters, values).unwrap();

@@ -105,7 +105,7 @@ fn coincident_points_and_lonely_points_are_harmless() {
         let [a, b, ..] = *tetrahedra.iter().find(|t| t[0] == 21).unwrap();
         assert_eq!(a, 21);
         tetrahedra.push([a, b, b + 1, twin]);
-        (grid.points, grid.tetrahedra) = (Arc::new(points), Arc::new(tetrahedra));
+        (grid.points, grid.tetrahedra) = (points.into(), tetrahedra.into());
         assert!(tetrahedron_volume(grid.corners(grid.tetrahedra.len() - 1)).abs() < 1e-17);
         let mut s = sample(&grid, |p| slope.dot(p));
         s[twin as usize] += 1.0;
@@ -166,7 +166,7 @@ fn slivers_do_not_drown_their_neighbours() {
     points.push(DVec3::new(0.2, 0.2, 1.0 + 1e-12));
     let top: Vec<u32> = (0..27).filter(|&p| points[p as usize].z == 1.0).collect();
     tetrahedra.push([top[0], top[1], top[3], tip]);
-    (grid.points, grid.tetrahedra) = (Arc::new(points), Arc::new(tetrahedra));
+    (grid.points, grid.tetrahedra) = (points.into(), tetrahedra.into());
     let s = sample(&grid, |p| slope.dot(p));
     for method in METHODS {
         for v in &gradient(method, &grid, &s).vectors[..27] {

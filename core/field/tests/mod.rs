@@ -8,6 +8,7 @@ mod several;
 
 use super::*;
 use crate::Result;
+use crate::Shared;
 use crate::grid::generate::{Random, box_of_tetrahedra, sample};
 use crate::grid::{Grid, tetrahedron_volume};
 use crate::parameters::{Kind, Parameters};
@@ -31,10 +32,10 @@ pub(super) fn gradient(method: &str, grid: &Grid, scalar: &[f64]) -> Gradient {
 
 /// A grid of tetrahedra over these points.
 pub(super) fn grid_of(points: Vec<DVec3>, tetrahedra: Vec<[u32; 4]>) -> Grid {
-    Grid { points: Arc::new(points), tetrahedra: Arc::new(tetrahedra), ..Grid::default() }
+    Grid { points: Shared::from(points), tetrahedra: Shared::from(tetrahedra), ..Grid::default() }
 }
 
 /// The same grid with every point moved by `f`.
 pub(super) fn moved(grid: &Grid, f: impl Fn(DVec3) -> DVec3) -> Grid {
-    Grid { points: Arc::new(sample(grid, f)), ..grid.clone() }
+    Grid { points: Shared::from(sample(grid, f)), ..grid.clone() }
 }

@@ -1,6 +1,7 @@
 //! Gradient filters that a node names: their parameters beside its own, what they read, and what is refused.
 
 use super::*;
+use crate::Shared;
 use crate::field::{Gradient, GradientFilter, Plugin};
 use crate::grid::Array;
 use crate::grid::generate::{box_of_tetrahedra, with_scalar};
@@ -17,7 +18,7 @@ const CUBE: Node = Node {
         let mut grid =
             with_scalar(box_of_tetrahedra([2, 2, 2], [DVec3::ZERO, DVec3::ONE], 0.0), "s", |p| p.x);
         for name in call.demand.arrays.named() {
-            let array = Array { component_count: 1, values: vec![1.0; grid.points.len()] };
+            let array = Array { component_count: 1, values: vec![1.0; grid.points.len()].into() };
             grid.point_arrays.insert(name.to_string(), Arc::new(array));
         }
         Ok(vec![Value::Grid(Arc::new(grid))])
@@ -45,7 +46,7 @@ const SLOPE: Node = Node {
         count("slope");
         let mut volume = Volume::clone(&*call.volume("grid")?);
         let found = call.method()?.gradient(&volume.grid, &volume.scalar, call.progress())?;
-        volume.gradient_magnitude = Some(Arc::new(found.vectors.iter().map(|v| v.length()).collect()));
+        volume.gradient_magnitude = Some(Shared::from(found.vectors.iter().map(|v| v.length()).collect::<Vec<_>>()));
         Ok(vec![Value::Volume(Arc::new(volume))])
     },
     ..Node::BLANK

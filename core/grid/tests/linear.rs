@@ -79,7 +79,7 @@ fn hexahedra_of_one_diagonal_meet_where_the_others_do() {
     let old = set.connectivity.clone();
     let points: Vec<DVec3> = old.iter().map(|&p| parts.points[p as usize]).collect();
     for (k, &id) in ids.iter().enumerate() {
-        parts.points[id as usize] = points[k];
+        parts.points.make_mut()[id as usize] = points[k];
     }
     set.connectivity = ids.to_vec();
     let mut found = built(parts).unwrap().tetrahedra.to_vec();

@@ -56,11 +56,11 @@ pub(super) fn shuffled(mut parts: Parts, seed: u64) -> Parts {
     for i in (1..n).rev() {
         new_number.swap(i, (random.next() * (i + 1) as f64) as usize);
     }
-    let mut points = parts.points.clone();
+    let mut points = parts.points.to_vec();
     for (old, &new) in new_number.iter().enumerate() {
         points[new as usize] = parts.points[old];
     }
-    parts.points = points;
+    parts.points = points.into();
     let Cells::Mixed(set) = &mut parts.cells else { panic!("mixed cells") };
     set.connectivity.iter_mut().for_each(|p| *p = new_number[*p as usize]);
     for polyhedron in &mut set.polyhedra {

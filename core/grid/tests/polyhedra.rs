@@ -104,7 +104,7 @@ fn damaged_polyhedra_are_errors() {
     }
     assert!(built(parts).unwrap_err().to_string().contains("has no faces"));
     let mut parts = extruded(&square, |i| i);
-    parts.points[3].y = f64::NAN;
+    parts.points.make_mut()[3].y = f64::NAN;
     let error = built(parts).unwrap_err().to_string();
     assert!(error.contains("nothing to draw") && error.contains("not finite"), "{error}");
 }

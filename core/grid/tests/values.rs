@@ -7,14 +7,14 @@ use crate::error::ErrorKind;
 use crate::progress::{Progress, Silent};
 
 fn on_cells(mut parts: Parts, values: Vec<f64>) -> Parts {
-    parts.scalar = Some(Scalar { name: "c".into(), association: Association::Cell, values });
+    parts.scalar = Some(Scalar { name: "c".into(), association: Association::Cell, values: values.into() });
     parts
 }
 
 /// Two bars along x, of lengths 1 and 3, as hexahedra.
 fn two_bars() -> Parts {
     let mut parts = box_of(Kind::Hexahedra, [2, 1, 1], UNIT, 0.0);
-    parts.points.iter_mut().for_each(|p| p.x = [0.0, 1.0, 4.0][(2.0 * p.x) as usize]);
+    parts.points.make_mut().iter_mut().for_each(|p| p.x = [0.0, 1.0, 4.0][(2.0 * p.x) as usize]);
     parts
 }
 
@@ -38,7 +38,7 @@ fn cell_values_are_averaged_by_the_volume_of_the_cells() {
 #[test]
 fn cells_without_volume_take_part_only_where_nothing_else_does() {
     let mut parts = on_cells(two_bars(), vec![10.0, 2.0]);
-    parts.points.iter_mut().filter(|p| p.x == 4.0).for_each(|p| p.x = 1.0);
+    parts.points.make_mut().iter_mut().filter(|p| p.x == 4.0).for_each(|p| p.x = 1.0);
     let grid = built(parts).unwrap();
     for (p, &s) in grid.scalar.as_ref().unwrap().iter().enumerate() {
         let far = p % 3 == 2;
@@ -51,7 +51,7 @@ fn cell_values_can_stay_constant_in_each_cell() {
     let mut parts = on_cells(two_bars(), vec![10.0, 2.0]);
     let x = parts.points.iter().map(|p| p.x).collect();
     parts.point_arrays.insert("x".into(), Array { component_count: 1, values: x });
-    parts.cell_arrays.insert("pair".into(), Array { component_count: 2, values: vec![1.0, 2.0, 3.0, 4.0] });
+    parts.cell_arrays.insert("pair".into(), Array { component_count: 2, values: vec![1.0, 2.0, 3.0, 4.0].into() });
     let options = Options { cell_values: CellValues::Constant, ..Options::default() };
     let grid = build(parts, &options, &Silent).unwrap();
     assert_eq!(grid.points.len(), 16);
@@ -92,13 +92,13 @@ fn what_is_not_finite_is_left_out_counted_and_said() {
         };
         for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
             let mut value = clean.clone();
-            value.scalar.as_mut().unwrap().values[21] = bad;
+            value.scalar.as_mut().unwrap().values.make_mut()[21] = bad;
             let mut position = clean.clone();
-            position.points[21].z = bad;
+            position.points.make_mut()[21].z = bad;
             let mut further = clean.clone();
             let mut values = vec![0.0; 2 * clean.points.len()];
             values[43] = bad;
-            further.point_arrays.insert("f".into(), Array { component_count: 2, values });
+            further.point_arrays.insert("f".into(), Array { component_count: 2, values: values.into() });
             for parts in [value, position, further] {
                 let left_out = using(&parts, 21);
                 let grid = built(parts).unwrap();
@@ -121,8 +121,8 @@ fn what_is_not_finite_is_left_out_counted_and_said() {
 fn ghosts_and_surfaces_are_left_out_and_unused_points_dropped() {
     let mut parts = parts_with_scalar(box_of(Kind::Tetrahedra, [2, 1, 1], UNIT, 0.0), "s", |p| p.x);
     let lonely = parts.points.len();
-    parts.points.extend([DVec3::splat(99.0), DVec3::splat(f64::NAN)]);
-    parts.scalar.as_mut().unwrap().values.extend([99.0, f64::NAN]);
+    parts.points.make_mut().extend([DVec3::splat(99.0), DVec3::splat(f64::NAN)]);
+    parts.scalar.as_mut().unwrap().values.make_mut().extend([99.0, f64::NAN]);
     let Cells::Mixed(set) = &mut parts.cells else { unreachable!() };
     for (kind, corners) in [(5_u8, vec![0, 1, 2]), (1, vec![lonely as u32]), (3, vec![0, 1])] {
         set.types.push(kind);
@@ -203,7 +203,7 @@ fn damaged_input_is_one_clear_error() {
     let empty = built(Parts::new(Vec::new(), Cells::Tetrahedra(Vec::new()))).unwrap_err();
     assert!(empty.to_string().contains("no cells"), "{empty}");
     let mut short = cube();
-    short.point_arrays.insert("short".into(), Array { component_count: 3, values: vec![0.0; 35] });
+    short.point_arrays.insert("short".into(), Array { component_count: 3, values: vec![0.0; 35].into() });
     let error = built(short).unwrap_err().to_string();
     assert!(error.contains("'short'") && error.contains("35") && error.contains("36"), "{error}");
     let options = Options { subdivision: 0, ..Options::default() };

@@ -1,6 +1,7 @@
 use super::super::sub_tetrahedron::{Distribution, SubTetrahedron};
 use super::super::{Axis, Bands, bands, histogram};
 use super::{close, cube, numbers};
+use crate::Shared;
 use crate::grid::Grid;
 use crate::grid::generate::{box_of_tetrahedra, sample};
 use crate::progress::Silent;
@@ -12,7 +13,7 @@ use std::sync::Arc;
 /// One tetrahedron: the corner of the unit cube, so that s = x and g = y have hand-worked integrals.
 fn corner() -> Grid {
     let points = vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
-    Grid { points: Arc::new(points), tetrahedra: Arc::new(vec![[0, 1, 2, 3]]), ..Grid::default() }
+    Grid { points: Shared::from(points), tetrahedra: Shared::from(vec![[0, 1, 2, 3]]), ..Grid::default() }
 }
 
 #[test]
@@ -123,7 +124,8 @@ fn bands_are_counted_by_cell() {
     // Each layer of cells spans as much of s as its number: 0, 1, 2, …; g runs along y.
     let s = sample(&grid, |p| p.x * (p.x - 1.0) / 2.0);
     let g = sample(&grid, |p| 0.25 * p.y);
-    let volume = Volume { scalar: Arc::new(s), gradient_magnitude: Some(Arc::new(g)), gradient: None, grid };
+    let volume =
+        Volume { scalar: Shared::from(s), gradient_magnitude: Some(Shared::from(g)), gradient: None, grid };
     let wave = Wave { origin: [3.0, 0.0], angle: 0.0, scale: [1.0; 2], period: 1.0, band_width: 0.1 };
     let widget = |profile, region| Widget { profile, color: [1.0; 3], extinction: 1.0, region };
     let of = |widgets| {

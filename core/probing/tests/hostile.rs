@@ -39,7 +39,7 @@ fn scale_changes_nothing() {
     let wanted = probe(&plain, &[&values], &region(1.0), None, &Silent).unwrap();
     for scale in [1e-150, 1e150] {
         let mut grid = plain.clone();
-        grid.points = Arc::new(plain.points.iter().map(|&p| p * scale).collect());
+        grid.points = plain.points.iter().map(|&p| p * scale).collect();
         let huge: Vec<f64> = values.iter().map(|v| v * 1e300).collect();
         let found = probe(&grid, &[&huge], &region(scale), None, &Silent).unwrap();
         // The power of ten is no power of two: roundings of positions and values.
@@ -116,7 +116,7 @@ fn values_that_are_not_finite_are_left_out_and_counted() {
 #[test]
 fn flat_and_missing_cells_make_no_numbers_up() {
     let mut grid = cube();
-    grid.points = Arc::new(grid.points.iter().map(|p| p.with_z(0.0)).collect());
+    grid.points = grid.points.iter().map(|p| p.with_z(0.0)).collect();
     let values = sample(&grid, |p| p.x);
     let error = probe(&grid, &[&values], &Region::Everywhere, None, &Silent).unwrap_err();
     assert!(error.what.contains("no volume"), "{error}");
@@ -127,7 +127,7 @@ fn flat_and_missing_cells_make_no_numbers_up() {
     let empty = histogram(&nothing, [&[], &[]], [Axis::over(&[], 4); 2], &Silent).unwrap();
     assert_eq!(empty.total, 0.0);
     let volume =
-        Volume { grid: Arc::new(nothing), scalar: Arc::default(), gradient: None, gradient_magnitude: None };
+        Volume { grid: Arc::new(nothing), scalar: Default::default(), gradient: None, gradient_magnitude: None };
     let model = OpticalModel::DensityEmitter;
     assert!(
         bands(&volume, &TransferFunction { model, unit_distance: 1.0, widgets: Vec::new() })

@@ -1,11 +1,11 @@
 //! Percentiles against distributions that are known.
 
+use crate::Shared;
 use crate::grid::Grid;
 use crate::grid::generate::box_of_tetrahedra;
 use crate::probing::{Volumes, value_range};
 use crate::progress::Silent;
 use glam::DVec3;
-use std::sync::Arc;
 
 fn percentile(grid: &Grid, values: &[f64], percent: f64) -> f64 {
     Volumes::new(grid, values, &Silent).unwrap().percentile(percent, &Silent).unwrap()
@@ -29,7 +29,11 @@ fn tetrahedra(count: usize) -> Grid {
     let corners = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
     let points = (0..count).flat_map(|i| corners.map(|p| p + DVec3::new(2.0 * i as f64, 0.0, 0.0)));
     let cells = (0..count as u32).map(|i| [4 * i, 4 * i + 1, 4 * i + 2, 4 * i + 3]);
-    Grid { points: Arc::new(points.collect()), tetrahedra: Arc::new(cells.collect()), ..Grid::default() }
+    Grid {
+        points: Shared::from(points.collect::<Vec<_>>()),
+        tetrahedra: Shared::from(cells.collect::<Vec<_>>()),
+        ..Grid::default()
+    }
 }
 
 #[test]
@@ -88,7 +92,7 @@ fn what_has_no_values_is_refused() {
     let refused = |values: &[f64]| Volumes::new(&grid, values, &Silent).err().unwrap().to_string();
     assert!(refused(&[f64::NAN, 1.0, 1.0, 1.0]).contains("without finite values"));
     assert!(refused(&[1.0]).contains("one value a point"));
-    let flat = Grid { points: Arc::new(vec![DVec3::ZERO; 4]), ..tetrahedra(1) };
+    let flat = Grid { points: Shared::from(vec![DVec3::ZERO; 4]), ..tetrahedra(1) };
     assert!(Volumes::new(&flat, &[1.0; 4], &Silent).err().unwrap().to_string().contains("without volume"));
     assert!(value_range(&[f64::NAN]).unwrap_err().to_string().contains("no finite values"));
     assert!(value_range(&[-1e308, 1.5e308]).unwrap_err().to_string().contains("beyond 64-bit"));

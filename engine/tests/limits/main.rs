@@ -34,7 +34,7 @@ fn uniform(range: [f64; 2], extinction: f64, color: [f64; 3]) -> Widget {
 }
 
 fn volume(grid: Grid, s: impl Fn(&DVec3) -> f64) -> Arc<Volume> {
-    let scalar = Arc::new(grid.points.iter().map(s).collect());
+    let scalar = grid.points.iter().map(s).collect();
     Arc::new(Volume { grid: Arc::new(grid), scalar, gradient: None, gradient_magnitude: None })
 }
 

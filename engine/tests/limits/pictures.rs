@@ -1,6 +1,7 @@
 //! Pictures: what is culled, which cells go in 64 bits, in which order segments are composited, where tiles end.
 
 use super::*;
+use voltet_core::Shared;
 use voltet_core::camera::Projection;
 use voltet_core::grid::generate::box_of_tetrahedra;
 use voltet_engine::{cull, draw, keep_all};
@@ -72,9 +73,9 @@ fn cells_that_overlap_are_ordered_by_close_entries() {
     // The farther entry ends first: taken as equal, they would be ordered by their exits.
     let points = [cell(2.0, 4.0), cell(2.0001, 3.0)].concat();
     let points = [points, vec![DVec3::new(0.5, 0.5, 0.0)]].concat();
-    let tetrahedra = Arc::new(vec![[4, 5, 6, 7], [0, 1, 2, 3]]);
-    let grid = Grid { points: Arc::new(points), tetrahedra, ..Grid::default() };
-    let scalar = Arc::new((0..9).map(|i| if (4..8).contains(&i) { 0.75 } else { 0.25 }).collect());
+    let tetrahedra = vec![[4, 5, 6, 7], [0, 1, 2, 3]];
+    let grid = Grid { points: Shared::from(points), tetrahedra: tetrahedra.into(), ..Grid::default() };
+    let scalar = (0..9).map(|i| if (4..8).contains(&i) { 0.75 } else { 0.25 }).collect();
     let two = Arc::new(Volume { scalar, ..Volume::clone(&volume(grid, |_| 0.0)) });
     let red = uniform([0.0, 0.5], 2.0, [1.0, 0.0, 0.0]);
     let look = look(vec![red, uniform([0.5, 1.0], 2.0, [0.0, 0.0, 1.0])]);
@@ -100,8 +101,8 @@ fn a_face_nearly_edge_on_parts_its_cells_where_it_should() {
             DVec3::new(3.0, -6.0, -5.0),
             DVec3::new(-3.0, 6.0, -5.0),
         ];
-        let tetrahedra = Arc::new(vec![[0, 1, 2, 3], [0, 1, 2, 4]]);
-        let grid = Grid { points: Arc::new(points), tetrahedra, ..Grid::default() };
+        let tetrahedra = vec![[0, 1, 2, 3], [0, 1, 2, 4]];
+        let grid = Grid { points: Shared::from(points), tetrahedra: tetrahedra.into(), ..Grid::default() };
         let (red, blue) = ([1.0, 0.2, 0.1], [0.1, 0.3, 1.0]);
         let look = look(vec![uniform([-1.0, 0.5], 0.7, red), uniform([0.5, 2.0], 0.2, blue)]);
         let volume = volume(grid, |p| if p.x > 2.5 { 1.0 } else { 0.0 });
@@ -143,8 +144,12 @@ fn deep_tiles_with_cells_about_the_eye_are_drawn_once() {
 /// One cell with s at its corners.
 fn one_cell(corners: [[f64; 3]; 4], s: [f64; 4]) -> Arc<Volume> {
     let points = corners.map(DVec3::from).to_vec();
-    let grid = Grid { points: Arc::new(points), tetrahedra: Arc::new(vec![[0, 1, 2, 3]]), ..Grid::default() };
-    Arc::new(Volume { scalar: Arc::new(s.to_vec()), ..Volume::clone(&volume(grid, |_| 0.0)) })
+    let grid = Grid {
+        points: Shared::from(points),
+        tetrahedra: Shared::from(vec![[0, 1, 2, 3]]),
+        ..Grid::default()
+    };
+    Arc::new(Volume { scalar: Shared::from(s.to_vec()), ..Volume::clone(&volume(grid, |_| 0.0)) })
 }
 
 /// By how much a picture of all cells, seen along −z from the origin, is off; at least `lit` of its pixels show something.

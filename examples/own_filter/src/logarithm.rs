@@ -39,7 +39,7 @@ fn run(call: &mut Call) -> Result<Outputs> {
     let logarithms = scalar.iter().map(|s| s.max(least).log10()).collect();
     // Points, cells and arrays are shared, not copied.
     let grid = Grid {
-        scalar: Some(Arc::new(logarithms)),
+        scalar: Some(logarithms),
         scalar_name: format!("log10({})", grid.scalar_name),
         ..Grid::clone(&grid)
     };

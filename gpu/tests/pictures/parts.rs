@@ -37,7 +37,7 @@ fn grids_in_parts_draw_the_same() {
     }
     let grid = cube([10, 9, 9], 0.3);
     let gradient = grid.points.iter().map(|&p| smooth_gradient(p)).collect();
-    let volume = Arc::new(Volume { gradient: Some(Arc::new(gradient)), ..(*smooth(grid)).clone() });
+    let volume = Arc::new(Volume { gradient: Some(gradient), ..(*smooth(grid)).clone() });
     let lit = Shading { silhouette: Some(1.5), light: Some(LIGHT), ..SHADING };
     for (name, look, shading, order, bound) in [
         ("exact", overlapping(), SHADING, Order::Exact, 0.0),

@@ -321,7 +321,7 @@ fn every_integrator_and_light_is_that_of_tiles() {
     let Some(device) = device() else { return };
     let grid = cube([4, 4, 4], 0.2);
     let gradient = grid.points.iter().map(|&p| smooth_gradient(p)).collect();
-    let volume = Arc::new(Volume { gradient: Some(Arc::new(gradient)), ..(*smooth(grid)).clone() });
+    let volume = Arc::new(Volume { gradient: Some(gradient), ..(*smooth(grid)).clone() });
     let light = Some(Light { direction: DVec3::new(0.4, -0.7, 3.5), ambient: 0.3, diffuse: 0.8 });
     let mut shadings = vec![
         Shading { light, ..SHADING },

@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 use std::sync::Arc;
+use voltet_core::Shared;
 use voltet_core::camera::{Camera, Projection};
 use voltet_core::grid::generate::{box_of_tetrahedra, sample};
 use voltet_core::grid::{Array, Grid};
@@ -42,9 +43,9 @@ impl Hard {
         }
         let volume = Arc::new(Volume {
             grid: Arc::new(grid),
-            scalar: Arc::new(self.places.iter().map(s).collect()),
-            gradient: shaded.then(|| Arc::new(self.places.iter().map(gradient).collect())),
-            gradient_magnitude: Some(Arc::new(self.places.iter().map(g).collect())),
+            scalar: Shared::from(self.places.iter().map(s).collect::<Vec<_>>()),
+            gradient: shaded.then(|| self.places.iter().map(gradient).collect()),
+            gradient_magnitude: Some(Shared::from(self.places.iter().map(g).collect::<Vec<_>>())),
         });
         let transfer_function = Arc::new(self.look.clone());
         Scene { volume, transfer_function, camera: self.camera, shading: self.shading, order: Order::Exact }
@@ -86,7 +87,7 @@ pub(super) fn moved(
     place: impl Fn(DVec3) -> DVec3,
 ) -> Hard {
     let places = base.points.to_vec();
-    let grid = Grid { points: Arc::new(sample(base, place)), ..base.clone() };
+    let grid = Grid { points: Shared::from(sample(base, place)), ..base.clone() };
     Hard { category, name, grid, places, camera: outside(), look: look(), shading: PLAIN }
 }
 

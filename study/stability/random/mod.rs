@@ -23,6 +23,7 @@ use dice::Dice;
 use glam::DVec3;
 use serde::Serialize;
 use std::sync::Arc;
+use voltet_core::Shared;
 use voltet_core::grid::Grid;
 use voltet_core::grid::extent::{bounds, range};
 use voltet_core::picture::Picture;
@@ -162,8 +163,8 @@ fn neighbours(scene: &Scene) -> Vec<Scene> {
     let mut all: Vec<Scene> = nudged.map(|camera| Scene { camera, ..scene.clone() }).collect();
     let Volume { grid, scalar, gradient, gradient_magnitude } = (*scene.volume).clone();
     let with_values = |change: fn(f64) -> f64| Volume {
-        scalar: Arc::new(about_the_least(&scalar, change)),
-        gradient_magnitude: gradient_magnitude.as_ref().map(|g| Arc::new(about_the_least(g, change))),
+        scalar: Shared::from(about_the_least(&scalar, change)),
+        gradient_magnitude: gradient_magnitude.as_ref().map(|g| about_the_least(g, change).into()),
         grid: grid.clone(),
         gradient: gradient.clone(),
     };
@@ -172,7 +173,7 @@ fn neighbours(scene: &Scene) -> Vec<Scene> {
     let axes = [0, 1, 2].map(|axis| grid.points.iter().map(|p| p[axis]).collect::<Vec<_>>());
     let [x, y, z] = axes.map(|values| about_the_least(&values, rounded));
     let points = x.into_iter().zip(y).zip(z).map(|((x, y), z)| DVec3::new(x, y, z)).collect();
-    let moved = Grid { points: Arc::new(points), ..(*grid).clone() };
+    let moved = Grid { points: points, ..(*grid).clone() };
     volumes.push(Volume { grid: Arc::new(moved), scalar, gradient, gradient_magnitude });
     all.extend(volumes.into_iter().map(|volume| Scene { volume: Arc::new(volume), ..scene.clone() }));
     all

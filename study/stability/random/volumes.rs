@@ -4,6 +4,7 @@ use super::dice::Dice;
 use glam::{DQuat, DVec3};
 use std::sync::Arc;
 use voltet_core::Result;
+use voltet_core::Shared;
 use voltet_core::field::{Method, VolumeWeighted, magnitude};
 use voltet_core::grid::generate::{box_of_tetrahedra, sample};
 use voltet_core::grid::{Array, Grid};
@@ -21,16 +22,16 @@ pub(super) fn volume(dice: &mut Dice) -> Result<Volume> {
     let wave = |dice: &mut Dice| (3.0 * dice.direction(), dice.between(0.0, 6.0));
     let (a, b, m) = (wave(dice), wave(dice), wave(dice));
     let one = |(along, phase): (DVec3, f64)| sample(&unit, move |p| (along.dot(p) + phase).sin());
-    let array = |values| Arc::new(Array { component_count: 1, values });
+    let array = |values: Vec<f64>| Arc::new(Array { component_count: 1, values: values.into() });
     let mut grid = placed(dice, &unit);
     grid.point_arrays.insert(FIELDS[0].into(), array(one(a)));
     grid.point_arrays.insert(FIELDS[1].into(), array(one(b)));
     grid.point_arrays.insert(MAGNITUDE.into(), array(one(m).iter().map(|x| x.abs() + 0.1).collect()));
     let gradient = Method::standard(Arc::new(VolumeWeighted))?.gradient(&grid, &scalar, &Silent)?.vectors;
     Ok(Volume {
-        gradient_magnitude: Some(Arc::new(magnitude(&gradient))),
-        gradient: Some(Arc::new(gradient)),
-        scalar: Arc::new(scalar),
+        gradient_magnitude: Some(Shared::from(magnitude(&gradient))),
+        gradient: Some(Shared::from(gradient)),
+        scalar: Shared::from(scalar),
         grid: Arc::new(grid),
     })
 }
@@ -53,7 +54,7 @@ fn grid(dice: &mut Dice) -> Grid {
                 points.push(corners[0] * (1.0 - 3.0 * near) + near * (corners[1] + corners[2] + corners[3]));
                 cells.extend([[a, b, c, centre], [a, b, d, centre], [a, c, d, centre], [b, c, d, centre]]);
             }
-            Grid { points: Arc::new(points), tetrahedra: Arc::new(cells), ..Grid::default() }
+            Grid { points: points.into(), tetrahedra: cells.into(), ..Grid::default() }
         }
         // Holes, and pieces that do not touch.
         1 => {
@@ -62,7 +63,7 @@ fn grid(dice: &mut Dice) -> Grid {
             let mut cells = whole.tetrahedra.to_vec();
             cells.retain(|_| dice.chance(share));
             let cells = if cells.is_empty() { whole.tetrahedra.to_vec() } else { cells };
-            Grid { tetrahedra: Arc::new(cells), ..whole }
+            Grid { tetrahedra: cells.into(), ..whole }
         }
         // A layer of slivers across one axis.
         2 => {
@@ -86,14 +87,14 @@ fn grid(dice: &mut Dice) -> Grid {
             let regular = box_of_tetrahedra(counts, unit, 0.0);
             let shifts: Vec<DVec3> = regular.points.iter().map(|_| dice.place(-least, least)).collect();
             let points = regular.points.iter().zip(shifts).map(|(p, shift)| *p + shift).collect();
-            Grid { points: Arc::new(points), ..regular }
+            Grid { points: points, ..regular }
         }
         // Few cells at random places, which may overlap.
         5 => {
             let count = 1 + dice.of(3);
             let points: Vec<DVec3> = (0..4 * count).map(|_| dice.place(0.0, 1.0)).collect();
-            let cells = (0..count as u32).map(|k| [4 * k, 4 * k + 1, 4 * k + 2, 4 * k + 3]).collect();
-            Grid { points: Arc::new(points), tetrahedra: Arc::new(cells), ..Grid::default() }
+            let cells = (0..count as u32).map(|k| [4 * k, 4 * k + 1, 4 * k + 2, 4 * k + 3]).collect::<Vec<_>>();
+            Grid { points: points.into(), tetrahedra: cells.into(), ..Grid::default() }
         }
         _ => cube(),
     }
@@ -124,7 +125,7 @@ fn moved(grid: &Grid, place: impl Fn(DVec3) -> DVec3) -> Grid {
         (b - a).cross(c - a).dot(d - a) > 0.0
     };
     let turned = grid.tetrahedra.iter().any(|cell| side(&points, cell) != side(&grid.points, cell));
-    if turned { grid.clone() } else { Grid { points: Arc::new(points), ..grid.clone() } }
+    if turned { grid.clone() } else { Grid { points: points.into(), ..grid.clone() } }
 }
 
 /// s at the points: smooth, linear, a steep step, constant, noise; of any size and offset.

@@ -1,0 +1,163 @@
+//! The large arrays of grids and volumes: shared, never changed, owned or lent.
+
+use std::fmt;
+use std::ops::Deref;
+use std::sync::Arc;
+
+/// Numbers that several owners share and that nobody changes: a vector, or memory that somebody lends. Cloning shares.
+pub struct Shared<T: 'static> {
+    owned: Arc<Vec<T>>,
+    /// In its place, where it is there.
+    lent: Option<(&'static [T], Arc<dyn Send + Sync>)>,
+}
+
+impl<T> Shared<T> {
+    /// Memory that somebody else owns, shared without being copied. `keep` is dropped with the last owner: what it stands for
+    /// (a call-back, a reference count) may then take the memory back. That the memory outlives it is the caller's promise, who
+    /// made a slice without end of it.
+    pub fn lent(values: &'static [T], keep: Arc<dyn Send + Sync>) -> Shared<T> {
+        Shared { owned: Arc::default(), lent: Some((values, keep)) }
+    }
+
+    /// The numbers.
+    #[inline]
+    pub fn as_slice(&self) -> &[T] {
+        match &self.lent {
+            None => &self.owned,
+            Some((values, _)) => values,
+        }
+    }
+
+    /// The numbers to change: those of a vector that nobody else holds as they are, a copy otherwise.
+    pub fn make_mut(&mut self) -> &mut Vec<T>
+    where
+        T: Clone,
+    {
+        if let Some((values, _)) = self.lent.take() {
+            self.owned = Arc::new(values.to_vec());
+        }
+        Arc::make_mut(&mut self.owned)
+    }
+
+    /// Whether both are the same memory.
+    pub fn is(&self, other: &Shared<T>) -> bool {
+        std::ptr::eq(self.as_slice(), other.as_slice())
+    }
+}
+
+impl<T> Deref for Shared<T> {
+    type Target = [T];
+
+    #[inline]
+    fn deref(&self) -> &[T] {
+        self.as_slice()
+    }
+}
+
+impl<T> Clone for Shared<T> {
+    fn clone(&self) -> Self {
+        Shared { owned: self.owned.clone(), lent: self.lent.clone() }
+    }
+}
+
+impl<T> Default for Shared<T> {
+    fn default() -> Self {
+        Vec::new().into()
+    }
+}
+
+impl<T: fmt::Debug> fmt::Debug for Shared<T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.as_slice().fmt(f)
+    }
+}
+
+impl<T: PartialEq> PartialEq for Shared<T> {
+    fn eq(&self, other: &Self) -> bool {
+        self.as_slice() == other.as_slice()
+    }
+}
+
+impl<T: PartialEq> PartialEq<Vec<T>> for Shared<T> {
+    fn eq(&self, other: &Vec<T>) -> bool {
+        self.as_slice() == other.as_slice()
+    }
+}
+
+impl<T> From<Vec<T>> for Shared<T> {
+    fn from(values: Vec<T>) -> Self {
+        Shared { owned: Arc::new(values), lent: None }
+    }
+}
+
+impl<T> From<Arc<Vec<T>>> for Shared<T> {
+    fn from(values: Arc<Vec<T>>) -> Self {
+        Shared { owned: values, lent: None }
+    }
+}
+
+impl<T> FromIterator<T> for Shared<T> {
+    fn from_iter<I: IntoIterator<Item = T>>(values: I) -> Self {
+        Vec::from_iter(values).into()
+    }
+}
+
+impl<'a, T> IntoIterator for &'a Shared<T> {
+    type Item = &'a T;
+    type IntoIter = std::slice::Iter<'a, T>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.as_slice().iter()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::atomic::{AtomicBool, Ordering};
+
+    struct Returned(Arc<AtomicBool>);
+
+    impl Drop for Returned {
+        fn drop(&mut self) {
+            self.0.store(true, Ordering::Relaxed);
+        }
+    }
+
+    #[test]
+    fn lent_memory_is_given_back_by_the_last_owner_and_never_copied() {
+        static NUMBERS: [f64; 3] = [1.0, 2.0, 3.0];
+        let back = Arc::new(AtomicBool::new(false));
+        let first = Shared::lent(&NUMBERS, Arc::new(Returned(back.clone())));
+        let second = first.clone();
+        assert!(first.is(&second) && std::ptr::eq(first.as_ptr(), NUMBERS.as_ptr()));
+        drop(first);
+        assert!(!back.load(Ordering::Relaxed));
+        assert_eq!(second.iter().sum::<f64>(), 6.0);
+        drop(second);
+        assert!(back.load(Ordering::Relaxed));
+    }
+
+    #[test]
+    fn changing_copies_what_somebody_else_holds() {
+        static NUMBERS: [u32; 2] = [7, 8];
+        let mut lent = Shared::lent(&NUMBERS, Arc::new(()));
+        lent.make_mut().push(9);
+        assert_eq!((&*lent, NUMBERS), (&[7, 8, 9][..], [7, 8]));
+        let other = lent.clone();
+        lent.make_mut()[0] = 1;
+        assert_eq!((&*lent, &*other), (&[1, 8, 9][..], &[7, 8, 9][..]));
+        let at = lent.as_ptr();
+        lent.make_mut()[0] = 2;
+        assert!(std::ptr::eq(at, lent.as_ptr()), "nobody else held it");
+    }
+
+    #[test]
+    fn equal_numbers_are_equal_whoever_owns_them() {
+        static NUMBERS: [u32; 2] = [7, 8];
+        let lent = Shared::lent(&NUMBERS, Arc::new(()));
+        let owned = Shared::from(vec![7, 8]);
+        assert_eq!(lent, owned);
+        assert!(!lent.is(&owned) && owned.is(&owned.clone()));
+    }
+}
