@@ -128,8 +128,12 @@ mod tests {
     #[test]
     fn keys_are_sorted_and_ties_stay() {
         let Some(device) = device() else { return };
-        let volume =
-            Volume { grid: Arc::default(), scalar: Default::default(), gradient: None, gradient_magnitude: None };
+        let volume = Volume {
+            grid: Arc::default(),
+            scalar: Default::default(),
+            gradient: None,
+            gradient_magnitude: None,
+        };
         let grid = DeviceGrid::new(Arc::new(device), &volume).expect("fits");
         let mut state = 1u64;
         let mut random = || {

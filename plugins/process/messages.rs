@@ -108,12 +108,12 @@ fn given(mut head: Reader, from: &mut impl Read) -> io::Result<Given> {
         Some((values, points, cells, arrays))
     };
     let (values, point_count, cell_count, components) = stated().ok_or_else(garbled)?;
-    let points = Arc::new(wire::array::<DVec3>(from, point_count)?);
-    let tetrahedra = Arc::new(wire::array::<[u32; 4]>(from, cell_count)?);
+    let points = wire::array::<DVec3>(from, point_count)?.into();
+    let tetrahedra = wire::array::<[u32; 4]>(from, cell_count)?.into();
     let scalar = wire::array::<f64>(from, point_count)?;
     let arrays = components.into_iter().map(|components| {
         let Some(components) = components.map(|n| n as usize) else { return Ok(None) };
-        let values = wire::array::<f64>(from, components * point_count)?;
+        let values = wire::array::<f64>(from, components * point_count)?.into();
         Ok(Some(Arc::new(Array { component_count: components, values })))
     });
     let arrays = arrays.collect::<io::Result<_>>()?;

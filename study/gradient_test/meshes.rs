@@ -48,7 +48,8 @@ impl Mesh {
                 }
             }
         };
-        let grid = Grid { points: Shared::from(grid.points.iter().map(|&p| place(p)).collect::<Vec<_>>()), ..grid };
+        let grid =
+            Grid { points: Shared::from(grid.points.iter().map(|&p| place(p)).collect::<Vec<_>>()), ..grid };
         Meshed { grid, at_boundary }
     }
 }

@@ -29,7 +29,11 @@ fn cell() -> Arc<Volume> {
     let tetrahedra = vec![[0, 1, 2, 3]];
     let gradient = vec![DVec3::Z, DVec3::Z, DVec3::Z, DVec3::new(0.0, 2.88, 0.84)];
     Arc::new(Volume {
-        grid: Arc::new(Grid { points: Shared::from(points), tetrahedra: tetrahedra.into(), ..Grid::default() }),
+        grid: Arc::new(Grid {
+            points: Shared::from(points),
+            tetrahedra: tetrahedra.into(),
+            ..Grid::default()
+        }),
         scalar: Shared::from(vec![0.0, 2.0, 2.0, 2.0]),
         gradient_magnitude: Some(Shared::from(gradient.iter().map(|v| v.length()).collect::<Vec<_>>())),
         gradient: Some(Shared::from(gradient)),

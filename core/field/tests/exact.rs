@@ -113,7 +113,8 @@ fn the_array_filter_takes_three_components_and_names_what_is_wrong() {
     let mut grid = box_of_tetrahedra([1, 1, 1], UNIT, 0.0);
     let values = (0..24).map(f64::from).collect();
     grid.point_arrays.insert("grad".into(), Arc::new(Array { component_count: 3, values }));
-    grid.point_arrays.insert("flat".into(), Arc::new(Array { component_count: 2, values: vec![0.0; 16].into() }));
+    grid.point_arrays
+        .insert("flat".into(), Arc::new(Array { component_count: 2, values: vec![0.0; 16].into() }));
     let run = |name: &str| {
         let values = [("array", Datum::Text(name.into()))];
         let parameters = Parameters::of(FromArray.declaration().parameters, values).unwrap();

@@ -46,7 +46,8 @@ const SLOPE: Node = Node {
         count("slope");
         let mut volume = Volume::clone(&*call.volume("grid")?);
         let found = call.method()?.gradient(&volume.grid, &volume.scalar, call.progress())?;
-        volume.gradient_magnitude = Some(Shared::from(found.vectors.iter().map(|v| v.length()).collect::<Vec<_>>()));
+        volume.gradient_magnitude =
+            Some(Shared::from(found.vectors.iter().map(|v| v.length()).collect::<Vec<_>>()));
         Ok(vec![Value::Volume(Arc::new(volume))])
     },
     ..Node::BLANK

@@ -51,7 +51,9 @@ fn cell_values_can_stay_constant_in_each_cell() {
     let mut parts = on_cells(two_bars(), vec![10.0, 2.0]);
     let x = parts.points.iter().map(|p| p.x).collect();
     parts.point_arrays.insert("x".into(), Array { component_count: 1, values: x });
-    parts.cell_arrays.insert("pair".into(), Array { component_count: 2, values: vec![1.0, 2.0, 3.0, 4.0].into() });
+    parts
+        .cell_arrays
+        .insert("pair".into(), Array { component_count: 2, values: vec![1.0, 2.0, 3.0, 4.0].into() });
     let options = Options { cell_values: CellValues::Constant, ..Options::default() };
     let grid = build(parts, &options, &Silent).unwrap();
     assert_eq!(grid.points.len(), 16);

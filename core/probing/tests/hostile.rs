@@ -126,8 +126,12 @@ fn flat_and_missing_cells_make_no_numbers_up() {
     assert!(probe(&nothing, &[&[]], &Region::Everywhere, None, &Silent).is_err());
     let empty = histogram(&nothing, [&[], &[]], [Axis::over(&[], 4); 2], &Silent).unwrap();
     assert_eq!(empty.total, 0.0);
-    let volume =
-        Volume { grid: Arc::new(nothing), scalar: Default::default(), gradient: None, gradient_magnitude: None };
+    let volume = Volume {
+        grid: Arc::new(nothing),
+        scalar: Default::default(),
+        gradient: None,
+        gradient_magnitude: None,
+    };
     let model = OpticalModel::DensityEmitter;
     assert!(
         bands(&volume, &TransferFunction { model, unit_distance: 1.0, widgets: Vec::new() })

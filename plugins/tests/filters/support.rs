@@ -31,7 +31,7 @@ pub fn grid() -> Grid {
     let bounds = [DVec3::new(-1.0, 0.0, 2.0), DVec3::new(1.0, 3.0, 3.0)];
     let grid = generate::box_of_tetrahedra([9, 8, 7], bounds, 0.2);
     let mut grid = generate::with_scalar(grid, "s", |p| (2.0 * p.x).sin() + p.y * p.z);
-    let ones = Array { component_count: 1, values: vec![1.0; grid.points.len()] };
+    let ones = Array { component_count: 1, values: vec![1.0; grid.points.len()].into() };
     grid.point_arrays.insert("trust".into(), Arc::new(ones));
     grid
 }

@@ -93,7 +93,8 @@ fn grid(dice: &mut Dice) -> Grid {
         5 => {
             let count = 1 + dice.of(3);
             let points: Vec<DVec3> = (0..4 * count).map(|_| dice.place(0.0, 1.0)).collect();
-            let cells = (0..count as u32).map(|k| [4 * k, 4 * k + 1, 4 * k + 2, 4 * k + 3]).collect::<Vec<_>>();
+            let cells =
+                (0..count as u32).map(|k| [4 * k, 4 * k + 1, 4 * k + 2, 4 * k + 3]).collect::<Vec<_>>();
             Grid { points: points.into(), tetrahedra: cells.into(), ..Grid::default() }
         }
         _ => cube(),
