@@ -8,12 +8,14 @@
 //! | --- | --- |
 //! | `wire` | bytes |
 //! | `messages` | what is asked and answered |
+//! | `declarations` | what filters declare, in messages |
 //! | `child` | the process |
 //! | `conversation` | one piece of work, as the program sees it |
 //! | `remote` | a filter |
 
 mod child;
 mod conversation;
+mod declarations;
 mod messages;
 mod remote;
 pub(crate) mod wire;

@@ -4,11 +4,13 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 use voltet::core::Result;
+use voltet::core::error::ErrorKind;
 use voltet::core::field::{GradientFilter, Method};
 use voltet::core::glam::DVec3;
 use voltet::core::grid::{Grid, generate};
-use voltet::core::progress::Silent;
+use voltet::core::progress::Progress;
 use voltet_testing::compilers;
 
 const RIGHT: DVec3 = DVec3::new(2.0, 3.0, -1.0);
@@ -26,12 +28,28 @@ fn grid() -> Grid {
     generate::with_scalar(grid, "s", |p| p.dot(RIGHT))
 }
 
+/// Machine code that was damaged may go round for ever.
+const PATIENCE: Duration = Duration::from_secs(5);
+
+/// Stops the work then.
+struct Until(Instant);
+
+impl Progress for Until {
+    fn report(&self, _stage: &str, _fraction: f64) {}
+
+    fn cancelled(&self) -> bool {
+        Instant::now() > self.0
+    }
+}
+
 /// How many cases ended how.
 #[derive(Debug, Default)]
 struct Tally {
     refused: u64,
     crashed: u64,
     failed: u64,
+    /// It had not ended after [`PATIENCE`].
+    stopped: u64,
     right: u64,
     wrong: u64,
 }
@@ -54,11 +72,12 @@ fn tried(tally: &mut Tally, grid: &Grid, loaded: Result<Vec<Arc<dyn GradientFilt
         let computed = registry
             .add_filter(filter.clone())
             .and_then(|()| Method::standard(filter))
-            .and_then(|method| method.gradient(grid, &scalar, &Silent));
+            .and_then(|method| method.gradient(grid, &scalar, &Until(Instant::now() + PATIENCE)));
         match computed {
             Ok(gradient) if gradient.vectors.iter().all(|v| *v == RIGHT) => tally.right += 1,
             Ok(_) => tally.wrong += 1,
             Err(error) if error.to_string().contains("signal") => tally.crashed += 1,
+            Err(error) if error.kind == ErrorKind::Cancelled => tally.stopped += 1,
             Err(_) => tally.failed += 1,
         }
     }

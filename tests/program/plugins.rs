@@ -77,6 +77,56 @@ fn a_filter_that_is_not_loaded_is_unknown_and_the_plugins_are_named() {
 }
 
 #[test]
+fn a_filter_is_given_what_the_header_promises() {
+    let Some(folder) = folder() else { return };
+    compilers::library(folder.path(), "filter.so", &[compilers::source("tests/plugins/examine.c")], &[]);
+    let values = "method = \"examine\"\nflag = true\nwhole = -9007199254740993\nnumber = 0.5\nchoice = \"third\"\n\
+                  text = \"été\"\nlist = [-1, 1e300]\none = \"y\"\nthree = \"gradient\"";
+    folder.write("slab.toml", slab(values));
+    for own_process in [&[][..], &["--plugin-process"]] {
+        let ran = folder.voltet(&[&["run", "slab.toml", "--plugin", "filter.so"], own_process].concat()).ok();
+        assert!(
+            ran.stderr.contains("two and three at 5 points") && !ran.stderr.contains("never"),
+            "{}",
+            ran.stderr
+        );
+        let noted = std::fs::read_to_string(folder.join("filter.so.log")).unwrap();
+        let (begun, ended) = noted.lines().fold((0, 0), |(begun, ended), line| match line {
+            "init" => (begun + 1, ended),
+            _ => (begun, ended + 1),
+        });
+        assert!(begun == ended && begun > 0, "{noted}");
+        std::fs::remove_file(folder.join("filter.so.log")).unwrap();
+        let shown =
+            folder.voltet(&[&["nodes", "examine", "--plugin", "filter.so"], own_process].concat()).ok();
+        for text in [
+            "flag (true | false; default: false)",
+            "whole (whole number, m; required)",
+            "number (number between 0 and 10; default: 5.0)",
+            "choice (first | second | third; default: \"first\")",
+            "nothing (text; default: none)",
+            "vector (3 numbers; default: [1.0, 2.0, 3.0])",
+            "list (list of numbers -1 or more; default: none)",
+        ] {
+            assert!(shown.stdout.contains(text), "'{text}' is not in\n{}", shown.stdout);
+        }
+        std::fs::remove_file(folder.join("filter.so.log")).unwrap();
+    }
+    // Checked by its declarations, and an array that is not there is named.
+    let wrong = |option: &str, wanted: &[&str]| {
+        folder.voltet(&["run", "slab.toml", "--plugin", "filter.so", "--set", option]).fails(2, wanted);
+    };
+    wrong("gradient.number=10", &["'number' is out of range", "between 0 and 10"]);
+    wrong("gradient.vector=[1,2]", &["'vector' is of the wrong type", "3 numbers"]);
+    wrong("gradient.text=other", &["says: found line", "plug-in 'examine' (filter.so)"]);
+    for (option, wanted) in [("gradient.one=gone", "gone"), ("gradient.three=y", "'y' of 1 components")] {
+        let options = ["--plugin", "filter.so", "--set", "gradient.flag=false", "--set", option];
+        let ran = folder.voltet(&[&["run", "slab.toml"], &options[..]].concat());
+        assert!(ran.code > 0 && ran.stderr.contains(wanted), "{}", ran.stderr);
+    }
+}
+
+#[test]
 fn a_picture_says_which_plugin_drew_it_and_when_another_would() {
     let Some(folder) = folder() else { return };
     let with = ["--plugin", "filter.so"];

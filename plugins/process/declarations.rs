@@ -1,0 +1,139 @@
+//! What a filter declares, in messages.
+
+use super::wire::{Reader, Writer};
+use crate::describe::Declared;
+use voltet_core::parameters::{Kind, Parameter, ParameterType, Range, Standard};
+
+/// A filter as it was declared.
+pub(super) fn write_declared(body: &mut Writer, declared: &Declared) {
+    body.text(declared.kind.name);
+    body.text(declared.kind.summary);
+    body.number(u64::from(declared.needs));
+    body.number(u64::from(declared.checks));
+    body.number(declared.kind.parameters.len() as u64);
+    for (parameter, &components) in declared.kind.parameters.iter().zip(&declared.components) {
+        [parameter.name, parameter.unit, parameter.help].into_iter().for_each(|text| body.text(text));
+        body.number(u64::from(components));
+        write_type(body, &parameter.parameter_type);
+        write_standard(body, &parameter.standard);
+    }
+}
+
+/// The same again; its texts and lists live from now on as long as the program. `None` where it is none.
+pub(super) fn read_declared(reader: &mut Reader) -> Option<Declared> {
+    let (name, summary) = (reader.text()?, reader.text()?);
+    let (needs, checks) = (reader.number()? as u32, reader.number()? == 1);
+    let mut components = Vec::new();
+    let parameters = reader.list(|reader| {
+        let [name, unit, help] = [reader.text()?, reader.text()?, reader.text()?];
+        components.push(reader.number()? as u32);
+        let parameter_type = read_type(reader)?;
+        let standard = read_standard(reader)?;
+        Some(Parameter { name: name.leak(), unit: unit.leak(), help: help.leak(), parameter_type, standard })
+    })?;
+    let kind = Kind { name: name.leak(), summary: summary.leak(), parameters: parameters.leak() };
+    Some(Declared { kind, needs, checks, components })
+}
+
+fn write_range(body: &mut Writer, range: &Range) {
+    body.float(range.min);
+    body.float(range.max);
+    body.number(u64::from(range.above_min));
+    body.number(u64::from(range.below_max));
+}
+
+fn read_range(reader: &mut Reader) -> Option<Range> {
+    let (min, max) = (reader.float()?, reader.float()?);
+    let (above_min, below_max) = (reader.number()? == 1, reader.number()? == 1);
+    Some(Range { min, max, above_min, below_max, infinite: false })
+}
+
+/// Those that [`crate::describe`] gives.
+fn write_type(body: &mut Writer, parameter_type: &ParameterType) {
+    match parameter_type {
+        ParameterType::Boolean => body.number(0),
+        ParameterType::Integer(range) => {
+            body.number(1);
+            write_range(body, range);
+        }
+        ParameterType::Number(range) => {
+            body.number(2);
+            write_range(body, range);
+        }
+        ParameterType::Choice(words) => {
+            body.number(3);
+            body.number(words.len() as u64);
+            words.iter().flat_map(|(word, meaning)| [word, meaning]).for_each(|text| body.text(text));
+        }
+        ParameterType::Numbers(count, range) => {
+            body.number(4);
+            body.optional(*count, |body, n| body.number(n as u64));
+            write_range(body, range);
+        }
+        _ => body.number(5),
+    }
+}
+
+fn read_type(reader: &mut Reader) -> Option<ParameterType> {
+    Some(match reader.number()? {
+        0 => ParameterType::Boolean,
+        1 => ParameterType::Integer(read_range(reader)?),
+        2 => ParameterType::Number(read_range(reader)?),
+        3 => {
+            let words = reader.list(|reader| {
+                let (word, meaning): (&str, &str) = (reader.text()?.leak(), reader.text()?.leak());
+                Some((word, meaning))
+            });
+            ParameterType::Choice(words?.leak())
+        }
+        4 => {
+            ParameterType::Numbers(reader.optional(Reader::number)?.map(|n| n as usize), read_range(reader)?)
+        }
+        5 => ParameterType::Text,
+        _ => return None,
+    })
+}
+
+/// Those that [`crate::describe`] gives.
+fn write_standard(body: &mut Writer, standard: &Standard) {
+    match *standard {
+        Standard::Unset(meaning) => {
+            body.number(1);
+            body.text(meaning);
+        }
+        Standard::Boolean(flag) => {
+            body.number(2);
+            body.number(u64::from(flag));
+        }
+        Standard::Integer(n) => {
+            body.number(3);
+            body.number(n as u64);
+        }
+        Standard::Number(x) => {
+            body.number(4);
+            body.float(x);
+        }
+        Standard::Text(text) => {
+            body.number(5);
+            body.text(text);
+        }
+        Standard::Numbers(xs) => {
+            body.number(6);
+            body.floats(xs);
+        }
+        Standard::Required | Standard::Integers(_) => body.number(0),
+    }
+}
+
+fn read_standard(reader: &mut Reader) -> Option<Standard> {
+    Some(match reader.number()? {
+        0 => Standard::Required,
+        1 => Standard::Unset(reader.text()?.leak()),
+        2 => Standard::Boolean(reader.number()? == 1),
+        3 => Standard::Integer(reader.number()? as i64),
+        4 => Standard::Number(reader.float()?),
+        5 => Standard::Text(reader.text()?.leak()),
+        6 => Standard::Numbers(reader.floats()?.leak()),
+        _ => return None,
+    })
+}
