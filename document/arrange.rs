@@ -6,7 +6,7 @@ use voltet_core::graph::NodeEntry;
 /// What is left between two layers, and between two nodes of one, in points.
 const GAP: [f64; 2] = [70.0, 40.0];
 /// The size of a node that nobody has drawn yet.
-pub const USUAL: [f64; 2] = [170.0, 125.0];
+pub const USUAL: [f64; 2] = [170.0, 100.0];
 /// How often the layers are ordered by their neighbours.
 const SWEEPS: usize = 4;
 

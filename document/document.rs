@@ -9,7 +9,7 @@ use crate::view::View;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use voltet_core::graph::Stamp;
+use voltet_core::graph::{NodeEntry, Stamp};
 use voltet_core::pipeline::{Pipeline, Survey, locate};
 use voltet_core::{Error, Result};
 
@@ -183,6 +183,14 @@ impl Document {
     pub fn position(&self, node: &str) -> [f64; 2] {
         let stated = self.view.nodes.get(node).and_then(|node| node.at);
         stated.or_else(|| self.shown.get(node).copied()).unwrap_or_default()
+    }
+
+    /// Lays out all nodes anew that the file gives no place. `size`: the width and height that each will have.
+    pub fn lay_out(&mut self, size: &dyn Fn(&NodeEntry) -> [f64; 2]) {
+        let nodes = &self.survey.pipeline.nodes;
+        let of = |name: &str| nodes.iter().find(|node| node.name == name).map_or(crate::arrange::USUAL, size);
+        let places = crate::arrange::tidy(nodes, &of);
+        self.shown = nodes.iter().map(|node| node.name.clone()).zip(places).collect();
     }
 
     /// Lays out nodes that are new and have no place.

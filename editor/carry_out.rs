@@ -203,6 +203,8 @@ impl Editor {
         self.disk = Disk::default();
         self.shown_node = None;
         (self.asked, self.ground) = (None, None);
+        (self.lookups.previews, self.lookups.previews_of) = Default::default();
+        self.worker.forget_previews();
         // Revisions count from the beginning of each document.
         self.faults = (None, Vec::new());
         self.parameters = ParameterPanel::default();

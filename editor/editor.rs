@@ -157,11 +157,14 @@ impl Editor {
         self.ends
     }
 
-    /// The transfer function is what is worked on first.
+    /// Lays out the document; the transfer function is what is worked on first.
     pub(crate) fn begin(&mut self) {
         let nodes = &self.document.pipeline().nodes;
         let look = nodes.iter().find(|node| node.node_type.text() == Some("transfer-function"));
         self.selection = look.iter().map(|node| node.name.clone()).collect();
+        let registry = &self.registry;
+        let node = |entry: &NodeEntry| entry.node_type.text().and_then(|name| registry.find(name).ok());
+        self.document.lay_out(&|entry| crate::graph::usual_size(node(entry)));
     }
 
     /// Drops from the selection what is gone, and finds a picture to show where there is none.
@@ -195,6 +198,8 @@ impl Editor {
                 view: camera.and_then(View::of),
                 picture_size: camera.and_then(camera_size),
                 pixels: shown.pixels.clone().filter(|_| self.shown_node.is_some()),
+                previews: shown.previews.clone(),
+                asks: self.unsaved.is_some() || self.asking.is_some(),
                 nodes: shown.nodes.clone(),
                 values: shown.values.clone(),
                 failure: shown.failure.clone(),

@@ -55,7 +55,7 @@ fn empty(editor: &Editor, ctx: &Context, graph: &mut GraphView, scene: &Scene, a
     let ground = Frame::none().fill(theme::ground(ctx.style().visuals.dark_mode));
     CentralPanel::default().frame(ground).show(ctx, |ui| {
         let place = ui.max_rect();
-        graph.show(ui, scene, None, actions);
+        graph.show(ui, scene, &|_| None, actions);
         let recent: Vec<&std::path::Path> = editor.recent.paths().collect();
         begin::invite(ui, place, &recent, editor.made.is_some(), actions);
     });
@@ -97,7 +97,7 @@ fn parts(
     let ground = Frame::none().fill(theme::ground(ctx.style().visuals.dark_mode));
     CentralPanel::default().frame(ground).show(ctx, |ui| {
         let place = ui.max_rect();
-        graph.show(ui, scene, panel.texture(), actions);
+        graph.show(ui, scene, &|node| panel.texture_of(scene, node), actions);
         if !scene.document.is_toml() {
             begin::broken(ui, place, scene.faults);
         }

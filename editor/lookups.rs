@@ -1,6 +1,7 @@
 //! What was asked of the worker beside pictures, and whether its answers are those to the newest question.
 
-use crate::worker::{Section, Sectioning, Share, Shown};
+use crate::worker::{Section, Sectioning, Share, Shown, Wanted};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// The newest questions.
@@ -11,6 +12,9 @@ pub(crate) struct Lookups {
     /// The picture, the transfer function and the widget that a share was asked for last.
     share: Option<(u64, String, usize)>,
     last_share: u64,
+    /// The small pictures that were asked for last, by their nodes, and for which document and shown node.
+    pub previews: BTreeMap<String, Wanted>,
+    pub previews_of: Option<(u64, Option<String>)>,
     /// The section that was asked for last.
     pub section: Option<Sectioning>,
 }

@@ -9,7 +9,9 @@ use eframe::egui::{
     Align2, Color32, ColorImage, ComboBox, FontId, PointerButton, Pos2, Rect, Response, RichText, Sense,
     Stroke, TextureHandle, TextureOptions, Ui, pos2, vec2,
 };
+use std::collections::HashMap;
 use std::f64::consts::PI;
+use std::sync::Arc;
 
 /// Radians that a drag over the height of the picture turns.
 const TURN: f64 = PI;
@@ -24,6 +26,8 @@ const NOTCH: f64 = 1.15;
 #[derive(Default)]
 pub(crate) struct PicturePanel {
     texture: Option<TextureHandle>,
+    /// Small pictures of other nodes, and what their textures hold.
+    previews: HashMap<String, (Arc<Vec<[u8; 4]>>, TextureHandle)>,
     /// What the texture holds: the request and how coarse.
     holds: Option<(u64, u32)>,
     /// Whether a drag is a box to be probed, as it is with Alt, which some window managers keep for themselves.
@@ -68,9 +72,12 @@ impl PicturePanel {
         response.on_hover_cursor(eframe::egui::CursorIcon::Grab);
     }
 
-    /// The texture of the picture as a node shows it.
-    pub fn texture(&self) -> Option<&TextureHandle> {
-        self.texture.as_ref()
+    /// The texture of a node's picture as the node shows it.
+    pub fn texture_of(&self, scene: &Scene, node: &str) -> Option<TextureHandle> {
+        if scene.shown_node == Some(node) {
+            return self.texture.clone().filter(|_| scene.pixels.is_some());
+        }
+        self.previews.get(node).map(|(_, texture)| texture.clone())
     }
 
     /// Where the picture lies in the window.
@@ -121,6 +128,13 @@ impl PicturePanel {
 
     /// Takes over what the worker drew.
     fn take(&mut self, ui: &Ui, scene: &Scene) {
+        self.previews.retain(|node, _| scene.previews.contains_key(node));
+        for (node, pixels) in &scene.previews {
+            if self.previews.get(node).is_none_or(|(held, _)| !Arc::ptr_eq(held, &pixels.rgba)) {
+                let texture = ui.ctx().load_texture(node, color_image(pixels), TextureOptions::LINEAR);
+                self.previews.insert(node.clone(), (pixels.rgba.clone(), texture));
+            }
+        }
         let Some(pixels) = &scene.pixels else { return };
         if self.holds == Some((pixels.number, pixels.divisor)) {
             return;

@@ -24,6 +24,10 @@ pub(crate) struct Scene<'a> {
     /// Its size as the document says.
     pub picture_size: Option<[u32; 2]>,
     pub pixels: Option<Pixels>,
+    /// Small pictures of other nodes.
+    pub previews: BTreeMap<String, Pixels>,
+    /// Whether a question is to be answered first: nothing else is said meanwhile.
+    pub asks: bool,
     /// The nodes that feed the picture.
     pub nodes: BTreeMap<String, NodeStatus>,
     /// For each output what runs through it.

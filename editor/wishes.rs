@@ -1,6 +1,7 @@
 //! What the worker is asked for, and what becomes of its answers.
 
 use crate::editor::{Editor, Ground, camera_size};
+use crate::scene::pictures;
 use crate::transfer;
 use crate::view::View;
 use crate::worker::{Distribution, Known, Probed, Probing, Sectioning, Sharing, Wanted, short};
@@ -29,6 +30,7 @@ impl Editor {
         }
         self.find_share();
         self.find_section();
+        self.find_previews();
     }
 
     /// Asks the worker for the picture where another is wanted than before.
@@ -113,6 +115,28 @@ impl Editor {
         let widget = (0..chosen).filter(|place| !is_hidden(place)).count();
         let key = self.lookups.next_share(of.clone());
         self.worker.share(Sharing { wanted, look: of.1, widget, key });
+    }
+
+    /// Asks for small pictures of the other nodes that give one, once the shown one is there and no hand is at work.
+    fn find_previews(&mut self) {
+        let of = (self.document.revision(), self.shown_node.clone());
+        let is_asked = self.lookups.previews_of.as_ref() == Some(&of);
+        if is_asked || self.gesture.is_some() || self.worker.shown(|shown| shown.is_busy) {
+            return;
+        }
+        let names = pictures(&self.document, &self.registry).into_iter().map(str::to_string);
+        let others: Vec<String> = names.filter(|name| Some(name) != self.shown_node.as_ref()).collect();
+        for node in others {
+            let background = background(&self.document.pipeline().nodes, &node);
+            let (nodes, folder) = (self.feeding(&node), self.document.folder());
+            let wanted =
+                Wanted { nodes, folder, node: node.clone(), size: None, background, coarse_first: false };
+            if self.lookups.previews.get(&node) != Some(&wanted) {
+                self.worker.preview(wanted.clone());
+                self.lookups.previews.insert(node, wanted);
+            }
+        }
+        self.lookups.previews_of = Some(of);
     }
 
     /// Asks for the section, where it is shown and another is wanted than before.

@@ -104,3 +104,27 @@ fn a_box_selects_and_a_click_on_the_ground_takes_it_back() {
     hand.click(title(&hand, "look"));
     assert_eq!(hand.editor.selection.iter().collect::<Vec<_>>(), ["look"]);
 }
+
+/// With their pictures and errors, nodes that the file gives no place have room.
+#[test]
+fn nodes_that_are_laid_out_do_not_cover_each_other() {
+    let more = "[nodes.counts]\ntype = \"histogram\"\ninputs = { volume = \"gradient\" }\n\n\
+        [nodes.other]\ntype = \"renderer\"\nintegrator = \"none\"\n\
+        inputs = { volume = \"gradient\", transfer_function = \"look\", camera = \"view\" }\n\n[nodes.view]";
+    let mut hand = Hand::new(&TEXT.replace("[nodes.view]", more));
+    for _ in 0..4000 {
+        hand.frames(1);
+        if hand.editor.scene().previews.contains_key("counts") {
+            break;
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    hand.frames(4);
+    let names = ["grid", "gradient", "look", "counts", "view", "other", "picture", "file"];
+    let frames = names.map(|name| (name, hand.editor.graph.frame_of(name).unwrap()));
+    for (i, (name, frame)) in frames.iter().enumerate() {
+        for (other, beside) in &frames[i + 1..] {
+            assert!(!frame.intersects(*beside), "{name} {frame:?} and {other} {beside:?}");
+        }
+    }
+}

@@ -101,13 +101,13 @@ fn arrays_of_the_data_are_chosen_one_or_several() {
         // Their ranges are found on a thread of its own.
         for _ in 0..2000 {
             hand.frames(1);
-            if !hand.texts("▾").is_empty() {
+            if !hand.texts("data").is_empty() {
                 break;
             }
             std::thread::sleep(Duration::from_millis(5));
         }
         for _ in 0..400 {
-            let at = hand.texts("▾")[0];
+            let at = hand.texts("data")[0];
             hand.click(at);
             hand.frames(2);
             if !hand.texts(list).is_empty() {

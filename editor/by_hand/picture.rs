@@ -107,3 +107,46 @@ fn a_double_click_makes_what_is_there_the_centre() {
     assert!(target.iter().any(|x| x.abs() > 0.5) && target.iter().all(|x| x.abs() <= 10.0), "{target:?}");
     assert_eq!(hand.steps(), 1);
 }
+
+/// A small picture of a node that is not shown at large comes once that one is there, which stays as it is.
+#[test]
+fn every_node_that_gives_a_picture_shows_it() {
+    let counts = "[nodes.counts]\ntype = \"histogram\"\ninputs = { volume = \"gradient\" }\n\n[nodes.view]";
+    let mut hand = Hand::new(&TEXT.replace("[nodes.view]", counts));
+    assert_eq!(hand.editor.shown_node.as_deref(), Some("picture"));
+    let shown = |hand: &Hand| hand.editor.worker().shown(|shown| shown.pixels.clone().unwrap().number);
+    let before = shown(&hand);
+    let preview = |hand: &mut Hand, node: &str, wide: &dyn Fn(usize) -> bool| {
+        for _ in 0..4000 {
+            hand.frames(1);
+            let found = hand.editor.scene().previews.get(node).cloned();
+            if let Some(pixels) = found.filter(|pixels| wide(pixels.size()[0])) {
+                return pixels;
+            }
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        panic!("no small picture of '{node}' comes");
+    };
+    let small = preview(&mut hand, "counts", &|_| true);
+    assert_eq!(small.size(), [512, 512], "as many pixels as it has");
+    assert!(small.rgba.iter().any(|pixel| *pixel != small.rgba[0]), "something is on it");
+    assert_eq!(shown(&hand), before, "the large picture is not drawn again");
+    transfer::with_distribution(&mut hand);
+    assert!(hand.has_textures(4), "letters, the picture, the distribution, the small picture");
+    // Shown at large, it gives its place in the node to the other.
+    hand.editor.shown_node = Some("counts".into());
+    hand.settle();
+    let small = preview(&mut hand, "picture", &|_| true);
+    assert!(small.size()[0] <= 160, "{:?}", small.size());
+    // What it follows from is another: so is it.
+    let coarser = voltet_document::Edit::set(
+        "counts",
+        "bins",
+        voltet_core::graph::Datum::List(vec![voltet_core::graph::Datum::Integer(64).into(); 2]),
+    );
+    hand.editor.shown_node = Some("picture".into());
+    hand.settle();
+    hand.editor.edit("fewer bins".into(), &[coarser]);
+    hand.settle();
+    assert_eq!(preview(&mut hand, "counts", &|width| width < 512).size(), [128, 128]);
+}

@@ -1,11 +1,11 @@
 //! The visible nodes as the package is given them, made from the document each frame.
 
-use super::GraphView;
 use super::face::Face;
 use super::package::{End, NoValue};
 use super::places::Port;
+use super::{GraphView, Pictures};
 use crate::scene::Scene;
-use eframe::egui::{TextureHandle, Ui, pos2};
+use eframe::egui::{Ui, pos2};
 use egui_node_graph2::{AnyParameterId, InputParamKind, NodeId};
 use std::collections::BTreeSet;
 use std::rc::Rc;
@@ -16,13 +16,7 @@ const LETTERS: usize = 17;
 
 impl GraphView {
     /// Makes the package's graph that of the visible nodes.
-    pub(super) fn sync(
-        &mut self,
-        ui: &Ui,
-        scene: &Scene,
-        picture: Option<&TextureHandle>,
-        visible: &BTreeSet<String>,
-    ) {
+    pub(super) fn sync(&mut self, ui: &Ui, scene: &Scene, pictures: &Pictures, visible: &BTreeSet<String>) {
         let gone: Vec<String> = self.ids.keys().filter(|name| !visible.contains(*name)).cloned().collect();
         gone.iter().for_each(|name| self.forget(name));
         let is_same = self.ported.replace(scene.document.revision()) == Some(scene.document.revision());
@@ -39,7 +33,7 @@ impl GraphView {
             let at = scene.document.position(name);
             self.state.node_positions.insert(id, pos2(at[0] as f32 * self.zoom, at[1] as f32 * self.zoom));
             if let Some(shown) = self.state.graph.nodes.get_mut(id) {
-                shown.user_data = face(scene, entry, node, picture);
+                shown.user_data = face(scene, entry, node, pictures);
                 shown.label = if is_far { String::new() } else { shortened(name) };
             }
         }
@@ -128,18 +122,12 @@ fn ports(entry: &NodeEntry, node: Option<&'static Node>) -> Vec<Port> {
     inputs.chain(optional).chain(node.outputs.iter().map(|port| of(port, false, false))).collect()
 }
 
-fn face(
-    scene: &Scene,
-    entry: &NodeEntry,
-    node: Option<&'static Node>,
-    picture: Option<&TextureHandle>,
-) -> Face {
+fn face(scene: &Scene, entry: &NodeEntry, node: Option<&'static Node>, pictures: &Pictures) -> Face {
     let status = scene.nodes.get(&entry.name);
     let is_at = |error: &&voltet_core::Error| error.place.node.as_deref() == Some(&entry.name);
     let fault = scene.faults.iter().find(is_at).or(scene.failure.as_ref().filter(is_at));
     let view = scene.document.view().nodes.get(&entry.name);
-    let is_shown = scene.shown_node == Some(&entry.name);
-    let texture = picture.filter(|_| is_shown && scene.pixels.is_some());
+    let texture = pictures(&entry.name);
     Face {
         name: entry.name.clone(),
         node_type: entry.node_type.text().unwrap_or("no type").to_string(),

@@ -25,6 +25,7 @@ use eframe::egui::{
 use egui_node_graph2::{AnyParameterId, NodeId};
 use menu::Menu;
 use package::{NoTemplates, State, Written};
+pub(crate) use places::usual_size;
 use places::{Places, Port};
 use std::collections::HashMap;
 use std::rc::Rc;
@@ -45,6 +46,9 @@ const LEAST_LETTERS: f32 = 9.0;
 /// How long a pointer rests before it is told what it points at, seconds. Words that come
 /// while it moves would lie under it in their first frame, and take the press.
 const REST: f64 = 0.25;
+
+/// The picture of a node, where there is one.
+type Pictures<'a> = dyn Fn(&str) -> Option<TextureHandle> + 'a;
 
 /// A drag of nodes: where they were, and how far it went.
 type Dragged = (Vec<(String, [f64; 2])>, Vec2);
@@ -127,13 +131,7 @@ impl GraphView {
         self.places.drawn.iter().find(|(name, _)| name == node).map(|(_, frame)| *frame)
     }
 
-    pub fn show(
-        &mut self,
-        ui: &mut Ui,
-        scene: &Scene,
-        picture: Option<&TextureHandle>,
-        actions: &mut Actions,
-    ) {
+    pub fn show(&mut self, ui: &mut Ui, scene: &Scene, pictures: &Pictures, actions: &mut Actions) {
         let rect = ui.max_rect();
         ui.set_clip_rect(rect);
         self.move_view(ui, rect, scene);
@@ -141,7 +139,7 @@ impl GraphView {
         self.frames_and_notes(ui, rect, scene);
         let wires_at = ui.painter().add(egui::Shape::Noop);
         let visible = self.visible(scene, rect);
-        self.sync(ui, scene, picture, &visible);
+        self.sync(ui, scene, pictures, &visible);
         self.style(ui);
         let in_hand_before = self.state.connection_in_progress;
         let is_far = self.is_far(ui);
@@ -204,7 +202,11 @@ impl GraphView {
     /// Words about what the pointer points at; a double click shows a picture or opens the menu.
     fn point_at(&mut self, ui: &Ui, scene: &Scene, is_at_ground: bool, actions: &mut Actions) {
         let Some(at) = ui.input(|input| input.pointer.hover_pos()) else { return };
-        if !ui.rect_contains_pointer(ui.max_rect()) || self.menu.is_some() || self.wire.is_some() {
+        if !ui.rect_contains_pointer(ui.max_rect())
+            || self.menu.is_some()
+            || self.wire.is_some()
+            || scene.asks
+        {
             return;
         }
         let double = ui.input(|input| input.pointer.button_double_clicked(PointerButton::Primary));

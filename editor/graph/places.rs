@@ -6,14 +6,28 @@ use eframe::egui::{Pos2, Rect, Vec2, pos2, vec2};
 use egui_node_graph2::AnyParameterId;
 use std::collections::HashMap;
 use std::rc::Rc;
-use voltet_core::graph::{NodeEntry, PortType};
+use voltet_core::graph::{Node, NodeEntry, PortType};
 
 /// The package's margin on each side of what a node shows, points.
 const MARGIN: f32 = 15.0;
 
-/// Height of a title, a row and what ends a node, before it was drawn once.
+/// Height of a title and of a row, before a node was drawn once.
 const TITLE: f32 = 30.0;
 const ROW: f32 = 21.0;
+
+/// As they come out: height of a node without ports, and what a port and a picture add.
+const BARE: f64 = 55.0;
+const PORT: f64 = 27.0;
+const PICTURE: f64 = 70.0;
+
+/// Width and height that a node of a type will have, about.
+pub(crate) fn usual_size(node: Option<&Node>) -> [f64; 2] {
+    let ports = node.map_or(0, |node| node.all_inputs().count() + node.outputs.len());
+    let has_picture =
+        node.is_some_and(|node| node.outputs.iter().any(|port| port.port_type == PortType::Image));
+    let width = f64::from(INNER + 2.0 * MARGIN);
+    [width, BARE + PORT * ports as f64 + if has_picture { PICTURE } else { 0.0 }]
+}
 
 /// A port of a node.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
@@ -88,17 +102,17 @@ impl Places {
 
     /// Width and height of a node at the usual scale.
     pub fn size_of(&self, node: &str) -> [f64; 2] {
-        let usual = vec2(INNER + 2.0 * MARGIN, TITLE + 4.0 * ROW);
-        let size = self.known.get(node).map_or(usual, |known| known.size);
-        [f64::from(size.x), f64::from(size.y)]
+        match self.known.get(node) {
+            Some(known) => [f64::from(known.size.x), f64::from(known.size.y)],
+            None => usual_size(None),
+        }
     }
 
     /// The frame of a node in the document's points.
     pub fn frame(&self, scene: &Scene, entry: &NodeEntry) -> Rect {
         let [x, y] = scene.document.position(&entry.name);
-        let rows = scene.node_type(entry).map_or(1, |node| node.all_inputs().count() + node.outputs.len());
-        let guessed = vec2(INNER + 2.0 * MARGIN, TITLE + ROW * (rows + 1) as f32);
-        let size = self.known.get(&entry.name).map_or(guessed, |known| known.size);
+        let guessed = || usual_size(scene.node_type(entry)).map(|side| side as f32).into();
+        let size = self.known.get(&entry.name).map_or_else(guessed, |known| known.size);
         Rect::from_min_size(pos2(x as f32, y as f32), size)
     }
 

@@ -89,7 +89,7 @@ impl ParameterPanel {
         let arrays = of.scene.arrays.of(ui.ctx(), of.scene, of.node);
         if !arrays.is_empty() {
             let names = row.value().map(texts).unwrap_or_default();
-            ComboBox::from_id_salt(("arrays", key)).selected_text("▾").width(24.0).show_ui(ui, |ui| {
+            ComboBox::from_id_salt(("arrays", key)).selected_text("data").width(48.0).show_ui(ui, |ui| {
                 for array in arrays.iter() {
                     let mut is_taken = names.contains(&array.name);
                     let clicked = match several {

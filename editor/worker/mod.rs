@@ -15,6 +15,7 @@
 //! | `distribution`, `scales`, `series` | the volume over two quantities, their ranges and percentiles, those of all time steps |
 //! | `probing`, `section` | the values on rays, and on a plane through the data |
 //! | `share`, `estimate` | what a widget adds to the picture; how wrong it is |
+//! | `previews` | small pictures of the other nodes that give one |
 
 mod asked;
 mod coarse;
@@ -23,6 +24,7 @@ mod estimate;
 mod following;
 mod look_on;
 mod pixels;
+mod previews;
 mod probing;
 mod request;
 mod scales;
@@ -113,6 +115,18 @@ impl Worker {
     pub fn cut(&self, wanted: Sectioning) {
         lock(&self.shared.wanted).section = Some(wanted);
         self.shared.changed.notify_one();
+    }
+
+    /// Asks for a small picture of a node, made when nothing else is wanted.
+    pub fn preview(&self, wanted: Wanted) {
+        lock(&self.shared.wanted).previews.insert(wanted.node.clone(), wanted);
+        self.shared.changed.notify_one();
+    }
+
+    /// Drops all small pictures, as of another document.
+    pub fn forget_previews(&self) {
+        lock(&self.shared.wanted).previews.clear();
+        lock(&self.shared.shown).previews.clear();
     }
 
     /// Asks what a widget adds to a picture.

@@ -3,6 +3,7 @@
 use super::asked::{Distribution, Probing, Sectioning, Sharing};
 use super::request::Wanted;
 use super::states::Shown;
+use std::collections::BTreeMap;
 use std::sync::atomic::AtomicU64;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 
@@ -27,6 +28,8 @@ pub(super) struct Queue {
     pub section: Option<Sectioning>,
     pub estimate: Option<(u64, Wanted)>,
     pub share: Option<Sharing>,
+    /// By their nodes.
+    pub previews: BTreeMap<String, Wanted>,
     pub ends: bool,
 }
 

@@ -63,6 +63,8 @@ pub struct Shown {
     pub section: Option<(u64, Result<Arc<Section>>)>,
     /// What a widget adds to the picture, with the key that it was asked for by.
     pub share: Option<(u64, Result<Share>)>,
+    /// Small pictures of nodes that are not shown at large.
+    pub previews: BTreeMap<String, Pixels>,
     number: u64,
     wanted: Option<Wanted>,
 }

@@ -24,6 +24,7 @@ enum Task {
     Estimate(u64, Wanted),
     Distribution(Distribution),
     Share(Sharing),
+    Preview(Wanted),
 }
 
 /// The thread's own.
@@ -48,6 +49,7 @@ impl<'a> Work<'a> {
                 Task::Estimate(key, wanted) => self.estimate(key, &wanted),
                 Task::Distribution(wanted) => self.distribution(wanted),
                 Task::Share(wanted) => self.share(&wanted),
+                Task::Preview(wanted) => self.preview(wanted),
             }
         }
     }
@@ -75,6 +77,9 @@ impl<'a> Work<'a> {
             }
             if let Some(wanted) = queue.share.take() {
                 return Some(Task::Share(wanted));
+            }
+            if let Some((_, wanted)) = queue.previews.pop_first() {
+                return Some(Task::Preview(wanted));
             }
             queue = self.shared.changed.wait(queue).unwrap_or_else(PoisonError::into_inner);
         }
