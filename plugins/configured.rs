@@ -2,12 +2,22 @@
 
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
+use toml::Value;
 use voltet_core::{Error, Result};
 
-/// The libraries that the file names; relative paths are relative to it. None where there is no such file.
+/// A library that the file names.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Configured {
+    /// Its path; relative ones are relative to the file.
+    pub path: PathBuf,
+    /// What the library's file must be, as pictures say it; any where it is not given.
+    pub fingerprint: Option<String>,
+}
+
+/// The libraries that the file names. None where there is no such file.
 ///
 /// Errors: what is wrong with it, at its place.
-pub fn configured(file: &Path) -> Result<Vec<PathBuf>> {
+pub fn configured(file: &Path) -> Result<Vec<Configured>> {
     let text = match std::fs::read_to_string(file) {
         Ok(text) => text,
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(Vec::new()),
@@ -15,19 +25,40 @@ pub fn configured(file: &Path) -> Result<Vec<PathBuf>> {
             return Err(Error::usage("the file of plug-ins cannot be read").found(error).in_file(file));
         }
     };
-    let accepted = "plugins = [\"PATH\", …], the paths of shared libraries";
-    let wrong = |what: String| Error::usage(what).accepted(accepted).in_file(file);
+    let wrong = |what: String| {
+        let accepted =
+            "plugins = [\"PATH\", …], or { path = \"PATH\", fingerprint = \"…\" } in place of a path";
+        Error::usage(what).accepted(accepted).in_file(file)
+    };
     let table: toml::Table = text.parse().map_err(|error: toml::de::Error| {
         let wrong = wrong(error.message().to_string());
-        error.span().map_or_else(|| wrong.clone(), |span| wrong.clone().at_span(&text, span))
+        match error.span() {
+            Some(span) => wrong.at_span(&text, span),
+            None => wrong,
+        }
     })?;
     if let Some(key) = table.keys().find(|key| *key != "plugins") {
         return Err(wrong(format!("unknown key '{key}'")));
     }
     let Some(list) = table.get("plugins") else { return Ok(Vec::new()) };
-    let list =
-        list.as_array().and_then(|list| list.iter().map(|path| path.as_str()).collect::<Option<Vec<_>>>());
-    let list = list.ok_or_else(|| wrong("'plugins' is no list of paths".into()))?;
     let folder = file.parent().unwrap_or(Path::new(""));
-    Ok(list.into_iter().map(|path| folder.join(path)).collect())
+    let entries = list.as_array().and_then(|list| list.iter().map(|entry| one(entry, folder)).collect());
+    entries.ok_or_else(|| wrong("'plugins' is no list of paths".into()))
+}
+
+fn one(entry: &Value, folder: &Path) -> Option<Configured> {
+    match entry {
+        Value::String(path) => Some(Configured { path: folder.join(path), fingerprint: None }),
+        Value::Table(table) if table.keys().all(|key| key == "path" || key == "fingerprint") => {
+            let text = |key: &str| Some(table.get(key)?.as_str()?.to_string());
+            // A fingerprint that is no text is none that could be kept to.
+            let fingerprint = table.contains_key("fingerprint").then(|| text("fingerprint"));
+            let fingerprint = match fingerprint {
+                None => None,
+                Some(given) => Some(given?),
+            };
+            Some(Configured { path: folder.join(text("path")?), fingerprint })
+        }
+        _ => None,
+    }
 }

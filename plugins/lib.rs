@@ -38,7 +38,7 @@ mod process;
 mod values;
 mod work;
 
-pub use configured::configured;
+pub use configured::{Configured, configured};
 pub use process::serve;
 
 use std::path::{Path, PathBuf};
@@ -58,7 +58,14 @@ pub fn load(path: &Path) -> Result<Vec<Arc<dyn GradientFilter>>> {
         .collect())
 }
 
-/// The same, but loaded and run in processes of `program`, which must call [`serve`] where its arguments are
+/// A number made of all bytes of the file at `path`, as pictures say it.
+///
+/// Errors: it cannot be read.
+pub fn fingerprint(path: &Path) -> Result<String> {
+    library::state_of(path).map(|(plugin, _)| plugin.fingerprint_in_words())
+}
+
+/// The same as [`load`], but loaded and run in processes of `program`, which must call [`serve`] where its arguments are
 /// `plugin-process PATH`: a crash of the plug-in ends those alone.
 ///
 /// Errors: those of [`load`]; a process that crashes or cannot be started.

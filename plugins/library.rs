@@ -57,8 +57,8 @@ pub(crate) fn load(path: &Path) -> Result<(Library, Vec<Filter>)> {
             .accepted("a library that keeps to include/voltet_plugin.h")
             .in_file(path)
     };
-    let stated = state_of(path)?;
-    image::check(path).map_err(failed)?;
+    let (stated, bytes) = state_of(path)?;
+    image::check(&bytes).map_err(failed)?;
     let whole = std::fs::canonicalize(path).map_err(|error| failed(error.to_string()))?;
     let start = Instant::now();
     // Compilers can make a library change how its thread rounds; so that thread is none of ours.
@@ -72,23 +72,27 @@ pub(crate) fn load(path: &Path) -> Result<(Library, Vec<Filter>)> {
     }
 }
 
-/// The file's size and date, in a plug-in without a name yet.
+/// The file's state, in a plug-in without a name yet, and what is in it.
 ///
 /// Errors: it cannot be read.
-pub(crate) fn state_of(path: &Path) -> Result<Plugin> {
-    let metadata = std::fs::metadata(path).map_err(|error| {
+pub(crate) fn state_of(path: &Path) -> Result<(Plugin, Vec<u8>)> {
+    let unreadable = |error: std::io::Error| {
         Error::usage("the plug-in cannot be read")
             .found(error)
             .accepted("the path of a shared library")
             .in_file(path)
-    })?;
-    Ok(Plugin {
+    };
+    let modified = std::fs::metadata(path).map_err(unreadable)?.modified().ok();
+    let bytes = std::fs::read(path).map_err(unreadable)?;
+    let plugin = Plugin {
         name: String::new(),
         version: String::new(),
         path: path.to_path_buf(),
-        bytes: metadata.len(),
-        modified: metadata.modified().ok(),
-    })
+        bytes: bytes.len() as u64,
+        fingerprint: image::fingerprint(&bytes),
+        modified,
+    };
+    Ok((plugin, bytes))
 }
 
 fn open(whole: &Path, nameless: &Plugin) -> std::result::Result<(Library, Vec<Filter>), Wrong> {

@@ -108,10 +108,10 @@ impl Document {
         let drawn_with = self.carried.iter().flat_map(|carried| &carried.plugins);
         let changed = drawn_with.filter_map(|then| {
             let now = self.graph.node(&then.node)?.method.as_ref()?.plugin()?;
-            let is_same = (&now.name, &now.version, now.bytes) == (&then.name, &then.version, then.bytes);
-            (!is_same).then(|| {
+            let fingerprint = now.fingerprint_in_words();
+            (fingerprint != then.fingerprint).then(|| {
                 Error::usage("the picture was drawn with another plug-in than is loaded now")
-                    .found(format!("{now}, version {}, {} bytes", now.version, now.bytes))
+                    .found(format!("{now}, version {}, {} bytes, {fingerprint}", now.version, now.bytes))
                     .accepted(format!("{}, or no such picture as before", in_words(then)))
                     .at_node(&then.node)
             })
@@ -142,10 +142,10 @@ fn with_plugins(error: Error, carried: Option<&Provenance>) -> Error {
     }
 }
 
-/// "plug-in 'name' (path), version 1.0, 16000 bytes".
+/// "plug-in 'name' (path), version 1.0, 16000 bytes, 0123456789abcdef".
 fn in_words(plugin: &PluginOf) -> String {
-    let PluginOf { name, path, version, bytes, .. } = plugin;
-    format!("plug-in '{name}' ({path}), version {version}, {bytes} bytes")
+    let PluginOf { name, path, version, bytes, fingerprint, .. } = plugin;
+    format!("plug-in '{name}' ({path}), version {version}, {bytes} bytes, {fingerprint}")
 }
 
 /// " (12 bytes, of 2026-11-22T14:51:03Z, when the picture was drawn)".

@@ -49,8 +49,17 @@ pub struct Plugin {
     pub path: PathBuf,
     /// The file's size when it was loaded: bytes.
     pub bytes: u64,
+    /// A number made of all its bytes then: what was damaged or compiled again has another.
+    pub fingerprint: u64,
     /// When the file was last written, as it was loaded.
     pub modified: Option<SystemTime>,
+}
+
+impl Plugin {
+    /// The fingerprint as people are told of it: 16 hexadecimal digits.
+    pub fn fingerprint_in_words(&self) -> String {
+        format!("{:016x}", self.fingerprint)
+    }
 }
 
 /// "plug-in 'name' (path)".

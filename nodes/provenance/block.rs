@@ -72,6 +72,8 @@ pub struct PluginOf {
     pub path: String,
     /// The file's size.
     pub bytes: u64,
+    /// A number made of all its bytes, hexadecimal: what was damaged or compiled again has another.
+    pub fingerprint: String,
     /// When it was last written: UTC, RFC 3339.
     pub modified: Option<String>,
 }
@@ -237,6 +239,7 @@ impl PluginOf {
             version: plugin.version.clone(),
             path: plugin.path.display().to_string(),
             bytes: plugin.bytes,
+            fingerprint: plugin.fingerprint_in_words(),
             modified: plugin.modified.map(date::of),
         }
     }

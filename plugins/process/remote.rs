@@ -29,7 +29,7 @@ struct Remote {
 
 /// The filters of the library at `path`, which run in processes of `program`.
 pub(crate) fn load(path: &Path, program: PathBuf) -> Result<Vec<Arc<dyn GradientFilter>>> {
-    let stated = state_of(path)?;
+    let (stated, _) = state_of(path)?;
     let start = Instant::now();
     let broken = |how: String| {
         Error::usage("the plug-in cannot be loaded").found(format!("its process {how}")).in_file(path)
@@ -60,8 +60,8 @@ impl Remote {
 
     /// What the process says to a request; `None` where it was given up.
     fn ask(&self, request: &Request, waits: impl FnMut(f64) -> bool) -> Result<Option<(Said, Vec<DVec3>)>> {
-        let now = state_of(&self.plugin.path)?;
-        if (now.bytes, now.modified) != (self.plugin.bytes, self.plugin.modified) {
+        let (now, _) = state_of(&self.plugin.path)?;
+        if now.fingerprint != self.plugin.fingerprint {
             let error = self.whose().error("is not the one that was described: its file has changed");
             return Err(error.accepted("the program begun again"));
         }

@@ -102,9 +102,9 @@ fn of_data(file: &DataFile) -> String {
 }
 
 fn of_plugin(plugin: &PluginOf) -> String {
-    let PluginOf { node, name, version, path, bytes, modified } = plugin;
+    let PluginOf { node, name, version, path, bytes, fingerprint, modified } = plugin;
     let date = modified.as_ref().map(|date| format!(", of {date}")).unwrap_or_default();
-    format!("plug-in ({node}): {name} {version}, {path}, {} bytes{date}\n", number(*bytes))
+    format!("plug-in ({node}): {name} {version}, {path}, {} bytes{date}, {fingerprint}\n", number(*bytes))
 }
 
 fn of_camera(camera: &CameraOf) -> String {

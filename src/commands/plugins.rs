@@ -21,14 +21,16 @@ pub fn with(mut registry: Registry, wanted: &Plugins) -> Result<Registry> {
     let configured = voltet_plugins::configured(&file)?;
     let mut told = Vec::new();
     let mut loaded: Vec<PathBuf> = Vec::new();
-    let options = wanted.plugin_files.iter().map(|path| (path, true));
-    for (path, is_option) in options.chain(configured.iter().map(|path| (path, false))) {
+    let options = wanted.plugin_files.iter().map(|path| (path, None, true));
+    let own = configured.iter().map(|own| (&own.path, own.fingerprint.as_deref(), false));
+    for (path, fingerprint, is_option) in options.chain(own) {
         let whole = std::fs::canonicalize(path).unwrap_or_else(|_| path.clone());
         if loaded.contains(&whole) {
             continue;
         }
         loaded.push(whole);
-        match add(&registry, path, wanted.plugin_process) {
+        let added = kept_to(path, fingerprint).and_then(|()| add(&registry, path, wanted.plugin_process));
+        match added {
             Ok((more, plugin)) => {
                 registry = more;
                 told.push(plugin);
@@ -45,6 +47,19 @@ pub fn with(mut registry: Registry, wanted: &Plugins) -> Result<Registry> {
         false => format!("of the plug-ins: {}", told.join("; ")),
     });
     Ok(registry)
+}
+
+/// Errors: the library is not the one that the user's file says.
+fn kept_to(path: &Path, fingerprint: Option<&str>) -> Result<()> {
+    let Some(wanted) = fingerprint else { return Ok(()) };
+    let found = voltet_plugins::fingerprint(path)?;
+    match found == wanted {
+        true => Ok(()),
+        false => {
+            let error = Error::usage("the plug-in is not the one that is wanted: its file has changed");
+            Err(error.found(found).accepted(wanted).in_file(path))
+        }
+    }
 }
 
 /// The registry with the filters of one more plug-in, and what is said of it.

@@ -112,7 +112,7 @@ fn files_that_are_no_plugin_are_refused_before_they_are_loaded() {
                 .fails(2, &["the plug-in cannot be loaded", wanted, "filter.so"]);
         }
     }
-    folder.voltet(&["nodes", "--plugin", "."]).fails(2, &["the plug-in cannot be loaded"]);
+    folder.voltet(&["nodes", "--plugin", "."]).fails(2, &["the plug-in cannot be read"]);
 }
 
 /// What a run with this fault says, in this process and in one of its own: the same.

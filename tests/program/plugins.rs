@@ -136,6 +136,16 @@ fn a_picture_says_which_plugin_drew_it_and_when_another_would() {
     folder
         .voltet(&again[..4])
         .fails(2, &["unknown gradient filter", "drawn with the plug-in 'least squares in C' (filter.so)"]);
+    // Damage that changes neither size nor result.
+    let mut bytes = std::fs::read(folder.join("filter.so")).unwrap();
+    let at = bytes.windows(7).position(|text| text == b"GCC: (D" || text == b"GCC: (U");
+    if let Some(at) = at {
+        bytes[at] = b'X';
+        folder.write("damaged.so", bytes);
+        let damaged = [&again[..5], &["damaged.so"]].concat();
+        let said = folder.voltet(&damaged).ok().stderr;
+        assert!(said.contains("warning: the picture was drawn with another plug-in"), "{said}");
+    }
     let source = std::fs::read_to_string(compilers::source("examples/plugin_c/least_squares.c")).unwrap();
     assert!(source.contains("\"1.0.0\""));
     folder.write("other.c", source.replace("\"1.0.0\"", "\"2.0\""));
@@ -216,8 +226,22 @@ fn the_users_own_file_names_plugins() {
     folder
         .voltet_where(home, &["check", "slab.toml", "--plugin", "gone.so"])
         .fails(2, &["the plug-in cannot be read"]);
+    // The file to the byte, and no other.
+    let wanted = |fingerprint: &str| {
+        let text =
+            format!("plugins = [{{ path = '{}', fingerprint = \"{fingerprint}\" }}]\n", path.display());
+        std::fs::write(&file, text).unwrap();
+        folder.voltet_where(home, &["check", "slab.toml"])
+    };
+    let found = voltet_plugins::fingerprint(&path).unwrap();
+    wanted(&found).ok();
+    let refused = wanted("0123456789abcdef");
+    assert!(refused.stderr.contains(&format!("its file has changed: found {found}")), "{}", refused.stderr);
+    assert_eq!(refused.code, 2);
     for (text, wanted) in [
         ("plugins = 3\n", &["'plugins' is no list of paths", "plugins.toml"][..]),
+        ("plugins = [{ path = 'a', fingerprint = 3 }]\n", &["'plugins' is no list of paths"]),
+        ("plugins = [{ fingerprint = '3' }]\n", &["'plugins' is no list of paths"]),
         ("plug = []\n", &["unknown key 'plug'"]),
         ("plugins = [\n", &["plugins.toml:"]),
     ] {

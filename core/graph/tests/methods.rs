@@ -191,7 +191,7 @@ fn another_plugin_of_the_same_name_is_run_and_named() {
     let mut found = |version: &str, bytes: u64| {
         let mut registry = registry();
         let (name, version, path) = ("plug-in".to_string(), version.to_string(), "filter.so".into());
-        let plugin = Plugin { name, version, path, bytes, modified: None };
+        let plugin = Plugin { name, version, path, bytes, fingerprint: 0, modified: None };
         registry.add_filter(Arc::new(OfPlugin(plugin.clone()))).unwrap();
         let text = text("method = \"foreign\"");
         let graph = Pipeline::parse(&text).unwrap().graph(&registry, PathBuf::new()).unwrap();
