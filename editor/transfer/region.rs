@@ -115,15 +115,13 @@ impl Region {
     /// `is_all`: of a widget that is its region.
     pub fn draw(&self, pen: &Pen, is_all: bool) {
         let thin = Stroke::new(pen.stroke.width * 0.6, pen.stroke.color);
+        let fill = if is_all { pen.stroke.color.gamma_multiply(0.15) } else { Color32::TRANSPARENT };
         match self {
             Region::Whole => {}
-            Region::Box(limits) => {
-                let fill = if is_all { pen.stroke.color.gamma_multiply(0.15) } else { Color32::TRANSPARENT };
-                pen.rectangle(*limits, thin, fill);
-            }
+            Region::Box(limits) => pen.rectangle(*limits, thin, fill),
             Region::Polygon(corners) => {
                 let points: Vec<Pos2> = corners.iter().map(|at| pen.plane.to_window(*at)).collect();
-                pen.painter.add(Shape::closed_line(points, thin));
+                pen.painter.add(Shape::convex_polygon(points, fill, thin));
             }
         }
     }
