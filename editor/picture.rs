@@ -22,12 +22,18 @@ const RAYS: usize = 16;
 /// Factor of one notch of the wheel (50 points).
 const NOTCH: f64 = 1.15;
 
+/// A small picture, and what its texture holds.
+struct Small {
+    holds: Arc<Vec<[u8; 4]>>,
+    texture: TextureHandle,
+}
+
 /// The large view of a picture.
 #[derive(Default)]
 pub(crate) struct PicturePanel {
     texture: Option<TextureHandle>,
-    /// Small pictures of other nodes, and what their textures hold.
-    previews: HashMap<String, (Arc<Vec<[u8; 4]>>, TextureHandle)>,
+    /// Small pictures of other nodes, by these.
+    previews: HashMap<String, Small>,
     /// What the texture holds: the request and how coarse.
     holds: Option<(u64, u32)>,
     /// Whether a drag is a box to be probed, as it is with Alt, which some window managers keep for themselves.
@@ -77,7 +83,7 @@ impl PicturePanel {
         if scene.shown_node == Some(node) {
             return self.texture.clone().filter(|_| scene.pixels.is_some());
         }
-        self.previews.get(node).map(|(_, texture)| texture.clone())
+        self.previews.get(node).map(|small| small.texture.clone())
     }
 
     /// Where the picture lies in the window.
@@ -130,9 +136,9 @@ impl PicturePanel {
     fn take(&mut self, ui: &Ui, scene: &Scene) {
         self.previews.retain(|node, _| scene.previews.contains_key(node));
         for (node, pixels) in &scene.previews {
-            if self.previews.get(node).is_none_or(|(held, _)| !Arc::ptr_eq(held, &pixels.rgba)) {
+            if self.previews.get(node).is_none_or(|small| !Arc::ptr_eq(&small.holds, &pixels.rgba)) {
                 let texture = ui.ctx().load_texture(node, color_image(pixels), TextureOptions::LINEAR);
-                self.previews.insert(node.clone(), (pixels.rgba.clone(), texture));
+                self.previews.insert(node.clone(), Small { holds: pixels.rgba.clone(), texture });
             }
         }
         let Some(pixels) = &scene.pixels else { return };

@@ -80,7 +80,7 @@ impl Measured {
                 Err(part.error(format!("'{name}' is out of range"), "a percentage above 0"))
             }
             // A factor may turn its axis round.
-            (Measure::Factor, Relative::Share(share)) if share == 0.0 => {
+            (Measure::Factor, Relative::Share(0.0)) => {
                 Err(part.error(format!("'{name}' is out of range"), "a percentage other than 0, or 0.0"))
             }
             (_, relative) => Ok(relative),

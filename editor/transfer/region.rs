@@ -59,7 +59,7 @@ impl Region {
                 }
                 // A region is convex: a hand that would dent it waits at its bounds.
                 let is_convex = is_convex(&corners);
-                Some(is_convex.then(|| stated(&corners)).unwrap_or_default())
+                Some(if is_convex { stated(&corners) } else { Vec::new() })
             }
             (Handle::Side(axis, upper), Region::Box(limits)) => {
                 let mut limits = limits[axis];

@@ -208,7 +208,7 @@ fn describe(value: &Value) -> String {
             if let Some([low, high]) = range(scalar) {
                 text += &format!("\ns from {} to {}", short(low), short(high));
             }
-            if let Some([low, high]) = gradient_magnitude.as_deref().and_then(|g| range(g)) {
+            if let Some([low, high]) = gradient_magnitude.as_deref().and_then(range) {
                 text += &format!("\ng from {} to {}", short(low), short(high));
             }
             text

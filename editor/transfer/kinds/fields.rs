@@ -43,7 +43,7 @@ struct Magnitude {
 impl OfFields {
     /// `None` of one that has no field along either axis, or would lie on its side. `magnitude`: the name of the array, where its
     /// widths are shares of one.
-    pub fn new(
+    pub fn shape(
         (names, centre, kernel): (&[String], &[f64], &[Vec<f64>]),
         magnitude: Option<&String>,
         numbers: &[Field],

@@ -101,14 +101,14 @@ pub(super) fn shape(widget: &Widget, numbers: &[Field], on: &On) -> Option<Arc<d
             flat.then(|| Arc::new(gaussian::Gaussian::new(*centre, matrix, numbers, on)) as Arc<dyn Shape>)
         }
         Profile::GaussianNd { fields, centre, matrix } => {
-            fields::OfFields::new((fields, centre, matrix), None, numbers, on)
+            fields::OfFields::shape((fields, centre, matrix), None, numbers, on)
         }
         Profile::TriangularGaussian { centre, sigma } => {
             let (centre, sigma) = (*centre, *sigma);
             flat.then(|| Arc::new(triangle::Triangle { centre, sigma }) as Arc<dyn Shape>)
         }
         Profile::TriangularGaussianNd { fields, magnitude, centre, matrix } => {
-            fields::OfFields::new((fields, centre, matrix), Some(magnitude), numbers, on)
+            fields::OfFields::shape((fields, centre, matrix), Some(magnitude), numbers, on)
         }
         Profile::TriangleWave(wave) => {
             flat.then(|| Arc::new(wave::Bands { wave: *wave, sine: false }) as Arc<dyn Shape>)
