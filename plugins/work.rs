@@ -33,7 +33,9 @@ struct Compressed {
 
 impl From<Rows> for Compressed {
     fn from(Rows { starts, items }: Rows) -> Compressed {
-        Compressed { starts: starts.into_iter().map(|start| start as u64).collect(), items }
+        // The same memory where both are of 64 bits.
+        let widened = |(_, starts): (_, Vec<usize>)| starts.into_iter().map(|start| start as u64).collect();
+        Compressed { starts: bytemuck::try_cast_vec(starts).unwrap_or_else(widened), items }
     }
 }
 

@@ -168,10 +168,15 @@ pub fn points_of_points(grid: &Grid, cells_of_points: &Rows) -> Rows {
         sum += count as usize;
         starts.push(sum);
     }
-    let mut items = Vec::with_capacity(sum);
-    for (_, part) in parts {
-        items.extend_from_slice(&part);
+    let mut items = vec![0; sum];
+    let mut rest = &mut items[..];
+    let mut slots = Vec::with_capacity(parts.len());
+    for (_, part) in &parts {
+        let (slot, after) = rest.split_at_mut(part.len());
+        slots.push((slot, part));
+        rest = after;
     }
+    slots.into_par_iter().for_each(|(slot, part)| slot.copy_from_slice(part));
     Rows { starts, items }
 }
 
