@@ -38,7 +38,8 @@ impl State {
         self.cancelled.store(true, Ordering::Relaxed);
     }
 
-    fn is_cancelled(&self) -> bool {
+    /// Whether the user asked to stop.
+    pub fn is_cancelled(&self) -> bool {
         self.cancelled.load(Ordering::Relaxed)
     }
 
@@ -47,8 +48,27 @@ impl State {
         self.error.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
-    fn set_error(&self, text: String) {
+    /// Notes what went wrong, unless something did before.
+    pub fn set_error(&self, text: String) {
         self.error.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(text);
+    }
+
+    /// Notes how much is done.
+    pub fn set_fraction(&self, fraction: f64) {
+        self.fraction.store(fraction.to_bits(), Ordering::Relaxed);
+    }
+
+    /// Counts points at which the filter fell back; 0 says nothing.
+    pub fn fall_back(&self, what: String, point_count: u64) {
+        if point_count == 0 {
+            return;
+        }
+        let mut fallbacks = self.fallbacks.lock().unwrap_or_else(PoisonError::into_inner);
+        match fallbacks.iter().position(|known| known.what == what) {
+            Some(i) => fallbacks[i].point_count = fallbacks[i].point_count.saturating_add(point_count),
+            None if fallbacks.len() < FALLBACKS_MOST => fallbacks.push(Fallback { what, point_count }),
+            None => {}
+        }
     }
 
     /// The fall-backs that it counted.
@@ -89,7 +109,7 @@ unsafe fn state<'a>(host: *const Host) -> Option<&'a State> {
 unsafe extern "C-unwind" fn progress(host: *const Host, fraction: f64) {
     // SAFETY: the plug-in hands over the host of the call that it is in.
     if let Some(state) = unsafe { state(host) } {
-        state.fraction.store(fraction.to_bits(), Ordering::Relaxed);
+        state.set_fraction(fraction);
     }
 }
 
@@ -108,16 +128,7 @@ unsafe extern "C-unwind" fn error(host: *const Host, text: *const c_char) {
 unsafe extern "C-unwind" fn fallback(host: *const Host, what: *const c_char, point_count: u64) {
     // SAFETY: as in `progress`.
     let Some(state) = (unsafe { state(host) }) else { return };
-    if point_count == 0 {
-        return;
-    }
-    let what = message(what, TEXT_MOST);
-    let mut fallbacks = state.fallbacks.lock().unwrap_or_else(PoisonError::into_inner);
-    match fallbacks.iter().position(|known| known.what == what) {
-        Some(i) => fallbacks[i].point_count = fallbacks[i].point_count.saturating_add(point_count),
-        None if fallbacks.len() < FALLBACKS_MOST => fallbacks.push(Fallback { what, point_count }),
-        None => {}
-    }
+    state.fall_back(message(what, TEXT_MOST), point_count);
 }
 
 thread_local! {

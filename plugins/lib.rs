@@ -17,6 +17,7 @@
 //! | `work` | a call of a filter |
 //! | `outcome` | what comes back, judged |
 //! | `native` | a filter, run in this process |
+//! | `module`, `wasm` | WebAssembly modules, run in a sandbox |
 //! | `configured` | the user's own file of plug-ins |
 //! | `process` | filters in a process of their own |
 //! | `crash` | whose crash it was |
@@ -32,10 +33,13 @@ mod interface;
 #[cfg(test)]
 mod interface_tests;
 mod library;
+mod module;
 mod native;
 mod outcome;
 mod process;
 mod values;
+#[cfg(feature = "wasm")]
+mod wasm;
 mod work;
 
 pub use configured::{Configured, configured};
@@ -46,10 +50,14 @@ use std::sync::Arc;
 use voltet_core::Result;
 use voltet_core::field::GradientFilter;
 
-/// The gradient filters of the library at `path`, which runs in this process. Load a file once.
+/// The gradient filters of the library at `path`, which runs in this process, or of a WebAssembly module, which runs in a
+/// sandbox (feature `wasm`). Load a file once.
 ///
 /// Errors: the file is no library that can be loaded, or not of this interface, or what it declares is wrong.
 pub fn load(path: &Path) -> Result<Vec<Arc<dyn GradientFilter>>> {
+    if module::is_module(path) {
+        return module::load(path);
+    }
     let (library, filters) = library::load(path)?;
     let library = Arc::new(library);
     Ok(filters
@@ -70,5 +78,9 @@ pub fn fingerprint(path: &Path) -> Result<String> {
 ///
 /// Errors: those of [`load`]; a process that crashes or cannot be started.
 pub fn load_apart(path: &Path, program: PathBuf) -> Result<Vec<Arc<dyn GradientFilter>>> {
+    // A sandbox needs no process.
+    if module::is_module(path) {
+        return module::load(path);
+    }
     process::load(path, program)
 }

@@ -51,12 +51,7 @@ impl Drop for Library {
 ///
 /// Errors: no library that can be loaded, none of this interface, or what it declares is wrong; each says what.
 pub(crate) fn load(path: &Path) -> Result<(Library, Vec<Filter>)> {
-    let failed = |wrong: Wrong| {
-        Error::usage("the plug-in cannot be loaded")
-            .found(wrong)
-            .accepted("a library that keeps to include/voltet_plugin.h")
-            .in_file(path)
-    };
+    let failed = |wrong: Wrong| failed(path, wrong);
     let (stated, bytes) = state_of(path)?;
     image::check(&bytes).map_err(failed)?;
     let whole = std::fs::canonicalize(path).map_err(|error| failed(error.to_string()))?;
@@ -70,6 +65,14 @@ pub(crate) fn load(path: &Path) -> Result<(Library, Vec<Filter>)> {
         Err(Lost::GivenUp) => Err(failed(format!("it did not begin within {} s", PATIENCE.as_secs()))),
         Err(Lost::NoThread | Lost::Ended) => Err(failed("there is no thread for it".into())),
     }
+}
+
+/// What keeps a plug-in from being loaded.
+pub(crate) fn failed(path: &Path, wrong: Wrong) -> Error {
+    Error::usage("the plug-in cannot be loaded")
+        .found(wrong)
+        .accepted("a library that keeps to include/voltet_plugin.h")
+        .in_file(path)
 }
 
 /// The file's state, in a plug-in without a name yet, and what is in it.
@@ -183,7 +186,7 @@ fn open_library(path: &Path) -> std::result::Result<libloading::Library, libload
     unsafe { libloading::Library::new(path) }
 }
 
-fn file_name(path: &Path) -> String {
+pub(crate) fn file_name(path: &Path) -> String {
     path.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 

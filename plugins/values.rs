@@ -19,6 +19,15 @@ pub(crate) struct Owned {
     vectors: Vec<Option<Vec<f64>>>,
 }
 
+/// What they are, one a parameter.
+#[cfg(feature = "wasm")]
+pub(crate) struct Parts<'a> {
+    pub integers: &'a [i64],
+    pub numbers: &'a [f64],
+    pub texts: &'a [Option<CString>],
+    pub vectors: &'a [Option<Vec<f64>>],
+}
+
 /// The same as pointers; valid as long as the values.
 pub(crate) struct Pointers {
     texts: Vec<*const c_char>,
@@ -51,6 +60,12 @@ impl Owned {
             owned.vectors.push(setting.and_then(Setting::numbers));
         }
         Ok(owned)
+    }
+
+    #[cfg(feature = "wasm")]
+    pub fn parts(&self) -> Parts<'_> {
+        let Owned { integers, numbers, texts, vectors } = self;
+        Parts { integers, numbers, texts, vectors }
     }
 
     /// Into a message.

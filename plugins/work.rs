@@ -13,7 +13,7 @@ use voltet_core::grid::{Array, Grid, Rows, cells_of_points, points_of_points};
 use voltet_core::parameters::Parameters;
 
 /// Vectors behind the last, which nobody may write: those who miscount by a few are found.
-const BEYOND: usize = 64;
+pub(crate) const BEYOND: usize = 64;
 
 /// What a filter is given: owned, or shared, so that a call that never ends harms nobody.
 pub(crate) struct Given {
@@ -26,9 +26,9 @@ pub(crate) struct Given {
 }
 
 /// Rows with starts of 64 bits.
-struct Compressed {
-    starts: Vec<u64>,
-    items: Vec<u32>,
+pub(crate) struct Compressed {
+    pub starts: Vec<u64>,
+    pub items: Vec<u32>,
 }
 
 impl From<Rows> for Compressed {
@@ -50,15 +50,20 @@ impl Given {
         })
     }
 
-    /// Calls the function that computes; gives what it said, and the vectors. `needs`: what is computed for it.
-    pub fn compute(&self, function: Function, needs: u32, state: &State) -> (Said, Vec<DVec3>) {
-        use std::ptr::null;
+    /// The neighbours of points, and the cells of points, where they are needed.
+    pub fn tables(&self, needs: u32) -> [Option<Compressed>; 2] {
         let (wants_neighbours, wants_cells) =
             (needs & interface::NEEDS_NEIGHBOURS != 0, needs & interface::NEEDS_CELLS_OF_POINTS != 0);
         let cells = (wants_neighbours || wants_cells).then(|| cells_of_points(&self.grid));
         let neighbours = cells.as_ref().filter(|_| wants_neighbours);
         let neighbours = neighbours.map(|cells| Compressed::from(points_of_points(&self.grid, cells)));
-        let cells = cells.filter(|_| wants_cells).map(Compressed::from);
+        [neighbours, cells.filter(|_| wants_cells).map(Compressed::from)]
+    }
+
+    /// Calls the function that computes; gives what it said, and the vectors. `needs`: what is computed for it.
+    pub fn compute(&self, function: Function, needs: u32, state: &State) -> (Said, Vec<DVec3>) {
+        use std::ptr::null;
+        let [neighbours, cells] = self.tables(needs);
         let starts = |rows: &Option<Compressed>| rows.as_ref().map_or(null(), |rows| rows.starts.as_ptr());
         let items = |rows: &Option<Compressed>| rows.as_ref().map_or(null(), |rows| rows.items.as_ptr());
         let values_of =

@@ -28,6 +28,22 @@ pub fn program(folder: &Path, name: &str, sources: &[PathBuf]) -> Option<PathBuf
     compiled(folder, &path, sources, &[]).then_some(path)
 }
 
+/// The WebAssembly module `path`, made of a C source as docs/plugins.md says, by `clang` and what belongs to it (`wasm-ld`,
+/// `wasi-libc`). `None` where these are not there, said loudly.
+pub fn module(source_file: &Path, path: &Path) -> Option<()> {
+    let mut command = Command::new("clang");
+    command.args(["--target=wasm32-wasi", "-O2", "-nostartfiles", "-nodefaultlibs", "-Wl,--no-entry"]);
+    command.args(["-Wl,--export=voltet_plugin_entry", "-Wl,--export-table", "-Wl,--growable-table"]);
+    command.arg("-I").arg(source("include")).arg("-o").arg(path).arg(source_file).args(["-lc", "-lm"]);
+    let why = match command.output() {
+        Ok(output) if output.status.success() => return Some(()),
+        Ok(output) => String::from_utf8_lossy(&output.stderr).into_owned(),
+        Err(error) => error.to_string(),
+    };
+    eprintln!("\n*** SKIPPED: there is no clang that compiles for WebAssembly ({}) ***\n", why.trim());
+    None
+}
+
 #[track_caller]
 fn compiled(folder: &Path, path: &Path, sources: &[PathBuf], options: &[&str]) -> bool {
     let ending = sources[0].extension().and_then(|ending| ending.to_str());

@@ -1,0 +1,35 @@
+//! WebAssembly modules: whether a file is one, and what loads it, where this program was built with that.
+
+use std::path::Path;
+
+/// What such a file begins with.
+const MAGIC: [u8; 4] = *b"\0asm";
+
+/// Whether a file is a module; nothing else of it is looked at.
+pub(crate) fn is_module(path: &Path) -> bool {
+    use std::io::Read;
+    let mut begin = [0; 4];
+    std::fs::File::open(path).and_then(|mut file| file.read_exact(&mut begin)).is_ok() && begin == MAGIC
+}
+
+#[cfg(feature = "wasm")]
+pub(crate) use crate::wasm::load;
+
+#[cfg(not(feature = "wasm"))]
+pub(crate) use without::load;
+
+#[cfg(not(feature = "wasm"))]
+mod without {
+    use std::path::Path;
+    use std::sync::Arc;
+    use voltet_core::field::GradientFilter;
+    use voltet_core::{Error, Result};
+
+    /// Errors: always; this build has no sandbox.
+    pub(crate) fn load(path: &Path) -> Result<Vec<Arc<dyn GradientFilter>>> {
+        let error = Error::usage(
+            "the plug-in is a WebAssembly module, and this program was built without the sandbox for them",
+        );
+        Err(error.accepted("a build with the feature \"wasm\", or a shared library").in_file(path))
+    }
+}
