@@ -1,14 +1,15 @@
 //! Which quantities the plane is over: s, g, arrays that the data have, and those that widgets name.
 
+use super::TransferPanel;
 use super::drawn;
 use super::look::Look;
+use super::quantities::{axis_name, volume_of};
 use super::scale::S_AND_G;
-use super::{TransferPanel, volume_of};
 use crate::scene::Scene;
 use eframe::egui::{Key, ScrollArea, TextEdit, Ui};
 use std::collections::BTreeMap;
-use voltet_core::graph::{NodeEntry, Quantity, Setting};
-use voltet_document::links::{self, upstream};
+use voltet_core::graph::{Quantity, Setting};
+use voltet_document::links;
 
 /// Width of one list, and the most of its height, points.
 const WIDTH: f32 = 230.0;
@@ -74,31 +75,4 @@ fn choices(ui: &Ui, scene: &Scene, look: &Look) -> Vec<(Quantity, String)> {
     arrays.extend(of_data.iter().map(|array| (array.name.clone(), array.label.clone())));
     let named = S_AND_G.into_iter().map(|axis| (axis.clone(), axis_name(&axis)));
     named.chain(arrays.into_iter().map(|(name, label)| (Quantity::Array(name), label))).collect()
-}
-
-/// An axis with what it is: s is the array that the reader reads for it, where one does.
-pub(super) fn axis_title(scene: &Scene, look: &str, axis: &Quantity) -> String {
-    match axis {
-        Quantity::Named("s") => {
-            let source = volume_of(scene, look);
-            let nodes = &scene.document.pipeline().nodes;
-            let feeding = source.map(|source| upstream(nodes, links::source(&source, nodes).0));
-            let reads = |node: &&NodeEntry| feeding.as_ref().is_some_and(|names| names.contains(&node.name));
-            let scalar = |node: &NodeEntry| {
-                let stated = node.settings.iter().find(|field| field.name == "scalar")?;
-                Some(format!("s = {}", stated.setting.text()?))
-            };
-            nodes.iter().filter(reads).find_map(scalar).unwrap_or_else(|| "s".into())
-        }
-        Quantity::Named("g") => "g = |grad s|".into(),
-        Quantity::Array(_) | Quantity::Named(_) | Quantity::Per(..) => axis_name(axis),
-    }
-}
-
-/// A quantity as an axis names it.
-pub(super) fn axis_name(axis: &Quantity) -> String {
-    match axis {
-        Quantity::Array(name) => name.clone(),
-        Quantity::Named(_) | Quantity::Per(..) => axis.to_string(),
-    }
 }

@@ -1,9 +1,9 @@
 //! What stands above the plane: the widgets, and what can be done to the one in hand.
 
-use super::axes::axis_name;
 use super::drawn::Drawn;
 use super::look::Look;
-use super::{TransferPanel, draw, new};
+use super::quantities::axis_name;
+use super::{TransferPanel, new, pen};
 use crate::actions::Actions;
 use crate::scene::Scene;
 use crate::theme;
@@ -153,7 +153,7 @@ impl TransferPanel {
     fn chip(&mut self, ui: &mut Ui, place: usize, widget: &Drawn, look: &Look) {
         let dark = ui.visuals().dark_mode;
         let (rect, response) = ui.allocate_exact_size(vec2(18.0, 14.0), Sense::click());
-        let color = draw::color(widget.color);
+        let color = pen::color(widget.color);
         let color = if self.hidden.contains(&place) { color.gamma_multiply(0.3) } else { color };
         ui.painter().rect_filled(rect.shrink(2.0), 2.0, color);
         if place == self.chosen {
@@ -173,7 +173,7 @@ impl TransferPanel {
         };
         if is_stated("color") {
             let brightest = widget.color.iter().copied().fold(1.0, f64::max);
-            let mut shown: Color32 = draw::color(widget.color.map(|x| x / brightest));
+            let mut shown: Color32 = pen::color(widget.color.map(|x| x / brightest));
             if ui.color_edit_button_srgba(&mut shown).changed() {
                 let linear = Rgba::from(shown);
                 let channel = |x: f32| (f64::from(x) * brightest * 1e4).round() / 1e4;

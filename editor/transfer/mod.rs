@@ -27,7 +27,9 @@ mod list;
 mod look;
 mod new;
 mod numbers;
+mod pen;
 mod plane;
+mod quantities;
 mod region;
 mod relative;
 mod scale;
@@ -37,7 +39,6 @@ use crate::actions::Actions;
 use crate::scene::Scene;
 use crate::theme;
 use crate::worker::short;
-use axes::{axis_name, axis_title};
 use drag::Drag;
 use drawn::Drawn;
 use eframe::egui::{self, Align2, FontId, Rect, Sense, Stroke, Ui, pos2, vec2};
@@ -46,10 +47,12 @@ use images::Images;
 use look::Look;
 use numbers::Change;
 use plane::{Counts, Plane};
+pub(crate) use quantities::volume_of;
+use quantities::{axis_name, axis_title};
 pub(crate) use relative::in_numbers;
 use scale::S_AND_G;
 use std::collections::BTreeSet;
-use voltet_core::graph::{NodeEntry, PortType, Quantity, Setting};
+use voltet_core::graph::{NodeEntry, Quantity, Setting};
 use voltet_document::links::upstream;
 use voltet_document::{Edit, Path};
 
@@ -126,23 +129,6 @@ pub(crate) fn is_of_series(look: &NodeEntry) -> bool {
     let widgets = look.settings.iter().find(|field| field.name == "widgets");
     let list = widgets.and_then(|field| field.setting.list()).unwrap_or_default();
     says_so && list.iter().filter_map(Setting::table).any(relative::is_relative)
-}
-
-/// The output that gives the volume that a transfer function is drawn with: "node" or "node.port".
-pub(crate) fn volume_of(scene: &Scene, look: &str) -> Option<String> {
-    let nodes = &scene.document.pipeline().nodes;
-    let source = |node: &NodeEntry, port_type: PortType| {
-        let declared = scene.node_type(node)?;
-        let port = declared.all_inputs().find(|port| port.port_type == port_type)?;
-        node.inputs.iter().find(|link| link.port == port.name)?.source.text().map(str::to_string)
-    };
-    let draws = |node: &&NodeEntry| {
-        source(node, PortType::TransferFunction)
-            .is_some_and(|text| text == look || text.split('.').next() == Some(look))
-    };
-    let mut drawn = nodes.iter().filter(draws).filter(|node| node.name != look);
-    let by_use = drawn.find_map(|node| source(node, PortType::Volume));
-    by_use.or_else(|| source(scene.entry(look)?, PortType::Volume))
 }
 
 impl TransferPanel {

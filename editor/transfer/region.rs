@@ -1,8 +1,8 @@
 //! Regions of widgets as they lie in the plane: where a widget is not 0.
 
-use super::draw::Pen;
 use super::handles::{Handle, corners, edges};
 use super::numbers::{Change, array, find, list, rows};
+use super::pen::Pen;
 use super::scale::Scale;
 use eframe::egui::{Color32, Pos2, Shape, Stroke};
 use voltet_core::graph::{Field, Setting};

@@ -3,11 +3,10 @@
 use super::asked::{Distributed, Distribution};
 use super::following::Following;
 use super::look_on::volume_with;
-use super::scales::{Known, Spread};
+use super::scales::{Known, Spread, values};
 use super::series;
 use super::shared::lock;
 use super::work::Work;
-use std::borrow::Cow;
 use std::sync::Arc;
 use voltet_core::Result;
 use voltet_core::graph::{Observer, Quantity, Registry, Session};
@@ -15,7 +14,6 @@ use voltet_core::grid::Grid;
 use voltet_core::probing::{Axis, histogram, value_range};
 use voltet_core::progress::Progress;
 use voltet_core::volume::Volume;
-use voltet_nodes::relative;
 
 /// Bins along each axis.
 const BINS: usize = 256;
@@ -94,14 +92,6 @@ fn of_nearly_all(grid: &Grid, g: &[f64], progress: &dyn Progress) -> Result<Axis
     let (flat, nothing) = (Axis { low: 0.0, high: 1.0, bins: 1 }, vec![0.5; g.len()]);
     let coarse = histogram(grid, [&nothing, g], [flat, whole], progress)?;
     Ok(Axis { high: coarse.nearly_all(), bins: BINS, ..whole })
-}
-
-/// The values of a quantity, one a point; where there is no gradient, *g* is 0.
-pub(super) fn values<'a>(volume: &'a Volume, quantity: &Quantity) -> Result<Cow<'a, [f64]>> {
-    match (quantity, &volume.gradient_magnitude) {
-        (Quantity::Named("g"), None) => Ok(Cow::Owned(vec![0.0; volume.scalar.len()])),
-        _ => relative::values(volume, quantity).map(Cow::Borrowed),
-    }
 }
 
 impl Work<'_> {

@@ -35,7 +35,7 @@ const PORTS: [Port; 9] = [
     port("cell-values", PortType::CellValues),
 ];
 
-static NODE: Node = Node {
+pub(super) static NODE: Node = Node {
     name: NAME,
     summary: "Looks on.",
     optional_inputs: &PORTS,
@@ -45,7 +45,7 @@ static NODE: Node = Node {
 };
 
 /// What asks for arrays besides, and for *g*.
-static ASKS_FOR_ARRAYS: Node = Node {
+pub(super) static ASKS_FOR_ARRAYS: Node = Node {
     name: "(asks for arrays)",
     summary: "Looks on, and asks for arrays and for g.",
     inputs: &[port("volume", PortType::Volume)],
@@ -88,18 +88,6 @@ pub(super) static PROBES: Node = Node {
     },
     ..Node::BLANK
 };
-
-/// The same registry with these nodes.
-pub(super) fn with_own(registry: &Registry) -> Result<Registry> {
-    let mut own = Registry::new();
-    registry.iter().try_for_each(|node| own.add(node))?;
-    registry.filters().try_for_each(|filter| own.add_filter(filter.clone()))?;
-    own.add(&NODE)?;
-    own.add(&ASKS_FOR_ARRAYS)?;
-    own.add(&PROBES)?;
-    own.add(&super::series::NODE)?;
-    Ok(own)
-}
 
 /// A node of the type `node_type` that looks at these outputs, each a port's name and `"node.port"`.
 pub(super) fn entry(node_type: &str, looked_at: impl Iterator<Item = (String, String)>) -> NodeEntry {

@@ -23,6 +23,7 @@ mod distribution;
 mod estimate;
 mod following;
 mod look_on;
+mod own_nodes;
 mod pixels;
 mod previews;
 mod probing;
@@ -66,7 +67,7 @@ pub struct Worker {
 impl Worker {
     /// Begins the thread. `registry`: the node types and filters that graphs may name.
     pub fn start(registry: &Registry, wake: Wake) -> Result<Worker> {
-        let registry = look_on::with_own(registry)?;
+        let registry = own_nodes::with_own(registry)?;
         let shared = Arc::new(Shared {
             wanted: Mutex::default(),
             changed: Condvar::new(),

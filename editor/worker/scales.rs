@@ -1,13 +1,16 @@
 //! What the data say of quantities: their ranges, and the volume below each value. Numbers relative to data are found by it, and
 //! turned back into such where a hand moved them.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use voltet_core::graph::Quantity;
 use voltet_core::grid::Grid;
 use voltet_core::probing::Volumes;
 use voltet_core::progress::Progress;
 use voltet_core::transfer::Scales;
+use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
+use voltet_nodes::relative;
 
 /// Values that the volume below is found at: within the shown axis, and beyond it.
 const KNOTS: [usize; 2] = [1024, 64];
@@ -111,6 +114,14 @@ impl Scales for Known {
 
 fn unknown(quantity: &Quantity) -> Error {
     Error::run(format!("nothing is known yet of the values of {quantity}"))
+}
+
+/// The values of a quantity, one a point; where there is no gradient, *g* is 0.
+pub(super) fn values<'a>(volume: &'a Volume, quantity: &Quantity) -> Result<Cow<'a, [f64]>> {
+    match (quantity, &volume.gradient_magnitude) {
+        (Quantity::Named("g"), None) => Ok(Cow::Owned(vec![0.0; volume.scalar.len()])),
+        _ => relative::values(volume, quantity).map(Cow::Borrowed),
+    }
 }
 
 #[cfg(test)]

@@ -1,8 +1,7 @@
 //! What all steps of a time series say together: a node that looks at each step, one at a time, as the transfer function does.
 
-use super::distribution::values;
 use super::look_on::{NAME, entry, feeding};
-use super::scales::{Known, Spread};
+use super::scales::{Known, Spread, values};
 use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
 use voltet_core::error::ErrorKind;

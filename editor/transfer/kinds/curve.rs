@@ -1,8 +1,8 @@
 //! Piecewise-linear curves over s; their height is the cube root of the extinction.
 
-use super::super::draw::{Pen, color};
 use super::super::handles::Handle;
 use super::super::numbers::{Change, rows};
+use super::super::pen::{Pen, color};
 use super::super::scale::{Scale, extinction_at, height_of};
 use super::Shape;
 use crate::theme;

@@ -1,7 +1,7 @@
 //! Ellipses: Gaussians in the plane.
 
-use super::super::draw::Pen;
 use super::super::handles::Handle;
+use super::super::pen::Pen;
 use super::super::scale::Scale;
 use eframe::egui::{Color32, Shape, Stroke};
 use std::f64::consts::TAU;

@@ -1,8 +1,8 @@
 //! Widgets over a list of fields, on the plane of two of them: what lies outside of the plane stays as it is.
 
-use super::super::draw::Pen;
 use super::super::handles::Handle;
 use super::super::numbers::{Change, find, list, rounded, rows_of};
+use super::super::pen::Pen;
 use super::super::scale::Scale;
 use super::ellipse::Ellipse;
 use super::triangle::Triangle;

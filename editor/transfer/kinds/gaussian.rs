@@ -1,8 +1,8 @@
 //! Gaussians over s and g.
 
-use super::super::draw::Pen;
 use super::super::handles::Handle;
 use super::super::numbers::{Change, array, list, rows};
+use super::super::pen::Pen;
 use super::super::scale::Scale;
 use super::ellipse::Ellipse;
 use super::{On, Shape};

@@ -14,10 +14,10 @@ mod wave;
 pub(super) use fields::gaussian_over;
 pub(super) use gaussian::gaussian;
 
-use super::draw::Pen;
 use super::handles::Handle;
 use super::images::Images;
 use super::numbers::Change;
+use super::pen::Pen;
 use super::scale::{S_AND_G, Scale};
 use crate::worker::Known;
 use std::fmt::Debug;

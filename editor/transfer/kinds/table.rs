@@ -1,8 +1,8 @@
 //! Tables: pictures over ranges of s and g, moved and scaled by these.
 
-use super::super::draw::Pen;
 use super::super::handles::{Handle, corners, edges};
 use super::super::numbers::{Change, find, list};
+use super::super::pen::Pen;
 use super::super::region::with_corner;
 use super::super::scale::Scale;
 use super::{On, Shape};

@@ -1,8 +1,8 @@
 //! Triangular Gaussians: widths in s a unit of g.
 
-use super::super::draw::Pen;
 use super::super::handles::Handle;
 use super::super::numbers::{Change, rounded};
+use super::super::pen::Pen;
 use super::super::scale::Scale;
 use super::Shape;
 use eframe::egui;

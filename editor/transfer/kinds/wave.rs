@@ -1,8 +1,8 @@
 //! Bands across s and g.
 
-use super::super::draw::Pen;
 use super::super::handles::Handle;
 use super::super::numbers::{Change, list, rounded};
+use super::super::pen::Pen;
 use super::super::scale::Scale;
 use super::Shape;
 use eframe::egui::Stroke;
