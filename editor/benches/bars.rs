@@ -2,7 +2,7 @@
 //! after a widget's move; orbiting; the first picture of a larger file.
 //!
 //! `cargo bench -p voltet-editor -- [BLUNT_FIN.vtu [POST.vtu]]`: VTK's example data, with an array `density` the one and `energy`
-//! the other; without files the wavelet stands in.
+//! the other; without files the wavelet stands in. A pipeline that `voltet start` wrote for data can stand for these.
 
 use eframe::egui::{Context, Pos2, RawInput, Rect, vec2};
 use std::path::{Path, PathBuf};
@@ -85,6 +85,10 @@ fn pipeline(
         }
         None => "type = \"wavelet\"\nresolution = [32, 32, 32]".into(),
     };
+    if let Some((file, _)) = file.filter(|(file, _)| file.extension().is_some_and(|end| end == "toml")) {
+        let text = std::fs::read_to_string(file).unwrap_or_default();
+        return Pipeline::parse(&text).map(|pipeline| pipeline.nodes).unwrap_or_default();
+    }
     let text = format!(
         "[pipeline]\nformat = 1\n[nodes.grid]\n{source}\n[nodes.gradient]\ntype = \"gradient-magnitude\"\ninputs = {{ grid = \"grid\" }}\n\
          [nodes.look]\ntype = \"transfer-function\"\n[[nodes.look.widgets]]\nkind = \"gaussian\"\ncolor = [1.0, 0.5, 0.2]\nextinction = 4.0\n\
