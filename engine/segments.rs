@@ -94,7 +94,7 @@ fn volume(transfer_function: &TransferFunction, list: &[Segment]) -> Volume {
     };
     let point_arrays = transfer_function.fields().into_iter().enumerate().map(field).collect();
     Volume {
-        grid: Arc::new(Grid { points: points, point_arrays, ..Grid::default() }),
+        grid: Arc::new(Grid { points, point_arrays, ..Grid::default() }),
         scalar: ends(0),
         gradient: None,
         gradient_magnitude: Some(ends(1)),

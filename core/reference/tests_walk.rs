@@ -35,12 +35,7 @@ fn two_cells() -> Scene {
     let infinity = f64::INFINITY;
     let (red, green) = ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0]);
     Scene {
-        volume: Arc::new(Volume {
-            grid: Arc::new(grid),
-            scalar: scalar,
-            gradient: None,
-            gradient_magnitude: None,
-        }),
+        volume: Arc::new(Volume { grid: Arc::new(grid), scalar, gradient: None, gradient_magnitude: None }),
         transfer_function: look(
             OpticalModel::DensityEmitter,
             vec![uniform([-infinity, 1.0], red, 2.0), uniform([0.5, infinity], green, 1.0)],

@@ -87,7 +87,7 @@ fn wish(arguments: &arguments::GradientTest) -> Result<Wish> {
     if !arguments.order.is_finite() {
         return wrong("--order", arguments.order.to_string(), "a number");
     }
-    if !(arguments.linear_error >= 0.0) {
+    if arguments.linear_error.is_nan() || arguments.linear_error < 0.0 {
         return wrong("--linear-error", arguments.linear_error.to_string(), "a number of at least 0");
     }
     Ok(Wish {

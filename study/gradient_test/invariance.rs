@@ -95,7 +95,7 @@ impl Numbering {
         let turned = |[a, b, c, d]: [u32; 4]| [b, c, a, d].map(|p| from[p as usize]);
         let tetrahedra = cells.iter().map(|&cell| turned(grid.tetrahedra[cell])).collect();
         let points = to.iter().map(|&old| grid.points[old]).collect();
-        let grid = Grid { points: points, tetrahedra: tetrahedra, ..grid.clone() };
+        let grid = Grid { points, tetrahedra, ..grid.clone() };
         Numbering { grid, to }
     }
 

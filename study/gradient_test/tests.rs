@@ -23,8 +23,11 @@ fn held(test: &GradientTest) -> Vec<bool> {
     test.requirements.iter().map(|requirement| requirement.holds).collect()
 }
 
+/// What becomes of the vectors of a grid and its scalar.
+type Change = fn(&Grid, &[f64], Vec<DVec3>) -> Result<Vec<DVec3>>;
+
 /// Least squares, its vectors changed.
-struct Changed(fn(&Grid, &[f64], Vec<DVec3>) -> Result<Vec<DVec3>>);
+struct Changed(Change);
 
 impl GradientFilter for Changed {
     fn declaration(&self) -> Kind {
@@ -63,7 +66,7 @@ fn a_vector_that_is_too_long_is_neither_exact_nor_convergent() {
 #[test]
 fn what_looks_at_numbers_or_places_is_found() {
     // By the number of the point, by the place, and by the scalar's own size.
-    let mistakes: [(&str, fn(&Grid, &[f64], Vec<DVec3>) -> Result<Vec<DVec3>>); 3] = [
+    let mistakes: [(&str, Change); 3] = [
         ("numbering", |_, _, mut vectors| {
             let first = vectors[0];
             vectors[1] = vectors[1].lerp(first, 1e-3);

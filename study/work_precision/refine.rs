@@ -173,7 +173,7 @@ fn refined(volume: &Volume, source: Option<&Source>) -> Result<Volume> {
                 let coarse = g.len();
                 g.iter().copied().chain(values[coarse..].iter().map(|(_, slope)| slope.length())).collect()
             };
-            gradient_magnitude = volume.gradient_magnitude.as_ref().map(|g| magnitude(g));
+            gradient_magnitude = volume.gradient_magnitude.as_ref().map(magnitude);
             scalar = values.iter().map(|value| value.0).collect();
             gradient = Some(Shared::from(values.iter().map(|value| value.1).collect::<Vec<_>>()));
         }

@@ -83,12 +83,7 @@ pub fn with_flat_layer(thickness: f64) -> Grid {
 pub fn volume(grid: Grid, s: impl Fn(DVec3) -> f64, g: impl Fn(DVec3) -> f64) -> Arc<Volume> {
     let scalar = grid.points.iter().map(|&p| s(p)).collect();
     let magnitude = grid.points.iter().map(|&p| g(p)).collect();
-    Arc::new(Volume {
-        grid: Arc::new(grid),
-        scalar: scalar,
-        gradient: None,
-        gradient_magnitude: Some(magnitude),
-    })
+    Arc::new(Volume { grid: Arc::new(grid), scalar, gradient: None, gradient_magnitude: Some(magnitude) })
 }
 
 /// A smooth field on the unit cube in about [0, 1], and its gradient magnitude, in about [0, 2.5].

@@ -173,7 +173,7 @@ fn neighbours(scene: &Scene) -> Vec<Scene> {
     let axes = [0, 1, 2].map(|axis| grid.points.iter().map(|p| p[axis]).collect::<Vec<_>>());
     let [x, y, z] = axes.map(|values| about_the_least(&values, rounded));
     let points = x.into_iter().zip(y).zip(z).map(|((x, y), z)| DVec3::new(x, y, z)).collect();
-    let moved = Grid { points: points, ..(*grid).clone() };
+    let moved = Grid { points, ..(*grid).clone() };
     volumes.push(Volume { grid: Arc::new(moved), scalar, gradient, gradient_magnitude });
     all.extend(volumes.into_iter().map(|volume| Scene { volume: Arc::new(volume), ..scene.clone() }));
     all

@@ -87,7 +87,7 @@ fn grid(dice: &mut Dice) -> Grid {
             let regular = box_of_tetrahedra(counts, unit, 0.0);
             let shifts: Vec<DVec3> = regular.points.iter().map(|_| dice.place(-least, least)).collect();
             let points = regular.points.iter().zip(shifts).map(|(p, shift)| *p + shift).collect();
-            Grid { points: points, ..regular }
+            Grid { points, ..regular }
         }
         // Few cells at random places, which may overlap.
         5 => {
