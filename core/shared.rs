@@ -39,6 +39,11 @@ impl<T> Shared<T> {
         Arc::make_mut(&mut self.owned)
     }
 
+    /// Whether the memory is somebody else's.
+    pub fn is_lent(&self) -> bool {
+        self.lent.is_some()
+    }
+
     /// Whether both are the same memory.
     pub fn is(&self, other: &Shared<T>) -> bool {
         std::ptr::eq(self.as_slice(), other.as_slice())

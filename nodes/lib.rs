@@ -6,6 +6,7 @@
 //! | [`encode`] | pictures to files |
 //! | [`files`] | writing whole files |
 //! | [`formats`] | data files to grids |
+//! | [`given`] | grids that a program holds in memory |
 //! | [`memory`] | what a grid takes, and what is left |
 //! | [`probing`] | parts of the node `probe` |
 //! | [`provenance`] | what was drawn from what: written into pictures and reports, read again |
@@ -16,6 +17,7 @@ pub mod drawing;
 pub mod encode;
 pub mod files;
 pub mod formats;
+pub mod given;
 pub mod memory;
 pub mod probing;
 pub mod provenance;

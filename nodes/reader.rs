@@ -22,13 +22,7 @@ pub const NODE: Node = Node {
             standard: Standard::Required,
             help: formats::FILES,
         },
-        Parameter {
-            name: "scalar",
-            parameter_type: ParameterType::Text,
-            unit: "",
-            standard: Standard::Unset("the only array, or the one that the file marks"),
-            help: "the array to draw; \"NAME:magnitude\" or \"NAME:0\" for vectors",
-        },
+        SCALAR,
         Parameter {
             name: "association",
             parameter_type: ParameterType::Choice(&[
@@ -89,6 +83,15 @@ pub const NODE: Node = Node {
     prepare: &prepare,
     run: &run,
     ..Node::BLANK
+};
+
+/// The scalar that is drawn.
+pub const SCALAR: Parameter = Parameter {
+    name: "scalar",
+    parameter_type: ParameterType::Text,
+    unit: "",
+    standard: Standard::Unset("the only array, or the one that the file marks"),
+    help: "the array to draw; \"NAME:magnitude\" or \"NAME:0\" for vectors",
 };
 
 fn prepare(preparation: &Preparation) -> Result<()> {

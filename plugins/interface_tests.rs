@@ -73,7 +73,7 @@ fn the_header_has_the_same_layout() {
     let folder = tempfile::tempdir().unwrap();
     let source = folder.path().join("layout.c");
     std::fs::write(&source, text).unwrap();
-    let Some(program) = compilers::program(folder.path(), "layout", &[source]) else { return };
+    let Some(program) = compilers::program(folder.path(), "layout", &[source], &[]) else { return };
     let output = std::process::Command::new(program).output().unwrap();
     let found = String::from_utf8(output.stdout).unwrap();
     let mut wanted: Vec<String> = all.iter().map(|(expression, n)| format!("{expression} {n}")).collect();

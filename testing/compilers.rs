@@ -1,4 +1,4 @@
-//! Plug-ins in other languages, compiled for a test.
+//! Plug-ins and programs in other languages, compiled for a test.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -23,9 +23,9 @@ pub fn library(folder: &Path, name: &str, sources: &[PathBuf], options: &[&str])
 
 /// The same for a program.
 #[track_caller]
-pub fn program(folder: &Path, name: &str, sources: &[PathBuf]) -> Option<PathBuf> {
+pub fn program(folder: &Path, name: &str, sources: &[PathBuf], options: &[&str]) -> Option<PathBuf> {
     let path = folder.join(name);
-    compiled(folder, &path, sources, &[]).then_some(path)
+    compiled(folder, &path, sources, options).then_some(path)
 }
 
 /// The WebAssembly module `path`, made of a C source as docs/plugins.md says, by `clang` and what belongs to it (`wasm-ld`,

@@ -5,7 +5,7 @@
 //! | room | what |
 //! | --- | --- |
 //! | `pictures` | scenes that every engine is held to, and the comparison with the referee |
-//! | `compilers` | plug-ins in other languages |
+//! | `compilers` | plug-ins and programs in other languages |
 //! | `files` | small data files in every format and encoding, written independently of the readers |
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]

@@ -2,6 +2,7 @@
 
 use super::declaration::Node;
 use super::faults::{Fault, Part};
+use super::given::Given;
 use super::method;
 use super::registry::Registry;
 use super::stated::Stated;
@@ -74,6 +75,8 @@ pub struct GraphNode {
     pub inputs: Vec<Edge>,
     /// Where it was written.
     pub origin: Origin,
+    /// What a program does in place of its work.
+    pub given: Option<Given>,
 }
 
 /// What feeds an input.
@@ -181,7 +184,7 @@ impl Graph {
         let nodes = whole.map(|((entry, (_, node)), (checked, inputs))| {
             let (parameters, method) = checked?;
             let (name, origin) = (entry.name.clone(), entry.origin.clone());
-            Some(GraphNode { name, node: node?, parameters, method, inputs, origin })
+            Some(GraphNode { name, node: node?, parameters, method, inputs, origin, given: None })
         });
         Some(Graph { nodes: nodes.collect::<Option<_>>()?, folder, ..Graph::default() })
     }

@@ -4,6 +4,7 @@ use super::build::{Graph, GraphNode};
 use super::call::Preparation;
 use super::declaration::{Node, Steps};
 use super::demand::Demand;
+use super::given::Given;
 use super::notes::Notes;
 use super::stated::Stated;
 use super::value::{Revision, Value};
@@ -27,6 +28,8 @@ pub(super) struct Entry {
     pub(super) parameters: Parameters,
     /// The plug-in that its gradient filter came from.
     pub(super) plugin: Option<Plugin>,
+    /// What a program did in place of its work.
+    pub(super) given: Option<Given>,
     /// What fed each of its ports.
     pub(super) inputs: Vec<(usize, Revision)>,
     pub(super) demand: Demand,
@@ -63,6 +66,7 @@ impl Cache {
                 && e.inputs == inputs
                 && e.files == files
                 && e.plugin.as_ref() == plugin_of(node)
+                && e.given == node.given
                 && e.carried.as_ref().is_none_or(|carried| carried == stated)
                 && e.parameters == node.parameters
                 && e.demand.covers(demand)
@@ -75,6 +79,7 @@ impl Cache {
             !(e.node.name == entry.node.name
                 && e.inputs == entry.inputs
                 && e.parameters == entry.parameters
+                && e.given == entry.given
                 && e.files.iter().map(|f| &f.0).eq(entry.files.iter().map(|f| &f.0)))
         });
         self.entries.push(entry);
@@ -85,11 +90,9 @@ impl Cache {
         let mut alive = BTreeSet::new();
         // Entries stand in the order in which they were made, so inputs come before what was made from them.
         self.entries.retain(|entry| {
-            let wanted = graph
-                .order
-                .iter()
-                .map(|&i| &graph.nodes[i])
-                .any(|n| n.node.name == entry.node.name && n.parameters == entry.parameters);
+            let wanted = graph.order.iter().map(|&i| &graph.nodes[i]).any(|n| {
+                n.node.name == entry.node.name && n.parameters == entry.parameters && n.given == entry.given
+            });
             let keep = wanted && entry.inputs.iter().all(|(_, r)| alive.contains(r));
             if keep {
                 alive.extend(entry.outputs.iter().map(|o| o.1));
@@ -144,9 +147,16 @@ type Kept = Arc<dyn Any + Send + Sync>;
 /// The revision of what is made from no output, and stays as long as the session. Outputs count from 1.
 pub(super) const FOR_THE_SESSION: Revision = Revision(0);
 
-/// A node's type, its parameters, what feeds which port, its files, and the plug-in of its filter.
-type NodeKey =
-    (&'static str, Vec<Parameters>, Vec<(usize, usize, usize)>, Vec<(PathBuf, Stamp)>, Option<Plugin>);
+/// A node's type, its parameters, what feeds which port, its files, the plug-in of its filter, and what a program does in place
+/// of its work.
+type NodeKey = (
+    &'static str,
+    Vec<Parameters>,
+    Vec<(usize, usize, usize)>,
+    Vec<(PathBuf, Stamp)>,
+    Option<Plugin>,
+    Option<Given>,
+);
 
 /// What the results over all steps were made from.
 #[derive(PartialEq)]

@@ -59,6 +59,12 @@ impl Session {
         Session { no_leave_out: true, ..self }
     }
 
+    /// Drops all former outputs and what was made from them; what belongs to the session, such as open devices, stays.
+    pub fn forget(&mut self) {
+        self.cache.forget_all_but(&Graph::default());
+        self.store.forget_all_but(&self.cache.revisions());
+    }
+
     /// The demand pass: what will run for what. Runs the early nodes only.
     pub fn plan(&mut self, graph: &Graph) -> Result<Plan> {
         self.plan_with(graph, &Demand::default())
@@ -235,7 +241,7 @@ impl Session {
             no_leave_out: self.no_leave_out,
             progress: NodeProgress { observer, node: &node.name },
         };
-        let values = (node.node.run)(&mut call).map_err(|error| node.blame(error))?;
+        let values = node.run(&mut call)?;
         let notes = std::mem::take(&mut call.notes);
         let carried = call.is_told.get().then(|| graph.stated.clone());
         let declared = node.node.outputs.iter().map(|port| port.port_type);
@@ -249,6 +255,7 @@ impl Session {
             node: node.node,
             parameters: node.parameters.clone(),
             plugin: plugin_of(node).cloned(),
+            given: node.given.clone(),
             inputs: revisions,
             demand: demand.clone(),
             files: stamped(files.into_iter().map(|(path, _)| path), self.file_stamp),

@@ -150,7 +150,7 @@ impl Call<'_> {
                 store: &store,
                 progress: NodeProgress { observer: self.progress.observer, node: &node.name },
             };
-            let values = (node.node.run)(&mut call).map_err(|error| node.blame(error))?;
+            let values = node.run(&mut call)?;
             let outputs = values.into_iter().map(|value| {
                 revision += 1;
                 (value, Revision(revision))
@@ -168,7 +168,7 @@ impl Call<'_> {
             let node = &self.graph.nodes[i];
             let edges = node.inputs.iter().map(|edge| (edge.port, place(edge.node), edge.output)).collect();
             let files = files_of((node.node, &node.parameters), Steps::All, self.folder, self.file_stamp);
-            (node.node.name, parameters.clone(), edges, files, plugin_of(node).cloned())
+            (node.node.name, parameters.clone(), edges, files, plugin_of(node).cloned(), node.given.clone())
         };
         let nodes = feeding.nodes.iter().zip(&feeding.parameters).map(of).collect();
         let (last, output) = self.place_of(port)?;

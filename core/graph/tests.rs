@@ -2,6 +2,7 @@
 
 mod faults;
 mod feeding;
+mod given;
 mod methods;
 mod no_leave_out;
 mod optional_inputs;

@@ -11,7 +11,7 @@ mod write;
 
 pub use document::{FORMAT, Pipeline};
 pub use option::field;
-pub use parse::{EDITOR, Survey, value};
+pub use parse::{EDITOR, Survey, parameters, value};
 
 use crate::Error;
 

@@ -46,14 +46,7 @@ fn read(text: &str) -> Survey {
     let (table, errors) = DeTable::parse_recoverable(text);
     let mut survey = Survey { is_toml: errors.is_empty(), ..Survey::default() };
     let Survey { pipeline, editor, faults, .. } = &mut survey;
-    faults.extend(errors.into_iter().map(|error| {
-        let end = text.len();
-        let span = error.span().unwrap_or(end..end);
-        Origin::Span(span).blame(Error::usage(format!(
-            "the file is not valid TOML: {}",
-            error.message().replace('\n', ", ")
-        )))
-    }));
+    faults.extend(errors.into_iter().map(|error| not_toml(error, text)));
     let (theirs, ours): (Vec<_>, Vec<_>) =
         in_order(table.get_ref()).partition(|(key, _)| key.get_ref() == EDITOR);
     // Nobody who runs the file is told of mistakes in what belongs to the editor.
@@ -79,6 +72,13 @@ fn read(text: &str) -> Survey {
         faults.push(Error::usage("the pipeline has no nodes").accepted("a table [nodes.NAME] for each node"));
     }
     survey
+}
+
+fn not_toml(error: toml::de::Error, text: &str) -> Error {
+    let end = text.len();
+    let span = error.span().unwrap_or(end..end);
+    let what = format!("the file is not valid TOML: {}", error.message().replace('\n', ", "));
+    Origin::Span(span).blame(Error::usage(what))
 }
 
 /// The table `[pipeline]`: the format, which must be known, and the title.
@@ -194,6 +194,26 @@ fn setting(value: &DeValue, span: std::ops::Range<usize>, faults: &mut Vec<Error
         }
     };
     Setting { datum, origin }
+}
+
+/// The parameters of one node as TOML text, without the node's head: what stands below `[nodes.NAME]`, lists of tables as
+/// `[[widgets]]`. Errors point at the text.
+pub fn parameters(text: &str) -> Result<Vec<Field>> {
+    let (table, errors) = DeTable::parse_recoverable(text);
+    let mut faults: Vec<Error> = errors.into_iter().map(|error| not_toml(error, text)).collect();
+    let fields: Vec<Field> =
+        in_order(table.get_ref()).map(|(key, value)| field(key, value, &mut faults)).collect();
+    faults.extend(fields.iter().filter(|field| matches!(&*field.name, "type" | "inputs")).map(|field| {
+        let what = format!("'{}' is no parameter", field.name);
+        field.origin.blame(Error::usage(what).accepted("parameters alone: type and wires stay"))
+    }));
+    match faults.into_iter().next() {
+        None => Ok(fields),
+        Some(mut fault) => Err(match fault.place.span.take() {
+            Some(span) => fault.at_span(text, span),
+            None => fault,
+        }),
+    }
 }
 
 /// Text read as one TOML value; `None` where it is none.

@@ -24,16 +24,18 @@ pub fn srgb_from_linear(v: f32) -> f32 {
     if v <= 0.003_130_8 { v * 12.92 } else { 1.055 * v.powf(1.0 / 2.4) - 0.055 }
 }
 
+/// 8-bit sRGB of a premultiplied pixel over a linear background, clamped to 0 … 1.
+pub fn srgb8(pixel: [f32; 4], background: [f64; 3]) -> [u8; 3] {
+    std::array::from_fn(|channel| {
+        let linear = pixel[channel] + (1.0 - pixel[3]) * background[channel] as f32;
+        (srgb_from_linear(linear.clamp(0.0, 1.0)) * 255.0).round() as u8
+    })
+}
+
 /// 8-bit sRGB: the premultiplied picture over a linear background, clamped to 0 … 1. The file says that it is sRGB, to readers
 /// that know gamma and chromaticities only too (PNG, third edition, section 11.3.2.5), and carries what it was made from.
 pub fn png(picture: &Picture, background: [f64; 3], carried: Option<&Provenance>) -> Result<Vec<u8>> {
-    let mut bytes = Vec::with_capacity(picture.rgba.len() * 3);
-    for pixel in &picture.rgba {
-        for (channel, behind) in background.iter().enumerate() {
-            let linear = pixel[channel] + (1.0 - pixel[3]) * *behind as f32;
-            bytes.push((srgb_from_linear(linear.clamp(0.0, 1.0)) * 255.0).round() as u8);
-        }
-    }
+    let bytes: Vec<u8> = picture.rgba.iter().flat_map(|pixel| srgb8(*pixel, background)).collect();
     let mut file = Vec::new();
     png_file(&mut file, picture, &bytes, carried)
         .map_err(|error| Error::run("the picture cannot be encoded as PNG").found(error))?;

@@ -206,7 +206,7 @@ pub(super) fn column(piece: &Piece, choice: &Choice, meter: &Meter) -> Result<Ve
 }
 
 /// Length of a vector, without overflow on the way.
-pub(super) fn length(vector: &[f64]) -> f64 {
+pub(crate) fn length(vector: &[f64]) -> f64 {
     let scale = vector.iter().fold(0.0_f64, |scale, value| scale.max(value.abs()));
     if scale == 0.0 || !scale.is_finite() || vector.iter().any(|value| value.is_nan()) {
         return vector.iter().map(|value| value.abs()).sum();

@@ -150,8 +150,9 @@ fn part<'a>(values: &'a [u32], ends: &[u64], index: usize) -> Option<&'a [u32]> 
     values.get(usize::try_from(begin).ok()?..usize::try_from(*ends.get(index)?).ok()?)
 }
 
-/// The number of faces, then each face's count and points.
-fn face_stream(stream: &[u32], number: usize) -> Result<Vec<Vec<u32>>> {
+/// The faces of a polyhedron from the stream that begins with their number, then has each face's count and points; `number`: of
+/// the cell, for the error where the stream ends before.
+pub fn face_stream(stream: &[u32], number: usize) -> Result<Vec<Vec<u32>>> {
     let damaged = || damaged_faces(number);
     let (&face_count, mut rest) = stream.split_first().ok_or_else(damaged)?;
     let mut faces = Vec::new();

@@ -57,10 +57,13 @@ mod stored;
 mod xml;
 
 pub use assemble::Unread;
+pub(crate) use assemble::length;
+pub use cells::face_stream;
 pub use inspect::{ArrayHead, ArraySummary, Summary, arrays, inspect};
 pub use open::FILES;
 use open::open;
 pub use request::{Association, Request, TimeStep};
+pub(crate) use select::Component;
 use std::path::{Path, PathBuf};
 use voltet_core::Result;
 pub use voltet_core::grid::CellValues;

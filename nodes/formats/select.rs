@@ -12,13 +12,26 @@ pub(super) const GHOST_LEVELS: &str = "vtkGhostLevels";
 
 /// Which value of a tuple is meant.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Component {
+pub(crate) enum Component {
     /// All of them.
     All,
     /// One.
     Index(usize),
     /// The length of the tuple as a vector.
     Magnitude,
+}
+
+impl Component {
+    /// What `NAME:suffix` means of an array of so many components.
+    pub(crate) fn of(name: &str, suffix: &str, component_count: usize) -> Result<Component> {
+        match suffix.parse::<usize>() {
+            _ if suffix == "magnitude" => Ok(Component::Magnitude),
+            Ok(index) if index < component_count => Ok(Component::Index(index)),
+            _ => Err(Error::run(format!("the array '{name}' has no such component"))
+                .found(format_args!("'{suffix}'"))
+                .accepted(format_args!("'magnitude' or 0 to {}", component_count - 1))),
+        }
+    }
 }
 
 /// An array that a request means.
@@ -107,15 +120,7 @@ pub(super) fn array(piece: &Piece, wanted: &str, association: Association) -> Re
     }
     let component = match suffix {
         None => Component::All,
-        Some("magnitude") => Component::Magnitude,
-        Some(suffix) => match suffix.parse::<usize>() {
-            Ok(index) if index < component_count => Component::Index(index),
-            _ => {
-                return Err(Error::run(format!("the array '{name}' has no such component"))
-                    .found(format_args!("'{suffix}'"))
-                    .accepted(format_args!("'magnitude' or 0 to {}", component_count - 1)));
-            }
-        },
+        Some(suffix) => Component::of(name, suffix, component_count)?,
     };
     Ok(Choice { name: name.to_owned(), per_cell, component_count, component })
 }

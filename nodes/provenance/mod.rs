@@ -5,13 +5,19 @@
 //! | `block` | what is written |
 //! | `carried` | the texts that a picture carries, read from it |
 //! | `date` | dates |
+//! | `report` | the report of a run |
+//! | `source` | the text of a pipeline, from its file or from a picture |
 
 mod block;
 mod carried;
 mod date;
+mod report;
+mod source;
 
 pub use block::{
     Beside, CameraOf, DataFile, NAMED_MOST, PIPELINE, PROVENANCE, PluginOf, Provenance, TEXT_MOST,
     UnitDistance, Units,
 };
 pub use carried::{is_picture, read};
+pub use report::{run_report, whole_report};
+pub use source::Source;

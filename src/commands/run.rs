@@ -9,7 +9,8 @@ use crate::core::error::ErrorKind;
 use crate::core::graph::{Observer, Registry, RunReport};
 use crate::core::{Error, Result};
 use crate::nodes::files;
-use crate::present::{Bar, json, print, say, summary, warnings, whole};
+use crate::nodes::provenance::whole_report;
+use crate::present::{Bar, json, print, say, summary, warnings};
 use crate::study::NoLeaveOut;
 use std::path::PathBuf;
 
@@ -81,7 +82,7 @@ pub fn run(arguments: &Run, registry: &Registry) -> Result<u8> {
         }
     }
     if let (Some(path), DONE) = (&arguments.report, worst) {
-        files::write_whole(path, format!("{:#}\n", whole(reports)).as_bytes())?;
+        files::write_whole(path, format!("{:#}\n", whole_report(reports)).as_bytes())?;
     }
     Ok(worst)
 }

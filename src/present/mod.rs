@@ -9,5 +9,5 @@ mod streams;
 pub use error::{error, warning};
 pub use progress::{Bar, Estimate};
 pub use reference::{filter_markdown, filter_text, node_markdown, node_text};
-pub use report::{findings, json, number, summary, warnings, whole};
+pub use report::{findings, json, number, summary, warnings};
 pub use streams::{name, print, say};

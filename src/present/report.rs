@@ -1,63 +1,14 @@
-//! What a run did: a line for people, JSON for programs.
+//! What a run did, in a few lines for people; for programs the crate of the nodes says it in JSON.
 
 use super::streams::name;
 use crate::Document;
 use crate::core::graph::{Finding, RunReport};
-use crate::core::pipeline::FORMAT;
-use crate::nodes::provenance::Provenance;
-use serde_json::{Value, json as object};
+use crate::nodes::provenance::run_report;
+use serde_json::Value;
 
-/// The shape of the report. It changes where something is renamed or moved, not where something is added.
-const REPORT_FORMAT: u32 = 1;
-
-/// Counts that every report names, also where the engine that ran does not know them.
-const COUNTS: [&str; 11] = [
-    "arrays_decoded",
-    "gradients_computed",
-    "cells_total",
-    "cells_culled",
-    "cells_projected",
-    "segments",
-    "pixels_disordered",
-    "tiles_sorted",
-    "tables_built",
-    "shader_builds",
-    "uploads",
-];
-
-/// The report of a call (docs/provenance.md): what is said of each of its runs.
-pub fn whole(runs: Vec<Value>) -> Value {
-    object!({
-        "versions": { "voltet": env!("CARGO_PKG_VERSION"), "report": REPORT_FORMAT, "pipeline_format": FORMAT },
-        "peak_memory_bytes": crate::nodes::memory::peak(),
-        "runs": runs,
-    })
-}
-
-/// What is said of one run.
+/// What is said of one run of a pipeline.
 pub fn json(document: &Document, report: &RunReport) -> Value {
-    let mut counts = serde_json::Map::new();
-    for name in COUNTS {
-        counts.insert(name.into(), Value::Null);
-    }
-    counts.extend(report.counts.iter().map(|(&name, &count)| (name.to_string(), count.into())));
-    object!({
-        "file": document.path.display().to_string(),
-        "title": document.pipeline.title,
-        "engine": report.engine.as_ref().map(|e| &e.0),
-        "engine_reason": report.engine.as_ref().map(|e| &e.1),
-        "adapter": report.adapter,
-        "compositor": report.compositor.as_ref().map(|c| &c.0),
-        "compositor_reason": report.compositor.as_ref().map(|c| &c.1),
-        "seconds": report.seconds,
-        "nodes": report.nodes,
-        "counts": counts,
-        "left_out": report.left_out,
-        "findings": report.findings,
-        "warnings": report.warnings,
-        "files": report.files,
-        "provenance": Provenance::of_run(&report.origins, &document.graph.stated),
-    })
+    run_report(&document.path.display().to_string(), report, &document.graph.stated)
 }
 
 /// What the user should know, a line each, but for the first `shown` of them: the graph's own warnings are shown with their

@@ -1,0 +1,96 @@
+//! A grid that a program holds in memory, in place of one that a node reads.
+
+use crate::formats::{Component, length};
+use crate::reader::SCALAR;
+use rayon::prelude::*;
+use std::sync::Arc;
+use voltet_core::graph::{
+    Call, Datum, Given, Node, NodeEntry, Outputs, Port, PortType, Registry, Value, suggest,
+};
+use voltet_core::grid::{Array, Grid};
+use voltet_core::{Error, Result};
+
+/// The node that stands where a program gives a grid; such a program adds it to its registry. As a reader it takes the name of
+/// the scalar.
+pub static NODE: Node = Node {
+    name: "given-grid",
+    summary: "Gives a grid that the program holds in memory.",
+    outputs: &[Port { name: "grid", port_type: PortType::Grid, summary: "points, tetrahedra, arrays" }],
+    parameters: &[SCALAR],
+    // A source has no inputs to ask.
+    demand: &|_| Ok(()),
+    run: &|_| Err(Error::usage("the program has given no grid to this node").accepted("a grid to draw")),
+    ..Node::BLANK
+};
+
+/// The grid of a program, for [`voltet_core::graph::Graph::give`]. Its scalar is drawn where the node names none, else the point
+/// array of that name.
+pub fn grid(grid: Arc<Grid>) -> Given {
+    Given::new(move |call| run(call, &grid))
+}
+
+/// Makes of an entry that reads or makes a grid one that is given it; what it says of the scalar stays.
+pub fn stand_in(entry: &mut NodeEntry, registry: &Registry) -> Result<()> {
+    let node_type = entry.node_type.text().unwrap_or_default();
+    let node = registry.find(node_type)?;
+    let gives_grid = matches!(node.outputs, [Port { port_type: PortType::Grid, .. }]);
+    if !gives_grid || node.all_inputs().next().is_some() {
+        let error = Error::usage(format!("a grid cannot stand in for the node '{}'", entry.name));
+        return Err(error.found(format!("type '{node_type}'")).accepted("a node that reads or makes a grid"));
+    }
+    entry.settings.retain(|field| field.name == SCALAR.name);
+    entry.node_type.datum = Datum::Text(NODE.name.into());
+    Ok(())
+}
+
+fn run(call: &mut Call, given: &Grid) -> Result<Outputs> {
+    let mut grid = given.clone();
+    if let Some(name) = call.parameters.optional(SCALAR.name).and_then(|setting| setting.text()) {
+        let array = array(given, name).map_err(|error| call.parameters.blame(SCALAR.name, error))?;
+        if array.component_count != 1 {
+            let error = call.parameters.error(SCALAR.name, "the array is not a scalar");
+            let found = format!("'{name}' of {} components", array.component_count);
+            return Err(error
+                .found(found)
+                .accepted(format!("'{name}:magnitude', or '{name}:0' for a component")));
+        }
+        (grid.scalar, grid.scalar_name) = (Some(array.values.clone()), name.to_string());
+    }
+    let asked = &call.demand.arrays;
+    grid.point_arrays.retain(|name, _| asked.contains(name));
+    for name in asked.named() {
+        grid.point_arrays.insert(name.to_string(), array(given, name)?);
+    }
+    if let Some(name) = call.demand.cell_arrays.named().find(|name| !given.cell_arrays.contains_key(*name)) {
+        return Err(missing(name, given.cell_arrays.keys()));
+    }
+    call.notes.warnings.extend(given.origin.warnings.iter().cloned());
+    Ok(vec![Value::Grid(Arc::new(grid))])
+}
+
+/// The point array that `wanted` (`NAME`, `NAME:magnitude` or `NAME:0`) means.
+fn array(grid: &Grid, wanted: &str) -> Result<Arc<Array>> {
+    if let Some(array) = grid.point_arrays.get(wanted) {
+        return Ok(array.clone());
+    }
+    let part =
+        wanted.rsplit_once(':').and_then(|(stem, suffix)| Some((stem, suffix, grid.point_arrays.get(stem)?)));
+    let Some((name, suffix, array)) = part else { return Err(missing(wanted, grid.point_arrays.keys())) };
+    let count = array.component_count;
+    let tuples = array.values.par_chunks_exact(count);
+    let values: Vec<f64> = match Component::of(name, suffix, count)? {
+        Component::All => return Ok(array.clone()),
+        Component::Index(index) => tuples.map(|tuple| tuple[index]).collect(),
+        Component::Magnitude => tuples.map(length).collect(),
+    };
+    Ok(Arc::new(Array { component_count: 1, values: values.into() }))
+}
+
+fn missing<'a>(wanted: &str, names: impl Iterator<Item = &'a String>) -> Error {
+    let names: Vec<&str> = names.map(String::as_str).collect();
+    let error = Error::run(format!("the grid holds no array '{wanted}'"));
+    match names.is_empty() {
+        true => error.found("no arrays"),
+        false => error.accepted(suggest(wanted, names)),
+    }
+}
