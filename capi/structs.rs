@@ -1,0 +1,176 @@
+//! The structs of `include/voltet.h`, field by field, and how a caller's are read. `tests/c` compares sizes and places.
+
+use crate::guard::null;
+use std::ffi::{c_char, c_int, c_void};
+use voltet_core::{Error, Result};
+
+/// `voltet_array`.
+#[repr(C)]
+#[derive(Clone, Copy)]
+#[allow(missing_docs)]
+pub struct Array {
+    pub size: usize,
+    pub name: *const c_char,
+    pub values: *const f64,
+    pub component_count: usize,
+    pub on_cells: c_int,
+}
+
+/// `voltet_grid_source`.
+#[repr(C)]
+#[derive(Clone, Copy)]
+#[allow(missing_docs)]
+pub struct GridSource {
+    pub size: usize,
+    pub point_count: usize,
+    pub points: *const f64,
+    pub array_count: usize,
+    pub arrays: *const Array,
+    pub scalar: *const c_char,
+    pub cell_count: usize,
+    pub tetrahedra: *const u32,
+    pub types: *const u8,
+    pub offsets: *const i64,
+    pub connectivity: *const i64,
+    pub connectivity_u32: *const u32,
+    pub connectivity_count: usize,
+    pub faces: *const i64,
+    pub face_locations: *const i64,
+    pub faces_count: usize,
+    pub degrees: *const u8,
+    pub ghost: *const u8,
+    pub subdivision: c_int,
+    pub constant_cells: c_int,
+    pub release: Option<unsafe extern "C" fn(*mut c_void)>,
+    pub user: *mut c_void,
+}
+
+/// `voltet_grid_info`.
+#[repr(C)]
+#[derive(Clone, Copy)]
+#[allow(missing_docs)]
+pub struct GridInfo {
+    pub size: usize,
+    pub point_count: u64,
+    pub tetrahedron_count: u64,
+    pub bytes_lent: u64,
+    pub bytes_copied: u64,
+    pub low: [f64; 3],
+    pub high: [f64; 3],
+    pub scalar: [f64; 2],
+}
+
+/// `voltet_camera`.
+#[repr(C)]
+#[derive(Clone, Copy)]
+#[allow(missing_docs)]
+pub struct Camera {
+    pub size: usize,
+    pub eye: [f64; 3],
+    pub target: [f64; 3],
+    pub up: [f64; 3],
+    pub fov_y: f64,
+    pub height: f64,
+    pub near_plane: f64,
+    pub pixels: [u32; 2],
+    pub samples: u32,
+}
+
+/// `voltet_image`.
+#[repr(C)]
+#[derive(Clone, Copy)]
+#[allow(missing_docs)]
+pub struct Image {
+    pub size: usize,
+    pub width: usize,
+    pub height: usize,
+    pub rgba: *mut f32,
+    pub rgba_stride: usize,
+    pub srgb: *mut u8,
+    pub srgb_stride: usize,
+    pub background: [f64; 3],
+}
+
+/// `voltet_follow`.
+#[repr(C)]
+#[derive(Clone, Copy)]
+#[allow(missing_docs)]
+pub struct Follow {
+    pub size: usize,
+    pub user: *mut c_void,
+    pub progress: Option<unsafe extern "C" fn(*mut c_void, *const c_char, *const c_char, f64)>,
+    pub cancelled: Option<unsafe extern "C" fn(*mut c_void) -> c_int>,
+}
+
+/// A struct that a caller may hand over: all its fields are numbers and addresses, for which zero bytes are values.
+///
+/// # Safety
+/// That is so, and the first field is the size.
+pub(crate) unsafe trait Sized0: Copy {
+    /// Its name in the header.
+    const NAME: &'static str;
+}
+
+// SAFETY: the fields above.
+unsafe impl Sized0 for Array {
+    const NAME: &'static str = "voltet_array";
+}
+// SAFETY: as above.
+unsafe impl Sized0 for GridSource {
+    const NAME: &'static str = "voltet_grid_source";
+}
+// SAFETY: as above.
+unsafe impl Sized0 for GridInfo {
+    const NAME: &'static str = "voltet_grid_info";
+}
+// SAFETY: as above.
+unsafe impl Sized0 for Camera {
+    const NAME: &'static str = "voltet_camera";
+}
+// SAFETY: as above.
+unsafe impl Sized0 for Image {
+    const NAME: &'static str = "voltet_image";
+}
+// SAFETY: as above.
+unsafe impl Sized0 for Follow {
+    const NAME: &'static str = "voltet_follow";
+}
+
+/// No struct of any version is larger: what says so was not set.
+const SIZE_MOST: usize = 4096;
+
+/// The size that a caller's struct states, if it can be one.
+///
+/// # Safety
+/// `from` is null or holds a size.
+pub(crate) unsafe fn stated_size<T: Sized0>(from: *const T) -> Result<usize> {
+    if from.is_null() {
+        return Err(null(T::NAME));
+    }
+    // SAFETY: the caller's promise; structs of C may stand anywhere.
+    let size = unsafe { from.cast::<usize>().read_unaligned() };
+    if !(size_of::<T>()..=SIZE_MOST).contains(&size) {
+        return Err(Error::usage(format!("the size of a {} is wrong", T::NAME))
+            .found(size)
+            .accepted(format!("size = sizeof({}), {} here", T::NAME, size_of::<T>())));
+    }
+    Ok(size)
+}
+
+/// A caller's struct. Fields that a newer header has must be 0, as this library does not know them.
+///
+/// # Safety
+/// `from` is null or holds as many bytes as its size says.
+pub(crate) unsafe fn read<T: Sized0>(from: *const T) -> Result<T> {
+    // SAFETY: the caller's promise.
+    let size = unsafe { stated_size(from) }?;
+    // SAFETY: so many bytes are there.
+    let newer = unsafe { std::slice::from_raw_parts(from.cast::<u8>(), size) };
+    if newer[size_of::<T>()..].iter().any(|&byte| byte != 0) {
+        return Err(Error::usage(format!("a {} has fields that this library does not know", T::NAME))
+            .found(format!("{size} bytes"))
+            .accepted(format!("0 in all beyond {} bytes, or a newer library", size_of::<T>())));
+    }
+    // SAFETY: it is all there, and any bytes are values of it.
+    Ok(unsafe { from.read_unaligned() })
+}

@@ -1,0 +1,25 @@
+#!/usr/bin/env bash
+# Runs the example in C and the test programs of the C interface under valgrind: reads and writes outside of what was allocated,
+# values that were never set, leaks. Needs a C and a C++ compiler, and valgrind. Any arguments go to cargo (--no-default-features).
+set -euo pipefail
+cd "$(dirname "$0")/.."
+cargo build --locked -p voltet-c "$@"
+built="${CARGO_TARGET_DIR:-target}/debug"
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+cp "$built/libvoltet_c.so" "$folder/libvoltet.so.0"
+ln -s libvoltet.so.0 "$folder/libvoltet.so"
+linked=(-g -Iinclude "-L$folder" -lvoltet -lm -lpthread "-Wl,-rpath,$folder")
+cc -std=c99 -O1 examples/renderer_c/picture.c "${linked[@]}" -o "$folder/picture"
+cc -std=c99 -O1 capi/tests/c/wrong.c "${linked[@]}" -o "$folder/wrong"
+c++ -std=c++17 -O1 capi/tests/c/threads.cpp "${linked[@]}" -o "$folder/threads"
+# valgrind does not know AVX-512.
+export VOLTET_LANES=avx2
+checked() {
+    valgrind --quiet --leak-check=full --show-leak-kinds=definite,indirect,possible --errors-for-leak-kinds=definite,indirect,possible \
+        --suppressions=scripts/valgrind.supp --error-exitcode=1 "$@"
+}
+checked "$folder/picture" own "$folder/own.ppm"
+checked "$folder/picture" file pipelines/quickstart_1d.toml "$folder/file.ppm"
+checked "$folder/wrong"
+checked "$folder/threads"
