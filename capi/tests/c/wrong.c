@@ -74,7 +74,7 @@ static void wrong_grids(voltet_session *session)
     static const int64_t connectivity[] = {0, 1, 2, 3, 1, 2, 3, 4}, below[] = {0, 1, 2, 3, 1, 2, 3, -4},
                          above[] = {0, 1, 2, 3, 1, 2, 3, 4294967296};
     static const int64_t stream[] = {4, 3, 1, 2, 3, 3, 1, 2, 4, 3, 2, 3, 4, 3, 1, 3, 99999999}, locations[] = {-1, 0},
-                         nowhere[] = {-1, 17};
+                         nowhere[] = {-1, 17}, sound[] = {4, 3, 1, 2, 3, 3, 1, 2, 4, 3, 2, 3, 4, 3, 1, 3, 4};
     static const uint32_t missing[] = {0, 1, 2, 3, 1, 2, 3, 5};
     voltet_grid_source source = two();
     struct { voltet_grid_source source; double more; } newer;
@@ -179,6 +179,9 @@ static void wrong_grids(voltet_session *session)
     WRONG(make(session, &source), "the faces of cell 1, a polyhedron, are damaged");
     source.faces_count = 17;
     FAILED(make(session, &source), "99999999");
+    source.faces = sound;
+    CHECK(make(session, &source) == VOLTET_DONE);
+    CHECK(released == 3);
     source.cell_count = (size_t)-1;
     WRONG(make(session, &source), "out of range");
 
@@ -188,7 +191,7 @@ static void wrong_grids(voltet_session *session)
     values[0] = INFINITY;
     FAILED(make(session, &source), "there is nothing to draw: found 2 tetrahedra (2 not finite)");
     values[0] = 0.0, values[4] = 1.0;
-    CHECK(released == 3);
+    CHECK(released == 4);
 }
 
 static void wrong_pipelines(voltet_session *session)
@@ -266,6 +269,7 @@ static void wrong_images(voltet_session *session)
     voltet_image image = {0};
     voltet_follow follow = {0};
     int no = 0, yes = 1, i;
+    char *report, *place;
     size_t width = 0, height = 0, length;
 
     image.size = sizeof image;
@@ -326,6 +330,17 @@ static void wrong_images(voltet_session *session)
     CHECK(voltet_report(session, NULL, 7) == (size_t)-1);
     CHECK(voltet_report(session, text, 6) == length && strlen(text) == 5 && text[0] == '{');
     CHECK(voltet_warnings(session, text, 0) != (size_t)-1);
+
+    /* A moved camera: the grid, its gradient and the transfer function are used again. */
+    CHECK(voltet_set(session, "camera.eye=[1.0, -4.0, 0.5]") == VOLTET_DONE);
+    CHECK(voltet_render(session, NULL, &image, NULL) == VOLTET_DONE);
+    length = voltet_report(session, NULL, 0);
+    report = malloc(length + 1);
+    CHECK(voltet_report(session, report, length + 1) == length && strlen(report) == length);
+    for (i = 0, place = report; (place = strstr(place, "\"reused\": true")) != NULL; i++, place++) {
+    }
+    CHECK(i == 3);
+    free(report);
 
     /* The session's part of the memory is given back when the grid is taken away, the handle's with its release. */
     released = 0;

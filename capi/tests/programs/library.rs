@@ -70,7 +70,7 @@ pub fn run(program: &Path, words: &[&Path]) -> Output {
 #[track_caller]
 pub fn succeed(program: &Path, words: &[&Path]) -> String {
     let output = run(program, words);
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{}: {said}", output.status);
-    String::from_utf8(output.stdout).unwrap()
+    let [said, warned] = [output.stdout, output.stderr].map(|text| String::from_utf8(text).unwrap());
+    assert!(output.status.success(), "{}: {said}{warned}", output.status);
+    said
 }
