@@ -56,3 +56,20 @@ fn a_node_that_is_not_there_is_named() {
     let error = graph(SCENE).unwrap().give("gird", given(7.0, &Arc::new(()))).unwrap_err();
     assert!(error.to_string().starts_with("there is no node 'gird'; expected 'grid'"), "{error}");
 }
+
+#[test]
+fn former_outputs_of_one_are_not_those_of_another() {
+    let mut session = session();
+    let held = Arc::new(());
+    // Feeding a node forgets nothing between.
+    let mut scalar = |given: &Given| {
+        let mut graph = graph(SCENE).unwrap();
+        graph.give("grid", given.clone()).unwrap();
+        let place = graph.nodes.iter().position(|node| node.name == "gradient").unwrap();
+        let values = session.inputs(&graph, place, &Demand::default(), &Unobserved).unwrap();
+        values[0].volume().unwrap().unwrap().scalar[0]
+    };
+    let [first, second] = [7.0, 8.0].map(|number| given(number, &held));
+    assert_eq!([&first, &second, &first].map(&mut scalar), [7.0, 8.0, 7.0]);
+    assert_eq!(runs(), [("given", 2), ("look", 1)]);
+}
