@@ -13,10 +13,10 @@ const NAME_MOST: usize = 64;
 const TEXT_MOST: usize = 1024;
 
 /// Most parameters of a filter, and words of a choice.
-const PARAMETERS_MOST: u32 = 64;
+pub(crate) const PARAMETERS_MOST: u32 = 64;
 
 /// Longest vector.
-const VECTOR_MOST: u32 = 1024;
+pub(crate) const VECTOR_MOST: u32 = 1024;
 
 /// A filter as it was declared.
 #[derive(Clone)]

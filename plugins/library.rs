@@ -18,6 +18,28 @@ use voltet_core::{Error, Result};
 /// Most filters of a plug-in.
 const FILTERS_MOST: u32 = 256;
 
+/// The number of filters that a plug-in says it has, if it may have as many.
+pub(crate) fn filter_count(count: u32) -> std::result::Result<u32, Wrong> {
+    match (1..=FILTERS_MOST).contains(&count) {
+        true => Ok(count),
+        false => Err(format!("it says that it has {count} filters, 1 to {FILTERS_MOST} can be")),
+    }
+}
+
+/// Refuses filters of one name.
+pub(crate) fn refuse_same_names<'a>(
+    filters: impl IntoIterator<Item = &'a Declared>,
+) -> std::result::Result<(), Wrong> {
+    let mut names = Vec::new();
+    for Declared { kind, .. } in filters {
+        if names.contains(&kind.name) {
+            return Err(format!("two of its filters are called '{}'", kind.name));
+        }
+        names.push(kind.name);
+    }
+    Ok(())
+}
+
 /// A library whose plug-in does not begin within this is given up.
 const PATIENCE: Duration = Duration::from_secs(20);
 
@@ -150,25 +172,18 @@ fn filters(factory: *const GradientFactory) -> std::result::Result<Vec<Filter>, 
         return Err("it has no gradient filters (get_factory gave nothing)".into());
     }
     let (factory, _) = sized(factory)?;
-    let (Some(filter_count), Some(filter)) = (factory.filter_count, factory.filter) else {
+    let (Some(count), Some(filter)) = (factory.filter_count, factory.filter) else {
         return Err("a function of its factory is a null pointer".into());
     };
     // SAFETY: the plug-in's own function, after init.
-    let count = unsafe { filter_count() };
-    if !(1..=FILTERS_MOST).contains(&count) {
-        return Err(format!("it says that it has {count} filters, 1 to {FILTERS_MOST} can be"));
-    }
+    let count = filter_count(unsafe { count() })?;
     let describe = |place: u32| {
         // SAFETY: the same, with a place below the count.
         let described = describe::filter(unsafe { filter(place) });
         described.map_err(|wrong| format!("filter {place}: {wrong}"))
     };
     let filters: Vec<Filter> = (0..count).map(describe).collect::<std::result::Result<_, _>>()?;
-    for (i, one) in filters.iter().enumerate() {
-        if filters[..i].iter().any(|other| other.declared.kind.name == one.declared.kind.name) {
-            return Err(format!("two of its filters are called '{}'", one.declared.kind.name));
-        }
-    }
+    refuse_same_names(filters.iter().map(|filter| &filter.declared))?;
     Ok(filters)
 }
 

@@ -28,6 +28,14 @@ impl Said {
     }
 }
 
+/// Takes off what lies beyond the vectors of so many points; whether something was written there.
+pub(crate) fn overran(vectors: &mut Vec<DVec3>, point_count: usize) -> bool {
+    let is_unset = |v: &DVec3| v.to_array().iter().all(|x| x.to_bits() == UNSET.to_bits());
+    let overran = !vectors[point_count..].iter().all(is_unset);
+    vectors.truncate(point_count);
+    overran
+}
+
 /// Whose call it is.
 #[derive(Clone, Copy)]
 pub(crate) struct Whose<'a> {

@@ -3,7 +3,7 @@
 use crate::describe::Declared;
 use crate::host::State;
 use crate::interface::{self, Call, Check, Gradient as Function, Values};
-use crate::outcome::{Said, UNSET};
+use crate::outcome::{Said, UNSET, overran};
 use crate::values::{Owned, arrays};
 use std::mem::size_of;
 use std::sync::Arc;
@@ -92,9 +92,7 @@ impl Given {
         };
         // SAFETY: the plug-in's own function; what it is given lives through the call and has the sizes stated.
         let code = unsafe { function(&call, &state.host()) };
-        let is_unset = |v: &DVec3| v.to_array().iter().all(|x| x.to_bits() == UNSET.to_bits());
-        let overran = !vectors[point_count..].iter().all(is_unset);
-        vectors.truncate(point_count);
+        let overran = overran(&mut vectors, point_count);
         (Said { overran, ..Said::new(code, state) }, vectors)
     }
 }

@@ -3,15 +3,13 @@
 use super::guest::{Guest, Handed};
 use super::layout::{entry, factory, filter, parameter, plugin};
 use super::sandbox::{Running, Sandbox, said};
-use crate::describe::{self, Declared};
+use crate::describe::{self, Declared, PARAMETERS_MOST, VECTOR_MOST};
 use crate::foreign::Wrong;
 use crate::host::State;
 use crate::interface::{self, Call, Check, GRADIENT_FILTERS, Gradient, Host, Values};
+use crate::library::{filter_count, refuse_same_names};
 use std::ffi::c_char;
 use std::sync::Arc;
-
-/// Most filters of a plug-in.
-const FILTERS_MOST: u32 = 256;
 
 /// Name and version, and the filters in their order.
 pub(super) fn read(sandbox: &Sandbox) -> Result<([String; 2], Vec<Declared>), Wrong> {
@@ -27,11 +25,9 @@ pub(super) fn read(sandbox: &Sandbox) -> Result<([String; 2], Vec<Declared>), Wr
         let address = begun.filter(&mut running, place).map_err(at)?;
         let described = own.filter(&mut running, address).map_err(at)?;
         let declared = describe::filter(&described).map_err(at)?.declared;
-        if filters.iter().any(|other| other.kind.name == declared.kind.name) {
-            return Err(format!("two of its filters are called '{}'", declared.kind.name));
-        }
         filters.push(declared);
     }
+    refuse_same_names(&filters)?;
     Ok((names, filters))
 }
 
@@ -84,10 +80,7 @@ pub(super) fn begin(running: &mut Running, state: &State) -> Result<Begun, Wrong
     let filter = running.function::<u32, u32>("filter", factory + factory::FILTER)?;
     let filter = filter.ok_or_else(|| missing("filter"))?;
     let count = count.call(&mut running.store, ()).map_err(|error| said(&error))?;
-    match (1..=FILTERS_MOST).contains(&count) {
-        true => Ok(Begun { plugin, count, filter, host }),
-        false => Err(format!("it says that it has {count} filters, 1 to {FILTERS_MOST} can be")),
-    }
+    Ok(Begun { plugin, count: filter_count(count)?, filter, host })
 }
 
 /// What the copied structs point to.
@@ -127,7 +120,7 @@ impl Own {
         let mut parameters = Vec::new();
         let mut stride: u32 = 0;
         // More are refused without a look at them.
-        for i in 0..if parameter_count > 64 { 0u32 } else { parameter_count } {
+        for i in 0..if parameter_count > PARAMETERS_MOST { 0u32 } else { parameter_count } {
             let address = begin.wrapping_add(i.wrapping_mul(stride));
             let size = running.sized(address, "voltet_parameter", parameter::SIZE)?;
             if i > 0 && size != stride {
@@ -171,7 +164,7 @@ impl Own {
             0 => std::ptr::null(),
             // A longer one is refused without a look at it.
             at => {
-                let numbers = guest.list::<f64>(at, length.min(1024) as usize)?;
+                let numbers = guest.list::<f64>(at, length.min(VECTOR_MOST) as usize)?;
                 let pointer = numbers.as_ptr();
                 self.numbers.push(numbers);
                 pointer
@@ -182,7 +175,7 @@ impl Own {
             if list == 0 {
                 return Ok(std::ptr::null());
             }
-            let words = guest.list::<u32>(list, word_count.min(64) as usize)?;
+            let words = guest.list::<u32>(list, word_count.min(PARAMETERS_MOST) as usize)?;
             let words =
                 words.into_iter().map(|word| self.text(guest, word)).collect::<Result<Vec<_>, _>>()?;
             let pointer = words.as_ptr();

@@ -8,7 +8,7 @@ use crate::apart::{self, Lost};
 use crate::describe::Declared;
 use crate::foreign::Wrong;
 use crate::host::State;
-use crate::outcome::{Said, UNSET, Whose};
+use crate::outcome::{Said, UNSET, Whose, overran};
 use crate::values::{Owned, array_names};
 use crate::work::{BEYOND, Given};
 use std::sync::Arc;
@@ -133,9 +133,7 @@ impl GradientFilter for Sandboxed {
             let code = gradient.call(&mut running.store, (call, host)).map_err(|error| said(&error))?;
             let count = given.grid.points.len();
             let mut vectors: Vec<DVec3> = running.guest().list(out, count + BEYOND)?;
-            let is_unset = |v: &DVec3| v.to_array().iter().all(|x| x.to_bits() == UNSET.to_bits());
-            let overran = !vectors[count..].iter().all(is_unset);
-            vectors.truncate(count);
+            let overran = overran(&mut vectors, count);
             Ok((Said { overran, ..Said::new(code, &of_call) }, vectors))
         };
         let ends = || {

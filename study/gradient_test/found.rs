@@ -174,6 +174,14 @@ pub struct Requirement {
     pub holds: bool,
 }
 
+impl Fault {
+    /// In a sentence about the filter of that name.
+    pub fn said(&self, name: &str) -> String {
+        let did = if self.failed { "failed" } else { "fell back" };
+        format!("{name} {did}, {}: {}", self.at, self.what)
+    }
+}
+
 impl GradientTest {
     /// Whether the first filter keeps all that it is held to.
     pub fn passed(&self) -> bool {

@@ -3,7 +3,7 @@
 use super::found::GradientTest;
 use super::text::tables;
 use crate::work_precision::canvas::escaped;
-use std::fmt::Write;
+use crate::work_precision::page::{figure, line_to as line};
 
 /// Black on white, figures in columns, nothing that needs colour.
 const STYLE: &str = "body{font:15px/1.5 system-ui,sans-serif;max-width:1100px;margin:2em auto;padding:0 1em;\
@@ -87,22 +87,9 @@ fn faults(html: &mut String, test: &GradientTest) {
     line(html, "<h2>Failures and fall-backs</h2>\n<ul>");
     for filter in &test.filters {
         for fault in &filter.faults {
-            let did = if fault.failed { "failed" } else { "fell back" };
-            let text = format!("{} {did}, {}: {}", filter.name, fault.at, fault.what);
+            let text = fault.said(&filter.name);
             line(html, &format!("<li>{}</li>", escaped(&text)));
         }
     }
     line(html, "</ul>");
-}
-
-fn figure(html: &mut String, png: &[u8], caption: &str) {
-    let caption = escaped(caption);
-    let data = base64_simd::STANDARD.encode_to_string(png);
-    let image = format!("<img src=\"data:image/png;base64,{data}\" alt=\"{caption}\">");
-    line(html, &format!("<figure>{image}<figcaption>{caption}</figcaption></figure>"));
-}
-
-fn line(html: &mut String, text: &str) {
-    // Writing to a String cannot fail.
-    let _ = writeln!(html, "{text}");
 }

@@ -15,8 +15,7 @@ pub fn text(test: &GradientTest) -> String {
     }
     for filter in &test.filters {
         for fault in &filter.faults {
-            let did = if fault.failed { "failed" } else { "fell back" };
-            line(&mut text, &format!("{} {did}, {}: {}", filter.name, fault.at, fault.what));
+            line(&mut text, &fault.said(&filter.name));
         }
     }
     let name = test.filters.first().map_or("", |filter| filter.name.as_str());

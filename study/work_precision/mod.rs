@@ -28,7 +28,7 @@ mod flip;
 mod kept;
 mod measure;
 mod output;
-mod page;
+pub(crate) mod page;
 mod pareto;
 mod plot;
 mod reference;

@@ -112,7 +112,8 @@ fn paragraph(html: &mut String, text: &str) {
     line_to(html, &format!("<p>{text}</p>"));
 }
 
-fn line_to(html: &mut String, text: &str) {
+/// Adds a line.
+pub(crate) fn line_to(html: &mut String, text: &str) {
     // Writing to a String cannot fail.
     let _ = writeln!(html, "{text}");
 }
@@ -192,7 +193,8 @@ fn caption(row: &Row) -> String {
     )
 }
 
-fn figure(html: &mut String, png: &[u8], caption: &str) {
+/// A picture with what it shows.
+pub(crate) fn figure(html: &mut String, png: &[u8], caption: &str) {
     let caption = escaped(caption);
     let data = base64_simd::STANDARD.encode_to_string(png);
     let image = format!("<img src=\"data:image/png;base64,{data}\" alt=\"{caption}\">");
