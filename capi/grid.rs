@@ -2,17 +2,13 @@
 
 use crate::guard::{null, optional_text, text};
 use crate::structs::{Array as GivenArray, GridInfo, GridSource, read, stated_size};
-use glam::DVec3;
-use rayon::prelude::*;
 use std::ffi::{c_int, c_void};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use voltet_core::grid::{
-    self, Array, CellSet, CellValues, Cells, Grid, Options, Parts, Polyhedron, code, extent,
-};
+use voltet_core::grid::{CellValues, Grid, Options, extent};
 use voltet_core::progress::Silent;
 use voltet_core::{Error, Result, Shared};
-use voltet_nodes::formats::face_stream;
+use voltet_embed::{ArraySource, CellSource, Numbers, Source, grid, no_scalar};
 
 /// `voltet_grid`.
 pub struct GridHandle {
@@ -54,29 +50,29 @@ pub(crate) unsafe fn make(source: *const GridSource) -> Result<GridHandle> {
         Arc::new(Lender { release: source.release, user: source.user, armed: AtomicBool::new(false) });
     let keep: Arc<dyn Send + Sync> = lender.clone();
     // SAFETY: the caller's promise for all of these.
-    let grid = unsafe {
-        let points: &'static [DVec3] =
-            points_of(lent(source.points, product(source.point_count, 3, "points")?, "points")?);
-        let mut parts = Parts::new(Shared::lent(points, keep.clone()), cells(&source)?);
-        arrays(&source, &keep, &mut parts)?;
-        parts.ghost = flags(source.ghost, source.cell_count, "ghost")?;
-        parts.degrees = degrees(&source)?;
-        let scalar = scalar(&source, &parts)?;
-        let subdivision = subdivision(source.subdivision)?;
-        let constant = source.constant_cells != 0;
-        let cell_values = if constant { CellValues::Constant } else { CellValues::Average };
-        let mut grid = grid::build(parts, &Options { subdivision, cell_values, keep_cells: false }, &Silent)?;
-        // Such as were ascending already need not stand twice.
-        if let Ok(own) = lent(source.tetrahedra, source.cell_count.saturating_mul(4), "tetrahedra") {
-            let (own, _) = own.as_chunks::<4>();
-            if grid.tetrahedra.as_slice() == own {
-                grid.tetrahedra = Shared::lent(own, keep);
-            }
+    let source = unsafe {
+        Source {
+            points: lent(source.points, product(source.point_count, 3, "points")?, "points")?,
+            cells: cells(&source)?,
+            arrays: arrays(&source, &keep)?,
+            scalar: optional_text(source.scalar, "the name of the scalar")?.map(str::to_string),
+            ghost: flags(source.ghost, source.cell_count, "ghost")?,
+            degrees: flags(source.degrees, product(source.cell_count, 3, "degrees")?, "degrees")?,
+            options: Options {
+                subdivision: subdivision(source.subdivision)?,
+                cell_values: match source.constant_cells {
+                    0 => CellValues::Average,
+                    _ => CellValues::Constant,
+                },
+                keep_cells: false,
+            },
+            keep,
         }
-        grid.scalar = grid.point_arrays.get(&scalar).map(|array| array.values.clone());
-        grid.scalar_name = scalar;
-        grid
     };
+    let grid = grid(source, &Silent)?;
+    if grid.scalar.is_none() {
+        return Err(no_scalar(&grid));
+    }
     lender.armed.store(true, Ordering::Relaxed);
     Ok(GridHandle { grid: Arc::new(grid), _lender: lender })
 }
@@ -150,21 +146,16 @@ unsafe fn lent<T>(values: *const T, count: usize, what: &str) -> Result<&'static
     Ok(unsafe { std::slice::from_raw_parts(values, count) })
 }
 
-/// Three numbers a point.
-fn points_of(numbers: &'static [f64]) -> &'static [DVec3] {
-    // SAFETY: a DVec3 is three f64 one after the other, aligned as one; `glam` says so by `Pod`.
-    unsafe { std::slice::from_raw_parts(numbers.as_ptr().cast(), numbers.len() / 3) }
-}
-
 /// # Safety
 /// As of [`make`].
-unsafe fn arrays(source: &GridSource, keep: &Arc<dyn Send + Sync>, parts: &mut Parts) -> Result<()> {
+unsafe fn arrays(source: &GridSource, keep: &Arc<dyn Send + Sync>) -> Result<Vec<ArraySource>> {
     if source.array_count == 0 {
         return Err(Error::usage("the grid has no arrays").accepted("at least the scalar that is drawn"));
     }
     // SAFETY: the caller's promise.
     let stride = unsafe { stated_size(source.arrays) }?;
     product(source.array_count, stride, "arrays")?;
+    let mut arrays = Vec::new();
     for number in 0..source.array_count {
         // SAFETY: so many structs of the first one's size stand there.
         let array: GivenArray = unsafe { read(source.arrays.byte_add(number * stride)) }?;
@@ -188,55 +179,26 @@ unsafe fn arrays(source: &GridSource, keep: &Arc<dyn Send + Sync>, parts: &mut P
         let count = product(tuples, components, &format!("array '{name}'"))?;
         // SAFETY: the caller's promise.
         let values = unsafe { lent(array.values, count, &format!("array '{name}'")) }?;
-        let values = Array { component_count: components, values: Shared::lent(values, keep.clone()) };
-        if parts.point_arrays.contains_key(name) || parts.cell_arrays.contains_key(name) {
-            return Err(Error::usage("two arrays have the same name").found(format!("'{name}'")));
-        }
-        let arrays = if per_cell { &mut parts.cell_arrays } else { &mut parts.point_arrays };
-        arrays.insert(name.to_string(), values);
+        let values = Shared::lent(values, keep.clone());
+        arrays.push(ArraySource {
+            name: name.into(),
+            values,
+            component_count: components,
+            on_cells: per_cell,
+        });
     }
-    Ok(())
-}
-
-/// The name of the array that is drawn.
-///
-/// # Safety
-/// As of [`make`].
-unsafe fn scalar(source: &GridSource, parts: &Parts) -> Result<String> {
-    let all = || parts.point_arrays.iter().chain(&parts.cell_arrays);
-    let scalars: Vec<&str> =
-        all().filter(|(_, array)| array.component_count == 1).map(|(name, _)| name.as_str()).collect();
-    // SAFETY: the caller's promise.
-    let wanted = unsafe { optional_text(source.scalar, "the name of the scalar") }?;
-    let accepted = match scalars.is_empty() {
-        true => "an array of one component".to_string(),
-        false => format!("an array of one component: {}", scalars.join(", ")),
-    };
-    match wanted {
-        Some(name) if scalars.contains(&name) => Ok(name.to_string()),
-        Some(name) => {
-            let found = match all().find(|(known, _)| *known == name) {
-                Some((_, array)) => format!("'{name}' of {} components", array.component_count),
-                None => format!("'{name}'"),
-            };
-            Err(Error::usage("the grid has no such scalar").found(found).accepted(accepted))
-        }
-        None => match scalars[..] {
-            [only] => Ok(only.to_string()),
-            _ => Err(Error::usage("the scalar is not named").accepted(accepted)),
-        },
-    }
+    Ok(arrays)
 }
 
 /// # Safety
 /// As of [`make`].
-unsafe fn cells(source: &GridSource) -> Result<Cells> {
+unsafe fn cells(source: &GridSource) -> Result<CellSource> {
     let count = source.cell_count;
     match (source.tetrahedra.is_null(), source.types.is_null()) {
         (false, true) => {
             // SAFETY: the caller's promise.
             let numbers = unsafe { lent(source.tetrahedra, product(count, 4, "tetrahedra")?, "tetrahedra") }?;
-            Ok(Cells::Tetrahedra(numbers.as_chunks::<4>().0.to_vec()))
+            Ok(CellSource::Tetrahedra(numbers))
         }
         // SAFETY: the caller's promise.
         (true, false) => unsafe { mixed(source) },
@@ -248,116 +210,43 @@ unsafe fn cells(source: &GridSource) -> Result<Cells> {
 
 /// # Safety
 /// As of [`make`].
-unsafe fn mixed(source: &GridSource) -> Result<Cells> {
+unsafe fn mixed(source: &GridSource) -> Result<CellSource> {
     let count = source.cell_count;
     let offset_count = count
         .checked_add(1)
         .ok_or_else(|| Error::usage("the count of cells is out of range").found(count))?;
-    // SAFETY: the caller's promise.
-    let types = unsafe { lent(source.types, count, "types") }?;
-    // SAFETY: as before.
-    let offsets = unsafe { lent(source.offsets, offset_count, "offsets") }?;
     let total = source.connectivity_count;
-    check_offsets(offsets, total)?;
     let connectivity = match (source.connectivity.is_null(), source.connectivity_u32.is_null()) {
+        // SAFETY: the caller's promise.
+        (true, _) => Numbers::Narrow(unsafe { lent(source.connectivity_u32, total, "connectivity") }?),
         // SAFETY: as before.
-        (true, _) => unsafe { lent(source.connectivity_u32, total, "connectivity") }?.to_vec(),
-        (false, true) => {
-            // SAFETY: as before.
-            let wide = unsafe { lent(source.connectivity, total, "connectivity") }?;
-            point_numbers(wide, "connectivity")?
-        }
+        (false, true) => Numbers::Wide(unsafe { lent(source.connectivity, total, "connectivity") }?),
         (false, false) => {
             let error = Error::usage("the connectivity is stated twice");
             return Err(error.accepted("connectivity or connectivity_u32, the other null"));
         }
     };
-    let plain = types.par_iter().all(|&t| t == code::TETRA)
-        && offsets.par_iter().enumerate().all(|(i, &offset)| offset as usize == 4 * i);
-    if plain && count > 0 {
-        return Ok(Cells::Tetrahedra(connectivity.as_chunks::<4>().0[..count].to_vec()));
-    }
-    let offsets = offsets.iter().map(|&offset| offset as u64).collect();
     // SAFETY: as before.
-    let polyhedra = unsafe { polyhedra(source, types) }?;
-    Ok(Cells::Mixed(CellSet { types: types.to_vec(), offsets, connectivity, polyhedra }))
-}
-
-/// That offsets begin at 0 or above, never descend, and end within the connectivity.
-fn check_offsets(offsets: &[i64], total: usize) -> Result<()> {
-    let wrong = |number: usize, accepted: String| {
-        let error = Error::usage(format!("offsets[{number}] is wrong")).found(offsets[number]);
-        Err(error.accepted(accepted))
-    };
-    if offsets[0] < 0 {
-        return wrong(0, "0 or more".into());
+    unsafe {
+        Ok(CellSource::Mixed {
+            types: lent(source.types, count, "types")?,
+            offsets: lent(source.offsets, offset_count, "offsets")?,
+            connectivity,
+            faces: lent(source.faces, source.faces_count, "faces")?,
+            face_locations: match source.face_locations.is_null() {
+                true => &[],
+                false => lent(source.face_locations, count, "face_locations")?,
+            },
+        })
     }
-    if let Some(number) = offsets.windows(2).position(|pair| pair[1] < pair[0]) {
-        return wrong(number + 1, format!("at least {}, the one before", offsets[number]));
-    }
-    match offsets.iter().position(|&offset| offset as u64 > total as u64) {
-        Some(number) => wrong(number, format!("at most {total}, the count of the connectivity")),
-        None => Ok(()),
-    }
-}
-
-/// Point numbers in 32 bits.
-fn point_numbers(numbers: &[i64], what: &str) -> Result<Vec<u32>> {
-    if let Some(place) = numbers.par_iter().position_first(|&number| u32::try_from(number).is_err()) {
-        return Err(Error::usage(format!("{what}[{place}] is no number of a point"))
-            .found(numbers[place])
-            .accepted(format!("0 to {}", u32::MAX)));
-    }
-    Ok(numbers.par_iter().map(|&number| number as u32).collect())
-}
-
-/// The faces of the cells of type 42: at each one's place the number of faces, then each face's count and points.
-///
-/// # Safety
-/// As of [`make`].
-unsafe fn polyhedra(source: &GridSource, types: &[u8]) -> Result<Vec<Polyhedron>> {
-    let mut polyhedra = Vec::new();
-    if !types.contains(&code::POLYHEDRON) {
-        return Ok(polyhedra);
-    }
-    // SAFETY: the caller's promise.
-    let (faces, places) = unsafe {
-        let faces = lent(source.faces, source.faces_count, "faces")?;
-        (point_numbers(faces, "faces")?, lent(source.face_locations, types.len(), "face_locations")?)
-    };
-    for (number, _) in types.iter().enumerate().filter(|(_, t)| **t == code::POLYHEDRON) {
-        let damaged = || {
-            Error::usage(format!("the faces of cell {number}, a polyhedron, are damaged"))
-                .found(format!("face_locations[{number}] = {} of {} numbers", places[number], faces.len()))
-                .accepted(
-                    "the place of its number of faces, then each face's count and points, all within faces",
-                )
-        };
-        let own =
-            usize::try_from(places[number]).ok().and_then(|place| faces.get(place..)).ok_or_else(damaged)?;
-        let faces = face_stream(own, number).map_err(|_| damaged())?;
-        polyhedra.push(Polyhedron { cell: number as u32, faces });
-    }
-    Ok(polyhedra)
 }
 
 /// # Safety
 /// As of [`make`].
-unsafe fn degrees(source: &GridSource) -> Result<Option<Vec<[u8; 3]>>> {
-    if source.degrees.is_null() {
-        return Ok(None);
-    }
-    // SAFETY: the caller's promise.
-    let degrees = unsafe { lent(source.degrees, product(source.cell_count, 3, "degrees")?, "degrees") }?;
-    Ok(Some(degrees.as_chunks::<3>().0.to_vec()))
-}
-
-/// # Safety
-/// As of [`make`].
-unsafe fn flags(flags: *const u8, count: usize, what: &str) -> Result<Option<Vec<bool>>> {
+unsafe fn flags(flags: *const u8, count: usize, what: &str) -> Result<Option<&'static [u8]>> {
     if flags.is_null() {
         return Ok(None);
     }
     // SAFETY: the caller's promise.
-    Ok(Some(unsafe { lent(flags, count, what) }?.iter().map(|&flag| flag != 0).collect()))
+    unsafe { lent(flags, count, what) }.map(Some)
 }

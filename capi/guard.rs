@@ -53,12 +53,7 @@ fn told(outcome: std::result::Result<Result<()>, Box<dyn Any + Send>>) -> (c_int
             ErrorKind::Usage => (USAGE, error.to_string()),
             ErrorKind::Cancelled => (CANCELLED, error.to_string()),
         },
-        Err(panic) => {
-            let what = panic.downcast_ref::<&str>().copied();
-            let what =
-                what.or_else(|| panic.downcast_ref::<String>().map(String::as_str)).unwrap_or("no message");
-            (PANIC, format!("this is a mistake of voltet itself: {what}; please report it"))
-        }
+        Err(panic) => (PANIC, voltet_embed::said(panic.as_ref())),
     };
     let text = CString::new(text.replace('\0', "\u{fffd}")).unwrap_or_default();
     LAST.with(|last| last.replace(text.clone()));

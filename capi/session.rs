@@ -4,42 +4,26 @@ use crate::structs::Camera;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use voltet_core::graph::{
-    Datum, Given, Graph, LinkEntry, Node, NodeEntry, Observer, Origin, Port, PortType, Registry, RunReport,
-    Setting, Stated, suggest,
-};
+use voltet_core::graph::{Datum, Graph, NodeEntry, Observer, Origin, Setting, suggest};
 use voltet_core::grid::Grid;
 use voltet_core::picture::Picture;
 use voltet_core::pipeline::{Pipeline, locate, parameters};
 use voltet_core::{Error, Result};
-use voltet_document::links::upstream;
-use voltet_nodes::given;
-use voltet_nodes::provenance::{Source, run_report, whole_report};
+use voltet_embed::{Drawing, Scene};
+use voltet_nodes::provenance::{Source, whole_report};
 
 /// The pipeline of a session that has loaded none.
 const STANDARD: &str = include_str!("standard.toml");
 
-/// What takes the picture: the run is made for it.
-static TAKER: Node = Node {
-    name: "taker",
-    summary: "Takes a picture for the program.",
-    inputs: &[Port { name: "image", port_type: PortType::Image, summary: "the picture" }],
-    ..Node::BLANK
-};
-
 /// A pipeline and what lives longer than a picture of it.
 pub(crate) struct Session {
-    registry: Registry,
-    runs: voltet_core::graph::Session,
-    stated: Scene,
-    /// The grids that stand in for nodes' own.
-    grids: BTreeMap<String, Given>,
-    last: Option<RunReport>,
+    runs: voltet_embed::Session,
+    stated: Stated,
 }
 
 /// What a pipeline states, with the texts that errors point at.
 #[derive(Clone, Default)]
-struct Scene {
+struct Stated {
     pipeline: Pipeline,
     folder: PathBuf,
     /// Its text, and what errors call it.
@@ -52,19 +36,15 @@ struct Scene {
 impl Session {
     /// With the standard pipeline.
     pub fn new() -> Result<Session> {
-        let mut registry = voltet_nodes::registry()?;
-        registry.add(&given::NODE)?;
-        registry.add(&TAKER)?;
-        let runs = voltet_nodes::session();
-        let mut session =
-            Session { registry, runs, stated: Scene::default(), grids: BTreeMap::new(), last: None };
+        let runs = voltet_embed::Session::new(voltet_nodes::registry()?)?;
+        let mut session = Session { runs, stated: Stated::default() };
         session.load(STANDARD.into(), Path::new("the standard pipeline"), Path::new(""))?;
         Ok(session)
     }
 
     /// Drops what runs left, with the open devices.
     pub fn begin_anew(&mut self) {
-        (self.runs, self.last) = (voltet_nodes::session(), None);
+        self.runs.begin_anew();
     }
 
     /// Takes a pipeline file, or a picture that carries one.
@@ -78,10 +58,9 @@ impl Session {
     pub fn load(&mut self, text: String, path: &Path, folder: &Path) -> Result<()> {
         let pipeline = Pipeline::parse(&text).map_err(|error| locate(error, &text, path))?;
         let texts = BTreeMap::new();
-        let scene = Scene { pipeline, folder: folder.into(), text, path: path.into(), texts };
+        let scene = Stated { pipeline, folder: folder.into(), text, path: path.into(), texts };
         self.take(scene)?;
-        self.grids.clear();
-        self.runs.forget();
+        self.runs.give_none();
         Ok(())
     }
 
@@ -112,8 +91,7 @@ impl Session {
 
     /// Sets all parameters of a camera. `None`: of the only one.
     pub fn set_camera(&mut self, name: Option<&str>, camera: &Camera) -> Result<()> {
-        let cameras = self.giving(PortType::Camera);
-        let name = only(name, &cameras, "camera")?;
+        let name = self.runs.camera(&self.stated, name)?;
         let mut scene = self.stated.clone();
         let node = scene.node(&name)?;
         let list =
@@ -140,68 +118,38 @@ impl Session {
 
     /// Puts a grid in place of what a node reads or makes, or takes it away. `None`: of the only such node.
     pub fn set_grid(&mut self, name: Option<&str>, grid: Option<&Arc<Grid>>) -> Result<()> {
-        let sources: Vec<String> = self.giving(PortType::Grid);
-        let name = only(name, &sources, "grid")?;
-        let mut entry = self.stated.clone().node(&name)?.clone();
-        given::stand_in(&mut entry, &self.registry)?;
-        match grid {
-            Some(grid) => self.grids.insert(name, given::grid(grid.clone())),
-            None => self.grids.remove(&name),
-        };
-        // Whoever lent the former one waits for it.
-        self.runs.forget();
-        Ok(())
+        self.runs.give(&self.stated, name, grid)
     }
 
     /// Width and height of the picture of a node, in pixels. `None`: of the only one.
     pub fn size(&self, node: Option<&str>) -> Result<[usize; 2]> {
-        size_of(&self.graph(&self.picture(node)?)?)
+        self.runs.size(&self.stated, node)
     }
 
     /// The graph that draws the picture of a node, which `None` leaves to be the only one, with its size.
     pub fn drawing(&self, node: Option<&str>) -> Result<Drawing> {
-        let name = self.picture(node)?;
-        let graph = self.graph(&name)?;
-        Ok(Drawing { size: size_of(&graph)?, graph, name })
+        self.runs.drawing(&self.stated, node)
     }
 
     /// Draws.
     pub fn draw(&mut self, drawing: &Drawing, observer: &dyn Observer) -> Result<Arc<Picture>> {
-        self.last = None;
-        let report = self.runs.run(&drawing.graph, observer).map_err(|error| self.stated.locate(error))?;
-        let picture =
-            report.pictures.iter().find(|(name, _)| *name == drawing.name).map(|found| found.1.clone());
-        let report = self.last.insert(report);
-        report.nodes.retain(|node| node.node_type != TAKER.name);
-        picture.ok_or_else(|| Error::run("the node that draws gave no picture").at_node(&drawing.name))
+        self.runs.draw(&self.stated, drawing, observer)
     }
 
     /// The report of the last picture, JSON.
     pub fn report(&self) -> Result<String> {
-        let pipeline = self.stated.pipeline.to_string();
-        let stated = Pipeline::stated(pipeline.clone(), &self.registry).unwrap_or_else(|_| {
-            // It writes nothing, as none need here.
-            let mut stated = Stated::default();
-            (stated.title, stated.text) = (self.stated.pipeline.title.clone(), pipeline);
-            stated
-        });
-        let path = self.stated.path.display().to_string();
-        Ok(format!("{:#}", whole_report(vec![run_report(&path, self.last()?, &stated)])))
+        let report = self.runs.report(&self.stated, self.stated.pipeline.to_string());
+        Ok(format!("{:#}", whole_report(vec![report.ok_or_else(nothing)?])))
     }
 
     /// The warnings of the last picture, a line each.
     pub fn warnings(&self) -> Result<String> {
-        Ok(self.last()?.warnings.join("\n"))
-    }
-
-    fn last(&self) -> Result<&RunReport> {
-        let nothing = || Error::usage("nothing has been drawn").accepted("voltet_render before it");
-        self.last.as_ref().ok_or_else(nothing)
+        Ok(self.runs.last().ok_or_else(nothing)?.warnings.join("\n"))
     }
 
     /// Takes what is stated where nothing is wrong with it.
-    fn take(&mut self, scene: Scene) -> Result<()> {
-        match Graph::faults(&scene.pipeline.nodes, &self.registry).into_iter().next() {
+    fn take(&mut self, scene: Stated) -> Result<()> {
+        match Graph::faults(&scene.pipeline.nodes, self.runs.registry()).into_iter().next() {
             Some(fault) => Err(scene.locate(fault.error)),
             None => {
                 self.stated = scene;
@@ -209,55 +157,9 @@ impl Session {
             }
         }
     }
-
-    /// The names of the nodes that give something, in the order of the pipeline.
-    fn giving(&self, wanted: PortType) -> Vec<String> {
-        let gives = |entry: &&NodeEntry| {
-            let node = entry.node_type.text().and_then(|name| self.registry.find(name).ok());
-            node.is_some_and(|node| node.outputs.iter().any(|port| port.port_type == wanted))
-        };
-        self.stated.pipeline.nodes.iter().filter(gives).map(|entry| entry.name.clone()).collect()
-    }
-
-    fn picture(&self, node: Option<&str>) -> Result<String> {
-        only(node, &self.giving(PortType::Image), "picture")
-    }
-
-    /// The nodes that a picture needs, and no others.
-    fn graph(&self, picture: &str) -> Result<Graph> {
-        let nodes = &self.stated.pipeline.nodes;
-        let needed = upstream(nodes, picture);
-        let mut entries: Vec<NodeEntry> =
-            nodes.iter().filter(|entry| needed.contains(&entry.name)).cloned().collect();
-        for entry in entries.iter_mut().filter(|entry| self.grids.contains_key(&entry.name)) {
-            given::stand_in(entry, &self.registry)?;
-        }
-        let text = |text: &str| Setting::from(Datum::Text(text.into()));
-        entries.push(NodeEntry {
-            name: "(the program)".into(),
-            origin: Origin::Nowhere,
-            node_type: text(TAKER.name),
-            settings: Vec::new(),
-            inputs: vec![LinkEntry { port: "image".into(), origin: Origin::Nowhere, source: text(picture) }],
-        });
-        let graph = Graph::build(&entries, &self.registry, self.stated.folder.clone());
-        let mut graph = graph.map_err(|error| self.stated.locate(error))?;
-        for (name, given) in self.grids.iter().filter(|(name, _)| needed.contains(*name)) {
-            graph.give(name, given.clone())?;
-        }
-        Ok(graph)
-    }
 }
 
-/// What draws one picture.
-pub(crate) struct Drawing {
-    graph: Graph,
-    name: String,
-    /// Width and height in pixels.
-    pub size: [usize; 2],
-}
-
-impl Scene {
+impl Stated {
     fn node(&mut self, name: &str) -> Result<&mut NodeEntry> {
         let names: Vec<String> = self.pipeline.nodes.iter().map(|node| node.name.clone()).collect();
         self.pipeline.nodes.iter_mut().find(|node| node.name == name).ok_or_else(|| {
@@ -265,8 +167,21 @@ impl Scene {
             error.accepted(suggest(name, names.iter().map(String::as_str)))
         })
     }
+}
 
-    /// Completes an error with the text that it points at, its line and its column.
+impl Scene for Stated {
+    fn pipeline(&self) -> &Pipeline {
+        &self.pipeline
+    }
+
+    fn folder(&self) -> PathBuf {
+        self.folder.clone()
+    }
+
+    fn path(&self) -> PathBuf {
+        self.path.clone()
+    }
+
     fn locate(&self, error: Error) -> Error {
         let of_node = error.place.node.as_ref().and_then(|name| self.texts.get_key_value(name));
         match of_node {
@@ -276,32 +191,9 @@ impl Scene {
     }
 }
 
-/// The node that is meant: the one that is named, else the only one that gives what is wanted.
-fn only(named: Option<&str>, giving: &[String], what: &str) -> Result<String> {
-    let accepted = || match giving {
-        [] => format!("a pipeline with a node that gives a {what}"),
-        names => format!("a node that gives a {what}: {}", names.join(", ")),
-    };
-    match (named, giving) {
-        (Some(name), _) if giving.iter().any(|known| known == name) => Ok(name.into()),
-        (Some(name), _) => {
-            Err(Error::usage(format!("the node '{name}' gives no {what}")).accepted(accepted()))
-        }
-        (None, [one]) => Ok(one.clone()),
-        (None, []) => Err(Error::usage(format!("the pipeline has no {what}")).accepted(accepted())),
-        (None, _) => Err(Error::usage(format!("the pipeline has several nodes that give a {what}"))
-            .found("none named")
-            .accepted(accepted())),
-    }
-}
-
-/// The size that the camera states.
-fn size_of(graph: &Graph) -> Result<[usize; 2]> {
-    let gives_camera = |port: &Port| port.port_type == PortType::Camera;
-    let camera = graph.nodes.iter().find(|node| node.node.outputs.iter().any(gives_camera));
-    let none = || Error::usage("the pipeline has no camera").accepted("a node of type \"camera\"");
-    let size: [f64; 2] = camera.ok_or_else(none)?.parameters.vector("size")?;
-    Ok(size.map(|side| side as usize))
+/// The error where no report is.
+fn nothing() -> Error {
+    Error::usage("nothing has been drawn").accepted("voltet_render before it")
 }
 
 /// The same without the place where it was written.

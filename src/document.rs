@@ -1,5 +1,6 @@
 //! A pipeline file, or a picture that carries one, with its text and its checked graph.
 
+use crate::collisions::refuse;
 use crate::options::stated;
 use std::path::{Path, PathBuf};
 use voltet_core::graph::{Graph, NamedPath, Registry};
@@ -58,6 +59,11 @@ impl Document {
     /// Completes an error of a run with the place in this file.
     pub fn locate(&self, error: Error) -> Error {
         locate(error, &self.text, &self.path)
+    }
+
+    /// Refuses a run that would write over what it reads, or write one file twice.
+    pub fn refuse_collisions(&self) -> Result<()> {
+        refuse([self], true, &[]).map_err(|(error, _)| error)
     }
 
     /// Of a picture: finds out, before any work, whether the data files that it names are there.

@@ -1,0 +1,253 @@
+//! A program's arrays to a grid: by the same steps as a file's, from memory that is lent.
+
+use glam::DVec3;
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use voltet_core::grid::{self, Array, CellSet, Cells, Grid, Options, Parts, Polyhedron, code};
+use voltet_core::progress::Progress;
+use voltet_core::{Error, Result, Shared};
+use voltet_nodes::formats::face_stream;
+
+/// A grid as a program holds it. That slices without end live and stay as they are as long as `keep` is the promise of whoever
+/// made them.
+pub struct Source {
+    /// Three numbers a point.
+    pub points: &'static [f64],
+    /// The cells.
+    pub cells: CellSource,
+    /// The arrays, at least one.
+    pub arrays: Vec<ArraySource>,
+    /// The array that is drawn; `None`: the only one of one component.
+    pub scalar: Option<String>,
+    /// A number a cell: what is not 0 leaves the cell out.
+    pub ghost: Option<&'static [u8]>,
+    /// Degrees along the three axes of every cell.
+    pub degrees: Option<&'static [u8]>,
+    /// See [`Options`].
+    pub options: Options,
+    /// Dropped when nobody needs the memory any more.
+    pub keep: Arc<dyn Send + Sync>,
+}
+
+/// The cells as a program holds them.
+#[derive(Debug, Clone, Copy)]
+pub enum CellSource {
+    /// Four point numbers each.
+    Tetrahedra(&'static [u32]),
+    /// Any of VTK's types.
+    Mixed {
+        /// The type of every cell.
+        types: &'static [u8],
+        /// Where each one's points begin in the connectivity, and where the last one's end.
+        offsets: &'static [i64],
+        /// Point numbers.
+        connectivity: Numbers,
+        /// Faces of polyhedra (type 42): at each one's place the number of faces, then each face's count and points.
+        faces: &'static [i64],
+        /// The place of each cell's faces, read for polyhedra alone; empty where there are none.
+        face_locations: &'static [i64],
+    },
+}
+
+/// Point numbers as a program holds them.
+#[derive(Debug, Clone, Copy)]
+pub enum Numbers {
+    /// 64 bits each.
+    Wide(&'static [i64]),
+    /// 32 bits each.
+    Narrow(&'static [u32]),
+}
+
+/// An array as a program holds it.
+#[derive(Debug, Clone)]
+pub struct ArraySource {
+    /// Its name.
+    pub name: String,
+    /// Its numbers, the components of a tuple side by side.
+    pub values: Shared<f64>,
+    /// Components of a tuple, at least 1.
+    pub component_count: usize,
+    /// Whether it has a tuple a cell, else one a point.
+    pub on_cells: bool,
+}
+
+/// Makes the grid. Its scalar is left open where none is named and several could be it.
+pub fn grid(source: Source, progress: &dyn Progress) -> Result<Grid> {
+    let (cells, plain) = cells(&source)?;
+    let mut parts = Parts::new(Shared::lent(points_of(source.points)?, source.keep.clone()), cells);
+    arrays(source.arrays, &mut parts)?;
+    parts.ghost = source.ghost.map(|flags| flags.iter().map(|&flag| flag != 0).collect());
+    parts.degrees = source.degrees.map(|degrees| degrees.as_chunks::<3>().0.to_vec());
+    let scalar = scalar(source.scalar, &parts)?;
+    let mut grid = grid::build(parts, &source.options, progress)?;
+    // Such as were ascending already need not stand twice.
+    if let Some(own) = plain.filter(|own| grid.tetrahedra.as_slice() == *own) {
+        grid.tetrahedra = Shared::lent(own, source.keep);
+    }
+    if let Some(name) = scalar {
+        grid.scalar = grid.point_arrays.get(&name).map(|array| array.values.clone());
+        grid.scalar_name = name;
+    }
+    Ok(grid)
+}
+
+/// The error where a grid's scalar must be named.
+pub fn no_scalar(grid: &Grid) -> Error {
+    let scalars = grid.point_arrays.iter().filter(|(_, array)| array.component_count == 1);
+    let names: Vec<&str> = scalars.map(|(name, _)| name.as_str()).collect();
+    Error::usage("the scalar is not named").accepted(one_of(&names))
+}
+
+/// "an array of one component: a, b".
+fn one_of(names: &[&str]) -> String {
+    match names.is_empty() {
+        true => "an array of one component".to_string(),
+        false => format!("an array of one component: {}", names.join(", ")),
+    }
+}
+
+/// Three numbers a point.
+fn points_of(numbers: &'static [f64]) -> Result<&'static [DVec3]> {
+    if !numbers.len().is_multiple_of(3) {
+        let error = Error::usage("the points are not three numbers each").found(numbers.len());
+        return Err(error.accepted("a multiple of 3"));
+    }
+    // SAFETY: a DVec3 is three f64 one after the other, aligned as one; `glam` says so by `Pod`.
+    Ok(unsafe { std::slice::from_raw_parts(numbers.as_ptr().cast(), numbers.len() / 3) })
+}
+
+fn arrays(arrays: Vec<ArraySource>, parts: &mut Parts) -> Result<()> {
+    if arrays.is_empty() {
+        return Err(Error::usage("the grid has no arrays").accepted("at least the scalar that is drawn"));
+    }
+    for ArraySource { name, values, component_count, on_cells } in arrays {
+        if parts.point_arrays.contains_key(&name) || parts.cell_arrays.contains_key(&name) {
+            return Err(Error::usage("two arrays have the same name").found(format!("'{name}'")));
+        }
+        let arrays = if on_cells { &mut parts.cell_arrays } else { &mut parts.point_arrays };
+        arrays.insert(name, Array { component_count, values });
+    }
+    Ok(())
+}
+
+/// The name of the array that is drawn.
+fn scalar(wanted: Option<String>, parts: &Parts) -> Result<Option<String>> {
+    let all: BTreeMap<&str, usize> = [&parts.point_arrays, &parts.cell_arrays]
+        .into_iter()
+        .flatten()
+        .map(|(name, array)| (name.as_str(), array.component_count))
+        .collect();
+    let scalars: Vec<&str> = all.iter().filter(|known| *known.1 == 1).map(|known| *known.0).collect();
+    match (wanted, &scalars[..]) {
+        (Some(name), _) if scalars.contains(&name.as_str()) => Ok(Some(name)),
+        (Some(name), _) => {
+            let found = match all.get(name.as_str()) {
+                Some(count) => format!("'{name}' of {count} components"),
+                None => format!("'{name}'"),
+            };
+            Err(Error::usage("the grid has no such scalar").found(found).accepted(one_of(&scalars)))
+        }
+        (None, [only]) => Ok(Some(only.to_string())),
+        (None, _) => Ok(None),
+    }
+}
+
+/// The cells, and the memory of those that are tetrahedra already.
+fn cells(source: &Source) -> Result<(Cells, Option<&'static [[u32; 4]]>)> {
+    let (types, offsets, connectivity) = match source.cells {
+        CellSource::Tetrahedra(numbers) => {
+            let (own, rest) = numbers.as_chunks::<4>();
+            if !rest.is_empty() {
+                let error =
+                    Error::usage("the tetrahedra are not four point numbers each").found(numbers.len());
+                return Err(error.accepted("a multiple of 4"));
+            }
+            return Ok((Cells::Tetrahedra(own.to_vec()), Some(own)));
+        }
+        CellSource::Mixed { types, offsets, connectivity, .. } => (types, offsets, connectivity),
+    };
+    if offsets.len() != types.len() + 1 {
+        let error = Error::usage("the cells have the wrong number of offsets").found(offsets.len());
+        return Err(error.accepted(format!("{}, one more than cells", types.len() + 1)));
+    }
+    let (own, count): (Option<&'static [u32]>, usize) = match connectivity {
+        Numbers::Narrow(own) => (Some(own), own.len()),
+        Numbers::Wide(wide) => (None, wide.len()),
+    };
+    check_offsets(offsets, count)?;
+    let plain = !types.is_empty()
+        && types.par_iter().all(|&t| t == code::TETRA)
+        && offsets.par_iter().enumerate().all(|(i, &offset)| offset as usize == 4 * i);
+    let numbers = match connectivity {
+        Numbers::Narrow(own) => own.to_vec(),
+        Numbers::Wide(wide) => point_numbers(wide, "connectivity")?,
+    };
+    if plain {
+        let first = |numbers: &[u32]| numbers.len().min(4 * types.len());
+        let tetrahedra = numbers[..first(&numbers)].as_chunks::<4>().0.to_vec();
+        return Ok((Cells::Tetrahedra(tetrahedra), own.map(|own| own[..first(own)].as_chunks::<4>().0)));
+    }
+    let offsets = offsets.iter().map(|&offset| offset as u64).collect();
+    let polyhedra = polyhedra(source.cells)?;
+    Ok((Cells::Mixed(CellSet { types: types.to_vec(), offsets, connectivity: numbers, polyhedra }), None))
+}
+
+/// That offsets begin at 0 or above, never descend, and end within the connectivity.
+fn check_offsets(offsets: &[i64], total: usize) -> Result<()> {
+    let wrong = |number: usize, accepted: String| {
+        let error = Error::usage(format!("offsets[{number}] is wrong")).found(offsets[number]);
+        Err(error.accepted(accepted))
+    };
+    if offsets[0] < 0 {
+        return wrong(0, "0 or more".into());
+    }
+    if let Some(number) = offsets.windows(2).position(|pair| pair[1] < pair[0]) {
+        return wrong(number + 1, format!("at least {}, the one before", offsets[number]));
+    }
+    match offsets.iter().position(|&offset| offset as u64 > total as u64) {
+        Some(number) => wrong(number, format!("at most {total}, the count of the connectivity")),
+        None => Ok(()),
+    }
+}
+
+/// Point numbers in 32 bits.
+fn point_numbers(numbers: &[i64], what: &str) -> Result<Vec<u32>> {
+    if let Some(place) = numbers.par_iter().position_first(|&number| u32::try_from(number).is_err()) {
+        return Err(Error::usage(format!("{what}[{place}] is no number of a point"))
+            .found(numbers[place])
+            .accepted(format!("0 to {}", u32::MAX)));
+    }
+    Ok(numbers.par_iter().map(|&number| number as u32).collect())
+}
+
+/// The faces of the cells of type 42.
+fn polyhedra(cells: CellSource) -> Result<Vec<Polyhedron>> {
+    let CellSource::Mixed { types, faces, face_locations, .. } = cells else { return Ok(Vec::new()) };
+    let mut polyhedra = Vec::new();
+    if !types.contains(&code::POLYHEDRON) {
+        return Ok(polyhedra);
+    }
+    if face_locations.len() != types.len() {
+        let found =
+            format!("{} places for {} cells, polyhedra among them", face_locations.len(), types.len());
+        let what = if face_locations.is_empty() { "is missing" } else { "has the wrong length" };
+        let error = Error::usage(format!("face_locations {what}")).found(found);
+        return Err(error.accepted("the place of each polyhedron's faces, one number a cell"));
+    }
+    let faces = point_numbers(faces, "faces")?;
+    for (number, _) in types.iter().enumerate().filter(|(_, t)| **t == code::POLYHEDRON) {
+        let place = face_locations[number];
+        let damaged = || {
+            Error::usage(format!("the faces of cell {number}, a polyhedron, are damaged"))
+                .found(format!("face_locations[{number}] = {place} of {} numbers", faces.len()))
+                .accepted(
+                    "the place of its number of faces, then each face's count and points, all within faces",
+                )
+        };
+        let own = usize::try_from(place).ok().and_then(|place| faces.get(place..)).ok_or_else(damaged)?;
+        let faces = face_stream(own, number).map_err(|_| damaged())?;
+        polyhedra.push(Polyhedron { cell: number as u32, faces });
+    }
+    Ok(polyhedra)
+}

@@ -1,0 +1,300 @@
+//! Pictures and figures of a pipeline that a program states: the grids that it gives, and what its runs leave.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::sync::Arc;
+use voltet_core::graph::{
+    Datum, Demand, Given, Graph, LinkEntry, Node, NodeEntry, Observer, Origin, Port, PortType, Registry,
+    RunReport, Setting, Stated, Value,
+};
+use voltet_core::grid::Grid;
+use voltet_core::picture::Picture;
+use voltet_core::pipeline::Pipeline;
+use voltet_core::{Error, Result};
+use voltet_document::links::{source, sources, upstream};
+use voltet_nodes::given;
+use voltet_nodes::provenance::run_report;
+
+/// What takes a value: the run is made for it.
+static TAKER: Node = Node {
+    name: "taker",
+    summary: "Takes a value for the program.",
+    optional_inputs: &[
+        Port { name: "image", port_type: PortType::Image, summary: "a picture" },
+        Port { name: "report", port_type: PortType::Report, summary: "figures" },
+        Port { name: "volume", port_type: PortType::Volume, summary: "a volume" },
+    ],
+    ..Node::BLANK
+};
+
+/// The name of the node that takes: no file can state it.
+const TAKER_NAME: &str = "(the program)";
+
+/// What a program states.
+pub trait Scene {
+    /// The nodes.
+    fn pipeline(&self) -> &Pipeline;
+    /// What its paths are relative to.
+    fn folder(&self) -> PathBuf;
+    /// What it came from, for reports.
+    fn path(&self) -> PathBuf;
+    /// Completes an error with the text that it points at, its line and its column.
+    fn locate(&self, error: Error) -> Error;
+}
+
+/// What lives longer than a picture.
+pub struct Session {
+    registry: Registry,
+    runs: voltet_core::graph::Session,
+    /// The grids that stand in for nodes' own.
+    grids: BTreeMap<String, Given>,
+    last: Option<RunReport>,
+}
+
+/// What draws one picture.
+pub struct Drawing {
+    graph: Graph,
+    name: String,
+    /// Width and height in pixels.
+    pub size: [usize; 2],
+}
+
+impl Session {
+    /// With these node types and filters, and those that a program needs.
+    pub fn new(registry: Registry) -> Result<Session> {
+        let (runs, grids) = (voltet_nodes::session(), BTreeMap::new());
+        let mut session = Session { registry: Registry::new(), runs, grids, last: None };
+        session.know(registry)?;
+        Ok(session)
+    }
+
+    /// Other node types and filters. What runs left is gone, but for open devices: filters of one name may be others now.
+    pub fn know(&mut self, mut registry: Registry) -> Result<()> {
+        registry.add(&given::NODE)?;
+        registry.add(&TAKER)?;
+        self.registry = registry;
+        self.runs.forget();
+        Ok(())
+    }
+
+    /// The node types and filters.
+    pub fn registry(&self) -> &Registry {
+        &self.registry
+    }
+
+    /// Drops what runs left, with the open devices.
+    pub fn begin_anew(&mut self) {
+        (self.runs, self.last) = (voltet_nodes::session(), None);
+    }
+
+    /// Drops the grids, which belong to a pipeline that is no more, and what runs left of it.
+    pub fn give_none(&mut self) {
+        self.grids.clear();
+        self.runs.forget();
+    }
+
+    /// Puts a grid in place of what a node reads or makes, or takes it away. `None`: of the only such node.
+    pub fn give(&mut self, scene: &dyn Scene, name: Option<&str>, grid: Option<&Arc<Grid>>) -> Result<()> {
+        let name = self.grid_node(scene, name)?;
+        match grid {
+            Some(grid) => self.grids.insert(name, given::grid(grid.clone())),
+            None => self.grids.remove(&name),
+        };
+        // Whoever lent the former one waits for it.
+        self.runs.forget();
+        Ok(())
+    }
+
+    /// The node that a grid would stand in for: the one that is named, else the only one that gives a grid.
+    pub fn grid_node(&self, scene: &dyn Scene, name: Option<&str>) -> Result<String> {
+        let name = only(name, &self.giving(scene, PortType::Grid), "grid")?;
+        for entry in scene.pipeline().nodes.iter().filter(|entry| entry.name == name) {
+            given::stand_in(&mut entry.clone(), &self.registry)?;
+        }
+        Ok(name)
+    }
+
+    /// The node of a picture: the one that is named, else the only one that gives one.
+    pub fn picture(&self, scene: &dyn Scene, node: Option<&str>) -> Result<String> {
+        only(node, &self.giving(scene, PortType::Image), "picture")
+    }
+
+    /// The node of a camera: the one that is named, else the only one.
+    pub fn camera(&self, scene: &dyn Scene, node: Option<&str>) -> Result<String> {
+        only(node, &self.giving(scene, PortType::Camera), "camera")
+    }
+
+    /// The names of the nodes that give something, in the order of the pipeline.
+    pub fn giving(&self, scene: &dyn Scene, wanted: PortType) -> Vec<String> {
+        let gives = |entry: &&NodeEntry| {
+            let node = entry.node_type.text().and_then(|name| self.registry.find(name).ok());
+            node.is_some_and(|node| node.outputs.iter().any(|port| port.port_type == wanted))
+        };
+        scene.pipeline().nodes.iter().filter(gives).map(|entry| entry.name.clone()).collect()
+    }
+
+    /// Width and height of the picture of a node, in pixels. `None`: of the only one.
+    pub fn size(&self, scene: &dyn Scene, node: Option<&str>) -> Result<[usize; 2]> {
+        size_of(&self.graph_for(scene, &self.picture(scene, node)?, "image")?)
+    }
+
+    /// The graph that draws the picture of a node, which `None` leaves to be the only one, with its size.
+    pub fn drawing(&self, scene: &dyn Scene, node: Option<&str>) -> Result<Drawing> {
+        let name = self.picture(scene, node)?;
+        let graph = self.graph_for(scene, &name, "image")?;
+        Ok(Drawing { size: size_of(&graph)?, graph, name })
+    }
+
+    /// Draws.
+    pub fn draw(
+        &mut self,
+        scene: &dyn Scene,
+        drawing: &Drawing,
+        observer: &dyn Observer,
+    ) -> Result<Arc<Picture>> {
+        let report = self.run(scene, &drawing.graph, observer)?;
+        let picture = report.pictures.iter().find(|(name, _)| *name == drawing.name);
+        let none = || Error::run("the node that draws gave no picture").at_node(&drawing.name);
+        picture.map(|found| found.1.clone()).ok_or_else(none)
+    }
+
+    /// Runs a graph of the pipeline, such as that of [`Session::whole`].
+    pub fn run(&mut self, scene: &dyn Scene, graph: &Graph, observer: &dyn Observer) -> Result<&RunReport> {
+        self.last = None;
+        let report = self.runs.run(graph, observer).map_err(|error| scene.locate(error))?;
+        let report = self.last.insert(report);
+        report.nodes.retain(|node| node.node_type != TAKER.name);
+        Ok(report)
+    }
+
+    /// What a node's output of a type carries. `asked`: what is asked of it, if it is a volume.
+    pub fn value(
+        &mut self,
+        scene: &dyn Scene,
+        (node, port): (&str, &str),
+        asked: &Demand,
+        observer: &dyn Observer,
+    ) -> Result<Value> {
+        let graph = self.graph_for(scene, node, port)?;
+        let taker = graph.nodes.len() - 1;
+        let fed = self.runs.feed(&graph, taker, asked, observer).map_err(|error| scene.locate(error))?;
+        fed.0.into_iter().next().ok_or_else(|| Error::run("the node gave nothing").at_node(node))
+    }
+
+    /// The graph of the whole pipeline, with all that it writes, and the pictures that feed nothing.
+    pub fn whole(&self, scene: &dyn Scene) -> Result<Graph> {
+        let mut entries = scene.pipeline().nodes.clone();
+        let feeds = |name: &String| {
+            let mut wires = entries.iter().flat_map(|entry| entry.inputs.iter().flat_map(sources));
+            wires.any(|text| source(text, &entries).0 == name)
+        };
+        let mut pictures = self.giving(scene, PortType::Image);
+        pictures.retain(|name| !feeds(name));
+        if !pictures.is_empty() {
+            entries.push(self.taker(&entries, "image", &pictures));
+        }
+        self.graph(scene, entries)
+    }
+
+    /// What plans say without data: errors, and warnings with their places.
+    pub fn plan(&mut self, scene: &dyn Scene, graph: &Graph) -> Result<Vec<Error>> {
+        self.runs.plan(graph).map_err(|error| scene.locate(error))?;
+        Ok(graph.warnings.iter().map(|warning| scene.locate(warning.clone())).collect())
+    }
+
+    /// The report of the last run; `None` before there was one.
+    pub fn last(&self) -> Option<&RunReport> {
+        self.last.as_ref()
+    }
+
+    /// What is said of the last run in a report ([`voltet_nodes::provenance::whole_report`]). `text`: what states the pipeline.
+    pub fn report(&self, scene: &dyn Scene, text: String) -> Option<serde_json::Value> {
+        let stated = Pipeline::stated(text.clone(), &self.registry).unwrap_or_else(|_| {
+            // It writes nothing, as none need here.
+            let mut stated = Stated::default();
+            (stated.title, stated.text) = (scene.pipeline().title.clone(), text);
+            stated
+        });
+        Some(run_report(&scene.path().display().to_string(), self.last.as_ref()?, &stated))
+    }
+
+    /// The nodes that a value needs, and no others, with what takes it.
+    fn graph_for(&self, scene: &dyn Scene, node: &str, port: &str) -> Result<Graph> {
+        let nodes = &scene.pipeline().nodes;
+        let needed = upstream(nodes, node);
+        let mut entries: Vec<NodeEntry> =
+            nodes.iter().filter(|entry| needed.contains(&entry.name)).cloned().collect();
+        entries.push(self.taker(&entries, port, &[node.to_string()]));
+        self.graph(scene, entries)
+    }
+
+    /// What takes the values of these nodes: of each the first that fits.
+    fn taker(&self, entries: &[NodeEntry], port: &str, nodes: &[String]) -> NodeEntry {
+        let text = |text: &str| Setting::from(Datum::Text(text.into()));
+        let taken = TAKER.optional_inputs.iter().find(|input| input.name == port);
+        let output = |name: &String| {
+            let entry = entries.iter().find(|entry| entry.name == *name)?;
+            let node = self.registry.find(entry.node_type.text()?).ok()?;
+            let mut fitting =
+                node.outputs.iter().filter(|o| taken.is_some_and(|t| o.port_type.serves(t.port_type)));
+            fitting.next().filter(|_| node.outputs.len() > 1)
+        };
+        let source = |name: &String| match output(name) {
+            Some(output) => text(&format!("{name}.{}", output.name)),
+            None => text(name),
+        };
+        NodeEntry {
+            name: TAKER_NAME.into(),
+            origin: Origin::Nowhere,
+            node_type: text(TAKER.name),
+            settings: Vec::new(),
+            inputs: vec![LinkEntry {
+                port: port.into(),
+                origin: Origin::Nowhere,
+                source: Datum::List(nodes.iter().map(source).collect()).into(),
+            }],
+        }
+    }
+
+    fn graph(&self, scene: &dyn Scene, mut entries: Vec<NodeEntry>) -> Result<Graph> {
+        for entry in entries.iter_mut().filter(|entry| self.grids.contains_key(&entry.name)) {
+            given::stand_in(entry, &self.registry)?;
+        }
+        let graph = Graph::build(&entries, &self.registry, scene.folder());
+        let mut graph = graph.map_err(|error| scene.locate(error))?;
+        for (name, given) in &self.grids {
+            if graph.nodes.iter().any(|node| node.name == *name) {
+                graph.give(name, given.clone())?;
+            }
+        }
+        Ok(graph)
+    }
+}
+
+/// The node that is meant: the one that is named, else the only one that gives what is wanted.
+fn only(named: Option<&str>, giving: &[String], what: &str) -> Result<String> {
+    let accepted = || match giving {
+        [] => format!("a pipeline with a node that gives a {what}"),
+        names => format!("a node that gives a {what}: {}", names.join(", ")),
+    };
+    match (named, giving) {
+        (Some(name), _) if giving.iter().any(|known| known == name) => Ok(name.into()),
+        (Some(name), _) => {
+            Err(Error::usage(format!("the node '{name}' gives no {what}")).accepted(accepted()))
+        }
+        (None, [one]) => Ok(one.clone()),
+        (None, []) => Err(Error::usage(format!("the pipeline has no {what}")).accepted(accepted())),
+        (None, _) => Err(Error::usage(format!("the pipeline has several nodes that give a {what}"))
+            .found("none named")
+            .accepted(accepted())),
+    }
+}
+
+/// The size that the camera states.
+fn size_of(graph: &Graph) -> Result<[usize; 2]> {
+    let gives_camera = |port: &Port| port.port_type == PortType::Camera;
+    let camera = graph.nodes.iter().find(|node| node.node.outputs.iter().any(gives_camera));
+    let none = || Error::usage("the pipeline has no camera").accepted("a node of type \"camera\"");
+    let size: [f64; 2] = camera.ok_or_else(none)?.parameters.vector("size")?;
+    Ok(size.map(|side| side as usize))
+}

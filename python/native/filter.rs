@@ -1,0 +1,212 @@
+//! Gradient filters that are Python functions.
+
+use crate::memory::{Lent, array, bytes_of};
+use glam::DVec3;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use std::cell::RefCell;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use voltet_core::field::{Gradient, GradientFilter, Plugin};
+use voltet_core::graph::{Datum, Registry};
+use voltet_core::grid::Grid;
+use voltet_core::parameters::{Kind, Parameter, ParameterType, Parameters, Range, Standard};
+use voltet_core::progress::Progress;
+use voltet_core::{Error, Result};
+
+/// The filters that were registered, and how often that was done: one in place of another counts.
+static FILTERS: Mutex<Vec<Arc<Function>>> = Mutex::new(Vec::new());
+static REGISTERED: AtomicU64 = AtomicU64::new(0);
+
+thread_local! {
+    /// What the last filter on this thread raised.
+    static RAISED: RefCell<Option<PyErr>> = const { RefCell::new(None) };
+}
+
+/// A Python function that computes ∇s.
+struct Function {
+    kind: Kind,
+    plugin: Plugin,
+    /// Names of point arrays that it reads.
+    arrays: Vec<String>,
+    /// `voltet._filters.Filter`: called with numpy arrays, gives one.
+    call: Py<PyAny>,
+}
+
+/// The node types and filters that ship, and those of Python.
+pub fn registry() -> Result<Registry> {
+    let mut registry = voltet_nodes::registry()?;
+    for filter in FILTERS.lock().unwrap_or_else(PoisonError::into_inner).iter() {
+        registry.add_filter(filter.clone())?;
+    }
+    Ok(registry)
+}
+
+/// Changes when a filter is registered.
+pub fn epoch() -> u64 {
+    REGISTERED.load(Ordering::Acquire)
+}
+
+/// What the last filter on this thread raised, once.
+pub fn raised() -> Option<PyErr> {
+    RAISED.take()
+}
+
+/// Registers a function, in place of a former one of this name. `parameters`: what `voltet.Parameter.declared` gives. `source`
+/// is its text, as far as there is one, by which pictures tell it from others.
+#[pyfunction]
+#[allow(clippy::too_many_arguments)]
+pub fn register_filter(
+    py: Python<'_>,
+    name: String,
+    summary: String,
+    parameters: Vec<Bound<'_, PyDict>>,
+    arrays: Vec<String>,
+    call: Py<PyAny>,
+    file: PathBuf,
+    source: String,
+) -> PyResult<()> {
+    let parameters = parameters.iter().map(parameter).collect::<PyResult<Vec<Parameter>>>()?;
+    // Declarations live as long as the program.
+    let kind = Kind { name: name.leak(), summary: summary.leak(), parameters: parameters.leak() };
+    let mut hash = voltet_nodes::files::Fnv::default();
+    hash.text(&source);
+    let plugin = Plugin {
+        name: "Python".into(),
+        version: Python::version_str().split(' ').next().unwrap_or_default().into(),
+        path: file,
+        bytes: source.len() as u64,
+        fingerprint: hash.0 as u64,
+        modified: None,
+    };
+    let filter = Arc::new(Function { kind, plugin, arrays, call });
+    crate::error::guarded(py, || {
+        // What contradicts itself, or has the name of one that ships, is refused here.
+        let mut registry = voltet_nodes::registry()?;
+        registry.add_filter(filter.clone())?;
+        let mut filters = FILTERS.lock().unwrap_or_else(PoisonError::into_inner);
+        filters.retain(|known| known.kind.name != filter.kind.name);
+        filters.push(filter);
+        REGISTERED.fetch_add(1, Ordering::AcqRel);
+        Ok(())
+    })
+}
+
+/// A parameter as `voltet.Parameter.declared` gives it.
+fn parameter(declared: &Bound<'_, PyDict>) -> PyResult<Parameter> {
+    let get = |key: &str| declared.get_item(key).map(|found| found.filter(|value| !value.is_none()));
+    let text = |key: &str| -> PyResult<&'static str> {
+        Ok(get(key)?.map(|value| value.extract::<String>()).transpose()?.unwrap_or_default().leak())
+    };
+    let mut range = Range::ANY;
+    if let Some(limits) = get("range")? {
+        let [low, high] = limits.extract::<[Option<f64>; 2]>()?;
+        (range.min, range.max) = (low.unwrap_or(range.min), high.unwrap_or(range.max));
+    }
+    let parameter_type = match text("type")? {
+        "boolean" => ParameterType::Boolean,
+        "integer" => ParameterType::Integer(range),
+        "choice" => {
+            let words = get("choices")?.map(|words| words.extract::<Vec<String>>()).transpose()?;
+            let words = words.unwrap_or_default().into_iter();
+            let words: Vec<(&'static str, &'static str)> = words.map(|word| (&*word.leak(), "")).collect();
+            ParameterType::Choice(words.leak())
+        }
+        "text" => ParameterType::Text,
+        _ => ParameterType::Number(range),
+    };
+    let default = get("default")?.map(|value| crate::value::datum(&value)).transpose()?;
+    let standard = match default {
+        None => Standard::Required,
+        Some(Datum::Boolean(flag)) => Standard::Boolean(flag),
+        Some(Datum::Integer(n)) if matches!(parameter_type, ParameterType::Number(_)) => {
+            Standard::Number(n as f64)
+        }
+        Some(Datum::Integer(n)) => Standard::Integer(n),
+        Some(Datum::Number(x)) => Standard::Number(x),
+        Some(Datum::Text(text)) => Standard::Text(text.leak()),
+        Some(Datum::List(_) | Datum::Table(_)) => {
+            let error = Error::usage("the default of a filter's parameter is a list or a table");
+            let error = error.accepted("a bool, a number or a text");
+            return Err(crate::error::exception(declared.py(), &error));
+        }
+    };
+    Ok(Parameter { name: text("name")?, parameter_type, unit: text("unit")?, standard, help: text("help")? })
+}
+
+impl Function {
+    /// Calls the function with arrays of its own, and takes what it gives.
+    fn call(
+        &self,
+        py: Python<'_>,
+        grid: &Grid,
+        scalar: &[f64],
+        parameters: &Parameters,
+    ) -> PyResult<Vec<DVec3>> {
+        let (points, tetrahedra) = (&grid.points, &grid.tetrahedra);
+        let flat: Vec<f64> = points.iter().flat_map(|p| p.to_array()).collect();
+        let points = array(py, "f8", bytes_of(&flat), &[points.len(), 3])?;
+        let tetrahedra =
+            array(py, "u4", bytes_of(tetrahedra.as_slice().as_flattened()), &[tetrahedra.len(), 4])?;
+        let values = array(py, "f8", bytes_of(scalar), &[scalar.len()])?;
+        let arrays = PyDict::new(py);
+        for name in &self.arrays {
+            if let Some(found) = grid.point_arrays.get(name) {
+                let shape = match found.component_count {
+                    1 => vec![scalar.len()],
+                    n => vec![scalar.len(), n],
+                };
+                arrays.set_item(name, array(py, "f8", bytes_of(&found.values), &shape)?)?;
+            }
+        }
+        let set = PyDict::new(py);
+        for parameter in self.kind.parameters {
+            if let Some(setting) = parameters.optional(parameter.name) {
+                set.set_item(parameter.name, crate::value::object(py, &setting.datum)?)?;
+            }
+        }
+        let given = self.call.call1(py, (points, tetrahedra, values, arrays, set))?;
+        let given: Lent<f64> = Lent::of("the gradient", given.bind(py))?;
+        Ok(given.values().chunks_exact(3).map(DVec3::from_slice).collect())
+    }
+}
+
+impl GradientFilter for Function {
+    fn declaration(&self) -> Kind {
+        self.kind
+    }
+
+    fn plugin(&self) -> Option<&Plugin> {
+        Some(&self.plugin)
+    }
+
+    fn arrays(&self, _: &Parameters) -> Result<Vec<String>> {
+        Ok(self.arrays.clone())
+    }
+
+    fn gradient(
+        &self,
+        grid: &Grid,
+        scalar: &[f64],
+        parameters: &Parameters,
+        progress: &dyn Progress,
+    ) -> Result<Gradient> {
+        progress.report("gradient", 0.0);
+        let found = Python::attach(|py| {
+            self.call(py, grid, scalar, parameters).map_err(|raised| {
+                let text = raised.to_string();
+                RAISED.set(Some(raised));
+                text
+            })
+        });
+        match found {
+            Ok(vectors) => Ok(Gradient { vectors, fallbacks: Vec::new() }),
+            Err(raised) => {
+                let error =
+                    Error::run(format!("the gradient filter '{}' raised an exception", self.kind.name));
+                Err(error.found(raised))
+            }
+        }
+    }
+}

@@ -1,0 +1,199 @@
+//! A grid of lent arrays.
+
+use crate::error::guarded;
+use crate::memory::{Lent, fingerprint};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use std::sync::Arc;
+use voltet_core::grid::{self, CellValues, Options, extent};
+use voltet_core::progress::Silent;
+use voltet_core::{Error, Shared};
+use voltet_embed::{ArraySource, CellSource, Numbers, Source};
+
+/// A grid, and the memory that it was made of.
+#[pyclass(frozen, module = "voltet._native")]
+pub struct Grid {
+    pub grid: Arc<grid::Grid>,
+    watched: Vec<Watched>,
+}
+
+/// Memory, and the fingerprint that it had when the grid was made.
+struct Watched(Memory, u64);
+
+/// Memory of whatever type.
+enum Memory {
+    F64(Lent<f64>),
+    I64(Lent<i64>),
+    U32(Lent<u32>),
+    F32(Lent<f32>),
+    I32(Lent<i32>),
+    U8(Lent<u8>),
+}
+
+impl Memory {
+    fn of(name: &str, object: &Bound<'_, PyAny>) -> PyResult<Memory> {
+        Ok(match object.getattr("dtype")?.getattr("char")?.extract::<String>()?.as_str() {
+            "d" => Memory::F64(Lent::of(name, object)?),
+            "l" | "q" => Memory::I64(Lent::of(name, object)?),
+            "I" => Memory::U32(Lent::of(name, object)?),
+            "f" => Memory::F32(Lent::of(name, object)?),
+            "i" => Memory::I32(Lent::of(name, object)?),
+            _ => Memory::U8(Lent::of(name, object)?),
+        })
+    }
+
+    fn fingerprint(&self) -> u64 {
+        fingerprint(match self {
+            Memory::F64(lent) => lent.bytes(),
+            Memory::I64(lent) => lent.bytes(),
+            Memory::U32(lent) => lent.bytes(),
+            Memory::F32(lent) => lent.bytes(),
+            Memory::I32(lent) => lent.bytes(),
+            Memory::U8(lent) => lent.bytes(),
+        })
+    }
+}
+
+#[pymethods]
+impl Grid {
+    /// From arrays that `voltet.Grid` has brought into form: C-contiguous, points of 64-bit floats, connectivity of 32-bit or
+    /// 64-bit whole numbers. `watch` lists the arrays whose changes [`Grid::changed`] finds.
+    #[new]
+    #[pyo3(signature = (points, cells, arrays, *, scalar, ghost, degrees, subdivision, constant_cells, keep_cells, watch))]
+    #[allow(clippy::too_many_arguments)]
+    fn new(
+        py: Python<'_>,
+        points: &Bound<'_, PyAny>,
+        cells: &Bound<'_, PyDict>,
+        arrays: Vec<(String, Bound<'_, PyAny>, usize, bool)>,
+        scalar: Option<String>,
+        ghost: Option<Bound<'_, PyAny>>,
+        degrees: Option<Bound<'_, PyAny>>,
+        subdivision: u32,
+        constant_cells: bool,
+        keep_cells: bool,
+        watch: Vec<Bound<'_, PyAny>>,
+    ) -> PyResult<Grid> {
+        // Before the grid is made of them: a change in between is found later.
+        let watched =
+            watch.iter().map(|array| Memory::of("an array", array)).collect::<PyResult<Vec<_>>>()?;
+        let watched = py.detach(|| {
+            watched
+                .into_iter()
+                .map(|memory| (memory.fingerprint(), memory))
+                .map(|(print, m)| Watched(m, print))
+                .collect()
+        });
+        let points: Lent<f64> = Lent::of("points", points)?;
+        let mut keep = Keep(vec![points.keep()]);
+        let arrays = arrays.into_iter().map(|(name, values, component_count, on_cells)| {
+            let lent: Lent<f64> = Lent::of(&format!("array '{name}'"), &values)?;
+            let values = Shared::lent(lent.values(), lent.keep());
+            Ok(ArraySource { name, values, component_count, on_cells })
+        });
+        let arrays = arrays.collect::<PyResult<Vec<ArraySource>>>()?;
+        let cells = cells_of(cells, &mut keep)?;
+        let mut bytes = |name: &str, object: Option<Bound<'_, PyAny>>| -> PyResult<Option<&'static [u8]>> {
+            let lent: Option<Lent<u8>> = object.map(|object| Lent::of(name, &object)).transpose()?;
+            Ok(lent.map(|lent| keep.hold(lent)))
+        };
+        let (ghost, degrees) = (bytes("ghost", ghost)?, bytes("degrees", degrees)?);
+        let cell_values = if constant_cells { CellValues::Constant } else { CellValues::Average };
+        let options = Options { subdivision, cell_values, keep_cells };
+        let source = Source {
+            points: points.values(),
+            cells,
+            arrays,
+            scalar,
+            ghost,
+            degrees,
+            options,
+            keep: Arc::new(keep),
+        };
+        let made = py.detach(|| {
+            std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| voltet_embed::grid(source, &Silent)))
+        });
+        let grid = guarded(py, || made.unwrap_or_else(|panic| std::panic::resume_unwind(panic)))?;
+        Ok(Grid { grid: Arc::new(grid), watched })
+    }
+
+    /// Whether a watched array is not as it was.
+    fn changed(&self, py: Python<'_>) -> bool {
+        py.detach(|| self.watched.iter().any(|Watched(memory, print)| memory.fingerprint() != *print))
+    }
+
+    /// What is known of it, as JSON.
+    fn about(&self) -> String {
+        let grid = &*self.grid;
+        let bytes = |lent: bool| {
+            let of = |is_lent: bool, bytes: usize| if is_lent == lent { bytes } else { 0 };
+            let arrays = grid.point_arrays.values().map(|a| of(a.values.is_lent(), size_of_val(&*a.values)));
+            arrays.sum::<usize>()
+                + of(grid.points.is_lent(), size_of_val(&*grid.points))
+                + of(grid.tetrahedra.is_lent(), size_of_val(&*grid.tetrahedra))
+        };
+        let arrays: serde_json::Map<String, serde_json::Value> = grid
+            .point_arrays
+            .iter()
+            .map(|(name, array)| {
+                let range = extent::range(&array.values).filter(|_| array.component_count == 1);
+                let about = serde_json::json!({ "components": array.component_count, "range": range });
+                (name.clone(), about)
+            })
+            .collect();
+        let bounds = grid.bounds().map(|corners| corners.map(|corner| corner.to_array()));
+        let about = serde_json::json!({
+            "points": grid.points.len(),
+            "tetrahedra": grid.tetrahedra.len(),
+            "bounds": bounds,
+            "arrays": arrays,
+            "scalar": grid.scalar.is_some().then_some(&grid.scalar_name),
+            "bytes_lent": bytes(true),
+            "bytes_copied": bytes(false),
+            "points_lent": grid.points.is_lent(),
+            "tetrahedra_lent": grid.tetrahedra.is_lent(),
+            "warnings": grid.origin.warnings,
+        });
+        about.to_string()
+    }
+}
+
+/// Holds memory whose slices have no end.
+struct Keep(Vec<Arc<dyn Send + Sync>>);
+
+impl Keep {
+    fn hold<T: pyo3::buffer::Element + Sync + Send>(&mut self, lent: Lent<T>) -> &'static [T] {
+        self.0.push(lent.keep());
+        lent.values()
+    }
+}
+
+/// The cells: `tetrahedra`, or `types`, `offsets`, `connectivity`, and for polyhedra `faces` and `face_locations`.
+fn cells_of(cells: &Bound<'_, PyDict>, keep: &mut Keep) -> PyResult<CellSource> {
+    let get = |name: &str| cells.get_item(name).map(|found| found.filter(|object| !object.is_none()));
+    if let Some(tetrahedra) = get("tetrahedra")? {
+        return Ok(CellSource::Tetrahedra(keep.hold(Lent::of("tetrahedra", &tetrahedra)?)));
+    }
+    let must = |name: &str| {
+        let none = || Error::usage(format!("{name} is missing")).accepted("types, offsets and connectivity");
+        get(name)?.ok_or_else(|| crate::error::exception(cells.py(), &none()))
+    };
+    let mut wide = |name: &str| -> PyResult<&'static [i64]> {
+        let lent = get(name)?.map(|object| Lent::of(name, &object)).transpose()?;
+        Ok(lent.map_or(&[][..], |lent| keep.hold(lent)))
+    };
+    let (faces, face_locations) = (wide("faces")?, wide("face_locations")?);
+    let connectivity = must("connectivity")?;
+    let narrow = connectivity.getattr("dtype")?.getattr("itemsize")?.extract::<usize>()? == 4;
+    let connectivity = match narrow {
+        true => Numbers::Narrow(keep.hold(Lent::of("connectivity", &connectivity)?)),
+        false => Numbers::Wide(keep.hold(Lent::of("connectivity", &connectivity)?)),
+    };
+    Ok(CellSource::Mixed {
+        types: keep.hold(Lent::of("types", &must("types")?)?),
+        offsets: keep.hold(Lent::of("offsets", &must("offsets")?)?),
+        connectivity,
+        faces,
+        face_locations,
+    })
+}

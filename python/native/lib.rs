@@ -1,0 +1,45 @@
+//! voltet._native: what the Python module `voltet` is made of that is not Python.
+//!
+//! | file | what |
+//! | --- | --- |
+//! | `pipeline` | a pipeline: its text changed, checked, drawn, saved |
+//! | `grid` | a grid of lent arrays |
+//! | `memory` | arrays of Python that are lent, and arrays for Python |
+//! | `filter` | gradient filters that are Python functions |
+//! | `follow` | runs without the interpreter's lock, that Ctrl-C stops |
+//! | `study` | error against run time |
+//! | `declared` | what can be stated: node types, filters, widgets |
+//! | `value` | values of parameters, from Python and to it |
+//! | `error` | errors and panics as exceptions |
+//!
+//! What is told to users stands in the Python files of the package: docstrings, and numpy's side of arrays.
+
+mod declared;
+mod error;
+mod filter;
+mod follow;
+mod grid;
+mod memory;
+mod pipeline;
+mod study;
+mod value;
+
+use pyo3::prelude::*;
+
+#[pymodule]
+mod _native {
+    #[pymodule_export]
+    use super::declared::declarations;
+    #[pymodule_export]
+    use super::filter::register_filter;
+    #[pymodule_export]
+    use super::grid::Grid;
+    #[pymodule_export]
+    use super::memory::encode;
+    #[pymodule_export]
+    use super::pipeline::Pipeline;
+
+    /// The version of the program.
+    #[pymodule_export]
+    const VERSION: &str = env!("CARGO_PKG_VERSION");
+}

@@ -1,0 +1,115 @@
+//! Error against run time, as `voltet study` measures it.
+
+use std::path::PathBuf;
+use std::time::Duration;
+use voltet::study::work_precision::{
+    Benches, Engines, Frames, Measure, Subject, Wish, cache_folder, json, reference, studied,
+    study as measure, write,
+};
+use voltet_core::graph::{Graph, Observer, suggest};
+use voltet_core::picture::Picture;
+use voltet_core::progress::Progress;
+use voltet_core::{Error, Result};
+use voltet_nodes::drawing::ENGINES;
+
+/// What is asked of a study, as on the command line.
+pub struct Asked {
+    pub node: Option<String>,
+    pub only: Vec<String>,
+    /// "cpu", "gpu" or "all".
+    pub engine: String,
+    pub adapter: Option<String>,
+    pub frames: usize,
+    /// Seconds.
+    pub patience: f64,
+    pub max_error: Option<f64>,
+    /// Where its files go; `None`: nowhere.
+    pub output: Option<PathBuf>,
+}
+
+/// Progress that is told as that of a node `study`.
+struct Told<'a>(&'a dyn Observer);
+
+impl Progress for Told<'_> {
+    fn report(&self, stage: &str, fraction: f64) {
+        self.0.progress("study", stage, fraction);
+    }
+
+    fn cancelled(&self) -> bool {
+        self.0.cancelled()
+    }
+
+    fn memory_left(&self) -> Option<u64> {
+        self.0.memory_left()
+    }
+}
+
+impl Asked {
+    fn wish(&self) -> Result<Wish> {
+        let known = || studied().map(|integrator| integrator.name());
+        if let Some(name) = self.only.iter().find(|name| !known().any(|known| known == name.as_str())) {
+            let error = Error::usage("'only' names no integrator that can be studied").found(name);
+            return Err(error.accepted(suggest(name, known())));
+        }
+        let engines = match self.engine.as_str() {
+            "all" => Engines::All,
+            name => {
+                let found = ENGINES.iter().find(|engine| engine.name == name).map(Engines::One);
+                let names = || ENGINES.iter().map(|engine| engine.name).chain(["all"]);
+                found.ok_or_else(|| {
+                    let error = Error::usage("'engine' names no engine").found(name);
+                    error.accepted(suggest(name, names()))
+                })?
+            }
+        };
+        let wrong = |what: &str, found: f64| {
+            let error = Error::usage(format!("'{what}' is out of range")).found(found);
+            Err(error.accepted("a number of at least 0"))
+        };
+        for (name, value) in [("patience", self.patience), ("max_error", self.max_error.unwrap_or(0.0))] {
+            if !(value.is_finite() && value >= 0.0) {
+                return wrong(name, value);
+            }
+        }
+        if self.frames == 0 {
+            return Err(Error::usage("'frames' is out of range").found(0).accepted("1 or more"));
+        }
+        Ok(Wish {
+            only: self.only.clone(),
+            engines,
+            adapter: self.adapter.clone(),
+            // A year is longer than any patience, and does not overflow.
+            frames: Frames {
+                count: self.frames,
+                patience: Duration::from_secs_f64(self.patience.min(3e7)),
+                turn: 0.0,
+            },
+            measure: Measure::default(),
+            max_error: self.max_error,
+            refine: 0,
+        })
+    }
+}
+
+/// Measures: the study as JSON, and the reference picture.
+pub fn study(
+    graph: &Graph,
+    title: &str,
+    asked: &Asked,
+    observer: &dyn Observer,
+) -> Result<(String, Picture)> {
+    let wish = asked.wish()?;
+    let progress = Told(observer);
+    let mut session = voltet_nodes::session();
+    let subject = Subject::gather(graph, asked.node.as_deref(), false, &mut session, observer)?;
+    let benches = Benches::open(&subject, &wish)?;
+    let reference = reference(&subject, &cache_folder(), &progress)?;
+    let study = measure(subject, wish, benches, reference, &progress)?;
+    if study.stopped() && observer.cancelled() {
+        return Err(Error::cancelled());
+    }
+    if let Some(folder) = &asked.output {
+        write(&study, title, folder)?;
+    }
+    Ok((json(&study, title).to_string(), study.reference.picture))
+}

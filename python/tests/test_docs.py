@@ -1,0 +1,70 @@
+"""The examples in docstrings run, and the stubs are those of the declarations."""
+
+import doctest
+import importlib
+import inspect
+import subprocess
+import sys
+
+import pytest
+from conftest import ROOT
+
+import voltet
+
+MODULES = ["voltet", "voltet._grid", "voltet._pipeline", "voltet._filters", "voltet._scene", "voltet.nodes", "voltet.widgets"]
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_examples_run(name):
+    found = doctest.testmod(importlib.import_module(name))
+    assert found.failed == 0
+
+
+def test_everything_public_is_described():
+    for name in voltet.__all__:
+        found = getattr(voltet, name)
+        assert inspect.getdoc(found), name
+        if inspect.isclass(found):
+            for key, member in vars(found).items():
+                if not key.startswith("_") and (callable(member) or isinstance(member, property)):
+                    assert inspect.getdoc(member), f"{name}.{key}"
+
+
+def test_stubs_are_made_of_the_declarations():
+    subprocess.run([sys.executable, ROOT / "python/scripts/stubs.py", "--check"], check=True)
+
+
+def test_stubs_fit_the_module():
+    pytest.importorskip("mypy")
+    stubs = ["voltet._native", "voltet.nodes", "voltet.widgets"]
+    done = subprocess.run([sys.executable, "-m", "mypy.stubtest", *stubs], capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout
+
+
+def test_annotations_are_sound():
+    pytest.importorskip("mypy")
+    command = [sys.executable, "-m", "mypy", "-p", "voltet"]
+    done = subprocess.run(command, capture_output=True, text=True, cwd=ROOT / "python")
+    assert done.returncode == 0, done.stdout
+
+
+def test_the_page_is_true(cube, tmp_path, monkeypatch):
+    import re
+
+    import numpy as np
+
+    page = (ROOT / "docs/python.md").read_text()
+    (tmp_path / "scene.toml").write_text((ROOT / "pipelines/quickstart.toml").read_text())
+    (tmp_path / "pipelines").mkdir()
+    (tmp_path / "data").symlink_to(ROOT / "data")
+    (tmp_path / "pipelines/quickstart.toml").write_text((ROOT / "pipelines/quickstart.toml").read_text())
+    monkeypatch.chdir(tmp_path)
+    tetrahedra = cube["tetrahedra"]
+    names = {
+        "voltet": voltet, "np": np, "points": cube["points"], "temperature": cube["point_data"]["T"],
+        "cell_types": np.full(len(tetrahedra), 10), "offsets": np.arange(0, tetrahedra.size + 1, 4),
+        "connectivity": tetrahedra.reshape(-1), "gradient": None,
+    }
+    for block in re.findall(r"```python\n(.*?)```", page, re.S):
+        exec(compile(block, "docs/python.md", "exec"), names)
+    assert names["picture"].shape == (600, 800, 4) and (tmp_path / "T.toml").exists()

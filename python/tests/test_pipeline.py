@@ -1,0 +1,171 @@
+"""Pipelines built, changed and saved in code."""
+
+import subprocess
+
+import numpy as np
+import pytest
+from conftest import PIPELINES, uniform
+from test_run import program
+
+import voltet
+from voltet import nodes, widgets
+
+
+def test_a_uniform_slab_is_the_formula(slab):
+    rgba = slab.render()
+    opacity = 1.0 - np.exp(-2.0)
+    assert np.allclose(rgba[..., 3], opacity, atol=2e-6)
+    assert np.allclose(rgba[8, 8, :3], opacity * np.array([1.0, 0.5, 0.25]), atol=2e-6)
+
+
+def test_what_serves_again_is_used_again(slab):
+    slab.render()
+    slab["view"]["eye"] = [0.6, -4.0, 0.5]
+    ran = {node["name"]: node["reused"] for node in slab.render().report["nodes"]}
+    assert ran["grid"] and ran["gradient"] and not ran["picture"]
+    ran = {node["name"]: node["reused"] for node in slab.render().report["nodes"]}
+    assert all(ran.values())
+
+
+def test_functions_of_nodes_state_what_files_do(cube):
+    p = voltet.Pipeline(title="T")
+    grid = nodes.reader(p, "grid", path="data.vtu", scalar="T")
+    gradient = nodes.gradient_magnitude(p, "gradient", grid=grid, method="least-squares")
+    look = nodes.transfer_function(
+        p, "look", unit_distance=1.0, widgets=[widgets.gaussian(color=[1, 1, 1], extinction=1.0, centre=[0, 0], sigma=[1, 1])]
+    )
+    view = nodes.camera(p, "view", eye=(0, -3, 0), target=np.zeros(3), size=np.array([8, 8]))
+    nodes.renderer(p, "picture", volume=gradient, transfer_function=look, camera=view)
+    assert list(p) == ["grid", "gradient", "look", "view", "picture"] and p.check() == []
+    assert 'inputs = { volume = "gradient"' in p.text and "[[nodes.look.widgets]]" in p.text
+    assert p["view"]["size"] == [8, 8] and p["look"]["widgets.0.centre"] == [0, 0]
+    assert p["picture"].inputs == {"volume": "gradient", "transfer_function": "look", "camera": "view"}
+    assert "camera" in nodes.camera.__doc__.lower() or nodes.camera.__doc__
+    import inspect
+
+    assert list(inspect.signature(nodes.camera).parameters)[:2] == ["pipeline", "node"]
+    assert inspect.signature(nodes.camera).parameters["eye"].default is inspect.Parameter.empty
+
+
+def test_mistakes_are_refused_where_they_are_made(slab):
+    before = slab.text
+    with pytest.raises(voltet.UsageError, match="fov") as raised:
+        slab["view"]["fov"] = 30
+    assert "fov_y" in raised.value.expected and raised.value.node == "view"
+    with pytest.raises(voltet.UsageError, match="unknown node type"):
+        slab.add("x", "rendrer")
+    with pytest.raises(voltet.UsageError, match="already"):
+        slab.add("view", "camera", eye=[0, 0, 1], target=[0, 0, 0])
+    with pytest.raises(voltet.UsageError):
+        slab["look"]["widgets.0.extinction"] = -1
+    with pytest.raises(voltet.UsageError):
+        slab["view"]["eye"] = "here"
+    with pytest.raises(voltet.UsageError, match="type that pipelines do not know"):
+        slab["view"]["eye"] = object()
+    loop = []
+    loop.append(loop)
+    with pytest.raises(voltet.UsageError, match="too deeply"):
+        slab["view"]["eye"] = loop
+    with pytest.raises(voltet.UsageError, match="no node 'nobody'"):
+        slab["nobody"]
+    with pytest.raises(voltet.UsageError, match="not stated"):
+        slab["view"]["near"]
+    assert slab.text == before
+
+
+def test_wires_names_and_nodes_change(slab):
+    slab.rename("gradient", "slope")
+    assert slab["picture"].inputs["volume"] == "slope"
+    slab.add("other", "gradient-magnitude", grid="grid", method="cell-average")
+    slab["picture"].connect("volume", "other")
+    del slab["slope"]
+    assert "slope" not in slab and len(slab) == 5
+    assert slab.render().shape == (16, 16, 4)
+    assert slab.undo() and "slope" in slab
+    slab["picture"].connect("camera", None)
+    with pytest.raises(voltet.UsageError, match="camera"):
+        slab.render()
+
+
+def test_comments_stay_in_files_that_are_changed(tmp_path):
+    text = (PIPELINES / "quickstart.toml").read_text()
+    p = voltet.Pipeline.open(PIPELINES / "quickstart.toml")
+    p["view"]["size"] = [32, 24]
+    p["file"]["path"] = str(tmp_path / "x.png")
+    saved = tmp_path / "sub.toml"
+    p.save(saved)
+    new = saved.read_text()
+    comments = [line.partition("#")[2] for line in text.splitlines() if "#" in line]
+    assert comments and all(comment in new for comment in comments)
+    # Its data are found from there, too.
+    assert voltet.run(saved).images["picture"].shape == (24, 32, 4)
+
+
+def test_a_saved_pipeline_runs_in_the_program(slab, tmp_path):
+    before = slab.render()
+    slab.add("file", "image-writer", path="slab.exr", image="picture")
+    path = slab.save(tmp_path / "slab.toml")
+    assert (tmp_path / "slab.grid.vtu").exists()
+    assert np.array_equal(slab.render("picture"), before)
+    again = voltet.run(path).images["picture"]
+    assert np.array_equal(again, before)
+    subprocess.run([program(), "check", path], check=True)
+    subprocess.run([program(), "run", path, "--quiet"], check=True)
+    assert (tmp_path / "slab.exr").stat().st_size > 0
+
+
+def test_a_picture_is_opened_as_the_pipeline_that_it_carries(tmp_path):
+    png = tmp_path / "q.png"
+    own = voltet.Pipeline.open(PIPELINES / "quickstart.toml")
+    own.set({"view.size": [32, 24], "file.path": "q.png"})
+    own.save(tmp_path / "q.toml")
+    first = own.run().images["picture"]
+    p = voltet.Pipeline.open(png)
+    assert p.path == str(png) and p["view"]["size"] == [32, 24]
+    assert np.array_equal(p.render(), first)
+    p.save(tmp_path / "from_picture.toml")
+    assert png.stat().st_size > 0 and p.path == str(tmp_path / "from_picture.toml")
+
+
+def test_progress_is_told_and_may_stop(slab):
+    told = []
+    slab.render(progress=lambda *moment: told.append(moment))
+    assert told and all(len(moment) == 3 and 0.0 <= moment[2] <= 1.0 for moment in told)
+
+    class Enough(Exception):
+        pass
+
+    def stop(node, stage, fraction):
+        raise Enough
+
+    with pytest.raises(Enough):
+        slab.render(progress=stop)
+    assert slab.render().shape == (16, 16, 4)
+    slab["view"]["size"] = [20, 20]
+    slab.render(progress=True)
+    with pytest.raises(voltet.UsageError, match="call-back"):
+        slab.render(progress="yes")
+
+
+def test_pictures_show_themselves(slab, tmp_path):
+    rgba = slab.render()
+    png = rgba._repr_png_()
+    assert png.startswith(b"\x89PNG") and (rgba * 2)[0, 0, 3] > 1 and not hasattr(rgba[0, 0, 0], "report")
+    assert rgba[0]._repr_png_() is None
+    rgba.save(tmp_path / "a.png", background=(1, 1, 1))
+    rgba.save(tmp_path / "a.exr")
+    assert (tmp_path / "a.exr").read_bytes()[:4] == b"\x76\x2f\x31\x01"
+    with pytest.raises(voltet.UsageError, match="png or .exr"):
+        rgba.save(tmp_path / "a.jpg")
+    result = slab.run()
+    assert "<img" in result._repr_html_() and "cpu" in result._repr_html_()
+    assert "<table" in slab._repr_html_() and "renderer" in slab._repr_html_()
+    assert rgba.srgb8().shape == (16, 16, 3) and rgba.rgba8().shape == (16, 16, 4)
+
+
+def test_the_size_is_known_before_drawing(slab):
+    assert slab.size() == (16, 16)
+    grid = voltet.Grid([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], tetrahedra=[[0, 1, 2, 3]], point_data={"s": [0, 1, 2, 3]})
+    assert uniform(grid, (8, 4)).size("picture") == (8, 4)
+    with pytest.raises(voltet.UsageError, match="gives no picture"):
+        slab.size("view")

@@ -1,0 +1,70 @@
+"""voltet: volume pictures of results on unstructured grids, straight from the cells, with transfer functions over a scalar
+and its gradient magnitude.
+
+>>> import voltet
+>>> result = voltet.run("pipelines/quickstart.toml", set={"view.size": [64, 48]})    # doctest: +SKIP
+>>> result.images["picture"].shape                                                   # doctest: +SKIP
+(48, 64, 4)
+
+====================  =====================================================================================
+`run`, `check`        pipeline files and the pictures that carry one
+`Pipeline`            a pipeline opened or built in code, changed, drawn again and again, saved
+`Grid`                a grid of numpy arrays, lent without a copy where their layout allows
+`scene`               a pipeline about a grid of yours, to begin with
+`nodes`, `widgets`    what can be stated, with signatures made from the program's own declarations
+`gradient_filter`     gradient filters that are Python functions
+`Error`               what everything here raises, with place and remedy
+`voltet.vtk`          the same as VTK filters (needs the package vtk)
+`voltet.pyvista`      accessors of grids and plotters (loaded by PyVista itself)
+====================  =====================================================================================
+
+Pictures are float32 arrays of height × width × 4: premultiplied linear RGBA, row 0 at the top. Lengths are in the grid's own
+units, angles in degrees.
+"""
+
+from typing import TYPE_CHECKING
+
+from ._errors import Bug, Cancelled, Error, RunError, UsageError
+from ._native import VERSION as __version__
+
+if TYPE_CHECKING:
+    from . import nodes as nodes, widgets as widgets
+    from ._filters import Parameter as Parameter, gradient_filter as gradient_filter
+    from ._grid import Grid as Grid
+    from ._picture import Picture as Picture, Result as Result
+    from ._pipeline import Node as Node, Pipeline as Pipeline, check as check, run as run
+    from ._scene import scene as scene
+
+# Loaded when asked for: `import voltet` alone loads neither numpy nor anything that needs it.
+_HOMES = {
+    "Grid": "_grid",
+    "Node": "_pipeline",
+    "Parameter": "_filters",
+    "Picture": "_picture",
+    "Pipeline": "_pipeline",
+    "Result": "_picture",
+    "check": "_pipeline",
+    "gradient_filter": "_filters",
+    "nodes": "",
+    "run": "_pipeline",
+    "scene": "_scene",
+    "widgets": "",
+}
+
+__all__ = ["Bug", "Cancelled", "Error", "RunError", "UsageError", *_HOMES]
+
+
+def __getattr__(name: str):
+    home = _HOMES.get(name)
+    if home is None:
+        raise AttributeError(f"module 'voltet' has no attribute {name!r}")
+    from importlib import import_module
+
+    module = import_module(f"voltet.{home or name}")
+    found = getattr(module, name) if home else module
+    globals()[name] = found
+    return found
+
+
+def __dir__():
+    return sorted([*globals(), *_HOMES])

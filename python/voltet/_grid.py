@@ -1,0 +1,295 @@
+"""Grids of numpy arrays."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from . import _native
+from ._errors import usage
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+
+class Grid:
+    """An unstructured grid of your arrays.
+
+    Parameters
+    ----------
+    points : array, n × 3
+        Positions. 64-bit floats whose rows lie one after the other are lent, others copied.
+    tetrahedra : array of whole numbers, m × 4
+        The cells, if all are tetrahedra: numbers of points. Of 32 bits, and ascending in every row, they are lent.
+    types, offsets, connectivity : arrays of whole numbers, m, m + 1 and any
+        Cells of any of VTK's types, as a `vtkCellArray` holds them, in place of `tetrahedra`.
+    cells : array of whole numbers
+        In place of offsets and connectivity: for each cell the number of its points and these, as PyVista holds them.
+    faces, face_locations : arrays of whole numbers
+        Of polyhedra (type 42), as VTK's files of version 2 hold them: at each polyhedron's place the number of its faces, then
+        each face's count and points; a place for each cell, -1 for others.
+    point_data, cell_data : mappings of name to array, n or n × k (m or m × k)
+        Quantities. Those on cells become means at the points, unless `constant_cells`.
+    scalar : str
+        The quantity that is drawn where the pipeline names none. Default: the only one of one component, if there is one.
+    ghost : array, m
+        What is not 0 leaves the cell out.
+    degrees : array, m × 3
+        Degrees of Lagrange and Bézier cells along their axes, where they differ.
+    subdivision : int
+        Pieces along the edges of curved cells, 1 to 64.
+    constant_cells : bool
+        Whether every cell keeps its own value, so that neighbours share none.
+    watch : bool
+        Whether arrays that were changed in place are noticed before each picture, which reads them once more. Without it, call
+        `modified` after a change.
+
+    The arrays are held as long as anything is drawn of them, and never written.
+
+    >>> import numpy as np, voltet
+    >>> points = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
+    >>> grid = voltet.Grid(points, tetrahedra=[[0, 1, 2, 3]], point_data={"T": points[:, 0]})
+    >>> grid.cell_count, grid.bounds
+    (1, ((0.0, 0.0, 0.0), (1.0, 1.0, 1.0)))
+    """
+
+    def __init__(
+        self,
+        points: ArrayLike,
+        *,
+        tetrahedra: ArrayLike | None = None,
+        types: ArrayLike | None = None,
+        offsets: ArrayLike | None = None,
+        connectivity: ArrayLike | None = None,
+        cells: ArrayLike | None = None,
+        faces: ArrayLike | None = None,
+        face_locations: ArrayLike | None = None,
+        point_data: Mapping[str, ArrayLike] | None = None,
+        cell_data: Mapping[str, ArrayLike] | None = None,
+        scalar: str | None = None,
+        ghost: ArrayLike | None = None,
+        degrees: ArrayLike | None = None,
+        subdivision: int = 1,
+        constant_cells: bool = False,
+        watch: bool = True,
+    ):
+        self._given: dict[str, Any] = {
+            "points": points,
+            "tetrahedra": tetrahedra,
+            "types": types,
+            "offsets": offsets,
+            "connectivity": connectivity,
+            "cells": cells,
+            "faces": faces,
+            "face_locations": face_locations,
+            "ghost": ghost,
+            "degrees": degrees,
+        }
+        self._data = [
+            (str(name), values, on_cells)
+            for data, on_cells in ((point_data, False), (cell_data, True))
+            for name, values in (data or {}).items()
+        ]
+        self._options: dict[str, Any] = {
+            "scalar": scalar,
+            "subdivision": _count("subdivision", subdivision),
+            "constant_cells": bool(constant_cells),
+        }
+        self._watch = bool(watch)
+        self._made: dict[bool, _native.Grid] = {}
+        self._current()
+
+    def _current(self, keep_cells: bool = False) -> _native.Grid:
+        """The grid as the arrays are now. `keep_cells`: one that knows which of its points is which of the arrays'."""
+        made = self._made.get(keep_cells)
+        if made is not None and self._watch and made.changed():
+            made = None
+        if made is None:
+            made = self._made[keep_cells] = self._make(keep_cells)
+        return made
+
+    def _make(self, keep_cells: bool) -> _native.Grid:
+        taken = _Taken()
+        given = self._given
+        points = taken.floats("points", given["points"])
+        if points.ndim != 2 or points.shape[1] != 3:
+            raise usage("the points are not three numbers each", f"shape {points.shape}", "(n, 3)", "points")
+        cells, cell_count = _cells(given, taken)
+        arrays = []
+        for name, values, on_cells in self._data:
+            array = taken.floats(name, values)
+            count, what = (cell_count, "cell") if on_cells else (len(points), "point")
+            if array.ndim not in (1, 2) or len(array) != count or array.ndim == 2 and array.shape[1] == 0:
+                expected = f"({count},) or ({count}, k), a row a {what}"
+                raise usage("an array has the wrong shape", f"shape {array.shape}", expected, name)
+            arrays.append((name, array, array.shape[1] if array.ndim == 2 else 1, on_cells))
+        flags: dict[str, Any] = {}
+        for name, shape in (("ghost", (cell_count,)), ("degrees", (cell_count, 3))):
+            values = given[name]
+            flags[name] = None if values is None else taken.bytes(name, values, shape)
+        watch = taken.sources if self._watch else []
+        return _native.Grid(
+            points, cells, arrays, keep_cells=keep_cells, watch=watch, **flags, **self._options
+        )
+
+    def modified(self) -> None:
+        """Says that an array was changed in place: what was made of the arrays is made anew."""
+        self._made.clear()
+
+    @property
+    def about(self) -> dict[str, Any]:
+        """What is known of it: counts, bounds, arrays with components and ranges, bytes lent and copied, warnings."""
+        return json.loads(self._current().about())
+
+    @property
+    def point_count(self) -> int:
+        """Points that cells use."""
+        return self.about["points"]
+
+    @property
+    def cell_count(self) -> int:
+        """Tetrahedra that the cells were split into."""
+        return self.about["tetrahedra"]
+
+    @property
+    def bounds(self) -> tuple[tuple[float, ...], ...]:
+        """Two opposite corners, in the grid's units."""
+        return tuple(map(tuple, self.about["bounds"]))
+
+    @property
+    def arrays(self) -> dict[str, tuple[float, float] | None]:
+        """The quantities, each with its range; None for one of several components."""
+        return {name: known["range"] and tuple(known["range"]) for name, known in self.about["arrays"].items()}
+
+    def __repr__(self) -> str:
+        about = self.about
+        names = ", ".join(about["arrays"])
+        return f"<voltet.Grid: {about['points']} points, {about['tetrahedra']} tetrahedra, arrays {names}>"
+
+    def _repr_html_(self) -> str:
+        from ._html import table
+
+        about = self.about
+        rows = [("points", f"{about['points']:,}"), ("tetrahedra", f"{about['tetrahedra']:,}")]
+        rows.append(("bounds", " … ".join(str(corner) for corner in self.bounds)))
+        for name, known in about["arrays"].items():
+            size = f"{known['components']} components"
+            rows.append((name, "{:g} … {:g}".format(*known["range"]) if known["range"] else size))
+        rows.append(("lent, copied", f"{about['bytes_lent']:,} and {about['bytes_copied']:,} bytes"))
+        return table("Grid", rows, about["warnings"])
+
+
+class _Taken:
+    """Brings arrays into the form in which they are lent, and notes what is to be watched."""
+
+    def __init__(self) -> None:
+        self.sources: list[NDArray[np.uint8]] = []
+
+    def _array(self, name: str, values: Any, kinds: str, expected: str) -> NDArray[Any]:
+        try:
+            array = np.asarray(values)
+        except Exception as error:
+            raise usage("an array cannot be made of this", error, expected, name) from error
+        if array.dtype.kind not in kinds:
+            raise usage("an array has the wrong type", f"dtype {array.dtype}", expected, name)
+        if np.ma.isMaskedArray(values) and np.ma.is_masked(values):
+            raise usage("an array is masked", None, "numbers; NaN where there is none, for quantities", name)
+        if array.flags.c_contiguous and array.size:
+            self.sources.append(array.reshape(-1).view(np.uint8))
+        return array
+
+    def floats(self, name: str, values: Any) -> NDArray[np.float64]:
+        array = self._array(name, values, "fiub", "real numbers")
+        return np.require(array, np.float64, ["C", "A"])
+
+    def whole(self, name: str, values: Any, narrow: bool = False) -> NDArray[Any]:
+        """Whole numbers of 64 bits; `narrow`: those of 32 stay, as unsigned ones."""
+        array = self._array(name, values, "iu", "whole numbers")
+        if narrow and array.dtype.itemsize == 4 and array.dtype.isnative:
+            array = np.require(array, None, ["C", "A"])
+            if array.dtype.kind == "i" and array.size and array.min() < 0:
+                place = int(np.argmax(array.reshape(-1) < 0))
+                raise usage(f"{name}[{place}] is no number of a point", array.reshape(-1)[place], "0 or more")
+            return array.view(np.uint32)
+        if array.dtype.kind == "u" and array.dtype.itemsize == 8 and array.size and array.max() >> np.uint64(63):
+            raise usage("a whole number is out of range", array.max(), f"below {2**63}", name)
+        return np.require(array, np.int64, ["C", "A"])
+
+    def bytes(self, name: str, values: Any, shape: tuple[int, ...]) -> NDArray[np.uint8]:
+        array = self._array(name, values, "iub", "whole numbers")
+        if array.shape != shape:
+            raise usage("an array has the wrong shape", f"shape {array.shape}", str(shape), name)
+        if array.dtype.kind != "b" and array.size and (array.min() < 0 or array.max() > 255):
+            raise usage("a number is out of range", f"{array.min()} to {array.max()}", "0 to 255", name)
+        return np.require(array, np.uint8, ["C", "A"])
+
+
+def _cells(given: dict[str, Any], taken: _Taken) -> tuple[dict[str, Any], int]:
+    """The cells in the form that is lent, and their number."""
+    stated = {name for name in ("tetrahedra", "types", "offsets", "connectivity", "cells") if given[name] is not None}
+    if stated == {"tetrahedra"}:
+        tetrahedra = taken.whole("tetrahedra", given["tetrahedra"], narrow=True)
+        if tetrahedra.ndim != 2 or tetrahedra.shape[1] != 4:
+            raise usage("the tetrahedra are not four point numbers each", f"shape {tetrahedra.shape}", "(m, 4)")
+        if tetrahedra.dtype == np.uint32:
+            return {"tetrahedra": tetrahedra}, len(tetrahedra)
+        count = len(tetrahedra)
+        return {
+            "types": np.full(count, 10, np.uint8),
+            "offsets": np.arange(0, 4 * count + 1, 4, dtype=np.int64),
+            "connectivity": tetrahedra.reshape(-1),
+        }, count
+    if stated == {"types", "cells"}:
+        offsets, connectivity = _unpadded(taken.whole("cells", given["cells"]))
+    elif stated == {"types", "offsets", "connectivity"}:
+        offsets = taken.whole("offsets", given["offsets"])
+        connectivity = taken.whole("connectivity", given["connectivity"], narrow=True)
+    else:
+        found = ", ".join(sorted(stated)) or "nothing"
+        expected = "tetrahedra; types, offsets and connectivity; or types and cells"
+        raise usage("the grid's cells are not stated", found, expected)
+    types = taken.whole("types", given["types"])
+    for name, array in (("types", types), ("offsets", offsets), ("connectivity", connectivity)):
+        if array.ndim != 1:
+            raise usage("an array has the wrong shape", f"shape {array.shape}", "one dimension", name)
+    if types.size and (types.min() < 0 or types.max() > 255):
+        raise usage("a cell type is out of range", f"{types.min()} to {types.max()}", "VTK's codes, 0 to 255")
+    if len(offsets) != len(types) + 1:
+        raise usage("the cells have the wrong number of offsets", len(offsets), f"{len(types) + 1}, one more than types")
+    cells = {"types": types.astype(np.uint8), "offsets": offsets, "connectivity": connectivity}
+    for name in ("faces", "face_locations"):
+        if given[name] is not None:
+            cells[name] = taken.whole(name, given[name]).reshape(-1)
+    return cells, len(types)
+
+
+def _unpadded(cells: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
+    """Offsets and connectivity of cells that are preceded by the number of their points."""
+    places, counts = [], []
+    cells = np.ascontiguousarray(cells).reshape(-1)
+    place = 0
+    # Cells of one size, as most are, need no loop.
+    if len(cells) and 0 < (size := int(cells[0])) and len(cells) % (size + 1) == 0:
+        rows = cells.reshape(-1, size + 1)
+        if (rows[:, 0] == size).all():
+            offsets = np.arange(0, size * len(rows) + 1, size, dtype=np.int64)
+            return offsets, np.ascontiguousarray(rows[:, 1:]).reshape(-1)
+    while place < len(cells):
+        count = int(cells[place])
+        if count < 0 or place + 1 + count > len(cells):
+            expected = "the number of the cell's points, then these"
+            raise usage(f"cells[{place}] is wrong", count, expected)
+        places.append(place)
+        counts.append(count)
+        place += 1 + count
+    offsets = np.concatenate([[0], np.cumsum(counts, dtype=np.int64)]).astype(np.int64)
+    return offsets, np.delete(cells, places)
+
+
+def _count(name: str, value: Any) -> int:
+    if isinstance(value, (bool, np.bool_)) or not isinstance(value, (int, np.integer)) or not 0 <= value < 2**32:
+        raise usage("a whole number is asked for", repr(value), "0 or more", name)
+    return int(value)

@@ -1,0 +1,136 @@
+"""Pictures, and what runs give."""
+
+from __future__ import annotations
+
+from os import PathLike, fspath
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from . import _native
+from ._errors import usage
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+
+class Picture(np.ndarray):
+    """A picture: a float32 array of height × width × 4, premultiplied linear RGBA, row 0 at the top.
+
+    Attributes
+    ----------
+    report : dict
+        What was done for it, as `voltet run --report` says it; empty where nothing is known.
+    """
+
+    report: dict[str, Any]
+
+    def __array_finalize__(self, parent):
+        self.report = getattr(parent, "report", {})
+
+    def __array_wrap__(self, array, context=None, return_scalar=False):
+        # What was computed of a picture is an array.
+        return array[()] if return_scalar else np.asarray(array)
+
+    def srgb8(self, background: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> NDArray[np.uint8]:
+        """The picture over a background (linear RGB), for a screen: height × width × 3 bytes, sRGB."""
+        rgba = self._checked()
+        linear = rgba[..., :3] + (1.0 - rgba[..., 3:]) * np.asarray(background, np.float32)
+        return _srgb8(linear)
+
+    def rgba8(self) -> NDArray[np.uint8]:
+        """The picture for programs that lay it over others: height × width × 4 bytes, sRGB not premultiplied, alpha."""
+        rgba = self._checked()
+        alpha = rgba[..., 3:]
+        straight = np.divide(rgba[..., :3], alpha, out=np.zeros_like(rgba[..., :3]), where=alpha > 0)
+        opacity = np.rint(255.0 * np.clip(alpha, 0.0, 1.0)).astype(np.uint8)
+        return np.concatenate([_srgb8(straight), opacity], axis=-1)
+
+    def save(self, path: str | PathLike[str], background: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> None:
+        """Writes a .png (8-bit sRGB over a background in linear RGB) or an .exr (32-bit floats, as it is)."""
+        path = fspath(path)
+        ending = path.rsplit(".", 1)[-1].lower()
+        if ending not in ("png", "exr"):
+            raise usage("the picture cannot be written in this form", path, "a path that ends in .png or .exr")
+        data = self._encoded(ending, background)
+        with open(path, "wb") as file:
+            file.write(data)
+
+    def _checked(self) -> NDArray[np.float32]:
+        if self.ndim != 3 or self.shape[2] != 4:
+            raise usage("a part of a picture is no picture", f"shape {self.shape}", "(height, width, 4)")
+        return np.asarray(self, np.float32)
+
+    def _encoded(self, form: str, background: tuple[float, float, float]) -> bytes:
+        red, green, blue = map(float, background)
+        return _native.encode(np.ascontiguousarray(self._checked()), form, (red, green, blue))
+
+    def _repr_png_(self) -> bytes | None:
+        if self.ndim != 3 or self.shape[2] != 4 or self.size == 0:
+            return None
+        return self._encoded("png", (0.0, 0.0, 0.0))
+
+
+def _srgb8(linear: NDArray[np.float32]) -> NDArray[np.uint8]:
+    """IEC 61966-2-1, in bytes."""
+    v = np.clip(linear, 0.0, 1.0)
+    encoded = np.where(v <= 0.0031308, 12.92 * v, 1.055 * np.power(v, 1.0 / 2.4) - 0.055)
+    return np.rint(255.0 * encoded).astype(np.uint8)
+
+
+class Result:
+    """What a run gave.
+
+    Attributes
+    ----------
+    images : dict of str to Picture
+        The picture of every node that gave one: float32, height × width × 4, premultiplied linear RGBA, row 0 at the top.
+    report : dict
+        What `voltet run --report` writes; as there is one run, its keys stand at the top, too: `engine`, `seconds`, `counts`, ….
+    """
+
+    def __init__(self, images: dict[str, NDArray[np.float32]], report: dict[str, Any]):
+        self.report = report
+        self.images = {name: picture(rgba, report) for name, rgba in images.items()}
+
+    @property
+    def found(self) -> dict[str, Any]:
+        """What nodes found out about the data (probes, histograms, bands): figures by node."""
+        return {finding["node"]: finding["figures"] for finding in self.report["findings"]}
+
+    @property
+    def files(self) -> list[str]:
+        """The files that were written."""
+        return self.report["files"]
+
+    @property
+    def warnings(self) -> list[str]:
+        """What should be known; each a sentence."""
+        return self.report["warnings"]
+
+    def __repr__(self) -> str:
+        images = ", ".join(f"{name} {rgba.shape[1]} × {rgba.shape[0]}" for name, rgba in self.images.items())
+        return f"<voltet.Result: {images or 'no pictures'}, {self.report['seconds']:.2f} s>"
+
+    def _repr_html_(self) -> str:
+        from base64 import b64encode
+
+        from ._html import table
+
+        report = self.report
+        counts = {name: count for name, count in report["counts"].items() if count}
+        rows = [("engine", report["engine"]), ("seconds", f"{report['seconds']:.3f}")]
+        rows += [(name.replace("_", " "), f"{count:,}") for name, count in counts.items()]
+        pictures = "".join(
+            f"<figure><img src='data:image/png;base64,{b64encode(shown).decode()}'/><figcaption>{name}</figcaption></figure>"
+            for name, rgba in self.images.items()
+            if (shown := rgba._repr_png_())
+        )
+        return pictures + table("Run", rows, self.warnings)
+
+
+def picture(rgba: NDArray[np.float32], report: dict[str, Any]) -> Picture:
+    """An array as a picture with its report."""
+    shown = rgba.view(Picture)
+    shown.report = report
+    return shown

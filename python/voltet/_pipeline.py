@@ -1,0 +1,439 @@
+"""Pipelines: opened, built, changed, checked, run, saved."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from os import PathLike, fspath
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from . import _native
+from ._errors import usage
+from ._grid import Grid
+from ._picture import Picture, Result, picture
+from ._progress import Progress, followed
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+
+def run(
+    path: str | PathLike[str],
+    set: Mapping[str, Any] | None = None,
+    progress: bool | None | Progress = None,
+) -> Result:
+    """Runs a pipeline file, or a picture that carries one, as the command `voltet run` does: what it writes is written.
+
+    Parameters
+    ----------
+    path : path
+        A pipeline file (.toml), or a picture (.png, .exr) that carries one.
+    set : mapping
+        Other values of parameters: `{"view.size": [64, 64], "look.widgets.0.extinction": 2.0}`.
+    progress : True or function
+        A bar, or a function of (node, stage, fraction), called every 20 ms; what it raises stops the run.
+
+    Returns
+    -------
+    Result
+        `images`: the picture of every node by its name, float32, height × width × 4, premultiplied linear RGBA, row 0 at the
+        top. `report`: what was done, a dictionary.
+    """
+    pipeline = Pipeline.open(path)
+    pipeline.set(set or {})
+    return pipeline.run(progress)
+
+
+def check(path: str | PathLike[str], set: Mapping[str, Any] | None = None) -> list[str]:
+    """Checks a pipeline file as `voltet check` does, without reading data: its warnings. Raises `Error` for what is wrong."""
+    pipeline = Pipeline.open(path)
+    pipeline.set(set or {})
+    return pipeline.check()
+
+
+class Pipeline:
+    """A pipeline, and what its last run left: what serves again is used again.
+
+    >>> import voltet
+    >>> p = voltet.Pipeline(title="A ball of waves")
+    >>> _ = p.add("grid", "wavelet", resolution=[8, 8, 8])
+    >>> _ = p.add("gradient", "gradient-magnitude", grid="grid")
+    >>> _ = p.add("look", "transfer-function", volume="gradient",
+    ...           widgets=[voltet.widgets.gaussian(color=[1, 0.5, 0.2], extinction=4, centre=["50 %", "50 %"], sigma=["9 %", "30 %"])])
+    >>> _ = p.add("view", "camera", eye=[0, -40, 10], target=[0, 0, 0], size=[64, 48])
+    >>> _ = p.add("picture", "renderer", volume="gradient", transfer_function="look", camera="view", engine="cpu")
+    >>> p.render().shape
+    (48, 64, 4)
+    >>> p["view"]["size"] = [32, 24]
+    >>> p.render().shape
+    (24, 32, 4)
+
+    Its text is that of a pipeline file (`print(pipeline)`); comments and order of a file that was opened stay where nothing is
+    changed. One thread at a time may use it.
+    """
+
+    def __init__(self, text: str | None = None, *, title: str | None = None):
+        self._begin(None, text)
+        if title is not None:
+            self._native.set_title(title)
+
+    def _begin(self, path: str | None, text: str | None) -> None:
+        self._native = _native.Pipeline(path, text)
+        self._grids: dict[str, tuple[Grid, _native.Grid | None]] = {}
+
+    @classmethod
+    def open(cls, path: str | PathLike[str]) -> Pipeline:
+        """Opens a pipeline file, or a picture that carries one."""
+        pipeline = cls.__new__(cls)
+        pipeline._begin(fspath(path), None)
+        return pipeline
+
+    # --- what is stated
+
+    @property
+    def text(self) -> str:
+        """The text of the pipeline file."""
+        return self._native.text()
+
+    @property
+    def path(self) -> str | None:
+        """The file; None for a pipeline that was never saved."""
+        path = self._native.path()
+        return None if path is None else fspath(path)
+
+    @property
+    def title(self) -> str | None:
+        """The title, for people."""
+        return self._native.title()
+
+    @title.setter
+    def title(self, title: str | None) -> None:
+        self._native.set_title(title)
+
+    def add(
+        self,
+        name: str,
+        type: str,
+        /,
+        *,
+        inputs: Mapping[str, str | Node | Sequence[str | Node]] | None = None,
+        **parameters: Any,
+    ) -> Node:
+        """Adds a node.
+
+        Parameters
+        ----------
+        name, type : str
+            Its name, and the name of its type as in files (`voltet.nodes` lists them).
+        inputs : mapping
+            What feeds its inputs: a node or its name, `"node.port"` where that has several outputs, or a list of these.
+        **parameters
+            Its parameters; what has the name of an input, and of no parameter, is a wire. A value of None is left out.
+        """
+        from ._declared import ports
+
+        wires = dict(inputs or {})
+        for port in ports(type):
+            if port in parameters:
+                wires[port] = parameters.pop(port)
+        stated = {key: value for key, value in parameters.items() if value is not None}
+        fed = [(port, _sources(source)) for port, source in wires.items() if source is not None]
+        self._native.add(str(name), str(type), stated, fed)
+        return Node(self, str(name))
+
+    def set(self, values: Mapping[str, Any]) -> None:
+        """Sets parameters by `node.parameter`, and parts of them by further points (`look.widgets.0.centre`); None takes out."""
+        for key, value in values.items():
+            node, point, path = str(key).partition(".")
+            if not point or not path:
+                raise usage("this names no parameter", repr(key), "node.parameter")
+            self[node]._put(path, value)
+
+    def rename(self, node: str, to: str) -> None:
+        """Gives a node another name; wires follow."""
+        self._native.rename(node, to)
+        if node in self._grids:
+            grid, _ = self._grids.pop(node)
+            self._grids[to] = (grid, None)
+
+    def undo(self) -> bool:
+        """Takes the last change of the text back; False where there is none."""
+        return self._native.undo()
+
+    def __getitem__(self, name: str) -> Node:
+        self._native.node(name)
+        return Node(self, name)
+
+    def __delitem__(self, name: str) -> None:
+        self._native.remove(name)
+        self._grids.pop(name, None)
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._native.nodes()
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._native.nodes())
+
+    def __len__(self) -> int:
+        return len(self._native.nodes())
+
+    # --- grids of the program's own
+
+    def give(self, grid: Grid | None, node: str | None = None) -> None:
+        """Puts a grid of yours in place of what a node reads or makes; None takes it away again.
+
+        `node` may be left out where only one gives a grid. What the node says of the scalar (`scalar = "T"`) stays."""
+        if grid is not None and not isinstance(grid, Grid):
+            raise usage("this is no grid", builtin_type(grid), "a voltet.Grid; voltet.vtk.grid makes one of a VTK data set")
+        native = None if grid is None else grid._current()
+        name = self._native.give(node, native)
+        if grid is None:
+            self._grids.pop(name, None)
+        else:
+            self._grids[name] = (grid, native)
+
+    def _lend(self, keep_cells: bool = False) -> None:
+        """Gives the grids as their arrays are now."""
+        for name, (grid, given) in list(self._grids.items()):
+            if name not in self:
+                del self._grids[name]
+                continue
+            native = grid._current(keep_cells)
+            if native is not given:
+                self._native.give(name, native)
+                self._grids[name] = (grid, native)
+
+    # --- what is done
+
+    def check(self) -> list[str]:
+        """Checks names, types, ranges, wires, outputs and integrators, without data: the warnings. Raises `Error`."""
+        return self._native.check()
+
+    def run(self, progress: bool | None | Progress = None) -> Result:
+        """Runs all of it and writes what it writes; see `voltet.run`."""
+        self._lend()
+        with followed(progress) as told:
+            images, report = self._native.run(told)
+        return Result(images, _report(report))
+
+    def render(self, node: str | None = None, progress: bool | None | Progress = None) -> Picture:
+        """Draws the picture of a node (of the only one that gives one, where none is named), and writes nothing.
+
+        Returns
+        -------
+        Picture
+            A float32 array, height × width × 4, premultiplied linear RGBA, row 0 at the top, with its `report`.
+        """
+        self._lend()
+        with followed(progress) as told:
+            rgba, report = self._native.render(node, told)
+        return picture(rgba, _report(report))
+
+    def size(self, node: str | None = None) -> tuple[int, int]:
+        """Width and height of a node's picture, pixels."""
+        width, height = self._native.size(node)
+        return width, height
+
+    def figures(self, node: str, progress: bool | None | Progress = None) -> dict[str, Any]:
+        """What a node reports, such as a probe or a histogram.
+
+        Rows of tables become an array (`rows`, named by `columns`). Of a histogram there are also `volumes`, the volume of every
+        bin (bins of g × bins of s), and `s_edges`, `g_edges`, the limits of the bins."""
+        from ._figures import figures
+
+        self._lend()
+        with followed(progress) as told:
+            return figures(json.loads(self._native.figures(node, told)))
+
+    def volume(
+        self,
+        node: str,
+        *,
+        gradient_magnitude: bool = True,
+        gradient: bool = False,
+        progress: bool | None | Progress = None,
+    ) -> dict[str, NDArray[np.float64]]:
+        """What a node that gives a volume or a grid knows at the points: arrays by name.
+
+        `scalar` (n), `gradient_magnitude` (n, units of the scalar per unit of length) and `gradient` (n × 3) where asked for. Of
+        a grid that you gave the points are yours, in your order; NaN at points of no cell."""
+        self._lend(keep_cells=True)
+        with followed(progress) as told:
+            found = self._native.volume(node, bool(gradient_magnitude), bool(gradient), told)
+        found.pop("scalar_name")
+        return found
+
+    def study(
+        self,
+        node: str | None = None,
+        *,
+        only: Sequence[str] = (),
+        engine: str = "cpu",
+        adapter: str | None = None,
+        frames: int = 3,
+        patience: float = 10.0,
+        max_error: float | None = None,
+        output: str | PathLike[str] | None = None,
+        progress: bool | None | Progress = None,
+    ) -> dict[str, Any]:
+        """Error against run time of every integrator and setting, as `voltet study` measures them.
+
+        Parameters
+        ----------
+        node : str
+            The node that draws, where there are several.
+        only : list of str
+            Integrators to look at; all where it is empty.
+        engine : "cpu", "gpu" or "all"
+            Where.
+        frames, patience : int, float
+            Frames of each setting at most, and the seconds after which no further one begins.
+        max_error : float
+            The largest error of a pixel that is allowed, for the recommendation (1 = full scale).
+        output : path
+            A folder for the page, table and plots that `voltet study` writes.
+
+        Returns
+        -------
+        dict
+            What its study.json holds: `rows` with `label`, `setting`, `cost` (`picture`: milliseconds), `errors`, …; and
+            `reference`, the picture of the 64-bit referee.
+        """
+        self._lend()
+        output = None if output is None else fspath(output)
+        with followed(progress) as told:
+            found, reference = self._native.study(
+                node, list(only), engine, adapter, frames, patience, max_error, output, told
+            )
+        return {**json.loads(found), "reference": picture(reference, {})}
+
+    def save(self, path: str | PathLike[str] | None = None) -> str:
+        """Saves the pipeline file, which `voltet run` and `voltet edit` take; gives its path.
+
+        Files that it reads are found from the new place, too. Grids that you gave are written beside it, as
+        `NAME.NODE.vtu`, and read from there by the file; this pipeline keeps yours."""
+        if path is None and self.path is None:
+            raise usage("the pipeline has no file yet", None, "a path to save it to")
+        to = Path(fspath(path or self.path or ""))
+        readers = [
+            (name, *_write_grid(self[name], grid, to.with_name(f"{to.stem}.{name}.vtu")))
+            for name, (grid, _) in self._grids.items()
+            if name in self
+        ]
+        return fspath(self._native.save(to, readers))
+
+    # --- how it shows itself
+
+    def __str__(self) -> str:
+        return self.text
+
+    def __repr__(self) -> str:
+        nodes = ", ".join(f"{name} ({self[name].type})" for name in self)
+        return f"<voltet.Pipeline {self.path or self.title or 'without a file'}: {nodes}>"
+
+    def _repr_html_(self) -> str:
+        from ._html import table
+
+        def line(name):
+            node = self[name]
+            stated = ", ".join(f"{key} = {value!r}" for key, value in node.parameters.items() if key != "widgets")
+            widgets = len(node.parameters.get("widgets", []))
+            wires = ", ".join(f"{port} ← {source}" for port, source in node.inputs.items())
+            parts = [f"[{node.type}]", wires, stated, f"{widgets} widgets" if widgets else ""]
+            return name, " · ".join(part for part in parts if part)
+
+        return table(self.title or self.path or "Pipeline", map(line, self))
+
+
+class Node:
+    """A node of a pipeline: its parameters by name, as its file states them.
+
+    `node["size"] = [640, 480]` sets one, `del node["near"]` takes it out, `node["widgets.0.extinction"] = 2` sets a part."""
+
+    def __init__(self, pipeline: Pipeline, name: str):
+        self.pipeline = pipeline
+        self.name = name
+
+    @property
+    def type(self) -> str:
+        """The name of its type."""
+        return self.pipeline._native.node(self.name)[0]
+
+    @property
+    def parameters(self) -> dict[str, Any]:
+        """What is stated, by name: a copy."""
+        return self.pipeline._native.node(self.name)[1]
+
+    @property
+    def inputs(self) -> dict[str, str | list[str]]:
+        """What feeds its inputs: a copy."""
+        return self.pipeline._native.node(self.name)[2]
+
+    def connect(self, port: str, source: str | Node | Sequence[str | Node] | None) -> None:
+        """Wires an input to a node, or several; None takes its wires out."""
+        self.pipeline._native.connect(self.name, port, [] if source is None else _sources(source))
+
+    def __getitem__(self, path: str) -> Any:
+        found: Any = self.parameters
+        for step in path.split("."):
+            try:
+                found = found[int(step)] if isinstance(found, list) else found[step]
+            except (KeyError, IndexError, ValueError, TypeError):
+                known = ", ".join(found) if isinstance(found, dict) else None
+                what = f"'{path}' is not stated at the node '{self.name}'"
+                raise usage(what, None, known and f"one of {known}") from None
+        return found
+
+    def __setitem__(self, path: str, value: Any) -> None:
+        self._put(path, value)
+
+    def __delitem__(self, path: str) -> None:
+        self._put(path, None)
+
+    def _put(self, path: str, value: Any) -> None:
+        if value is None:
+            self.pipeline._native.unset(self.name, path)
+        else:
+            self.pipeline._native.set(self.name, path, value)
+
+    def __str__(self) -> str:
+        return self.name
+
+    def __repr__(self) -> str:
+        return f"<voltet.Node {self.name} ({self.type})>"
+
+
+def _sources(source: Any) -> list[str]:
+    listed = source if isinstance(source, (list, tuple)) else [source]
+    for one in listed:
+        if not isinstance(one, (str, Node)):
+            raise usage("this feeds no input", repr(one), "a node, its name, or \"node.port\"")
+    return [str(one) for one in listed]
+
+
+def _report(text: str) -> dict[str, Any]:
+    whole = json.loads(text)
+    return {**(whole["runs"][0] if whole["runs"] else {}), **whole}
+
+
+def builtin_type(value: object) -> str:
+    """The type of a value, for messages."""
+    return f"a {type(value).__module__}.{type(value).__qualname__}"
+
+
+def _write_grid(node: Node, grid: Grid, file: Path) -> tuple[str, str]:
+    """Writes a grid for a reader in place of the node: the file's name and the scalar."""
+    arrays = grid.about["arrays"]
+    scalars = [name for name, known in arrays.items() if known["components"] == 1]
+    scalar = node.parameters.get("scalar") or grid.about["scalar"]
+    # Whatever is drawn, a file of a grid has a scalar.
+    scalar = scalar or (scalars[0] if scalars else f"{next(iter(arrays))}:magnitude")
+    writer = Pipeline()
+    writer.add("grid", "given-grid", scalar=scalar)
+    writer.add("file", "grid-writer", volume="grid", path=str(file.absolute()), point_arrays=list(arrays))
+    writer.give(grid)
+    writer.run()
+    return file.name, scalar

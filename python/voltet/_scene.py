@@ -1,0 +1,107 @@
+"""A pipeline about a grid, to begin with."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from math import sqrt
+from typing import Any
+
+import numpy as np
+
+from ._errors import usage
+from ._grid import Grid
+from ._pipeline import Pipeline
+
+#: Colours of viridis (Smith and van der Walt 2015) at equal steps, sRGB.
+_VIRIDIS = np.array(
+    [
+        [0.267, 0.005, 0.329],
+        [0.229, 0.322, 0.546],
+        [0.128, 0.567, 0.551],
+        [0.369, 0.789, 0.383],
+        [0.993, 0.906, 0.144],
+    ]
+)
+
+
+def scene(
+    grid: Grid,
+    scalar: str | None = None,
+    *,
+    widgets: Sequence[Mapping[str, Any]] | None = None,
+    camera: Mapping[str, Any] | None = None,
+    size: tuple[int, int] = (640, 480),
+    method: str | Mapping[str, Any] | None = None,
+    unit_distance: float | None = None,
+    **renderer: Any,
+) -> Pipeline:
+    """A pipeline that draws a grid of yours: nodes `grid`, `gradient`, `look`, `view`, `picture`.
+
+    Parameters
+    ----------
+    grid : Grid
+        The grid.
+    scalar : str
+        The quantity that is drawn: `"T"`, `"U:magnitude"`, `"U:0"`. Default: the grid's.
+    widgets : list of dict
+        The transfer function, by `voltet.widgets`. Default: viridis over the range of the scalar, the higher the denser.
+    camera : mapping
+        Parameters of the node `camera`; those that are left out are chosen so that the whole grid is seen.
+    size : pair of int
+        Width and height in pixels.
+    method : str or mapping
+        The gradient filter, or a mapping of `method` and its parameters.
+    unit_distance : float
+        The length over which extinction is stated. Default: a hundredth of the grid's diagonal.
+    **renderer
+        Parameters of the node `renderer`, such as `engine="cpu"`, `integrator`, `light`.
+
+    >>> import numpy as np, voltet
+    >>> points = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
+    >>> grid = voltet.Grid(points, tetrahedra=[[0, 1, 2, 3]], point_data={"T": points[:, 0]})
+    >>> voltet.scene(grid, size=(32, 24), engine="cpu").render().shape
+    (24, 32, 4)
+    """
+    about = grid.about
+    scalar = scalar or about["scalar"]
+    if scalar is None:
+        raise usage("the scalar is not named", None, "one of " + ", ".join(about["arrays"]))
+    pipeline = Pipeline()
+    pipeline.add("grid", "given-grid", scalar=scalar)
+    method = {"method": method} if isinstance(method, str) else dict(method or {})
+    pipeline.add("gradient", "gradient-magnitude", grid="grid", **method)
+    pipeline.give(grid, "grid")
+    if widgets is None:
+        values = pipeline.volume("gradient", gradient_magnitude=False)["scalar"]
+        widgets = [_viridis(float(np.nanmin(values)), float(np.nanmax(values)))]
+    # By which numbers may be relative to the data.
+    pipeline.add("look", "transfer-function", volume="gradient", widgets=list(widgets), unit_distance=unit_distance)
+    pipeline.add("view", "camera", **{**_fitted(about["bounds"], size), **dict(camera or {})})
+    pipeline.add("picture", "renderer", volume="gradient", transfer_function="look", camera="view", **renderer)
+    return pipeline
+
+
+def _viridis(low: float, high: float) -> dict[str, Any]:
+    high = high if high > low else low + max(abs(low), 1.0)
+    linear = np.where(_VIRIDIS <= 0.04045, _VIRIDIS / 12.92, ((_VIRIDIS + 0.055) / 1.055) ** 2.4)
+    steps = np.linspace(0.0, 1.0, len(linear))
+    points = [[low + t * (high - low), *map(float, color), 0.08 * float(t)] for t, color in zip(steps, linear)]
+    return {"kind": "piecewise-linear", "points": points}
+
+
+def _fitted(bounds: Sequence[Sequence[float]], size: tuple[int, int]) -> dict[str, Any]:
+    """A camera that looks from the front, the side and above at all of a box."""
+    low, high = np.asarray(bounds, float)
+    middle, radius = 0.5 * (low + high), 0.5 * float(np.linalg.norm(high - low))
+    direction = np.array([-1.0, -2.0, 1.0]) / sqrt(6.0)
+    fov = 30.0
+    # The ball about the box fits the narrower side.
+    narrow = min(1.0, size[0] / size[1])
+    distance = radius / np.sin(np.arctan(narrow * np.tan(np.radians(fov / 2))))
+    return {
+        "eye": (middle + distance * direction).tolist(),
+        "target": middle.tolist(),
+        "up": [0.0, 0.0, 1.0],
+        "fov_y": fov,
+        "size": [int(side) for side in size],
+    }

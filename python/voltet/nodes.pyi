@@ -1,0 +1,251 @@
+# Made by scripts/stubs.py from the program's declarations.
+from collections.abc import Mapping, Sequence
+from os import PathLike
+from typing import Any, Literal
+
+from ._pipeline import Node, Pipeline
+
+__all__ = ["bands", "camera", "composite", "cull", "gpu_renderer", "gradient_magnitude", "grid_writer", "histogram", "image_writer", "multi_gradient", "probe", "project", "reader", "renderer", "report_writer", "sort", "transfer_function", "wavelet"]
+
+_Source = str | Node | Sequence[str | Node]
+
+def reader(
+    pipeline: Pipeline,
+    node: str,
+    /,
+    *,
+    path: str | PathLike[str],
+    scalar: str | None = None,
+    association: Literal["auto", "point", "cell"] | None = None,
+    cell_values: Literal["average", "constant"] | None = None,
+    time_step: int | None = None,
+    time: float | None = None,
+    subdivision: int | None = None,
+    solution: str | PathLike[str] | None = None,
+) -> Node:
+    """Reads a data file: its cells as tetrahedra, one scalar, and what else somebody asks for."""
+def wavelet(
+    pipeline: Pipeline,
+    node: str,
+    /,
+    *,
+    resolution: Sequence[int] | None = None,
+    jitter: float | None = None,
+) -> Node:
+    """Computes a grid of tetrahedra and a field on it, of any size: VTK's analytic source "Wavelet"."""
+def gradient_magnitude(
+    pipeline: Pipeline,
+    node: str,
+    /,
+    *,
+    grid: _Source | None = None,
+    method: str | None = None,
+    **of_method: Any,
+) -> Node:
+    """Computes the gradient of the scalar and its length, by a filter of your choice."""
+def multi_gradient(
+    pipeline: Pipeline,
+    node: str,
+    /,
+    *,
+    volume: _Source | None = None,
+    fields: Sequence[str],
+    scale: Sequence[float] | None = None,
+    name: str | None = None,
+    method: str | None = None,
+    **of_method: Any,
+) -> Node:
+    """Computes the magnitude of the gradients of several fields together, as a point array."""
+def probe(
+    pipeline: Pipeline,
+    node: str,
+    /,
+    *,
+    volume: _Source | None = None,
+    box: Mapping[str, Any] | None = None,
+    sphere: Mapping[str, Any] | None = None,
+    points: Sequence[Sequence[float | str]] | None = None,
+    mask: Mapping[str, Any] | None = None,
+    fields: Sequence[str] | None = None,
+    color: Sequence[float] | None = None,
+    extinction: float | None = None,
+    sigma_scale: float | None = None,
+    least_sigma: float | None = None,
+    correlated: bool | None = None,
+) -> Node:
+    """Places a Gaussian widget on the data of a region: their mean, deviations and correlation there."""
+def histogram(
+    pipeline: Pipeline,
+    node: str,
+    /,
+    *,
+    volume: _Source | None = None,
+    bins: Sequence[int] | None = None,
+    s: Sequence[float] | None = None,
+    g: Sequence[float] | None = None,
+    scale: Literal["log", "linear"] | None = None,
+    decades: float | None = None,
+    magnify: int | None = None,
+) -> Node:
+    """Gives the volume in each bin of the scalar and its gradient magnitude, exact within every cell."""
+def transfer_function(
+    pipeline: Pipeline,
+    node: str,
+    /,
+    *,
+    volume: _Source | None = None,
+    model: Literal["density-emitter", "constant-emitter"] | None = None,
+    cutoff: float | None = None,
+    unit_distance: float | str | None = None,
+    relative_to: Literal["step", "series"] | None = None,
+    widgets: Sequence[Mapping[str, Any]] | None = None,
+) -> Node:
+    """Turns the scalar and its gradient magnitude into colour and extinction, by a list of widgets."""
+def bands(
+    pipeline: Pipeline,
+    node: str,
+    /,
+    *,
+    volume: _Source | None = None,
+    transfer_function: _Source | None = None,
+) -> Node:
+    """Says how many bands of each wave widget the cells cross: more than one is finer than the grid."""
+def camera(
+    pipeline: Pipeline,
+    node: str,
+    /,
+    *,
+    eye: Sequence[float],
+    target: Sequence[float],
+    up: Sequence[float] | None = None,
+    fov_y: float | None = None,
+    height: float | None = None,
+    near: float | None = None,
+    size: Sequence[int] | None = None,
+    samples: int | None = None,
+) -> Node:
+    """Says where the picture is seen from, how wide the view is and how many pixels it has."""
+def cull(
+    pipeline: Pipeline,
+    node: str,
+    /,
+    *,
+    volume: _Source | None = None,
+    transfer_function: _Source | None = None,
+    camera: _Source | None = None,
+) -> Node:
+    """Keeps the cells that could contribute: those that a widget touches and that the camera sees."""
+def sort(
+    pipeline: Pipeline,
+    node: str,
+    /,
+    *,
+    cells: _Source | None = None,
+    camera: _Source | None = None,
+    order: Literal["exact", "centroid", "none", "auto"] | None = None,
+) -> Node:
+    """Says in which order ray segments are composited; the exact order is carried out pixel by pixel."""
+def project(
+    pipeline: Pipeline,
+    node: str,
+    /,
+    *,
+    cells: _Source | None = None,
+    camera: _Source | None = None,
+) -> Node:
+    """Projects each cell's silhouette, and prepares what the compositor walks."""
+def composite(
+    pipeline: Pipeline,
+    node: str,
+    /,
+    *,
+    projection: _Source | None = None,
+    transfer_function: _Source | None = None,
+    integrator: Literal["analytic", "adaptive", "segments", "riemann", "pre-integrated", "pre-integrated-cylindrical", "clipped", "reference"] | None = None,
+    overlap: Literal["exact", "mix"] | None = None,
+    segments: int | None = None,
+    tolerance: float | None = None,
+    table_size: int | None = None,
+    silhouette: float | None = None,
+    light: Mapping[str, Any] | None = None,
+) -> Node:
+    """Integrates every ray segment and composites each pixel's segments front to back."""
+def renderer(
+    pipeline: Pipeline,
+    node: str,
+    /,
+    *,
+    volume: _Source | None = None,
+    transfer_function: _Source | None = None,
+    camera: _Source | None = None,
+    engine: Literal["auto", "cpu", "gpu"] | None = None,
+    adapter: str | None = None,
+    compositor: Literal["auto", "tiles", "raster"] | None = None,
+    order: Literal["exact", "centroid", "none", "auto"] | None = None,
+    integrator: Literal["analytic", "adaptive", "segments", "riemann", "pre-integrated", "pre-integrated-cylindrical", "clipped", "reference"] | None = None,
+    overlap: Literal["exact", "mix"] | None = None,
+    segments: int | None = None,
+    tolerance: float | None = None,
+    table_size: int | None = None,
+    silhouette: float | None = None,
+    light: Mapping[str, Any] | None = None,
+) -> Node:
+    """Draws a volume in one node: culls, sorts, projects and composites."""
+def gpu_renderer(
+    pipeline: Pipeline,
+    node: str,
+    /,
+    *,
+    volume: _Source | None = None,
+    transfer_function: _Source | None = None,
+    camera: _Source | None = None,
+    adapter: str | None = None,
+    compositor: Literal["auto", "tiles", "raster"] | None = None,
+    order: Literal["exact", "centroid", "none", "auto"] | None = None,
+    integrator: Literal["analytic", "adaptive", "segments", "riemann", "pre-integrated", "pre-integrated-cylindrical", "clipped", "reference"] | None = None,
+    overlap: Literal["exact", "mix"] | None = None,
+    segments: int | None = None,
+    tolerance: float | None = None,
+    table_size: int | None = None,
+    silhouette: float | None = None,
+    light: Mapping[str, Any] | None = None,
+) -> Node:
+    """Draws a volume on the graphics device, where the grid stays: culls, projects, sorts and composites."""
+def grid_writer(
+    pipeline: Pipeline,
+    node: str,
+    /,
+    *,
+    volume: _Source | None = None,
+    cell_values: _Source | None = None,
+    path: str | PathLike[str],
+    arrays: Sequence[str] | None = None,
+    point_arrays: Sequence[str] | None = None,
+    cell_arrays: Sequence[str] | None = None,
+    cells: Literal["auto", "file", "tetrahedra"] | None = None,
+    precision: Literal["auto", "single", "double"] | None = None,
+    compression: Literal["none", "zlib"] | None = None,
+) -> Node:
+    """Writes the grid with what was computed of it as .vtu: gradient, culled cells, bands, arrays of the file."""
+def image_writer(
+    pipeline: Pipeline,
+    node: str,
+    /,
+    *,
+    image: _Source | None = None,
+    path: str | PathLike[str],
+    format: Literal["auto", "png", "exr"] | None = None,
+    background: Sequence[float] | None = None,
+    provenance: bool | None = None,
+) -> Node:
+    """Writes a picture: .png over a background, or .exr with the linear floats as they are."""
+def report_writer(
+    pipeline: Pipeline,
+    node: str,
+    /,
+    *,
+    report: _Source | None = None,
+    path: str | PathLike[str],
+    format: Literal["auto", "json", "csv"] | None = None,
+) -> Node:
+    """Writes figures: .json with all there is, .csv with the table alone."""
