@@ -23,6 +23,7 @@ static TAKER: Node = Node {
         Port { name: "image", port_type: PortType::Image, summary: "a picture" },
         Port { name: "report", port_type: PortType::Report, summary: "figures" },
         Port { name: "volume", port_type: PortType::Volume, summary: "a volume" },
+        Port { name: "widgets", port_type: PortType::TransferFunction, summary: "widgets, as of a probe" },
     ],
     ..Node::BLANK
 };
@@ -181,18 +182,32 @@ impl Session {
         fed.0.into_iter().next().ok_or_else(|| Error::run("the node gave nothing").at_node(node))
     }
 
-    /// The graph of the whole pipeline, with all that it writes, and the pictures that feed nothing.
+    /// The graph of the whole pipeline: all that it writes, and the pictures and probes that feed nothing.
     pub fn whole(&self, scene: &dyn Scene) -> Result<Graph> {
         let mut entries = scene.pipeline().nodes.clone();
         let feeds = |name: &String| {
             let mut wires = entries.iter().flat_map(|entry| entry.inputs.iter().flat_map(sources));
             wires.any(|text| source(text, &entries).0 == name)
         };
-        let mut pictures = self.giving(scene, PortType::Image);
-        pictures.retain(|name| !feeds(name));
-        if !pictures.is_empty() {
-            entries.push(self.taker(&entries, "image", &pictures));
+        // Widgets that are made of no data say nothing.
+        let of_data = |name: &String| {
+            let entry = entries.iter().find(|entry| entry.name == *name);
+            let node = entry.and_then(|entry| self.registry.find(entry.node_type.text()?).ok());
+            node.is_some_and(|node| !node.inputs.is_empty())
+        };
+        let mut taker = None;
+        for (port, port_type) in [("image", PortType::Image), ("widgets", PortType::TransferFunction)] {
+            let mut open = self.giving(scene, port_type);
+            open.retain(|name| !feeds(name) && of_data(name));
+            if !open.is_empty() {
+                let taken = self.taker(&entries, port, &open);
+                taker
+                    .get_or_insert_with(|| NodeEntry { inputs: Vec::new(), ..taken.clone() })
+                    .inputs
+                    .extend(taken.inputs);
+            }
         }
+        entries.extend(taker);
         self.graph(scene, entries)
     }
 

@@ -9,6 +9,7 @@ use crate::study::{Asked, study};
 use crate::value::{object, settings, table};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
 use voltet_core::graph::{Datum, Demand, NodeEntry, Value};
@@ -83,14 +84,14 @@ impl Held {
         faults.into_iter().find(|fault| fault.node.is_none()).map_or(Ok(()), |fault| Err(fault.error))
     }
 
-    /// Carries out edits; what they leave wrong in a node's parameters undoes them.
-    fn edit(&mut self, node: Option<&str>, label: String, edits: &[Edit]) -> Result<()> {
+    /// Carries out edits; what they leave wrong in the parameters of these nodes undoes them.
+    fn edit(&mut self, nodes: &[&str], label: String, edits: &[Edit]) -> Result<()> {
         self.refresh()?;
-        let before = self.faults(node);
+        let before = self.faults(nodes);
         let document = &mut self.stated.document;
         document.edit_all(label, edits, None).map_err(|error| document.locate(error))?;
         let is_new = |fault: &Fault| !before.iter().any(|known| known.error.what == fault.error.what);
-        match self.faults(node).into_iter().find(is_new) {
+        match self.faults(nodes).into_iter().find(is_new) {
             None => Ok(()),
             Some(fault) => {
                 self.stated.document.undo()?;
@@ -99,14 +100,17 @@ impl Held {
         }
     }
 
-    /// What is wrong with a node, but for its wires, which may lead to nodes that are to come.
-    fn faults(&self, node: Option<&str>) -> Vec<Fault> {
-        let Some(node) = node else { return Vec::new() };
+    /// What is wrong with nodes, but for their wires, which may lead to nodes that are to come.
+    fn faults(&self, nodes: &[&str]) -> Vec<Fault> {
+        if nodes.is_empty() {
+            return Vec::new();
+        }
         let mut faults = self.stated.document.faults(self.runs.registry());
         let wires = |fault: &Fault| {
             matches!(fault.part, Part::Input(_)) || fault.error.what.contains("is not connected")
         };
-        faults.retain(|fault| fault.node.as_deref() == Some(node) && !wires(fault));
+        faults
+            .retain(|fault| fault.node.as_deref().is_some_and(|name| nodes.contains(&name)) && !wires(fault));
         faults
     }
 
@@ -231,7 +235,7 @@ impl Pipeline {
 
     fn set_title(&self, py: Python<'_>, title: Option<String>) -> PyResult<()> {
         let edit = Edit::Title(title);
-        self.with(py, |held| held.edit(None, edit.label(), std::slice::from_ref(&edit)))
+        self.with(py, |held| held.edit(&[], edit.label(), std::slice::from_ref(&edit)))
     }
 
     /// The names of the nodes.
@@ -268,7 +272,7 @@ impl Pipeline {
         let label = add.label();
         let wires = inputs.into_iter().flat_map(|(port, sources)| wires(&name, &port, sources));
         let edits: Vec<Edit> = std::iter::once(add).chain(wires).collect();
-        self.with(py, |held| held.edit(Some(&name), label, &edits))
+        self.with(py, |held| held.edit(&[&name], label, &edits))
     }
 
     /// Takes a node out, with its wires.
@@ -276,32 +280,31 @@ impl Pipeline {
         self.with(py, |held| {
             held.node(&name)?;
             let edit = Edit::RemoveNodes(vec![name]);
-            held.edit(None, edit.label(), std::slice::from_ref(&edit))
+            held.edit(&[], edit.label(), std::slice::from_ref(&edit))
         })
     }
 
     /// Gives a node another name; wires follow.
     fn rename(&self, py: Python<'_>, node: String, to: String) -> PyResult<()> {
         let edit = Edit::Rename { node, to };
-        self.with(py, |held| held.edit(None, edit.label(), std::slice::from_ref(&edit)))
+        self.with(py, |held| held.edit(&[], edit.label(), std::slice::from_ref(&edit)))
     }
 
-    /// Sets a parameter or a part of it, such as `widgets.0.centre`.
-    fn set(&self, py: Python<'_>, node: String, path: &str, value: &Bound<'_, PyAny>) -> PyResult<()> {
-        let edit =
-            Edit::Set { node: node.clone(), path: Place::from(path), value: crate::value::datum(value)? };
+    /// Sets parameters or parts of them, such as `widgets.0.centre`, in one step; None takes them out.
+    fn set(&self, py: Python<'_>, values: Vec<(String, String, Bound<'_, PyAny>)>) -> PyResult<()> {
+        let mut edits = Vec::new();
+        for (node, path, value) in &values {
+            let place = Place::from(path.as_str());
+            edits.push(match value.is_none() {
+                true => Edit::Unset { node: node.clone(), path: place },
+                false => Edit::Set { node: node.clone(), path: place, value: crate::value::datum(value)? },
+            });
+        }
         self.with(py, |held| {
-            held.node(&node)?;
-            held.edit(Some(&node), edit.label(), std::slice::from_ref(&edit))
-        })
-    }
-
-    /// Takes a parameter or a part of it out.
-    fn unset(&self, py: Python<'_>, node: String, path: &str) -> PyResult<()> {
-        let edit = Edit::Unset { node: node.clone(), path: Place::from(path) };
-        self.with(py, |held| {
-            held.node(&node)?;
-            held.edit(Some(&node), edit.label(), std::slice::from_ref(&edit))
+            let Some(first) = edits.first() else { return Ok(()) };
+            values.iter().try_for_each(|(node, ..)| held.node(node).map(drop))?;
+            let nodes: BTreeSet<&str> = values.iter().map(|(node, ..)| node.as_str()).collect();
+            held.edit(&nodes.into_iter().collect::<Vec<_>>(), first.label(), &edits)
         })
     }
 
@@ -313,7 +316,7 @@ impl Pipeline {
         };
         self.with(py, |held| {
             held.node(&node)?;
-            held.edit(None, edits[0].label(), &edits)
+            held.edit(&[], edits[0].label(), &edits)
         })
     }
 
@@ -391,14 +394,6 @@ impl Pipeline {
         self.with(py, |held| {
             held.sound()?;
             held.runs.size(&held.stated, node)
-        })
-    }
-
-    /// The name of the node that draws a picture.
-    fn picture_node(&self, py: Python<'_>, node: Option<&str>) -> PyResult<String> {
-        self.with(py, |held| {
-            held.sound()?;
-            held.runs.picture(&held.stated, node)
         })
     }
 

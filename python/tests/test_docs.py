@@ -11,7 +11,7 @@ from conftest import ROOT
 
 import voltet
 
-MODULES = ["voltet", "voltet._grid", "voltet._pipeline", "voltet._filters", "voltet._scene", "voltet.nodes", "voltet.widgets"]
+MODULES = ["voltet", "voltet._grid", "voltet._pipeline", "voltet._filters", "voltet._scene", "voltet.nodes", "voltet.widgets", "voltet.vtk"]
 
 
 @pytest.mark.parametrize("name", MODULES)
@@ -36,8 +36,9 @@ def test_stubs_are_made_of_the_declarations():
 
 def test_stubs_fit_the_module():
     pytest.importorskip("mypy")
-    stubs = ["voltet._native", "voltet.nodes", "voltet.widgets"]
-    done = subprocess.run([sys.executable, "-m", "mypy.stubtest", *stubs], capture_output=True, text=True)
+    stubs = ["voltet._native", "voltet.nodes", "voltet.widgets", "voltet.vtk"]
+    config = ["--mypy-config-file", str(ROOT / "python/pyproject.toml")]
+    done = subprocess.run([sys.executable, "-m", "mypy.stubtest", *stubs, *config], capture_output=True, text=True)
     assert done.returncode == 0, done.stdout
 
 
@@ -65,6 +66,9 @@ def test_the_page_is_true(cube, tmp_path, monkeypatch):
         "cell_types": np.full(len(tetrahedra), 10), "offsets": np.arange(0, tetrahedra.size + 1, 4),
         "connectivity": tetrahedra.reshape(-1), "gradient": None,
     }
+    vtk = pytest.importorskip("vtk")
+    names["reader"] = vtk.vtkRTAnalyticSource(whole_extent=(-4, 4, -4, 4, -4, 4))
+    names["camera"] = vtk.vtkCamera(position=(0, -40, 0), view_up=(0, 0, 1))
     for block in re.findall(r"```python\n(.*?)```", page, re.S):
-        exec(compile(block, "docs/python.md", "exec"), names)
+        exec(compile(block.replace('0, "T")', '0, "RTData")'), "docs/python.md", "exec"), names)
     assert names["picture"].shape == (600, 800, 4) and (tmp_path / "T.toml").exists()

@@ -145,12 +145,15 @@ class Pipeline:
         return Node(self, str(name))
 
     def set(self, values: Mapping[str, Any]) -> None:
-        """Sets parameters by `node.parameter`, and parts of them by further points (`look.widgets.0.centre`); None takes out."""
+        """Sets parameters by `node.parameter`, and parts of them by further points (`look.widgets.0.centre`), in one step; None
+        takes out."""
+        wanted = []
         for key, value in values.items():
             node, point, path = str(key).partition(".")
             if not point or not path:
                 raise usage("this names no parameter", repr(key), "node.parameter")
-            self[node]._put(path, value)
+            wanted.append((node, path, value))
+        self._native.set(wanted)
 
     def rename(self, node: str, to: str) -> None:
         """Gives a node another name; wires follow."""
@@ -394,10 +397,7 @@ class Node:
         self._put(path, None)
 
     def _put(self, path: str, value: Any) -> None:
-        if value is None:
-            self.pipeline._native.unset(self.name, path)
-        else:
-            self.pipeline._native.set(self.name, path, value)
+        self.pipeline._native.set([(self.name, path, value)])
 
     def __str__(self) -> str:
         return self.name
