@@ -15,6 +15,7 @@ pub mod picture;
 pub mod pipeline;
 pub mod probing;
 pub mod progress;
+pub mod reading;
 pub mod reference;
 pub mod scene;
 pub mod shading;

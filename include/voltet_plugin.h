@@ -1,16 +1,18 @@
 /*
- * voltet_plugin.h: gradient filters for voltet, in C, C++, or whatever speaks C's calling convention.
+ * voltet_plugin.h: gradient filters, readers, grid filters and image filters for voltet, in C, C++, or whatever speaks C's
+ * calling convention.
  *
  * A plug-in is a shared library that exports one symbol, the constant `voltet_plugin_entry`. It is loaded by the user's word
- * alone (`voltet run --plugin ./filter.so scene.toml`). Its filters are then named in pipeline files and shown in help and in the
- * editor as those that ship are. A whole plug-in: examples/plugin_c/least_squares.c. Build it with
+ * alone (`voltet run --plugin ./filter.so scene.toml`). What it offers is then named in pipeline files and shown in help and in
+ * the editor as what ships is: gradient filters by `method`, all others as nodes by `type`. Whole plug-ins:
+ * examples/plugin_c/least_squares.c (a gradient filter), reader.c, filters.c (of grids and of images). Build one with
  *
  *     cc -std=c99 -O2 -shared -fPIC -Iinclude -o filter.so filter.c -lm
  *
  * Rules that hold throughout
  *
- * - Order of calls: init, get_factory, filter_count, filter (the descriptions), then check and gradient as often as the user
- *   likes, last deinit. A library stays loaded until the program ends. After a deinit there may be another init.
+ * - Order of calls: init, get_factory for each kind, counts and descriptions, then what these name as often as the user likes,
+ *   last deinit. A library stays loaded until the program ends. After a deinit there may be another init.
  * - Size: every struct begins with its size in bytes, as its maker knows it: `sizeof`. Structs grow at their ends only. Before
  *   you read what came after version 1.0 of a host's struct, compare its size.
  * - Memory: nobody frees or keeps what the other side allocated. What a description points to stays as it is until deinit. What
@@ -19,10 +21,10 @@
  *   errors and notes 4096. Names of filters and parameters are lower-case letters, digits, '-' and '_', beginning with a letter.
  * - Threads: the host calls the functions of one plug-in one at a time, not always from the same thread. Threads of your own
  *   are allowed; they must have ended when the function returns that began them (idle ones of a run-time library may stay). The
- *   thread that calls `gradient` has a stack of 64 MiB, those of `parallel_for` 2 MiB.
+ *   thread that calls has a stack of 64 MiB, those of `parallel_for` 2 MiB.
  * - Exceptions (C++), longjmp and whatever unwinds must not leave a plug-in's function: catch them and call host->error. One that
  *   does leave ends the program, with a message that names the plug-in.
- * - A crash ends the program, too. `voltet --plugin-process` runs filters in a process of their own, which may crash.
+ * - A crash ends the program, too. `voltet --plugin-process` runs plug-ins in a process of their own, which may crash.
  * - Standard output belongs to the program: a picture may be on its way there. Say what there is to say by the host's functions.
  */
 #ifndef VOLTET_PLUGIN_H
@@ -36,7 +38,7 @@ extern "C" {
 
 /* The version of this interface. A program loads plug-ins of its own major version, whatever the others are. */
 #define VOLTET_PLUGIN_MAJOR 1
-#define VOLTET_PLUGIN_MINOR 0
+#define VOLTET_PLUGIN_MINOR 1 /* 0: gradient filters alone. 1: readers, grid filters, image filters. */
 #define VOLTET_PLUGIN_PATCH 0
 
 #if defined(_WIN32)
@@ -103,7 +105,8 @@ enum {
     VOLTET_CHOICE = 4,      /* One of several words: integers (its place, from 0) and texts. */
     VOLTET_TEXT = 5,        /* Any text: texts. */
     VOLTET_VECTOR = 6,      /* A list of numbers: vectors and lengths. */
-    VOLTET_POINT_ARRAY = 7  /* The name of an array of the data with a value a point: texts; the values: voltet_call.arrays. */
+    VOLTET_POINT_ARRAY = 7  /* The name of an array of the data with a value a point: texts; the values: voltet_call.arrays,
+                               voltet_grid_call.arrays. Of gradient filters and grid filters alone. */
 };
 
 /* Flags of a parameter. */
@@ -118,7 +121,8 @@ enum {
 typedef struct voltet_parameter {
     uint32_t size;
     uint32_t type;    /* VOLTET_BOOLEAN ... */
-    const char *name; /* The key in the pipeline file. "type", "inputs" and "method" are taken. */
+    const char *name; /* The key in the pipeline file. "type", "inputs" and "method" are taken, and for readers the names that
+                         every reader has: path, scalar, association, cell_values, time_step, time, subdivision. */
     const char *unit; /* NULL or "" where it has none. */
     const char *help; /* One line. */
     uint32_t flags;   /* VOLTET_REQUIRED ... or 0. */
@@ -200,8 +204,8 @@ typedef struct voltet_gradient_filter {
     int32_t (*gradient)(const voltet_call *call, const voltet_host *host);
 } voltet_gradient_filter;
 
-/* The kind of factory that gives gradient filters. Further kinds (readers, grid and image filters) will have names of their
- * own; return NULL for those that you do not know. */
+/* The kind of factory that gives gradient filters. A plug-in may have several kinds; return NULL for those that you do not know.
+ * All that a plug-in offers has different names. */
 #define VOLTET_GRADIENT_FILTERS "voltet.gradient-filters/1"
 
 typedef struct voltet_gradient_factory {
@@ -212,6 +216,205 @@ typedef struct voltet_gradient_factory {
     /* The description of one, by its place from 0. */
     const voltet_gradient_filter *(*filter)(uint32_t place);
 } voltet_gradient_factory;
+
+/* ---- Grids: what readers and grid filters give (since 1.1) ------------------------------------------------------------------- */
+
+/* What an array of a grid is. Of several, the elements are `size` bytes apart, and all of the same size. */
+typedef struct voltet_array_head {
+    uint32_t size;
+    uint32_t component_count; /* Numbers a tuple, 1 to 1024; those of one tuple stand side by side. */
+    const char *name;         /* Its name in the pipeline, at most 1024 bytes. No two at points, and no two at cells, share one. */
+    uint32_t on_cells;        /* 0: a tuple a point; 1: a tuple a cell. */
+    uint32_t reserved;
+} voltet_array_head;
+
+/* Flags of a grid. */
+enum {
+    VOLTET_TETRAHEDRA = 1,  /* All cells are tetrahedra: they are written to `tetrahedra`, in place of types, offsets and
+                               connectivity. */
+    VOLTET_SAME_POINTS = 2, /* Of a grid filter: the points are those of the input, and its arrays stay, but for those that are
+                               given anew. `points` is NULL then. */
+    VOLTET_SAME_CELLS = 4   /* The same: the cells are those of the input. The counts of points are then equal, too. */
+};
+
+/* How large a grid is and what it holds, but for the numbers. The host copies it. */
+typedef struct voltet_grid_head {
+    uint32_t size;
+    uint32_t flags;              /* VOLTET_TETRAHEDRA ... or 0. */
+    uint64_t point_count;        /* Less than 2^32. 0 with VOLTET_SAME_POINTS. */
+    uint64_t cell_count;         /* The same. 0 with VOLTET_SAME_CELLS. */
+    uint64_t connectivity_count; /* Numbers of points of all cells together; 0 with VOLTET_TETRAHEDRA or VOLTET_SAME_CELLS. */
+    uint32_t array_count;        /* At most 4096. */
+    uint32_t step_count;         /* Of a reader: steps of the time series that the file is, at most 2^20; 0: it is none. */
+    const voltet_array_head *arrays;
+    const char *scalar;  /* Of a reader: the array that is drawn where the pipeline names none; of a grid filter: the array that is
+                            drawn from now on, one of `arrays` of one component. NULL: none is marked; the one drawn before. */
+    const double *times; /* The time of each step, ascending, in the file's own unit. */
+    const char *format;  /* Of a reader: how the file is written, for `voltet info`; NULL: the reader's name. */
+} voltet_grid_head;
+
+/* Memory of the host for a grid of that size: to be filled during the call, and not to be touched afterwards. What is NULL is not
+ * asked for. What is left unset is an error, and so is what is written beyond the end of any of these. */
+typedef struct voltet_grid_buffers {
+    uint32_t size;
+    uint32_t array_count;
+    uint64_t point_count;
+    uint64_t cell_count;
+    uint64_t connectivity_count;
+    double *points;             /* x, y, z of each point: 3 point_count numbers. */
+    uint32_t *tetrahedra;       /* 4 cell_count numbers, with VOLTET_TETRAHEDRA. */
+    uint8_t *types;             /* Otherwise VTK's code of each cell (vtkCellType.h), without polyhedra (42), */
+    int64_t *offsets;           /* cell_count + 1: cell i has connectivity_u32[offsets[i]] to [offsets[i + 1] - 1], the first is 0, */
+    uint32_t *connectivity_u32; /* the numbers of points, from 0, with VTK's order in a cell. */
+    double *const *arrays;      /* The values of each array of the head; NULL for one that nobody asks for. Values that are not
+                                   finite are as in any file: cells that touch one are left out and counted. */
+} voltet_grid_buffers;
+
+/* ---- Readers (since 1.1) ----------------------------------------------------------------------------------------------------- */
+
+/* What is to be read. */
+typedef struct voltet_reading {
+    uint32_t size;
+    uint32_t reserved;
+    const char *path; /* The file, as this process can open it. */
+    uint64_t step;    /* Which step of a series, from 0; 0 where the file is none. */
+    const voltet_values *values;
+    /* Of `inspect`: says what the file holds at that step; to be called once. VOLTET_OK, or VOLTET_ERROR where the head contradicts
+     * itself: then return that, too. NULL in `read`. */
+    int32_t (*describe)(const struct voltet_reading *reading, const voltet_grid_head *head);
+    const voltet_grid_buffers *buffers; /* Of `read`: where it goes. Points and cells are NULL where they are not asked for. NULL in
+                                           `inspect`. */
+    void *context;                      /* The host's own. */
+} voltet_reading;
+
+/* What a reader is: the type of a node that gives a grid, with the parameters of every reader and its own. */
+typedef struct voltet_reader {
+    uint32_t size;
+    uint32_t reserved;
+    const char *name;    /* The type in pipeline files: type = "name". */
+    const char *summary; /* What it reads, one sentence. */
+    uint32_t parameter_count; /* At most 64. */
+    uint32_t extension_count; /* At most 16. */
+    const voltet_parameter *parameters;
+    int32_t (*check)(const voltet_values *values, const voltet_host *host); /* As that of a gradient filter. */
+
+    /* Says by reading->describe how large the file's grid is and what it holds, from its headers where it has such: it is called
+     * more often than `read`. */
+    int32_t (*inspect)(const voltet_reading *reading, const voltet_host *host);
+
+    /* Reads what is asked for into memory of the size that `inspect` gave. A file that is not as large any more is an error. */
+    int32_t (*read)(const voltet_reading *reading, const voltet_host *host);
+
+    /* How `voltet info FILE` and the editor know a file: by how it begins where `magic` is given, otherwise by what its name ends
+     * with after a dot, in lower case. */
+    const char *const *extensions;
+    const uint8_t *magic;
+    uint32_t magic_length; /* Bytes, at most 64; 0: none. */
+    uint32_t reserved_too;
+} voltet_reader;
+
+/* The kind of factory that gives readers. */
+#define VOLTET_READERS "voltet.readers/1"
+
+typedef struct voltet_reader_factory {
+    uint32_t size;
+    uint32_t reserved;
+    uint32_t (*reader_count)(void); /* At most 256. */
+    const voltet_reader *(*reader)(uint32_t place);
+} voltet_reader_factory;
+
+/* ---- Grid filters (since 1.1) ------------------------------------------------------------------------------------------------ */
+
+/* An array of the input, one tuple a point. */
+typedef struct voltet_given_array {
+    uint32_t size;
+    uint32_t component_count;
+    const char *name;
+    const double *values;
+} voltet_given_array;
+
+/* The grid that a filter is given, and how it gives its own. */
+typedef struct voltet_grid_call {
+    uint32_t size;
+    uint32_t array_count;
+    uint64_t point_count;
+    uint64_t cell_count;
+    const double *points;       /* As in voltet_call. */
+    const uint32_t *tetrahedra; /* 4 cell_count numbers, ascending in each cell: cells of other shapes were split. */
+    const voltet_given_array *carried; /* The arrays that the grid carries: the scalar that is drawn, first, if there is one, and
+                                          what somebody asks for, so not all that the file holds. array_count of them. */
+    const char *scalar;                /* The name of the scalar that is drawn; NULL: the grid carries none. */
+    const double *const *arrays;       /* As in voltet_call: the array that each parameter names. */
+    const voltet_values *values;
+    /* Hands out memory for the filter's own grid; to be called once. Fills *buffers, whose size the filter has set. VOLTET_OK, or
+     * VOLTET_ERROR where the head contradicts itself or memory ends: then return that, too. */
+    int32_t (*begin)(const struct voltet_grid_call *call, const voltet_grid_head *head, voltet_grid_buffers *buffers);
+    void *context; /* The host's own. */
+} voltet_grid_call;
+
+/* What a grid filter is: the type of a node that takes a grid and gives one. */
+typedef struct voltet_grid_filter {
+    uint32_t size;
+    uint32_t reserved;
+    const char *name;
+    const char *summary;
+    uint32_t parameter_count; /* At most 64. */
+    uint32_t made_count;      /* At most 64. */
+    const voltet_parameter *parameters;
+    int32_t (*check)(const voltet_values *values, const voltet_host *host);
+
+    /* Makes the grid: begins it by call->begin, and fills it. Positions must be finite. Other arrays that the input carried must be
+     * given, too, unless VOLTET_SAME_POINTS keeps them. */
+    int32_t (*filter)(const voltet_grid_call *call, const voltet_host *host);
+
+    const char *const *made; /* The names of arrays that it makes itself: they are not asked of the input. NULL where none. */
+} voltet_grid_filter;
+
+/* The kind of factory that gives grid filters. */
+#define VOLTET_GRID_FILTERS "voltet.grid-filters/1"
+
+typedef struct voltet_grid_factory {
+    uint32_t size;
+    uint32_t reserved;
+    uint32_t (*filter_count)(void); /* At most 256. */
+    const voltet_grid_filter *(*filter)(uint32_t place);
+} voltet_grid_factory;
+
+/* ---- Image filters (since 1.1) ----------------------------------------------------------------------------------------------- */
+
+/* A picture, and where the filtered one goes: premultiplied linear RGBA with the primaries of sRGB, 4 floats a pixel, row 0 at the
+ * top. */
+typedef struct voltet_image_call {
+    uint32_t size;
+    uint32_t reserved;
+    uint64_t width, height; /* Pixels. */
+    const float *rgba;      /* 4 width height numbers. */
+    const voltet_values *values;
+    float *filtered; /* Out: as many. Every number must be set and finite, the last of each pixel 0 to 1. */
+} voltet_image_call;
+
+/* What an image filter is: the type of a node that takes a picture and gives one of the same size. */
+typedef struct voltet_image_filter {
+    uint32_t size;
+    uint32_t reserved;
+    const char *name;
+    const char *summary;
+    uint32_t parameter_count; /* At most 64. */
+    uint32_t reserved_too;
+    const voltet_parameter *parameters;
+    int32_t (*check)(const voltet_values *values, const voltet_host *host);
+    int32_t (*filter)(const voltet_image_call *call, const voltet_host *host);
+} voltet_image_filter;
+
+/* The kind of factory that gives image filters. */
+#define VOLTET_IMAGE_FILTERS "voltet.image-filters/1"
+
+typedef struct voltet_image_factory {
+    uint32_t size;
+    uint32_t reserved;
+    uint32_t (*filter_count)(void); /* At most 256. */
+    const voltet_image_filter *(*filter)(uint32_t place);
+} voltet_image_factory;
 
 /* ---- The library ------------------------------------------------------------------------------------------------------------- */
 
@@ -231,7 +434,8 @@ typedef struct voltet_entry {
     const voltet_plugin *(*init)(const char *path, const voltet_host *host);
     /* Called last, if init gave something; not where the program ends at once. May be NULL. */
     void (*deinit)(void);
-    /* The factory of a kind, such as VOLTET_GRADIENT_FILTERS for a voltet_gradient_factory; NULL where there is none. */
+    /* The factory of a kind, such as VOLTET_GRADIENT_FILTERS for a voltet_gradient_factory; NULL where there is none. A kind that
+     * you do not know may come. Where the same is given for several kinds, it counts for the first of them alone. */
     const void *(*get_factory)(const char *kind);
 } voltet_entry;
 

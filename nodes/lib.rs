@@ -2,6 +2,7 @@
 //!
 //! | folder | what |
 //! | --- | --- |
+//! | [`added`] | nodes of formats that come from outside |
 //! | [`drawing`] | what the nodes that draw share |
 //! | [`encode`] | pictures to files |
 //! | [`files`] | writing whole files |
@@ -13,6 +14,7 @@
 //! | [`relative`] | numbers relative to data: ranges and percentiles |
 //! | [`vtu`] | grids to VTK files |
 
+pub mod added;
 pub mod drawing;
 pub mod encode;
 pub mod files;

@@ -1,6 +1,6 @@
 //! `reader`: a data file to a grid of tetrahedra with the arrays that somebody asked for.
 
-use crate::formats::{self, Association, CellValues, Request, TimeStep};
+use crate::formats::{self, Association, CellValues, Chosen, Request, TimeStep};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use voltet_core::graph::{
@@ -74,14 +74,14 @@ pub const NODE: Node = Node {
         },
     ],
     example: include_str!("examples/stages.toml"),
-    check: &|parameters| request(parameters).map(drop),
+    check: &|parameters| request(parameters, None).map(drop),
     // A source has no inputs to ask.
     demand: &|_| Ok(()),
-    foresee: &foresee,
-    steps: &steps,
+    foresee: &|foresight| foresee(foresight, None),
+    steps: &|preparation| steps(preparation, None),
     files_beside: &files_beside,
     prepare: &prepare,
-    run: &run,
+    run: &|call| run(call, None),
     ..Node::BLANK
 };
 
@@ -102,8 +102,9 @@ fn prepare(preparation: &Preparation) -> Result<()> {
     }
 }
 
-fn run(call: &mut Call) -> Result<Outputs> {
-    let request = asked(call.parameters, call.demand, &|path| call.resolve(path))?;
+/// Reads; by the reader of a format from outside where there is one.
+pub(crate) fn run(call: &mut Call, chosen: Option<Chosen>) -> Result<Outputs> {
+    let request = asked(call.parameters, call.demand, chosen, &|path| call.resolve(path))?;
     let path = call.path("path")?;
     let grid = formats::read(&path, &request, call.progress())?;
     let origin = &grid.origin;
@@ -126,7 +127,8 @@ fn run(call: &mut Call) -> Result<Outputs> {
 
 /// Pieces, the files of the step, a solution that nobody named. Mistakes are said when it runs.
 fn files_beside(preparation: &Preparation, steps: Steps) -> Vec<PathBuf> {
-    let (Ok(path), Ok(mut request)) = (preparation.path("path"), request(preparation.parameters)) else {
+    let (Ok(path), Ok(mut request)) = (preparation.path("path"), request(preparation.parameters, None))
+    else {
         return Vec::new();
     };
     if preparation.parameters.given("solution") {
@@ -139,9 +141,9 @@ fn files_beside(preparation: &Preparation, steps: Steps) -> Vec<PathBuf> {
 }
 
 /// Each step of a series by its number.
-fn steps(preparation: &Preparation) -> Result<Vec<Parameters>> {
+pub(crate) fn steps(preparation: &Preparation, chosen: Option<Chosen>) -> Result<Vec<Parameters>> {
     let p = preparation.parameters;
-    let mut request = request(p)?;
+    let mut request = request(p, chosen)?;
     if p.given("solution") {
         request.solution = Some(preparation.path("solution")?);
     }
@@ -155,9 +157,9 @@ fn steps(preparation: &Preparation) -> Result<Vec<Parameters>> {
 }
 
 /// Notes the arrays that are left out, from the headers of the file alone.
-fn foresee(foresight: &mut Foresight) -> Result<()> {
+pub(crate) fn foresee(foresight: &mut Foresight, chosen: Option<Chosen>) -> Result<()> {
     let parameters = foresight.parameters;
-    let request = asked(parameters, foresight.demand, &|path| foresight.resolve(path))?;
+    let request = asked(parameters, foresight.demand, chosen, &|path| foresight.resolve(path))?;
     let unread = formats::unread(&foresight.resolve(parameters.text("path")?), &request)?;
     if !unread.arrays.is_empty() {
         leave_out(foresight.notes, foresight.leave, &unread.arrays, unread.value_count);
@@ -172,8 +174,13 @@ fn leave_out(notes: &mut Notes, leave: MayLeaveOut, arrays: &[String], value_cou
 }
 
 /// What parameters and demand ask of the file.
-fn asked(p: &Parameters, demand: &Demand, resolve: &dyn Fn(&str) -> PathBuf) -> Result<Request> {
-    let mut request = request(p)?;
+fn asked(
+    p: &Parameters,
+    demand: &Demand,
+    chosen: Option<Chosen>,
+    resolve: &dyn Fn(&str) -> PathBuf,
+) -> Result<Request> {
+    let mut request = request(p, chosen)?;
     request.point_arrays = demand.arrays.named().map(str::to_string).collect();
     request.cell_arrays = demand.cell_arrays.named().map(str::to_string).collect();
     request.keep_cells = demand.file_cells;
@@ -185,7 +192,7 @@ fn asked(p: &Parameters, demand: &Demand, resolve: &dyn Fn(&str) -> PathBuf) -> 
 }
 
 /// What the parameters ask of the file.
-fn request(p: &Parameters) -> Result<Request> {
+pub(crate) fn request(p: &Parameters, chosen: Option<Chosen>) -> Result<Request> {
     let association = match p.text("association")? {
         "point" => Association::Point,
         "cell" => Association::Cell,
@@ -202,7 +209,7 @@ fn request(p: &Parameters) -> Result<Request> {
     };
     let scalar = p.optional("scalar").and_then(|s| s.text()).map(str::to_string);
     let subdivision = p.integer("subdivision")? as u32;
-    Ok(Request { scalar, association, cell_values, time_step, subdivision, ..Request::default() })
+    Ok(Request { scalar, association, cell_values, time_step, subdivision, chosen, ..Request::default() })
 }
 
 /// Finds out before any work whether the file is there, and which name was meant if not.

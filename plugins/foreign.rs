@@ -23,8 +23,32 @@ unsafe impl Sized32 for interface::Plugin {
     const NAME: &'static str = "voltet_plugin";
 }
 // SAFETY: the same.
-unsafe impl Sized32 for interface::GradientFactory {
-    const NAME: &'static str = "voltet_gradient_factory";
+unsafe impl Sized32 for interface::Factory {
+    const NAME: &'static str = "a factory";
+}
+// SAFETY: the same.
+unsafe impl Sized32 for interface::Reader {
+    const NAME: &'static str = "voltet_reader";
+}
+// SAFETY: the same.
+unsafe impl Sized32 for interface::GridFilter {
+    const NAME: &'static str = "voltet_grid_filter";
+}
+// SAFETY: the same.
+unsafe impl Sized32 for interface::ImageFilter {
+    const NAME: &'static str = "voltet_image_filter";
+}
+// SAFETY: the same.
+unsafe impl Sized32 for interface::GridHead {
+    const NAME: &'static str = "voltet_grid_head";
+}
+// SAFETY: the same.
+unsafe impl Sized32 for interface::ArrayHead {
+    const NAME: &'static str = "voltet_array_head";
+}
+// SAFETY: the same.
+unsafe impl Sized32 for interface::GridBuffers {
+    const NAME: &'static str = "voltet_grid_buffers";
 }
 // SAFETY: the same.
 unsafe impl Sized32 for interface::GradientFilter {
@@ -98,6 +122,23 @@ pub(crate) fn sized<T: Sized32>(address: *const T) -> Result<(T, usize), Wrong> 
     }
     let read = values(address, 1).map_err(wrong)?;
     Ok((read[0], size as usize))
+}
+
+/// Structs one after the other, as far apart as the first says that it is large.
+///
+/// Errors: as of [`sized`], with the struct's place; one of another size than the first.
+pub(crate) fn several<T: Sized32>(address: *const T, count: usize) -> Result<Vec<T>, Wrong> {
+    let (mut found, mut stride) = (Vec::new(), 0);
+    for i in 0..count {
+        let (read, size) =
+            sized(address.wrapping_byte_add(i * stride)).map_err(|wrong| format!("{i}: {wrong}"))?;
+        if i > 0 && size != stride {
+            return Err(format!("{i}: its size is {size} bytes, and that of the first {stride}"));
+        }
+        stride = size;
+        found.push(read);
+    }
+    Ok(found)
 }
 
 /// A text; `None` for a null pointer.

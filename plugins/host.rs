@@ -1,6 +1,6 @@
 //! What the host does for a plug-in during a call.
 
-use crate::foreign::message;
+use crate::foreign::{Wrong, message};
 use crate::interface::{CANCELLED, Host, LoopBody, MAJOR, MINOR, OK, PATCH};
 use rayon::prelude::*;
 use std::cell::Cell;
@@ -23,6 +23,8 @@ pub(crate) struct State {
     fraction: AtomicU64,
     cancelled: AtomicBool,
     error: Mutex<Option<String>>,
+    /// What the host has against what it was told.
+    wrong: Mutex<Option<Wrong>>,
     fallbacks: Mutex<Vec<Fallback>>,
 }
 
@@ -51,6 +53,16 @@ impl State {
     /// Notes what went wrong, unless something did before.
     pub fn set_error(&self, text: String) {
         self.error.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(text);
+    }
+
+    /// What the host has against what it was told.
+    pub fn wrong(&self) -> Option<Wrong> {
+        self.wrong.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    /// Notes that, unless something was before.
+    pub fn complain(&self, wrong: Wrong) {
+        self.wrong.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(wrong);
     }
 
     /// Notes how much is done.

@@ -1,9 +1,9 @@
 //! The structs and constants of `include/voltet_plugin.h`, which says what they mean. A test compares the layout of both.
 
-use std::ffi::{c_char, c_void};
+use std::ffi::{CStr, c_char, c_void};
 
 pub const MAJOR: u32 = 1;
-pub const MINOR: u32 = 0;
+pub const MINOR: u32 = 1;
 pub const PATCH: u32 = 0;
 
 pub const OK: i32 = 0;
@@ -25,7 +25,14 @@ pub const BELOW_MOST: u32 = 4;
 pub const NEEDS_NEIGHBOURS: u32 = 1;
 pub const NEEDS_CELLS_OF_POINTS: u32 = 2;
 
-pub const GRADIENT_FILTERS: &std::ffi::CStr = c"voltet.gradient-filters/1";
+pub const TETRAHEDRA: u32 = 1;
+pub const SAME_POINTS: u32 = 2;
+pub const SAME_CELLS: u32 = 4;
+
+pub const GRADIENT_FILTERS: &CStr = c"voltet.gradient-filters/1";
+pub const READERS: &CStr = c"voltet.readers/1";
+pub const GRID_FILTERS: &CStr = c"voltet.grid-filters/1";
+pub const IMAGE_FILTERS: &CStr = c"voltet.image-filters/1";
 
 /// The exported symbol.
 pub const ENTRY: &str = "voltet_plugin_entry";
@@ -35,10 +42,15 @@ pub type LoopBody = unsafe extern "C-unwind" fn(*mut c_void, u64, u64, u32);
 pub type Init = unsafe extern "C-unwind" fn(*const c_char, *const Host) -> *const Plugin;
 pub type Deinit = unsafe extern "C-unwind" fn();
 pub type GetFactory = unsafe extern "C-unwind" fn(*const c_char) -> *const c_void;
-pub type FilterCount = unsafe extern "C-unwind" fn() -> u32;
-pub type FilterAt = unsafe extern "C-unwind" fn(u32) -> *const GradientFilter;
+pub type Count = unsafe extern "C-unwind" fn() -> u32;
+pub type At = unsafe extern "C-unwind" fn(u32) -> *const c_void;
 pub type Check = unsafe extern "C-unwind" fn(*const Values, *const Host) -> i32;
 pub type Gradient = unsafe extern "C-unwind" fn(*const Call, *const Host) -> i32;
+pub type Read = unsafe extern "C-unwind" fn(*const Reading, *const Host) -> i32;
+pub type FilterGrid = unsafe extern "C-unwind" fn(*const GridCall, *const Host) -> i32;
+pub type FilterImage = unsafe extern "C-unwind" fn(*const ImageCall, *const Host) -> i32;
+pub type DescribeGrid = unsafe extern "C-unwind" fn(*const Reading, *const GridHead) -> i32;
+pub type BeginGrid = unsafe extern "C-unwind" fn(*const GridCall, *const GridHead, *mut GridBuffers) -> i32;
 
 #[repr(C)]
 pub struct Host {
@@ -123,13 +135,151 @@ pub struct GradientFilter {
     pub gradient: Option<Gradient>,
 }
 
+/// A factory of any kind: they are alike but for what the descriptions are.
 #[repr(C)]
 #[derive(Clone, Copy)]
-pub struct GradientFactory {
+pub struct Factory {
     pub size: u32,
     pub reserved: u32,
-    pub filter_count: Option<FilterCount>,
-    pub filter: Option<FilterAt>,
+    pub count: Option<Count>,
+    pub at: Option<At>,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct ArrayHead {
+    pub size: u32,
+    pub component_count: u32,
+    pub name: *const c_char,
+    pub on_cells: u32,
+    pub reserved: u32,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct GridHead {
+    pub size: u32,
+    pub flags: u32,
+    pub point_count: u64,
+    pub cell_count: u64,
+    pub connectivity_count: u64,
+    pub array_count: u32,
+    pub step_count: u32,
+    pub arrays: *const ArrayHead,
+    pub scalar: *const c_char,
+    pub times: *const f64,
+    pub format: *const c_char,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct GridBuffers {
+    pub size: u32,
+    pub array_count: u32,
+    pub point_count: u64,
+    pub cell_count: u64,
+    pub connectivity_count: u64,
+    pub points: *mut f64,
+    pub tetrahedra: *mut u32,
+    pub types: *mut u8,
+    pub offsets: *mut i64,
+    pub connectivity_u32: *mut u32,
+    pub arrays: *const *mut f64,
+}
+
+#[repr(C)]
+pub struct Reading {
+    pub size: u32,
+    pub reserved: u32,
+    pub path: *const c_char,
+    pub step: u64,
+    pub values: *const Values,
+    pub describe: Option<DescribeGrid>,
+    pub buffers: *const GridBuffers,
+    pub context: *mut c_void,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct Reader {
+    pub size: u32,
+    pub reserved: u32,
+    pub name: *const c_char,
+    pub summary: *const c_char,
+    pub parameter_count: u32,
+    pub extension_count: u32,
+    pub parameters: *const Parameter,
+    pub check: Option<Check>,
+    pub inspect: Option<Read>,
+    pub read: Option<Read>,
+    pub extensions: *const *const c_char,
+    pub magic: *const u8,
+    pub magic_length: u32,
+    pub reserved_too: u32,
+}
+
+#[repr(C)]
+pub struct GivenArray {
+    pub size: u32,
+    pub component_count: u32,
+    pub name: *const c_char,
+    pub values: *const f64,
+}
+
+#[repr(C)]
+pub struct GridCall {
+    pub size: u32,
+    pub array_count: u32,
+    pub point_count: u64,
+    pub cell_count: u64,
+    pub points: *const f64,
+    pub tetrahedra: *const u32,
+    pub carried: *const GivenArray,
+    pub scalar: *const c_char,
+    pub arrays: *const *const f64,
+    pub values: *const Values,
+    pub begin: BeginGrid,
+    pub context: *mut c_void,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct GridFilter {
+    pub size: u32,
+    pub reserved: u32,
+    pub name: *const c_char,
+    pub summary: *const c_char,
+    pub parameter_count: u32,
+    pub made_count: u32,
+    pub parameters: *const Parameter,
+    pub check: Option<Check>,
+    pub filter: Option<FilterGrid>,
+    pub made: *const *const c_char,
+}
+
+#[repr(C)]
+pub struct ImageCall {
+    pub size: u32,
+    pub reserved: u32,
+    pub width: u64,
+    pub height: u64,
+    pub rgba: *const f32,
+    pub values: *const Values,
+    pub filtered: *mut f32,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct ImageFilter {
+    pub size: u32,
+    pub reserved: u32,
+    pub name: *const c_char,
+    pub summary: *const c_char,
+    pub parameter_count: u32,
+    pub reserved_too: u32,
+    pub parameters: *const Parameter,
+    pub check: Option<Check>,
+    pub filter: Option<FilterImage>,
 }
 
 #[repr(C)]

@@ -36,7 +36,26 @@ fn the_header_has_the_same_layout() {
                              cells_of_points, scalar, arrays, values, gradient }
         voltet_gradient_filter = GradientFilter { size, needs, name, summary, parameter_count, reserved, parameters, check,
                                                   gradient }
-        voltet_gradient_factory = GradientFactory { size, reserved, filter_count, filter }
+        voltet_gradient_factory = Factory { size, reserved, count as filter_count, at as filter }
+        voltet_array_head = ArrayHead { size, component_count, name, on_cells, reserved }
+        voltet_grid_head = GridHead { size, flags, point_count, cell_count, connectivity_count, array_count, step_count, arrays,
+                                      scalar, times, format }
+        voltet_grid_buffers = GridBuffers { size, array_count, point_count, cell_count, connectivity_count, points, tetrahedra,
+                                            types, offsets, connectivity_u32, arrays }
+        voltet_reading = Reading { size, reserved, path, step, values, describe, buffers, context }
+        voltet_reader = Reader { size, reserved, name, summary, parameter_count, extension_count, parameters, check, inspect,
+                                 read, extensions, magic, magic_length, reserved_too }
+        voltet_reader_factory = Factory { size, reserved, count as reader_count, at as reader }
+        voltet_given_array = GivenArray { size, component_count, name, values }
+        voltet_grid_call = GridCall { size, array_count, point_count, cell_count, points, tetrahedra, carried, scalar, arrays,
+                                      values, begin, context }
+        voltet_grid_filter = GridFilter { size, reserved, name, summary, parameter_count, made_count, parameters, check, filter,
+                                          made }
+        voltet_grid_factory = Factory { size, reserved, count as filter_count, at as filter }
+        voltet_image_call = ImageCall { size, reserved, width, height, rgba, values, filtered }
+        voltet_image_filter = ImageFilter { size, reserved, name, summary, parameter_count, reserved_too, parameters, check,
+                                            filter }
+        voltet_image_factory = Factory { size, reserved, count as filter_count, at as filter }
         voltet_plugin = Plugin { size, reserved, name, version }
         voltet_entry = Entry { size, major, minor, patch, init, deinit, get_factory }
     };
@@ -59,6 +78,9 @@ fn the_header_has_the_same_layout() {
         ("VOLTET_BELOW_MOST", BELOW_MOST),
         ("VOLTET_NEEDS_NEIGHBOURS", NEEDS_NEIGHBOURS),
         ("VOLTET_NEEDS_CELLS_OF_POINTS", NEEDS_CELLS_OF_POINTS),
+        ("VOLTET_TETRAHEDRA", TETRAHEDRA),
+        ("VOLTET_SAME_POINTS", SAME_POINTS),
+        ("VOLTET_SAME_CELLS", SAME_CELLS),
     ];
     let all: Vec<(String, usize)> =
         layout.into_iter().chain(numbers.map(|(name, n)| (name.to_string(), n as usize))).collect();
@@ -68,7 +90,8 @@ fn the_header_has_the_same_layout() {
         .collect();
     let text = format!(
         "#include \"voltet_plugin.h\"\n#include <stddef.h>\n#include <stdio.h>\nint main(void) {{\n{lines}    \
-         puts(VOLTET_GRADIENT_FILTERS);\n    return 0;\n}}\n"
+         puts(VOLTET_GRADIENT_FILTERS);\n    puts(VOLTET_READERS);\n    puts(VOLTET_GRID_FILTERS);\n    \
+         puts(VOLTET_IMAGE_FILTERS);\n    return 0;\n}}\n"
     );
     let folder = tempfile::tempdir().unwrap();
     let source = folder.path().join("layout.c");
@@ -77,6 +100,7 @@ fn the_header_has_the_same_layout() {
     let output = std::process::Command::new(program).output().unwrap();
     let found = String::from_utf8(output.stdout).unwrap();
     let mut wanted: Vec<String> = all.iter().map(|(expression, n)| format!("{expression} {n}")).collect();
-    wanted.push(GRADIENT_FILTERS.to_str().unwrap().into());
+    let kinds = [GRADIENT_FILTERS, READERS, GRID_FILTERS, IMAGE_FILTERS];
+    wanted.extend(kinds.map(|kind| kind.to_str().unwrap().to_string()));
     assert_eq!(found.lines().collect::<Vec<_>>(), wanted);
 }

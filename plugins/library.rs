@@ -6,8 +6,11 @@ use crate::describe::{self, Declared};
 use crate::foreign::{Wrong, sized};
 use crate::host::State;
 use crate::image;
-use crate::interface::{Check, Deinit, ENTRY, Entry, GRADIENT_FILTERS, Gradient, GradientFactory, MAJOR};
-use std::ffi::CString;
+use crate::interface::{
+    Check, Deinit, ENTRY, Entry, Factory, FilterGrid, FilterImage, GRADIENT_FILTERS, GRID_FILTERS,
+    GetFactory, Gradient, IMAGE_FILTERS, MAJOR, READERS, Read,
+};
+use std::ffi::{CStr, CString, c_void};
 use std::mem::ManuallyDrop;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
@@ -52,12 +55,25 @@ pub(crate) struct Library {
     _loaded: ManuallyDrop<libloading::Library>,
 }
 
-/// A filter of it: what it declares, and its functions.
+/// Something that it offers: what that declares, and its functions.
 #[derive(Clone)]
-pub(crate) struct Filter {
+pub(crate) struct Piece {
     pub declared: Declared,
     pub check: Option<Check>,
-    pub gradient: Gradient,
+    pub work: Work,
+}
+
+/// The function that does the work.
+#[derive(Clone, Copy)]
+pub(crate) enum Work {
+    /// Of a gradient filter.
+    Gradient(Gradient),
+    /// Of a reader.
+    Reader { inspect: Read, read: Read },
+    /// Of a grid filter.
+    GridFilter(FilterGrid),
+    /// Of an image filter.
+    ImageFilter(FilterImage),
 }
 
 impl Drop for Library {
@@ -72,7 +88,7 @@ impl Drop for Library {
 /// Loads a library and reads what it declares.
 ///
 /// Errors: no library that can be loaded, none of this interface, or what it declares is wrong; each says what.
-pub(crate) fn load(path: &Path) -> Result<(Library, Vec<Filter>)> {
+pub(crate) fn load(path: &Path) -> Result<(Library, Vec<Piece>)> {
     let failed = |wrong: Wrong| failed(path, wrong);
     let (stated, bytes) = state_of(path)?;
     image::check(&bytes).map_err(failed)?;
@@ -120,7 +136,7 @@ pub(crate) fn state_of(path: &Path) -> Result<(Plugin, Vec<u8>)> {
     Ok((plugin, bytes))
 }
 
-fn open(whole: &Path, nameless: &Plugin) -> std::result::Result<(Library, Vec<Filter>), Wrong> {
+fn open(whole: &Path, nameless: &Plugin) -> std::result::Result<(Library, Vec<Piece>), Wrong> {
     let loaded = ManuallyDrop::new(open_library(whole).map_err(|error| in_one_line(&error.to_string()))?);
     // SAFETY: the symbol is only taken for an address, and what is there read with care.
     let entry = unsafe { loaded.get::<*const Entry>(ENTRY.as_bytes()) };
@@ -147,10 +163,7 @@ fn open(whole: &Path, nameless: &Plugin) -> std::result::Result<(Library, Vec<Fi
     let busy = AtomicBool::new(false);
     // From here on it is ended properly.
     let library = Library { plugin, busy, deinit: entry.deinit, _loaded: loaded };
-    // SAFETY: init was carried out; the text lives as long as the program.
-    let factory = unsafe { get_factory(GRADIENT_FILTERS.as_ptr()) };
-    let filters = filters(factory.cast())?;
-    Ok((library, filters))
+    Ok((library, pieces(get_factory)?))
 }
 
 /// The entry, if it is of a version that can be understood.
@@ -167,24 +180,54 @@ fn checked(address: *const Entry) -> std::result::Result<Entry, Wrong> {
     Ok(sized(address)?.0)
 }
 
-fn filters(factory: *const GradientFactory) -> std::result::Result<Vec<Filter>, Wrong> {
-    if factory.is_null() {
-        return Err("it has no gradient filters (get_factory gave nothing)".into());
+/// Reads what is at an address.
+type Describe = fn(*const c_void) -> std::result::Result<Piece, Wrong>;
+
+/// The kinds of factories, what messages call what they give, and what reads it.
+const KINDS: [(&CStr, &str, Describe); 4] = [
+    (GRADIENT_FILTERS, "filter", |at| describe::gradient_filter(at.cast())),
+    (READERS, "reader", |at| describe::reader(at.cast())),
+    (GRID_FILTERS, "grid filter", |at| describe::grid_filter(at.cast())),
+    (IMAGE_FILTERS, "image filter", |at| describe::image_filter(at.cast())),
+];
+
+/// What the plug-in has of every kind.
+fn pieces(get_factory: GetFactory) -> std::result::Result<Vec<Piece>, Wrong> {
+    let (mut pieces, mut known) = (Vec::new(), Vec::new());
+    for (kind, what, describe) in KINDS {
+        // SAFETY: init was carried out; the text lives as long as the program.
+        let factory = unsafe { get_factory(kind.as_ptr()) };
+        // One that gives the same whatever it is asked for means the first: there was no other kind in version 1.0.
+        if factory.is_null() || known.contains(&factory) {
+            continue;
+        }
+        known.push(factory);
+        pieces.extend(of_factory(factory.cast(), what, describe)?);
     }
-    let (factory, _) = sized(factory)?;
-    let (Some(count), Some(filter)) = (factory.filter_count, factory.filter) else {
-        return Err("a function of its factory is a null pointer".into());
+    if pieces.is_empty() {
+        let kinds = "gradient filters, readers, grid filters or image filters";
+        return Err(format!("it has no {kinds} (get_factory gave nothing)"));
+    }
+    refuse_same_names(pieces.iter().map(|piece| &piece.declared))?;
+    Ok(pieces)
+}
+
+fn of_factory(
+    factory: *const Factory,
+    what: &str,
+    describe: Describe,
+) -> std::result::Result<Vec<Piece>, Wrong> {
+    let (factory, _) = sized(factory).map_err(|wrong| format!("{what}s: {wrong}"))?;
+    let (Some(count), Some(at)) = (factory.count, factory.at) else {
+        return Err(format!("a function of its factory is a null pointer ({what}s)"));
     };
     // SAFETY: the plug-in's own function, after init.
     let count = filter_count(unsafe { count() })?;
-    let describe = |place: u32| {
+    let one = |place: u32| {
         // SAFETY: the same, with a place below the count.
-        let described = describe::filter(unsafe { filter(place) });
-        described.map_err(|wrong| format!("filter {place}: {wrong}"))
+        describe(unsafe { at(place) }).map_err(|wrong| format!("{what} {place}: {wrong}"))
     };
-    let filters: Vec<Filter> = (0..count).map(describe).collect::<std::result::Result<_, _>>()?;
-    refuse_same_names(filters.iter().map(|filter| &filter.declared))?;
-    Ok(filters)
+    (0..count).map(one).collect()
 }
 
 /// All symbols are looked up now: one that is missing is an error, and not a crash later.

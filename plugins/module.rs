@@ -20,13 +20,12 @@ pub(crate) use without::load;
 
 #[cfg(not(feature = "wasm"))]
 mod without {
+    use crate::runner::Offered;
     use std::path::Path;
-    use std::sync::Arc;
-    use voltet_core::field::GradientFilter;
     use voltet_core::{Error, Result};
 
     /// Errors: always; this build has no sandbox.
-    pub(crate) fn load(path: &Path) -> Result<Vec<Arc<dyn GradientFilter>>> {
+    pub(crate) fn load(path: &Path) -> Result<Vec<Offered>> {
         let error = Error::usage(
             "the plug-in is a WebAssembly module, and this program was built without the sandbox for them",
         );

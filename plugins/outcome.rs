@@ -1,10 +1,12 @@
 //! What comes back from a call, judged; and how messages begin.
 
+use crate::describe::Declared;
+use crate::foreign::Wrong;
 use crate::host::State;
 use crate::interface::{CANCELLED, OK};
 use rayon::prelude::*;
 use voltet_core::error::ErrorKind;
-use voltet_core::field::{Fallback, Gradient, Plugin};
+use voltet_core::field::{Fallback, Plugin};
 use voltet_core::glam::DVec3;
 use voltet_core::grid::Grid;
 use voltet_core::{Error, Result};
@@ -18,57 +20,82 @@ pub(crate) struct Said {
     pub code: i32,
     pub error: Option<String>,
     pub fallbacks: Vec<Fallback>,
-    /// It wrote beyond the end of the gradient.
-    pub overran: bool,
+    /// It wrote beyond the end of what it was given to write to.
+    pub beyond: Option<Beyond>,
+    /// What it told the host cannot be.
+    pub wrong: Option<Wrong>,
+}
+
+/// Beyond the end of what something was written.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Beyond {
+    /// "the gradient".
+    pub what: String,
+    /// How much there was to write: "3 numbers for each of the 64 points".
+    pub accepted: String,
+}
+
+impl Beyond {
+    /// The gradient at so many points.
+    pub fn gradient(point_count: usize) -> Beyond {
+        let accepted = format!("3 numbers for each of the {point_count} points");
+        Beyond { what: "the gradient".into(), accepted }
+    }
 }
 
 impl Said {
     pub fn new(code: i32, state: &State) -> Said {
-        Said { code, error: state.error(), fallbacks: state.fallbacks(), overran: false }
+        Said { code, error: state.error(), fallbacks: state.fallbacks(), beyond: None, wrong: state.wrong() }
     }
-}
-
-/// Takes off what lies beyond the vectors of so many points; whether something was written there.
-pub(crate) fn overran(vectors: &mut Vec<DVec3>, point_count: usize) -> bool {
-    let is_unset = |v: &DVec3| v.to_array().iter().all(|x| x.to_bits() == UNSET.to_bits());
-    let overran = !vectors[point_count..].iter().all(is_unset);
-    vectors.truncate(point_count);
-    overran
 }
 
 /// Whose call it is.
 #[derive(Clone, Copy)]
 pub(crate) struct Whose<'a> {
-    pub filter: &'static str,
-    pub plugin: &'a Plugin,
+    declared: &'a Declared,
+    plugin: &'a Plugin,
 }
 
-impl Whose<'_> {
+impl<'a> Whose<'a> {
+    pub fn new(declared: &'a Declared, plugin: &'a Plugin) -> Whose<'a> {
+        Whose { declared, plugin }
+    }
+
+    /// The name that it declares.
+    #[cfg(feature = "wasm")]
+    pub fn name(&self) -> &'static str {
+        self.declared.kind.name
+    }
+
+    /// "gradient filter 'x'".
+    pub fn piece(&self) -> String {
+        format!("{} '{}'", self.declared.family.name(), self.declared.kind.name)
+    }
+
     /// Begins a message: "the gradient filter 'x' of the plug-in 'y' (path) …".
     pub fn error(&self, what: &str) -> Error {
-        Error::run(format!("the gradient filter '{}' of the {} {what}", self.filter, self.plugin))
+        Error::run(format!("the {} of the {} {what}", self.piece(), self.plugin))
     }
 
     /// What came of checking parameters.
     pub fn checked(&self, said: Said) -> Result<()> {
         match said.code {
             OK => Ok(()),
-            _ => Err(Error { kind: ErrorKind::Usage, ..self.refused(said) }),
+            _ => Err(Error { kind: ErrorKind::Usage, ..self.refused(&said) }),
         }
     }
 
-    /// What came of computing a gradient, with what was not written found out. `stopped`: whether the user asked for that.
-    pub fn gradient(&self, grid: &Grid, said: Said, vectors: Vec<DVec3>, stopped: bool) -> Result<Gradient> {
-        if said.overran {
-            let error =
-                self.error("wrote beyond the end of the gradient: what else it wrote over is unknown");
-            return Err(error.accepted(format!("3 numbers for each of the {} points", grid.points.len())));
+    /// Whether it did its work. `stopped`: whether the user asked it to stop.
+    pub fn worked(&self, said: &Said, stopped: bool) -> Result<()> {
+        if let Some(Beyond { what, accepted }) = &said.beyond {
+            let what = format!("wrote beyond the end of {what}: what else it wrote over is unknown");
+            return Err(self.error(&what).accepted(accepted));
+        }
+        if let Some(wrong) = &said.wrong {
+            return Err(self.error("is refused").found(wrong));
         }
         match said.code {
-            OK => {
-                let vectors = self.taken(grid, vectors)?;
-                Ok(Gradient { vectors, fallbacks: said.fallbacks })
-            }
+            OK => Ok(()),
             _ if stopped => Err(Error::cancelled()),
             CANCELLED => Err(self.error("stopped, and nobody asked it to")),
             _ => Err(self.refused(said)),
@@ -76,14 +103,20 @@ impl Whose<'_> {
     }
 
     /// What the plug-in said, or that it said nothing.
-    fn refused(&self, said: Said) -> Error {
-        match said.error {
+    fn refused(&self, said: &Said) -> Error {
+        match &said.error {
             Some(text) => self.error("says").found(text),
             None => self.error("failed and did not say why").found(format!("code {}", said.code)),
         }
     }
 
-    fn taken(&self, grid: &Grid, mut vectors: Vec<DVec3>) -> Result<Vec<DVec3>> {
+    /// What it did with less than it promises, as a sentence.
+    pub fn warning(&self, Fallback { what, point_count }: &Fallback) -> String {
+        format!("The {} of the {}: {what} at {point_count} points.", self.piece(), self.plugin)
+    }
+
+    /// A gradient's vectors, if every point of a cell got one.
+    pub fn every_point(&self, grid: &Grid, mut vectors: Vec<DVec3>) -> Result<Vec<DVec3>> {
         let is_unset = |v: &DVec3| v.to_array().iter().any(|x| x.to_bits() == UNSET.to_bits());
         if !vectors.par_iter().with_min_len(1 << 14).any(is_unset) {
             return Ok(vectors);

@@ -11,7 +11,7 @@ use voltet_core::parameters::{Datum, ParameterType, Parameters, Setting};
 use voltet_core::{Error, Result};
 
 /// The values of a filter's parameters, in the order of its declarations.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(crate) struct Owned {
     integers: Vec<i64>,
     numbers: Vec<f64>,

@@ -1,9 +1,10 @@
 //! A call of a filter: all that it is given, and the call itself.
 
 use crate::describe::Declared;
+use crate::grids::{fresh, overran};
 use crate::host::State;
 use crate::interface::{self, Call, Check, Gradient as Function, Values};
-use crate::outcome::{Said, UNSET, overran};
+use crate::outcome::{Beyond, Said};
 use crate::values::{Owned, arrays};
 use std::mem::size_of;
 use std::sync::Arc;
@@ -72,7 +73,13 @@ impl Given {
         let pointers = self.values.pointers();
         let values: Values = self.values.by(&pointers);
         let point_count = self.grid.points.len();
-        let mut vectors = vec![DVec3::splat(UNSET); point_count + BEYOND];
+        let mut vectors = match fresh::<DVec3, f64>(point_count) {
+            Ok(vectors) => vectors,
+            Err(wrong) => {
+                state.complain(wrong);
+                return (Said::new(interface::ERROR, state), Vec::new());
+            }
+        };
         let call = Call {
             size: size_of::<Call>() as u32,
             reserved: 0,
@@ -92,8 +99,8 @@ impl Given {
         };
         // SAFETY: the plug-in's own function; what it is given lives through the call and has the sizes stated.
         let code = unsafe { function(&call, &state.host()) };
-        let overran = overran(&mut vectors, point_count);
-        (Said { overran, ..Said::new(code, state) }, vectors)
+        let beyond = overran::<_, f64>(&mut vectors, point_count).then(|| Beyond::gradient(point_count));
+        (Said { beyond, ..Said::new(code, state) }, vectors)
     }
 }
 

@@ -95,7 +95,7 @@ impl Command {
             Command::Check(arguments) => Some(&arguments.plugins),
             Command::Explain(arguments) => Some(&arguments.plugins),
             Command::Nodes(arguments) => Some(&arguments.plugins),
-            Command::Info(arguments) => arguments.of_pipeline().then_some(&arguments.plugins),
+            Command::Info(arguments) => Some(&arguments.plugins),
             Command::Edit(arguments) => Some(&arguments.plugins),
             Command::Pixel(arguments) => Some(&arguments.plugins),
             Command::Study(arguments) => Some(&arguments.plugins),
@@ -146,9 +146,10 @@ pub struct PluginProcess {
 
 #[derive(Debug, Args)]
 pub struct Plugins {
-    /// Load gradient filters from this shared library; may be given several times.
+    /// Load gradient filters, readers and filters of grids and images from this shared library; may be given several times.
     ///
-    /// They are named in pipelines by `method`, as those that ship; `voltet nodes --plugin PATH` lists them. The libraries that
+    /// Pipelines name them as what ships: gradient filters by `method`, the others by `type`; `voltet nodes --plugin PATH` lists
+    /// them. The libraries that
     /// the user's own file plugins.toml names are loaded as well. No pipeline file can load any. See docs/plugins.md.
     #[arg(long = "plugin", value_name = "PATH")]
     pub plugin_files: Vec<PathBuf>,

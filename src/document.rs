@@ -104,7 +104,7 @@ impl Document {
     pub fn changed_plugins(&self) -> Vec<Error> {
         let drawn_with = self.carried.iter().flat_map(|carried| &carried.plugins);
         let changed = drawn_with.filter_map(|then| {
-            let now = self.graph.node(&then.node)?.method.as_ref()?.plugin()?;
+            let now = self.graph.node(&then.node)?.plugin()?;
             let fingerprint = now.fingerprint_in_words();
             (fingerprint != then.fingerprint).then(|| {
                 Error::usage("the picture was drawn with another plug-in than is loaded now")

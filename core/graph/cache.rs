@@ -65,7 +65,7 @@ impl Cache {
             e.node.name == node.node.name
                 && e.inputs == inputs
                 && e.files == files
-                && e.plugin.as_ref() == plugin_of(node)
+                && e.plugin.as_ref() == node.plugin()
                 && e.given == node.given
                 && e.carried.as_ref().is_none_or(|carried| carried == stated)
                 && e.parameters == node.parameters
@@ -107,9 +107,11 @@ impl Cache {
     }
 }
 
-/// The plug-in that a node's gradient filter came from: another one of that name gives other gradients.
-pub(super) fn plugin_of(node: &GraphNode) -> Option<&Plugin> {
-    node.method.as_ref().and_then(Method::plugin)
+impl GraphNode {
+    /// The plug-in that the node or its gradient filter came from: another one of that name gives something else.
+    pub fn plugin(&self) -> Option<&Plugin> {
+        self.node.plugin.or_else(|| self.method.as_ref().and_then(Method::plugin))
+    }
 }
 
 /// The files that a node's parameters name, those that it reads beside them, and their state.

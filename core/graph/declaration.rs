@@ -4,7 +4,9 @@
 use super::call::{Asking, Call, Foresight, Outputs, Preparation};
 use super::value::Value;
 use crate::Result;
+use crate::field::Plugin;
 use crate::parameters::{Parameter, ParameterType, Parameters};
+use crate::reading::GridReader;
 use std::path::PathBuf;
 
 /// What is known of an input before any data are: the port's name and what stands for its value, `None` where nothing does.
@@ -39,6 +41,10 @@ pub struct Node {
     pub parameters: &'static [Parameter],
     /// A pipeline file that uses it; must pass the checker.
     pub example: &'static str,
+    /// The plug-in that it was loaded from; `None` for one that the program was built with.
+    pub plugin: Option<&'static Plugin>,
+    /// The format that it reads, if it is the node of a format that comes from outside.
+    pub reader: Option<&'static dyn GridReader>,
     /// True for cheap nodes without data (a camera, a transfer function): they run before the demand pass, which
     /// can then look at their values.
     pub early: bool,
@@ -77,6 +83,8 @@ impl Node {
         outputs: &[],
         parameters: &[],
         example: "",
+        plugin: None,
+        reader: None,
         early: false,
         finds: false,
         outline: &|_, _| Ok(Vec::new()),

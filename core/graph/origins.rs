@@ -1,7 +1,7 @@
 //! What values were made from: cameras, units and files, for what is written to say.
 
 use super::build::Graph;
-use super::cache::{FileStamp, Stamp, files_beside, plugin_of};
+use super::cache::{FileStamp, Stamp, files_beside};
 use super::declaration::{PortType, Steps};
 use super::demand::Done;
 use super::value::{Value, diagonal};
@@ -58,7 +58,7 @@ pub(super) fn origins(graph: &Graph, places: &[usize], done: &[Option<Done>], st
                 origins.unit_distances.push((node.name.clone(), unit));
             }
         }
-        origins.plugins.extend(plugin_of(node).map(|plugin| (node.name.clone(), plugin.clone())));
+        origins.plugins.extend(node.plugin().map(|plugin| (node.name.clone(), plugin.clone())));
         let read = node.parameters.paths().into_iter().filter(|named| !named.written);
         // The first names the others.
         let mut beside = files_beside((node.node, &node.parameters), Steps::Read, &graph.folder, stamp);

@@ -3,6 +3,7 @@
 use super::declaration::Node;
 use crate::field::GradientFilter;
 use crate::parameters::{ParameterType, refuse_contradictions, repeated, suggest};
+use crate::reading::GridReader;
 use crate::{Error, Result};
 use std::sync::Arc;
 
@@ -65,7 +66,7 @@ impl Registry {
         Ok(())
     }
 
-    /// Says which plug-ins were asked for filters, for the error about one that none of them has; a clause.
+    /// Says which plug-ins were asked, for the error about a filter or a node type that none of them has; a clause.
     pub fn tell_plugins(&mut self, clause: String) {
         self.plugins = Some(clause);
     }
@@ -73,7 +74,8 @@ impl Registry {
     /// The node type of that name; an error that suggests the nearest otherwise.
     pub fn find(&self, name: &str) -> Result<&'static Node> {
         self.nodes.iter().copied().find(|n| n.name == name).ok_or_else(|| {
-            Error::usage(format!("unknown node type '{name}'")).accepted(suggest(name, self.names()))
+            Error::usage(format!("unknown node type '{name}'"))
+                .accepted(suggest(name, self.names()) + &self.plugins_in_words())
         })
     }
 
@@ -81,10 +83,14 @@ impl Registry {
     pub fn find_filter(&self, name: &str) -> Result<&Arc<dyn GradientFilter>> {
         self.filters.iter().find(|filter| filter.declaration().name == name).ok_or_else(|| {
             let names = self.filters.iter().map(|filter| filter.declaration().name);
-            let plugins = self.plugins.as_ref().map(|clause| format!("; {clause}")).unwrap_or_default();
             Error::usage(format!("unknown gradient filter '{name}'"))
-                .accepted(suggest(name, names) + &plugins)
+                .accepted(suggest(name, names) + &self.plugins_in_words())
         })
+    }
+
+    /// What is said behind the names that there are.
+    fn plugins_in_words(&self) -> String {
+        self.plugins.as_ref().map(|clause| format!("; {clause}")).unwrap_or_default()
     }
 
     /// Every node type, in the order of registration.
@@ -95,6 +101,11 @@ impl Registry {
     /// The names of the node types, in the order of registration.
     pub fn names(&self) -> impl Iterator<Item = &'static str> {
         self.nodes.iter().map(|n| n.name)
+    }
+
+    /// The formats that come from outside, with their nodes, in the order of registration.
+    pub fn readers(&self) -> impl Iterator<Item = (&'static Node, &'static dyn GridReader)> {
+        self.nodes.iter().filter_map(|node| Some((*node, node.reader?)))
     }
 
     /// Every gradient filter, in the order of registration.

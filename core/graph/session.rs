@@ -1,7 +1,7 @@
 //! Runs graphs: the two passes, the cache between runs, progress and stopping.
 
 use super::build::{Edge, Graph, GraphNode};
-use super::cache::{Cache, Entry, FileStamp, Store, files_of, plugin_of, stamped};
+use super::cache::{Cache, Entry, FileStamp, Store, files_of, stamped};
 use super::call::{Asking, Call, NodeProgress, Preparation};
 use super::declaration::{Outlined, PortType, Steps};
 use super::demand::{Arrays, Demand, Done, Plan};
@@ -254,7 +254,7 @@ impl Session {
         self.cache.add(Entry {
             node: node.node,
             parameters: node.parameters.clone(),
-            plugin: plugin_of(node).cloned(),
+            plugin: node.plugin().cloned(),
             given: node.given.clone(),
             inputs: revisions,
             demand: demand.clone(),

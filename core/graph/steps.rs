@@ -1,7 +1,7 @@
 //! The steps of a time series: what an input would carry at each of them.
 
 use super::build::{Graph, GraphNode};
-use super::cache::{Key, Store, files_of, plugin_of};
+use super::cache::{Key, Store, files_of};
 use super::call::{Asking, Call, NodeProgress, Preparation};
 use super::declaration::Steps;
 use super::demand::{Demand, Done};
@@ -168,7 +168,7 @@ impl Call<'_> {
             let node = &self.graph.nodes[i];
             let edges = node.inputs.iter().map(|edge| (edge.port, place(edge.node), edge.output)).collect();
             let files = files_of((node.node, &node.parameters), Steps::All, self.folder, self.file_stamp);
-            (node.node.name, parameters.clone(), edges, files, plugin_of(node).cloned(), node.given.clone())
+            (node.node.name, parameters.clone(), edges, files, node.plugin().cloned(), node.given.clone())
         };
         let nodes = feeding.nodes.iter().zip(&feeding.parameters).map(of).collect();
         let (last, output) = self.place_of(port)?;

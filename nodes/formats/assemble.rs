@@ -1,5 +1,6 @@
 //! From the table of contents to the grid: decodes what is asked for, puts pieces together, builds tetrahedra.
 
+use super::added::Added;
 use super::merge::Loaded;
 use super::piece::{Dataset, Geometry, Piece};
 use super::request::{Association, Request};
@@ -30,6 +31,11 @@ pub(super) fn assemble(dataset: &Dataset, request: &Request, progress: &dyn Prog
     let meter = Meter::new(progress, total.sum());
     let pieces: Vec<&Piece> =
         dataset.pieces.iter().filter(|p| p.cell_count > 0 && p.point_count > 0).collect();
+    for piece in &pieces {
+        if let Geometry::Added(added, _) = &piece.geometry {
+            fetch(added, dataset, request, progress)?;
+        }
+    }
     let cells: Vec<Cells> = pieces.iter().map(|piece| cells::load(piece, &meter)).collect::<Result<_>>()?;
     check_dimension(&cells)?;
 
@@ -53,6 +59,11 @@ pub(super) fn assemble(dataset: &Dataset, request: &Request, progress: &dyn Prog
     let mut parts = Parts::new(points, cells);
     (parts.ghost, parts.degrees) = (ghost, degrees);
     parts.warnings = dataset.warnings.clone();
+    for piece in &pieces {
+        if let Geometry::Added(added, _) = &piece.geometry {
+            parts.warnings.extend(added.warnings());
+        }
+    }
     parts.arrays_decoded = choices.len() as u64;
     if request.every_array {
         parts.arrays_decoded += left.arrays.len() as u64;
@@ -78,6 +89,20 @@ pub(super) fn assemble(dataset: &Dataset, request: &Request, progress: &dyn Prog
     let &Request { subdivision, cell_values, keep_cells, .. } = request;
     let options = grid::Options { subdivision, cell_values, keep_cells };
     grid::build(parts, &options, progress)
+}
+
+/// Has a reader from outside read all that is asked for at once.
+fn fetch(added: &Added, dataset: &Dataset, request: &Request, progress: &dyn Progress) -> Result<()> {
+    let choices = choices(dataset, request)?;
+    let chosen = |name: &str, per_cell: bool| {
+        choices.iter().any(|choice| choice.per_cell == per_cell && choice.name == name)
+    };
+    added.fetch(|name, per_cell| chosen(name, per_cell) || is_part_of_cells(name), progress)
+}
+
+/// Whether an array is read with every grid.
+fn is_part_of_cells(name: &str) -> bool {
+    [GHOST_TYPE, GHOST_LEVELS, DEGREES].contains(&name)
 }
 
 /// An early error where the grid would not fit into memory. The cells of the file are there already.
@@ -161,7 +186,7 @@ pub(super) fn unread(dataset: &Dataset, choices: &[Choice]) -> Result<Unread> {
     for array in dataset.pieces.iter().flat_map(|piece| &piece.arrays) {
         let name = &array.stored.name;
         let is_read = choices.iter().any(|choice| choice.per_cell == array.per_cell && choice.name == *name)
-            || [GHOST_TYPE, GHOST_LEVELS, DEGREES].contains(&name.as_str());
+            || is_part_of_cells(name);
         if !is_read {
             value_count = value_count.saturating_add(array.stored.promised()?.unwrap_or(0));
             if !arrays.contains(name) {
@@ -273,6 +298,7 @@ pub(super) fn points(piece: &Piece, meter: &Meter) -> Result<Vec<DVec3>> {
                 |n| vec![DVec3::ZERO; n / 3],
                 |points| bytemuck::cast_slice_mut(points),
             ),
+        Geometry::Added(added, _) => added.points(meter.progress()),
         Geometry::Rectilinear { axes, .. } => {
             let [x, y, z] = &**axes;
             let (x, y, z): (Vec<f64>, Vec<f64>, Vec<f64>) = (x.load(meter)?, y.load(meter)?, z.load(meter)?);
@@ -305,8 +331,11 @@ impl Piece {
         let own = match &self.geometry {
             Geometry::Unstructured { points, .. } | Geometry::Curvilinear { points, .. } => Some(points),
             Geometry::Rectilinear { axes, .. } => Some(&axes[0]),
-            Geometry::Uniform { .. } => None,
+            Geometry::Uniform { .. } | Geometry::Added(..) => None,
         };
+        if let Geometry::Added(_, source) = &self.geometry {
+            sources.push(source.clone());
+        }
         for stored in self.arrays.iter().map(|array| &array.stored).chain(own) {
             if !sources.iter().any(|source| Arc::ptr_eq(source, &stored.source)) {
                 sources.push(stored.source.clone());

@@ -20,6 +20,7 @@ pub(super) fn load(piece: &Piece, meter: &Meter) -> Result<Cells> {
             }
             StoredCells::Counted { list, types } => counted(list, types, meter),
         },
+        Geometry::Added(added, _) => added.cells(meter.progress()),
         Geometry::Curvilinear { dimensions, .. }
         | Geometry::Rectilinear { dimensions, .. }
         | Geometry::Uniform { dimensions, .. } => Ok(Cells::Structured(dimensions.map(|n| n as usize))),

@@ -51,6 +51,9 @@ impl Stored {
             return Ok(values);
         }
         let count = self.count(&found)?;
+        if let Found::Computed(values) = found {
+            return Ok(T::all_from(values));
+        }
         let mut values = vec![T::default(); count];
         self.decode(found, &mut values, meter)?;
         Ok(values)

@@ -11,6 +11,7 @@
 //! | `request`, `select` | what is asked of a file, and which of its arrays that means |
 //! | `open` | the list of formats, and what tells a file's |
 //! | `format` | the declaration of a format: how its files are told, and what reads them |
+//! | `added` | formats that come from outside, by a reader that a node type brings |
 //! | `foreign` | formats that are not read, by name and with what to do |
 //! | `source` | a file, read at positions |
 //! | `piece`, `stored` | the table of contents: counts, geometry, and how each array lies in the file |
@@ -34,6 +35,7 @@
 //! files, decodes every array, drops the line numbers) would take more code than reading the format; vtkio serves
 //! the tests as an independent writer.
 
+mod added;
 mod ascii;
 mod assemble;
 mod base64;
@@ -56,12 +58,13 @@ mod source;
 mod stored;
 mod xml;
 
+pub use added::Chosen;
 pub use assemble::Unread;
 pub(crate) use assemble::length;
 pub use cells::face_stream;
 pub use inspect::{ArrayHead, ArraySummary, Summary, arrays, inspect};
-pub use open::FILES;
 use open::open;
+pub use open::{FILES, ships};
 pub use request::{Association, Request, TimeStep};
 pub(crate) use select::Component;
 use std::path::{Path, PathBuf};

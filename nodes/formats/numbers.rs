@@ -100,6 +100,10 @@ pub(super) trait Target: Copy + Default + Send + Sync + 'static {
     fn from_i64(value: i64) -> (Self, bool);
     /// The value, and whether it could be represented.
     fn from_u64(value: u64) -> (Self, bool);
+    /// The values of a computed array, whatever can be represented.
+    fn all_from(values: Vec<f64>) -> Vec<Self> {
+        values.into_iter().map(|value| Self::from_f64(value).0).collect()
+    }
 }
 
 impl Target for f64 {
@@ -115,6 +119,9 @@ impl Target for f64 {
     #[inline]
     fn from_u64(value: u64) -> (Self, bool) {
         (value as f64, true)
+    }
+    fn all_from(values: Vec<f64>) -> Vec<Self> {
+        values
     }
 }
 

@@ -4,7 +4,7 @@ use super::format::Format;
 use super::piece::Dataset;
 use super::request::{Request, TimeStep};
 use super::source::{self, Source};
-use super::{foreign, legacy, plot3d, xml};
+use super::{added, foreign, legacy, plot3d, xml};
 use std::path::Path;
 use voltet_core::{Error, Result};
 
@@ -26,25 +26,23 @@ pub(super) fn open(path: &Path, request: &Request) -> Result<Dataset> {
     foreign::refuse_folder(path)?;
     let source = Source::open(path)?;
     let in_file = |error: Error| error.in_file(path);
+    if let Some(chosen) = &request.chosen {
+        let dataset = added::open(&source, request, chosen).map_err(in_file)?;
+        return refuse_no_series(dataset, request, "a file that is a series, or no time step")
+            .map_err(in_file);
+    }
     foreign::refuse_by_magic(&source).map_err(in_file)?;
     let head = source.head(256).map_err(in_file)?;
-    let text = head.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(&head).trim_ascii_start();
-    let Some(format) = FORMATS.iter().find(|format| (format.is_meant)(text, path, request)) else {
+    let Some(format) = format_of(&head, path, request) else {
         foreign::refuse_by_words(&source).map_err(in_file)?;
         let error = Error::run("the format of the file is not known").found(source::shown(&head));
-        return Err(in_file(error.accepted(files(FORMATS.iter()))));
+        let formats = files(FORMATS.iter());
+        return Err(in_file(
+            error.accepted(format!("{formats}; formats from outside have nodes of their own")),
+        ));
     };
     let dataset = (format.open)(source, request).map_err(in_file)?;
-    if dataset.time_steps.is_empty()
-        && let Some(step) = request.time_step.filter(|step| *step != TimeStep::Index(0))
-    {
-        let found = match step {
-            TimeStep::Index(index) => format!("step {index}"),
-            TimeStep::Time(time) => format!("time {time}"),
-        };
-        let error = Error::run("a time step is asked for, but the file is no time series");
-        return Err(in_file(error.found(found).accepted("a .pvd file, or no time step")));
-    }
+    let dataset = refuse_no_series(dataset, request, "a .pvd file, or no time step").map_err(in_file)?;
     if request.solution.is_some() && !format.has_solution {
         let with = files(FORMATS.iter().filter(|format| format.has_solution));
         return Err(in_file(
@@ -54,4 +52,28 @@ pub(super) fn open(path: &Path, request: &Request) -> Result<Dataset> {
         ));
     }
     Ok(dataset)
+}
+
+/// Whether a file is of a format that ships. One that cannot be read is, too: there is nothing to ask others for.
+pub fn ships(path: &Path) -> bool {
+    let head = Source::open(path).and_then(|source| source.head(256));
+    head.is_err() || head.is_ok_and(|head| format_of(&head, path, &Request::default()).is_some())
+}
+
+/// The format that a file shows, by how it begins and its name.
+fn format_of(head: &[u8], path: &Path, request: &Request) -> Option<&'static Format> {
+    let text = head.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(head).trim_ascii_start();
+    FORMATS.iter().find(|format| (format.is_meant)(text, path, request))
+}
+
+/// Errors: a step that is none is asked for.
+fn refuse_no_series(dataset: Dataset, request: &Request, accepted: &str) -> Result<Dataset> {
+    let step = request.time_step.filter(|step| *step != TimeStep::Index(0));
+    let Some(step) = step.filter(|_| dataset.time_steps.is_empty()) else { return Ok(dataset) };
+    let found = match step {
+        TimeStep::Index(index) => format!("step {index}"),
+        TimeStep::Time(time) => format!("time {time}"),
+    };
+    let error = Error::run("a time step is asked for, but the file is no time series");
+    Err(error.found(found).accepted(accepted))
 }

@@ -1,5 +1,6 @@
 //! What is asked of a file.
 
+use super::added::Chosen;
 use std::path::PathBuf;
 use voltet_core::grid::CellValues;
 
@@ -48,6 +49,8 @@ pub struct Request {
     /// The PLOT3D solution (q) file that belongs to the grid file; `None`: the grid's name with the ending `.q`, if
     /// there is such a file.
     pub solution: Option<PathBuf>,
+    /// The reader of a format that comes from outside, if the file is of one.
+    pub chosen: Option<Chosen>,
     /// Every other array is decoded too, though nobody looks at it: to show what not doing so saves.
     pub every_array: bool,
 }
@@ -64,6 +67,7 @@ impl Default for Request {
             time_step: None,
             subdivision: 1,
             solution: None,
+            chosen: None,
             every_array: false,
         }
     }

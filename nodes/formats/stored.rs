@@ -22,6 +22,11 @@ impl<'a> Meter<'a> {
         Meter { progress, done: AtomicU64::new(0), total: total.max(1) }
     }
 
+    /// Where progress goes, for who reports it by itself.
+    pub fn progress(&self) -> &'a dyn Progress {
+        self.progress
+    }
+
     /// Says that `bytes` more were decoded; an error once the user has stopped the run.
     pub fn advance(&self, bytes: u64) -> Result<()> {
         let done = self.done.fetch_add(bytes, Ordering::Relaxed) + bytes;

@@ -5,8 +5,7 @@ use crate::apart;
 use crate::crash;
 use crate::describe::Declared;
 use crate::host::State;
-use crate::library::{self, Filter};
-use crate::work::check;
+use crate::library;
 use std::fs::File;
 use std::io::{self, Read, Write};
 use std::path::Path;
@@ -44,17 +43,12 @@ fn answer(path: &Path, mut output: &mut impl Write) -> io::Result<()> {
             let plugin = [library.plugin.name.clone(), library.plugin.version.clone()];
             Answer::Described(plugin, filters).write(&mut output)
         }
-        Request::Check(name, values) => {
-            let function = find(&name).and_then(|filter| filter.check).ok_or_else(gone)?;
-            let said = apart::run(move || check(function, &values, &State::default()), || true);
-            Answer::Said(said.map_err(|_| gone())?).write(&mut output)
-        }
-        Request::Gradient(name, given) => {
-            let Filter { declared, gradient, .. } = find(&name).ok_or_else(gone)?;
+        Request::Do(name, task) => {
+            let piece = find(&name).ok_or_else(gone)?;
             let state = Arc::new(State::default());
             let work = {
                 let state = state.clone();
-                move || given.compute(gradient, declared.needs, &state)
+                move || task.carry_out(&piece, &state)
             };
             let mut told = 0.0;
             let called = apart::run(work, || {
@@ -63,9 +57,9 @@ fn answer(path: &Path, mut output: &mut impl Write) -> io::Result<()> {
                 told = fraction;
                 goes_on
             });
-            let (said, vectors) = called.map_err(|_| gone())?;
+            let (said, outcome) = called.map_err(|_| gone())?;
             Answer::Said(said).write(&mut output)?;
-            Answer::Vectors(vectors).write(&mut output)
+            Answer::Made(outcome).write(&mut output)
         }
     }
 }

@@ -40,10 +40,6 @@ pub(super) fn hold(
     let (Some(input), Some(output)) = (child.stdin.take(), child.stdout.take()) else {
         return End::Broken("has no pipes".into());
     };
-    let point_count = match request {
-        Request::Gradient(_, given) => given.grid.points.len(),
-        Request::Describe | Request::Check(..) => 0,
-    };
     let (sender, receiver) = channel();
     std::thread::scope(|scope| {
         // Its end of the pipe stays open until all is heard: the process ends when it is closed. What cannot be written shows in
@@ -56,7 +52,7 @@ pub(super) fn hold(
         scope.spawn(move || {
             let mut output = BufReader::new(output);
             loop {
-                let answer = Answer::read(&mut output, point_count);
+                let answer = Answer::read(&mut output);
                 let is_last = !matches!(answer, Ok(Some(_)));
                 if sender.send(answer).is_err() || is_last {
                     return;

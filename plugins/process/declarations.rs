@@ -1,14 +1,29 @@
 //! What a filter declares, in messages.
 
 use super::wire::{Reader, Writer};
-use crate::describe::Declared;
+use crate::describe::{Declared, Family};
 use voltet_core::parameters::{Kind, Parameter, ParameterType, Range, Standard};
 
 /// A filter as it was declared.
 pub(super) fn write_declared(body: &mut Writer, declared: &Declared) {
     body.text(declared.kind.name);
     body.text(declared.kind.summary);
-    body.number(u64::from(declared.needs));
+    match declared.family {
+        Family::GradientFilter { needs } => {
+            body.number(0);
+            body.number(u64::from(needs));
+        }
+        Family::Reader { extensions, magic } => {
+            body.number(1);
+            write_texts(body, extensions);
+            body.bytes(magic);
+        }
+        Family::GridFilter { made } => {
+            body.number(2);
+            write_texts(body, made);
+        }
+        Family::ImageFilter => body.number(3),
+    }
     body.number(u64::from(declared.checks));
     body.number(declared.kind.parameters.len() as u64);
     for (parameter, &components) in declared.kind.parameters.iter().zip(&declared.components) {
@@ -22,7 +37,14 @@ pub(super) fn write_declared(body: &mut Writer, declared: &Declared) {
 /// The same again; its texts and lists live from now on as long as the program. `None` where it is none.
 pub(super) fn read_declared(reader: &mut Reader) -> Option<Declared> {
     let (name, summary) = (reader.text()?, reader.text()?);
-    let (needs, checks) = (reader.number()? as u32, reader.number()? == 1);
+    let family = match reader.number()? {
+        0 => Family::GradientFilter { needs: reader.number()? as u32 },
+        1 => Family::Reader { extensions: read_texts(reader)?, magic: reader.bytes()?.to_vec().leak() },
+        2 => Family::GridFilter { made: read_texts(reader)? },
+        3 => Family::ImageFilter,
+        _ => return None,
+    };
+    let checks = reader.number()? == 1;
     let mut components = Vec::new();
     let parameters = reader.list(|reader| {
         let [name, unit, help] = [reader.text()?, reader.text()?, reader.text()?];
@@ -32,7 +54,17 @@ pub(super) fn read_declared(reader: &mut Reader) -> Option<Declared> {
         Some(Parameter { name: name.leak(), unit: unit.leak(), help: help.leak(), parameter_type, standard })
     })?;
     let kind = Kind { name: name.leak(), summary: summary.leak(), parameters: parameters.leak() };
-    Some(Declared { kind, needs, checks, components })
+    Some(Declared { kind, family, checks, components })
+}
+
+fn write_texts(body: &mut Writer, texts: &[&str]) {
+    body.number(texts.len() as u64);
+    texts.iter().for_each(|text| body.text(text));
+}
+
+fn read_texts(reader: &mut Reader) -> Option<&'static [&'static str]> {
+    let texts: Vec<&str> = reader.list(|reader| Some(&*reader.text()?.leak()))?;
+    Some(texts.leak())
 }
 
 fn write_range(body: &mut Writer, range: &Range) {

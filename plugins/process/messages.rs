@@ -3,78 +3,52 @@
 use super::declarations::{read_declared, write_declared};
 use super::wire::{self, Reader, Writer};
 use crate::describe::Declared;
-use crate::outcome::Said;
-use crate::values::Owned;
-use crate::work::Given;
+use crate::outcome::{Beyond, Said};
+use crate::task::{Outcome, Task};
 use std::io::{self, Read, Write};
-use std::sync::Arc;
 use voltet_core::field::Fallback;
-use voltet_core::glam::DVec3;
-use voltet_core::grid::{Array, Grid};
 use voltet_core::{Error, Result};
 
 /// What is asked of the process.
 pub(crate) enum Request {
     Describe,
-    /// Check these values for the filter of that name.
-    Check(String, Owned),
-    /// Compute the gradient.
-    Gradient(String, Box<Given>),
+    /// What the piece of that name shall do.
+    Do(String, Task),
 }
 
-/// What it answers. Only `Progress` is followed by more; `Said` of a gradient by `Vectors`.
+/// What it answers. `Progress` is followed by more, and `Said` by what was made.
 pub(crate) enum Answer {
     Progress(f64),
-    /// Name and version of the plug-in, and its filters.
+    /// Name and version of the plug-in, and what it offers.
     Described([String; 2], Vec<Declared>),
     /// Why it could not be loaded: what, found, accepted.
     Failed([String; 3]),
     Said(Said),
-    Vectors(Vec<DVec3>),
+    Made(Outcome),
 }
 
 const DESCRIBE: u8 = b'd';
-const CHECK: u8 = b'c';
-const GRADIENT: u8 = b'g';
+const DO: u8 = b't';
 const PROGRESS: u8 = b'P';
 const DESCRIBED: u8 = b'D';
 const FAILED: u8 = b'F';
 const SAID: u8 = b'S';
-const VECTORS: u8 = b'V';
+const MADE: u8 = b'M';
 
-fn garbled() -> io::Error {
+pub(super) fn garbled() -> io::Error {
     io::Error::new(io::ErrorKind::InvalidData, "a message is not as agreed")
 }
 
 impl Request {
     pub fn write(&self, to: &mut impl Write) -> io::Result<()> {
-        let mut head = Writer::default();
-        let tag = match self {
-            Request::Describe => DESCRIBE,
-            Request::Check(name, values) => {
+        match self {
+            Request::Describe => wire::send(to, DESCRIBE, &[])?,
+            Request::Do(name, task) => {
+                let mut head = Writer::default();
                 head.text(name);
-                values.write(&mut head);
-                CHECK
-            }
-            Request::Gradient(name, given) => {
-                head.text(name);
-                given.values.write(&mut head);
-                head.number(given.grid.points.len() as u64);
-                head.number(given.grid.tetrahedra.len() as u64);
-                head.number(given.arrays.len() as u64);
-                for array in &given.arrays {
-                    head.optional(array.as_ref(), |head, array| head.number(array.component_count as u64));
-                }
-                GRADIENT
-            }
-        };
-        wire::send(to, tag, &head.0)?;
-        if let Request::Gradient(_, given) = self {
-            to.write_all(bytemuck::cast_slice(&given.grid.points[..]))?;
-            to.write_all(bytemuck::cast_slice(&given.grid.tetrahedra[..]))?;
-            to.write_all(bytemuck::cast_slice(&given.scalar))?;
-            for array in given.arrays.iter().flatten() {
-                to.write_all(bytemuck::cast_slice(&array.values))?;
+                task.write_head(&mut head);
+                wire::send(to, DO, &head.0)?;
+                task.write_arrays(to)?;
             }
         }
         to.flush()
@@ -84,48 +58,25 @@ impl Request {
         let (tag, length) = wire::head(from)?.ok_or_else(garbled)?;
         let bytes = wire::body(from, length)?;
         let mut reader = Reader(&bytes);
-        let request = match tag {
-            DESCRIBE => Some(Request::Describe),
-            CHECK => {
-                reader.text().zip(Owned::read(&mut reader)).map(|(name, values)| Request::Check(name, values))
-            }
-            GRADIENT => {
+        match tag {
+            DESCRIBE => Ok(Request::Describe),
+            DO => {
                 let name = reader.text().ok_or_else(garbled)?;
-                return Ok(Request::Gradient(name, Box::new(given(reader, from)?)));
+                Ok(Request::Do(name, Task::read(&mut reader, from)?))
             }
-            _ => None,
-        };
-        request.ok_or_else(garbled)
+            _ => Err(garbled()),
+        }
     }
-}
-
-fn given(mut head: Reader, from: &mut impl Read) -> io::Result<Given> {
-    let mut stated = || {
-        let values = Owned::read(&mut head)?;
-        let points = usize::try_from(head.number()?).ok()?;
-        let cells = usize::try_from(head.number()?).ok()?;
-        let arrays = head.list(|head| head.optional(Reader::number))?;
-        Some((values, points, cells, arrays))
-    };
-    let (values, point_count, cell_count, components) = stated().ok_or_else(garbled)?;
-    let points = wire::array::<DVec3>(from, point_count)?.into();
-    let tetrahedra = wire::array::<[u32; 4]>(from, cell_count)?.into();
-    let scalar = wire::array::<f64>(from, point_count)?;
-    let arrays = components.into_iter().map(|components| {
-        let Some(components) = components.map(|n| n as usize) else { return Ok(None) };
-        let values = wire::array::<f64>(from, components * point_count)?.into();
-        Ok(Some(Arc::new(Array { component_count: components, values })))
-    });
-    let arrays = arrays.collect::<io::Result<_>>()?;
-    Ok(Given { grid: Grid { points, tetrahedra, ..Grid::default() }, scalar, values, arrays })
 }
 
 impl Answer {
     pub fn write(&self, to: &mut impl Write) -> io::Result<()> {
         let mut body = Writer::default();
         let tag = match self {
-            Answer::Vectors(vectors) => {
-                wire::send(to, VECTORS, bytemuck::cast_slice(vectors))?;
+            Answer::Made(outcome) => {
+                outcome.write_head(&mut body);
+                wire::send(to, MADE, &body.0)?;
+                outcome.write_arrays(to)?;
                 return to.flush();
             }
             Answer::Progress(fraction) => {
@@ -143,14 +94,7 @@ impl Answer {
                 FAILED
             }
             Answer::Said(said) => {
-                body.number(said.code as u64);
-                body.number(u64::from(said.overran));
-                body.optional(said.error.as_ref(), |body, text| body.text(text));
-                body.number(said.fallbacks.len() as u64);
-                for fallback in &said.fallbacks {
-                    body.text(&fallback.what);
-                    body.number(fallback.point_count);
-                }
+                write_said(said, &mut body);
                 SAID
             }
         };
@@ -158,17 +102,14 @@ impl Answer {
         to.flush()
     }
 
-    /// The next; `None` at the end. `point_count`: of the vectors.
-    pub fn read(from: &mut impl Read, point_count: usize) -> io::Result<Option<Answer>> {
+    /// The next; `None` at the end.
+    pub fn read(from: &mut impl Read) -> io::Result<Option<Answer>> {
         let Some((tag, length)) = wire::head(from)? else { return Ok(None) };
-        if tag == VECTORS {
-            if length != 24 * point_count as u64 {
-                return Err(garbled());
-            }
-            return wire::array(from, point_count).map(|vectors| Some(Answer::Vectors(vectors)));
-        }
         let bytes = wire::body(from, length)?;
         let mut reader = Reader(&bytes);
+        if tag == MADE {
+            return Outcome::read(&mut reader, from).map(|outcome| Some(Answer::Made(outcome)));
+        }
         let mut answer = || match tag {
             PROGRESS => reader.float().map(Answer::Progress),
             DESCRIBED => {
@@ -176,19 +117,37 @@ impl Answer {
                 Some(Answer::Described(plugin, reader.list(read_declared)?))
             }
             FAILED => Some(Answer::Failed([reader.text()?, reader.text()?, reader.text()?])),
-            SAID => {
-                let code = reader.number()? as i32;
-                let overran = reader.number()? == 1;
-                let error = reader.optional(Reader::text)?;
-                let fallback = |reader: &mut Reader| {
-                    Some(Fallback { what: reader.text()?, point_count: reader.number()? })
-                };
-                Some(Answer::Said(Said { code, error, fallbacks: reader.list(fallback)?, overran }))
-            }
+            SAID => read_said(&mut reader).map(Answer::Said),
             _ => None,
         };
         answer().map(Some).ok_or_else(garbled)
     }
+}
+
+fn write_said(said: &Said, body: &mut Writer) {
+    body.number(said.code as u64);
+    body.optional(said.beyond.as_ref(), |body, beyond| {
+        body.text(&beyond.what);
+        body.text(&beyond.accepted);
+    });
+    [&said.wrong, &said.error]
+        .into_iter()
+        .for_each(|text| body.optional(text.as_ref(), |body, text| body.text(text)));
+    body.number(said.fallbacks.len() as u64);
+    for fallback in &said.fallbacks {
+        body.text(&fallback.what);
+        body.number(fallback.point_count);
+    }
+}
+
+fn read_said(reader: &mut Reader) -> Option<Said> {
+    let code = reader.number()? as i32;
+    let beyond = |reader: &mut Reader| Some(Beyond { what: reader.text()?, accepted: reader.text()? });
+    let beyond = reader.optional(beyond)?;
+    let (wrong, error) = (reader.optional(Reader::text)?, reader.optional(Reader::text)?);
+    let fallback =
+        |reader: &mut Reader| Some(Fallback { what: reader.text()?, point_count: reader.number()? });
+    Some(Said { code, error, fallbacks: reader.list(fallback)?, beyond, wrong })
 }
 
 /// An error as texts.

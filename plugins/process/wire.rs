@@ -2,6 +2,9 @@
 
 use std::io::{self, Read, Write};
 
+/// Numbers that are read at a time.
+const PART: usize = 1 << 22;
+
 /// Longest message but for arrays: bytes.
 const MESSAGE_MOST: u64 = 16 << 20;
 
@@ -119,9 +122,20 @@ pub(crate) fn body(from: &mut impl Read, length: u64) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// An array of numbers, whose length is known on both sides.
+/// An array of numbers, of that many. What was damaged may name any number: memory is touched as numbers come.
 pub(crate) fn array<T: bytemuck::Pod>(from: &mut impl Read, count: usize) -> io::Result<Vec<T>> {
-    let mut items = vec![T::zeroed(); count];
-    from.read_exact(bytemuck::cast_slice_mut(&mut items))?;
+    let mut items = Vec::new();
+    let none = |_| io::Error::new(io::ErrorKind::OutOfMemory, "there is no memory for an array");
+    items.try_reserve_exact(count).map_err(none)?;
+    while items.len() < count {
+        let begin = items.len();
+        items.resize(begin + (count - begin).min(PART), T::zeroed());
+        from.read_exact(bytemuck::cast_slice_mut(&mut items[begin..]))?;
+    }
     Ok(items)
+}
+
+/// The same as bytes.
+pub(crate) fn send_array<T: bytemuck::Pod>(to: &mut impl Write, items: &[T]) -> io::Result<()> {
+    to.write_all(bytemuck::cast_slice(items))
 }

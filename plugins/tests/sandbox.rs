@@ -96,7 +96,7 @@ fn load(bytes: &[u8]) -> Result<Vec<Arc<dyn GradientFilter>>> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("filter.wasm");
     std::fs::write(&path, bytes).unwrap();
-    voltet_plugins::load(&path)
+    voltet_plugins::load(&path).map(|contents| contents.filters)
 }
 
 fn grid() -> (Grid, Vec<f64>) {
@@ -236,7 +236,7 @@ fn the_c_example_runs_in_the_sandbox_as_it_is() {
     let Some(()) = compilers::module(&compilers::source("examples/plugin_c/least_squares.c"), &path) else {
         return;
     };
-    let filters = voltet_plugins::load(&path).unwrap();
+    let filters = voltet_plugins::load(&path).unwrap().filters;
     let found = gradient(&filters[0], &Silent).unwrap();
     let own = gradient(&(Arc::new(LeastSquares) as Arc<dyn GradientFilter>), &Silent).unwrap();
     let largest = own.vectors.iter().map(|v| v.length()).fold(0.0, f64::max);

@@ -24,7 +24,7 @@ pub(super) fn read(sandbox: &Sandbox) -> Result<([String; 2], Vec<Declared>), Wr
         let at = |wrong: Wrong| format!("filter {place}: {wrong}");
         let address = begun.filter(&mut running, place).map_err(at)?;
         let described = own.filter(&mut running, address).map_err(at)?;
-        let declared = describe::filter(&described).map_err(at)?.declared;
+        let declared = describe::gradient_filter(&described).map_err(at)?.declared;
         filters.push(declared);
     }
     refuse_same_names(&filters)?;
@@ -72,7 +72,8 @@ pub(super) fn begin(running: &mut Running, state: &State) -> Result<Begun, Wrong
     }
     let factory = get_factory.call(&mut running.store, kind).map_err(|error| said(&error))?;
     if factory == 0 {
-        return Err("it has no gradient filters (get_factory gave nothing)".into());
+        return Err("it has no gradient filters (get_factory gave nothing), and a sandbox runs these alone: readers, grid filters and image \
+                    filters need a shared library".into());
     }
     running.sized(factory, "voltet_gradient_factory", factory::SIZE)?;
     let count = running.function::<(), u32>("filter_count", factory + factory::FILTER_COUNT)?;

@@ -1,22 +1,23 @@
-//! A filter of a module: each call starts the module anew, hands everything over, and takes the vectors out.
+//! The filters of a module: each call starts the module anew, hands everything over, and takes the vectors out.
 
 use super::declared::begin;
 use super::guest::Handed;
 use super::layout::filter;
 use super::sandbox::{Running, Sandbox, said};
 use crate::apart::{self, Lost};
-use crate::describe::Declared;
+use crate::describe::{Declared, Family};
 use crate::foreign::Wrong;
+use crate::grids::overran;
 use crate::host::State;
-use crate::outcome::{Said, UNSET, Whose, overran};
-use crate::values::{Owned, array_names};
+use crate::outcome::{Beyond, Said, UNSET, Whose};
+use crate::runner::Runner;
+use crate::task::{Outcome, Task};
+use crate::values::Owned;
 use crate::work::{BEYOND, Given};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
-use voltet_core::field::{Gradient, GradientFilter, Plugin, check_scalar};
+use voltet_core::field::Plugin;
 use voltet_core::glam::DVec3;
-use voltet_core::grid::Grid;
-use voltet_core::parameters::{Kind, Parameters};
 use voltet_core::progress::Progress;
 use voltet_core::{Error, Result};
 
@@ -26,34 +27,32 @@ const TIME_MOST: Duration = Duration::from_secs(600);
 /// Longest check of parameters.
 const CHECK_MOST: Duration = Duration::from_secs(3);
 
-/// A filter of a module.
+/// A module with its filters, by their places.
 pub(super) struct Sandboxed {
-    sandbox: Arc<Sandbox>,
-    plugin: Arc<Plugin>,
-    place: u32,
-    declared: Declared,
+    sandbox: Sandbox,
+    plugin: Plugin,
+    names: Vec<&'static str>,
 }
 
 impl Sandboxed {
-    pub fn new(sandbox: Arc<Sandbox>, plugin: Arc<Plugin>, place: u32, declared: Declared) -> Sandboxed {
-        Sandboxed { sandbox, plugin, place, declared }
-    }
-
-    fn whose(&self) -> Whose<'_> {
-        Whose { filter: self.declared.kind.name, plugin: &self.plugin }
+    /// `filters`: in their order.
+    pub fn new(sandbox: Sandbox, plugin: Plugin, filters: &[Declared]) -> Sandboxed {
+        Sandboxed { sandbox, plugin, names: filters.iter().map(|declared| declared.kind.name).collect() }
     }
 
     /// Uses the module on a thread of its own; stopped where `ends` says so.
     fn used<T: Send + 'static>(
         &self,
+        whose: Whose,
         state: &Arc<State>,
         memory_most: Option<u64>,
         work: impl FnOnce(&mut Running, u32, u32) -> std::result::Result<T, Wrong> + Send + 'static,
         mut ends: impl FnMut() -> bool,
     ) -> Result<T> {
-        let failed = |wrong: Wrong| self.whose().error("failed in its sandbox").found(wrong);
+        let failed = |wrong: Wrong| whose.error("failed in its sandbox").found(wrong);
         let (mut running, stop) = self.sandbox.start(state, memory_most).map_err(failed)?;
-        let (place, of_use) = (self.place, state.clone());
+        let place = self.names.iter().position(|name| *name == whose.name()).unwrap_or(0) as u32;
+        let of_use = state.clone();
         let work = move || {
             let begun = begin(&mut running, &of_use)?;
             let filter = begun.filter(&mut running, place)?;
@@ -70,26 +69,38 @@ impl Sandboxed {
         match apart::run(work, waits) {
             Ok(outcome) => outcome.map_err(failed),
             Err(Lost::GivenUp | Lost::Ended | Lost::NoThread) => {
-                Err(self.whose().error("cannot be run: the system gives no thread for it"))
+                Err(whose.error("cannot be run: the system gives no thread for it"))
             }
         }
     }
 }
 
-impl GradientFilter for Sandboxed {
-    fn declaration(&self) -> Kind {
-        self.declared.kind
+impl Runner for Sandboxed {
+    fn plugin(&self) -> &Plugin {
+        &self.plugin
     }
 
-    fn plugin(&self) -> Option<&Plugin> {
-        Some(&self.plugin)
-    }
-
-    fn check(&self, parameters: &Parameters) -> Result<()> {
-        let values = Owned::new(&self.declared, parameters)?;
-        if !self.declared.checks {
-            return Ok(());
+    fn run(&self, of: &Declared, task: Task, progress: &dyn Progress) -> Result<(Said, Outcome)> {
+        let whose = Whose::new(of, &self.plugin);
+        match (task, of.family) {
+            (Task::Check(values), _) => self.check(whose, values),
+            (Task::Gradient(given), Family::GradientFilter { needs }) => {
+                self.gradient(whose, *given, needs, progress)
+            }
+            // Nothing else is described, so nothing else is asked.
+            (
+                Task::Gradient(_) | Task::Inspect(_) | Task::Read(..) | Task::Grid(_) | Task::Image(_),
+                Family::GradientFilter { .. }
+                | Family::Reader { .. }
+                | Family::GridFilter { .. }
+                | Family::ImageFilter,
+            ) => Ok((Said::default(), Outcome::Nothing)),
         }
+    }
+}
+
+impl Sandboxed {
+    fn check(&self, whose: Whose, values: Owned) -> Result<(Said, Outcome)> {
         let (state, begun) = (Arc::<State>::default(), Instant::now());
         let of_call = state.clone();
         let work = move |running: &mut Running, filter: u32, host: u32| {
@@ -101,26 +112,19 @@ impl GradientFilter for Sandboxed {
                 return Err("there is no memory for the parameters".into());
             }
             let code = check.call(&mut running.store, (values, host)).map_err(|error| said(&error))?;
-            Ok(Said::new(code, &of_call))
+            Ok((Said::new(code, &of_call), Outcome::Nothing))
         };
-        let said = self.used(&state, None, work, || begun.elapsed() > CHECK_MOST)?;
-        self.whose().checked(said)
-    }
-
-    fn arrays(&self, parameters: &Parameters) -> Result<Vec<String>> {
-        Ok(array_names(&self.declared, parameters))
+        self.used(whose, &state, None, work, || begun.elapsed() > CHECK_MOST)
     }
 
     fn gradient(
         &self,
-        grid: &Grid,
-        scalar: &[f64],
-        parameters: &Parameters,
+        whose: Whose,
+        given: Given,
+        needs: u32,
         progress: &dyn Progress,
-    ) -> Result<Gradient> {
-        check_scalar(grid, scalar)?;
-        let given = Given::new(&self.declared, grid, scalar, parameters)?;
-        let (state, needs, begun) = (Arc::<State>::default(), self.declared.needs, Instant::now());
+    ) -> Result<(Said, Outcome)> {
+        let (state, begun) = (Arc::<State>::default(), Instant::now());
         let of_call = state.clone();
         let work = move |running: &mut Running, filter: u32, host: u32| {
             let gradient = running.function::<(u32, u32), i32>("gradient", filter + filter::GRADIENT)?;
@@ -133,8 +137,8 @@ impl GradientFilter for Sandboxed {
             let code = gradient.call(&mut running.store, (call, host)).map_err(|error| said(&error))?;
             let count = given.grid.points.len();
             let mut vectors: Vec<DVec3> = running.guest().list(out, count + BEYOND)?;
-            let overran = overran(&mut vectors, count);
-            Ok((Said { overran, ..Said::new(code, &of_call) }, vectors))
+            let beyond = overran::<_, f64>(&mut vectors, count).then(|| Beyond::gradient(count));
+            Ok((Said { beyond, ..Said::new(code, &of_call) }, Outcome::Vectors(vectors)))
         };
         let ends = || {
             progress.report("gradient", state.fraction());
@@ -143,11 +147,11 @@ impl GradientFilter for Sandboxed {
             }
             progress.cancelled() || begun.elapsed() > TIME_MOST
         };
-        match self.used(&state, progress.memory_left(), work, ends) {
-            Ok((said, vectors)) => self.whose().gradient(grid, said, vectors, progress.cancelled()),
+        match self.used(whose, &state, progress.memory_left(), work, ends) {
+            Ok(done) => Ok(done),
             Err(_) if progress.cancelled() => Err(Error::cancelled()),
             Err(_) if begun.elapsed() > TIME_MOST => {
-                let error = self.whose().error("was stopped");
+                let error = whose.error("was stopped");
                 Err(error.found("no end").accepted(format!("an end within {} s", TIME_MOST.as_secs())))
             }
             Err(error) => Err(error),

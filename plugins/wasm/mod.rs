@@ -7,7 +7,7 @@
 //! | `guest` | the memory of a module, read and written within its bounds |
 //! | `sandbox` | a module compiled, started, stopped |
 //! | `declared` | what it declares, read for `describe` |
-//! | `filter` | a filter of it |
+//! | `filter` | its filters |
 
 mod declared;
 mod filter;
@@ -16,27 +16,23 @@ mod layout;
 mod sandbox;
 
 use crate::library::{failed, file_name, state_of};
+use crate::runner::{Offered, Runner};
 use filter::Sandboxed;
 use sandbox::Sandbox;
 use std::path::Path;
 use std::sync::Arc;
 use voltet_core::Result;
-use voltet_core::field::{GradientFilter, Plugin};
+use voltet_core::field::Plugin;
 
 /// The gradient filters of a module.
 ///
 /// Errors: no module, not of the interface, or what it declares is wrong.
-pub(crate) fn load(path: &Path) -> Result<Vec<Arc<dyn GradientFilter>>> {
+pub(crate) fn load(path: &Path) -> Result<Vec<Offered>> {
     let (stated, bytes) = state_of(path)?;
     let nameless = Plugin { name: file_name(path), ..stated };
-    let sandbox = Arc::new(Sandbox::new(&bytes).map_err(|wrong| failed(path, wrong))?);
-    let (names, filters) = declared::read(&sandbox).map_err(|wrong| failed(path, wrong))?;
-    let [name, version] = names;
-    let plugin = Arc::new(Plugin { name, version, ..nameless });
-    let filters = filters.into_iter().enumerate();
-    let filter = |(place, declared)| {
-        Arc::new(Sandboxed::new(sandbox.clone(), plugin.clone(), place as u32, declared))
-            as Arc<dyn GradientFilter>
-    };
-    Ok(filters.map(filter).collect())
+    let sandbox = Sandbox::new(&bytes).map_err(|wrong| failed(path, wrong))?;
+    let ([name, version], filters) = declared::read(&sandbox).map_err(|wrong| failed(path, wrong))?;
+    let plugin = Plugin { name, version, ..nameless };
+    let runner: Arc<dyn Runner> = Arc::new(Sandboxed::new(sandbox, plugin, &filters));
+    Ok(filters.into_iter().map(|declared| Offered { runner: runner.clone(), declared }).collect())
 }

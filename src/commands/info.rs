@@ -8,6 +8,7 @@ use crate::Document;
 use crate::arguments::Info;
 use crate::core::graph::Registry;
 use crate::core::{Error, Result};
+use crate::nodes::added;
 use crate::nodes::formats::{ArrayHead, ArraySummary, Association, Request, Summary, inspect, unread};
 use crate::nodes::memory::{Needs, SIDE};
 use crate::present::{Bar, name, number, print};
@@ -29,19 +30,17 @@ pub fn info(arguments: &Info, registry: &Registry) -> Result<u8> {
         let error = Error::usage("--set changes a pipeline, and this is a data file").found(option);
         return Err(error.accepted("a pipeline file (.toml), or no --set").in_file(&arguments.data));
     }
+    let wanted = request(arguments.time_step, arguments.solution.as_ref());
+    let wanted = added::request(wanted, &arguments.data, registry)?;
     let bar = Bar::new(false);
-    let summary = inspect(
-        &arguments.data,
-        &request(arguments.time_step, arguments.solution.as_ref()),
-        &Inspecting(&bar),
-    );
+    let summary = inspect(&arguments.data, &wanted, &Inspecting(&bar));
     bar.clear();
     let summary = summary?;
     if arguments.json {
         print(&format!("{:#}\n", json(&summary)))?;
         return Ok(DONE);
     }
-    let first = suggestion(arguments, &summary, registry);
+    let first = suggestion(arguments, &wanted, &summary, registry);
     print(&(described(&arguments.data, &summary) + &first))?;
     Ok(DONE)
 }
@@ -177,7 +176,7 @@ fn array_line(array: &ArraySummary, width: usize) -> String {
 }
 
 /// A pipeline to start with, of which it is known that `run` takes it; or why there is none.
-fn suggestion(arguments: &Info, summary: &Summary, registry: &Registry) -> String {
+fn suggestion(arguments: &Info, wanted: &Request, summary: &Summary, registry: &Registry) -> String {
     if !summary.has_volume() {
         return "\nNo cell has a volume: nothing to draw.\n".into();
     }
@@ -188,8 +187,9 @@ fn suggestion(arguments: &Info, summary: &Summary, registry: &Registry) -> Strin
     let mut refusal = None;
     for array in summary.arrays.iter().filter(|array| differs(array)) {
         let meant = Meant::of(&array.head, &heads);
-        let pipeline = pipeline(arguments, &meant, array.range.unwrap_or_default(), bounds);
-        match refused(arguments, meant, &pipeline, registry) {
+        let reader = wanted.chosen.as_ref().map_or("reader", |chosen| chosen.reader.declaration().name);
+        let pipeline = pipeline(arguments, reader, &meant, array.range.unwrap_or_default(), bounds);
+        match refused(arguments, wanted, meant, &pipeline, registry) {
             None => return format!("\nA pipeline to start with\n{pipeline}"),
             Some(error) => refusal = refusal.or(Some(error)),
         }
@@ -199,20 +199,28 @@ fn suggestion(arguments: &Info, summary: &Summary, registry: &Registry) -> Strin
 }
 
 /// What `run` has against a pipeline that draws this array, as far as the headers of its data show.
-fn refused(arguments: &Info, meant: Meant, pipeline: &str, registry: &Registry) -> Option<Error> {
-    let request = Request {
-        scalar: Some(meant.scalar),
-        association: meant.association,
-        ..request(arguments.time_step, arguments.solution.as_ref())
-    };
+fn refused(
+    arguments: &Info,
+    wanted: &Request,
+    meant: Meant,
+    pipeline: &str,
+    registry: &Registry,
+) -> Option<Error> {
+    let request = Request { scalar: Some(meant.scalar), association: meant.association, ..wanted.clone() };
     let document = Document::from_text(Path::new("suggested.toml"), pipeline.into(), &[], registry);
     let planned = document.and_then(|document| crate::nodes::session().plan(&document.graph).map(drop));
     planned.and_then(|()| unread(&arguments.data, &request).map(drop)).err()
 }
 
 /// Bands of colour over an array's range, and a camera that sees all.
-fn pipeline(arguments: &Info, meant: &Meant, [low, high]: [f64; 2], [from, to]: [glam::DVec3; 2]) -> String {
-    let reader = meant.keys(&arguments.data, arguments.time_step, arguments.solution.as_deref());
+fn pipeline(
+    arguments: &Info,
+    reader: &str,
+    meant: &Meant,
+    [low, high]: [f64; 2],
+    [from, to]: [glam::DVec3; 2],
+) -> String {
+    let keys = meant.keys(&arguments.data, arguments.time_step, arguments.solution.as_deref());
     let centre = 0.5 * from + 0.5 * to;
     let eye = centre + (to - from).length() * glam::DVec3::new(-0.8, -1.4, 0.9);
     let middle = 0.5 * low + 0.5 * high;
@@ -223,8 +231,8 @@ fn pipeline(arguments: &Info, meant: &Meant, [low, high]: [f64; 2], [from, to]: 
 format = 1
 
 [nodes.grid]
-type = \"reader\"
-{reader}
+type = \"{reader}\"
+{keys}
 [nodes.look]
 type = \"transfer-function\"
 unit_distance = \"auto\"

@@ -23,9 +23,10 @@ use crate::arguments::{Arguments, Command};
 use crate::core::Result;
 use crate::core::graph::Registry;
 use crate::lanes::LaneSet;
-use crate::nodes::files;
+use crate::nodes::{files, formats};
 use outcome::{WRONG, show};
 use std::io::ErrorKind;
+use std::path::Path;
 use std::process::ExitCode;
 
 /// Carries out the command, shows its error if there is one, and gives the exit code. What the environment asks for is looked
@@ -33,12 +34,18 @@ use std::process::ExitCode;
 pub fn dispatch(arguments: &Arguments, registry: Result<Registry>) -> ExitCode {
     let outcome = LaneSet::detect().and(registry).and_then(|registry| {
         let registry = match arguments.command.plugins() {
-            Some(wanted) => plugins::with(registry, wanted)?,
+            Some(wanted) => plugins::with(registry, wanted, !is_of_what_ships(&arguments.command))?,
             None => registry,
         };
         carry_out(&arguments.command, &registry)
     });
     ExitCode::from(outcome.unwrap_or_else(|error| show(&error, None)))
+}
+
+/// Whether the command looks at a file alone that no plug-in is needed for: then the user's own file of them is not read.
+fn is_of_what_ships(command: &Command) -> bool {
+    let is_plain = |data: &Path| carried::is_picture(data) || formats::ships(data);
+    matches!(command, Command::Info(info) if !info.of_pipeline() && is_plain(&info.data))
 }
 
 /// Shows what the command line is answered with, be it help or what is wrong with it, and gives the exit code.

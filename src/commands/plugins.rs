@@ -1,24 +1,24 @@
 //! The plug-ins that a command loads: those of its options, and those of the user's own file.
 
 use crate::arguments::Plugins;
-use crate::core::field::{GradientFilter, Plugin};
-use crate::core::graph::Registry;
+use crate::core::field::Plugin;
+use crate::core::graph::{Node, Registry};
 use crate::core::{Error, Result};
-use crate::nodes::files;
+use crate::nodes::{added, files};
 use crate::present::{say, warning};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use voltet_plugins::Contents;
 
 /// The file in the user's configuration folder.
 const FILE: &str = "plugins.toml";
 
-/// The registry with the filters of the plug-ins. One of the user's file that cannot be loaded is warned of: the pipeline may
+/// The registry with what the plug-ins offer; `own_file`: those of the user's own file as well. One of the user's file that cannot be loaded is warned of: the pipeline may
 /// have no use for it.
 ///
 /// Errors: one that an option names cannot be loaded; the user's file is wrong; two filters of one name.
-pub fn with(mut registry: Registry, wanted: &Plugins) -> Result<Registry> {
+pub fn with(mut registry: Registry, wanted: &Plugins, own_file: bool) -> Result<Registry> {
     let file = files::configuration_folder().join(FILE);
-    let configured = voltet_plugins::configured(&file)?;
+    let configured = if own_file { voltet_plugins::configured(&file)? } else { Vec::new() };
     let mut told = Vec::new();
     let mut loaded: Vec<PathBuf> = Vec::new();
     let options = wanted.plugin_files.iter().map(|path| (path, None, true));
@@ -62,17 +62,21 @@ fn kept_to(path: &Path, fingerprint: Option<&str>) -> Result<()> {
     }
 }
 
-/// The registry with the filters of one more plug-in, and what is said of it.
+/// The registry with what one more plug-in offers, and what is said of it.
 fn add(registry: &Registry, path: &Path, apart: bool) -> Result<(Registry, String)> {
-    let filters = match apart {
+    let contents = match apart {
         true => voltet_plugins::load_apart(path, own_program()?)?,
         false => voltet_plugins::load(path)?,
     };
     let mut registry = registry.clone();
-    for filter in &filters {
-        registry.add_filter(filter.clone()).map_err(|error| error.in_file(path))?;
+    let in_file = |error: Error| error.in_file(path);
+    for filter in &contents.filters {
+        registry.add_filter(filter.clone()).map_err(in_file)?;
     }
-    Ok((registry, told(&filters)))
+    let readers = contents.readers.iter().map(|reader| added::reader(*reader));
+    let nodes: Vec<&'static Node> = readers.chain(contents.nodes.iter().copied()).collect();
+    nodes.iter().try_for_each(|node| registry.add(node)).map_err(in_file)?;
+    Ok((registry, told(&contents, &nodes)))
 }
 
 /// The file of this program.
@@ -83,8 +87,9 @@ fn own_program() -> Result<PathBuf> {
 }
 
 /// "plug-in 'name' (path) with a, b".
-fn told(filters: &[Arc<dyn GradientFilter>]) -> String {
-    let plugin: Option<&Plugin> = filters.first().and_then(|filter| filter.plugin());
-    let names: Vec<&str> = filters.iter().map(|filter| filter.declaration().name).collect();
-    format!("{} with {}", plugin.map(Plugin::to_string).unwrap_or_default(), names.join(", "))
+fn told(contents: &Contents, nodes: &[&Node]) -> String {
+    let plugin = contents.plugin.as_ref().map(Plugin::to_string).unwrap_or_default();
+    let filters = contents.filters.iter().map(|filter| filter.declaration().name);
+    let names: Vec<&str> = filters.chain(nodes.iter().map(|node| node.name)).collect();
+    format!("{plugin} with {}", names.join(", "))
 }

@@ -3,14 +3,14 @@
 //! The environment variable `VOLTET_FUZZ` gives the number of cases in place of the small standard ones: 10000 take some minutes.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::time::{Duration, Instant};
 use voltet::core::Result;
 use voltet::core::error::ErrorKind;
-use voltet::core::field::{GradientFilter, Method};
+use voltet::core::field::Method;
 use voltet::core::glam::DVec3;
 use voltet::core::grid::{Grid, generate};
 use voltet::core::progress::Progress;
+use voltet_plugins::Contents;
 use voltet_testing::compilers;
 
 const RIGHT: DVec3 = DVec3::new(2.0, 3.0, -1.0);
@@ -55,9 +55,9 @@ struct Tally {
 }
 
 /// Loads, and computes where that is possible.
-fn tried(tally: &mut Tally, grid: &Grid, loaded: Result<Vec<Arc<dyn GradientFilter>>>, what: &str) {
+fn tried(tally: &mut Tally, grid: &Grid, loaded: Result<Contents>, what: &str) {
     let filters = match loaded {
-        Ok(filters) => filters,
+        Ok(contents) => contents.filters,
         Err(error) => {
             assert!(error.to_string().contains(what), "{what}: {error}");
             let crashed = error.to_string().contains("its process");

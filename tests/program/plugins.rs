@@ -185,6 +185,10 @@ fn the_commands_of_the_page_do_what_it_says() {
                     "picture.engine=cpu",
                 ];
                 let rest = if words[1] == "run" { &small[..] } else { &[] };
+                for library in ["reader.so", "filters.so"].iter().filter(|name| command.contains(**name)) {
+                    let source = format!("examples/plugin_c/{}", library.replace(".so", ".c"));
+                    compilers::library(folder.path(), library, &[compilers::source(&source)], &[]).unwrap();
+                }
                 folder.voltet(&[&words[1..], rest].concat()).ok();
                 count += 1;
             }
@@ -200,7 +204,7 @@ fn the_commands_of_the_page_do_what_it_says() {
             }
         }
     }
-    assert_eq!(count, 8);
+    assert_eq!(count, 13);
 }
 
 #[test]

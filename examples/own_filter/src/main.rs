@@ -1,6 +1,8 @@
-//! The program voltet with a gradient filter and a node of its own.
+//! The program voltet with a gradient filter, a grid filter, an image filter and a format of its own.
 
+mod grey;
 mod logarithm;
+mod numbers;
 mod weighted_fit;
 
 use std::sync::Arc;
@@ -15,6 +17,8 @@ fn main() -> std::process::ExitCode {
 fn registry() -> Result<Registry> {
     let mut registry = voltet::nodes::registry()?;
     registry.add(&logarithm::NODE)?;
+    registry.add(&grey::NODE)?;
+    registry.add(voltet::nodes::added::reader(&numbers::Numbers))?;
     registry.add_filter(Arc::new(weighted_fit::WeightedFit))?;
     Ok(registry)
 }

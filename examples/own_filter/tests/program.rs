@@ -61,7 +61,7 @@ fn help_lists_filter_and_node_with_their_parameters() {
         stdout
     };
     let (list, markdown) = (help(&[]), help(&["--markdown"]));
-    for text in ["weighted-fit", "logarithm", "least-squares", "renderer"] {
+    for text in ["weighted-fit", "logarithm", "grey", "numbers", "least-squares", "renderer"] {
         assert!(list.contains(text) && markdown.contains(text), "'{text}' is not in\n{list}");
     }
     let power = "power (number from 0 to 4; default: 1.0)";
@@ -74,6 +74,61 @@ fn help_lists_filter_and_node_with_their_parameters() {
         for text in wanted {
             assert!(shown.contains(text), "'{text}' is not in\n{shown}");
         }
+    }
+}
+
+/// 20 × 20 × 20 values that are those of a grid that ships: x.
+#[test]
+fn a_format_of_its_own_is_read_and_a_picture_loses_its_colour() {
+    let numbers = |count: usize| {
+        let values = (0..count.pow(3)).map(|i| (i % count).to_string() + " ").collect::<String>();
+        format!("numbers {count} {count} {count}\n{values}\n")
+    };
+    let text = with("method = \"least-squares\"");
+    let (begin, rest) = text.split_once("[nodes.grid]").unwrap();
+    let rest = rest.split_once("[nodes.decades]").unwrap().1;
+    let own = format!(
+        "{begin}[nodes.grid]\ntype = \"numbers\"\npath = \"x.txt\"\nspacing = 0.5\n\n[nodes.decades]{rest}"
+    );
+    let folder = folder(&own.replace("image = \"picture\"", "image = \"grey\"").replace(
+        "[nodes.file]",
+        "[nodes.grey]\ntype = \"grey\"\ninputs = { image = \"picture\" }\n\n[nodes.file]",
+    ));
+    std::fs::write(folder.path().join("x.txt"), numbers(6)).unwrap();
+    let (code, stdout, stderr) = program(folder.path(), &["info", "x.txt"]);
+    assert_eq!(code, 0, "{stderr}");
+    for text in
+        ["box of numbers, text", "216 points, 125 cells", "value  Float64  [0, 5]", "type = \"numbers\""]
+    {
+        assert!(stdout.contains(text), "'{text}' is not in\n{stdout}");
+    }
+    let options = ["--set", "view.size=[40,40]", "--set", "picture.engine=cpu", "--set", "file.path=own.exr"];
+    let seen = [
+        "--set",
+        "view.eye=[1.2,-6,2]",
+        "--set",
+        "view.target=[1.2,1.2,1.2]",
+        "--set",
+        "look.unit_distance=0.1",
+    ];
+    let seen =
+        [&seen[..], &["--set", "look.widgets.0.centre=[0.4,0.3]", "--set", "look.widgets.0.sigma=[0.3,0.5]"]]
+            .concat();
+    let (code, _, stderr) = program(folder.path(), &[&["run", "own.toml"], &options[..], &seen].concat());
+    assert_eq!(code, 0, "{stderr}");
+    let pixels = image::open(folder.path().join("own.exr")).unwrap().into_rgba32f();
+    assert!(pixels.pixels().any(|pixel| pixel[3] > 0.1), "the picture shows something");
+    assert!(pixels.pixels().all(|pixel| pixel[0] == pixel[1] && pixel[1] == pixel[2]));
+    // What is wrong with a file is said of it.
+    std::fs::write(
+        folder.path().join("x.txt"),
+        "numbers 6 6 6\n1 2 3 4 many".to_string() + &" 1".repeat(300),
+    )
+    .unwrap();
+    let (code, _, stderr) = program(folder.path(), &["run", "own.toml"]);
+    assert_eq!(code, 1);
+    for text in ["this is no number: found many", "x.txt", "node 'grid'"] {
+        assert!(stderr.contains(text), "'{text}' is not in\n{stderr}");
     }
 }
 

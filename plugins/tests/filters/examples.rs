@@ -9,7 +9,7 @@ const ROUNDING: f64 = 1e-12;
 
 fn is_least_squares(sources: &[&str], options: &[&str], name: &str) {
     let Some(built) = built(sources, options) else { return };
-    let filters = voltet_plugins::load(&built.path).unwrap();
+    let filters = voltet_plugins::load(&built.path).unwrap().filters;
     let found = gradient(&method(&filters, name, []).unwrap(), &Silent).unwrap();
     let difference = difference_from("least-squares", &found);
     assert!(difference < ROUNDING, "{name}: {difference:e}");

@@ -1,0 +1,97 @@
+//! What a reader of a file format is: for formats that come from outside. A node is made of it by `voltet_nodes::added::reader`.
+
+use crate::Result;
+use crate::field::Plugin;
+use crate::grid::{Association, Cells};
+use crate::parameters::{Kind, Parameters};
+use crate::progress::Progress;
+use glam::DVec3;
+use std::path::Path;
+
+/// Reads grids from files of a format.
+pub trait GridReader: Send + Sync {
+    /// The type of its node in pipeline files, what it reads in a sentence, and what can be set beside what every reader has.
+    fn declaration(&self) -> Kind;
+
+    /// The plug-in that it was loaded from; `None` for one that the program was built with.
+    fn plugin(&self) -> Option<&Plugin> {
+        None
+    }
+
+    /// Whether a file is of this format, by its first bytes (at most 256) and its name.
+    fn is_meant(&self, head: &[u8], path: &Path) -> bool;
+
+    /// What files of the format are called by their names, for help: ".cells".
+    fn files(&self) -> String;
+
+    /// Checks what single declarations cannot say (parameters that exclude each other). Touches no file.
+    fn check(&self, parameters: &Parameters) -> Result<()> {
+        let _ = parameters;
+        Ok(())
+    }
+
+    /// Reads the headers of a file, for a step of the series that it is (0 where it is none).
+    ///
+    /// Errors: what is wrong with the file; who calls adds its path.
+    fn open(
+        &self,
+        path: &Path,
+        step: usize,
+        parameters: &Parameters,
+        progress: &dyn Progress,
+    ) -> Result<Box<dyn OpenGrid>>;
+}
+
+/// A file whose headers are known.
+pub trait OpenGrid: Send + Sync {
+    /// What it holds.
+    fn head(&self) -> &GridHead;
+
+    /// Reads points and cells where they are wanted, and the arrays with these places in the head, in that order.
+    ///
+    /// Errors: what is wrong with the file.
+    fn read(&self, geometry: bool, arrays: &[usize], progress: &dyn Progress) -> Result<GridRead>;
+}
+
+/// What a file holds, but for the numbers.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct GridHead {
+    /// How the file is written, for people.
+    pub format: String,
+    /// Points.
+    pub point_count: u64,
+    /// Cells of any dimension.
+    pub cell_count: u64,
+    /// Bytes of the cells in memory.
+    pub cell_bytes: u64,
+    /// The arrays.
+    pub arrays: Vec<ArrayOfFile>,
+    /// The array that the file marks as the one to draw.
+    pub scalar: Option<String>,
+    /// Times of the steps of a series; empty where the file is none.
+    pub times: Vec<f64>,
+}
+
+/// An array of a file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ArrayOfFile {
+    /// Its name. No two at points, and no two at cells, share one.
+    pub name: String,
+    /// Where its tuples sit.
+    pub association: Association,
+    /// Numbers of a tuple, at least 1.
+    pub component_count: usize,
+}
+
+/// What was read of a file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GridRead {
+    /// As many as the head says, where they were wanted.
+    pub points: Option<Vec<DVec3>>,
+    /// The same.
+    pub cells: Option<Cells>,
+    /// The arrays that were wanted: as many tuples as there are points or cells.
+    pub arrays: Vec<Vec<f64>>,
+    /// Sentences for the user.
+    pub warnings: Vec<String>,
+}

@@ -1,0 +1,56 @@
+//! Formats that come from outside: the node that a reader of one is, beside the node `reader`.
+
+use crate::formats::{Chosen, Request};
+use crate::reader;
+use std::path::{Path, PathBuf};
+use voltet_core::Result;
+use voltet_core::graph::{Call, Foresight, Node, Outputs, Parameter, Parameters, Preparation, Registry};
+use voltet_core::reading::GridReader;
+
+/// The parameter of the node `reader` that belongs to one of its formats.
+const OF_A_FORMAT: &str = "solution";
+
+/// The node of a reader: its name is that of the reader, its parameters are those that every reader has and its own. It lives from
+/// now on as long as the program; a registry takes it as any other ([`voltet_core::graph::Registry::add`]).
+pub fn reader(reader: &'static dyn GridReader) -> &'static Node {
+    let kind = reader.declaration();
+    let shared = reader::NODE.parameters.iter().filter(|parameter| parameter.name != OF_A_FORMAT);
+    let files: &str = format!("the file, {}", reader.files()).leak();
+    let shared = shared.map(|parameter| match parameter.name {
+        "path" => Parameter { help: files, ..*parameter },
+        _ => *parameter,
+    });
+    let parameters: Vec<Parameter> = shared.chain(kind.parameters.iter().copied()).collect();
+    let example = format!("[nodes.grid]\ntype = \"{}\"\npath = \"…\"\nscalar = \"…\"\n", kind.name);
+    let chosen = move |p: &Parameters| Some(Chosen { reader, parameters: p.clone() });
+    Box::leak(Box::new(Node {
+        name: kind.name,
+        summary: kind.summary,
+        parameters: parameters.leak(),
+        example: example.leak(),
+        plugin: reader.plugin(),
+        reader: Some(reader),
+        check: leak(move |p: &Parameters| reader::request(p, None).and_then(|_| reader.check(p))),
+        foresee: leak(move |foresight: &mut Foresight| {
+            reader::foresee(foresight, chosen(foresight.parameters))
+        }),
+        steps: leak(move |preparation: &Preparation| {
+            reader::steps(preparation, chosen(preparation.parameters))
+        }),
+        files_beside: &|_, _| Vec::<PathBuf>::new(),
+        run: leak(move |call: &mut Call| -> Result<Outputs> { reader::run(call, chosen(call.parameters)) }),
+        ..reader::NODE
+    }))
+}
+
+fn leak<T>(thing: T) -> &'static T {
+    Box::leak(Box::new(thing))
+}
+
+/// What is asked of a file by a request, if it is of a format that a node of the registry reads.
+///
+/// Errors: the file cannot be read; the reader has a parameter that must be given.
+pub fn request(request: Request, path: &Path, registry: &Registry) -> Result<Request> {
+    let chosen = Chosen::for_file(path, registry.readers().map(|(_, reader)| reader))?;
+    Ok(Request { chosen, ..request })
+}

@@ -1,0 +1,265 @@
+//! A format, grid filters and an image filter of plug-ins, as their users meet them: the examples in C, held against what ships.
+
+use crate::support::Folder;
+use std::path::Path;
+use voltet_testing::compilers;
+
+const SCENE: &str = include_str!("../../examples/plugin_c/nodes.toml");
+const WITH: [&str; 4] = ["--plugin", "reader.so", "--plugin", "filters.so"];
+
+/// A folder with the examples, compiled, and a small picture of their pipeline; `None` where there is no compiler.
+fn folder() -> Option<Folder> {
+    let folder = Folder::new();
+    for name in ["reader", "filters"] {
+        let source = compilers::source(&format!("examples/plugin_c/{name}.c"));
+        compilers::library(folder.path(), &format!("{name}.so"), &[source], &["-lm"])?;
+    }
+    std::fs::copy(compilers::source("examples/plugin_c/box.cells"), folder.join("box.cells")).unwrap();
+    let scene = SCENE.replace("[320, 320]", "[40, 40]").replace("nodes.png", "nodes.exr");
+    folder.write("scene.toml", scene.replace("type = \"renderer\"", "type = \"renderer\"\nengine = \"cpu\""));
+    Some(folder)
+}
+
+/// The picture of the scene with these options; premultiplied linear RGBA.
+fn picture(folder: &Folder, options: &[&str]) -> Vec<[f32; 4]> {
+    let set = options.iter().flat_map(|option| ["--set", option]);
+    let arguments: Vec<&str> = ["run", "scene.toml"].into_iter().chain(WITH).chain(set).collect();
+    folder.voltet(&arguments).ok();
+    folder.floats("nodes.exr").1
+}
+
+/// The numbers of the example file: points, cells, and of a step heat, motion and material.
+struct Numbers {
+    points: Vec<[f64; 3]>,
+    cells: Vec<[usize; 8]>,
+    heat: Vec<f64>,
+    motion: Vec<[f64; 3]>,
+    material: Vec<f64>,
+}
+
+fn numbers(path: &Path, step: usize) -> Numbers {
+    let text = std::fs::read_to_string(path).unwrap();
+    let body = text.split_once("material cells 1\n").unwrap().1;
+    let mut all = body.split_whitespace().map(|word| word.parse::<f64>().unwrap());
+    let mut next = || all.next().unwrap();
+    let triples = |next: &mut dyn FnMut() -> f64| (0..125).map(|_| [next(), next(), next()]).collect();
+    let points = triples(&mut next);
+    let cell = |next: &mut dyn FnMut() -> f64| {
+        assert_eq!((next(), next()), (12.0, 8.0));
+        std::array::from_fn(|_| next() as usize)
+    };
+    let cells = (0..64).map(|_| cell(&mut next)).collect();
+    let of_step = |next: &mut dyn FnMut() -> f64| {
+        let heat: Vec<f64> = (0..125).map(|_| next()).collect();
+        (heat, triples(next), (0..64).map(|_| next()).collect::<Vec<f64>>())
+    };
+    (0..step).for_each(|_| drop(of_step(&mut next)));
+    let (heat, motion, material) = of_step(&mut next);
+    Numbers { points, cells, heat, motion, material }
+}
+
+/// The same as a legacy VTK file.
+fn vtk(numbers: &Numbers) -> String {
+    let Numbers { points, cells, heat, motion, material } = numbers;
+    let rows = |rows: &[[f64; 3]]| rows.iter().map(|[x, y, z]| format!("{x} {y} {z}\n")).collect::<String>();
+    let list = |values: &[f64]| values.iter().map(|value| format!("{value}\n")).collect::<String>();
+    let cell = |cell: &[usize; 8]| format!("8 {}\n", cell.map(|point| point.to_string()).join(" "));
+    format!(
+        "# vtk DataFile Version 3.0\nbox\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 125 double\n{}CELLS 64 576\n{}CELL_TYPES \
+         64\n{}POINT_DATA 125\nSCALARS heat double 1\nLOOKUP_TABLE default\n{}VECTORS motion double\n{}CELL_DATA 64\nSCALARS \
+         material double 1\nLOOKUP_TABLE default\n{}",
+        rows(points),
+        cells.iter().map(cell).collect::<String>(),
+        "12\n".repeat(64),
+        list(heat),
+        rows(motion),
+        list(material)
+    )
+}
+
+/// The scene without the filters, by the reader that ships.
+fn plain(folder: &Folder, numbers: &Numbers) -> String {
+    folder.write("box.vtk", vtk(numbers));
+    let scene = std::fs::read_to_string(folder.join("scene.toml")).unwrap();
+    let scene = scene
+        .replace("type = \"simple-cells\"\npath = \"box.cells\"", "type = \"reader\"\npath = \"box.vtk\"");
+    let scene = scene.replace("\ntime = 0.5", "").replace("volume = \"moved\"", "volume = \"grid\"");
+    scene.replace("image = \"toned\"", "image = \"picture\"")
+}
+
+#[test]
+fn a_format_of_ones_own_is_read_as_one_that_ships() {
+    let Some(folder) = folder() else { return };
+    let numbers = numbers(&folder.join("box.cells"), 1);
+    folder.write("plain.toml", without_filters(&plain(&folder, &numbers)));
+    let own = std::fs::read_to_string(folder.join("scene.toml")).unwrap();
+    let own = own
+        .replace("volume = \"moved\"", "volume = \"grid\"")
+        .replace("image = \"toned\"", "image = \"picture\"");
+    folder.write("own.toml", without_filters(&own));
+    for options in [
+        &[][..],
+        &["grid.association=cell", "grid.scalar=material"],
+        &["grid.scalar=material", "grid.cell_values=constant"],
+        &["grid.scalar=motion:magnitude"],
+    ] {
+        let set: Vec<&str> = options.iter().flat_map(|option| ["--set", option]).collect();
+        folder.voltet(&[&["run", "plain.toml"], &set[..]].concat()).ok();
+        let wanted = folder.floats("nodes.exr").1;
+        assert!(wanted.iter().any(|pixel| pixel[3] > 0.01), "the picture shows something");
+        for own_process in [&[][..], &["--plugin-process"]] {
+            folder.voltet(&[&["run", "own.toml"], &WITH[..], &set, own_process].concat()).ok();
+            assert!(folder.floats("nodes.exr").1 == wanted, "{options:?} {own_process:?}");
+        }
+    }
+    // Another step is another picture, by its number or its time; the parameter of its own is heard.
+    let of = |options: &[&str]| {
+        let set: Vec<&str> = options.iter().flat_map(|option| ["--set", option]).collect();
+        folder.voltet(&[&["run", "own.toml"], &WITH[..], &set].concat()).ok();
+        folder.floats("nodes.exr").1
+    };
+    let first = of(&["grid.time=0.1"]);
+    assert!(first != of(&[]) && first != of(&["grid.time=0.1", "grid.scale=1.5"]));
+    let fails = |option: &str, wanted: &[&str]| {
+        folder.voltet(&[&["run", "own.toml"], &WITH[..], &["--set", option]].concat()).fails(1, wanted);
+    };
+    fails("grid.time=0.6", &["the time lies outside the series: found 0.6", "0 to 0.5", "box.cells"]);
+    fails("grid.scalar=cold", &["the file holds no array 'cold'", "box.cells"]);
+    let left = folder.voltet(&[&["explain", "own.toml"], &WITH[..]].concat()).ok().stdout;
+    assert!(left.contains("grid: no arrays motion, material: nothing looks at them"), "{left}");
+    folder.voltet(&[&["run", "own.toml", "--no-leave-out"], &WITH[..]].concat()).ok();
+}
+
+fn without_filters(scene: &str) -> String {
+    let mut kept = String::new();
+    for part in scene.split("[nodes.") {
+        let is_filter = ["kept]", "moved]", "toned]"].iter().any(|name| part.starts_with(name));
+        if !is_filter {
+            kept += if kept.is_empty() { "" } else { "[nodes." };
+            kept += part;
+        }
+    }
+    kept
+}
+
+#[test]
+fn info_and_help_know_it() {
+    let Some(folder) = folder() else { return };
+    let shown = folder.voltet(&[&["info", "box.cells"], &WITH[..]].concat()).ok().stdout;
+    for text in [
+        "simple cells, text",
+        "125 points, 64 cells",
+        "heat      Float64",
+        "cell   material  Float64  [0, 1]",
+        "2 time steps, times 0 to 0.5",
+        "type = \"simple-cells\"",
+    ] {
+        assert!(shown.contains(text), "'{text}' is not in\n{shown}");
+    }
+    // Told by how it begins, whatever its name; the suggested pipeline runs.
+    std::fs::rename(folder.join("box.cells"), folder.join("box.txt")).unwrap();
+    let shown = folder.voltet(&[&["info", "box.txt"], &WITH[..]].concat()).ok().stdout;
+    folder.write("suggested.toml", shown.split_once("A pipeline to start with\n").unwrap().1);
+    let small = ["--set", "view.size=[8,8]"];
+    folder.voltet(&[&["run", "suggested.toml"], &small[..], &WITH[..]].concat()).ok();
+    folder.voltet(&["info", "box.txt"]).fails(1, &["the format of the file is not known", "'cells 1"]);
+    let help = folder.voltet(&[&["nodes", "simple-cells"], &WITH[..]].concat()).ok().stdout;
+    for text in
+        ["the file, .cells", "scale (number above 0; default: 1.0)", "time_step (whole number 0 or more"]
+    {
+        assert!(help.contains(text), "'{text}' is not in\n{help}");
+    }
+    let help = folder.voltet(&[&["nodes"], &WITH[..]].concat()).ok().stdout;
+    for name in ["simple-cells", "c-threshold", "c-warp", "c-tone"] {
+        assert!(help.lines().any(|line| line.starts_with(name)), "{help}");
+    }
+    folder.voltet(&["check", "scene.toml", "--plugin", "filters.so"]).fails(
+        2,
+        &[
+            "unknown node type 'simple-cells'",
+            "plug-in 'filters in C' (filters.so) with c-threshold, c-warp, c-tone",
+        ],
+    );
+    let own = ["--set", "kept.least=1e400"];
+    folder.voltet(&[&["check", "scene.toml"], &WITH[..], &own].concat()).fails(2, &["'least' is"]);
+}
+
+/// Cells whose corners all have a heat within the range, of the tetrahedra that a hexahedron is split into, make the same picture
+/// as a file that holds no others: by the scalar of an axis along which hexahedra are not split.
+#[test]
+fn a_grid_filter_that_leaves_cells_out_and_one_that_moves_points_give_the_grid_that_a_file_would() {
+    let Some(folder) = folder() else { return };
+    let mut numbers = numbers(&folder.join("box.cells"), 0);
+    // The first step's heat is x.
+    assert!(numbers.heat.iter().zip(&numbers.points).all(|(heat, point)| *heat == point[0]));
+    let options = ["grid.time=0", "kept.least=0.25", "kept.most=0.75", "toned.power=1", "moved.factor=2"];
+    let own = picture(&folder, &options);
+    for (point, motion) in numbers.points.iter_mut().zip(&numbers.motion) {
+        (0..3).for_each(|k| point[k] += 2.0 * motion[k]);
+    }
+    numbers.cells.retain(|cell| cell.iter().all(|&point| (0.25..=0.75).contains(&numbers.heat[point])));
+    assert_eq!(numbers.cells.len(), 32);
+    numbers.material.truncate(32);
+    let scene = without_filters(&plain(&folder, &numbers));
+    let text =
+        vtk(&numbers).replace("CELLS 64 576", "CELLS 32 288").replace("CELL_TYPES 64", "CELL_TYPES 32");
+    let text = text.replace(&"12\n".repeat(64), &"12\n".repeat(32)).replace("CELL_DATA 64", "CELL_DATA 32");
+    folder.write("box.vtk", text);
+    folder.write("plain.toml", scene);
+    folder.voltet(&["run", "plain.toml"]).ok();
+    let wanted = folder.floats("nodes.exr").1;
+    assert!(wanted.iter().any(|pixel| pixel[3] > 0.01), "the picture shows something");
+    let difference = own.iter().flatten().zip(wanted.iter().flatten()).map(|(a, b)| (a - b).abs());
+    let difference = difference.fold(0.0, f32::max);
+    // The diagonals along which a warped side is cut depend on the order of the points' numbers, which is kept.
+    assert!(difference == 0.0, "{difference:e}");
+    // What a filter makes can be drawn: how far points moved.
+    let scene = std::fs::read_to_string(folder.join("scene.toml")).unwrap();
+    folder.write("scene.toml", scene.replace("by = \"motion\"", "by = \"way\""));
+    let ran = folder.voltet(&[&["run", "scene.toml"], &WITH[..]].concat());
+    ran.fails(1, &["the file holds no array 'way'", "box.cells"]);
+}
+
+#[test]
+fn an_image_filter_computes_its_formula_and_the_picture_says_who_drew() {
+    let Some(folder) = folder() else { return };
+    let as_it_is = picture(&folder, &["toned.power=1"]);
+    let toned = picture(&folder, &["toned.power=2.5"]);
+    let wanted = as_it_is.iter().map(|&[r, g, b, a]| {
+        let of = |c: f32| {
+            if a > 0.0 { (f64::from(a) * (f64::from(c) / f64::from(a)).powf(2.5)) as f32 } else { 0.0 }
+        };
+        [of(r), of(g), of(b), a]
+    });
+    // The same operations in 64 bits, rounded once.
+    let worst = wanted.zip(&toned).flat_map(|(a, b)| (0..4).map(move |k| (a[k] - b[k]).abs()));
+    let worst = worst.fold(0.0, f32::max);
+    assert!(worst < 1e-6, "{worst:e}");
+    assert!(as_it_is.iter().zip(&toned).any(|(a, b)| (a[0] - b[0]).abs() > 0.01), "the power is heard");
+    let said = folder.voltet(&["info", "nodes.exr"]).ok().stdout;
+    for node in ["grid): simple cells in C 1.0.0", "kept): filters in C 1.0.0", "toned): filters in C 1.0.0"]
+    {
+        assert!(said.contains(&format!("plug-in ({node}")), "{said}");
+    }
+    let again = ["run", "nodes.exr", "--set", "file.path=again.exr"];
+    folder.voltet(&[&again[..], &WITH[..]].concat()).ok();
+    assert_eq!(folder.floats("again.exr").1, toned);
+    // Compiled again, with another version: the picture is drawn, with a warning.
+    let source = std::fs::read_to_string(compilers::source("examples/plugin_c/filters.c")).unwrap();
+    folder.write("other.c", source.replace("\"1.0.0\"", "\"2.0\""));
+    compilers::library(folder.path(), "filters.so", &[folder.join("other.c")], &["-lm"]);
+    let ran = folder.voltet(&[&again[..], &WITH[..]].concat()).ok();
+    assert!(ran.stderr.contains("warning: the picture was drawn with another plug-in"), "{}", ran.stderr);
+}
+
+/// A library that was compiled against version 1.0 loads.
+#[test]
+fn a_plugin_of_an_older_minor_version_loads() {
+    let folder = Folder::new();
+    let source = std::fs::read_to_string(compilers::source("examples/plugin_c/least_squares.c")).unwrap();
+    assert!(source.contains("VOLTET_PLUGIN_MINOR"));
+    folder.write("old.c", source.replace("VOLTET_PLUGIN_MINOR", "0"));
+    if compilers::library(folder.path(), "old.so", &[folder.join("old.c")], &[]).is_some() {
+        folder.voltet(&["nodes", "c-least-squares", "--plugin", "old.so"]).ok();
+    }
+}
