@@ -11,7 +11,7 @@ from conftest import ROOT
 
 import voltet
 
-MODULES = ["voltet", "voltet._grid", "voltet._pipeline", "voltet._filters", "voltet._scene", "voltet.nodes", "voltet.widgets", "voltet.vtk"]
+MODULES = ["voltet", "voltet._grid", "voltet._pipeline", "voltet._filters", "voltet._scene", "voltet.nodes", "voltet.widgets", "voltet.vtk", "voltet.pyvista"]
 
 
 @pytest.mark.parametrize("name", MODULES)
@@ -36,7 +36,7 @@ def test_stubs_are_made_of_the_declarations():
 
 def test_stubs_fit_the_module():
     pytest.importorskip("mypy")
-    stubs = ["voltet._native", "voltet.nodes", "voltet.widgets", "voltet.vtk"]
+    stubs = ["voltet._native", "voltet.nodes", "voltet.widgets", "voltet.vtk", "voltet.pyvista"]
     config = ["--mypy-config-file", str(ROOT / "python/pyproject.toml")]
     done = subprocess.run([sys.executable, "-m", "mypy.stubtest", *stubs, *config], capture_output=True, text=True)
     assert done.returncode == 0, done.stdout
@@ -70,5 +70,9 @@ def test_the_page_is_true(cube, tmp_path, monkeypatch):
     names["reader"] = vtk.vtkRTAnalyticSource(whole_extent=(-4, 4, -4, 4, -4, 4))
     names["camera"] = vtk.vtkCamera(position=(0, -40, 0), view_up=(0, 0, 1))
     for block in re.findall(r"```python\n(.*?)```", page, re.S):
+        if "pyvista" in block:
+            pv = pytest.importorskip("pyvista")
+            names["grid"] = pv.ImageData(dimensions=(5, 5, 5)).cast_to_unstructured_grid()
+            names["grid"]["T"] = np.linspace(0, 100, 125)
         exec(compile(block.replace('0, "T")', '0, "RTData")'), "docs/python.md", "exec"), names)
     assert names["picture"].shape == (600, 800, 4) and (tmp_path / "T.toml").exists()

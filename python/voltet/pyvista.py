@@ -1,0 +1,231 @@
+"""PyVista accessors: `grid.voltet.render()`, `grid.voltet.gradient()`, `plotter.voltet.add_volume(grid)`.
+
+PyVista 0.48 and later load them when one of them is first used; nothing need be imported. Words and defaults (`scalars`, `clim`,
+`cmap`, `opacity`, `opacity_unit_distance`) are those of PyVista's own `add_volume`; what is drawn is the cells themselves.
+
+>>> import pyvista as pv
+>>> grid = pv.examples.load_hexbeam().cast_to_unstructured_grid()
+>>> grid["z"] = grid.points[:, 2]
+>>> grid.voltet.render("z", window_size=(64, 48)).shape
+(48, 64, 4)
+>>> "z_gradient_magnitude" in grid.voltet.gradient("z").point_data
+True
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pyvista as pv
+
+from . import _vtk_grid
+from ._errors import usage
+from ._grid import Grid
+from ._look import Look
+from ._overlay import Overlay
+from ._picture import Picture
+from ._pipeline import Pipeline
+from ._scene import scene
+from .vtk import VoltetGradientMagnitude, look_from
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+__all__ = ["GridAccessor", "PlotterAccessor"]
+
+
+@pv.register_dataset_accessor("voltet", pv.DataObject)
+class GridAccessor:
+    """What voltet does with a data set."""
+
+    def __init__(self, data: Any):
+        self._data = data
+
+    def grid(self, arrays: Sequence[str] | None = None, **options: Any) -> Grid:
+        """The data set as a `voltet.Grid`, its memory shared: `arrays` (default: all of numbers), options as of that."""
+        return _vtk_grid.grid(self._data, arrays, watch=True, **options)
+
+    def render(
+        self,
+        scalars: str | NDArray[Any] | None = None,
+        *,
+        clim: float | Sequence[float] | None = None,
+        cmap: Any = None,
+        opacity: Any = "linear",
+        n_colors: int = 256,
+        opacity_unit_distance: float | None = None,
+        widgets: Sequence[Mapping[str, Any]] | None = None,
+        camera: Any = None,
+        window_size: Sequence[int] | None = None,
+        preference: str = "point",
+        method: str | Mapping[str, Any] | None = None,
+        **renderer: Any,
+    ) -> Picture:
+        """The picture of the data set: a float32 array, height × width × 4, premultiplied RGBA, row 0 at the top.
+
+        Parameters
+        ----------
+        scalars : str or array
+            The quantity; default: the active scalars. Of vectors the magnitude.
+        clim, cmap, opacity, n_colors, opacity_unit_distance
+            As of `pyvista.Plotter.add_volume`. The colours are composited as they are, as VTK does.
+        widgets : list of dict
+            A transfer function over s and g in their place, by `voltet.widgets`: colours are linear then.
+        camera : pyvista.Camera or camera position
+            Where it is seen from; default: where PyVista's plotter would stand.
+        window_size : pair of int
+            Width and height in pixels; default: the theme's.
+        preference : "point" or "cell"
+            Where arrays are looked for that both have.
+        method : str or mapping
+            The gradient filter.
+        **renderer
+            Parameters of the node `renderer`: `integrator`, `engine`, `light`, ….
+        """
+        look = Look(self._data, scalars, preference, clim, cmap, opacity, n_colors, opacity_unit_distance, widgets)
+        size = [int(side) for side in (window_size or pv.global_theme.window_size)]
+        pipeline = scene(
+            look.grid(), look.scalar, widgets=look.widgets, unit_distance=look.unit_distance, size=(size[0], size[1]),
+            method=method, **renderer,
+        )
+        look_from(pipeline, _camera(self._data, camera, size), size)
+        return pipeline.render("picture")
+
+    def gradient(
+        self,
+        scalars: str | None = None,
+        method: str = "least-squares",
+        *,
+        vectors: bool = True,
+        preference: str = "point",
+        **parameters: Any,
+    ) -> Any:
+        """The same data set with `NAME_gradient_magnitude`, and with `vectors` `NAME_gradient`, at its points; arrays are shared.
+
+        `method` is a gradient filter of voltet, or one of `voltet.gradient_filter`, with its parameters."""
+        filter = VoltetGradientMagnitude()
+        filter.SetMethod(method, **parameters)
+        filter.SetComputeGradient(vectors)
+        if scalars is not None:
+            place = 1 if preference == "cell" else 0
+            others = getattr(self._data, ("point_data", "cell_data")[1 - place], {})
+            own = getattr(self._data, ("point_data", "cell_data")[place], {})
+            filter.SetInputArrayToProcess(0, 0, 0, place if scalars in own or scalars not in others else 1 - place, scalars)
+        filter.SetInputDataObject(0, self._data)
+        filter.Update()
+        return pv.wrap(filter.GetOutputDataObject(0))
+
+
+def _camera(data: Any, camera: Any, size: Sequence[int]) -> Any:
+    """The vtkCamera that is meant."""
+    if isinstance(camera, pv.Camera):
+        return camera
+    # One that PyVista itself would set up about the bounds.
+    plotter = pv.Plotter(off_screen=True, window_size=list(size))
+    try:
+        plotter.add_mesh(pv.Box(data.bounds), opacity=0.0)
+        if camera is not None:
+            plotter.camera_position = camera
+        else:
+            plotter.view_isometric()
+        own = pv.Camera()
+        own.DeepCopy(plotter.camera)
+        return own
+    finally:
+        plotter.close()
+
+
+@pv.register_plotter_component("voltet")
+class PlotterAccessor:
+    """What voltet draws in a plotter."""
+
+    def __init__(self, plotter: Any):
+        self._plotter = plotter
+        self._overlays: dict[str, Overlay] = {}
+
+    def add_volume(
+        self,
+        volume: Any,
+        scalars: str | NDArray[Any] | None = None,
+        clim: float | Sequence[float] | None = None,
+        opacity: Any = "linear",
+        n_colors: int = 256,
+        cmap: Any = None,
+        *,
+        opacity_unit_distance: float | None = None,
+        widgets: Sequence[Mapping[str, Any]] | None = None,
+        preference: str = "point",
+        method: str | Mapping[str, Any] | None = None,
+        name: str | None = None,
+        show_scalar_bar: bool = True,
+        scalar_bar_args: Mapping[str, Any] | None = None,
+        reset_camera: bool | None = None,
+        scale: float = 1.0,
+        render: bool = True,
+        **renderer: Any,
+    ) -> Overlay:
+        """Draws a volume in the active renderer, over what is there, and follows camera and window.
+
+        Parameters
+        ----------
+        volume : data set with cells, or a composite one
+            What is drawn; unstructured grids share their memory.
+        scalars, clim, opacity, n_colors, cmap, opacity_unit_distance, preference
+            As of `pyvista.Plotter.add_volume`.
+        widgets : list of dict
+            A transfer function over s and g in place of `cmap` and `opacity`, by `voltet.widgets`.
+        method : str or mapping
+            The gradient filter.
+        name : str
+            A volume of this name is replaced.
+        show_scalar_bar, scalar_bar_args
+            As of `add_volume`; none with `widgets`.
+        reset_camera : bool
+            Whether the camera is set to see all; default: where none was set.
+        scale : float
+            Pixels of the picture per pixel of the window, 0.1 to 1: less is faster, and coarser.
+        render : bool
+            Whether to draw at once, where the plotter is shown already.
+        **renderer
+            Parameters of the node `renderer`.
+
+        Returns
+        -------
+        Overlay
+            With `picture`, `pipeline`, `modified()` and `remove()`.
+
+        It is drawn again when camera, window, data (by VTK's modified times) or the surfaces before it change, and not otherwise.
+        Several volumes in one renderer are laid one over the other in the order in which they were added.
+        """
+        plotter = self._plotter
+        if getattr(plotter, "_closed", False) or getattr(plotter, "render_window", None) is None:
+            raise usage("the plotter is closed", None, "a plotter that is open")
+        look = Look(volume, scalars, preference, clim, cmap, opacity, n_colors, opacity_unit_distance, widgets)
+        name = name or f"voltet {len(self._overlays)}"
+        if name in self._overlays:
+            self._overlays[name].remove()
+        overlay = Overlay(self, name, plotter, look, method, scale, renderer)
+        self._overlays[name] = overlay
+        overlay.begin(reset_camera)
+        if show_scalar_bar and widgets is None:
+            mapper = pv.DataSetMapper()
+            mapper.lookup_table = look.lookup_table()
+            mapper.scalar_range = look.clim
+            overlay.scalar_bar = plotter.add_scalar_bar(
+                **{"title": look.name, **dict(scalar_bar_args or {})}, mapper=mapper, render=False
+            )
+        if render and plotter.render_window is not None and getattr(plotter, "_rendered_once", False):
+            plotter.render()
+        return overlay
+
+    @property
+    def volumes(self) -> dict[str, Overlay]:
+        """The volumes, by name."""
+        return dict(self._overlays)
+
+    def __plotter_close__(self) -> None:
+        for overlay in list(self._overlays.values()):
+            overlay.end()
+        self._overlays.clear()
