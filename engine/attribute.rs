@@ -17,7 +17,9 @@ pub(crate) struct Attribute<'a> {
     pub offset: f64,
     /// See `offset`; > 0.
     pub scale: f64,
-    /// Of all values; finite.
+    /// The least and the greatest value.
+    pub range: [f64; 2],
+    /// Their difference; finite.
     pub span: f64,
 }
 
@@ -100,6 +102,7 @@ pub(crate) fn gradient_attributes(cells: &Cells) -> Result<Vec<Attribute<'_>>> {
             stride: 3,
             offset: 0.0,
             scale,
+            range: [-scale, scale],
             span: 2.0 * scale,
         })
         .collect())
@@ -120,7 +123,7 @@ fn attribute(values: &[f64], [low, high]: [f64; 2], about: Option<(f64, bool)>) 
         }
         _ => middle,
     };
-    Attribute { values, stride: 1, offset, scale, span }
+    Attribute { values, stride: 1, offset, scale, range: [low, high], span }
 }
 
 /// Places of an offset among widgets with edges, by the scale.

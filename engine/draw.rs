@@ -8,7 +8,7 @@ use crate::memory::drawing_bytes;
 use crate::project::record::TILE;
 use crate::sample::{Frame, Sample};
 use crate::shade::light::Surface;
-use crate::shade::shader::Shader;
+use crate::shade::shader::{Scene, Shader};
 use rayon::prelude::*;
 use std::sync::atomic::AtomicUsize;
 use voltet_core::camera::Camera;
@@ -136,7 +136,8 @@ pub fn prepare<'a>(
     let touched = cells.touched(transfer_function);
     let exact = integrator(cells, &touched, shading)?;
     let table_bytes = exact.table_bytes() as u64;
-    let scene = (&attributes[..], cells.length, cells.no_leave_out);
+    let whole = cells.no_leave_out;
+    let scene = Scene { attributes: &attributes, length: cells.length, ordered: whole, leave_out: !whole };
     let shader = Shader::new(&touched, shading, exact, scene, surface)?;
     Ok(Ready { projection, attributes, shader, table_bytes })
 }

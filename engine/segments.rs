@@ -13,7 +13,7 @@ use crate::fragments::batch::{BATCH, Batch, LANES_MOST};
 use crate::project::record::TILE;
 use crate::shade::roads;
 use crate::shade::shaded::Shaded;
-use crate::shade::shader::Shader;
+use crate::shade::shader::{Scene, Shader};
 use glam::DVec3;
 use std::sync::Arc;
 use voltet_core::Result;
@@ -71,7 +71,7 @@ fn integrate(
     let attributes = attributes_of(&cells, transfer_function)?;
     let extent = Extent { scalar: cells.ranges[0], longest: cells.length };
     let exact = integrators::new(&shading.integrator, shading.overlap, transfer_function, &extent)?;
-    let scene = (&attributes[..], cells.length, ordered);
+    let scene = Scene { attributes: &attributes, length: cells.length, ordered, leave_out: true };
     let shader = Shader::new(transfer_function, shading, exact, scene, None)?;
     let mut batch = Batch::new(attributes.len(), attributes.len());
     let mut shaded = Shaded::new();

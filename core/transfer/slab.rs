@@ -11,6 +11,31 @@ pub struct Slab {
     pub high: f64,
 }
 
+/// Room for the rounding of stored values and of the slabs themselves, in units of a value's span: 32 bits leave 1e-7.
+const SLACK: f64 = 1e-6;
+
+impl Slab {
+    /// The same over values stored in 32 bits, value = offset + scale × stored: [a, b, low, high] with the larger of |a| and
+    /// |b| 1, widened by what rounding can do. `axes`: offset and scale of s and g.
+    pub fn stored(&self, axes: [[f64; 2]; 2]) -> [f32; 4] {
+        let Slab { normal, low, high } = self;
+        let [a, b] = [0, 1].map(|k| normal[k] * axes[k][1]);
+        let largest = a.abs().max(b.abs());
+        if largest == 0.0 || !largest.is_finite() {
+            return [0.0, 0.0, -1.0, 1.0];
+        }
+        let moved = |k: usize| if normal[k] == 0.0 { 0.0 } else { normal[k] * axes[k][0] };
+        let offset = moved(0) + moved(1);
+        // What cancels here lost digits of the offset: they widen the slab.
+        let slack = SLACK + 4.0 * f64::EPSILON * (moved(0).abs() + moved(1).abs()) / largest;
+        let bound = |x: f64, sign: f64| {
+            let x = (x - offset) / largest + sign * slack;
+            (x + sign * SLACK * x.abs()).clamp(-1e30, 1e30) as f32
+        };
+        [(a / largest) as f32, (b / largest) as f32, bound(*low, -1.0), bound(*high, 1.0)]
+    }
+}
+
 /// Squared distance from a widget's centre, in widths, at which a profile exp(−r²) no longer counts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Reach {

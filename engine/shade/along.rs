@@ -7,7 +7,7 @@ use voltet_lanes::{Float, Lanes, Unsigned, array, inlined};
 pub(crate) struct Along<L: Lanes> {
     /// D.
     pub length: L::F,
-    /// Lanes that cross their cell over a positive length.
+    /// Lanes that cross their cell over a positive length, or those of them that are asked for.
     pub crossing: L::M,
     /// (s, g) at the entry; g is 0 where it is not asked for.
     pub front: [L::F; 2],
@@ -32,6 +32,12 @@ impl<L: Lanes> Along<L> {
             front: [column(&batch.front, 0), column(&batch.front, 1)],
             back: [column(&batch.back, 0), column(&batch.back, 1)],
         }
+    }
+
+    /// The same, with other lanes counted as those that cross.
+    #[inline(always)]
+    pub fn only(&self, crossing: L::M) -> Self {
+        Along { crossing, ..*self }
     }
 
     #[inline(always)]

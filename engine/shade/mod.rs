@@ -5,7 +5,9 @@
 //! | `shader` | a scene's widgets made ready, and the three roads through them |
 //! | `roads` | a batch by all three, one after the other |
 //! | `shaded` | what comes out |
+//! | `shapes` | the widgets that a vector of segments meets |
 //! | `along`, `region` | segments in lanes, and their stretch inside a region |
+//! | `reach` | where a widget counts: segments elsewhere are not asked of it |
 //! | `kinds` | any widget in lanes, one file a kind |
 //! | `overlap` | several widgets on one segment, in their order: closed forms and quadrature |
 //! | `panels` | the same for what is left over: a walk in panels |
@@ -16,7 +18,9 @@ pub(crate) mod kinds;
 pub(crate) mod light;
 pub(crate) mod overlap;
 pub(crate) mod panels;
+pub(crate) mod reach;
 pub(crate) mod region;
 pub(crate) mod roads;
 pub(crate) mod shaded;
 pub(crate) mod shader;
+pub(crate) mod shapes;

@@ -3,21 +3,20 @@
 
 use crate::shade::along::{Along, lanes_of};
 use crate::shade::kinds::LaneWidget;
-use crate::shade::shaded::{MIX_PRODUCT, Shaded};
+use crate::shade::shaded::{Colors, MIX_PRODUCT};
+use crate::shade::shapes::Shapes;
 use voltet_core::optics::quadrature::{GAUSS_4, UP_TO_4};
 use voltet_lanes::optics::elementary::{exp, one_minus_exp};
 use voltet_lanes::optics::quadrature::{nodes, up_to};
 use voltet_lanes::optics::smooth::{DensityShape, Smooth};
 use voltet_lanes::{Float, Lanes, Mask, inlined};
 
-/// Widgets that are ordered here; more on one scene go the 64-bit way where they overlap.
-pub(crate) const ORDERED_MOST: usize = 8;
-
 /// One vector of segments with the shapes of its widgets.
 pub(crate) struct Overlapping<'a, L: Lanes> {
+    /// The scene's, of which `shapes` holds those that are met.
     pub widgets: &'a [LaneWidget],
     pub along: &'a Along<L>,
-    pub shapes: &'a [DensityShape<L>],
+    pub shapes: &'a Shapes,
     /// Σ T.
     pub total: L::F,
     /// Σ_{i<j} T_i T_j.
@@ -34,12 +33,12 @@ impl<L: Lanes> Overlapping<'_, L> {
     /// The ordered light in closed form where every density hardly bends ([`Smooth`]). Corrects the mix in `out`; returns
     /// the lanes it served.
     #[inline(always)]
-    pub fn smooth(&self, overlapping: u32, at: usize, out: &mut Shaded) -> u32 {
+    pub fn smooth(&self, overlapping: u32, at: usize, out: &mut Colors) -> u32 {
         let zero = L::F::splat(0.0);
         let (mut change, mut tilted, mut bent) = (zero, zero, zero);
-        for shape in self.shapes {
+        for (_, shape) in self.shapes.iter::<L>() {
             // A widget that does not matter may have an endless tilt.
-            let matters = self.matters(shape);
+            let matters = self.matters(&shape);
             let add = inlined(
                 #[inline(always)]
                 |sum: L::F, x: L::F| L::F::select(matters, x.mul_add(shape.depth, sum), sum),
@@ -55,9 +54,9 @@ impl<L: Lanes> Overlapping<'_, L> {
         }
         let smooth = Smooth::<L>::new(self.total, tilted, bent);
         let mut correction = [zero; 3];
-        for (widget, shape) in self.widgets.iter().zip(self.shapes) {
-            let more = L::F::select(self.matters(shape), smooth.correction(shape), zero);
-            for (sum, c) in correction.iter_mut().zip(widget.color) {
+        for (number, shape) in self.shapes.iter::<L>() {
+            let more = L::F::select(self.matters(&shape), smooth.correction(&shape), zero);
+            for (sum, c) in correction.iter_mut().zip(self.widgets[number].color) {
                 *sum = more.mul_add(L::F::splat(c), *sum);
             }
         }
@@ -75,15 +74,15 @@ impl<L: Lanes> Overlapping<'_, L> {
     /// segments on which every widget's profile is smooth and the depth moderate; the lanes it cannot serve are
     /// returned.
     #[inline(always)]
-    pub fn quadrature(&self, overlapping: u32, at: usize, out: &mut Shaded) -> u32 {
+    pub fn quadrature(&self, overlapping: u32, at: usize, out: &mut Colors) -> u32 {
         let splat = L::F::splat;
         let &Overlapping { shapes, total, .. } = self;
         // How many steps the roughest lane wants: a cubic through four densities leaves 3e-5 of the depth where a Gaussian
         // extends over half a width; where the logarithm of a density changes by more than 0.7 to either side of a step's middle
         // more is left of a tail.
         let (mut widest, mut steepest) = (splat(0.0), splat(0.0));
-        for shape in shapes {
-            let matters = self.matters(shape);
+        for (_, shape) in shapes.iter::<L>() {
+            let matters = self.matters(&shape);
             widest = L::F::select(matters, widest.max(shape.extent_squared), widest);
             steepest = L::F::select(matters, steepest.max(shape.change_squared), steepest);
         }
@@ -104,7 +103,7 @@ impl<L: Lanes> Overlapping<'_, L> {
 
     /// The quadrature on so many equal steps, for some lanes.
     #[inline(always)]
-    fn step_through(&self, steps: usize, lanes: u32, at: usize, out: &mut Shaded) {
+    fn step_through(&self, steps: usize, lanes: u32, at: usize, out: &mut Colors) {
         let splat = L::F::splat;
         let &Overlapping { widgets, along, shapes, total, .. } = self;
         let share = splat(1.0 / steps as f32);
@@ -112,8 +111,8 @@ impl<L: Lanes> Overlapping<'_, L> {
         let mut light = splat(0.0);
         for step in 0..steps {
             let (mut density, mut weighted) = ([splat(0.0); 4], [[splat(0.0); 3]; 4]);
-            for (widget, shape) in widgets.iter().zip(shapes) {
-                let matters = self.matters(shape);
+            for (number, shape) in shapes.iter::<L>() {
+                let (widget, matters) = (&widgets[number], self.matters(&shape));
                 for j in 0..4 {
                     let t = share * splat(step as f32 + NODES[j].0);
                     let value = L::F::select(matters, widget.density::<L>(along, t), splat(0.0));
@@ -144,10 +143,10 @@ impl<L: Lanes> Overlapping<'_, L> {
         // there is, nearly nothing of its error stays. Widgets too thin for the order to matter are mixed in.
         let average = one_minus_exp::<L>(total) / total.max(splat(f32::MIN_POSITIVE));
         let (mut thin, mut mixed) = (splat(0.0), [splat(0.0); 3]);
-        for (widget, shape) in widgets.iter().zip(shapes) {
-            let depth = L::F::select(self.matters(shape), splat(0.0), shape.depth);
+        for (number, shape) in shapes.iter::<L>() {
+            let depth = L::F::select(self.matters(&shape), splat(0.0), shape.depth);
             thin = thin + depth;
-            for (sum, c) in mixed.iter_mut().zip(widget.color) {
+            for (sum, c) in mixed.iter_mut().zip(widgets[number].color) {
                 *sum = depth.mul_add(splat(c), *sum);
             }
         }
@@ -167,9 +166,9 @@ impl<L: Lanes> Overlapping<'_, L> {
 
 /// Puts new colours, made from channel and mixed colour, in the lanes that were served.
 #[inline(always)]
-fn replace<L: Lanes>(served: u32, at: usize, out: &mut Shaded, color: impl Fn(usize, L::F) -> L::F) {
+fn replace<L: Lanes>(served: u32, at: usize, out: &mut Colors, color: impl Fn(usize, L::F) -> L::F) {
     let keep = lanes_of::<L>(served);
-    for (channel, column) in out.rgba.iter_mut().enumerate().take(3) {
+    for (channel, column) in out.iter_mut().enumerate().take(3) {
         let mixed = L::F::load(&column[at..]);
         L::F::select(keep, color(channel, mixed), mixed).store(&mut column[at..]);
     }

@@ -8,11 +8,12 @@
 use crate::fragments::batch::{Batch, LANES_MOST};
 use crate::shade::along::{Along, FIELDS_MOST, Fields, lanes_of};
 use crate::shade::kinds::{InOrder, LaneWidget, Road, nothing};
+use crate::shade::reach::Spread;
 use crate::shade::shaded::{Left, MIX_PRODUCT, Shaded};
 use voltet_core::transfer::TransferFunction;
 use voltet_lanes::limits::{LENGTH_WALKED_LEAST, RATE_MOST};
 use voltet_lanes::optics::elementary::one_minus_exp;
-use voltet_lanes::optics::overlap::{MEMBERS_MOST, ordered};
+use voltet_lanes::optics::overlap::{MEMBERS_FEW, ordered};
 use voltet_lanes::{Float, Lanes, Mask, array};
 
 /// The slow road in lanes.
@@ -35,9 +36,6 @@ impl PanelWalk {
         one_color: bool,
         counts: bool,
     ) -> Result<PanelWalk, Left> {
-        if widgets.len() > MEMBERS_MOST {
-            return Err(Left::TooMany);
-        }
         if widgets.is_empty() || widgets.iter().any(|widget| widget.road() == Road::Bits64) {
             return Err(Left::NoLanes);
         }
@@ -99,12 +97,20 @@ impl PanelWalk {
         let mut densest = zero;
         let mut color = [zero; 3];
         let (mut varies, mut delicate) = (0, 0);
+        let (spread, mut met) = (Spread::new(along), 0);
         for widget in widgets {
-            let (depth, no) = widget.any_depth::<L>(along, fields);
-            narrow |= no;
+            let meets = widget.meets::<L>(&spread);
+            if !meets.any() {
+                continue;
+            }
+            met += 1;
+            let (depth, no) = widget.any_depth::<L>(&along.only(meets), fields);
+            let depth = L::F::select(meets, depth, zero);
+            narrow |= no & meets.bits();
             product = depth.mul_add(total, product);
             total = total + depth;
-            densest = densest + splat(widget.peak(self.scale)) * along.length;
+            let dense = splat(widget.peak(self.scale)) * along.length;
+            densest = densest + L::F::select(meets, dense, zero);
             for (sum, c) in color.iter_mut().zip(widget.color) {
                 *sum = depth.mul_add(splat(c), *sum);
             }
@@ -143,11 +149,25 @@ impl PanelWalk {
         let dense = in_order & splat(RATE_MOST).lt(densest).bits();
         if in_order & !(narrow | overflow | delicate | dense) != 0 {
             let scale = along.length * splat(self.scale);
-            let mut members = [nothing::<L>(); MEMBERS_MOST];
-            for (member, widget) in members.iter_mut().zip(widgets) {
-                *member = widget.member::<L>(along, fields, scale, self.cutoff);
+            let (mut few, mut many) = ([nothing::<L>(); MEMBERS_FEW], Vec::new());
+            let members = if met <= MEMBERS_FEW {
+                &mut few[..met]
+            } else {
+                many.resize(met, nothing::<L>());
+                &mut many[..]
+            };
+            let mut places = members.iter_mut();
+            for widget in widgets {
+                let meets = widget.meets::<L>(&spread);
+                if let Some(member) = meets.any().then(|| places.next()).flatten() {
+                    *member = widget.member::<L>(along, fields, scale, self.cutoff);
+                    let nowhere = nothing::<L>().range;
+                    for (end, nowhere) in member.range.iter_mut().zip(nowhere) {
+                        *end = L::F::select(meets, *end, nowhere);
+                    }
+                }
             }
-            let walked = ordered::<L>(&members[..widgets.len()], self.cutoff.map(|_| scale));
+            let walked = ordered::<L>(members, self.cutoff.map(|_| scale));
             let keep = lanes_of::<L>(in_order);
             color = array(
                 #[inline(always)]

@@ -5,14 +5,19 @@ use crate::shade::along::Along;
 use voltet_core::transfer::{HalfPlane, Region};
 use voltet_lanes::{Float, Lanes, Mask, inlined};
 
+/// Room that values must have inside a half-plane, in their span, so that no rounding of theirs leaves it.
+const INSIDE_LEAST: f64 = 1e-5;
+
 /// A convex region as half-planes: inside where n_s s + n_g g ≤ limit.
 pub(crate) struct LaneRegion {
     half_planes: Vec<[f32; 3]>,
 }
 
 impl LaneRegion {
-    pub fn new(region: &Region, attributes: &[Attribute<'_>]) -> LaneRegion {
+    /// `None` where all values lie inside.
+    pub fn new(region: &Region, attributes: &[Attribute<'_>]) -> Option<LaneRegion> {
         let axis = |a: usize| attributes.get(a).map_or([0.0, 1.0], |x| [x.offset, x.scale]);
+        let range = |a: usize| attributes.get(a).map_or([0.0; 2], |x| x.range);
         let ([s, g], mut half_planes) = ([axis(0), axis(1)], Vec::new());
         for HalfPlane { normal, corner } in region.half_planes() {
             // Turned outwards, in scaled attributes; of about unit length, by a power of two, so that no digit is rounded
@@ -21,14 +26,22 @@ impl LaneRegion {
             let unit = (-outward[0].hypot(outward[1]).log2().round()).min(1022.0).exp2();
             let outward = outward.map(|x| x * unit);
             let part = |a: usize, [offset, scale]: [f64; 2]| outward[a] * ((corner[a] - offset) / scale);
+            // How far the value that lies furthest out lies inside, along each axis; 0 where the half-plane does not look.
+            let inside = |a: usize, scale: f64| {
+                let room = range(a).map(|v| outward[a] * ((corner[a] - v) / scale));
+                if outward[a] == 0.0 { 0.0 } else { room[0].min(room[1]) }
+            };
+            if inside(0, s[1]) + inside(1, g[1]) > INSIDE_LEAST {
+                continue;
+            }
             half_planes.push([outward[0] as f32, outward[1] as f32, (part(0, s) + part(1, g)) as f32]);
         }
-        LaneRegion { half_planes }
+        (!half_planes.is_empty()).then_some(LaneRegion { half_planes })
     }
 
     /// The stretch [t₀, t₁] inside; t₁ ≤ t₀ where there is none. A segment along an edge is inside.
     #[inline(always)]
-    pub fn clip<L: Lanes>(&self, along: &Along<L>) -> (L::F, L::F) {
+    pub fn clip<L: Lanes>(&self, along: &Along<L>) -> [L::F; 2] {
         let splat = L::F::splat;
         let zero = splat(0.0);
         let (mut t0, mut t1) = (zero, splat(1.0));
@@ -38,12 +51,15 @@ impl LaneRegion {
                 |v: &[L::F; 2]| splat(limit) - splat(s).mul_add(v[0], splat(g) * v[1]),
             );
             let (front, back) = (margin(&along.front), margin(&along.back));
-            let crossing = front / (front - back);
             let (front_out, back_out) = (front.lt(zero), back.lt(zero));
+            if !front_out.or(back_out).any() {
+                continue;
+            }
+            let crossing = front / (front - back);
             t0 = L::F::select(front_out, L::F::select(back_out, splat(2.0), crossing.max(t0)), t0);
             t1 = L::F::select(back_out.and(front_out.not()), crossing.min(t1), t1);
         }
-        (t0, t1)
+        [t0, t1]
     }
 }
 
@@ -55,13 +71,17 @@ impl<L: Lanes> Along<L> {
         match region {
             None => Inside { front: self.front, back: self.back, share: one, cut: one.lt(zero) },
             Some(region) => {
-                let (t0, t1) = region.clip(self);
-                Inside {
-                    front: self.at(t0),
-                    back: self.at(t1),
-                    share: (t1 - t0).max(zero),
-                    cut: cuts::<L>(t0, t1),
+                let [t0, t1] = region.clip(self);
+                let (cut, share) = (cuts::<L>(t0, t1), (t1 - t0).max(zero));
+                let (mut front, mut back) = (self.front, self.back);
+                if cut.any() {
+                    let (first, last) = (self.at(t0), self.at(t1));
+                    for a in 0..2 {
+                        front[a] = L::F::select(cut, first[a], front[a]);
+                        back[a] = L::F::select(cut, last[a], back[a]);
+                    }
                 }
+                Inside { front, back, share, cut }
             }
         }
     }
@@ -91,9 +111,6 @@ fn cuts<L: Lanes>(t0: L::F, t1: L::F) -> L::M {
 pub(crate) fn range_of<L: Lanes>(region: Option<&LaneRegion>, along: &Along<L>) -> [L::F; 2] {
     match region {
         None => [L::F::splat(0.0), L::F::splat(1.0)],
-        Some(region) => {
-            let (t0, t1) = region.clip(along);
-            [t0, t1]
-        }
+        Some(region) => region.clip(along),
     }
 }

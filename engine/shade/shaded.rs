@@ -1,24 +1,30 @@
 //! What shading a batch of segments gives.
 
 use crate::fragments::batch::BATCH;
+use crate::shade::shapes::Shapes;
 
 /// Results of a batch.
 pub(crate) struct Shaded {
     /// Optical depth, or with silhouettes and light the opacity (filled when there is one colour).
     pub depth: Vec<f32>,
     /// Premultiplied colour and opacity (filled otherwise).
-    pub rgba: [Vec<f32>; 4],
+    pub rgba: Colors,
     /// Fragments that the quick forms did not serve, then those for the 64-bit path.
     pub rest: Vec<usize>,
     /// Why the latter go there, one by one.
     pub why: Vec<Left>,
     /// Scratch for the change from the one to the other.
     pub spare: Vec<usize>,
+    /// Scratch: shapes of the widgets that a vector of segments meets.
+    pub shapes: Shapes,
     /// Segments integrated in 64 bits.
     pub exact_count: u64,
     /// Segments on which widgets overlap by more than [`MIX_PRODUCT`].
     pub overlap_count: u64,
 }
+
+/// Colour and opacity of a batch.
+pub(crate) type Colors = [Vec<f32>; 4];
 
 /// One segment's integral, found in 64 bits.
 pub(crate) struct Exact {
@@ -37,6 +43,7 @@ impl Shaded {
             rest: Vec::new(),
             why: Vec::new(),
             spare: Vec::new(),
+            shapes: Shapes::default(),
             exact_count: 0,
             overlap_count: 0,
         }
@@ -58,8 +65,6 @@ pub(crate) enum Left {
     NoLanes,
     /// Lengths per unit distance leave 32 bits.
     Lengths,
-    /// More widgets than panels are walked with.
-    TooMany,
     /// Colours that vary along the segment are mixed.
     Mixed,
     /// More widths than 32 bits resolve.
@@ -79,7 +84,6 @@ impl Left {
             Left::Integrator => "the integrator is one of 64 bits",
             Left::NoLanes => "a widget is a table, or its numbers leave 32 bits",
             Left::Lengths => "lengths per unit distance leave the range of 32 bits",
-            Left::TooMany => "more than eight widgets overlap",
             Left::Mixed => "colours that vary along the segment are mixed in 64 bits",
             Left::Narrow => "the segment spans over 100,000 widths of a Gaussian, or 50 of a triangular one",
             Left::Overflow => "an optical depth leaves the range of 32 bits",

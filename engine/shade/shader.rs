@@ -9,8 +9,9 @@ use crate::fragments::batch::Batch;
 use crate::shade::along::Along;
 use crate::shade::kinds::{InOrder, LaneWidget, Making, Road};
 use crate::shade::light::{Rays, Surface};
-use crate::shade::overlap::{ORDERED_MOST, Overlapping};
+use crate::shade::overlap::Overlapping;
 use crate::shade::panels::PanelWalk;
+use crate::shade::reach::Spread;
 use crate::shade::shaded::{Exact, Left, MIX_PRODUCT, Shaded};
 use voltet_core::optics::integrators::SegmentIntegrator;
 use voltet_core::optics::{Overlap, Prepared, Segment};
@@ -18,7 +19,6 @@ use voltet_core::shading::{Integrator, Shading};
 use voltet_core::transfer::{OpticalModel, TransferFunction};
 use voltet_core::{Error, Result};
 use voltet_lanes::optics::elementary::one_minus_exp;
-use voltet_lanes::optics::smooth::DensityShape;
 use voltet_lanes::{Float, Lanes, Mask};
 
 /// A transfer function made ready for lanes.
@@ -43,21 +43,38 @@ pub(crate) struct Shader {
     pub one_color: Option<[f32; 3]>,
 }
 
+/// What a shader is made for.
+#[derive(Clone, Copy)]
+pub(crate) struct Scene<'a> {
+    pub attributes: &'a [Attribute<'a>],
+    /// World units in a scene length.
+    pub length: f64,
+    /// Segments are ordered also where one colour needs no order.
+    pub ordered: bool,
+    /// Segments that a widget hardly meets are not asked of it.
+    pub leave_out: bool,
+}
+
 impl Shader {
-    /// `ordered`: segments are ordered also where one colour needs no order.
+    /// Errors: a grid without extent.
     pub fn new(
         transfer_function: &TransferFunction,
         shading: &Shading,
         exact: Box<dyn SegmentIntegrator>,
-        (attributes, length, ordered): (&[Attribute<'_>], f64, bool),
+        Scene { attributes, length, ordered, leave_out }: Scene<'_>,
         surface: Option<Surface>,
     ) -> Result<Shader> {
         let in_lanes = shading.integrator == Integrator::Analytic;
         let density_emitter = transfer_function.model == OpticalModel::DensityEmitter;
-        let cutoff = transfer_function.model.cutoff();
         let fields = transfer_function.fields();
-        let density_scale = length / transfer_function.unit_distance;
-        let making = Making { attributes, fields: &fields, density_scale, cutoff };
+        let making = Making {
+            attributes,
+            fields: &fields,
+            density_scale: length / transfer_function.unit_distance,
+            model: transfer_function.model,
+            widget_count: transfer_function.widgets.len(),
+            leave_out,
+        };
         let widgets: Vec<LaneWidget> = transfer_function
             .widgets
             .iter()
@@ -248,9 +265,15 @@ impl Shader {
     ) -> u32 {
         let zero = L::F::splat(0.0);
         let (mut total, mut product, mut unsure) = (zero, zero, 0);
+        let spread = Spread::new(along);
         for widget in widgets {
-            let (depth, no) = widget.depth::<L>(along);
-            unsure |= no;
+            let meets = widget.meets::<L>(&spread);
+            if !meets.any() {
+                continue;
+            }
+            let (depth, no) = widget.depth::<L>(&along.only(meets));
+            let depth = L::F::select(meets, depth, zero);
+            unsure |= no & meets.bits();
             product = depth.mul_add(total, product);
             total = total + depth;
         }
@@ -277,12 +300,18 @@ impl Shader {
         // `product` is Σ_{i<j} T_i T_j, without cancellation: a stiff widget must not hide a thin one.
         let (mut total, mut product, mut unsure) = (zero, zero, 0);
         let mut color = [zero; 3];
-        let mut shapes = [DensityShape::<L>::even(zero); ORDERED_MOST];
-        for (i, widget) in widgets.iter().enumerate() {
-            let (shape, no) = widget.shape::<L>(along);
-            let depth = shape.depth;
-            unsure |= no;
-            shapes[i.min(ORDERED_MOST - 1)] = shape;
+        let spread = Spread::new(along);
+        out.shapes.clear();
+        for (number, widget) in widgets.iter().enumerate() {
+            let meets = widget.meets::<L>(&spread);
+            if !meets.any() {
+                continue;
+            }
+            let (mut shape, no) = widget.shape::<L>(&along.only(meets));
+            let depth = L::F::select(meets, shape.depth, zero);
+            shape.depth = depth;
+            unsure |= no & meets.bits();
+            out.shapes.push(number, &shape);
             product = depth.mul_add(total, product);
             total = total + depth;
             for (sum, c) in color.iter_mut().zip(widget.color) {
@@ -304,15 +333,13 @@ impl Shader {
         if self.overlap == Overlap::Mix || overlapping == 0 {
             return unsure;
         }
-        if widgets.len() > ORDERED_MOST {
-            return unsure | overlapping;
-        }
-        let in_order = Overlapping { widgets, along, shapes: &shapes[..widgets.len()], total, product };
-        let rest = overlapping & !in_order.smooth(overlapping, at, out);
+        let Shaded { rgba, shapes, .. } = out;
+        let in_order = Overlapping { widgets, along, shapes, total, product };
+        let rest = overlapping & !in_order.smooth(overlapping, at, rgba);
         if rest == 0 {
             return unsure;
         }
-        unsure | in_order.quadrature(rest, at, out)
+        unsure | in_order.quadrature(rest, at, rgba)
     }
 }
 

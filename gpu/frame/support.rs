@@ -10,9 +10,6 @@ use voltet_shaders::Axis;
 /// Optical depth that all cells left out together may have along the longest ray.
 const DEPTH_LEFT_OUT: f64 = 1e-7;
 
-/// Room for the rounding of stored values and of the slabs themselves, in units of a value's span: 32 bits leave 1e-7.
-const SLACK: f64 = 1e-6;
-
 /// The supports of a transfer function as the shader reads them: where each one's slabs begin and the last one's end,
 /// then four numbers a slab. And how many supports there are.
 pub(crate) fn supports(transfer_function: &TransferFunction, axes: &[Axis], length: f64) -> (Vec<u32>, u32) {
@@ -20,9 +17,11 @@ pub(crate) fn supports(transfer_function: &TransferFunction, axes: &[Axis], leng
     let longest = length / transfer_function.unit_distance;
     let of = |widget: &Widget| widget.slabs(longest * widget.peak(), share, transfer_function.model);
     let supports: Vec<Vec<Slab>> = transfer_function.widgets.iter().flat_map(of).collect();
+    let axis = |k: usize| axes.get(k).map_or([0.0, 1.0], |axis| [axis.offset, axis.scale]);
+    let axes = [axis(0), axis(1)];
     let (mut starts, mut numbers) = (vec![0u32], Vec::new());
     for slabs in &supports {
-        numbers.extend(slabs.iter().flat_map(|slab| stored(slab, axes)));
+        numbers.extend(slabs.iter().flat_map(|slab| slab.stored(axes)));
         starts.push(numbers.len() as u32 / 4);
     }
     let count = supports.len() as u32;
@@ -33,23 +32,4 @@ pub(crate) fn supports(transfer_function: &TransferFunction, axes: &[Axis], leng
 /// One support that holds every cell.
 pub(crate) fn everywhere() -> (Vec<u32>, u32) {
     (vec![0, 0], 1)
-}
-
-/// A slab in stored values, widened by what rounding can do.
-fn stored(slab: &Slab, axes: &[Axis]) -> [f32; 4] {
-    let Slab { normal, low, high } = slab;
-    let [a, b] = [0, 1].map(|k| normal[k] * axes[k].scale);
-    let largest = a.abs().max(b.abs());
-    if largest == 0.0 || !largest.is_finite() {
-        return [0.0, 0.0, -1.0, 1.0];
-    }
-    let moved = |k: usize| if normal[k] == 0.0 { 0.0 } else { normal[k] * axes[k].offset };
-    let offset = moved(0) + moved(1);
-    // What cancels here lost digits of the offset: they widen the slab.
-    let slack = SLACK + 4.0 * f64::EPSILON * (moved(0).abs() + moved(1).abs()) / largest;
-    let bound = |x: f64, sign: f64| {
-        let x = (x - offset) / largest + sign * slack;
-        (x + sign * SLACK * x.abs()).clamp(-1e30, 1e30) as f32
-    };
-    [(a / largest) as f32, (b / largest) as f32, bound(*low, -1.0), bound(*high, 1.0)]
 }

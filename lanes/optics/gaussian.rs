@@ -126,9 +126,9 @@ impl<L: Lanes> Near<L> {
         near
     }
 
-    /// The mean; `path` makes the whole path where some lane needs it.
+    /// The mean on the lanes that are `wanted`; `path` makes the whole path where one of them needs it.
     #[inline(always)]
-    fn mean(&self, path: impl Fn() -> LaneGaussianPath<L>) -> L::F {
+    fn mean(&self, wanted: L::M, path: impl Fn() -> LaneGaussianPath<L>) -> L::F {
         let splat = L::F::splat;
         let &Near { middle_squared, product, length_squared } = self;
         // b = |x̄| + ½ d.
@@ -153,7 +153,7 @@ impl<L: Lanes> Near<L> {
             even_part(0.538_469_3).mul_add(splat(0.478_628_67), splat(0.284_444_45)),
         );
         let near = exp::<L>(-middle_squared) * quadrature;
-        if !short.not().any() {
+        if !short.not().and(wanted).any() {
             return near;
         }
         L::F::select(short, near, path().far_mean())
@@ -164,19 +164,27 @@ impl<L: Lanes> Near<L> {
 /// K). Relative error some 4e-7 (1 + condition).
 #[inline(always)]
 pub fn mean_profile<L: Lanes, const N: usize>(front: [L::F; N], back: [L::F; N]) -> L::F {
+    let all = L::F::splat(0.0).le(L::F::splat(0.0));
     Near::<L>::new(&front, &back).mean(
+        all,
         #[inline(always)]
         || LaneGaussianPath::new(front, back),
     )
 }
 
-/// Depth and shape for a rate of `peak` = ρ₀ D at the centre, q as for [`mean_profile`]. With x = x̄ + ½ d u, p = x̄ d
+/// Depth and shape for a rate of `peak` = ρ₀ D at the centre, q as for [`mean_profile`], on the lanes that are `wanted`. With x = x̄ + ½ d u, p = x̄ d
 /// and r = ¼ d²: a = −p (1 − (p² + 4 r)/15) and b = (p² − 2 r)/3 to fourth order.
 #[inline(always)]
-pub fn shape<L: Lanes, const N: usize>(front: [L::F; N], back: [L::F; N], peak: L::F) -> DensityShape<L> {
+pub fn shape<L: Lanes, const N: usize>(
+    front: [L::F; N],
+    back: [L::F; N],
+    peak: L::F,
+    wanted: L::M,
+) -> DensityShape<L> {
     let splat = L::F::splat;
     let near = Near::<L>::new(&front, &back);
     let mean = near.mean(
+        wanted,
         #[inline(always)]
         || LaneGaussianPath::new(front, back),
     );

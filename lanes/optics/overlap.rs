@@ -12,8 +12,8 @@ use super::triangular_gaussian::LaneTriangularTrack;
 use super::wave::LaneWaveTrack;
 use crate::{Float, Lanes, Mask};
 
-/// Most widgets of one call.
-pub const MEMBERS_MOST: usize = 8;
+/// Widgets of one call that need no memory of their own.
+pub const MEMBERS_FEW: usize = 8;
 
 /// Panels before a walk is given up; only waves of thousands of bands need as many.
 const PANELS_MOST: usize = 1 << 14;
@@ -94,7 +94,7 @@ impl<L: Lanes> LaneMember<'_, L> {
     }
 }
 
-/// C of the whole segment, for up to [`MEMBERS_MOST`] widgets. `glow`: D/U for the constant-emitter, none for the
+/// C of the whole segment. `glow`: D/U for the constant-emitter, none for the
 /// density-emitter. Relative error some 1e-5 (1 + condition).
 #[inline(always)]
 pub fn ordered<L: Lanes>(members: &[LaneMember<L>], glow: Option<L::F>) -> [L::F; 3] {
@@ -102,7 +102,13 @@ pub fn ordered<L: Lanes>(members: &[LaneMember<L>], glow: Option<L::F>) -> [L::F
     let (zero, half) = (splat(0.0), splat(0.5));
     let mut color = [zero; 3];
     let mut walk = Walk::<L>::start();
-    let mut rates = [[zero; POINTS]; MEMBERS_MOST];
+    let (mut few, mut many) = ([[zero; POINTS]; MEMBERS_FEW], Vec::new());
+    let rates = if members.len() <= MEMBERS_FEW {
+        &mut few[..]
+    } else {
+        many.resize(members.len(), [zero; POINTS]);
+        &mut many[..]
+    };
     for _ in 0..PANELS_MOST {
         if !walk.open().any() {
             break;
@@ -114,7 +120,7 @@ pub fn ordered<L: Lanes>(members: &[LaneMember<L>], glow: Option<L::F>) -> [L::F
         let (t, dt) = (walk.t, walk.panel(next));
         let middle = half.mul_add(dt, t);
         let mut total = [zero; POINTS];
-        for (member, rates) in members.iter().zip(&mut rates) {
+        for (member, rates) in members.iter().zip(rates.iter_mut()) {
             let present = LaneMember::<L>::holds(&member.range, middle);
             *rates = member.track.rates(t, dt);
             for (rate, sum) in rates.iter_mut().zip(&mut total) {
@@ -123,7 +129,7 @@ pub fn ordered<L: Lanes>(members: &[LaneMember<L>], glow: Option<L::F>) -> [L::F
             }
         }
         let seen = walk.take(next, dt, &total);
-        for (member, rates) in members.iter().zip(&rates) {
+        for (member, rates) in members.iter().zip(rates.iter()) {
             let mut strength = seen;
             match glow {
                 None => {

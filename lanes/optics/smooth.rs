@@ -128,6 +128,7 @@ pub(super) mod tests {
     #[test]
     fn what_is_left_out_stays_under_its_bound() {
         let splat = |x: f64| F::splat(x as f32);
+        let all = F::splat(0.0).le(F::splat(1.0));
         let (mut served, mut worst, mut most_left_out) = (0, 0.0, 0.0);
         for i in 0..20_000 {
             let end = |j: i32| [uniform(i, j), uniform(i, j + 1)].map(|u| f64::from((2.0 * u - 1.0) as f32));
@@ -151,7 +152,7 @@ pub(super) mod tests {
                         let d = [v[0] - centre[0], v[1] - centre[1]];
                         k.map(|row| splat(row[0] * d[0] + row[1] * d[1]))
                     };
-                    shape::<P, 2>(q(front), q(back), splat(widget.extinction))
+                    shape::<P, 2>(q(front), q(back), splat(widget.extinction), all)
                 })
                 .collect();
             let depths: Vec<f64> = shapes.iter().map(|shape| lane(shape.depth)).collect();

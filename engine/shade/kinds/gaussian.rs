@@ -46,10 +46,16 @@ impl LaneGaussian {
         )
     }
 
-    /// Depth and shape between two points, for a rate of `peak` at the centre.
+    /// Depth and shape between two points, for a rate of `peak` at the centre, on the lanes that are `wanted`.
     #[inline(always)]
-    pub fn shape<L: Lanes>(&self, front: &[L::F; 2], back: &[L::F; 2], peak: L::F) -> DensityShape<L> {
-        gaussian::shape::<L, 2>(self.point::<L>(front), self.point::<L>(back), peak)
+    pub fn shape<L: Lanes>(
+        &self,
+        front: &[L::F; 2],
+        back: &[L::F; 2],
+        peak: L::F,
+        wanted: L::M,
+    ) -> DensityShape<L> {
+        gaussian::shape::<L, 2>(self.point::<L>(front), self.point::<L>(back), peak, wanted)
     }
 
     /// The path of the whole segment.

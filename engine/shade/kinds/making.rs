@@ -1,6 +1,7 @@
 //! What widgets are made ready for.
 
 use crate::attribute::Attribute;
+use voltet_core::transfer::OpticalModel;
 
 /// The scene that widgets are made ready for.
 #[derive(Clone, Copy)]
@@ -11,8 +12,12 @@ pub(crate) struct Making<'a> {
     pub fields: &'a [&'a str],
     /// Turns extinction into optical depth per scene length.
     pub density_scale: f64,
-    /// The constant-emitter's.
-    pub cutoff: Option<f64>,
+    /// Whether they glow in step with what they absorb.
+    pub model: OpticalModel,
+    /// How many there are.
+    pub widget_count: usize,
+    /// Whether segments that a widget hardly meets are not asked of it.
+    pub leave_out: bool,
 }
 
 impl<'a> Making<'a> {

@@ -12,6 +12,7 @@ mod wave;
 pub(crate) use making::Making;
 
 use crate::shade::along::{Along, Fields};
+use crate::shade::reach::{LaneReach, Spread};
 use crate::shade::region::{Inside, LaneRegion, range_of};
 use gaussian::LaneGaussian;
 use gaussian_nd::LaneGaussianNd;
@@ -34,6 +35,8 @@ pub(crate) struct LaneWidget {
     /// Peak optical depth per scene length; 1 for what holds densities of its own.
     density: f32,
     region: Option<LaneRegion>,
+    /// `None`: everywhere.
+    reach: Option<LaneReach>,
 }
 
 /// A profile made ready for lanes.
@@ -94,8 +97,12 @@ impl LaneForm {
             // Pieces that a region cuts have no lanes.
             Profile::PiecewiseLinear { .. } if has_region => None,
             Profile::PiecewiseLinear { points } => {
-                let linear =
-                    LaneLinear::new(points, &making.attributes[0], making.density_scale, making.cutoff);
+                let linear = LaneLinear::new(
+                    points,
+                    &making.attributes[0],
+                    making.density_scale,
+                    making.model.cutoff(),
+                );
                 linear.map(Box::new).map(LaneForm::PiecewiseLinear)
             }
             // No vector instruction reads four texels of each lane.
@@ -113,13 +120,23 @@ impl LaneWidget {
             form: form.filter(|_| density.is_finite()).unwrap_or(LaneForm::None),
             color: if own { [0.0; 3] } else { widget.color.map(|c| c as f32) },
             density: if widget.profile.properties().own_peak.is_some() { 1.0 } else { density },
-            region: widget.region.as_ref().map(|region| LaneRegion::new(region, making.attributes)),
+            region: widget.region.as_ref().and_then(|region| LaneRegion::new(region, making.attributes)),
+            reach: if making.leave_out { LaneReach::new(widget, making) } else { None },
         }
     }
 
     /// A widget that only 64 bits serve.
     pub fn none() -> LaneWidget {
-        LaneWidget { form: LaneForm::None, color: [0.0; 3], density: 0.0, region: None }
+        LaneWidget { form: LaneForm::None, color: [0.0; 3], density: 0.0, region: None, reach: None }
+    }
+
+    /// Lanes whose segments may meet it.
+    #[inline(always)]
+    pub fn meets<L: Lanes>(&self, spread: &Spread<L>) -> L::M {
+        match &self.reach {
+            Some(reach) => reach.meets::<L>(spread),
+            None => spread.crossing,
+        }
     }
 
     /// Which forms serve it first.
@@ -177,7 +194,7 @@ impl LaneWidget {
             }
             LaneForm::Gaussian(gaussian) => {
                 let Inside { front, back, share, .. } = along.inside(self.region.as_ref());
-                let shape = gaussian.shape::<L>(&front, &back, self.peak_depth(along, share));
+                let shape = gaussian.shape::<L>(&front, &back, self.peak_depth(along, share), along.crossing);
                 (shape.depth, gaussian.unsure(along))
             }
             LaneForm::Wave(wave) => {
@@ -203,7 +220,7 @@ impl LaneWidget {
             }
             LaneForm::Gaussian(gaussian) => {
                 let Inside { front, back, share, cut } = along.inside(self.region.as_ref());
-                let shape = gaussian.shape::<L>(&front, &back, self.peak_depth(along, share));
+                let shape = gaussian.shape::<L>(&front, &back, self.peak_depth(along, share), along.crossing);
                 (shape.cut(cut), gaussian.unsure(along))
             }
             LaneForm::Wave(wave) => {
