@@ -118,16 +118,24 @@ impl LaneSet {
     }
 }
 
+/// A place on the stack whose address is looked at: the whole frame is then aligned as this is, and vectors that a kernel
+/// keeps there do not straddle cache lines.
+#[cfg(target_arch = "x86_64")]
+#[repr(align(64))]
+struct CacheLine(u8);
+
 /// Runs a kernel on a lane set; one that the processor lacks is replaced by the portable set.
 pub fn dispatch<K: Kernel>(lanes: LaneSet, kernel: K) -> K::Output {
     #[cfg(target_arch = "x86_64")]
     {
         #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,popcnt,bmi1,bmi2,lzcnt")]
         fn avx512<K: Kernel>(kernel: K) -> K::Output {
+            std::hint::black_box(&mut CacheLine(0));
             kernel.run::<Avx512>()
         }
         #[target_feature(enable = "avx2,fma,popcnt,bmi1,bmi2,lzcnt")]
         fn avx2<K: Kernel>(kernel: K) -> K::Output {
+            std::hint::black_box(&mut CacheLine(0));
             kernel.run::<Avx2>()
         }
         match lanes.or_portable() {
