@@ -122,7 +122,7 @@ impl LaneSet {
 /// keeps there do not straddle cache lines.
 #[cfg(target_arch = "x86_64")]
 #[repr(align(64))]
-struct CacheLine(u8);
+struct CacheLine(#[expect(dead_code, reason = "it stands for its address")] u8);
 
 /// Runs a kernel on a lane set; one that the processor lacks is replaced by the portable set.
 pub fn dispatch<K: Kernel>(lanes: LaneSet, kernel: K) -> K::Output {

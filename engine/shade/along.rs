@@ -1,6 +1,6 @@
 //! Segments side by side in lanes: their lengths and what they have at both ends.
 
-use crate::fragments::batch::Batch;
+use crate::fragments::batch::{Batch, Column};
 use voltet_lanes::{Float, Lanes, Unsigned, array, inlined};
 
 /// One vector of segments of a batch. Lengths in scene lengths, attributes scaled.
@@ -20,7 +20,7 @@ impl<L: Lanes> Along<L> {
     pub fn load(batch: &Batch, at: usize) -> Self {
         let column = inlined(
             #[inline(always)]
-            |columns: &[Vec<f32>], a: usize| match columns[..batch.scalar_count].get(a) {
+            |columns: &[Column], a: usize| match columns[..batch.scalar_count].get(a) {
                 Some(column) => L::F::load(&column[at..]),
                 None => L::F::splat(0.0),
             },

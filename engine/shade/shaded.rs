@@ -1,12 +1,12 @@
 //! What shading a batch of segments gives.
 
-use crate::fragments::batch::BATCH;
+use crate::fragments::batch::Column;
 use crate::shade::shapes::Shapes;
 
 /// Results of a batch.
 pub(crate) struct Shaded {
     /// Optical depth, or with silhouettes and light the opacity (filled when there is one colour).
-    pub depth: Vec<f32>,
+    pub depth: Box<Column>,
     /// Premultiplied colour and opacity (filled otherwise).
     pub rgba: Colors,
     /// Fragments that the quick forms did not serve, then those for the 64-bit path.
@@ -24,7 +24,7 @@ pub(crate) struct Shaded {
 }
 
 /// Colour and opacity of a batch.
-pub(crate) type Colors = [Vec<f32>; 4];
+pub(crate) type Colors = [Box<Column>; 4];
 
 /// One segment's integral, found in 64 bits.
 pub(crate) struct Exact {
@@ -36,10 +36,9 @@ pub(crate) struct Exact {
 
 impl Shaded {
     pub fn new() -> Self {
-        let column = || vec![0f32; BATCH];
         Shaded {
-            depth: column(),
-            rgba: std::array::from_fn(|_| column()),
+            depth: Column::new(),
+            rgba: std::array::from_fn(|_| Column::new()),
             rest: Vec::new(),
             why: Vec::new(),
             spare: Vec::new(),

@@ -5,7 +5,7 @@
 //! also serves every integrator but the analytic one. What a scene does not use is not prepared.
 
 use crate::attribute::{ATTRIBUTES_MOST, Attribute};
-use crate::fragments::batch::Batch;
+use crate::fragments::batch::{Batch, Column};
 use crate::shade::along::Along;
 use crate::shade::kinds::{InOrder, LaneWidget, Making, Road};
 use crate::shade::light::{Rays, Surface};
@@ -181,9 +181,9 @@ impl Shader {
     pub fn finish(&self, batch: &Batch, out: &mut Shaded) {
         for i in 0..out.rest.len() {
             let k = out.rest[i];
-            let at = |columns: &[Vec<f32>], a: usize| f64::from(columns[a][k]);
+            let at = |columns: &[Column], a: usize| f64::from(columns[a][k]);
             let value =
-                |columns: &[Vec<f32>], a: usize| self.scaling[a][0] + self.scaling[a][1] * at(columns, a);
+                |columns: &[Column], a: usize| self.scaling[a][0] + self.scaling[a][1] * at(columns, a);
             let contribution = self.integrate(
                 f64::from(batch.length[k]),
                 |a| value(&batch.front, a),
