@@ -2,7 +2,7 @@
 //!
 //! Why its instructions may run: the crate's head.
 
-use super::operations::{Double, Float, Lanes, Mask, Unsigned, inside, sealed};
+use super::operations::{Double, Float, Lanes, Mask, Unsigned, inlined, inside, sealed};
 use std::arch::x86_64::*;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -134,6 +134,60 @@ impl Float for F {
         // SAFETY: every index lies inside the slice and below 2³¹; for the processor see the crate's head.
         F(unsafe { _mm256_i32gather_ps::<4>(values.as_ptr(), index.0) })
     }
+    #[inline(always)]
+    fn gather_parts(values: &[[f32; 4]], index: U) -> [F; 4] {
+        let mut places = [0; 8];
+        inside::<Avx2>(index, values.len()).store(&mut places);
+        let half = inlined(
+            #[inline(always)]
+            |i: usize| {
+                // SAFETY: every index lies inside the slice; for the processor see the crate's head.
+                unsafe { _mm_loadu_ps(values.as_ptr().add(places[i] as usize).cast()) }
+            },
+        );
+        // Places 0 and 4 side by side, and so on: then each half is turned on its own.
+        let side = inlined(
+            #[inline(always)]
+            |i: usize| on_processor!(_mm256_set_m128(half(i + 4), half(i))),
+        );
+        turned([side(0), side(1), side(2), side(3)]).map(F)
+    }
+    #[inline(always)]
+    fn scatter_parts(parts: [F; 4], values: &mut [[f32; 4]], index: U) {
+        let mut places = [0; 8];
+        inside::<Avx2>(index, values.len()).store(&mut places);
+        let sides = turned(parts.map(|part| part.0));
+        let mut put = inlined(
+            #[inline(always)]
+            |i: usize, half: __m128| {
+                // SAFETY: every index lies inside the slice; for the processor see the crate's head.
+                unsafe { _mm_storeu_ps(values.as_mut_ptr().add(places[i] as usize).cast(), half) }
+            },
+        );
+        for (i, side) in sides.into_iter().enumerate() {
+            put(i, on_processor!(_mm256_castps256_ps128(side)));
+            put(i + 4, on_processor!(_mm256_extractf128_ps::<1>(side)));
+        }
+    }
+}
+
+/// Rows and columns exchanged within each half.
+#[inline(always)]
+fn turned([a, b, c, d]: [__m256; 4]) -> [__m256; 4] {
+    on_processor!({
+        let (ab_low, ab_high) = (_mm256_unpacklo_ps(a, b), _mm256_unpackhi_ps(a, b));
+        let (cd_low, cd_high) = (_mm256_unpacklo_ps(c, d), _mm256_unpackhi_ps(c, d));
+        let pair = [ab_low, cd_low, ab_high, cd_high].map(
+            #[inline(always)]
+            |x| _mm256_castps_pd(x),
+        );
+        [
+            _mm256_castpd_ps(_mm256_unpacklo_pd(pair[0], pair[1])),
+            _mm256_castpd_ps(_mm256_unpackhi_pd(pair[0], pair[1])),
+            _mm256_castpd_ps(_mm256_unpacklo_pd(pair[2], pair[3])),
+            _mm256_castpd_ps(_mm256_unpackhi_pd(pair[2], pair[3])),
+        ]
+    })
 }
 
 impl Unsigned for U {

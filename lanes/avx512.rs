@@ -2,7 +2,7 @@
 //!
 //! Why its instructions may run: the crate's head.
 
-use super::operations::{Double, Float, Lanes, Mask, Unsigned, inside, sealed};
+use super::operations::{Double, Float, Lanes, Mask, Unsigned, inlined, inside, sealed};
 use std::arch::x86_64::*;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -134,6 +134,69 @@ impl Float for F {
         // SAFETY: every index lies inside the slice and below 2³¹; for the processor see the crate's head.
         F(unsafe { _mm512_i32gather_ps::<4>(index.0, values.as_ptr()) })
     }
+    #[inline(always)]
+    fn gather_parts(values: &[[f32; 4]], index: U) -> [F; 4] {
+        let mut places = [0; 16];
+        inside::<Avx512>(index, values.len()).store(&mut places);
+        let quarter = inlined(
+            #[inline(always)]
+            |i: usize| {
+                // SAFETY: every index lies inside the slice; for the processor see the crate's head.
+                unsafe { _mm_loadu_ps(values.as_ptr().add(places[i] as usize).cast()) }
+            },
+        );
+        // Places 0, 4, 8 and 12 side by side, and so on: then each quarter is turned on its own.
+        let side = inlined(
+            #[inline(always)]
+            |i: usize| {
+                on_processor!({
+                    let low = _mm512_castps128_ps512(quarter(i));
+                    let low = _mm512_insertf32x4::<1>(low, quarter(i + 4));
+                    let low = _mm512_insertf32x4::<2>(low, quarter(i + 8));
+                    _mm512_insertf32x4::<3>(low, quarter(i + 12))
+                })
+            },
+        );
+        turned([side(0), side(1), side(2), side(3)]).map(F)
+    }
+    #[inline(always)]
+    fn scatter_parts(parts: [F; 4], values: &mut [[f32; 4]], index: U) {
+        let mut places = [0; 16];
+        inside::<Avx512>(index, values.len()).store(&mut places);
+        let [a, b, c, d] = turned(parts.map(|part| part.0));
+        let mut put = inlined(
+            #[inline(always)]
+            |i: usize, quarter: __m128| {
+                // SAFETY: every index lies inside the slice; for the processor see the crate's head.
+                unsafe { _mm_storeu_ps(values.as_mut_ptr().add(places[i] as usize).cast(), quarter) }
+            },
+        );
+        for (i, side) in [a, b, c, d].into_iter().enumerate() {
+            put(i, on_processor!(_mm512_castps512_ps128(side)));
+            put(i + 4, on_processor!(_mm512_extractf32x4_ps::<1>(side)));
+            put(i + 8, on_processor!(_mm512_extractf32x4_ps::<2>(side)));
+            put(i + 12, on_processor!(_mm512_extractf32x4_ps::<3>(side)));
+        }
+    }
+}
+
+/// Rows and columns exchanged within each quarter.
+#[inline(always)]
+fn turned([a, b, c, d]: [__m512; 4]) -> [__m512; 4] {
+    on_processor!({
+        let (ab_low, ab_high) = (_mm512_unpacklo_ps(a, b), _mm512_unpackhi_ps(a, b));
+        let (cd_low, cd_high) = (_mm512_unpacklo_ps(c, d), _mm512_unpackhi_ps(c, d));
+        let pair = [ab_low, cd_low, ab_high, cd_high].map(
+            #[inline(always)]
+            |x| _mm512_castps_pd(x),
+        );
+        [
+            _mm512_castpd_ps(_mm512_unpacklo_pd(pair[0], pair[1])),
+            _mm512_castpd_ps(_mm512_unpackhi_pd(pair[0], pair[1])),
+            _mm512_castpd_ps(_mm512_unpacklo_pd(pair[2], pair[3])),
+            _mm512_castpd_ps(_mm512_unpackhi_pd(pair[2], pair[3])),
+        ]
+    })
 }
 
 impl Unsigned for U {

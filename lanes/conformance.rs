@@ -8,7 +8,9 @@ mod models;
 
 use super::*;
 use inputs::{Row, vectors};
-use models::{DOUBLES, Found, MULTIPLY_ADD, TABLE, bits, convertible, number, number64, operations, table};
+use models::{
+    DOUBLES, Found, MULTIPLY_ADD, TABLE, bits, convertible, joined, number, number64, operations, table, table_of_parts,
+};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// Runs every operation on one vector of rows; what each lane gave, operation by operation.
@@ -28,6 +30,10 @@ impl Kernel for All<'_> {
         let place = unsigned(|row| row.j % TABLE as u32);
         let lane = j.and(L::U::splat(L::WIDTH as u32 - 1));
         let gathered = L::F::gather(&table(), place);
+        let parts = L::F::gather_parts(&table_of_parts(), place);
+        let mut scattered = vec![[0.0; 4]; L::WIDTH];
+        let backwards = L::U::splat(L::WIDTH as u32 - 1) - L::U::iota();
+        L::F::scatter_parts([a, b, c, -a], &mut scattered, backwards);
         let (less, not_above) = (a.lt(b), b.le(c));
         // Longer slices than a vector.
         let mut longer = vec![7.0; L::WIDTH + 5];
@@ -57,6 +63,11 @@ impl Kernel for All<'_> {
             unsigneds::<L>(float(|row| convertible(row.a)).to_unsigned()),
             floats::<L>(a.permute(lane)),
             floats::<L>(gathered),
+            {
+                let parts = parts.map(floats::<L>);
+                (0..L::WIDTH).map(|i| joined([0, 1, 2, 3].map(|c| parts[c][i] as u32))).collect()
+            },
+            scattered.iter().map(|parts| joined(parts.map(f32::to_bits))).collect(),
             unsigneds::<L>(L::U::splat(0x9000_0001)),
             unsigneds::<L>(L::U::iota()),
             unsigneds::<L>(i),

@@ -100,6 +100,10 @@ pub trait Float:
     /// Lane i is `values[index[i]]`. An index past the end would be the caller's mistake: it takes the last value, and
     /// stops a build with debug assertions. The slice must hold something, and at most 2³¹ values.
     fn gather(values: &[f32], index: <Self::Lanes as Lanes>::U) -> Self;
+    /// Lane i of part c is `values[index[i]][c]`; indices as for [`Float::gather`].
+    fn gather_parts(values: &[[f32; 4]], index: <Self::Lanes as Lanes>::U) -> [Self; 4];
+    /// `values[index[i]][c]` becomes lane i of part c; indices as for [`Float::gather`]. Of lanes with one index any may win.
+    fn scatter_parts(parts: [Self; 4], values: &mut [[f32; 4]], index: <Self::Lanes as Lanes>::U);
 }
 
 /// Lanes of 32-bit unsigned integers (wrapping).

@@ -4,7 +4,7 @@
 //! What `wide` leaves open or does lane by lane (the operand that a minimum takes where one is NaN, unsigned minima, rounding
 //! down without SSE4.1) is written here in its other operations.
 
-use super::operations::{Double, Float, Lanes, Mask, Unsigned, inside, sealed};
+use super::operations::{Double, Float, Lanes, Mask, Unsigned, array, inside, sealed};
 use bytemuck::cast;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 use wide::{f32x4, f64x2, i32x4, u32x4};
@@ -192,6 +192,29 @@ impl Float for F {
             #[inline(always)]
             |i| values[i],
         )))
+    }
+    #[inline(always)]
+    fn gather_parts(values: &[[f32; 4]], index: U) -> [F; 4] {
+        let index = inside::<Portable>(index, values.len());
+        array(
+            #[inline(always)]
+            |c| {
+                F(f32x4::new(pick(
+                    index,
+                    #[inline(always)]
+                    |i| values[i][c],
+                )))
+            },
+        )
+    }
+    #[inline(always)]
+    fn scatter_parts(parts: [F; 4], values: &mut [[f32; 4]], index: U) {
+        let mut places = [0; 4];
+        inside::<Portable>(index, values.len()).store(&mut places);
+        let parts = parts.map(|part| part.0.to_array());
+        for (lane, place) in places.into_iter().enumerate() {
+            values[place as usize] = parts.map(|part| part[lane]);
+        }
     }
 }
 

@@ -18,6 +18,24 @@ pub(super) fn table() -> Vec<f32> {
     (0..TABLE).map(|k| k as f32 * 1.5 - 7.0).collect()
 }
 
+/// What is gathered from in parts.
+pub(super) fn table_of_parts() -> Vec<[f32; 4]> {
+    table().into_iter().map(|x| [x, x + 0.25, -x, x + 0.5]).collect()
+}
+
+fn of_part(place: usize) -> [u32; 4] {
+    table_of_parts()[place].map(f32::to_bits)
+}
+
+fn parts_of(row: &Row) -> [u32; 4] {
+    [row.a, row.b, row.c, -row.a].map(f32::to_bits)
+}
+
+/// Four parts as one answer: each part, and each place among them, changes it.
+pub(super) fn joined(parts: [u32; 4]) -> Found {
+    parts.into_iter().fold(0, |all, part| (all ^ Found::from(part)).wrapping_mul(0x9e37_79b9_7f4a_7c15))
+}
+
 /// All NaNs are one: which of them an operation makes is left open.
 const NAN: Found = 0x7ff8_0000_0000_0000;
 
@@ -50,7 +68,7 @@ pub(super) fn larger<T: PartialOrd>(a: T, b: T) -> T {
 
 /// Name, meaning, and a fault that the inputs must show.
 #[rustfmt::skip]
-pub(super) const OPERATIONS: [(&str, Model, Model); 47] = [
+pub(super) const OPERATIONS: [(&str, Model, Model); 49] = [
     ("splat", |_, _| bits(2.5), |_, l| bits(if l == 0 { 2.5 } else { 0.0 })),
     ("load and store", |v, l| bits(v[l].a), |v, l| bits(v[l ^ 1].a)),
     ("+", |v, l| number(v[l].a + v[l].b), |v, l| number(v[l].a - -v[l].b + 0.0)),
@@ -72,6 +90,8 @@ pub(super) const OPERATIONS: [(&str, Model, Model); 47] = [
     ("to_unsigned", |v, l| u64::from(convertible(v[l].a) as u32), |v, l| u64::from(convertible(v[l].a).round() as u32)),
     ("permute", |v, l| bits(v[v[l].j as usize % v.len()].a), |v, l| bits(v[(v[l].j as usize + 1) % v.len()].a)),
     ("gather", |v, l| bits(table()[v[l].j as usize % TABLE]), |v, l| bits(table()[v[l].j as usize % TABLE / 2])),
+    ("gather_parts", |v, l| joined(of_part(v[l].j as usize % TABLE)), |v, l| joined(of_part(v[l ^ 1].j as usize % TABLE))),
+    ("scatter_parts", |v, l| joined(parts_of(&v[v.len() - 1 - l])), |v, l| joined(parts_of(&v[l]))),
     ("unsigned splat", |_, _| 0x9000_0001, |_, _| 0x1000_0001),
     ("iota", |_, l| l as u64, |_, l| l as u64 + 1),
     ("unsigned load and store", |v, l| v[l].i.into(), |v, l| v[l ^ 1].i.into()),
