@@ -36,8 +36,8 @@ pub struct Integrated {
     pub left: Option<&'static str>,
 }
 
-/// What the native engine makes of segments on a lane set, as if they were the cells of one scene. `ordered`: the scene's
-/// segments are to be ordered also where one colour needs no order.
+/// What the native engine makes of segments on a lane set, as if they were the cells of one scene of which nothing is left
+/// out. `ordered`: the scene's segments are to be ordered also where one colour needs no order.
 ///
 /// Errors: those of drawing with this transfer function and shading.
 pub fn segments(
@@ -71,7 +71,7 @@ fn integrate(
     let attributes = attributes_of(&cells, transfer_function)?;
     let extent = Extent { scalar: cells.ranges[0], longest: cells.length };
     let exact = integrators::new(&shading.integrator, shading.overlap, transfer_function, &extent)?;
-    let scene = Scene { attributes: &attributes, length: cells.length, ordered, leave_out: true };
+    let scene = Scene { attributes: &attributes, length: cells.length, ordered, leave_out: false };
     let shader = Shader::new(transfer_function, shading, exact, scene, None)?;
     let mut batch = Batch::new(attributes.len(), attributes.len());
     let mut shaded = Shaded::new();

@@ -9,7 +9,8 @@ mod models;
 use super::*;
 use inputs::{Row, vectors};
 use models::{
-    DOUBLES, Found, MULTIPLY_ADD, TABLE, bits, convertible, joined, number, number64, operations, table, table_of_parts,
+    DOUBLES, Found, MULTIPLY_ADD, TABLE, bits, convertible, joined, number, number64, operations, table,
+    table_of_parts,
 };
 use std::panic::{AssertUnwindSafe, catch_unwind};
 

@@ -1,6 +1,6 @@
 //! The kernels of a tile: each is compiled once a lane set; everything between them is plain code.
 
-use crate::composite::lists::Lists;
+use crate::composite::lists::{Lists, Overflow};
 use crate::composite::sinks::TilePicture;
 use crate::fragments::batch::Batch;
 use crate::fragments::crossing::Group;
@@ -82,6 +82,21 @@ impl Kernel for Illuminate<'_> {
     #[inline(always)]
     fn run<L: Lanes>(self) {
         self.frame.shader.light::<L>(self.batch, self.count, self.rays, self.shaded);
+    }
+}
+
+pub(crate) struct Append<'a> {
+    pub lists: &'a mut Lists,
+    pub batch: &'a Batch,
+    pub shaded: &'a Shaded,
+    pub count: usize,
+}
+
+impl Kernel for Append<'_> {
+    type Output = Result<(), Overflow>;
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> Result<(), Overflow> {
+        self.lists.take::<L>(self.batch, self.shaded, self.count)
     }
 }
 

@@ -3,9 +3,12 @@
 //! non-convex and disconnected grids need no special case.
 //!
 //! Layout: slot k of the 16 pixels of a row lie side by side, so 16 pixels are 16 lanes of the sorting network
-//! and of the compositor.
+//! and of the compositor. Colours stand in fours, so that each moves by one instruction; what tells the order stands by
+//! itself, so that vectors of it are read where they lie.
 
+use crate::fragments::batch::{BATCH, Batch, LANES_MOST};
 use crate::project::record::TILE;
+use crate::shade::shaded::Shaded;
 use voltet_lanes::sort::sort_columns;
 use voltet_lanes::{Float, Lanes, Mask, Unsigned, array, inlined};
 
@@ -13,12 +16,12 @@ use voltet_lanes::{Float, Lanes, Mask, Unsigned, array, inlined};
 pub(crate) const DEPTH: usize = 1024;
 /// Bits of a slot number.
 const SLOT_BITS: u32 = 10;
-/// Distance between rows. Not a power of two: those cost a third of the speed to cache conflicts.
-const ROW: usize = DEPTH * TILE + 3 * TILE;
+/// Slots of a row: a whole batch may go to one pixel before anybody looks whether there is room. Not a power of two: those
+/// cost a third of the speed to cache conflicts.
+const ROW: usize = DEPTH + BATCH + 3;
 
-/// What one segment contributes to its pixel: 32 bytes, so that it lies in one cache line.
-#[derive(Debug, Clone, Copy, Default, bytemuck::Pod, bytemuck::Zeroable)]
-#[repr(C, align(32))]
+/// What one segment contributes to its pixel.
+#[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Layer {
     /// Premultiplied colour and opacity.
     pub rgba: [f32; 4],
@@ -26,15 +29,25 @@ pub(crate) struct Layer {
     pub entry: f32,
     /// Depth of the exit.
     pub exit: f32,
-    /// Fills the line.
-    pub unused: [f32; 2],
 }
 
 impl Layer {
     pub fn new(entry: f32, exit: f32, rgba: [f32; 4]) -> Layer {
-        Layer { rgba, entry, exit, unused: [0.0; 2] }
+        Layer { rgba, entry, exit }
     }
 }
+
+/// One segment of each pixel of a row.
+#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C, align(64))]
+struct Slot {
+    rgba: [[f32; 4]; TILE],
+    entry: [f32; TILE],
+    exit: [f32; TILE],
+}
+
+/// Fours of numbers in a slot.
+const FOURS: u32 = (size_of::<Slot>() / size_of::<[f32; 4]>()) as u32;
 
 /// Entries that differ by less than this share of themselves may be one face, found from both of its cells.
 const ENTRY_NOISE: f32 = 3e-7;
@@ -44,33 +57,42 @@ impl Layer {
     /// disjoint cells are in the same order by their exits, and of cells that overlap behind a shared face the one that
     /// ends first comes first.
     pub fn follows(&self, other: &Layer) -> bool {
-        let noise = ENTRY_NOISE * self.entry.abs().max(other.entry.abs());
-        if (self.entry - other.entry).abs() <= noise {
-            self.exit > other.exit
-        } else {
-            self.entry > other.entry
-        }
+        follows([self.entry, self.exit], [other.entry, other.exit])
     }
+}
+
+/// [`Layer::follows`] by entry and exit.
+fn follows([entry, exit]: [f32; 2], [other_entry, other_exit]: [f32; 2]) -> bool {
+    let noise = ENTRY_NOISE * entry.abs().max(other_entry.abs());
+    if (entry - other_entry).abs() <= noise { exit > other_exit } else { entry > other_entry }
 }
 
 /// Share of the picture under which what lies behind is left out: an optical depth of 25.
 pub(crate) const UNSEEN: f32 = 1e-11;
 
-/// Words of 32 bits in a layer, as a power of two.
-const LAYER_WORDS_LOG2: u32 = 3;
-
 /// The lists of one tile.
 pub(crate) struct Lists {
-    count: [u16; TILE * TILE],
-    layers: Box<[Layer; ROW * TILE]>,
+    /// The next free slot of each pixel, counted from the first row's first; then one for what belongs to none.
+    next: [u32; TILE * TILE + 1],
+    /// Row by row; then room for what belongs to no pixel.
+    slots: Vec<Slot>,
     keys: Vec<u32>,
-    /// Entries of the row in hand, side by side.
-    entries: Vec<f32>,
     /// What is seen through each pixel, as far as it is more than [`UNSEEN`].
     pub through: [f32; TILE * TILE],
     /// Slots of the row in hand whose level is that of the slot before, with the lanes concerned.
     met: Vec<(u32, u32)>,
 }
+
+/// Where each pixel's first segment goes.
+const FIRST: [u32; TILE * TILE + 1] = {
+    let mut first = [0; TILE * TILE + 1];
+    let mut pixel = 0;
+    while pixel <= TILE * TILE {
+        first[pixel] = (pixel / TILE * ROW) as u32;
+        pixel += 1;
+    }
+    first
+};
 
 /// A pixel has more segments than [`DEPTH`].
 pub(crate) struct Overflow;
@@ -78,33 +100,71 @@ pub(crate) struct Overflow;
 impl Lists {
     pub fn new() -> Self {
         // Zeroed pages are mapped when first touched: a tile touches what its deepest pixel needs.
-        let layers = bytemuck::zeroed_vec(ROW * TILE).into_boxed_slice().try_into();
         Lists {
-            count: [0; TILE * TILE],
-            layers: layers.expect("as many as it was made with"),
+            next: FIRST,
+            slots: bytemuck::zeroed_vec(ROW * TILE + LANES_MOST),
             keys: vec![0; DEPTH * TILE],
-            entries: vec![0.0; DEPTH * TILE],
             through: [1.0; TILE * TILE],
             met: Vec::new(),
         }
     }
 
     pub fn clear(&mut self) {
-        self.count = [0; TILE * TILE];
+        self.next = FIRST;
+    }
+
+    /// Segments of a row's pixels.
+    fn counts(&self, row: usize) -> [u32; TILE] {
+        std::array::from_fn(|x| self.next[row * TILE + x] - (row * ROW) as u32)
     }
 
     /// Appends to the list of a pixel (row << 4 | column).
     #[inline(always)]
     pub fn push(&mut self, pixel: usize, layer: Layer) -> Result<(), Overflow> {
         let pixel = pixel & (TILE * TILE - 1);
-        let slot = usize::from(self.count[pixel]);
-        if slot >= DEPTH {
+        let (at, x) = (self.next[pixel] as usize, pixel & 15);
+        if at >= (pixel >> 4) * ROW + DEPTH {
             return Err(Overflow);
         }
-        self.count[pixel] += 1;
-        let at = (pixel >> 4) * ROW + slot * TILE + (pixel & 15);
-        self.layers[at] = layer;
+        self.next[pixel] += 1;
+        let slot = &mut self.slots[at];
+        (slot.rgba[x], slot.entry[x], slot.exit[x]) = (layer.rgba, layer.entry, layer.exit);
         Ok(())
+    }
+
+    /// Appends the first `count` fragments of a batch; those of no length are not segments.
+    #[inline(always)]
+    pub fn take<L: Lanes>(&mut self, batch: &Batch, shaded: &Shaded, count: usize) -> Result<(), Overflow> {
+        for at in (0..count).step_by(L::WIDTH) {
+            let hit = L::F::splat(0.0).lt(L::F::load(&batch.length[at..]));
+            let last = L::U::splat((count - at - 1).min(L::WIDTH - 1) as u32);
+            let hit = hit.and(L::U::iota().max(last).equal(last));
+            // What is no segment goes where nobody looks.
+            let nobody = L::U::splat((TILE * TILE) as u32);
+            let mut pixels = [0; LANES_MOST];
+            L::U::select(hit, L::U::load(&batch.pixel[at..]), nobody).store(&mut pixels);
+            self.next[TILE * TILE] = FIRST[TILE * TILE];
+            let mut places = [0; LANES_MOST];
+            for (k, (place, &pixel)) in places.iter_mut().zip(&pixels).enumerate().take(L::WIDTH) {
+                let x = pixel as usize % TILE;
+                let next = &mut self.next[(pixel as usize).min(TILE * TILE)];
+                let slot = &mut self.slots[*next as usize];
+                (slot.entry[x], slot.exit[x]) = (batch.entry[at + k], batch.exit[at + k]);
+                *place = *next * FOURS + x as u32;
+                *next += 1;
+            }
+            let rgba = array(
+                #[inline(always)]
+                |c| L::F::load(&shaded.rgba[c][at..]),
+            );
+            let fours: &mut [[f32; 4]] = bytemuck::cast_slice_mut(&mut self.slots);
+            L::F::scatter_parts(rgba, fours, L::U::load(&places));
+        }
+        let full = |row: usize| {
+            let most = (row * ROW + DEPTH) as u32;
+            self.next[row * TILE..][..TILE].iter().any(|&next| most < next)
+        };
+        if (0..TILE).any(full) { Err(Overflow) } else { Ok(()) }
     }
 
     /// Composites every pixel, sorted or in the order of arrival, into `out` (rows of `TILE` pixels). Returns the
@@ -113,8 +173,8 @@ impl Lists {
     pub fn composite<L: Lanes>(&mut self, sorted: bool, out: &mut [[f32; 4]; TILE * TILE]) -> u64 {
         let mut disordered = 0;
         for row in 0..TILE {
-            let counts: [u16; TILE] = self.count[row * TILE..][..TILE].try_into().expect("a row of counts");
-            let deepest = usize::from(counts.iter().copied().max().unwrap_or(0));
+            let counts = self.counts(row);
+            let deepest = counts.iter().copied().max().unwrap_or(0) as usize;
             if deepest == 0 {
                 out[row * TILE..][..TILE].fill([0.0; 4]);
                 self.through[row * TILE..][..TILE].fill(1.0);
@@ -133,21 +193,19 @@ impl Lists {
     }
 
     /// Pixels of a row whose segments did not arrive in order.
-    fn disordered(&self, row: usize, counts: &[u16; TILE]) -> u64 {
-        let entry = |x: usize, slot: usize| self.layers[row * ROW + slot * TILE + x].entry;
-        let wrong = |(x, &count): (usize, &u16)| {
-            (1..usize::from(count)).any(|slot| entry(x, slot) < entry(x, slot - 1))
-        };
+    fn disordered(&self, row: usize, counts: &[u32; TILE]) -> u64 {
+        let entry = |x: usize, slot: usize| self.slots[row * ROW + slot].entry[x];
+        let wrong =
+            |(x, &count): (usize, &u32)| (1..count as usize).any(|slot| entry(x, slot) < entry(x, slot - 1));
         counts.iter().enumerate().filter(|&column| wrong(column)).count() as u64
     }
 
     /// Keys: the entry in 22 bits of the pixel's own depth range, then the slot; past the end of a list all ones.
     #[inline(always)]
-    fn make_keys<L: Lanes>(&mut self, row: usize, counts: &[u16; TILE], deepest: usize) {
+    fn make_keys<L: Lanes>(&mut self, row: usize, counts: &[u32; TILE], deepest: usize) {
         let splat = L::F::splat;
         let steps = splat(((1u32 << (32 - SLOT_BITS)) - 2) as f32);
-        let counts = counts.map(u32::from);
-        let words: &[f32] = bytemuck::cast_slice(self.layers.as_slice());
+        let slots = &self.slots[row * ROW..][..deepest];
         for half in (0..TILE).step_by(L::WIDTH) {
             let count = L::U::load(&counts[half..]);
             // slot ≥ count: max(slot, count) == slot.
@@ -155,14 +213,10 @@ impl Lists {
                 #[inline(always)]
                 |slot: usize| count.max(L::U::splat(slot as u32)).equal(L::U::splat(slot as u32)),
             );
-            let lane = (L::U::iota() + L::U::splat((row * ROW + half) as u32)).shl::<LAYER_WORDS_LOG2>();
-            let entry_word = L::U::splat(std::mem::offset_of!(Layer, entry) as u32 / 4);
             let (mut nearest, mut farthest) = (splat(f32::INFINITY), splat(f32::NEG_INFINITY));
-            for slot in 0..deepest {
-                let at = lane + entry_word + L::U::splat((slot * TILE) as u32).shl::<LAYER_WORDS_LOG2>();
-                let entry = L::F::gather(words, at);
-                entry.store(&mut self.entries[slot * TILE + half..]);
-                let past = past(slot);
+            for (k, slot) in slots.iter().enumerate() {
+                let entry = L::F::load(&slot.entry[half..]);
+                let past = past(k);
                 nearest = L::F::select(past, nearest, entry.min(nearest));
                 farthest = L::F::select(past, farthest, entry.max(farthest));
             }
@@ -171,12 +225,10 @@ impl Lists {
             let noise = nearest.abs().max(farthest.abs()) * splat(ENTRY_NOISE);
             let finest = (splat(1.0) / noise).min(splat(f32::MAX));
             let scale = L::F::select(splat(0.0).lt(range), (steps / range).min(finest), splat(0.0));
-            for slot in 0..deepest {
-                let entry = L::F::load(&self.entries[slot * TILE + half..]);
-                let level = ((entry - nearest) * scale).max(splat(0.0)).min(steps);
-                let key = level.to_unsigned().shl::<SLOT_BITS>().or(L::U::splat(slot as u32));
-                L::U::select(past(slot), L::U::splat(u32::MAX), key)
-                    .store(&mut self.keys[slot * TILE + half..]);
+            for (k, (slot, keys)) in slots.iter().zip(self.keys.chunks_exact_mut(TILE)).enumerate() {
+                let level = ((L::F::load(&slot.entry[half..]) - nearest) * scale).max(splat(0.0)).min(steps);
+                let key = level.to_unsigned().shl::<SLOT_BITS>().or(L::U::splat(k as u32));
+                L::U::select(past(k), L::U::splat(u32::MAX), key).store(&mut keys[half..]);
             }
         }
     }
@@ -210,13 +262,16 @@ impl Lists {
     /// Moves the segment at place `k` of column `x` forward among those of its level and the next: a step of an
     /// insertion sort. Rounding is monotone, so other levels are in order already.
     fn settle(&mut self, row: usize, x: usize, k: usize) {
-        let at = |key: u32| row * ROW + (key & (DEPTH as u32 - 1)) as usize * TILE + x;
+        let at = |key: u32| {
+            let slot = &self.slots[row * ROW + (key & (DEPTH as u32 - 1)) as usize];
+            [slot.entry[x], slot.exit[x]]
+        };
         let key = self.keys[k * TILE + x];
         let mut to = k;
         while to > 0 {
             let before = self.keys[(to - 1) * TILE + x];
             let apart = (key >> SLOT_BITS).abs_diff(before >> SLOT_BITS) > 1;
-            if apart || !self.layers[at(before)].follows(&self.layers[at(key)]) {
+            if apart || !follows(at(before), at(key)) {
                 break;
             }
             self.keys[to * TILE + x] = before;
@@ -229,22 +284,24 @@ impl Lists {
     #[inline(always)]
     fn blend<L: Lanes>(&mut self, row: usize, deepest: usize, out: &mut [[f32; 4]]) {
         let splat = L::F::splat;
-        let words: &[f32] = bytemuck::cast_slice(self.layers.as_slice());
+        let fours: &[[f32; 4]] = bytemuck::cast_slice(&self.slots[row * ROW..][..deepest]);
+        let last = L::U::splat(deepest as u32 - 1);
         for half in (0..TILE).step_by(L::WIDTH) {
-            let lane = L::U::iota() + L::U::splat((row * ROW + half) as u32);
+            let lane = L::U::iota() + L::U::splat(half as u32);
             let mut color = [splat(0.0); 3];
             let mut opacity = splat(0.0);
             let mut through = splat(1.0);
             for slot in 0..deepest {
                 let key = L::U::load(&self.keys[slot * TILE + half..]);
                 let live = key.equal(L::U::splat(u32::MAX)).not();
-                let at = (key.and(L::U::splat(DEPTH as u32 - 1)).shl::<4>() + lane).shl::<LAYER_WORDS_LOG2>();
+                let place = key.and(L::U::splat(DEPTH as u32 - 1)).min(last);
+                // 24 fours a slot.
+                const { assert!(FOURS == 24) };
+                let at = place.shl::<4>() + place.shl::<3>() + lane;
+                let layer = L::F::gather_parts(fours, at);
                 let layer: [L::F; 4] = array(
                     #[inline(always)]
-                    |c| {
-                        let word = L::F::gather(words, at + L::U::splat(c as u32));
-                        L::F::select(live, word, splat(0.0))
-                    },
+                    |c| L::F::select(live, layer[c], splat(0.0)),
                 );
                 for (sum, layer) in color.iter_mut().zip(&layer) {
                     *sum = through.mul_add(*layer, *sum);
@@ -255,16 +312,8 @@ impl Lists {
                     break;
                 }
             }
-            let mut columns = [[0f32; 16]; 4];
-            for (column, value) in
-                columns.iter_mut().zip([color[0], color[1], color[2], opacity.min(splat(1.0))])
-            {
-                value.store(column);
-            }
             through.store(&mut self.through[row * TILE + half..]);
-            for x in 0..L::WIDTH {
-                out[half + x] = columns.map(|column| column[x]);
-            }
+            L::F::scatter_parts([color[0], color[1], color[2], opacity.min(splat(1.0))], out, lane);
         }
     }
 }

@@ -1,10 +1,12 @@
 //! Where a tile's segments go: to lists that are sorted, or, where no order is needed, to sums.
 
 use crate::composite::growing_lists::GrowingLists;
+use crate::composite::kernels::Append;
 use crate::composite::lists::{Layer, Lists, Overflow};
 use crate::fragments::batch::Batch;
 use crate::project::record::TILE;
 use crate::shade::shaded::Shaded;
+use voltet_lanes::{LaneSet, dispatch};
 
 /// Colour and opacity of a tile's pixels.
 pub(crate) type TilePicture = [[f32; 4]; TILE * TILE];
@@ -12,7 +14,13 @@ pub(crate) type TilePicture = [[f32; 4]; TILE * TILE];
 /// Where a tile's segments go.
 pub(crate) trait Sink {
     /// Takes the first `count` fragments of a batch; those of no length are not segments.
-    fn take(&mut self, batch: &Batch, shaded: &Shaded, count: usize) -> Result<(), Overflow> {
+    fn take(
+        &mut self,
+        _lanes: LaneSet,
+        batch: &Batch,
+        shaded: &Shaded,
+        count: usize,
+    ) -> Result<(), Overflow> {
         for k in 0..count {
             if batch.length[k] > 0.0 {
                 let rgba = [shaded.rgba[0][k], shaded.rgba[1][k], shaded.rgba[2][k], shaded.rgba[3][k]];
@@ -43,7 +51,13 @@ pub(crate) struct DepthSink<'a> {
 }
 
 impl Sink for DepthSink<'_> {
-    fn take(&mut self, batch: &Batch, shaded: &Shaded, count: usize) -> Result<(), Overflow> {
+    fn take(
+        &mut self,
+        _lanes: LaneSet,
+        batch: &Batch,
+        shaded: &Shaded,
+        count: usize,
+    ) -> Result<(), Overflow> {
         // Fragments of no length have no depth: no test.
         let segments = batch.pixel[..count].iter().zip(&shaded.depth[..count]);
         if self.opacities {
@@ -80,7 +94,10 @@ pub(crate) fn of_one_color(color: [f32; 3], sum: f32, opacities: bool) -> [f32; 
 }
 
 impl Sink for Lists {
-    #[inline(always)]
+    fn take(&mut self, lanes: LaneSet, batch: &Batch, shaded: &Shaded, count: usize) -> Result<(), Overflow> {
+        dispatch(lanes, Append { lists: self, batch, shaded, count })
+    }
+
     fn push(&mut self, pixel: usize, _depth: f32, layer: Layer) -> Result<(), Overflow> {
         Lists::push(self, pixel, layer)
     }

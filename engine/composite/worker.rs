@@ -184,7 +184,7 @@ fn walk(
             dispatch(frame.lanes, Evaluate { frame, group, codes, count, stretch, batch });
             shade(frame, rays, batch, count, shaded);
             counts.segments += u64::from(batch.hits);
-            sink.take(batch, shaded, count)?;
+            sink.take(frame.lanes, batch, shaded, count)?;
             from += count;
         }
     }
@@ -200,7 +200,7 @@ fn walk(
                 if count == BATCH {
                     counts.segments += count as u64;
                     shade(frame, rays, batch, std::mem::take(&mut count), shaded);
-                    sink.take(batch, shaded, BATCH)?;
+                    sink.take(frame.lanes, batch, shaded, BATCH)?;
                 }
             }
         }
@@ -208,7 +208,7 @@ fn walk(
     if count > 0 {
         counts.segments += count as u64;
         shade(frame, rays, batch, count, shaded);
-        sink.take(batch, shaded, count)?;
+        sink.take(frame.lanes, batch, shaded, count)?;
     }
     Ok(())
 }
