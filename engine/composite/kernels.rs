@@ -36,9 +36,10 @@ impl Kernel for Cover<'_> {
                 self.frame.prefetch(later);
             }
             let (record, attributes, corners) = self.frame.record(entry);
-            self.group.take(lane, record, attributes, self.left, self.top);
+            self.group.take(lane, record, attributes);
             self.edges.take(lane, corners);
         }
+        self.group.turn::<L>(self.left, self.top);
         self.edges.find::<L>(self.left, self.top, &self.rows);
         for lane in 0..self.cells.len() {
             self.fragments.cover::<L>(self.edges, lane, self.right - self.left);

@@ -135,6 +135,8 @@ impl Lists {
     /// Appends the first `count` fragments of a batch; those of no length are not segments.
     #[inline(always)]
     pub fn take<L: Lanes>(&mut self, batch: &Batch, shaded: &Shaded, count: usize) -> Result<(), Overflow> {
+        let Lists { next, slots, .. } = self;
+        let slots = slots.as_mut_slice();
         for at in (0..count).step_by(L::WIDTH) {
             let hit = L::F::splat(0.0).lt(L::F::load(&batch.length[at..]));
             let last = L::U::splat((count - at - 1).min(L::WIDTH - 1) as u32);
@@ -143,13 +145,13 @@ impl Lists {
             let nobody = L::U::splat((TILE * TILE) as u32);
             let mut pixels = [0; LANES_MOST];
             L::U::select(hit, L::U::load(&batch.pixel[at..]), nobody).store(&mut pixels);
-            self.next[TILE * TILE] = FIRST[TILE * TILE];
+            next[TILE * TILE] = FIRST[TILE * TILE];
             let mut places = [0; LANES_MOST];
-            for (k, (place, &pixel)) in places.iter_mut().zip(&pixels).enumerate().take(L::WIDTH) {
-                let x = pixel as usize % TILE;
-                let next = &mut self.next[(pixel as usize).min(TILE * TILE)];
-                let slot = &mut self.slots[*next as usize];
-                (slot.entry[x], slot.exit[x]) = (batch.entry[at + k], batch.exit[at + k]);
+            let ends = batch.entry[at..][..L::WIDTH].iter().zip(&batch.exit[at..][..L::WIDTH]);
+            for ((place, &pixel), (&entry, &exit)) in places.iter_mut().zip(&pixels).zip(ends) {
+                let (next, x) = (&mut next[(pixel as usize).min(TILE * TILE)], pixel as usize % TILE);
+                let slot = &mut slots[*next as usize];
+                (slot.entry[x], slot.exit[x]) = (entry, exit);
                 *place = *next * FOURS + x as u32;
                 *next += 1;
             }
@@ -157,12 +159,12 @@ impl Lists {
                 #[inline(always)]
                 |c| L::F::load(&shaded.rgba[c][at..]),
             );
-            let fours: &mut [[f32; 4]] = bytemuck::cast_slice_mut(&mut self.slots);
+            let fours: &mut [[f32; 4]] = bytemuck::cast_slice_mut(slots);
             L::F::scatter_parts(rgba, fours, L::U::load(&places));
         }
         let full = |row: usize| {
             let most = (row * ROW + DEPTH) as u32;
-            self.next[row * TILE..][..TILE].iter().any(|&next| most < next)
+            next[row * TILE..][..TILE].iter().any(|&next| most < next)
         };
         if (0..TILE).any(full) { Err(Overflow) } else { Ok(()) }
     }

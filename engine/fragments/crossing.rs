@@ -1,50 +1,79 @@
 //! Crossings: where each fragment's ray enters and leaves its cell, and the attributes there.
 
 use crate::fragments::batch::{Batch, LANES_MOST};
-use crate::project::record::{ATTRIBUTE_WORDS, AttributeRecord, RECORD_WORDS, Record, TILE};
+use crate::project::record::{AttributeRecord, RECORD_WORDS, Record, TILE};
 use voltet_lanes::{Float, Lanes, Mask, Unsigned, array, inlined};
 
 /// Records of up to `WIDTH` cells, word by word, cells side by side.
 pub(crate) struct Group {
-    words: [[f32; LANES_MOST]; RECORD_WORDS],
+    words: Words<RECORD_WORDS>,
     pixel_x: [f32; LANES_MOST],
     pixel_y: [f32; LANES_MOST],
-    attributes: Vec<[[f32; LANES_MOST]; ATTRIBUTE_WORDS]>,
+    /// Of each attribute, and words that nobody looks at.
+    attributes: Vec<Words<8>>,
+    /// As they came, cell by cell.
+    records: [Record; LANES_MOST],
+    attribute_records: Vec<[[[f32; 4]; 2]; LANES_MOST]>,
+}
+
+/// Words of cells: word by word, cells side by side.
+#[derive(Clone, Copy)]
+#[repr(align(64))]
+struct Words<const N: usize>([[f32; LANES_MOST]; N]);
+
+impl<const N: usize> Words<N> {
+    /// From fours of words, `fours` of them a cell.
+    #[inline(always)]
+    fn turn<L: Lanes>(&mut self, cells: &[[f32; 4]], fours: u32) {
+        for (four, rows) in self.0.chunks_exact_mut(4).enumerate() {
+            let mut place = [0; LANES_MOST];
+            for (cell, place) in place.iter_mut().enumerate() {
+                *place = cell as u32 * fours + four as u32;
+            }
+            let parts = L::F::gather_parts(cells, L::U::load(&place));
+            for (row, part) in rows.iter_mut().zip(parts) {
+                part.store(row);
+            }
+        }
+    }
 }
 
 impl Group {
     pub fn new(attribute_count: usize) -> Self {
         Group {
-            words: [[0.0; LANES_MOST]; RECORD_WORDS],
+            words: Words([[0.0; LANES_MOST]; RECORD_WORDS]),
             pixel_x: [0.0; LANES_MOST],
             pixel_y: [0.0; LANES_MOST],
-            attributes: vec![[[0.0; LANES_MOST]; ATTRIBUTE_WORDS]; attribute_count],
+            attributes: vec![Words([[0.0; LANES_MOST]; 8]); attribute_count],
+            records: [Record::default(); LANES_MOST],
+            attribute_records: vec![[[[0.0; 4]; 2]; LANES_MOST]; attribute_count],
         }
     }
 
-    /// Takes a cell into a lane; its pixel becomes relative to the tile at (`left`, `top`).
+    /// Takes a cell into a lane.
     #[inline(always)]
-    pub fn take(
-        &mut self,
-        lane: usize,
-        record: &Record,
-        attributes: &[AttributeRecord],
-        left: usize,
-        top: usize,
-    ) {
-        let words: &[f32; RECORD_WORDS] = bytemuck::cast_ref(record);
-        for (row, &word) in self.words.iter_mut().zip(words) {
-            row[lane] = word;
+    pub fn take(&mut self, lane: usize, record: &Record, attributes: &[AttributeRecord]) {
+        self.records[lane] = *record;
+        for (cells, attribute) in self.attribute_records.iter_mut().zip(attributes) {
+            let &AttributeRecord { p, q, r, base, low, high } = attribute;
+            cells[lane] = [[p, q, r, base], [low, high, 0.0, 0.0]];
         }
-        self.pixel_x[lane] = (record.pixel & 0xffff) as f32 - left as f32;
-        self.pixel_y[lane] = (record.pixel >> 16) as f32 - top as f32;
-        for (rows, attribute) in self.attributes.iter_mut().zip(attributes) {
-            let words: [f32; ATTRIBUTE_WORDS] =
-                [attribute.p, attribute.q, attribute.r, attribute.base, attribute.low, attribute.high];
-            for (row, word) in rows.iter_mut().zip(words) {
-                row[lane] = word;
-            }
+    }
+
+    /// Makes ready what was taken; pixels become relative to the tile at (`left`, `top`).
+    #[inline(always)]
+    pub fn turn<L: Lanes>(&mut self, left: usize, top: usize) {
+        self.words.turn::<L>(bytemuck::cast_slice(&self.records), RECORD_WORDS as u32 / 4);
+        for (words, cells) in self.attributes.iter_mut().zip(&self.attribute_records) {
+            words.turn::<L>(cells.as_flattened(), 2);
         }
+        let pixel = L::F::load(&self.words.0[15]).to_bits();
+        let relative = inlined(
+            #[inline(always)]
+            |x: L::U, origin: usize| x.to_float() - L::F::splat(origin as f32),
+        );
+        relative(pixel.and(L::U::splat(0xffff)), left).store(&mut self.pixel_x);
+        relative(pixel.shr::<16>(), top).store(&mut self.pixel_y);
     }
 
     /// Evaluates `codes` (at most [`super::batch::BATCH`], readable up to the next multiple of `WIDTH`). `stretch` is the
@@ -63,7 +92,7 @@ impl Group {
     ) {
         let word = inlined(
             #[inline(always)]
-            |k: usize| L::F::load(&self.words[k]),
+            |k: usize| L::F::load(&self.words.0[k]),
         );
         let planes: [[L::F; 3]; 4] = array(
             #[inline(always)]
@@ -133,7 +162,7 @@ impl Group {
             for (k, rows) in self.attributes.iter().enumerate() {
                 let row = inlined(
                     #[inline(always)]
-                    |k: usize| L::F::load(&rows[k]).permute(lane),
+                    |k: usize| L::F::load(&rows.0[k]).permute(lane),
                 );
                 let across = row(0).mul_add(dx, row(1) * dy);
                 let (r, base, low, high) = (row(2), row(3), row(4), row(5));

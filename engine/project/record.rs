@@ -49,8 +49,6 @@ pub(crate) struct AttributeRecord {
 
 /// Words of 32 bits in a record.
 pub(crate) const RECORD_WORDS: usize = 16;
-/// Words of 32 bits in an attribute record.
-pub(crate) const ATTRIBUTE_WORDS: usize = 6;
 /// Side of a tile in pixels.
 pub(crate) const TILE: usize = 16;
 /// Coefficients beyond this stand for "no constraint": the face is seen edge-on.
