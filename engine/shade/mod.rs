@@ -19,6 +19,8 @@ pub(crate) mod light;
 pub(crate) mod overlap;
 pub(crate) mod panels;
 pub(crate) mod reach;
+#[cfg(test)]
+mod reach_tests;
 pub(crate) mod region;
 pub(crate) mod roads;
 pub(crate) mod shaded;

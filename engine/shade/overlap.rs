@@ -9,7 +9,7 @@ use voltet_core::optics::quadrature::{GAUSS_4, UP_TO_4};
 use voltet_lanes::optics::elementary::{exp, one_minus_exp};
 use voltet_lanes::optics::quadrature::{nodes, up_to};
 use voltet_lanes::optics::smooth::{DensityShape, Smooth};
-use voltet_lanes::{Float, Lanes, Mask, inlined};
+use voltet_lanes::{Float, Lanes, Mask, array, inlined};
 
 /// One vector of segments with the shapes of its widgets.
 pub(crate) struct Overlapping<'a, L: Lanes> {
@@ -111,11 +111,15 @@ impl<L: Lanes> Overlapping<'_, L> {
         let mut light = splat(0.0);
         for step in 0..steps {
             let (mut density, mut weighted) = ([splat(0.0); 4], [[splat(0.0); 3]; 4]);
+            let at_nodes = array(
+                #[inline(always)]
+                |j: usize| share * splat(step as f32 + NODES[j].0),
+            );
             for (number, shape) in shapes.iter::<L>() {
                 let (widget, matters) = (&widgets[number], self.matters(&shape));
+                let values = widget.densities::<L>(along, at_nodes);
                 for j in 0..4 {
-                    let t = share * splat(step as f32 + NODES[j].0);
-                    let value = L::F::select(matters, widget.density::<L>(along, t), splat(0.0));
+                    let value = L::F::select(matters, values[j], splat(0.0));
                     density[j] = density[j] + value;
                     for (sum, c) in weighted[j].iter_mut().zip(widget.color) {
                         *sum = value.mul_add(splat(c), *sum);

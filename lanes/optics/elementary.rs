@@ -1,6 +1,6 @@
 //! exp, expm1, ln, powers and erfcx in 32-bit lanes.
 
-use crate::{Float, Lanes, Unsigned};
+use crate::{Float, Lanes, Mask, Unsigned};
 
 /// √π/2.
 pub const HALF_SQRT_PI: f32 = 0.886_226_9;
@@ -55,6 +55,9 @@ pub fn one_minus_exp<L: Lanes>(t: L::F) -> L::F {
         [1.0, 1.0 / 2.0, 1.0 / 6.0, 1.0 / 24.0, 1.0 / 120.0, 1.0 / 720.0, 1.0 / 5040.0, 1.0 / 40320.0],
     );
     let small = t.lt(splat(0.5));
+    if !small.not().any() {
+        return series;
+    }
     L::F::select(small, series, splat(1.0) - exp::<L>(-t))
 }
 

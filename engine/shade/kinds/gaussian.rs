@@ -76,10 +76,17 @@ impl LaneGaussian {
         L::F::splat(GAUSSIAN_WIDTHS_MOST as f32).lt(extent).bits()
     }
 
-    /// The profile at a point.
+    /// The profile at points of a segment.
     #[inline(always)]
-    pub fn value<L: Lanes>(&self, at: &[L::F; 2]) -> L::F {
-        let q = self.point::<L>(at);
-        exp::<L>(-(q[0].mul_add(q[0], q[1] * q[1])))
+    pub fn values<L: Lanes, const N: usize>(&self, along: &Along<L>, t: [L::F; N]) -> [L::F; N] {
+        let (front, back) = (self.point::<L>(&along.front), self.point::<L>(&along.back));
+        let step = [back[0] - front[0], back[1] - front[1]];
+        array(
+            #[inline(always)]
+            |j| {
+                let q = [step[0].mul_add(t[j], front[0]), step[1].mul_add(t[j], front[1])];
+                exp::<L>(-(q[0].mul_add(q[0], q[1] * q[1])))
+            },
+        )
     }
 }

@@ -24,7 +24,7 @@ use voltet_lanes::optics::gaussian::LaneGaussianTrack;
 use voltet_lanes::optics::overlap::{AnyLaneTrack, LaneMember};
 use voltet_lanes::optics::piecewise_linear::LanePiecewiseTrack;
 use voltet_lanes::optics::smooth::DensityShape;
-use voltet_lanes::{Float, Lanes};
+use voltet_lanes::{Float, Lanes, array};
 use wave::LaneWave;
 
 /// A widget made ready for lanes.
@@ -238,20 +238,29 @@ impl LaneWidget {
         }
     }
 
-    /// Density at a point of the segment, of what has a shape. Regions are not looked at: a widget whose region cuts the
+    /// Densities at four points of the segment, of what has a shape. Regions are not looked at: a widget whose region cuts the
     /// segment has no shape, and one whose region misses it has no depth.
     #[inline(always)]
-    pub fn density<L: Lanes>(&self, along: &Along<L>, t: L::F) -> L::F {
+    pub fn densities<L: Lanes>(&self, along: &Along<L>, t: [L::F; 4]) -> [L::F; 4] {
         let density = L::F::splat(self.density);
         match &self.form {
-            LaneForm::Uniform => density,
-            LaneForm::Gaussian(gaussian) => density * gaussian.value::<L>(&along.at(t)),
-            LaneForm::Wave(wave) => wave.value::<L>(&along.at(t)) * density,
+            LaneForm::Uniform => [density; 4],
+            LaneForm::Gaussian(gaussian) => {
+                let values = gaussian.values(along, t);
+                array(
+                    #[inline(always)]
+                    |j| density * values[j],
+                )
+            }
+            LaneForm::Wave(wave) => array(
+                #[inline(always)]
+                |j| wave.value::<L>(&along.at(t[j])) * density,
+            ),
             LaneForm::PiecewiseLinear(_)
             | LaneForm::TriangularGaussian(_)
             | LaneForm::GaussianNd(_)
             | LaneForm::TriangularGaussianNd(_)
-            | LaneForm::None => L::F::splat(0.0),
+            | LaneForm::None => [L::F::splat(0.0); 4],
         }
     }
 

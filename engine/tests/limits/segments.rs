@@ -314,3 +314,28 @@ fn what_32_bits_do_not_hold_is_left_to_64() {
         }
     }
 }
+
+/// However many widgets overlap, lanes put them in order.
+#[test]
+fn more_widgets_than_eight_overlap_in_lanes() {
+    let gaussian = |k: usize| {
+        let centre = [0.3 + 0.03 * k as f64, 0.5];
+        let color = [k as f64 / 12.0, 1.0 - k as f64 / 12.0, 0.3];
+        let profile = Profile::Gaussian { centre, matrix: [[6.0, 0.0], [0.0, 1.0]] };
+        Widget { profile, color, extinction: 0.6, region: None }
+    };
+    let look = look((0..12).map(gaussian).collect());
+    // Gentle ones that closed forms serve, and one that is walked in panels.
+    let list =
+        [segment([0.4, 0.5], [0.42, 0.5]), segment([0.3, 0.4], [0.6, 0.5]), segment([0.0, 0.0], [1.0, 1.0])];
+    for Segments { lanes, .. } in Segments::each() {
+        let found = segments(lanes, &look, &SHADING, false, &list).expect("draws");
+        for (found, segment) in found.iter().zip(&list) {
+            let exact = exact_of(&look, segment);
+            assert_eq!(found.left, None, "left to 64 bits on {}", lanes.name());
+            for (a, b) in found.contribution.color.into_iter().zip(exact.color) {
+                assert!((a - b).abs() < 1e-6, "{a} for {b} on {}", lanes.name());
+            }
+        }
+    }
+}
