@@ -6,8 +6,10 @@ use eframe::egui::Context;
 use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
+use voltet_core::graph::NodeEntry;
 use voltet_core::progress::Silent;
 use voltet_document::links::upstream;
+use voltet_nodes::added;
 use voltet_nodes::formats::{self, Association, Request};
 
 /// An array that may be chosen.
@@ -28,12 +30,15 @@ impl Arrays {
     pub fn of(&self, ctx: &Context, scene: &Scene, node: &str) -> Arc<Vec<Choice>> {
         let nodes = &scene.document.pipeline().nodes;
         let feeding = upstream(nodes, node);
-        let reader = nodes
-            .iter()
-            .find(|entry| feeding.contains(&entry.name) && entry.node_type.text() == Some("reader"));
+        let reads = |entry: &&NodeEntry| {
+            let name = entry.node_type.text();
+            name == Some("reader") || scene.node_type(entry).is_some_and(|node| node.reader.is_some())
+        };
+        let reader = nodes.iter().filter(|entry| feeding.contains(&entry.name)).find(reads);
         let stated = reader.and_then(|reader| reader.settings.iter().find(|field| field.name == "path"));
         let Some(path) = stated.and_then(|field| field.setting.text()) else { return Arc::default() };
         let path = scene.document.folder().join(path);
+        let registry = scene.registry.clone();
         let mut known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let begin = || {
             let (known, ctx, path) = (self.0.clone(), ctx.clone(), path.clone());
@@ -46,8 +51,10 @@ impl Arrays {
                     ctx.request_repaint();
                 };
                 // Names come from the headers at once; ranges take a reading of the file.
-                tell(heads(&path));
-                if let Some(found) = ranges(&path) {
+                // A file that cannot be read has no arrays to choose from; the run says what is wrong with it.
+                let Ok(request) = added::request(Request::default(), &path, &registry) else { return };
+                tell(heads(&path, &request));
+                if let Some(found) = ranges(&path, &request) {
                     tell(found);
                 }
             });
@@ -57,13 +64,13 @@ impl Arrays {
     }
 }
 
-fn heads(path: &std::path::Path) -> Vec<Choice> {
-    let arrays = formats::arrays(path, &Request::default()).unwrap_or_default();
+fn heads(path: &std::path::Path, request: &Request) -> Vec<Choice> {
+    let arrays = formats::arrays(path, request).unwrap_or_default();
     arrays.iter().flat_map(|head| choices(head, None)).collect()
 }
 
-fn ranges(path: &std::path::Path) -> Option<Vec<Choice>> {
-    let summary = formats::inspect(path, &Request::default(), &Silent).ok()?;
+fn ranges(path: &std::path::Path, request: &Request) -> Option<Vec<Choice>> {
+    let summary = formats::inspect(path, request, &Silent).ok()?;
     Some(summary.arrays.iter().flat_map(|array| choices(&array.head, array.range)).collect())
 }
 

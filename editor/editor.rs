@@ -97,13 +97,10 @@ impl Editor {
         start: Start,
         wake: crate::worker::Wake,
     ) -> Result<Editor> {
-        let mut own = Registry::new();
-        registry.iter().try_for_each(|node| own.add(node))?;
-        registry.filters().try_for_each(|filter| own.add_filter(filter.clone()))?;
         let mut editor = Editor {
             document,
-            worker: Worker::start(&own, wake)?,
-            registry: own,
+            worker: Worker::start(registry, wake)?,
+            registry: registry.clone(),
             start,
             made: None,
             selection: BTreeSet::new(),

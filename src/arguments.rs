@@ -101,7 +101,8 @@ impl Command {
             Command::Study(arguments) => Some(&arguments.plugins),
             Command::Time(arguments) => Some(&arguments.plugins),
             Command::GradientTest(arguments) => Some(&arguments.plugins),
-            Command::Start(_) | Command::Stability(_) | Command::PluginProcess(_) => None,
+            Command::Start(arguments) => Some(&arguments.plugins),
+            Command::Stability(_) | Command::PluginProcess(_) => None,
         }
     }
 }
@@ -144,7 +145,7 @@ pub struct PluginProcess {
     pub path: PathBuf,
 }
 
-#[derive(Debug, Args)]
+#[derive(Debug, Default, Args)]
 pub struct Plugins {
     /// Load gradient filters, readers and filters of grids and images from this shared library; may be given several times.
     ///
@@ -248,6 +249,8 @@ pub struct Start {
     /// Write over a pipeline file that is there.
     #[arg(long)]
     pub force: bool,
+    #[command(flatten)]
+    pub plugins: Plugins,
 }
 
 #[derive(Debug, Args)]

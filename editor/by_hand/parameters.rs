@@ -162,3 +162,18 @@ fn a_wrong_number_stays_until_another_is_typed() {
     assert!(hand.text().contains("extinction = 7\n"), "{}", hand.text());
     assert_eq!(hand.steps(), 1);
 }
+
+/// A file that names what nobody has loaded: the window says which plug-ins were asked, as the program does.
+#[test]
+fn what_is_unknown_is_said_with_the_plugins_that_were_asked() {
+    let mut registry = voltet_nodes::registry().unwrap();
+    registry.tell_plugins("of the plug-ins: one with nothing".into());
+    let start = Arc::new(|_: &Path, _: &Path| Err(Error::usage("no data here")));
+    let document = Document::new();
+    let editor = Editor::new(document, &registry, start, Box::new(|| {})).unwrap();
+    for error in [editor.registry.find_filter("gone").map(drop), editor.registry.find("gone").map(drop)]
+        .map(Result::unwrap_err)
+    {
+        assert!(error.to_string().contains("of the plug-ins: one with nothing"), "{error}");
+    }
+}

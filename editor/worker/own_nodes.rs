@@ -6,9 +6,7 @@ use voltet_core::graph::Registry;
 
 /// The same registry with the worker's own nodes.
 pub(super) fn with_own(registry: &Registry) -> Result<Registry> {
-    let mut own = Registry::new();
-    registry.iter().try_for_each(|node| own.add(node))?;
-    registry.filters().try_for_each(|filter| own.add_filter(filter.clone()))?;
+    let mut own = registry.clone();
     own.add(&look_on::NODE)?;
     own.add(&look_on::ASKS_FOR_ARRAYS)?;
     own.add(&look_on::PROBES)?;

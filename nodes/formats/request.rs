@@ -55,6 +55,13 @@ pub struct Request {
     pub every_array: bool,
 }
 
+impl Request {
+    /// The type of the node that reads such a file.
+    pub fn node_type(&self) -> &'static str {
+        self.chosen.as_ref().map_or("reader", |chosen| chosen.reader.declaration().name)
+    }
+}
+
 impl Default for Request {
     fn default() -> Self {
         Request {

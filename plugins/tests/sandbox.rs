@@ -244,3 +244,51 @@ fn the_c_example_runs_in_the_sandbox_as_it_is() {
         own.vectors.iter().zip(&found.vectors).map(|(a, b)| (*a - *b).length()).fold(0.0, f64::max) / largest;
     assert!(off < 1e-12, "{off:e}");
 }
+
+/// The commands of the page's section about the sandbox: the compiler's as it stands, the program's by what it names.
+#[cfg(unix)]
+#[test]
+fn the_commands_of_the_page_make_a_module_that_runs() {
+    use std::process::Command;
+    let page = std::fs::read_to_string(compilers::source("docs/plugins.md")).unwrap();
+    let section = page.split_once("## In a sandbox: WebAssembly").unwrap().1;
+    let block = section.split_once("```text\n").unwrap().1.split_once("```").unwrap().0.replace("\\\n", " ");
+    let commands: Vec<Vec<&str>> = block.lines().map(|line| line.split_whitespace().collect()).collect();
+    let [compile, run] = &commands[..] else { panic!("two commands: {block}") };
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["include", "examples"] {
+        std::os::unix::fs::symlink(compilers::source(name), folder.path().join(name)).unwrap();
+    }
+    match Command::new(compile[0]).args(&compile[1..]).current_dir(folder.path()).output() {
+        Ok(output) if output.status.success() => {}
+        // Said loudly where there is no such compiler, once for all.
+        _ => {
+            let source = compilers::source("examples/plugin_c/least_squares.c");
+            assert!(compilers::module(&source, &folder.path().join("other.wasm")).is_none(), "{compile:?}");
+            return;
+        }
+    }
+    let own = run.split(|word| *word == "--").nth(1).unwrap();
+    let after = |option: &str| own[own.iter().position(|word| *word == option).unwrap() + 1];
+    let filters = voltet_plugins::load(&folder.path().join(after("--plugin"))).unwrap().filters;
+    let (parameter, method) = after("--set").split_once('=').unwrap();
+    assert_eq!((parameter, filters[0].declaration().name), ("gradient.method", method));
+    assert!(compilers::source(after("run")).is_file(), "{run:?}");
+    assert!(gradient(&filters[0], &Silent).is_ok());
+}
+
+/// A sandbox says what it runs, and what it does not.
+#[test]
+fn a_module_without_gradient_filters_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path: PathBuf = folder.path().join("filters.wasm");
+    let Some(()) = compilers::module(&compilers::source("examples/plugin_c/filters.c"), &path) else {
+        return;
+    };
+    let refused = voltet_plugins::load(&path).map(drop).unwrap_err().to_string();
+    for text in
+        ["a sandbox runs these alone", "readers, grid filters and image filters need a shared library"]
+    {
+        assert!(refused.contains(text), "{refused}");
+    }
+}

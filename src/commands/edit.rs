@@ -11,9 +11,10 @@ use voltet_editor::{Studied, StudiedRow, StudyOf};
 #[cfg(feature = "editor")]
 pub fn edit(arguments: &Edit, registry: &Registry) -> Result<u8> {
     use std::sync::Arc;
-    let own = registry.clone();
+    let (own, of_start) = (registry.clone(), registry.clone());
     let study = Arc::new(move |of: &StudyOf, progress: &dyn Progress| study_of(of, &own, progress));
-    voltet_editor::run(arguments.file.as_deref(), registry, Arc::new(pipeline_for), study)?;
+    let start = move |path: &std::path::Path, at: &std::path::Path| pipeline_for(path, at, &of_start);
+    voltet_editor::run(arguments.file.as_deref(), registry, Arc::new(start), study)?;
     Ok(super::outcome::DONE)
 }
 
@@ -78,17 +79,26 @@ impl Observer for Gathering<'_> {
 /// The text of a pipeline for a file that is none: what a picture carries, or what is found for data. `at`: where it would be
 /// saved.
 #[cfg(feature = "editor")]
-fn pipeline_for(path: &std::path::Path, at: &std::path::Path) -> Result<String> {
+fn pipeline_for(path: &std::path::Path, at: &std::path::Path, registry: &Registry) -> Result<String> {
     use crate::Source;
-    use crate::arguments::Start;
+    use crate::arguments::{Plugins, Start};
     let is_picture = path.extension().is_some_and(|end| end == "png" || end == "exr");
     if is_picture {
         return Ok(Source::read(path)?.text);
     }
     let (data, output) = (path.to_path_buf(), Some(at.to_path_buf()));
-    let arguments = Start { data, output, scalar: None, time_step: None, solution: None, force: false };
+    let arguments = Start {
+        data,
+        output,
+        scalar: None,
+        time_step: None,
+        solution: None,
+        force: false,
+        plugins: Plugins::default(),
+    };
     let quiet = crate::present::Bar::new(true);
-    super::start::pipeline(&arguments, at, &super::reading::Inspecting(&quiet)).map(|(text, _)| text)
+    super::start::pipeline(&arguments, registry, at, &super::reading::Inspecting(&quiet))
+        .map(|(text, _)| text)
 }
 
 #[cfg(not(feature = "editor"))]

@@ -187,8 +187,8 @@ fn suggestion(arguments: &Info, wanted: &Request, summary: &Summary, registry: &
     let mut refusal = None;
     for array in summary.arrays.iter().filter(|array| differs(array)) {
         let meant = Meant::of(&array.head, &heads);
-        let reader = wanted.chosen.as_ref().map_or("reader", |chosen| chosen.reader.declaration().name);
-        let pipeline = pipeline(arguments, reader, &meant, array.range.unwrap_or_default(), bounds);
+        let pipeline =
+            pipeline(arguments, wanted.node_type(), &meant, array.range.unwrap_or_default(), bounds);
         match refused(arguments, wanted, meant, &pipeline, registry) {
             None => return format!("\nA pipeline to start with\n{pipeline}"),
             Some(error) => refusal = refusal.or(Some(error)),

@@ -45,7 +45,21 @@ pub fn dispatch(arguments: &Arguments, registry: Result<Registry>) -> ExitCode {
 /// Whether the command looks at a file alone that no plug-in is needed for: then the user's own file of them is not read.
 fn is_of_what_ships(command: &Command) -> bool {
     let is_plain = |data: &Path| carried::is_picture(data) || formats::ships(data);
-    matches!(command, Command::Info(info) if !info.of_pipeline() && is_plain(&info.data))
+    match command {
+        Command::Info(info) => !info.of_pipeline() && is_plain(&info.data),
+        Command::Start(start) => is_plain(&start.data),
+        Command::Run(_)
+        | Command::Check(_)
+        | Command::Explain(_)
+        | Command::Nodes(_)
+        | Command::Edit(_)
+        | Command::Pixel(_)
+        | Command::Study(_)
+        | Command::Time(_)
+        | Command::Stability(_)
+        | Command::GradientTest(_)
+        | Command::PluginProcess(_) => false,
+    }
 }
 
 /// Shows what the command line is answered with, be it help or what is wrong with it, and gives the exit code.
@@ -66,7 +80,7 @@ fn carry_out(command: &Command, registry: &Registry) -> Result<u8> {
         Command::Explain(arguments) => explain::explain(arguments, registry),
         Command::Nodes(arguments) => nodes::nodes(arguments, registry),
         Command::Info(arguments) => info::info(arguments, registry),
-        Command::Start(arguments) => start::start(arguments),
+        Command::Start(arguments) => start::start(arguments, registry),
         Command::Edit(arguments) => edit::edit(arguments, registry),
         Command::Pixel(arguments) => pixel::pixel(arguments, registry),
         Command::Stability(arguments) => stability::stability(arguments),

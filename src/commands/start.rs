@@ -4,12 +4,13 @@ use super::outcome::DONE;
 use super::reading::{Inspecting, Meant, differs, request, scalar};
 use crate::arguments::Start;
 use crate::core::field::{LeastSquares, Method, magnitude};
-use crate::core::graph::Datum;
+use crate::core::graph::{Datum, Registry};
 use crate::core::grid::Grid;
 use crate::core::grid::extent::{bounds, range, scene_length};
 use crate::core::probing::{Axis, Histogram, Proposed, histogram, proposal, quiet};
 use crate::core::progress::Progress;
 use crate::core::{Error, Result};
+use crate::nodes::added;
 use crate::nodes::files::{
     beside, folder, is_standard_output, refuse_unwritable, standard_output, write_whole,
 };
@@ -31,7 +32,7 @@ const HAZE: f64 = 0.1;
 /// Vertical angle of view, degrees.
 const FOV_Y: f64 = 30.0;
 
-pub fn start(arguments: &Start) -> Result<u8> {
+pub fn start(arguments: &Start, registry: &Registry) -> Result<u8> {
     let output = arguments.output.clone().unwrap_or_else(|| {
         PathBuf::from(arguments.data.file_stem().unwrap_or_default()).with_extension("toml")
     });
@@ -45,7 +46,7 @@ pub fn start(arguments: &Start) -> Result<u8> {
         }
     }
     let bar = Bar::new(false);
-    let text = pipeline(arguments, &output, &Inspecting(&bar));
+    let text = pipeline(arguments, registry, &output, &Inspecting(&bar));
     bar.clear();
     let (text, said) = text?;
     if to_output {
@@ -59,8 +60,14 @@ pub fn start(arguments: &Start) -> Result<u8> {
 }
 
 /// The text of the pipeline file, and what was chosen in a sentence.
-pub fn pipeline(arguments: &Start, output: &Path, progress: &dyn Progress) -> Result<(String, String)> {
+pub fn pipeline(
+    arguments: &Start,
+    registry: &Registry,
+    output: &Path,
+    progress: &dyn Progress,
+) -> Result<(String, String)> {
     let asked = request(arguments.time_step, arguments.solution.as_ref());
+    let asked = added::request(asked, &arguments.data, registry)?;
     let meant = match &arguments.scalar {
         Some(name) => Meant::by_name(name, &arrays(&arguments.data, &asked)?),
         None => first_quantity(arguments, &inspect(&arguments.data, &asked, progress)?)?,
@@ -87,7 +94,8 @@ pub fn pipeline(arguments: &Start, output: &Path, progress: &dyn Progress) -> Re
     let text = |text: &str| Datum::Text(text.into()).to_string();
     let own = if is_standard_output(output) { Path::new(".") } else { folder(output) };
     let solution = arguments.solution.as_ref().map(|solution| beside(solution, own));
-    let reader = meant.keys(&beside(&arguments.data, own), arguments.time_step, solution.as_deref());
+    let node_type = asked.node_type();
+    let keys = meant.keys(&beside(&arguments.data, own), arguments.time_step, solution.as_deref());
     let steepest = g.iter().copied().filter(|g| g.is_finite()).fold(g_axis.high, f64::max);
     let region = format!(
         "region = {{ s = [{}, {}], g = [{}, {}] }}\n",
@@ -114,8 +122,8 @@ pub fn pipeline(arguments: &Start, output: &Path, progress: &dyn Progress) -> Re
 format = 1
 
 [nodes.grid]
-type = \"reader\"
-{reader}
+type = \"{node_type}\"
+{keys}
 [nodes.gradient]
 type = \"gradient-magnitude\"
 method = \"least-squares\"

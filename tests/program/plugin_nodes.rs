@@ -162,6 +162,9 @@ fn info_and_help_know_it() {
     folder.write("suggested.toml", shown.split_once("A pipeline to start with\n").unwrap().1);
     let small = ["--set", "view.size=[8,8]"];
     folder.voltet(&[&["run", "suggested.toml"], &small[..], &WITH[..]].concat()).ok();
+    let start = ["start", "box.txt", "--scalar", "motion", "-o", "start.toml"];
+    folder.voltet(&[&start[..], &WITH[..]].concat()).ok();
+    folder.voltet(&[&["run", "start.toml"], &small[..], &WITH[..]].concat()).ok();
     folder.voltet(&["info", "box.txt"]).fails(1, &["the format of the file is not known", "'cells 1"]);
     let help = folder.voltet(&[&["nodes", "simple-cells"], &WITH[..]].concat()).ok().stdout;
     for text in
@@ -213,8 +216,13 @@ fn a_grid_filter_that_leaves_cells_out_and_one_that_moves_points_give_the_grid_t
     let difference = difference.fold(0.0, f32::max);
     // The diagonals along which a warped side is cut depend on the order of the points' numbers, which is kept.
     assert!(difference == 0.0, "{difference:e}");
-    // What a filter makes can be drawn: how far points moved.
+    // What a filter makes can be asked of it behind it, and not of the file: how far points moved.
     let scene = std::fs::read_to_string(folder.join("scene.toml")).unwrap();
+    let writer = "[nodes.out]\ntype = \"grid-writer\"\npath = \"out.vtu\"\npoint_arrays = [\"way\"]\ninputs = { volume = ";
+    folder.write("scene.toml", format!("{scene}\n{writer}\"moved\" }}\n"));
+    folder.voltet(&[&["run", "scene.toml"], &WITH[..]].concat()).ok();
+    let written = folder.voltet(&["info", "out.vtu"]).ok().stdout;
+    assert!(written.contains("point  way "), "{written}");
     folder.write("scene.toml", scene.replace("by = \"motion\"", "by = \"way\""));
     let ran = folder.voltet(&[&["run", "scene.toml"], &WITH[..]].concat());
     ran.fails(1, &["the file holds no array 'way'", "box.cells"]);

@@ -204,7 +204,7 @@ fn the_commands_of_the_page_do_what_it_says() {
             }
         }
     }
-    assert_eq!(count, 13);
+    assert_eq!(count, 14);
 }
 
 #[test]
