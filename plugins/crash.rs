@@ -57,6 +57,9 @@ mod unix {
 
     static LEFT: AtomicBool = AtomicBool::new(false);
 
+    /// Whether a crash is being announced.
+    static SPOKEN: AtomicBool = AtomicBool::new(false);
+
     /// Crashes are somebody else's to announce: the process is there for one plug-in.
     pub(crate) fn leave() {
         LEFT.store(true, Ordering::Relaxed);
@@ -96,6 +99,13 @@ mod unix {
             }
             return;
         };
+        // Threads of one plug-in may crash at once: the first speaks, and ends the program for all.
+        if SPOKEN.swap(true, Ordering::SeqCst) {
+            loop {
+                // SAFETY: `pause` may be called from a handler.
+                unsafe { libc::pause() };
+            }
+        }
         // SAFETY: whoever made the text is in the call that crashed.
         let said = unsafe { &*said };
         for part in ["error: a crash (", SIGNALS[place].1, ")", said] {

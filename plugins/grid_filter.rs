@@ -200,11 +200,9 @@ pub(crate) fn node(offered: Offered) -> &'static Node {
     })
 }
 
-/// What is asked of its output but for what it makes itself, and the arrays that its parameters name. The file's own cells do not
-/// outlive a filter.
+/// What is asked of its output but for what it makes itself, and the arrays that its parameters name.
 fn demand(offered: &Offered, asking: &mut Asking) -> Result<()> {
     let mut ask = asking.asked.clone();
-    ask.file_cells = false;
     made(offered).iter().for_each(|name| ask.arrays.remove(name));
     ask.arrays.extend(array_names(&offered.declared, asking.parameters));
     asking.ask("grid", &ask)

@@ -10,7 +10,7 @@
 //! | `foreign` | reading what a plug-in points to |
 //! | `image` | whether a file can be a library at all |
 //! | `library` | loading, and the entry |
-//! | `describe` | declarations, read and checked |
+//! | `describe`, `parameters` | declarations, read and checked |
 //! | `values` | what the parameters are set to |
 //! | `host` | what the host does for a plug-in |
 //! | `apart` | work on a thread of its own, which can be given up |
@@ -46,6 +46,7 @@ mod module;
 mod native;
 mod node;
 mod outcome;
+mod parameters;
 mod process;
 mod reader;
 mod resulting;

@@ -3,11 +3,12 @@
 use super::guest::{Guest, Handed};
 use super::layout::{entry, factory, filter, parameter, plugin};
 use super::sandbox::{Running, Sandbox, said};
-use crate::describe::{self, Declared, PARAMETERS_MOST, VECTOR_MOST};
+use crate::describe::{self, Declared, PARAMETERS_MOST};
 use crate::foreign::Wrong;
 use crate::host::State;
 use crate::interface::{self, Call, Check, GRADIENT_FILTERS, Gradient, Host, Values};
 use crate::library::{filter_count, refuse_same_names};
+use crate::parameters::VECTOR_MOST;
 use std::ffi::c_char;
 use std::sync::Arc;
 

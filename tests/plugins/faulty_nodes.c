@@ -102,12 +102,17 @@ static int32_t filter_grid(const voltet_grid_call *call, const voltet_host *host
     if (IS("other")) arrays[0].name = "other";
     if (IS("vector")) head.scalar = "v";
     if (IS("nothing")) head.cell_count = 0;
+    /* Nothing wrong: the grid as it is, with another scalar. */
+    if (IS("kept")) {
+        arrays[0].name = head.scalar = "w";
+        head.flags = VOLTET_SAME_POINTS | VOLTET_SAME_CELLS, head.point_count = head.cell_count = 0;
+    }
     if (IS("much")) head.cell_count = UINT32_MAX, arrays[1].on_cells = 1, arrays[1].component_count = 1024;
     int32_t code = call->begin(call, &head, IS("null") ? NULL : &buffers);
     if (IS("twice")) code = call->begin(call, &head, &buffers);
     if (code != VOLTET_OK) return code;
-    memcpy(buffers.points, call->points, 24 * call->point_count);
-    memcpy(buffers.tetrahedra, call->tetrahedra, 16 * head.cell_count);
+    if (buffers.points) memcpy(buffers.points, call->points, 24 * call->point_count);
+    if (buffers.tetrahedra) memcpy(buffers.tetrahedra, call->tetrahedra, 16 * head.cell_count);
     memcpy(buffers.arrays[0], call->carried[0].values, 8 * call->point_count);
     memset(buffers.arrays[1], 0, 24 * call->point_count);
     if (IS("not finite")) buffers.points[3] = INFINITY;

@@ -84,6 +84,24 @@ fn without_a_fault_a_picture_is_drawn() {
     assert_eq!(folder.floats("picture.exr").1, shown);
 }
 
+/// A filter that keeps points and cells keeps what belongs to them: the arrays beside the one that it makes, the file's own cells.
+#[test]
+fn what_a_grid_filter_keeps_is_that_of_its_input() {
+    let Some(folder) = folder() else { return };
+    folder.voltet(&LOADED).ok();
+    let wanted = folder.floats("picture.exr").1;
+    let writer = "[nodes.out]\ntype = \"grid-writer\"\npath = \"out.vtu\"\ncell_arrays = [\"t\"]\ncells = \"file\"\n\
+                  inputs = { volume = \"moved\" }\n";
+    folder.write("scene.toml", format!("{SCENE}\n{writer}"));
+    for own_process in [&[][..], &["--plugin-process"]] {
+        folder.voltet(&[&LOADED[..], &["--set", "moved.fault=kept"], own_process].concat()).ok();
+        assert_eq!(folder.floats("picture.exr").1, wanted);
+        let written = folder.voltet(&["info", "out.vtu"]).ok().stdout;
+        assert!(written.contains("point  w ") && written.contains("cell   t "), "{written}");
+    }
+    folder.voltet(&LOADED).fails(1, &["gives other cells, and so not the cell array 't'", "node 'moved'"]);
+}
+
 #[test]
 fn what_a_reader_says_of_a_file_wrongly_is_said() {
     let file = "any.faulty";

@@ -1,0 +1,140 @@
+//! The parameters that a plug-in declares, read and checked, as declarations of the program's own.
+
+use crate::describe::{NAME_MOST, PARAMETERS_MOST, TEXT_MOST, identifier, leak, line, required};
+use crate::foreign::{Wrong, several, values};
+use crate::interface;
+use std::ffi::c_char;
+use voltet_core::parameters::{Parameter, ParameterType, Range, Standard};
+
+/// Longest vector.
+pub(crate) const VECTOR_MOST: u32 = 1024;
+
+/// So many parameters at an address, and for each that names a point array how many components a point has; 0 for the others.
+pub(crate) fn parameters(
+    address: *const interface::Parameter,
+    count: usize,
+) -> Result<(Vec<Parameter>, Vec<u32>), Wrong> {
+    let (mut parameters, mut components) = (Vec::new(), Vec::new());
+    let all = several(address, count);
+    for (i, read) in all.map_err(|wrong| format!("parameter {wrong}"))?.iter().enumerate() {
+        let name = identifier("the name", read.name).map_err(|wrong| format!("parameter {i}: {wrong}"))?;
+        let parameter = parameter(read, &name).map_err(|wrong| format!("parameter '{name}': {wrong}"))?;
+        parameters.push(parameter);
+        let of_array = read.parameter_type == interface::POINT_ARRAY;
+        components.push(if of_array { read.length } else { 0 });
+    }
+    Ok((parameters, components))
+}
+
+fn parameter(read: &interface::Parameter, name: &str) -> Result<Parameter, Wrong> {
+    let unit = line("the unit", read.unit, NAME_MOST)?.unwrap_or_default();
+    let help = required("the help", line("the help", read.help, TEXT_MOST)?)?;
+    let known = interface::REQUIRED | interface::ABOVE_LEAST | interface::BELOW_MOST;
+    if read.flags & !known != 0 {
+        return Err(format!("'flags' has some that this version does not know: {:#x}", read.flags));
+    }
+    let required_ = read.flags & interface::REQUIRED != 0;
+    let unless_required = |standard| if required_ { Standard::Required } else { standard };
+    let (parameter_type, standard) = match read.parameter_type {
+        interface::BOOLEAN if read.number == 0.0 || read.number == 1.0 => {
+            (ParameterType::Boolean, unless_required(Standard::Boolean(read.number == 1.0)))
+        }
+        interface::BOOLEAN => return Err(format!("the default is {}, neither 0 nor 1", read.number)),
+        interface::INTEGER => {
+            let whole = read.number as i64;
+            if whole as f64 != read.number && !required_ {
+                return Err(format!("the default is {}, no whole number", read.number));
+            }
+            (ParameterType::Integer(range(read)?), unless_required(Standard::Integer(whole)))
+        }
+        interface::NUMBER => {
+            (ParameterType::Number(range(read)?), unless_required(Standard::Number(read.number)))
+        }
+        interface::CHOICE => {
+            let words = words(read)?;
+            let given = line("the default", read.text, NAME_MOST)?;
+            let standard = match given {
+                _ if required_ => Standard::Required,
+                Some(word) => Standard::Text(leak(word)),
+                None => return Err("there is no default, and it is not required".into()),
+            };
+            (ParameterType::Choice(words.leak()), standard)
+        }
+        interface::TEXT => (ParameterType::Text, unless_required(text_or_unset(read)?)),
+        interface::POINT_ARRAY if (1..=9).contains(&read.length) => {
+            (ParameterType::Text, unless_required(text_or_unset(read)?))
+        }
+        interface::POINT_ARRAY => {
+            return Err(format!("'length' is {}, and a point array has 1 to 9 components", read.length));
+        }
+        interface::VECTOR if read.length > VECTOR_MOST => {
+            return Err(format!("'length' is {}, at most {VECTOR_MOST}", read.length));
+        }
+        interface::VECTOR => {
+            let length = (read.length > 0).then_some(read.length as usize);
+            let standard = match read.numbers.is_null() {
+                true => unset(read)?,
+                false => {
+                    let numbers = values(read.numbers, read.length as usize);
+                    Standard::Numbers(numbers.map_err(|wrong| format!("'numbers' {wrong}"))?.leak())
+                }
+            };
+            (ParameterType::Numbers(length, range(read)?), unless_required(standard))
+        }
+        other => return Err(format!("its type is {other}, which this version does not know")),
+    };
+    Ok(Parameter { name: leak(name.into()), parameter_type, unit: leak(unit), standard, help: leak(help) })
+}
+
+/// A default text, or what leaving it out means.
+fn text_or_unset(read: &interface::Parameter) -> Result<Standard, Wrong> {
+    match line("the default", read.text, TEXT_MOST)? {
+        Some(text) => Ok(Standard::Text(leak(text))),
+        None => unset(read),
+    }
+}
+
+fn unset(read: &interface::Parameter) -> Result<Standard, Wrong> {
+    if read.flags & interface::REQUIRED != 0 {
+        return Ok(Standard::Required);
+    }
+    match line("'unset'", read.unset, TEXT_MOST)?.filter(|text| !text.is_empty()) {
+        Some(meaning) => Ok(Standard::Unset(leak(meaning))),
+        None => Err("there is no default, and 'unset' does not say what that means".into()),
+    }
+}
+
+/// The range of numbers; both ends 0: none.
+fn range(read: &interface::Parameter) -> Result<Range, Wrong> {
+    let (min, max) = (read.least, read.most);
+    if min == 0.0 && max == 0.0 {
+        return Ok(Range::ANY);
+    }
+    let above_min = read.flags & interface::ABOVE_LEAST != 0;
+    let below_max = read.flags & interface::BELOW_MOST != 0;
+    if min.is_nan() || max.is_nan() || min > max || (min == max && (above_min || below_max)) {
+        return Err(format!("no number is in its range, from {min} to {max}"));
+    }
+    Ok(Range { min, max, above_min, below_max, infinite: false })
+}
+
+/// The words of a choice with their meanings.
+fn words(read: &interface::Parameter) -> Result<Vec<(&'static str, &'static str)>, Wrong> {
+    if !(1..=PARAMETERS_MOST).contains(&read.word_count) {
+        return Err(format!("there are {} words, 1 to {PARAMETERS_MOST} can be", read.word_count));
+    }
+    let list = |what: &str, address: *const *const c_char| {
+        values(address, read.word_count as usize).map_err(|wrong| format!("'{what}' {wrong}"))
+    };
+    let (words, meanings) = (list("words", read.words)?, list("meanings", read.meanings)?);
+    let mut found: Vec<(&str, &str)> = Vec::new();
+    for (word, meaning) in words.into_iter().zip(meanings) {
+        let word = identifier("a word", word)?;
+        if found.iter().any(|(known, _)| *known == word) {
+            return Err(format!("there are two words '{word}'"));
+        }
+        let meaning = required("the meaning of a word", line("the meaning of a word", meaning, TEXT_MOST)?)?;
+        found.push((leak(word), leak(meaning)));
+    }
+    Ok(found)
+}
