@@ -78,7 +78,7 @@ fn integrate(
     let mut found = Vec::with_capacity(list.len());
     for (number, part) in list.chunks(BATCH).enumerate() {
         fill(&mut batch, &attributes, number * BATCH, part, cells.length);
-        roads::integrate(&shader, lanes, &batch, part.len(), &mut shaded);
+        roads::integrate(&shader, lanes, &batch, part.len(), &mut shaded, None);
         found.extend((0..part.len()).map(|k| taken(&shader, &shaded, k)));
     }
     Ok(found)
@@ -195,7 +195,10 @@ impl Forms for Segments {
         let mut lists = Lists::new();
         let through = match layers.clone().try_for_each(|layer| lists.push(0, layer)) {
             Ok(()) => {
-                dispatch(self.lanes, Blend { lists: &mut lists, sorted: true, picture: &mut picture });
+                dispatch(
+                    self.lanes,
+                    Blend { lists: &mut lists, sorted: true, picture: &mut picture, resolve: None },
+                );
                 Some(f64::from(lists.through[0])).filter(|through| *through > f64::from(UNSEEN))
             }
             Err(Overflow) => {

@@ -1,6 +1,6 @@
 //! The kernels of a tile: each is compiled once a lane set; everything between them is plain code.
 
-use crate::composite::lists::{Lists, Overflow};
+use crate::composite::lists::{Lists, Overflow, Resolve};
 use crate::composite::sinks::TilePicture;
 use crate::fragments::batch::Batch;
 use crate::fragments::crossing::Group;
@@ -105,6 +105,7 @@ pub(crate) struct Blend<'a> {
     pub lists: &'a mut Lists,
     pub sorted: bool,
     pub picture: &'a mut TilePicture,
+    pub resolve: Resolve<'a>,
 }
 
 impl Kernel for Blend<'_> {
@@ -112,6 +113,6 @@ impl Kernel for Blend<'_> {
     type Output = u64;
     #[inline(always)]
     fn run<L: Lanes>(self) -> u64 {
-        self.lists.composite::<L>(self.sorted, self.picture)
+        self.lists.composite::<L>(self.sorted, self.picture, self.resolve)
     }
 }

@@ -94,6 +94,10 @@ const FIRST: [u32; TILE * TILE + 1] = {
     first
 };
 
+/// Makes colours of what stands for those that wait ([`crate::shade::later`]), once it is known that they are seen; none waits
+/// where there is none.
+pub(crate) type Resolve<'a> = Option<&'a mut dyn FnMut([f32; 4]) -> Option<[f32; 3]>>;
+
 /// A pixel has more segments than [`DEPTH`].
 pub(crate) struct Overflow;
 
@@ -172,7 +176,12 @@ impl Lists {
     /// Composites every pixel, sorted or in the order of arrival, into `out` (rows of `TILE` pixels). Returns the
     /// pixels whose segments were not in order.
     #[inline(always)]
-    pub fn composite<L: Lanes>(&mut self, sorted: bool, out: &mut [[f32; 4]; TILE * TILE]) -> u64 {
+    pub fn composite<L: Lanes>(
+        &mut self,
+        sorted: bool,
+        out: &mut [[f32; 4]; TILE * TILE],
+        mut resolve: Resolve,
+    ) -> u64 {
         let mut disordered = 0;
         for row in 0..TILE {
             let counts = self.counts(row);
@@ -188,6 +197,9 @@ impl Lists {
                 self.mend::<L>(row, deepest);
             } else {
                 disordered += self.disordered(row, &counts);
+            }
+            if let Some(color) = &mut resolve {
+                self.resolve(row, &counts, *color);
             }
             self.blend::<L>(row, deepest, &mut out[row * TILE..][..TILE]);
         }
@@ -280,6 +292,28 @@ impl Lists {
             to -= 1;
         }
         self.keys[to * TILE + x] = key;
+    }
+
+    /// Colours what waits for it and is seen; what is hidden becomes black.
+    fn resolve(
+        &mut self,
+        row: usize,
+        counts: &[u32; TILE],
+        color: &mut dyn FnMut([f32; 4]) -> Option<[f32; 3]>,
+    ) {
+        for (x, &count) in counts.iter().enumerate() {
+            let mut through = 1.0;
+            for k in 0..count as usize {
+                let key = self.keys[k * TILE + x];
+                let rgba = &mut self.slots[row * ROW + (key & (DEPTH as u32 - 1)) as usize].rgba[x];
+                if through <= UNSEEN {
+                    *rgba = [0.0; 4];
+                } else if let Some([r, g, b]) = color(*rgba) {
+                    *rgba = [r, g, b, rgba[3]];
+                }
+                through *= 1.0 - rgba[3];
+            }
+        }
     }
 
     /// Front to back: C += (1 − A) C_seg, A += (1 − A) A_seg.

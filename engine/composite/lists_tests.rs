@@ -107,7 +107,8 @@ fn composited(pixels: &[Vec<Layer>], sorted: bool, mut check: impl FnMut(&str, &
             }
         }
         let mut picture = [[f32::NAN; 4]; PIXELS];
-        let disordered = dispatch(lanes, Blend { lists: &mut lists, sorted, picture: &mut picture });
+        let disordered =
+            dispatch(lanes, Blend { lists: &mut lists, sorted, picture: &mut picture, resolve: None });
         check(lanes.name(), &picture, disordered);
     }
 }
@@ -251,9 +252,15 @@ fn a_full_list_refuses_and_keeps_what_it_has() {
     assert!(lists.push(17, Layer::new(-1.0, 0.0, [1.0; 4])).is_err());
     assert!(lists.push(18, Layer::new(0.0, 1.0, [0.25, 0.5, 0.75, 1.0])).is_ok());
     let mut picture = [[f32::NAN; 4]; PIXELS];
-    dispatch(LaneSet::detect().unwrap(), Blend { lists: &mut lists, sorted: true, picture: &mut picture });
+    dispatch(
+        LaneSet::detect().unwrap(),
+        Blend { lists: &mut lists, sorted: true, picture: &mut picture, resolve: None },
+    );
     assert_eq!([picture[17], picture[18], picture[19]], [[0.0; 4], [0.25, 0.5, 0.75, 1.0], [0.0; 4]]);
     lists.clear();
-    dispatch(LaneSet::detect().unwrap(), Blend { lists: &mut lists, sorted: true, picture: &mut picture });
+    dispatch(
+        LaneSet::detect().unwrap(),
+        Blend { lists: &mut lists, sorted: true, picture: &mut picture, resolve: None },
+    );
     assert!(picture.iter().all(|pixel| *pixel == [0.0; 4]));
 }

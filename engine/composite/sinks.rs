@@ -31,6 +31,9 @@ pub(crate) trait Sink {
         Ok(())
     }
 
+    /// Whether it takes segments whose colour waits.
+    const WAITS: bool = false;
+
     /// Takes one segment.
     fn push(&mut self, pixel: usize, depth: f32, layer: Layer) -> Result<(), Overflow>;
 
@@ -94,6 +97,8 @@ pub(crate) fn of_one_color(color: [f32; 3], sum: f32, opacities: bool) -> [f32; 
 }
 
 impl Sink for Lists {
+    const WAITS: bool = true;
+
     fn take(&mut self, lanes: LaneSet, batch: &Batch, shaded: &Shaded, count: usize) -> Result<(), Overflow> {
         dispatch(lanes, Append { lists: self, batch, shaded, count })
     }

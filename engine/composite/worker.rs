@@ -7,13 +7,14 @@
 
 use crate::composite::growing_lists::GrowingLists;
 use crate::composite::kernels::{Blend, Cover, Evaluate, Illuminate};
-use crate::composite::lists::{Lists, Overflow};
+use crate::composite::lists::{Lists, Overflow, Resolve};
 use crate::composite::sinks::{DepthSink, OPAQUE_DEPTH, Sink, TilePicture, of_one_color};
 use crate::fragments::batch::{BATCH, Batch, LANES_MOST};
 use crate::fragments::crossing::Group;
 use crate::fragments::spans::{Edges, Fragments};
 use crate::project::record::TILE;
 use crate::sample::Frame;
+use crate::shade::later::Later;
 use crate::shade::light::{Rays, rays};
 use crate::shade::roads::integrate;
 use crate::shade::shaded::Shaded;
@@ -56,6 +57,7 @@ struct Scratch {
     shaded: Shaded,
     stretch: [f32; TILE * TILE],
     rays: Rays,
+    later: Later,
     counts: WorkerCounts,
 }
 
@@ -71,6 +73,7 @@ impl Worker<'_> {
             shaded: Shaded::new(),
             stretch: [1.0; TILE * TILE],
             rays: [[0.0; TILE * TILE]; 3],
+            later: Later::default(),
             counts: WorkerCounts::default(),
         };
         let mut lists = Lists::new();
@@ -88,7 +91,7 @@ impl Worker<'_> {
             draw_tile(frame, tile as usize, &mut scratch, &mut lists, &mut picture);
             done.push((tile, picture));
         }
-        scratch.counts.segments_exact = scratch.shaded.exact_count;
+        scratch.counts.segments_exact += scratch.shaded.exact_count;
         scratch.counts.segments_overlapping = scratch.shaded.overlap_count;
         (done, scratch.counts)
     }
@@ -132,8 +135,17 @@ fn draw_tile(
     let before = scratch.counts;
     let drawn = walk(frame, tile, 0..TILE, scratch, lists);
     if drawn.is_ok() {
-        scratch.counts.pixels_disordered +=
-            dispatch(frame.lanes, Blend { lists, sorted: frame.sorted, picture });
+        let Scratch { later, counts, .. } = scratch;
+        let mut color = |rgba: [f32; 4]| {
+            let found = later.color(frame.shader, rgba);
+            counts.segments_exact += u64::from(found.is_some());
+            found
+        };
+        let waits = !later.is_empty();
+        let resolve: Resolve<'_> = if waits { Some(&mut color) } else { None };
+        let blend = Blend { lists, sorted: frame.sorted, picture, resolve };
+        let disordered = dispatch(frame.lanes, blend);
+        counts.pixels_disordered += disordered;
     }
     if drawn.is_err() {
         // Rows are independent: draw them one at a time with lists that grow.
@@ -150,18 +162,23 @@ fn draw_tile(
 }
 
 /// Sends all segments of some rows of a tile to a sink.
-fn walk(
+fn walk<S: Sink>(
     frame: &Frame<'_>,
     tile: usize,
     rows: Range<usize>,
     scratch: &mut Scratch,
-    sink: &mut impl Sink,
+    sink: &mut S,
 ) -> Result<(), Overflow> {
     let (left, top) = (tile % frame.tiles_wide * TILE, tile / frame.tiles_wide * TILE);
     let right = (left + TILE).min(frame.view.size[0]);
     let bottom = (top + TILE).min(frame.view.size[1]);
     let rows = rows.start..rows.end.min(bottom - top);
-    let Scratch { fragments, edges, group, batch, shaded, stretch, rays, counts } = scratch;
+    let Scratch { fragments, edges, group, batch, shaded, stretch, rays, later, counts } = scratch;
+    later.clear();
+    let waits = S::WAITS && frame.shader.knows_opacity();
+    let mut shade = |batch: &Batch, count: usize, shaded: &mut Shaded| {
+        shade(frame, rays, batch, count, shaded, waits.then_some(&mut *later));
+    };
 
     let width = frame.lanes.width();
     let entries = frame.entries_of(tile);
@@ -182,7 +199,7 @@ fn walk(
             let count = (fragments.count - from).min(BATCH);
             let codes = &fragments.codes[from..];
             dispatch(frame.lanes, Evaluate { frame, group, codes, count, stretch, batch });
-            shade(frame, rays, batch, count, shaded);
+            shade(batch, count, shaded);
             counts.segments += u64::from(batch.hits);
             sink.take(frame.lanes, batch, shaded, count)?;
             from += count;
@@ -199,7 +216,7 @@ fn walk(
                 count += 1;
                 if count == BATCH {
                     counts.segments += count as u64;
-                    shade(frame, rays, batch, std::mem::take(&mut count), shaded);
+                    shade(batch, std::mem::take(&mut count), shaded);
                     sink.take(frame.lanes, batch, shaded, BATCH)?;
                 }
             }
@@ -207,16 +224,26 @@ fn walk(
     }
     if count > 0 {
         counts.segments += count as u64;
-        shade(frame, rays, batch, count, shaded);
+        shade(batch, count, shaded);
         sink.take(frame.lanes, batch, shaded, count)?;
     }
     Ok(())
 }
 
 /// Integrates and lights the first `count` segments of a batch.
-fn shade(frame: &Frame<'_>, rays: &Rays, batch: &Batch, count: usize, shaded: &mut Shaded) {
-    integrate(frame.shader, frame.lanes, batch, count, shaded);
+fn shade(
+    frame: &Frame<'_>,
+    rays: &Rays,
+    batch: &Batch,
+    count: usize,
+    shaded: &mut Shaded,
+    mut later: Option<&mut Later>,
+) {
+    integrate(frame.shader, frame.lanes, batch, count, shaded, later.as_deref_mut());
     if frame.shader.surface.is_some() {
         dispatch(frame.lanes, Illuminate { frame, batch, count, rays, shaded });
+    }
+    if let Some(later) = later {
+        later.mark(&mut shaded.rgba);
     }
 }

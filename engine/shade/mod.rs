@@ -11,10 +11,12 @@
 //! | `kinds` | any widget in lanes, one file a kind |
 //! | `overlap` | several widgets on one segment, in their order: closed forms and quadrature |
 //! | `panels` | the same for what is left over: a walk in panels |
+//! | `later` | dense segments, whose colour waits until it is known whether they are seen |
 //! | `light` | silhouettes and light |
 
 pub(crate) mod along;
 pub(crate) mod kinds;
+pub(crate) mod later;
 pub(crate) mod light;
 pub(crate) mod overlap;
 pub(crate) mod panels;

@@ -72,6 +72,8 @@ impl PanelWalk {
                     let first = left.iter().find(|(lanes, _)| lanes >> lane & 1 != 0);
                     out.rest.push(k);
                     out.why.extend(first.map(|(_, why)| *why));
+                    // What is too dense for panels has its depth in closed form.
+                    out.rgba[3][k] = rows[3][lane];
                     continue;
                 }
                 out.depth[k] = rows[4][lane];

@@ -181,16 +181,12 @@ impl Shader {
     pub fn finish(&self, batch: &Batch, out: &mut Shaded) {
         for i in 0..out.rest.len() {
             let k = out.rest[i];
-            let at = |columns: &[Column], a: usize| f64::from(columns[a][k]);
-            let value =
-                |columns: &[Column], a: usize| self.scaling[a][0] + self.scaling[a][1] * at(columns, a);
-            let contribution = self.integrate(
-                f64::from(batch.length[k]),
-                |a| value(&batch.front, a),
-                |a| value(&batch.back, a),
-                // The quick forms have counted theirs.
-                !self.quick,
-            );
+            let at = |columns: &[Column]| -> [f32; ATTRIBUTES_MOST] {
+                std::array::from_fn(|a| columns.get(a).map_or(0.0, |column| column[k]))
+            };
+            // The quick forms have counted theirs.
+            let contribution =
+                self.integrate_stored(batch.length[k], &at(&batch.front), &at(&batch.back), !self.quick);
             out.depth[k] = contribution.depth;
             for (column, value) in out.rgba.iter_mut().zip(contribution.rgba) {
                 column[k] = value;
@@ -217,6 +213,20 @@ impl Shader {
             }
             at += L::WIDTH;
         }
+    }
+
+    /// [`Shader::integrate`] of stored attributes.
+    pub fn integrate_stored(&self, length: f32, front: &[f32], back: &[f32], counted: bool) -> Exact {
+        let value = |stored: &[f32], a: usize| {
+            let [offset, scale] = self.scaling[a];
+            offset + scale * f64::from(stored[a])
+        };
+        self.integrate(f64::from(length), |a| value(front, a), |a| value(back, a), counted)
+    }
+
+    /// Whether the opacity of a segment that lanes leave over for being dense stands in what they gave.
+    pub fn knows_opacity(&self) -> bool {
+        self.quick && self.one_color.is_none()
     }
 
     /// The 64-bit integral of one segment: `length` in scene lengths, attributes in their own units;

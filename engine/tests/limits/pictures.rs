@@ -4,6 +4,7 @@ use super::*;
 use voltet_core::Shared;
 use voltet_core::camera::Projection;
 use voltet_core::grid::generate::box_of_tetrahedra;
+use voltet_core::shading::{Light, Shading};
 use voltet_engine::{cull, draw, keep_all};
 use voltet_testing::pictures::looks::perspective;
 
@@ -224,4 +225,35 @@ fn values_lie_between_those_of_the_corners() {
     let look = look(vec![uniform([-1.0, -2e-6], 1e9, [1.0; 3]), uniform([0.2, 1.0], 1e4, [0.5; 3])]);
     let difference = off(one_cell(corners, [0.0, 0.0, 0.0, 1.0]), look, 40.0, 800);
     assert!(difference < 2e-3, "off by {difference:e}");
+}
+
+/// Two overlapping widgets so dense that lanes leave every segment to 64 bits: only those that are seen are integrated there,
+/// lit or not, and the picture is the referee's.
+#[test]
+fn what_is_too_dense_for_lanes_and_hidden_is_not_integrated() {
+    let gaussian = |s: f64, color: [f64; 3]| Widget {
+        profile: Profile::Gaussian { centre: [s, 0.0], matrix: [[3.0, 0.0], [0.0, 0.0]] },
+        color,
+        extinction: 20_000.0,
+        region: None,
+    };
+    let cube = unit_cube([24, 3, 3]);
+    let gradient = vec![DVec3::X; cube.grid.points.len()];
+    let cube = Arc::new(Volume { gradient: Some(gradient.into()), ..Volume::clone(&cube) });
+    let look = look(vec![gaussian(0.2, [1.0, 0.1, 0.0]), gaussian(0.7, [0.0, 0.3, 1.0])]);
+    let camera = along(DVec3::X);
+    let cells = cull(&cube, &look, &camera, &Silent).expect("culls");
+    let light = Light { direction: DVec3::new(-1.0, 0.2, 0.3), ambient: 0.3, diffuse: 0.6 };
+    for shading in [SHADING, Shading { light: Some(light), ..SHADING }] {
+        let (picture, counts) = draw(&cells, &look, &camera, &shading, &Silent).expect("draws");
+        let referee = Scene { shading, ..scene(cube.clone(), look.clone(), camera) };
+        let exact = reference::draw(&referee, &Silent).expect("draws");
+        let difference = largest_difference(&picture, &exact);
+        assert!(difference < 1e-5, "off by {difference:e}");
+        let pixels = 16 * 16;
+        assert!(counts.segments > 24 * pixels, "{} segments", counts.segments);
+        // The first cell of a ray is opaque; where it is crossed in a corner only, lanes serve it, and the second is.
+        let exact_count = counts.segments_exact;
+        assert!((pixels / 2..=2 * pixels).contains(&exact_count), "{exact_count} of {}", counts.segments);
+    }
 }
