@@ -19,14 +19,15 @@ mod start;
 mod study;
 mod time;
 
-use crate::arguments::{Arguments, Command};
+use crate::Document;
+use crate::arguments::{Arguments, Command, Set};
 use crate::core::Result;
 use crate::core::graph::Registry;
 use crate::lanes::LaneSet;
 use crate::nodes::{files, formats};
 use outcome::{WRONG, show};
 use std::io::ErrorKind;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Carries out the command, shows its error if there is one, and gives the exit code. What the environment asks for is looked
@@ -34,7 +35,10 @@ use std::process::ExitCode;
 pub fn dispatch(arguments: &Arguments, registry: Result<Registry>) -> ExitCode {
     let outcome = LaneSet::detect().and(registry).and_then(|registry| {
         let registry = match arguments.command.plugins() {
-            Some(wanted) => plugins::with(registry, wanted, !is_of_what_ships(&arguments.command))?,
+            Some(wanted) => {
+                let serves = |known: &Registry| is_served(&arguments.command, known);
+                plugins::with(registry, wanted, serves)?
+            }
             None => registry,
         };
         carry_out(&arguments.command, &registry)
@@ -42,20 +46,28 @@ pub fn dispatch(arguments: &Arguments, registry: Result<Registry>) -> ExitCode {
     ExitCode::from(outcome.unwrap_or_else(|error| show(&error, None)))
 }
 
-/// Whether the command looks at a file alone that no plug-in is needed for: then the user's own file of them is not read.
-fn is_of_what_ships(command: &Command) -> bool {
+/// Whether the command can do with what the registry knows: then the user's own file of plug-ins is not read, and no code of theirs
+/// runs. Pipelines must open, data files be of a format that ships.
+fn is_served(command: &Command, registry: &Registry) -> bool {
     let is_plain = |data: &Path| carried::is_picture(data) || formats::ships(data);
+    let opens = |file: &Path, set: &Set| {
+        // What is no file may be read but once.
+        file.is_file() && Document::open(file, &set.options, registry).is_ok()
+    };
+    let all_open = |files: &[PathBuf], set: &Set| files.iter().all(|file| opens(file, set));
     match command {
-        Command::Info(info) => !info.of_pipeline() && is_plain(&info.data),
+        Command::Run(run) => all_open(&run.files, &run.set),
+        Command::Check(check) => all_open(&check.files, &check.set),
+        Command::Explain(explain) => opens(&explain.file, &explain.set),
+        Command::Pixel(pixel) => opens(&pixel.file, &pixel.set),
+        Command::Study(study) => opens(&study.file, &study.set),
+        Command::Time(time) => all_open(&time.files, &time.set),
+        Command::Info(info) if info.of_pipeline() => opens(&info.data, &info.set),
+        Command::Info(info) => is_plain(&info.data),
         Command::Start(start) => is_plain(&start.data),
-        Command::Run(_)
-        | Command::Check(_)
-        | Command::Explain(_)
-        | Command::Nodes(_)
+        // These list what there is.
+        Command::Nodes(_)
         | Command::Edit(_)
-        | Command::Pixel(_)
-        | Command::Study(_)
-        | Command::Time(_)
         | Command::Stability(_)
         | Command::GradientTest(_)
         | Command::PluginProcess(_) => false,

@@ -12,33 +12,37 @@ use voltet_plugins::Contents;
 /// The file in the user's configuration folder.
 const FILE: &str = "plugins.toml";
 
-/// The registry with what the plug-ins offer; `own_file`: those of the user's own file as well. One of the user's file that cannot be loaded is warned of: the pipeline may
+/// The registry with what the plug-ins offer. Those of the user's own file come where the command asks for more than is known
+/// without them (`serves`); one of these that cannot be loaded is warned of: the pipeline may
 /// have no use for it.
 ///
 /// Errors: one that an option names cannot be loaded; the user's file is wrong; two filters of one name.
-pub fn with(mut registry: Registry, wanted: &Plugins, own_file: bool) -> Result<Registry> {
-    let file = files::configuration_folder().join(FILE);
-    let configured = if own_file { voltet_plugins::configured(&file)? } else { Vec::new() };
-    let mut told = Vec::new();
-    let mut loaded: Vec<PathBuf> = Vec::new();
-    let options = wanted.plugin_files.iter().map(|path| (path, None, true));
-    let own = configured.iter().map(|own| (&own.path, own.fingerprint.as_deref(), false));
-    for (path, fingerprint, is_option) in options.chain(own) {
-        let whole = std::fs::canonicalize(path).unwrap_or_else(|_| path.clone());
-        if loaded.contains(&whole) {
-            continue;
+pub fn with(
+    mut registry: Registry,
+    wanted: &Plugins,
+    serves: impl FnOnce(&Registry) -> bool,
+) -> Result<Registry> {
+    let (mut told, mut loaded) = (Vec::new(), Vec::new());
+    for path in &wanted.plugin_files {
+        if is_new(&mut loaded, path) {
+            let (more, plugin) = add(&registry, path, wanted.plugin_process)?;
+            registry = more;
+            told.push(plugin);
         }
-        loaded.push(whole);
-        let added = kept_to(path, fingerprint).and_then(|()| add(&registry, path, wanted.plugin_process));
-        match added {
+    }
+    let file = files::configuration_folder().join(FILE);
+    let configured = if serves(&registry) { Vec::new() } else { voltet_plugins::configured(&file)? };
+    for own in configured.iter().filter(|own| is_new(&mut loaded, &own.path)) {
+        let kept = kept_to(&own.path, own.fingerprint.as_deref());
+        match kept.and_then(|()| add(&registry, &own.path, wanted.plugin_process)) {
             Ok((more, plugin)) => {
                 registry = more;
                 told.push(plugin);
             }
-            Err(error) if is_option => return Err(error),
             Err(error) => {
                 say(&warning(&error, None));
-                told.push(format!("'{}', named by {}, cannot be loaded", path.display(), file.display()));
+                let path = own.path.display();
+                told.push(format!("'{path}', named by {}, cannot be loaded", file.display()));
             }
         }
     }
@@ -47,6 +51,14 @@ pub fn with(mut registry: Registry, wanted: &Plugins, own_file: bool) -> Result<
         false => format!("of the plug-ins: {}", told.join("; ")),
     });
     Ok(registry)
+}
+
+/// Whether a library was not loaded yet; it is then.
+fn is_new(loaded: &mut Vec<PathBuf>, path: &Path) -> bool {
+    let whole = std::fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
+    let is_new = !loaded.contains(&whole);
+    loaded.push(whole);
+    is_new
 }
 
 /// Errors: the library is not the one that the user's file says.

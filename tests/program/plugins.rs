@@ -219,9 +219,11 @@ fn the_users_own_file_names_plugins() {
     folder.voltet_where(home, &["run", "slab.toml"]).ok();
     // The same library by an option: once is enough.
     folder.voltet_where(home, &["check", "slab.toml", "--plugin", "filter.so"]).ok();
-    // One that is gone is warned of; the pipeline may do without.
+    // One that is gone is warned of; what lists all looks for it, and what does without does not.
     std::fs::write(&file, "plugins = ['gone.so']\n").unwrap();
     let ran = folder.voltet_where(home, &["check", "slab.toml", "--plugin", "filter.so"]).ok();
+    assert_eq!(ran.stderr, "");
+    let ran = folder.voltet_where(home, &["nodes", "--plugin", "filter.so"]).ok();
     assert!(
         ran.stderr.contains("warning: the plug-in cannot be read") && ran.stderr.contains("gone.so"),
         "{}",
@@ -252,6 +254,8 @@ fn the_users_own_file_names_plugins() {
         std::fs::write(&file, text).unwrap();
         folder.voltet_where(home, &["check", "slab.toml"]).fails(2, wanted);
     }
-    // A command that opens no pipeline does not read it.
+    // A command that needs none does not read it.
+    folder.write("plain.toml", slab("method = \"least-squares\""));
+    folder.voltet_where(home, &["run", "plain.toml"]).ok();
     folder.voltet_where(home, &["info", "cube.vtu"]).ok();
 }
