@@ -182,6 +182,17 @@ impl Session {
         fed.0.into_iter().next().ok_or_else(|| Error::run("the node gave nothing").at_node(node))
     }
 
+    /// Gives the graph of a node's picture, with what keeps the values that feed it, to work that no node does.
+    pub fn with_graph<T>(
+        &mut self,
+        scene: &dyn Scene,
+        node: &str,
+        work: impl FnOnce(&Graph, &mut voltet_core::graph::Session) -> Result<T>,
+    ) -> Result<T> {
+        let graph = self.graph_for(scene, node, "image")?;
+        work(&graph, &mut self.runs).map_err(|error| scene.locate(error))
+    }
+
     /// The graph of the whole pipeline: all that it writes, and the pictures and probes that feed nothing.
     pub fn whole(&self, scene: &dyn Scene) -> Result<Graph> {
         let mut entries = scene.pipeline().nodes.clone();

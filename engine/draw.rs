@@ -154,9 +154,34 @@ pub fn composite(
     prepare(projection, transfer_function, shading)?.composite(progress)
 }
 
+/// Refuses ends of rays that are not those of a picture.
+fn check_ends(ends: &[f32], [width, height]: [usize; 2]) -> Result<()> {
+    if ends.len() != width * height {
+        let error = Error::usage("the rays' ends are not one a pixel").found(ends.len());
+        return Err(error.accepted(format!("{width} × {height}, the camera's")));
+    }
+    match ends.iter().position(|end| end.is_nan()) {
+        None => Ok(()),
+        Some(pixel) => Err(Error::usage("the end of a ray is not a number")
+            .found(format!("pixel {} of row {}", pixel % width, pixel / width))
+            .accepted("depths, infinite where nothing ends a ray")),
+    }
+}
+
 impl Ready<'_> {
     /// Integrates and composites every pixel's segments. Errors: a stopped run, a segment that the integrator gives up.
     pub fn composite(&self, progress: &dyn Progress) -> Result<(Picture, Counts)> {
+        self.composite_until(None, progress)
+    }
+
+    /// The same of rays that end, as at opaque surfaces that others draw. `ends`: for each pixel, row by row from the top, the depth
+    /// of its ray's end along the view direction, world units; infinite where nothing ends it. Errors: another number of pixels, a
+    /// depth that is no number.
+    pub fn composite_until(
+        &self,
+        ends: Option<&[f32]>,
+        progress: &dyn Progress,
+    ) -> Result<(Picture, Counts)> {
         let Ready { projection, attributes, shader, table_bytes } = self;
         let cells = &projection.cells;
         let needs_order = shader.one_color.is_none();
@@ -165,6 +190,9 @@ impl Ready<'_> {
             Order::Centroid | Order::None => false,
         };
         let [width, height] = projection.camera.size.map(|n| n as usize);
+        if let Some(ends) = ends {
+            check_ends(ends, [width, height])?;
+        }
         let mut picture = Picture::transparent(width, height);
         let (cells_projected, table_bytes) = (projection.cells_projected(), *table_bytes);
         let mut counts = Counts { cells_projected, table_bytes, ..Counts::default() };
@@ -175,7 +203,8 @@ impl Ready<'_> {
         }
         for sample in &projection.samples {
             let tetrahedra = &cells.volume.grid.tetrahedra;
-            let frame = Frame::new(sample, tetrahedra, &all, attributes.len(), shader, sorted);
+            let mut frame = Frame::new(sample, tetrahedra, &all, attributes.len(), shader, sorted);
+            frame.ends = ends;
             let queue = sample.queue();
             let next = AtomicUsize::new(0);
             let results: Vec<Drawn> =

@@ -3,6 +3,7 @@
 use crate::attribute::Attribute;
 use crate::cells::Cells;
 use crate::fragments::batch::Batch;
+use crate::fragments::ends::Ends;
 use crate::project::cell64::{Cell64, Crossing64};
 use crate::project::part::{Input, ProjectPart, ProjectedPart};
 use crate::project::record::{AttributeRecord, Record, TILE};
@@ -52,6 +53,8 @@ pub(crate) struct Frame<'a> {
     pub distance_origin: f64,
     /// See [`crate::fragments::crossing::Group::evaluate`].
     pub near: Option<[f32; 3]>,
+    /// Where the ray of every pixel ends, row by row: depth along the view direction, world units.
+    pub ends: Option<&'a [f32]>,
     sample: &'a Sample,
     tetrahedra: &'a [[u32; 4]],
     /// What widgets look at, then the gradient where it is looked at.
@@ -225,9 +228,21 @@ impl<'a> Frame<'a> {
             sorted,
             distance_origin: sample.distance_origin,
             near: sample.near,
+            ends: None,
             sample,
             tetrahedra,
             attributes,
+        }
+    }
+
+    /// Where the rays of a tile's pixels end, for [`crate::fragments::ends::cut`]; nothing where none does.
+    pub fn ends_of(&self, left: usize, top: usize, ends: &mut Ends) {
+        let (Some(all), [width, height]) = (self.ends, self.view.size) else { return };
+        for (pixel, end) in ends.iter_mut().enumerate() {
+            let (i, j) = (left + pixel % TILE, top + pixel / TILE);
+            if i < width && j < height {
+                *end = (f64::from(all[j * width + i]) / self.view.length - self.distance_origin) as f32;
+            }
         }
     }
 

@@ -11,6 +11,7 @@ use crate::composite::lists::{Lists, Overflow, Resolve};
 use crate::composite::sinks::{DepthSink, OPAQUE_DEPTH, Sink, TilePicture, of_one_color};
 use crate::fragments::batch::{BATCH, Batch, LANES_MOST};
 use crate::fragments::crossing::Group;
+use crate::fragments::ends::{Ends, cut};
 use crate::fragments::spans::{Edges, Fragments};
 use crate::project::record::TILE;
 use crate::sample::Frame;
@@ -58,6 +59,7 @@ struct Scratch {
     stretch: [f32; TILE * TILE],
     rays: Rays,
     later: Later,
+    ends: Ends,
     counts: WorkerCounts,
 }
 
@@ -74,6 +76,7 @@ impl Worker<'_> {
             stretch: [1.0; TILE * TILE],
             rays: [[0.0; TILE * TILE]; 3],
             later: Later::default(),
+            ends: [f32::INFINITY; TILE * TILE],
             counts: WorkerCounts::default(),
         };
         let mut lists = Lists::new();
@@ -113,6 +116,7 @@ fn draw_tile(
     if frame.shader.surface.is_some_and(|surface| surface.silhouette.is_some()) {
         rays(&frame.view, left, top, &mut scratch.rays);
     }
+    frame.ends_of(left, top, &mut scratch.ends);
     if let Some(color) = frame.shader.one_color {
         let mut depth = [0.0; TILE * TILE];
         // Pixels beyond the picture's edge wait for nothing.
@@ -173,10 +177,13 @@ fn walk<S: Sink>(
     let right = (left + TILE).min(frame.view.size[0]);
     let bottom = (top + TILE).min(frame.view.size[1]);
     let rows = rows.start..rows.end.min(bottom - top);
-    let Scratch { fragments, edges, group, batch, shaded, stretch, rays, later, counts } = scratch;
+    let Scratch { fragments, edges, group, batch, shaded, stretch, rays, later, ends, counts } = scratch;
     later.clear();
     let waits = S::WAITS && frame.shader.knows_opacity();
-    let mut shade = |batch: &Batch, count: usize, shaded: &mut Shaded| {
+    let mut shade = |batch: &mut Batch, count: usize, shaded: &mut Shaded| {
+        if frame.ends.is_some() {
+            cut(batch, count, frame.attribute_count, ends);
+        }
         shade(frame, rays, batch, count, shaded, waits.then_some(&mut *later));
     };
 

@@ -2,6 +2,7 @@
 
 pub(crate) mod batch;
 pub(crate) mod crossing;
+pub(crate) mod ends;
 pub(crate) mod spans;
 #[cfg(test)]
 mod spans_tests;

@@ -8,6 +8,7 @@
 //! | `filter` | gradient filters that are Python functions |
 //! | `follow` | runs without the interpreter's lock, that Ctrl-C stops |
 //! | `study` | error against run time |
+//! | `until` | pictures of rays that end at surfaces of others |
 //! | `declared` | what can be stated: node types, filters, widgets |
 //! | `value` | values of parameters, from Python and to it |
 //! | `error` | errors and panics as exceptions |
@@ -22,6 +23,7 @@ mod grid;
 mod memory;
 mod pipeline;
 mod study;
+mod until;
 mod value;
 
 use pyo3::prelude::*;

@@ -4,8 +4,9 @@ use crate::error::{exception, guarded};
 use crate::filter;
 use crate::follow::followed;
 use crate::grid::Grid;
-use crate::memory::{array, bytes_of};
+use crate::memory::{Lent, array, bytes_of};
 use crate::study::{Asked, study};
+use crate::until;
 use crate::value::{object, settings, table};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -412,6 +413,25 @@ impl Pipeline {
             Ok((drawn, held.report()))
         })?;
         Ok((picture(py, &drawn)?, report))
+    }
+
+    /// Draws the picture of a node with rays that end at these depths (one a pixel, row 0 at the top).
+    fn render_until<'py>(
+        &self,
+        py: Python<'py>,
+        node: &str,
+        ends: &Bound<'py, PyAny>,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let ends: Lent<f32> = Lent::of("ends", ends)?;
+        // A copy: whoever lent them may write them meanwhile.
+        let ends = ends.values().to_vec();
+        let drawn = self.long(py, progress.as_ref(), |held, observer| {
+            held.sound()?;
+            let Held { runs, stated, .. } = held;
+            runs.with_graph(stated, node, |graph, session| until::draw(graph, session, node, &ends, observer))
+        })?;
+        picture(py, &drawn)
     }
 
     /// Runs all of it, as `voltet run` does: pictures by node, and the report.

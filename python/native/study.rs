@@ -1,5 +1,6 @@
 //! Error against run time, as `voltet study` measures it.
 
+use crate::until::Told;
 use std::path::PathBuf;
 use std::time::Duration;
 use voltet::study::work_precision::{
@@ -8,7 +9,6 @@ use voltet::study::work_precision::{
 };
 use voltet_core::graph::{Graph, Observer, suggest};
 use voltet_core::picture::Picture;
-use voltet_core::progress::Progress;
 use voltet_core::{Error, Result};
 use voltet_nodes::drawing::ENGINES;
 
@@ -25,23 +25,6 @@ pub struct Asked {
     pub max_error: Option<f64>,
     /// Where its files go; `None`: nowhere.
     pub output: Option<PathBuf>,
-}
-
-/// Progress that is told as that of a node `study`.
-struct Told<'a>(&'a dyn Observer);
-
-impl Progress for Told<'_> {
-    fn report(&self, stage: &str, fraction: f64) {
-        self.0.progress("study", stage, fraction);
-    }
-
-    fn cancelled(&self) -> bool {
-        self.0.cancelled()
-    }
-
-    fn memory_left(&self) -> Option<u64> {
-        self.0.memory_left()
-    }
 }
 
 impl Asked {
@@ -99,7 +82,7 @@ pub fn study(
     observer: &dyn Observer,
 ) -> Result<(String, Picture)> {
     let wish = asked.wish()?;
-    let progress = Told(observer);
+    let progress = Told { observer, node: "study" };
     let mut session = voltet_nodes::session();
     let subject = Subject::gather(graph, asked.node.as_deref(), false, &mut session, observer)?;
     let benches = Benches::open(&subject, &wish)?;

@@ -169,3 +169,22 @@ def test_the_size_is_known_before_drawing(slab):
     assert uniform(grid, (8, 4)).size("picture") == (8, 4)
     with pytest.raises(voltet.UsageError, match="gives no picture"):
         slab.size("view")
+
+
+def test_rays_that_end_see_what_is_before_their_end(slab):
+    # The slab begins 4 before the eye and is 1 deep.
+    depths = np.full((16, 16), np.inf)
+    depths[:, :8] = 4.25
+    depths[0] = 3.0
+    rgba = slab.render_until(depths)
+    assert np.allclose(rgba[1:, :8, 3], 1 - np.exp(-2 * 0.25), atol=1e-5)
+    assert np.allclose(rgba[1:, 8:], slab.render()[1:, 8:], atol=1e-6) and (rgba[0] == 0).all()
+    with pytest.raises(voltet.UsageError, match="shape"):
+        slab.render_until(np.zeros((4, 4)))
+    with pytest.raises(voltet.UsageError, match="not a number"):
+        slab.render_until(np.full((16, 16), np.nan))
+    # In several colours, too, where segments are sorted.
+    look = slab["look"]["widgets"]
+    slab["look"]["widgets"] = look + [{**look[0], "color": [0.0, 1.0, 0.0], "extinction": 1.0}]
+    rgba = slab.render_until(depths)
+    assert np.allclose(rgba[5, 3, 3], 1 - np.exp(-3 * 0.25), atol=1e-5)

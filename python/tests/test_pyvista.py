@@ -187,3 +187,31 @@ def test_nothing_stays_of_a_plotter_that_is_closed():
     del v, p
     gc.collect()
     assert gone() is None
+
+
+def test_surfaces_stand_in_the_volume_by_depth():
+    camera = pv.Camera()
+    camera.position, camera.focal_point, camera.up = (0.5, -4, 0.5), (0.5, 0.5, 0.5), (0, 0, 1)
+    for parallel in (False, True):
+        camera.parallel_projection = parallel
+        camera.parallel_scale = 0.4
+        for place, depth in ((-1.0, 0.0), (0.25, 0.25), (0.5, 0.5), (3.0, 1.0)):
+            p = plotter()
+            plane = pv.Plane(center=(0.5, place, 0.5), direction=(0, 1, 0), i_size=9, j_size=9)
+            p.add_mesh(plane, color=(0.0, 0.0, 1.0), lighting=False)
+            v = p.voltet.add_volume(
+                cube(), "T", opacity=[0.9, 0.9], cmap=["red", "red"], show_scalar_bar=False, engine="cpu"
+            )
+            p.camera = camera.copy()
+            img = shown(p)[45, 60].astype(float) / 255
+            assert v.error is None
+            alpha = 1 - (1 - round(0.9 * 255) / 255) ** depth
+            assert np.abs(img - [alpha, 0, 1 - alpha]).max() < 0.015, (parallel, place, img, alpha)
+            draws = v.draws
+            p.render()
+            assert v.draws == draws
+            plane.points[:, 1] += 0.1
+            plane.Modified()
+            p.render()
+            assert v.draws == draws + 1, "moved surfaces end rays elsewhere"
+            p.close()

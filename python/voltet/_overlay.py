@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pyvista as pv
-from vtkmodules.util.numpy_support import numpy_to_vtk
+from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
+from vtkmodules.vtkCommonCore import vtkFloatArray
 
 from ._errors import usage
 from ._picture import Picture
@@ -109,21 +110,48 @@ class Overlay:
             return
         size = (max(1, round(width * self._scale)), max(1, round(height * self._scale)))
         grid = self._look.grid()
-        view = camera_parameters(self._renderer.GetActiveCamera(), size)
-        seen = (repr(view), id(grid))
+        camera = self._renderer.GetActiveCamera()
+        view = camera_parameters(camera, size)
+        ends = _ends(window, camera, (left, bottom), (width, height), size)
+        seen = (repr(view), id(grid), None if ends is None else hash(ends.tobytes()))
         if seen != self._seen:
             if grid is not self._given:
                 self.pipeline.give(grid, "grid")
                 self._given = grid
             stated = self.pipeline["view"].parameters
             self.pipeline.set({f"view.{key}": value for key, value in view.items() if stated.get(key) != value})
-            self.picture = self.pipeline.render("picture")
+            if ends is None:
+                self.picture = self.pipeline.render("picture")
+            else:
+                self.picture = self.pipeline.render_until(ends, "picture")
             self.draws += 1
             self._pixels = _pixels(self.picture, (width, height), self._look.linear)
             self._seen = seen
         window.SetRGBAPixelData(
             left, bottom, left + width - 1, bottom + height - 1, self._pixels, 0 if window.GetDoubleBuffer() else 1, 1
         )
+
+
+def _ends(
+    window: Any, camera: Any, corner: tuple[int, int], window_size: tuple[int, int], size: tuple[int, int]
+) -> np.ndarray | None:
+    """How far each pixel's ray goes before it meets a surface, along the view direction; None where none does."""
+    values = vtkFloatArray()
+    (left, bottom), (width, height) = corner, window_size
+    if not window.GetZbufferData(left, bottom, left + width - 1, bottom + height - 1, values):
+        return None
+    z = vtk_to_numpy(values).reshape(height, width)[::-1]
+    if not (z < 1.0).any():
+        return None
+    rows = ((np.arange(size[1]) + 0.5) * height / size[1]).astype(int)
+    columns = ((np.arange(size[0]) + 0.5) * width / size[0]).astype(int)
+    z = z[rows][:, columns].astype(float)
+    near, far = camera.GetClippingRange()
+    if camera.GetParallelProjection():
+        depth = near + z * (far - near)
+    else:
+        depth = near * far / (far - z * (far - near))
+    return np.where(z < 1.0, depth, np.inf).astype(np.float32)
 
 
 def _pixels(picture: Picture, size: tuple[int, int], linear: bool) -> Any:

@@ -235,6 +235,22 @@ class Pipeline:
             rgba, report = self._native.render(node, told)
         return picture(rgba, _report(report))
 
+    def render_until(
+        self, ends: Any, node: str = "picture", progress: bool | None | Progress = None
+    ) -> Picture:
+        """Draws the picture of a node whose rays end, as at opaque surfaces that another program draws; on the CPU.
+
+        `ends`: an array of height × width, row 0 at the top: the depth of the end of each pixel's ray along the view direction, in
+        the grid's units; infinite where nothing ends it. Laid over a picture of the surfaces, what is drawn stands before and
+        about them as it should."""
+        width, height = self.size(node)
+        depths = np.require(np.asarray(ends), np.float32, ["C", "A"])
+        if depths.shape != (height, width):
+            raise usage("the rays' ends have the wrong shape", f"shape {depths.shape}", f"({height}, {width})", "ends")
+        self._lend()
+        with followed(progress) as told:
+            return picture(self._native.render_until(node, depths, told), {})
+
     def size(self, node: str | None = None) -> tuple[int, int]:
         """Width and height of a node's picture, pixels."""
         width, height = self._native.size(node)

@@ -196,7 +196,8 @@ class PlotterAccessor:
         Overlay
             With `picture`, `pipeline`, `modified()` and `remove()`.
 
-        It is drawn again when camera, window, data (by VTK's modified times) or the surfaces before it change, and not otherwise.
+        It is drawn again when camera, window, data (by VTK's modified times) or opaque surfaces in it change, and not otherwise.
+        Before and behind opaque surfaces it stands as it should: rays end where they meet one (on the CPU, by the native engine).
         Several volumes in one renderer are laid one over the other in the order in which they were added.
         """
         plotter = self._plotter
