@@ -1,0 +1,49 @@
+"""Run by pvpython off-screen: the plug-in's filters, a state saved and loaded again. Arguments: the plug-in, a folder."""
+
+import inspect
+import sys
+
+# ParaView 5.11 asks for a function that Python 3.11, which Debian builds it with, no longer has.
+if not hasattr(inspect, "getargspec"):
+    inspect.getargspec = inspect.getfullargspec
+
+import numpy as np
+from paraview import simple
+from vtkmodules.util.numpy_support import vtk_to_numpy
+
+plugin, folder = sys.argv[1:3]
+simple.LoadPlugin(plugin, remote=False, ns=globals())
+
+wavelet = simple.Wavelet(WholeExtent=[-5, 5] * 3)
+gradient = VoltetGradientMagnitude(Input=wavelet, Scalar=["POINTS", "RTData"], ComputeGradient=1)  # noqa: F821
+gradient.UpdatePipeline()
+point = gradient.PointData
+assert {"RTData", "RTData_gradient", "RTData_gradient_magnitude"} <= {point[i].GetName() for i in range(len(point))}
+picture = VoltetRenderer(Input=gradient, Scalar=["POINTS", "RTData"], Size=[40, 30])  # noqa: F821
+picture.UpdatePipeline()
+
+
+def pixels(proxy):
+    data = simple.servermanager.Fetch(proxy)
+    assert data.GetDimensions() == (40, 30, 1), data.GetDimensions()
+    return vtk_to_numpy(data.GetPointData().GetArray("RGBA")).copy()
+
+
+first = pixels(picture)
+assert first[:, 3].max() > 20, first[:, 3].max()
+picture.Extinction = 1.0
+picture.UpdatePipeline()
+assert not np.array_equal(pixels(picture), first)
+picture.Extinction = 0.2
+picture.Method = "cell-average"
+picture.UpdatePipeline()
+before = pixels(picture)
+
+simple.SaveState(folder + "/state.pvsm")
+simple.ResetSession()
+simple.LoadPlugin(plugin, remote=False, ns=globals())
+simple.LoadState(folder + "/state.pvsm")
+again = next(proxy for (name, _), proxy in simple.GetSources().items() if "Renderer" in name)
+again.UpdatePipeline()
+assert np.array_equal(pixels(again), before)
+print("done")
