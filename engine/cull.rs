@@ -63,7 +63,7 @@ pub fn cull(
         .enumerate()
         .map(|(chunk, tetrahedra)| {
             let mut kept = Vec::with_capacity(CHUNK);
-            let (mut by_function, mut by_frustum) = (0, 0);
+            let (mut by_function, mut by_frustum, mut toucher) = (0, 0, 0);
             for (k, corners) in tetrahedra.iter().enumerate() {
                 let at = corners.map(|p| p as usize);
                 if at.iter().fold(u8::MAX, |all, &p| all & outside[p]) != 0 {
@@ -71,10 +71,12 @@ pub fn cull(
                     continue;
                 }
                 let values = corner_values.of(&at);
-                if !values.touch(|s, g, fields| support.touches(s, g, fields, least)) {
-                    by_function += 1;
-                } else {
-                    kept.push((chunk * CHUNK + k) as u32);
+                match values.touch(|s, g, fields| support.toucher(toucher, s, g, fields, least)) {
+                    Some(widget) => {
+                        toucher = widget;
+                        kept.push((chunk * CHUNK + k) as u32);
+                    }
+                    None => by_function += 1,
                 }
             }
             // Which widgets are worth their place; asked until one cell says so.
@@ -185,7 +187,7 @@ impl CornerValues<'_> {
 
 impl CellValues {
     #[inline]
-    fn touch(&self, test: impl FnOnce(&[f64; 4], &[f64; 4], &[[f64; 4]]) -> bool) -> bool {
+    fn touch<T>(&self, test: impl FnOnce(&[f64; 4], &[f64; 4], &[[f64; 4]]) -> T) -> T {
         test(&self.s, &self.g, &self.fields[..self.field_count])
     }
 }

@@ -103,6 +103,10 @@ proptest! {
             prop_assert!(support.touches(&s, &g, fields, bound * 0.999));
             prop_assert!(!support.touches(&s, &g, fields, bound * 1.001));
         }
+        for first in 0..3 {
+            let toucher = support.toucher(first, &s, &g, fields, bound * 0.999);
+            prop_assert_eq!(toucher.is_some(), bound > 0.0);
+        }
         // A path through the inside, and paths that stay at a vertex: there the bound is often reached.
         let corner = |i: usize| std::array::from_fn(|k| f64::from(u8::from(k == i)));
         let vertices = (0..4).map(|i| (corner(i), corner(i)));
