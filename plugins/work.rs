@@ -64,7 +64,10 @@ impl Given {
     /// Calls the function that computes; gives what it said, and the vectors. `needs`: what is computed for it.
     pub fn compute(&self, function: Function, needs: u32, state: &State) -> (Said, Vec<DVec3>) {
         use std::ptr::null;
-        let [neighbours, cells] = self.tables(needs);
+        let point_count = self.grid.points.len();
+        // Memory that nobody has touched yet takes its time, too.
+        let (tables, vectors) = rayon::join(|| self.tables(needs), || fresh::<DVec3, f64>(point_count));
+        let [neighbours, cells] = tables;
         let starts = |rows: &Option<Compressed>| rows.as_ref().map_or(null(), |rows| rows.starts.as_ptr());
         let items = |rows: &Option<Compressed>| rows.as_ref().map_or(null(), |rows| rows.items.as_ptr());
         let values_of =
@@ -72,8 +75,7 @@ impl Given {
         let arrays: Vec<*const f64> = self.arrays.iter().map(values_of).collect();
         let pointers = self.values.pointers();
         let values: Values = self.values.by(&pointers);
-        let point_count = self.grid.points.len();
-        let mut vectors = match fresh::<DVec3, f64>(point_count) {
+        let mut vectors = match vectors {
             Ok(vectors) => vectors,
             Err(wrong) => {
                 state.complain(wrong);

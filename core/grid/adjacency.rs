@@ -152,7 +152,8 @@ pub fn points_of_points(grid: &Grid, cells_of_points: &Rows) -> Rows {
     let parts: Vec<(Vec<u32>, Vec<u32>)> = (0..point_count.div_ceil(TASK))
         .into_par_iter()
         .map_init(Neighbours::default, |neighbours, task| {
-            let (mut counts, mut items) = (Vec::with_capacity(TASK), Vec::new());
+            // A point of a tetrahedral grid has some 14 neighbours.
+            let (mut counts, mut items) = (Vec::with_capacity(TASK), Vec::with_capacity(16 * TASK));
             for p in task * TASK..((task + 1) * TASK).min(point_count) {
                 let row = neighbours.of(grid, cells_of_points, p);
                 counts.push(row.len() as u32);
