@@ -1,65 +1,14 @@
-//! Files of formats that come from outside: the table of contents of what their reader says, decoded by it.
+//! Files of formats that come from outside, decoded by their reader.
 //!
 //! What a request means is asked of the reader at once ([`Added::fetch`]), since one that looks through a text would do so for
 //! every array; what is asked for later is read when it is wanted.
 
-use super::numbers::{ByteOrder, NumberType};
-use super::piece::{Dataset, Geometry, Piece, PieceArray};
-use super::request::{Request, TimeStep};
-use super::source::Source;
-use super::stored::{Compute, Encoding, Stored};
 use glam::DVec3;
-use std::path::Path;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use voltet_core::grid::{Association, Cells};
-use voltet_core::parameters::Parameters;
 use voltet_core::progress::{Progress, refuse_beyond_memory};
-use voltet_core::reading::{GridRead, GridReader, OpenGrid};
+use voltet_core::reading::{GridRead, OpenGrid};
 use voltet_core::{Error, Result};
-
-/// The reader of a format that comes from outside, with what its parameters are set to.
-#[derive(Clone)]
-pub struct Chosen {
-    /// The reader.
-    pub reader: &'static dyn GridReader,
-    /// Its parameters, and maybe others.
-    pub parameters: Parameters,
-}
-
-impl Chosen {
-    /// With its standard values, for a file of its format; the first of several. `None` where it is of none of theirs.
-    ///
-    /// Errors: the file cannot be read; a parameter that must be given.
-    pub fn for_file(
-        path: &Path,
-        mut readers: impl Iterator<Item = &'static dyn GridReader>,
-    ) -> Result<Option<Chosen>> {
-        let mut head = None;
-        let meant = readers.find_map(|reader| {
-            // Not opened for nobody.
-            let head = head.get_or_insert_with(|| Source::open(path).and_then(|source| source.head(256)));
-            match head {
-                Ok(head) => reader.is_meant(head, path).then_some(Ok(reader)),
-                Err(error) => Some(Err(error.clone())),
-            }
-        });
-        let Some(reader) = meant.transpose()? else { return Ok(None) };
-        let parameters = Parameters::of(reader.declaration().parameters, [])?;
-        Ok(Some(Chosen { reader, parameters }))
-    }
-}
-
-impl PartialEq for Chosen {
-    fn eq(&self, other: &Chosen) -> bool {
-        std::ptr::addr_eq(self.reader, other.reader) && self.parameters == other.parameters
-    }
-}
-
-impl std::fmt::Debug for Chosen {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Chosen").field("reader", &self.reader.declaration().name).finish_non_exhaustive()
-    }
-}
 
 /// An open file, and what was read of it and not yet taken.
 pub(super) struct Added {
@@ -81,70 +30,13 @@ impl std::fmt::Debug for Added {
     }
 }
 
-/// Reads the table of contents.
-pub(super) fn open(source: &Arc<Source>, request: &Request, chosen: &Chosen) -> Result<Dataset> {
-    let Chosen { reader, parameters } = chosen;
-    let at = |step: usize| reader.open(source.path(), step, parameters, &voltet_core::progress::Silent);
-    let step = match request.time_step {
-        None => 0,
-        Some(TimeStep::Index(step)) => step,
-        Some(TimeStep::Time(time)) => nearest(&at(0)?.head().times, time)?,
-    };
-    let mut open = at(0)?;
-    let step_count = open.head().times.len();
-    if step >= step_count.max(1) && step_count > 0 {
-        return Err(Error::run("the series has no such time step")
-            .found(step)
-            .accepted(format!("0 to {}", step_count - 1)));
-    }
-    if step > 0 && step_count > 0 {
-        open = at(step)?;
-    }
-    let head = open.head().clone();
-    let ready = Ready { arrays: vec![None; head.arrays.len()], ..Ready::default() };
-    let added = Arc::new(Added { open, ready: Mutex::new(ready) });
-    let array = |(place, array): (usize, &voltet_core::reading::ArrayOfFile)| {
-        let (per_cell, of) = (array.association == Association::Cell, added.clone());
-        let compute: Compute = Arc::new(move |meter| of.array(place, meter.progress()));
-        let stored = Stored {
-            source: source.clone(),
-            name: array.name.clone(),
-            number_type: NumberType::F64,
-            order: ByteOrder::Little,
-            component_count: array.component_count,
-            tuple_count: Some(if per_cell { head.cell_count } else { head.point_count }),
-            encoding: Encoding::Computed(compute),
-        };
-        PieceArray { per_cell, stored }
-    };
-    let piece = Piece {
-        point_count: head.point_count,
-        cell_count: head.cell_count,
-        arrays: head.arrays.iter().enumerate().map(array).collect(),
-        geometry: Geometry::Added(added, source.clone()),
-    };
-    Ok(Dataset {
-        format: head.format,
-        pieces: vec![piece],
-        time_steps: head.times,
-        active_scalars: head.scalar,
-        warnings: Vec::new(),
-    })
-}
-
-/// The step whose time is nearest.
-fn nearest(times: &[f64], time: f64) -> Result<usize> {
-    let (Some(first), Some(last)) = (times.first(), times.last()) else { return Ok(0) };
-    if !(*first..=*last).contains(&time) {
-        let error = Error::run("the time lies outside the series").found(time);
-        return Err(error.accepted(format!("{first} to {last}")));
-    }
-    let distance = |step: &usize| (times[*step] - time).abs();
-    let steps = 0..times.len();
-    Ok(steps.min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0))
-}
-
 impl Added {
+    /// Of an open file, of which nothing was read yet.
+    pub fn new(open: Box<dyn OpenGrid>) -> Added {
+        let ready = Ready { arrays: vec![None; open.head().arrays.len()], ..Ready::default() };
+        Added { open, ready: Mutex::new(ready) }
+    }
+
     fn ready(&self) -> MutexGuard<'_, Ready> {
         self.ready.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -214,7 +106,7 @@ impl Added {
     }
 
     /// The values of an array.
-    fn array(&self, place: usize, progress: &dyn Progress) -> Result<Vec<f64>> {
+    pub fn array(&self, place: usize, progress: &dyn Progress) -> Result<Vec<f64>> {
         self.taken(|ready| ready.arrays[place].take(), false, &[place], progress)
     }
 

@@ -11,7 +11,7 @@
 //! | `request`, `select` | what is asked of a file, and which of its arrays that means |
 //! | `open` | the list of formats, and what tells a file's |
 //! | `format` | the declaration of a format: how its files are told, and what reads them |
-//! | `added` | formats that come from outside, by a reader that a node type brings |
+//! | `outside`, `added`, `chosen` | formats that come from outside: table of contents, what their reader decodes, which reader |
 //! | `foreign` | formats that are not read, by name and with what to do |
 //! | `source` | a file, read at positions |
 //! | `piece`, `stored` | the table of contents: counts, geometry, and how each array lies in the file |
@@ -40,6 +40,7 @@ mod ascii;
 mod assemble;
 mod base64;
 mod cells;
+mod chosen;
 mod codec;
 mod decode;
 mod foreign;
@@ -50,6 +51,7 @@ mod legacy;
 mod merge;
 mod numbers;
 mod open;
+mod outside;
 mod piece;
 mod plot3d;
 mod request;
@@ -58,10 +60,10 @@ mod source;
 mod stored;
 mod xml;
 
-pub use added::Chosen;
 pub use assemble::Unread;
 pub(crate) use assemble::length;
 pub use cells::face_stream;
+pub use chosen::Chosen;
 pub use inspect::{ArrayHead, ArraySummary, Summary, arrays, inspect};
 use open::open;
 pub use open::{FILES, ships};

@@ -4,7 +4,7 @@ use super::format::Format;
 use super::piece::Dataset;
 use super::request::{Request, TimeStep};
 use super::source::{self, Source};
-use super::{added, foreign, legacy, plot3d, xml};
+use super::{foreign, legacy, outside, plot3d, xml};
 use std::path::Path;
 use voltet_core::{Error, Result};
 
@@ -27,7 +27,7 @@ pub(super) fn open(path: &Path, request: &Request) -> Result<Dataset> {
     let source = Source::open(path)?;
     let in_file = |error: Error| error.in_file(path);
     if let Some(chosen) = &request.chosen {
-        let dataset = added::open(&source, request, chosen).map_err(in_file)?;
+        let dataset = outside::open(&source, request, chosen).map_err(in_file)?;
         return refuse_no_series(dataset, request, "a file that is a series, or no time step")
             .map_err(in_file);
     }

@@ -1,6 +1,6 @@
 //! What is asked of a file.
 
-use super::added::Chosen;
+use super::chosen::Chosen;
 use std::path::PathBuf;
 use voltet_core::grid::CellValues;
 
