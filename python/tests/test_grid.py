@@ -104,6 +104,16 @@ def test_arrays_changed_in_place_are_drawn_anew(cube):
     assert np.allclose(slab.render()[8, 8, 3], 1 - np.exp(-2), atol=1e-5)
 
 
+def test_arrays_that_are_as_they_were_are_found_so_however_many_cores_looked():
+    points = np.random.default_rng(7).random((200_000, 3))
+    tetrahedra = np.arange(len(points), dtype=np.uint32).reshape(-1, 4)
+    grid = voltet.Grid(points, tetrahedra=tetrahedra, point_data={"x": points[:, 0].copy()})
+    made = grid._current()
+    assert all(grid._current() is made for _ in range(200))
+    points[-1, 2] += 1.0
+    assert grid._current() is not made
+
+
 def test_without_watching_changes_are_said(cube):
     grid = voltet.Grid(**cube, watch=False)
     slab = uniform(grid)
