@@ -17,47 +17,13 @@ pub struct Grid {
     watched: Vec<Watched>,
 }
 
-/// Memory, and the fingerprint that it had when the grid was made.
-struct Watched(Memory, u64);
-
-/// Memory of whatever type.
-enum Memory {
-    F64(Lent<f64>),
-    I64(Lent<i64>),
-    U32(Lent<u32>),
-    F32(Lent<f32>),
-    I32(Lent<i32>),
-    U8(Lent<u8>),
-}
-
-impl Memory {
-    fn of(name: &str, object: &Bound<'_, PyAny>) -> PyResult<Memory> {
-        Ok(match object.getattr("dtype")?.getattr("char")?.extract::<String>()?.as_str() {
-            "d" => Memory::F64(Lent::of(name, object)?),
-            "l" | "q" => Memory::I64(Lent::of(name, object)?),
-            "I" => Memory::U32(Lent::of(name, object)?),
-            "f" => Memory::F32(Lent::of(name, object)?),
-            "i" => Memory::I32(Lent::of(name, object)?),
-            _ => Memory::U8(Lent::of(name, object)?),
-        })
-    }
-
-    fn fingerprint(&self) -> u64 {
-        fingerprint(match self {
-            Memory::F64(lent) => lent.bytes(),
-            Memory::I64(lent) => lent.bytes(),
-            Memory::U32(lent) => lent.bytes(),
-            Memory::F32(lent) => lent.bytes(),
-            Memory::I32(lent) => lent.bytes(),
-            Memory::U8(lent) => lent.bytes(),
-        })
-    }
-}
+/// The bytes of an array, and the fingerprint that they had when the grid was made.
+struct Watched(Lent<u8>, u64);
 
 #[pymethods]
 impl Grid {
     /// From arrays that `voltet.Grid` has brought into form: C-contiguous, points of 64-bit floats, connectivity of 32-bit or
-    /// 64-bit whole numbers. `watch` lists the arrays whose changes [`Grid::changed`] finds.
+    /// 64-bit whole numbers. `watch` lists the bytes of the arrays whose changes [`Grid::changed`] finds.
     #[new]
     #[pyo3(signature = (points, cells, arrays, *, scalar, ghost, degrees, subdivision, constant_cells, keep_cells, watch))]
     #[allow(clippy::too_many_arguments)]
@@ -75,15 +41,13 @@ impl Grid {
         watch: Vec<Bound<'_, PyAny>>,
     ) -> PyResult<Grid> {
         // Before the grid is made of them: a change in between is found later.
-        let watched =
-            watch.iter().map(|array| Memory::of("an array", array)).collect::<PyResult<Vec<_>>>()?;
-        let watched = py.detach(|| {
-            watched
-                .into_iter()
-                .map(|memory| (memory.fingerprint(), memory))
-                .map(|(print, m)| Watched(m, print))
-                .collect()
-        });
+        let watched: Vec<Lent<u8>> =
+            watch.iter().map(|array| Lent::of("an array", array)).collect::<PyResult<_>>()?;
+        let printed = |memory: Lent<u8>| {
+            let print = fingerprint(memory.values());
+            Watched(memory, print)
+        };
+        let watched = py.detach(|| watched.into_iter().map(printed).collect());
         let points: Lent<f64> = Lent::of("points", points)?;
         let mut keep = Keep(vec![points.keep()]);
         let arrays = arrays.into_iter().map(|(name, values, component_count, on_cells)| {
@@ -110,16 +74,13 @@ impl Grid {
             options,
             keep: Arc::new(keep),
         };
-        let made = py.detach(|| {
-            std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| voltet_embed::grid(source, &Silent)))
-        });
-        let grid = guarded(py, || made.unwrap_or_else(|panic| std::panic::resume_unwind(panic)))?;
+        let grid = guarded(py, || py.detach(|| voltet_embed::grid(source, &Silent)))?;
         Ok(Grid { grid: Arc::new(grid), watched })
     }
 
     /// Whether a watched array is not as it was.
     fn changed(&self, py: Python<'_>) -> bool {
-        py.detach(|| self.watched.iter().any(|Watched(memory, print)| memory.fingerprint() != *print))
+        py.detach(|| self.watched.iter().any(|Watched(memory, print)| fingerprint(memory.values()) != *print))
     }
 
     /// What is known of it, as JSON.

@@ -44,12 +44,6 @@ impl<T: Element + Sync> Lent<T> {
     pub fn keep(&self) -> Arc<PyBuffer<T>> {
         self.keep.clone()
     }
-
-    /// The memory as bytes.
-    pub fn bytes(&self) -> &[u8] {
-        // SAFETY: numbers of Python's buffers have no gaps, and a byte needs no alignment.
-        unsafe { std::slice::from_raw_parts(self.values.as_ptr().cast(), size_of_val(self.values)) }
-    }
 }
 
 /// Bytes that one task hashes.
