@@ -4,7 +4,7 @@ use crate::error::guarded;
 use crate::memory::{Lent, fingerprint};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 use voltet_core::grid::{self, CellValues, Options, extent};
 use voltet_core::progress::Silent;
 use voltet_core::{Error, Shared};
@@ -15,6 +15,8 @@ use voltet_embed::{ArraySource, CellSource, Numbers, Source};
 pub struct Grid {
     pub grid: Arc<grid::Grid>,
     watched: Vec<Watched>,
+    /// What is known of it, as JSON, once it was asked for.
+    about: OnceLock<String>,
 }
 
 /// The bytes of an array, and the fingerprint that they had when the grid was made.
@@ -75,7 +77,7 @@ impl Grid {
             keep: Arc::new(keep),
         };
         let grid = guarded(py, || py.detach(|| voltet_embed::grid(source, &Silent)))?;
-        Ok(Grid { grid: Arc::new(grid), watched })
+        Ok(Grid { grid: Arc::new(grid), watched, about: OnceLock::new() })
     }
 
     /// Whether a watched array is not as it was.
@@ -83,40 +85,44 @@ impl Grid {
         py.detach(|| self.watched.iter().any(|Watched(memory, print)| fingerprint(memory.values()) != *print))
     }
 
-    /// What is known of it, as JSON.
-    fn about(&self) -> String {
-        let grid = &*self.grid;
-        let bytes = |lent: bool| {
-            let of = |is_lent: bool, bytes: usize| if is_lent == lent { bytes } else { 0 };
-            let arrays = grid.point_arrays.values().map(|a| of(a.values.is_lent(), size_of_val(&*a.values)));
-            arrays.sum::<usize>()
-                + of(grid.points.is_lent(), size_of_val(&*grid.points))
-                + of(grid.tetrahedra.is_lent(), size_of_val(&*grid.tetrahedra))
-        };
-        let arrays: serde_json::Map<String, serde_json::Value> = grid
-            .point_arrays
-            .iter()
-            .map(|(name, array)| {
-                let range = extent::range(&array.values).filter(|_| array.component_count == 1);
-                let about = serde_json::json!({ "components": array.component_count, "range": range });
-                (name.clone(), about)
-            })
-            .collect();
-        let bounds = grid.bounds().map(|corners| corners.map(|corner| corner.to_array()));
-        let about = serde_json::json!({
-            "points": grid.points.len(),
-            "tetrahedra": grid.tetrahedra.len(),
-            "bounds": bounds,
-            "arrays": arrays,
-            "scalar": grid.scalar.is_some().then_some(&grid.scalar_name),
-            "bytes_lent": bytes(true),
-            "bytes_copied": bytes(false),
-            "points_lent": grid.points.is_lent(),
-            "tetrahedra_lent": grid.tetrahedra.is_lent(),
-            "warnings": grid.origin.warnings,
-        });
-        about.to_string()
+    /// What is known of it, as JSON. Looked for once: ranges read all of the arrays.
+    fn about(&self) -> &str {
+        self.about.get_or_init(|| about(&self.grid))
     }
+}
+
+/// What is known of a grid, as JSON.
+fn about(grid: &grid::Grid) -> String {
+    let bytes = |lent: bool| {
+        let of = |is_lent: bool, bytes: usize| if is_lent == lent { bytes } else { 0 };
+        let arrays = grid.point_arrays.values().map(|a| of(a.values.is_lent(), size_of_val(&*a.values)));
+        arrays.sum::<usize>()
+            + of(grid.points.is_lent(), size_of_val(&*grid.points))
+            + of(grid.tetrahedra.is_lent(), size_of_val(&*grid.tetrahedra))
+    };
+    let arrays: serde_json::Map<String, serde_json::Value> = grid
+        .point_arrays
+        .iter()
+        .map(|(name, array)| {
+            let range = extent::range(&array.values).filter(|_| array.component_count == 1);
+            let about = serde_json::json!({ "components": array.component_count, "range": range });
+            (name.clone(), about)
+        })
+        .collect();
+    let bounds = grid.bounds().map(|corners| corners.map(|corner| corner.to_array()));
+    let about = serde_json::json!({
+        "points": grid.points.len(),
+        "tetrahedra": grid.tetrahedra.len(),
+        "bounds": bounds,
+        "arrays": arrays,
+        "scalar": grid.scalar.is_some().then_some(&grid.scalar_name),
+        "bytes_lent": bytes(true),
+        "bytes_copied": bytes(false),
+        "points_lent": grid.points.is_lent(),
+        "tetrahedra_lent": grid.tetrahedra.is_lent(),
+        "warnings": grid.origin.warnings,
+    });
+    about.to_string()
 }
 
 /// Holds memory whose slices have no end.
