@@ -113,8 +113,7 @@ fn points_of(numbers: &'static [f64]) -> Result<&'static [DVec3]> {
         let error = Error::usage("the points are not three numbers each").found(numbers.len());
         return Err(error.accepted("a multiple of 3"));
     }
-    // SAFETY: a DVec3 is three f64 one after the other, aligned as one; `glam` says so by `Pod`.
-    Ok(unsafe { std::slice::from_raw_parts(numbers.as_ptr().cast(), numbers.len() / 3) })
+    Ok(bytemuck::cast_slice(numbers))
 }
 
 fn arrays(arrays: Vec<ArraySource>, parts: &mut Parts) -> Result<()> {

@@ -1,6 +1,6 @@
 //! Gradient filters that are Python functions.
 
-use crate::memory::{Lent, array, bytes_of};
+use crate::memory::{Lent, array};
 use glam::DVec3;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -145,11 +145,9 @@ impl Function {
         parameters: &Parameters,
     ) -> PyResult<Vec<DVec3>> {
         let (points, tetrahedra) = (&grid.points, &grid.tetrahedra);
-        let flat: Vec<f64> = points.iter().flat_map(|p| p.to_array()).collect();
-        let points = array(py, "f8", bytes_of(&flat), &[points.len(), 3])?;
-        let tetrahedra =
-            array(py, "u4", bytes_of(tetrahedra.as_slice().as_flattened()), &[tetrahedra.len(), 4])?;
-        let values = array(py, "f8", bytes_of(scalar), &[scalar.len()])?;
+        let points = array(py, "f8", points, &[points.len(), 3])?;
+        let tetrahedra = array(py, "u4", tetrahedra, &[tetrahedra.len(), 4])?;
+        let values = array(py, "f8", scalar, &[scalar.len()])?;
         let arrays = PyDict::new(py);
         for name in &self.arrays {
             if let Some(found) = grid.point_arrays.get(name) {
@@ -157,7 +155,7 @@ impl Function {
                     1 => vec![scalar.len()],
                     n => vec![scalar.len(), n],
                 };
-                arrays.set_item(name, array(py, "f8", bytes_of(&found.values), &shape)?)?;
+                arrays.set_item(name, array(py, "f8", &found.values, &shape)?)?;
             }
         }
         let set = PyDict::new(py);

@@ -80,22 +80,16 @@ fn odd(i: u64) -> u64 {
     (i + 1).wrapping_mul(MULTIPLIER) | 1
 }
 
-/// A numpy array of its own memory, that may be written: these bytes as elements of `dtype`.
-pub fn array<'py>(
+/// A numpy array of its own memory, that may be written: these numbers as elements of `dtype`.
+pub fn array<'py, T: bytemuck::NoUninit>(
     py: Python<'py>,
     dtype: &str,
-    bytes: &[u8],
+    numbers: &[T],
     shape: &[usize],
 ) -> PyResult<Bound<'py, PyAny>> {
-    let own = PyByteArray::new(py, bytes);
+    let own = PyByteArray::new(py, bytemuck::cast_slice(numbers));
     let array = py.import("numpy")?.call_method1("frombuffer", (own, dtype))?;
     array.call_method1("reshape", (shape.to_vec(),))
-}
-
-/// Numbers as bytes.
-pub fn bytes_of<T: Element>(values: &[T]) -> &[u8] {
-    // SAFETY: numbers of Python's buffers have no gaps, and a byte needs no alignment.
-    unsafe { std::slice::from_raw_parts(values.as_ptr().cast(), size_of_val(values)) }
 }
 
 /// A picture as the bytes of a file: `form` is "png" (8-bit sRGB over a background in linear RGB) or "exr".

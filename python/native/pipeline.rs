@@ -4,10 +4,11 @@ use crate::error::{exception, guarded};
 use crate::filter;
 use crate::follow::followed;
 use crate::grid::Grid;
-use crate::memory::{Lent, array, bytes_of};
+use crate::memory::{Lent, array};
 use crate::study::{Asked, study};
 use crate::until;
 use crate::value::{object, settings, table};
+use glam::DVec3;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::collections::BTreeSet;
@@ -183,7 +184,7 @@ impl Pipeline {
 
 /// A picture as a float32 array, height × width × 4.
 fn picture<'py>(py: Python<'py>, picture: &Picture) -> PyResult<Bound<'py, PyAny>> {
-    array(py, "f4", bytes_of(picture.rgba.as_flattened()), &[picture.height, picture.width, 4])
+    array(py, "f4", &picture.rgba, &[picture.height, picture.width, 4])
 }
 
 #[pymethods]
@@ -496,15 +497,14 @@ impl Pipeline {
             (0..count).map(|point| place(point).map_or(f64::NAN, |p| values[p])).collect()
         };
         let arrays = PyDict::new(py);
-        arrays.set_item("scalar", array(py, "f8", bytes_of(&numbers(&found.scalar)), &[count])?)?;
+        arrays.set_item("scalar", array(py, "f8", &numbers(&found.scalar), &[count])?)?;
         if let Some(g) = found.gradient_magnitude.as_ref().filter(|_| magnitude) {
-            arrays.set_item("gradient_magnitude", array(py, "f8", bytes_of(&numbers(g)), &[count])?)?;
+            arrays.set_item("gradient_magnitude", array(py, "f8", &numbers(g), &[count])?)?;
         }
         if let Some(vectors) = found.gradient.as_ref().filter(|_| gradient) {
-            let all =
-                (0..count).flat_map(|point| place(point).map_or([f64::NAN; 3], |p| vectors[p].to_array()));
-            let all: Vec<f64> = all.collect();
-            arrays.set_item("gradient", array(py, "f8", bytes_of(&all), &[count, 3])?)?;
+            let all: Vec<DVec3> =
+                (0..count).map(|point| place(point).map_or(DVec3::NAN, |p| vectors[p])).collect();
+            arrays.set_item("gradient", array(py, "f8", &all, &[count, 3])?)?;
         }
         arrays.set_item("scalar_name", &grid.scalar_name)?;
         Ok(arrays)
