@@ -13,29 +13,11 @@ pub(crate) type TilePicture = [[f32; 4]; TILE * TILE];
 
 /// Where a tile's segments go.
 pub(crate) trait Sink {
-    /// Takes the first `count` fragments of a batch; those of no length are not segments.
-    fn take(
-        &mut self,
-        _lanes: LaneSet,
-        batch: &Batch,
-        shaded: &Shaded,
-        count: usize,
-    ) -> Result<(), Overflow> {
-        for k in 0..count {
-            if batch.length[k] > 0.0 {
-                let rgba = [shaded.rgba[0][k], shaded.rgba[1][k], shaded.rgba[2][k], shaded.rgba[3][k]];
-                let layer = Layer::new(batch.entry[k], batch.exit[k], rgba);
-                self.push(batch.pixel[k] as usize, shaded.depth[k], layer)?;
-            }
-        }
-        Ok(())
-    }
-
     /// Whether it takes segments whose colour waits.
     const WAITS: bool = false;
 
-    /// Takes one segment.
-    fn push(&mut self, pixel: usize, depth: f32, layer: Layer) -> Result<(), Overflow>;
+    /// Takes the first `count` fragments of a batch; those of no length are not segments.
+    fn take(&mut self, lanes: LaneSet, batch: &Batch, shaded: &Shaded, count: usize) -> Result<(), Overflow>;
 
     /// Whether nothing that may come changes any pixel.
     fn is_full(&self) -> bool {
@@ -76,12 +58,6 @@ impl Sink for DepthSink<'_> {
         Ok(())
     }
 
-    fn push(&mut self, pixel: usize, depth: f32, _layer: Layer) -> Result<(), Overflow> {
-        let sum = &mut self.sums[pixel & (TILE * TILE - 1)];
-        *sum += if self.opacities { (1.0 - *sum) * depth } else { depth };
-        Ok(())
-    }
-
     fn is_full(&self) -> bool {
         let full = if self.opacities { 1.0 } else { OPAQUE_DEPTH };
         self.sums.iter().all(|sum| full <= *sum)
@@ -102,15 +78,21 @@ impl Sink for Lists {
     fn take(&mut self, lanes: LaneSet, batch: &Batch, shaded: &Shaded, count: usize) -> Result<(), Overflow> {
         dispatch(lanes, Append { lists: self, batch, shaded, count })
     }
-
-    fn push(&mut self, pixel: usize, _depth: f32, layer: Layer) -> Result<(), Overflow> {
-        Lists::push(self, pixel, layer)
-    }
 }
 
 impl Sink for GrowingLists {
-    fn push(&mut self, pixel: usize, _depth: f32, layer: Layer) -> Result<(), Overflow> {
-        GrowingLists::push(self, pixel & (TILE - 1), layer);
+    fn take(
+        &mut self,
+        _lanes: LaneSet,
+        batch: &Batch,
+        shaded: &Shaded,
+        count: usize,
+    ) -> Result<(), Overflow> {
+        for k in (0..count).filter(|&k| batch.length[k] > 0.0) {
+            let rgba = [shaded.rgba[0][k], shaded.rgba[1][k], shaded.rgba[2][k], shaded.rgba[3][k]];
+            let column = batch.pixel[k] as usize & (TILE - 1);
+            self.push(column, Layer::new(batch.entry[k], batch.exit[k], rgba));
+        }
         Ok(())
     }
 }
