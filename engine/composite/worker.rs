@@ -145,13 +145,11 @@ fn draw_tile(
             counts.segments_exact += u64::from(found.is_some());
             found
         };
-        let waits = !later.is_empty();
-        let resolve: Resolve<'_> = if waits { Some(&mut color) } else { None };
+        let resolve: Resolve<'_> = if later.is_empty() { None } else { Some(&mut color) };
         let blend = Blend { lists, sorted: frame.sorted, picture, resolve };
         let disordered = dispatch(frame.lanes, blend);
         counts.pixels_disordered += disordered;
-    }
-    if drawn.is_err() {
+    } else {
         // Rows are independent: draw them one at a time with lists that grow.
         scratch.counts = before;
         scratch.counts.tiles_deep += 1;
@@ -184,6 +182,7 @@ fn walk<S: Sink>(
         if frame.ends.is_some() {
             cut(batch, count, frame.attribute_count, ends);
         }
+        later.begin();
         shade(frame, rays, batch, count, shaded, waits.then_some(&mut *later));
     };
 

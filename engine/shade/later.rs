@@ -15,18 +15,21 @@ pub(crate) struct Later {
     stride: usize,
     /// Places in the batch in hand, in the order in which they were kept.
     batch: Vec<usize>,
-    /// How many were kept before this batch.
-    before: u32,
 }
 
 /// Stands for blue where a colour waits: none is negative.
 const WAITS: f32 = -1.0;
 
 impl Later {
+    /// Nothing waits.
     pub fn clear(&mut self) {
         self.numbers.clear();
         self.batch.clear();
-        self.before = 0;
+    }
+
+    /// Nothing of the next batch waits yet.
+    pub fn begin(&mut self) {
+        self.batch.clear();
     }
 
     /// Whether no colour waits.
@@ -37,8 +40,6 @@ impl Later {
     /// Keeps those of the segments that lanes left over whose opacity `shaded` holds. Until they are marked they are white.
     pub fn keep(&mut self, batch: &Batch, shaded: &mut Shaded) {
         let Shaded { rest, why, rgba, .. } = shaded;
-        self.before += self.batch.len() as u32;
-        self.batch.clear();
         self.stride = 1 + 2 * batch.scalar_count;
         let mut reasons = why.iter();
         rest.retain(|&k| {
@@ -56,16 +57,11 @@ impl Later {
         why.clear();
     }
 
-    /// Nothing of this batch waits.
-    pub fn keep_none(&mut self) {
-        self.before += self.batch.len() as u32;
-        self.batch.clear();
-    }
-
     /// Puts their numbers where colours will stand: red is then what light makes of white.
     pub fn mark(&self, rgba: &mut Colors) {
-        for (number, &k) in (self.before..).zip(&self.batch) {
-            rgba[1][k] = f32::from_bits(number);
+        let count = self.numbers.len() / self.stride.max(1);
+        for (number, &k) in (count - self.batch.len()..).zip(&self.batch) {
+            rgba[1][k] = f32::from_bits(number as u32);
             rgba[2][k] = WAITS;
         }
     }

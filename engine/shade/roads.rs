@@ -17,14 +17,13 @@ pub(crate) fn integrate(
     later: Option<&mut Later>,
 ) {
     dispatch(lanes, Shade { shader, batch, count, out });
-    if out.rest.is_empty() {
-        return later.into_iter().for_each(Later::keep_none);
+    if !out.rest.is_empty() {
+        dispatch(lanes, Walk { shader, batch, out });
+        if let Some(later) = later {
+            later.keep(batch, out);
+        }
+        shader.finish(batch, out);
     }
-    dispatch(lanes, Walk { shader, batch, out });
-    if let Some(later) = later {
-        later.keep(batch, out);
-    }
-    shader.finish(batch, out);
 }
 
 struct Shade<'a> {
