@@ -13,7 +13,7 @@ use crate::shade::shaded::{Left, MIX_PRODUCT, Shaded};
 use voltet_core::transfer::TransferFunction;
 use voltet_lanes::limits::{LENGTH_WALKED_LEAST, RATE_MOST};
 use voltet_lanes::optics::elementary::one_minus_exp;
-use voltet_lanes::optics::overlap::{MEMBERS_FEW, ordered};
+use voltet_lanes::optics::overlap::ordered;
 use voltet_lanes::{Float, Lanes, Mask, array};
 
 /// The slow road in lanes.
@@ -99,13 +99,12 @@ impl PanelWalk {
         let mut densest = zero;
         let mut color = [zero; 3];
         let (mut varies, mut delicate) = (0, 0);
-        let (spread, mut met) = (Spread::new(along), 0);
+        let spread = Spread::new(along);
         for widget in widgets {
             let meets = widget.meets::<L>(&spread);
             if !meets.any() {
                 continue;
             }
-            met += 1;
             let (depth, no) = widget.any_depth::<L>(&along.only(meets), fields);
             let depth = L::F::select(meets, depth, zero);
             narrow |= no & meets.bits();
@@ -151,25 +150,19 @@ impl PanelWalk {
         let dense = in_order & splat(RATE_MOST).lt(densest).bits();
         if in_order & !(narrow | overflow | delicate | dense) != 0 {
             let scale = along.length * splat(self.scale);
-            let (mut few, mut many) = ([nothing::<L>(); MEMBERS_FEW], Vec::new());
-            let members = if met <= MEMBERS_FEW {
-                &mut few[..met]
-            } else {
-                many.resize(met, nothing::<L>());
-                &mut many[..]
-            };
-            let mut places = members.iter_mut();
+            let mut members = Vec::with_capacity(widgets.len());
             for widget in widgets {
                 let meets = widget.meets::<L>(&spread);
-                if let Some(member) = meets.any().then(|| places.next()).flatten() {
-                    *member = widget.member::<L>(along, fields, scale, self.cutoff);
+                if meets.any() {
+                    let mut member = widget.member::<L>(along, fields, scale, self.cutoff);
                     let nowhere = nothing::<L>().range;
                     for (end, nowhere) in member.range.iter_mut().zip(nowhere) {
                         *end = L::F::select(meets, *end, nowhere);
                     }
+                    members.push(member);
                 }
             }
-            let walked = ordered::<L>(members, self.cutoff.map(|_| scale));
+            let walked = ordered::<L>(&members, self.cutoff.map(|_| scale));
             let keep = lanes_of::<L>(in_order);
             color = array(
                 #[inline(always)]

@@ -12,9 +12,6 @@ use super::triangular_gaussian::LaneTriangularTrack;
 use super::wave::LaneWaveTrack;
 use crate::{Float, Lanes, Mask};
 
-/// Widgets of one call that need no memory of their own.
-pub const MEMBERS_FEW: usize = 8;
-
 /// Panels before a walk is given up; only waves of thousands of bands need as many.
 const PANELS_MOST: usize = 1 << 14;
 
@@ -102,13 +99,7 @@ pub fn ordered<L: Lanes>(members: &[LaneMember<L>], glow: Option<L::F>) -> [L::F
     let (zero, half) = (splat(0.0), splat(0.5));
     let mut color = [zero; 3];
     let mut walk = Walk::<L>::start();
-    let (mut few, mut many) = ([[zero; POINTS]; MEMBERS_FEW], Vec::new());
-    let rates = if members.len() <= MEMBERS_FEW {
-        &mut few[..]
-    } else {
-        many.resize(members.len(), [zero; POINTS]);
-        &mut many[..]
-    };
+    let mut rates = vec![[zero; POINTS]; members.len()];
     for _ in 0..PANELS_MOST {
         if !walk.open().any() {
             break;
@@ -120,7 +111,7 @@ pub fn ordered<L: Lanes>(members: &[LaneMember<L>], glow: Option<L::F>) -> [L::F
         let (t, dt) = (walk.t, walk.panel(next));
         let middle = half.mul_add(dt, t);
         let mut total = [zero; POINTS];
-        for (member, rates) in members.iter().zip(rates.iter_mut()) {
+        for (member, rates) in members.iter().zip(&mut rates) {
             let present = LaneMember::<L>::holds(&member.range, middle);
             *rates = member.track.rates(t, dt);
             for (rate, sum) in rates.iter_mut().zip(&mut total) {
@@ -129,7 +120,7 @@ pub fn ordered<L: Lanes>(members: &[LaneMember<L>], glow: Option<L::F>) -> [L::F
             }
         }
         let seen = walk.take(next, dt, &total);
-        for (member, rates) in members.iter().zip(rates.iter()) {
+        for (member, rates) in members.iter().zip(&rates) {
             let mut strength = seen;
             match glow {
                 None => {
