@@ -10,9 +10,6 @@ const STACK: usize = 64 << 20;
 /// How often the one who waits looks around.
 const PAUSE: Duration = Duration::from_millis(10);
 
-/// The same of a thread of the pool: what the plug-in's loops ask of the pool waits as long for it.
-const PAUSE_OF_POOL: Duration = Duration::from_micros(100);
-
 /// Why there is no outcome.
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) enum Lost {
@@ -42,10 +39,9 @@ pub(crate) fn run<T: Send + 'static>(
     begun.map_err(|_| Lost::NoThread)?;
     // A thread of the pool must go on with the pool's work, which may be that of the plug-in.
     let of_pool = rayon::current_thread_index().is_some();
-    let pause = if of_pool { PAUSE_OF_POOL } else { PAUSE };
     loop {
         let worked = of_pool && rayon::yield_now() == Some(rayon::Yield::Executed);
-        match receiver.recv_timeout(if worked { Duration::ZERO } else { pause }) {
+        match receiver.recv_timeout(if worked { Duration::ZERO } else { PAUSE }) {
             Ok(outcome) => return Ok(outcome),
             Err(RecvTimeoutError::Disconnected) => return Err(Lost::Ended),
             Err(RecvTimeoutError::Timeout) if waits() => {}
