@@ -19,11 +19,19 @@ pub(crate) struct Attribute<'a> {
     pub scale: f64,
     /// The least and the greatest value.
     pub range: [f64; 2],
-    /// Their difference; finite.
-    pub span: f64,
+}
+
+/// Difference of a range's ends; finite.
+fn span([low, high]: [f64; 2]) -> f64 {
+    (high - low).min(f64::MAX)
 }
 
 impl Attribute<'_> {
+    /// Difference of the greatest and the least value; finite.
+    pub fn span(&self) -> f64 {
+        span(self.range)
+    }
+
     /// Value of a point, not scaled.
     #[inline(always)]
     pub fn at(&self, point: usize) -> f64 {
@@ -103,14 +111,13 @@ pub(crate) fn gradient_attributes(cells: &Cells) -> Result<Vec<Attribute<'_>>> {
             offset: 0.0,
             scale,
             range: [-scale, scale],
-            span: 2.0 * scale,
         })
         .collect())
 }
 
 /// `about`: the centre that values are counted from if it is among them, and whether widgets have edges there.
 fn attribute(values: &[f64], [low, high]: [f64; 2], about: Option<(f64, bool)>) -> Attribute<'_> {
-    let span = (high - low).min(f64::MAX);
+    let span = span([low, high]);
     // A constant field: any scale serves. The largest power of two is 2^1023.
     let scale = if span > 0.0 { span.log2().ceil().min(1023.0).exp2() } else { 1.0 };
     let middle = low + 0.5 * span;
@@ -123,7 +130,7 @@ fn attribute(values: &[f64], [low, high]: [f64; 2], about: Option<(f64, bool)>) 
         }
         _ => middle,
     };
-    Attribute { values, stride: 1, offset, scale, range: [low, high], span }
+    Attribute { values, stride: 1, offset, scale, range: [low, high] }
 }
 
 /// Places of an offset among widgets with edges, by the scale.

@@ -20,9 +20,8 @@ pub(crate) struct LaneReach {
 }
 
 impl LaneReach {
-    /// `None` where the widget counts everywhere.
-    pub fn new(widget: &Widget, making: &Making) -> Option<LaneReach> {
-        let least = LEFT_OUT / making.widget_count.max(1) as f64;
+    /// `None` where the widget counts everywhere. `least`: the optical depth along the longest ray that counts.
+    pub fn new(widget: &Widget, making: &Making, least: f64) -> Option<LaneReach> {
         // What is thin is held against itself: its picture may be seen magnified.
         let depth = (widget.peak() * making.density_scale).max(1.0) * widget.brightest().max(1.0);
         let lists = widget.slabs(depth, least, making.model);
@@ -55,10 +54,10 @@ impl LaneReach {
             let [low, high] = self.limits[axis];
             splat(low).le(spread.high[axis]).and(spread.low[axis].le(splat(high)))
         };
-        let mut meets = spread.crossing.and(within(0)).and(within(1));
+        let mut meets = spread.along.crossing.and(within(0)).and(within(1));
         for &[a, b, low, high] in &self.tilted {
             let [front, back] =
-                [&spread.front, &spread.back].map(|v| splat(a).mul_add(v[0], splat(b) * v[1]));
+                [&spread.along.front, &spread.along.back].map(|v| splat(a).mul_add(v[0], splat(b) * v[1]));
             meets = meets.and(splat(low).le(front.max(back))).and(front.min(back).le(splat(high)));
         }
         meets
@@ -79,23 +78,18 @@ fn box_of(list: &[[f32; 4]], axis: usize) -> [f32; 2] {
 }
 
 /// What the values of a vector of segments span.
-pub(crate) struct Spread<L: Lanes> {
-    /// Lanes that cross their cell.
-    pub crossing: L::M,
-    front: [L::F; 2],
-    back: [L::F; 2],
+pub(crate) struct Spread<'a, L: Lanes> {
+    pub along: &'a Along<L>,
     low: [L::F; 2],
     high: [L::F; 2],
 }
 
-impl<L: Lanes> Spread<L> {
+impl<'a, L: Lanes> Spread<'a, L> {
     #[inline(always)]
-    pub fn new(along: &Along<L>) -> Self {
+    pub fn new(along: &'a Along<L>) -> Self {
         let (front, back) = (along.front, along.back);
         Spread {
-            crossing: along.crossing,
-            front,
-            back,
+            along,
             low: [front[0].min(back[0]), front[1].min(back[1])],
             high: [front[0].max(back[0]), front[1].max(back[1])],
         }

@@ -59,14 +59,8 @@ fn widgets() -> Vec<Widget> {
 #[test]
 fn what_no_widget_is_asked_of_is_less_than_may_be_left_out() {
     // Offsets and scales as a volume has them, and one that takes digits.
-    let axis = |offset: f64, scale: f64| Attribute {
-        values: &[],
-        stride: 1,
-        offset,
-        scale,
-        range: [0.0, 1.0],
-        span: 1.0,
-    };
+    let axis =
+        |offset: f64, scale: f64| Attribute { values: &[], stride: 1, offset, scale, range: [0.0, 1.0] };
     for attributes in [[axis(0.5, 1.0), axis(0.5, 1.0)], [axis(-3.0, 64.0), axis(0.125, 0.5)]] {
         for (number, widget) in widgets().into_iter().enumerate() {
             let making = Making {
@@ -74,10 +68,9 @@ fn what_no_widget_is_asked_of_is_less_than_may_be_left_out() {
                 fields: &[],
                 density_scale: 1.0,
                 model: OpticalModel::DensityEmitter,
-                widget_count: 1,
-                leave_out: true,
+                left_out: Some(LEFT_OUT),
             };
-            let reach = LaneReach::new(&widget, &making).expect("it is not everywhere");
+            let reach = LaneReach::new(&widget, &making, LEFT_OUT).expect("it is not everywhere");
             let most = LEFT_OUT * widget.peak().min(1.0);
             let look = TransferFunction {
                 model: OpticalModel::DensityEmitter,

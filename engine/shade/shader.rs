@@ -11,7 +11,7 @@ use crate::shade::kinds::{InOrder, LaneWidget, Making, Road};
 use crate::shade::light::{Rays, Surface};
 use crate::shade::overlap::Overlapping;
 use crate::shade::panels::PanelWalk;
-use crate::shade::reach::Spread;
+use crate::shade::reach::{LEFT_OUT, Spread};
 use crate::shade::shaded::{Exact, Left, MIX_PRODUCT, Shaded};
 use voltet_core::optics::integrators::SegmentIntegrator;
 use voltet_core::optics::{Overlap, Prepared, Segment};
@@ -72,8 +72,7 @@ impl Shader {
             fields: &fields,
             density_scale: length / transfer_function.unit_distance,
             model: transfer_function.model,
-            widget_count: transfer_function.widgets.len(),
-            leave_out,
+            left_out: leave_out.then(|| LEFT_OUT / transfer_function.widgets.len().max(1) as f64),
         };
         let widgets: Vec<LaneWidget> = transfer_function
             .widgets

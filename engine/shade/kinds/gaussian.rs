@@ -24,7 +24,7 @@ impl LaneGaussian {
         attributes: &[Attribute<'_>],
     ) -> Option<LaneGaussian> {
         // What is not looked at is 0 everywhere.
-        let axis = |a: usize| attributes.get(a).map_or([0.0, 1.0, 0.0], |x| [x.offset, x.scale, x.span]);
+        let axis = |a: usize| attributes.get(a).map_or([0.0, 1.0, 0.0], |x| [x.offset, x.scale, x.span()]);
         let axes = [axis(0), axis(1)];
         let widths = matrix.iter().flat_map(|row| [row[0] * axes[0][2], row[1] * axes[1][2]]);
         let gaussian = LaneGaussian {

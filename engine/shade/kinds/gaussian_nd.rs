@@ -35,7 +35,7 @@ impl LaneFields {
             fields.centre[j] = ((centre[j] - axis.offset) / axis.scale) as f32;
             for (scaled, row) in fields.matrix.iter_mut().zip(matrix) {
                 scaled[j] = (row[j] * axis.scale) as f32;
-                fields.widths += (row[j] * axis.span).abs();
+                fields.widths += (row[j] * axis.span()).abs();
             }
         }
         let held = fields.centre.iter().chain(fields.matrix.iter().flatten()).all(|x| x.is_finite());

@@ -14,10 +14,8 @@ pub(crate) struct Making<'a> {
     pub density_scale: f64,
     /// Whether they glow in step with what they absorb.
     pub model: OpticalModel,
-    /// How many there are.
-    pub widget_count: usize,
-    /// Whether segments that a widget hardly meets are not asked of it.
-    pub leave_out: bool,
+    /// Optical depth along the longest ray that each may lose by segments that are not asked of it; `None`: it is asked of all.
+    pub left_out: Option<f64>,
 }
 
 impl<'a> Making<'a> {

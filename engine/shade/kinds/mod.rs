@@ -121,7 +121,7 @@ impl LaneWidget {
             color: if own { [0.0; 3] } else { widget.color.map(|c| c as f32) },
             density: if widget.profile.properties().own_peak.is_some() { 1.0 } else { density },
             region: widget.region.as_ref().and_then(|region| LaneRegion::new(region, making.attributes)),
-            reach: if making.leave_out { LaneReach::new(widget, making) } else { None },
+            reach: making.left_out.and_then(|least| LaneReach::new(widget, making, least)),
         }
     }
 
@@ -135,7 +135,7 @@ impl LaneWidget {
     pub fn meets<L: Lanes>(&self, spread: &Spread<L>) -> L::M {
         match &self.reach {
             Some(reach) => reach.meets::<L>(spread),
-            None => spread.crossing,
+            None => spread.along.crossing,
         }
     }
 

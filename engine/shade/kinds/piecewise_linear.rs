@@ -238,8 +238,7 @@ mod tests {
     /// lane, and come to an end.
     #[test]
     fn depths_are_right_for_tables_of_any_length() {
-        let axis =
-            Attribute { values: &[], stride: 1, offset: 0.0, scale: 1.0, range: [0.0, 1.0], span: 1.0 };
+        let axis = Attribute { values: &[], stride: 1, offset: 0.0, scale: 1.0, range: [0.0, 1.0] };
         let mut state = 3u32;
         let mut random = || {
             state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);

@@ -21,7 +21,7 @@ impl LaneWave {
     pub fn new(wave: &Wave, sine: bool, attributes: &[Attribute<'_>]) -> Option<LaneWave> {
         let bell = if sine { LaneBell::sine(wave) } else { LaneBell::triangle(wave) };
         let per_value = wave.step();
-        let axis = |a: usize| attributes.get(a).map_or([0.0, 1.0, 0.0], |x| [x.offset, x.scale, x.span]);
+        let axis = |a: usize| attributes.get(a).map_or([0.0, 1.0, 0.0], |x| [x.offset, x.scale, x.span()]);
         let mut start = 0.0;
         let mut step = [0f32; 2];
         let mut bands = 0.0;
