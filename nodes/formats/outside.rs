@@ -16,19 +16,9 @@ use voltet_core::{Error, Result};
 pub(super) fn open(source: &Arc<Source>, request: &Request, chosen: &Chosen) -> Result<Dataset> {
     let Chosen { reader, parameters } = chosen;
     let at = |step: usize| reader.open(source.path(), step, parameters, &voltet_core::progress::Silent);
-    let step = match request.time_step {
-        None => 0,
-        Some(TimeStep::Index(step)) => step,
-        Some(TimeStep::Time(time)) => nearest(&at(0)?.head().times, time)?,
-    };
     let mut open = at(0)?;
-    let step_count = open.head().times.len();
-    if step >= step_count.max(1) && step_count > 0 {
-        return Err(Error::run("the series has no such time step")
-            .found(step)
-            .accepted(format!("0 to {}", step_count - 1)));
-    }
-    if step > 0 && step_count > 0 {
+    let step = chosen_step(&open.head().times, request.time_step)?;
+    if step > 0 {
         open = at(step)?;
     }
     let head = open.head().clone();
@@ -62,14 +52,24 @@ pub(super) fn open(source: &Arc<Source>, request: &Request, chosen: &Chosen) -> 
     })
 }
 
-/// The step whose time is nearest.
-fn nearest(times: &[f64], time: f64) -> Result<usize> {
+/// The step that is asked for, by its number or the nearest to its time; 0 of a file that is no series.
+///
+/// Errors: the series has none such.
+fn chosen_step(times: &[f64], wanted: Option<TimeStep>) -> Result<usize> {
     let (Some(first), Some(last)) = (times.first(), times.last()) else { return Ok(0) };
-    if !(*first..=*last).contains(&time) {
-        let error = Error::run("the time lies outside the series").found(time);
-        return Err(error.accepted(format!("{first} to {last}")));
+    match wanted {
+        None => Ok(0),
+        Some(TimeStep::Index(step)) if step < times.len() => Ok(step),
+        Some(TimeStep::Index(step)) => Err(Error::run("the series has no such time step")
+            .found(step)
+            .accepted(format!("0 to {}", times.len() - 1))),
+        Some(TimeStep::Time(time)) if (*first..=*last).contains(&time) => {
+            let distance = |step: &usize| (times[*step] - time).abs();
+            let nearest = (0..times.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)));
+            Ok(nearest.unwrap_or(0))
+        }
+        Some(TimeStep::Time(time)) => Err(Error::run("the time lies outside the series")
+            .found(time)
+            .accepted(format!("{first} to {last}"))),
     }
-    let distance = |step: &usize| (times[*step] - time).abs();
-    let steps = 0..times.len();
-    Ok(steps.min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0))
 }
