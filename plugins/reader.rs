@@ -173,7 +173,6 @@ impl GridReader for Offered {
 }
 
 fn head_of_file(head: &Head, name: &str) -> HeadOfFile {
-    let cells = head.cell_count as u64;
     let array = |array: &ArrayOf| ArrayOfFile {
         name: array.name.clone(),
         association: if array.on_cells { Association::Cell } else { Association::Point },
@@ -182,12 +181,8 @@ fn head_of_file(head: &Head, name: &str) -> HeadOfFile {
     HeadOfFile {
         format: head.format.clone().unwrap_or_else(|| name.into()),
         point_count: head.point_count as u64,
-        cell_count: cells,
-        cell_bytes: if head.is(TETRAHEDRA) {
-            16 * cells
-        } else {
-            9 * cells + 4 * head.connectivity_count as u64
-        },
+        cell_count: head.cell_count as u64,
+        cell_bytes: head.cell_bytes(),
         arrays: head.arrays.iter().map(array).collect(),
         scalar: head.scalar.clone(),
         times: head.times.clone(),

@@ -116,8 +116,7 @@ impl Buffers {
             }
         }
         for (array, wanted) in head.arrays.iter().zip(wanted) {
-            let count = head.tuples(array) * array.component_count;
-            buffers.arrays.push(if *wanted { Some(fresh::<_, f64>(count)?) } else { None });
+            buffers.arrays.push(if *wanted { Some(fresh::<_, f64>(head.numbers(array))?) } else { None });
         }
         Ok(buffers)
     }
@@ -195,25 +194,18 @@ impl Buffers {
             let Some(own) = own else { continue };
             let (tuples, of) = (head.tuples(array), if array.on_cells { "cells" } else { "points" });
             let accepted = format!("{} numbers for each of the {tuples} {of}", array.component_count);
-            let count = tuples * array.component_count;
-            note(overran::<_, f64>(own, count), format!("the array '{}'", array.name), accepted);
+            note(
+                overran::<_, f64>(own, head.numbers(array)),
+                format!("the array '{}'", array.name),
+                accepted,
+            );
         }
         beyond
     }
 }
 
 fn bytes(head: &Head, geometry: bool, wanted: &[bool]) -> u64 {
-    let (points, cells) = (head.point_count as u64, head.cell_count as u64);
-    let geometry = match geometry {
-        false => 0,
-        true => {
-            let cells =
-                if head.is(TETRAHEDRA) { 16 * cells } else { 9 * cells + 4 * head.connectivity_count as u64 };
-            24 * points + cells
-        }
-    };
+    let geometry = if geometry { 24 * head.point_count as u64 + head.cell_bytes() } else { 0 };
     let arrays = head.arrays.iter().zip(wanted).filter(|(_, wanted)| **wanted);
-    arrays.fold(geometry, |sum, (array, _)| {
-        sum.saturating_add(8 * (head.tuples(array) * array.component_count) as u64)
-    })
+    arrays.fold(geometry, |sum, (array, _)| sum.saturating_add(8 * head.numbers(array) as u64))
 }

@@ -91,6 +91,20 @@ impl Head {
         if array.on_cells { self.cell_count } else { self.point_count }
     }
 
+    /// Numbers of an array.
+    pub fn numbers(&self, array: &ArrayOf) -> usize {
+        self.tuples(array) * array.component_count
+    }
+
+    /// Bytes of the cells in memory.
+    pub fn cell_bytes(&self) -> u64 {
+        let cells = self.cell_count as u64;
+        match self.is(TETRAHEDRA) {
+            true => 16 * cells,
+            false => 9 * cells + 4 * self.connectivity_count as u64,
+        }
+    }
+
     /// Into a message.
     pub fn write(&self, to: &mut Writer) {
         to.number(u64::from(self.flags));

@@ -96,7 +96,7 @@ fn grid(head: &mut Reader, from: &mut impl Read) -> io::Result<Outcome> {
     let (described, points, tetrahedra, cells, arrays) = stated().ok_or_else(garbled)?;
     let [point_count, cell_count] = [described.point_count, described.cell_count];
     let of_cells = [cell_count, cell_count + 1, described.connectivity_count];
-    let of_arrays = described.arrays.iter().map(|array| described.tuples(array) * array.component_count);
+    let of_arrays = described.arrays.iter().map(|array| described.numbers(array));
     let fit = points.is_none_or(|n| n == point_count)
         && tetrahedra.is_none_or(|n| n == cell_count)
         && cells.is_none_or(|lengths| lengths == of_cells)
