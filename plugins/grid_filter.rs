@@ -12,7 +12,7 @@ use crate::outcome::Said;
 use crate::resulting::resulting;
 use crate::runner::Offered;
 use crate::task::{Outcome, Task};
-use crate::values::{Owned, array_names, arrays};
+use crate::values::{Owned, array_names, array_pointers, arrays};
 use std::ffi::CString;
 use std::mem::size_of;
 use std::ptr::{from_ref, null};
@@ -140,9 +140,7 @@ impl GivenGrid {
             values: array.values.as_ptr(),
         };
         let carried: Vec<GivenArray> = self.carried.iter().map(given).collect();
-        let values_of =
-            |array: &Option<Arc<Array>>| array.as_ref().map_or(null(), |array| array.values.as_ptr());
-        let arrays: Vec<*const f64> = self.arrays.iter().map(values_of).collect();
+        let arrays = array_pointers(&self.arrays);
         let pointers = self.values.pointers();
         let values = self.values.by(&pointers);
         let inside = Inside { state, given: self, begun: Mutex::new(None) };
@@ -224,6 +222,6 @@ fn run(offered: &Offered, call: &mut Call) -> Result<Outputs> {
     if !Arc::ptr_eq(&grid.origin, &input.origin) {
         call.notes.warnings.extend(grid.origin.warnings.iter().cloned());
     }
-    call.notes.warnings.extend(said.fallbacks.iter().map(|fallback| offered.whose().warning(fallback)));
+    call.notes.warnings.extend(offered.whose().warnings(&said));
     Ok(vec![Value::Grid(Arc::new(grid))])
 }

@@ -2,7 +2,7 @@
 
 use crate::grids::{Fresh, fresh, overran};
 use crate::host::State;
-use crate::interface::{ERROR, FilterImage, ImageCall};
+use crate::interface::{FilterImage, ImageCall};
 use crate::node;
 use crate::outcome::{Beyond, Said, Whose};
 use crate::runner::Offered;
@@ -26,10 +26,7 @@ impl GivenImage {
         let Picture { width, height, rgba } = &*self.picture;
         let mut filtered = match fresh::<[f32; 4], f32>(rgba.len()) {
             Ok(filtered) => filtered,
-            Err(wrong) => {
-                state.complain(wrong);
-                return (Said::new(ERROR, state), Vec::new());
-            }
+            Err(wrong) => return (Said::not_called(wrong, state), Vec::new()),
         };
         let pointers = self.values.pointers();
         let values = self.values.by(&pointers);
@@ -74,7 +71,7 @@ fn run(offered: &Offered, call: &mut Call) -> Result<Outputs> {
         GivenImage { picture: picture.clone(), values: Owned::new(&offered.declared, call.parameters)? };
     let (said, rgba) = offered.run(Task::Image(Box::new(given)), call.progress(), Outcome::pixels)?;
     judged(&picture, &rgba, offered.whose())?;
-    call.notes.warnings.extend(said.fallbacks.iter().map(|fallback| offered.whose().warning(fallback)));
+    call.notes.warnings.extend(offered.whose().warnings(&said));
     Ok(vec![Value::Image(Arc::new(Picture { rgba, ..*picture }))])
 }
 

@@ -8,15 +8,14 @@ use voltet_core::parameters::{Kind, Parameters, Standard};
 pub(crate) fn leaked(offered: &Offered, own: impl FnOnce(Node) -> Node) -> &'static Node {
     let of_check = offered.clone();
     let Kind { name, summary, parameters } = offered.declared.kind;
-    let node = own(Node {
+    leak(own(Node {
         name,
         summary,
         parameters,
-        plugin: Some(Box::leak(Box::new(offered.runner.plugin().clone()))),
+        plugin: Some(leak(offered.runner.plugin().clone())),
         check: leak(move |parameters: &Parameters| of_check.check(parameters)),
         ..Node::BLANK
-    });
-    Box::leak(Box::new(node))
+    }))
 }
 
 /// Something that lives as long as the program.

@@ -2,8 +2,9 @@
 
 use crate::describe::Declared;
 use crate::foreign::Wrong;
+use crate::grids::Fresh;
 use crate::host::State;
-use crate::interface::{CANCELLED, OK};
+use crate::interface::{CANCELLED, ERROR, OK};
 use rayon::prelude::*;
 use voltet_core::error::ErrorKind;
 use voltet_core::field::{Fallback, Plugin};
@@ -46,6 +47,12 @@ impl Beyond {
 impl Said {
     pub fn new(code: i32, state: &State) -> Said {
         Said { code, error: state.error(), fallbacks: state.fallbacks(), beyond: None, wrong: state.wrong() }
+    }
+
+    /// Of a call that the host did not make, and why.
+    pub fn not_called(wrong: Wrong, state: &State) -> Said {
+        state.complain(wrong);
+        Said::new(ERROR, state)
     }
 }
 
@@ -110,14 +117,16 @@ impl<'a> Whose<'a> {
         }
     }
 
-    /// What it did with less than it promises, as a sentence.
-    pub fn warning(&self, Fallback { what, point_count }: &Fallback) -> String {
-        format!("The {} of the {}: {what} at {point_count} points.", self.piece(), self.plugin)
+    /// What it did with less than it promises, as sentences.
+    pub fn warnings(&self, said: &Said) -> impl Iterator<Item = String> {
+        said.fallbacks.iter().map(|Fallback { what, point_count }| {
+            format!("The {} of the {}: {what} at {point_count} points.", self.piece(), self.plugin)
+        })
     }
 
     /// A gradient's vectors, if every point of a cell got one.
     pub fn every_point(&self, grid: &Grid, mut vectors: Vec<DVec3>) -> Result<Vec<DVec3>> {
-        let is_unset = |v: &DVec3| v.to_array().iter().any(|x| x.to_bits() == UNSET.to_bits());
+        let is_unset = |v: &DVec3| v.to_array().iter().any(Fresh::is_unset);
         if !vectors.par_iter().with_min_len(1 << 14).any(is_unset) {
             return Ok(vectors);
         }

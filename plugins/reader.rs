@@ -98,10 +98,7 @@ impl OfFile {
         let Wanted { head, geometry, arrays, memory_left } = wanted;
         let mut buffers = match Buffers::new(head, *geometry, arrays, *memory_left) {
             Ok(buffers) => buffers,
-            Err(wrong) => {
-                state.complain(wrong);
-                return (Said::new(ERROR, state), Buffers::default());
-            }
+            Err(wrong) => return (Said::not_called(wrong, state), Buffers::default()),
         };
         let pointers = self.values.pointers();
         let values = self.values.by(&pointers);
@@ -212,7 +209,7 @@ impl OpenGrid for Described {
             points: made.points,
             cells: made.cells,
             arrays: taken?,
-            warnings: said.fallbacks.iter().map(|fallback| whose.warning(fallback)).collect(),
+            warnings: whose.warnings(&said).collect(),
         })
     }
 }

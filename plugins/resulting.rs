@@ -79,12 +79,9 @@ pub(crate) fn resulting(
     let cells = made.cells.unwrap_or_else(|| Cells::Tetrahedra(input.tetrahedra.to_vec()));
     let mut parts = Parts::new(points, cells);
     (parts.scalar, parts.point_arrays, parts.cell_arrays) = (scalar, at_points, on_cells);
-    grid::build(parts, &Options::default(), progress).map_err(|error| {
-        let what = error.what.clone();
-        voltet_core::Error {
-            what: whose.error("gave no grid that can be drawn").what + ": " + &what,
-            ..error
-        }
+    grid::build(parts, &Options::default(), progress).map_err(|error| voltet_core::Error {
+        what: whose.error("gave no grid that can be drawn").what + ": " + &error.what,
+        ..error
     })
 }
 

@@ -142,6 +142,14 @@ pub(crate) fn arrays(
     found.collect()
 }
 
+/// Where the values of each array are, for the plug-in to read; valid as long as the arrays.
+pub(crate) fn array_pointers(arrays: &[Option<Arc<Array>>]) -> Vec<*const f64> {
+    arrays
+        .iter()
+        .map(|array| array.as_ref().map_or(std::ptr::null(), |array| array.values.as_ptr()))
+        .collect()
+}
+
 /// For each parameter the array that it names, its own name, and the number of components.
 fn named<'a>(declared: &'a Declared, parameters: &Parameters) -> Vec<Option<(String, &'a str, u32)>> {
     let of = |(parameter, &components): (&'a voltet_core::parameters::Parameter, &u32)| {

@@ -5,7 +5,7 @@ use crate::grids::{fresh, overran};
 use crate::host::State;
 use crate::interface::{self, Call, Check, Gradient as Function, Values};
 use crate::outcome::{Beyond, Said};
-use crate::values::{Owned, arrays};
+use crate::values::{Owned, array_pointers, arrays};
 use std::mem::size_of;
 use std::sync::Arc;
 use voltet_core::Result;
@@ -70,17 +70,12 @@ impl Given {
         let [neighbours, cells] = tables;
         let starts = |rows: &Option<Compressed>| rows.as_ref().map_or(null(), |rows| rows.starts.as_ptr());
         let items = |rows: &Option<Compressed>| rows.as_ref().map_or(null(), |rows| rows.items.as_ptr());
-        let values_of =
-            |array: &Option<Arc<Array>>| array.as_ref().map_or(null(), |array| array.values.as_ptr());
-        let arrays: Vec<*const f64> = self.arrays.iter().map(values_of).collect();
+        let arrays = array_pointers(&self.arrays);
         let pointers = self.values.pointers();
         let values: Values = self.values.by(&pointers);
         let mut vectors = match vectors {
             Ok(vectors) => vectors,
-            Err(wrong) => {
-                state.complain(wrong);
-                return (Said::new(interface::ERROR, state), Vec::new());
-            }
+            Err(wrong) => return (Said::not_called(wrong, state), Vec::new()),
         };
         let call = Call {
             size: size_of::<Call>() as u32,
