@@ -135,21 +135,6 @@ static int32_t filter_image(const voltet_image_call *call, const voltet_host *ho
 static const voltet_parameter parameters[] = {
     {.size = sizeof(voltet_parameter), .type = VOLTET_TEXT, .name = "fault", .help = "what it does wrong", .text = "none"},
 };
-static const char *const extensions[] = {"faulty"};
-
-#define COMMON .summary = "Does something wrong.", .parameter_count = 1, .parameters = parameters
-static const voltet_reader reader = {.size = sizeof reader, .name = "faulty-reader", COMMON, .inspect = inspect, .read = read,
-                                     .extensions = extensions, .extension_count = 1};
-static const voltet_grid_filter grid = {.size = sizeof grid, .name = "faulty-grid", COMMON, .filter = filter_grid};
-static const voltet_image_filter image = {.size = sizeof image, .name = "faulty-image", COMMON, .filter = filter_image};
-
-static uint32_t one(void) { return 1; }
-static const voltet_reader *reader_at(uint32_t place) { return place ? NULL : &reader; }
-static const voltet_grid_filter *grid_at(uint32_t place) { return place ? NULL : &grid; }
-static const voltet_image_filter *image_at(uint32_t place) { return place ? NULL : &image; }
-static const voltet_reader_factory readers = {.size = sizeof readers, .reader_count = one, .reader = reader_at};
-static const voltet_grid_factory grids = {.size = sizeof grids, .filter_count = one, .filter = grid_at};
-static const voltet_image_factory images = {.size = sizeof images, .filter_count = one, .filter = image_at};
 
 static const voltet_plugin *init(const char *path, const voltet_host *host) {
     static const voltet_plugin plugin = {.size = sizeof plugin, .name = "faulty nodes", .version = "1"};
@@ -157,11 +142,6 @@ static const voltet_plugin *init(const char *path, const voltet_host *host) {
     return &plugin;
 }
 
-static const void *get_factory(const char *kind) {
-    if (strcmp(kind, VOLTET_READERS) == 0) return &readers;
-    if (strcmp(kind, VOLTET_GRID_FILTERS) == 0) return &grids;
-    return strcmp(kind, VOLTET_IMAGE_FILTERS) == 0 ? &images : NULL;
-}
-
-const voltet_entry voltet_plugin_entry = {.size = sizeof voltet_plugin_entry, .major = VOLTET_PLUGIN_MAJOR,
-                                          .minor = VOLTET_PLUGIN_MINOR, .init = init, .get_factory = get_factory};
+#define WORD "faulty"
+#define SUMMARY "Does something wrong."
+#include "nodes.h"

@@ -3,6 +3,7 @@
  * its file's name are the seed; one whose name begins with "wild" damages addresses of functions, too. What it gives is either
  * right, or wrong in a way that can be seen: not finite, or not written.
  */
+#include "drawn.h"
 #include "voltet_plugin.h"
 
 #include <dlfcn.h>
@@ -11,18 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static uint64_t state;
 static int wild;
-
-/* Steele, Lea, Flood 2014: SplitMix64. */
-static uint64_t draw(void) {
-    uint64_t z = (state += 0x9e3779b97f4a7c15u);
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return z ^ (z >> 31);
-}
-
-static uint64_t below(uint64_t n) { return draw() % n; }
 
 static uint64_t code, points_damaged, kind_of_damage, says, loops;
 

@@ -3,23 +3,12 @@
  * either as it would be undamaged, or wrong in a way that can be seen: not written, out of range, not finite, beyond the end by a
  * little, or contradictory.
  */
+#include "drawn.h"
 #include "voltet_plugin.h"
 
 #include <math.h>
 #include <stddef.h>
 #include <string.h>
-
-static uint64_t state;
-
-/* Steele, Lea, Flood 2014: SplitMix64. */
-static uint64_t draw(void) {
-    uint64_t z = (state += 0x9e3779b97f4a7c15u);
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return z ^ (z >> 31);
-}
-
-static uint64_t below(uint64_t n) { return draw() % n; }
 
 /* Whether this call is damaged: not with seed 0. */
 static int begin(const voltet_values *values, uint64_t salt) {
@@ -170,21 +159,6 @@ static int32_t filter_image(const voltet_image_call *call, const voltet_host *ho
 }
 
 static const voltet_parameter parameters[] = {{.size = sizeof(voltet_parameter), .type = VOLTET_INTEGER, .name = "seed", .help = "of the damage"}};
-static const char *const extensions[] = {"random"};
-
-#define COMMON .summary = "Damaged.", .parameter_count = 1, .parameters = parameters
-static const voltet_reader reader = {.size = sizeof reader, .name = "random-reader", COMMON, .inspect = inspect, .read = read,
-                                     .extensions = extensions, .extension_count = 1};
-static const voltet_grid_filter grid = {.size = sizeof grid, .name = "random-grid", COMMON, .filter = filter_grid};
-static const voltet_image_filter image = {.size = sizeof image, .name = "random-image", COMMON, .filter = filter_image};
-
-static uint32_t one(void) { return 1; }
-static const voltet_reader *reader_at(uint32_t place) { return place ? NULL : &reader; }
-static const voltet_grid_filter *grid_at(uint32_t place) { return place ? NULL : &grid; }
-static const voltet_image_filter *image_at(uint32_t place) { return place ? NULL : &image; }
-static const voltet_reader_factory readers = {.size = sizeof readers, .reader_count = one, .reader = reader_at};
-static const voltet_grid_factory grids = {.size = sizeof grids, .filter_count = one, .filter = grid_at};
-static const voltet_image_factory images = {.size = sizeof images, .filter_count = one, .filter = image_at};
 
 static const voltet_plugin *init(const char *path, const voltet_host *host) {
     static const voltet_plugin plugin = {.size = sizeof plugin, .name = "random nodes", .version = "1"};
@@ -193,11 +167,6 @@ static const voltet_plugin *init(const char *path, const voltet_host *host) {
     return &plugin;
 }
 
-static const void *get_factory(const char *kind) {
-    if (strcmp(kind, VOLTET_READERS) == 0) return &readers;
-    if (strcmp(kind, VOLTET_GRID_FILTERS) == 0) return &grids;
-    return strcmp(kind, VOLTET_IMAGE_FILTERS) == 0 ? &images : NULL;
-}
-
-const voltet_entry voltet_plugin_entry = {.size = sizeof voltet_plugin_entry, .major = VOLTET_PLUGIN_MAJOR,
-                                          .minor = VOLTET_PLUGIN_MINOR, .init = init, .get_factory = get_factory};
+#define WORD "random"
+#define SUMMARY "Damaged."
+#include "nodes.h"

@@ -21,6 +21,7 @@ mod plugin_faults;
 mod plugin_fuzz;
 mod plugin_node_faults;
 mod plugin_node_fuzz;
+mod plugin_node_scene;
 mod plugin_nodes;
 mod plugins;
 mod reports;

@@ -1,56 +1,14 @@
 //! Readers, grid filters and image filters of plug-ins that do what they must not: each is one message that names the plug-in,
 //! in the program's process and in one of the plug-in's own, and nothing is written.
 
+use crate::plugin_node_scene::scene;
 use crate::support::Folder;
 use std::time::{Duration, Instant};
 use voltet_testing::compilers;
 
-const SCENE: &str = r#"[pipeline]
-format = 1
-
-[nodes.grid]
-type = "faulty-reader"
-path = "any.faulty"
-scalar = "s"
-
-[nodes.moved]
-type = "faulty-grid"
-inputs = { grid = "grid" }
-
-[nodes.look]
-type = "transfer-function"
-unit_distance = 0.5
-
-[[nodes.look.widgets]]
-kind = "uniform"
-color = [0.5, 1.0, 0.25]
-extinction = 1.0
-region = { s = [-10.0, 20.0] }
-
-[nodes.view]
-type = "camera"
-eye = [-3.0, 0.4, 0.3]
-target = [0.5, 0.5, 0.5]
-size = [16, 16]
-
-[nodes.picture]
-type = "renderer"
-engine = "cpu"
-inputs = { volume = "moved", transfer_function = "look", camera = "view" }
-
-[nodes.toned]
-type = "faulty-image"
-inputs = { image = "picture" }
-
-[nodes.file]
-type = "image-writer"
-path = "picture.exr"
-inputs = { image = "toned" }
-"#;
-
 fn folder() -> Option<Folder> {
     let folder = Folder::new();
-    folder.write("scene.toml", SCENE);
+    folder.write("scene.toml", scene("faulty", 16));
     folder.write("any.faulty", "whatever");
     let source = compilers::source("tests/plugins/faulty_nodes.c");
     compilers::library(folder.path(), "faulty.so", &[source], &[])?;
@@ -92,7 +50,7 @@ fn what_a_grid_filter_keeps_is_that_of_its_input() {
     let wanted = folder.floats("picture.exr").1;
     let writer = "[nodes.out]\ntype = \"grid-writer\"\npath = \"out.vtu\"\ncell_arrays = [\"t\"]\ncells = \"file\"\n\
                   inputs = { volume = \"moved\" }\n";
-    folder.write("scene.toml", format!("{SCENE}\n{writer}"));
+    folder.write("scene.toml", scene("faulty", 16) + "\n" + writer);
     for own_process in [&[][..], &["--plugin-process"]] {
         folder.voltet(&[&LOADED[..], &["--set", "moved.fault=kept"], own_process].concat()).ok();
         assert_eq!(folder.floats("picture.exr").1, wanted);

@@ -2,55 +2,13 @@
 //!
 //! The environment variable `VOLTET_FUZZ` gives the number of cases in place of the standard one.
 
+use crate::plugin_node_scene::scene;
 use voltet::Document;
 use voltet::core::Result;
 use voltet::core::graph::{Observer, Registry};
 use voltet::core::picture::Picture;
 use voltet::nodes::added;
 use voltet_testing::compilers;
-
-const SCENE: &str = r#"[pipeline]
-format = 1
-
-[nodes.grid]
-type = "random-reader"
-path = "any.random"
-scalar = "s"
-
-[nodes.moved]
-type = "random-grid"
-inputs = { grid = "grid" }
-
-[nodes.look]
-type = "transfer-function"
-unit_distance = 0.5
-
-[[nodes.look.widgets]]
-kind = "uniform"
-color = [0.5, 1.0, 0.25]
-extinction = 1.0
-region = { s = [-10.0, 20.0] }
-
-[nodes.view]
-type = "camera"
-eye = [-3.0, 0.4, 0.3]
-target = [0.5, 0.5, 0.5]
-size = [8, 8]
-
-[nodes.picture]
-type = "renderer"
-engine = "cpu"
-inputs = { volume = "moved", transfer_function = "look", camera = "view" }
-
-[nodes.toned]
-type = "random-image"
-inputs = { image = "picture" }
-
-[nodes.file]
-type = "image-writer"
-path = "picture.exr"
-inputs = { image = "toned" }
-"#;
 
 /// Follows nothing; 64 MiB are left.
 struct Small;
@@ -65,7 +23,7 @@ impl Observer for Small {
 fn picture(folder: &std::path::Path, registry: &Registry, seeds: [u64; 3]) -> Result<(Picture, bool)> {
     let set = ["grid", "moved", "toned"].iter().zip(seeds).map(|(node, seed)| format!("{node}.seed={seed}"));
     let options: Vec<String> = set.collect();
-    let document = Document::from_text(&folder.join("scene.toml"), SCENE.into(), &options, registry)?;
+    let document = Document::from_text(&folder.join("scene.toml"), scene("random", 8), &options, registry)?;
     let report = voltet::nodes::session().run(&document.graph, &Small)?;
     let (_, drawn) = report.pictures.iter().find(|(node, _)| node == "toned").unwrap();
     Ok((Picture::clone(drawn), !report.warnings.is_empty()))
