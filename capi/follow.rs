@@ -20,7 +20,7 @@ pub(crate) unsafe fn draw(
     let told = told.filter(|follow| follow.progress.is_some() || follow.cancelled.is_some());
     // SAFETY: the caller's promise.
     let stops = told.map(|told| move |moment: &Moment| unsafe { call(told, moment) });
-    follow(|observer| session.draw(drawing, observer), stops)
+    follow(|observer| session.draw(drawing, observer), stops, &mut std::iter::empty())
 }
 
 /// Says where the run is, and asks whether to stop.

@@ -138,8 +138,8 @@ impl Session {
 
     /// The report of the last picture, JSON.
     pub fn report(&self) -> Result<String> {
-        let report = self.runs.report(&self.stated, self.stated.pipeline.to_string());
-        Ok(format!("{:#}", whole_report(vec![report.ok_or_else(nothing)?])))
+        let account = self.runs.account(&self.stated, self.stated.pipeline.to_string());
+        Ok(format!("{:#}", whole_report(vec![account.ok_or_else(nothing)?.words()])))
     }
 
     /// The warnings of the last picture, a line each.

@@ -2,9 +2,9 @@
 
 use std::panic::resume_unwind;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::sync::mpsc::{RecvTimeoutError, TryRecvError, channel};
 use std::sync::{Mutex, PoisonError};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use voltet_core::graph::Observer;
 use voltet_core::{Error, Result};
 use voltet_nodes::memory;
@@ -62,10 +62,12 @@ impl State {
 }
 
 /// Does `work`. With `stops`, in a thread of its own: meanwhile `stops` is called every 20 ms, on the thread that called, and the
-/// work is stopped once it says so. Errors: those of the work; of a work that was stopped that it was.
+/// work is stopped once it says so. So it is by an item of `beside` that is true: these are work for that thread, done one after
+/// another as long as the run goes on; the others are left. Errors: those of the work; of a work that was stopped that it was.
 pub fn follow<T: Send>(
     work: impl FnOnce(&dyn Observer) -> Result<T> + Send,
     stops: Option<impl FnMut(&Moment) -> bool>,
+    beside: &mut dyn Iterator<Item = bool>,
 ) -> Result<T> {
     let state = State::default();
     let Some(mut stops) = stops else { return work(&state) };
@@ -84,8 +86,23 @@ pub fn follow<T: Send>(
             },
         );
         let run = run.map_err(|error| Error::run("no thread can be begun").found(error))?;
-        while is_done.recv_timeout(BETWEEN) == Err(RecvTimeoutError::Timeout) {
-            if stops(&state.moment()) {
+        let mut asked = Instant::now();
+        loop {
+            let (stopped, ended) = match beside.next() {
+                Some(stopped) => (stopped, is_done.try_recv() == Err(TryRecvError::Disconnected)),
+                None => {
+                    let left = BETWEEN.saturating_sub(asked.elapsed());
+                    (false, is_done.recv_timeout(left) == Err(RecvTimeoutError::Disconnected))
+                }
+            };
+            if ended {
+                break;
+            }
+            let is_time = asked.elapsed() >= BETWEEN;
+            if is_time {
+                asked = Instant::now();
+            }
+            if stopped || is_time && stops(&state.moment()) {
                 state.stop.store(true, Ordering::Relaxed);
             }
         }

@@ -8,6 +8,7 @@
 //! | `panic` | a panic in words |
 
 mod follow;
+mod graphs;
 mod grid;
 mod panic;
 mod session;
@@ -15,4 +16,4 @@ mod session;
 pub use follow::{Moment, follow};
 pub use grid::{ArraySource, CellSource, Numbers, Source, grid, no_scalar};
 pub use panic::said;
-pub use session::{Drawing, Scene, Session};
+pub use session::{Account, Drawing, Scene, Session};

@@ -1,35 +1,18 @@
 //! Pictures and figures of a pipeline that a program states: the grids that it gives, and what its runs leave.
 
+use crate::graphs::TAKER;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 use voltet_core::graph::{
-    Datum, Demand, Given, Graph, LinkEntry, Node, NodeEntry, Observer, Origin, Port, PortType, Registry,
-    RunReport, Setting, Stated, Value,
+    Demand, Given, Graph, NodeEntry, Observer, Port, PortType, Registry, RunReport, Stated, Value,
 };
 use voltet_core::grid::Grid;
 use voltet_core::picture::Picture;
 use voltet_core::pipeline::Pipeline;
 use voltet_core::{Error, Result};
-use voltet_document::links::{source, sources, upstream};
 use voltet_nodes::given;
 use voltet_nodes::provenance::run_report;
-
-/// What takes a value: the run is made for it.
-static TAKER: Node = Node {
-    name: "taker",
-    summary: "Takes a value for the program.",
-    optional_inputs: &[
-        Port { name: "image", port_type: PortType::Image, summary: "a picture" },
-        Port { name: "report", port_type: PortType::Report, summary: "figures" },
-        Port { name: "volume", port_type: PortType::Volume, summary: "a volume" },
-        Port { name: "widgets", port_type: PortType::TransferFunction, summary: "widgets, as of a probe" },
-    ],
-    ..Node::BLANK
-};
-
-/// The name of the node that takes: no file can state it.
-const TAKER_NAME: &str = "(the program)";
 
 /// What a program states.
 pub trait Scene {
@@ -45,10 +28,10 @@ pub trait Scene {
 
 /// What lives longer than a picture.
 pub struct Session {
-    registry: Registry,
+    pub(crate) registry: Registry,
     runs: voltet_core::graph::Session,
     /// The grids that stand in for nodes' own.
-    grids: BTreeMap<String, Given>,
+    pub(crate) grids: BTreeMap<String, Given>,
     last: Option<RunReport>,
 }
 
@@ -58,6 +41,21 @@ pub struct Drawing {
     name: String,
     /// Width and height in pixels.
     pub size: [usize; 2],
+}
+
+/// What a run did, kept to be put into words when it is asked for.
+pub struct Account {
+    path: String,
+    stated: Stated,
+    /// Without its pictures.
+    run: RunReport,
+}
+
+impl Account {
+    /// What is said of the run in a report ([`voltet_nodes::provenance::whole_report`]).
+    pub fn words(&self) -> serde_json::Value {
+        run_report(&self.path, &self.run, &self.stated)
+    }
 }
 
 impl Session {
@@ -159,6 +157,21 @@ impl Session {
         picture.map(|found| found.1.clone()).ok_or_else(none)
     }
 
+    /// Draws, and hands the picture over: nothing here keeps it, so that the same one is drawn anew when it is asked for again.
+    pub fn hand_over(
+        &mut self,
+        scene: &dyn Scene,
+        drawing: &Drawing,
+        observer: &dyn Observer,
+    ) -> Result<Picture> {
+        let picture = self.draw(scene, drawing, observer)?;
+        self.runs.let_go(&picture);
+        if let Some(report) = &mut self.last {
+            report.pictures.clear();
+        }
+        Ok(Arc::unwrap_or_clone(picture))
+    }
+
     /// Runs a graph of the pipeline, such as that of [`Session::whole`].
     pub fn run(&mut self, scene: &dyn Scene, graph: &Graph, observer: &dyn Observer) -> Result<&RunReport> {
         self.last = None;
@@ -193,35 +206,6 @@ impl Session {
         work(&graph, &mut self.runs).map_err(|error| scene.locate(error))
     }
 
-    /// The graph of the whole pipeline: all that it writes, and the pictures and probes that feed nothing.
-    pub fn whole(&self, scene: &dyn Scene) -> Result<Graph> {
-        let mut entries = scene.pipeline().nodes.clone();
-        let feeds = |name: &String| {
-            let mut wires = entries.iter().flat_map(|entry| entry.inputs.iter().flat_map(sources));
-            wires.any(|text| source(text, &entries).0 == name)
-        };
-        // Widgets that are made of no data say nothing.
-        let of_data = |name: &String| {
-            let entry = entries.iter().find(|entry| entry.name == *name);
-            let node = entry.and_then(|entry| self.registry.find(entry.node_type.text()?).ok());
-            node.is_some_and(|node| !node.inputs.is_empty())
-        };
-        let mut taker = None;
-        for (port, port_type) in [("image", PortType::Image), ("widgets", PortType::TransferFunction)] {
-            let mut open = self.giving(scene, port_type);
-            open.retain(|name| !feeds(name) && of_data(name));
-            if !open.is_empty() {
-                let taken = self.taker(&entries, port, &open);
-                taker
-                    .get_or_insert_with(|| NodeEntry { inputs: Vec::new(), ..taken.clone() })
-                    .inputs
-                    .extend(taken.inputs);
-            }
-        }
-        entries.extend(taker);
-        self.graph(scene, entries)
-    }
-
     /// What plans say without data: errors, and warnings with their places.
     pub fn plan(&mut self, scene: &dyn Scene, graph: &Graph) -> Result<Vec<Error>> {
         self.runs.plan(graph).map_err(|error| scene.locate(error))?;
@@ -233,67 +217,12 @@ impl Session {
         self.last.as_ref()
     }
 
-    /// What is said of the last run in a report ([`voltet_nodes::provenance::whole_report`]). `text`: what states the pipeline.
-    pub fn report(&self, scene: &dyn Scene, text: String) -> Option<serde_json::Value> {
-        let stated = Pipeline::stated(text.clone(), &self.registry).unwrap_or_else(|_| {
-            // It writes nothing, as none need here.
-            let mut stated = Stated::default();
-            (stated.title, stated.text) = (scene.pipeline().title.clone(), text);
-            stated
-        });
-        Some(run_report(&scene.path().display().to_string(), self.last.as_ref()?, &stated))
-    }
-
-    /// The nodes that a value needs, and no others, with what takes it.
-    fn graph_for(&self, scene: &dyn Scene, node: &str, port: &str) -> Result<Graph> {
-        let nodes = &scene.pipeline().nodes;
-        let needed = upstream(nodes, node);
-        let mut entries: Vec<NodeEntry> =
-            nodes.iter().filter(|entry| needed.contains(&entry.name)).cloned().collect();
-        entries.push(self.taker(&entries, port, &[node.to_string()]));
-        self.graph(scene, entries)
-    }
-
-    /// What takes the values of these nodes: of each the first that fits.
-    fn taker(&self, entries: &[NodeEntry], port: &str, nodes: &[String]) -> NodeEntry {
-        let text = |text: &str| Setting::from(Datum::Text(text.into()));
-        let taken = TAKER.optional_inputs.iter().find(|input| input.name == port);
-        let output = |name: &String| {
-            let entry = entries.iter().find(|entry| entry.name == *name)?;
-            let node = self.registry.find(entry.node_type.text()?).ok()?;
-            let mut fitting =
-                node.outputs.iter().filter(|o| taken.is_some_and(|t| o.port_type.serves(t.port_type)));
-            fitting.next().filter(|_| node.outputs.len() > 1)
-        };
-        let source = |name: &String| match output(name) {
-            Some(output) => text(&format!("{name}.{}", output.name)),
-            None => text(name),
-        };
-        NodeEntry {
-            name: TAKER_NAME.into(),
-            origin: Origin::Nowhere,
-            node_type: text(TAKER.name),
-            settings: Vec::new(),
-            inputs: vec![LinkEntry {
-                port: port.into(),
-                origin: Origin::Nowhere,
-                source: Datum::List(nodes.iter().map(source).collect()).into(),
-            }],
-        }
-    }
-
-    fn graph(&self, scene: &dyn Scene, mut entries: Vec<NodeEntry>) -> Result<Graph> {
-        for entry in entries.iter_mut().filter(|entry| self.grids.contains_key(&entry.name)) {
-            given::stand_in(entry, &self.registry)?;
-        }
-        let graph = Graph::build(&entries, &self.registry, scene.folder());
-        let mut graph = graph.map_err(|error| scene.locate(error))?;
-        for (name, given) in &self.grids {
-            if graph.nodes.iter().any(|node| node.name == *name) {
-                graph.give(name, given.clone())?;
-            }
-        }
-        Ok(graph)
+    /// An account of the last run. `text`: what states the pipeline.
+    pub fn account(&self, scene: &dyn Scene, text: String) -> Option<Account> {
+        let run = RunReport { pictures: Vec::new(), ..self.last.clone()? };
+        // No file is written by it, so that the places of its paths are of no use.
+        let stated = Stated::new(scene.pipeline().title.clone(), text, std::iter::empty());
+        Some(Account { path: scene.path().display().to_string(), stated, run })
     }
 }
 

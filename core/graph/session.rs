@@ -9,8 +9,10 @@ use super::leave_out::MayLeaveOut;
 use super::notes::{Notes, RunReport, Saving};
 use super::origins::{origins, upstream};
 use super::value::{Revision, Value};
+use crate::picture::Picture;
 use crate::{Error, Result};
 use std::cell::Cell;
+use std::sync::Arc;
 use std::time::Instant;
 
 /// Follows a run, and may stop it. Called from any thread.
@@ -63,6 +65,12 @@ impl Session {
     pub fn forget(&mut self) {
         self.cache.forget_all_but(&Graph::default());
         self.store.forget_all_but(&self.cache.revisions());
+    }
+
+    /// Drops the former runs that gave this picture, which whoever has it may then write.
+    pub fn let_go(&mut self, picture: &Arc<Picture>) {
+        let is_it = |value: &Value| matches!(value, Value::Image(known) if Arc::ptr_eq(known, picture));
+        self.cache.entries.retain(|entry| !entry.outputs.iter().any(|(value, _)| is_it(value)));
     }
 
     /// The demand pass: what will run for what. Runs the early nodes only.

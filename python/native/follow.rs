@@ -16,6 +16,17 @@ pub fn followed<T: Send>(
     progress: Option<&Py<PyAny>>,
     work: impl FnOnce(&dyn Observer) -> Result<T> + Send,
 ) -> PyResult<T> {
+    followed_beside(py, progress, &mut std::iter::empty(), work)?
+}
+
+/// The same with work `beside` it, as [`voltet_embed::follow`] has it: what came of the work, apart from what was raised on the
+/// way.
+pub fn followed_beside<T: Send>(
+    py: Python<'_>,
+    progress: Option<&Py<PyAny>>,
+    beside: &mut (dyn Iterator<Item = bool> + Send),
+    work: impl FnOnce(&dyn Observer) -> Result<T> + Send,
+) -> PyResult<PyResult<T>> {
     guarded(py, refuse_forked)?;
     let mut raised: Option<PyErr> = None;
     let stops = |moment: &Moment| {
@@ -35,11 +46,11 @@ pub fn followed<T: Send>(
         let outcome = work(observer);
         Ok((outcome, filter::raised()))
     };
-    let outcome = py.detach(|| catch_unwind(AssertUnwindSafe(|| follow(work, Some(stops)))));
+    let outcome = py.detach(|| catch_unwind(AssertUnwindSafe(|| follow(work, Some(stops), beside))));
     if let Some(raised) = raised {
         return Err(raised);
     }
-    match outcome {
+    Ok(match outcome {
         Ok(Ok((Err(error), Some(cause)))) => {
             let error = exception(py, &error);
             error.set_cause(py, Some(cause));
@@ -48,7 +59,7 @@ pub fn followed<T: Send>(
         Ok(Ok((outcome, _))) => guarded(py, || outcome),
         Ok(Err(error)) => Err(exception(py, &error)),
         Err(panic) => guarded(py, || resume_unwind(panic)),
-    }
+    })
 }
 
 /// The threads that compute belong to the process that began them: in a fork there are none, and work would wait for ever.

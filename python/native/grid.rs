@@ -1,7 +1,8 @@
 //! A grid of lent arrays.
 
 use crate::error::guarded;
-use crate::memory::{Lent, fingerprint};
+use crate::memory::Lent;
+use crate::watch::{Piece, Watched, any_changed};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::sync::{Arc, OnceLock};
@@ -19,8 +20,12 @@ pub struct Grid {
     about: OnceLock<String>,
 }
 
-/// The bytes of an array, and the fingerprint that they had when the grid was made.
-struct Watched(Lent<u8>, u64);
+impl Grid {
+    /// The pieces of the arrays that are watched.
+    pub fn pieces(&self) -> impl Iterator<Item = Piece<'_>> {
+        self.watched.iter().flat_map(Watched::pieces)
+    }
+}
 
 #[pymethods]
 impl Grid {
@@ -45,11 +50,7 @@ impl Grid {
         // Before the grid is made of them: a change in between is found later.
         let watched: Vec<Lent<u8>> =
             watch.iter().map(|array| Lent::of("an array", array)).collect::<PyResult<_>>()?;
-        let printed = |memory: Lent<u8>| {
-            let print = fingerprint(memory.values());
-            Watched(memory, print)
-        };
-        let watched = py.detach(|| watched.into_iter().map(printed).collect());
+        let watched = py.detach(|| watched.into_iter().map(Watched::new).collect());
         let points: Lent<f64> = Lent::of("points", points)?;
         let mut keep = Keep(vec![points.keep()]);
         let arrays = arrays.into_iter().map(|(name, values, component_count, on_cells)| {
@@ -82,7 +83,7 @@ impl Grid {
 
     /// Whether a watched array is not as it was.
     fn changed(&self, py: Python<'_>) -> bool {
-        py.detach(|| self.watched.iter().any(|Watched(memory, print)| fingerprint(memory.values()) != *print))
+        py.detach(|| any_changed(&self.pieces().collect::<Vec<Piece<'_>>>()))
     }
 
     /// What is known of it, as JSON. Looked for once: ranges read all of the arrays.

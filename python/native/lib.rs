@@ -2,9 +2,11 @@
 //!
 //! | file | what |
 //! | --- | --- |
-//! | `pipeline` | a pipeline: its text changed, checked, drawn, saved |
+//! | `pipeline`, `held` | a pipeline: its text changed, checked, drawn, saved |
 //! | `grid` | a grid of lent arrays |
-//! | `memory` | arrays of Python that are lent, and arrays for Python |
+//! | `memory`, `watch` | arrays of Python that are lent, whether they are as they were, and arrays for Python |
+//! | `numbers` | what is known at the points of a grid |
+//! | `report` | what was done by a run |
 //! | `filter` | gradient filters that are Python functions |
 //! | `follow` | runs without the interpreter's lock, that Ctrl-C stops |
 //! | `study` | error against run time |
@@ -20,11 +22,15 @@ mod error;
 mod filter;
 mod follow;
 mod grid;
+mod held;
 mod memory;
+mod numbers;
 mod pipeline;
+mod report;
 mod study;
 mod until;
 mod value;
+mod watch;
 
 use pyo3::prelude::*;
 
@@ -40,6 +46,8 @@ mod _native {
     use super::memory::encode;
     #[pymodule_export]
     use super::pipeline::Pipeline;
+    #[pymodule_export]
+    use super::report::Report;
 
     /// The version of the program.
     #[pymodule_export]

@@ -1,9 +1,11 @@
 //! Arrays of Python that are lent, and arrays for Python.
 
 use pyo3::buffer::{Element, PyBuffer};
+use pyo3::ffi;
 use pyo3::prelude::*;
 use pyo3::types::PyByteArray;
-use rayon::prelude::*;
+use std::cell::UnsafeCell;
+use std::ffi::c_int;
 use std::sync::Arc;
 use voltet_core::Error;
 use voltet_core::picture::Picture;
@@ -46,40 +48,6 @@ impl<T: Element + Sync> Lent<T> {
     }
 }
 
-/// Bytes that one task hashes.
-const TOGETHER: usize = 1 << 18;
-
-/// A number made of all bytes, on all cores: other bytes have another, but for chance. The sums of eight lanes of 64-bit words,
-/// each multiplied by an odd number of its own, so that the memory is what it waits for.
-pub fn fingerprint(bytes: &[u8]) -> u64 {
-    let parts = bytes.par_chunks(TOGETHER).enumerate();
-    let sum =
-        parts.map(|(i, part)| of_part(part).wrapping_mul(odd(i as u64))).reduce(|| 0, u64::wrapping_add);
-    // Once, and not by every task that adds up a share.
-    sum.wrapping_add(bytes.len() as u64)
-}
-
-fn of_part(bytes: &[u8]) -> u64 {
-    let (words, rest) = bytes.as_chunks::<64>();
-    let mut lanes: [u64; 8] = std::array::from_fn(|i| odd(i as u64));
-    for word in words {
-        for (lane, eight) in lanes.iter_mut().zip(word.as_chunks::<8>().0) {
-            *lane = (*lane ^ u64::from_le_bytes(*eight)).wrapping_mul(MULTIPLIER).rotate_left(29);
-        }
-    }
-    for &byte in rest {
-        lanes[0] = (lanes[0] ^ u64::from(byte)).wrapping_mul(MULTIPLIER);
-    }
-    lanes.iter().fold(0, |sum, &lane| (sum ^ lane ^ (lane >> 32)).wrapping_mul(MULTIPLIER))
-}
-
-/// Of Steele and Vigna (2021), for 64 bits.
-const MULTIPLIER: u64 = 0xd134_2543_de82_ef95;
-
-fn odd(i: u64) -> u64 {
-    (i + 1).wrapping_mul(MULTIPLIER) | 1
-}
-
 /// A numpy array of its own memory, that may be written: these numbers as elements of `dtype`.
 pub fn array<'py, T: bytemuck::NoUninit>(
     py: Python<'py>,
@@ -87,9 +55,53 @@ pub fn array<'py, T: bytemuck::NoUninit>(
     numbers: &[T],
     shape: &[usize],
 ) -> PyResult<Bound<'py, PyAny>> {
-    let own = PyByteArray::new(py, bytemuck::cast_slice(numbers));
-    let array = py.import("numpy")?.call_method1("frombuffer", (own, dtype))?;
+    over(PyByteArray::new(py, bytemuck::cast_slice(numbers)).as_any(), dtype, shape)
+}
+
+/// A picture as a numpy array of the very memory that it was drawn into: float32, height × width × 4, that may be written.
+pub fn handed_over(py: Python<'_>, picture: Picture) -> PyResult<Bound<'_, PyAny>> {
+    let Picture { width, height, rgba } = picture;
+    over(Bound::new(py, Memory(UnsafeCell::new(rgba)))?.as_any(), "f4", &[height, width, 4])
+}
+
+/// A numpy array over the memory of an object, which it keeps.
+fn over<'py>(own: &Bound<'py, PyAny>, dtype: &str, shape: &[usize]) -> PyResult<Bound<'py, PyAny>> {
+    let array = own.py().import("numpy")?.call_method1("frombuffer", (own, dtype))?;
     array.call_method1("reshape", (shape.to_vec(),))
+}
+
+/// Pixels that Python reads and writes; Rust no longer does.
+#[pyclass(frozen, module = "voltet._native")]
+struct Memory(UnsafeCell<Vec<[f32; 4]>>);
+
+// SAFETY: no reference to the numbers is ever made here, only their address and count are given away, and neither changes.
+unsafe impl Sync for Memory {}
+
+#[pymethods]
+impl Memory {
+    /// Python's buffer protocol: bytes that may be written.
+    ///
+    /// # Safety
+    /// Python alone calls it, with a view to fill.
+    unsafe fn __getbuffer__(slf: Bound<'_, Self>, view: *mut ffi::Py_buffer, flags: c_int) -> PyResult<()> {
+        let numbers = slf.get().0.get();
+        // SAFETY: the vector stays as it is for as long as the object lives, which the view holds.
+        let filled = unsafe {
+            let bytes = (*numbers).len() * size_of::<[f32; 4]>();
+            ffi::PyBuffer_FillInfo(
+                view,
+                slf.as_ptr(),
+                (*numbers).as_mut_ptr().cast(),
+                bytes as isize,
+                0,
+                flags,
+            )
+        };
+        match filled {
+            0 => Ok(()),
+            _ => Err(PyErr::fetch(slf.py())),
+        }
+    }
 }
 
 /// A picture as the bytes of a file: `form` is "png" (8-bit sRGB over a background in linear RGB) or "exr".

@@ -1,148 +1,31 @@
 //! A pipeline: its text changed, checked, drawn, saved.
 
 use crate::error::{exception, guarded};
-use crate::filter;
-use crate::follow::followed;
+use crate::follow::{followed, followed_beside};
 use crate::grid::Grid;
-use crate::memory::{Lent, array};
+use crate::held::Held;
+use crate::memory::{Lent, array, handed_over};
+use crate::numbers::at_given_points;
+use crate::report::Report;
 use crate::study::{Asked, study};
 use crate::until;
 use crate::value::{object, settings, table};
-use glam::DVec3;
+use crate::watch::{Piece, any_changed};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
-use voltet_core::graph::{Datum, Demand, NodeEntry, Value};
+use voltet_core::graph::{Demand, Value};
 use voltet_core::picture::Picture;
-use voltet_core::pipeline::Pipeline as Nodes;
 use voltet_core::{Error, Result};
-use voltet_document::{Document, Edit, Fault, Part, Path as Place};
-use voltet_embed::{Scene, Session};
-use voltet_nodes::provenance::{Provenance, Source, whole_report};
+use voltet_document::{Edit, Path as Place};
+use voltet_embed::Scene;
 
 /// A pipeline and what its runs left.
 #[pyclass(frozen, module = "voltet._native")]
 pub struct Pipeline {
     held: Mutex<Held>,
-}
-
-struct Held {
-    stated: Stated,
-    runs: Session,
-    /// The filters that the session knows.
-    epoch: u64,
-}
-
-/// What is stated, and where it came from.
-struct Stated {
-    document: Document,
-    /// The picture that carries it, in place of a file, and what it says of itself.
-    picture: Option<(PathBuf, Provenance)>,
-}
-
-impl Scene for Stated {
-    fn pipeline(&self) -> &Nodes {
-        self.document.pipeline()
-    }
-
-    fn folder(&self) -> PathBuf {
-        match &self.picture {
-            Some((path, _)) => path.parent().unwrap_or(Path::new("")).to_path_buf(),
-            None => self.document.folder(),
-        }
-    }
-
-    fn path(&self) -> PathBuf {
-        let file = self.document.path().map(Path::to_path_buf);
-        let picture = self.picture.as_ref().map(|picture| picture.0.clone());
-        picture.or(file).unwrap_or("a new pipeline".into())
-    }
-
-    fn locate(&self, error: Error) -> Error {
-        match &self.picture {
-            Some((path, _)) => voltet_core::pipeline::locate(error, self.document.text(), path),
-            None => self.document.locate(error),
-        }
-    }
-}
-
-impl Held {
-    /// Knows the filters that are registered now.
-    fn refresh(&mut self) -> Result<()> {
-        let epoch = filter::epoch();
-        if epoch != self.epoch {
-            self.runs.know(filter::registry()?)?;
-            self.epoch = epoch;
-        }
-        Ok(())
-    }
-
-    /// Refuses a text that is no pipeline.
-    fn sound(&mut self) -> Result<()> {
-        self.refresh()?;
-        let faults = self.stated.document.faults(self.runs.registry());
-        faults.into_iter().find(|fault| fault.node.is_none()).map_or(Ok(()), |fault| Err(fault.error))
-    }
-
-    /// Carries out edits; what they leave wrong in the parameters of these nodes undoes them.
-    fn edit(&mut self, nodes: &[&str], label: String, edits: &[Edit]) -> Result<()> {
-        self.refresh()?;
-        let before = self.faults(nodes);
-        let document = &mut self.stated.document;
-        document.edit_all(label, edits, None).map_err(|error| document.locate(error))?;
-        let is_new = |fault: &Fault| !before.iter().any(|known| known.error.what == fault.error.what);
-        match self.faults(nodes).into_iter().find(is_new) {
-            None => Ok(()),
-            Some(fault) => {
-                self.stated.document.undo()?;
-                Err(fault.error)
-            }
-        }
-    }
-
-    /// What is wrong with nodes, but for their wires, which may lead to nodes that are to come.
-    fn faults(&self, nodes: &[&str]) -> Vec<Fault> {
-        if nodes.is_empty() {
-            return Vec::new();
-        }
-        let mut faults = self.stated.document.faults(self.runs.registry());
-        let wires = |fault: &Fault| {
-            matches!(fault.part, Part::Input(_)) || fault.error.what.contains("is not connected")
-        };
-        faults
-            .retain(|fault| fault.node.as_deref().is_some_and(|name| nodes.contains(&name)) && !wires(fault));
-        faults
-    }
-
-    fn node(&self, name: &str) -> Result<&NodeEntry> {
-        let nodes = &self.stated.pipeline().nodes;
-        nodes.iter().find(|node| node.name == name).ok_or_else(|| {
-            let error = Error::usage(format!("there is no node '{name}'"));
-            error.accepted(voltet_core::graph::suggest(name, nodes.iter().map(|node| node.name.as_str())))
-        })
-    }
-
-    /// The program's own view of the pipeline: what `voltet run` would refuse to write over is refused.
-    fn as_run(&mut self) -> Result<voltet::Document> {
-        self.sound()?;
-        let mut graph = self.runs.whole(&self.stated)?;
-        let text = self.stated.document.text().to_string();
-        if let Ok(stated) = Nodes::stated(text.clone(), self.runs.registry()) {
-            graph.stated = stated;
-        }
-        let pipeline = self.stated.pipeline().clone();
-        let carried = self.stated.picture.as_ref().map(|picture| picture.1.clone());
-        let document = voltet::Document { path: self.stated.path(), text, pipeline, graph, carried };
-        document.refuse_collisions()?;
-        Ok(document)
-    }
-
-    fn report(&self) -> String {
-        let text = self.stated.document.text().to_string();
-        whole_report(self.runs.report(&self.stated, text).into_iter().collect()).to_string()
-    }
 }
 
 impl Pipeline {
@@ -193,28 +76,7 @@ impl Pipeline {
     #[new]
     #[pyo3(signature = (path, text))]
     fn new(py: Python<'_>, path: Option<PathBuf>, text: Option<String>) -> PyResult<Pipeline> {
-        let empty = path.is_none() && text.is_none();
-        let held = guarded(py, || {
-            let (document, picture) = match (path, text) {
-                (Some(path), None) => {
-                    let source = Source::read(&path)?;
-                    match source.carried {
-                        Some(carried) => (Document::from_text(source.text, None), Some((path, carried))),
-                        None => (Document::open(&path)?, None),
-                    }
-                }
-                (path, Some(text)) => (Document::from_text(text, path), None),
-                (None, None) => (Document::new(), None),
-            };
-            let epoch = filter::epoch();
-            let runs = Session::new(filter::registry()?)?;
-            let mut held = Held { stated: Stated { document, picture }, runs, epoch };
-            // Nodes are to come.
-            if !empty {
-                held.sound()?;
-            }
-            Ok(held)
-        });
+        let held = guarded(py, || Held::open(path, text));
         Ok(Pipeline { held: Mutex::new(held?) })
     }
 
@@ -327,46 +189,14 @@ impl Pipeline {
         self.with(py, |held| held.stated.document.undo())
     }
 
-    /// Saves the text; what it reads is found from the new file, too. `readers`: nodes that a program gives grids to, each with the
-    /// file that holds its grid and the scalar: they read it from there.
+    /// Saves the text: see [`Held::save`].
     fn save(
         &self,
         py: Python<'_>,
         path: Option<PathBuf>,
         readers: Vec<(String, String, String)>,
     ) -> PyResult<PathBuf> {
-        self.with(py, |held| {
-            held.sound()?;
-            let own = held.stated.document.path().map(Path::to_path_buf);
-            let nowhere = || Error::usage("the pipeline has no file yet").accepted("a path to save it to");
-            let to = path.or(own).ok_or_else(nowhere)?;
-            if let Some((picture, _)) = held.stated.picture.take() {
-                // From now on it is a file's, which was in the picture's folder.
-                let text = held.stated.document.text().to_string();
-                held.stated.document = Document::from_text(text, Some(picture));
-            }
-            let mut edits = Vec::new();
-            for (name, file, scalar) in readers {
-                let stated = &held.node(&name)?.settings;
-                let gone = stated.iter().filter(|field| field.name != "scalar");
-                edits.extend(
-                    gone.map(|field| Edit::Unset { node: name.clone(), path: Place::from([&*field.name]) }),
-                );
-                for (key, value) in [("type", "reader".to_string()), ("path", file), ("scalar", scalar)] {
-                    edits.push(Edit::set(&name, [key], Datum::Text(value)));
-                }
-            }
-            let folder = to.parent().unwrap_or(Path::new(""));
-            edits.extend(held.stated.document.following_to(held.runs.registry(), folder));
-            if !edits.is_empty() {
-                let document = &mut held.stated.document;
-                document
-                    .edit_all("save elsewhere".into(), &edits, None)
-                    .map_err(|error| document.locate(error))?;
-            }
-            held.stated.document.save_as(&to)?;
-            Ok(to)
-        })
+        self.with(py, |held| held.save(path, readers))
     }
 
     /// Gives a grid in place of what a node reads, or takes it away: the node's name.
@@ -399,21 +229,35 @@ impl Pipeline {
         })
     }
 
-    /// Draws the picture of a node, and writes nothing: the array and the report.
+    /// Draws the picture of a node, and writes nothing: the array and the report. While it draws, the arrays of `watched` are
+    /// looked at, which the grids were made of: None where one is not as it was.
     fn render<'py>(
         &self,
         py: Python<'py>,
         node: Option<&str>,
         progress: Option<Py<PyAny>>,
-    ) -> PyResult<(Bound<'py, PyAny>, String)> {
-        let (drawn, report) = self.long(py, progress.as_ref(), |held, observer| {
+        watched: Vec<Bound<'py, Grid>>,
+    ) -> PyResult<Option<(Bound<'py, PyAny>, Report)>> {
+        let pieces: Vec<Piece<'_>> = watched.iter().flat_map(|grid| grid.get().pieces()).collect();
+        let (mut open, mut changed) = (pieces.iter(), false);
+        let mut look = open.by_ref().map(|piece| {
+            changed |= piece.is_changed();
+            changed
+        });
+        let mut held = self.held(py)?;
+        let held = &mut *held;
+        let drawn = followed_beside(py, progress.as_ref(), &mut look, |observer| {
             held.sound()?;
             let Held { runs, stated, .. } = held;
             let drawing = runs.drawing(stated, node)?;
-            let drawn = runs.draw(stated, &drawing, observer)?;
-            Ok((drawn, held.report()))
+            let drawn = runs.hand_over(stated, &drawing, observer)?;
+            Ok((drawn, held.account()))
         })?;
-        Ok((picture(py, &drawn)?, report))
+        if changed || py.detach(|| any_changed(open.as_slice())) {
+            return Ok(None);
+        }
+        let (drawn, account) = drawn?;
+        Ok(Some((handed_over(py, drawn)?, Report::new(account))))
     }
 
     /// Draws the picture of a node with rays that end at these depths (one a pixel, row 0 at the top).
@@ -432,7 +276,7 @@ impl Pipeline {
             let Held { runs, stated, .. } = held;
             runs.with_graph(stated, node, |graph, session| until::draw(graph, session, node, &ends, observer))
         })?;
-        picture(py, &drawn)
+        handed_over(py, drawn)
     }
 
     /// Runs all of it, as `voltet run` does: pictures by node, and the report.
@@ -440,20 +284,20 @@ impl Pipeline {
         &self,
         py: Python<'py>,
         progress: Option<Py<PyAny>>,
-    ) -> PyResult<(Bound<'py, PyDict>, String)> {
-        let (pictures, report) = self.long(py, progress.as_ref(), |held, observer| {
+    ) -> PyResult<(Bound<'py, PyDict>, Report)> {
+        let (pictures, account) = self.long(py, progress.as_ref(), |held, observer| {
             let document = held.as_run()?;
             document.refuse_missing_data()?;
             let Held { runs, stated, .. } = held;
             let pictures: Vec<(String, Arc<Picture>)> =
                 runs.run(stated, &document.graph, observer)?.pictures.clone();
-            Ok((pictures, held.report()))
+            Ok((pictures, held.account()))
         })?;
         let images = PyDict::new(py);
         for (name, drawn) in pictures {
             images.set_item(name, picture(py, &drawn)?)?;
         }
-        Ok((images, report))
+        Ok((images, Report::new(account)))
     }
 
     /// The figures that a node gives, as JSON.
@@ -487,27 +331,7 @@ impl Pipeline {
             let none = || Error::usage("the node gives no volume").at_node(node);
             value.volume().ok_or_else(none)?
         })?;
-        let grid = &*found.grid;
-        let place = |point: usize| match &grid.file_cells {
-            Some(cells) => cells.grid_point(point),
-            None => Some(point),
-        };
-        let count = grid.file_cells.as_ref().map_or(grid.points.len(), |cells| cells.points.len());
-        let numbers = |values: &[f64]| -> Vec<f64> {
-            (0..count).map(|point| place(point).map_or(f64::NAN, |p| values[p])).collect()
-        };
-        let arrays = PyDict::new(py);
-        arrays.set_item("scalar", array(py, "f8", &numbers(&found.scalar), &[count])?)?;
-        if let Some(g) = found.gradient_magnitude.as_ref().filter(|_| magnitude) {
-            arrays.set_item("gradient_magnitude", array(py, "f8", &numbers(g), &[count])?)?;
-        }
-        if let Some(vectors) = found.gradient.as_ref().filter(|_| gradient) {
-            let all: Vec<DVec3> =
-                (0..count).map(|point| place(point).map_or(DVec3::NAN, |p| vectors[p])).collect();
-            arrays.set_item("gradient", array(py, "f8", &all, &[count, 3])?)?;
-        }
-        arrays.set_item("scalar_name", &grid.scalar_name)?;
-        Ok(arrays)
+        at_given_points(py, &found, magnitude, gradient)
     }
 
     /// Error against run time of every setting: the study as JSON, and the reference picture.
@@ -532,7 +356,7 @@ impl Pipeline {
             let title = document.pipeline.title.clone().unwrap_or_default();
             study(&document.graph, &title, &asked, observer).map_err(|error| held.stated.locate(error))
         })?;
-        Ok((text, picture(py, &reference)?))
+        Ok((text, handed_over(py, reference)?))
     }
 }
 

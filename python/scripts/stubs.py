@@ -47,7 +47,7 @@ def exported(declared: list[dict]) -> str:
 
 
 def nodes() -> str:
-    text = HEAD + "from ._pipeline import Node, Pipeline\n\n" + exported(declarations()["nodes"])
+    text = HEAD + "from ._node import Node\nfrom ._pipeline import Pipeline\n\n" + exported(declarations()["nodes"])
     text += "_Source = str | Node | Sequence[str | Node]\n\n"
     for node in declarations()["nodes"]:
         wires = [f"{port}: _Source | None = None" for port in ports(node["name"])]

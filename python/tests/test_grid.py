@@ -114,12 +114,38 @@ def test_arrays_that_are_as_they_were_are_found_so_however_many_cores_looked():
     assert grid._current() is not made
 
 
+def test_a_change_is_noticed_while_a_picture_is_drawn_and_it_is_drawn_anew(cube):
+    grid = voltet.Grid(**cube)
+    slab = uniform(grid, (300, 300))
+    slab.render()
+    made, told = grid._current(), []
+
+    def change(node, stage, fraction):
+        # Before anything is drawn, and after Python has handed over what there was.
+        if not told:
+            cube["points"][:, 1] *= 0.5
+        told.append(node)
+
+    assert np.allclose(slab.render(progress=change)[150, 150, 3], 1 - np.exp(-1), atol=1e-5)
+    assert grid._current(look=False) is not made
+    # What is raised meanwhile is raised, changed or not.
+    def stop(node, stage, fraction):
+        cube["points"][:, 1] *= 2
+        raise LookupError("enough")
+
+    with pytest.raises(LookupError):
+        slab.render(progress=stop)
+    assert np.allclose(slab.render()[150, 150, 3], 1 - np.exp(-2), atol=1e-5)
+
+
 def test_without_watching_changes_are_said(cube):
     grid = voltet.Grid(**cube, watch=False)
     slab = uniform(grid)
-    before = slab.render()
+    slab.render()
+    made = grid._current()
     cube["points"][:, 1] *= 0.5
-    assert np.array_equal(slab.render(), before)
+    slab.render()
+    assert grid._current() is made
     grid.modified()
     assert np.allclose(slab.render()[8, 8, 3], 1 - np.exp(-1), atol=1e-5)
 

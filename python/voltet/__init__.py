@@ -32,21 +32,23 @@ if TYPE_CHECKING:
     from ._filters import Parameter as Parameter, gradient_filter as gradient_filter
     from ._grid import Grid as Grid
     from ._picture import Picture as Picture, Result as Result
-    from ._pipeline import Node as Node, Pipeline as Pipeline, check as check, run as run
+    from ._node import Node as Node
+    from ._pipeline import Pipeline as Pipeline
+    from ._run import check as check, run as run
     from ._scene import scene as scene
 
 # Loaded when asked for: `import voltet` alone loads neither numpy nor anything that needs it.
 _HOMES = {
     "Grid": "_grid",
-    "Node": "_pipeline",
+    "Node": "_node",
     "Parameter": "_filters",
     "Picture": "_picture",
     "Pipeline": "_pipeline",
     "Result": "_picture",
-    "check": "_pipeline",
+    "check": "_run",
     "gradient_filter": "_filters",
     "nodes": "",
-    "run": "_pipeline",
+    "run": "_run",
     "scene": "_scene",
     "widgets": "",
 }

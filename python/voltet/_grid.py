@@ -102,10 +102,11 @@ class Grid:
         self._made: dict[bool, _native.Grid] = {}
         self._current()
 
-    def _current(self, keep_cells: bool = False) -> _native.Grid:
-        """The grid as the arrays are now. `keep_cells`: one that knows which of its points is which of the arrays'."""
+    def _current(self, keep_cells: bool = False, look: bool = True) -> _native.Grid:
+        """The grid as the arrays are now; as they were when it was made, where nobody is to `look` at them. `keep_cells`: one that
+        knows which of its points is which of the arrays'."""
         made = self._made.get(keep_cells)
-        if made is not None and self._watch and made.changed():
+        if made is not None and look and self._watch and made.changed():
             made = None
         if made is None:
             made = self._made[keep_cells] = self._make(keep_cells)

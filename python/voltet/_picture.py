@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+from functools import cached_property
 from os import PathLike, fspath
 from typing import TYPE_CHECKING, Any
 
@@ -14,19 +16,30 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
+class Account:
+    """What a run did, put into words when it is asked for."""
+
+    def __init__(self, native: _native.Report):
+        self._native = native
+
+    @cached_property
+    def report(self) -> dict[str, Any]:
+        whole = json.loads(self._native.json())
+        return {**(whole["runs"][0] if whole["runs"] else {}), **whole}
+
+
 class Picture(np.ndarray):
-    """A picture: a float32 array of height × width × 4, premultiplied linear RGBA, row 0 at the top.
+    """A picture: a float32 array of height × width × 4, premultiplied linear RGBA, row 0 at the top; with its `report`."""
 
-    Attributes
-    ----------
-    report : dict
-        What was done for it, as `voltet run --report` says it; empty where nothing is known.
-    """
-
-    report: dict[str, Any]
+    _account: Account | None
 
     def __array_finalize__(self, parent):
-        self.report = getattr(parent, "report", {})
+        self._account = getattr(parent, "_account", None)
+
+    @property
+    def report(self) -> dict[str, Any]:
+        """What was done for it, as `voltet run --report` says it; empty where nothing is known."""
+        return {} if self._account is None else self._account.report
 
     def __array_wrap__(self, array, context=None, return_scalar=False):
         # What was computed of a picture is an array.
@@ -85,13 +98,16 @@ class Result:
     ----------
     images : dict of str to Picture
         The picture of every node that gave one: float32, height × width × 4, premultiplied linear RGBA, row 0 at the top.
-    report : dict
-        What `voltet run --report` writes; as there is one run, its keys stand at the top, too: `engine`, `seconds`, `counts`, ….
     """
 
-    def __init__(self, images: dict[str, NDArray[np.float32]], report: dict[str, Any]):
-        self.report = report
-        self.images = {name: picture(rgba, report) for name, rgba in images.items()}
+    def __init__(self, images: dict[str, NDArray[np.float32]], account: Account):
+        self._account = account
+        self.images = {name: picture(rgba, account) for name, rgba in images.items()}
+
+    @property
+    def report(self) -> dict[str, Any]:
+        """What `voltet run --report` writes; as there is one run, its keys stand at the top, too: `engine`, `seconds`, `counts`, …."""
+        return self._account.report
 
     @property
     def found(self) -> dict[str, Any]:
@@ -129,8 +145,8 @@ class Result:
         return pictures + table("Run", rows, self.warnings)
 
 
-def picture(rgba: NDArray[np.float32], report: dict[str, Any]) -> Picture:
-    """An array as a picture with its report."""
+def picture(rgba: NDArray[np.float32], account: Account | None = None) -> Picture:
+    """An array as a picture, with what is known of how it was made."""
     shown = rgba.view(Picture)
-    shown.report = report
+    shown._account = account
     return shown

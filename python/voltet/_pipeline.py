@@ -13,45 +13,12 @@ import numpy as np
 from . import _native
 from ._errors import usage
 from ._grid import Grid
-from ._picture import Picture, Result, picture
+from ._node import Node, sources
+from ._picture import Account, Picture, Result, picture
 from ._progress import Progress, followed
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
-
-
-def run(
-    path: str | PathLike[str],
-    set: Mapping[str, Any] | None = None,
-    progress: bool | None | Progress = None,
-) -> Result:
-    """Runs a pipeline file, or a picture that carries one, as the command `voltet run` does: what it writes is written.
-
-    Parameters
-    ----------
-    path : path
-        A pipeline file (.toml), or a picture (.png, .exr) that carries one.
-    set : mapping
-        Other values of parameters: `{"view.size": [64, 64], "look.widgets.0.extinction": 2.0}`.
-    progress : True or function
-        A bar, or a function of (node, stage, fraction), called every 20 ms; what it raises stops the run.
-
-    Returns
-    -------
-    Result
-        `images`: the picture of every node by its name, float32, height × width × 4, premultiplied linear RGBA, row 0 at the
-        top. `report`: what was done, a dictionary.
-    """
-    pipeline = Pipeline.open(path)
-    pipeline.set(set or {})
-    return pipeline.run(progress)
-
-
-def check(path: str | PathLike[str], set: Mapping[str, Any] | None = None) -> list[str]:
-    """Checks a pipeline file as `voltet check` does, without reading data: its warnings. Raises `Error` for what is wrong."""
-    pipeline = Pipeline.open(path)
-    pipeline.set(set or {})
-    return pipeline.check()
 
 
 class Pipeline:
@@ -140,7 +107,7 @@ class Pipeline:
             if port in parameters:
                 wires[port] = parameters.pop(port)
         stated = {key: value for key, value in parameters.items() if value is not None}
-        fed = [(port, _sources(source)) for port, source in wires.items() if source is not None]
+        fed = [(port, sources(source)) for port, source in wires.items() if source is not None]
         self._native.add(str(name), str(type), stated, fed)
         return Node(self, str(name))
 
@@ -167,7 +134,9 @@ class Pipeline:
         return self._native.undo()
 
     def __getitem__(self, name: str) -> Node:
-        self._native.node(name)
+        if name not in self:
+            # Says which there are.
+            self._native.node(name)
         return Node(self, name)
 
     def __delitem__(self, name: str) -> None:
@@ -198,16 +167,20 @@ class Pipeline:
         else:
             self._grids[name] = (grid, native)
 
-    def _lend(self, keep_cells: bool = False) -> None:
-        """Gives the grids as their arrays are now."""
+    def _lend(self, keep_cells: bool = False, look: bool = True) -> list[_native.Grid]:
+        """Gives the grids, as their arrays are now where they are looked at: those whose arrays are watched."""
+        watched = []
         for name, (grid, given) in list(self._grids.items()):
             if name not in self:
                 del self._grids[name]
                 continue
-            native = grid._current(keep_cells)
+            native = grid._current(keep_cells, look)
             if native is not given:
                 self._native.give(name, native)
                 self._grids[name] = (grid, native)
+            if grid._watch:
+                watched.append(native)
+        return watched
 
     # --- what is done
 
@@ -220,7 +193,7 @@ class Pipeline:
         self._lend()
         with followed(progress) as told:
             images, report = self._native.run(told)
-        return Result(images, _report(report))
+        return Result(images, Account(report))
 
     def render(self, node: str | None = None, progress: bool | None | Progress = None) -> Picture:
         """Draws the picture of a node (of the only one that gives one, where none is named), and writes nothing.
@@ -230,10 +203,14 @@ class Pipeline:
         Picture
             A float32 array, height × width × 4, premultiplied linear RGBA, row 0 at the top, with its `report`.
         """
-        self._lend()
+        # Whether the arrays are as they were is found while it is drawn; if not, it is drawn anew of what they are then.
+        watched = self._lend(look=False)
         with followed(progress) as told:
-            rgba, report = self._native.render(node, told)
-        return picture(rgba, _report(report))
+            while (drawn := self._native.render(node, told, watched)) is None:
+                self._lend()
+                watched = []
+        rgba, report = drawn
+        return picture(rgba, Account(report))
 
     def render_until(
         self, ends: Any, node: str = "picture", progress: bool | None | Progress = None
@@ -249,7 +226,7 @@ class Pipeline:
             raise usage("the rays' ends have the wrong shape", f"shape {depths.shape}", f"({height}, {width})", "ends")
         self._lend()
         with followed(progress) as told:
-            return picture(self._native.render_until(node, depths, told), {})
+            return picture(self._native.render_until(node, depths, told))
 
     def size(self, node: str | None = None) -> tuple[int, int]:
         """Width and height of a node's picture, pixels."""
@@ -281,9 +258,7 @@ class Pipeline:
         a grid that you gave the points are yours, in your order; NaN at points of no cell."""
         self._lend(keep_cells=True)
         with followed(progress) as told:
-            found = self._native.volume(node, bool(gradient_magnitude), bool(gradient), told)
-        found.pop("scalar_name")
-        return found
+            return self._native.volume(node, bool(gradient_magnitude), bool(gradient), told)
 
     def study(
         self,
@@ -327,7 +302,7 @@ class Pipeline:
             found, reference = self._native.study(
                 node, list(only), engine, adapter, frames, patience, max_error, output, told
             )
-        return {**json.loads(found), "reference": picture(reference, {})}
+        return {**json.loads(found), "reference": picture(reference)}
 
     def save(self, path: str | PathLike[str] | None = None) -> str:
         """Saves the pipeline file, which `voltet run` and `voltet edit` take; gives its path.
@@ -365,74 +340,6 @@ class Pipeline:
             return name, " · ".join(part for part in parts if part)
 
         return table(self.title or self.path or "Pipeline", map(line, self))
-
-
-class Node:
-    """A node of a pipeline: its parameters by name, as its file states them.
-
-    `node["size"] = [640, 480]` sets one, `del node["near"]` takes it out, `node["widgets.0.extinction"] = 2` sets a part."""
-
-    def __init__(self, pipeline: Pipeline, name: str):
-        self.pipeline = pipeline
-        self.name = name
-
-    @property
-    def type(self) -> str:
-        """The name of its type."""
-        return self.pipeline._native.node(self.name)[0]
-
-    @property
-    def parameters(self) -> dict[str, Any]:
-        """What is stated, by name: a copy."""
-        return self.pipeline._native.node(self.name)[1]
-
-    @property
-    def inputs(self) -> dict[str, str | list[str]]:
-        """What feeds its inputs: a copy."""
-        return self.pipeline._native.node(self.name)[2]
-
-    def connect(self, port: str, source: str | Node | Sequence[str | Node] | None) -> None:
-        """Wires an input to a node, or several; None takes its wires out."""
-        self.pipeline._native.connect(self.name, port, [] if source is None else _sources(source))
-
-    def __getitem__(self, path: str) -> Any:
-        found: Any = self.parameters
-        for step in path.split("."):
-            try:
-                found = found[int(step)] if isinstance(found, list) else found[step]
-            except (KeyError, IndexError, ValueError, TypeError):
-                known = ", ".join(found) if isinstance(found, dict) else None
-                what = f"'{path}' is not stated at the node '{self.name}'"
-                raise usage(what, None, known and f"one of {known}") from None
-        return found
-
-    def __setitem__(self, path: str, value: Any) -> None:
-        self._put(path, value)
-
-    def __delitem__(self, path: str) -> None:
-        self._put(path, None)
-
-    def _put(self, path: str, value: Any) -> None:
-        self.pipeline._native.set([(self.name, path, value)])
-
-    def __str__(self) -> str:
-        return self.name
-
-    def __repr__(self) -> str:
-        return f"<voltet.Node {self.name} ({self.type})>"
-
-
-def _sources(source: Any) -> list[str]:
-    listed = source if isinstance(source, (list, tuple)) else [source]
-    for one in listed:
-        if not isinstance(one, (str, Node)):
-            raise usage("this feeds no input", repr(one), "a node, its name, or \"node.port\"")
-    return [str(one) for one in listed]
-
-
-def _report(text: str) -> dict[str, Any]:
-    whole = json.loads(text)
-    return {**(whole["runs"][0] if whole["runs"] else {}), **whole}
 
 
 def builtin_type(value: object) -> str:

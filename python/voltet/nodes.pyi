@@ -3,7 +3,8 @@ from collections.abc import Mapping, Sequence
 from os import PathLike
 from typing import Any, Literal
 
-from ._pipeline import Node, Pipeline
+from ._node import Node
+from ._pipeline import Pipeline
 
 __all__ = ["bands", "camera", "composite", "cull", "gpu_renderer", "gradient_magnitude", "grid_writer", "histogram", "image_writer", "multi_gradient", "probe", "project", "reader", "renderer", "report_writer", "sort", "transfer_function", "wavelet"]
 
