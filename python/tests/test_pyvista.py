@@ -215,3 +215,15 @@ def test_surfaces_stand_in_the_volume_by_depth():
             p.render()
             assert v.draws == draws + 1, "moved surfaces end rays elsewhere"
             p.close()
+
+
+def test_pictures_larger_than_the_window_show_the_volume_where_it_is():
+    p = plotter()
+    p.voltet.add_volume(cube(), "T", opacity=[1.0, 1.0], show_scalar_bar=False, engine="cpu")
+    p.add_mesh(pv.Plane(center=(0.5, 0.5, 0.5), direction=(1, 1, 1)), color="blue", lighting=False)
+    small = shown(p).astype(float)
+    large = p.screenshot(return_img=True, scale=2).astype(float)
+    assert large.shape == (180, 240, 3)
+    difference = np.abs(large.reshape(90, 2, 120, 2, 3).mean((1, 3)) - small)
+    # Edges of surfaces fall otherwise.
+    assert np.median(difference) < 1 and difference.mean() < 3, difference.mean()

@@ -478,6 +478,8 @@ def test_a_pipeline_file_is_a_filter(tmp_path):
 def test_a_probe_gives_a_table():
     p = vv.VoltetProbe()
     p.SetInputData(cube())
+    p.Update()
+    assert p.GetFigures()["volume"] == pytest.approx(1.0, rel=1e-9), "all of the grid"
     p.SetBox([0, 0, 0], [0.5, 1, 1])
     p.Update()
     table = p.GetOutputDataObject(0)
@@ -490,6 +492,24 @@ def test_a_probe_gives_a_table():
     p.SetFields(["V", "T"])
     p.Update()
     assert p.GetFigures()["fields"] == ["V", "T"]
+
+
+def test_a_volume_gives_its_outline_and_says_when_it_is_another():
+    data = cube()
+    v = vv.VoltetVolume()
+    v.SetInputData(data)
+    v.SetWidgets(UNIFORM)
+    v.Update()
+    assert v.GetOutput().GetBounds() == pytest.approx((0, 1) * 3) and v.GetOutput().GetNumberOfLines() == 12
+    assert v.GetPipeline().render().shape == (480, 640, 4)
+    version = v.GetVersion()
+    v.Update()
+    assert v.GetVersion() == version
+    data.GetPointData().GetArray("T").Modified()
+    v.Update()
+    assert v.GetVersion() != version
+    with pytest.raises(voltet.UsageError, match="scale"):
+        v.SetScale(2.0)
 
 
 def test_a_moving_grid_given_again_and_again_does_not_grow():

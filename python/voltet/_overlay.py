@@ -1,27 +1,28 @@
-"""A picture over a renderer of PyVista: drawn when something has changed, laid over each frame."""
+"""A picture over a renderer of VTK: drawn when something has changed, laid over each frame."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import weakref
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import pyvista as pv
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
-from vtkmodules.vtkCommonCore import vtkFloatArray
+from vtkmodules.vtkCommonCore import vtkFloatArray, vtkOutputWindow
 
 from ._errors import usage
 from ._picture import Picture
-from ._pipeline import Pipeline
-from ._scene import scene
-from .vtk import camera_parameters
+from ._vtk_scene import look_from
 
 if TYPE_CHECKING:
-    from ._look import Look
+    from ._pipeline import Pipeline
+    from ._vtk_volume import VoltetVolume
+
+#: Left, bottom, right and top in pixels, rows from below.
+_Box = tuple[int, int, int, int]
 
 
 class Overlay:
-    """A volume in a plotter.
+    """A volume over the frames of a renderer.
 
     Attributes
     ----------
@@ -31,52 +32,23 @@ class Overlay:
         What draws it; changes of it are drawn after `modified()`.
     error : Exception or None
         What the last frame raised: VTK draws frames, and would forget it. `raise_error()` raises it.
+    draws : int
+        How often it was drawn.
     """
 
-    def __init__(self, owner: Any, name: str, plotter: Any, look: Look, method: Any, scale: float, options: Mapping[str, Any]):
+    pipeline: Pipeline
+
+    def __init__(self, scale: float = 1.0, linear: bool = True):
         if not 0.1 <= scale <= 1.0:
             raise usage("'scale' is out of range", scale, "0.1 to 1")
-        self.name = name
         self.picture: Picture | None = None
         self.error: BaseException | None = None
-        self.scalar_bar: Any = None
         self.draws = 0
-        self._owner, self._plotter, self._look, self._scale = owner, plotter, look, scale
-        self._renderer = plotter.renderer
-        grid = look.grid()
-        self._given = grid
-        self.pipeline: Pipeline = scene(
-            grid, look.scalar, widgets=look.widgets, unit_distance=look.unit_distance, method=method, **options
-        )
+        #: Pixels of the picture per pixel of the window.
+        self.scale = scale
+        self._linear = linear
         self._seen: tuple | None = None
         self._pixels: Any = None
-        self._tag: int | None = None
-        self._bounds: Any = None
-
-    def begin(self, reset_camera: bool | None) -> None:
-        """Follows the renderer; its bounds are those of the volume, too."""
-        low, high = self._given.bounds
-        box = pv.Box(tuple(value for pair in zip(low, high) for value in pair)).outline()
-        self._bounds = self._plotter.add_mesh(
-            box, opacity=0.0, pickable=False, show_scalar_bar=False, name=f"{self.name} bounds",
-            reset_camera=reset_camera, render=False,
-        )
-        self._tag = self._renderer.AddObserver("EndEvent", self._frame)
-
-    def end(self) -> None:
-        """Follows no longer; the plotter closes."""
-        if self._tag is not None:
-            self._renderer.RemoveObserver(self._tag)
-            self._tag = None
-
-    def remove(self) -> None:
-        """Takes the volume out of the plotter."""
-        self.end()
-        self._owner._overlays.pop(self.name, None)
-        if self._plotter.render_window is not None:
-            self._plotter.remove_actor(self._bounds, render=False)
-            if self.scalar_bar is not None:
-                self._plotter.remove_actor(self.scalar_bar, render=False)
 
     def modified(self) -> None:
         """Says that the pipeline was changed: the next frame draws anew."""
@@ -87,82 +59,119 @@ class Overlay:
         if self.error is not None:
             raise self.error
 
-    # --- frames
-
-    def _frame(self, *_: Any) -> None:
+    def frame(self, renderer: Any) -> None:
+        """Lays it over what the renderer has drawn; to be called when it has, while its window is current."""
         try:
-            self._draw()
+            self._draw(renderer)
             self.error = None
         except BaseException as error:
             self.error = error
             if not isinstance(error, KeyboardInterrupt):
-                from vtkmodules.vtkCommonCore import vtkOutputWindow
-
                 vtkOutputWindow.GetInstance().DisplayErrorText(f"ERROR: In voltet: {error}\n")
 
-    def _draw(self) -> None:
-        window = self._renderer.GetRenderWindow()
-        if window is None:
+    def _current(self) -> Any:
+        """Brings the pipeline up to date; what changes where it did."""
+        return None
+
+    def _draw(self, renderer: Any) -> None:
+        window = renderer.GetRenderWindow()
+        # A selector's frames show numbers of cells as colours.
+        if window is None or renderer.GetSelector() is not None:
             return
-        left, bottom = self._renderer.GetOrigin()
-        width, height = self._renderer.GetSize()
-        if min(width, height) < 1:
+        width, height = renderer.GetSize()
+        place, part = _places(window, renderer)
+        if min(width, height, part[2] - part[0], part[3] - part[1]) < 1:
             return
-        size = (max(1, round(width * self._scale)), max(1, round(height * self._scale)))
-        grid = self._look.grid()
-        camera = self._renderer.GetActiveCamera()
-        view = camera_parameters(camera, size)
-        ends = _ends(window, camera, (left, bottom), (width, height), size)
-        seen = (repr(view), id(grid), None if ends is None else hash(ends.tobytes()))
+        size = (max(1, round(width * self.scale)), max(1, round(height * self.scale)))
+        current = self._current()
+        camera = renderer.GetActiveCamera()
+        ends = _ends(window, camera, place, part, (width, height), size)
+        look_from(self.pipeline, camera, size, tiles=window.GetTileScale()[1])
+        seen = (self.pipeline.text, current, (width, height), None if ends is None else hash(ends.tobytes()))
         if seen != self._seen:
-            if grid is not self._given:
-                self.pipeline.give(grid, "grid")
-                self._given = grid
-            stated = self.pipeline["view"].parameters
-            self.pipeline.set({f"view.{key}": value for key, value in view.items() if stated.get(key) != value})
-            if ends is None:
-                self.picture = self.pipeline.render("picture")
-            else:
-                self.picture = self.pipeline.render_until(ends, "picture")
+            picture = self.pipeline.render("picture") if ends is None else self.pipeline.render_until(ends, "picture")
+            self.picture = picture
             self.draws += 1
-            self._pixels = _pixels(self.picture, (width, height), self._look.linear)
+            self._pixels = _pixels(picture, (width, height), self._linear)
             self._seen = seen
+        left, bottom, right, top = part
+        pixels = np.ascontiguousarray(self._pixels[bottom:top, left:right]).reshape(-1, 4)
+        x, y = place
         window.SetRGBAPixelData(
-            left, bottom, left + width - 1, bottom + height - 1, self._pixels, 0 if window.GetDoubleBuffer() else 1, 1
+            x, y, x + right - left - 1, y + top - bottom - 1, numpy_to_vtk(pixels), 0 if window.GetDoubleBuffer() else 1, 1
         )
 
 
+def _places(window: Any, renderer: Any) -> tuple[tuple[int, int], _Box]:
+    """Where in the window the renderer's frame begins, and which part of the renderer it shows: all of it, but for the tiles of
+    which pictures are made that are larger than the window. The camera is narrowed to the tile then."""
+    left, bottom = renderer.GetOrigin()
+    width, height = renderer.GetSize()
+    begin_x, begin_y, end_x, end_y = window.GetTileViewport()
+    whole_x, whole_y = window.GetSize()
+    tile = (round(begin_x * whole_x), round(begin_y * whole_y), round(end_x * whole_x), round(end_y * whole_y))
+    part = (
+        max(tile[0] - left, 0), max(tile[1] - bottom, 0), min(tile[2] - left, width), min(tile[3] - bottom, height),
+    )
+    return (max(left - tile[0], 0), max(bottom - tile[1], 0)), part
+
+
 def _ends(
-    window: Any, camera: Any, corner: tuple[int, int], window_size: tuple[int, int], size: tuple[int, int]
+    window: Any, camera: Any, place: tuple[int, int], part: _Box, window_size: tuple[int, int], size: tuple[int, int]
 ) -> np.ndarray | None:
-    """How far each pixel's ray goes before it meets a surface, along the view direction; None where none does."""
+    """How far each pixel's ray goes before it meets a surface, along the view direction: 0 outside the part; None where none does."""
     values = vtkFloatArray()
-    (left, bottom), (width, height) = corner, window_size
-    if not window.GetZbufferData(left, bottom, left + width - 1, bottom + height - 1, values):
+    (x, y), (left, bottom, right, top), (width, height) = place, part, window_size
+    if not window.GetZbufferData(x, y, x + right - left - 1, y + top - bottom - 1, values):
         return None
-    z = vtk_to_numpy(values).reshape(height, width)[::-1]
+    z = vtk_to_numpy(values).reshape(top - bottom, right - left)
     if not (z < 1.0).any():
         return None
-    rows = ((np.arange(size[1]) + 0.5) * height / size[1]).astype(int)
-    columns = ((np.arange(size[0]) + 0.5) * width / size[0]).astype(int)
-    z = z[rows][:, columns].astype(float)
+    rows, columns = _nearest(size[1], height)[::-1] - bottom, _nearest(size[0], width) - left
+    rows_here, columns_here = (0 <= rows) & (rows < top - bottom), (0 <= columns) & (columns < right - left)
+    z = z[rows[rows_here]][:, columns[columns_here]].astype(float)
     near, far = camera.GetClippingRange()
     if camera.GetParallelProjection():
         depth = near + z * (far - near)
     else:
         depth = near * far / (far - z * (far - near))
-    return np.where(z < 1.0, depth, np.inf).astype(np.float32)
+    ends = np.zeros((size[1], size[0]), np.float32)
+    ends[np.ix_(rows_here, columns_here)] = np.where(z < 1.0, depth, np.inf)
+    return ends
 
 
-def _pixels(picture: Picture, size: tuple[int, int], linear: bool) -> Any:
+def _nearest(count: int, of: int) -> np.ndarray:
+    """The pixels in which the middles of others lie, that are `count` along the same length."""
+    return ((np.arange(count) + 0.5) * of / count).astype(int)
+
+
+def _pixels(picture: Picture, size: tuple[int, int], linear: bool) -> np.ndarray:
     """The picture as VTK lays it over: rows from below, alpha not multiplied in, colours as the window shows them."""
     if linear:
         rgba = picture.rgba8().astype(np.float32) / 255.0
     else:
         rgba = np.array(picture, np.float32)
         np.divide(rgba[..., :3], rgba[..., 3:], out=rgba[..., :3], where=rgba[..., 3:] > 0)
-    rows = ((np.arange(size[1]) + 0.5) * rgba.shape[0] / size[1]).astype(int)
-    columns = ((np.arange(size[0]) + 0.5) * rgba.shape[1] / size[0]).astype(int)
     if rgba.shape[:2] != (size[1], size[0]):
-        rgba = rgba[rows][:, columns]
-    return numpy_to_vtk(np.ascontiguousarray(rgba[::-1], np.float32).reshape(-1, 4), deep=True)
+        rgba = rgba[_nearest(size[1], rgba.shape[0])][:, _nearest(size[0], rgba.shape[1])]
+    return rgba[::-1]
+
+
+class VolumeOverlay(Overlay):
+    """The volume of a filter over the frames of a renderer: drawn again when the filter was executed again, too."""
+
+    def __init__(self, volume: VoltetVolume):
+        super().__init__()
+        # The filter goes when its pipeline does.
+        self._volume = weakref.ref(volume)
+
+    def _draw(self, renderer: Any) -> None:
+        volume = self._volume()
+        if volume is None or (pipeline := volume.GetPipeline()) is None or volume.GetError() is not None:
+            return
+        self.pipeline, self.scale = pipeline, volume.GetScale()
+        super()._draw(renderer)
+
+    def _current(self) -> Any:
+        volume = self._volume()
+        return volume and (volume.GetVersion(), self.scale)

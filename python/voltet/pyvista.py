@@ -24,11 +24,12 @@ from . import _vtk_grid
 from ._errors import usage
 from ._grid import Grid
 from ._look import Look
-from ._overlay import Overlay
+from ._plotted import Plotted
 from ._picture import Picture
 from ._pipeline import Pipeline
 from ._scene import scene
-from .vtk import VoltetGradientMagnitude, look_from
+from ._vtk_scene import look_from
+from ._vtk_values import VoltetGradientMagnitude
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -143,7 +144,7 @@ class PlotterAccessor:
 
     def __init__(self, plotter: Any):
         self._plotter = plotter
-        self._overlays: dict[str, Overlay] = {}
+        self._overlays: dict[str, Plotted] = {}
 
     def add_volume(
         self,
@@ -165,7 +166,7 @@ class PlotterAccessor:
         scale: float = 1.0,
         render: bool = True,
         **renderer: Any,
-    ) -> Overlay:
+    ) -> Plotted:
         """Draws a volume in the active renderer, over what is there, and follows camera and window.
 
         Parameters
@@ -193,7 +194,7 @@ class PlotterAccessor:
 
         Returns
         -------
-        Overlay
+        Plotted
             With `picture`, `pipeline`, `modified()` and `remove()`.
 
         It is drawn again when camera, window, data (by VTK's modified times) or opaque surfaces in it change, and not otherwise.
@@ -207,7 +208,7 @@ class PlotterAccessor:
         name = name or f"voltet {len(self._overlays)}"
         if name in self._overlays:
             self._overlays[name].remove()
-        overlay = Overlay(self, name, plotter, look, method, scale, renderer)
+        overlay = Plotted(self, name, plotter, look, method, scale, renderer)
         self._overlays[name] = overlay
         overlay.begin(reset_camera)
         if show_scalar_bar and widgets is None:
@@ -222,7 +223,7 @@ class PlotterAccessor:
         return overlay
 
     @property
-    def volumes(self) -> dict[str, Overlay]:
+    def volumes(self) -> dict[str, Plotted]:
         """The volumes, by name."""
         return dict(self._overlays)
 
