@@ -30,6 +30,11 @@ rm -rf "$folder/wheels"
     --interpreter "$venv/bin/python"
 "$venv/bin/python" -m pip install --quiet --disable-pip-version-check --no-deps --force-reinstall "$folder"/wheels/*.whl
 
+# The plug-in runs in ParaView, where Debian or Ubuntu have it.
+if ! command -v pvpython >/dev/null || ! command -v xvfb-run >/dev/null; then
+    scripts/install-paraview.sh >/dev/null 2>&1 || echo "ParaView cannot be installed here: the plug-in's tests will say that they were skipped"
+fi
+
 # What is saved from Python runs in the program, where one is built.
 program=${VOLTET_PROGRAM:-target/debug/voltet}
 if [ -x "$program" ]; then

@@ -39,6 +39,23 @@ picture.Method = "cell-average"
 picture.UpdatePipeline()
 before = pixels(picture)
 
+# A table of a region.
+probe = VoltetProbe(Input=wavelet, Scalar=["POINTS", "RTData"])  # noqa: F821
+
+
+def probed():
+    table = simple.servermanager.Fetch(probe)
+    assert table.GetNumberOfRows() == 2 and table.GetValue(0, 0).ToString() == "s"
+    return table.GetValueByName(0, "mean").ToDouble()
+
+
+means = [probed()]
+probe.Region, probe.Low, probe.High = "box", [-1, -1, -1], [1, 1, 1]
+means.append(probed())
+probe.Region, probe.Centre, probe.Radius = "sphere", [4, 4, 4], 0.5
+means.append(probed())
+assert means[1] > means[0] > means[2], means
+
 simple.SaveState(folder + "/state.pvsm")
 simple.ResetSession()
 simple.LoadPlugin(plugin, remote=False, ns=globals())
@@ -46,4 +63,6 @@ simple.LoadState(folder + "/state.pvsm")
 again = next(proxy for (name, _), proxy in simple.GetSources().items() if "Renderer" in name)
 again.UpdatePipeline()
 assert np.array_equal(pixels(again), before)
+probe = next(proxy for (name, _), proxy in simple.GetSources().items() if "Probe" in name)
+assert probed() == means[2]
 print("done")
