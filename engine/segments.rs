@@ -78,7 +78,7 @@ fn integrate(
     let mut found = Vec::with_capacity(list.len());
     for (number, part) in list.chunks(BATCH).enumerate() {
         fill(&mut batch, &attributes, number * BATCH, part, cells.length);
-        roads::integrate(&shader, lanes, &batch, part.len(), &mut shaded, None);
+        roads::integrate(&shader, lanes, &batch, part.len(), &mut shaded);
         found.extend((0..part.len()).map(|k| taken(&shader, &shaded, k)));
     }
     Ok(found)

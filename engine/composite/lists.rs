@@ -6,7 +6,7 @@
 //! and of the compositor. Colours stand in fours, so that each moves by one instruction; what tells the order stands by
 //! itself, so that vectors of it are read where they lie.
 
-use crate::fragments::batch::{BATCH, Batch, LANES_MOST};
+use crate::fragments::batch::{BATCH, Batch, Column, LANES_MOST};
 use crate::project::record::TILE;
 use crate::shade::shaded::Shaded;
 use voltet_lanes::sort::sort_columns;
@@ -79,6 +79,8 @@ pub(crate) struct Lists {
     keys: Vec<u32>,
     /// What is seen through each pixel, as far as it is more than [`UNSEEN`].
     pub through: [f32; TILE * TILE],
+    /// Where the segments of the last batch went.
+    pub places: Box<Column<u32>>,
     /// Slots of the row in hand whose level is that of the slot before, with the lanes concerned.
     met: Vec<(u32, u32)>,
 }
@@ -109,6 +111,7 @@ impl Lists {
             slots: bytemuck::zeroed_vec(ROW * TILE + LANES_MOST),
             keys: vec![0; DEPTH * TILE],
             through: [1.0; TILE * TILE],
+            places: Column::new(),
             met: Vec::new(),
         }
     }
@@ -139,7 +142,7 @@ impl Lists {
     /// Appends the first `count` fragments of a batch; those of no length are not segments.
     #[inline(always)]
     pub fn take<L: Lanes>(&mut self, batch: &Batch, shaded: &Shaded, count: usize) -> Result<(), Overflow> {
-        let Lists { next, slots, .. } = self;
+        let Lists { next, slots, places, .. } = self;
         let slots = slots.as_mut_slice();
         for at in (0..count).step_by(L::WIDTH) {
             let hit = L::F::splat(0.0).lt(L::F::load(&batch.length[at..]));
@@ -150,7 +153,7 @@ impl Lists {
             let mut pixels = [0; LANES_MOST];
             L::U::select(hit, L::U::load(&batch.pixel[at..]), nobody).store(&mut pixels);
             next[TILE * TILE] = FIRST[TILE * TILE];
-            let mut places = [0; LANES_MOST];
+            let places = &mut places[at..][..L::WIDTH];
             let ends = batch.entry[at..][..L::WIDTH].iter().zip(&batch.exit[at..][..L::WIDTH]);
             for ((place, &pixel), (&entry, &exit)) in places.iter_mut().zip(&pixels).zip(ends) {
                 let (next, x) = (&mut next[(pixel as usize).min(TILE * TILE)], pixel as usize % TILE);
@@ -159,18 +162,26 @@ impl Lists {
                 *place = *next * FOURS + x as u32;
                 *next += 1;
             }
+        }
+        // Only now: a vector that was just written number by number is slow to read.
+        let fours: &mut [[f32; 4]] = bytemuck::cast_slice_mut(slots);
+        for at in (0..count).step_by(L::WIDTH) {
             let rgba = array(
                 #[inline(always)]
                 |c| L::F::load(&shaded.rgba[c][at..]),
             );
-            let fours: &mut [[f32; 4]] = bytemuck::cast_slice_mut(slots);
-            L::F::scatter_parts(rgba, fours, L::U::load(&places));
+            L::F::scatter_parts(rgba, fours, L::U::load(&places[at..]));
         }
         let full = |row: usize| {
             let most = (row * ROW + DEPTH) as u32;
             next[row * TILE..][..TILE].iter().any(|&next| most < next)
         };
         if (0..TILE).any(full) { Err(Overflow) } else { Ok(()) }
+    }
+
+    /// Gives the segment that went to `place` its colour and opacity.
+    pub fn set(&mut self, place: u32, rgba: [f32; 4]) {
+        bytemuck::cast_slice_mut(&mut self.slots)[place as usize] = rgba;
     }
 
     /// Composites every pixel, sorted or in the order of arrival, into `out` (rows of `TILE` pixels). Returns the

@@ -13,15 +13,17 @@ pub(crate) type TilePicture = [[f32; 4]; TILE * TILE];
 
 /// Where a tile's segments go.
 pub(crate) trait Sink {
-    /// Whether it takes segments whose colour waits.
-    const WAITS: bool = false;
-
     /// Takes the first `count` fragments of a batch; those of no length are not segments.
     fn take(&mut self, lanes: LaneSet, batch: &Batch, shaded: &Shaded, count: usize) -> Result<(), Overflow>;
 
     /// Whether nothing that may come changes any pixel.
     fn is_full(&self) -> bool {
         false
+    }
+
+    /// Lists in which segments may wait for their colour, if that is what it is.
+    fn lists(&mut self) -> Option<&mut Lists> {
+        None
     }
 }
 
@@ -73,10 +75,12 @@ pub(crate) fn of_one_color(color: [f32; 3], sum: f32, opacities: bool) -> [f32; 
 }
 
 impl Sink for Lists {
-    const WAITS: bool = true;
-
     fn take(&mut self, lanes: LaneSet, batch: &Batch, shaded: &Shaded, count: usize) -> Result<(), Overflow> {
         dispatch(lanes, Append { lists: self, batch, shaded, count })
+    }
+
+    fn lists(&mut self) -> Option<&mut Lists> {
+        Some(self)
     }
 }
 

@@ -8,6 +8,7 @@
 use crate::composite::growing_lists::GrowingLists;
 use crate::composite::kernels::{Blend, Cover, Evaluate, Illuminate};
 use crate::composite::lists::{Lists, Overflow, Resolve};
+use crate::composite::pool::Pool;
 use crate::composite::sinks::{DepthSink, OPAQUE_DEPTH, Sink, TilePicture, of_one_color};
 use crate::fragments::batch::{BATCH, Batch, LANES_MOST};
 use crate::fragments::crossing::Group;
@@ -17,7 +18,7 @@ use crate::project::record::TILE;
 use crate::sample::Frame;
 use crate::shade::later::Later;
 use crate::shade::light::{Rays, rays};
-use crate::shade::roads::integrate;
+use crate::shade::roads::{integrate, quick};
 use crate::shade::shaded::Shaded;
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -58,6 +59,7 @@ struct Scratch {
     shaded: Shaded,
     stretch: [f32; TILE * TILE],
     rays: Rays,
+    pool: Pool,
     later: Later,
     ends: Ends,
     counts: WorkerCounts,
@@ -75,6 +77,7 @@ impl Worker<'_> {
             shaded: Shaded::new(),
             stretch: [1.0; TILE * TILE],
             rays: [[0.0; TILE * TILE]; 3],
+            pool: Pool::new(frame.scalar_count),
             later: Later::default(),
             ends: [f32::INFINITY; TILE * TILE],
             counts: WorkerCounts::default(),
@@ -94,7 +97,7 @@ impl Worker<'_> {
             draw_tile(frame, tile as usize, &mut scratch, &mut lists, &mut picture);
             done.push((tile, picture));
         }
-        scratch.counts.segments_exact += scratch.shaded.exact_count;
+        scratch.counts.segments_exact += scratch.shaded.exact_count + scratch.pool.shaded.exact_count;
         scratch.counts.segments_overlapping = scratch.shaded.overlap_count;
         (done, scratch.counts)
     }
@@ -175,15 +178,29 @@ fn walk<S: Sink>(
     let right = (left + TILE).min(frame.view.size[0]);
     let bottom = (top + TILE).min(frame.view.size[1]);
     let rows = rows.start..rows.end.min(bottom - top);
-    let Scratch { fragments, edges, group, batch, shaded, stretch, rays, later, ends, counts } = scratch;
+    let Scratch { fragments, edges, group, batch, shaded, stretch, rays, pool, later, ends, counts } =
+        scratch;
+    pool.clear();
     later.clear();
-    let waits = S::WAITS && frame.shader.knows_opacity();
-    let mut shade = |batch: &mut Batch, count: usize, shaded: &mut Shaded| {
+    let pools = frame.shader.pools() && sink.lists().is_some();
+    let mut send = |sink: &mut S, batch: &mut Batch, count: usize| {
         if frame.ends.is_some() {
             cut(batch, count, frame.attribute_count, ends);
         }
-        later.begin();
-        shade(frame, rays, batch, count, shaded, waits.then_some(&mut *later));
+        if pools {
+            quick(frame.shader, frame.lanes, batch, count, shaded);
+            pool.lend(shaded);
+        } else {
+            integrate(frame.shader, frame.lanes, batch, count, shaded);
+        }
+        if frame.shader.surface.is_some() {
+            dispatch(frame.lanes, Illuminate { frame, batch, count, rays, shaded });
+        }
+        sink.take(frame.lanes, batch, shaded, count)?;
+        if let Some(lists) = sink.lists().filter(|_| pools) {
+            pool.take(frame, batch, shaded, lists, later);
+        }
+        Ok(())
     };
 
     let width = frame.lanes.width();
@@ -205,9 +222,8 @@ fn walk<S: Sink>(
             let count = (fragments.count - from).min(BATCH);
             let codes = &fragments.codes[from..];
             dispatch(frame.lanes, Evaluate { frame, group, codes, count, stretch, batch });
-            shade(batch, count, shaded);
             counts.segments += u64::from(batch.hits);
-            sink.take(frame.lanes, batch, shaded, count)?;
+            send(sink, batch, count)?;
             from += count;
         }
     }
@@ -222,34 +238,17 @@ fn walk<S: Sink>(
                 count += 1;
                 if count == BATCH {
                     counts.segments += count as u64;
-                    shade(batch, std::mem::take(&mut count), shaded);
-                    sink.take(frame.lanes, batch, shaded, BATCH)?;
+                    send(sink, batch, std::mem::take(&mut count))?;
                 }
             }
         }
     }
     if count > 0 {
         counts.segments += count as u64;
-        shade(batch, count, shaded);
-        sink.take(frame.lanes, batch, shaded, count)?;
+        send(sink, batch, count)?;
+    }
+    if let Some(lists) = sink.lists() {
+        pool.finish(frame, lists, later);
     }
     Ok(())
-}
-
-/// Integrates and lights the first `count` segments of a batch.
-fn shade(
-    frame: &Frame<'_>,
-    rays: &Rays,
-    batch: &Batch,
-    count: usize,
-    shaded: &mut Shaded,
-    mut later: Option<&mut Later>,
-) {
-    integrate(frame.shader, frame.lanes, batch, count, shaded, later.as_deref_mut());
-    if frame.shader.surface.is_some() {
-        dispatch(frame.lanes, Illuminate { frame, batch, count, rays, shaded });
-    }
-    if let Some(later) = later {
-        later.mark(&mut shaded.rgba);
-    }
 }

@@ -2,23 +2,23 @@
 //!
 //! | file | what |
 //! | --- | --- |
-//! | `shader` | a scene's widgets made ready, and the three roads through them |
-//! | `roads` | a batch by all three, one after the other |
+//! | `shader` | a scene's widgets made ready, and the roads through them |
+//! | `roads` | a batch by all of them, one after the other |
 //! | `shaded` | what comes out |
-//! | `shapes` | the widgets that a vector of segments meets |
 //! | `along`, `region` | segments in lanes, and their stretch inside a region |
 //! | `reach` | where a widget counts: segments elsewhere are not asked of it |
 //! | `kinds` | any widget in lanes, one file a kind |
-//! | `overlap` | several widgets on one segment, in their order: closed forms and quadrature |
-//! | `panels` | the same for what is left over: a walk in panels |
+//! | `stepped` | several widgets on one segment, in their order, by quadrature |
+//! | `panels` | the same for what that does not serve: a walk in panels |
+//! | `gathered` | those segments side by side |
 //! | `later` | dense segments, whose colour waits until it is known whether they are seen |
 //! | `light` | silhouettes and light |
 
 pub(crate) mod along;
+mod gathered;
 pub(crate) mod kinds;
 pub(crate) mod later;
 pub(crate) mod light;
-pub(crate) mod overlap;
 pub(crate) mod panels;
 pub(crate) mod reach;
 #[cfg(test)]
@@ -27,4 +27,4 @@ pub(crate) mod region;
 pub(crate) mod roads;
 pub(crate) mod shaded;
 pub(crate) mod shader;
-pub(crate) mod shapes;
+pub(crate) mod stepped;

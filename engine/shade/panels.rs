@@ -6,7 +6,8 @@
 //! 64-bit path.
 
 use crate::fragments::batch::{Batch, LANES_MOST};
-use crate::shade::along::{Along, FIELDS_MOST, Fields, lanes_of};
+use crate::shade::along::{Along, Fields, lanes_of};
+use crate::shade::gathered::Gathered;
 use crate::shade::kinds::{InOrder, LaneWidget, Road, nothing};
 use crate::shade::reach::Spread;
 use crate::shade::shaded::{Left, MIX_PRODUCT, Shaded};
@@ -170,59 +171,5 @@ impl PanelWalk {
             );
         }
         ([color[0], color[1], color[2], opacity, total], left(delicate, dense), overlapping)
-    }
-}
-
-/// Segments gathered side by side: length, then the attributes at the entry and at the exit.
-struct Gathered {
-    length: [f32; LANES_MOST],
-    front: [[f32; LANES_MOST]; 2 + FIELDS_MOST],
-    back: [[f32; LANES_MOST]; 2 + FIELDS_MOST],
-    columns: usize,
-}
-
-impl Gathered {
-    fn new(columns: usize) -> Gathered {
-        let rows = [[0.0; LANES_MOST]; 2 + FIELDS_MOST];
-        Gathered { length: [0.0; LANES_MOST], front: rows, back: rows, columns: columns.min(rows.len()) }
-    }
-
-    #[inline(always)]
-    fn take(&mut self, batch: &Batch, group: &[usize]) {
-        // Lanes without a segment have no length.
-        self.length = [0.0; LANES_MOST];
-        for (lane, &k) in group.iter().enumerate() {
-            self.length[lane] = batch.length[k];
-            for a in 0..self.columns {
-                self.front[a][lane] = batch.front[a][k];
-                self.back[a][lane] = batch.back[a][k];
-            }
-        }
-    }
-
-    #[inline(always)]
-    fn along<L: Lanes>(&self) -> Along<L> {
-        let row = |rows: &[[f32; LANES_MOST]; 2 + FIELDS_MOST], a: usize| L::F::load(&rows[a]);
-        let length = L::F::load(&self.length);
-        Along {
-            length,
-            crossing: L::F::splat(0.0).lt(length),
-            front: [row(&self.front, 0), row(&self.front, 1)],
-            back: [row(&self.back, 0), row(&self.back, 1)],
-        }
-    }
-
-    #[inline(always)]
-    fn fields<L: Lanes>(&self) -> Fields<L> {
-        Fields {
-            front: array(
-                #[inline(always)]
-                |i| L::F::load(&self.front[2 + i]),
-            ),
-            back: array(
-                #[inline(always)]
-                |i| L::F::load(&self.back[2 + i]),
-            ),
-        }
     }
 }

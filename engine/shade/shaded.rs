@@ -1,7 +1,7 @@
 //! What shading a batch of segments gives.
 
 use crate::fragments::batch::Column;
-use crate::shade::shapes::Shapes;
+use crate::shade::stepped::STEPS;
 
 /// Results of a batch.
 pub(crate) struct Shaded {
@@ -9,14 +9,16 @@ pub(crate) struct Shaded {
     pub depth: Box<Column>,
     /// Premultiplied colour and opacity (filled otherwise).
     pub rgba: Colors,
-    /// Fragments that the quick forms did not serve, then those for the 64-bit path.
+    /// Fragments that take so many steps each as [`STEPS`] says.
+    pub in_order: [Vec<usize>; STEPS.len()],
+    /// The other fragments that the quick forms did not serve, then those for the 64-bit path.
     pub rest: Vec<usize>,
     /// Why the latter go there, one by one.
     pub why: Vec<Left>,
     /// Scratch for the change from the one to the other.
     pub spare: Vec<usize>,
-    /// Scratch: shapes of the widgets that a vector of segments meets.
-    pub shapes: Shapes,
+    /// Scratch: numbers of the widgets that a vector of segments meets, with the lanes (bits).
+    pub met: Vec<(usize, u32)>,
     /// Segments integrated in 64 bits.
     pub exact_count: u64,
     /// Segments on which widgets overlap by more than [`MIX_PRODUCT`].
@@ -39,10 +41,11 @@ impl Shaded {
         Shaded {
             depth: Column::new(),
             rgba: std::array::from_fn(|_| Column::new()),
+            in_order: Default::default(),
             rest: Vec::new(),
             why: Vec::new(),
             spare: Vec::new(),
-            shapes: Shapes::default(),
+            met: Vec::new(),
             exact_count: 0,
             overlap_count: 0,
         }

@@ -1,24 +1,26 @@
 //! The shader: from a fragment's length and attribute values to its colour and opacity.
 //!
-//! Three roads, each for what the one before leaves over: quick closed forms in lanes (density-emitter; overlaps by
-//! [`super::overlap`]), a walk in panels in lanes ([`super::panels`]), and the 64-bit integrator segment by segment, which
-//! also serves every integrator but the analytic one. What a scene does not use is not prepared.
+//! Four roads, each for what the one before leaves over: quick closed forms in lanes (density-emitter; overlaps by
+//! [`voltet_lanes::optics::sums`]), quadrature in as many equal steps as a segment wants ([`super::stepped`]), a walk in panels
+//! ([`super::panels`]), and the 64-bit integrator segment by segment, which also serves every integrator but the analytic
+//! one. What a scene does not use is not prepared.
 
 use crate::attribute::{ATTRIBUTES_MOST, Attribute};
 use crate::fragments::batch::{Batch, Column};
-use crate::shade::along::Along;
+use crate::shade::along::{Along, lanes_of};
 use crate::shade::kinds::{InOrder, LaneWidget, Making, Road};
 use crate::shade::light::{Rays, Surface};
-use crate::shade::overlap::Overlapping;
 use crate::shade::panels::PanelWalk;
 use crate::shade::reach::{LEFT_OUT, Spread};
 use crate::shade::shaded::{Exact, Left, MIX_PRODUCT, Shaded};
+use crate::shade::stepped::{STEPS, stepped};
 use voltet_core::optics::integrators::SegmentIntegrator;
 use voltet_core::optics::{Overlap, Prepared, Segment};
 use voltet_core::shading::{Integrator, Shading};
 use voltet_core::transfer::{OpticalModel, TransferFunction};
 use voltet_core::{Error, Result};
 use voltet_lanes::optics::elementary::one_minus_exp;
+use voltet_lanes::optics::sums::Sums;
 use voltet_lanes::{Float, Lanes, Mask};
 
 /// A transfer function made ready for lanes.
@@ -125,6 +127,7 @@ impl Shader {
     #[inline(always)]
     pub fn shade<L: Lanes>(&self, batch: &Batch, count: usize, out: &mut Shaded) {
         out.rest.clear();
+        out.in_order.iter_mut().for_each(Vec::clear);
         // Alone, its pieces give the colour in closed form.
         let points = match self.widgets.as_slice() {
             [widget] if self.one_color.is_none() => widget.points(),
@@ -149,19 +152,21 @@ impl Shader {
             } else {
                 self.several::<L>(widgets, &along, at, count, out)
             };
-            let mut unsure = unsure & along.crossing.bits();
-            while unsure != 0 {
-                let k = at + unsure.trailing_zeros() as usize;
-                if k < count {
-                    out.rest.push(k);
-                }
-                unsure &= unsure - 1;
-            }
+            let meant = u32::MAX >> (32 - (count - at).min(L::WIDTH));
+            push(&mut out.rest, unsure & along.crossing.bits() & meant, at);
             at += L::WIDTH;
         }
     }
 
-    /// The fragments that [`Shader::shade`] left over, in lanes.
+    /// The fragments that [`Shader::shade`] left over for so many steps.
+    #[inline(always)]
+    pub fn stepped<L: Lanes>(&self, number: usize, batch: &Batch, out: &mut Shaded) {
+        let which = std::mem::take(&mut out.in_order[number]);
+        stepped::<L>(&self.widgets, STEPS[number], batch, &which, out);
+        out.in_order[number] = which;
+    }
+
+    /// The other fragments that [`Shader::shade`] left over, in lanes.
     #[inline(always)]
     pub fn walk<L: Lanes>(&self, batch: &Batch, out: &mut Shaded) {
         let walker = match &self.walker {
@@ -223,8 +228,8 @@ impl Shader {
         self.integrate(f64::from(length), |a| value(front, a), |a| value(back, a), counted)
     }
 
-    /// Whether the opacity of a segment that lanes leave over for being dense stands in what they gave.
-    pub fn knows_opacity(&self) -> bool {
+    /// Whether a part of the segments only takes more than the quick forms, and nobody asks for their depth.
+    pub fn pools(&self) -> bool {
         self.quick && self.one_color.is_none()
     }
 
@@ -294,7 +299,7 @@ impl Shader {
         unsure
     }
 
-    /// Widgets whose colour does not vary along the segment, one or more.
+    /// Widgets whose colour does not vary along the segment, one or more. Segments that want steps are put in `out`.
     #[inline(always)]
     fn several<L: Lanes>(
         &self,
@@ -304,51 +309,60 @@ impl Shader {
         count: usize,
         out: &mut Shaded,
     ) -> u32 {
-        let splat = L::F::splat;
-        let zero = splat(0.0);
-        // `product` is Σ_{i<j} T_i T_j, without cancellation: a stiff widget must not hide a thin one.
-        let (mut total, mut product, mut unsure) = (zero, zero, 0);
-        let mut color = [zero; 3];
+        let zero = L::F::splat(0.0);
+        let (mut sums, mut unsure) = (Sums::<L>::none(), 0);
         let spread = Spread::new(along);
-        out.shapes.clear();
-        for (number, widget) in widgets.iter().enumerate() {
+        for widget in widgets {
             let meets = widget.meets::<L>(&spread);
             if !meets.any() {
                 continue;
             }
             let (mut shape, no) = widget.shape::<L>(&along.only(meets));
-            let depth = L::F::select(meets, shape.depth, zero);
-            shape.depth = depth;
+            shape.depth = L::F::select(meets, shape.depth, zero);
             unsure |= no & meets.bits();
-            out.shapes.push(number, &shape);
-            product = depth.mul_add(total, product);
-            total = total + depth;
-            for (sum, c) in color.iter_mut().zip(widget.color) {
-                *sum = depth.mul_add(splat(c), *sum);
-            }
             if widget.in_order() == InOrder::Always {
-                unsure |= zero.lt(depth).bits();
+                unsure |= zero.lt(shape.depth).bits();
+            }
+            sums.add(&shape, widget.color);
+        }
+        let overlapping = overlaps::<L>(sums.product, along, count - at);
+        out.overlap_count += u64::from(overlapping.count_ones());
+        let opacity = one_minus_exp::<L>(sums.total);
+        let mut color = sums.mixed(opacity);
+        let overlapping = overlapping & !unsure;
+        if self.overlap == Overlap::Exact && overlapping != 0 {
+            let smooth = sums.is_smooth();
+            let served = overlapping & smooth.bits();
+            if served != 0 {
+                let (keep, more) = (lanes_of::<L>(served), sums.correction());
+                for (color, more) in color.iter_mut().zip(more) {
+                    *color = L::F::select(keep, (*color + more).max(zero), *color);
+                }
+            }
+            let mut rest = overlapping & !served;
+            if rest != 0 {
+                let wish = sums.steps();
+                for (steps, list) in STEPS.into_iter().zip(&mut out.in_order) {
+                    let served = rest & wish.le(L::F::splat(steps as f32)).bits();
+                    push(list, served, at);
+                    rest &= !served;
+                }
+                unsure |= rest;
             }
         }
-        let overlapping = overlaps::<L>(product, along, count - at);
-        out.overlap_count += u64::from(overlapping.count_ones());
-        let opacity = one_minus_exp::<L>(total);
-        let share = L::F::select(zero.lt(total), opacity / total, zero);
-        for (column, sum) in out.rgba.iter_mut().zip(color) {
-            (sum * share).store(&mut column[at..]);
+        for (column, value) in out.rgba.iter_mut().zip([color[0], color[1], color[2], opacity]) {
+            value.store(&mut column[at..]);
         }
-        opacity.store(&mut out.rgba[3][at..]);
-        let overlapping = overlapping & !unsure;
-        if self.overlap == Overlap::Mix || overlapping == 0 {
-            return unsure;
-        }
-        let Shaded { rgba, shapes, .. } = out;
-        let in_order = Overlapping { widgets, along, shapes, total, product };
-        let rest = overlapping & !in_order.smooth(overlapping, at, rgba);
-        if rest == 0 {
-            return unsure;
-        }
-        unsure | in_order.quadrature(rest, at, rgba)
+        unsure
+    }
+}
+
+/// Appends the places of some lanes (bits) of the vector at `at`.
+#[inline(always)]
+fn push(list: &mut Vec<usize>, mut lanes: u32, at: usize) {
+    while lanes != 0 {
+        list.push(at + lanes.trailing_zeros() as usize);
+        lanes &= lanes - 1;
     }
 }
 

@@ -51,8 +51,8 @@ impl LaneBell {
 mod tests {
     use super::*;
     use crate::optics::elementary::one_minus_exp;
-    use crate::optics::smooth::Smooth;
     use crate::optics::smooth::tests::{lane, uniform};
+    use crate::optics::sums::Sums;
     use crate::portable::Portable as P;
     use voltet_core::optics::{Overlap, Prepared, Segment};
     use voltet_core::transfer::{OpticalModel, Profile, Region, TransferFunction, Wave, Widget};
@@ -75,16 +75,17 @@ mod tests {
             let phase = |x: f64| LanePhase::<P> { nearest: splat(x.round()), offset: splat(x - x.round()) };
             let shape = bell.shape::<P>(phase(front), phase(back), splat(extinctions[0]));
             let (depth, even) = (lane(shape.depth), extinctions[1]);
-            let (total, product, change) = (depth + even, depth * even, lane(shape.change_squared));
-            let holds = Smooth::<P>::holds(splat(total), splat(product), splat(change), Smooth::<P>::BOUND);
-            if lane(F::select(holds, splat(1.0), splat(0.0))) == 0.0 || depth == 0.0 {
+            let colors = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+            let mut sums = Sums::<P>::none();
+            for (shape, color) in [shape, DensityShape::even(splat(even))].iter().zip(colors) {
+                sums.add(shape, color.map(|c: f64| c as f32));
+            }
+            if lane(F::select(sums.is_smooth(), splat(1.0), splat(0.0))) == 0.0 || depth == 0.0 {
                 continue;
             }
             served += 1;
-            let smooth = Smooth::<P>::new(splat(total), shape.depth * shape.tilt, shape.depth * shape.bend);
             let profile = if sine { Profile::SineWave(wave) } else { Profile::TriangleWave(wave) };
             let region = Some(Region::rectangle([-10.0, 10.0], [-1.0, 1.0]));
-            let colors = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
             let widgets = vec![
                 Widget { profile, color: colors[0], extinction: extinctions[0], region: None },
                 Widget { profile: Profile::Uniform, color: colors[1], extinction: even, region },
@@ -100,9 +101,9 @@ mod tests {
             };
             let prepared = Prepared::new(&function).expect("a valid transfer function");
             let truth = prepared.integrate(&segment, Overlap::Exact).color;
-            let average = lane(one_minus_exp::<P>(splat(total))) / total;
-            for (shape, exact) in [shape, DensityShape::even(splat(even))].iter().zip(truth) {
-                let found = lane(shape.depth) * average + lane(smooth.correction(shape));
+            let mixed = sums.mixed(one_minus_exp::<P>(splat(depth + even)));
+            for ((mixed, more), exact) in mixed.into_iter().zip(sums.correction()).zip(truth).take(2) {
+                let found = lane(mixed) + lane(more);
                 // What the series leave out where they hold, and the roundings of phase (near a foot) and depth.
                 let bound = 3e-7 + 16.0 * f64::from(f32::EPSILON) * exact;
                 let ratio = (found - exact).abs() / bound;

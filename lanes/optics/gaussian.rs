@@ -4,14 +4,13 @@
 //! q = K (v − v₀), d = |q_b − q_f|, a and b the distances of the ends along the line from the foot of the
 //! perpendicular, h its distance from the centre, the mean profile is e^(−h²) m(a, b), m the mean of e^(−x²) over
 //! [a, b]. Mirrored so that |a| ≤ b:
-//! - 2 b d ≤ 1: e^(−x̄²) × the mean of e^(−y²) cosh(2 x̄ y) over y ∈ [0, d/2], by Gauss-Legendre with 5 points (its
-//!   even part: 3 evaluations);
+//! - b d ≤ 1: e^(−x̄²) × the mean of e^(−y²) cosh(2 x̄ y) over y ∈ [0, d/2], by its series in d² and x̄ d;
 //! - else √π/2 ((a < 0: 2 − E_a; a ≥ 0: E_a) − E_b)/d with E_x = e^(−x²) erfcx |x|. For a ≥ 0 the difference loses
-//!   less than one bit, since E_b/E_a ≤ e^(−d(a + b)) and d (a + b) > ½ there.
+//!   less than one bit, since E_b/E_a ≤ e^(−d(a + b)) and d (a + b) > 1 there.
 
 use super::elementary::{HALF_SQRT_PI, dot, erfcx, exp, polynomial};
 use super::quadrature::POINTS;
-use super::smooth::DensityShape;
+use super::smooth::{self, DensityShape};
 use super::track::{LaneTrack, PASSED, at_nodes};
 use crate::{Float, Lanes, Mask, array, inlined};
 
@@ -131,28 +130,33 @@ impl<L: Lanes> Near<L> {
     fn mean(&self, wanted: L::M, path: impl Fn() -> LaneGaussianPath<L>) -> L::F {
         let splat = L::F::splat;
         let &Near { middle_squared, product, length_squared } = self;
-        // b = |x̄| + ½ d.
-        let short = product.abs().mul_add(splat(2.0), length_squared).le(splat(1.0));
-        // With y = ½ d node: e^(−y²) to y² ≤ ¼ and cosh(2 x̄ y), 2 x̄ y = p node ≤ ½: truncation 1e-7 and 1e-8.
-        let quarter = length_squared * splat(-0.25);
-        let squared = product * product;
-        let even_part = inlined(
-            #[inline(always)]
-            |node: f32| {
-                let node_squared = splat(node * node);
-                let gauss = polynomial::<L, 6>(
-                    quarter * node_squared,
-                    [1.0, 1.0, 0.5, 1.0 / 6.0, 1.0 / 24.0, 1.0 / 120.0],
-                );
-                let cosh = polynomial::<L, 4>(squared * node_squared, [1.0, 0.5, 1.0 / 24.0, 1.0 / 720.0]);
-                gauss * cosh
-            },
+        let short = product.abs().mul_add(splat(2.0), length_squared).le(splat(2.0));
+        // The mean of e^(r u²) cosh(p u) over u ∈ [0, 1], r = −¼ d², as Σ r^i p^(2j)/(i! (2j)! (2 (i + j) + 1)): with |p| − 2 r ≤ 1
+        // what is left out is under 4e-8 of it.
+        let (r, squared) = (length_squared * splat(-0.25), product * product);
+        let of_gauss = polynomial::<L, 8>(
+            r,
+            [
+                1.0,
+                1.0 / 3.0,
+                1.0 / 10.0,
+                1.0 / 42.0,
+                1.0 / 216.0,
+                1.0 / 1_320.0,
+                1.0 / 9_360.0,
+                1.0 / 75_600.0,
+            ],
         );
-        let quadrature = even_part(0.906_179_85).mul_add(
-            splat(0.236_926_89),
-            even_part(0.538_469_3).mul_add(splat(0.478_628_67), splat(0.284_444_45)),
+        let second = polynomial::<L, 6>(
+            r,
+            [1.0 / 6.0, 1.0 / 10.0, 1.0 / 28.0, 1.0 / 108.0, 1.0 / 528.0, 1.0 / 3_120.0],
         );
-        let near = exp::<L>(-middle_squared) * quadrature;
+        let fourth = polynomial::<L, 4>(r, [1.0 / 120.0, 1.0 / 168.0, 1.0 / 432.0, 1.0 / 1_584.0]);
+        let sixth = polynomial::<L, 3>(r, [1.0 / 5_040.0, 1.0 / 6_480.0, 1.0 / 15_840.0]);
+        let of_cosh = squared.mul_add(splat(1.0 / 362_880.0), sixth).mul_add(squared, fourth);
+        let of_cosh = of_cosh.mul_add(squared, second);
+        let even_part = squared.mul_add(of_cosh, of_gauss);
+        let near = exp::<L>(-middle_squared) * even_part;
         if !short.not().and(wanted).any() {
             return near;
         }
@@ -197,6 +201,13 @@ pub fn shape<L: Lanes, const N: usize>(
         change_squared: d2.max(p2),
         extent_squared: d2,
     }
+}
+
+/// The roughness of [`shape`].
+#[inline(always)]
+pub fn roughness<L: Lanes, const N: usize>(front: [L::F; N], back: [L::F; N]) -> L::F {
+    let Near { product: p, length_squared: d2, .. } = Near::<L>::new(&front, &back);
+    smooth::roughness::<L>(d2.max(p * p), d2)
 }
 
 /// A Gaussian as a [`LaneTrack`].

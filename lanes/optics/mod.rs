@@ -12,7 +12,7 @@
 //! | waves: T/(ρ₀ D) | [`wave::LaneBell::mean`]`(φ_f, φ_b)` | [`wave::LanePhase`]: nearest foot and offset |
 //! | the same within one band, with its shape | [`wave::LaneBell::shape`]`(φ_f, φ_b, ρ₀ D)` | the same |
 //! | linear piece | [`linear::piece_weights`] | (ρ_f D, ρ_b D), at most 1 |
-//! | widgets that hardly bend, in order: C less the mix | [`smooth::Smooth::correction`]`(shape)` | the sums of [`smooth::DensityShape`]s |
+//! | widgets that hardly bend, in order: C less the mix | [`sums::Sums::correction`] | a [`smooth::DensityShape`] each |
 //! | any widgets in order, either model: C | [`overlap::ordered`]`(&members, None or D/U)` | [`overlap::LaneMember`] each, over the whole segment |
 //!
 //! D and ρ₀ D are those of the clipped stretch for all but the last two, which take the whole segment and the ranges of t.
@@ -26,6 +26,7 @@ pub mod overlap;
 pub mod piecewise_linear;
 pub mod quadrature;
 pub mod smooth;
+pub mod sums;
 mod track;
 pub mod triangular_gaussian;
 pub mod wave;

@@ -12,6 +12,8 @@ use voltet_lanes::{Float, Lanes, Mask, array};
 pub(crate) struct LaneGaussian {
     matrix: [[f32; 2]; 2],
     centre: [f32; 2],
+    /// −K centre where K is diagonal.
+    at_zero: Option<[f32; 2]>,
     /// Whether a segment can span more than [`GAUSSIAN_WIDTHS_MOST`] widths.
     narrow: bool,
 }
@@ -27,18 +29,29 @@ impl LaneGaussian {
         let axis = |a: usize| attributes.get(a).map_or([0.0, 1.0, 0.0], |x| [x.offset, x.scale, x.span()]);
         let axes = [axis(0), axis(1)];
         let widths = matrix.iter().flat_map(|row| [row[0] * axes[0][2], row[1] * axes[1][2]]);
+        let scaled: [f64; 2] = std::array::from_fn(|a| (centre[a] - axes[a][0]) / axes[a][1]);
+        let is_diagonal = matrix[0][1] == 0.0 && matrix[1][0] == 0.0;
         let gaussian = LaneGaussian {
             narrow: widths.map(f64::abs).sum::<f64>() > GAUSSIAN_WIDTHS_MOST,
             matrix: matrix.map(|row| [(row[0] * axes[0][1]) as f32, (row[1] * axes[1][1]) as f32]),
-            centre: std::array::from_fn(|a| ((centre[a] - axes[a][0]) / axes[a][1]) as f32),
+            centre: scaled.map(|x| x as f32),
+            at_zero: is_diagonal
+                .then(|| std::array::from_fn(|a| (-matrix[a][a] * axes[a][1] * scaled[a]) as f32)),
         };
-        let held = gaussian.centre.iter().chain(gaussian.matrix.iter().flatten()).all(|x| x.is_finite());
+        let numbers = gaussian.centre.iter().chain(gaussian.matrix.as_flattened());
+        let held = numbers.chain(gaussian.at_zero.iter().flatten()).all(|x| x.is_finite());
         held.then_some(gaussian)
     }
 
     #[inline(always)]
     fn point<L: Lanes>(&self, v: &[L::F; 2]) -> [L::F; 2] {
         let splat = L::F::splat;
+        if let Some(at_zero) = self.at_zero {
+            return array(
+                #[inline(always)]
+                |i| splat(self.matrix[i][i]).mul_add(v[i], splat(at_zero[i])),
+            );
+        }
         let d = [v[0] - splat(self.centre[0]), v[1] - splat(self.centre[1])];
         array(
             #[inline(always)]
@@ -56,6 +69,12 @@ impl LaneGaussian {
         wanted: L::M,
     ) -> DensityShape<L> {
         gaussian::shape::<L, 2>(self.point::<L>(front), self.point::<L>(back), peak, wanted)
+    }
+
+    /// The roughness of the whole segment's shape.
+    #[inline(always)]
+    pub fn roughness<L: Lanes>(&self, along: &Along<L>) -> L::F {
+        gaussian::roughness::<L, 2>(self.point::<L>(&along.front), self.point::<L>(&along.back))
     }
 
     /// The path of the whole segment.

@@ -238,6 +238,24 @@ impl LaneWidget {
         }
     }
 
+    /// The square of the steps that quadrature of what has a shape wants for it alone ([`super::stepped`]); ∞ where its region
+    /// leaves out a part of the segment or all.
+    #[inline(always)]
+    pub fn roughness<L: Lanes>(&self, along: &Along<L>) -> L::F {
+        let (splat, whole) = (L::F::splat, along.inside(self.region.as_ref()).share);
+        let rough = match &self.form {
+            LaneForm::Gaussian(gaussian) => gaussian.roughness(along),
+            LaneForm::Uniform
+            | LaneForm::Wave(_)
+            | LaneForm::PiecewiseLinear(_)
+            | LaneForm::TriangularGaussian(_)
+            | LaneForm::GaussianNd(_)
+            | LaneForm::TriangularGaussianNd(_)
+            | LaneForm::None => self.shape::<L>(along).0.roughness(),
+        };
+        L::F::select(whole.lt(splat(1.0)), splat(f32::INFINITY), rough)
+    }
+
     /// Densities at four points of the segment, of what has a shape. Regions are not looked at: a widget whose region cuts the
     /// segment has no shape, and one whose region misses it has no depth.
     #[inline(always)]

@@ -1,0 +1,116 @@
+//! Widgets that overlap on a segment, in their order along it, by quadrature in equal steps: for profiles that are smooth there and
+//! moderate depths. What it does not serve is walked in panels ([`super::panels`]).
+
+use crate::fragments::batch::{Batch, LANES_MOST};
+use crate::shade::along::{Along, lanes_of};
+use crate::shade::gathered::Gathered;
+use crate::shade::kinds::LaneWidget;
+use crate::shade::reach::Spread;
+use crate::shade::shaded::Shaded;
+use voltet_core::optics::quadrature::{GAUSS_4, UP_TO_4};
+use voltet_lanes::optics::elementary::exp;
+use voltet_lanes::optics::quadrature::{nodes, up_to};
+use voltet_lanes::{Float, Lanes, Mask, array};
+
+/// Steps that segments are put in order by.
+pub(crate) const STEPS: [usize; 3] = [2, 4, 8];
+
+/// Colours the segments `which` of a batch, whose opacities stand in `out`, in so many steps.
+#[inline(always)]
+pub(crate) fn stepped<L: Lanes>(
+    widgets: &[LaneWidget],
+    steps: usize,
+    batch: &Batch,
+    which: &[usize],
+    out: &mut Shaded,
+) {
+    let splat = L::F::splat;
+    let mut gathered = Gathered::new(batch.scalar_count.min(2));
+    for group in which.chunks(L::WIDTH) {
+        gathered.take(batch, group);
+        let along = gathered.along::<L>();
+        let spread = Spread::new(&along);
+        out.met.clear();
+        for (number, widget) in widgets.iter().enumerate() {
+            let meets = widget.meets::<L>(&spread);
+            if meets.any() {
+                let rough = splat((steps * steps) as f32 * 1.01).lt(widget.roughness::<L>(&along));
+                out.met.push((number, meets.and(rough.not()).bits()));
+            }
+        }
+        let mut opacity = [0f32; LANES_MOST];
+        for (opacity, &k) in opacity.iter_mut().zip(group) {
+            *opacity = out.rgba[3][k];
+        }
+        let color = step_through::<L>(widgets, &out.met, steps, &along, L::F::load(&opacity));
+        for (column, value) in out.rgba.iter_mut().zip(color) {
+            let mut row = [0f32; LANES_MOST];
+            value.store(&mut row);
+            for (&value, &k) in row.iter().zip(group) {
+                column[k] = value;
+            }
+        }
+    }
+}
+
+/// The ordered integral ∫ Σ c_i ρ_i e^(−T) by Gauss-Legendre with 4 points a step. `met`: numbers of the widgets, each with
+/// the lanes (bits) in which it is.
+#[inline(always)]
+fn step_through<L: Lanes>(
+    widgets: &[LaneWidget],
+    met: &[(usize, u32)],
+    steps: usize,
+    along: &Along<L>,
+    opacity: L::F,
+) -> [L::F; 3] {
+    let splat = L::F::splat;
+    let share = splat(1.0 / steps as f32);
+    let (mut color, mut through) = ([splat(0.0); 3], splat(1.0));
+    let mut light = splat(0.0);
+    for step in 0..steps {
+        let (mut density, mut weighted) = ([splat(0.0); 4], [[splat(0.0); 3]; 4]);
+        let at_nodes = array(
+            #[inline(always)]
+            |j: usize| share * splat(step as f32 + NODES[j].0),
+        );
+        for &(number, there) in met {
+            let widget = &widgets[number];
+            let (there, values) = (lanes_of::<L>(there), widget.densities::<L>(along, at_nodes));
+            for j in 0..4 {
+                let value = L::F::select(there, values[j], splat(0.0));
+                density[j] = density[j] + value;
+                for (sum, c) in weighted[j].iter_mut().zip(widget.color) {
+                    *sum = value.mul_add(splat(c), *sum);
+                }
+            }
+        }
+        // Depth up to each node from the cubic through the four densities, then the emission there.
+        let length = along.length * share;
+        let mut whole = splat(0.0);
+        for j in 0..4 {
+            let mut depth = splat(0.0);
+            for k in 0..4 {
+                depth = density[k].mul_add(splat(UP_TO[j][k]), depth);
+            }
+            let visible = through * exp::<L>(-(depth * length)) * length * splat(NODES[j].1);
+            light = density[j].mul_add(visible, light);
+            for (sum, w) in color.iter_mut().zip(weighted[j]) {
+                *sum = w.mul_add(visible, *sum);
+            }
+            whole = density[j].mul_add(splat(NODES[j].1), whole);
+        }
+        through = through * exp::<L>(-(whole * length));
+    }
+    // All light together is known in closed form; the quadrature only shares it out, so that where one widget is nearly all
+    // there is, nearly nothing of its error stays.
+    let exact = opacity / light.max(splat(f32::MIN_POSITIVE));
+    array(
+        #[inline(always)]
+        |c| color[c] * exact,
+    )
+}
+
+/// Gauss-Legendre on [0, 1] with 4 points.
+const NODES: [(f32, f32); 4] = nodes(GAUSS_4);
+/// ∫₀^{node j} of the Lagrange polynomial of node k.
+const UP_TO: [[f32; 4]; 4] = up_to(UP_TO_4);
