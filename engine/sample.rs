@@ -282,6 +282,26 @@ impl<'a> Frame<'a> {
         let _ = entry;
     }
 
+    /// The same for its corners' places in the picture, once its record is near.
+    #[inline(always)]
+    pub fn prefetch_corners(&self, entry: u32) {
+        #[cfg(target_arch = "x86_64")]
+        {
+            use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+            let part = &self.sample.parts[(entry >> INDEX_BITS) as usize];
+            for corner in part.corners[(entry & ((1 << INDEX_BITS) - 1)) as usize] {
+                // SAFETY: a prefetch reads nothing; any address is allowed.
+                unsafe {
+                    _mm_prefetch::<_MM_HINT_T0>(
+                        self.sample.seen.as_ptr().wrapping_add(corner as usize).cast(),
+                    );
+                }
+            }
+        }
+        #[cfg(not(target_arch = "x86_64"))]
+        let _ = entry;
+    }
+
     pub fn cells64_of(&self, tile: usize) -> impl Iterator<Item = &'a Cell64> {
         let numbers = self.sample.tiles64.get(tile).map_or(&[][..], Vec::as_slice);
         numbers.iter().map(|&k| &self.sample.cells64[k as usize])

@@ -32,7 +32,10 @@ impl Kernel for Cover<'_> {
     fn run<L: Lanes>(self) {
         self.fragments.count = 0;
         for (lane, &entry) in self.cells.iter().enumerate() {
-            if let Some(&later) = self.ahead.get(lane) {
+            if let Some(&next) = self.ahead.get(lane) {
+                self.frame.prefetch_corners(next);
+            }
+            if let Some(&later) = self.ahead.get(L::WIDTH + lane) {
                 self.frame.prefetch(later);
             }
             let (record, attributes, corners) = self.frame.record(entry);
