@@ -2,9 +2,13 @@
 
 use crate::memory::{Lent, array};
 use glam::DVec3;
+use pyo3::exceptions::PyKeyboardInterrupt;
+use pyo3::ffi;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
+use std::collections::BTreeMap;
+use std::ffi::c_long;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -22,6 +26,58 @@ static REGISTERED: AtomicU64 = AtomicU64::new(0);
 thread_local! {
     /// What the last filter on this thread raised.
     static RAISED: RefCell<Option<PyErr>> = const { RefCell::new(None) };
+    /// The run that this thread does.
+    static RUN: Cell<Option<Run>> = const { Cell::new(None) };
+}
+
+/// Python's numbers of the threads that are in a function, by the run that called it. Whoever changes it holds the interpreter's lock.
+static CALLED: Mutex<BTreeMap<Run, c_long>> = Mutex::new(BTreeMap::new());
+
+/// A run whose functions can be interrupted.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Run(u64);
+
+impl Run {
+    /// One like no other.
+    pub fn new() -> Run {
+        static LAST: AtomicU64 = AtomicU64::new(0);
+        Run(LAST.fetch_add(1, Ordering::Relaxed))
+    }
+
+    /// Says that this thread does it.
+    pub fn is_here(self) {
+        RUN.set(Some(self));
+    }
+
+    /// Raises KeyboardInterrupt in the function that it has called, if it is in one: where the function next does a step in Python.
+    pub fn interrupt(self, py: Python<'_>) {
+        if let Some(&thread) = CALLED.lock().unwrap_or_else(PoisonError::into_inner).get(&self) {
+            let interrupt = py.get_type::<PyKeyboardInterrupt>();
+            // SAFETY: this thread holds the interpreter's lock, and the type lives; a number of no thread does nothing.
+            unsafe { ffi::PyThreadState_SetAsyncExc(thread, interrupt.as_ptr()) };
+        }
+    }
+}
+
+/// Says while it lives which thread is in a function.
+struct Called(Option<Run>);
+
+impl Called {
+    fn new(py: Python<'_>) -> PyResult<Called> {
+        let (run, thread) = (RUN.get(), py.import("_thread")?.call_method0("get_ident")?.extract::<u64>()?);
+        if let Some(run) = run {
+            CALLED.lock().unwrap_or_else(PoisonError::into_inner).insert(run, thread as c_long);
+        }
+        Ok(Called(run))
+    }
+}
+
+impl Drop for Called {
+    fn drop(&mut self) {
+        if let Some(run) = self.0 {
+            CALLED.lock().unwrap_or_else(PoisonError::into_inner).remove(&run);
+        }
+    }
 }
 
 /// A Python function that computes ∇s.
@@ -164,7 +220,10 @@ impl Function {
                 set.set_item(parameter.name, crate::value::object(py, &setting.datum)?)?;
             }
         }
-        let given = self.call.call1(py, (points, tetrahedra, values, arrays, set))?;
+        let given = {
+            let _called = Called::new(py)?;
+            self.call.call1(py, (points, tetrahedra, values, arrays, set))?
+        };
         let given: Lent<f64> = Lent::of("the gradient", given.bind(py))?;
         Ok(given.values().chunks_exact(3).map(DVec3::from_slice).collect())
     }

@@ -1,7 +1,7 @@
 //! Runs without the interpreter's lock, that call-backs follow and Ctrl-C stops.
 
 use crate::error::{exception, guarded};
-use crate::filter;
+use crate::filter::{self, Run};
 use pyo3::prelude::*;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::OnceLock;
@@ -10,7 +10,7 @@ use voltet_core::{Error, Result};
 use voltet_embed::{Moment, follow};
 
 /// Does work that may be long. Every 20 ms signals are looked for (Ctrl-C raises `KeyboardInterrupt`, on the main thread) and
-/// `progress(node, stage, fraction)` is called; what either raises stops the work and is raised here.
+/// `progress(node, stage, fraction)` is called; what either raises stops the work, interrupts a filter in Python, and is raised here.
 pub fn followed<T: Send>(
     py: Python<'_>,
     progress: Option<&Py<PyAny>>,
@@ -29,20 +29,25 @@ pub fn followed_beside<T: Send>(
 ) -> PyResult<PyResult<T>> {
     guarded(py, refuse_forked)?;
     let mut raised: Option<PyErr> = None;
+    let run = Run::new();
     let stops = |moment: &Moment| {
         Python::attach(|py| {
-            let told = py.check_signals().and_then(|()| match progress {
+            let told = py.check_signals().and_then(|()| match progress.filter(|_| raised.is_none()) {
                 Some(progress) => {
                     let Moment { node, stage, fraction } = moment;
                     progress.call1(py, (node, stage, *fraction)).map(drop)
                 }
                 None => Ok(()),
             });
-            told.map_err(|error| raised.get_or_insert(error)).is_err()
+            let Err(error) = told else { return raised.is_some() };
+            raised.get_or_insert(error);
+            run.interrupt(py);
+            true
         })
     };
     // A filter's exception is kept by the thread that the filter ran on, which is that of the work.
     let work = |observer: &dyn Observer| {
+        run.is_here();
         let outcome = work(observer);
         Ok((outcome, filter::raised()))
     };

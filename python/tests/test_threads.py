@@ -118,6 +118,33 @@ def test_ctrl_c_stops_it_within_a_second():
     assert out.strip() == "(8, 8, 4)" and run.returncode == 0, err
 
 
+def test_ctrl_c_interrupts_a_filter_that_never_returns():
+    text = LONG.format(tests=os.path.dirname(__file__)) + textwrap.dedent("""
+    @voltet.gradient_filter("for-ever")
+    def for_ever(points, tetrahedra, scalar):
+        print("begun", flush=True)
+        while True:
+            pass
+
+    small = voltet.scene(grid, method="for-ever", size=(8, 8))
+    try:
+        small.volume("gradient")
+    except KeyboardInterrupt:
+        print("stopped", flush=True)
+    small["gradient"]["method"] = "least-squares"
+    print(small.render().shape, flush=True)
+    """)
+    run = script(text)
+    assert run.stdout.readline() == "begun\n"
+    time.sleep(0.3)
+    run.send_signal(signal.SIGINT)
+    start = time.monotonic()
+    assert run.stdout.readline() == "stopped\n"
+    assert time.monotonic() - start < 1.0
+    out, err = run.communicate(timeout=60)
+    assert out.strip() == "(8, 8, 4)" and run.returncode == 0, err
+
+
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="this system has no fork")
 def test_a_forked_process_is_told(slab):
     slab.render()
