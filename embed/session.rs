@@ -206,6 +206,16 @@ impl Session {
         work(&graph, &mut self.runs).map_err(|error| scene.locate(error))
     }
 
+    /// The same with the graph of the whole pipeline.
+    pub fn with_whole<T>(
+        &mut self,
+        scene: &dyn Scene,
+        work: impl FnOnce(&Graph, &mut voltet_core::graph::Session) -> Result<T>,
+    ) -> Result<T> {
+        let graph = self.whole(scene)?;
+        work(&graph, &mut self.runs).map_err(|error| scene.locate(error))
+    }
+
     /// What plans say without data: errors, and warnings with their places.
     pub fn plan(&mut self, scene: &dyn Scene, graph: &Graph) -> Result<Vec<Error>> {
         self.runs.plan(graph).map_err(|error| scene.locate(error))?;

@@ -9,7 +9,7 @@
 //! | `report` | what was done by a run |
 //! | `filter` | gradient filters that are Python functions |
 //! | `follow` | runs without the interpreter's lock, that Ctrl-C stops |
-//! | `study` | error against run time |
+//! | `study`, `measured` | error against run time; one pixel; gradient filters |
 //! | `until` | pictures of rays that end at surfaces of others |
 //! | `declared` | what can be stated: node types, filters, widgets |
 //! | `value` | values of parameters, from Python and to it |
@@ -23,6 +23,7 @@ mod filter;
 mod follow;
 mod grid;
 mod held;
+mod measured;
 mod memory;
 mod numbers;
 mod pipeline;
@@ -42,6 +43,8 @@ mod _native {
     use super::filter::register_filter;
     #[pymodule_export]
     use super::grid::Grid;
+    #[pymodule_export]
+    use super::measured::gradient_test;
     #[pymodule_export]
     use super::memory::encode;
     #[pymodule_export]

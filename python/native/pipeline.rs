@@ -4,6 +4,7 @@ use crate::error::{exception, guarded};
 use crate::follow::{followed, followed_beside};
 use crate::grid::Grid;
 use crate::held::Held;
+use crate::measured::{Shown, shown};
 use crate::memory::{Lent, array, handed_over};
 use crate::numbers::at_given_points;
 use crate::report::Report;
@@ -16,6 +17,7 @@ use pyo3::types::PyDict;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
+use voltet::study::pixel::pixel as trace;
 use voltet_core::graph::{Demand, Value};
 use voltet_core::picture::Picture;
 use voltet_core::{Error, Result};
@@ -332,6 +334,30 @@ impl Pipeline {
             value.volume().ok_or_else(none)?
         })?;
         at_given_points(py, &found, magnitude, gradient)
+    }
+
+    /// What a pixel is made of.
+    #[pyo3(signature = (x, y, node, sample, all, progress))]
+    #[allow(clippy::too_many_arguments)]
+    fn pixel(
+        &self,
+        py: Python<'_>,
+        x: i64,
+        y: i64,
+        node: Option<&str>,
+        sample: u32,
+        all: bool,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<Shown> {
+        self.long(py, progress.as_ref(), |held, observer| {
+            held.sound()?;
+            let Held { runs, stated, .. } = held;
+            let told = until::Told { observer, node: "pixel" };
+            let found = runs.with_whole(stated, |graph, session| {
+                trace(graph, node, [x, y], sample, session, (observer, &told))
+            })?;
+            Ok(shown(&found, all))
+        })
     }
 
     /// Error against run time of every setting: the study as JSON, and the reference picture.

@@ -13,6 +13,7 @@ and its gradient magnitude.
 `scene`               a pipeline about a grid of yours, to begin with
 `nodes`, `widgets`    what can be stated, with signatures made from the program's own declarations
 `gradient_filter`     gradient filters that are Python functions
+`gradient_test`       how right a gradient filter is, and what it costs
 `Error`               what everything here raises, with place and remedy
 `voltet.vtk`          the same as VTK filters (needs the package vtk)
 `voltet.pyvista`      accessors of grids and plotters (loaded by PyVista itself)
@@ -34,8 +35,10 @@ if TYPE_CHECKING:
     from ._picture import Picture as Picture, Result as Result
     from ._node import Node as Node
     from ._pipeline import Pipeline as Pipeline
+    from ._gradient_test import gradient_test as gradient_test
     from ._run import check as check, run as run
     from ._scene import scene as scene
+    from ._shown import Shown as Shown
 
 # Loaded when asked for: `import voltet` alone loads neither numpy nor anything that needs it.
 _HOMES = {
@@ -46,7 +49,9 @@ _HOMES = {
     "Pipeline": "_pipeline",
     "Result": "_picture",
     "check": "_run",
+    "Shown": "_shown",
     "gradient_filter": "_filters",
+    "gradient_test": "_gradient_test",
     "nodes": "",
     "run": "_run",
     "scene": "_scene",

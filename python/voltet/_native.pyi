@@ -6,14 +6,28 @@ from typing import Any, final
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Grid", "Pipeline", "Report", "VERSION", "declarations", "encode", "register_filter"]
+__all__ = ["Grid", "Pipeline", "Report", "VERSION", "declarations", "encode", "gradient_test", "register_filter"]
 
 VERSION: str
 
+# JSON, a table for people, a plot (SVG).
+_Shown = tuple[str, str, str]
 _Told = Callable[[str, str, float], object] | None
 
 def declarations() -> str: ...
 def encode(rgba: NDArray[np.float32], form: str, background: tuple[float, float, float]) -> bytes: ...
+def gradient_test(
+    name: str,
+    set: dict[str, Any],
+    beside: list[str] | None,
+    hold_to: list[str],
+    order: float,
+    linear_error: float,
+    levels: list[int],
+    timed: int,
+    rounds: int,
+    progress: _Told,
+) -> tuple[_Shown, bool, str]: ...
 def register_filter(
     name: str,
     summary: str,
@@ -66,6 +80,7 @@ class Pipeline:
     def run(self, progress: _Told) -> tuple[dict[str, NDArray[np.float32]], Report]: ...
     def figures(self, node: str, progress: _Told) -> str: ...
     def volume(self, node: str, magnitude: bool, gradient: bool, progress: _Told) -> dict[str, Any]: ...
+    def pixel(self, x: int, y: int, node: str | None, sample: int, all: bool, progress: _Told) -> _Shown: ...
     def study(
         self,
         node: str | None,

@@ -16,6 +16,7 @@ from ._grid import Grid
 from ._node import Node, sources
 from ._picture import Account, Picture, Result, picture
 from ._progress import Progress, followed
+from ._shown import Shown
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -259,6 +260,39 @@ class Pipeline:
         self._lend(keep_cells=True)
         with followed(progress) as told:
             return self._native.volume(node, bool(gradient_magnitude), bool(gradient), told)
+
+    def pixel(
+        self,
+        x: int,
+        y: int,
+        node: str | None = None,
+        *,
+        sample: int = 0,
+        all: bool = False,
+        progress: bool | None | Progress = None,
+    ) -> Shown:
+        """What a pixel is made of, as `voltet pixel` says it: the cells along its ray, and what each of them adds.
+
+        Parameters
+        ----------
+        x, y : int
+            Column from the left and row from the top, from 0.
+        node : str
+            The node that draws, where there are several.
+        sample : int
+            Which ray of the pixel is shown, from 0, where the camera has several.
+        all : bool
+            Whether the table has every cell; else the 24 that add most.
+
+        Returns
+        -------
+        Shown
+            What `--json` writes: `cells` from the eye on, each with `entry`, `exit`, `at_entry`, `at_exit`, `widgets`, `opacity`, `adds`;
+            `referee_rgba`, the pixel by the 64-bit referee; `drawn`, as the pipeline draws it; `integrators`, by every one. `print`
+            shows the table, notebooks that and a plot along the ray. Cells are numbered as yours are."""
+        self._lend(keep_cells=True)
+        with followed(progress) as told:
+            return Shown(self._native.pixel(int(x), int(y), node, int(sample), bool(all), told))
 
     def study(
         self,

@@ -4,13 +4,14 @@ use super::outcome::{DONE, show};
 use super::reading::Inspecting;
 use crate::arguments;
 use crate::collisions::{self, OptionFile};
-use crate::core::field::Method;
-use crate::core::graph::{Origin, Parameters, Registry};
+use crate::core::graph::Registry;
 use crate::core::pipeline::field;
 use crate::core::{Error, Result};
 use crate::nodes::{encode, files};
 use crate::present::{Bar, print, say};
-use crate::study::gradient_test::{GradientTest, Hold, Wish, gradient_test as measure, page, plot, text};
+use crate::study::gradient_test::{
+    GradientTest, Hold, Wish, gradient_test as measure, methods, page, plot, text,
+};
 use std::path::Path;
 
 /// The filter breaks what it is held to.
@@ -18,7 +19,8 @@ const BROKEN: u8 = 1;
 
 pub fn gradient_test(arguments: &arguments::GradientTest, registry: &Registry) -> Result<u8> {
     let wish = wish(arguments)?;
-    let methods = methods(arguments, registry)?;
+    let fields = arguments.options.iter().map(|option| field(option)).collect::<Result<Vec<_>>>()?;
+    let methods = methods(&arguments.name, &fields, arguments.beside.as_deref(), registry)?;
     let outputs: Vec<(&str, &Path)> =
         [("--html", &arguments.html), ("--json", &arguments.json), ("--plot", &arguments.plot)]
             .into_iter()
@@ -66,73 +68,16 @@ fn content(found: &GradientTest, option: &str, path: &Path) -> Result<Vec<u8>> {
 }
 
 fn wish(arguments: &arguments::GradientTest) -> Result<Wish> {
-    let wrong = |what: &str, found: String, accepted: &str| {
-        Err(Error::usage(format!("{what} is out of range")).found(found).accepted(accepted))
-    };
-    let levels = &arguments.levels;
-    let rising = levels.windows(2).all(|pair| pair[0] < pair[1]);
-    if levels.len() < 2 || !rising || levels.iter().any(|n| !(2..=128).contains(n)) {
-        return wrong(
-            "--levels",
-            format!("{levels:?}"),
-            "two or more rising numbers from 2 to 128, such as 4,8,16",
-        );
-    }
-    if !(2..=200).contains(&arguments.timed) {
-        return wrong("--timed", arguments.timed.to_string(), "2 to 200 boxes along a side");
-    }
-    if arguments.rounds == 0 {
-        return wrong("--rounds", "0".into(), "1 or more");
-    }
-    if !arguments.order.is_finite() {
-        return wrong("--order", arguments.order.to_string(), "a number");
-    }
-    if arguments.linear_error.is_nan() || arguments.linear_error < 0.0 {
-        return wrong("--linear-error", arguments.linear_error.to_string(), "a number of at least 0");
-    }
-    Ok(Wish {
-        levels: levels.clone(),
+    let wish = Wish {
+        levels: arguments.levels.clone(),
         timed: arguments.timed,
         rounds: arguments.rounds,
         hold_to: arguments.hold_to.iter().filter_map(|name| Option::<Hold>::from(*name)).collect(),
         order: arguments.order,
         linear_error: arguments.linear_error,
-    })
-}
-
-/// The filter with what was set, then those beside it.
-fn methods(arguments: &arguments::GradientTest, registry: &Registry) -> Result<Vec<Method>> {
-    let filter = registry.find_filter(&arguments.name)?.clone();
-    let declared = filter.declaration().parameters;
-    let fields = arguments.options.iter().map(|option| field(option)).collect::<Result<Vec<_>>>()?;
-    let parameters = Parameters::check(declared, &fields, &Origin::Nowhere, &[])?;
-    let method = Method::new(filter, parameters)?;
-    if let Some(array) = method.arrays()?.into_iter().next() {
-        let error = Error::usage("the filter reads a point array, and manufactured grids carry none");
-        return Err(error
-            .found(format!("'{array}'"))
-            .accepted("a filter that computes gradients")
-            .at_item(&arguments.name));
-    }
-    let mut methods = vec![method];
-    let beside: Vec<String> = match &arguments.beside {
-        Some(names) => names.clone(),
-        None => registry.filters().map(|filter| filter.declaration().name.to_string()).collect(),
     };
-    for name in beside.iter().filter(|name| **name != arguments.name && !name.is_empty()) {
-        // Those that cannot go without parameters or arrays are left out, unless they were asked for.
-        let other = Method::standard(registry.find_filter(name)?.clone());
-        match other.and_then(|other| other.arrays().map(|arrays| (other, arrays))) {
-            Ok((other, arrays)) if arrays.is_empty() => methods.push(other),
-            Ok((_, arrays)) if arguments.beside.is_some() => {
-                let error = Error::usage("the filter reads a point array, and manufactured grids carry none");
-                return Err(error.found(arrays.join(", ")).at_item(name));
-            }
-            Err(error) if arguments.beside.is_some() => return Err(error.at_item(name)),
-            _ => {}
-        }
-    }
-    Ok(methods)
+    wish.check(|name| format!("--{}", name.replace('_', "-")))?;
+    Ok(wish)
 }
 
 impl From<arguments::HoldName> for Option<Hold> {

@@ -3,7 +3,7 @@
 //!
 //! | file | what |
 //! | --- | --- |
-//! | `wish`, `requirements` | what is measured, and what the filter is held to |
+//! | `wish`, `chosen`, `requirements` | what is measured, of which filters, and what the first is held to |
 //! | `fields`, `meshes` | manufactured fields, and families of grids |
 //! | `convergence` | errors on finer and finer grids, exactness, two materials |
 //! | `invariance`, `noise`, `cost`, `picture` | the other measurements |
@@ -11,6 +11,7 @@
 //! | `found` | what is found |
 //! | `text`, `plot`, `page` | how it is shown |
 
+mod chosen;
 mod convergence;
 mod cost;
 mod fields;
@@ -26,6 +27,7 @@ mod subject;
 mod text;
 mod wish;
 
+pub use chosen::methods;
 pub use found::{
     Convergence, Cost, Exactness, Fault, Found, GradientTest, Invariance, Materials, Noise, PictureError,
     Requirement, Series,

@@ -1,5 +1,7 @@
 //! What is asked of a test of gradient filters.
 
+use voltet_core::{Error, Result};
+
 /// What is measured, and what the filter is held to.
 #[derive(Debug, Clone)]
 pub struct Wish {
@@ -28,6 +30,34 @@ pub enum Hold {
     Order,
     /// The same gradient wherever the grid stands and however it is numbered.
     Invariance,
+}
+
+impl Wish {
+    /// Refuses what cannot be measured. `named`: what a number is called where it was given.
+    pub fn check(&self, named: impl Fn(&str) -> String) -> Result<()> {
+        let wrong = |what: &str, found: String, accepted: &str| {
+            let error = Error::usage(format!("{} is out of range", named(what)));
+            Err(error.found(found).accepted(accepted))
+        };
+        let rising = self.levels.windows(2).all(|pair| pair[0] < pair[1]);
+        if self.levels.len() < 2 || !rising || self.levels.iter().any(|n| !(2..=128).contains(n)) {
+            let accepted = "two or more rising numbers from 2 to 128, such as 4,8,16";
+            return wrong("levels", format!("{:?}", self.levels), accepted);
+        }
+        if !(2..=200).contains(&self.timed) {
+            return wrong("timed", self.timed.to_string(), "2 to 200 boxes along a side");
+        }
+        if self.rounds == 0 {
+            return wrong("rounds", "0".into(), "1 or more");
+        }
+        if !self.order.is_finite() {
+            return wrong("order", self.order.to_string(), "a number");
+        }
+        if self.linear_error.is_nan() || self.linear_error < 0.0 {
+            return wrong("linear_error", self.linear_error.to_string(), "a number of at least 0");
+        }
+        Ok(())
+    }
 }
 
 impl Default for Wish {
