@@ -2,7 +2,7 @@
 
 use crate::filter;
 use std::path::{Path, PathBuf};
-use voltet_core::graph::{Datum, NodeEntry};
+use voltet_core::graph::{Datum, Field, NodeEntry, Origin};
 use voltet_core::pipeline::Pipeline as Nodes;
 use voltet_core::{Error, Result};
 use voltet_document::{Document, Edit, Fault, Part, Path as Place};
@@ -130,7 +130,8 @@ impl Held {
     }
 
     /// Saves the text; what it reads is found from the new file, too. `readers`: nodes that a program gives grids to, each with the
-    /// file that holds its grid and the scalar: they read it from there.
+    /// file that holds its grid and the scalar: they read it from there. Where nothing is written, what writes the picture is added,
+    /// so that the file can be run.
     pub fn save(&mut self, path: Option<PathBuf>, readers: Vec<(String, String, String)>) -> Result<PathBuf> {
         self.sound()?;
         self.found = None;
@@ -155,6 +156,7 @@ impl Held {
         }
         let folder = to.parent().unwrap_or(Path::new(""));
         edits.extend(self.stated.document.following_to(self.runs.registry(), folder));
+        edits.extend(self.writer(&to));
         if !edits.is_empty() {
             let document = &mut self.stated.document;
             document
@@ -163,6 +165,25 @@ impl Held {
         }
         self.stated.document.save_as(&to)?;
         Ok(to)
+    }
+
+    /// What adds a node `file` that writes the only picture beside the file `to`, where no node writes anything.
+    fn writer(&self, to: &Path) -> Vec<Edit> {
+        let nodes = &self.stated.pipeline().nodes;
+        let node_type = |entry: &NodeEntry| self.runs.registry().find(entry.node_type.text()?).ok();
+        let writes = nodes.iter().filter_map(node_type).any(|node| node.outputs.is_empty());
+        let (Ok(source), Some(stem)) = (self.runs.picture(&self.stated, None), to.file_stem()) else {
+            return Vec::new();
+        };
+        let name = "file".to_string();
+        if writes || nodes.iter().any(|entry| entry.name == name) {
+            return Vec::new();
+        }
+        let picture = Datum::Text(format!("{}.png", stem.to_string_lossy()));
+        let path = Field { name: "path".into(), origin: Origin::Nowhere, setting: picture.into() };
+        let node_type = "image-writer".to_string();
+        let add = Edit::AddNode { name: name.clone(), node_type, settings: vec![path], at: None };
+        vec![add, Edit::Connect { node: name, port: "image".into(), source, beside: false }]
     }
 
     /// The program's own view of the pipeline: what `voltet run` would refuse to write over is refused.

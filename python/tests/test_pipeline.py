@@ -120,6 +120,17 @@ def test_a_saved_pipeline_runs_in_the_program(slab, tmp_path):
     assert (tmp_path / "slab.exr").stat().st_size > 0
 
 
+def test_what_is_saved_writes_its_picture(slab, tmp_path):
+    path = slab.save(tmp_path / "slab.toml")
+    assert slab["file"]["path"] == "slab.png" and slab["file"].inputs == {"image": "picture"}
+    subprocess.run([program(), "run", path, "--quiet"], check=True)
+    assert np.array_equal(voltet.Pipeline.open(tmp_path / "slab.png").render(), slab.render("picture"))
+    # One that writes is saved as it is.
+    before = slab.text
+    slab.save(tmp_path / "slab.toml")
+    assert slab.text == before
+
+
 def test_a_picture_is_opened_as_the_pipeline_that_it_carries(tmp_path):
     png = tmp_path / "q.png"
     own = voltet.Pipeline.open(PIPELINES / "quickstart.toml")
