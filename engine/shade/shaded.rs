@@ -1,7 +1,7 @@
 //! What shading a batch of segments gives.
 
 use crate::fragments::batch::Column;
-use crate::shade::stepped::STEPS;
+use crate::shade::stepped::{Met, STEPS};
 
 /// Results of a batch.
 pub(crate) struct Shaded {
@@ -17,8 +17,8 @@ pub(crate) struct Shaded {
     pub why: Vec<Left>,
     /// Scratch for the change from the one to the other.
     pub spare: Vec<usize>,
-    /// Scratch: numbers of the widgets that a vector of segments meets, with the lanes (bits).
-    pub met: Vec<(usize, u32)>,
+    /// Scratch: the widgets that a vector of segments meets.
+    pub met: Vec<Met>,
     /// Segments integrated in 64 bits.
     pub exact_count: u64,
     /// Segments on which widgets overlap by more than [`MIX_PRODUCT`].

@@ -327,15 +327,14 @@ impl Shader {
         }
         let overlapping = overlaps::<L>(sums.product, along, count - at);
         out.overlap_count += u64::from(overlapping.count_ones());
-        let opacity = one_minus_exp::<L>(sums.total);
-        let mut color = sums.mixed(opacity);
+        let mut rgba = sums.mixed();
         let overlapping = overlapping & !unsure;
         if self.overlap == Overlap::Exact && overlapping != 0 {
             let smooth = sums.is_smooth();
             let served = overlapping & smooth.bits();
             if served != 0 {
                 let (keep, more) = (lanes_of::<L>(served), sums.correction());
-                for (color, more) in color.iter_mut().zip(more) {
+                for (color, more) in rgba.iter_mut().zip(more) {
                     *color = L::F::select(keep, (*color + more).max(zero), *color);
                 }
             }
@@ -350,7 +349,7 @@ impl Shader {
                 unsure |= rest;
             }
         }
-        for (column, value) in out.rgba.iter_mut().zip([color[0], color[1], color[2], opacity]) {
+        for (column, value) in out.rgba.iter_mut().zip(rgba) {
             value.store(&mut column[at..]);
         }
         unsure

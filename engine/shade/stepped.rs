@@ -9,8 +9,12 @@ use crate::shade::reach::Spread;
 use crate::shade::shaded::Shaded;
 use voltet_core::optics::quadrature::{GAUSS_4, UP_TO_4};
 use voltet_lanes::optics::elementary::exp;
+use voltet_lanes::optics::gaussian::LaneGaussianSteps;
 use voltet_lanes::optics::quadrature::{nodes, up_to};
-use voltet_lanes::{Float, Lanes, Mask, array};
+use voltet_lanes::{Float, Lanes, Mask, array, inlined};
+
+/// Steps after which densities are found anew.
+const STEPS_ON_END: usize = 4;
 
 /// Steps that segments are put in order by.
 pub(crate) const STEPS: [usize; 3] = [2, 4, 8];
@@ -35,14 +39,14 @@ pub(crate) fn stepped<L: Lanes>(
             let meets = widget.meets::<L>(&spread);
             if meets.any() {
                 let rough = splat((steps * steps) as f32 * 1.01).lt(widget.roughness::<L>(&along));
-                out.met.push((number, meets.and(rough.not()).bits()));
+                out.met.push(Met { number, there: meets.and(rough.not()).bits(), rows: None });
             }
         }
         let mut opacity = [0f32; LANES_MOST];
         for (opacity, &k) in opacity.iter_mut().zip(group) {
             *opacity = out.rgba[3][k];
         }
-        let color = step_through::<L>(widgets, &out.met, steps, &along, L::F::load(&opacity));
+        let color = step_through::<L>(widgets, &mut out.met, steps, &along, L::F::load(&opacity));
         for (column, value) in out.rgba.iter_mut().zip(color) {
             let mut row = [0f32; LANES_MOST];
             value.store(&mut row);
@@ -53,29 +57,72 @@ pub(crate) fn stepped<L: Lanes>(
     }
 }
 
-/// The ordered integral ∫ Σ c_i ρ_i e^(−T) by Gauss-Legendre with 4 points a step. `met`: numbers of the widgets, each with
-/// the lanes (bits) in which it is.
+/// A widget that a vector of segments meets.
+pub(crate) struct Met {
+    number: usize,
+    /// Lanes (bits) in which it is.
+    there: u32,
+    /// Its densities in the step in hand, if the next follow from them.
+    rows: Option<Rows>,
+}
+
+/// A [`LaneGaussianSteps`] lane by lane.
+#[derive(Clone, Copy)]
+#[repr(align(64))]
+struct Rows([[f32; LANES_MOST]; 9]);
+
+impl Rows {
+    #[inline(always)]
+    fn new<L: Lanes>(LaneGaussianSteps { values, ratios, change }: &LaneGaussianSteps<L, 4>) -> Rows {
+        let mut rows = [[0.0; LANES_MOST]; 9];
+        for (row, value) in rows.iter_mut().zip(values.iter().chain(ratios).chain([change])) {
+            value.store(row);
+        }
+        Rows(rows)
+    }
+
+    #[inline(always)]
+    fn steps<L: Lanes>(&self) -> LaneGaussianSteps<L, 4> {
+        let row = inlined(
+            #[inline(always)]
+            |j: usize| L::F::load(&self.0[j]),
+        );
+        LaneGaussianSteps {
+            values: [row(0), row(1), row(2), row(3)],
+            ratios: [row(4), row(5), row(6), row(7)],
+            change: row(8),
+        }
+    }
+}
+
+/// The ordered integral ∫ Σ c_i ρ_i e^(−T) by Gauss-Legendre with 4 points a step.
 #[inline(always)]
 fn step_through<L: Lanes>(
     widgets: &[LaneWidget],
-    met: &[(usize, u32)],
+    met: &mut [Met],
     steps: usize,
     along: &Along<L>,
     opacity: L::F,
 ) -> [L::F; 3] {
     let splat = L::F::splat;
-    let share = splat(1.0 / steps as f32);
+    let share = 1.0 / steps as f32;
+    let places = [NODES[0].0, NODES[1].0, NODES[2].0, NODES[3].0];
     let (mut color, mut through) = ([splat(0.0); 3], splat(1.0));
     let mut light = splat(0.0);
     for step in 0..steps {
         let (mut density, mut weighted) = ([splat(0.0); 4], [[splat(0.0); 3]; 4]);
-        let at_nodes = array(
-            #[inline(always)]
-            |j: usize| share * splat(step as f32 + NODES[j].0),
-        );
-        for &(number, there) in met {
-            let widget = &widgets[number];
-            let (there, values) = (lanes_of::<L>(there), widget.densities::<L>(along, at_nodes));
+        for Met { number, there, rows } in &mut *met {
+            let widget = &widgets[*number];
+            let found = match rows {
+                Some(rows) if step % STEPS_ON_END != 0 => Some(rows.steps::<L>().next()),
+                _ => widget.steps::<L, 4>(along, step, share, places),
+            };
+            let values = match &found {
+                Some(found) => found.values,
+                None => widget.densities::<L, 4>(along, places.map(|place| share * (step as f32 + place))),
+            };
+            *rows = found.as_ref().map(Rows::new);
+            let there = lanes_of::<L>(*there);
             for j in 0..4 {
                 let value = L::F::select(there, values[j], splat(0.0));
                 density[j] = density[j] + value;
@@ -85,7 +132,7 @@ fn step_through<L: Lanes>(
             }
         }
         // Depth up to each node from the cubic through the four densities, then the emission there.
-        let length = along.length * share;
+        let length = along.length * splat(share);
         let mut whole = splat(0.0);
         for j in 0..4 {
             let mut depth = splat(0.0);

@@ -50,7 +50,6 @@ impl LaneBell {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::optics::elementary::one_minus_exp;
     use crate::optics::smooth::tests::{lane, uniform};
     use crate::optics::sums::Sums;
     use crate::portable::Portable as P;
@@ -101,7 +100,7 @@ mod tests {
             };
             let prepared = Prepared::new(&function).expect("a valid transfer function");
             let truth = prepared.integrate(&segment, Overlap::Exact).color;
-            let mixed = sums.mixed(one_minus_exp::<P>(splat(depth + even)));
+            let mixed = sums.mixed();
             for ((mixed, more), exact) in mixed.into_iter().zip(sums.correction()).zip(truth).take(2) {
                 let found = lane(mixed) + lane(more);
                 // What the series leave out where they hold, and the roundings of phase (near a foot) and depth.

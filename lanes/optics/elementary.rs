@@ -50,16 +50,31 @@ pub fn exp<L: Lanes>(x: L::F) -> L::F {
 #[inline(always)]
 pub fn one_minus_exp<L: Lanes>(t: L::F) -> L::F {
     let splat = L::F::splat;
-    let series = t * polynomial::<L, 8>(
-        -t,
-        [1.0, 1.0 / 2.0, 1.0 / 6.0, 1.0 / 24.0, 1.0 / 120.0, 1.0 / 720.0, 1.0 / 5040.0, 1.0 / 40320.0],
-    );
+    let series = t * polynomial::<L, 8>(-t, ONE_MINUS_EXP);
     let small = t.lt(splat(0.5));
     if !small.not().any() {
         return series;
     }
     L::F::select(small, series, splat(1.0) - exp::<L>(-t))
 }
+
+/// (1 − e^(−t))/t for t ≥ 0, 1 at 0, within 4 ulp.
+///
+/// Under ½ by the series of [`one_minus_exp`].
+#[inline(always)]
+pub fn mean_transparency<L: Lanes>(t: L::F) -> L::F {
+    let splat = L::F::splat;
+    let series = polynomial::<L, 8>(-t, ONE_MINUS_EXP);
+    let small = t.lt(splat(0.5));
+    if !small.not().any() {
+        return series;
+    }
+    L::F::select(small, series, (splat(1.0) - exp::<L>(-t)) / t)
+}
+
+/// (1 − e^(−t))/t in powers of −t.
+const ONE_MINUS_EXP: [f32; 8] =
+    [1.0, 1.0 / 2.0, 1.0 / 6.0, 1.0 / 24.0, 1.0 / 120.0, 1.0 / 720.0, 1.0 / 5040.0, 1.0 / 40320.0];
 
 /// ln x, within 3 ulp of the larger of 1 and |ln x|, for normal x > 0.
 ///

@@ -102,7 +102,6 @@ impl<L: Lanes> Smooth<L> {
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
-    use crate::optics::elementary::one_minus_exp;
     use crate::optics::gaussian::shape;
     use crate::optics::sums::Sums;
     use crate::portable::Portable as P;
@@ -166,7 +165,7 @@ pub(super) mod tests {
             });
             let is_smooth = lane(F::select(sums.is_smooth(), splat(1.0), splat(0.0))) == 1.0;
             smooth_count += u32::from(is_smooth);
-            let mixed = sums.mixed(one_minus_exp::<P>(splat(total)));
+            let mixed = sums.mixed();
             let model = OpticalModel::DensityEmitter;
             let function = TransferFunction { model, unit_distance: 1.0, widgets };
             let segment = Segment { length: 1.0, front, back, fields_front: &[], fields_back: &[] };

@@ -1,6 +1,7 @@
 //! Widgets that overlap on a segment, asked one after the other: their mix, what their order adds to it where every density
 //! hardly bends ([`super::smooth`]), and how many steps of quadrature they want where that does not do.
 
+use super::elementary::mean_transparency;
 use super::smooth::{DensityShape, Smooth};
 use crate::{Float, Lanes, Mask, array};
 
@@ -78,15 +79,12 @@ impl<L: Lanes> Sums<L> {
         }
     }
 
-    /// Colour of the mix; `opacity`: 1 − e^(−T).
+    /// Colour and opacity of the mix.
     #[inline(always)]
-    pub fn mixed(&self, opacity: L::F) -> [L::F; 3] {
-        let zero = L::F::splat(0.0);
-        let share = L::F::select(zero.lt(self.total), opacity / self.total, zero);
-        array(
-            #[inline(always)]
-            |c| self.color[c] * share,
-        )
+    pub fn mixed(&self) -> [L::F; 4] {
+        let mean = mean_transparency::<L>(self.total);
+        let [r, g, b] = self.color;
+        [r * mean, g * mean, b * mean, self.total * mean]
     }
 
     /// Lanes on which what [`Sums::correction`] leaves out of each C_i/c_i is under 2e-7. Of two widgets that is

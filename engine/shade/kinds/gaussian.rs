@@ -3,8 +3,7 @@
 use crate::attribute::Attribute;
 use crate::shade::along::Along;
 use voltet_lanes::limits::GAUSSIAN_WIDTHS_MOST;
-use voltet_lanes::optics::elementary::exp;
-use voltet_lanes::optics::gaussian::{self, LaneGaussianPath};
+use voltet_lanes::optics::gaussian::{self, LaneGaussianPath, LaneGaussianSteps};
 use voltet_lanes::optics::smooth::DensityShape;
 use voltet_lanes::{Float, Lanes, Mask, array};
 
@@ -95,17 +94,26 @@ impl LaneGaussian {
         L::F::splat(GAUSSIAN_WIDTHS_MOST as f32).lt(extent).bits()
     }
 
-    /// The profile at points of a segment.
+    /// In equal steps, each a `share` of the segment, from t = `first` × `share` on; `peak`: the value at the centre.
     #[inline(always)]
-    pub fn values<L: Lanes, const N: usize>(&self, along: &Along<L>, t: [L::F; N]) -> [L::F; N] {
+    pub fn steps<L: Lanes, const N: usize>(
+        &self,
+        along: &Along<L>,
+        first: usize,
+        share: f32,
+        places: [f32; N],
+        peak: L::F,
+    ) -> LaneGaussianSteps<L, N> {
+        let splat = L::F::splat;
         let (front, back) = (self.point::<L>(&along.front), self.point::<L>(&along.back));
-        let step = [back[0] - front[0], back[1] - front[1]];
-        array(
+        let step: [L::F; 2] = array(
             #[inline(always)]
-            |j| {
-                let q = [step[0].mul_add(t[j], front[0]), step[1].mul_add(t[j], front[1])];
-                exp::<L>(-(q[0].mul_add(q[0], q[1] * q[1])))
-            },
-        )
+            |i| (back[i] - front[i]) * splat(share),
+        );
+        let start = array(
+            #[inline(always)]
+            |i| step[i].mul_add(splat(first as f32), front[i]),
+        );
+        LaneGaussianSteps::new(start, step, places, peak)
     }
 }

@@ -20,7 +20,7 @@ use piecewise_linear::LaneLinear;
 use triangular_gaussian::LaneTriangular;
 use triangular_gaussian_nd::LaneTriangularNd;
 use voltet_core::transfer::{Profile, Widget};
-use voltet_lanes::optics::gaussian::LaneGaussianTrack;
+use voltet_lanes::optics::gaussian::{LaneGaussianSteps, LaneGaussianTrack};
 use voltet_lanes::optics::overlap::{AnyLaneTrack, LaneMember};
 use voltet_lanes::optics::piecewise_linear::LanePiecewiseTrack;
 use voltet_lanes::optics::smooth::DensityShape;
@@ -256,29 +256,46 @@ impl LaneWidget {
         L::F::select(whole.lt(splat(1.0)), splat(f32::INFINITY), rough)
     }
 
-    /// Densities at four points of the segment, of what has a shape. Regions are not looked at: a widget whose region cuts the
-    /// segment has no shape, and one whose region misses it has no depth.
+    /// Densities at places of equal steps, each a `share` of the segment, from step `first` on, where those of a step follow from
+    /// those of the step before. Regions are not looked at: see [`LaneWidget::roughness`].
     #[inline(always)]
-    pub fn densities<L: Lanes>(&self, along: &Along<L>, t: [L::F; 4]) -> [L::F; 4] {
-        let density = L::F::splat(self.density);
+    pub fn steps<L: Lanes, const N: usize>(
+        &self,
+        along: &Along<L>,
+        first: usize,
+        share: f32,
+        places: [f32; N],
+    ) -> Option<LaneGaussianSteps<L, N>> {
         match &self.form {
-            LaneForm::Uniform => [density; 4],
             LaneForm::Gaussian(gaussian) => {
-                let values = gaussian.values(along, t);
-                array(
-                    #[inline(always)]
-                    |j| density * values[j],
-                )
+                Some(gaussian.steps(along, first, share, places, L::F::splat(self.density)))
             }
-            LaneForm::Wave(wave) => array(
-                #[inline(always)]
-                |j| wave.value::<L>(&along.at(t[j])) * density,
-            ),
-            LaneForm::PiecewiseLinear(_)
+            LaneForm::Uniform
+            | LaneForm::Wave(_)
+            | LaneForm::PiecewiseLinear(_)
             | LaneForm::TriangularGaussian(_)
             | LaneForm::GaussianNd(_)
             | LaneForm::TriangularGaussianNd(_)
-            | LaneForm::None => [L::F::splat(0.0); 4],
+            | LaneForm::None => None,
+        }
+    }
+
+    /// Densities at points of the segment, of what else has a shape; regions as above.
+    #[inline(always)]
+    pub fn densities<L: Lanes, const N: usize>(&self, along: &Along<L>, t: [f32; N]) -> [L::F; N] {
+        let density = L::F::splat(self.density);
+        match &self.form {
+            LaneForm::Uniform => [density; N],
+            LaneForm::Wave(wave) => array(
+                #[inline(always)]
+                |j| wave.value::<L>(&along.at(L::F::splat(t[j]))) * density,
+            ),
+            LaneForm::Gaussian(_)
+            | LaneForm::PiecewiseLinear(_)
+            | LaneForm::TriangularGaussian(_)
+            | LaneForm::GaussianNd(_)
+            | LaneForm::TriangularGaussianNd(_)
+            | LaneForm::None => [L::F::splat(0.0); N],
         }
     }
 
