@@ -1,7 +1,9 @@
 //! Plug-ins and programs in other languages, compiled for a test.
 
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::sync::{Arc, Mutex, OnceLock};
 
 /// The repository's folder.
 const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
@@ -11,14 +13,31 @@ pub fn source(path: &str) -> PathBuf {
     Path::new(ROOT).join(path)
 }
 
+/// What a library is made of: the options, and the sources with their texts, as a test may change one.
+type Made = (Vec<String>, Vec<(PathBuf, String)>);
+
+/// Libraries as they were compiled; `None` where there is no compiler.
+static LIBRARIES: Mutex<Option<HashMap<Made, Arc<OnceLock<Option<Vec<u8>>>>>>> = Mutex::new(None);
+
 /// The shared library `name` in `folder`, made of these sources by the compiler of the first one's language (`.c`: `cc`, `.cpp`:
-/// `c++`, `.f90`: `gfortran`), without a warning. `None` where there is no such compiler, said loudly; a failure if the
-/// environment variable `VOLTET_REQUIRE_COMPILERS` is 1.
+/// `c++`, `.f90`: `gfortran`), without a warning; compiled once for all tests of a program. `None` where there is no such compiler,
+/// said loudly; a failure if the environment variable `VOLTET_REQUIRE_COMPILERS` is 1.
 #[track_caller]
 pub fn library(folder: &Path, name: &str, sources: &[PathBuf], options: &[&str]) -> Option<PathBuf> {
     let path = folder.join(name);
+    let texts = sources.iter().map(|source| (source.clone(), std::fs::read_to_string(source).unwrap()));
+    let made = (options.iter().map(|option| option.to_string()).collect(), texts.collect());
+    let library = {
+        let mut libraries = LIBRARIES.lock().unwrap();
+        Arc::clone(libraries.get_or_insert_default().entry(made).or_default())
+    };
     let options: Vec<&str> = ["-shared", "-fPIC", "-O2"].iter().chain(options).copied().collect();
-    compiled(folder, &path, sources, &options).then_some(path)
+    let compile = || compiled(folder, &path, sources, &options).then(|| std::fs::read(&path).unwrap());
+    let bytes = library.get_or_init(compile).as_ref()?;
+    // Another file of this name may be loaded: it stays whole.
+    let _ = std::fs::remove_file(&path);
+    std::fs::write(&path, bytes).unwrap();
+    Some(path)
 }
 
 /// The same for a program.
