@@ -24,3 +24,7 @@ pub mod compilers;
 pub mod files;
 #[cfg(feature = "pictures")]
 pub mod pictures;
+
+/// WebAssembly modules from their text.
+#[cfg(feature = "wat")]
+pub use wat;

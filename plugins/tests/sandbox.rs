@@ -83,7 +83,7 @@ impl Wat {
     }
 
     fn loaded(&self) -> Result<Vec<Arc<dyn GradientFilter>>> {
-        load(&wat::parse_str(self.text()).unwrap())
+        load(&voltet_testing::wat::parse_str(self.text()).unwrap())
     }
 
     /// What its filter gives on a small grid.
@@ -197,7 +197,7 @@ fn declarations_that_are_wrong_are_refused_with_a_reason() {
 /// Any byte may be another: the module is refused, fails with a message, or gives vectors that are finite.
 #[test]
 fn damaged_modules_harm_nobody() {
-    let whole = wat::parse_str(Wat::new(EVEN).text()).unwrap();
+    let whole = voltet_testing::wat::parse_str(Wat::new(EVEN).text()).unwrap();
     let mut random = Random(0x9E37_79B9_7F4A_7C15);
     let mut counts = [0; 3];
     let rounds = std::env::var("VOLTET_DAMAGES").ok().and_then(|n| n.parse().ok()).unwrap_or(300);
