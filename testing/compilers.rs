@@ -16,8 +16,10 @@ pub fn source(path: &str) -> PathBuf {
 /// What a library is made of: the options, and the sources with their texts, as a test may change one.
 type Made = (Vec<String>, Vec<(PathBuf, String)>);
 
-/// Libraries as they were compiled; `None` where there is no compiler.
-static LIBRARIES: Mutex<Option<HashMap<Made, Arc<OnceLock<Option<Vec<u8>>>>>>> = Mutex::new(None);
+/// Its bytes, once it is compiled; `None` where there is no compiler.
+type Library = OnceLock<Option<Vec<u8>>>;
+
+static LIBRARIES: Mutex<Option<HashMap<Made, Arc<Library>>>> = Mutex::new(None);
 
 /// The shared library `name` in `folder`, made of these sources by the compiler of the first one's language (`.c`: `cc`, `.cpp`:
 /// `c++`, `.f90`: `gfortran`), without a warning; compiled once for all tests of a program. `None` where there is no such compiler,
