@@ -4,7 +4,7 @@ use crate::links;
 use crate::path::{Path, Step};
 use crate::{Document, text::Syntax};
 use voltet_core::Error;
-use voltet_core::graph::{Graph, Part as Stated, Registry};
+use voltet_core::graph::{Graph, NodeEntry, Part as Stated, Registry};
 
 /// A mistake in a document.
 #[derive(Debug, Clone)]
@@ -31,6 +31,16 @@ pub enum Part {
 impl Document {
     /// Every mistake that can be found without data: of the text, of types, parameters and wires.
     pub fn faults(&self, registry: &Registry) -> Vec<Fault> {
+        self.faults_among(&self.survey.pipeline.nodes, registry)
+    }
+
+    /// The same of these nodes by themselves, whose wires then lead nowhere, and of the text.
+    pub fn faults_of(&self, names: &[&str], registry: &Registry) -> Vec<Fault> {
+        let nodes = self.survey.pipeline.nodes.iter().filter(|node| names.contains(&node.name.as_str()));
+        self.faults_among(&nodes.cloned().collect::<Vec<_>>(), registry)
+    }
+
+    fn faults_among(&self, nodes: &[NodeEntry], registry: &Registry) -> Vec<Fault> {
         let mut faults: Vec<Fault> = Vec::new();
         for (i, error) in self.survey.faults.iter().enumerate() {
             if self.survey.faults[..i].iter().any(|known| is_same(known, error)) {
@@ -40,7 +50,7 @@ impl Document {
             let node = error.place.node.clone().or(place);
             faults.push(Fault { node, part, error: self.locate(error.clone()) });
         }
-        for fault in Graph::faults(&self.survey.pipeline.nodes, registry) {
+        for fault in Graph::faults(nodes, registry) {
             // What cannot be read at all is said once.
             if self.survey.faults.iter().any(|known| is_same(known, &fault.error)) {
                 continue;

@@ -57,6 +57,10 @@ fn every_mistake_of_a_file_is_at_its_place_and_the_rest_can_be_built() {
         assert_eq!(found, 1, "{node:?} {part} {wanted}: {told:#?}");
     }
     assert_eq!(faults.len(), 8, "{told:#?}");
+    // Of one node: its own, and those of the text.
+    let of_look = broken.faults_of(&["look"], &registry);
+    let own = of_look.iter().filter(|fault| fault.node.as_deref() == Some("look")).count();
+    assert_eq!((own, of_look.len()), (3, 5), "{:#?}", of_look.iter().map(self::told).collect::<Vec<_>>());
     assert!(told.iter().all(|told| told.2.contains("p.toml:")), "{told:#?}");
     // What feeds the gradient is whole.
     assert!(broken.faults_before("gradient", &faults).is_empty());

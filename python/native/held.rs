@@ -15,8 +15,6 @@ pub struct Held {
     pub runs: Session,
     /// The filters that the session knows.
     epoch: u64,
-    /// What is wrong with the text, and the revision of the document that this was found in.
-    found: Option<(u64, Vec<Fault>)>,
 }
 
 /// What is stated, and where it came from.
@@ -69,7 +67,7 @@ impl Held {
         };
         let epoch = filter::epoch();
         let runs = Session::new(filter::registry()?)?;
-        let mut held = Held { stated: Stated { document, picture }, runs, epoch, found: None };
+        let mut held = Held { stated: Stated { document, picture }, runs, epoch };
         // Nodes are to come.
         if !empty {
             held.sound()?;
@@ -82,43 +80,43 @@ impl Held {
         let epoch = filter::epoch();
         if epoch != self.epoch {
             self.runs.know(filter::registry()?)?;
-            (self.epoch, self.found) = (epoch, None);
+            self.epoch = epoch;
         }
         Ok(())
-    }
-
-    /// What is wrong with the text.
-    fn faults(&mut self) -> &[Fault] {
-        let document = &self.stated.document;
-        if self.found.as_ref().is_none_or(|found| found.0 != document.revision()) {
-            self.found = Some((document.revision(), document.faults(self.runs.registry())));
-        }
-        self.found.as_ref().map_or(&[], |found| &found.1)
     }
 
     /// Refuses a text that is no pipeline.
     pub fn sound(&mut self) -> Result<()> {
         self.refresh()?;
-        let fault = self.faults().iter().find(|fault| fault.node.is_none());
-        fault.map_or(Ok(()), |fault| Err(fault.error.clone()))
+        let faults = self.stated.document.faults_of(&[], self.runs.registry());
+        faults.into_iter().find(|fault| fault.node.is_none()).map_or(Ok(()), |fault| Err(fault.error))
     }
 
     /// Carries out edits; what they leave wrong in the parameters of these nodes undoes them.
     pub fn edit(&mut self, nodes: &[&str], label: String, edits: &[Edit]) -> Result<()> {
         self.refresh()?;
-        let before: Vec<String> =
-            of_nodes(self.faults(), nodes).map(|fault| fault.error.what.clone()).collect();
+        let before = self.faults(nodes);
         let document = &mut self.stated.document;
         document.edit_all(label, edits, None).map_err(|error| document.locate(error))?;
-        let is_new = |fault: &&Fault| !before.contains(&fault.error.what);
-        let new = of_nodes(self.faults(), nodes).find(is_new).map(|fault| fault.error.clone());
-        match new {
+        let is_new = |fault: &Fault| !before.iter().any(|known| known.error.what == fault.error.what);
+        match self.faults(nodes).into_iter().find(is_new) {
             None => Ok(()),
-            Some(error) => {
+            Some(fault) => {
                 self.stated.document.undo()?;
-                Err(error)
+                Err(fault.error)
             }
         }
+    }
+
+    /// What is wrong with nodes, but for their wires, which may lead to nodes that are to come.
+    fn faults(&self, nodes: &[&str]) -> Vec<Fault> {
+        if nodes.is_empty() {
+            return Vec::new();
+        }
+        let concerns = |fault: &Fault| fault.node.as_deref().is_some_and(|name| nodes.contains(&name));
+        let mut faults = self.stated.document.faults_of(nodes, self.runs.registry());
+        faults.retain(|fault| concerns(fault) && !matches!(fault.part, Part::Input(_)));
+        faults
     }
 
     pub fn node(&self, name: &str) -> Result<&NodeEntry> {
@@ -134,7 +132,6 @@ impl Held {
     /// so that the file can be run.
     pub fn save(&mut self, path: Option<PathBuf>, readers: Vec<(String, String, String)>) -> Result<PathBuf> {
         self.sound()?;
-        self.found = None;
         let own = self.stated.document.path().map(Path::to_path_buf);
         let nowhere = || Error::usage("the pipeline has no file yet").accepted("a path to save it to");
         let to = path.or(own).ok_or_else(nowhere)?;
@@ -205,14 +202,4 @@ impl Held {
     pub fn account(&self) -> Option<Account> {
         self.runs.account(&self.stated, self.stated.document.text().to_string())
     }
-}
-
-/// What is wrong with nodes, but for their wires, which may lead to nodes that are to come.
-fn of_nodes<'a>(faults: &'a [Fault], nodes: &[&str]) -> impl Iterator<Item = &'a Fault> {
-    let wires =
-        |fault: &Fault| matches!(fault.part, Part::Input(_)) || fault.error.what.contains("is not connected");
-    let concerns = move |fault: &&Fault| {
-        fault.node.as_deref().is_some_and(|name| nodes.contains(&name)) && !wires(fault)
-    };
-    faults.iter().filter(concerns)
 }

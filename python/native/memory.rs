@@ -3,6 +3,7 @@
 use pyo3::buffer::{Element, PyBuffer};
 use pyo3::ffi;
 use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
 use pyo3::types::PyByteArray;
 use std::cell::UnsafeCell;
 use std::ffi::c_int;
@@ -55,19 +56,17 @@ pub fn array<'py, T: bytemuck::NoUninit>(
     numbers: &[T],
     shape: &[usize],
 ) -> PyResult<Bound<'py, PyAny>> {
-    over(PyByteArray::new(py, bytemuck::cast_slice(numbers)).as_any(), dtype, shape)
+    static ARRAY: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    let own = PyByteArray::new(py, bytemuck::cast_slice(numbers));
+    ARRAY.import(py, "numpy", "ndarray")?.call1((shape.to_vec(), dtype, own))
 }
 
-/// A picture as a numpy array of the very memory that it was drawn into: float32, height × width × 4, that may be written.
+/// A `voltet.Picture` of the very memory that it was drawn into: float32, height × width × 4, that may be written.
 pub fn handed_over(py: Python<'_>, picture: Picture) -> PyResult<Bound<'_, PyAny>> {
+    static PICTURE: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
     let Picture { width, height, rgba } = picture;
-    over(Bound::new(py, Memory(UnsafeCell::new(rgba)))?.as_any(), "f4", &[height, width, 4])
-}
-
-/// A numpy array over the memory of an object, which it keeps.
-fn over<'py>(own: &Bound<'py, PyAny>, dtype: &str, shape: &[usize]) -> PyResult<Bound<'py, PyAny>> {
-    let array = own.py().import("numpy")?.call_method1("frombuffer", (own, dtype))?;
-    array.call_method1("reshape", (shape.to_vec(),))
+    let own = Bound::new(py, Memory(UnsafeCell::new(rgba)))?;
+    PICTURE.import(py, "voltet._picture", "Picture")?.call1(([height, width, 4], "f4", own))
 }
 
 /// Pixels that Python reads and writes; Rust no longer does.

@@ -36,7 +36,10 @@ def test_a_pixel_is_what_the_program_says(tmp_path):
     p.save(tmp_path / "q.toml")
     out = tmp_path / "pixel.json"
     subprocess.run([program(), "pixel", tmp_path / "q.toml", "20", "15", "--json", out], check=True, capture_output=True)
-    assert json.loads(out.read_text()) == dict(p.pixel(20, 15))
+    expected, found = json.loads(out.read_text()), dict(p.pixel(20, 15))
+    # What engines draw is rounded to 32 bits, by their versions in ways of their own.
+    assert found.pop("drawn")["rgba"] == pytest.approx(expected.pop("drawn")["rgba"], abs=1e-4)
+    assert found == expected
 
 
 def test_a_filter_of_ones_own_is_tested():

@@ -147,6 +147,6 @@ class Result:
 
 def picture(rgba: NDArray[np.float32], account: Account | None = None) -> Picture:
     """An array as a picture, with what is known of how it was made."""
-    shown = rgba.view(Picture)
+    shown = rgba if isinstance(rgba, Picture) else rgba.view(Picture)
     shown._account = account
     return shown
