@@ -237,11 +237,11 @@ fn passes_that_fill_tables_are_valid() {
     }
 }
 
-#[test]
-fn every_combination_is_valid_and_holds_only_what_it_uses() {
+/// Composes and validates every scene under these shadings; the number of different texts.
+fn check_combinations(shadings: &[Shading]) -> usize {
     let (mut texts, mut combinations) = (HashSet::new(), 0);
     for (kinds, transfer_function) in scenes() {
-        for shading in shadings() {
+        for shading in shadings {
             if can_serve(&shading.integrator, &transfer_function).is_err() {
                 continue;
             }
@@ -250,24 +250,36 @@ fn every_combination_is_valid_and_holds_only_what_it_uses() {
             let analytic = shading.integrator == Integrator::Analytic;
             for compositor in if analytic { &both[..] } else { &both[1..] }.iter().copied() {
                 combinations += 1;
-                let choices = Choices::new(&transfer_function, &shading, compositor).expect("has pieces");
+                let choices = Choices::new(&transfer_function, shading, compositor).expect("has pieces");
                 let shader = compose(&choices);
-                check_words(&kinds, &transfer_function, &shading, &choices, &shader.text);
+                check_words(&kinds, &transfer_function, shading, &choices, &shader.text);
                 if texts.insert(shader.text.clone()) {
                     let module = validate(&shader);
                     assert_eq!(module.entry_points.len(), usize::from(compositor == Compositor::Segments));
                     assert_eq!(storage_buffers(&module), choices.storage_buffers());
                 }
                 let axes = vec![Axis::PLAIN; 2 + transfer_function.fields().len()];
-                let parameters = Parameters::new(&transfer_function, &shading, &axes, 1.0).expect("in range");
+                let parameters = Parameters::new(&transfer_function, shading, &axes, 1.0).expect("in range");
                 assert_eq!(parameters.widgets.len(), kinds.len().max(1));
-                check_resources(&transfer_function, &shading, &choices);
+                check_resources(&transfer_function, shading, &choices);
             }
         }
     }
     println!("{combinations} combinations, {} texts", texts.len());
+    texts.len()
+}
+
+/// They are most of the tests' work: half of them a thread.
+#[test]
+fn every_combination_is_valid_and_holds_only_what_it_uses() {
+    let all = shadings();
+    let (some, others): (Vec<Shading>, Vec<Shading>) = all.into_iter().partition(|s| s.light.is_some());
+    let texts = std::thread::scope(|scope| {
+        let beside = scope.spawn(|| check_combinations(&some));
+        check_combinations(&others) + beside.join().expect("every combination is right")
+    });
     // Without order or light many combinations are one text; a composer that ignored its choices would make few.
-    assert!(texts.len() > 2000, "{}", texts.len());
+    assert!(texts > 2000, "{texts}");
 }
 
 #[test]
