@@ -1,8 +1,8 @@
 //! Every twin against its 64-bit truth, on every lane set that the processor has.
 
 use super::clip::LaneStretch;
-use super::elementary::{erfcx, exp, one_minus_exp, power};
-use super::gaussian::{LaneGaussianPath, LaneGaussianTrack, mean_profile};
+use super::elementary::{erfcx, exp, mean_transparency, one_minus_exp, power};
+use super::gaussian::{LaneGaussianPath, LaneGaussianSteps, LaneGaussianTrack, mean_profile};
 use super::linear::piece_weights;
 use super::overlap::{AnyLaneTrack, LaneMember, ordered};
 use super::piecewise_linear::{LanePiecewiseTrack, LanePoints};
@@ -22,9 +22,12 @@ use voltet_judge::twin::{self, INPUTS, Range};
 enum Formula {
     Exp,
     Opacity,
+    MeanTransparency,
     Erfcx,
     Power,
     Gaussian,
+    /// In the fourth of equal steps.
+    GaussianSteps,
     /// Of a piece of linear extinction and colour: the front and back colour's weights, the opacity.
     PieceFront,
     PieceBack,
@@ -59,6 +62,7 @@ struct Twin {
 const SHALLOW: Range = Range::Log(-12.0, 0.0);
 const PHASE: Range = Range::Even(-30.0, 30.0);
 const NEAR: Range = Range::Even(-4.0, 4.0);
+const STEP: Range = Range::Even(-0.36, 0.36);
 const WIDTH: Range = Range::Even(0.0, 3.0);
 const SPAN: Range = Range::Even(-1.0, 3.0);
 const FAR: Range = Range::Even(-12.0, 12.0);
@@ -66,12 +70,14 @@ const INSIDE: Range = Range::Even(0.1, 1.0);
 const OUTSIDE: Range = Range::Even(-1.0, 0.0);
 
 #[rustfmt::skip]
-const TWINS: [Twin; 22] = [
+const TWINS: [Twin; 24] = [
     Twin { formula: Formula::Exp, inputs: &[Range::Even(-87.0, 87.0)], tolerance: 1.0, reason: "2 ulp" },
     Twin { formula: Formula::Opacity, inputs: &[Range::Log(-30.0, 2.0)], tolerance: 1.0, reason: "3 ulp" },
+    Twin { formula: Formula::MeanTransparency, inputs: &[Range::Log(-30.0, 2.0)], tolerance: 1.0, reason: "4 ulp" },
     Twin { formula: Formula::Erfcx, inputs: &[Range::Log(-6.0, 6.0)], tolerance: 1.0, reason: "fit of 2e-7" },
     Twin { formula: Formula::Power, inputs: &[Range::Log(-9.0, 0.0), Range::Log(-2.0, 0.9)], tolerance: 1.0, reason: "ln and exp" },
     Twin { formula: Formula::Gaussian, inputs: &[NEAR, NEAR, NEAR, NEAR], tolerance: 2.0, reason: "sums of 2 erfcx and exp" },
+    Twin { formula: Formula::GaussianSteps, inputs: &[NEAR, NEAR, STEP, STEP], tolerance: 2.0, reason: "3 ratios, 3 changes of them" },
     Twin { formula: Formula::PieceFront, inputs: &[SHALLOW, SHALLOW], tolerance: 1.0, reason: "5 points: 5e-7" },
     Twin { formula: Formula::PieceBack, inputs: &[SHALLOW, SHALLOW], tolerance: 1.0, reason: "what the front leaves of the opacity" },
     Twin { formula: Formula::PieceOpacity, inputs: &[SHALLOW, SHALLOW], tolerance: 1.0, reason: "3 ulp" },
@@ -91,6 +97,9 @@ const TWINS: [Twin; 22] = [
     Twin { formula: Formula::Ordered(true), inputs: &[SPAN, SPAN], tolerance: 16.0, reason: "the same" },
 ];
 
+/// Where a step is looked at.
+const PLACE: f64 = 0.3;
+
 /// Rate of what is walked alone, where it is densest.
 const PEAK: f64 = 3.0;
 
@@ -109,11 +118,16 @@ fn exact(formula: Formula, x: &[f64; INPUTS]) -> f64 {
     match formula {
         Formula::Exp => x[0].exp(),
         Formula::Opacity => special::opacity(x[0]),
+        Formula::MeanTransparency => special::opacity(x[0]) / x[0],
         Formula::Erfcx => special::erfcx(x[0]),
         Formula::Power => x[0].powf(x[1]),
         Formula::Gaussian => {
             let along = [x[2] - x[0], x[3] - x[1]];
             GaussianPath::new([x[0], x[1]], [x[2], x[3]], along).optical_depth(1.0, &Stretch::WHOLE)
+        }
+        Formula::GaussianSteps => {
+            let q = [x[0] + (3.0 + PLACE) * x[2], x[1] + (3.0 + PLACE) * x[3]];
+            (-q[0] * q[0] - q[1] * q[1]).exp()
         }
         Formula::PieceFront => linear::emission_weights(x[0], x[1]).0,
         Formula::PieceBack => linear::emission_weights(x[0], x[1]).1,
@@ -301,11 +315,17 @@ fn values(formula: Formula, lanes: LaneSet, inputs: &[[f64; INPUTS]]) -> Vec<f32
     match formula {
         Formula::Exp => twin_on_lanes!(call, |L, x, _| exp::<L>(x[0])),
         Formula::Opacity => twin_on_lanes!(call, |L, x, _| one_minus_exp::<L>(x[0])),
+        Formula::MeanTransparency => twin_on_lanes!(call, |L, x, _| mean_transparency::<L>(x[0])),
         Formula::Erfcx => twin_on_lanes!(call, |L, x, _| erfcx::<L>(x[0])),
         Formula::Power => twin_on_lanes!(call, |L, x, _| power::<L>(x[0], x[1])),
         Formula::Gaussian => {
             twin_on_lanes!(call, |L, x, _| mean_profile::<L, 2>([x[0], x[1]], [x[2], x[3]]))
         }
+        Formula::GaussianSteps => twin_on_lanes!(call, |L, x, _| {
+            let (place, peak) = ([PLACE as f32], L::F::splat(1.0));
+            let steps = LaneGaussianSteps::<L, 1>::new([x[0], x[1]], [x[2], x[3]], place, peak);
+            steps.next().next().next().values[0]
+        }),
         Formula::PieceFront => twin_on_lanes!(call, |L, x, _| piece_weights::<L>(x[0], x[1]).0),
         Formula::PieceBack => twin_on_lanes!(call, |L, x, _| piece_weights::<L>(x[0], x[1]).1),
         Formula::PieceOpacity => twin_on_lanes!(call, |L, x, _| piece_weights::<L>(x[0], x[1]).2),
