@@ -139,7 +139,8 @@ fn until(worker: &Worker, number: u64, begun: Instant) -> [f64; 2] {
             Some((of, _)) if of == number => first = first.or(Some(now)),
             _ => {}
         }
-        std::thread::sleep(Duration::from_micros(200));
+        // No oftener: both cores draw.
+        std::thread::sleep(Duration::from_millis(1));
     }
     [f64::NAN; 2]
 }
