@@ -62,6 +62,8 @@ pub enum Command {
     Save,
     /// Ask for a file to save in.
     SaveAs,
+    /// What is read from files is looked at anew.
+    ReadAgain,
     /// A whole run, which writes files; stops the one that is under way.
     Run,
     /// End.

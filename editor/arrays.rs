@@ -6,7 +6,7 @@ use eframe::egui::Context;
 use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
-use voltet_core::graph::NodeEntry;
+use voltet_core::graph::{NodeEntry, Registry};
 use voltet_core::progress::Silent;
 use voltet_document::links::upstream;
 use voltet_nodes::added;
@@ -21,6 +21,18 @@ pub(crate) struct Choice {
     pub label: String,
 }
 
+/// Whether a node reads a data file.
+pub(crate) fn reads(entry: &NodeEntry, registry: &Registry) -> bool {
+    let name = entry.node_type.text();
+    let of_others = |name| registry.find(name).is_ok_and(|node| node.reader.is_some());
+    name == Some("reader") || name.is_some_and(of_others)
+}
+
+/// The file of a node that reads one, as it is named there.
+pub(crate) fn path_of(entry: &NodeEntry) -> Option<&str> {
+    entry.settings.iter().find(|field| field.name == "path").and_then(|field| field.setting.text())
+}
+
 /// What is known of files; nothing as long as they are being read.
 #[derive(Default)]
 pub(crate) struct Arrays(Arc<Mutex<HashMap<PathBuf, Arc<Vec<Choice>>>>>);
@@ -30,13 +42,11 @@ impl Arrays {
     pub fn of(&self, ctx: &Context, scene: &Scene, node: &str) -> Arc<Vec<Choice>> {
         let nodes = &scene.document.pipeline().nodes;
         let feeding = upstream(nodes, node);
-        let reads = |entry: &&NodeEntry| {
-            let name = entry.node_type.text();
-            name == Some("reader") || scene.node_type(entry).is_some_and(|node| node.reader.is_some())
-        };
-        let reader = nodes.iter().filter(|entry| feeding.contains(&entry.name)).find(reads);
-        let stated = reader.and_then(|reader| reader.settings.iter().find(|field| field.name == "path"));
-        let Some(path) = stated.and_then(|field| field.setting.text()) else { return Arc::default() };
+        let reader = nodes
+            .iter()
+            .filter(|entry| feeding.contains(&entry.name))
+            .find(|entry| reads(entry, scene.registry));
+        let Some(path) = reader.and_then(path_of) else { return Arc::default() };
         let path = scene.document.folder().join(path);
         let registry = scene.registry.clone();
         let mut known = self.0.lock().unwrap_or_else(PoisonError::into_inner);

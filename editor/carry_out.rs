@@ -159,6 +159,7 @@ impl Editor {
             Command::Widgets => self.transfer.by_keyboard = !self.transfer.by_keyboard,
             Command::Section => self.section.open = !self.section.open,
             Command::Study => self.study.open = !self.study.open,
+            Command::ReadAgain => self.read_again(),
             Command::Help => self.help = !self.help,
         }
     }

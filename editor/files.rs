@@ -1,26 +1,38 @@
 //! Files: what their names say, a document for data, and what another program wrote.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
+use std::time::{Duration, Instant, SystemTime};
 use voltet_core::Result;
 use voltet_document::{Document, Edit};
 
 /// How often the file is looked at, while the window is shown anew anyway.
 const BETWEEN: Duration = Duration::from_secs(1);
 
-/// Whether another program wrote the document's file.
+/// What other programs wrote: the document's file, and the data.
 #[derive(Debug, Default)]
 pub(crate) struct Disk {
     pub is_changed: bool,
-    looked: Option<Instant>,
+    pub looked: Option<Instant>,
+    /// The data files, each with its length and time; nothing of what is not there.
+    data: BTreeMap<PathBuf, Option<(u64, SystemTime)>>,
 }
 
 impl Disk {
-    pub fn look(&mut self, document: &Document) {
-        if self.looked.is_none_or(|looked| looked.elapsed() >= BETWEEN) {
-            self.is_changed = document.changed_on_disk();
-            self.looked = Some(Instant::now());
+    /// Looks now and then; whether data that were known have changed, come or gone since.
+    pub fn look(&mut self, document: &Document, data: impl FnOnce() -> Vec<PathBuf>) -> bool {
+        if self.looked.is_some_and(|looked| looked.elapsed() < BETWEEN) {
+            return false;
         }
+        self.is_changed = document.changed_on_disk();
+        self.looked = Some(Instant::now());
+        let state = |path: &PathBuf| {
+            let metadata = std::fs::metadata(path).ok()?;
+            Some((metadata.len(), metadata.modified().ok()?))
+        };
+        let now = data().into_iter().map(|path| (path.clone(), state(&path))).collect();
+        let before = std::mem::replace(&mut self.data, now);
+        self.data.iter().any(|(path, state)| before.get(path).is_some_and(|before| before != state))
     }
 }
 

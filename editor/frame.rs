@@ -8,7 +8,7 @@ use eframe::egui::{Context, ViewportCommand};
 impl Editor {
     /// Shows everything once and carries out what was asked for.
     pub fn frame(&mut self, ctx: &Context) {
-        self.disk.look(&self.document);
+        self.look_at_disk();
         self.take_made();
         self.take_probed();
         self.study.take_found();

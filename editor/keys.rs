@@ -21,6 +21,7 @@ const KEYS: &[Binding] = &[
     (Command::SaveAs, CTRL_SHIFT, Key::S, "save as"),
     (Command::Save, CTRL, Key::S, "save"),
     (Command::Run, CTRL, Key::R, "run: write the files of the pipeline; stops a run"),
+    (Command::ReadAgain, NONE, Key::F5, "read again what other programs wrote anew"),
     (Command::Quit, CTRL, Key::Q, "quit"),
     (Command::Redo, CTRL_SHIFT, Key::Z, "redo"),
     (Command::Redo, CTRL, Key::Y, "redo"),

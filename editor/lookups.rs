@@ -20,6 +20,12 @@ pub(crate) struct Lookups {
 }
 
 impl Lookups {
+    /// As if nothing but pictures and shares had been asked for.
+    pub fn forget(&mut self) {
+        self.previews.clear();
+        (self.previews_of, self.section) = (None, None);
+    }
+
     /// Whether the share of this widget in this picture was asked for.
     pub fn is_shared(&self, of: &(u64, String, usize)) -> bool {
         self.share.as_ref() == Some(of)

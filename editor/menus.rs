@@ -63,6 +63,7 @@ pub(crate) fn show(ui: &mut Ui, scene: &Scene, actions: &mut Actions) {
         ];
         let view = [
             ("Home", Command::Home),
+            ("Read again", Command::ReadAgain),
             ("Section", Command::Section),
             ("Costs and errors", Command::Costs),
             ("Study", Command::Study),

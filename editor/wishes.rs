@@ -1,5 +1,6 @@
 //! What the worker is asked for, and what becomes of its answers.
 
+use crate::arrays::{self, Arrays};
 use crate::editor::{Editor, Ground, camera_size};
 use crate::scene::pictures;
 use crate::transfer;
@@ -31,6 +32,29 @@ impl Editor {
         self.find_share();
         self.find_section();
         self.find_previews();
+    }
+
+    /// Asks anew for all that is read from files; what they still say is not done again.
+    pub(crate) fn read_again(&mut self) {
+        (self.ground, self.asked) = (None, None);
+        if let Some(asked) = &mut self.distribution {
+            asked.nodes.clear();
+        }
+        self.lookups.forget();
+        self.arrays = Arrays::default();
+    }
+
+    /// Notices what other programs wrote.
+    pub(crate) fn look_at_disk(&mut self) {
+        let (document, registry) = (&self.document, &self.registry);
+        let read = || {
+            let read = document.pipeline().nodes.iter().filter(|entry| arrays::reads(entry, registry));
+            read.filter_map(arrays::path_of).map(|path| document.folder().join(path)).collect()
+        };
+        if self.disk.look(document, read) {
+            self.read_again();
+            self.message = Some(("the data were written anew: they are read again".into(), false));
+        }
     }
 
     /// Asks the worker for the picture where another is wanted than before.

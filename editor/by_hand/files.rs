@@ -1,5 +1,6 @@
 use super::*;
 use crate::actions::Action;
+use voltet_core::graph::Quantity;
 
 #[test]
 fn saved_in_another_folder_the_file_means_the_same_data_and_says_so() {
@@ -110,4 +111,40 @@ fn an_empty_window_offers_the_files_opened_last_and_takes_dropped_ones() {
     assert_ne!(hand.text(), "[pipeline]\nformat = 1\n");
     hand.click_on("Discard");
     assert_eq!(hand.text(), "[pipeline]\nformat = 1\n");
+}
+
+/// A tetrahedron whose values begin with this one.
+fn tetrahedron(first: u32) -> String {
+    format!(
+        "# vtk DataFile Version 3.0\ndata\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 4 float\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n\
+         CELLS 1 5\n4 0 1 2 3\nCELL_TYPES 1\n10\nPOINT_DATA 4\nSCALARS heat float 1\nLOOKUP_TABLE default\n{first} 2 3 4\n"
+    )
+}
+
+#[test]
+fn data_that_come_or_change_are_read_again() {
+    let text = TEXT.replace(
+        "type = \"wavelet\"\nresolution = [12, 12, 12] # coarse",
+        "type = \"reader\"\npath = \"data.vtk\"",
+    );
+    let mut hand = Hand::new(&text);
+    let data = hand.folder.path().join("data.vtk");
+    let failure =
+        |hand: &Hand| hand.editor.worker.shown(|shown| shown.failure.as_ref().map(Error::to_string));
+    assert!(failure(&hand).is_some_and(|failure| failure.contains("data.vtk")), "{:?}", failure(&hand));
+    // As if it had been looked at long ago.
+    std::fs::write(&data, tetrahedron(1)).unwrap();
+    hand.editor.disk.looked = None;
+    hand.settle();
+    assert_eq!(failure(&hand), None);
+    assert!(hand.said().contains("read again"), "{}", hand.said());
+    let s = Quantity::Named("s");
+    let least =
+        |hand: &Hand| hand.editor.scene().distribution.and_then(|found| Some(found.known.ranges.get(&s)?[0]));
+    until(&mut hand, "a distribution", |hand| least(hand) == Some(1.0));
+    // By hand.
+    std::fs::write(&data, tetrahedron(0)).unwrap();
+    hand.key(Key::F5, Modifiers::NONE);
+    until(&mut hand, "the distribution of the new data", |hand| least(hand) == Some(0.0));
+    assert_eq!(hand.text(), text);
 }

@@ -26,6 +26,18 @@ use voltet_document::Document;
 /// A pipeline with comments, drawn in one node.
 const TEXT: &str = include_str!("scene.toml");
 
+/// Frames until it is so.
+fn until(hand: &mut Hand, what: &str, is_so: impl Fn(&Hand) -> bool) {
+    for _ in 0..4000 {
+        hand.frames(1);
+        if is_so(hand) {
+            return;
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    panic!("{what}: {}", hand.said());
+}
+
 /// A person before a window that is not there.
 struct Hand {
     ctx: Context,

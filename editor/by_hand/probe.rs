@@ -7,17 +7,6 @@ use crate::study::{Studied, StudyOf};
 use voltet_core::graph::Setting;
 use voltet_core::progress::Progress;
 
-fn until(hand: &mut Hand, what: &str, is_so: impl Fn(&Hand) -> bool) {
-    for _ in 0..4000 {
-        hand.frames(1);
-        if is_so(hand) {
-            return;
-        }
-        std::thread::sleep(Duration::from_millis(5));
-    }
-    panic!("{what}: {}", hand.said());
-}
-
 fn last_widget(hand: &Hand) -> Vec<voltet_core::graph::Field> {
     let nodes = &hand.editor.document().pipeline().nodes;
     let look = nodes.iter().find(|node| node.name == "look").unwrap();

@@ -65,7 +65,9 @@ impl Face {
             (None, Some(idle)) => format!("not needed: {idle}"),
             (None, None) => String::new(),
         };
-        let fault = self.fault.as_ref().filter(|fault| state != **fault);
+        // The same mistake may be known in other words: what it is stands before the colon.
+        let what = |text: &str| text.split(':').next().map(str::to_string);
+        let fault = self.fault.as_ref().filter(|fault| what(&state) != what(fault));
         let lines = [
             Some(format!("{} ({})", self.name, self.node_type)),
             Some(self.summary.clone()),
