@@ -17,6 +17,7 @@ use crate::section::SectionPanel;
 use crate::study::StudyPanel;
 use crate::transfer::TransferPanel;
 use crate::view::View;
+use crate::watch::{BETWEEN, Watch};
 use crate::worker::{Distribution, NodeState, Probed, Shown, Wanted, Worker};
 use eframe::egui::Context;
 use std::collections::BTreeSet;
@@ -61,6 +62,7 @@ pub struct Editor {
     pub(crate) ground: Option<Ground>,
     pub(crate) recover: Recover,
     pub(crate) disk: Disk,
+    pub(crate) watch: Watch,
     pub(crate) help: bool,
     pub(crate) costs: bool,
     pub(crate) last_estimate: u64,
@@ -97,6 +99,9 @@ impl Editor {
         start: Start,
         wake: crate::worker::Wake,
     ) -> Result<Editor> {
+        let wakes = wake.clone();
+        let no_thread = |error| Error::run("no thread can be had to look at files with").found(error);
+        let watch = Watch::start(BETWEEN, move || wakes()).map_err(no_thread)?;
         let mut editor = Editor {
             document,
             worker: Worker::start(registry, wake)?,
@@ -114,6 +119,7 @@ impl Editor {
             ground: None,
             recover: Recover::default(),
             disk: Disk::default(),
+            watch,
             help: false,
             costs: false,
             last_estimate: 0,

@@ -1,36 +1,30 @@
 //! Files: what their names say, a document for data, and what another program wrote.
 
-use std::collections::BTreeMap;
+use crate::watch::{BETWEEN, Known, Watch, state};
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant, SystemTime};
+use std::time::Instant;
 use voltet_core::Result;
 use voltet_document::{Document, Edit};
-
-/// How often the file is looked at, while the window is shown anew anyway.
-const BETWEEN: Duration = Duration::from_secs(1);
 
 /// What other programs wrote: the document's file, and the data.
 #[derive(Debug, Default)]
 pub(crate) struct Disk {
     pub is_changed: bool,
     pub looked: Option<Instant>,
-    /// The data files, each with its length and time; nothing of what is not there.
-    data: BTreeMap<PathBuf, Option<(u64, SystemTime)>>,
+    data: Known,
 }
 
 impl Disk {
     /// Looks now and then; whether data that were known have changed, come or gone since.
-    pub fn look(&mut self, document: &Document, data: impl FnOnce() -> Vec<PathBuf>) -> bool {
+    pub fn look(&mut self, document: &Document, data: impl FnOnce() -> Vec<PathBuf>, watch: &Watch) -> bool {
         if self.looked.is_some_and(|looked| looked.elapsed() < BETWEEN) {
             return false;
         }
         self.is_changed = document.changed_on_disk();
         self.looked = Some(Instant::now());
-        let state = |path: &PathBuf| {
-            let metadata = std::fs::metadata(path).ok()?;
-            Some((metadata.len(), metadata.modified().ok()?))
-        };
-        let now = data().into_iter().map(|path| (path.clone(), state(&path))).collect();
+        let now: Known = data().into_iter().map(|path| (path.clone(), state(&path))).collect();
+        let own = document.path().map(|path| (path.to_path_buf(), state(path)));
+        watch.knows(now.clone().into_iter().chain(own).collect());
         let before = std::mem::replace(&mut self.data, now);
         self.data.iter().any(|(path, state)| before.get(path).is_some_and(|before| before != state))
     }

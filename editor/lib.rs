@@ -12,7 +12,7 @@
 //! | `graph` | nodes and wires, by `egui_node_graph2` behind a small interface |
 //! | `picture`, `parameters`, `costs` | the picture, the panel of the selected node, times and errors |
 //! | `arrays` | the arrays that the data have |
-//! | `files`, `asking`, `recent`, `begin` | what the names of files say; asking for one; the last ones; what an empty window invites to |
+//! | `files`, `watch`, `asking`, `recent`, `begin` | what the names of files say, and whether files changed; asking for one; the last ones; what an empty window invites to |
 //! | `run` | a whole run, which writes files |
 //! | `section`, `study` | a plane through the data; error against time |
 //! | `transfer` | the transfer function over the histogram of s and g |
@@ -50,6 +50,7 @@ mod study;
 mod theme;
 mod transfer;
 pub mod view;
+mod watch;
 mod window;
 mod wishes;
 pub mod worker;

@@ -9,6 +9,7 @@ use crate::theme;
 use eframe::egui::{Context, RawInput, ViewportBuilder, ViewportCommand};
 use eframe::{App, Frame, NativeOptions, Renderer};
 use std::path::Path;
+use std::sync::Arc;
 use voltet_core::graph::Registry;
 use voltet_core::{Error, Result};
 use voltet_document::Document;
@@ -56,7 +57,7 @@ pub fn run(file: Option<&Path>, registry: &Registry, start: Start, study: Study)
     let made = |context: &eframe::CreationContext| -> std::result::Result<Box<dyn App>, Box<dyn std::error::Error + Send + Sync>> {
         theme::apply(&context.egui_ctx);
         let ctx = context.egui_ctx.clone();
-        let wake = Box::new(move || ctx.request_repaint());
+        let wake = Arc::new(move || ctx.request_repaint());
         let mut editor = Editor::new(document, registry, start, wake)?;
         editor.study.make = Some(study);
         editor.keep_in(voltet_document::Recovery::usual());

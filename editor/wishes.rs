@@ -51,7 +51,7 @@ impl Editor {
             let read = document.pipeline().nodes.iter().filter(|entry| arrays::reads(entry, registry));
             read.filter_map(arrays::path_of).map(|path| document.folder().join(path)).collect()
         };
-        if self.disk.look(document, read) {
+        if self.disk.look(document, read, &self.watch) {
             self.read_again();
             self.message = Some(("the data were written anew: they are read again".into(), false));
         }

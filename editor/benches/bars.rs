@@ -49,7 +49,7 @@ fn interface() {
     let document = Document::from_text(text, None);
     let registry = voltet_nodes::registry().unwrap_or_default();
     let start = Arc::new(|_: &Path, _: &Path| Err(Error::usage("no data here")));
-    let Ok(mut editor) = Editor::new(document, &registry, start, Box::new(|| {})) else { return };
+    let Ok(mut editor) = Editor::new(document, &registry, start, Arc::new(|| {})) else { return };
     let ctx = Context::default();
     let mut time = 0.0;
     let mut frame = |editor: &mut Editor| {
@@ -157,7 +157,7 @@ fn median(mut all: Vec<f64>) -> f64 {
 }
 
 fn drawing(file: Option<&Path>) {
-    let Ok(worker) = voltet_nodes::registry().and_then(|registry| Worker::start(&registry, Box::new(|| {})))
+    let Ok(worker) = voltet_nodes::registry().and_then(|registry| Worker::start(&registry, Arc::new(|| {})))
     else {
         return;
     };
@@ -206,7 +206,7 @@ fn opening(file: Option<&Path>) {
         None => pipeline(None, [150.0, 20.0], [60.0, 40.0], [-28.0, -38.0, 24.0], [0.0; 3]),
     };
     let begun = Instant::now();
-    let Ok(worker) = voltet_nodes::registry().and_then(|registry| Worker::start(&registry, Box::new(|| {})))
+    let Ok(worker) = voltet_nodes::registry().and_then(|registry| Worker::start(&registry, Arc::new(|| {})))
     else {
         return;
     };

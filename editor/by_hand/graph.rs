@@ -28,6 +28,16 @@ fn a_dragged_node_has_its_place_in_the_file_and_undo_takes_it_back() {
 }
 
 #[test]
+fn ports_under_another_node_are_not_shown() {
+    let mut hand = Hand::new(TEXT);
+    let covered = port(&hand, "view", "camera", false);
+    assert!(hand.editor.graph.shows_port_at(covered));
+    let from = title(&hand, "picture");
+    hand.drag(from, from + (covered - port(&hand, "picture", "camera", true)) + vec2(-40.0, 0.0));
+    assert!(!hand.editor.graph.shows_port_at(covered));
+}
+
+#[test]
 fn a_wire_is_drawn_from_port_to_port_and_taken_off_again() {
     let mut hand = Hand::new(TEXT);
     let (from, to) = (port(&hand, "gradient", "volume", false), port(&hand, "look", "volume", true));

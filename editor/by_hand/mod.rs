@@ -71,7 +71,7 @@ impl Hand {
         let document = Document::open(&path).unwrap();
         let start = Arc::new(|_: &Path, _: &Path| Err(Error::usage("no data here")));
         let registry = voltet_nodes::registry().unwrap();
-        let editor = Editor::new(document, &registry, start, Box::new(|| {})).unwrap();
+        let editor = Editor::new(document, &registry, start, Arc::new(|| {})).unwrap();
         let ctx = Context::default();
         crate::theme::apply(&ctx);
         let mut hand = Hand {

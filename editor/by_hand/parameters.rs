@@ -1,4 +1,5 @@
 use super::*;
+use std::sync::Arc;
 
 /// The value of a row; the panel shows it once its node is selected.
 fn row(hand: &Hand, key: &str) -> Rect {
@@ -170,7 +171,7 @@ fn what_is_unknown_is_said_with_the_plugins_that_were_asked() {
     registry.tell_plugins("of the plug-ins: one with nothing".into());
     let start = Arc::new(|_: &Path, _: &Path| Err(Error::usage("no data here")));
     let document = Document::new();
-    let editor = Editor::new(document, &registry, start, Box::new(|| {})).unwrap();
+    let editor = Editor::new(document, &registry, start, Arc::new(|| {})).unwrap();
     for error in [editor.registry.find_filter("gone").map(drop), editor.registry.find("gone").map(drop)]
         .map(Result::unwrap_err)
     {

@@ -125,6 +125,12 @@ impl GraphView {
         self.places.seen.iter().find(|(port, _)| is_it(port)).map(|(_, at)| *at)
     }
 
+    /// Whether a port is shown at a place of the window.
+    #[cfg(test)]
+    pub fn shows_port_at(&self, at: egui::Pos2) -> bool {
+        self.places.port_at(at, 1.0).is_some()
+    }
+
     /// Where a node was drawn.
     #[cfg(test)]
     pub fn frame_of(&self, node: &str) -> Option<Rect> {
@@ -191,6 +197,9 @@ impl GraphView {
             }
         }
         for (port, at) in &self.places.seen {
+            if self.places.is_under(&port.node, *at) {
+                continue;
+            }
             let fed = !port.is_input
                 || scene
                     .entry(&port.node)

@@ -100,6 +100,12 @@ impl Places {
         }
     }
 
+    /// Whether a place of a node lies under another node.
+    pub fn is_under(&self, node: &str, at: Pos2) -> bool {
+        let upper = self.drawn.iter().rev().take_while(|(name, _)| name != node);
+        upper.into_iter().any(|(_, frame)| frame.contains(at))
+    }
+
     /// Width and height of a node at the usual scale.
     pub fn size_of(&self, node: &str) -> [f64; 2] {
         match self.known.get(node) {
@@ -130,12 +136,12 @@ impl Places {
         [x + f64::from(from.x), y + f64::from(from.y)]
     }
 
-    /// The port next to a place of the window.
+    /// The port next to a place of the window, of those that no other node covers.
     pub fn port_at(&self, at: Pos2, near: f32) -> Option<Rc<Port>> {
-        let by_distance = self.seen.iter().map(|(port, place)| (place.distance(at), port));
-        let nearest =
-            by_distance.filter(|(distance, _)| *distance <= near).min_by(|a, b| a.0.total_cmp(&b.0));
-        nearest.map(|(_, port)| port.clone())
+        let near_by = self.seen.iter().filter(|(_, place)| place.distance(at) <= near);
+        let shown = near_by.filter(|(port, place)| !self.is_under(&port.node, *place));
+        let nearest = shown.min_by(|a, b| a.1.distance(at).total_cmp(&b.1.distance(at)));
+        nearest.map(|(port, _)| port.clone())
     }
 
     /// The uppermost node at a place of the window.

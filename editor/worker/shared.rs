@@ -5,10 +5,10 @@ use super::request::Wanted;
 use super::states::Shown;
 use std::collections::BTreeMap;
 use std::sync::atomic::AtomicU64;
-use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 
-/// Wakes whoever shows what the worker did; called from the worker's thread.
-pub type Wake = Box<dyn Fn() + Send + Sync>;
+/// Wakes whoever shows what changed; called from any thread.
+pub type Wake = Arc<dyn Fn() + Send + Sync>;
 
 /// What both threads see.
 pub(super) struct Shared {

@@ -2,7 +2,7 @@ use super::following::Following;
 use super::tests_superseding::worker_with_own;
 use super::*;
 use std::path::PathBuf;
-use std::sync::LazyLock;
+use std::sync::{Arc, LazyLock};
 use std::time::Duration;
 use voltet_core::graph::{Datum, Node, NodeEntry, Observer, Port, PortType, Quantity, Setting, Unobserved};
 use voltet_core::pipeline::Pipeline;
@@ -45,7 +45,7 @@ pub(super) fn wanted(nodes: Vec<NodeEntry>, folder: &std::path::Path) -> Wanted 
 }
 
 fn worker() -> Worker {
-    Worker::start(&voltet_nodes::registry().unwrap(), Box::new(|| {})).unwrap()
+    Worker::start(&voltet_nodes::registry().unwrap(), Arc::new(|| {})).unwrap()
 }
 
 /// Waits until nothing is made any more.
@@ -251,7 +251,7 @@ fn memory_is_what_the_program_may_take() {
         changed: Condvar::new(),
         newest: AtomicU64::new(0),
         shown: Mutex::default(),
-        wake: Box::new(|| {}),
+        wake: Arc::new(|| {}),
     };
     let following = Following::new(&shared, &never);
     assert_eq!(Observer::memory_left(&following).is_some(), voltet_nodes::memory::left().is_some());

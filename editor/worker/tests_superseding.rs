@@ -3,6 +3,7 @@
 use super::tests::{IMAGE, PANICS, nodes, settle, wanted};
 use super::*;
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::sync::atomic::AtomicUsize;
 use std::time::{Duration, Instant};
 use voltet_core::graph::{Datum, Node, Outputs, Port, PortType, Value};
@@ -44,7 +45,7 @@ pub(super) fn worker_with_own() -> Worker {
     let mut registry = voltet_nodes::registry().unwrap();
     registry.add(&PANICS).unwrap();
     registry.add(&SLOW).unwrap();
-    Worker::start(&registry, Box::new(|| {})).unwrap()
+    Worker::start(&registry, Arc::new(|| {})).unwrap()
 }
 
 #[test]
@@ -117,7 +118,7 @@ fn a_node_that_a_change_does_not_touch_runs_to_its_end_and_serves() {
     let mut registry = voltet_nodes::registry().unwrap();
     registry.add(&STEADY_SOURCE).unwrap();
     registry.add(&AFTER).unwrap();
-    let worker = Worker::start(&registry, Box::new(|| {})).unwrap();
+    let worker = Worker::start(&registry, Arc::new(|| {})).unwrap();
     let text = |number: u32| {
         format!(
             "[pipeline]\nformat = 1\n[nodes.source]\ntype = \"steady\"\n[nodes.picture]\ntype = \"after\"\n\
@@ -185,7 +186,7 @@ fn a_steady_drag_shows_pictures() {
     let mut registry = Registry::new();
     registry.add(shipped.find("camera").unwrap()).unwrap();
     registry.add(&TIMED).unwrap();
-    let worker = Worker::start(&registry, Box::new(|| {})).unwrap();
+    let worker = Worker::start(&registry, Arc::new(|| {})).unwrap();
     let draw = |step: u32| {
         let text = format!(
             "[pipeline]\nformat = 1\n[nodes.view]\ntype = \"camera\"\neye = [9.0, 0.0, 0.0]\ntarget = [0.0, 0.0, 0.0]\nsize = [16, 12]\n\
