@@ -12,6 +12,7 @@ from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy  # noqa: E4
 
 import voltet  # noqa: E402
 import voltet.vtk as vv  # noqa: E402
+from voltet._vtk_volume import VoltetVolume  # noqa: E402
 
 
 def cube(n=6, wide=True, dtype=np.float64):
@@ -384,9 +385,30 @@ def test_multi_block_and_partitioned_inputs():
     r = renderer(pieces)
     r.Update()
     assert r._taken[1].about["tetrahedra"] == data.GetNumberOfCells() + other.GetNumberOfCells()
-    empty = renderer(vtk.vtkMultiBlockDataSet())
-    with pytest.raises(voltet.UsageError, match="nothing to draw"):
-        empty.Update()
+
+
+def test_of_what_a_threshold_leaves_empty_the_picture_is_transparent():
+    threshold = vtk.vtkThreshold()
+    threshold.SetInputData(cube())
+    threshold.SetInputArrayToProcess(0, 0, 0, 0, "T")
+    threshold.SetThresholdFunction(vtk.vtkThreshold.THRESHOLD_UPPER)
+    r, volume = vv.VoltetRenderer(), VoltetVolume()
+    for drawn in (r, volume):
+        drawn.SetInputConnection(threshold.GetOutputPort())
+        drawn.SetInputArrayToProcess(0, 0, 0, 0, "T")
+    r.SetSize(24, 16)
+    for least, is_empty in ((-1e9, False), (1e9, True), (-1e9, False)):
+        threshold.SetUpperThreshold(least)
+        for drawn in (r, volume):
+            drawn.Update()
+        assert r.GetOutput().GetDimensions() == (24, 16, 1)
+        assert vtk_to_numpy(r.GetOutput().GetPointData().GetScalars()).any() != is_empty
+        assert volume.IsEmpty() == is_empty
+        assert (volume.GetOutput().GetNumberOfPoints() == 0) == is_empty
+    r.SetInputConnection(None)
+    r.SetInputDataObject(vtk.vtkMultiBlockDataSet())
+    r.Update()
+    assert not vtk_to_numpy(r.GetOutput().GetPointData().GetScalars()).any()
 
 
 def test_ghost_cells_are_left_out():

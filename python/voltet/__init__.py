@@ -23,6 +23,7 @@ Pictures are float32 arrays of height × width × 4: premultiplied linear RGBA, 
 units, angles in degrees.
 """
 
+import os as _os
 from typing import TYPE_CHECKING
 
 from ._errors import Bug, Cancelled, Error, RunError, UsageError
@@ -39,6 +40,11 @@ if TYPE_CHECKING:
     from ._run import check as check, run as run
     from ._scene import scene as scene
     from ._shown import Shown as Shown
+
+# Mesa's layer that chooses among Vulkan devices asks for a Wayland display, and complains of a missing one, wherever devices are looked
+# for; the program switches it off in the same way.
+if "XDG_RUNTIME_DIR" not in _os.environ:
+    _os.environ.setdefault("NODEVICE_SELECT", "1")
 
 # Loaded when asked for: `import voltet` alone loads neither numpy nor anything that needs it.
 _HOMES = {

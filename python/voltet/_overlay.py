@@ -167,7 +167,7 @@ class VolumeOverlay(Overlay):
 
     def _draw(self, renderer: Any) -> None:
         volume = self._volume()
-        if volume is None or (pipeline := volume.GetPipeline()) is None or volume.GetError() is not None:
+        if volume is None or volume.IsEmpty() or (pipeline := volume.GetPipeline()) is None or volume.GetError() is not None:
             return
         self.pipeline, self.scale = pipeline, volume.GetScale()
         super()._draw(renderer)

@@ -61,6 +61,12 @@ def unstructured(data: vtkDataObject | None) -> vtkUnstructuredGrid:
     return append.GetOutput()
 
 
+def has_cells(data: vtkDataObject | None) -> bool:
+    """Whether a data set, or a part of a composite one, has cells of any kind."""
+    parts = _leaves(data) if isinstance(data, vtkCompositeDataSet) else [data]
+    return any(isinstance(part, vtkDataSet) and part.GetNumberOfCells() > 0 for part in parts)
+
+
 def _leaves(data: vtkCompositeDataSet) -> Iterable[vtkDataObject]:
     iterator = data.NewIterator()
     iterator.SkipEmptyNodesOn()

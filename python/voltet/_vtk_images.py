@@ -70,7 +70,8 @@ class VoltetRenderer(_Images, Scene):
     """A grid in, its picture out: a vtkImageData of RGBA.
 
     The scalar is chosen by `SetInputArrayToProcess(0, 0, 0, association, name)`, else the active scalars are drawn. Without widgets
-    it is drawn in viridis over its range; without a camera from where all of it is seen."""
+    it is drawn in viridis over its range; without a camera from where all of it is seen. Of an input without cells, as a threshold
+    may leave it, the picture is transparent."""
 
     def __init__(self) -> None:
         self._size = (640, 480)
@@ -107,7 +108,11 @@ class VoltetRenderer(_Images, Scene):
         return 1
 
     def _execute(self, inInfo, outInfo):
-        pipeline = self._prepare(self.GetInputData(inInfo, 0, 0), self._size, fitted=self._camera is None)
+        data = self.GetInputData(inInfo, 0, 0)
+        if not _vtk_grid.has_cells(data):
+            width, height = self._size
+            return self._give(outInfo, np.zeros((height, width, 4), np.float32).view(Picture))
+        pipeline = self._prepare(data, self._size, fitted=self._camera is None)
         if self._camera is not None:
             look_from(pipeline, self._camera.subject, self._size)
         return self._give(outInfo, pipeline.render("picture", self._follow))

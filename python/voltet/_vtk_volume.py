@@ -5,6 +5,7 @@ from __future__ import annotations
 from vtkmodules.vtkCommonDataModel import vtkPolyData
 from vtkmodules.vtkFiltersSources import vtkOutlineSource
 
+from . import _vtk_grid
 from ._errors import usage
 from ._vtk_filter import changed
 from ._vtk_scene import Scene
@@ -16,6 +17,7 @@ class VoltetVolume(Scene):
 
     def __init__(self) -> None:
         self._version = 0
+        self._is_empty = False
         self._scale = 1.0
         super().__init__("vtkPolyData")
 
@@ -31,12 +33,21 @@ class VoltetVolume(Scene):
         """Pixels of the picture per pixel of the window."""
         return self._scale
 
+    def IsEmpty(self) -> bool:
+        """Whether the input of the last update had no cells, as a threshold may leave it: nothing is drawn then."""
+        return self._is_empty
+
     def GetVersion(self) -> int:
         """Changes where what is drawn does."""
         return self._version
 
     def _execute(self, inInfo, outInfo):
         data = self.GetInputData(inInfo, 0, 0)
+        self._is_empty = not _vtk_grid.has_cells(data)
+        if self._is_empty:
+            self._version += 1
+            vtkPolyData.GetData(outInfo).Initialize()
+            return 1
         # Its camera is the renderer's.
         self._prepare(data, (640, 480), fitted=False)
         self._version += 1
