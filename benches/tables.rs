@@ -150,13 +150,13 @@ fn pre_integrated() -> Result<()> {
     let transfer_function = piecewise_linear(DENSITY);
     let exact = exact(&transfer_function)?;
     for side in [16, 32, 64, 128, 256] {
-        let (fill, table) = milliseconds(|| PreIntegrated::new(&transfer_function, side, &EXTENT));
+        let (fill, table) = milliseconds(|| PreIntegrated::new(&transfer_function, side, 2, &EXTENT));
         let table = table?;
         let (largest, mean) = errors(&table, &exact);
         let mib = table.bytes() as f64 / f64::from(1 << 20);
         drop(table);
         let (tile_fill, tiles) =
-            milliseconds(|| PreIntegratedCylindrical::new(&transfer_function, side, &EXTENT));
+            milliseconds(|| PreIntegratedCylindrical::new(&transfer_function, side, 2, 1, &EXTENT));
         let (tile_largest, tile_mean) = errors(&tiles?, &exact);
         println!(
             "| {side} | {mib:.1} | {fill:.0} | {largest:.1e} | {mean:.1e} | {tile_fill:.0} | {tile_largest:.1e} \
@@ -197,8 +197,8 @@ fn integrators(name: &str, transfer_function: &TransferFunction) -> Result<()> {
         row(&format!("riemann, {count}"), made.as_ref());
     }
     for integrator in [
-        Integrator::PreIntegrated { table_size: 128 },
-        Integrator::PreIntegratedCylindrical { table_size: 128 },
+        Integrator::PreIntegrated { table_size: 128, oversampling: 2 },
+        Integrator::PreIntegratedCylindrical { table_size: 128, oversampling: 2, planes: 1 },
         Integrator::Clipped,
         Integrator::Reference,
     ] {

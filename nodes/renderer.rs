@@ -26,8 +26,9 @@ pub const NODE: Node = Node {
     ..Node::BLANK
 };
 
-const PARAMETERS: [Parameter; 11] = {
-    let [integrator, overlap, segments, tolerance, table_size, silhouette, light] = drawing::PARAMETERS;
+const PARAMETERS: [Parameter; 13] = {
+    let [integrator, overlap, segments, tolerance, table_size, oversampling, planes, silhouette, light] =
+        drawing::PARAMETERS;
     [
         drawing::ENGINE,
         drawing::ADAPTER,
@@ -38,6 +39,8 @@ const PARAMETERS: [Parameter; 11] = {
         segments,
         tolerance,
         table_size,
+        oversampling,
+        planes,
         silhouette,
         light,
     ]

@@ -81,7 +81,9 @@ mod tests {
         assert!(message.contains("200000 widths") || message.contains("2e5 widths"), "{message}");
         assert!(message.contains("widgets[1]"), "{message}");
         // Samples, and a table made in 64 bits, do not resolve it either, and are not asked to.
-        for integrator in [Integrator::Riemann { count: 4 }, Integrator::PreIntegrated { table_size: 4 }] {
+        for integrator in
+            [Integrator::Riemann { count: 4 }, Integrator::PreIntegrated { table_size: 4, oversampling: 2 }]
+        {
             assert!(answer(integrator, vec![gaussian(2e5)], &[1.0, 1.0]).is_ok());
         }
         assert!(answer(analytic, vec![gaussian(1.0)], &[1e6, 1.0]).is_err());

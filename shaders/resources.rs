@@ -3,11 +3,11 @@
 //! A device crate makes every buffer, runs the passes in their order, and binds the buffers that have a binding; it need
 //! not know what they are. They change with the transfer function and the data, not with the camera.
 
-use crate::choices::{Choices, Method};
+use crate::choices::Choices;
 use crate::parts::{Access, PartedArray, Parts};
 use crate::text::{Shader, compose_pieces};
 use crate::writer::Axis;
-use voltet_core::optics::integrators::{Extent, Integrator, PARTS, PartialTable, Ramp, last_tile};
+use voltet_core::optics::integrators::{Extent, Integrator, PartialTable, Ramp, last_tile};
 use voltet_core::shading::Shading;
 use voltet_core::transfer::{ColorSource, OpticalModel, TransferFunction};
 use voltet_core::{Error, Result};
@@ -89,12 +89,13 @@ impl Resources {
                 let bytes = partial_table(&PartialTable::new(density, table_size));
                 resources.bytes("partial_table", binding("partial_table"), &bytes);
             }
-            Integrator::PreIntegrated { table_size }
-            | Integrator::PreIntegratedCylindrical { table_size } => {
-                let ramp = Ramp::new(transfer_function, table_size, extent)?;
-                let bytes = mean_extinctions(&ramp, axis, length / extent.longest)?;
+            Integrator::PreIntegrated { table_size, oversampling }
+            | Integrator::PreIntegratedCylindrical { table_size, oversampling, .. } => {
+                let ramp = Ramp::new(transfer_function, table_size, oversampling, extent)?;
+                let tiles = last_tile_of(&shading.integrator);
+                let bytes = mean_extinctions(&ramp, tiles, axis, length / extent.longest)?;
                 resources.bytes("mean_extinctions", binding("mean_extinctions"), &bytes);
-                resources.glows(&ramp, choices);
+                resources.glows(&ramp, tiles, choices);
             }
             _ => {}
         }
@@ -136,23 +137,22 @@ impl Resources {
     }
 
     /// The passes that fill the table over (D, s_f, s_b), and for tiles the one that resamples it.
-    fn glows(&mut self, ramp: &Ramp, choices: &Choices) {
+    fn glows(&mut self, ramp: &Ramp, last_tile: Option<usize>, choices: &Choices) {
         let side = ramp.size() as u64;
         let across = (side as u32).div_ceil(GROUP_SIDE);
-        let tiled = choices.method == Method::PreIntegratedCylindrical;
         self.bytes("ramp", None, bytemuck::cast_slice(&matter(ramp)));
         let ramp_at = self.buffers.len() - 1;
         // Where tiles have one part, so has the table that they are made from, which is no larger.
         let parts = choices.layout.table;
         let sliced = parts.of_as_many(side.pow(3));
         let binding = |part| Some(choices.table_binding(part));
-        let slices = match tiled {
+        let slices = match last_tile.is_some() {
             true => self.table("slices", sliced, side.pow(3), |_| None),
             false => self.table("glows", sliced, side.pow(3), binding),
         };
         let array = |name, parts| PartedArray { name, element: "vec4f", stride: None, parts };
         let written = array("slices", sliced);
-        let mut text = format!("const SIDE = {side}u;\nconst PARTS = {PARTS}u;\n");
+        let mut text = format!("const SIDE = {side}u;\nconst PARTS = {}u;\n", ramp.parts());
         text += &written.declared(Access::Write, 0, |part| 1 + part);
         text += &written.written_by("put_slice");
         self.passes.push(Pass {
@@ -162,8 +162,7 @@ impl Resources {
             buffers: std::iter::once(ramp_at).chain(slices.iter().copied()).collect(),
             workgroups: [across, across, side as u32],
         });
-        if tiled {
-            let last = last_tile(ramp.size()) as u64;
+        if let Some(last) = last_tile.map(|last| last as u64) {
             let tiles = self.table("glows", parts, side * side * (last + 1), binding);
             let (read, written) = (array("glows", sliced), array("tiles", parts));
             let mut text = format!("const SIDE = {side}u;\nconst LAST_TILE = {last}u;\n");
@@ -186,9 +185,9 @@ impl Resources {
 pub fn table_lengths(choices: &Choices, transfer_function: &TransferFunction, shading: &Shading) -> [u64; 2] {
     match (choices.table(), shading.integrator) {
         (None, _) => [0, 0],
-        (_, Integrator::PreIntegrated { table_size: side }) => [(side as u64).saturating_pow(3), 0],
-        (_, Integrator::PreIntegratedCylindrical { table_size: side }) => {
-            let tiles = last_tile(side) as u64 + 1;
+        (_, Integrator::PreIntegrated { table_size: side, .. }) => [(side as u64).saturating_pow(3), 0],
+        (_, Integrator::PreIntegratedCylindrical { table_size: side, planes, .. }) => {
+            let tiles = last_tile(side, planes) as u64 + 1;
             let square = (side as u64).saturating_pow(2);
             [square.saturating_mul(tiles), square.saturating_mul(side as u64)]
         }
@@ -217,8 +216,18 @@ fn partial_table(table: &PartialTable) -> Vec<u8> {
     bytes
 }
 
-/// The side, where the first node is stored, nodes a stored unit, longest segments a scene length; then ρ̄.
-fn mean_extinctions(ramp: &Ramp, axis: Axis, per_length: f64) -> Result<Vec<u8>> {
+/// The number of tiles less 1, where the integrator has them.
+fn last_tile_of(integrator: &Integrator) -> Option<usize> {
+    match *integrator {
+        Integrator::PreIntegratedCylindrical { table_size, planes, .. } => {
+            Some(last_tile(table_size, planes))
+        }
+        _ => None,
+    }
+}
+
+/// The side, tiles less 1, where the first node is stored, nodes a stored unit, longest segments a scene length; then ρ̄.
+fn mean_extinctions(ramp: &Ramp, last_tile: Option<usize>, axis: Axis, per_length: f64) -> Result<Vec<u8>> {
     let [low, high] = ramp.range;
     let steps = (ramp.size() - 1) as f64;
     let head = [axis.stored(low), steps * axis.scale / (high - low), per_length].map(|x| x as f32);
@@ -228,6 +237,7 @@ fn mean_extinctions(ramp: &Ramp, axis: Axis, per_length: f64) -> Result<Vec<u8>>
             .accepted("a range that stored values tell apart"));
     }
     let mut bytes = (ramp.size() as u32).to_le_bytes().to_vec();
+    bytes.extend((last_tile.unwrap_or(0) as u32).to_le_bytes());
     bytes.extend_from_slice(bytemuck::cast_slice(&head));
     bytes.extend_from_slice(bytemuck::cast_slice(&ramp.mean_extinctions()));
     Ok(bytes)
@@ -235,7 +245,7 @@ fn mean_extinctions(ramp: &Ramp, axis: Axis, per_length: f64) -> Result<Vec<u8>>
 
 /// Glow and extinction of the nodes, then of the pieces of each step.
 fn matter(ramp: &Ramp) -> Vec<[f32; 4]> {
-    let all = ramp.nodes().iter().chain(ramp.steps().iter().flatten());
+    let all = ramp.nodes().iter().chain(ramp.pieces());
     let single = |x: f64| x.min(f64::from(f32::MAX)) as f32;
     all.map(|m| [m.glow[0], m.glow[1], m.glow[2], m.extinction].map(single)).collect()
 }

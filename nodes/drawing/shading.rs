@@ -3,17 +3,25 @@
 use voltet_core::Result;
 use voltet_core::graph::{Parameter, ParameterType, Parameters, Range, Standard};
 use voltet_core::optics::Overlap;
-use voltet_core::optics::integrators::{Numbers, PARTIAL_SIDE_MOST, STANDARD_PIECES, STANDARD_SIDE};
+use voltet_core::optics::integrators::{
+    Numbers, OVERSAMPLING_MOST, PARTIAL_SIDE_MOST, PLANES_MOST, STANDARD_OVERSAMPLING, STANDARD_PIECES,
+    STANDARD_PLANES, STANDARD_SIDE,
+};
 use voltet_core::shading::{Integrator, Light, Shading};
 
 /// The numbers of an integrator that nobody sets.
-pub const USUAL: Numbers =
-    Numbers { tolerance: Some(TOLERANCE), count: Some(STANDARD_PIECES), table_size: Some(STANDARD_SIDE) };
+pub const USUAL: Numbers = Numbers {
+    tolerance: Some(TOLERANCE),
+    count: Some(STANDARD_PIECES),
+    table_size: Some(STANDARD_SIDE),
+    oversampling: Some(STANDARD_OVERSAMPLING),
+    planes: Some(STANDARD_PLANES),
+};
 
 const TOLERANCE: f64 = 1e-3;
 
 /// The parameters of shading, for the declarations of `composite` and `renderer`.
-pub const PARAMETERS: [Parameter; 7] = [
+pub const PARAMETERS: [Parameter; 9] = [
     Parameter {
         name: "integrator",
         parameter_type: ParameterType::Choice(&Integrator::WORDS),
@@ -51,6 +59,21 @@ pub const PARAMETERS: [Parameter; 7] = [
         unit: "entries a side",
         standard: Standard::Integer(STANDARD_SIDE as i64),
         help: "segments and pre-integrated: side of the table; 512 at most where it has three dimensions",
+    },
+    Parameter {
+        name: "oversampling",
+        parameter_type: ParameterType::Integer(Range::within(1.0, OVERSAMPLING_MOST as f64)),
+        unit: "pieces",
+        standard: Standard::Integer(STANDARD_OVERSAMPLING as i64),
+        help: "pre-integrated: pieces of a path from one entry of the table to the next",
+    },
+    Parameter {
+        name: "planes",
+        parameter_type: ParameterType::Integer(Range::within(1.0, PLANES_MOST as f64)),
+        unit: "times table_size",
+        standard: Standard::Integer(STANDARD_PLANES as i64),
+        help: "pre-integrated-cylindrical: planes about the table's diagonal that it is resampled to; a table with more \
+               than one holds no more than one of side 512 does",
     },
     Parameter {
         name: "silhouette",
@@ -119,5 +142,7 @@ fn integrator(p: &Parameters) -> Result<Integrator> {
         tolerance: Some(p.number("tolerance")?),
         count: whole("segments")?,
         table_size: whole("table_size")?,
+        oversampling: whole("oversampling")?,
+        planes: whole("planes")?,
     }))
 }

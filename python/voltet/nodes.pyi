@@ -167,6 +167,8 @@ def composite(
     segments: int | None = None,
     tolerance: float | None = None,
     table_size: int | None = None,
+    oversampling: int | None = None,
+    planes: int | None = None,
     silhouette: float | None = None,
     light: Mapping[str, Any] | None = None,
 ) -> Node:
@@ -188,6 +190,8 @@ def renderer(
     segments: int | None = None,
     tolerance: float | None = None,
     table_size: int | None = None,
+    oversampling: int | None = None,
+    planes: int | None = None,
     silhouette: float | None = None,
     light: Mapping[str, Any] | None = None,
 ) -> Node:
@@ -208,6 +212,8 @@ def gpu_renderer(
     segments: int | None = None,
     tolerance: float | None = None,
     table_size: int | None = None,
+    oversampling: int | None = None,
+    planes: int | None = None,
     silhouette: float | None = None,
     light: Mapping[str, Any] | None = None,
 ) -> Node:

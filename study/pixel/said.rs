@@ -91,10 +91,17 @@ fn usual(kind: &Integrator) -> Numbers {
 }
 
 fn numbers(integrator: &Integrator) -> String {
-    let Numbers { tolerance, count, table_size } = integrator.numbers();
+    let Numbers { tolerance, count, table_size, oversampling, planes } = integrator.numbers();
     let mut parts = Vec::new();
     parts.extend(tolerance.map(|tolerance| format!("tolerance {tolerance:e}")));
     parts.extend(count.map(|count| format!("{count} pieces")));
     parts.extend(table_size.map(|side| format!("table {side}")));
+    parts.extend(unusual(oversampling, drawing::USUAL.oversampling).map(|n| format!("oversampling {n}")));
+    parts.extend(unusual(planes, drawing::USUAL.planes).map(|n| format!("{n} planes an entry")));
     parts.join(", ")
+}
+
+/// A number that is not the usual one.
+fn unusual(number: Option<usize>, usual: Option<usize>) -> Option<usize> {
+    number.filter(|_| number != usual)
 }

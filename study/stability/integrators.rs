@@ -52,9 +52,11 @@ fn settings(every: Integrator) -> (Integrator, Option<f64>) {
         Integrator::Adaptive { .. } => (Integrator::Adaptive { tolerance: TOLERANCE }, Some(TOLERANCE)),
         Integrator::Segments { .. } => (Integrator::Segments { count: 16, table_size: 64 }, None),
         Integrator::Riemann { .. } => (Integrator::Riemann { count: 64 }, None),
-        Integrator::PreIntegrated { .. } => (Integrator::PreIntegrated { table_size: 5 }, None),
+        Integrator::PreIntegrated { .. } => {
+            (Integrator::PreIntegrated { table_size: 5, oversampling: 2 }, None)
+        }
         Integrator::PreIntegratedCylindrical { .. } => {
-            (Integrator::PreIntegratedCylindrical { table_size: 5 }, None)
+            (Integrator::PreIntegratedCylindrical { table_size: 5, oversampling: 2, planes: 1 }, None)
         }
         Integrator::Reference => (Integrator::Reference, Some(REFEREE)),
         // Their values are judged as forms, by the condition of each case.

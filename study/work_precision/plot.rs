@@ -3,7 +3,9 @@
 use super::canvas::{Anchor, Axis, Canvas, Color, Mark, Size, Symbol, WHITE, shown};
 use super::{Painter, Row, Study};
 use voltet_core::optics::Overlap;
-use voltet_core::optics::integrators::{Integrator, Numbers};
+use voltet_core::optics::integrators::{
+    Integrator, Numbers, STANDARD_OVERSAMPLING, STANDARD_PLANES, STANDARD_SIDE,
+};
 use voltet_core::shading::Order;
 
 const SIZE: [f64; 2] = [960.0, 600.0];
@@ -125,8 +127,14 @@ fn around(canvas: &mut Canvas, style: &Style, painter: Painter, at: [f64; 2], ra
 
 /// Whether a row belongs to its integrator's line: the sweep of one number, everything else as usual.
 fn is_main(row: &Row) -> bool {
-    let usual_table =
-        !matches!(row.setting.integrator, Integrator::Segments { table_size, .. } if table_size != 256);
+    let usual_table = match row.setting.integrator {
+        Integrator::Segments { table_size, .. } => table_size == STANDARD_SIDE,
+        Integrator::PreIntegrated { oversampling, .. } => oversampling == STANDARD_OVERSAMPLING,
+        Integrator::PreIntegratedCylindrical { oversampling, planes, .. } => {
+            oversampling == STANDARD_OVERSAMPLING && planes == STANDARD_PLANES
+        }
+        _ => true,
+    };
     is_swept(&row.setting.integrator) && usual_table && row.setting.order != Order::Centroid
 }
 
@@ -189,7 +197,13 @@ fn short(row: &Row) -> String {
         Numbers { tolerance: Some(tolerance), .. } => format!("{tolerance:e}"),
         Numbers { count: Some(count), table_size: None | Some(256), .. } => count.to_string(),
         Numbers { count: Some(count), table_size: Some(side), .. } => format!("{count}, table {side}"),
-        Numbers { table_size: Some(side), .. } => side.to_string(),
+        Numbers { table_size: Some(side), oversampling, planes, .. } => {
+            let mut text = side.to_string();
+            let unusual = |number: Option<usize>, usual| number.filter(|n| *n != usual);
+            text.extend(unusual(oversampling, STANDARD_OVERSAMPLING).map(|n| format!(", oversampling {n}")));
+            text.extend(unusual(planes, STANDARD_PLANES).map(|n| format!(", planes {n}")));
+            text
+        }
         Numbers { .. } => row.setting.integrator.name().to_string(),
     };
     if row.setting.overlap == Overlap::Mix {

@@ -2,7 +2,9 @@
 
 use super::{Painter, Subject};
 use voltet_core::optics::Overlap;
-use voltet_core::optics::integrators::{Integrator, Numbers, STANDARD_PIECES, STANDARD_SIDE, can_serve};
+use voltet_core::optics::integrators::{
+    Integrator, Numbers, STANDARD_OVERSAMPLING, STANDARD_PIECES, STANDARD_PLANES, STANDARD_SIDE, can_serve,
+};
 use voltet_core::scene::Scene;
 use voltet_core::shading::{Order, Shading};
 
@@ -24,6 +26,11 @@ const PARTIAL_SIDES: [usize; 3] = [16, 64, 1024];
 
 /// Sides of the three-dimensional tables. 256³ takes 190 MiB; the largest, 512³, 1.5 GiB, and is left out.
 const SIDES: [usize; 5] = [16, 32, 64, 128, 256];
+
+/// The side at which oversampling and planes are tried, with what is tried beside the standard.
+const TRIED_SIDE: usize = 64;
+const OVERSAMPLINGS: [usize; 2] = [1, 8];
+const PLANES: [usize; 2] = [2, 4];
 
 /// Every setting for the scene with one painter, each integrator's cheapest first. `only`: names of integrators, none for
 /// all.
@@ -73,7 +80,20 @@ fn sweep(kind: &Integrator) -> Vec<Integrator> {
             pieces.chain(PARTIAL_SIDES.map(|side| with(Some(STANDARD_PIECES), Some(side)))).collect()
         }
         Numbers { count: Some(_), .. } => powers(8).map(|count| with(Some(count), None)).collect(),
-        Numbers { table_size: Some(_), .. } => SIDES.map(|side| with(None, Some(side))).to_vec(),
+        Numbers { table_size: Some(_), oversampling, planes, .. } => {
+            let usual = Numbers {
+                table_size: Some(TRIED_SIDE),
+                oversampling: Some(STANDARD_OVERSAMPLING),
+                planes: Some(STANDARD_PLANES),
+                ..Numbers::default()
+            };
+            let sides = SIDES.map(|side| kind.with(Numbers { table_size: Some(side), ..usual }));
+            let finer = OVERSAMPLINGS.map(|n| kind.with(Numbers { oversampling: Some(n), ..usual }));
+            let more = PLANES.map(|n| kind.with(Numbers { planes: Some(n), ..usual }));
+            let finer = finer.into_iter().filter(|_| oversampling.is_some());
+            let more = more.into_iter().filter(|_| planes.is_some());
+            sides.into_iter().chain(finer).chain(more).collect()
+        }
         Numbers { .. } => vec![*kind],
     }
 }
@@ -131,22 +151,27 @@ impl Setting {
     pub fn keys(&self) -> Vec<(&'static str, Value<'static>)> {
         let whole = |n: usize| Value::Integer(n as i64);
         let mut keys = vec![("integrator", Value::Text(self.integrator.name()))];
-        let Numbers { tolerance, count, table_size } = self.integrator.numbers();
+        let Numbers { tolerance, count, table_size, oversampling, planes } = self.integrator.numbers();
         keys.extend(tolerance.map(|tolerance| ("tolerance", Value::Number(tolerance))));
         keys.extend(count.map(|count| ("segments", whole(count))));
         keys.extend(table_size.map(|side| ("table_size", whole(side))));
+        keys.extend(oversampling.map(|n| ("oversampling", whole(n))));
+        keys.extend(planes.map(|n| ("planes", whole(n))));
         keys
     }
 
     /// The numbers beside the integrator's name, for people: "16 pieces, table 64".
     pub fn numbers(&self) -> String {
-        let Numbers { tolerance, count, table_size } = self.integrator.numbers();
+        let Numbers { tolerance, count, table_size, oversampling, planes } = self.integrator.numbers();
         // What a table combines are pieces.
         let counted = if table_size.is_some() { "pieces" } else { "samples" };
         let mut parts = Vec::new();
         parts.extend(tolerance.map(|tolerance| format!("tolerance {tolerance:e}")));
         parts.extend(count.map(|count| format!("{count} {counted}")));
         parts.extend(table_size.map(|side| format!("table {side}")));
+        let oversampling = oversampling.filter(|n| *n != STANDARD_OVERSAMPLING);
+        parts.extend(oversampling.map(|n| format!("oversampling {n}")));
+        parts.extend(planes.filter(|n| *n != STANDARD_PLANES).map(|n| format!("planes {n}")));
         if self.overlap == Overlap::Mix && self.integrator == Integrator::Analytic {
             parts.push("overlap mix".into());
         }
@@ -177,7 +202,7 @@ impl Setting {
             Numbers { tolerance: Some(_), .. } => 6.0,
             Numbers { count: Some(count), table_size: Some(_), .. } => 3.0 + count as f64,
             Numbers { count: Some(count), .. } => 3.0 + 0.5 * count as f64,
-            Numbers { table_size: Some(side), .. } => 4.0 + cube(side),
+            Numbers { table_size: Some(side), planes, .. } => 4.0 + cube(side) * planes.unwrap_or(1) as f64,
             Numbers { .. } if self.integrator == Integrator::Reference => 50.0,
             Numbers { .. } => 1.0,
         };

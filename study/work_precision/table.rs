@@ -159,8 +159,8 @@ pub(super) fn refinement_lines(study: &Study) -> Vec<String> {
 /// One line a setting, after a line of names; times in milliseconds, errors of premultiplied linear RGBA.
 pub fn csv(study: &Study) -> String {
     let mut text = String::from(
-        "engine,compositor,adapter,integrator,segments,tolerance,table_size,overlap,order,frames,picture_ms,picture_fastest_ms,\
-         picture_slowest_ms,set_up_ms,frame_ms,cull_ms,sort_ms,project_ms,composite_ms,rms_error,p99_9_error,\
+        "engine,compositor,adapter,integrator,segments,tolerance,table_size,oversampling,planes,overlap,order,frames,\
+         picture_ms,picture_fastest_ms,picture_slowest_ms,set_up_ms,frame_ms,cull_ms,sort_ms,project_ms,composite_ms,rms_error,p99_9_error,\
          max_error,pixels_over_1_255,flip,peak_memory_bytes,ray_segments,on_front,recommended,of_file\n",
     );
     for (i, row) in study.rows.iter().enumerate() {
@@ -179,7 +179,8 @@ pub fn csv(study: &Study) -> String {
         let mut cells: Vec<String> =
             vec![painter.engine.name.into(), painter.compositor().unwrap_or_default().into()];
         cells.push(adapter(study, &row.setting).map_or(String::new(), quoted));
-        cells.extend(["integrator", "segments", "tolerance", "table_size"].map(key));
+        let numbers = ["integrator", "segments", "tolerance", "table_size", "oversampling", "planes"];
+        cells.extend(numbers.map(key));
         cells.push(overlap_name(row.setting.overlap).into());
         cells.push(order_name(row.setting.order).into());
         cells.push(cost.frames.to_string());

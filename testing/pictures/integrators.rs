@@ -18,8 +18,8 @@ const BOUNDS: [(Integrator, f64); 8] = [
     (Integrator::Segments { count: 64, table_size: 256 }, 1e-2),
     (Integrator::Riemann { count: 64 }, 1e-2),
     // Corners of the function between nodes.
-    (Integrator::PreIntegrated { table_size: 128 }, 2e-3),
-    (Integrator::PreIntegratedCylindrical { table_size: 128 }, 4e-3),
+    (Integrator::PreIntegrated { table_size: 128, oversampling: 2 }, 2e-3),
+    (Integrator::PreIntegratedCylindrical { table_size: 128, oversampling: 2, planes: 1 }, 4e-3),
     (Integrator::Clipped, ORDINARY),
     (Integrator::Reference, ORDINARY),
 ];

@@ -1,5 +1,6 @@
 //! Which integrator, with its settings, and which transfer functions it serves.
 
+use super::last_tile;
 use crate::transfer::{ColorSource, TransferFunction};
 use crate::{Error, Result};
 
@@ -29,11 +30,18 @@ pub enum Integrator {
     PreIntegrated {
         /// Entries a side, 2 … [`TABLE_SIDE_MOST`].
         table_size: usize,
+        /// Pieces of a path from one entry to the next, 1 … [`OVERSAMPLING_MOST`].
+        oversampling: usize,
     },
     /// The same table, resampled to two-dimensional tiles.
     PreIntegratedCylindrical {
         /// Entries a side, 2 … [`TABLE_SIDE_MOST`].
         table_size: usize,
+        /// Pieces of a path from one entry to the next, 1 … [`OVERSAMPLING_MOST`].
+        oversampling: usize,
+        /// Tiles for each entry of a side, 1 … [`PLANES_MOST`]; all of them take no more memory than those of the
+        /// largest side with one.
+        planes: usize,
     },
     /// One piecewise-linear function, cut at its control points.
     Clipped,
@@ -50,6 +58,22 @@ pub const STANDARD_SIDE: usize = 256;
 /// Largest side of a three-dimensional table: 512³ colours take 1.5 GiB.
 pub const TABLE_SIDE_MOST: usize = 512;
 
+/// Pieces of a path from one entry of a pre-integrated table to the next where nobody says how many: what Roettger and
+/// Ertl 2002 (section 3) hold for enough.
+pub const STANDARD_OVERSAMPLING: usize = 2;
+
+/// The most of them; a step is long resolved, and filling the table slow.
+pub const OVERSAMPLING_MOST: usize = 64;
+
+/// Tiles of a cylindrical table for each entry of a side where nobody says how many: as much memory as the table.
+pub const STANDARD_PLANES: usize = 1;
+
+/// The most of them: twice what Roettger and Ertl 2002 (section 4) hold for enough to lose nothing.
+pub const PLANES_MOST: usize = 8;
+
+/// Entries of the largest cylindrical table.
+const TILES_MOST: usize = TABLE_SIDE_MOST * TABLE_SIDE_MOST * (last_tile(TABLE_SIDE_MOST, 1) + 1);
+
 /// Largest side of the two-dimensional table of [`Integrator::Segments`].
 pub const PARTIAL_SIDE_MOST: usize = 4096;
 
@@ -60,8 +84,8 @@ impl Integrator {
         Integrator::Adaptive { tolerance: 1e-3 },
         Integrator::Segments { count: 1, table_size: 2 },
         Integrator::Riemann { count: 1 },
-        Integrator::PreIntegrated { table_size: 2 },
-        Integrator::PreIntegratedCylindrical { table_size: 2 },
+        Integrator::PreIntegrated { table_size: 2, oversampling: 1 },
+        Integrator::PreIntegratedCylindrical { table_size: 2, oversampling: 1, planes: 1 },
         Integrator::Clipped,
         Integrator::Reference,
     ];
@@ -120,10 +144,17 @@ impl Integrator {
                 Numbers { count: Some(count), table_size: Some(table_size), ..Numbers::default() }
             }
             Integrator::Riemann { count } => Numbers { count: Some(count), ..Numbers::default() },
-            Integrator::PreIntegrated { table_size }
-            | Integrator::PreIntegratedCylindrical { table_size } => {
-                Numbers { table_size: Some(table_size), ..Numbers::default() }
-            }
+            Integrator::PreIntegrated { table_size, oversampling } => Numbers {
+                table_size: Some(table_size),
+                oversampling: Some(oversampling),
+                ..Numbers::default()
+            },
+            Integrator::PreIntegratedCylindrical { table_size, oversampling, planes } => Numbers {
+                table_size: Some(table_size),
+                oversampling: Some(oversampling),
+                planes: Some(planes),
+                ..Numbers::default()
+            },
             Integrator::Analytic | Integrator::Clipped | Integrator::Reference => Numbers::default(),
         }
     }
@@ -138,8 +169,15 @@ impl Integrator {
                 set(table_size, numbers.table_size);
             }
             Integrator::Riemann { count } => set(count, numbers.count),
-            Integrator::PreIntegrated { table_size }
-            | Integrator::PreIntegratedCylindrical { table_size } => set(table_size, numbers.table_size),
+            Integrator::PreIntegrated { table_size, oversampling } => {
+                set(table_size, numbers.table_size);
+                set(oversampling, numbers.oversampling);
+            }
+            Integrator::PreIntegratedCylindrical { table_size, oversampling, planes } => {
+                set(table_size, numbers.table_size);
+                set(oversampling, numbers.oversampling);
+                set(planes, numbers.planes);
+            }
             Integrator::Analytic | Integrator::Clipped | Integrator::Reference => {}
         }
         with
@@ -175,9 +213,19 @@ impl Integrator {
                 within("table_size", table_size, 2, PARTIAL_SIDE_MOST)
             }
             Integrator::Riemann { count } => within("the number of segments", count, 1, usize::MAX),
-            Integrator::PreIntegrated { table_size }
-            | Integrator::PreIntegratedCylindrical { table_size } => {
-                within("table_size", table_size, 2, TABLE_SIDE_MOST)
+            Integrator::PreIntegrated { table_size, oversampling } => {
+                within("table_size", table_size, 2, TABLE_SIDE_MOST)?;
+                within("oversampling", oversampling, 1, OVERSAMPLING_MOST)
+            }
+            Integrator::PreIntegratedCylindrical { table_size, oversampling, planes } => {
+                within("table_size", table_size, 2, TABLE_SIDE_MOST)?;
+                within("oversampling", oversampling, 1, OVERSAMPLING_MOST)?;
+                within("planes", planes, 1, PLANES_MOST)?;
+                let fit = |planes: &usize| {
+                    table_size * table_size * (last_tile(table_size, *planes) + 1) <= TILES_MOST
+                };
+                let most = (1..=PLANES_MOST).rev().find(fit).unwrap_or(1);
+                within(&format!("planes, with table_size = {table_size},"), planes, 1, most)
             }
             _ => Ok(()),
         }
@@ -223,6 +271,10 @@ pub struct Numbers {
     pub count: Option<usize>,
     /// Entries a side of the table.
     pub table_size: Option<usize>,
+    /// Pieces from one entry of a pre-integrated table to the next.
+    pub oversampling: Option<usize>,
+    /// Tiles of a cylindrical table for each entry of a side.
+    pub planes: Option<usize>,
 }
 
 fn set<T>(number: &mut T, given: Option<T>) {

@@ -29,7 +29,8 @@ mod tests;
 pub use adaptive::Adaptive;
 pub use analytic::Analytic;
 pub use choice::{
-    Integrator, Numbers, PARTIAL_SIDE_MOST, STANDARD_PIECES, STANDARD_SIDE, TABLE_SIDE_MOST, can_serve,
+    Integrator, Numbers, OVERSAMPLING_MOST, PARTIAL_SIDE_MOST, PLANES_MOST, STANDARD_OVERSAMPLING,
+    STANDARD_PIECES, STANDARD_PLANES, STANDARD_SIDE, TABLE_SIDE_MOST, can_serve,
 };
 pub use clipped::Clipped;
 pub use partial_table::PartialTable;
@@ -39,7 +40,7 @@ pub use reference::Reference;
 pub use riemann::Riemann;
 pub use segment_integrator::{Extent, SegmentIntegrator};
 pub use segments::Segments;
-pub use slice::{Matter, PARTS, Ramp};
+pub use slice::{Matter, Ramp};
 
 use super::Overlap;
 use crate::Result;
@@ -63,12 +64,12 @@ pub fn new(
             Box::new(Segments::new(transfer_function, count, table_size)?)
         }
         Integrator::Riemann { count } => Box::new(Riemann::new(transfer_function, count)?),
-        Integrator::PreIntegrated { table_size } => {
-            Box::new(PreIntegrated::new(transfer_function, table_size, extent)?)
+        Integrator::PreIntegrated { table_size, oversampling } => {
+            Box::new(PreIntegrated::new(transfer_function, table_size, oversampling, extent)?)
         }
-        Integrator::PreIntegratedCylindrical { table_size } => {
-            Box::new(PreIntegratedCylindrical::new(transfer_function, table_size, extent)?)
-        }
+        Integrator::PreIntegratedCylindrical { table_size, oversampling, planes } => Box::new(
+            PreIntegratedCylindrical::new(transfer_function, table_size, oversampling, planes, extent)?,
+        ),
         Integrator::Clipped => Box::new(Clipped::new(transfer_function)?),
         Integrator::Reference => Box::new(Reference::new(transfer_function, overlap)?),
     })

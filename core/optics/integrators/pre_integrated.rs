@@ -27,10 +27,16 @@ pub struct PreIntegrated {
 
 impl PreIntegrated {
     /// Fills the table on all cores. Serves transfer functions of the scalar alone; `table_size` entries a side,
-    /// 2 … [`super::TABLE_SIDE_MOST`]. Segments longer than the extent's longest take the colour of that one.
-    pub fn new(transfer_function: &TransferFunction, table_size: usize, extent: &Extent) -> Result<Self> {
-        can_serve(&Integrator::PreIntegrated { table_size }, transfer_function)?;
-        let ramp = Ramp::new(transfer_function, table_size, extent)?;
+    /// 2 … [`super::TABLE_SIDE_MOST`], `oversampling` pieces from one to the next, 1 … [`super::OVERSAMPLING_MOST`].
+    /// Segments longer than the extent's longest take the colour of that one.
+    pub fn new(
+        transfer_function: &TransferFunction,
+        table_size: usize,
+        oversampling: usize,
+        extent: &Extent,
+    ) -> Result<Self> {
+        can_serve(&Integrator::PreIntegrated { table_size, oversampling }, transfer_function)?;
+        let ramp = Ramp::new(transfer_function, table_size, oversampling, extent)?;
         let slice = table_size * table_size;
         let mut glow = vec![[0.0; 3]; slice * table_size];
         glow.par_chunks_mut(slice).enumerate().for_each(|(k, slice)| {

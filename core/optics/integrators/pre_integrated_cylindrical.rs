@@ -28,9 +28,10 @@ pub struct PreIntegratedCylindrical {
     tiles: Vec<[f32; 3]>,
 }
 
-/// Number of tiles less 1: as many as the table has entries a side, rounded up so that the creases of f lie on tiles.
-pub fn last_tile(table_size: usize) -> usize {
-    4 * table_size.div_ceil(4)
+/// Number of tiles less 1: `planes` times as many as the table has entries a side, rounded up so that the creases of f
+/// lie on tiles.
+pub const fn last_tile(table_size: usize, planes: usize) -> usize {
+    4 * table_size.saturating_mul(planes).div_ceil(4)
 }
 
 /// f: (s_f, s_b, l).
@@ -63,12 +64,20 @@ fn to_cylinder(front: f64, back: f64, length: f64) -> [f64; 3] {
 }
 
 impl PreIntegratedCylindrical {
-    /// Fills the tiles on all cores: `table_size` (rounded up to a multiple of 4) and one more of them, which take
-    /// as much memory as the table. Serves what [`PreIntegrated`] serves.
-    pub fn new(transfer_function: &TransferFunction, table_size: usize, extent: &Extent) -> Result<Self> {
-        can_serve(&Integrator::PreIntegratedCylindrical { table_size }, transfer_function)?;
-        let table = PreIntegrated::new(transfer_function, table_size, extent)?;
-        let last = last_tile(table_size);
+    /// Fills the tiles on all cores: `planes` × `table_size` (rounded up to a multiple of 4) and one more of them; with
+    /// `planes` = 1 they take as much memory as the table. The paper holds four times its side for enough to lose nothing.
+    /// Serves what [`PreIntegrated`] serves.
+    pub fn new(
+        transfer_function: &TransferFunction,
+        table_size: usize,
+        oversampling: usize,
+        planes: usize,
+        extent: &Extent,
+    ) -> Result<Self> {
+        let own = Integrator::PreIntegratedCylindrical { table_size, oversampling, planes };
+        can_serve(&own, transfer_function)?;
+        let table = PreIntegrated::new(transfer_function, table_size, oversampling, extent)?;
+        let last = last_tile(table_size, planes);
         let mut tiles = vec![[0.0; 3]; table_size * table_size * (last + 1)];
         let step = (table_size - 1) as f64;
         tiles.par_chunks_mut(table_size * table_size).enumerate().for_each(|(plane, tile)| {

@@ -7,7 +7,7 @@
 //! their start and from their end, and a window is what is left of one block over what is begun of the next (van
 //! Herk 1992; Gil & Werman 1993, for maxima). That is n² operations a slice, with the same sums.
 //!
-//! A step is [`PARTS`] homogeneous pieces with the mean extinction and glow of the closed forms, so a feature
+//! A step is as many homogeneous pieces as the paper's oversampling factor says, with the mean extinction and glow of the closed forms, so a feature
 //! between two nodes is not missed. Each piece absorbs its own light (E₁), which Eq. 6 leaves out.
 
 use super::Extent;
@@ -15,9 +15,6 @@ use crate::optics::special::mean_transmittance;
 use crate::optics::{Overlap, Prepared, Segment};
 use crate::transfer::TransferFunction;
 use crate::{Error, Result};
-
-/// Pieces of a step: the paper's oversampling factor.
-pub const PARTS: usize = 2;
 
 /// A homogeneous stretch, or a point: per longest segment.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -34,12 +31,20 @@ pub struct Ramp {
     /// Least and largest node.
     pub range: [f64; 2],
     nodes: Vec<Matter>,
-    steps: Vec<[Matter; PARTS]>,
+    /// Pieces of a step.
+    parts: usize,
+    /// The pieces, step by step.
+    pieces: Vec<Matter>,
 }
 
 impl Ramp {
-    /// `size` ≥ 2 nodes over the range of the scalar.
-    pub fn new(transfer_function: &TransferFunction, size: usize, extent: &Extent) -> Result<Self> {
+    /// `size` ≥ 2 nodes over the range of the scalar, `parts` ≥ 1 pieces from one to the next.
+    pub fn new(
+        transfer_function: &TransferFunction,
+        size: usize,
+        parts: usize,
+        extent: &Extent,
+    ) -> Result<Self> {
         let numbers = [extent.scalar[0], extent.scalar[1], extent.longest];
         if numbers.iter().any(|x| !x.is_finite()) || extent.longest <= 0.0 {
             return Err(Error::run("the data give no domain for a pre-integrated table")
@@ -53,10 +58,9 @@ impl Ramp {
         let mean = |front: f64, back: f64| matter(&prepared, unit, extent.longest, front, back);
         let at = |x: f64| low + (high - low) * (x / (size - 1) as f64).min(1.0);
         let nodes = (0..size).map(|i| mean(at(i as f64), at(i as f64))).collect();
-        let part = |i: usize, k: usize| at(i as f64 + k as f64 / PARTS as f64);
-        let steps =
-            (0..size - 1).map(|i| std::array::from_fn(|k| mean(part(i, k), part(i, k + 1)))).collect();
-        Ok(Ramp { range: [low, high], nodes, steps })
+        let part = |k: usize| at(k as f64 / parts as f64);
+        let pieces = (0..(size - 1) * parts).map(|k| mean(part(k), part(k + 1))).collect();
+        Ok(Ramp { range: [low, high], nodes, parts, pieces })
     }
 
     /// What is at each node.
@@ -64,9 +68,19 @@ impl Ramp {
         &self.nodes
     }
 
-    /// The pieces of each step, from its lower node on.
-    pub fn steps(&self) -> &[[Matter; PARTS]] {
-        &self.steps
+    /// Pieces of a step: the paper's oversampling factor.
+    pub fn parts(&self) -> usize {
+        self.parts
+    }
+
+    /// The pieces of all steps, from the lowest node on.
+    pub fn pieces(&self) -> &[Matter] {
+        &self.pieces
+    }
+
+    /// Mean extinction of a step.
+    fn extinction_of(step: &[Matter]) -> f64 {
+        step.iter().map(|part| part.extinction).sum::<f64>() / step.len() as f64
     }
 
     /// Number of nodes.
@@ -85,14 +99,15 @@ impl Ramp {
     /// ρ̄ of each path (i, j), row by row; it does not depend on D.
     pub fn mean_extinctions(&self) -> Vec<f32> {
         let n = self.size();
+        let steps: Vec<f64> = self.pieces.chunks_exact(self.parts).map(Ramp::extinction_of).collect();
         let mut sums = vec![0.0; n];
-        for (i, step) in self.steps.iter().enumerate() {
-            sums[i + 1] = sums[i] + step.iter().map(|part| part.extinction).sum::<f64>() / PARTS as f64;
+        for (i, step) in steps.iter().enumerate() {
+            sums[i + 1] = sums[i] + step;
         }
         let mean = |i: usize, j: usize| match i.abs_diff(j) {
             0 => self.nodes[i].extinction,
             // Neighbours from the step itself: the sums' rounding must not hide a thin one behind a dense one.
-            1 => self.steps[i.min(j)].iter().map(|part| part.extinction).sum::<f64>() / PARTS as f64,
+            1 => steps[i.min(j)],
             d => (sums[j] - sums[i]).abs() / d as f64,
         };
         (0..n * n).map(|k| single(mean(k / n, k % n))).collect()
@@ -108,12 +123,11 @@ impl Ramp {
         let nothing = vec![Light::CLEAR; n - 1];
         let (mut there, mut back) = (Windows::new(&nothing), Windows::new(&nothing));
         for span in 1..n {
-            let share = 1.0 / (span * PARTS) as f64;
-            let piece = |part: &Matter| Light::new(part, length, share);
-            for (i, step) in self.steps.iter().enumerate() {
-                let parts = step.each_ref().map(piece);
-                there.steps[i] = parts.iter().fold(Light::CLEAR, |front, part| front.over(part));
-                back.steps[i] = parts.iter().rev().fold(Light::CLEAR, |front, part| front.over(part));
+            let share = 1.0 / (span * self.parts) as f64;
+            let over = |front: Light, part: &Matter| front.over(&Light::new(part, length, share));
+            for (i, step) in self.pieces.chunks_exact(self.parts).enumerate() {
+                there.steps[i] = step.iter().fold(Light::CLEAR, over);
+                back.steps[i] = step.iter().rev().fold(Light::CLEAR, over);
             }
             there.gather(span, Light::over);
             back.gather(span, |near, far| far.over(near));

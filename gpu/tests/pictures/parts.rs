@@ -68,8 +68,12 @@ fn tables_in_parts_draw_the_same() {
     let table = Table { width: 96, height: 64, texels, s: [0.0, 1.0], g: [0.0, 2.5] };
     let image = Widget { profile: Profile::Table(Arc::new(table)), ..one_gaussian().widgets.remove(0) };
     for (look, integrator, bytes) in [
-        (ramp(), Integrator::PreIntegrated { table_size: 32 }, 1 << 17),
-        (ramp(), Integrator::PreIntegratedCylindrical { table_size: 32 }, 1 << 17),
+        (ramp(), Integrator::PreIntegrated { table_size: 32, oversampling: 2 }, 1 << 17),
+        (
+            ramp(),
+            Integrator::PreIntegratedCylindrical { table_size: 32, oversampling: 2, planes: 1 },
+            1 << 17,
+        ),
         (look(vec![image]), Integrator::Analytic, 1 << 15),
     ] {
         let shading = Shading { integrator, ..SHADING };

@@ -333,8 +333,8 @@ fn every_integrator_and_light_is_that_of_tiles() {
             Integrator::Adaptive { tolerance: 1e-4 },
             Integrator::Segments { count: 4, table_size: 64 },
             Integrator::Riemann { count: 8 },
-            Integrator::PreIntegrated { table_size: 32 },
-            Integrator::PreIntegratedCylindrical { table_size: 32 },
+            Integrator::PreIntegrated { table_size: 32, oversampling: 2 },
+            Integrator::PreIntegratedCylindrical { table_size: 32, oversampling: 2, planes: 1 },
             Integrator::Clipped,
         ]
         .map(|integrator| Shading { integrator, ..SHADING }),

@@ -207,8 +207,8 @@ fn passes_that_fill_tables_are_valid() {
     let transfer_function = scene(CONSTANT, vec![widget(1, None)]);
     let extent = Extent { scalar: [0.0, 1.0], longest: 2.0 };
     for (integrator, count) in [
-        (Integrator::PreIntegrated { table_size: 5 }, 1),
-        (Integrator::PreIntegratedCylindrical { table_size: 5 }, 2),
+        (Integrator::PreIntegrated { table_size: 5, oversampling: 2 }, 1),
+        (Integrator::PreIntegratedCylindrical { table_size: 5, oversampling: 2, planes: 1 }, 2),
     ] {
         let shading = Shading { integrator, ..SHADING };
         let choices = Choices::new(&transfer_function, &shading, Compositor::None).expect("has pieces");
@@ -343,7 +343,7 @@ fn what_has_no_shader_is_refused() {
     let error = refusal(Integrator::Reference, 1);
     assert!(error.contains("'reference'") || error.contains("reference"), "{error}");
     assert!(error.contains("riemann"), "{error}");
-    let error = refusal(Integrator::PreIntegrated { table_size: 8 }, 2);
+    let error = refusal(Integrator::PreIntegrated { table_size: 8, oversampling: 2 }, 2);
     assert!(error.contains("gradient magnitude"), "{error}");
 }
 

@@ -5,6 +5,8 @@
 struct MeanExtinctions {
     // Nodes a side.
     side: u32,
+    // Tiles less 1; 0 without any.
+    last_tile: u32,
     // Where the first node is stored.
     start: f32,
     // Nodes a stored unit.

@@ -5,8 +5,7 @@ fn glow_between(front: f32, back: f32, share: f32) -> vec3f {
     let side = mean_extinctions.side;
     let step = f32(side - 1u);
     let at = to_cylinder(front / step, back / step, clamp(share, 0.0, 1.0));
-    // One tile more than the side rounded up to a multiple of 4.
-    let last = 4u * ((side + 3u) / 4u);
+    let last = mean_extinctions.last_tile;
     let place = at.x * f32(last);
     let low = min(u32(place), last - 1u);
     let tile = side * side;

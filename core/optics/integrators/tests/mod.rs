@@ -30,7 +30,13 @@ const ACROSS: Segment<'static> =
 
 #[test]
 fn every_kind_has_a_word_of_its_own_and_keeps_the_numbers_that_it_has() {
-    let given = Numbers { tolerance: Some(0.5), count: Some(7), table_size: Some(9) };
+    let given = Numbers {
+        tolerance: Some(0.5),
+        count: Some(7),
+        table_size: Some(9),
+        oversampling: Some(3),
+        planes: Some(4),
+    };
     for (k, kind) in Integrator::EVERY.iter().enumerate() {
         assert_eq!(Integrator::WORDS[k].0, kind.name());
         assert!(Integrator::EVERY[..k].iter().all(|other| other.name() != kind.name()), "{kind:?}");
@@ -41,6 +47,8 @@ fn every_kind_has_a_word_of_its_own_and_keeps_the_numbers_that_it_has() {
             tolerance: own.tolerance.and(given.tolerance),
             count: own.count.and(given.count),
             table_size: own.table_size.and(given.table_size),
+            oversampling: own.oversampling.and(given.oversampling),
+            planes: own.planes.and(given.planes),
         };
         assert_eq!(with.numbers(), expected);
     }
@@ -104,8 +112,8 @@ fn all() -> [Integrator; 8] {
         Integrator::Adaptive { tolerance: 1e-3 },
         Integrator::Segments { count: 7, table_size: 9 },
         Integrator::Riemann { count: 5 },
-        Integrator::PreIntegrated { table_size: 9 },
-        Integrator::PreIntegratedCylindrical { table_size: 9 },
+        Integrator::PreIntegrated { table_size: 9, oversampling: 2 },
+        Integrator::PreIntegratedCylindrical { table_size: 9, oversampling: 2, planes: 1 },
         Integrator::Clipped,
         Integrator::Reference,
     ]
@@ -123,9 +131,10 @@ fn what_an_integrator_cannot_serve_names_one_that_can() {
     let message = refusal(Integrator::Clipped, &bivariate);
     assert!(message.contains("'clipped'") && message.contains("2 widgets"), "{message}");
     assert!(message.contains("analytic, adaptive, segments, riemann, reference"), "{message}");
-    for integrator in
-        [Integrator::PreIntegrated { table_size: 8 }, Integrator::PreIntegratedCylindrical { table_size: 8 }]
-    {
+    for integrator in [
+        Integrator::PreIntegrated { table_size: 8, oversampling: 2 },
+        Integrator::PreIntegratedCylindrical { table_size: 8, oversampling: 2, planes: 1 },
+    ] {
         let message = refusal(integrator, &bivariate);
         assert!(message.contains("widgets[0] (gaussian)"), "{message}");
         assert!(message.contains("gradient magnitude") && !message.contains("clipped"), "{message}");
@@ -134,7 +143,10 @@ fn what_an_integrator_cannot_serve_names_one_that_can() {
     let mut banded = piecewise();
     banded.widgets[0].profile =
         Profile::GaussianNd { fields: vec!["p".into()], centre: vec![0.0], matrix: vec![vec![1.0]] };
-    assert!(refusal(Integrator::PreIntegrated { table_size: 8 }, &banded).contains("fields of its own"));
+    assert!(
+        refusal(Integrator::PreIntegrated { table_size: 8, oversampling: 2 }, &banded)
+            .contains("fields of its own")
+    );
     assert!(refusal(Integrator::Clipped, &banded).contains("widgets[0] (gaussian-nd)"));
 }
 
@@ -149,8 +161,19 @@ fn a_setting_out_of_range_is_refused() {
     assert!(refusal(Integrator::Segments { count: 0, table_size: 4 }).contains("number of segments"));
     assert!(refusal(Integrator::Segments { count: 1, table_size: 1 }).contains("table_size"));
     assert!(refusal(Integrator::Segments { count: 1, table_size: 4097 }).contains("2 to 4096"));
-    assert!(refusal(Integrator::PreIntegrated { table_size: 513 }).contains("2 to 512"));
-    assert!(refusal(Integrator::PreIntegratedCylindrical { table_size: 1 }).contains("2 to 512"));
+    assert!(refusal(Integrator::PreIntegrated { table_size: 513, oversampling: 2 }).contains("2 to 512"));
+    assert!(
+        refusal(Integrator::PreIntegratedCylindrical { table_size: 1, oversampling: 2, planes: 1 })
+            .contains("2 to 512")
+    );
+    let cylindrical = |table_size, oversampling, planes| {
+        refusal(Integrator::PreIntegratedCylindrical { table_size, oversampling, planes })
+    };
+    assert!(cylindrical(64, 2, 9).contains("planes of the integrator"));
+    assert!(cylindrical(64, 0, 1).contains("1 to 64"));
+    // As much memory as 512 entries a side with one.
+    let large = cylindrical(512, 2, 2);
+    assert!(large.contains("table_size = 512") && large.contains("1 to 1"), "{large}");
     assert!(refusal(Integrator::Adaptive { tolerance: 0.0 }).contains("tolerance"));
     assert!(refusal(Integrator::Adaptive { tolerance: f64::NAN }).contains("tolerance"));
 }

@@ -82,8 +82,9 @@ fn pre_integrated_errors_fall_with_the_square_of_the_size() {
     for model in [OpticalModel::DensityEmitter, OpticalModel::ConstantEmitter { cutoff: 1e-9 }] {
         let transfer_function = waves_of_colour(model);
         let error = |size: usize| {
-            let table = PreIntegrated::new(&transfer_function, size, &extent).expect("serves");
-            let tiles = PreIntegratedCylindrical::new(&transfer_function, size, &extent).expect("serves");
+            let table = PreIntegrated::new(&transfer_function, size, 2, &extent).expect("serves");
+            let tiles =
+                PreIntegratedCylindrical::new(&transfer_function, size, 2, 1, &extent).expect("serves");
             [largest(&table, &transfer_function, 3.0), largest(&tiles, &transfer_function, 3.0)]
         };
         let errors = [32, 64, 128].map(error);
@@ -101,7 +102,7 @@ fn corners_of_the_function_leave_an_error_of_first_order() {
     let extent = Extent { scalar: [0.0, 1.0], longest: 1.0 };
     let transfer_function = piecewise();
     let error = |size: usize| {
-        let table = PreIntegrated::new(&transfer_function, size, &extent).expect("serves");
+        let table = PreIntegrated::new(&transfer_function, size, 2, &extent).expect("serves");
         largest(&table, &transfer_function, 1.0)
     };
     for size in [24, 48, 96] {
@@ -122,8 +123,8 @@ fn a_constant_function_is_tabulated_exactly() {
     for model in [OpticalModel::DensityEmitter, OpticalModel::ConstantEmitter { cutoff: 0.1 }] {
         transfer_function.model = model;
         for integrator in [
-            Integrator::PreIntegrated { table_size: 5 },
-            Integrator::PreIntegratedCylindrical { table_size: 5 },
+            Integrator::PreIntegrated { table_size: 5, oversampling: 2 },
+            Integrator::PreIntegratedCylindrical { table_size: 5, oversampling: 2, planes: 1 },
         ] {
             let made = new(&integrator, Overlap::Exact, &transfer_function, &EXTENT).expect("serves");
             // The entries are 32-bit; longer than the longest still has the right opacity.
@@ -144,10 +145,55 @@ fn a_peak_between_nodes_keeps_its_depth() {
         extinction: 3e3,
         region: None,
     };
-    let table = PreIntegrated::new(&transfer_function, 9, &EXTENT).expect("serves");
+    let table = PreIntegrated::new(&transfer_function, 9, 2, &EXTENT).expect("serves");
     let across = Segment { front: [0.125, 0.0], back: [0.875, 0.0], ..ACROSS };
     let exact = Analytic::new(&transfer_function, Overlap::Exact).expect("valid").integrate(&across);
     assert!(exact.opacity > 0.5);
     // Both ends are nodes: nothing is interpolated but along D, which one colour leaves exact.
     assert!(largest_error(&exact, &table.integrate(&across)) < 1e-6);
+}
+
+/// The largest difference of tiles from the table that they are resampled from.
+fn of_resampling(table_size: usize, planes: usize) -> f64 {
+    let transfer_function = waves_of_colour(OpticalModel::DensityEmitter);
+    let extent = Extent { scalar: [0.0, 1.0], longest: 3.0 };
+    let table = PreIntegrated::new(&transfer_function, table_size, 2, &extent).expect("serves");
+    let tiles =
+        PreIntegratedCylindrical::new(&transfer_function, table_size, 2, planes, &extent).expect("serves");
+    let mut worst = 0.0_f64;
+    for (i, j, k) in (0..40).flat_map(|i| (0..40).flat_map(move |j| (1..20).map(move |k| (i, j, k)))) {
+        let [front, back, length] = [i, j, k].map(|n| (f64::from(n) + 0.37) / 41.0);
+        let segment = Segment { length: 3.0 * length, front: [front, 0.0], back: [back, 0.0], ..ACROSS };
+        worst = worst.max(largest_error(&table.integrate(&segment), &tiles.integrate(&segment)));
+    }
+    worst
+}
+
+/// Roettger and Ertl 2002, section 4, hold four times the table's side for enough to reconstruct it exactly. More planes bring
+/// the tiles nearer, but the places on a tile are resampled, too, and that error stays.
+#[test]
+fn more_planes_bring_tiles_nearer_to_their_table_but_never_onto_it() {
+    let errors = [1, 2, 4, 8].map(|planes| of_resampling(48, planes));
+    println!("{errors:?}");
+    assert!(errors[1] < 0.7 * errors[0] && errors[2] < errors[1], "{errors:?}");
+    assert!(errors[3] > 0.2 * errors[2] && errors[3] > 1e-5, "{errors:?}");
+}
+
+/// Pieces of a step have the means of the closed forms; what they leave is where light lies within one.
+#[test]
+fn oversampling_resolves_what_lies_between_two_entries() {
+    let mut transfer_function = waves_of_colour(OpticalModel::DensityEmitter);
+    // Opaque within a step, so that the order within it shows.
+    transfer_function.widgets.iter_mut().for_each(|widget| widget.extinction *= 200.0);
+    let across = Segment { front: [0.25, 0.0], back: [0.75, 0.0], ..ACROSS };
+    let exact = Analytic::new(&transfer_function, Overlap::Exact).expect("valid").integrate(&across);
+    let errors = [1, 2, 8, 32].map(|oversampling| {
+        let table = PreIntegrated::new(&transfer_function, 9, oversampling, &EXTENT).expect("serves");
+        largest_error(&exact, &table.integrate(&across))
+    });
+    println!("{errors:?}");
+    assert!(
+        errors[1] < errors[0] && errors[2] < 0.5 * errors[1] && errors[3] < 0.5 * errors[2],
+        "{errors:?}"
+    );
 }
