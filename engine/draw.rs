@@ -263,12 +263,20 @@ pub fn draw(
 
 /// The integrator in 64 bits, as [`prepare`] makes it ready: what draws the segments that lanes do not.
 ///
-/// Errors: an integrator that cannot serve the transfer function; one with a number out of range.
+/// Errors: an integrator that cannot serve the transfer function; one with a number out of range; `vertex-sampled` where the
+/// scene is not classified.
 pub fn integrator(
     cells: &Cells,
     transfer_function: &TransferFunction,
     shading: &Shading,
 ) -> Result<Box<dyn SegmentIntegrator>> {
+    if shading.integrator == Integrator::VertexSampled && !integrators::is_classified(transfer_function) {
+        let what =
+            "the integrator 'vertex-sampled' draws scenes as a whole, since it looks at the grid's points";
+        return Err(Error::usage(what)
+            .found("stages or segments of a scene by themselves")
+            .accepted("a node of type renderer, or another integrator"));
+    }
     let extent = extent(cells, &shading.integrator);
     integrators::new(&shading.integrator, shading.overlap, transfer_function, &extent)
 }

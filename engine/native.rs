@@ -10,7 +10,7 @@ use voltet_core::graph::{MayLeaveOut, Notes};
 use voltet_core::optics::integrators;
 use voltet_core::progress::Progress;
 use voltet_core::scene::Scene;
-use voltet_core::shading::Order;
+use voltet_core::shading::{Integrator, Order};
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
 use voltet_lanes::LaneSet;
@@ -65,7 +65,12 @@ impl Prepared for Native {
         if progress.cancelled() {
             return Err(Error::cancelled());
         }
-        let Scene { volume, transfer_function, camera, shading, order } = scene;
+        let classified = match scene.shading.integrator {
+            Integrator::VertexSampled => Some(scene.classified()?),
+            _ => None,
+        };
+        let Scene { volume, transfer_function, camera, shading, order } =
+            classified.as_ref().unwrap_or(scene);
         let mut watch = Watch { last: Instant::now(), stages: Vec::new() };
         let mut cells = match manner.may_leave_out {
             None => keep_all(volume, transfer_function, camera)?,

@@ -2,7 +2,7 @@
 
 use crate::drawing;
 use std::sync::Arc;
-use voltet_core::graph::{Asking, Call, Node, Outputs, Port, PortType, Value};
+use voltet_core::graph::{Asking, Call, Node, Outputs, Parameters, Port, PortType, Value};
 use voltet_core::shading::Integrator;
 use voltet_core::{Error, Result};
 
@@ -17,7 +17,7 @@ pub const NODE: Node = Node {
     outputs: &[Port { name: "image", port_type: PortType::Image, summary: "the picture" }],
     parameters: &drawing::PARAMETERS,
     example: include_str!("examples/stages.toml"),
-    check: &|parameters| drawing::shading(parameters).map(drop),
+    check: &check,
     demand: &|asking: &mut Asking| {
         let (engine, why) = match asking.parameters.text("integrator")? {
             "reference" => (drawing::REFEREE.name, "the integrator is the 64-bit reference"),
@@ -29,6 +29,16 @@ pub const NODE: Node = Node {
     run: &run,
     ..Node::BLANK
 };
+
+fn check(parameters: &Parameters) -> Result<()> {
+    if drawing::shading(parameters)?.integrator == Integrator::VertexSampled {
+        let what =
+            "the integrator 'vertex-sampled' looks at the grid's points, which no stage of its own has";
+        let error = Error::usage(what).accepted("a node of type renderer, or another integrator");
+        return Err(parameters.blame("integrator", error));
+    }
+    Ok(())
+}
 
 fn run(call: &mut Call) -> Result<Outputs> {
     let projected = call.projection::<drawing::Projected>("projection")?;

@@ -1,4 +1,5 @@
-//! `wavelet`: a grid and a field by formula, as large as one likes: for tests, timings and first tries.
+//! `wavelet`: a grid and a field by formula, as large as one likes: for tests, timings and first tries. The field is VTK's, or the
+//! distance from the middle.
 
 use std::sync::Arc;
 use voltet_core::graph::{
@@ -17,7 +18,7 @@ pub const NODE: Node = Node {
     outputs: &[Port {
         name: "grid",
         port_type: PortType::Grid,
-        summary: "points, tetrahedra, the scalar 'wavelet'",
+        summary: "points, tetrahedra, the scalar 'wavelet' or 'distance'",
     }],
     parameters: &[
         Parameter {
@@ -26,6 +27,16 @@ pub const NODE: Node = Node {
             unit: "hexahedra",
             standard: Standard::Integers(&[20, 20, 20]),
             help: "hexahedra along x, y and z, each cut into tetrahedra",
+        },
+        Parameter {
+            name: "field",
+            parameter_type: ParameterType::Choice(&[
+                ("wavelet", "VTK's analytic source, 60 to 277"),
+                ("distance", "the distance from the middle, 0 to 17.3"),
+            ]),
+            unit: "",
+            standard: Standard::Text("wavelet"),
+            help: "the scalar; the box reaches from -10 to 10 along each axis",
         },
         Parameter {
             name: "jitter",
@@ -61,10 +72,12 @@ fn run(call: &mut Call) -> Result<Outputs> {
     }
     let counts: [f64; 3] = call.parameters.vector("resolution")?;
     let jitter = call.parameters.number("jitter")?;
+    let name = call.parameters.text("field")?;
+    let field = if name == "distance" { glam::DVec3::length } else { field };
     let half = glam::DVec3::splat(HALF);
     // Within the declared range, so nothing is lost.
     let grid = box_of_tetrahedra(counts.map(|n| n as usize), [-half, half], jitter);
-    Ok(vec![Value::Grid(Arc::new(with_scalar(grid, "wavelet", field)))])
+    Ok(vec![Value::Grid(Arc::new(with_scalar(grid, name, field)))])
 }
 
 #[cfg(test)]

@@ -253,21 +253,31 @@ impl Choices {
     }
 }
 
+/// What draws an integrator on a device; `None`: nothing does.
+fn method_of(integrator: &Integrator) -> Option<Method> {
+    match integrator {
+        Integrator::Analytic | Integrator::Clipped => Some(Method::Analytic),
+        Integrator::Adaptive { .. } => Some(Method::Adaptive),
+        Integrator::Segments { .. } => Some(Method::Segments),
+        Integrator::Riemann { .. } => Some(Method::Riemann),
+        Integrator::PreIntegrated { .. } => Some(Method::PreIntegrated),
+        Integrator::PreIntegratedCylindrical { .. } => Some(Method::PreIntegratedCylindrical),
+        Integrator::VertexSampled | Integrator::Tabulated { .. } | Integrator::Reference => None,
+    }
+}
+
+/// Whether there is a shader for the integrator.
+pub fn has_method(integrator: &Integrator) -> bool {
+    method_of(integrator).is_some()
+}
+
 fn method(integrator: &Integrator) -> Result<Method> {
-    Ok(match integrator {
-        Integrator::Analytic | Integrator::Clipped => Method::Analytic,
-        Integrator::Adaptive { .. } => Method::Adaptive,
-        Integrator::Segments { .. } => Method::Segments,
-        Integrator::Riemann { .. } => Method::Riemann,
-        Integrator::PreIntegrated { .. } => Method::PreIntegrated,
-        Integrator::PreIntegratedCylindrical { .. } => Method::PreIntegratedCylindrical,
-        Integrator::Reference => {
-            let others = Integrator::EVERY.iter().filter(|other| **other != Integrator::Reference);
-            let names: Vec<&str> = others.map(Integrator::name).collect();
-            return Err(Error::usage("the integrator has no shader: it works in 64 bits")
-                .found(integrator.name())
-                .accepted(names.join(", ")));
-        }
+    method_of(integrator).ok_or_else(|| {
+        let others = Integrator::EVERY.iter().filter(|other| method_of(other).is_some());
+        let names: Vec<&str> = others.map(Integrator::name).collect();
+        Error::usage("the integrator has no shader: the CPU runs it, in 64 bits")
+            .found(integrator.name())
+            .accepted(names.join(", "))
     })
 }
 

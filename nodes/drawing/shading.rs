@@ -58,7 +58,7 @@ pub const PARAMETERS: [Parameter; 9] = [
         parameter_type: ParameterType::Integer(Range::within(2.0, PARTIAL_SIDE_MOST as f64)),
         unit: "entries a side",
         standard: Standard::Integer(STANDARD_SIDE as i64),
-        help: "segments and pre-integrated: side of the table; 512 at most where it has three dimensions",
+        help: "segments, pre-integrated, tabulated: side of the table; 512 at most where it has three dimensions",
     },
     Parameter {
         name: "oversampling",
@@ -72,8 +72,7 @@ pub const PARAMETERS: [Parameter; 9] = [
         parameter_type: ParameterType::Integer(Range::within(1.0, PLANES_MOST as f64)),
         unit: "times table_size",
         standard: Standard::Integer(STANDARD_PLANES as i64),
-        help: "pre-integrated-cylindrical: planes about the table's diagonal that it is resampled to; a table with more \
-               than one holds no more than one of side 512 does",
+        help: "pre-integrated-cylindrical: planes that the table is resampled to; in all no more entries than for 512 once",
     },
     Parameter {
         name: "silhouette",

@@ -58,7 +58,10 @@ fn settings(every: Integrator) -> (Integrator, Option<f64>) {
         Integrator::PreIntegratedCylindrical { .. } => {
             (Integrator::PreIntegratedCylindrical { table_size: 5, oversampling: 2, planes: 1 }, None)
         }
+        Integrator::Tabulated { .. } => (Integrator::Tabulated { table_size: 128 }, None),
         Integrator::Reference => (Integrator::Reference, Some(REFEREE)),
+        // The ends of a segment count as points here.
+        Integrator::VertexSampled => (every, None),
         // Their values are judged as forms, by the condition of each case.
         Integrator::Analytic | Integrator::Clipped => (every, None),
     }

@@ -37,6 +37,8 @@ const STYLES: [Style; Integrator::EVERY.len()] = [
     Style { symbol: Symbol::Plus, color: [86, 180, 233], dashes: &[10.0, 3.0, 2.0, 3.0] },
     Style { symbol: Symbol::Cross, color: [190, 140, 0], dashes: &[4.0, 4.0] },
     Style { symbol: Symbol::Square, color: [204, 121, 167], dashes: &[] },
+    Style { symbol: Symbol::Star, color: [150, 60, 60], dashes: &[] },
+    Style { symbol: Symbol::Bar, color: [90, 90, 160], dashes: &[6.0, 2.0] },
     // The referee's, with which the others are compared: it has no points of its own.
     Style { symbol: Symbol::Circle, color: GREY, dashes: &[] },
 ];

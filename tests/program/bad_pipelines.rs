@@ -182,7 +182,7 @@ fn an_integrator_that_cannot_serve_the_widgets_is_refused_early() {
                 &[
                     &format!("the integrator '{integrator}' cannot serve"),
                     "widgets[0] (uniform), which looks at the gradient magnitude",
-                    "analytic, adaptive, segments, riemann, reference",
+                    "analytic, adaptive, segments, riemann, vertex-sampled, tabulated, reference",
                 ],
             );
         }

@@ -8,6 +8,7 @@ mod drawing;
 mod golden;
 mod orders;
 mod stiff;
+mod vertex_sampled;
 mod waves;
 
 voltet_testing::picture_tests!(crate::drawing::Tested);

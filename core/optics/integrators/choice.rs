@@ -1,7 +1,7 @@
 //! Which integrator, with its settings, and which transfer functions it serves.
 
 use super::last_tile;
-use crate::transfer::{ColorSource, TransferFunction};
+use crate::transfer::{ColorSource, Profile, TransferFunction};
 use crate::{Error, Result};
 
 /// The integrators (docs/optics.md, section 10).
@@ -45,6 +45,13 @@ pub enum Integrator {
     },
     /// One piecewise-linear function, cut at its control points.
     Clipped,
+    /// The transfer function applied at the grid's points, and what absorbs and glows linear between them.
+    VertexSampled,
+    /// The integrals of uniform and Gaussian widgets from tables.
+    Tabulated {
+        /// Entries a side, 2 … [`PARTIAL_SIDE_MOST`].
+        table_size: usize,
+    },
     /// 64-bit adaptive quadrature.
     Reference,
 }
@@ -79,7 +86,7 @@ pub const PARTIAL_SIDE_MOST: usize = 4096;
 
 impl Integrator {
     /// One of each kind, at its least numbers: for asking which kinds there are and which serve.
-    pub const EVERY: [Integrator; 8] = [
+    pub const EVERY: [Integrator; 10] = [
         Integrator::Analytic,
         Integrator::Adaptive { tolerance: 1e-3 },
         Integrator::Segments { count: 1, table_size: 2 },
@@ -87,6 +94,8 @@ impl Integrator {
         Integrator::PreIntegrated { table_size: 2, oversampling: 1 },
         Integrator::PreIntegratedCylindrical { table_size: 2, oversampling: 1, planes: 1 },
         Integrator::Clipped,
+        Integrator::VertexSampled,
+        Integrator::Tabulated { table_size: 2 },
         Integrator::Reference,
     ];
 
@@ -120,6 +129,13 @@ impl Integrator {
                 ("pre-integrated-cylindrical", "the same table as tiles")
             }
             Integrator::Clipped => ("clipped", "piecewise-linear functions clipped at their control points"),
+            Integrator::VertexSampled => (
+                "vertex-sampled",
+                "the transfer function applied at the grid's points only, linear between them",
+            ),
+            Integrator::Tabulated { .. } => {
+                ("tabulated", "integrals of Gaussians from tables, widgets mixed without their order")
+            }
             Integrator::Reference => ("reference", "64-bit adaptive quadrature, slow"),
         }
     }
@@ -155,7 +171,13 @@ impl Integrator {
                 planes: Some(planes),
                 ..Numbers::default()
             },
-            Integrator::Analytic | Integrator::Clipped | Integrator::Reference => Numbers::default(),
+            Integrator::Tabulated { table_size } => {
+                Numbers { table_size: Some(table_size), ..Numbers::default() }
+            }
+            Integrator::Analytic
+            | Integrator::Clipped
+            | Integrator::VertexSampled
+            | Integrator::Reference => Numbers::default(),
         }
     }
 
@@ -178,7 +200,11 @@ impl Integrator {
                 set(oversampling, numbers.oversampling);
                 set(planes, numbers.planes);
             }
-            Integrator::Analytic | Integrator::Clipped | Integrator::Reference => {}
+            Integrator::Tabulated { table_size } => set(table_size, numbers.table_size),
+            Integrator::Analytic
+            | Integrator::Clipped
+            | Integrator::VertexSampled
+            | Integrator::Reference => {}
         }
         with
     }
@@ -190,7 +216,8 @@ impl Integrator {
 
     /// Whether it builds a table.
     pub fn has_table(&self) -> bool {
-        self.has_table_of_lengths() || matches!(self, Integrator::Segments { .. })
+        let own = matches!(self, Integrator::Segments { .. } | Integrator::Tabulated { .. });
+        self.has_table_of_lengths() || own
     }
 
     /// Checks that its settings are in range.
@@ -213,6 +240,7 @@ impl Integrator {
                 within("table_size", table_size, 2, PARTIAL_SIDE_MOST)
             }
             Integrator::Riemann { count } => within("the number of segments", count, 1, usize::MAX),
+            Integrator::Tabulated { table_size } => within("table_size", table_size, 2, PARTIAL_SIDE_MOST),
             Integrator::PreIntegrated { table_size, oversampling } => {
                 within("table_size", table_size, 2, TABLE_SIDE_MOST)?;
                 within("oversampling", oversampling, 1, OVERSAMPLING_MOST)
@@ -257,7 +285,27 @@ impl Integrator {
                 [] => Some("no widget".into()),
                 _ => Some(format!("{} widgets", widgets.len())),
             },
-            _ => None,
+            Integrator::Tabulated { .. } => {
+                let has_table = |profile: &Profile| match profile {
+                    Profile::Uniform
+                    | Profile::Gaussian { .. }
+                    | Profile::GaussianNd { .. }
+                    | Profile::TriangularGaussian { .. }
+                    | Profile::TriangularGaussianNd { .. } => true,
+                    Profile::TriangleWave(_)
+                    | Profile::SineWave(_)
+                    | Profile::PiecewiseLinear { .. }
+                    | Profile::Table(_) => false,
+                };
+                let without = widgets.iter().position(|widget| !has_table(&widget.profile));
+                without.map(|i| named(i, "whose integral it has no table of"))
+            }
+            Integrator::Analytic
+            | Integrator::Adaptive { .. }
+            | Integrator::Segments { .. }
+            | Integrator::Riemann { .. }
+            | Integrator::VertexSampled
+            | Integrator::Reference => None,
         }
     }
 }
@@ -290,6 +338,7 @@ pub fn can_serve(integrator: &Integrator, transfer_function: &TransferFunction) 
     let Some(obstacle) = integrator.obstacle(transfer_function) else { return Ok(()) };
     let needs = match integrator {
         Integrator::Clipped => "one piecewise-linear widget",
+        Integrator::Tabulated { .. } => "uniform widgets and Gaussians",
         _ => "widgets of the scalar alone",
     };
     let serving: Vec<&str> = Integrator::EVERY

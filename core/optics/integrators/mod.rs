@@ -9,6 +9,8 @@
 //! | [`PreIntegrated`] | a table over (s_f, s_b, D) |
 //! | [`PreIntegratedCylindrical`] | the same table as two-dimensional tiles |
 //! | [`Clipped`] | a piecewise-linear function cut at its control points |
+//! | [`VertexSampled`] | classified at the grid's points, linear between them |
+//! | [`Tabulated`] | Gaussians' integrals from tables |
 //! | [`Reference`] | adaptive quadrature |
 
 mod adaptive;
@@ -23,8 +25,10 @@ mod riemann;
 mod segment_integrator;
 mod segments;
 mod slice;
+mod tabulated;
 #[cfg(test)]
 mod tests;
+mod vertex_sampled;
 
 pub use adaptive::Adaptive;
 pub use analytic::Analytic;
@@ -41,6 +45,8 @@ pub use riemann::Riemann;
 pub use segment_integrator::{Extent, SegmentIntegrator};
 pub use segments::Segments;
 pub use slice::{Matter, Ramp};
+pub use tabulated::{REACH, Tabulated};
+pub use vertex_sampled::{AtPoints, CLASSIFIED, VertexSampled, classified, is_classified};
 
 use super::Overlap;
 use crate::Result;
@@ -71,6 +77,8 @@ pub fn new(
             PreIntegratedCylindrical::new(transfer_function, table_size, oversampling, planes, extent)?,
         ),
         Integrator::Clipped => Box::new(Clipped::new(transfer_function)?),
+        Integrator::VertexSampled => Box::new(VertexSampled::new(transfer_function)?),
+        Integrator::Tabulated { table_size } => Box::new(Tabulated::new(transfer_function, table_size)?),
         Integrator::Reference => Box::new(Reference::new(transfer_function, overlap)?),
     })
 }

@@ -90,7 +90,7 @@ fn shadings() -> Vec<Shading> {
         }
     }
     let others =
-        Integrator::EVERY.iter().filter(|i| !matches!(i, Integrator::Analytic | Integrator::Reference));
+        Integrator::EVERY.iter().filter(|i| **i != Integrator::Analytic && voltet_shaders::has_method(i));
     shadings.extend(others.map(|integrator| Shading { integrator: *integrator, ..SHADING }));
     shadings
 }

@@ -66,7 +66,7 @@ fn shadings() -> Vec<Shading> {
     shadings.push(Shading { light: Some(light), ..SHADING });
     shadings.push(Shading { silhouette: Some(2.0), light: Some(light), ..SHADING });
     let others =
-        Integrator::EVERY.iter().filter(|i| !matches!(i, Integrator::Analytic | Integrator::Reference));
+        Integrator::EVERY.iter().filter(|i| **i != Integrator::Analytic && voltet_shaders::has_method(i));
     shadings.extend(others.map(|integrator| Shading { integrator: *integrator, ..SHADING }));
     shadings
 }

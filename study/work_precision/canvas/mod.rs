@@ -134,6 +134,10 @@ pub enum Symbol {
     Plus,
     /// A cross.
     Cross,
+    /// A star of five points, one up.
+    Star,
+    /// A bar that lies.
+    Bar,
 }
 
 impl Symbol {
@@ -176,6 +180,12 @@ impl Symbol {
             Symbol::TriangleDown => regular(3, 90.0),
             Symbol::Plus => turned(&PLUS, 0.0),
             Symbol::Cross => turned(&PLUS, 45.0),
+            Symbol::Star => {
+                let (out, inner) = (regular(5, -90.0), regular(5, -54.0));
+                let nearer = |p: &[f64; 2]| [0, 1].map(|i| at[i] + 0.4 * (p[i] - at[i]));
+                out.iter().zip(&inner).flat_map(|(point, notch)| [*point, nearer(notch)]).collect()
+            }
+            Symbol::Bar => turned(&[[-1.0, -B], [1.0, -B], [1.0, B], [-1.0, B]], 0.0),
         }
     }
 }

@@ -2,6 +2,7 @@
 
 mod adaptive;
 mod tables;
+mod tabulated;
 
 use super::*;
 use crate::optics::arbitrary::segment;
@@ -106,7 +107,7 @@ fn one_piece_of_a_linear_function_is_exact() {
 const EXTENT: Extent = Extent { scalar: [0.0, 1.0], longest: 10.0 };
 
 /// Every integrator, with modest tables.
-fn all() -> [Integrator; 8] {
+fn all() -> [Integrator; 10] {
     [
         Integrator::Analytic,
         Integrator::Adaptive { tolerance: 1e-3 },
@@ -115,6 +116,8 @@ fn all() -> [Integrator; 8] {
         Integrator::PreIntegrated { table_size: 9, oversampling: 2 },
         Integrator::PreIntegratedCylindrical { table_size: 9, oversampling: 2, planes: 1 },
         Integrator::Clipped,
+        Integrator::VertexSampled,
+        Integrator::Tabulated { table_size: 9 },
         Integrator::Reference,
     ]
 }
@@ -130,7 +133,10 @@ fn what_an_integrator_cannot_serve_names_one_that_can() {
     let bivariate = smooth(OpticalModel::DensityEmitter);
     let message = refusal(Integrator::Clipped, &bivariate);
     assert!(message.contains("'clipped'") && message.contains("2 widgets"), "{message}");
-    assert!(message.contains("analytic, adaptive, segments, riemann, reference"), "{message}");
+    assert!(
+        message.contains("analytic, adaptive, segments, riemann, vertex-sampled, tabulated, reference"),
+        "{message}"
+    );
     for integrator in [
         Integrator::PreIntegrated { table_size: 8, oversampling: 2 },
         Integrator::PreIntegratedCylindrical { table_size: 8, oversampling: 2, planes: 1 },
@@ -183,7 +189,11 @@ fn a_setting_out_of_range_is_refused() {
 fn what_is_not_a_number_contributes_nothing() {
     let broken = Segment { front: [f64::NAN, 0.5], ..ACROSS };
     for integrator in all() {
-        let made = new(&integrator, Overlap::Exact, &piecewise(), &EXTENT).expect("serves");
+        let look = match integrator {
+            Integrator::Tabulated { .. } => smooth(OpticalModel::DensityEmitter),
+            _ => piecewise(),
+        };
+        let made = new(&integrator, Overlap::Exact, &look, &EXTENT).expect("serves");
         let found = made.integrate(&broken);
         assert_eq!((found.color, found.opacity), ([0.0; 3], 0.0), "{}", integrator.name());
     }
