@@ -12,8 +12,9 @@ fn root() -> &'static Path {
 }
 
 fn pipelines() -> Vec<PathBuf> {
-    let folder = std::fs::read_dir(root().join("pipelines")).expect("the folder of pipelines");
-    let mut files: Vec<PathBuf> = folder.map(|entry| entry.expect("a folder entry").path()).collect();
+    let of = |folder: &str| std::fs::read_dir(root().join(folder)).expect("the folder of pipelines");
+    let folders = of("pipelines").chain(of("pipelines/papers"));
+    let mut files: Vec<PathBuf> = folders.map(|entry| entry.expect("a folder entry").path()).collect();
     files.retain(|path| path.extension().is_some_and(|ending| ending == "toml"));
     files.sort();
     assert!(files.len() >= 5, "the pipelines that ship are gone: {files:?}");
