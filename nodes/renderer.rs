@@ -26,13 +26,14 @@ pub const NODE: Node = Node {
     ..Node::BLANK
 };
 
-const PARAMETERS: [Parameter; 13] = {
+const PARAMETERS: [Parameter; 14] = {
     let [integrator, overlap, segments, tolerance, table_size, oversampling, planes, silhouette, light] =
         drawing::PARAMETERS;
     [
         drawing::ENGINE,
         drawing::ADAPTER,
         drawing::COMPOSITOR,
+        drawing::ACCUMULATION,
         drawing::ORDER,
         integrator,
         overlap,

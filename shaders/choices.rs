@@ -20,15 +20,32 @@ pub enum Compositor {
     Tiles(TileOrder),
     /// `outline_cell` and `blend_cell`: the cells' silhouettes, drawn and blended by the hardware.
     Raster(Blend),
+    /// `place_corner` and `blend_triangle`: the cells' triangles, split by [`crate::FramePass::Split`], likewise.
+    Triangles(Blend),
 }
 
-/// What a pixel of the raster compositor holds.
+/// What a pixel of the blending compositors holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Blend {
     /// Colour and opacity, one cell's over those behind it.
     Over,
     /// One number, since there is one colour.
     Sum,
+    /// Colour and opacity, rounded to so many bits after each cell: by 32-bit floats about [`Blend::about`].
+    Rounded {
+        /// Bits of a channel, 1 to 22.
+        bits: u32,
+    },
+}
+
+impl Blend {
+    /// The number that floats are blended about, so that neighbouring ones lie a step of 2⁻ᵇ apart; 0 where none is.
+    pub fn about(self) -> f32 {
+        match self {
+            Blend::Over | Blend::Sum => 0.0,
+            Blend::Rounded { bits } => 2f32.powi(f32::MANTISSA_DIGITS as i32 - 1 - bits as i32),
+        }
+    }
 }
 
 /// How a tile's pixels take their segments.
@@ -209,7 +226,7 @@ impl Choices {
         1 + 2 * self.value_count() + 3 * usize::from(self.reads_gradient()) + 3 * usize::from(self.silhouette)
     }
 
-    /// Numbers of a point behind its scalar for [`Compositor::Tiles`] and [`Compositor::Raster`]: further values, then the gradient.
+    /// Numbers of a point behind its scalar for the compositors of pixels: further values, then the gradient.
     pub fn attribute_stride(&self) -> usize {
         self.value_count() - 1 + 3 * usize::from(self.reads_gradient())
     }

@@ -29,7 +29,7 @@ pub use kinds::Kind;
 pub use limits32::check_32_bits;
 pub use parameters::{Parameters, SceneHead};
 pub use parts::{Access, CELLS_READ, GRID_GROUP, GridArray, Layout, Parts};
-pub use passes::{FramePass, PlacementRecord, RoundRecord, ViewRecord, multiply_adds};
+pub use passes::{FramePass, PlacementRecord, RoundRecord, RunRecord, ViewRecord, multiply_adds};
 pub use pieces::{PIECES, WgslPiece, piece};
 pub use resources::{Buffer, Contents, Pass, Resources, TEXEL_BYTES, table_lengths};
 pub use stretch::Spans;

@@ -27,11 +27,13 @@ pub enum FramePass {
     MoveDigits,
     /// `aim_runs`: the draws of the sorted cells.
     Runs,
+    /// `split_cells`: the triangles of a run of them.
+    Split,
 }
 
 impl FramePass {
-    /// Every pass: of all compositors, of the tiles, of the raster.
-    pub const ALL: [FramePass; 10] = [
+    /// Every pass: of all compositors, of the tiles, of what is blended.
+    pub const ALL: [FramePass; 11] = [
         FramePass::Points,
         FramePass::Attribute,
         FramePass::Cells,
@@ -42,6 +44,7 @@ impl FramePass {
         FramePass::PlaceDigits,
         FramePass::MoveDigits,
         FramePass::Runs,
+        FramePass::Split,
     ];
 
     /// The text, with the grid's arrays in the parts of `layout`.
@@ -57,6 +60,7 @@ impl FramePass {
             FramePass::PlaceDigits => "passes/place_digits",
             FramePass::MoveDigits => "passes/move_digits",
             FramePass::Runs => "passes/runs",
+            FramePass::Split => "passes/split",
         };
         compose_pieces(&grid_text(self.grid_arrays(), layout), &[piece])
     }
@@ -70,7 +74,7 @@ impl FramePass {
             FramePass::Attribute => &[(Quantity, Read), (Attributes, Write)],
             FramePass::Cells => &[(Tetrahedra, Read), (Seen, Read), (Attributes, Read), (Bounds, Write)],
             FramePass::Lists => &[(Tetrahedra, Read), (Seen, Read), (Bounds, Read)],
-            FramePass::CountDigits | FramePass::PlaceDigits | FramePass::MoveDigits => {
+            FramePass::CountDigits | FramePass::PlaceDigits | FramePass::MoveDigits | FramePass::Split => {
                 &[(Tetrahedra, Read), (Seen, Read), (Bounds, Read)]
             }
             FramePass::Starts | FramePass::Sort | FramePass::Runs => &[],
@@ -90,6 +94,7 @@ impl FramePass {
             FramePass::PlaceDigits => "place_digits",
             FramePass::MoveDigits => "move_digits",
             FramePass::Runs => "aim_runs",
+            FramePass::Split => "split_cells",
         }
     }
 }
@@ -167,6 +172,23 @@ pub struct PlacementRecord {
     pub slot: u32,
     /// Fills up to the alignment.
     pub padding: u32,
+}
+
+/// `Run` of `passes/split.wgsl`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct RunRecord {
+    /// The run's first cell in the sorted list.
+    pub first: u32,
+    /// Cells of a run.
+    pub length: u32,
+    /// Fills up to the alignment.
+    pub padding: [u32; 2],
+}
+
+impl RunRecord {
+    /// Bytes of the five corners that a cell is split into: `SplitCorner` of `compositor/corner.wgsl`.
+    pub const CELL_BYTES: u64 = 5 * 48;
 }
 
 /// `Round` of `passes/digits.wgsl`.

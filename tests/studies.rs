@@ -7,6 +7,7 @@ use std::sync::{Arc, Mutex};
 use std::time::Duration;
 use voltet::core::Shared;
 use voltet::core::camera::{Camera, Projection};
+use voltet::core::engine::Accumulation;
 use voltet::core::field::{CellAverage, Method};
 use voltet::core::grid::generate::box_of_tetrahedra;
 use voltet::core::optics::Overlap;
@@ -184,7 +185,13 @@ fn smooth_subject() -> Subject {
         order_node: None,
         scene,
         needs_order: false,
-        asked: Asked { form: Form::Renderer, engine: "cpu".into(), adapter: None, compositor: "auto".into() },
+        asked: Asked {
+            form: Form::Renderer,
+            engine: "cpu".into(),
+            adapter: None,
+            compositor: "auto".into(),
+            accumulation: Accumulation::Float,
+        },
         background: [0.0; 3],
     }
 }

@@ -11,11 +11,14 @@ pub enum Compositing {
     Tiles,
     /// The cells' silhouettes, drawn farthest first and blended by the hardware: no exact order at every pixel.
     Raster,
+    /// Each cell as three or four triangles round its thick vertex (Shirley and Tuchman 1990), drawn and blended likewise:
+    /// what the hardware interpolates between corners is a little off.
+    Triangles,
 }
 
 impl Compositing {
     /// Each of them with its meaning, what serves every order first.
-    pub const WORDS: [(&str, &str); 2] = [
+    pub const WORDS: [(&str, &str); 3] = [
         (
             "tiles",
             "compute passes over tiles of 8 × 8 pixels: every order, and pixels in disorder are counted",
@@ -25,10 +28,15 @@ impl Compositing {
             "cells sorted by centroid, drawn and blended by the hardware: for scenes that need no order, or \
              order = \"centroid\" or \"none\"; what it gets wrong is not counted",
         ),
+        (
+            "triangles",
+            "cells as triangles round their thick vertex (Shirley and Tuchman 1990), in perspective, else as raster: \
+             to see what the classic method costs and how far it is off; auto never takes it",
+        ),
     ];
 
     /// Those of [`Compositing::WORDS`], in their order.
-    pub const ALL: [Compositing; 2] = [Compositing::Tiles, Compositing::Raster];
+    pub const ALL: [Compositing; 3] = [Compositing::Tiles, Compositing::Raster, Compositing::Triangles];
 
     /// The name in pipeline files.
     pub fn name(self) -> &'static str {
@@ -53,11 +61,60 @@ impl Compositing {
     /// The same before the scene is known; `needed`: whether it will need an order.
     pub fn check_order(self, order: Order, needed: bool) -> Result<()> {
         if needed && !self.has(order) {
-            return Err(Error::usage(
-                "compositor = \"raster\" has no exact order at every pixel, and this scene needs one",
-            )
+            return Err(Error::usage(format!(
+                "compositor = \"{}\" has no exact order at every pixel, and this scene needs one",
+                self.name()
+            ))
             .found("order = \"exact\", or \"auto\", which is exact here")
             .accepted("order = \"centroid\", an approximation; or compositor = \"tiles\""));
+        }
+        Ok(())
+    }
+}
+
+/// What blending hardware accumulates in. Tiles have 32-bit floats always.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Accumulation {
+    /// Floats.
+    #[default]
+    Float,
+    /// 8 bits a channel, 0 to 1, as a display has them.
+    Bits8,
+    /// 12 bits a channel.
+    Bits12,
+    /// 16 bits a channel.
+    Bits16,
+}
+
+impl Accumulation {
+    /// Each of them with its meaning.
+    pub const WORDS: [(&str, &str); 4] = [
+        ("float", "32-bit floats, or 16-bit ones with a warning where the device blends no others"),
+        ("8-bit", "rounded to 8 bits a channel after each cell, by a texture of these"),
+        ("12-bit", "rounded to multiples of 1/4096 after each cell"),
+        ("16-bit", "rounded to multiples of 1/65536 after each cell"),
+    ];
+
+    /// Those of [`Accumulation::WORDS`], in their order.
+    pub const ALL: [Accumulation; 4] =
+        [Accumulation::Float, Accumulation::Bits8, Accumulation::Bits12, Accumulation::Bits16];
+
+    /// The name in pipeline files.
+    pub fn name(self) -> &'static str {
+        Accumulation::WORDS[self as usize].0
+    }
+
+    /// The one of that name.
+    pub fn named(name: &str) -> Option<Accumulation> {
+        Accumulation::ALL.into_iter().find(|one| one.name() == name)
+    }
+
+    /// Refuses rounding where nothing is blended by the hardware.
+    pub fn check(self, compositing: Compositing) -> Result<()> {
+        if self != Accumulation::Float && compositing == Compositing::Tiles {
+            return Err(Error::usage("compositor = \"tiles\" accumulates in 32-bit floats alone")
+                .found(format!("accumulation = \"{}\"", self.name()))
+                .accepted("accumulation = \"float\"; or compositor = \"raster\" or \"triangles\""));
         }
         Ok(())
     }

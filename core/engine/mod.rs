@@ -13,7 +13,7 @@ mod compositing;
 mod drawn;
 mod forms;
 
-pub use compositing::{Chosen, Compositing, Memory};
+pub use compositing::{Accumulation, Chosen, Compositing, Memory};
 pub use drawn::{Counts, Drawn, Stage, Timed};
 pub use forms::{Answer, Chain, Condition, Conditions, Forms, PartialIntegrals, Precision};
 
@@ -125,6 +125,8 @@ impl AdapterWish {
 pub struct Manner {
     /// How a device composites; where nothing is said, in the way that serves every order.
     pub compositing: Option<Compositing>,
+    /// What blending hardware accumulates in.
+    pub accumulation: Accumulation,
     /// Leave to leave something out that the picture does not need: without it the engine does everything, for comparison, and
     /// the picture is the same.
     pub may_leave_out: Option<MayLeaveOut>,
@@ -132,7 +134,11 @@ pub struct Manner {
 
 impl Default for Manner {
     fn default() -> Self {
-        Manner { compositing: None, may_leave_out: Some(MayLeaveOut::GIVEN) }
+        Manner {
+            compositing: None,
+            accumulation: Accumulation::Float,
+            may_leave_out: Some(MayLeaveOut::GIVEN),
+        }
     }
 }
 

@@ -30,6 +30,7 @@ fn bound(pass: Option<FramePass>) -> &'static [Bound] {
         Some(FramePass::CountDigits | FramePass::PlaceDigits) => &[Uniform, Read, Write],
         Some(FramePass::MoveDigits) => &[Uniform, Read, Write, Write],
         Some(FramePass::Runs) => &[Write, Read],
+        Some(FramePass::Split) => &[Uniform, Read, Read, Write],
         None => &[Read, Read, Write, Write, Write],
     }
 }

@@ -17,7 +17,8 @@ pub(crate) struct PassKey {
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub(crate) struct DrawingKey {
     pub text: String,
-    pub format: wgpu::TextureFormat,
+    pub fragment: &'static str,
+    pub formats: Vec<wgpu::TextureFormat>,
     pub factors: [wgpu::BlendFactor; 2],
 }
 

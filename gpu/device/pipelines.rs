@@ -36,9 +36,7 @@ impl Device {
     /// The entry points of what is compiled, by name, each once.
     pub fn compiled(&self) -> Vec<&'static str> {
         let mut names: Vec<&str> = self.passes.locked().keys().map(|key| key.entry_point).collect();
-        if !self.drawings.locked().is_empty() {
-            names.push("blend_cell");
-        }
+        names.extend(self.drawings.locked().keys().map(|key| key.fragment));
         names.sort_unstable();
         names.dedup();
         names

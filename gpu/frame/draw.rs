@@ -8,7 +8,7 @@ use crate::grid::parts::Sizes;
 use crate::grid::uploaded::{DeviceGrid, Quantity};
 use crate::pass::tables::TableKey;
 use voltet_core::Result;
-use voltet_core::engine::{Compositing, Manner, Timed};
+use voltet_core::engine::{Accumulation, Compositing, Manner, Timed};
 use voltet_core::optics::integrators::Extent;
 use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
@@ -138,6 +138,7 @@ pub fn draw(renderer: &Renderer, scene: &Scene, manner: &Manner, progress: &dyn 
         scene: parameters.scene_bytes(),
         numbers: parameters.numbers,
         support,
+        in_8_bits: manner.accumulation == Accumulation::Bits8,
         stops_where_opaque: manner.may_leave_out.is_some(),
         sorted: !is_free && (sort_key != 2 || compositing == Compositing::Tiles),
         samples: camera.sample_offsets().iter().map(sample).collect::<Result<_>>()?,
@@ -156,7 +157,8 @@ pub fn draw(renderer: &Renderer, scene: &Scene, manner: &Manner, progress: &dyn 
             cells_projected: counted[count::PROJECTED],
             tile_entries: counted[count::ENTRIES],
             segments: is_counted.then_some(counted[count::SEGMENTS]),
-            pixels_disordered: (is_counted || is_free).then_some(counted[count::DISORDERED]),
+            pixels_disordered: (is_counted || is_free || !scene.needs_order())
+                .then_some(counted[count::DISORDERED]),
             sweeps_further: counted[count::SWEEPS],
             tiles_stopped: counted[count::TILES_STOPPED],
             cells_hidden: counted[count::CELLS_HIDDEN],
@@ -164,7 +166,9 @@ pub fn draw(renderer: &Renderer, scene: &Scene, manner: &Manner, progress: &dyn 
         passes: returned.passes,
         parts_left_out,
         part_bytes_left_out,
-        blended_in_16_bits: !is_counted && !grid.device.blends_32_bits,
+        blended_in_16_bits: !is_counted
+            && manner.accumulation == Accumulation::Float
+            && !grid.device.blends_32_bits,
     })
 }
 
@@ -177,9 +181,10 @@ fn compositing(manner: &Manner) -> Compositing {
 fn order(scene: &Scene, manner: &Manner) -> Order {
     match (scene.order, manner.may_leave_out) {
         (order, _) if compositing(manner) == Compositing::Tiles || scene.needs_order() => order,
-        (_, Some(_)) => Order::None,
-        (Order::Exact | Order::Auto, None) => Order::Centroid,
-        (order, None) => order,
+        // Rounded after each cell, what is blended depends on their order a little.
+        (_, Some(_)) if manner.accumulation == Accumulation::Float => Order::None,
+        (Order::Exact | Order::Auto, _) => Order::Centroid,
+        (order, _) => order,
     }
 }
 
@@ -188,8 +193,8 @@ pub(crate) fn choices(renderer: &Renderer, scene: &Scene, manner: &Manner) -> Re
     let grid = &renderer.grid;
     let Scene { transfer_function, shading, .. } = scene;
     let compositor = compositor(transfer_function, shading, order(scene, manner), manner)?;
-    if compositing(manner) == Compositing::Raster {
-        grid.device.check_raster(grid.cell_count.into())?;
+    if compositing(manner) != Compositing::Tiles {
+        grid.device.check_blending(compositing(manner), manner.accumulation, grid.cell_count.into())?;
     }
     let mut choices = Choices::new(transfer_function, shading, compositor)?;
     let sizes = sizes(grid, &choices, transfer_function, shading);
@@ -233,7 +238,11 @@ fn parts_left_out(shader: &Shader) -> (Vec<&'static str>, u64) {
 
 /// Whether the compositor needs no order.
 fn is_free(compositor: Compositor) -> bool {
-    matches!(compositor, Compositor::Tiles(TileOrder::Sum) | Compositor::Raster(Blend::Sum))
+    match compositor {
+        Compositor::Tiles(order) => order == TileOrder::Sum,
+        Compositor::Raster(blend) | Compositor::Triangles(blend) => blend == Blend::Sum,
+        Compositor::None | Compositor::Segments => false,
+    }
 }
 
 /// With one colour that no light changes, C = c A whatever the order: none is made, unless nothing may be left out.
@@ -249,12 +258,23 @@ fn compositor(
     let known = !choices.method.is_table_of_lengths();
     let needed = !known || !matches!(choices.combine, Combine::OneColor | Combine::Nothing) || lit;
     compositing.check_order(order, needed)?;
+    manner.accumulation.check(compositing)?;
     let free = !needed && manner.may_leave_out.is_some();
     Ok(match (compositing, order) {
         (Compositing::Tiles, _) if free => Compositor::Tiles(TileOrder::Sum),
         (Compositing::Tiles, Order::Exact | Order::Auto) => Compositor::Tiles(TileOrder::Exact),
         (Compositing::Tiles, Order::Centroid | Order::None) => Compositor::Tiles(TileOrder::Listed),
-        (Compositing::Raster, _) if free => Compositor::Raster(Blend::Sum),
-        (Compositing::Raster, _) => Compositor::Raster(Blend::Over),
+        (Compositing::Raster, _) => Compositor::Raster(blend(manner.accumulation, free)),
+        (Compositing::Triangles, _) => Compositor::Triangles(blend(manner.accumulation, free)),
     })
+}
+
+/// What a pixel holds: one number where order is of no account, but for frame buffers of few bits, which hold colours.
+fn blend(accumulation: Accumulation, free: bool) -> Blend {
+    match accumulation {
+        Accumulation::Float if free => Blend::Sum,
+        Accumulation::Float | Accumulation::Bits8 => Blend::Over,
+        Accumulation::Bits12 => Blend::Rounded { bits: 12 },
+        Accumulation::Bits16 => Blend::Rounded { bits: 16 },
+    }
 }

@@ -27,6 +27,8 @@ pub(crate) struct FrameInputs<'a> {
     pub scene: Vec<u8>,
     pub numbers: Vec<f32>,
     pub support: Vec<u32>,
+    /// Whether what is blended stands in 8 bits a channel.
+    pub in_8_bits: bool,
     /// Whether pixels that are opaque look at no further cells.
     pub stops_where_opaque: bool,
     pub sorted: bool,

@@ -9,7 +9,7 @@ use crate::frame::count;
 use crate::frame::inputs::FrameInputs;
 use crate::grid::parts::GrowingParts;
 use crate::pass::steps::{Binder, GridArrays, Step, folded, kinds, run, scene_kinds};
-use crate::raster::blended::{Blending, Raster};
+use crate::raster::blended::{Blending, Form, Raster};
 use voltet_core::Result;
 use voltet_core::engine::Stage;
 use voltet_shaders::{CELLS_READ, Compositor, FramePass, GridArray, PlacementRecord, ViewRecord};
@@ -106,8 +106,12 @@ impl<'a> Passes<'a> {
             )?);
         }
         let reads_g = if frame.reads_g { 1.0 } else { 0.0 };
-        let is_raster = matches!(frame.choices.compositor, Compositor::Raster(_));
-        let lists_tiles = if is_raster { 0.0 } else { 1.0 };
+        let blended = match frame.choices.compositor {
+            Compositor::Raster(blend) => Some((Form::Outlines, blend)),
+            Compositor::Triangles(blend) => Some((Form::Triangles, blend)),
+            Compositor::None | Compositor::Segments | Compositor::Tiles(_) => None,
+        };
+        let lists_tiles = if blended.is_some() { 0.0 } else { 1.0 };
         let constants = vec![stride, ("reads_g", reads_g), ("lists_tiles", lists_tiles)];
         let mut lists =
             vec![step(FramePass::Cells, over_cells, constants, &[&support, &listed, &counts], scalar)?];
@@ -117,10 +121,12 @@ impl<'a> Passes<'a> {
         for (name, binding) in &frame.storage_buffers {
             read.push((*binding, if name == "numbers" { &numbers } else { tables.named(name)? }));
         }
-        let last = if let Compositor::Raster(blend) = frame.choices.compositor {
+        let last = if let Some((form, blend)) = blended {
             let blending = Blending {
                 shader: &frame.compositor,
+                form,
                 blend,
+                in_8_bits: frame.in_8_bits,
                 depths_add_up: frame.choices.depths_add_up(),
                 sorted: frame.sorted,
                 window,

@@ -10,7 +10,7 @@ use std::time::Instant;
 use voltet_core::Result;
 use voltet_core::Shared;
 use voltet_core::camera::{Camera, Projection};
-use voltet_core::engine::{Chosen, Compositing, Manner, Memory};
+use voltet_core::engine::{Accumulation, Chosen, Compositing, Manner, Memory};
 use voltet_core::error::ErrorKind;
 use voltet_core::grid::generate::box_of_tetrahedra;
 use voltet_core::optics::Overlap;
@@ -50,7 +50,8 @@ pub(crate) fn choose(
     if !device.blends_32_bits() {
         return Ok(tiles("the device blends no 32-bit floats".into()));
     }
-    if let Err(error) = device.check_raster(scene.volume.grid.tetrahedra.len() as u64) {
+    let cell_count = scene.volume.grid.tetrahedra.len() as u64;
+    if let Err(error) = device.check_blending(Compositing::Raster, Accumulation::Float, cell_count) {
         return Ok(tiles(error.to_string()));
     }
     let mut known = known.lock().unwrap_or_else(PoisonError::into_inner);

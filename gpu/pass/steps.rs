@@ -30,6 +30,7 @@ fn stage(pass: FramePass) -> Stage {
         FramePass::CountDigits | FramePass::PlaceDigits | FramePass::MoveDigits | FramePass::Runs => {
             Stage::Sort
         }
+        FramePass::Split => Stage::Project,
     }
 }
 

@@ -1,7 +1,8 @@
-//! The raster compositor: all cells sorted by distance, drawn farthest first and blended by the hardware.
+//! The compositors that blend: all cells sorted by distance, drawn farthest first and blended by the hardware.
 //!
-//! The sorted list is drawn in runs. Each is one indirect draw of four vertices and two triangles a cell, whose indices
-//! are the same for all runs; so what drawing takes is a picture, and one list of indices, whatever the grid's size.
+//! The sorted list is drawn in runs. Each is one indirect draw of a fixed number of vertices and triangles a cell, whose
+//! indices are the same for all runs; so what drawing takes is a picture, one list of indices, and for triangles the corners
+//! of one run, whatever the grid's size.
 
 use crate::device::bindings::{Bound, in_order};
 use crate::device::buffers::Growing;
@@ -15,8 +16,49 @@ use crate::raster::sort::{ROUNDS, SortBuffers};
 use std::sync::Arc;
 use voltet_core::Result;
 use voltet_core::engine::Stage;
-use voltet_shaders::{Blend, CELLS_READ, FramePass, GRID_GROUP, Shader, ViewRecord};
+use voltet_shaders::{Blend, CELLS_READ, FramePass, GRID_GROUP, RunRecord, Shader, ViewRecord};
 use wgpu::{Buffer, BufferUsages, CommandEncoder};
+
+/// As what cells are drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Form {
+    /// Outlines of four vertices, which are found while they are drawn.
+    Outlines,
+    /// Triangles round the thick vertex, which a pass splits each run into.
+    Triangles,
+}
+
+impl Form {
+    /// Entry points for vertices and for pixels.
+    fn entry_points(self) -> [&'static str; 2] {
+        match self {
+            Form::Outlines => ["outline_cell", "blend_cell"],
+            Form::Triangles => ["place_corner", "blend_triangle"],
+        }
+    }
+
+    /// The triangles of a cell, by its vertices: of a ring of four, or of four round the first.
+    fn triangles(self) -> &'static [[u32; 3]] {
+        match self {
+            Form::Outlines => &[[0, 1, 2], [0, 2, 3]],
+            Form::Triangles => &[[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 1]],
+        }
+    }
+
+    /// Vertices of a cell.
+    fn vertices(self) -> u32 {
+        match self {
+            Form::Outlines => 4,
+            Form::Triangles => 5,
+        }
+    }
+
+    /// Indices of a run.
+    fn indices(self, run_length: u32) -> Vec<u32> {
+        let of_cell = |cell| self.triangles().as_flattened().iter().map(move |k| self.vertices() * cell + k);
+        (0..run_length).flat_map(of_cell).collect()
+    }
+}
 
 /// Cells of a run.
 const RUN_LENGTH: u32 = 1 << 16;
@@ -29,9 +71,11 @@ const RUNS_AT_A_TIME: u32 = 64;
 pub(crate) struct RasterBuffers {
     sort: SortBuffers,
     draws: Growing,
-    /// With the run's length that they are for.
-    indices: Option<(u32, Buffer)>,
-    canvas: Canvas,
+    /// With the form and the run's length that they are for.
+    indices: Option<((Form, u32), Buffer)>,
+    canvases: [Canvas; 2],
+    /// The corners of a run's triangles.
+    split: Growing,
     /// Cells of a run, where it is not [`RUN_LENGTH`].
     pub run_length: Option<u32>,
 }
@@ -39,7 +83,10 @@ pub(crate) struct RasterBuffers {
 /// What is drawn.
 pub(crate) struct Blending<'a> {
     pub shader: &'a Shader,
+    pub form: Form,
     pub blend: Blend,
+    /// Whether pixels hold 8 bits a channel.
+    pub in_8_bits: bool,
     /// Whether optical depths add up; else opacities are composited.
     pub depths_add_up: bool,
     pub sorted: bool,
@@ -55,27 +102,34 @@ pub(crate) struct Blending<'a> {
 /// The passes over one window.
 pub(crate) struct Raster {
     sort: Vec<Step>,
+    /// For each run, where cells are split into triangles.
+    split: Vec<Step>,
+    /// The entry point for pixels.
+    name: &'static str,
     pipeline: Arc<wgpu::RenderPipeline>,
     groups: [wgpu::BindGroup; 3],
-    canvas: wgpu::TextureView,
+    canvases: Vec<wgpu::TextureView>,
+    clear: wgpu::Color,
     indices: Buffer,
     draws: Buffer,
     run_count: u32,
     take: Step,
 }
 
-/// Six indices a cell: two triangles of its four vertices.
-fn indices(run_length: u32) -> Vec<u32> {
-    (0..run_length).flat_map(|cell| [0, 1, 2, 0, 2, 3].map(|corner| 4 * cell + corner)).collect()
-}
-
 impl Raster {
     /// Makes what is missing of the buffers, and binds it.
     pub fn new(blending: &Blending, kept: &mut RasterBuffers, binder: &Binder) -> Result<Raster> {
-        let &Blending { shader, blend, depths_add_up, sorted, window, scalar, scene, pixels } = blending;
+        let &Blending { shader, form, blend, in_8_bits, depths_add_up, sorted, window, scalar, .. } =
+            blending;
+        let &Blending { scene, pixels, .. } = blending;
         let (device, cell_count) = (binder.device, binder.arrays.grid.cell_count);
         let scene_kinds = scene_kinds(scene);
-        let run_length = kept.run_length.unwrap_or(RUN_LENGTH);
+        // A run's corners stand in one binding.
+        let fit = (device.most_bytes() / RunRecord::CELL_BYTES).max(1);
+        let run_length = match form {
+            Form::Outlines => kept.run_length.unwrap_or(RUN_LENGTH),
+            Form::Triangles => kept.run_length.unwrap_or(RUN_LENGTH).min(fit.try_into().unwrap_or(u32::MAX)),
+        };
         let run_count = cell_count.div_ceil(run_length);
         let rounds = if sorted { ROUNDS } else { 1 };
         let list = kept.sort.sort(binder, cell_count, rounds, true, scalar)?;
@@ -83,21 +137,47 @@ impl Raster {
         let draws_size = 20 * u64::from(run_count);
         let draws = kept.draws.at_least(draws_size, |size| device.buffer("the draws", size, usage))?;
         let mut steps = list.steps;
-        steps.push(binder.step(
-            FramePass::Runs,
-            folded(run_count, device.limits.max_compute_workgroups_per_dimension),
-            vec![("run_length", f64::from(run_length))],
-            &[&draws, &list.digit_counts],
-            scalar,
-        )?);
+        let most = device.limits.max_compute_workgroups_per_dimension;
+        // The vertices of triangles are those of a run, others count through the list.
+        let vertices = if form == Form::Outlines { form.vertices() } else { 0 };
+        let constants = vec![
+            ("run_length", f64::from(run_length)),
+            ("cell_indices", 3.0 * form.triangles().len() as f64),
+            ("cell_vertices", f64::from(vertices)),
+        ];
+        let bindings = [&draws, &list.digit_counts];
+        steps.push(binder.step(FramePass::Runs, folded(run_count, most), constants, &bindings, scalar)?);
+        let mut split = Vec::new();
+        // What vertices are read from.
+        let drawn = match form {
+            Form::Outlines => list.sorted.clone(),
+            Form::Triangles => {
+                let size = u64::from(run_length.min(cell_count)) * RunRecord::CELL_BYTES;
+                let corners =
+                    kept.split.at_least(size, |size| device.storage("the corners of a run", size))?;
+                for number in 0..run_count {
+                    let record =
+                        RunRecord { first: number * run_length, length: run_length, padding: [0; 2] };
+                    let this = device.uniform("a run", size_of::<RunRecord>() as u64)?;
+                    device.queue.write_buffer(&this, 0, bytemuck::bytes_of(&record));
+                    let bindings = [&this, &list.sorted, &list.digit_counts, &corners];
+                    let over_run = folded(run_length.min(cell_count), most);
+                    split.push(binder.step(FramePass::Split, over_run, vec![], &bindings, scalar)?);
+                }
+                corners
+            }
+        };
 
-        let target = Target::new(blend, depths_add_up, device.blends_32_bits);
+        let target = Target::new(blend, depths_add_up, device.blends_32_bits, in_8_bits);
         let size = [window[2], window[3]].map(|tiles| tiles * ViewRecord::TILE);
-        let canvas = kept.canvas.of(device, size, target.format)?;
+        let made = target.formats.iter().zip(&mut kept.canvases);
+        let canvases: Vec<_> =
+            made.map(|(format, canvas)| canvas.of(device, size, *format)).collect::<Result<_>>()?;
+        let clear = target.clear;
         let in_grid = binder.arrays.of(CELLS_READ, scalar);
         let pipeline = device.drawing(&Drawing {
             shader,
-            entry_points: ["outline_cell", "blend_cell"],
+            entry_points: form.entry_points(),
             target,
             groups: [&scene_kinds, &in_order(&[Bound::Uniform, Bound::Read]), &kinds(&in_grid)],
         })?;
@@ -106,11 +186,14 @@ impl Raster {
         };
         let groups = [
             group(0, scene),
-            group(1, &[(0, binder.view), (1, &list.sorted)]),
+            group(1, &[(0, binder.view), (1, &drawn)]),
             group(GRID_GROUP, &buffers(&in_grid)),
         ];
 
-        let take_kinds = [(0, Bound::Uniform), (2, Bound::Texels), (3, Bound::Write)];
+        // Behind the picture, what is rounded has its opacity in a texture of its own.
+        let texels = [2, 4].into_iter().zip(&canvases);
+        let mut take_kinds = vec![(0, Bound::Uniform), (3, Bound::Write)];
+        take_kinds.extend(texels.clone().map(|(binding, _)| (binding, Bound::Texels)));
         let take = device.pipeline(&Program {
             shader,
             entry_point: "take_blended",
@@ -118,17 +201,20 @@ impl Raster {
             groups: [&scene_kinds, &take_kinds, &[]],
         })?;
         let mut resources = whole(&[(0, binder.view), (3, pixels)]);
-        resources.push((2, wgpu::BindingResource::TextureView(&canvas)));
+        resources.extend(texels.map(|(binding, view)| (binding, wgpu::BindingResource::TextureView(view))));
         let take_groups = vec![
             (0, device.bind(&take, 0, scene)),
             (1, device.bind_group(&take.get_bind_group_layout(1), resources)),
         ];
         Ok(Raster {
             sort: steps,
+            split,
+            name: form.entry_points()[1],
             pipeline,
             groups,
-            canvas,
-            indices: kept.indices(device, run_length)?,
+            canvases,
+            clear,
+            indices: kept.indices(device, form, run_length.min(cell_count))?,
             draws,
             run_count,
             take: Step {
@@ -146,7 +232,14 @@ impl Raster {
         let mut first = 0;
         loop {
             let end = (first + RUNS_AT_A_TIME).min(self.run_count);
-            self.draw(encoder, first..end, timing);
+            if self.split.is_empty() {
+                self.draw(encoder, first..end, timing);
+            } else {
+                for (number, split) in (first..end).zip(&self.split[first as usize..]) {
+                    run(encoder, split, timing);
+                    self.draw(encoder, number..number + 1, timing);
+                }
+            }
             first = end;
             if first == self.run_count {
                 break;
@@ -159,19 +252,18 @@ impl Raster {
 
     fn draw(&self, encoder: &mut CommandEncoder, runs: std::ops::Range<u32>, timing: &mut Timing) {
         let load = match runs.start {
-            0 => wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
+            0 => wgpu::LoadOp::Clear(self.clear),
             _ => wgpu::LoadOp::Load,
         };
-        let attachment = wgpu::RenderPassColorAttachment {
-            view: &self.canvas,
-            depth_slice: None,
-            resolve_target: None,
-            ops: wgpu::Operations { load, store: wgpu::StoreOp::Store },
+        let attachment = |view| {
+            let ops = wgpu::Operations { load, store: wgpu::StoreOp::Store };
+            Some(wgpu::RenderPassColorAttachment { view, depth_slice: None, resolve_target: None, ops })
         };
+        let attachments: Vec<_> = self.canvases.iter().map(attachment).collect();
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("blend_cell"),
-            color_attachments: &[Some(attachment)],
-            timestamp_writes: timing.next_drawing(("blend_cell", Stage::Composite)),
+            label: Some(self.name),
+            color_attachments: &attachments,
+            timestamp_writes: timing.next_drawing((self.name, Stage::Composite)),
             ..Default::default()
         });
         pass.set_pipeline(&self.pipeline);
@@ -190,17 +282,18 @@ fn whole<'a>(list: &[(u32, &'a Buffer)]) -> Vec<(u32, wgpu::BindingResource<'a>)
 }
 
 impl RasterBuffers {
-    fn indices(&mut self, device: &Device, run_length: u32) -> Result<Buffer> {
-        if let Some((_, known)) = self.indices.as_ref().filter(|(length, _)| *length == run_length) {
+    fn indices(&mut self, device: &Device, form: Form, run_length: u32) -> Result<Buffer> {
+        let key = (form, run_length);
+        if let Some((_, known)) = self.indices.as_ref().filter(|(known, _)| *known == key) {
             return Ok(known.clone());
         }
-        let indices = indices(run_length);
+        let indices = form.indices(run_length);
         let usage = BufferUsages::INDEX | BufferUsages::COPY_DST;
         let made = device.buffer("the indices of a run", 4 * indices.len() as u64, usage)?;
         device.guarded("the indices of a run", || {
             device.queue.write_buffer(&made, 0, bytemuck::cast_slice(&indices));
         })?;
-        self.indices = Some((run_length, made.clone()));
+        self.indices = Some((key, made.clone()));
         Ok(made)
     }
 }

@@ -6,14 +6,18 @@ use crate::device::compiled::DrawingKey;
 use crate::device::open::Device;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
+use voltet_core::engine::{Accumulation, Compositing};
 use voltet_core::{Error, Result};
 use voltet_shaders::{Blend, Shader};
 use wgpu::{BlendComponent, BlendFactor, DownlevelFlags, ShaderStages, TextureFormat};
 
 /// What is blended, and how.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Target {
-    pub format: TextureFormat,
+    /// Of each picture that is drawn into.
+    pub formats: Vec<TextureFormat>,
+    /// What an unseen pixel holds.
+    pub clear: wgpu::Color,
     factors: [BlendFactor; 2],
 }
 
@@ -22,22 +26,28 @@ impl Target {
     ///
     /// Colours come farthest first, each over what is there: C ← C_seg + (1 − A_seg) C. The other way round, each would
     /// be weighted by 1 − A of the sum, which has few digits left where little more is seen.
-    pub fn new(blend: Blend, depths_add_up: bool, wide: bool) -> Target {
-        let format = match (blend, wide) {
-            (Blend::Over, true) => TextureFormat::Rgba32Float,
-            (Blend::Over, false) => TextureFormat::Rgba16Float,
-            (Blend::Sum, true) => TextureFormat::R32Float,
-            (Blend::Sum, false) => TextureFormat::R16Float,
+    ///
+    /// Without 32 bits what is rounded is not served: [`Device::check_blending`].
+    pub fn new(blend: Blend, depths_add_up: bool, wide: bool, in_8_bits: bool) -> Target {
+        let formats = match (blend, wide) {
+            (Blend::Over, _) if in_8_bits => vec![TextureFormat::Rgba8Unorm],
+            (Blend::Over, true) => vec![TextureFormat::Rgba32Float],
+            (Blend::Over, false) => vec![TextureFormat::Rgba16Float],
+            (Blend::Sum, true) => vec![TextureFormat::R32Float],
+            (Blend::Sum, false) => vec![TextureFormat::R16Float],
+            (Blend::Rounded { .. }, _) => vec![TextureFormat::Rgba32Float, TextureFormat::R32Float],
         };
         let behind = match blend {
-            Blend::Over => BlendFactor::OneMinusSrcAlpha,
+            Blend::Over | Blend::Rounded { .. } => BlendFactor::OneMinusSrcAlpha,
             Blend::Sum if depths_add_up => BlendFactor::One,
             Blend::Sum => BlendFactor::OneMinusSrc,
         };
-        Target { format, factors: [BlendFactor::One, behind] }
+        let about = f64::from(blend.about());
+        let clear = wgpu::Color { r: about, g: about, b: about, a: 0.0 };
+        Target { formats, clear, factors: [BlendFactor::One, behind] }
     }
 
-    fn blend(self) -> wgpu::BlendState {
+    fn blend(&self) -> wgpu::BlendState {
         let [src_factor, dst_factor] = self.factors;
         let component = BlendComponent { src_factor, dst_factor, operation: wgpu::BlendOperation::Add };
         wgpu::BlendState { color: component, alpha: component }
@@ -61,13 +71,13 @@ const NEEDED: [(DownlevelFlags, &str); 2] = [
 ];
 
 /// An error that names what is lacking.
-fn check_flags(found: DownlevelFlags, device: &str) -> Result<()> {
+fn check_flags(found: DownlevelFlags, device: &str, compositor: &str) -> Result<()> {
     let lacking = NEEDED.iter().filter(|(flag, _)| !found.contains(*flag));
     let lacking: Vec<&str> = lacking.map(|(_, what)| *what).collect();
     if lacking.is_empty() {
         return Ok(());
     }
-    Err(Error::run(format!("{device} lacks what compositor = \"raster\" draws with"))
+    Err(Error::run(format!("{device} lacks what compositor = \"{compositor}\" draws with"))
         .found(format!("no {}", lacking.join(", no ")))
         .accepted("compositor = \"tiles\""))
 }
@@ -76,26 +86,40 @@ fn check_flags(found: DownlevelFlags, device: &str) -> Result<()> {
 pub(crate) const ENTRY_BYTES: u64 = 8;
 
 impl Device {
-    /// An error that names what the device lacks for the raster compositor, or how many cells its list holds.
-    pub fn check_raster(&self, cell_count: u64) -> Result<()> {
+    /// An error that names what the device lacks for a compositor that blends, or how many cells its list holds.
+    pub fn check_blending(
+        &self,
+        compositing: Compositing,
+        accumulation: Accumulation,
+        cell_count: u64,
+    ) -> Result<()> {
         let most = self.most_bytes() / ENTRY_BYTES;
         if most < cell_count {
             return Err(Error::run(format!("the sorted cells do not fit one binding of {}", self.name))
                 .found(format!("{cell_count} cells"))
                 .accepted(format!("at most {most}, or compositor = \"tiles\"")));
         }
-        check_flags(self.downlevel, &self.name)
+        let is_rounded = matches!(accumulation, Accumulation::Bits12 | Accumulation::Bits16);
+        if is_rounded && !self.blends_32_bits {
+            let words = format!("accumulation = \"{}\"", accumulation.name());
+            return Err(Error::run(format!("{} blends no 32-bit floats", self.name))
+                .found(format!("{words}, which is made of these"))
+                .accepted("accumulation = \"float\" or \"8-bit\""));
+        }
+        check_flags(self.downlevel, &self.name, compositing.name())
     }
 
-    /// Whether the raster compositor blends in 32-bit floats, not in 16 bits.
+    /// Whether pixels are blended in 32-bit floats, not in 16 bits.
     pub fn blends_32_bits(&self) -> bool {
         self.blends_32_bits
     }
 
     /// The pipeline, compiled if it is not there.
     pub(crate) fn drawing(&self, program: &Drawing) -> Result<Arc<wgpu::RenderPipeline>> {
-        let Target { format, factors } = program.target;
-        let key = DrawingKey { text: program.shader.text.clone(), format, factors };
+        let Target { formats, factors, .. } = &program.target;
+        let text = program.shader.text.clone();
+        let fragment = program.entry_points[1];
+        let key = DrawingKey { text, fragment, formats: formats.clone(), factors: *factors };
         self.drawings.of(key, || {
             let compiled = self.compile_drawing(program)?;
             self.work.shader_builds.fetch_add(1, Ordering::Relaxed);
@@ -116,11 +140,14 @@ impl Device {
                 bind_group_layouts: &layouts.each_ref().map(Option::as_ref),
                 immediate_size: 0,
             });
-            let color = wgpu::ColorTargetState {
-                format: target.format,
-                blend: Some(target.blend()),
-                write_mask: wgpu::ColorWrites::ALL,
+            let color = |format: &TextureFormat| {
+                Some(wgpu::ColorTargetState {
+                    format: *format,
+                    blend: Some(target.blend()),
+                    write_mask: wgpu::ColorWrites::ALL,
+                })
             };
+            let targets: Vec<_> = target.formats.iter().map(color).collect();
             self.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
                 label: Some(fragment),
                 layout: Some(&layout),
@@ -137,7 +164,7 @@ impl Device {
                     module: &module,
                     entry_point: Some(fragment),
                     compilation_options: Default::default(),
-                    targets: &[Some(color)],
+                    targets: &targets,
                 }),
                 multiview_mask: None,
                 cache: None,
@@ -189,9 +216,9 @@ mod tests {
 
     #[test]
     fn what_a_device_lacks_is_named() {
-        check_flags(DownlevelFlags::all(), "it").expect("lacks nothing");
+        check_flags(DownlevelFlags::all(), "it", "raster").expect("lacks nothing");
         let without = DownlevelFlags::all() - DownlevelFlags::VERTEX_STORAGE;
-        let error = check_flags(without, "it").expect_err("lacks one").to_string();
+        let error = check_flags(without, "it", "raster").expect_err("lacks one").to_string();
         for word in ["it lacks", "raster", "no storage buffers for vertices", "tiles"] {
             assert!(error.contains(word), "'{word}' is not in: {error}");
         }

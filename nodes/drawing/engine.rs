@@ -3,7 +3,7 @@
 use super::engines::{ENGINES, NATIVE, REFEREE};
 use super::opened::draw_on;
 use super::order::leave_out_order;
-use super::wished::{ADAPTER, AUTO, COMPOSITOR, ENGINE};
+use super::wished::{ACCUMULATION, ADAPTER, AUTO, COMPOSITOR, ENGINE, accumulation, compositor};
 use voltet_core::engine::{Compositing, Declaration};
 use voltet_core::error::ErrorKind;
 use voltet_core::graph::{Asking, Call, Parameters};
@@ -66,10 +66,12 @@ fn check_compositor(
     engines: &[&Declaration],
     check: impl Fn(Compositing) -> Result<()>,
 ) -> Result<()> {
-    let asked = Compositing::named(p.text(COMPOSITOR.name)?);
+    let asked = compositor(p)?;
     let has = |one: &Compositing| engines.iter().any(|engine| engine.compositing.contains(one));
     let blamed = if p.given(COMPOSITOR.name) { COMPOSITOR.name } else { "order" };
-    asked.filter(has).map_or(Ok(()), check).map_err(|error| p.blame(blamed, error))
+    let Some(asked) = asked.filter(has) else { return Ok(()) };
+    accumulation(p)?.check(asked).map_err(|error| p.blame(ACCUMULATION.name, error))?;
+    check(asked).map_err(|error| p.blame(blamed, error))
 }
 
 /// The engine that will draw, and why, as far as it can be said before a device is opened. Errors: one that was named does not

@@ -3,7 +3,7 @@
 use super::noted::{note, note_whole};
 use super::remembered::CacheFolder;
 use super::visible;
-use super::wished::adapter;
+use super::wished::{AUTO, COMPOSITOR, accumulation, adapter, compositor};
 use crate::files::cache_folder;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -47,7 +47,8 @@ pub(super) fn draw_on(
     let (compositing, why) = compositing(call, scene, declared, engine.as_ref())?;
     let volumes = call.keep(call.revision(port)?, || Ok(Volumes::default()))?;
     let volume = stage(call, declared, "upload", |_| volumes.prepare(declared, &engine, scene))?;
-    let manner = Manner { compositing, may_leave_out: call.may_leave_out() };
+    let accumulation = accumulation(call.parameters)?;
+    let manner = Manner { compositing, accumulation, may_leave_out: call.may_leave_out() };
     let drawn = stage(call, declared, "draw", |progress| volume.draw(scene, &manner, progress))?;
     let stages = drawn.stages.iter().map(|part| match declared.on_device {
         true => (format!("device {}", part.name()), part.seconds),
@@ -94,8 +95,12 @@ fn compositing(
     if declared.compositing.is_empty() {
         return Ok((None, None));
     }
-    if let Some(asked) = Compositing::named(call.parameters.text("compositor")?) {
-        return Ok((Some(asked), Some("the pipeline asks for it".into())));
+    if let Some(asked) = compositor(call.parameters)? {
+        let why = match call.parameters.text(COMPOSITOR.name)? {
+            AUTO => "the pipeline asks for an accumulation that tiles do not have",
+            _ => "the pipeline asks for it",
+        };
+        return Ok((Some(asked), Some(why.into())));
     }
     let memory = CacheFolder(cache_folder().join("compositors"));
     let Some(chosen) = engine.choose(scene, &memory, call.progress())? else { return Ok((None, None)) };

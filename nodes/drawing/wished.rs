@@ -1,7 +1,8 @@
 //! Which engine, adapter and compositor a pipeline asks for.
 
 use super::engines::ENGINES;
-use voltet_core::engine::Compositing;
+use voltet_core::Result;
+use voltet_core::engine::{Accumulation, Compositing};
 use voltet_core::graph::{Parameter, ParameterType, Parameters, Standard};
 
 /// The word for whatever engine is there.
@@ -59,6 +60,27 @@ const COMPOSITOR_WORDS: [(&str, &str); Compositing::WORDS.len() + 1] = words!(
     Compositing::WORDS,
     |word| *word
 );
+
+/// What the device accumulates in.
+pub const ACCUMULATION: Parameter = Parameter {
+    name: "accumulation",
+    parameter_type: ParameterType::Choice(&Accumulation::WORDS),
+    unit: "",
+    standard: Standard::Text(Accumulation::WORDS[0].0),
+    help: "on a device that blends (raster, triangles): what a pixel accumulates in, to see what few bits cost",
+};
+
+/// What the device is to accumulate in.
+pub fn accumulation(p: &Parameters) -> Result<Accumulation> {
+    Ok(Accumulation::named(p.text(ACCUMULATION.name)?).unwrap_or_default())
+}
+
+/// The compositor that the parameters ask for: where they leave it open, one that can do what they ask for besides.
+pub fn compositor(p: &Parameters) -> Result<Option<Compositing>> {
+    let asked = Compositing::named(p.text(COMPOSITOR.name)?);
+    let is_rounded = accumulation(p)? != Accumulation::Float;
+    Ok(asked.or(is_rounded.then_some(Compositing::Raster)))
+}
 
 /// The adapter that the parameters name.
 pub fn adapter(p: &Parameters) -> Option<String> {

@@ -54,7 +54,8 @@ pub(crate) fn generate(choices: &Choices) -> Generated {
         Compositor::None => {}
         Compositor::Segments => block.finish(),
         Compositor::Tiles(order) => block.finish_tiles(order),
-        Compositor::Raster(blend) => block.finish_raster(blend),
+        Compositor::Raster(blend) => block.finish_blended("compositor/raster", blend),
+        Compositor::Triangles(blend) => block.finish_blended("compositor/triangles", blend),
     }
     Generated { text: block.text, uses: block.uses }
 }

@@ -22,11 +22,17 @@ impl Block<'_> {
         self.finish_pixels(order == TileOrder::Sum);
     }
 
-    pub(super) fn finish_raster(&mut self, blend: Blend) {
-        self.uses(&[match blend {
-            Blend::Over => "compositor/raster_over",
-            Blend::Sum => "compositor/raster_sum",
-        }]);
+    /// What draws, and what its pixels hold.
+    pub(super) fn finish_blended(&mut self, drawing: &'static str, blend: Blend) {
+        let holds = match blend {
+            Blend::Over => "compositor/blend_over",
+            Blend::Sum => "compositor/blend_sum",
+            Blend::Rounded { .. } => "compositor/blend_rounded",
+        };
+        self.uses(&[drawing, holds]);
+        if matches!(blend, Blend::Rounded { .. }) {
+            self.line(format!("const BLENDED_ABOUT = {:.1};", blend.about()));
+        }
         self.finish_pixels(blend == Blend::Sum);
     }
 

@@ -57,6 +57,10 @@ fn engine_keys<'a>(study: &'a Study, setting: &Setting) -> Vec<(&'static str, &'
     let only = asked.compositor == "auto" && painter.engine.compositing.len() == 1;
     let compositor = painter.compositor().filter(|name| *name != asked.compositor && !only);
     keys.extend(compositor.map(|name| ("compositor", name)));
+    // Tiles refuse what the file asks of those that blend.
+    let accumulation = painter.compositing.is_some().then_some(setting.accumulation);
+    let other = accumulation.filter(|one| *one != asked.accumulation);
+    keys.extend(other.map(|one| ("accumulation", one.name())));
     keys
 }
 

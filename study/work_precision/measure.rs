@@ -108,7 +108,11 @@ pub(super) fn measure(
     progress: &dyn Progress,
 ) -> Result<(Picture, Cost)> {
     let scene = setting.scene(subject);
-    let manner = Manner { compositing: setting.painter.compositing, ..Manner::default() };
+    let manner = Manner {
+        compositing: setting.painter.compositing,
+        accumulation: setting.accumulation,
+        ..Manner::default()
+    };
     let keeps = setting.painter.engine.on_device;
     let fresh = memory::forget_peak();
     engine.forget();

@@ -13,6 +13,7 @@ use glam::DVec3;
 use serde::Serialize;
 use std::sync::Arc;
 use voltet_core::Shared;
+use voltet_core::engine::Accumulation;
 use voltet_core::engine::{AdapterWish, Manner};
 use voltet_core::field::{LeastSquares, Method};
 use voltet_core::grid::{Array, Refined, refine};
@@ -89,6 +90,7 @@ pub fn refinement(
         integrator: Integrator::Analytic,
         overlap: Overlap::Exact,
         order: Order::Exact,
+        accumulation: Accumulation::Float,
     };
     let tried = [
         ("riemann, 4 samples", Setting { integrator: Integrator::Riemann { count: 4 }, ..exact }),

@@ -1,6 +1,7 @@
 //! The settings that are tried: every integrator that can serve the scene, over its own numbers.
 
 use super::{Painter, Subject};
+use voltet_core::engine::{Accumulation, Compositing};
 use voltet_core::optics::Overlap;
 use voltet_core::optics::integrators::{
     Integrator, Numbers, STANDARD_OVERSAMPLING, STANDARD_PIECES, STANDARD_PLANES, STANDARD_SIDE, can_serve,
@@ -19,6 +20,8 @@ pub struct Setting {
     pub overlap: Overlap,
     /// The order of a pixel's segments.
     pub order: Order,
+    /// What a painter that blends accumulates in: what the file says.
+    pub accumulation: Accumulation,
 }
 
 /// Sides of the partial pre-integration table beside the standard one, at the standard number of pieces.
@@ -45,7 +48,8 @@ pub fn settings(subject: &Subject, only: &[String], painter: Painter) -> Vec<Set
     for integrator in integrators.filter(|i| serves(i) && wanted(i)) {
         for overlap in overlaps(subject, &integrator) {
             for order in orders(subject, &integrator, painter) {
-                settings.push(Setting { painter, integrator, overlap, order });
+                let accumulation = accumulation(subject, painter);
+                settings.push(Setting { painter, integrator, overlap, order, accumulation });
             }
         }
     }
@@ -124,12 +128,20 @@ fn orders(subject: &Subject, integrator: &Integrator, painter: Painter) -> Vec<O
     }
 }
 
+/// What the file asks to accumulate in, where the painter can.
+fn accumulation(subject: &Subject, painter: Painter) -> Accumulation {
+    let asked = subject.asked.accumulation;
+    let serves = |way: &Compositing| asked.check(*way).is_ok();
+    painter.compositing.filter(serves).map_or(Accumulation::Float, |_| asked)
+}
+
 impl Setting {
     /// How the file draws the scene, were it drawn by this painter.
     pub fn of_file(subject: &Subject, painter: Painter) -> Setting {
         let Scene { shading, order, .. } = subject.scene;
         let order = if order == Order::Auto { Order::Exact } else { order };
-        Setting { painter, integrator: shading.integrator, overlap: shading.overlap, order }
+        let accumulation = accumulation(subject, painter);
+        Setting { painter, integrator: shading.integrator, overlap: shading.overlap, order, accumulation }
     }
 
     /// The scene as this setting draws it.
@@ -174,6 +186,9 @@ impl Setting {
         parts.extend(planes.filter(|n| *n != STANDARD_PLANES).map(|n| format!("planes {n}")));
         if self.overlap == Overlap::Mix && self.integrator == Integrator::Analytic {
             parts.push("overlap mix".into());
+        }
+        if self.accumulation != Accumulation::Float {
+            parts.push(self.accumulation.name().into());
         }
         if self.order != Order::Exact {
             parts.push(format!("order {}", order_name(self.order)));

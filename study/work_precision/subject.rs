@@ -2,7 +2,7 @@
 
 use super::Painter;
 use std::sync::Arc;
-use voltet_core::engine::Declaration;
+use voltet_core::engine::{Accumulation, Compositing, Declaration};
 use voltet_core::graph::{Demand, Graph, GraphNode, Observer, Parameters, Session, Value, diagonal};
 use voltet_core::scene::{Scene, needs_order};
 use voltet_core::shading::Order;
@@ -31,6 +31,8 @@ pub struct Asked {
     pub adapter: Option<String>,
     /// The compositor of the device, or "auto".
     pub compositor: String,
+    /// What a device that blends accumulates in.
+    pub accumulation: Accumulation,
 }
 
 /// What is studied: a scene, by which node it is drawn, and how.
@@ -133,11 +135,19 @@ impl Asked {
             Form::GpuRenderer => drawing::DEVICE.name,
             Form::Stages => drawing::NATIVE.name,
         };
+        let accumulation = text("accumulation").and_then(Accumulation::named).unwrap_or_default();
+        // Rounding is no tiles' matter.
+        let open = match accumulation {
+            Accumulation::Float => drawing::AUTO,
+            _ => Compositing::Raster.name(),
+        };
+        let compositor = text("compositor").filter(|word| *word != drawing::AUTO).unwrap_or(open);
         Asked {
             form,
             engine: engine.into(),
             adapter: text("adapter").map(str::to_string),
-            compositor: text("compositor").unwrap_or("auto").into(),
+            compositor: compositor.into(),
+            accumulation,
         }
     }
 }

@@ -3,6 +3,7 @@
 use super::settings::{order_name, overlap_name};
 use super::{Convergence, Painter, Refused, Row, Setting, Study, Times, Value as Key};
 use serde_json::{Value, json as object};
+use voltet_core::engine::Accumulation;
 
 /// Milliseconds, with three digits that tell something.
 pub(super) fn milliseconds(ms: f64) -> String {
@@ -219,6 +220,9 @@ pub fn json(study: &Study, title: &str) -> Value {
         let mut keys = serde_json::Map::new();
         keys.insert("engine".into(), setting.painter.engine.name.into());
         keys.extend(setting.painter.compositor().map(|name| ("compositor".into(), name.into())));
+        if setting.accumulation != Accumulation::Float {
+            keys.insert("accumulation".into(), setting.accumulation.name().into());
+        }
         keys.extend(adapter(study, setting).map(|name| ("adapter".into(), name.into())));
         for (name, key) in setting.keys() {
             keys.insert(

@@ -116,10 +116,11 @@ fn auto_takes_the_compositor_that_was_measured_as_the_faster_one() {
     let cpu = "picture.engine=\"cpu\"";
     folder.voltet(&["run", "slab.toml", "--quiet", "--set", cpu]).ok();
     let (_, expected) = folder.floats("slab.exr");
-    for (wish, why) in [("tiles", "the pipeline asks for it"), ("raster", "the pipeline asks for it")] {
+    let why = "the pipeline asks for it";
+    for wish in ["tiles", "raster", "triangles"] {
         let Some(report) = composited(&folder, &[&format!("picture.compositor=\"{wish}\"")]) else { return };
         assert_eq!((&report["compositor"], &report["compositor_reason"]), (&wish.into(), &why.into()));
-        assert_eq!(report["counts"]["segments"].is_null(), wish == "raster", "{report:#}");
+        assert_eq!(report["counts"]["segments"].is_null(), wish != "tiles", "{report:#}");
         assert_eq!(report["counts"]["pixels_disordered"], 0);
         let (_, found) = folder.floats("slab.exr");
         for (a, b) in found.iter().flatten().zip(expected.iter().flatten()) {
@@ -159,6 +160,23 @@ fn the_raster_refuses_an_exact_order_before_it_draws() {
     // Found while planning, before any data are read.
     folder.voltet(&["check", "slab.toml", "--set", glow]).fails(2, &words);
     folder.voltet(&["check", "slab.toml"]).ok();
+}
+
+/// Few bits a channel are for what blends: without a word it is the raster compositor, and tiles refuse them before data are
+/// read.
+#[test]
+fn an_accumulation_in_few_bits_is_blended() {
+    let folder = Folder::new();
+    let eight = "picture.accumulation=8-bit";
+    let Some(report) = composited(&folder, &[eight]) else { return };
+    assert_eq!(report["compositor"], "raster");
+    let reason = report["compositor_reason"].as_str().unwrap();
+    assert!(reason.contains("accumulation that tiles do not have"), "{reason}");
+    let text = std::fs::read_to_string(folder.join("slab.toml")).unwrap();
+    let wish = "type = \"gpu-renderer\"\naccumulation = \"12-bit\"\ncompositor = \"tiles\"";
+    folder.write("slab.toml", text.replace("type = \"renderer\"", wish));
+    let words = ["accumulates in 32-bit floats alone", "12-bit", "\"triangles\"", "slab.toml:35:16"];
+    folder.voltet(&["check", "slab.toml"]).fails(2, &words);
 }
 
 /// What no device serves is refused before any data are read, with the line that asks for it; `auto` takes another engine.

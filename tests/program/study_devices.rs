@@ -32,7 +32,7 @@ fn a_device_has_rows_of_its_own_beside_the_native_engine() {
     let (native, device) = (rows(&json, "cpu"), rows(&json, "gpu"));
     let of = |name: &str| device.iter().filter(|row| row["setting"]["compositor"] == name).count();
     // Exact and mix in two orders; seven numbers of pieces and three further tables. Blending has one order.
-    assert_eq!([native.len(), of("tiles"), of("raster")], [14, 14, 12]);
+    assert_eq!([native.len(), of("tiles"), of("raster"), of("triangles")], [14, 14, 12, 12]);
     let adapter = json["adapter"].as_str().unwrap();
     assert!(adapter.contains("software"), "{adapter}");
     for row in &device {
@@ -65,6 +65,7 @@ fn a_device_has_rows_of_its_own_beside_the_native_engine() {
     for text in [
         "on gpu tiles",
         "on gpu raster",
+        "on gpu triangles",
         "set-up included on the CPU, not on the device",
         "a program on the CPU",
     ] {

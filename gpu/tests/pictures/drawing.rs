@@ -52,7 +52,7 @@ pub fn device() -> Option<Arc<Device>> {
 }
 
 /// Draws by tiles.
-pub fn tiles(renderer: &Renderer, scene: &NamedScene, shading: &Shading, order: Order) -> Result<Drawn> {
+pub fn draw_tiles(renderer: &Renderer, scene: &NamedScene, shading: &Shading, order: Order) -> Result<Drawn> {
     voltet_gpu::draw(renderer, &scene.drawn_by(shading, order), &Manner::by(Compositing::Tiles), &Silent)
 }
 
@@ -60,7 +60,7 @@ pub fn tiles(renderer: &Renderer, scene: &NamedScene, shading: &Shading, order: 
 pub fn try_draw(scene: &NamedScene, shading: &Shading, order: Order) -> Option<Result<Drawn>> {
     let device = device()?;
     let renderer = Renderer::new(device, &scene.volume);
-    Some(renderer.and_then(|renderer| tiles(&renderer, scene, shading, order)))
+    Some(renderer.and_then(|renderer| draw_tiles(&renderer, scene, shading, order)))
 }
 
 /// The device's picture.
@@ -73,4 +73,30 @@ pub fn picture(scene: &NamedScene, shading: &Shading) -> Option<Picture> {
     let drawn = draw(scene, shading, Order::Exact)?;
     assert_eq!(drawn.counts.pixels_disordered, Some(0), "{}", scene.name);
     Some(drawn.picture)
+}
+
+/// What composites, in which order.
+pub type How = (Compositing, Order);
+
+/// Blended by the hardware, in an order.
+pub fn raster(order: Order) -> How {
+    (Compositing::Raster, order)
+}
+
+/// By tiles, in an order.
+pub fn tiles(order: Order) -> How {
+    (Compositing::Tiles, order)
+}
+
+/// Draws on a device.
+pub fn draw_on(device: Arc<Device>, scene: &NamedScene, shading: &Shading, how: How) -> Result<Drawn> {
+    let (compositing, order) = how;
+    let renderer = Renderer::new(device, &scene.volume)?;
+    voltet_gpu::draw(&renderer, &scene.drawn_by(shading, order), &Manner::by(compositing), &Silent)
+}
+
+/// Another device like that of all tests.
+pub fn further_device() -> Device {
+    let wish = std::env::var("VOLTET_ADAPTER").ok();
+    Device::open(wish.as_deref(), false).expect("opened before")
 }

@@ -1,6 +1,6 @@
 //! What is hard for the device's compositor alone: long lists, more segments than it keeps, surfaces within its limits.
 
-use crate::drawing::{Tested, device, draw, tiles};
+use crate::drawing::{Tested, device, draw, draw_tiles};
 use glam::DVec3;
 use voltet_core::shading::{Integrator, Order, Shading};
 use voltet_gpu::Renderer;
@@ -70,7 +70,7 @@ fn many_samples_on_each_of_many_segments() {
     let Some(device) = device().filter(|device| device.is_software) else { return };
     let renderer = Renderer::new(device, &scene.volume).expect("fits");
     let shading = Shading { integrator: Integrator::Riemann { count: 100_000 }, ..SHADING };
-    let refused = tiles(&renderer, &scene, &shading, Order::Exact);
+    let refused = draw_tiles(&renderer, &scene, &shading, Order::Exact);
     let error = refused.expect_err("too many").to_string();
     assert!(error.contains("ends loops") && error.contains("fewer samples"), "{error}");
 }
@@ -89,7 +89,7 @@ fn loops_that_a_driver_ends() {
     let renderer = Renderer::new(device, &scene.volume).expect("fits").with_budget_of(1 << 22);
     let expected = referee(&scene);
     for order in [Order::Exact, Order::Centroid] {
-        let drawn = tiles(&renderer, &scene, &SHADING, order).expect("draws");
+        let drawn = draw_tiles(&renderer, &scene, &SHADING, order).expect("draws");
         println!("{:?}", drawn.counts);
         // The order of centroids is wrong by more than rounding, but hides nothing.
         let bound = if order == Order::Exact { ORDINARY } else { 2e-2 };

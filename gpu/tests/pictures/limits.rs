@@ -1,6 +1,6 @@
 //! What the device refuses, orders that are not exact, overlaps mixed, and frames after the first.
 
-use crate::drawing::{device, draw, tiles, try_draw};
+use crate::drawing::{device, draw, draw_tiles, try_draw};
 use voltet_core::engine::{Engine, Manner};
 use voltet_core::optics::Overlap;
 use voltet_core::progress::Silent;
@@ -75,7 +75,7 @@ fn frames_after_the_first() {
     let renderer = Renderer::new(device, &scene.volume).expect("fits");
     let picture = |look: &TransferFunction| {
         let scene = NamedScene { look: look.clone(), ..scene.clone() };
-        tiles(&renderer, &scene, &SHADING, Order::Exact).expect("draws").picture
+        draw_tiles(&renderer, &scene, &SHADING, Order::Exact).expect("draws").picture
     };
     let before = picture(&scene.look);
     for look in [
@@ -100,7 +100,7 @@ fn small_bindings_draw_in_windows() {
         let wish = std::env::var("VOLTET_ADAPTER").ok();
         let device = Device::open(wish.as_deref(), false).expect("opened before").with_bindings_of(bytes);
         let renderer = Renderer::new(std::sync::Arc::new(device), &scene.volume)?;
-        tiles(&renderer, scene, &SHADING, Order::Exact)
+        draw_tiles(&renderer, scene, &SHADING, Order::Exact)
     };
     // 1,296 cells of 16 bytes fit, 48 × 40 pixels of 16 bytes do not; and of 600 cells along the view, that all tiles
     // list, the lists do not. Where one of nine tiles lists 1,320, and goes on in another dispatch, the states of all

@@ -8,5 +8,6 @@ mod hard;
 mod limits;
 mod parts;
 mod raster;
+mod triangles;
 
 voltet_testing::picture_tests!(crate::drawing::Tested);

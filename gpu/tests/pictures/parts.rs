@@ -1,6 +1,6 @@
 //! Grids and tables whose arrays stand in several bindings each draw the same as in one.
 
-use crate::drawing::{device, draw, tiles};
+use crate::drawing::{device, draw, draw_tiles};
 use glam::DVec3;
 use std::sync::Arc;
 use voltet_core::Result;
@@ -24,7 +24,7 @@ fn small(bytes: u64, count: u32) -> Device {
 
 fn draw_on(device: Device, scene: &NamedScene, shading: &Shading, order: Order) -> Result<Drawn> {
     let renderer = Renderer::new(Arc::new(device), &scene.volume)?;
-    tiles(&renderer, scene, shading, order)
+    draw_tiles(&renderer, scene, shading, order)
 }
 
 /// 1,100 points and 4,860 cells. Bindings of 8 KiB hold 341 positions, 1,024 values, 512 points as they are seen or

@@ -1,48 +1,25 @@
 //! The raster compositor, held against the referee: scenes of one colour, which need no order, and stacks of cells whose
 //! centroids are in the order of their entries.
 
-use crate::drawing::device;
+use crate::drawing::{device, draw_on, further_device, raster, tiles};
 use glam::DVec3;
 use std::sync::Arc;
 use voltet_core::camera::Camera;
 use voltet_core::engine::{Compositing, Manner};
 use voltet_core::grid::Grid;
+use voltet_core::picture::Picture;
 use voltet_core::progress::Silent;
 use voltet_core::shading::{Integrator, Light, Order, Shading};
 use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
-use voltet_core::{Result, picture::Picture};
-use voltet_gpu::{Device, Drawn, Renderer};
+use voltet_gpu::{Drawn, Renderer};
 use voltet_testing::pictures::compare::{NamedScene, ORDINARY, SHADING, referee_shaded, within};
 use voltet_testing::pictures::grids::*;
 use voltet_testing::pictures::looks::*;
 
-/// What composites, in which order.
-type How = (Compositing, Order);
-
-fn raster(order: Order) -> How {
-    (Compositing::Raster, order)
-}
-
-fn tiles(order: Order) -> How {
-    (Compositing::Tiles, order)
-}
-
-fn draw_on(device: Arc<Device>, scene: &NamedScene, shading: &Shading, how: How) -> Result<Drawn> {
-    let (compositing, order) = how;
-    let renderer = Renderer::new(device, &scene.volume)?;
-    voltet_gpu::draw(&renderer, &scene.drawn_by(shading, order), &Manner::by(compositing), &Silent)
-}
-
 fn draw(scene: &NamedScene, shading: &Shading, order: Order) -> Option<Drawn> {
     let drawn = draw_on(device()?, scene, shading, raster(order));
     Some(drawn.unwrap_or_else(|e| panic!("{}: {e}", scene.name)))
-}
-
-/// Another device like that of all tests.
-fn further_device() -> Device {
-    let wish = std::env::var("VOLTET_ADAPTER").ok();
-    Device::open(wish.as_deref(), false).expect("opened before")
 }
 
 /// Asserts the bound of ordinary scenes, and that there is something to see.
@@ -53,15 +30,15 @@ fn ordinary(scene: &NamedScene, shading: &Shading, order: Order) {
     within(&scene.name, &drawn.picture, &expected, ORDINARY);
 }
 
-fn cell(corners: [[f64; 3]; 4]) -> Grid {
+/// One cell alone.
+pub fn cell(corners: [[f64; 3]; 4]) -> Grid {
     grid(corners.map(DVec3::from).to_vec(), vec![[0, 1, 2, 3]])
 }
 
-/// One cell of each class of Shirley and Tuchman, in all orders of its corners, from both sides.
-#[test]
-fn single_cells_of_every_class() {
+/// Cells of each class of Shirley and Tuchman, by name.
+pub fn classes() -> [(&'static str, [[f64; 3]; 4]); 7] {
     let [a, b, c] = [[0.1, 0.0, 0.1], [0.9, 0.0, 0.15], [0.4, 0.05, 0.9]];
-    let classes = [
+    [
         // The fourth corner before the triangle of the others, and behind it.
         ("three triangles", [a, b, c, [0.45, -0.4, 0.4]]),
         ("three triangles behind", [a, b, c, [0.45, 0.6, 0.4]]),
@@ -73,20 +50,29 @@ fn single_cells_of_every_class() {
         ("two triangles", [a, b, c, [0.1, 0.5, 0.1]]),
         ("flat", [a, b, c, [0.45, 1e-5, 0.4]]),
         ("sliver", [a, [0.9, 0.0, 0.9], [0.5, 0.1, 0.54], [0.5, 0.5, 0.46]]),
-    ];
-    let cameras = [
+    ]
+}
+
+/// What they are seen from: both sides, by parallel rays and in perspective.
+pub fn views() -> [(&'static str, Camera); 3] {
+    [
         ("ortho", orthographic([0.503, -2.0, 0.507], [0.503, 0.0, 0.507], 1.1, [33, 33])),
         ("perspective", perspective([0.5, -1.5, 0.5], [0.5, 0.0, 0.5], 45.0, [33, 33])),
         ("from behind", perspective([0.45, 2.0, 0.55], [0.5, 0.0, 0.5], 40.0, [33, 33])),
-    ];
-    for (class, corners) in classes {
+    ]
+}
+
+/// One cell of each class of Shirley and Tuchman, in all orders of its corners, from both sides.
+#[test]
+fn single_cells_of_every_class() {
+    for (class, corners) in classes() {
         for turn in 0..4 {
             let mut turned = corners;
             turned.rotate_left(turn);
             if turn % 2 == 1 {
                 turned.swap(0, 1);
             }
-            for (view, camera) in cameras {
+            for (view, camera) in views() {
                 // No pixel's ray runs within the edge of a region.
                 let volume = volume(cell(turned), |p| 0.51 + 0.393 * p.x, |p| 0.8 + 0.117 * p.z);
                 let name = format!("{class} {turn} {view}");
@@ -206,7 +192,8 @@ fn a_stack_in_the_order_of_its_centroids_is_exact() {
     }
 }
 
-fn jittered(look: TransferFunction, camera: Camera) -> NamedScene {
+/// Cells of every shape, in no order of their own.
+pub fn jittered(look: TransferFunction, camera: Camera) -> NamedScene {
     NamedScene { name: "jittered".into(), volume: smooth(cube([6, 6, 6], 0.3)), look, camera }
 }
 
@@ -296,10 +283,13 @@ fn what_is_not_asked_for_is_not_compiled() {
     let first = ["bound_cells", "place_attribute", "see_points"];
     let lists = ["composite_tiles", "fill_lists", "start_lists"];
     let drawn = ["aim_runs", "blend_cell", "count_digits", "move_digits", "place_digits", "take_blended"];
+    let mut triangles = drawn.map(|name| if name == "blend_cell" { "blend_triangle" } else { name }).to_vec();
+    triangles.push("split_cells");
     for (look, how, further) in [
         (overlapping(), tiles(Order::Exact), [&lists[..], &["sort_lists"]].concat()),
         (one_gaussian(), tiles(Order::Auto), lists.to_vec()),
         (overlapping(), raster(Order::Centroid), drawn.to_vec()),
+        (overlapping(), (Compositing::Triangles, Order::Centroid), triangles.to_vec()),
         (one_gaussian(), raster(Order::Auto), drawn.to_vec()),
     ] {
         let device = Arc::new(further_device());

@@ -316,12 +316,15 @@ fn every_piece_is_used_by_some_scene() {
     // ψ is what a table of pre-integration holds; tables are filled by passes of their own, and so are pixels.
     let elsewhere = [
         "compositing",
-        "compositor/corners",
+        "compositor/blend",
+        "compositor/corner",
         "compositor/outline",
         "compositor/pixels",
         "compositor/raster",
         "compositor/shade",
+        "compositor/silhouette",
         "compositor/tiles",
+        "compositor/triangles",
         "linear/psi",
         // What a device is measured by.
         "multiply_adds",

@@ -10,7 +10,7 @@ use voltet_core::transfer::{
 };
 use voltet_shaders::{
     Access, Blend, CELLS_READ, Choices, Compositor, FramePass, GRID_GROUP, GridArray, Layout, PIECES, Parts,
-    PlacementRecord, RoundRecord, TileOrder, ViewRecord, compose,
+    PlacementRecord, RoundRecord, RunRecord, TileOrder, ViewRecord, compose,
 };
 
 const ORDERS: [TileOrder; 3] = [TileOrder::Exact, TileOrder::Listed, TileOrder::Sum];
@@ -112,33 +112,59 @@ fn tiles_are_valid_for_every_kind_light_and_integrator() {
     assert!(texts.len() > 500, "{}", texts.len());
 }
 
+const BLENDS: [Blend; 3] = [Blend::Over, Blend::Sum, Blend::Rounded { bits: 12 }];
+
+/// What blends, with its entry points for vertices and pixels.
+fn blending() -> Vec<(Compositor, [&'static str; 2])> {
+    let outlines = BLENDS.map(|blend| (Compositor::Raster(blend), ["outline_cell", "blend_cell"]));
+    let triangles = BLENDS.map(|blend| (Compositor::Triangles(blend), ["place_corner", "blend_triangle"]));
+    outlines.into_iter().chain(triangles).collect()
+}
+
+fn is_rounded(compositor: Compositor) -> bool {
+    matches!(
+        compositor,
+        Compositor::Raster(Blend::Rounded { .. }) | Compositor::Triangles(Blend::Rounded { .. })
+    )
+}
+
 /// Of the three entry points a driver compiles those that it is asked for; all are in one text.
 #[test]
-fn rasters_are_valid_for_every_kind_light_and_integrator() {
+fn what_blends_is_valid_for_every_kind_light_and_integrator() {
     let mut texts = HashSet::new();
     for transfer_function in scenes() {
         for shading in shadings() {
             if can_serve(&shading.integrator, &transfer_function).is_err() {
                 continue;
             }
-            for blend in [Blend::Over, Blend::Sum] {
-                let choices = Choices::new(&transfer_function, &shading, Compositor::Raster(blend));
+            for (compositor, [vertices, pixels]) in blending() {
+                // What a pixel holds is apart from how its segments are integrated: once for each light.
+                if is_rounded(compositor) && shading.integrator != Integrator::Analytic {
+                    continue;
+                }
+                let choices = Choices::new(&transfer_function, &shading, compositor);
                 let shader = compose(&choices.expect("has pieces"));
                 if !texts.insert(shader.text.clone()) {
                     continue;
                 }
                 let module = validate(&shader);
-                let entries: Vec<_> =
+                let mut entries: Vec<_> =
                     module.entry_points.iter().map(|e| (e.name.as_str(), e.stage)).collect();
+                // In the order of the files' names.
+                entries.sort_by_key(|(_, stage)| *stage as u32);
                 let expected = [
-                    ("outline_cell", naga::ShaderStage::Vertex),
-                    ("blend_cell", naga::ShaderStage::Fragment),
+                    (vertices, naga::ShaderStage::Vertex),
+                    (pixels, naga::ShaderStage::Fragment),
                     ("take_blended", naga::ShaderStage::Compute),
                 ];
                 assert_eq!(entries, expected);
                 let lit = shading.light.is_some() || shading.silhouette.is_some();
                 assert_eq!(shader.text.contains("let gradient ="), lit);
-                assert_eq!(shader.text.contains("const DEPTHS_ADD_UP = true;"), !lit && blend == Blend::Sum);
+                let is_sum =
+                    matches!(compositor, Compositor::Raster(Blend::Sum) | Compositor::Triangles(Blend::Sum));
+                assert_eq!(shader.text.contains("const DEPTHS_ADD_UP = true;"), !lit && is_sum);
+                let about = shader.text.contains("const BLENDED_ABOUT = 2048.0;");
+                assert_eq!(about, is_rounded(compositor));
                 for word in ["workgroup>", "composite_tiles", "sort_key("] {
                     assert!(!shader.text.contains(word), "{word}");
                 }
@@ -147,7 +173,7 @@ fn rasters_are_valid_for_every_kind_light_and_integrator() {
     }
     println!("{} texts", texts.len());
     // Each kind alone and in pairs, by each integrator, lit and not.
-    assert!(texts.len() > 500, "{}", texts.len());
+    assert!(texts.len() > 1000, "{}", texts.len());
 }
 
 #[test]
@@ -223,7 +249,7 @@ fn every_pass_and_compositor_is_used() {
     let mut used: HashSet<&str> =
         FramePass::ALL.iter().flat_map(|p| p.shader(&Layout::WHOLE).files().collect::<Vec<_>>()).collect();
     let compositors = ORDERS.map(Compositor::Tiles).into_iter();
-    for compositor in compositors.chain([Blend::Over, Blend::Sum].map(Compositor::Raster)) {
+    for compositor in compositors.chain(blending().into_iter().map(|(compositor, _)| compositor)) {
         for transfer_function in scenes() {
             let choices = Choices::new(&transfer_function, &SHADING, compositor);
             used.extend(compose(&choices.expect("has pieces")).files());
@@ -245,6 +271,11 @@ fn structs_are_laid_out_as_in_the_shader() {
     let placement = offsets!(PlacementRecord: offset, slot, padding);
     assert_eq!(layout(&shader, "Placement"), (placement, size_of::<PlacementRecord>() as u32));
     assert!(shader.text.contains(&format!("const TILE = {}u;", ViewRecord::TILE)));
+    let run = offsets!(RunRecord: first, length, padding);
+    let shader = FramePass::Split.shader(&Layout::WHOLE);
+    assert_eq!(layout(&shader, "Run"), (run, size_of::<RunRecord>() as u32));
+    let corner = u64::from(layout(&shader, "SplitCorner").1);
+    assert_eq!(5 * corner, RunRecord::CELL_BYTES);
     let round = offsets!(RoundRecord: shift, from_cells, capacity, padding);
     let shader = FramePass::CountDigits.shader(&Layout::WHOLE);
     assert_eq!(layout(&shader, "Round"), (round, size_of::<RoundRecord>() as u32));

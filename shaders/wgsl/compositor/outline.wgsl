@@ -1,9 +1,8 @@
-// Uses: passes/screen. Fills: nothing.
+// Uses: compositor/silhouette. Fills: nothing.
 // The silhouette of a cell as a quadrilateral that holds every pixel it may cover.
 //
-// Two of the six edges cross (the four corners are the silhouette) or one corner lies within the triangle of the others:
-// the classes of Shirley and Tuchman (1990). Their thick vertex is not needed here, since entry and exit come from the
-// planes at every pixel; but the hardware moves corners to a raster of a sixteenth to a 256th of a pixel, and the next
+// The thick vertex of Shirley and Tuchman (1990) is not needed here, since entry and exit come from the planes at every
+// pixel; but the hardware moves corners to a raster of a sixteenth to a 256th of a pixel, and the next
 // cell's ray must be lost to neither. So the outline is moved outwards by more than that.
 
 // How far the outline is moved outwards, pixels: coordinates are off by a hundredth (rounding), and by half a
@@ -11,46 +10,6 @@
 const MARGIN = 0.1;
 // Least 1 + cos of the turn at a corner whose moved edges meet near it: the corner moves by at most 10 margins.
 const SHARPEST = 0.02;
-// Farthest coordinate of a corner with digits to spare: those of the largest picture.
-const REACH = 32768.0;
-
-fn turn(a: vec2f, b: vec2f, c: vec2f) -> f32 {
-    let u = b - a;
-    let v = c - a;
-    return u.x * v.y - u.y * v.x;
-}
-
-fn are_crossing(a: vec2f, b: vec2f, c: vec2f, d: vec2f) -> bool {
-    let sides = vec2f(turn(a, b, c), turn(a, b, d));
-    let others = vec2f(turn(c, d, a), turn(c, d, b));
-    return min(sides.x, sides.y) < 0.0 && 0.0 < max(sides.x, sides.y)
-        && min(others.x, others.y) < 0.0 && 0.0 < max(others.x, others.y);
-}
-
-// Corners in their order around the silhouette; the last two are one where it is a triangle.
-fn ring_of(a: vec2f, b: vec2f, c: vec2f, d: vec2f) -> array<vec2f, 4> {
-    if are_crossing(a, b, c, d) {
-        return array(a, c, b, d);
-    }
-    if are_crossing(a, c, b, d) {
-        return array(a, b, c, d);
-    }
-    if are_crossing(a, d, b, c) {
-        return array(a, b, d, c);
-    }
-    let areas = abs(vec4f(turn(b, c, d), turn(a, c, d), turn(a, b, d), turn(a, b, c)));
-    let largest = most(areas);
-    if areas.x == largest {
-        return array(b, c, d, d);
-    }
-    if areas.y == largest {
-        return array(a, c, d, d);
-    }
-    if areas.z == largest {
-        return array(a, b, d, d);
-    }
-    return array(a, b, c, c);
-}
 
 // A corner moved so that both its edges move outwards by the margin. `side`: 1 where the ring turns left.
 struct Moved {
@@ -106,19 +65,16 @@ fn slanted_box(corners: array<vec2f, 4>) -> array<vec2f, 4> {
 // `covered`: the pixels that the cell may cover, as `bound_cells` packs them. What cannot be projected is drawn as these.
 fn outline_of(p: array<vec3f, 4>, covered: vec2u) -> array<vec2f, 4> {
     let z = vec4f(p[0].z, p[1].z, p[2].z, p[3].z);
-    let start = vec2f(vec2u(covered.x & 0xffffu, covered.x >> 16u)) - 0.5;
-    let end = vec2f(vec2u(covered.y & 0xffffu, covered.y >> 16u)) - 0.5;
-    let whole = array(start, vec2f(end.x, start.y), end, vec2f(start.x, end.y));
     if least(z) < cut_before(most(z)) {
-        return whole;
+        return box_around(covered);
     }
     let corners = array(on_screen(p[0]), on_screen(p[1]), on_screen(p[2]), on_screen(p[3]));
-    let far = max(max(abs(corners[0]), abs(corners[1])), max(abs(corners[2]), abs(corners[3])));
-    if !(max(far.x, far.y) < REACH) {
-        return whole;
+    if !are_within_reach(corners) {
+        return box_around(covered);
     }
-    let ring = ring_of(corners[0], corners[1], corners[2], corners[3]);
-    let is_triangle = all(ring[2] == ring[3]);
+    let silhouette = silhouette_of(corners[0], corners[1], corners[2], corners[3]);
+    let is_triangle = silhouette.is_triangle;
+    let ring = ring_of(silhouette, corners);
     // By the whole area: three corners alone may be in one line.
     let area = turn(ring[0], ring[1], ring[2]) + turn(ring[0], ring[2], ring[3]);
     let side = select(-1.0, 1.0, 0.0 < area);

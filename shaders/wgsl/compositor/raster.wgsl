@@ -1,13 +1,10 @@
-// Uses: compositor/outline, compositor/pixels, compositor/shade, passes/faces. Fills: nothing. Asks for: segment, view, finish, tetrahedra, seen, attributes, bounds.
+// Uses: compositor/blended, compositor/outline, compositor/shade, passes/faces. Fills: nothing. Asks for: segment, view, finish, tetrahedra, seen, attributes, bounds.
 // Raster: each cell's silhouette is drawn, farthest first, and the hardware blends what its pixels find. A pixel finds
 // its ray's entry and exit from the cell's four planes by the same sums as the tiles do, so that cells meet without
 // gap or overlap whatever the hardware made of their outlines; what it drew beyond the cell is thrown away.
 
 // Number of the cell, and its key.
 @group(1) @binding(1) var<storage, read> sorted: array<vec2u>;
-// What was blended, one sample a pixel of the window.
-@group(1) @binding(2) var blended: texture_2d<f32>;
-@group(1) @binding(3) var<storage, read_write> picture: array<vec4f>;
 
 // A corner of the outline with the cell's planes, found once for all its pixels.
 struct Corner {
@@ -30,12 +27,9 @@ fn outline_cell(@builtin(vertex_index) index: u32) -> Corner {
     let corners =
         array(seen_at(points.x).xyz, seen_at(points.y).xyz, seen_at(points.z).xyz, seen_at(points.w).xyz);
     var outline = outline_of(corners, bounds_of(cell));
-    // The hardware's pixels have their middles at halves.
-    let at = outline[index % 4u] + 0.5 - vec2f(view.window.xy * TILE);
-    let share = at / vec2f(view.window.zw * TILE);
     let faces = faces_of(corners[0], corners[1], corners[2], corners[3]);
     return Corner(
-        vec4f(2.0 * share.x - 1.0, 1.0 - 2.0 * share.y, 0.0, 1.0),
+        place_in_window(outline[index % 4u]),
         points,
         vec4f(faces.first, faces.depths.x),
         vec4f(faces.second, faces.depths.y),
@@ -57,7 +51,7 @@ fn faces_behind(corner: Corner) -> Faces {
 }
 
 @fragment
-fn blend_cell(corner: Corner) -> @location(0) vec4f {
+fn blend_cell(corner: Corner) -> Blended {
     let ray = ray_through(vec2u(corner.position.xy) + view.window.xy * TILE);
     let faces = faces_behind(corner);
     let range = cross_faces(faces, ray);
@@ -66,15 +60,4 @@ fn blend_cell(corner: Corner) -> @location(0) vec4f {
     }
     let corners = corners_of_values(corner.points);
     return blended_of(shade_between(faces, corners, corner.points, range, ray));
-}
-
-// Adds what was blended to the picture.
-@compute @workgroup_size(8, 8)
-fn take_blended(@builtin(workgroup_id) tile: vec3u, @builtin(local_invocation_id) within: vec3u) {
-    let at = tile.xy * TILE + within.xy;
-    let pixel = view.window.xy * TILE + at;
-    if is_in_picture(pixel) {
-        let found = pixel_of(textureLoad(blended, at, 0));
-        put(pixel, found.rgb, found.a);
-    }
 }

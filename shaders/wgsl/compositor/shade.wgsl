@@ -39,7 +39,11 @@ fn attribute_at(points: vec4u, weights: vec4f, slot: u32) -> f32 {
 fn shade_between(faces: Faces, corners: Corners, points: vec4u, range: vec2f, ray: Ray) -> Contribution {
     let front = weights_at(faces, ray, range.x);
     let back = weights_at(faces, ray, range.y);
-    let length = (range.y - range.x) * ray.stretch;
+    return shade((range.y - range.x) * ray.stretch, front, back, corners, points, ray);
+}
+
+// The same from the length and the barycentric weights of entry and exit.
+fn shade(length: f32, front: vec4f, back: vec4f, corners: Corners, points: vec4u, ray: Ray) -> Contribution {
     let found = segment(length, values_at(corners, front), values_at(corners, back));
     return finish(found, points, 0.5 * (front + back), ray);
 }

@@ -8,6 +8,9 @@
 
 // Cells of a run.
 override run_length: u32 = 65536u;
+// Indices that a cell draws, and vertices between one cell of the list and the next; 0 where each run has its own.
+override cell_indices: u32 = 6u;
+override cell_vertices: u32 = 4u;
 
 const TOTAL = 256u;
 
@@ -21,9 +24,9 @@ fn aim_runs(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) g
     let first = run * run_length;
     let count = digit_counts[TOTAL];
     let cells = select(0u, min(count - first, run_length), first < count);
-    draws[at] = 6u * cells;
+    draws[at] = cell_indices * cells;
     draws[at + 1u] = 1u;
     draws[at + 2u] = 0u;
-    draws[at + 3u] = 4u * first;
+    draws[at + 3u] = cell_vertices * first;
     draws[at + 4u] = 0u;
 }
