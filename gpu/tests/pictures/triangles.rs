@@ -171,8 +171,8 @@ fn what_is_shared_with_outlines_is_the_same() {
             Integrator::Adaptive { tolerance: 1e-4 },
             Integrator::Segments { count: 4, table_size: 64 },
             Integrator::Riemann { count: 8 },
-            Integrator::PreIntegrated { table_size: 32 },
-            Integrator::PreIntegratedCylindrical { table_size: 32 },
+            Integrator::PreIntegrated { table_size: 32, oversampling: 2 },
+            Integrator::PreIntegratedCylindrical { table_size: 32, oversampling: 2, planes: 1 },
         ]
         .map(|integrator| Shading { integrator, ..SHADING }),
     );
