@@ -1,6 +1,7 @@
 //! The command line.
 
 use crate::nodes::drawing::ENGINES;
+use crate::study::papers::Paper;
 use crate::study::work_precision::Engines;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -75,6 +76,11 @@ pub enum Command {
     /// passes the table has the compositor's floating-point rate too (counted in the shader's text, each loop once), and
     /// above it stands the rate of multiply-adds that the device reaches at most, measured.
     Time(Time),
+    /// Make the tables and figures of the papers anew that the program follows: what is printed beside what is found here.
+    ///
+    /// Song et al. 2009, Moreland 2004, Roettger and Ertl 2002, Kniss et al. 2003, with the pipelines in pipelines/papers of the
+    /// program's repository. Most of their data cannot be had; the page says what stands in for them. Takes some minutes.
+    Papers(Papers),
     /// Measure a gradient filter: how right it is, how it scales, what it costs and what it does to a picture.
     ///
     /// Truth is formulas alone: manufactured fields on regular, distorted, stretched and anisotropic grids, inside and at
@@ -100,6 +106,7 @@ impl Command {
             Command::Pixel(arguments) => Some(&arguments.plugins),
             Command::Study(arguments) => Some(&arguments.plugins),
             Command::Time(arguments) => Some(&arguments.plugins),
+            Command::Papers(_) => None,
             Command::GradientTest(arguments) => Some(&arguments.plugins),
             Command::Start(arguments) => Some(&arguments.plugins),
             Command::Stability(_) | Command::PluginProcess(_) => None,
@@ -446,6 +453,37 @@ pub struct Time {
 }
 
 #[derive(Debug, Args)]
+pub struct Papers {
+    /// Papers, separated by commas; all without it.
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = papers())]
+    pub only: Vec<Paper>,
+    /// The folder of the papers' pipelines.
+    #[arg(long, value_name = "FOLDER", default_value = "pipelines/papers")]
+    pub pipelines: PathBuf,
+    /// The folder to write into, which is made: papers.md, and the figures in papers/.
+    #[arg(long, value_name = "FOLDER")]
+    pub output: PathBuf,
+    /// Size of the figures.
+    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = size, default_value = "400x300")]
+    pub size: [u32; 2],
+    /// Frames that are timed of each picture, after one that warms up; the median counts.
+    #[arg(long, value_name = "N", default_value_t = 5)]
+    pub frames: usize,
+    /// Tetrahedra of the largest grid that is generated, up to 3,853,502.
+    #[arg(long, value_name = "N", default_value_t = 1_000_000)]
+    pub most_cells: u64,
+    /// A folder with data that do not ship: bluntfin.vtu.
+    #[arg(long, value_name = "FOLDER")]
+    pub data: Option<PathBuf>,
+    /// The folder that keeps reference pictures; in the user's cache folder without it.
+    #[arg(long, value_name = "FOLDER")]
+    pub cache: Option<PathBuf>,
+    /// Show nothing while it runs.
+    #[arg(long, short)]
+    pub quiet: bool,
+}
+
+#[derive(Debug, Args)]
 #[command(
     after_help = "Exit codes: 0 the filter keeps what it is held to, 1 it does not, or the test was stopped; 2 the command \
 is wrong."
@@ -523,6 +561,12 @@ fn size(text: &str) -> Result<[u32; 2], String> {
     let parts = text.split_once(['x', '×']);
     let both = parts.and_then(|(width, height)| Some([number(width)?, number(height)?]));
     both.ok_or_else(|| "a size is WIDTHxHEIGHT in pixels, such as 1024x768".into())
+}
+
+/// The papers by name.
+fn papers() -> impl TypedValueParser<Value = Paper> {
+    PossibleValuesParser::new(Paper::ALL.map(Paper::name))
+        .map(|name| Paper::ALL.into_iter().find(|paper| paper.name() == name).unwrap_or(Paper::Song))
 }
 
 /// The engines by name, or all of them.

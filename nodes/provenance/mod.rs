@@ -10,7 +10,7 @@
 
 mod block;
 mod carried;
-mod date;
+pub mod date;
 mod report;
 mod source;
 

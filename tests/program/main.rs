@@ -15,6 +15,7 @@ mod left_out;
 mod memory;
 mod multi_gradient;
 mod outputs;
+mod papers;
 mod pictures;
 mod pixel;
 mod plugin_faults;

@@ -1,0 +1,129 @@
+//! A scene drawn in one way, and two ways in equal time.
+
+use super::{Open, Wish};
+use crate::work_precision::{
+    self as work, Benches, Engines, Errors, Measure, Painter, Reference, Setting, Subject,
+};
+use voltet_core::Result;
+use voltet_core::optics::Overlap;
+use voltet_core::picture::Picture;
+use voltet_core::progress::Progress;
+use voltet_core::shading::{Integrator, Order};
+use voltet_nodes::drawing::NATIVE;
+
+/// What papers are made anew with.
+pub(super) struct Bench<'a> {
+    pub wish: &'a Wish,
+    open: &'a Open<'a>,
+    pub progress: &'a dyn Progress,
+}
+
+/// A picture with its time and what it is off by.
+#[derive(Debug, Clone)]
+pub(super) struct Shot {
+    pub picture: Picture,
+    /// Median milliseconds of a picture, tables included.
+    pub ms: f64,
+    /// Milliseconds of what would serve further pictures.
+    pub set_up_ms: f64,
+    pub errors: Errors,
+}
+
+/// A scene with its reference picture.
+pub(super) struct Scene {
+    pub subject: Subject,
+    pub reference: Picture,
+}
+
+impl<'a> Bench<'a> {
+    pub fn new(wish: &'a Wish, open: &'a Open<'a>, progress: &'a dyn Progress) -> Self {
+        Bench { wish, open, progress }
+    }
+
+    /// One of the pipelines, as it is but for these options.
+    pub fn subject(&self, file: &str, options: &[String]) -> Result<Subject> {
+        (self.open)(file, options)
+    }
+
+    /// One of the pipelines in the figures' size, with its reference picture.
+    pub fn scene(&self, file: &str) -> Result<Scene> {
+        let [width, height] = self.wish.size;
+        self.referred(self.subject(file, &[format!("view.size=[{width},{height}]")])?)
+    }
+
+    /// A scene with its reference picture.
+    pub fn referred(&self, subject: Subject) -> Result<Scene> {
+        let Reference { picture, .. } = work::reference(&subject, &self.wish.cache, self.progress)?;
+        Ok(Scene { subject, reference: picture })
+    }
+
+    /// A scene drawn on the CPU.
+    pub fn shot(&self, scene: &Scene, integrator: Integrator, overlap: Overlap) -> Result<Shot> {
+        let Scene { subject, reference } = scene;
+        let (picture, cost) = self.measured(subject, integrator, overlap)?;
+        let errors = work::errors(&picture, reference);
+        Ok(Shot { picture, ms: cost.picture.median_ms, set_up_ms: cost.set_up.median_ms, errors })
+    }
+
+    /// The same without anything to compare with.
+    pub fn measured(
+        &self,
+        subject: &Subject,
+        integrator: Integrator,
+        overlap: Overlap,
+    ) -> Result<(Picture, work::Cost)> {
+        let wish = work::Wish {
+            only: Vec::new(),
+            engines: Engines::One(NATIVE),
+            adapter: None,
+            frames: self.wish.frames,
+            measure: Measure::Maximum,
+            max_error: None,
+            refine: 0,
+        };
+        let setting = Setting { painter: Painter::NATIVE, integrator, overlap, order: Order::Exact };
+        Benches::open(subject, &wish)?.measure(subject, &setting, &wish.frames, self.progress)
+    }
+
+    /// As many samples a segment as take no longer than `ms`, at least one, at most 1024; and the picture.
+    pub fn in_equal_time(
+        &self,
+        scene: &Scene,
+        ms: f64,
+        with: impl Fn(usize) -> Integrator,
+    ) -> Result<(usize, Shot)> {
+        let mut best = (1, self.shot(scene, with(1), Overlap::Exact)?);
+        let mut last = best.1.ms;
+        while best.1.ms < ms && best.0 < 1024 {
+            let count = 2 * best.0;
+            let shot = self.shot(scene, with(count), Overlap::Exact)?;
+            last = shot.ms;
+            if shot.ms > ms {
+                break;
+            }
+            best = (count, shot);
+        }
+        // Between two powers of two the time is about linear.
+        let share = (ms - best.1.ms) / (last - best.1.ms);
+        if last > ms && share.is_finite() && share > 0.0 {
+            let count = best.0 + (share.min(1.0) * best.0 as f64) as usize;
+            if count > best.0 {
+                return Ok((count, self.shot(scene, with(count), Overlap::Exact)?));
+            }
+        }
+        Ok(best)
+    }
+}
+
+impl Shot {
+    /// Time and errors as cells of a table: ms, rms, largest, pixels over a step of 8 bits.
+    pub fn cells(&self) -> [String; 4] {
+        let Errors { root_mean_square, maximum, pixels_over_step, .. } = self.errors;
+        [
+            format!("{:.1}", self.ms),
+            format!("{root_mean_square:.1e}"),
+            format!("{maximum:.1e}"),
+            pixels_over_step.to_string(),
+        ]
+    }
+}
