@@ -42,7 +42,7 @@ pub fn page(sections: &[Section]) -> Result<String> {
          page and its figures.\n\n\
          Drawn on the CPU alone ({threads} threads, {lanes}, {system} {machine}), on {}, by version {}. Times are medians of whole \
          pictures, tables included where nothing else is said; errors are those of premultiplied linear RGBA against the 64-bit \
-         reference, 1 being full scale. Two ways are compared as this program carries them out, which is not always with equal care. \"Holds\" and \"does not hold here\" are said by the program, of the figures beside it.\n",
+         reference, 1 being full scale. Times compare two ways as this program carries them out, one perhaps in vector lanes and the other not; errors compare the ways themselves. \"Holds\" and \"does not hold here\" are said by the program, of the figures beside it.\n",
         today(),
         env!("CARGO_PKG_VERSION"),
     );
