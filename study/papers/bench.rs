@@ -5,6 +5,7 @@ use crate::work_precision::{
     self as work, Benches, Engines, Errors, Measure, Painter, Reference, Setting, Subject,
 };
 use voltet_core::Result;
+use voltet_core::engine::Accumulation;
 use voltet_core::optics::Overlap;
 use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
@@ -81,7 +82,8 @@ impl<'a> Bench<'a> {
             max_error: None,
             refine: 0,
         };
-        let setting = Setting { painter: Painter::NATIVE, integrator, overlap, order: Order::Exact };
+        let (painter, order, accumulation) = (Painter::NATIVE, Order::Exact, Accumulation::Float);
+        let setting = Setting { painter, integrator, overlap, order, accumulation };
         Benches::open(subject, &wish)?.measure(subject, &setting, &wish.frames, self.progress)
     }
 
