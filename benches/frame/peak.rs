@@ -18,12 +18,18 @@ impl Kernel for Chains {
     fn run<L: Lanes>(self) -> f32 {
         // Sums stay near 1: no number that a processor might treat apart.
         let (factor, summand) = (L::F::splat(black_box(0.5)), L::F::splat(black_box(0.5)));
-        let mut sums = [L::F::splat(0.5); CHAINS];
-        for _ in 0..ROUNDS {
-            for sum in &mut sums {
-                *sum = sum.mul_add(factor, summand);
-            }
+        let start = L::F::splat(0.5);
+        // Names, not an array: an array would stay in memory.
+        macro_rules! chains {
+            ($($sum:ident)*) => {{
+                $(let mut $sum = start;)*
+                for _ in 0..ROUNDS {
+                    $($sum = $sum.mul_add(factor, summand);)*
+                }
+                [$($sum),*]
+            }};
         }
+        let sums: [L::F; CHAINS] = chains!(a b c d e f g h i j k l);
         let mut lanes = [0.0; 16];
         sums.into_iter().fold(L::F::splat(0.0), |whole, sum| whole + sum).store(&mut lanes);
         lanes[0]
