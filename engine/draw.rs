@@ -2,7 +2,8 @@
 
 use crate::attribute::{Attribute, attributes_of, gradient_attributes};
 use crate::cells::{Cells, Counts};
-use crate::composite::sinks::TilePicture;
+use crate::composite::hides::Hides;
+use crate::composite::sinks::{OPAQUE_DEPTH, TilePicture};
 use crate::composite::worker::{Drawn, Worker};
 use crate::memory::drawing_bytes;
 use crate::project::record::TILE;
@@ -206,9 +207,13 @@ impl Ready<'_> {
             let mut frame = Frame::new(sample, tetrahedra, &all, attributes.len(), shader, sorted);
             frame.ends = ends;
             let queue = sample.queue();
+            // Nothing is hidden where no ray through all of the grid is opaque.
+            let opaque = f64::from(OPAQUE_DEPTH) < sample.deepest;
+            let hides = Hides::new(opaque && sorted && !cells.no_leave_out, queue.len());
             let next = AtomicUsize::new(0);
-            let results: Vec<Drawn> =
-                rayon::broadcast(|_| Worker { frame: &frame, queue: &queue, next: &next, progress }.run());
+            let results: Vec<Drawn> = rayon::broadcast(|_| {
+                Worker { frame: &frame, queue: &queue, next: &next, hides: &hides, progress }.run()
+            });
             if progress.cancelled() {
                 return Err(Error::cancelled());
             }

@@ -35,6 +35,8 @@ pub(crate) struct Sample {
     tiles64: Vec<Vec<u32>>,
     distance_origin: f64,
     near: Option<[f32; 3]>,
+    /// Most optical depth of a ray through all of the grid.
+    pub deepest: f64,
     pub attribute_count: usize,
 }
 
@@ -181,6 +183,7 @@ impl Sample {
             tiles64,
             distance_origin,
             near,
+            deepest: densest * f64::sqrt(3.0),
             attribute_count: attributes.len(),
         })
     }
@@ -260,6 +263,13 @@ impl<'a> Frame<'a> {
         let corners = part.corners[index];
         let seen = &self.sample.seen;
         (&part.records[index], &part.attributes[index * n..][..n], corners.map(|p| &seen[p as usize]))
+    }
+
+    /// Nearest depth of a record's cell, from the distance origin.
+    #[inline(always)]
+    pub fn nearest(&self, entry: u32) -> f32 {
+        let part = &self.sample.parts[(entry >> INDEX_BITS) as usize];
+        part.nearest[(entry & ((1 << INDEX_BITS) - 1)) as usize]
     }
 
     /// Asks for a record's cache lines before they are needed: a tile's cells lie scattered over the parts.

@@ -20,6 +20,10 @@ pub const BANDS_WALKED_MOST: f64 = 1000.0;
 /// 1e-4 of depth.
 pub const RATE_MOST: f32 = 200.0;
 
+/// The same for Gaussians and uniform widgets whose walk begins each panel at 0: beyond, what lies outside of where a Gaussian is
+/// resolved may be seen.
+pub const DENSE_RATE_MOST: f32 = 1e7;
+
 /// Depth from which on all that is seen of a wave of the constant-emitter is where its band begins to glow.
 pub const OPAQUE: f64 = 30.0;
 

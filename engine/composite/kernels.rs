@@ -21,6 +21,8 @@ pub(crate) struct Cover<'a> {
     pub top: usize,
     pub right: usize,
     pub rows: Range<usize>,
+    /// Pixels that take fragments, a bit a column, where some do not.
+    pub open: Option<&'a [u16; TILE]>,
     pub group: &'a mut Group,
     pub edges: &'a mut Edges,
     pub fragments: &'a mut Fragments,
@@ -44,8 +46,18 @@ impl Kernel for Cover<'_> {
         }
         self.group.turn::<L>(self.left, self.top);
         self.edges.find::<L>(self.left, self.top, &self.rows);
-        for lane in 0..self.cells.len() {
-            self.fragments.cover::<L>(self.edges, lane, self.right - self.left);
+        let width = self.right - self.left;
+        match self.open {
+            None => {
+                for lane in 0..self.cells.len() {
+                    self.fragments.cover::<L, false>(self.edges, lane, width, &[]);
+                }
+            }
+            Some(open) => {
+                for lane in 0..self.cells.len() {
+                    self.fragments.cover::<L, true>(self.edges, lane, width, open);
+                }
+            }
         }
     }
 }

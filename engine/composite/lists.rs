@@ -8,6 +8,7 @@
 
 use crate::fragments::batch::{BATCH, Batch, Column, LANES_MOST};
 use crate::project::record::TILE;
+use crate::shade::later::Mark;
 use crate::shade::shaded::Shaded;
 use voltet_lanes::sort::sort_columns;
 use voltet_lanes::{Float, Lanes, Mask, Unsigned, array, inlined};
@@ -70,6 +71,9 @@ fn follows([entry, exit]: [f32; 2], [other_entry, other_exit]: [f32; 2]) -> bool
 /// Share of the picture under which what lies behind is left out: an optical depth of 25.
 pub(crate) const UNSEEN: f32 = 1e-11;
 
+/// The same of what waits for its colour.
+const UNSEEN_COLOR: f32 = 1e-8;
+
 /// The lists of one tile.
 pub(crate) struct Lists {
     /// The next free slot of each pixel, counted from the first row's first; then one for what belongs to none.
@@ -83,6 +87,8 @@ pub(crate) struct Lists {
     pub places: Box<Column<u32>>,
     /// Slots of the row in hand whose level is that of the slot before, with the lanes concerned.
     met: Vec<(u32, u32)>,
+    /// What is seen of the row in hand and waits for its colour.
+    marks: Vec<Mark>,
 }
 
 /// Where each pixel's first segment goes.
@@ -98,7 +104,7 @@ const FIRST: [u32; TILE * TILE + 1] = {
 
 /// Makes colours of what stands for those that wait ([`crate::shade::later`]), once it is known that they are seen; none waits
 /// where there is none.
-pub(crate) type Resolve<'a> = Option<&'a mut dyn FnMut([f32; 4]) -> Option<[f32; 3]>>;
+pub(crate) type Resolve<'a> = Option<&'a mut dyn FnMut(&mut [Mark])>;
 
 /// A pixel has more segments than [`DEPTH`].
 pub(crate) struct Overflow;
@@ -113,6 +119,7 @@ impl Lists {
             through: [1.0; TILE * TILE],
             places: Column::new(),
             met: Vec::new(),
+            marks: Vec::new(),
         }
     }
 
@@ -217,6 +224,27 @@ impl Lists {
         disordered
     }
 
+    /// Segments of some pixels of a row, and those of them that are hidden.
+    pub fn hidden(&self, row: usize) -> [usize; 2] {
+        let (mut all, mut hidden) = (0, 0);
+        for (x, &count) in self.counts(row).iter().enumerate().skip(1).step_by(4) {
+            let slots = &self.slots[row * ROW..][..count as usize];
+            let mut segments: Vec<[f32; 2]> =
+                slots.iter().map(|slot| [slot.entry[x], slot.rgba[x][3]]).collect();
+            segments.sort_unstable_by(|a, b| a[0].total_cmp(&b[0]));
+            let mut through = 1.0;
+            all += segments.len();
+            for (k, [_, opacity]) in segments.iter().enumerate() {
+                if through <= UNSEEN {
+                    hidden += segments.len() - k;
+                    break;
+                }
+                through *= 1.0 - opacity;
+            }
+        }
+        [all, hidden]
+    }
+
     /// Pixels of a row whose segments did not arrive in order.
     fn disordered(&self, row: usize, counts: &[u32; TILE]) -> u64 {
         let entry = |x: usize, slot: usize| self.slots[row * ROW + slot].entry[x];
@@ -306,24 +334,27 @@ impl Lists {
     }
 
     /// Colours what waits for it and is seen; what is hidden becomes black.
-    fn resolve(
-        &mut self,
-        row: usize,
-        counts: &[u32; TILE],
-        color: &mut dyn FnMut([f32; 4]) -> Option<[f32; 3]>,
-    ) {
+    fn resolve(&mut self, row: usize, counts: &[u32; TILE], color: &mut dyn FnMut(&mut [Mark])) {
+        self.marks.clear();
         for (x, &count) in counts.iter().enumerate() {
             let mut through = 1.0;
             for k in 0..count as usize {
                 let key = self.keys[k * TILE + x];
-                let rgba = &mut self.slots[row * ROW + (key & (DEPTH as u32 - 1)) as usize].rgba[x];
-                if through <= UNSEEN {
-                    *rgba = [0.0; 4];
-                } else if let Some([r, g, b]) = color(*rgba) {
-                    *rgba = [r, g, b, rgba[3]];
+                let slot = row * ROW + (key & (DEPTH as u32 - 1)) as usize;
+                let rgba = &mut self.slots[slot].rgba[x];
+                if through <= UNSEEN_COLOR {
+                    // What is left of white would show.
+                    rgba[..3].fill(0.0);
+                } else if let Some(mark) = Mark::new(*rgba, slot as u32 * FOURS + x as u32) {
+                    self.marks.push(mark);
                 }
                 through *= 1.0 - rgba[3];
             }
+        }
+        color(&mut self.marks);
+        let fours: &mut [[f32; 4]] = bytemuck::cast_slice_mut(&mut self.slots);
+        for mark in &self.marks {
+            fours[mark.place as usize][..3].copy_from_slice(&mark.color);
         }
     }
 

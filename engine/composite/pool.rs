@@ -14,6 +14,7 @@ pub(crate) struct Pool {
     queues: [Queue; STEPS.len() + 1],
     /// What is known of a batch's.
     opacity: Box<Column>,
+    opacities: Box<Column>,
     /// What comes out.
     pub shaded: Shaded,
 }
@@ -38,7 +39,12 @@ impl Pool {
             light: [Column::new(), Column::new()],
             count: 0,
         };
-        Pool { queues: std::array::from_fn(queue), opacity: Column::new(), shaded: Shaded::new() }
+        Pool {
+            queues: std::array::from_fn(queue),
+            opacity: Column::new(),
+            opacities: Column::new(),
+            shaded: Shaded::new(),
+        }
     }
 
     /// Nobody waits.
@@ -48,11 +54,23 @@ impl Pool {
 
     /// Makes those of a batch that will wait white and opaque, so that what light makes of them is kept.
     pub fn lend(&mut self, shaded: &mut Shaded) {
-        let Shaded { in_order, rest, rgba, .. } = shaded;
-        for &k in in_order.iter().chain([&*rest]).flatten() {
+        let Shaded { in_order, dense, rest, rgba, .. } = shaded;
+        for &k in in_order.iter().chain([&*dense, &*rest]).flatten() {
             self.opacity[k] = rgba[3][k];
             rgba.iter_mut().for_each(|column| column[k] = 1.0);
         }
+    }
+
+    /// Opacities of a batch after light; 0 where they are not known yet.
+    pub fn opacities(&mut self, shaded: &Shaded) -> &Column {
+        let Shaded { in_order, dense, rest, rgba, .. } = shaded;
+        let known = &mut self.opacities;
+        known.copy_from_slice(&**rgba[3]);
+        for &k in in_order.iter().chain([dense]).flatten() {
+            known[k] *= self.opacity[k];
+        }
+        rest.iter().for_each(|&k| known[k] = 0.0);
+        known
     }
 
     /// Takes those of a batch that wait, once the lists have them.
@@ -64,6 +82,10 @@ impl Pool {
         lists: &mut Lists,
         later: &mut Later,
     ) {
+        for &k in &shaded.dense {
+            let [light, .., opacity] = [0, 1, 2, 3].map(|c: usize| shaded.rgba[c][k]);
+            lists.set(lists.places[k], later.keep_one(batch, k, light, opacity * self.opacity[k]));
+        }
         for (number, which) in shaded.in_order.iter().chain([&shaded.rest]).enumerate() {
             for &k in which {
                 let queue = &mut self.queues[number];

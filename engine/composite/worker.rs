@@ -6,17 +6,19 @@
 //! ([`super::lists`]), or, where the scene has one colour, are summed: there no order is needed.
 
 use crate::composite::growing_lists::GrowingLists;
+use crate::composite::hides::Hides;
 use crate::composite::kernels::{Blend, Cover, Evaluate, Illuminate};
 use crate::composite::lists::{Lists, Overflow, Resolve};
 use crate::composite::pool::Pool;
 use crate::composite::sinks::{DepthSink, OPAQUE_DEPTH, Sink, TilePicture, of_one_color};
+use crate::composite::slabs::Slabs;
 use crate::fragments::batch::{BATCH, Batch, LANES_MOST};
 use crate::fragments::crossing::Group;
 use crate::fragments::ends::{Ends, cut};
 use crate::fragments::spans::{Edges, Fragments};
 use crate::project::record::TILE;
 use crate::sample::Frame;
-use crate::shade::later::Later;
+use crate::shade::later::{Later, Mark};
 use crate::shade::light::{Rays, rays};
 use crate::shade::roads::{integrate, quick};
 use crate::shade::shaded::Shaded;
@@ -47,6 +49,8 @@ pub(crate) struct Worker<'a> {
     /// Tile numbers, fullest first.
     pub queue: &'a [u32],
     pub next: &'a AtomicUsize,
+    /// Whether cells are taken from front to back.
+    pub hides: &'a Hides,
     pub progress: &'a dyn Progress,
 }
 
@@ -61,15 +65,16 @@ struct Scratch {
     rays: Rays,
     pool: Pool,
     later: Later,
+    slabs: Slabs,
+    /// Whether cells are taken from front to back.
+    slabbed: bool,
     ends: Ends,
     counts: WorkerCounts,
 }
 
-impl Worker<'_> {
-    /// Draws tiles until the queue is empty. Returns the pictures with their tile numbers.
-    pub fn run(self) -> Drawn {
-        let frame = self.frame;
-        let mut scratch = Scratch {
+impl Scratch {
+    fn new(frame: &Frame<'_>) -> Scratch {
+        Scratch {
             fragments: Fragments::new(LANES_MOST),
             edges: Edges::new(),
             group: Group::new(frame.attribute_count),
@@ -78,10 +83,34 @@ impl Worker<'_> {
             stretch: [1.0; TILE * TILE],
             rays: [[0.0; TILE * TILE]; 3],
             pool: Pool::new(frame.scalar_count),
-            later: Later::default(),
+            later: Later::new(frame.scalar_count),
+            slabs: Slabs::new(),
+            slabbed: false,
             ends: [f32::INFINITY; TILE * TILE],
             counts: WorkerCounts::default(),
-        };
+        }
+    }
+
+    /// Makes ready what is known of a tile's rays.
+    fn begin(&mut self, frame: &Frame<'_>, [left, top]: [usize; 2]) {
+        if frame.view.perspective {
+            for (pixel, stretch) in self.stretch.iter_mut().enumerate() {
+                *stretch =
+                    frame.view.stretch((left + pixel % TILE) as f64, (top + pixel / TILE) as f64) as f32;
+            }
+        }
+        if frame.shader.surface.is_some_and(|surface| surface.silhouette.is_some()) {
+            rays(&frame.view, left, top, &mut self.rays);
+        }
+        frame.ends_of(left, top, &mut self.ends);
+    }
+}
+
+impl Worker<'_> {
+    /// Draws tiles until the queue is empty. Returns the pictures with their tile numbers.
+    pub fn run(self) -> Drawn {
+        let frame = self.frame;
+        let mut scratch = Scratch::new(frame);
         let mut lists = Lists::new();
         let mut done = Vec::new();
         loop {
@@ -94,10 +123,17 @@ impl Worker<'_> {
                 break;
             }
             let mut picture = Box::new([[0.0; 4]; TILE * TILE]);
+            let sampled = self.hides.sample(k);
+            let Some(slabbed) = self.hides.answer(k, || self.progress.cancelled()) else { break };
+            scratch.slabbed = slabbed;
             draw_tile(frame, tile as usize, &mut scratch, &mut lists, &mut picture);
+            if let Some(sampled) = sampled {
+                sampled.tell(lists.hidden(TILE / 2));
+            }
             done.push((tile, picture));
         }
-        scratch.counts.segments_exact += scratch.shaded.exact_count + scratch.pool.shaded.exact_count;
+        scratch.counts.segments_exact +=
+            scratch.shaded.exact_count + scratch.pool.shaded.exact_count + scratch.later.exact_count();
         scratch.counts.segments_overlapping = scratch.shaded.overlap_count;
         (done, scratch.counts)
     }
@@ -111,15 +147,7 @@ fn draw_tile(
     picture: &mut TilePicture,
 ) {
     let (left, top) = (tile % frame.tiles_wide * TILE, tile / frame.tiles_wide * TILE);
-    if frame.view.perspective {
-        for (pixel, stretch) in scratch.stretch.iter_mut().enumerate() {
-            *stretch = frame.view.stretch((left + pixel % TILE) as f64, (top + pixel / TILE) as f64) as f32;
-        }
-    }
-    if frame.shader.surface.is_some_and(|surface| surface.silhouette.is_some()) {
-        rays(&frame.view, left, top, &mut scratch.rays);
-    }
-    frame.ends_of(left, top, &mut scratch.ends);
+    scratch.begin(frame, [left, top]);
     if let Some(color) = frame.shader.one_color {
         let mut depth = [0.0; TILE * TILE];
         // Pixels beyond the picture's edge wait for nothing.
@@ -143,12 +171,9 @@ fn draw_tile(
     let drawn = walk(frame, tile, 0..TILE, scratch, lists);
     if drawn.is_ok() {
         let Scratch { later, counts, .. } = scratch;
-        let mut color = |rgba: [f32; 4]| {
-            let found = later.color(frame.shader, rgba);
-            counts.segments_exact += u64::from(found.is_some());
-            found
-        };
-        let resolve: Resolve<'_> = if later.is_empty() { None } else { Some(&mut color) };
+        let waits = !later.is_empty();
+        let mut color = |marks: &mut [Mark]| later.color(frame.shader, frame.lanes, marks);
+        let resolve: Resolve<'_> = if waits { Some(&mut color) } else { None };
         let blend = Blend { lists, sorted: frame.sorted, picture, resolve };
         let disordered = dispatch(frame.lanes, blend);
         counts.pixels_disordered += disordered;
@@ -178,12 +203,26 @@ fn walk<S: Sink>(
     let right = (left + TILE).min(frame.view.size[0]);
     let bottom = (top + TILE).min(frame.view.size[1]);
     let rows = rows.start..rows.end.min(bottom - top);
-    let Scratch { fragments, edges, group, batch, shaded, stretch, rays, pool, later, ends, counts } =
-        scratch;
+    let Scratch {
+        fragments,
+        edges,
+        group,
+        batch,
+        shaded,
+        stretch,
+        rays,
+        pool,
+        later,
+        slabs,
+        slabbed,
+        ends,
+        counts,
+    } = scratch;
     pool.clear();
     later.clear();
     let pools = frame.shader.pools() && sink.lists().is_some();
-    let mut send = |sink: &mut S, batch: &mut Batch, count: usize| {
+    let slabbed = *slabbed && sink.lists().is_some();
+    let mut send = |sink: &mut S, slabs: &mut Slabs, batch: &mut Batch, count: usize| {
         if frame.ends.is_some() {
             cut(batch, count, frame.attribute_count, ends);
         }
@@ -196,6 +235,10 @@ fn walk<S: Sink>(
         if frame.shader.surface.is_some() {
             dispatch(frame.lanes, Illuminate { frame, batch, count, rays, shaded });
         }
+        if slabbed {
+            let opacity = if pools { pool.opacities(shaded) } else { &shaded.rgba[3] };
+            slabs.take(&batch.pixel, &batch.exit, opacity, count);
+        }
         sink.take(frame.lanes, batch, shaded, count)?;
         if let Some(lists) = sink.lists().filter(|_| pools) {
             pool.take(frame, batch, shaded, lists, later);
@@ -204,8 +247,21 @@ fn walk<S: Sink>(
     };
 
     let width = frame.lanes.width();
-    let entries = frame.entries_of(tile);
+    let mut sorted = Vec::new();
+    if slabbed {
+        slabs.begin(frame, tile, [right - left, bottom - top]);
+        sorted = std::mem::take(&mut slabs.entries);
+    }
+    let entries = if slabbed { &sorted } else { frame.entries_of(tile) };
     for (number, cells) in entries.chunks(width).enumerate() {
+        if slabbed
+            && (number * width).is_multiple_of(slabs.length)
+            && !slabs.close(number * width / slabs.length)
+        {
+            counts.tiles_stopped += 1;
+            counts.cells_hidden += (entries.len() - number * width) as u64;
+            break;
+        }
         if sink.is_full() {
             counts.tiles_stopped += 1;
             counts.cells_hidden += (entries.len() - number * width + frame.cells64_of(tile).count()) as u64;
@@ -215,7 +271,19 @@ fn walk<S: Sink>(
         let ahead = &entries[after.min(entries.len())..];
         dispatch(
             frame.lanes,
-            Cover { frame, cells, ahead, left, top, right, rows: rows.clone(), group, edges, fragments },
+            Cover {
+                frame,
+                cells,
+                ahead,
+                left,
+                top,
+                right,
+                rows: rows.clone(),
+                open: slabbed.then_some(&slabs.open),
+                group,
+                edges,
+                fragments,
+            },
         );
         let mut from = 0;
         while from < fragments.count {
@@ -223,11 +291,14 @@ fn walk<S: Sink>(
             let codes = &fragments.codes[from..];
             dispatch(frame.lanes, Evaluate { frame, group, codes, count, stretch, batch });
             counts.segments += u64::from(batch.hits);
-            send(sink, batch, count)?;
+            send(sink, slabs, batch, count)?;
             from += count;
         }
     }
 
+    slabs.entries = sorted;
+
+    // These may lie in front of what hides the others.
     let mut count = 0;
     for cell in frame.cells64_of(tile) {
         let [x0, y0, x1, y1] = cell.bounds;
@@ -238,14 +309,14 @@ fn walk<S: Sink>(
                 count += 1;
                 if count == BATCH {
                     counts.segments += count as u64;
-                    send(sink, batch, std::mem::take(&mut count))?;
+                    send(sink, slabs, batch, std::mem::take(&mut count))?;
                 }
             }
         }
     }
     if count > 0 {
         counts.segments += count as u64;
-        send(sink, batch, count)?;
+        send(sink, slabs, batch, count)?;
     }
     if let Some(lists) = sink.lists() {
         pool.finish(frame, lists, later);

@@ -143,9 +143,16 @@ impl Fragments {
         Fragments { codes: vec![0; lanes * TILE * TILE + SPARE], count: 0 }
     }
 
-    /// Appends the pixels, of a tile `width` pixels wide, that the cell in a lane covers.
+    /// Appends the pixels, of a tile `width` pixels wide, that the cell in a lane covers; if `MASKED`, those that are `open`, a bit
+    /// a column.
     #[inline(always)]
-    pub fn cover<L: Lanes>(&mut self, edges: &Edges, lane: usize, width: usize) {
+    pub fn cover<L: Lanes, const MASKED: bool>(
+        &mut self,
+        edges: &Edges,
+        lane: usize,
+        width: usize,
+        open: &[u16],
+    ) {
         let (start, end) = (edges.start[lane] as usize, edges.end[lane] as usize);
         if start >= end {
             return;
@@ -174,7 +181,14 @@ impl Fragments {
         }
         for row in start..end {
             let (from, to) = (from[row], to[row]);
-            if from < to {
+            if MASKED {
+                let mut open = u32::from(open[row]) & ((1 << to) - 1) & (u32::MAX << from.min(31));
+                while open != 0 {
+                    self.codes[self.count] = (lane << 8 | row << 4) as u16 + open.trailing_zeros() as u16;
+                    self.count += 1;
+                    open &= open - 1;
+                }
+            } else if from < to {
                 let code = (lane << 8 | row << 4) as u16 + from as u16;
                 let out = &mut self.codes[self.count..self.count + TILE];
                 for (k, out) in out.iter_mut().enumerate() {

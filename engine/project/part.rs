@@ -19,6 +19,8 @@ pub(crate) struct ProjectedPart {
     pub attributes: Vec<AttributeRecord>,
     /// Points of the records' tetrahedra.
     pub corners: Vec<[u32; 4]>,
+    /// Nearest depth of each record, from the distance origin.
+    pub nearest: Vec<f32>,
     /// Tile rectangle of each record: x0, y0, x1, y1 (exclusive).
     pub tiles: Vec<[u16; 4]>,
     /// Records that touch each tile.
@@ -85,6 +87,7 @@ impl Kernel for ProjectPart<'_> {
         part.records.reserve(cells.len());
         part.attributes.reserve(cells.len() * input.attributes.len());
         part.corners.reserve(cells.len());
+        part.nearest.reserve(cells.len());
         part.tiles.reserve(cells.len());
         for group in cells.chunks(L::D::COUNT) {
             project_group::<L>(&input, group, part);
@@ -323,8 +326,8 @@ fn project_group<L: Lanes>(input: &Input<'_>, group: &[u32], part: &mut Projecte
     push_cells64(group, in_64_bits, part);
 
     // Store lane by lane.
-    let mut words = [[0f64; MOST]; 8];
-    for (row, value) in words.iter_mut().zip([x0, y0, x1, y1, pixel_x, pixel_y, depth, middle]) {
+    let mut words = [[0f64; MOST]; 9];
+    for (row, value) in words.iter_mut().zip([x0, y0, x1, y1, pixel_x, pixel_y, depth, middle, z_least]) {
         value.store(row);
     }
     for lane in 0..n {
@@ -358,6 +361,7 @@ fn project_group<L: Lanes>(input: &Input<'_>, group: &[u32], part: &mut Projecte
         }
         part.records.push(record);
         part.corners.push(input.tetrahedra[group[lane] as usize]);
+        part.nearest.push((words[8][lane] - input.distance_origin) as f32);
         part.tiles.push(rectangle);
         for stored in stored.iter().take(input.attributes.len()) {
             part.attributes.push(AttributeRecord {

@@ -12,7 +12,8 @@ use crate::shade::kinds::{InOrder, LaneWidget, Road, nothing};
 use crate::shade::reach::Spread;
 use crate::shade::shaded::{Left, MIX_PRODUCT, Shaded};
 use voltet_core::transfer::TransferFunction;
-use voltet_lanes::limits::{LENGTH_WALKED_LEAST, RATE_MOST};
+use voltet_lanes::limits::{DENSE_RATE_MOST, LENGTH_WALKED_LEAST, RATE_MOST};
+use voltet_lanes::optics::dense::dense;
 use voltet_lanes::optics::elementary::one_minus_exp;
 use voltet_lanes::optics::overlap::ordered;
 use voltet_lanes::{Float, Lanes, Mask, array};
@@ -50,16 +51,23 @@ impl PanelWalk {
         }
     }
 
-    /// Integrates the segments `which` of a batch; those it cannot serve are left over, each with the reason.
+    /// Integrates the segments `which` of a batch; those it cannot serve are left over, each with the reason. `DENSE`: by steps
+    /// that serve dense segments, too, and cost more.
     #[inline(always)]
-    pub fn walk<L: Lanes>(&self, widgets: &[LaneWidget], batch: &Batch, which: &[usize], out: &mut Shaded) {
+    pub fn walk<L: Lanes, const DENSE: bool>(
+        &self,
+        widgets: &[LaneWidget],
+        batch: &Batch,
+        which: &[usize],
+        out: &mut Shaded,
+    ) {
         let columns = batch.scalar_count;
         let mut gathered = Gathered::new(columns);
         for group in which.chunks(L::WIDTH) {
             gathered.take(batch, group);
             let along = gathered.along::<L>();
             let fields = gathered.fields::<L>();
-            let (results, left, overlapping) = self.integrate::<L>(widgets, &along, &fields);
+            let (results, left, overlapping) = self.integrate::<L, DENSE>(widgets, &along, &fields);
             let unsure = left.iter().fold(0, |all, (lanes, _)| all | lanes);
             let mut rows = [[0f32; LANES_MOST]; 5];
             for (row, value) in rows.iter_mut().zip(results) {
@@ -88,7 +96,7 @@ impl PanelWalk {
     /// Colour, opacity and optical depth, the lanes (bits) for the 64-bit path by their reasons, and those where widgets
     /// overlap.
     #[inline(always)]
-    fn integrate<L: Lanes>(
+    fn integrate<L: Lanes, const DENSE: bool>(
         &self,
         widgets: &[LaneWidget],
         along: &Along<L>,
@@ -148,8 +156,9 @@ impl PanelWalk {
             None => overlapping | (varies & crossing),
         };
         let delicate = in_order & delicate;
-        let dense = in_order & splat(RATE_MOST).lt(densest).bits();
-        if in_order & !(narrow | overflow | delicate | dense) != 0 {
+        let most = if DENSE { DENSE_RATE_MOST } else { RATE_MOST };
+        let mut too_dense = in_order & splat(most).lt(densest).bits();
+        if in_order & !(narrow | overflow | delicate | too_dense) != 0 {
             let scale = along.length * splat(self.scale);
             let mut members = Vec::with_capacity(widgets.len());
             for widget in widgets {
@@ -163,13 +172,24 @@ impl PanelWalk {
                     members.push(member);
                 }
             }
-            let walked = ordered::<L>(&members, self.cutoff.map(|_| scale));
+            let walked = if DENSE {
+                let (color, light, unsure) = dense::<L>(&members);
+                too_dense |= in_order & unsure.bits();
+                // All light together is known in closed form.
+                let exact = opacity / light.max(splat(f32::MIN_POSITIVE));
+                array(
+                    #[inline(always)]
+                    |i| color[i] * exact,
+                )
+            } else {
+                ordered::<L>(&members, self.cutoff.map(|_| scale))
+            };
             let keep = lanes_of::<L>(in_order);
             color = array(
                 #[inline(always)]
                 |i| L::F::select(keep, walked[i], color[i]),
             );
         }
-        ([color[0], color[1], color[2], opacity, total], left(delicate, dense), overlapping)
+        ([color[0], color[1], color[2], opacity, total], left(delicate, too_dense), overlapping)
     }
 }

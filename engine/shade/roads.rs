@@ -30,13 +30,23 @@ pub(crate) fn finish(
             dispatch(lanes, Step { shader, number, batch, out });
         }
     }
+    if later.is_none() {
+        let Shaded { rest, dense, .. } = &mut *out;
+        rest.append(dense);
+    }
     if !out.rest.is_empty() {
-        dispatch(lanes, Walk { shader, batch, out });
+        dispatch(lanes, Walk::<false> { shader, batch, out });
         if let Some(later) = later {
             later.keep(batch, out);
         }
         shader.finish(batch, out);
     }
+}
+
+/// Dense fragments that quick forms left over, once it is known that they are seen.
+pub(crate) fn dense(shader: &Shader, lanes: LaneSet, batch: &Batch, out: &mut Shaded) {
+    dispatch(lanes, Walk::<true> { shader, batch, out });
+    shader.finish(batch, out);
 }
 
 struct Shade<'a> {
@@ -69,16 +79,16 @@ impl Kernel for Step<'_> {
     }
 }
 
-struct Walk<'a> {
+struct Walk<'a, const DENSE: bool> {
     shader: &'a Shader,
     batch: &'a Batch,
     out: &'a mut Shaded,
 }
 
-impl Kernel for Walk<'_> {
+impl<const DENSE: bool> Kernel for Walk<'_, DENSE> {
     type Output = ();
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        self.shader.walk::<L>(self.batch, self.out);
+        self.shader.walk::<L, DENSE>(self.batch, self.out);
     }
 }

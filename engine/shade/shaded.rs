@@ -11,6 +11,8 @@ pub(crate) struct Shaded {
     pub rgba: Colors,
     /// Fragments that take so many steps each as [`STEPS`] says.
     pub in_order: [Vec<usize>; STEPS.len()],
+    /// Fragments of known opacity whose order is worth finding only where they are seen.
+    pub dense: Vec<usize>,
     /// The other fragments that the quick forms did not serve, then those for the 64-bit path.
     pub rest: Vec<usize>,
     /// Why the latter go there, one by one.
@@ -42,6 +44,7 @@ impl Shaded {
             depth: Column::new(),
             rgba: std::array::from_fn(|_| Column::new()),
             in_order: Default::default(),
+            dense: Vec::new(),
             rest: Vec::new(),
             why: Vec::new(),
             spare: Vec::new(),
@@ -96,6 +99,9 @@ impl Left {
         }
     }
 }
+
+/// Depth from which on a segment whose order takes more than a few steps waits until it is known to be seen.
+pub(crate) const DENSE_LEAST: f32 = 8.0;
 
 /// Overlaps whose pairwise product of optical depths is under this are mixed without regard to order: the
 /// error is at most the product times the colour, 1e-8.

@@ -12,7 +12,7 @@ use crate::shade::kinds::{InOrder, LaneWidget, Making, Road};
 use crate::shade::light::{Rays, Surface};
 use crate::shade::panels::PanelWalk;
 use crate::shade::reach::{LEFT_OUT, Spread};
-use crate::shade::shaded::{Exact, Left, MIX_PRODUCT, Shaded};
+use crate::shade::shaded::{DENSE_LEAST, Exact, Left, MIX_PRODUCT, Shaded};
 use crate::shade::stepped::{STEPS, stepped};
 use voltet_core::optics::integrators::SegmentIntegrator;
 use voltet_core::optics::{Overlap, Prepared, Segment};
@@ -127,6 +127,7 @@ impl Shader {
     #[inline(always)]
     pub fn shade<L: Lanes>(&self, batch: &Batch, count: usize, out: &mut Shaded) {
         out.rest.clear();
+        out.dense.clear();
         out.in_order.iter_mut().for_each(Vec::clear);
         // Alone, its pieces give the colour in closed form.
         let points = match self.widgets.as_slice() {
@@ -166,9 +167,9 @@ impl Shader {
         out.in_order[number] = which;
     }
 
-    /// The other fragments that [`Shader::shade`] left over, in lanes.
+    /// The other fragments that [`Shader::shade`] left over, in lanes; dense ones, too, if `DENSE`.
     #[inline(always)]
-    pub fn walk<L: Lanes>(&self, batch: &Batch, out: &mut Shaded) {
+    pub fn walk<L: Lanes, const DENSE: bool>(&self, batch: &Batch, out: &mut Shaded) {
         let walker = match &self.walker {
             Ok(walker) => walker,
             Err(why) => return out.leave_all(*why),
@@ -177,7 +178,7 @@ impl Shader {
         out.rest.clear();
         out.why.clear();
         let which = std::mem::take(&mut out.spare);
-        walker.walk::<L>(&self.widgets, batch, &which, out);
+        walker.walk::<L, DENSE>(&self.widgets, batch, &which, out);
         out.spare = which;
     }
 
@@ -346,7 +347,9 @@ impl Shader {
                     push(list, served, at);
                     rest &= !served;
                 }
-                unsure |= rest;
+                let dense = rest & L::F::splat(DENSE_LEAST).le(sums.total).bits();
+                push(&mut out.dense, dense, at);
+                unsure |= rest & !dense;
             }
         }
         for (column, value) in out.rgba.iter_mut().zip(rgba) {

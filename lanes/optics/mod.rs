@@ -14,11 +14,13 @@
 //! | linear piece | [`linear::piece_weights`] | (ρ_f D, ρ_b D), at most 1 |
 //! | widgets that hardly bend, in order: C less the mix | [`sums::Sums::correction`] | a [`smooth::DensityShape`] each |
 //! | any widgets in order, either model: C | [`overlap::ordered`]`(&members, None or D/U)` | [`overlap::LaneMember`] each, over the whole segment |
+//! | uniform widgets and Gaussians in order, where they are dense: C | [`dense::dense`]`(&members)` | the same |
 //!
-//! D and ρ₀ D are those of the clipped stretch for all but the last two, which take the whole segment and the ranges of t.
+//! D and ρ₀ D are those of the clipped stretch for all but the last three, which take the whole segment and the ranges of t.
 
 mod band;
 pub mod clip;
+pub mod dense;
 pub mod elementary;
 pub mod gaussian;
 pub mod linear;

@@ -14,7 +14,7 @@ use voltet_core::progress::Silent;
 use voltet_core::reference;
 use voltet_core::scene::Scene;
 use voltet_core::shading::Order;
-use voltet_core::transfer::{Profile, Region, TransferFunction, Widget};
+use voltet_core::transfer::{Profile, Region, TransferFunction, Wave, Widget};
 use voltet_core::volume::Volume;
 use voltet_testing::pictures::compare::SHADING;
 use voltet_testing::pictures::grids::cube;

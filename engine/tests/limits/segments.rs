@@ -1,7 +1,6 @@
 //! Single segments: what is read of the fields, what is ordered, what goes in 64 bits.
 
 use super::*;
-use voltet_core::transfer::Wave;
 use voltet_engine::{Segments, segments};
 use voltet_lanes::LaneSet;
 
