@@ -28,7 +28,7 @@ pub use compose::compose;
 pub use kinds::Kind;
 pub use limits32::check_32_bits;
 pub use parameters::{Parameters, SceneHead};
-pub use parts::{Access, CELLS_READ, GRID_GROUP, GridArray, Layout, Parts};
+pub use parts::{Access, GRID_GROUP, GridArray, Layout, Parts, cells_read};
 pub use passes::{FramePass, PlacementRecord, RoundRecord, RunRecord, ViewRecord, multiply_adds};
 pub use pieces::{PIECES, WgslPiece, piece};
 pub use resources::{Buffer, Contents, Pass, Resources, TEXEL_BYTES, table_lengths};

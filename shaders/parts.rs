@@ -150,13 +150,18 @@ pub enum Access {
 /// The group in which the grid's arrays are bound, at 0, 1, … in their order, each part by itself.
 pub const GRID_GROUP: u32 = 2;
 
-/// What the compositors of pixels read of the grid.
-pub const CELLS_READ: &[(GridArray, Access)] = &[
+/// All of it.
+const CELLS_READ: &[(GridArray, Access)] = &[
     (GridArray::Tetrahedra, Access::Read),
     (GridArray::Seen, Access::Read),
-    (GridArray::Attributes, Access::Read),
     (GridArray::Bounds, Access::Read),
+    (GridArray::Attributes, Access::Read),
 ];
+
+/// What the compositors of pixels read of the grid, for points of so many attributes: without any there is no such array.
+pub fn cells_read(attribute_stride: usize) -> &'static [(GridArray, Access)] {
+    if attribute_stride == 0 { &CELLS_READ[..CELLS_READ.len() - 1] } else { CELLS_READ }
+}
 
 /// The declarations of the grid's arrays, and the functions that read or write them.
 pub(crate) fn grid_text(arrays: &[(GridArray, Access)], layout: &Layout) -> String {

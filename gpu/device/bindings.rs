@@ -1,5 +1,6 @@
 //! What passes are bound to.
 
+use voltet_core::engine::Compositing;
 use voltet_shaders::FramePass;
 
 /// What a binding is, in the order of the bindings of a group.
@@ -23,20 +24,33 @@ fn bound(pass: Option<FramePass>) -> &'static [Bound] {
     match pass {
         Some(FramePass::Points) => &[],
         Some(FramePass::Attribute) => &[Uniform],
-        Some(FramePass::Cells) => &[Read, Write, Write],
-        Some(FramePass::Starts) => &[Write, Write, Write],
+        Some(FramePass::Cells) => &[Read, Write],
+        Some(FramePass::Starts) => &[Write],
         Some(FramePass::Lists) => &[Write, Write],
         Some(FramePass::Sort) => &[Read, Write],
         Some(FramePass::CountDigits | FramePass::PlaceDigits) => &[Uniform, Read, Write],
         Some(FramePass::MoveDigits) => &[Uniform, Read, Write, Write],
         Some(FramePass::Runs) => &[Write, Read],
         Some(FramePass::Split) => &[Uniform, Read, Read, Write],
-        None => &[Read, Read, Write, Write, Write],
+        None => &[Write, Read, Write],
     }
 }
 
-/// Storage buffers of a pass, or of the tiles' compositor, beside those of the grid and of the scene.
-pub(crate) fn fixed_buffers(pass: Option<FramePass>) -> u32 {
+/// Storage buffers of a pass beside those of the grid.
+pub(crate) fn fixed_buffers(pass: FramePass) -> u32 {
+    storage_buffers(Some(pass))
+}
+
+/// Storage buffers of a compositor of pixels, beside those of the grid and of the scene.
+pub(crate) fn compositor_buffers(compositing: Compositing) -> u32 {
+    match compositing {
+        Compositing::Tiles => storage_buffers(None),
+        // The list of cells, or their corners; then the picture alone.
+        Compositing::Raster | Compositing::Triangles => 1,
+    }
+}
+
+fn storage_buffers(pass: Option<FramePass>) -> u32 {
     bound(pass).iter().filter(|bound| **bound != Bound::Uniform).count() as u32
 }
 

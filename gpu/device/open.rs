@@ -45,17 +45,31 @@ pub(crate) struct WorkCounts {
     pub uploads: AtomicU64,
 }
 
-/// Storage buffers that the tiles' compositor is bound to.
-const STORAGE_BUFFERS: u32 = 10;
+/// Storage buffers of a stage that are enough: those that every device of WebGPU has.
+const STORAGE_BUFFERS: u32 = 8;
 
 impl Device {
     /// Opens the fastest adapter, or the one that `wish` names (a kind, or a part of its name). With `hardware`,
     /// software devices are passed over unless they are wished for.
     pub fn open(wish: Option<&str>, hardware: bool) -> Result<Device> {
+        Device::open_within(wish, hardware, |limits| limits)
+    }
+
+    /// The same with no more than every device of WebGPU has: bindings of 128 MiB, 8 storage buffers of a stage, workgroups of
+    /// 256 invocations and 16 KiB. What needs more is an error, as it would be there.
+    pub fn open_as_webgpu(wish: Option<&str>) -> Result<Device> {
+        Device::open_within(wish, false, |_| wgpu::Limits::defaults())
+    }
+
+    fn open_within(
+        wish: Option<&str>,
+        hardware: bool,
+        within: impl Fn(wgpu::Limits) -> wgpu::Limits,
+    ) -> Result<Device> {
         let adapters = Adapters::find();
         let (adapter, reason) = adapters.choose(wish, hardware)?;
         let info = adapter.get_info();
-        let limits = adapter.limits();
+        let limits = within(adapter.limits());
         if limits.max_storage_buffers_per_shader_stage < STORAGE_BUFFERS {
             return Err(Error::run(format!("{} binds too few buffers at a time", describe(&info)))
                 .found(limits.max_storage_buffers_per_shader_stage)

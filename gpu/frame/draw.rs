@@ -1,5 +1,6 @@
 //! Draws a volume on a device.
 
+use crate::device::bindings::compositor_buffers;
 use crate::frame::inputs::FrameInputs;
 use crate::frame::renderer::Renderer;
 use crate::frame::{count, limits, support, view};
@@ -197,7 +198,7 @@ pub(crate) fn choices(renderer: &Renderer, scene: &Scene, manner: &Manner) -> Re
         grid.device.check_blending(compositing(manner), manner.accumulation, grid.cell_count.into())?;
     }
     let mut choices = Choices::new(transfer_function, shading, compositor)?;
-    let sizes = sizes(grid, &choices, transfer_function, shading);
+    let sizes = sizes(grid, &choices, compositing(manner), transfer_function, shading);
     sizes.check(grid.device.room(), &grid.device.name)?;
     choices.layout = sizes.layout(grid.device.room());
     Ok((choices, sizes))
@@ -207,6 +208,7 @@ pub(crate) fn choices(renderer: &Renderer, scene: &Scene, manner: &Manner) -> Re
 fn sizes(
     grid: &DeviceGrid,
     choices: &Choices,
+    compositing: Compositing,
     transfer_function: &TransferFunction,
     shading: &Shading,
 ) -> Sizes {
@@ -218,6 +220,7 @@ fn sizes(
         texels,
         source_texels,
         // Without the table's own.
+        own_buffers: compositor_buffers(compositing),
         scene_buffers: choices.storage_buffers().len() as u32 - u32::from(texels > 0),
     }
 }

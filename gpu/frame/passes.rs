@@ -12,7 +12,7 @@ use crate::pass::steps::{Binder, GridArrays, Step, folded, kinds, run, scene_kin
 use crate::raster::blended::{Blending, Form, Raster};
 use voltet_core::Result;
 use voltet_core::engine::Stage;
-use voltet_shaders::{CELLS_READ, Compositor, FramePass, GridArray, PlacementRecord, ViewRecord};
+use voltet_shaders::{Compositor, FramePass, GridArray, PlacementRecord, ViewRecord, cells_read};
 use wgpu::{Buffer, BufferUsages, CommandEncoder};
 
 /// What takes the cells to the picture.
@@ -30,7 +30,6 @@ pub(crate) struct Passes<'a> {
     lists: Vec<Step>,
     last: Last,
     view: Buffer,
-    listed: Buffer,
     counts: Buffer,
     pixels: Buffer,
     returned: Buffer,
@@ -41,6 +40,9 @@ pub(crate) struct Passes<'a> {
 
 /// Bytes of the counts.
 const COUNTS_BYTES: u64 = count::ALL as u64 * 4;
+
+/// Where behind them those of the tiles begin: `COUNTED` of `passes/view.wgsl`.
+const TILES_COUNTED_AT: u64 = 16 * 4;
 
 impl<'a> Passes<'a> {
     /// Makes what is missing of the buffers, and binds it.
@@ -54,7 +56,6 @@ impl<'a> Passes<'a> {
         let (sizes, layout) = (&frame.sizes, &frame.choices.layout);
         let tiles = u64::from(window[2]) * u64::from(window[3]);
         let picture_bytes = frame.picture_bytes(window);
-        let states_bytes = if buffers.keeps_states { 2 * picture_bytes } else { 0 };
 
         let storage = |what: &'static str| move |size: u64| device.storage(what, size);
         let parted =
@@ -65,12 +66,10 @@ impl<'a> Passes<'a> {
             attributes: parted(&mut buffers.attributes, GridArray::Attributes)?,
             bounds: parted(&mut buffers.bounds, GridArray::Bounds)?,
         };
-        let listed = buffers.listed.at_least(tiles * 4, storage("the tiles' counts"))?;
-        let starts = buffers.starts.at_least((tiles + 1) * 4, storage("the tiles' lists"))?;
         let entries = buffers.entries.at_least(u64::from(capacity) * 8, storage("the tiles' lists"))?;
-        let pixels = buffers.picture.at_least(picture_bytes, storage("the picture"))?;
-        let states = buffers.states.at_least(states_bytes, storage("the pixels' states"))?;
-        let counts = buffers.counts.at_least(COUNTS_BYTES, storage("the counts"))?;
+        let pixels_bytes = frame.window_bytes(window, buffers.keeps_states);
+        let pixels = buffers.picture.at_least(pixels_bytes, storage("the picture"))?;
+        let counts = buffers.counts.at_least(TILES_COUNTED_AT + tiles * 4, storage("the tiles' counts"))?;
         let mapped = BufferUsages::MAP_READ | BufferUsages::COPY_DST;
         let back = |size: u64| device.buffer("the picture on its way back", size, mapped);
         let returned = buffers.returned.at_least(picture_bytes, back)?;
@@ -113,8 +112,7 @@ impl<'a> Passes<'a> {
         };
         let lists_tiles = if blended.is_some() { 0.0 } else { 1.0 };
         let constants = vec![stride, ("reads_g", reads_g), ("lists_tiles", lists_tiles)];
-        let mut lists =
-            vec![step(FramePass::Cells, over_cells, constants, &[&support, &listed, &counts], scalar)?];
+        let mut lists = vec![step(FramePass::Cells, over_cells, constants, &[&support, &counts], scalar)?];
 
         let tables = buffers.tables.of(device, &frame.tables, &frame.choices, &frame.shading)?;
         let mut read: Vec<(u32, &Buffer)> = vec![(0, &scene)];
@@ -130,18 +128,19 @@ impl<'a> Passes<'a> {
                 depths_add_up: frame.choices.depths_add_up(),
                 sorted: frame.sorted,
                 window,
+                cells_read: cells_read(sizes.stride as usize),
                 scalar,
                 scene: &read,
                 pixels: &pixels,
             };
             Last::Raster(Box::new(Raster::new(&blending, &mut buffers.raster, &binder)?))
         } else {
-            lists.push(step(FramePass::Starts, [1, 1], vec![], &[&listed, &starts, &counts], scalar)?);
-            lists.push(step(FramePass::Lists, over_cells, vec![], &[&listed, &entries], scalar)?);
+            lists.push(step(FramePass::Starts, [1, 1], vec![], &[&counts], scalar)?);
+            lists.push(step(FramePass::Lists, over_cells, vec![], &[&counts, &entries], scalar)?);
             if frame.sorted {
-                lists.push(step(FramePass::Sort, over_tiles, vec![], &[&starts, &entries], scalar)?);
+                lists.push(step(FramePass::Sort, over_tiles, vec![], &[&counts, &entries], scalar)?);
             }
-            let in_grid = arrays.of(CELLS_READ, scalar);
+            let in_grid = arrays.of(cells_read(sizes.stride as usize), scalar);
             let pipeline = device.pipeline(&Program {
                 shader: &frame.compositor,
                 entry_point: "composite_tiles",
@@ -149,7 +148,7 @@ impl<'a> Passes<'a> {
                 constants: if frame.stops_where_opaque { vec![] } else { vec![("OPAQUE", -1.0)] },
                 groups: [&scene_kinds(&read), &own_kinds(None), &kinds(&in_grid)],
             })?;
-            let bindings = [&starts, &entries, &pixels, &counts, &states];
+            let bindings = [&counts, &entries, &pixels];
             let mut groups = binder.groups(&pipeline, &bindings, &in_grid);
             groups.push((0, device.bind(&pipeline, 0, &read)));
             let name = ("composite_tiles", Stage::Composite);
@@ -162,7 +161,6 @@ impl<'a> Passes<'a> {
             lists,
             last,
             view,
-            listed,
             counts,
             pixels,
             returned,
@@ -175,10 +173,8 @@ impl<'a> Passes<'a> {
     /// All passes of a sample. The first one of a pixel clears the counts.
     pub fn submit(&self, record: &ViewRecord, timing: &mut Timing) -> Result<()> {
         self.encode(record, timing, |encoder, timing| {
-            encoder.clear_buffer(&self.listed, 0, None);
-            if record.is_first == 1 {
-                encoder.clear_buffer(&self.counts, 0, None);
-            }
+            let kept = if record.is_first == 1 { 0 } else { TILES_COUNTED_AT };
+            encoder.clear_buffer(&self.counts, kept, None);
             run(encoder, &self.points, timing);
             if record.is_first == 1 {
                 self.attributes.iter().for_each(|step| run(encoder, step, timing));

@@ -85,9 +85,9 @@ impl FrameInputs<'_> {
         self.renderer.buffers().keeps_states
     }
 
-    /// Bytes of a window's largest buffer of pixels: a state is two vectors, a pixel one.
-    fn window_bytes(&self, window: [u32; 4], keeps_states: bool) -> u64 {
-        self.picture_bytes(window) * if keeps_states { 2 } else { 1 }
+    /// Bytes of a window's pixels with their states: a state is two vectors, a pixel one.
+    pub fn window_bytes(&self, window: [u32; 4], keeps_states: bool) -> u64 {
+        self.picture_bytes(window) * if keeps_states { 3 } else { 1 }
     }
 
     /// Draws one window; `None` where its lists or its pixels' states do not fit one binding, or a cell has more tiles in it

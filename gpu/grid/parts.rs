@@ -5,7 +5,7 @@ use crate::device::bindings::fixed_buffers;
 use crate::device::buffers::Growing;
 use crate::device::open::Device;
 use voltet_core::{Error, Result};
-use voltet_shaders::{Access, CELLS_READ, FramePass, GridArray, Layout, Parts, TEXEL_BYTES};
+use voltet_shaders::{Access, FramePass, GridArray, Layout, Parts, TEXEL_BYTES, cells_read};
 
 /// Bytes in a mebibyte.
 const MEBIBYTE: f64 = (1u64 << 20) as f64;
@@ -35,6 +35,8 @@ pub(crate) struct Sizes {
     pub source_texels: u64,
     /// Storage buffers of the scene's own that stand in one binding each.
     pub scene_buffers: u32,
+    /// Those of the compositor's own.
+    pub own_buffers: u32,
 }
 
 impl Sizes {
@@ -65,13 +67,13 @@ impl Sizes {
         let of = |arrays: &[(GridArray, Access)]| {
             arrays.iter().map(|(array, _)| layout.parts(*array).count).fold(0, u32::saturating_add)
         };
-        let pass = |pass: &FramePass| of(pass.grid_arrays()).saturating_add(fixed_buffers(Some(*pass)));
-        let tiles = of(CELLS_READ).saturating_add(fixed_buffers(None));
+        let pass = |pass: &FramePass| of(pass.grid_arrays()).saturating_add(fixed_buffers(*pass));
         let table = if self.texels > 0 { layout.table.count } else { 0 };
-        let tiles = tiles.saturating_add(self.scene_buffers).saturating_add(table);
+        let own = self.own_buffers.saturating_add(self.scene_buffers).saturating_add(table);
+        let pixels = of(cells_read(self.stride as usize)).saturating_add(own);
         // What fills the table: from another one, or from a list.
         let filling = table.saturating_add(layout.table.of_as_many(self.source_texels).count);
-        FramePass::ALL.iter().map(pass).fold(tiles.max(filling), u32::max)
+        FramePass::ALL.iter().map(pass).fold(pixels.max(filling), u32::max)
     }
 
     fn fits(&self, room: Room) -> bool {
@@ -106,8 +108,9 @@ impl Sizes {
         let share = |n: u64, k: u64| (u128::from(n) * u128::from(k) / 1000) as u64;
         let scaled = |k: u64| Sizes { points: share(self.points, k), cells: share(self.cells, k), ..*self };
         let would = (1..1000).rev().map(scaled).find(|sizes| sizes.fits(room));
-        let would =
-            would.map_or("a smaller table".into(), |sizes| format!("about {} such cells", sizes.cells));
+        // Where nothing stands in parts, no smaller grid would do.
+        let other = if parts.is_empty() { "another compositor or adapter" } else { "a smaller table" };
+        let would = would.map_or(other.into(), |sizes| format!("about {} such cells", sizes.cells));
         Err(Error::run(format!("the scene has more parts than {device} binds at a time"))
             .found(found)
             .accepted(format!(
@@ -189,7 +192,7 @@ mod tests {
 
     /// A cube of points, six cells to a voxel.
     fn cube(cells: u64) -> Sizes {
-        Sizes { points: cells / 6, cells, stride: 1, scene_buffers: 1, ..Sizes::default() }
+        Sizes { points: cells / 6, cells, stride: 1, scene_buffers: 1, own_buffers: 3, ..Sizes::default() }
     }
 
     #[test]
@@ -203,10 +206,10 @@ mod tests {
         assert_eq!(count(cube(16_000_000).layout(large)), [1; 6]);
         assert_eq!(count(cube(100_000_000).layout(large)), [1; 6]);
         assert_eq!(count(cube(1_000_000_000).layout(large)), [3, 1, 2, 1, 8, 4]);
-        // Five of the tiles' own, `numbers`, and the parts.
-        assert_eq!(cube(16_000_000).buffers(small), 5 + 1 + 5);
-        assert_eq!(cube(100_000_000).buffers(small), 5 + 1 + 21);
-        assert_eq!(cube(100_000_000).buffers(large), 5 + 1 + 4);
+        // Three of the tiles' own, `numbers`, and the parts.
+        assert_eq!(cube(16_000_000).buffers(small), 3 + 1 + 5);
+        assert_eq!(cube(100_000_000).buffers(small), 3 + 1 + 21);
+        assert_eq!(cube(100_000_000).buffers(large), 3 + 1 + 4);
     }
 
     #[test]
@@ -214,12 +217,12 @@ mod tests {
         let room = Room { bytes: 128 * MIB, buffers: 10 };
         cube(8_000_000).check(room, "it").expect("fits");
         let error = cube(100_000_000).check(room, "it").expect_err("does not fit").to_string();
-        for word in ["27 buffers", "the grid's cells of 1526 MiB in 12 parts", "10 buffers of 128 MiB", "cpu"]
+        for word in ["25 buffers", "the grid's cells of 1526 MiB in 12 parts", "10 buffers of 128 MiB", "cpu"]
         {
             assert!(error.contains(word), "'{word}' is not in: {error}");
         }
-        // 2²³ cells fill a binding.
-        assert!(error.contains("about 8300000 such cells"), "{error}");
+        // 2²⁴ cells fill two bindings, and their bounds one.
+        assert!(error.contains("about 16700000 such cells"), "{error}");
         let error =
             Sizes { texels: 1 << 28, ..cube(100) }.check(room, "it").expect_err("too large").to_string();
         assert!(

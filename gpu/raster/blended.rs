@@ -16,7 +16,7 @@ use crate::raster::sort::{ROUNDS, SortBuffers};
 use std::sync::Arc;
 use voltet_core::Result;
 use voltet_core::engine::Stage;
-use voltet_shaders::{Blend, CELLS_READ, FramePass, GRID_GROUP, RunRecord, Shader, ViewRecord};
+use voltet_shaders::{Access, Blend, FramePass, GRID_GROUP, GridArray, RunRecord, Shader, ViewRecord};
 use wgpu::{Buffer, BufferUsages, CommandEncoder};
 
 /// As what cells are drawn.
@@ -92,6 +92,8 @@ pub(crate) struct Blending<'a> {
     pub sorted: bool,
     /// The window, in tiles.
     pub window: [u32; 4],
+    /// What is read of the grid.
+    pub cells_read: &'static [(GridArray, Access)],
     pub scalar: &'a Stored,
     /// Group 0: the scene and its tables.
     pub scene: &'a [(u32, &'a Buffer)],
@@ -174,7 +176,7 @@ impl Raster {
         let canvases: Vec<_> =
             made.map(|(format, canvas)| canvas.of(device, size, *format)).collect::<Result<_>>()?;
         let clear = target.clear;
-        let in_grid = binder.arrays.of(CELLS_READ, scalar);
+        let in_grid = binder.arrays.of(blending.cells_read, scalar);
         let pipeline = device.drawing(&Drawing {
             shader,
             entry_points: form.entry_points(),

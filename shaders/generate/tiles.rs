@@ -2,7 +2,7 @@
 
 use super::Block;
 use crate::choices::{Blend, TileOrder};
-use crate::parts::{CELLS_READ, grid_text};
+use crate::parts::{cells_read, grid_text};
 
 /// Values of which a workgroup keeps those at the corners of a chunk's cells: with these it takes 14.5 of the 16 KiB that
 /// every device has.
@@ -40,7 +40,11 @@ impl Block<'_> {
     fn finish_pixels(&mut self, is_sum: bool) {
         let choices = self.choices;
         self.line(format!("const ATTRIBUTE_STRIDE = {}u;", choices.attribute_stride()));
-        self.text.push_str(&grid_text(CELLS_READ, &choices.layout));
+        let stride = choices.attribute_stride();
+        self.text.push_str(&grid_text(cells_read(stride), &choices.layout));
+        if stride == 0 {
+            self.line("fn attribute_of(index: u32, slot: u32) -> f32 { return 0.0; }");
+        }
         if is_sum {
             self.line(format!("const DEPTHS_ADD_UP = {};", choices.depths_add_up()));
         }

@@ -9,5 +9,6 @@ mod limits;
 mod parts;
 mod raster;
 mod triangles;
+mod webgpu;
 
 voltet_testing::picture_tests!(crate::drawing::Tested);

@@ -9,8 +9,8 @@ use voltet_core::transfer::{
     ControlPoint, OpticalModel, Profile, Region, Table, TransferFunction, Wave, Widget,
 };
 use voltet_shaders::{
-    Access, Blend, CELLS_READ, Choices, Compositor, FramePass, GRID_GROUP, GridArray, Layout, PIECES, Parts,
-    PlacementRecord, RoundRecord, RunRecord, TileOrder, ViewRecord, compose,
+    Access, Blend, Choices, Compositor, FramePass, GRID_GROUP, GridArray, Layout, PIECES, Parts,
+    PlacementRecord, RoundRecord, RunRecord, TileOrder, ViewRecord, cells_read, compose,
 };
 
 const ORDERS: [TileOrder; 3] = [TileOrder::Exact, TileOrder::Listed, TileOrder::Sum];
@@ -236,7 +236,7 @@ fn tiles_in_parts_are_valid() {
         for layout in LAYOUTS {
             let choices = Choices { layout, ..whole.clone() };
             let shader = compose(&choices);
-            check_grid(&validate(&shader), CELLS_READ, &layout);
+            check_grid(&validate(&shader), cells_read(1), &layout);
             let last = format!("> {}:", Parts::name("texels", layout.table.count - 1));
             assert!(shader.text.contains(&last), "'{last}'");
             assert_eq!(shader.text.contains("switch "), layout != Layout::WHOLE);

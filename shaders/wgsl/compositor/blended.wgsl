@@ -3,7 +3,7 @@
 
 // What was blended, one sample a pixel of the window.
 @group(1) @binding(2) var blended: texture_2d<f32>;
-@group(1) @binding(3) var<storage, read_write> picture: array<vec4f>;
+@group(1) @binding(3) var<storage, read_write> picture: array<vec4u>;
 
 // Adds what was blended to the picture.
 @compute @workgroup_size(8, 8)

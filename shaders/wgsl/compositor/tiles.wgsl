@@ -2,12 +2,11 @@
 // Tiles: what every order of compositing shares. One workgroup a tile, one invocation a pixel; the tile's list is taken
 // a chunk at a time, and a segment's values are found from its cell when it is its turn.
 
-@group(1) @binding(1) var<storage, read> starts: array<u32>;
+@group(1) @binding(1) var<storage, read_write> counts: array<atomic<u32>>;
 @group(1) @binding(2) var<storage, read> entries: array<vec2u>;
-@group(1) @binding(3) var<storage, read_write> picture: array<vec4f>;
-@group(1) @binding(4) var<storage, read_write> counts: array<atomic<u32>>;
-// Where a pixel stopped, two a pixel, as bits: colour and opacity; transparency, and three numbers of the order's own.
-@group(1) @binding(5) var<storage, read_write> states: array<vec4u>;
+// Behind the pixels, where they stopped, two a pixel, as bits: colour and opacity; transparency, and three numbers of the
+// order's own.
+@group(1) @binding(3) var<storage, read_write> picture: array<vec4u>;
 
 // Of each cell of a chunk: corner 0 and nearest depth, corner 1 and farthest depth, inward normals, the first with six
 // times the volume. Cells side by side: invocations that look at different ones mostly find them in different banks.
@@ -124,7 +123,11 @@ fn any_pixel(says: bool, lane: u32) -> bool {
 // The tile's part of the entries.
 fn list_of(tile: vec2u) -> vec2u {
     let index = tile.y * view.window.z + tile.x;
-    return min(vec2u(starts[index], starts[index + 1u]), vec2u(view.capacity));
+    var start = 0u;
+    if index != 0u {
+        start = atomicLoad(&counts[COUNTED + index - 1u]);
+    }
+    return min(vec2u(start, atomicLoad(&counts[COUNTED + index])), vec2u(view.capacity));
 }
 
 // Work of one segment, in cells tested.
@@ -141,26 +144,31 @@ struct State {
 // CLOSED stands where the number would, in a pixel that is done.
 const CLOSED = 0xffffffffu;
 
+// Where a pixel's state stands in `picture`.
+fn state_place(pixel: vec2u) -> u32 {
+    return view.window.z * view.window.w * TILE * TILE + 2u * place_of(pixel);
+}
+
 // The state that a dispatch begins with; `fresh` where none came before.
 fn state_of(pixel: vec2u, fresh: State) -> State {
     if view.goes_on == 0u || !is_in_picture(pixel) {
         return fresh;
     }
-    let a = bitcast<vec4f>(states[2u * place_of(pixel)]);
-    let raw = states[2u * place_of(pixel) + 1u];
+    let a = bitcast<vec4f>(picture[state_place(pixel)]);
+    let raw = picture[state_place(pixel) + 1u];
     let b = bitcast<vec4f>(raw);
     return State(Composite(a.rgb, a.a, b.x), b.yz, raw.w, raw.w != CLOSED);
 }
 
 // Ends a dispatch: `open` pixels go on in the next one.
 fn keep_state(pixel: vec2u, state: State) {
-    let at = 2u * place_of(pixel);
-    if !is_in_picture(pixel) || arrayLength(&states) <= at + 1u {
+    let at = state_place(pixel);
+    if !is_in_picture(pixel) || arrayLength(&picture) <= at + 1u {
         return;
     }
-    states[at] = bitcast<vec4u>(vec4f(state.sum.color, state.sum.opacity));
+    picture[at] = bitcast<vec4u>(vec4f(state.sum.color, state.sum.opacity));
     let number = select(CLOSED, state.number, state.open);
-    states[at + 1u] = vec4u(bitcast<vec3u>(vec3f(state.sum.transparency, state.kept)), number);
+    picture[at + 1u] = vec4u(bitcast<vec3u>(vec3f(state.sum.transparency, state.kept)), number);
 }
 
 var<workgroup> tally: atomic<u32>;

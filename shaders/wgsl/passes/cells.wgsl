@@ -19,8 +19,7 @@ override lists_tiles: bool = true;
 
 // Where each widget's slabs begin, then where the last one's end; then four numbers a slab.
 @group(1) @binding(1) var<storage, read> support: array<u32>;
-@group(1) @binding(2) var<storage, read_write> listed: array<atomic<u32>>;
-@group(1) @binding(3) var<storage, read_write> counts: array<atomic<u32>>;
+@group(1) @binding(2) var<storage, read_write> counts: array<atomic<u32>>;
 
 fn slab(index: u32) -> Slab {
     let at = view.widget_count + 1u + 4u * index;
@@ -148,7 +147,7 @@ fn bound(cell: u32) -> u32 {
     let last = (end - 1u) / TILE - view.window.xy;
     for (var row = first.y; row <= last.y; row++) {
         for (var column = first.x; column <= last.x; column++) {
-            atomicAdd(&listed[row * view.window.z + column], 1u);
+            atomicAdd(&counts[COUNTED + row * view.window.z + column], 1u);
         }
     }
     return PROJECTED;

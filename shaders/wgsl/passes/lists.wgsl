@@ -1,7 +1,7 @@
 // Uses: passes/key, passes/view. Fills: nothing. Asks for: tetrahedra, seen, bounds.
 // Lists: each cell's number into the lists of its tiles, with what the list is sorted by.
 
-@group(1) @binding(1) var<storage, read_write> listed: array<atomic<u32>>;
+@group(1) @binding(1) var<storage, read_write> counts: array<atomic<u32>>;
 // Number of the cell, and the bits of its key.
 @group(1) @binding(2) var<storage, read_write> entries: array<vec2u>;
 
@@ -22,7 +22,7 @@ fn fill_lists(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups)
     let entry = vec2u(cell, bitcast<u32>(sort_key(cell)));
     for (var row = first.y; row <= last.y; row++) {
         for (var column = first.x; column <= last.x; column++) {
-            let place = atomicAdd(&listed[row * view.window.z + column], 1u);
+            let place = atomicAdd(&counts[COUNTED + row * view.window.z + column], 1u);
             if place < view.capacity {
                 entries[place] = entry;
             }

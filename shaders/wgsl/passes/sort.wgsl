@@ -8,7 +8,7 @@
 const BLOCK = 512u;
 const SORTERS = 128u;
 
-@group(1) @binding(1) var<storage, read> starts: array<u32>;
+@group(1) @binding(1) var<storage, read> counts: array<u32>;
 @group(1) @binding(2) var<storage, read_write> entries: array<vec2u>;
 
 var<workgroup> block: array<vec2u, BLOCK>;
@@ -89,8 +89,8 @@ fn sort_block(start: u32, length: u32, lane: u32, merge: bool) {
 @compute @workgroup_size(128)
 fn sort_lists(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane: u32) {
     let tile = group.y * view.window.z + group.x;
-    let start = min(starts[tile], view.capacity);
-    let count = min(starts[tile + 1u], view.capacity) - start;
+    let start = min(select(counts[COUNTED + tile - 1u], 0u, tile == 0u), view.capacity);
+    let count = min(counts[COUNTED + tile], view.capacity) - start;
     for (var first = 0u; first < count; first += BLOCK) {
         sort_block(start + first, count - first, lane, false);
     }

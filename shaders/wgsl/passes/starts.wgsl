@@ -5,10 +5,7 @@
 
 const BLOCKS = 256u;
 
-@group(1) @binding(1) var<storage, read_write> listed: array<u32>;
-// One more than there are tiles.
-@group(1) @binding(2) var<storage, read_write> starts: array<u32>;
-@group(1) @binding(3) var<storage, read_write> counts: array<u32>;
+@group(1) @binding(1) var<storage, read_write> counts: array<u32>;
 
 var<workgroup> sums: array<u32, BLOCKS>;
 var<workgroup> wrapped: atomic<u32>;
@@ -22,11 +19,11 @@ fn start_lists(@builtin(local_invocation_index) lane: u32) {
     let last = min(first + length, tiles);
     var sum = 0u;
     for (var tile = first; tile < last; tile++) {
-        let next = sum + listed[tile];
+        let next = sum + counts[COUNTED + tile];
         if next < sum {
             atomicStore(&wrapped, 1u);
         }
-        atomicMax(&longest, listed[tile]);
+        atomicMax(&longest, counts[COUNTED + tile]);
         sum = next;
     }
     sums[lane] = sum;
@@ -40,15 +37,13 @@ fn start_lists(@builtin(local_invocation_index) lane: u32) {
         start = next;
     }
     for (var tile = first; tile < last; tile++) {
-        let count = listed[tile];
-        starts[tile] = start;
+        let count = counts[COUNTED + tile];
         // From here on: where the next entry of the tile goes.
-        listed[tile] = start;
+        counts[COUNTED + tile] = start;
         start += count;
     }
     workgroupBarrier();
     if lane == BLOCKS - 1u {
-        starts[tiles] = start;
         counts[8] = max(counts[8], atomicLoad(&longest));
         counts[0] = max(counts[0], select(start, 0xffffffffu, atomicLoad(&wrapped) != 0u));
     }

@@ -51,6 +51,9 @@ struct View {
 const TILE = 8u;
 // Invocations of a workgroup.
 const THREADS = 64u;
+// Numbers that the passes count; behind them `counts` holds one a tile: how many cells the tile lists, then where its next
+// entry goes, and so at last where its list ends and the next tile's begins.
+const COUNTED = 16u;
 // Beyond every depth.
 const FAR = 3e38;
 
