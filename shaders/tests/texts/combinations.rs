@@ -1,6 +1,6 @@
 //! Every combination that a scene can ask for is parsed and validated, without a device; what was not chosen is absent.
 
-use crate::module::{SHADING, layout, offsets, validate};
+use crate::module::{SHADING, layout, offsets, validate, validate_everywhere, validate_numbered};
 use std::collections::HashSet;
 use std::sync::Arc;
 use voltet_core::optics::Overlap;
@@ -224,7 +224,7 @@ fn passes_that_fill_tables_are_valid() {
                 resources.buffers.iter().filter(|b| tables.iter().any(|name| b.name.starts_with(name)));
             assert_eq!(parts.map(Buffer::length).sum::<u64>(), bytes);
             for pass in &resources.passes {
-                let module = validate(&pass.shader);
+                let module = validate_everywhere(&pass.shader);
                 assert_eq!(module.entry_points[0].name, pass.entry_point);
                 let read = storage_buffers(&module);
                 assert_eq!(read.len(), pass.buffers.len() - pass.written, "the last are written");
@@ -254,7 +254,7 @@ fn check_combinations(shadings: &[Shading]) -> usize {
                 let shader = compose(&choices);
                 check_words(&kinds, &transfer_function, shading, &choices, &shader.text);
                 if texts.insert(shader.text.clone()) {
-                    let module = validate(&shader);
+                    let module = validate_numbered(&shader, texts.len());
                     assert_eq!(module.entry_points.len(), usize::from(compositor == Compositor::Segments));
                     assert_eq!(storage_buffers(&module), choices.storage_buffers());
                 }

@@ -1,6 +1,8 @@
 //! Texts as modules: parsed, validated, and how their structs are laid out.
 
-use naga::valid::{Capabilities, ValidationFlags, Validator};
+use naga::back::pipeline_constants::process_overrides;
+use naga::back::{PipelineConstants, hlsl, msl};
+use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 use voltet_core::optics::Overlap;
 use voltet_core::shading::{Integrator, Shading};
 use voltet_shaders::Shader;
@@ -9,18 +11,61 @@ use voltet_shaders::Shader;
 pub const SHADING: Shading =
     Shading { integrator: Integrator::Analytic, overlap: Overlap::Exact, silhouette: None, light: None };
 
-/// Parsed and validated; fails with the piece's own file and line.
+/// One in so many of a test's texts is translated; all of them where the environment variable `VOLTET_TRANSLATE` is "all".
+const TRANSLATED: usize = 8;
+
+/// Validates text `number` of a test, and translates it where it is its turn.
+pub fn validate_numbered(shader: &Shader, number: usize) -> naga::Module {
+    let all = std::env::var("VOLTET_TRANSLATE").is_ok_and(|which| which == "all");
+    if all || number % TRANSLATED == 0 { validate_everywhere(shader) } else { validate(shader) }
+}
+
+/// Validated, and translated for Metal and DirectX 12.
+pub fn validate_everywhere(shader: &Shader) -> naga::Module {
+    let (module, info) = read(shader);
+    translate(&module, &info);
+    module
+}
+
+/// Parsed and validated by the rules of WebGPU, without any of its options; fails with the piece's own file and line.
 pub fn validate(shader: &Shader) -> naga::Module {
+    read(shader).0
+}
+
+fn read(shader: &Shader) -> (naga::Module, ModuleInfo) {
     let module = naga::front::wgsl::parse_str(&shader.text).unwrap_or_else(|error| {
         let line = error.location(&shader.text).map_or(1, |location| location.line_number as usize);
         let text = shader.text.lines().nth(line - 1).unwrap_or("");
         panic!("{}: {text}", shader.error(line, error.message()))
     });
-    if let Err(error) = Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&module) {
+    let validated = Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&module);
+    let info = validated.unwrap_or_else(|error| {
         let line = error.location(&shader.text).map_or(1, |location| location.line_number as usize);
         panic!("{}", shader.error(line, &format!("{:?}", error.into_inner())));
+    });
+    (module, info)
+}
+
+/// In the languages of Metal and of DirectX 12, as wgpu translates it there: of every entry point, overrides at what they are
+/// without a word.
+fn translate(module: &naga::Module, info: &ModuleInfo) {
+    let (module, info) =
+        process_overrides(module, info, None, &PipelineConstants::default()).expect("overrides have values");
+    let (metal, _) = msl::write_string(
+        &module,
+        &info,
+        &msl::Options { lang_version: (2, 0), ..Default::default() },
+        &Default::default(),
+    )
+    .unwrap_or_else(|error| panic!("Metal: {error:?}"));
+    let mut direct_x = String::new();
+    let (options, pipeline) = Default::default();
+    let written = hlsl::Writer::new(&mut direct_x, &options, &pipeline).write(&module, &info, None);
+    let written = written.unwrap_or_else(|error| panic!("DirectX 12: {error:?}"));
+    for (entry, name) in module.entry_points.iter().zip(written.entry_point_names) {
+        let name = name.unwrap_or_else(|error| panic!("DirectX 12, {}: {error:?}", entry.name));
+        assert!(direct_x.contains(&format!(" {name}(")) && metal.contains(&entry.name), "{}", entry.name);
     }
-    module
 }
 
 /// Offsets of a struct's members.

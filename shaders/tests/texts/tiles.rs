@@ -1,6 +1,6 @@
 //! The passes of a frame and the compositors of pixels: parsed and validated without a device; layouts of their uniforms.
 
-use crate::module::{SHADING, layout, offsets, validate};
+use crate::module::{SHADING, layout, offsets, validate_everywhere, validate_numbered};
 use std::collections::HashSet;
 use std::sync::Arc;
 use voltet_core::optics::integrators::can_serve;
@@ -82,6 +82,20 @@ fn workgroup_bytes(module: &naga::Module) -> u32 {
     variables.map(|variable| layouter[variable.ty].size.next_multiple_of(16)).sum()
 }
 
+/// A device of WebGPU has 8 storage buffers for a stage. Tiles take one more where a scene has two of its own beside further
+/// values of points; what blends never does, which writes the picture in a stage that binds nothing of the grid.
+fn check_buffers(module: &naga::Module, choices: &Choices) {
+    let is_storage = |v: &naga::GlobalVariable| matches!(v.space, naga::AddressSpace::Storage { .. });
+    let declared = module.global_variables.iter().filter(|(_, variable)| is_storage(variable)).count();
+    let is_full = choices.storage_buffers().len() == 2 && choices.attribute_stride() > 0;
+    match choices.compositor {
+        Compositor::Tiles(_) => assert!(declared <= if is_full { 9 } else { 8 }, "{choices:?}"),
+        Compositor::None | Compositor::Segments | Compositor::Raster(_) | Compositor::Triangles(_) => {
+            assert!(declared - 1 <= 8, "{choices:?}");
+        }
+    }
+}
+
 /// Tiles share all text of a segment with the list of segments, which `combinations` tries in every combination.
 #[test]
 fn tiles_are_valid_for_every_kind_light_and_integrator() {
@@ -93,11 +107,13 @@ fn tiles_are_valid_for_every_kind_light_and_integrator() {
             }
             for order in ORDERS {
                 let choices = Choices::new(&transfer_function, &shading, Compositor::Tiles(order));
-                let shader = compose(&choices.expect("has pieces"));
+                let choices = choices.expect("has pieces");
+                let shader = compose(&choices);
                 if !texts.insert(shader.text.clone()) {
                     continue;
                 }
-                let module = validate(&shader);
+                let module = validate_numbered(&shader, texts.len());
+                check_buffers(&module, &choices);
                 assert_eq!(module.entry_points.len(), 1);
                 let lit = shading.light.is_some() || shading.silhouette.is_some();
                 assert_eq!(shader.text.contains("let gradient ="), lit);
@@ -139,15 +155,17 @@ fn what_blends_is_valid_for_every_kind_light_and_integrator() {
             }
             for (compositor, [vertices, pixels]) in blending() {
                 // What a pixel holds is apart from how its segments are integrated: once for each light.
-                if is_rounded(compositor) && shading.integrator != Integrator::Analytic {
+                let same_apart = is_rounded(compositor) || compositor == Compositor::Triangles(Blend::Sum);
+                if same_apart && shading.integrator != Integrator::Analytic {
                     continue;
                 }
-                let choices = Choices::new(&transfer_function, &shading, compositor);
-                let shader = compose(&choices.expect("has pieces"));
+                let choices = Choices::new(&transfer_function, &shading, compositor).expect("has pieces");
+                let shader = compose(&choices);
                 if !texts.insert(shader.text.clone()) {
                     continue;
                 }
-                let module = validate(&shader);
+                let module = validate_numbered(&shader, texts.len());
+                check_buffers(&module, &choices);
                 let mut entries: Vec<_> =
                     module.entry_points.iter().map(|e| (e.name.as_str(), e.stage)).collect();
                 // In the order of the files' names.
@@ -180,7 +198,7 @@ fn what_blends_is_valid_for_every_kind_light_and_integrator() {
 fn passes_are_valid_and_have_their_entry_points() {
     for layout in LAYOUTS {
         for pass in FramePass::ALL {
-            let module = validate(&pass.shader(&layout));
+            let module = validate_everywhere(&pass.shader(&layout));
             let names: Vec<&str> = module.entry_points.iter().map(|entry| entry.name.as_str()).collect();
             assert_eq!(names, [pass.entry_point()]);
             check_grid(&module, pass.grid_arrays(), &layout);
@@ -236,7 +254,7 @@ fn tiles_in_parts_are_valid() {
         for layout in LAYOUTS {
             let choices = Choices { layout, ..whole.clone() };
             let shader = compose(&choices);
-            check_grid(&validate(&shader), cells_read(1), &layout);
+            check_grid(&validate_everywhere(&shader), cells_read(1), &layout);
             let last = format!("> {}:", Parts::name("texels", layout.table.count - 1));
             assert!(shader.text.contains(&last), "'{last}'");
             assert_eq!(shader.text.contains("switch "), layout != Layout::WHOLE);
