@@ -61,7 +61,7 @@ fn main() -> Result<()> {
                 let look_there = thicker(&whole, factor);
                 for &size in &wish.sizes {
                     for (threads, pool, peak) in &pools {
-                        let frame = pool.install(|| measure(&wish, &subject, volume, &look_there, size))?;
+                        let frame = pool.install(|| measure(&wish, subject, volume, &look_there, size))?;
                         frame.print(
                             [look, &factor.to_string(), &format!("{size}²"), &threads.to_string()],
                             *peak,
@@ -85,7 +85,7 @@ fn main() -> Result<()> {
             }
         }
         if wish.widgets {
-            widgets::measure(&subject, &volumes)?;
+            widgets::measure(subject, &volumes)?;
         }
     }
     match &wish.record {

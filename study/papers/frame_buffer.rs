@@ -124,7 +124,11 @@ mod tests {
     fn few_bits_do_not_bear_many_steps() {
         let deviation = |count, bits| {
             let half = |s: f64| {
-                if (4.0 * s) as u32 % 2 == 0 { ([0.9, 0.4, 0.0], 1.0) } else { ([0.0, 0.2, 0.9], 1.0) }
+                if ((4.0 * s) as u32).is_multiple_of(2) {
+                    ([0.9, 0.4, 0.0], 1.0)
+                } else {
+                    ([0.0, 0.2, 0.9], 1.0)
+                }
             };
             Lookup::new(count, half).of_hardware(bits, 9)[0]
         };

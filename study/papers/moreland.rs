@@ -36,7 +36,7 @@ pub(super) fn section(bench: &mut Bench) -> Result<Section> {
         .zip(&shots)
         .map(|((what, _), shot)| {
             let [ms, rms, most, over] = shot.cells();
-            [format!("{what}"), ms, rms, most, over]
+            [what.to_string(), ms, rms, most, over]
         })
         .collect();
     section.table(["printed", "here: ms", "rms error", "largest error", "pixels over 1/255"], &rows);

@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 use std::sync::Arc;
+use voltet_core::Result;
 use voltet_core::engine::{AdapterWish, Manner};
 use voltet_core::grid::extent;
 use voltet_core::picture::Picture;
@@ -22,8 +23,11 @@ fn drawn(volume: &Arc<Volume>, look: &TransferFunction, integrator: Integrator) 
         shading: Shading { integrator, ..SHADING },
         order: Order::Exact,
     };
-    let engine = (voltet_engine::ENGINE.open)(&AdapterWish::default()).unwrap();
-    engine.prepare(volume).unwrap().draw(&scene, &Manner::default(), &Silent).unwrap().picture
+    let draw = || -> Result<Picture> {
+        let engine = (voltet_engine::ENGINE.open)(&AdapterWish::default())?;
+        Ok(engine.prepare(volume)?.draw(&scene, &Manner::default(), &Silent)?.picture)
+    };
+    draw().unwrap_or_else(|error| panic!("{error}"))
 }
 
 fn difference(a: &Picture, b: &Picture) -> f32 {

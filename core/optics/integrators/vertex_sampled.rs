@@ -46,12 +46,12 @@ impl SegmentIntegrator for VertexSampled {
         let Some(slots) = self.slots else { return self.ends.integrate(segment) };
         // Interpolation in 32 bits may leave less than nothing.
         let at = |fields: &[f64]| slots.map(|slot| (fields[slot] * segment.length).max(0.0));
-        let ([.., a], [.., b]) = (at(segment.fields_front), at(segment.fields_back));
-        let whole = segment.fields_front.iter().chain(segment.fields_back).all(|x| x.is_finite());
-        if !whole || !(a.is_finite() && b.is_finite()) {
+        let (front, back) = (at(segment.fields_front), at(segment.fields_back));
+        let ([.., a], [.., b]) = (front, back);
+        let values = segment.fields_front.iter().chain(segment.fields_back).chain([&a, &b]);
+        if !values.copied().all(f64::is_finite) {
             return Contribution::default();
         }
-        let (front, back) = (at(segment.fields_front), at(segment.fields_back));
         let (f, k) = front_back(a, b);
         let optical_depth = 0.5 * a + 0.5 * b;
         let color = std::array::from_fn(|i| f * front[i] + k * back[i]);
