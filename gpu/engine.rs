@@ -108,6 +108,7 @@ impl Prepared for Uploaded {
         notes.counts.insert("shader_builds", after.shader_builds - before.shader_builds);
         let uploads = self.uploads.swap(0, Ordering::Relaxed) + after.uploads - before.uploads;
         notes.counts.insert("uploads", uploads);
+        notes.counts.insert("bytes_uploaded", after.bytes_uploaded - before.bytes_uploaded);
         let counts = drawn.counts.of_engine(manner);
         Ok(Drawn { counts, picture: drawn.picture, stages: drawn.passes, notes })
     }

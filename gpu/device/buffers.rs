@@ -1,6 +1,7 @@
 //! Buffers: made within the device's limits, kept while they are large enough, read back.
 
 use crate::device::open::Device;
+use std::sync::atomic::Ordering;
 use std::sync::mpsc;
 use voltet_core::{Error, Result};
 use wgpu::BufferUsages;
@@ -43,6 +44,12 @@ impl Device {
         self.buffer(what, size, BufferUsages::UNIFORM | BufferUsages::COPY_DST)
     }
 
+    /// Sends bytes to a buffer, and counts them.
+    pub(crate) fn write(&self, buffer: &wgpu::Buffer, offset: u64, bytes: &[u8]) {
+        self.work.bytes_uploaded.fetch_add(bytes.len() as u64, Ordering::Relaxed);
+        self.queue.write_buffer(buffer, offset, bytes);
+    }
+
     /// A storage buffer of `count` elements with content, written a piece at a time.
     pub(crate) fn upload<U: bytemuck::Pod + Send>(
         &self,
@@ -57,9 +64,7 @@ impl Device {
             let piece = first..count.min(first + PIECE);
             let converted: Vec<U> = piece.into_par_iter().with_min_len(1 << 14).map(&element).collect();
             let offset = (first * size_of::<U>()) as u64;
-            self.guarded(what, || {
-                self.queue.write_buffer(&buffer, offset, bytemuck::cast_slice(&converted))
-            })?;
+            self.guarded(what, || self.write(&buffer, offset, bytemuck::cast_slice(&converted)))?;
             // What was staged is sent, so that no second copy of a large grid waits in memory.
             self.queue.submit([]);
         }

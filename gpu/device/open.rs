@@ -37,12 +37,15 @@ pub struct Work {
     pub shader_builds: u64,
     /// Arrays of grids uploaded.
     pub uploads: u64,
+    /// Bytes sent to the device: grids, tables and what frames are told.
+    pub bytes_uploaded: u64,
 }
 
 #[derive(Default)]
 pub(crate) struct WorkCounts {
     pub shader_builds: AtomicU64,
     pub uploads: AtomicU64,
+    pub bytes_uploaded: AtomicU64,
 }
 
 /// Storage buffers of a stage that are enough: those that every device of WebGPU has.
@@ -177,6 +180,7 @@ impl Device {
         Work {
             shader_builds: self.work.shader_builds.load(Ordering::Relaxed),
             uploads: self.work.uploads.load(Ordering::Relaxed),
+            bytes_uploaded: self.work.bytes_uploaded.load(Ordering::Relaxed),
         }
     }
 

@@ -76,7 +76,7 @@ impl<'a> Passes<'a> {
         let returned_counts = buffers.returned_counts.at_least(COUNTS_BYTES, back)?;
         let view = device.uniform("the view", size_of::<ViewRecord>() as u64)?;
         let scene = device.uniform("the scene", frame.scene.len() as u64)?;
-        device.queue.write_buffer(&scene, 0, &frame.scene);
+        device.write(&scene, 0, &frame.scene);
         let numbers = device.upload("the scene's numbers", frame.numbers.len(), |i| frame.numbers[i])?;
         let support = device.upload("the widgets' supports", frame.support.len(), |i| frame.support[i])?;
 
@@ -95,7 +95,7 @@ impl<'a> Passes<'a> {
         for (slot, (stored, offset)) in frame.attributes.iter().enumerate() {
             let record = PlacementRecord { offset: *offset, slot: slot as u32, padding: 0 };
             let placement = device.uniform("the place of a value", size_of::<PlacementRecord>() as u64)?;
-            device.queue.write_buffer(&placement, 0, bytemuck::bytes_of(&record));
+            device.write(&placement, 0, bytemuck::bytes_of(&record));
             attribute_steps.push(step(
                 FramePass::Attribute,
                 over_points,
@@ -195,7 +195,7 @@ impl<'a> Passes<'a> {
         before: impl FnOnce(&mut CommandEncoder, &mut Timing),
     ) -> Result<()> {
         self.device.guarded("the frame", || {
-            self.device.queue.write_buffer(&self.view, 0, bytemuck::bytes_of(record));
+            self.device.write(&self.view, 0, bytemuck::bytes_of(record));
             let mut encoder = self.device.device.create_command_encoder(&Default::default());
             timing.begin();
             before(&mut encoder, timing);

@@ -80,7 +80,7 @@ impl Segments {
         }
         let device = &self.device;
         let scene = device.uniform("the scene", parameters.scene_bytes().len() as u64)?;
-        device.queue.write_buffer(&scene, 0, &parameters.scene_bytes());
+        device.write(&scene, 0, &parameters.scene_bytes());
         // Closed forms read no table of lengths.
         let extent = Extent { scalar: [0.0; 2], longest: 1.0 };
         let resources = Resources::new(&choices, transfer_function, &shading, axes[0], length, &extent)?;

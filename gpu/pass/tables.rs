@@ -93,7 +93,7 @@ fn make(device: &Device, buffer: &Buffer) -> Result<(String, wgpu::Buffer)> {
     if let Contents::Bytes(bytes) = &buffer.contents {
         let mut whole = bytes.clone();
         whole.resize(bytes.len().next_multiple_of(4), 0);
-        device.guarded("the integrator's tables", || device.queue.write_buffer(&made, 0, &whole))?;
+        device.guarded("the integrator's tables", || device.write(&made, 0, &whole))?;
     }
     Ok((buffer.name.clone(), made))
 }

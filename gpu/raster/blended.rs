@@ -161,7 +161,7 @@ impl Raster {
                     let record =
                         RunRecord { first: number * run_length, length: run_length, padding: [0; 2] };
                     let this = device.uniform("a run", size_of::<RunRecord>() as u64)?;
-                    device.queue.write_buffer(&this, 0, bytemuck::bytes_of(&record));
+                    device.write(&this, 0, bytemuck::bytes_of(&record));
                     let bindings = [&this, &list.sorted, &list.digit_counts, &corners];
                     let over_run = folded(run_length.min(cell_count), most);
                     split.push(binder.step(FramePass::Split, over_run, vec![], &bindings, scalar)?);
@@ -293,7 +293,7 @@ impl RasterBuffers {
         let usage = BufferUsages::INDEX | BufferUsages::COPY_DST;
         let made = device.buffer("the indices of a run", 4 * indices.len() as u64, usage)?;
         device.guarded("the indices of a run", || {
-            device.queue.write_buffer(&made, 0, bytemuck::cast_slice(&indices));
+            device.write(&made, 0, bytemuck::cast_slice(&indices));
         })?;
         self.indices = Some((key, made.clone()));
         Ok(made)

@@ -59,7 +59,7 @@ impl SortBuffers {
                 padding: 0,
             };
             let round = device.uniform("a round of the sort", size_of::<RoundRecord>() as u64)?;
-            device.queue.write_buffer(&round, 0, bytemuck::bytes_of(&record));
+            device.write(&round, 0, bytemuck::bytes_of(&record));
             let sorted = &lists[number as usize % 2];
             let unsorted = &lists[(number as usize + 1) % 2];
             let bindings = [&round, unsorted, &digit_counts, sorted];
