@@ -23,8 +23,11 @@ impl Kernel for Chains {
         macro_rules! chains {
             ($($sum:ident)*) => {{
                 $(let mut $sum = start;)*
-                for _ in 0..ROUNDS {
+                // A range is called in builds that are optimised lightly, and then these leave their registers.
+                let mut round = 0;
+                while round < ROUNDS {
                     $($sum = $sum.mul_add(factor, summand);)*
+                    round += 1;
                 }
                 [$($sum),*]
             }};
