@@ -12,6 +12,7 @@
 //! | `bounds` | what each answer may be off by |
 //! | `report` | what came out |
 //! | `twin` | one formula against its 64-bit truth |
+//! | `segment_twin` | one integrator on a segment against its 64-bit truth |
 
 mod bounds;
 mod case;
@@ -19,6 +20,7 @@ mod forms;
 mod json;
 mod look;
 mod report;
+pub mod segment_twin;
 mod shipped;
 pub mod twin;
 
@@ -26,7 +28,7 @@ pub use bounds::Rule;
 pub use case::{Case, Kind, SegmentCase, parse};
 pub use forms::Native64;
 pub use report::{Broken, Excuse, Report, Row};
-pub use shipped::{shipped, stiff};
+pub use shipped::{segment_cases, shipped, stiff};
 
 use bounds::{Quantity, rule};
 use voltet_core::Result;

@@ -1,7 +1,7 @@
 //! The cases that the program carries: exact values computed elsewhere with many digits, and chains too long for a file,
 //! whose values are closed forms.
 
-use super::case::{Case, Kind, parse};
+use super::case::{Case, Kind, SegmentCase, parse};
 use voltet_core::Result;
 use voltet_core::optics::Contribution;
 
@@ -30,6 +30,16 @@ pub fn shipped() -> Result<Vec<Case>> {
     let mut cases = lines.map(parse).collect::<Result<Vec<Case>>>()?;
     cases.extend(CHAIN_OPACITIES.map(|power| chain(CHAIN_LENGTH, power)));
     Ok(cases)
+}
+
+/// The segments of the first of these files, each with its name and category.
+pub fn segment_cases() -> Result<Vec<(String, String, SegmentCase)>> {
+    let cases = SEGMENTS.lines().map(parse).collect::<Result<Vec<Case>>>()?;
+    let segments = cases.into_iter().filter_map(|case| match case.kind {
+        Kind::Segment(segment) => Some((case.id, case.category, *segment)),
+        Kind::Ray { .. } | Kind::Chain { .. } | Kind::Table { .. } => None,
+    });
+    Ok(segments.collect())
 }
 
 /// Segments for a quadrature of 64 bits alone: closed forms lose digits on the narrowest of them, as rounding their values

@@ -46,6 +46,7 @@ operator!(F, Mul, mul, _mm256_mul_ps);
 operator!(F, Div, div, _mm256_div_ps);
 operator!(U, Add, add, _mm256_add_epi32);
 operator!(U, Sub, sub, _mm256_sub_epi32);
+operator!(U, Mul, mul, _mm256_mullo_epi32);
 
 impl Neg for F {
     type Output = F;

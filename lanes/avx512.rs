@@ -46,6 +46,7 @@ operator!(F, Mul, mul, _mm512_mul_ps);
 operator!(F, Div, div, _mm512_div_ps);
 operator!(U, Add, add, _mm512_add_epi32);
 operator!(U, Sub, sub, _mm512_sub_epi32);
+operator!(U, Mul, mul, _mm512_mullo_epi32);
 
 impl Neg for F {
     type Output = F;

@@ -75,6 +75,7 @@ impl Kernel for All<'_> {
             unsigneds::<L>(short),
             unsigneds::<L>(i + j),
             unsigneds::<L>(i - j),
+            unsigneds::<L>(i * j),
             unsigneds::<L>(i.and(j)),
             unsigneds::<L>(i.or(j)),
             unsigneds::<L>(i.shl::<1>()),

@@ -107,7 +107,7 @@ pub trait Float:
 }
 
 /// Lanes of 32-bit unsigned integers (wrapping).
-pub trait Unsigned: Copy + Add<Output = Self> + Sub<Output = Self> {
+pub trait Unsigned: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> {
     /// The lane set.
     type Lanes: Lanes<U = Self>;
 
@@ -186,8 +186,11 @@ pub fn inlined<F>(closure: F) -> F {
 #[inline(always)]
 pub fn array<T: Copy, const N: usize>(mut element: impl FnMut(usize) -> T) -> [T; N] {
     let mut out = [element(0); N];
-    for (i, out) in out.iter_mut().enumerate().skip(1) {
-        *out = element(i);
+    let mut i = 1;
+    // Adapters of iterators are functions where a build inlines little.
+    while i < N {
+        out[i] = element(i);
+        i += 1;
     }
     out
 }

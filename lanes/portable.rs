@@ -63,6 +63,7 @@ operator!(F, Mul, mul);
 operator!(F, Div, div);
 operator!(U, Add, add);
 operator!(U, Sub, sub);
+operator!(U, Mul, mul);
 operator!(D, Add, add);
 operator!(D, Sub, sub);
 operator!(D, Mul, mul);

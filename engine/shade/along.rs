@@ -40,6 +40,12 @@ impl<L: Lanes> Along<L> {
         Along { crossing, ..*self }
     }
 
+    /// The same place of every segment, from its nearer end.
+    #[inline(always)]
+    pub fn at_share(&self, t: f32) -> [L::F; 2] {
+        between::<L, 2>(&self.front, &self.back, t)
+    }
+
     #[inline(always)]
     pub fn at(&self, t: L::F) -> [L::F; 2] {
         array(
@@ -49,10 +55,46 @@ impl<L: Lanes> Along<L> {
     }
 }
 
+/// Linear between the ends, from the nearer one.
+#[inline(always)]
+fn between<L: Lanes, const N: usize>(front: &[L::F; N], back: &[L::F; N], t: f32) -> [L::F; N] {
+    let (from, step) = if t > 0.5 { (back, t - 1.0) } else { (front, t) };
+    array(
+        #[inline(always)]
+        |i| (back[i] - front[i]).mul_add(L::F::splat(step), from[i]),
+    )
+}
+
 /// Further fields of one vector of segments, at the entry and at the exit.
 pub(crate) struct Fields<L: Lanes> {
     pub front: [L::F; FIELDS_MOST],
     pub back: [L::F; FIELDS_MOST],
+}
+
+impl<L: Lanes> Fields<L> {
+    /// Those of a batch; 0 where there are none.
+    #[inline(always)]
+    pub fn load(batch: &Batch, at: usize) -> Self {
+        let rows = inlined(
+            #[inline(always)]
+            |columns: &[Column]| -> [L::F; FIELDS_MOST] {
+                array(
+                    #[inline(always)]
+                    |i| match columns[..batch.scalar_count].get(2 + i) {
+                        Some(column) => L::F::load(&column[at..]),
+                        None => L::F::splat(0.0),
+                    },
+                )
+            },
+        );
+        Fields { front: rows(&batch.front), back: rows(&batch.back) }
+    }
+
+    /// At the same place of every segment.
+    #[inline(always)]
+    pub fn at(&self, t: f32) -> [L::F; FIELDS_MOST] {
+        between::<L, FIELDS_MOST>(&self.front, &self.back, t)
+    }
 }
 
 /// Most further fields that lanes look at.

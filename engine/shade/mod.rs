@@ -12,6 +12,7 @@
 //! | `panels` | the same for what that does not serve: a walk in panels |
 //! | `gathered` | those segments side by side |
 //! | `later` | dense segments, whose colour waits until it is known whether they are seen |
+//! | `methods` | the integrators that sample or look up |
 //! | `light` | silhouettes and light |
 
 pub(crate) mod along;
@@ -19,6 +20,7 @@ mod gathered;
 pub(crate) mod kinds;
 pub(crate) mod later;
 pub(crate) mod light;
+mod methods;
 pub(crate) mod panels;
 pub(crate) mod reach;
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use crate::attribute::Attribute;
 use crate::shade::along::Along;
-use voltet_core::transfer::{HalfPlane, Region};
+use voltet_core::transfer::HalfPlane;
 use voltet_lanes::{Float, Lanes, Mask, inlined};
 
 /// Room that values must have inside a half-plane, in their span, so that no rounding of theirs leaves it.
@@ -15,11 +15,11 @@ pub(crate) struct LaneRegion {
 
 impl LaneRegion {
     /// `None` where all values lie inside.
-    pub fn new(region: &Region, attributes: &[Attribute<'_>]) -> Option<LaneRegion> {
+    pub fn new(inside: &[HalfPlane], attributes: &[Attribute<'_>]) -> Option<LaneRegion> {
         let axis = |a: usize| attributes.get(a).map_or([0.0, 1.0], |x| [x.offset, x.scale]);
         let range = |a: usize| attributes.get(a).map_or([0.0; 2], |x| x.range);
         let ([s, g], mut half_planes) = ([axis(0), axis(1)], Vec::new());
-        for HalfPlane { normal, corner } in region.half_planes() {
+        for HalfPlane { normal, corner } in inside {
             // Turned outwards, in scaled attributes; of about unit length, by a power of two, so that no digit is rounded
             // that the corners do not have.
             let outward = [-normal[0] * s[1], -normal[1] * g[1]];

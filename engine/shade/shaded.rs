@@ -66,6 +66,8 @@ impl Shaded {
 pub(crate) enum Left {
     /// The integrator is another than the closed forms.
     Integrator,
+    /// Samples that 32 bits do not tell apart, or that leave them.
+    Samples,
     /// A widget has no lanes.
     NoLanes,
     /// Lengths per unit distance leave 32 bits.
@@ -87,6 +89,7 @@ impl Left {
     pub fn text(self) -> &'static str {
         match self {
             Left::Integrator => "the integrator is one of 64 bits",
+            Left::Samples => "samples, their widths or their depths leave the range of 32 bits",
             Left::NoLanes => "a widget is a table, or its numbers leave 32 bits",
             Left::Lengths => "lengths per unit distance leave the range of 32 bits",
             Left::Mixed => "colours that vary along the segment are mixed in 64 bits",

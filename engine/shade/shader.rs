@@ -2,14 +2,15 @@
 //!
 //! Four roads, each for what the one before leaves over: quick closed forms in lanes (density-emitter; overlaps by
 //! [`voltet_lanes::optics::sums`]), quadrature in as many equal steps as a segment wants ([`super::stepped`]), a walk in panels
-//! ([`super::panels`]), and the 64-bit integrator segment by segment, which also serves every integrator but the analytic
-//! one. What a scene does not use is not prepared.
+//! ([`super::panels`]), and the 64-bit integrator segment by segment. Integrators that sample or look up have one road of their
+//! own in place of the first three ([`super::methods`]). What a scene does not use is not prepared.
 
 use crate::attribute::{ATTRIBUTES_MOST, Attribute};
 use crate::fragments::batch::{Batch, Column};
 use crate::shade::along::{Along, lanes_of};
 use crate::shade::kinds::{InOrder, LaneWidget, Making, Road};
 use crate::shade::light::{Rays, Surface};
+use crate::shade::methods::LaneMethod;
 use crate::shade::panels::PanelWalk;
 use crate::shade::reach::{LEFT_OUT, Spread};
 use crate::shade::shaded::{DENSE_LEAST, Exact, Left, MIX_PRODUCT, Shaded};
@@ -33,6 +34,8 @@ pub(crate) struct Shader {
     widgets: Vec<LaneWidget>,
     /// What the quick forms do not serve, but lanes do; or why they do not.
     walker: std::result::Result<PanelWalk, Left>,
+    /// What serves in place of the closed forms.
+    method: Option<LaneMethod>,
     /// Whether the quick forms serve anything.
     quick: bool,
     /// Offset and scale of each attribute: value = offset + scale × stored.
@@ -66,7 +69,7 @@ impl Shader {
         Scene { attributes, length, ordered, leave_out }: Scene<'_>,
         surface: Option<Surface>,
     ) -> Result<Shader> {
-        let in_lanes = shading.integrator == Integrator::Analytic;
+        let in_lanes = shading.integrator != Integrator::Reference;
         let density_emitter = transfer_function.model == OpticalModel::DensityEmitter;
         let fields = transfer_function.fields();
         let making = Making {
@@ -89,10 +92,20 @@ impl Shader {
                 .accepted("points that span a volume"));
         }
         let scaling = attributes.iter().map(|a| [a.offset, a.scale]).collect();
-        let quick = density_emitter && widgets.iter().all(|widget| widget.road() == Road::Quick);
-        let walker = if !in_lanes {
-            Err(Left::Integrator)
-        } else if shading.overlap == Overlap::Exact || one_color.is_some() {
+        let (method, missing) = match LaneMethod::new(&shading.integrator, exact.as_ref(), &widgets, &making)
+        {
+            None => (None, None),
+            // What it leaves over is a matter of its samples.
+            Some(Ok(method)) => (Some(method), Some(Left::Samples)),
+            Some(Err(why)) => (None, Some(why)),
+        };
+        let closed = missing.is_none();
+        let quick = closed && density_emitter && widgets.iter().all(|widget| widget.road() == Road::Quick);
+        // One piecewise-linear widget overlaps nothing.
+        let exactly = shading.overlap == Overlap::Exact || shading.integrator == Integrator::Clipped;
+        let walker = if let Some(why) = missing {
+            Err(why)
+        } else if exactly || one_color.is_some() {
             PanelWalk::new(transfer_function, &widgets, length, one_color.is_some(), !quick)
         } else {
             Err(Left::Mixed)
@@ -105,6 +118,7 @@ impl Shader {
             overlap: shading.overlap,
             widgets,
             walker,
+            method,
             quick,
             scaling,
             length,
@@ -129,6 +143,9 @@ impl Shader {
         out.rest.clear();
         out.dense.clear();
         out.in_order.iter_mut().for_each(Vec::clear);
+        if let Some(method) = &self.method {
+            return method.shade::<L>(&self.widgets, self.one_color.is_some(), batch, count, out);
+        }
         // Alone, its pieces give the colour in closed form.
         let points = match self.widgets.as_slice() {
             [widget] if self.one_color.is_none() => widget.points(),
@@ -361,7 +378,7 @@ impl Shader {
 
 /// Appends the places of some lanes (bits) of the vector at `at`.
 #[inline(always)]
-fn push(list: &mut Vec<usize>, mut lanes: u32, at: usize) {
+pub(super) fn push(list: &mut Vec<usize>, mut lanes: u32, at: usize) {
     while lanes != 0 {
         list.push(at + lanes.trailing_zeros() as usize);
         lanes &= lanes - 1;
@@ -371,7 +388,7 @@ fn push(list: &mut Vec<usize>, mut lanes: u32, at: usize) {
 /// Lanes (bits) of the first `count` segments on which widgets overlap; those past the end of the batch hold fragments of
 /// the next one.
 #[inline(always)]
-fn overlaps<L: Lanes>(product: L::F, along: &Along<L>, count: usize) -> u32 {
+pub(super) fn overlaps<L: Lanes>(product: L::F, along: &Along<L>, count: usize) -> u32 {
     let meant = u32::MAX >> (32 - count.min(L::WIDTH));
     L::F::splat(MIX_PRODUCT).lt(product).and(along.crossing).bits() & meant
 }

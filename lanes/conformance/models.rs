@@ -68,7 +68,7 @@ pub(super) fn larger<T: PartialOrd>(a: T, b: T) -> T {
 
 /// Name, meaning, and a fault that the inputs must show.
 #[rustfmt::skip]
-pub(super) const OPERATIONS: [(&str, Model, Model); 49] = [
+pub(super) const OPERATIONS: [(&str, Model, Model); 50] = [
     ("splat", |_, _| bits(2.5), |_, l| bits(if l == 0 { 2.5 } else { 0.0 })),
     ("load and store", |v, l| bits(v[l].a), |v, l| bits(v[l ^ 1].a)),
     ("+", |v, l| number(v[l].a + v[l].b), |v, l| number(v[l].a - -v[l].b + 0.0)),
@@ -98,6 +98,7 @@ pub(super) const OPERATIONS: [(&str, Model, Model); 49] = [
     ("load_u16", |v, l| v[l].h.into(), |v, l| u64::from(v[l].h as i16 as u32)),
     ("unsigned +", |v, l| v[l].i.wrapping_add(v[l].j).into(), |v, l| v[l].i.saturating_add(v[l].j).into()),
     ("unsigned -", |v, l| v[l].i.wrapping_sub(v[l].j).into(), |v, l| v[l].i.saturating_sub(v[l].j).into()),
+    ("unsigned ×", |v, l| v[l].i.wrapping_mul(v[l].j).into(), |v, l| v[l].i.saturating_mul(v[l].j).into()),
     ("and", |v, l| (v[l].i & v[l].j).into(), |v, l| (!v[l].i & v[l].j).into()),
     ("or", |v, l| (v[l].i | v[l].j).into(), |v, l| (v[l].i ^ v[l].j).into()),
     ("shl 1", |v, l| (v[l].i << 1).into(), |v, l| (v[l].i << 2).into()),

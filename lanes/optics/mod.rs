@@ -12,6 +12,7 @@
 //! | waves: T/(ρ₀ D) | [`wave::LaneBell::mean`]`(φ_f, φ_b)` | [`wave::LanePhase`]: nearest foot and offset |
 //! | the same within one band, with its shape | [`wave::LaneBell::shape`]`(φ_f, φ_b, ρ₀ D)` | the same |
 //! | linear piece | [`linear::piece_weights`] | (ρ_f D, ρ_b D), at most 1 |
+//! | the same by the table | [`partial_table::LanePartialTable`] | (ρ_f D, ρ_b D) |
 //! | widgets that hardly bend, in order: C less the mix | [`sums::Sums::correction`] | a [`smooth::DensityShape`] each |
 //! | any widgets in order, either model: C | [`overlap::ordered`]`(&members, None or D/U)` | [`overlap::LaneMember`] each, over the whole segment |
 //! | uniform widgets and Gaussians in order, where they are dense: C | [`dense::dense`]`(&members)` | the same |
@@ -25,6 +26,7 @@ pub mod elementary;
 pub mod gaussian;
 pub mod linear;
 pub mod overlap;
+pub mod partial_table;
 pub mod piecewise_linear;
 pub mod quadrature;
 pub mod smooth;

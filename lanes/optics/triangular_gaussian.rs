@@ -174,6 +174,14 @@ fn outward<L: Lanes>(offset: [L::F; 2], width: [L::F; 2]) -> L::F {
     sum
 }
 
+/// exp(−(δ/γ)²), 0 where γ ≤ 0.
+#[inline(always)]
+pub fn profile<L: Lanes>(offset: L::F, width: L::F) -> L::F {
+    let zero = L::F::splat(0.0);
+    let x = offset / width.max(L::F::splat(f32::MIN_POSITIVE));
+    L::F::select(zero.lt(width), exp::<L>(-(x * x)), zero)
+}
+
 /// A triangular Gaussian as a [`LaneTrack`].
 #[derive(Clone, Copy)]
 pub struct LaneTriangularTrack<L: Lanes> {
@@ -209,16 +217,11 @@ impl<L: Lanes> LaneTriangularTrack<L> {
 impl<L: Lanes> LaneTrack<L> for LaneTriangularTrack<L> {
     #[inline(always)]
     fn rates(&self, t: L::F, dt: L::F) -> [L::F; POINTS] {
-        let zero = L::F::splat(0.0);
         let offset = at_nodes::<L>(self.offset[0], self.offset[1], t, dt);
         let width = at_nodes::<L>(self.width[0], self.width[1], t, dt);
         array(
             #[inline(always)]
-            |i| {
-                let x = offset[i] / width[i].max(L::F::splat(f32::MIN_POSITIVE));
-                let value = self.peak * exp::<L>(-(x * x));
-                L::F::select(zero.lt(width[i]), value, zero)
-            },
+            |i| self.peak * profile::<L>(offset[i], width[i]),
         )
     }
 

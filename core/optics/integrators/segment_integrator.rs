@@ -1,5 +1,6 @@
 //! What every integrator gives, and what a table of one spans.
 
+use super::PartialTable;
 use crate::Error;
 use crate::optics::{Contribution, Segment};
 
@@ -11,6 +12,11 @@ pub trait SegmentIntegrator: Send + Sync {
     /// Bytes of the tables that were built for it.
     fn table_bytes(&self) -> usize {
         0
+    }
+
+    /// The partial pre-integration table, if that is what it goes by.
+    fn partial_table(&self) -> Option<&PartialTable> {
+        None
     }
 
     /// Why it could not integrate a segment since it was made: what was drawn with it is not to be shown.

@@ -58,6 +58,10 @@ impl SegmentIntegrator for Segments {
         self.table.as_ref().map_or(0, PartialTable::bytes)
     }
 
+    fn partial_table(&self) -> Option<&PartialTable> {
+        self.table.as_ref()
+    }
+
     fn integrate(&self, segment: &Segment) -> Contribution {
         let step = 1.0 / self.count as f64;
         self.prepared.sampled(segment, |samples| {

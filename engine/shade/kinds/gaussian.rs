@@ -3,6 +3,7 @@
 use crate::attribute::Attribute;
 use crate::shade::along::Along;
 use voltet_lanes::limits::GAUSSIAN_WIDTHS_MOST;
+use voltet_lanes::optics::elementary::{dot, exp};
 use voltet_lanes::optics::gaussian::{self, LaneGaussianPath, LaneGaussianSteps};
 use voltet_lanes::optics::smooth::DensityShape;
 use voltet_lanes::{Float, Lanes, Mask, array};
@@ -70,6 +71,21 @@ impl LaneGaussian {
         gaussian::shape::<L, 2>(self.point::<L>(front), self.point::<L>(back), peak, wanted)
     }
 
+    /// The profile at a point.
+    #[inline(always)]
+    pub fn value<L: Lanes>(&self, at: &[L::F; 2]) -> L::F {
+        let q = self.point::<L>(at);
+        exp::<L>(-dot::<L, 2>(&q, &q))
+    }
+
+    /// The square of the widths that the whole segment spans.
+    #[inline(always)]
+    pub fn extent_squared<L: Lanes>(&self, along: &Along<L>) -> L::F {
+        let (front, back) = (self.point::<L>(&along.front), self.point::<L>(&along.back));
+        let step = [back[0] - front[0], back[1] - front[1]];
+        dot::<L, 2>(&step, &step)
+    }
+
     /// The roughness of the whole segment's shape.
     #[inline(always)]
     pub fn roughness<L: Lanes>(&self, along: &Along<L>) -> L::F {
@@ -88,9 +104,7 @@ impl LaneGaussian {
         if !self.narrow {
             return 0;
         }
-        let (front, back) = (self.point::<L>(&along.front), self.point::<L>(&along.back));
-        let step = [back[0] - front[0], back[1] - front[1]];
-        let extent = step[0].mul_add(step[0], step[1] * step[1]).sqrt();
+        let extent = self.extent_squared::<L>(along).sqrt();
         L::F::splat(GAUSSIAN_WIDTHS_MOST as f32).lt(extent).bits()
     }
 

@@ -3,6 +3,7 @@
 use crate::shade::along::{FIELDS_MOST, Fields};
 use crate::shade::kinds::making::Making;
 use voltet_lanes::limits::GAUSSIAN_WIDTHS_MOST;
+use voltet_lanes::optics::elementary::{dot, exp};
 use voltet_lanes::optics::gaussian::{LaneGaussianPath, mean_profile};
 use voltet_lanes::{Float, Lanes, array};
 
@@ -43,7 +44,7 @@ impl LaneFields {
     }
 
     #[inline(always)]
-    fn point<L: Lanes>(&self, fields: &[L::F; FIELDS_MOST]) -> [L::F; FIELDS_MOST] {
+    pub fn point<L: Lanes>(&self, fields: &[L::F; FIELDS_MOST]) -> [L::F; FIELDS_MOST] {
         let splat = L::F::splat;
         let mut q = [splat(0.0); FIELDS_MOST];
         for j in 0..self.count {
@@ -101,6 +102,13 @@ impl LaneGaussianNd {
     pub fn mean<L: Lanes>(&self, fields: &Fields<L>, range: Option<[L::F; 2]>) -> L::F {
         let [front, back] = between::<L, FIELDS_MOST>(self.fields.ends::<L>(fields), range);
         mean_profile::<L, FIELDS_MOST>(front, back)
+    }
+
+    /// The profile at a place of the segment.
+    #[inline(always)]
+    pub fn value<L: Lanes>(&self, fields: &Fields<L>, t: f32) -> L::F {
+        let q = self.fields.point::<L>(&fields.at(t));
+        exp::<L>(-dot::<L, FIELDS_MOST>(&q, &q))
     }
 
     /// The path of the whole segment.

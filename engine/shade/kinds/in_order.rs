@@ -30,6 +30,7 @@ impl LaneWidget {
             | LaneForm::TriangularGaussian(_)
             | LaneForm::GaussianNd(_)
             | LaneForm::TriangularGaussianNd(_)
+            | LaneForm::Table(_)
             | LaneForm::None => {
                 let (depth, unsure) = self.depth::<L>(along);
                 (DensityShape::even(depth).cut(L::F::splat(0.0).lt(depth)), unsure)
@@ -50,6 +51,7 @@ impl LaneWidget {
             | LaneForm::TriangularGaussian(_)
             | LaneForm::GaussianNd(_)
             | LaneForm::TriangularGaussianNd(_)
+            | LaneForm::Table(_)
             | LaneForm::None => self.shape::<L>(along).0.roughness(),
         };
         L::F::select(whole.lt(splat(1.0)), splat(f32::INFINITY), rough)
@@ -75,6 +77,7 @@ impl LaneWidget {
             | LaneForm::TriangularGaussian(_)
             | LaneForm::GaussianNd(_)
             | LaneForm::TriangularGaussianNd(_)
+            | LaneForm::Table(_)
             | LaneForm::None => None,
         }
     }
@@ -94,6 +97,7 @@ impl LaneWidget {
             | LaneForm::TriangularGaussian(_)
             | LaneForm::GaussianNd(_)
             | LaneForm::TriangularGaussianNd(_)
+            | LaneForm::Table(_)
             | LaneForm::None => [L::F::splat(0.0); N],
         }
     }

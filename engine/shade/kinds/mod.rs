@@ -6,6 +6,8 @@ mod gaussian_nd;
 mod in_order;
 mod making;
 mod piecewise_linear;
+mod sample;
+mod table;
 mod triangular_gaussian;
 mod triangular_gaussian_nd;
 mod wave;
@@ -18,6 +20,7 @@ use crate::shade::region::{Inside, LaneRegion, range_of};
 use gaussian::LaneGaussian;
 use gaussian_nd::LaneGaussianNd;
 use piecewise_linear::LaneLinear;
+use table::LaneTable;
 use triangular_gaussian::LaneTriangular;
 use triangular_gaussian_nd::LaneTriangularNd;
 use voltet_core::transfer::{Profile, Widget};
@@ -45,6 +48,7 @@ enum LaneForm {
     Gaussian(LaneGaussian),
     Wave(LaneWave),
     PiecewiseLinear(Box<LaneLinear>),
+    Table(Box<LaneTable>),
     TriangularGaussian(LaneTriangular),
     GaussianNd(Box<LaneGaussianNd>),
     TriangularGaussianNd(Box<LaneTriangularNd>),
@@ -76,7 +80,7 @@ pub(crate) enum InOrder {
 
 impl LaneForm {
     /// `None` where 32 bits do not hold the numbers.
-    fn new(profile: &Profile, making: &Making, has_region: bool) -> Option<LaneForm> {
+    fn new(profile: &Profile, making: &Making) -> Option<LaneForm> {
         match profile {
             Profile::Uniform => Some(LaneForm::Uniform),
             Profile::Gaussian { centre, matrix } => {
@@ -94,8 +98,6 @@ impl LaneForm {
             }
             Profile::TriangleWave(wave) => LaneWave::new(wave, false, making.attributes).map(LaneForm::Wave),
             Profile::SineWave(wave) => LaneWave::new(wave, true, making.attributes).map(LaneForm::Wave),
-            // Pieces that a region cuts have no lanes.
-            Profile::PiecewiseLinear { .. } if has_region => None,
             Profile::PiecewiseLinear { points } => {
                 let linear = LaneLinear::new(
                     points,
@@ -105,8 +107,9 @@ impl LaneForm {
                 );
                 linear.map(Box::new).map(LaneForm::PiecewiseLinear)
             }
-            // No vector instruction reads four texels of each lane.
-            Profile::Table(_) => None,
+            Profile::Table(table) => {
+                LaneTable::new(table, making.attributes).map(Box::new).map(LaneForm::Table)
+            }
         }
     }
 }
@@ -115,12 +118,12 @@ impl LaneWidget {
     pub fn new(widget: &Widget, making: &Making) -> LaneWidget {
         let own = widget.has_colors_of_its_own();
         let density = (widget.extinction * making.density_scale) as f32;
-        let form = LaneForm::new(&widget.profile, making, widget.region.is_some());
+        let form = LaneForm::new(&widget.profile, making);
         LaneWidget {
             form: form.filter(|_| density.is_finite()).unwrap_or(LaneForm::None),
             color: if own { [0.0; 3] } else { widget.color.map(|c| c as f32) },
             density: if widget.profile.properties().own_peak.is_some() { 1.0 } else { density },
-            region: widget.region.as_ref().and_then(|region| LaneRegion::new(region, making.attributes)),
+            region: LaneRegion::new(&widget.half_planes(), making.attributes),
             reach: making.left_out.and_then(|least| LaneReach::new(widget, making, least)),
         }
     }
@@ -142,13 +145,14 @@ impl LaneWidget {
     /// Which forms serve it first.
     pub fn road(&self) -> Road {
         match self.form {
-            LaneForm::Uniform | LaneForm::Gaussian(_) | LaneForm::Wave(_) | LaneForm::PiecewiseLinear(_) => {
-                Road::Quick
-            }
+            LaneForm::Uniform | LaneForm::Gaussian(_) | LaneForm::Wave(_) => Road::Quick,
+            // Pieces that a region cuts have closed forms in 64 bits only.
+            LaneForm::PiecewiseLinear(_) if self.region.is_some() => Road::Bits64,
+            LaneForm::PiecewiseLinear(_) => Road::Quick,
             LaneForm::TriangularGaussian(_) | LaneForm::GaussianNd(_) | LaneForm::TriangularGaussianNd(_) => {
                 Road::Panels
             }
-            LaneForm::None => Road::Bits64,
+            LaneForm::Table(_) | LaneForm::None => Road::Bits64,
         }
     }
 
@@ -160,6 +164,7 @@ impl LaneWidget {
             LaneForm::Wave(_)
             | LaneForm::TriangularGaussian(_)
             | LaneForm::TriangularGaussianNd(_)
+            | LaneForm::Table(_)
             | LaneForm::None => InOrder::Bits64,
         }
     }
@@ -174,6 +179,7 @@ impl LaneWidget {
             | LaneForm::TriangularGaussian(_)
             | LaneForm::GaussianNd(_)
             | LaneForm::TriangularGaussianNd(_)
+            | LaneForm::Table(_)
             | LaneForm::None => None,
         }
     }
@@ -205,6 +211,7 @@ impl LaneWidget {
             LaneForm::TriangularGaussian(_)
             | LaneForm::GaussianNd(_)
             | LaneForm::TriangularGaussianNd(_)
+            | LaneForm::Table(_)
             | LaneForm::None => (L::F::splat(0.0), u32::MAX),
         }
     }
@@ -234,6 +241,7 @@ impl LaneWidget {
             | LaneForm::Gaussian(_)
             | LaneForm::Wave(_)
             | LaneForm::PiecewiseLinear(_)
+            | LaneForm::Table(_)
             | LaneForm::None => self.depth::<L>(along),
         }
     }
@@ -245,6 +253,7 @@ impl LaneWidget {
             LaneForm::Uniform
             | LaneForm::Gaussian(_)
             | LaneForm::Wave(_)
+            | LaneForm::Table(_)
             | LaneForm::TriangularGaussian(_)
             | LaneForm::GaussianNd(_)
             | LaneForm::TriangularGaussianNd(_) => self.density,
@@ -294,6 +303,7 @@ impl LaneWidget {
             LaneForm::Wave(_)
             | LaneForm::TriangularGaussian(_)
             | LaneForm::TriangularGaussianNd(_)
+            | LaneForm::Table(_)
             | LaneForm::None => return nothing::<L>(),
         };
         // Within its window it glows, whatever the rounding of the rate.

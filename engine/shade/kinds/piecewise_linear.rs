@@ -8,7 +8,7 @@ use voltet_core::transfer::ControlPoint;
 use voltet_lanes::optics::elementary::one_minus_exp;
 use voltet_lanes::optics::linear::piece_weights;
 use voltet_lanes::optics::piecewise_linear::LanePoints;
-use voltet_lanes::{Float, Lanes, Mask};
+use voltet_lanes::{Float, Lanes, Mask, array};
 
 /// Most control points a lane table holds; longer functions use the gathers.
 const TABLE_MOST: usize = 1024;
@@ -134,6 +134,17 @@ impl LaneLinear {
     fn at<L: Lanes>(&self, quantity: usize, k: L::U, offset: L::F) -> L::F {
         self.look_up::<L>(&self.slope[quantity], k)
             .mul_add(offset, self.look_up::<L>(&self.value[quantity], k))
+    }
+
+    /// Extinction per scene length and colour at s.
+    #[inline(always)]
+    pub fn sample<L: Lanes>(&self, s: L::F) -> [L::F; 4] {
+        let k = self.interval::<L>(s).to_unsigned();
+        let offset = s - self.look_up::<L>(&self.anchor, k);
+        array(
+            #[inline(always)]
+            |quantity| self.at::<L>(quantity, k, offset).max(L::F::splat(0.0)),
+        )
     }
 
     /// Optical depth.

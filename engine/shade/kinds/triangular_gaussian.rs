@@ -34,6 +34,13 @@ impl LaneTriangular {
         [v[0] - splat(self.centre), splat(self.slope).mul_add(v[1], splat(self.base))]
     }
 
+    /// The profile at a point.
+    #[inline(always)]
+    pub fn value<L: Lanes>(&self, at: &[L::F; 2]) -> L::F {
+        let [offset, width] = self.point::<L>(at);
+        triangular_gaussian::profile::<L>(offset, width)
+    }
+
     /// Mean of the profile between two points, and the lanes (bits) on which they are too far apart.
     #[inline(always)]
     pub fn mean<L: Lanes>(&self, front: &[L::F; 2], back: &[L::F; 2]) -> (L::F, u32) {

@@ -4,7 +4,8 @@ use crate::shade::along::{FIELDS_MOST, Fields};
 use crate::shade::kinds::gaussian_nd::{LaneFields, between};
 use crate::shade::kinds::making::Making;
 use voltet_lanes::limits::TRIANGULAR_WIDTHS_MOST;
-use voltet_lanes::optics::triangular_gaussian::LaneTriangularPath;
+use voltet_lanes::optics::elementary::dot;
+use voltet_lanes::optics::triangular_gaussian::{self, LaneTriangularPath};
 use voltet_lanes::{Float, Lanes, Mask};
 
 /// exp(−|K (v − centre)|²/m²); m is scaled as its array is, and K with it.
@@ -31,6 +32,15 @@ impl LaneTriangularNd {
         let fields = LaneFields::new(names, centre, &matrix, making)?;
         let base = (axis.offset / axis.scale) as f32;
         base.is_finite().then_some(LaneTriangularNd { fields, slot, base })
+    }
+
+    /// The profile at a place of the segment.
+    #[inline(always)]
+    pub fn value<L: Lanes>(&self, fields: &Fields<L>, t: f32) -> L::F {
+        let fields = fields.at(t);
+        let q = self.fields.point::<L>(&fields);
+        let width = fields[self.slot] + L::F::splat(self.base);
+        triangular_gaussian::profile::<L>(dot::<L, FIELDS_MOST>(&q, &q).sqrt(), width)
     }
 
     /// Mean of the profile over the segment or a stretch of it, and the lanes (bits) on which its ends are too far apart.

@@ -1,12 +1,14 @@
 //! The tolerance of `adaptive` is met, within the rounding of 32 bits.
 
 use crate::device::Device;
-use crate::integrators::{Measure, cases, shading};
+use crate::integrators::{shading, stored};
 use crate::scene::{Composed, Scenes};
 use crate::tables::{MODELS, UNIT, image, segments};
 use voltet_core::optics::integrators::{Extent, Integrator, new};
 use voltet_core::optics::{Contribution, Overlap};
 use voltet_core::transfer::{ControlPoint, OpticalModel, Profile, Region, TransferFunction, Wave, Widget};
+use voltet_judge::segment_cases;
+use voltet_judge::segment_twin::Measure;
 use voltet_shaders::segment_list::{axes, holds, keeps_digits};
 use voltet_shaders::{compose, compose_pieces, piece};
 
@@ -26,7 +28,7 @@ fn the_tolerance_is_met_on_the_exact_cases() {
     let Some(device) = Device::open() else { return };
     let scenes = Scenes::new(device);
     let (mut broken, mut worst, mut judged) = (Vec::new(), (0.0, String::new()), 0);
-    for (n, (id, category, case)) in cases().into_iter().enumerate() {
+    for (n, (id, category, case)) in segment_cases().expect("well formed").into_iter().enumerate() {
         // Every other case, each with one of the tolerances: all categories meet all of them.
         let tolerance = TOLERANCES[n / 2 % TOLERANCES.len()];
         if n % 2 == 1 {
@@ -49,7 +51,7 @@ fn the_tolerance_is_met_on_the_exact_cases() {
         let truth = new(&Integrator::Analytic, Overlap::Exact, transfer_function, &extent).expect("serves");
         let found = scenes.integrate(&scene, &[segment])[0];
         let scale = if case.density() { 1.0 } else { segment.length / transfer_function.unit_distance };
-        let measure = Measure::new(truth.as_ref(), &segment, &axes);
+        let measure = Measure::new(truth.as_ref(), &segment, &stored(&axes));
         let ratio = ratio(&measure, &found, tolerance, case.brightest() * scale);
         if ratio > worst.0 {
             worst = (ratio, id.clone());
@@ -119,7 +121,7 @@ fn the_tolerance_is_met_where_widgets_overlap() {
     for transfer_function in scenes() {
         let extent = Extent { scalar: [0.0, 1.0], longest: 2.0 };
         let truth = new(&Integrator::Analytic, Overlap::Exact, &transfer_function, &extent).expect("serves");
-        let measure = |segment| Measure::new(truth.as_ref(), segment, &UNIT);
+        let measure = |segment| Measure::new(truth.as_ref(), segment, &stored(&UNIT));
         let measures: Vec<Measure> = segments.iter().map(measure).collect();
         // Without a tolerance: the ordered integral of the closed forms.
         for (worst, tolerance) in worst.iter_mut().zip(TOLERANCES.into_iter().chain([0.0])) {

@@ -1,7 +1,7 @@
 //! Pre-integrated tables: what the device fills them with, what it reads from them, and how long that takes.
 
 use crate::device::Device;
-use crate::integrators::{Measure, numbers, shading};
+use crate::integrators::{shading, stored};
 use crate::scene::{Composed, Scenes};
 use crate::tables::{MODELS, segments};
 use std::time::Instant;
@@ -11,6 +11,7 @@ use voltet_core::optics::integrators::{
 use voltet_core::optics::special::mean_transmittance;
 use voltet_core::optics::{Contribution, Overlap, Segment};
 use voltet_core::transfer::{ControlPoint, OpticalModel, Profile, TransferFunction, Widget};
+use voltet_judge::segment_twin::{Measure, numbers};
 use voltet_shaders::Axis;
 
 const LONGEST: f64 = 2.0;
@@ -139,7 +140,7 @@ fn tables_are_read_as_by_their_truths() {
             let found = scenes.integrate(&ready(&transfer_function, integrator), &segments);
             let mut worst = (0.0, 0);
             for (i, (segment, found)) in segments.iter().zip(found).enumerate() {
-                let measure = Measure::new(truth.as_ref(), segment, &AXES);
+                let measure = Measure::new(truth.as_ref(), segment, &stored(&AXES));
                 // Entries differ by what the fill may err by; a place errs by an ε of the table's side, and the entries
                 // about it may differ by all that glows.
                 let exact = numbers(&measure.exact);

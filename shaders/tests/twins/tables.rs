@@ -1,12 +1,13 @@
 //! Table widgets and pre-integrated tables, against their 64-bit truths.
 
 use crate::device::Device;
-use crate::integrators::{Measure, change_of_places, numbers, shading};
+use crate::integrators::{shading, stored};
 use crate::scene::{Composed, Scenes};
 use std::sync::Arc;
 use voltet_core::optics::integrators::{Extent, Integrator, new};
 use voltet_core::optics::{Overlap, Prepared, Segment};
 use voltet_core::transfer::{OpticalModel, Profile, Region, Table, TransferFunction, Widget};
+use voltet_judge::segment_twin::{Measure, change_of_places, numbers};
 use voltet_shaders::Axis;
 
 /// Numbers in [0, 1): SplitMix64 (Steele, Lea & Flood 2014).
@@ -103,7 +104,7 @@ fn table_widgets_are_twins_of_their_truth() {
             for (i, (segment, found)) in
                 segments.iter().zip(scenes_on.integrate(&scene, &segments)).enumerate()
             {
-                let measure = Measure::new(truth.as_ref(), segment, &UNIT);
+                let measure = Measure::new(truth.as_ref(), segment, &stored(&UNIT));
                 let further = change_of_places(&prepared, segment, places, numbers(&measure.exact));
                 let ratio = measure.ratio(&found, further, *tolerance, 2.0);
                 if ratio > worst.0 {

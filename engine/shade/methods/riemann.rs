@@ -1,0 +1,121 @@
+//! N point samples. Twin of `optics::integrators::Riemann`: each stands for a homogeneous piece with its own absorption,
+//! κ h E₁(ρ h).
+
+use super::sampled::{Crossed, Samples, TOGETHER};
+use voltet_lanes::optics::elementary::{exp, mean_transparency, one_minus_exp};
+use voltet_lanes::{Float, Lanes, array};
+
+/// Colour and optical depth. `depth_only`: no colour.
+#[inline(always)]
+pub(super) fn riemann<L: Lanes>(
+    count: usize,
+    crossed: &mut Crossed<'_, '_, L>,
+    depth_only: bool,
+) -> ([L::F; 3], L::F) {
+    let zero = L::F::splat(0.0);
+    // Light of one colour is its opacity, in however many pieces.
+    let one_color = crossed.one_color();
+    if depth_only || one_color.is_some() {
+        let depth = match count {
+            1 => together::<L, 1, false>(count, crossed).1,
+            2 => together::<L, 2, false>(count, crossed).1,
+            _ => in_steps::<L, false>(count, crossed).1,
+        };
+        let opacity = one_minus_exp::<L>(depth);
+        let color = one_color.unwrap_or([0.0; 3]);
+        let color = array(
+            #[inline(always)]
+            |c| opacity * L::F::splat(color[c]),
+        );
+        return (if depth_only { [zero; 3] } else { color }, depth);
+    }
+    match count {
+        1 => together::<L, 1, true>(count, crossed),
+        2 => together::<L, 2, true>(count, crossed),
+        _ => in_steps::<L, true>(count, crossed),
+    }
+}
+
+/// The middle of piece i.
+#[inline(always)]
+fn middle(i: usize, count: usize) -> f32 {
+    ((i as f64 + 0.5) / count as f64) as f32
+}
+
+/// All samples at once.
+#[inline(always)]
+fn together<L: Lanes, const N: usize, const COLORS: bool>(
+    count: usize,
+    crossed: &mut Crossed<'_, '_, L>,
+) -> ([L::F; 3], L::F) {
+    let samples = crossed.at::<N, COLORS>(array(
+        #[inline(always)]
+        |j| middle(j, count),
+    ));
+    let mut sum = Front::<L>::new();
+    let step = crossed.along.length * L::F::splat(1.0 / count as f32);
+    sum.add::<N, COLORS>(&samples, [step; N]);
+    (sum.color, sum.depth)
+}
+
+/// Some samples after the other.
+#[inline(always)]
+fn in_steps<L: Lanes, const COLORS: bool>(
+    count: usize,
+    crossed: &mut Crossed<'_, '_, L>,
+) -> ([L::F; 3], L::F) {
+    let splat = L::F::splat;
+    let mut sum = Front::<L>::new();
+    let share = TOGETHER as f32 / count as f32;
+    let step = crossed.along.length * splat(1.0 / count as f32);
+    for block in 0..count.div_ceil(TOGETHER) {
+        let first = block * TOGETHER;
+        // What lies behind the back counts for nothing.
+        let t = array(
+            #[inline(always)]
+            |j| middle((first + j).min(count - 1), count),
+        );
+        let samples = crossed.in_step::<COLORS>(block, share, [0.125, 0.375, 0.625, 0.875], t);
+        let lengths = array(
+            #[inline(always)]
+            |j| if first + j < count { step } else { splat(0.0) },
+        );
+        sum.add::<TOGETHER, COLORS>(&samples, lengths);
+        sum.through = exp::<L>(-sum.depth);
+    }
+    (sum.color, sum.depth)
+}
+
+/// What is in front of a place.
+struct Front<L: Lanes> {
+    color: [L::F; 3],
+    depth: L::F,
+    through: L::F,
+}
+
+impl<L: Lanes> Front<L> {
+    #[inline(always)]
+    fn new() -> Self {
+        let zero = L::F::splat(0.0);
+        Front { color: [zero; 3], depth: zero, through: L::F::splat(1.0) }
+    }
+
+    /// Homogeneous pieces of these lengths.
+    #[inline(always)]
+    fn add<const N: usize, const COLORS: bool>(&mut self, samples: &Samples<L, N>, lengths: [L::F; N]) {
+        for j in 0..N {
+            let piece = samples.rate[j] * lengths[j];
+            if COLORS {
+                let mean = mean_transparency::<L>(piece);
+                let light = self.through * mean * lengths[j];
+                for c in 0..3 {
+                    self.color[c] = light.mul_add(samples.glow[j][c], self.color[c]);
+                }
+                if j + 1 < N {
+                    self.through = self.through * (L::F::splat(1.0) - piece * mean);
+                }
+            }
+            self.depth = self.depth + piece;
+        }
+    }
+}
