@@ -135,11 +135,19 @@ pub fn prepare<'a>(
     }
     integrators::can_serve(&shading.integrator, transfer_function)?;
     let touched = cells.touched(transfer_function);
-    let exact = integrator(cells, &touched, shading)?;
-    let table_bytes = exact.table_bytes() as u64;
+    let extent = extent(cells, &shading.integrator);
+    let exact = leftover(&touched, shading, &extent)?;
     let whole = cells.no_leave_out;
-    let scene = Scene { attributes: &attributes, length: cells.length, ordered: whole, leave_out: !whole };
+    let scene = Scene {
+        attributes: &attributes,
+        length: cells.length,
+        ordered: whole,
+        leave_out: !whole,
+        extent,
+        lanes: cells.lanes,
+    };
     let shader = Shader::new(&touched, shading, exact, scene, surface)?;
+    let table_bytes = shader.table_bytes() as u64;
     Ok(Ready { projection, attributes, shader, table_bytes })
 }
 
@@ -284,6 +292,18 @@ pub fn integrator(
     }
     let extent = extent(cells, &shading.integrator);
     integrators::new(&shading.integrator, shading.overlap, transfer_function, &extent)
+}
+
+/// What draws the segments that lanes leave over: they leave none of a table over lengths, so that it is filled once, by them.
+pub(crate) fn leftover(
+    transfer_function: &TransferFunction,
+    shading: &Shading,
+    extent: &Extent,
+) -> Result<Option<Box<dyn SegmentIntegrator>>> {
+    if shading.integrator.has_table_of_lengths() {
+        return Ok(None);
+    }
+    integrators::new(&shading.integrator, shading.overlap, transfer_function, extent).map(Some)
 }
 
 /// What the segments span, as far as the integrator has tables to fill: no segment inside a cell is longer than its

@@ -10,26 +10,26 @@ use crate::fragments::batch::{Batch, Column};
 use crate::shade::along::{Along, lanes_of};
 use crate::shade::kinds::{InOrder, LaneWidget, Making, Road};
 use crate::shade::light::{Rays, Surface};
-use crate::shade::methods::LaneMethod;
+use crate::shade::methods::{LaneMethod, Served};
 use crate::shade::panels::PanelWalk;
 use crate::shade::reach::{LEFT_OUT, Spread};
 use crate::shade::shaded::{DENSE_LEAST, Exact, Left, MIX_PRODUCT, Shaded};
 use crate::shade::stepped::{STEPS, stepped};
-use voltet_core::optics::integrators::SegmentIntegrator;
+use voltet_core::optics::integrators::{Extent, SegmentIntegrator};
 use voltet_core::optics::{Overlap, Prepared, Segment};
 use voltet_core::shading::{Integrator, Shading};
 use voltet_core::transfer::{OpticalModel, TransferFunction};
 use voltet_core::{Error, Result};
 use voltet_lanes::optics::elementary::one_minus_exp;
 use voltet_lanes::optics::sums::Sums;
-use voltet_lanes::{Float, Lanes, Mask};
+use voltet_lanes::{Float, LaneSet, Lanes, Mask};
 
 /// A transfer function made ready for lanes.
 pub(crate) struct Shader {
     /// Finds overlaps in 64 bits, where there is more than one widget.
     overlaps: Option<Prepared>,
-    /// What serves one segment in 64 bits.
-    exact: Box<dyn SegmentIntegrator>,
+    /// What serves one segment in 64 bits; `None` where lanes serve every one.
+    exact: Option<Box<dyn SegmentIntegrator>>,
     overlap: Overlap,
     widgets: Vec<LaneWidget>,
     /// What the quick forms do not serve, but lanes do; or why they do not.
@@ -58,6 +58,10 @@ pub(crate) struct Scene<'a> {
     pub ordered: bool,
     /// Segments that a widget hardly meets are not asked of it.
     pub leave_out: bool,
+    /// What the segments span, for tables.
+    pub extent: Extent,
+    /// What fills them.
+    pub lanes: LaneSet,
 }
 
 impl Shader {
@@ -65,10 +69,16 @@ impl Shader {
     pub fn new(
         transfer_function: &TransferFunction,
         shading: &Shading,
-        exact: Box<dyn SegmentIntegrator>,
-        Scene { attributes, length, ordered, leave_out }: Scene<'_>,
+        exact: Option<Box<dyn SegmentIntegrator>>,
+        scene: Scene<'_>,
         surface: Option<Surface>,
     ) -> Result<Shader> {
+        let Scene { attributes, length, ordered, leave_out, .. } = scene;
+        if length <= 0.0 || !length.is_finite() {
+            return Err(Error::run("the grid has no extent")
+                .found(length)
+                .accepted("points that span a volume"));
+        }
         let in_lanes = shading.integrator != Integrator::Reference;
         let density_emitter = transfer_function.model == OpticalModel::DensityEmitter;
         let fields = transfer_function.fields();
@@ -86,18 +96,14 @@ impl Shader {
             .collect();
         let one_color = shading.one_color(transfer_function).filter(|_| !ordered);
         let one_color = one_color.map(|color| color.map(|c| c as f32));
-        if length <= 0.0 || !length.is_finite() {
-            return Err(Error::run("the grid has no extent")
-                .found(length)
-                .accepted("points that span a volume"));
-        }
         let scaling = attributes.iter().map(|a| [a.offset, a.scale]).collect();
-        let (method, missing) = match LaneMethod::new(&shading.integrator, exact.as_ref(), &widgets, &making)
-        {
-            None => (None, None),
+        let served =
+            Served::new(&shading.integrator, exact.as_deref(), transfer_function, &widgets, &making, &scene)?;
+        let (method, missing) = match served {
+            Served::InClosedForm => (None, None),
             // What it leaves over is a matter of its samples.
-            Some(Ok(method)) => (Some(method), Some(Left::Samples)),
-            Some(Err(why)) => (None, Some(why)),
+            Served::By(method) => (Some(method), Some(Left::Samples)),
+            Served::Not(why) => (None, Some(why)),
         };
         let closed = missing.is_none();
         let quick = closed && density_emitter && widgets.iter().all(|widget| widget.road() == Road::Quick);
@@ -129,7 +135,13 @@ impl Shader {
 
     /// Why a segment could not be integrated, if there was one.
     pub fn failure(&self) -> Option<&Error> {
-        self.exact.failure()
+        self.exact.as_ref().and_then(|exact| exact.failure())
+    }
+
+    /// Bytes of the integrator's tables.
+    pub fn table_bytes(&self) -> usize {
+        let exact = self.exact.as_ref().map_or(0, |exact| exact.table_bytes());
+        exact + self.method.as_ref().map_or(0, LaneMethod::table_bytes)
     }
 
     /// Whether every segment's optical depth is kept, not only those that the quick forms leave over.
@@ -275,7 +287,8 @@ impl Shader {
             fields_front: &ends[0][fields.clone()],
             fields_back: &ends[1][fields],
         };
-        let c = self.exact.integrate(&segment);
+        let exact = self.exact.as_ref().expect("lanes leave over no segment of a table");
+        let c = exact.integrate(&segment);
         let color = c.color.map(|x| x as f32);
         Exact {
             depth: c.optical_depth.min(f64::from(f32::MAX)) as f32,

@@ -13,6 +13,7 @@
 //! | the same within one band, with its shape | [`wave::LaneBell::shape`]`(φ_f, φ_b, ρ₀ D)` | the same |
 //! | linear piece | [`linear::piece_weights`] | (ρ_f D, ρ_b D), at most 1 |
 //! | the same by the table | [`partial_table::LanePartialTable`] | (ρ_f D, ρ_b D) |
+//! | pre-integrated tables | [`slices::LaneVolume`] | places in entries |
 //! | widgets that hardly bend, in order: C less the mix | [`sums::Sums::correction`] | a [`smooth::DensityShape`] each |
 //! | any widgets in order, either model: C | [`overlap::ordered`]`(&members, None or D/U)` | [`overlap::LaneMember`] each, over the whole segment |
 //! | uniform widgets and Gaussians in order, where they are dense: C | [`dense::dense`]`(&members)` | the same |
@@ -29,6 +30,7 @@ pub mod overlap;
 pub mod partial_table;
 pub mod piecewise_linear;
 pub mod quadrature;
+pub mod slices;
 pub mod smooth;
 pub mod sums;
 mod track;

@@ -6,47 +6,86 @@
 //! | `sampled` | what those that sample share: the widgets that a vector of segments meets, at places of it |
 //! | `riemann` | `riemann` |
 //! | `pieces` | `segments` |
+//! | `tables` | `pre-integrated`, `pre-integrated-cylindrical` |
 
 mod pieces;
 mod riemann;
 mod sampled;
+mod tables;
 
 use crate::fragments::batch::Batch;
 use crate::shade::kinds::{LaneWidget, Making};
 use crate::shade::shaded::{Left, Shaded};
+use crate::shade::shader::Scene;
 use sampled::Sampled;
+use tables::Table;
+use voltet_core::Result;
 use voltet_core::optics::integrators::SegmentIntegrator;
 use voltet_core::shading::Integrator;
+use voltet_core::transfer::TransferFunction;
 use voltet_lanes::Lanes;
 
 /// An integrator of its own roads.
 pub(crate) enum LaneMethod {
     /// `riemann` and `segments`.
     Sampled(Sampled),
+    /// `pre-integrated` and `pre-integrated-cylindrical`.
+    Table(Box<Table>),
+}
+
+/// Who serves an integrator.
+pub(crate) enum Served {
+    /// The closed forms.
+    InClosedForm,
+    /// A road of its own.
+    By(LaneMethod),
+    /// 64 bits.
+    Not(Left),
+}
+
+impl From<std::result::Result<LaneMethod, Left>> for Served {
+    fn from(method: std::result::Result<LaneMethod, Left>) -> Served {
+        method.map_or_else(Served::Not, Served::By)
+    }
+}
+
+impl Served {
+    /// `exact`: the same integrator in 64 bits, for all but tables over lengths.
+    ///
+    /// Errors: data without a domain for a table.
+    pub fn new(
+        integrator: &Integrator,
+        exact: Option<&dyn SegmentIntegrator>,
+        transfer_function: &TransferFunction,
+        widgets: &[LaneWidget],
+        making: &Making,
+        scene: &Scene<'_>,
+    ) -> Result<Served> {
+        let sampled =
+            |count, table| Sampled::new(count, table, widgets, making).map(LaneMethod::Sampled).into();
+        let table = |size, is_cylindrical| -> Result<Served> {
+            let table = Table::new(transfer_function, size, is_cylindrical, making, scene)?;
+            Ok(Served::By(LaneMethod::Table(Box::new(table))))
+        };
+        Ok(match *integrator {
+            Integrator::Analytic | Integrator::Clipped => Served::InClosedForm,
+            Integrator::Riemann { count } => sampled(count, None),
+            Integrator::Segments { count, .. } => {
+                sampled(count, exact.and_then(SegmentIntegrator::partial_table))
+            }
+            Integrator::PreIntegrated { table_size } => table(table_size, false)?,
+            Integrator::PreIntegratedCylindrical { table_size } => table(table_size, true)?,
+            Integrator::Adaptive { .. } | Integrator::Reference => Served::Not(Left::Integrator),
+        })
+    }
 }
 
 impl LaneMethod {
-    /// `None` for the integrators that are closed forms. `exact`: the same integrator in 64 bits.
-    ///
-    /// Errors: why lanes do not serve it.
-    pub fn new(
-        integrator: &Integrator,
-        exact: &dyn SegmentIntegrator,
-        widgets: &[LaneWidget],
-        making: &Making,
-    ) -> Option<Result<LaneMethod, Left>> {
-        match *integrator {
-            Integrator::Analytic | Integrator::Clipped => None,
-            Integrator::Riemann { count } => {
-                Some(Sampled::new(count, None, widgets, making).map(LaneMethod::Sampled))
-            }
-            Integrator::Segments { count, .. } => {
-                Some(Sampled::new(count, exact.partial_table(), widgets, making).map(LaneMethod::Sampled))
-            }
-            Integrator::Adaptive { .. }
-            | Integrator::PreIntegrated { .. }
-            | Integrator::PreIntegratedCylindrical { .. }
-            | Integrator::Reference => Some(Err(Left::Integrator)),
+    /// Bytes of the tables that it made.
+    pub fn table_bytes(&self) -> usize {
+        match self {
+            LaneMethod::Sampled(_) => 0,
+            LaneMethod::Table(table) => table.bytes(),
         }
     }
 
@@ -62,6 +101,7 @@ impl LaneMethod {
     ) {
         match self {
             LaneMethod::Sampled(sampled) => sampled.shade::<L>(widgets, one_color, batch, count, out),
+            LaneMethod::Table(table) => table.shade::<L>(batch, count, out),
         }
     }
 }
