@@ -71,6 +71,8 @@ pub struct Counts {
     pub cells_projected: u64,
     /// Segments integrated in 64 bits because 32 do not hold them.
     pub segments_exact: u64,
+    /// How often the transfer function was asked: see [`voltet_core::engine::Counts::evaluations`].
+    pub evaluations: u64,
     /// Segments on which widgets overlap: the optical depths of some two multiply to more than 1e-8.
     pub segments_overlapping: u64,
     /// Tiles with more than 1,024 segments on a pixel.

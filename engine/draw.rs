@@ -232,6 +232,7 @@ impl Ready<'_> {
             for (done, worker) in &results {
                 counts.segments += worker.segments;
                 counts.segments_exact += worker.segments_exact;
+                counts.evaluations += worker.evaluations;
                 counts.segments_overlapping += worker.segments_overlapping;
                 counts.tiles_deep += worker.tiles_deep;
                 counts.tiles_sorted += worker.tiles_sorted;

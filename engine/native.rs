@@ -152,6 +152,7 @@ impl Counts {
     pub fn count(&self, counts: &mut engine::Counts) {
         counts.segments = Some(self.segments);
         counts.segments_exact = Some(self.segments_exact);
+        counts.evaluations = Some(self.evaluations);
         counts.pixels_disordered = Some(self.pixels_disordered);
         counts.tiles_stopped = Some(self.tiles_stopped);
         counts.cells_hidden = Some(self.cells_hidden);

@@ -152,6 +152,7 @@ impl draw::Counts {
             cells_projected: Some(self.cells_projected),
             segments: self.segments,
             segments_exact: Some(0),
+            evaluations: None,
             pixels_disordered: self.pixels_disordered,
             tiles_stopped: Some(self.tiles_stopped),
             cells_hidden: Some(self.cells_hidden),

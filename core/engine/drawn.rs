@@ -38,6 +38,10 @@ pub struct Counts {
     pub segments: Option<u64>,
     /// Segments of these that were integrated in 64 bits because 32 do not hold them.
     pub segments_exact: Option<u64>,
+    /// How often the transfer function was asked: places at which samples or points of a quadrature were taken, closed forms of
+    /// segments, entries between those of a table. Widgets that a place has together count once, segments that meet none not at
+    /// all, and a segment in 64 bits as one.
+    pub evaluations: Option<u64>,
     /// Pixels (samples, where a pixel has several) whose segments were composited in an order that was not exact.
     pub pixels_disordered: Option<u64>,
     /// Tiles that were opaque before all their cells had been looked at.

@@ -35,6 +35,7 @@ pub(crate) type Drawn = (Vec<(u32, Box<TilePicture>)>, WorkerCounts);
 pub(crate) struct WorkerCounts {
     pub segments: u64,
     pub segments_exact: u64,
+    pub evaluations: u64,
     pub segments_overlapping: u64,
     pub tiles_deep: u64,
     pub tiles_sorted: u64,
@@ -134,6 +135,11 @@ impl Worker<'_> {
         }
         scratch.counts.segments_exact +=
             scratch.shaded.exact_count + scratch.pool.shaded.exact_count + scratch.later.exact_count();
+        // Those that waited for their colour count with the other ones in 64 bits.
+        let waited =
+            scratch.counts.segments_exact - scratch.shaded.exact_count - scratch.pool.shaded.exact_count;
+        scratch.counts.evaluations =
+            waited + scratch.shaded.evaluation_count + scratch.pool.shaded.evaluation_count;
         scratch.counts.segments_overlapping = scratch.shaded.overlap_count;
         (done, scratch.counts)
     }

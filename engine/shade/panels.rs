@@ -27,6 +27,8 @@ pub(crate) struct PanelWalk {
     one_color: bool,
     /// Whether overlaps are counted here: the quick forms count what passes through them.
     counts: bool,
+    /// Pairwise product of depths from which on the order of widgets counts.
+    ordered_from: f32,
 }
 
 impl PanelWalk {
@@ -37,6 +39,7 @@ impl PanelWalk {
         length: f64,
         one_color: bool,
         counts: bool,
+        ordered_from: f32,
     ) -> Result<PanelWalk, Left> {
         if widgets.is_empty() || widgets.iter().any(|widget| widget.road() == Road::Bits64) {
             return Err(Left::NoLanes);
@@ -45,7 +48,7 @@ impl PanelWalk {
         let scale = (length / transfer_function.unit_distance) as f32;
         // A scale beyond 32 bits, or so small that its products leave them.
         if scale.is_finite() && scale > LENGTH_WALKED_LEAST {
-            Ok(PanelWalk { cutoff, scale, one_color, counts })
+            Ok(PanelWalk { cutoff, scale, one_color, counts, ordered_from })
         } else {
             Err(Left::Lengths)
         }
@@ -67,7 +70,8 @@ impl PanelWalk {
             gathered.take(batch, group);
             let along = gathered.along::<L>();
             let fields = gathered.fields::<L>();
-            let (results, left, overlapping) = self.integrate::<L, DENSE>(widgets, &along, &fields);
+            let (results, left, overlapping) =
+                self.integrate::<L, DENSE>(widgets, &along, &fields, &mut out.evaluation_count);
             let unsure = left.iter().fold(0, |all, (lanes, _)| all | lanes);
             let mut rows = [[0f32; LANES_MOST]; 5];
             for (row, value) in rows.iter_mut().zip(results) {
@@ -101,6 +105,7 @@ impl PanelWalk {
         widgets: &[LaneWidget],
         along: &Along<L>,
         fields: &Fields<L>,
+        evaluations: &mut u64,
     ) -> ([L::F; 5], [(u32, Left); 4], u32) {
         let splat = L::F::splat;
         let zero = splat(0.0);
@@ -153,7 +158,7 @@ impl PanelWalk {
         let crossing = along.crossing.bits();
         let in_order = match self.cutoff {
             Some(_) => crossing,
-            None => overlapping | (varies & crossing),
+            None => crossing & (splat(self.ordered_from).lt(product).bits() | varies),
         };
         let delicate = in_order & delicate;
         let most = if DENSE { DENSE_RATE_MOST } else { RATE_MOST };
@@ -182,7 +187,9 @@ impl PanelWalk {
                     |i| color[i] * exact,
                 )
             } else {
-                ordered::<L>(&members, self.cutoff.map(|_| scale))
+                let (color, points) = ordered::<L>(&members, self.cutoff.map(|_| scale));
+                *evaluations += points;
+                color
             };
             let keep = lanes_of::<L>(in_order);
             color = array(

@@ -23,6 +23,8 @@ pub(crate) struct Shaded {
     pub met: Vec<Met>,
     /// Segments integrated in 64 bits.
     pub exact_count: u64,
+    /// How often the transfer function was asked: see [`voltet_core::engine::Counts::evaluations`].
+    pub evaluation_count: u64,
     /// Segments on which widgets overlap by more than [`MIX_PRODUCT`].
     pub overlap_count: u64,
 }
@@ -50,6 +52,7 @@ impl Shaded {
             spare: Vec::new(),
             met: Vec::new(),
             exact_count: 0,
+            evaluation_count: 0,
             overlap_count: 0,
         }
     }

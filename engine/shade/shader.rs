@@ -18,7 +18,7 @@ use crate::shade::stepped::{STEPS, stepped};
 use voltet_core::optics::integrators::{Extent, SegmentIntegrator};
 use voltet_core::optics::{Overlap, Prepared, Segment};
 use voltet_core::shading::{Integrator, Shading};
-use voltet_core::transfer::{OpticalModel, TransferFunction};
+use voltet_core::transfer::{OpticalModel, TransferFunction, Widget};
 use voltet_core::{Error, Result};
 use voltet_lanes::optics::elementary::one_minus_exp;
 use voltet_lanes::optics::sums::Sums;
@@ -31,6 +31,8 @@ pub(crate) struct Shader {
     /// What serves one segment in 64 bits; `None` where lanes serve every one.
     exact: Option<Box<dyn SegmentIntegrator>>,
     overlap: Overlap,
+    /// Pairwise product of depths from which on the order of widgets counts.
+    ordered_from: f32,
     widgets: Vec<LaneWidget>,
     /// What the quick forms do not serve, but lanes do; or why they do not.
     walker: std::result::Result<PanelWalk, Left>,
@@ -107,12 +109,14 @@ impl Shader {
         };
         let closed = missing.is_none();
         let quick = closed && density_emitter && widgets.iter().all(|widget| widget.road() == Road::Quick);
-        // One piecewise-linear widget overlaps nothing.
-        let exactly = shading.overlap == Overlap::Exact || shading.integrator == Integrator::Clipped;
+        // What mixing leaves is another integrator's choice than the closed forms'.
+        let overlap =
+            if shading.integrator == Integrator::Analytic { shading.overlap } else { Overlap::Exact };
+        let ordered_from = ordered_from(&shading.integrator, transfer_function);
         let walker = if let Some(why) = missing {
             Err(why)
-        } else if exactly || one_color.is_some() {
-            PanelWalk::new(transfer_function, &widgets, length, one_color.is_some(), !quick)
+        } else if overlap == Overlap::Exact || one_color.is_some() {
+            PanelWalk::new(transfer_function, &widgets, length, one_color.is_some(), !quick, ordered_from)
         } else {
             Err(Left::Mixed)
         };
@@ -121,7 +125,8 @@ impl Shader {
         Ok(Shader {
             overlaps,
             exact,
-            overlap: shading.overlap,
+            overlap,
+            ordered_from,
             widgets,
             walker,
             method,
@@ -182,8 +187,9 @@ impl Shader {
             } else {
                 self.several::<L>(widgets, &along, at, count, out)
             };
-            let meant = u32::MAX >> (32 - (count - at).min(L::WIDTH));
-            push(&mut out.rest, unsure & along.crossing.bits() & meant, at);
+            let meant = along.crossing.bits() & u32::MAX >> (32 - (count - at).min(L::WIDTH));
+            out.evaluation_count += u64::from(meant.count_ones());
+            push(&mut out.rest, unsure & meant, at);
             at += L::WIDTH;
         }
     }
@@ -228,6 +234,7 @@ impl Shader {
             out.overlap_count += u64::from(contribution.overlaps);
         }
         out.exact_count += out.rest.len() as u64;
+        out.evaluation_count += out.rest.len() as u64;
     }
 
     /// Silhouettes and light.
@@ -359,7 +366,7 @@ impl Shader {
         let overlapping = overlaps::<L>(sums.product, along, count - at);
         out.overlap_count += u64::from(overlapping.count_ones());
         let mut rgba = sums.mixed();
-        let overlapping = overlapping & !unsure;
+        let overlapping = overlapping & !unsure & L::F::splat(self.ordered_from).lt(sums.product).bits();
         if self.overlap == Overlap::Exact && overlapping != 0 {
             let smooth = sums.is_smooth();
             let served = overlapping & smooth.bits();
@@ -386,6 +393,19 @@ impl Shader {
             value.store(&mut column[at..]);
         }
         unsure
+    }
+}
+
+/// Pairwise product of depths up to which a segment's widgets are mixed. Kniss's mix M of what each gives, E, differs by no more
+/// than Tᵢ (T − Tᵢ) from it, whatever the order (see `optics::integrators::Adaptive`), and Σ E = Σ M; so a channel's error is under
+/// the product times the brightest channel.
+fn ordered_from(integrator: &Integrator, transfer_function: &TransferFunction) -> f32 {
+    match *integrator {
+        Integrator::Adaptive { tolerance } => {
+            let brightest = transfer_function.widgets.iter().map(Widget::brightest).fold(0.0, f64::max);
+            MIX_PRODUCT.max((tolerance / brightest.max(1.0)) as f32)
+        }
+        _ => MIX_PRODUCT,
     }
 }
 

@@ -30,6 +30,7 @@ pub(crate) fn stepped<L: Lanes>(
 ) {
     let splat = L::F::splat;
     let mut gathered = Gathered::new(batch.scalar_count.min(2));
+    out.evaluation_count += (4 * steps * which.len()) as u64;
     for group in which.chunks(L::WIDTH) {
         gathered.take(batch, group);
         let along = gathered.along::<L>();

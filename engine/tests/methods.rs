@@ -1,10 +1,13 @@
 //! The integrators that sample or look up, in lanes, against their own 64-bit truths, on every lane set.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 use voltet_core::optics::integrators::{self, Extent};
 use voltet_core::optics::{Overlap, Prepared, Segment};
 use voltet_core::shading::{Integrator, Shading};
-use voltet_core::transfer::{ControlPoint, OpticalModel, Profile, TransferFunction, Widget};
+use voltet_core::transfer::{
+    ControlPoint, OpticalModel, Profile, Region, Table, TransferFunction, Wave, Widget,
+};
 use voltet_engine::{Integrated, Segments, segments};
 use voltet_judge::segment_cases;
 use voltet_judge::segment_twin::{Measure, change_of_places, numbers};
@@ -58,7 +61,12 @@ impl Found {
         let scalars = || list.iter().flat_map(|segment| [segment.front[0], segment.back[0]]);
         let scalar = [scalars().fold(f64::INFINITY, f64::min), scalars().fold(f64::NEG_INFINITY, f64::max)];
         let extent = Extent { scalar, longest };
-        let truth = integrators::new(&integrator, Overlap::Exact, look, &extent).expect("serves");
+        // What is subdivided to a tolerance is held to the closed forms themselves.
+        let (truth, tolerance) = match integrator {
+            Integrator::Adaptive { tolerance } => (Integrator::Analytic, tolerance),
+            _ => (integrator, 0.0),
+        };
+        let truth = integrators::new(&truth, Overlap::Exact, look, &extent).expect("serves");
         let prepared = Prepared::new(look).expect("valid");
         let spans = spans(list);
         let brightest = look.widgets.iter().map(Widget::brightest).sum::<f64>();
@@ -77,6 +85,9 @@ impl Found {
                     };
                     further[1..4].fill(side * light * brightest / TOLERANCE);
                 }
+                further[1..4]
+                    .iter_mut()
+                    .for_each(|x| *x += tolerance / (TOLERANCE * f64::from(f32::EPSILON)));
                 (measure, further)
             })
             .collect();
@@ -219,4 +230,67 @@ fn tables_over_lengths_are_those_of_64_bits() {
     }
     found.passed();
     assert!(found.left.is_empty(), "{:?}", found.left);
+}
+
+/// Two or three widgets of every kind.
+fn overlapping(extinction: f64) -> Vec<Vec<Widget>> {
+    let plane = |s| Profile::Gaussian { centre: [s, 0.5], matrix: [[6.0, 1.0], [0.0, 3.0]] };
+    let wave = Wave { origin: [0.1, 0.2], angle: 0.4, scale: [1.0; 2], period: 0.3, band_width: 0.6 };
+    let point = |s, extinction, r| ControlPoint { s, color: [r, 0.5, 0.1], extinction };
+    let points =
+        vec![point(0.0, 0.0, 1.0), point(0.5, 2.0 * extinction, 0.2), point(1.0, 0.5 * extinction, 0.4)];
+    let linear = widget(Profile::PiecewiseLinear { points }, [0.0; 3], 1.0);
+    let triangular =
+        widget(Profile::TriangularGaussian { centre: 0.5, sigma: 0.4 }, [0.2, 1.0, 0.5], extinction);
+    let region = Region { corners: vec![[0.2, 0.0], [1.0, 0.3], [0.3, 1.0]] };
+    let uniform = Widget { region: Some(region), ..widget(Profile::Uniform, [0.1, 0.2, 1.0], extinction) };
+    let red = widget(plane(0.4), [1.0, 0.1, 0.0], extinction);
+    let blue = widget(plane(0.6), [0.0, 0.3, 1.2], 0.7 * extinction);
+    let sine = widget(Profile::SineWave(wave), [0.9, 0.8, 0.1], extinction);
+    let triangle = widget(Profile::TriangleWave(wave), [0.0, 0.8, 0.6], extinction);
+    vec![
+        vec![red.clone(), blue.clone()],
+        vec![red.clone(), uniform, triangular.clone()],
+        vec![blue.clone(), sine],
+        vec![triangle, linear.clone(), red],
+        vec![linear, triangular.clone()],
+        vec![Widget { extinction, ..image(5, 4) }, blue],
+        vec![triangular],
+        vec![Widget { extinction, ..image(3, 5) }],
+    ]
+}
+
+/// A table widget of any texels.
+fn image(width: usize, height: usize) -> Widget {
+    let mut numbers = Numbers((width * 100 + height) as u64);
+    let texels = (0..width * height).map(|_| std::array::from_fn(|_| numbers.next() as f32)).collect();
+    let table = Table { width, height, texels, s: [0.125, 0.875], g: [0.0, 0.75] };
+    widget(Profile::Table(Arc::new(table)), [0.0; 3], 3.0)
+}
+
+/// A tolerance is met within the rounding of 32 bits; samples are those of 64 bits whatever the widgets, also where depths are those
+/// of solid matter.
+#[test]
+fn every_kind_of_widget_is_sampled_and_subdivided() {
+    let list = random_segments(96, 2.0);
+    let mut sampled = Found::default();
+    let mut subdivided = Found::default();
+    for model in MODELS {
+        for extinction in [1e-12, 0.1, 3.0, 300.0, 1e12] {
+            for (number, widgets) in overlapping(extinction).into_iter().enumerate() {
+                let (look, name) = (look(model, widgets), format!("{model:?} × {extinction:e}, {number}"));
+                for integrator in SAMPLING {
+                    sampled.judge(&name, &look, integrator, &list);
+                }
+                if extinction < 1e3 {
+                    for tolerance in [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6] {
+                        subdivided.judge(&name, &look, Integrator::Adaptive { tolerance }, &list);
+                    }
+                }
+            }
+        }
+    }
+    sampled.passed();
+    subdivided.passed();
+    assert!(sampled.left.is_empty(), "{:?}", sampled.left);
 }

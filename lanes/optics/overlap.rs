@@ -92,18 +92,21 @@ impl<L: Lanes> LaneMember<'_, L> {
 }
 
 /// C of the whole segment. `glow`: D/U for the constant-emitter, none for the
-/// density-emitter. Relative error some 1e-5 (1 + condition).
+/// density-emitter. Relative error some 1e-5 (1 + condition). Also the points of all lanes' panels.
 #[inline(always)]
-pub fn ordered<L: Lanes>(members: &[LaneMember<L>], glow: Option<L::F>) -> [L::F; 3] {
+pub fn ordered<L: Lanes>(members: &[LaneMember<L>], glow: Option<L::F>) -> ([L::F; 3], u64) {
     let splat = L::F::splat;
     let (zero, half) = (splat(0.0), splat(0.5));
     let mut color = [zero; 3];
     let mut walk = Walk::<L>::start();
     let mut rates = vec![[zero; POINTS]; members.len()];
+    let mut points = 0;
     for _ in 0..PANELS_MOST {
-        if !walk.open().any() {
+        let open = walk.open().bits();
+        if open == 0 {
             break;
         }
+        points += u64::from(open.count_ones()) * POINTS as u64;
         let mut next = splat(1.0);
         for member in members {
             next = next.min(member.next_break(walk.t));
@@ -157,5 +160,5 @@ pub fn ordered<L: Lanes>(members: &[LaneMember<L>], glow: Option<L::F>) -> [L::F
             }
         }
     }
-    color
+    (color, points)
 }

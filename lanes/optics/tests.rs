@@ -207,7 +207,7 @@ fn walked<L: Lanes>(track: AnyLaneTrack<L>) -> L::F {
         threshold: 0.0,
         unit_rate: splat(1.0),
     };
-    ordered::<L>(&[member], None)[0] + splat(UNSEEN as f32)
+    ordered::<L>(&[member], None).0[0] + splat(UNSEEN as f32)
 }
 
 /// [`several`] in lanes.
@@ -257,7 +257,7 @@ fn ordered_sum<L: Lanes>(front: L::F, back: L::F, constant: bool) -> L::F {
         threshold: threshold[i],
         unit_rate: splat(unit[i]),
     };
-    let color =
+    let (color, _) =
         ordered::<L>(&[member(0), member(1), member(2), member(3), member(4)], cutoff.map(|_| splat(1.0)));
     color[0] + color[1] + color[2]
 }

@@ -19,6 +19,7 @@ pub(super) fn note(call: &mut Call, counts: &Counts) {
         ("cells_projected", counts.cells_projected),
         ("segments", counts.segments),
         ("segments_exact", counts.segments_exact),
+        ("evaluations", counts.evaluations),
         ("pixels_disordered", counts.pixels_disordered),
         ("tiles_stopped", counts.tiles_stopped),
         ("tables_built", counts.tables_built),

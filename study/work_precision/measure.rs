@@ -72,6 +72,9 @@ pub struct Cost {
     pub passes: Vec<Pass>,
     /// Ray segments integrated in a frame; blending hardware does not count them.
     pub segments: Option<u64>,
+    /// How often the transfer function was asked in a frame: see [`voltet_core::engine::Counts::evaluations`]; `None` where an engine
+    /// does not count.
+    pub evaluations: Option<u64>,
     /// Segments of these that the engine left to 64 bits.
     pub segments_exact: u64,
     /// Floating-point operations of a device's compositor in a frame, counted in the shader's text with every loop run
@@ -164,6 +167,7 @@ pub(super) fn measure(
         composite: stage(&taken, Stage::Composite),
         passes: passes(&taken),
         segments: counts.segments,
+        evaluations: counts.evaluations,
         segments_exact: counts.segments_exact.unwrap_or(0),
         operations,
         peak_memory_bytes,

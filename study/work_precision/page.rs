@@ -1,12 +1,14 @@
 //! The study as one HTML page that needs no other file: for a colleague, or kept by a build server.
 
 use super::canvas::escaped;
-use super::table::{by_time, convergence_lines, engine_lines, milliseconds, refinement_lines};
+use super::table::{
+    COMPARED, by_time, convergence_lines, engine_lines, evaluations, milliseconds, refinement_lines,
+};
 use super::{Measure, Row, Study};
 use std::fmt::Write;
 
 /// The look: black on white, figures in columns, nothing that needs colour.
-const STYLE: &str = "body{font:15px/1.5 system-ui,sans-serif;max-width:1100px;margin:2em auto;padding:0 1em;\
+const STYLE: &str = "body{font:15px/1.5 system-ui,sans-serif;max-width:1240px;margin:2em auto;padding:0 1em;\
 color:#141414;background:#fff}table{border-collapse:collapse;font-size:13px}.wide{overflow-x:auto}\
 th,td{padding:2px 8px;text-align:right;white-space:nowrap;border-bottom:1px solid #ddd}\
 th:first-child,td:first-child{text-align:left}th{position:sticky;top:0;background:#fff;border-bottom:2px solid #141414}\
@@ -72,8 +74,9 @@ pub fn page(study: &Study, title: &str, plot: &str, reference: &[u8]) -> String 
         paragraph(
             &mut html,
             "With an error of c·N<sup>−p</sup> for N pieces of a ray segment, p = log(e(N₁)/e(N₂)) / \
-            log(N₂/N₁), after Etiene et al. 2014. Root-mean-square errors; those under three times the floor that 32 bits \
-            leave are left out. Observed is the slope of the four finest that are left.",
+            log(N₂/N₁), after Etiene et al. 2014. Root-mean-square errors, less (by their squares) the floor that the closed \
+            forms leave in the same order of segments; those under twice that floor are left out. Observed is the slope of the \
+            four finest that are left.",
         );
     }
     html += &pictures(study, reference);
@@ -122,6 +125,12 @@ fn table(study: &Study) -> String {
     let names = [
         "setting",
         "picture ms",
+        "evals/px",
+        "rms",
+        "p99.9",
+        "max",
+        "&gt;1/255",
+        "FLIP",
         "fastest",
         "slowest",
         "frames",
@@ -130,17 +139,13 @@ fn table(study: &Study) -> String {
         "sort",
         "project",
         "composite",
-        "rms",
-        "p99.9",
-        "max",
-        "&gt;1/255",
-        "FLIP",
         "memory MiB",
     ];
     let heads: String = names.map(|name| format!("<th>{name}</th>")).concat();
     let mut html = format!(
-        "<h2>Every setting</h2>\n<p>Cheapest first; on the Pareto front in bold. Medians; all times in milliseconds.</p>\n\
-         <div class=\"wide\"><table>\n<thead><tr>{heads}</tr></thead>\n<tbody>\n"
+        "<h2>Every setting</h2>\n<p>Cheapest first; on the Pareto front in bold. Medians; all times in milliseconds. {}</p>\n\
+         <div class=\"wide\"><table>\n<thead><tr>{heads}</tr></thead>\n<tbody>\n",
+        escaped(COMPARED)
     );
     for i in by_time(study) {
         let (row, cost) = (&study.rows[i], &study.rows[i].cost);
@@ -151,16 +156,17 @@ fn table(study: &Study) -> String {
         };
         let note = if row.of_file { " (the file's)" } else { "" };
         let mut cells = vec![format!("{}{note}", escaped(&row.setting.label()))];
-        let picture = [cost.picture.median_ms, cost.picture.fastest_ms, cost.picture.slowest_ms];
-        cells.extend(picture.map(milliseconds));
-        cells.push(cost.frames.to_string());
-        let stages = [Some(cost.set_up), cost.cull, cost.sort, cost.project, cost.composite];
-        cells.extend(stages.map(|times| times.map_or("–".into(), |times| milliseconds(times.median_ms))));
+        cells.push(milliseconds(cost.picture.median_ms));
+        cells.push(evaluations(study, cost).unwrap_or("–".into()));
         let errors = &row.errors;
         let wrong = [errors.root_mean_square, errors.percentile_99_9, errors.maximum];
         cells.extend(wrong.map(|error| format!("{error:.1e}")));
         cells.push(errors.pixels_over_step.to_string());
         cells.push(format!("{:.1e}", row.flip));
+        cells.extend([cost.picture.fastest_ms, cost.picture.slowest_ms].map(milliseconds));
+        cells.push(cost.frames.to_string());
+        let stages = [Some(cost.set_up), cost.cull, cost.sort, cost.project, cost.composite];
+        cells.extend(stages.map(|times| times.map_or("–".into(), |times| milliseconds(times.median_ms))));
         cells.push(cost.peak_memory_bytes.map_or("–".into(), |bytes| (bytes >> 20).to_string()));
         let cells: String = cells.iter().map(|cell| format!("<td>{cell}</td>")).collect();
         line_to(&mut html, &format!("<tr{class}>{cells}</tr>"));
@@ -208,6 +214,8 @@ slowest. Set-up is what would serve further frames too: tables, widgets made rea
 picture, so the time of a picture holds it. A device keeps its own (grid, pipelines, tables) from picture to picture: there \
 set-up is what the first picture takes longer, and the time of a picture is that of a frame, read back. Its stages are \
 timed by its own clock, where it has one. Where one frame outlasts the patience, that frame is all there is.</li>\n\
+<li><b>evals/px</b>: how often a pixel asks for the transfer function: samples and points of quadratures, segments in closed \
+form, places in a pre-integrated table. Several widgets at one place count once, segments that meet no widget not at all.</li>\n\
 <li><b>rms, p99.9, max</b>: differences of premultiplied linear RGBA, 1 being full scale, over all pixels, empty ones \
 too. rms is taken over all channels; p99.9 and max over each pixel's largest channel.</li>\n\
 <li><b>&gt;1/255</b>: pixels with an error of more than a step of an 8-bit channel.</li>\n\

@@ -14,7 +14,6 @@ use voltet_core::error::ErrorKind;
 use voltet_core::optics::Overlap;
 use voltet_core::optics::integrators::Integrator;
 use voltet_core::progress::Progress;
-use voltet_core::shading::Order;
 use voltet_core::{Error, Result};
 use voltet_lanes::LaneSet;
 use voltet_nodes::encode;
@@ -202,17 +201,22 @@ fn converging(name: &'static str, painter: Painter, rows: &[Row], subject: &Subj
         Integrator::Riemann { count } if name == "riemann" => Some(count),
         _ => None,
     };
+    let order = rows().find(|row| count(row).is_some())?.setting.order;
+    let in_order = || rows().filter(|row| row.setting.order == order);
     let mut errors: Vec<(usize, f64)> =
-        rows().filter_map(|row| Some((count(row)?, row.errors.root_mean_square))).collect();
+        in_order().filter_map(|row| Some((count(row)?, row.errors.root_mean_square))).collect();
     errors.sort_unstable_by_key(|level| level.0);
     if errors.len() < 2 {
         return None;
     }
+    // What the closed forms leave is what the order of segments and rounding do, here and in the reference.
     let exact = |row: &&Row| {
-        let closed = matches!(row.setting.integrator, Integrator::Analytic | Integrator::Adaptive { .. });
-        closed && row.setting.overlap == Overlap::Exact && row.setting.order == Order::Exact
+        let integrator = row.setting.integrator;
+        let closed =
+            matches!(integrator, Integrator::Analytic | Integrator::Clipped | Integrator::Adaptive { .. });
+        closed && row.setting.overlap == Overlap::Exact
     };
-    let floor = rows().filter(exact).map(|row| row.errors.root_mean_square).fold(f64::INFINITY, f64::min);
+    let floor = in_order().filter(exact).map(|row| row.errors.root_mean_square).fold(f64::INFINITY, f64::min);
     // Where no closed form was looked at, single precision is all that is known.
     let floor = if floor.is_finite() { floor } else { f64::from(f32::EPSILON) };
     let found = convergence(name, &errors, floor, &subject.scene.transfer_function);

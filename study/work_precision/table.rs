@@ -1,5 +1,6 @@
 //! The figures of a study as a table for people, CSV and JSON.
 
+use super::measure::Cost;
 use super::settings::{order_name, overlap_name};
 use super::{Convergence, Painter, Refused, Row, Setting, Study, Times, Value as Key};
 use serde_json::{Value, json as object};
@@ -12,6 +13,17 @@ pub(super) fn milliseconds(ms: f64) -> String {
         ms if ms < 100.0 => format!("{ms:.1}"),
         ms => format!("{ms:.0}"),
     }
+}
+
+/// What stands above figures of time and work.
+pub(super) const COMPARED: &str = "The integrators of an engine share all but the integration of a segment - cells, order, \
+     compositing, number of bits and vector units - so that their times compare methods; evaluations are the places a pixel at which \
+     the transfer function, its closed form or its table was asked.";
+
+/// Evaluations a pixel, with three digits that tell something.
+pub(super) fn evaluations(study: &Study, cost: &Cost) -> Option<String> {
+    let [width, height] = study.subject.scene.camera.size.map(f64::from);
+    cost.evaluations.map(|count| milliseconds(count as f64 / (width * height)))
 }
 
 /// Rows as people look through them: cheapest first.
@@ -32,10 +44,11 @@ pub fn text(study: &Study) -> String {
     };
     let width = study.rows.iter().map(|row| row.setting.label().len()).max().unwrap_or(0).max(10);
     let mut text = format!(
-        "    {:width$}  {:>8} {:>15}  {:>7} {:>7} {:>7} {:>9}  {:>8} {:>8} {:>8} {:>8} {:>8} {:>8}\n",
+        "    {:width$}  {:>8} {:>15} {:>9}  {:>7} {:>7} {:>7} {:>9}  {:>8} {:>8} {:>8} {:>8} {:>8} {:>8}\n",
         "integrator",
         "total ms",
         "spread",
+        "evals/px",
         "set-up",
         "cull",
         "project",
@@ -55,9 +68,10 @@ pub fn text(study: &Study) -> String {
         let spread =
             format!("{}..{}", milliseconds(cost.picture.fastest_ms), milliseconds(cost.picture.slowest_ms));
         let memory = cost.peak_memory_bytes.map_or("-".into(), |bytes| (bytes >> 20).to_string());
+        let work = evaluations(study, cost).unwrap_or("-".into());
         text += &format!(
-            "{recommended}{mark}{own} {:width$}  {:>8} {spread:>15}  {:>7} {:>7} {:>7} {:>9}  {:>8.1e} {:>8.1e} {:>8.1e} {:>8} \
-             {:>8.1e} {memory:>8}\n",
+            "{recommended}{mark}{own} {:width$}  {:>8} {spread:>15} {work:>9}  {:>7} {:>7} {:>7} {:>9}  {:>8.1e} {:>8.1e} {:>8.1e} \
+             {:>8} {:>8.1e} {memory:>8}\n",
             row.setting.label(),
             milliseconds(cost.picture.median_ms),
             milliseconds(cost.set_up.median_ms),
@@ -75,6 +89,7 @@ pub fn text(study: &Study) -> String {
         "* on the Pareto front (time, {} error), > recommended, f as the file has it; cull with sorting\n",
         study.wish.measure.name()
     );
+    text += &format!("{COMPARED}\n");
     let notes = engine_lines(study);
     for line in notes.iter().chain(&convergence_lines(study)).chain(&refinement_lines(study)) {
         text += &format!("{line}\n");
@@ -129,8 +144,8 @@ fn convergence_line(found: &Convergence) -> String {
     let engine =
         if found.engine == Painter::NATIVE.label() { String::new() } else { format!(" on {}", found.engine) };
     format!(
-        "order of {}{engine}: observed {observed}, expected {:.0} ({}){steps}",
-        found.integrator, found.expected, found.reason
+        "order of {}{engine}: observed {observed}, expected {:.0} ({}){steps}, less a floor of {:.1e}",
+        found.integrator, found.expected, found.reason, found.floor
     )
 }
 
@@ -162,7 +177,8 @@ pub fn csv(study: &Study) -> String {
     let mut text = String::from(
         "engine,compositor,adapter,integrator,segments,tolerance,table_size,oversampling,planes,overlap,order,frames,\
          picture_ms,picture_fastest_ms,picture_slowest_ms,set_up_ms,frame_ms,cull_ms,sort_ms,project_ms,composite_ms,rms_error,p99_9_error,\
-         max_error,pixels_over_1_255,flip,peak_memory_bytes,ray_segments,on_front,recommended,of_file\n",
+         max_error,pixels_over_1_255,flip,peak_memory_bytes,ray_segments,evaluations,on_front,\
+         recommended,of_file\n",
     );
     for (i, row) in study.rows.iter().enumerate() {
         let key = |name: &str| {
@@ -195,7 +211,9 @@ pub fn csv(study: &Study) -> String {
         cells.push(errors.pixels_over_step.to_string());
         cells.push(format!("{:.6e}", row.flip));
         cells.push(cost.peak_memory_bytes.map_or(String::new(), |bytes| bytes.to_string()));
-        cells.push(cost.segments.map(|count| count.to_string()).unwrap_or_default());
+        cells.extend(
+            [cost.segments, cost.evaluations].map(|count| count.map_or(String::new(), |n| n.to_string())),
+        );
         cells.extend([row.on_front, study.recommended == Some(i), row.of_file].map(|flag| flag.to_string()));
         text += &(cells.join(",") + "\n");
     }

@@ -68,14 +68,14 @@ impl Served {
             Ok(Served::By(LaneMethod::Table(Box::new(table))))
         };
         Ok(match *integrator {
-            Integrator::Analytic | Integrator::Clipped => Served::InClosedForm,
+            Integrator::Analytic | Integrator::Adaptive { .. } | Integrator::Clipped => Served::InClosedForm,
             Integrator::Riemann { count } => sampled(count, None),
             Integrator::Segments { count, .. } => {
                 sampled(count, exact.and_then(SegmentIntegrator::partial_table))
             }
             Integrator::PreIntegrated { table_size } => table(table_size, false)?,
             Integrator::PreIntegratedCylindrical { table_size } => table(table_size, true)?,
-            Integrator::Adaptive { .. } | Integrator::Reference => Served::Not(Left::Integrator),
+            Integrator::Reference => Served::Not(Left::Integrator),
         })
     }
 }

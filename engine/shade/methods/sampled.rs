@@ -161,9 +161,12 @@ impl Sampled {
                     value.store(&mut column[at..]);
                 }
             }
-            let meant = u32::MAX >> (32 - (count - at).min(L::WIDTH));
-            unsure &= along.crossing.bits() & meant;
+            let meant = along.crossing.bits() & u32::MAX >> (32 - (count - at).min(L::WIDTH));
+            unsure &= meant;
             push(&mut out.rest, unsure, at);
+            let there = met.iter().fold(0, |all, met| all | met.there.bits()) & meant;
+            let places = self.count + usize::from(self.table.is_some());
+            out.evaluation_count += u64::from(there.count_ones()) * places as u64;
             if met.len() > 1 {
                 let share = along.length * L::F::splat(1.0 / self.count as f32);
                 let (mut product, mut total) = (zero, zero);

@@ -110,6 +110,8 @@ impl Table {
                 out.rgba.iter_mut().for_each(|column| zero.store(&mut column[at..]));
                 continue;
             }
+            let meant = there.bits() & u32::MAX >> (32 - (count - at).min(L::WIDTH));
+            out.evaluation_count += u64::from(meant.count_ones());
             let length = along.length * splat(self.per_length);
             let share = length.max(zero).min(one);
             let [r, g, b, mean] = match &self.kind {
