@@ -136,7 +136,9 @@ pub fn prepare<'a>(
     integrators::can_serve(&shading.integrator, transfer_function)?;
     let touched = cells.touched(transfer_function);
     let extent = extent(cells, &shading.integrator);
-    let exact = leftover(&touched, shading, &extent)?;
+    // Lanes leave over no segment of a table over lengths: it is filled once, by them.
+    let by_lanes = shading.integrator.has_table_of_lengths();
+    let exact = if by_lanes { None } else { Some(integrator(cells, &touched, shading)?) };
     let whole = cells.no_leave_out;
     let scene = Scene {
         attributes: &attributes,
@@ -293,18 +295,6 @@ pub fn integrator(
     }
     let extent = extent(cells, &shading.integrator);
     integrators::new(&shading.integrator, shading.overlap, transfer_function, &extent)
-}
-
-/// What draws the segments that lanes leave over: they leave none of a table over lengths, so that it is filled once, by them.
-pub(crate) fn leftover(
-    transfer_function: &TransferFunction,
-    shading: &Shading,
-    extent: &Extent,
-) -> Result<Option<Box<dyn SegmentIntegrator>>> {
-    if shading.integrator.has_table_of_lengths() {
-        return Ok(None);
-    }
-    integrators::new(&shading.integrator, shading.overlap, transfer_function, extent).map(Some)
 }
 
 /// What the segments span, as far as the integrator has tables to fill: no segment inside a cell is longer than its

@@ -9,7 +9,6 @@ use crate::composite::kernels::Blend;
 use crate::composite::lists::{Layer, Lists, Overflow, UNSEEN};
 use crate::composite::sinks::of_one_color;
 use crate::cull::none_kept;
-use crate::draw::leftover;
 use crate::fragments::batch::{BATCH, Batch, LANES_MOST};
 use crate::project::record::TILE;
 use crate::shade::roads;
@@ -72,7 +71,9 @@ fn integrate(
     let attributes = attributes_of(&cells, transfer_function)?;
     let extent = Extent { scalar: cells.ranges[0], longest: cells.length };
     integrators::can_serve(&shading.integrator, transfer_function)?;
-    let exact = leftover(transfer_function, shading, &extent)?;
+    let exact = || integrators::new(&shading.integrator, shading.overlap, transfer_function, &extent);
+    let by_lanes = shading.integrator.has_table_of_lengths();
+    let exact = if by_lanes { None } else { Some(exact()?) };
     let length = cells.length;
     let scene = Scene { attributes: &attributes, length, ordered, leave_out: false, extent, lanes };
     let shader = Shader::new(transfer_function, shading, exact, scene, None)?;

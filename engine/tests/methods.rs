@@ -218,8 +218,10 @@ fn tables_over_lengths_are_those_of_64_bits() {
         for factor in [1e-12, 1e-3, 1.0, 100.0, 1e12] {
             for table_size in [2, 9, 34] {
                 let integrators = [
-                    Integrator::PreIntegrated { table_size },
-                    Integrator::PreIntegratedCylindrical { table_size },
+                    Integrator::PreIntegrated { table_size, oversampling: 2 },
+                    Integrator::PreIntegrated { table_size, oversampling: 3 },
+                    Integrator::PreIntegratedCylindrical { table_size, oversampling: 2, planes: 1 },
+                    Integrator::PreIntegratedCylindrical { table_size, oversampling: 1, planes: 4 },
                 ];
                 for integrator in integrators {
                     let name = format!("{model:?} × {factor:e}, side {table_size}");

@@ -7,7 +7,7 @@
 
 use super::elementary::mean_transparency;
 use crate::{Float, Lanes, Unsigned, array, inlined};
-use voltet_core::optics::integrators::{Matter, PARTS, Ramp};
+use voltet_core::optics::integrators::{Matter, Ramp};
 
 /// Planes of a group: as many as the widest vector has lanes.
 pub const GROUP: usize = 16;
@@ -160,8 +160,8 @@ impl LaneRamp {
     pub fn new(ramp: &Ramp) -> LaneRamp {
         LaneRamp {
             nodes: ramp.nodes().iter().map(Narrow::new).collect(),
-            pieces: ramp.steps().iter().flatten().map(Narrow::new).collect(),
-            parts: PARTS,
+            pieces: ramp.pieces().iter().map(Narrow::new).collect(),
+            parts: ramp.parts(),
             means: ramp.mean_extinctions(),
         }
     }

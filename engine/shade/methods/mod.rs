@@ -63,8 +63,8 @@ impl Served {
     ) -> Result<Served> {
         let sampled =
             |count, table| Sampled::new(count, table, widgets, making).map(LaneMethod::Sampled).into();
-        let table = |size, is_cylindrical| -> Result<Served> {
-            let table = Table::new(transfer_function, size, is_cylindrical, making, scene)?;
+        let table = |size, oversampling, planes| -> Result<Served> {
+            let table = Table::new(transfer_function, size, oversampling, planes, making, scene)?;
             Ok(Served::By(LaneMethod::Table(Box::new(table))))
         };
         Ok(match *integrator {
@@ -73,9 +73,13 @@ impl Served {
             Integrator::Segments { count, .. } => {
                 sampled(count, exact.and_then(SegmentIntegrator::partial_table))
             }
-            Integrator::PreIntegrated { table_size } => table(table_size, false)?,
-            Integrator::PreIntegratedCylindrical { table_size } => table(table_size, true)?,
-            Integrator::Reference => Served::Not(Left::Integrator),
+            Integrator::PreIntegrated { table_size, oversampling } => table(table_size, oversampling, None)?,
+            Integrator::PreIntegratedCylindrical { table_size, oversampling, planes } => {
+                table(table_size, oversampling, Some(planes))?
+            }
+            Integrator::VertexSampled | Integrator::Tabulated { .. } | Integrator::Reference => {
+                Served::Not(Left::Integrator)
+            }
         })
     }
 }

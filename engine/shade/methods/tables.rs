@@ -39,15 +39,17 @@ enum Kind {
 }
 
 impl Table {
-    /// `size` entries a side. Errors: data without a domain for a table.
+    /// `size` entries a side, `oversampling` pieces from one to the next; `planes`: tiles by the side, `None` for no tiles. Errors:
+    /// data without a domain for a table.
     pub fn new(
         transfer_function: &TransferFunction,
         size: usize,
-        is_cylindrical: bool,
+        oversampling: usize,
+        planes: Option<usize>,
         making: &Making,
         Scene { extent, length: scene_length, lanes, .. }: &Scene<'_>,
     ) -> Result<Table> {
-        let ramp = Ramp::new(transfer_function, size, extent)?;
+        let ramp = Ramp::new(transfer_function, size, oversampling, extent)?;
         let [low, high] = ramp.range;
         let axis = &making.attributes[0];
         let narrow = LaneRamp::new(&ramp);
@@ -56,8 +58,8 @@ impl Table {
         entries.par_chunks_mut(length).enumerate().for_each(|(group, out)| {
             dispatch(*lanes, FillSlices { ramp: &narrow, group, planes: size, out });
         });
-        let kind = if is_cylindrical {
-            let last = last_tile(size);
+        let kind = if let Some(planes) = planes {
+            let last = last_tile(size, planes);
             let mut tiles = LaneVolume::new(size, last + 1);
             let (entries, length) = tiles.groups();
             entries.par_chunks_mut(length).enumerate().for_each(|(group, out)| {
@@ -161,11 +163,12 @@ fn with_neighbours(entries: &[f32], side: usize) -> Vec<[f32; 4]> {
 fn filled(ramp: &Ramp, longest: f64, leave_out: bool) -> Vec<f32> {
     let least = if leave_out { LEFT_OUT } else { 0.0 };
     let most = |matter: &Matter| matter.glow.into_iter().fold(matter.extinction, f64::max) * longest;
-    let (nodes, steps) = (ramp.nodes(), ramp.steps());
-    let holds = |k: usize| nodes[k..=k + 1].iter().chain(&steps[k]).any(|matter| most(matter) > least);
-    let mut next = steps.len() as f32 + 2.0;
-    let mut filled = vec![next; steps.len()];
-    for k in (0..steps.len()).rev() {
+    let (nodes, parts) = (ramp.nodes(), ramp.parts());
+    let pieces = |k: usize| &ramp.pieces()[k * parts..(k + 1) * parts];
+    let holds = |k: usize| nodes[k..=k + 1].iter().chain(pieces(k)).any(|matter| most(matter) > least);
+    let mut next = nodes.len() as f32 + 1.0;
+    let mut filled = vec![next; nodes.len() - 1];
+    for k in (0..filled.len()).rev() {
         if holds(k) {
             next = k as f32;
         }
