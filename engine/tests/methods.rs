@@ -4,13 +4,16 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use voltet_core::optics::integrators::{self, Extent};
 use voltet_core::optics::{Overlap, Prepared, Segment};
+use voltet_core::progress::Silent;
 use voltet_core::shading::{Integrator, Shading};
 use voltet_core::transfer::{
     ControlPoint, OpticalModel, Profile, Region, Table, TransferFunction, Wave, Widget,
 };
-use voltet_engine::{Integrated, Segments, segments};
+use voltet_engine::{Integrated, Segments, cull, keep_all, segments};
 use voltet_judge::segment_cases;
 use voltet_judge::segment_twin::{Measure, change_of_places, numbers};
+use voltet_testing::pictures::grids::{cube, smooth};
+use voltet_testing::pictures::looks::outside;
 
 /// Of ε (4 |truth| + change + what a shift of each sample changes). Exponentials and quotients leave some steps of 32 bits; so does
 /// the table that is filled in them.
@@ -295,4 +298,37 @@ fn every_kind_of_widget_is_sampled_and_subdivided() {
     sampled.passed();
     subdivided.passed();
     assert!(sampled.left.is_empty(), "{:?}", sampled.left);
+}
+
+/// Segments that no widget reaches are not asked, and the picture is the same.
+#[test]
+fn empty_segments_are_left_out_without_a_trace() {
+    let volume = smooth(cube([8, 8, 8], 0.2));
+    let camera = outside([48, 48]);
+    // Narrow, in s alone, so that tables serve it; of two colours, so that segments are taken in order.
+    let narrow = |centre, color| {
+        let matrix = [[60.0, 0.0], [0.0, 0.0]];
+        widget(Profile::Gaussian { centre: [centre, 0.0], matrix }, color, 30.0)
+    };
+    for model in MODELS {
+        let look = look(model, vec![narrow(0.4, [1.0, 0.2, 0.1]), narrow(0.7, [0.1, 0.4, 1.0])]);
+        for integrator in SAMPLING.into_iter().chain([
+            Integrator::PreIntegrated { table_size: 128, oversampling: 2 },
+            Integrator::PreIntegratedCylindrical { table_size: 128, oversampling: 2, planes: 1 },
+            Integrator::Adaptive { tolerance: 1e-3 },
+        ]) {
+            let draw = |cells: voltet_engine::Cells| {
+                voltet_engine::draw(&cells, &look, &camera, &shading(integrator), &Silent).expect("draws")
+            };
+            let (usual, counts) = draw(cull(&volume, &look, &camera, &Silent).expect("culls"));
+            let (whole, all) = draw(keep_all(&volume, &look, &camera).expect("keeps"));
+            let pairs = usual.rgba.iter().flatten().zip(whole.rgba.iter().flatten());
+            let difference = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+            let name = format!("{integrator:?}, {model:?}");
+            assert!(whole.rgba.iter().any(|p| p[3] > 0.3), "{name}: nothing to see");
+            // 1e-8 of depth each ray and widget, and their rounding.
+            assert!(difference < 1e-6, "{name}: {difference:e}");
+            assert!(counts.evaluations < all.evaluations, "{name}: {counts:?} {all:?}");
+        }
+    }
 }

@@ -72,6 +72,21 @@ pub fn mean_transparency<L: Lanes>(t: L::F) -> L::F {
     L::F::select(small, series, (splat(1.0) - exp::<L>(-t)) / t)
 }
 
+/// [`mean_transparency`] and e^(−t), for t ≥ 0.
+#[inline(always)]
+pub fn transparencies<L: Lanes>(t: L::F) -> (L::F, L::F) {
+    let splat = L::F::splat;
+    let mean = polynomial::<L, 8>(-t, ONE_MINUS_EXP);
+    let through = splat(1.0) - t * mean;
+    let small = t.lt(splat(0.5));
+    if !small.not().any() {
+        return (mean, through);
+    }
+    // Of what is opaque the difference would leave a rounding of 1.
+    let exact = exp::<L>(-t);
+    (L::F::select(small, mean, (splat(1.0) - exact) / t), L::F::select(small, through, exact))
+}
+
 /// (1 − e^(−t))/t in powers of −t.
 const ONE_MINUS_EXP: [f32; 8] =
     [1.0, 1.0 / 2.0, 1.0 / 6.0, 1.0 / 24.0, 1.0 / 120.0, 1.0 / 720.0, 1.0 / 5040.0, 1.0 / 40320.0];

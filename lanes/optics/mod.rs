@@ -33,6 +33,7 @@ pub mod quadrature;
 pub mod slices;
 pub mod smooth;
 pub mod sums;
+pub mod table;
 mod track;
 pub mod triangular_gaussian;
 pub mod wave;

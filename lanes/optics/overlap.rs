@@ -6,7 +6,8 @@
 
 use super::gaussian::LaneGaussianTrack;
 use super::piecewise_linear::LanePiecewiseTrack;
-use super::quadrature::POINTS;
+use super::quadrature::{PANEL, POINTS};
+use super::table::LaneTableTrack;
 use super::track::{LaneTrack, PASSED, Walk, at_nodes};
 use super::triangular_gaussian::LaneTriangularTrack;
 use super::wave::LaneWaveTrack;
@@ -28,6 +29,8 @@ pub enum AnyLaneTrack<'a, L: Lanes> {
     Wave(LaneWaveTrack<'a, L>),
     /// Linear between control points.
     Piecewise(LanePiecewiseTrack<'a, L>),
+    /// An image.
+    Table(LaneTableTrack<'a, L>),
 }
 
 impl<L: Lanes> LaneTrack<L> for AnyLaneTrack<'_, L> {
@@ -39,6 +42,7 @@ impl<L: Lanes> LaneTrack<L> for AnyLaneTrack<'_, L> {
             AnyLaneTrack::Triangular(track) => track.rates(t, dt),
             AnyLaneTrack::Wave(track) => track.rates(t, dt),
             AnyLaneTrack::Piecewise(track) => track.rates(t, dt),
+            AnyLaneTrack::Table(track) => track.rates(t, dt),
         }
     }
 
@@ -50,6 +54,7 @@ impl<L: Lanes> LaneTrack<L> for AnyLaneTrack<'_, L> {
             AnyLaneTrack::Triangular(track) => track.next_break(t),
             AnyLaneTrack::Wave(track) => track.next_break(t),
             AnyLaneTrack::Piecewise(track) => track.next_break(t),
+            AnyLaneTrack::Table(track) => track.next_break(t),
         }
     }
 }
@@ -146,6 +151,13 @@ pub fn ordered<L: Lanes>(members: &[LaneMember<L>], glow: Option<L::F>) -> ([L::
                 let s = at_nodes::<L>(track.front, track.back, t, dt);
                 for (strength, s) in strength.iter().zip(s) {
                     for (sum, c) in color.iter_mut().zip(track.points.color::<L>(s)) {
+                        *sum = strength.mul_add(c, *sum);
+                    }
+                }
+            } else if let AnyLaneTrack::Table(track) = &member.track {
+                for (i, strength) in strength.iter().enumerate() {
+                    let texel = track.texel(dt.mul_add(splat(PANEL[i].0), t));
+                    for (sum, c) in color.iter_mut().zip(texel) {
                         *sum = strength.mul_add(c, *sum);
                     }
                 }

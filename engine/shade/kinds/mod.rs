@@ -27,7 +27,7 @@ use voltet_core::transfer::{Profile, Widget};
 use voltet_lanes::optics::gaussian::LaneGaussianTrack;
 use voltet_lanes::optics::overlap::{AnyLaneTrack, LaneMember};
 use voltet_lanes::optics::piecewise_linear::LanePiecewiseTrack;
-use voltet_lanes::{Float, Lanes};
+use voltet_lanes::{Float, Lanes, Mask};
 use wave::LaneWave;
 
 /// A widget made ready for lanes.
@@ -149,10 +149,11 @@ impl LaneWidget {
             // Pieces that a region cuts have closed forms in 64 bits only.
             LaneForm::PiecewiseLinear(_) if self.region.is_some() => Road::Bits64,
             LaneForm::PiecewiseLinear(_) => Road::Quick,
-            LaneForm::TriangularGaussian(_) | LaneForm::GaussianNd(_) | LaneForm::TriangularGaussianNd(_) => {
-                Road::Panels
-            }
-            LaneForm::Table(_) | LaneForm::None => Road::Bits64,
+            LaneForm::TriangularGaussian(_)
+            | LaneForm::GaussianNd(_)
+            | LaneForm::TriangularGaussianNd(_)
+            | LaneForm::Table(_) => Road::Panels,
+            LaneForm::None => Road::Bits64,
         }
     }
 
@@ -160,11 +161,10 @@ impl LaneWidget {
     pub fn in_order(&self) -> InOrder {
         match self.form {
             LaneForm::Uniform | LaneForm::Gaussian(_) | LaneForm::GaussianNd(_) => InOrder::Panels,
-            LaneForm::PiecewiseLinear(_) => InOrder::Always,
+            LaneForm::PiecewiseLinear(_) | LaneForm::Table(_) => InOrder::Always,
             LaneForm::Wave(_)
             | LaneForm::TriangularGaussian(_)
             | LaneForm::TriangularGaussianNd(_)
-            | LaneForm::Table(_)
             | LaneForm::None => InOrder::Bits64,
         }
     }
@@ -237,11 +237,16 @@ impl LaneWidget {
                 let (mean, unsure) = nd.mean::<L>(fields, self.region.is_some().then_some(range));
                 (mean * self.peak_depth(along, share), unsure)
             }
+            LaneForm::Table(table) => {
+                let Inside { front, back, share, .. } = along.inside(self.region.as_ref());
+                let peak = self.peak_depth(along, share);
+                let there = L::F::splat(0.0).lt(share).and(along.crossing);
+                (table.track::<L>(&front, &back, peak, None).mean(there) * peak, 0)
+            }
             LaneForm::Uniform
             | LaneForm::Gaussian(_)
             | LaneForm::Wave(_)
             | LaneForm::PiecewiseLinear(_)
-            | LaneForm::Table(_)
             | LaneForm::None => self.depth::<L>(along),
         }
     }
@@ -297,13 +302,16 @@ impl LaneWidget {
                 });
                 return member;
             }
+            LaneForm::Table(table) => {
+                member.track = AnyLaneTrack::Table(table.track(&along.front, &along.back, rate, cutoff));
+                return member;
+            }
             LaneForm::Gaussian(gaussian) => gaussian.path::<L>(along),
             LaneForm::GaussianNd(nd) => nd.path::<L>(fields),
             // See `InOrder::Bits64`: those are not walked.
             LaneForm::Wave(_)
             | LaneForm::TriangularGaussian(_)
             | LaneForm::TriangularGaussianNd(_)
-            | LaneForm::Table(_)
             | LaneForm::None => return nothing::<L>(),
         };
         // Within its window it glows, whatever the rounding of the rate.

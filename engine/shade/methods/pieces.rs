@@ -2,7 +2,7 @@
 //! two-dimensional table gives the weights of both colours.
 
 use super::sampled::{Crossed, Samples, TOGETHER};
-use voltet_lanes::optics::elementary::{exp, one_minus_exp};
+use voltet_lanes::optics::elementary::{exp, one_minus_exp, transparencies};
 use voltet_lanes::optics::partial_table::LanePartialTable;
 use voltet_lanes::{Float, Lanes, array};
 
@@ -72,10 +72,10 @@ fn walk<L: Lanes, const COLORS: bool>(
             let back = ends[j];
             let piece = half * (front.rate + back.rate);
             if COLORS {
-                let opacity = one_minus_exp::<L>(piece);
+                let (mean, behind) = transparencies::<L>(piece);
                 if density {
                     let toward = table.front_share::<L>(front.rate, back.rate);
-                    let light = through * opacity;
+                    let light = through * (piece * mean);
                     // An end without stuff takes the other's colour.
                     let (bare, bare_back) = (front.rate.lt(least::<L>()), back.rate.lt(least::<L>()));
                     for c in 0..3 {
@@ -90,7 +90,7 @@ fn walk<L: Lanes, const COLORS: bool>(
                         color[c] = through.mul_add(light, color[c]);
                     }
                 }
-                through = through * (splat(1.0) - opacity);
+                through = through * behind;
             }
             depth = depth + piece;
             front = back;

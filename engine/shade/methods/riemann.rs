@@ -2,7 +2,7 @@
 //! κ h E₁(ρ h).
 
 use super::sampled::{Crossed, Samples, TOGETHER};
-use voltet_lanes::optics::elementary::{exp, mean_transparency, one_minus_exp};
+use voltet_lanes::optics::elementary::{exp, one_minus_exp, transparencies};
 use voltet_lanes::{Float, Lanes, array};
 
 /// Colour and optical depth. `depth_only`: no colour.
@@ -106,13 +106,13 @@ impl<L: Lanes> Front<L> {
         for j in 0..N {
             let piece = samples.rate[j] * lengths[j];
             if COLORS {
-                let mean = mean_transparency::<L>(piece);
+                let (mean, through) = transparencies::<L>(piece);
                 let light = self.through * mean * lengths[j];
                 for c in 0..3 {
                     self.color[c] = light.mul_add(samples.glow[j][c], self.color[c]);
                 }
                 if j + 1 < N {
-                    self.through = self.through * (L::F::splat(1.0) - piece * mean);
+                    self.through = self.through * through;
                 }
             }
             self.depth = self.depth + piece;

@@ -194,8 +194,19 @@ impl Sampled {
         met.clear();
         let spread = Spread::new(along);
         let mut unsure = 0;
+        // The colour of a piece's end is that of what little is there, which has a share in the light of the whole piece: a widget
+        // may be left out only with all others.
+        let together = self.table.is_some();
+        if together
+            && !widgets.iter().any(
+                #[inline(always)]
+                |widget| widget.meets::<L>(&spread).any(),
+            )
+        {
+            return 0;
+        }
         for (widget, &threshold) in widgets.iter().zip(&self.thresholds) {
-            let mut there = widget.meets::<L>(&spread);
+            let mut there = if together { along.crossing } else { widget.meets::<L>(&spread) };
             if !there.any() {
                 continue;
             }
