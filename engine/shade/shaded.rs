@@ -93,7 +93,7 @@ impl Left {
         match self {
             Left::Integrator => "the integrator is one of 64 bits",
             Left::Samples => "samples, their widths or their depths leave the range of 32 bits",
-            Left::NoLanes => "the numbers of a widget leave 32 bits, or a region cuts its pieces",
+            Left::NoLanes => "a region cuts the pieces of a widget, or its numbers leave 32 bits",
             Left::Lengths => "lengths per unit distance leave the range of 32 bits",
             Left::Mixed => "colours that vary along the segment are mixed in 64 bits",
             Left::Narrow => "the segment spans over 100,000 widths of a Gaussian, or 50 of a triangular one",
