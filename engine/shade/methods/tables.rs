@@ -18,6 +18,10 @@ use voltet_lanes::{Float, Kernel, Lanes, Mask, Unsigned, array, dispatch};
 /// Depths of a segment beyond which it is opaque whatever they are.
 const DEPTH_MOST: f32 = 1e30;
 
+/// Nodes about a place that tiles look at: the next in s and in t, four for the next plane, and the next of the table that filled
+/// them; one over.
+const TILES_REACH: f32 = 8.0;
+
 /// A pre-integrated table.
 pub(crate) struct Table {
     side: usize,
@@ -104,9 +108,14 @@ impl Table {
             );
             // Values that are not numbers contribute nothing.
             let numbers = along.front[0].le(along.front[0]).and(along.back[0].le(along.back[0]));
-            let first = front.min(back).floor().min(last - one);
+            let reach = match self.kind {
+                Kind::Slices(_) => zero,
+                Kind::Tiles { .. } => splat(TILES_REACH),
+            };
+            let first = (front.min(back) - reach).floor().max(zero).min(last - one);
             let next = L::F::gather(&self.filled, first.to_unsigned());
-            let there = along.crossing.and(numbers).and(next.lt(front.max(back).floor() + one));
+            let behind = (front.max(back) + reach).floor() + one;
+            let there = along.crossing.and(numbers).and(next.lt(behind));
             if !there.any() {
                 zero.store(&mut out.depth[at..]);
                 out.rgba.iter_mut().for_each(|column| zero.store(&mut column[at..]));
@@ -166,7 +175,7 @@ fn filled(ramp: &Ramp, longest: f64, leave_out: bool) -> Vec<f32> {
     let (nodes, parts) = (ramp.nodes(), ramp.parts());
     let pieces = |k: usize| &ramp.pieces()[k * parts..(k + 1) * parts];
     let holds = |k: usize| nodes[k..=k + 1].iter().chain(pieces(k)).any(|matter| most(matter) > least);
-    let mut next = nodes.len() as f32 + 1.0;
+    let mut next = nodes.len() as f32 + 1.0 + TILES_REACH;
     let mut filled = vec![next; nodes.len() - 1];
     for k in (0..filled.len()).rev() {
         if holds(k) {
