@@ -187,8 +187,10 @@ impl Shader {
             } else {
                 self.several::<L>(widgets, &along, at, count, out)
             };
-            let meant = along.crossing.bits() & u32::MAX >> (32 - (count - at).min(L::WIDTH));
-            out.evaluation_count += u64::from(meant.count_ones());
+            let meant = meant::<L>(&along, count - at);
+            if !self.quick || points.is_some() {
+                out.evaluation_count += u64::from(meant.count_ones());
+            }
             push(&mut out.rest, unsure & meant, at);
             at += L::WIDTH;
         }
@@ -316,13 +318,14 @@ impl Shader {
         out: &mut Shaded,
     ) -> u32 {
         let zero = L::F::splat(0.0);
-        let (mut total, mut product, mut unsure) = (zero, zero, 0);
+        let (mut total, mut product, mut unsure, mut asked) = (zero, zero, 0, 0);
         let spread = Spread::new(along);
         for widget in widgets {
             let meets = widget.meets::<L>(&spread);
             if !meets.any() {
                 continue;
             }
+            asked |= meets.bits();
             let (depth, no) = widget.depth::<L>(&along.only(meets));
             let depth = L::F::select(meets, depth, zero);
             unsure |= no & meets.bits();
@@ -334,6 +337,7 @@ impl Shader {
             out.overlap_count += u64::from(overlapping.count_ones());
         }
         total.store(&mut out.depth[at..]);
+        out.evaluation_count += u64::from((asked & meant::<L>(along, count - at)).count_ones());
         unsure
     }
 
@@ -348,13 +352,14 @@ impl Shader {
         out: &mut Shaded,
     ) -> u32 {
         let zero = L::F::splat(0.0);
-        let (mut sums, mut unsure) = (Sums::<L>::none(), 0);
+        let (mut sums, mut unsure, mut asked) = (Sums::<L>::none(), 0, 0);
         let spread = Spread::new(along);
         for widget in widgets {
             let meets = widget.meets::<L>(&spread);
             if !meets.any() {
                 continue;
             }
+            asked |= meets.bits();
             let (mut shape, no) = widget.shape::<L>(&along.only(meets));
             shape.depth = L::F::select(meets, shape.depth, zero);
             unsure |= no & meets.bits();
@@ -365,6 +370,7 @@ impl Shader {
         }
         let overlapping = overlaps::<L>(sums.product, along, count - at);
         out.overlap_count += u64::from(overlapping.count_ones());
+        out.evaluation_count += u64::from((asked & meant::<L>(along, count - at)).count_ones());
         let mut rgba = sums.mixed();
         let overlapping = overlapping & !unsure & L::F::splat(self.ordered_from).lt(sums.product).bits();
         if self.overlap == Overlap::Exact && overlapping != 0 {
@@ -416,6 +422,12 @@ pub(super) fn push(list: &mut Vec<usize>, mut lanes: u32, at: usize) {
         list.push(at + lanes.trailing_zeros() as usize);
         lanes &= lanes - 1;
     }
+}
+
+/// Lanes (bits) of the first `count` segments that cross their cell.
+#[inline(always)]
+fn meant<L: Lanes>(along: &Along<L>, count: usize) -> u32 {
+    along.crossing.bits() & u32::MAX >> (32 - count.min(L::WIDTH))
 }
 
 /// Lanes (bits) of the first `count` segments on which widgets overlap; those past the end of the batch hold fragments of
