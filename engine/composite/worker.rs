@@ -135,11 +135,9 @@ impl Worker<'_> {
         }
         scratch.counts.segments_exact +=
             scratch.shaded.exact_count + scratch.pool.shaded.exact_count + scratch.later.exact_count();
-        // Those that waited for their colour count with the other ones in 64 bits.
-        let waited =
-            scratch.counts.segments_exact - scratch.shaded.exact_count - scratch.pool.shaded.exact_count;
-        scratch.counts.evaluations =
-            waited + scratch.shaded.evaluation_count + scratch.pool.shaded.evaluation_count;
+        scratch.counts.evaluations = scratch.shaded.evaluation_count
+            + scratch.pool.shaded.evaluation_count
+            + scratch.later.evaluation_count();
         scratch.counts.segments_overlapping = scratch.shaded.overlap_count;
         (done, scratch.counts)
     }

@@ -68,6 +68,11 @@ impl Later {
         self.shaded.exact_count
     }
 
+    /// How often the transfer function was asked for them: see [`voltet_core::engine::Counts::evaluations`].
+    pub fn evaluation_count(&self) -> u64 {
+        self.shaded.evaluation_count
+    }
+
     /// Whether no colour waits.
     pub fn is_empty(&self) -> bool {
         self.numbers.is_empty()
