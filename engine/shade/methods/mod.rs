@@ -8,6 +8,11 @@
 //! | `pieces` | `segments` |
 //! | `tables` | `pre-integrated`, `pre-integrated-cylindrical` |
 
+#![expect(
+    clippy::needless_range_loop,
+    reason = "adapters of iterators are functions where a build inlines little"
+)]
+
 mod pieces;
 mod riemann;
 mod sampled;

@@ -103,7 +103,7 @@ impl Sampled {
         }
         let threshold = |widget: &LaneWidget| match cutoff {
             // What does not absorb does not glow.
-            Some(_) if !(0.0 < widget.density()) => f32::INFINITY,
+            Some(_) if widget.density() <= 0.0 => f32::INFINITY,
             Some(cutoff) => (cutoff * widget.peak_value(making.density_scale)) as f32,
             None => 0.0,
         };
