@@ -17,7 +17,7 @@ const TRANSLATED: usize = 8;
 /// Validates text `number` of a test, and translates it where it is its turn.
 pub fn validate_numbered(shader: &Shader, number: usize) -> naga::Module {
     let all = std::env::var("VOLTET_TRANSLATE").is_ok_and(|which| which == "all");
-    if all || number % TRANSLATED == 0 { validate_everywhere(shader) } else { validate(shader) }
+    if all || number.is_multiple_of(TRANSLATED) { validate_everywhere(shader) } else { validate(shader) }
 }
 
 /// Validated, and translated for Metal and DirectX 12.
