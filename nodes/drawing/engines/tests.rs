@@ -8,7 +8,7 @@ use voltet_core::grid::generate::{box_of_tetrahedra, with_scalar};
 use voltet_core::pipeline::Pipeline;
 use voltet_gpu::{Device, OnDevice};
 
-/// A grid of 384 cells; with it, the software driver is opened as if its bindings held 2 KiB, and 10 of them at a time.
+/// A grid of 384 cells; with it, the software driver is opened as if its bindings held 2 KiB, and 8 of them at a time.
 const SOURCE: Node = Node {
     name: "grid-for-a-small-device",
     summary: "A grid, and a device that cannot bind it.",
@@ -16,7 +16,7 @@ const SOURCE: Node = Node {
     demand: &|_| Ok(()),
     run: &|call| {
         let opened = call.keep_for_session(|| Ok(Opened::default()))?;
-        let small = |device: Device| device.with_bindings_of(2048).with_buffers_at_a_time(10);
+        let small = |device: Device| device.with_bindings_of(2048).with_buffers_at_a_time(8);
         let engine = Device::open(Some("software"), true)
             .map(|device| Arc::new(OnDevice::new(Arc::new(small(device)))) as Arc<dyn Engine>);
         for hardware in [true, false] {
@@ -95,7 +95,7 @@ fn a_grid_that_the_device_cannot_bind_is_drawn_by_the_cpu() {
     let drawn = run("auto").expect("draws");
     let (engine, why) = drawn.engine.expect("is named");
     assert_eq!(engine, "cpu");
-    for word in ["more parts than", "the grid's cells of", "in 3 parts", "10 buffers", "such cells"] {
+    for word in ["more parts than", "the grid's cells of", "in 3 parts", "8 buffers", "such cells"] {
         assert!(why.contains(word), "'{word}' is not in: {why}");
     }
     let by_cpu = run("cpu").expect("draws");
