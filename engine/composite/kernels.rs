@@ -32,7 +32,6 @@ impl Kernel for Cover<'_> {
     type Output = ();
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        self.fragments.count = 0;
         for (lane, &entry) in self.cells.iter().enumerate() {
             if let Some(&next) = self.ahead.get(lane) {
                 self.frame.prefetch_corners(next);
@@ -47,17 +46,10 @@ impl Kernel for Cover<'_> {
         self.group.turn::<L>(self.left, self.top);
         self.edges.find::<L>(self.left, self.top, &self.rows);
         let width = self.right - self.left;
+        let Cover { cells, edges, fragments, .. } = self;
         match self.open {
-            None => {
-                for lane in 0..self.cells.len() {
-                    self.fragments.cover::<L, false>(self.edges, lane, width, &[]);
-                }
-            }
-            Some(open) => {
-                for lane in 0..self.cells.len() {
-                    self.fragments.cover::<L, true>(self.edges, lane, width, open);
-                }
-            }
+            None => fragments.cover::<L, false>(edges, cells.len(), width, &[]),
+            Some(open) => fragments.cover::<L, true>(edges, cells.len(), width, open),
         }
     }
 }

@@ -8,7 +8,7 @@
 
 use crate::project::record::TILE;
 use crate::view::Seen;
-use voltet_lanes::{Double, Float, Lanes, Mask, Unsigned, inlined};
+use voltet_lanes::{Double, Float, Lanes, Mask, Unsigned, array, inlined};
 
 /// Pairs of corners: the edges.
 const EDGES: [[usize; 2]; 6] = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]];
@@ -23,12 +23,17 @@ const ROUND: f32 = 96.0;
 /// Fragments are coded lane << 8 | row << 4 | column.
 const SPARE: usize = 32;
 
+/// Where the length of a span stands beside its first code.
+const LENGTH: u32 = 16;
+
 /// Codes of fragments: (cell lane, row, column).
 pub(crate) struct Fragments {
     /// The codes; the first `count` are meant.
     pub codes: Vec<u16>,
     /// How many.
     pub count: usize,
+    /// See [`Edges::spans`], row by row.
+    spans: Cells<TILE, u32>,
 }
 
 /// The edges of a group of cells on one tile, cells side by side.
@@ -36,21 +41,25 @@ pub(crate) struct Edges {
     x: [[f64; MOST]; 4],
     y: [[f64; MOST]; 4],
     /// First row of the tile that each edge crosses, and the first that it does not cross any more.
-    first: [[f32; MOST]; 6],
-    last: [[f32; MOST]; 6],
+    first: Cells<6>,
+    last: Cells<6>,
     /// Where it crosses the tile's first row, columns, and its slope, columns a row.
-    crossing: [[f32; MOST]; 6],
-    slope: [[f32; MOST]; 6],
+    crossing: Cells<6>,
+    slope: Cells<6>,
     /// See [`ROUND`].
-    round: [[f32; MOST]; 6],
+    round: Cells<6>,
     /// First and last row of each cell.
-    start: [f32; MOST],
-    end: [f32; MOST],
+    bounds: Cells<2>,
 }
+
+/// Numbers of cells side by side; begin where a cache line does.
+#[derive(Clone, Copy)]
+#[repr(align(64))]
+struct Cells<const N: usize, T = f32>([[T; MOST]; N]);
 
 impl Edges {
     pub fn new() -> Self {
-        let rows = [[0.0; MOST]; 6];
+        let rows = Cells([[0.0; MOST]; 6]);
         Edges {
             x: [[0.0; MOST]; 4],
             y: [[0.0; MOST]; 4],
@@ -59,8 +68,7 @@ impl Edges {
             crossing: rows,
             slope: rows,
             round: rows,
-            start: [0.0; MOST],
-            end: [0.0; MOST],
+            bounds: Cells([[0.0; MOST]; 2]),
         }
     }
 
@@ -92,29 +100,66 @@ impl Edges {
             let (x, y) = (load(&self.x), load(&self.y));
             // The first and last row of each edge, and its crossing of the tile's first row, in 64 bits; from there
             // 32 bits carry 16 rows. A horizontal edge has no rows: neither its direction nor its slope matters.
+            let row: [L::D; 4] = array(
+                #[inline(always)]
+                |k| y[k].ceil() - tile_top,
+            );
             for (k, &[a, b]) in EDGES.iter().enumerate() {
+                // The slope is the same whichever end is the upper one, bit for bit.
+                let tilt = (x[b] - x[a]) / (y[b] - y[a]);
                 let down = y[a].le(y[b]);
-                let upper = [L::D::select(down, x[a], x[b]), L::D::select(down, y[a], y[b])];
-                let lower = [L::D::select(down, x[b], x[a]), L::D::select(down, y[b], y[a])];
-                let tilt = (lower[0] - upper[0]) / (lower[1] - upper[1]);
+                let upper = [L::D::select(down, x[a], x[b]), y[a].min(y[b])];
                 let at_top = (tile_top - upper[1]).mul_add(tilt, upper[0] - tile_left);
-                (upper[1].ceil() - tile_top).store_f32(&mut self.first[k][half..]);
-                (lower[1].ceil() - tile_top).store_f32(&mut self.last[k][half..]);
-                at_top.store_f32(&mut self.crossing[k][half..]);
-                tilt.store_f32(&mut self.slope[k][half..]);
+                row[a].min(row[b]).store_f32(&mut self.first.0[k][half..]);
+                row[a].max(row[b]).store_f32(&mut self.last.0[k][half..]);
+                at_top.store_f32(&mut self.crossing.0[k][half..]);
+                tilt.store_f32(&mut self.slope.0[k][half..]);
             }
-            let least = y[0].min(y[1]).min(y[2].min(y[3])).ceil() - tile_top;
-            let most = y[0].max(y[1]).max(y[2].max(y[3])).ceil() - tile_top;
+            let least = row[0].min(row[1]).min(row[2].min(row[3]));
+            let most = row[0].max(row[1]).max(row[2].max(row[3]));
             let (from, to) = (splat(rows.start as f64), splat(rows.end as f64));
-            least.max(from).min(to).store_f32(&mut self.start[half..]);
-            most.min(to).max(from).store_f32(&mut self.end[half..]);
+            least.max(from).min(to).store_f32(&mut self.bounds.0[0][half..]);
+            most.min(to).max(from).store_f32(&mut self.bounds.0[1][half..]);
         }
         // Crossings are rounded to 2⁻¹⁷ of a pixel (across the edge): several edges of a face that is seen edge-on
         // lie on one line, and must cross a row at one place although each is rounded in its own way.
-        for (slope, round) in self.slope.iter().zip(&mut self.round) {
+        for (slope, round) in self.slope.0.iter().zip(&mut self.round.0) {
             let steep = L::F::load(slope).abs().max(L::F::splat(1.0)).min(L::F::splat(1e6));
             let power = L::F::from_bits(steep.to_bits().and(L::U::splat(0x7f80_0000)));
             (power * L::F::splat(ROUND)).store(round);
+        }
+    }
+
+    /// The pixels of rows `rows`, of a tile `width` pixels wide, that each cell covers: their code in [`Fragments::codes`] at the
+    /// first, and their number in the upper half.
+    #[inline(always)]
+    fn spans<L: Lanes>(&self, rows: std::ops::Range<usize>, width: usize, spans: &mut Cells<TILE, u32>) {
+        let splat = L::F::splat;
+        let width = splat(width as f32);
+        let lanes = L::U::iota().shl::<8>();
+        for row in rows {
+            let y = splat(row as f32);
+            let (mut least, mut most) = (splat(f32::INFINITY), splat(f32::NEG_INFINITY));
+            for k in 0..EDGES.len() {
+                let edge = inlined(
+                    #[inline(always)]
+                    |rows: &Cells<6>| L::F::load(&rows.0[k]),
+                );
+                let crosses = edge(&self.first).le(y).and(y.lt(edge(&self.last)));
+                let x = y.mul_add(edge(&self.slope), edge(&self.crossing));
+                let x = (x + edge(&self.round)) - edge(&self.round);
+                least = L::F::select(crosses, x.min(least), least);
+                most = L::F::select(crosses, x.max(most), most);
+            }
+            // ⌈x⌉ = −⌊−x⌋. A row without crossings has least = +∞, most = −∞: from = width, to = 0, no span.
+            let bound = inlined(
+                #[inline(always)]
+                |x: L::F| (-(-x).floor()).max(splat(0.0)).min(width),
+            );
+            let (from, to) = (bound(least), bound(most));
+            let length = (to - from).max(splat(0.0)).to_unsigned().shl::<LENGTH>();
+            let code = lanes + L::U::splat((row << 4) as u32) + from.to_unsigned();
+            length.or(code).store(&mut spans.0[row]);
         }
     }
 }
@@ -140,62 +185,49 @@ pub(crate) fn crossing_of_row(ends: [&Seen; 2], [i, j]: [usize; 2]) -> Option<f3
 impl Fragments {
     /// Room for the fragments of `lanes` cells in one tile.
     pub fn new(lanes: usize) -> Self {
-        Fragments { codes: vec![0; lanes * TILE * TILE + SPARE], count: 0 }
+        Fragments { codes: vec![0; lanes * TILE * TILE + SPARE], count: 0, spans: Cells([[0; MOST]; TILE]) }
     }
 
-    /// Appends the pixels, of a tile `width` pixels wide, that the cell in a lane covers; if `MASKED`, those that are `open`, a bit
-    /// a column.
+    /// Finds the pixels, of a tile `width` pixels wide, that each of the first `cells` cells covers; if `MASKED`, those that are
+    /// `open`, a bit a column.
     #[inline(always)]
     pub fn cover<L: Lanes, const MASKED: bool>(
         &mut self,
         edges: &Edges,
-        lane: usize,
+        cells: usize,
         width: usize,
         open: &[u16],
     ) {
-        let (start, end) = (edges.start[lane] as usize, edges.end[lane] as usize);
-        if start >= end {
-            return;
-        }
-        let splat = L::F::splat;
-        let (mut from, mut to) = ([0u32; TILE], [0u32; TILE]);
-        let width = splat(width as f32);
-        for half in (start / L::WIDTH * L::WIDTH..end).step_by(L::WIDTH) {
-            let row = (L::U::iota() + L::U::splat(half as u32)).to_float();
-            let (mut least, mut most) = (splat(f32::INFINITY), splat(f32::NEG_INFINITY));
-            for k in 0..EDGES.len() {
-                let crosses = splat(edges.first[k][lane]).le(row).and(row.lt(splat(edges.last[k][lane])));
-                let round = splat(edges.round[k][lane]);
-                let x = row.mul_add(splat(edges.slope[k][lane]), splat(edges.crossing[k][lane]));
-                let x = (x + round) - round;
-                least = L::F::select(crosses, x.min(least), least);
-                most = L::F::select(crosses, x.max(most), most);
-            }
-            // ⌈x⌉ = −⌊−x⌋. A row without crossings has least = +∞, most = −∞: from = width, to = 0, no span.
-            let bound = inlined(
-                #[inline(always)]
-                |x: L::F| (-(-x).floor()).max(splat(0.0)).min(width).to_unsigned(),
-            );
-            bound(least).store(&mut from[half..]);
-            bound(most).store(&mut to[half..]);
-        }
-        for row in start..end {
-            let (from, to) = (from[row], to[row]);
-            if MASKED {
-                let mut open = u32::from(open[row]) & ((1 << to) - 1) & (u32::MAX << from.min(31));
-                while open != 0 {
-                    self.codes[self.count] = (lane << 8 | row << 4) as u16 + open.trailing_zeros() as u16;
-                    self.count += 1;
-                    open &= open - 1;
+        let (mut starts, mut ends) = ([0u32; MOST], [0u32; MOST]);
+        L::F::load(&edges.bounds.0[0]).to_unsigned().store(&mut starts);
+        L::F::load(&edges.bounds.0[1]).to_unsigned().store(&mut ends);
+        let rows = || starts.iter().zip(&ends).take(cells).filter(|(start, end)| start < end);
+        let first = rows().map(|(&start, _)| start).min().unwrap_or(0) as usize;
+        let last = rows().map(|(_, &end)| end).max().unwrap_or(0) as usize;
+        edges.spans::<L>(first..last, width, &mut self.spans);
+
+        let mut count = 0;
+        for (lane, (&start, &end)) in starts.iter().zip(&ends).take(cells).enumerate() {
+            for row in start as usize..(end as usize).min(TILE) {
+                let span = self.spans.0[row][lane];
+                let (code, length) = (span as u16, (span >> LENGTH) as usize);
+                if MASKED {
+                    let from = u32::from(code) & 15;
+                    let mut open = u32::from(open[row]) & (((1 << length) - 1) << from);
+                    while open != 0 {
+                        self.codes[count] = code - from as u16 + open.trailing_zeros() as u16;
+                        count += 1;
+                        open &= open - 1;
+                    }
+                } else {
+                    let out = &mut self.codes[count..count + TILE];
+                    for (k, out) in out.iter_mut().enumerate() {
+                        *out = code.wrapping_add(k as u16);
+                    }
+                    count += length;
                 }
-            } else if from < to {
-                let code = (lane << 8 | row << 4) as u16 + from as u16;
-                let out = &mut self.codes[self.count..self.count + TILE];
-                for (k, out) in out.iter_mut().enumerate() {
-                    *out = code + k as u16;
-                }
-                self.count += (to - from) as usize;
             }
         }
+        self.count = count;
     }
 }

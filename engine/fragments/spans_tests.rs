@@ -19,7 +19,7 @@ impl Kernel for Spans<'_> {
         let (mut edges, mut fragments) = (Edges::new(), Fragments::new(L::WIDTH));
         edges.take(0, self.corners);
         edges.find::<L>(self.tile[0], self.tile[1], &(0..TILE));
-        fragments.cover::<L, false>(&edges, 0, TILE, &[]);
+        fragments.cover::<L, false>(&edges, 1, TILE, &[]);
         fragments.codes[..fragments.count].to_vec()
     }
 }

@@ -27,7 +27,7 @@ pub struct Setting {
 /// Sides of the partial pre-integration table beside the standard one, at the standard number of pieces.
 const PARTIAL_SIDES: [usize; 3] = [16, 64, 1024];
 
-/// Sides of the three-dimensional tables. 256³ takes 190 MiB; the largest, 512³, 1.5 GiB, and is left out.
+/// Sides of the three-dimensional tables. 256³ takes 256 MiB in 32 bits; the largest, 512³, 2 GiB, and is left out.
 const SIDES: [usize; 5] = [16, 32, 64, 128, 256];
 
 /// The side at which oversampling and planes are tried, with what is tried beside the standard.
