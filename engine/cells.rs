@@ -1,5 +1,6 @@
 //! The cells that a picture is drawn from, and what is counted on the way.
 
+use crate::cull::Sample;
 use crate::view::Seen;
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -22,6 +23,8 @@ pub struct Cells {
     pub culled_by_transfer_function: u64,
     /// Tetrahedra left out because they are outside the view.
     pub culled_by_frustum: u64,
+    /// The sample for which none was left out because of its values: asking all would not have paid.
+    pub not_worth_asking: Option<Sample>,
     /// Widgets that no kept cell touches: left out of the integrals.
     pub untouched: Vec<usize>,
     /// Nothing is left out for them: they were not culled, and segments are ordered also where one colour needs no order.

@@ -30,7 +30,7 @@ mod shade;
 mod view;
 
 pub use cells::{Cells, Counts};
-pub use cull::{cull, keep_all};
+pub use cull::{Known, Sample, cull, keep_all};
 pub use draw::{Projection, Ready, composite, draw, integrator, needs_gradient, prepare, project, sort};
 pub use memory::drawing_bytes;
 pub use native::ENGINE;

@@ -1,6 +1,6 @@
 //! The native engine as one of the program's engines, and what it counts.
 
-use crate::{Cells, Counts, Projection, Segments, cull, keep_all, needs_gradient, prepare, project, sort};
+use crate::{Cells, Counts, Known, Projection, Sample, Segments, needs_gradient, prepare, project, sort};
 use std::sync::Arc;
 use std::time::Instant;
 use voltet_core::engine::{
@@ -54,13 +54,19 @@ impl Engine for Native {
         Some(Box::new(Segments { lanes: self.lanes, ordered: false }))
     }
 
-    fn prepare(&self, _volume: &Arc<Volume>) -> Result<Arc<dyn Prepared>> {
-        // Every frame begins with the volume itself.
-        Ok(Arc::new(*self))
+    fn prepare(&self, volume: &Arc<Volume>) -> Result<Arc<dyn Prepared>> {
+        Ok(Arc::new(OnVolume { lanes: self.lanes, known: Known::new(volume)? }))
     }
 }
 
-impl Prepared for Native {
+/// The engine with what it knows of one volume.
+#[derive(Debug)]
+struct OnVolume {
+    lanes: LaneSet,
+    known: Known,
+}
+
+impl Prepared for OnVolume {
     fn draw(&self, scene: &Scene, manner: &Manner, progress: &dyn Progress) -> Result<Drawn> {
         if progress.cancelled() {
             return Err(Error::cancelled());
@@ -72,9 +78,14 @@ impl Prepared for Native {
         let Scene { volume, transfer_function, camera, shading, order } =
             classified.as_ref().unwrap_or(scene);
         let mut watch = Watch { last: Instant::now(), stages: Vec::new() };
+        let elsewhere = match Arc::ptr_eq(volume, self.known.volume()) {
+            true => None,
+            false => Some(Known::new(volume)?),
+        };
+        let known = elsewhere.as_ref().unwrap_or(&self.known);
         let mut cells = match manner.may_leave_out {
-            None => keep_all(volume, transfer_function, camera)?,
-            Some(_) => cull(volume, transfer_function, camera, progress)?,
+            None => known.keep_all(transfer_function, camera)?,
+            Some(_) => known.cull(transfer_function, camera, progress)?,
         };
         cells.lanes = self.lanes;
         watch.end(Stage::Cull);
@@ -123,8 +134,13 @@ impl Cells {
         counts.culled_by_frustum = Some(self.culled_by_frustum);
     }
 
-    /// Notes the widgets that are left out.
+    /// Notes the widgets that are left out, and culling itself where it is.
     pub fn note(&self, leave: MayLeaveOut, notes: &mut Notes) {
+        if let Some(Sample { asked, dropped }) = self.not_worth_asking {
+            let share = 100.0 * dropped as f64 / asked as f64;
+            let why = format!("not worth it: no widget touches {share:.1} % of {asked} cells spread over the grid");
+            notes.leave_out(leave, "culling by values", why, None);
+        }
         for widget in &self.untouched {
             notes.leave_out(leave, format!("widget {}", widget + 1), "no visible cell touches it", None);
         }

@@ -8,7 +8,7 @@ use crate::composite::growing_lists::GrowingLists;
 use crate::composite::kernels::Blend;
 use crate::composite::lists::{Layer, Lists, Overflow, UNSEEN};
 use crate::composite::sinks::of_one_color;
-use crate::cull::none_kept;
+use crate::cull::Known;
 use crate::fragments::batch::{BATCH, Batch, LANES_MOST};
 use crate::project::record::TILE;
 use crate::shade::roads;
@@ -67,7 +67,7 @@ fn integrate(
     ordered: bool,
     list: &[Segment],
 ) -> Result<Vec<Integrated>> {
-    let cells = none_kept(&Arc::new(volume(transfer_function, list)))?;
+    let cells = Known::new(&Arc::new(volume(transfer_function, list)))?.none_kept()?;
     let attributes = attributes_of(&cells, transfer_function)?;
     let extent = Extent { scalar: cells.ranges[0], longest: cells.length };
     integrators::can_serve(&shading.integrator, transfer_function)?;

@@ -1,10 +1,11 @@
 //! Times of steady frames by stage, as Markdown tables of medians, and a record of them by commit.
 //!
 //! `cargo bench --bench frame`; `-- --help` lists what may be asked for. A steady frame runs all stages; the camera turns by one
-//! degree before each, so that nothing of the former frame can be used again. The heat sink that ships and generated grids are
+//! degree before each, so that nothing of the former frame can be used again but the cells that the widgets touch. The heat sink that ships and generated grids are
 //! always there; further ones where the folder named by VOLTET_TEST_DATA has them. `voltet time` measures frames of any
 //! pipeline, also on a device; `benches/beside_vtk.py` sets them beside VTK's.
 
+mod changes;
 mod peak;
 mod record;
 mod subject;
@@ -21,7 +22,7 @@ use voltet::core::shading::{Integrator, Shading};
 use voltet::core::transfer::TransferFunction;
 use voltet::core::volume::Volume;
 use voltet::core::{Error, Result};
-use voltet::engine::{composite, cull, project};
+use voltet::engine::{Known, composite, project};
 use voltet::lanes::LaneSet;
 use wish::Wish;
 
@@ -84,6 +85,9 @@ fn main() -> Result<()> {
                 }
             }
         }
+        if wish.changes {
+            changes::measure(subject, &volumes)?;
+        }
         if wish.widgets {
             widgets::measure(subject, &volumes)?;
         }
@@ -120,10 +124,11 @@ fn measure(
     let mut stages = [const { Vec::new() }; 4];
     let (mut cells_kept, mut segments) = (0, 0);
     let begun = Instant::now();
+    let known = Known::new(volume)?;
     for k in 0..=wish.frames {
         let camera = subject.camera(k as f64, size);
         let start = Instant::now();
-        let cells = cull(volume, look, &camera, &Silent)?;
+        let cells = known.cull(look, &camera, &Silent)?;
         let culled = Instant::now();
         let projection = project(&cells, look, &camera, false, &Silent)?;
         let projected = Instant::now();

@@ -20,6 +20,8 @@ pub struct Wish {
     pub frames: usize,
     /// Seconds after which no further frame of a row begins.
     pub patience: f64,
+    /// Whether frames are timed that differ from the one before in one thing.
+    pub changes: bool,
     /// Whether reading, gradients and single widgets are timed, too.
     pub widgets: bool,
     /// The file to append to.
@@ -37,6 +39,7 @@ const HELP: &str = "cargo bench --bench frame -- [OPTIONS]
   --extinction LIST  factors [1,50,500]
   --frames N         frames of a row, at most [15]
   --patience S       seconds of a row after which no further frame begins [1]
+  --changes          frames that differ from the one before in one thing: a camera, a widget, a colour, an extinction
   --widgets          reading, gradients and what each widget costs, too
   --record FILE      append to a CSV file, and say what took longer than its last line of this machine";
 
@@ -51,6 +54,7 @@ impl Wish {
             extinctions: vec![1.0, 50.0, 500.0],
             frames: 15,
             patience: 1.0,
+            changes: false,
             widgets: false,
             record: None,
         };
@@ -73,6 +77,7 @@ impl Wish {
                 "--extinction" => wish.extinctions = list(&option, &value()?)?,
                 "--frames" => wish.frames = one(&option, &value()?)?,
                 "--patience" => wish.patience = one(&option, &value()?)?,
+                "--changes" => wish.changes = true,
                 "--widgets" => wish.widgets = true,
                 "--record" => wish.record = Some(PathBuf::from(value()?)),
                 _ => return Err(Error::usage("there is no such option").found(option).accepted(HELP)),

@@ -35,7 +35,7 @@ pub fn for_data(
     Ok(Arc::new(look.for_diagonal(diagonal)))
 }
 
-/// Culls, and counts what was culled.
+/// Culls the volume that came by the input of that name, and counts what was culled.
 pub fn cull(
     call: &mut Call,
     volume: &Arc<Volume>,
@@ -43,9 +43,10 @@ pub fn cull(
     camera: &Camera,
 ) -> Result<Cells> {
     let leave = call.may_leave_out();
+    let known = call.keep(call.revision("volume")?, || engine::Known::new(volume))?;
     let cells = call.stage(Stage::Cull.name(), |progress| match leave {
-        None => engine::keep_all(volume, transfer_function, camera),
-        Some(_) => engine::cull(volume, transfer_function, camera, progress),
+        None => known.keep_all(transfer_function, camera),
+        Some(_) => known.cull(transfer_function, camera, progress),
     })?;
     call.notes.counts.insert("cells_total", volume.grid.tetrahedra.len() as u64);
     let mut counts = Counts::default();

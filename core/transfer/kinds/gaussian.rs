@@ -101,7 +101,7 @@ pub(super) fn slabs(centre: &[f64; 2], matrix: &[[f64; 2]; 2], distance: f64) ->
 }
 
 /// A Gaussian of one axis: the distance is that of an interval.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub(in crate::transfer) struct Line {
     axis: usize,
     centre: f64,
@@ -124,10 +124,17 @@ impl Line {
         let distance = (low - self.centre).max(self.centre - high).max(0.0) * self.width;
         gaussian(distance * distance)
     }
+
+    /// At the farther end.
+    pub fn least(&self, ranges: &[[f64; 2]; 2]) -> f64 {
+        let [low, high] = ranges[self.axis];
+        let distance = (self.centre - low).max(high - self.centre) * self.width;
+        (-distance * distance).exp()
+    }
 }
 
 /// A Gaussian of both axes.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub(in crate::transfer) struct Plane {
     pub centre: [f64; 2],
     pub matrix: [[f64; 2]; 2],
@@ -146,5 +153,12 @@ impl Plane {
     #[inline]
     pub fn bound(&self, corners: &Corners) -> f64 {
         gaussian(distance_squared_from_origin(&self.scaled(corners)))
+    }
+
+    /// At the farthest corner: distances are convex.
+    pub fn least(&self, [s, g]: &[[f64; 2]; 2]) -> f64 {
+        let corners = Corners { s: &[s[0], s[1], s[0], s[1]], g: &[g[0], g[0], g[1], g[1]], fields: &[] };
+        let farthest = self.scaled(&corners).iter().map(|p| p[0] * p[0] + p[1] * p[1]).fold(0.0, f64::max);
+        (-farthest).exp()
     }
 }

@@ -75,7 +75,7 @@ pub(super) fn at(centre: &[f64], matrix: &[Vec<f64>], v: &[f64]) -> f64 {
 }
 
 /// Bounds over cells.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub(in crate::transfer) struct Bounds {
     /// Where its fields lie among all; past the end where one is unknown.
     slots: Vec<usize>,

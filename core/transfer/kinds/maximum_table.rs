@@ -4,7 +4,7 @@ use super::profile::Table;
 
 /// Largest alpha over blocks of texels, halved in size from level to level, so that any box of the plane is
 /// covered by at most nine blocks.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct MaximumTable {
     s: [f64; 2],
     g: [f64; 2],

@@ -200,8 +200,8 @@ impl Profile {
     }
 }
 
-/// Upper bounds of a profile over the convex hull of a cell's values.
-#[derive(Debug, Clone)]
+/// Bounds of a profile over the convex hull of cells' values.
+#[derive(Debug, Clone, PartialEq)]
 pub(super) enum Bounds {
     Uniform,
     /// K looks at one axis only.
@@ -216,6 +216,7 @@ pub(super) enum Bounds {
 }
 
 impl Bounds {
+    /// No less than it is anywhere in the hull.
     #[inline]
     pub fn bound(&self, corners: &Corners) -> f64 {
         match self {
@@ -228,6 +229,21 @@ impl Bounds {
             Bounds::Wave(wave) => wave.bound(corners),
             Bounds::PiecewiseLinear(points) => points.bound(corners),
             Bounds::Table(table) => table.bound(corners.s_range(), corners.g_range()),
+        }
+    }
+
+    /// No more than it is anywhere in a box of s and g: 0 of kinds of which no more is known.
+    pub fn least(&self, ranges: &[[f64; 2]; 2]) -> f64 {
+        match self {
+            Bounds::Uniform => 1.0,
+            Bounds::GaussianLine(line) => line.least(ranges),
+            Bounds::GaussianPlane(plane) => plane.least(ranges),
+            Bounds::PiecewiseLinear(points) => points.least(ranges[0]),
+            Bounds::GaussianNd(_)
+            | Bounds::TriangularGaussian(_)
+            | Bounds::TriangularGaussianNd(_)
+            | Bounds::Wave(_)
+            | Bounds::Table(_) => 0.0,
         }
     }
 }

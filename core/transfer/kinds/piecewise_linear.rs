@@ -116,25 +116,38 @@ pub(super) fn slabs(points: &[ControlPoint]) -> Vec<Vec<Slab>> {
 }
 
 /// Bounds over cells.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub(in crate::transfer) struct Bounds {
+    /// Without colours, extinctions by their peak.
     points: Vec<ControlPoint>,
-    peak: f64,
 }
 
 impl Bounds {
     pub fn new(points: &[ControlPoint]) -> Self {
-        Bounds { points: points.to_vec(), peak: peak(points) }
+        let peak = peak(points);
+        let share = |extinction: f64| if peak > 0.0 { extinction / peak } else { 0.0 };
+        let shape =
+            |p: &ControlPoint| ControlPoint { s: p.s, color: [0.0; 3], extinction: share(p.extinction) };
+        Bounds { points: points.iter().map(shape).collect() }
     }
 
     pub fn bound(&self, corners: &Corners) -> f64 {
-        let Bounds { points, peak } = self;
         let (low, high) = corners.s_range();
+        self.along([low, high]).fold(0.0, f64::max)
+    }
+
+    /// The least between two scalars.
+    pub fn least(&self, range: [f64; 2]) -> f64 {
+        self.along(range).fold(f64::INFINITY, f64::min)
+    }
+
+    /// What it is at both ends and at the control points between.
+    fn along(&self, [low, high]: [f64; 2]) -> impl Iterator<Item = f64> {
+        let points = &self.points;
         let first = points.partition_point(|p| p.s < low);
-        let last = points.partition_point(|p| p.s <= high);
-        let inside = points[first..last].iter().map(|p| p.extinction).fold(0.0, f64::max);
-        let most = inside.max(extinction_at(points, low)).max(extinction_at(points, high));
-        if *peak > 0.0 { most / peak } else { 0.0 }
+        let last = points.partition_point(|p| p.s <= high).max(first);
+        let inside = points[first..last].iter().map(|p| p.extinction);
+        inside.chain([low, high].map(|s| extinction_at(points, s)))
     }
 }
 

@@ -79,7 +79,7 @@ pub(super) fn slabs(centre: f64, sigma: f64, distance: f64) -> Vec<Slab> {
 }
 
 /// Bounds over cells.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub(in crate::transfer) struct Bounds {
     pub centre: f64,
     pub sigma: f64,

@@ -111,7 +111,7 @@ pub(super) fn at(centre: &[f64], matrix: &[Vec<f64>], v: &[f64]) -> f64 {
 }
 
 /// Bounds over cells.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub(in crate::transfer) struct Bounds {
     fields: gaussian_nd::Bounds,
     /// Where the magnitude lies among all fields; past the end where it is unknown.

@@ -150,7 +150,7 @@ pub(super) fn check(wave: &Wave) -> Result<()> {
 }
 
 /// Bounds over cells.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub(in crate::transfer) struct Bounds {
     origin: [f64; 2],
     step: [f64; 2],

@@ -15,13 +15,13 @@ use super::kinds::Bounds;
 use super::widget::Widget;
 use crate::Result;
 
-/// Bounds of all widgets of a transfer function over cells.
-#[derive(Debug, Clone)]
+/// Bounds of all widgets of a transfer function over cells. Equal ones give the same answers.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Support {
     widgets: Vec<WidgetSupport>,
 }
 
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 struct WidgetSupport {
     bounds: Bounds,
     clip: Option<Convex>,
@@ -31,7 +31,7 @@ struct WidgetSupport {
     glow: Option<Glow>,
 }
 
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 struct Glow {
     cutoff: f64,
     brightest: f64,
@@ -48,6 +48,31 @@ impl Support {
             .map(|widget| WidgetSupport::new(widget, transfer_function, &fields))
             .collect::<Result<_>>()?;
         Ok(Support { widgets })
+    }
+
+    /// Widgets.
+    pub fn widget_count(&self) -> usize {
+        self.widgets.len()
+    }
+
+    /// The same with what each widget adds raised to `least` times a power of two, which is as safe: the answers for `least` stay
+    /// the same while an extinction or a brightness moves between two of these. What adds no more than its share of `least` is
+    /// as nothing.
+    pub fn in_steps(mut self, least: f64) -> Support {
+        let share = self.share(least);
+        let raised = |x: f64| if x > share { share * (x / share).log2().ceil().exp2() } else { 0.0 };
+        for widget in &mut self.widgets {
+            widget.strength = raised(widget.strength);
+            if let Some(glow) = &mut widget.glow {
+                glow.brightest = raised(glow.brightest);
+            }
+        }
+        self
+    }
+
+    /// If all widgets together exceed `least`, some widget exceeds its share of it.
+    fn share(&self, least: f64) -> f64 {
+        least / self.widgets.len() as f64
     }
 
     /// The most that a ray can lose or gain per world unit inside a cell: an upper bound, over the convex
@@ -78,8 +103,7 @@ impl Support {
         least: f64,
     ) -> Option<usize> {
         let corners = Corners { s, g, fields };
-        // If the sum exceeds `least`, some widget exceeds its share of it.
-        let share = least / self.widgets.len() as f64;
+        let share = self.share(least);
         let touches = |&number: &usize| self.widgets[number].touches(&corners, share);
         let others = (0..self.widgets.len()).filter(|&number| number != first);
         (first..self.widgets.len()).take(1).chain(others).find(touches)
@@ -95,7 +119,14 @@ impl Support {
         least: f64,
     ) -> bool {
         let corners = Corners { s, g, fields };
-        self.widgets[widget].touches(&corners, least / self.widgets.len() as f64)
+        self.widgets[widget].touches(&corners, self.share(least))
+    }
+
+    /// A widget whose share of [`Support::touches`] is exceeded all over a box of s and g, so that it touches every cell of values
+    /// in there; `None` also where that is not known.
+    pub fn cover(&self, ranges: &[[f64; 2]; 2], least: f64) -> Option<usize> {
+        let share = self.share(least);
+        self.widgets.iter().position(|widget| widget.covers(ranges, share))
     }
 }
 
@@ -142,6 +173,9 @@ impl WidgetSupport {
     /// business.
     #[inline]
     fn touches(&self, corners: &Corners, least: f64) -> bool {
+        if self.strength == 0.0 && self.glow.is_none_or(|glow| glow.brightest <= least) {
+            return false;
+        }
         let Bounds::GaussianPlane(plane) = &self.bounds else {
             let bound = self.bound(corners);
             return bound > least || bound.is_nan();
@@ -164,6 +198,11 @@ impl WidgetSupport {
         let vertex = points.iter().any(|p| p[0] * p[0] + p[1] * p[1] <= level);
         let far = !vertex && distance_squared_from_origin(&points) * (1.0 - ROUNDING) > level;
         !far && self.clip.as_ref().is_none_or(|clip| meets(clip, corners.s, corners.g))
+    }
+
+    fn covers(&self, ranges: &[[f64; 2]; 2], least: f64) -> bool {
+        let inside = self.clip.as_ref().is_none_or(|clip| clip.holds(ranges));
+        inside && self.strength * self.bounds.least(ranges) > least
     }
 
     #[inline]

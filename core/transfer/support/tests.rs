@@ -66,6 +66,41 @@ fn widgets_that_are_too_thin_alone_count_together() {
     }
 }
 
+/// Cells whose answers two transfer functions of the same shapes share, and where they part.
+#[test]
+fn answers_stay_while_an_extinction_moves_between_two_steps() {
+    let least = 1e-7;
+    let of = |extinction: f64, color: [f64; 3], model| {
+        let widget = Widget { extinction, color, ..gaussian(0.01) };
+        let look = TransferFunction { model, unit_distance: 1.0, widgets: vec![widget.clone(), widget] };
+        Support::new(&look).expect("valid").in_steps(least)
+    };
+    let density = OpticalModel::DensityEmitter;
+    let grey = |extinction| of(extinction, [0.5; 3], density);
+    // Each of two widgets adds what counts from 5e-8 on, and steps are its doubles.
+    assert_eq!(grey(5e-8 * 5.0), grey(5e-8 * 7.9));
+    assert_ne!(grey(5e-8 * 7.9), grey(5e-8 * 8.1));
+    assert_eq!(grey(0.0), grey(4.9e-8));
+    assert_ne!(grey(0.0), grey(5.1e-8));
+    assert_eq!(grey(1.0), of(1.0, [0.1, 0.9, 1.0], density), "a colour that is no brighter than white");
+    assert_ne!(grey(1.0), of(1.0, [3.0; 3], density));
+    // What glows evenly counts with its brightness, where it absorbs anything.
+    let glowing = |extinction, brightness| {
+        of(extinction, [brightness; 3], OpticalModel::ConstantEmitter { cutoff: 0.01 })
+    };
+    assert_ne!(glowing(1e-9, 1.0), glowing(1e-9, 3.0));
+    assert_ne!(glowing(0.0, 1.0), glowing(1e-9, 1.0));
+}
+
+/// What adds nothing touches nothing, wherever it lies.
+#[test]
+fn widgets_without_extinction_touch_no_cell() {
+    let model = OpticalModel::DensityEmitter;
+    let none = Widget { extinction: 0.0, ..gaussian(0.1) };
+    let look = TransferFunction { model, unit_distance: 1.0, widgets: vec![none] };
+    assert!(!Support::new(&look).expect("valid").touches(&[0.5; 4], &[0.5; 4], &[], 1e-7));
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(600) })]
 
@@ -79,6 +114,7 @@ proptest! {
         constant in any::<bool>(),
         from in proptest::array::uniform4(0.001..1.0_f64),
         to in proptest::array::uniform4(0.001..1.0_f64),
+        share in 0.0..1.0_f64,
     ) {
         let model = if constant {
             OpticalModel::ConstantEmitter { cutoff: 0.01 }
@@ -102,6 +138,21 @@ proptest! {
         if bound > 0.0 {
             prop_assert!(support.touches(&s, &g, fields, bound * 0.999));
             prop_assert!(!support.touches(&s, &g, fields, bound * 1.001));
+        }
+        // Steps keep every cell that is kept without them, and a box that is covered has no other.
+        let stepped = support.clone().in_steps(bound * 0.999);
+        prop_assert!(bound == 0.0 || stepped.touches(&s, &g, fields, bound * 0.999));
+        let least = bound * share;
+        let over = |[low, high]: [f64; 2], x: &f64| [low.min(*x), high.max(*x)];
+        let ranges = [s, g].map(|values| values.iter().fold([f64::INFINITY, f64::NEG_INFINITY], over));
+        for support in [&support, &support.clone().in_steps(least)] {
+            if support.cover(&ranges, least).is_some() {
+                for s_at in s {
+                    for g_at in g {
+                        prop_assert!(support.touches(&[s_at; 4], &[g_at; 4], fields, least));
+                    }
+                }
+            }
         }
         for first in 0..3 {
             let toucher = support.toucher(first, &s, &g, fields, bound * 0.999);

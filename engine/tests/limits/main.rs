@@ -1,5 +1,6 @@
 //! What the engine leaves out or takes as equal, by numbers that its sources state: each is crossed here.
 
+mod kept;
 mod pictures;
 mod segments;
 
