@@ -27,7 +27,7 @@ const CHUNK: usize = 1 << 14;
 /// What is known of a volume between pictures: how far it reaches, its values' ranges, over blocks of cells too, which cells the
 /// last widgets touch, and where the last camera sees the points. A picture finds anew only what depends on what changed: where
 /// only the camera did, the cells that are touched stay; where only colours did, or extinctions by less than a factor of two, all of
-/// it. What is kept takes at most 4.5 bytes a cell and 25 a point.
+/// it. What is kept takes at most 5 bytes a cell and 25 a point.
 #[derive(Debug)]
 pub struct Known {
     volume: Arc<Volume>,

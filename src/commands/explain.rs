@@ -80,8 +80,8 @@ fn explained(document: &Document, plan: &Plan, unknown: &[usize], no_leave_out: 
         text += "Numbers relative to data are known with the data: `voltet info` of this file says what they become.\n";
     }
     if !no_leave_out {
-        text += "Left out once the data is known: cells and widgets that no value touches, cells out of view or under a \
-                 pixel's reach. `voltet run --no-leave-out` does everything, and says what that costs.\n";
+        text += "Left out once the data is known: cells and widgets that no value touches (or the asking, where a sample says \
+                 that it would not pay), cells out of view or under a pixel's reach. `voltet run --no-leave-out` does everything, and says what that costs.\n";
     }
     text
 }
