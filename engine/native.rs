@@ -138,7 +138,8 @@ impl Cells {
     pub fn note(&self, leave: MayLeaveOut, notes: &mut Notes) {
         if let Some(Sample { asked, dropped }) = self.not_worth_asking {
             let share = 100.0 * dropped as f64 / asked as f64;
-            let why = format!("not worth it: no widget touches {share:.1} % of {asked} cells spread over the grid");
+            let why =
+                format!("not worth it: no widget touches {share:.1} % of {asked} cells spread over the grid");
             notes.leave_out(leave, "culling by values", why, None);
         }
         for widget in &self.untouched {

@@ -60,7 +60,9 @@ impl Asked<'_> {
             return None;
         }
         // Most often there are many: one in 64 tells, without the blocks.
-        if let Some(&id) = ids.par_iter().step_by(64).with_min_len(256).find_any(|&&id| self.touches(widget, id)) {
+        if let Some(&id) =
+            ids.par_iter().step_by(64).with_min_len(256).find_any(|&&id| self.touches(widget, id))
+        {
             return Some(id);
         }
         let blocks = (self.blocks)();

@@ -21,9 +21,8 @@ impl Block {
     /// Those of a volume: block b of the cells from b times [`BLOCK`] on.
     pub fn every(volume: &Volume) -> Vec<Block> {
         let (s, g) = (volume.scalar.as_ref(), volume.gradient_magnitude.as_deref());
-        let of = |cells: &[[u32; 4]]| Block {
-            ranges: [range(s, cells), g.map_or([0.0; 2], |g| range(g, cells))],
-        };
+        let of =
+            |cells: &[[u32; 4]]| Block { ranges: [range(s, cells), g.map_or([0.0; 2], |g| range(g, cells))] };
         let mut blocks = Vec::new();
         let tetrahedra = volume.grid.tetrahedra.par_chunks(BLOCK).with_min_len(BLOCKS_AT_ONCE);
         tetrahedra.map(of).collect_into_vec(&mut blocks);

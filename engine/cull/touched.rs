@@ -58,8 +58,7 @@ impl Touched {
             (0..asked.support.widget_count()).map(|_| AtomicU32::new(NONE)).collect();
         let total = asked.tetrahedra.len();
         let sample = (total >= CELLS_TO_SAMPLE).then(|| sample(asked, &examples));
-        let not_worth_asking =
-            sample.filter(|sample| (sample.dropped as f64) < WORTH * sample.asked as f64);
+        let not_worth_asking = sample.filter(|sample| (sample.dropped as f64) < WORTH * sample.asked as f64);
         let cells = match not_worth_asking {
             Some(_) => (0..total as u32).collect(),
             None => ask(asked, &examples),

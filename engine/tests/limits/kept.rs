@@ -96,11 +96,13 @@ fn every_cell_that_is_touched_is_kept_and_hardly_another() {
         let support = Support::new(&look).expect("valid");
         let stepped = support.clone().in_steps(least);
         let g = volume.gradient_magnitude.as_ref().expect("has g");
-        let fields: Vec<_> = look.fields().iter().map(|name| &volume.grid.point_arrays[*name].values).collect();
+        let fields: Vec<_> =
+            look.fields().iter().map(|name| &volume.grid.point_arrays[*name].values).collect();
         let mut kept = cells.kept.iter().copied().peekable();
         for (id, corners) in volume.grid.tetrahedra.iter().enumerate() {
             let at = |values: &[f64]| corners.map(|p| values[p as usize]);
-            let (s, fields) = (at(&volume.scalar), fields.iter().map(|values| at(values)).collect::<Vec<_>>());
+            let (s, fields) =
+                (at(&volume.scalar), fields.iter().map(|values| at(values)).collect::<Vec<_>>());
             let g = if look.uses_gradient_magnitude() { at(g) } else { [0.0; 4] };
             let is_kept = kept.next_if_eq(&(id as u32)).is_some();
             let touched = |support: &Support| support.touches(&s, &g, &fields, least);
@@ -136,7 +138,9 @@ fn widgets_are_kept_that_the_view_shows() {
         target: DVec3::new(x, 0.5, 0.5),
         ..whole
     };
-    for (camera, untouched) in [(whole, vec![]), (part(0.02), vec![1]), (part(0.98), vec![0]), (whole, vec![])] {
+    for (camera, untouched) in
+        [(whole, vec![]), (part(0.02), vec![1]), (part(0.98), vec![0]), (whole, vec![])]
+    {
         let cells = known.cull(&look, &camera, &Silent).expect("culls");
         assert_eq!(cells.untouched, untouched, "from {}", camera.eye);
     }
