@@ -1,7 +1,5 @@
 //! The ways in which a device composites, and the choice among them.
 
-use crate::scene::Scene;
-use crate::shading::Order;
 use crate::{Error, Result};
 
 /// What takes a device's cells to the picture.
@@ -9,7 +7,8 @@ use crate::{Error, Result};
 pub enum Compositing {
     /// Compute passes over tiles of pixels.
     Tiles,
-    /// The cells' silhouettes, drawn farthest first and blended by the hardware: no exact order at every pixel.
+    /// The cells' silhouettes, drawn farthest first and blended by the hardware: in exact order where the cells have one along
+    /// their faces ([`crate::visibility::Faces`]); else tiles are taken.
     Raster,
     /// Each cell as three or four triangles round its thick vertex (Shirley and Tuchman 1990), drawn and blended likewise:
     /// what the hardware interpolates between corners is a little off.
@@ -25,8 +24,8 @@ impl Compositing {
         ),
         (
             "raster",
-            "cells sorted by centroid, drawn and blended by the hardware: for scenes that need no order, or \
-             order = \"centroid\" or \"none\"; what it gets wrong is not counted",
+            "cells in order, drawn and blended by the hardware: for scenes that need no order, in exact order where the cells \
+             have one along their faces, else by tiles; what order = \"centroid\" or \"none\" gets wrong is not counted",
         ),
         (
             "triangles",
@@ -47,28 +46,32 @@ impl Compositing {
     pub fn named(name: &str) -> Option<Compositing> {
         Compositing::ALL.into_iter().find(|one| one.name() == name)
     }
+}
 
-    /// Whether it carries out an order where the scene needs one: blending hardware knows no pixel's own.
-    pub fn has(self, order: Order) -> bool {
-        self == Compositing::Tiles || !matches!(order, Order::Exact | Order::Auto)
-    }
+/// How the exact order of what is blended is checked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum OrderCheck {
+    /// Not at all.
+    #[default]
+    None,
+    /// Some pixels are held against those of tiles.
+    Sample,
+    /// That, and at every pixel it is counted whether cells come out of their order.
+    Count,
+}
 
-    /// Refuses an order that the scene needs and this way does not have.
-    pub fn check(self, scene: &Scene) -> Result<()> {
-        self.check_order(scene.order, scene.needs_order())
-    }
+impl OrderCheck {
+    /// Each of them with its meaning, the usual one first.
+    pub const WORDS: [(&str, &str); 3] = [
+        ("sample", "256 pixels are held against those of tiles"),
+        ("count", "that, and every pixel at which cells are out of order is counted, in 64 bits on the CPU"),
+        ("none", "not at all"),
+    ];
 
-    /// The same before the scene is known; `needed`: whether it will need an order.
-    pub fn check_order(self, order: Order, needed: bool) -> Result<()> {
-        if needed && !self.has(order) {
-            return Err(Error::usage(format!(
-                "compositor = \"{}\" has no exact order at every pixel, and this scene needs one",
-                self.name()
-            ))
-            .found("order = \"exact\", or \"auto\", which is exact here")
-            .accepted("order = \"centroid\", an approximation; or compositor = \"tiles\""));
-        }
-        Ok(())
+    /// The one of that name.
+    pub fn named(name: &str) -> Option<OrderCheck> {
+        let all = [OrderCheck::Sample, OrderCheck::Count, OrderCheck::None];
+        OrderCheck::WORDS.iter().zip(all).find(|(word, _)| word.0 == name).map(|(_, check)| check)
     }
 }
 

@@ -1,5 +1,6 @@
 //! A picture and what it took.
 
+use super::compositing::Chosen;
 use crate::graph::Notes;
 use crate::picture::Picture;
 
@@ -12,6 +13,8 @@ pub struct Drawn {
     pub counts: Counts,
     /// What took how long, in the order of work; empty where nothing times it.
     pub stages: Vec<Timed>,
+    /// The way in which it was composited, where it is not the one that was asked for, and why.
+    pub instead: Option<Chosen>,
     /// What else there is to say: counts of this engine alone, what was left out, what the user should know.
     pub notes: Notes,
 }
@@ -19,7 +22,7 @@ pub struct Drawn {
 impl Drawn {
     /// A picture of which nothing is counted or noted yet.
     pub fn new(picture: Picture, stages: Vec<Timed>) -> Drawn {
-        Drawn { picture, counts: Counts::default(), stages, notes: Notes::default() }
+        Drawn { picture, counts: Counts::default(), stages, instead: None, notes: Notes::default() }
     }
 }
 

@@ -13,7 +13,7 @@ mod compositing;
 mod drawn;
 mod forms;
 
-pub use compositing::{Accumulation, Chosen, Compositing, Memory};
+pub use compositing::{Accumulation, Chosen, Compositing, Memory, OrderCheck};
 pub use drawn::{Counts, Drawn, Stage, Timed};
 pub use forms::{Answer, Chain, Condition, Conditions, Forms, PartialIntegrals, Precision};
 
@@ -127,6 +127,8 @@ pub struct Manner {
     pub compositing: Option<Compositing>,
     /// What blending hardware accumulates in.
     pub accumulation: Accumulation,
+    /// How the exact order of what hardware blends is checked.
+    pub order_check: OrderCheck,
     /// Leave to leave something out that the picture does not need: without it the engine does everything, for comparison, and
     /// the picture is the same.
     pub may_leave_out: Option<MayLeaveOut>,
@@ -137,6 +139,7 @@ impl Default for Manner {
         Manner {
             compositing: None,
             accumulation: Accumulation::Float,
+            order_check: OrderCheck::None,
             may_leave_out: Some(MayLeaveOut::GIVEN),
         }
     }
@@ -201,13 +204,32 @@ pub trait Engine: Send + Sync {
     }
 }
 
+/// A picture under way: others can be begun before it is taken.
+pub trait Pending: Send {
+    /// The picture, once it is there. Errors: those of [`Prepared::draw`].
+    fn collect(self: Box<Self>, progress: &dyn Progress) -> Result<Drawn>;
+}
+
+/// A picture that is there.
+impl Pending for Drawn {
+    fn collect(self: Box<Self>, _progress: &dyn Progress) -> Result<Drawn> {
+        Ok(*self)
+    }
+}
+
 /// A volume on an engine.
 pub trait Prepared: Send + Sync {
     /// Draws a scene of this volume.
     ///
-    /// Errors: what the engine does not serve or its device does not hold; an order that the way of compositing does not have;
-    /// a lost device; a stopped run.
+    /// Errors: what the engine does not serve or its device does not hold; a lost device; a stopped run.
     fn draw(&self, scene: &Scene, manner: &Manner, progress: &dyn Progress) -> Result<Drawn>;
+
+    /// Begins a picture. A device works on it while the caller does something else, and on several one after the other, so that it
+    /// need not wait for their way back; what it sends back is bounded, and a picture beyond that is drawn at once. Its passes are
+    /// not timed. Other engines draw at once. Errors: those of [`Prepared::draw`], here or when the picture is taken.
+    fn begin(&self, scene: &Scene, manner: &Manner, progress: &dyn Progress) -> Result<Box<dyn Pending>> {
+        Ok(Box::new(self.draw(scene, manner, progress)?))
+    }
 
     /// Floating-point operations of the compositor in a picture of the scene that had these counts, at least; `None` where they
     /// are not known. Errors: those of [`Prepared::draw`].

@@ -111,6 +111,7 @@ impl Notes {
         }
         self.warnings.extend(of_engine.warnings);
         self.counts.extend(of_engine.counts);
+        self.findings.extend(of_engine.findings);
     }
 
     /// Adds what was said while planning to what was said while running.

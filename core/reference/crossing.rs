@@ -92,7 +92,7 @@ fn edge(a: [f64; 3], b: [f64; 3]) -> f64 {
 }
 
 /// The exact sign of the edge function of a → b; 0 only where both project to the same point.
-fn edge_sign(a: [f64; 3], b: [f64; 3]) -> i8 {
+pub(crate) fn edge_sign(a: [f64; 3], b: [f64; 3]) -> i8 {
     let compare = |x: f64, y: f64| i8::from(x > y) - i8::from(x < y);
     // Rounding keeps order: if the rounded products differ, so do the exact ones.
     let (p, q) = (a[0] * b[1], a[1] * b[0]);

@@ -33,6 +33,7 @@ mod tracer;
 mod walk;
 mod wide;
 
+pub(crate) use crossing::edge_sign;
 pub use crossing::{Crossing, Ray};
 pub use referee::ENGINE;
 pub use segment::{Integrand, Tolerance, Workspace};

@@ -1,0 +1,170 @@
+//! Which cells meet at which faces, and on which side of them they lie: found once a grid, whatever it is seen from.
+
+use super::convex;
+use crate::grid::Grid;
+use crate::grid::faces::{Face, Places, each_face};
+use crate::grid::overlap::side;
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// No cell: beyond the face is none.
+pub(super) const NONE: u32 = u32::MAX;
+
+/// Cells of a chunk of work.
+pub(super) const CHUNK: usize = 1 << 12;
+
+/// The cells of a grid with their neighbours. Takes 18 bytes a cell.
+#[derive(Debug)]
+pub struct Faces {
+    /// For each corner of a cell the cell beyond the face opposite it; [`NONE`] at the boundary.
+    pub(super) neighbours: Vec<[u32; 4]>,
+    /// For each corner, two bits: which corner of that neighbour is opposite the same face.
+    theirs: Vec<u8>,
+    /// Whether the last corner lies on the side of the others that their normal, by the rule of the right hand, points to. Of
+    /// a cell without volume: as its neighbours would have it.
+    is_right_handed: Vec<bool>,
+    /// The faces of one cell alone: the cell, and which of its corners is opposite.
+    pub(super) outer: Vec<(u32, usize)>,
+    /// Faces of three cells and more.
+    pub(super) crowded: u64,
+    /// Faces with both cells on one side.
+    pub(super) folded: u64,
+    /// Whether no ray that leaves the grid meets it again.
+    pub(super) is_convex: bool,
+    /// The grid's diagonal.
+    pub(super) diagonal: f64,
+}
+
+/// What is found of a range of points.
+#[derive(Default)]
+struct Found {
+    /// A face of two cells, as each of them has it.
+    pairs: Vec<[Face; 2]>,
+    outer: Vec<Face>,
+    crowded: u64,
+}
+
+impl Faces {
+    /// Those of a grid.
+    pub fn of(grid: &Grid) -> Faces {
+        let (points, cells) = (&grid.points[..], &grid.tetrahedra[..]);
+        let places = Places::of(points);
+        let look = |found: &mut Found, _, shared: &[Face]| match *shared {
+            [face] => found.outer.push(face),
+            [a, b] => found.pairs.push([a, b]),
+            _ => found.crowded += 1,
+        };
+        let found = each_face(points, cells, &places, Found::default, look, |mut all, mut more| {
+            all.pairs.append(&mut more.pairs);
+            all.outer.append(&mut more.outer);
+            all.crowded += more.crowded;
+            all
+        });
+        let corner = |face: &Face| {
+            let corners = cells[face[2] as usize];
+            corners.iter().position(|&p| places.first(p) == face[3]).unwrap_or_default()
+        };
+        let mut neighbours = vec![[NONE; 4]; cells.len()];
+        let mut theirs = vec![0u8; cells.len()];
+        for [a, b] in &found.pairs {
+            for (own, other) in [(a, b), (b, a)] {
+                let (cell, k) = (own[2] as usize, corner(own));
+                neighbours[cell][k] = other[2];
+                theirs[cell] |= (corner(other) as u8) << (2 * k);
+            }
+        }
+        let mut outer: Vec<(u32, usize)> = found.outer.iter().map(|face| (face[2], corner(face))).collect();
+        outer.sort_unstable();
+        let diagonal = grid.bounds().map_or(0.0, |[low, high]| (high - low).length());
+        let mut faces = Faces {
+            neighbours,
+            theirs,
+            is_right_handed: Vec::new(),
+            outer,
+            crowded: found.crowded,
+            folded: 0,
+            is_convex: false,
+            diagonal,
+        };
+        faces.orient(points, cells, &places);
+        faces.is_convex = convex::is_convex(&faces, points, cells, &places);
+        faces
+    }
+
+    /// Which corner of the neighbour beyond the face opposite corner `k` is opposite the same face.
+    pub(super) fn theirs(&self, cell: u32, k: usize) -> usize {
+        usize::from(self.theirs[cell as usize] >> (2 * k)) & 3
+    }
+
+    /// Whether the cell lies on the side of its face opposite corner `k` to which the normal of [`face_of`] points.
+    pub(super) fn is_at_normal(&self, cell: u32, k: usize) -> bool {
+        // Each corner on takes the others once more out of their turn.
+        self.is_right_handed[cell as usize] == (k % 2 == 1)
+    }
+
+    /// Finds the cells' hands, and the faces that are folded.
+    fn orient(&mut self, points: &[DVec3], cells: &[[u32; 4]], places: &Places) {
+        let hand = |&cell: &[u32; 4]| {
+            let [a, b, c, d] = cell.map(|p| points[p as usize]);
+            side((b - a).cross(c - a), d - a)
+        };
+        let mut hands: Vec<f64> = cells.par_iter().with_min_len(CHUNK).map(hand).collect();
+        // Whether two cells count the corners of a face that they share alike, or the other way round.
+        let counts_alike = |cell: u32, k: usize, other: u32, r: usize| {
+            let [own, other] = [(cell, k), (other, r)]
+                .map(|(cell, k)| face_of(cells[cell as usize], k).map(|p| places.first(p)));
+            (0..3).any(|turn| (0..3).all(|i| own[i] == other[(i + turn) % 3]))
+        };
+        // What the other cell of a face has for a hand where this one has 1.
+        let beyond = |faces: &Faces, cell: u32, k: usize| {
+            let (other, r) = (faces.neighbours[cell as usize][k], faces.theirs(cell, k));
+            let same = (k % 2 == r % 2) == counts_alike(cell, k, other, r);
+            (other, if same { -1.0 } else { 1.0 })
+        };
+        // Cells without volume take it from a neighbour that has it, from cell to cell.
+        let flat = |hands: &[f64], cell: &u32| hands[*cell as usize] == 0.0;
+        let mut open: Vec<u32> = (0..cells.len() as u32).filter(|cell| flat(&hands, cell)).collect();
+        while !open.is_empty() {
+            let before = open.len();
+            open.retain(|&cell| {
+                let known = (0..4).filter(|&k| self.neighbours[cell as usize][k] != NONE).find_map(|k| {
+                    let (other, factor) = beyond(self, cell, k);
+                    (hands[other as usize] != 0.0).then(|| hands[other as usize] * factor)
+                });
+                hands[cell as usize] = known.unwrap_or(0.0);
+                known.is_none()
+            });
+            if open.len() == before {
+                // Nothing but cells without volume, which draw nothing.
+                break;
+            }
+        }
+        self.folded = (0..cells.len() as u32)
+            .into_par_iter()
+            .with_min_len(CHUNK)
+            .map(|cell| {
+                let later = |k: &usize| {
+                    let other = self.neighbours[cell as usize][*k];
+                    other != NONE && cell < other
+                };
+                let is_folded = |k: &usize| {
+                    let (other, factor) = beyond(self, cell, *k);
+                    hands[cell as usize] * factor * hands[other as usize] < 0.0
+                };
+                (0..4).filter(later).filter(is_folded).count() as u64
+            })
+            .sum();
+        self.is_right_handed = hands.into_iter().map(|hand| hand > 0.0).collect();
+    }
+}
+
+/// The corners of the face opposite corner `k`, as the cell counts them.
+#[inline]
+pub(super) fn face_of([a, b, c, d]: [u32; 4], k: usize) -> [u32; 3] {
+    match k {
+        0 => [b, c, d],
+        1 => [a, c, d],
+        2 => [a, b, d],
+        _ => [a, b, c],
+    }
+}

@@ -1,0 +1,274 @@
+//! The order of cells along their faces (Williams, Visibility-ordering meshed polyhedra, 1992: MPVO), and across gaps.
+//!
+//! Of two cells that share a face the one on the eye's side of its plane comes first. Along a ray that stays in the grid every cell
+//! is followed by one with which it shares a face, so an order that keeps all these relations, and those across the gaps of a
+//! grid that is not convex, is exact at every pixel. Relations that lead round in a circle have none; those that no pixel's ray
+//! bears out, since it crosses no such face, are taken out of the circles first.
+
+use super::faces::{CHUNK, Faces, NONE, face_of};
+use super::gaps::{Gaps, gaps};
+use super::rays::Rays;
+use crate::Result;
+use crate::camera::{Camera, Projection};
+use crate::grid::Grid;
+use glam::DVec3;
+use rayon::prelude::*;
+use std::fmt;
+
+/// An eye within this share of the plane of a face, by rounding of the face's normal, sees it as a line: no ray crosses it.
+const EDGE_ON: f64 = 1e-14;
+
+/// An order of all cells of a grid for one camera, exact at every sample of its pixels.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct FaceOrder {
+    /// The cells, nearest first.
+    pub cells: Vec<u32>,
+    /// Relations between cells across gaps of the grid.
+    pub across_gaps: usize,
+    /// Relations along faces that led round in a circle, and that no pixel's ray bears out.
+    pub taken_out: usize,
+}
+
+/// Why a grid has no order of its cells that is known to be exact.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum WhyNot {
+    /// So many faces have three cells or more.
+    Crowded(u64),
+    /// So many faces have both cells on one side.
+    Folded(u64),
+    /// So many pixels' rays meet parts of the grid that lie in each other, or a boundary that is not closed.
+    Unclear(u64),
+    /// So many cells hide each other in circles, or lie between such.
+    Cyclic(usize),
+}
+
+impl fmt::Display for WhyNot {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            WhyNot::Crowded(count) => write!(f, "{count} faces have more than two cells"),
+            WhyNot::Folded(count) => write!(f, "the cells of {count} faces lie on one side of them"),
+            WhyNot::Unclear(count) => write!(f, "parts of the grid lie in each other at {count} pixels"),
+            WhyNot::Cyclic(count) => write!(f, "{count} cells hide each other in circles"),
+        }
+    }
+}
+
+/// What the eye says of a face, two bits: nothing where it sees it as a line.
+const FIRST: u8 = 1;
+const SECOND: u8 = 2;
+
+impl Faces {
+    /// Whether an order of which no relation was taken out serves every picture from the same eye: so it is without gaps.
+    pub fn needs_eye_alone(&self) -> bool {
+        self.is_convex
+    }
+
+    /// The order of all cells of the grid, which these are the faces of, as a camera sees them; or why none is known.
+    ///
+    /// Errors: a camera out of range.
+    pub fn order(&self, grid: &Grid, camera: &Camera) -> Result<std::result::Result<FaceOrder, WhyNot>> {
+        let forward = camera.frame()?.forward;
+        if self.crowded > 0 {
+            return Ok(Err(WhyNot::Crowded(self.crowded)));
+        }
+        if self.folded > 0 {
+            return Ok(Err(WhyNot::Folded(self.folded)));
+        }
+        let (points, cells) = (&grid.points[..], &grid.tetrahedra[..]);
+        let Gaps { relations, unclear } = match self.is_convex {
+            true => Gaps::default(),
+            false => gaps(self, points, cells, camera)?,
+        };
+        if unclear > 0 {
+            return Ok(Err(WhyNot::Unclear(unclear)));
+        }
+        let eye = match camera.projection {
+            Projection::Perspective { .. } => Eye::At(camera.eye),
+            Projection::Orthographic { .. } => Eye::Towards(-forward),
+        };
+        let mut relations =
+            Relations { faces: self, along: self.along(points, cells, eye), across: relations };
+        let mut order = Vec::with_capacity(cells.len());
+        let mut left = relations.sort(&mut order);
+        let mut taken_out = 0;
+        if !left.is_empty() {
+            taken_out = relations.take_out(&left, points, cells, &Rays::of(camera)?);
+            left = relations.sort_rest(&left, &mut order);
+        }
+        Ok(match left.len() {
+            0 => Ok(FaceOrder { cells: order, across_gaps: relations.across.len(), taken_out }),
+            _ => Err(WhyNot::Cyclic(relations.in_circles(&left).len())),
+        })
+    }
+
+    /// For each cell and its faces to cells of higher numbers, which of the two comes first.
+    fn along(&self, points: &[DVec3], cells: &[[u32; 4]], eye: Eye) -> Vec<u8> {
+        let of_cell = |(cell, neighbours): (usize, &[u32; 4])| {
+            let mut along = 0;
+            for (k, &other) in neighbours.iter().enumerate() {
+                if other == NONE || (other as usize) < cell {
+                    continue;
+                }
+                let height = eye.height(face_of(cells[cell], k).map(|p| points[p as usize]));
+                if height != 0.0 {
+                    let is_first = (height > 0.0) == self.is_at_normal(cell as u32, k);
+                    along |= (if is_first { FIRST } else { SECOND }) << (2 * k);
+                }
+            }
+            along
+        };
+        self.neighbours.par_iter().enumerate().with_min_len(CHUNK).map(of_cell).collect()
+    }
+}
+
+/// What rays come from.
+#[derive(Clone, Copy)]
+enum Eye {
+    At(DVec3),
+    /// Parallel rays: the direction towards the eye.
+    Towards(DVec3),
+}
+
+impl Eye {
+    /// Above 0 on the side of a triangle that its normal points to; 0 where rounding could turn it.
+    fn height(self, [a, b, c]: [DVec3; 3]) -> f64 {
+        let [u, v] = [b - a, c - a];
+        let towards = match self {
+            Eye::At(eye) => eye - a,
+            Eye::Towards(direction) => direction,
+        };
+        let height = u.cross(v).dot(towards);
+        // The largest of the products that were summed.
+        let sum = u.abs().max_element() * v.abs().max_element() * towards.abs().max_element();
+        if height.abs() > EDGE_ON * sum { height } else { 0.0 }
+    }
+}
+
+/// Which cells come before which.
+struct Relations<'a> {
+    faces: &'a Faces,
+    /// See [`Faces::along`].
+    along: Vec<u8>,
+    /// The first before the second, ascending.
+    across: Vec<[u32; 2]>,
+}
+
+impl Relations<'_> {
+    /// What is known of a face: 1 if this cell comes first, 2 if the other does.
+    #[inline]
+    fn known(&self, cell: u32, k: usize) -> u8 {
+        let other = self.faces.neighbours[cell as usize][k];
+        if other == NONE {
+            return 0;
+        }
+        match cell < other {
+            true => (self.along[cell as usize] >> (2 * k)) & 3,
+            false => {
+                let known = (self.along[other as usize] >> (2 * self.faces.theirs(cell, k))) & 3;
+                // The other way round: 1 and 2 change places.
+                (3 - known) % 3
+            }
+        }
+    }
+
+    /// The cells that come behind this one by a face or a gap.
+    #[inline]
+    fn each_behind(&self, cell: u32, mut take: impl FnMut(u32)) {
+        for k in 0..4 {
+            if self.known(cell, k) == FIRST {
+                take(self.faces.neighbours[cell as usize][k]);
+            }
+        }
+        if !self.across.is_empty() {
+            let from = self.across.partition_point(|pair| pair[0] < cell);
+            self.across[from..].iter().take_while(|pair| pair[0] == cell).for_each(|pair| take(pair[1]));
+        }
+    }
+
+    /// Puts cells behind all that come before them (Kahn, Topological sorting of large networks, 1962). Gives those that it
+    /// cannot place: in circles, or behind such.
+    fn sort(&self, order: &mut Vec<u32>) -> Vec<u32> {
+        let count = self.along.len() as u32;
+        let before = |cell: u32| (0..4).filter(|&k| self.known(cell, k) == SECOND).count() as u32;
+        let mut before: Vec<u32> = (0..count).into_par_iter().with_min_len(CHUNK).map(before).collect();
+        self.across.iter().for_each(|pair| before[pair[1] as usize] += 1);
+        self.place((0..count).rev(), &mut before, order);
+        (0..count).filter(|&cell| before[cell as usize] > 0).collect()
+    }
+
+    /// The same for those that could not be placed before.
+    fn sort_rest(&self, rest: &[u32], order: &mut Vec<u32>) -> Vec<u32> {
+        let mut before = vec![0; self.along.len()];
+        rest.iter().for_each(|&cell| self.each_behind(cell, |other| before[other as usize] += 1));
+        self.place(rest.iter().rev().copied(), &mut before, order);
+        rest.iter().copied().filter(|&cell| before[cell as usize] > 0).collect()
+    }
+
+    /// Places these cells and those behind them, as soon as nothing is `before` them that has no place.
+    fn place(&self, cells: impl Iterator<Item = u32>, before: &mut [u32], order: &mut Vec<u32>) {
+        let mut ready: Vec<u32> = cells.filter(|&cell| before[cell as usize] == 0).collect();
+        while let Some(cell) = ready.pop() {
+            order.push(cell);
+            self.each_behind(cell, |other| {
+                before[other as usize] -= 1;
+                if before[other as usize] == 0 {
+                    ready.push(other);
+                }
+            });
+        }
+    }
+
+    /// Of cells of which each has one before it, those that have one behind them, too, and so on: the circles, and what is
+    /// between them.
+    fn in_circles(&self, left: &[u32]) -> Vec<u32> {
+        let mut is_in = vec![false; self.along.len()];
+        left.iter().for_each(|&cell| is_in[cell as usize] = true);
+        let mut behind = vec![0u32; self.along.len()];
+        let mut before: Vec<[u32; 2]> = Vec::new();
+        for &cell in left {
+            self.each_behind(cell, |other| {
+                if is_in[other as usize] {
+                    behind[cell as usize] += 1;
+                    before.push([other, cell]);
+                }
+            });
+        }
+        before.sort_unstable();
+        let mut ready: Vec<u32> = left.iter().copied().filter(|&cell| behind[cell as usize] == 0).collect();
+        while let Some(cell) = ready.pop() {
+            is_in[cell as usize] = false;
+            let from = before.partition_point(|pair| pair[0] < cell);
+            for pair in before[from..].iter().take_while(|pair| pair[0] == cell) {
+                behind[pair[1] as usize] -= 1;
+                if behind[pair[1] as usize] == 0 {
+                    ready.push(pair[1]);
+                }
+            }
+        }
+        left.iter().copied().filter(|&cell| is_in[cell as usize]).collect()
+    }
+
+    /// Takes the relations out of circles that no pixel's ray bears out, since none crosses the face. Gives how many.
+    fn take_out(&mut self, left: &[u32], points: &[DVec3], cells: &[[u32; 4]], samples: &[Rays]) -> usize {
+        let circles = self.in_circles(left);
+        let mut is_in = vec![false; self.along.len()];
+        circles.iter().for_each(|&cell| is_in[cell as usize] = true);
+        let idle = |&cell: &u32| {
+            let neighbours = self.faces.neighbours[cell as usize];
+            let inner = |k: &usize| {
+                let other = neighbours[*k];
+                other != NONE && cell < other && is_in[other as usize] && self.known(cell, *k) != 0
+            };
+            let is_crossed = |k: usize| {
+                let corners = face_of(cells[cell as usize], k).map(|p| points[p as usize]);
+                samples.iter().any(|rays| rays.meet(corners))
+            };
+            (0..4).filter(inner).filter(|&k| !is_crossed(k)).map(|k| (cell, k)).collect::<Vec<_>>()
+        };
+        let idle: Vec<(u32, usize)> = circles.par_iter().flat_map_iter(idle).collect();
+        for &(cell, k) in &idle {
+            self.along[cell as usize] &= !(3 << (2 * k));
+        }
+        idle.len()
+    }
+}
