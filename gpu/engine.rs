@@ -1,21 +1,26 @@
 //! The device engine as one of the program's engines.
 
 use crate::device::adapter::Adapters;
-use crate::device::open::Device;
+use crate::device::open::{Device, Work};
+use crate::frame::checked::Checked;
 use crate::frame::draw::{self, draw};
+use crate::frame::flight;
 use crate::frame::limits;
 use crate::frame::renderer::Renderer;
 use crate::measure::segments::Segments;
 use crate::measure::{compositors, operations};
+use serde_json::json;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use voltet_core::Result;
 use voltet_core::engine::{
-    AdapterWish, Chosen, Compositing, Counts, Declaration, Drawn, Engine, Forms, Manner, Memory, Prepared,
+    AdapterWish, Chosen, Compositing, Counts, Declaration, Drawn, Engine, Forms, Manner, Memory, Pending,
+    Prepared,
 };
 use voltet_core::graph::{Notes, Saving};
 use voltet_core::progress::Progress;
 use voltet_core::scene::Scene;
+use voltet_core::visibility::FaceOrder;
 use voltet_core::volume::Volume;
 use voltet_shaders::compose;
 
@@ -71,7 +76,7 @@ impl Engine for OnDevice {
         let before = self.device.work().uploads;
         let renderer = Renderer::new(self.device.clone(), volume)?;
         let uploads = AtomicU64::new(self.device.work().uploads - before);
-        Ok(Arc::new(Uploaded { renderer, uploads }))
+        Ok(Arc::new(Uploaded { renderer: Arc::new(renderer), uploads }))
     }
 
     fn forms(&self) -> Option<Box<dyn Forms>> {
@@ -93,7 +98,7 @@ impl Engine for OnDevice {
 
 /// A volume on the device.
 struct Uploaded {
-    renderer: Renderer,
+    renderer: Arc<Renderer>,
     /// Arrays that were uploaded and are not counted with any picture yet.
     uploads: AtomicU64,
 }
@@ -103,14 +108,14 @@ impl Prepared for Uploaded {
         let device = self.renderer.device();
         let before = device.work();
         let drawn = draw(&self.renderer, scene, manner, progress)?;
-        let after = device.work();
-        let mut notes = notes(device, &drawn, manner);
-        notes.counts.insert("shader_builds", after.shader_builds - before.shader_builds);
-        let uploads = self.uploads.swap(0, Ordering::Relaxed) + after.uploads - before.uploads;
-        notes.counts.insert("uploads", uploads);
-        notes.counts.insert("bytes_uploaded", after.bytes_uploaded - before.bytes_uploaded);
-        let counts = drawn.counts.of_engine(manner);
-        Ok(Drawn { counts, picture: drawn.picture, stages: drawn.passes, notes })
+        Ok(of_engine(device, drawn, manner, self.since(before)))
+    }
+
+    fn begin(&self, scene: &Scene, manner: &Manner, progress: &dyn Progress) -> Result<Box<dyn Pending>> {
+        let before = self.renderer.device().work();
+        let begun = flight::begin(&self.renderer, scene, manner, progress)?;
+        let (device, work) = (self.renderer.device().clone(), self.since(before));
+        Ok(Box::new(UnderWay { device, begun, manner: *manner, work }))
     }
 
     fn operations(&self, scene: &Scene, manner: &Manner, counts: &Counts) -> Result<Option<u64>> {
@@ -120,11 +125,57 @@ impl Prepared for Uploaded {
     }
 }
 
+impl Uploaded {
+    /// What was done since, with the arrays that no picture has counted.
+    fn since(&self, before: Work) -> Work {
+        let after = self.renderer.device().work();
+        Work {
+            shader_builds: after.shader_builds - before.shader_builds,
+            uploads: self.uploads.swap(0, Ordering::Relaxed) + after.uploads - before.uploads,
+            bytes_uploaded: after.bytes_uploaded - before.bytes_uploaded,
+        }
+    }
+}
+
+/// A frame that was begun, with what was done for it.
+struct UnderWay {
+    device: Arc<Device>,
+    begun: flight::Begun,
+    manner: Manner,
+    work: Work,
+}
+
+impl Pending for UnderWay {
+    fn collect(self: Box<Self>, progress: &dyn Progress) -> Result<Drawn> {
+        let drawn = self.begun.collect(progress)?;
+        Ok(of_engine(&self.device, drawn, &self.manner, self.work))
+    }
+}
+
+/// A picture of the device as every engine gives it.
+fn of_engine(device: &Device, drawn: draw::Drawn, manner: &Manner, work: Work) -> Drawn {
+    let mut notes = notes(device, &drawn, manner);
+    notes.counts.insert("shader_builds", work.shader_builds);
+    notes.counts.insert("uploads", work.uploads);
+    notes.counts.insert("bytes_uploaded", work.bytes_uploaded);
+    let counts = drawn.counts.of_engine(manner);
+    let compositing = Compositing::Tiles;
+    let instead = drawn.tiles_instead.map(|why| Chosen { compositing, why, measured_secs: None });
+    Drawn { counts, picture: drawn.picture, stages: drawn.passes, instead, notes }
+}
+
 /// What only this engine counts and leaves out, and what should be known of the device.
 fn notes(device: &Device, drawn: &draw::Drawn, manner: &Manner) -> Notes {
     let mut notes = Notes::default();
     notes.counts.insert("tile_entries", drawn.counts.tile_entries);
     notes.counts.insert("sweeps_further", drawn.counts.sweeps_further);
+    if let Some(along_faces) = &drawn.along_faces {
+        note_order(&mut notes, along_faces);
+    }
+    if let (Some(why), Some(asked)) = (&drawn.tiles_instead, manner.compositing) {
+        let asked = asked.name();
+        notes.warnings.push(format!("drawn by tiles, in place of compositor = \"{asked}\": {why}"));
+    }
     if drawn.blended_in_16_bits {
         let off = "what it draws may be off by some thousandths; compositor = \"tiles\" has 32 bits";
         notes.warnings.push(format!("{} blends no 32-bit floats: {off}", device.name));
@@ -135,6 +186,33 @@ fn notes(device: &Device, drawn: &draw::Drawn, manner: &Manner) -> Notes {
         notes.leave_out(leave, what, "the scene asks for nothing of the kind", Some(saving));
     }
     notes
+}
+
+/// What is known of an exact order that was blended.
+fn note_order(notes: &mut Notes, draw::AlongFaces { order, checked }: &draw::AlongFaces) {
+    let FaceOrder { cells, across_gaps, taken_out } = &**order;
+    let mut said = format!("{} cells blended in exact order along their faces", cells.len());
+    if *across_gaps > 0 {
+        said += &format!(", and across the gaps of the grid ({across_gaps} pairs of cells)");
+    }
+    if *taken_out > 0 {
+        said += &format!("; {taken_out} faces in circles are crossed by no pixel's ray");
+    }
+    let mut figures = json!({ "across_gaps": across_gaps, "taken_out": taken_out });
+    if let Some(Checked { pixels, largest, disordered, without_tiles }) = checked {
+        match without_tiles {
+            None => {
+                said += &format!("; {pixels} pixels differ by at most {largest:.1e} from those of tiles");
+                figures["pixels_checked"] = json!(pixels);
+                figures["largest_difference"] = json!(largest);
+            }
+            Some(why) => notes.warnings.push(format!("the order was not held against tiles: {why}")),
+        }
+        if let Some(count) = disordered {
+            said += &format!("; cells are out of order at {count} pixels");
+        }
+    }
+    notes.find(said, json!({ "order_along_faces": figures }));
 }
 
 impl draw::Counts {

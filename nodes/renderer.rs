@@ -26,7 +26,7 @@ pub const NODE: Node = Node {
     ..Node::BLANK
 };
 
-const PARAMETERS: [Parameter; 14] = {
+const PARAMETERS: [Parameter; 15] = {
     let [integrator, overlap, segments, tolerance, table_size, oversampling, planes, silhouette, light] =
         drawing::PARAMETERS;
     [
@@ -35,6 +35,7 @@ const PARAMETERS: [Parameter; 14] = {
         drawing::COMPOSITOR,
         drawing::ACCUMULATION,
         drawing::ORDER,
+        drawing::ORDER_CHECK,
         integrator,
         overlap,
         segments,

@@ -450,6 +450,9 @@ pub struct Time {
     /// Degrees that the camera turns about its target before each frame.
     #[arg(long, value_name = "DEGREES", default_value_t = 1.0, allow_negative_numbers = true)]
     pub turn: f64,
+    /// Frames of a device that are in flight at a time, in the column that says how fast they follow each other; 1 leaves it out.
+    #[arg(long, value_name = "N", default_value_t = 2)]
+    pub in_flight: usize,
 }
 
 #[derive(Debug, Args)]

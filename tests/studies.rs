@@ -53,7 +53,7 @@ fn a_stopped_study_keeps_the_finished_settings_and_the_reference() {
         engines: Engines::One(voltet::nodes::drawing::NATIVE),
         adapter: None,
         refine: 0,
-        frames: Frames { count: 1, patience: Duration::ZERO, turn: 0.0 },
+        frames: Frames { count: 1, patience: Duration::ZERO, turn: 0.0, in_flight: 1 },
         measure: Measure::Maximum,
         max_error: Some(0.1),
     };

@@ -4,7 +4,7 @@ use crate::device::open::Device;
 use std::sync::atomic::Ordering;
 use std::sync::mpsc;
 use voltet_core::{Error, Result};
-use wgpu::BufferUsages;
+use wgpu::{BufferUsages, SubmissionIndex};
 
 /// Bytes in a mebibyte.
 const MEBIBYTE: f64 = (1u64 << 20) as f64;
@@ -74,21 +74,60 @@ impl Device {
     /// The content of buffers that can be mapped, once all that was submitted is done.
     pub(crate) fn read<T>(
         &self,
-        what: &str,
+        what: &'static str,
         buffer: &wgpu::Buffer,
         bytes: u64,
         take: impl FnOnce(&[u8]) -> T,
     ) -> Result<T> {
-        let (sender, receiver) = mpsc::channel();
+        self.send(what, buffer, bytes, None).take(self, take)
+    }
+
+    /// Asks for the content of a buffer that can be mapped, as it is when what was submitted before is done. Does not wait.
+    /// `after`: the submission that writes it, so that none behind it is waited for.
+    pub(crate) fn send(
+        &self,
+        what: &'static str,
+        buffer: &wgpu::Buffer,
+        bytes: u64,
+        after: Option<SubmissionIndex>,
+    ) -> Sent {
+        let (sender, outcome) = mpsc::channel();
         buffer.slice(..bytes).map_async(wgpu::MapMode::Read, move |outcome| {
-            // The receiver waits below for as long as the sender lives.
+            // Nobody waits for it where the frame is given up.
             let _ = sender.send(outcome);
         });
-        self.wait(what)?;
+        Sent { what, buffer: buffer.clone(), bytes, after, outcome }
+    }
+}
+
+/// The content of a buffer on its way back.
+pub(crate) struct Sent {
+    what: &'static str,
+    buffer: wgpu::Buffer,
+    bytes: u64,
+    after: Option<SubmissionIndex>,
+    outcome: mpsc::Receiver<std::result::Result<(), wgpu::BufferAsyncError>>,
+}
+
+impl Sent {
+    /// Takes the content, once it is there. Errors: a lost device.
+    pub fn take<T>(self, device: &Device, take: impl FnOnce(&[u8]) -> T) -> Result<T> {
+        let Sent { what, buffer, bytes, after, outcome } = self;
         let failed = |why: &dyn std::fmt::Display| {
-            Error::run(format!("{} does not give back {what}", self.name)).found(why)
+            Error::run(format!("{} does not give back {what}", device.name)).found(why)
         };
-        receiver.recv().map_err(|why| failed(&why))?.map_err(|why| failed(&why))?;
+        // What has come needs no waiting for.
+        let _ = device.device.poll(wgpu::PollType::Poll);
+        let come = match outcome.try_recv() {
+            Ok(come) => Ok(come),
+            Err(_) => {
+                device.wait(what, after)?;
+                // Another thread that waits may be about to say so.
+                outcome.recv()
+            }
+        };
+        device.check(what)?;
+        come.map_err(|why| failed(&why))?.map_err(|why| failed(&why))?;
         let taken = {
             let view = buffer.slice(..bytes).get_mapped_range().map_err(|why| failed(&why))?;
             take(&view)

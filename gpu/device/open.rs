@@ -189,9 +189,9 @@ impl Device {
         self.lost.lock().unwrap_or_else(PoisonError::into_inner).is_some()
     }
 
-    /// Waits until all that was submitted is done.
-    pub(crate) fn wait(&self, what: &str) -> Result<()> {
-        let waited = self.device.poll(wgpu::PollType::wait_indefinitely());
+    /// Waits until a submission is done; without one, all that was submitted.
+    pub(crate) fn wait(&self, what: &str, submission_index: Option<wgpu::SubmissionIndex>) -> Result<()> {
+        let waited = self.device.poll(wgpu::PollType::Wait { submission_index, timeout: None });
         self.check(what)?;
         waited
             .map(drop)

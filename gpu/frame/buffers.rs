@@ -5,6 +5,13 @@ use crate::grid::parts::GrowingParts;
 use crate::pass::tables::Tables;
 use crate::raster::blended::RasterBuffers;
 
+/// What a frame comes back by.
+#[derive(Default)]
+pub(crate) struct Returning {
+    pub picture: Growing,
+    pub counts: Growing,
+}
+
 /// Buffers that stay between frames.
 #[derive(Default)]
 pub(crate) struct FrameBuffers {
@@ -14,8 +21,12 @@ pub(crate) struct FrameBuffers {
     pub entries: Growing,
     pub picture: Growing,
     pub counts: Growing,
-    pub returned: Growing,
-    pub returned_counts: Growing,
+    /// What frames come back by that are drawn one at a time.
+    pub returned: Returning,
+    /// The same for frames in flight; those that none flies by.
+    pub landed: Vec<Returning>,
+    /// Frames in flight.
+    pub in_flight: usize,
     pub tables: Tables,
     pub raster: RasterBuffers,
     /// Work of a tile in one dispatch, as far as former frames of the grid have come.

@@ -1,21 +1,26 @@
 //! Draws a volume on a device.
 
 use crate::device::bindings::compositor_buffers;
+use crate::frame::checked::Checked;
 use crate::frame::inputs::FrameInputs;
 use crate::frame::renderer::Renderer;
-use crate::frame::{count, limits, support, view};
+use crate::frame::windows::Returned;
+use crate::frame::{checked, count, limits, support, view};
 use crate::grid::axes::{axis, offset_parts};
 use crate::grid::parts::Sizes;
 use crate::grid::uploaded::{DeviceGrid, Quantity};
 use crate::pass::tables::TableKey;
-use voltet_core::Result;
-use voltet_core::engine::{Accumulation, Compositing, Manner, Timed};
+use std::sync::Arc;
+use std::time::Instant;
+use voltet_core::engine::{Accumulation, Compositing, Manner, Stage, Timed};
 use voltet_core::optics::integrators::Extent;
 use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
 use voltet_core::scene::Scene;
 use voltet_core::shading::{Order, Shading};
 use voltet_core::transfer::TransferFunction;
+use voltet_core::visibility::FaceOrder;
+use voltet_core::{Error, Result};
 use voltet_shaders::{
     Axis, Blend, Choices, Combine, Compositor, Parameters, Shader, TileOrder, ViewRecord, compose,
     table_lengths,
@@ -36,6 +41,19 @@ pub struct Drawn {
     pub part_bytes_left_out: u64,
     /// Whether pixels were blended in 16-bit floats, since the device blends none of 32 bits.
     pub blended_in_16_bits: bool,
+    /// Where cells were blended in exact order: what was found of the order, and of the check.
+    pub along_faces: Option<AlongFaces>,
+    /// Why tiles composited in place of what blends, where they did.
+    pub tiles_instead: Option<String>,
+}
+
+/// The exact order of a picture that was blended.
+#[derive(Debug, Clone)]
+pub struct AlongFaces {
+    /// The order.
+    pub order: Arc<FaceOrder>,
+    /// What the check found, where one was asked for.
+    pub checked: Option<Checked>,
 }
 
 /// Counts of a picture, over all samples.
@@ -64,11 +82,98 @@ pub struct Counts {
     pub cells_hidden: u64,
 }
 
-/// Draws a scene of the volume that `renderer` was made from.
+/// Draws a scene of the volume that `renderer` was made from. What blends draws an exact order where the cells have one along
+/// their faces, and where the check that is asked for bears it out; else tiles do.
 ///
-/// Errors: what the device has no shader for, cannot hold in 32 bits, or has more parts than it binds; an order that the
-/// compositor does not have; memory; a lost device; a stopped run.
+/// Errors: what the device has no shader for, cannot hold in 32 bits, or has more parts than it binds; memory; a lost device; a
+/// stopped run.
 pub fn draw(renderer: &Renderer, scene: &Scene, manner: &Manner, progress: &dyn Progress) -> Result<Drawn> {
+    match plan(renderer, scene, manner)? {
+        Plan::AsAsked => inputs(renderer, scene, manner, None)?.draw(scene, manner, progress),
+        Plan::AlongFaces(order) => {
+            let drawn = inputs(renderer, scene, manner, Some(&order.0))?.draw(scene, manner, progress)?;
+            check(renderer, scene, manner, order, drawn, progress)
+        }
+        Plan::Tiles(why) => tiles_instead(renderer, scene, manner, why, progress),
+    }
+}
+
+/// An order, and the seconds that it took to find where it was not there.
+pub(crate) type Ordered = (Arc<FaceOrder>, Option<f64>);
+
+/// How a scene is drawn.
+pub(crate) enum Plan {
+    AsAsked,
+    AlongFaces(Ordered),
+    /// By tiles, and why.
+    Tiles(String),
+}
+
+/// Finds out how a scene is drawn. Errors: what no device has a shader for; a camera out of range.
+pub(crate) fn plan(renderer: &Renderer, scene: &Scene, manner: &Manner) -> Result<Plan> {
+    let is_exact = matches!(scene.order, Order::Exact | Order::Auto) && scene.needs_order();
+    if compositing(manner) == Compositing::Tiles || !is_exact {
+        return Ok(Plan::AsAsked);
+    }
+    limits::can_serve(&scene.transfer_function, &scene.shading)?;
+    let (found, seconds) = renderer.along_faces(scene)?;
+    Ok(match found {
+        Ok(order) => Plan::AlongFaces((order, seconds)),
+        Err(why) => Plan::Tiles(format!("no order along the faces of the cells is exact: {why}")),
+    })
+}
+
+/// Checks what was blended in an order, as the manner asks for; where it is wrong, tiles draw it.
+pub(crate) fn check(
+    renderer: &Renderer,
+    scene: &Scene,
+    manner: &Manner,
+    (order, seconds): Ordered,
+    mut drawn: Drawn,
+    progress: &dyn Progress,
+) -> Result<Drawn> {
+    let sort = |pass, seconds| Timed { stage: Stage::Sort, pass: Some(pass), seconds };
+    drawn.passes.extend(seconds.map(|seconds| sort("faces (CPU)", seconds)));
+    let begun = Instant::now();
+    let checked = checked::check(renderer, scene, manner, &order, &drawn, progress)?;
+    if let Some(why) = checked.as_ref().and_then(|checked| checked.is_wrong(manner, &drawn)) {
+        return tiles_instead(renderer, scene, manner, why, progress);
+    }
+    if checked.is_some() {
+        drawn.passes.push(sort("check of the order", begun.elapsed().as_secs_f64()));
+    }
+    drawn.counts.pixels_disordered = checked.as_ref().and_then(|checked| checked.disordered);
+    drawn.along_faces = Some(AlongFaces { order, checked });
+    Ok(drawn)
+}
+
+/// Draws by tiles what was to be blended. Errors: also an accumulation that tiles do not have.
+fn tiles_instead(
+    renderer: &Renderer,
+    scene: &Scene,
+    manner: &Manner,
+    why: String,
+    progress: &dyn Progress,
+) -> Result<Drawn> {
+    let by_tiles = Manner { compositing: Some(Compositing::Tiles), ..*manner };
+    if manner.accumulation.check(Compositing::Tiles).is_err() {
+        return Err(Error::run(format!("the hardware does not blend this scene in exact order: {why}"))
+            .found(format!("accumulation = \"{}\", which tiles do not have", manner.accumulation.name()))
+            .accepted("accumulation = \"float\", which tiles draw; or order = \"centroid\""));
+    }
+    let drawn = inputs(renderer, scene, &by_tiles, None)?.draw(scene, &by_tiles, progress)?;
+    Ok(Drawn { tiles_instead: Some(why), ..drawn })
+}
+
+/// What a scene is drawn from. `along_faces`: the order of cells in which hardware blends them.
+///
+/// Errors: those of [`draw`].
+pub(crate) fn inputs<'a>(
+    renderer: &'a Renderer,
+    scene: &Scene,
+    manner: &Manner,
+    along_faces: Option<&Arc<FaceOrder>>,
+) -> Result<FrameInputs<'a>> {
     let Scene { volume, transfer_function, camera, shading, .. } = scene;
     let grid = &renderer.grid;
     limits::can_serve(transfer_function, shading)?;
@@ -109,6 +214,7 @@ pub fn draw(renderer: &Renderer, scene: &Scene, manner: &Manner, progress: &dyn 
         _ if is_free => 2,
         _ if compositor == Compositor::Tiles(TileOrder::Exact) => 0,
         Order::Centroid => 1,
+        // What comes in its order needs no key.
         _ => 2,
     };
     let sample = |offset: &[f64; 2]| {
@@ -120,8 +226,7 @@ pub fn draw(renderer: &Renderer, scene: &Scene, manner: &Manner, progress: &dyn 
         })
     };
     let shader = compose(&choices);
-    let (parts_left_out, part_bytes_left_out) = parts_left_out(&shader);
-    let frame = FrameInputs {
+    Ok(FrameInputs {
         renderer,
         compositor: shader,
         storage_buffers: choices.storage_buffers(),
@@ -142,35 +247,71 @@ pub fn draw(renderer: &Renderer, scene: &Scene, manner: &Manner, progress: &dyn 
         in_8_bits: manner.accumulation == Accumulation::Bits8,
         stops_where_opaque: manner.may_leave_out.is_some(),
         sorted: !is_free && (sort_key != 2 || compositing == Compositing::Tiles),
+        ordered: along_faces.cloned(),
         samples: camera.sample_offsets().iter().map(sample).collect::<Result<_>>()?,
         scalar: scalar.clone(),
         attributes,
-    };
-    let returned = frame.draw(progress)?;
-    let counted = returned.counts;
-    let is_counted = compositing == Compositing::Tiles;
-    Ok(Drawn {
-        picture: returned.picture,
-        counts: Counts {
-            culled_by_transfer_function: counted[count::BY_FUNCTION],
-            culled_by_frustum: counted[count::BY_FRUSTUM],
-            under_a_pixel: counted[count::UNDER_A_PIXEL],
-            cells_projected: counted[count::PROJECTED],
-            tile_entries: counted[count::ENTRIES],
-            segments: is_counted.then_some(counted[count::SEGMENTS]),
-            pixels_disordered: (is_counted || is_free || !scene.needs_order())
-                .then_some(counted[count::DISORDERED]),
-            sweeps_further: counted[count::SWEEPS],
-            tiles_stopped: counted[count::TILES_STOPPED],
-            cells_hidden: counted[count::CELLS_HIDDEN],
-        },
-        passes: returned.passes,
-        parts_left_out,
-        part_bytes_left_out,
-        blended_in_16_bits: !is_counted
-            && manner.accumulation == Accumulation::Float
-            && !grid.device.blends_32_bits,
     })
+}
+
+impl FrameInputs<'_> {
+    /// Draws the scene that this was made of.
+    pub(crate) fn draw(&self, scene: &Scene, manner: &Manner, progress: &dyn Progress) -> Result<Drawn> {
+        Ok(self.still_empty(scene, manner).with(self.draw_picture(progress)?))
+    }
+
+    /// What is known of the picture before it is there.
+    pub(crate) fn still_empty(&self, scene: &Scene, manner: &Manner) -> StillEmpty {
+        let is_counted = compositing(manner) == Compositing::Tiles;
+        let (parts_left_out, part_bytes_left_out) = parts_left_out(&self.compositor);
+        StillEmpty {
+            is_counted,
+            is_order_known: is_counted || is_free(self.choices.compositor) || !scene.needs_order(),
+            parts_left_out,
+            part_bytes_left_out,
+            blended_in_16_bits: !is_counted
+                && manner.accumulation == Accumulation::Float
+                && !self.device().blends_32_bits,
+        }
+    }
+}
+
+/// What is known of a picture before it is there.
+pub(crate) struct StillEmpty {
+    /// Whether segments are counted.
+    is_counted: bool,
+    /// Whether pixels in disorder are counted, or there can be none.
+    is_order_known: bool,
+    parts_left_out: Vec<&'static str>,
+    part_bytes_left_out: u64,
+    blended_in_16_bits: bool,
+}
+
+impl StillEmpty {
+    /// With what came back.
+    pub fn with(self, Returned { picture, counts: counted, passes }: Returned) -> Drawn {
+        Drawn {
+            picture,
+            counts: Counts {
+                culled_by_transfer_function: counted[count::BY_FUNCTION],
+                culled_by_frustum: counted[count::BY_FRUSTUM],
+                under_a_pixel: counted[count::UNDER_A_PIXEL],
+                cells_projected: counted[count::PROJECTED],
+                tile_entries: counted[count::ENTRIES],
+                segments: self.is_counted.then_some(counted[count::SEGMENTS]),
+                pixels_disordered: self.is_order_known.then_some(counted[count::DISORDERED]),
+                sweeps_further: counted[count::SWEEPS],
+                tiles_stopped: counted[count::TILES_STOPPED],
+                cells_hidden: counted[count::CELLS_HIDDEN],
+            },
+            passes,
+            parts_left_out: self.parts_left_out,
+            part_bytes_left_out: self.part_bytes_left_out,
+            blended_in_16_bits: self.blended_in_16_bits,
+            along_faces: None,
+            tiles_instead: None,
+        }
+    }
 }
 
 fn compositing(manner: &Manner) -> Compositing {
@@ -260,7 +401,6 @@ fn compositor(
     let lit = shading.light.is_some_and(|light| light.diffuse != 0.0);
     let known = !choices.method.is_table_of_lengths();
     let needed = !known || !matches!(choices.combine, Combine::OneColor | Combine::Nothing) || lit;
-    compositing.check_order(order, needed)?;
     manner.accumulation.check(compositing)?;
     let free = !needed && manner.may_leave_out.is_some();
     Ok(match (compositing, order) {

@@ -7,6 +7,7 @@ use crate::grid::uploaded::{DeviceGrid, Stored};
 use crate::pass::tables::TableKey;
 use std::sync::Arc;
 use voltet_core::shading::Shading;
+use voltet_core::visibility::FaceOrder;
 use voltet_shaders::{Choices, Shader, ViewRecord};
 
 /// Everything of a scene but the camera's sample.
@@ -31,7 +32,10 @@ pub(crate) struct FrameInputs<'a> {
     pub in_8_bits: bool,
     /// Whether pixels that are opaque look at no further cells.
     pub stops_where_opaque: bool,
+    /// Whether cells are sorted on the device.
     pub sorted: bool,
+    /// The order of cells along their faces, where they are blended in it.
+    pub ordered: Option<Arc<FaceOrder>>,
     pub samples: Vec<ViewRecord>,
 }
 

@@ -3,6 +3,8 @@
 //! | file | what |
 //! | --- | --- |
 //! | `draw` | the door: a scene to a picture and its counts |
+//! | `faces`, `checked` | the order of cells along their faces, for what is blended; how it is held against tiles |
+//! | `flight` | frames in flight: begun, and taken later |
 //! | `limits`, `support`, `view` | what is refused; where widgets lie; the camera, for the passes |
 //! | `renderer`, `buffers` | a grid with what stays between its frames |
 //! | `inputs` | what a frame is drawn from |
@@ -11,8 +13,11 @@
 //! | `count` | the numbers that they count |
 
 pub(crate) mod buffers;
+pub(crate) mod checked;
 pub(crate) mod count;
 pub(crate) mod draw;
+pub(crate) mod faces;
+pub(crate) mod flight;
 pub(crate) mod inputs;
 pub(crate) mod limits;
 pub(crate) mod passes;

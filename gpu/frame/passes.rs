@@ -1,10 +1,11 @@
 //! The passes of a frame, bound to their buffers, and their order.
 
 use crate::device::bindings::own_kinds;
+use crate::device::buffers::Sent;
 use crate::device::open::Device;
 use crate::device::pipelines::Program;
 use crate::device::timing::Timing;
-use crate::frame::buffers::FrameBuffers;
+use crate::frame::buffers::{FrameBuffers, Returning};
 use crate::frame::count;
 use crate::frame::inputs::FrameInputs;
 use crate::grid::parts::GrowingParts;
@@ -13,7 +14,7 @@ use crate::raster::blended::{Blending, Form, Raster};
 use voltet_core::Result;
 use voltet_core::engine::Stage;
 use voltet_shaders::{Compositor, FramePass, GridArray, PlacementRecord, ViewRecord, cells_read};
-use wgpu::{Buffer, BufferUsages, CommandEncoder};
+use wgpu::{Buffer, BufferUsages, CommandEncoder, SubmissionIndex};
 
 /// What takes the cells to the picture.
 enum Last {
@@ -38,6 +39,11 @@ pub(crate) struct Passes<'a> {
     keeps_states: bool,
 }
 
+/// The counts, from their bytes.
+pub(crate) fn counts_of(bytes: &[u8]) -> [u32; count::ALL] {
+    std::array::from_fn(|k| bytemuck::pod_read_unaligned(&bytes[4 * k..4 * k + 4]))
+}
+
 /// Bytes of the counts.
 const COUNTS_BYTES: u64 = count::ALL as u64 * 4;
 
@@ -51,6 +57,7 @@ impl<'a> Passes<'a> {
         window: [u32; 4],
         capacity: u32,
         buffers: &mut FrameBuffers,
+        returning: &mut Returning,
     ) -> Result<Passes<'a>> {
         let (device, grid) = (frame.device(), frame.grid());
         let (sizes, layout) = (&frame.sizes, &frame.choices.layout);
@@ -72,8 +79,8 @@ impl<'a> Passes<'a> {
         let counts = buffers.counts.at_least(TILES_COUNTED_AT + tiles * 4, storage("the tiles' counts"))?;
         let mapped = BufferUsages::MAP_READ | BufferUsages::COPY_DST;
         let back = |size: u64| device.buffer("the picture on its way back", size, mapped);
-        let returned = buffers.returned.at_least(picture_bytes, back)?;
-        let returned_counts = buffers.returned_counts.at_least(COUNTS_BYTES, back)?;
+        let returned = returning.picture.at_least(picture_bytes, back)?;
+        let returned_counts = returning.counts.at_least(COUNTS_BYTES, back)?;
         let view = device.uniform("the view", size_of::<ViewRecord>() as u64)?;
         let scene = device.uniform("the scene", frame.scene.len() as u64)?;
         device.write(&scene, 0, &frame.scene);
@@ -127,6 +134,7 @@ impl<'a> Passes<'a> {
                 in_8_bits: frame.in_8_bits,
                 depths_add_up: frame.choices.depths_add_up(),
                 sorted: frame.sorted,
+                ordered: frame.ordered.as_ref(),
                 window,
                 cells_read: cells_read(sizes.stride as usize),
                 scalar,
@@ -171,7 +179,7 @@ impl<'a> Passes<'a> {
     }
 
     /// All passes of a sample. The first one of a pixel clears the counts.
-    pub fn submit(&self, record: &ViewRecord, timing: &mut Timing) -> Result<()> {
+    pub fn submit(&self, record: &ViewRecord, timing: &mut Timing) -> Result<SubmissionIndex> {
         self.encode(record, timing, |encoder, timing| {
             let kept = if record.is_first == 1 { 0 } else { TILES_COUNTED_AT };
             encoder.clear_buffer(&self.counts, kept, None);
@@ -185,7 +193,7 @@ impl<'a> Passes<'a> {
 
     /// The tiles alone, which go on where they stopped.
     pub fn submit_tiles(&self, record: &ViewRecord, timing: &mut Timing) -> Result<()> {
-        self.encode(record, timing, |_, _| {})
+        self.encode(record, timing, |_, _| {}).map(drop)
     }
 
     fn encode(
@@ -193,8 +201,8 @@ impl<'a> Passes<'a> {
         record: &ViewRecord,
         timing: &mut Timing,
         before: impl FnOnce(&mut CommandEncoder, &mut Timing),
-    ) -> Result<()> {
-        self.device.guarded("the frame", || {
+    ) -> Result<SubmissionIndex> {
+        let submitted = self.device.guarded("the frame", || {
             self.device.write(&self.view, 0, bytemuck::bytes_of(record));
             let mut encoder = self.device.device.create_command_encoder(&Default::default());
             timing.begin();
@@ -213,16 +221,24 @@ impl<'a> Passes<'a> {
             if !self.keeps_states {
                 self.copy_pixels(&mut encoder);
             }
-            self.device.queue.submit([encoder.finish()]);
+            self.device.queue.submit([encoder.finish()])
         })?;
-        timing.take(self.device)
+        timing.take(self.device)?;
+        Ok(submitted)
     }
 
     /// The counts up to the last submission.
     pub fn counts(&self) -> Result<[u32; count::ALL]> {
-        self.device.read("the counts", &self.returned_counts, COUNTS_BYTES, |bytes| {
-            std::array::from_fn(|k| bytemuck::pod_read_unaligned(&bytes[4 * k..4 * k + 4]))
-        })
+        self.device.read("the counts", &self.returned_counts, COUNTS_BYTES, counts_of)
+    }
+
+    /// What the last submission writes, on its way: the counts and, where no states are kept, the pixels.
+    pub fn send(&self, last: Option<SubmissionIndex>) -> [Sent; 2] {
+        let sent = |what, buffer, bytes| self.device.send(what, buffer, bytes, last.clone());
+        [
+            sent("the counts", &self.returned_counts, COUNTS_BYTES),
+            sent("the picture", &self.returned, self.picture_bytes),
+        ]
     }
 
     fn copy_pixels(&self, encoder: &mut CommandEncoder) {

@@ -2,6 +2,7 @@
 
 use crate::device::open::Device;
 use crate::frame::buffers::FrameBuffers;
+use crate::frame::faces::Orders;
 use crate::grid::uploaded::DeviceGrid;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use voltet_core::Result;
@@ -11,12 +12,17 @@ use voltet_core::volume::Volume;
 pub struct Renderer {
     pub(crate) grid: DeviceGrid,
     buffers: Mutex<FrameBuffers>,
+    orders: Mutex<Orders>,
 }
 
 impl Renderer {
     /// Uploads the grid. Errors: what has more parts than the device binds at a time; memory.
     pub fn new(device: Arc<Device>, volume: &Volume) -> Result<Renderer> {
-        Ok(Renderer { grid: DeviceGrid::new(device, volume)?, buffers: Mutex::default() })
+        Ok(Renderer {
+            grid: DeviceGrid::new(device, volume)?,
+            buffers: Mutex::default(),
+            orders: Mutex::default(),
+        })
     }
 
     /// The same with so much work of a tile in one dispatch at first, in cells tested.
@@ -34,6 +40,10 @@ impl Renderer {
     /// The device.
     pub fn device(&self) -> &Arc<Device> {
         &self.grid.device
+    }
+
+    pub(crate) fn orders(&self) -> MutexGuard<'_, Orders> {
+        self.orders.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     pub(crate) fn buffers(&self) -> MutexGuard<'_, FrameBuffers> {

@@ -1,10 +1,12 @@
 //! A frame: windows of the picture that fit the device's memory, and the samples of each.
 
+use crate::device::buffers::Sent;
+use crate::device::open::Device;
 use crate::device::timing::Timing;
-use crate::frame::buffers::FrameBuffers;
+use crate::frame::buffers::{FrameBuffers, Returning};
 use crate::frame::count;
 use crate::frame::inputs::FrameInputs;
-use crate::frame::passes::Passes;
+use crate::frame::passes::{Passes, counts_of};
 use voltet_core::engine::Timed;
 use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
@@ -40,13 +42,19 @@ pub(crate) struct Returned {
 
 impl FrameInputs<'_> {
     /// Draws the whole picture. Errors: memory, a lost device, a stopped run.
-    pub fn draw(&self, progress: &dyn Progress) -> Result<Returned> {
+    pub fn draw_picture(&self, progress: &dyn Progress) -> Result<Returned> {
         let [width, height] = self.samples[0].size;
         let tiles = [width, height].map(|n| n.div_ceil(ViewRecord::TILE));
+        self.draw_windows(vec![[0, 0, tiles[0], tiles[1]]], progress)
+    }
+
+    /// Draws parts of the picture: windows, in tiles. Errors: as above.
+    pub fn draw_windows(&self, windows: Vec<[u32; 4]>, progress: &dyn Progress) -> Result<Returned> {
+        let [width, height] = self.samples[0].size;
         let mut picture = Picture::transparent(width as usize, height as usize);
         let mut all = [0u64; count::ALL];
         let mut timing = Timing::new(self.device())?;
-        let mut open = vec![[0, 0, tiles[0], tiles[1]]];
+        let mut open = windows;
         let mut is_first = true;
         while let Some(window) = open.pop() {
             if progress.cancelled() {
@@ -99,13 +107,10 @@ impl FrameInputs<'_> {
         timing: &mut Timing,
     ) -> Result<Option<[u32; count::ALL]>> {
         let device = self.device();
-        let most = (device.most_bytes() / 8).min(u64::from(u32::MAX)) as u32;
+        let most = self.most_entries();
         let mut buffers = self.renderer.buffers();
-        buffers.capacity = buffers.capacity.max(CAPACITY_AT_FIRST.min(most));
         loop {
-            let capacity = buffers.capacity;
-            let budget =
-                *buffers.budget.get_or_insert(if device.is_software { BUDGET_SOFTWARE } else { BUDGET });
+            let (capacity, budget) = self.room(&mut buffers);
             let counts = self.run(window, capacity, budget, &mut buffers, picture, timing)?;
             let needed = counts[count::ENTRIES];
             if needed > most || counts[count::CELLS_CUT_SHORT] != 0 {
@@ -144,6 +149,52 @@ impl FrameInputs<'_> {
             )
     }
 
+    /// Entries that lists can have in one binding.
+    fn most_entries(&self) -> u32 {
+        (self.device().most_bytes() / 8).min(u64::from(u32::MAX)) as u32
+    }
+
+    /// Entries that lists have room for, and the work of a tile in one dispatch, as former frames found out.
+    fn room(&self, buffers: &mut FrameBuffers) -> (u32, u32) {
+        buffers.capacity = buffers.capacity.max(CAPACITY_AT_FIRST.min(self.most_entries()));
+        let budget = if self.device().is_software { BUDGET_SOFTWARE } else { BUDGET };
+        (buffers.capacity, *buffers.budget.get_or_insert(budget))
+    }
+
+    /// What the passes are told for a sample.
+    fn record(
+        &self,
+        number: usize,
+        sample: &ViewRecord,
+        window: [u32; 4],
+        capacity: u32,
+        budget: u32,
+    ) -> ViewRecord {
+        let weight = 1.0 / self.samples.len() as f32;
+        ViewRecord { window, capacity, weight, is_first: u32::from(number == 0), budget, ..*sample }
+    }
+
+    /// Submits the whole picture without waiting for it. `None` where it has to be drawn in parts, whose numbers come back in
+    /// between. Errors: memory; a lost device.
+    pub fn submit(&self, returning: &mut Returning) -> Result<Option<Flying>> {
+        let [width, height] = self.samples[0].size;
+        let [across, down] = [width, height].map(|n| n.div_ceil(ViewRecord::TILE));
+        let window = [0, 0, across, down];
+        if !self.fits(window) || self.keeps_states() {
+            return Ok(None);
+        }
+        let mut buffers = self.renderer.buffers();
+        let (capacity, budget) = self.room(&mut buffers);
+        let passes = Passes::new(self, window, capacity, &mut buffers, returning)?;
+        let mut last = None;
+        for (number, sample) in self.samples.iter().enumerate() {
+            let record = self.record(number, sample, window, capacity, budget);
+            last = Some(passes.submit(&record, &mut Timing::none())?);
+        }
+        let longest = if self.device().is_software && self.sorted { LONGEST_SOFTWARE } else { u32::MAX };
+        Ok(Some(Flying { sent: passes.send(last), size: [width, height], window, capacity, longest }))
+    }
+
     /// Runs all passes for all samples over a window, and copies its pixels to the picture.
     fn run(
         &self,
@@ -156,21 +207,14 @@ impl FrameInputs<'_> {
     ) -> Result<[u32; count::ALL]> {
         let device = self.device();
         let goes_on = buffers.keeps_states;
-        let passes = Passes::new(self, window, capacity, buffers)?;
+        let mut returning = std::mem::take(&mut buffers.returned);
+        let passes = Passes::new(self, window, capacity, buffers, &mut returning);
+        buffers.returned = returning;
+        let passes = passes?;
         let mut counted = [0; count::ALL];
-        let is_right = |counted: &[u32; count::ALL]| {
-            let cut_short = counted[count::CELLS_CUT_SHORT] + counted[count::PIXELS_CUT_SHORT];
-            counted[count::ENTRIES] <= capacity && cut_short == 0
-        };
+        let is_right = |counted: &[u32; count::ALL]| is_right(counted, capacity);
         for (number, sample) in self.samples.iter().enumerate() {
-            let mut record = ViewRecord {
-                window,
-                capacity,
-                weight: 1.0 / self.samples.len() as f32,
-                is_first: u32::from(number == 0),
-                budget,
-                ..*sample
-            };
+            let mut record = self.record(number, sample, window, capacity, budget);
             passes.submit(&record, timing)?;
             record.goes_on = 1;
             // Without states a dispatch cannot go on: the caller finds that out from the counts.
@@ -202,6 +246,37 @@ impl FrameInputs<'_> {
             passes.picture(|bytes| put_window(picture, window, bytes))?;
         }
         Ok(counted)
+    }
+}
+
+/// Whether a frame came to its end but for tiles that go on: lists that had room, and loops that nothing ended.
+fn is_right(counted: &[u32; count::ALL], capacity: u32) -> bool {
+    let cut_short = counted[count::CELLS_CUT_SHORT] + counted[count::PIXELS_CUT_SHORT];
+    counted[count::ENTRIES] <= capacity && cut_short == 0
+}
+
+/// A whole picture on its way.
+pub(crate) struct Flying {
+    sent: [Sent; 2],
+    size: [u32; 2],
+    window: [u32; 4],
+    capacity: u32,
+    /// Cells of one tile that are put in order, at most.
+    longest: u32,
+}
+
+impl Flying {
+    /// The picture; `None` where it has to be drawn again, with more room. Errors: a lost device.
+    pub fn land(self, device: &Device) -> Result<Option<Returned>> {
+        let [counts, pixels] = self.sent;
+        let counted = counts.take(device, counts_of)?;
+        let mut picture = Picture::transparent(self.size[0] as usize, self.size[1] as usize);
+        pixels.take(device, |bytes| put_window(&mut picture, self.window, bytes))?;
+        let is_whole = is_right(&counted, self.capacity)
+            && counted[count::UNFINISHED] == 0
+            && counted[count::LONGEST] <= self.longest;
+        let counts = counted.map(u64::from);
+        Ok(is_whole.then_some(Returned { picture, counts, passes: Vec::new() }))
     }
 }
 

@@ -44,7 +44,7 @@ pub(crate) fn choose(
 ) -> Result<Chosen> {
     let tiles = |why: String| Chosen { compositing: Compositing::Tiles, why, measured_secs: None };
     let needs_order = scene.needs_order();
-    if needs_order && !Compositing::Raster.has(scene.order) {
+    if needs_order && matches!(scene.order, Order::Exact | Order::Auto) {
         return Ok(tiles("each pixel needs its exact order".into()));
     }
     if !device.blends_32_bits() {

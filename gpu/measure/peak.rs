@@ -41,7 +41,7 @@ impl Device {
                 drop(compute);
                 self.queue.submit([encoder.finish()]);
             })?;
-            self.wait("the multiply-adds")?;
+            self.wait("the multiply-adds", None)?;
             Ok(begin.elapsed())
         };
         run(1)?;

@@ -12,10 +12,11 @@ use crate::device::timing::Timing;
 use crate::grid::uploaded::Stored;
 use crate::pass::steps::{Binder, Step, buffers, folded, kinds, run, scene_kinds};
 use crate::raster::drawing::{Canvas, Drawing, Target};
-use crate::raster::sort::{ROUNDS, SortBuffers};
+use crate::raster::sort::{Items, ROUNDS, SortBuffers};
 use std::sync::Arc;
 use voltet_core::Result;
 use voltet_core::engine::Stage;
+use voltet_core::visibility::FaceOrder;
 use voltet_shaders::{Access, Blend, FramePass, GRID_GROUP, GridArray, RunRecord, Shader, ViewRecord};
 use wgpu::{Buffer, BufferUsages, CommandEncoder};
 
@@ -70,6 +71,9 @@ const RUNS_AT_A_TIME: u32 = 64;
 #[derive(Default)]
 pub(crate) struct RasterBuffers {
     sort: SortBuffers,
+    /// An order of cells that was uploaded.
+    ordered: Growing,
+    uploaded: Option<Arc<FaceOrder>>,
     draws: Growing,
     /// With the form and the run's length that they are for.
     indices: Option<((Form, u32), Buffer)>,
@@ -90,6 +94,8 @@ pub(crate) struct Blending<'a> {
     /// Whether optical depths add up; else opacities are composited.
     pub depths_add_up: bool,
     pub sorted: bool,
+    /// The order in which the cells are taken, where it is known.
+    pub ordered: Option<&'a Arc<FaceOrder>>,
     /// The window, in tiles.
     pub window: [u32; 4],
     /// What is read of the grid.
@@ -134,7 +140,9 @@ impl Raster {
         };
         let run_count = cell_count.div_ceil(run_length);
         let rounds = if sorted { ROUNDS } else { 1 };
-        let list = kept.sort.sort(binder, cell_count, rounds, true, scalar)?;
+        let ordered = blending.ordered.map(|order| kept.upload(device, order)).transpose()?;
+        let items = ordered.as_ref().map_or(Items::Cells, Items::Ordered);
+        let list = kept.sort.sort(binder, cell_count, rounds, items, scalar)?;
         let usage = BufferUsages::STORAGE | BufferUsages::INDIRECT;
         let draws_size = 20 * u64::from(run_count);
         let draws = kept.draws.at_least(draws_size, |size| device.buffer("the draws", size, usage))?;
@@ -284,6 +292,19 @@ fn whole<'a>(list: &[(u32, &'a Buffer)]) -> Vec<(u32, wgpu::BindingResource<'a>)
 }
 
 impl RasterBuffers {
+    /// The cells in their order, nearest first, uploaded if they are not there.
+    fn upload(&mut self, device: &Device, order: &Arc<FaceOrder>) -> Result<Buffer> {
+        let what = "the cells in their order";
+        let bytes: &[u8] = bytemuck::cast_slice(&order.cells);
+        let buffer = self.ordered.at_least(bytes.len() as u64, |size| device.storage(what, size))?;
+        if !self.uploaded.as_ref().is_some_and(|known| Arc::ptr_eq(known, order)) {
+            self.uploaded = None;
+            device.guarded(what, || device.write(&buffer, 0, bytes))?;
+            self.uploaded = Some(order.clone());
+        }
+        Ok(buffer)
+    }
+
     fn indices(&mut self, device: &Device, form: Form, run_length: u32) -> Result<Buffer> {
         let key = (form, run_length);
         if let Some((_, known)) = self.indices.as_ref().filter(|(known, _)| *known == key) {

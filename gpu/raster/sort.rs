@@ -11,6 +11,18 @@ use wgpu::Buffer;
 /// Rounds that sort every bit of a key; one gathers the cells and leaves them in their order.
 pub(crate) const ROUNDS: u32 = 4;
 
+/// What is sorted.
+#[derive(Clone, Copy)]
+pub(crate) enum Items<'a> {
+    /// The cells of the grid that can be seen.
+    Cells,
+    /// The same, in the order of this list, nearest first.
+    Ordered(&'a Buffer),
+    /// A list that the first round finds.
+    #[cfg(test)]
+    Listed,
+}
+
 /// Buffers of the sort that stay between frames.
 #[derive(Default)]
 pub(crate) struct SortBuffers {
@@ -28,14 +40,13 @@ pub(crate) struct Sort {
 }
 
 impl SortBuffers {
-    /// The passes of so many rounds, one or [`ROUNDS`], over at most `capacity` items: the cells of the grid, or with
-    /// `from_cells` false a list that the first round finds. `quantity`: any of the grid's.
+    /// The passes of so many rounds, one or [`ROUNDS`], over at most `capacity` items. `quantity`: any of the grid's.
     pub fn sort(
         &mut self,
         binder: &Binder,
         capacity: u32,
         rounds: u32,
-        from_cells: bool,
+        items: Items,
         quantity: &Stored,
     ) -> Result<Sort> {
         let device = binder.device;
@@ -54,14 +65,23 @@ impl SortBuffers {
         for number in 0..rounds {
             let record = RoundRecord {
                 shift: 8 * number,
-                from_cells: u32::from(from_cells && number == 0),
+                from_cells: match items {
+                    Items::Cells if number == 0 => 1,
+                    Items::Ordered(_) if number == 0 => 2,
+                    Items::Cells | Items::Ordered(_) => 0,
+                    #[cfg(test)]
+                    Items::Listed => 0,
+                },
                 capacity,
                 padding: 0,
             };
             let round = device.uniform("a round of the sort", size_of::<RoundRecord>() as u64)?;
             device.write(&round, 0, bytemuck::bytes_of(&record));
             let sorted = &lists[number as usize % 2];
-            let unsorted = &lists[(number as usize + 1) % 2];
+            let unsorted = match items {
+                Items::Ordered(list) if number == 0 => list,
+                _ => &lists[(number as usize + 1) % 2],
+            };
             let bindings = [&round, unsorted, &digit_counts, sorted];
             for (pass, workgroups, count) in [
                 (FramePass::CountDigits, over_blocks, 3),
@@ -108,7 +128,7 @@ mod tests {
         let arrays = GridArrays { grid, seen: nothing(), attributes: nothing(), bounds: nothing() };
         let binder = Binder { device, view: &view, arrays: &arrays, layout: &Layout::WHOLE };
         let scalar = grid.stored(volume, Quantity::Scalar).expect("fits");
-        let sort = buffers.sort(&binder, capacity, ROUNDS, false, &scalar).expect("compiles");
+        let sort = buffers.sort(&binder, capacity, ROUNDS, Items::Listed, &scalar).expect("compiles");
         // An even number of rounds ends where it began.
         device.queue.write_buffer(&sort.sorted, 0, bytemuck::cast_slice(items));
         let count = items.len() as u32;

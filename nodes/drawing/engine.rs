@@ -3,7 +3,7 @@
 use super::engines::{ENGINES, NATIVE, REFEREE};
 use super::opened::draw_on;
 use super::order::leave_out_order;
-use super::wished::{ACCUMULATION, ADAPTER, AUTO, COMPOSITOR, ENGINE, accumulation, compositor};
+use super::wished::{ACCUMULATION, ADAPTER, AUTO, ENGINE, accumulation, compositor};
 use voltet_core::engine::{Compositing, Declaration};
 use voltet_core::error::ErrorKind;
 use voltet_core::graph::{Asking, Call, Parameters};
@@ -49,29 +49,18 @@ pub fn ask_engine(asking: &mut Asking, wanted: &str) -> Result<()> {
     }
     asking.notes.engine = Some(planned(asking, wanted, &engines, &shading)?);
     let needed = super::ask(asking, "volume", "transfer_function")?;
-    if asking.look("transfer_function").is_some() {
-        let order = super::order(asking.parameters, needed.order)?;
-        check_compositor(asking.parameters, &engines, |one| one.check_order(order, needed.order))?;
-    }
+    check_accumulation(asking.parameters, &engines)?;
     if let (Some(leave), false) = (asking.may_leave_out(), needed.order) {
         leave_out_order(asking.notes, leave, None);
     }
     Ok(())
 }
 
-/// Refuses, before anything is drawn or, where the transfer function is known, read, a compositor without the order that the
-/// scene needs, where an engine that may draw has it.
-fn check_compositor(
-    p: &Parameters,
-    engines: &[&Declaration],
-    check: impl Fn(Compositing) -> Result<()>,
-) -> Result<()> {
-    let asked = compositor(p)?;
+/// Refuses, before anything is read, an accumulation that the compositor does not have, where an engine that may draw has that.
+fn check_accumulation(p: &Parameters, engines: &[&Declaration]) -> Result<()> {
     let has = |one: &Compositing| engines.iter().any(|engine| engine.compositing.contains(one));
-    let blamed = if p.given(COMPOSITOR.name) { COMPOSITOR.name } else { "order" };
-    let Some(asked) = asked.filter(has) else { return Ok(()) };
-    accumulation(p)?.check(asked).map_err(|error| p.blame(ACCUMULATION.name, error))?;
-    check(asked).map_err(|error| p.blame(blamed, error))
+    let Some(asked) = compositor(p)?.filter(has) else { return Ok(()) };
+    accumulation(p)?.check(asked).map_err(|error| p.blame(ACCUMULATION.name, error))
 }
 
 /// The engine that will draw, and why, as far as it can be said before a device is opened. Errors: one that was named does not
@@ -110,7 +99,7 @@ fn planned(
 /// Draws on the engine that is wanted.
 pub fn draw(call: &mut Call, scene: &Scene, wanted: &str) -> Result<Picture> {
     let engines = asked(wanted, &scene.shading);
-    check_compositor(call.parameters, &engines, |one| one.check(scene))?;
+    check_accumulation(call.parameters, &engines)?;
     let mut refused: Option<String> = None;
     for engine in &engines {
         if wanted != AUTO {

@@ -27,4 +27,4 @@ pub use prepared::{Culled, Projected};
 pub use scene::scene;
 pub use shading::{PARAMETERS, USUAL, shading};
 pub use stages::{composite, cull, for_data, project, referee, sort};
-pub use wished::{ACCUMULATION, ADAPTER, AUTO, COMPOSITOR, ENGINE, accumulation, adapter};
+pub use wished::{ACCUMULATION, ADAPTER, AUTO, COMPOSITOR, ENGINE, ORDER_CHECK, accumulation, adapter};

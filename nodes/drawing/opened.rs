@@ -3,7 +3,7 @@
 use super::noted::{note, note_whole};
 use super::remembered::CacheFolder;
 use super::visible;
-use super::wished::{AUTO, COMPOSITOR, accumulation, adapter, compositor};
+use super::wished::{AUTO, COMPOSITOR, accumulation, adapter, compositor, order_check};
 use crate::files::cache_folder;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -48,13 +48,18 @@ pub(super) fn draw_on(
     let volumes = call.keep(call.revision(port)?, || Ok(Volumes::default()))?;
     let volume = stage(call, declared, "upload", |_| volumes.prepare(declared, &engine, scene))?;
     let accumulation = accumulation(call.parameters)?;
-    let manner = Manner { compositing, accumulation, may_leave_out: call.may_leave_out() };
+    let order_check = order_check(call.parameters)?;
+    let manner = Manner { compositing, accumulation, order_check, may_leave_out: call.may_leave_out() };
     let drawn = stage(call, declared, "draw", |progress| volume.draw(scene, &manner, progress))?;
     let stages = drawn.stages.iter().map(|part| match declared.on_device {
         true => (format!("device {}", part.name()), part.seconds),
         false => (part.name().to_string(), part.seconds),
     });
     call.notes.stages.extend(stages);
+    let (compositing, why) = match drawn.instead {
+        Some(instead) => (Some(instead.compositing), Some(instead.why)),
+        None => (compositing, why),
+    };
     call.notes.compositor = compositing.map(|one| one.name().to_string()).zip(why);
     call.notes.adapter = Some(engine.adapter());
     if let Some(reason) = engine.reason() {

@@ -2,7 +2,7 @@
 
 use super::engines::ENGINES;
 use voltet_core::Result;
-use voltet_core::engine::{Accumulation, Compositing};
+use voltet_core::engine::{Accumulation, Compositing, OrderCheck};
 use voltet_core::graph::{Parameter, ParameterType, Parameters, Standard};
 
 /// The word for whatever engine is there.
@@ -69,6 +69,22 @@ pub const ACCUMULATION: Parameter = Parameter {
     standard: Standard::Text(Accumulation::WORDS[0].0),
     help: "on a device that blends (raster, triangles): what a pixel accumulates in, to see what few bits cost",
 };
+
+/// How the device checks an exact order that it blends.
+pub const ORDER_CHECK: Parameter = Parameter {
+    name: "order_check",
+    parameter_type: ParameterType::Choice(&OrderCheck::WORDS),
+    unit: "",
+    standard: Standard::Text(OrderCheck::WORDS[0].0),
+    help: "on a device that blends (raster, triangles) in exact order: how the order is checked; where it is wrong, tiles draw",
+};
+
+/// How the device is to check it.
+pub fn order_check(p: &Parameters) -> Result<OrderCheck> {
+    // Other nodes draw by the referee alone.
+    let asked = p.optional(ORDER_CHECK.name).and_then(|setting| setting.text());
+    Ok(asked.and_then(OrderCheck::named).unwrap_or_default())
+}
 
 /// What the device is to accumulate in.
 pub fn accumulation(p: &Parameters) -> Result<Accumulation> {

@@ -66,6 +66,7 @@ impl Asked {
                 count: self.frames,
                 patience: Duration::from_secs_f64(self.patience.min(3e7)),
                 turn: 0.0,
+                in_flight: 1,
             },
             measure: Measure::default(),
             max_error: self.max_error,

@@ -75,6 +75,7 @@ pub(super) fn wish(arguments: &arguments::Study) -> Result<Wish> {
             count: arguments.frames,
             patience: Duration::from_secs_f64(arguments.patience.min(3e7)),
             turn: 0.0,
+            in_flight: 1,
         },
         measure: arguments.measure.into(),
         max_error: arguments.max_error,

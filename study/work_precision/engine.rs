@@ -1,7 +1,6 @@
 //! What a study draws with: engines and their ways of compositing, and which of them are asked for.
 
 use voltet_core::engine::{Compositing, Declaration};
-use voltet_core::shading::Order;
 use voltet_nodes::drawing::{ENGINES, NATIVE};
 
 /// What draws a picture: an engine and, where it has several, its way of compositing.
@@ -42,11 +41,6 @@ impl Painter {
     /// The compositor's name in pipeline files.
     pub fn compositor(self) -> Option<&'static str> {
         self.compositing.map(Compositing::name)
-    }
-
-    /// Whether it carries out an order where the scene needs one.
-    pub fn has(self, order: Order) -> bool {
-        self.compositing.is_none_or(|way| way.has(order))
     }
 
     /// Both names, for people: "cpu", "gpu tiles".

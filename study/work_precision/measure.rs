@@ -2,9 +2,10 @@
 
 use super::{Setting, Subject};
 use serde::Serialize;
+use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 use voltet_core::camera::Camera;
-use voltet_core::engine::{Drawn, Engine, Manner, Stage};
+use voltet_core::engine::{Drawn, Engine, Manner, Prepared, Stage};
 use voltet_core::picture::Picture;
 use voltet_core::progress::{Progress, Unreported};
 use voltet_core::scene::Scene;
@@ -21,6 +22,9 @@ pub struct Frames {
     /// Degrees that the camera turns about its target before each frame, so that nothing of the former one can be used
     /// again; 0: it stands still.
     pub turn: f64,
+    /// Frames of a device that are in flight at a time while it is measured how fast they follow each other; below 2 that is not
+    /// measured.
+    pub in_flight: usize,
 }
 
 impl Frames {
@@ -68,6 +72,8 @@ pub struct Cost {
     pub project: Option<Times>,
     /// Integrating and compositing.
     pub composite: Option<Times>,
+    /// From one frame to the next of a device, milliseconds, with as many in flight as was asked for.
+    pub in_flight_ms: Option<f64>,
     /// The passes of a device that times them.
     pub passes: Vec<Pass>,
     /// Ray segments integrated in a frame; blending hardware does not count them.
@@ -130,6 +136,9 @@ pub(super) fn measure(
         Ok(Taken { drawn, seconds: begun.elapsed().as_secs_f64() })
     };
     let first = draw(&scene)?;
+    if let Some(instead) = &first.drawn.instead {
+        return Err(Error::run(format!("drawn by {}: {}", instead.compositing.name(), instead.why)));
+    }
     let set_up = start.elapsed();
     let patience = frames.patience + if keeps { set_up } else { Duration::ZERO };
     let mut taken: Vec<Taken> = Vec::new();
@@ -139,6 +148,10 @@ pub(super) fn measure(
         frame.drawn.picture = Picture::transparent(0, 0);
         taken.push(frame);
     }
+    let in_flight_ms = match frames.in_flight > 1 && keeps {
+        true => Some(in_flight(volume.as_ref(), &scene, &manner, frames, taken.len(), progress)?),
+        false => None,
+    };
     let (picture, counts) = (first.drawn.picture.clone(), first.drawn.counts);
     if taken.is_empty() {
         taken.push(first);
@@ -165,6 +178,7 @@ pub(super) fn measure(
         sort: stage(&taken, Stage::Sort),
         project: stage(&taken, Stage::Project),
         composite: stage(&taken, Stage::Composite),
+        in_flight_ms,
         passes: passes(&taken),
         segments: counts.segments,
         evaluations: counts.evaluations,
@@ -173,6 +187,33 @@ pub(super) fn measure(
         peak_memory_bytes,
     };
     Ok((picture, cost))
+}
+
+/// Milliseconds from one frame to the next, of so many that follow each other in flight. Errors: those of drawing.
+fn in_flight(
+    volume: &dyn Prepared,
+    scene: &Scene,
+    manner: &Manner,
+    frames: &Frames,
+    count: usize,
+    progress: &dyn Progress,
+) -> Result<f64> {
+    let quiet = Unreported(progress);
+    let mut under_way = VecDeque::new();
+    let begun = Instant::now();
+    for number in 0..count {
+        if progress.cancelled() {
+            return Err(Error::cancelled());
+        }
+        under_way.push_back(volume.begin(&frames.scene(scene, number + 1), manner, &quiet)?);
+        if under_way.len() == frames.in_flight {
+            under_way.pop_front().map(|frame| frame.collect(&quiet)).transpose()?;
+        }
+    }
+    for frame in under_way {
+        frame.collect(&quiet)?;
+    }
+    Ok(1e3 * begun.elapsed().as_secs_f64() / count.max(1) as f64)
 }
 
 /// Seconds of a stage in one frame; `None` where nothing timed it.

@@ -58,7 +58,6 @@ pub fn settings(subject: &Subject, only: &[String], painter: Painter) -> Vec<Set
     if drawn && !settings.iter().any(|setting| setting.draws_as(&own)) {
         settings.push(own);
     }
-    settings.retain(|setting| !subject.needs_order || painter.has(setting.order));
     settings
 }
 
@@ -112,12 +111,8 @@ fn overlaps(subject: &Subject, integrator: &Integrator) -> Vec<Overlap> {
     }
 }
 
-/// The centroid order too for the integrators without an error of their own, so that the order's shows; for all of them where
-/// a compositor does not have the exact one.
+/// The centroid order too for the integrators without an error of their own, so that the order's shows.
 fn orders(subject: &Subject, integrator: &Integrator, painter: Painter) -> Vec<Order> {
-    if subject.needs_order && !painter.has(Order::Exact) {
-        return vec![Order::Centroid];
-    }
     let exact_integrals = matches!(integrator, Integrator::Analytic | Integrator::Clipped);
     match exact_integrals && subject.needs_order && subject.order_node.is_some() {
         true => vec![Order::Exact, Order::Centroid],

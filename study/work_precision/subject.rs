@@ -110,7 +110,8 @@ impl Subject {
         let exact = self.needs_order && matches!(self.scene.order, Order::Exact | Order::Auto);
         match self.asked.compositor.as_str() {
             _ if engine.compositing.is_empty() => all.next(),
-            "auto" if exact => all.find(|painter| painter.has(Order::Exact)),
+            // Tiles have it of every grid, and are the first.
+            "auto" if exact => all.next(),
             "auto" => all.next().filter(|_| all.next().is_none()),
             named => all.find(|painter| painter.compositor() == Some(named)),
         }

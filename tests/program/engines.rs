@@ -140,10 +140,10 @@ fn auto_takes_the_compositor_that_was_measured_as_the_faster_one() {
     assert_eq!(report["compositor"], faster, "{reason}");
 }
 
-/// Two emitters need an order: tiles are taken for the exact one without measuring; the raster refuses it, with the line of
-/// the pipeline, and serves centroids without counting what they get wrong.
+/// Two emitters need an order: tiles are taken for the exact one without measuring. What blends has it along the faces of the
+/// cells, and says how it was checked; of centroids it does not count what they get wrong.
 #[test]
-fn the_raster_refuses_an_exact_order_before_it_draws() {
+fn what_blends_has_an_exact_order_along_faces() {
     let folder = Folder::new();
     let glow = "look.model=\"constant-emitter\"";
     let Some(report) = composited(&folder, &[glow]) else { return };
@@ -153,13 +153,19 @@ fn the_raster_refuses_an_exact_order_before_it_draws() {
     let report = composited(&folder, &[glow, raster, centroid]).unwrap();
     assert_eq!(report["compositor"], "raster");
     assert!(report["counts"]["pixels_disordered"].is_null(), "{report:#}");
-    let text = std::fs::read_to_string(folder.join("slab.toml")).unwrap();
-    let wish = "type = \"gpu-renderer\"\ncompositor = \"raster\"";
-    folder.write("slab.toml", text.replace("type = \"renderer\"", wish));
-    let words = ["no exact order", "order = \"centroid\"", "compositor = \"tiles\"", "slab.toml:35:14"];
-    // Found while planning, before any data are read.
-    folder.voltet(&["check", "slab.toml", "--set", glow]).fails(2, &words);
-    folder.voltet(&["check", "slab.toml"]).ok();
+    for wish in [raster, "picture.compositor=\"triangles\""] {
+        let report = composited(&folder, &[glow, wish]).unwrap();
+        assert!(wish.contains(report["compositor"].as_str().unwrap()), "{report:#}");
+        let found = &report["findings"][0];
+        let said = found["what"].as_str().unwrap();
+        assert!(said.contains("blended in exact order") && said.contains("from those of tiles"), "{said}");
+        assert!(found["figures"]["order_along_faces"]["pixels_checked"].as_u64() > Some(0), "{found:#}");
+        assert!(report["counts"]["pixels_disordered"].is_null(), "{report:#}");
+        let report = composited(&folder, &[glow, wish, "picture.order_check=\"count\""]).unwrap();
+        assert_eq!(report["counts"]["pixels_disordered"], 0);
+        let report = composited(&folder, &[glow, wish, "picture.order_check=\"none\""]).unwrap();
+        assert!(report["findings"][0]["figures"]["order_along_faces"]["pixels_checked"].is_null());
+    }
 }
 
 /// Few bits a channel are for what blends: without a word it is the raster compositor, and tiles refuse them before data are

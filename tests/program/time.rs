@@ -33,6 +33,13 @@ fn what_a_device_does_not_draw_stands_in_its_row() {
     let out = ran.stdout;
     assert!(out.contains("device: "), "{out}");
     assert!(out.lines().any(|line| line.contains("scalar_alone") && line.contains("**")), "{out}");
+    // Its frames follow each other in flight, too.
+    let drawn = out.lines().filter(|line| line.contains("**"));
+    let in_flight = drawn.map(|line| line.split('|').nth(7).unwrap().trim().parse::<f64>());
+    assert!(
+        in_flight.clone().count() > 0 && in_flight.into_iter().all(|ms| ms.is_ok_and(|ms| ms > 0.0)),
+        "{out}"
+    );
     assert!(out.lines().any(|line| line.contains("four_gaussians") && line.contains("narrower")), "{out}");
 }
 

@@ -217,22 +217,6 @@ fn orders_are_those_of_tiles() {
 }
 
 #[test]
-fn an_exact_order_is_refused_where_it_is_needed() {
-    let Some(device) = device() else { return };
-    for order in [Order::Exact, Order::Auto] {
-        let scene = jittered(overlapping(), outside([16, 16]));
-        let error =
-            draw_on(device.clone(), &scene, &SHADING, raster(order)).expect_err("refused").to_string();
-        for word in ["raster", "exact", "centroid", "tiles"] {
-            assert!(error.contains(word), "'{word}' is not in: {error}");
-        }
-        let free = jittered(one_gaussian(), outside([16, 16]));
-        let drawn = draw_on(device.clone(), &free, &SHADING, raster(order)).expect("needs no order");
-        assert_eq!(drawn.counts.pixels_disordered, Some(0));
-    }
-}
-
-#[test]
 fn several_samples_a_pixel() {
     for samples in [4, 3] {
         with_one_color(&format!("{samples} samples"), Camera { samples, ..outside([32, 24]) });
@@ -289,11 +273,14 @@ fn what_is_not_asked_for_is_not_compiled() {
         (overlapping(), tiles(Order::Exact), [&lists[..], &["sort_lists"]].concat()),
         (one_gaussian(), tiles(Order::Auto), lists.to_vec()),
         (overlapping(), raster(Order::Centroid), drawn.to_vec()),
+        (overlapping(), raster(Order::Exact), drawn.to_vec()),
         (overlapping(), (Compositing::Triangles, Order::Centroid), triangles.to_vec()),
         (one_gaussian(), raster(Order::Auto), drawn.to_vec()),
     ] {
         let device = Arc::new(further_device());
-        let scene = jittered(look, outside([16, 16]));
+        // No cell is turned over, so that there is an order along faces.
+        let volume = smooth(cube([6, 6, 6], 0.2));
+        let scene = NamedScene { volume, ..jittered(look, outside([16, 16])) };
         let drawn = draw_on(device.clone(), &scene, &SHADING, how).expect("draws");
         // Each pass by its own time, where the adapter has a clock.
         let timed = |pass: &&str| drawn.passes.iter().any(|known| known.pass == Some(pass));

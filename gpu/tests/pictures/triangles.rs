@@ -214,16 +214,6 @@ fn runs_and_small_bindings_change_nothing() {
     assert_eq!(drawn.rgba, whole.rgba);
 }
 
-#[test]
-fn an_exact_order_is_refused_where_it_is_needed() {
-    let Some(device) = device() else { return };
-    let scene = jittered(overlapping(), outside([16, 16]));
-    let error = draw_on(device, &scene, &SHADING, triangles(Order::Exact)).expect_err("refused").to_string();
-    for word in ["triangles", "exact", "centroid", "tiles"] {
-        assert!(error.contains(word), "'{word}' is not in: {error}");
-    }
-}
-
 /// Pixels are multiples of a step, off by no more than a step a cell, and the more the fewer bits there are.
 #[test]
 fn few_bits_a_channel_round_after_each_cell() {

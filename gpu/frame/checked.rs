@@ -1,0 +1,150 @@
+//! The check of an exact order that was blended: some of its pixels against those of tiles, and a count over all of them.
+
+use crate::frame::draw::{Drawn, inputs};
+use crate::frame::renderer::Renderer;
+use voltet_core::Result;
+use voltet_core::engine::{Accumulation, Compositing, Manner, OrderCheck};
+use voltet_core::error::ErrorKind;
+use voltet_core::picture::Picture;
+use voltet_core::progress::Progress;
+use voltet_core::scene::Scene;
+use voltet_core::visibility::{FaceOrder, disorder};
+use voltet_shaders::ViewRecord;
+
+/// Tiles of 64 pixels that are held against those of the other compositor: 256 pixels.
+const TILES: usize = 4;
+
+/// Blended in 32 bits and composited by tiles, pixels in one order differ by a tenth of this after a thousand segments.
+const ROUNDING: f32 = 1e-3;
+
+/// What was found of a picture's order.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Checked {
+    /// Pixels that were held against those of tiles, in the picture.
+    pub pixels: u64,
+    /// The largest difference of a channel between the two. Other than for "raster" in 32 bits it is not the order's alone.
+    pub largest: f32,
+    /// Pixels, over all samples, at which cells come out of order, where these were counted.
+    pub disordered: Option<u64>,
+    /// Why tiles could not be drawn, where they could not.
+    pub without_tiles: Option<String>,
+}
+
+/// Checks as the manner asks for; `None` where it does not. Errors: a lost device; a stopped run.
+pub(crate) fn check(
+    renderer: &Renderer,
+    scene: &Scene,
+    manner: &Manner,
+    order: &FaceOrder,
+    drawn: &Drawn,
+    progress: &dyn Progress,
+) -> Result<Option<Checked>> {
+    let disordered = match manner.order_check {
+        OrderCheck::None => return Ok(None),
+        OrderCheck::Sample => None,
+        OrderCheck::Count => {
+            Some(disorder(&scene.volume.grid, &order.cells, &scene.camera, |_| true)?.disordered)
+        }
+    };
+    let by_tiles =
+        Manner { compositing: Some(Compositing::Tiles), accumulation: Accumulation::Float, ..*manner };
+    let windows = sample(&drawn.picture);
+    let held = inputs(renderer, scene, &by_tiles, None)
+        .and_then(|inputs| inputs.draw_windows(windows.clone(), progress))
+        .map(|tiles| compare(&drawn.picture, &tiles.picture, &windows));
+    Ok(Some(match held {
+        Ok((pixels, largest)) => Checked { pixels, largest, disordered, without_tiles: None },
+        Err(error) if error.kind == ErrorKind::Cancelled || renderer.device().is_lost() => return Err(error),
+        Err(error) => Checked { pixels: 0, largest: 0.0, disordered, without_tiles: Some(error.to_string()) },
+    }))
+}
+
+impl Checked {
+    /// Why the order is not to be trusted, if so.
+    pub(crate) fn is_wrong(&self, manner: &Manner, drawn: &Drawn) -> Option<String> {
+        let is_exact = manner.compositing == Some(Compositing::Raster)
+            && manner.accumulation == Accumulation::Float
+            && !drawn.blended_in_16_bits;
+        match self.disordered {
+            Some(count @ 1..) => Some(format!("cells are out of order at {count} pixels")),
+            _ if is_exact && self.largest > ROUNDING => {
+                let Checked { pixels, largest, .. } = self;
+                Some(format!("of {pixels} pixels one differs by {largest:.1e} from that of tiles"))
+            }
+            _ => None,
+        }
+    }
+}
+
+/// Windows of one tile each, spread evenly among those that show something: the same ones of the same picture.
+fn sample(picture: &Picture) -> Vec<[u32; 4]> {
+    let side = ViewRecord::TILE as usize;
+    let [columns, rows] = [picture.width, picture.height].map(|n| n.div_ceil(side));
+    let shows = |&[x, y]: &[usize; 2]| pixels_of(picture, [x, y]).any(|at| picture.rgba[at][3] > 0.0);
+    let all = (0..rows).flat_map(|y| (0..columns).map(move |x| [x, y]));
+    let shown: Vec<[usize; 2]> = all.filter(shows).collect();
+    let count = TILES.min(shown.len());
+    // The middles of as many equal parts.
+    let places = (0..count).map(|k| shown[(2 * k + 1) * shown.len() / (2 * count)]);
+    places.map(|[x, y]| [x as u32, y as u32, 1, 1]).collect()
+}
+
+/// Where a tile's pixels stand in a picture.
+fn pixels_of(picture: &Picture, [x, y]: [usize; 2]) -> impl Iterator<Item = usize> {
+    let side = ViewRecord::TILE as usize;
+    let (width, height) = (picture.width, picture.height);
+    let rows = y * side..((y + 1) * side).min(height);
+    rows.flat_map(move |row| (x * side..((x + 1) * side).min(width)).map(move |column| row * width + column))
+}
+
+/// How many pixels the windows have, and the largest difference of a channel.
+fn compare(a: &Picture, b: &Picture, windows: &[[u32; 4]]) -> (u64, f32) {
+    let places = windows.iter().flat_map(|w| pixels_of(a, [w[0] as usize, w[1] as usize]));
+    let apart = |at: usize| a.rgba[at].iter().zip(b.rgba[at]).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+    places.fold((0, 0.0), |(count, most), at| (count + 1, most.max(apart(at))))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::device::open::Device;
+    use std::sync::Arc;
+    use voltet_core::progress::Silent;
+    use voltet_core::shading::Order;
+    use voltet_testing::pictures::compare::{NamedScene, SHADING};
+    use voltet_testing::pictures::grids::{cube, smooth};
+    use voltet_testing::pictures::looks::{outside, overlapping};
+
+    /// An order back to front is found by either check, and the way out is said.
+    #[test]
+    fn a_wrong_order_is_found() {
+        let device = match Device::open(std::env::var("VOLTET_ADAPTER").ok().as_deref(), false) {
+            Ok(device) => Arc::new(device),
+            Err(why) => return voltet_testing::skipped_without_device(why),
+        };
+        let volume = smooth(cube([5, 5, 5], 0.2));
+        let renderer = Renderer::new(device, &volume).expect("fits");
+        let scene =
+            NamedScene { name: "cube".into(), volume, look: overlapping(), camera: outside([40, 32]) };
+        let scene = scene.drawn_by(&SHADING, Order::Exact);
+        let right = renderer.along_faces(&scene).expect("is in range").0.expect("has an order");
+        let mut wrong = FaceOrder::clone(&right);
+        wrong.cells.reverse();
+        for order in [wrong, FaceOrder::clone(&right)] {
+            let order = Arc::new(order);
+            let is_right = order == right;
+            for (order_check, words) in
+                [(OrderCheck::Sample, "from that of tiles"), (OrderCheck::Count, "out of order at")]
+            {
+                let manner = Manner { order_check, ..Manner::by(Compositing::Raster) };
+                let drawn = inputs(&renderer, &scene, &manner, Some(&order)).expect("serves");
+                let drawn = drawn.draw(&scene, &manner, &Silent).expect("draws");
+                let checked = check(&renderer, &scene, &manner, &order, &drawn, &Silent);
+                let checked = checked.expect("draws").expect("is asked for");
+                let why = checked.is_wrong(&manner, &drawn);
+                assert_eq!(why.is_none(), is_right, "{order_check:?}: {checked:?}");
+                assert!(why.is_none_or(|why| why.contains(words)), "{checked:?}");
+            }
+        }
+    }
+}
