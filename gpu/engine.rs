@@ -4,6 +4,7 @@ use crate::device::adapter::Adapters;
 use crate::device::open::{Device, Work};
 use crate::frame::checked::Checked;
 use crate::frame::draw::{self, draw};
+use crate::frame::drawn;
 use crate::frame::flight;
 use crate::frame::limits;
 use crate::frame::renderer::Renderer;
@@ -153,7 +154,7 @@ impl Pending for UnderWay {
 }
 
 /// A picture of the device as every engine gives it.
-fn of_engine(device: &Device, drawn: draw::Drawn, manner: &Manner, work: Work) -> Drawn {
+fn of_engine(device: &Device, drawn: drawn::Drawn, manner: &Manner, work: Work) -> Drawn {
     let mut notes = notes(device, &drawn, manner);
     notes.counts.insert("shader_builds", work.shader_builds);
     notes.counts.insert("uploads", work.uploads);
@@ -165,7 +166,7 @@ fn of_engine(device: &Device, drawn: draw::Drawn, manner: &Manner, work: Work) -
 }
 
 /// What only this engine counts and leaves out, and what should be known of the device.
-fn notes(device: &Device, drawn: &draw::Drawn, manner: &Manner) -> Notes {
+fn notes(device: &Device, drawn: &drawn::Drawn, manner: &Manner) -> Notes {
     let mut notes = Notes::default();
     notes.counts.insert("tile_entries", drawn.counts.tile_entries);
     notes.counts.insert("sweeps_further", drawn.counts.sweeps_further);
@@ -189,7 +190,7 @@ fn notes(device: &Device, drawn: &draw::Drawn, manner: &Manner) -> Notes {
 }
 
 /// What is known of an exact order that was blended.
-fn note_order(notes: &mut Notes, draw::AlongFaces { order, checked }: &draw::AlongFaces) {
+fn note_order(notes: &mut Notes, drawn::AlongFaces { order, checked }: &drawn::AlongFaces) {
     let FaceOrder { cells, across_gaps, taken_out } = &**order;
     let mut said = format!("{} cells blended in exact order along their faces", cells.len());
     if *across_gaps > 0 {
@@ -215,7 +216,7 @@ fn note_order(notes: &mut Notes, draw::AlongFaces { order, checked }: &draw::Alo
     notes.find(said, json!({ "order_along_faces": figures }));
 }
 
-impl draw::Counts {
+impl drawn::Counts {
     /// Those that every engine may have. Where nothing may be left out, cells beside the picture are as those between its
     /// pixels: their place is found, and there is nothing more that could be done for them.
     fn of_engine(&self, manner: &Manner) -> Counts {

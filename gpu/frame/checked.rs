@@ -1,6 +1,7 @@
 //! The check of an exact order that was blended: some of its pixels against those of tiles, and a count over all of them.
 
-use crate::frame::draw::{Drawn, inputs};
+use crate::frame::draw::inputs;
+use crate::frame::drawn::Drawn;
 use crate::frame::renderer::Renderer;
 use voltet_core::Result;
 use voltet_core::engine::{Accumulation, Compositing, Manner, OrderCheck};

@@ -1,86 +1,28 @@
 //! Draws a volume on a device.
 
 use crate::device::bindings::compositor_buffers;
-use crate::frame::checked::Checked;
+use crate::frame::drawn::{Drawn, StillEmpty};
 use crate::frame::inputs::FrameInputs;
+use crate::frame::plan::{Plan, check, plan, tiles_instead};
 use crate::frame::renderer::Renderer;
-use crate::frame::windows::Returned;
-use crate::frame::{checked, count, limits, support, view};
+use crate::frame::{limits, support, view};
 use crate::grid::axes::{axis, offset_parts};
 use crate::grid::parts::Sizes;
 use crate::grid::uploaded::{DeviceGrid, Quantity};
 use crate::pass::tables::TableKey;
 use std::sync::Arc;
-use std::time::Instant;
-use voltet_core::engine::{Accumulation, Compositing, Manner, Stage, Timed};
+use voltet_core::Result;
+use voltet_core::engine::{Accumulation, Compositing, Manner};
 use voltet_core::optics::integrators::Extent;
-use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
 use voltet_core::scene::Scene;
 use voltet_core::shading::{Order, Shading};
 use voltet_core::transfer::TransferFunction;
 use voltet_core::visibility::FaceOrder;
-use voltet_core::{Error, Result};
 use voltet_shaders::{
     Axis, Blend, Choices, Combine, Compositor, Parameters, Shader, TileOrder, ViewRecord, compose,
     table_lengths,
 };
-
-/// A picture and what it took.
-#[derive(Debug, Clone)]
-pub struct Drawn {
-    /// The picture.
-    pub picture: Picture,
-    /// Counts.
-    pub counts: Counts,
-    /// The passes with their times, where the adapter has timestamps.
-    pub passes: Vec<Timed>,
-    /// What no part of the scene's shader is about: folders of pieces that are not in it.
-    pub parts_left_out: Vec<&'static str>,
-    /// Bytes of all pieces that are not in it.
-    pub part_bytes_left_out: u64,
-    /// Whether pixels were blended in 16-bit floats, since the device blends none of 32 bits.
-    pub blended_in_16_bits: bool,
-    /// Where cells were blended in exact order: what was found of the order, and of the check.
-    pub along_faces: Option<AlongFaces>,
-    /// Why tiles composited in place of what blends, where they did.
-    pub tiles_instead: Option<String>,
-}
-
-/// The exact order of a picture that was blended.
-#[derive(Debug, Clone)]
-pub struct AlongFaces {
-    /// The order.
-    pub order: Arc<FaceOrder>,
-    /// What the check found, where one was asked for.
-    pub checked: Option<Checked>,
-}
-
-/// Counts of a picture, over all samples.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct Counts {
-    /// Cells left out because no widget touches their values.
-    pub culled_by_transfer_function: u64,
-    /// Cells left out because they are outside the view.
-    pub culled_by_frustum: u64,
-    /// Cells left out because they cover no pixel's middle, or have no volume.
-    pub under_a_pixel: u64,
-    /// Cells that may cover a pixel.
-    pub cells_projected: u64,
-    /// Cells in the lists of all tiles.
-    pub tile_entries: u64,
-    /// Ray segments integrated. Blending hardware does not count them.
-    pub segments: Option<u64>,
-    /// Pixels (samples, where a pixel has several) composited in an order that was not exact. Blending hardware does
-    /// not know; where no order is needed, there are none.
-    pub pixels_disordered: Option<u64>,
-    /// Times that a tile's list was gone through once more, because a pixel had more segments than fit at a time.
-    pub sweeps_further: u64,
-    /// Tiles that were opaque before all their cells had been looked at.
-    pub tiles_stopped: u64,
-    /// Cells that such tiles did not look at; a cell counts in each of them.
-    pub cells_hidden: u64,
-}
 
 /// Draws a scene of the volume that `renderer` was made from. What blends draws an exact order where the cells have one along
 /// their faces, and where the check that is asked for bears it out; else tiles do.
@@ -96,73 +38,6 @@ pub fn draw(renderer: &Renderer, scene: &Scene, manner: &Manner, progress: &dyn 
         }
         Plan::Tiles(why) => tiles_instead(renderer, scene, manner, why, progress),
     }
-}
-
-/// An order, and the seconds that it took to find where it was not there.
-pub(crate) type Ordered = (Arc<FaceOrder>, Option<f64>);
-
-/// How a scene is drawn.
-pub(crate) enum Plan {
-    AsAsked,
-    AlongFaces(Ordered),
-    /// By tiles, and why.
-    Tiles(String),
-}
-
-/// Finds out how a scene is drawn. Errors: what no device has a shader for; a camera out of range.
-pub(crate) fn plan(renderer: &Renderer, scene: &Scene, manner: &Manner) -> Result<Plan> {
-    let is_exact = matches!(scene.order, Order::Exact | Order::Auto) && scene.needs_order();
-    if compositing(manner) == Compositing::Tiles || !is_exact {
-        return Ok(Plan::AsAsked);
-    }
-    limits::can_serve(&scene.transfer_function, &scene.shading)?;
-    let (found, seconds) = renderer.along_faces(scene)?;
-    Ok(match found {
-        Ok(order) => Plan::AlongFaces((order, seconds)),
-        Err(why) => Plan::Tiles(format!("no order along the faces of the cells is exact: {why}")),
-    })
-}
-
-/// Checks what was blended in an order, as the manner asks for; where it is wrong, tiles draw it.
-pub(crate) fn check(
-    renderer: &Renderer,
-    scene: &Scene,
-    manner: &Manner,
-    (order, seconds): Ordered,
-    mut drawn: Drawn,
-    progress: &dyn Progress,
-) -> Result<Drawn> {
-    let sort = |pass, seconds| Timed { stage: Stage::Sort, pass: Some(pass), seconds };
-    drawn.passes.extend(seconds.map(|seconds| sort("faces (CPU)", seconds)));
-    let begun = Instant::now();
-    let checked = checked::check(renderer, scene, manner, &order, &drawn, progress)?;
-    if let Some(why) = checked.as_ref().and_then(|checked| checked.is_wrong(manner, &drawn)) {
-        return tiles_instead(renderer, scene, manner, why, progress);
-    }
-    if checked.is_some() {
-        drawn.passes.push(sort("check of the order", begun.elapsed().as_secs_f64()));
-    }
-    drawn.counts.pixels_disordered = checked.as_ref().and_then(|checked| checked.disordered);
-    drawn.along_faces = Some(AlongFaces { order, checked });
-    Ok(drawn)
-}
-
-/// Draws by tiles what was to be blended. Errors: also an accumulation that tiles do not have.
-fn tiles_instead(
-    renderer: &Renderer,
-    scene: &Scene,
-    manner: &Manner,
-    why: String,
-    progress: &dyn Progress,
-) -> Result<Drawn> {
-    let by_tiles = Manner { compositing: Some(Compositing::Tiles), ..*manner };
-    if manner.accumulation.check(Compositing::Tiles).is_err() {
-        return Err(Error::run(format!("the hardware does not blend this scene in exact order: {why}"))
-            .found(format!("accumulation = \"{}\", which tiles do not have", manner.accumulation.name()))
-            .accepted("accumulation = \"float\", which tiles draw; or order = \"centroid\""));
-    }
-    let drawn = inputs(renderer, scene, &by_tiles, None)?.draw(scene, &by_tiles, progress)?;
-    Ok(Drawn { tiles_instead: Some(why), ..drawn })
 }
 
 /// What a scene is drawn from. `along_faces`: the order of cells in which hardware blends them.
@@ -276,45 +151,8 @@ impl FrameInputs<'_> {
     }
 }
 
-/// What is known of a picture before it is there.
-pub(crate) struct StillEmpty {
-    /// Whether segments are counted.
-    is_counted: bool,
-    /// Whether pixels in disorder are counted, or there can be none.
-    is_order_known: bool,
-    parts_left_out: Vec<&'static str>,
-    part_bytes_left_out: u64,
-    blended_in_16_bits: bool,
-}
-
-impl StillEmpty {
-    /// With what came back.
-    pub fn with(self, Returned { picture, counts: counted, passes }: Returned) -> Drawn {
-        Drawn {
-            picture,
-            counts: Counts {
-                culled_by_transfer_function: counted[count::BY_FUNCTION],
-                culled_by_frustum: counted[count::BY_FRUSTUM],
-                under_a_pixel: counted[count::UNDER_A_PIXEL],
-                cells_projected: counted[count::PROJECTED],
-                tile_entries: counted[count::ENTRIES],
-                segments: self.is_counted.then_some(counted[count::SEGMENTS]),
-                pixels_disordered: self.is_order_known.then_some(counted[count::DISORDERED]),
-                sweeps_further: counted[count::SWEEPS],
-                tiles_stopped: counted[count::TILES_STOPPED],
-                cells_hidden: counted[count::CELLS_HIDDEN],
-            },
-            passes,
-            parts_left_out: self.parts_left_out,
-            part_bytes_left_out: self.part_bytes_left_out,
-            blended_in_16_bits: self.blended_in_16_bits,
-            along_faces: None,
-            tiles_instead: None,
-        }
-    }
-}
-
-fn compositing(manner: &Manner) -> Compositing {
+/// How it is composited.
+pub(crate) fn compositing(manner: &Manner) -> Compositing {
     manner.compositing.unwrap_or(Compositing::Tiles)
 }
 

@@ -3,7 +3,9 @@
 //! A device does what is submitted in turn, so the frames of a grid share all buffers but those that they come back by.
 
 use crate::frame::buffers::Returning;
-use crate::frame::draw::{Drawn, Ordered, Plan, StillEmpty, check, draw, inputs, plan};
+use crate::frame::draw::{draw, inputs};
+use crate::frame::drawn::{Drawn, StillEmpty};
+use crate::frame::plan::{Ordered, Plan, check, plan};
 use crate::frame::renderer::Renderer;
 use crate::frame::windows::Flying;
 use std::sync::Arc;

@@ -1,0 +1,103 @@
+//! A picture of the device and what it took, and what is known of it before it is there.
+
+use crate::frame::checked::Checked;
+use crate::frame::count;
+use crate::frame::windows::Returned;
+use std::sync::Arc;
+use voltet_core::engine::Timed;
+use voltet_core::picture::Picture;
+use voltet_core::visibility::FaceOrder;
+
+/// A picture and what it took.
+#[derive(Debug, Clone)]
+pub struct Drawn {
+    /// The picture.
+    pub picture: Picture,
+    /// Counts.
+    pub counts: Counts,
+    /// The passes with their times, where the adapter has timestamps.
+    pub passes: Vec<Timed>,
+    /// What no part of the scene's shader is about: folders of pieces that are not in it.
+    pub parts_left_out: Vec<&'static str>,
+    /// Bytes of all pieces that are not in it.
+    pub part_bytes_left_out: u64,
+    /// Whether pixels were blended in 16-bit floats, since the device blends none of 32 bits.
+    pub blended_in_16_bits: bool,
+    /// Where cells were blended in exact order: what was found of the order, and of the check.
+    pub along_faces: Option<AlongFaces>,
+    /// Why tiles composited in place of what blends, where they did.
+    pub tiles_instead: Option<String>,
+}
+
+/// The exact order of a picture that was blended.
+#[derive(Debug, Clone)]
+pub struct AlongFaces {
+    /// The order.
+    pub order: Arc<FaceOrder>,
+    /// What the check found, where one was asked for.
+    pub checked: Option<Checked>,
+}
+
+/// Counts of a picture, over all samples.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Cells left out because no widget touches their values.
+    pub culled_by_transfer_function: u64,
+    /// Cells left out because they are outside the view.
+    pub culled_by_frustum: u64,
+    /// Cells left out because they cover no pixel's middle, or have no volume.
+    pub under_a_pixel: u64,
+    /// Cells that may cover a pixel.
+    pub cells_projected: u64,
+    /// Cells in the lists of all tiles.
+    pub tile_entries: u64,
+    /// Ray segments integrated. Blending hardware does not count them.
+    pub segments: Option<u64>,
+    /// Pixels (samples, where a pixel has several) composited in an order that was not exact. Blending hardware does
+    /// not know; where no order is needed, there are none.
+    pub pixels_disordered: Option<u64>,
+    /// Times that a tile's list was gone through once more, because a pixel had more segments than fit at a time.
+    pub sweeps_further: u64,
+    /// Tiles that were opaque before all their cells had been looked at.
+    pub tiles_stopped: u64,
+    /// Cells that such tiles did not look at; a cell counts in each of them.
+    pub cells_hidden: u64,
+}
+
+/// What is known of a picture before it is there.
+pub(crate) struct StillEmpty {
+    /// Whether segments are counted.
+    pub is_counted: bool,
+    /// Whether pixels in disorder are counted, or there can be none.
+    pub is_order_known: bool,
+    pub parts_left_out: Vec<&'static str>,
+    pub part_bytes_left_out: u64,
+    pub blended_in_16_bits: bool,
+}
+
+impl StillEmpty {
+    /// With what came back.
+    pub fn with(self, Returned { picture, counts: counted, passes }: Returned) -> Drawn {
+        Drawn {
+            picture,
+            counts: Counts {
+                culled_by_transfer_function: counted[count::BY_FUNCTION],
+                culled_by_frustum: counted[count::BY_FRUSTUM],
+                under_a_pixel: counted[count::UNDER_A_PIXEL],
+                cells_projected: counted[count::PROJECTED],
+                tile_entries: counted[count::ENTRIES],
+                segments: self.is_counted.then_some(counted[count::SEGMENTS]),
+                pixels_disordered: self.is_order_known.then_some(counted[count::DISORDERED]),
+                sweeps_further: counted[count::SWEEPS],
+                tiles_stopped: counted[count::TILES_STOPPED],
+                cells_hidden: counted[count::CELLS_HIDDEN],
+            },
+            passes,
+            parts_left_out: self.parts_left_out,
+            part_bytes_left_out: self.part_bytes_left_out,
+            blended_in_16_bits: self.blended_in_16_bits,
+            along_faces: None,
+            tiles_instead: None,
+        }
+    }
+}
