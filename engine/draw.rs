@@ -4,10 +4,11 @@ use crate::attribute::{Attribute, attributes_of, gradient_attributes};
 use crate::cells::{Cells, Counts};
 use crate::composite::hides::Hides;
 use crate::composite::sinks::{OPAQUE_DEPTH, TilePicture};
-use crate::composite::worker::{Drawn, Worker};
-use crate::memory::drawing_bytes;
+use crate::composite::worker::{Drawn, Work, Worker};
+use crate::memory::drawing_bytes_of;
 use crate::project::record::TILE;
-use crate::sample::{Frame, Sample};
+use crate::project::tiles::Tiles;
+use crate::sample::{Frame, Projected, Sample};
 use crate::shade::light::Surface;
 use crate::shade::shader::{Scene, Shader};
 use rayon::prelude::*;
@@ -21,12 +22,16 @@ use voltet_core::shading::{Integrator, Order, Shading};
 use voltet_core::transfer::{OpticalModel, TransferFunction, Widget};
 use voltet_core::{Error, Result};
 
-/// Cells prepared for the compositor: one projection for each sample of a pixel.
+/// Cells prepared for the compositor: one projection for each sample of a pixel. Of more cells than are projected at once
+/// ([`Cells::most_at_once`]) it holds which part of the picture each touches; the compositor projects them part by part.
 #[derive(Debug)]
 pub struct Projection {
     cells: Cells,
     camera: Camera,
+    /// Of the first samples of a pixel, at least one; further ones are made when they are composited.
     samples: Vec<Sample>,
+    /// See [`densest`].
+    densest: f64,
 }
 
 impl Projection {
@@ -43,6 +48,17 @@ impl Projection {
     /// Cells that cover a pixel centre (of the first sample).
     pub fn cells_projected(&self) -> u64 {
         self.samples.first().map_or(0, Sample::cell_count)
+    }
+
+    /// Projects the cells for one more sample of every pixel. `attributes`: at least those that the first was projected with.
+    fn sample(
+        &self,
+        offset: [f64; 2],
+        attributes: &[Attribute<'_>],
+        progress: &dyn Progress,
+    ) -> Result<Sample> {
+        let count = self.samples.first().map_or(attributes.len(), |first| first.attribute_count);
+        Sample::new(&self.cells, &self.camera, offset, &attributes[..count], self.densest, progress)
     }
 }
 
@@ -66,17 +82,18 @@ pub fn project(
     }
     let offsets = camera.sample_offsets();
     let (kept, points) = (cells.kept.len() as u64, cells.volume.grid.points.len() as u64);
-    let bytes = drawing_bytes(kept, points, attributes.len() as u64, camera.size);
     // Each sample of a pixel has a projection of its own.
-    let bytes = bytes.saturating_mul(offsets.len() as u64);
+    let held = (cells.most_at_once / cells.kept.len().max(1)).clamp(1, offsets.len());
+    let bytes = drawing_bytes_of(kept, points, attributes.len() as u64, camera.size, cells.most_at_once);
+    let bytes = bytes.saturating_mul(held as u64);
     refuse_beyond_memory(progress, || format!("drawing {kept} cells"), bytes)?;
     let densest = densest(transfer_function) * cells.length;
-    let mut samples = Vec::with_capacity(offsets.len());
-    for (k, &offset) in offsets.iter().enumerate() {
-        progress.report("project", k as f64 / offsets.len() as f64);
+    let mut samples = Vec::with_capacity(held);
+    for (k, &offset) in offsets.iter().take(held).enumerate() {
+        progress.report("project", k as f64 / held as f64);
         samples.push(Sample::new(cells, camera, offset, &attributes, densest, progress)?);
     }
-    Ok(Projection { cells: cells.clone(), camera: *camera, samples })
+    Ok(Projection { cells: cells.clone(), camera: *camera, samples, densest })
 }
 
 /// The largest optical depth, or colour, that all widgets together give over a unit of length.
@@ -207,23 +224,37 @@ impl Ready<'_> {
         let mut picture = Picture::transparent(width, height);
         let (cells_projected, table_bytes) = (projection.cells_projected(), *table_bytes);
         let mut counts = Counts { cells_projected, table_bytes, ..Counts::default() };
-        let weight = 1.0 / projection.samples.len() as f32;
+        let offsets = projection.camera.sample_offsets();
+        let weight = 1.0 / offsets.len() as f32;
         let mut all = attributes.clone();
         if projection.samples.iter().any(|sample| attributes.len() < sample.attribute_count) {
             all.extend(gradient_attributes(cells)?);
         }
-        for sample in &projection.samples {
-            let tetrahedra = &cells.volume.grid.tetrahedra;
-            let mut frame = Frame::new(sample, tetrahedra, &all, attributes.len(), shader, sorted);
+        for (k, &offset) in offsets.iter().enumerate() {
+            let made;
+            let sample = match projection.samples.get(k) {
+                Some(sample) => sample,
+                None => {
+                    made = projection.sample(offset, &all, progress)?;
+                    &made
+                }
+            };
+            let none = Tiles::default();
+            let (tiles, work) = match &sample.projected {
+                Projected::Whole(tiles) => (tiles, Work::Tiles(tiles.queue(width.div_ceil(TILE)))),
+                Projected::InWindows(windows) => (&none, Work::Windows(&windows.list)),
+            };
+            let mut frame =
+                Frame::new(sample, tiles, &cells.volume.grid, &all, attributes.len(), shader, sorted);
             frame.ends = ends;
-            let queue = sample.queue();
             // Nothing is hidden where no ray through all of the grid is opaque.
             let opaque = f64::from(OPAQUE_DEPTH) < sample.deepest;
-            let hides = Hides::new(opaque && sorted && !cells.no_leave_out, queue.len());
+            let hides = Hides::new(opaque && sorted && !cells.no_leave_out, work.tile_count());
             let next = AtomicUsize::new(0);
-            let results: Vec<Drawn> = rayon::broadcast(|_| {
-                Worker { frame: &frame, queue: &queue, next: &next, hides: &hides, progress }.run()
+            let results: Vec<Result<Drawn>> = rayon::broadcast(|_| {
+                Worker { frame: &frame, work: &work, next: &next, hides: &hides, progress }.run()
             });
+            let results: Vec<Drawn> = results.into_iter().collect::<Result<_>>()?;
             if progress.cancelled() {
                 return Err(Error::cancelled());
             }

@@ -11,7 +11,7 @@
 //! | `sample` | what the compositor reads: the projection and how segments are shaded |
 //! | `composite` | segments in order to pixels |
 //! | `draw` | the stages end to end |
-//! | `memory` | what they take |
+//! | `memory`, `spare` | what they take, and what a frame leaves to the next one |
 //! | `native` | the engine as one of the program's |
 //! | `segments` | what becomes of segments alone, for judging |
 
@@ -27,6 +27,7 @@ mod project;
 mod sample;
 mod segments;
 mod shade;
+mod spare;
 mod view;
 
 pub use cells::{Cells, Counts};

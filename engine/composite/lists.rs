@@ -109,6 +109,18 @@ pub(crate) type Resolve<'a> = Option<&'a mut dyn FnMut(&mut [Mark])>;
 /// A pixel has more segments than [`DEPTH`].
 pub(crate) struct Overflow;
 
+impl Default for Lists {
+    fn default() -> Self {
+        Lists::new()
+    }
+}
+
+impl std::fmt::Debug for Lists {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Lists").finish_non_exhaustive()
+    }
+}
+
 impl Lists {
     pub fn new() -> Self {
         // Zeroed pages are mapped when first touched: a tile touches what its deepest pixel needs.

@@ -4,6 +4,8 @@
 //! are lanes: spans of all cells become one dense list of fragments ([`crate::fragments::spans`]), batches of it are
 //! intersected ([`crate::fragments::crossing`]) and integrated ([`crate::shade`]), and the results go to per-pixel lists
 //! ([`super::lists`]), or, where the scene has one colour, are summed: there no order is needed.
+//!
+//! Of large grids it takes windows, projects the cells of one and draws its tiles.
 
 use crate::composite::growing_lists::GrowingLists;
 use crate::composite::hides::Hides;
@@ -17,6 +19,7 @@ use crate::fragments::crossing::Group;
 use crate::fragments::ends::{Ends, cut};
 use crate::fragments::spans::{Edges, Fragments};
 use crate::project::record::TILE;
+use crate::project::windows::Window;
 use crate::sample::Frame;
 use crate::shade::later::{Later, Mark};
 use crate::shade::light::{Rays, rays};
@@ -24,6 +27,7 @@ use crate::shade::roads::{integrate, quick};
 use crate::shade::shaded::Shaded;
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use voltet_core::Result as Fallible;
 use voltet_core::progress::Progress;
 use voltet_lanes::dispatch;
 
@@ -44,11 +48,28 @@ pub(crate) struct WorkerCounts {
     pub cells_hidden: u64,
 }
 
-/// One worker: takes tiles until none is left.
+/// What workers take.
+pub(crate) enum Work<'a> {
+    /// Tiles by their numbers, fullest first.
+    Tiles(Vec<u32>),
+    /// Windows whose cells are not projected yet.
+    Windows(&'a [Window]),
+}
+
+impl Work<'_> {
+    /// Tiles in all, empty ones of windows among them.
+    pub fn tile_count(&self) -> usize {
+        match self {
+            Work::Tiles(queue) => queue.len(),
+            Work::Windows(windows) => windows.iter().map(|window| window.area.tile_count()).sum(),
+        }
+    }
+}
+
+/// One worker: takes tiles or windows until none is left.
 pub(crate) struct Worker<'a> {
     pub frame: &'a Frame<'a>,
-    /// Tile numbers, fullest first.
-    pub queue: &'a [u32],
+    pub work: &'a Work<'a>,
     pub next: &'a AtomicUsize,
     /// Whether cells are taken from front to back.
     pub hides: &'a Hides,
@@ -107,39 +128,86 @@ impl Scratch {
     }
 }
 
+/// What a worker draws with, and what it drew.
+struct Desk {
+    scratch: Scratch,
+    lists: Lists,
+    done: Vec<(u32, Box<TilePicture>)>,
+}
+
 impl Worker<'_> {
-    /// Draws tiles until the queue is empty. Returns the pictures with their tile numbers.
-    pub fn run(self) -> Drawn {
+    /// Draws until nothing is left. Returns the pictures with their tile numbers.
+    ///
+    /// Errors: more cells in a window than can be counted.
+    pub fn run(self) -> Fallible<Drawn> {
         let frame = self.frame;
-        let mut scratch = Scratch::new(frame);
-        let mut lists = Lists::new();
-        let mut done = Vec::new();
-        loop {
-            let k = self.next.fetch_add(1, Ordering::Relaxed);
-            let Some(&tile) = self.queue.get(k) else { break };
-            if k.is_multiple_of(16) {
-                self.progress.report("composite", k as f64 / self.queue.len() as f64);
+        let lists = frame.spare().lists.take();
+        let mut desk = Desk { scratch: Scratch::new(frame), lists, done: Vec::new() };
+        match self.work {
+            Work::Tiles(queue) => {
+                while let Some((place, &tile)) = self.take(queue)
+                    && self.draw(frame, tile, place, &mut desk)
+                {}
             }
-            if self.progress.cancelled() {
-                break;
-            }
-            let mut picture = Box::new([[0.0; 4]; TILE * TILE]);
-            let sampled = self.hides.sample(k);
-            let Some(slabbed) = self.hides.answer(k, || self.progress.cancelled()) else { break };
-            scratch.slabbed = slabbed;
-            draw_tile(frame, tile as usize, &mut scratch, &mut lists, &mut picture);
-            if let Some(sampled) = sampled {
-                sampled.tell(lists.hidden(TILE / 2));
-            }
-            done.push((tile, picture));
+            Work::Windows(windows) => self.draw_windows(windows, &mut desk)?,
         }
+        let Desk { mut scratch, lists, done } = desk;
+        frame.spare().lists.put(lists);
         scratch.counts.segments_exact +=
             scratch.shaded.exact_count + scratch.pool.shaded.exact_count + scratch.later.exact_count();
         scratch.counts.evaluations = scratch.shaded.evaluation_count
             + scratch.pool.shaded.evaluation_count
             + scratch.later.evaluation_count();
         scratch.counts.segments_overlapping = scratch.shaded.overlap_count;
-        (done, scratch.counts)
+        Ok((done, scratch.counts))
+    }
+
+    /// The next of a list, and its place there.
+    fn take<'t, T>(&self, list: &'t [T]) -> Option<(usize, &'t T)> {
+        let place = self.next.fetch_add(1, Ordering::Relaxed);
+        list.get(place).map(|item| (place, item))
+    }
+
+    fn draw_windows(&self, windows: &[Window], desk: &mut Desk) -> Fallible<()> {
+        let mut tiles = self.frame.spare().tiles.take();
+        while let Some((_, window)) = self.take(windows) {
+            let mut places = window.tiles_before..window.tiles_before + window.area.tile_count();
+            let projected = self.frame.project(window, &mut tiles);
+            if projected.is_ok() {
+                let frame = self.frame.within(&tiles);
+                for tile in tiles.queue(frame.tiles_wide) {
+                    if !places.next().is_some_and(|place| self.draw(&frame, tile, place, desk)) {
+                        return Ok(());
+                    }
+                }
+            }
+            // The others may wait for what empty tiles tell: nothing.
+            places.for_each(|place| drop(self.hides.sample(place)));
+            projected?;
+        }
+        self.frame.spare().tiles.put(tiles);
+        Ok(())
+    }
+
+    /// Draws a tile; whether the run goes on.
+    fn draw(&self, frame: &Frame<'_>, tile: u32, place: usize, desk: &mut Desk) -> bool {
+        if place.is_multiple_of(16) {
+            self.progress.report("composite", place as f64 / self.work.tile_count() as f64);
+        }
+        if self.progress.cancelled() {
+            return false;
+        }
+        let Desk { scratch, lists, done } = desk;
+        let mut picture = Box::new([[0.0; 4]; TILE * TILE]);
+        let sampled = self.hides.sample(place);
+        let Some(slabbed) = self.hides.answer(place, || self.progress.cancelled()) else { return false };
+        scratch.slabbed = slabbed;
+        draw_tile(frame, tile as usize, scratch, lists, &mut picture);
+        if let Some(sampled) = sampled {
+            sampled.tell(lists.hidden(TILE / 2));
+        }
+        done.push((tile, picture));
+        true
     }
 }
 

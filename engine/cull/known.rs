@@ -4,7 +4,8 @@ use super::asked::{Asked, CornerValues};
 use super::blocks::Block;
 use super::touched::Touched;
 use crate::attribute::attributes_of;
-use crate::cells::Cells;
+use crate::cells::{Cells, MOST_AT_ONCE};
+use crate::spare::Spare;
 use crate::view::{Seen, View};
 use rayon::prelude::*;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -27,7 +28,7 @@ const CHUNK: usize = 1 << 14;
 /// What is known of a volume between pictures: how far it reaches, its values' ranges, over blocks of cells too, which cells the
 /// last widgets touch, and where the last camera sees the points. A picture finds anew only what depends on what changed: where
 /// only the camera did, the cells that are touched stay; where only colours did, or extinctions by less than a factor of two, all of
-/// it. What is kept takes at most 5 bytes a cell and 25 a point.
+/// it. What is kept takes at most 5 bytes a cell and 25 a point, and the memory that the last picture was drawn in.
 #[derive(Debug)]
 pub struct Known {
     volume: Arc<Volume>,
@@ -37,6 +38,7 @@ pub struct Known {
     blocks: Mutex<Option<Arc<Vec<Block>>>>,
     touched: Mutex<Option<Arc<Touched>>>,
     sight: Mutex<Option<Arc<Sight>>>,
+    spare: Arc<Spare>,
 }
 
 /// The points as one camera sees them.
@@ -68,6 +70,7 @@ impl Known {
             blocks: Mutex::default(),
             touched: Mutex::default(),
             sight: Mutex::default(),
+            spare: Arc::default(),
         })
     }
 
@@ -158,6 +161,8 @@ impl Known {
             untouched: Vec::new(),
             no_leave_out: false,
             lanes: LaneSet::detect()?,
+            most_at_once: MOST_AT_ONCE,
+            spare: self.spare.clone(),
             culled_for: None,
             steepest: self.steepest,
         })

@@ -5,8 +5,10 @@
 //! beyond 1 : 4,000, cells flatter than the pixel coordinates resolve) are set apart and crossed in 64 bits by [`super::cell64`].
 
 use crate::attribute::{ATTRIBUTES_MOST, Attribute};
+use crate::project::area::{Area, tiles_of};
+use crate::project::covered::{Corners, Covered, MOST, least, load, most};
 use crate::project::outline::{edge_on, may_be_edge_on};
-use crate::project::record::{AttributeRecord, Record, STEEP, TILE};
+use crate::project::record::{AttributeRecord, Record, STEEP};
 use crate::view::{PIXEL_STEP, Seen, View};
 use voltet_lanes::{Double, Kernel, Lanes, Mask, array, inlined};
 
@@ -21,9 +23,9 @@ pub(crate) struct ProjectedPart {
     pub corners: Vec<[u32; 4]>,
     /// Nearest depth of each record, from the distance origin.
     pub nearest: Vec<f32>,
-    /// Tile rectangle of each record: x0, y0, x1, y1 (exclusive).
+    /// Tiles of that area that each record touches: x0, y0, x1, y1 (exclusive).
     pub tiles: Vec<[u16; 4]>,
-    /// Records that touch each tile.
+    /// Records that touch each tile of the area that is of interest.
     pub tile_counts: Vec<u32>,
     /// Tetrahedra for the 64-bit path.
     pub cells64: Vec<u32>,
@@ -40,16 +42,9 @@ pub(crate) struct Input<'a> {
     pub distance_origin: f64,
     /// The largest optical depth, or colour, that the widgets give together over a scene length.
     pub densest: f64,
-    pub tiles_wide: usize,
-    pub tiles_high: usize,
+    /// Tiles that are of interest: what touches others alone goes no further.
+    pub area: Area,
 }
-
-/// Pixels by which a span may be rounded beyond its cell: its edges cross rows at multiples of 2⁻¹⁷.
-const BESIDE: f64 = 1.0 / (1 << 16) as f64;
-
-/// Perspective cells whose depths differ by more than this factor are crossed in 64 bits: v would span too many
-/// octaves for 24 bits.
-const DEPTH_RATIO: f64 = 4.0;
 
 /// Slivers whose attribute coefficients exceed this many times the cell's own range are crossed in 64 bits: of 24
 /// bits 12 would cancel, and a length or a value be off by 2e-4 of its range.
@@ -76,14 +71,27 @@ pub(crate) struct ProjectPart<'a> {
     pub part: &'a mut ProjectedPart,
 }
 
+impl ProjectedPart {
+    /// Begins anew, with the memory that it has.
+    pub fn begin(&mut self, area: Area) {
+        let ProjectedPart { records, attributes, corners, nearest, tiles, tile_counts, cells64 } = self;
+        records.clear();
+        attributes.clear();
+        corners.clear();
+        nearest.clear();
+        tiles.clear();
+        tile_counts.clear();
+        tile_counts.resize(area.tile_count(), 0);
+        cells64.clear();
+    }
+}
+
 impl Kernel for ProjectPart<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run<L: Lanes>(self) {
         let ProjectPart { input, cells, part } = self;
-        part.tile_counts.clear();
-        part.tile_counts.resize(input.tiles_wide * input.tiles_high, 0);
         part.records.reserve(cells.len());
         part.attributes.reserve(cells.len() * input.attributes.len());
         part.corners.reserve(cells.len());
@@ -95,15 +103,6 @@ impl Kernel for ProjectPart<'_> {
     }
 }
 
-const MOST: usize = 8;
-
-/// Four corners of up to eight cells, coordinate by coordinate.
-struct Corners {
-    x: [[f64; MOST]; 4],
-    y: [[f64; MOST]; 4],
-    z: [[f64; MOST]; 4],
-}
-
 #[inline(always)]
 fn project_group<L: Lanes>(input: &Input<'_>, group: &[u32], part: &mut ProjectedPart) {
     let view = input.view;
@@ -111,47 +110,11 @@ fn project_group<L: Lanes>(input: &Input<'_>, group: &[u32], part: &mut Projecte
     let splat = L::D::splat;
     let (one, zero) = (splat(1.0), splat(0.0));
 
-    // Gather the corners; the last group is filled up with its last cell.
-    let mut corners = Corners { x: [[0.0; MOST]; 4], y: [[0.0; MOST]; 4], z: [[0.0; MOST]; 4] };
-    for lane in 0..L::D::COUNT {
-        let tetrahedron = &input.tetrahedra[group[lane.min(n - 1)] as usize];
-        for (k, &point) in tetrahedron.iter().enumerate() {
-            let seen = &input.seen[point as usize];
-            corners.x[k][lane] = seen.x;
-            corners.y[k][lane] = seen.y;
-            corners.z[k][lane] = seen.z;
-        }
-    }
-    let load = inlined(
-        #[inline(always)]
-        |rows: &[[f64; MOST]; 4]| {
-            [L::D::load(&rows[0]), L::D::load(&rows[1]), L::D::load(&rows[2]), L::D::load(&rows[3])]
-        },
-    );
-    let (x, y, z) = (load(&corners.x), load(&corners.y), load(&corners.z));
-    let least = inlined(
-        #[inline(always)]
-        |c: &[L::D; 4]| c[0].min(c[1]).min(c[2].min(c[3])),
-    );
-    let most = inlined(
-        #[inline(always)]
-        |c: &[L::D; 4]| c[0].max(c[1]).max(c[2].max(c[3])),
-    );
-
-    // Pixel centres that the cell's box covers: [ceil(low), ceil(high)) in each direction, and those that its spans may round to.
+    let corners = Corners::<L::D>::gather(input.seen, input.tetrahedra, group);
+    let Covered { columns: [x0, x1], rows: [y0, y1], nearest, in_depth, any: covered } =
+        corners.covered(view);
+    let Corners { x, y, z } = corners;
     let (width, height) = (splat(view.size[0] as f64), splat(view.size[1] as f64));
-    let beside = splat(BESIDE);
-    let x0 = (least(&x) - beside).ceil().max(zero).min(width);
-    let x1 = (most(&x) + beside).ceil().max(zero).min(width);
-    let y0 = least(&y).ceil().max(zero).min(height);
-    let y1 = most(&y).ceil().max(zero).min(height);
-    let (z_least, z_most) = (least(&z), most(&z));
-    let in_depth = if view.perspective {
-        zero.lt(z_least).and(z_most.le(splat(DEPTH_RATIO) * z_least))
-    } else {
-        z_least.le(z_most)
-    };
-    let covered = x0.lt(x1).and(y0.lt(y1));
     let live = (1u32 << n) - 1;
     let mut in_64_bits = !in_depth.bits() & live;
     let ordinary = in_depth.and(covered).bits() & live;
@@ -275,7 +238,7 @@ fn project_group<L: Lanes>(input: &Input<'_>, group: &[u32], part: &mut Projecte
                 raw[k][lane] = attribute.at(point as usize);
             }
         }
-        let raw = load(&raw);
+        let raw = load::<L::D>(&raw);
         let scaled: [L::D; 4] = array(
             #[inline(always)]
             |k| (raw[k] - splat(attribute.offset)) * splat(1.0 / attribute.scale),
@@ -327,13 +290,15 @@ fn project_group<L: Lanes>(input: &Input<'_>, group: &[u32], part: &mut Projecte
 
     // Store lane by lane.
     let mut words = [[0f64; MOST]; 9];
-    for (row, value) in words.iter_mut().zip([x0, y0, x1, y1, pixel_x, pixel_y, depth, middle, z_least]) {
+    for (row, value) in words.iter_mut().zip([x0, y0, x1, y1, pixel_x, pixel_y, depth, middle, nearest]) {
         value.store(row);
     }
     for lane in 0..n {
         if drawn & !ill & (1 << lane) == 0 {
             continue;
         }
+        let pixels = [0, 1, 2, 3].map(|k: usize| words[k][lane] as usize);
+        let Some(rectangle) = input.area.shared(tiles_of(pixels)) else { continue };
         let mut record = Record {
             depth: words[6][lane] as f32,
             distance: (words[7][lane] - input.distance_origin) as f32,
@@ -346,23 +311,16 @@ fn project_group<L: Lanes>(input: &Input<'_>, group: &[u32], part: &mut Projecte
             record.c[k] = planes[k][2][lane];
             record.front |= (front_bits[k] >> lane & 1) << k;
         }
-        let tile = |pixel: f64| pixel as usize / TILE;
-        let rectangle = [
-            tile(words[0][lane]) as u16,
-            tile(words[1][lane]) as u16,
-            (tile(words[2][lane] - 1.0) + 1) as u16,
-            (tile(words[3][lane] - 1.0) + 1) as u16,
-        ];
         for ty in rectangle[1]..rectangle[3] {
-            let row = ty as usize * input.tiles_wide;
-            for count in &mut part.tile_counts[row + rectangle[0] as usize..row + rectangle[2] as usize] {
+            let first = input.area.place([rectangle[0], ty]);
+            for count in &mut part.tile_counts[first..first + (rectangle[2] - rectangle[0])] {
                 *count += 1;
             }
         }
         part.records.push(record);
         part.corners.push(input.tetrahedra[group[lane] as usize]);
         part.nearest.push((words[8][lane] - input.distance_origin) as f32);
-        part.tiles.push(rectangle);
+        part.tiles.push(rectangle.map(|tile| tile as u16));
         for stored in stored.iter().take(input.attributes.len()) {
             part.attributes.push(AttributeRecord {
                 p: stored[0][lane],

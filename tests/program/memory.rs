@@ -103,7 +103,7 @@ fn where_memory_ends_the_run_is_refused_or_ends_with_one_line() {
         // 100 million cells are never made.
         ("grid.resolution=[256, 256, 256]", "error: memory ends: found no room for "),
     ] {
-        let output = limited(&folder, 900, set);
+        let output = limited(&folder, 500, set);
         let said = String::from_utf8(output.stderr).unwrap();
         assert_eq!(output.status.code(), Some(1), "{said}");
         assert!(

@@ -6,9 +6,9 @@ use voltet_core::picture::Picture;
 use voltet_core::progress::Silent;
 use voltet_core::shading::{Integrator, Shading};
 use voltet_core::transfer::TransferFunction;
-use voltet_engine as engine;
+use voltet_engine::{self as engine, Counts};
 use voltet_testing::pictures::Engine;
-use voltet_testing::pictures::compare::{NamedScene, ORDINARY};
+use voltet_testing::pictures::compare::{NamedScene, ORDINARY, within};
 
 /// The engine.
 pub struct Tested;
@@ -32,11 +32,24 @@ impl Engine for Tested {
     }
 }
 
-/// The picture.
+/// The picture; the same, bit by bit, where each tile's cells are projected when it is composited.
 pub fn picture(scene: &NamedScene, shading: &Shading) -> Picture {
-    let draw = || -> Result<Picture> {
-        let cells = engine::cull(&scene.volume, &scene.look, &scene.camera, &Silent)?;
-        Ok(engine::draw(&cells, &scene.look, &scene.camera, shading, &Silent)?.0)
+    let draw = |most_at_once: Option<usize>| -> Result<(Picture, Counts)> {
+        let mut cells = engine::cull(&scene.volume, &scene.look, &scene.camera, &Silent)?;
+        cells.most_at_once = most_at_once.unwrap_or(cells.most_at_once);
+        let (picture, counts) = engine::draw(&cells, &scene.look, &scene.camera, shading, &Silent)?;
+        // Cells without a volume are known when they are projected.
+        Ok((picture, Counts { cells_projected: 0, ..counts }))
     };
-    draw().unwrap_or_else(|e| panic!("{}: {e}", scene.name))
+    let [whole, in_windows] =
+        [None, Some(0)].map(|most| draw(most).unwrap_or_else(|e| panic!("{}: {e}", scene.name)));
+    let bits = |picture: &Picture| picture.rgba.iter().flatten().map(|x| x.to_bits()).collect::<Vec<_>>();
+    // Which tiles tell whether cells are best taken from front to back depends on what a queue begins with.
+    if whole.1.tiles_stopped == 0 && in_windows.1.tiles_stopped == 0 {
+        assert_eq!(in_windows.1, whole.1, "{}: in windows", scene.name);
+        assert!(bits(&in_windows.0) == bits(&whole.0), "{}: another picture in windows", scene.name);
+    } else {
+        within(&format!("{} in windows", scene.name), &in_windows.0, &whole.0, 1e-6);
+    }
+    whole.0
 }

@@ -1,0 +1,86 @@
+//! Rectangles of tiles.
+
+use crate::project::record::TILE;
+
+/// Tiles of some columns and rows of a picture.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(crate) struct Area {
+    /// First column and row.
+    pub from: [usize; 2],
+    /// Column and row behind the last.
+    pub to: [usize; 2],
+}
+
+impl Area {
+    /// Those of a whole picture. `size`: in pixels.
+    pub fn of_picture(size: [usize; 2]) -> Area {
+        Area { from: [0; 2], to: size.map(|pixels| pixels.div_ceil(TILE)) }
+    }
+
+    /// Columns and rows.
+    pub fn size(&self) -> [usize; 2] {
+        [self.to[0] - self.from[0], self.to[1] - self.from[1]]
+    }
+
+    /// Number of its tiles.
+    pub fn tile_count(&self) -> usize {
+        let [columns, rows] = self.size();
+        columns * rows
+    }
+
+    /// Place of a tile of it among its tiles, row by row.
+    #[inline(always)]
+    pub fn place(&self, [x, y]: [usize; 2]) -> usize {
+        (y - self.from[1]) * (self.to[0] - self.from[0]) + (x - self.from[0])
+    }
+
+    /// The tile at a place.
+    pub fn tile(&self, place: usize) -> [usize; 2] {
+        let columns = self.to[0] - self.from[0];
+        [self.from[0] + place % columns, self.from[1] + place / columns]
+    }
+
+    /// Tiles that it shares with those of columns x0 … x1 and rows y0 … y1 (exclusive), in this form; `None` where there are none.
+    #[inline(always)]
+    pub fn shared(&self, [x0, y0, x1, y1]: [usize; 4]) -> Option<[usize; 4]> {
+        let [x0, y0] = [x0.max(self.from[0]), y0.max(self.from[1])];
+        let [x1, y1] = [x1.min(self.to[0]), y1.min(self.to[1])];
+        (x0 < x1 && y0 < y1).then_some([x0, y0, x1, y1])
+    }
+
+    /// Areas of `side` × `side` tiles that make it up, row by row; smaller ones at its ends.
+    pub fn split(&self, side: usize) -> Vec<Area> {
+        let part = |y: usize| {
+            (self.from[0]..self.to[0]).step_by(side).map(move |x| Area {
+                from: [x, y],
+                to: [(x + side).min(self.to[0]), (y + side).min(self.to[1])],
+            })
+        };
+        (self.from[1]..self.to[1]).step_by(side).flat_map(part).collect()
+    }
+}
+
+/// Tiles that pixels of columns x0 … x1 and rows y0 … y1 (exclusive) lie in, in the same form.
+#[inline(always)]
+pub(crate) fn tiles_of([x0, y0, x1, y1]: [usize; 4]) -> [usize; 4] {
+    [x0 / TILE, y0 / TILE, x1.div_ceil(TILE), y1.div_ceil(TILE)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parts_of_an_area_hold_each_tile_once() {
+        let area = Area { from: [3, 1], to: [14, 8] };
+        let parts = area.split(4);
+        for place in 0..area.tile_count() {
+            let [x, y] = area.tile(place);
+            assert_eq!(area.place([x, y]), place);
+            let holds = |part: &&Area| part.shared([x, y, x + 1, y + 1]).is_some();
+            assert_eq!(parts.iter().filter(holds).count(), 1, "tile {x}, {y}");
+        }
+        assert_eq!(parts.iter().map(Area::tile_count).sum::<usize>(), area.tile_count());
+        assert_eq!(area.shared([0, 0, 3, 8]), None);
+    }
+}
