@@ -2,9 +2,9 @@
 //! distance and composited front to back. The order is exact for disjoint cells whatever the cells are: cycles,
 //! non-convex and disconnected grids need no special case.
 //!
-//! Layout: slot k of the 16 pixels of a row lie side by side, so 16 pixels are 16 lanes of the sorting network
-//! and of the compositor. Colours stand in fours, so that each moves by one instruction; what tells the order stands by
-//! itself, so that vectors of it are read where they lie.
+//! Layout: a pixel's segments lie one after another, so that what the pixels of a tile take next stays in the first-level cache
+//! however unevenly they fill. Keys turn that: those of the 16 pixels of a row lie side by side, 16 lanes of the sorting network
+//! and of the compositor. Colours stand in fours, so that each moves by one instruction.
 
 use crate::fragments::batch::{BATCH, Batch, Column, LANES_MOST};
 use crate::project::record::TILE;
@@ -17,9 +17,10 @@ use voltet_lanes::{Float, Lanes, Mask, Unsigned, array, inlined};
 pub(crate) const DEPTH: usize = 1024;
 /// Bits of a slot number.
 const SLOT_BITS: u32 = 10;
-/// Slots of a row: a whole batch may go to one pixel before anybody looks whether there is room. Not a power of two: those
-/// cost a third of the speed to cache conflicts.
-const ROW: usize = DEPTH + BATCH + 3;
+/// Slots of a pixel: a whole batch may go to it before anybody looks whether there is room. An odd number of cache lines, so that
+/// those of pixels do not meet in the same sets of a cache.
+const ROOM: usize = DEPTH + BATCH + 2;
+const _: () = assert!(ROOM * size_of::<Slot>() / 64 % 2 == 1);
 
 /// What one segment contributes to its pixel.
 #[derive(Debug, Clone, Copy, Default)]
@@ -38,17 +39,23 @@ impl Layer {
     }
 }
 
-/// One segment of each pixel of a row.
+/// One segment.
 #[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
-#[repr(C, align(64))]
+#[repr(C, align(32))]
 struct Slot {
-    rgba: [[f32; 4]; TILE],
-    entry: [f32; TILE],
-    exit: [f32; TILE],
+    rgba: [f32; 4],
+    entry: f32,
+    exit: f32,
+    spare: [f32; 2],
 }
 
 /// Fours of numbers in a slot.
 const FOURS: u32 = (size_of::<Slot>() / size_of::<[f32; 4]>()) as u32;
+/// Numbers in a slot, as a power of two, and which of them is the entry.
+const NUMBERS_BITS: u32 = 3;
+const ENTRY: u32 = 4;
+const _: () = assert!(size_of::<Slot>() == size_of::<f32>() << NUMBERS_BITS);
+const _: () = assert!(std::mem::offset_of!(Slot, entry) == size_of::<f32>() * ENTRY as usize);
 
 /// Entries that differ by less than this share of themselves may be one face, found from both of its cells.
 const ENTRY_NOISE: f32 = 3e-7;
@@ -76,10 +83,12 @@ const UNSEEN_COLOR: f32 = 1e-8;
 
 /// The lists of one tile.
 pub(crate) struct Lists {
-    /// The next free slot of each pixel, counted from the first row's first; then one for what belongs to none.
+    /// The next free slot of each pixel, counted from the first pixel's first; then one for what belongs to none.
     next: [u32; TILE * TILE + 1],
-    /// Row by row; then room for what belongs to no pixel.
+    /// Pixel by pixel; then room for what belongs to none.
     slots: Vec<Slot>,
+    /// Of the row in hand: slot by slot the entries of its pixels, and their keys.
+    entries: Vec<f32>,
     keys: Vec<u32>,
     /// What is seen through each pixel, as far as it is more than [`UNSEEN`].
     pub through: [f32; TILE * TILE],
@@ -96,7 +105,7 @@ const FIRST: [u32; TILE * TILE + 1] = {
     let mut first = [0; TILE * TILE + 1];
     let mut pixel = 0;
     while pixel <= TILE * TILE {
-        first[pixel] = (pixel / TILE * ROW) as u32;
+        first[pixel] = (pixel * ROOM) as u32;
         pixel += 1;
     }
     first
@@ -126,7 +135,8 @@ impl Lists {
         // Zeroed pages are mapped when first touched: a tile touches what its deepest pixel needs.
         Lists {
             next: FIRST,
-            slots: bytemuck::zeroed_vec(ROW * TILE + LANES_MOST),
+            slots: bytemuck::zeroed_vec(ROOM * TILE * TILE + LANES_MOST),
+            entries: vec![0.0; DEPTH * TILE],
             keys: vec![0; DEPTH * TILE],
             through: [1.0; TILE * TILE],
             places: Column::new(),
@@ -141,20 +151,19 @@ impl Lists {
 
     /// Segments of a row's pixels.
     fn counts(&self, row: usize) -> [u32; TILE] {
-        std::array::from_fn(|x| self.next[row * TILE + x] - (row * ROW) as u32)
+        std::array::from_fn(|x| self.next[row * TILE + x] - FIRST[row * TILE + x])
     }
 
     /// Appends to the list of a pixel (row << 4 | column).
     #[inline(always)]
     pub fn push(&mut self, pixel: usize, layer: Layer) -> Result<(), Overflow> {
         let pixel = pixel & (TILE * TILE - 1);
-        let (at, x) = (self.next[pixel] as usize, pixel & 15);
-        if at >= (pixel >> 4) * ROW + DEPTH {
+        let at = self.next[pixel];
+        if at >= FIRST[pixel] + DEPTH as u32 {
             return Err(Overflow);
         }
         self.next[pixel] += 1;
-        let slot = &mut self.slots[at];
-        (slot.rgba[x], slot.entry[x], slot.exit[x]) = (layer.rgba, layer.entry, layer.exit);
+        self.slots[at as usize] = Slot { rgba: layer.rgba, entry: layer.entry, exit: layer.exit, spare: [0.0; 2] };
         Ok(())
     }
 
@@ -175,10 +184,10 @@ impl Lists {
             let places = &mut places[at..][..L::WIDTH];
             let ends = batch.entry[at..][..L::WIDTH].iter().zip(&batch.exit[at..][..L::WIDTH]);
             for ((place, &pixel), (&entry, &exit)) in places.iter_mut().zip(&pixels).zip(ends) {
-                let (next, x) = (&mut next[(pixel as usize).min(TILE * TILE)], pixel as usize % TILE);
+                let next = &mut next[(pixel as usize).min(TILE * TILE)];
                 let slot = &mut slots[*next as usize];
-                (slot.entry[x], slot.exit[x]) = (entry, exit);
-                *place = *next * FOURS + x as u32;
+                (slot.entry, slot.exit) = (entry, exit);
+                *place = *next * FOURS;
                 *next += 1;
             }
         }
@@ -191,11 +200,11 @@ impl Lists {
             );
             L::F::scatter_parts(rgba, fours, L::U::load(&places[at..]));
         }
-        let full = |row: usize| {
-            let most = (row * ROW + DEPTH) as u32;
-            next[row * TILE..][..TILE].iter().any(|&next| most < next)
-        };
-        if (0..TILE).any(full) { Err(Overflow) } else { Ok(()) }
+        let mut full = 0;
+        for (&next, &first) in next.iter().zip(&FIRST).take(TILE * TILE) {
+            full |= u32::from(first + (DEPTH as u32) < next);
+        }
+        if full != 0 { Err(Overflow) } else { Ok(()) }
     }
 
     /// Gives the segment that went to `place` its colour and opacity.
@@ -240,9 +249,8 @@ impl Lists {
     pub fn hidden(&self, row: usize) -> [usize; 2] {
         let (mut all, mut hidden) = (0, 0);
         for (x, &count) in self.counts(row).iter().enumerate().skip(1).step_by(4) {
-            let slots = &self.slots[row * ROW..][..count as usize];
-            let mut segments: Vec<[f32; 2]> =
-                slots.iter().map(|slot| [slot.entry[x], slot.rgba[x][3]]).collect();
+            let slots = &self.slots[(row * TILE + x) * ROOM..][..count as usize];
+            let mut segments: Vec<[f32; 2]> = slots.iter().map(|slot| [slot.entry, slot.rgba[3]]).collect();
             segments.sort_unstable_by(|a, b| a[0].total_cmp(&b[0]));
             let mut through = 1.0;
             all += segments.len();
@@ -259,7 +267,7 @@ impl Lists {
 
     /// Pixels of a row whose segments did not arrive in order.
     fn disordered(&self, row: usize, counts: &[u32; TILE]) -> u64 {
-        let entry = |x: usize, slot: usize| self.slots[row * ROW + slot].entry[x];
+        let entry = |x: usize, slot: usize| self.slots[(row * TILE + x) * ROOM + slot].entry;
         let wrong =
             |(x, &count): (usize, &u32)| (1..count as usize).any(|slot| entry(x, slot) < entry(x, slot - 1));
         counts.iter().enumerate().filter(|&column| wrong(column)).count() as u64
@@ -270,7 +278,7 @@ impl Lists {
     fn make_keys<L: Lanes>(&mut self, row: usize, counts: &[u32; TILE], deepest: usize) {
         let splat = L::F::splat;
         let steps = splat(((1u32 << (32 - SLOT_BITS)) - 2) as f32);
-        let slots = &self.slots[row * ROW..][..deepest];
+        let numbers: &[f32] = bytemuck::cast_slice(&self.slots);
         for half in (0..TILE).step_by(L::WIDTH) {
             let count = L::U::load(&counts[half..]);
             // slot ≥ count: max(slot, count) == slot.
@@ -278,9 +286,12 @@ impl Lists {
                 #[inline(always)]
                 |slot: usize| count.max(L::U::splat(slot as u32)).equal(L::U::splat(slot as u32)),
             );
+            let first = L::U::load(&FIRST[row * TILE + half..]).shl::<NUMBERS_BITS>() + L::U::splat(ENTRY);
             let (mut nearest, mut farthest) = (splat(f32::INFINITY), splat(f32::NEG_INFINITY));
-            for (k, slot) in slots.iter().enumerate() {
-                let entry = L::F::load(&slot.entry[half..]);
+            for (k, entries) in self.entries.chunks_exact_mut(TILE).take(deepest).enumerate() {
+                // Past the end of a list something is read that does not count.
+                let entry = L::F::gather(numbers, first + L::U::splat((k as u32) << NUMBERS_BITS));
+                entry.store(&mut entries[half..]);
                 let past = past(k);
                 nearest = L::F::select(past, nearest, entry.min(nearest));
                 farthest = L::F::select(past, farthest, entry.max(farthest));
@@ -290,8 +301,9 @@ impl Lists {
             let noise = nearest.abs().max(farthest.abs()) * splat(ENTRY_NOISE);
             let finest = (splat(1.0) / noise).min(splat(f32::MAX));
             let scale = L::F::select(splat(0.0).lt(range), (steps / range).min(finest), splat(0.0));
-            for (k, (slot, keys)) in slots.iter().zip(self.keys.chunks_exact_mut(TILE)).enumerate() {
-                let level = ((L::F::load(&slot.entry[half..]) - nearest) * scale).max(splat(0.0)).min(steps);
+            let rows = self.entries.chunks_exact(TILE).zip(self.keys.chunks_exact_mut(TILE));
+            for (k, (entries, keys)) in rows.take(deepest).enumerate() {
+                let level = ((L::F::load(&entries[half..]) - nearest) * scale).max(splat(0.0)).min(steps);
                 let key = level.to_unsigned().shl::<SLOT_BITS>().or(L::U::splat(k as u32));
                 L::U::select(past(k), L::U::splat(u32::MAX), key).store(&mut keys[half..]);
             }
@@ -328,8 +340,8 @@ impl Lists {
     /// insertion sort. Rounding is monotone, so other levels are in order already.
     fn settle(&mut self, row: usize, x: usize, k: usize) {
         let at = |key: u32| {
-            let slot = &self.slots[row * ROW + (key & (DEPTH as u32 - 1)) as usize];
-            [slot.entry[x], slot.exit[x]]
+            let slot = &self.slots[(row * TILE + x) * ROOM + (key & (DEPTH as u32 - 1)) as usize];
+            [slot.entry, slot.exit]
         };
         let key = self.keys[k * TILE + x];
         let mut to = k;
@@ -352,12 +364,12 @@ impl Lists {
             let mut through = 1.0;
             for k in 0..count as usize {
                 let key = self.keys[k * TILE + x];
-                let slot = row * ROW + (key & (DEPTH as u32 - 1)) as usize;
-                let rgba = &mut self.slots[slot].rgba[x];
+                let slot = (row * TILE + x) * ROOM + (key & (DEPTH as u32 - 1)) as usize;
+                let rgba = &mut self.slots[slot].rgba;
                 if through <= UNSEEN_COLOR {
                     // What is left of white would show.
                     rgba[..3].fill(0.0);
-                } else if let Some(mark) = Mark::new(*rgba, slot as u32 * FOURS + x as u32) {
+                } else if let Some(mark) = Mark::new(*rgba, slot as u32 * FOURS) {
                     self.marks.push(mark);
                 }
                 through *= 1.0 - rgba[3];
@@ -374,10 +386,11 @@ impl Lists {
     #[inline(always)]
     fn blend<L: Lanes>(&mut self, row: usize, deepest: usize, out: &mut [[f32; 4]]) {
         let splat = L::F::splat;
-        let fours: &[[f32; 4]] = bytemuck::cast_slice(&self.slots[row * ROW..][..deepest]);
+        let fours: &[[f32; 4]] = bytemuck::cast_slice(&self.slots);
         let last = L::U::splat(deepest as u32 - 1);
         for half in (0..TILE).step_by(L::WIDTH) {
             let lane = L::U::iota() + L::U::splat(half as u32);
+            let first = L::U::load(&FIRST[row * TILE + half..]);
             let mut color = [splat(0.0); 3];
             let mut opacity = splat(0.0);
             let mut through = splat(1.0);
@@ -385,10 +398,8 @@ impl Lists {
                 let key = L::U::load(&self.keys[slot * TILE + half..]);
                 let live = key.equal(L::U::splat(u32::MAX)).not();
                 let place = key.and(L::U::splat(DEPTH as u32 - 1)).min(last);
-                // 24 fours a slot.
-                const { assert!(FOURS == 24) };
-                let at = place.shl::<4>() + place.shl::<3>() + lane;
-                let layer = L::F::gather_parts(fours, at);
+                const { assert!(FOURS == 2) };
+                let layer = L::F::gather_parts(fours, (first + place).shl::<1>());
                 let layer: [L::F; 4] = array(
                     #[inline(always)]
                     |c| L::F::select(live, layer[c], splat(0.0)),
