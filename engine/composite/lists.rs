@@ -163,7 +163,8 @@ impl Lists {
             return Err(Overflow);
         }
         self.next[pixel] += 1;
-        self.slots[at as usize] = Slot { rgba: layer.rgba, entry: layer.entry, exit: layer.exit, spare: [0.0; 2] };
+        self.slots[at as usize] =
+            Slot { rgba: layer.rgba, entry: layer.entry, exit: layer.exit, spare: [0.0; 2] };
         Ok(())
     }
 

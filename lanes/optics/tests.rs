@@ -1,9 +1,9 @@
 //! Every twin against its 64-bit truth, on every lane set that the processor has.
 
 use super::clip::LaneStretch;
-use super::elementary::{erfcx, exp, mean_transparency, one_minus_exp, power};
+use super::elementary::{dawson, erfcx, exp, mean_transparency, one_minus_exp, power};
 use super::gaussian::{LaneGaussianPath, LaneGaussianSteps, LaneGaussianTrack, mean_profile};
-use super::linear::piece_weights;
+use super::linear::{deep_piece_weights, piece_weights};
 use super::overlap::{AnyLaneTrack, LaneMember, ordered};
 use super::piecewise_linear::{LanePiecewiseTrack, LanePoints};
 use super::triangular_gaussian::{self, LaneTriangularPath, LaneTriangularTrack};
@@ -32,6 +32,14 @@ enum Formula {
     PieceFront,
     PieceBack,
     PieceOpacity,
+    /// The same of a deep one.
+    DeepPieceFront,
+    DeepPieceBack,
+    DeepPieceOpacity,
+    /// Its back, or its front, is deeper by a part.
+    LevelPieceBack,
+    FallingPieceBack,
+    Dawson,
     Triangle(f64),
     Sine(f64),
     ClipLength,
@@ -60,6 +68,11 @@ struct Twin {
 }
 
 const SHALLOW: Range = Range::Log(-12.0, 0.0);
+/// A piece that is deep at one end, and what the other may be.
+const DEEP: Range = Range::Log(0.0, 6.0);
+const SIZE: Range = Range::Log(-6.0, 6.0);
+/// By which part the one end is deeper.
+const TILT: Range = Range::Log(-9.0, 0.0);
 const PHASE: Range = Range::Even(-30.0, 30.0);
 const NEAR: Range = Range::Even(-4.0, 4.0);
 const STEP: Range = Range::Even(-0.36, 0.36);
@@ -70,7 +83,7 @@ const INSIDE: Range = Range::Even(0.1, 1.0);
 const OUTSIDE: Range = Range::Even(-1.0, 0.0);
 
 #[rustfmt::skip]
-const TWINS: [Twin; 24] = [
+const TWINS: [Twin; 32] = [
     Twin { formula: Formula::Exp, inputs: &[Range::Even(-87.0, 87.0)], tolerance: 1.0, reason: "2 ulp" },
     Twin { formula: Formula::Opacity, inputs: &[Range::Log(-30.0, 2.0)], tolerance: 1.0, reason: "3 ulp" },
     Twin { formula: Formula::MeanTransparency, inputs: &[Range::Log(-30.0, 2.0)], tolerance: 1.0, reason: "4 ulp" },
@@ -81,6 +94,14 @@ const TWINS: [Twin; 24] = [
     Twin { formula: Formula::PieceFront, inputs: &[SHALLOW, SHALLOW], tolerance: 1.0, reason: "5 points: 5e-7" },
     Twin { formula: Formula::PieceBack, inputs: &[SHALLOW, SHALLOW], tolerance: 1.0, reason: "what the front leaves of the opacity" },
     Twin { formula: Formula::PieceOpacity, inputs: &[SHALLOW, SHALLOW], tolerance: 1.0, reason: "3 ulp" },
+    Twin { formula: Formula::Dawson, inputs: &[SIZE], tolerance: 3.0, reason: "18 terms of both signs: 2e-6" },
+    Twin { formula: Formula::DeepPieceFront, inputs: &[SIZE, DEEP], tolerance: 4.0, reason: "ψ within 5e-7, 1 − ψ over ¼" },
+    Twin { formula: Formula::DeepPieceFront, inputs: &[DEEP, SIZE], tolerance: 4.0, reason: "the same" },
+    Twin { formula: Formula::DeepPieceBack, inputs: &[SIZE, DEEP], tolerance: 4.0, reason: "the same" },
+    Twin { formula: Formula::DeepPieceBack, inputs: &[DEEP, SIZE], tolerance: 4.0, reason: "the same" },
+    Twin { formula: Formula::LevelPieceBack, inputs: &[DEEP, TILT], tolerance: 6.0, reason: "and a slope of a millionth: 7e-7" },
+    Twin { formula: Formula::FallingPieceBack, inputs: &[DEEP, TILT], tolerance: 6.0, reason: "the same" },
+    Twin { formula: Formula::DeepPieceOpacity, inputs: &[DEEP, SIZE], tolerance: 1.0, reason: "3 ulp" },
     Twin { formula: Formula::Triangle(1.0), inputs: &[PHASE, PHASE], tolerance: 1.0, reason: "sums of positive areas" },
     Twin { formula: Formula::Triangle(0.01), inputs: &[PHASE, PHASE], tolerance: 1.0, reason: "the same" },
     Twin { formula: Formula::Sine(1.0), inputs: &[PHASE, PHASE], tolerance: 1.0, reason: "the same" },
@@ -132,6 +153,12 @@ fn exact(formula: Formula, x: &[f64; INPUTS]) -> f64 {
         Formula::PieceFront => linear::emission_weights(x[0], x[1]).0,
         Formula::PieceBack => linear::emission_weights(x[0], x[1]).1,
         Formula::PieceOpacity => special::opacity(0.5 * (x[0] + x[1])),
+        Formula::DeepPieceFront => linear::emission_weights(x[0], x[1]).0,
+        Formula::DeepPieceBack => linear::emission_weights(x[0], x[1]).1,
+        Formula::DeepPieceOpacity => special::opacity(0.5 * (x[0] + x[1])),
+        Formula::LevelPieceBack => linear::emission_weights(x[0], x[0] * (1.0 + x[1])).1,
+        Formula::FallingPieceBack => linear::emission_weights(x[0] * (1.0 + x[1]), x[0]).1,
+        Formula::Dawson => special::dawson(x[0]),
         Formula::Triangle(width) => band(Bell::triangle(&wave(width))),
         Formula::Sine(width) => band(Bell::sine(&wave(width))),
         Formula::ClipLength => x[1] / (x[1] - x[0]),
@@ -329,6 +356,16 @@ fn values(formula: Formula, lanes: LaneSet, inputs: &[[f64; INPUTS]]) -> Vec<f32
         Formula::PieceFront => twin_on_lanes!(call, |L, x, _| piece_weights::<L>(x[0], x[1]).0),
         Formula::PieceBack => twin_on_lanes!(call, |L, x, _| piece_weights::<L>(x[0], x[1]).1),
         Formula::PieceOpacity => twin_on_lanes!(call, |L, x, _| piece_weights::<L>(x[0], x[1]).2),
+        Formula::DeepPieceFront => twin_on_lanes!(call, |L, x, _| deep_piece_weights::<L>(x[0], x[1]).0),
+        Formula::DeepPieceBack => twin_on_lanes!(call, |L, x, _| deep_piece_weights::<L>(x[0], x[1]).1),
+        Formula::DeepPieceOpacity => twin_on_lanes!(call, |L, x, _| deep_piece_weights::<L>(x[0], x[1]).2),
+        Formula::LevelPieceBack => {
+            twin_on_lanes!(call, |L, x, _| deep_piece_weights::<L>(x[0], x[0].mul_add(x[1], x[0])).1)
+        }
+        Formula::FallingPieceBack => {
+            twin_on_lanes!(call, |L, x, _| deep_piece_weights::<L>(x[0].mul_add(x[1], x[0]), x[0]).1)
+        }
+        Formula::Dawson => twin_on_lanes!(call, |L, x, _| dawson::<L>(x[0])),
         Formula::Triangle(_) => twin_on_lanes!(call, |L, x, [width, _]| {
             LaneBell::triangle(&wave(width)).mean::<L>(phase(x[0]), phase(x[1]))
         }),

@@ -6,7 +6,7 @@ use crate::attribute::Attribute;
 use crate::shade::along::Along;
 use voltet_core::transfer::ControlPoint;
 use voltet_lanes::optics::elementary::one_minus_exp;
-use voltet_lanes::optics::linear::piece_weights;
+use voltet_lanes::optics::linear::{DEEPEST, deep_piece_weights, piece_weights};
 use voltet_lanes::optics::piecewise_linear::LanePoints;
 use voltet_lanes::{Float, Lanes, Mask, array};
 
@@ -164,7 +164,7 @@ impl LaneLinear {
         depth
     }
 
-    /// Premultiplied colour and opacity, and the lanes with a piece deeper than the twin serves.
+    /// Premultiplied colour and opacity, and the lanes with a piece deeper than the twins serve.
     #[inline(always)]
     pub fn integrate<L: Lanes>(&self, along: &Along<L>) -> ([L::F; 4], u32) {
         let splat = L::F::splat;
@@ -180,7 +180,15 @@ impl LaneLinear {
                 let a = self.at::<L>(0, k, from).max(splat(0.0)) * length;
                 let b = self.at::<L>(0, k, to).max(splat(0.0)) * length;
                 deepest = deepest.max(a.max(b));
-                let (front, back, opacity) = piece_weights::<L>(a.min(splat(1.0)), b.min(splat(1.0)));
+                let one = splat(1.0);
+                let (mut front, mut back, mut opacity) = piece_weights::<L>(a.min(one), b.min(one));
+                let deep = one.lt(a.max(b));
+                if deep.any() {
+                    let weights = deep_piece_weights::<L>(a, b);
+                    front = L::F::select(deep, weights.0, front);
+                    back = L::F::select(deep, weights.1, back);
+                    opacity = L::F::select(deep, weights.2, opacity);
+                }
                 let (front, back) = (front * through, back * through);
                 for (i, sum) in color.iter_mut().enumerate() {
                     let near = self.at::<L>(i + 1, k, from);
@@ -192,7 +200,7 @@ impl LaneLinear {
             },
         );
         let opacity = one_minus_exp::<L>(depth);
-        ([color[0], color[1], color[2], opacity], splat(1.0).lt(deepest).bits())
+        ([color[0], color[1], color[2], opacity], splat(DEEPEST).lt(deepest).bits())
     }
 }
 
