@@ -3,7 +3,7 @@
 
     python3 benches/leave_out.py [--voltet PROGRAM] [--runs 9] [PIPELINE ...]
 
-Each run is `voltet run --no-leave-out`, which draws both ways in turn, twice, from a fresh start, and reports the faster of each. Printed
+Each run is `voltet run --no-leave-out`, which after a run to warm up draws both ways in turn, twice, and reports the faster of each. Printed
 are the medians of the runs as a Markdown table; what a pipeline writes goes to a folder that is removed. The exit code is 1 where leaving
 nothing out is faster by more than the medians scatter (the middle half of the ratios lies below 1).
 """
@@ -50,7 +50,7 @@ def main():
             shutil.copy(pipeline, folder / "pipelines")
         if not wish.pipelines:
             started = folder / "pipelines/started.toml"
-            subprocess.run([program, "start", ROOT / "data/heat_sink.vtu", "-o", started], check=True, stdout=subprocess.DEVNULL)
+            subprocess.run([program, "start", ROOT / "data/heat_sink.vtu", "-o", started], check=True, capture_output=True)
         for pipeline in sorted((folder / "pipelines").glob("*.toml")):
             pairs = measured(program, pipeline, wish.runs)
             usual, other = (1e3 * statistics.median(seconds) for seconds in zip(*pairs))

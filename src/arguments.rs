@@ -132,9 +132,9 @@ pub struct Run {
     pub plugins: Plugins,
     /// Do everything that could be done, needed or not, and say how much longer that takes.
     ///
-    /// Runs each file twice as usual and twice reading every array, computing the gradient and its length, culling nothing,
-    /// keeping widgets that nothing touches, ordering every segment, building a table, using nothing again. Compares the
-    /// fastest of each: how much longer the whole takes, and by how much the pictures differ.
+    /// Runs each file once to warm up, then in turn twice as usual and twice reading every array, computing the gradient and
+    /// its length, culling nothing, keeping widgets that nothing touches, ordering every segment, building a table, using
+    /// nothing again. Compares the faster of each: how much longer the whole takes, and by how much the pictures differ.
     #[arg(long)]
     pub no_leave_out: bool,
     /// Write times, counts and what was left out to this file, as JSON.
