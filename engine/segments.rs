@@ -170,6 +170,7 @@ impl Forms for Segments {
     fn name(&self) -> &str {
         match self.lanes {
             LaneSet::Portable => "32-bit portable",
+            LaneSet::Neon => "32-bit neon",
             LaneSet::Avx2 => "32-bit avx2",
             LaneSet::Avx512 => "32-bit avx512",
         }

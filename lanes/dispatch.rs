@@ -4,6 +4,8 @@
 use super::avx2::Avx2;
 #[cfg(target_arch = "x86_64")]
 use super::avx512::Avx512;
+#[cfg(all(target_arch = "aarch64", target_endian = "little"))]
+use super::neon::Neon;
 use super::operations::Lanes;
 use super::portable::Portable;
 use std::sync::OnceLock;
@@ -27,13 +29,15 @@ pub enum LaneSet {
     Avx512,
     /// 8 lanes: AVX2 and FMA (and the bit operations that came with them).
     Avx2,
+    /// 8 lanes: NEON, two vectors at a time.
+    Neon,
     /// 4 lanes in plain Rust.
     Portable,
 }
 
 impl LaneSet {
     /// All of them, the widest first.
-    pub const ALL: [LaneSet; 3] = [LaneSet::Avx512, LaneSet::Avx2, LaneSet::Portable];
+    pub const ALL: [LaneSet; 4] = [LaneSet::Avx512, LaneSet::Avx2, LaneSet::Neon, LaneSet::Portable];
 
     /// The set that the environment variable `VOLTET_LANES` names (to compare them), or the widest that this processor has.
     ///
@@ -67,30 +71,29 @@ impl LaneSet {
 
     /// Whether this processor has the set.
     pub fn is_supported(self) -> bool {
-        #[cfg(target_arch = "x86_64")]
-        {
-            match self {
-                LaneSet::Avx512 => {
-                    is_x86_feature_detected!("avx512f")
-                        && is_x86_feature_detected!("avx512bw")
-                        && is_x86_feature_detected!("avx512dq")
-                        && is_x86_feature_detected!("avx512vl")
-                        && LaneSet::Avx2.is_supported()
-                }
-                LaneSet::Avx2 => {
-                    is_x86_feature_detected!("avx2")
-                        && is_x86_feature_detected!("fma")
-                        && is_x86_feature_detected!("popcnt")
-                        && is_x86_feature_detected!("bmi1")
-                        && is_x86_feature_detected!("bmi2")
-                        && is_x86_feature_detected!("lzcnt")
-                }
-                LaneSet::Portable => true,
+        match self {
+            #[cfg(target_arch = "x86_64")]
+            LaneSet::Avx512 => {
+                is_x86_feature_detected!("avx512f")
+                    && is_x86_feature_detected!("avx512bw")
+                    && is_x86_feature_detected!("avx512dq")
+                    && is_x86_feature_detected!("avx512vl")
+                    && LaneSet::Avx2.is_supported()
             }
-        }
-        #[cfg(not(target_arch = "x86_64"))]
-        {
-            self == LaneSet::Portable
+            #[cfg(target_arch = "x86_64")]
+            LaneSet::Avx2 => {
+                is_x86_feature_detected!("avx2")
+                    && is_x86_feature_detected!("fma")
+                    && is_x86_feature_detected!("popcnt")
+                    && is_x86_feature_detected!("bmi1")
+                    && is_x86_feature_detected!("bmi2")
+                    && is_x86_feature_detected!("lzcnt")
+            }
+            #[cfg(not(target_arch = "x86_64"))]
+            LaneSet::Avx512 | LaneSet::Avx2 => false,
+            // Every AArch64 processor that the standard library is made for has it.
+            LaneSet::Neon => cfg!(all(target_arch = "aarch64", target_endian = "little")),
+            LaneSet::Portable => true,
         }
     }
 
@@ -103,7 +106,7 @@ impl LaneSet {
     pub fn width(self) -> usize {
         match self.or_portable() {
             LaneSet::Avx512 => 16,
-            LaneSet::Avx2 => 8,
+            LaneSet::Avx2 | LaneSet::Neon => 8,
             LaneSet::Portable => 4,
         }
     }
@@ -113,6 +116,7 @@ impl LaneSet {
         match self {
             LaneSet::Avx512 => "avx512",
             LaneSet::Avx2 => "avx2",
+            LaneSet::Neon => "neon",
             LaneSet::Portable => "portable",
         }
     }
@@ -143,8 +147,12 @@ pub fn dispatch<K: Kernel>(lanes: LaneSet, kernel: K) -> K::Output {
             LaneSet::Avx512 => return unsafe { avx512(kernel) },
             // SAFETY: the features were just found on this processor.
             LaneSet::Avx2 => return unsafe { avx2(kernel) },
-            LaneSet::Portable => {}
+            LaneSet::Neon | LaneSet::Portable => {}
         }
+    }
+    #[cfg(all(target_arch = "aarch64", target_endian = "little"))]
+    if lanes.or_portable() == LaneSet::Neon {
+        return kernel.run::<Neon>();
     }
     let _ = lanes;
     kernel.run::<Portable>()
@@ -165,9 +173,9 @@ mod tests {
         let said = |asked: &str| LaneSet::asked(Some(asked), narrow).unwrap_err().to_string();
         let unknown = said("AVX2");
         assert!(unknown.contains("VOLTET_LANES") && unknown.contains("AVX2"), "{unknown}");
-        assert!(unknown.contains("avx512, avx2, portable"), "{unknown}");
+        assert!(unknown.contains("avx512, avx2, neon, portable"), "{unknown}");
         let lacking = said("avx512");
         assert!(lacking.contains("this processor lacks") && lacking.contains("VOLTET_LANES"), "{lacking}");
-        assert!(lacking.contains("avx512") && lacking.contains("avx2, portable"), "{lacking}");
+        assert!(lacking.contains("avx512") && lacking.contains("avx2, neon, portable"), "{lacking}");
     }
 }

@@ -14,7 +14,9 @@ cc -std=c99 -O1 examples/renderer_c/picture.c "${linked[@]}" -o "$folder/picture
 cc -std=c99 -O1 capi/tests/c/wrong.c "${linked[@]}" -o "$folder/wrong"
 c++ -std=c++17 -O1 capi/tests/c/threads.cpp "${linked[@]}" -o "$folder/threads"
 # valgrind does not know AVX-512.
-export VOLTET_LANES=avx2
+if [ "$(uname -m)" = x86_64 ]; then
+    export VOLTET_LANES=avx2
+fi
 checked() {
     valgrind --quiet --leak-check=full --show-leak-kinds=definite,indirect,possible --errors-for-leak-kinds=definite,indirect,possible \
         --suppressions=scripts/valgrind.supp --error-exitcode=1 "$@"

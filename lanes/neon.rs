@@ -1,0 +1,450 @@
+//! Eight lanes: NEON, two vectors of four.
+//!
+//! One vector at a time would meet each branch of a kernel twice as often and leave the multiply-adds waiting for one another;
+//! four find no room in 32 registers, and take as many instructions a segment as two.
+//!
+//! Why its instructions may run: the crate's head.
+
+use super::operations::{Double, Float, Lanes, Mask, Unsigned, array, inlined, inside, sealed};
+use std::arch::aarch64::*;
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+/// Vectors of four.
+const VECTORS: usize = 2;
+
+const WIDTH: usize = 4 * VECTORS;
+
+/// Eight NEON lanes.
+#[derive(Clone, Copy)]
+pub(super) struct Neon;
+
+/// Eight floats.
+#[derive(Clone, Copy)]
+pub(super) struct F([float32x4_t; VECTORS]);
+
+/// Eight unsigned integers.
+#[derive(Clone, Copy)]
+pub(super) struct U([uint32x4_t; VECTORS]);
+
+/// Eight booleans: all bits of a lane, or none.
+#[derive(Clone, Copy)]
+pub(super) struct M([uint32x4_t; VECTORS]);
+
+/// Four 64-bit floats.
+#[derive(Clone, Copy)]
+pub(super) struct D([float64x2_t; VECTORS]);
+
+/// Four booleans: all bits of a lane, or none.
+#[derive(Clone, Copy)]
+pub(super) struct MD([uint64x2_t; VECTORS]);
+
+impl sealed::Sealed for Neon {}
+
+impl Lanes for Neon {
+    const WIDTH: usize = WIDTH;
+    type F = F;
+    type U = U;
+    type M = M;
+    type D = D;
+}
+
+/// Both vectors, by instructions upon values.
+macro_rules! each {
+    (|$i:ident| $vector:expr) => {
+        array(
+            #[inline(always)]
+            |$i| on_processor!($vector),
+        )
+    };
+}
+
+/// An operator by an instruction upon two vectors.
+macro_rules! operator {
+    ($type:ident, $trait:ident, $method:ident, $intrinsic:ident) => {
+        impl $trait for $type {
+            type Output = $type;
+            #[inline(always)]
+            fn $method(self, other: $type) -> $type {
+                $type(each!(|i| $intrinsic(self.0[i], other.0[i])))
+            }
+        }
+    };
+}
+
+operator!(F, Add, add, vaddq_f32);
+operator!(F, Sub, sub, vsubq_f32);
+operator!(F, Mul, mul, vmulq_f32);
+operator!(F, Div, div, vdivq_f32);
+operator!(U, Add, add, vaddq_u32);
+operator!(U, Sub, sub, vsubq_u32);
+operator!(U, Mul, mul, vmulq_u32);
+operator!(D, Add, add, vaddq_f64);
+operator!(D, Sub, sub, vsubq_f64);
+operator!(D, Mul, mul, vmulq_f64);
+operator!(D, Div, div, vdivq_f64);
+
+impl Neg for F {
+    type Output = F;
+    #[inline(always)]
+    fn neg(self) -> F {
+        F(each!(|i| vnegq_f32(self.0[i])))
+    }
+}
+
+impl Neg for D {
+    type Output = D;
+    #[inline(always)]
+    fn neg(self) -> D {
+        D(each!(|i| vnegq_f64(self.0[i])))
+    }
+}
+
+/// The places that lanes name, as bytes of all lanes' bytes: what a lookup in them takes.
+#[inline(always)]
+fn bytes(lanes: uint32x4_t) -> uint8x16_t {
+    on_processor!({
+        let first = vreinterpretq_u8_u32(vmulq_u32(lanes, vdupq_n_u32(0x0404_0404)));
+        vaddq_u8(first, vreinterpretq_u8_u32(vdupq_n_u32(0x0302_0100)))
+    })
+}
+
+/// The first lanes of a slice, vector by vector.
+#[inline(always)]
+fn first<T, const N: usize>(values: &[T]) -> &[[T; N]; VECTORS] {
+    values[..VECTORS * N].as_chunks().0.try_into().expect("as many values")
+}
+
+/// The same, to be written.
+#[inline(always)]
+fn first_mut<T, const N: usize>(values: &mut [T]) -> &mut [[T; N]; VECTORS] {
+    values[..VECTORS * N].as_chunks_mut().0.try_into().expect("as many values")
+}
+
+impl Float for F {
+    type Lanes = Neon;
+
+    #[inline(always)]
+    fn splat(value: f32) -> F {
+        F([on_processor!(vdupq_n_f32(value)); VECTORS])
+    }
+    #[inline(always)]
+    fn load(values: &[f32]) -> F {
+        let [a, b]: &[[f32; 4]; VECTORS] = first(values);
+        F([on_array!(vld1q_f32(a.as_ptr())), on_array!(vld1q_f32(b.as_ptr()))])
+    }
+    #[inline(always)]
+    fn store(self, values: &mut [f32]) {
+        let values: &mut [[f32; 4]; VECTORS] = first_mut(values);
+        for (values, vector) in values.iter_mut().zip(self.0) {
+            on_array!(vst1q_f32(values.as_mut_ptr(), vector))
+        }
+    }
+    #[inline(always)]
+    fn mul_add(self, b: F, c: F) -> F {
+        F(each!(|i| vfmaq_f32(c.0[i], self.0[i], b.0[i])))
+    }
+    #[inline(always)]
+    fn min(self, other: F) -> F {
+        // Not FMIN, which gives NaN where either is.
+        F::select(self.lt(other), self, other)
+    }
+    #[inline(always)]
+    fn max(self, other: F) -> F {
+        F::select(other.lt(self), self, other)
+    }
+    #[inline(always)]
+    fn abs(self) -> F {
+        F(each!(|i| vabsq_f32(self.0[i])))
+    }
+    #[inline(always)]
+    fn sqrt(self) -> F {
+        F(each!(|i| vsqrtq_f32(self.0[i])))
+    }
+    #[inline(always)]
+    fn round(self) -> F {
+        F(each!(|i| vrndnq_f32(self.0[i])))
+    }
+    #[inline(always)]
+    fn floor(self) -> F {
+        F(each!(|i| vrndmq_f32(self.0[i])))
+    }
+    #[inline(always)]
+    fn lt(self, other: F) -> M {
+        M(each!(|i| vcltq_f32(self.0[i], other.0[i])))
+    }
+    #[inline(always)]
+    fn le(self, other: F) -> M {
+        M(each!(|i| vcleq_f32(self.0[i], other.0[i])))
+    }
+    #[inline(always)]
+    fn select(mask: M, yes: F, no: F) -> F {
+        F(each!(|i| vbslq_f32(mask.0[i], yes.0[i], no.0[i])))
+    }
+    #[inline(always)]
+    fn to_bits(self) -> U {
+        U(each!(|i| vreinterpretq_u32_f32(self.0[i])))
+    }
+    #[inline(always)]
+    fn from_bits(bits: U) -> F {
+        F(each!(|i| vreinterpretq_f32_u32(bits.0[i])))
+    }
+    #[inline(always)]
+    fn to_unsigned(self) -> U {
+        U(each!(|i| vcvtq_u32_f32(self.0[i])))
+    }
+    #[inline(always)]
+    fn permute(self, index: U) -> F {
+        F::from_bits(self.to_bits().permute(index))
+    }
+    #[inline(always)]
+    fn gather(values: &[f32], index: U) -> F {
+        let mut places = [0; WIDTH];
+        inside::<Neon>(index, values.len()).store(&mut places);
+        F::load(&array::<f32, WIDTH>(
+            #[inline(always)]
+            // SAFETY: every index lies inside the slice.
+            |lane| unsafe { *values.get_unchecked(places[lane] as usize) },
+        ))
+    }
+    #[inline(always)]
+    fn gather_parts(values: &[[f32; 4]], index: U) -> [F; 4] {
+        let mut places = [0; WIDTH];
+        inside::<Neon>(index, values.len()).store(&mut places);
+        let four = inlined(
+            #[inline(always)]
+            |lane: usize| {
+                // SAFETY: every index lies inside the slice.
+                unsafe { vld1q_f32(values.get_unchecked(places[lane] as usize).as_ptr()) }
+            },
+        );
+        let [a, b, c, d] = turned([four(0), four(1), four(2), four(3)]);
+        let [e, f, g, h] = turned([four(4), four(5), four(6), four(7)]);
+        [F([a, e]), F([b, f]), F([c, g]), F([d, h])]
+    }
+    #[inline(always)]
+    fn scatter_parts([a, b, c, d]: [F; 4], values: &mut [[f32; 4]], index: U) {
+        let mut places = [0; WIDTH];
+        inside::<Neon>(index, values.len()).store(&mut places);
+        for i in 0..VECTORS {
+            for (k, four) in turned([a.0[i], b.0[i], c.0[i], d.0[i]]).into_iter().enumerate() {
+                // SAFETY: every index lies inside the slice.
+                unsafe {
+                    vst1q_f32(values.get_unchecked_mut(places[4 * i + k] as usize).as_mut_ptr(), four);
+                }
+            }
+        }
+    }
+}
+
+/// Rows and columns exchanged.
+#[inline(always)]
+fn turned([a, b, c, d]: [float32x4_t; 4]) -> [float32x4_t; 4] {
+    on_processor!({
+        // The even and the odd places of two rows in turn, as pairs.
+        let (ab_even, ab_odd) =
+            (vreinterpretq_f64_f32(vtrn1q_f32(a, b)), vreinterpretq_f64_f32(vtrn2q_f32(a, b)));
+        let (cd_even, cd_odd) =
+            (vreinterpretq_f64_f32(vtrn1q_f32(c, d)), vreinterpretq_f64_f32(vtrn2q_f32(c, d)));
+        [
+            vreinterpretq_f32_f64(vtrn1q_f64(ab_even, cd_even)),
+            vreinterpretq_f32_f64(vtrn1q_f64(ab_odd, cd_odd)),
+            vreinterpretq_f32_f64(vtrn2q_f64(ab_even, cd_even)),
+            vreinterpretq_f32_f64(vtrn2q_f64(ab_odd, cd_odd)),
+        ]
+    })
+}
+
+impl Unsigned for U {
+    type Lanes = Neon;
+
+    #[inline(always)]
+    fn splat(value: u32) -> U {
+        U([on_processor!(vdupq_n_u32(value)); VECTORS])
+    }
+    #[inline(always)]
+    fn iota() -> U {
+        U::load(&array::<u32, WIDTH>(|lane| lane as u32))
+    }
+    #[inline(always)]
+    fn load(values: &[u32]) -> U {
+        let [a, b]: &[[u32; 4]; VECTORS] = first(values);
+        U([on_array!(vld1q_u32(a.as_ptr())), on_array!(vld1q_u32(b.as_ptr()))])
+    }
+    #[inline(always)]
+    fn load_u16(values: &[u16]) -> U {
+        let [a, b]: &[[u16; 4]; VECTORS] = first(values);
+        U([on_array!(vmovl_u16(vld1_u16(a.as_ptr()))), on_array!(vmovl_u16(vld1_u16(b.as_ptr())))])
+    }
+    #[inline(always)]
+    fn store(self, values: &mut [u32]) {
+        let values: &mut [[u32; 4]; VECTORS] = first_mut(values);
+        for (values, vector) in values.iter_mut().zip(self.0) {
+            on_array!(vst1q_u32(values.as_mut_ptr(), vector))
+        }
+    }
+    #[inline(always)]
+    fn and(self, other: U) -> U {
+        U(each!(|i| vandq_u32(self.0[i], other.0[i])))
+    }
+    #[inline(always)]
+    fn or(self, other: U) -> U {
+        U(each!(|i| vorrq_u32(self.0[i], other.0[i])))
+    }
+    #[inline(always)]
+    fn shl<const N: u32>(self) -> U {
+        U(each!(|i| vshlq_u32(self.0[i], vdupq_n_s32(N as i32))))
+    }
+    #[inline(always)]
+    fn shr<const N: u32>(self) -> U {
+        U(each!(|i| vshlq_u32(self.0[i], vdupq_n_s32(-(N as i32)))))
+    }
+    #[inline(always)]
+    fn min(self, other: U) -> U {
+        U(each!(|i| vminq_u32(self.0[i], other.0[i])))
+    }
+    #[inline(always)]
+    fn max(self, other: U) -> U {
+        U(each!(|i| vmaxq_u32(self.0[i], other.0[i])))
+    }
+    #[inline(always)]
+    fn test(self, bits: U) -> M {
+        M(each!(|i| vtstq_u32(self.0[i], bits.0[i])))
+    }
+    #[inline(always)]
+    fn equal(self, other: U) -> M {
+        M(each!(|i| vceqq_u32(self.0[i], other.0[i])))
+    }
+    #[inline(always)]
+    fn select(mask: M, yes: U, no: U) -> U {
+        U(each!(|i| vbslq_u32(mask.0[i], yes.0[i], no.0[i])))
+    }
+    #[inline(always)]
+    fn to_float(self) -> F {
+        F(each!(|i| vcvtq_f32_u32(self.0[i])))
+    }
+    #[inline(always)]
+    fn permute(self, index: U) -> U {
+        let places = index.0.map(bytes);
+        on_processor!({
+            let lanes = uint8x16x2_t(vreinterpretq_u8_u32(self.0[0]), vreinterpretq_u8_u32(self.0[1]));
+            U([
+                vreinterpretq_u32_u8(vqtbl2q_u8(lanes, places[0])),
+                vreinterpretq_u32_u8(vqtbl2q_u8(lanes, places[1])),
+            ])
+        })
+    }
+}
+
+impl Mask for M {
+    #[inline(always)]
+    fn and(self, other: M) -> M {
+        M(each!(|i| vandq_u32(self.0[i], other.0[i])))
+    }
+    #[inline(always)]
+    fn or(self, other: M) -> M {
+        M(each!(|i| vorrq_u32(self.0[i], other.0[i])))
+    }
+    #[inline(always)]
+    fn not(self) -> M {
+        M(each!(|i| vmvnq_u32(self.0[i])))
+    }
+    #[inline(always)]
+    fn bits(self) -> u32 {
+        const BITS: [u16; 8] = [1, 2, 4, 8, 16, 32, 64, 128];
+        let bits = on_array!(vld1q_u16(BITS.as_ptr()));
+        on_processor!({
+            let halves = vcombine_u16(vmovn_u32(self.0[0]), vmovn_u32(self.0[1]));
+            u32::from(vaddvq_u16(vandq_u16(halves, bits)))
+        })
+    }
+    #[inline(always)]
+    fn any(self) -> bool {
+        on_processor!(vmaxvq_u32(vorrq_u32(self.0[0], self.0[1])) != 0)
+    }
+}
+
+impl Double for D {
+    const COUNT: usize = WIDTH / 2;
+    type Mask = MD;
+
+    #[inline(always)]
+    fn splat(value: f64) -> D {
+        D([on_processor!(vdupq_n_f64(value)); VECTORS])
+    }
+    #[inline(always)]
+    fn load(values: &[f64]) -> D {
+        let [a, b]: &[[f64; 2]; VECTORS] = first(values);
+        D([on_array!(vld1q_f64(a.as_ptr())), on_array!(vld1q_f64(b.as_ptr()))])
+    }
+    #[inline(always)]
+    fn store(self, values: &mut [f64]) {
+        let values: &mut [[f64; 2]; VECTORS] = first_mut(values);
+        for (values, vector) in values.iter_mut().zip(self.0) {
+            on_array!(vst1q_f64(values.as_mut_ptr(), vector))
+        }
+    }
+    #[inline(always)]
+    fn store_f32(self, values: &mut [f32]) {
+        let values: &mut [[f32; 2]; VECTORS] = first_mut(values);
+        for (values, vector) in values.iter_mut().zip(self.0) {
+            on_array!(vst1_f32(values.as_mut_ptr(), vcvt_f32_f64(vector)))
+        }
+    }
+    #[inline(always)]
+    fn mul_add(self, b: D, c: D) -> D {
+        D(each!(|i| vfmaq_f64(c.0[i], self.0[i], b.0[i])))
+    }
+    #[inline(always)]
+    fn min(self, other: D) -> D {
+        D::select(self.lt(other), self, other)
+    }
+    #[inline(always)]
+    fn max(self, other: D) -> D {
+        D::select(other.lt(self), self, other)
+    }
+    #[inline(always)]
+    fn abs(self) -> D {
+        D(each!(|i| vabsq_f64(self.0[i])))
+    }
+    #[inline(always)]
+    fn ceil(self) -> D {
+        D(each!(|i| vrndpq_f64(self.0[i])))
+    }
+    #[inline(always)]
+    fn lt(self, other: D) -> MD {
+        MD(each!(|i| vcltq_f64(self.0[i], other.0[i])))
+    }
+    #[inline(always)]
+    fn le(self, other: D) -> MD {
+        MD(each!(|i| vcleq_f64(self.0[i], other.0[i])))
+    }
+    #[inline(always)]
+    fn select(mask: MD, yes: D, no: D) -> D {
+        D(each!(|i| vbslq_f64(mask.0[i], yes.0[i], no.0[i])))
+    }
+}
+
+impl Mask for MD {
+    #[inline(always)]
+    fn and(self, other: MD) -> MD {
+        MD(each!(|i| vandq_u64(self.0[i], other.0[i])))
+    }
+    #[inline(always)]
+    fn or(self, other: MD) -> MD {
+        MD(each!(|i| vorrq_u64(self.0[i], other.0[i])))
+    }
+    #[inline(always)]
+    fn not(self) -> MD {
+        MD(each!(|i| vreinterpretq_u64_u32(vmvnq_u32(vreinterpretq_u32_u64(self.0[i])))))
+    }
+    #[inline(always)]
+    fn bits(self) -> u32 {
+        on_processor!({
+            // The upper half of a lane is as its lower.
+            let lanes = vcombine_u32(vmovn_u64(self.0[0]), vmovn_u64(self.0[1]));
+            let bits =
+                vreinterpretq_u32_u64(vcombine_u64(vcreate_u64(1 | 2 << 32), vcreate_u64(4 | 8 << 32)));
+            vaddvq_u32(vandq_u32(lanes, bits))
+        })
+    }
+}
