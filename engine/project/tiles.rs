@@ -70,7 +70,7 @@ impl Tiles {
         pieces: &[Vec<u32>],
     ) -> Result<()> {
         // Each part begins with the first piece that the one before it has no numbers for.
-        let mut parts = vec![0..0];
+        let mut parts: Vec<_> = std::iter::once(0..0).collect();
         let mut count = 0;
         for (number, piece) in pieces.iter().enumerate() {
             count += piece.len();
