@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# Runs the tests of the vector lanes and of the native engine for 64-bit ARM (Linux), whole pictures against the 64-bit referee
-# among them, and checks that the engine compiles for macOS on ARM where that target is there.
+# Runs the tests of the vector lanes and of the native engine's parts for 64-bit ARM (Linux), and checks that the engine compiles for
+# macOS on ARM where that target is there. `scripts/test-arm.sh all` also runs the slow ones (a quarter of an hour): every formula
+# against its 64-bit truth, whole pictures, the exact values of segments, and all integrators.
 #
 # Elsewhere than on ARM needs: rustup target add aarch64-unknown-linux-gnu; gcc-aarch64-linux-gnu, libc6-dev-arm64-cross and
-# qemu-user, as Debian calls them. An emulator is a hundred times slower than the machine: tests of what is the same
-# everywhere are left out.
+# qemu-user, as Debian calls them.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 target=aarch64-unknown-linux-gnu
@@ -13,8 +13,11 @@ if [ "$(uname -m)" != aarch64 ]; then
     export CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_RUNNER="qemu-aarch64 -L /usr/aarch64-linux-gnu"
 fi
 tested() { cargo test --locked --target "$target" "$@"; }
-tested -p voltet-lanes --lib
-tested -p voltet-engine --lib --test lane_sets -- --skip every_number_of_segments
+if [ "${1:-}" = all ]; then
+    tested -p voltet-lanes -p voltet-engine --lib --test lane_sets --test methods --test segments
+else
+    tested -p voltet-lanes -p voltet-engine --lib -- --skip every_twin --skip colours_of_dense --skip it_sorts_any --skip every_number_of_segments
+fi
 if rustup target list --installed 2>/dev/null | grep -q aarch64-apple-darwin; then
     cargo check --locked --target aarch64-apple-darwin -p voltet-engine
 fi
