@@ -5,7 +5,7 @@
 //!
 //! Why its instructions may run: the crate's head.
 
-use super::operations::{Double, Float, Lanes, Mask, Unsigned, array, inlined, inside, sealed};
+use super::operations::{Double, Float, Lanes, Mask, Unsigned, inlined, inside, sealed};
 use std::arch::aarch64::*;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -48,13 +48,19 @@ impl Lanes for Neon {
     type D = D;
 }
 
-/// Both vectors, by instructions upon values.
+/// Both vectors, by instructions upon values. Written out: a loop an operation keeps the compiler busy for many minutes.
 macro_rules! each {
     (|$i:ident| $vector:expr) => {
-        array(
-            #[inline(always)]
-            |$i| on_processor!($vector),
-        )
+        [
+            {
+                let $i = 0;
+                on_processor!($vector)
+            },
+            {
+                let $i = 1;
+                on_processor!($vector)
+            },
+        ]
     };
 }
 
@@ -134,10 +140,9 @@ impl Float for F {
     }
     #[inline(always)]
     fn store(self, values: &mut [f32]) {
-        let values: &mut [[f32; 4]; VECTORS] = first_mut(values);
-        for (values, vector) in values.iter_mut().zip(self.0) {
-            on_array!(vst1q_f32(values.as_mut_ptr(), vector))
-        }
+        let [a, b]: &mut [[f32; 4]; VECTORS] = first_mut(values);
+        on_array!(vst1q_f32(a.as_mut_ptr(), self.0[0]));
+        on_array!(vst1q_f32(b.as_mut_ptr(), self.0[1]))
     }
     #[inline(always)]
     fn mul_add(self, b: F, c: F) -> F {
@@ -200,11 +205,14 @@ impl Float for F {
     fn gather(values: &[f32], index: U) -> F {
         let mut places = [0; WIDTH];
         inside::<Neon>(index, values.len()).store(&mut places);
-        F::load(&array::<f32, WIDTH>(
+        let value = inlined(
             #[inline(always)]
-            // SAFETY: every index lies inside the slice.
-            |lane| unsafe { *values.get_unchecked(places[lane] as usize) },
-        ))
+            |lane: usize| {
+                // SAFETY: every index lies inside the slice.
+                unsafe { *values.get_unchecked(places[lane] as usize) }
+            },
+        );
+        F::load(&[value(0), value(1), value(2), value(3), value(4), value(5), value(6), value(7)])
     }
     #[inline(always)]
     fn gather_parts(values: &[[f32; 4]], index: U) -> [F; 4] {
@@ -225,14 +233,23 @@ impl Float for F {
     fn scatter_parts([a, b, c, d]: [F; 4], values: &mut [[f32; 4]], index: U) {
         let mut places = [0; WIDTH];
         inside::<Neon>(index, values.len()).store(&mut places);
-        for i in 0..VECTORS {
-            for (k, four) in turned([a.0[i], b.0[i], c.0[i], d.0[i]]).into_iter().enumerate() {
+        let mut put = inlined(
+            #[inline(always)]
+            |lane: usize, four: float32x4_t| {
                 // SAFETY: every index lies inside the slice.
-                unsafe {
-                    vst1q_f32(values.get_unchecked_mut(places[4 * i + k] as usize).as_mut_ptr(), four);
-                }
-            }
-        }
+                unsafe { vst1q_f32(values.get_unchecked_mut(places[lane] as usize).as_mut_ptr(), four) }
+            },
+        );
+        let [p, q, r, s] = turned([a.0[0], b.0[0], c.0[0], d.0[0]]);
+        put(0, p);
+        put(1, q);
+        put(2, r);
+        put(3, s);
+        let [p, q, r, s] = turned([a.0[1], b.0[1], c.0[1], d.0[1]]);
+        put(4, p);
+        put(5, q);
+        put(6, r);
+        put(7, s);
     }
 }
 
@@ -263,7 +280,7 @@ impl Unsigned for U {
     }
     #[inline(always)]
     fn iota() -> U {
-        U::load(&array::<u32, WIDTH>(|lane| lane as u32))
+        U::load(&[0, 1, 2, 3, 4, 5, 6, 7])
     }
     #[inline(always)]
     fn load(values: &[u32]) -> U {
@@ -277,10 +294,9 @@ impl Unsigned for U {
     }
     #[inline(always)]
     fn store(self, values: &mut [u32]) {
-        let values: &mut [[u32; 4]; VECTORS] = first_mut(values);
-        for (values, vector) in values.iter_mut().zip(self.0) {
-            on_array!(vst1q_u32(values.as_mut_ptr(), vector))
-        }
+        let [a, b]: &mut [[u32; 4]; VECTORS] = first_mut(values);
+        on_array!(vst1q_u32(a.as_mut_ptr(), self.0[0]));
+        on_array!(vst1q_u32(b.as_mut_ptr(), self.0[1]))
     }
     #[inline(always)]
     fn and(self, other: U) -> U {
@@ -324,7 +340,7 @@ impl Unsigned for U {
     }
     #[inline(always)]
     fn permute(self, index: U) -> U {
-        let places = index.0.map(bytes);
+        let places = [bytes(index.0[0]), bytes(index.0[1])];
         on_processor!({
             let lanes = uint8x16x2_t(vreinterpretq_u8_u32(self.0[0]), vreinterpretq_u8_u32(self.0[1]));
             U([
@@ -378,17 +394,15 @@ impl Double for D {
     }
     #[inline(always)]
     fn store(self, values: &mut [f64]) {
-        let values: &mut [[f64; 2]; VECTORS] = first_mut(values);
-        for (values, vector) in values.iter_mut().zip(self.0) {
-            on_array!(vst1q_f64(values.as_mut_ptr(), vector))
-        }
+        let [a, b]: &mut [[f64; 2]; VECTORS] = first_mut(values);
+        on_array!(vst1q_f64(a.as_mut_ptr(), self.0[0]));
+        on_array!(vst1q_f64(b.as_mut_ptr(), self.0[1]))
     }
     #[inline(always)]
     fn store_f32(self, values: &mut [f32]) {
-        let values: &mut [[f32; 2]; VECTORS] = first_mut(values);
-        for (values, vector) in values.iter_mut().zip(self.0) {
-            on_array!(vst1_f32(values.as_mut_ptr(), vcvt_f32_f64(vector)))
-        }
+        let [a, b]: &mut [[f32; 2]; VECTORS] = first_mut(values);
+        on_array!(vst1_f32(a.as_mut_ptr(), vcvt_f32_f64(self.0[0])));
+        on_array!(vst1_f32(b.as_mut_ptr(), vcvt_f32_f64(self.0[1])))
     }
     #[inline(always)]
     fn mul_add(self, b: D, c: D) -> D {
