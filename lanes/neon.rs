@@ -48,7 +48,7 @@ impl Lanes for Neon {
     type D = D;
 }
 
-/// Both vectors, by instructions upon values. Written out: a loop an operation keeps the compiler busy for many minutes.
+/// Both vectors, by instructions upon values.
 macro_rules! each {
     (|$i:ident| $vector:expr) => {
         [
