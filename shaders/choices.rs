@@ -8,6 +8,9 @@ use voltet_core::shading::{Integrator, Shading};
 use voltet_core::transfer::{OpticalModel, TransferFunction, Widget};
 use voltet_core::{Error, Result};
 
+/// Numbers of an edge of a region: a normal and a corner.
+const EDGE_NUMBERS: usize = 4;
+
 /// What runs the integral.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Compositor {
@@ -231,42 +234,43 @@ impl Choices {
         self.value_count() - 1 + 3 * usize::from(self.reads_gradient())
     }
 
-    /// Whether `numbers` is read, so that something must be bound to it.
-    pub fn reads_numbers(&self) -> bool {
-        self.widgets.iter().any(|widget| widget.edges.is_some() || widget.kind.reads_numbers())
+    /// Numbers of all widgets: edges, control points, matrices.
+    pub fn number_count(&self) -> u64 {
+        let of =
+            |widget: &WidgetChoice| EDGE_NUMBERS * widget.edges.unwrap_or(0) + widget.kind.number_count();
+        self.widgets.iter().map(|widget| of(widget) as u64).sum()
     }
 
-    /// The read-only storage buffers of group 0, by name and binding: `numbers`, whose bytes [`crate::Parameters`]
-    /// holds, and those of [`crate::Resources`]. A table in parts has one for each.
+    /// Whether numbers are read one by one, so that something must be bound to `numbers`.
+    pub(crate) fn reads_numbers(&self) -> bool {
+        let of_widgets =
+            self.widgets.iter().any(|widget| widget.edges.is_some() || widget.kind.number_count() > 0);
+        of_widgets || (self.method == Method::Segments && !self.widgets.is_empty())
+    }
+
+    /// The read-only storage buffers of group 0, by name and binding: what [`crate::Resources`] fills, `numbers` in its parts.
+    /// All that a scene reads beside its uniform stands there; see [`crate::Places`].
     pub fn storage_buffers(&self) -> Vec<(String, u32)> {
-        let all = [
-            (self.reads_numbers(), "numbers", 1),
-            (self.method == Method::Segments && !self.widgets.is_empty(), "partial_table", 2),
-            (self.method.is_table_of_lengths(), "mean_extinctions", 3),
-        ];
-        let used = all.into_iter().filter(|(used, ..)| *used);
-        let mut buffers: Vec<(String, u32)> =
-            used.map(|(_, name, binding)| (name.to_string(), binding)).collect();
-        if let Some((name, _)) = self.table() {
-            let parts = 0..self.layout.table.count;
-            buffers.extend(parts.map(|part| (Parts::name(name, part), self.table_binding(part))));
-        }
-        buffers
+        let count = match self.reads_vectors() {
+            Some(_) => self.layout.table.count,
+            None => u32::from(self.reads_numbers()),
+        };
+        (0..count).map(|part| (Parts::name("numbers", part), Choices::binding_of_numbers(part))).collect()
     }
 
-    /// The table of vectors that the text reads, and the function that does: images, or the colours by
-    /// (D, s_f, s_b) or (α, s, t), which stand for all widgets.
-    pub(crate) fn table(&self) -> Option<(&'static str, &'static str)> {
+    /// The function that reads vectors, where the scene has any: of images, or the colours by (D, s_f, s_b) or (α, s, t), which
+    /// stand for all widgets.
+    pub(crate) fn reads_vectors(&self) -> Option<&'static str> {
         if self.method.is_table_of_lengths() {
-            return Some(("glows", "glow"));
+            return Some("glow");
         }
         let has_images = self.widgets.iter().any(|widget| widget.kind.reads_texels());
-        has_images.then_some(("texels", "texel"))
+        has_images.then_some("texel")
     }
 
-    /// Where a part of the table is bound in group 0.
-    pub(crate) fn table_binding(&self, part: u32) -> u32 {
-        4 + part
+    /// Where a part of `numbers` is bound in group 0.
+    pub(crate) fn binding_of_numbers(part: u32) -> u32 {
+        1 + part
     }
 }
 

@@ -1,6 +1,7 @@
-//! What may change per frame without another shader: the bytes of the `scene` uniform and of the `numbers` buffer.
+//! What may change per frame without another shader: the bytes of the `scene` uniform, and the last ones of the `numbers` buffer.
 
 use crate::kinds;
+use crate::places::Places;
 use crate::writer::{Axis, WidgetRecord, Writer, finite};
 use bytemuck::{Pod, Zeroable};
 use voltet_core::shading::{Shading, unit_vector};
@@ -32,6 +33,10 @@ pub struct SceneHead {
     pub brightest: f32,
     /// Pieces of a segment (segments, riemann).
     pub piece_count: u32,
+    /// Where the integrator's entries begin in `numbers`.
+    pub first_entry: u32,
+    /// Fills up to the alignment of a widget.
+    pub padding: [u32; 3],
 }
 
 /// The bytes that a composed shader reads.
@@ -41,7 +46,7 @@ pub struct Parameters {
     pub head: SceneHead,
     /// One a widget; one of zeros where there is none, since no array is empty.
     pub widgets: Vec<WidgetRecord>,
-    /// Edges, control points, matrices; one zero where there is none.
+    /// Edges, control points, matrices: what [`Places`](crate::Places) has them for.
     pub numbers: Vec<f32>,
 }
 
@@ -68,6 +73,8 @@ impl Parameters {
         let numbers = shading.integrator.numbers();
         let tolerance = numbers.tolerance.unwrap_or(0.0) as f32;
         let piece_count = numbers.count.map_or(Ok(0), pieces)?;
+        let places = Places::new(transfer_function, shading, 0);
+        let [first_entry, first_number] = [place(places.first_entry())?, place(places.first_number())?];
         let head = SceneHead {
             light_direction: direction.map(|x| x as f32),
             light_ambient: ambient as f32,
@@ -80,10 +87,20 @@ impl Parameters {
             tolerance,
             brightest: transfer_function.widgets.iter().map(Widget::brightest).fold(0.0, f64::max) as f32,
             piece_count,
+            first_entry,
+            padding: [0; 3],
         };
         let first_field = 1 + usize::from(transfer_function.uses_gradient_magnitude());
-        let mut writer =
-            Writer { axes, per_unit, cutoff, fields, first_field, numbers: Vec::new(), texel_count: 0 };
+        let mut writer = Writer {
+            axes,
+            per_unit,
+            cutoff,
+            fields,
+            first_field,
+            first_number,
+            numbers: Vec::new(),
+            texel_count: 0,
+        };
         let mut widgets = Vec::with_capacity(transfer_function.widgets.len().max(1));
         for (i, widget) in transfer_function.widgets.iter().enumerate() {
             widgets.push(record(&mut writer, widget).map_err(|e| e.at_item(format!("widgets[{i}]")))?);
@@ -95,10 +112,8 @@ impl Parameters {
         if widgets.is_empty() {
             widgets.push(WidgetRecord::zeroed());
         }
-        let mut numbers = writer.numbers;
-        if numbers.is_empty() {
-            numbers.push(0.0);
-        }
+        // A table of lengths stands for all widgets.
+        let numbers = if shading.integrator.has_table_of_lengths() { Vec::new() } else { writer.numbers };
         Ok(Parameters { head, widgets, numbers })
     }
 
@@ -110,9 +125,9 @@ impl Parameters {
 
 /// Writes one widget.
 fn record(writer: &mut Writer, widget: &Widget) -> Result<WidgetRecord> {
-    let first_edge = writer.numbers.len() as u32;
+    let first_edge = writer.next_place();
     writer.edges(widget)?;
-    let first_number = writer.numbers.len() as u32;
+    let first_number = writer.next_place();
     let mut record = WidgetRecord {
         color: widget.color.map(|c| c as f32),
         extinction: finite("the extinction", widget.extinction * writer.per_unit)?,
@@ -122,6 +137,12 @@ fn record(writer: &mut Writer, widget: &Widget) -> Result<WidgetRecord> {
     };
     kinds::write(&widget.profile, writer, &mut record)?;
     Ok(record)
+}
+
+/// A place in `numbers`.
+fn place(at: u64) -> Result<u32> {
+    u32::try_from(at)
+        .map_err(|_| Error::run("a table has more numbers than a shader counts").found(at).accepted(u32::MAX))
 }
 
 fn pieces(count: usize) -> Result<u32> {

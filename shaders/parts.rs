@@ -58,7 +58,7 @@ pub struct Layout {
     pub tetrahedra: Parts,
     /// Pixels that the cells may cover.
     pub bounds: Parts,
-    /// The table of vectors that the scene reads: images, or the colours of a pre-integrated one.
+    /// What the scene reads beside its uniform, where vectors are among it: images, or the colours of a pre-integrated table.
     pub table: Parts,
 }
 
@@ -221,7 +221,18 @@ impl PartedArray<'_> {
             return format!("{head} return {}[{}]; }}\n", self.name, self.place("index"));
         }
         let taken = |part: u32| format!("found = {}[at];", Parts::name(self.name, part));
-        format!("{head}\n    var found: {element};\n{}    return found;\n}}\n", self.choose(taken))
+        format!("{head}\n    var found: {element};\n{}    return found;\n}}\n", self.choose("index", taken))
+    }
+
+    /// The function that reads one of four numbers of a vector, all of them counted through.
+    pub fn number_read_by(&self, function: &str) -> String {
+        let head = format!("fn {function}(index: u32) -> f32 {{");
+        if self.parts.count == 1 {
+            return format!("{head} return {}[index >> 2u][index & 3u]; }}\n", self.name);
+        }
+        let taken = |part: u32| format!("found = {}[at][index & 3u];", Parts::name(self.name, part));
+        let chosen = self.choose("(index >> 2u)", taken);
+        format!("{head}\n    var found: f32;\n{chosen}    return found;\n}}\n")
     }
 
     /// The function that writes an element.
@@ -233,7 +244,7 @@ impl PartedArray<'_> {
             return format!("{head} {}[{}] = element; }}\n", self.name, self.place("index"));
         }
         let put = |part: u32| format!("{}[at] = element;", Parts::name(self.name, part));
-        format!("{head}\n{}}}\n", self.choose(put))
+        format!("{head}\n{}}}\n", self.choose("index", put))
     }
 
     /// Where an element stands in its part.
@@ -241,12 +252,12 @@ impl PartedArray<'_> {
         self.stride.map_or(index.into(), |stride| format!("{index} * {stride} + slot"))
     }
 
-    /// What is done to the part in which `index` lies, at `at`.
-    fn choose(&self, of_part: impl Fn(u32) -> String) -> String {
+    /// What is done to the part in which the element of that index lies, at `at`.
+    fn choose(&self, index: &str, of_part: impl Fn(u32) -> String) -> String {
         let Parts { count, shift } = self.parts;
         let mask = (1u64 << shift) - 1;
-        let mut text = format!("    let at = {};\n", self.place(&format!("(index & {mask}u)")));
-        let _ = writeln!(text, "    switch index >> {shift}u {{");
+        let mut text = format!("    let at = {};\n", self.place(&format!("({index} & {mask}u)")));
+        let _ = writeln!(text, "    switch {index} >> {shift}u {{");
         for part in 1..count {
             let _ = writeln!(text, "        case {part}u: {{ {} }}", of_part(part));
         }

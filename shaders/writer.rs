@@ -56,6 +56,8 @@ pub(crate) struct Writer<'a> {
     pub fields: Vec<&'a str>,
     /// Where the further fields begin among a segment's values.
     pub first_field: usize,
+    /// Where the widgets' numbers begin in the buffer.
+    pub first_number: u32,
     /// Edges, control points, matrices so far.
     pub numbers: Vec<f32>,
     /// Of the tables so far.
@@ -63,6 +65,11 @@ pub(crate) struct Writer<'a> {
 }
 
 impl Writer<'_> {
+    /// Where the next number stands in the buffer.
+    pub fn next_place(&self) -> u32 {
+        self.first_number.saturating_add(self.numbers.len() as u32)
+    }
+
     /// The axes of s and g.
     pub fn plane(&self) -> [Axis; 2] {
         [self.axes[0], self.axes[1]]

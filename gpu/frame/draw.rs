@@ -20,8 +20,7 @@ use voltet_core::shading::{Order, Shading};
 use voltet_core::transfer::TransferFunction;
 use voltet_core::visibility::FaceOrder;
 use voltet_shaders::{
-    Axis, Blend, Choices, Combine, Compositor, Parameters, Shader, TileOrder, ViewRecord, compose,
-    table_lengths,
+    Axis, Blend, Choices, Combine, Compositor, Parameters, Places, Shader, TileOrder, ViewRecord, compose,
 };
 
 /// Draws a scene of the volume that `renderer` was made from. What blends draws an exact order where the cells have one along
@@ -191,16 +190,17 @@ fn sizes(
     transfer_function: &TransferFunction,
     shading: &Shading,
 ) -> Sizes {
-    let [texels, source_texels] = table_lengths(choices, transfer_function, shading);
+    let places = Places::new(transfer_function, shading, choices.number_count());
+    let texels = places.in_vectors();
     Sizes {
         points: grid.point_count.into(),
         cells: grid.cell_count.into(),
         stride: choices.attribute_stride() as u64,
         texels,
-        source_texels,
-        // Without the table's own.
+        source_texels: places.source_vectors,
         own_buffers: compositor_buffers(compositing),
-        scene_buffers: choices.storage_buffers().len() as u32 - u32::from(texels > 0),
+        // Vectors stand in parts of their own.
+        scene_buffers: if texels > 0 { 0 } else { choices.storage_buffers().len() as u32 },
     }
 }
 

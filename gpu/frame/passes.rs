@@ -84,7 +84,6 @@ impl<'a> Passes<'a> {
         let view = device.uniform("the view", size_of::<ViewRecord>() as u64)?;
         let scene = device.uniform("the scene", frame.scene.len() as u64)?;
         device.write(&scene, 0, &frame.scene);
-        let numbers = device.upload("the scene's numbers", frame.numbers.len(), |i| frame.numbers[i])?;
         let support = device.upload("the widgets' supports", frame.support.len(), |i| frame.support[i])?;
 
         let most = device.limits.max_compute_workgroups_per_dimension;
@@ -121,10 +120,11 @@ impl<'a> Passes<'a> {
         let constants = vec![stride, ("reads_g", reads_g), ("lists_tiles", lists_tiles)];
         let mut lists = vec![step(FramePass::Cells, over_cells, constants, &[&support, &counts], scalar)?];
 
-        let tables = buffers.tables.of(device, &frame.tables, &frame.choices, &frame.shading)?;
+        let tables =
+            buffers.tables.of(device, &frame.tables, &frame.choices, &frame.shading, &frame.numbers)?;
         let mut read: Vec<(u32, &Buffer)> = vec![(0, &scene)];
         for (name, binding) in &frame.storage_buffers {
-            read.push((*binding, if name == "numbers" { &numbers } else { tables.named(name)? }));
+            read.push((*binding, tables.named(name)?));
         }
         let last = if let Some((form, blend)) = blended {
             let blending = Blending {

@@ -10,7 +10,7 @@ use voltet_shaders::{Access, FramePass, GridArray, Layout, Parts, TEXEL_BYTES, c
 /// Bytes in a mebibyte.
 const MEBIBYTE: f64 = (1u64 << 20) as f64;
 
-/// Points or cells that can be numbered, so that no dispatch over them passes the last number of 32 bits.
+/// Points, cells or a table's numbers that can be counted, so that no dispatch over them passes the last number of 32 bits.
 const MOST: u64 = 4_000_000_000;
 
 /// What a device binds.
@@ -29,7 +29,7 @@ pub(crate) struct Sizes {
     pub cells: u64,
     /// Attributes of a point.
     pub stride: u64,
-    /// Vectors of the table that the scene reads.
+    /// Vectors of what the scene reads beside its uniform, where any are among it.
     pub texels: u64,
     /// Those of the table that it is made from, if it is made from another.
     pub source_texels: u64,
@@ -77,7 +77,8 @@ impl Sizes {
     }
 
     fn fits(&self, room: Room) -> bool {
-        self.points.max(self.cells) <= MOST && self.buffers(room) <= room.buffers
+        let numbers = self.texels.saturating_mul(TEXEL_BYTES / 4);
+        self.points.max(self.cells).max(numbers) <= MOST && self.buffers(room) <= room.buffers
     }
 
     /// An error that names the arrays in parts, and how many such cells would do, if a device binds too few buffers.

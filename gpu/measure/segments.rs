@@ -11,7 +11,7 @@ use voltet_core::optics::{Contribution, Overlap, Segment};
 use voltet_core::shading::{Integrator, Shading};
 use voltet_core::transfer::TransferFunction;
 use voltet_shaders::segment_list::{CONTRIBUTION, axes, condition, constants, contributions, holds, row};
-use voltet_shaders::{Choices, Compositor, Contents, Parameters, Resources, compose, compose_pieces};
+use voltet_shaders::{Choices, Compositor, Parameters, Resources, compose, compose_pieces};
 use wgpu::BufferUsages;
 
 /// The composed shaders of a device as a set of forms. What the device refuses before it draws is not served; a device that
@@ -83,14 +83,17 @@ impl Segments {
         device.write(&scene, 0, &parameters.scene_bytes());
         // Closed forms read no table of lengths.
         let extent = Extent { scalar: [0.0; 2], longest: 1.0 };
-        let resources = Resources::new(&choices, transfer_function, &shading, axes[0], length, &extent)?;
+        let numbers = &parameters.numbers;
+        let resources =
+            Resources::new(&choices, transfer_function, &shading, axes[0], length, &extent, numbers)?;
         let mut read = vec![(0, Bound::Uniform, scene)];
-        if choices.reads_numbers() {
-            read.push((1, Bound::Read, self.upload("the scene's numbers", &parameters.numbers)?));
-        }
         for buffer in &resources.buffers {
-            if let (Some(binding), Contents::Bytes(bytes)) = (buffer.binding, &buffer.contents) {
-                read.push((binding, Bound::Read, self.upload("a widget's table", bytes)?));
+            if let Some(binding) = buffer.binding {
+                read.push((
+                    binding,
+                    Bound::Read,
+                    self.upload("the scene's numbers", &buffer.contents.bytes)?,
+                ));
             }
         }
         let shader = compose(&choices);

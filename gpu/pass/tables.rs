@@ -1,4 +1,5 @@
-//! Tables that a scene's shader reads: filled on the device, kept while the scene asks for the same ones.
+//! What a scene's shader reads beside its uniform: tables, filled on the device and kept while the scene asks for the same ones,
+//! and behind them the widgets' numbers, which are written where they change.
 
 use crate::device::bindings::{Bound, in_order};
 use crate::device::open::Device;
@@ -8,7 +9,7 @@ use voltet_core::optics::integrators::{Extent, Integrator};
 use voltet_core::shading::Shading;
 use voltet_core::transfer::TransferFunction;
 use voltet_core::{Error, Result};
-use voltet_shaders::{Axis, Buffer, Choices, Contents, Pass, Resources};
+use voltet_shaders::{Axis, Buffer, Choices, Contents, Pass, Places, Resources, TEXEL_BYTES, images};
 
 /// What tables are made from.
 #[derive(Debug, Clone, PartialEq)]
@@ -20,29 +21,56 @@ pub(crate) struct TableKey {
     pub extent: Extent,
 }
 
-/// Buffers by name.
+impl TableKey {
+    /// Whether the tables of another are the same: those of lengths hold all of the scene, others images and what the model says.
+    fn makes_those_of(&self, other: &TableKey) -> bool {
+        if self.integrator.has_table_of_lengths() {
+            return self == other;
+        }
+        let (mine, others) = (&*self.transfer_function, &*other.transfer_function);
+        self.integrator == other.integrator && mine.model == others.model && images(mine).eq(images(others))
+    }
+}
+
+/// The buffer `numbers` in its parts.
 #[derive(Default)]
 pub(crate) struct Tables {
-    made: Option<(TableKey, Choices)>,
+    made: Option<Made>,
     buffers: Vec<(String, wgpu::Buffer)>,
 }
 
+/// What the buffers hold.
+struct Made {
+    key: TableKey,
+    /// How they stand.
+    buffers: Vec<(String, u32)>,
+    places: Places,
+    /// Those of the widgets.
+    numbers: Vec<f32>,
+}
+
 impl Tables {
-    /// Those of a scene, made if they are not there.
+    /// Those of a scene, made if they are not there; `numbers` of its widgets are written if they are not.
     pub fn of(
         &mut self,
         device: &Device,
         scene: &TableKey,
         choices: &Choices,
         shading: &Shading,
+        numbers: &[f32],
     ) -> Result<&Tables> {
-        let key = (scene.clone(), choices.clone());
-        if self.made.as_ref() != Some(&key) {
+        let places = Places::new(&scene.transfer_function, shading, numbers.len() as u64);
+        let buffers = choices.storage_buffers();
+        let is_there = self.made.as_ref().is_some_and(|made| {
+            made.buffers == buffers && made.places == places && made.key.makes_those_of(scene)
+        });
+        if !is_there {
             self.made = None;
             // There may not be room for both.
             self.buffers.clear();
             let TableKey { transfer_function, axis, length, extent, .. } = scene;
-            let resources = Resources::new(choices, transfer_function, shading, *axis, *length, extent)?;
+            let resources =
+                Resources::new(choices, transfer_function, shading, *axis, *length, extent, numbers)?;
             self.buffers = resources.buffers.iter().map(|b| make(device, b)).collect::<Result<_>>()?;
             for pass in &resources.passes {
                 self.fill(device, pass)?;
@@ -50,7 +78,11 @@ impl Tables {
             // What only the passes read is given up.
             let mut bound = resources.buffers.iter().map(|buffer| buffer.binding.is_some());
             self.buffers.retain(|_| bound.next().unwrap_or(false));
-            self.made = Some(key);
+            self.made = Some(Made { key: scene.clone(), buffers, places, numbers: numbers.to_vec() });
+        } else if let Some(made) = self.made.as_mut().filter(|made| made.numbers != numbers) {
+            made.numbers = numbers.to_vec();
+            let part_bytes = TEXEL_BYTES * choices.layout.table.length(0, u64::MAX);
+            put(device, &self.buffers, 4 * places.first_number(), part_bytes, bytemuck::cast_slice(numbers))?;
         }
         Ok(self)
     }
@@ -88,12 +120,34 @@ impl Tables {
     }
 }
 
+/// Writes bytes to an array whose parts but the last have so many bytes each.
+fn put(
+    device: &Device,
+    parts: &[(String, wgpu::Buffer)],
+    at: u64,
+    part_bytes: u64,
+    bytes: &[u8],
+) -> Result<()> {
+    let mut rest = bytes;
+    let mut at = at;
+    while !rest.is_empty() {
+        let (part, offset) = (at / part_bytes, at % part_bytes);
+        let (now, later) = rest.split_at(rest.len().min((part_bytes - offset) as usize));
+        let (_, buffer) = &parts[part as usize];
+        device.guarded("the scene's numbers", || device.write(buffer, offset, now))?;
+        at += now.len() as u64;
+        rest = later;
+    }
+    Ok(())
+}
+
 fn make(device: &Device, buffer: &Buffer) -> Result<(String, wgpu::Buffer)> {
     let made = device.storage("the integrator's tables", buffer.length())?;
-    if let Contents::Bytes(bytes) = &buffer.contents {
+    let Contents { filled, bytes } = &buffer.contents;
+    if !bytes.is_empty() {
         let mut whole = bytes.clone();
         whole.resize(bytes.len().next_multiple_of(4), 0);
-        device.guarded("the integrator's tables", || device.write(&made, 0, &whole))?;
+        device.guarded("the integrator's tables", || device.write(&made, *filled, &whole))?;
     }
     Ok((buffer.name.clone(), made))
 }

@@ -5,7 +5,7 @@ mod tiles;
 
 use crate::choices::{Choices, Combine, Compositor, Method};
 use crate::kinds::{Call, Light};
-use crate::parts::{Access, PartedArray};
+use crate::parts::{Access, PartedArray, Parts};
 
 /// The block, and the pieces that it uses.
 pub(crate) struct Generated {
@@ -17,6 +17,7 @@ pub(crate) struct Generated {
 #[cfg(test)]
 pub(crate) const FILLS: &[&str] = &[
     "values",
+    "numbers",
     "members",
     "segment",
     "finish",
@@ -78,15 +79,7 @@ impl Block<'_> {
 
     fn values(&mut self) {
         let choices = self.choices;
-        if choices.reads_numbers() {
-            self.uses(&["numbers"]);
-        }
-        if let Some((name, function)) = choices.table() {
-            let table = PartedArray { name, element: "vec4f", stride: None, parts: choices.layout.table };
-            let declared = table.declared(Access::Read, 0, |part| choices.table_binding(part));
-            self.text.push_str(&declared);
-            self.text.push_str(&table.read_by(function));
-        }
+        self.numbers();
         let clipped = choices.widgets.iter().any(|widget| widget.edges.is_some());
         self.uses(&[if clipped { "part/clipped" } else { "part/whole" }]);
         self.line(format!("const VALUE_COUNT = {}u;", choices.value_count()));
@@ -96,6 +89,26 @@ impl Block<'_> {
         let g = if choices.reads_gradient_magnitude { "values[1]" } else { "0.0" };
         self.line(format!("fn value_g(values: Values) -> f32 {{ return {g}; }}"));
         self.line("fn plane(values: Values) -> vec2f { return vec2f(value_s(values), value_g(values)); }");
+    }
+
+    /// What the scene reads beside its uniform, as vectors where any are among it.
+    fn numbers(&mut self) {
+        let choices = self.choices;
+        let declared = |element, parts| {
+            let numbers = PartedArray { name: "numbers", element, stride: None, parts };
+            let text = numbers.declared(Access::Read, 0, Choices::binding_of_numbers);
+            (numbers, text)
+        };
+        if let Some(function) = choices.reads_vectors() {
+            let (numbers, text) = declared("vec4f", choices.layout.table);
+            self.text += &text;
+            self.text += &numbers.read_by(function);
+            self.text += &numbers.number_read_by("number");
+        } else if choices.reads_numbers() {
+            let (numbers, text) = declared("f32", Parts::WHOLE);
+            self.text += &text;
+            self.text += &numbers.read_by("number");
+        }
     }
 
     /// The slot `wave_mean_on_flank`, by the kinds of waves that the scene has.

@@ -10,6 +10,11 @@ pub(super) fn calls(count: usize, constant_emitter: bool) -> Calls {
     calls_of_path("gaussian_nd/widget", "gaussian_fields", &format!("{count}u, "), constant_emitter)
 }
 
+/// Numbers of one over so many fields.
+pub(super) fn number_count(fields: usize) -> usize {
+    (2 + fields) * fields
+}
+
 /// Numbers: where the fields lie among a segment's values, the centre, K row by row.
 pub(super) fn write(
     fields: &[String],

@@ -79,17 +79,19 @@ impl Kind {
         self.calls(constant_emitter).light == Light::Integrated
     }
 
-    /// Whether it reads `numbers` beside its region's edges.
-    pub(crate) fn reads_numbers(&self) -> bool {
+    /// How many `numbers` it has beside its region's edges.
+    pub(crate) fn number_count(&self) -> usize {
         match self {
-            Kind::GaussianNd(_) | Kind::TriangularGaussianNd(_) | Kind::PiecewiseLinear(_) => true,
+            Kind::GaussianNd(count) => gaussian_nd::number_count(*count),
+            Kind::TriangularGaussianNd(count) => triangular_gaussian_nd::number_count(*count),
+            Kind::PiecewiseLinear(count) => piecewise_linear::NUMBERS * count,
             Kind::Uniform
             | Kind::GaussianLine
             | Kind::GaussianPlane
             | Kind::TriangularGaussian
             | Kind::TriangleWave
             | Kind::SineWave
-            | Kind::Table => false,
+            | Kind::Table => 0,
         }
     }
 

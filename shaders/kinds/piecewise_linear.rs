@@ -29,6 +29,9 @@ pub(super) fn calls(count: usize, constant_emitter: bool) -> Calls {
     }
 }
 
+/// Numbers of a control point.
+pub(super) const NUMBERS: usize = 6;
+
 /// matrix.x: the extinction above which it glows; numbers: six a point.
 pub(super) fn write(points: &[ControlPoint], writer: &mut Writer, record: &mut WidgetRecord) -> Result<()> {
     let [s, _] = writer.plane();
@@ -40,7 +43,7 @@ pub(super) fn write(points: &[ControlPoint], writer: &mut Writer, record: &mut W
         let span = s.stored(point.s) - s.stored(points[i.saturating_sub(1)].s);
         let inverse = if span > 0.0 { 1.0 / span } else { 0.0 };
         let [red, green, blue] = point.color;
-        let row = [s.stored(point.s), point.extinction, inverse, red, green, blue];
+        let row: [f64; NUMBERS] = [s.stored(point.s), point.extinction, inverse, red, green, blue];
         writer.numbers.extend(all_finite("a control point", row)?);
     }
     Ok(())

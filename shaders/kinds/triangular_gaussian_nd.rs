@@ -20,6 +20,11 @@ pub(super) fn calls(count: usize, constant_emitter: bool) -> Calls {
     }
 }
 
+/// Numbers of one over so many fields.
+pub(super) fn number_count(fields: usize) -> usize {
+    gaussian_nd::number_count(fields) + 2
+}
+
 /// Numbers: those of a Gaussian over the fields, K for widths of stored m; where m lies among a segment's values, m = 0 as
 /// it is stored.
 pub(super) fn write(

@@ -40,6 +40,8 @@ struct Scene {
     brightest: f32,
     // Pieces of a segment (segments, riemann).
     piece_count: u32,
+    // Where the integrator's entries begin in `numbers`.
+    first_entry: u32,
     widgets: array<Widget, WIDGET_COUNT>,
 }
 

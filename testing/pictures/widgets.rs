@@ -37,7 +37,8 @@ fn table() -> Table {
     Table { width: 4, height: 3, texels: (0..12).map(texel).collect(), s: [0.1, 0.9], g: [0.0, 2.0] }
 }
 
-fn widgets() -> Vec<(&'static str, Widget)> {
+/// Each kind, by name, some of them with a region.
+pub fn widgets() -> Vec<(&'static str, Widget)> {
     let of = |profile| Widget { profile, color: [0.9, 0.6, 0.2], extinction: 3.0, region: None };
     let cut = |widget: Widget| Widget {
         region: Some(Region { corners: vec![[0.2, 0.1], [0.9, 0.3], [0.5, 2.0]] }),

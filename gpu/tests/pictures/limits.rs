@@ -1,8 +1,8 @@
 //! What the device refuses, orders that are not exact, overlaps mixed, and frames after the first.
 
-use crate::drawing::{device, draw, draw_tiles, further_device, try_draw};
+use crate::drawing::{device, draw, draw_tiles, try_draw};
 use std::sync::Arc;
-use voltet_core::engine::{Compositing, Engine, Manner};
+use voltet_core::engine::{Engine, Manner};
 use voltet_core::optics::Overlap;
 use voltet_core::progress::Silent;
 use voltet_core::shading::{Integrator, Order, Shading};
@@ -89,50 +89,6 @@ fn frames_after_the_first() {
         within("another look", &picture(&look), &fresh.expect("draws").picture, 1e-6);
     }
     assert_eq!(picture(&scene.look).rgba, before.rgba);
-}
-
-/// After its first frame a grid stays: a camera or a widget that moves sends what the frame is told alone, by every compositor,
-/// however large the grid is.
-#[test]
-fn a_moved_camera_or_widget_uploads_parameters_alone() {
-    if device().is_none() {
-        return;
-    }
-    // One of its own, since all tests upload to the common one.
-    let device = Arc::new(further_device());
-    let moved_look =
-        look(overlapping().widgets.iter().map(|widget| widget.with_extinction_times(0.7)).collect());
-    let mut per_grid = Vec::new();
-    for side in [5, 9] {
-        let first = NamedScene { volume: smooth(cube([side; 3], 0.2)), ..scene(overlapping()) };
-        let mut bytes = Vec::new();
-        for compositing in Compositing::ALL {
-            let renderer = Renderer::new(device.clone(), &first.volume).expect("fits");
-            let sent = |scene: &NamedScene| {
-                let before = device.work();
-                let wanted = scene.drawn_by(&SHADING, Order::Centroid);
-                voltet_gpu::draw(&renderer, &wanted, &Manner::by(compositing), &Silent).expect("draws");
-                let after = device.work();
-                [after.bytes_uploaded - before.bytes_uploaded, after.uploads - before.uploads]
-            };
-            sent(&first);
-            let [camera, widget] = [
-                NamedScene { camera: outside([30, 24]), ..first.clone() },
-                NamedScene { look: moved_look.clone(), ..first.clone() },
-            ]
-            .map(|scene| sent(&scene));
-            for [count, arrays] in [camera, widget] {
-                assert!(
-                    0 < count && count < 2048 && arrays == 0,
-                    "{compositing:?}: {count} bytes, {arrays} arrays"
-                );
-            }
-            bytes.push([camera, widget]);
-        }
-        per_grid.push(bytes);
-    }
-    println!("{per_grid:?}");
-    assert_eq!(per_grid[0], per_grid[1]);
 }
 
 /// Lists and pictures that do not fit one binding are drawn in windows.

@@ -8,6 +8,7 @@ mod drawing;
 mod flight;
 mod hard;
 mod limits;
+mod moved;
 mod parts;
 mod raster;
 mod triangles;

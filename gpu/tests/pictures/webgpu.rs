@@ -6,12 +6,13 @@ use std::sync::Arc;
 use voltet_core::engine::{Accumulation, Compositing, Manner};
 use voltet_core::progress::Silent;
 use voltet_core::shading::{Integrator, Light, Order, Shading};
-use voltet_core::transfer::{Profile, Table, TransferFunction, Widget};
+use voltet_core::transfer::{OpticalModel, TransferFunction};
 use voltet_core::volume::Volume;
 use voltet_gpu::{Device, Renderer};
 use voltet_testing::pictures::compare::{NamedScene, SHADING, within};
 use voltet_testing::pictures::grids::{cube, smooth, smooth_gradient};
 use voltet_testing::pictures::looks::*;
+use voltet_testing::pictures::widgets::{self, widgets};
 
 fn least() -> Option<Arc<Device>> {
     device()?;
@@ -24,12 +25,6 @@ fn scene(name: &str, look: TransferFunction) -> NamedScene {
     let gradient = grid.points.iter().map(|&p| smooth_gradient(p)).collect();
     let volume = Arc::new(Volume { gradient: Some(gradient), ..(*smooth(grid)).clone() });
     NamedScene { name: name.into(), volume, look, camera: outside([40, 32]) }
-}
-
-fn image() -> TransferFunction {
-    let texels = (0..96u32).map(|k| [0.2, 0.5, 0.9, f32::from((k % 7) as u8) / 7.0]).collect();
-    let table = Table { width: 12, height: 8, texels, s: [0.0, 1.2], g: [0.0, 1.5] };
-    look(vec![Widget { profile: Profile::Table(Arc::new(table)), ..everywhere(3.0, [1.0; 3]) }])
 }
 
 #[test]
@@ -69,18 +64,47 @@ fn every_compositor_draws_within_the_limits_of_webgpu() {
     }
 }
 
-/// An image over s and g takes two buffers beside those of tiles and of g: one more than there are. What blends has room.
+/// An image, a Gaussian over fields and control points within a region, lit: every array of the grid and everything that a scene reads
+/// beside its uniform. What integrates them adds its tables.
 #[test]
-fn what_tiles_have_no_room_for_is_refused_and_blended() {
-    let Some(least) = least() else { return };
-    let scene = scene("image", image());
-    let drawn = |compositing| draw_on(least.clone(), &scene, &SHADING, (compositing, Order::Centroid));
-    let error = drawn(Compositing::Tiles).expect_err("too many").to_string();
-    for word in ["9 buffers", "at most 8 buffers of 128 MiB", "another compositor", "cpu"] {
-        assert!(error.contains(word), "'{word}' is not in: {error}");
+fn every_integrator_has_room_for_all_that_a_scene_may_have() {
+    let (Some(device), Some(least)) = (device(), least()) else { return };
+    let light = Some(Light { direction: glam::DVec3::new(0.4, -0.7, 3.5), ambient: 0.3, diffuse: 0.8 });
+    let full = ["table", "nd", "cut ramp"];
+    let known = widgets();
+    let widget = |name: &str| known.iter().find(|known| known.0 == name).expect("is there").1.clone();
+    let models = [OpticalModel::DensityEmitter, OpticalModel::ConstantEmitter { cutoff: 1.0 / 255.0 }];
+    let full = models.map(|model| TransferFunction { model, ..look(full.map(widget).to_vec()) });
+    let mut served = Vec::new();
+    for integrator in Integrator::EVERY {
+        let looks = if integrator.has_table_of_lengths() { vec![ramp()] } else { full.to_vec() };
+        for look in looks {
+            let shading = Shading { integrator, light, silhouette: Some(0.5), ..SHADING };
+            if voltet_gpu::can_serve(&look, &shading).is_err() {
+                continue;
+            }
+            let name = format!("{} {:?}", integrator.name(), look.model);
+            served.push(integrator.name());
+            let scene = widgets::scene(name.clone(), look);
+            for how in [
+                (Compositing::Tiles, Order::Exact),
+                (Compositing::Tiles, Order::Centroid),
+                (Compositing::Raster, Order::Exact),
+                (Compositing::Raster, Order::None),
+                (Compositing::Triangles, Order::Exact),
+            ] {
+                let [any, webgpu] = [&device, &least].map(|device| {
+                    let drawn = draw_on(device.clone(), &scene, &shading, how);
+                    drawn.unwrap_or_else(|error| panic!("{name} {how:?}: {error}")).picture
+                });
+                assert!(any.rgba.iter().any(|pixel| pixel[3] > 0.01), "{name}: nothing to see");
+                within(&format!("{name} {how:?}"), &webgpu, &any, 0.0);
+            }
+        }
     }
-    let [outlines, triangles] =
-        [Compositing::Raster, Compositing::Triangles].map(|way| drawn(way).expect("has room").picture);
-    assert!(outlines.rgba.iter().any(|pixel| pixel[3] > 0.01));
-    within("image", &triangles, &outlines, 1.0 / 255.0);
+    served.dedup();
+    assert_eq!(
+        served,
+        ["analytic", "adaptive", "segments", "riemann", "pre-integrated", "pre-integrated-cylindrical"]
+    );
 }

@@ -10,8 +10,8 @@ use voltet_core::transfer::{
     ControlPoint, OpticalModel, Profile, Region, Table, TransferFunction, Wave, Widget,
 };
 use voltet_shaders::{
-    Axis, Buffer, Choices, Combine, Compositor, Method, PIECES, Parameters, Parts, Resources, SceneHead,
-    TEXEL_BYTES, WidgetRecord, compose, table_lengths,
+    Axis, Buffer, Choices, Combine, Compositor, Method, PIECES, Parameters, Parts, Places, Resources,
+    SceneHead, TEXEL_BYTES, WidgetRecord, compose,
 };
 
 const CONSTANT: OpticalModel = OpticalModel::ConstantEmitter { cutoff: 0.01 };
@@ -29,7 +29,7 @@ const WORDS: [(&str, &[&str]); KINDS] = [
     ("triangle", &["triangle_mean_on_flank"]),
     ("sine", &["sine_mean_on_flank", "sin_pi"]),
     ("piecewise", &["ControlPoints", "POINT_STRIDE"]),
-    ("table", &["> texels", "struct TableTrack"]),
+    ("table", &["fn texel(", "struct TableTrack"]),
     ("triangular-gaussian-nd", &["triangular_fields"]),
 ];
 
@@ -164,8 +164,8 @@ fn check_words(
     holds("fn march(", walks && adaptive);
     holds("@compute", choices.compositor == Compositor::Segments);
     holds("fn riemann(", choices.method == Method::Riemann && !kinds.is_empty());
-    holds("> partial_table", choices.method == Method::Segments && !kinds.is_empty());
-    holds("> glows", from_table);
+    holds("fn partial_place", choices.method == Method::Segments && !kinds.is_empty());
+    holds("fn glow(", from_table);
     holds("fn to_cylinder", choices.method == Method::PreIntegratedCylindrical);
     for (word, when) in [("_glow(", true), ("fn emission_weights", false)] {
         assert!(!text.contains(word) || constant == when, "'{word}' in {kinds:?}, {constant}");
@@ -187,16 +187,19 @@ fn storage_buffers(module: &naga::Module) -> Vec<(String, u32)> {
     found
 }
 
-/// Every buffer that the text reads but `numbers` has contents, of the length that its passes are dispatched for.
+/// Every buffer that the text reads has contents, all of them so long as the places in it say.
 fn check_resources(transfer_function: &TransferFunction, shading: &Shading, choices: &Choices) {
     let extent = Extent { scalar: [0.0, 1.0], longest: 2.0 };
-    let resources =
-        Resources::new(choices, transfer_function, shading, Axis::PLAIN, 1.0, &extent).expect("in range");
+    let numbers = vec![1.0; choices.number_count() as usize];
+    let resources = Resources::new(choices, transfer_function, shading, Axis::PLAIN, 1.0, &extent, &numbers)
+        .expect("in range");
     let bound: Vec<(String, u32)> =
         resources.buffers.iter().filter_map(|buffer| Some((buffer.name.clone(), buffer.binding?))).collect();
-    let mut asked_for = choices.storage_buffers();
-    asked_for.retain(|(name, _)| name != "numbers");
-    assert_eq!(bound, asked_for);
+    assert_eq!(bound, choices.storage_buffers());
+    let places = Places::new(transfer_function, shading, numbers.len() as u64);
+    let length: u64 = resources.buffers.iter().filter(|b| b.binding.is_some()).map(Buffer::length).sum();
+    let all = 4 * (places.first_number() + numbers.len() as u64);
+    assert!(bound.is_empty() || length == all.next_multiple_of(TEXEL_BYTES), "{length} {places:?}");
     for pass in &resources.passes {
         assert!(pass.buffers.iter().all(|i| *i < resources.buffers.len()));
     }
@@ -212,17 +215,17 @@ fn passes_that_fill_tables_are_valid() {
     ] {
         let shading = Shading { integrator, ..SHADING };
         let choices = Choices::new(&transfer_function, &shading, Compositor::None).expect("has pieces");
-        let [length, source] = table_lengths(&choices, &transfer_function, &shading);
+        let places = Places::new(&transfer_function, &shading, choices.number_count());
+        let length = places.in_vectors();
         for most in [length, length.div_ceil(2), 32] {
             let mut choices = choices.clone();
             choices.layout.table = Parts::of(length, 1, most);
-            let resources = Resources::new(&choices, &transfer_function, &shading, Axis::PLAIN, 1.0, &extent)
-                .expect("in range");
+            let resources =
+                Resources::new(&choices, &transfer_function, &shading, Axis::PLAIN, 1.0, &extent, &[])
+                    .expect("in range");
             assert_eq!(resources.passes.len(), count);
-            let (bytes, tables) = ((length + source) * TEXEL_BYTES, ["glows", "slices"]);
-            let parts =
-                resources.buffers.iter().filter(|b| tables.iter().any(|name| b.name.starts_with(name)));
-            assert_eq!(parts.map(Buffer::length).sum::<u64>(), bytes);
+            let filled: u64 = resources.buffers.iter().map(|buffer| buffer.contents.filled).sum();
+            assert_eq!(filled, (places.vectors + places.source_vectors) * TEXEL_BYTES);
             for pass in &resources.passes {
                 let module = validate_everywhere(&pass.shader);
                 assert_eq!(module.entry_points[0].name, pass.entry_point);
@@ -261,6 +264,7 @@ fn check_combinations(shadings: &[Shading]) -> usize {
                 let axes = vec![Axis::PLAIN; 2 + transfer_function.fields().len()];
                 let parameters = Parameters::new(&transfer_function, shading, &axes, 1.0).expect("in range");
                 assert_eq!(parameters.widgets.len(), kinds.len().max(1));
+                assert_eq!(parameters.numbers.len() as u64, choices.number_count());
                 check_resources(&transfer_function, shading, &choices);
             }
         }
@@ -359,7 +363,7 @@ fn structs_are_laid_out_as_in_the_shader() {
     assert_eq!(layout(&shader, "Widget"), (widget, size_of::<WidgetRecord>() as u32));
     let mut head = offsets!(SceneHead:
         light_direction, light_ambient, light_diffuse, silhouette_exponent, level, cutoff, per_unit, tolerance,
-        brightest, piece_count);
+        brightest, piece_count, first_entry);
     head.push(("widgets".to_owned(), size_of::<SceneHead>() as u32));
     let whole = size_of::<SceneHead>() + 2 * size_of::<WidgetRecord>();
     assert_eq!(layout(&shader, "Scene"), (head, whole as u32));

@@ -103,11 +103,9 @@ impl Device {
 
     /// The buffers of `resources`, not yet filled by its passes, which are compiled.
     pub fn prepare(&self, resources: &Resources) -> Prepared {
-        let make = |contents: &Contents| match contents {
-            Contents::Bytes(bytes) => self.storage(bytes),
-            Contents::Empty(length) => {
-                self.storage(bytemuck::cast_slice(&vec![f32::NAN; *length as usize / size_of::<f32>()]))
-            }
+        let make = |Contents { filled, bytes }: &Contents| {
+            let unfilled = f32::NAN.to_ne_bytes().repeat(*filled as usize / size_of::<f32>());
+            self.storage(&[&unfilled, &bytes[..]].concat())
         };
         let buffers: Vec<wgpu::Buffer> =
             resources.buffers.iter().map(|buffer| make(&buffer.contents)).collect();

@@ -12,7 +12,7 @@ use voltet_core::optics::special::mean_transmittance;
 use voltet_core::optics::{Contribution, Overlap, Segment};
 use voltet_core::transfer::{ControlPoint, OpticalModel, Profile, TransferFunction, Widget};
 use voltet_judge::segment_twin::{Measure, numbers};
-use voltet_shaders::Axis;
+use voltet_shaders::{Axis, Places};
 
 const LONGEST: f64 = 2.0;
 const EXTENT: Extent = Extent { scalar: [0.0, 1.0], longest: LONGEST };
@@ -110,7 +110,12 @@ fn the_device_fills_tables_as_the_host_does() {
         let [table, tiles] = both(side).map(|integrator| {
             let scene = ready(&transfer_function, integrator);
             let buffers = scene.tables(&device);
-            device.read(&buffers[buffers.len() - 1])
+            let mut found = device.read(&buffers[buffers.len() - 1]);
+            // Behind the colours stand the mean extinctions.
+            let choices = &scene.choices;
+            let places = Places::new(&transfer_function, &shading(integrator), choices.number_count());
+            found.truncate(places.first_entry() as usize);
+            found
         });
         let host = PreIntegrated::new(&transfer_function, side, PARTS, &EXTENT).expect("serves");
         let host_tiles =

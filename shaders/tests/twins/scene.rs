@@ -46,7 +46,9 @@ impl Composed {
             return Ok(Err("numbers leave the range of 32 bits"));
         };
         let extent = extent.unwrap_or(&NO_EXTENT);
-        let resources = Resources::new(&choices, transfer_function, shading, axes[0], length, extent)?;
+        let numbers = &parameters.numbers;
+        let resources =
+            Resources::new(&choices, transfer_function, shading, axes[0], length, extent, numbers)?;
         let axes = axes.to_vec();
         Ok(Ok(Composed { choices, parameters, resources, tables: OnceCell::new(), axes, length }))
     }
@@ -115,15 +117,12 @@ impl Scenes {
         let storage = |group, binding, bytes: &[u8]| Bound { group, binding, buffer: device.storage(bytes) };
         let mut inputs = vec![storage(1, 0, bytemuck::cast_slice(&rows))];
         let from_table = scene.choices.method.is_table_of_lengths();
-        if !from_table && !scene.choices.widgets.is_empty() {
+        if from_table || !scene.choices.widgets.is_empty() {
             inputs.push(Bound {
                 group: 0,
                 binding: 0,
                 buffer: device.uniform(&scene.parameters.scene_bytes()),
             });
-        }
-        if scene.choices.reads_numbers() {
-            inputs.push(storage(0, 1, bytemuck::cast_slice(&scene.parameters.numbers)));
         }
         for (buffer, table) in scene.resources.buffers.iter().zip(scene.tables(device)) {
             if let Some(binding) = buffer.binding {

@@ -22,8 +22,8 @@ fn part_inside(first: u32, count: u32, length: f32, front: Values, back: Values)
     let v_b = plane(back);
     for (var i = 0u; i < count; i++) {
         let at = first + EDGE_STRIDE * i;
-        let normal = vec2f(numbers[at], numbers[at + 1u]);
-        let corner = vec2f(numbers[at + 2u], numbers[at + 3u]);
+        let normal = vec2f(number(at), number(at + 1u));
+        let corner = vec2f(number(at + 2u), number(at + 3u));
         stretch = stretch_cut(stretch, dot(normal, v_f - corner), dot(normal, v_b - corner));
     }
     return Part(front, back, length, stretch);

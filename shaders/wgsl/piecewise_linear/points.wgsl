@@ -13,7 +13,7 @@ struct ControlPoints {
 }
 
 fn point_s(points: ControlPoints, k: u32) -> f32 {
-    return numbers[points.first + POINT_STRIDE * k];
+    return number(points.first + POINT_STRIDE * k);
 }
 
 // Number of control points at or below s.
@@ -30,7 +30,7 @@ fn points_weights(points: ControlPoints, k: u32, s: f32) -> vec2f {
     if k == 0u || k == points.count {
         return vec2f(0.5, 0.5);
     }
-    let inverse = numbers[points.first + POINT_STRIDE * k + 2u];
+    let inverse = number(points.first + POINT_STRIDE * k + 2u);
     return clamp(vec2f(point_s(points, k) - s, s - point_s(points, k - 1u)) * inverse, vec2f(0.0), vec2f(1.0));
 }
 
@@ -43,13 +43,13 @@ fn points_sides(points: ControlPoints, k: u32) -> vec2u {
 // Extinction at s, which lies in interval k.
 fn points_extinction(points: ControlPoints, k: u32, s: f32) -> f32 {
     let side = points_sides(points, k);
-    return dot(points_weights(points, k, s), vec2f(numbers[side.x + 1u], numbers[side.y + 1u]));
+    return dot(points_weights(points, k, s), vec2f(number(side.x + 1u), number(side.y + 1u)));
 }
 
 // Colour at s, which lies in interval k.
 fn points_color(points: ControlPoints, k: u32, s: f32) -> vec3f {
     let side = points_sides(points, k);
     let weights = points_weights(points, k, s);
-    return weights.x * vec3f(numbers[side.x + 3u], numbers[side.x + 4u], numbers[side.x + 5u])
-        + weights.y * vec3f(numbers[side.y + 3u], numbers[side.y + 4u], numbers[side.y + 5u]);
+    return weights.x * vec3f(number(side.x + 3u), number(side.x + 4u), number(side.x + 5u))
+        + weights.y * vec3f(number(side.y + 3u), number(side.y + 4u), number(side.y + 5u));
 }

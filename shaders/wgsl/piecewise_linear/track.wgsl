@@ -53,8 +53,8 @@ fn piecewise_next_break(track: PiecewiseTrack, t: f32) -> f32 {
         next = select(next, at, past < at && at < next);
         if k > 0u && 0.0 <= track.threshold {
             let before = point_s(track.points, k - 1u);
-            let low = numbers[track.points.first + POINT_STRIDE * (k - 1u) + 1u];
-            let high = numbers[track.points.first + POINT_STRIDE * k + 1u];
+            let low = number(track.points.first + POINT_STRIDE * (k - 1u) + 1u);
+            let high = number(track.points.first + POINT_STRIDE * k + 1u);
             let share = (track.threshold - low) / select(high - low, 1e37, high == low);
             let cross = ((before - track.front) + share * (s - before)) * inverse;
             next = select(next, cross, 0.0 < share && share < 1.0 && past < cross && cross < next);

@@ -2,10 +2,10 @@
 // Two of the tiles, those nearest in the angle (Roettger & Ertl 2002, section 4).
 
 fn glow_between(front: f32, back: f32, share: f32) -> vec3f {
-    let side = mean_extinctions.side;
+    let side = table_side();
     let step = f32(side - 1u);
     let at = to_cylinder(front / step, back / step, clamp(share, 0.0, 1.0));
-    let last = mean_extinctions.last_tile;
+    let last = last_tile();
     let place = at.x * f32(last);
     let low = min(u32(place), last - 1u);
     let tile = side * side;

@@ -4,9 +4,9 @@
 
 fn partial_share(a: f32, b: f32) -> f32 {
     let at = partial_place(a, b);
-    let side = partial_table.side;
-    let low = vec2f(partial_table.entries[at.first], partial_table.entries[at.first + 1u]);
-    let high = vec2f(partial_table.entries[at.first + side], partial_table.entries[at.first + side + 1u]);
+    let side = partial_side();
+    let low = vec2f(partial_entry(at.first), partial_entry(at.first + 1u));
+    let high = vec2f(partial_entry(at.first + side), partial_entry(at.first + side + 1u));
     let row = low + at.y * (high - low);
     return row.x + at.x * (row.y - row.x);
 }

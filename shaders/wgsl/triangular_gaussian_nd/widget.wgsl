@@ -4,7 +4,7 @@
 fn triangular_fields_width(index: u32, count: u32, values: Values) -> f32 {
     var v = values;
     let at = scene.widgets[index].first_number + (2u + count) * count;
-    return v[u32(numbers[at])] - numbers[at + 1u];
+    return v[u32(number(at))] - number(at + 1u);
 }
 
 fn triangular_fields_depth(index: u32, count: u32, part: Part) -> f32 {

@@ -7,9 +7,9 @@ fn widget_fields(index: u32, count: u32, values: Values) -> Fields {
     let first = scene.widgets[index].first_number;
     var q = Fields();
     for (var j = 0u; j < count; j++) {
-        let offset = v[u32(numbers[first + j])] - numbers[first + count + j];
+        let offset = v[u32(number(first + j))] - number(first + count + j);
         for (var i = 0u; i < count; i++) {
-            q[i] += numbers[first + (2u + i) * count + j] * offset;
+            q[i] += number(first + (2u + i) * count + j) * offset;
         }
     }
     return q;
