@@ -14,6 +14,8 @@
 //! | linear piece | [`linear::piece_weights`] | (ρ_f D, ρ_b D), at most 1 |
 //! | the same, deep | [`linear::deep_piece_weights`] | (ρ_f D, ρ_b D), one of them at least 1 |
 //! | the same by the table | [`partial_table::LanePartialTable`] | (ρ_f D, ρ_b D) |
+//! | linear extinction and linear emission: (F, B) | [`linear::front_back`] | (ρ_f D, ρ_b D) |
+//! | Gaussians' means and light by tables | [`gaussian_table::LaneGaussianTables`] | a [`gaussian::LaneGaussianPath`] |
 //! | pre-integrated tables | [`slices::LaneVolume`] | places in entries |
 //! | widgets that hardly bend, in order: C less the mix | [`sums::Sums::correction`] | a [`smooth::DensityShape`] each |
 //! | any widgets in order, either model: C | [`overlap::ordered`]`(&members, None or D/U)` | [`overlap::LaneMember`] each, over the whole segment |
@@ -26,6 +28,7 @@ pub mod clip;
 pub mod dense;
 pub mod elementary;
 pub mod gaussian;
+pub mod gaussian_table;
 pub mod linear;
 pub mod overlap;
 pub mod partial_table;
@@ -33,6 +36,7 @@ pub mod piecewise_linear;
 pub mod quadrature;
 pub mod slices;
 pub mod smooth;
+pub mod square;
 pub mod sums;
 pub mod table;
 mod track;

@@ -3,7 +3,7 @@
 use super::clip::LaneStretch;
 use super::elementary::{dawson, erfcx, exp, mean_transparency, one_minus_exp, power};
 use super::gaussian::{LaneGaussianPath, LaneGaussianSteps, LaneGaussianTrack, mean_profile};
-use super::linear::{deep_piece_weights, piece_weights};
+use super::linear::{deep_piece_weights, front_back, piece_weights};
 use super::overlap::{AnyLaneTrack, LaneMember, ordered};
 use super::piecewise_linear::{LanePiecewiseTrack, LanePoints};
 use super::triangular_gaussian::{self, LaneTriangularPath, LaneTriangularTrack};
@@ -39,6 +39,9 @@ enum Formula {
     /// Its back, or its front, is deeper by a part.
     LevelPieceBack,
     FallingPieceBack,
+    /// Of a piece of linear extinction and emission: the weights of the emission at its front and at its back.
+    EmissionFront,
+    EmissionBack,
     Dawson,
     Triangle(f64),
     Sine(f64),
@@ -83,7 +86,7 @@ const INSIDE: Range = Range::Even(0.1, 1.0);
 const OUTSIDE: Range = Range::Even(-1.0, 0.0);
 
 #[rustfmt::skip]
-const TWINS: [Twin; 32] = [
+const TWINS: [Twin; 38] = [
     Twin { formula: Formula::Exp, inputs: &[Range::Even(-87.0, 87.0)], tolerance: 1.0, reason: "2 ulp" },
     Twin { formula: Formula::Opacity, inputs: &[Range::Log(-30.0, 2.0)], tolerance: 1.0, reason: "3 ulp" },
     Twin { formula: Formula::MeanTransparency, inputs: &[Range::Log(-30.0, 2.0)], tolerance: 1.0, reason: "4 ulp" },
@@ -102,6 +105,12 @@ const TWINS: [Twin; 32] = [
     Twin { formula: Formula::LevelPieceBack, inputs: &[DEEP, TILT], tolerance: 6.0, reason: "and a slope of a millionth: 7e-7" },
     Twin { formula: Formula::FallingPieceBack, inputs: &[DEEP, TILT], tolerance: 6.0, reason: "the same" },
     Twin { formula: Formula::DeepPieceOpacity, inputs: &[DEEP, SIZE], tolerance: 1.0, reason: "3 ulp" },
+    Twin { formula: Formula::EmissionFront, inputs: &[SHALLOW, SHALLOW], tolerance: 2.0, reason: "4 points up to ½: 1e-7" },
+    Twin { formula: Formula::EmissionFront, inputs: &[SIZE, DEEP], tolerance: 2.0, reason: "panels of 8 points" },
+    Twin { formula: Formula::EmissionFront, inputs: &[DEEP, SIZE], tolerance: 2.0, reason: "the same" },
+    Twin { formula: Formula::EmissionBack, inputs: &[SHALLOW, SHALLOW], tolerance: 2.0, reason: "the same" },
+    Twin { formula: Formula::EmissionBack, inputs: &[SIZE, DEEP], tolerance: 2.0, reason: "the same" },
+    Twin { formula: Formula::EmissionBack, inputs: &[DEEP, SIZE], tolerance: 2.0, reason: "the same" },
     Twin { formula: Formula::Triangle(1.0), inputs: &[PHASE, PHASE], tolerance: 1.0, reason: "sums of positive areas" },
     Twin { formula: Formula::Triangle(0.01), inputs: &[PHASE, PHASE], tolerance: 1.0, reason: "the same" },
     Twin { formula: Formula::Sine(1.0), inputs: &[PHASE, PHASE], tolerance: 1.0, reason: "the same" },
@@ -158,6 +167,8 @@ fn exact(formula: Formula, x: &[f64; INPUTS]) -> f64 {
         Formula::DeepPieceOpacity => special::opacity(0.5 * (x[0] + x[1])),
         Formula::LevelPieceBack => linear::emission_weights(x[0], x[0] * (1.0 + x[1])).1,
         Formula::FallingPieceBack => linear::emission_weights(x[0] * (1.0 + x[1]), x[0]).1,
+        Formula::EmissionFront => linear::front_back(x[0], x[1]).0,
+        Formula::EmissionBack => linear::front_back(x[0], x[1]).1,
         Formula::Dawson => special::dawson(x[0]),
         Formula::Triangle(width) => band(Bell::triangle(&wave(width))),
         Formula::Sine(width) => band(Bell::sine(&wave(width))),
@@ -365,6 +376,8 @@ fn values(formula: Formula, lanes: LaneSet, inputs: &[[f64; INPUTS]]) -> Vec<f32
         Formula::FallingPieceBack => {
             twin_on_lanes!(call, |L, x, _| deep_piece_weights::<L>(x[0].mul_add(x[1], x[0]), x[0]).1)
         }
+        Formula::EmissionFront => twin_on_lanes!(call, |L, x, _| front_back::<L>(x[0], x[1]).0),
+        Formula::EmissionBack => twin_on_lanes!(call, |L, x, _| front_back::<L>(x[0], x[1]).1),
         Formula::Dawson => twin_on_lanes!(call, |L, x, _| dawson::<L>(x[0])),
         Formula::Triangle(_) => twin_on_lanes!(call, |L, x, [width, _]| {
             LaneBell::triangle(&wave(width)).mean::<L>(phase(x[0]), phase(x[1]))

@@ -17,6 +17,7 @@ mod adaptive;
 mod analytic;
 mod choice;
 mod clipped;
+mod gaussian_tables;
 mod partial_table;
 mod pre_integrated;
 mod pre_integrated_cylindrical;
@@ -37,15 +38,16 @@ pub use choice::{
     STANDARD_PIECES, STANDARD_PLANES, STANDARD_SIDE, TABLE_SIDE_MOST, can_serve,
 };
 pub use clipped::Clipped;
+pub use gaussian_tables::{GaussianTables, LIT_REACH, P_MOST, REACH};
 pub use partial_table::PartialTable;
 pub use pre_integrated::PreIntegrated;
-pub use pre_integrated_cylindrical::{PreIntegratedCylindrical, last_tile};
+pub use pre_integrated_cylindrical::{PreIntegratedCylindrical, from_cylinder, last_tile};
 pub use reference::Reference;
 pub use riemann::Riemann;
 pub use segment_integrator::{Extent, SegmentIntegrator};
 pub use segments::Segments;
 pub use slice::{Matter, Ramp};
-pub use tabulated::{REACH, Tabulated};
+pub use tabulated::Tabulated;
 pub use vertex_sampled::{AtPoints, CLASSIFIED, VertexSampled, classified, is_classified};
 
 use super::Overlap;

@@ -34,8 +34,8 @@ pub const fn last_tile(table_size: usize, planes: usize) -> usize {
     4 * table_size.saturating_mul(planes).div_ceil(4)
 }
 
-/// f: (s_f, s_b, l).
-fn from_cylinder(angle: f64, s: f64, t: f64) -> [f64; 3] {
+/// f: (s_f, s_b, l) of (α, s, t); s_f may lie outside [0, 1].
+pub fn from_cylinder(angle: f64, s: f64, t: f64) -> [f64; 3] {
     let [front, length] = if angle <= 0.25 {
         [t + s, 4.0 * angle * s]
     } else if angle <= 0.5 {

@@ -1,6 +1,6 @@
 //! What every integrator gives, and what a table of one spans.
 
-use super::PartialTable;
+use super::{GaussianTables, PartialTable};
 use crate::Error;
 use crate::optics::{Contribution, Segment};
 
@@ -16,6 +16,11 @@ pub trait SegmentIntegrator: Send + Sync {
 
     /// The partial pre-integration table, if that is what it goes by.
     fn partial_table(&self) -> Option<&PartialTable> {
+        None
+    }
+
+    /// The tables of Gaussians' integrals, if it goes by those.
+    fn gaussian_tables(&self) -> Option<&GaussianTables> {
         None
     }
 

@@ -92,10 +92,10 @@ impl LaneGaussian {
         gaussian::roughness::<L, 2>(self.point::<L>(&along.front), self.point::<L>(&along.back))
     }
 
-    /// The path of the whole segment.
+    /// The path between two points.
     #[inline(always)]
-    pub fn path<L: Lanes>(&self, along: &Along<L>) -> LaneGaussianPath<L> {
-        LaneGaussianPath::<L>::new(self.point::<L>(&along.front), self.point::<L>(&along.back))
+    pub fn path<L: Lanes>(&self, front: &[L::F; 2], back: &[L::F; 2]) -> LaneGaussianPath<L> {
+        LaneGaussianPath::<L>::new(self.point::<L>(front), self.point::<L>(back))
     }
 
     /// Lanes (bits) on which the segment spans too many widths.

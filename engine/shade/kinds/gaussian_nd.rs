@@ -111,10 +111,10 @@ impl LaneGaussianNd {
         exp::<L>(-dot::<L, FIELDS_MOST>(&q, &q))
     }
 
-    /// The path of the whole segment.
+    /// The path of the whole segment, or of a stretch of it.
     #[inline(always)]
-    pub fn path<L: Lanes>(&self, fields: &Fields<L>) -> LaneGaussianPath<L> {
-        let [front, back] = self.fields.ends::<L>(fields);
+    pub fn path<L: Lanes>(&self, fields: &Fields<L>, range: Option<[L::F; 2]>) -> LaneGaussianPath<L> {
+        let [front, back] = between::<L, FIELDS_MOST>(self.fields.ends::<L>(fields), range);
         LaneGaussianPath::<L>::new(front, back)
     }
 

@@ -20,7 +20,7 @@ pub(crate) struct Making<'a> {
 
 impl<'a> Making<'a> {
     /// A further field: its place among them, and its attribute.
-    pub(super) fn field(&self, name: &str) -> Option<(usize, &'a Attribute<'a>)> {
+    pub fn field(&self, name: &str) -> Option<(usize, &'a Attribute<'a>)> {
         let place = self.fields.iter().position(|field| *field == name)?;
         self.attributes.get(2 + place).map(|attribute| (place, attribute))
     }

@@ -5,6 +5,7 @@ mod gaussian;
 mod gaussian_nd;
 mod in_order;
 mod making;
+mod path;
 mod piecewise_linear;
 mod sample;
 mod table;
@@ -13,6 +14,7 @@ mod triangular_gaussian_nd;
 mod wave;
 
 pub(crate) use making::Making;
+pub(crate) use path::Through;
 
 use crate::shade::along::{Along, Fields};
 use crate::shade::reach::{LaneReach, Spread};
@@ -306,8 +308,8 @@ impl LaneWidget {
                 member.track = AnyLaneTrack::Table(table.track(&along.front, &along.back, rate, cutoff));
                 return member;
             }
-            LaneForm::Gaussian(gaussian) => gaussian.path::<L>(along),
-            LaneForm::GaussianNd(nd) => nd.path::<L>(fields),
+            LaneForm::Gaussian(gaussian) => gaussian.path::<L>(&along.front, &along.back),
+            LaneForm::GaussianNd(nd) => nd.path::<L>(fields, None),
             // See `InOrder::Bits64`: those are not walked.
             LaneForm::Wave(_)
             | LaneForm::TriangularGaussian(_)

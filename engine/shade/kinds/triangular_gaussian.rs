@@ -1,7 +1,9 @@
 //! A triangular Gaussian in lanes.
 
 use crate::attribute::Attribute;
+use crate::shade::along::Along;
 use voltet_lanes::limits::TRIANGULAR_WIDTHS_MOST;
+use voltet_lanes::optics::gaussian::LaneGaussianPath;
 use voltet_lanes::optics::triangular_gaussian;
 use voltet_lanes::{Float, Lanes, Mask};
 
@@ -48,5 +50,21 @@ impl LaneTriangular {
         let widths = L::F::splat(TRIANGULAR_WIDTHS_MOST as f32) * front[1].abs().max(back[1].abs());
         let unsure = widths.lt((back[0] - front[0]).abs()).bits();
         (triangular_gaussian::mean_profile::<L>([front[0], back[0]], [front[1], back[1]]), unsure)
+    }
+
+    /// The path between two points of a segment, in the mean of its widths; lanes that have one.
+    #[inline(always)]
+    pub fn path<L: Lanes>(
+        &self,
+        along: &Along<L>,
+        front: &[L::F; 2],
+        back: &[L::F; 2],
+    ) -> (LaneGaussianPath<L>, L::M) {
+        let splat = L::F::splat;
+        let width = (self.point::<L>(&along.front)[1] + self.point::<L>(&along.back)[1]) * splat(0.5);
+        let there = splat(0.0).lt(width);
+        let inverse = splat(1.0) / L::F::select(there, width, splat(1.0));
+        let [front, back] = [self.point::<L>(front)[0] * inverse, self.point::<L>(back)[0] * inverse];
+        (LaneGaussianPath::<L>::new([front], [back]), there)
     }
 }

@@ -5,8 +5,9 @@ use crate::shade::kinds::gaussian_nd::{LaneFields, between};
 use crate::shade::kinds::making::Making;
 use voltet_lanes::limits::TRIANGULAR_WIDTHS_MOST;
 use voltet_lanes::optics::elementary::dot;
+use voltet_lanes::optics::gaussian::LaneGaussianPath;
 use voltet_lanes::optics::triangular_gaussian::{self, LaneTriangularPath};
-use voltet_lanes::{Float, Lanes, Mask};
+use voltet_lanes::{Float, Lanes, Mask, array, inlined};
 
 /// exp(−|K (v − centre)|²/m²); m is scaled as its array is, and K with it.
 pub(crate) struct LaneTriangularNd {
@@ -58,5 +59,30 @@ impl LaneTriangularNd {
         let unsure = (most * most).lt(squared).bits();
         let path = LaneTriangularPath::<L>::over_fields::<FIELDS_MOST>(front, back, [near[0], far[0]]);
         (path.mean(), unsure)
+    }
+
+    /// The path of the segment or of a stretch of it, in the mean of the segment's widths; lanes that have one.
+    #[inline(always)]
+    pub fn path<L: Lanes>(
+        &self,
+        fields: &Fields<L>,
+        range: Option<[L::F; 2]>,
+    ) -> (LaneGaussianPath<L>, L::M) {
+        let splat = L::F::splat;
+        let [front, back] = between::<L, FIELDS_MOST>(self.fields.ends::<L>(fields), range);
+        let ends = fields.front[self.slot] + fields.back[self.slot];
+        let width = ends.mul_add(splat(0.5), splat(self.base));
+        let there = splat(0.0).lt(width);
+        let inverse = splat(1.0) / L::F::select(there, width, splat(1.0));
+        let scaled = inlined(
+            #[inline(always)]
+            |q: [L::F; FIELDS_MOST]| -> [L::F; FIELDS_MOST] {
+                array(
+                    #[inline(always)]
+                    |i| q[i] * inverse,
+                )
+            },
+        );
+        (LaneGaussianPath::<L>::new(scaled(front), scaled(back)), there)
     }
 }

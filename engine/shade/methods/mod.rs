@@ -7,6 +7,8 @@
 //! | `riemann` | `riemann` |
 //! | `pieces` | `segments` |
 //! | `tables` | `pre-integrated`, `pre-integrated-cylindrical` |
+//! | `tabulated` | `tabulated` |
+//! | `vertex_sampled` | `vertex-sampled` |
 
 #![expect(
     clippy::needless_range_loop,
@@ -17,6 +19,8 @@ mod pieces;
 mod riemann;
 mod sampled;
 mod tables;
+mod tabulated;
+mod vertex_sampled;
 
 use crate::fragments::batch::Batch;
 use crate::shade::kinds::{LaneWidget, Making};
@@ -24,6 +28,8 @@ use crate::shade::shaded::{Left, Shaded};
 use crate::shade::shader::Scene;
 use sampled::Sampled;
 use tables::Table;
+use tabulated::Tabulated;
+use vertex_sampled::VertexSampled;
 use voltet_core::Result;
 use voltet_core::optics::integrators::SegmentIntegrator;
 use voltet_core::shading::Integrator;
@@ -36,6 +42,10 @@ pub(crate) enum LaneMethod {
     Sampled(Sampled),
     /// `pre-integrated` and `pre-integrated-cylindrical`.
     Table(Box<Table>),
+    /// `tabulated`.
+    Tabulated(Tabulated),
+    /// `vertex-sampled`.
+    VertexSampled(VertexSampled),
 }
 
 /// Who serves an integrator.
@@ -82,9 +92,14 @@ impl Served {
             Integrator::PreIntegratedCylindrical { table_size, oversampling, planes } => {
                 table(table_size, oversampling, Some(planes))?
             }
-            Integrator::VertexSampled | Integrator::Tabulated { .. } | Integrator::Reference => {
-                Served::Not(Left::Integrator)
+            Integrator::Tabulated { .. } => match exact.and_then(SegmentIntegrator::gaussian_tables) {
+                Some(tables) => Tabulated::new(tables, widgets, making).map(LaneMethod::Tabulated).into(),
+                None => Served::Not(Left::Integrator),
+            },
+            Integrator::VertexSampled => {
+                VertexSampled::new(making, scene.length).map(LaneMethod::VertexSampled).into()
             }
+            Integrator::Reference => Served::Not(Left::Integrator),
         })
     }
 }
@@ -93,7 +108,8 @@ impl LaneMethod {
     /// Bytes of the tables that it made.
     pub fn table_bytes(&self) -> usize {
         match self {
-            LaneMethod::Sampled(_) => 0,
+            LaneMethod::Sampled(_) | LaneMethod::VertexSampled(_) => 0,
+            LaneMethod::Tabulated(tabulated) => tabulated.bytes(),
             LaneMethod::Table(table) => table.bytes(),
         }
     }
@@ -111,6 +127,10 @@ impl LaneMethod {
         match self {
             LaneMethod::Sampled(sampled) => sampled.shade::<L>(widgets, one_color, batch, count, out),
             LaneMethod::Table(table) => table.shade::<L>(batch, count, out),
+            LaneMethod::Tabulated(tabulated) => {
+                tabulated.shade::<L>(widgets, one_color, batch, count, out);
+            }
+            LaneMethod::VertexSampled(sampled) => sampled.shade::<L>(one_color, batch, count, out),
         }
     }
 }

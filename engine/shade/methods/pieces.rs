@@ -2,7 +2,7 @@
 //! two-dimensional table gives the weights of both colours.
 
 use super::sampled::{Crossed, Samples, TOGETHER};
-use voltet_lanes::optics::elementary::{exp, one_minus_exp, transparencies};
+use voltet_lanes::optics::elementary::{exp, transparencies};
 use voltet_lanes::optics::partial_table::LanePartialTable;
 use voltet_lanes::{Float, Lanes, array};
 
@@ -14,18 +14,13 @@ pub(super) fn pieces<L: Lanes>(
     crossed: &mut Crossed<'_, '_, L>,
     depth_only: bool,
 ) -> ([L::F; 3], L::F) {
-    let zero = L::F::splat(0.0);
-    // Light of one colour is its opacity, in whatever shares.
-    let one_color = crossed.one_color();
-    if depth_only || one_color.is_some() {
-        let (_, depth) = walk::<L, false>(table, count, crossed);
-        let opacity = one_minus_exp::<L>(depth);
-        let color = one_color.unwrap_or([0.0; 3]);
-        let color = array(
-            #[inline(always)]
-            |c| opacity * L::F::splat(color[c]),
-        );
-        return (if depth_only { [zero; 3] } else { color }, depth);
+    let depth = crossed.by_depth(
+        depth_only,
+        #[inline(always)]
+        |crossed| walk::<L, false>(table, count, crossed).1,
+    );
+    if let Some(found) = depth {
+        return found;
     }
     walk::<L, true>(table, count, crossed)
 }

@@ -2,7 +2,7 @@
 //! κ h E₁(ρ h).
 
 use super::sampled::{Crossed, Samples, TOGETHER};
-use voltet_lanes::optics::elementary::{exp, one_minus_exp, transparencies};
+use voltet_lanes::optics::elementary::{exp, transparencies};
 use voltet_lanes::{Float, Lanes, array};
 
 /// Colour and optical depth. `depth_only`: no colour.
@@ -12,22 +12,17 @@ pub(super) fn riemann<L: Lanes>(
     crossed: &mut Crossed<'_, '_, L>,
     depth_only: bool,
 ) -> ([L::F; 3], L::F) {
-    let zero = L::F::splat(0.0);
-    // Light of one colour is its opacity, in however many pieces.
-    let one_color = crossed.one_color();
-    if depth_only || one_color.is_some() {
-        let depth = match count {
+    let depth = crossed.by_depth(
+        depth_only,
+        #[inline(always)]
+        |crossed| match count {
             1 => together::<L, 1, false>(count, crossed).1,
             2 => together::<L, 2, false>(count, crossed).1,
             _ => in_steps::<L, false>(count, crossed).1,
-        };
-        let opacity = one_minus_exp::<L>(depth);
-        let color = one_color.unwrap_or([0.0; 3]);
-        let color = array(
-            #[inline(always)]
-            |c| opacity * L::F::splat(color[c]),
-        );
-        return (if depth_only { [zero; 3] } else { color }, depth);
+        },
+    );
+    if let Some(found) = depth {
+        return found;
     }
     match count {
         1 => together::<L, 1, true>(count, crossed),

@@ -14,7 +14,7 @@ use voltet_lanes::limits::{LENGTH_WALKED_LEAST, PIECES_MOST};
 use voltet_lanes::optics::elementary::one_minus_exp;
 use voltet_lanes::optics::gaussian::LaneGaussianSteps;
 use voltet_lanes::optics::partial_table::LanePartialTable;
-use voltet_lanes::{Float, Lanes, Mask};
+use voltet_lanes::{Float, Lanes, Mask, array};
 
 /// Samples that are taken side by side.
 pub(super) const TOGETHER: usize = 4;
@@ -232,14 +232,28 @@ impl Sampled {
 }
 
 impl<L: Lanes> Crossed<'_, '_, L> {
-    /// The colour of all that glows, where the vector meets one widget of one colour and glows in step with what it absorbs:
-    /// then its light is its opacity.
+    /// Colour and depth by the `depth` alone, where that is enough: nobody asks for colour (`depth_only`), or the vector meets one
+    /// widget of one colour that glows in step with what it absorbs. Then its light is its opacity, in however many pieces.
     #[inline(always)]
-    pub fn one_color(&self) -> Option<[f32; 3]> {
-        match self.met {
-            [met] if self.glow.is_none() && !met.widget.has_colors() => Some(met.widget.color),
-            _ => None,
+    pub fn by_depth(
+        &mut self,
+        depth_only: bool,
+        depth: impl FnOnce(&mut Self) -> L::F,
+    ) -> Option<([L::F; 3], L::F)> {
+        if depth_only {
+            return Some(([L::F::splat(0.0); 3], depth(self)));
         }
+        let color = match self.met {
+            [met] if self.glow.is_none() && !met.widget.has_colors() => met.widget.color,
+            _ => return None,
+        };
+        let depth = depth(self);
+        let opacity = one_minus_exp::<L>(depth);
+        let light = array(
+            #[inline(always)]
+            |c| opacity * L::F::splat(color[c]),
+        );
+        Some((light, depth))
     }
 
     /// At `N` places of each segment. `COLORS`: whether glow is asked for.

@@ -13,7 +13,8 @@ use voltet_core::optics::integrators::{Matter, Ramp, last_tile};
 use voltet_core::transfer::TransferFunction;
 use voltet_lanes::optics::elementary::mean_transparency;
 use voltet_lanes::optics::slices::{LaneRamp, LaneVolume, fill_tiles, to_cylinder};
-use voltet_lanes::{Float, Kernel, Lanes, Mask, Unsigned, array, dispatch};
+use voltet_lanes::optics::square::LaneSquare;
+use voltet_lanes::{Float, Kernel, Lanes, Mask, array, dispatch};
 
 /// Depths of a segment beyond which it is opaque whatever they are.
 const DEPTH_MOST: f32 = 1e30;
@@ -38,8 +39,8 @@ pub(crate) struct Table {
 enum Kind {
     /// Over (s_f, s_b, D); the fourth number is ρ̄.
     Slices(LaneVolume),
-    /// Over (α, s, t), and ρ̄ of (s_f, s_b) with its neighbours.
-    Tiles { tiles: LaneVolume, last: f32, means: Vec<[f32; 4]> },
+    /// Over (α, s, t), and ρ̄ of (s_f, s_b).
+    Tiles { tiles: LaneVolume, last: f32, means: LaneSquare },
 }
 
 impl Table {
@@ -69,7 +70,7 @@ impl Table {
             entries.par_chunks_mut(length).enumerate().for_each(|(group, out)| {
                 dispatch(*lanes, FillTiles { table: &slices, group, planes: last + 1, out });
             });
-            Kind::Tiles { tiles, last: last as f32, means: with_neighbours(narrow.means(), size) }
+            Kind::Tiles { tiles, last: last as f32, means: LaneSquare::new(narrow.means(), size) }
         } else {
             Kind::Slices(slices)
         };
@@ -87,7 +88,7 @@ impl Table {
     pub fn bytes(&self) -> usize {
         match &self.kind {
             Kind::Slices(slices) => slices.bytes(),
-            Kind::Tiles { tiles, means, .. } => tiles.bytes() + size_of_val(means.as_slice()),
+            Kind::Tiles { tiles, means, .. } => tiles.bytes() + means.bytes(),
         }
     }
 
@@ -130,7 +131,7 @@ impl Table {
                 Kind::Tiles { tiles, last: last_tile, means } => {
                     let [angle, s] = to_cylinder::<L>(front / last, back / last, share);
                     let [r, g, b, _] = tiles.read::<L>(s.min(one) * last, back, angle * splat(*last_tile));
-                    [r, g, b, self.mean::<L>(means, front, back)]
+                    [r, g, b, means.read(&means.place::<L>(front, back))]
                 }
             };
             let depth = L::F::select(there, mean * length, zero);
@@ -143,27 +144,6 @@ impl Table {
             }
         }
     }
-
-    /// ρ̄, bilinear.
-    #[inline(always)]
-    fn mean<L: Lanes>(&self, means: &[[f32; 4]], front: L::F, back: L::F) -> L::F {
-        let before = L::F::splat((self.side - 2) as f32);
-        let (i, j) = (front.floor().min(before), back.floor().min(before));
-        let at = i.to_unsigned() * L::U::splat(self.side as u32) + j.to_unsigned();
-        let around = L::F::gather_parts(means, at);
-        let (u, v) = (front - i, back - j);
-        let low = v.mul_add(around[1] - around[0], around[0]);
-        let high = v.mul_add(around[3] - around[2], around[2]);
-        u.mul_add(high - low, low)
-    }
-}
-
-/// Entries of a square table, each with those of the next column, the next row and both.
-fn with_neighbours(entries: &[f32], side: usize) -> Vec<[f32; 4]> {
-    let at = |i: usize, j: usize| entries[i.min(side - 1) * side + j.min(side - 1)];
-    let place = |k: usize| (k / side, k % side);
-    let around = |(i, j)| [at(i, j), at(i, j + 1), at(i + 1, j), at(i + 1, j + 1)];
-    (0..entries.len()).map(place).map(around).collect()
 }
 
 /// For each step between nodes the first at or behind it in which something is, or beyond all. What a ray of a scene's length may
