@@ -5,6 +5,7 @@
 //! | room | what |
 //! | --- | --- |
 //! | `pictures` | scenes that every engine is held to, and the comparison with the referee |
+//! | `segments` | ray segments drawn by lot, and widgets of every kind for them |
 //! | `compilers` | plug-ins and programs in other languages |
 //! | `files` | small data files in every format and encoding, written independently of the readers |
 
@@ -24,6 +25,8 @@ pub mod compilers;
 pub mod files;
 #[cfg(feature = "pictures")]
 pub mod pictures;
+#[cfg(feature = "segments")]
+pub mod segments;
 
 /// WebAssembly modules from their text.
 #[cfg(feature = "wat")]

@@ -3,14 +3,15 @@
 use crate::device::Device;
 use crate::integrators::{shading, stored};
 use crate::scene::{Composed, Scenes};
-use crate::tables::{MODELS, UNIT, image, segments};
+use crate::tables::UNIT;
 use voltet_core::optics::integrators::{Extent, Integrator, new};
 use voltet_core::optics::{Contribution, Overlap};
-use voltet_core::transfer::{ControlPoint, OpticalModel, Profile, Region, TransferFunction, Wave, Widget};
+use voltet_core::transfer::{OpticalModel, TransferFunction};
 use voltet_judge::segment_cases;
 use voltet_judge::segment_twin::Measure;
 use voltet_shaders::segment_list::{axes, holds, keeps_digits};
 use voltet_shaders::{compose, compose_pieces, piece};
+use voltet_testing::segments::{MODELS, look, overlapping, segments};
 
 const TOLERANCES: [f64; 6] = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6];
 
@@ -66,42 +67,9 @@ fn the_tolerance_is_met_on_the_exact_cases() {
     assert!(judged > 500, "only {judged} cases were judged");
 }
 
-fn widget(profile: Profile, color: [f64; 3], extinction: f64) -> Widget {
-    Widget { profile, color, extinction, region: None }
-}
-
-/// Two or three widgets of every kind.
-fn overlapping(extinction: f64) -> Vec<Vec<Widget>> {
-    let plane = |s| Profile::Gaussian { centre: [s, 0.5], matrix: [[6.0, 1.0], [0.0, 3.0]] };
-    let wave = Wave { origin: [0.1, 0.2], angle: 0.4, scale: [1.0; 2], period: 0.3, band_width: 0.6 };
-    let point = |s, extinction, r| ControlPoint { s, color: [r, 0.5, 0.1], extinction };
-    let points =
-        vec![point(0.0, 0.0, 1.0), point(0.5, 2.0 * extinction, 0.2), point(1.0, 0.5 * extinction, 0.4)];
-    let linear = widget(Profile::PiecewiseLinear { points }, [0.0; 3], 1.0);
-    let triangular =
-        widget(Profile::TriangularGaussian { centre: 0.5, sigma: 0.4 }, [0.2, 1.0, 0.5], extinction);
-    let region = Region { corners: vec![[0.2, 0.0], [1.0, 0.3], [0.3, 1.0]] };
-    let uniform = Widget { region: Some(region), ..widget(Profile::Uniform, [0.1, 0.2, 1.0], extinction) };
-    let red = widget(plane(0.4), [1.0, 0.1, 0.0], extinction);
-    let blue = widget(plane(0.6), [0.0, 0.3, 1.2], 0.7 * extinction);
-    let sine = widget(Profile::SineWave(wave), [0.9, 0.8, 0.1], extinction);
-    let triangle = widget(Profile::TriangleWave(wave), [0.0, 0.8, 0.6], extinction);
-    vec![
-        vec![red.clone(), blue.clone()],
-        vec![red.clone(), uniform, triangular.clone()],
-        vec![blue.clone(), sine],
-        vec![triangle, linear.clone(), red],
-        vec![linear, triangular.clone()],
-        vec![Widget { extinction, ..image(5, 4) }, blue],
-        vec![triangular],
-        vec![Widget { extinction, ..image(3, 5) }],
-    ]
-}
-
 fn scenes() -> Vec<TransferFunction> {
     let all = |model: OpticalModel| {
-        let scene = move |widgets| TransferFunction { model, unit_distance: 1.0, widgets };
-        [0.1, 3.0, 300.0].into_iter().flat_map(overlapping).map(scene)
+        [0.1, 3.0, 300.0].into_iter().flat_map(overlapping).map(move |widgets| look(model, widgets))
     };
     MODELS.into_iter().flat_map(all).collect()
 }
@@ -220,7 +188,7 @@ fn figures_of_tolerances() {
         for longest in [0.02, 0.2, 2.0] {
             let segments = segments(1 << 15, longest);
             let widgets = overlapping(3.0).swap_remove(0);
-            let transfer_function = TransferFunction { model, unit_distance: 1.0, widgets };
+            let transfer_function = look(model, widgets);
             let time = |tolerance| on.seconds(&ready(&transfer_function, tolerance), &segments, 24);
             let times = TOLERANCES.into_iter().chain([0.0]).map(time);
             let nanoseconds = times.map(|time| format!("{:.0}", time * 1e9 / segments.len() as f64));

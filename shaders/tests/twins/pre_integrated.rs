@@ -3,7 +3,6 @@
 use crate::device::Device;
 use crate::integrators::{shading, stored};
 use crate::scene::{Composed, Scenes};
-use crate::tables::{MODELS, segments};
 use std::time::Instant;
 use voltet_core::optics::integrators::{
     Extent, Integrator, Matter, PreIntegrated, PreIntegratedCylindrical, Ramp, new,
@@ -13,6 +12,7 @@ use voltet_core::optics::{Contribution, Overlap, Segment};
 use voltet_core::transfer::{ControlPoint, OpticalModel, Profile, TransferFunction, Widget};
 use voltet_judge::segment_twin::{Measure, numbers};
 use voltet_shaders::{Axis, Places};
+use voltet_testing::segments::{MODELS, segments};
 
 const LONGEST: f64 = 2.0;
 const EXTENT: Extent = Extent { scalar: [0.0, 1.0], longest: LONGEST };

@@ -3,62 +3,18 @@
 use crate::device::Device;
 use crate::integrators::{shading, stored};
 use crate::scene::{Composed, Scenes};
-use std::sync::Arc;
 use voltet_core::optics::integrators::{Extent, Integrator, new};
-use voltet_core::optics::{Overlap, Prepared, Segment};
-use voltet_core::transfer::{OpticalModel, Profile, Region, Table, TransferFunction, Widget};
+use voltet_core::optics::{Overlap, Prepared};
+use voltet_core::transfer::{Profile, Region, Widget};
 use voltet_judge::segment_twin::{Measure, change_of_places, numbers};
 use voltet_shaders::Axis;
-
-/// Numbers in [0, 1): SplitMix64 (Steele, Lea & Flood 2014).
-pub struct Numbers(pub u64);
-
-impl Numbers {
-    pub fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    /// A number that 32 bits hold.
-    fn single(&mut self) -> f64 {
-        f64::from(self.next() as f32)
-    }
-}
-
-/// Segments over the unit square, of lengths up to `longest`; every eighth flat in s, in g or in both.
-pub fn segments(count: usize, longest: f64) -> Vec<Segment<'static>> {
-    let mut numbers = Numbers(7);
-    let mut segment = |i: usize| {
-        let [front, mut back] = [[numbers.single(), numbers.single()], [numbers.single(), numbers.single()]];
-        for (axis, back) in back.iter_mut().enumerate() {
-            if i.is_multiple_of(8) && (i / 8) % 3 != axis {
-                *back = front[axis];
-            }
-        }
-        let length = numbers.single() * longest;
-        Segment { length, front, back, fields_front: &[], fields_back: &[] }
-    };
-    (0..count).map(&mut segment).collect()
-}
-
-pub const MODELS: [OpticalModel; 2] =
-    [OpticalModel::DensityEmitter, OpticalModel::ConstantEmitter { cutoff: 0.25 }];
+use voltet_testing::segments::{MODELS, image, look, segments, widget};
 
 pub const UNIT: [Axis; 2] = [Axis { offset: 0.0, scale: 1.0 }; 2];
 
-pub fn image(width: usize, height: usize) -> Widget {
-    let mut numbers = Numbers((width * 100 + height) as u64);
-    let texels = (0..width * height).map(|_| std::array::from_fn(|_| numbers.next() as f32)).collect();
-    let table = Table { width, height, texels, s: [0.125, 0.875], g: [0.0, 0.75] };
-    Widget { profile: Profile::Table(Arc::new(table)), color: [0.0; 3], extinction: 3.0, region: None }
-}
-
 fn gaussian(s: f64, g_row: f64, color: [f64; 3]) -> Widget {
     let matrix = [[4.0, 0.0], [0.0, g_row]];
-    Widget { profile: Profile::Gaussian { centre: [s, 0.5], matrix }, color, extinction: 2.0, region: None }
+    widget(Profile::Gaussian { centre: [s, 0.5], matrix }, color, 2.0)
 }
 
 /// Scenes with tables: alone, of one texel and of one row, in a region, with another widget, and two of them.
@@ -92,7 +48,7 @@ fn table_widgets_are_twins_of_their_truth() {
     ];
     let mut broken = Vec::new();
     for (model, widgets) in MODELS.iter().flat_map(|model| scenes().into_iter().map(move |w| (*model, w))) {
-        let transfer_function = TransferFunction { model, unit_distance: 1.0, widgets };
+        let transfer_function = look(model, widgets);
         let prepared = Prepared::new(&transfer_function).expect("valid");
         for (integrator, places, tolerance) in &integrators {
             let extent = Extent { scalar: [0.0, 1.0], longest: 2.0 };
