@@ -5,7 +5,6 @@
 use crate::attribute::Attribute;
 use crate::shade::along::Along;
 use voltet_core::transfer::ControlPoint;
-use voltet_lanes::optics::elementary::one_minus_exp;
 use voltet_lanes::optics::linear::{DEEPEST, deep_piece_weights, piece_weights};
 use voltet_lanes::optics::piecewise_linear::LanePoints;
 use voltet_lanes::{Float, Lanes, Mask, array};
@@ -169,7 +168,7 @@ impl LaneLinear {
     pub fn integrate<L: Lanes>(&self, along: &Along<L>) -> ([L::F; 4], u32) {
         let splat = L::F::splat;
         let mut color = [splat(0.0); 3];
-        let (mut depth, mut through, mut deepest) = (splat(0.0), splat(1.0), splat(0.0));
+        let (mut all, mut through, mut deepest) = (splat(0.0), splat(1.0), splat(0.0));
         self.walk(
             along,
             #[inline(always)]
@@ -195,12 +194,11 @@ impl LaneLinear {
                     let far = self.at::<L>(i + 1, k, to);
                     *sum = front.mul_add(near, back.mul_add(far, *sum));
                 }
-                depth = (a + b).mul_add(splat(0.5), depth);
+                all = through.mul_add(opacity, all);
                 through = through * (splat(1.0) - opacity);
             },
         );
-        let opacity = one_minus_exp::<L>(depth);
-        ([color[0], color[1], color[2], opacity], splat(DEEPEST).lt(deepest).bits())
+        ([color[0], color[1], color[2], all], splat(DEEPEST).lt(deepest).bits())
     }
 }
 
