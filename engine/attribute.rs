@@ -60,7 +60,10 @@ pub(crate) fn attributes_of<'a>(
     }
     let touched = cells.touched(transfer_function);
     let has_edges = touched.widgets.iter().any(|widget| widget.region.is_some());
-    let about = |axis: usize| touched.axis_origin(axis).map(|centre| (centre, has_edges));
+    let about = |axis: usize| {
+        let origin = if cells.from_the_middle { None } else { touched.axis_origin(axis) };
+        origin.map(|centre| (centre, has_edges))
+    };
     let mut attributes = vec![attribute(&volume.scalar, cells.ranges[0], about(0))];
     if transfer_function.uses_gradient_magnitude() || !fields.is_empty() {
         match &volume.gradient_magnitude {

@@ -34,6 +34,10 @@ pub struct Cells {
     pub lanes: LaneSet,
     /// Where the cells are more, they are projected window by window while they are composited. The picture is the same.
     pub most_at_once: usize,
+    /// Whether values are counted from the middle of their range, and not from where widgets are.
+    pub(crate) from_the_middle: bool,
+    /// They are projected for at least this density: see [`crate::project::part::Input::densest`].
+    pub(crate) densest_least: f64,
     /// Memory to work in, and to leave to the next frame.
     pub(crate) spare: Arc<Spare>,
     /// What the cells were culled for.

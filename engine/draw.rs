@@ -5,6 +5,7 @@ use crate::cells::{Cells, Counts};
 use crate::composite::hides::Hides;
 use crate::composite::sinks::{OPAQUE_DEPTH, TilePicture};
 use crate::composite::worker::{Drawn, Work, Worker};
+use crate::kept::{Keeping, Kept};
 use crate::memory::drawing_bytes_of;
 use crate::project::record::TILE;
 use crate::project::tiles::Tiles;
@@ -87,7 +88,7 @@ pub fn project(
     let bytes = drawing_bytes_of(kept, points, attributes.len() as u64, camera.size, cells.most_at_once);
     let bytes = bytes.saturating_mul(held as u64);
     refuse_beyond_memory(progress, || format!("drawing {kept} cells"), bytes)?;
-    let densest = densest(transfer_function) * cells.length;
+    let densest = densest(transfer_function, cells.length).max(cells.densest_least);
     let mut samples = Vec::with_capacity(held);
     for (k, &offset) in offsets.iter().take(held).enumerate() {
         progress.report("project", k as f64 / held as f64);
@@ -96,13 +97,13 @@ pub fn project(
     Ok(Projection { cells: cells.clone(), camera: *camera, samples, densest })
 }
 
-/// The largest optical depth, or colour, that all widgets together give over a unit of length.
-fn densest(transfer_function: &TransferFunction) -> f64 {
+/// The largest optical depth, or colour, that all widgets together give over a scene length of so many world units.
+pub(crate) fn densest(transfer_function: &TransferFunction, length: f64) -> f64 {
     let most = |widget: &Widget| match transfer_function.model {
         OpticalModel::DensityEmitter => widget.peak() * widget.brightest().max(1.0),
         OpticalModel::ConstantEmitter { .. } => widget.peak().max(widget.brightest()),
     };
-    transfer_function.widgets.iter().map(most).sum::<f64>() / transfer_function.unit_distance
+    transfer_function.widgets.iter().map(most).sum::<f64>() / transfer_function.unit_distance * length
 }
 
 /// Gives the cells the order in which the compositor shall take a pixel's segments. The exact order is carried out
@@ -210,6 +211,62 @@ impl Ready<'_> {
         ends: Option<&[f32]>,
         progress: &dyn Progress,
     ) -> Result<(Picture, Counts)> {
+        self.draw(ends, None, progress)
+    }
+
+    /// The same of segments that were kept of this view: the projection is one of no cell.
+    pub(crate) fn composite_kept(&self, kept: &Kept, progress: &dyn Progress) -> Result<(Picture, Counts)> {
+        self.draw(None, Some(kept), progress)
+    }
+
+    /// Keeps the segments in place of drawing them: of one sample a pixel. `None` where they take more than `limit` bytes, or a
+    /// pixel has too many.
+    pub(crate) fn keep(&self, limit: u64, progress: &dyn Progress) -> Result<Option<Kept>> {
+        let Ready { projection, attributes, shader, .. } = self;
+        let Some(sample) = projection.samples.first() else { return Ok(None) };
+        let [width, height] = projection.camera.size.map(|n| n as usize);
+        let none = Tiles::default();
+        let (tiles, work) = work_of(sample, width, &none);
+        let grid = &projection.cells.volume.grid;
+        let keeping = Keeping::new(limit);
+        let mut frame = Frame::new(sample, tiles, grid, attributes, attributes.len(), shader, true);
+        frame.keeping = Some(&keeping);
+        let results = self.run(&frame, &work, false, progress)?;
+        if keeping.is_given_up() {
+            return Ok(None);
+        }
+        let tiles = results.into_iter().flat_map(|drawn| drawn.kept).collect();
+        Ok(Some(Kept::new(tiles, width.div_ceil(TILE) * height.div_ceil(TILE), projection.densest)))
+    }
+
+    /// Has all workers do the work. `opaque`: whether anything may be hidden.
+    fn run(
+        &self,
+        frame: &Frame<'_>,
+        work: &Work<'_>,
+        opaque: bool,
+        progress: &dyn Progress,
+    ) -> Result<Vec<Drawn>> {
+        let hides = Hides::new(opaque, work.tile_count());
+        let next = AtomicUsize::new(0);
+        let results: Vec<Result<Drawn>> =
+            rayon::broadcast(|_| Worker { frame, work, next: &next, hides: &hides, progress }.run());
+        let results: Vec<Drawn> = results.into_iter().collect::<Result<_>>()?;
+        if progress.cancelled() {
+            return Err(Error::cancelled());
+        }
+        match self.shader.failure() {
+            Some(error) => Err(error.clone()),
+            None => Ok(results),
+        }
+    }
+
+    fn draw(
+        &self,
+        ends: Option<&[f32]>,
+        kept: Option<&Kept>,
+        progress: &dyn Progress,
+    ) -> Result<(Picture, Counts)> {
         let Ready { projection, attributes, shader, table_bytes } = self;
         let cells = &projection.cells;
         let needs_order = shader.one_color.is_none();
@@ -240,29 +297,20 @@ impl Ready<'_> {
                 }
             };
             let none = Tiles::default();
-            let (tiles, work) = match &sample.projected {
-                Projected::Whole(tiles) => (tiles, Work::Tiles(tiles.queue(width.div_ceil(TILE)))),
-                Projected::InWindows(windows) => (&none, Work::Windows(&windows.list)),
-            };
+            let (tiles, mut work) = work_of(sample, width, &none);
+            // Kept segments are in order.
+            let sorted = sorted && kept.is_none();
             let mut frame =
                 Frame::new(sample, tiles, &cells.volume.grid, &all, attributes.len(), shader, sorted);
-            frame.ends = ends;
+            (frame.ends, frame.kept) = (ends, kept);
+            if let Some(kept) = kept {
+                work = Work::Tiles(kept.queue.clone());
+            }
             // Nothing is hidden where no ray through all of the grid is opaque.
             let opaque = f64::from(OPAQUE_DEPTH) < sample.deepest;
-            let hides = Hides::new(opaque && sorted && !cells.no_leave_out, work.tile_count());
-            let next = AtomicUsize::new(0);
-            let results: Vec<Result<Drawn>> = rayon::broadcast(|_| {
-                Worker { frame: &frame, work: &work, next: &next, hides: &hides, progress }.run()
-            });
-            let results: Vec<Drawn> = results.into_iter().collect::<Result<_>>()?;
-            if progress.cancelled() {
-                return Err(Error::cancelled());
-            }
-            if let Some(error) = shader.failure() {
-                return Err(error.clone());
-            }
+            let results = self.run(&frame, &work, opaque && sorted && !cells.no_leave_out, progress)?;
             let mut tiles: Vec<Option<&TilePicture>> = vec![None; frame.tiles_wide * height.div_ceil(TILE)];
-            for (done, worker) in &results {
+            for Drawn { tiles: done, counts: worker, .. } in &results {
                 counts.segments += worker.segments;
                 counts.segments_exact += worker.segments_exact;
                 counts.evaluations += worker.evaluations;
@@ -288,6 +336,14 @@ impl Ready<'_> {
             });
         }
         Ok((picture, counts))
+    }
+}
+
+/// The tiles of a sample, and the work that they are; `none` where they are not projected yet.
+fn work_of<'a>(sample: &'a Sample, width: usize, none: &'a Tiles) -> (&'a Tiles, Work<'a>) {
+    match &sample.projected {
+        Projected::Whole(tiles) => (tiles, Work::Tiles(tiles.queue(width.div_ceil(TILE)))),
+        Projected::InWindows(windows) => (none, Work::Windows(&windows.list)),
     }
 }
 

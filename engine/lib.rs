@@ -10,6 +10,7 @@
 //! | `shade` | a segment's colour and opacity |
 //! | `sample` | what the compositor reads: the projection and how segments are shaded |
 //! | `composite` | segments in order to pixels |
+//! | `kept` | segments kept between pictures of one view |
 //! | `draw` | the stages end to end |
 //! | `memory`, `spare` | what they take, and what a frame leaves to the next one |
 //! | `native` | the engine as one of the program's |
@@ -21,6 +22,7 @@ mod composite;
 mod cull;
 mod draw;
 mod fragments;
+mod kept;
 mod memory;
 mod native;
 mod project;

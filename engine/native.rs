@@ -1,5 +1,7 @@
 //! The native engine as one of the program's engines, and what it counts.
 
+use crate::draw::densest;
+use crate::kept::{Kept, Plan};
 use crate::{Cells, Counts, Known, Projection, Sample, Segments, needs_gradient, prepare, project, sort};
 use std::sync::Arc;
 use std::time::Instant;
@@ -83,6 +85,12 @@ impl Prepared for OnVolume {
             false => Some(Known::new(volume)?),
         };
         let known = elsewhere.as_ref().unwrap_or(&self.known);
+        if classified.is_none()
+            && elsewhere.is_none()
+            && let Some(kept) = self.kept(scene, manner, &mut watch, progress)?
+        {
+            return self.draw_kept(&kept, scene, manner, watch, progress);
+        }
         let mut cells = match manner.may_leave_out {
             None => known.keep_all(transfer_function, camera)?,
             Some(_) => known.cull(transfer_function, camera, progress)?,
@@ -112,6 +120,75 @@ impl Prepared for OnVolume {
         Ok(drawn)
     }
 }
+
+impl OnVolume {
+    /// The segments to draw a scene from, where they were kept or now are: of one sample a pixel in exact order, with values alone.
+    fn kept(
+        &self,
+        scene: &Scene,
+        manner: &Manner,
+        watch: &mut Watch,
+        progress: &dyn Progress,
+    ) -> Result<Option<Arc<Kept>>> {
+        let Scene { transfer_function, camera, shading, order, .. } = scene;
+        let served = manner.may_leave_out.is_some()
+            && matches!(order, Order::Exact | Order::Auto)
+            && camera.samples == 1
+            // Tables reach as far as the longest of the cells that are drawn.
+            && !shading.integrator.has_table_of_lengths()
+            && !needs_gradient(shading);
+        if !served {
+            return Ok(None);
+        }
+        let densest = densest(transfer_function, self.known.length());
+        let views = self.known.views();
+        match views.plan(camera, transfer_function, self.known.ranges(), densest) {
+            Plan::Cells => Ok(None),
+            Plan::Kept(kept) => Ok(Some(kept)),
+            Plan::Keep(densest) => {
+                let mut cells = self.known.in_view(camera, false)?;
+                (cells.lanes, cells.densest_least) = (self.lanes, densest);
+                let projection = project(&cells, transfer_function, camera, false, progress)?;
+                watch.end(Stage::Project);
+                let limit = progress.memory_left().map_or(KEPT_MOST, |left| KEPT_MOST.min(left / 4));
+                let ready = prepare(&projection, transfer_function, shading)?;
+                let kept = ready.keep(limit, progress)?.map(Arc::new);
+                views.keep(camera, kept.clone());
+                watch.end(Stage::Sort);
+                Ok(kept)
+            }
+        }
+    }
+
+    fn draw_kept(
+        &self,
+        kept: &Kept,
+        scene: &Scene,
+        manner: &Manner,
+        mut watch: Watch,
+        progress: &dyn Progress,
+    ) -> Result<Drawn> {
+        let Scene { transfer_function, camera, shading, .. } = scene;
+        let mut cells = self.known.in_view(camera, true)?;
+        cells.lanes = self.lanes;
+        let projection = project(&cells, transfer_function, camera, false, progress)?;
+        let ready = prepare(&projection, transfer_function, shading)?;
+        watch.end(Stage::SetUp);
+        let (picture, counts) = ready.composite_kept(kept, progress)?;
+        watch.end(Stage::Composite);
+        let mut drawn = Drawn::new(picture, watch.stages);
+        if let Some(leave) = manner.may_leave_out {
+            let why = "the segments of this view were kept when its widgets changed";
+            drawn.notes.leave_out(leave, "culling, projecting and sorting", why, None);
+        }
+        counts.count(&mut drawn.counts);
+        counts.note(&mut drawn.notes);
+        Ok(drawn)
+    }
+}
+
+/// Bytes that are kept of a view at most.
+const KEPT_MOST: u64 = 1 << 30;
 
 /// Times stages that follow each other.
 struct Watch {

@@ -4,6 +4,7 @@ use crate::attribute::Attribute;
 use crate::cells::Cells;
 use crate::fragments::batch::Batch;
 use crate::fragments::ends::Ends;
+use crate::kept::{Keeping, Kept};
 use crate::project::area::Area;
 use crate::project::cell64::{Cell64, Crossing64};
 use crate::project::part::Input;
@@ -70,6 +71,10 @@ pub(crate) struct Frame<'a> {
     pub distance_origin: f64,
     /// See [`crate::fragments::crossing::Group::evaluate`].
     pub near: Option<[f32; 3]>,
+    /// Segments kept from a picture of this view: what is drawn in place of cells.
+    pub kept: Option<&'a Kept>,
+    /// What keeps the segments in place of drawing them.
+    pub keeping: Option<&'a Keeping>,
     /// Where the ray of every pixel ends, row by row: depth along the view direction, world units.
     pub ends: Option<&'a [f32]>,
     sample: &'a Sample,
@@ -183,6 +188,8 @@ impl<'a> Frame<'a> {
             sorted,
             distance_origin: sample.distance_origin,
             near: sample.near,
+            kept: None,
+            keeping: None,
             ends: None,
             sample,
             tiles,

@@ -68,8 +68,8 @@ impl Kernel for Evaluate<'_> {
     #[inline(always)]
     fn run<L: Lanes>(self) {
         let Evaluate { frame, group, codes, count, stretch, batch } = self;
-        // Rays that end ask for depths, too.
-        let ordered = frame.shader.one_color.is_none() || frame.ends.is_some();
+        // Rays that end and segments that are kept ask for depths, too.
+        let ordered = frame.shader.one_color.is_none() || frame.ends.is_some() || frame.keeping.is_some();
         if frame.view.perspective {
             group.evaluate::<L, true>(codes, count, stretch, frame.near, ordered, batch);
         } else {

@@ -6,12 +6,13 @@
 //! however unevenly they fill. Keys turn that: those of the 16 pixels of a row lie side by side, 16 lanes of the sorting network
 //! and of the compositor. Colours stand in fours, so that each moves by one instruction.
 
+use crate::composite::kernels::Append;
 use crate::fragments::batch::{BATCH, Batch, Column, LANES_MOST};
 use crate::project::record::TILE;
 use crate::shade::later::Mark;
 use crate::shade::shaded::Shaded;
 use voltet_lanes::sort::sort_columns;
-use voltet_lanes::{Float, Lanes, Mask, Unsigned, array, inlined};
+use voltet_lanes::{Float, Kernel, LaneSet, Lanes, Mask, Unsigned, array, dispatch, inlined};
 
 /// Segments a pixel can hold here; a tile that needs more is drawn again by [`super::growing_lists`].
 pub(crate) const DEPTH: usize = 1024;
@@ -208,6 +209,38 @@ impl Lists {
         if full != 0 { Err(Overflow) } else { Ok(()) }
     }
 
+    /// [`Lists::take`] on a lane set.
+    pub fn take_batch(
+        &mut self,
+        lanes: LaneSet,
+        batch: &Batch,
+        shaded: &Shaded,
+        count: usize,
+    ) -> Result<(), Overflow> {
+        dispatch(lanes, Append { lists: self, batch, shaded, count })
+    }
+
+    /// Most segments of a pixel of a row.
+    pub fn deepest(&self, row: usize) -> usize {
+        self.counts(row).iter().copied().max().unwrap_or(0) as usize
+    }
+
+    /// Puts a row in order and hands on each segment: its place from the front, its column, and the bits of its red.
+    pub fn in_order(&mut self, lanes: LaneSet, row: usize, mut each: impl FnMut(usize, usize, u32)) {
+        let counts = self.counts(row);
+        let deepest = self.deepest(row);
+        if deepest == 0 {
+            return;
+        }
+        dispatch(lanes, Order { lists: self, row });
+        for (x, &count) in counts.iter().enumerate() {
+            for depth in 0..count as usize {
+                let slot = (self.keys[depth * TILE + x] & (DEPTH as u32 - 1)) as usize;
+                each(depth, x, self.slots[(row * TILE + x) * ROOM + slot].rgba[0].to_bits());
+            }
+        }
+    }
+
     /// Gives the segment that went to `place` its colour and opacity.
     pub fn set(&mut self, place: u32, rgba: [f32; 4]) {
         bytemuck::cast_slice_mut(&mut self.slots)[place as usize] = rgba;
@@ -231,11 +264,10 @@ impl Lists {
                 self.through[row * TILE..][..TILE].fill(1.0);
                 continue;
             }
-            self.make_keys::<L>(row, &counts, deepest);
             if sorted {
-                sort_columns::<L, TILE>(&mut self.keys, deepest);
-                self.mend::<L>(row, deepest);
+                self.sort::<L>(row, &counts, deepest);
             } else {
+                self.make_keys::<L>(row, &counts, deepest);
                 disordered += self.disordered(row, &counts);
             }
             if let Some(color) = &mut resolve {
@@ -244,6 +276,14 @@ impl Lists {
             self.blend::<L>(row, deepest, &mut out[row * TILE..][..TILE]);
         }
         disordered
+    }
+
+    /// Puts the keys of a row in order.
+    #[inline(always)]
+    fn sort<L: Lanes>(&mut self, row: usize, counts: &[u32; TILE], deepest: usize) {
+        self.make_keys::<L>(row, counts, deepest);
+        sort_columns::<L, TILE>(&mut self.keys, deepest);
+        self.mend::<L>(row, deepest);
     }
 
     /// Segments of some pixels of a row, and those of them that are hidden.
@@ -417,5 +457,21 @@ impl Lists {
             through.store(&mut self.through[row * TILE + half..]);
             L::F::scatter_parts([color[0], color[1], color[2], opacity.min(splat(1.0))], out, lane);
         }
+    }
+}
+
+/// [`Lists::sort`] of a row.
+struct Order<'a> {
+    lists: &'a mut Lists,
+    row: usize,
+}
+
+impl Kernel for Order<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Order { lists, row } = self;
+        let counts = lists.counts(row);
+        lists.sort::<L>(row, &counts, lists.deepest(row));
     }
 }

@@ -1,12 +1,11 @@
 //! Where a tile's segments go: to lists that are sorted, or, where no order is needed, to sums.
 
 use crate::composite::growing_lists::GrowingLists;
-use crate::composite::kernels::Append;
 use crate::composite::lists::{Layer, Lists, Overflow};
 use crate::fragments::batch::Batch;
 use crate::project::record::TILE;
 use crate::shade::shaded::Shaded;
-use voltet_lanes::{LaneSet, dispatch};
+use voltet_lanes::LaneSet;
 
 /// Colour and opacity of a tile's pixels.
 pub(crate) type TilePicture = [[f32; 4]; TILE * TILE];
@@ -19,6 +18,16 @@ pub(crate) trait Sink {
     /// Whether nothing that may come changes any pixel.
     fn is_full(&self) -> bool {
         false
+    }
+
+    /// Whether nothing that may come changes any pixel of a row, where its segments come front to back.
+    fn is_row_full(&self, _row: usize) -> bool {
+        false
+    }
+
+    /// Whether it looks at colours.
+    fn wants_colors(&self) -> bool {
+        true
     }
 
     /// Lists in which segments may wait for their colour, if that is what it is.
@@ -76,7 +85,7 @@ pub(crate) fn of_one_color(color: [f32; 3], sum: f32, opacities: bool) -> [f32; 
 
 impl Sink for Lists {
     fn take(&mut self, lanes: LaneSet, batch: &Batch, shaded: &Shaded, count: usize) -> Result<(), Overflow> {
-        dispatch(lanes, Append { lists: self, batch, shaded, count })
+        self.take_batch(lanes, batch, shaded, count)
     }
 
     fn lists(&mut self) -> Option<&mut Lists> {

@@ -10,7 +10,7 @@
 use crate::composite::growing_lists::GrowingLists;
 use crate::composite::hides::Hides;
 use crate::composite::kernels::{Blend, Cover, Evaluate, Illuminate};
-use crate::composite::lists::{Lists, Overflow, Resolve};
+use crate::composite::lists::{Lists, Overflow, Resolve, UNSEEN};
 use crate::composite::pool::Pool;
 use crate::composite::sinks::{DepthSink, OPAQUE_DEPTH, Sink, TilePicture, of_one_color};
 use crate::composite::slabs::Slabs;
@@ -18,12 +18,13 @@ use crate::fragments::batch::{BATCH, Batch, LANES_MOST};
 use crate::fragments::crossing::Group;
 use crate::fragments::ends::{Ends, cut};
 use crate::fragments::spans::{Edges, Fragments};
+use crate::kept::{Keeper, Keeping, KeptTile, RowSums, Rows};
 use crate::project::record::TILE;
 use crate::project::windows::Window;
 use crate::sample::Frame;
 use crate::shade::later::{Later, Mark};
 use crate::shade::light::{Rays, rays};
-use crate::shade::roads::{integrate, quick};
+use crate::shade::roads::{finish, integrate, quick};
 use crate::shade::shaded::Shaded;
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -31,8 +32,13 @@ use voltet_core::Result as Fallible;
 use voltet_core::progress::Progress;
 use voltet_lanes::dispatch;
 
-/// What one worker drew: pictures with their tile numbers, and its counts.
-pub(crate) type Drawn = (Vec<(u32, Box<TilePicture>)>, WorkerCounts);
+/// What one worker drew, with tiles' numbers, and its counts.
+pub(crate) struct Drawn {
+    pub tiles: Vec<(u32, Box<TilePicture>)>,
+    /// Where segments were kept in place of drawing them.
+    pub kept: Vec<(u32, KeptTile)>,
+    pub counts: WorkerCounts,
+}
 
 /// Counts of one worker.
 #[derive(Debug, Default, Clone, Copy)]
@@ -133,6 +139,7 @@ struct Desk {
     scratch: Scratch,
     lists: Lists,
     done: Vec<(u32, Box<TilePicture>)>,
+    kept: Vec<(u32, KeptTile)>,
 }
 
 impl Worker<'_> {
@@ -142,7 +149,7 @@ impl Worker<'_> {
     pub fn run(self) -> Fallible<Drawn> {
         let frame = self.frame;
         let lists = frame.spare().lists.take();
-        let mut desk = Desk { scratch: Scratch::new(frame), lists, done: Vec::new() };
+        let mut desk = Desk { scratch: Scratch::new(frame), lists, done: Vec::new(), kept: Vec::new() };
         match self.work {
             Work::Tiles(queue) => {
                 while let Some((place, &tile)) = self.take(queue)
@@ -151,7 +158,7 @@ impl Worker<'_> {
             }
             Work::Windows(windows) => self.draw_windows(windows, &mut desk)?,
         }
-        let Desk { mut scratch, lists, done } = desk;
+        let Desk { mut scratch, lists, done, kept } = desk;
         frame.spare().lists.put(lists);
         scratch.counts.segments_exact +=
             scratch.shaded.exact_count + scratch.pool.shaded.exact_count + scratch.later.exact_count();
@@ -159,7 +166,7 @@ impl Worker<'_> {
             + scratch.pool.shaded.evaluation_count
             + scratch.later.evaluation_count();
         scratch.counts.segments_overlapping = scratch.shaded.overlap_count;
-        Ok((done, scratch.counts))
+        Ok(Drawn { tiles: done, kept, counts: scratch.counts })
     }
 
     /// The next of a list, and its place there.
@@ -197,7 +204,13 @@ impl Worker<'_> {
         if self.progress.cancelled() {
             return false;
         }
-        let Desk { scratch, lists, done } = desk;
+        let Desk { scratch, lists, done, kept } = desk;
+        if let Some(keeping) = frame.keeping {
+            kept.extend(
+                keep_tile(frame, tile as usize, scratch, lists, keeping).map(|segments| (tile, segments)),
+            );
+            return !keeping.is_given_up();
+        }
         let mut picture = Box::new([[0.0; 4]; TILE * TILE]);
         let sampled = self.hides.sample(place);
         let Some(slabbed) = self.hides.answer(place, || self.progress.cancelled()) else { return false };
@@ -231,16 +244,27 @@ fn draw_tile(
         }
         // A sum cannot overflow its pixel.
         let opacities = frame.shader.surface.is_some();
-        let _ = walk(frame, tile, 0..TILE, scratch, &mut DepthSink { sums: &mut depth, opacities });
+        let _ = match frame.kept {
+            Some(_) => all(frame, tile, scratch, &mut RowSums(&mut depth)),
+            None => all(frame, tile, scratch, &mut DepthSink { sums: &mut depth, opacities }),
+        };
         for (pixel, &sum) in picture.iter_mut().zip(&depth) {
             *pixel = of_one_color(color, sum, opacities);
         }
         return;
     }
+    if frame.kept.is_some() {
+        let (mut rows, before) = (Rows::new(), scratch.counts);
+        if all(frame, tile, scratch, &mut rows).is_ok() {
+            rows.end(picture);
+            return;
+        }
+        scratch.counts = before;
+    }
     lists.clear();
     scratch.counts.tiles_sorted += u64::from(frame.sorted);
     let before = scratch.counts;
-    let drawn = walk(frame, tile, 0..TILE, scratch, lists);
+    let drawn = all(frame, tile, scratch, lists);
     if drawn.is_ok() {
         let Scratch { later, counts, .. } = scratch;
         let waits = !later.is_empty();
@@ -261,6 +285,88 @@ fn draw_tile(
                 growing.composite(frame.sorted, &mut picture[row * TILE..][..TILE]);
         }
     }
+}
+
+/// Keeps a tile's segments; gives up where they are too many.
+fn keep_tile(
+    frame: &Frame<'_>,
+    tile: usize,
+    scratch: &mut Scratch,
+    lists: &mut Lists,
+    keeping: &Keeping,
+) -> Option<KeptTile> {
+    let (left, top) = (tile % frame.tiles_wide * TILE, tile / frame.tiles_wide * TILE);
+    scratch.begin(frame, [left, top]);
+    scratch.slabbed = false;
+    lists.clear();
+    let mut keeper = Keeper::new(lists, frame.scalar_count);
+    if walk(frame, tile, 0..TILE, scratch, &mut keeper).is_err() {
+        keeping.give_up();
+        return None;
+    }
+    keeper.end(frame.lanes, keeping)
+}
+
+/// Sends all segments of a tile to a sink, from its cells or from what was kept of them.
+fn all<S: Sink>(frame: &Frame<'_>, tile: usize, scratch: &mut Scratch, sink: &mut S) -> Result<(), Overflow> {
+    match frame.kept {
+        None => walk(frame, tile, 0..TILE, scratch, sink),
+        Some(kept) => kept.tile(tile).map_or(Ok(()), |kept| walk_kept(frame, kept, scratch, sink)),
+    }
+}
+
+/// Fragments of a batch that quick forms may leave over where nothing is pooled.
+const LEFT_MOST: usize = 16;
+
+/// Sends what was kept of a tile's segments to a sink, front to back. Errors: quick forms leave over so much that it is worth pooling,
+/// and the sink has no lists.
+fn walk_kept<S: Sink>(
+    frame: &Frame<'_>,
+    kept: &KeptTile,
+    scratch: &mut Scratch,
+    sink: &mut S,
+) -> Result<(), Overflow> {
+    let Scratch { batch, shaded, pool, later, counts, .. } = scratch;
+    pool.clear();
+    later.clear();
+    let pools = frame.shader.pools() && sink.lists().is_some();
+    for row in 0..TILE {
+        let mut slices = kept.slices(row, frame.scalar_count);
+        // At least what is seen through the pixels.
+        let mut through = [1.0f32; TILE];
+        loop {
+            let count = slices.next(batch);
+            let hidden = through.iter().all(|through| *through <= 0.5 * UNSEEN);
+            if count == 0 || hidden || sink.is_row_full(row) {
+                break;
+            }
+            counts.segments += u64::from(batch.hits);
+            quick(frame.shader, frame.lanes, batch, count, shaded);
+            if !pools {
+                if frame.shader.pools() && LEFT_MOST < shaded.left_over() {
+                    return Err(Overflow);
+                }
+                finish(frame.shader, frame.lanes, batch, shaded, None);
+                sink.take(frame.lanes, batch, shaded, count)?;
+                continue;
+            }
+            pool.lend(shaded);
+            let opacities = pool.opacities(shaded);
+            for (lengths, opacities) in batch.length[..count].chunks(TILE).zip(opacities.chunks(TILE)) {
+                for ((through, length), opacity) in through.iter_mut().zip(lengths).zip(opacities) {
+                    *through *= if *length > 0.0 { 1.0 - opacity } else { 1.0 };
+                }
+            }
+            sink.take(frame.lanes, batch, shaded, count)?;
+            if let Some(lists) = sink.lists() {
+                pool.take(frame, batch, shaded, lists, later);
+            }
+        }
+    }
+    if let Some(lists) = sink.lists() {
+        pool.finish(frame, lists, later);
+    }
+    Ok(())
 }
 
 /// Sends all segments of some rows of a tile to a sink.
@@ -298,13 +404,14 @@ fn walk<S: Sink>(
         if frame.ends.is_some() {
             cut(batch, count, frame.attribute_count, ends);
         }
-        if pools {
+        if !sink.wants_colors() {
+        } else if pools {
             quick(frame.shader, frame.lanes, batch, count, shaded);
             pool.lend(shaded);
         } else {
             integrate(frame.shader, frame.lanes, batch, count, shaded);
         }
-        if frame.shader.surface.is_some() {
+        if frame.shader.surface.is_some() && sink.wants_colors() {
             dispatch(frame.lanes, Illuminate { frame, batch, count, rays, shaded });
         }
         if slabbed {

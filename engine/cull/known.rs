@@ -5,6 +5,7 @@ use super::blocks::Block;
 use super::touched::Touched;
 use crate::attribute::attributes_of;
 use crate::cells::{Cells, MOST_AT_ONCE};
+use crate::kept::Views;
 use crate::spare::Spare;
 use crate::view::{Seen, View};
 use rayon::prelude::*;
@@ -39,6 +40,7 @@ pub struct Known {
     touched: Mutex<Option<Arc<Touched>>>,
     sight: Mutex<Option<Arc<Sight>>>,
     spare: Arc<Spare>,
+    views: Views,
 }
 
 /// The points as one camera sees them.
@@ -71,6 +73,7 @@ impl Known {
             touched: Mutex::default(),
             sight: Mutex::default(),
             spare: Arc::default(),
+            views: Views::default(),
         })
     }
 
@@ -146,6 +149,42 @@ impl Known {
         Ok(cells)
     }
 
+    /// Every cell in view, whatever widgets touch; or none, for who draws what was kept of them.
+    pub(crate) fn in_view(&self, camera: &Camera, none: bool) -> Result<Cells> {
+        let sight = self.sight(camera)?;
+        let nothing = self.none_kept()?;
+        let tetrahedra = &self.volume.grid.tetrahedra;
+        let outside = |id: u32| {
+            let corners = tetrahedra[id as usize];
+            corners.iter().fold(u8::MAX, |all, &p| all & sight.outside[p as usize]) != 0
+        };
+        let count = if none { 0 } else { u32::try_from(tetrahedra.len()).unwrap_or(u32::MAX) };
+        let kept: Vec<u32> =
+            (0..count).into_par_iter().filter(|&id| !sight.any_outside || !outside(id)).collect();
+        Ok(Cells {
+            culled_by_frustum: u64::from(count) - kept.len() as u64,
+            seen: Some((*camera, sight.seen.clone())),
+            kept: Arc::new(kept),
+            from_the_middle: true,
+            ..nothing.clone()
+        })
+    }
+
+    /// What is kept of views.
+    pub(crate) fn views(&self) -> &Views {
+        &self.views
+    }
+
+    /// Ranges of s and g.
+    pub(crate) fn ranges(&self) -> [[f64; 2]; 2] {
+        self.ranges
+    }
+
+    /// World units in the scene length.
+    pub(crate) fn length(&self) -> f64 {
+        self.length
+    }
+
     /// The volume before any cell is kept.
     pub(crate) fn none_kept(&self) -> Result<Cells> {
         Ok(Cells {
@@ -164,6 +203,8 @@ impl Known {
             most_at_once: MOST_AT_ONCE,
             spare: self.spare.clone(),
             culled_for: None,
+            from_the_middle: false,
+            densest_least: 0.0,
             steepest: self.steepest,
         })
     }

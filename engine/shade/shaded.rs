@@ -57,6 +57,12 @@ impl Shaded {
         }
     }
 
+    /// Fragments that the quick forms left over.
+    pub fn left_over(&self) -> usize {
+        let in_order: usize = self.in_order.iter().map(Vec::len).sum();
+        in_order + self.dense.len() + self.rest.len()
+    }
+
     /// All that is left over goes to the 64-bit forms, for one reason.
     pub fn leave_all(&mut self, why: Left) {
         self.why.clear();

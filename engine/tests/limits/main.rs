@@ -3,6 +3,7 @@
 mod kept;
 mod pictures;
 mod segments;
+mod views;
 
 use glam::DVec3;
 use std::sync::Arc;

@@ -1,0 +1,57 @@
+//! Kept segments to a sink.
+
+use crate::fragments::batch::{BATCH, Batch};
+use crate::kept::KeptTile;
+use crate::project::record::TILE;
+
+/// Slices of a batch.
+const AT_ONCE: usize = BATCH / TILE;
+
+/// The slices of a row of a tile, as many at a time as a batch takes.
+pub(crate) struct Slices<'a> {
+    numbers: &'a [f32],
+    columns: usize,
+    row: usize,
+    /// Slices of the row that were taken.
+    taken: usize,
+}
+
+impl KeptTile {
+    /// Those of a row.
+    pub fn slices(&self, row: usize, scalar_count: usize) -> Slices<'_> {
+        let columns = 1 + 2 * scalar_count;
+        let [from, to] = [row, row + 1].map(|row| self.begins[row] as usize * columns * TILE);
+        Slices { numbers: &self.numbers[from..to], columns, row, taken: 0 }
+    }
+}
+
+impl Slices<'_> {
+    /// Fills a batch; its fragments, none at the end.
+    pub fn next(&mut self, batch: &mut Batch) -> usize {
+        let of_slice = self.columns * TILE;
+        let some = self.numbers.len().min(AT_ONCE * of_slice);
+        let (now, later) = self.numbers.split_at(some);
+        self.numbers = later;
+        let scalar_count = batch.scalar_count;
+        let columns = std::iter::once(&mut *batch.length)
+            .chain(&mut batch.front[..scalar_count])
+            .chain(&mut batch.back[..scalar_count]);
+        for (number, column) in columns.enumerate() {
+            for (to, slice) in column.chunks_exact_mut(TILE).zip(now.chunks_exact(of_slice)) {
+                to.copy_from_slice(&slice[number * TILE..][..TILE]);
+            }
+        }
+        let count = some / self.columns;
+        for (k, pixels) in batch.pixel[..count].chunks_exact_mut(TILE).enumerate() {
+            // In the order in which they come.
+            batch.entry[k * TILE..][..TILE].fill((self.taken + k) as f32);
+            batch.exit[k * TILE..][..TILE].fill((self.taken + k + 1) as f32);
+            for (x, pixel) in pixels.iter_mut().enumerate() {
+                *pixel = (self.row << 4 | x) as u32;
+            }
+        }
+        self.taken += count / TILE;
+        batch.hits = batch.length[..count].iter().map(|length| u32::from(*length > 0.0)).sum();
+        count
+    }
+}
