@@ -1,12 +1,15 @@
 //! The native engine, as the shared scenes ask for it.
 
+use std::sync::Arc;
 use voltet_core::Result;
+use voltet_core::engine::{AdapterWish, Manner};
 use voltet_core::optics::integrators;
 use voltet_core::picture::Picture;
 use voltet_core::progress::Silent;
-use voltet_core::shading::{Integrator, Shading};
+use voltet_core::scene::Scene;
+use voltet_core::shading::{Integrator, Order, Shading};
 use voltet_core::transfer::TransferFunction;
-use voltet_engine::{self as engine, Counts};
+use voltet_engine::{self as engine, Counts, ENGINE};
 use voltet_testing::pictures::Engine;
 use voltet_testing::pictures::compare::{NamedScene, ORDINARY, within};
 
@@ -51,5 +54,31 @@ pub fn picture(scene: &NamedScene, shading: &Shading) -> Picture {
     } else {
         within(&format!("{} in windows", scene.name), &in_windows.0, &whole.0, 1e-6);
     }
+    let name = format!("{} from segments kept", scene.name);
+    within(&name, &kept(scene, shading), &whole.0, KEPT);
     whole.0
+}
+
+/// What culling leaves out and the rounding of values that are counted from elsewhere change of a picture.
+const KEPT: f64 = 1e-5;
+
+/// The picture after others of the same view, with other widgets: from segments that were kept, where they serve.
+fn kept(scene: &NamedScene, shading: &Shading) -> Picture {
+    let NamedScene { volume, look, camera, .. } = scene;
+    let engine = ENGINE.open(&AdapterWish::default()).expect("opens");
+    let prepared = engine.prepare(volume).expect("has an extent");
+    let draw = |share: f64| {
+        let mut transfer_function = look.clone();
+        transfer_function.widgets.iter_mut().for_each(|widget| widget.color[0] *= share);
+        let scene = Scene {
+            volume: volume.clone(),
+            transfer_function: Arc::new(transfer_function),
+            camera: *camera,
+            shading: *shading,
+            order: Order::Exact,
+        };
+        prepared.draw(&scene, &Manner::default(), &Silent).expect("draws").picture
+    };
+    [0.5, 0.75].into_iter().for_each(|share| drop(draw(share)));
+    draw(1.0)
 }
