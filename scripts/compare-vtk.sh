@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Sets this program's frames beside VTK's, in one run: makes a virtual environment with VTK (target/vtk) and runs benches/beside_vtk.py
 # with it: VOLTET_TEST_DATA=FOLDER scripts/compare-vtk.sh [options of benches/beside_vtk.py]
-# The folder holds bluntfin.vtu. The program is built for release, or named by VOLTET.
+# The folder holds bluntfin.vtu; --scenes heatsink needs none. The program is built for release, or named by VOLTET.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 

@@ -1,5 +1,6 @@
 //! The command line.
 
+use crate::core::engine::Compositing;
 use crate::nodes::drawing::ENGINES;
 use crate::study::papers::Paper;
 use crate::study::work_precision::Engines;
@@ -436,6 +437,9 @@ pub struct Time {
     /// What draws: the CPU, a graphics device, or both.
     #[arg(long, value_name = "WHICH", value_parser = engines(), default_value = "all")]
     pub engine: Engines,
+    /// How a graphics device composites, separated by commas: tiles, raster, triangles; each of them without it.
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = compositors())]
+    pub compositor: Vec<Compositing>,
     /// The graphics device to measure: a part of its name, or discrete, integrated, virtual, software.
     ///
     /// Without it the one that the file names, or else the fastest that is hardware.
@@ -570,6 +574,12 @@ fn size(text: &str) -> Result<[u32; 2], String> {
 fn papers() -> impl TypedValueParser<Value = Paper> {
     PossibleValuesParser::new(Paper::ALL.map(Paper::name))
         .map(|name| Paper::ALL.into_iter().find(|paper| paper.name() == name).unwrap_or(Paper::Song))
+}
+
+/// The ways in which a device composites.
+fn compositors() -> impl TypedValueParser<Value = Compositing> {
+    let words = Compositing::WORDS.map(|(name, help)| PossibleValue::new(name).help(help));
+    PossibleValuesParser::new(words).map(|name| Compositing::named(&name).unwrap_or(Compositing::Tiles))
 }
 
 /// The engines by name, or all of them.

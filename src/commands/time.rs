@@ -130,7 +130,7 @@ fn rows(
     let own = [subject.scene.camera.size];
     for &size in if arguments.size.is_empty() { &own[..] } else { &arguments.size } {
         subject.scene.camera.size = size;
-        for setting in settings(&subject, benches) {
+        for setting in settings(arguments, &subject, benches) {
             let line = match benches.measure(&subject, &setting, &wish.frames, &Stops(bar)) {
                 Ok((_, cost)) => row(&subject, &setting, &cost),
                 Err(error) if bar.cancelled() => return Err(error),
@@ -144,12 +144,19 @@ fn rows(
     Ok(true)
 }
 
-/// What the file draws with, on every engine, in both orders where one is needed.
-fn settings(subject: &Subject, benches: &Benches) -> Vec<Setting> {
+/// What the file draws with, on every engine that is asked for, in both orders where one is needed.
+fn settings(arguments: &arguments::Time, subject: &Subject, benches: &Benches) -> Vec<Setting> {
     let own = Setting::of_file(subject, Painter::NATIVE);
     let only = [own.integrator.name().to_string()];
     let mut settings = benches.settings(subject, &only);
-    settings.retain(|setting| setting.integrator == own.integrator && setting.overlap == own.overlap);
+    let ways = &arguments.compositor;
+    let is_asked = |setting: &Setting| {
+        let way = setting.painter.compositing;
+        ways.is_empty() || way.is_none_or(|way| ways.contains(&way))
+    };
+    settings.retain(|setting| {
+        setting.integrator == own.integrator && setting.overlap == own.overlap && is_asked(setting)
+    });
     settings
 }
 
