@@ -3,7 +3,7 @@
 use super::hard::{self, Hard};
 use super::subjects::Painter;
 use serde::Serialize;
-use voltet_core::engine::Manner;
+use voltet_core::engine::{Compositing, Manner};
 use voltet_core::picture::Picture;
 use voltet_core::progress::{Progress, Unreported};
 use voltet_core::scene::Scene;
@@ -57,7 +57,7 @@ fn drawn(hard: &Hard, painters: &[Painter], progress: &dyn Progress) -> Result<V
     let scene = hard.scene();
     let exact = reference::draw(&scene, &Unreported(progress))?;
     let draw = |painter: &Painter| {
-        let ((worst_error, worst_pixel), refused) = match picture(painter, &scene, progress) {
+        let ((worst_error, worst_pixel), refused) = match picture(painter, None, &scene, progress) {
             Ok(found) => (worst(&found, &exact), None),
             // What a device does not hold `auto` leaves to the native engine.
             Err(error) if may_refuse(painter, progress) => ((0.0, [0; 2]), Some(error.to_string())),
@@ -69,9 +69,16 @@ fn drawn(hard: &Hard, painters: &[Painter], progress: &dyn Progress) -> Result<V
     painters.iter().map(draw).collect()
 }
 
-pub(super) fn picture(painter: &Painter, scene: &Scene, progress: &dyn Progress) -> Result<Picture> {
+/// Draws it. `way`: how a device composites; an order that hardware blends is not held against tiles, so that what is wrong shows.
+pub(super) fn picture(
+    painter: &Painter,
+    way: Option<Compositing>,
+    scene: &Scene,
+    progress: &dyn Progress,
+) -> Result<Picture> {
     let volume = painter.engine.prepare(&scene.volume)?;
-    Ok(volume.draw(scene, &Manner::default(), &Unreported(progress))?.picture)
+    let manner = Manner { compositing: way, ..Manner::default() };
+    Ok(volume.draw(scene, &manner, &Unreported(progress))?.picture)
 }
 
 /// Whether what went wrong is that a device does not hold the scene.

@@ -3,7 +3,7 @@
 use crate::devices;
 use std::sync::Arc;
 use voltet_core::Result;
-use voltet_core::engine::{Declaration, Engine, Forms};
+use voltet_core::engine::{Compositing, Declaration, Engine, Forms};
 use voltet_judge::Native64;
 use voltet_nodes::drawing::ENGINES;
 
@@ -20,6 +20,16 @@ pub struct Subjects {
 pub(super) struct Painter {
     pub declared: &'static Declaration,
     pub engine: Arc<dyn Engine>,
+}
+
+impl Painter {
+    /// Its ways of compositing; the one that it has, where it has no choice.
+    pub fn ways(&self) -> Vec<Option<Compositing>> {
+        match self.declared.compositing {
+            [] => vec![None],
+            several => several.iter().copied().map(Some).collect(),
+        }
+    }
 }
 
 /// Everything that can be judged here. `adapter`: a device by its kind or a part of its name; without it the fastest that is

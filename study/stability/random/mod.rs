@@ -11,6 +11,9 @@
 //! millionth as wide as a cell's range. A pixel beyond its bound is *explained* where the referee itself changes by half as much
 //! when the camera moves by a thousandth of a pixel, when s and g or the points are rounded to 32 bits of their ranges, or when s and
 //! g all move by as much as that may change the larger half of them. What is not explained is wrong.
+//!
+//! A device draws each scene in all its ways of compositing, in exact order where the cells have one. Of triangles, whose corners
+//! hardware moves to a raster, the camera's step is one of that raster.
 
 mod cameras;
 mod dice;
@@ -24,6 +27,7 @@ use glam::DVec3;
 use serde::Serialize;
 use std::sync::Arc;
 use voltet_core::Shared;
+use voltet_core::engine::Compositing;
 use voltet_core::grid::Grid;
 use voltet_core::grid::extent::{bounds, range};
 use voltet_core::picture::Picture;
@@ -35,6 +39,8 @@ use voltet_core::{Error, Result, reference};
 
 /// How far the camera moves, pixels.
 const NUDGE: f64 = 1e-3;
+/// The same for triangles, whose corners the hardware moves to a raster of 1/256 of a pixel.
+const NUDGE_OF_CORNERS: f64 = 1.0 / 256.0;
 /// What rounding to 32 bits may change in a number from a half to one.
 const HALF_STEP: f64 = 1.0 / (1 << 25) as f64;
 /// How much larger an error may be than the largest change that was found: only eight neighbours of a scene are looked at.
@@ -111,9 +117,16 @@ pub fn random(
         found.drawn += 1;
         found.shown += u64::from(exact.rgba.iter().any(|pixel| pixel[3] > 1.0 / 255.0));
         let mut neighbours = None;
-        for painter in &subjects.painters {
-            let engine = painter.engine.label();
-            let picture = match picture(painter, &scene, progress) {
+        let each = subjects
+            .painters
+            .iter()
+            .flat_map(|painter| painter.ways().into_iter().map(move |way| (painter, way)));
+        for (painter, way) in each {
+            let engine = match way {
+                None => painter.engine.label(),
+                Some(way) => format!("{}, {}", painter.engine.label(), way.name()),
+            };
+            let picture = match picture(painter, way, &scene, progress) {
                 Ok(picture) => picture,
                 Err(_) if may_refuse(painter, progress) => {
                     match found.refused.iter_mut().find(|refused| refused.0 == engine) {
@@ -128,8 +141,14 @@ pub fn random(
             if errors.iter().all(|error| *error <= BOUND) {
                 continue;
             }
-            let changes = neighbours.get_or_insert_with(|| changes(&scene, &exact, progress));
-            found.beyond.push(beyond(number, engine, &errors, changes, exact.width));
+            let changed = neighbours.get_or_insert_with(|| changes(&neighbours_of(&scene), &exact, progress));
+            if way == Some(Compositing::Triangles) {
+                let further = changes(&nudged(&scene, NUDGE_OF_CORNERS), &exact, progress);
+                let most: Vec<f64> = changed.iter().zip(further).map(|(a, b)| a.max(b)).collect();
+                found.beyond.push(beyond(number, engine, &errors, &most, exact.width));
+            } else {
+                found.beyond.push(beyond(number, engine, &errors, changed, exact.width));
+            }
         }
     }
     Ok(found)
@@ -146,21 +165,27 @@ pub fn scene(seed: u64, number: u64) -> Result<Scene> {
     Ok(Scene { volume: Arc::new(volume), transfer_function, camera, shading, order: Order::Exact })
 }
 
-/// By how much each pixel of the referee's picture changes for what nobody can see, and for the data's rounding.
-fn changes(scene: &Scene, exact: &Picture, progress: &dyn Progress) -> Vec<f64> {
+/// By how much each pixel of the referee's picture changes at most from scene to scene.
+fn changes(scenes: &[Scene], exact: &Picture, progress: &dyn Progress) -> Vec<f64> {
     let mut most = vec![0.0_f64; exact.rgba.len()];
-    for neighbour in neighbours(scene) {
-        if let Ok(picture) = reference::draw(&neighbour, &Unreported(progress)) {
+    for neighbour in scenes {
+        if let Ok(picture) = reference::draw(neighbour, &Unreported(progress)) {
             most.iter_mut().zip(errors(&picture, exact)).for_each(|(most, change)| *most = most.max(change));
         }
     }
     most
 }
 
-fn neighbours(scene: &Scene) -> Vec<Scene> {
-    let steps = [[NUDGE, 0.0], [-NUDGE, 0.0], [0.0, NUDGE], [0.0, -NUDGE], [NUDGE, NUDGE], [-NUDGE, -NUDGE]];
-    let nudged = steps.iter().filter_map(|&step| cameras::nudged(&scene.camera, step));
-    let mut all: Vec<Scene> = nudged.map(|camera| Scene { camera, ..scene.clone() }).collect();
+/// The scene with the camera moved by so many pixels.
+fn nudged(scene: &Scene, by: f64) -> Vec<Scene> {
+    let steps = [[by, 0.0], [-by, 0.0], [0.0, by], [0.0, -by], [by, by], [-by, -by]];
+    let cameras = steps.iter().filter_map(|&step| cameras::nudged(&scene.camera, step));
+    cameras.map(|camera| Scene { camera, ..scene.clone() }).collect()
+}
+
+/// The scene as it may be for what nobody can see, and for the data's rounding.
+fn neighbours_of(scene: &Scene) -> Vec<Scene> {
+    let mut all = nudged(scene, NUDGE);
     let Volume { grid, scalar, gradient, gradient_magnitude } = (*scene.volume).clone();
     let with_values = |change: fn(f64) -> f64| Volume {
         scalar: Shared::from(about_the_least(&scalar, change)),
