@@ -8,6 +8,8 @@
 //! by lane (`conformance` holds each to the same model), except that the portable one rounds a fused multiply-add twice where the
 //! build has no instruction for it.
 //!
+//! With the feature `counting`, which benches ask for, any of them can count the arithmetic that it does (`counting`).
+//!
 //! # Why code cannot run instructions that the processor lacks
 //!
 //! The methods of the AVX lanes are safe to call and would be undefined on a processor without the features (NEON is in every
@@ -58,6 +60,8 @@ mod avx2;
 mod avx512;
 #[cfg(test)]
 mod conformance;
+#[cfg(feature = "counting")]
+pub mod counting;
 mod dispatch;
 pub mod limits;
 #[cfg(all(target_arch = "aarch64", target_endian = "little"))]

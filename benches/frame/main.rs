@@ -1,11 +1,13 @@
 //! Times of steady frames by stage, as Markdown tables of medians, and a record of them by commit.
 //!
-//! `cargo bench --bench frame`; `-- --help` lists what may be asked for. A steady frame runs all stages; the camera turns by one
+//! `cargo bench --bench frame`; `-- --help` lists what may be asked for. With `--features counting` each row says which share of the
+//! machine's multiply-adds its stages come to ([`voltet::lanes::counting`]: one more frame, which is not timed). A steady frame runs all stages; the camera turns by one
 //! degree before each, so that nothing of the former frame can be used again but the cells that the widgets touch. The heat sink that ships and generated grids are
 //! always there; further ones where the folder named by VOLTET_TEST_DATA has them. `voltet time` measures frames of any
 //! pipeline, also on a device; `benches/beside_vtk.py` sets them beside VTK's.
 
 mod changes;
+mod counted;
 mod peak;
 mod record;
 mod subject;
@@ -53,9 +55,10 @@ fn main() -> Result<()> {
         println!("\n{name}: {} tetrahedra, {} points\n", grid.tetrahedra.len(), grid.points.len());
         println!(
             "| steady frame | extinction × | size | threads | cull, ms | project, ms | composite, ms | frame, ms | M cells/s: cull | \
-             project | M segments/s: composite | multiply-adds that fit: a cell, cull | project | a segment, composite |"
+             project | M segments/s: composite | multiply-adds that fit: a cell, cull | project | a segment, composite | {}",
+            counted::HEAD
         );
-        println!("| --- |{}", " ---: |".repeat(13));
+        println!("| --- |{}", " ---: |".repeat(13 + counted::COLUMNS));
         for look in &wish.looks {
             let (volume, whole) = subject.drawn(look, &volumes);
             for &factor in &wish.extinctions {
@@ -111,6 +114,8 @@ struct Frame {
     /// Cells that culling looks at, and that projecting does.
     cells: [u64; 2],
     segments: u64,
+    /// What lanes compute in each of the three stages, where that is counted.
+    operations: Option<[u64; 3]>,
 }
 
 /// Draws frames from a camera that turns.
@@ -148,7 +153,8 @@ fn measure(
         }
     }
     let cells = [volume.grid.tetrahedra.len() as u64, cells_kept];
-    Ok(Frame { ms: stages.map(middle), cells, segments })
+    let operations = counted::operations(&known, look, &subject.camera(0.0, size))?;
+    Ok(Frame { ms: stages.map(middle), cells, segments, operations })
 }
 
 impl Frame {
@@ -158,8 +164,9 @@ impl Frame {
         let rates = works.map(|(count, ms)| format!("{:.1}", count as f64 / ms * 1e-3));
         // What the machine could do at most in the time that one of them takes.
         let fit = works.map(|(count, ms)| format!("{:.0}", peak * ms * 1e-3 / (count as f64).max(1.0)));
+        let shares = self.operations.map_or(String::new(), |counts| counted::shares(counts, self.ms, peak));
         println!(
-            "| {} | {cull:.1} | {project:.1} | {composite:.1} | **{whole:.1}** | {} | {} |",
+            "| {} | {cull:.1} | {project:.1} | {composite:.1} | **{whole:.1}** | {} | {} | {shares}",
             head.join(" | "),
             rates.join(" | "),
             fit.join(" | ")
