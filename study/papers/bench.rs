@@ -23,9 +23,9 @@ pub(super) struct Bench<'a> {
 #[derive(Debug, Clone)]
 pub(super) struct Shot {
     pub picture: Picture,
-    /// Median milliseconds of a picture, tables included.
+    /// Median milliseconds of a picture, without what serves further ones.
     pub ms: f64,
-    /// Milliseconds of what would serve further pictures.
+    /// Milliseconds of that: tables.
     pub set_up_ms: f64,
     pub errors: Errors,
 }
@@ -63,7 +63,7 @@ impl<'a> Bench<'a> {
         let Scene { subject, reference } = scene;
         let (picture, cost) = self.measured(subject, integrator, overlap)?;
         let errors = work::errors(&picture, reference);
-        Ok(Shot { picture, ms: cost.picture.median_ms, set_up_ms: cost.set_up.median_ms, errors })
+        Ok(Shot { picture, ms: cost.frame.median_ms, set_up_ms: cost.set_up.median_ms, errors })
     }
 
     /// The same without anything to compare with.
@@ -118,11 +118,12 @@ impl<'a> Bench<'a> {
 }
 
 impl Shot {
-    /// Time and errors as cells of a table: ms, rms, largest, pixels over a step of 8 bits.
+    /// Time and errors as cells of a table: ms, with those of tables behind a plus; rms, largest, pixels over a step of 8 bits.
     pub fn cells(&self) -> [String; 4] {
         let Errors { root_mean_square, maximum, pixels_over_step, .. } = self.errors;
+        let tables = if self.set_up_ms < 1.0 { String::new() } else { format!(" + {:.1}", self.set_up_ms) };
         [
-            format!("{:.1}", self.ms),
+            format!("{:.1}{tables}", self.ms),
             format!("{root_mean_square:.1e}"),
             format!("{maximum:.1e}"),
             pixels_over_step.to_string(),

@@ -33,27 +33,33 @@ impl Lookup {
     /// RGB and opacity by Eq. 5 to 7, as printed, with o m |S_f − S_b| steps; at least one, where Eq. 5 has none.
     pub fn software(&self, front: f64, back: f64, length: f64, oversampling: f64) -> [f64; 4] {
         let steps = oversampling * self.entries.len() as f64 * (front - back).abs();
-        self.composited(front, back, length, (steps.ceil() as usize).max(1), &|x| x)
+        let count = (steps.ceil() as usize).max(1);
+        self.composited(front, back, length, [count; 2], &|x| x)
     }
 
     /// RGB and opacity by blending `count` rectangles in a frame buffer of so many bits a channel.
     pub fn hardware(&self, front: f64, back: f64, length: f64, count: usize, bits: u32) -> [f64; 4] {
-        let most = f64::from((1_u32 << bits) - 1);
-        self.composited(front, back, length, count, &|x: f64| (x.clamp(0.0, 1.0) * most).round() / most)
+        self.blended([front, back, length], [count; 2], bits)
     }
 
-    /// From back to front; `stored`: what becomes of a number that is written.
+    /// The same after the first of so many; the ends, and the length.
+    pub fn blended(&self, [front, back, length]: [f64; 3], steps: [usize; 2], bits: u32) -> [f64; 4] {
+        let most = f64::from((1_u32 << bits) - 1);
+        self.composited(front, back, length, steps, &|x: f64| (x.clamp(0.0, 1.0) * most).round() / most)
+    }
+
+    /// From back to front, the first of so many steps; `stored`: what becomes of a number that is written.
     fn composited(
         &self,
         front: f64,
         back: f64,
         length: f64,
-        count: usize,
+        [taken, count]: [usize; 2],
         stored: &dyn Fn(f64) -> f64,
     ) -> [f64; 4] {
         let step = length / count as f64;
         let mut rgba = [0.0, 0.0, 0.0, 1.0];
-        for i in 0..count {
+        for i in 0..taken {
             let share = if count > 1 { i as f64 / (count - 1) as f64 } else { 0.5 };
             let (glow, extinction) = self.at(back + share * (front - back));
             let through = 1.0 - stored(1.0 - (-step * extinction).exp());
@@ -117,6 +123,17 @@ mod tests {
         assert_eq!(blue, 0.0);
         let [red, .., opacity] = lookup.hardware(0.0, 1.0, 1.0, 256, 30);
         assert!((opacity - exact).abs() < 1e-6 && (red / (0.25 * exact) - 1.0).abs() < 2.1 / 512.0);
+    }
+
+    /// A part of the steps leaves what the whole begins with: the light at the back.
+    #[test]
+    fn a_part_of_the_steps_is_the_back_of_the_path() {
+        let lookup = Lookup::new(64, |s| ([s, 1.0 - s, 0.0], 1.0));
+        let [red, green, _, opacity] = lookup.blended([1.0, 0.0, 1.0], [32, 128], 30);
+        // A quarter of the length, from S_b = 0 up to a quarter.
+        assert!((opacity - (1.0 - (-0.25_f64).exp())).abs() < 1e-6, "{opacity}");
+        assert!(green > 4.0 * red && red > 0.0, "{red} {green}");
+        assert_eq!(lookup.blended([1.0, 0.0, 1.0], [128; 2], 12), lookup.hardware(1.0, 0.0, 1.0, 128, 12));
     }
 
     /// More steps in few bits make it worse: steps fall below what a channel can hold.

@@ -182,7 +182,7 @@ fn table_5(bench: &Bench, section: &mut Section) -> Result<()> {
         Some((&triangular, TABLED)),
     ];
     let time = |subject: &Subject, integrator, count| -> Result<f64> {
-        Ok(bench.measured(&first(subject, count), integrator, Overlap::Exact)?.1.picture.median_ms)
+        Ok(bench.measured(&first(subject, count), integrator, Overlap::Exact)?.1.frame.median_ms)
     };
     let (mut rows, mut unit) = (Vec::new(), None);
     let mut cell = |way: Option<(&Subject, Integrator)>, count| -> Result<(String, Option<f64>)> {

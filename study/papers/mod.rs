@@ -6,12 +6,14 @@
 //! | `bench` | a scene drawn in one way: time, error, picture; two ways in equal time |
 //! | `song`, `moreland`, `roettger_ertl`, `kniss` | a paper each |
 //! | `frame_buffer` | pre-integration as graphics hardware of 2002 did it, in few bits |
+//! | `cylinder` | Roettger and Ertl's tables as planes |
 //! | `plane` | transfer functions drawn over their own plane |
 //!
 //! Most of the papers' data cannot be had. What stands in for them is said beside each figure; then ratios can be compared, and
 //! which of two ways is the better, but no absolute time or picture.
 
 mod bench;
+mod cylinder;
 mod frame_buffer;
 mod kniss;
 mod moreland;

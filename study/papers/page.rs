@@ -40,9 +40,10 @@ pub fn page(sections: &[Section]) -> Result<String> {
         "# The papers' tables and figures, made anew\n\n\
          What is printed in the papers that this program follows, beside what is found here. `voltet papers --output docs` writes this \
          page and its figures.\n\n\
-         Drawn on the CPU alone ({threads} threads, {lanes}, {system} {machine}), on {}, by version {}. Times are medians of whole \
-         pictures, tables included where nothing else is said; errors are those of premultiplied linear RGBA against the 64-bit \
-         reference, 1 being full scale. Times compare two ways as this program carries them out, one perhaps in vector lanes and the other not; errors compare the ways themselves. \"Holds\" and \"does not hold here\" are said by the program, of the figures beside it.\n",
+         Drawn on the CPU alone ({threads} threads, {lanes}, {system} {machine}), on {}, by version {}. All ways run in the same 32-bit \
+         vector lanes. Times are medians of whole pictures, without tables, which the papers make once for many; what tables of \
+         a millisecond or more take stands behind a plus. Errors are those of premultiplied linear RGBA against the 64-bit reference, 1 \
+         being full scale. \"Holds\" and \"does not hold here\" are said by the program, of the figures beside it.\n",
         today(),
         env!("CARGO_PKG_VERSION"),
     );

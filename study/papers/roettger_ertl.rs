@@ -2,18 +2,17 @@
 
 use super::Paper;
 use super::bench::Bench;
+use super::cylinder;
 use super::frame_buffer::{Lookup, Matter};
 use super::moreland::verdict;
 use super::page::{Section, number};
 use super::plane::square;
 use super::song::span;
-use crate::work_precision::errors;
 use std::time::Instant;
 use voltet_core::Result;
-use voltet_core::optics::Overlap;
 use voltet_core::optics::integrators::{Extent, Ramp};
 use voltet_core::optics::special::mean_transmittance;
-use voltet_core::shading::Integrator;
+use voltet_core::picture::Picture;
 
 /// Table 1: steps, RMS and largest error in % with 12 and with 8 bits a channel.
 const TABLE_1: [(usize, [f64; 2], Option<[f64; 2]>); 6] = [
@@ -41,14 +40,15 @@ pub(super) fn section(bench: &mut Bench) -> Result<Section> {
          every blended number is rounded to the bits of a channel.",
     );
     table_1(&mut section);
+    frame_buffers(&mut section)?;
     oversampling(&mut section);
     table_2(bench, &mut section)?;
-    sphere(bench, &mut section)?;
+    cylinder::pictures(bench, &mut section)?;
     Ok(section)
 }
 
 /// κ and ρ of the longest length, which takes half of the light.
-fn interleaved(s: f64) -> Matter {
+pub(super) fn interleaved(s: f64) -> Matter {
     let colors = [[0.9, 0.4, 0.05], [0.05, 0.3, 0.9]];
     let extinction = std::f64::consts::LN_2;
     (colors[(8.0 * s) as usize % 2].map(|c| c * extinction), extinction)
@@ -102,6 +102,30 @@ fn table_1(section: &mut Section) {
          themselves depend on the transfer function.",
         verdict(grows),
     ));
+}
+
+/// S_f to the right and S_b upward, of the longest length.
+fn frame_buffer(lookup: &Lookup, steps: [usize; 2]) -> Picture {
+    square(128, |front, back| {
+        let [r, g, b, _] = lookup.blended([front, back, 1.0], steps, 12);
+        ([r, g, b], 1.0)
+    })
+}
+
+fn frame_buffers(section: &mut Section) -> Result<()> {
+    let lookup = Lookup::new(64, interleaved);
+    let parts = [16, 48, 80, 112].map(|taken| frame_buffer(&lookup, [taken, 128]));
+    section.figure(
+        "figure_4",
+        "Figure 4: RGB of a frame buffer of 12 bits after 16, 48, 80 and 112 of 128 steps, S_f to the right, S_b upward",
+        &parts.each_ref().map(|picture| (picture, [0.0; 3])),
+    )?;
+    let ends = [frame_buffer(&lookup, [128; 2]), frame_buffer(&Lookup::new(1024, interleaved), [1024; 2])];
+    section.figure(
+        "figure_5",
+        "Figure 5: the same after all of 128 steps (left), and after 1024, where light and opacity of a step are rounded away (right)",
+        &ends.each_ref().map(|picture| (picture, [0.0; 3])),
+    )
 }
 
 fn oversampling(section: &mut Section) {
@@ -183,88 +207,6 @@ fn plain(ramp: &Ramp, length: f64, slice: &mut [[f32; 3]]) {
         }
         *entry = light.map(|x| x as f32);
     }
-}
-
-fn sphere(bench: &Bench, section: &mut Section) -> Result<()> {
-    section.part("Figures 8 to 11: the spherical distance volume, and planes");
-    let lookup = Lookup::new(64, interleaved);
-    let slices = [1, 2, 3, 4].map(|k| {
-        let length = f64::from(k) / 4.0;
-        square(128, |s, t| {
-            let [r, g, b, opacity] = lookup.software(s, t, length, 2.0);
-            ([r, g, b].map(|c| if opacity > 0.0 { c / opacity } else { 0.0 }), opacity)
-        })
-    });
-    let row = slices.each_ref().map(|picture| (picture, [0.0; 3]));
-    section.figure(
-        "figure_9",
-        "Figure 9: slices of the table for growing length, S_f to the right, S_b upward",
-        &row,
-    )?;
-    let subject = bench.subject("roettger_ertl_sphere.toml", &[])?;
-    let cells = subject.scene.volume.grid.tetrahedra.len();
-    let scene = bench.referred(subject)?;
-    let shot = |integrator| bench.shot(&scene, integrator, Overlap::Exact);
-    let exact = shot(Integrator::Clipped)?;
-    let (table_size, oversampling) = (64, 2);
-    let table = shot(Integrator::PreIntegrated { table_size, oversampling })?;
-    let mut rows = Vec::new();
-    let mut add = |what: String, shot: &super::bench::Shot, loss: String| {
-        let [_, rms, most, _] = shot.cells();
-        rows.push([what, number(1e3 / (shot.ms - shot.set_up_ms)), rms, most, loss]);
-    };
-    add("cut at its control points".into(), &exact, "–".into());
-    add("table of 64³".into(), &table, "–".into());
-    let mut losses = Vec::new();
-    let mut speed = 0.0;
-    for planes in [1, 2, 4, 8] {
-        let tiles = shot(Integrator::PreIntegratedCylindrical { table_size, oversampling, planes })?;
-        let loss = errors(&tiles.picture, &table.picture);
-        let over = loss.pixels_over_step;
-        add(
-            format!("{} planes", planes * table_size + 1),
-            &tiles,
-            format!("{:.1e}, {over} pixels", loss.maximum),
-        );
-        losses.push(loss.maximum);
-        if planes == 1 {
-            speed = (table.ms - table.set_up_ms) / (tiles.ms - tiles.set_up_ms);
-        }
-    }
-    section.table(
-        [
-            "512 × 384",
-            "frames a second",
-            "rms error",
-            "largest error",
-            "largest difference from the table of 64³",
-        ],
-        &rows,
-    );
-    let background = scene.subject.background;
-    section.figure(
-        "figure_11",
-        "Figure 11: cut at the control points (left), from the table of 64³ (right)",
-        &[(&exact.picture, background), (&table.picture, background)],
-    )?;
-    section.say(&format!(
-        "{cells} tetrahedra; 2,560 in the paper. \"In order to reconstruct the original table exactly, the number of planes must be four times \
-         the resolution\": with four times as many the largest difference is {:.1e}, with eight times {:.1e}: exactness {}, as the \
-         places on a plane are resampled, too, and the slices of this program's table lie closer where lengths are small. \"In most \
-         cases the number of planes can be reduced by a factor of two or four without introducing visible artifacts\": with as many \
-         planes as entries {:.1e}, which {}.",
-        losses[2],
-        losses[3],
-        verdict(losses[2] < 1e-6),
-        losses[0],
-        verdict(losses[0] < 1.0 / 255.0),
-    ));
-    section.say(&format!(
-        "Two-dimensional tables were 1.13 to 3.8 times as fast as three-dimensional ones on hardware (printed: 13 % to 282 % faster); \
-         here {} times. Times without making the table.",
-        number(speed),
-    ));
-    Ok(())
 }
 
 #[cfg(test)]

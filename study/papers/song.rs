@@ -69,7 +69,7 @@ fn table_1(bench: &mut Bench, section: &mut Section) -> Result<()> {
         one.scene.transfer_function = Arc::new(ramp(&subject));
         one.needs_order = one.scene.needs_order();
         let ms = |subject: &Subject, integrator| {
-            bench.measured(subject, integrator, Overlap::Exact).map(|(_, cost)| cost.picture.median_ms)
+            bench.measured(subject, integrator, Overlap::Exact).map(|(_, cost)| cost.frame.median_ms)
         };
         let found = [
             ms(&one, Integrator::Analytic)?,
