@@ -3,7 +3,7 @@
 use crate::draw::densest;
 use crate::kept::{Kept, Plan};
 use crate::{Cells, Counts, Known, Projection, Sample, Segments, needs_gradient, prepare, project, sort};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 use voltet_core::engine::{
     self, AdapterWish, Declaration, Drawn, Engine, Forms, Manner, Prepared, Stage, Timed,
@@ -13,6 +13,7 @@ use voltet_core::optics::integrators;
 use voltet_core::progress::Progress;
 use voltet_core::scene::Scene;
 use voltet_core::shading::{Integrator, Order};
+use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
 use voltet_lanes::LaneSet;
@@ -57,7 +58,8 @@ impl Engine for Native {
     }
 
     fn prepare(&self, volume: &Arc<Volume>) -> Result<Arc<dyn Prepared>> {
-        Ok(Arc::new(OnVolume { lanes: self.lanes, known: Known::new(volume)? }))
+        let known = Known::new(volume)?;
+        Ok(Arc::new(OnVolume { lanes: self.lanes, known, classified: Mutex::new(None) }))
     }
 }
 
@@ -66,6 +68,35 @@ impl Engine for Native {
 struct OnVolume {
     lanes: LaneSet,
     known: Known,
+    /// What was drawn last by `vertex-sampled`: it serves the next picture, as a table does.
+    classified: Mutex<Option<Arc<Classified>>>,
+}
+
+/// A volume that is classified ([`Scene::classified`]).
+#[derive(Debug)]
+struct Classified {
+    /// Of this volume, by this transfer function.
+    of: (Arc<Volume>, Arc<TransferFunction>),
+    known: Known,
+    bound: Arc<TransferFunction>,
+}
+
+impl OnVolume {
+    fn classified(&self, scene: &Scene) -> Result<Arc<Classified>> {
+        let mut kept = self.classified.lock().unwrap_or_else(PoisonError::into_inner);
+        let serves = |classified: &&Arc<Classified>| {
+            let (volume, look) = &classified.of;
+            Arc::ptr_eq(volume, &scene.volume) && *look == scene.transfer_function
+        };
+        if let Some(classified) = kept.as_ref().filter(serves) {
+            return Ok(classified.clone());
+        }
+        let Scene { volume, transfer_function: bound, .. } = scene.classified()?;
+        let of = (scene.volume.clone(), scene.transfer_function.clone());
+        let classified = Arc::new(Classified { of, known: Known::new(&volume)?, bound });
+        *kept = Some(classified.clone());
+        Ok(classified)
+    }
 }
 
 impl Prepared for OnVolume {
@@ -74,23 +105,25 @@ impl Prepared for OnVolume {
             return Err(Error::cancelled());
         }
         let classified = match scene.shading.integrator {
-            Integrator::VertexSampled => Some(scene.classified()?),
+            Integrator::VertexSampled => Some(self.classified(scene)?),
             _ => None,
         };
-        let Scene { volume, transfer_function, camera, shading, order } =
-            classified.as_ref().unwrap_or(scene);
+        let Scene { volume, transfer_function, camera, shading, order } = scene;
         let mut watch = Watch { last: Instant::now(), stages: Vec::new() };
-        let elsewhere = match Arc::ptr_eq(volume, self.known.volume()) {
+        let elsewhere = match Arc::ptr_eq(volume, self.known.volume()) || classified.is_some() {
             true => None,
             false => Some(Known::new(volume)?),
         };
-        let known = elsewhere.as_ref().unwrap_or(&self.known);
         if classified.is_none()
             && elsewhere.is_none()
             && let Some(kept) = self.kept(scene, manner, &mut watch, progress)?
         {
             return self.draw_kept(&kept, scene, manner, watch, progress);
         }
+        let (known, transfer_function) = match &classified {
+            Some(classified) => (&classified.known, &classified.bound),
+            None => (elsewhere.as_ref().unwrap_or(&self.known), transfer_function),
+        };
         let mut cells = match manner.may_leave_out {
             None => known.keep_all(transfer_function, camera)?,
             Some(_) => known.cull(transfer_function, camera, progress)?,
