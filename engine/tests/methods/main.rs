@@ -1,5 +1,6 @@
 //! The integrators that sample or look up, in lanes, against their own 64-bit truths, on every lane set.
 
+mod classified;
 mod found;
 mod tabulated;
 
