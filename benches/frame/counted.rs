@@ -10,8 +10,11 @@ use voltet::engine::Known;
 pub const COLUMNS: usize = if cfg!(feature = "counting") { 4 } else { 0 };
 
 /// What stands over them.
-pub const HEAD: &str =
-    if COLUMNS > 0 { "share of the multiply-adds: cull | project | composite | frame |" } else { "" };
+pub const HEAD: &str = if cfg!(feature = "counting") {
+    "share of the multiply-adds: cull | project | composite | frame |"
+} else {
+    ""
+};
 
 /// Additions, products, quotients, roots and multiply-adds of culling, projecting and compositing, one a lane.
 #[cfg(feature = "counting")]
