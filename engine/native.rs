@@ -58,9 +58,24 @@ impl Engine for Native {
     }
 
     fn prepare(&self, volume: &Arc<Volume>) -> Result<Arc<dyn Prepared>> {
-        let known = Known::new(volume)?;
-        Ok(Arc::new(OnVolume { lanes: self.lanes, known, classified: Mutex::new(None) }))
+        self.on_volume(volume, false)
     }
+}
+
+impl Native {
+    fn on_volume(&self, volume: &Arc<Volume>, keeps: bool) -> Result<Arc<dyn Prepared>> {
+        let known = Known::new(volume)?;
+        Ok(Arc::new(OnVolume { lanes: self.lanes, known, keeps, classified: Mutex::new(None) }))
+    }
+}
+
+/// The native engine on a volume whose transfer function is edited: at the second change of widgets at one camera the segments of the
+/// view are kept (12 bytes each, 20 with g; 1 GiB at most), and from then on a picture of it is shading and blending alone. Such a
+/// picture differs from one of the cells by rounding, some 1e-6: who needs the same bits whatever was drawn before takes [`ENGINE`].
+///
+/// Errors: an extent beyond 64-bit floats; a lane set that this processor lacks.
+pub fn prepare_for_edits(volume: &Arc<Volume>) -> Result<Arc<dyn Prepared>> {
+    Native { lanes: LaneSet::detect()? }.on_volume(volume, true)
 }
 
 /// The engine with what it knows of one volume.
@@ -68,6 +83,8 @@ impl Engine for Native {
 struct OnVolume {
     lanes: LaneSet,
     known: Known,
+    /// Whether it keeps the segments of views.
+    keeps: bool,
     /// What was drawn last by `vertex-sampled`: it serves the next picture, as a table does.
     classified: Mutex<Option<Arc<Classified>>>,
 }
@@ -114,7 +131,8 @@ impl Prepared for OnVolume {
             true => None,
             false => Some(Known::new(volume)?),
         };
-        if classified.is_none()
+        if self.keeps
+            && classified.is_none()
             && elsewhere.is_none()
             && let Some(kept) = self.kept(scene, manner, &mut watch, progress)?
         {

@@ -6,12 +6,12 @@ use std::sync::Arc;
 use std::time::Instant;
 use voltet::core::Result;
 use voltet::core::camera::Camera;
-use voltet::core::engine::{AdapterWish, Manner, Stage};
+use voltet::core::engine::{Manner, Stage};
 use voltet::core::progress::Silent;
 use voltet::core::scene::Scene;
 use voltet::core::shading::Order;
 use voltet::core::transfer::{Profile, TransferFunction};
-use voltet::engine::ENGINE;
+use voltet::engine::prepare_for_edits;
 
 const FRAME_COUNT: usize = 31;
 
@@ -34,7 +34,7 @@ pub fn measure(subject: &Subject, volumes: &Volumes) -> Result<()> {
     println!("| --- | --- |{}", " ---: |".repeat(6));
     for (name, volume, look) in looks {
         for change in CHANGES {
-            let prepared = ENGINE.open(&AdapterWish::default())?.prepare(volume)?;
+            let prepared = prepare_for_edits(volume)?;
             let mut stages = [const { Vec::new() }; 4];
             let (mut segments, mut slowest) = (0, 0.0f64);
             for k in 0..FRAME_COUNT + UNTIMED {

@@ -2,14 +2,14 @@
 
 use std::sync::Arc;
 use voltet_core::Result;
-use voltet_core::engine::{AdapterWish, Manner};
+use voltet_core::engine::Manner;
 use voltet_core::optics::integrators;
 use voltet_core::picture::Picture;
 use voltet_core::progress::Silent;
 use voltet_core::scene::Scene;
 use voltet_core::shading::{Integrator, Order, Shading};
 use voltet_core::transfer::TransferFunction;
-use voltet_engine::{self as engine, Counts, ENGINE};
+use voltet_engine::{self as engine, Counts};
 use voltet_testing::pictures::Engine;
 use voltet_testing::pictures::compare::{NamedScene, ORDINARY, within};
 
@@ -65,8 +65,7 @@ const KEPT: f64 = 1e-5;
 /// The picture after others of the same view, with other widgets: from segments that were kept, where they serve.
 fn kept(scene: &NamedScene, shading: &Shading) -> Picture {
     let NamedScene { volume, look, camera, .. } = scene;
-    let engine = ENGINE.open(&AdapterWish::default()).expect("opens");
-    let prepared = engine.prepare(volume).expect("has an extent");
+    let prepared = engine::prepare_for_edits(volume).expect("has an extent");
     let draw = |share: f64| {
         let mut transfer_function = look.clone();
         transfer_function.widgets.iter_mut().for_each(|widget| widget.color[0] *= share);

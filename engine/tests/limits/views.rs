@@ -4,7 +4,7 @@ use super::*;
 use voltet_core::engine::{AdapterWish, Drawn, Manner, Prepared, Stage};
 use voltet_core::shading::{Integrator, Shading};
 use voltet_core::transfer::{ControlPoint, OpticalModel};
-use voltet_engine::ENGINE;
+use voltet_engine::{ENGINE, prepare_for_edits};
 use voltet_testing::pictures::looks::perspective;
 
 fn bivariate() -> Arc<Volume> {
@@ -59,6 +59,10 @@ fn prepared(volume: &Arc<Volume>) -> Arc<dyn Prepared> {
     engine.prepare(volume).expect("has an extent")
 }
 
+fn editing(volume: &Arc<Volume>) -> Arc<dyn Prepared> {
+    prepare_for_edits(volume).expect("has an extent")
+}
+
 fn drawn(prepared: &dyn Prepared, scene: &Scene) -> Drawn {
     prepared.draw(scene, &Manner::default(), &Silent).expect("draws")
 }
@@ -77,7 +81,7 @@ fn cameras() -> [Camera; 2] {
 fn kept_segments_give_the_picture_of_the_cells() {
     let volume = bivariate();
     for camera in cameras() {
-        let changing = prepared(&volume);
+        let changing = editing(&volume);
         let mut served = 0;
         for look in looks().into_iter().chain(looks()) {
             let scene = scene(volume.clone(), look, camera);
@@ -102,7 +106,7 @@ fn integrators_are_served_by_what_was_kept() {
         (&looks()[2..4], [Integrator::Riemann { count: 5 }, Integrator::VertexSampled]),
         (&looks()[8..10], [Integrator::Riemann { count: 5 }, table]),
     ] {
-        let changing = prepared(&volume);
+        let changing = editing(&volume);
         for (k, integrator) in
             [integrators.as_slice(), &[Integrator::Analytic]].concat().into_iter().enumerate()
         {
@@ -128,7 +132,7 @@ fn what_was_kept_is_left_where_it_does_not_serve() {
     let narrow = |s: f64| look(vec![gaussian([s, 0.4], 0.01, [0.9, 0.5, 0.2], 3.0)]);
     let edged = look(vec![uniform([0.2, 0.4], 1.0, [1.0; 3])]);
     let dense = look(vec![gaussian([0.3, 0.4], 0.2, [0.9, 0.5, 0.2], 300.0)]);
-    let changing = prepared(&volume);
+    let changing = editing(&volume);
     let is_kept_of = |look: &TransferFunction, camera| {
         is_kept(&drawn(&*changing, &scene(volume.clone(), look.clone(), camera)))
     };
@@ -147,4 +151,16 @@ fn what_was_kept_is_left_where_it_does_not_serve() {
     let is_anew = of_dense.stages.iter().any(|timed| timed.stage == Stage::Project && timed.seconds > 0.0);
     assert!(is_kept(&of_dense) && is_anew, "a hundred times as dense");
     assert!(is_kept_of(&wide(0.6), camera), "and back");
+}
+
+/// The engine of pipelines keeps none: a picture has the same bits whatever was drawn before.
+#[test]
+fn nobody_else_keeps_segments() {
+    let (volume, camera) = (bivariate(), cameras()[0]);
+    let changing = prepared(&volume);
+    for look in looks() {
+        let scene = scene(volume.clone(), look, camera);
+        let [now, fresh] = [&changing, &prepared(&volume)].map(|prepared| drawn(&**prepared, &scene));
+        assert!(!is_kept(&now) && now.picture.rgba == fresh.picture.rgba, "{:?}", scene.transfer_function);
+    }
 }
