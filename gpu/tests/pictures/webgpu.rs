@@ -27,6 +27,23 @@ fn scene(name: &str, look: TransferFunction) -> NamedScene {
     NamedScene { name: name.into(), volume, look, camera: outside([40, 32]) }
 }
 
+/// Draws a scene on both devices, which shows something and differs by `tolerance` at most.
+fn same_on(
+    devices: [&Arc<Device>; 2],
+    scene: &NamedScene,
+    shading: &Shading,
+    how: (Compositing, Order),
+    tolerance: f64,
+) {
+    let name = format!("{} {how:?}", scene.name);
+    let [any, webgpu] = devices.map(|device| {
+        let drawn = draw_on(device.clone(), scene, shading, how);
+        drawn.unwrap_or_else(|error| panic!("{name}: {error}")).picture
+    });
+    assert!(any.rgba.iter().any(|pixel| pixel[3] > 0.01), "{name}: nothing to see");
+    within(&name, &webgpu, &any, tolerance);
+}
+
 #[test]
 fn every_compositor_draws_within_the_limits_of_webgpu() {
     let (Some(device), Some(least)) = (device(), least()) else { return };
@@ -46,13 +63,8 @@ fn every_compositor_draws_within_the_limits_of_webgpu() {
             (Compositing::Raster, Order::Centroid),
             (Compositing::Triangles, Order::Centroid),
         ] {
-            let [any, webgpu] = [&device, &least].map(|device| {
-                let drawn = draw_on(device.clone(), &scene, &shading, how);
-                drawn.unwrap_or_else(|error| panic!("{name} {how:?}: {error}")).picture
-            });
-            assert!(any.rgba.iter().any(|pixel| pixel[3] > 0.01), "{name}: nothing to see");
             // Lists that need no order are filled in any.
-            within(&format!("{name} {how:?}"), &webgpu, &any, 1e-6);
+            same_on([&device, &least], &scene, &shading, how, 1e-6);
         }
     }
     let scene = scene("few bits", overlapping());
@@ -85,7 +97,7 @@ fn every_integrator_has_room_for_all_that_a_scene_may_have() {
             }
             let name = format!("{} {:?}", integrator.name(), look.model);
             served.push(integrator.name());
-            let scene = widgets::scene(name.clone(), look);
+            let scene = widgets::scene(name, look);
             for how in [
                 (Compositing::Tiles, Order::Exact),
                 (Compositing::Tiles, Order::Centroid),
@@ -93,12 +105,7 @@ fn every_integrator_has_room_for_all_that_a_scene_may_have() {
                 (Compositing::Raster, Order::None),
                 (Compositing::Triangles, Order::Exact),
             ] {
-                let [any, webgpu] = [&device, &least].map(|device| {
-                    let drawn = draw_on(device.clone(), &scene, &shading, how);
-                    drawn.unwrap_or_else(|error| panic!("{name} {how:?}: {error}")).picture
-                });
-                assert!(any.rgba.iter().any(|pixel| pixel[3] > 0.01), "{name}: nothing to see");
-                within(&format!("{name} {how:?}"), &webgpu, &any, 0.0);
+                same_on([&device, &least], &scene, &shading, how, 0.0);
             }
         }
     }
