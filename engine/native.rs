@@ -197,7 +197,7 @@ impl OnVolume {
             Plan::Cells => Ok(None),
             Plan::Kept(kept) => Ok(Some(kept)),
             Plan::Keep(densest) => {
-                let mut cells = self.known.in_view(camera, false)?;
+                let mut cells = self.known.all_in_view(camera)?;
                 (cells.lanes, cells.densest_least) = (self.lanes, densest);
                 let projection = project(&cells, transfer_function, camera, false, progress)?;
                 watch.end(Stage::Project);
@@ -220,7 +220,7 @@ impl OnVolume {
         progress: &dyn Progress,
     ) -> Result<Drawn> {
         let Scene { transfer_function, camera, shading, .. } = scene;
-        let mut cells = self.known.in_view(camera, true)?;
+        let mut cells = self.known.none_in_view(camera)?;
         cells.lanes = self.lanes;
         let projection = project(&cells, transfer_function, camera, false, progress)?;
         let ready = prepare(&projection, transfer_function, shading)?;

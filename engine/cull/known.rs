@@ -54,6 +54,13 @@ struct Sight {
     any_outside: bool,
 }
 
+impl Sight {
+    /// Whether no plane of the view has all corners of a cell outside.
+    fn sees(&self, corners: &[u32; 4]) -> bool {
+        corners.iter().fold(u8::MAX, |all, &p| all & self.outside[p as usize]) == 0
+    }
+}
+
 impl Known {
     /// Errors: an extent beyond 64-bit floats.
     pub fn new(volume: &Arc<Volume>) -> Result<Known> {
@@ -109,10 +116,7 @@ impl Known {
         if progress.cancelled() {
             return Err(Error::cancelled());
         }
-        let in_view = |id: u32| {
-            let corners = self.volume.grid.tetrahedra[id as usize];
-            corners.iter().fold(u8::MAX, |all, &p| all & sight.outside[p as usize]) == 0
-        };
+        let in_view = |id: u32| sight.sees(&self.volume.grid.tetrahedra[id as usize]);
         let kept = match sight.any_outside {
             true => Arc::new(those(&touched.cells, in_view)),
             false => touched.cells.clone(),
@@ -149,25 +153,21 @@ impl Known {
         Ok(cells)
     }
 
-    /// Every cell in view, whatever widgets touch; or none, for who draws what was kept of them.
-    pub(crate) fn in_view(&self, camera: &Camera, none: bool) -> Result<Cells> {
+    /// Every cell in view, whatever widgets touch.
+    pub(crate) fn all_in_view(&self, camera: &Camera) -> Result<Cells> {
         let sight = self.sight(camera)?;
-        let nothing = self.none_kept()?;
         let tetrahedra = &self.volume.grid.tetrahedra;
-        let outside = |id: u32| {
-            let corners = tetrahedra[id as usize];
-            corners.iter().fold(u8::MAX, |all, &p| all & sight.outside[p as usize]) != 0
-        };
-        let count = if none { 0 } else { u32::try_from(tetrahedra.len()).unwrap_or(u32::MAX) };
-        let kept: Vec<u32> =
-            (0..count).into_par_iter().filter(|&id| !sight.any_outside || !outside(id)).collect();
-        Ok(Cells {
-            culled_by_frustum: u64::from(count) - kept.len() as u64,
-            seen: Some((*camera, sight.seen.clone())),
-            kept: Arc::new(kept),
-            from_the_middle: true,
-            ..nothing.clone()
-        })
+        let count = u32::try_from(tetrahedra.len()).unwrap_or(u32::MAX);
+        let in_view = |id: &u32| !sight.any_outside || sight.sees(&tetrahedra[*id as usize]);
+        let kept: Vec<u32> = (0..count).into_par_iter().filter(in_view).collect();
+        let culled_by_frustum = u64::from(count) - kept.len() as u64;
+        Ok(Cells { kept: Arc::new(kept), culled_by_frustum, ..self.none_in_view(camera)? })
+    }
+
+    /// A view of no cell, for who draws what was kept of them.
+    pub(crate) fn none_in_view(&self, camera: &Camera) -> Result<Cells> {
+        let seen = Some((*camera, self.sight(camera)?.seen.clone()));
+        Ok(Cells { seen, from_the_middle: true, ..self.none_kept()? })
     }
 
     /// What is kept of views.
