@@ -109,6 +109,19 @@ impl Kernel for Append<'_> {
     }
 }
 
+pub(crate) struct Arrange<'a> {
+    pub lists: &'a mut Lists,
+    pub row: usize,
+}
+
+impl Kernel for Arrange<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        self.lists.arrange::<L>(self.row);
+    }
+}
+
 pub(crate) struct Blend<'a> {
     pub lists: &'a mut Lists,
     pub sorted: bool,

@@ -6,13 +6,13 @@
 //! however unevenly they fill. Keys turn that: those of the 16 pixels of a row lie side by side, 16 lanes of the sorting network
 //! and of the compositor. Colours stand in fours, so that each moves by one instruction.
 
-use crate::composite::kernels::Append;
+use crate::composite::kernels::Arrange;
 use crate::fragments::batch::{BATCH, Batch, Column, LANES_MOST};
 use crate::project::record::TILE;
 use crate::shade::later::Mark;
 use crate::shade::shaded::Shaded;
 use voltet_lanes::sort::sort_columns;
-use voltet_lanes::{Float, Kernel, LaneSet, Lanes, Mask, Unsigned, array, dispatch, inlined};
+use voltet_lanes::{Float, LaneSet, Lanes, Mask, Unsigned, array, dispatch, inlined};
 
 /// Segments a pixel can hold here; a tile that needs more is drawn again by [`super::growing_lists`].
 pub(crate) const DEPTH: usize = 1024;
@@ -209,17 +209,6 @@ impl Lists {
         if full != 0 { Err(Overflow) } else { Ok(()) }
     }
 
-    /// [`Lists::take`] on a lane set.
-    pub fn take_batch(
-        &mut self,
-        lanes: LaneSet,
-        batch: &Batch,
-        shaded: &Shaded,
-        count: usize,
-    ) -> Result<(), Overflow> {
-        dispatch(lanes, Append { lists: self, batch, shaded, count })
-    }
-
     /// Most segments of a pixel of a row.
     pub fn deepest(&self, row: usize) -> usize {
         self.counts(row).iter().copied().max().unwrap_or(0) as usize
@@ -228,11 +217,7 @@ impl Lists {
     /// Puts a row in order and hands on each segment: its place from the front, its column, and the bits of its red.
     pub fn in_order(&mut self, lanes: LaneSet, row: usize, mut each: impl FnMut(usize, usize, u32)) {
         let counts = self.counts(row);
-        let deepest = self.deepest(row);
-        if deepest == 0 {
-            return;
-        }
-        dispatch(lanes, Order { lists: self, row });
+        dispatch(lanes, Arrange { lists: self, row });
         for (x, &count) in counts.iter().enumerate() {
             for depth in 0..count as usize {
                 let slot = (self.keys[depth * TILE + x] & (DEPTH as u32 - 1)) as usize;
@@ -279,6 +264,14 @@ impl Lists {
     }
 
     /// Puts the keys of a row in order.
+    #[inline(always)]
+    pub fn arrange<L: Lanes>(&mut self, row: usize) {
+        let deepest = self.deepest(row);
+        if deepest > 0 {
+            self.sort::<L>(row, &self.counts(row), deepest);
+        }
+    }
+
     #[inline(always)]
     fn sort<L: Lanes>(&mut self, row: usize, counts: &[u32; TILE], deepest: usize) {
         self.make_keys::<L>(row, counts, deepest);
@@ -457,21 +450,5 @@ impl Lists {
             through.store(&mut self.through[row * TILE + half..]);
             L::F::scatter_parts([color[0], color[1], color[2], opacity.min(splat(1.0))], out, lane);
         }
-    }
-}
-
-/// [`Lists::sort`] of a row.
-struct Order<'a> {
-    lists: &'a mut Lists,
-    row: usize,
-}
-
-impl Kernel for Order<'_> {
-    type Output = ();
-    #[inline(always)]
-    fn run<L: Lanes>(self) {
-        let Order { lists, row } = self;
-        let counts = lists.counts(row);
-        lists.sort::<L>(row, &counts, lists.deepest(row));
     }
 }

@@ -1,11 +1,12 @@
 //! Where a tile's segments go: to lists that are sorted, or, where no order is needed, to sums.
 
 use crate::composite::growing_lists::GrowingLists;
+use crate::composite::kernels::Append;
 use crate::composite::lists::{Layer, Lists, Overflow};
 use crate::fragments::batch::Batch;
 use crate::project::record::TILE;
 use crate::shade::shaded::Shaded;
-use voltet_lanes::LaneSet;
+use voltet_lanes::{LaneSet, dispatch};
 
 /// Colour and opacity of a tile's pixels.
 pub(crate) type TilePicture = [[f32; 4]; TILE * TILE];
@@ -85,7 +86,7 @@ pub(crate) fn of_one_color(color: [f32; 3], sum: f32, opacities: bool) -> [f32; 
 
 impl Sink for Lists {
     fn take(&mut self, lanes: LaneSet, batch: &Batch, shaded: &Shaded, count: usize) -> Result<(), Overflow> {
-        self.take_batch(lanes, batch, shaded, count)
+        dispatch(lanes, Append { lists: self, batch, shaded, count })
     }
 
     fn lists(&mut self) -> Option<&mut Lists> {

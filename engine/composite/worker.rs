@@ -405,13 +405,15 @@ fn walk<S: Sink>(
             cut(batch, count, frame.attribute_count, ends);
         }
         if !sink.wants_colors() {
-        } else if pools {
+            return sink.take(frame.lanes, batch, shaded, count);
+        }
+        if pools {
             quick(frame.shader, frame.lanes, batch, count, shaded);
             pool.lend(shaded);
         } else {
             integrate(frame.shader, frame.lanes, batch, count, shaded);
         }
-        if frame.shader.surface.is_some() && sink.wants_colors() {
+        if frame.shader.surface.is_some() {
             dispatch(frame.lanes, Illuminate { frame, batch, count, rays, shaded });
         }
         if slabbed {

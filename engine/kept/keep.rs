@@ -101,7 +101,7 @@ impl Sink for Keeper<'_> {
         for columns in [&batch.front, &batch.back] {
             columns[..batch.scalar_count].iter().for_each(|column| self.batches.extend_from_slice(&**column));
         }
-        self.lists.take_batch(lanes, batch, &self.numbers, count)
+        Sink::take(self.lists, lanes, batch, &self.numbers, count)
     }
 
     fn wants_colors(&self) -> bool {
