@@ -72,6 +72,13 @@ pub(crate) struct Fields<L: Lanes> {
 }
 
 impl<L: Lanes> Fields<L> {
+    /// No fields.
+    #[inline(always)]
+    pub fn none() -> Self {
+        let zeros = [L::F::splat(0.0); FIELDS_MOST];
+        Fields { front: zeros, back: zeros }
+    }
+
     /// Those of a batch; 0 where there are none.
     #[inline(always)]
     pub fn load(batch: &Batch, at: usize) -> Self {

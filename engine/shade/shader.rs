@@ -187,7 +187,7 @@ impl Shader {
             } else {
                 self.several::<L>(widgets, &along, at, count, out)
             };
-            let meant = meant::<L>(&along, count - at);
+            let meant = meant::<L>(along.crossing, count - at);
             if !self.quick || points.is_some() {
                 out.evaluation_count += u64::from(meant.count_ones());
             }
@@ -337,7 +337,7 @@ impl Shader {
             out.overlap_count += u64::from(overlapping.count_ones());
         }
         total.store(&mut out.depth[at..]);
-        out.evaluation_count += u64::from((asked & meant::<L>(along, count - at)).count_ones());
+        out.evaluation_count += u64::from((asked & meant::<L>(along.crossing, count - at)).count_ones());
         unsure
     }
 
@@ -370,7 +370,7 @@ impl Shader {
         }
         let overlapping = overlaps::<L>(sums.product, along, count - at);
         out.overlap_count += u64::from(overlapping.count_ones());
-        out.evaluation_count += u64::from((asked & meant::<L>(along, count - at)).count_ones());
+        out.evaluation_count += u64::from((asked & meant::<L>(along.crossing, count - at)).count_ones());
         let mut rgba = sums.mixed();
         let overlapping = overlapping & !unsure & L::F::splat(self.ordered_from).lt(sums.product).bits();
         if self.overlap == Overlap::Exact && overlapping != 0 {
@@ -424,16 +424,14 @@ pub(super) fn push(list: &mut Vec<usize>, mut lanes: u32, at: usize) {
     }
 }
 
-/// Lanes (bits) of the first `count` segments that cross their cell.
+/// Those lanes (bits) of a mask that hold the first `count` segments; what is past the end of the batch are fragments of the next one.
 #[inline(always)]
-fn meant<L: Lanes>(along: &Along<L>, count: usize) -> u32 {
-    along.crossing.bits() & u32::MAX >> (32 - count.min(L::WIDTH))
+pub(super) fn meant<L: Lanes>(mask: L::M, count: usize) -> u32 {
+    mask.bits() & u32::MAX >> (32 - count.min(L::WIDTH))
 }
 
-/// Lanes (bits) of the first `count` segments on which widgets overlap; those past the end of the batch hold fragments of
-/// the next one.
+/// Lanes (bits) of the first `count` segments on which widgets overlap.
 #[inline(always)]
 pub(super) fn overlaps<L: Lanes>(product: L::F, along: &Along<L>, count: usize) -> u32 {
-    let meant = u32::MAX >> (32 - count.min(L::WIDTH));
-    L::F::splat(MIX_PRODUCT).lt(product).and(along.crossing).bits() & meant
+    meant::<L>(L::F::splat(MIX_PRODUCT).lt(product).and(along.crossing), count)
 }

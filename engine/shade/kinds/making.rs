@@ -1,7 +1,9 @@
 //! What widgets are made ready for.
 
 use crate::attribute::Attribute;
+use crate::shade::shaded::Left;
 use voltet_core::transfer::OpticalModel;
+use voltet_lanes::limits::LENGTH_WALKED_LEAST;
 
 /// The scene that widgets are made ready for.
 #[derive(Clone, Copy)]
@@ -23,5 +25,16 @@ impl<'a> Making<'a> {
     pub fn field(&self, name: &str) -> Option<(usize, &'a Attribute<'a>)> {
         let place = self.fields.iter().position(|field| *field == name)?;
         self.attributes.get(2 + place).map(|attribute| (place, attribute))
+    }
+
+    /// What turns the constant-emitter's glow to that of a scene length; `None` for the density-emitter. Errors: 32 bits do not hold
+    /// it.
+    pub fn glow_scale(&self) -> Result<Option<f32>, Left> {
+        let scale = self.density_scale as f32;
+        match self.model.cutoff() {
+            None => Ok(None),
+            Some(_) if LENGTH_WALKED_LEAST < scale && scale.is_finite() => Ok(Some(scale)),
+            Some(_) => Err(Left::Lengths),
+        }
     }
 }

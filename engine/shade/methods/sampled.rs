@@ -4,13 +4,13 @@
 use super::pieces::pieces;
 use super::riemann::riemann;
 use crate::fragments::batch::Batch;
-use crate::shade::along::{Along, FIELDS_MOST, Fields};
+use crate::shade::along::{Along, Fields};
 use crate::shade::kinds::{LaneWidget, Making};
 use crate::shade::reach::Spread;
 use crate::shade::shaded::{Left, Shaded};
-use crate::shade::shader::{overlaps, push};
+use crate::shade::shader::{meant, overlaps, push};
 use voltet_core::optics::integrators::PartialTable;
-use voltet_lanes::limits::{LENGTH_WALKED_LEAST, PIECES_MOST};
+use voltet_lanes::limits::PIECES_MOST;
 use voltet_lanes::optics::elementary::one_minus_exp;
 use voltet_lanes::optics::gaussian::LaneGaussianSteps;
 use voltet_lanes::optics::partial_table::LanePartialTable;
@@ -93,10 +93,7 @@ impl Sampled {
             return Err(Left::NoLanes);
         }
         let cutoff = making.model.cutoff();
-        let scale = making.density_scale as f32;
-        if cutoff.is_some() && !(LENGTH_WALKED_LEAST < scale && scale.is_finite()) {
-            return Err(Left::Lengths);
-        }
+        let glow = making.glow_scale()?;
         let is_lost = |cutoff: f64| cutoff < CUTOFF_LEAST && widgets.iter().any(LaneWidget::is_exponential);
         if cutoff.is_some_and(is_lost) {
             return Err(Left::Samples);
@@ -111,7 +108,7 @@ impl Sampled {
             count,
             table: table.map(LanePartialTable::new),
             thresholds: widgets.iter().map(threshold).collect(),
-            glow: cutoff.map(|_| scale),
+            glow,
             reads_fields: !making.fields.is_empty(),
         })
     }
@@ -130,7 +127,7 @@ impl Sampled {
         let steps = LaneGaussianSteps { values: [zero; 4], ratios: [zero; 4], change: zero };
         let mut slots = vec![Slot::<L> { range: [zero; 2], sum: zero, steps }; widgets.len()];
         let mut met: Vec<Met<L>> = Vec::with_capacity(widgets.len());
-        let mut fields = Fields { front: [zero; FIELDS_MOST], back: [zero; FIELDS_MOST] };
+        let mut fields = Fields::<L>::none();
         for at in (0..count).step_by(L::WIDTH) {
             let along = Along::<L>::load(batch, at);
             let mut unsure = self.meet::<L>(widgets, &along, &mut met, &mut slots);
@@ -161,7 +158,7 @@ impl Sampled {
                     value.store(&mut column[at..]);
                 }
             }
-            let meant = along.crossing.bits() & u32::MAX >> (32 - (count - at).min(L::WIDTH));
+            let meant = meant::<L>(along.crossing, count - at);
             unsure &= meant;
             push(&mut out.rest, unsure, at);
             let there = met.iter().fold(0, |all, met| all | met.there.bits()) & meant;

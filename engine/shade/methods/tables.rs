@@ -6,7 +6,7 @@ use crate::shade::along::Along;
 use crate::shade::kinds::Making;
 use crate::shade::reach::LEFT_OUT;
 use crate::shade::shaded::Shaded;
-use crate::shade::shader::Scene;
+use crate::shade::shader::{Scene, meant};
 use rayon::prelude::*;
 use voltet_core::Result;
 use voltet_core::optics::integrators::{Matter, Ramp, last_tile};
@@ -122,7 +122,7 @@ impl Table {
                 out.rgba.iter_mut().for_each(|column| zero.store(&mut column[at..]));
                 continue;
             }
-            let meant = there.bits() & u32::MAX >> (32 - (count - at).min(L::WIDTH));
+            let meant = meant::<L>(there, count - at);
             out.evaluation_count += u64::from(meant.count_ones());
             let length = along.length * splat(self.per_length);
             let share = length.max(zero).min(one);

@@ -2,13 +2,13 @@
 //! their order.
 
 use crate::fragments::batch::Batch;
-use crate::shade::along::{Along, FIELDS_MOST, Fields};
+use crate::shade::along::{Along, Fields};
 use crate::shade::kinds::{LaneWidget, Making, Through};
 use crate::shade::reach::Spread;
 use crate::shade::shaded::{Left, Shaded};
-use crate::shade::shader::{overlaps, push};
+use crate::shade::shader::{meant, overlaps, push};
 use voltet_core::optics::integrators::GaussianTables;
-use voltet_lanes::limits::{GAUSSIAN_WIDTHS_MOST, LENGTH_WALKED_LEAST};
+use voltet_lanes::limits::GAUSSIAN_WIDTHS_MOST;
 use voltet_lanes::optics::elementary::{exp, mean_transparency, one_minus_exp};
 use voltet_lanes::optics::gaussian_table::LaneGaussianTables;
 use voltet_lanes::{Float, Lanes, Mask, array};
@@ -28,14 +28,10 @@ impl Tabulated {
         if !widgets.iter().all(LaneWidget::has_path) {
             return Err(Left::NoLanes);
         }
-        let scale = making.density_scale as f32;
-        let cutoff = making.model.cutoff();
-        if cutoff.is_some() && !(LENGTH_WALKED_LEAST < scale && scale.is_finite()) {
-            return Err(Left::Lengths);
-        }
+        let glow = making.glow_scale()?.zip(making.model.cutoff());
         Ok(Tabulated {
             tables: LaneGaussianTables::new(tables),
-            glow: cutoff.map(|cutoff| (scale, -cutoff.ln() as f32)),
+            glow: glow.map(|(scale, cutoff)| (scale, -cutoff.ln() as f32)),
             reads_fields: !making.fields.is_empty(),
         })
     }
@@ -56,7 +52,7 @@ impl Tabulated {
         out: &mut Shaded,
     ) {
         let zero = L::F::splat(0.0);
-        let mut fields = Fields { front: [zero; FIELDS_MOST], back: [zero; FIELDS_MOST] };
+        let mut fields = Fields::<L>::none();
         for at in (0..count).step_by(L::WIDTH) {
             let along = Along::<L>::load(batch, at);
             if self.reads_fields {
@@ -96,7 +92,7 @@ impl Tabulated {
                 }
             }
             unsure |= whole.le(L::F::splat(f32::MAX)).not().bits();
-            let meant = along.crossing.bits() & u32::MAX >> (32 - (count - at).min(L::WIDTH));
+            let meant = meant::<L>(along.crossing, count - at);
             unsure &= meant;
             push(&mut out.rest, unsure, at);
             out.evaluation_count += u64::from((asked & meant).count_ones());

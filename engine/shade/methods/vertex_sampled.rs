@@ -4,7 +4,7 @@
 use crate::fragments::batch::{Batch, Column};
 use crate::shade::kinds::Making;
 use crate::shade::shaded::{Left, Shaded};
-use crate::shade::shader::push;
+use crate::shade::shader::{meant, push};
 use voltet_core::optics::integrators::CLASSIFIED;
 use voltet_lanes::optics::elementary::one_minus_exp;
 use voltet_lanes::optics::linear::{DEEPEST, front_back};
@@ -82,7 +82,7 @@ impl VertexSampled {
                     value.store(&mut column[at..]);
                 }
             }
-            let meant = crossing.bits() & u32::MAX >> (32 - (count - at).min(L::WIDTH));
+            let meant = meant::<L>(crossing, count - at);
             push(&mut out.rest, unsure & meant, at);
             out.evaluation_count += u64::from((there & meant & !unsure).count_ones());
         }
