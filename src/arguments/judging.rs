@@ -31,7 +31,8 @@ pub struct Stability {
     ///
     /// Each is a picture of up to 32 × 32 pixels, held against the 64-bit referee. A pixel beyond the bound is explained where
     /// the referee changes by as much when the camera moves by a thousandth of a pixel, or the data are rounded to 32 bits.
-    /// Some 40 scenes a second on two cores.
+    /// Some 40 scenes a second on two cores. A device draws each in every way of compositing, a software driver in seconds; its
+    /// triangles may be off by what their cells, one by one, change when corners move by 1/256 of a pixel.
     #[arg(long, value_name = "COUNT", conflicts_with_all = ["cases", "markdown"])]
     pub scenes: Option<u64>,
     /// The number of the first of them.

@@ -6,43 +6,35 @@
 //! | `volumes` | grids and fields |
 //! | `looks` | transfer functions and shading |
 //! | `cameras` | cameras |
+//! | `neighbours` | by how much a picture changes where nothing that anybody could see does |
 //!
 //! Some scenes have no picture that 32 bits, or the data's own rounding, determine: a ray within a face, a widget a
 //! millionth as wide as a cell's range. A pixel beyond its bound is *explained* where the referee itself changes by half as much
 //! when the camera moves by a thousandth of a pixel, when s and g or the points are rounded to 32 bits of their ranges, or when s and
 //! g all move by as much as that may change the larger half of them. What is not explained is wrong.
 //!
-//! A device draws each scene in all its ways of compositing, in exact order where the cells have one. Of triangles, whose corners
-//! hardware moves to a raster, the camera's step is one of that raster.
+//! A device draws each scene in all its ways of compositing, in exact order where the cells have one. Hardware moves the corners
+//! of triangles to a raster, those of each cell for itself: there the sum counts of what each cell, drawn alone, changes when it
+//! moves by a step of that raster.
 
 mod cameras;
 mod dice;
 mod looks;
+mod neighbours;
 mod volumes;
 
 use super::pictures::{BOUND, errors, may_refuse, picture};
 use super::subjects::Subjects;
 use dice::Dice;
-use glam::DVec3;
 use serde::Serialize;
 use std::sync::Arc;
-use voltet_core::Shared;
 use voltet_core::engine::Compositing;
-use voltet_core::grid::Grid;
-use voltet_core::grid::extent::{bounds, range};
-use voltet_core::picture::Picture;
+use voltet_core::grid::extent::bounds;
 use voltet_core::progress::{Progress, Unreported};
 use voltet_core::scene::Scene;
 use voltet_core::shading::Order;
-use voltet_core::volume::Volume;
 use voltet_core::{Error, Result, reference};
 
-/// How far the camera moves, pixels.
-const NUDGE: f64 = 1e-3;
-/// The same for triangles, whose corners the hardware moves to a raster of 1/256 of a pixel.
-const NUDGE_OF_CORNERS: f64 = 1.0 / 256.0;
-/// What rounding to 32 bits may change in a number from a half to one.
-const HALF_STEP: f64 = 1.0 / (1 << 25) as f64;
 /// How much larger an error may be than the largest change that was found: only eight neighbours of a scene are looked at.
 const LIKE: f64 = 2.0;
 
@@ -116,7 +108,7 @@ pub fn random(
         };
         found.drawn += 1;
         found.shown += u64::from(exact.rgba.iter().any(|pixel| pixel[3] > 1.0 / 255.0));
-        let mut neighbours = None;
+        let mut explained = None;
         let each = subjects
             .painters
             .iter()
@@ -141,10 +133,11 @@ pub fn random(
             if errors.iter().all(|error| *error <= BOUND) {
                 continue;
             }
-            let changed = neighbours.get_or_insert_with(|| changes(&neighbours_of(&scene), &exact, progress));
+            let changed = explained.get_or_insert_with(|| neighbours::changes(&scene, &exact, progress));
             if way == Some(Compositing::Triangles) {
-                let further = changes(&nudged(&scene, NUDGE_OF_CORNERS), &exact, progress);
-                let most: Vec<f64> = changed.iter().zip(further).map(|(a, b)| a.max(b)).collect();
+                let further = neighbours::changes_of_triangles(&scene, progress);
+                // A sum over all cells is a bound already.
+                let most: Vec<f64> = changed.iter().zip(further).map(|(a, b)| a.max(b / LIKE)).collect();
                 found.beyond.push(beyond(number, engine, &errors, &most, exact.width));
             } else {
                 found.beyond.push(beyond(number, engine, &errors, changed, exact.width));
@@ -163,57 +156,6 @@ pub fn scene(seed: u64, number: u64) -> Result<Scene> {
     let shading = looks::shading(&mut dice);
     let camera = cameras::camera(&mut dice, bounds);
     Ok(Scene { volume: Arc::new(volume), transfer_function, camera, shading, order: Order::Exact })
-}
-
-/// By how much each pixel of the referee's picture changes at most from scene to scene.
-fn changes(scenes: &[Scene], exact: &Picture, progress: &dyn Progress) -> Vec<f64> {
-    let mut most = vec![0.0_f64; exact.rgba.len()];
-    for neighbour in scenes {
-        if let Ok(picture) = reference::draw(neighbour, &Unreported(progress)) {
-            most.iter_mut().zip(errors(&picture, exact)).for_each(|(most, change)| *most = most.max(change));
-        }
-    }
-    most
-}
-
-/// The scene with the camera moved by so many pixels.
-fn nudged(scene: &Scene, by: f64) -> Vec<Scene> {
-    let steps = [[by, 0.0], [-by, 0.0], [0.0, by], [0.0, -by], [by, by], [-by, -by]];
-    let cameras = steps.iter().filter_map(|&step| cameras::nudged(&scene.camera, step));
-    cameras.map(|camera| Scene { camera, ..scene.clone() }).collect()
-}
-
-/// The scene as it may be for what nobody can see, and for the data's rounding.
-fn neighbours_of(scene: &Scene) -> Vec<Scene> {
-    let mut all = nudged(scene, NUDGE);
-    let Volume { grid, scalar, gradient, gradient_magnitude } = (*scene.volume).clone();
-    let with_values = |change: fn(f64) -> f64| Volume {
-        scalar: Shared::from(about_the_least(&scalar, change)),
-        gradient_magnitude: gradient_magnitude.as_ref().map(|g| about_the_least(g, change).into()),
-        grid: grid.clone(),
-        gradient: gradient.clone(),
-    };
-    let changes: [fn(f64) -> f64; 3] = [rounded, |x| x + HALF_STEP, |x| x - HALF_STEP];
-    let mut volumes: Vec<Volume> = changes.into_iter().map(with_values).collect();
-    let axes = [0, 1, 2].map(|axis| grid.points.iter().map(|p| p[axis]).collect::<Vec<_>>());
-    let [x, y, z] = axes.map(|values| about_the_least(&values, rounded));
-    let points = x.into_iter().zip(y).zip(z).map(|((x, y), z)| DVec3::new(x, y, z)).collect();
-    let moved = Grid { points, ..(*grid).clone() };
-    volumes.push(Volume { grid: Arc::new(moved), scalar, gradient, gradient_magnitude });
-    all.extend(volumes.into_iter().map(|volume| Scene { volume: Arc::new(volume), ..scene.clone() }));
-    all
-}
-
-fn rounded(x: f64) -> f64 {
-    f64::from(x as f32)
-}
-
-/// Values with a change of their fraction of the range: an offset costs no digits.
-fn about_the_least(values: &[f64], change: fn(f64) -> f64) -> Vec<f64> {
-    let [low, high] = range(values).unwrap_or_default();
-    let width = high - low;
-    let changed = |&x: &f64| if width > 0.0 { low + width * change((x - low) / width) } else { x };
-    values.iter().map(changed).collect()
 }
 
 fn beyond(scene: u64, engine: String, errors: &[f64], changes: &[f64], width: usize) -> Beyond {
@@ -236,6 +178,7 @@ fn beyond(scene: u64, engine: String, errors: &[f64], changes: &[f64], width: us
 mod tests {
     use super::*;
     use crate::stability::subjects;
+    use voltet_core::picture::Picture;
     use voltet_core::progress::Silent;
 
     /// On every lane set; most show something, so that they prove something.
@@ -271,15 +214,6 @@ mod tests {
             let found = random(&subjects, seed, number..number + 1, &Silent).expect("drawn");
             assert!(found.beyond.is_empty(), "{:#?}", found.beyond);
         }
-    }
-
-    /// An offset takes no digits of what is explained by rounding.
-    #[test]
-    fn values_are_rounded_within_their_range() {
-        let far = about_the_least(&[1e8, 1e8 + 0.25, 1e8 + 1.0], rounded);
-        assert_eq!(far, [1e8, 1e8 + 0.25, 1e8 + 1.0]);
-        assert_eq!(about_the_least(&[2.0; 3], |x| x + 0.5), [2.0; 3]);
-        assert_eq!(about_the_least(&[-1.0, 1.0], |x| x + 0.25), [-0.5, 1.5]);
     }
 
     #[test]
