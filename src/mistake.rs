@@ -3,8 +3,10 @@
 use crate::nodes::files;
 use crate::present::{name, say};
 use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
 use std::panic::PanicHookInfo;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
 /// The exit code.
 pub const FAILED: u8 = 1;
@@ -77,12 +79,24 @@ fn or_end(block: *mut u8, size: usize) -> *mut u8 {
 /// Set where the program ends for want of memory.
 static ENDS: AtomicBool = AtomicBool::new(false);
 
+thread_local! {
+    /// Whether it is this thread that ends it. Takes no memory from the heap.
+    static ENDS_HERE: Cell<bool> = const { Cell::new(false) };
+}
+
+/// How long another thread that wants memory waits for the end. It may hold a lock that the end asks for.
+const WAIT: Duration = Duration::from_secs(10);
+
 #[cold]
 fn memory_ends(size: usize) -> *mut u8 {
     if ENDS.swap(true, Ordering::Relaxed) {
-        // The end itself asks for memory, or another thread does meanwhile: Rust's own way is left.
+        if !ENDS_HERE.get() {
+            std::thread::sleep(WAIT);
+        }
+        // The end itself asks for memory, or does not come: Rust's own way is left.
         return std::ptr::null_mut();
     }
+    ENDS_HERE.set(true);
     // Written without a block of memory.
     use std::io::Write;
     let _ = writeln!(

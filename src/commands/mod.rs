@@ -22,11 +22,12 @@ mod time;
 
 use crate::Document;
 use crate::arguments::{Arguments, Command, Set};
-use crate::core::Result;
 use crate::core::graph::Registry;
+use crate::core::{Error, Result};
 use crate::lanes::LaneSet;
 use crate::nodes::{files, formats};
 use outcome::{WRONG, show};
+use std::error::Error as _;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -87,7 +88,24 @@ pub fn answer(answer: &clap::Error) -> u8 {
     }
 }
 
+/// Begins the threads that work, while there is memory for them: later their want would look like a mistake of the program. A
+/// program around this one may have begun them.
+fn begin_threads() -> Result<()> {
+    let begun = rayon::ThreadPoolBuilder::new().build_global();
+    match begun.as_ref().err().and_then(|error| error.source()) {
+        Some(why) => {
+            let wish = "more memory, a higher limit of processes, or fewer threads by the variable RAYON_NUM_THREADS";
+            Err(Error::run("no threads can be had to work with").found(why).accepted(wish))
+        }
+        None => Ok(()),
+    }
+}
+
 fn carry_out(command: &Command, registry: &Registry) -> Result<u8> {
+    // These list, or do what a plug-in does.
+    if !matches!(command, Command::Nodes(_) | Command::PluginProcess(_)) {
+        begin_threads()?;
+    }
     match command {
         Command::Run(arguments) => run::run(arguments, registry),
         Command::Check(arguments) => check::check(arguments, registry),

@@ -85,11 +85,11 @@ fn info_promises_what_runs_take() {
 }
 
 /// Runs the wavelet with an address space of so many MiB.
-fn limited(folder: &Folder, mebibytes: usize, set: &str) -> std::process::Output {
+fn limited(folder: &Folder, mebibytes: usize, threads: &str, set: &str) -> std::process::Output {
     let program = env!("CARGO_BIN_EXE_voltet");
     let line = format!("ulimit -v {} && exec {program} run wavelet.toml --set '{set}'", mebibytes * 1024);
     let mut shell = std::process::Command::new("sh");
-    shell.args(["-c", &line]).env(THREADS.0, THREADS.1).current_dir(folder.path()).output().unwrap()
+    shell.args(["-c", &line]).env(THREADS.0, threads).current_dir(folder.path()).output().unwrap()
 }
 
 #[test]
@@ -97,18 +97,21 @@ fn where_memory_ends_the_run_is_refused_or_ends_with_one_line() {
     let folder = Folder::new();
     folder.write("wavelet.toml", WAVELET);
     let before = folder.names();
-    for (set, wanted) in [
+    for (threads, set, wanted) in [
         // 6 million cells are there; drawing them takes more than is left.
-        ("view.size=[64, 64]", "found drawing 6000000 cells takes about "),
+        (THREADS.1, "view.size=[64, 64]", "found drawing 6000000 cells takes about "),
         // 100 million cells are never made.
-        ("grid.resolution=[256, 256, 256]", "error: memory ends: found no room for "),
+        (THREADS.1, "grid.resolution=[256, 256, 256]", "error: memory ends: found no room for "),
+        // It ends for several threads at once: the run ends by the first.
+        ("16", "grid.resolution=[256, 256, 256]", "error: memory ends: found no room for "),
+        // Their stacks are more than there is.
+        ("600", "view.size=[64, 64]", "error: no threads can be had to work with: found "),
     ] {
-        let output = limited(&folder, 500, set);
+        let output = limited(&folder, 500, threads, set);
         let said = String::from_utf8(output.stderr).unwrap();
         assert_eq!(output.status.code(), Some(1), "{said}");
         assert!(
-            said.contains(wanted)
-                && said.contains(" = help: expected a smaller grid or picture, or more memory"),
+            said.contains(wanted) && said.contains(" = help: expected ") && said.contains("more memory"),
             "{said}"
         );
         assert_eq!(said.matches("error:").count(), 1, "{said}");
