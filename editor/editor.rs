@@ -207,7 +207,7 @@ impl Editor {
                 values: shown.values.clone(),
                 failure: shown.failure.clone(),
                 running: running(shown),
-                seconds: shown.pixels.as_ref().and_then(|p| shown.seconds[usize::from(p.divisor != 1)]),
+                seconds: shown.pixels.as_ref().and_then(|p| shown.seconds[usize::from(!p.is_full())]),
                 engine: engine.map(|engine| engine.0.clone()),
                 distribution: found.and_then(|found| found.as_ref().ok().cloned()),
                 distribution_fault: found.and_then(|found| found.as_ref().err().map(Error::to_string)),

@@ -34,8 +34,8 @@ pub(crate) struct PicturePanel {
     texture: Option<TextureHandle>,
     /// Small pictures of other nodes, by these.
     previews: HashMap<String, Small>,
-    /// What the texture holds: the request and how coarse.
-    holds: Option<(u64, u32)>,
+    /// What the texture holds: the request, and whether it is its full picture.
+    holds: Option<(u64, bool)>,
     /// Whether a drag is a box to be probed, as it is with Alt, which some window managers keep for themselves.
     boxes: bool,
     /// Where the box of a probe began.
@@ -142,7 +142,7 @@ impl PicturePanel {
             }
         }
         let Some(pixels) = &scene.pixels else { return };
-        if self.holds == Some((pixels.number, pixels.divisor)) {
+        if self.holds == Some((pixels.number, pixels.is_full())) {
             return;
         }
         let image = color_image(pixels);
@@ -151,7 +151,7 @@ impl PicturePanel {
             Some(texture) => texture.set(image, options),
             None => self.texture = Some(ui.ctx().load_texture("picture", image, options)),
         }
-        self.holds = Some((pixels.number, pixels.divisor));
+        self.holds = Some((pixels.number, pixels.is_full()));
     }
 
     /// What stands over the picture: why there is none, or that it is being made.

@@ -36,5 +36,5 @@ pub use cells::{Cells, Counts};
 pub use cull::{Known, Sample, cull, keep_all};
 pub use draw::{Projection, Ready, composite, draw, integrator, needs_gradient, prepare, project, sort};
 pub use memory::drawing_bytes;
-pub use native::{ENGINE, prepare_for_edits};
+pub use native::ENGINE;
 pub use segments::{Integrated, Segments, segments};

@@ -58,24 +58,9 @@ impl Engine for Native {
     }
 
     fn prepare(&self, volume: &Arc<Volume>) -> Result<Arc<dyn Prepared>> {
-        self.on_volume(volume, false)
-    }
-}
-
-impl Native {
-    fn on_volume(&self, volume: &Arc<Volume>, keeps: bool) -> Result<Arc<dyn Prepared>> {
         let known = Known::new(volume)?;
-        Ok(Arc::new(OnVolume { lanes: self.lanes, known, keeps, classified: Mutex::new(None) }))
+        Ok(Arc::new(OnVolume { lanes: self.lanes, known, classified: Mutex::new(None) }))
     }
-}
-
-/// The native engine on a volume whose transfer function is edited: at the second change of widgets at one camera the segments of the
-/// view are kept (12 bytes each, 20 with g; 1 GiB at most), and from then on a picture of it is shading and blending alone. Such a
-/// picture differs from one of the cells by rounding, some 1e-6: who needs the same bits whatever was drawn before takes [`ENGINE`].
-///
-/// Errors: an extent beyond 64-bit floats; a lane set that this processor lacks.
-pub fn prepare_for_edits(volume: &Arc<Volume>) -> Result<Arc<dyn Prepared>> {
-    Native { lanes: LaneSet::detect()? }.on_volume(volume, true)
 }
 
 /// The engine with what it knows of one volume.
@@ -83,8 +68,6 @@ pub fn prepare_for_edits(volume: &Arc<Volume>) -> Result<Arc<dyn Prepared>> {
 struct OnVolume {
     lanes: LaneSet,
     known: Known,
-    /// Whether it keeps the segments of views.
-    keeps: bool,
     /// What was drawn last by `vertex-sampled`: it serves the next picture, as a table does.
     classified: Mutex<Option<Arc<Classified>>>,
 }
@@ -131,7 +114,7 @@ impl Prepared for OnVolume {
             true => None,
             false => Some(Known::new(volume)?),
         };
-        if self.keeps
+        if manner.passing
             && classified.is_none()
             && elsewhere.is_none()
             && let Some(kept) = self.kept(scene, manner, &mut watch, progress)?
@@ -173,7 +156,8 @@ impl Prepared for OnVolume {
 }
 
 impl OnVolume {
-    /// The segments to draw a scene from, where they were kept or now are: of one sample a pixel in exact order, with values alone.
+    /// The segments to draw a passing picture from, where they were kept or now are: of one sample a pixel in exact order, with values
+    /// alone. They are kept at the second change of widgets at one camera (12 bytes each, 20 with g).
     fn kept(
         &self,
         scene: &Scene,
@@ -227,7 +211,7 @@ impl OnVolume {
         watch.end(Stage::SetUp);
         let (picture, counts) = ready.composite_kept(kept, progress)?;
         watch.end(Stage::Composite);
-        let mut drawn = Drawn::new(picture, watch.stages);
+        let mut drawn = Drawn { is_passing: true, ..Drawn::new(picture, watch.stages) };
         if let Some(leave) = manner.may_leave_out {
             let why = "the segments of this view were kept when its widgets changed";
             drawn.notes.leave_out(leave, "culling, projecting and sorting", why, None);

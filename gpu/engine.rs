@@ -162,7 +162,7 @@ fn of_engine(device: &Device, drawn: drawn::Drawn, manner: &Manner, work: Work) 
     let counts = drawn.counts.of_engine(manner);
     let compositing = Compositing::Tiles;
     let instead = drawn.tiles_instead.map(|why| Chosen { compositing, why, measured_secs: None });
-    Drawn { counts, picture: drawn.picture, stages: drawn.passes, instead, notes }
+    Drawn { counts, instead, notes, ..Drawn::new(drawn.picture, drawn.passes) }
 }
 
 /// What only this engine counts and leaves out, and what should be known of the device.

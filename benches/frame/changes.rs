@@ -6,12 +6,13 @@ use std::sync::Arc;
 use std::time::Instant;
 use voltet::core::Result;
 use voltet::core::camera::Camera;
+use voltet::core::engine::AdapterWish;
 use voltet::core::engine::{Manner, Stage};
 use voltet::core::progress::Silent;
 use voltet::core::scene::Scene;
 use voltet::core::shading::Order;
 use voltet::core::transfer::{Profile, TransferFunction};
-use voltet::engine::prepare_for_edits;
+use voltet::engine::ENGINE;
 
 const FRAME_COUNT: usize = 31;
 
@@ -34,7 +35,7 @@ pub fn measure(subject: &Subject, volumes: &Volumes) -> Result<()> {
     println!("| --- | --- |{}", " ---: |".repeat(6));
     for (name, volume, look) in looks {
         for change in CHANGES {
-            let prepared = prepare_for_edits(volume)?;
+            let prepared = ENGINE.open(&AdapterWish::default())?.prepare(volume)?;
             let mut stages = [const { Vec::new() }; 4];
             let (mut segments, mut slowest) = (0, 0.0f64);
             for k in 0..FRAME_COUNT + UNTIMED {
@@ -48,7 +49,7 @@ pub fn measure(subject: &Subject, volumes: &Volumes) -> Result<()> {
                     order: Order::Exact,
                 };
                 let start = Instant::now();
-                let drawn = prepared.draw(&scene, &Manner::default(), &Silent)?;
+                let drawn = prepared.draw(&scene, &Manner::passing(), &Silent)?;
                 let whole = start.elapsed().as_secs_f64();
                 let of = |wanted: Stage| {
                     drawn.stages.iter().filter(|timed| timed.stage == wanted).map(|timed| timed.seconds).sum()

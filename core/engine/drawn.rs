@@ -15,6 +15,8 @@ pub struct Drawn {
     pub stages: Vec<Timed>,
     /// The way in which it was composited, where it is not the one that was asked for, and why.
     pub instead: Option<Chosen>,
+    /// Whether it was drawn from what was kept of the view ([`crate::engine::Manner::passing`]): by itself it would differ by rounding.
+    pub is_passing: bool,
     /// What else there is to say: counts of this engine alone, what was left out, what the user should know.
     pub notes: Notes,
 }
@@ -22,7 +24,14 @@ pub struct Drawn {
 impl Drawn {
     /// A picture of which nothing is counted or noted yet.
     pub fn new(picture: Picture, stages: Vec<Timed>) -> Drawn {
-        Drawn { picture, counts: Counts::default(), stages, instead: None, notes: Notes::default() }
+        Drawn {
+            picture,
+            counts: Counts::default(),
+            stages,
+            instead: None,
+            is_passing: false,
+            notes: Notes::default(),
+        }
     }
 }
 

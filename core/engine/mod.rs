@@ -132,6 +132,9 @@ pub struct Manner {
     /// Leave to leave something out that the picture does not need: without it the engine does everything, for comparison, and
     /// the picture is the same.
     pub may_leave_out: Option<MayLeaveOut>,
+    /// Whether others of the same view follow at once, with other widgets: then the engine may keep what serves them, and the picture may
+    /// differ by rounding, some 1e-6, from one that is drawn by itself ([`Drawn::is_passing`]).
+    pub passing: bool,
 }
 
 impl Default for Manner {
@@ -141,6 +144,7 @@ impl Default for Manner {
             accumulation: Accumulation::Float,
             order_check: OrderCheck::None,
             may_leave_out: Some(MayLeaveOut::GIVEN),
+            passing: false,
         }
     }
 }
@@ -149,6 +153,11 @@ impl Manner {
     /// Composited in this way.
     pub fn by(compositing: Compositing) -> Manner {
         Manner { compositing: Some(compositing), ..Manner::default() }
+    }
+
+    /// One of many pictures of a view that follow each other.
+    pub fn passing() -> Manner {
+        Manner { passing: true, ..Manner::default() }
     }
 }
 

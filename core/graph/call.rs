@@ -141,6 +141,8 @@ pub struct Call<'a> {
     pub(super) done: &'a [Option<Done>],
     /// Whether the node asked for what led to it: then it runs again where the graph is another.
     pub(super) is_told: Cell<bool>,
+    pub(super) may_pass: bool,
+    pub(super) is_passing: Cell<bool>,
 }
 
 impl Call<'_> {
@@ -159,6 +161,17 @@ impl Call<'_> {
     /// Leave to leave something out that nobody needs. Without it the node does everything; the outputs mean the same.
     pub fn may_leave_out(&self) -> Option<MayLeaveOut> {
         MayLeaveOut::unless(self.no_leave_out)
+    }
+
+    /// Whether the outputs may be passing ones: others of the same graph with other parameters follow at once, and rounding may
+    /// depend on what was made before ([`Session::run_passing`](super::Session::run_passing)).
+    pub fn may_pass(&self) -> bool {
+        self.may_pass
+    }
+
+    /// Says that the outputs are passing ones: no later run takes them, nor what is made from them.
+    pub fn passes(&self) {
+        self.is_passing.set(true);
     }
 
     /// Where progress goes, and whether to stop.

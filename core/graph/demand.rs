@@ -156,4 +156,8 @@ pub(super) struct Done {
     pub(super) seconds: f64,
     /// Seconds that the former run took, where its outputs were used.
     pub(super) reused: Option<f64>,
+    /// Whether the outputs are passing ones ([`Call::passes`]), or made from such.
+    ///
+    /// [`Call::passes`]: super::call::Call::passes
+    pub(super) is_passing: bool,
 }

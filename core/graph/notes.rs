@@ -174,12 +174,15 @@ pub struct RunReport {
     pub origins: Origins,
     /// Seconds of the whole run.
     pub seconds: f64,
+    /// Whether outputs are passing ones: the same run by itself would give others by rounding ([`super::Session::run_passing`]).
+    pub is_passing: bool,
 }
 
 impl RunReport {
     /// Adds a node that ran, or whose former outputs were used.
     pub(super) fn add(&mut self, name: &str, node_type: &str, done: &Done) {
-        let Done { notes, seconds, reused, outputs } = done;
+        let Done { notes, seconds, reused, outputs, is_passing } = done;
+        self.is_passing |= is_passing;
         let pictures = outputs.iter().filter_map(|(value, _)| match value {
             Value::Image(picture) => Some((name.to_string(), picture.clone())),
             _ => None,

@@ -45,13 +45,15 @@ pub struct Session {
     last_revision: u64,
     file_stamp: FileStamp,
     no_leave_out: bool,
+    /// Whether outputs may be passing ones in the run that goes on.
+    may_pass: bool,
 }
 
 impl Session {
     /// A session without former runs. `file_stamp` finds the state of the files that parameters name.
     pub fn new(file_stamp: FileStamp) -> Self {
         let (cache, store) = (Cache::default(), Store::default());
-        Session { cache, store, last_revision: 0, file_stamp, no_leave_out: false }
+        Session { cache, store, last_revision: 0, file_stamp, no_leave_out: false, may_pass: false }
     }
 
     /// The session does everything that could be done, needed or not, for comparison: every node is asked for all it can
@@ -124,6 +126,15 @@ impl Session {
             }
         }
         Ok(plan)
+    }
+
+    /// The same as [`Session::run`] for one of many runs that follow each other while a hand moves something: nodes may keep what
+    /// serves the next, and what they give may differ by rounding from what a run by itself gives. No later run takes it.
+    pub fn run_passing(&mut self, graph: &Graph, observer: &dyn Observer) -> Result<RunReport> {
+        self.may_pass = !self.no_leave_out;
+        let report = self.run(graph, observer);
+        self.may_pass = false;
+        report
     }
 
     /// Both passes. Every node finds out first whether it can succeed.
@@ -231,7 +242,8 @@ impl Session {
         let former = self.cache.find(node, &revisions, demand, &files, &graph.stated);
         if let Some(entry) = former.filter(|_| !self.no_leave_out) {
             let (outputs, notes) = (entry.outputs.clone(), entry.notes.clone());
-            return Ok(Done { outputs, notes, seconds: 0.0, reused: Some(entry.seconds) });
+            let (seconds, reused) = (0.0, Some(entry.seconds));
+            return Ok(Done { outputs, notes, seconds, reused, is_passing: false });
         }
         let mut call = Call {
             parameters: &node.parameters,
@@ -242,6 +254,8 @@ impl Session {
             place: i,
             done,
             is_told: Cell::new(false),
+            may_pass: self.may_pass,
+            is_passing: Cell::new(false),
             file_stamp: self.file_stamp,
             inputs,
             folder: &graph.folder,
@@ -251,6 +265,8 @@ impl Session {
         };
         let values = node.run(&mut call)?;
         let notes = std::mem::take(&mut call.notes);
+        let of_passing = |edge: &Edge| done[edge.node].as_ref().is_some_and(|done| done.is_passing);
+        let is_passing = call.is_passing.get() || node.inputs.iter().any(of_passing);
         let carried = call.is_told.get().then(|| graph.stated.clone());
         let declared = node.node.outputs.iter().map(|port| port.port_type);
         if !values.iter().map(Value::port_type).eq(declared) {
@@ -259,6 +275,9 @@ impl Session {
         let outputs: Vec<(Value, Revision)> =
             values.into_iter().map(|value| (value, self.next_revision())).collect();
         let seconds = start.elapsed().as_secs_f64();
+        if is_passing {
+            return Ok(Done { outputs, notes, seconds, reused: None, is_passing });
+        }
         self.cache.add(Entry {
             node: node.node,
             parameters: node.parameters.clone(),
@@ -272,7 +291,7 @@ impl Session {
             notes: notes.clone(),
             seconds,
         });
-        Ok(Done { outputs, notes, seconds, reused: None })
+        Ok(Done { outputs, notes, seconds, reused: None, is_passing })
     }
 
     fn next_revision(&mut self) -> Revision {

@@ -144,6 +144,8 @@ impl Call<'_> {
                 place: i,
                 done: &all_done,
                 is_told: Cell::new(false),
+                may_pass: false,
+                is_passing: Cell::new(false),
                 file_stamp: self.file_stamp,
                 inputs: inputs_of(node, &all_done),
                 folder: self.folder,
@@ -156,7 +158,13 @@ impl Call<'_> {
                 (value, Revision(revision))
             });
             let outputs = outputs.collect();
-            all_done[i] = Some(Done { outputs, notes: Notes::default(), seconds: 0.0, reused: None });
+            all_done[i] = Some(Done {
+                outputs,
+                notes: Notes::default(),
+                seconds: 0.0,
+                reused: None,
+                is_passing: false,
+            });
         }
         let value = all_done[last].as_ref().and_then(|done| done.outputs.get(output)).map(|o| o.0.clone());
         value.ok_or_else(|| Error::run("the node that feeds an input gave nothing"))

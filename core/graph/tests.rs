@@ -6,6 +6,7 @@ mod given;
 mod methods;
 mod no_leave_out;
 mod optional_inputs;
+mod passing;
 
 use super::*;
 use crate::Shared;

@@ -125,7 +125,7 @@ fn until(worker: &Worker, number: u64, begun: Instant) -> [f64; 2] {
     while begun.elapsed() < Duration::from_secs(120) {
         let (shown, failure) = worker.shown(|shown| {
             (
-                shown.pixels.as_ref().map(|p| (p.number, p.divisor)),
+                shown.pixels.as_ref().map(|p| (p.number, p.is_full())),
                 shown.failure.as_ref().map(Error::to_string),
             )
         });
@@ -135,7 +135,7 @@ fn until(worker: &Worker, number: u64, begun: Instant) -> [f64; 2] {
         }
         let now = begun.elapsed().as_secs_f64() * 1e3;
         match shown {
-            Some((of, 1)) if of == number => return [first.unwrap_or(now), now],
+            Some((of, true)) if of == number => return [first.unwrap_or(now), now],
             Some((of, _)) if of == number => first = first.or(Some(now)),
             _ => {}
         }

@@ -1,6 +1,12 @@
 //! How many pixels a coarse picture has: as many as are drawn in the time that a hand does not notice.
+//!
+//! While widgets change and the view does not, the engine draws from what it keeps of the view ([`Manner::passing`]). It keeps that of
+//! pictures of one size alone, so that another size costs some slow pictures first.
+//!
+//! [`Manner::passing`]: voltet_core::engine::Manner::passing
 
 use std::time::Duration;
+use voltet_core::graph::NodeEntry;
 
 /// What a coarse picture may take, seconds: twenty-five of them a second, of which the wires take some.
 const COARSE_SECONDS: f64 = 0.035;
@@ -25,11 +31,37 @@ const FIRST_PATIENCE: f64 = 0.2;
 pub(super) struct Pace {
     full: Option<(f64, f64)>,
     coarse: Option<(f64, f64)>,
+    /// What was drawn from what is kept of the view.
+    kept: Option<Kept>,
+    /// Where the pictures are seen from.
+    cameras: Vec<NodeEntry>,
 }
+
+#[derive(Debug, Clone, Copy)]
+struct Kept {
+    seconds_a_pixel: f64,
+    /// Pictures since then that were not.
+    others: u32,
+}
+
+/// Pictures of a new size after which the engine has kept it, or will not.
+const UNTIL_KEPT: u32 = 3;
 
 impl Pace {
     /// By how much the sides of a coarse picture of so many pixels in full are divided; 1 where the full one is quick enough.
     pub fn divisor(&self, pixels: f64) -> u32 {
+        self.divisor_of_kept(pixels).unwrap_or(DIVISOR_MOST).min(self.divisor_of_cells(pixels))
+    }
+
+    fn divisor_of_kept(&self, pixels: f64) -> Option<u32> {
+        let whole = self.kept?.seconds_a_pixel * pixels;
+        if whole <= FULL_SECONDS {
+            return Some(1);
+        }
+        (2..DIVISOR_MOST).find(|divisor| whole / f64::from(divisor * divisor) <= COARSE_SECONDS)
+    }
+
+    fn divisor_of_cells(&self, pixels: f64) -> u32 {
         let Some([fixed, each]) = self.law() else { return FIRST };
         // The full picture itself is the better witness.
         let as_measured = self.full.map_or(f64::INFINITY, |(count, seconds)| seconds * pixels / count);
@@ -62,7 +94,30 @@ impl Pace {
     /// A picture of so many pixels took so long.
     pub fn learn(&mut self, divisor: u32, pixels: f64, seconds: f64) {
         let measured = Some((pixels.max(1.0), seconds));
-        if divisor == 1 { self.full = measured } else { self.coarse = measured }
+        if divisor == 1 {
+            self.full = measured
+        } else {
+            self.coarse = measured
+        }
+        self.kept = self.kept.map(|kept| Kept { others: kept.others + 1, ..kept });
+        self.kept = self.kept.filter(|kept| kept.others <= UNTIL_KEPT);
+    }
+
+    /// The same of one that was drawn from what is kept of the view.
+    pub fn learn_of_kept(&mut self, pixels: f64, seconds: f64) {
+        let seconds_a_pixel = match self.kept {
+            // The first of its size: what is kept was found, too.
+            Some(Kept { seconds_a_pixel, others: 1.. }) => seconds_a_pixel,
+            _ => seconds / pixels.max(1.0),
+        };
+        self.kept = Some(Kept { seconds_a_pixel, others: 0 });
+    }
+
+    /// The next picture is seen from here: nothing is kept of another view.
+    pub fn look_from(&mut self, cameras: Vec<NodeEntry>) {
+        if self.cameras != cameras {
+            (self.cameras, self.kept) = (cameras, None);
+        }
     }
 }
 
@@ -82,5 +137,39 @@ mod tests {
         assert_eq!(pace.divisor(786_432.0), DIVISOR_MOST);
         pace.learn(1, 786_432.0, 0.04);
         assert_eq!(pace.divisor(786_432.0), 1);
+    }
+
+    #[test]
+    fn while_a_view_is_kept_pictures_are_finer() {
+        let view = |angle: u32| {
+            let text = format!("[pipeline]\nformat = 1\n[nodes.view]\ntype = \"camera\"\nfov_y = {angle}");
+            voltet_core::pipeline::Pipeline::parse(&text).unwrap().nodes
+        };
+        let mut pace = Pace::default();
+        pace.look_from(view(30));
+        pace.learn(1, 786_432.0, 0.4);
+        assert_eq!(pace.divisor(786_432.0), 4);
+        // 0.16 s for the full one, of which a ninth is quick.
+        pace.learn_of_kept(49_152.0, 0.01);
+        assert_eq!(pace.divisor(786_432.0), 3);
+        // The first ones of the new size are drawn from the cells, one keeps.
+        pace.learn(3, 87_381.0, 0.06);
+        pace.learn(3, 87_381.0, 0.06);
+        assert_eq!(pace.divisor(786_432.0), 3);
+        pace.learn_of_kept(87_381.0, 0.1);
+        assert_eq!(pace.divisor(786_432.0), 3);
+        pace.learn_of_kept(87_381.0, 0.004);
+        assert_eq!(pace.divisor(786_432.0), 1);
+        // The engine does not keep so much.
+        for _ in 0..=UNTIL_KEPT {
+            assert_eq!(pace.divisor(786_432.0), 1);
+            pace.learn(1, 786_432.0, 0.4);
+        }
+        assert_ne!(pace.divisor(786_432.0), 1);
+        pace.learn_of_kept(786_432.0, 0.02);
+        pace.look_from(view(30));
+        assert_eq!(pace.divisor(786_432.0), 1);
+        pace.look_from(view(31));
+        assert_ne!(pace.divisor(786_432.0), 1, "nothing is kept of another view");
     }
 }

@@ -22,6 +22,8 @@ pub struct Pixels {
     pub rgba: Arc<Vec<[u8; 4]>>,
     /// How many pixels of the full picture a side of one of these covers; 1: it is the full one.
     pub divisor: u32,
+    /// Whether it was drawn in passing, from what the engine kept of the view: by itself it would differ by rounding.
+    pub is_passing: bool,
     /// The number of the request that it was drawn for.
     pub number: u64,
 }
@@ -39,7 +41,12 @@ impl Pixels {
                 [channel(r, 0), channel(g, 1), channel(b, 2), 255]
             })
             .collect();
-        Pixels { picture, rgba: Arc::new(rgba), divisor, number }
+        Pixels { picture, rgba: Arc::new(rgba), divisor, is_passing: false, number }
+    }
+
+    /// Whether it is the picture that a run of the document gives.
+    pub fn is_full(&self) -> bool {
+        self.divisor == 1 && !self.is_passing
     }
 
     /// Width and height.

@@ -35,6 +35,12 @@ impl Wanted {
         upstream(&self.nodes, &self.node)
     }
 
+    /// The nodes that say where it is seen from.
+    pub(super) fn cameras(&self) -> Vec<NodeEntry> {
+        let names = self.upstream();
+        self.nodes.iter().filter(|node| is_camera(node) && names.contains(&node.name)).cloned().collect()
+    }
+
     /// Pixels of the full picture, as far as the document says.
     pub(super) fn pixels(&self) -> f64 {
         let size = self.size.or_else(|| self.upstream().iter().find_map(|name| self.camera_size(name)));

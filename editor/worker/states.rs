@@ -45,7 +45,7 @@ pub struct Shown {
     pub failure: Option<Error>,
     /// Whether something newer than the picture is being made.
     pub is_busy: bool,
-    /// Seconds of the last full picture and of the last coarse one.
+    /// Seconds of the last full picture, and of the last that was coarse or drawn in passing.
     pub seconds: [Option<f64>; 2],
     /// The last full run's report, without its pictures.
     pub report: Option<Arc<RunReport>>,
@@ -118,7 +118,7 @@ impl Shown {
     }
 
     pub(super) fn finished(&mut self, pixels: Pixels, report: &RunReport, values: Values, seconds: f64) {
-        let is_full = pixels.divisor == 1;
+        let is_full = pixels.is_full();
         self.failure = None;
         self.seconds[usize::from(!is_full)] = Some(seconds);
         self.pixels = Some(pixels);

@@ -85,55 +85,71 @@ impl<'a> Work<'a> {
         }
     }
 
-    /// Draws what is wanted, coarse first where the full picture takes longer than a person waits for.
+    /// Draws what is wanted: coarse first where the full picture takes longer than a person waits for, and from what the engine kept of
+    /// the view where it can; at last the picture that a run gives.
     fn picture(&mut self, number: u64, wanted: &Wanted) {
-        let newest = || self.shared.newest.load(Ordering::SeqCst);
-        let coarse = if wanted.coarse_first { self.pace.divisor(wanted.pixels()) } else { 1 };
-        if coarse > 1 {
-            let outcome = self.pass(number, wanted, coarse, Some(self.pace.patience(coarse)));
-            if !self.keep(number, outcome) || newest() != number {
+        self.pace.look_from(wanted.cameras());
+        let mut is_full = false;
+        // The first picture of a wish is for a hand that moves, whether it is coarse or quick enough to have all pixels.
+        if wanted.coarse_first {
+            let divisor = self.pace.divisor(wanted.pixels());
+            let outcome = self.pass(number, wanted, divisor, Some(self.pace.patience(divisor)));
+            match self.keep(number, outcome) {
+                Some(found) => is_full = found,
+                None => return,
+            }
+        }
+        if !is_full {
+            if self.shared.newest.load(Ordering::SeqCst) != number {
+                return;
+            }
+            let outcome = self.pass(number, wanted, 1, None);
+            if self.keep(number, outcome).is_none() {
                 return;
             }
         }
-        // The first picture of a wish is for a hand that moves, whether it is coarse or quick enough to be the full one.
-        let patience = (coarse == 1 && wanted.coarse_first).then(|| self.pace.patience(1));
-        let outcome = self.pass(number, wanted, 1, patience);
-        if self.keep(number, outcome) {
-            self.shared.show(|shown| shown.settled(number));
-        }
+        self.shared.show(|shown| shown.settled(number));
     }
 
-    /// Shows the error of a pass, if it has one; whether it has none.
-    fn keep(&self, number: u64, outcome: Result<()>) -> bool {
-        match outcome {
-            Ok(()) => true,
-            Err(error) => {
-                self.shared.show(|shown| shown.failed(number, error));
-                false
-            }
-        }
+    /// What a pass gave; shows the error of one that failed.
+    fn keep<T>(&self, number: u64, outcome: Result<T>) -> Option<T> {
+        outcome.map_err(|error| self.shared.show(|shown| shown.failed(number, error))).ok()
     }
 
-    /// One run, with so many pixels less along each side; `patience`: how long it goes on while a hand moves.
-    fn pass(&mut self, number: u64, wanted: &Wanted, divisor: u32, patience: Option<Duration>) -> Result<()> {
+    /// One run, with so many pixels less along each side; `patience`: how long it goes on while a hand moves, for one that may be
+    /// a passing one. Whether its picture is the full one.
+    fn pass(
+        &mut self,
+        number: u64,
+        wanted: &Wanted,
+        divisor: u32,
+        patience: Option<Duration>,
+    ) -> Result<bool> {
         let start = Instant::now();
         let graph = wanted.graph(self.registry, divisor)?;
         let pass = Pass::new(self.shared, number, wanted, patience);
         let stop = |running: &dyn Fn() -> Option<String>| pass.stops(running);
         let following = Following::new(self.shared, &stop);
-        let report = self.guarded(&following, |session| session.run(&graph, &following))?;
+        let report = self.guarded(&following, |session| match patience {
+            Some(_) => session.run_passing(&graph, &following),
+            None => session.run(&graph, &following),
+        })?;
         let seconds = start.elapsed().as_secs_f64();
         let drew_alone = report.nodes.iter().all(|node| node.reused || wanted.is_cheap(&node.name));
-        let pixels = Pixels::of(picture_of(&report, wanted)?, wanted.background, divisor, number);
-        if drew_alone {
-            self.pace.learn(divisor, pixels.count(), seconds);
+        let drawn = Pixels::of(picture_of(&report, wanted)?, wanted.background, divisor, number);
+        let pixels = Pixels { is_passing: report.is_passing, ..drawn };
+        match report.is_passing {
+            _ if !drew_alone => {}
+            true => self.pace.learn_of_kept(pixels.count(), seconds),
+            false => self.pace.learn(divisor, pixels.count(), seconds),
         }
         if pass.is_stale() {
             return Err(Error::cancelled());
         }
-        let values = if divisor == 1 { self.values(&graph) } else { Values::default() };
+        let is_full = pixels.is_full();
+        let values = if is_full { self.values(&graph) } else { Values::default() };
         self.shared.show(|shown| shown.finished(pixels, &report, values, seconds));
-        Ok(())
+        Ok(is_full)
     }
 
     /// What runs through the wires, in words; the session has all of it.

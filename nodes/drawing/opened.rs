@@ -49,8 +49,12 @@ pub(super) fn draw_on(
     let volume = stage(call, declared, "upload", |_| volumes.prepare(declared, &engine, scene))?;
     let accumulation = accumulation(call.parameters)?;
     let order_check = order_check(call.parameters)?;
-    let manner = Manner { compositing, accumulation, order_check, may_leave_out: call.may_leave_out() };
+    let (may_leave_out, passing) = (call.may_leave_out(), call.may_pass());
+    let manner = Manner { compositing, accumulation, order_check, may_leave_out, passing };
     let drawn = stage(call, declared, "draw", |progress| volume.draw(scene, &manner, progress))?;
+    if drawn.is_passing {
+        call.passes();
+    }
     let stages = drawn.stages.iter().map(|part| match declared.on_device {
         true => (format!("device {}", part.name()), part.seconds),
         false => (part.name().to_string(), part.seconds),

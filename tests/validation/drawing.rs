@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 use voltet_core::Result;
-use voltet_core::engine::Manner;
+use voltet_core::engine::{AdapterWish, Manner};
 use voltet_core::optics::integrators;
 use voltet_core::picture::Picture;
 use voltet_core::progress::Silent;
@@ -65,7 +65,8 @@ const KEPT: f64 = 1e-5;
 /// The picture after others of the same view, with other widgets: from segments that were kept, where they serve.
 fn kept(scene: &NamedScene, shading: &Shading) -> Picture {
     let NamedScene { volume, look, camera, .. } = scene;
-    let prepared = engine::prepare_for_edits(volume).expect("has an extent");
+    let native = engine::ENGINE.open(&AdapterWish::default()).expect("opens");
+    let prepared = native.prepare(volume).expect("has an extent");
     let draw = |share: f64| {
         let mut transfer_function = look.clone();
         transfer_function.widgets.iter_mut().for_each(|widget| widget.color[0] *= share);
@@ -76,7 +77,7 @@ fn kept(scene: &NamedScene, shading: &Shading) -> Picture {
             shading: *shading,
             order: Order::Exact,
         };
-        prepared.draw(&scene, &Manner::default(), &Silent).expect("draws").picture
+        prepared.draw(&scene, &Manner::passing(), &Silent).expect("draws").picture
     };
     [0.5, 0.75].into_iter().for_each(|share| drop(draw(share)));
     draw(1.0)

@@ -1,0 +1,52 @@
+//! Runs that others follow at once.
+
+use super::*;
+
+/// Draws a passing picture where it may, but not of tolerance 0.
+const PASSES: Node = Node {
+    name: "passes",
+    run: &|call| {
+        if call.may_pass() && call.parameters.number("tolerance")? > 0.0 {
+            call.passes();
+        }
+        (DRAW.run)(call)
+    },
+    ..DRAW
+};
+
+fn passing(tolerance: f64) -> Graph {
+    let text = SCENE.replace("type = \"draw\"", &format!("type = \"passes\"\ntolerance = {tolerance:.1}"));
+    let mut registry = registry();
+    registry.add(&PASSES).unwrap();
+    Pipeline::parse(&text).unwrap().graph(&registry, PathBuf::from("folder")).unwrap()
+}
+
+#[test]
+fn what_passed_and_what_was_made_of_it_serve_no_later_run() {
+    let (mut session, graph) = (session(), passing(0.5));
+    assert!(session.run_passing(&graph, &Unobserved).unwrap().is_passing);
+    runs();
+    // Once more, and at last by itself.
+    assert!(session.run_passing(&graph, &Unobserved).unwrap().is_passing);
+    assert_eq!(runs(), [("draw", 1), ("write", 1)]);
+    assert!(!session.run(&graph, &Unobserved).unwrap().is_passing);
+    assert_eq!(runs(), [("draw", 1), ("write", 1)]);
+    // What stays serves a passing run, too.
+    assert!(!session.run_passing(&graph, &Unobserved).unwrap().is_passing);
+    assert_eq!(runs(), []);
+}
+
+#[test]
+fn what_did_not_pass_in_a_passing_run_serves() {
+    let (mut session, graph) = (session(), passing(0.0));
+    assert!(!session.run_passing(&graph, &Unobserved).unwrap().is_passing);
+    runs();
+    assert!(!session.run(&graph, &Unobserved).unwrap().is_passing);
+    assert_eq!(runs(), []);
+}
+
+#[test]
+fn nothing_passes_where_nothing_is_left_out() {
+    let mut session = session().no_leave_out();
+    assert!(!session.run_passing(&passing(0.5), &Unobserved).unwrap().is_passing);
+}
