@@ -28,7 +28,7 @@ pub const ENGINE: Declaration = Declaration {
     compositing: &[],
     can_serve: |transfer_function, shading| integrators::can_serve(&shading.integrator, transfer_function),
     adapters: Vec::new,
-    open: |_| Ok(Arc::new(Native { lanes: LaneSet::detect()? })),
+    open: |_, _| Ok(Arc::new(Native { lanes: LaneSet::detect()? })),
     open_each,
 };
 

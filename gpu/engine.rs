@@ -1,6 +1,7 @@
 //! The device engine as one of the program's engines.
 
-use crate::device::adapter::Adapters;
+use crate::device::absent;
+use crate::device::adapter::{Adapters, no_hardware};
 use crate::device::open::{Device, Work};
 use crate::frame::checked::Checked;
 use crate::frame::draw::{self, draw};
@@ -15,8 +16,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use voltet_core::Result;
 use voltet_core::engine::{
-    AdapterWish, Chosen, Compositing, Counts, Declaration, Drawn, Engine, Forms, Manner, Memory, Pending,
-    Prepared,
+    AdapterWish, Chosen, Compositing, Counts, Declaration, Drawn, Engine, Forgetful, Forms, Manner, Memory,
+    Pending, Prepared,
 };
 use voltet_core::graph::{Notes, Saving};
 use voltet_core::progress::Progress;
@@ -35,12 +36,21 @@ pub const ENGINE: Declaration = Declaration {
     compositing: &Compositing::ALL,
     can_serve: limits::can_serve,
     adapters: || Adapters::find().described(),
-    open: |wish| open(wish).map(|opened| Arc::new(opened) as Arc<dyn Engine>),
-    open_each: |wish| open(wish).map(|opened| vec![Arc::new(opened) as Arc<dyn Engine>]),
+    open: |wish, memory| open(wish, memory).map(|opened| Arc::new(opened) as Arc<dyn Engine>),
+    open_each: |wish| open(wish, &Forgetful).map(|opened| vec![Arc::new(opened) as Arc<dyn Engine>]),
 };
 
-fn open(wish: &AdapterWish) -> Result<OnDevice> {
-    Ok(OnDevice::new(Arc::new(Device::open(wish.name.as_deref(), wish.hardware)?)))
+fn open(wish: &AdapterWish, memory: &dyn Memory) -> Result<OnDevice> {
+    let any_hardware = wish.hardware && wish.name.is_none();
+    if any_hardware && let Some(listed) = absent::recall(memory) {
+        return Err(no_hardware(&format!("{listed} (remembered)")));
+    }
+    let adapters = Adapters::find();
+    if any_hardware && !adapters.have_hardware() {
+        absent::keep(memory, &adapters.listed());
+    }
+    let device = Device::open_of(&adapters, wish.name.as_deref(), wish.hardware)?;
+    Ok(OnDevice::new(Arc::new(device)))
 }
 
 /// The device engine on an open device.

@@ -142,3 +142,14 @@ pub trait Memory: Sync {
     /// Keeps a text, if it can be kept.
     fn keep(&self, key: &str, text: &str);
 }
+
+/// Keeps nothing.
+pub struct Forgetful;
+
+impl Memory for Forgetful {
+    fn recall(&self, _key: &str) -> Option<String> {
+        None
+    }
+
+    fn keep(&self, _key: &str, _text: &str) {}
+}

@@ -13,7 +13,7 @@ mod compositing;
 mod drawn;
 mod forms;
 
-pub use compositing::{Accumulation, Chosen, Compositing, Memory, OrderCheck};
+pub use compositing::{Accumulation, Chosen, Compositing, Forgetful, Memory, OrderCheck};
 pub use drawn::{Counts, Drawn, Stage, Timed};
 pub use forms::{Answer, Chain, Condition, Conditions, Forms, PartialIntegrals, Precision};
 
@@ -47,8 +47,8 @@ pub struct Declaration {
     pub can_serve: fn(&TransferFunction, &Shading) -> Result<()>,
     /// The adapters that it finds here, in words.
     pub adapters: fn() -> Vec<String>,
-    /// Opens it. Errors: no such adapter, or none at all.
-    pub open: fn(&AdapterWish) -> Result<Arc<dyn Engine>>,
+    /// Opens it; what is looked for may be kept in the memory. Errors: no such adapter, or none at all.
+    pub open: fn(&AdapterWish, &dyn Memory) -> Result<Arc<dyn Engine>>,
     /// Opens each of its ways to compute that is judged on its own: the same way of drawing on other vector units. Errors:
     /// those of `open`.
     pub open_each: fn(&AdapterWish) -> Result<Engines>,
@@ -85,7 +85,7 @@ impl Declaration {
             compositing: &[],
             can_serve: |_, _| Ok(()),
             adapters: Vec::new,
-            open: |_| Err(Error::run("this build is without the engine")),
+            open: |_, _| Err(Error::run("this build is without the engine")),
             open_each: |_| Err(Error::run("this build is without the engine")),
         }
     }
@@ -98,8 +98,14 @@ impl Declaration {
 
     /// Opens it. Errors: no such adapter, or none at all; a build without it.
     pub fn open(&self, wish: &AdapterWish) -> Result<Arc<dyn Engine>> {
+        self.open_remembering(wish, &Forgetful)
+    }
+
+    /// The same; that there is no hardware adapter is remembered, where that can be known to be so still. Errors: those of
+    /// [`Declaration::open`].
+    pub fn open_remembering(&self, wish: &AdapterWish, memory: &dyn Memory) -> Result<Arc<dyn Engine>> {
         self.check()?;
-        (self.open)(wish)
+        (self.open)(wish, memory)
     }
 
     /// Opens each of its ways to compute that is judged on its own. Errors: those of [`Declaration::open`].

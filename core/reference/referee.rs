@@ -25,7 +25,7 @@ pub const ENGINE: Declaration = Declaration {
             .accepted(Integrator::Reference.name())),
     },
     adapters: Vec::new,
-    open: |_| Ok(Arc::new(Referee)),
+    open: |_, _| Ok(Arc::new(Referee)),
     open_each: |_| Ok(vec![Arc::new(Referee)]),
 };
 

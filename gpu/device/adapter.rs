@@ -41,7 +41,12 @@ impl Adapters {
         self.found.iter().map(|adapter| describe(&adapter.get_info())).collect()
     }
 
-    fn listed(&self) -> String {
+    /// Whether one of them is hardware.
+    pub(crate) fn have_hardware(&self) -> bool {
+        self.found.iter().any(is_hardware)
+    }
+
+    pub(crate) fn listed(&self) -> String {
         if self.found.is_empty() { "no adapter".to_string() } else { self.described().join(", ") }
     }
 
@@ -52,9 +57,7 @@ impl Adapters {
             let fast = |adapter: &&wgpu::Adapter| !hardware || is_hardware(adapter);
             return match self.found.iter().find(fast) {
                 Some(adapter) => Ok((adapter, format!("{} is the fastest kind here", kind_of(adapter)))),
-                None => Err(Error::run("there is no hardware adapter")
-                    .found(self.listed())
-                    .accepted("a graphics device with a Vulkan, Metal or DirectX 12 driver")),
+                None => Err(no_hardware(&self.listed())),
             };
         };
         let lower = wish.to_lowercase();
@@ -67,6 +70,12 @@ impl Adapters {
                 .accepted("a part of a name, or \"discrete\", \"integrated\", \"virtual\", \"software\"")),
         }
     }
+}
+
+/// What stands where a device would.
+pub(crate) fn no_hardware(listed: &str) -> Error {
+    let error = Error::run("there is no hardware adapter").found(listed);
+    error.accepted("a graphics device with a Vulkan, Metal or DirectX 12 driver")
 }
 
 fn kind_of(adapter: &wgpu::Adapter) -> &'static str {

@@ -9,6 +9,7 @@
 //! | `pipelines`, `compiled` | compiling passes, and keeping them |
 //! | `timing` | seconds of each pass |
 
+pub(crate) mod absent;
 pub(crate) mod adapter;
 pub(crate) mod bindings;
 pub(crate) mod buffers;

@@ -55,21 +55,26 @@ impl Device {
     /// Opens the fastest adapter, or the one that `wish` names (a kind, or a part of its name). With `hardware`,
     /// software devices are passed over unless they are wished for.
     pub fn open(wish: Option<&str>, hardware: bool) -> Result<Device> {
-        Device::open_within(wish, hardware, |limits| limits)
+        Device::open_of(&Adapters::find(), wish, hardware)
+    }
+
+    /// The same of adapters that were found.
+    pub(crate) fn open_of(adapters: &Adapters, wish: Option<&str>, hardware: bool) -> Result<Device> {
+        Device::open_within(adapters, wish, hardware, |limits| limits)
     }
 
     /// The same with no more than every device of WebGPU has: bindings of 128 MiB, 8 storage buffers of a stage, workgroups of
     /// 256 invocations and 16 KiB. What needs more is an error, as it would be there.
     pub fn open_as_webgpu(wish: Option<&str>) -> Result<Device> {
-        Device::open_within(wish, false, |_| wgpu::Limits::defaults())
+        Device::open_within(&Adapters::find(), wish, false, |_| wgpu::Limits::defaults())
     }
 
     fn open_within(
+        adapters: &Adapters,
         wish: Option<&str>,
         hardware: bool,
         within: impl Fn(wgpu::Limits) -> wgpu::Limits,
     ) -> Result<Device> {
-        let adapters = Adapters::find();
         let (adapter, reason) = adapters.choose(wish, hardware)?;
         let info = adapter.get_info();
         let limits = within(adapter.limits());

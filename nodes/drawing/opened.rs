@@ -8,7 +8,9 @@ use crate::files::cache_folder;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 use voltet_core::Result;
-use voltet_core::engine::{AdapterWish, Compositing, Declaration, Engine, Manner, Prepared};
+use voltet_core::engine::{
+    AdapterWish, Compositing, Declaration, Engine, Forgetful, Manner, Memory, Prepared,
+};
 use voltet_core::graph::Call;
 use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
@@ -41,8 +43,10 @@ pub(super) fn draw_on(
         .can_serve(&scene.transfer_function, &scene.shading)
         .map_err(|error| call.parameters.blame("integrator", error))?;
     let wish = AdapterWish { name: adapter(call.parameters), hardware };
+    let folder = CacheFolder(cache_folder().join("adapters"));
+    let memory: &dyn Memory = if call.may_leave_out().is_some() { &folder } else { &Forgetful };
     let opened = call.keep_for_session(|| Ok(Opened::default()))?;
-    let engine = stage(call, declared, "device", |_| opened.open(declared, &wish))
+    let engine = stage(call, declared, "device", |_| opened.open(declared, &wish, memory))
         .map_err(|error| if wish.name.is_some() { call.parameters.blame("adapter", error) } else { error })?;
     let (compositing, why) = compositing(call, scene, declared, engine.as_ref())?;
     let volumes = call.keep(call.revision(port)?, || Ok(Volumes::default()))?;
@@ -120,14 +124,19 @@ fn compositing(
 
 impl Opened {
     /// The engine, opened if it is not there or was lost.
-    fn open(&self, declared: &Declaration, wish: &AdapterWish) -> Result<Arc<dyn Engine>> {
+    fn open(
+        &self,
+        declared: &Declaration,
+        wish: &AdapterWish,
+        memory: &dyn Memory,
+    ) -> Result<Arc<dyn Engine>> {
         let mut opened = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let key = (declared.name, wish.clone());
         if let Some(known) = opened.get(&key).filter(|known| !matches!(known, Ok(engine) if engine.is_lost()))
         {
             return known.clone();
         }
-        let engine = declared.open(wish);
+        let engine = declared.open_remembering(wish, memory);
         opened.insert(key, engine.clone());
         engine
     }
