@@ -139,7 +139,7 @@ pub struct Manner {
     /// the picture is the same.
     pub may_leave_out: Option<MayLeaveOut>,
     /// Whether others of the same view follow at once, with other widgets: then the engine may keep what serves them, and the picture may
-    /// differ by rounding, some 1e-6, from one that is drawn by itself ([`Drawn::is_passing`]).
+    /// differ by rounding, some 1e-5, from one that is drawn by itself ([`Drawn::is_passing`]).
     pub passing: bool,
 }
 

@@ -8,9 +8,12 @@ use voltet_core::transfer::{AxisOrigin, Profile, TransferFunction, Widget};
 /// Views that are remembered: an editor draws a coarse and a fine one in turn.
 const VIEWS: usize = 2;
 
-/// Widgets at least so wide, by the range of the values: 32 bits that are counted from the middle of the range hold a millionth
-/// of their width.
-const NARROWEST: f64 = 1.0 / 45.0;
+/// Widgets at least so wide, by the range of the values: 32 bits that are counted from the middle of the range hold a 20,000th of their
+/// width.
+const NARROWEST: f64 = 1.0 / 2000.0;
+
+/// One at least so wide: where all are narrower, culling leaves so few cells that these are drawn sooner than all segments.
+const WIDE: f64 = 1.0 / 45.0;
 
 /// Changes after which segments are kept: to keep them takes as long as to draw them, and one change may be the last.
 const CHANGES: usize = 2;
@@ -102,20 +105,30 @@ impl Views {
     }
 }
 
-/// Whether values that are counted from the middles of their ranges serve a transfer function: all its widgets are wide, or look at
-/// values wherever they are counted from, and none ends in a jump.
+/// Whether values that are counted from the middles of their ranges serve a transfer function, and sooner than the cells do: its
+/// widgets are not too narrow, or look at values wherever they are counted from, and none ends in a jump.
 fn serves(look: &TransferFunction, ranges: [[f64; 2]; 2]) -> bool {
-    let is_served = |widget: &Widget| {
-        let properties = widget.profile.properties();
-        let wide = match &widget.profile {
-            // exp(−|K v|²): a step along an axis is as long as K's column.
-            Profile::Gaussian { matrix, .. } => ranges.iter().enumerate().all(|(axis, [low, high])| {
-                let inverse_width = f64::hypot(matrix[0][axis], matrix[1][axis]) * f64::sqrt(2.0);
-                (high - low) * inverse_width * NARROWEST <= 1.0
-            }),
-            _ => properties.axes.iter().all(|origin| *origin == AxisOrigin::Any),
-        };
-        wide && widget.region.is_none() && properties.fields.is_empty()
-    };
-    look.widgets.iter().all(is_served)
+    let widths: Option<Vec<f64>> = look.widgets.iter().map(|widget| width(widget, ranges)).collect();
+    widths.is_some_and(|widths| {
+        widths.iter().all(|width| *width >= NARROWEST) && widths.iter().any(|width| *width >= WIDE)
+    })
+}
+
+/// How wide a widget is, by the range of the values, at least; ∞ where it does not depend on where they are counted from, `None` where
+/// it ends in a jump or looks at further fields.
+fn width(widget: &Widget, ranges: [[f64; 2]; 2]) -> Option<f64> {
+    let properties = widget.profile.properties();
+    if widget.region.is_some() || !properties.fields.is_empty() {
+        return None;
+    }
+    match &widget.profile {
+        // exp(−|K v|²): a step along an axis is as long as K's column.
+        Profile::Gaussian { matrix, .. } => {
+            let inverses = ranges.iter().enumerate().map(|(axis, [low, high])| {
+                (high - low) * f64::hypot(matrix[0][axis], matrix[1][axis]) * f64::sqrt(2.0)
+            });
+            Some(1.0 / inverses.fold(0.0, f64::max))
+        }
+        _ => properties.axes.iter().all(|origin| *origin == AxisOrigin::Any).then_some(f64::INFINITY),
+    }
 }

@@ -99,6 +99,33 @@ fn kept_segments_give_the_picture_of_the_cells() {
     }
 }
 
+/// The narrower a widget, the less of it 32 bits hold that are counted from the middle of the range; narrower than a 2000th of that it is
+/// drawn from the cells.
+#[test]
+fn narrow_widgets_beside_wide_ones_are_served_as_far_as_32_bits_hold_them() {
+    let (volume, camera) = (bivariate(), cameras()[0]);
+    let range = voltet_core::grid::extent::range(&volume.scalar).expect("has values");
+    for (share, most) in [(1.0 / 45.0, 5e-6), (1.0 / 300.0, 2e-5), (1.0 / 1900.0, 1e-4), (1.0 / 2100.0, 0.0)]
+    {
+        let sigma = share * (range[1] - range[0]);
+        let changing = prepared(&volume);
+        let mut worst: f32 = 0.0;
+        for k in 0..6 {
+            let narrow = gaussian([0.3 + 0.05 * f64::from(k), 0.4], 1.0, [0.2, 0.9, 0.4], 40.0);
+            let k = std::f64::consts::FRAC_1_SQRT_2;
+            let matrix = [[k / sigma, 0.0], [0.0, k / 0.3]];
+            let Profile::Gaussian { centre, .. } = narrow.profile else { unreachable!() };
+            let narrow = Widget { profile: Profile::Gaussian { centre, matrix }, ..narrow };
+            let wide = gaussian([0.5, 0.4], 0.4, [0.9, 0.5, 0.2], 0.3);
+            let scene = scene(volume.clone(), look(vec![narrow, wide]), camera);
+            let (kept, fresh) = (passing(&*changing, &scene), drawn(&*prepared(&volume), &scene));
+            worst = worst.max(largest_difference(&kept.picture, &fresh.picture));
+        }
+        println!("a {:.0}th of the range: {worst:.1e}", 1.0 / share);
+        assert!(worst <= most && (worst > 0.0) == (most > 0.0), "{share}: {worst:e}");
+    }
+}
+
 /// Other integrators look at the same segments; those whose tables the cells bound draw the cells.
 #[test]
 fn integrators_are_served_by_what_was_kept() {
@@ -144,6 +171,8 @@ fn what_was_kept_is_left_where_it_does_not_serve() {
     assert!(is_kept_of(&wide(0.45), camera), "and another");
     assert!(is_kept_of(&wide(0.45), camera), "the same again");
     assert!(!is_kept_of(&narrow(0.4), camera), "a narrow one");
+    let both = |s: f64| look([narrow(s).widgets, wide(s).widgets].concat());
+    assert!(is_kept_of(&both(0.5), camera), "a narrow one and a wide one");
     assert!(!is_kept_of(&edged, camera), "one with edges");
     assert!(is_kept_of(&wide(0.5), camera), "a wide one");
     assert!(!is_kept_of(&wide(0.6), cameras()[1]), "another view");
