@@ -177,6 +177,23 @@ fn drawing(file: Option<&Path>) {
         50.0,
     );
     row("the full one", median(both.iter().map(|b| b[1]).collect()), 250.0);
+    // A hand that moves a widget, each time that there is a picture.
+    let (mut seconds, mut pixels) = (Vec::new(), Vec::new());
+    for i in 0..40 {
+        move_widget(&mut nodes, 1.0 + 1e-3 * f64::from(i));
+        let begun = Instant::now();
+        let number = worker.draw(wanted(&nodes));
+        let drawn = || worker.shown(|shown| shown.pixels.clone().filter(|pixels| pixels.number == number));
+        while drawn().is_none() && begun.elapsed() < Duration::from_secs(10) {
+            std::thread::sleep(Duration::from_micros(500));
+        }
+        seconds.push(begun.elapsed().as_secs_f64() * 1e3);
+        pixels.extend(drawn().map(|pixels| (pixels.size()[0] * pixels.size()[1]) as f64));
+    }
+    let (times, sizes) = (median(seconds.split_off(20)), median(pixels.split_off(20)));
+    println!(
+        "| while a hand moves a widget: a picture, of so many pixels | {times:.1} ms, {sizes:.0} | 50 ms |"
+    );
     // A hand that moves 60 times a second.
     let (begun, mut seen, mut last) = (Instant::now(), 0, 0);
     while begun.elapsed() < Duration::from_secs(4) {

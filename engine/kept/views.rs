@@ -106,7 +106,8 @@ impl Views {
 }
 
 /// Whether values that are counted from the middles of their ranges serve a transfer function, and sooner than the cells do: its
-/// widgets are not too narrow, or look at values wherever they are counted from, and none ends in a jump.
+/// widgets are not too narrow, or look at values wherever they are counted from. What lies on the edge of a region is rounded as the
+/// edge is.
 fn serves(look: &TransferFunction, ranges: [[f64; 2]; 2]) -> bool {
     let widths: Option<Vec<f64>> = look.widgets.iter().map(|widget| width(widget, ranges)).collect();
     widths.is_some_and(|widths| {
@@ -114,21 +115,37 @@ fn serves(look: &TransferFunction, ranges: [[f64; 2]; 2]) -> bool {
     })
 }
 
-/// How wide a widget is, by the range of the values, at least; ∞ where it does not depend on where they are counted from, `None` where
-/// it ends in a jump or looks at further fields.
+/// How wide a widget and its region are, by the range of the values, at least; ∞ where that does not depend on where they are counted
+/// from, `None` where it looks at further fields, or has pieces that a region cuts, whose closed forms are of 64 bits.
 fn width(widget: &Widget, ranges: [[f64; 2]; 2]) -> Option<f64> {
     let properties = widget.profile.properties();
-    if widget.region.is_some() || !properties.fields.is_empty() {
+    if !properties.fields.is_empty() {
         return None;
     }
-    match &widget.profile {
+    let of_region = match &widget.region {
+        None => f64::INFINITY,
+        Some(_) if matches!(widget.profile, Profile::PiecewiseLinear { .. }) => return None,
+        Some(region) => {
+            let within = ranges.into_iter().enumerate().map(|(axis, [low, high])| {
+                let limits = region.limits(axis);
+                let part = (limits[1].min(high) - limits[0].max(low)) / (high - low);
+                if high > low { part } else { f64::INFINITY }
+            });
+            let least = within.fold(f64::INFINITY, f64::min);
+            // No value lies there.
+            if least < 0.0 { NARROWEST } else { least }
+        }
+    };
+    let of_profile = match &widget.profile {
         // exp(−|K v|²): a step along an axis is as long as K's column.
         Profile::Gaussian { matrix, .. } => {
             let inverses = ranges.iter().enumerate().map(|(axis, [low, high])| {
                 (high - low) * f64::hypot(matrix[0][axis], matrix[1][axis]) * f64::sqrt(2.0)
             });
-            Some(1.0 / inverses.fold(0.0, f64::max))
+            1.0 / inverses.fold(0.0, f64::max)
         }
-        _ => properties.axes.iter().all(|origin| *origin == AxisOrigin::Any).then_some(f64::INFINITY),
-    }
+        _ if properties.axes.iter().all(|origin| *origin == AxisOrigin::Any) => f64::INFINITY,
+        _ => return None,
+    };
+    Some(of_profile.min(of_region))
 }

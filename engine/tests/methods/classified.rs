@@ -14,7 +14,7 @@ use voltet_testing::pictures::looks::outside;
 use voltet_testing::segments::{MODELS, gaussian, look};
 
 fn ready(volume: &Arc<Volume>) -> Arc<dyn Prepared> {
-    let engine = (voltet_engine::ENGINE.open)(&AdapterWish::default()).expect("opens");
+    let engine = voltet_engine::ENGINE.open(&AdapterWish::default()).expect("opens");
     engine.prepare(volume).expect("takes in")
 }
 
