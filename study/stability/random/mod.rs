@@ -108,6 +108,8 @@ pub fn random(
         };
         found.drawn += 1;
         found.shown += u64::from(exact.rgba.iter().any(|pixel| pixel[3] > 1.0 / 255.0));
+        // Hardly two scenes share compiled shaders.
+        subjects.painters.iter().for_each(|painter| painter.engine.forget());
         let mut explained = None;
         let each = subjects
             .painters
