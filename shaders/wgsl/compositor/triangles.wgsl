@@ -31,27 +31,37 @@ fn weights_of(interpolated: vec4f) -> vec4f {
     return positive / max(dot(positive, vec4f(1.0)), 1e-30);
 }
 
-fn shade_whole(points: vec4u, corners: Corners, ray: Ray) -> Contribution {
+// The way through a cell: its length, and the weights of entry and exit.
+struct Way {
+    length: f32,
+    front: vec4f,
+    back: vec4f,
+}
+
+fn way_by_planes(points: vec4u, ray: Ray) -> Way {
     let faces = faces_of(seen_at(points.x).xyz, seen_at(points.y).xyz, seen_at(points.z).xyz, seen_at(points.w).xyz);
     let range = cross_faces(faces, ray);
-    if !(range.x < range.y) {
-        return Contribution();
-    }
-    return shade_between(faces, corners, points, range, ray);
+    return Way((range.y - range.x) * ray.stretch, weights_at(faces, ray, range.x), weights_at(faces, ray, range.y));
+}
+
+fn way_by_corners(found: Interpolated, ray: Ray) -> Way {
+    let q = vec2f(dot(found.front, vec4f(1.0)), dot(found.back, vec4f(1.0)));
+    return Way(found.thickness / (q.x * q.y) * ray.stretch, weights_of(found.front), weights_of(found.back));
 }
 
 @fragment
 fn blend_triangle(found: Interpolated) -> Blended {
     let ray = ray_through(vec2u(found.position.xy) + view.window.xy * TILE);
     let points = found.points;
-    let corners = corners_of_values(points);
+    var way = Way();
     if found.thickness < 0.0 {
-        return blended_of(shade_whole(points, corners, ray));
+        way = way_by_planes(points, ray);
+    } else {
+        way = way_by_corners(found, ray);
     }
-    let q = vec2f(dot(found.front, vec4f(1.0)), dot(found.back, vec4f(1.0)));
-    let length = found.thickness / (q.x * q.y) * ray.stretch;
-    if !(0.0 < length) {
+    if !(0.0 < way.length) {
         discard;
     }
-    return blended_of(shade(length, weights_of(found.front), weights_of(found.back), corners, points, ray));
+    // In one place: drivers write out a function wherever it is called, and what shades is long.
+    return blended_of(shade(way.length, way.front, way.back, corners_of_values(points), points, ray));
 }
