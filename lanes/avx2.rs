@@ -154,20 +154,24 @@ impl Float for F {
         turned([side(0), side(1), side(2), side(3)]).map(F)
     }
     #[inline(always)]
-    fn scatter_parts(parts: [F; 4], values: &mut [[f32; 4]], index: U) {
+    fn scatter_parts<const N: usize>(fours: [[F; 4]; N], values: &mut [[[f32; 4]; N]], index: U) {
         let mut places = [0; 8];
         inside::<Avx2>(index, values.len()).store(&mut places);
-        let sides = turned(parts.map(|part| part.0));
         let mut put = inlined(
             #[inline(always)]
-            |i: usize, half: __m128| {
-                // SAFETY: every index lies inside the slice; for the processor see the crate's head.
-                unsafe { _mm_storeu_ps(values.as_mut_ptr().add(places[i] as usize).cast(), half) }
+            |i: usize, n: usize, half: __m128| {
+                // SAFETY: every index lies inside the slice, and n below N; for the processor see the crate's head.
+                unsafe {
+                    let value: *mut [f32; 4] = values.as_mut_ptr().add(places[i] as usize).cast();
+                    _mm_storeu_ps(value.add(n).cast(), half);
+                }
             },
         );
-        for (i, side) in sides.into_iter().enumerate() {
-            put(i, on_processor!(_mm256_castps256_ps128(side)));
-            put(i + 4, on_processor!(_mm256_extractf128_ps::<1>(side)));
+        for (n, [a, b, c, d]) in fours.into_iter().enumerate() {
+            for (i, side) in turned([a.0, b.0, c.0, d.0]).into_iter().enumerate() {
+                put(i, n, on_processor!(_mm256_castps256_ps128(side)));
+                put(i + 4, n, on_processor!(_mm256_extractf128_ps::<1>(side)));
+            }
         }
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! Why its instructions may run: the crate's head.
 
-use super::operations::{Double, Float, Lanes, Mask, Unsigned, inlined, inside, sealed};
+use super::operations::{Double, Float, Lanes, Mask, Unsigned, array, inlined, inside, sealed};
 use std::arch::x86_64::*;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -161,23 +161,42 @@ impl Float for F {
         turned([side(0), side(1), side(2), side(3)]).map(F)
     }
     #[inline(always)]
-    fn scatter_parts(parts: [F; 4], values: &mut [[f32; 4]], index: U) {
+    fn scatter_parts<const N: usize>(fours: [[F; 4]; N], values: &mut [[[f32; 4]; N]], index: U) {
         let mut places = [0; 16];
         inside::<Avx512>(index, values.len()).store(&mut places);
-        let [a, b, c, d] = turned(parts.map(|part| part.0));
         let mut put = inlined(
             #[inline(always)]
-            |i: usize, quarter: __m128| {
-                // SAFETY: every index lies inside the slice; for the processor see the crate's head.
-                unsafe { _mm_storeu_ps(values.as_mut_ptr().add(places[i] as usize).cast(), quarter) }
+            |i: usize, n: usize, quarter: __m128| {
+                // SAFETY: every index lies inside the slice, and n below N; for the processor see the crate's head.
+                unsafe {
+                    let value: *mut [f32; 4] = values.as_mut_ptr().add(places[i] as usize).cast();
+                    _mm_storeu_ps(value.add(n).cast(), quarter);
+                }
             },
         );
-        for (i, side) in [a, b, c, d].into_iter().enumerate() {
-            put(i, on_processor!(_mm512_castps512_ps128(side)));
-            put(i + 4, on_processor!(_mm512_extractf32x4_ps::<1>(side)));
-            put(i + 8, on_processor!(_mm512_extractf32x4_ps::<2>(side)));
-            put(i + 12, on_processor!(_mm512_extractf32x4_ps::<3>(side)));
-        }
+        let sides: [_; N] = array(
+            #[inline(always)]
+            |n| {
+                let [a, b, c, d] = fours[n];
+                turned([a.0, b.0, c.0, d.0])
+            },
+        );
+        // Places in fours: there are fewer registers than places.
+        let mut four = inlined(
+            #[inline(always)]
+            |i: usize| {
+                for (n, sides) in sides.iter().enumerate() {
+                    put(i, n, on_processor!(_mm512_castps512_ps128(sides[i])));
+                    put(i + 4, n, on_processor!(_mm512_extractf32x4_ps::<1>(sides[i])));
+                    put(i + 8, n, on_processor!(_mm512_extractf32x4_ps::<2>(sides[i])));
+                    put(i + 12, n, on_processor!(_mm512_extractf32x4_ps::<3>(sides[i])));
+                }
+            },
+        );
+        four(0);
+        four(1);
+        four(2);
+        four(3);
     }
 }
 

@@ -32,9 +32,11 @@ impl Kernel for All<'_> {
         let lane = j.and(L::U::splat(L::WIDTH as u32 - 1));
         let gathered = L::F::gather(&table(), place);
         let parts = L::F::gather_parts(&table_of_parts(), place);
-        let mut scattered = vec![[0.0; 4]; L::WIDTH];
+        let mut scattered = vec![[[0.0; 4]; 1]; L::WIDTH];
+        let mut scattered_twos = vec![[[0.0; 4]; 2]; L::WIDTH];
         let backwards = L::U::splat(L::WIDTH as u32 - 1) - L::U::iota();
-        L::F::scatter_parts([a, b, c, -a], &mut scattered, backwards);
+        L::F::scatter_parts([[a, b, c, -a]], &mut scattered, backwards);
+        L::F::scatter_parts([[a, b, c, -a], [c, -a, a, b]], &mut scattered_twos, backwards);
         let (less, not_above) = (a.lt(b), b.le(c));
         // Longer slices than a vector.
         let mut longer = vec![7.0; L::WIDTH + 5];
@@ -68,7 +70,11 @@ impl Kernel for All<'_> {
                 let parts = parts.map(floats::<L>);
                 (0..L::WIDTH).map(|i| joined([0, 1, 2, 3].map(|c| parts[c][i] as u32))).collect()
             },
-            scattered.iter().map(|parts| joined(parts.map(f32::to_bits))).collect(),
+            scattered.iter().map(|[parts]| joined(parts.map(f32::to_bits))).collect(),
+            scattered_twos
+                .iter()
+                .map(|twos| joined(twos.iter().flatten().map(|part| part.to_bits())))
+                .collect(),
             unsigneds::<L>(L::U::splat(0x9000_0001)),
             unsigneds::<L>(L::U::iota()),
             unsigneds::<L>(i),

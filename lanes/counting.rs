@@ -5,7 +5,7 @@
 //! lanes whose result nobody looks at; a lane of 64 bits counts as two. Minima, comparisons, choices and integers are not, nor is
 //! arithmetic without lanes.
 
-use crate::operations::{Double, Float, Lanes, Unsigned, sealed};
+use crate::operations::{Double, Float, Lanes, Unsigned, array, sealed};
 use std::cell::Cell;
 use std::marker::PhantomData;
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -191,8 +191,15 @@ impl<L: Lanes> Float for F<L> {
         [F(a), F(b), F(c), F(d)]
     }
     #[inline(always)]
-    fn scatter_parts([a, b, c, d]: [Self; 4], values: &mut [[f32; 4]], index: U<L>) {
-        L::F::scatter_parts([a.0, b.0, c.0, d.0], values, index.0);
+    fn scatter_parts<const N: usize>(fours: [[Self; 4]; N], values: &mut [[[f32; 4]; N]], index: U<L>) {
+        let fours = array(
+            #[inline(always)]
+            |n| {
+                let [a, b, c, d] = fours[n];
+                [a.0, b.0, c.0, d.0]
+            },
+        );
+        L::F::scatter_parts(fours, values, index.0);
     }
 }
 

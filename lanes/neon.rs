@@ -230,26 +230,24 @@ impl Float for F {
         [F([a, e]), F([b, f]), F([c, g]), F([d, h])]
     }
     #[inline(always)]
-    fn scatter_parts([a, b, c, d]: [F; 4], values: &mut [[f32; 4]], index: U) {
+    fn scatter_parts<const N: usize>(fours: [[F; 4]; N], values: &mut [[[f32; 4]; N]], index: U) {
         let mut places = [0; WIDTH];
         inside::<Neon>(index, values.len()).store(&mut places);
         let mut put = inlined(
             #[inline(always)]
-            |lane: usize, four: float32x4_t| {
+            |lane: usize, n: usize, four: float32x4_t| {
                 // SAFETY: every index lies inside the slice.
-                unsafe { vst1q_f32(values.get_unchecked_mut(places[lane] as usize).as_mut_ptr(), four) }
+                unsafe { vst1q_f32(values.get_unchecked_mut(places[lane] as usize)[n].as_mut_ptr(), four) }
             },
         );
-        let [p, q, r, s] = turned([a.0[0], b.0[0], c.0[0], d.0[0]]);
-        put(0, p);
-        put(1, q);
-        put(2, r);
-        put(3, s);
-        let [p, q, r, s] = turned([a.0[1], b.0[1], c.0[1], d.0[1]]);
-        put(4, p);
-        put(5, q);
-        put(6, r);
-        put(7, s);
+        for (n, [a, b, c, d]) in fours.into_iter().enumerate() {
+            for half in 0..2 {
+                let sides = turned([a.0[half], b.0[half], c.0[half], d.0[half]]);
+                for (i, side) in sides.into_iter().enumerate() {
+                    put(half * 4 + i, n, side);
+                }
+            }
+        }
     }
 }
 

@@ -102,8 +102,13 @@ pub trait Float:
     fn gather(values: &[f32], index: <Self::Lanes as Lanes>::U) -> Self;
     /// Lane i of part c is `values[index[i]][c]`; indices as for [`Float::gather`].
     fn gather_parts(values: &[[f32; 4]], index: <Self::Lanes as Lanes>::U) -> [Self; 4];
-    /// `values[index[i]][c]` becomes lane i of part c; indices as for [`Float::gather`]. Of lanes with one index any may win.
-    fn scatter_parts(parts: [Self; 4], values: &mut [[f32; 4]], index: <Self::Lanes as Lanes>::U);
+    /// `values[index[i]][n][c]` becomes lane i of part c of four n; indices as for [`Float::gather`]. Of lanes with one index any
+    /// may win.
+    fn scatter_parts<const N: usize>(
+        fours: [[Self; 4]; N],
+        values: &mut [[[f32; 4]; N]],
+        index: <Self::Lanes as Lanes>::U,
+    );
 }
 
 /// Lanes of 32-bit unsigned integers (wrapping).

@@ -209,12 +209,14 @@ impl Float for F {
         )
     }
     #[inline(always)]
-    fn scatter_parts(parts: [F; 4], values: &mut [[f32; 4]], index: U) {
+    fn scatter_parts<const N: usize>(fours: [[F; 4]; N], values: &mut [[[f32; 4]; N]], index: U) {
         let mut places = [0; 4];
         inside::<Portable>(index, values.len()).store(&mut places);
-        let parts = parts.map(|part| part.0.to_array());
-        for (lane, place) in places.into_iter().enumerate() {
-            values[place as usize] = parts.map(|part| part[lane]);
+        for (n, parts) in fours.into_iter().enumerate() {
+            let parts = parts.map(|part| part.0.to_array());
+            for (lane, place) in places.into_iter().enumerate() {
+                values[place as usize][n] = parts.map(|part| part[lane]);
+            }
         }
     }
 }

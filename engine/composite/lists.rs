@@ -85,7 +85,7 @@ const UNSEEN_COLOR: f32 = 1e-8;
 /// The lists of one tile.
 pub(crate) struct Lists {
     /// The next free slot of each pixel, counted from the first pixel's first; then one for what belongs to none.
-    next: [u32; TILE * TILE + 1],
+    next: [u32; COUNTERS],
     /// Pixel by pixel; then room for what belongs to none.
     slots: Vec<Slot>,
     /// Of the row in hand: slot by slot the entries of its pixels, and their keys.
@@ -101,9 +101,12 @@ pub(crate) struct Lists {
     marks: Vec<Mark>,
 }
 
+/// Counters of a tile's pixels and of what belongs to none, and more, so that a number's lowest bits are one of them.
+const COUNTERS: usize = 2 * TILE * TILE;
+
 /// Where each pixel's first segment goes.
-const FIRST: [u32; TILE * TILE + 1] = {
-    let mut first = [0; TILE * TILE + 1];
+const FIRST: [u32; COUNTERS] = {
+    let mut first = [0; COUNTERS];
     let mut pixel = 0;
     while pixel <= TILE * TILE {
         first[pixel] = (pixel * ROOM) as u32;
@@ -183,24 +186,22 @@ impl Lists {
             let mut pixels = [0; LANES_MOST];
             L::U::select(hit, L::U::load(&batch.pixel[at..]), nobody).store(&mut pixels);
             next[TILE * TILE] = FIRST[TILE * TILE];
-            let places = &mut places[at..][..L::WIDTH];
-            let ends = batch.entry[at..][..L::WIDTH].iter().zip(&batch.exit[at..][..L::WIDTH]);
-            for ((place, &pixel), (&entry, &exit)) in places.iter_mut().zip(&pixels).zip(ends) {
-                let next = &mut next[(pixel as usize).min(TILE * TILE)];
-                let slot = &mut slots[*next as usize];
-                (slot.entry, slot.exit) = (entry, exit);
-                *place = *next * FOURS;
+            for (place, &pixel) in places[at..][..L::WIDTH].iter_mut().zip(&pixels) {
+                let next = &mut next[pixel as usize & (COUNTERS - 1)];
+                *place = *next;
                 *next += 1;
             }
         }
         // Only now: a vector that was just written number by number is slow to read.
-        let fours: &mut [[f32; 4]] = bytemuck::cast_slice_mut(slots);
+        let slots: &mut [[[f32; 4]; 2]] = bytemuck::cast_slice_mut(slots);
         for at in (0..count).step_by(L::WIDTH) {
             let rgba = array(
                 #[inline(always)]
                 |c| L::F::load(&shaded.rgba[c][at..]),
             );
-            L::F::scatter_parts(rgba, fours, L::U::load(&places[at..]));
+            let (entry, exit) = (L::F::load(&batch.entry[at..]), L::F::load(&batch.exit[at..]));
+            let spare = L::F::splat(0.0);
+            L::F::scatter_parts([rgba, [entry, exit, spare, spare]], slots, L::U::load(&places[at..]));
         }
         let mut full = 0;
         for (&next, &first) in next.iter().zip(&FIRST).take(TILE * TILE) {
@@ -228,7 +229,7 @@ impl Lists {
 
     /// Gives the segment that went to `place` its colour and opacity.
     pub fn set(&mut self, place: u32, rgba: [f32; 4]) {
-        bytemuck::cast_slice_mut(&mut self.slots)[place as usize] = rgba;
+        self.slots[place as usize].rgba = rgba;
     }
 
     /// Composites every pixel, sorted or in the order of arrival, into `out` (rows of `TILE` pixels). Returns the
@@ -403,16 +404,15 @@ impl Lists {
                 if through <= UNSEEN_COLOR {
                     // What is left of white would show.
                     rgba[..3].fill(0.0);
-                } else if let Some(mark) = Mark::new(*rgba, slot as u32 * FOURS) {
+                } else if let Some(mark) = Mark::new(*rgba, slot as u32) {
                     self.marks.push(mark);
                 }
                 through *= 1.0 - rgba[3];
             }
         }
         color(&mut self.marks);
-        let fours: &mut [[f32; 4]] = bytemuck::cast_slice_mut(&mut self.slots);
         for mark in &self.marks {
-            fours[mark.place as usize][..3].copy_from_slice(&mark.color);
+            self.slots[mark.place as usize].rgba[..3].copy_from_slice(&mark.color);
         }
     }
 
@@ -448,7 +448,8 @@ impl Lists {
                 }
             }
             through.store(&mut self.through[row * TILE + half..]);
-            L::F::scatter_parts([color[0], color[1], color[2], opacity.min(splat(1.0))], out, lane);
+            let pixel = [color[0], color[1], color[2], opacity.min(splat(1.0))];
+            L::F::scatter_parts([pixel], out.as_chunks_mut().0, lane);
         }
     }
 }

@@ -31,8 +31,14 @@ fn parts_of(row: &Row) -> [u32; 4] {
     [row.a, row.b, row.c, -row.a].map(f32::to_bits)
 }
 
-/// Four parts as one answer: each part, and each place among them, changes it.
-pub(super) fn joined(parts: [u32; 4]) -> Found {
+/// The same, and those from the third on once more.
+fn twos_of(row: &Row) -> impl Iterator<Item = u32> {
+    let parts = parts_of(row);
+    parts.into_iter().chain([2, 3, 0, 1].map(|k| parts[k]))
+}
+
+/// Parts as one answer: each part, and each place among them, changes it.
+pub(super) fn joined(parts: impl IntoIterator<Item = u32>) -> Found {
     parts.into_iter().fold(0, |all, part| (all ^ Found::from(part)).wrapping_mul(0x9e37_79b9_7f4a_7c15))
 }
 
@@ -68,7 +74,7 @@ pub(super) fn larger<T: PartialOrd>(a: T, b: T) -> T {
 
 /// Name, meaning, and a fault that the inputs must show.
 #[rustfmt::skip]
-pub(super) const OPERATIONS: [(&str, Model, Model); 50] = [
+pub(super) const OPERATIONS: [(&str, Model, Model); 51] = [
     ("splat", |_, _| bits(2.5), |_, l| bits(if l == 0 { 2.5 } else { 0.0 })),
     ("load and store", |v, l| bits(v[l].a), |v, l| bits(v[l ^ 1].a)),
     ("+", |v, l| number(v[l].a + v[l].b), |v, l| number(v[l].a - -v[l].b + 0.0)),
@@ -92,6 +98,7 @@ pub(super) const OPERATIONS: [(&str, Model, Model); 50] = [
     ("gather", |v, l| bits(table()[v[l].j as usize % TABLE]), |v, l| bits(table()[v[l].j as usize % TABLE / 2])),
     ("gather_parts", |v, l| joined(of_part(v[l].j as usize % TABLE)), |v, l| joined(of_part(v[l ^ 1].j as usize % TABLE))),
     ("scatter_parts", |v, l| joined(parts_of(&v[v.len() - 1 - l])), |v, l| joined(parts_of(&v[l]))),
+    ("scatter_parts of two fours", |v, l| joined(twos_of(&v[v.len() - 1 - l])), |v, l| joined(parts_of(&v[v.len() - 1 - l]).repeat(2))),
     ("unsigned splat", |_, _| 0x9000_0001, |_, _| 0x1000_0001),
     ("iota", |_, l| l as u64, |_, l| l as u64 + 1),
     ("unsigned load and store", |v, l| v[l].i.into(), |v, l| v[l ^ 1].i.into()),

@@ -200,7 +200,7 @@ impl LaneRamp {
                 let [r, g, b] = glow;
                 let parts = [r.min(most), g.min(most), b.min(most), L::F::splat(self.means[i * n + j])];
                 let first = (i * n + j) * GROUP + lane;
-                L::F::scatter_parts(parts, &mut out[first..first + L::WIDTH], L::U::iota());
+                L::F::scatter_parts([parts], out[first..first + L::WIDTH].as_chunks_mut().0, L::U::iota());
             },
         );
         for (i, node) in self.nodes.iter().enumerate() {
@@ -297,7 +297,7 @@ pub fn fill_tiles<L: Lanes>(table: &LaneVolume, group: usize, planes: usize, out
             let [front, length] = from_cylinder::<L>(angle, s, t);
             let slice = length.max(zero).min(one).sqrt() * splat((table.planes - 1) as f32);
             let texel = table.read::<L>(front.max(zero).min(one) * splat(last), splat((k % n) as f32), slice);
-            L::F::scatter_parts(texel, &mut out[k * GROUP + lane..][..L::WIDTH], L::U::iota());
+            L::F::scatter_parts([texel], out[k * GROUP + lane..][..L::WIDTH].as_chunks_mut().0, L::U::iota());
         }
     }
 }
