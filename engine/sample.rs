@@ -268,19 +268,21 @@ impl<'a> Frame<'a> {
         self.tiles.cells64_of([tile % self.tiles_wide, tile / self.tiles_wide])
     }
 
-    /// Puts the segment of a cell that was crossed in 64 bits in place `k` of a batch, to be shaded like any other.
+    /// Puts the segment of a cell that was crossed in 64 bits in place `k` of a batch, to be shaded like any other. `stretch`: its
+    /// length by its depth.
     pub fn put64(
         &self,
         cell: &Cell64,
         crossing: &Crossing64,
         [i, j]: [usize; 2],
+        stretch: f64,
         k: usize,
         batch: &mut Batch,
     ) {
         let corners = self.grid.tetrahedra[cell.id as usize].map(|p| p as usize);
         let [entry, exit] = crossing.depth;
         batch.pixel[k] = ((j % TILE) << 4 | (i % TILE)) as u32;
-        batch.length[k] = ((exit - entry) * self.view.stretch(i as f64, j as f64)) as f32;
+        batch.length[k] = ((exit - entry) * stretch) as f32;
         batch.entry[k] = (entry - self.distance_origin) as f32;
         batch.exit[k] = (exit - self.distance_origin) as f32;
         for (a, attribute) in self.attributes.iter().enumerate() {

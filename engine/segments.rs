@@ -4,9 +4,10 @@
 //! the batches are the compositor's, and the same kernels integrate and composite them.
 
 use crate::attribute::{Attribute, attributes_of};
-use crate::composite::growing_lists::GrowingLists;
-use crate::composite::kernels::Blend;
-use crate::composite::lists::{Layer, Lists, Overflow, UNSEEN};
+use crate::composite::front_to_back::blend_by_numbers;
+use crate::composite::growing_lists::{GrowingLists, Layer};
+use crate::composite::lists::{Lists, Overflow, UNSEEN};
+use crate::composite::rows::Rows;
 use crate::composite::sinks::of_one_color;
 use crate::cull::Known;
 use crate::fragments::batch::{BATCH, Batch, LANES_MOST};
@@ -192,23 +193,32 @@ impl Forms for Segments {
 
     /// One behind the other in the lists of a tile, or where a pixel's is too short for them, in one that grows.
     fn chain(&self, segments: &[Contribution]) -> Chain {
-        let layers = segments.iter().enumerate().map(|(k, segment)| {
-            let [r, g, b] = segment.color;
-            Layer::new(k as f32, k as f32 + 1.0, [r, g, b, segment.opacity].map(|x| x as f32))
-        });
+        let rgba: Vec<[f32; 4]> = segments
+            .iter()
+            .map(|segment| {
+                let [r, g, b] = segment.color;
+                [r, g, b, segment.opacity].map(|x| x as f32)
+            })
+            .collect();
         let mut picture = [[0.0; 4]; TILE * TILE];
-        let mut lists = Lists::new();
-        let through = match layers.clone().try_for_each(|layer| lists.push(0, layer)) {
+        let mut lists = Lists::default();
+        lists.clear(1);
+        let listed = (0..rgba.len()).try_for_each(|k| {
+            let number = f32::from_bits(k as u32);
+            lists.push(0, [k as f32, 1.0], [[number; 2]])
+        });
+        let through = match listed {
             Ok(()) => {
-                dispatch(
-                    self.lanes,
-                    Blend { lists: &mut lists, sorted: true, picture: &mut picture, resolve: None },
-                );
-                Some(f64::from(lists.through[0])).filter(|through| *through > f64::from(UNSEEN))
+                let mut rows = Rows::new();
+                blend_by_numbers(self.lanes, &mut lists, true, &rgba, &mut rows);
+                rows.end(&mut picture);
+                Some(f64::from(rows.through(0)[0])).filter(|through| *through > f64::from(UNSEEN))
             }
             Err(Overflow) => {
                 let mut lists = GrowingLists::default();
-                layers.for_each(|layer| lists.push(0, layer));
+                for (k, &rgba) in rgba.iter().enumerate() {
+                    lists.push(0, Layer::new(k as f32, k as f32 + 1.0, rgba));
+                }
                 lists.composite(true, &mut picture[..TILE]);
                 Some(lists.through[0])
             }

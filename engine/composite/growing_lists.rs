@@ -1,7 +1,29 @@
 //! Pixels with more segments than the fixed lists hold: lists that grow, sorted one pixel at a time.
 
-use crate::composite::lists::Layer;
+use crate::composite::lists::follows;
 use crate::project::record::TILE;
+
+/// What one segment contributes to its pixel.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Layer {
+    /// Premultiplied colour and opacity.
+    pub rgba: [f32; 4],
+    /// Depth of the entry.
+    pub entry: f32,
+    /// Depth of the exit.
+    pub exit: f32,
+}
+
+impl Layer {
+    pub fn new(entry: f32, exit: f32, rgba: [f32; 4]) -> Layer {
+        Layer { rgba, entry, exit }
+    }
+
+    /// Whether this segment comes behind the other: [`follows`].
+    fn follows(&self, other: &Layer) -> bool {
+        follows([self.entry, self.exit], [other.entry, other.exit])
+    }
+}
 
 /// Lists of one row of pixels.
 #[derive(Default)]

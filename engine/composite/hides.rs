@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 const SAMPLED: usize = 4;
 
 /// Share of their segments that must be hidden: ordering a tile's cells costs about as much as shading a third of them.
-const HIDDEN_LEAST: f64 = 0.4;
+const HIDDEN_LEAST: f64 = 0.6;
 
 /// What the first tiles tell.
 pub(crate) struct Hides {

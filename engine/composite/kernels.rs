@@ -1,10 +1,9 @@
 //! The kernels of a tile: each is compiled once a lane set; everything between them is plain code.
 
-use crate::composite::lists::{Lists, Overflow, Resolve};
-use crate::composite::sinks::TilePicture;
-use crate::fragments::batch::Batch;
+use crate::composite::lists::{Limit, Lists, Overflow};
+use crate::fragments::batch::{Batch, LANES_MOST};
 use crate::fragments::crossing::Group;
-use crate::fragments::spans::{Edges, Fragments};
+use crate::fragments::spans::{Edges, Fragments, Places};
 use crate::project::record::TILE;
 use crate::sample::Frame;
 use crate::shade::light::Rays;
@@ -21,8 +20,8 @@ pub(crate) struct Cover<'a> {
     pub top: usize,
     pub right: usize,
     pub rows: Range<usize>,
-    /// Pixels that take fragments, a bit a column, where some do not.
-    pub open: Option<&'a [u16; TILE]>,
+    /// Where fragments take their places, if that is in lists.
+    pub places: Option<Places<'a>>,
     pub group: &'a mut Group,
     pub edges: &'a mut Edges,
     pub fragments: &'a mut Fragments,
@@ -46,11 +45,8 @@ impl Kernel for Cover<'_> {
         self.group.turn::<L>(self.left, self.top);
         self.edges.find::<L>(self.left, self.top, &self.rows);
         let width = self.right - self.left;
-        let Cover { cells, edges, fragments, .. } = self;
-        match self.open {
-            None => fragments.cover::<L, false>(edges, cells.len(), width, &[]),
-            Some(open) => fragments.cover::<L, true>(edges, cells.len(), width, open),
-        }
+        let Cover { cells, edges, fragments, places, .. } = self;
+        fragments.cover::<L>(edges, cells.len(), width, places);
     }
 }
 
@@ -68,8 +64,8 @@ impl Kernel for Evaluate<'_> {
     #[inline(always)]
     fn run<L: Lanes>(self) {
         let Evaluate { frame, group, codes, count, stretch, batch } = self;
-        // Rays that end and segments that are kept ask for depths, too.
-        let ordered = frame.shader.one_color.is_none() || frame.ends.is_some() || frame.keeping.is_some();
+        // Rays that end ask for depths, too.
+        let ordered = frame.shader.one_color.is_none() || frame.ends.is_some();
         if frame.view.perspective {
             group.evaluate::<L, true>(codes, count, stretch, frame.near, ordered, batch);
         } else {
@@ -95,45 +91,60 @@ impl Kernel for Illuminate<'_> {
 }
 
 pub(crate) struct Append<'a> {
+    pub frame: &'a Frame<'a>,
+    pub group: &'a Group,
+    pub fragments: &'a Fragments,
     pub lists: &'a mut Lists,
-    pub batch: &'a Batch,
-    pub shaded: &'a Shaded,
-    pub count: usize,
 }
 
 impl Kernel for Append<'_> {
-    type Output = Result<(), Overflow>;
+    /// Fragments that cross their cells.
+    type Output = Result<u64, Overflow>;
     #[inline(always)]
-    fn run<L: Lanes>(self) -> Result<(), Overflow> {
-        self.lists.take::<L>(self.batch, self.shaded, self.count)
+    fn run<L: Lanes>(self) -> Result<u64, Overflow> {
+        let Append { frame, group, fragments, lists } = self;
+        let Fragments { codes, places, count, .. } = fragments;
+        let (places, near, fours) = (&places[..count + LANES_MOST], frame.near, &mut lists.fours);
+        let hits = if frame.view.perspective {
+            group.append::<L, true>(codes, places, near, fours)
+        } else {
+            group.append::<L, false>(codes, places, near, fours)
+        };
+        if lists.is_over_full() { Err(Overflow) } else { Ok(hits) }
     }
 }
 
 pub(crate) struct Arrange<'a> {
     pub lists: &'a mut Lists,
     pub row: usize,
+    pub sorted: bool,
 }
 
 impl Kernel for Arrange<'_> {
-    type Output = ();
-    #[inline(always)]
-    fn run<L: Lanes>(self) {
-        self.lists.arrange::<L>(self.row);
-    }
-}
-
-pub(crate) struct Blend<'a> {
-    pub lists: &'a mut Lists,
-    pub sorted: bool,
-    pub picture: &'a mut TilePicture,
-    pub resolve: Resolve<'a>,
-}
-
-impl Kernel for Blend<'_> {
-    /// Pixels composited out of order.
+    /// Pixels whose segments are not in order.
     type Output = u64;
     #[inline(always)]
     fn run<L: Lanes>(self) -> u64 {
-        self.lists.composite::<L>(self.sorted, self.picture, self.resolve)
+        self.lists.arrange::<L>(self.row, self.sorted)
+    }
+}
+
+pub(crate) struct Fill<'a> {
+    pub lists: &'a Lists,
+    pub row: usize,
+    pub slices: Range<usize>,
+    pub stretch: &'a [f32; TILE * TILE],
+    /// See [`Lists::fill`].
+    pub limit: Option<&'a mut Limit>,
+    pub depths: bool,
+    pub batch: &'a mut Batch,
+}
+
+impl Kernel for Fill<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Fill { lists, row, slices, stretch, limit, depths, batch } = self;
+        lists.fill::<L>(row, slices, stretch, limit, depths, batch);
     }
 }

@@ -1,8 +1,11 @@
 //! The lists of a tile against compositing in 64 bits, for every number of segments and on every lane set.
 
-use crate::composite::growing_lists::GrowingLists;
-use crate::composite::kernels::Blend;
-use crate::composite::lists::{DEPTH, Layer, Lists};
+use crate::composite::front_to_back::blend_by_numbers;
+use crate::composite::growing_lists::{GrowingLists, Layer};
+use crate::composite::kernels::{Arrange, Fill};
+use crate::composite::lists::{DEPTH, Limit, Lists};
+use crate::composite::rows::Rows;
+use crate::fragments::batch::{BATCH, Batch};
 use crate::project::record::TILE;
 use voltet_lanes::{LaneSet, dispatch};
 
@@ -94,21 +97,45 @@ fn blended(layers: &[Layer]) -> [f64; 4] {
     sum
 }
 
+/// Lists of pixels' segments in the order of arrival; in place of attributes they have numbers, by which their colours are found in the
+/// second.
+fn listed(pixels: &[Vec<Layer>]) -> (Lists, Vec<[f32; 4]>) {
+    let (mut lists, mut rgba) = (Lists::default(), Vec::new());
+    lists.clear(1);
+    for (pixel, layers) in pixels.iter().enumerate() {
+        for layer in layers {
+            let number = f32::from_bits(rgba.len() as u32);
+            let length = layer.exit - layer.entry;
+            // Each is a segment, whatever its depths are.
+            let length = if length > 0.0 { length } else { f32::MAX };
+            assert!(lists.push(pixel, [layer.entry, length], [[number; 2]]).is_ok());
+            rgba.push(layer.rgba);
+        }
+    }
+    (lists, rgba)
+}
+
+fn supported() -> impl Iterator<Item = LaneSet> {
+    LaneSet::ALL.into_iter().filter(|lanes| lanes.is_supported())
+}
+
+fn picture_of(
+    lanes: LaneSet,
+    lists: &mut Lists,
+    sorted: bool,
+    rgba: &[[f32; 4]],
+) -> ([[f32; 4]; PIXELS], u64) {
+    let (mut rows, mut picture) = (Rows::new(), [[f32::NAN; 4]; PIXELS]);
+    let disordered = blend_by_numbers(lanes, lists, sorted, rgba, &mut rows);
+    rows.end(&mut picture);
+    (picture, disordered)
+}
+
 /// Composites on each lane set that the processor has; `pixels` holds the segments in the order of arrival.
 fn composited(pixels: &[Vec<Layer>], sorted: bool, mut check: impl FnMut(&str, &[[f32; 4]], u64)) {
-    for lanes in LaneSet::ALL {
-        if !lanes.is_supported() {
-            continue;
-        }
-        let mut lists = Lists::new();
-        for (pixel, layers) in pixels.iter().enumerate() {
-            for &layer in layers {
-                assert!(lists.push(pixel, layer).is_ok());
-            }
-        }
-        let mut picture = [[f32::NAN; 4]; PIXELS];
-        let disordered =
-            dispatch(lanes, Blend { lists: &mut lists, sorted, picture: &mut picture, resolve: None });
+    for lanes in supported() {
+        let (mut lists, rgba) = listed(pixels);
+        let (picture, disordered) = picture_of(lanes, &mut lists, sorted, &rgba);
         check(lanes.name(), &picture, disordered);
     }
 }
@@ -244,23 +271,80 @@ fn depths_that_are_no_numbers_spoil_nothing() {
 #[test]
 #[cfg_attr(miri, ignore = "a thousand segments take it minutes")]
 fn a_full_list_refuses_and_keeps_what_it_has() {
-    let mut lists = Lists::new();
-    let layer = |k: usize| Layer::new(k as f32, k as f32 + 1.0, [0.0; 4]);
+    let lanes = LaneSet::detect().unwrap();
+    let mut lists = Lists::default();
+    lists.clear(1);
+    let numbered = |number: u32| [[f32::from_bits(number); 2]];
+    let rgba = [[0.0; 4], [1.0; 4], [0.25, 0.5, 0.75, 1.0]];
     for k in 0..DEPTH {
-        assert!(lists.push(17, layer(k)).is_ok());
+        assert!(lists.push(17, [k as f32, 1.0], numbered(0)).is_ok());
     }
-    assert!(lists.push(17, Layer::new(-1.0, 0.0, [1.0; 4])).is_err());
-    assert!(lists.push(18, Layer::new(0.0, 1.0, [0.25, 0.5, 0.75, 1.0])).is_ok());
-    let mut picture = [[f32::NAN; 4]; PIXELS];
-    dispatch(
-        LaneSet::detect().unwrap(),
-        Blend { lists: &mut lists, sorted: true, picture: &mut picture, resolve: None },
-    );
+    assert!(!lists.is_over_full());
+    assert!(lists.push(17, [-1.0, 1.0], numbered(1)).is_err());
+    assert!(lists.push(18, [0.0, 1.0], numbered(2)).is_ok());
+    let (picture, _) = picture_of(lanes, &mut lists, true, &rgba);
     assert_eq!([picture[17], picture[18], picture[19]], [[0.0; 4], [0.25, 0.5, 0.75, 1.0], [0.0; 4]]);
-    lists.clear();
-    dispatch(
-        LaneSet::detect().unwrap(),
-        Blend { lists: &mut lists, sorted: true, picture: &mut picture, resolve: None },
-    );
+    lists.next.0[17] += 1;
+    assert!(lists.is_over_full());
+    lists.clear(1);
+    let (picture, _) = picture_of(lanes, &mut lists, true, &rgba);
     assert!(picture.iter().all(|pixel| *pixel == [0.0; 4]));
+}
+
+/// A limit lets through what ends before it, of each pixel up to the first that does not; the rest stays, in order, and joins what
+/// comes.
+#[test]
+fn what_a_limit_lets_through_goes_and_the_rest_stays() {
+    for (lanes, attributes) in supported().flat_map(|lanes| [1, 2, 3, 4].map(|count| (lanes, count))) {
+        let mut random = Random(attributes as u64);
+        let mut lists = Lists::default();
+        lists.clear(attributes);
+        let row = 5;
+        // Segment k of a pixel is from k to k + 1; pixel x has 3 x of them.
+        let ends = |x: usize, k: usize| (0..attributes).map(move |a| [(100 * x + k) as f32, a as f32]);
+        for x in 0..TILE {
+            let mut order: Vec<usize> = (0..3 * x).collect();
+            (1..order.len()).for_each(|k| order.swap(k, random.below(k + 1)));
+            for k in order {
+                assert!(lists.push(row * TILE + x, [k as f32, 1.0], ends(x, k)).is_ok());
+            }
+        }
+        let mut taken = [0; TILE];
+        for until in [-1.0, 4.5, 20.0, f32::INFINITY] {
+            dispatch(lanes, Arrange { lists: &mut lists, row, sorted: true });
+            let mut limit = Limit::new(until);
+            let mut batch = Batch::new(attributes, attributes);
+            for first in (0..lists.deepest(row)).step_by(BATCH / TILE) {
+                let slices = first..(first + BATCH / TILE).min(lists.deepest(row));
+                let count = slices.len() * TILE;
+                let (stretch, limit) = (&[2.0; PIXELS], Some(&mut limit));
+                dispatch(
+                    lanes,
+                    Fill { lists: &lists, row, slices, stretch, limit, depths: false, batch: &mut batch },
+                );
+                for k in (0..count).filter(|&k| batch.length[k] > 0.0) {
+                    let x = k % TILE;
+                    assert_eq!((batch.pixel[k] as usize, batch.length[k]), (row * TILE + x, 2.0));
+                    for (a, end) in ends(x, taken[x]).enumerate() {
+                        assert_eq!(
+                            [batch.front[a][k], batch.back[a][k]],
+                            end,
+                            "attribute {a} on {}",
+                            lanes.name()
+                        );
+                    }
+                    taken[x] += 1;
+                }
+            }
+            for (x, &taken) in taken.iter().enumerate() {
+                assert_eq!(
+                    taken,
+                    (3 * x).min((until.max(0.0) as usize).min(1 << 20)),
+                    "pixel {x} up to {until}"
+                );
+            }
+            lists.let_go(row, &limit);
+            assert_eq!(lists.deepest(row), 45 - taken[15]);
+        }
+    }
 }

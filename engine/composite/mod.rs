@@ -4,20 +4,25 @@
 //! | --- | --- |
 //! | `worker` | takes tiles and sends each one's cells through the kernels |
 //! | `kernels` | what runs on vector lanes, once a lane set |
-//! | `sinks` | where segments go: lists, or sums of optical depth |
-//! | `lists` | up to 1,024 segments a pixel, sorted and composited in lanes |
-//! | `growing_lists` | any number of segments a pixel |
+//! | `lists` | up to 1,024 segments a pixel, put in order in lanes |
+//! | `front_to_back` | a row's segments in order, shaded and blended as far as they are seen |
+//! | `rows` | pixels that take their segments front to back |
+//! | `layers`, `pool` | segments of a row that wait until there are enough of their kind |
 //! | `hides` | whether much is hidden, told by the first tiles |
 //! | `slabs` | cells from front to back, where much is hidden |
-//! | `pool` | segments that wait in their list until there are enough of their kind |
+//! | `sinks` | where segments go that are shaded as they come: sums of optical depth, or |
+//! | `growing_lists` | any number of segments a pixel |
 
+pub(crate) mod front_to_back;
 pub(crate) mod growing_lists;
 pub(crate) mod hides;
 pub(crate) mod kernels;
+pub(crate) mod layers;
 pub(crate) mod lists;
 #[cfg(test)]
 mod lists_tests;
 pub(crate) mod pool;
+pub(crate) mod rows;
 pub(crate) mod sinks;
 pub(crate) mod slabs;
 pub(crate) mod worker;

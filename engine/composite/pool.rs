@@ -1,20 +1,24 @@
-//! Segments that take more than a quick form, of many batches: they wait in their pixel's list until there are enough of a kind
-//! to fill vectors, for they are few among their neighbours.
+//! Segments that take more than a quick form, of many batches: they wait among the layers of their rows until there are enough of a
+//! kind to fill vectors, for they are few among their neighbours. What is hidden is let go.
 
-use crate::composite::lists::Lists;
+use crate::composite::layers::Layers;
 use crate::fragments::batch::{BATCH, Batch, Column};
+use crate::project::record::TILE;
 use crate::sample::Frame;
-use crate::shade::later::Later;
 use crate::shade::roads::finish;
 use crate::shade::shaded::Shaded;
 use crate::shade::stepped::STEPS;
 
-/// One queue for each number of steps, then one for the others.
+/// A queue for each kind of [`Shaded::left_over`].
 pub(crate) struct Pool {
-    queues: [Queue; STEPS.len() + 1],
+    queues: [Queue; KINDS],
     /// What is known of a batch's.
     opacity: Box<Column>,
     opacities: Box<Column>,
+    /// What is seen of a batch's segments, at most.
+    seen: Box<Column>,
+    /// What is seen through the pixels of the row, at most.
+    pub through: [f32; TILE],
     /// What comes out.
     pub shaded: Shaded,
 }
@@ -30,6 +34,16 @@ struct Queue {
     count: usize,
 }
 
+/// Kinds of segments; the opacities of the last are not known.
+const KINDS: usize = STEPS.len() + 3;
+const UNKNOWN: usize = KINDS - 1;
+
+/// Such segments that are served at once: what lies behind them may be hidden.
+const UNKNOWN_MOST: usize = 32;
+
+/// Share of the picture under which a segment that takes more than a quick form is let go.
+const UNSEEN_COLOR: f32 = 1e-8;
+
 impl Pool {
     pub fn new(scalar_count: usize) -> Pool {
         let queue = |_| Queue {
@@ -43,51 +57,41 @@ impl Pool {
             queues: std::array::from_fn(queue),
             opacity: Column::new(),
             opacities: Column::new(),
+            seen: Column::new(),
+            through: [1.0; TILE],
             shaded: Shaded::new(),
         }
     }
 
-    /// Nobody waits.
-    pub fn clear(&mut self) {
-        self.queues.iter_mut().for_each(|queue| queue.count = 0);
-    }
-
     /// Makes those of a batch that will wait white and opaque, so that what light makes of them is kept.
     pub fn lend(&mut self, shaded: &mut Shaded) {
-        let Shaded { in_order, dense, rest, rgba, .. } = shaded;
-        for &k in in_order.iter().chain([&*dense, &*rest]).flatten() {
+        let Shaded { in_order, deep, dense, rest, rgba, .. } = shaded;
+        for &k in in_order.iter().chain([&*deep, &*dense, &*rest]).flatten() {
             self.opacity[k] = rgba[3][k];
             rgba.iter_mut().for_each(|column| column[k] = 1.0);
         }
     }
 
-    /// Opacities of a batch after light; 0 where they are not known yet.
-    pub fn opacities(&mut self, shaded: &Shaded) -> &Column {
-        let Shaded { in_order, dense, rest, rgba, .. } = shaded;
-        let known = &mut self.opacities;
-        known.copy_from_slice(&**rgba[3]);
-        for &k in in_order.iter().chain([dense]).flatten() {
-            known[k] *= self.opacity[k];
-        }
-        rest.iter().for_each(|&k| known[k] = 0.0);
-        known
-    }
-
-    /// Takes those of a batch that wait, once the lists have them.
+    /// Puts the first `count` segments of a batch among the layers, and in queues those that wait and may be seen.
     pub fn take(
         &mut self,
         frame: &Frame<'_>,
         batch: &Batch,
         shaded: &Shaded,
-        lists: &mut Lists,
-        later: &mut Later,
+        count: usize,
+        layers: &mut Layers,
     ) {
-        for &k in &shaded.dense {
-            let [light, .., opacity] = [0, 1, 2, 3].map(|c: usize| shaded.rgba[c][k]);
-            lists.set(lists.places[k], later.keep_one(batch, k, light, opacity * self.opacity[k]));
-        }
-        for (number, which) in shaded.in_order.iter().chain([&shaded.rest]).enumerate() {
+        self.see(batch, shaded, count);
+        let first = layers.take(batch, shaded, count);
+        let rgba = &shaded.rgba;
+        for (number, which) in shaded.left_over().into_iter().enumerate() {
             for &k in which {
+                let place = first + k;
+                if self.seen[k] <= UNSEEN_COLOR {
+                    // What is left of white would show.
+                    layers.set(place, [0.0, 0.0, 0.0, self.opacities[k]]);
+                    continue;
+                }
                 let queue = &mut self.queues[number];
                 let to = queue.count;
                 queue.batch.length[to] = batch.length[k];
@@ -95,45 +99,67 @@ impl Pool {
                     queue.batch.front[a][to] = batch.front[a][k];
                     queue.batch.back[a][to] = batch.back[a][k];
                 }
-                queue.place[to] = lists.places[k];
+                queue.place[to] = place as u32;
                 queue.opacity[to] = self.opacity[k];
-                queue.light[0][to] = shaded.rgba[0][k];
-                queue.light[1][to] = shaded.rgba[3][k];
+                queue.light[0][to] = rgba[0][k];
+                queue.light[1][to] = rgba[3][k];
                 queue.count += 1;
                 if queue.count == BATCH {
-                    self.serve(number, frame, lists, later);
+                    self.serve(number, frame, layers);
                 }
+            }
+        }
+        if self.queues[UNKNOWN].count > UNKNOWN_MOST {
+            self.serve(UNKNOWN, frame, layers);
+        }
+    }
+
+    /// Finds what is seen of each segment of a batch, and opacities after light; 0 where they are not known yet.
+    fn see(&mut self, batch: &Batch, shaded: &Shaded, count: usize) {
+        let known = &mut self.opacities;
+        known.copy_from_slice(&**shaded.rgba[3]);
+        for (number, which) in shaded.left_over().into_iter().enumerate() {
+            for &k in which {
+                known[k] *= if number == UNKNOWN { 0.0 } else { self.opacity[k] };
+            }
+        }
+        for at in (0..count).step_by(TILE) {
+            self.seen[at..][..TILE].copy_from_slice(&self.through);
+            let slice = batch.length[at..][..TILE].iter().zip(&known[at..][..TILE]);
+            for (through, (length, opacity)) in self.through.iter_mut().zip(slice) {
+                *through *= if *length > 0.0 { 1.0 - opacity } else { 1.0 };
             }
         }
     }
 
     /// Serves all who wait.
-    pub fn finish(&mut self, frame: &Frame<'_>, lists: &mut Lists, later: &mut Later) {
+    pub fn finish(&mut self, frame: &Frame<'_>, layers: &mut Layers) {
         for number in 0..self.queues.len() {
-            self.serve(number, frame, lists, later);
+            self.serve(number, frame, layers);
         }
     }
 
-    fn serve(&mut self, number: usize, frame: &Frame<'_>, lists: &mut Lists, later: &mut Later) {
-        let Pool { queues, shaded, .. } = self;
+    fn serve(&mut self, number: usize, frame: &Frame<'_>, layers: &mut Layers) {
+        let Pool { queues, shaded, through, .. } = self;
         let queue = &mut queues[number];
         let count = std::mem::take(&mut queue.count);
         if count == 0 {
             return;
         }
-        shaded.in_order.iter_mut().chain([&mut shaded.rest]).for_each(Vec::clear);
-        shaded.in_order.get_mut(number).unwrap_or(&mut shaded.rest).extend(0..count);
+        shaded.clear();
+        shaded.left_over_mut()[number].extend(0..count);
         shaded.rgba[3].copy_from_slice(&**queue.opacity);
-        later.begin();
-        finish(frame.shader, frame.lanes, &queue.batch, shaded, Some(later));
+        finish(frame.shader, frame.lanes, &queue.batch, shaded);
         let [color, opacity] = &queue.light;
         for (column, light) in shaded.rgba.iter_mut().zip([color, color, color, opacity]) {
             column.iter_mut().zip(light.iter()).take(count).for_each(|(value, light)| *value *= light);
         }
-        later.mark(&mut shaded.rgba);
         let [r, g, b, a] = &shaded.rgba;
         for (k, &place) in queue.place.iter().enumerate().take(count) {
-            lists.set(place, [r[k], g[k], b[k], a[k]]);
+            layers.set(place as usize, [r[k], g[k], b[k], a[k]]);
+            if number == UNKNOWN && layers.is_of_last_row(place as usize) {
+                through[place as usize % TILE] *= 1.0 - a[k];
+            }
         }
     }
 }

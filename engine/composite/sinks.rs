@@ -1,12 +1,9 @@
-//! Where a tile's segments go: to lists that are sorted, or, where no order is needed, to sums.
+//! Where segments go that are shaded as they come: to sums, where no order is needed, or to lists that grow.
 
-use crate::composite::growing_lists::GrowingLists;
-use crate::composite::kernels::Append;
-use crate::composite::lists::{Layer, Lists, Overflow};
+use crate::composite::growing_lists::{GrowingLists, Layer};
 use crate::fragments::batch::Batch;
 use crate::project::record::TILE;
 use crate::shade::shaded::Shaded;
-use voltet_lanes::{LaneSet, dispatch};
 
 /// Colour and opacity of a tile's pixels.
 pub(crate) type TilePicture = [[f32; 4]; TILE * TILE];
@@ -14,26 +11,11 @@ pub(crate) type TilePicture = [[f32; 4]; TILE * TILE];
 /// Where a tile's segments go.
 pub(crate) trait Sink {
     /// Takes the first `count` fragments of a batch; those of no length are not segments.
-    fn take(&mut self, lanes: LaneSet, batch: &Batch, shaded: &Shaded, count: usize) -> Result<(), Overflow>;
+    fn take(&mut self, batch: &Batch, shaded: &Shaded, count: usize);
 
     /// Whether nothing that may come changes any pixel.
     fn is_full(&self) -> bool {
         false
-    }
-
-    /// Whether nothing that may come changes any pixel of a row, where its segments come front to back.
-    fn is_row_full(&self, _row: usize) -> bool {
-        false
-    }
-
-    /// Whether it looks at colours.
-    fn wants_colors(&self) -> bool {
-        true
-    }
-
-    /// Lists in which segments may wait for their colour, if that is what it is.
-    fn lists(&mut self) -> Option<&mut Lists> {
-        None
     }
 }
 
@@ -48,13 +30,7 @@ pub(crate) struct DepthSink<'a> {
 }
 
 impl Sink for DepthSink<'_> {
-    fn take(
-        &mut self,
-        _lanes: LaneSet,
-        batch: &Batch,
-        shaded: &Shaded,
-        count: usize,
-    ) -> Result<(), Overflow> {
+    fn take(&mut self, batch: &Batch, shaded: &Shaded, count: usize) {
         // Fragments of no length have no depth: no test.
         let segments = batch.pixel[..count].iter().zip(&shaded.depth[..count]);
         if self.opacities {
@@ -67,7 +43,6 @@ impl Sink for DepthSink<'_> {
                 self.sums[usize::from(pixel as u8)] += depth;
             }
         }
-        Ok(())
     }
 
     fn is_full(&self) -> bool {
@@ -84,29 +59,12 @@ pub(crate) fn of_one_color(color: [f32; 3], sum: f32, opacities: bool) -> [f32; 
     [r, g, b, opacity as f32]
 }
 
-impl Sink for Lists {
-    fn take(&mut self, lanes: LaneSet, batch: &Batch, shaded: &Shaded, count: usize) -> Result<(), Overflow> {
-        dispatch(lanes, Append { lists: self, batch, shaded, count })
-    }
-
-    fn lists(&mut self) -> Option<&mut Lists> {
-        Some(self)
-    }
-}
-
 impl Sink for GrowingLists {
-    fn take(
-        &mut self,
-        _lanes: LaneSet,
-        batch: &Batch,
-        shaded: &Shaded,
-        count: usize,
-    ) -> Result<(), Overflow> {
+    fn take(&mut self, batch: &Batch, shaded: &Shaded, count: usize) {
         for k in (0..count).filter(|&k| batch.length[k] > 0.0) {
             let rgba = [shaded.rgba[0][k], shaded.rgba[1][k], shaded.rgba[2][k], shaded.rgba[3][k]];
             let column = batch.pixel[k] as usize & (TILE - 1);
             self.push(column, Layer::new(batch.entry[k], batch.exit[k], rgba));
         }
-        Ok(())
     }
 }

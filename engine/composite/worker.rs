@@ -7,25 +7,25 @@
 //!
 //! Of large grids it takes windows, projects the cells of one and draws its tiles.
 
+use crate::composite::front_to_back::{ListSlices, Shading, Slices};
 use crate::composite::growing_lists::GrowingLists;
 use crate::composite::hides::Hides;
-use crate::composite::kernels::{Blend, Cover, Evaluate, Illuminate};
-use crate::composite::lists::{Lists, Overflow, Resolve, UNSEEN};
-use crate::composite::pool::Pool;
+use crate::composite::kernels::{Append, Arrange, Cover, Evaluate, Illuminate};
+use crate::composite::lists::{Limit, Lists, Overflow, UNSEEN};
+use crate::composite::rows::{RowSums, Rows};
 use crate::composite::sinks::{DepthSink, OPAQUE_DEPTH, Sink, TilePicture, of_one_color};
-use crate::composite::slabs::Slabs;
+use crate::composite::slabs::{Open, Slabs, all_open};
 use crate::fragments::batch::{BATCH, Batch, LANES_MOST};
 use crate::fragments::crossing::Group;
-use crate::fragments::ends::{Ends, cut};
-use crate::fragments::spans::{Edges, Fragments};
-use crate::kept::{Keeper, Keeping, KeptTile, RowSums, Rows};
+use crate::fragments::ends::cut;
+use crate::fragments::spans::{Edges, Fragments, Places};
+use crate::kept::{Keeper, Keeping, KeptTile};
+use crate::project::cell64::{Cell64, Crossing64};
 use crate::project::record::TILE;
 use crate::project::windows::Window;
 use crate::sample::Frame;
-use crate::shade::later::{Later, Mark};
-use crate::shade::light::{Rays, rays};
-use crate::shade::roads::{finish, integrate, quick};
-use crate::shade::shaded::Shaded;
+use crate::shade::light::rays;
+use crate::shade::roads::integrate;
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use voltet_core::Result as Fallible;
@@ -87,16 +87,11 @@ struct Scratch {
     fragments: Fragments,
     edges: Edges,
     group: Group,
-    batch: Batch,
-    shaded: Shaded,
     stretch: [f32; TILE * TILE],
-    rays: Rays,
-    pool: Pool,
-    later: Later,
+    shading: Shading,
     slabs: Slabs,
     /// Whether cells are taken from front to back.
     slabbed: bool,
-    ends: Ends,
     counts: WorkerCounts,
 }
 
@@ -106,31 +101,45 @@ impl Scratch {
             fragments: Fragments::new(LANES_MOST),
             edges: Edges::new(),
             group: Group::new(frame.attribute_count),
-            batch: Batch::new(frame.attribute_count, frame.scalar_count),
-            shaded: Shaded::new(),
             stretch: [1.0; TILE * TILE],
-            rays: [[0.0; TILE * TILE]; 3],
-            pool: Pool::new(frame.scalar_count),
-            later: Later::new(frame.scalar_count),
+            shading: Shading::new(frame),
             slabs: Slabs::new(),
             slabbed: false,
-            ends: [f32::INFINITY; TILE * TILE],
             counts: WorkerCounts::default(),
         }
     }
 
     /// Makes ready what is known of a tile's rays.
-    fn begin(&mut self, frame: &Frame<'_>, [left, top]: [usize; 2]) {
+    fn begin(&mut self, frame: &Frame<'_>, Bounds { left, top, .. }: Bounds) {
         if frame.view.perspective {
             for (pixel, stretch) in self.stretch.iter_mut().enumerate() {
                 *stretch =
                     frame.view.stretch((left + pixel % TILE) as f64, (top + pixel / TILE) as f64) as f32;
             }
         }
+        let Shading { rays: of_tile, ends, .. } = &mut self.shading;
         if frame.shader.surface.is_some_and(|surface| surface.silhouette.is_some()) {
-            rays(&frame.view, left, top, &mut self.rays);
+            rays(&frame.view, left, top, of_tile);
         }
-        frame.ends_of(left, top, &mut self.ends);
+        frame.ends_of(left, top, ends);
+    }
+}
+
+/// A tile's place in the picture.
+#[derive(Clone, Copy)]
+struct Bounds {
+    tile: usize,
+    left: usize,
+    top: usize,
+    /// Columns and rows that are in the picture.
+    size: [usize; 2],
+}
+
+impl Bounds {
+    fn of(frame: &Frame<'_>, tile: usize) -> Bounds {
+        let (left, top) = (tile % frame.tiles_wide * TILE, tile / frame.tiles_wide * TILE);
+        let [width, height] = frame.view.size;
+        Bounds { tile, left, top, size: [TILE.min(width - left), TILE.min(height - top)] }
     }
 }
 
@@ -160,12 +169,10 @@ impl Worker<'_> {
         }
         let Desk { mut scratch, lists, done, kept } = desk;
         frame.spare().lists.put(lists);
-        scratch.counts.segments_exact +=
-            scratch.shaded.exact_count + scratch.pool.shaded.exact_count + scratch.later.exact_count();
-        scratch.counts.evaluations = scratch.shaded.evaluation_count
-            + scratch.pool.shaded.evaluation_count
-            + scratch.later.evaluation_count();
-        scratch.counts.segments_overlapping = scratch.shaded.overlap_count;
+        let Shading { shaded, pool, .. } = &scratch.shading;
+        scratch.counts.segments_exact = shaded.exact_count + pool.shaded.exact_count;
+        scratch.counts.evaluations = shaded.evaluation_count + pool.shaded.evaluation_count;
+        scratch.counts.segments_overlapping = shaded.overlap_count;
         Ok(Drawn { tiles: done, kept, counts: scratch.counts })
     }
 
@@ -215,76 +222,171 @@ impl Worker<'_> {
         let sampled = self.hides.sample(place);
         let Some(slabbed) = self.hides.answer(place, || self.progress.cancelled()) else { return false };
         scratch.slabbed = slabbed;
-        draw_tile(frame, tile as usize, scratch, lists, &mut picture);
+        let hidden = draw_tile(frame, tile as usize, scratch, lists, &mut picture);
         if let Some(sampled) = sampled {
-            sampled.tell(lists.hidden(TILE / 2));
+            sampled.tell(hidden);
         }
         done.push((tile, picture));
         true
     }
 }
 
+/// Draws a tile. Returns its segments in lists, and those of them that are hidden.
 fn draw_tile(
     frame: &Frame<'_>,
     tile: usize,
     scratch: &mut Scratch,
     lists: &mut Lists,
     picture: &mut TilePicture,
-) {
-    let (left, top) = (tile % frame.tiles_wide * TILE, tile / frame.tiles_wide * TILE);
-    scratch.begin(frame, [left, top]);
+) -> [usize; 2] {
+    let bounds = Bounds::of(frame, tile);
+    scratch.begin(frame, bounds);
     if let Some(color) = frame.shader.one_color {
-        let mut depth = [0.0; TILE * TILE];
-        // Pixels beyond the picture's edge wait for nothing.
-        let [columns, rows] = [frame.view.size[0] - left, frame.view.size[1] - top];
-        for (pixel, depth) in depth.iter_mut().enumerate() {
-            if columns <= pixel % TILE || rows <= pixel / TILE {
-                *depth = OPAQUE_DEPTH;
+        draw_in_one_color(frame, bounds, color, scratch, picture);
+        return [0; 2];
+    }
+    if let Some(kept) = frame.kept {
+        let mut rows = Rows::new();
+        if let Some(kept) = kept.tile(tile) {
+            for row in 0..bounds.size[1] {
+                let mut slices = Slices::Kept(kept.slices(row, frame.scalar_count), 0);
+                scratch.shading.blend(frame, row, &mut slices, &mut rows);
+                scratch.counts.segments += slices.segments();
             }
         }
-        // A sum cannot overflow its pixel.
-        let opacities = frame.shader.surface.is_some();
-        let _ = match frame.kept {
-            Some(_) => all(frame, tile, scratch, &mut RowSums(&mut depth)),
-            None => all(frame, tile, scratch, &mut DepthSink { sums: &mut depth, opacities }),
-        };
-        for (pixel, &sum) in picture.iter_mut().zip(&depth) {
-            *pixel = of_one_color(color, sum, opacities);
-        }
-        return;
+        scratch.shading.end(frame, &mut rows);
+        rows.end(picture);
+        return [0; 2];
     }
-    if frame.kept.is_some() {
-        let (mut rows, before) = (Rows::new(), scratch.counts);
-        if all(frame, tile, scratch, &mut rows).is_ok() {
-            rows.end(picture);
-            return;
-        }
-        scratch.counts = before;
-    }
-    lists.clear();
-    scratch.counts.tiles_sorted += u64::from(frame.sorted);
     let before = scratch.counts;
-    let drawn = all(frame, tile, scratch, lists);
-    if drawn.is_ok() {
-        let Scratch { later, counts, .. } = scratch;
-        let waits = !later.is_empty();
-        let mut color = |marks: &mut [Mark]| later.color(frame.shader, frame.lanes, marks);
-        let resolve: Resolve<'_> = if waits { Some(&mut color) } else { None };
-        let blend = Blend { lists, sorted: frame.sorted, picture, resolve };
-        let disordered = dispatch(frame.lanes, blend);
-        counts.pixels_disordered += disordered;
-    } else {
-        // Rows are independent: draw them one at a time with lists that grow.
-        scratch.counts = before;
-        scratch.counts.tiles_deep += 1;
-        let mut growing = GrowingLists::default();
-        for row in 0..TILE.min(frame.view.size[1] - top) {
-            growing.clear();
-            let _ = walk(frame, tile, row..row + 1, scratch, &mut growing);
-            scratch.counts.pixels_disordered +=
-                growing.composite(frame.sorted, &mut picture[row * TILE..][..TILE]);
+    match draw_in_lists(frame, bounds, scratch, lists, picture) {
+        Ok(hidden) => {
+            scratch.counts.tiles_sorted += u64::from(frame.sorted);
+            hidden
+        }
+        Err(Overflow) => {
+            // Rows are independent: draw them one at a time with lists that grow.
+            scratch.counts = before;
+            scratch.counts.tiles_sorted += u64::from(frame.sorted);
+            scratch.counts.tiles_deep += 1;
+            let mut growing = GrowingLists::default();
+            for row in 0..bounds.size[1] {
+                growing.clear();
+                walk(frame, bounds, row..row + 1, scratch, &mut growing);
+                scratch.counts.pixels_disordered +=
+                    growing.composite(frame.sorted, &mut picture[row * TILE..][..TILE]);
+            }
+            [0; 2]
         }
     }
+}
+
+/// Draws a tile of a scene of one colour, which needs no order.
+fn draw_in_one_color(
+    frame: &Frame<'_>,
+    bounds: Bounds,
+    color: [f32; 3],
+    scratch: &mut Scratch,
+    picture: &mut TilePicture,
+) {
+    let mut depth = [0.0; TILE * TILE];
+    // Pixels beyond the picture's edge wait for nothing.
+    for (pixel, depth) in depth.iter_mut().enumerate() {
+        if bounds.size[0] <= pixel % TILE || bounds.size[1] <= pixel / TILE {
+            *depth = OPAQUE_DEPTH;
+        }
+    }
+    let opacities = frame.shader.surface.is_some();
+    match frame.kept {
+        Some(kept) => {
+            for row in 0..bounds.size[1] {
+                let Some(kept) = kept.tile(bounds.tile) else { break };
+                let mut slices = Slices::Kept(kept.slices(row, frame.scalar_count), 0);
+                scratch.shading.sum(frame, row, &mut slices, &mut RowSums(&mut depth));
+                scratch.counts.segments += slices.segments();
+            }
+        }
+        None => {
+            walk(frame, bounds, 0..bounds.size[1], scratch, &mut DepthSink { sums: &mut depth, opacities })
+        }
+    }
+    for (pixel, &sum) in picture.iter_mut().zip(&depth) {
+        *pixel = of_one_color(color, sum, opacities);
+    }
+}
+
+/// Draws a tile by lists. Returns its segments in them, and those of them that are hidden. Errors: a pixel has too many.
+fn draw_in_lists(
+    frame: &Frame<'_>,
+    bounds: Bounds,
+    scratch: &mut Scratch,
+    lists: &mut Lists,
+    picture: &mut TilePicture,
+) -> Result<[usize; 2], Overflow> {
+    let mut rows = Rows::new();
+    let mut open = all_open(bounds.size);
+    let mut told = [0; 2];
+    lists.clear(frame.attribute_count);
+    // Whatever lies in front of what hides the others.
+    list64(frame, bounds, scratch, lists)?;
+    if scratch.slabbed {
+        let mut slabs = std::mem::replace(&mut scratch.slabs, Slabs::new());
+        slabs.begin(frame, bounds.tile);
+        let (entries, mut from) = (slabs.entries(), 0);
+        for (to, nearest) in slabs.ends(frame.lanes.width()) {
+            list(frame, &entries[from..to], bounds, Some(&open), scratch, lists)?;
+            from = to;
+            for row in (0..TILE).filter(|&row| open[row] != 0) {
+                let mut limit = Limit::new(nearest);
+                draw_row(frame, row, Some(&mut limit), scratch, lists, &mut rows);
+                lists.let_go(row, &limit);
+            }
+            scratch.shading.end(frame, &mut rows);
+            for (row, open) in open.iter_mut().enumerate() {
+                for (x, through) in rows.through(row).iter().enumerate() {
+                    // So much less that rounding never closes what the sum of the list would still show.
+                    *open &= !(u16::from(*through <= 0.5 * UNSEEN) << x);
+                }
+                lists.close(row, *open);
+            }
+            if to < entries.len() && open == [0; TILE] {
+                scratch.counts.tiles_stopped += 1;
+                scratch.counts.cells_hidden += (entries.len() - to) as u64;
+                break;
+            }
+        }
+        scratch.slabs = slabs;
+    } else {
+        list(frame, frame.entries_of(bounds.tile), bounds, None, scratch, lists)?;
+        for row in 0..bounds.size[1] {
+            let [all, hidden] = draw_row(frame, row, None, scratch, lists, &mut rows);
+            told = [told[0] + all, told[1] + hidden];
+        }
+        scratch.shading.end(frame, &mut rows);
+    }
+    rows.end(picture);
+    Ok(told)
+}
+
+/// Draws what a row's lists hold, as far as a limit lets it through. Returns its segments, and those of them that are hidden.
+fn draw_row(
+    frame: &Frame<'_>,
+    row: usize,
+    limit: Option<&mut Limit>,
+    scratch: &mut Scratch,
+    lists: &mut Lists,
+    rows: &mut Rows,
+) -> [usize; 2] {
+    let deepest = lists.deepest(row);
+    if deepest == 0 {
+        return [0; 2];
+    }
+    scratch.counts.pixels_disordered += dispatch(frame.lanes, Arrange { lists, row, sorted: frame.sorted });
+    let slices = ListSlices { lists, row, stretch: &scratch.stretch, limit, taken: 0, deepest };
+    let taken = scratch.shading.blend(frame, row, &mut Slices::Lists(slices), rows);
+    let counts = lists.counts(row);
+    let hidden = counts.iter().map(|&count| (count as usize).saturating_sub(taken)).sum();
+    [counts.iter().sum::<u32>() as usize, hidden]
 }
 
 /// Keeps a tile's segments; gives up where they are too many.
@@ -295,176 +397,132 @@ fn keep_tile(
     lists: &mut Lists,
     keeping: &Keeping,
 ) -> Option<KeptTile> {
-    let (left, top) = (tile % frame.tiles_wide * TILE, tile / frame.tiles_wide * TILE);
-    scratch.begin(frame, [left, top]);
-    scratch.slabbed = false;
-    lists.clear();
-    let mut keeper = Keeper::new(lists, frame.scalar_count);
-    if walk(frame, tile, 0..TILE, scratch, &mut keeper).is_err() {
+    let bounds = Bounds::of(frame, tile);
+    scratch.begin(frame, bounds);
+    lists.clear(frame.attribute_count);
+    let listed = list64(frame, bounds, scratch, lists)
+        .and_then(|()| list(frame, frame.entries_of(tile), bounds, None, scratch, lists));
+    if listed.is_err() {
         keeping.give_up();
         return None;
     }
-    keeper.end(frame.lanes, keeping)
-}
-
-/// Sends all segments of a tile to a sink, from its cells or from what was kept of them.
-fn all<S: Sink>(frame: &Frame<'_>, tile: usize, scratch: &mut Scratch, sink: &mut S) -> Result<(), Overflow> {
-    match frame.kept {
-        None => walk(frame, tile, 0..TILE, scratch, sink),
-        Some(kept) => kept.tile(tile).map_or(Ok(()), |kept| walk_kept(frame, kept, scratch, sink)),
-    }
-}
-
-/// Fragments of a batch that quick forms may leave over where nothing is pooled.
-const LEFT_MOST: usize = 16;
-
-/// Sends what was kept of a tile's segments to a sink, front to back. Errors: quick forms leave over so much that it is worth pooling,
-/// and the sink has no lists.
-fn walk_kept<S: Sink>(
-    frame: &Frame<'_>,
-    kept: &KeptTile,
-    scratch: &mut Scratch,
-    sink: &mut S,
-) -> Result<(), Overflow> {
-    let Scratch { batch, shaded, pool, later, counts, .. } = scratch;
-    pool.clear();
-    later.clear();
-    let pools = frame.shader.pools() && sink.lists().is_some();
-    for row in 0..TILE {
-        let mut slices = kept.slices(row, frame.scalar_count);
-        // At least what is seen through the pixels.
-        let mut through = [1.0f32; TILE];
+    let mut keeper = Keeper::new(frame.scalar_count);
+    for row in 0..bounds.size[1] {
+        dispatch(frame.lanes, Arrange { lists, row, sorted: true });
+        let (stretch, deepest) = (&scratch.stretch, lists.deepest(row));
+        let mut slices = Slices::Lists(ListSlices { lists, row, stretch, limit: None, taken: 0, deepest });
+        let batch = &mut scratch.shading.batch;
         loop {
-            let count = slices.next(batch);
-            let hidden = through.iter().all(|through| *through <= 0.5 * UNSEEN);
-            if count == 0 || hidden || sink.is_row_full(row) {
+            let count = slices.next(frame, batch);
+            if count == 0 {
                 break;
             }
-            counts.segments += u64::from(batch.hits);
-            quick(frame.shader, frame.lanes, batch, count, shaded);
-            if !pools {
-                if frame.shader.pools() && LEFT_MOST < shaded.left_over() {
-                    return Err(Overflow);
-                }
-                finish(frame.shader, frame.lanes, batch, shaded, None);
-                sink.take(frame.lanes, batch, shaded, count)?;
-                continue;
-            }
-            pool.lend(shaded);
-            let opacities = pool.opacities(shaded);
-            for (lengths, opacities) in batch.length[..count].chunks(TILE).zip(opacities.chunks(TILE)) {
-                for ((through, length), opacity) in through.iter_mut().zip(lengths).zip(opacities) {
-                    *through *= if *length > 0.0 { 1.0 - opacity } else { 1.0 };
-                }
-            }
-            sink.take(frame.lanes, batch, shaded, count)?;
-            if let Some(lists) = sink.lists() {
-                pool.take(frame, batch, shaded, lists, later);
-            }
+            keeper.take(row, batch, count);
         }
     }
-    if let Some(lists) = sink.lists() {
-        pool.finish(frame, lists, later);
+    keeper.end(keeping)
+}
+
+/// Appends the segments of a tile's cells to its lists, of pixels that are `open`. Errors: a pixel has too many.
+fn list(
+    frame: &Frame<'_>,
+    entries: &[u32],
+    Bounds { left, top, size, .. }: Bounds,
+    open: Option<&Open>,
+    scratch: &mut Scratch,
+    lists: &mut Lists,
+) -> Result<(), Overflow> {
+    let Scratch { fragments, edges, group, counts, .. } = scratch;
+    let width = frame.lanes.width();
+    for (number, cells) in entries.chunks(width).enumerate() {
+        let ahead = &entries[((number + 1) * width).min(entries.len())..];
+        let (right, rows) = (left + size[0], 0..size[1]);
+        let places = Some(Places { next: &mut lists.next, open });
+        let cover = Cover {
+            frame,
+            cells,
+            ahead,
+            left,
+            top,
+            right,
+            rows,
+            places,
+            group: &mut *group,
+            edges: &mut *edges,
+            fragments: &mut *fragments,
+        };
+        dispatch(frame.lanes, cover);
+        counts.segments += dispatch(frame.lanes, Append { frame, group, fragments, lists })?;
     }
     Ok(())
 }
 
-/// Sends all segments of some rows of a tile to a sink.
-fn walk<S: Sink>(
+/// The same of its cells that are crossed in 64 bits.
+fn list64(
     frame: &Frame<'_>,
-    tile: usize,
-    rows: Range<usize>,
+    bounds: Bounds,
     scratch: &mut Scratch,
-    sink: &mut S,
+    lists: &mut Lists,
 ) -> Result<(), Overflow> {
-    let (left, top) = (tile % frame.tiles_wide * TILE, tile / frame.tiles_wide * TILE);
-    let right = (left + TILE).min(frame.view.size[0]);
-    let bottom = (top + TILE).min(frame.view.size[1]);
-    let rows = rows.start..rows.end.min(bottom - top);
-    let Scratch {
-        fragments,
-        edges,
-        group,
-        batch,
-        shaded,
-        stretch,
-        rays,
-        pool,
-        later,
-        slabs,
-        slabbed,
-        ends,
-        counts,
-    } = scratch;
-    pool.clear();
-    later.clear();
-    let pools = frame.shader.pools() && sink.lists().is_some();
-    let slabbed = *slabbed && sink.lists().is_some();
-    let mut send = |sink: &mut S, slabs: &mut Slabs, batch: &mut Batch, count: usize| {
+    let Scratch { shading: Shading { batch, .. }, counts, .. } = scratch;
+    for_each64(frame, bounds, 0..bounds.size[1], |cell, crossing, place| {
+        // Lists hold depths.
+        frame.put64(cell, crossing, place, 1.0, 0, batch);
+        counts.segments += 1;
+        let ends = batch.front.iter().zip(&batch.back).map(|(front, back)| [front[0], back[0]]);
+        lists.push(batch.pixel[0] as usize, [batch.entry[0], batch.length[0]], ends)
+    })
+}
+
+/// Calls for each pixel of some rows of a tile that meets a cell which is crossed in 64 bits, until an error.
+fn for_each64(
+    frame: &Frame<'_>,
+    Bounds { tile, left, top, size: [columns, _] }: Bounds,
+    rows: Range<usize>,
+    mut each: impl FnMut(&Cell64, &Crossing64, [usize; 2]) -> Result<(), Overflow>,
+) -> Result<(), Overflow> {
+    for cell in frame.cells64_of(tile) {
+        let [x0, y0, x1, y1] = cell.bounds;
+        for j in y0.max(top + rows.start)..y1.min(top + rows.end) {
+            for i in x0.max(left)..x1.min(left + columns) {
+                if let Some(crossing) = cell.cross(&frame.view, i, j) {
+                    each(cell, &crossing, [i, j])?;
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Sends all segments of some rows of a tile to a sink, as they come.
+fn walk<S: Sink>(frame: &Frame<'_>, bounds: Bounds, rows: Range<usize>, scratch: &mut Scratch, sink: &mut S) {
+    let Bounds { tile, left, top, size } = bounds;
+    let Scratch { fragments, edges, group, stretch, shading, counts, .. } = scratch;
+    let Shading { batch, shaded, rays, ends, .. } = shading;
+    let mut send = |sink: &mut S, batch: &mut Batch, count: usize| {
         if frame.ends.is_some() {
             cut(batch, count, frame.attribute_count, ends);
         }
-        if !sink.wants_colors() {
-            return sink.take(frame.lanes, batch, shaded, count);
-        }
-        if pools {
-            quick(frame.shader, frame.lanes, batch, count, shaded);
-            pool.lend(shaded);
-        } else {
-            integrate(frame.shader, frame.lanes, batch, count, shaded);
-        }
+        integrate(frame.shader, frame.lanes, batch, count, shaded);
         if frame.shader.surface.is_some() {
             dispatch(frame.lanes, Illuminate { frame, batch, count, rays, shaded });
         }
-        if slabbed {
-            let opacity = if pools { pool.opacities(shaded) } else { &shaded.rgba[3] };
-            slabs.take(&batch.pixel, &batch.exit, opacity, count);
-        }
-        sink.take(frame.lanes, batch, shaded, count)?;
-        if let Some(lists) = sink.lists().filter(|_| pools) {
-            pool.take(frame, batch, shaded, lists, later);
-        }
-        Ok(())
+        sink.take(batch, shaded, count);
     };
 
     let width = frame.lanes.width();
-    let mut sorted = Vec::new();
-    if slabbed {
-        slabs.begin(frame, tile, [right - left, bottom - top]);
-        sorted = std::mem::take(&mut slabs.entries);
-    }
-    let entries = if slabbed { &sorted } else { frame.entries_of(tile) };
+    let entries = frame.entries_of(tile);
     for (number, cells) in entries.chunks(width).enumerate() {
-        if slabbed
-            && (number * width).is_multiple_of(slabs.length)
-            && !slabs.close(number * width / slabs.length)
-        {
-            counts.tiles_stopped += 1;
-            counts.cells_hidden += (entries.len() - number * width) as u64;
-            break;
-        }
         if sink.is_full() {
             counts.tiles_stopped += 1;
             counts.cells_hidden += (entries.len() - number * width + frame.cells64_of(tile).count()) as u64;
-            return Ok(());
+            return;
         }
-        let after = (number + 1) * width;
-        let ahead = &entries[after.min(entries.len())..];
+        let ahead = &entries[((number + 1) * width).min(entries.len())..];
+        let (right, rows) = (left + size[0], rows.clone());
         dispatch(
             frame.lanes,
-            Cover {
-                frame,
-                cells,
-                ahead,
-                left,
-                top,
-                right,
-                rows: rows.clone(),
-                open: slabbed.then_some(&slabs.open),
-                group,
-                edges,
-                fragments,
-            },
+            Cover { frame, cells, ahead, left, top, right, rows, places: None, group, edges, fragments },
         );
         let mut from = 0;
         while from < fragments.count {
@@ -472,35 +530,25 @@ fn walk<S: Sink>(
             let codes = &fragments.codes[from..];
             dispatch(frame.lanes, Evaluate { frame, group, codes, count, stretch, batch });
             counts.segments += u64::from(batch.hits);
-            send(sink, slabs, batch, count)?;
+            send(sink, batch, count);
             from += count;
         }
     }
 
-    slabs.entries = sorted;
-
     // These may lie in front of what hides the others.
     let mut count = 0;
-    for cell in frame.cells64_of(tile) {
-        let [x0, y0, x1, y1] = cell.bounds;
-        for j in y0.max(top + rows.start)..y1.min(top + rows.end) {
-            for i in x0.max(left)..x1.min(right) {
-                let Some(crossing) = cell.cross(&frame.view, i, j) else { continue };
-                frame.put64(cell, &crossing, [i, j], count, batch);
-                count += 1;
-                if count == BATCH {
-                    counts.segments += count as u64;
-                    send(sink, slabs, batch, std::mem::take(&mut count))?;
-                }
-            }
+    let _ = for_each64(frame, bounds, rows, |cell, crossing, [i, j]| {
+        let stretch = frame.view.stretch(i as f64, j as f64);
+        frame.put64(cell, crossing, [i, j], stretch, count, batch);
+        count += 1;
+        if count == BATCH {
+            counts.segments += count as u64;
+            send(sink, batch, std::mem::take(&mut count));
         }
-    }
+        Ok(())
+    });
     if count > 0 {
         counts.segments += count as u64;
-        send(sink, slabs, batch, count)?;
+        send(sink, batch, count);
     }
-    if let Some(lists) = sink.lists() {
-        pool.finish(frame, lists, later);
-    }
-    Ok(())
 }

@@ -76,104 +76,226 @@ impl Group {
         relative(pixel.shr::<16>(), top).store(&mut self.pixel_y);
     }
 
-    /// Evaluates `codes` (at most [`super::batch::BATCH`], readable up to the next multiple of `WIDTH`). `stretch` is the
-    /// length of each pixel's ray direction; `near`, where the near plane cuts cells, gives its
-    /// v as scale × distance + offset, and its depth from the distance origin. Entry and exit depths are found only if the
-    /// segments are `ordered`.
+    /// Evaluates `codes` (at most [`super::batch::BATCH`], readable up to the next multiple of `WIDTH`) into a batch. `stretch` is the
+    /// length of each pixel's ray direction. Entry and exit depths are found only if the segments are `ordered`.
     #[inline(always)]
     pub fn evaluate<L: Lanes, const PERSPECTIVE: bool>(
         &self,
         codes: &[u16],
         count: usize,
         stretch: &[f32; TILE * TILE],
-        near: Option<[f32; 3]>,
+        near: Near,
         ordered: bool,
         batch: &mut Batch,
     ) {
-        let word = inlined(
-            #[inline(always)]
-            |k: usize| L::F::load(&self.words.0[k]),
-        );
-        let planes: [[L::F; 3]; 4] = array(
-            #[inline(always)]
-            |k| [word(k), word(4 + k), word(8 + k)],
-        );
-        let (depth, distance) = (word(12), word(13));
-        let front = word(14).to_bits();
-        let (pixel_x, pixel_y) = (L::F::load(&self.pixel_x), L::F::load(&self.pixel_y));
-        let one = L::F::splat(1.0);
-
+        let crossed = Planes::<L>::load(self, near);
         batch.hits = 0;
         let mut at = 0;
         while at < count {
-            let code = L::U::load_u16(&codes[at..]);
-            let pixel = code.and(L::U::splat(255));
-            let lane = code.shr::<8>().and(L::U::splat(L::WIDTH as u32 - 1));
-            let dx = pixel.and(L::U::splat(15)).to_float() - pixel_x.permute(lane);
-            let dy = pixel.shr::<4>().to_float() - pixel_y.permute(lane);
-
-            // Enter at the least v of the front faces, leave at the greatest of the back faces.
-            let facing = front.permute(lane);
-            let mut v_front = L::F::splat(f32::MAX);
-            let mut v_back = L::F::splat(-f32::MAX);
-            for (k, plane) in planes.iter().enumerate() {
-                let v = plane[0]
-                    .permute(lane)
-                    .mul_add(dx, plane[1].permute(lane).mul_add(dy, plane[2].permute(lane)));
-                let is_front = facing.test(L::U::splat(1 << k));
-                v_front = L::F::select(is_front, v.min(v_front), v_front);
-                v_back = L::F::select(is_front, v_back, v.max(v_back));
-            }
-            let depth = depth.permute(lane);
-            let distance = distance.permute(lane);
-            let v_whole = v_front;
-            let v_near = match near {
-                Some([scale, offset, _]) => distance.mul_add(L::F::splat(scale), L::F::splat(offset)),
-                None => v_whole,
-            };
-            v_front = v_whole.min(v_near);
-            let thickness = v_front - v_back;
-            let hit = L::F::splat(0.0).lt(thickness);
-            let meant = u32::MAX >> (32 - (count - at).min(L::WIDTH));
-            batch.hits += (hit.bits() & meant).count_ones();
-            let stretch = L::F::gather(stretch, pixel);
-            let (q_front, q_back, length) = if PERSPECTIVE {
-                let (w_front, w_back) = (one + v_front, one + v_back);
-                let both = one / (w_front * w_back);
-                (both * w_back, both * w_front, thickness * depth * both * stretch)
-            } else {
-                (one, one, thickness * depth * stretch)
-            };
-            let depth_at = inlined(
-                #[inline(always)]
-                |v: L::F, q: L::F| distance - v * depth * q,
-            );
-            L::F::select(hit, length, L::F::splat(0.0)).store(&mut batch.length[at..]);
+            let ray = crossed.cross::<PERSPECTIVE>(L::U::load_u16(&codes[at..]));
+            batch.hits += (ray.hit.bits() & meant::<L>(count - at)).count_ones();
+            let length = ray.length * L::F::gather(stretch, ray.pixel);
+            L::F::select(ray.hit, length, L::F::splat(0.0)).store(&mut batch.length[at..]);
             if ordered {
-                let mut entry = depth_at(v_front, q_front);
-                if let Some([_, _, cut_at]) = near {
-                    // What the plane cuts begins where it is, bit for bit in all cells: their exits tell their order.
-                    entry = L::F::select(v_near.lt(v_whole), L::F::splat(cut_at), entry);
-                }
-                entry.store(&mut batch.entry[at..]);
-                depth_at(v_back, q_back).store(&mut batch.exit[at..]);
+                ray.entry().store(&mut batch.entry[at..]);
+                ray.exit().store(&mut batch.exit[at..]);
             }
-            pixel.store(&mut batch.pixel[at..]);
+            ray.pixel.store(&mut batch.pixel[at..]);
             for (k, rows) in self.attributes.iter().enumerate() {
-                let row = inlined(
-                    #[inline(always)]
-                    |k: usize| L::F::load(&rows.0[k]).permute(lane),
-                );
-                let across = row(0).mul_add(dx, row(1) * dy);
-                let (r, base, low, high) = (row(2), row(3), row(4), row(5));
-                let value = inlined(
-                    #[inline(always)]
-                    |v: L::F, q: L::F| r.mul_add(v, across).mul_add(q, base).max(low).min(high),
-                );
-                value(v_front, q_front).store(&mut batch.front[k][at..]);
-                value(v_back, q_back).store(&mut batch.back[k][at..]);
+                let [front, back] = ray.ends(rows);
+                front.store(&mut batch.front[k][at..]);
+                back.store(&mut batch.back[k][at..]);
             }
             at += L::WIDTH;
         }
+    }
+
+    /// Evaluates `codes` (readable up to the next multiple of `WIDTH`) into lists, each at its place there; lengths are depths from
+    /// entry to exit. What misses its cell has no length. Returns the fragments that cross theirs.
+    #[inline(always)]
+    pub fn append<L: Lanes, const PERSPECTIVE: bool>(
+        &self,
+        codes: &[u16],
+        places: &[u32],
+        near: Near,
+        fours: &mut [Vec<[f32; 4]>],
+    ) -> u64 {
+        let crossed = Planes::<L>::load(self, near);
+        let mut hits = 0;
+        let mut put = inlined(
+            #[inline(always)]
+            |four: usize, values: [L::F; 4], place: L::U| {
+                let slots: &mut [[[f32; 4]; 1]] = bytemuck::cast_slice_mut(fours[four].as_mut_slice());
+                L::F::scatter_parts([values], slots, place);
+            },
+        );
+        let count = places.len() - LANES_MOST;
+        let mut at = 0;
+        while at < count {
+            let ray = crossed.cross::<PERSPECTIVE>(L::U::load_u16(&codes[at..]));
+            hits += u64::from((ray.hit.bits() & meant::<L>(count - at)).count_ones());
+            let place = L::U::load(&places[at..]);
+            let entry = L::F::select(ray.hit, ray.entry(), ray.distance);
+            let length = L::F::select(ray.hit, ray.length, L::F::splat(0.0));
+            match self.attributes.as_slice() {
+                [] => put(0, [entry, length, entry, entry], place),
+                [first, further @ ..] => {
+                    let [front, back] = ray.ends(first);
+                    put(0, [entry, length, front, back], place);
+                    for (four, two) in further.chunks(2).enumerate() {
+                        let [front, back] = ray.ends(&two[0]);
+                        let [next_front, next_back] = match two.get(1) {
+                            Some(next) => ray.ends(next),
+                            None => [front, back],
+                        };
+                        put(1 + four, [front, back, next_front, next_back], place);
+                    }
+                }
+            }
+            at += L::WIDTH;
+        }
+        hits
+    }
+}
+
+/// Where the near plane cuts cells: its v as scale × distance + offset, and its depth from the distance origin.
+pub(crate) type Near = Option<[f32; 3]>;
+
+/// Those lanes (bits) of a vector that hold the first `count` fragments.
+#[inline(always)]
+fn meant<L: Lanes>(count: usize) -> u32 {
+    u32::MAX >> (32 - count.min(L::WIDTH))
+}
+
+/// What is known of the cells of a group, in registers.
+struct Planes<L: Lanes> {
+    planes: [[L::F; 3]; 4],
+    depth: L::F,
+    distance: L::F,
+    front: L::U,
+    pixel: [L::F; 2],
+    near: Near,
+}
+
+/// The rays of one vector of fragments, and where they cross their cells.
+struct Crossing<L: Lanes> {
+    pixel: L::U,
+    lane: L::U,
+    /// From the record's pixel.
+    from_pixel: [L::F; 2],
+    hit: L::M,
+    /// Depth from entry to exit.
+    length: L::F,
+    /// v and 1 / (1 + v) at entry and exit.
+    v: [L::F; 2],
+    q: [L::F; 2],
+    depth: L::F,
+    distance: L::F,
+    /// Where the near plane cuts, and its depth.
+    cut: Option<(L::M, f32)>,
+}
+
+impl<L: Lanes> Planes<L> {
+    #[inline(always)]
+    fn load(group: &Group, near: Near) -> Planes<L> {
+        let word = inlined(
+            #[inline(always)]
+            |k: usize| L::F::load(&group.words.0[k]),
+        );
+        Planes {
+            planes: array(
+                #[inline(always)]
+                |k| [word(k), word(4 + k), word(8 + k)],
+            ),
+            depth: word(12),
+            distance: word(13),
+            front: word(14).to_bits(),
+            pixel: [L::F::load(&group.pixel_x), L::F::load(&group.pixel_y)],
+            near,
+        }
+    }
+
+    #[inline(always)]
+    fn cross<const PERSPECTIVE: bool>(&self, code: L::U) -> Crossing<L> {
+        let one = L::F::splat(1.0);
+        let pixel = code.and(L::U::splat(255));
+        let lane = code.shr::<8>().and(L::U::splat(L::WIDTH as u32 - 1));
+        let dx = pixel.and(L::U::splat(15)).to_float() - self.pixel[0].permute(lane);
+        let dy = pixel.shr::<4>().to_float() - self.pixel[1].permute(lane);
+
+        // Enter at the least v of the front faces, leave at the greatest of the back faces.
+        let facing = self.front.permute(lane);
+        let mut v_front = L::F::splat(f32::MAX);
+        let mut v_back = L::F::splat(-f32::MAX);
+        for (k, plane) in self.planes.iter().enumerate() {
+            let v = plane[0]
+                .permute(lane)
+                .mul_add(dx, plane[1].permute(lane).mul_add(dy, plane[2].permute(lane)));
+            let is_front = facing.test(L::U::splat(1 << k));
+            v_front = L::F::select(is_front, v.min(v_front), v_front);
+            v_back = L::F::select(is_front, v_back, v.max(v_back));
+        }
+        let depth = self.depth.permute(lane);
+        let distance = self.distance.permute(lane);
+        let cut = self.near.map(
+            #[inline(always)]
+            |[scale, offset, cut_at]| {
+                let v_near = distance.mul_add(L::F::splat(scale), L::F::splat(offset));
+                let cut = v_near.lt(v_front);
+                v_front = v_front.min(v_near);
+                (cut, cut_at)
+            },
+        );
+        let thickness = v_front - v_back;
+        let hit = L::F::splat(0.0).lt(thickness);
+        let (q, length) = if PERSPECTIVE {
+            let (w_front, w_back) = (one + v_front, one + v_back);
+            let both = one / (w_front * w_back);
+            ([both * w_back, both * w_front], thickness * depth * both)
+        } else {
+            ([one, one], thickness * depth)
+        };
+        let v = [v_front, v_back];
+        Crossing { pixel, lane, from_pixel: [dx, dy], hit, length, v, q, depth, distance, cut }
+    }
+}
+
+impl<L: Lanes> Crossing<L> {
+    #[inline(always)]
+    fn depth_at(&self, end: usize) -> L::F {
+        self.distance - self.v[end] * self.depth * self.q[end]
+    }
+
+    /// Depth of the entry from the distance origin.
+    #[inline(always)]
+    fn entry(&self) -> L::F {
+        let entry = self.depth_at(0);
+        match self.cut {
+            // What the plane cuts begins where it is, bit for bit in all cells: their exits tell their order.
+            Some((cut, cut_at)) => L::F::select(cut, L::F::splat(cut_at), entry),
+            None => entry,
+        }
+    }
+
+    /// Depth of the exit.
+    #[inline(always)]
+    fn exit(&self) -> L::F {
+        self.depth_at(1)
+    }
+
+    /// An attribute at entry and exit.
+    #[inline(always)]
+    fn ends(&self, rows: &Words<8>) -> [L::F; 2] {
+        let row = inlined(
+            #[inline(always)]
+            |k: usize| L::F::load(&rows.0[k]).permute(self.lane),
+        );
+        let [dx, dy] = self.from_pixel;
+        let across = row(0).mul_add(dx, row(1) * dy);
+        let (r, base, low, high) = (row(2), row(3), row(4), row(5));
+        array(
+            #[inline(always)]
+            |end| r.mul_add(self.v[end], across).mul_add(self.q[end], base).max(low).min(high),
+        )
     }
 }

@@ -6,6 +6,7 @@
 //! are half-open (a row y belongs to an edge if y₀ ≤ y < y₁, a pixel to a span if ⌈x₀⌉ ≤ x < ⌈x₁⌉): every pixel
 //! centre that lies on a shared silhouette edge is given to exactly one of the cells.
 
+use crate::composite::lists::{NOBODY, Next};
 use crate::project::record::TILE;
 use crate::view::Seen;
 use voltet_lanes::{Double, Float, Lanes, Mask, Unsigned, array, inlined};
@@ -30,6 +31,8 @@ const LENGTH: u32 = 16;
 pub(crate) struct Fragments {
     /// The codes; the first `count` are meant.
     pub codes: Vec<u16>,
+    /// Where each goes in lists, where there are any.
+    pub places: Vec<u32>,
     /// How many.
     pub count: usize,
     /// See [`Edges::spans`], row by row.
@@ -185,19 +188,14 @@ pub(crate) fn crossing_of_row(ends: [&Seen; 2], [i, j]: [usize; 2]) -> Option<f3
 impl Fragments {
     /// Room for the fragments of `lanes` cells in one tile.
     pub fn new(lanes: usize) -> Self {
-        Fragments { codes: vec![0; lanes * TILE * TILE + SPARE], count: 0, spans: Cells([[0; MOST]; TILE]) }
+        let room = lanes * TILE * TILE + SPARE;
+        Fragments { codes: vec![0; room], places: vec![0; room], count: 0, spans: Cells([[0; MOST]; TILE]) }
     }
 
-    /// Finds the pixels, of a tile `width` pixels wide, that each of the first `cells` cells covers; if `MASKED`, those that are
-    /// `open`, a bit a column.
+    /// Finds the pixels, of a tile `width` pixels wide, that each of the first `cells` cells covers. Where there are `lists`, each takes
+    /// a place there; then of their pixels only those that are `open` are covered.
     #[inline(always)]
-    pub fn cover<L: Lanes, const MASKED: bool>(
-        &mut self,
-        edges: &Edges,
-        cells: usize,
-        width: usize,
-        open: &[u16],
-    ) {
+    pub fn cover<L: Lanes>(&mut self, edges: &Edges, cells: usize, width: usize, lists: Option<Places<'_>>) {
         let (mut starts, mut ends) = ([0u32; MOST], [0u32; MOST]);
         L::F::load(&edges.bounds.0[0]).to_unsigned().store(&mut starts);
         L::F::load(&edges.bounds.0[1]).to_unsigned().store(&mut ends);
@@ -206,28 +204,102 @@ impl Fragments {
         let last = rows().map(|(_, &end)| end).max().unwrap_or(0) as usize;
         edges.spans::<L>(first..last, width, &mut self.spans);
 
+        let rows = [starts, ends].map(
+            #[inline(always)]
+            |rows| rows.map(|row| row as usize),
+        );
+        match lists {
+            None => self.list::<L, false>(rows, cells, None, &[0; TILE]),
+            Some(Places { next, open: None }) => self.list::<L, false>(rows, cells, Some(next), &[0; TILE]),
+            Some(Places { next, open: Some(open) }) => self.list::<L, true>(rows, cells, Some(next), open),
+        }
+    }
+
+    /// Codes from spans, cell by cell, and places in lists; if `MASKED` of pixels that are open.
+    #[inline(always)]
+    fn list<L: Lanes, const MASKED: bool>(
+        &mut self,
+        [starts, ends]: [[usize; MOST]; 2],
+        cells: usize,
+        mut next: Option<&mut Next>,
+        open: &[u16; TILE],
+    ) {
+        let Fragments { codes, places, spans, .. } = self;
+        let (codes, places) = (codes.as_mut_slice(), places.as_mut_slice());
         let mut count = 0;
         for (lane, (&start, &end)) in starts.iter().zip(&ends).take(cells).enumerate() {
-            for row in start as usize..(end as usize).min(TILE) {
-                let span = self.spans.0[row][lane];
+            for row in start..end.min(TILE) {
+                let span = spans.0[row][lane];
                 let (code, length) = (span as u16, (span >> LENGTH) as usize);
+                let from = usize::from(code) % TILE;
                 if MASKED {
-                    let from = u32::from(code) & 15;
                     let mut open = u32::from(open[row]) & (((1 << length) - 1) << from);
                     while open != 0 {
-                        self.codes[count] = code - from as u16 + open.trailing_zeros() as u16;
+                        let column = open.trailing_zeros() as usize;
+                        codes[count] = code - from as u16 + column as u16;
+                        if let Some(next) = &mut next {
+                            let next = &mut next.0[row * TILE + column];
+                            places[count] = *next;
+                            *next += 1;
+                        }
                         count += 1;
                         open &= open - 1;
                     }
-                } else {
-                    let out = &mut self.codes[count..count + TILE];
-                    for (k, out) in out.iter_mut().enumerate() {
-                        *out = code.wrapping_add(k as u16);
-                    }
-                    count += length;
+                    continue;
                 }
+                let out = &mut codes[count..count + TILE];
+                for (k, out) in out.iter_mut().enumerate() {
+                    *out = code.wrapping_add(k as u16);
+                }
+                if let Some(next) = &mut next {
+                    take_places::<L>(next, row, from..from + length, &mut places[count..count + TILE]);
+                }
+                count += length;
             }
         }
         self.count = count;
+        if next.is_some() {
+            // A vector may read past the end.
+            places[count..count + MOST].fill(NOBODY);
+        }
     }
+}
+
+/// Where fragments go in the lists of their pixels.
+pub(crate) struct Places<'a> {
+    pub next: &'a mut Next,
+    /// Pixels that take fragments, a bit a column, where some do not.
+    pub open: Option<&'a [u16; TILE]>,
+}
+
+/// A place for each column of a span, in the first of `places`; what follows there is of no account.
+#[inline(always)]
+fn take_places<L: Lanes>(next: &mut Next, row: usize, span: std::ops::Range<usize>, places: &mut [u32]) {
+    if L::WIDTH == TILE {
+        // No load spans what two stores wrote.
+        let of_row = &mut next.0[row * TILE..][..TILE];
+        let (from, to) = (L::U::splat(span.start as u32), L::U::splat(span.end as u32));
+        let value = L::U::load(of_row);
+        value.permute((L::U::iota() + from).and(L::U::splat(TILE as u32 - 1))).store(places);
+        taken_of::<L>(value, 0, from, to).store(of_row);
+        return;
+    }
+    places.copy_from_slice(&next.0[row * TILE + span.start..][..TILE]);
+    let (from, to) = (L::U::splat(span.start as u32), L::U::splat(span.end as u32));
+    for half in (0..TILE).step_by(L::WIDTH) {
+        let of_half = &mut next.0[row * TILE + half..];
+        taken_of::<L>(L::U::load(of_half), half, from, to).store(of_half);
+    }
+}
+
+/// Counters of the columns from `half` on, one more in `from..to`.
+#[inline(always)]
+fn taken_of<L: Lanes>(value: L::U, half: usize, from: L::U, to: L::U) -> L::U {
+    let column = L::U::iota() + L::U::splat(half as u32);
+    // Not below a number: the larger of both is the column.
+    let [not_before, behind] = [from, to].map(
+        #[inline(always)]
+        |limit| column.max(limit).equal(column),
+    );
+    L::U::select(not_before.and(behind.not()), value + L::U::splat(1), value)
 }

@@ -1,6 +1,7 @@
 //! Spans of single cells, against the crossings that cells in 64 bits ask for.
 
-use super::spans::{Edges, Fragments, crossing_of_row};
+use super::spans::{Edges, Fragments, Places, crossing_of_row};
+use crate::composite::lists::{NOBODY, Next};
 use crate::project::record::TILE;
 use crate::view::Seen;
 use proptest::prelude::*;
@@ -19,8 +20,39 @@ impl Kernel for Spans<'_> {
         let (mut edges, mut fragments) = (Edges::new(), Fragments::new(L::WIDTH));
         edges.take(0, self.corners);
         edges.find::<L>(self.tile[0], self.tile[1], &(0..TILE));
-        fragments.cover::<L, false>(&edges, 1, TILE, &[]);
+        fragments.cover::<L>(&edges, 1, TILE, None);
         fragments.codes[..fragments.count].to_vec()
+    }
+}
+
+/// The fragments of some cells, one after another, with their places in lists.
+struct Listed<'a> {
+    cells: &'a [[Seen; 4]],
+    open: Option<&'a [u16; TILE]>,
+}
+
+impl Kernel for Listed<'_> {
+    type Output = Vec<(u16, u32)>;
+
+    fn run<L: Lanes>(self) -> Vec<(u16, u32)> {
+        let (mut edges, mut fragments) = (Edges::new(), Fragments::new(L::WIDTH));
+        let (mut next, mut all) = (Next::default(), Vec::new());
+        for cells in self.cells.chunks(L::WIDTH) {
+            for (lane, [a, b, c, d]) in cells.iter().enumerate() {
+                edges.take(lane, [a, b, c, d]);
+            }
+            edges.find::<L>(0, 0, &(0..TILE));
+            fragments.cover::<L>(
+                &edges,
+                cells.len(),
+                TILE,
+                Some(Places { next: &mut next, open: self.open }),
+            );
+            let codes = fragments.codes.iter().map(|code| code & 255);
+            all.extend(codes.zip(fragments.places.iter().copied()).take(fragments.count));
+            assert!(fragments.places[fragments.count..][..L::WIDTH].iter().all(|place| *place == NOBODY));
+        }
+        all
     }
 }
 
@@ -60,6 +92,32 @@ proptest! {
         let expected = expected(corners, tile);
         for lanes in LaneSet::ALL.into_iter().filter(|lanes| lanes.is_supported()) {
             prop_assert_eq!(dispatch(lanes, Spans { corners, tile }), expected.clone());
+        }
+    }
+
+    /// Each fragment takes the next free place of its pixel, in the order of cells; those of closed pixels are none.
+    #[test]
+    fn fragments_take_the_next_places_of_their_pixels(
+        cells in prop::collection::vec(prop::array::uniform4((-5.0..21.0, -5.0..21.0)), 1..20),
+        mask in prop::option::of(prop::array::uniform16(0u16..=u16::MAX)),
+    ) {
+        let cells: Vec<[Seen; 4]> =
+            cells.into_iter().map(|places| places.map(|(x, y)| Seen { x, y, z: 1.0 })).collect();
+        let mut next = Next::default();
+        let mut all = Vec::new();
+        for [a, b, c, d] in &cells {
+            for code in expected([a, b, c, d], [0; 2]) {
+                let (row, column) = (usize::from(code >> 4), code & 15);
+                if mask.is_none_or(|mask| mask[row] >> column & 1 != 0) {
+                    let next = &mut next.0[usize::from(code)];
+                    all.push((code, *next));
+                    *next += 1;
+                }
+            }
+        }
+        for lanes in LaneSet::ALL.into_iter().filter(|lanes| lanes.is_supported()) {
+            let found = dispatch(lanes, Listed { cells: &cells, open: mask.as_ref() });
+            prop_assert_eq!(found, all.clone(), "{}", lanes.name());
         }
     }
 

@@ -1,13 +1,9 @@
-//! A tile's segments from its lists.
+//! A tile's segments, kept.
 
-use crate::composite::lists::{Lists, Overflow};
-use crate::composite::sinks::Sink;
-use crate::fragments::batch::{BATCH, Batch};
+use crate::fragments::batch::Batch;
 use crate::kept::KeptTile;
 use crate::project::record::TILE;
-use crate::shade::shaded::Shaded;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use voltet_lanes::LaneSet;
 
 /// What all who keep a picture's segments share.
 #[derive(Debug)]
@@ -43,68 +39,37 @@ impl Keeping {
     }
 }
 
-/// Sorts a tile's segments in lists; their numbers stand where colours would.
-pub(crate) struct Keeper<'a> {
-    lists: &'a mut Lists,
-    numbers: Shaded,
-    /// Batch by batch: lengths, entries' and exits' values.
-    batches: Vec<f32>,
-    /// Columns of a batch.
-    columns: usize,
+/// Takes a tile's segments in order.
+pub(crate) struct Keeper {
+    kept: KeptTile,
+    scalar_count: usize,
 }
 
-impl<'a> Keeper<'a> {
-    /// `lists`: empty.
-    pub fn new(lists: &'a mut Lists, scalar_count: usize) -> Keeper<'a> {
-        Keeper { lists, numbers: Shaded::new(), batches: Vec::new(), columns: 1 + 2 * scalar_count }
+impl Keeper {
+    pub fn new(scalar_count: usize) -> Keeper {
+        Keeper { kept: KeptTile { begins: [0; TILE + 1], numbers: Vec::new() }, scalar_count }
     }
 
-    /// What was taken, in order. `None` where it is too much.
-    pub fn end(self, lanes: LaneSet, keeping: &Keeping) -> Option<KeptTile> {
-        let Keeper { lists, batches, columns, .. } = self;
-        let slices: usize = (0..TILE).map(|row| lists.deepest(row)).sum();
-        let count = slices * columns * TILE;
-        if !keeping.take((count * size_of::<f32>()) as u64) {
-            return None;
+    /// Takes the first `count` segments of a batch, slices of a row.
+    pub fn take(&mut self, row: usize, batch: &Batch, count: usize) {
+        let columns = || {
+            let ends = batch.front[..self.scalar_count].iter().chain(&batch.back[..self.scalar_count]);
+            std::iter::once(&*batch.length).chain(ends)
+        };
+        for at in (0..count).step_by(TILE) {
+            for column in columns() {
+                self.kept.numbers.extend_from_slice(&column[at..][..TILE]);
+            }
         }
-        let mut kept = KeptTile { begins: [0; TILE + 1], numbers: vec![0.0; count] };
-        let mut at = 0;
-        for row in 0..TILE {
-            kept.begins[row] = at as u32;
-            lists.in_order(lanes, row, |depth, x, number| {
-                let from = number as usize / BATCH * BATCH * columns + number as usize % BATCH;
-                let to = (at + depth) * columns * TILE + x;
-                for column in 0..columns {
-                    kept.numbers[to + column * TILE] = batches[from + column * BATCH];
-                }
-            });
-            at += lists.deepest(row);
-        }
-        kept.begins[TILE] = at as u32;
-        Some(kept)
-    }
-}
-
-impl Sink for Keeper<'_> {
-    fn take(
-        &mut self,
-        lanes: LaneSet,
-        batch: &Batch,
-        _shaded: &Shaded,
-        count: usize,
-    ) -> Result<(), Overflow> {
-        let first = self.batches.len() / self.columns;
-        for (k, number) in self.numbers.rgba[0].iter_mut().enumerate() {
-            *number = f32::from_bits((first + k) as u32);
-        }
-        self.batches.extend_from_slice(&**batch.length);
-        for columns in [&batch.front, &batch.back] {
-            columns[..batch.scalar_count].iter().for_each(|column| self.batches.extend_from_slice(&**column));
-        }
-        Sink::take(self.lists, lanes, batch, &self.numbers, count)
+        let slices = (count / TILE) as u32;
+        self.kept.begins[row + 1..].iter_mut().for_each(|begin| *begin += slices);
     }
 
-    fn wants_colors(&self) -> bool {
-        false
+    /// What was taken. `None` where it is too much.
+    pub fn end(self, keeping: &Keeping) -> Option<KeptTile> {
+        let Keeper { mut kept, .. } = self;
+        let bytes = kept.numbers.len() * size_of::<f32>();
+        kept.numbers.shrink_to_fit();
+        keeping.take(bytes as u64).then_some(kept)
     }
 }

@@ -9,17 +9,15 @@
 //! | --- | --- |
 //! | `views` | which views are worth keeping, and what serves which transfer function |
 //! | `keep` | a tile's segments from its lists |
-//! | `walk` | kept segments to a sink |
-//! | `rows` | pixels that take their segments front to back |
+//! | `walk` | kept segments, slices of a row at a time |
 
 mod keep;
-mod rows;
 mod views;
 mod walk;
 
 pub(crate) use keep::{Keeper, Keeping};
-pub(crate) use rows::{RowSums, Rows};
 pub(crate) use views::{Plan, Views};
+pub(crate) use walk::KeptSlices;
 
 use crate::project::record::TILE;
 

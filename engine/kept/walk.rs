@@ -1,4 +1,4 @@
-//! Kept segments to a sink.
+//! Kept segments, slices of a row at a time.
 
 use crate::fragments::batch::{BATCH, Batch};
 use crate::kept::KeptTile;
@@ -8,24 +8,22 @@ use crate::project::record::TILE;
 const AT_ONCE: usize = BATCH / TILE;
 
 /// The slices of a row of a tile, as many at a time as a batch takes.
-pub(crate) struct Slices<'a> {
+pub(crate) struct KeptSlices<'a> {
     numbers: &'a [f32],
     columns: usize,
     row: usize,
-    /// Slices of the row that were taken.
-    taken: usize,
 }
 
 impl KeptTile {
     /// Those of a row.
-    pub fn slices(&self, row: usize, scalar_count: usize) -> Slices<'_> {
+    pub fn slices(&self, row: usize, scalar_count: usize) -> KeptSlices<'_> {
         let columns = 1 + 2 * scalar_count;
         let [from, to] = [row, row + 1].map(|row| self.begins[row] as usize * columns * TILE);
-        Slices { numbers: &self.numbers[from..to], columns, row, taken: 0 }
+        KeptSlices { numbers: &self.numbers[from..to], columns, row }
     }
 }
 
-impl Slices<'_> {
+impl KeptSlices<'_> {
     /// Fills a batch; its fragments, none at the end.
     pub fn next(&mut self, batch: &mut Batch) -> usize {
         let of_slice = self.columns * TILE;
@@ -42,15 +40,11 @@ impl Slices<'_> {
             }
         }
         let count = some / self.columns;
-        for (k, pixels) in batch.pixel[..count].chunks_exact_mut(TILE).enumerate() {
-            // In the order in which they come.
-            batch.entry[k * TILE..][..TILE].fill((self.taken + k) as f32);
-            batch.exit[k * TILE..][..TILE].fill((self.taken + k + 1) as f32);
+        for pixels in batch.pixel[..count].chunks_exact_mut(TILE) {
             for (x, pixel) in pixels.iter_mut().enumerate() {
                 *pixel = (self.row << 4 | x) as u32;
             }
         }
-        self.taken += count / TILE;
         batch.hits = batch.length[..count].iter().map(|length| u32::from(*length > 0.0)).sum();
         count
     }

@@ -11,14 +11,12 @@
 //! | `stepped` | several widgets on one segment, in their order, by quadrature |
 //! | `panels` | the same for what that does not serve: a walk in panels |
 //! | `gathered` | those segments side by side |
-//! | `later` | dense segments, whose colour waits until it is known whether they are seen |
 //! | `methods` | the integrators that sample or look up |
 //! | `light` | silhouettes and light |
 
 pub(crate) mod along;
 mod gathered;
 pub(crate) mod kinds;
-pub(crate) mod later;
 pub(crate) mod light;
 mod methods;
 pub(crate) mod panels;

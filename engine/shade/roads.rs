@@ -1,7 +1,6 @@
 //! The roads of a batch, one after the other; each kernel is compiled once a lane set.
 
 use crate::fragments::batch::Batch;
-use crate::shade::later::Later;
 use crate::shade::shaded::Shaded;
 use crate::shade::shader::Shader;
 use voltet_lanes::{Kernel, LaneSet, Lanes, dispatch};
@@ -9,7 +8,7 @@ use voltet_lanes::{Kernel, LaneSet, Lanes, dispatch};
 /// Integrates the first `count` fragments of a batch: in lanes, and in 64 bits what they leave over.
 pub(crate) fn integrate(shader: &Shader, lanes: LaneSet, batch: &Batch, count: usize, out: &mut Shaded) {
     quick(shader, lanes, batch, count, out);
-    finish(shader, lanes, batch, out, None);
+    finish(shader, lanes, batch, out);
 }
 
 /// The quick forms of the first `count` fragments of a batch.
@@ -17,36 +16,29 @@ pub(crate) fn quick(shader: &Shader, lanes: LaneSet, batch: &Batch, count: usize
     dispatch(lanes, Shade { shader, batch, count, out });
 }
 
-/// What quick forms leave over; some of it may wait for its colour where `later` is given.
-pub(crate) fn finish(
-    shader: &Shader,
-    lanes: LaneSet,
-    batch: &Batch,
-    out: &mut Shaded,
-    later: Option<&mut Later>,
-) {
+/// What quick forms leave over: by steps and panels, by those that serve dense segments, too, and in 64 bits.
+pub(crate) fn finish(shader: &Shader, lanes: LaneSet, batch: &Batch, out: &mut Shaded) {
+    out.why.clear();
     for number in 0..out.in_order.len() {
         if !out.in_order[number].is_empty() {
             dispatch(lanes, Step { shader, number, batch, out });
         }
     }
-    if later.is_none() {
-        let Shaded { rest, dense, .. } = &mut *out;
-        rest.append(dense);
+    if !out.deep.is_empty() {
+        dispatch(lanes, Deep { shader, batch, out });
     }
     if !out.rest.is_empty() {
         dispatch(lanes, Walk::<false> { shader, batch, out });
-        if let Some(later) = later {
-            later.keep(batch, out);
+        if shader.has_dense_steps() {
+            out.set_dense_apart();
         }
+    }
+    if !out.dense.is_empty() {
+        dispatch(lanes, Walk::<true> { shader, batch, out });
+    }
+    if !out.rest.is_empty() {
         shader.finish(batch, out);
     }
-}
-
-/// Dense fragments that quick forms left over, once it is known that they are seen.
-pub(crate) fn dense(shader: &Shader, lanes: LaneSet, batch: &Batch, out: &mut Shaded) {
-    dispatch(lanes, Walk::<true> { shader, batch, out });
-    shader.finish(batch, out);
 }
 
 struct Shade<'a> {
@@ -76,6 +68,20 @@ impl Kernel for Step<'_> {
     #[inline(always)]
     fn run<L: Lanes>(self) {
         self.shader.stepped::<L>(self.number, self.batch, self.out);
+    }
+}
+
+struct Deep<'a> {
+    shader: &'a Shader,
+    batch: &'a Batch,
+    out: &'a mut Shaded,
+}
+
+impl Kernel for Deep<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        self.shader.deep::<L>(self.batch, self.out);
     }
 }
 

@@ -11,13 +11,15 @@ pub(crate) struct Shaded {
     pub rgba: Colors,
     /// Fragments that take so many steps each as [`STEPS`] says.
     pub in_order: [Vec<usize>; STEPS.len()],
-    /// Fragments of known opacity whose order is worth finding only where they are seen.
+    /// Fragments of known opacity, of one piecewise-linear widget, with pieces deeper than its quick form takes.
+    pub deep: Vec<usize>,
+    /// Fragments of known opacity that are dense.
     pub dense: Vec<usize>,
     /// The other fragments that the quick forms did not serve, then those for the 64-bit path.
     pub rest: Vec<usize>,
     /// Why the latter go there, one by one.
     pub why: Vec<Left>,
-    /// Scratch for the change from the one to the other.
+    /// Scratch for the change from the one to the other; empty.
     pub spare: Vec<usize>,
     /// Scratch: the widgets that a vector of segments meets.
     pub met: Vec<Met>,
@@ -46,6 +48,7 @@ impl Shaded {
             depth: Column::new(),
             rgba: std::array::from_fn(|_| Column::new()),
             in_order: Default::default(),
+            deep: Vec::new(),
             dense: Vec::new(),
             rest: Vec::new(),
             why: Vec::new(),
@@ -57,16 +60,36 @@ impl Shaded {
         }
     }
 
-    /// Fragments that the quick forms left over.
-    pub fn left_over(&self) -> usize {
-        let in_order: usize = self.in_order.iter().map(Vec::len).sum();
-        in_order + self.dense.len() + self.rest.len()
+    /// Nothing is left over.
+    pub fn clear(&mut self) {
+        let Shaded { in_order, deep, dense, rest, .. } = self;
+        in_order.iter_mut().chain([deep, dense, rest]).for_each(Vec::clear);
     }
 
-    /// All that is left over goes to the 64-bit forms, for one reason.
-    pub fn leave_all(&mut self, why: Left) {
-        self.why.clear();
-        self.why.resize(self.rest.len(), why);
+    /// Fragments that the quick forms left over, kind by kind; those of the last have an opacity that is not known.
+    pub fn left_over(&self) -> [&Vec<usize>; STEPS.len() + 3] {
+        let [few, some, many] = &self.in_order;
+        [few, some, many, &self.deep, &self.dense, &self.rest]
+    }
+
+    /// The same, to change.
+    pub fn left_over_mut(&mut self) -> [&mut Vec<usize>; STEPS.len() + 3] {
+        let [few, some, many] = &mut self.in_order;
+        [few, some, many, &mut self.deep, &mut self.dense, &mut self.rest]
+    }
+
+    /// Of the rest, what was too dense or too delicate joins the dense ones.
+    pub fn set_dense_apart(&mut self) {
+        let Shaded { rest, why, dense, .. } = self;
+        let mut reasons = why.iter();
+        rest.retain(|&k| {
+            let dense_too = reasons.next().is_some_and(|why| why.is_for_dense_steps());
+            if dense_too {
+                dense.push(k);
+            }
+            !dense_too
+        });
+        why.retain(|why| !why.is_for_dense_steps());
     }
 }
 
@@ -94,6 +117,11 @@ pub(crate) enum Left {
 }
 
 impl Left {
+    /// Whether steps that serve dense segments may serve it.
+    pub fn is_for_dense_steps(self) -> bool {
+        matches!(self, Left::Dense | Left::Delicate)
+    }
+
     /// For people.
     pub fn text(self) -> &'static str {
         match self {
@@ -107,12 +135,12 @@ impl Left {
             Left::Delicate => {
                 "a wave or a triangular Gaussian stands among others, or glows without absorbing in step"
             }
-            Left::Dense => "a density of over 200 on the segment needs finer steps than 32 bits take",
+            Left::Dense => "a density of over 10,000,000 on the segment needs finer steps than 32 bits take",
         }
     }
 }
 
-/// Depth from which on a segment whose order takes more than a few steps waits until it is known to be seen.
+/// Depth from which on a segment whose order takes more than a few steps goes straight to the steps for dense ones.
 pub(crate) const DENSE_LEAST: f32 = 8.0;
 
 /// Overlaps whose pairwise product of optical depths is under this are mixed without regard to order: the

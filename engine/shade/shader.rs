@@ -6,8 +6,9 @@
 //! own in place of the first three ([`super::methods`]). What a scene does not use is not prepared.
 
 use crate::attribute::{ATTRIBUTES_MOST, Attribute};
-use crate::fragments::batch::{Batch, Column};
+use crate::fragments::batch::{Batch, Column, LANES_MOST};
 use crate::shade::along::{Along, lanes_of};
+use crate::shade::gathered::Gathered;
 use crate::shade::kinds::{InOrder, LaneWidget, Making, Road};
 use crate::shade::light::{Rays, Surface};
 use crate::shade::methods::{LaneMethod, Served};
@@ -157,15 +158,16 @@ impl Shader {
     /// Integrates the first `count` fragments of a batch by the quick forms.
     #[inline(always)]
     pub fn shade<L: Lanes>(&self, batch: &Batch, count: usize, out: &mut Shaded) {
-        out.rest.clear();
-        out.dense.clear();
-        out.in_order.iter_mut().for_each(Vec::clear);
+        out.clear();
         if let Some(method) = &self.method {
             return method.shade::<L>(&self.widgets, self.one_color.is_some(), batch, count, out);
         }
         // Alone, its pieces give the colour in closed form.
         let points = match self.widgets.as_slice() {
-            [widget] if self.one_color.is_none() => widget.points(),
+            [widget] if self.one_color.is_none() => widget.points().map(
+                #[inline(always)]
+                |points| points.tables::<L>(),
+            ),
             _ => None,
         };
         let widgets = &self.widgets;
@@ -176,11 +178,12 @@ impl Shader {
                 // Fragments of no length are summed, too.
                 L::F::splat(0.0).store(&mut out.depth[at..]);
                 u32::MAX
-            } else if let Some(points) = points {
-                let (rgba, unsure) = points.integrate::<L>(&along);
+            } else if let Some(points) = &points {
+                let (rgba, [deep, unsure]) = points.integrate::<false>(&along);
                 for (column, value) in out.rgba.iter_mut().zip(rgba) {
                     value.store(&mut column[at..]);
                 }
+                push(&mut out.deep, deep & !unsure & meant::<L>(along.crossing, count - at), at);
                 unsure
             } else if self.one_color.is_some() {
                 self.of_one_color::<L>(widgets, &along, at, count, out)
@@ -204,18 +207,42 @@ impl Shader {
         out.in_order[number] = which;
     }
 
-    /// The other fragments that [`Shader::shade`] left over, in lanes; dense ones, too, if `DENSE`.
+    /// The fragments that [`Shader::shade`] left over since their pieces are deep.
+    #[inline(always)]
+    pub fn deep<L: Lanes>(&self, batch: &Batch, out: &mut Shaded) {
+        let Some(points) = self.widgets.first().and_then(LaneWidget::points) else { return };
+        let tables = points.tables::<L>();
+        let which = std::mem::take(&mut out.deep);
+        let mut gathered = Gathered::new(1);
+        for group in which.chunks(L::WIDTH) {
+            gathered.take(batch, group);
+            let (rgba, _) = tables.integrate::<true>(&gathered.along::<L>());
+            for (column, value) in out.rgba.iter_mut().zip(rgba) {
+                let mut row = [0f32; LANES_MOST];
+                value.store(&mut row);
+                for (&value, &k) in row.iter().zip(group) {
+                    column[k] = value;
+                }
+            }
+        }
+        out.deep = which;
+        out.deep.clear();
+    }
+
+    /// The other fragments that [`Shader::shade`] left over, in lanes: if `DENSE` those that are dense, to which the others that are
+    /// left then join.
     #[inline(always)]
     pub fn walk<L: Lanes, const DENSE: bool>(&self, batch: &Batch, out: &mut Shaded) {
-        let walker = match &self.walker {
-            Ok(walker) => walker,
-            Err(why) => return out.leave_all(*why),
-        };
-        std::mem::swap(&mut out.rest, &mut out.spare);
-        out.rest.clear();
-        out.why.clear();
-        let which = std::mem::take(&mut out.spare);
-        walker.walk::<L, DENSE>(&self.widgets, batch, &which, out);
+        let before = std::mem::take(&mut out.spare);
+        let mut which = std::mem::replace(if DENSE { &mut out.dense } else { &mut out.rest }, before);
+        match &self.walker {
+            Ok(walker) => walker.walk::<L, DENSE>(&self.widgets, batch, &which, out),
+            Err(why) => {
+                out.rest.extend(&which);
+                out.why.resize(out.rest.len(), *why);
+            }
+        }
+        which.clear();
         out.spare = which;
     }
 
@@ -265,6 +292,11 @@ impl Shader {
             offset + scale * f64::from(stored[a])
         };
         self.integrate(f64::from(length), |a| value(front, a), |a| value(back, a), counted)
+    }
+
+    /// Whether there are steps for dense segments: those of the density-emitter.
+    pub fn has_dense_steps(&self) -> bool {
+        self.quick
     }
 
     /// Whether a part of the segments only takes more than the quick forms, and nobody asks for their depth.

@@ -3,7 +3,7 @@
 //! With a = ρ_f D, b = ρ_b D, w(x) = a x + (b − a) x²/2: ψ = ∫₀¹ e^(−w), ζ = e^(−w(1)); the density-emitter colour of
 //! a piece whose colour is linear too is c_f (1 − ψ) + c_b (ψ − ζ) (Moreland & Angel 2004).
 
-use super::elementary::{dawson, erfcx, exp, one_minus_exp, polynomial};
+use super::elementary::{dawson, erfcx, exp, polynomial};
 use super::quadrature::{PANEL, nodes};
 use crate::{Float, Lanes, Mask};
 use voltet_core::optics::quadrature::{GAUSS_4, GAUSS_5};
@@ -16,7 +16,7 @@ use voltet_core::optics::quadrature::{GAUSS_4, GAUSS_5};
 pub fn piece_weights<L: Lanes>(a: L::F, b: L::F) -> (L::F, L::F, L::F) {
     let splat = L::F::splat;
     let half_slope = (b - a) * splat(0.5);
-    let opacity = one_minus_exp::<L>((a + b) * splat(0.5));
+    let opacity = one_minus_exp_up_to_1::<L>((a + b) * splat(0.5));
     let mut front = small_front::<L>(a, b);
     let small = a.max(b).lt(splat(SMALL));
     if small.not().any() {

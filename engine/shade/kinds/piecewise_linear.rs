@@ -5,6 +5,7 @@
 use crate::attribute::Attribute;
 use crate::shade::along::Along;
 use voltet_core::transfer::ControlPoint;
+use voltet_lanes::optics::elementary::one_minus_exp;
 use voltet_lanes::optics::linear::{DEEPEST, deep_piece_weights, piece_weights};
 use voltet_lanes::optics::piecewise_linear::LanePoints;
 use voltet_lanes::{Float, Lanes, Mask, array};
@@ -86,23 +87,93 @@ impl LaneLinear {
         k
     }
 
+    /// The tables as far as one vector holds them.
     #[inline(always)]
-    fn look_up<L: Lanes>(&self, table: &[f32], k: L::U) -> L::F {
-        if self.count < L::WIDTH {
-            L::F::load(table).permute(k)
+    pub fn tables<L: Lanes>(&self) -> Tables<'_, L> {
+        Tables {
+            linear: self,
+            points: L::F::load(&self.points),
+            anchor: L::F::load(&self.anchor),
+            value: array(
+                #[inline(always)]
+                |i| L::F::load(&self.value[i]),
+            ),
+            slope: array(
+                #[inline(always)]
+                |i| L::F::load(&self.slope[i]),
+            ),
+        }
+    }
+
+    /// Extinction per scene length and colour at s.
+    #[inline(always)]
+    pub fn sample<L: Lanes>(&self, s: L::F) -> [L::F; 4] {
+        let tables = self.tables::<L>();
+        let k = self.interval::<L>(s).to_unsigned();
+        let offset = s - tables.anchor(k);
+        array(
+            #[inline(always)]
+            |quantity| tables.at(quantity, k, offset).max(L::F::splat(0.0)),
+        )
+    }
+
+    /// Optical depth.
+    #[inline(always)]
+    pub fn depth<L: Lanes>(&self, along: &Along<L>) -> L::F {
+        let tables = self.tables::<L>();
+        let mut depth = L::F::splat(0.0);
+        tables.walk(
+            along,
+            #[inline(always)]
+            |k, from, to, share| {
+                let anchor = tables.anchor(k);
+                let middle = (from - anchor + (to - anchor)) * L::F::splat(0.5);
+                depth = (tables.at(0, k, middle).max(L::F::splat(0.0)) * share).mul_add(along.length, depth);
+            },
+        );
+        depth
+    }
+}
+
+/// What a [`LaneLinear`] holds, in registers where one vector holds each table.
+pub(crate) struct Tables<'a, L: Lanes> {
+    linear: &'a LaneLinear,
+    points: L::F,
+    anchor: L::F,
+    value: [L::F; 4],
+    slope: [L::F; 4],
+}
+
+impl<L: Lanes> Tables<'_, L> {
+    #[inline(always)]
+    fn look_up(&self, held: L::F, table: &[f32], k: L::U) -> L::F {
+        if self.linear.count < L::WIDTH {
+            held.permute(k)
         } else {
             // Intervals are 0 … count, and tables hold more than that.
             L::F::gather(table, k)
         }
     }
 
+    #[inline(always)]
+    fn anchor(&self, k: L::U) -> L::F {
+        self.look_up(self.anchor, &self.linear.anchor, k)
+    }
+
+    #[inline(always)]
+    fn at(&self, quantity: usize, k: L::U, offset: L::F) -> L::F {
+        let LaneLinear { slope, value, .. } = self.linear;
+        self.look_up(self.slope[quantity], &slope[quantity], k)
+            .mul_add(offset, self.look_up(self.value[quantity], &value[quantity], k))
+    }
+
     /// Walks the pieces front to back; `piece(k, s_from, s_to, share)` gets the interval, the scalar at both ends
     /// and the share of the length.
     #[inline(always)]
-    fn walk<L: Lanes>(&self, along: &Along<L>, mut piece: impl FnMut(L::U, L::F, L::F, L::F)) {
+    fn walk(&self, along: &Along<L>, mut piece: impl FnMut(L::U, L::F, L::F, L::F)) {
         let splat = L::F::splat;
         let (front, back) = (along.front[0], along.back[0]);
-        let (mut k, last) = (self.interval::<L>(front), self.interval::<L>(back));
+        let (mut k, last) = (self.linear.interval::<L>(front), self.linear.interval::<L>(back));
         let rising = front.lt(back);
         let step = L::F::select(rising, splat(1.0), splat(-1.0));
         let span = (back - front).abs();
@@ -110,97 +181,87 @@ impl LaneLinear {
         let mut from = front;
         let mut whole = splat(1.0);
         // As many rounds as there are intervals: ends that are not numbers never meet.
-        for _ in 0..=self.count {
+        for _ in 0..=self.linear.count {
             let ends = k.le(last).and(last.le(k)).or(along.crossing.not());
             let index = k.to_unsigned();
-            // The next control point on the way: k when rising, k − 1 when falling.
-            let next = L::F::select(rising, k, (k - splat(1.0)).max(splat(0.0))).to_unsigned();
-            let limit = self.look_up::<L>(&self.points, next);
-            let to = L::F::select(ends, back, limit);
-            // A segment within one interval has share 1 exactly, also when its ends coincide.
-            let share = L::F::select(ends, whole, ((to - from).abs() * per_scalar).min(whole));
-            piece(index, from, to, share);
             if ends.not().bits() == 0 {
+                // A segment within one interval has share 1 exactly, also when its ends coincide.
+                piece(index, from, back, whole);
                 return;
             }
+            // The next control point on the way: k when rising, k − 1 when falling.
+            let next = L::F::select(rising, k, (k - splat(1.0)).max(splat(0.0))).to_unsigned();
+            let limit = self.look_up(self.points, &self.linear.points, next);
+            let to = L::F::select(ends, back, limit);
+            let share = L::F::select(ends, whole, ((to - from).abs() * per_scalar).min(whole));
+            piece(index, from, to, share);
             whole = L::F::select(ends, splat(0.0), (whole - share).max(splat(0.0)));
             k = L::F::select(ends, k, (k + step).max(splat(0.0)));
             from = to;
         }
     }
 
+    /// Premultiplied colour and opacity, and the lanes whose colour stays unknown: those with a piece deeper than 1 where so few of a
+    /// vector are that they are better served with others of their kind (never if `DEEP`), and those with one deeper than the twins
+    /// serve.
     #[inline(always)]
-    fn at<L: Lanes>(&self, quantity: usize, k: L::U, offset: L::F) -> L::F {
-        self.look_up::<L>(&self.slope[quantity], k)
-            .mul_add(offset, self.look_up::<L>(&self.value[quantity], k))
-    }
-
-    /// Extinction per scene length and colour at s.
-    #[inline(always)]
-    pub fn sample<L: Lanes>(&self, s: L::F) -> [L::F; 4] {
-        let k = self.interval::<L>(s).to_unsigned();
-        let offset = s - self.look_up::<L>(&self.anchor, k);
-        array(
-            #[inline(always)]
-            |quantity| self.at::<L>(quantity, k, offset).max(L::F::splat(0.0)),
-        )
-    }
-
-    /// Optical depth.
-    #[inline(always)]
-    pub fn depth<L: Lanes>(&self, along: &Along<L>) -> L::F {
-        let mut depth = L::F::splat(0.0);
-        self.walk(
-            along,
-            #[inline(always)]
-            |k, from, to, share| {
-                let anchor = self.look_up::<L>(&self.anchor, k);
-                let middle = (from - anchor + (to - anchor)) * L::F::splat(0.5);
-                depth =
-                    (self.at::<L>(0, k, middle).max(L::F::splat(0.0)) * share).mul_add(along.length, depth);
-            },
-        );
-        depth
-    }
-
-    /// Premultiplied colour and opacity, and the lanes with a piece deeper than the twins serve.
-    #[inline(always)]
-    pub fn integrate<L: Lanes>(&self, along: &Along<L>) -> ([L::F; 4], u32) {
+    pub fn integrate<const DEEP: bool>(&self, along: &Along<L>) -> ([L::F; 4], [u32; 2]) {
         let splat = L::F::splat;
-        let mut color = [splat(0.0); 3];
-        let (mut all, mut through, mut deepest) = (splat(0.0), splat(1.0), splat(0.0));
+        let (zero, one) = (splat(0.0), splat(1.0));
+        let mut color = [zero; 3];
+        let (mut all, mut through, mut deepest, mut unknown) = (zero, one, zero, 0);
         self.walk(
             along,
             #[inline(always)]
             |k, from, to, share| {
-                let anchor = self.look_up::<L>(&self.anchor, k);
+                let anchor = self.anchor(k);
                 let (from, to) = (from - anchor, to - anchor);
                 let length = along.length * share;
-                let a = self.at::<L>(0, k, from).max(splat(0.0)) * length;
-                let b = self.at::<L>(0, k, to).max(splat(0.0)) * length;
-                deepest = deepest.max(a.max(b));
-                let one = splat(1.0);
-                let (mut front, mut back, mut opacity) = piece_weights::<L>(a.min(one), b.min(one));
-                let deep = one.lt(a.max(b));
-                if deep.any() {
+                let a = self.at(0, k, from).max(zero) * length;
+                let b = self.at(0, k, to).max(zero) * length;
+                let most = a.max(b);
+                deepest = deepest.max(most);
+                let deep = one.lt(most);
+                let (front, back, opacity) = if !deep.any() {
+                    piece_weights::<L>(a, b)
+                } else if !DEEP && deep.bits().count_ones() < FEW_DEEP * L::WIDTH as u32 / 16 {
+                    unknown |= deep.bits();
+                    let (front, back, opacity) = piece_weights::<L>(a.min(one), b.min(one));
+                    (front, back, L::F::select(deep, one_minus_exp::<L>((a + b) * splat(0.5)), opacity))
+                } else {
                     let weights = deep_piece_weights::<L>(a, b);
-                    front = L::F::select(deep, weights.0, front);
-                    back = L::F::select(deep, weights.1, back);
-                    opacity = L::F::select(deep, weights.2, opacity);
-                }
+                    let mut weights = [weights.0, weights.1, weights.2];
+                    if deep.not().and(zero.lt(most)).any() {
+                        let shallow = piece_weights::<L>(a.min(one), b.min(one));
+                        let shallow = [shallow.0, shallow.1, shallow.2];
+                        weights = array(
+                            #[inline(always)]
+                            |i| L::F::select(deep, weights[i], shallow[i]),
+                        );
+                    } else {
+                        weights = array(
+                            #[inline(always)]
+                            |i| L::F::select(deep, weights[i], zero),
+                        );
+                    }
+                    (weights[0], weights[1], weights[2])
+                };
                 let (front, back) = (front * through, back * through);
                 for (i, sum) in color.iter_mut().enumerate() {
-                    let near = self.at::<L>(i + 1, k, from);
-                    let far = self.at::<L>(i + 1, k, to);
+                    let near = self.at(i + 1, k, from);
+                    let far = self.at(i + 1, k, to);
                     *sum = front.mul_add(near, back.mul_add(far, *sum));
                 }
                 all = through.mul_add(opacity, all);
-                through = through * (splat(1.0) - opacity);
+                through = through * (one - opacity);
             },
         );
-        ([color[0], color[1], color[2], all], splat(DEEPEST).lt(deepest).bits())
+        ([color[0], color[1], color[2], all], [unknown, splat(DEEPEST).lt(deepest).bits()])
     }
 }
+
+/// So many of 16 lanes with deep pieces are served where they are.
+const FEW_DEEP: u32 = 4;
 
 #[cfg(test)]
 mod tests {
@@ -227,7 +288,7 @@ mod tests {
                     front: [end(0), splat(0.0)],
                     back: [end(1), splat(0.0)],
                 };
-                let [r, g, b, a] = self.linear.integrate::<L>(&along).0;
+                let [r, g, b, a] = self.linear.tables::<L>().integrate::<true>(&along).0;
                 let mut columns = [[0f32; 16]; 5];
                 for (column, value) in columns.iter_mut().zip([self.linear.depth::<L>(&along), r, g, b, a]) {
                     value.store(column);

@@ -273,10 +273,10 @@ fn what_32_bits_do_not_hold_is_left_to_64() {
         (50.0, 1.0, &|widths| vec![widget(triangular_nd(widths))], of_gaussian),
         (1e6, 1.0, &|bands| vec![widget(wave(bands))], "its numbers leave 32 bits"),
         (
-            200.0,
+            1e7,
             1.0,
             &|depth| vec![everywhere(0.9 * depth, [1.0; 3]), everywhere(0.1 * depth, [0.5; 3])],
-            "a density of over 200",
+            "a density of over 10,000,000",
         ),
         // A unit distance of 1e30 lengths.
         (

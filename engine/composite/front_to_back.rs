@@ -1,0 +1,200 @@
+//! A row's segments front to back: shaded and blended as far as they are seen.
+
+use crate::composite::kernels::{Arrange, Fill, Illuminate};
+use crate::composite::layers::Layers;
+use crate::composite::lists::{Limit, Lists, UNSEEN};
+use crate::composite::pool::Pool;
+use crate::composite::rows::{RowSums, Rows};
+use crate::fragments::batch::{BATCH, Batch};
+use crate::fragments::ends::{Ends, cut};
+use crate::kept::KeptSlices;
+use crate::project::record::TILE;
+use crate::sample::Frame;
+use crate::shade::light::Rays;
+use crate::shade::roads::{finish, quick};
+use crate::shade::shaded::Shaded;
+use voltet_lanes::{LaneSet, dispatch};
+
+/// A row's segments in order, slice by slice: each the next segment of all pixels.
+pub(crate) enum Slices<'a> {
+    /// From lists that are arranged.
+    Lists(ListSlices<'a>),
+    /// From what was kept of another picture, and how many segments were taken.
+    Kept(KeptSlices<'a>, u64),
+}
+
+/// See [`Lists::fill`].
+pub(crate) struct ListSlices<'a> {
+    pub lists: &'a Lists,
+    pub row: usize,
+    pub stretch: &'a [f32; TILE * TILE],
+    pub limit: Option<&'a mut Limit>,
+    /// Slices that were taken.
+    pub taken: usize,
+    pub deepest: usize,
+}
+
+impl Slices<'_> {
+    /// Fills a batch; its fragments, none at the end.
+    pub fn next(&mut self, frame: &Frame<'_>, batch: &mut Batch) -> usize {
+        match self {
+            Slices::Kept(kept, segments) => {
+                let count = kept.next(batch);
+                *segments += if count > 0 { u64::from(batch.hits) } else { 0 };
+                count
+            }
+            Slices::Lists(ListSlices { lists, row, stretch, limit, taken, deepest }) => {
+                let slices = *taken..(*taken + BATCH / TILE).min(*deepest);
+                if slices.is_empty() || limit.as_ref().is_some_and(|limit| limit.going_on == 0) {
+                    return 0;
+                }
+                let count = slices.len() * TILE;
+                *taken = slices.end;
+                let (row, limit, depths) = (*row, limit.as_deref_mut(), frame.ends.is_some());
+                dispatch(frame.lanes, Fill { lists, row, slices, stretch, limit, depths, batch });
+                count
+            }
+        }
+    }
+}
+
+impl Slices<'_> {
+    /// Segments that were taken of what was kept: those in lists were counted before.
+    pub fn segments(&self) -> u64 {
+        match self {
+            Slices::Kept(_, segments) => *segments,
+            Slices::Lists(_) => 0,
+        }
+    }
+}
+
+/// What shades a row.
+pub(crate) struct Shading {
+    pub batch: Batch,
+    pub shaded: Shaded,
+    pub pool: Pool,
+    pub layers: Layers,
+    /// Directions of the tile's rays, where light looks at them.
+    pub rays: Rays,
+    /// Where they end.
+    pub ends: Ends,
+}
+
+impl Shading {
+    pub fn new(frame: &Frame<'_>) -> Shading {
+        Shading {
+            batch: Batch::new(frame.attribute_count, frame.scalar_count),
+            shaded: Shaded::new(),
+            pool: Pool::new(frame.scalar_count),
+            layers: Layers::default(),
+            rays: [[0.0; TILE * TILE]; 3],
+            ends: [f32::INFINITY; TILE * TILE],
+        }
+    }
+
+    /// Blends a row's segments until nothing of what follows is seen; some may wait for [`Shading::end`]. Returns how many slices that
+    /// took.
+    pub fn blend(
+        &mut self,
+        frame: &Frame<'_>,
+        row: usize,
+        slices: &mut Slices<'_>,
+        rows: &mut Rows,
+    ) -> usize {
+        let pools = frame.shader.pools();
+        let mut taken = 0;
+        while !rows.is_full(row) {
+            let Shading { batch, shaded, pool, layers, ends, .. } = self;
+            let count = slices.next(frame, batch);
+            if count == 0 {
+                break;
+            }
+            taken += count / TILE;
+            if frame.ends.is_some() {
+                cut(batch, count, frame.attribute_count, ends);
+            }
+            quick(frame.shader, frame.lanes, batch, count, shaded);
+            if !pools {
+                finish(frame.shader, frame.lanes, batch, shaded);
+            } else if layers.holds(row) || shaded.left_over().iter().any(|which| !which.is_empty()) {
+                if !layers.holds(row) {
+                    layers.begin(row);
+                    pool.through = *rows.through(row);
+                }
+                pool.lend(shaded);
+                self.light(frame, count);
+                let Shading { batch, shaded, pool, layers, .. } = self;
+                pool.take(frame, batch, shaded, count, layers);
+                // So much less that rounding never leaves out what the sum would still show.
+                if pool.through.iter().all(|through| *through <= 0.5 * UNSEEN) {
+                    break;
+                }
+                continue;
+            }
+            self.light(frame, count);
+            rows.take(frame.lanes, row, &self.batch, &self.shaded, count);
+        }
+        if self.layers.are_many() {
+            self.end(frame, rows);
+        }
+        taken
+    }
+
+    /// Blends what waits.
+    pub fn end(&mut self, frame: &Frame<'_>, rows: &mut Rows) {
+        self.pool.finish(frame, &mut self.layers);
+        self.layers.end(frame.lanes, rows);
+    }
+
+    fn light(&mut self, frame: &Frame<'_>, count: usize) {
+        if frame.shader.surface.is_some() {
+            let Shading { batch, shaded, rays, .. } = self;
+            dispatch(frame.lanes, Illuminate { frame, batch, count, rays, shaded });
+        }
+    }
+
+    /// Adds up a row's optical depths until the sums are opaque.
+    pub fn sum(&mut self, frame: &Frame<'_>, row: usize, slices: &mut Slices<'_>, sums: &mut RowSums<'_>) {
+        let Shading { batch, shaded, .. } = self;
+        while !sums.is_full(row) {
+            let count = slices.next(frame, batch);
+            if count == 0 {
+                return;
+            }
+            quick(frame.shader, frame.lanes, batch, count, shaded);
+            finish(frame.shader, frame.lanes, batch, shaded);
+            sums.take(frame.lanes, row, shaded, count);
+        }
+    }
+}
+
+/// Blends the segments of lists by colours that are known: `rgba` of the number that each has, by its bits, in place of an attribute.
+/// Returns the pixels whose segments are not in order.
+pub(crate) fn blend_by_numbers(
+    lanes: LaneSet,
+    lists: &mut Lists,
+    sorted: bool,
+    rgba: &[[f32; 4]],
+    rows: &mut Rows,
+) -> u64 {
+    let (mut batch, mut shaded, mut disordered) = (Batch::new(1, 1), Shaded::new(), 0);
+    for row in 0..TILE {
+        disordered += dispatch(lanes, Arrange { lists, row, sorted });
+        let deepest = lists.deepest(row);
+        for first in (0..deepest).step_by(BATCH / TILE) {
+            let slices = first..(first + BATCH / TILE).min(deepest);
+            let (stretch, limit, depths) = (&[1.0; TILE * TILE], None, false);
+            let count = slices.len() * TILE;
+            dispatch(lanes, Fill { lists, row, slices, stretch, limit, depths, batch: &mut batch });
+            for k in 0..count {
+                let of_segment = rgba.get(batch.front[0][k].to_bits() as usize).copied().unwrap_or_default();
+                shaded.rgba.iter_mut().zip(of_segment).for_each(|(column, value)| column[k] = value);
+            }
+            rows.take(lanes, row, &batch, &shaded, count);
+            if rows.is_full(row) {
+                break;
+            }
+        }
+    }
+    disordered
+}
