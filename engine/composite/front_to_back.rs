@@ -50,8 +50,9 @@ impl Slices<'_> {
                 }
                 let count = slices.len() * TILE;
                 *taken = slices.end;
-                let (row, limit, depths) = (*row, limit.as_deref_mut(), frame.ends.is_some());
-                dispatch(frame.lanes, Fill { lists, row, slices, stretch, limit, depths, batch });
+                let places = frame.ends.is_some() || frame.shader.surface.is_some();
+                let (row, limit) = (*row, limit.as_deref_mut());
+                dispatch(frame.lanes, Fill { lists, row, slices, stretch, limit, places, batch });
                 count
             }
         }
@@ -183,9 +184,9 @@ pub(crate) fn blend_by_numbers(
         let deepest = lists.deepest(row);
         for first in (0..deepest).step_by(BATCH / TILE) {
             let slices = first..(first + BATCH / TILE).min(deepest);
-            let (stretch, limit, depths) = (&[1.0; TILE * TILE], None, false);
+            let (stretch, limit, places) = (&[1.0; TILE * TILE], None, false);
             let count = slices.len() * TILE;
-            dispatch(lanes, Fill { lists, row, slices, stretch, limit, depths, batch: &mut batch });
+            dispatch(lanes, Fill { lists, row, slices, stretch, limit, places, batch: &mut batch });
             for k in 0..count {
                 let of_segment = rgba.get(batch.front[0][k].to_bits() as usize).copied().unwrap_or_default();
                 shaded.rgba.iter_mut().zip(of_segment).for_each(|(column, value)| column[k] = value);

@@ -136,7 +136,7 @@ pub(crate) struct Fill<'a> {
     pub stretch: &'a [f32; TILE * TILE],
     /// See [`Lists::fill`].
     pub limit: Option<&'a mut Limit>,
-    pub depths: bool,
+    pub places: bool,
     pub batch: &'a mut Batch,
 }
 
@@ -144,7 +144,7 @@ impl Kernel for Fill<'_> {
     type Output = ();
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        let Fill { lists, row, slices, stretch, limit, depths, batch } = self;
-        lists.fill::<L>(row, slices, stretch, limit, depths, batch);
+        let Fill { lists, row, slices, stretch, limit, places, batch } = self;
+        lists.fill::<L>(row, slices, stretch, limit, places, batch);
     }
 }

@@ -7,7 +7,7 @@
 //! however unevenly they fill. Keys turn that: those of the 16 pixels of a row lie side by side, 16 lanes of the sorting network
 //! and of the shader. Numbers stand in fours, so that each four moves by one instruction.
 
-use crate::fragments::batch::{BATCH, Batch};
+use crate::fragments::batch::Batch;
 use crate::project::record::TILE;
 use crate::shade::along::lanes_of;
 use voltet_lanes::sort::sort_columns;
@@ -197,7 +197,7 @@ impl Lists {
 
     /// Fills a batch with the slices `from..to` of a row that is arranged: each the next segment of all pixels, in those that have no
     /// further one a fragment of no length. `stretch`: distance by depth, pixel by pixel. Segments that a `limit` does not let
-    /// through have no length. `depths`: whether entries and exits are wanted.
+    /// through have no length. `places`: whether pixels, entries and exits are wanted.
     #[inline(always)]
     pub fn fill<L: Lanes>(
         &self,
@@ -205,7 +205,7 @@ impl Lists {
         slices: std::ops::Range<usize>,
         stretch: &[f32; PIXELS],
         mut limit: Option<&mut Limit>,
-        depths: bool,
+        places: bool,
         batch: &mut Batch,
     ) {
         let zero = L::F::splat(0.0);
@@ -229,8 +229,8 @@ impl Lists {
                     None => live,
                 };
                 (L::F::select(taken, length, zero) * stretch).store(&mut batch.length[at..]);
-                pixels.store(&mut batch.pixel[at..]);
-                if depths {
+                if places {
+                    pixels.store(&mut batch.pixel[at..]);
                     entry.store(&mut batch.entry[at..]);
                     exit.store(&mut batch.exit[at..]);
                 }
@@ -254,8 +254,6 @@ impl Lists {
                 }
             }
         }
-        let count = slices.len() * TILE;
-        batch.hits = batch.length[..count.min(BATCH)].iter().map(|length| u32::from(*length > 0.0)).sum();
     }
 
     /// Lets go of all in those pixels of a row that are not `open`.

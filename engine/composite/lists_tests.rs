@@ -320,7 +320,7 @@ fn what_a_limit_lets_through_goes_and_the_rest_stays() {
                 let (stretch, limit) = (&[2.0; PIXELS], Some(&mut limit));
                 dispatch(
                     lanes,
-                    Fill { lists: &lists, row, slices, stretch, limit, depths: false, batch: &mut batch },
+                    Fill { lists: &lists, row, slices, stretch, limit, places: true, batch: &mut batch },
                 );
                 for k in (0..count).filter(|&k| batch.length[k] > 0.0) {
                     let x = k % TILE;

@@ -2,7 +2,9 @@
 //!
 //! | file | what |
 //! | --- | --- |
-//! | `worker` | takes tiles and sends each one's cells through the kernels |
+//! | `worker` | takes tiles, or windows of a large grid, until none is left |
+//! | `tile`, `scratch` | one tile to pixels, and what it is drawn with |
+//! | `cells` | a tile's cells to segments |
 //! | `kernels` | what runs on vector lanes, once a lane set |
 //! | `lists` | up to 1,024 segments a pixel, put in order in lanes |
 //! | `front_to_back` | a row's segments in order, shaded and blended as far as they are seen |
@@ -13,6 +15,7 @@
 //! | `sinks` | where segments go that are shaded as they come: sums of optical depth, or |
 //! | `growing_lists` | any number of segments a pixel |
 
+mod cells;
 pub(crate) mod front_to_back;
 pub(crate) mod growing_lists;
 pub(crate) mod hides;
@@ -23,6 +26,8 @@ pub(crate) mod lists;
 mod lists_tests;
 pub(crate) mod pool;
 pub(crate) mod rows;
+mod scratch;
 pub(crate) mod sinks;
 pub(crate) mod slabs;
+mod tile;
 pub(crate) mod worker;

@@ -11,7 +11,6 @@ const AT_ONCE: usize = BATCH / TILE;
 pub(crate) struct KeptSlices<'a> {
     numbers: &'a [f32],
     columns: usize,
-    row: usize,
 }
 
 impl KeptTile {
@@ -19,7 +18,7 @@ impl KeptTile {
     pub fn slices(&self, row: usize, scalar_count: usize) -> KeptSlices<'_> {
         let columns = 1 + 2 * scalar_count;
         let [from, to] = [row, row + 1].map(|row| self.begins[row] as usize * columns * TILE);
-        KeptSlices { numbers: &self.numbers[from..to], columns, row }
+        KeptSlices { numbers: &self.numbers[from..to], columns }
     }
 }
 
@@ -40,11 +39,6 @@ impl KeptSlices<'_> {
             }
         }
         let count = some / self.columns;
-        for pixels in batch.pixel[..count].chunks_exact_mut(TILE) {
-            for (x, pixel) in pixels.iter_mut().enumerate() {
-                *pixel = (self.row << 4 | x) as u32;
-            }
-        }
         batch.hits = batch.length[..count].iter().map(|length| u32::from(*length > 0.0)).sum();
         count
     }

@@ -1,0 +1,207 @@
+//! One tile: its cells to segments, in lists that are put in order or as they come, and these to pixels.
+
+use crate::composite::cells::{list, list64, walk};
+use crate::composite::front_to_back::{ListSlices, Slices};
+use crate::composite::growing_lists::GrowingLists;
+use crate::composite::kernels::Arrange;
+use crate::composite::lists::{Limit, Lists, Overflow, UNSEEN};
+use crate::composite::rows::{RowSums, Rows};
+use crate::composite::scratch::{Bounds, Scratch};
+use crate::composite::sinks::{DepthSink, OPAQUE_DEPTH, TilePicture, of_one_color};
+use crate::composite::slabs::{Slabs, all_open};
+use crate::kept::{Keeper, Keeping, KeptTile};
+use crate::project::record::TILE;
+use crate::sample::Frame;
+use voltet_lanes::dispatch;
+
+/// Draws a tile. Returns its segments in lists, and those of them that are hidden.
+pub(crate) fn draw_tile(
+    frame: &Frame<'_>,
+    tile: usize,
+    scratch: &mut Scratch,
+    lists: &mut Lists,
+    picture: &mut TilePicture,
+) -> [usize; 2] {
+    let bounds = Bounds::of(frame, tile);
+    scratch.begin(frame, bounds);
+    if let Some(color) = frame.shader.one_color {
+        draw_in_one_color(frame, bounds, color, scratch, picture);
+        return [0; 2];
+    }
+    if let Some(kept) = frame.kept {
+        let mut rows = Rows::new();
+        if let Some(kept) = kept.tile(tile) {
+            for row in 0..bounds.size[1] {
+                let mut slices = Slices::Kept(kept.slices(row, frame.scalar_count), 0);
+                scratch.shading.blend(frame, row, &mut slices, &mut rows);
+                scratch.counts.segments += slices.segments();
+            }
+        }
+        scratch.shading.end(frame, &mut rows);
+        rows.end(picture);
+        return [0; 2];
+    }
+    let before = scratch.counts;
+    match draw_in_lists(frame, bounds, scratch, lists, picture) {
+        Ok(hidden) => {
+            scratch.counts.tiles_sorted += u64::from(frame.sorted);
+            hidden
+        }
+        Err(Overflow) => {
+            // Rows are independent: draw them one at a time with lists that grow.
+            scratch.counts = before;
+            scratch.counts.tiles_sorted += u64::from(frame.sorted);
+            scratch.counts.tiles_deep += 1;
+            let mut growing = GrowingLists::default();
+            for row in 0..bounds.size[1] {
+                growing.clear();
+                walk(frame, bounds, row..row + 1, scratch, &mut growing);
+                scratch.counts.pixels_disordered +=
+                    growing.composite(frame.sorted, &mut picture[row * TILE..][..TILE]);
+            }
+            [0; 2]
+        }
+    }
+}
+
+/// Draws a tile of a scene of one colour, which needs no order.
+fn draw_in_one_color(
+    frame: &Frame<'_>,
+    bounds: Bounds,
+    color: [f32; 3],
+    scratch: &mut Scratch,
+    picture: &mut TilePicture,
+) {
+    let mut depth = [0.0; TILE * TILE];
+    // Pixels beyond the picture's edge wait for nothing.
+    for (pixel, depth) in depth.iter_mut().enumerate() {
+        if bounds.size[0] <= pixel % TILE || bounds.size[1] <= pixel / TILE {
+            *depth = OPAQUE_DEPTH;
+        }
+    }
+    let opacities = frame.shader.surface.is_some();
+    match frame.kept {
+        Some(kept) => {
+            for row in 0..bounds.size[1] {
+                let Some(kept) = kept.tile(bounds.tile) else { break };
+                let mut slices = Slices::Kept(kept.slices(row, frame.scalar_count), 0);
+                scratch.shading.sum(frame, row, &mut slices, &mut RowSums(&mut depth));
+                scratch.counts.segments += slices.segments();
+            }
+        }
+        None => {
+            walk(frame, bounds, 0..bounds.size[1], scratch, &mut DepthSink { sums: &mut depth, opacities })
+        }
+    }
+    for (pixel, &sum) in picture.iter_mut().zip(&depth) {
+        *pixel = of_one_color(color, sum, opacities);
+    }
+}
+
+/// Draws a tile by lists. Returns its segments in them, and those of them that are hidden. Errors: a pixel has too many.
+fn draw_in_lists(
+    frame: &Frame<'_>,
+    bounds: Bounds,
+    scratch: &mut Scratch,
+    lists: &mut Lists,
+    picture: &mut TilePicture,
+) -> Result<[usize; 2], Overflow> {
+    let mut rows = Rows::new();
+    let mut open = all_open(bounds.size);
+    let mut told = [0; 2];
+    lists.clear(frame.attribute_count);
+    // Whatever lies in front of what hides the others.
+    list64(frame, bounds, scratch, lists)?;
+    if scratch.slabbed {
+        let mut slabs = std::mem::replace(&mut scratch.slabs, Slabs::new());
+        slabs.begin(frame, bounds.tile);
+        let (entries, mut from) = (slabs.entries(), 0);
+        for (to, nearest) in slabs.ends(frame.lanes.width()) {
+            list(frame, &entries[from..to], bounds, Some(&open), scratch, lists)?;
+            from = to;
+            for row in (0..TILE).filter(|&row| open[row] != 0) {
+                let mut limit = Limit::new(nearest);
+                draw_row(frame, row, Some(&mut limit), scratch, lists, &mut rows);
+                lists.let_go(row, &limit);
+            }
+            scratch.shading.end(frame, &mut rows);
+            for (row, open) in open.iter_mut().enumerate() {
+                for (x, through) in rows.through(row).iter().enumerate() {
+                    // So much less that rounding never closes what the sum of the list would still show.
+                    *open &= !(u16::from(*through <= 0.5 * UNSEEN) << x);
+                }
+                lists.close(row, *open);
+            }
+            if to < entries.len() && open == [0; TILE] {
+                scratch.counts.tiles_stopped += 1;
+                scratch.counts.cells_hidden += (entries.len() - to) as u64;
+                break;
+            }
+        }
+        scratch.slabs = slabs;
+    } else {
+        list(frame, frame.entries_of(bounds.tile), bounds, None, scratch, lists)?;
+        for row in 0..bounds.size[1] {
+            let [all, hidden] = draw_row(frame, row, None, scratch, lists, &mut rows);
+            told = [told[0] + all, told[1] + hidden];
+        }
+        scratch.shading.end(frame, &mut rows);
+    }
+    rows.end(picture);
+    Ok(told)
+}
+
+/// Draws what a row's lists hold, as far as a limit lets it through. Returns its segments, and those of them that are hidden.
+fn draw_row(
+    frame: &Frame<'_>,
+    row: usize,
+    limit: Option<&mut Limit>,
+    scratch: &mut Scratch,
+    lists: &mut Lists,
+    rows: &mut Rows,
+) -> [usize; 2] {
+    let deepest = lists.deepest(row);
+    if deepest == 0 {
+        return [0; 2];
+    }
+    scratch.counts.pixels_disordered += dispatch(frame.lanes, Arrange { lists, row, sorted: frame.sorted });
+    let slices = ListSlices { lists, row, stretch: &scratch.stretch, limit, taken: 0, deepest };
+    let taken = scratch.shading.blend(frame, row, &mut Slices::Lists(slices), rows);
+    let counts = lists.counts(row);
+    let hidden = counts.iter().map(|&count| (count as usize).saturating_sub(taken)).sum();
+    [counts.iter().sum::<u32>() as usize, hidden]
+}
+
+/// Keeps a tile's segments; gives up where they are too many.
+pub(crate) fn keep_tile(
+    frame: &Frame<'_>,
+    tile: usize,
+    scratch: &mut Scratch,
+    lists: &mut Lists,
+    keeping: &Keeping,
+) -> Option<KeptTile> {
+    let bounds = Bounds::of(frame, tile);
+    scratch.begin(frame, bounds);
+    lists.clear(frame.attribute_count);
+    let listed = list64(frame, bounds, scratch, lists)
+        .and_then(|()| list(frame, frame.entries_of(tile), bounds, None, scratch, lists));
+    if listed.is_err() {
+        keeping.give_up();
+        return None;
+    }
+    let mut keeper = Keeper::new(frame.scalar_count);
+    for row in 0..bounds.size[1] {
+        dispatch(frame.lanes, Arrange { lists, row, sorted: true });
+        let (stretch, deepest) = (&scratch.stretch, lists.deepest(row));
+        let mut slices = Slices::Lists(ListSlices { lists, row, stretch, limit: None, taken: 0, deepest });
+        let batch = &mut scratch.shading.batch;
+        loop {
+            let count = slices.next(frame, batch);
+            if count == 0 {
+                break;
+            }
+            keeper.take(row, batch, count);
+        }
+    }
+    keeper.end(keeping)
+}
