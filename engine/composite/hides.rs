@@ -1,13 +1,20 @@
 //! Whether so much of a picture is hidden that cells are best taken from front to back ([`super::slabs`]): the first tiles tell, drawn
 //! as they come. All others wait for their answer, so that no picture depends on which worker was first.
 
+use crate::project::record::TILE;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Tiles that tell.
 const SAMPLED: usize = 4;
 
 /// Share of their segments that must be hidden: ordering a tile's cells costs about as much as shading a third of them.
-const HIDDEN_LEAST: f64 = 0.6;
+const HIDDEN_LEAST: f64 = 0.75;
+
+/// Segments of a pixel and slab: as many as are shaded at a time.
+const SLAB: f64 = 16.0;
+
+/// Slabs of a tile at most.
+const SLABS_MOST: f64 = 8.0;
 
 /// What the first tiles tell.
 pub(crate) struct Hides {
@@ -37,10 +44,11 @@ impl Hides {
         (place < self.sampled).then_some(Sampled(self))
     }
 
-    /// Whether the cells of the tile of this place are taken from front to back; none where the run is `cancelled`.
-    pub fn answer(&self, place: usize, cancelled: impl Fn() -> bool) -> Option<bool> {
+    /// In how many slabs the cells of the tile of this place are taken from front to back, 1 where they are taken as they come; none
+    /// where the run is `cancelled`.
+    pub fn answer(&self, place: usize, cancelled: impl Fn() -> bool) -> Option<usize> {
         if self.sampled == 0 || place < self.sampled {
-            return Some(false);
+            return Some(1);
         }
         while self.told.load(Ordering::Acquire) < self.sampled {
             if cancelled() {
@@ -50,7 +58,9 @@ impl Hides {
         }
         let [segments, hidden] =
             [&self.segments, &self.hidden].map(|count| count.load(Ordering::Relaxed) as f64);
-        Some(HIDDEN_LEAST * segments < hidden)
+        let of_pixel = segments / (self.sampled * TILE * TILE) as f64;
+        let slabs = (of_pixel / SLAB).clamp(1.0, SLABS_MOST) as usize;
+        Some(if HIDDEN_LEAST * segments < hidden { slabs } else { 1 })
     }
 }
 

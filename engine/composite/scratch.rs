@@ -18,8 +18,8 @@ pub(crate) struct Scratch {
     pub stretch: [f32; TILE * TILE],
     pub shading: Shading,
     pub slabs: Slabs,
-    /// Whether cells are taken from front to back.
-    pub slabbed: bool,
+    /// Slabs in which cells are taken from front to back; 1 where they are taken as they come.
+    pub slab_count: usize,
     pub counts: WorkerCounts,
 }
 
@@ -32,7 +32,7 @@ impl Scratch {
             stretch: [1.0; TILE * TILE],
             shading: Shading::new(frame),
             slabs: Slabs::new(),
-            slabbed: false,
+            slab_count: 1,
             counts: WorkerCounts::default(),
         }
     }

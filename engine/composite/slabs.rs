@@ -8,9 +8,6 @@ use crate::sample::Frame;
 
 const BINS: usize = 256;
 
-/// Slabs of a tile.
-const SLABS: usize = 8;
-
 /// Cells of a slab at least, in vectors.
 const SLAB_LEAST: usize = 4;
 
@@ -55,10 +52,10 @@ impl Slabs {
         &self.entries
     }
 
-    /// Where slabs end, whole vectors of so many lanes, each with the nearest depth of what follows.
-    pub fn ends(&self, width: usize) -> Vec<(usize, f32)> {
+    /// Where so many slabs end, whole vectors of `width` lanes, each with the nearest depth of what follows.
+    pub fn ends(&self, slabs: usize, width: usize) -> Vec<(usize, f32)> {
         let all = self.entries.len();
-        let length = all.div_ceil(SLABS).next_multiple_of(width).max(SLAB_LEAST * width);
+        let length = all.div_ceil(slabs).next_multiple_of(width).max(SLAB_LEAST * width);
         let least = |depths: &[f32]| depths.iter().fold(f32::INFINITY, |least, depth| least.min(*depth));
         let mut nearest = f32::INFINITY;
         let mut ends: Vec<(usize, f32)> = (0..all)

@@ -112,11 +112,11 @@ fn draw_in_lists(
     lists.clear(frame.attribute_count);
     // Whatever lies in front of what hides the others.
     list64(frame, bounds, scratch, lists)?;
-    if scratch.slabbed {
+    if scratch.slab_count > 1 {
         let mut slabs = std::mem::replace(&mut scratch.slabs, Slabs::new());
         slabs.begin(frame, bounds.tile);
         let (entries, mut from) = (slabs.entries(), 0);
-        for (to, nearest) in slabs.ends(frame.lanes.width()) {
+        for (to, nearest) in slabs.ends(scratch.slab_count, frame.lanes.width()) {
             list(frame, &entries[from..to], bounds, Some(&open), scratch, lists)?;
             from = to;
             for row in (0..TILE).filter(|&row| open[row] != 0) {
