@@ -135,7 +135,9 @@ impl Left {
             Left::Delicate => {
                 "a wave or a triangular Gaussian stands among others, or glows without absorbing in step"
             }
-            Left::Dense => "a density of over 10,000,000 on the segment needs finer steps than 32 bits take",
+            Left::Dense => {
+                "a density of over 10,000,000, or of 200 under the constant-emitter, needs finer steps than 32 bits take"
+            }
         }
     }
 }
