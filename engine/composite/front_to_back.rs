@@ -2,7 +2,7 @@
 
 use crate::composite::kernels::{Arrange, Fill, Illuminate};
 use crate::composite::layers::Layers;
-use crate::composite::lists::{Limit, Lists, UNSEEN};
+use crate::composite::lists::{Limit, Lists, UNSEEN_FOR_SURE};
 use crate::composite::pool::Pool;
 use crate::composite::rows::{RowSums, Rows};
 use crate::fragments::batch::{BATCH, Batch};
@@ -13,57 +13,68 @@ use crate::sample::Frame;
 use crate::shade::light::Rays;
 use crate::shade::roads::{finish, quick};
 use crate::shade::shaded::Shaded;
+use std::ops::Range;
 use voltet_lanes::{LaneSet, dispatch};
 
 /// A row's segments in order, slice by slice: each the next segment of all pixels.
 pub(crate) enum Slices<'a> {
     /// From lists that are arranged.
     Lists(ListSlices<'a>),
-    /// From what was kept of another picture, and how many segments were taken.
-    Kept(KeptSlices<'a>, u64),
+    /// From what was kept of another picture.
+    Kept(KeptSlices<'a>),
 }
 
 /// See [`Lists::fill`].
 pub(crate) struct ListSlices<'a> {
-    pub lists: &'a Lists,
-    pub row: usize,
-    pub stretch: &'a [f32; TILE * TILE],
-    pub limit: Option<&'a mut Limit>,
-    /// Slices that were taken.
-    pub taken: usize,
-    pub deepest: usize,
+    lists: &'a Lists,
+    row: usize,
+    stretch: &'a [f32; TILE * TILE],
+    limit: Option<&'a mut Limit>,
+    /// Slices that were not taken yet.
+    left: Range<usize>,
+}
+
+impl<'a> ListSlices<'a> {
+    /// Of a row that is arranged.
+    pub fn new(
+        lists: &'a Lists,
+        row: usize,
+        stretch: &'a [f32; TILE * TILE],
+        limit: Option<&'a mut Limit>,
+    ) -> ListSlices<'a> {
+        ListSlices { lists, row, stretch, limit, left: 0..lists.deepest(row) }
+    }
+
+    /// Fills a batch, with `places` if they are wanted; its fragments, none at the end.
+    pub fn next(&mut self, lanes: LaneSet, places: bool, batch: &mut Batch) -> usize {
+        let ListSlices { lists, row, stretch, limit, left } = self;
+        let slices = left.start..(left.start + BATCH / TILE).min(left.end);
+        if slices.is_empty() || limit.as_ref().is_some_and(|limit| limit.going_on == 0) {
+            return 0;
+        }
+        left.start = slices.end;
+        let (row, limit, count) = (*row, limit.as_deref_mut(), slices.len() * TILE);
+        dispatch(lanes, Fill { lists, row, slices, stretch, limit, places, batch });
+        count
+    }
 }
 
 impl Slices<'_> {
     /// Fills a batch; its fragments, none at the end.
     pub fn next(&mut self, frame: &Frame<'_>, batch: &mut Batch) -> usize {
         match self {
-            Slices::Kept(kept, segments) => {
-                let count = kept.next(batch);
-                *segments += if count > 0 { u64::from(batch.hits) } else { 0 };
-                count
-            }
-            Slices::Lists(ListSlices { lists, row, stretch, limit, taken, deepest }) => {
-                let slices = *taken..(*taken + BATCH / TILE).min(*deepest);
-                if slices.is_empty() || limit.as_ref().is_some_and(|limit| limit.going_on == 0) {
-                    return 0;
-                }
-                let count = slices.len() * TILE;
-                *taken = slices.end;
+            Slices::Kept(kept) => kept.next(batch),
+            Slices::Lists(listed) => {
                 let places = frame.ends.is_some() || frame.shader.surface.is_some();
-                let (row, limit) = (*row, limit.as_deref_mut());
-                dispatch(frame.lanes, Fill { lists, row, slices, stretch, limit, places, batch });
-                count
+                listed.next(frame.lanes, places, batch)
             }
         }
     }
-}
 
-impl Slices<'_> {
     /// Segments that were taken of what was kept: those in lists were counted before.
     pub fn segments(&self) -> u64 {
         match self {
-            Slices::Kept(_, segments) => *segments,
+            Slices::Kept(kept) => kept.segments,
             Slices::Lists(_) => 0,
         }
     }
@@ -126,8 +137,7 @@ impl Shading {
                 self.light(frame, count);
                 let Shading { batch, shaded, pool, layers, .. } = self;
                 pool.take(frame, batch, shaded, count, layers);
-                // So much less that rounding never leaves out what the sum would still show.
-                if pool.through.iter().all(|through| *through <= 0.5 * UNSEEN) {
+                if pool.through.iter().all(|through| *through <= UNSEEN_FOR_SURE) {
                     break;
                 }
                 continue;
@@ -181,20 +191,17 @@ pub(crate) fn blend_by_numbers(
     let (mut batch, mut shaded, mut disordered) = (Batch::new(1, 1), Shaded::new(), 0);
     for row in 0..TILE {
         disordered += dispatch(lanes, Arrange { lists, row, sorted });
-        let deepest = lists.deepest(row);
-        for first in (0..deepest).step_by(BATCH / TILE) {
-            let slices = first..(first + BATCH / TILE).min(deepest);
-            let (stretch, limit, places) = (&[1.0; TILE * TILE], None, false);
-            let count = slices.len() * TILE;
-            dispatch(lanes, Fill { lists, row, slices, stretch, limit, places, batch: &mut batch });
+        let mut slices = ListSlices::new(lists, row, &[1.0; TILE * TILE], None);
+        while !rows.is_full(row) {
+            let count = slices.next(lanes, false, &mut batch);
+            if count == 0 {
+                break;
+            }
             for k in 0..count {
                 let of_segment = rgba.get(batch.front[0][k].to_bits() as usize).copied().unwrap_or_default();
                 shaded.rgba.iter_mut().zip(of_segment).for_each(|(column, value)| column[k] = value);
             }
             rows.take(lanes, row, &batch, &shaded, count);
-            if rows.is_full(row) {
-                break;
-            }
         }
     }
     disordered

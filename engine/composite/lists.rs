@@ -42,6 +42,9 @@ pub(crate) fn follows([entry, length]: [f32; 2], [other_entry, other_length]: [f
 /// Share of the picture under which what lies behind is left out: an optical depth of 25.
 pub(crate) const UNSEEN: f32 = 1e-11;
 
+/// The same where what lies in front is not all known yet: so much less that rounding never leaves out what the sum would still show.
+pub(crate) const UNSEEN_FOR_SURE: f32 = 0.5 * UNSEEN;
+
 /// The next free slot of each pixel, row by row; then room to read a whole vector from any of them.
 #[derive(Clone, Copy)]
 #[repr(align(64))]

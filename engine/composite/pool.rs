@@ -6,8 +6,7 @@ use crate::fragments::batch::{BATCH, Batch, Column};
 use crate::project::record::TILE;
 use crate::sample::Frame;
 use crate::shade::roads::finish;
-use crate::shade::shaded::Shaded;
-use crate::shade::stepped::STEPS;
+use crate::shade::shaded::{KINDS, Shaded};
 
 /// A queue for each kind of [`Shaded::left_over`].
 pub(crate) struct Pool {
@@ -34,8 +33,7 @@ struct Queue {
     count: usize,
 }
 
-/// Kinds of segments; the opacities of the last are not known.
-const KINDS: usize = STEPS.len() + 3;
+/// The kind of those whose opacities are not known.
 const UNKNOWN: usize = KINDS - 1;
 
 /// Such segments that are served at once: what lies behind them may be hidden.

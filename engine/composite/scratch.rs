@@ -18,8 +18,6 @@ pub(crate) struct Scratch {
     pub stretch: [f32; TILE * TILE],
     pub shading: Shading,
     pub slabs: Slabs,
-    /// Slabs in which cells are taken from front to back; 1 where they are taken as they come.
-    pub slab_count: usize,
     pub counts: WorkerCounts,
 }
 
@@ -31,8 +29,7 @@ impl Scratch {
             group: Group::new(frame.attribute_count),
             stretch: [1.0; TILE * TILE],
             shading: Shading::new(frame),
-            slabs: Slabs::new(),
-            slab_count: 1,
+            slabs: Slabs::default(),
             counts: WorkerCounts::default(),
         }
     }

@@ -12,6 +12,7 @@ const BINS: usize = 256;
 const SLAB_LEAST: usize = 4;
 
 /// A tile's cells in order.
+#[derive(Default)]
 pub(crate) struct Slabs {
     /// Records of the tile, by bins, and their nearest depths.
     entries: Vec<u32>,
@@ -20,10 +21,6 @@ pub(crate) struct Slabs {
 }
 
 impl Slabs {
-    pub fn new() -> Slabs {
-        Slabs { entries: Vec::new(), nearest: Vec::new(), bins: Vec::new() }
-    }
-
     /// Puts the cells of a tile in order.
     pub fn begin(&mut self, frame: &Frame<'_>, tile: usize) {
         let entries = frame.entries_of(tile);

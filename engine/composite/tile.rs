@@ -4,20 +4,21 @@ use crate::composite::cells::{list, list64, walk};
 use crate::composite::front_to_back::{ListSlices, Slices};
 use crate::composite::growing_lists::GrowingLists;
 use crate::composite::kernels::Arrange;
-use crate::composite::lists::{Limit, Lists, Overflow, UNSEEN};
+use crate::composite::lists::{Limit, Lists, Overflow, UNSEEN_FOR_SURE};
 use crate::composite::rows::{RowSums, Rows};
 use crate::composite::scratch::{Bounds, Scratch};
 use crate::composite::sinks::{DepthSink, OPAQUE_DEPTH, TilePicture, of_one_color};
-use crate::composite::slabs::{Slabs, all_open};
+use crate::composite::slabs::all_open;
 use crate::kept::{Keeper, Keeping, KeptTile};
 use crate::project::record::TILE;
 use crate::sample::Frame;
 use voltet_lanes::dispatch;
 
-/// Draws a tile. Returns its segments in lists, and those of them that are hidden.
+/// Draws a tile; if its segments are put in order, in so many slabs. Returns its segments in lists, and those of them that are hidden.
 pub(crate) fn draw_tile(
     frame: &Frame<'_>,
     tile: usize,
+    slab_count: usize,
     scratch: &mut Scratch,
     lists: &mut Lists,
     picture: &mut TilePicture,
@@ -32,7 +33,7 @@ pub(crate) fn draw_tile(
         let mut rows = Rows::new();
         if let Some(kept) = kept.tile(tile) {
             for row in 0..bounds.size[1] {
-                let mut slices = Slices::Kept(kept.slices(row, frame.scalar_count), 0);
+                let mut slices = Slices::Kept(kept.slices(row, frame.scalar_count));
                 scratch.shading.blend(frame, row, &mut slices, &mut rows);
                 scratch.counts.segments += slices.segments();
             }
@@ -41,16 +42,13 @@ pub(crate) fn draw_tile(
         rows.end(picture);
         return [0; 2];
     }
+    scratch.counts.tiles_sorted += u64::from(frame.sorted);
     let before = scratch.counts;
-    match draw_in_lists(frame, bounds, scratch, lists, picture) {
-        Ok(hidden) => {
-            scratch.counts.tiles_sorted += u64::from(frame.sorted);
-            hidden
-        }
+    match draw_in_lists(frame, bounds, slab_count, scratch, lists, picture) {
+        Ok(hidden) => hidden,
         Err(Overflow) => {
             // Rows are independent: draw them one at a time with lists that grow.
             scratch.counts = before;
-            scratch.counts.tiles_sorted += u64::from(frame.sorted);
             scratch.counts.tiles_deep += 1;
             let mut growing = GrowingLists::default();
             for row in 0..bounds.size[1] {
@@ -84,7 +82,7 @@ fn draw_in_one_color(
         Some(kept) => {
             for row in 0..bounds.size[1] {
                 let Some(kept) = kept.tile(bounds.tile) else { break };
-                let mut slices = Slices::Kept(kept.slices(row, frame.scalar_count), 0);
+                let mut slices = Slices::Kept(kept.slices(row, frame.scalar_count));
                 scratch.shading.sum(frame, row, &mut slices, &mut RowSums(&mut depth));
                 scratch.counts.segments += slices.segments();
             }
@@ -98,10 +96,11 @@ fn draw_in_one_color(
     }
 }
 
-/// Draws a tile by lists. Returns its segments in them, and those of them that are hidden. Errors: a pixel has too many.
+/// Draws a tile by lists, its cells in so many slabs from front to back; one: as they come. Returns its segments in them, and those of them that are hidden. Errors: a pixel has too many.
 fn draw_in_lists(
     frame: &Frame<'_>,
     bounds: Bounds,
+    slab_count: usize,
     scratch: &mut Scratch,
     lists: &mut Lists,
     picture: &mut TilePicture,
@@ -112,11 +111,11 @@ fn draw_in_lists(
     lists.clear(frame.attribute_count);
     // Whatever lies in front of what hides the others.
     list64(frame, bounds, scratch, lists)?;
-    if scratch.slab_count > 1 {
-        let mut slabs = std::mem::replace(&mut scratch.slabs, Slabs::new());
+    if slab_count > 1 {
+        let mut slabs = std::mem::take(&mut scratch.slabs);
         slabs.begin(frame, bounds.tile);
         let (entries, mut from) = (slabs.entries(), 0);
-        for (to, nearest) in slabs.ends(scratch.slab_count, frame.lanes.width()) {
+        for (to, nearest) in slabs.ends(slab_count, frame.lanes.width()) {
             list(frame, &entries[from..to], bounds, Some(&open), scratch, lists)?;
             from = to;
             for row in (0..TILE).filter(|&row| open[row] != 0) {
@@ -127,8 +126,7 @@ fn draw_in_lists(
             scratch.shading.end(frame, &mut rows);
             for (row, open) in open.iter_mut().enumerate() {
                 for (x, through) in rows.through(row).iter().enumerate() {
-                    // So much less that rounding never closes what the sum of the list would still show.
-                    *open &= !(u16::from(*through <= 0.5 * UNSEEN) << x);
+                    *open &= !(u16::from(*through <= UNSEEN_FOR_SURE) << x);
                 }
                 lists.close(row, *open);
             }
@@ -160,12 +158,8 @@ fn draw_row(
     lists: &mut Lists,
     rows: &mut Rows,
 ) -> [usize; 2] {
-    let deepest = lists.deepest(row);
-    if deepest == 0 {
-        return [0; 2];
-    }
     scratch.counts.pixels_disordered += dispatch(frame.lanes, Arrange { lists, row, sorted: frame.sorted });
-    let slices = ListSlices { lists, row, stretch: &scratch.stretch, limit, taken: 0, deepest };
+    let slices = ListSlices::new(lists, row, &scratch.stretch, limit);
     let taken = scratch.shading.blend(frame, row, &mut Slices::Lists(slices), rows);
     let counts = lists.counts(row);
     let hidden = counts.iter().map(|&count| (count as usize).saturating_sub(taken)).sum();
@@ -192,11 +186,10 @@ pub(crate) fn keep_tile(
     let mut keeper = Keeper::new(frame.scalar_count);
     for row in 0..bounds.size[1] {
         dispatch(frame.lanes, Arrange { lists, row, sorted: true });
-        let (stretch, deepest) = (&scratch.stretch, lists.deepest(row));
-        let mut slices = Slices::Lists(ListSlices { lists, row, stretch, limit: None, taken: 0, deepest });
+        let mut slices = ListSlices::new(lists, row, &scratch.stretch, None);
         let batch = &mut scratch.shading.batch;
         loop {
-            let count = slices.next(frame, batch);
+            let count = slices.next(frame.lanes, false, batch);
             if count == 0 {
                 break;
             }

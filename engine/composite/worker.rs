@@ -143,8 +143,7 @@ impl Worker<'_> {
         let mut picture = Box::new([[0.0; 4]; TILE * TILE]);
         let sampled = self.hides.sample(place);
         let Some(slabs) = self.hides.answer(place, || self.progress.cancelled()) else { return false };
-        scratch.slab_count = slabs;
-        let hidden = draw_tile(frame, tile as usize, scratch, lists, &mut picture);
+        let hidden = draw_tile(frame, tile as usize, slabs, scratch, lists, &mut picture);
         if let Some(sampled) = sampled {
             sampled.tell(hidden);
         }

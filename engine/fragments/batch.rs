@@ -1,6 +1,7 @@
 //! A batch of fragments: what the crossings find and the shader integrates.
 
 use std::ops::{Deref, DerefMut};
+use voltet_lanes::{Lanes, Mask};
 
 /// Most lanes of any set.
 pub(crate) const LANES_MOST: usize = 16;
@@ -73,4 +74,10 @@ impl Batch {
             scalar_count,
         }
     }
+}
+
+/// Those lanes (bits) of a mask that hold the first `count` fragments; what is past the end of the batch are fragments of the next one.
+#[inline(always)]
+pub(crate) fn meant<L: Lanes>(mask: L::M, count: usize) -> u32 {
+    mask.bits() & u32::MAX >> (32 - count.min(L::WIDTH))
 }

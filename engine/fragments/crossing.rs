@@ -1,8 +1,8 @@
 //! Crossings: where each fragment's ray enters and leaves its cell, and the attributes there.
 
-use crate::fragments::batch::{Batch, LANES_MOST};
+use crate::fragments::batch::{Batch, LANES_MOST, meant};
 use crate::project::record::{AttributeRecord, RECORD_WORDS, Record, TILE};
-use voltet_lanes::{Float, Lanes, Mask, Unsigned, array, inlined};
+use voltet_lanes::{Float, Lanes, Unsigned, array, inlined};
 
 /// Records of up to `WIDTH` cells, word by word, cells side by side.
 pub(crate) struct Group {
@@ -93,7 +93,7 @@ impl Group {
         let mut at = 0;
         while at < count {
             let ray = crossed.cross::<PERSPECTIVE>(L::U::load_u16(&codes[at..]));
-            batch.hits += (ray.hit.bits() & meant::<L>(count - at)).count_ones();
+            batch.hits += meant::<L>(ray.hit, count - at).count_ones();
             let length = ray.length * L::F::gather(stretch, ray.pixel);
             L::F::select(ray.hit, length, L::F::splat(0.0)).store(&mut batch.length[at..]);
             if ordered {
@@ -133,7 +133,7 @@ impl Group {
         let mut at = 0;
         while at < count {
             let ray = crossed.cross::<PERSPECTIVE>(L::U::load_u16(&codes[at..]));
-            hits += u64::from((ray.hit.bits() & meant::<L>(count - at)).count_ones());
+            hits += u64::from(meant::<L>(ray.hit, count - at).count_ones());
             let place = L::U::load(&places[at..]);
             let entry = L::F::select(ray.hit, ray.entry(), ray.distance);
             let length = L::F::select(ray.hit, ray.length, L::F::splat(0.0));
@@ -160,12 +160,6 @@ impl Group {
 
 /// Where the near plane cuts cells: its v as scale × distance + offset, and its depth from the distance origin.
 pub(crate) type Near = Option<[f32; 3]>;
-
-/// Those lanes (bits) of a vector that hold the first `count` fragments.
-#[inline(always)]
-fn meant<L: Lanes>(count: usize) -> u32 {
-    u32::MAX >> (32 - count.min(L::WIDTH))
-}
 
 /// What is known of the cells of a group, in registers.
 struct Planes<L: Lanes> {

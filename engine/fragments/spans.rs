@@ -204,10 +204,7 @@ impl Fragments {
         let last = rows().map(|(_, &end)| end).max().unwrap_or(0) as usize;
         edges.spans::<L>(first..last, width, &mut self.spans);
 
-        let rows = [starts, ends].map(
-            #[inline(always)]
-            |rows| rows.map(|row| row as usize),
-        );
+        let rows = [starts, ends];
         match lists {
             None => self.list::<L, false>(rows, cells, None, &[0; TILE]),
             Some(Places { next, open: None }) => self.list::<L, false>(rows, cells, Some(next), &[0; TILE]),
@@ -219,7 +216,7 @@ impl Fragments {
     #[inline(always)]
     fn list<L: Lanes, const MASKED: bool>(
         &mut self,
-        [starts, ends]: [[usize; MOST]; 2],
+        [starts, ends]: [[u32; MOST]; 2],
         cells: usize,
         mut next: Option<&mut Next>,
         open: &[u16; TILE],
@@ -228,7 +225,7 @@ impl Fragments {
         let (codes, places) = (codes.as_mut_slice(), places.as_mut_slice());
         let mut count = 0;
         for (lane, (&start, &end)) in starts.iter().zip(&ends).take(cells).enumerate() {
-            for row in start..end.min(TILE) {
+            for row in start as usize..(end as usize).min(TILE) {
                 let span = spans.0[row][lane];
                 let (code, length) = (span as u16, (span >> LENGTH) as usize);
                 let from = usize::from(code) % TILE;
@@ -297,9 +294,6 @@ fn take_places<L: Lanes>(next: &mut Next, row: usize, span: std::ops::Range<usiz
 fn taken_of<L: Lanes>(value: L::U, half: usize, from: L::U, to: L::U) -> L::U {
     let column = L::U::iota() + L::U::splat(half as u32);
     // Not below a number: the larger of both is the column.
-    let [not_before, behind] = [from, to].map(
-        #[inline(always)]
-        |limit| column.max(limit).equal(column),
-    );
+    let (not_before, behind) = (column.max(from).equal(column), column.max(to).equal(column));
     L::U::select(not_before.and(behind.not()), value + L::U::splat(1), value)
 }

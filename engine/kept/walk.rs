@@ -11,6 +11,8 @@ const AT_ONCE: usize = BATCH / TILE;
 pub(crate) struct KeptSlices<'a> {
     numbers: &'a [f32],
     columns: usize,
+    /// Segments that were taken.
+    pub segments: u64,
 }
 
 impl KeptTile {
@@ -18,7 +20,7 @@ impl KeptTile {
     pub fn slices(&self, row: usize, scalar_count: usize) -> KeptSlices<'_> {
         let columns = 1 + 2 * scalar_count;
         let [from, to] = [row, row + 1].map(|row| self.begins[row] as usize * columns * TILE);
-        KeptSlices { numbers: &self.numbers[from..to], columns }
+        KeptSlices { numbers: &self.numbers[from..to], columns, segments: 0 }
     }
 }
 
@@ -39,7 +41,7 @@ impl KeptSlices<'_> {
             }
         }
         let count = some / self.columns;
-        batch.hits = batch.length[..count].iter().map(|length| u32::from(*length > 0.0)).sum();
+        self.segments += batch.length[..count].iter().filter(|length| **length > 0.0).count() as u64;
         count
     }
 }

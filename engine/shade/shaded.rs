@@ -1,7 +1,11 @@
 //! What shading a batch of segments gives.
 
-use crate::fragments::batch::Column;
+use crate::fragments::batch::{Column, LANES_MOST};
 use crate::shade::stepped::{Met, STEPS};
+use voltet_lanes::{Float, Lanes};
+
+/// Kinds of fragments that quick forms leave over.
+pub(crate) const KINDS: usize = STEPS.len() + 3;
 
 /// Results of a batch.
 pub(crate) struct Shaded {
@@ -67,15 +71,27 @@ impl Shaded {
     }
 
     /// Fragments that the quick forms left over, kind by kind; those of the last have an opacity that is not known.
-    pub fn left_over(&self) -> [&Vec<usize>; STEPS.len() + 3] {
+    pub fn left_over(&self) -> [&Vec<usize>; KINDS] {
         let [few, some, many] = &self.in_order;
         [few, some, many, &self.deep, &self.dense, &self.rest]
     }
 
     /// The same, to change.
-    pub fn left_over_mut(&mut self) -> [&mut Vec<usize>; STEPS.len() + 3] {
+    pub fn left_over_mut(&mut self) -> [&mut Vec<usize>; KINDS] {
         let [few, some, many] = &mut self.in_order;
         [few, some, many, &mut self.deep, &mut self.dense, &mut self.rest]
+    }
+
+    /// Gives the fragments of a vector, one a lane, their colours, or colours and opacities.
+    #[inline(always)]
+    pub fn put<L: Lanes, const N: usize>(&mut self, group: &[usize], values: [L::F; N]) {
+        for (column, value) in self.rgba.iter_mut().zip(values) {
+            let mut row = [0f32; LANES_MOST];
+            value.store(&mut row);
+            for (&value, &k) in row.iter().zip(group) {
+                column[k] = value;
+            }
+        }
     }
 
     /// Of the rest, what was too dense or too delicate joins the dense ones.

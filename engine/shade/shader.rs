@@ -6,7 +6,7 @@
 //! own in place of the first three ([`super::methods`]). What a scene does not use is not prepared.
 
 use crate::attribute::{ATTRIBUTES_MOST, Attribute};
-use crate::fragments::batch::{Batch, Column, LANES_MOST};
+use crate::fragments::batch::{Batch, Column, meant};
 use crate::shade::along::{Along, lanes_of};
 use crate::shade::gathered::Gathered;
 use crate::shade::kinds::{InOrder, LaneWidget, Making, Road};
@@ -217,13 +217,7 @@ impl Shader {
         for group in which.chunks(L::WIDTH) {
             gathered.take(batch, group);
             let (rgba, _) = tables.integrate::<true>(&gathered.along::<L>());
-            for (column, value) in out.rgba.iter_mut().zip(rgba) {
-                let mut row = [0f32; LANES_MOST];
-                value.store(&mut row);
-                for (&value, &k) in row.iter().zip(group) {
-                    column[k] = value;
-                }
-            }
+            out.put::<L, 4>(group, rgba);
         }
         out.deep = which;
         out.deep.clear();
@@ -454,12 +448,6 @@ pub(super) fn push(list: &mut Vec<usize>, mut lanes: u32, at: usize) {
         list.push(at + lanes.trailing_zeros() as usize);
         lanes &= lanes - 1;
     }
-}
-
-/// Those lanes (bits) of a mask that hold the first `count` segments; what is past the end of the batch are fragments of the next one.
-#[inline(always)]
-pub(super) fn meant<L: Lanes>(mask: L::M, count: usize) -> u32 {
-    mask.bits() & u32::MAX >> (32 - count.min(L::WIDTH))
 }
 
 /// Lanes (bits) of the first `count` segments on which widgets overlap.

@@ -48,13 +48,7 @@ pub(crate) fn stepped<L: Lanes>(
             *opacity = out.rgba[3][k];
         }
         let color = step_through::<L>(widgets, &mut out.met, steps, &along, L::F::load(&opacity));
-        for (column, value) in out.rgba.iter_mut().zip(color) {
-            let mut row = [0f32; LANES_MOST];
-            value.store(&mut row);
-            for (&value, &k) in row.iter().zip(group) {
-                column[k] = value;
-            }
-        }
+        out.put::<L, 3>(group, color);
     }
 }
 

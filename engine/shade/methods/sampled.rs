@@ -3,12 +3,12 @@
 
 use super::pieces::pieces;
 use super::riemann::riemann;
-use crate::fragments::batch::Batch;
+use crate::fragments::batch::{Batch, meant};
 use crate::shade::along::{Along, Fields};
 use crate::shade::kinds::{LaneWidget, Making};
 use crate::shade::reach::Spread;
 use crate::shade::shaded::{Left, Shaded};
-use crate::shade::shader::{meant, overlaps, push};
+use crate::shade::shader::{overlaps, push};
 use voltet_core::optics::integrators::PartialTable;
 use voltet_lanes::limits::PIECES_MOST;
 use voltet_lanes::optics::elementary::one_minus_exp;

@@ -1,12 +1,12 @@
 //! Pre-integrated tables. Twin of `optics::integrators::{PreIntegrated, PreIntegratedCylindrical}`: C/(D E₁) from a table over
 //! (s_f, s_b, D), or from tiles, and the mean extinction, filled in lanes and read by gathers. They serve every segment.
 
-use crate::fragments::batch::Batch;
+use crate::fragments::batch::{Batch, meant};
 use crate::shade::along::Along;
 use crate::shade::kinds::Making;
 use crate::shade::reach::LEFT_OUT;
 use crate::shade::shaded::Shaded;
-use crate::shade::shader::{Scene, meant};
+use crate::shade::shader::Scene;
 use rayon::prelude::*;
 use voltet_core::Result;
 use voltet_core::optics::integrators::{Matter, Ramp, last_tile};

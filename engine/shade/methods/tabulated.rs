@@ -1,12 +1,12 @@
 //! Gaussians' integrals from tables. Twin of `optics::integrators::Tabulated`: each widget by itself, all of them averaged without
 //! their order.
 
-use crate::fragments::batch::Batch;
+use crate::fragments::batch::{Batch, meant};
 use crate::shade::along::{Along, Fields};
 use crate::shade::kinds::{LaneWidget, Making, Through};
 use crate::shade::reach::Spread;
 use crate::shade::shaded::{Left, Shaded};
-use crate::shade::shader::{meant, overlaps, push};
+use crate::shade::shader::{overlaps, push};
 use voltet_core::optics::integrators::GaussianTables;
 use voltet_lanes::limits::GAUSSIAN_WIDTHS_MOST;
 use voltet_lanes::optics::elementary::{exp, mean_transparency, one_minus_exp};

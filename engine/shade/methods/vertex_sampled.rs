@@ -1,10 +1,10 @@
 //! What the transfer function is at the grid's points, linear between them. Twin of `optics::integrators::VertexSampled`, of a
 //! scene that is classified.
 
-use crate::fragments::batch::{Batch, Column};
+use crate::fragments::batch::{Batch, Column, meant};
 use crate::shade::kinds::Making;
 use crate::shade::shaded::{Left, Shaded};
-use crate::shade::shader::{meant, push};
+use crate::shade::shader::push;
 use voltet_core::optics::integrators::CLASSIFIED;
 use voltet_lanes::optics::elementary::one_minus_exp;
 use voltet_lanes::optics::linear::{DEEPEST, front_back};
