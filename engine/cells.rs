@@ -1,5 +1,6 @@
 //! The cells that a picture is drawn from, and what is counted on the way.
 
+use crate::cast::KnownFaces;
 use crate::cull::Sample;
 use crate::spare::Spare;
 use crate::view::Seen;
@@ -32,6 +33,8 @@ pub struct Cells {
     pub no_leave_out: bool,
     /// The vector lanes that the further stages run on: the widest that this processor has.
     pub lanes: LaneSet,
+    /// Whether rays may go from cell to cell, where that serves; else all cells are projected.
+    pub casts: bool,
     /// Where the cells are more, they are projected window by window while they are composited. The picture is the same.
     pub most_at_once: usize,
     /// Whether values are counted from the middle of their range, and not from where widgets are.
@@ -40,6 +43,8 @@ pub struct Cells {
     pub(crate) densest_least: f64,
     /// Memory to work in, and to leave to the next frame.
     pub(crate) spare: Arc<Spare>,
+    /// What is known of the faces of the cells that widgets touch, where rays may follow them.
+    pub(crate) faces: Option<KnownFaces>,
     /// What the cells were culled for.
     pub(crate) culled_for: Option<TransferFunction>,
     /// World units in the scene length that the stages work in: the diagonal of the grid.
@@ -92,10 +97,12 @@ pub struct Counts {
     pub segments_overlapping: u64,
     /// Tiles with more than 1,024 segments on a pixel.
     pub tiles_deep: u64,
-    /// Tiles that were left because every pixel was opaque; only where no order is needed can that be known.
+    /// Tiles that were left because every pixel was opaque.
     pub tiles_stopped: u64,
-    /// Cells that such tiles did not look at any more; a cell counts in each of them.
+    /// Cells that such tiles did not look at any more; a cell counts in each of them. Those that no ray came to are not counted.
     pub cells_hidden: u64,
+    /// Tiles that rays were lost in from cell to cell, and that were drawn from their cells.
+    pub tiles_lost: u64,
     /// Tiles whose pixels' segments were sorted.
     pub tiles_sorted: u64,
     /// Bytes of the integrator's tables.

@@ -1,6 +1,7 @@
 //! The stages end to end: project, composite, and the one-call form.
 
 use crate::attribute::{Attribute, attributes_of, gradient_attributes};
+use crate::cast::segments_least;
 use crate::cells::{Cells, Counts};
 use crate::composite::hides::Hides;
 use crate::composite::sinks::{OPAQUE_DEPTH, TilePicture};
@@ -31,8 +32,9 @@ pub struct Projection {
     camera: Camera,
     /// Of the first samples of a pixel, at least one; further ones are made when they are composited.
     samples: Vec<Sample>,
-    /// See [`densest`].
+    /// See [`densest`] and [`segments_least`].
     densest: f64,
+    segments_least: f64,
 }
 
 impl Projection {
@@ -46,9 +48,9 @@ impl Projection {
         &self.camera
     }
 
-    /// Cells that cover a pixel centre (of the first sample).
-    pub fn cells_projected(&self) -> u64 {
-        self.samples.first().map_or(0, Sample::cell_count)
+    /// Cells that cover a pixel centre (of the first sample). `None` where none is projected, since rays go from cell to cell.
+    pub fn cells_projected(&self) -> Option<u64> {
+        self.samples.first().map_or(Some(0), Sample::cell_count)
     }
 
     /// Projects the cells for one more sample of every pixel. `attributes`: at least those that the first was projected with.
@@ -59,7 +61,8 @@ impl Projection {
         progress: &dyn Progress,
     ) -> Result<Sample> {
         let count = self.samples.first().map_or(attributes.len(), |first| first.attribute_count);
-        Sample::new(&self.cells, &self.camera, offset, &attributes[..count], self.densest, progress)
+        let limits = [self.densest, self.segments_least];
+        Sample::new(&self.cells, &self.camera, offset, &attributes[..count], limits, progress)
     }
 }
 
@@ -89,12 +92,13 @@ pub fn project(
     let bytes = bytes.saturating_mul(held as u64);
     refuse_beyond_memory(progress, || format!("drawing {kept} cells"), bytes)?;
     let densest = densest(transfer_function, cells.length).max(cells.densest_least);
+    let segments_least = segments_least(transfer_function);
     let mut samples = Vec::with_capacity(held);
     for (k, &offset) in offsets.iter().take(held).enumerate() {
         progress.report("project", k as f64 / held as f64);
-        samples.push(Sample::new(cells, camera, offset, &attributes, densest, progress)?);
+        samples.push(Sample::new(cells, camera, offset, &attributes, [densest, segments_least], progress)?);
     }
-    Ok(Projection { cells: cells.clone(), camera: *camera, samples, densest })
+    Ok(Projection { cells: cells.clone(), camera: *camera, samples, densest, segments_least })
 }
 
 /// The largest optical depth, or colour, that all widgets together give over a scene length of so many world units.
@@ -279,7 +283,7 @@ impl Ready<'_> {
             check_ends(ends, [width, height])?;
         }
         let mut picture = Picture::transparent(width, height);
-        let (cells_projected, table_bytes) = (projection.cells_projected(), *table_bytes);
+        let (cells_projected, table_bytes) = (projection.cells_projected().unwrap_or(0), *table_bytes);
         let mut counts = Counts { cells_projected, table_bytes, ..Counts::default() };
         let offsets = projection.camera.sample_offsets();
         let weight = 1.0 / offsets.len() as f32;
@@ -302,13 +306,25 @@ impl Ready<'_> {
             let sorted = sorted && kept.is_none();
             let mut frame =
                 Frame::new(sample, tiles, &cells.volume.grid, &all, attributes.len(), shader, sorted);
-            (frame.ends, frame.kept) = (ends, kept);
+            (frame.ends, frame.kept, frame.whole) = (ends, kept, cells.no_leave_out);
             if let Some(kept) = kept {
                 work = Work::Tiles(kept.queue.clone());
             }
             // Nothing is hidden where no ray through all of the grid is opaque.
             let opaque = f64::from(OPAQUE_DEPTH) < sample.deepest;
-            let results = self.run(&frame, &work, opaque && sorted && !cells.no_leave_out, progress)?;
+            let hides = opaque && sorted && !cells.no_leave_out;
+            let mut results = self.run(&frame, &work, hides && frame.cast.is_none(), progress)?;
+            let lost: Vec<u32> = results.iter().flat_map(|drawn| drawn.lost.iter().copied()).collect();
+            let by_cells;
+            if !lost.is_empty() {
+                by_cells = sample.by_cells(cells, &all[..sample.attribute_count], &lost)?;
+                let (tiles, _) = work_of(&by_cells, width, &none);
+                let mut again =
+                    Frame::new(&by_cells, tiles, &cells.volume.grid, &all, attributes.len(), shader, sorted);
+                again.ends = ends;
+                counts.tiles_lost += lost.len() as u64;
+                results.extend(self.run(&again, &Work::Tiles(lost), hides, progress)?);
+            }
             let mut tiles: Vec<Option<&TilePicture>> = vec![None; frame.tiles_wide * height.div_ceil(TILE)];
             for Drawn { tiles: done, counts: worker, .. } in &results {
                 counts.segments += worker.segments;
@@ -344,6 +360,7 @@ fn work_of<'a>(sample: &'a Sample, width: usize, none: &'a Tiles) -> (&'a Tiles,
     match &sample.projected {
         Projected::Whole(tiles) => (tiles, Work::Tiles(tiles.queue(width.div_ceil(TILE)))),
         Projected::InWindows(windows) => (none, Work::Windows(&windows.list)),
+        Projected::Cast(cast) => (none, Work::Tiles(cast.queue())),
     }
 }
 

@@ -6,6 +6,7 @@
 //! | `cells`, `attribute` | the cells that are drawn, and the point arrays that are looked at |
 //! | `cull` | which cells can contribute |
 //! | `project` | cells to records of 32 bits, and the tiles that they touch |
+//! | `cast` | rays from cell to cell through the faces that these share |
 //! | `fragments` | the pixels that a tile's cells cover, and the rays' segments in them |
 //! | `shade` | a segment's colour and opacity |
 //! | `sample` | what the compositor reads: the projection and how segments are shaded |
@@ -17,6 +18,7 @@
 //! | `segments` | what becomes of segments alone, for judging |
 
 mod attribute;
+mod cast;
 mod cells;
 mod composite;
 mod cull;

@@ -1,5 +1,6 @@
 //! What drawing takes.
 
+use crate::cast::{CELLS_MOST as CAST_MOST, OF_CELL as CAST_OF_CELL};
 use crate::cells::MOST_AT_ONCE;
 use crate::project::record::{AttributeRecord, Record, TILE};
 use crate::sample::cells_of_window;
@@ -48,6 +49,14 @@ pub(crate) fn drawing_bytes_of(
         let window = (2 * of(cells_of_window(most_at_once))).max(cells / tiles.max(1)).min(cells);
         let listed = (cells as f64 * WINDOWS_OF_CELL * number as f64) as u64;
         listed.saturating_add(threads.saturating_mul(window).saturating_mul(projected))
+    };
+    // Where rays go from cell to cell: half-faces, the faces that cells share, places of cells; the points in steps.
+    let by_cell = if cells <= of(CAST_MOST) {
+        let fours = 1 + attributes.saturating_sub(1).div_ceil(4);
+        let points = points.saturating_mul(fours).saturating_mul(of(size_of::<[f32; 4]>()));
+        by_cell.max(cells.saturating_mul(CAST_OF_CELL).saturating_add(points))
+    } else {
+        by_cell
     };
     by_cell
         .saturating_add(cells.saturating_mul(KNOWN_OF_CELL))

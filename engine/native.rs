@@ -149,6 +149,7 @@ impl Prepared for OnVolume {
         }
         cells.note_order(&mut drawn.notes);
         projection.count(&mut drawn.counts);
+        projection.note(manner.may_leave_out, &mut drawn.notes);
         counts.count(&mut drawn.counts);
         counts.note(&mut drawn.notes);
         Ok(drawn)
@@ -270,9 +271,21 @@ impl Cells {
 impl Projection {
     /// Fills in what was projected.
     pub fn count(&self, counts: &mut engine::Counts) {
-        let projected = self.cells_projected();
-        counts.cells_projected = Some(projected);
-        counts.under_a_pixel = Some((self.cells().kept.len() as u64).saturating_sub(projected));
+        counts.cells_projected = self.cells_projected();
+        counts.under_a_pixel = self
+            .cells_projected()
+            .map(|projected| (self.cells().kept.len() as u64).saturating_sub(projected));
+    }
+
+    /// Notes the cells that rays go through, and what they leave out.
+    pub fn note(&self, leave: Option<MayLeaveOut>, notes: &mut Notes) {
+        if self.cells_projected().is_none() {
+            notes.counts.insert("cells_cast", self.cells().kept.len() as u64);
+            if let Some(leave) = leave {
+                let why = "rays go from cell to cell through the faces that these share";
+                notes.leave_out(leave, "projecting and sorting", why, None);
+            }
+        }
     }
 }
 
@@ -284,7 +297,8 @@ impl Counts {
         counts.evaluations = Some(self.evaluations);
         counts.pixels_disordered = Some(self.pixels_disordered);
         counts.tiles_stopped = Some(self.tiles_stopped);
-        counts.cells_hidden = Some(self.cells_hidden);
+        // Nobody counts the cells that rays do not come to.
+        counts.cells_hidden = Some(self.cells_hidden).filter(|hidden| 0 < *hidden || self.tiles_stopped == 0);
         counts.tables_built = Some(u64::from(self.table_bytes > 0));
     }
 
@@ -293,5 +307,6 @@ impl Counts {
         notes.counts.insert("tiles_sorted", self.tiles_sorted);
         notes.counts.insert("segments_overlapping", self.segments_overlapping);
         notes.counts.insert("tiles_deep", self.tiles_deep);
+        notes.counts.insert("tiles_lost", self.tiles_lost);
     }
 }

@@ -1,6 +1,7 @@
 //! A frame ready for the compositor: the projection of one sample of every pixel, and how segments are shaded.
 
 use crate::attribute::Attribute;
+use crate::cast::Cast;
 use crate::cells::Cells;
 use crate::fragments::batch::Batch;
 use crate::fragments::ends::Ends;
@@ -53,6 +54,8 @@ pub(crate) enum Projected {
     Whole(Tiles),
     /// None: who composites a window projects it.
     InWindows(Windows),
+    /// None: rays go from cell to cell.
+    Cast(Cast),
 }
 
 /// What the compositor reads.
@@ -71,10 +74,14 @@ pub(crate) struct Frame<'a> {
     pub distance_origin: f64,
     /// See [`crate::fragments::crossing::Group::evaluate`].
     pub near: Option<[f32; 3]>,
+    /// Rays from cell to cell, in place of tiles of cells.
+    pub cast: Option<&'a Cast>,
     /// Segments kept from a picture of this view: what is drawn in place of cells.
     pub kept: Option<&'a Kept>,
     /// What keeps the segments in place of drawing them.
     pub keeping: Option<&'a Keeping>,
+    /// Nothing is left out: rays go on behind what is opaque.
+    pub whole: bool,
     /// Where the ray of every pixel ends, row by row: depth along the view direction, world units.
     pub ends: Option<&'a [f32]>,
     sample: &'a Sample,
@@ -86,13 +93,14 @@ pub(crate) struct Frame<'a> {
 }
 
 impl Sample {
-    /// Projects the kept cells. `densest`: see [`Input::densest`].
+    /// Projects the kept cells, or casts rays through them where these have so many segments of a cell at least. `densest`: see
+    /// [`Input::densest`].
     pub fn new(
         cells: &Cells,
         camera: &Camera,
         offset: [f64; 2],
         attributes: &[Attribute<'_>],
-        densest: f64,
+        [densest, segments_least]: [f64; 2],
         progress: &dyn Progress,
     ) -> Result<Sample> {
         let grid = &cells.volume.grid;
@@ -115,7 +123,10 @@ impl Sample {
         };
 
         let (kept, lanes) = (cells.kept.as_slice(), cells.lanes);
-        let projected = if kept.len() > cells.most_at_once {
+        let cast = Cast::of(cells, &view, &seen, attributes, [densest, segments_least]);
+        let projected = if let Some(cast) = cast {
+            Projected::Cast(cast)
+        } else if kept.len() > cells.most_at_once {
             let wished = cells_of_window(cells.most_at_once);
             Projected::InWindows(Windows::of(&input, lanes, &grid.points, kept, wished))
         } else {
@@ -146,11 +157,38 @@ impl Sample {
         })
     }
 
-    /// Records, and cells drawn in 64 bits; cells that cover a pixel centre, where they are not projected yet.
-    pub fn cell_count(&self) -> u64 {
+    /// The same view with cells projected for some tiles, where rays do not serve.
+    ///
+    /// Errors: those of [`Tiles::fill_on_all`].
+    pub fn by_cells(&self, cells: &Cells, attributes: &[Attribute<'_>], tiles: &[u32]) -> Result<Sample> {
+        let grid = &cells.volume.grid;
+        let area = Area::around(self.view.size, tiles);
+        let input = Input {
+            view: &self.view,
+            seen: &self.seen,
+            tetrahedra: &grid.tetrahedra,
+            attributes,
+            distance_origin: self.distance_origin,
+            densest: self.densest,
+            area,
+        };
+        let mut projected = self.spare.tiles.take();
+        projected.fill_on_all(&input, self.lanes, &grid.points, &cells.kept)?;
+        Ok(Sample {
+            seen: self.seen.clone(),
+            spare: self.spare.clone(),
+            projected: Projected::Whole(projected),
+            ..*self
+        })
+    }
+
+    /// Records, and cells drawn in 64 bits; cells that cover a pixel centre, where they are not projected yet; none where rays go from
+    /// cell to cell.
+    pub fn cell_count(&self) -> Option<u64> {
         match &self.projected {
-            Projected::Whole(tiles) => tiles.cell_count(),
-            Projected::InWindows(windows) => windows.cell_count,
+            Projected::Whole(tiles) => Some(tiles.cell_count()),
+            Projected::InWindows(windows) => Some(windows.cell_count),
+            Projected::Cast(_) => None,
         }
     }
 }
@@ -188,8 +226,13 @@ impl<'a> Frame<'a> {
             sorted,
             distance_origin: sample.distance_origin,
             near: sample.near,
+            cast: match &sample.projected {
+                Projected::Cast(cast) => Some(cast),
+                Projected::Whole(_) | Projected::InWindows(_) => None,
+            },
             kept: None,
             keeping: None,
+            whole: false,
             ends: None,
             sample,
             tiles,

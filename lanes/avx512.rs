@@ -2,7 +2,7 @@
 //!
 //! Why its instructions may run: the crate's head.
 
-use super::operations::{Double, Float, Lanes, Mask, Unsigned, array, inlined, inside, sealed};
+use super::operations::{Double, Float, Lanes, Mask, Unsigned, array, inlined, inside, parts_inside, sealed};
 use std::arch::x86_64::*;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -137,13 +137,14 @@ impl Float for F {
     }
     #[inline(always)]
     fn gather_parts(values: &[[f32; 4]], index: U) -> [F; 4] {
+        // Bytes: shifted here they cost one instruction in place of one a lane.
         let mut places = [0; 16];
-        inside::<Avx512>(index, values.len()).store(&mut places);
+        parts_inside::<Avx512>(index, values).shl::<4>().store(&mut places);
         let quarter = inlined(
             #[inline(always)]
             |i: usize| {
                 // SAFETY: every index lies inside the slice; for the processor see the crate's head.
-                unsafe { _mm_loadu_ps(values.as_ptr().add(places[i] as usize).cast()) }
+                unsafe { _mm_loadu_ps(values.as_ptr().byte_add(places[i] as usize).cast()) }
             },
         );
         // Places 0, 4, 8 and 12 side by side, and so on: then each quarter is turned on its own.
@@ -159,6 +160,16 @@ impl Float for F {
             },
         );
         turned([side(0), side(1), side(2), side(3)]).map(F)
+    }
+    #[inline(always)]
+    fn prefetch_parts(values: &[[f32; 4]], index: U) {
+        let mut places = [0; 16];
+        index.store(&mut places);
+        for place in places {
+            let at: *const i8 = values.as_ptr().wrapping_add(place as usize).cast();
+            // SAFETY: a prefetch reads nothing; any address is allowed. For the processor see the crate's head.
+            unsafe { _mm_prefetch::<_MM_HINT_T0>(at) };
+        }
     }
     #[inline(always)]
     fn scatter_parts<const N: usize>(fours: [[F; 4]; N], values: &mut [[[f32; 4]; N]], index: U) {

@@ -93,7 +93,7 @@ impl Kernel for All<'_> {
             masks::<L>(i.test(j)),
             masks::<L>(i.equal(j)),
             unsigneds::<L>(L::U::select(less, i, j)),
-            floats::<L>(i.shr::<1>().to_float()),
+            floats::<L>(i.to_float()),
             unsigneds::<L>(i.permute(lane)),
             masks::<L>(less.and(not_above)),
             masks::<L>(less.or(not_above)),

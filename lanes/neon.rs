@@ -5,7 +5,7 @@
 //!
 //! Why its instructions may run: the crate's head.
 
-use super::operations::{Double, Float, Lanes, Mask, Unsigned, inlined, inside, sealed};
+use super::operations::{Double, Float, Lanes, Mask, Unsigned, inlined, inside, parts_inside, sealed};
 use std::arch::aarch64::*;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -217,7 +217,7 @@ impl Float for F {
     #[inline(always)]
     fn gather_parts(values: &[[f32; 4]], index: U) -> [F; 4] {
         let mut places = [0; WIDTH];
-        inside::<Neon>(index, values.len()).store(&mut places);
+        parts_inside::<Neon>(index, values).store(&mut places);
         let four = inlined(
             #[inline(always)]
             |lane: usize| {
@@ -229,6 +229,8 @@ impl Float for F {
         let [e, f, g, h] = turned([four(4), four(5), four(6), four(7)]);
         [F([a, e]), F([b, f]), F([c, g]), F([d, h])]
     }
+    #[inline(always)]
+    fn prefetch_parts(_: &[[f32; 4]], _: U) {}
     #[inline(always)]
     fn scatter_parts<const N: usize>(fours: [[F; 4]; N], values: &mut [[[f32; 4]; N]], index: U) {
         let mut places = [0; WIDTH];
@@ -334,7 +336,7 @@ impl Unsigned for U {
     }
     #[inline(always)]
     fn to_float(self) -> F {
-        F(each!(|i| vcvtq_f32_u32(self.0[i])))
+        F(each!(|i| vcvtq_f32_s32(vreinterpretq_s32_u32(self.0[i]))))
     }
     #[inline(always)]
     fn permute(self, index: U) -> U {

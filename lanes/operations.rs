@@ -100,8 +100,10 @@ pub trait Float:
     /// Lane i is `values[index[i]]`. An index past the end would be the caller's mistake: it takes the last value, and
     /// stops a build with debug assertions. The slice must hold something, and at most 2³¹ values.
     fn gather(values: &[f32], index: <Self::Lanes as Lanes>::U) -> Self;
-    /// Lane i of part c is `values[index[i]][c]`; indices as for [`Float::gather`].
+    /// Lane i of part c is `values[index[i]][c]`; indices as for [`Float::gather`], of at most 2²⁸ values.
     fn gather_parts(values: &[[f32; 4]], index: <Self::Lanes as Lanes>::U) -> [Self; 4];
+    /// Asks for the cache lines of `values[index[i]]` before they are gathered; of an index past the end for none that matters.
+    fn prefetch_parts(values: &[[f32; 4]], index: <Self::Lanes as Lanes>::U);
     /// `values[index[i]][n][c]` becomes lane i of part c of four n; indices as for [`Float::gather`]. Of lanes with one index any
     /// may win.
     fn scatter_parts<const N: usize>(
@@ -144,7 +146,7 @@ pub trait Unsigned: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output 
     fn equal(self, other: Self) -> <Self::Lanes as Lanes>::M;
     /// `yes` where the mask is set, else `no`.
     fn select(mask: <Self::Lanes as Lanes>::M, yes: Self, no: Self) -> Self;
-    /// As floats; values above 2³¹ − 1 are not supported.
+    /// As floats, taken as two's complement.
     fn to_float(self) -> <Self::Lanes as Lanes>::F;
     /// Lane i is `self[index[i]]`; indices must be below `WIDTH`.
     fn permute(self, index: Self) -> Self;
@@ -175,6 +177,13 @@ pub(super) fn inside<L: Lanes>(index: L::U, length: usize) -> L::U {
     let inside = index.min(last);
     debug_assert!(!inside.equal(index).not().any(), "a gather past {length} values");
     inside
+}
+
+/// Indices into a slice of fours, none past the end and none whose bytes 32 bits do not count.
+#[inline(always)]
+pub(super) fn parts_inside<L: Lanes>(index: L::U, values: &[[f32; 4]]) -> L::U {
+    assert!(values.len() <= 1 << 28, "a gather from {} fours", values.len());
+    inside::<L>(index, values.len())
 }
 
 /// Takes a closure marked `#[inline(always)]` (the attribute is allowed on an argument, not on the value of a

@@ -4,7 +4,7 @@
 //! What `wide` leaves open or does lane by lane (the operand that a minimum takes where one is NaN, unsigned minima, rounding
 //! down without SSE4.1) is written here in its other operations.
 
-use super::operations::{Double, Float, Lanes, Mask, Unsigned, array, inside, sealed};
+use super::operations::{Double, Float, Lanes, Mask, Unsigned, array, inside, parts_inside, sealed};
 use bytemuck::cast;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 use wide::{f32x4, f64x2, i32x4, u32x4};
@@ -196,7 +196,7 @@ impl Float for F {
     }
     #[inline(always)]
     fn gather_parts(values: &[[f32; 4]], index: U) -> [F; 4] {
-        let index = inside::<Portable>(index, values.len());
+        let index = parts_inside::<Portable>(index, values);
         array(
             #[inline(always)]
             |c| {
@@ -208,6 +208,8 @@ impl Float for F {
             },
         )
     }
+    #[inline(always)]
+    fn prefetch_parts(_: &[[f32; 4]], _: U) {}
     #[inline(always)]
     fn scatter_parts<const N: usize>(fours: [[F; 4]; N], values: &mut [[[f32; 4]; N]], index: U) {
         let mut places = [0; 4];

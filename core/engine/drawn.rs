@@ -58,7 +58,7 @@ pub struct Counts {
     pub pixels_disordered: Option<u64>,
     /// Tiles that were opaque before all their cells had been looked at.
     pub tiles_stopped: Option<u64>,
-    /// Cells that such tiles did not look at any more; a cell counts in each of them.
+    /// Cells that such tiles did not look at any more, where that is known; a cell counts in each of them.
     pub cells_hidden: Option<u64>,
     /// Tables that the integrator built for this picture.
     pub tables_built: Option<u64>,

@@ -2,7 +2,9 @@
 //! the same order.
 
 use super::Grid;
+use super::faces::{Face, Places, each_face};
 use rayon::prelude::*;
+use std::sync::atomic::{AtomicU32, Ordering};
 
 /// Rows of numbers, side by side in one array.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -143,6 +145,28 @@ where
         });
     });
     sums
+}
+
+/// For every face of the tetrahedra (four each, by the corner opposite) the face of the tetrahedron that shares its points:
+/// 4 × tetrahedron + corner; `u32::MAX` where none or several others do, or where the numbers leave 32 bits.
+pub fn cells_of_faces(grid: &Grid) -> Vec<u32> {
+    let tetrahedra = &grid.tetrahedra[..];
+    let none: Vec<AtomicU32> = (0..4 * tetrahedra.len()).map(|_| AtomicU32::new(u32::MAX)).collect();
+    if u32::try_from(none.len()).is_ok() {
+        let place = |[_, _, cell, opposite]: Face| {
+            let corner = tetrahedra[cell as usize].iter().position(|p| *p == opposite).unwrap_or(0);
+            4 * cell + corner as u32
+        };
+        let look = |_: &mut (), _, shared: &[Face]| {
+            if let [one, other] = *shared {
+                let [one, other] = [place(one), place(other)];
+                none[one as usize].store(other, Ordering::Relaxed);
+                none[other as usize].store(one, Ordering::Relaxed);
+            }
+        };
+        each_face(&grid.points, tetrahedra, &Places::each_its_own(), || (), look, |(), ()| ());
+    }
+    none.into_iter().map(AtomicU32::into_inner).collect()
 }
 
 /// For every point the points it shares an edge of a tetrahedron with, each once, in order of first appearance.

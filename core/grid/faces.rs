@@ -21,6 +21,11 @@ impl Places {
         Places(points_at_one_place(points))
     }
 
+    /// Points at one place count each for itself.
+    pub fn each_its_own() -> Places {
+        Places(None)
+    }
+
     /// The first point at the place of this one.
     pub fn first(&self, point: u32) -> u32 {
         self.0.as_ref().map_or(point, |first| first[point as usize])

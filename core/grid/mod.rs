@@ -22,7 +22,7 @@ mod tally;
 mod tetrahedra;
 mod within;
 
-pub use adjacency::{Neighbours, Rows, cells_of_points, points_of_points, sum_over_cells};
+pub use adjacency::{Neighbours, Rows, cells_of_faces, cells_of_points, points_of_points, sum_over_cells};
 pub use array::Array;
 pub use build::build;
 pub use cell_types::{CellType, code, describe_counts};

@@ -2,7 +2,7 @@
 
 use crate::composite::kernels::{Arrange, Fill, Illuminate};
 use crate::composite::layers::Layers;
-use crate::composite::lists::{Limit, Lists, UNSEEN_FOR_SURE};
+use crate::composite::lists::{Limit, Lists};
 use crate::composite::pool::Pool;
 use crate::composite::rows::{RowSums, Rows};
 use crate::fragments::batch::{BATCH, Batch};
@@ -113,42 +113,47 @@ impl Shading {
         slices: &mut Slices<'_>,
         rows: &mut Rows,
     ) -> usize {
-        let pools = frame.shader.pools();
         let mut taken = 0;
-        while !rows.is_full(row) {
-            let Shading { batch, shaded, pool, layers, ends, .. } = self;
-            let count = slices.next(frame, batch);
+        while !self.hides(row, rows) {
+            let count = slices.next(frame, &mut self.batch);
             if count == 0 {
                 break;
             }
             taken += count / TILE;
-            if frame.ends.is_some() {
-                cut(batch, count, frame.attribute_count, ends);
-            }
-            quick(frame.shader, frame.lanes, batch, count, shaded);
-            if !pools {
-                finish(frame.shader, frame.lanes, batch, shaded);
-            } else if layers.holds(row) || shaded.left_over().iter().any(|which| !which.is_empty()) {
-                if !layers.holds(row) {
-                    layers.begin(row);
-                    pool.through = *rows.through(row);
-                }
-                pool.lend(shaded);
-                self.light(frame, count);
-                let Shading { batch, shaded, pool, layers, .. } = self;
-                pool.take(frame, batch, shaded, count, layers);
-                if pool.through.iter().all(|through| *through <= UNSEEN_FOR_SURE) {
-                    break;
-                }
-                continue;
-            }
-            self.light(frame, count);
-            rows.take(frame.lanes, row, &self.batch, &self.shaded, count);
+            self.blend_batch(frame, row, count, rows);
         }
         if self.layers.are_many() {
             self.end(frame, rows);
         }
         taken
+    }
+
+    /// Whether nothing that may come is seen of a row.
+    pub fn hides(&self, row: usize, rows: &Rows) -> bool {
+        rows.is_full(row) || (self.layers.holds(row) && self.pool.hides(row))
+    }
+
+    /// Blends the first `count` segments of the batch, slices of a row.
+    pub fn blend_batch(&mut self, frame: &Frame<'_>, row: usize, count: usize, rows: &mut Rows) {
+        let Shading { batch, shaded, pool, layers, ends, .. } = self;
+        if frame.ends.is_some() {
+            cut(batch, count, frame.attribute_count, ends);
+        }
+        quick(frame.shader, frame.lanes, batch, count, shaded);
+        let waits = layers.holds(row);
+        if !frame.shader.pools() {
+            finish(frame.shader, frame.lanes, batch, shaded);
+        } else if waits || shaded.left_over().iter().any(|which| !which.is_empty()) {
+            if !waits {
+                pool.begin(row, rows.through(row));
+            }
+            pool.lend(shaded);
+            self.light(frame, count);
+            let Shading { batch, shaded, pool, layers, .. } = self;
+            return pool.take(frame, (row, batch), shaded, count, layers);
+        }
+        self.light(frame, count);
+        rows.take(frame.lanes, row, &self.batch, &self.shaded, count);
     }
 
     /// Blends what waits.
@@ -166,16 +171,25 @@ impl Shading {
 
     /// Adds up a row's optical depths until the sums are opaque.
     pub fn sum(&mut self, frame: &Frame<'_>, row: usize, slices: &mut Slices<'_>, sums: &mut RowSums<'_>) {
-        let Shading { batch, shaded, .. } = self;
         while !sums.is_full(row) {
-            let count = slices.next(frame, batch);
+            let count = slices.next(frame, &mut self.batch);
             if count == 0 {
                 return;
             }
-            quick(frame.shader, frame.lanes, batch, count, shaded);
-            finish(frame.shader, frame.lanes, batch, shaded);
-            sums.take(frame.lanes, row, shaded, count);
+            self.sum_batch(frame, row, count, sums);
         }
+    }
+
+    /// Adds up the optical depths of the first `count` segments of the batch, slices of a row.
+    pub fn sum_batch(&mut self, frame: &Frame<'_>, row: usize, count: usize, sums: &mut RowSums<'_>) {
+        let Shading { batch, shaded, ends, .. } = self;
+        if frame.ends.is_some() {
+            cut(batch, count, frame.attribute_count, ends);
+        }
+        quick(frame.shader, frame.lanes, batch, count, shaded);
+        finish(frame.shader, frame.lanes, batch, shaded);
+        self.light(frame, count);
+        sums.take(frame.lanes, row, &self.shaded, count);
     }
 }
 

@@ -10,7 +10,7 @@ use voltet_lanes::LaneSet;
 #[derive(Default)]
 pub(crate) struct Layers {
     columns: [Vec<f32>; 4],
-    /// Rows that wait, each with the place of its first segment.
+    /// Rows that wait, each with the place of its first segment; a row may come again.
     rows: Vec<(usize, usize)>,
 }
 
@@ -20,7 +20,7 @@ const MANY: usize = 1 << 13;
 impl Layers {
     /// Whether a row waits.
     pub fn holds(&self, row: usize) -> bool {
-        self.rows.last().is_some_and(|(last, _)| *last == row)
+        self.rows.iter().any(|(waiting, _)| *waiting == row)
     }
 
     /// Whether so many segments wait that they are best blended.
@@ -28,19 +28,18 @@ impl Layers {
         self.columns[0].len() >= MANY
     }
 
-    /// Begins a row.
-    pub fn begin(&mut self, row: usize) {
-        self.rows.push((row, self.columns[0].len()));
+    /// The row of a place.
+    pub fn row_of(&self, place: usize) -> usize {
+        let behind = self.rows.partition_point(|(_, first)| *first <= place);
+        self.rows[behind - 1].0
     }
 
-    /// Whether a place is one of the row that began last.
-    pub fn is_of_last_row(&self, place: usize) -> bool {
-        self.rows.last().is_some_and(|(_, first)| *first <= place)
-    }
-
-    /// Takes the first `count` segments of a batch; those of no length are clear. Returns the place of the first.
-    pub fn take(&mut self, batch: &Batch, shaded: &Shaded, count: usize) -> usize {
+    /// Takes the first `count` segments of a batch, slices of a row; those of no length are clear. Returns the place of the first.
+    pub fn take(&mut self, row: usize, batch: &Batch, shaded: &Shaded, count: usize) -> usize {
         let first = self.columns[0].len();
+        if self.rows.last().is_none_or(|(last, _)| *last != row) {
+            self.rows.push((row, first));
+        }
         for (column, values) in self.columns.iter_mut().zip(&shaded.rgba) {
             let of_segment = |(value, length): (&f32, &f32)| if *length > 0.0 { *value } else { 0.0 };
             column.extend(values[..count].iter().zip(&batch.length[..count]).map(of_segment));
@@ -56,11 +55,12 @@ impl Layers {
     /// Blends all into their rows; none is left.
     pub fn end(&mut self, lanes: LaneSet, rows: &mut Rows) {
         debug_assert!(self.columns[0].len().is_multiple_of(TILE), "whole slices");
-        let mut end = self.columns[0].len();
-        for (row, first) in self.rows.drain(..).rev() {
+        let last = self.columns[0].len();
+        for (k, &(row, first)) in self.rows.iter().enumerate() {
+            let end = self.rows.get(k + 1).map_or(last, |(_, next)| *next);
             rows.blend(lanes, row, self.columns.each_ref().map(|column| &column[first..end]));
-            end = first;
         }
+        self.rows.clear();
         self.columns.iter_mut().for_each(Vec::clear);
     }
 }

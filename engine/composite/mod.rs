@@ -26,7 +26,7 @@ pub(crate) mod lists;
 mod lists_tests;
 pub(crate) mod pool;
 pub(crate) mod rows;
-mod scratch;
+pub(crate) mod scratch;
 pub(crate) mod sinks;
 pub(crate) mod slabs;
 mod tile;

@@ -2,6 +2,7 @@
 //! kind to fill vectors, for they are few among their neighbours. What is hidden is let go.
 
 use crate::composite::layers::Layers;
+use crate::composite::lists::UNSEEN_FOR_SURE;
 use crate::fragments::batch::{BATCH, Batch, Column};
 use crate::project::record::TILE;
 use crate::sample::Frame;
@@ -16,8 +17,8 @@ pub(crate) struct Pool {
     opacities: Box<Column>,
     /// What is seen of a batch's segments, at most.
     seen: Box<Column>,
-    /// What is seen through the pixels of the row, at most.
-    pub through: [f32; TILE],
+    /// What is seen through the pixels of rows that wait, at most.
+    through: Box<[[f32; TILE]; TILE]>,
     /// What comes out.
     pub shaded: Shaded,
 }
@@ -56,9 +57,19 @@ impl Pool {
             opacity: Column::new(),
             opacities: Column::new(),
             seen: Column::new(),
-            through: [1.0; TILE],
+            through: Box::new([[1.0; TILE]; TILE]),
             shaded: Shaded::new(),
         }
+    }
+
+    /// Begins a row through whose pixels so much is seen.
+    pub fn begin(&mut self, row: usize, through: &[f32; TILE]) {
+        self.through[row] = *through;
+    }
+
+    /// Whether nothing that may come is seen of a row that waits.
+    pub fn hides(&self, row: usize) -> bool {
+        self.through[row].iter().all(|through| *through <= UNSEEN_FOR_SURE)
     }
 
     /// Makes those of a batch that will wait white and opaque, so that what light makes of them is kept.
@@ -70,17 +81,17 @@ impl Pool {
         }
     }
 
-    /// Puts the first `count` segments of a batch among the layers, and in queues those that wait and may be seen.
+    /// Puts the first `count` segments of a batch, slices of a row, among the layers, and in queues those that wait and may be seen.
     pub fn take(
         &mut self,
         frame: &Frame<'_>,
-        batch: &Batch,
+        (row, batch): (usize, &Batch),
         shaded: &Shaded,
         count: usize,
         layers: &mut Layers,
     ) {
-        self.see(batch, shaded, count);
-        let first = layers.take(batch, shaded, count);
+        self.see(row, batch, shaded, count);
+        let first = layers.take(row, batch, shaded, count);
         let rgba = &shaded.rgba;
         for (number, which) in shaded.left_over().into_iter().enumerate() {
             for &k in which {
@@ -113,7 +124,7 @@ impl Pool {
     }
 
     /// Finds what is seen of each segment of a batch, and opacities after light; 0 where they are not known yet.
-    fn see(&mut self, batch: &Batch, shaded: &Shaded, count: usize) {
+    fn see(&mut self, row: usize, batch: &Batch, shaded: &Shaded, count: usize) {
         let known = &mut self.opacities;
         known.copy_from_slice(&**shaded.rgba[3]);
         for (number, which) in shaded.left_over().into_iter().enumerate() {
@@ -121,10 +132,11 @@ impl Pool {
                 known[k] *= if number == UNKNOWN { 0.0 } else { self.opacity[k] };
             }
         }
+        let of_row = &mut self.through[row];
         for at in (0..count).step_by(TILE) {
-            self.seen[at..][..TILE].copy_from_slice(&self.through);
+            self.seen[at..][..TILE].copy_from_slice(of_row);
             let slice = batch.length[at..][..TILE].iter().zip(&known[at..][..TILE]);
-            for (through, (length, opacity)) in self.through.iter_mut().zip(slice) {
+            for (through, (length, opacity)) in of_row.iter_mut().zip(slice) {
                 *through *= if *length > 0.0 { 1.0 - opacity } else { 1.0 };
             }
         }
@@ -155,8 +167,8 @@ impl Pool {
         let [r, g, b, a] = &shaded.rgba;
         for (k, &place) in queue.place.iter().enumerate().take(count) {
             layers.set(place as usize, [r[k], g[k], b[k], a[k]]);
-            if number == UNKNOWN && layers.is_of_last_row(place as usize) {
-                through[place as usize % TILE] *= 1.0 - a[k];
+            if number == UNKNOWN {
+                through[layers.row_of(place as usize)][place as usize % TILE] *= 1.0 - a[k];
             }
         }
     }

@@ -22,9 +22,14 @@ impl Rows {
     /// The picture.
     pub fn end(&self, picture: &mut TilePicture) {
         for (pixel, out) in picture.iter_mut().enumerate() {
-            *out = [0, 1, 2, 3].map(|c: usize| self.rgba[c][pixel]);
-            out[3] = out[3].min(1.0);
+            *out = self.pixel(pixel);
         }
+    }
+
+    /// Colour and opacity of a pixel.
+    pub fn pixel(&self, pixel: usize) -> [f32; 4] {
+        let [r, g, b, a] = [0, 1, 2, 3].map(|c: usize| self.rgba[c][pixel]);
+        [r, g, b, a.min(1.0)]
     }
 
     /// 1 − A of a row's pixels, as far as it is more than [`UNSEEN`].
@@ -50,18 +55,23 @@ impl Rows {
     }
 }
 
-/// Sums of optical depths, where there is one colour.
-pub(crate) struct RowSums<'a>(pub &'a mut [f32; TILE * TILE]);
+/// Sums of optical depths, where there is one colour; or composited opacities, see [`super::sinks::DepthSink`].
+pub(crate) struct RowSums<'a> {
+    pub sums: &'a mut [f32; TILE * TILE],
+    pub opacities: bool,
+}
 
 impl RowSums<'_> {
     /// Whether nothing that may come changes any pixel of a row.
     pub fn is_full(&self, row: usize) -> bool {
-        self.0[row * TILE..][..TILE].iter().all(|sum| OPAQUE_DEPTH <= *sum)
+        let full = if self.opacities { 1.0 } else { OPAQUE_DEPTH };
+        self.sums[row * TILE..][..TILE].iter().all(|sum| full <= *sum)
     }
 
     /// Adds the first `count` segments of a batch, slices of a row, to it.
     pub fn take(&mut self, lanes: LaneSet, row: usize, shaded: &Shaded, count: usize) {
-        dispatch(lanes, Add { sums: self.0, row, depths: &shaded.depth[..count] });
+        let RowSums { sums, opacities } = self;
+        dispatch(lanes, Add { sums, row, depths: &shaded.depth[..count], opacities: *opacities });
     }
 }
 
@@ -69,17 +79,21 @@ struct Add<'a> {
     sums: &'a mut [f32; TILE * TILE],
     row: usize,
     depths: &'a [f32],
+    opacities: bool,
 }
 
 impl Kernel for Add<'_> {
     type Output = ();
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        let Add { sums, row, depths } = self;
+        let Add { sums, row, depths, opacities } = self;
+        let one = L::F::splat(1.0);
         for at in (0..depths.len()).step_by(L::WIDTH) {
             // Fragments of no length have no depth.
             let sums = &mut sums[row * TILE + at % TILE..];
-            (L::F::load(sums) + L::F::load(&depths[at..])).store(sums);
+            let (sum, more) = (L::F::load(sums), L::F::load(&depths[at..]));
+            let more = if opacities { (one - sum) * more } else { more };
+            (sum + more).store(sums);
         }
     }
 }

@@ -1,9 +1,10 @@
 //! What a worker draws a tile with, and where the tile is.
 
+use crate::cast::entered::Entered;
 use crate::composite::front_to_back::Shading;
 use crate::composite::slabs::Slabs;
 use crate::composite::worker::WorkerCounts;
-use crate::fragments::batch::LANES_MOST;
+use crate::fragments::batch::{Batch, LANES_MOST};
 use crate::fragments::crossing::Group;
 use crate::fragments::spans::{Edges, Fragments};
 use crate::project::record::TILE;
@@ -18,6 +19,9 @@ pub(crate) struct Scratch {
     pub stretch: [f32; TILE * TILE],
     pub shading: Shading,
     pub slabs: Slabs,
+    /// Where rays go from cell to cell: where they come in, and segments of further ones.
+    pub entered: Entered,
+    pub second: Batch,
     pub counts: WorkerCounts,
 }
 
@@ -30,6 +34,8 @@ impl Scratch {
             stretch: [1.0; TILE * TILE],
             shading: Shading::new(frame),
             slabs: Slabs::default(),
+            entered: Entered::default(),
+            second: Batch::new(frame.attribute_count, frame.scalar_count),
             counts: WorkerCounts::default(),
         }
     }

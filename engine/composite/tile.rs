@@ -1,5 +1,7 @@
 //! One tile: its cells to segments, in lists that are put in order or as they come, and these to pixels.
 
+use crate::cast::Cast;
+use crate::cast::bundle::{Bundle, next, pixel_of};
 use crate::composite::cells::{list, list64, walk};
 use crate::composite::front_to_back::{ListSlices, Slices};
 use crate::composite::growing_lists::GrowingLists;
@@ -62,6 +64,70 @@ pub(crate) fn draw_tile(
     }
 }
 
+/// Draws a tile by rays from cell to cell; whether none was lost on the way.
+pub(crate) fn cast_tile(
+    frame: &Frame<'_>,
+    cast: &Cast,
+    tile: usize,
+    scratch: &mut Scratch,
+    picture: &mut TilePicture,
+) -> bool {
+    let bounds @ Bounds { left, top, size, .. } = Bounds::of(frame, tile);
+    scratch.begin(frame, bounds);
+    let Scratch { shading, entered, second, stretch, counts, .. } = scratch;
+    entered.find(cast, frame.lanes, tile, [left, top], size);
+    let opacities = frame.shader.surface.is_some();
+    let (mut rows, mut depth) = (Rows::new(), [0.0; TILE * TILE]);
+    let (mut segments, mut on_way, mut stopped) = (0, 0, 0);
+    for first in (0..TILE).step_by(2) {
+        let mut bundles =
+            [first, first + 1].map(|number| Bundle::new(frame, cast, entered, number, bounds, stretch));
+        on_way += bundles.iter().filter(|bundle| bundle.goes_on()).count();
+        loop {
+            let found = next(frame, &mut bundles, [&mut shading.batch, second]);
+            if found == [0; 2] {
+                break;
+            }
+            for ((number, bundle), count) in (first..).zip(&mut bundles).zip(found) {
+                if count > 0 {
+                    let is_full = if frame.shader.one_color.is_some() {
+                        let mut sums = RowSums { sums: &mut depth, opacities };
+                        shading.sum_batch(frame, number, count, &mut sums);
+                        sums.is_full(number)
+                    } else {
+                        shading.blend_batch(frame, number, count, &mut rows);
+                        shading.hides(number, &rows)
+                    };
+                    if is_full && !frame.whole && bundle.goes_on() {
+                        bundle.stop();
+                        stopped += 1;
+                    }
+                }
+                std::mem::swap(&mut shading.batch, second);
+            }
+        }
+        segments += bundles.iter().map(|bundle| bundle.segments).sum::<u64>();
+        if bundles.iter().any(|bundle| bundle.is_lost) {
+            shading.end(frame, &mut rows);
+            return false;
+        }
+        if shading.layers.are_many() {
+            shading.end(frame, &mut rows);
+        }
+    }
+    shading.end(frame, &mut rows);
+    counts.segments += segments;
+    counts.tiles_stopped += u64::from(on_way > 0 && stopped == on_way);
+    for place in 0..TILE * TILE {
+        let pixel = &mut picture[pixel_of(place / TILE, place % TILE)];
+        *pixel = match frame.shader.one_color {
+            Some(color) => of_one_color(color, depth[place], opacities),
+            None => rows.pixel(place),
+        };
+    }
+    true
+}
+
 /// Draws a tile of a scene of one colour, which needs no order.
 fn draw_in_one_color(
     frame: &Frame<'_>,
@@ -83,7 +149,8 @@ fn draw_in_one_color(
             for row in 0..bounds.size[1] {
                 let Some(kept) = kept.tile(bounds.tile) else { break };
                 let mut slices = Slices::Kept(kept.slices(row, frame.scalar_count));
-                scratch.shading.sum(frame, row, &mut slices, &mut RowSums(&mut depth));
+                let mut sums = RowSums { sums: &mut depth, opacities };
+                scratch.shading.sum(frame, row, &mut slices, &mut sums);
                 scratch.counts.segments += slices.segments();
             }
         }

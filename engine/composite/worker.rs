@@ -6,7 +6,7 @@ use crate::composite::hides::Hides;
 use crate::composite::lists::Lists;
 use crate::composite::scratch::Scratch;
 use crate::composite::sinks::TilePicture;
-use crate::composite::tile::{draw_tile, keep_tile};
+use crate::composite::tile::{cast_tile, draw_tile, keep_tile};
 use crate::kept::KeptTile;
 use crate::project::record::TILE;
 use crate::project::windows::Window;
@@ -20,6 +20,8 @@ pub(crate) struct Drawn {
     pub tiles: Vec<(u32, Box<TilePicture>)>,
     /// Where segments were kept in place of drawing them.
     pub kept: Vec<(u32, KeptTile)>,
+    /// Tiles with rays that were lost between cells: to be drawn from the cells.
+    pub lost: Vec<u32>,
     pub counts: WorkerCounts,
 }
 
@@ -71,6 +73,7 @@ struct Desk {
     lists: Lists,
     done: Vec<(u32, Box<TilePicture>)>,
     kept: Vec<(u32, KeptTile)>,
+    lost: Vec<u32>,
 }
 
 impl Worker<'_> {
@@ -80,7 +83,13 @@ impl Worker<'_> {
     pub fn run(self) -> Fallible<Drawn> {
         let frame = self.frame;
         let lists = frame.spare().lists.take();
-        let mut desk = Desk { scratch: Scratch::new(frame), lists, done: Vec::new(), kept: Vec::new() };
+        let mut desk = Desk {
+            scratch: Scratch::new(frame),
+            lists,
+            done: Vec::new(),
+            kept: Vec::new(),
+            lost: Vec::new(),
+        };
         match self.work {
             Work::Tiles(queue) => {
                 while let Some((place, &tile)) = self.take(queue)
@@ -89,13 +98,13 @@ impl Worker<'_> {
             }
             Work::Windows(windows) => self.draw_windows(windows, &mut desk)?,
         }
-        let Desk { mut scratch, lists, done, kept } = desk;
+        let Desk { mut scratch, lists, done, kept, lost } = desk;
         frame.spare().lists.put(lists);
         let Shading { shaded, pool, .. } = &scratch.shading;
         scratch.counts.segments_exact = shaded.exact_count + pool.shaded.exact_count;
         scratch.counts.evaluations = shaded.evaluation_count + pool.shaded.evaluation_count;
         scratch.counts.segments_overlapping = shaded.overlap_count;
-        Ok(Drawn { tiles: done, kept, counts: scratch.counts })
+        Ok(Drawn { tiles: done, kept, lost, counts: scratch.counts })
     }
 
     /// The next of a list, and its place there.
@@ -133,7 +142,7 @@ impl Worker<'_> {
         if self.progress.cancelled() {
             return false;
         }
-        let Desk { scratch, lists, done, kept } = desk;
+        let Desk { scratch, lists, done, kept, lost } = desk;
         if let Some(keeping) = frame.keeping {
             kept.extend(
                 keep_tile(frame, tile as usize, scratch, lists, keeping).map(|segments| (tile, segments)),
@@ -141,6 +150,13 @@ impl Worker<'_> {
             return !keeping.is_given_up();
         }
         let mut picture = Box::new([[0.0; 4]; TILE * TILE]);
+        if let Some(cast) = frame.cast {
+            match cast_tile(frame, cast, tile as usize, scratch, &mut picture) {
+                true => done.push((tile, picture)),
+                false => lost.push(tile),
+            }
+            return true;
+        }
         let sampled = self.hides.sample(place);
         let Some(slabs) = self.hides.answer(place, || self.progress.cancelled()) else { return false };
         let hidden = draw_tile(frame, tile as usize, slabs, scratch, lists, &mut picture);

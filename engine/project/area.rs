@@ -17,6 +17,19 @@ impl Area {
         Area { from: [0; 2], to: size.map(|pixels| pixels.div_ceil(TILE)) }
     }
 
+    /// The least that holds some tiles, numbered row by row, of a picture of this size in pixels.
+    pub fn around(size: [usize; 2], tiles: &[u32]) -> Area {
+        let columns = size[0].div_ceil(TILE).max(1);
+        let none = Area { from: [usize::MAX; 2], to: [0; 2] };
+        tiles.iter().fold(none, |area, &tile| {
+            let at = [tile as usize % columns, tile as usize / columns];
+            Area {
+                from: [0, 1].map(|k: usize| area.from[k].min(at[k])),
+                to: [0, 1].map(|k: usize| area.to[k].max(at[k] + 1)),
+            }
+        })
+    }
+
     /// Columns and rows.
     pub fn size(&self) -> [usize; 2] {
         [self.to[0] - self.from[0], self.to[1] - self.from[1]]

@@ -117,7 +117,7 @@ pub(super) const OPERATIONS: [(&str, Model, Model); 51] = [
     ("test", |v, l| (v[l].i & v[l].j != 0).into(), |v, l| (v[l].i & v[l].j == v[l].j).into()),
     ("equal", |v, l| (v[l].i == v[l].j).into(), |v, l| (v[l].i as f32 == v[l].j as f32).into()),
     ("unsigned select", |v, l| if v[l].a < v[l].b { v[l].i } else { v[l].j }.into(), |v, l| if v[l].a < v[l].b { v[l].j } else { v[l].i }.into()),
-    ("to_float", |v, l| bits((v[l].i >> 1) as f32), |v, l| bits((v[l].i >> 1) as i16 as f32)),
+    ("to_float", |v, l| bits(v[l].i as i32 as f32), |v, l| bits(v[l].i as f32)),
     ("unsigned permute", |v, l| v[v[l].j as usize % v.len()].i.into(), |v, l| v[(v[l].j as usize + 1) % v.len()].i.into()),
     ("mask and", |v, l| (v[l].a < v[l].b && v[l].b <= v[l].c).into(), |v, l| (v[l].a < v[l].b).into()),
     ("mask or", |v, l| (v[l].a < v[l].b || v[l].b <= v[l].c).into(), |v, l| (v[l].a < v[l].b).into()),

@@ -117,16 +117,18 @@ fn every_node_and_the_session_say_what_was_left_out_why_and_what_that_saves() {
     }
 }
 
-/// Saved are the cells behind: counted once a tile, so there are no more of them than entries in lists.
+/// Nobody counts the cells behind that rays do not come to.
 #[test]
 fn tiles_that_stop_early_are_said() {
     let folder = Folder::new();
+    // More cells behind each other than a ray passes at a time.
+    folder.write("cube.vtu", cube(24));
     let dense = ["look.widgets.0.extinction=1e6", "view.size=[64, 64]", "view.height=0.2"];
     let report = run(&open(&folder, "slab.toml", &dense));
     let tiles = report.counts["tiles_stopped"];
     let wanted = format!("cells of {tiles} tiles that stopped early");
     let left = report.left_out.iter().find(|left| left.what == wanted);
-    assert!(tiles > 0 && left.is_some_and(|left| left.saving.is_some()), "{:#?}", report.left_out);
+    assert!(tiles > 0 && left.is_some(), "{:#?}", report.left_out);
 }
 
 /// What must be true of a run that leaves nothing out, beside the usual one.
@@ -178,7 +180,9 @@ fn doing_everything_changes_no_picture_and_leaves_nothing_out_on_every_engine() 
             assert!(all.pictures[0].1.rgba.iter().any(|pixel| pixel[3] > 0.0), "{options:?}");
             let [arrays, gradients, tiles, cells, tables] = work(&all);
             assert_eq!([arrays, gradients, tables], [5, 1, 1], "{options:?}");
-            assert!(engine != voltet::nodes::drawing::NATIVE || tiles > 0 || cells == 162, "{options:?}");
+            // Rays from cell to cell meet them in order.
+            let is_in_order = tiles > 0 || cells == 162 || all.counts.contains_key("cells_cast");
+            assert!(engine != voltet::nodes::drawing::NATIVE || is_in_order, "{options:?}");
         }
     }
 }

@@ -9,16 +9,22 @@ use voltet_core::progress::Silent;
 use voltet_core::scene::Scene;
 use voltet_core::shading::{Integrator, Order, Shading};
 use voltet_core::transfer::TransferFunction;
-use voltet_engine::{self as engine, Counts};
+use voltet_engine::{self as engine, Cells, Counts};
 use voltet_testing::pictures::Engine;
 use voltet_testing::pictures::compare::{NamedScene, ORDINARY, within};
 
 /// The engine.
 pub struct Tested;
 
+/// The same, which projects all cells, whether rays may go from one to the other or not.
+pub struct ByCells;
+
 impl Engine for Tested {
     fn picture(&self, scene: &NamedScene, shading: &Shading) -> Option<Picture> {
-        Some(picture(scene, shading))
+        let picture = draw(scene, shading, |_| {}).0;
+        let name = format!("{} from segments kept", scene.name);
+        within(&name, &kept(scene, shading), &picture, KEPT);
+        Some(picture)
     }
 
     fn serves(&self, integrator: &Integrator, look: &TransferFunction) -> bool {
@@ -35,17 +41,44 @@ impl Engine for Tested {
     }
 }
 
-/// The picture; the same, bit by bit, where each tile's cells are projected when it is composited.
-pub fn picture(scene: &NamedScene, shading: &Shading) -> Picture {
-    let draw = |most_at_once: Option<usize>| -> Result<(Picture, Counts)> {
+impl Engine for ByCells {
+    fn picture(&self, scene: &NamedScene, shading: &Shading) -> Option<Picture> {
+        Some(picture(scene, shading))
+    }
+
+    fn serves(&self, integrator: &Integrator, look: &TransferFunction) -> bool {
+        Tested.serves(integrator, look)
+    }
+
+    fn rounding(&self) -> f64 {
+        Tested.rounding()
+    }
+
+    fn grazing(&self) -> f64 {
+        Tested.grazing()
+    }
+}
+
+fn draw(scene: &NamedScene, shading: &Shading, set: impl Fn(&mut Cells)) -> (Picture, Counts) {
+    let draw = || -> Result<(Picture, Counts)> {
         let mut cells = engine::cull(&scene.volume, &scene.look, &scene.camera, &Silent)?;
-        cells.most_at_once = most_at_once.unwrap_or(cells.most_at_once);
-        let (picture, counts) = engine::draw(&cells, &scene.look, &scene.camera, shading, &Silent)?;
-        // Cells without a volume are known when they are projected.
-        Ok((picture, Counts { cells_projected: 0, ..counts }))
+        set(&mut cells);
+        engine::draw(&cells, &scene.look, &scene.camera, shading, &Silent)
     };
-    let [whole, in_windows] =
-        [None, Some(0)].map(|most| draw(most).unwrap_or_else(|e| panic!("{}: {e}", scene.name)));
+    draw().unwrap_or_else(|e| panic!("{}: {e}", scene.name))
+}
+
+/// The picture from projected cells; the same, bit by bit, where each tile's are projected when it is composited.
+pub fn picture(scene: &NamedScene, shading: &Shading) -> Picture {
+    let by_cells = |most_at_once: Option<usize>| {
+        let (picture, counts) = draw(scene, shading, |cells| {
+            cells.casts = false;
+            cells.most_at_once = most_at_once.unwrap_or(cells.most_at_once);
+        });
+        // Cells without a volume are known when they are projected.
+        (picture, Counts { cells_projected: 0, ..counts })
+    };
+    let [whole, in_windows] = [None, Some(0)].map(by_cells);
     let bits = |picture: &Picture| picture.rgba.iter().flatten().map(|x| x.to_bits()).collect::<Vec<_>>();
     // Which tiles tell whether cells are best taken from front to back depends on what a queue begins with.
     if whole.1.tiles_stopped == 0 && in_windows.1.tiles_stopped == 0 {
@@ -54,8 +87,6 @@ pub fn picture(scene: &NamedScene, shading: &Shading) -> Picture {
     } else {
         within(&format!("{} in windows", scene.name), &in_windows.0, &whole.0, 1e-6);
     }
-    let name = format!("{} from segments kept", scene.name);
-    within(&name, &kept(scene, shading), &whole.0, KEPT);
     whole.0
 }
 

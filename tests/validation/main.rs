@@ -12,3 +12,8 @@ mod vertex_sampled;
 mod waves;
 
 voltet_testing::picture_tests!(crate::drawing::Tested);
+
+/// The same of projected cells, where rays would go from one to the other.
+mod by_cells {
+    voltet_testing::picture_tests!(crate::drawing::ByCells);
+}

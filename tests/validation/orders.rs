@@ -1,6 +1,6 @@
 //! Orders that are not exact, and looks that the engine integrates in 64 bits.
 
-use crate::drawing::{Tested, picture};
+use crate::drawing::{ByCells, Tested, picture};
 use voltet_core::progress::Silent;
 use voltet_core::shading::{Integrator, Order, Shading};
 use voltet_core::transfer::{OpticalModel, Profile, TransferFunction, Wave, Widget};
@@ -155,7 +155,9 @@ fn hidden_cells_are_left_out_where_order_matters() {
     let counts = |extinction| {
         let scene = scene(extinction);
         Tested.ordinary(&scene);
-        let cells = engine::cull(&scene.volume, &scene.look, &scene.camera, &Silent).unwrap();
+        ByCells.ordinary(&scene);
+        let mut cells = engine::cull(&scene.volume, &scene.look, &scene.camera, &Silent).unwrap();
+        cells.casts = false;
         engine::draw(&cells, &scene.look, &scene.camera, &SHADING, &Silent).unwrap().1
     };
     let (thin, dense) = (counts(2.0), counts(300.0));

@@ -228,7 +228,7 @@ fn values_lie_between_those_of_the_corners() {
 }
 
 /// Two overlapping widgets so dense that every segment waits until it is known to be seen: then lanes serve Gaussians, 64 bits a
-/// wave; what is hidden nobody. Lit or not, the picture is the referee's.
+/// wave; what is hidden nobody, and from cell to cell no ray comes to it. Lit or not, the picture is the referee's.
 #[test]
 fn what_is_dense_and_hidden_is_not_integrated() {
     let widget =
@@ -242,15 +242,18 @@ fn what_is_dense_and_hidden_is_not_integrated() {
     let light = Light { direction: DVec3::new(-1.0, 0.2, 0.3), ambient: 0.3, diffuse: 0.6 };
     for (first, in_lanes) in [(gaussian(0.2), true), (Profile::SineWave(bands), false)] {
         let look = look(vec![widget(first, [1.0, 0.1, 0.0]), widget(gaussian(0.7), [0.0, 0.3, 1.0])]);
-        let cells = cull(&cube, &look, &camera, &Silent).expect("culls");
-        for shading in [SHADING, Shading { light: Some(light), ..SHADING }] {
+        let mut cells = cull(&cube, &look, &camera, &Silent).expect("culls");
+        let lit = Shading { light: Some(light), ..SHADING };
+        for (shading, casts) in [(SHADING, false), (lit, false), (SHADING, true), (lit, true)] {
+            cells.casts = casts;
             let (picture, counts) = draw(&cells, &look, &camera, &shading, &Silent).expect("draws");
             let referee = Scene { shading, ..scene(cube.clone(), look.clone(), camera) };
             let exact = reference::draw(&referee, &Silent).expect("draws");
             let difference = largest_difference(&picture, &exact);
             assert!(difference < 1e-5, "off by {difference:e}");
             let pixels = 16 * 16;
-            assert!(counts.segments > 24 * pixels, "{} segments", counts.segments);
+            let goes_on = counts.segments > 24 * pixels;
+            assert_ne!(goes_on, casts, "{} segments", counts.segments);
             // The first cell of a ray is opaque; where it is crossed in a corner only, lanes serve it, and the second is.
             let wanted = if in_lanes { 0..=0 } else { pixels / 2..=2 * pixels };
             let exact_count = counts.segments_exact;

@@ -1,0 +1,144 @@
+//! Half-faces: each face of a cell that is drawn, as rays come in by it.
+
+use super::mesh::{Mesh, NONE, Side};
+use rayon::prelude::*;
+
+/// Cells of a chunk of work.
+const CHUNK: usize = 1 << 12;
+
+/// In place of a further half-face: there a ray leaves the cells; with the number of the half-face that it leaves by.
+pub(super) const OUT: u32 = 1 << 31;
+
+/// Most cells: their half-faces are numbered above [`TURN_BITS`] and below [`OUT`].
+pub(super) const CELLS_MOST: usize = 1 << (31 - TURN_BITS - 2);
+
+/// Low bits of a further half-face: how its corners are turned against those of this one.
+pub(super) const TURN_BITS: u32 = 2;
+
+/// The half-faces of the cells that are drawn, four a cell by the corner opposite.
+#[derive(Debug)]
+pub(crate) struct HalfFaces {
+    /// Of each half-face the corner opposite, then for each of its own three what a ray comes to that passes it on the other side,
+    /// through the face without it: number << [`TURN_BITS`] | turn, or [`OUT`] with the half-face that it leaves by. Bits in place
+    /// of floats. Behind the last one that leads to itself.
+    pub records: Vec<[f32; 4]>,
+    /// Those at the boundary of what is drawn, with their corners: these turn clockwise on the screen where rays come in.
+    pub boundary: Vec<Outer>,
+}
+
+/// A half-face at the boundary.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Outer {
+    pub half_face: u32,
+    pub corners: [u32; 3],
+}
+
+/// The corners of a cell's faces, by the corner opposite, in the order in which rays see them that come in: of a cell whose fourth corner
+/// lies on the positive side of the first three. Of another one the last two are exchanged. The first is the lowest.
+pub(super) const ORDER: [[usize; 3]; 4] = [[1, 3, 2], [0, 2, 3], [0, 3, 1], [0, 1, 2]];
+
+/// For each face and each of its corners, by side, as [`ORDER`] has them: how the corners of the face without it, where the fourth takes
+/// its place, are turned against their order on the other side, which begins with the lowest, too.
+const TURNS: [[[u32; 3]; 4]; 2] = {
+    let mut turns = [[[0; 3]; 4]; 2];
+    let mut face = 0;
+    while face < 4 {
+        let mut slot = 0;
+        while slot < 3 {
+            let [a, b, c] = ORDER[face];
+            let mut side = 0;
+            while side < 2 {
+                let mut now = if side == 0 { [a, b, c] } else { [a, c, b] };
+                now[slot] = face;
+                let first = if now[0] < now[1] && now[0] < now[2] {
+                    0
+                } else if now[1] < now[2] {
+                    1
+                } else {
+                    2
+                };
+                turns[side][face][slot] = (3 - first) % 3;
+                side += 1;
+            }
+            slot += 1;
+        }
+        face += 1;
+    }
+    turns
+};
+
+impl HalfFaces {
+    /// Of some cells of a grid, ascending.
+    pub fn new(mesh: &Mesh, tetrahedra: &[[u32; 4]], cells: &[u32]) -> HalfFaces {
+        let mut places = vec![NONE; tetrahedra.len()];
+        for (place, &cell) in cells.iter().enumerate() {
+            places[cell as usize] = place as u32;
+        }
+        let sink = 4 * cells.len() as u32;
+        let mut records: Vec<[f32; 4]> = bytemuck::zeroed_vec(sink as usize + 1);
+        let boundaries: Vec<Vec<Outer>> = records
+            .par_chunks_mut(4 * CHUNK)
+            .zip(cells.par_chunks(CHUNK))
+            .enumerate()
+            .map(|(chunk, (records, cells))| {
+                let mut boundary = Vec::new();
+                for (k, (&cell, records)) in cells.iter().zip(records.chunks_exact_mut(4)).enumerate() {
+                    let corners = &tetrahedra[cell as usize];
+                    let of_cell = OfCell { place: (chunk * CHUNK + k) as u32, cell: cell as usize, corners };
+                    of_cell.take(mesh, &places, records, &mut boundary);
+                }
+                boundary
+            })
+            .collect();
+        let to_itself = f32::from_bits(sink << TURN_BITS);
+        if let Some(last) = records.last_mut() {
+            *last = [f32::from_bits(0), to_itself, to_itself, to_itself];
+        }
+        HalfFaces { records, boundary: boundaries.concat() }
+    }
+
+    /// The number of that which leads to itself.
+    pub fn sink(&self) -> u32 {
+        self.records.len() as u32 - 1
+    }
+}
+
+/// A cell, and its place among those that are drawn.
+struct OfCell<'a> {
+    place: u32,
+    cell: usize,
+    corners: &'a [u32; 4],
+}
+
+impl OfCell<'_> {
+    fn take(&self, mesh: &Mesh, places: &[u32], records: &mut [[f32; 4]], boundary: &mut Vec<Outer>) {
+        let side = match mesh.sides[self.cell] {
+            Side::Positive => 0,
+            Side::Negative => 1,
+            // No ray comes in.
+            Side::Flat => return,
+        };
+        let order = ORDER.map(|[a, b, c]| if side == 0 { [a, b, c] } else { [a, c, b] });
+        let mut behind = [OUT; 4];
+        for (face, behind) in behind.iter_mut().enumerate() {
+            let there = mesh.neighbours[4 * self.cell + face];
+            let place = if there == NONE { NONE } else { places[there as usize / 4] };
+            if place == NONE {
+                let half_face = 4 * self.place + face as u32;
+                *behind = OUT | half_face;
+                boundary.push(Outer { half_face, corners: order[face].map(|k| self.corners[k]) });
+            } else {
+                *behind = (4 * place + there % 4) << TURN_BITS;
+            }
+        }
+        for (face, record) in records.iter_mut().enumerate() {
+            let mut words = [self.corners[face], 0, 0, 0];
+            for (slot, word) in words[1..].iter_mut().enumerate() {
+                // Out by the face that lacks this corner.
+                let next = behind[order[face][slot]];
+                *word = if next & OUT == 0 { next | TURNS[side][face][slot] } else { next };
+            }
+            *record = words.map(f32::from_bits);
+        }
+    }
+}

@@ -1,0 +1,150 @@
+//! Rays from cell to cell against cells that are projected, one by one.
+
+use std::sync::Arc;
+use voltet_core::Result;
+use voltet_core::camera::Camera;
+use voltet_core::picture::Picture;
+use voltet_core::progress::Silent;
+use voltet_core::shading::Order;
+use voltet_core::volume::Volume;
+use voltet_engine::{Cells, Counts, composite, cull, keep_all, project};
+use voltet_lanes::LaneSet;
+use voltet_testing::pictures::compare::{NamedScene, SHADING, within};
+use voltet_testing::pictures::grids::{cube, moved, part, smooth, together, two_arms, with_flat_layer};
+use voltet_testing::pictures::looks::{
+    gaussian, look, orthographic, outside, overlapping, perspective, ramp,
+};
+
+/// What 32 bits leave of a segment's length, in both ways.
+const ROUNDING: f64 = 1e-5;
+
+/// The picture, its counts, and whether its cells were projected.
+fn drawn(scene: &NamedScene, set: impl Fn(&mut Cells)) -> (Picture, Counts, bool) {
+    let draw = || -> Result<(Picture, Counts, bool)> {
+        let mut cells = cull(&scene.volume, &scene.look, &scene.camera, &Silent)?;
+        set(&mut cells);
+        let projection = project(&cells, &scene.look, &scene.camera, false, &Silent)?;
+        let (picture, counts) = composite(&projection, &scene.look, &SHADING, &Silent)?;
+        Ok((picture, counts, projection.cells_projected().is_some()))
+    };
+    draw().unwrap_or_else(|e| panic!("{}: {e}", scene.name))
+}
+
+/// Draws a scene in both ways on every lane set; the tiles that rays were lost in.
+fn lost(scene: &NamedScene) -> u64 {
+    let mut most = 0;
+    for lanes in LaneSet::ALL.into_iter().filter(|lanes| lanes.is_supported()) {
+        let (expected, by_cells, was_projected) =
+            drawn(scene, |cells| (cells.lanes, cells.casts) = (lanes, false));
+        assert!(was_projected, "{}", scene.name);
+        assert!(expected.rgba.iter().any(|p| p[3] > 0.1), "{} shows nothing", scene.name);
+        let (picture, counts, was_projected) = drawn(scene, |cells| cells.lanes = lanes);
+        let name = format!("{} on {}", scene.name, lanes.name());
+        assert!(!was_projected, "{name}: projected");
+        within(&name, &picture, &expected, ROUNDING);
+        // Cells whose faces and edges a ray lies in count here or there.
+        let apart = counts.segments.abs_diff(by_cells.segments);
+        assert!(
+            apart <= by_cells.segments / 20 + 8,
+            "{name}: {} segments for {}",
+            counts.segments,
+            by_cells.segments
+        );
+        most = most.max(counts.tiles_lost);
+    }
+    most
+}
+
+/// Scenes of a volume with two kinds of widgets.
+fn scenes(name: &str, volume: &Arc<Volume>, cameras: &[(&str, Camera)]) -> Vec<NamedScene> {
+    let looks = [("ramp", ramp()), ("overlap", overlapping())];
+    let of = |(place, camera): &(&str, Camera)| {
+        looks.clone().map(|(kind, look)| NamedScene {
+            name: format!("{name}, {place}, {kind}"),
+            volume: volume.clone(),
+            look,
+            camera: *camera,
+        })
+    };
+    cameras.iter().flat_map(of).collect()
+}
+
+fn cameras() -> [(&'static str, Camera); 4] {
+    [
+        ("outside", outside([50, 40])),
+        ("oblique", orthographic([3.0, -2.0, 2.5], [0.5, 0.5, 0.5], 1.9, [40, 50])),
+        // Rays in faces and edges: pixels of 1/16, points at multiples of 1/4.
+        ("along an axis", orthographic([-2.0, 0.5, 0.5], [0.5, 0.5, 0.5], 2.0, [32, 32])),
+        ("along a diagonal", orthographic([-2.0, -2.0, 0.5], [0.5, 0.5, 0.5], 2.0, [32, 32])),
+    ]
+}
+
+#[test]
+fn rays_from_cell_to_cell_see_what_cells_show() {
+    let arms = smooth(two_arms());
+    let flat = smooth(with_flat_layer(1e-6));
+    let grids = [("jittered", smooth(cube([4, 4, 4], 0.2))), ("regular", smooth(cube([4, 4, 4], 0.0)))];
+    for (name, volume) in grids.iter().chain(&[("two arms", arms), ("a flat layer", flat)]) {
+        for scene in scenes(name, volume, &cameras()) {
+            assert_eq!(lost(&scene), 0, "{}", scene.name);
+        }
+    }
+}
+
+#[test]
+fn parts_that_are_apart_are_passed_one_after_another() {
+    let near = cube([3, 3, 3], 0.1);
+    let far = moved(&near, |p| p + glam::DVec3::new(0.2, 0.1, 1.5));
+    let camera = perspective([0.4, 0.45, -3.0], [0.5, 0.5, 1.0], 30.0, [48, 48]);
+    for scene in scenes("two cubes", &smooth(together(&[near, far])), &[("in a row", camera)]) {
+        assert_eq!(lost(&scene), 0, "{}", scene.name);
+    }
+}
+
+#[test]
+fn tiles_where_cells_overlap_are_drawn_from_their_cells() {
+    let one = cube([3, 3, 3], 0.1);
+    let other = moved(&one, |p| 0.7 * p + glam::DVec3::new(0.6, 0.4, 0.3));
+    // Each folded over its neighbour: on one side of the faces that they share.
+    let folded = moved(&cube([4, 4, 4], 0.0), |p| glam::DVec3::new(p.x + 0.3 * (9.0 * p.x).sin(), p.y, p.z));
+    for (name, grid) in [("one in the other", together(&[one, other])), ("folded", folded)] {
+        for scene in scenes(name, &smooth(grid), &[("outside", outside([50, 40]))]) {
+            assert!(lost(&scene) > 0, "{}: no ray was lost", scene.name);
+        }
+    }
+}
+
+#[test]
+fn cells_that_are_not_drawn_are_a_boundary() -> Result<()> {
+    let volume = smooth(part(&cube([9, 9, 9], 0.2), |p| (p - 0.5).length() > 0.25));
+    let bands = [(0.6, [0.9, 0.4, 0.1]), (0.64, [0.2, 0.5, 0.8])]
+        .map(|(centre, color)| gaussian([centre, 0.8], [0.01, 5.0], 40.0, color));
+    let scene = NamedScene {
+        name: "two bands".into(),
+        volume,
+        look: look(bands.to_vec()),
+        camera: outside([60, 60]),
+    };
+    assert_eq!(lost(&scene), 0);
+    let kept = cull(&scene.volume, &scene.look, &scene.camera, &Silent)?.kept.len();
+    assert!(kept < scene.volume.grid.tetrahedra.len(), "every cell is drawn");
+    Ok(())
+}
+
+#[test]
+fn what_rays_do_not_serve_is_projected() -> Result<()> {
+    let volume = smooth(cube([4, 4, 4], 0.2));
+    let inside = perspective([0.43, 0.37, 0.52], [0.9, 0.8, 0.45], 70.0, [40, 30]);
+    let tiny = outside([3, 3]);
+    for (name, camera) in [("the eye inside", inside), ("cells under a pixel", tiny)] {
+        let scene = NamedScene { name: name.into(), volume: volume.clone(), look: ramp(), camera };
+        assert!(drawn(&scene, |_| {}).2, "{name}");
+    }
+    let scene = NamedScene { name: String::new(), volume, look: ramp(), camera: outside([40, 30]) };
+    assert!(!drawn(&scene, |_| {}).2);
+    assert!(drawn(&scene, |cells| cells.order = Order::None).2, "without order");
+    let all = keep_all(&scene.volume, &scene.look, &scene.camera)?;
+    let projection = project(&all, &scene.look, &scene.camera, false, &Silent)?;
+    assert!(projection.cells_projected().is_none(), "with nothing left out");
+    Ok(())
+}
