@@ -5,6 +5,7 @@ use super::half_faces::OUT;
 use super::sides::{At, clockwise, turn};
 use crate::fragments::batch::LANES_MOST;
 use crate::project::record::TILE;
+use crate::shade::along::lanes_of;
 use voltet_lanes::{Float, Kernel, LaneSet, Lanes, Mask, Unsigned, array, dispatch, inlined};
 
 const PIXELS: usize = TILE * TILE;
@@ -129,31 +130,31 @@ impl Kernel for Find<'_> {
                     let (side_0, side_1, side_2) = clockwise::<L>(turns, edges);
                     let meant = u32::MAX >> (32 - L::WIDTH.min(size[0] - half));
                     let mut in_by = side_0.and(side_1).and(side_2).bits() & meant;
-                    let mut out_by = !side_0.or(side_1).or(side_2).bits() & meant;
+                    let out_by = side_0.or(side_1).or(side_2).not();
                     let first = row * TILE + half;
-                    while out_by != 0 {
-                        let pixel = first + out_by.trailing_zeros() as usize;
-                        leaving[pixel] = leaving[pixel].wrapping_add(OUT | outer.half_face);
-                        out_by &= out_by - 1;
+                    if out_by.bits() & meant != 0 {
+                        let of_half = &mut leaving[first..];
+                        let (sum, more) = (L::U::load(of_half), L::U::splat(OUT | outer.half_face));
+                        let out_by = lanes_of::<L>(out_by.bits() & meant);
+                        L::U::select(out_by, sum + more, sum).store(of_half);
                     }
                     if in_by == 0 {
                         continue;
                     }
-                    // Of corners 1, 2 and 0.
-                    let total = turns[0] + turns[1] + turns[2];
-                    let depth = inlined(
+                    // Each corner's weight is the turn of the other two. From the nearest corner, so that nothing is less than 0.
+                    let total = (turns[0] + turns[1] + turns[2]).max(L::F::splat(f32::MIN_POSITIVE));
+                    let nearest = corners[0][2].min(corners[1][2]).min(corners[2][2]);
+                    let farther = inlined(
                         #[inline(always)]
-                        |k: usize| L::F::splat(corners[k][2].wrapping_sub(corners[0][2]) as i32 as f32),
+                        |k: usize| L::F::splat((corners[k][2] - nearest) as f32),
                     );
-                    let above = (turns[2].mul_add(depth(1), turns[0] * depth(2))) / total;
-                    let mut steps = [0f32; LANES_MOST];
-                    above.store(&mut steps);
+                    let above =
+                        turns[1].mul_add(farther(0), turns[2].mul_add(farther(1), turns[0] * farther(2)));
+                    let mut depths = [0; LANES_MOST];
+                    (L::U::splat(nearest) + (above / total).to_unsigned()).store(&mut depths);
                     while in_by != 0 {
                         let lane = in_by.trailing_zeros() as usize;
-                        // A cast saturates, and of what is no number makes 0.
-                        let depth = (i64::from(corners[0][2]) + steps[lane] as i64)
-                            .clamp(0, i64::from(u32::MAX >> 1));
-                        found.push(((first + lane) as u8, Entry { depth: depth as u32, outer: number }));
+                        found.push(((first + lane) as u8, Entry { depth: depths[lane], outer: number }));
                         in_by &= in_by - 1;
                     }
                 }
