@@ -1,7 +1,7 @@
 //! The stages end to end: project, composite, and the one-call form.
 
 use crate::attribute::{Attribute, attributes_of, gradient_attributes};
-use crate::cast::segments_least;
+use crate::cast::Limits;
 use crate::cells::{Cells, Counts};
 use crate::composite::hides::Hides;
 use crate::composite::sinks::{OPAQUE_DEPTH, TilePicture};
@@ -32,9 +32,9 @@ pub struct Projection {
     camera: Camera,
     /// Of the first samples of a pixel, at least one; further ones are made when they are composited.
     samples: Vec<Sample>,
-    /// See [`densest`] and [`segments_least`].
+    /// See [`densest`].
     densest: f64,
-    segments_least: f64,
+    limits: Limits,
 }
 
 impl Projection {
@@ -61,7 +61,7 @@ impl Projection {
         progress: &dyn Progress,
     ) -> Result<Sample> {
         let count = self.samples.first().map_or(attributes.len(), |first| first.attribute_count);
-        let limits = [self.densest, self.segments_least];
+        let limits = (self.densest, self.limits);
         Sample::new(&self.cells, &self.camera, offset, &attributes[..count], limits, progress)
     }
 }
@@ -92,13 +92,13 @@ pub fn project(
     let bytes = bytes.saturating_mul(held as u64);
     refuse_beyond_memory(progress, || format!("drawing {kept} cells"), bytes)?;
     let densest = densest(transfer_function, cells.length).max(cells.densest_least);
-    let segments_least = segments_least(transfer_function);
+    let limits = Limits::of(transfer_function);
     let mut samples = Vec::with_capacity(held);
     for (k, &offset) in offsets.iter().take(held).enumerate() {
         progress.report("project", k as f64 / held as f64);
-        samples.push(Sample::new(cells, camera, offset, &attributes, [densest, segments_least], progress)?);
+        samples.push(Sample::new(cells, camera, offset, &attributes, (densest, limits), progress)?);
     }
-    Ok(Projection { cells: cells.clone(), camera: *camera, samples, densest, segments_least })
+    Ok(Projection { cells: cells.clone(), camera: *camera, samples, densest, limits })
 }
 
 /// The largest optical depth, or colour, that all widgets together give over a scene length of so many world units.

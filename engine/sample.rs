@@ -1,7 +1,7 @@
 //! A frame ready for the compositor: the projection of one sample of every pixel, and how segments are shaded.
 
 use crate::attribute::Attribute;
-use crate::cast::Cast;
+use crate::cast::{Cast, Limits};
 use crate::cells::Cells;
 use crate::fragments::batch::Batch;
 use crate::fragments::ends::Ends;
@@ -93,14 +93,13 @@ pub(crate) struct Frame<'a> {
 }
 
 impl Sample {
-    /// Projects the kept cells, or casts rays through them where these have so many segments of a cell at least. `densest`: see
-    /// [`Input::densest`].
+    /// Projects the kept cells, or casts rays through them where the limits are kept. `densest`: see [`Input::densest`].
     pub fn new(
         cells: &Cells,
         camera: &Camera,
         offset: [f64; 2],
         attributes: &[Attribute<'_>],
-        [densest, segments_least]: [f64; 2],
+        (densest, limits): (f64, Limits),
         progress: &dyn Progress,
     ) -> Result<Sample> {
         let grid = &cells.volume.grid;
@@ -123,7 +122,7 @@ impl Sample {
         };
 
         let (kept, lanes) = (cells.kept.as_slice(), cells.lanes);
-        let cast = Cast::of(cells, &view, &seen, attributes, [densest, segments_least]);
+        let cast = Cast::of(cells, &view, &seen, attributes, densest, limits);
         let projected = if let Some(cast) = cast {
             Projected::Cast(cast)
         } else if kept.len() > cells.most_at_once {

@@ -55,12 +55,24 @@ use voltet_core::transfer::TransferFunction;
 /// Attributes that rays carry along: s, g and the components of ∇s.
 pub(crate) const CARRIED_MOST: usize = 5;
 
-/// Segments of a cell at least, on average: below that it is projected sooner. Without order, and so without lists, that pays longer.
-const SEGMENTS_LEAST: f64 = 4.0;
-const SEGMENTS_LEAST_UNORDERED: f64 = 16.0;
+/// From which cells on rays go from one to the other.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Limits {
+    /// Segments of a cell at least, on average.
+    segments_least: f64,
+    /// Faces at the boundary by cells, at most.
+    boundary_most: f64,
+}
 
-/// Faces at the boundary by cells, at most.
-const BOUNDARY_MOST: f64 = 1.0;
+impl Limits {
+    /// Of a scene; without order, and so without lists, projecting cells pays longer.
+    pub fn of(transfer_function: &TransferFunction) -> Limits {
+        match transfer_function.one_color() {
+            None => Limits { segments_least: 4.0, boundary_most: 1.0 },
+            Some(_) => Limits { segments_least: 24.0, boundary_most: 0.2 },
+        }
+    }
+}
 
 /// Cells at most.
 pub(crate) const CELLS_MOST: usize = 1 << 22;
@@ -74,11 +86,6 @@ const SAMPLED: usize = 4096;
 /// Optical depth over the longest thin cell, at the densest place, at most: rounding moves a face by some 1e-7 of the cell's reach.
 const DENSEST: f64 = 4e3;
 
-/// See [`SEGMENTS_LEAST`].
-pub(crate) fn segments_least(transfer_function: &TransferFunction) -> f64 {
-    if transfer_function.one_color().is_some() { SEGMENTS_LEAST_UNORDERED } else { SEGMENTS_LEAST }
-}
-
 /// A picture's rays.
 #[derive(Debug)]
 pub(crate) struct Cast {
@@ -89,14 +96,15 @@ pub(crate) struct Cast {
 
 impl Cast {
     /// Rays through the cells of a picture. `None` where cells are drawn otherwise: another order is asked for, or that they be
-    /// projected; points lie behind the eye or far deeper than others; attributes are many; cells have fewer segments than
-    /// `segments_least` on average, many of their faces are at the boundary, or thin ones are dense.
+    /// projected; points lie behind the eye or far deeper than others; attributes are many; cells are beyond the `limits`, or thin ones are
+    /// dense.
     pub fn of(
         cells: &Cells,
         view: &View,
         seen: &[Seen],
         attributes: &[Attribute<'_>],
-        [densest, segments_least]: [f64; 2],
+        densest: f64,
+        limits: Limits,
     ) -> Option<Cast> {
         let faces = cells.faces.as_ref()?;
         let drawn = faces.drawn();
@@ -106,14 +114,14 @@ impl Cast {
             && !drawn.is_empty()
             && drawn.len() <= CELLS_MOST.min(half_faces::CELLS_MOST);
         let tetrahedra = &cells.volume.grid.tetrahedra;
-        if !serves || covered(seen, tetrahedra, &cells.kept) < segments_least * drawn.len() as f64 {
+        if !serves || covered(seen, tetrahedra, &cells.kept) < limits.segments_least * drawn.len() as f64 {
             return None;
         }
         let (mesh, half_faces) = faces.of(&cells.volume.grid);
         let [longest, longest_thin] = mesh.longest.map(|longest| longest / cells.length);
         let points = Points::new(view, seen, longest, attributes)?;
         let is_dense = DENSEST < densest * longest_thin;
-        if is_dense || BOUNDARY_MOST * (drawn.len() as f64) < half_faces.boundary.len() as f64 {
+        if is_dense || limits.boundary_most * (drawn.len() as f64) < half_faces.boundary.len() as f64 {
             return None;
         }
         let boundary = Boundary::new(seen, &half_faces, view.size);
