@@ -10,7 +10,7 @@ use crate::project::area::Area;
 use crate::project::cell64::{Cell64, Crossing64};
 use crate::project::part::Input;
 use crate::project::record::{AttributeRecord, Record, TILE};
-use crate::project::tiles::{Tiles, prefetch};
+use crate::project::tiles::Tiles;
 use crate::project::windows::{Window, Windows};
 use crate::shade::shader::Shader;
 use crate::spare::Spare;
@@ -21,6 +21,7 @@ use voltet_core::camera::Camera;
 use voltet_core::grid::Grid;
 use voltet_core::progress::Progress;
 use voltet_core::{Error, Result};
+use voltet_lanes::prefetch;
 
 /// Windows that hold as many cells as are projected at once.
 const WINDOWS_AT_ONCE: usize = 8;
@@ -161,16 +162,7 @@ impl Sample {
     /// Errors: those of [`Tiles::fill_on_all`].
     pub fn by_cells(&self, cells: &Cells, attributes: &[Attribute<'_>], tiles: &[u32]) -> Result<Sample> {
         let grid = &cells.volume.grid;
-        let area = Area::around(self.view.size, tiles);
-        let input = Input {
-            view: &self.view,
-            seen: &self.seen,
-            tetrahedra: &grid.tetrahedra,
-            attributes,
-            distance_origin: self.distance_origin,
-            densest: self.densest,
-            area,
-        };
+        let input = self.input(grid, attributes, Area::around(self.view.size, tiles));
         let mut projected = self.spare.tiles.take();
         projected.fill_on_all(&input, self.lanes, &grid.points, &cells.kept)?;
         Ok(Sample {
@@ -179,6 +171,19 @@ impl Sample {
             projected: Projected::Whole(projected),
             ..*self
         })
+    }
+
+    /// What projects cells for an area of the picture.
+    fn input<'a>(&'a self, grid: &'a Grid, attributes: &'a [Attribute<'a>], area: Area) -> Input<'a> {
+        Input {
+            view: &self.view,
+            seen: &self.seen,
+            tetrahedra: &grid.tetrahedra,
+            attributes,
+            distance_origin: self.distance_origin,
+            densest: self.densest,
+            area,
+        }
     }
 
     /// Records, and cells drawn in 64 bits; cells that cover a pixel centre, where they are not projected yet; none where rays go from
@@ -252,15 +257,8 @@ impl<'a> Frame<'a> {
     ///
     /// Errors: those of [`Tiles::fill`].
     pub fn project(&self, window: &Window, tiles: &mut Tiles) -> Result<()> {
-        let input = Input {
-            view: &self.view,
-            seen: &self.sample.seen,
-            tetrahedra: &self.grid.tetrahedra,
-            attributes: &self.attributes[..self.attribute_count],
-            distance_origin: self.distance_origin,
-            densest: self.sample.densest,
-            area: window.area,
-        };
+        let attributes = &self.attributes[..self.attribute_count];
+        let input = self.sample.input(self.grid, attributes, window.area);
         tiles.fill(&input, self.lanes, &self.grid.points, &window.pieces)
     }
 

@@ -1,8 +1,9 @@
-//! Memory that a frame leaves to the next one: pages that nobody has touched yet cost as much as projecting a cell does.
+//! What a frame leaves to the next one: what was found out, and memory, since pages that nobody has touched yet cost as much as
+//! projecting a cell does.
 
 use crate::composite::lists::Lists;
 use crate::project::tiles::Tiles;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// What lies there to be used again.
 #[derive(Debug, Default)]
@@ -35,4 +36,19 @@ impl<T: Default> Shelf<T> {
         // A thing is whole in a list whatever panicked elsewhere.
         act(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner))
     }
+}
+
+/// What is kept if it is right, else made anew and kept instead. Nobody waits for another who makes it.
+pub(crate) fn kept<T>(
+    place: &Mutex<Option<Arc<T>>>,
+    is_right: impl Fn(&T) -> bool,
+    make: impl FnOnce() -> T,
+) -> Arc<T> {
+    let there = place.lock().unwrap_or_else(PoisonError::into_inner).clone();
+    if let Some(there) = there.filter(|there| is_right(there)) {
+        return there;
+    }
+    let made = Arc::new(make());
+    *place.lock().unwrap_or_else(PoisonError::into_inner) = Some(made.clone());
+    made
 }

@@ -155,16 +155,6 @@ impl Float for F {
         turned([side(0), side(1), side(2), side(3)]).map(F)
     }
     #[inline(always)]
-    fn prefetch_parts(values: &[[f32; 4]], index: U) {
-        let mut places = [0; 8];
-        index.store(&mut places);
-        for place in places {
-            let at: *const i8 = values.as_ptr().wrapping_add(place as usize).cast();
-            // SAFETY: a prefetch reads nothing; any address is allowed. For the processor see the crate's head.
-            unsafe { _mm_prefetch::<_MM_HINT_T0>(at) };
-        }
-    }
-    #[inline(always)]
     fn scatter_parts<const N: usize>(fours: [[F; 4]; N], values: &mut [[[f32; 4]; N]], index: U) {
         let mut places = [0; 8];
         inside::<Avx2>(index, values.len()).store(&mut places);

@@ -191,10 +191,6 @@ impl<L: Lanes> Float for F<L> {
         [F(a), F(b), F(c), F(d)]
     }
     #[inline(always)]
-    fn prefetch_parts(values: &[[f32; 4]], index: U<L>) {
-        L::F::prefetch_parts(values, index.0);
-    }
-    #[inline(always)]
     fn scatter_parts<const N: usize>(fours: [[Self; 4]; N], values: &mut [[[f32; 4]; N]], index: U<L>) {
         let fours = array(
             #[inline(always)]

@@ -230,8 +230,6 @@ impl Float for F {
         [F([a, e]), F([b, f]), F([c, g]), F([d, h])]
     }
     #[inline(always)]
-    fn prefetch_parts(_: &[[f32; 4]], _: U) {}
-    #[inline(always)]
     fn scatter_parts<const N: usize>(fours: [[F; 4]; N], values: &mut [[[f32; 4]; N]], index: U) {
         let mut places = [0; WIDTH];
         inside::<Neon>(index, values.len()).store(&mut places);

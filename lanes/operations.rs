@@ -7,6 +7,9 @@ pub(super) mod sealed {
     pub trait Sealed {}
 }
 
+/// Lanes of the widest set.
+const WIDTH_MOST: usize = 16;
+
 /// A set of vector lanes.
 pub trait Lanes: sealed::Sealed + Copy + Send + Sync + 'static {
     /// Number of lanes.
@@ -103,7 +106,14 @@ pub trait Float:
     /// Lane i of part c is `values[index[i]][c]`; indices as for [`Float::gather`], of at most 2²⁸ values.
     fn gather_parts(values: &[[f32; 4]], index: <Self::Lanes as Lanes>::U) -> [Self; 4];
     /// Asks for the cache lines of `values[index[i]]` before they are gathered; of an index past the end for none that matters.
-    fn prefetch_parts(values: &[[f32; 4]], index: <Self::Lanes as Lanes>::U);
+    #[inline(always)]
+    fn prefetch_parts(values: &[[f32; 4]], index: <Self::Lanes as Lanes>::U) {
+        let mut places = [0; WIDTH_MOST];
+        index.store(&mut places);
+        for &place in &places[..<Self::Lanes as Lanes>::WIDTH] {
+            prefetch(values.as_ptr().wrapping_add(place as usize));
+        }
+    }
     /// `values[index[i]][n][c]` becomes lane i of part c of four n; indices as for [`Float::gather`]. Of lanes with one index any
     /// may win.
     fn scatter_parts<const N: usize>(
@@ -184,6 +194,19 @@ pub(super) fn inside<L: Lanes>(index: L::U, length: usize) -> L::U {
 pub(super) fn parts_inside<L: Lanes>(index: L::U, values: &[[f32; 4]]) -> L::U {
     assert!(values.len() <= 1 << 28, "a gather from {} fours", values.len());
     inside::<L>(index, values.len())
+}
+
+/// Asks for a cache line before it is needed.
+#[inline(always)]
+pub fn prefetch<T>(at: *const T) {
+    #[cfg(target_arch = "x86_64")]
+    {
+        use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+        // SAFETY: a prefetch reads nothing; any address is allowed.
+        unsafe { _mm_prefetch::<_MM_HINT_T0>(at.cast()) };
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = at;
 }
 
 /// Takes a closure marked `#[inline(always)]` (the attribute is allowed on an argument, not on the value of a

@@ -209,8 +209,6 @@ impl Float for F {
         )
     }
     #[inline(always)]
-    fn prefetch_parts(_: &[[f32; 4]], _: U) {}
-    #[inline(always)]
     fn scatter_parts<const N: usize>(fours: [[F; 4]; N], values: &mut [[[f32; 4]; N]], index: U) {
         let mut places = [0; 4];
         inside::<Portable>(index, values.len()).store(&mut places);

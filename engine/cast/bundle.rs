@@ -16,7 +16,7 @@ use voltet_lanes::{Float, Kernel, Lanes, dispatch};
 const OVERLAP: u32 = 1 << 11;
 
 /// Cells that a ray may pass: more are a circle.
-const CELLS_MOST: usize = 1 << 17;
+const PASSED_MOST: usize = 1 << 17;
 
 /// Side of a bundle in pixels.
 const SIDE: usize = 4;
@@ -144,7 +144,7 @@ pub(crate) fn next(frame: &Frame<'_>, bundles: &mut [Bundle<'_>; 2], batches: [&
     let mut live = false;
     for bundle in bundles.iter_mut().filter(|bundle| bundle.live != 0) {
         bundle.slices += SLICES;
-        bundle.is_lost |= CELLS_MOST < bundle.slices;
+        bundle.is_lost |= PASSED_MOST < bundle.slices;
         live = true;
     }
     if !live || bundles.iter().any(|bundle| bundle.is_lost) {

@@ -1,7 +1,9 @@
 //! Half-faces: each face of a cell that is drawn, as rays come in by it.
 
+use super::CELLS_MOST;
 use super::mesh::{Mesh, NONE, Side};
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// Cells of a chunk of work.
 const CHUNK: usize = 1 << 12;
@@ -9,8 +11,8 @@ const CHUNK: usize = 1 << 12;
 /// In place of a further half-face: there a ray leaves the cells; with the number of the half-face that it leaves by.
 pub(super) const OUT: u32 = 1 << 31;
 
-/// Most cells: their half-faces are numbered above [`TURN_BITS`] and below [`OUT`].
-pub(super) const CELLS_MOST: usize = 1 << (31 - TURN_BITS - 2);
+// Half-faces are numbered above `TURN_BITS` and below `OUT`.
+const _: () = assert!(CELLS_MOST <= 1 << (31 - TURN_BITS - 2));
 
 /// Low bits of a further half-face: how its corners are turned against those of this one.
 pub(super) const TURN_BITS: u32 = 2;
@@ -24,6 +26,8 @@ pub(crate) struct HalfFaces {
     pub records: Vec<[f32; 4]>,
     /// Those at the boundary of what is drawn, with their corners: these turn clockwise on the screen where rays come in.
     pub boundary: Vec<Outer>,
+    /// The cells.
+    pub cells: Arc<Vec<u32>>,
 }
 
 /// A half-face at the boundary.
@@ -69,7 +73,7 @@ const TURNS: [[[u32; 3]; 4]; 2] = {
 
 impl HalfFaces {
     /// Of some cells of a grid, ascending.
-    pub fn new(mesh: &Mesh, tetrahedra: &[[u32; 4]], cells: &[u32]) -> HalfFaces {
+    pub fn new(mesh: &Mesh, tetrahedra: &[[u32; 4]], cells: &Arc<Vec<u32>>) -> HalfFaces {
         let mut places = vec![NONE; tetrahedra.len()];
         for (place, &cell) in cells.iter().enumerate() {
             places[cell as usize] = place as u32;
@@ -94,7 +98,7 @@ impl HalfFaces {
         if let Some(last) = records.last_mut() {
             *last = [f32::from_bits(0), to_itself, to_itself, to_itself];
         }
-        HalfFaces { records, boundary: boundaries.concat() }
+        HalfFaces { records, boundary: boundaries.concat(), cells: cells.clone() }
     }
 
     /// The number of that which leads to itself.

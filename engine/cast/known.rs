@@ -2,7 +2,8 @@
 
 use super::half_faces::HalfFaces;
 use super::mesh::Mesh;
-use std::sync::{Arc, Mutex, PoisonError};
+use crate::spare::kept;
+use std::sync::{Arc, Mutex};
 use voltet_core::grid::Grid;
 
 /// What is known of a volume's faces, and of the cells that are drawn now.
@@ -16,11 +17,8 @@ pub(crate) struct KnownFaces {
 #[derive(Debug, Default)]
 struct Kept {
     mesh: Mutex<Option<Arc<Mesh>>>,
-    half_faces: Mutex<Option<OfCells>>,
+    half_faces: Mutex<Option<Arc<HalfFaces>>>,
 }
-
-/// Half-faces, and the cells that they are of.
-type OfCells = (Arc<Vec<u32>>, Arc<HalfFaces>);
 
 impl KnownFaces {
     /// Nothing yet, and no cell.
@@ -37,29 +35,18 @@ impl KnownFaces {
         &self.drawn
     }
 
-    /// Faces of the volume and of the cells, found if they are not known.
-    pub fn of(&self, grid: &Grid) -> (Arc<Mesh>, Arc<HalfFaces>) {
-        let mesh = kept(&self.kept.mesh, |_| true, || Arc::new(Mesh::new(grid)));
+    /// Faces of the volume, found if they are not known.
+    pub fn mesh(&self, grid: &Grid) -> Arc<Mesh> {
+        kept(&self.kept.mesh, |_| true, || Mesh::new(grid))
+    }
+
+    /// The same of the cells that are drawn.
+    pub fn half_faces(&self, mesh: &Mesh, grid: &Grid) -> Arc<HalfFaces> {
         let all = grid.tetrahedra.len();
-        let is_ours = |(cells, _): &OfCells| {
+        let is_ours = |half_faces: &HalfFaces| {
+            let cells = &half_faces.cells;
             Arc::ptr_eq(cells, &self.drawn) || (cells.len() == all && self.drawn.len() == all)
         };
-        let make = || {
-            let half_faces = HalfFaces::new(&mesh, &grid.tetrahedra, &self.drawn);
-            (self.drawn.clone(), Arc::new(half_faces))
-        };
-        let (_, half_faces) = kept(&self.kept.half_faces, is_ours, make);
-        (mesh, half_faces)
+        kept(&self.kept.half_faces, is_ours, || HalfFaces::new(mesh, &grid.tetrahedra, &self.drawn))
     }
-}
-
-/// What is kept if it is right, else made anew and kept instead. Nobody waits for another who makes it.
-fn kept<T: Clone>(place: &Mutex<Option<T>>, is_right: impl Fn(&T) -> bool, make: impl FnOnce() -> T) -> T {
-    let there = place.lock().unwrap_or_else(PoisonError::into_inner).clone();
-    if let Some(there) = there.filter(|there| is_right(there)) {
-        return there;
-    }
-    let made = make();
-    *place.lock().unwrap_or_else(PoisonError::into_inner) = Some(made.clone());
-    made
 }

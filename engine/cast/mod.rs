@@ -3,9 +3,9 @@
 //! What a ray comes to next follows from the face that it leaves by (Garrity 1990; Bunyk, Kaufman and Silva 1997): nothing is
 //! projected cell by cell, covered, put in lists or in order, and what is hidden is not looked at. The rays of 4 × 4 pixels go side
 //! by side, a lane each. In a cell the three corners of the face that a ray came in by are at hand; the fourth is looked up, and on which
-//! sides of the lines from it to the three the ray passes says by which face it goes out. These sides are found from one product of
-//! coordinates each, which is the same, bit for bit, in all cells that share the edge, and a ray that meets an edge is moved right and,
-//! by less, down: so a ray that comes in goes out by exactly one face.
+//! sides of the lines from it to the three the ray passes says by which face it goes out. These sides are the same in all
+//! cells that share the edge, and a ray that meets an edge is moved right and, by less, down: so a ray that comes in goes out by exactly
+//! one face.
 //!
 //! A place where a ray passes a face is the mean of its corners with weights that are not negative. So rounding moves a ray aside by some
 //! 1e-7 of a cell; it never extrapolates. Where one cell ends the next begins, by the same number.
@@ -47,7 +47,7 @@ use crate::cells::Cells;
 use crate::view::{Seen, View};
 use boundary::Boundary;
 use half_faces::HalfFaces;
-use points::Points;
+use points::{Points, Reach};
 use std::sync::Arc;
 use voltet_core::shading::Order;
 use voltet_core::transfer::TransferFunction;
@@ -112,18 +112,24 @@ impl Cast {
             && matches!(cells.order, Order::Exact | Order::Auto)
             && attributes.len() <= CARRIED_MOST
             && !drawn.is_empty()
-            && drawn.len() <= CELLS_MOST.min(half_faces::CELLS_MOST);
+            && drawn.len() <= CELLS_MOST;
         let tetrahedra = &cells.volume.grid.tetrahedra;
         if !serves || covered(seen, tetrahedra, &cells.kept) < limits.segments_least * drawn.len() as f64 {
             return None;
         }
-        let (mesh, half_faces) = faces.of(&cells.volume.grid);
+        // Faces are looked for last: of a volume that takes longer than a frame.
+        let reach = Reach::of(view, seen)?;
+        let grid = &cells.volume.grid;
+        let mesh = faces.mesh(grid);
         let [longest, longest_thin] = mesh.longest.map(|longest| longest / cells.length);
-        let points = Points::new(view, seen, longest, attributes)?;
-        let is_dense = DENSEST < densest * longest_thin;
-        if is_dense || limits.boundary_most * (drawn.len() as f64) < half_faces.boundary.len() as f64 {
+        if DENSEST < densest * longest_thin {
             return None;
         }
+        let half_faces = faces.half_faces(&mesh, grid);
+        if limits.boundary_most * (drawn.len() as f64) < half_faces.boundary.len() as f64 {
+            return None;
+        }
+        let points = Points::new(view, seen, &reach, longest, attributes)?;
         let boundary = Boundary::new(seen, &half_faces, view.size);
         Some(Cast { half_faces, points, boundary })
     }

@@ -34,22 +34,30 @@ pub(crate) struct Points {
     pub pixel: f32,
 }
 
-/// The largest |x| or |y|, and least and greatest depth.
-fn bounds(seen: &[Seen]) -> [f64; 3] {
-    let none = || [0.0, f64::INFINITY, f64::NEG_INFINITY];
-    let join = |a: [f64; 3], b: [f64; 3]| [a[0].max(b[0]), a[1].min(b[1]), a[2].max(b[2])];
-    let of = |s: &Seen| [s.x.abs().max(s.y.abs()), s.z, s.z];
-    seen.par_iter().with_min_len(CHUNK).map(of).reduce(none, join)
+/// How far points reach: the largest |x| or |y|, least and greatest depth.
+pub(super) struct Reach([f64; 3]);
+
+impl Reach {
+    /// `None` where rays do not see all of them well in front of the eye.
+    pub fn of(view: &View, seen: &[Seen]) -> Option<Reach> {
+        let none = || [0.0, f64::INFINITY, f64::NEG_INFINITY];
+        let join = |a: [f64; 3], b: [f64; 3]| [a[0].max(b[0]), a[1].min(b[1]), a[2].max(b[2])];
+        let of = |s: &Seen| [s.x.abs().max(s.y.abs()), s.z, s.z];
+        let reach @ [largest, near, far] = seen.par_iter().with_min_len(CHUNK).map(of).reduce(none, join);
+        let in_front = near > view.near && (!view.perspective || (near > 0.0 && far < DEEPEST * near));
+        (in_front && far.is_finite() && largest.is_finite()).then_some(Reach(reach))
+    }
 }
 
 impl Points {
-    /// `longest`: the longest edge of a cell, scene lengths. `None` where rays do not see all of them well in front of the eye.
-    pub fn new(view: &View, seen: &[Seen], longest: f64, attributes: &[Attribute<'_>]) -> Option<Points> {
-        let [largest, near, far] = bounds(seen);
-        let in_front = near > view.near && (!view.perspective || (near > 0.0 && far < DEEPEST * near));
-        if !in_front || !far.is_finite() || !largest.is_finite() {
-            return None;
-        }
+    /// `longest`: the longest edge of a cell, scene lengths. `None` where cells may be larger than whole steps reach.
+    pub fn new(
+        view: &View,
+        seen: &[Seen],
+        &Reach([largest, near, far]): &Reach,
+        longest: f64,
+        attributes: &[Attribute<'_>],
+    ) -> Option<Points> {
         // |x/z − x'/z'| ≤ (|x − x'| + |x'/z'| |z − z'|) / z, and a tile beside the cell.
         let (depth, slope) = if view.perspective { (near, largest * view.pixel) } else { (1.0, 0.0) };
         let reach = longest * (1.0 + 2.0 * slope) / (depth * view.pixel) + 2.0 * TILE as f64;

@@ -80,7 +80,6 @@ struct Here<L: Lanes, const N: usize> {
 }
 
 /// The corner of each cell that is not one of the face that the ray came in by.
-#[derive(Clone, Copy)]
 pub(super) struct Fourth<L: Lanes, const N: usize> {
     at: At<L>,
     depth: L::U,

@@ -7,10 +7,10 @@ use crate::attribute::attributes_of;
 use crate::cast::KnownFaces;
 use crate::cells::{Cells, MOST_AT_ONCE};
 use crate::kept::Views;
-use crate::spare::Spare;
+use crate::spare::{Spare, kept};
 use crate::view::{Seen, View};
 use rayon::prelude::*;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 use voltet_core::camera::Camera;
 use voltet_core::grid::extent;
 use voltet_core::progress::Progress;
@@ -233,17 +233,6 @@ impl Known {
         let of = |touched: &Touched| touched.is_of(asked, &fields);
         kept(&self.touched, of, || Touched::find(asked, &fields))
     }
-}
-
-/// What is kept if it is right, else made anew and kept instead. Nobody waits for another who makes it.
-fn kept<T>(place: &Mutex<Option<Arc<T>>>, is_right: impl Fn(&T) -> bool, make: impl FnOnce() -> T) -> Arc<T> {
-    let there = place.lock().unwrap_or_else(PoisonError::into_inner).clone();
-    if let Some(there) = there.filter(|there| is_right(there)) {
-        return there;
-    }
-    let made = Arc::new(make());
-    *place.lock().unwrap_or_else(PoisonError::into_inner) = Some(made.clone());
-    made
 }
 
 /// Those of a list, in its order.

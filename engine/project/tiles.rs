@@ -8,7 +8,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU32, Ordering};
 use voltet_core::{Error, Result};
-use voltet_lanes::LaneSet;
+use voltet_lanes::{LaneSet, prefetch};
 
 /// Bits of a record's number within its part; the part's number stands above.
 const INDEX_BITS: u32 = 24;
@@ -237,19 +237,6 @@ impl<'a> Place<'a> {
         prefetch(part.corners.as_ptr().wrapping_add(index));
         prefetch(part.attributes.as_ptr().wrapping_add(index * attribute_count));
     }
-}
-
-/// Asks for a cache line before it is needed.
-#[inline(always)]
-pub(crate) fn prefetch<T>(at: *const T) {
-    #[cfg(target_arch = "x86_64")]
-    {
-        use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
-        // SAFETY: a prefetch reads nothing; any address is allowed.
-        unsafe { _mm_prefetch::<_MM_HINT_T0>(at.cast()) };
-    }
-    #[cfg(not(target_arch = "x86_64"))]
-    let _ = at;
 }
 
 /// Numbers that several threads write, each at places of its own.
