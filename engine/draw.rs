@@ -314,16 +314,21 @@ impl Ready<'_> {
             let opaque = f64::from(OPAQUE_DEPTH) < sample.deepest;
             let hides = opaque && sorted && !cells.no_leave_out;
             let mut results = self.run(&frame, &work, hides && frame.cast.is_none(), progress)?;
-            let lost: Vec<u32> = results.iter().flat_map(|drawn| drawn.lost.iter().copied()).collect();
+            let mut lost: Vec<u32> = results.iter().flat_map(|drawn| drawn.lost.iter().copied()).collect();
+            lost.sort_unstable();
             let by_cells;
             if !lost.is_empty() {
                 by_cells = sample.by_cells(cells, &all[..sample.attribute_count], &lost)?;
-                let (tiles, _) = work_of(&by_cells, width, &none);
+                let (tiles, work) = work_of(&by_cells, width, &none);
+                let work = match work {
+                    Work::Tiles(_) => Work::Tiles(lost.clone()),
+                    windows @ Work::Windows(_) => windows,
+                };
                 let mut again =
                     Frame::new(&by_cells, tiles, &cells.volume.grid, &all, attributes.len(), shader, sorted);
-                again.ends = ends;
+                (again.ends, again.only) = (ends, Some(lost.as_slice()));
                 counts.tiles_lost += lost.len() as u64;
-                results.extend(self.run(&again, &Work::Tiles(lost), hides, progress)?);
+                results.extend(self.run(&again, &work, hides, progress)?);
             }
             let mut tiles: Vec<Option<&TilePicture>> = vec![None; frame.tiles_wide * height.div_ceil(TILE)];
             for Drawn { tiles: done, counts: worker, .. } in &results {

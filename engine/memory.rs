@@ -54,7 +54,8 @@ pub(crate) fn drawing_bytes_of(
     let by_cell = if cells <= of(CAST_MOST) {
         let fours = 1 + attributes.saturating_sub(1).div_ceil(4);
         let points = points.saturating_mul(fours).saturating_mul(of(size_of::<[f32; 4]>()));
-        by_cell.max(cells.saturating_mul(CAST_OF_CELL).saturating_add(points))
+        // Beside them projected cells for tiles where rays are lost.
+        by_cell.saturating_add(cells.saturating_mul(CAST_OF_CELL)).saturating_add(points)
     } else {
         by_cell
     };

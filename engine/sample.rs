@@ -85,12 +85,30 @@ pub(crate) struct Frame<'a> {
     pub whole: bool,
     /// Where the ray of every pixel ends, row by row: depth along the view direction, world units.
     pub ends: Option<&'a [f32]>,
+    /// The tiles of windows that are drawn, ascending; `None`: all.
+    pub only: Option<&'a [u32]>,
     sample: &'a Sample,
     /// Those of the picture, or of the window that is at hand.
     tiles: &'a Tiles,
     grid: &'a Grid,
     /// What widgets look at, then the gradient where it is looked at.
     attributes: &'a [Attribute<'a>],
+}
+
+impl Projected {
+    /// Projects the kept cells for an area, or tells them apart by windows of it.
+    ///
+    /// Errors: those of [`Tiles::fill_on_all`].
+    fn new(cells: &Cells, input: &Input<'_>) -> Result<Projected> {
+        let (kept, lanes, points) = (cells.kept.as_slice(), cells.lanes, &cells.volume.grid.points);
+        if cells.most_at_once < kept.len() {
+            let wished = cells_of_window(cells.most_at_once);
+            return Ok(Projected::InWindows(Windows::of(input, lanes, points, kept, wished)));
+        }
+        let mut tiles = cells.spare.tiles.take();
+        tiles.fill_on_all(input, lanes, points, kept)?;
+        Ok(Projected::Whole(tiles))
+    }
 }
 
 impl Sample {
@@ -122,17 +140,9 @@ impl Sample {
             area: Area::of_picture(view.size),
         };
 
-        let (kept, lanes) = (cells.kept.as_slice(), cells.lanes);
-        let cast = Cast::of(cells, &view, &seen, attributes, densest, limits);
-        let projected = if let Some(cast) = cast {
-            Projected::Cast(cast)
-        } else if kept.len() > cells.most_at_once {
-            let wished = cells_of_window(cells.most_at_once);
-            Projected::InWindows(Windows::of(&input, lanes, &grid.points, kept, wished))
-        } else {
-            let mut tiles = cells.spare.tiles.take();
-            tiles.fill_on_all(&input, lanes, &grid.points, kept)?;
-            Projected::Whole(tiles)
+        let projected = match Cast::of(cells, &view, &seen, attributes, densest, limits) {
+            Some(cast) => Projected::Cast(cast),
+            None => Projected::new(cells, &input)?,
         };
         if progress.cancelled() {
             return Err(Error::cancelled());
@@ -146,7 +156,7 @@ impl Sample {
         Ok(Sample {
             view,
             seen,
-            lanes,
+            lanes: cells.lanes,
             projected,
             spare: cells.spare.clone(),
             densest,
@@ -157,20 +167,17 @@ impl Sample {
         })
     }
 
-    /// The same view with cells projected for some tiles, where rays do not serve.
+    /// The same view with cells projected for some tiles, where rays do not serve: as many at once as without rays.
     ///
     /// Errors: those of [`Tiles::fill_on_all`].
     pub fn by_cells(&self, cells: &Cells, attributes: &[Attribute<'_>], tiles: &[u32]) -> Result<Sample> {
         let grid = &cells.volume.grid;
         let input = self.input(grid, attributes, Area::around(self.view.size, tiles));
-        let mut projected = self.spare.tiles.take();
-        projected.fill_on_all(&input, self.lanes, &grid.points, &cells.kept)?;
-        Ok(Sample {
-            seen: self.seen.clone(),
-            spare: self.spare.clone(),
-            projected: Projected::Whole(projected),
-            ..*self
-        })
+        let mut projected = Projected::new(cells, &input)?;
+        if let Projected::InWindows(windows) = &mut projected {
+            windows.retain(tiles, self.view.size[0].div_ceil(TILE));
+        }
+        Ok(Sample { seen: self.seen.clone(), spare: self.spare.clone(), projected, ..*self })
     }
 
     /// What projects cells for an area of the picture.
@@ -238,6 +245,7 @@ impl<'a> Frame<'a> {
             keeping: None,
             whole: false,
             ends: None,
+            only: None,
             sample,
             tiles,
             grid,
@@ -271,6 +279,11 @@ impl<'a> Frame<'a> {
                 *end = (f64::from(all[j * width + i]) / self.view.length - self.distance_origin) as f32;
             }
         }
+    }
+
+    /// Whether a tile of a window is drawn.
+    pub fn draws(&self, tile: u32) -> bool {
+        self.only.is_none_or(|tiles| tiles.binary_search(&tile).is_ok())
     }
 
     #[inline(always)]

@@ -120,13 +120,13 @@ impl Worker<'_> {
             let projected = self.frame.project(window, &mut tiles);
             if projected.is_ok() {
                 let frame = self.frame.within(&tiles);
-                for tile in tiles.queue(frame.tiles_wide) {
+                for tile in tiles.queue(frame.tiles_wide).into_iter().filter(|&tile| frame.draws(tile)) {
                     if !places.next().is_some_and(|place| self.draw(&frame, tile, place, desk)) {
                         return Ok(());
                     }
                 }
             }
-            // The others may wait for what empty tiles tell: nothing.
+            // The others may wait for what empty tiles, and those that are not drawn, tell: nothing.
             places.for_each(|place| drop(self.hides.sample(place)));
             projected?;
         }

@@ -41,6 +41,11 @@ impl Area {
         columns * rows
     }
 
+    /// Whether a tile is one of it.
+    pub fn holds(&self, tile: [usize; 2]) -> bool {
+        (0..2).all(|k| self.from[k] <= tile[k] && tile[k] < self.to[k])
+    }
+
     /// Place of a tile of it among its tiles, row by row.
     #[inline(always)]
     pub fn place(&self, [x, y]: [usize; 2]) -> usize {

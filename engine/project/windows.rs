@@ -65,12 +65,25 @@ impl Windows {
             list.extend(telling.apart(window.area, side, &pieces).0);
         }
         fit.sort_by_key(|window| (Reverse(window.cell_count()), window.area.from));
+        let mut windows = Windows { list: fit, cell_count };
+        windows.number();
+        windows
+    }
+
+    /// Those alone that some tiles lie in, numbered row by row of `columns`.
+    pub fn retain(&mut self, tiles: &[u32], columns: usize) {
+        let at = |tile: u32| [tile as usize % columns, tile as usize / columns];
+        self.list.retain(|window| tiles.iter().any(|&tile| window.area.holds(at(tile))));
+        self.number();
+    }
+
+    /// Counts the tiles before each.
+    fn number(&mut self) {
         let mut tiles_before = 0;
-        for window in &mut fit {
+        for window in &mut self.list {
             window.tiles_before = tiles_before;
             tiles_before += window.area.tile_count();
         }
-        Windows { list: fit, cell_count }
     }
 }
 

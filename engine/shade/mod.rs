@@ -6,6 +6,7 @@
 //! | `roads` | a batch by all of them, one after the other |
 //! | `shaded` | what comes out |
 //! | `along`, `region` | segments in lanes, and their stretch inside a region |
+//! | `quick` | what serves segments first: closed forms |
 //! | `reach` | where a widget counts: segments elsewhere are not asked of it |
 //! | `kinds` | any widget in lanes, one file a kind |
 //! | `stepped` | several widgets on one segment, in their order, by quadrature |
@@ -20,6 +21,7 @@ pub(crate) mod kinds;
 pub(crate) mod light;
 mod methods;
 pub(crate) mod panels;
+mod quick;
 pub(crate) mod reach;
 #[cfg(test)]
 mod reach_tests;

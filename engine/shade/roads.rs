@@ -1,8 +1,9 @@
 //! The roads of a batch, one after the other; each kernel is compiled once a lane set.
 
 use crate::fragments::batch::Batch;
+use crate::shade::quick::{Alone, OneColor, Several};
 use crate::shade::shaded::Shaded;
-use crate::shade::shader::Shader;
+use crate::shade::shader::{First, Shader};
 use voltet_lanes::{Kernel, LaneSet, Lanes, dispatch};
 
 /// Integrates the first `count` fragments of a batch: in lanes, and in 64 bits what they leave over.
@@ -13,7 +14,16 @@ pub(crate) fn integrate(shader: &Shader, lanes: LaneSet, batch: &Batch, count: u
 
 /// The quick forms of the first `count` fragments of a batch.
 pub(crate) fn quick(shader: &Shader, lanes: LaneSet, batch: &Batch, count: usize, out: &mut Shaded) {
-    dispatch(lanes, Shade { shader, batch, count, out });
+    out.clear();
+    match shader.first() {
+        First::Method(method) => {
+            method.shade(lanes, &shader.widgets, shader.one_color.is_some(), batch, count, out)
+        }
+        First::Alone(points) => dispatch(lanes, Alone { points, batch, count, out }),
+        First::OneColor => dispatch(lanes, OneColor { shader, batch, count, out }),
+        First::Several => dispatch(lanes, Several { shader, batch, count, out }),
+        First::Nothing => shader.leave(batch, count, out),
+    }
 }
 
 /// What quick forms leave over: by steps and panels, by those that serve dense segments, too, and in 64 bits.
@@ -38,21 +48,6 @@ pub(crate) fn finish(shader: &Shader, lanes: LaneSet, batch: &Batch, out: &mut S
     }
     if !out.rest.is_empty() {
         shader.finish(batch, out);
-    }
-}
-
-struct Shade<'a> {
-    shader: &'a Shader,
-    batch: &'a Batch,
-    count: usize,
-    out: &'a mut Shaded,
-}
-
-impl Kernel for Shade<'_> {
-    type Output = ();
-    #[inline(always)]
-    fn run<L: Lanes>(self) {
-        self.shader.shade::<L>(self.batch, self.count, self.out);
     }
 }
 

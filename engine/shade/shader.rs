@@ -6,15 +6,15 @@
 //! own in place of the first three ([`super::methods`]). What a scene does not use is not prepared.
 
 use crate::attribute::{ATTRIBUTES_MOST, Attribute};
-use crate::fragments::batch::{Batch, Column, meant};
-use crate::shade::along::{Along, lanes_of};
+use crate::fragments::batch::{Batch, Column, LANES_MOST, meant};
+use crate::shade::along::Along;
 use crate::shade::gathered::Gathered;
-use crate::shade::kinds::{InOrder, LaneWidget, Making, Road};
+use crate::shade::kinds::{LaneLinear, LaneWidget, Making, Road};
 use crate::shade::light::{Rays, Surface};
 use crate::shade::methods::{LaneMethod, Served};
 use crate::shade::panels::PanelWalk;
-use crate::shade::reach::{LEFT_OUT, Spread};
-use crate::shade::shaded::{DENSE_LEAST, Exact, Left, MIX_PRODUCT, Shaded};
+use crate::shade::reach::LEFT_OUT;
+use crate::shade::shaded::{Exact, Left, MIX_PRODUCT, Shaded};
 use crate::shade::stepped::{STEPS, stepped};
 use voltet_core::optics::integrators::{Extent, SegmentIntegrator};
 use voltet_core::optics::{Overlap, Prepared, Segment};
@@ -22,7 +22,6 @@ use voltet_core::shading::{Integrator, Shading};
 use voltet_core::transfer::{OpticalModel, TransferFunction, Widget};
 use voltet_core::{Error, Result};
 use voltet_lanes::optics::elementary::one_minus_exp;
-use voltet_lanes::optics::sums::Sums;
 use voltet_lanes::{Float, LaneSet, Lanes, Mask};
 
 /// A transfer function made ready for lanes.
@@ -31,10 +30,10 @@ pub(crate) struct Shader {
     overlaps: Option<Prepared>,
     /// What serves one segment in 64 bits; `None` where lanes serve every one.
     exact: Option<Box<dyn SegmentIntegrator>>,
-    overlap: Overlap,
+    pub(super) overlap: Overlap,
     /// Pairwise product of depths from which on the order of widgets counts.
-    ordered_from: f32,
-    widgets: Vec<LaneWidget>,
+    pub(super) ordered_from: f32,
+    pub(super) widgets: Vec<LaneWidget>,
     /// What the quick forms do not serve, but lanes do; or why they do not.
     walker: std::result::Result<PanelWalk, Left>,
     /// What serves in place of the closed forms.
@@ -49,6 +48,20 @@ pub(crate) struct Shader {
     pub surface: Option<Surface>,
     /// The one colour of all widgets, under the density-emitter: C = c · A, so no order is needed.
     pub one_color: Option<[f32; 3]>,
+}
+
+/// What serves every segment of a scene first.
+pub(crate) enum First<'a> {
+    /// An integrator that samples or looks up.
+    Method(&'a LaneMethod),
+    /// The pieces of one widget.
+    Alone(&'a LaneLinear),
+    /// Depths of widgets of one colour.
+    OneColor,
+    /// Depths and overlaps.
+    Several,
+    /// What takes the others' place for segments that they leave over.
+    Nothing,
 }
 
 /// What a shader is made for.
@@ -155,51 +168,27 @@ impl Shader {
         self.one_color.is_some() || !self.quick
     }
 
-    /// Integrates the first `count` fragments of a batch by the quick forms.
-    #[inline(always)]
-    pub fn shade<L: Lanes>(&self, batch: &Batch, count: usize, out: &mut Shaded) {
-        out.clear();
-        if let Some(method) = &self.method {
-            return method.shade::<L>(&self.widgets, self.one_color.is_some(), batch, count, out);
-        }
-        // Alone, its pieces give the colour in closed form.
-        let points = match self.widgets.as_slice() {
-            [widget] if self.one_color.is_none() => widget.points().map(
-                #[inline(always)]
-                |points| points.tables::<L>(),
-            ),
-            _ => None,
-        };
-        let widgets = &self.widgets;
-        let mut at = 0;
-        while at < count {
-            let along = Along::<L>::load(batch, at);
-            let unsure = if !self.quick {
-                // Fragments of no length are summed, too.
-                L::F::splat(0.0).store(&mut out.depth[at..]);
-                u32::MAX
-            } else if let Some(points) = &points {
-                let (rgba, [deep, unsure]) = points.integrate::<false>(&along);
-                for (column, value) in out.rgba.iter_mut().zip(rgba) {
-                    value.store(&mut column[at..]);
-                }
-                push(&mut out.deep, deep & !unsure & meant::<L>(along.crossing, count - at), at);
-                unsure
-            } else if self.one_color.is_some() {
-                self.of_one_color::<L>(widgets, &along, at, count, out)
-            } else {
-                self.several::<L>(widgets, &along, at, count, out)
-            };
-            let meant = meant::<L>(along.crossing, count - at);
-            if !self.quick || points.is_some() {
-                out.evaluation_count += u64::from(meant.count_ones());
-            }
-            push(&mut out.rest, unsure & meant, at);
-            at += L::WIDTH;
+    /// What serves every segment first.
+    pub fn first(&self) -> First<'_> {
+        match (&self.method, self.widgets.as_slice()) {
+            (Some(method), _) => First::Method(method),
+            _ if !self.quick => First::Nothing,
+            _ if self.one_color.is_some() => First::OneColor,
+            // Alone, its pieces give the colour in closed form.
+            (_, [widget]) => widget.points().map_or(First::Several, First::Alone),
+            _ => First::Several,
         }
     }
 
-    /// The fragments that [`Shader::shade`] left over for so many steps.
+    /// Leaves all of the first `count` fragments over.
+    pub fn leave(&self, batch: &Batch, count: usize, out: &mut Shaded) {
+        // Fragments of no length are summed, too.
+        out.depth[..count.next_multiple_of(LANES_MOST)].fill(0.0);
+        out.rest.extend((0..count).filter(|&k| 0.0 < batch.length[k]));
+        out.evaluation_count += out.rest.len() as u64;
+    }
+
+    /// The fragments that what is [first](Shader::first) left over for so many steps.
     #[inline(always)]
     pub fn stepped<L: Lanes>(&self, number: usize, batch: &Batch, out: &mut Shaded) {
         let which = std::mem::take(&mut out.in_order[number]);
@@ -207,7 +196,7 @@ impl Shader {
         out.in_order[number] = which;
     }
 
-    /// The fragments that [`Shader::shade`] left over since their pieces are deep.
+    /// The fragments that what is [first](Shader::first) left over since their pieces are deep.
     #[inline(always)]
     pub fn deep<L: Lanes>(&self, batch: &Batch, out: &mut Shaded) {
         let Some(points) = self.widgets.first().and_then(LaneWidget::points) else { return };
@@ -223,7 +212,7 @@ impl Shader {
         out.deep.clear();
     }
 
-    /// The other fragments that [`Shader::shade`] left over, in lanes: if `DENSE` those that are dense, to which the others that are
+    /// The other fragments that what is [first](Shader::first) left over, in lanes: if `DENSE` those that are dense, to which the others that are
     /// left then join.
     #[inline(always)]
     pub fn walk<L: Lanes, const DENSE: bool>(&self, batch: &Batch, out: &mut Shaded) {
@@ -331,100 +320,6 @@ impl Shader {
             overlaps: counted
                 && self.overlaps.as_ref().is_some_and(|o| o.overlap(&segment) > f64::from(MIX_PRODUCT)),
         }
-    }
-
-    /// Widgets of one colour: optical depths add up, whatever the order.
-    #[inline(always)]
-    fn of_one_color<L: Lanes>(
-        &self,
-        widgets: &[LaneWidget],
-        along: &Along<L>,
-        at: usize,
-        count: usize,
-        out: &mut Shaded,
-    ) -> u32 {
-        let zero = L::F::splat(0.0);
-        let (mut total, mut product, mut unsure, mut asked) = (zero, zero, 0, 0);
-        let spread = Spread::new(along);
-        for widget in widgets {
-            let meets = widget.meets::<L>(&spread);
-            if !meets.any() {
-                continue;
-            }
-            asked |= meets.bits();
-            let (depth, no) = widget.depth::<L>(&along.only(meets));
-            let depth = L::F::select(meets, depth, zero);
-            unsure |= no & meets.bits();
-            product = depth.mul_add(total, product);
-            total = total + depth;
-        }
-        if widgets.len() > 1 {
-            let overlapping = overlaps::<L>(product, along, count - at);
-            out.overlap_count += u64::from(overlapping.count_ones());
-        }
-        total.store(&mut out.depth[at..]);
-        out.evaluation_count += u64::from((asked & meant::<L>(along.crossing, count - at)).count_ones());
-        unsure
-    }
-
-    /// Widgets whose colour does not vary along the segment, one or more. Segments that want steps are put in `out`.
-    #[inline(always)]
-    fn several<L: Lanes>(
-        &self,
-        widgets: &[LaneWidget],
-        along: &Along<L>,
-        at: usize,
-        count: usize,
-        out: &mut Shaded,
-    ) -> u32 {
-        let zero = L::F::splat(0.0);
-        let (mut sums, mut unsure, mut asked) = (Sums::<L>::none(), 0, 0);
-        let spread = Spread::new(along);
-        for widget in widgets {
-            let meets = widget.meets::<L>(&spread);
-            if !meets.any() {
-                continue;
-            }
-            asked |= meets.bits();
-            let (mut shape, no) = widget.shape::<L>(&along.only(meets));
-            shape.depth = L::F::select(meets, shape.depth, zero);
-            unsure |= no & meets.bits();
-            if widget.in_order() == InOrder::Always {
-                unsure |= zero.lt(shape.depth).bits();
-            }
-            sums.add(&shape, widget.color);
-        }
-        let overlapping = overlaps::<L>(sums.product, along, count - at);
-        out.overlap_count += u64::from(overlapping.count_ones());
-        out.evaluation_count += u64::from((asked & meant::<L>(along.crossing, count - at)).count_ones());
-        let mut rgba = sums.mixed();
-        let overlapping = overlapping & !unsure & L::F::splat(self.ordered_from).lt(sums.product).bits();
-        if self.overlap == Overlap::Exact && overlapping != 0 {
-            let smooth = sums.is_smooth();
-            let served = overlapping & smooth.bits();
-            if served != 0 {
-                let (keep, more) = (lanes_of::<L>(served), sums.correction());
-                for (color, more) in rgba.iter_mut().zip(more) {
-                    *color = L::F::select(keep, (*color + more).max(zero), *color);
-                }
-            }
-            let mut rest = overlapping & !served;
-            if rest != 0 {
-                let wish = sums.steps();
-                for (steps, list) in STEPS.into_iter().zip(&mut out.in_order) {
-                    let served = rest & wish.le(L::F::splat(steps as f32)).bits();
-                    push(list, served, at);
-                    rest &= !served;
-                }
-                let dense = rest & L::F::splat(DENSE_LEAST).le(sums.total).bits();
-                push(&mut out.dense, dense, at);
-                unsure |= rest & !dense;
-            }
-        }
-        for (column, value) in out.rgba.iter_mut().zip(rgba) {
-            value.store(&mut column[at..]);
-        }
-        unsure
     }
 }
 

@@ -42,6 +42,11 @@ fn lost(scene: &NamedScene) -> u64 {
         let name = format!("{} on {}", scene.name, lanes.name());
         assert!(!was_projected, "{name}: projected");
         within(&name, &picture, &expected, ROUNDING);
+        // Tiles that rays are lost in, from windows of a few cells.
+        let (in_windows, again, _) =
+            drawn(scene, |cells| (cells.lanes, cells.most_at_once) = (lanes, cells.kept.len() / 5));
+        assert_eq!(again.tiles_lost, counts.tiles_lost, "{name}");
+        assert!(in_windows.rgba == picture.rgba, "{name}: windows show something else");
         // Cells whose faces and edges a ray lies in count here or there.
         let apart = counts.segments.abs_diff(by_cells.segments);
         assert!(

@@ -15,13 +15,13 @@ mod wave;
 
 pub(crate) use making::Making;
 pub(crate) use path::Through;
+pub(crate) use piecewise_linear::LaneLinear;
 
 use crate::shade::along::{Along, Fields};
 use crate::shade::reach::{LaneReach, Spread};
 use crate::shade::region::{Inside, LaneRegion, range_of};
 use gaussian::LaneGaussian;
 use gaussian_nd::LaneGaussianNd;
-use piecewise_linear::LaneLinear;
 use table::LaneTable;
 use triangular_gaussian::LaneTriangular;
 use triangular_gaussian_nd::LaneTriangularNd;

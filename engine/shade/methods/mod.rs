@@ -26,6 +26,8 @@ use crate::fragments::batch::Batch;
 use crate::shade::kinds::{LaneWidget, Making};
 use crate::shade::shaded::{Left, Shaded};
 use crate::shade::shader::Scene;
+use pieces::Pieces;
+use riemann::Riemann;
 use sampled::Sampled;
 use tables::Table;
 use tabulated::Tabulated;
@@ -34,12 +36,15 @@ use voltet_core::Result;
 use voltet_core::optics::integrators::SegmentIntegrator;
 use voltet_core::shading::Integrator;
 use voltet_core::transfer::TransferFunction;
-use voltet_lanes::Lanes;
+use voltet_lanes::optics::partial_table::LanePartialTable;
+use voltet_lanes::{Kernel, LaneSet, Lanes, dispatch};
 
 /// An integrator of its own roads.
 pub(crate) enum LaneMethod {
-    /// `riemann` and `segments`.
-    Sampled(Sampled),
+    /// `riemann`.
+    Riemann(Sampled),
+    /// `segments`.
+    Pieces(Pieces),
     /// `pre-integrated` and `pre-integrated-cylindrical`.
     Table(Box<Table>),
     /// `tabulated`.
@@ -76,18 +81,21 @@ impl Served {
         making: &Making,
         scene: &Scene<'_>,
     ) -> Result<Served> {
-        let sampled =
-            |count, table| Sampled::new(count, table, widgets, making).map(LaneMethod::Sampled).into();
+        let sampled = |count, together| Sampled::new(count, together, widgets, making);
         let table = |size, oversampling, planes| -> Result<Served> {
             let table = Table::new(transfer_function, size, oversampling, planes, making, scene)?;
             Ok(Served::By(LaneMethod::Table(Box::new(table))))
         };
         Ok(match *integrator {
             Integrator::Analytic | Integrator::Adaptive { .. } | Integrator::Clipped => Served::InClosedForm,
-            Integrator::Riemann { count } => sampled(count, None),
-            Integrator::Segments { count, .. } => {
-                sampled(count, exact.and_then(SegmentIntegrator::partial_table))
-            }
+            Integrator::Riemann { count } => sampled(count, false).map(LaneMethod::Riemann).into(),
+            Integrator::Segments { count, .. } => match exact.and_then(SegmentIntegrator::partial_table) {
+                Some(table) => {
+                    let pieces = |ends| Pieces { ends, table: LanePartialTable::new(table) };
+                    sampled(count, true).map(pieces).map(LaneMethod::Pieces).into()
+                }
+                None => Served::Not(Left::Integrator),
+            },
             Integrator::PreIntegrated { table_size, oversampling } => table(table_size, oversampling, None)?,
             Integrator::PreIntegratedCylindrical { table_size, oversampling, planes } => {
                 table(table_size, oversampling, Some(planes))?
@@ -108,29 +116,64 @@ impl LaneMethod {
     /// Bytes of the tables that it made.
     pub fn table_bytes(&self) -> usize {
         match self {
-            LaneMethod::Sampled(_) | LaneMethod::VertexSampled(_) => 0,
+            LaneMethod::Riemann(_) | LaneMethod::Pieces(_) | LaneMethod::VertexSampled(_) => 0,
             LaneMethod::Tabulated(tabulated) => tabulated.bytes(),
             LaneMethod::Table(table) => table.bytes(),
         }
     }
 
     /// Integrates the first `count` fragments of a batch. `one_color`: their depths alone.
-    #[inline(always)]
-    pub fn shade<L: Lanes>(
+    pub fn shade(
         &self,
+        lanes: LaneSet,
         widgets: &[LaneWidget],
         one_color: bool,
         batch: &Batch,
         count: usize,
         out: &mut Shaded,
     ) {
+        let part = Part { widgets, one_color, batch, count };
         match self {
-            LaneMethod::Sampled(sampled) => sampled.shade::<L>(widgets, one_color, batch, count, out),
-            LaneMethod::Table(table) => table.shade::<L>(batch, count, out),
-            LaneMethod::Tabulated(tabulated) => {
-                tabulated.shade::<L>(widgets, one_color, batch, count, out);
-            }
-            LaneMethod::VertexSampled(sampled) => sampled.shade::<L>(one_color, batch, count, out),
+            LaneMethod::Riemann(sampled) => match sampled.count {
+                1 => dispatch(lanes, By { method: &Riemann::<1>(sampled), part, out }),
+                2 => dispatch(lanes, By { method: &Riemann::<2>(sampled), part, out }),
+                _ => dispatch(lanes, By { method: &Riemann::<0>(sampled), part, out }),
+            },
+            LaneMethod::Pieces(method) => dispatch(lanes, By { method, part, out }),
+            LaneMethod::Table(method) => dispatch(lanes, By { method: &**method, part, out }),
+            LaneMethod::Tabulated(method) => dispatch(lanes, By { method, part, out }),
+            LaneMethod::VertexSampled(method) => dispatch(lanes, By { method, part, out }),
         }
+    }
+}
+
+/// The first `count` fragments of a batch.
+#[derive(Clone, Copy)]
+struct Part<'a> {
+    widgets: &'a [LaneWidget],
+    /// Their depths alone are wanted.
+    one_color: bool,
+    batch: &'a Batch,
+    count: usize,
+}
+
+/// What integrates fragments.
+trait Method {
+    /// Mark it `#[inline(always)]`.
+    fn shade<L: Lanes>(&self, part: Part<'_>, out: &mut Shaded);
+}
+
+/// A method's kernel.
+struct By<'a, M> {
+    method: &'a M,
+    part: Part<'a>,
+    out: &'a mut Shaded,
+}
+
+impl<M: Method> Kernel for By<'_, M> {
+    type Output = ();
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        self.method.shade::<L>(self.part, self.out);
     }
 }

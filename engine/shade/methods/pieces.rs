@@ -1,14 +1,37 @@
 //! N pieces of linear colour and extinction. Twin of `optics::integrators::Segments`: the ends are classified, and the
 //! two-dimensional table gives the weights of both colours.
 
-use super::sampled::{Crossed, Samples, TOGETHER};
+use super::sampled::{Crossed, Sampled, Samples, TOGETHER};
+use super::{Method, Part};
+use crate::shade::shaded::Shaded;
 use voltet_lanes::optics::elementary::{exp, transparencies};
 use voltet_lanes::optics::partial_table::LanePartialTable;
 use voltet_lanes::{Float, Lanes, array};
 
+/// Such pieces.
+pub(crate) struct Pieces {
+    pub ends: Sampled,
+    /// Weights of a piece's ends.
+    pub table: LanePartialTable,
+}
+
+impl Method for Pieces {
+    #[inline(always)]
+    fn shade<L: Lanes>(&self, part: Part<'_>, out: &mut Shaded) {
+        let Pieces { ends, table } = self;
+        ends.shade::<L>(
+            part,
+            ends.count + 1,
+            #[inline(always)]
+            |crossed| pieces::<L>(table, ends.count, crossed, part.one_color),
+            out,
+        );
+    }
+}
+
 /// Colour and optical depth. `depth_only`: no colour.
 #[inline(always)]
-pub(super) fn pieces<L: Lanes>(
+fn pieces<L: Lanes>(
     table: &LanePartialTable,
     count: usize,
     crossed: &mut Crossed<'_, '_, L>,

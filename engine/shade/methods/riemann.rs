@@ -1,13 +1,32 @@
 //! N point samples. Twin of `optics::integrators::Riemann`: each stands for a homogeneous piece with its own absorption,
 //! κ h E₁(ρ h).
 
-use super::sampled::{Crossed, Samples, TOGETHER};
+use super::sampled::{Crossed, Sampled, Samples, TOGETHER};
+use super::{Method, Part};
+use crate::shade::shaded::Shaded;
 use voltet_lanes::optics::elementary::{exp, transparencies};
 use voltet_lanes::{Float, Lanes, array};
 
+/// Such samples: `N`, or any number if that is 0.
+pub(crate) struct Riemann<'a, const N: usize>(pub &'a Sampled);
+
+impl<const N: usize> Method for Riemann<'_, N> {
+    #[inline(always)]
+    fn shade<L: Lanes>(&self, part: Part<'_>, out: &mut Shaded) {
+        let count = self.0.count;
+        self.0.shade::<L>(
+            part,
+            count,
+            #[inline(always)]
+            |crossed| riemann::<L, N>(count, crossed, part.one_color),
+            out,
+        );
+    }
+}
+
 /// Colour and optical depth. `depth_only`: no colour.
 #[inline(always)]
-pub(super) fn riemann<L: Lanes>(
+fn riemann<L: Lanes, const N: usize>(
     count: usize,
     crossed: &mut Crossed<'_, '_, L>,
     depth_only: bool,
@@ -15,20 +34,18 @@ pub(super) fn riemann<L: Lanes>(
     let depth = crossed.by_depth(
         depth_only,
         #[inline(always)]
-        |crossed| match count {
-            1 => together::<L, 1, false>(count, crossed).1,
-            2 => together::<L, 2, false>(count, crossed).1,
-            _ => in_steps::<L, false>(count, crossed).1,
+        |crossed| {
+            if N == 0 {
+                in_steps::<L, false>(count, crossed).1
+            } else {
+                together::<L, N, false>(count, crossed).1
+            }
         },
     );
     if let Some(found) = depth {
         return found;
     }
-    match count {
-        1 => together::<L, 1, true>(count, crossed),
-        2 => together::<L, 2, true>(count, crossed),
-        _ => in_steps::<L, true>(count, crossed),
-    }
+    if N == 0 { in_steps::<L, true>(count, crossed) } else { together::<L, N, true>(count, crossed) }
 }
 
 /// The middle of piece i.

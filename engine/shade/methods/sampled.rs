@@ -1,19 +1,16 @@
 //! What the methods that sample share: the widgets that a vector of segments meets, and what they have at places of it. Twin of
 //! `optics::sample`.
 
-use super::pieces::pieces;
-use super::riemann::riemann;
-use crate::fragments::batch::{Batch, meant};
+use super::Part;
+use crate::fragments::batch::meant;
 use crate::shade::along::{Along, Fields};
 use crate::shade::kinds::{LaneWidget, Making};
 use crate::shade::reach::Spread;
 use crate::shade::shaded::{Left, Shaded};
 use crate::shade::shader::{overlaps, push};
-use voltet_core::optics::integrators::PartialTable;
 use voltet_lanes::limits::PIECES_MOST;
 use voltet_lanes::optics::elementary::one_minus_exp;
 use voltet_lanes::optics::gaussian::LaneGaussianSteps;
-use voltet_lanes::optics::partial_table::LanePartialTable;
 use voltet_lanes::{Float, Lanes, Mask, array};
 
 /// Samples that are taken side by side.
@@ -29,14 +26,14 @@ const CUTOFF_LEAST: f64 = 1e-30;
 pub(crate) struct Sampled {
     /// Samples or pieces of a segment.
     pub(super) count: usize,
-    /// Weights of a piece's ends; `None`: each sample stands for a homogeneous piece.
-    pub(super) table: Option<LanePartialTable>,
     /// For each widget, the value of a sample above which it glows (constant-emitter).
     thresholds: Vec<f32>,
     /// The constant-emitter's glow per scene length; `None` for the density-emitter.
     pub(super) glow: Option<f32>,
     /// Whether widgets look at further fields.
     reads_fields: bool,
+    /// Whether a widget may be left out only with all others.
+    together: bool,
 }
 
 /// A widget that a vector of segments meets.
@@ -82,7 +79,7 @@ impl Sampled {
     /// Errors: why lanes do not serve it.
     pub fn new(
         count: usize,
-        table: Option<&PartialTable>,
+        together: bool,
         widgets: &[LaneWidget],
         making: &Making,
     ) -> Result<Sampled, Left> {
@@ -106,23 +103,23 @@ impl Sampled {
         };
         Ok(Sampled {
             count,
-            table: table.map(LanePartialTable::new),
             thresholds: widgets.iter().map(threshold).collect(),
             glow,
             reads_fields: !making.fields.is_empty(),
+            together,
         })
     }
 
-    /// Integrates the first `count` fragments of a batch.
+    /// Integrates fragments: `integrate` gives a vector's colours and depths from so many `places` of each.
     #[inline(always)]
-    pub fn shade<L: Lanes>(
+    pub(super) fn shade<L: Lanes>(
         &self,
-        widgets: &[LaneWidget],
-        one_color: bool,
-        batch: &Batch,
-        count: usize,
+        part: Part<'_>,
+        places: usize,
+        mut integrate: impl FnMut(&mut Crossed<'_, '_, L>) -> ([L::F; 3], L::F),
         out: &mut Shaded,
     ) {
+        let Part { widgets, one_color, batch, count } = part;
         let zero = L::F::splat(0.0);
         let steps = LaneGaussianSteps { values: [zero; 4], ratios: [zero; 4], change: zero };
         let mut slots = vec![Slot::<L> { range: [zero; 2], sum: zero, steps }; widgets.len()];
@@ -141,10 +138,7 @@ impl Sampled {
             }
             let (along, fields) = (&along, &fields);
             let mut crossed = Crossed { along, fields, met: &met, slots: &mut slots, glow: self.glow };
-            let (color, depth) = match &self.table {
-                Some(table) => pieces::<L>(table, self.count, &mut crossed, one_color),
-                None => riemann::<L>(self.count, &mut crossed, one_color),
-            };
+            let (color, depth) = integrate(&mut crossed);
             depth.store(&mut out.depth[at..]);
             if one_color {
                 unsure |= depth.le(L::F::splat(f32::MAX)).not().bits();
@@ -162,7 +156,6 @@ impl Sampled {
             unsure &= meant;
             push(&mut out.rest, unsure, at);
             let there = met.iter().fold(0, |all, met| all | met.there.bits()) & meant;
-            let places = self.count + usize::from(self.table.is_some());
             out.evaluation_count += u64::from(there.count_ones()) * places as u64;
             if met.len() > 1 {
                 let share = along.length * L::F::splat(1.0 / self.count as f32);
@@ -193,8 +186,7 @@ impl Sampled {
         let mut unsure = 0;
         // The colour of a piece's end is that of what little is there, which has a share in the light of the whole piece: a widget
         // may be left out only with all others.
-        let together = self.table.is_some();
-        if together
+        if self.together
             && !widgets.iter().any(
                 #[inline(always)]
                 |widget| widget.meets::<L>(&spread).any(),
@@ -203,7 +195,7 @@ impl Sampled {
             return 0;
         }
         for (widget, &threshold) in widgets.iter().zip(&self.thresholds) {
-            let mut there = if together { along.crossing } else { widget.meets::<L>(&spread) };
+            let mut there = if self.together { along.crossing } else { widget.meets::<L>(&spread) };
             if !there.any() {
                 continue;
             }

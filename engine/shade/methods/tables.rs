@@ -1,7 +1,8 @@
 //! Pre-integrated tables. Twin of `optics::integrators::{PreIntegrated, PreIntegratedCylindrical}`: C/(D E₁) from a table over
 //! (s_f, s_b, D), or from tiles, and the mean extinction, filled in lanes and read by gathers. They serve every segment.
 
-use crate::fragments::batch::{Batch, meant};
+use super::{Method, Part};
+use crate::fragments::batch::meant;
 use crate::shade::along::Along;
 use crate::shade::kinds::Making;
 use crate::shade::reach::LEFT_OUT;
@@ -91,10 +92,11 @@ impl Table {
             Kind::Tiles { tiles, means, .. } => tiles.bytes() + means.bytes(),
         }
     }
+}
 
-    /// Integrates the first `count` fragments of a batch.
+impl Method for Table {
     #[inline(always)]
-    pub fn shade<L: Lanes>(&self, batch: &Batch, count: usize, out: &mut Shaded) {
+    fn shade<L: Lanes>(&self, Part { batch, count, .. }: Part<'_>, out: &mut Shaded) {
         let splat = L::F::splat;
         let (zero, one) = (splat(0.0), splat(1.0));
         let last = splat((self.side - 1) as f32);

@@ -1,7 +1,8 @@
 //! Gaussians' integrals from tables. Twin of `optics::integrators::Tabulated`: each widget by itself, all of them averaged without
 //! their order.
 
-use crate::fragments::batch::{Batch, meant};
+use super::{Method, Part};
+use crate::fragments::batch::meant;
 use crate::shade::along::{Along, Fields};
 use crate::shade::kinds::{LaneWidget, Making, Through};
 use crate::shade::reach::Spread;
@@ -41,16 +42,47 @@ impl Tabulated {
         self.tables.bytes()
     }
 
-    /// Integrates the first `count` fragments of a batch.
+    /// Depth and light of one widget where it is met, the light over the mean transparency of that depth; and the lanes (bits) whose
+    /// paths span more widths than 32 bits resolve.
     #[inline(always)]
-    pub fn shade<L: Lanes>(
+    fn of<L: Lanes>(
         &self,
-        widgets: &[LaneWidget],
-        one_color: bool,
-        batch: &Batch,
-        count: usize,
-        out: &mut Shaded,
-    ) {
+        widget: &LaneWidget,
+        along: &Along<L>,
+        fields: &Fields<L>,
+        depth_only: bool,
+    ) -> (L::F, L::F, u32) {
+        let splat = L::F::splat;
+        let (zero, one) = (splat(0.0), splat(1.0));
+        let Through { path, share, there } = widget.through(along, fields);
+        let rate = splat(widget.density()) * along.length * share;
+        // Where there is no stretch its ends are no numbers.
+        let there = there.and(zero.lt(rate));
+        let (mut mean, mut unsure) = (one, 0);
+        if let Some(path) = &path {
+            mean = self.tables.mean::<L>(path.front, path.back) * exp::<L>(-path.offset_squared);
+            unsure = path.length.le(splat(GAUSSIAN_WIDTHS_MOST as f32)).not().bits() & there.bits();
+        }
+        let own = L::F::select(there, rate * mean, zero);
+        let Some((scale, level)) = self.glow else { return (own, own, unsure) };
+        if depth_only {
+            return (own, own, unsure);
+        }
+        let seen = match &path {
+            Some(path) => {
+                self.tables.glow::<L>(path, level, [share, own, rate]) / mean_transparency::<L>(own)
+            }
+            None => share,
+        };
+        let light = L::F::select(there, splat(scale) * along.length * seen, zero);
+        (own, light, unsure)
+    }
+}
+
+impl Method for Tabulated {
+    #[inline(always)]
+    fn shade<L: Lanes>(&self, part: Part<'_>, out: &mut Shaded) {
+        let Part { widgets, one_color, batch, count } = part;
         let zero = L::F::splat(0.0);
         let mut fields = Fields::<L>::none();
         for at in (0..count).step_by(L::WIDTH) {
@@ -101,41 +133,5 @@ impl Tabulated {
                 out.overlap_count += u64::from(overlapping.count_ones());
             }
         }
-    }
-
-    /// Depth and light of one widget where it is met, the light over the mean transparency of that depth; and the lanes (bits) whose
-    /// paths span more widths than 32 bits resolve.
-    #[inline(always)]
-    fn of<L: Lanes>(
-        &self,
-        widget: &LaneWidget,
-        along: &Along<L>,
-        fields: &Fields<L>,
-        depth_only: bool,
-    ) -> (L::F, L::F, u32) {
-        let splat = L::F::splat;
-        let (zero, one) = (splat(0.0), splat(1.0));
-        let Through { path, share, there } = widget.through(along, fields);
-        let rate = splat(widget.density()) * along.length * share;
-        // Where there is no stretch its ends are no numbers.
-        let there = there.and(zero.lt(rate));
-        let (mut mean, mut unsure) = (one, 0);
-        if let Some(path) = &path {
-            mean = self.tables.mean::<L>(path.front, path.back) * exp::<L>(-path.offset_squared);
-            unsure = path.length.le(splat(GAUSSIAN_WIDTHS_MOST as f32)).not().bits() & there.bits();
-        }
-        let own = L::F::select(there, rate * mean, zero);
-        let Some((scale, level)) = self.glow else { return (own, own, unsure) };
-        if depth_only {
-            return (own, own, unsure);
-        }
-        let seen = match &path {
-            Some(path) => {
-                self.tables.glow::<L>(path, level, [share, own, rate]) / mean_transparency::<L>(own)
-            }
-            None => share,
-        };
-        let light = L::F::select(there, splat(scale) * along.length * seen, zero);
-        (own, light, unsure)
     }
 }

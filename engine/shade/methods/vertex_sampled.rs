@@ -1,7 +1,8 @@
 //! What the transfer function is at the grid's points, linear between them. Twin of `optics::integrators::VertexSampled`, of a
 //! scene that is classified.
 
-use crate::fragments::batch::{Batch, Column, meant};
+use super::{Method, Part};
+use crate::fragments::batch::{Column, meant};
 use crate::shade::kinds::Making;
 use crate::shade::shaded::{Left, Shaded};
 use crate::shade::shader::push;
@@ -31,10 +32,12 @@ impl VertexSampled {
         let held = made.offsets.iter().chain(&made.scales).all(|x| x.is_finite());
         if held { Ok(made) } else { Err(Left::Lengths) }
     }
+}
 
-    /// Integrates the first `count` fragments of a batch. `depth_only`: no colour.
+impl Method for VertexSampled {
     #[inline(always)]
-    pub fn shade<L: Lanes>(&self, depth_only: bool, batch: &Batch, count: usize, out: &mut Shaded) {
+    fn shade<L: Lanes>(&self, part: Part<'_>, out: &mut Shaded) {
+        let Part { one_color, batch, count, .. } = part;
         let splat = L::F::splat;
         let (zero, half) = (splat(0.0), splat(0.5));
         for at in (0..count).step_by(L::WIDTH) {
@@ -65,7 +68,7 @@ impl VertexSampled {
                 whole = whole + (front[k] + back[k]);
             }
             let there = zero.lt(whole).bits();
-            if !depth_only {
+            if !one_color {
                 let color = if there == 0 {
                     [zero; 3]
                 } else {
