@@ -11,7 +11,8 @@ use crate::shade::shaded::{DENSE_LEAST, Shaded};
 use crate::shade::shader::{Shader, overlaps, push};
 use crate::shade::stepped::STEPS;
 use voltet_core::optics::Overlap;
-use voltet_lanes::optics::sums::Sums;
+use voltet_lanes::optics::gaussian::Near;
+use voltet_lanes::optics::sums::{Sums, Term};
 use voltet_lanes::{Float, Kernel, Lanes, Mask};
 
 /// One widget of pieces: its integrals give the colour, too.
@@ -84,6 +85,15 @@ impl Kernel for OneColor<'_> {
     }
 }
 
+/// A Gaussian that a vector of segments meets, before its mean is taken.
+#[derive(Clone, Copy)]
+struct Begun<L: Lanes> {
+    near: Near<L>,
+    meets: L::M,
+    /// Which widget it is.
+    number: usize,
+}
+
 /// Widgets whose colour does not vary along the segment, one or more. Segments that want steps are put where those are.
 pub(super) struct Several<'a> {
     pub shader: &'a Shader,
@@ -98,43 +108,61 @@ impl Kernel for Several<'_> {
     fn run<L: Lanes>(self) {
         let Several { shader, batch, count, out } = self;
         let (zero, widgets) = (L::F::splat(0.0), &shader.widgets);
+        let nowhere = zero.lt(zero);
+        let mut begun = vec![Begun::<L> { near: Near::none(), meets: nowhere, number: 0 }; widgets.len()];
+        let mut terms = vec![Term::<L>::none(); widgets.len()];
         for at in (0..count).step_by(L::WIDTH) {
             let along = Along::<L>::load(batch, at);
             let meant = meant::<L>(along.crossing, count - at);
-            let (mut sums, mut unsure, mut asked) = (Sums::<L>::none(), 0, 0);
+            let (mut sums, mut gaussians, mut met, mut unsure, mut asked) = (Sums::<L>::none(), 0, 0, 0, 0);
             let spread = Spread::new(&along);
-            for widget in widgets {
+            for (number, widget) in widgets.iter().enumerate() {
                 let meets = widget.meets::<L>(&spread);
                 if !meets.any() {
                     continue;
                 }
                 asked |= meets.bits();
+                if let Some(gaussian) = widget.whole_gaussian() {
+                    unsure |= gaussian.unsure(&along) & meets.bits();
+                    begun[gaussians] = Begun { near: gaussian.near(&along), meets, number };
+                    gaussians += 1;
+                    continue;
+                }
                 let (mut shape, no) = widget.shape::<L>(&along.only(meets));
                 shape.depth = L::F::select(meets, shape.depth, zero);
                 unsure |= no & meets.bits();
                 if widget.in_order() == InOrder::Always {
                     unsure |= zero.lt(shape.depth).bits();
                 }
-                sums.add(&shape, widget.color);
+                sums.add(&shape, widget.color, &mut terms[met]);
+                met += 1;
             }
+            // One loop after the other: a mean is a long chain of operations, and of two loops a processor has several in hand.
+            for &Begun { near, meets, number } in &begun[..gaussians] {
+                let widget = &widgets[number];
+                let Some(gaussian) = widget.whole_gaussian() else { continue };
+                let mut shape = near.shape(
+                    L::F::splat(widget.density()) * along.length,
+                    meets,
+                    #[inline(always)]
+                    || gaussian.path(&along.front, &along.back),
+                );
+                shape.depth = L::F::select(meets, shape.depth, zero);
+                sums.add(&shape, widget.color, &mut terms[met]);
+                met += 1;
+            }
+            let terms = &terms[..met];
             let overlapping = overlaps::<L>(sums.product, &along, count - at);
             out.overlap_count += u64::from(overlapping.count_ones());
             out.evaluation_count += u64::from((asked & meant).count_ones());
-            let mut rgba = sums.mixed();
             let overlapping =
                 overlapping & !unsure & L::F::splat(shader.ordered_from).lt(sums.product).bits();
+            let mut served = 0;
             if shader.overlap == Overlap::Exact && overlapping != 0 {
-                let smooth = sums.is_smooth();
-                let served = overlapping & smooth.bits();
-                if served != 0 {
-                    let (keep, more) = (lanes_of::<L>(served), sums.correction());
-                    for (color, more) in rgba.iter_mut().zip(more) {
-                        *color = L::F::select(keep, (*color + more).max(zero), *color);
-                    }
-                }
+                served = overlapping & sums.is_smooth(terms).bits();
                 let mut rest = overlapping & !served;
                 if rest != 0 {
-                    let wish = sums.steps();
+                    let wish = sums.steps(terms);
                     for (steps, list) in STEPS.into_iter().zip(&mut out.in_order) {
                         let served = rest & wish.le(L::F::splat(steps as f32)).bits();
                         push(list, served, at);
@@ -145,6 +173,8 @@ impl Kernel for Several<'_> {
                     unsure |= rest & !dense;
                 }
             }
+            let rgba =
+                if served == 0 { sums.mixed(terms) } else { sums.ordered(terms, lanes_of::<L>(served)) };
             for (column, value) in out.rgba.iter_mut().zip(rgba) {
                 value.store(&mut column[at..]);
             }

@@ -51,7 +51,7 @@ impl LaneBell {
 mod tests {
     use super::*;
     use crate::optics::smooth::tests::{lane, uniform};
-    use crate::optics::sums::Sums;
+    use crate::optics::sums::{Sums, Term};
     use crate::portable::Portable as P;
     use voltet_core::optics::{Overlap, Prepared, Segment};
     use voltet_core::transfer::{OpticalModel, Profile, Region, TransferFunction, Wave, Widget};
@@ -75,11 +75,12 @@ mod tests {
             let shape = bell.shape::<P>(phase(front), phase(back), splat(extinctions[0]));
             let (depth, even) = (lane(shape.depth), extinctions[1]);
             let colors = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
-            let mut sums = Sums::<P>::none();
-            for (shape, color) in [shape, DensityShape::even(splat(even))].iter().zip(colors) {
-                sums.add(shape, color.map(|c: f64| c as f32));
+            let (mut sums, mut terms) = (Sums::<P>::none(), [Term::none(); 2]);
+            let shapes = [shape, DensityShape::even(splat(even))];
+            for ((shape, color), term) in shapes.iter().zip(colors).zip(&mut terms) {
+                sums.add(shape, color.map(|c: f64| c as f32), term);
             }
-            if lane(F::select(sums.is_smooth(), splat(1.0), splat(0.0))) == 0.0 || depth == 0.0 {
+            if lane(F::select(sums.is_smooth(&terms), splat(1.0), splat(0.0))) == 0.0 || depth == 0.0 {
                 continue;
             }
             served += 1;
@@ -100,9 +101,9 @@ mod tests {
             };
             let prepared = Prepared::new(&function).expect("a valid transfer function");
             let truth = prepared.integrate(&segment, Overlap::Exact).color;
-            let mixed = sums.mixed();
-            for ((mixed, more), exact) in mixed.into_iter().zip(sums.correction()).zip(truth).take(2) {
-                let found = lane(mixed) + lane(more);
+            let all = splat(0.0).le(splat(1.0));
+            for (found, exact) in sums.ordered(&terms, all).into_iter().zip(truth).take(2) {
+                let found = lane(found);
                 // What the series leave out where they hold, and the roundings of phase (near a foot) and depth.
                 let bound = 3e-7 + 16.0 * f64::from(f32::EPSILON) * exact;
                 let ratio = (found - exact).abs() / bound;

@@ -32,9 +32,20 @@ pub fn dot<L: Lanes, const N: usize>(a: &[L::F; N], b: &[L::F; N]) -> L::F {
 /// would keep a processor waiting.
 #[inline(always)]
 pub fn exp<L: Lanes>(x: L::F) -> L::F {
-    let splat = L::F::splat;
     // At −88 n is −127, and 2^n, made of its bits, 0.
-    let clamped = x.max(splat(-88.0)).min(splat(88.0));
+    of_clamped::<L>(x.max(L::F::splat(-88.0)).min(L::F::splat(88.0)))
+}
+
+/// e^(−x) for x ≥ 0, as [`exp`].
+#[inline(always)]
+pub fn exp_down<L: Lanes>(x: L::F) -> L::F {
+    of_clamped::<L>(-x.min(L::F::splat(88.0)))
+}
+
+/// e^x for −88 ≤ x ≤ 88.
+#[inline(always)]
+fn of_clamped<L: Lanes>(clamped: L::F) -> L::F {
+    let splat = L::F::splat;
     // Rounds to whole numbers, as there are no others beside 1.5 × 2²³.
     let shifted = clamped.mul_add(splat(std::f32::consts::LOG2_E), splat(SHIFT));
     let n = shifted - splat(SHIFT);

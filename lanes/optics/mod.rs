@@ -17,7 +17,7 @@
 //! | linear extinction and linear emission: (F, B) | [`linear::front_back`] | (ρ_f D, ρ_b D) |
 //! | Gaussians' means and light by tables | [`gaussian_table::LaneGaussianTables`] | a [`gaussian::LaneGaussianPath`] |
 //! | pre-integrated tables | [`slices::LaneVolume`] | places in entries |
-//! | widgets that hardly bend, in order: C less the mix | [`sums::Sums::correction`] | a [`smooth::DensityShape`] each |
+//! | widgets that hardly bend, in order | [`sums::Sums::ordered`] | a [`smooth::DensityShape`] each |
 //! | any widgets in order, either model: C | [`overlap::ordered`]`(&members, None or D/U)` | [`overlap::LaneMember`] each, over the whole segment |
 //! | uniform widgets and Gaussians in order, where they are dense: C | [`dense::dense`]`(&members)` | the same |
 //!

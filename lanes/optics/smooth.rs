@@ -91,11 +91,22 @@ impl<L: Lanes> Smooth<L> {
         }
     }
 
-    /// Σ w_i (C_i/c_i − T_i (1 − e^(−T))/T) from Σ w_i T_i, Σ w_i a_i T_i and Σ w_i b_i T_i: w is 1 for one widget, a
-    /// channel of the colours for all.
+    /// Nothing on other lanes than these.
     #[inline(always)]
-    pub fn correction(&self, depth: L::F, tilted: L::F, bent: L::F) -> L::F {
-        tilted.mul_add(self.of_tilt, bent.mul_add(self.of_bend, depth * self.constant))
+    pub fn only(&self, lanes: L::M) -> Self {
+        let zero = L::F::splat(0.0);
+        Smooth {
+            constant: L::F::select(lanes, self.constant, zero),
+            of_tilt: L::F::select(lanes, self.of_tilt, zero),
+            of_bend: L::F::select(lanes, self.of_bend, zero),
+        }
+    }
+
+    /// C_i/c_i from `mean` = (1 − e^(−T))/T, T_i, a_i T_i and b_i T_i.
+    #[inline(always)]
+    pub fn weight(&self, mean: L::F, depth: L::F, tilted: L::F, bent: L::F) -> L::F {
+        let correction = tilted.mul_add(self.of_tilt, bent.mul_add(self.of_bend, depth * self.constant));
+        depth.mul_add(mean, correction)
     }
 }
 
@@ -103,7 +114,7 @@ impl<L: Lanes> Smooth<L> {
 pub(super) mod tests {
     use super::*;
     use crate::optics::gaussian::shape;
-    use crate::optics::sums::Sums;
+    use crate::optics::sums::{Sums, Term};
     use crate::portable::Portable as P;
     use voltet_core::optics::{Overlap, Prepared, Segment};
     use voltet_core::transfer::{OpticalModel, Profile, TransferFunction, Widget};
@@ -159,20 +170,19 @@ pub(super) mod tests {
                 continue;
             }
             served += 1;
-            let mut sums = Sums::<P>::none();
-            shapes.iter().zip(&widgets).for_each(|(shape, widget)| {
-                sums.add(shape, widget.color.map(|c| c as f32));
-            });
-            let is_smooth = lane(F::select(sums.is_smooth(), splat(1.0), splat(0.0))) == 1.0;
+            let (mut sums, mut terms) = (Sums::<P>::none(), [Term::none(); 3]);
+            for ((shape, widget), term) in shapes.iter().zip(&widgets).zip(&mut terms) {
+                sums.add(shape, widget.color.map(|c| c as f32), term);
+            }
+            let is_smooth = lane(F::select(sums.is_smooth(&terms), splat(1.0), splat(0.0))) == 1.0;
             smooth_count += u32::from(is_smooth);
-            let mixed = sums.mixed();
             let model = OpticalModel::DensityEmitter;
             let function = TransferFunction { model, unit_distance: 1.0, widgets };
             let segment = Segment { length: 1.0, front, back, fields_front: &[], fields_back: &[] };
             let truth =
                 Prepared::new(&function).expect("three Gaussians").integrate(&segment, Overlap::Exact);
-            for ((mixed, more), exact) in mixed.into_iter().zip(sums.correction()).zip(truth.color) {
-                let found = lane(mixed) + lane(more);
+            for (found, exact) in sums.ordered(&terms, all).into_iter().zip(truth.color) {
+                let found = lane(found);
                 // Four roundings of the terms, and the twin of the depth: ε (8 + 4 |q|²), |q| up to 2.5.
                 let bound = 0.007 * change.powi(3) * (change + total * total / 16.0) * product
                     + 36.0 * f64::from(f32::EPSILON) * exact;

@@ -4,7 +4,7 @@ use crate::attribute::Attribute;
 use crate::shade::along::Along;
 use voltet_lanes::limits::GAUSSIAN_WIDTHS_MOST;
 use voltet_lanes::optics::elementary::{dot, exp};
-use voltet_lanes::optics::gaussian::{self, LaneGaussianPath, LaneGaussianSteps};
+use voltet_lanes::optics::gaussian::{self, LaneGaussianPath, LaneGaussianSteps, Near};
 use voltet_lanes::optics::smooth::DensityShape;
 use voltet_lanes::{Float, Lanes, Mask, array};
 
@@ -69,6 +69,12 @@ impl LaneGaussian {
         wanted: L::M,
     ) -> DensityShape<L> {
         gaussian::shape::<L, 2>(self.point::<L>(front), self.point::<L>(back), peak, wanted)
+    }
+
+    /// What the mean over whole segments looks at.
+    #[inline(always)]
+    pub fn near<L: Lanes>(&self, along: &Along<L>) -> Near<L> {
+        Near::new(&self.point::<L>(&along.front), &self.point::<L>(&along.back))
     }
 
     /// The profile at a point.

@@ -1,6 +1,6 @@
 //! A widget among others, in their order along a segment: its shape there, and its densities at places of steps.
 
-use super::{LaneForm, LaneWidget};
+use super::{LaneForm, LaneGaussian, LaneWidget};
 use crate::shade::along::Along;
 use crate::shade::region::Inside;
 use voltet_lanes::optics::gaussian::LaneGaussianSteps;
@@ -35,6 +35,14 @@ impl LaneWidget {
                 let (depth, unsure) = self.depth::<L>(along);
                 (DensityShape::even(depth).cut(L::F::splat(0.0).lt(depth)), unsure)
             }
+        }
+    }
+
+    /// The Gaussian that it is everywhere, if it is one.
+    pub fn whole_gaussian(&self) -> Option<&LaneGaussian> {
+        match (&self.form, &self.region) {
+            (LaneForm::Gaussian(gaussian), None) => Some(gaussian),
+            _ => None,
         }
     }
 
