@@ -2,7 +2,9 @@
 //!
 //! Why its instructions may run: the crate's head.
 
-use super::operations::{Double, Float, Lanes, Mask, Unsigned, inlined, inside, parts_inside, sealed};
+use super::operations::{
+    Awaited, Double, Float, Lanes, Mask, Unsigned, inlined, inside, parts_inside, sealed,
+};
 use std::arch::x86_64::*;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -147,12 +149,14 @@ impl Float for F {
                 unsafe { _mm_loadu_ps(values.as_ptr().byte_add(places[i] as usize).cast()) }
             },
         );
-        // Places 0 and 4 side by side, and so on: then each half is turned on its own.
-        let side = inlined(
+        parts(half)
+    }
+    #[inline(always)]
+    fn gather_awaited(awaited: &Awaited<'_>) -> [F; 4] {
+        parts(
             #[inline(always)]
-            |i: usize| on_processor!(_mm256_set_m128(half(i + 4), half(i))),
-        );
-        turned([side(0), side(1), side(2), side(3)]).map(F)
+            |i| awaited.four(i),
+        )
     }
     #[inline(always)]
     fn scatter_parts<const N: usize>(fours: [[F; 4]; N], values: &mut [[[f32; 4]; N]], index: U) {
@@ -175,6 +179,17 @@ impl Float for F {
             }
         }
     }
+}
+
+/// Four floats of each lane, part by part.
+#[inline(always)]
+fn parts(half: impl Fn(usize) -> __m128) -> [F; 4] {
+    // Places 0 and 4 side by side, and so on: then each half is turned on its own.
+    let side = inlined(
+        #[inline(always)]
+        |i: usize| on_processor!(_mm256_set_m128(half(i + 4), half(i))),
+    );
+    turned([side(0), side(1), side(2), side(3)]).map(F)
 }
 
 /// Rows and columns exchanged within each half.

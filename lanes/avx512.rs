@@ -2,7 +2,9 @@
 //!
 //! Why its instructions may run: the crate's head.
 
-use super::operations::{Double, Float, Lanes, Mask, Unsigned, array, inlined, inside, parts_inside, sealed};
+use super::operations::{
+    Awaited, Double, Float, Lanes, Mask, Unsigned, array, inlined, inside, parts_inside, sealed,
+};
 use std::arch::x86_64::*;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -147,19 +149,14 @@ impl Float for F {
                 unsafe { _mm_loadu_ps(values.as_ptr().byte_add(places[i] as usize).cast()) }
             },
         );
-        // Places 0, 4, 8 and 12 side by side, and so on: then each quarter is turned on its own.
-        let side = inlined(
+        parts(quarter)
+    }
+    #[inline(always)]
+    fn gather_awaited(awaited: &Awaited<'_>) -> [F; 4] {
+        parts(
             #[inline(always)]
-            |i: usize| {
-                on_processor!({
-                    let low = _mm512_castps128_ps512(quarter(i));
-                    let low = _mm512_insertf32x4::<1>(low, quarter(i + 4));
-                    let low = _mm512_insertf32x4::<2>(low, quarter(i + 8));
-                    _mm512_insertf32x4::<3>(low, quarter(i + 12))
-                })
-            },
-        );
-        turned([side(0), side(1), side(2), side(3)]).map(F)
+            |i| awaited.four(i),
+        )
     }
     #[inline(always)]
     fn scatter_parts<const N: usize>(fours: [[F; 4]; N], values: &mut [[[f32; 4]; N]], index: U) {
@@ -199,6 +196,24 @@ impl Float for F {
         four(2);
         four(3);
     }
+}
+
+/// Four floats of each lane, part by part.
+#[inline(always)]
+fn parts(quarter: impl Fn(usize) -> __m128) -> [F; 4] {
+    // Places 0, 4, 8 and 12 side by side, and so on: then each quarter is turned on its own.
+    let side = inlined(
+        #[inline(always)]
+        |i: usize| {
+            on_processor!({
+                let low = _mm512_castps128_ps512(quarter(i));
+                let low = _mm512_insertf32x4::<1>(low, quarter(i + 4));
+                let low = _mm512_insertf32x4::<2>(low, quarter(i + 8));
+                _mm512_insertf32x4::<3>(low, quarter(i + 12))
+            })
+        },
+    );
+    turned([side(0), side(1), side(2), side(3)]).map(F)
 }
 
 /// Rows and columns exchanged within each quarter.

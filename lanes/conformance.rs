@@ -32,6 +32,11 @@ impl Kernel for All<'_> {
         let lane = j.and(L::U::splat(L::WIDTH as u32 - 1));
         let gathered = L::F::gather(&table(), place);
         let parts = L::F::gather_parts(&table_of_parts(), place);
+        // Some past the end.
+        let (awaited_table, beyond) = (table_of_parts(), unsigned(|row| row.j % (TABLE as u32 + 3)));
+        let mut awaited = Awaited::first(&awaited_table);
+        awaited.ask::<L>(beyond);
+        let awaited = L::F::gather_awaited(&awaited);
         let mut scattered = vec![[[0.0; 4]; 1]; L::WIDTH];
         let mut scattered_twos = vec![[[0.0; 4]; 2]; L::WIDTH];
         let backwards = L::U::splat(L::WIDTH as u32 - 1) - L::U::iota();
@@ -66,10 +71,8 @@ impl Kernel for All<'_> {
             unsigneds::<L>(float(|row| convertible(row.a)).to_unsigned()),
             floats::<L>(a.permute(lane)),
             floats::<L>(gathered),
-            {
-                let parts = parts.map(floats::<L>);
-                (0..L::WIDTH).map(|i| joined([0, 1, 2, 3].map(|c| parts[c][i] as u32))).collect()
-            },
+            fours::<L>(parts),
+            fours::<L>(awaited),
             scattered.iter().map(|[parts]| joined(parts.map(f32::to_bits))).collect(),
             scattered_twos
                 .iter()
@@ -155,6 +158,12 @@ fn stored<L: Lanes>(x: L::F) -> Vec<f32> {
     let mut lanes = vec![0.0; L::WIDTH];
     x.store(&mut lanes);
     lanes
+}
+
+/// Fours of floats, lane by lane.
+fn fours<L: Lanes>(parts: [L::F; 4]) -> Vec<Found> {
+    let parts = parts.map(floats::<L>);
+    (0..L::WIDTH).map(|i| joined([0, 1, 2, 3].map(|c| parts[c][i] as u32))).collect()
 }
 
 fn floats<L: Lanes>(x: L::F) -> Vec<Found> {

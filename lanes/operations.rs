@@ -105,14 +105,10 @@ pub trait Float:
     fn gather(values: &[f32], index: <Self::Lanes as Lanes>::U) -> Self;
     /// Lane i of part c is `values[index[i]][c]`; indices as for [`Float::gather`], of at most 2²⁸ values.
     fn gather_parts(values: &[[f32; 4]], index: <Self::Lanes as Lanes>::U) -> [Self; 4];
-    /// Asks for the cache lines of `values[index[i]]` before they are gathered; of an index past the end for none that matters.
+    /// [`Float::gather_parts`] of what was asked for before.
     #[inline(always)]
-    fn prefetch_parts(values: &[[f32; 4]], index: <Self::Lanes as Lanes>::U) {
-        let mut places = [0; WIDTH_MOST];
-        index.store(&mut places);
-        for &place in &places[..<Self::Lanes as Lanes>::WIDTH] {
-            prefetch(values.as_ptr().wrapping_add(place as usize));
-        }
+    fn gather_awaited(awaited: &Awaited<'_>) -> [Self; 4] {
+        Self::gather_parts(awaited.values, awaited.index::<Self::Lanes>())
     }
     /// `values[index[i]][n][c]` becomes lane i of part c of four n; indices as for [`Float::gather`]. Of lanes with one index any
     /// may win.
@@ -192,8 +188,61 @@ pub(super) fn inside<L: Lanes>(index: L::U, length: usize) -> L::U {
 /// Indices into a slice of fours, none past the end and none whose bytes 32 bits do not count.
 #[inline(always)]
 pub(super) fn parts_inside<L: Lanes>(index: L::U, values: &[[f32; 4]]) -> L::U {
-    assert!(values.len() <= 1 << 28, "a gather from {} fours", values.len());
+    last_of_parts(values);
     inside::<L>(index, values.len())
+}
+
+/// The number of the last of a slice of fours whose bytes 32 bits count.
+#[inline(always)]
+fn last_of_parts(values: &[[f32; 4]]) -> u32 {
+    assert!(!values.is_empty() && values.len() <= 1 << 28, "a gather from {} fours", values.len());
+    (values.len() - 1) as u32
+}
+
+/// What is to be gathered later ([`Float::gather_awaited`]), and comes near meanwhile.
+#[repr(align(64))]
+pub struct Awaited<'a> {
+    /// Places in bytes, each of a value.
+    bytes: [u32; WIDTH_MOST],
+    values: &'a [[f32; 4]],
+}
+
+impl<'a> Awaited<'a> {
+    /// The first of some values, of which there is one at least.
+    #[inline(always)]
+    pub fn first(values: &'a [[f32; 4]]) -> Self {
+        last_of_parts(values);
+        Awaited { bytes: [0; WIDTH_MOST], values }
+    }
+
+    /// Asks for `values[index[i]]` in place of what was asked for before; for the last one where an index is past the end. There are
+    /// at most 2²⁸ values.
+    #[inline(always)]
+    pub fn ask<L: Lanes>(&mut self, index: L::U) {
+        let last = last_of_parts(self.values);
+        index.min(L::U::splat(last)).shl::<4>().store(&mut self.bytes);
+        // Read from memory a place is one operation, taken out of a vector two.
+        std::hint::black_box(&mut self.bytes);
+        for &place in &self.bytes[..L::WIDTH] {
+            prefetch(self.values.as_ptr().wrapping_byte_add(place as usize));
+        }
+    }
+
+    /// What is asked for.
+    #[inline(always)]
+    pub fn index<L: Lanes>(&self) -> L::U {
+        L::U::load(&self.bytes).shr::<4>()
+    }
+
+    /// The values of lane `i`; the processor's own way to read four floats.
+    #[cfg(target_arch = "x86_64")]
+    #[inline(always)]
+    pub(super) fn four(&self, i: usize) -> std::arch::x86_64::__m128 {
+        // SAFETY: places are those of values: of the first, or made so by `parts_inside`; every x86-64 has the instruction.
+        unsafe {
+            std::arch::x86_64::_mm_loadu_ps(self.values.as_ptr().byte_add(self.bytes[i] as usize).cast())
+        }
+    }
 }
 
 /// Asks for a cache line before it is needed.

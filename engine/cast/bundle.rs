@@ -1,6 +1,6 @@
 //! Rays of 4 × 4 pixels, side by side, from cell to cell: neighbours, so that they pass the same cells at about the same time.
 //!
-//! Where a ray goes next waits for what it has just read; so two bundles go in turns, and one computes while the other waits.
+//! Where a ray goes next waits for what it has just read; so some bundles go in turns, and others compute while one waits.
 
 use super::entered::Entered;
 use super::way::{Rays, Way};
@@ -17,6 +17,9 @@ const OVERLAP: u32 = 1 << 11;
 
 /// Cells that a ray may pass: more are a circle.
 const PASSED_MOST: usize = 1 << 17;
+
+/// Bundles that go in turns.
+pub(crate) const WAYS: usize = 4;
 
 /// Side of a bundle in pixels.
 const SIDE: usize = 4;
@@ -66,16 +69,9 @@ pub(super) struct Coming {
 }
 
 impl<'a> Bundle<'a> {
-    /// The rays of a bundle of a tile, where they come in.
-    pub fn new(
-        frame: &Frame<'_>,
-        cast: &'a Cast,
-        entered: &'a Entered,
-        number: usize,
-        bounds: Bounds,
-        stretch: &[f32; TILE * TILE],
-    ) -> Bundle<'a> {
-        let mut bundle = Bundle {
+    /// Of a tile; no rays yet.
+    pub fn new(frame: &Frame<'_>, cast: &'a Cast, entered: &'a Entered) -> Bundle<'a> {
+        Bundle {
             cast,
             entered,
             pixels: [0; TILE],
@@ -88,22 +84,29 @@ impl<'a> Bundle<'a> {
             taken: [0; TILE],
             leaving: [0; TILE],
             live: 0,
-            waiting: u32::MAX >> (32 - TILE),
+            waiting: 0,
             slices: 0,
             segments: 0,
             is_lost: false,
-        };
-        let steps = |n: usize| (n << cast.points.pixel_bits) as u32;
+        }
+    }
+
+    /// The rays of a bundle of the tile, where they come in; those before it have ended.
+    pub fn begin(&mut self, number: usize, bounds: Bounds, stretch: &[f32; TILE * TILE]) {
+        (self.waiting, self.slices) = (u32::MAX >> (32 - TILE), 0);
+        (self.taken, self.coming.at) = ([0; TILE], [0; LANES_MOST]);
+        let steps = |n: usize| (n << self.cast.points.pixel_bits) as u32;
         for ray in 0..TILE {
             let pixel = pixel_of(number, ray);
-            bundle.pixels[ray] = pixel as u32;
-            bundle.x[ray] = steps(bounds.left + pixel % TILE);
-            bundle.y[ray] = steps(bounds.top + pixel / TILE);
-            bundle.stretch[ray] = stretch[pixel];
-            bundle.leaving[ray] = entered.leaving(pixel);
-            bundle.come_in(ray);
+            self.pixels[ray] = pixel as u32;
+            self.x[ray] = steps(bounds.left + pixel % TILE);
+            self.y[ray] = steps(bounds.top + pixel / TILE);
+            self.stretch[ray] = stretch[pixel];
+            self.leaving[ray] = self.entered.leaving(pixel);
         }
-        bundle
+        for ray in 0..TILE {
+            self.come_in(ray);
+        }
     }
 
     /// Whether any ray is on its way.
@@ -138,9 +141,13 @@ impl<'a> Bundle<'a> {
     }
 }
 
-/// Fills batches with the next segments of two bundles, slice by slice, with places if the frame wants them; their fragments, none at
+/// Fills batches with the next segments of bundles, slice by slice, with places if the frame wants them; their fragments, none at
 /// the end.
-pub(crate) fn next(frame: &Frame<'_>, bundles: &mut [Bundle<'_>; 2], batches: [&mut Batch; 2]) -> [usize; 2] {
+pub(crate) fn next(
+    frame: &Frame<'_>,
+    bundles: &mut [Bundle<'_>; WAYS],
+    batches: [&mut Batch; WAYS],
+) -> [usize; WAYS] {
     let mut live = false;
     for bundle in bundles.iter_mut().filter(|bundle| bundle.live != 0) {
         bundle.slices += SLICES;
@@ -148,7 +155,7 @@ pub(crate) fn next(frame: &Frame<'_>, bundles: &mut [Bundle<'_>; 2], batches: [&
         live = true;
     }
     if !live || bundles.iter().any(|bundle| bundle.is_lost) {
-        return [0; 2];
+        return [0; WAYS];
     }
     let places = frame.ends.is_some() || frame.shader.surface.is_some();
     match (frame.view.perspective, frame.attribute_count) {
@@ -162,57 +169,66 @@ pub(crate) fn next(frame: &Frame<'_>, bundles: &mut [Bundle<'_>; 2], batches: [&
 }
 
 struct Go<'a, 'b, const PERSPECTIVE: bool, const N: usize> {
-    bundles: &'a mut [Bundle<'b>; 2],
+    bundles: &'a mut [Bundle<'b>; WAYS],
     places: bool,
-    batches: [&'a mut Batch; 2],
+    batches: [&'a mut Batch; WAYS],
 }
 
 impl<const PERSPECTIVE: bool, const N: usize> Kernel for Go<'_, '_, PERSPECTIVE, N> {
-    type Output = [usize; 2];
+    type Output = [usize; WAYS];
 
     #[inline(always)]
-    fn run<L: Lanes>(self) -> [usize; 2] {
-        let Go { bundles, places, batches: [batch_0, batch_1] } = self;
-        let mut most = [0; 2];
-        let mut ends = [[0; 4]; 2];
+    fn run<L: Lanes>(self) -> [usize; WAYS] {
+        let Go { bundles, places, mut batches } = self;
+        let mut most = [0; WAYS];
+        let mut ends = [[0; 4]; WAYS];
         for (number, half) in (0..TILE).step_by(L::WIDTH).enumerate() {
-            let [bundle_0, bundle_1] = &mut *bundles;
-            let mut way_0 = Way::<L, PERSPECTIVE, N>::begin(bundle_0, half, places);
-            let mut way_1 = Way::<L, PERSPECTIVE, N>::begin(bundle_1, half, places);
-            while way_0.goes_on() && way_1.goes_on() {
-                // In turns, so that what one waits for is covered by what the other does.
-                let (record_0, record_1) = (way_0.read(), way_1.read());
-                let (fourth_0, fourth_1) = (way_0.fourth(record_0[0]), way_1.fourth(record_1[0]));
-                let (choice_0, choice_1) =
-                    (way_0.choose(record_0, &fourth_0), way_1.choose(record_1, &fourth_1));
-                way_0.go(fourth_0, choice_0, batch_0);
-                way_1.go(fourth_1, choice_1, batch_1);
-                way_0.turn();
-                way_1.turn();
-            }
-            for (way, batch) in [(&mut way_0, &mut *batch_0), (&mut way_1, &mut *batch_1)] {
-                while way.goes_on() {
-                    let record = way.read();
-                    let fourth = way.fourth(record[0]);
-                    let choice = way.choose(record, &fourth);
-                    way.go(fourth, choice, batch);
-                    way.turn();
+            let [bundle_0, bundle_1, bundle_2, bundle_3] = &mut *bundles;
+            let mut ways = [
+                Way::<L, PERSPECTIVE, N>::begin(bundle_0, half, places),
+                Way::<L, PERSPECTIVE, N>::begin(bundle_1, half, places),
+                Way::<L, PERSPECTIVE, N>::begin(bundle_2, half, places),
+                Way::<L, PERSPECTIVE, N>::begin(bundle_3, half, places),
+            ];
+            // In turns, so that what one waits for is covered by what the others do.
+            let mut goes_on = true;
+            while goes_on {
+                goes_on = false;
+                let mut k = 0;
+                while k < WAYS {
+                    let way = &mut ways[k];
+                    if way.goes_on() {
+                        goes_on = true;
+                        let record = way.read();
+                        let fourth = way.fourth(record[0]);
+                        let choice = way.choose(record, &fourth);
+                        way.go(fourth, choice, &mut batches[k]);
+                        way.turn();
+                    }
+                    k += 1;
                 }
-                way.end();
             }
-            for (k, way) in [way_0, way_1].iter().enumerate() {
-                ends[k][number] = way.slice;
-                most[k] = most[k].max(way.slice);
+            let mut k = 0;
+            while k < WAYS {
+                ways[k].end();
+                ends[k][number] = ways[k].slice;
+                most[k] = most[k].max(ways[k].slice);
+                k += 1;
             }
         }
         // Where some lanes end sooner.
         for (number, half) in (0..TILE).step_by(L::WIDTH).enumerate() {
-            for (k, batch) in [&mut *batch_0, &mut *batch_1].into_iter().enumerate() {
+            for (k, batch) in batches.iter_mut().enumerate() {
                 for slice in ends[k][number]..most[k] {
                     L::F::splat(0.0).store(&mut batch.length[slice * TILE + half..]);
                 }
             }
         }
-        [most[0] * TILE, most[1] * TILE]
+        let mut k = 0;
+        while k < WAYS {
+            most[k] *= TILE;
+            k += 1;
+        }
+        most
     }
 }

@@ -9,7 +9,7 @@ use super::sides::{At, clockwise, turn};
 use crate::fragments::batch::{Batch, LANES_MOST};
 use crate::project::record::TILE;
 use crate::shade::along::lanes_of;
-use voltet_lanes::{Float, Lanes, Mask, Unsigned, array, inlined};
+use voltet_lanes::{Awaited, Float, Lanes, Mask, Unsigned, array, inlined};
 
 /// Where rays are: ray by ray. Of three corners of a face the places relative to the ray, depths and attributes.
 pub(super) struct Rays {
@@ -52,7 +52,8 @@ pub(super) struct Way<'a, 'b, L: Lanes, const PERSPECTIVE: bool, const N: usize>
     bundle: &'a mut Bundle<'b>,
     half: usize,
     places: bool,
-    records: &'b [[f32; 4]],
+    /// What is known of the half-faces that rays came in by.
+    records: Awaited<'b>,
     points: &'b Points,
     first: &'b [[f32; 4]],
     further: &'b [[f32; 4]],
@@ -63,7 +64,8 @@ pub(super) struct Way<'a, 'b, L: Lanes, const PERSPECTIVE: bool, const N: usize>
     /// What each comes to next, as [`super::half_faces::HalfFaces::records`] have it.
     next: L::U,
     pub slice: usize,
-    segments: u64,
+    /// Segments of each ray that were found.
+    segments: L::U,
 }
 
 /// [`Rays`] in registers.
@@ -72,7 +74,6 @@ struct Here<L: Lanes, const N: usize> {
     depth: [L::U; 3],
     values: [[L::F; 3]; N],
     turns: [L::F; 3],
-    half_face: L::U,
     turned: L::U,
     at: L::U,
     distance: L::F,
@@ -127,7 +128,6 @@ impl<L: Lanes, const N: usize> Here<L, N> {
                 #[inline(always)]
                 |k| float(&rays.turns[k]),
             ),
-            half_face: unsigned(&rays.half_face),
             turned: unsigned(&rays.turned),
             at: unsigned(&rays.at),
             distance: float(&rays.distance),
@@ -149,7 +149,6 @@ impl<L: Lanes, const N: usize> Here<L, N> {
                 self.values[a][k].store(&mut rays.values[a][k][half..]);
             }
         }
-        self.half_face.store(&mut rays.half_face[half..]);
         self.turned.store(&mut rays.turned[half..]);
         self.at.store(&mut rays.at[half..]);
         self.distance.store(&mut rays.distance[half..]);
@@ -165,7 +164,7 @@ impl<'a, 'b, L: Lanes, const PERSPECTIVE: bool, const N: usize> Way<'a, 'b, L, P
         let mine = u32::MAX >> (32 - L::WIDTH);
         let points = &bundle.cast.points;
         let mut way = Way {
-            records: &bundle.cast.half_faces.records,
+            records: Awaited::first(&bundle.cast.half_faces.records),
             points,
             first: &points.fours[0],
             further: points.fours.get(1).map_or(&[], Vec::as_slice),
@@ -175,11 +174,12 @@ impl<'a, 'b, L: Lanes, const PERSPECTIVE: bool, const N: usize> Way<'a, 'b, L, P
             any_live: bundle.live >> half & mine != 0,
             next: L::U::splat(0),
             slice: 0,
-            segments: 0,
+            segments: L::U::splat(0),
             bundle,
             half,
             places,
         };
+        way.records.ask::<L>(L::U::load(&way.bundle.rays.half_face[half..]));
         let waiting = way.bundle.waiting >> half & mine;
         if waiting != 0 {
             way.bundle.waiting &= !(mine << half);
@@ -196,13 +196,16 @@ impl<'a, 'b, L: Lanes, const PERSPECTIVE: bool, const N: usize> Way<'a, 'b, L, P
     #[inline(always)]
     pub fn end(&mut self) {
         self.here.store(&mut self.bundle.rays, self.half);
-        self.bundle.segments += self.segments;
+        self.records.index::<L>().store(&mut self.bundle.rays.half_face[self.half..]);
+        let mut segments = [0; LANES_MOST];
+        self.segments.store(&mut segments);
+        self.bundle.segments += segments.iter().copied().map(u64::from).sum::<u64>();
     }
 
     /// What is known of the half-faces that rays came in by: the corner opposite, and what may come next.
     #[inline(always)]
     pub fn read(&self) -> [L::U; 4] {
-        let words = L::F::gather_parts(self.records, self.here.half_face);
+        let words = L::F::gather_awaited(&self.records);
         array(
             #[inline(always)]
             |k| words[k].to_bits(),
@@ -259,8 +262,7 @@ impl<'a, 'b, L: Lanes, const PERSPECTIVE: bool, const N: usize> Way<'a, 'b, L, P
             L::U::select(slot.equal(L::U::splat(1)), next_1, next_2),
         );
         here.turned = modulo(here.turned + next.and(L::U::splat((1 << TURN_BITS) - 1)));
-        here.half_face = next.shr::<TURN_BITS>();
-        L::F::prefetch_parts(records, here.half_face);
+        records.ask::<L>(next.shr::<TURN_BITS>());
         self.next = next;
         Choice { without_0, without_1, without_2, turns }
     }
@@ -333,7 +335,8 @@ impl<'a, 'b, L: Lanes, const PERSPECTIVE: bool, const N: usize> Way<'a, 'b, L, P
             depth_of(here.at, here.distance).store(&mut batch.entry[place..]);
             depth_of(at, distance).store(&mut batch.exit[place..]);
         }
-        self.segments += u64::from(zero.lt(length).and(live).bits().count_ones());
+        let is_one = zero.lt(length).and(live);
+        self.segments = L::U::select(is_one, self.segments + L::U::splat(1), self.segments);
         (here.at, here.distance, here.value) = (at, distance, out);
         self.slice += 1;
     }
@@ -410,7 +413,7 @@ impl<'a, 'b, L: Lanes, const PERSPECTIVE: bool, const N: usize> Way<'a, 'b, L, P
             here.value[a] = L::F::select(entered, mean.of(values, values[2]), here.value[a]);
             a += 1;
         }
-        here.half_face = L::U::select(entered, half_face, here.half_face);
+        self.records.ask::<L>(L::U::select(entered, half_face, self.records.index::<L>()));
         here.turned = L::U::select(entered, L::U::splat(0), here.turned);
         here.at = L::U::select(entered, at, here.at);
         here.distance = L::F::select(entered, mean.distance, here.distance);

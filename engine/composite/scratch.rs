@@ -1,5 +1,6 @@
 //! What a worker draws a tile with, and where the tile is.
 
+use crate::cast::bundle::WAYS;
 use crate::cast::entered::Entered;
 use crate::composite::front_to_back::Shading;
 use crate::composite::slabs::Slabs;
@@ -19,9 +20,9 @@ pub(crate) struct Scratch {
     pub stretch: [f32; TILE * TILE],
     pub shading: Shading,
     pub slabs: Slabs,
-    /// Where rays go from cell to cell: where they come in, and segments of further ones.
+    /// Where rays go from cell to cell: where they come in, and segments of bundles beside the first.
     pub entered: Entered,
-    pub second: Batch,
+    pub further: [Batch; WAYS - 1],
     pub counts: WorkerCounts,
 }
 
@@ -35,7 +36,7 @@ impl Scratch {
             shading: Shading::new(frame),
             slabs: Slabs::default(),
             entered: Entered::default(),
-            second: Batch::new(frame.attribute_count, frame.scalar_count),
+            further: std::array::from_fn(|_| Batch::new(frame.attribute_count, frame.scalar_count)),
             counts: WorkerCounts::default(),
         }
     }

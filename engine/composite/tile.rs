@@ -1,7 +1,7 @@
 //! One tile: its cells to segments, in lists that are put in order or as they come, and these to pixels.
 
 use crate::cast::Cast;
-use crate::cast::bundle::{Bundle, next, pixel_of};
+use crate::cast::bundle::{Bundle, WAYS, next, pixel_of};
 use crate::composite::cells::{list, list64, walk};
 use crate::composite::front_to_back::{ListSlices, Slices};
 use crate::composite::growing_lists::GrowingLists;
@@ -74,21 +74,26 @@ pub(crate) fn cast_tile(
 ) -> bool {
     let bounds @ Bounds { left, top, size, .. } = Bounds::of(frame, tile);
     scratch.begin(frame, bounds);
-    let Scratch { shading, entered, second, stretch, counts, .. } = scratch;
+    let Scratch { shading, entered, further, stretch, counts, .. } = scratch;
     entered.find(cast, frame.lanes, tile, [left, top], size);
     let opacities = frame.shader.surface.is_some();
     let (mut rows, mut depth) = (Rows::new(), [0.0; TILE * TILE]);
-    let (mut segments, mut on_way, mut stopped) = (0, 0, 0);
-    for first in (0..TILE).step_by(2) {
-        let mut bundles =
-            [first, first + 1].map(|number| Bundle::new(frame, cast, entered, number, bounds, stretch));
+    let (mut on_way, mut stopped) = (0, 0);
+    let mut bundles: [Bundle<'_>; WAYS] = std::array::from_fn(|_| Bundle::new(frame, cast, entered));
+    for first in (0..TILE).step_by(WAYS) {
+        bundles.iter_mut().zip(first..).for_each(|(bundle, number)| bundle.begin(number, bounds, stretch));
         on_way += bundles.iter().filter(|bundle| bundle.goes_on()).count();
         loop {
-            let found = next(frame, &mut bundles, [&mut shading.batch, second]);
-            if found == [0; 2] {
+            let [batch_1, batch_2, batch_3] = &mut *further;
+            let found = next(frame, &mut bundles, [&mut shading.batch, batch_1, batch_2, batch_3]);
+            if found == [0; WAYS] {
                 break;
             }
-            for ((number, bundle), count) in (first..).zip(&mut bundles).zip(found) {
+            for ((k, bundle), count) in bundles.iter_mut().enumerate().zip(found) {
+                let number = first + k;
+                if k > 0 {
+                    std::mem::swap(&mut shading.batch, &mut further[k - 1]);
+                }
                 if count > 0 {
                     let is_full = if frame.shader.one_color.is_some() {
                         let mut sums = RowSums { sums: &mut depth, opacities };
@@ -103,10 +108,8 @@ pub(crate) fn cast_tile(
                         stopped += 1;
                     }
                 }
-                std::mem::swap(&mut shading.batch, second);
             }
         }
-        segments += bundles.iter().map(|bundle| bundle.segments).sum::<u64>();
         if bundles.iter().any(|bundle| bundle.is_lost) {
             shading.end(frame, &mut rows);
             return false;
@@ -116,7 +119,7 @@ pub(crate) fn cast_tile(
         }
     }
     shading.end(frame, &mut rows);
-    counts.segments += segments;
+    counts.segments += bundles.iter().map(|bundle| bundle.segments).sum::<u64>();
     counts.tiles_stopped += u64::from(on_way > 0 && stopped == on_way);
     for place in 0..TILE * TILE {
         let pixel = &mut picture[pixel_of(place / TILE, place % TILE)];

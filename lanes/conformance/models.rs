@@ -74,7 +74,7 @@ pub(super) fn larger<T: PartialOrd>(a: T, b: T) -> T {
 
 /// Name, meaning, and a fault that the inputs must show.
 #[rustfmt::skip]
-pub(super) const OPERATIONS: [(&str, Model, Model); 51] = [
+pub(super) const OPERATIONS: [(&str, Model, Model); 52] = [
     ("splat", |_, _| bits(2.5), |_, l| bits(if l == 0 { 2.5 } else { 0.0 })),
     ("load and store", |v, l| bits(v[l].a), |v, l| bits(v[l ^ 1].a)),
     ("+", |v, l| number(v[l].a + v[l].b), |v, l| number(v[l].a - -v[l].b + 0.0)),
@@ -97,6 +97,7 @@ pub(super) const OPERATIONS: [(&str, Model, Model); 51] = [
     ("permute", |v, l| bits(v[v[l].j as usize % v.len()].a), |v, l| bits(v[(v[l].j as usize + 1) % v.len()].a)),
     ("gather", |v, l| bits(table()[v[l].j as usize % TABLE]), |v, l| bits(table()[v[l].j as usize % TABLE / 2])),
     ("gather_parts", |v, l| joined(of_part(v[l].j as usize % TABLE)), |v, l| joined(of_part(v[l ^ 1].j as usize % TABLE))),
+    ("gather_awaited", |v, l| joined(of_part((v[l].j as usize % (TABLE + 3)).min(TABLE - 1))), |v, l| joined(of_part(v[l].j as usize % (TABLE + 3) % TABLE))),
     ("scatter_parts", |v, l| joined(parts_of(&v[v.len() - 1 - l])), |v, l| joined(parts_of(&v[l]))),
     ("scatter_parts of two fours", |v, l| joined(twos_of(&v[v.len() - 1 - l])), |v, l| joined(parts_of(&v[v.len() - 1 - l]).repeat(2))),
     ("unsigned splat", |_, _| 0x9000_0001, |_, _| 0x1000_0001),

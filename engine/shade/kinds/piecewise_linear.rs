@@ -8,7 +8,7 @@ use voltet_core::transfer::ControlPoint;
 use voltet_lanes::optics::elementary::one_minus_exp;
 use voltet_lanes::optics::linear::{DEEPEST, deep_piece_weights, piece_weights};
 use voltet_lanes::optics::piecewise_linear::LanePoints;
-use voltet_lanes::{Float, Lanes, Mask, array};
+use voltet_lanes::{Float, Lanes, Mask, array, inlined};
 
 /// Most control points a lane table holds; longer functions use the gathers.
 const TABLE_MOST: usize = 1024;
@@ -176,13 +176,21 @@ impl<L: Lanes> Tables<'_, L> {
         let (mut k, last) = (self.linear.interval::<L>(front), self.linear.interval::<L>(back));
         let rising = front.lt(back);
         let step = L::F::select(rising, splat(1.0), splat(-1.0));
-        let span = (back - front).abs();
-        let per_scalar = splat(1.0) / span.max(splat(f32::MIN_POSITIVE));
+        let within_one = inlined(
+            #[inline(always)]
+            |k: L::F| k.le(last).and(last.le(k)).or(along.crossing.not()),
+        );
+        // Most vectors lie within one interval each, and shares of theirs are not asked for.
+        let per_scalar = if within_one(k).not().any() {
+            splat(1.0) / (back - front).abs().max(splat(f32::MIN_POSITIVE))
+        } else {
+            splat(0.0)
+        };
         let mut from = front;
         let mut whole = splat(1.0);
         // As many rounds as there are intervals: ends that are not numbers never meet.
         for _ in 0..=self.linear.count {
-            let ends = k.le(last).and(last.le(k)).or(along.crossing.not());
+            let ends = within_one(k);
             let index = k.to_unsigned();
             if ends.not().bits() == 0 {
                 // A segment within one interval has share 1 exactly, also when its ends coincide.
