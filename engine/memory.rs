@@ -3,7 +3,7 @@
 use crate::cast::{CELLS_MOST as CAST_MOST, OF_CELL as CAST_OF_CELL};
 use crate::cells::MOST_AT_ONCE;
 use crate::project::record::{AttributeRecord, Record, TILE};
-use crate::sample::cells_of_window;
+use crate::sample::{LOST_AT_ONCE, cells_of_window};
 use crate::view::Seen;
 
 /// Tiles that a cell touches, on average over the grids that were measured (1 to 3): a number of 4 bytes each.
@@ -40,26 +40,29 @@ pub(crate) fn drawing_bytes_of(
     let pixels = u64::from(width) * u64::from(height);
     let tiles = u64::from(width).div_ceil(of(TILE)) * u64::from(height).div_ceil(of(TILE));
     let threads = of(rayon::current_num_threads());
-    let by_cell = if cells <= of(most_at_once) {
-        // In each part that is projected by itself a place for each tile.
-        let places = tiles.saturating_mul((threads * 4).min(256)).saturating_mul(number);
-        cells.saturating_mul(projected).saturating_add(places)
-    } else {
-        // A window cannot be less than a tile.
-        let window = (2 * of(cells_of_window(most_at_once))).max(cells / tiles.max(1)).min(cells);
-        let listed = (cells as f64 * WINDOWS_OF_CELL * number as f64) as u64;
-        listed.saturating_add(threads.saturating_mul(window).saturating_mul(projected))
+    let by_cell = |most_at_once: usize| {
+        if cells <= of(most_at_once) {
+            // In each part that is projected by itself a place for each tile.
+            let places = tiles.saturating_mul((threads * 4).min(256)).saturating_mul(number);
+            cells.saturating_mul(projected).saturating_add(places)
+        } else {
+            // A window cannot be less than a tile.
+            let window = (2 * of(cells_of_window(most_at_once))).max(cells / tiles.max(1)).min(cells);
+            let listed = (cells as f64 * WINDOWS_OF_CELL * number as f64) as u64;
+            listed.saturating_add(threads.saturating_mul(window).saturating_mul(projected))
+        }
     };
     // Where rays go from cell to cell: half-faces, the faces that cells share, places of cells; the points in steps.
-    let by_cell = if cells <= of(CAST_MOST) {
+    let drawn = if cells <= of(CAST_MOST) {
         let fours = 1 + attributes.saturating_sub(1).div_ceil(4);
         let points = points.saturating_mul(fours).saturating_mul(of(size_of::<[f32; 4]>()));
         // Beside them projected cells for tiles where rays are lost.
-        by_cell.saturating_add(cells.saturating_mul(CAST_OF_CELL)).saturating_add(points)
+        let cast = cells.saturating_mul(CAST_OF_CELL).saturating_add(points);
+        by_cell(most_at_once).max(cast.saturating_add(by_cell(most_at_once.min(LOST_AT_ONCE))))
     } else {
-        by_cell
+        by_cell(most_at_once)
     };
-    by_cell
+    drawn
         .saturating_add(cells.saturating_mul(KNOWN_OF_CELL))
         .saturating_add(points.saturating_mul(of(size_of::<Seen>())))
         .saturating_add(pixels * of(size_of::<[f32; 4]>()))

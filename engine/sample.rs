@@ -26,6 +26,9 @@ use voltet_lanes::prefetch;
 /// Windows that hold as many cells as are projected at once.
 const WINDOWS_AT_ONCE: usize = 8;
 
+/// Cells that are projected at once for tiles where rays are lost.
+pub(crate) const LOST_AT_ONCE: usize = 1 << 17;
+
 /// Cells that a window should hold.
 pub(crate) fn cells_of_window(most_at_once: usize) -> usize {
     (most_at_once / WINDOWS_AT_ONCE).max(1)
@@ -96,13 +99,13 @@ pub(crate) struct Frame<'a> {
 }
 
 impl Projected {
-    /// Projects the kept cells for an area, or tells them apart by windows of it.
+    /// Projects the kept cells for an area, or tells them apart by windows of it where they are more than so many.
     ///
     /// Errors: those of [`Tiles::fill_on_all`].
-    fn new(cells: &Cells, input: &Input<'_>) -> Result<Projected> {
+    fn new(cells: &Cells, input: &Input<'_>, most_at_once: usize) -> Result<Projected> {
         let (kept, lanes, points) = (cells.kept.as_slice(), cells.lanes, &cells.volume.grid.points);
-        if cells.most_at_once < kept.len() {
-            let wished = cells_of_window(cells.most_at_once);
+        if most_at_once < kept.len() {
+            let wished = cells_of_window(most_at_once);
             return Ok(Projected::InWindows(Windows::of(input, lanes, points, kept, wished)));
         }
         let mut tiles = cells.spare.tiles.take();
@@ -142,7 +145,7 @@ impl Sample {
 
         let projected = match Cast::of(cells, &view, &seen, attributes, densest, limits) {
             Some(cast) => Projected::Cast(cast),
-            None => Projected::new(cells, &input)?,
+            None => Projected::new(cells, &input, cells.most_at_once)?,
         };
         if progress.cancelled() {
             return Err(Error::cancelled());
@@ -167,13 +170,13 @@ impl Sample {
         })
     }
 
-    /// The same view with cells projected for some tiles, where rays do not serve: as many at once as without rays.
+    /// The same view with cells projected for some tiles, where rays do not serve: few at a time, since what rays go by is there, too.
     ///
     /// Errors: those of [`Tiles::fill_on_all`].
     pub fn by_cells(&self, cells: &Cells, attributes: &[Attribute<'_>], tiles: &[u32]) -> Result<Sample> {
         let grid = &cells.volume.grid;
         let input = self.input(grid, attributes, Area::around(self.view.size, tiles));
-        let mut projected = Projected::new(cells, &input)?;
+        let mut projected = Projected::new(cells, &input, cells.most_at_once.min(LOST_AT_ONCE))?;
         if let Projected::InWindows(windows) = &mut projected {
             windows.retain(tiles, self.view.size[0].div_ceil(TILE));
         }

@@ -146,21 +146,24 @@ impl<L: Lanes> Near<L> {
         let splat = L::F::splat;
         let middle = exp_down::<L>(self.middle_squared);
         let twice = self.product.abs().mul_add(splat(2.0), self.length_squared);
-        let beyond = inlined(
+        let within = inlined(
             #[inline(always)]
-            |most: f32| twice.le(splat(2.0 * most)).not().and(wanted).any(),
+            |most: f32| twice.le(splat(2.0 * most)),
         );
-        if !beyond(FIVE_MOST) {
-            return middle * self.five_terms();
+        // Each lane by the terms that its own path wants, whatever the others are.
+        let mut terms = self.five_terms();
+        if !within(FIVE_MOST).not().and(wanted).any() {
+            return middle * terms;
         }
-        if !beyond(NINE_MOST) {
-            return middle * self.nine_terms();
+        terms = L::F::select(within(FIVE_MOST), terms, self.nine_terms());
+        if !within(NINE_MOST).not().and(wanted).any() {
+            return middle * terms;
         }
-        let near = middle * self.all_terms();
-        if !beyond(NEAR_MOST) {
+        let near = middle * L::F::select(within(NINE_MOST), terms, self.all_terms());
+        if !within(NEAR_MOST).not().and(wanted).any() {
             return near;
         }
-        L::F::select(twice.le(splat(2.0 * NEAR_MOST)), near, path().far_mean())
+        L::F::select(within(NEAR_MOST), near, path().far_mean())
     }
 
     /// The mean of e^(r u²) cosh(p u) over u ∈ [0, 1], r = −¼ d², as Σ r^i p^(2j)/(i! (2j)! (2 (i + j) + 1)): with |p| − 2 r ≤ 1

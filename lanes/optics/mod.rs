@@ -12,6 +12,7 @@
 //! | waves: T/(ρ₀ D) | [`wave::LaneBell::mean`]`(φ_f, φ_b)` | [`wave::LanePhase`]: nearest foot and offset |
 //! | the same within one band, with its shape | [`wave::LaneBell::shape`]`(φ_f, φ_b, ρ₀ D)` | the same |
 //! | linear piece | [`linear::piece_weights`] | (ρ_f D, ρ_b D), at most 1 |
+//! | the same, deeper | [`linear::middling_piece_weights`] | (ρ_f D, ρ_b D), one of them at least 1, at most 4 |
 //! | the same, deep | [`linear::deep_piece_weights`] | (ρ_f D, ρ_b D), one of them at least 1 |
 //! | the same by the table | [`partial_table::LanePartialTable`] | (ρ_f D, ρ_b D) |
 //! | linear extinction and linear emission: (F, B) | [`linear::front_back`] | (ρ_f D, ρ_b D) |

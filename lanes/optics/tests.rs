@@ -3,7 +3,7 @@
 use super::clip::LaneStretch;
 use super::elementary::{dawson, erfcx, exp, mean_transparency, one_minus_exp, power};
 use super::gaussian::{LaneGaussianPath, LaneGaussianSteps, LaneGaussianTrack, mean_profile};
-use super::linear::{deep_piece_weights, front_back, piece_weights};
+use super::linear::{deep_piece_weights, front_back, middling_piece_weights, piece_weights};
 use super::overlap::{AnyLaneTrack, LaneMember, ordered};
 use super::piecewise_linear::{LanePiecewiseTrack, LanePoints};
 use super::triangular_gaussian::{self, LaneTriangularPath, LaneTriangularTrack};
@@ -33,6 +33,8 @@ enum Formula {
     PieceBack,
     PieceOpacity,
     /// The same of a deep one.
+    MiddlingPieceFront,
+    MiddlingPieceBack,
     DeepPieceFront,
     DeepPieceBack,
     DeepPieceOpacity,
@@ -73,6 +75,9 @@ struct Twin {
 const SHALLOW: Range = Range::Log(-12.0, 0.0);
 /// A piece that is deep at one end, and what the other may be.
 const DEEP: Range = Range::Log(0.0, 6.0);
+/// From 1 to 4, and up to that.
+const MIDDLING: Range = Range::Log(0.0, 0.602);
+const UNDER_MIDDLING: Range = Range::Log(-3.0, 0.602);
 const SIZE: Range = Range::Log(-6.0, 6.0);
 /// By which part the one end is deeper.
 const TILT: Range = Range::Log(-9.0, 0.0);
@@ -86,7 +91,7 @@ const INSIDE: Range = Range::Even(0.1, 1.0);
 const OUTSIDE: Range = Range::Even(-1.0, 0.0);
 
 #[rustfmt::skip]
-const TWINS: [Twin; 38] = [
+const TWINS: [Twin; 42] = [
     Twin { formula: Formula::Exp, inputs: &[Range::Even(-87.0, 87.0)], tolerance: 1.0, reason: "2 ulp" },
     Twin { formula: Formula::Opacity, inputs: &[Range::Log(-30.0, 2.0)], tolerance: 1.0, reason: "3 ulp" },
     Twin { formula: Formula::MeanTransparency, inputs: &[Range::Log(-30.0, 2.0)], tolerance: 1.0, reason: "4 ulp" },
@@ -98,6 +103,10 @@ const TWINS: [Twin; 38] = [
     Twin { formula: Formula::PieceBack, inputs: &[SHALLOW, SHALLOW], tolerance: 1.0, reason: "what the front leaves of the opacity" },
     Twin { formula: Formula::PieceOpacity, inputs: &[SHALLOW, SHALLOW], tolerance: 1.0, reason: "3 ulp" },
     Twin { formula: Formula::Dawson, inputs: &[SIZE], tolerance: 3.0, reason: "18 terms of both signs: 2e-6" },
+    Twin { formula: Formula::MiddlingPieceFront, inputs: &[UNDER_MIDDLING, MIDDLING], tolerance: 4.0, reason: "ψ within 3e-7, 1 − ψ over ¼" },
+    Twin { formula: Formula::MiddlingPieceFront, inputs: &[MIDDLING, UNDER_MIDDLING], tolerance: 4.0, reason: "the same" },
+    Twin { formula: Formula::MiddlingPieceBack, inputs: &[UNDER_MIDDLING, MIDDLING], tolerance: 4.0, reason: "the same" },
+    Twin { formula: Formula::MiddlingPieceBack, inputs: &[MIDDLING, UNDER_MIDDLING], tolerance: 4.0, reason: "the same" },
     Twin { formula: Formula::DeepPieceFront, inputs: &[SIZE, DEEP], tolerance: 4.0, reason: "ψ within 5e-7, 1 − ψ over ¼" },
     Twin { formula: Formula::DeepPieceFront, inputs: &[DEEP, SIZE], tolerance: 4.0, reason: "the same" },
     Twin { formula: Formula::DeepPieceBack, inputs: &[SIZE, DEEP], tolerance: 4.0, reason: "the same" },
@@ -162,6 +171,8 @@ fn exact(formula: Formula, x: &[f64; INPUTS]) -> f64 {
         Formula::PieceFront => linear::emission_weights(x[0], x[1]).0,
         Formula::PieceBack => linear::emission_weights(x[0], x[1]).1,
         Formula::PieceOpacity => special::opacity(0.5 * (x[0] + x[1])),
+        Formula::MiddlingPieceFront => linear::emission_weights(x[0], x[1]).0,
+        Formula::MiddlingPieceBack => linear::emission_weights(x[0], x[1]).1,
         Formula::DeepPieceFront => linear::emission_weights(x[0], x[1]).0,
         Formula::DeepPieceBack => linear::emission_weights(x[0], x[1]).1,
         Formula::DeepPieceOpacity => special::opacity(0.5 * (x[0] + x[1])),
@@ -367,6 +378,12 @@ fn values(formula: Formula, lanes: LaneSet, inputs: &[[f64; INPUTS]]) -> Vec<f32
         Formula::PieceFront => twin_on_lanes!(call, |L, x, _| piece_weights::<L>(x[0], x[1]).0),
         Formula::PieceBack => twin_on_lanes!(call, |L, x, _| piece_weights::<L>(x[0], x[1]).1),
         Formula::PieceOpacity => twin_on_lanes!(call, |L, x, _| piece_weights::<L>(x[0], x[1]).2),
+        Formula::MiddlingPieceFront => {
+            twin_on_lanes!(call, |L, x, _| middling_piece_weights::<L>(x[0], x[1]).0)
+        }
+        Formula::MiddlingPieceBack => {
+            twin_on_lanes!(call, |L, x, _| middling_piece_weights::<L>(x[0], x[1]).1)
+        }
         Formula::DeepPieceFront => twin_on_lanes!(call, |L, x, _| deep_piece_weights::<L>(x[0], x[1]).0),
         Formula::DeepPieceBack => twin_on_lanes!(call, |L, x, _| deep_piece_weights::<L>(x[0], x[1]).1),
         Formula::DeepPieceOpacity => twin_on_lanes!(call, |L, x, _| deep_piece_weights::<L>(x[0], x[1]).2),

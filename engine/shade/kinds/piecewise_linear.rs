@@ -6,7 +6,9 @@ use crate::attribute::Attribute;
 use crate::shade::along::Along;
 use voltet_core::transfer::ControlPoint;
 use voltet_lanes::optics::elementary::one_minus_exp;
-use voltet_lanes::optics::linear::{DEEPEST, deep_piece_weights, piece_weights};
+use voltet_lanes::optics::linear::{
+    DEEPEST, MIDDLING, deep_piece_weights, middling_piece_weights, piece_weights,
+};
 use voltet_lanes::optics::piecewise_linear::LanePoints;
 use voltet_lanes::{Float, Lanes, Mask, array, inlined};
 
@@ -209,7 +211,7 @@ impl<L: Lanes> Tables<'_, L> {
         }
     }
 
-    /// Premultiplied colour and opacity, and the lanes whose colour stays unknown: those with a piece deeper than 1 where so few of a
+    /// Premultiplied colour and opacity, and the lanes whose colour stays unknown: those with a piece deeper than [`MIDDLING`] where so few of a
     /// vector are that they are better served with others of their kind (never if `DEEP`), and those with one deeper than the twins
     /// serve.
     #[inline(always)]
@@ -232,25 +234,30 @@ impl<L: Lanes> Tables<'_, L> {
                 let deep = one.lt(most);
                 let (front, back, opacity) = if !deep.any() {
                     piece_weights::<L>(a, b)
-                } else if !DEEP && deep.bits().count_ones() < FEW_DEEP * L::WIDTH as u32 / 16 {
-                    unknown |= deep.bits();
-                    let (front, back, opacity) = piece_weights::<L>(a.min(one), b.min(one));
-                    (front, back, L::F::select(deep, one_minus_exp::<L>((a + b) * splat(0.5)), opacity))
                 } else {
-                    let weights = deep_piece_weights::<L>(a, b);
-                    let mut weights = [weights.0, weights.1, weights.2];
+                    // Each lane by the form that is its own, whatever the others are.
+                    let mut weights = [zero; 3];
                     if deep.not().and(zero.lt(most)).any() {
-                        let shallow = piece_weights::<L>(a.min(one), b.min(one));
-                        let shallow = [shallow.0, shallow.1, shallow.2];
-                        weights = array(
-                            #[inline(always)]
-                            |i| L::F::select(deep, weights[i], shallow[i]),
-                        );
+                        let (front, back, opacity) = piece_weights::<L>(a.min(one), b.min(one));
+                        weights = [front, back, opacity];
+                    }
+                    let deeper = splat(MIDDLING).lt(most);
+                    let mut take = inlined(
+                        #[inline(always)]
+                        |lanes: L::M, (front, back, opacity): (L::F, L::F, L::F)| {
+                            for (weight, own) in weights.iter_mut().zip([front, back, opacity]) {
+                                *weight = L::F::select(lanes, own, *weight);
+                            }
+                        },
+                    );
+                    if deep.and(deeper.not()).any() {
+                        take(deep.and(deeper.not()), middling_piece_weights::<L>(a, b));
+                    }
+                    if !DEEP && deeper.bits().count_ones() < FEW_DEEP * L::WIDTH as u32 / 16 {
+                        unknown |= deeper.bits();
+                        take(deeper, (zero, zero, one_minus_exp::<L>((a + b) * splat(0.5))));
                     } else {
-                        weights = array(
-                            #[inline(always)]
-                            |i| L::F::select(deep, weights[i], zero),
-                        );
+                        take(deeper, deep_piece_weights::<L>(a, b));
                     }
                     (weights[0], weights[1], weights[2])
                 };
