@@ -202,7 +202,7 @@ impl<const PERSPECTIVE: bool, const N: usize> Kernel for Go<'_, '_, PERSPECTIVE,
                         let record = way.read();
                         let fourth = way.fourth(record[0]);
                         let choice = way.choose(record, &fourth);
-                        way.go(fourth, choice, &mut batches[k]);
+                        way.go(fourth, choice, batches[k]);
                         way.turn();
                     }
                     k += 1;

@@ -203,7 +203,7 @@ impl<L: Lanes> Near<L> {
     fn five_terms(&self) -> L::F {
         let (r, squared) = (self.length_squared * L::F::splat(-0.25), self.product * self.product);
         let of_gauss = polynomial::<L, 3>(r, [1.0, 0.333_330_92, 0.099_489_56]);
-        let second = polynomial::<L, 2>(r, [0.166_670_99, 0.100_086_94]);
+        let second = polynomial::<L, 2>(r, [0.166_671, 0.100_086_94]);
         squared.mul_add(second, of_gauss)
     }
 
