@@ -319,11 +319,10 @@ impl Ready<'_> {
             let by_cells;
             if !lost.is_empty() {
                 by_cells = sample.by_cells(cells, &all[..sample.attribute_count], &lost)?;
-                let (tiles, work) = work_of(&by_cells, width, &none);
-                let work = match work {
-                    Work::Tiles(_) => Work::Tiles(lost.clone()),
-                    windows @ Work::Windows(_) => windows,
-                };
+                let (tiles, mut work) = work_of(&by_cells, width, &none);
+                if let Work::Tiles(queue) = &mut work {
+                    queue.clone_from(&lost);
+                }
                 let mut again =
                     Frame::new(&by_cells, tiles, &cells.volume.grid, &all, attributes.len(), shader, sorted);
                 (again.ends, again.only) = (ends, Some(lost.as_slice()));

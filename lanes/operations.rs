@@ -238,7 +238,7 @@ impl<'a> Awaited<'a> {
     #[cfg(target_arch = "x86_64")]
     #[inline(always)]
     pub(super) fn four(&self, i: usize) -> std::arch::x86_64::__m128 {
-        // SAFETY: places are those of values: of the first, or made so by `parts_inside`; every x86-64 has the instruction.
+        // SAFETY: places are those of values: of the first, or cut off at the last by `ask`; every x86-64 has the instruction.
         unsafe {
             std::arch::x86_64::_mm_loadu_ps(self.values.as_ptr().byte_add(self.bytes[i] as usize).cast())
         }

@@ -9,7 +9,7 @@ use crate::composite::scratch::Bounds;
 use crate::fragments::batch::{BATCH, Batch, LANES_MOST};
 use crate::project::record::TILE;
 use crate::sample::Frame;
-use voltet_lanes::{Float, Kernel, Lanes, dispatch};
+use voltet_lanes::{Float, Kernel, Lanes, array, dispatch};
 
 /// Steps of depth by which what comes next may begin before the end of what a ray has left: cells that meet at a boundary do, by
 /// rounding.
@@ -224,11 +224,9 @@ impl<const PERSPECTIVE: bool, const N: usize> Kernel for Go<'_, '_, PERSPECTIVE,
                 }
             }
         }
-        let mut k = 0;
-        while k < WAYS {
-            most[k] *= TILE;
-            k += 1;
-        }
-        most
+        array(
+            #[inline(always)]
+            |k| most[k] * TILE,
+        )
     }
 }

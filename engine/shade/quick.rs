@@ -1,34 +1,22 @@
-//! The quick forms: what serves a scene's segments first.
-//!
-//! Each is a kernel of its own: what a compiler takes for a function grows with the square of its size, so that all of them in
-//! one took ten times as long.
+//! The quick forms: what serves the segments of closed forms first.
 
-use crate::fragments::batch::{Batch, meant};
+use crate::fragments::batch::meant;
 use crate::shade::along::{Along, lanes_of};
-use crate::shade::kinds::{InOrder, LaneLinear};
-use crate::shade::reach::Spread;
+use crate::shade::kinds::{InOrder, LaneLinear, each_met};
+use crate::shade::roads::{Form, Part};
 use crate::shade::shaded::{DENSE_LEAST, Shaded};
-use crate::shade::shader::{Shader, overlaps, push};
+use crate::shade::shader::{overlaps, push};
 use crate::shade::stepped::STEPS;
 use voltet_core::optics::Overlap;
 use voltet_lanes::optics::gaussian::Near;
 use voltet_lanes::optics::sums::{Sums, Term};
-use voltet_lanes::{Float, Kernel, Lanes, Mask};
+use voltet_lanes::{Float, Lanes, Mask};
 
 /// One widget of pieces: its integrals give the colour, too.
-pub(super) struct Alone<'a> {
-    pub points: &'a LaneLinear,
-    pub batch: &'a Batch,
-    pub count: usize,
-    pub out: &'a mut Shaded,
-}
-
-impl Kernel for Alone<'_> {
-    type Output = ();
+impl Form for LaneLinear {
     #[inline(always)]
-    fn run<L: Lanes>(self) {
-        let Alone { points, batch, count, out } = self;
-        let tables = points.tables::<L>();
+    fn shade<L: Lanes>(&self, Part { batch, count, .. }: Part<'_>, out: &mut Shaded) {
+        let tables = self.tables::<L>();
         for at in (0..count).step_by(L::WIDTH) {
             let along = Along::<L>::load(batch, at);
             let (rgba, [deep, unsure]) = tables.integrate::<false>(&along);
@@ -44,36 +32,28 @@ impl Kernel for Alone<'_> {
 }
 
 /// Widgets of one colour: optical depths add up, whatever the order.
-pub(super) struct OneColor<'a> {
-    pub shader: &'a Shader,
-    pub batch: &'a Batch,
-    pub count: usize,
-    pub out: &'a mut Shaded,
-}
+pub(crate) struct OneColor;
 
-impl Kernel for OneColor<'_> {
-    type Output = ();
+impl Form for OneColor {
     #[inline(always)]
-    fn run<L: Lanes>(self) {
-        let OneColor { shader, batch, count, out } = self;
-        let (zero, widgets) = (L::F::splat(0.0), &shader.widgets);
+    fn shade<L: Lanes>(&self, Part { widgets, batch, count, .. }: Part<'_>, out: &mut Shaded) {
+        let zero = L::F::splat(0.0);
         for at in (0..count).step_by(L::WIDTH) {
             let along = Along::<L>::load(batch, at);
             let meant = meant::<L>(along.crossing, count - at);
-            let (mut total, mut product, mut unsure, mut asked) = (zero, zero, 0, 0);
-            let spread = Spread::new(&along);
-            for widget in widgets {
-                let meets = widget.meets::<L>(&spread);
-                if !meets.any() {
-                    continue;
-                }
-                asked |= meets.bits();
-                let (depth, no) = widget.depth::<L>(&along.only(meets));
-                let depth = L::F::select(meets, depth, zero);
-                unsure |= no & meets.bits();
-                product = depth.mul_add(total, product);
-                total = total + depth;
-            }
+            let (mut total, mut product, mut unsure) = (zero, zero, 0);
+            let asked = each_met(
+                widgets,
+                &along,
+                #[inline(always)]
+                |_, widget, meets| {
+                    let (depth, no) = widget.depth::<L>(&along.only(meets));
+                    let depth = L::F::select(meets, depth, zero);
+                    unsure |= no & meets.bits();
+                    product = depth.mul_add(total, product);
+                    total = total + depth;
+                },
+            );
             if widgets.len() > 1 {
                 let overlapping = overlaps::<L>(product, &along, count - at);
                 out.overlap_count += u64::from(overlapping.count_ones());
@@ -85,6 +65,13 @@ impl Kernel for OneColor<'_> {
     }
 }
 
+/// Widgets whose colour does not vary along the segment, one or more. Segments that want steps are put where those are.
+pub(crate) struct Several {
+    pub overlap: Overlap,
+    /// See [`super::shader::Shader`].
+    pub ordered_from: f32,
+}
+
 /// A Gaussian that a vector of segments meets, before its mean is taken.
 #[derive(Clone, Copy)]
 struct Begun<L: Lanes> {
@@ -94,49 +81,38 @@ struct Begun<L: Lanes> {
     number: usize,
 }
 
-/// Widgets whose colour does not vary along the segment, one or more. Segments that want steps are put where those are.
-pub(super) struct Several<'a> {
-    pub shader: &'a Shader,
-    pub batch: &'a Batch,
-    pub count: usize,
-    pub out: &'a mut Shaded,
-}
-
-impl Kernel for Several<'_> {
-    type Output = ();
+impl Form for Several {
     #[inline(always)]
-    fn run<L: Lanes>(self) {
-        let Several { shader, batch, count, out } = self;
-        let (zero, widgets) = (L::F::splat(0.0), &shader.widgets);
+    fn shade<L: Lanes>(&self, Part { widgets, batch, count, .. }: Part<'_>, out: &mut Shaded) {
+        let zero = L::F::splat(0.0);
         let nowhere = zero.lt(zero);
         let mut begun = vec![Begun::<L> { near: Near::none(), meets: nowhere, number: 0 }; widgets.len()];
         let mut terms = vec![Term::<L>::none(); widgets.len()];
         for at in (0..count).step_by(L::WIDTH) {
             let along = Along::<L>::load(batch, at);
             let meant = meant::<L>(along.crossing, count - at);
-            let (mut sums, mut gaussians, mut met, mut unsure, mut asked) = (Sums::<L>::none(), 0, 0, 0, 0);
-            let spread = Spread::new(&along);
-            for (number, widget) in widgets.iter().enumerate() {
-                let meets = widget.meets::<L>(&spread);
-                if !meets.any() {
-                    continue;
-                }
-                asked |= meets.bits();
-                if let Some(gaussian) = widget.whole_gaussian() {
-                    unsure |= gaussian.unsure(&along) & meets.bits();
-                    begun[gaussians] = Begun { near: gaussian.near(&along), meets, number };
-                    gaussians += 1;
-                    continue;
-                }
-                let (mut shape, no) = widget.shape::<L>(&along.only(meets));
-                shape.depth = L::F::select(meets, shape.depth, zero);
-                unsure |= no & meets.bits();
-                if widget.in_order() == InOrder::Always {
-                    unsure |= zero.lt(shape.depth).bits();
-                }
-                sums.add(&shape, widget.color, &mut terms[met]);
-                met += 1;
-            }
+            let (mut sums, mut gaussians, mut met, mut unsure) = (Sums::<L>::none(), 0, 0, 0);
+            let asked = each_met(
+                widgets,
+                &along,
+                #[inline(always)]
+                |number, widget, meets| {
+                    if let Some(gaussian) = widget.whole_gaussian() {
+                        unsure |= gaussian.unsure(&along) & meets.bits();
+                        begun[gaussians] = Begun { near: gaussian.near(&along), meets, number };
+                        gaussians += 1;
+                        return;
+                    }
+                    let (mut shape, no) = widget.shape::<L>(&along.only(meets));
+                    shape.depth = L::F::select(meets, shape.depth, zero);
+                    unsure |= no & meets.bits();
+                    if widget.in_order() == InOrder::Always {
+                        unsure |= zero.lt(shape.depth).bits();
+                    }
+                    sums.add(&shape, widget.color, &mut terms[met]);
+                    met += 1;
+                },
+            );
             // One loop after the other: a mean is a long chain of operations, and of two loops a processor has several in hand.
             for &Begun { near, meets, number } in &begun[..gaussians] {
                 let widget = &widgets[number];
@@ -155,10 +131,9 @@ impl Kernel for Several<'_> {
             let overlapping = overlaps::<L>(sums.product, &along, count - at);
             out.overlap_count += u64::from(overlapping.count_ones());
             out.evaluation_count += u64::from((asked & meant).count_ones());
-            let overlapping =
-                overlapping & !unsure & L::F::splat(shader.ordered_from).lt(sums.product).bits();
+            let overlapping = overlapping & !unsure & L::F::splat(self.ordered_from).lt(sums.product).bits();
             let mut served = 0;
-            if shader.overlap == Overlap::Exact && overlapping != 0 {
+            if self.overlap == Overlap::Exact && overlapping != 0 {
                 served = overlapping & sums.is_smooth(terms).bits();
                 let mut rest = overlapping & !served;
                 if rest != 0 {

@@ -1,7 +1,7 @@
 //! The roads of a batch, one after the other; each kernel is compiled once a lane set.
 
-use crate::fragments::batch::Batch;
-use crate::shade::quick::{Alone, OneColor, Several};
+use crate::fragments::batch::{Batch, LANES_MOST};
+use crate::shade::kinds::LaneWidget;
 use crate::shade::shaded::Shaded;
 use crate::shade::shader::{First, Shader};
 use voltet_lanes::{Kernel, LaneSet, Lanes, dispatch};
@@ -15,14 +15,57 @@ pub(crate) fn integrate(shader: &Shader, lanes: LaneSet, batch: &Batch, count: u
 /// The quick forms of the first `count` fragments of a batch.
 pub(crate) fn quick(shader: &Shader, lanes: LaneSet, batch: &Batch, count: usize, out: &mut Shaded) {
     out.clear();
+    let part = Part { widgets: &shader.widgets, one_color: shader.one_color.is_some(), batch, count };
     match shader.first() {
-        First::Method(method) => {
-            method.shade(lanes, &shader.widgets, shader.one_color.is_some(), batch, count, out)
-        }
-        First::Alone(points) => dispatch(lanes, Alone { points, batch, count, out }),
-        First::OneColor => dispatch(lanes, OneColor { shader, batch, count, out }),
-        First::Several => dispatch(lanes, Several { shader, batch, count, out }),
-        First::Nothing => shader.leave(batch, count, out),
+        First::Method(method) => method.shade(lanes, part, out),
+        First::Alone(points) => serve(lanes, points, part, out),
+        First::OneColor(form) => serve(lanes, &form, part, out),
+        First::Several(form) => serve(lanes, &form, part, out),
+        First::Nothing => leave(part, out),
+    }
+}
+
+/// Leaves all of a part over.
+fn leave(Part { batch, count, .. }: Part<'_>, out: &mut Shaded) {
+    // Fragments of no length are summed, too.
+    out.depth[..count.next_multiple_of(LANES_MOST)].fill(0.0);
+    out.rest.extend((0..count).filter(|&k| 0.0 < batch.length[k]));
+    out.evaluation_count += out.rest.len() as u64;
+}
+
+/// The first `count` fragments of a batch.
+#[derive(Clone, Copy)]
+pub(super) struct Part<'a> {
+    pub widgets: &'a [LaneWidget],
+    /// Their depths alone are wanted.
+    pub one_color: bool,
+    pub batch: &'a Batch,
+    pub count: usize,
+}
+
+/// What serves fragments first. Each is a kernel of its own, since what a compiler takes for a function grows with the square of its
+/// size.
+pub(super) trait Form {
+    /// Mark it `#[inline(always)]`.
+    fn shade<L: Lanes>(&self, part: Part<'_>, out: &mut Shaded);
+}
+
+/// Serves a part by a form.
+pub(super) fn serve<F: Form>(lanes: LaneSet, form: &F, part: Part<'_>, out: &mut Shaded) {
+    dispatch(lanes, By { form, part, out });
+}
+
+struct By<'a, F> {
+    form: &'a F,
+    part: Part<'a>,
+    out: &'a mut Shaded,
+}
+
+impl<F: Form> Kernel for By<'_, F> {
+    type Output = ();
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        self.form.shade::<L>(self.part, self.out);
     }
 }
 

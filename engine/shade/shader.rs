@@ -6,13 +6,14 @@
 //! own in place of the first three ([`super::methods`]). What a scene does not use is not prepared.
 
 use crate::attribute::{ATTRIBUTES_MOST, Attribute};
-use crate::fragments::batch::{Batch, Column, LANES_MOST, meant};
+use crate::fragments::batch::{Batch, Column, meant};
 use crate::shade::along::Along;
 use crate::shade::gathered::Gathered;
 use crate::shade::kinds::{LaneLinear, LaneWidget, Making, Road};
 use crate::shade::light::{Rays, Surface};
 use crate::shade::methods::{LaneMethod, Served};
 use crate::shade::panels::PanelWalk;
+use crate::shade::quick::{OneColor, Several};
 use crate::shade::reach::LEFT_OUT;
 use crate::shade::shaded::{Exact, Left, MIX_PRODUCT, Shaded};
 use crate::shade::stepped::{STEPS, stepped};
@@ -30,9 +31,9 @@ pub(crate) struct Shader {
     overlaps: Option<Prepared>,
     /// What serves one segment in 64 bits; `None` where lanes serve every one.
     exact: Option<Box<dyn SegmentIntegrator>>,
-    pub(super) overlap: Overlap,
+    overlap: Overlap,
     /// Pairwise product of depths from which on the order of widgets counts.
-    pub(super) ordered_from: f32,
+    ordered_from: f32,
     pub(super) widgets: Vec<LaneWidget>,
     /// What the quick forms do not serve, but lanes do; or why they do not.
     walker: std::result::Result<PanelWalk, Left>,
@@ -56,10 +57,8 @@ pub(crate) enum First<'a> {
     Method(&'a LaneMethod),
     /// The pieces of one widget.
     Alone(&'a LaneLinear),
-    /// Depths of widgets of one colour.
-    OneColor,
-    /// Depths and overlaps.
-    Several,
+    OneColor(OneColor),
+    Several(Several),
     /// What takes the others' place for segments that they leave over.
     Nothing,
 }
@@ -170,22 +169,15 @@ impl Shader {
 
     /// What serves every segment first.
     pub fn first(&self) -> First<'_> {
+        let several = Several { overlap: self.overlap, ordered_from: self.ordered_from };
         match (&self.method, self.widgets.as_slice()) {
             (Some(method), _) => First::Method(method),
             _ if !self.quick => First::Nothing,
-            _ if self.one_color.is_some() => First::OneColor,
+            _ if self.one_color.is_some() => First::OneColor(OneColor),
             // Alone, its pieces give the colour in closed form.
-            (_, [widget]) => widget.points().map_or(First::Several, First::Alone),
-            _ => First::Several,
+            (None, [widget]) => widget.points().map_or(First::Several(several), First::Alone),
+            (None, _) => First::Several(several),
         }
-    }
-
-    /// Leaves all of the first `count` fragments over.
-    pub fn leave(&self, batch: &Batch, count: usize, out: &mut Shaded) {
-        // Fragments of no length are summed, too.
-        out.depth[..count.next_multiple_of(LANES_MOST)].fill(0.0);
-        out.rest.extend((0..count).filter(|&k| 0.0 < batch.length[k]));
-        out.evaluation_count += out.rest.len() as u64;
     }
 
     /// The fragments that what is [first](Shader::first) left over for so many steps.

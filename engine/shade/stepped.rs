@@ -4,8 +4,7 @@
 use crate::fragments::batch::{Batch, LANES_MOST};
 use crate::shade::along::{Along, lanes_of};
 use crate::shade::gathered::Gathered;
-use crate::shade::kinds::LaneWidget;
-use crate::shade::reach::Spread;
+use crate::shade::kinds::{LaneWidget, each_met};
 use crate::shade::shaded::Shaded;
 use voltet_core::optics::quadrature::{GAUSS_4, UP_TO_4};
 use voltet_lanes::optics::elementary::exp;
@@ -34,15 +33,16 @@ pub(crate) fn stepped<L: Lanes>(
     for group in which.chunks(L::WIDTH) {
         gathered.take(batch, group);
         let along = gathered.along::<L>();
-        let spread = Spread::new(&along);
         out.met.clear();
-        for (number, widget) in widgets.iter().enumerate() {
-            let meets = widget.meets::<L>(&spread);
-            if meets.any() {
+        each_met(
+            widgets,
+            &along,
+            #[inline(always)]
+            |number, widget, meets| {
                 let rough = splat((steps * steps) as f32 * 1.01).lt(widget.roughness::<L>(&along));
                 out.met.push(Met { number, there: meets.and(rough.not()).bits(), rows: None });
-            }
-        }
+            },
+        );
         let mut opacity = [0f32; LANES_MOST];
         for (opacity, &k) in opacity.iter_mut().zip(group) {
             *opacity = out.rgba[3][k];

@@ -5,7 +5,7 @@
 
 mod process;
 
-pub use process::{forget_peak, left, peak};
+pub use process::{address_space, forget_peak, left, peak};
 
 use voltet_core::grid::{Cells, code};
 use voltet_engine::drawing_bytes;

@@ -35,8 +35,8 @@ fn rest(folder: &std::path::Path, limit: &str, used: &str, idle: &str) -> Option
     Some(limit.saturating_sub(used.saturating_sub(idle)))
 }
 
-/// What the limit on the address space (`ulimit -v`) leaves.
-fn address_space() -> Option<u64> {
+/// Bytes that the limit on the address space (`ulimit -v`) leaves; `None` where there is none, or the system does not tell.
+pub fn address_space() -> Option<u64> {
     let limits = std::fs::read_to_string("/proc/self/limits").ok()?;
     let line = limits.lines().find_map(|line| line.strip_prefix("Max address space"))?;
     let limit: u64 = line.split_whitespace().next()?.parse().ok()?;

@@ -25,7 +25,7 @@ use crate::arguments::{Arguments, Command, Set};
 use crate::core::graph::Registry;
 use crate::core::{Error, Result};
 use crate::lanes::LaneSet;
-use crate::nodes::{files, formats};
+use crate::nodes::{files, formats, memory};
 use outcome::{WRONG, show};
 use std::error::Error as _;
 use std::io::ErrorKind;
@@ -91,15 +91,28 @@ pub fn answer(answer: &clap::Error) -> u8 {
 /// Begins the threads that work, while there is memory for them: later their want would look like a mistake of the program. A
 /// program around this one may have begun them.
 fn begin_threads() -> Result<()> {
+    let none = |why: &dyn std::fmt::Display| {
+        let wish =
+            "more memory, a higher limit of processes, or fewer threads by the variable RAYON_NUM_THREADS";
+        Err(Error::run("no threads can be had to work with").found(why).accepted(wish))
+    };
+    // Not tried where it is known before: those that have begun would meet the end of memory, too, each in its own way.
+    let asked = std::env::var("RAYON_NUM_THREADS").ok().and_then(|count| count.parse::<u64>().ok());
+    if let (Some(count), Some(left)) = (asked, memory::address_space())
+        && left < count.saturating_mul(STACK)
+    {
+        let (stack, left) = (STACK >> 20, left >> 20);
+        return none(&format!("{count} threads with stacks of {stack} MiB each, {left} MiB are left"));
+    }
     let begun = rayon::ThreadPoolBuilder::new().build_global();
     match begun.as_ref().err().and_then(|error| error.source()) {
-        Some(why) => {
-            let wish = "more memory, a higher limit of processes, or fewer threads by the variable RAYON_NUM_THREADS";
-            Err(Error::run("no threads can be had to work with").found(why).accepted(wish))
-        }
+        Some(why) => none(&why),
         None => Ok(()),
     }
 }
+
+/// Bytes that the standard library sets aside for a thread's stack.
+const STACK: u64 = 2 << 20;
 
 fn carry_out(command: &Command, registry: &Registry) -> Result<u8> {
     // These list, or do what a plug-in does.

@@ -80,6 +80,25 @@ pub(crate) enum InOrder {
     Bits64,
 }
 
+/// Hands on the widgets that some segments of a vector may meet, with their numbers and these lanes; the lanes (bits) that meet
+/// any.
+#[inline(always)]
+pub(crate) fn each_met<'a, L: Lanes>(
+    widgets: &'a [LaneWidget],
+    along: &Along<L>,
+    mut take: impl FnMut(usize, &'a LaneWidget, L::M),
+) -> u32 {
+    let (spread, mut asked) = (Spread::new(along), 0);
+    for (number, widget) in widgets.iter().enumerate() {
+        let meets = widget.meets::<L>(&spread);
+        if meets.any() {
+            asked |= meets.bits();
+            take(number, widget, meets);
+        }
+    }
+    asked
+}
+
 impl LaneForm {
     /// `None` where 32 bits do not hold the numbers.
     fn new(profile: &Profile, making: &Making) -> Option<LaneForm> {

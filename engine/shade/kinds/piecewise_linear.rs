@@ -211,9 +211,9 @@ impl<L: Lanes> Tables<'_, L> {
         }
     }
 
-    /// Premultiplied colour and opacity, and the lanes whose colour stays unknown: those with a piece deeper than [`MIDDLING`] where so few of a
-    /// vector are that they are better served with others of their kind (never if `DEEP`), and those with one deeper than the twins
-    /// serve.
+    /// Premultiplied colour and opacity, and the lanes whose colour stays unknown: those with a piece deeper than [`MIDDLING`] where
+    /// so few of a vector are that they are better served with others of their kind (never if `DEEP`), and those with one deeper
+    /// than the twins serve.
     #[inline(always)]
     pub fn integrate<const DEEP: bool>(&self, along: &Along<L>) -> ([L::F; 4], [u32; 2]) {
         let splat = L::F::splat;
@@ -251,7 +251,7 @@ impl<L: Lanes> Tables<'_, L> {
                         },
                     );
                     if deep.and(deeper.not()).any() {
-                        take(deep.and(deeper.not()), middling_piece_weights::<L>(a, b));
+                        take(deep, middling_piece_weights::<L>(a, b));
                     }
                     if !DEEP && deeper.bits().count_ones() < FEW_DEEP * L::WIDTH as u32 / 16 {
                         unknown |= deeper.bits();

@@ -22,8 +22,8 @@ mod tables;
 mod tabulated;
 mod vertex_sampled;
 
-use crate::fragments::batch::Batch;
 use crate::shade::kinds::{LaneWidget, Making};
+use crate::shade::roads::{Part, serve};
 use crate::shade::shaded::{Left, Shaded};
 use crate::shade::shader::Scene;
 use pieces::Pieces;
@@ -36,8 +36,8 @@ use voltet_core::Result;
 use voltet_core::optics::integrators::SegmentIntegrator;
 use voltet_core::shading::Integrator;
 use voltet_core::transfer::TransferFunction;
+use voltet_lanes::LaneSet;
 use voltet_lanes::optics::partial_table::LanePartialTable;
-use voltet_lanes::{Kernel, LaneSet, Lanes, dispatch};
 
 /// An integrator of its own roads.
 pub(crate) enum LaneMethod {
@@ -122,58 +122,18 @@ impl LaneMethod {
         }
     }
 
-    /// Integrates the first `count` fragments of a batch. `one_color`: their depths alone.
-    pub fn shade(
-        &self,
-        lanes: LaneSet,
-        widgets: &[LaneWidget],
-        one_color: bool,
-        batch: &Batch,
-        count: usize,
-        out: &mut Shaded,
-    ) {
-        let part = Part { widgets, one_color, batch, count };
+    /// Integrates a part of a batch.
+    pub(super) fn shade(&self, lanes: LaneSet, part: Part<'_>, out: &mut Shaded) {
         match self {
             LaneMethod::Riemann(sampled) => match sampled.count {
-                1 => dispatch(lanes, By { method: &Riemann::<1>(sampled), part, out }),
-                2 => dispatch(lanes, By { method: &Riemann::<2>(sampled), part, out }),
-                _ => dispatch(lanes, By { method: &Riemann::<0>(sampled), part, out }),
+                1 => serve(lanes, &Riemann::<1>(sampled), part, out),
+                2 => serve(lanes, &Riemann::<2>(sampled), part, out),
+                _ => serve(lanes, &Riemann::<0>(sampled), part, out),
             },
-            LaneMethod::Pieces(method) => dispatch(lanes, By { method, part, out }),
-            LaneMethod::Table(method) => dispatch(lanes, By { method: &**method, part, out }),
-            LaneMethod::Tabulated(method) => dispatch(lanes, By { method, part, out }),
-            LaneMethod::VertexSampled(method) => dispatch(lanes, By { method, part, out }),
+            LaneMethod::Pieces(pieces) => serve(lanes, pieces, part, out),
+            LaneMethod::Table(table) => serve(lanes, &**table, part, out),
+            LaneMethod::Tabulated(tabulated) => serve(lanes, tabulated, part, out),
+            LaneMethod::VertexSampled(sampled) => serve(lanes, sampled, part, out),
         }
-    }
-}
-
-/// The first `count` fragments of a batch.
-#[derive(Clone, Copy)]
-struct Part<'a> {
-    widgets: &'a [LaneWidget],
-    /// Their depths alone are wanted.
-    one_color: bool,
-    batch: &'a Batch,
-    count: usize,
-}
-
-/// What integrates fragments.
-trait Method {
-    /// Mark it `#[inline(always)]`.
-    fn shade<L: Lanes>(&self, part: Part<'_>, out: &mut Shaded);
-}
-
-/// A method's kernel.
-struct By<'a, M> {
-    method: &'a M,
-    part: Part<'a>,
-    out: &'a mut Shaded,
-}
-
-impl<M: Method> Kernel for By<'_, M> {
-    type Output = ();
-    #[inline(always)]
-    fn run<L: Lanes>(self) {
-        self.method.shade::<L>(self.part, self.out);
     }
 }

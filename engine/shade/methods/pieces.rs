@@ -2,7 +2,7 @@
 //! two-dimensional table gives the weights of both colours.
 
 use super::sampled::{Crossed, Sampled, Samples, TOGETHER};
-use super::{Method, Part};
+use crate::shade::roads::{Form, Part};
 use crate::shade::shaded::Shaded;
 use voltet_lanes::optics::elementary::{exp, transparencies};
 use voltet_lanes::optics::partial_table::LanePartialTable;
@@ -15,7 +15,7 @@ pub(crate) struct Pieces {
     pub table: LanePartialTable,
 }
 
-impl Method for Pieces {
+impl Form for Pieces {
     #[inline(always)]
     fn shade<L: Lanes>(&self, part: Part<'_>, out: &mut Shaded) {
         let Pieces { ends, table } = self;

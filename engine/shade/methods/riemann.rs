@@ -2,7 +2,7 @@
 //! κ h E₁(ρ h).
 
 use super::sampled::{Crossed, Sampled, Samples, TOGETHER};
-use super::{Method, Part};
+use crate::shade::roads::{Form, Part};
 use crate::shade::shaded::Shaded;
 use voltet_lanes::optics::elementary::{exp, transparencies};
 use voltet_lanes::{Float, Lanes, array};
@@ -10,7 +10,7 @@ use voltet_lanes::{Float, Lanes, array};
 /// Such samples: `N`, or any number if that is 0.
 pub(crate) struct Riemann<'a, const N: usize>(pub &'a Sampled);
 
-impl<const N: usize> Method for Riemann<'_, N> {
+impl<const N: usize> Form for Riemann<'_, N> {
     #[inline(always)]
     fn shade<L: Lanes>(&self, part: Part<'_>, out: &mut Shaded) {
         let count = self.0.count;

@@ -1,11 +1,11 @@
 //! What the methods that sample share: the widgets that a vector of segments meets, and what they have at places of it. Twin of
 //! `optics::sample`.
 
-use super::Part;
 use crate::fragments::batch::meant;
 use crate::shade::along::{Along, Fields};
 use crate::shade::kinds::{LaneWidget, Making};
 use crate::shade::reach::Spread;
+use crate::shade::roads::Part;
 use crate::shade::shaded::{Left, Shaded};
 use crate::shade::shader::{overlaps, push};
 use voltet_lanes::limits::PIECES_MOST;

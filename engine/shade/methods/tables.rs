@@ -1,11 +1,11 @@
 //! Pre-integrated tables. Twin of `optics::integrators::{PreIntegrated, PreIntegratedCylindrical}`: C/(D E₁) from a table over
 //! (s_f, s_b, D), or from tiles, and the mean extinction, filled in lanes and read by gathers. They serve every segment.
 
-use super::{Method, Part};
 use crate::fragments::batch::meant;
 use crate::shade::along::Along;
 use crate::shade::kinds::Making;
 use crate::shade::reach::LEFT_OUT;
+use crate::shade::roads::{Form, Part};
 use crate::shade::shaded::Shaded;
 use crate::shade::shader::Scene;
 use rayon::prelude::*;
@@ -94,7 +94,7 @@ impl Table {
     }
 }
 
-impl Method for Table {
+impl Form for Table {
     #[inline(always)]
     fn shade<L: Lanes>(&self, Part { batch, count, .. }: Part<'_>, out: &mut Shaded) {
         let splat = L::F::splat;

@@ -1,11 +1,11 @@
 //! Gaussians' integrals from tables. Twin of `optics::integrators::Tabulated`: each widget by itself, all of them averaged without
 //! their order.
 
-use super::{Method, Part};
 use crate::fragments::batch::meant;
 use crate::shade::along::{Along, Fields};
 use crate::shade::kinds::{LaneWidget, Making, Through};
 use crate::shade::reach::Spread;
+use crate::shade::roads::{Form, Part};
 use crate::shade::shaded::{Left, Shaded};
 use crate::shade::shader::{overlaps, push};
 use voltet_core::optics::integrators::GaussianTables;
@@ -79,7 +79,7 @@ impl Tabulated {
     }
 }
 
-impl Method for Tabulated {
+impl Form for Tabulated {
     #[inline(always)]
     fn shade<L: Lanes>(&self, part: Part<'_>, out: &mut Shaded) {
         let Part { widgets, one_color, batch, count } = part;

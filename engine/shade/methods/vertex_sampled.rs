@@ -1,9 +1,9 @@
 //! What the transfer function is at the grid's points, linear between them. Twin of `optics::integrators::VertexSampled`, of a
 //! scene that is classified.
 
-use super::{Method, Part};
 use crate::fragments::batch::{Column, meant};
 use crate::shade::kinds::Making;
+use crate::shade::roads::{Form, Part};
 use crate::shade::shaded::{Left, Shaded};
 use crate::shade::shader::push;
 use voltet_core::optics::integrators::CLASSIFIED;
@@ -34,7 +34,7 @@ impl VertexSampled {
     }
 }
 
-impl Method for VertexSampled {
+impl Form for VertexSampled {
     #[inline(always)]
     fn shade<L: Lanes>(&self, part: Part<'_>, out: &mut Shaded) {
         let Part { one_color, batch, count, .. } = part;
