@@ -12,6 +12,17 @@ use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
 use voltet_lanes::LaneSet;
 
+/// When rays go from cell to cell through the faces that these share; else cells are projected one by one. Either shows the same.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Casting {
+    /// Never.
+    Never,
+    /// Where that serves, there is room for the faces, and it is faster by enough, soon or late.
+    IfItPays,
+    /// Wherever it serves, fast or not.
+    Always,
+}
+
 /// Cells that can contribute. Made by [`crate::cull`]; the `sort` node sets the order.
 #[derive(Debug, Clone)]
 pub struct Cells {
@@ -33,8 +44,8 @@ pub struct Cells {
     pub no_leave_out: bool,
     /// The vector lanes that the further stages run on: the widest that this processor has.
     pub lanes: LaneSet,
-    /// Whether rays may go from cell to cell, where that serves; else all cells are projected.
-    pub casts: bool,
+    /// When rays go from cell to cell.
+    pub casting: Casting,
     /// Where the cells are more, they are projected window by window while they are composited. The picture is the same.
     pub most_at_once: usize,
     /// Whether values are counted from the middle of their range, and not from where widgets are.

@@ -2,7 +2,7 @@
 
 use crate::attribute::{Attribute, attributes_of, gradient_attributes};
 use crate::cast::Limits;
-use crate::cells::{Cells, Counts};
+use crate::cells::{Casting, Cells, Counts};
 use crate::composite::hides::Hides;
 use crate::composite::sinks::{OPAQUE_DEPTH, TilePicture};
 use crate::composite::worker::{Drawn, Work, Worker};
@@ -88,11 +88,23 @@ pub fn project(
     let (kept, points) = (cells.kept.len() as u64, cells.volume.grid.points.len() as u64);
     // Each sample of a pixel has a projection of its own.
     let held = (cells.most_at_once / cells.kept.len().max(1)).clamp(1, offsets.len());
-    let bytes = drawing_bytes_of(kept, points, attributes.len() as u64, camera.size, cells.most_at_once);
-    let bytes = bytes.saturating_mul(held as u64);
-    refuse_beyond_memory(progress, || format!("drawing {kept} cells"), bytes)?;
+    let bytes = |faces: Option<u64>| {
+        let fields = attributes.len() as u64;
+        let bytes = drawing_bytes_of(kept, points, fields, camera.size, cells.most_at_once, faces);
+        bytes.saturating_mul(held as u64)
+    };
+    // Where there is no room for faces, cells are projected.
+    let there_is_room = || match progress.memory_left() {
+        None => true,
+        Some(left) => cells.faces.as_ref().is_some_and(|faces| bytes(Some(faces.bytes_to_find())) <= left),
+    };
+    let casting = if there_is_room() { cells.casting } else { Casting::Never };
+    let cells = &Cells { casting, ..cells.clone() };
+    if casting == Casting::Never {
+        refuse_beyond_memory(progress, || format!("drawing {kept} cells"), bytes(None))?;
+    }
     let densest = densest(transfer_function, cells.length).max(cells.densest_least);
-    let limits = Limits::of(transfer_function);
+    let limits = Limits::of(transfer_function, densest);
     let mut samples = Vec::with_capacity(held);
     for (k, &offset) in offsets.iter().take(held).enumerate() {
         progress.report("project", k as f64 / held as f64);

@@ -34,7 +34,7 @@ mod shade;
 mod spare;
 mod view;
 
-pub use cells::{Cells, Counts};
+pub use cells::{Casting, Cells, Counts};
 pub use cull::{Known, Sample, cull, keep_all};
 pub use draw::{Projection, Ready, composite, draw, integrator, needs_gradient, prepare, project, sort};
 pub use memory::drawing_bytes;

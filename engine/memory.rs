@@ -19,16 +19,17 @@ const KNOWN_OF_CELL: u64 = 5 + 4;
 /// compositor, the points on the screen, the picture. `attributes`: quantities that segments look at (s, g, further fields,
 /// the components of ∇s).
 pub fn drawing_bytes(cells: u64, points: u64, attributes: u64, size: [u32; 2]) -> u64 {
-    drawing_bytes_of(cells, points, attributes, size, MOST_AT_ONCE)
+    drawing_bytes_of(cells, points, attributes, size, MOST_AT_ONCE, Some(CAST_OF_CELL))
 }
 
-/// The same where so many cells are projected at once.
+/// The same where so many cells are projected at once. `faces`: bytes for the faces of a cell, where rays go by them.
 pub(crate) fn drawing_bytes_of(
     cells: u64,
     points: u64,
     attributes: u64,
     [width, height]: [u32; 2],
     most_at_once: usize,
+    faces: Option<u64>,
 ) -> u64 {
     let of = |bytes: usize| bytes as u64;
     let number = of(size_of::<u32>());
@@ -53,11 +54,11 @@ pub(crate) fn drawing_bytes_of(
         }
     };
     // Where rays go from cell to cell: half-faces, the faces that cells share, places of cells; the points in steps.
-    let drawn = if cells <= of(CAST_MOST) {
+    let drawn = if let Some(faces) = faces.filter(|_| cells <= of(CAST_MOST)) {
         let fours = 1 + attributes.saturating_sub(1).div_ceil(4);
         let points = points.saturating_mul(fours).saturating_mul(of(size_of::<[f32; 4]>()));
         // Beside them projected cells for tiles where rays are lost.
-        let cast = cells.saturating_mul(CAST_OF_CELL).saturating_add(points);
+        let cast = cells.saturating_mul(faces).saturating_add(points);
         by_cell(most_at_once).max(cast.saturating_add(by_cell(most_at_once.min(LOST_AT_ONCE))))
     } else {
         by_cell(most_at_once)

@@ -28,6 +28,7 @@ fn demand(asking: &mut Asking) -> Result<()> {
         Some(look) => Demand {
             arrays: look.transfer_function.fields().iter().map(|name| name.to_string()).collect(),
             gradient_magnitude: look.transfer_function.uses_gradient_magnitude(),
+            gradient_for: asking.known_look("transfer_function").map(|look| vec![look]),
             ..Demand::default()
         },
         None => Demand { order: false, ..Demand::unknown() },

@@ -1,12 +1,14 @@
 //! `gradient-magnitude`: the gradient of the scalar at the points, where somebody looks at it.
 
+use crate::drawing::looked_at;
 use std::sync::Arc;
 use voltet_core::Result;
-use voltet_core::field::magnitude;
+use voltet_core::field::{Gradient, magnitude};
 use voltet_core::graph::{
     Asking, Call, Demand, MayLeaveOut, Node, Notes, Outputs, Parameter, ParameterType, Port, PortType,
     Saving, Standard, Value,
 };
+use voltet_core::grid::Grid;
 use voltet_core::volume::Volume;
 
 /// The declaration.
@@ -53,6 +55,29 @@ fn leave_out(notes: &mut Notes, leave: MayLeaveOut, asked: &Demand, point_count:
     notes.leave_out(leave, what, why, point_count.map(|points| Saving::Bytes(8 * numbers * points as u64)));
 }
 
+/// Where somebody looks at it; elsewhere what it is at one of these points.
+fn gradient(call: &mut Call, grid: &Grid, s: &[f64]) -> Result<Gradient> {
+    let (leave, looks) = (call.may_leave_out(), call.demand.gradient_for.as_ref());
+    let points = match leave.zip(looks) {
+        Some((_, looks)) => looked_at::points(grid, s, looks)?,
+        None => None,
+    };
+    if let Some((leave, points)) = leave.zip(points)
+        && let Some(found) = call.method()?.gradient_at(grid, s, &points, call.progress())
+    {
+        let Gradient { vectors, fallbacks } = found?;
+        let left_out = (grid.points.len() - points.len()) as u64;
+        let why = "the values of their cells are none that a widget looks for";
+        call.notes.leave_out(leave, "gradient at points", why, Some(Saving::Points(left_out)));
+        let mut all = vec![vectors.first().copied().unwrap_or_default(); grid.points.len()];
+        for (&p, vector) in points.iter().zip(vectors) {
+            all[p as usize] = vector;
+        }
+        return Ok(Gradient { vectors: all, fallbacks });
+    }
+    call.method()?.gradient(grid, s, call.progress())
+}
+
 fn run(call: &mut Call) -> Result<Outputs> {
     let grid = call.grid("grid")?;
     let mut volume = Volume::clone(&*call.volume("grid")?);
@@ -62,7 +87,7 @@ fn run(call: &mut Call) -> Result<Outputs> {
     }
     call.notes.counts.insert("gradients_computed", u64::from(wants_magnitude || wants_vectors));
     if wants_magnitude || wants_vectors {
-        let gradient = call.method()?.gradient(&grid, &volume.scalar, call.progress())?;
+        let gradient = gradient(call, &grid, &volume.scalar)?;
         for fallback in &gradient.fallbacks {
             let what = format!("{} at {} points", fallback.what, fallback.point_count);
             call.notes.warnings.push(what);

@@ -165,6 +165,7 @@ fn demand(asking: &mut Asking) -> Result<()> {
     };
     let cell_values = wants("cell-values", true);
     asking.ask("volume", &demand)?;
+    asking.ask("cells", &Demand { kept_cells: wants("culled", true), ..Demand::default() })?;
     asking.ask("cell_values", &Demand { cell_values, ..Demand::default() })
 }
 

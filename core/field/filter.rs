@@ -12,7 +12,7 @@ use std::time::SystemTime;
 /// Gradients at the points, and how often the filter had to do with less than it promises.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Gradient {
-    /// ∇s at every point of the grid.
+    /// ∇s at every point of the grid, or at each that was asked for.
     pub vectors: Vec<DVec3>,
     /// Points at which the filter fell back, by what it did there instead; empty where it never had to.
     pub fallbacks: Vec<Fallback>,
@@ -100,6 +100,20 @@ pub trait GradientFilter: Send + Sync {
         parameters: &Parameters,
         progress: &dyn Progress,
     ) -> Result<Gradient>;
+
+    /// The same at some points alone: a vector each, in their order, the same that [`GradientFilter::gradient`] gives there. `None`
+    /// where this takes as long as all of them.
+    fn gradient_at(
+        &self,
+        grid: &Grid,
+        scalar: &[f64],
+        points: &[u32],
+        parameters: &Parameters,
+        progress: &dyn Progress,
+    ) -> Option<Result<Gradient>> {
+        let _ = (grid, scalar, points, parameters, progress);
+        None
+    }
 }
 
 /// The error for a scalar whose number of values is not the grid's number of points.

@@ -20,7 +20,18 @@ pub fn for_points<S: Send, const N: usize>(
     scratch: impl Fn() -> S + Sync + Send,
     f: impl Fn(&mut S, usize) -> (DVec3, Option<usize>) + Sync,
 ) -> Result<(Vec<DVec3>, [u64; N])> {
-    let mut vectors = vec![DVec3::ZERO; point_count];
+    for_these((point_count, None), progress, scratch, f)
+}
+
+/// The same for every point, of so many, or those of a list.
+pub(super) fn for_these<S: Send, const N: usize>(
+    (point_count, points): (usize, Option<&[u32]>),
+    progress: &dyn Progress,
+    scratch: impl Fn() -> S + Sync + Send,
+    f: impl Fn(&mut S, usize) -> (DVec3, Option<usize>) + Sync,
+) -> Result<(Vec<DVec3>, [u64; N])> {
+    let count = points.map_or(point_count, <[u32]>::len);
+    let mut vectors = vec![DVec3::ZERO; count];
     let done = AtomicUsize::new(0);
     let counts = vectors
         .par_chunks_mut(TASK)
@@ -32,14 +43,15 @@ pub fn for_points<S: Send, const N: usize>(
             }
             let task_points = vectors.len();
             for (i, vector) in vectors.iter_mut().enumerate() {
-                let (gradient, fallback) = f(scratch, task * TASK + i);
+                let place = task * TASK + i;
+                let (gradient, fallback) = f(scratch, points.map_or(place, |points| points[place] as usize));
                 *vector = gradient;
                 if let Some(which) = fallback {
                     counts[which] += 1;
                 }
             }
             let done = done.fetch_add(task_points, Ordering::Relaxed) + task_points;
-            progress.report("gradient", done as f64 / point_count as f64);
+            progress.report("gradient", done as f64 / count as f64);
             counts
         })
         .reduce(|| [0; N], |a, b| std::array::from_fn(|i| a[i] + b[i]));

@@ -7,7 +7,7 @@
 //! or values costs only what it has already cost in the input.
 
 use super::dense::solve3;
-use super::frame::for_points;
+use super::frame::for_these;
 use super::{Fallback, Gradient, GradientFilter, check_scalar};
 use crate::Result;
 use crate::grid::{Grid, Neighbours, cells_of_points};
@@ -33,17 +33,33 @@ impl GradientFilter for LeastSquares {
     }
 
     fn gradient(&self, grid: &Grid, s: &[f64], _: &Parameters, progress: &dyn Progress) -> Result<Gradient> {
-        check_scalar(grid, s)?;
-        let scale = grid.length_scale();
-        let cells = cells_of_points(grid);
-        let (vectors, [flat, none]) = for_points(
-            grid.points.len(),
-            progress,
-            || (Neighbours::default(), Fit::default()),
-            |(neighbours, fit), p| fit.at(grid, s, scale, p, neighbours.of(grid, &cells, p)),
-        )?;
-        Ok(Gradient { vectors, fallbacks: fallbacks(flat, none) })
+        fit(grid, s, None, progress)
     }
+
+    fn gradient_at(
+        &self,
+        grid: &Grid,
+        s: &[f64],
+        points: &[u32],
+        _: &Parameters,
+        progress: &dyn Progress,
+    ) -> Option<Result<Gradient>> {
+        Some(fit(grid, s, Some(points), progress))
+    }
+}
+
+/// At every point, or those of a list.
+fn fit(grid: &Grid, s: &[f64], points: Option<&[u32]>, progress: &dyn Progress) -> Result<Gradient> {
+    check_scalar(grid, s)?;
+    let scale = grid.length_scale();
+    let cells = cells_of_points(grid);
+    let (vectors, [flat, none]) = for_these(
+        (grid.points.len(), points),
+        progress,
+        || (Neighbours::default(), Fit::default()),
+        |(neighbours, fit), p| fit.at(grid, s, scale, p, neighbours.of(grid, &cells, p)),
+    )?;
+    Ok(Gradient { vectors, fallbacks: fallbacks(flat, none) })
 }
 
 /// The fall-backs of [`Fit::at`], by number.

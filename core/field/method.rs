@@ -5,6 +5,7 @@ use crate::grid::Grid;
 use crate::parameters::{Kind, Parameters};
 use crate::progress::Progress;
 use crate::{Error, Result};
+use glam::DVec3;
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -75,13 +76,32 @@ impl Method {
     pub fn gradient(&self, grid: &Grid, scalar: &[f64], progress: &dyn Progress) -> Result<Gradient> {
         check_scalar(grid, scalar)?;
         let found = self.filter.gradient(grid, scalar, &self.parameters, progress)?;
-        self.check_count(grid, &found)?;
-        self.check_finite(grid, scalar, &found)?;
+        self.check_count(grid.points.len(), &found)?;
+        self.check_finite(grid, scalar, &found.vectors, |p| p)?;
         Ok(found)
     }
 
-    fn check_count(&self, grid: &Grid, found: &Gradient) -> Result<()> {
-        match (found.vectors.len(), grid.points.len()) {
+    /// The same at some points alone, a vector each, in their order; `None` where that takes as long as all of them.
+    ///
+    /// Errors: those of [`Method::gradient`].
+    pub fn gradient_at(
+        &self,
+        grid: &Grid,
+        scalar: &[f64],
+        points: &[u32],
+        progress: &dyn Progress,
+    ) -> Option<Result<Gradient>> {
+        let found = self.filter.gradient_at(grid, scalar, points, &self.parameters, progress)?;
+        let checked = |found: Gradient| {
+            self.check_count(points.len(), &found)?;
+            self.check_finite(grid, scalar, &found.vectors, |place| points[place] as usize)?;
+            Ok(found)
+        };
+        Some(found.and_then(checked))
+    }
+
+    fn check_count(&self, wanted: usize, found: &Gradient) -> Result<()> {
+        match (found.vectors.len(), wanted) {
             (count, wanted) if count == wanted => Ok(()),
             (count, wanted) => {
                 let what = format!("{} did not give one vector a point", self.in_words());
@@ -92,18 +112,27 @@ impl Method {
 
     /// The length counts, which overflows before the components do: it is what widgets look at. Points that no cell uses
     /// may hold anything: the reader left out what is not finite.
-    fn check_finite(&self, grid: &Grid, scalar: &[f64], found: &Gradient) -> Result<()> {
-        let is_bad = |p: usize| {
-            !length(found.vectors[p]).is_finite() && grid.points[p].is_finite() && scalar[p].is_finite()
+    fn check_finite(
+        &self,
+        grid: &Grid,
+        scalar: &[f64],
+        vectors: &[DVec3],
+        point_of: impl Fn(usize) -> usize + Sync,
+    ) -> Result<()> {
+        let is_bad = |place: usize| {
+            let p = point_of(place);
+            !length(vectors[place]).is_finite() && grid.points[p].is_finite() && scalar[p].is_finite()
         };
-        let points = (0..found.vectors.len()).into_par_iter().with_min_len(1 << 14);
-        if !points.clone().any(is_bad) {
+        let places = (0..vectors.len()).into_par_iter().with_min_len(1 << 14);
+        if !places.clone().any(is_bad) {
             return Ok(());
         }
         let mut used = vec![false; grid.points.len()];
         grid.tetrahedra.iter().flatten().for_each(|&p| used[p as usize] = true);
-        let Some(p) = points.find_first(|&p| used[p] && is_bad(p)) else { return Ok(()) };
-        let (v, at) = (found.vectors[p], grid.points[p]);
+        let is_found = |&place: &usize| used[point_of(place)] && is_bad(place);
+        let Some(place) = places.find_first(is_found) else { return Ok(()) };
+        let p = point_of(place);
+        let (v, at) = (vectors[place], grid.points[p]);
         let what = format!("{} gave a vector that is not finite", self.in_words());
         let found = format!(
             "({}, {}, {}) at point {p}, which lies at ({}, {}, {}) and has the value {}",

@@ -6,7 +6,7 @@
 //! linear fit of `least-squares` stands in and is counted. Second order, exact for quadratic fields.
 
 use super::dense::solve_qr;
-use super::frame::for_points;
+use super::frame::for_these;
 use super::least_squares::{Apart, Fit, fallbacks};
 use super::{Fallback, Gradient, GradientFilter, check_scalar};
 use crate::Result;
@@ -42,35 +42,51 @@ impl GradientFilter for QuadraticFit {
     }
 
     fn gradient(&self, grid: &Grid, s: &[f64], _: &Parameters, progress: &dyn Progress) -> Result<Gradient> {
-        check_scalar(grid, s)?;
-        let scale = grid.length_scale();
-        let neighbours = points_of_points(grid, &cells_of_points(grid));
-        let (vectors, [linear, flat, none]) = for_points(
-            grid.points.len(),
-            progress,
-            || (Neighbours::default(), QuadraticPoint::default(), Fit::default()),
-            |(ring, quadratic, fit), p| {
-                let first = neighbours.row(p);
-                if first.len() >= FEWEST
-                    && let Some(gradient) = quadratic.at(grid, s, scale, p, first, SMALL_PIVOT)
-                {
-                    return (gradient, None);
-                }
-                let second = ring.second_ring(&neighbours, p);
-                if let Some(gradient) = quadratic.at(grid, s, scale, p, second, SMALL_PIVOT_SECOND_RING) {
-                    return (gradient, None);
-                }
-                let (gradient, fallback) = fit.at(grid, s, scale, p, first);
-                (gradient, Some(fallback.map_or(0, |which| which + 1)))
-            },
-        )?;
-        let mut taken = Fallback::list([(
-            "fitted by a linear function: the surroundings are too small or badly placed for a quadratic one",
-            linear,
-        )]);
-        taken.extend(fallbacks(flat, none));
-        Ok(Gradient { vectors, fallbacks: taken })
+        fit(grid, s, None, progress)
     }
+
+    fn gradient_at(
+        &self,
+        grid: &Grid,
+        s: &[f64],
+        points: &[u32],
+        _: &Parameters,
+        progress: &dyn Progress,
+    ) -> Option<Result<Gradient>> {
+        Some(fit(grid, s, Some(points), progress))
+    }
+}
+
+/// At every point, or those of a list.
+fn fit(grid: &Grid, s: &[f64], points: Option<&[u32]>, progress: &dyn Progress) -> Result<Gradient> {
+    check_scalar(grid, s)?;
+    let scale = grid.length_scale();
+    let neighbours = points_of_points(grid, &cells_of_points(grid));
+    let (vectors, [linear, flat, none]) = for_these(
+        (grid.points.len(), points),
+        progress,
+        || (Neighbours::default(), QuadraticPoint::default(), Fit::default()),
+        |(ring, quadratic, fit), p| {
+            let first = neighbours.row(p);
+            if first.len() >= FEWEST
+                && let Some(gradient) = quadratic.at(grid, s, scale, p, first, SMALL_PIVOT)
+            {
+                return (gradient, None);
+            }
+            let second = ring.second_ring(&neighbours, p);
+            if let Some(gradient) = quadratic.at(grid, s, scale, p, second, SMALL_PIVOT_SECOND_RING) {
+                return (gradient, None);
+            }
+            let (gradient, fallback) = fit.at(grid, s, scale, p, first);
+            (gradient, Some(fallback.map_or(0, |which| which + 1)))
+        },
+    )?;
+    let mut taken = Fallback::list([(
+        "fitted by a linear function: the surroundings are too small or badly placed for a quadratic one",
+        linear,
+    )]);
+    taken.extend(fallbacks(flat, none));
+    Ok(Gradient { vectors, fallbacks: taken })
 }
 
 /// Memory for one fit.

@@ -51,13 +51,13 @@ pub(super) struct Cache {
 }
 
 impl Cache {
-    /// The former run of a node of this type with these parameters, inputs and files, for at least this demand. `stated`: the
+    /// The former run of a node of this type with these parameters, inputs and files, for a demand that serves. `stated`: the
     /// graph that it is part of, for one that was told.
     pub(super) fn find(
         &self,
         node: &GraphNode,
         inputs: &[(usize, Revision)],
-        demand: &Demand,
+        serves: impl Fn(&Demand) -> bool,
         files: &[(PathBuf, Stamp)],
         stated: &Stated,
     ) -> Option<&Entry> {
@@ -69,7 +69,7 @@ impl Cache {
                 && e.given == node.given
                 && e.carried.as_ref().is_none_or(|carried| carried == stated)
                 && e.parameters == node.parameters
-                && e.demand.covers(demand)
+                && serves(&e.demand)
         })
     }
 

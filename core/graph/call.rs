@@ -39,6 +39,8 @@ pub struct Asking<'a> {
     pub(super) node: &'a GraphNode,
     /// For each edge its value, or what stands for it, where known.
     pub(super) early: Vec<Option<Value>>,
+    /// For each edge whether that value is known, and does not only stand for one.
+    pub(super) is_known: Vec<bool>,
     /// For each edge the type of the output that feeds it.
     pub(super) fed: Vec<PortType>,
     /// For each edge what is asked of it.
@@ -59,6 +61,12 @@ impl Asking<'_> {
             Some(Value::TransferFunction(look)) => Some(look.clone()),
             _ => None,
         }
+    }
+
+    /// The transfer function at an input where it is known before any data are.
+    pub fn known_look(&self, port: &str) -> Option<Arc<Look>> {
+        let place = self.node.edges(port).ok()?.next()?;
+        self.look(port).filter(|_| self.is_known[place])
     }
 
     /// The type of the output that feeds an input, the first of several; `None` where nothing does.

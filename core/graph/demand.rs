@@ -4,11 +4,12 @@ use super::build::Graph;
 use super::call::Foresight;
 use super::leave_out::MayLeaveOut;
 use super::notes::Notes;
-use super::value::{Revision, Value};
+use super::value::{Look, Revision, Value};
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 /// What is asked of a node's outputs. Nothing but what stands here is read, computed or sorted.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Demand {
     /// Point arrays beside the scalar.
     pub arrays: Arrays,
@@ -18,12 +19,18 @@ pub struct Demand {
     pub gradient_magnitude: bool,
     /// ∇s at every point.
     pub gradient: bool,
+    /// The transfer functions for whose widgets alone g and ∇s are looked at: at points of cells that no widget can touch, whatever
+    /// g is there, they may be what they are at another point. `None`: everywhere. Asked by nodes that have a transfer function or
+    /// cells ([`super::Asking::ask`]); of others, which may give another scalar than they get, everything is asked.
+    pub gradient_for: Option<Vec<Arc<Look>>>,
     /// An order of the cells.
     pub order: bool,
     /// The file's own cells, to write them back.
     pub file_cells: bool,
     /// Numbers a tetrahedron, at ports of that type.
     pub cell_values: bool,
+    /// Which cells are kept, as a result of its own: each is asked, also where a picture would be drawn sooner without.
+    pub kept_cells: bool,
 }
 
 /// Arrays that are asked for: some by name, or those and all others that there are.
@@ -95,6 +102,17 @@ impl Demand {
 
     /// Adds another demand on the same node.
     pub fn join(&mut self, other: &Demand) {
+        self.gradient_for = match (self.looks_at_gradient(), other.looks_at_gradient()) {
+            (_, false) => self.gradient_for.take(),
+            (false, true) => other.gradient_for.clone(),
+            (true, true) => {
+                self.gradient_for.take().zip(other.gradient_for.as_ref()).map(|(mut all, more)| {
+                    let new: Vec<_> = more.iter().filter(|look| !all.contains(look)).cloned().collect();
+                    all.extend(new);
+                    all
+                })
+            }
+        };
         self.arrays.join(&other.arrays);
         self.cell_arrays.join(&other.cell_arrays);
         self.gradient_magnitude |= other.gradient_magnitude;
@@ -102,6 +120,7 @@ impl Demand {
         self.order |= other.order;
         self.file_cells |= other.file_cells;
         self.cell_values |= other.cell_values;
+        self.kept_cells |= other.kept_cells;
     }
 
     /// Whether an output made for this demand serves the other one too.
@@ -113,6 +132,26 @@ impl Demand {
             && self.order >= other.order
             && self.file_cells >= other.file_cells
             && self.cell_values >= other.cell_values
+            && self.kept_cells >= other.kept_cells
+            && self.covers_places(other)
+    }
+
+    /// The same with g and ∇s everywhere, where they are asked for.
+    pub fn everywhere(&self) -> Demand {
+        Demand { gradient_for: None, ..self.clone() }
+    }
+
+    fn looks_at_gradient(&self) -> bool {
+        self.gradient_magnitude || self.gradient
+    }
+
+    /// Whether g and ∇s are wherever they are looked at.
+    fn covers_places(&self, other: &Demand) -> bool {
+        match (&self.gradient_for, &other.gradient_for) {
+            (None, _) => true,
+            (Some(ours), Some(theirs)) => theirs.iter().all(|look| ours.contains(look)),
+            (Some(_), None) => !other.looks_at_gradient(),
+        }
     }
 }
 

@@ -33,6 +33,8 @@ pub enum Saving {
     Bytes(u64),
     /// Cells that go no further.
     Cells(u64),
+    /// Points at which nothing is computed.
+    Points(u64),
     /// Ray segments that are not sorted.
     Segments(u64),
     /// Time, as it took before.
@@ -44,6 +46,7 @@ impl fmt::Display for Saving {
         match self {
             Saving::Bytes(bytes) => write!(f, "{:.1} MB", *bytes as f64 * 1e-6),
             Saving::Cells(count) => write!(f, "{count} cells"),
+            Saving::Points(count) => write!(f, "{count} points"),
             Saving::Segments(count) => write!(f, "{count} segments"),
             Saving::Seconds(seconds) => write!(f, "{seconds:.3} s"),
         }

@@ -115,6 +115,7 @@ impl Session {
                 notes: &mut plan.notes[i],
                 node,
                 early: early.collect(),
+                is_known: node.inputs.iter().map(|edge| plan.early[edge.node].is_some()).collect(),
                 fed: node.inputs.iter().map(output_type).collect(),
                 asks: vec![Demand::default(); node.inputs.len()],
                 no_leave_out: self.no_leave_out,
@@ -122,6 +123,7 @@ impl Session {
             (node.node.demand)(&mut asking).map_err(|error| node.blame(error))?;
             for (edge, ask) in node.inputs.iter().zip(asking.asks) {
                 refuse_missing_gradient(graph, node, edge, &ask)?;
+                let ask = if draws(node) { ask } else { ask.everywhere() };
                 plan.demands[edge.node].join(&ask);
             }
         }
@@ -239,12 +241,16 @@ impl Session {
         let revisions: Vec<(usize, Revision)> =
             node.inputs.iter().zip(&inputs).map(|(edge, input)| (edge.port, input.1)).collect();
         let files = files_of((node.node, &node.parameters), Steps::Read, &graph.folder, self.file_stamp);
-        let former = self.cache.find(node, &revisions, demand, &files, &graph.stated);
+        let former = self.cache.find(node, &revisions, |former| former.covers(demand), &files, &graph.stated);
         if let Some(entry) = former.filter(|_| !self.no_leave_out) {
             let (outputs, notes) = (entry.outputs.clone(), entry.notes.clone());
             let (seconds, reused) = (0.0, Some(entry.seconds));
             return Ok(Done { outputs, notes, seconds, reused, is_passing: false });
         }
+        // Who is asked for the gradient in other places than before will be so again: now everywhere.
+        let elsewhere = |former: &Demand| former.everywhere().covers(demand);
+        let moves = self.cache.find(node, &revisions, elsewhere, &files, &graph.stated).is_some();
+        let demand = &if moves { demand.everywhere() } else { demand.clone() };
         let mut call = Call {
             parameters: &node.parameters,
             demand,
@@ -308,7 +314,23 @@ fn everything_of(node: &GraphNode) -> Demand {
     let cell_arrays = arrays.clone();
     let (file_cells, cell_values) = (gives(node, PortType::Grid), gives(node, PortType::CellValues));
     let order = true;
-    Demand { arrays, cell_arrays, gradient_magnitude: gradient, gradient, order, file_cells, cell_values }
+    let gradient_magnitude = gradient;
+    Demand {
+        arrays,
+        cell_arrays,
+        gradient_magnitude,
+        gradient,
+        order,
+        file_cells,
+        cell_values,
+        ..Demand::default()
+    }
+}
+
+/// Whether the node draws or hands on cells, and so may say where the gradient is looked at.
+fn draws(node: &GraphNode) -> bool {
+    let says = [PortType::TransferFunction, PortType::Cells, PortType::Projection];
+    node.node.inputs.iter().any(|port| says.contains(&port.port_type))
 }
 
 /// Whether the node makes a volume of a grid.

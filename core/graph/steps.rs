@@ -194,6 +194,7 @@ fn asks_of(graph: &Graph, node: &GraphNode, asked: &Demand) -> Result<Vec<Demand
         no_leave_out: false,
         node,
         early: vec![None; node.inputs.len()],
+        is_known: vec![false; node.inputs.len()],
         fed: fed.collect(),
         asks: vec![Demand::default(); node.inputs.len()],
     };

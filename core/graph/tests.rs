@@ -7,6 +7,7 @@ mod methods;
 mod no_leave_out;
 mod optional_inputs;
 mod passing;
+mod places;
 
 use super::*;
 use crate::Shared;

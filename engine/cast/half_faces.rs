@@ -74,10 +74,15 @@ const TURNS: [[[u32; 3]; 4]; 2] = {
 impl HalfFaces {
     /// Of some cells of a grid, ascending.
     pub fn new(mesh: &Mesh, tetrahedra: &[[u32; 4]], cells: &Arc<Vec<u32>>) -> HalfFaces {
-        let mut places = vec![NONE; tetrahedra.len()];
-        for (place, &cell) in cells.iter().enumerate() {
-            places[cell as usize] = place as u32;
-        }
+        // Where all are drawn each has its own number.
+        let places = (cells.len() < tetrahedra.len()).then(|| {
+            let mut places = vec![NONE; tetrahedra.len()];
+            for (place, &cell) in cells.iter().enumerate() {
+                places[cell as usize] = place as u32;
+            }
+            places
+        });
+        let place_of = |cell: u32| places.as_ref().map_or(cell, |places| places[cell as usize]);
         let sink = 4 * cells.len() as u32;
         let mut records: Vec<[f32; 4]> = bytemuck::zeroed_vec(sink as usize + 1);
         let boundaries: Vec<Vec<Outer>> = records
@@ -89,7 +94,7 @@ impl HalfFaces {
                 for (k, (&cell, records)) in cells.iter().zip(records.chunks_exact_mut(4)).enumerate() {
                     let corners = &tetrahedra[cell as usize];
                     let of_cell = OfCell { place: (chunk * CHUNK + k) as u32, cell: cell as usize, corners };
-                    of_cell.take(mesh, &places, records, &mut boundary);
+                    of_cell.take(mesh, place_of, records, &mut boundary);
                 }
                 boundary
             })
@@ -115,7 +120,13 @@ struct OfCell<'a> {
 }
 
 impl OfCell<'_> {
-    fn take(&self, mesh: &Mesh, places: &[u32], records: &mut [[f32; 4]], boundary: &mut Vec<Outer>) {
+    fn take(
+        &self,
+        mesh: &Mesh,
+        place_of: impl Fn(u32) -> u32,
+        records: &mut [[f32; 4]],
+        boundary: &mut Vec<Outer>,
+    ) {
         let side = match mesh.sides[self.cell] {
             Side::Positive => 0,
             Side::Negative => 1,
@@ -126,7 +137,7 @@ impl OfCell<'_> {
         let mut behind = [OUT; 4];
         for (face, behind) in behind.iter_mut().enumerate() {
             let there = mesh.neighbours[4 * self.cell + face];
-            let place = if there == NONE { NONE } else { places[there as usize / 4] };
+            let place = if there == NONE { NONE } else { place_of(there / 4) };
             if place == NONE {
                 let half_face = 4 * self.place + face as u32;
                 *behind = OUT | half_face;

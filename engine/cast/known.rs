@@ -1,9 +1,10 @@
 //! Faces, kept between pictures.
 
+use super::OF_CELL;
 use super::half_faces::HalfFaces;
 use super::mesh::Mesh;
 use crate::spare::kept;
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, PoisonError};
 use voltet_core::grid::Grid;
 
 /// What is known of a volume's faces, and of the cells that are drawn now.
@@ -33,6 +34,12 @@ impl KnownFaces {
 
     pub fn drawn(&self) -> &[u32] {
         &self.drawn
+    }
+
+    /// Bytes of a cell that are still to be taken.
+    pub fn bytes_to_find(&self) -> u64 {
+        let mesh = self.kept.mesh.lock().unwrap_or_else(PoisonError::into_inner);
+        if mesh.is_some() { 0 } else { OF_CELL }
     }
 
     /// Faces of the volume, found if they are not known.

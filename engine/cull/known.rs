@@ -2,10 +2,10 @@
 
 use super::asked::{Asked, CornerValues};
 use super::blocks::Block;
-use super::touched::Touched;
+use super::touched::{CELLS_TO_SAMPLE, Touched, WORTH};
 use crate::attribute::attributes_of;
 use crate::cast::KnownFaces;
-use crate::cells::{Cells, MOST_AT_ONCE};
+use crate::cells::{Casting, Cells, MOST_AT_ONCE};
 use crate::kept::Views;
 use crate::spare::{Spare, kept};
 use crate::view::{Seen, View};
@@ -102,6 +102,28 @@ impl Known {
         camera: &Camera,
         progress: &dyn Progress,
     ) -> Result<Cells> {
+        self.cull_by(transfer_function, camera, false, progress)
+    }
+
+    /// The same, and every cell is asked, whether the picture gains by it or not: for who wants to know which are kept.
+    ///
+    /// Errors: those of [`Known::cull`].
+    pub fn cull_each(
+        &self,
+        transfer_function: &TransferFunction,
+        camera: &Camera,
+        progress: &dyn Progress,
+    ) -> Result<Cells> {
+        self.cull_by(transfer_function, camera, true, progress)
+    }
+
+    fn cull_by(
+        &self,
+        transfer_function: &TransferFunction,
+        camera: &Camera,
+        each: bool,
+        progress: &dyn Progress,
+    ) -> Result<Cells> {
         let nothing = self.none_kept()?;
         let sight = self.sight(camera)?;
         progress.report("cull", 0.3);
@@ -116,12 +138,12 @@ impl Known {
             blocks: &|| kept(&self.blocks, |_| true, || Block::every(&self.volume)),
             ranges: self.ranges,
         };
-        let touched = self.touched(&asked, transfer_function.fields());
+        let touched = self.touched(&asked, transfer_function.fields(), each);
         if progress.cancelled() {
             return Err(Error::cancelled());
         }
         let in_view = |id: u32| sight.sees(&self.volume.grid.tetrahedra[id as usize]);
-        let kept = match sight.any_outside {
+        let kept = match sight.any_outside && (each || is_worth_asking(&touched.cells, in_view)) {
             true => Arc::new(those(&touched.cells, in_view)),
             false => touched.cells.clone(),
         };
@@ -206,7 +228,7 @@ impl Known {
             untouched: Vec::new(),
             no_leave_out: false,
             lanes: LaneSet::detect()?,
-            casts: true,
+            casting: Casting::IfItPays,
             most_at_once: MOST_AT_ONCE,
             spare: self.spare.clone(),
             culled_for: None,
@@ -228,15 +250,42 @@ impl Known {
         }))
     }
 
-    /// The cells that widgets touch. `fields`: those that their bounds number.
-    fn touched(&self, asked: &Asked, fields: Vec<&str>) -> Arc<Touched> {
-        let of = |touched: &Touched| touched.is_of(asked, &fields);
-        kept(&self.touched, of, || Touched::find(asked, &fields))
+    /// The cells that widgets touch. `fields`: those that their bounds number; `each`: every cell is asked.
+    fn touched(&self, asked: &Asked, fields: Vec<&str>, each: bool) -> Arc<Touched> {
+        let is_asked = |touched: &Touched| !each || touched.not_worth_asking.is_none();
+        let of = |touched: &Touched| touched.is_of(asked, &fields) && is_asked(touched);
+        kept(&self.touched, of, || Touched::find(asked, &fields, each))
     }
+}
+
+/// Whether enough cells lie out of view: a cell that does is soon done with by all that draws, too. One in 64 tells.
+fn is_worth_asking(ids: &[u32], in_view: impl Fn(u32) -> bool + Sync) -> bool {
+    if ids.len() < CELLS_TO_SAMPLE {
+        return true;
+    }
+    let asked = ids.par_iter().step_by(64).with_min_len(256);
+    let (count, out) = (asked.len(), asked.filter(|&&id| !in_view(id)).count());
+    out as f64 >= WORTH * count as f64
 }
 
 /// Those of a list, in its order.
 fn those(ids: &[u32], is_one: impl Fn(u32) -> bool + Sync) -> Vec<u32> {
-    let of = |chunk: &[u32]| chunk.iter().copied().filter(|&id| is_one(id)).collect::<Vec<_>>();
-    ids.par_chunks(CHUNK).map(of).collect::<Vec<_>>().concat()
+    let mut those = vec![0; ids.len()];
+    // Each chunk's at its beginning, without branches that could be foretold by no one; then the chunks side by side.
+    let of = |(those, ids): (&mut [u32], &[u32])| {
+        let mut count = 0;
+        for &id in ids {
+            those[count] = id;
+            count += usize::from(is_one(id));
+        }
+        count
+    };
+    let counts: Vec<usize> = those.par_chunks_mut(CHUNK).zip(ids.par_chunks(CHUNK)).map(of).collect();
+    let mut end = 0;
+    for (chunk, &count) in counts.iter().enumerate() {
+        those.copy_within(chunk * CHUNK..chunk * CHUNK + count, end);
+        end += count;
+    }
+    those.truncate(end);
+    those
 }

@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use voltet_core::transfer::Support;
 
 /// Grids of fewer cells are asked as a whole.
-const CELLS_TO_SAMPLE: usize = 1 << 15;
+pub(super) const CELLS_TO_SAMPLE: usize = 1 << 15;
 
 /// One run of so many consecutive cells is asked of each stretch of [`STRETCH`]: 1 cell in 64.
 const RUN: usize = 16;
@@ -17,7 +17,7 @@ const RUN: usize = 16;
 const STRETCH: usize = 64 * RUN;
 
 /// The share of the sample that must be dropped: asking a cell takes about a twentieth of the time that drawing one does.
-const WORTH: f64 = 0.05;
+pub(super) const WORTH: f64 = 0.05;
 
 /// A sample of a grid's cells.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -52,12 +52,12 @@ impl Touched {
         self.with_g == asked.values.g.is_some() && self.fields == fields && self.support == *asked.support
     }
 
-    /// Asks the cells, unless a sample says that this would not pay.
-    pub fn find(asked: &Asked, fields: &[&str]) -> Touched {
+    /// Asks the cells, unless a sample says that this would not pay; `each`: always.
+    pub fn find(asked: &Asked, fields: &[&str], each: bool) -> Touched {
         let examples: Vec<AtomicU32> =
             (0..asked.support.widget_count()).map(|_| AtomicU32::new(NONE)).collect();
         let total = asked.tetrahedra.len();
-        let sample = (total >= CELLS_TO_SAMPLE).then(|| sample(asked, &examples));
+        let sample = (total >= CELLS_TO_SAMPLE && !each).then(|| sample(asked, &examples));
         let not_worth_asking = sample.filter(|sample| (sample.dropped as f64) < WORTH * sample.asked as f64);
         let cells = match not_worth_asking {
             Some(_) => (0..total as u32).collect(),

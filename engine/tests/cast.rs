@@ -4,10 +4,11 @@ use std::sync::Arc;
 use voltet_core::Result;
 use voltet_core::camera::Camera;
 use voltet_core::picture::Picture;
-use voltet_core::progress::Silent;
+use voltet_core::progress::{Progress, Silent};
 use voltet_core::shading::Order;
+use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
-use voltet_engine::{Cells, Counts, composite, cull, keep_all, project};
+use voltet_engine::{Casting, Cells, Counts, Known, composite, cull, keep_all, project};
 use voltet_lanes::LaneSet;
 use voltet_testing::pictures::compare::{NamedScene, SHADING, within};
 use voltet_testing::pictures::grids::{cube, moved, part, smooth, together, two_arms, with_flat_layer};
@@ -35,16 +36,19 @@ fn lost(scene: &NamedScene) -> u64 {
     let mut most = 0;
     for lanes in LaneSet::ALL.into_iter().filter(|lanes| lanes.is_supported()) {
         let (expected, by_cells, was_projected) =
-            drawn(scene, |cells| (cells.lanes, cells.casts) = (lanes, false));
+            drawn(scene, |cells| (cells.lanes, cells.casting) = (lanes, Casting::Never));
         assert!(was_projected, "{}", scene.name);
         assert!(expected.rgba.iter().any(|p| p[3] > 0.1), "{} shows nothing", scene.name);
-        let (picture, counts, was_projected) = drawn(scene, |cells| cells.lanes = lanes);
+        let (picture, counts, was_projected) =
+            drawn(scene, |cells| (cells.lanes, cells.casting) = (lanes, Casting::Always));
         let name = format!("{} on {}", scene.name, lanes.name());
         assert!(!was_projected, "{name}: projected");
         within(&name, &picture, &expected, ROUNDING);
         // Tiles that rays are lost in, from windows of a few cells.
-        let (in_windows, again, _) =
-            drawn(scene, |cells| (cells.lanes, cells.most_at_once) = (lanes, cells.kept.len() / 5));
+        let (in_windows, again, _) = drawn(scene, |cells| {
+            (cells.lanes, cells.casting) = (lanes, Casting::Always);
+            cells.most_at_once = cells.kept.len() / 5;
+        });
         assert_eq!(again.tiles_lost, counts.tiles_lost, "{name}");
         assert!(in_windows.rgba == picture.rgba, "{name}: windows show something else");
         // Cells whose faces and edges a ray lies in count here or there.
@@ -139,17 +143,80 @@ fn cells_that_are_not_drawn_are_a_boundary() -> Result<()> {
 #[test]
 fn what_rays_do_not_serve_is_projected() -> Result<()> {
     let volume = smooth(cube([4, 4, 4], 0.2));
+    let always = |cells: &mut Cells| cells.casting = Casting::Always;
     let inside = perspective([0.43, 0.37, 0.52], [0.9, 0.8, 0.45], 70.0, [40, 30]);
-    let tiny = outside([3, 3]);
-    for (name, camera) in [("the eye inside", inside), ("cells under a pixel", tiny)] {
-        let scene = NamedScene { name: name.into(), volume: volume.clone(), look: ramp(), camera };
-        assert!(drawn(&scene, |_| {}).2, "{name}");
-    }
-    let scene = NamedScene { name: String::new(), volume, look: ramp(), camera: outside([40, 30]) };
-    assert!(!drawn(&scene, |_| {}).2);
-    assert!(drawn(&scene, |cells| cells.order = Order::None).2, "without order");
-    let all = keep_all(&scene.volume, &scene.look, &scene.camera)?;
+    let scene = |camera| NamedScene { name: String::new(), volume: volume.clone(), look: ramp(), camera };
+    assert!(drawn(&scene(inside), always).2, "the eye inside");
+    let scene = scene(outside([40, 30]));
+    assert!(!drawn(&scene, always).2);
+    let unordered = |cells: &mut Cells| (cells.casting, cells.order) = (Casting::Always, Order::None);
+    assert!(drawn(&scene, unordered).2, "without order");
+    let mut all = keep_all(&scene.volume, &scene.look, &scene.camera)?;
+    always(&mut all);
     let projection = project(&all, &scene.look, &scene.camera, false, &Silent)?;
     assert!(projection.cells_projected().is_none(), "with nothing left out");
+    Ok(())
+}
+
+/// Says how much memory is left.
+struct Left(u64);
+
+impl Progress for Left {
+    fn report(&self, _stage: &str, _fraction: f64) {}
+
+    fn memory_left(&self) -> Option<u64> {
+        Some(self.0)
+    }
+}
+
+/// Whether each of some pictures of a volume, the camera turned a little before each, was projected.
+fn projected(
+    known: &Known,
+    look: &TransferFunction,
+    size: [u32; 2],
+    left: u64,
+    set: impl Fn(&mut Cells),
+) -> Vec<bool> {
+    let projected = |k: i32| -> Result<bool> {
+        let camera = perspective([0.5 + 0.01 * f64::from(k), 0.6, -3.0], [0.5; 3], 30.0, size);
+        let mut cells = known.cull(look, &camera, &Silent)?;
+        set(&mut cells);
+        let projection = project(&cells, look, &camera, false, &Left(left))?;
+        Ok(projection.cells_projected().is_some())
+    };
+    (0..3).map(|k| projected(k).expect("the scene can be drawn")).collect()
+}
+
+#[test]
+fn rays_go_from_cell_to_cell_where_that_pays() -> Result<()> {
+    let volume = smooth(cube([12, 12, 12], 0.2));
+    let [few, many] = [[16, 16], [600, 600]];
+    let one_color = |extinction| look(vec![gaussian([0.5, 0.8], [0.3, 5.0], extinction, [1.0, 0.5, 0.2])]);
+    for (name, look, size, is_projected) in [
+        ("few segments a cell", ramp(), few, false),
+        ("many", ramp(), many, false),
+        ("few, of one colour", one_color(4.0), few, false),
+        ("many, of one colour, which need no order", one_color(4.0), many, true),
+        ("many, of one colour, most of them hidden", one_color(400.0), many, false),
+    ] {
+        let projected = projected(&Known::new(&volume)?, &look, size, u64::MAX, |_| {});
+        assert_eq!(projected, [is_projected; 3], "{name}");
+    }
+    Ok(())
+}
+
+#[test]
+fn where_faces_have_no_room_cells_are_projected() -> Result<()> {
+    let volume = smooth(cube([40, 40, 40], 0.2));
+    let (cells, size) = (volume.grid.tetrahedra.len() as u64, [512, 512]);
+    let projected = |known: &Known, bytes_of_cell: u64| {
+        let left = bytes_of_cell * cells + 16 * 512 * 512;
+        projected(known, &ramp(), size, left, |cells| cells.most_at_once = 1000)
+    };
+    let known = Known::new(&volume)?;
+    assert_eq!(projected(&known, 60), [true; 3]);
+    assert_eq!(projected(&known, 200), [false; 3]);
+    // Once they are found they take no more.
+    assert_eq!(projected(&known, 60), [false; 3]);
     Ok(())
 }

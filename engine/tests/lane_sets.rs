@@ -5,15 +5,15 @@ use voltet_core::Result;
 use voltet_core::camera::Camera;
 use voltet_core::picture::Picture;
 use voltet_core::progress::Silent;
-use voltet_engine::{cull, draw};
+use voltet_engine::{Casting, cull, draw};
 use voltet_lanes::LaneSet;
 use voltet_testing::pictures::compare::{NamedScene, ORDINARY, SHADING, referee, within};
 use voltet_testing::pictures::grids::{cube, smooth};
 use voltet_testing::pictures::looks::{one_gaussian, orthographic, outside, overlapping, perspective, ramp};
 
-fn picture(scene: &NamedScene, lanes: LaneSet) -> Result<Picture> {
+fn picture(scene: &NamedScene, lanes: LaneSet, casting: Casting) -> Result<Picture> {
     let mut cells = cull(&scene.volume, &scene.look, &scene.camera, &Silent)?;
-    cells.lanes = lanes;
+    (cells.lanes, cells.casting) = (lanes, casting);
     Ok(draw(&cells, &scene.look, &scene.camera, &SHADING, &Silent)?.0)
 }
 
@@ -31,9 +31,12 @@ fn every_lane_set_draws_what_the_referee_draws() {
             let expected = referee(&scene);
             assert!(expected.rgba.iter().any(|p| p[3] > 0.1), "{place} {kind} shows nothing");
             for lanes in LaneSet::ALL.into_iter().filter(|lanes| lanes.is_supported()) {
-                scene.name = format!("{place} {kind} {}", lanes.name());
-                let actual = picture(&scene, lanes).unwrap_or_else(|e| panic!("{}: {e}", scene.name));
-                within(&scene.name, &actual, &expected, ORDINARY);
+                for casting in [Casting::Never, Casting::Always] {
+                    scene.name = format!("{place} {kind} {} {casting:?}", lanes.name());
+                    let actual =
+                        picture(&scene, lanes, casting).unwrap_or_else(|e| panic!("{}: {e}", scene.name));
+                    within(&scene.name, &actual, &expected, ORDINARY);
+                }
             }
         }
     }

@@ -5,6 +5,7 @@ mod alone;
 mod bands;
 mod engine;
 mod engines;
+pub mod looked_at;
 mod needs;
 mod noted;
 mod opened;

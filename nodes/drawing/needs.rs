@@ -9,10 +9,10 @@ use voltet_core::shading::Shading;
 use voltet_core::transfer::OpticalModel;
 use voltet_engine::needs_gradient;
 
-/// Asks at `port` for what drawing the transfer function at `look` with the node's parameters needs; gives what
+/// Asks at `port` for what drawing the transfer function at `look_port` with the node's parameters needs; gives what
 /// was asked for.
-pub fn ask(asking: &mut Asking, port: &str, look: &str) -> Result<Demand> {
-    let (look, shading) = (asking.look(look), shading(asking.parameters)?);
+pub fn ask(asking: &mut Asking, port: &str, look_port: &str) -> Result<Demand> {
+    let (look, shading) = (asking.look(look_port), shading(asking.parameters)?);
     if let Some(look) = &look {
         // Refused before any data are read.
         can_serve(&shading.integrator, &look.transfer_function)
@@ -25,7 +25,11 @@ pub fn ask(asking: &mut Asking, port: &str, look: &str) -> Result<Demand> {
         let bytes = PartialTable::bytes_of(look.as_deref().is_none_or(density), side);
         asking.notes.leave_out(leave, "pre-integration table", why, Some(Saving::Bytes(bytes as u64)));
     }
-    let demand = demand(look.as_deref(), &shading);
+    let mut demand = demand(look.as_deref(), &shading);
+    // A table spans the range of g.
+    if !shading.integrator.has_table() {
+        demand.gradient_for = asking.known_look(look_port).map(|look| vec![look]);
+    }
     asking.ask(port, &demand)?;
     Ok(demand)
 }

@@ -37,8 +37,13 @@ fn no_leave_out(document: &Document) -> RunReport {
 
 /// Arrays decoded, gradients computed, tiles sorted, cells sorted, tables built.
 fn work(report: &RunReport) -> [u64; 5] {
-    ["arrays_decoded", "gradients_computed", "tiles_sorted", "cells_sorted", "tables_built"]
-        .map(|name| report.counts.get(name).copied().unwrap_or(0))
+    let count = |name: &str| report.counts.get(name).copied().unwrap_or(0);
+    // Rays that go from cell to cell have an order where one is needed, and where it is not say so.
+    let is_left_out = report.left_out.iter().any(|left| left.what == "visibility order");
+    let tiles = if count("cells_cast") > 0 && !is_left_out { 1 } else { count("tiles_sorted") };
+    let [arrays, gradients, cells, tables] =
+        ["arrays_decoded", "gradients_computed", "cells_sorted", "tables_built"].map(count);
+    [arrays, gradients, tiles, cells, tables]
 }
 
 #[test]
@@ -115,6 +120,56 @@ fn every_node_and_the_session_say_what_was_left_out_why_and_what_that_saves() {
         let wanted = format!("{node}: repetition {{\"seconds\":");
         assert!(again.iter().any(|left| left.starts_with(&wanted)), "'{wanted}' is not in\n{again:#?}");
     }
+}
+
+/// g = 2x, looked at where s = x² lies near 0.3 alone; where it was not computed it is that of another point, which nobody sees.
+#[test]
+fn gradients_are_computed_where_widgets_look_for_them() {
+    let folder = Folder::new();
+    folder.write("cube.vtu", cube_of(18, "x", |x| x * x));
+    let widgets = TWO.replace("[0.6, 1.0]", "[0.3, 0.6]").replace("[0.1, 0.5]", "[0.01, 2.0]");
+    let pipeline = SLAB.replace("\n[nodes.view]\n", &widgets).replace("[-1.0, 2.0]", "[0.2, 0.35]");
+    folder.write("slab.toml", pipeline);
+    let points_left = |report: &RunReport| {
+        let left = report.left_out.iter().find(|left| left.what == "gradient at points")?;
+        match left.saving {
+            Some(voltet::core::graph::Saving::Points(count)) => Some(count),
+            other => panic!("{other:?}"),
+        }
+    };
+    let light = "picture.light={ direction = [1, 1, 1], diffuse = 0.7 }";
+    let inside = "view.eye=[0.4, 0.5, 0.5]";
+    let size = "view.size=[48, 40]";
+    for options in [&[size][..], &[size, light], &[size, inside, "view.near=0.05"]] {
+        let document = open(&folder, "slab.toml", options);
+        let usual = run(&document);
+        // 19³ points, of which four to eight layers of 19² are corners of cells in the intervals.
+        let left = points_left(&usual).unwrap_or(0);
+        assert!((11 * 361..=15 * 361).contains(&left), "{options:?}: {left}");
+        assert_nothing_left_out(&usual, &no_leave_out(&document), &format!("{options:?}"));
+        assert!(usual.pictures[0].1.rgba.iter().any(|pixel| pixel[3] > 0.1), "{options:?}");
+    }
+    // A table spans the range of g; a filter that makes all at once, and widgets that reach all cells, save nothing.
+    for options in [
+        "picture.integrator=segments",
+        "gradient.method=cell-average",
+        "look.widgets.0.region={ g = [0.5, 2.0] }",
+    ] {
+        assert_eq!(points_left(&run(&open(&folder, "slab.toml", &[options]))), None, "{options}");
+    }
+    // Whose widgets move gets all of it the second time, and then keeps it.
+    let mut session = voltet::nodes::session();
+    let mut run_at = |s: f64| {
+        let moved = format!("look.widgets.1.centre=[{s}, 0.6]");
+        let report = session.run(&open(&folder, "slab.toml", &[&moved]).graph, &Unobserved).unwrap();
+        let is_kept = report.left_out.iter().any(|left| left.node == "gradient" && left.what == "repetition");
+        (points_left(&report).is_some(), is_kept)
+    };
+    assert_eq!(run_at(0.3), (true, false));
+    assert_eq!(run_at(0.3), (true, true));
+    assert_eq!(run_at(0.5), (false, false));
+    assert_eq!(run_at(0.7), (false, true));
+    assert_eq!(run_at(0.3), (false, true));
 }
 
 /// Nobody counts the cells behind that rays do not come to.

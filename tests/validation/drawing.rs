@@ -9,19 +9,19 @@ use voltet_core::progress::Silent;
 use voltet_core::scene::Scene;
 use voltet_core::shading::{Integrator, Order, Shading};
 use voltet_core::transfer::TransferFunction;
-use voltet_engine::{self as engine, Cells, Counts};
+use voltet_engine::{self as engine, Casting, Cells, Counts};
 use voltet_testing::pictures::Engine;
 use voltet_testing::pictures::compare::{NamedScene, ORDINARY, within};
 
-/// The engine.
+/// The engine; rays go from cell to cell wherever that serves.
 pub struct Tested;
 
-/// The same, which projects all cells, whether rays may go from one to the other or not.
+/// The same, which projects all cells.
 pub struct ByCells;
 
 impl Engine for Tested {
     fn picture(&self, scene: &NamedScene, shading: &Shading) -> Option<Picture> {
-        let picture = draw(scene, shading, |_| {}).0;
+        let picture = draw(scene, shading, |cells| cells.casting = Casting::Always).0;
         let name = format!("{} from segments kept", scene.name);
         within(&name, &kept(scene, shading), &picture, KEPT);
         Some(picture)
@@ -72,7 +72,7 @@ fn draw(scene: &NamedScene, shading: &Shading, set: impl Fn(&mut Cells)) -> (Pic
 pub fn picture(scene: &NamedScene, shading: &Shading) -> Picture {
     let by_cells = |most_at_once: Option<usize>| {
         let (picture, counts) = draw(scene, shading, |cells| {
-            cells.casts = false;
+            cells.casting = Casting::Never;
             cells.most_at_once = most_at_once.unwrap_or(cells.most_at_once);
         });
         // Cells without a volume are known when they are projected.

@@ -128,7 +128,8 @@ fn opaque_tiles_stop_early() {
     let counts = |extinction| {
         let scene = scene(extinction);
         Tested.ordinary(&scene);
-        let cells = engine::cull(&scene.volume, &scene.look, &scene.camera, &Silent).unwrap();
+        let mut cells = engine::cull(&scene.volume, &scene.look, &scene.camera, &Silent).unwrap();
+        cells.casting = engine::Casting::Never;
         engine::draw(&cells, &scene.look, &scene.camera, &SHADING, &Silent).unwrap().1
     };
     let (thin, dense) = (counts(2.0), counts(1e4));
@@ -157,7 +158,7 @@ fn hidden_cells_are_left_out_where_order_matters() {
         Tested.ordinary(&scene);
         ByCells.ordinary(&scene);
         let mut cells = engine::cull(&scene.volume, &scene.look, &scene.camera, &Silent).unwrap();
-        cells.casts = false;
+        cells.casting = engine::Casting::Never;
         engine::draw(&cells, &scene.look, &scene.camera, &SHADING, &Silent).unwrap().1
     };
     let (thin, dense) = (counts(2.0), counts(300.0));

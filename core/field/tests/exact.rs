@@ -45,6 +45,24 @@ fn two_tetrahedra_by_hand() {
     assert!((found - DVec3::new(0.5, 0.0, 0.0)).length() < 1e-15, "{found}");
 }
 
+/// At some points alone the vectors are the same, bit by bit; averages over cells are made for all points at once.
+#[test]
+fn gradients_at_some_points_are_those_at_all() {
+    let grid = box_of_tetrahedra([7, 5, 6], UNIT, 0.25);
+    let s = sample(&grid, |p| (3.0 * p.x).sin() * p.y + p.z * p.z);
+    // More than one task of points, in no order.
+    let points: Vec<u32> = (0..grid.points.len() as u32).rev().filter(|p| p % 3 != 1).collect();
+    for name in METHODS {
+        let all = gradient(name, &grid, &s).vectors;
+        let found = Method::standard(filter(name)).unwrap().gradient_at(&grid, &s, &points, &Silent);
+        let is_by_points = ["least-squares", "quadratic-fit"].contains(&name);
+        assert_eq!(found.is_some(), is_by_points, "{name}");
+        let Some(found) = found else { continue };
+        let expected: Vec<DVec3> = points.iter().map(|&p| all[p as usize]).collect();
+        assert_eq!(found.unwrap().vectors, expected, "{name}");
+    }
+}
+
 #[test]
 fn linear_fields_are_exact() {
     let slope = DVec3::new(0.7, -1.3, 2.1);

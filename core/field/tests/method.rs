@@ -15,11 +15,40 @@ impl GradientFilter for Constant {
         Kind { name: "constant", summary: "The same everywhere.", parameters: &[] }
     }
 
+    fn gradient_at(
+        &self,
+        _: &Grid,
+        _: &[f64],
+        points: &[u32],
+        _: &Parameters,
+        _: &dyn Progress,
+    ) -> Option<Result<Gradient>> {
+        let mut vectors = vec![self.vector; points.len() + self.too_many];
+        vectors[0] = self.first;
+        Some(Ok(Gradient { vectors, fallbacks: Vec::new() }))
+    }
+
     fn gradient(&self, grid: &Grid, _: &[f64], _: &Parameters, _: &dyn Progress) -> Result<Gradient> {
         let mut vectors = vec![self.vector; grid.points.len() + self.too_many];
         vectors[0] = self.first;
         Ok(Gradient { vectors, fallbacks: Vec::new() })
     }
+}
+
+/// What it gives at some points is checked alike, and the point is named, not its place in the list.
+#[test]
+fn what_is_given_at_some_points_is_checked_too() {
+    let grid = box_of_tetrahedra([5, 5, 5], UNIT, 0.0);
+    let (points, values) = ([40, 30, 20], vec![7.0; grid.points.len()]);
+    let run = |vector: DVec3, too_many: usize| {
+        let filter = Constant { vector, first: DVec3::X, too_many };
+        Method::standard(Arc::new(filter)).unwrap().gradient_at(&grid, &values, &points, &Silent).unwrap()
+    };
+    assert_eq!(run(DVec3::Y, 0).unwrap().vectors, [DVec3::X, DVec3::Y, DVec3::Y]);
+    let message = run(DVec3::Y, 1).unwrap_err().to_string();
+    assert!(message.contains("found 4 vectors; expected 3"), "{message}");
+    let message = run(DVec3::NAN, 0).unwrap_err().to_string();
+    assert!(message.contains("not finite") && message.contains("at point 30, which lies at"), "{message}");
 }
 
 /// Runs it on a grid of 4000 points of which the first belongs to no cell.

@@ -101,6 +101,31 @@ fn widgets_without_extinction_touch_no_cell() {
     assert!(!Support::new(&look).expect("valid").touches(&[0.5; 4], &[0.5; 4], &[], 1e-7));
 }
 
+#[test]
+fn intervals_of_s_hold_what_widgets_reach() {
+    let of = |widgets: Vec<Widget>| {
+        let look = TransferFunction { model: OpticalModel::DensityEmitter, unit_distance: 1.0, widgets };
+        look.intervals_of_s(1.0, 1e-8)
+    };
+    assert_eq!(of(vec![]), [[0.0; 2]; 0]);
+    assert_eq!(of(vec![widget(Profile::Uniform)]), [[f64::NEG_INFINITY, f64::INFINITY]]);
+    // A profile of exp(−s²/2σ²): 1e-8 is √(2 ln 1e8) = 6.07 widths away.
+    let [[low, high]] = of(vec![gaussian(0.01)])[..] else { panic!("not one interval") };
+    assert!((low - (0.5 - 0.0607)).abs() < 1e-4 && (high - (0.5 + 0.0607)).abs() < 1e-4, "{low} {high}");
+    // Turned by 45°, ten times as wide along one axis as along the other.
+    let turned = widget(Profile::Gaussian { centre: [0.5, 0.5], matrix: [[50.0, 50.0], [5.0, -5.0]] });
+    let [[low, high]] = of(vec![turned])[..] else { panic!("not one interval") };
+    let reach = 1e8_f64.ln().sqrt() * 0.5 * (1.0 / 50.0 + 1.0 / 5.0);
+    assert!((low - (0.5 - reach)).abs() < 1e-4 && (high - (0.5 + reach)).abs() < 1e-4, "{low} {high}");
+    // Apart and overlapping, and one that a region cuts.
+    let at = |s: f64| widget(Profile::Gaussian { centre: [s, 0.5], matrix: [[50.0, 0.0], [0.0, 1.0]] });
+    let region = Some(Region::rectangle([0.8, 5.0], [f64::NEG_INFINITY, f64::INFINITY]));
+    let cut = Widget { region, ..at(0.85) };
+    let found = of(vec![at(5.0), at(0.1), cut, at(0.2)]);
+    assert_eq!(found.len(), 3, "{found:?}");
+    assert!(found[0][0] < 0.05 && found[0][1] > 0.25 && (found[1][0] - 0.8).abs() < 1e-5, "{found:?}");
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(600) })]
 
@@ -153,6 +178,11 @@ proptest! {
                     }
                 }
             }
+        }
+        // Whatever g is, nothing counts at an s outside of the intervals.
+        let intervals = transfer_function.intervals_of_s(1.0, least);
+        for s_at in s.into_iter().filter(|s| intervals.iter().all(|[low, high]| s < low || high < s)) {
+            prop_assert!(support.bound(&[s_at; 4], &g, fields) <= least * (1.0 + 1e-9));
         }
         for first in 0..3 {
             let toucher = support.toucher(first, &s, &g, fields, bound * 0.999);

@@ -148,10 +148,10 @@ fn widgets_are_kept_that_the_view_shows() {
 
 /// Nothing is asked where a sample says that it drops less than one cell in twenty; the picture is the same to rounding.
 #[test]
-fn culling_that_would_not_pay_is_not_done() {
+fn culling_that_would_not_pay_is_not_done() -> voltet_core::Result<()> {
     let volume = Arc::new(bivariate());
     let camera = along(DVec3::Y);
-    for (share, worth) in [(0.99, false), (0.85, true)] {
+    for (share, worth) in [(0.95, false), (0.85, true)] {
         let look = look(vec![uniform([0.0, share], 1.0, [1.0, 0.5, 0.2])]);
         let cells = voltet_engine::cull(&volume, &look, &camera, &Silent).expect("culls");
         let total = volume.grid.tetrahedra.len();
@@ -162,10 +162,44 @@ fn culling_that_would_not_pay_is_not_done() {
             }
             None => assert!(worth),
         }
+        // Who wants to know which are kept gets each asked, also after a picture that did not.
+        let known = Known::new(&volume)?;
+        let whole = Camera { projection: Projection::Orthographic { height: 2.0 }, ..camera };
+        let few = known.cull(&look, &whole, &Silent)?;
+        let each = known.cull_each(&look, &whole, &Silent)?;
+        let is_touched = |&id: &u32| {
+            let s = volume.grid.tetrahedra[id as usize].map(|p| volume.scalar[p as usize]);
+            s.into_iter().fold(f64::INFINITY, f64::min) <= share
+        };
+        let expected: Vec<u32> = (0..total as u32).filter(is_touched).collect();
+        assert!(expected.len() < total && *each.kept == expected, "{share}");
+        assert!(few.kept.len() >= each.kept.len() && each.not_worth_asking.is_none(), "{share}");
         let all = voltet_engine::keep_all(&volume, &look, &camera).expect("keeps all");
         let pictures =
             [cells, all].map(|cells| draw(&cells, &look, &camera, &SHADING, &Silent).expect("draws").0);
         let difference = largest_difference(&pictures[0], &pictures[1]);
         assert!(difference <= 1e-6, "{share}: a pixel changes by {difference:e}");
     }
+    Ok(())
+}
+
+/// The same of cells out of view.
+#[test]
+fn cells_out_of_view_stay_where_they_are_few() -> voltet_core::Result<()> {
+    let volume = Arc::new(bivariate());
+    let look = look(vec![uniform([-1.0, 2.0], 1.0, [1.0, 0.5, 0.2])]);
+    let total = volume.grid.tetrahedra.len() as u64;
+    for (height, few) in [(0.975, true), (0.7, false)] {
+        let camera = Camera { projection: Projection::Orthographic { height }, ..along(DVec3::Y) };
+        let known = Known::new(&volume)?;
+        let (usual, each) = (known.cull(&look, &camera, &Silent)?, known.cull_each(&look, &camera, &Silent)?);
+        let out = each.culled_by_frustum;
+        assert!(0 < out && (20 * out < total) == few, "{height}: {out} of {total}");
+        assert_eq!(usual.culled_by_frustum, if few { 0 } else { out }, "{height}");
+        let pictures =
+            [usual, each].map(|cells| draw(&cells, &look, &camera, &SHADING, &Silent).expect("draws").0);
+        let difference = largest_difference(&pictures[0], &pictures[1]);
+        assert!(difference <= 1e-6, "{height}: a pixel changes by {difference:e}");
+    }
+    Ok(())
 }

@@ -5,7 +5,7 @@ use voltet_core::Shared;
 use voltet_core::camera::Projection;
 use voltet_core::grid::generate::box_of_tetrahedra;
 use voltet_core::shading::{Light, Shading};
-use voltet_engine::{cull, draw, keep_all};
+use voltet_engine::{Casting, cull, draw, keep_all};
 use voltet_testing::pictures::looks::perspective;
 
 /// Cells of a density that is nothing along the longest ray are left out, those that a picture shows are not: no pixel
@@ -245,7 +245,7 @@ fn what_is_dense_and_hidden_is_not_integrated() {
         let mut cells = cull(&cube, &look, &camera, &Silent).expect("culls");
         let lit = Shading { light: Some(light), ..SHADING };
         for (shading, casts) in [(SHADING, false), (lit, false), (SHADING, true), (lit, true)] {
-            cells.casts = casts;
+            cells.casting = if casts { Casting::Always } else { Casting::Never };
             let (picture, counts) = draw(&cells, &look, &camera, &shading, &Silent).expect("draws");
             let referee = Scene { shading, ..scene(cube.clone(), look.clone(), camera) };
             let exact = reference::draw(&referee, &Silent).expect("draws");

@@ -1,0 +1,57 @@
+//! Where the gradient is looked at: at the corners of cells that a widget may touch by their values of s, whatever g is there.
+
+use rayon::prelude::*;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use voltet_core::Result;
+use voltet_core::graph::{Look, diagonal};
+use voltet_core::grid::{Grid, extent};
+
+/// Of smaller grids all gradients take less than a millisecond or two.
+const CELLS_LEAST: usize = 1 << 15;
+
+/// One cell of so many tells; no row of a grid is as long.
+const SAMPLED: usize = 61;
+
+/// Share of those cells that may be touched at most: a cell has points that others have too.
+const TOUCHED_MOST: f64 = 0.6;
+
+/// What widgets may add where they are not asked, as optical depth over the longest ray: a hundredth of what a pixel may change.
+const LEFT_OUT: f64 = 1e-8;
+
+/// Cells of a chunk of work.
+const CHUNK: usize = 1 << 13;
+
+/// The points, ascending; `None` where looking for them does not pay: of small grids, and where a sample of cells says that they are
+/// most.
+///
+/// Errors: an extent beyond 64-bit floats.
+pub fn points(grid: &Grid, s: &[f64], looks: &[Arc<Look>]) -> Result<Option<Vec<u32>>> {
+    if grid.tetrahedra.len() < CELLS_LEAST {
+        return Ok(None);
+    }
+    let (length, across) = (extent::scene_length(extent::bounds(&grid.points))?, diagonal(&grid.points));
+    let of = |look: &Arc<Look>| look.for_diagonal(across).intervals_of_s(length, LEFT_OUT);
+    let intervals: Vec<[f64; 2]> = looks.iter().flat_map(of).collect();
+    let is_touched = |corners: &[u32; 4]| {
+        let values = corners.map(|p| s[p as usize]);
+        let low = values.into_iter().fold(f64::INFINITY, f64::min);
+        let high = values.into_iter().fold(f64::NEG_INFINITY, f64::max);
+        intervals.iter().any(|interval| interval[0] <= high && low <= interval[1])
+    };
+    let sample = grid.tetrahedra.par_iter().step_by(SAMPLED).with_min_len(CHUNK);
+    let (asked, touched) = (sample.len(), sample.filter(|corners| is_touched(corners)).count());
+    if TOUCHED_MOST * (asked as f64) < touched as f64 {
+        return Ok(None);
+    }
+    let wanted: Vec<AtomicBool> = grid.points.iter().map(|_| AtomicBool::new(false)).collect();
+    grid.tetrahedra.par_iter().with_min_len(CHUNK).filter(|corners| is_touched(corners)).for_each(
+        |corners| {
+            for &p in corners {
+                wanted[p as usize].store(true, Ordering::Relaxed);
+            }
+        },
+    );
+    let number = |(p, wanted): (usize, AtomicBool)| wanted.into_inner().then_some(p as u32);
+    Ok(Some(wanted.into_iter().enumerate().filter_map(number).collect()))
+}
