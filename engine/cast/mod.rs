@@ -66,11 +66,12 @@ pub(crate) struct Limits {
     boundary_most: f64,
 }
 
-/// What is gained by a cell that is not projected.
+/// What is gained by a cell that is not projected; in proportion less where cells cover less than a pixel each: those that cover none
+/// are soon left.
 const GAIN_OF_CELL: f64 = 0.8;
 
 /// What a picture must gain. It could be drawn once, for which finding faces takes longer than is gained by less than 1; or often.
-/// Which of both nobody knows, and a picture shall have the same bits whatever was drawn before: half a frame is lost at most.
+/// Which of both nobody knows, and a picture shall have the same bits whatever was drawn before: less than a frame is lost at most.
 const GAIN_LEAST: f64 = 0.3;
 
 /// Optical depth over the scene length, at the densest place, from which on rays soon end.
@@ -131,7 +132,7 @@ impl Cast {
             return None;
         }
         let segments = covered(seen, tetrahedra, &cells.kept) / drawn.len() as f64;
-        let gain = GAIN_OF_CELL + limits.gain_of_segment * segments;
+        let gain = GAIN_OF_CELL * segments.min(1.0) + limits.gain_of_segment * segments;
         if cells.casting != Casting::Always && gain < GAIN_LEAST {
             return None;
         }

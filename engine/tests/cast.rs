@@ -190,9 +190,10 @@ fn projected(
 #[test]
 fn rays_go_from_cell_to_cell_where_that_pays() -> Result<()> {
     let volume = smooth(cube([12, 12, 12], 0.2));
-    let [few, many] = [[16, 16], [600, 600]];
+    let [hardly, few, many] = [[8, 8], [40, 40], [600, 600]];
     let one_color = |extinction| look(vec![gaussian([0.5, 0.8], [0.3, 5.0], extinction, [1.0, 0.5, 0.2])]);
     for (name, look, size, is_projected) in [
+        ("hardly a segment a cell", ramp(), hardly, true),
         ("few segments a cell", ramp(), few, false),
         ("many", ramp(), many, false),
         ("few, of one colour", one_color(4.0), few, false),
