@@ -1,6 +1,6 @@
 //! Building a graph: node types found, parameters checked, ports wired, cycles refused, the order of work.
 
-use super::declaration::Node;
+use super::declaration::{Node, PortType};
 use super::faults::{Fault, Part};
 use super::given::Given;
 use super::method;
@@ -119,6 +119,22 @@ impl GraphNode {
     pub(super) fn edges(&self, port: &str) -> Result<impl Iterator<Item = usize> + use<'_>> {
         let port = self.input(port)?;
         Ok((0..self.inputs.len()).filter(move |&i| self.inputs[i].port == port))
+    }
+
+    /// Whether the node draws or hands on cells, and so may say where the gradient is looked at.
+    pub(super) fn draws(&self) -> bool {
+        let says = [PortType::TransferFunction, PortType::Cells, PortType::Projection];
+        self.node.inputs.iter().any(|port| says.contains(&port.port_type))
+    }
+
+    /// Whether the node makes a volume of a grid.
+    pub(super) fn makes_volume(&self) -> bool {
+        let takes_grid = self.node.inputs.iter().any(|port| port.port_type == PortType::Grid);
+        self.gives(PortType::Volume) && takes_grid
+    }
+
+    pub(super) fn gives(&self, wanted: PortType) -> bool {
+        self.node.outputs.iter().any(|port| port.port_type == wanted)
     }
 
     /// Adds this node's name and place to an error that has none.

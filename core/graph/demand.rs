@@ -1,7 +1,8 @@
 //! The demand pass: what is asked of each node, from the sinks upward.
 
-use super::build::Graph;
+use super::build::{Graph, GraphNode};
 use super::call::Foresight;
+use super::declaration::PortType;
 use super::leave_out::MayLeaveOut;
 use super::notes::Notes;
 use super::value::{Look, Revision, Value};
@@ -98,6 +99,23 @@ impl Demand {
     /// Everything that a node downstream could ever ask for: what holds when it cannot be known beforehand.
     pub fn unknown() -> Self {
         Demand { gradient_magnitude: true, gradient: false, order: true, ..Demand::default() }
+    }
+
+    /// All that a node can be asked for: an order, of a grid every array and its cells, and where a volume is made of a grid,
+    /// every gradient.
+    pub(super) fn everything_of(node: &GraphNode) -> Self {
+        let (grid, gradient) = (node.gives(PortType::Grid), node.makes_volume());
+        let arrays = if grid { Arrays::all() } else { Arrays::default() };
+        Demand {
+            cell_arrays: arrays.clone(),
+            arrays,
+            gradient_magnitude: gradient,
+            gradient,
+            order: true,
+            file_cells: grid,
+            cell_values: node.gives(PortType::CellValues),
+            ..Demand::default()
+        }
     }
 
     /// Adds another demand on the same node.

@@ -4,7 +4,7 @@ use super::build::{Edge, Graph, GraphNode};
 use super::cache::{Cache, Entry, FileStamp, Store, files_of, stamped};
 use super::call::{Asking, Call, NodeProgress, Preparation};
 use super::declaration::{Outlined, PortType, Steps};
-use super::demand::{Arrays, Demand, Done, Plan};
+use super::demand::{Demand, Done, Plan};
 use super::leave_out::MayLeaveOut;
 use super::notes::{Notes, RunReport, Saving};
 use super::origins::{origins, upstream};
@@ -45,6 +45,8 @@ pub struct Session {
     last_revision: u64,
     file_stamp: FileStamp,
     no_leave_out: bool,
+    /// Whether a hand will move the widgets from run to run.
+    widgets_move: bool,
     /// Whether outputs may be passing ones in the run that goes on.
     may_pass: bool,
 }
@@ -53,7 +55,21 @@ impl Session {
     /// A session without former runs. `file_stamp` finds the state of the files that parameters name.
     pub fn new(file_stamp: FileStamp) -> Self {
         let (cache, store) = (Cache::default(), Store::default());
-        Session { cache, store, last_revision: 0, file_stamp, no_leave_out: false, may_pass: false }
+        Session {
+            cache,
+            store,
+            last_revision: 0,
+            file_stamp,
+            no_leave_out: false,
+            widgets_move: false,
+            may_pass: false,
+        }
+    }
+
+    /// The session of an editor, where a hand will move the widgets: what depends on data alone is found everywhere at once, so
+    /// that no movement waits for the places that no widget looked at before. The pictures are the same.
+    pub fn widgets_move(self) -> Self {
+        Session { widgets_move: true, ..self }
     }
 
     /// The session does everything that could be done, needed or not, for comparison: every node is asked for all it can
@@ -100,11 +116,11 @@ impl Session {
         let outlines = outlines(graph, &plan.early)?;
         for &i in graph.order.iter().rev() {
             let node = &graph.nodes[i];
-            if makes_volume(node) {
+            if node.makes_volume() {
                 plan.demands[i].join(of_volumes);
             }
             if self.no_leave_out {
-                plan.demands[i].join(&everything_of(node));
+                plan.demands[i].join(&Demand::everything_of(node));
             }
             let early = node.inputs.iter().map(|edge| outlines[edge.node].get(edge.output).cloned());
             let output_type = |edge: &Edge| graph.nodes[edge.node].node.outputs[edge.output].port_type;
@@ -123,7 +139,8 @@ impl Session {
             (node.node.demand)(&mut asking).map_err(|error| node.blame(error))?;
             for (edge, ask) in node.inputs.iter().zip(asking.asks) {
                 refuse_missing_gradient(graph, node, edge, &ask)?;
-                let ask = if draws(node) { ask } else { ask.everywhere() };
+                let is_elsewhere = self.widgets_move || !node.draws();
+                let ask = if is_elsewhere { ask.everywhere() } else { ask };
                 plan.demands[edge.node].join(&ask);
             }
         }
@@ -150,30 +167,7 @@ impl Session {
             let preparation = Preparation { parameters: &node.parameters, folder: &graph.folder };
             (node.node.prepare)(&preparation).map_err(|error| node.blame(error))?;
         }
-        let mut report = RunReport::begin(&graph.warnings);
-        let mut all_done: Vec<Option<Done>> = vec![None; graph.nodes.len()];
-        for (place, &i) in graph.order.iter().enumerate() {
-            if observer.cancelled() {
-                return Err(Error::cancelled());
-            }
-            let node = &graph.nodes[i];
-            observer.started(&node.name, place, graph.order.len());
-            let mut done = match &plan.early[i] {
-                Some(done) => done.clone(),
-                None => {
-                    let inputs = inputs_of(node, &all_done);
-                    self.execute(graph, i, inputs, &plan.demands[i], &all_done, observer)?
-                }
-            };
-            done.notes.join(&plan.notes[i]);
-            if let Some(seconds) = done.reused {
-                let why = "a former output serves: parameters, inputs and files are the same";
-                done.notes.leave_out(MayLeaveOut::GIVEN, "repetition", why, Some(Saving::Seconds(seconds)));
-            }
-            report.add(&node.name, node.node.name, &done);
-            observer.finished(&node.name, done.seconds);
-            all_done[i] = Some(done);
-        }
+        let (all_done, mut report) = self.work_through(graph, &plan, &graph.order, observer)?;
         report.origins = origins(graph, &graph.order, &all_done, self.file_stamp);
         report.seconds = start.elapsed().as_secs_f64();
         Ok(report)
@@ -200,16 +194,29 @@ impl Session {
         of_volumes: &Demand,
         observer: &dyn Observer,
     ) -> Result<(Vec<Value>, RunReport)> {
-        let mut report = RunReport::begin(&graph.warnings);
         let plan = self.plan_with(graph, of_volumes)?;
         let feeding: Vec<usize> = upstream(graph, place).into_iter().filter(|&i| i != place).collect();
+        let (all_done, report) = self.work_through(graph, &plan, &feeding, observer)?;
+        let values = inputs_of(&graph.nodes[place], &all_done);
+        Ok((values.into_iter().map(|(value, _)| value).collect(), report))
+    }
+
+    /// Runs these nodes, each after what feeds it: what each gave, and the report.
+    fn work_through(
+        &mut self,
+        graph: &Graph,
+        plan: &Plan,
+        order: &[usize],
+        observer: &dyn Observer,
+    ) -> Result<(Vec<Option<Done>>, RunReport)> {
+        let mut report = RunReport::begin(&graph.warnings);
         let mut all_done: Vec<Option<Done>> = vec![None; graph.nodes.len()];
-        for (number, &i) in feeding.iter().enumerate() {
+        for (place, &i) in order.iter().enumerate() {
             if observer.cancelled() {
                 return Err(Error::cancelled());
             }
             let node = &graph.nodes[i];
-            observer.started(&node.name, number, feeding.len());
+            observer.started(&node.name, place, order.len());
             let mut done = match &plan.early[i] {
                 Some(done) => done.clone(),
                 None => {
@@ -218,12 +225,15 @@ impl Session {
                 }
             };
             done.notes.join(&plan.notes[i]);
+            if let Some(seconds) = done.reused {
+                let why = "a former output serves: parameters, inputs and files are the same";
+                done.notes.leave_out(MayLeaveOut::GIVEN, "repetition", why, Some(Saving::Seconds(seconds)));
+            }
             report.add(&node.name, node.node.name, &done);
             observer.finished(&node.name, done.seconds);
             all_done[i] = Some(done);
         }
-        let values = inputs_of(&graph.nodes[place], &all_done);
-        Ok((values.into_iter().map(|(value, _)| value).collect(), report))
+        Ok((all_done, report))
     }
 
     /// Runs a node, or finds its former outputs. `done`: what ran so far.
@@ -304,43 +314,6 @@ impl Session {
         self.last_revision += 1;
         Revision(self.last_revision)
     }
-}
-
-/// All that a node can be asked for: an order, of a grid every array and its cells, and where a volume is made of a grid, every
-/// gradient.
-fn everything_of(node: &GraphNode) -> Demand {
-    let gradient = makes_volume(node);
-    let arrays = if gives(node, PortType::Grid) { Arrays::all() } else { Arrays::default() };
-    let cell_arrays = arrays.clone();
-    let (file_cells, cell_values) = (gives(node, PortType::Grid), gives(node, PortType::CellValues));
-    let order = true;
-    let gradient_magnitude = gradient;
-    Demand {
-        arrays,
-        cell_arrays,
-        gradient_magnitude,
-        gradient,
-        order,
-        file_cells,
-        cell_values,
-        ..Demand::default()
-    }
-}
-
-/// Whether the node draws or hands on cells, and so may say where the gradient is looked at.
-fn draws(node: &GraphNode) -> bool {
-    let says = [PortType::TransferFunction, PortType::Cells, PortType::Projection];
-    node.node.inputs.iter().any(|port| says.contains(&port.port_type))
-}
-
-/// Whether the node makes a volume of a grid.
-fn makes_volume(node: &GraphNode) -> bool {
-    let takes_grid = node.node.inputs.iter().any(|port| port.port_type == PortType::Grid);
-    gives(node, PortType::Volume) && takes_grid
-}
-
-fn gives(node: &GraphNode, wanted: PortType) -> bool {
-    node.node.outputs.iter().any(|port| port.port_type == wanted)
 }
 
 /// The values at a node's inputs. The order of work puts what feeds a node before it.

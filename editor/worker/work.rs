@@ -35,9 +35,14 @@ pub(super) struct Work<'a> {
     pace: Pace,
 }
 
+/// One whose widgets a hand moves.
+fn session() -> Session {
+    voltet_nodes::session().widgets_move()
+}
+
 impl<'a> Work<'a> {
     pub fn new(shared: &'a Shared, registry: &'a Registry) -> Self {
-        Work { shared, registry, session: voltet_nodes::session(), pace: Pace::default() }
+        Work { shared, registry, session: session(), pace: Pace::default() }
     }
 
     pub fn until_the_end(&mut self) {
@@ -168,9 +173,9 @@ impl<'a> Work<'a> {
         following: &Following,
         work: impl FnOnce(&mut Session) -> Result<T>,
     ) -> Result<T> {
-        let session = &mut self.session;
-        catch_unwind(AssertUnwindSafe(|| work(session))).unwrap_or_else(|payload| {
-            self.session = voltet_nodes::session();
+        let known = &mut self.session;
+        catch_unwind(AssertUnwindSafe(|| work(known))).unwrap_or_else(|payload| {
+            self.session = session();
             let text = payload.downcast_ref::<&str>().map(|text| (*text).to_string());
             let text = text.or_else(|| payload.downcast_ref::<String>().cloned()).unwrap_or_default();
             let error = Error::run("the node ended by a mistake of its own").found(text);

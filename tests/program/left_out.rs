@@ -2,7 +2,7 @@
 
 use super::support::{Folder, SLAB, cube, cube_of};
 use voltet::Document;
-use voltet::core::graph::{RunReport, Unobserved};
+use voltet::core::graph::{RunReport, Session, Unobserved};
 use voltet::study::{NoLeaveOut, SAME};
 
 /// A second widget of another colour, which looks at g; the first one's colour is green.
@@ -159,7 +159,7 @@ fn gradients_are_computed_where_widgets_look_for_them() {
     }
     // Whose widgets move gets all of it the second time, and then keeps it.
     let mut session = voltet::nodes::session();
-    let mut run_at = |s: f64| {
+    let run_at = |session: &mut Session, s: f64| {
         let moved = format!("look.widgets.1.centre=[{s}, 0.6]");
         let report = session.run(&open(&folder, "slab.toml", &[&moved]).graph, &Unobserved).unwrap();
         let is_kept = report.left_out.iter().any(|left| left.node == "gradient" && left.what == "repetition");
@@ -169,12 +169,19 @@ fn gradients_are_computed_where_widgets_look_for_them() {
     for (s, is_left_out, is_kept) in
         [(0.3, true, false), (0.3, true, true), (0.5, false, false), (0.7, false, true), (0.3, false, true)]
     {
-        let (left_out, kept, picture) = run_at(s);
+        let (left_out, kept, picture) = run_at(&mut session, s);
         assert_eq!((left_out, kept), (is_left_out, is_kept), "{s}");
         pictures.push(picture);
     }
     // The same bits, whatever was computed where nobody looks.
     assert!(pictures[4] == pictures[0] && pictures[2] != pictures[0]);
+    // Where a hand will move them nothing is left for the movement to wait for.
+    let mut session = voltet::nodes::session().widgets_move();
+    for (s, is_kept, former) in [(0.3, false, 0), (0.5, true, 2)] {
+        let found = run_at(&mut session, s);
+        assert_eq!((found.0, found.1), (false, is_kept), "{s}");
+        assert!(found.2 == pictures[former], "{s}");
+    }
 }
 
 /// Nobody counts the cells behind that rays do not come to.
