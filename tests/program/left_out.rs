@@ -255,7 +255,7 @@ fn doing_everything_changes_no_picture_and_leaves_nothing_out_on_every_engine() 
 }
 
 /// The report of a run; `None` where there is no device to draw on, said loudly, or a failure where one is required.
-fn drawn(document: &Document, mut session: voltet::core::graph::Session) -> Option<RunReport> {
+fn drawn(document: &Document, mut session: Session) -> Option<RunReport> {
     match session.run(&document.graph, &Unobserved) {
         Ok(report) => Some(report),
         Err(error) => {
