@@ -3,18 +3,12 @@
 use crate::attribute::{Attribute, attributes_of, gradient_attributes};
 use crate::cast::Limits;
 use crate::cells::{Casting, Cells, Counts};
-use crate::composite::hides::Hides;
-use crate::composite::sinks::{OPAQUE_DEPTH, TilePicture};
-use crate::composite::worker::{Drawn, Work, Worker};
-use crate::kept::{Keeping, Kept};
 use crate::memory::drawing_bytes_of;
-use crate::project::record::TILE;
-use crate::project::tiles::Tiles;
-use crate::sample::{Frame, Projected, Sample};
+use crate::ready::Ready;
+use crate::sample::Sample;
 use crate::shade::light::Surface;
 use crate::shade::shader::{Scene, Shader};
 use rayon::prelude::*;
-use std::sync::atomic::AtomicUsize;
 use voltet_core::camera::Camera;
 use voltet_core::grid::extent::longest_edge_squared;
 use voltet_core::optics::integrators::{self, Extent, SegmentIntegrator};
@@ -28,13 +22,13 @@ use voltet_core::{Error, Result};
 /// ([`Cells::most_at_once`]) it holds which part of the picture each touches; the compositor projects them part by part.
 #[derive(Debug)]
 pub struct Projection {
-    cells: Cells,
-    camera: Camera,
+    pub(super) cells: Cells,
+    pub(super) camera: Camera,
     /// Of the first samples of a pixel, at least one; further ones are made when they are composited.
-    samples: Vec<Sample>,
+    pub(super) samples: Vec<Sample>,
     /// See [`densest`].
-    densest: f64,
-    limits: Limits,
+    pub(super) densest: f64,
+    pub(super) limits: Limits,
 }
 
 impl Projection {
@@ -54,7 +48,7 @@ impl Projection {
     }
 
     /// Projects the cells for one more sample of every pixel. `attributes`: at least those that the first was projected with.
-    fn sample(
+    pub(super) fn sample(
         &self,
         offset: [f64; 2],
         attributes: &[Attribute<'_>],
@@ -136,14 +130,6 @@ pub fn sort(cells: &Cells, camera: &Camera, order: Order) -> Result<Cells> {
     Ok(sorted)
 }
 
-/// A projection with all that is made once for drawing it: the integrator's tables, the widgets made ready.
-pub struct Ready<'a> {
-    projection: &'a Projection,
-    attributes: Vec<Attribute<'a>>,
-    shader: Shader,
-    table_bytes: u64,
-}
-
 /// Makes ready what [`Ready::composite`] draws with.
 ///
 /// Errors: an optical model, widget or integrator that the engine cannot serve, named with what can.
@@ -197,187 +183,6 @@ pub fn composite(
     progress: &dyn Progress,
 ) -> Result<(Picture, Counts)> {
     prepare(projection, transfer_function, shading)?.composite(progress)
-}
-
-/// Refuses ends of rays that are not those of a picture.
-fn check_ends(ends: &[f32], [width, height]: [usize; 2]) -> Result<()> {
-    if ends.len() != width * height {
-        let error = Error::usage("the rays' ends are not one a pixel").found(ends.len());
-        return Err(error.accepted(format!("{width} × {height}, the camera's")));
-    }
-    match ends.iter().position(|end| end.is_nan()) {
-        None => Ok(()),
-        Some(pixel) => Err(Error::usage("the end of a ray is not a number")
-            .found(format!("pixel {} of row {}", pixel % width, pixel / width))
-            .accepted("depths, infinite where nothing ends a ray")),
-    }
-}
-
-impl Ready<'_> {
-    /// Integrates and composites every pixel's segments. Errors: a stopped run, a segment that the integrator gives up.
-    pub fn composite(&self, progress: &dyn Progress) -> Result<(Picture, Counts)> {
-        self.composite_until(None, progress)
-    }
-
-    /// The same of rays that end, as at opaque surfaces that others draw. `ends`: for each pixel, row by row from the top, the depth
-    /// of its ray's end along the view direction, world units; infinite where nothing ends it. Errors: another number of pixels, a
-    /// depth that is no number.
-    pub fn composite_until(
-        &self,
-        ends: Option<&[f32]>,
-        progress: &dyn Progress,
-    ) -> Result<(Picture, Counts)> {
-        self.draw(ends, None, progress)
-    }
-
-    /// The same of segments that were kept of this view: the projection is one of no cell.
-    pub(crate) fn composite_kept(&self, kept: &Kept, progress: &dyn Progress) -> Result<(Picture, Counts)> {
-        self.draw(None, Some(kept), progress)
-    }
-
-    /// Keeps the segments in place of drawing them: of one sample a pixel. `None` where they take more than `limit` bytes, or a
-    /// pixel has too many.
-    pub(crate) fn keep(&self, limit: u64, progress: &dyn Progress) -> Result<Option<Kept>> {
-        let Ready { projection, attributes, shader, .. } = self;
-        let Some(sample) = projection.samples.first() else { return Ok(None) };
-        let [width, height] = projection.camera.size.map(|n| n as usize);
-        let none = Tiles::default();
-        let (tiles, work) = work_of(sample, width, &none);
-        let grid = &projection.cells.volume.grid;
-        let keeping = Keeping::new(limit);
-        let mut frame = Frame::new(sample, tiles, grid, attributes, attributes.len(), shader, true);
-        frame.keeping = Some(&keeping);
-        let results = self.run(&frame, &work, false, progress)?;
-        if keeping.is_given_up() {
-            return Ok(None);
-        }
-        let tiles = results.into_iter().flat_map(|drawn| drawn.kept).collect();
-        Ok(Some(Kept::new(tiles, width.div_ceil(TILE) * height.div_ceil(TILE), projection.densest)))
-    }
-
-    /// Has all workers do the work. `opaque`: whether anything may be hidden.
-    fn run(
-        &self,
-        frame: &Frame<'_>,
-        work: &Work<'_>,
-        opaque: bool,
-        progress: &dyn Progress,
-    ) -> Result<Vec<Drawn>> {
-        let hides = Hides::new(opaque, work.tile_count());
-        let next = AtomicUsize::new(0);
-        let results: Vec<Result<Drawn>> =
-            rayon::broadcast(|_| Worker { frame, work, next: &next, hides: &hides, progress }.run());
-        let results: Vec<Drawn> = results.into_iter().collect::<Result<_>>()?;
-        if progress.cancelled() {
-            return Err(Error::cancelled());
-        }
-        match self.shader.failure() {
-            Some(error) => Err(error.clone()),
-            None => Ok(results),
-        }
-    }
-
-    fn draw(
-        &self,
-        ends: Option<&[f32]>,
-        kept: Option<&Kept>,
-        progress: &dyn Progress,
-    ) -> Result<(Picture, Counts)> {
-        let Ready { projection, attributes, shader, table_bytes } = self;
-        let cells = &projection.cells;
-        let needs_order = shader.one_color.is_none();
-        let sorted = match cells.order {
-            Order::Exact | Order::Auto => needs_order,
-            Order::Centroid | Order::None => false,
-        };
-        let [width, height] = projection.camera.size.map(|n| n as usize);
-        if let Some(ends) = ends {
-            check_ends(ends, [width, height])?;
-        }
-        let mut picture = Picture::transparent(width, height);
-        let (cells_projected, table_bytes) = (projection.cells_projected().unwrap_or(0), *table_bytes);
-        let mut counts = Counts { cells_projected, table_bytes, ..Counts::default() };
-        let offsets = projection.camera.sample_offsets();
-        let weight = 1.0 / offsets.len() as f32;
-        let mut all = attributes.clone();
-        if projection.samples.iter().any(|sample| attributes.len() < sample.attribute_count) {
-            all.extend(gradient_attributes(cells)?);
-        }
-        for (k, &offset) in offsets.iter().enumerate() {
-            let made;
-            let sample = match projection.samples.get(k) {
-                Some(sample) => sample,
-                None => {
-                    made = projection.sample(offset, &all, progress)?;
-                    &made
-                }
-            };
-            let none = Tiles::default();
-            let (tiles, mut work) = work_of(sample, width, &none);
-            // Kept segments are in order.
-            let sorted = sorted && kept.is_none();
-            let mut frame =
-                Frame::new(sample, tiles, &cells.volume.grid, &all, attributes.len(), shader, sorted);
-            (frame.ends, frame.kept, frame.whole) = (ends, kept, cells.no_leave_out);
-            if let Some(kept) = kept {
-                work = Work::Tiles(kept.queue.clone());
-            }
-            // Nothing is hidden where no ray through all of the grid is opaque.
-            let opaque = f64::from(OPAQUE_DEPTH) < sample.deepest;
-            let hides = opaque && sorted && !cells.no_leave_out;
-            let mut results = self.run(&frame, &work, hides && frame.cast.is_none(), progress)?;
-            let mut lost: Vec<u32> = results.iter().flat_map(|drawn| drawn.lost.iter().copied()).collect();
-            lost.sort_unstable();
-            let by_cells;
-            if !lost.is_empty() {
-                by_cells = sample.by_cells(cells, &all[..sample.attribute_count], &lost)?;
-                let (tiles, mut work) = work_of(&by_cells, width, &none);
-                if let Work::Tiles(queue) = &mut work {
-                    queue.clone_from(&lost);
-                }
-                let mut again =
-                    Frame::new(&by_cells, tiles, &cells.volume.grid, &all, attributes.len(), shader, sorted);
-                (again.ends, again.only) = (ends, Some(lost.as_slice()));
-                counts.tiles_lost += lost.len() as u64;
-                results.extend(self.run(&again, &work, hides, progress)?);
-            }
-            let mut tiles: Vec<Option<&TilePicture>> = vec![None; frame.tiles_wide * height.div_ceil(TILE)];
-            for Drawn { tiles: done, counts: worker, .. } in &results {
-                counts.segments += worker.segments;
-                counts.segments_exact += worker.segments_exact;
-                counts.evaluations += worker.evaluations;
-                counts.segments_overlapping += worker.segments_overlapping;
-                counts.tiles_deep += worker.tiles_deep;
-                counts.tiles_sorted += worker.tiles_sorted;
-                counts.pixels_disordered += worker.pixels_disordered;
-                counts.tiles_stopped += worker.tiles_stopped;
-                counts.cells_hidden += worker.cells_hidden;
-                for (tile, pixels) in done {
-                    tiles[*tile as usize] = Some(pixels);
-                }
-            }
-            picture.rgba.par_chunks_mut(width).enumerate().for_each(|(j, row)| {
-                for (i, pixel) in row.iter_mut().enumerate() {
-                    if let Some(tile) = tiles[j / TILE * frame.tiles_wide + i / TILE] {
-                        let value = tile[(j % TILE) * TILE + i % TILE];
-                        for (sum, value) in pixel.iter_mut().zip(value) {
-                            *sum += weight * value;
-                        }
-                    }
-                }
-            });
-        }
-        Ok((picture, counts))
-    }
-}
-
-/// The tiles of a sample, and the work that they are; `none` where they are not projected yet.
-fn work_of<'a>(sample: &'a Sample, width: usize, none: &'a Tiles) -> (&'a Tiles, Work<'a>) {
-    match &sample.projected {
-        Projected::Whole(tiles) => (tiles, Work::Tiles(tiles.queue(width.div_ceil(TILE)))),
-        Projected::InWindows(windows) => (none, Work::Windows(&windows.list)),
-        Projected::Cast(cast) => (none, Work::Tiles(cast.queue())),
-    }
 }
 
 /// Whether light or silhouettes look at ∇s. A silhouette of exponent 0 changes nothing.

@@ -13,6 +13,7 @@
 //! | `composite` | segments in order to pixels |
 //! | `kept` | segments kept between pictures of one view |
 //! | `draw` | the stages end to end |
+//! | `ready` | what is ready to be drawn, by all threads |
 //! | `memory`, `spare` | what they take, and what a frame leaves to the next one |
 //! | `native` | the engine as one of the program's |
 //! | `segments` | what becomes of segments alone, for judging |
@@ -28,6 +29,7 @@ mod kept;
 mod memory;
 mod native;
 mod project;
+mod ready;
 mod sample;
 mod segments;
 mod shade;
@@ -36,7 +38,8 @@ mod view;
 
 pub use cells::{Casting, Cells, Counts};
 pub use cull::{Known, Sample, cull, keep_all};
-pub use draw::{Projection, Ready, composite, draw, integrator, needs_gradient, prepare, project, sort};
+pub use draw::{Projection, composite, draw, integrator, needs_gradient, prepare, project, sort};
 pub use memory::drawing_bytes;
 pub use native::ENGINE;
+pub use ready::Ready;
 pub use segments::{Integrated, Segments, segments};

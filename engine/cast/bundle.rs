@@ -3,7 +3,8 @@
 //! Where a ray goes next waits for what it has just read; so some bundles go in turns, and others compute while one waits.
 
 use super::entered::Entered;
-use super::way::{Rays, Way};
+use super::here::Rays;
+use super::way::Way;
 use super::{CARRIED_MOST, Cast};
 use crate::composite::scratch::Bounds;
 use crate::fragments::batch::{BATCH, Batch, LANES_MOST};

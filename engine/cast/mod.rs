@@ -24,6 +24,7 @@
 //! | `boundary` | faces by which rays come in or go out, by tiles |
 //! | `entered` | where the rays of a tile come in |
 //! | `bundle` | rays side by side |
+//! | `here` | where they are |
 //! | `way` | from cell to cell |
 //! | `mean` | where rays pass faces |
 
@@ -31,6 +32,7 @@ mod boundary;
 pub(crate) mod bundle;
 pub(crate) mod entered;
 mod half_faces;
+mod here;
 mod known;
 mod mean;
 mod mesh;

@@ -1,8 +1,8 @@
 //! The way of some rays of a bundle through cells.
 
-use super::CARRIED_MOST;
 use super::bundle::{Bundle, SLICES};
 use super::half_faces::{OUT, TURN_BITS};
+use super::here::Here;
 use super::mean::Mean;
 use super::points::Points;
 use super::sides::{At, clockwise, turn};
@@ -10,42 +10,6 @@ use crate::fragments::batch::{Batch, LANES_MOST};
 use crate::project::record::TILE;
 use crate::shade::along::lanes_of;
 use voltet_lanes::{Awaited, Float, Lanes, Mask, Unsigned, array, inlined};
-
-/// Where rays are: ray by ray. Of three corners of a face the places relative to the ray, depths and attributes.
-pub(super) struct Rays {
-    x: [[f32; LANES_MOST]; 3],
-    y: [[f32; LANES_MOST]; 3],
-    depth: [[u32; LANES_MOST]; 3],
-    values: [[[f32; LANES_MOST]; 3]; CARRIED_MOST],
-    /// Of corners 0 and 1, 1 and 2, 2 and 0.
-    turns: [[f32; LANES_MOST]; 3],
-    half_face: [u32; LANES_MOST],
-    /// How the corners are turned against those of the half-face.
-    turned: [u32; LANES_MOST],
-    /// Where the ray is: depth in steps, depth in scene lengths (perspective), attributes.
-    at: [u32; LANES_MOST],
-    distance: [f32; LANES_MOST],
-    value: [[f32; LANES_MOST]; CARRIED_MOST],
-}
-
-impl Rays {
-    /// Nowhere.
-    pub fn none(half_face: u32) -> Rays {
-        let zero = [0.0; LANES_MOST];
-        Rays {
-            x: [zero; 3],
-            y: [zero; 3],
-            depth: [[0; LANES_MOST]; 3],
-            values: [[zero; 3]; CARRIED_MOST],
-            turns: [zero; 3],
-            half_face: [half_face; LANES_MOST],
-            turned: [0; LANES_MOST],
-            at: [0; LANES_MOST],
-            distance: [1.0; LANES_MOST],
-            value: [zero; CARRIED_MOST],
-        }
-    }
-}
 
 /// The way of some rays of a bundle, as far as a batch goes.
 pub(super) struct Way<'a, 'b, L: Lanes, const PERSPECTIVE: bool, const N: usize> {
@@ -68,18 +32,6 @@ pub(super) struct Way<'a, 'b, L: Lanes, const PERSPECTIVE: bool, const N: usize>
     segments: L::U,
 }
 
-/// [`Rays`] in registers.
-struct Here<L: Lanes, const N: usize> {
-    corners: [At<L>; 3],
-    depth: [L::U; 3],
-    values: [[L::F; 3]; N],
-    turns: [L::F; 3],
-    turned: L::U,
-    at: L::U,
-    distance: L::F,
-    value: [L::F; N],
-}
-
 /// The corner of each cell that is not one of the face that the ray came in by.
 pub(super) struct Fourth<L: Lanes, const N: usize> {
     at: At<L>,
@@ -93,69 +45,6 @@ pub(super) struct Choice<L: Lanes> {
     without_1: L::M,
     without_2: L::M,
     turns: [L::F; 3],
-}
-
-impl<L: Lanes, const N: usize> Here<L, N> {
-    #[inline(always)]
-    fn load(rays: &Rays, half: usize) -> Self {
-        let float = inlined(
-            #[inline(always)]
-            |of: &[f32; LANES_MOST]| L::F::load(&of[half..]),
-        );
-        let unsigned = inlined(
-            #[inline(always)]
-            |of: &[u32; LANES_MOST]| L::U::load(&of[half..]),
-        );
-        Here {
-            corners: array(
-                #[inline(always)]
-                |k| [float(&rays.x[k]), float(&rays.y[k])],
-            ),
-            depth: array(
-                #[inline(always)]
-                |k| unsigned(&rays.depth[k]),
-            ),
-            values: array(
-                #[inline(always)]
-                |a| {
-                    array(
-                        #[inline(always)]
-                        |k| float(&rays.values[a][k]),
-                    )
-                },
-            ),
-            turns: array(
-                #[inline(always)]
-                |k| float(&rays.turns[k]),
-            ),
-            turned: unsigned(&rays.turned),
-            at: unsigned(&rays.at),
-            distance: float(&rays.distance),
-            value: array(
-                #[inline(always)]
-                |a| float(&rays.value[a]),
-            ),
-        }
-    }
-
-    #[inline(always)]
-    fn store(&self, rays: &mut Rays, half: usize) {
-        for k in 0..3 {
-            self.corners[k][0].store(&mut rays.x[k][half..]);
-            self.corners[k][1].store(&mut rays.y[k][half..]);
-            self.depth[k].store(&mut rays.depth[k][half..]);
-            self.turns[k].store(&mut rays.turns[k][half..]);
-            for a in 0..N {
-                self.values[a][k].store(&mut rays.values[a][k][half..]);
-            }
-        }
-        self.turned.store(&mut rays.turned[half..]);
-        self.at.store(&mut rays.at[half..]);
-        self.distance.store(&mut rays.distance[half..]);
-        for a in 0..N {
-            self.value[a].store(&mut rays.value[a][half..]);
-        }
-    }
 }
 
 impl<'a, 'b, L: Lanes, const PERSPECTIVE: bool, const N: usize> Way<'a, 'b, L, PERSPECTIVE, N> {

@@ -1,6 +1,7 @@
 //! One worker: takes tiles, the fullest first, until none is left. Of large grids it takes windows, projects the cells of one and draws
 //! its tiles.
 
+use crate::cells::Counts;
 use crate::composite::front_to_back::Shading;
 use crate::composite::hides::Hides;
 use crate::composite::lists::Lists;
@@ -37,6 +38,32 @@ pub(crate) struct WorkerCounts {
     pub pixels_disordered: u64,
     pub tiles_stopped: u64,
     pub cells_hidden: u64,
+}
+
+impl WorkerCounts {
+    /// Adds them to a picture's.
+    pub fn add_to(&self, counts: &mut Counts) {
+        let WorkerCounts {
+            segments,
+            segments_exact,
+            evaluations,
+            segments_overlapping,
+            tiles_deep,
+            tiles_sorted,
+            pixels_disordered,
+            tiles_stopped,
+            cells_hidden,
+        } = *self;
+        counts.segments += segments;
+        counts.segments_exact += segments_exact;
+        counts.evaluations += evaluations;
+        counts.segments_overlapping += segments_overlapping;
+        counts.tiles_deep += tiles_deep;
+        counts.tiles_sorted += tiles_sorted;
+        counts.pixels_disordered += pixels_disordered;
+        counts.tiles_stopped += tiles_stopped;
+        counts.cells_hidden += cells_hidden;
+    }
 }
 
 /// What workers take.

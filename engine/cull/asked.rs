@@ -6,6 +6,9 @@ use rayon::prelude::*;
 use std::sync::Arc;
 use voltet_core::transfer::{Support, TransferFunction};
 
+/// One cell of so many tells: a prime, so that rows of 2ⁿ cells are met at all their places.
+pub(super) const SAMPLED: usize = 61;
+
 /// What cells are held against.
 pub(super) struct Asked<'a> {
     /// The widgets' bounds.
@@ -59,9 +62,9 @@ impl Asked<'_> {
         if !self.may_touch(widget, self.ranges) {
             return None;
         }
-        // Most often there are many: one in 64 tells, without the blocks.
+        // Most often there are many: a sample tells, without the blocks.
         if let Some(&id) =
-            ids.par_iter().step_by(64).with_min_len(256).find_any(|&&id| self.touches(widget, id))
+            ids.par_iter().step_by(SAMPLED).with_min_len(256).find_any(|&&id| self.touches(widget, id))
         {
             return Some(id);
         }

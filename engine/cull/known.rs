@@ -1,6 +1,6 @@
 //! What is known of a volume between pictures.
 
-use super::asked::{Asked, CornerValues};
+use super::asked::{Asked, CornerValues, SAMPLED};
 use super::blocks::Block;
 use super::touched::{CELLS_TO_SAMPLE, Touched, WORTH};
 use crate::attribute::attributes_of;
@@ -258,12 +258,12 @@ impl Known {
     }
 }
 
-/// Whether enough cells lie out of view: a cell that does is soon done with by all that draws, too. One in 64 tells.
+/// Whether enough cells lie out of view: a cell that does is soon done with by all that draws, too.
 fn is_worth_asking(ids: &[u32], in_view: impl Fn(u32) -> bool + Sync) -> bool {
     if ids.len() < CELLS_TO_SAMPLE {
         return true;
     }
-    let asked = ids.par_iter().step_by(64).with_min_len(256);
+    let asked = ids.par_iter().step_by(SAMPLED).with_min_len(256);
     let (count, out) = (asked.len(), asked.filter(|&&id| !in_view(id)).count());
     out as f64 >= WORTH * count as f64
 }

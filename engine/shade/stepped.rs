@@ -8,7 +8,7 @@ use crate::shade::kinds::{LaneWidget, each_met};
 use crate::shade::shaded::Shaded;
 use voltet_core::optics::quadrature::{GAUSS_4, UP_TO_4};
 use voltet_lanes::optics::elementary::exp;
-use voltet_lanes::optics::gaussian::LaneGaussianSteps;
+use voltet_lanes::optics::gaussian_steps::LaneGaussianSteps;
 use voltet_lanes::optics::quadrature::{nodes, up_to};
 use voltet_lanes::{Float, Lanes, Mask, array, inlined};
 

@@ -29,6 +29,7 @@ pub mod clip;
 pub mod dense;
 pub mod elementary;
 pub mod gaussian;
+pub mod gaussian_steps;
 pub mod gaussian_table;
 pub mod linear;
 pub mod overlap;

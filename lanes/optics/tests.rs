@@ -2,7 +2,8 @@
 
 use super::clip::LaneStretch;
 use super::elementary::{dawson, erfcx, exp, mean_transparency, one_minus_exp, power};
-use super::gaussian::{LaneGaussianPath, LaneGaussianSteps, LaneGaussianTrack, mean_profile};
+use super::gaussian::{LaneGaussianPath, LaneGaussianTrack, mean_profile};
+use super::gaussian_steps::LaneGaussianSteps;
 use super::linear::{deep_piece_weights, front_back, middling_piece_weights, piece_weights};
 use super::overlap::{AnyLaneTrack, LaneMember, ordered};
 use super::piecewise_linear::{LanePiecewiseTrack, LanePoints};

@@ -4,13 +4,13 @@ use rayon::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use voltet_core::Result;
-use voltet_core::graph::{Look, diagonal};
+use voltet_core::graph::Look;
 use voltet_core::grid::{Grid, extent};
 
 /// Of smaller grids all gradients take less than a millisecond or two.
 const CELLS_LEAST: usize = 1 << 15;
 
-/// One cell of so many tells; no row of a grid is as long.
+/// One cell of so many tells: a prime, so that rows of 2ⁿ cells are met at all their places.
 const SAMPLED: usize = 61;
 
 /// Share of those cells that may be touched at most: a cell has points that others have too.
@@ -30,8 +30,8 @@ pub fn points(grid: &Grid, s: &[f64], looks: &[Arc<Look>]) -> Result<Option<Vec<
     if grid.tetrahedra.len() < CELLS_LEAST {
         return Ok(None);
     }
-    let (length, across) = (extent::scene_length(extent::bounds(&grid.points))?, diagonal(&grid.points));
-    let of = |look: &Arc<Look>| look.for_diagonal(across).intervals_of_s(length, LEFT_OUT);
+    let length = extent::scene_length(extent::bounds(&grid.points))?;
+    let of = |look: &Arc<Look>| look.for_diagonal(length).intervals_of_s(length, LEFT_OUT);
     let intervals: Vec<[f64; 2]> = looks.iter().flat_map(of).collect();
     let is_touched = |corners: &[u32; 4]| {
         let values = corners.map(|p| s[p as usize]);

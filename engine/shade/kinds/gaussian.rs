@@ -4,7 +4,8 @@ use crate::attribute::Attribute;
 use crate::shade::along::Along;
 use voltet_lanes::limits::GAUSSIAN_WIDTHS_MOST;
 use voltet_lanes::optics::elementary::{dot, exp};
-use voltet_lanes::optics::gaussian::{self, LaneGaussianPath, LaneGaussianSteps, Near};
+use voltet_lanes::optics::gaussian::{self, LaneGaussianPath, Near};
+use voltet_lanes::optics::gaussian_steps::LaneGaussianSteps;
 use voltet_lanes::optics::smooth::DensityShape;
 use voltet_lanes::{Float, Lanes, Mask, array};
 

@@ -3,7 +3,7 @@
 use super::{LaneForm, LaneGaussian, LaneWidget};
 use crate::shade::along::Along;
 use crate::shade::region::Inside;
-use voltet_lanes::optics::gaussian::LaneGaussianSteps;
+use voltet_lanes::optics::gaussian_steps::LaneGaussianSteps;
 use voltet_lanes::optics::smooth::DensityShape;
 use voltet_lanes::{Float, Lanes, array};
 

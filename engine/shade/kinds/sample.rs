@@ -3,7 +3,7 @@
 use super::{LaneForm, LaneWidget};
 use crate::shade::along::{Along, Fields};
 use crate::shade::region::range_of;
-use voltet_lanes::optics::gaussian::LaneGaussianSteps;
+use voltet_lanes::optics::gaussian_steps::LaneGaussianSteps;
 use voltet_lanes::{Float, Lanes, Mask, array};
 
 /// Widths squared of a step over which a Gaussian follows from step to step.

@@ -10,7 +10,7 @@ use crate::shade::shaded::{Left, Shaded};
 use crate::shade::shader::{overlaps, push};
 use voltet_lanes::limits::PIECES_MOST;
 use voltet_lanes::optics::elementary::one_minus_exp;
-use voltet_lanes::optics::gaussian::LaneGaussianSteps;
+use voltet_lanes::optics::gaussian_steps::LaneGaussianSteps;
 use voltet_lanes::{Float, Lanes, Mask, array};
 
 /// Samples that are taken side by side.
