@@ -3,20 +3,35 @@
 use std::sync::atomic::{AtomicPtr, Ordering};
 use voltet_core::field::Plugin;
 
-/// What is said if the program crashes now, by each plug-in that runs; null where a place is free.
-static SAID: [AtomicPtr<String>; 16] = [const { AtomicPtr::new(std::ptr::null_mut()) }; 16];
+/// How a program crashes, in the order of the signals.
+const HOW: [&str; 5] = [
+    "SIGSEGV, memory that is not there",
+    "SIGBUS, memory that is not there",
+    "SIGFPE, a division by zero",
+    "SIGILL, an unknown instruction",
+    "SIGABRT, it gave up, by an exception perhaps",
+];
+
+/// What is said if the program crashes now, for each signal.
+type Said = [String; HOW.len()];
+
+/// By each plug-in that runs; null where a place is free.
+static SAID: [AtomicPtr<Said>; 16] = [const { AtomicPtr::new(std::ptr::null_mut()) }; 16];
 
 /// Runs a part of the plug-in; a crash meanwhile is announced as its. `when`: a clause such as "in the gradient filter 'x'".
 ///
 /// What unwinds out of it, an exception of another language, ends the program a little later: that is announced, too.
 pub(crate) fn during<T>(plugin: &Plugin, when: &str, work: impl FnOnce() -> T) -> T {
     install();
-    let said = format!(
-        " {when} of the {plugin}: the program ends\n |\n = help: expected a plug-in that does not crash; --plugin-process runs \
-         it in a process of its own, which may\n"
-    );
+    // Each is written in one piece, and begins a line: another thread may be saying in pieces that it crashed, too.
+    let said: Said = HOW.map(|how| {
+        format!(
+            "\nerror: a crash ({how}) {when} of the {plugin}: the program ends\n |\n = help: expected a plug-in that does not crash; \
+             --plugin-process runs it in a process of its own, which may\n"
+        )
+    });
     let own = Box::into_raw(Box::new(said));
-    let is_free = |place: &&AtomicPtr<String>| {
+    let is_free = |place: &&AtomicPtr<Said>| {
         place.compare_exchange(std::ptr::null_mut(), own, Ordering::SeqCst, Ordering::SeqCst).is_ok()
     };
     let place = SAID.iter().find(is_free);
@@ -40,20 +55,15 @@ pub(crate) use unix::{install, leave};
 
 #[cfg(unix)]
 mod unix {
-    use super::SAID;
+    use super::{HOW, SAID};
     use std::sync::OnceLock;
     use std::sync::atomic::{AtomicBool, Ordering};
 
-    const SIGNALS: [(libc::c_int, &str); 5] = [
-        (libc::SIGSEGV, "SIGSEGV, memory that is not there"),
-        (libc::SIGBUS, "SIGBUS, memory that is not there"),
-        (libc::SIGFPE, "SIGFPE, a division by zero"),
-        (libc::SIGILL, "SIGILL, an unknown instruction"),
-        (libc::SIGABRT, "SIGABRT, it gave up, by an exception perhaps"),
-    ];
+    const SIGNALS: [libc::c_int; HOW.len()] =
+        [libc::SIGSEGV, libc::SIGBUS, libc::SIGFPE, libc::SIGILL, libc::SIGABRT];
 
     /// What was there before, in the order of the signals.
-    static FORMER: OnceLock<[libc::sigaction; 5]> = OnceLock::new();
+    static FORMER: OnceLock<[libc::sigaction; HOW.len()]> = OnceLock::new();
 
     static LEFT: AtomicBool = AtomicBool::new(false);
 
@@ -68,7 +78,7 @@ mod unix {
     /// Once for the process.
     pub(crate) fn install() {
         if !LEFT.load(Ordering::Relaxed) {
-            FORMER.get_or_init(|| SIGNALS.map(|(signal, _)| handle(signal)));
+            FORMER.get_or_init(|| SIGNALS.map(handle));
         }
     }
 
@@ -88,7 +98,7 @@ mod unix {
 
     extern "C" fn on_crash(signal: libc::c_int) {
         let said = SAID.iter().map(|place| place.load(Ordering::SeqCst)).find(|said| !said.is_null());
-        let place = SIGNALS.iter().position(|(known, _)| *known == signal);
+        let place = SIGNALS.iter().position(|known| *known == signal);
         let (Some(said), Some(place)) = (said, place) else {
             // It comes again, and does what it did without us.
             match place.and_then(|place| FORMER.get().map(|former| &former[place])) {
@@ -106,13 +116,12 @@ mod unix {
                 unsafe { libc::pause() };
             }
         }
-        // SAFETY: whoever made the text is in the call that crashed.
-        let said = unsafe { &*said };
-        for part in ["error: a crash (", SIGNALS[place].1, ")", said] {
-            // SAFETY: `write` and `_exit` may be called from a handler.
-            unsafe { libc::write(2, part.as_ptr().cast(), part.len()) };
+        // SAFETY: whoever made the texts is in the call that crashed.
+        let text = unsafe { &(*said)[place] };
+        // SAFETY: `write` and `_exit` may be called from a handler.
+        unsafe {
+            libc::write(2, text.as_ptr().cast(), text.len());
+            libc::_exit(1)
         }
-        // SAFETY: the same.
-        unsafe { libc::_exit(1) }
     }
 }
