@@ -13,6 +13,10 @@ tree=$target/tree log=$target/log
 export CARGO_TARGET_DIR=$target
 mkdir -p "$target"
 chosen=$(grep -v -e '^#' -e '^$' scripts/mutants.txt | grep -- "${1:-}" | sort -s -t/ -k1,1)
+if broken=$(awk -F'|' 'NF != 4 { print; found = 1 } END { exit !found }' <<< "$chosen"); then
+    echo "not four fields between bars: $broken"
+    exit 2
+fi
 git worktree prune
 [ -e "$tree" ] || git worktree add --quiet --detach "$tree" HEAD
 git -C "$tree" checkout --quiet --force --detach "$(git rev-parse HEAD)"
