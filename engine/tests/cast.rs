@@ -110,6 +110,20 @@ fn parts_that_are_apart_are_passed_one_after_another() {
     }
 }
 
+/// Each cube's rays end where those of the other begin, to rounding.
+#[test]
+fn parts_that_touch_are_passed_one_after_another() {
+    let near = cube([3, 3, 3], 0.2);
+    let far = moved(&near, |p| glam::DVec3::new(p.x, p.y, 2.0 - p.z));
+    let cameras = [
+        ("in a row", perspective([0.4, 0.45, -3.0], [0.5, 0.5, 1.0], 30.0, [48, 48])),
+        ("oblique", orthographic([3.0, -2.0, 4.5], [0.5, 0.5, 1.0], 2.5, [60, 60])),
+    ];
+    for scene in scenes("two cubes that touch", &smooth(together(&[near, far])), &cameras) {
+        assert_eq!(lost(&scene), 0, "{}", scene.name);
+    }
+}
+
 #[test]
 fn tiles_where_cells_overlap_are_drawn_from_their_cells() {
     let one = cube([3, 3, 3], 0.1);

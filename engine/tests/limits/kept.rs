@@ -6,9 +6,14 @@ use voltet_core::grid::Array;
 use voltet_core::transfer::{OpticalModel, Support};
 use voltet_engine::{Cells, Known, Sample, draw};
 
-/// 20³ cubes: 40,000 tetrahedra and more, so that a sample is taken, with g and two further fields.
+/// 20³ cubes: 40,000 tetrahedra and more, so that a sample is taken.
 fn bivariate() -> Volume {
-    let mut grid = cube([20; 3], 0.2);
+    bivariate_of(20)
+}
+
+/// So many cubes a side, with g and two further fields.
+fn bivariate_of(side: usize) -> Volume {
+    let mut grid = cube([side; 3], 0.2);
     let field = |f: &dyn Fn(&DVec3) -> f64| grid.points.iter().map(f).collect::<Vec<f64>>();
     let [a, b, g] = [field(&|p| p.y), field(&|p| p.z), field(&|p| (p - DVec3::splat(0.5)).length())];
     for (name, values) in [("a", a), ("b", b)] {
@@ -181,6 +186,19 @@ fn culling_that_would_not_pay_is_not_done() -> voltet_core::Result<()> {
         assert!(difference <= 1e-6, "{share}: a pixel changes by {difference:e}");
     }
     Ok(())
+}
+
+/// Asking all cells of a small grid takes no time, whatever few of them are culled.
+#[test]
+fn small_grids_are_kept_cell_by_cell() {
+    let volume = Arc::new(bivariate_of(12));
+    let look = look(vec![uniform([0.0, 0.92], 1.0, [1.0; 3])]);
+    let cells = voltet_engine::cull(&volume, &look, &along(DVec3::Y), &Silent).expect("culls");
+    let total = volume.grid.tetrahedra.len() as u64;
+    let is_beyond = |corners: &[u32; 4]| corners.iter().all(|&p| volume.scalar[p as usize] > 0.92);
+    let few = volume.grid.tetrahedra.iter().filter(|corners| is_beyond(corners)).count() as u64;
+    assert!(0 < few && 20 * few < total, "{few} of {total}");
+    assert_eq!((cells.culled_by_transfer_function, cells.not_worth_asking), (few, None));
 }
 
 /// The same of cells out of view.
