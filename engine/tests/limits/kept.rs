@@ -156,7 +156,7 @@ fn widgets_are_kept_that_the_view_shows() {
 fn culling_that_would_not_pay_is_not_done() -> voltet_core::Result<()> {
     let volume = Arc::new(bivariate());
     let camera = along(DVec3::Y);
-    for (share, worth) in [(0.95, false), (0.85, true)] {
+    for (share, worth) in [(0.955, false), (0.85, true)] {
         let look = look(vec![uniform([0.0, share], 1.0, [1.0, 0.5, 0.2])]);
         let cells = voltet_engine::cull(&volume, &look, &camera, &Silent).expect("culls");
         let total = volume.grid.tetrahedra.len();
@@ -207,7 +207,7 @@ fn cells_out_of_view_stay_where_they_are_few() -> voltet_core::Result<()> {
     let volume = Arc::new(bivariate());
     let look = look(vec![uniform([-1.0, 2.0], 1.0, [1.0, 0.5, 0.2])]);
     let total = volume.grid.tetrahedra.len() as u64;
-    for (height, few) in [(0.975, true), (0.7, false)] {
+    for (height, few) in [(0.975, true), (0.955, false), (0.7, false)] {
         let camera = Camera { projection: Projection::Orthographic { height }, ..along(DVec3::Y) };
         let known = Known::new(&volume)?;
         let (usual, each) = (known.cull(&look, &camera, &Silent)?, known.cull_each(&look, &camera, &Silent)?);
