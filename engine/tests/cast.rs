@@ -78,12 +78,14 @@ fn scenes(name: &str, volume: &Arc<Volume>, cameras: &[(&str, Camera)]) -> Vec<N
     cameras.iter().flat_map(of).collect()
 }
 
-fn cameras() -> [(&'static str, Camera); 4] {
+fn cameras() -> [(&'static str, Camera); 5] {
     [
         ("outside", outside([50, 40])),
         ("oblique", orthographic([3.0, -2.0, 2.5], [0.5, 0.5, 0.5], 1.9, [40, 50])),
-        // Rays in faces and edges: pixels of 1/16, points at multiples of 1/4.
+        // Rays in faces that stand oblique on the screen: pixels of 1/16, points at multiples of 1/4 between them.
         ("along an axis", orthographic([-2.0, 0.5, 0.5], [0.5, 0.5, 0.5], 2.0, [32, 32])),
+        // Rays through points, in edges and in all faces.
+        ("through points", orthographic([-2.0, 0.5, 0.5], [0.5, 0.5, 0.5], 33.0 / 16.0, [33, 33])),
         ("along a diagonal", orthographic([-2.0, -2.0, 0.5], [0.5, 0.5, 0.5], 2.0, [32, 32])),
     ]
 }
