@@ -22,13 +22,13 @@ use voltet_core::{Error, Result};
 /// ([`Cells::most_at_once`]) it holds which part of the picture each touches; the compositor projects them part by part.
 #[derive(Debug)]
 pub struct Projection {
-    pub(super) cells: Cells,
-    pub(super) camera: Camera,
+    pub(crate) cells: Cells,
+    pub(crate) camera: Camera,
     /// Of the first samples of a pixel, at least one; further ones are made when they are composited.
-    pub(super) samples: Vec<Sample>,
+    pub(crate) samples: Vec<Sample>,
     /// See [`densest`].
-    pub(super) densest: f64,
-    pub(super) limits: Limits,
+    pub(crate) densest: f64,
+    pub(crate) limits: Limits,
 }
 
 impl Projection {
@@ -48,7 +48,7 @@ impl Projection {
     }
 
     /// Projects the cells for one more sample of every pixel. `attributes`: at least those that the first was projected with.
-    pub(super) fn sample(
+    pub(crate) fn sample(
         &self,
         offset: [f64; 2],
         attributes: &[Attribute<'_>],

@@ -20,10 +20,10 @@ use voltet_core::{Error, Result};
 
 /// A projection with all that is made once for drawing it: the integrator's tables, the widgets made ready.
 pub struct Ready<'a> {
-    pub(super) projection: &'a Projection,
-    pub(super) attributes: Vec<Attribute<'a>>,
-    pub(super) shader: Shader,
-    pub(super) table_bytes: u64,
+    pub(crate) projection: &'a Projection,
+    pub(crate) attributes: Vec<Attribute<'a>>,
+    pub(crate) shader: Shader,
+    pub(crate) table_bytes: u64,
 }
 
 /// Refuses ends of rays that are not those of a picture.

@@ -139,8 +139,8 @@ impl Session {
             (node.node.demand)(&mut asking).map_err(|error| node.blame(error))?;
             for (edge, ask) in node.inputs.iter().zip(asking.asks) {
                 refuse_missing_gradient(graph, node, edge, &ask)?;
-                let is_elsewhere = self.widgets_move || !node.draws();
-                let ask = if is_elsewhere { ask.everywhere() } else { ask };
+                let says_where = node.draws() && !self.widgets_move;
+                let ask = if says_where { ask } else { ask.everywhere() };
                 plan.demands[edge.node].join(&ask);
             }
         }
