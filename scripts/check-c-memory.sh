@@ -11,8 +11,8 @@ cp "$built/libvoltet_c.so" "$folder/libvoltet.so.0"
 ln -s libvoltet.so.0 "$folder/libvoltet.so"
 linked=(-g -Iinclude "-L$folder" -lvoltet -lm -lpthread "-Wl,-rpath,$folder")
 cc -std=c99 -O1 examples/renderer_c/picture.c "${linked[@]}" -o "$folder/picture"
-cc -std=c99 -O1 capi/tests/c/wrong.c "${linked[@]}" -o "$folder/wrong"
-c++ -std=c++17 -O1 capi/tests/c/threads.cpp "${linked[@]}" -o "$folder/threads"
+cc -std=c99 -O1 crates/capi/tests/c/wrong.c "${linked[@]}" -o "$folder/wrong"
+c++ -std=c++17 -O1 crates/capi/tests/c/threads.cpp "${linked[@]}" -o "$folder/threads"
 # valgrind does not know AVX-512.
 if [ "$(uname -m)" = x86_64 ]; then
     export VOLTET_LANES=avx2

@@ -11,7 +11,7 @@ RUSTFLAGS="-Zsanitizer=thread" \
 runtime=$(echo "$(rustc +nightly --print sysroot)/lib/rustlib/$host/lib"/*_rt.tsan.a)
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
-clang++ -std=c++17 -O1 -g -fsanitize=thread -Iinclude -c capi/tests/c/threads.cpp -o "$folder/threads.o"
+clang++ -std=c++17 -O1 -g -fsanitize=thread -Iinclude -c crates/capi/tests/c/threads.cpp -o "$folder/threads.o"
 # The sanitizer's run-time library of the same compiler as the library; that of clang++ is another version.
 clang++ "$folder/threads.o" "$CARGO_TARGET_DIR/$host/debug/libvoltet_c.a" \
     -Wl,--whole-archive "$runtime" -Wl,--no-whole-archive -Wl,--export-dynamic -lpthread -ldl -lrt -lm -o "$folder/threads"

@@ -20,5 +20,5 @@ install -m 755 "$built/libvoltet_c.so" "$prefix/lib/libvoltet.so.0"
 ln -sf libvoltet.so.0 "$prefix/lib/libvoltet.so"
 install -m 644 "$built/libvoltet_c.a" "$prefix/lib/libvoltet.a"
 version=$(sed -n 's/^version = "\(.*\)"/\1/p' Cargo.toml | head -1)
-sed "s|@PREFIX@|$prefix|; s|@VERSION@|$version|" capi/voltet.pc.in > "$prefix/lib/pkgconfig/voltet.pc"
+sed "s|@PREFIX@|$prefix|; s|@VERSION@|$version|" crates/capi/voltet.pc.in > "$prefix/lib/pkgconfig/voltet.pc"
 echo "PKG_CONFIG_PATH=$prefix/lib/pkgconfig pkg-config --cflags --libs voltet"

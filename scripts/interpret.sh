@@ -5,5 +5,5 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 # Interpreted, the traces of the panics that a test asks for take longer than the tests.
 export RUST_BACKTRACE=0
-cargo +nightly miri test --locked -p voltet-lanes --lib -- conformance sort
-cargo +nightly miri test --locked -p voltet-engine --lib -- lists
+cargo +nightly miri test --locked -p voltet-simd --lib -- conformance sort
+cargo +nightly miri test --locked -p voltet-cpu --lib -- lists

@@ -9,5 +9,5 @@ export RUSTFLAGS="-Zsanitizer=address"
 export CARGO_TARGET_DIR=target/sanitize
 # With --target the flags are for the tests alone, not for build scripts and macros.
 sanitized() { cargo +nightly test --locked --target "$host" "$@"; }
-sanitized -p voltet-lanes -p voltet-engine --lib -- "$@"
+sanitized -p voltet-simd -p voltet-cpu --lib -- "$@"
 sanitized -p voltet --no-default-features --test validation -- "$@"

@@ -14,11 +14,11 @@ if [ "$(uname -m)" != aarch64 ]; then
 fi
 tested() { cargo test --locked --target "$target" "$@"; }
 if [ "${1:-}" = all ]; then
-    tested -p voltet-lanes -p voltet-engine --lib --test lane_sets --test methods --test segments
+    tested -p voltet-simd -p voltet-cpu --lib --test lane_sets --test methods --test segments
 else
-    tested -p voltet-lanes --lib -- --skip every_twin --skip colours_of_dense --skip it_sorts_any
-    cargo check --locked --target "$target" -p voltet-engine
+    tested -p voltet-simd --lib -- --skip every_twin --skip colours_of_dense --skip it_sorts_any
+    cargo check --locked --target "$target" -p voltet-cpu
 fi
 if rustup target list --installed 2>/dev/null | grep -q aarch64-apple-darwin; then
-    cargo check --locked --target aarch64-apple-darwin -p voltet-engine
+    cargo check --locked --target aarch64-apple-darwin -p voltet-cpu
 fi

@@ -5,7 +5,7 @@ use crate::kinds;
 use crate::stretch::{Spans, Stretch};
 use voltet_core::transfer::{TransferFunction, Widget};
 use voltet_core::{Error, Result};
-use voltet_lanes::limits::{DEPTH_IN_ORDER_MOST, LENGTHS};
+use voltet_simd::limits::{DEPTH_IN_ORDER_MOST, LENGTHS};
 
 /// Checks that a composed shader holds what the segments of a data set may ask of it; the error names the widget and the
 /// limit.

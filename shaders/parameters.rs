@@ -7,7 +7,7 @@ use bytemuck::{Pod, Zeroable};
 use voltet_core::shading::{Shading, unit_vector};
 use voltet_core::transfer::{TransferFunction, Widget};
 use voltet_core::{Error, Result};
-use voltet_lanes::limits::PIECES_MOST;
+use voltet_simd::limits::PIECES_MOST;
 
 /// What stands before the widgets in `Scene` of `scene.wgsl`.
 #[repr(C)]

@@ -2,7 +2,7 @@
 
 use voltet_core::transfer::{TransferFunction, Widget};
 use voltet_core::{Error, Result};
-use voltet_lanes::limits::GAUSSIAN_WIDTHS_MOST;
+use voltet_simd::limits::GAUSSIAN_WIDTHS_MOST;
 
 /// What one segment of a data set spans at most; the ranges of the values bound it, closer numbers refuse less.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -29,11 +29,11 @@ pub use document::{Document, Source};
 pub use mistake::OrEnd;
 pub use program::run;
 pub use voltet_core as core;
-pub use voltet_engine as engine;
+pub use voltet_cpu as engine;
 #[cfg(feature = "gpu")]
 pub use voltet_gpu as gpu;
 pub use voltet_judge as judge;
-pub use voltet_lanes as lanes;
 pub use voltet_nodes as nodes;
+pub use voltet_simd as lanes;
 pub use voltet_study as study;
 pub use voltet_study::stability;

@@ -5,7 +5,7 @@ use voltet_core::optics::integrators::SegmentIntegrator;
 use voltet_core::progress::Progress;
 use voltet_core::scene::Scene;
 use voltet_core::shading::Shading;
-use voltet_engine::{Cells, cull, integrator};
+use voltet_cpu::{Cells, cull, integrator};
 
 /// The cells of a scene that the native engine draws, which decide what an integrator's tables hold.
 pub struct Alone<'a> {

@@ -15,7 +15,7 @@ const GPU: Declaration = Declaration::absent(
 
 /// The engines. The first draws every scene; `auto` asks those behind it first, the last before all others, but for those that
 /// are taken by name only.
-pub const ENGINES: &[Declaration] = &[voltet_engine::ENGINE, GPU];
+pub const ENGINES: &[Declaration] = &[voltet_cpu::ENGINE, GPU];
 
 /// What the engines are held against. It draws where the integrator is the reference.
 pub const REFEREE: &Declaration = &reference::ENGINE;

@@ -7,7 +7,7 @@ use voltet_core::optics::integrators::{PartialTable, can_serve};
 use voltet_core::scene::needs_order;
 use voltet_core::shading::Shading;
 use voltet_core::transfer::OpticalModel;
-use voltet_engine::needs_gradient;
+use voltet_cpu::needs_gradient;
 
 /// Asks at `port` for what drawing the transfer function at `look_port` with the node's parameters needs; gives what
 /// was asked for.

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 use voltet_core::transfer::TransferFunction;
-use voltet_engine::{Cells, Projection};
+use voltet_cpu::{Cells, Projection};
 
 /// Cells that were culled, and for which transfer function: no other one may be drawn from them.
 #[derive(Debug)]

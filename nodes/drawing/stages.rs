@@ -15,8 +15,8 @@ use voltet_core::scene::Scene;
 use voltet_core::shading::{Order, Shading};
 use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
-use voltet_engine::{self as engine, Cells, Projection};
-use voltet_lanes::LaneSet;
+use voltet_cpu::{self as engine, Cells, Projection};
+use voltet_simd::LaneSet;
 
 /// The diagonal of the data with one revision, kept between runs.
 struct Diagonal(f64);

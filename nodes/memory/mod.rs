@@ -8,7 +8,7 @@ mod process;
 pub use process::{address_space, forget_peak, left, peak};
 
 use voltet_core::grid::{Cells, code};
-use voltet_engine::drawing_bytes;
+use voltet_cpu::drawing_bytes;
 
 /// What the program takes before it has read anything: its code, its threads, and what they set aside.
 const PROGRAM_BYTES: u64 = 30 << 20;

@@ -5,7 +5,7 @@ use crate::stretch::Stretch;
 use crate::writer::{WidgetRecord, Writer, all_finite, finite};
 use voltet_core::transfer::ControlPoint;
 use voltet_core::{Error, Result};
-use voltet_lanes::limits::RAMP_RATE_MOST;
+use voltet_simd::limits::RAMP_RATE_MOST;
 
 pub(super) fn calls(count: usize, constant_emitter: bool) -> Calls {
     let call = |piece, function: &str| Call::new(&[piece], format!("{function}(#u, {count}u, part_#)"));

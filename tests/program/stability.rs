@@ -6,7 +6,7 @@ use voltet::nodes::drawing::ENGINES;
 
 /// Cases of every kind, each line with a key that no reader knows.
 fn cases() -> Vec<String> {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/judge/fixtures/segments.jsonl");
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/lab/judge/fixtures/segments.jsonl");
     let text = std::fs::read_to_string(path).unwrap();
     let chosen = text.lines().step_by(23);
     chosen.map(|line| line.replacen('{', "{\"remark\":[\"not known\"],", 1)).collect()

@@ -9,7 +9,7 @@ use voltet_core::progress::Silent;
 use voltet_core::scene::Scene;
 use voltet_core::shading::{Integrator, Order, Shading};
 use voltet_core::transfer::TransferFunction;
-use voltet_engine::{self as engine, Casting, Cells, Counts};
+use voltet_cpu::{self as engine, Casting, Cells, Counts};
 use voltet_testing::pictures::Engine;
 use voltet_testing::pictures::compare::{NamedScene, ORDINARY, within};
 

@@ -24,7 +24,7 @@ fn drawn(volume: &Arc<Volume>, look: &TransferFunction, integrator: Integrator) 
         order: Order::Exact,
     };
     let draw = || -> Result<Picture> {
-        let engine = voltet_engine::ENGINE.open(&AdapterWish::default())?;
+        let engine = voltet_cpu::ENGINE.open(&AdapterWish::default())?;
         Ok(engine.prepare(volume)?.draw(&scene, &Manner::default(), &Silent)?.picture)
     };
     draw().unwrap_or_else(|error| panic!("{error}"))

@@ -3,7 +3,7 @@
 use crate::drawing::Tested;
 use voltet_core::progress::Silent;
 use voltet_core::transfer::{Profile, Region, Wave, Widget};
-use voltet_engine as engine;
+use voltet_cpu as engine;
 use voltet_testing::pictures::Engine;
 use voltet_testing::pictures::compare::{NamedScene, SHADING};
 use voltet_testing::pictures::grids::{cube, smooth};

@@ -13,7 +13,7 @@ use voltet_nodes::session;
 use voltet_testing::files::samples;
 
 /// A file of VTK's own writer: a cell of every type that is a volume, a triangle, a vertex, a point that no cell uses.
-const EVERY_TYPE: &[u8] = include_bytes!("../../../testing/files/every_type.vtu");
+const EVERY_TYPE: &[u8] = include_bytes!("../../../lab/testing/files/every_type.vtu");
 
 /// Reader, gradient and writer; `reader` and `writer` hold further keys.
 fn pipeline(folder: &Path, reader: &str, writer: &str) -> Graph {

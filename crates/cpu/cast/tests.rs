@@ -1,0 +1,114 @@
+//! What rays follow, against the cells themselves.
+
+use super::half_faces::{HalfFaces, ORDER, OUT, TURN_BITS};
+use super::mesh::{Mesh, NONE, Side};
+use super::sides::{clockwise, turn};
+use proptest::prelude::*;
+use std::sync::Arc;
+use voltet_core::grid::Grid;
+use voltet_simd::{Float, Kernel, LaneSet, Lanes, Mask, dispatch};
+use voltet_testing::pictures::grids::{cube, moved};
+
+/// The corners of a half-face in their order.
+fn corners(grid: &Grid, mesh: &Mesh, cells: &[u32], half_face: u32) -> [u32; 3] {
+    let cell = cells[half_face as usize / 4] as usize;
+    let [a, b, c] = ORDER[half_face as usize % 4].map(|k| grid.tetrahedra[cell][k]);
+    if mesh.sides[cell] == Side::Negative { [a, c, b] } else { [a, b, c] }
+}
+
+/// Whatever face a ray goes out by, it comes in by one of the same corners, turned as the record says, or is out.
+fn leads_on(grid: &Grid, cells: &Arc<Vec<u32>>) -> usize {
+    let mesh = Mesh::new(grid);
+    let half_faces = HalfFaces::new(&mesh, &grid.tetrahedra, cells);
+    let mut out = 0;
+    for (number, record) in half_faces.records[..4 * cells.len()].iter().enumerate() {
+        let [fourth, nexts @ ..] = record.map(f32::to_bits);
+        let here = corners(grid, &mesh, cells, number as u32);
+        for (slot, next) in nexts.into_iter().enumerate() {
+            let mut now = here;
+            now[slot] = fourth;
+            if next & OUT != 0 {
+                let mut left = corners(grid, &mesh, cells, next & !OUT);
+                left.sort_unstable();
+                now.sort_unstable();
+                assert_eq!(now, left, "out of {number}");
+                out += 1;
+                continue;
+            }
+            let there = corners(grid, &mesh, cells, next >> TURN_BITS);
+            let turned = next & ((1 << TURN_BITS) - 1);
+            for (k, corner) in now.into_iter().enumerate() {
+                assert_eq!(corner, there[(k + turned as usize) % 3], "from {number} by {slot}");
+            }
+        }
+    }
+    // Each face is left by three half-faces of its cell.
+    assert_eq!(out, 3 * half_faces.boundary.len());
+    half_faces.boundary.len()
+}
+
+#[test]
+fn half_faces_lead_on_by_the_same_corners() {
+    let grid = cube([4, 3, 5], 0.2);
+    let all: Arc<Vec<u32>> = Arc::new((0..grid.tetrahedra.len() as u32).collect());
+    // Two triangles for each square of the surface.
+    assert_eq!(leads_on(&grid, &all), 4 * (4 * 3 + 3 * 5 + 5 * 4));
+    let some: Arc<Vec<u32>> = Arc::new(all.iter().copied().filter(|cell| cell % 5 != 0).collect());
+    assert!(leads_on(&grid, &some) > 4 * (4 * 3 + 3 * 5 + 5 * 4));
+    // Mirrored, all cells are of the other side.
+    let mirrored = moved(&grid, |p| glam::DVec3::new(-p.x, p.y, p.z));
+    assert_eq!(leads_on(&mirrored, &all), 4 * (4 * 3 + 3 * 5 + 5 * 4));
+}
+
+#[test]
+fn cells_on_one_side_of_a_face_share_none() {
+    // Folded over: the middle of three layers of points lies behind the last.
+    let folded =
+        moved(&cube([2, 1, 1], 0.0), |p| glam::DVec3::new([0.0, 1.0, 0.4][(2.0 * p.x) as usize], p.y, p.z));
+    let mesh = Mesh::new(&folded);
+    for (half_face, &there) in mesh.neighbours.iter().enumerate().filter(|(_, there)| **there != NONE) {
+        assert_eq!(mesh.neighbours[there as usize], half_face as u32);
+        let layer = |half_face: usize| half_face / 4 / (folded.tetrahedra.len() / 2);
+        assert_eq!(layer(half_face), layer(there as usize), "across the fold");
+    }
+    let flat = moved(&cube([2, 1, 1], 0.0), |p| glam::DVec3::new(p.x.min(0.5), p.y, p.z));
+    let mesh = Mesh::new(&flat);
+    assert!(mesh.sides.contains(&Side::Flat));
+    let of_flat = |half_face: usize| mesh.sides[half_face / 4] == Side::Flat;
+    assert!((0..mesh.neighbours.len()).all(|k| !of_flat(k) || mesh.neighbours[k] == NONE));
+}
+
+/// On which side two places pass the ray, and the same places exchanged.
+struct Both([[f32; 2]; 2]);
+
+impl Kernel for Both {
+    type Output = [bool; 2];
+
+    fn run<L: Lanes>(self) -> [bool; 2] {
+        let [a, b] = self.0.map(|place| place.map(L::F::splat));
+        let (there, back) = (turn::<L>(a, b), turn::<L>(b, a));
+        let (one, other, _) = clockwise::<L>([there, back, there], [[a, b], [b, a], [a, b]]);
+        assert_eq!(there.lt(L::F::splat(0.0)).any(), L::F::splat(0.0).lt(back).any());
+        [one.any(), other.any()]
+    }
+}
+
+/// Steps of places, such that some edges pass through the ray.
+fn place() -> impl Strategy<Value = [f32; 2]> {
+    let near = (-4..5i32, -4..5i32).prop_map(|(x, y)| [x as f32, y as f32]);
+    let odd = (-20..20i32, 1..2000i32)
+        .prop_map(|(n, step)| [n as f32 * step as f32 * 3e-4, n as f32 * step as f32 * 7e-4]);
+    prop_oneof![near, odd, prop::array::uniform2(-50.0f32..50.0)]
+}
+
+proptest! {
+    /// Also where an edge passes through the ray.
+    #[test]
+    fn a_ray_passes_an_edge_on_one_side(a in place(), b in place()) {
+        prop_assume!(a != b);
+        for lanes in LaneSet::ALL.into_iter().filter(|lanes| lanes.is_supported()) {
+            let [one, other] = dispatch(lanes, Both([a, b]));
+            prop_assert_ne!(one, other, "{} {:?} {:?}", lanes.name(), a, b);
+        }
+    }
+}

@@ -1,0 +1,299 @@
+//! Spans: the pixels of a tile that a cell covers, row by row, in closed form.
+//!
+//! The silhouette of a tetrahedron is the hull of its four projected corners; on one row of pixel centres it is
+//! the span between the least and the greatest crossing of its six edges. Each edge is taken from its upper to
+//! its lower end, so all cells that share it find the same crossing, bit for bit, and the rules
+//! are half-open (a row y belongs to an edge if y₀ ≤ y < y₁, a pixel to a span if ⌈x₀⌉ ≤ x < ⌈x₁⌉): every pixel
+//! centre that lies on a shared silhouette edge is given to exactly one of the cells.
+
+use crate::composite::lists::{NOBODY, Next};
+use crate::project::record::TILE;
+use crate::view::Seen;
+use voltet_simd::{Double, Float, Lanes, Mask, Unsigned, array, inlined};
+
+/// Pairs of corners: the edges.
+const EDGES: [[usize; 2]; 6] = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]];
+
+/// Most lanes of any set.
+const MOST: usize = crate::fragments::batch::LANES_MOST;
+
+/// 1.5 · 2²³ · 2⁻¹⁷: adding and taking away this times a power of two rounds to 2⁻¹⁷ of that power (up to 32 times
+/// it, twice a tile; beyond, where spans are cut off, more coarsely).
+const ROUND: f32 = 96.0;
+
+/// Fragments are coded lane << 8 | row << 4 | column.
+const SPARE: usize = 32;
+
+/// Where the length of a span stands beside its first code.
+const LENGTH: u32 = 16;
+
+/// Codes of fragments: (cell lane, row, column).
+pub(crate) struct Fragments {
+    /// The codes; the first `count` are meant.
+    pub codes: Vec<u16>,
+    /// Where each goes in lists, where there are any.
+    pub places: Vec<u32>,
+    /// How many.
+    pub count: usize,
+    /// See [`Edges::spans`], row by row.
+    spans: Cells<TILE, u32>,
+}
+
+/// The edges of a group of cells on one tile, cells side by side.
+pub(crate) struct Edges {
+    x: [[f64; MOST]; 4],
+    y: [[f64; MOST]; 4],
+    /// First row of the tile that each edge crosses, and the first that it does not cross any more.
+    first: Cells<6>,
+    last: Cells<6>,
+    /// Where it crosses the tile's first row, columns, and its slope, columns a row.
+    crossing: Cells<6>,
+    slope: Cells<6>,
+    /// See [`ROUND`].
+    round: Cells<6>,
+    /// First and last row of each cell.
+    bounds: Cells<2>,
+}
+
+/// Numbers of cells side by side; begin where a cache line does.
+#[derive(Clone, Copy)]
+#[repr(align(64))]
+struct Cells<const N: usize, T = f32>([[T; MOST]; N]);
+
+impl Edges {
+    pub fn new() -> Self {
+        let rows = Cells([[0.0; MOST]; 6]);
+        Edges {
+            x: [[0.0; MOST]; 4],
+            y: [[0.0; MOST]; 4],
+            first: rows,
+            last: rows,
+            crossing: rows,
+            slope: rows,
+            round: rows,
+            bounds: Cells([[0.0; MOST]; 2]),
+        }
+    }
+
+    /// Takes the corners of the cell in a lane.
+    #[inline(always)]
+    pub fn take(&mut self, lane: usize, corners: [&Seen; 4]) {
+        for (k, corner) in corners.iter().enumerate() {
+            self.x[k][lane] = corner.x;
+            self.y[k][lane] = corner.y;
+        }
+    }
+
+    /// Finds the edges of all lanes on rows `rows` of the tile at (`left`, `top`).
+    #[inline(always)]
+    pub fn find<L: Lanes>(&mut self, left: usize, top: usize, rows: &std::ops::Range<usize>) {
+        let splat = L::D::splat;
+        let (tile_top, tile_left) = (splat(top as f64), splat(left as f64));
+        for half in (0..L::WIDTH).step_by(L::D::COUNT) {
+            let load = inlined(
+                #[inline(always)]
+                |rows: &[[f64; MOST]; 4]| {
+                    let row = inlined(
+                        #[inline(always)]
+                        |k: usize| L::D::load(&rows[k][half..]),
+                    );
+                    [row(0), row(1), row(2), row(3)]
+                },
+            );
+            let (x, y) = (load(&self.x), load(&self.y));
+            // The first and last row of each edge, and its crossing of the tile's first row, in 64 bits; from there
+            // 32 bits carry 16 rows. A horizontal edge has no rows: neither its direction nor its slope matters.
+            let row: [L::D; 4] = array(
+                #[inline(always)]
+                |k| y[k].ceil() - tile_top,
+            );
+            for (k, &[a, b]) in EDGES.iter().enumerate() {
+                // The slope is the same whichever end is the upper one, bit for bit.
+                let tilt = (x[b] - x[a]) / (y[b] - y[a]);
+                let down = y[a].le(y[b]);
+                let upper = [L::D::select(down, x[a], x[b]), y[a].min(y[b])];
+                let at_top = (tile_top - upper[1]).mul_add(tilt, upper[0] - tile_left);
+                row[a].min(row[b]).store_f32(&mut self.first.0[k][half..]);
+                row[a].max(row[b]).store_f32(&mut self.last.0[k][half..]);
+                at_top.store_f32(&mut self.crossing.0[k][half..]);
+                tilt.store_f32(&mut self.slope.0[k][half..]);
+            }
+            let least = row[0].min(row[1]).min(row[2].min(row[3]));
+            let most = row[0].max(row[1]).max(row[2].max(row[3]));
+            let (from, to) = (splat(rows.start as f64), splat(rows.end as f64));
+            least.max(from).min(to).store_f32(&mut self.bounds.0[0][half..]);
+            most.min(to).max(from).store_f32(&mut self.bounds.0[1][half..]);
+        }
+        // Crossings are rounded to 2⁻¹⁷ of a pixel (across the edge): several edges of a face that is seen edge-on
+        // lie on one line, and must cross a row at one place although each is rounded in its own way.
+        for (slope, round) in self.slope.0.iter().zip(&mut self.round.0) {
+            let steep = L::F::load(slope).abs().max(L::F::splat(1.0)).min(L::F::splat(1e6));
+            let power = L::F::from_bits(steep.to_bits().and(L::U::splat(0x7f80_0000)));
+            (power * L::F::splat(ROUND)).store(round);
+        }
+    }
+
+    /// The pixels of rows `rows`, of a tile `width` pixels wide, that each cell covers: their code in [`Fragments::codes`] at the
+    /// first, and their number in the upper half.
+    #[inline(always)]
+    fn spans<L: Lanes>(&self, rows: std::ops::Range<usize>, width: usize, spans: &mut Cells<TILE, u32>) {
+        let splat = L::F::splat;
+        let width = splat(width as f32);
+        let lanes = L::U::iota().shl::<8>();
+        for row in rows {
+            let y = splat(row as f32);
+            let (mut least, mut most) = (splat(f32::INFINITY), splat(f32::NEG_INFINITY));
+            for k in 0..EDGES.len() {
+                let edge = inlined(
+                    #[inline(always)]
+                    |rows: &Cells<6>| L::F::load(&rows.0[k]),
+                );
+                let crosses = edge(&self.first).le(y).and(y.lt(edge(&self.last)));
+                let x = y.mul_add(edge(&self.slope), edge(&self.crossing));
+                let x = (x + edge(&self.round)) - edge(&self.round);
+                least = L::F::select(crosses, x.min(least), least);
+                most = L::F::select(crosses, x.max(most), most);
+            }
+            // ⌈x⌉ = −⌊−x⌋. A row without crossings has least = +∞, most = −∞: from = width, to = 0, no span.
+            let bound = inlined(
+                #[inline(always)]
+                |x: L::F| (-(-x).floor()).max(splat(0.0)).min(width),
+            );
+            let (from, to) = (bound(least), bound(most));
+            let length = (to - from).max(splat(0.0)).to_unsigned().shl::<LENGTH>();
+            let code = lanes + L::U::splat((row << 4) as u32) + from.to_unsigned();
+            length.or(code).store(&mut spans.0[row]);
+        }
+    }
+}
+
+/// Where the edge between two points crosses a row of pixel centres, columns from the left edge of the tile that holds the pixel;
+/// `None` where it does not. Bit for bit what [`Edges`] and [`Fragments::cover`] find.
+pub(crate) fn crossing_of_row(ends: [&Seen; 2], [i, j]: [usize; 2]) -> Option<f32> {
+    let [upper, lower] = if ends[0].y <= ends[1].y { ends } else { [ends[1], ends[0]] };
+    let (left, top) = ((i - i % TILE) as f64, (j - j % TILE) as f64);
+    let row = (j % TILE) as f32;
+    let rows = (upper.y.ceil() - top) as f32..(lower.y.ceil() - top) as f32;
+    if !rows.contains(&row) {
+        return None;
+    }
+    let tilt = (lower.x - upper.x) / (lower.y - upper.y);
+    let at_top = (top - upper.y).mul_add(tilt, upper.x - left) as f32;
+    let slope = tilt as f32;
+    let power = f32::from_bits(slope.abs().clamp(1.0, 1e6).to_bits() & 0x7f80_0000);
+    let x = row.mul_add(slope, at_top);
+    Some((x + power * ROUND) - power * ROUND)
+}
+
+impl Fragments {
+    /// Room for the fragments of `lanes` cells in one tile.
+    pub fn new(lanes: usize) -> Self {
+        let room = lanes * TILE * TILE + SPARE;
+        Fragments { codes: vec![0; room], places: vec![0; room], count: 0, spans: Cells([[0; MOST]; TILE]) }
+    }
+
+    /// Finds the pixels, of a tile `width` pixels wide, that each of the first `cells` cells covers. Where there are `lists`, each takes
+    /// a place there; then of their pixels only those that are `open` are covered.
+    #[inline(always)]
+    pub fn cover<L: Lanes>(&mut self, edges: &Edges, cells: usize, width: usize, lists: Option<Places<'_>>) {
+        let (mut starts, mut ends) = ([0u32; MOST], [0u32; MOST]);
+        L::F::load(&edges.bounds.0[0]).to_unsigned().store(&mut starts);
+        L::F::load(&edges.bounds.0[1]).to_unsigned().store(&mut ends);
+        let rows = || starts.iter().zip(&ends).take(cells).filter(|(start, end)| start < end);
+        let first = rows().map(|(&start, _)| start).min().unwrap_or(0) as usize;
+        let last = rows().map(|(_, &end)| end).max().unwrap_or(0) as usize;
+        edges.spans::<L>(first..last, width, &mut self.spans);
+
+        let rows = [starts, ends];
+        match lists {
+            None => self.list::<L, false>(rows, cells, None, &[0; TILE]),
+            Some(Places { next, open: None }) => self.list::<L, false>(rows, cells, Some(next), &[0; TILE]),
+            Some(Places { next, open: Some(open) }) => self.list::<L, true>(rows, cells, Some(next), open),
+        }
+    }
+
+    /// Codes from spans, cell by cell, and places in lists; if `MASKED` of pixels that are open.
+    #[inline(always)]
+    fn list<L: Lanes, const MASKED: bool>(
+        &mut self,
+        [starts, ends]: [[u32; MOST]; 2],
+        cells: usize,
+        mut next: Option<&mut Next>,
+        open: &[u16; TILE],
+    ) {
+        let Fragments { codes, places, spans, .. } = self;
+        let (codes, places) = (codes.as_mut_slice(), places.as_mut_slice());
+        let mut count = 0;
+        for (lane, (&start, &end)) in starts.iter().zip(&ends).take(cells).enumerate() {
+            for row in start as usize..(end as usize).min(TILE) {
+                let span = spans.0[row][lane];
+                let (code, length) = (span as u16, (span >> LENGTH) as usize);
+                let from = usize::from(code) % TILE;
+                if MASKED {
+                    let mut open = u32::from(open[row]) & (((1 << length) - 1) << from);
+                    while open != 0 {
+                        let column = open.trailing_zeros() as usize;
+                        codes[count] = code - from as u16 + column as u16;
+                        if let Some(next) = &mut next {
+                            let next = &mut next.0[row * TILE + column];
+                            places[count] = *next;
+                            *next += 1;
+                        }
+                        count += 1;
+                        open &= open - 1;
+                    }
+                    continue;
+                }
+                let out = &mut codes[count..count + TILE];
+                for (k, out) in out.iter_mut().enumerate() {
+                    *out = code.wrapping_add(k as u16);
+                }
+                if let Some(next) = &mut next {
+                    take_places::<L>(next, row, from..from + length, &mut places[count..count + TILE]);
+                }
+                count += length;
+            }
+        }
+        self.count = count;
+        if next.is_some() {
+            // A vector may read past the end.
+            places[count..count + MOST].fill(NOBODY);
+        }
+    }
+}
+
+/// Where fragments go in the lists of their pixels.
+pub(crate) struct Places<'a> {
+    pub next: &'a mut Next,
+    /// Pixels that take fragments, a bit a column, where some do not.
+    pub open: Option<&'a [u16; TILE]>,
+}
+
+/// A place for each column of a span, in the first of `places`; what follows there is of no account.
+#[inline(always)]
+fn take_places<L: Lanes>(next: &mut Next, row: usize, span: std::ops::Range<usize>, places: &mut [u32]) {
+    if L::WIDTH == TILE {
+        // No load spans what two stores wrote.
+        let of_row = &mut next.0[row * TILE..][..TILE];
+        let (from, to) = (L::U::splat(span.start as u32), L::U::splat(span.end as u32));
+        let value = L::U::load(of_row);
+        value.permute((L::U::iota() + from).and(L::U::splat(TILE as u32 - 1))).store(places);
+        taken_of::<L>(value, 0, from, to).store(of_row);
+        return;
+    }
+    places.copy_from_slice(&next.0[row * TILE + span.start..][..TILE]);
+    let (from, to) = (L::U::splat(span.start as u32), L::U::splat(span.end as u32));
+    for half in (0..TILE).step_by(L::WIDTH) {
+        let of_half = &mut next.0[row * TILE + half..];
+        taken_of::<L>(L::U::load(of_half), half, from, to).store(of_half);
+    }
+}
+
+/// Counters of the columns from `half` on, one more in `from..to`.
+#[inline(always)]
+fn taken_of<L: Lanes>(value: L::U, half: usize, from: L::U, to: L::U) -> L::U {
+    let column = L::U::iota() + L::U::splat(half as u32);
+    // Not below a number: the larger of both is the column.
+    let (not_before, behind) = (column.max(from).equal(column), column.max(to).equal(column));
+    L::U::select(not_before.and(behind.not()), value + L::U::splat(1), value)
+}

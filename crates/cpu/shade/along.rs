@@ -1,0 +1,116 @@
+//! Segments side by side in lanes: their lengths and what they have at both ends.
+
+use crate::fragments::batch::{Batch, Column};
+use voltet_simd::{Float, Lanes, Unsigned, array, inlined};
+
+/// One vector of segments of a batch. Lengths in scene lengths, attributes scaled.
+pub(crate) struct Along<L: Lanes> {
+    /// D.
+    pub length: L::F,
+    /// Lanes that cross their cell over a positive length, or those of them that are asked for.
+    pub crossing: L::M,
+    /// (s, g) at the entry; g is 0 where it is not asked for.
+    pub front: [L::F; 2],
+    /// (s, g) at the exit.
+    pub back: [L::F; 2],
+}
+
+impl<L: Lanes> Along<L> {
+    #[inline(always)]
+    pub fn load(batch: &Batch, at: usize) -> Self {
+        let column = inlined(
+            #[inline(always)]
+            |columns: &[Column], a: usize| match columns[..batch.scalar_count].get(a) {
+                Some(column) => L::F::load(&column[at..]),
+                None => L::F::splat(0.0),
+            },
+        );
+        let length = L::F::load(&batch.length[at..]);
+        Along {
+            length,
+            crossing: L::F::splat(0.0).lt(length),
+            front: [column(&batch.front, 0), column(&batch.front, 1)],
+            back: [column(&batch.back, 0), column(&batch.back, 1)],
+        }
+    }
+
+    /// The same, with other lanes counted as those that cross.
+    #[inline(always)]
+    pub fn only(&self, crossing: L::M) -> Self {
+        Along { crossing, ..*self }
+    }
+
+    /// The same place of every segment, from its nearer end.
+    #[inline(always)]
+    pub fn at_share(&self, t: f32) -> [L::F; 2] {
+        between::<L, 2>(&self.front, &self.back, t)
+    }
+
+    #[inline(always)]
+    pub fn at(&self, t: L::F) -> [L::F; 2] {
+        array(
+            #[inline(always)]
+            |i| (self.back[i] - self.front[i]).mul_add(t, self.front[i]),
+        )
+    }
+}
+
+/// Linear between the ends, from the nearer one.
+#[inline(always)]
+fn between<L: Lanes, const N: usize>(front: &[L::F; N], back: &[L::F; N], t: f32) -> [L::F; N] {
+    let (from, step) = if t > 0.5 { (back, t - 1.0) } else { (front, t) };
+    array(
+        #[inline(always)]
+        |i| (back[i] - front[i]).mul_add(L::F::splat(step), from[i]),
+    )
+}
+
+/// Further fields of one vector of segments, at the entry and at the exit.
+pub(crate) struct Fields<L: Lanes> {
+    pub front: [L::F; FIELDS_MOST],
+    pub back: [L::F; FIELDS_MOST],
+}
+
+impl<L: Lanes> Fields<L> {
+    /// No fields.
+    #[inline(always)]
+    pub fn none() -> Self {
+        let zeros = [L::F::splat(0.0); FIELDS_MOST];
+        Fields { front: zeros, back: zeros }
+    }
+
+    /// Those of a batch; 0 where there are none.
+    #[inline(always)]
+    pub fn load(batch: &Batch, at: usize) -> Self {
+        let rows = inlined(
+            #[inline(always)]
+            |columns: &[Column]| -> [L::F; FIELDS_MOST] {
+                array(
+                    #[inline(always)]
+                    |i| match columns[..batch.scalar_count].get(2 + i) {
+                        Some(column) => L::F::load(&column[at..]),
+                        None => L::F::splat(0.0),
+                    },
+                )
+            },
+        );
+        Fields { front: rows(&batch.front), back: rows(&batch.back) }
+    }
+
+    /// At the same place of every segment.
+    #[inline(always)]
+    pub fn at(&self, t: f32) -> [L::F; FIELDS_MOST] {
+        between::<L, FIELDS_MOST>(&self.front, &self.back, t)
+    }
+}
+
+/// Most further fields that lanes look at.
+pub(crate) const FIELDS_MOST: usize = 8;
+
+/// A mask from its bits.
+#[inline(always)]
+pub(crate) fn lanes_of<L: Lanes>(bits: u32) -> L::M {
+    // 2^lane by its float bits, so that no variable shift is needed.
+    let power = L::F::from_bits((L::U::iota() + L::U::splat(127)).shl::<23>()).to_unsigned();
+    power.test(L::U::splat(bits))
+}

@@ -1,0 +1,60 @@
+//! Segments of a batch gathered side by side.
+
+use crate::fragments::batch::{Batch, LANES_MOST};
+use crate::shade::along::{Along, FIELDS_MOST, Fields};
+use voltet_simd::{Float, Lanes, array};
+
+/// Lengths, then the attributes at the entry and at the exit.
+pub(crate) struct Gathered {
+    length: [f32; LANES_MOST],
+    front: [[f32; LANES_MOST]; 2 + FIELDS_MOST],
+    back: [[f32; LANES_MOST]; 2 + FIELDS_MOST],
+    columns: usize,
+}
+
+impl Gathered {
+    pub fn new(columns: usize) -> Gathered {
+        let rows = [[0.0; LANES_MOST]; 2 + FIELDS_MOST];
+        Gathered { length: [0.0; LANES_MOST], front: rows, back: rows, columns: columns.min(rows.len()) }
+    }
+
+    /// Takes the segments `group` of a batch, one a lane.
+    #[inline(always)]
+    pub fn take(&mut self, batch: &Batch, group: &[usize]) {
+        // Lanes without a segment have no length.
+        self.length = [0.0; LANES_MOST];
+        for (lane, &k) in group.iter().enumerate() {
+            self.length[lane] = batch.length[k];
+            for a in 0..self.columns {
+                self.front[a][lane] = batch.front[a][k];
+                self.back[a][lane] = batch.back[a][k];
+            }
+        }
+    }
+
+    #[inline(always)]
+    pub fn along<L: Lanes>(&self) -> Along<L> {
+        let row = |rows: &[[f32; LANES_MOST]; 2 + FIELDS_MOST], a: usize| L::F::load(&rows[a]);
+        let length = L::F::load(&self.length);
+        Along {
+            length,
+            crossing: L::F::splat(0.0).lt(length),
+            front: [row(&self.front, 0), row(&self.front, 1)],
+            back: [row(&self.back, 0), row(&self.back, 1)],
+        }
+    }
+
+    #[inline(always)]
+    pub fn fields<L: Lanes>(&self) -> Fields<L> {
+        Fields {
+            front: array(
+                #[inline(always)]
+                |i| L::F::load(&self.front[2 + i]),
+            ),
+            back: array(
+                #[inline(always)]
+                |i| L::F::load(&self.back[2 + i]),
+            ),
+        }
+    }
+}

@@ -1,0 +1,140 @@
+//! A Gaussian over s and g in lanes.
+
+use crate::attribute::Attribute;
+use crate::shade::along::Along;
+use voltet_simd::limits::GAUSSIAN_WIDTHS_MOST;
+use voltet_simd::optics::elementary::{dot, exp};
+use voltet_simd::optics::gaussian::{self, LaneGaussianPath, Near};
+use voltet_simd::optics::gaussian_steps::LaneGaussianSteps;
+use voltet_simd::optics::smooth::DensityShape;
+use voltet_simd::{Float, Lanes, Mask, array};
+
+/// exp(−|K (v − centre)|²), K and the centre scaled as the attributes are.
+pub(crate) struct LaneGaussian {
+    matrix: [[f32; 2]; 2],
+    centre: [f32; 2],
+    /// −K centre where K is diagonal.
+    at_zero: Option<[f32; 2]>,
+    /// Whether a segment can span more than [`GAUSSIAN_WIDTHS_MOST`] widths.
+    narrow: bool,
+}
+
+impl LaneGaussian {
+    /// `None` where the numbers leave 32 bits.
+    pub fn new(
+        centre: &[f64; 2],
+        matrix: &[[f64; 2]; 2],
+        attributes: &[Attribute<'_>],
+    ) -> Option<LaneGaussian> {
+        // What is not looked at is 0 everywhere.
+        let axis = |a: usize| attributes.get(a).map_or([0.0, 1.0, 0.0], |x| [x.offset, x.scale, x.span()]);
+        let axes = [axis(0), axis(1)];
+        let widths = matrix.iter().flat_map(|row| [row[0] * axes[0][2], row[1] * axes[1][2]]);
+        let scaled: [f64; 2] = std::array::from_fn(|a| (centre[a] - axes[a][0]) / axes[a][1]);
+        let is_diagonal = matrix[0][1] == 0.0 && matrix[1][0] == 0.0;
+        let gaussian = LaneGaussian {
+            narrow: widths.map(f64::abs).sum::<f64>() > GAUSSIAN_WIDTHS_MOST,
+            matrix: matrix.map(|row| [(row[0] * axes[0][1]) as f32, (row[1] * axes[1][1]) as f32]),
+            centre: scaled.map(|x| x as f32),
+            at_zero: is_diagonal
+                .then(|| std::array::from_fn(|a| (-matrix[a][a] * axes[a][1] * scaled[a]) as f32)),
+        };
+        let numbers = gaussian.centre.iter().chain(gaussian.matrix.as_flattened());
+        let held = numbers.chain(gaussian.at_zero.iter().flatten()).all(|x| x.is_finite());
+        held.then_some(gaussian)
+    }
+
+    #[inline(always)]
+    fn point<L: Lanes>(&self, v: &[L::F; 2]) -> [L::F; 2] {
+        let splat = L::F::splat;
+        if let Some(at_zero) = self.at_zero {
+            return array(
+                #[inline(always)]
+                |i| splat(self.matrix[i][i]).mul_add(v[i], splat(at_zero[i])),
+            );
+        }
+        let d = [v[0] - splat(self.centre[0]), v[1] - splat(self.centre[1])];
+        array(
+            #[inline(always)]
+            |i| splat(self.matrix[i][0]).mul_add(d[0], splat(self.matrix[i][1]) * d[1]),
+        )
+    }
+
+    /// Depth and shape between two points, for a rate of `peak` at the centre, on the lanes that are `wanted`.
+    #[inline(always)]
+    pub fn shape<L: Lanes>(
+        &self,
+        front: &[L::F; 2],
+        back: &[L::F; 2],
+        peak: L::F,
+        wanted: L::M,
+    ) -> DensityShape<L> {
+        gaussian::shape::<L, 2>(self.point::<L>(front), self.point::<L>(back), peak, wanted)
+    }
+
+    /// What the mean over whole segments looks at.
+    #[inline(always)]
+    pub fn near<L: Lanes>(&self, along: &Along<L>) -> Near<L> {
+        Near::new(&self.point::<L>(&along.front), &self.point::<L>(&along.back))
+    }
+
+    /// The profile at a point.
+    #[inline(always)]
+    pub fn value<L: Lanes>(&self, at: &[L::F; 2]) -> L::F {
+        let q = self.point::<L>(at);
+        exp::<L>(-dot::<L, 2>(&q, &q))
+    }
+
+    /// The square of the widths that the whole segment spans.
+    #[inline(always)]
+    pub fn extent_squared<L: Lanes>(&self, along: &Along<L>) -> L::F {
+        let (front, back) = (self.point::<L>(&along.front), self.point::<L>(&along.back));
+        let step = [back[0] - front[0], back[1] - front[1]];
+        dot::<L, 2>(&step, &step)
+    }
+
+    /// The roughness of the whole segment's shape.
+    #[inline(always)]
+    pub fn roughness<L: Lanes>(&self, along: &Along<L>) -> L::F {
+        gaussian::roughness::<L, 2>(self.point::<L>(&along.front), self.point::<L>(&along.back))
+    }
+
+    /// The path between two points.
+    #[inline(always)]
+    pub fn path<L: Lanes>(&self, front: &[L::F; 2], back: &[L::F; 2]) -> LaneGaussianPath<L> {
+        LaneGaussianPath::<L>::new(self.point::<L>(front), self.point::<L>(back))
+    }
+
+    /// Lanes (bits) on which the segment spans too many widths.
+    #[inline(always)]
+    pub fn unsure<L: Lanes>(&self, along: &Along<L>) -> u32 {
+        if !self.narrow {
+            return 0;
+        }
+        let extent = self.extent_squared::<L>(along).sqrt();
+        L::F::splat(GAUSSIAN_WIDTHS_MOST as f32).lt(extent).bits()
+    }
+
+    /// In equal steps, each a `share` of the segment, from t = `first` × `share` on; `peak`: the value at the centre.
+    #[inline(always)]
+    pub fn steps<L: Lanes, const N: usize>(
+        &self,
+        along: &Along<L>,
+        first: usize,
+        share: f32,
+        places: [f32; N],
+        peak: L::F,
+    ) -> LaneGaussianSteps<L, N> {
+        let splat = L::F::splat;
+        let (front, back) = (self.point::<L>(&along.front), self.point::<L>(&along.back));
+        let step: [L::F; 2] = array(
+            #[inline(always)]
+            |i| (back[i] - front[i]) * splat(share),
+        );
+        let start = array(
+            #[inline(always)]
+            |i| step[i].mul_add(splat(first as f32), front[i]),
+        );
+        LaneGaussianSteps::new(start, step, places, peak)
+    }
+}

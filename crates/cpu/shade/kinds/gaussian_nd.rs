@@ -1,0 +1,125 @@
+//! A Gaussian over further fields in lanes.
+
+use crate::shade::along::{FIELDS_MOST, Fields};
+use crate::shade::kinds::making::Making;
+use voltet_simd::limits::GAUSSIAN_WIDTHS_MOST;
+use voltet_simd::optics::elementary::{dot, exp};
+use voltet_simd::optics::gaussian::{LaneGaussianPath, mean_profile};
+use voltet_simd::{Float, Lanes, array};
+
+/// q = K (v − centre) over further fields, K and the centre scaled as the fields are; unused rows are 0.
+pub(super) struct LaneFields {
+    count: usize,
+    slots: [usize; FIELDS_MOST],
+    centre: [f32; FIELDS_MOST],
+    matrix: [[f32; FIELDS_MOST]; FIELDS_MOST],
+    /// Widths along each field's whole range, summed.
+    widths: f64,
+}
+
+impl LaneFields {
+    /// `None` where a field is not at hand, where there are too many, and where the numbers leave 32 bits.
+    pub fn new(names: &[String], centre: &[f64], matrix: &[Vec<f64>], making: &Making) -> Option<LaneFields> {
+        if names.len() > FIELDS_MOST {
+            return None;
+        }
+        let mut fields = LaneFields {
+            count: names.len(),
+            slots: [0; FIELDS_MOST],
+            centre: [0.0; FIELDS_MOST],
+            matrix: [[0.0; FIELDS_MOST]; FIELDS_MOST],
+            widths: 0.0,
+        };
+        for (j, name) in names.iter().enumerate() {
+            let (slot, axis) = making.field(name).filter(|(slot, _)| *slot < FIELDS_MOST)?;
+            fields.slots[j] = slot;
+            fields.centre[j] = ((centre[j] - axis.offset) / axis.scale) as f32;
+            for (scaled, row) in fields.matrix.iter_mut().zip(matrix) {
+                scaled[j] = (row[j] * axis.scale) as f32;
+                fields.widths += (row[j] * axis.span()).abs();
+            }
+        }
+        let held = fields.centre.iter().chain(fields.matrix.iter().flatten()).all(|x| x.is_finite());
+        held.then_some(fields)
+    }
+
+    #[inline(always)]
+    pub fn point<L: Lanes>(&self, fields: &[L::F; FIELDS_MOST]) -> [L::F; FIELDS_MOST] {
+        let splat = L::F::splat;
+        let mut q = [splat(0.0); FIELDS_MOST];
+        for j in 0..self.count {
+            let d = fields[self.slots[j]] - splat(self.centre[j]);
+            for (q, row) in q.iter_mut().zip(&self.matrix) {
+                *q = splat(row[j]).mul_add(d, *q);
+            }
+        }
+        q
+    }
+
+    /// q at the front and at the back.
+    #[inline(always)]
+    pub fn ends<L: Lanes>(&self, fields: &Fields<L>) -> [[L::F; FIELDS_MOST]; 2] {
+        [self.point::<L>(&fields.front), self.point::<L>(&fields.back)]
+    }
+}
+
+/// Where a stretch of a segment begins and ends, of what is `front` and `back` at the segment's own ends.
+#[inline(always)]
+pub(super) fn between<L: Lanes, const N: usize>(
+    [front, back]: [[L::F; N]; 2],
+    range: Option<[L::F; 2]>,
+) -> [[L::F; N]; 2] {
+    let Some(range) = range else { return [front, back] };
+    range.map(
+        #[inline(always)]
+        |t| {
+            array(
+                #[inline(always)]
+                |i| (back[i] - front[i]).mul_add(t, front[i]),
+            )
+        },
+    )
+}
+
+/// exp(−|K (v − centre)|²).
+pub(crate) struct LaneGaussianNd {
+    fields: LaneFields,
+}
+
+impl LaneGaussianNd {
+    /// See [`LaneFields::new`].
+    pub fn new(
+        names: &[String],
+        centre: &[f64],
+        matrix: &[Vec<f64>],
+        making: &Making,
+    ) -> Option<LaneGaussianNd> {
+        LaneFields::new(names, centre, matrix, making).map(|fields| LaneGaussianNd { fields })
+    }
+
+    /// Mean of the profile over the segment, or over a stretch of it.
+    #[inline(always)]
+    pub fn mean<L: Lanes>(&self, fields: &Fields<L>, range: Option<[L::F; 2]>) -> L::F {
+        let [front, back] = between::<L, FIELDS_MOST>(self.fields.ends::<L>(fields), range);
+        mean_profile::<L, FIELDS_MOST>(front, back)
+    }
+
+    /// The profile at a place of the segment.
+    #[inline(always)]
+    pub fn value<L: Lanes>(&self, fields: &Fields<L>, t: f32) -> L::F {
+        let q = self.fields.point::<L>(&fields.at(t));
+        exp::<L>(-dot::<L, FIELDS_MOST>(&q, &q))
+    }
+
+    /// The path of the whole segment, or of a stretch of it.
+    #[inline(always)]
+    pub fn path<L: Lanes>(&self, fields: &Fields<L>, range: Option<[L::F; 2]>) -> LaneGaussianPath<L> {
+        let [front, back] = between::<L, FIELDS_MOST>(self.fields.ends::<L>(fields), range);
+        LaneGaussianPath::<L>::new(front, back)
+    }
+
+    /// All lanes (bits), where a segment may span more widths than 32 bits resolve.
+    pub fn unsure(&self) -> u32 {
+        if self.fields.widths > GAUSSIAN_WIDTHS_MOST { u32::MAX } else { 0 }
+    }
+}

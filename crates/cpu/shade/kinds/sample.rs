@@ -1,0 +1,173 @@
+//! A widget at one place of each segment: what absorbs there and its colour, for the methods that sample.
+
+use super::{LaneForm, LaneWidget};
+use crate::shade::along::{Along, Fields};
+use crate::shade::region::range_of;
+use voltet_simd::optics::gaussian_steps::LaneGaussianSteps;
+use voltet_simd::{Float, Lanes, Mask, array};
+
+/// Widths squared of a step over which a Gaussian follows from step to step.
+const STEP_SQUARED_MOST: f32 = 0.26;
+
+impl LaneWidget {
+    /// Whether samples of it can be taken in lanes.
+    pub fn has_samples(&self) -> bool {
+        !matches!(self.form, LaneForm::None)
+    }
+
+    /// Optical depth per scene length where its value is 1.
+    pub fn density(&self) -> f32 {
+        self.density
+    }
+
+    /// Whether its colour differs from place to place.
+    pub fn has_colors(&self) -> bool {
+        matches!(self.form, LaneForm::PiecewiseLinear(_) | LaneForm::Table(_))
+    }
+
+    /// Whether its profile is e^(−x²) of something, which 32 bits round to 0 far out.
+    pub fn is_exponential(&self) -> bool {
+        match self.form {
+            LaneForm::Gaussian(_)
+            | LaneForm::TriangularGaussian(_)
+            | LaneForm::GaussianNd(_)
+            | LaneForm::TriangularGaussianNd(_) => true,
+            LaneForm::Uniform
+            | LaneForm::Wave(_)
+            | LaneForm::PiecewiseLinear(_)
+            | LaneForm::Table(_)
+            | LaneForm::None => false,
+        }
+    }
+
+    /// Its value at its peak; `density_scale`: as in [`super::Making`].
+    pub fn peak_value(&self, density_scale: f64) -> f64 {
+        match &self.form {
+            LaneForm::PiecewiseLinear(linear) => f64::from(linear.peak) * density_scale,
+            LaneForm::Uniform
+            | LaneForm::Gaussian(_)
+            | LaneForm::Wave(_)
+            | LaneForm::Table(_)
+            | LaneForm::TriangularGaussian(_)
+            | LaneForm::GaussianNd(_)
+            | LaneForm::TriangularGaussianNd(_)
+            | LaneForm::None => 1.0,
+        }
+    }
+
+    /// Lanes (bits) whose segments span more widths than 32 bits resolve.
+    #[inline(always)]
+    pub fn too_wide<L: Lanes>(&self, along: &Along<L>) -> u32 {
+        match &self.form {
+            LaneForm::Gaussian(gaussian) => gaussian.unsure(along),
+            LaneForm::GaussianNd(nd) => nd.unsure(),
+            LaneForm::Uniform
+            | LaneForm::Wave(_)
+            | LaneForm::PiecewiseLinear(_)
+            | LaneForm::Table(_)
+            | LaneForm::TriangularGaussian(_)
+            | LaneForm::TriangularGaussianNd(_)
+            | LaneForm::None => 0,
+        }
+    }
+
+    /// Whether a region or ranges limit it.
+    pub fn has_region(&self) -> bool {
+        self.region.is_some()
+    }
+
+    /// The part of each segment inside its region and its ranges.
+    #[inline(always)]
+    pub fn range<L: Lanes>(&self, along: &Along<L>) -> [L::F; 2] {
+        range_of::<L>(self.region.as_ref(), along)
+    }
+
+    /// The profile of a widget of one colour at the same places of each segment; regions are not looked at.
+    #[inline(always)]
+    pub fn values<L: Lanes, const N: usize>(
+        &self,
+        along: &Along<L>,
+        fields: &Fields<L>,
+        t: &[f32; N],
+    ) -> [L::F; N] {
+        match &self.form {
+            LaneForm::Uniform => [L::F::splat(1.0); N],
+            LaneForm::Gaussian(gaussian) => array(
+                #[inline(always)]
+                |j| gaussian.value::<L>(&along.at_share(t[j])),
+            ),
+            LaneForm::Wave(wave) => array(
+                #[inline(always)]
+                |j| wave.value::<L>(&along.at_share(t[j])),
+            ),
+            LaneForm::TriangularGaussian(triangular) => array(
+                #[inline(always)]
+                |j| triangular.value::<L>(&along.at_share(t[j])),
+            ),
+            LaneForm::GaussianNd(nd) => array(
+                #[inline(always)]
+                |j| nd.value::<L>(fields, t[j]),
+            ),
+            LaneForm::TriangularGaussianNd(nd) => array(
+                #[inline(always)]
+                |j| nd.value::<L>(fields, t[j]),
+            ),
+            LaneForm::PiecewiseLinear(_) | LaneForm::Table(_) | LaneForm::None => [L::F::splat(0.0); N],
+        }
+    }
+
+    /// At one place of each segment the extinction, as an optical depth per scene length, or alpha of a widget that has colours of
+    /// its own, then its colour.
+    #[inline(always)]
+    pub fn colored_value<L: Lanes>(&self, along: &Along<L>, t: f32) -> [L::F; 4] {
+        match &self.form {
+            LaneForm::PiecewiseLinear(linear) => linear.sample::<L>(along.at_share(t)[0]),
+            LaneForm::Table(table) => {
+                let [r, g, b, alpha] = table.texel::<L>(&along.at_share(t));
+                [alpha, r, g, b]
+            }
+            LaneForm::Uniform
+            | LaneForm::Gaussian(_)
+            | LaneForm::Wave(_)
+            | LaneForm::TriangularGaussian(_)
+            | LaneForm::GaussianNd(_)
+            | LaneForm::TriangularGaussianNd(_)
+            | LaneForm::None => [L::F::splat(0.0); 4],
+        }
+    }
+
+    /// Whether its values follow from step to step where each is such a share of the segment, on every lane.
+    #[inline(always)]
+    pub fn has_steps<L: Lanes>(&self, along: &Along<L>, share: f32) -> bool {
+        match &self.form {
+            LaneForm::Gaussian(gaussian) => {
+                let step = gaussian.extent_squared::<L>(along) * L::F::splat(share * share);
+                // Also where it is not a number.
+                step.le(L::F::splat(STEP_SQUARED_MOST)).bits() == u32::MAX >> (32 - L::WIDTH)
+            }
+            LaneForm::Uniform
+            | LaneForm::Wave(_)
+            | LaneForm::PiecewiseLinear(_)
+            | LaneForm::Table(_)
+            | LaneForm::TriangularGaussian(_)
+            | LaneForm::GaussianNd(_)
+            | LaneForm::TriangularGaussianNd(_)
+            | LaneForm::None => false,
+        }
+    }
+
+    /// Its values in step `first` of such steps; see [`LaneWidget::has_steps`].
+    #[inline(always)]
+    pub fn value_steps<L: Lanes, const N: usize>(
+        &self,
+        along: &Along<L>,
+        first: usize,
+        share: f32,
+        places: [f32; N],
+        out: &mut LaneGaussianSteps<L, N>,
+    ) {
+        if let LaneForm::Gaussian(gaussian) = &self.form {
+            *out = gaussian.steps(along, first, share, places, L::F::splat(1.0));
+        }
+    }
+}

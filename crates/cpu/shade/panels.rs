@@ -1,0 +1,202 @@
+//! Walk: the segments that the quick forms of [`super::shader`] do not serve, gathered into full vectors and walked
+//! panel by panel in their true order ([`voltet_simd::optics::overlap`]): deep linear pieces, overlaps,
+//! triangular Gaussians and Gaussians over further fields, the constant-emitter.
+//!
+//! Opacity comes from the widgets' closed forms, not from panels. What 32 bits cannot serve is named again, for the
+//! 64-bit path.
+
+use crate::fragments::batch::{Batch, LANES_MOST};
+use crate::shade::along::{Along, Fields, lanes_of};
+use crate::shade::gathered::Gathered;
+use crate::shade::kinds::{InOrder, LaneWidget, Road, nothing};
+use crate::shade::reach::Spread;
+use crate::shade::shaded::{Left, MIX_PRODUCT, Shaded};
+use voltet_core::transfer::TransferFunction;
+use voltet_simd::limits::{DENSE_RATE_MOST, LENGTH_WALKED_LEAST, RATE_MOST};
+use voltet_simd::optics::dense::dense;
+use voltet_simd::optics::elementary::one_minus_exp;
+use voltet_simd::optics::overlap::ordered;
+use voltet_simd::{Float, Lanes, Mask, array};
+
+/// The slow road in lanes.
+pub(crate) struct PanelWalk {
+    /// The constant-emitter's.
+    cutoff: Option<f64>,
+    /// D/U per scene length.
+    scale: f32,
+    one_color: bool,
+    /// Whether overlaps are counted here: the quick forms count what passes through them.
+    counts: bool,
+    /// Pairwise product of depths from which on the order of widgets counts.
+    ordered_from: f32,
+}
+
+impl PanelWalk {
+    /// Refused where the widgets have no lanes at all.
+    pub fn new(
+        transfer_function: &TransferFunction,
+        widgets: &[LaneWidget],
+        length: f64,
+        one_color: bool,
+        counts: bool,
+        ordered_from: f32,
+    ) -> Result<PanelWalk, Left> {
+        if widgets.is_empty() || widgets.iter().any(|widget| widget.road() == Road::Bits64) {
+            return Err(Left::NoLanes);
+        }
+        let cutoff = transfer_function.model.cutoff();
+        let scale = (length / transfer_function.unit_distance) as f32;
+        // A scale beyond 32 bits, or so small that its products leave them.
+        if scale.is_finite() && scale > LENGTH_WALKED_LEAST {
+            Ok(PanelWalk { cutoff, scale, one_color, counts, ordered_from })
+        } else {
+            Err(Left::Lengths)
+        }
+    }
+
+    /// Integrates the segments `which` of a batch; those it cannot serve are left over, each with the reason. `DENSE`: by steps
+    /// that serve dense segments, too, and cost more.
+    #[inline(always)]
+    pub fn walk<L: Lanes, const DENSE: bool>(
+        &self,
+        widgets: &[LaneWidget],
+        batch: &Batch,
+        which: &[usize],
+        out: &mut Shaded,
+    ) {
+        let columns = batch.scalar_count;
+        let mut gathered = Gathered::new(columns);
+        for group in which.chunks(L::WIDTH) {
+            gathered.take(batch, group);
+            let along = gathered.along::<L>();
+            let fields = gathered.fields::<L>();
+            let (results, left, overlapping) =
+                self.integrate::<L, DENSE>(widgets, &along, &fields, &mut out.evaluation_count);
+            let unsure = left.iter().fold(0, |all, (lanes, _)| all | lanes);
+            let mut rows = [[0f32; LANES_MOST]; 5];
+            for (row, value) in rows.iter_mut().zip(results) {
+                value.store(row);
+            }
+            for (lane, &k) in group.iter().enumerate() {
+                if self.counts {
+                    out.overlap_count += u64::from(overlapping & !unsure) >> lane & 1;
+                }
+                if unsure >> lane & 1 != 0 {
+                    let first = left.iter().find(|(lanes, _)| lanes >> lane & 1 != 0);
+                    out.rest.push(k);
+                    out.why.extend(first.map(|(_, why)| *why));
+                    // What is too dense for panels has its depth in closed form.
+                    out.rgba[3][k] = rows[3][lane];
+                    continue;
+                }
+                out.depth[k] = rows[4][lane];
+                for (column, row) in out.rgba.iter_mut().zip(&rows) {
+                    column[k] = row[lane];
+                }
+            }
+        }
+    }
+
+    /// Colour, opacity and optical depth, the lanes (bits) for the 64-bit path by their reasons, and those where widgets
+    /// overlap.
+    #[inline(always)]
+    fn integrate<L: Lanes, const DENSE: bool>(
+        &self,
+        widgets: &[LaneWidget],
+        along: &Along<L>,
+        fields: &Fields<L>,
+        evaluations: &mut u64,
+    ) -> ([L::F; 5], [(u32, Left); 4], u32) {
+        let splat = L::F::splat;
+        let zero = splat(0.0);
+        let (mut total, mut product, mut narrow) = (zero, zero, 0);
+        let mut densest = zero;
+        let mut color = [zero; 3];
+        let (mut varies, mut delicate) = (0, 0);
+        let spread = Spread::new(along);
+        for widget in widgets {
+            let meets = widget.meets::<L>(&spread);
+            if !meets.any() {
+                continue;
+            }
+            let (depth, no) = widget.any_depth::<L>(&along.only(meets), fields);
+            let depth = L::F::select(meets, depth, zero);
+            narrow |= no & meets.bits();
+            product = depth.mul_add(total, product);
+            total = total + depth;
+            let dense = splat(widget.peak(self.scale)) * along.length;
+            densest = densest + L::F::select(meets, dense, zero);
+            for (sum, c) in color.iter_mut().zip(widget.color) {
+                *sum = depth.mul_add(splat(c), *sum);
+            }
+            match widget.in_order() {
+                InOrder::Panels => {}
+                InOrder::Always => varies |= zero.lt(depth).bits(),
+                InOrder::Bits64 => delicate |= zero.lt(depth).bits(),
+            }
+        }
+        // A depth that is not a number, or has left 32 bits.
+        let overflow = total.le(splat(f32::MAX)).not().bits();
+        let left = |delicate: u32, dense: u32| {
+            [
+                (narrow, Left::Narrow),
+                (overflow, Left::Overflow),
+                (delicate, Left::Delicate),
+                (dense, Left::Dense),
+            ]
+        };
+        let overlapping = splat(MIX_PRODUCT).lt(product).bits() & along.crossing.bits();
+        let opacity = one_minus_exp::<L>(total);
+        if self.one_color {
+            return ([zero, zero, zero, opacity, total], left(0, 0), overlapping);
+        }
+        let share = L::F::select(zero.lt(total), opacity / total, zero);
+        let mut color: [L::F; 3] = array(
+            #[inline(always)]
+            |i| color[i] * share,
+        );
+        let crossing = along.crossing.bits();
+        let in_order = match self.cutoff {
+            Some(_) => crossing,
+            None => crossing & (splat(self.ordered_from).lt(product).bits() | varies),
+        };
+        let delicate = in_order & delicate;
+        let most = if DENSE { DENSE_RATE_MOST } else { RATE_MOST };
+        let mut too_dense = in_order & splat(most).lt(densest).bits();
+        if in_order & !(narrow | overflow | delicate | too_dense) != 0 {
+            let scale = along.length * splat(self.scale);
+            let mut members = Vec::with_capacity(widgets.len());
+            for widget in widgets {
+                let meets = widget.meets::<L>(&spread);
+                if meets.any() {
+                    let mut member = widget.member::<L>(along, fields, scale, self.cutoff);
+                    let nowhere = nothing::<L>().range;
+                    for (end, nowhere) in member.range.iter_mut().zip(nowhere) {
+                        *end = L::F::select(meets, *end, nowhere);
+                    }
+                    members.push(member);
+                }
+            }
+            let walked = if DENSE {
+                let (color, light, unsure) = dense::<L>(&members);
+                too_dense |= in_order & unsure.bits();
+                // All light together is known in closed form.
+                let exact = opacity / light.max(splat(f32::MIN_POSITIVE));
+                array(
+                    #[inline(always)]
+                    |i| color[i] * exact,
+                )
+            } else {
+                let (color, points) = ordered::<L>(&members, self.cutoff.map(|_| scale));
+                *evaluations += points;
+                color
+            };
+            let keep = lanes_of::<L>(in_order);
+            color = array(
+                #[inline(always)]
+                |i| L::F::select(keep, walked[i], color[i]),
+            );
+        }
+        ([color[0], color[1], color[2], opacity, total], left(delicate, too_dense), overlapping)
+    }
+}

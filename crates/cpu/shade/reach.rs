@@ -1,0 +1,97 @@
+//! Where a widget counts, in lanes: a vector of segments that none reaches is not asked of it.
+//!
+//! The widget's own slabs ([`Slab`]) in stored values, an axis's as a box. A ray gains or loses less than [`LEFT_OUT`] of the
+//! widgets' greatest depths, or of 1 where they are denser, by all that is left out here.
+
+use crate::shade::along::Along;
+use crate::shade::kinds::Making;
+use voltet_core::transfer::{Slab, Widget};
+use voltet_simd::{Float, Lanes, Mask};
+
+/// Optical depth along the longest ray that all widgets together may lose. Culling may take ten times as much.
+pub(crate) const LEFT_OUT: f64 = 1e-8;
+
+/// Where a widget counts.
+pub(crate) struct LaneReach {
+    /// Limits of stored s and g, each [low, high].
+    limits: [[f32; 2]; 2],
+    /// Slabs across both axes: low ≤ a s + b g ≤ high.
+    tilted: Vec<[f32; 4]>,
+}
+
+impl LaneReach {
+    /// `None` where the widget counts everywhere. `least`: the optical depth along the longest ray that counts.
+    pub fn new(widget: &Widget, making: &Making, least: f64) -> Option<LaneReach> {
+        // What is thin is held against itself: its picture may be seen magnified.
+        let depth = (widget.peak() * making.density_scale).max(1.0) * widget.brightest().max(1.0);
+        let lists = widget.slabs(depth, least, making.model);
+        let axis = |k: usize| making.attributes.get(k).map_or([0.0, 1.0], |a| [a.offset, a.scale]);
+        let axes = [axis(0), axis(1)];
+        let stored = |list: &Vec<Slab>| list.iter().map(|slab| slab.stored(axes)).collect::<Vec<_>>();
+        let lists: Vec<Vec<[f32; 4]>> = lists.iter().map(stored).collect();
+        // One box round all parts.
+        let mut limits = [[f32::INFINITY, f32::NEG_INFINITY]; 2];
+        for list in &lists {
+            for (k, [least, most]) in limits.iter_mut().enumerate() {
+                let [low, high] = box_of(list, k);
+                (*least, *most) = (least.min(low), most.max(high));
+            }
+        }
+        let is_tilted = |slab: &&[f32; 4]| slab[0] != 0.0 && slab[1] != 0.0;
+        let tilted = match lists.as_slice() {
+            [list] => list.iter().filter(is_tilted).copied().collect(),
+            _ => Vec::new(),
+        };
+        let everywhere = limits.iter().all(|limits| *limits == [f32::NEG_INFINITY, f32::INFINITY]);
+        (!everywhere || !tilted.is_empty()).then_some(LaneReach { limits, tilted })
+    }
+
+    /// Lanes whose segments may meet the widget.
+    #[inline(always)]
+    pub fn meets<L: Lanes>(&self, spread: &Spread<L>) -> L::M {
+        let splat = L::F::splat;
+        let within = |axis: usize| {
+            let [low, high] = self.limits[axis];
+            splat(low).le(spread.high[axis]).and(spread.low[axis].le(splat(high)))
+        };
+        let mut meets = spread.along.crossing.and(within(0)).and(within(1));
+        for &[a, b, low, high] in &self.tilted {
+            let [front, back] =
+                [&spread.along.front, &spread.along.back].map(|v| splat(a).mul_add(v[0], splat(b) * v[1]));
+            meets = meets.and(splat(low).le(front.max(back))).and(front.min(back).le(splat(high)));
+        }
+        meets
+    }
+}
+
+/// Limits along an axis of what a list of slabs holds.
+fn box_of(list: &[[f32; 4]], axis: usize) -> [f32; 2] {
+    let whole = [f32::NEG_INFINITY, f32::INFINITY];
+    list.iter().filter(|slab| slab[axis] != 0.0 && slab[1 - axis] == 0.0).fold(
+        whole,
+        |[least, most], slab| {
+            // The normal is 1 or −1.
+            let [low, high] = if slab[axis] < 0.0 { [-slab[3], -slab[2]] } else { [slab[2], slab[3]] };
+            [least.max(low), most.min(high)]
+        },
+    )
+}
+
+/// What the values of a vector of segments span.
+pub(crate) struct Spread<'a, L: Lanes> {
+    pub along: &'a Along<L>,
+    low: [L::F; 2],
+    high: [L::F; 2],
+}
+
+impl<'a, L: Lanes> Spread<'a, L> {
+    #[inline(always)]
+    pub fn new(along: &'a Along<L>) -> Self {
+        let (front, back) = (along.front, along.back);
+        Spread {
+            along,
+            low: [front[0].min(back[0]), front[1].min(back[1])],
+            high: [front[0].max(back[0]), front[1].max(back[1])],
+        }
+    }
+}

@@ -1,0 +1,158 @@
+//! Widgets that overlap on a segment, in their order along it, by quadrature in equal steps: for profiles that are smooth there and
+//! moderate depths. What it does not serve is walked in panels ([`super::panels`]).
+
+use crate::fragments::batch::{Batch, LANES_MOST};
+use crate::shade::along::{Along, lanes_of};
+use crate::shade::gathered::Gathered;
+use crate::shade::kinds::{LaneWidget, each_met};
+use crate::shade::shaded::Shaded;
+use voltet_core::optics::quadrature::{GAUSS_4, UP_TO_4};
+use voltet_simd::optics::elementary::exp;
+use voltet_simd::optics::gaussian_steps::LaneGaussianSteps;
+use voltet_simd::optics::quadrature::{nodes, up_to};
+use voltet_simd::{Float, Lanes, Mask, array, inlined};
+
+/// Steps after which densities are found anew.
+const STEPS_ON_END: usize = 4;
+
+/// Steps that segments are put in order by.
+pub(crate) const STEPS: [usize; 3] = [2, 4, 8];
+
+/// Colours the segments `which` of a batch, whose opacities stand in `out`, in so many steps.
+#[inline(always)]
+pub(crate) fn stepped<L: Lanes>(
+    widgets: &[LaneWidget],
+    steps: usize,
+    batch: &Batch,
+    which: &[usize],
+    out: &mut Shaded,
+) {
+    let splat = L::F::splat;
+    let mut gathered = Gathered::new(batch.scalar_count.min(2));
+    out.evaluation_count += (4 * steps * which.len()) as u64;
+    for group in which.chunks(L::WIDTH) {
+        gathered.take(batch, group);
+        let along = gathered.along::<L>();
+        out.met.clear();
+        each_met(
+            widgets,
+            &along,
+            #[inline(always)]
+            |number, widget, meets| {
+                let rough = splat((steps * steps) as f32 * 1.01).lt(widget.roughness::<L>(&along));
+                out.met.push(Met { number, there: meets.and(rough.not()).bits(), rows: None });
+            },
+        );
+        let mut opacity = [0f32; LANES_MOST];
+        for (opacity, &k) in opacity.iter_mut().zip(group) {
+            *opacity = out.rgba[3][k];
+        }
+        let color = step_through::<L>(widgets, &mut out.met, steps, &along, L::F::load(&opacity));
+        out.put::<L, 3>(group, color);
+    }
+}
+
+/// A widget that a vector of segments meets.
+pub(crate) struct Met {
+    number: usize,
+    /// Lanes (bits) in which it is.
+    there: u32,
+    /// Its densities in the step in hand, if the next follow from them.
+    rows: Option<Rows>,
+}
+
+/// A [`LaneGaussianSteps`] lane by lane.
+#[derive(Clone, Copy)]
+#[repr(align(64))]
+struct Rows([[f32; LANES_MOST]; 9]);
+
+impl Rows {
+    #[inline(always)]
+    fn new<L: Lanes>(LaneGaussianSteps { values, ratios, change }: &LaneGaussianSteps<L, 4>) -> Rows {
+        let mut rows = [[0.0; LANES_MOST]; 9];
+        for (row, value) in rows.iter_mut().zip(values.iter().chain(ratios).chain([change])) {
+            value.store(row);
+        }
+        Rows(rows)
+    }
+
+    #[inline(always)]
+    fn steps<L: Lanes>(&self) -> LaneGaussianSteps<L, 4> {
+        let row = inlined(
+            #[inline(always)]
+            |j: usize| L::F::load(&self.0[j]),
+        );
+        LaneGaussianSteps {
+            values: [row(0), row(1), row(2), row(3)],
+            ratios: [row(4), row(5), row(6), row(7)],
+            change: row(8),
+        }
+    }
+}
+
+/// The ordered integral ∫ Σ c_i ρ_i e^(−T) by Gauss-Legendre with 4 points a step.
+#[inline(always)]
+fn step_through<L: Lanes>(
+    widgets: &[LaneWidget],
+    met: &mut [Met],
+    steps: usize,
+    along: &Along<L>,
+    opacity: L::F,
+) -> [L::F; 3] {
+    let splat = L::F::splat;
+    let share = 1.0 / steps as f32;
+    let places = [NODES[0].0, NODES[1].0, NODES[2].0, NODES[3].0];
+    let (mut color, mut through) = ([splat(0.0); 3], splat(1.0));
+    let mut light = splat(0.0);
+    for step in 0..steps {
+        let (mut density, mut weighted) = ([splat(0.0); 4], [[splat(0.0); 3]; 4]);
+        for Met { number, there, rows } in &mut *met {
+            let widget = &widgets[*number];
+            let found = match rows {
+                Some(rows) if step % STEPS_ON_END != 0 => Some(rows.steps::<L>().next()),
+                _ => widget.steps::<L, 4>(along, step, share, places),
+            };
+            let values = match &found {
+                Some(found) => found.values,
+                None => widget.densities::<L, 4>(along, places.map(|place| share * (step as f32 + place))),
+            };
+            *rows = found.as_ref().map(Rows::new);
+            let there = lanes_of::<L>(*there);
+            for j in 0..4 {
+                let value = L::F::select(there, values[j], splat(0.0));
+                density[j] = density[j] + value;
+                for (sum, c) in weighted[j].iter_mut().zip(widget.color) {
+                    *sum = value.mul_add(splat(c), *sum);
+                }
+            }
+        }
+        // Depth up to each node from the cubic through the four densities, then the emission there.
+        let length = along.length * splat(share);
+        let mut whole = splat(0.0);
+        for j in 0..4 {
+            let mut depth = splat(0.0);
+            for k in 0..4 {
+                depth = density[k].mul_add(splat(UP_TO[j][k]), depth);
+            }
+            let visible = through * exp::<L>(-(depth * length)) * length * splat(NODES[j].1);
+            light = density[j].mul_add(visible, light);
+            for (sum, w) in color.iter_mut().zip(weighted[j]) {
+                *sum = w.mul_add(visible, *sum);
+            }
+            whole = density[j].mul_add(splat(NODES[j].1), whole);
+        }
+        through = through * exp::<L>(-(whole * length));
+    }
+    // All light together is known in closed form; the quadrature only shares it out, so that where one widget is nearly all
+    // there is, nearly nothing of its error stays.
+    let exact = opacity / light.max(splat(f32::MIN_POSITIVE));
+    array(
+        #[inline(always)]
+        |c| color[c] * exact,
+    )
+}
+
+/// Gauss-Legendre on [0, 1] with 4 points.
+const NODES: [(f32, f32); 4] = nodes(GAUSS_4);
+/// ∫₀^{node j} of the Lagrange polynomial of node k.
+const UP_TO: [[f32; 4]; 4] = up_to(UP_TO_4);

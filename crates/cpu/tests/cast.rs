@@ -1,0 +1,239 @@
+//! Rays from cell to cell against cells that are projected, one by one.
+
+use std::sync::Arc;
+use voltet_core::Result;
+use voltet_core::camera::Camera;
+use voltet_core::picture::Picture;
+use voltet_core::progress::{Progress, Silent};
+use voltet_core::shading::Order;
+use voltet_core::transfer::TransferFunction;
+use voltet_core::volume::Volume;
+use voltet_cpu::{Casting, Cells, Counts, Known, composite, cull, keep_all, project};
+use voltet_simd::LaneSet;
+use voltet_testing::pictures::compare::{NamedScene, SHADING, within};
+use voltet_testing::pictures::grids::{cube, moved, part, smooth, together, two_arms, with_flat_layer};
+use voltet_testing::pictures::looks::{
+    gaussian, look, orthographic, outside, overlapping, perspective, ramp,
+};
+
+/// What 32 bits leave of a segment's length, in both ways.
+const ROUNDING: f64 = 1e-5;
+
+/// The picture, its counts, and whether its cells were projected.
+fn drawn(scene: &NamedScene, set: impl Fn(&mut Cells)) -> (Picture, Counts, bool) {
+    let draw = || -> Result<(Picture, Counts, bool)> {
+        let mut cells = cull(&scene.volume, &scene.look, &scene.camera, &Silent)?;
+        set(&mut cells);
+        let projection = project(&cells, &scene.look, &scene.camera, false, &Silent)?;
+        let (picture, counts) = composite(&projection, &scene.look, &SHADING, &Silent)?;
+        Ok((picture, counts, projection.cells_projected().is_some()))
+    };
+    draw().unwrap_or_else(|e| panic!("{}: {e}", scene.name))
+}
+
+/// Draws a scene in both ways on every lane set; the tiles that rays were lost in.
+fn lost(scene: &NamedScene) -> u64 {
+    let mut most = 0;
+    for lanes in LaneSet::ALL.into_iter().filter(|lanes| lanes.is_supported()) {
+        let (expected, by_cells, was_projected) =
+            drawn(scene, |cells| (cells.lanes, cells.casting) = (lanes, Casting::Never));
+        assert!(was_projected, "{}", scene.name);
+        assert!(expected.rgba.iter().any(|p| p[3] > 0.1), "{} shows nothing", scene.name);
+        let (picture, counts, was_projected) =
+            drawn(scene, |cells| (cells.lanes, cells.casting) = (lanes, Casting::Always));
+        let name = format!("{} on {}", scene.name, lanes.name());
+        assert!(!was_projected, "{name}: projected");
+        within(&name, &picture, &expected, ROUNDING);
+        // Tiles that rays are lost in, from windows of a few cells.
+        let (in_windows, again, _) = drawn(scene, |cells| {
+            (cells.lanes, cells.casting) = (lanes, Casting::Always);
+            cells.most_at_once = cells.kept.len() / 5;
+        });
+        assert_eq!(again.tiles_lost, counts.tiles_lost, "{name}");
+        assert!(in_windows.rgba == picture.rgba, "{name}: windows show something else");
+        // Cells whose faces and edges a ray lies in count here or there.
+        let apart = counts.segments.abs_diff(by_cells.segments);
+        assert!(
+            apart <= by_cells.segments / 20 + 8,
+            "{name}: {} segments for {}",
+            counts.segments,
+            by_cells.segments
+        );
+        most = most.max(counts.tiles_lost);
+    }
+    most
+}
+
+/// Scenes of a volume with two kinds of widgets.
+fn scenes(name: &str, volume: &Arc<Volume>, cameras: &[(&str, Camera)]) -> Vec<NamedScene> {
+    let looks = [("ramp", ramp()), ("overlap", overlapping())];
+    let of = |(place, camera): &(&str, Camera)| {
+        looks.clone().map(|(kind, look)| NamedScene {
+            name: format!("{name}, {place}, {kind}"),
+            volume: volume.clone(),
+            look,
+            camera: *camera,
+        })
+    };
+    cameras.iter().flat_map(of).collect()
+}
+
+fn cameras() -> [(&'static str, Camera); 5] {
+    [
+        ("outside", outside([50, 40])),
+        ("oblique", orthographic([3.0, -2.0, 2.5], [0.5, 0.5, 0.5], 1.9, [40, 50])),
+        // Rays in faces that stand oblique on the screen: pixels of 1/16, points at multiples of 1/4 between them.
+        ("along an axis", orthographic([-2.0, 0.5, 0.5], [0.5, 0.5, 0.5], 2.0, [32, 32])),
+        // Rays through points, in edges and in all faces.
+        ("through points", orthographic([-2.0, 0.5, 0.5], [0.5, 0.5, 0.5], 33.0 / 16.0, [33, 33])),
+        ("along a diagonal", orthographic([-2.0, -2.0, 0.5], [0.5, 0.5, 0.5], 2.0, [32, 32])),
+    ]
+}
+
+#[test]
+fn rays_from_cell_to_cell_see_what_cells_show() {
+    let arms = smooth(two_arms());
+    let flat = smooth(with_flat_layer(1e-6));
+    let grids = [("jittered", smooth(cube([4, 4, 4], 0.2))), ("regular", smooth(cube([4, 4, 4], 0.0)))];
+    for (name, volume) in grids.iter().chain(&[("two arms", arms), ("a flat layer", flat)]) {
+        for scene in scenes(name, volume, &cameras()) {
+            assert_eq!(lost(&scene), 0, "{}", scene.name);
+        }
+    }
+}
+
+#[test]
+fn parts_that_are_apart_are_passed_one_after_another() {
+    let near = cube([3, 3, 3], 0.1);
+    let far = moved(&near, |p| p + glam::DVec3::new(0.2, 0.1, 1.5));
+    let camera = perspective([0.4, 0.45, -3.0], [0.5, 0.5, 1.0], 30.0, [48, 48]);
+    for scene in scenes("two cubes", &smooth(together(&[near, far])), &[("in a row", camera)]) {
+        assert_eq!(lost(&scene), 0, "{}", scene.name);
+    }
+}
+
+/// Each cube's rays end where those of the other begin, to rounding.
+#[test]
+fn parts_that_touch_are_passed_one_after_another() {
+    let near = cube([3, 3, 3], 0.2);
+    let far = moved(&near, |p| glam::DVec3::new(p.x, p.y, 2.0 - p.z));
+    let cameras = [
+        ("in a row", perspective([0.4, 0.45, -3.0], [0.5, 0.5, 1.0], 30.0, [48, 48])),
+        ("oblique", orthographic([3.0, -2.0, 4.5], [0.5, 0.5, 1.0], 2.5, [60, 60])),
+    ];
+    for scene in scenes("two cubes that touch", &smooth(together(&[near, far])), &cameras) {
+        assert_eq!(lost(&scene), 0, "{}", scene.name);
+    }
+}
+
+#[test]
+fn tiles_where_cells_overlap_are_drawn_from_their_cells() {
+    let one = cube([3, 3, 3], 0.1);
+    let other = moved(&one, |p| 0.7 * p + glam::DVec3::new(0.6, 0.4, 0.3));
+    // Each folded over its neighbour: on one side of the faces that they share.
+    let folded = moved(&cube([4, 4, 4], 0.0), |p| glam::DVec3::new(p.x + 0.3 * (9.0 * p.x).sin(), p.y, p.z));
+    for (name, grid) in [("one in the other", together(&[one, other])), ("folded", folded)] {
+        for scene in scenes(name, &smooth(grid), &[("outside", outside([50, 40]))]) {
+            assert!(lost(&scene) > 0, "{}: no ray was lost", scene.name);
+        }
+    }
+}
+
+#[test]
+fn cells_that_are_not_drawn_are_a_boundary() -> Result<()> {
+    let volume = smooth(part(&cube([9, 9, 9], 0.2), |p| (p - 0.5).length() > 0.25));
+    let bands = [(0.6, [0.9, 0.4, 0.1]), (0.64, [0.2, 0.5, 0.8])]
+        .map(|(centre, color)| gaussian([centre, 0.8], [0.01, 5.0], 40.0, color));
+    let scene = NamedScene {
+        name: "two bands".into(),
+        volume,
+        look: look(bands.to_vec()),
+        camera: outside([60, 60]),
+    };
+    assert_eq!(lost(&scene), 0);
+    let kept = cull(&scene.volume, &scene.look, &scene.camera, &Silent)?.kept.len();
+    assert!(kept < scene.volume.grid.tetrahedra.len(), "every cell is drawn");
+    Ok(())
+}
+
+#[test]
+fn what_rays_do_not_serve_is_projected() -> Result<()> {
+    let volume = smooth(cube([4, 4, 4], 0.2));
+    let always = |cells: &mut Cells| cells.casting = Casting::Always;
+    let inside = perspective([0.43, 0.37, 0.52], [0.9, 0.8, 0.45], 70.0, [40, 30]);
+    let scene = |camera| NamedScene { name: String::new(), volume: volume.clone(), look: ramp(), camera };
+    assert!(drawn(&scene(inside), always).2, "the eye inside");
+    let scene = scene(outside([40, 30]));
+    assert!(!drawn(&scene, always).2);
+    let unordered = |cells: &mut Cells| (cells.casting, cells.order) = (Casting::Always, Order::None);
+    assert!(drawn(&scene, unordered).2, "without order");
+    let mut all = keep_all(&scene.volume, &scene.look, &scene.camera)?;
+    always(&mut all);
+    let projection = project(&all, &scene.look, &scene.camera, false, &Silent)?;
+    assert!(projection.cells_projected().is_none(), "with nothing left out");
+    Ok(())
+}
+
+/// Says how much memory is left.
+struct Left(u64);
+
+impl Progress for Left {
+    fn report(&self, _stage: &str, _fraction: f64) {}
+
+    fn memory_left(&self) -> Option<u64> {
+        Some(self.0)
+    }
+}
+
+/// Whether each of some pictures of a volume, the camera turned a little before each, was projected.
+fn projected(
+    known: &Known,
+    look: &TransferFunction,
+    size: [u32; 2],
+    left: u64,
+    set: impl Fn(&mut Cells),
+) -> Vec<bool> {
+    let projected = |k: i32| -> Result<bool> {
+        let camera = perspective([0.5 + 0.01 * f64::from(k), 0.6, -3.0], [0.5; 3], 30.0, size);
+        let mut cells = known.cull(look, &camera, &Silent)?;
+        set(&mut cells);
+        let projection = project(&cells, look, &camera, false, &Left(left))?;
+        Ok(projection.cells_projected().is_some())
+    };
+    (0..3).map(|k| projected(k).expect("the scene can be drawn")).collect()
+}
+
+#[test]
+fn rays_go_from_cell_to_cell_where_that_pays() -> Result<()> {
+    let volume = smooth(cube([12, 12, 12], 0.2));
+    let [hardly, few, many] = [[8, 8], [40, 40], [600, 600]];
+    let one_color = |extinction| look(vec![gaussian([0.5, 0.8], [0.3, 5.0], extinction, [1.0, 0.5, 0.2])]);
+    for (name, look, size, is_projected) in [
+        ("hardly a segment a cell", ramp(), hardly, true),
+        ("few segments a cell", ramp(), few, false),
+        ("many", ramp(), many, false),
+        ("few, of one colour", one_color(4.0), few, false),
+        ("many, of one colour, which need no order", one_color(4.0), many, true),
+        ("many, of one colour, most of them hidden", one_color(400.0), many, false),
+    ] {
+        let projected = projected(&Known::new(&volume)?, &look, size, u64::MAX, |_| {});
+        assert_eq!(projected, [is_projected; 3], "{name}");
+    }
+    Ok(())
+}
+
+#[test]
+fn where_faces_have_no_room_cells_are_projected() -> Result<()> {
+    let volume = smooth(cube([40, 40, 40], 0.2));
+    let (cells, size) = (volume.grid.tetrahedra.len() as u64, [512, 512]);
+    let projected = |known: &Known, bytes_of_cell: u64| {
+        let left = bytes_of_cell * cells + 16 * 512 * 512;
+        projected(known, &ramp(), size, left, |cells| cells.most_at_once = 1000)
+    };
+    let known = Known::new(&volume)?;
+    assert_eq!(projected(&known, 60), [true; 3]);
+    assert_eq!(projected(&known, 200), [false; 3]);
+    // Once they are found they take no more.
+    assert_eq!(projected(&known, 60), [false; 3]);
+    Ok(())
+}

@@ -1,0 +1,243 @@
+//! Documents with the node types that ship: faults at their places, what fits, copies, the order of the view.
+
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+use voltet_core::graph::{Graph, PortType, Registry};
+use voltet_document::{Document, Edit, Fault, Group, Part, arrange, giving, search, taking};
+
+fn registry() -> Registry {
+    voltet_nodes::registry().unwrap()
+}
+
+fn shipped(name: &str) -> Document {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../pipelines");
+    Document::open(&folder.join(name)).unwrap()
+}
+
+/// Node, part and message of a fault.
+fn told(fault: &Fault) -> (Option<&str>, String, String) {
+    let part = match &fault.part {
+        Part::Whole => String::new(),
+        Part::Parameter(path) => path.to_string(),
+        Part::Input(port) => format!("→{port}"),
+    };
+    (fault.node.as_deref(), part, fault.error.to_string())
+}
+
+#[test]
+fn every_mistake_of_a_file_is_at_its_place_and_the_rest_can_be_built() {
+    let document = shipped("quickstart.toml");
+    let registry = registry();
+    assert!(document.faults(&registry).is_empty());
+    let text = document
+        .text()
+        .replace("[pipeline]\nformat = 1", "[pipeline]\nformat = 9")
+        .replace("type = \"image-writer\"", "type = \"image-riter\"")
+        .replace("extinction = 60.0", "extinction = -60.0\ncolour = 3")
+        .replace("sigma = [0.35, 0.025]", "sigma = [0.35, \"x\"]")
+        .replace("fov_y = 24.5", "fov_y = 24.5\nnear = 1979-05-27")
+        .replace("camera = \"view\"", "camera = \"veiw\"")
+        .replace("transfer_function = \"look\", ", "");
+    let broken = Document::from_text(text.clone(), Some("p.toml".into()));
+    assert_eq!(broken.text(), text);
+    let faults = broken.faults(&registry);
+    let told: Vec<_> = faults.iter().map(told).collect();
+    for (node, part, wanted) in [
+        (None, "", "does not know the format: found 9"),
+        (Some("view"), "near", "not a date"),
+        (Some("look"), "widgets.3.extinction", "'extinction' is out of range"),
+        (Some("look"), "widgets.3.colour", "unknown parameter 'colour'"),
+        (Some("look"), "widgets.3.sigma.1", "no number relative to data"),
+        (Some("file"), "", "unknown node type 'image-riter'"),
+        (Some("picture"), "→camera", "there is no node 'veiw'"),
+        (Some("picture"), "→transfer_function", "the input 'transfer_function' is not wired"),
+    ] {
+        let found =
+            told.iter().filter(|told| told.0 == node && told.1 == part && told.2.contains(wanted)).count();
+        assert_eq!(found, 1, "{node:?} {part} {wanted}: {told:#?}");
+    }
+    assert_eq!(faults.len(), 8, "{told:#?}");
+    // Of one node: its own, and those of the text.
+    let of_look = broken.faults_of(&["look"], &registry);
+    let own = of_look.iter().filter(|fault| fault.node.as_deref() == Some("look")).count();
+    assert_eq!((own, of_look.len()), (3, 5), "{:#?}", of_look.iter().map(self::told).collect::<Vec<_>>());
+    assert!(told.iter().all(|told| told.2.contains("p.toml:")), "{told:#?}");
+    // What feeds the gradient is whole.
+    assert!(broken.faults_before("gradient", &faults).is_empty());
+    assert_eq!(broken.faults_before("picture", &faults).len(), 2);
+    let fed = voltet_document::links::upstream(&broken.pipeline().nodes, "gradient");
+    let nodes: Vec<_> =
+        broken.pipeline().nodes.iter().filter(|node| fed.contains(&node.name)).cloned().collect();
+    assert!(Graph::faults(&nodes, &registry).is_empty());
+}
+
+#[test]
+fn every_node_type_has_its_group_and_is_found_by_words() {
+    let registry = registry();
+    let of = |group: Group| -> Vec<&str> {
+        registry.iter().filter(|node| Group::of(node) == group).map(|node| node.name).collect()
+    };
+    assert_eq!(of(Group::Sources), ["reader", "wavelet"]);
+    assert_eq!(of(Group::Filters), ["gradient-magnitude", "multi-gradient"]);
+    assert_eq!(of(Group::Findings), ["histogram", "bands"]);
+    assert_eq!(of(Group::TransferFunctions), ["probe", "transfer-function"]);
+    assert_eq!(of(Group::Cameras), ["camera"]);
+    assert_eq!(of(Group::Drawing), ["renderer", "gpu-renderer"]);
+    assert_eq!(of(Group::Stages), ["cull", "sort", "project", "composite"]);
+    assert_eq!(of(Group::Writers), ["grid-writer", "image-writer", "report-writer"]);
+    let names = |text: &str| -> Vec<&str> { search(&registry, text).iter().map(|node| node.name).collect() };
+    assert_eq!(names("").len(), registry.iter().count());
+    assert_eq!(names("rend")[..2], ["renderer", "gpu-renderer"]);
+    assert_eq!(names("transfer function")[0], "transfer-function");
+    assert_eq!(names("writer image")[0], "image-writer");
+    assert_eq!(names("rendrer"), ["renderer"]);
+    assert!(names("zzzzzz").is_empty());
+    let fitting = |all: Vec<voltet_document::Fitting>| -> Vec<(&str, &str)> {
+        all.iter().map(|fitting| (fitting.node.name, fitting.port.name)).collect()
+    };
+    assert_eq!(fitting(taking(&registry, PortType::Image)), [("image-writer", "image")]);
+    assert!(
+        fitting(taking(&registry, PortType::Grid)).contains(&("renderer", "volume")),
+        "a grid serves as a volume"
+    );
+    assert!(!fitting(taking(&registry, PortType::Volume)).contains(&("gradient-magnitude", "grid")));
+    assert_eq!(fitting(giving(&registry, PortType::Camera)), [("camera", "camera")]);
+    assert!(fitting(giving(&registry, PortType::Image)).contains(&("histogram", "image")));
+}
+
+#[test]
+fn what_cannot_be_joined_says_why() {
+    let registry = registry();
+    let mut document = shipped("probe.toml");
+    let no = |document: &Document, from, to, wanted: &str| {
+        let error = document.join(&registry, from, to).unwrap_err().to_string();
+        assert!(error.contains(wanted), "{error}");
+    };
+    no(&document, ("view", "camera"), ("picture", "volume"), "'volume' takes a volume: found a camera");
+    no(&document, ("view", "camera"), ("picture", "camera"), "joined already");
+    no(
+        &document,
+        ("look", "transfer_function"),
+        ("look", "widgets"),
+        "'look' would feed itself: found look → look",
+    );
+    no(&document, ("view", "cam"), ("picture", "camera"), "has no port 'cam'");
+    document
+        .edit(&Edit::AddNode {
+            name: "more".into(),
+            node_type: "transfer-function".into(),
+            settings: Vec::new(),
+            at: None,
+        })
+        .unwrap();
+    let join = document.join(&registry, ("look", "transfer_function"), ("more", "widgets")).unwrap();
+    document.edit(&join.edit).unwrap();
+    no(&document, ("more", "transfer_function"), ("look", "widgets"), "found look → more → look");
+    // One more beside those that are there, and one in place of another.
+    document.edit(&Edit::Disconnect { node: "more".into(), port: "widgets".into(), source: None }).unwrap();
+    let beside = document.join(&registry, ("more", "transfer_function"), ("look", "widgets")).unwrap();
+    assert_eq!(beside.replaces, None);
+    document.edit(&beside.edit).unwrap();
+    assert!(
+        document.text().contains("[\"pads\", \"pipes\", \"pins\", \"board\", \"more\"]"),
+        "{}",
+        document.text()
+    );
+    let other = document.join(&registry, ("grid", "grid"), ("picture", "volume")).unwrap();
+    assert_eq!(other.replaces.as_deref(), Some("gradient"));
+    // An output of several is named.
+    document
+        .edit(&Edit::AddNode {
+            name: "h".into(),
+            node_type: "histogram".into(),
+            settings: Vec::new(),
+            at: None,
+        })
+        .unwrap();
+    let image = document.join(&registry, ("h", "image"), ("file", "image")).unwrap();
+    document.edit(&image.edit).unwrap();
+    assert!(document.text().contains("inputs = { image = \"h.image\" }"));
+    assert_eq!(document.faults(&registry).len(), 1, "the histogram is not fed yet");
+}
+
+#[test]
+fn copies_keep_their_words_and_the_wires_among_them() {
+    let registry = registry();
+    let mut document = shipped("probe.toml");
+    let whole = document.text().to_string();
+    let names = ["pins".to_string(), "look".to_string()];
+    let text = document.copy(&names);
+    assert!(text.starts_with("# Some pins only: a region and no mask."), "{text}");
+    assert!(text.contains("# Widgets stated by hand go together"), "{text}");
+    let fresh = document.paste(&text, [1000.0, 50.0]).unwrap();
+    assert_eq!(fresh, ["pins_2", "look_2"]);
+    let added = &document.text()[document.text().find("[nodes.pins_2]").unwrap()..];
+    assert!(added.contains("widgets = [\"pads\", \"pipes\", \"pins_2\", \"board\"]"), "{added}");
+    assert!(added.contains("inputs = { volume = \"gradient\" }"), "{added}");
+    let corner =
+        |axis: usize| fresh.iter().map(|name| document.position(name)[axis]).fold(f64::INFINITY, f64::min);
+    assert_eq!((corner(0), corner(1)), (1000.0, 50.0));
+    assert!(document.faults(&registry).is_empty(), "{:?}", document.faults(&registry));
+    assert_eq!(document.history().undo_label(), Some("paste"));
+    document.undo().unwrap();
+    assert_eq!(document.text(), whole);
+
+    // Into an empty window: wires that lead nowhere stay behind.
+    let mut other = Document::new();
+    assert_eq!(other.paste(&text, [0.0, 0.0]).unwrap(), names);
+    assert!(other.text().contains("widgets = [\"pins\"]"), "{}", other.text());
+    assert!(!other.text().contains("gradient"), "{}", other.text());
+    let copies = document.duplicate(&["view".into(), "picture".into()], false).unwrap();
+    assert_eq!(copies, ["view_2", "picture_2"]);
+    assert!(document.text().contains("inputs = { camera = \"view_2\" }"), "{}", document.text());
+    assert!(document.duplicate(&["nobody".into()], true).is_err());
+    assert!(document.paste("no nodes", [0.0; 2]).is_err());
+}
+
+#[test]
+fn layers_lead_from_left_to_right_and_do_not_overlap() {
+    for name in ["probe.toml", "stages.toml", "quickstart.toml"] {
+        let document = shipped(name);
+        let nodes = &document.pipeline().nodes;
+        let size = |name: &str| [150.0, if name.len().is_multiple_of(2) { 90.0 } else { 200.0 }];
+        let places = arrange::tidy(nodes, &size);
+        assert_eq!(places, arrange::tidy(nodes, &size), "the same again");
+        let at = |name: &str| places[nodes.iter().position(|node| node.name == name).unwrap()];
+        for node in nodes {
+            for source in node.inputs.iter().flat_map(voltet_document::links::sources) {
+                let from = voltet_document::links::source(source, nodes).0;
+                assert!(at(from)[0] + 150.0 < at(&node.name)[0], "{from} → {}", node.name);
+            }
+        }
+        for (i, a) in nodes.iter().enumerate() {
+            for b in &nodes[..i] {
+                let apart = (at(&a.name)[0] - at(&b.name)[0]).abs() >= 150.0
+                    || at(&a.name)[1] >= at(&b.name)[1] + size(&b.name)[1]
+                    || at(&b.name)[1] >= at(&a.name)[1] + size(&a.name)[1];
+                assert!(apart, "{name}: {} {}", a.name, b.name);
+            }
+        }
+    }
+}
+
+#[test]
+fn nodes_are_brought_in_line() {
+    use arrange::{Align, Placed, align};
+    let node = |name: &str, at: [f64; 2], size: [f64; 2]| Placed { name: name.into(), at, size };
+    let nodes = [
+        node("a", [0.0, 0.0], [10.0, 10.0]),
+        node("b", [50.0, 5.0], [30.0, 20.0]),
+        node("c", [15.0, 40.0], [20.0, 10.0]),
+    ];
+    let moved =
+        |how| align(&nodes, how).into_iter().map(|(name, at)| (name, at[0], at[1])).collect::<Vec<_>>();
+    let at = |name: &str, x: f64, y: f64| (name.to_string(), x, y);
+    assert_eq!(moved(Align::Left), [at("c", 0.0, 40.0), at("b", 0.0, 5.0)]);
+    assert_eq!(moved(Align::Right), [at("a", 70.0, 0.0), at("c", 60.0, 40.0)]);
+    assert_eq!(moved(Align::Top), [at("b", 50.0, 0.0), at("c", 15.0, 0.0)]);
+    assert_eq!(moved(Align::Bottom), [at("a", 0.0, 40.0), at("b", 50.0, 30.0)]);
+    assert_eq!(moved(Align::Centre), [at("a", 35.0, 0.0), at("c", 30.0, 40.0), at("b", 25.0, 5.0)]);
+    assert_eq!(moved(Align::Middle), [at("a", 0.0, 20.0), at("b", 50.0, 15.0), at("c", 15.0, 20.0)]);
+    assert_eq!(moved(Align::Across), [at("c", 20.0, 40.0)]);
+    assert_eq!(moved(Align::Down), [at("b", 50.0, 15.0)]);
+}

@@ -1,0 +1,224 @@
+//! The study itself: setting after setting, and what comes of it.
+
+use super::bench::{Adapter, Benches};
+use super::convergence::{Convergence, convergence};
+use super::errors::{Errors, difference, errors};
+use super::flip::Seen;
+use super::measure::Cost;
+use super::pareto;
+use super::reference::Reference;
+use super::refine::{Refinement, Source, refinement};
+use super::wish::{Measure, Wish};
+use super::{Painter, Setting, Subject};
+use voltet_core::error::ErrorKind;
+use voltet_core::optics::Overlap;
+use voltet_core::optics::integrators::Integrator;
+use voltet_core::progress::Progress;
+use voltet_core::{Error, Result};
+use voltet_nodes::encode;
+use voltet_simd::LaneSet;
+
+/// One setting, measured.
+#[derive(Debug, Clone)]
+pub struct Row {
+    /// The setting.
+    pub setting: Setting,
+    /// What it costs.
+    pub cost: Cost,
+    /// How wrong it is.
+    pub errors: Errors,
+    /// The mean of FLIP against the reference.
+    pub flip: f64,
+    /// Whether nothing is both cheaper and better.
+    pub on_front: bool,
+    /// Whether the file draws with it.
+    pub of_file: bool,
+    /// The difference of its picture from the reference, as PNG: see [`difference`].
+    pub difference_png: Vec<u8>,
+}
+
+/// A setting that the device does not draw.
+#[derive(Debug, Clone)]
+pub struct Refused {
+    /// The setting.
+    pub setting: Setting,
+    /// Why.
+    pub error: Error,
+}
+
+/// What came of it.
+#[derive(Debug, Clone)]
+pub struct Study {
+    /// What is studied.
+    pub subject: Subject,
+    /// What was asked for.
+    pub wish: Wish,
+    /// What the pictures are compared with.
+    pub reference: Reference,
+    /// The settings that were measured.
+    pub rows: Vec<Row>,
+    /// The settings that the device does not draw.
+    pub refused: Vec<Refused>,
+    /// How many settings there are, those refused among them.
+    pub setting_count: usize,
+    /// The devices that were looked at.
+    pub adapters: Vec<Adapter>,
+    /// The vector lanes of the native engine.
+    pub vector_units: &'static str,
+    /// How the file draws on this machine; `None`: on a device that was not looked at, or not at all.
+    pub own: Option<Setting>,
+    /// What was not measured, why, and how to have it.
+    pub left_out: Vec<String>,
+    /// The row that costs least under the error allowed.
+    pub recommended: Option<usize>,
+    /// Orders of convergence of the integrators that were looked at over their numbers of pieces.
+    pub convergence: Vec<Convergence>,
+    /// What refining the grid shows, where that was asked for.
+    pub refinement: Option<Refinement>,
+}
+
+impl Row {
+    /// The error that decides.
+    pub fn error(&self, measure: Measure) -> f64 {
+        match measure {
+            Measure::Maximum => self.errors.maximum,
+            Measure::RootMeanSquare => self.errors.root_mean_square,
+            Measure::Percentile => self.errors.percentile_99_9,
+            Measure::Flip => self.flip,
+        }
+    }
+}
+
+impl Study {
+    /// Whether it was stopped before all that was asked for was measured.
+    pub fn stopped(&self) -> bool {
+        self.stopped_early() || (self.wish.refine > 0 && self.refinement.is_none())
+    }
+}
+
+/// Measures every setting. A stop, once the reference is there, keeps the settings that are done; see
+/// [`Study::stopped`].
+///
+/// Errors: integrators asked for that cannot serve the scene; those of drawing on the native engine; a device that draws
+/// nothing, where it is all that was asked for.
+pub fn study(
+    subject: Subject,
+    wish: Wish,
+    mut benches: Benches,
+    reference: Reference,
+    progress: &dyn Progress,
+) -> Result<Study> {
+    let settings = benches.settings(&subject, &wish.only);
+    if settings.is_empty() {
+        return Err(Error::usage("none of the integrators asked for can serve this scene")
+            .found(wish.only.join(", "))
+            .accepted("others, or none, for all that can"));
+    }
+    let seen = Seen::new(&reference.picture, subject.background);
+    let whole: f64 = settings.iter().map(Setting::weight).sum();
+    let (mut done, mut rows, mut refused) = (0.0, Vec::new(), Vec::new());
+    for setting in &settings {
+        progress.report(&setting.label(), done / whole);
+        match benches.measure(&subject, setting, &wish.frames, progress) {
+            Ok((picture, cost)) => rows.push(Row {
+                difference_png: encode::png(&difference(&picture, &reference.picture), [0.0; 3], None)?,
+                setting: *setting,
+                cost,
+                errors: errors(&picture, &reference.picture),
+                flip: Seen::new(&picture, subject.background).difference(&seen),
+                on_front: false,
+                of_file: false,
+            }),
+            Err(error) if error.kind == ErrorKind::Cancelled => break,
+            // What a device does not hold another engine may.
+            Err(error) if setting.painter.engine.on_device => {
+                refused.push(Refused { setting: *setting, error });
+            }
+            Err(error) => return Err(error),
+        }
+        done += setting.weight();
+    }
+    if let ([], [first, ..]) = (rows.as_slice(), refused.as_slice()) {
+        return Err(first.error.clone());
+    }
+    let own = benches.own(&subject, &|own| refused.iter().any(|no: &Refused| no.setting.draws_as(own)));
+    let adapters = benches.adapters(&subject, &wish);
+    let setting_count = settings.len();
+    let mut study = Study {
+        vector_units: LaneSet::detect()?.name(),
+        subject,
+        wish,
+        reference,
+        rows,
+        refused,
+        setting_count,
+        adapters,
+        own,
+        left_out: benches.left_out,
+        recommended: None,
+        convergence: Vec::new(),
+        refinement: None,
+    };
+    study.judge();
+    if study.wish.refine > 0 && !study.stopped_early() {
+        let Study { subject, reference, wish, .. } = &study;
+        study.refinement = match refinement(subject, reference, wish.refine, &Source::Gradients, progress) {
+            Ok(found) => Some(found),
+            Err(error) if error.kind == ErrorKind::Cancelled => None,
+            Err(error) => return Err(error),
+        };
+    }
+    Ok(study)
+}
+
+impl Study {
+    /// Whether settings were left.
+    fn stopped_early(&self) -> bool {
+        self.rows.len() + self.refused.len() < self.setting_count
+    }
+
+    /// Front, recommendation and orders.
+    fn judge(&mut self) {
+        let (rows, wish) = (&mut self.rows, &self.wish);
+        let points: Vec<[f64; 2]> =
+            rows.iter().map(|row| [row.cost.picture.median_ms, row.error(wish.measure)]).collect();
+        for (row, on_front) in rows.iter_mut().zip(pareto::front(&points)) {
+            row.on_front = on_front;
+            row.of_file = self.own.is_some_and(|own| row.setting.draws_as(&own));
+        }
+        self.recommended = wish.max_error.and_then(|bound| pareto::cheapest(&points, bound));
+        let each = Painter::all().flat_map(|painter| ["segments", "riemann"].map(|name| (painter, name)));
+        self.convergence =
+            each.filter_map(|(painter, name)| converging(name, painter, &self.rows, &self.subject)).collect();
+    }
+}
+
+/// The convergence of an integrator with one painter over its number of pieces, with its standard table.
+fn converging(name: &'static str, painter: Painter, rows: &[Row], subject: &Subject) -> Option<Convergence> {
+    let rows = || rows.iter().filter(|row| row.setting.painter == painter);
+    let count = |row: &Row| match row.setting.integrator {
+        Integrator::Segments { count, table_size: 256 } if name == "segments" => Some(count),
+        Integrator::Riemann { count } if name == "riemann" => Some(count),
+        _ => None,
+    };
+    let order = rows().find(|row| count(row).is_some())?.setting.order;
+    let in_order = || rows().filter(|row| row.setting.order == order);
+    let mut errors: Vec<(usize, f64)> =
+        in_order().filter_map(|row| Some((count(row)?, row.errors.root_mean_square))).collect();
+    errors.sort_unstable_by_key(|level| level.0);
+    if errors.len() < 2 {
+        return None;
+    }
+    // What the closed forms leave is what the order of segments and rounding do, here and in the reference.
+    let exact = |row: &&Row| {
+        let integrator = row.setting.integrator;
+        let closed =
+            matches!(integrator, Integrator::Analytic | Integrator::Clipped | Integrator::Adaptive { .. });
+        closed && row.setting.overlap == Overlap::Exact
+    };
+    let floor = in_order().filter(exact).map(|row| row.errors.root_mean_square).fold(f64::INFINITY, f64::min);
+    // Where no closed form was looked at, single precision is all that is known.
+    let floor = if floor.is_finite() { floor } else { f64::from(f32::EPSILON) };
+    let found = convergence(name, &errors, floor, &subject.scene.transfer_function);
+    Some(Convergence { engine: painter.label(), ..found })
+}
