@@ -6,13 +6,13 @@
 use std::hint::black_box;
 use std::time::Instant;
 use voltet::core::Result;
-use voltet::core::optics::integrators::{
+use voltet::core::transfer::{ControlPoint, OpticalModel, Profile, TransferFunction, Widget};
+use voltet::optics::integrators::{
     Extent, Integrator, PartialTable, PreIntegrated, PreIntegratedCylindrical, SegmentIntegrator, Segments,
     can_serve, new,
 };
-use voltet::core::optics::linear::{emission_weights, front_back};
-use voltet::core::optics::{Contribution, Overlap, Segment};
-use voltet::core::transfer::{ControlPoint, OpticalModel, Profile, TransferFunction, Widget};
+use voltet::optics::linear::{emission_weights, front_back};
+use voltet::optics::{Contribution, Overlap, Segment};
 
 const SEGMENTS: usize = 20_000;
 const LONGEST: f64 = 2.0;

@@ -3,8 +3,8 @@
 use crate::drawing;
 use std::sync::Arc;
 use voltet_core::Result;
-use voltet_core::graph::{Asking, Call, CellValues, Demand, Node, Outputs, Port, PortType, Value};
 use voltet_core::probing::bands_of_cells;
+use voltet_graph::{Asking, Call, CellValues, Demand, Node, Outputs, Port, PortType, Value};
 
 /// The declaration.
 pub const NODE: Node = Node {

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use voltet_core::Result;
 use voltet_core::camera::{Camera, Projection};
-use voltet_core::graph::{
+use voltet_graph::{
     Call, Node, Outputs, Parameter, ParameterType, Parameters, Port, PortType, Range, Standard, Value,
 };
 

@@ -2,9 +2,9 @@
 
 use crate::drawing;
 use std::sync::Arc;
-use voltet_core::graph::{Asking, Call, Node, Outputs, Parameters, Port, PortType, Value};
-use voltet_core::shading::Integrator;
 use voltet_core::{Error, Result};
+use voltet_graph::{Asking, Call, Node, Outputs, Parameters, Port, PortType, Value};
+use voltet_optics::shading::Integrator;
 
 /// The declaration.
 pub const NODE: Node = Node {

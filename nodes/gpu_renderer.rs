@@ -3,7 +3,7 @@
 use crate::{drawing, renderer};
 use std::sync::Arc;
 use voltet_core::Result;
-use voltet_core::graph::{Call, Node, Outputs, Parameter, Value};
+use voltet_graph::{Call, Node, Outputs, Parameter, Value};
 
 /// The declaration.
 pub const NODE: Node = Node {

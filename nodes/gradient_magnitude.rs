@@ -4,12 +4,12 @@ use crate::drawing::looked_at;
 use std::sync::Arc;
 use voltet_core::Result;
 use voltet_core::field::{Gradient, magnitude};
-use voltet_core::graph::{
+use voltet_core::grid::Grid;
+use voltet_core::volume::Volume;
+use voltet_graph::{
     Asking, Call, Demand, MayLeaveOut, Node, Notes, Outputs, Parameter, ParameterType, Port, PortType,
     Saving, Standard, Value,
 };
-use voltet_core::grid::Grid;
-use voltet_core::volume::Volume;
 
 /// The declaration.
 pub const NODE: Node = Node {

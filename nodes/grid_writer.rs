@@ -3,16 +3,16 @@
 use crate::drawing::Culled;
 use crate::files;
 use crate::files::output::{self, PATH};
-use crate::vtu::{self, Contents, Form, OfTetrahedra, Precision, Role};
 use std::path::Path;
-use voltet_core::graph::{
-    Asking, Call, Demand, Node, Outputs, Parameter, ParameterType, Parameters, Port, PortType, Standard,
-    suggest,
-};
 use voltet_core::grid::Array;
 use voltet_core::progress::refuse_beyond_memory;
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
+use voltet_graph::{
+    Asking, Call, Demand, Node, Outputs, Parameter, ParameterType, Parameters, Port, PortType, Standard,
+    suggest,
+};
+use voltet_io::vtu::{self, Contents, Form, OfTetrahedra, Precision, Role};
 
 /// The declaration.
 pub const NODE: Node = Node {

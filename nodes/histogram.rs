@@ -1,15 +1,15 @@
 //! `histogram`: the distribution of the data over the plane of s and g, weighted by volume, as figures and a picture.
 
-use crate::encode::viridis;
 use serde_json::json;
 use std::sync::Arc;
-use voltet_core::graph::{
-    Asking, Call, Demand, Node, Outputs, Parameter, ParameterType, Parameters, Port, PortType, Range,
-    Standard, Value,
-};
 use voltet_core::picture::Picture;
 use voltet_core::probing::{Axis, Histogram, histogram};
 use voltet_core::{Error, Result};
+use voltet_graph::{
+    Asking, Call, Demand, Node, Outputs, Parameter, ParameterType, Parameters, Port, PortType, Range,
+    Standard, Value,
+};
+use voltet_io::encode::viridis;
 
 /// The declaration.
 pub const NODE: Node = Node {

@@ -1,13 +1,13 @@
 //! `image-writer`: a picture to a file, or to the standard output.
 
-use crate::encode;
 use crate::files::output::{self, BY_ENDING, FORMAT, PATH};
-use crate::provenance::{self, Provenance};
 use std::path::Path;
 use voltet_core::Result;
-use voltet_core::graph::{
+use voltet_graph::{
     Call, Node, Outputs, Parameter, ParameterType, Parameters, Port, PortType, Range, Standard,
 };
+use voltet_io::encode;
+use voltet_io::provenance::{self, Provenance};
 
 /// The formats.
 const PNG: &str = "png";

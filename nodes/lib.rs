@@ -4,27 +4,19 @@
 //! | --- | --- |
 //! | [`added`] | nodes of formats that come from outside |
 //! | [`drawing`] | what the nodes that draw share |
-//! | [`encode`] | pictures to files |
 //! | [`files`] | writing whole files |
-//! | [`formats`] | data files to grids |
 //! | [`given`] | grids that a program holds in memory |
 //! | [`memory`] | what a grid takes, and what is left |
 //! | [`probing`] | parts of the node `probe` |
-//! | [`provenance`] | what was drawn from what: written into pictures and reports, read again |
 //! | [`relative`] | numbers relative to data: ranges and percentiles |
-//! | [`vtu`] | grids to VTK files |
 
 pub mod added;
 pub mod drawing;
-pub mod encode;
 pub mod files;
-pub mod formats;
 pub mod given;
 pub mod memory;
 pub mod probing;
-pub mod provenance;
 pub mod relative;
-pub mod vtu;
 
 mod bands;
 mod camera;
@@ -50,7 +42,7 @@ pub use transfer_function::load_image as table_image;
 use std::path::Path;
 use voltet_core::Result;
 use voltet_core::field::filters;
-use voltet_core::graph::{Node, Registry, Session, Stamp};
+use voltet_graph::{Node, Registry, Session, Stamp};
 
 /// The nodes that ship, in the order in which data runs through them.
 pub static NODES: &[&Node] = &[

@@ -2,13 +2,13 @@
 
 use std::sync::Arc;
 use voltet_core::field::spectral_norms;
-use voltet_core::graph::{
-    Asking, Call, Demand, MayLeaveOut, Node, Notes, Outputs, Parameter, ParameterType, Parameters, Port,
-    PortType, Range, Saving, Standard, Value,
-};
 use voltet_core::grid::{Array, Grid};
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
+use voltet_graph::{
+    Asking, Call, Demand, MayLeaveOut, Node, Notes, Outputs, Parameter, ParameterType, Parameters, Port,
+    PortType, Range, Saving, Standard, Value,
+};
 
 /// The declaration.
 pub const NODE: Node = Node {

@@ -4,11 +4,11 @@ use crate::probing::{PARAMETERS, check_region, fields, figures, mask, placed, re
 use crate::relative;
 use std::sync::Arc;
 use voltet_core::error::ErrorKind;
-use voltet_core::graph::{Asking, Call, Demand, Look, Node, Outputs, Parameters, Port, PortType, Value};
 use voltet_core::probing::{Region, kernel, probe};
 use voltet_core::transfer::{OpticalModel, Profile, TransferFunction, Widget};
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
+use voltet_graph::{Asking, Call, Demand, Look, Node, Outputs, Parameters, Port, PortType, Value};
 
 /// The declaration.
 pub const NODE: Node = Node {

@@ -3,7 +3,7 @@
 use crate::drawing;
 use std::sync::Arc;
 use voltet_core::Result;
-use voltet_core::graph::{Asking, Call, Node, Outputs, Port, PortType, Value};
+use voltet_graph::{Asking, Call, Node, Outputs, Port, PortType, Value};
 
 /// The declaration.
 pub const NODE: Node = Node {

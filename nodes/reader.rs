@@ -1,13 +1,13 @@
 //! `reader`: a data file to a grid of tetrahedra with the arrays that somebody asked for.
 
-use crate::formats::{self, Association, CellValues, Chosen, Request, TimeStep};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use voltet_core::graph::{
+use voltet_core::{Error, Result};
+use voltet_graph::{
     Call, Datum, Demand, Foresight, MayLeaveOut, Node, Notes, Outputs, Parameter, ParameterType, Parameters,
     Port, PortType, Preparation, Range, Saving, Standard, Steps, Value, nearest,
 };
-use voltet_core::{Error, Result};
+use voltet_io::formats::{self, Association, CellValues, Chosen, Request, TimeStep};
 
 /// The declaration.
 pub const NODE: Node = Node {

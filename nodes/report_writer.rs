@@ -2,8 +2,8 @@
 
 use crate::files::output::{self, BY_ENDING, FORMAT, PATH};
 use serde_json::Value;
-use voltet_core::graph::{Call, Node, Outputs, Parameter, ParameterType, Parameters, Port, PortType};
 use voltet_core::{Error, Result};
+use voltet_graph::{Call, Node, Outputs, Parameter, ParameterType, Parameters, Port, PortType};
 
 /// The formats.
 const JSON: &str = "json";

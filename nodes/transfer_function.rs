@@ -3,12 +3,12 @@
 use crate::relative;
 use std::path::Path;
 use std::sync::Arc;
-use voltet_core::graph::{
+use voltet_core::transfer::{LoadImage, OpticalModel, TransferFunction, WIDGET_KINDS, read};
+use voltet_core::{Error, Result};
+use voltet_graph::{
     Call, Look, Node, Outlined, Outputs, Parameter, ParameterType, Parameters, Port, PortType, Range,
     Standard, Value,
 };
-use voltet_core::transfer::{LoadImage, OpticalModel, TransferFunction, WIDGET_KINDS, read};
-use voltet_core::{Error, Result};
 
 /// The declaration.
 pub const NODE: Node = Node {
@@ -168,7 +168,7 @@ pub fn load_image(path: &Path) -> Result<(usize, usize, Vec<[f32; 4]>)> {
     reader.limits(limits);
     let image = reader.decode().map_err(|e| failed(&e))?;
     let rgba = image.into_rgba16();
-    let linear = |v: u16| crate::encode::linear_from_srgb(f32::from(v) / 65535.0);
+    let linear = |v: u16| voltet_io::encode::linear_from_srgb(f32::from(v) / 65535.0);
     let texel = |p: &image::Rgba<u16>| [linear(p[0]), linear(p[1]), linear(p[2]), f32::from(p[3]) / 65535.0];
     Ok((rgba.width() as usize, rgba.height() as usize, rgba.pixels().map(texel).collect()))
 }

@@ -2,11 +2,9 @@
 //! distance from the middle.
 
 use std::sync::Arc;
-use voltet_core::graph::{
-    Call, Node, Outputs, Parameter, ParameterType, Port, PortType, Range, Standard, Value,
-};
 use voltet_core::grid::generate::{box_of_tetrahedra, with_scalar};
 use voltet_core::{Error, Result};
+use voltet_graph::{Call, Node, Outputs, Parameter, ParameterType, Port, PortType, Range, Standard, Value};
 
 /// Hexahedra along an axis, at most: a hundred million tetrahedra in all.
 const MOST_ALONG: f64 = 256.0;

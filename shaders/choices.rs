@@ -2,11 +2,11 @@
 
 use crate::kinds::{Calls, Kind};
 use crate::parts::{Layout, Parts};
-use voltet_core::optics::Overlap;
-use voltet_core::optics::integrators::can_serve;
-use voltet_core::shading::{Integrator, Shading};
 use voltet_core::transfer::{OpticalModel, TransferFunction, Widget};
 use voltet_core::{Error, Result};
+use voltet_optics::Overlap;
+use voltet_optics::integrators::can_serve;
+use voltet_optics::shading::{Integrator, Shading};
 
 /// Numbers of an edge of a region: a normal and a corner.
 const EDGE_NUMBERS: usize = 4;

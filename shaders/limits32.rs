@@ -46,9 +46,9 @@ fn check(choices: &Choices, widget: &Widget, stretch: &Stretch) -> Result<()> {
 mod tests {
     use super::*;
     use crate::Compositor;
-    use voltet_core::optics::Overlap;
-    use voltet_core::shading::{Integrator, Shading};
     use voltet_core::transfer::{ControlPoint, OpticalModel, Profile, Wave};
+    use voltet_optics::Overlap;
+    use voltet_optics::shading::{Integrator, Shading};
 
     fn answer(integrator: Integrator, widgets: Vec<Widget>, values: &[f64]) -> Result<()> {
         let model = OpticalModel::ConstantEmitter { cutoff: 1e-3 };

@@ -4,9 +4,9 @@ use crate::kinds;
 use crate::places::Places;
 use crate::writer::{Axis, WidgetRecord, Writer, finite};
 use bytemuck::{Pod, Zeroable};
-use voltet_core::shading::{Shading, unit_vector};
 use voltet_core::transfer::{TransferFunction, Widget};
 use voltet_core::{Error, Result};
+use voltet_optics::shading::{Shading, unit_vector};
 use voltet_simd::limits::PIECES_MOST;
 
 /// What stands before the widgets in `Scene` of `scene.wgsl`.

@@ -2,9 +2,9 @@
 //! are vectors of four numbers, then the integrator's further table, then the scene's own numbers. One buffer for all leaves tiles
 //! within the eight that every device of WebGPU binds.
 
-use voltet_core::optics::integrators::{Integrator, PartialTable, last_tile};
-use voltet_core::shading::Shading;
 use voltet_core::transfer::{ColorSource, OpticalModel, TransferFunction};
+use voltet_optics::integrators::{Integrator, PartialTable, last_tile};
+use voltet_optics::shading::Shading;
 
 /// How long its parts are, in their order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

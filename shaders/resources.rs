@@ -9,10 +9,10 @@ use crate::parts::{Access, PartedArray, Parts};
 use crate::places::{MEAN_HEAD, Places, TEXEL_BYTES, images};
 use crate::text::{Shader, compose_pieces};
 use crate::writer::Axis;
-use voltet_core::optics::integrators::{Extent, Integrator, PartialTable, Ramp, last_tile};
-use voltet_core::shading::Shading;
 use voltet_core::transfer::{OpticalModel, TransferFunction};
 use voltet_core::{Error, Result};
+use voltet_optics::integrators::{Extent, Integrator, PartialTable, Ramp, last_tile};
+use voltet_optics::shading::Shading;
 
 /// Buffers, and the passes that fill some of them.
 #[derive(Debug, Clone, PartialEq, Default)]

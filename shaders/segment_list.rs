@@ -10,9 +10,9 @@ use crate::stretch::Spans;
 use crate::text::Shader;
 use crate::writer::Axis;
 use voltet_core::Result;
-use voltet_core::engine::{Condition, Conditions};
-use voltet_core::optics::{Contribution, Segment};
 use voltet_core::transfer::{AxisOrigin, TransferFunction, Widget};
+use voltet_optics::engine::{Condition, Conditions};
+use voltet_optics::{Contribution, Segment};
 
 /// Numbers of a contribution: r, g, b, A, T, and what its alignment adds.
 pub const CONTRIBUTION: usize = 8;

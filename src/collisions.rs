@@ -2,9 +2,9 @@
 
 use crate::Document;
 use crate::core::Error;
-use crate::core::graph::Origin;
+use crate::graph::Origin;
+use crate::io::formats::files_beside;
 use crate::nodes::files::{Use, collision};
-use crate::nodes::formats::files_beside;
 use std::path::{Path, PathBuf};
 
 /// A file that an option of the command names.

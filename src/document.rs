@@ -3,12 +3,12 @@
 use crate::collisions::refuse;
 use crate::options::stated;
 use std::path::{Path, PathBuf};
-use voltet_core::graph::{Graph, NamedPath, Registry};
-use voltet_core::pipeline::{Pipeline, locate};
 use voltet_core::{Error, Result};
-use voltet_nodes::provenance::{DataFile, PluginOf, Provenance};
+use voltet_graph::pipeline::{Pipeline, locate};
+use voltet_graph::{Graph, NamedPath, Registry};
+use voltet_io::provenance::{DataFile, PluginOf, Provenance};
 
-pub use voltet_nodes::provenance::Source;
+pub use voltet_io::provenance::Source;
 
 /// A pipeline, read and checked.
 #[derive(Debug)]

@@ -8,7 +8,7 @@
 //! # fn main() -> voltet::core::Result<()> {
 //! let registry = voltet::nodes::registry()?;
 //! let document = voltet::Document::open("scene.toml".as_ref(), &[], &registry)?;
-//! let report = voltet::nodes::session().run(&document.graph, &voltet::core::graph::Unobserved)?;
+//! let report = voltet::nodes::session().run(&document.graph, &voltet::graph::Unobserved)?;
 //! println!("{} s", report.seconds);
 //! # Ok(())
 //! # }
@@ -32,8 +32,11 @@ pub use voltet_core as core;
 pub use voltet_cpu as engine;
 #[cfg(feature = "gpu")]
 pub use voltet_gpu as gpu;
+pub use voltet_graph as graph;
+pub use voltet_io as io;
 pub use voltet_judge as judge;
 pub use voltet_nodes as nodes;
+pub use voltet_optics as optics;
 pub use voltet_simd as lanes;
 pub use voltet_study as study;
 pub use voltet_study::stability;

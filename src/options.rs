@@ -1,9 +1,9 @@
 //! Options of the command line carried out in the text of a pipeline file: comments and what is not asked for stay.
 
 use voltet_core::Result;
-use voltet_core::graph::{Datum, Registry, Stated};
-use voltet_core::pipeline::{Pipeline, value};
 use voltet_document::{Document, Edit, Path};
+use voltet_graph::pipeline::{Pipeline, value};
+use voltet_graph::{Datum, Registry, Stated};
 
 /// The text that states `pipeline`, which `options` (`node.param=value`) made of `text`. Where they cannot be written into it,
 /// a plain text that states the same.

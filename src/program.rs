@@ -1,7 +1,7 @@
 //! The program: parses the command line and hands over.
 
 use crate::core::Result;
-use crate::core::graph::Registry;
+use crate::graph::Registry;
 use crate::{arguments::Arguments, commands, mistake};
 use clap::Parser;
 use std::panic::AssertUnwindSafe;

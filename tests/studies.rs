@@ -7,15 +7,15 @@ use std::sync::{Arc, Mutex};
 use std::time::Duration;
 use voltet::core::Shared;
 use voltet::core::camera::{Camera, Projection};
-use voltet::core::engine::Accumulation;
 use voltet::core::field::{CellAverage, Method};
 use voltet::core::grid::generate::box_of_tetrahedra;
-use voltet::core::optics::Overlap;
 use voltet::core::progress::{Progress, Silent};
-use voltet::core::scene::Scene;
-use voltet::core::shading::{Integrator, Order, Shading};
 use voltet::core::transfer::{OpticalModel, Profile, TransferFunction, Widget};
 use voltet::core::volume::Volume;
+use voltet::optics::Overlap;
+use voltet::optics::engine::Accumulation;
+use voltet::optics::scene::Scene;
+use voltet::optics::shading::{Integrator, Order, Shading};
 use voltet::study::work_precision::{
     Asked, Benches, Engines, Form, Frames, Measure, Source, Subject, Wish, reference, refinement, study,
 };
@@ -43,7 +43,7 @@ fn a_stopped_study_keeps_the_finished_settings_and_the_reference() {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("pipelines/isotherms.toml");
     let document = voltet::Document::open(&file, &["view.size=[24,18]".into()], &registry).unwrap();
     let mut session = voltet::nodes::session();
-    let unobserved = voltet::core::graph::Unobserved;
+    let unobserved = voltet::graph::Unobserved;
     let subject = Subject::gather(&document.graph, None, false, &mut session, &unobserved).unwrap();
     let cache = tempfile::tempdir().unwrap();
     let stop = After(3, Mutex::default());
@@ -77,7 +77,7 @@ fn refinement_goes_by_the_filter_of_the_pipeline() {
     let gradient_of = |drawn: &str, method: &str, wanted: bool| {
         std::fs::write(&file, FILTERED.replace("DRAWN", drawn).replace("METHOD", method)).unwrap();
         let document = voltet::Document::open(&file, &[], &registry).unwrap();
-        let unobserved = voltet::core::graph::Unobserved;
+        let unobserved = voltet::graph::Unobserved;
         let mut session = voltet::nodes::session();
         Subject::gather(&document.graph, None, wanted, &mut session, &unobserved).unwrap().scene.volume
     };

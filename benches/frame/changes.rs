@@ -6,13 +6,13 @@ use std::sync::Arc;
 use std::time::Instant;
 use voltet::core::Result;
 use voltet::core::camera::Camera;
-use voltet::core::engine::AdapterWish;
-use voltet::core::engine::{Manner, Stage};
 use voltet::core::progress::Silent;
-use voltet::core::scene::Scene;
-use voltet::core::shading::Order;
 use voltet::core::transfer::{Profile, TransferFunction};
 use voltet::engine::ENGINE;
+use voltet::optics::engine::AdapterWish;
+use voltet::optics::engine::{Manner, Stage};
+use voltet::optics::scene::Scene;
+use voltet::optics::shading::Order;
 
 const FRAME_COUNT: usize = 31;
 

@@ -18,14 +18,14 @@ use record::{Here, Line};
 use std::sync::Arc;
 use std::time::Instant;
 use subject::{Subject, middle};
-use voltet::core::optics::Overlap;
 use voltet::core::progress::Silent;
-use voltet::core::shading::{Integrator, Shading};
 use voltet::core::transfer::TransferFunction;
 use voltet::core::volume::Volume;
 use voltet::core::{Error, Result};
 use voltet::engine::{Known, composite, project};
 use voltet::lanes::LaneSet;
+use voltet::optics::Overlap;
+use voltet::optics::shading::{Integrator, Shading};
 use wish::Wish;
 
 const SHADING: Shading =

@@ -7,13 +7,13 @@ use std::sync::Arc;
 use voltet::Document;
 use voltet::core::camera::{Camera, Projection};
 use voltet::core::field::{self, LeastSquares, Method};
-use voltet::core::graph::Unobserved;
 use voltet::core::grid::Grid;
 use voltet::core::progress::Silent;
 use voltet::core::transfer::{ControlPoint, OpticalModel, Profile, TransferFunction, Widget};
 use voltet::core::volume::Volume;
 use voltet::core::{Error, Result};
-use voltet::nodes::formats::{self, Request};
+use voltet::graph::Unobserved;
+use voltet::io::formats::{self, Request};
 use voltet::study::work_precision::Subject as Studied;
 
 /// A grid, where it is seen from, and the transfer functions it is drawn with.

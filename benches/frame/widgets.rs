@@ -11,7 +11,7 @@ use voltet::core::progress::Silent;
 use voltet::core::transfer::{Profile, TransferFunction};
 use voltet::core::volume::Volume;
 use voltet::engine::{composite, cull, project};
-use voltet::nodes::formats::{self, Request};
+use voltet::io::formats::{self, Request};
 
 const FRAME_COUNT: usize = 31;
 

@@ -3,7 +3,7 @@
 use crate::structs::Image;
 use voltet_core::picture::Picture;
 use voltet_core::{Error, Result};
-use voltet_nodes::encode::srgb8;
+use voltet_io::encode::srgb8;
 
 /// Where a picture goes: rows of floats, rows of bytes, or both.
 pub(crate) struct Target {

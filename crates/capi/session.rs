@@ -4,13 +4,13 @@ use crate::structs::Camera;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use voltet_core::graph::{Datum, Graph, NodeEntry, Observer, Origin, Setting, suggest};
 use voltet_core::grid::Grid;
 use voltet_core::picture::Picture;
-use voltet_core::pipeline::{Pipeline, locate, parameters};
 use voltet_core::{Error, Result};
 use voltet_embed::{Drawing, Scene};
-use voltet_nodes::provenance::{Source, whole_report};
+use voltet_graph::pipeline::{Pipeline, locate, parameters};
+use voltet_graph::{Datum, Graph, NodeEntry, Observer, Origin, Setting, suggest};
+use voltet_io::provenance::{Source, whole_report};
 
 /// The pipeline of a session that has loaded none.
 const STANDARD: &str = include_str!("standard.toml");

@@ -7,3 +7,23 @@ pub fn difference_of_products(p: f64, q: f64, r: f64, s: f64) -> f64 {
     let error = (-r).mul_add(s, rs);
     p.mul_add(q, -rs) + error
 }
+
+/// The exact sign of the edge function of a → b; 0 only where both project to the same point.
+pub fn edge_sign(a: [f64; 3], b: [f64; 3]) -> i8 {
+    let compare = |x: f64, y: f64| i8::from(x > y) - i8::from(x < y);
+    // Rounding keeps order: if the rounded products differ, so do the exact ones.
+    let (p, q) = (a[0] * b[1], a[1] * b[0]);
+    let rounded = compare(p, q);
+    if rounded != 0 {
+        return rounded;
+    }
+    let exact = compare(a[0].mul_add(b[1], -p), a[1].mul_add(b[0], -q));
+    if exact != 0 {
+        return exact;
+    }
+    // Moving the ray by (ε, ε²) subtracts ε (b_y − a_y) and adds ε² (b_x − a_x).
+    match compare(a[1], b[1]) {
+        0 => compare(b[0], a[0]),
+        sign => sign,
+    }
+}

@@ -2,23 +2,16 @@
 //!
 //! No GPU, no windows, no files. Each module's head says what it is, its symbols and units, and its source.
 
-mod arithmetic;
+pub mod arithmetic;
 pub mod camera;
-pub mod engine;
 pub mod error;
 pub mod field;
-pub mod graph;
 pub mod grid;
-pub mod optics;
 pub mod parameters;
 pub mod picture;
-pub mod pipeline;
 pub mod probing;
 pub mod progress;
 pub mod reading;
-pub mod reference;
-pub mod scene;
-pub mod shading;
 mod shared;
 pub mod transfer;
 pub mod visibility;

@@ -7,9 +7,9 @@ use crate::view::Seen;
 use std::borrow::Cow;
 use std::sync::Arc;
 use voltet_core::camera::Camera;
-use voltet_core::shading::Order;
 use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
+use voltet_optics::shading::Order;
 use voltet_simd::LaneSet;
 
 /// When rays go from cell to cell through the faces that these share; else cells are projected one by one. Either shows the same.
@@ -102,7 +102,7 @@ pub struct Counts {
     pub cells_projected: u64,
     /// Segments integrated in 64 bits because 32 do not hold them.
     pub segments_exact: u64,
-    /// How often the transfer function was asked: see [`voltet_core::engine::Counts::evaluations`].
+    /// How often the transfer function was asked: see [`voltet_optics::engine::Counts::evaluations`].
     pub evaluations: u64,
     /// Segments on which widgets overlap: the optical depths of some two multiply to more than 1e-8.
     pub segments_overlapping: u64,

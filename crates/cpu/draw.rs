@@ -11,12 +11,12 @@ use crate::shade::shader::{Scene, Shader};
 use rayon::prelude::*;
 use voltet_core::camera::Camera;
 use voltet_core::grid::extent::longest_edge_squared;
-use voltet_core::optics::integrators::{self, Extent, SegmentIntegrator};
 use voltet_core::picture::Picture;
 use voltet_core::progress::{Progress, refuse_beyond_memory};
-use voltet_core::shading::{Integrator, Order, Shading};
 use voltet_core::transfer::{OpticalModel, TransferFunction, Widget};
 use voltet_core::{Error, Result};
+use voltet_optics::integrators::{self, Extent, SegmentIntegrator};
+use voltet_optics::shading::{Integrator, Order, Shading};
 
 /// Cells prepared for the compositor: one projection for each sample of a pixel. Of more cells than are projected at once
 /// ([`Cells::most_at_once`]) it holds which part of the picture each touches; the compositor projects them part by part.

@@ -5,17 +5,17 @@ use crate::kept::{Kept, Plan};
 use crate::{Cells, Counts, Known, Projection, Sample, Segments, needs_gradient, prepare, project, sort};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
-use voltet_core::engine::{
-    self, AdapterWish, Declaration, Drawn, Engine, Forms, Manner, Prepared, Stage, Timed,
-};
-use voltet_core::graph::{MayLeaveOut, Notes};
-use voltet_core::optics::integrators;
 use voltet_core::progress::Progress;
-use voltet_core::scene::Scene;
-use voltet_core::shading::{Integrator, Order};
 use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
+use voltet_graph::{MayLeaveOut, Notes};
+use voltet_optics::engine::{
+    self, AdapterWish, Declaration, Drawn, Engine, Forms, Manner, Prepared, Stage, Timed,
+};
+use voltet_optics::integrators;
+use voltet_optics::scene::Scene;
+use voltet_optics::shading::{Integrator, Order};
 use voltet_simd::LaneSet;
 
 /// The native engine. Its vector units are what is judged one by one.

@@ -15,8 +15,8 @@ use rayon::prelude::*;
 use std::sync::atomic::AtomicUsize;
 use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
-use voltet_core::shading::Order;
 use voltet_core::{Error, Result};
+use voltet_optics::shading::Order;
 
 /// A projection with all that is made once for drawing it: the integrator's tables, the widgets made ready.
 pub struct Ready<'a> {

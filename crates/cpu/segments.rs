@@ -18,13 +18,13 @@ use crate::shade::shader::{Scene, Shader};
 use glam::DVec3;
 use std::sync::Arc;
 use voltet_core::Result;
-use voltet_core::engine::{Answer, Chain, Forms, PartialIntegrals, Precision};
 use voltet_core::grid::{Array, Grid};
-use voltet_core::optics::integrators::{self, Extent};
-use voltet_core::optics::{Contribution, Overlap, Segment};
-use voltet_core::shading::{Integrator, Shading};
 use voltet_core::transfer::{ControlPoint, OpticalModel, Profile, TransferFunction, Widget};
 use voltet_core::volume::Volume;
+use voltet_optics::engine::{Answer, Chain, Forms, PartialIntegrals, Precision};
+use voltet_optics::integrators::{self, Extent};
+use voltet_optics::shading::{Integrator, Shading};
+use voltet_optics::{Contribution, Overlap, Segment};
 use voltet_simd::optics::elementary::exp;
 use voltet_simd::{Float, Kernel, LaneSet, Lanes, dispatch};
 

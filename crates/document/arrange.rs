@@ -1,7 +1,7 @@
 //! Places for nodes: in layers from left to right, and in line with each other.
 
 use crate::links;
-use voltet_core::graph::NodeEntry;
+use voltet_graph::NodeEntry;
 
 /// What is left between two layers, and between two nodes of one, in points.
 const GAP: [f64; 2] = [70.0, 40.0];

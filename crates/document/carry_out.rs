@@ -9,10 +9,10 @@ use crate::path::Path;
 use crate::text::{Draft, Syntax};
 use crate::view::View;
 use std::sync::Arc;
-use voltet_core::graph::{Datum, Field, NodeEntry, Setting, suggest};
 use voltet_core::parameters::key_text;
-use voltet_core::pipeline::{EDITOR, Pipeline, Survey};
 use voltet_core::{Error, Result};
+use voltet_graph::pipeline::{EDITOR, Pipeline, Survey};
+use voltet_graph::{Datum, Field, NodeEntry, Setting, suggest};
 
 /// A text that edits are carried out on, and what it states.
 pub(crate) struct Work {
@@ -228,5 +228,5 @@ impl Work {
 /// The text of a new pipeline file.
 pub(crate) fn blank(title: Option<&str>) -> String {
     let title = title.map(|title| format!("{} = {}\n", key_text("title"), Datum::Text(title.into())));
-    format!("[pipeline]\nformat = {}\n{}", voltet_core::pipeline::FORMAT, title.unwrap_or_default())
+    format!("[pipeline]\nformat = {}\n{}", voltet_graph::pipeline::FORMAT, title.unwrap_or_default())
 }

@@ -4,9 +4,9 @@ use crate::Document;
 use crate::edit::Edit;
 use crate::links;
 use std::collections::BTreeSet;
-use voltet_core::graph::{NodeEntry, suggest};
-use voltet_core::pipeline::Pipeline;
 use voltet_core::{Error, Result};
+use voltet_graph::pipeline::Pipeline;
+use voltet_graph::{NodeEntry, suggest};
 
 /// From a node to its copy, in points.
 const ASIDE: f64 = 30.0;

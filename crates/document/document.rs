@@ -9,9 +9,9 @@ use crate::view::View;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use voltet_core::graph::{NodeEntry, Stamp};
-use voltet_core::pipeline::{Pipeline, Survey, locate};
 use voltet_core::{Error, Result};
+use voltet_graph::pipeline::{Pipeline, Survey, locate};
+use voltet_graph::{NodeEntry, Stamp};
 
 /// A pipeline file that is edited. It is the text: everything else is read from it.
 #[derive(Debug, Clone)]

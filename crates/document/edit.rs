@@ -2,7 +2,7 @@
 
 use crate::path::Path;
 use crate::view::{Frame, Note};
-use voltet_core::graph::{Datum, Field, Setting};
+use voltet_graph::{Datum, Field, Setting};
 
 /// One edit. A path leads from a node's table to a part of its parameters: `"widgets.0.centre".into()`.
 #[derive(Debug, Clone, PartialEq)]

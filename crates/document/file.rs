@@ -4,9 +4,9 @@ use crate::Document;
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
-use voltet_core::graph::Stamp;
 use voltet_core::{Error, Result};
 use voltet_files::write_whole;
+use voltet_graph::Stamp;
 
 /// The first bytes of a file that is a picture: what pictures carry is opened by others.
 const PICTURES: [&[u8]; 2] = [b"\x89PNG\r\n\x1a\n", &[0x76, 0x2f, 0x31, 0x01]];

@@ -3,8 +3,8 @@
 use crate::Document;
 use crate::edit::Edit;
 use crate::links;
-use voltet_core::graph::{Node, Port, PortType, Registry};
 use voltet_core::{Error, Result};
+use voltet_graph::{Node, Port, PortType, Registry};
 
 /// A kind of node types, for a menu; told from the ports.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -108,7 +108,7 @@ pub fn search(registry: &Registry, text: &str) -> Vec<&'static Node> {
         registry.iter().filter_map(|node| Some((rank(node)?, node))).collect();
     found.sort_by_key(|(rank, _)| *rank);
     if found.is_empty() {
-        let near = voltet_core::graph::nearest(&text, registry.names());
+        let near = voltet_graph::nearest(&text, registry.names());
         return near.and_then(|name| registry.find(name).ok()).into_iter().collect();
     }
     found.into_iter().map(|(_, node)| node).collect()

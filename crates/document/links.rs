@@ -1,7 +1,7 @@
 //! Wires as pipeline files state them: `"node"` or `"node.port"`, one or a list.
 
 use std::collections::BTreeSet;
-use voltet_core::graph::{Datum, Field, LinkEntry, NodeEntry, Setting};
+use voltet_graph::{Datum, Field, LinkEntry, NodeEntry, Setting};
 
 /// The node that a source names, and its output where it names one: a whole text that is a node's name means that node.
 pub fn source<'a>(text: &'a str, nodes: &[NodeEntry]) -> (&'a str, Option<&'a str>) {

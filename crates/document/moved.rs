@@ -5,8 +5,8 @@ use crate::edit::Edit;
 use crate::panel::{Control, Row};
 use crate::path::Path;
 use std::path::Path as FilePath;
-use voltet_core::graph::{Datum, Registry};
 use voltet_files::beside;
+use voltet_graph::{Datum, Registry};
 
 impl Document {
     /// The edits after which the files that it reads are found from another folder, too; those that are not there, and whole

@@ -8,9 +8,9 @@ use std::fs::{File, OpenOptions, TryLockError};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::SystemTime;
-use voltet_core::graph::Datum;
 use voltet_core::{Error, Result};
 use voltet_files::{Fnv, state_folder, write_whole};
+use voltet_graph::Datum;
 
 const TEXT: &str = "toml";
 const LOCK: &str = "lock";
@@ -151,7 +151,7 @@ impl LeftBehind {
         let written = std::fs::metadata(place).and_then(|metadata| metadata.modified()).ok()?;
         let (head, text) = whole.split_once('\n')?;
         let path = match head.strip_prefix(OF) {
-            Some(path) => Some(PathBuf::from(voltet_core::pipeline::value(path)?.text()?)),
+            Some(path) => Some(PathBuf::from(voltet_graph::pipeline::value(path)?.text()?)),
             None => None,
         };
         let (place, text) = (place.to_path_buf(), text.to_string());

@@ -21,7 +21,7 @@
 //! numbers. What is not understood is left as it is.
 
 use std::collections::BTreeMap;
-use voltet_core::graph::{Datum, Field, Setting};
+use voltet_graph::{Datum, Field, Setting};
 
 /// How a node is shown.
 #[derive(Debug, Clone, Default, PartialEq)]

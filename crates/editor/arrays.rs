@@ -6,11 +6,11 @@ use eframe::egui::Context;
 use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
-use voltet_core::graph::{NodeEntry, Registry};
 use voltet_core::progress::Silent;
 use voltet_document::links::upstream;
+use voltet_graph::{NodeEntry, Registry};
+use voltet_io::formats::{self, Association, Request};
 use voltet_nodes::added;
-use voltet_nodes::formats::{self, Association, Request};
 
 /// An array that may be chosen.
 #[derive(Debug, Clone, PartialEq)]

@@ -12,8 +12,8 @@ use eframe::egui::{Context, ThemePreference};
 use glam::DVec3;
 use std::collections::BTreeSet;
 use voltet_core::Error;
-use voltet_core::graph::Datum;
 use voltet_document::{Document, Edit};
+use voltet_graph::Datum;
 use voltet_nodes::files::beside;
 
 impl Editor {

@@ -5,9 +5,9 @@ use crate::editor::Editor;
 use crate::graph::Thing;
 use eframe::egui::{Context, Event};
 use voltet_core::Result;
-use voltet_core::graph::NodeEntry;
 use voltet_document::arrange::{Placed, align, tidy};
 use voltet_document::{Edit, Frame, Note};
+use voltet_graph::NodeEntry;
 
 /// From a node to what is pasted after it, points.
 const BESIDE: f64 = 40.0;

@@ -6,7 +6,7 @@ use crate::scene::Scene;
 use crate::theme;
 use crate::worker::grouped;
 use eframe::egui::{Context, Grid, RichText, ScrollArea, Ui, Window};
-use voltet_core::graph::RunReport;
+use voltet_graph::RunReport;
 
 /// Shows it.
 pub(crate) fn show(ctx: &Context, open: &mut bool, scene: &Scene, actions: &mut Actions) {

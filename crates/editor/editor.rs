@@ -24,9 +24,9 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, channel};
-use voltet_core::graph::{NodeEntry, Quantity, Registry};
 use voltet_core::{Error, Result};
 use voltet_document::{Document, Gesture};
+use voltet_graph::{NodeEntry, Quantity, Registry};
 
 /// Makes the text of a pipeline for a file that is none, such as data; the second path is where it would be saved.
 pub type Start = Arc<dyn Fn(&Path, &Path) -> Result<String> + Send + Sync>;

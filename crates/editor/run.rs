@@ -8,11 +8,11 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
-use voltet_core::graph::{Graph, Observer, RunReport};
-use voltet_core::pipeline::Pipeline;
 use voltet_core::{Error, Result};
+use voltet_graph::pipeline::Pipeline;
+use voltet_graph::{Graph, Observer, RunReport};
+use voltet_io::memory;
 use voltet_nodes::files::beside;
-use voltet_nodes::memory;
 
 /// A run that is under way; dropped, it stops.
 pub(crate) struct Run {

@@ -7,8 +7,8 @@ use glam::DVec3;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::Arc;
 use voltet_core::Error;
-use voltet_core::graph::{Node, NodeEntry, PortType, Registry, RunReport};
 use voltet_document::Document;
+use voltet_graph::{Node, NodeEntry, PortType, Registry, RunReport};
 
 /// One frame's view of everything.
 pub(crate) struct Scene<'a> {

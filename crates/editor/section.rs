@@ -11,7 +11,7 @@ use eframe::egui::{
 };
 use glam::DVec3;
 use std::sync::Arc;
-use voltet_core::graph::Quantity;
+use voltet_graph::Quantity;
 
 /// Pixels of its picture.
 const SIZE: [usize; 2] = [320, 240];

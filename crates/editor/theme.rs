@@ -1,7 +1,7 @@
 //! Colours, light and dark, and the shapes of ports.
 
 use eframe::egui::{Color32, Context, Painter, Pos2, Shape, Stroke, Theme, Visuals, vec2};
-use voltet_core::graph::PortType;
+use voltet_graph::PortType;
 
 /// Applies the theme, once.
 pub(crate) fn apply(ctx: &Context) {

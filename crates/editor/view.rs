@@ -4,7 +4,7 @@
 
 use glam::{DQuat, DVec3};
 use voltet_core::camera::{Camera, Projection};
-use voltet_core::graph::{Datum, NodeEntry, Setting};
+use voltet_graph::{Datum, NodeEntry, Setting};
 
 /// Narrowest and widest view of a perspective camera that zooming with a fixed eye may reach, degrees.
 const FOV: [f64; 2] = [1e-3, 170.0];

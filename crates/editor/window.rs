@@ -10,9 +10,9 @@ use eframe::egui::{Context, RawInput, ViewportBuilder, ViewportCommand};
 use eframe::{App, Frame, NativeOptions, Renderer};
 use std::path::Path;
 use std::sync::Arc;
-use voltet_core::graph::Registry;
 use voltet_core::{Error, Result};
 use voltet_document::Document;
+use voltet_graph::Registry;
 
 /// Width and height at the first start, points.
 const SIZE: [f32; 2] = [1280.0, 720.0];

@@ -8,8 +8,8 @@ use crate::view::View;
 use crate::worker::{Distribution, Known, Probed, Probing, Sectioning, Sharing, Wanted, short};
 use std::collections::BTreeSet;
 use std::sync::Arc;
-use voltet_core::graph::{Datum, NodeEntry};
 use voltet_document::links::{self, upstream};
+use voltet_graph::{Datum, NodeEntry};
 
 impl Editor {
     /// Asks the worker for what is wanted now and was not before.

@@ -5,9 +5,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, TryRecvError, channel};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
-use voltet_core::graph::Observer;
 use voltet_core::{Error, Result};
-use voltet_nodes::memory;
+use voltet_graph::Observer;
+use voltet_io::memory;
 
 /// How often the program is asked.
 const BETWEEN: Duration = Duration::from_millis(20);

@@ -2,8 +2,8 @@
 
 use crate::session::{Scene, Session};
 use voltet_core::Result;
-use voltet_core::graph::{Datum, Graph, LinkEntry, Node, NodeEntry, Origin, Port, PortType, Setting};
 use voltet_document::links::{source, sources, upstream};
+use voltet_graph::{Datum, Graph, LinkEntry, Node, NodeEntry, Origin, Port, PortType, Setting};
 use voltet_nodes::given;
 
 /// What takes a value: the run is made for it.

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use voltet_core::grid::{self, Array, CellSet, Cells, Grid, Options, Parts, Polyhedron, code};
 use voltet_core::progress::Progress;
 use voltet_core::{Error, Result, Shared};
-use voltet_nodes::formats::face_stream;
+use voltet_io::formats::face_stream;
 
 /// A grid as a program holds it. That slices without end live and stay as they are as long as `keep` is the promise of whoever
 /// made them.

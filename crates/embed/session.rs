@@ -4,15 +4,15 @@ use crate::graphs::TAKER;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
-use voltet_core::graph::{
-    Demand, Given, Graph, NodeEntry, Observer, Port, PortType, Registry, RunReport, Stated, Value,
-};
 use voltet_core::grid::Grid;
 use voltet_core::picture::Picture;
-use voltet_core::pipeline::Pipeline;
 use voltet_core::{Error, Result};
+use voltet_graph::pipeline::Pipeline;
+use voltet_graph::{
+    Demand, Given, Graph, NodeEntry, Observer, Port, PortType, Registry, RunReport, Stated, Value,
+};
+use voltet_io::provenance::run_report;
 use voltet_nodes::given;
-use voltet_nodes::provenance::run_report;
 
 /// What a program states.
 pub trait Scene {
@@ -29,7 +29,7 @@ pub trait Scene {
 /// What lives longer than a picture.
 pub struct Session {
     pub(crate) registry: Registry,
-    runs: voltet_core::graph::Session,
+    runs: voltet_graph::Session,
     /// The grids that stand in for nodes' own.
     pub(crate) grids: BTreeMap<String, Given>,
     last: Option<RunReport>,
@@ -52,7 +52,7 @@ pub struct Account {
 }
 
 impl Account {
-    /// What is said of the run in a report ([`voltet_nodes::provenance::whole_report`]).
+    /// What is said of the run in a report ([`voltet_io::provenance::whole_report`]).
     pub fn words(&self) -> serde_json::Value {
         run_report(&self.path, &self.run, &self.stated)
     }
@@ -200,7 +200,7 @@ impl Session {
         &mut self,
         scene: &dyn Scene,
         node: &str,
-        work: impl FnOnce(&Graph, &mut voltet_core::graph::Session) -> Result<T>,
+        work: impl FnOnce(&Graph, &mut voltet_graph::Session) -> Result<T>,
     ) -> Result<T> {
         let graph = self.graph_for(scene, node, "image")?;
         work(&graph, &mut self.runs).map_err(|error| scene.locate(error))
@@ -210,7 +210,7 @@ impl Session {
     pub fn with_whole<T>(
         &mut self,
         scene: &dyn Scene,
-        work: impl FnOnce(&Graph, &mut voltet_core::graph::Session) -> Result<T>,
+        work: impl FnOnce(&Graph, &mut voltet_graph::Session) -> Result<T>,
     ) -> Result<T> {
         let graph = self.whole(scene)?;
         work(&graph, &mut self.runs).map_err(|error| scene.locate(error))

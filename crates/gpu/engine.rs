@@ -15,15 +15,15 @@ use serde_json::json;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use voltet_core::Result;
-use voltet_core::engine::{
+use voltet_core::progress::Progress;
+use voltet_core::visibility::FaceOrder;
+use voltet_core::volume::Volume;
+use voltet_graph::{Notes, Saving};
+use voltet_optics::engine::{
     AdapterWish, Chosen, Compositing, Counts, Declaration, Drawn, Engine, Forgetful, Forms, Manner, Memory,
     Pending, Prepared,
 };
-use voltet_core::graph::{Notes, Saving};
-use voltet_core::progress::Progress;
-use voltet_core::scene::Scene;
-use voltet_core::visibility::FaceOrder;
-use voltet_core::volume::Volume;
+use voltet_optics::scene::Scene;
 use voltet_shaders::compose;
 
 /// The device engine.

@@ -17,9 +17,9 @@ use std::ffi::CString;
 use std::mem::size_of;
 use std::ptr::{from_ref, null};
 use std::sync::{Arc, Mutex, PoisonError};
-use voltet_core::graph::{Asking, Call, Node, Outputs, Port, PortType, Value};
 use voltet_core::grid::{Array, Grid};
 use voltet_core::{Error, Result};
+use voltet_graph::{Asking, Call, Node, Outputs, Port, PortType, Value};
 
 /// What a grid filter is given.
 pub(crate) struct GivenGrid {

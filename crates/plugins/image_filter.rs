@@ -11,8 +11,8 @@ use crate::values::Owned;
 use std::mem::size_of;
 use std::sync::Arc;
 use voltet_core::Result;
-use voltet_core::graph::{Call, Node, Outputs, Port, PortType, Value};
 use voltet_core::picture::Picture;
+use voltet_graph::{Call, Node, Outputs, Port, PortType, Value};
 
 /// What an image filter is given.
 pub(crate) struct GivenImage {

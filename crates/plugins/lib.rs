@@ -67,8 +67,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use voltet_core::Result;
 use voltet_core::field::{GradientFilter, Plugin};
-use voltet_core::graph::Node;
 use voltet_core::reading::GridReader;
+use voltet_graph::Node;
 
 /// What a plug-in offers.
 #[derive(Default)]

@@ -1,8 +1,8 @@
 //! The node that a plug-in's filter is: what all of them share.
 
 use crate::runner::Offered;
-use voltet_core::graph::Node;
 use voltet_core::parameters::{Kind, Parameters, Standard};
+use voltet_graph::Node;
 
 /// A node with what every one has, completed by `own`; it lives from now on as long as the program.
 pub(crate) fn leaked(offered: &Offered, own: impl FnOnce(Node) -> Node) -> &'static Node {

@@ -7,10 +7,10 @@ use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use voltet_core::glam::DVec3;
-use voltet_core::graph::Demand;
 use voltet_core::grid::{self, Array, Association, Cells, Grid, Options, Parts, Scalar};
 use voltet_core::progress::Progress;
 use voltet_core::{Result, Shared};
+use voltet_graph::Demand;
 
 /// Arrays by name.
 type Arrays = BTreeMap<String, Array>;

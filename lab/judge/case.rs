@@ -3,10 +3,10 @@
 use super::json::{array, fixed, member, number, numbers, text};
 use super::look::transfer_function;
 use serde_json::Value;
-use voltet_core::engine::{Conditions, PartialIntegrals};
-use voltet_core::optics::{Contribution, Segment};
 use voltet_core::transfer::{OpticalModel, TransferFunction, Widget};
 use voltet_core::{Error, Result};
+use voltet_optics::engine::{Conditions, PartialIntegrals};
+use voltet_optics::{Contribution, Segment};
 
 /// One case with its exact results.
 #[derive(Debug, Clone)]

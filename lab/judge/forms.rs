@@ -1,9 +1,9 @@
 //! The 64-bit formulas as a set of forms: the truth of which engines have twins.
 
 use voltet_core::Result;
-use voltet_core::engine::{Answer, Chain, Forms, PartialIntegrals, Precision};
-use voltet_core::optics::{Contribution, Overlap, Prepared, Segment, compositing, linear};
 use voltet_core::transfer::TransferFunction;
+use voltet_optics::engine::{Answer, Chain, Forms, PartialIntegrals, Precision};
+use voltet_optics::{Contribution, Overlap, Prepared, Segment, compositing, linear};
 
 /// The 64-bit forms.
 #[derive(Debug, Clone, Copy, Default)]

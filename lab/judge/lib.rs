@@ -32,8 +32,8 @@ pub use shipped::{segment_cases, shipped, stiff};
 
 use bounds::{Quantity, rule};
 use voltet_core::Result;
-use voltet_core::engine::{Answer, Forms};
-use voltet_core::optics::{Contribution, Overlap};
+use voltet_optics::engine::{Answer, Forms};
+use voltet_optics::{Contribution, Overlap};
 
 /// Judges every case of `text`, the content of a case file, by each set of forms. Errors name the line.
 pub fn judge_all(text: &str, forms: &[&dyn Forms]) -> Result<Vec<Report>> {

@@ -2,8 +2,8 @@
 //!
 //! Used by the tests of the native engine and of the shaders, so that both are held to one measure.
 
-use voltet_core::optics::integrators::SegmentIntegrator;
-use voltet_core::optics::{Contribution, Prepared, Segment};
+use voltet_optics::integrators::SegmentIntegrator;
+use voltet_optics::{Contribution, Prepared, Segment};
 
 /// T, C and A.
 pub fn numbers(found: &Contribution) -> [f64; 5] {

@@ -3,7 +3,7 @@
 
 use super::case::{Case, Kind, SegmentCase, parse};
 use voltet_core::Result;
-use voltet_core::optics::Contribution;
+use voltet_optics::Contribution;
 
 /// 1,519 cases, computed with 90 digits and checked by a second route.
 const SEGMENTS: &str = include_str!("fixtures/segments.jsonl");

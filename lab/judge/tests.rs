@@ -1,5 +1,5 @@
 use super::*;
-use voltet_core::engine::{Chain, PartialIntegrals, Precision};
+use voltet_optics::engine::{Chain, PartialIntegrals, Precision};
 
 fn fixtures() -> String {
     read("segments.jsonl")
@@ -55,7 +55,7 @@ fn a_small_error_is_found() {
         fn segment(
             &self,
             transfer_function: &voltet_core::transfer::TransferFunction,
-            segment: &voltet_core::optics::Segment,
+            segment: &voltet_optics::Segment,
             overlap: Overlap,
         ) -> Result<Answer> {
             let Answer::Served(found) = Native64.segment(transfer_function, segment, overlap)? else {

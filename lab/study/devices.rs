@@ -1,8 +1,8 @@
 //! The engines that a study or the stability of formulas is measured on.
 
 use std::sync::Arc;
-use voltet_core::engine::{AdapterWish, Declaration, Engine};
 use voltet_core::{Error, Result};
+use voltet_optics::engine::{AdapterWish, Declaration, Engine};
 
 /// Opens an engine on the adapter that is named, by its kind or a part of its name, or on the fastest that is hardware.
 ///

@@ -3,8 +3,8 @@
 
 use serde::Serialize;
 use serde_json::Value;
-use voltet_core::graph::{LeftOut, RunReport};
 use voltet_core::picture::Picture;
+use voltet_graph::{LeftOut, RunReport};
 
 /// Largest difference of a channel that leaving something out may make: what culled cells add, and the rounding of 32 bits
 /// where one colour is summed and not composited.
@@ -46,7 +46,7 @@ impl NoLeaveOut {
     pub fn compare(usual: &RunReport, no_leave_out: &RunReport) -> NoLeaveOut {
         let seconds =
             |name: &str| no_leave_out.nodes.iter().find(|node| node.name == name).map(|node| node.seconds);
-        let pair = |node: &voltet_core::graph::NodeReport| {
+        let pair = |node: &voltet_graph::NodeReport| {
             let no_leave_out = seconds(&node.name)?;
             Some(NodeSeconds { node: node.name.clone(), usual: node.seconds, no_leave_out })
         };

@@ -2,10 +2,10 @@
 //! devices.
 
 use std::sync::Arc;
-use voltet_core::optics::Segment;
 use voltet_core::transfer::{
     ControlPoint, OpticalModel, Profile, Region, Table, TransferFunction, Wave, Widget,
 };
+use voltet_optics::Segment;
 
 /// Numbers in [0, 1) that 32 bits hold: SplitMix64 (Steele, Lea & Flood 2014).
 pub struct Numbers(pub u64);

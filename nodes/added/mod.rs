@@ -1,17 +1,17 @@
 //! Formats that come from outside: the node that a reader of one is, beside the node `reader`.
 
-use crate::formats::{Chosen, Request};
 use crate::reader;
 use std::path::{Path, PathBuf};
 use voltet_core::Result;
-use voltet_core::graph::{Call, Foresight, Node, Outputs, Parameter, Parameters, Preparation, Registry};
 use voltet_core::reading::GridReader;
+use voltet_graph::{Call, Foresight, Node, Outputs, Parameter, Parameters, Preparation, Registry};
+use voltet_io::formats::{Chosen, Request};
 
 /// The parameter of the node `reader` that belongs to one of its formats.
 const OF_A_FORMAT: &str = "solution";
 
 /// The node of a reader: its name is that of the reader, its parameters are those that every reader has and its own. It lives from
-/// now on as long as the program; a registry takes it as any other ([`voltet_core::graph::Registry::add`]).
+/// now on as long as the program; a registry takes it as any other ([`voltet_graph::Registry::add`]).
 pub fn reader(reader: &'static dyn GridReader) -> &'static Node {
     let kind = reader.declaration();
     let shared = reader::NODE.parameters.iter().filter(|parameter| parameter.name != OF_A_FORMAT);

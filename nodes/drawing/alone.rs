@@ -1,11 +1,11 @@
 //! Integrators apart from any picture: what they make of single segments of a scene.
 
 use voltet_core::Result;
-use voltet_core::optics::integrators::SegmentIntegrator;
 use voltet_core::progress::Progress;
-use voltet_core::scene::Scene;
-use voltet_core::shading::Shading;
 use voltet_cpu::{Cells, cull, integrator};
+use voltet_optics::integrators::SegmentIntegrator;
+use voltet_optics::scene::Scene;
+use voltet_optics::shading::Shading;
 
 /// The cells of a scene that the native engine draws, which decide what an integrator's tables hold.
 pub struct Alone<'a> {

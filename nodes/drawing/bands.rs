@@ -4,10 +4,10 @@ use serde_json::json;
 use std::sync::Arc;
 use voltet_core::Result;
 use voltet_core::Shared;
-use voltet_core::graph::Call;
 use voltet_core::probing::{Bands, bands};
 use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
+use voltet_graph::Call;
 
 /// The bands of one transfer function over one volume, kept between runs.
 struct Kept {

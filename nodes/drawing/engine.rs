@@ -4,13 +4,13 @@ use super::engines::{ENGINES, NATIVE, REFEREE};
 use super::opened::draw_on;
 use super::order::leave_out_order;
 use super::wished::{ACCUMULATION, ADAPTER, AUTO, ENGINE, accumulation, compositor};
-use voltet_core::engine::{Compositing, Declaration};
 use voltet_core::error::ErrorKind;
-use voltet_core::graph::{Asking, Call, Parameters};
 use voltet_core::picture::Picture;
-use voltet_core::scene::Scene;
-use voltet_core::shading::{Integrator, Shading};
 use voltet_core::{Error, Result};
+use voltet_graph::{Asking, Call, Parameters};
+use voltet_optics::engine::{Compositing, Declaration};
+use voltet_optics::scene::Scene;
+use voltet_optics::shading::{Integrator, Shading};
 
 /// Whether an engine is asked where a pipeline says this.
 pub fn is_asked_by(engine: &Declaration, wanted: &str) -> bool {

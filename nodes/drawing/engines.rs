@@ -1,7 +1,7 @@
 //! The engines that there are: the one list that the nodes that draw, the studies and the commands go by.
 
-use voltet_core::engine::Declaration;
-use voltet_core::reference;
+use voltet_optics::engine::Declaration;
+use voltet_optics::reference;
 
 /// The device engine.
 #[cfg(feature = "gpu")]

@@ -4,8 +4,8 @@ use rayon::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use voltet_core::Result;
-use voltet_core::graph::Look;
 use voltet_core::grid::{Grid, extent};
+use voltet_graph::Look;
 
 /// Of smaller grids all gradients take less than a millisecond or two.
 const CELLS_LEAST: usize = 1 << 15;

@@ -2,12 +2,12 @@
 
 use super::shading::shading;
 use voltet_core::Result;
-use voltet_core::graph::{Asking, Demand, Look, Saving};
-use voltet_core::optics::integrators::{PartialTable, can_serve};
-use voltet_core::scene::needs_order;
-use voltet_core::shading::Shading;
 use voltet_core::transfer::OpticalModel;
 use voltet_cpu::needs_gradient;
+use voltet_graph::{Asking, Demand, Look, Saving};
+use voltet_optics::integrators::{PartialTable, can_serve};
+use voltet_optics::scene::needs_order;
+use voltet_optics::shading::Shading;
 
 /// Asks at `port` for what drawing the transfer function at `look_port` with the node's parameters needs; gives what
 /// was asked for.
@@ -55,9 +55,9 @@ fn demand(look: Option<&Look>, shading: &Shading) -> Demand {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use voltet_core::optics::Overlap;
-    use voltet_core::shading::{Integrator, Light};
     use voltet_core::transfer::{ControlPoint, Profile, TransferFunction, Widget};
+    use voltet_optics::Overlap;
+    use voltet_optics::shading::{Integrator, Light};
 
     fn widget(color: [f64; 3], extinction: f64) -> Widget {
         let profile = Profile::Gaussian { centre: [0.0; 2], matrix: [[1.0, 0.0], [0.0, 0.0]] };

@@ -2,12 +2,12 @@
 
 use super::order::leave_out_order;
 use voltet_core::Result;
-use voltet_core::engine::Counts;
-use voltet_core::graph::{Call, MayLeaveOut, Notes, Saving};
-use voltet_core::optics::integrators::PartialTable;
-use voltet_core::scene::Scene;
-use voltet_core::shading::Order;
 use voltet_core::transfer::OpticalModel;
+use voltet_graph::{Call, MayLeaveOut, Notes, Saving};
+use voltet_optics::engine::Counts;
+use voltet_optics::integrators::PartialTable;
+use voltet_optics::scene::Scene;
+use voltet_optics::shading::Order;
 
 /// Notes what was counted: of a whole picture, or of one stage.
 pub(super) fn note(call: &mut Call, counts: &Counts) {

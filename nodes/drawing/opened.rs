@@ -8,13 +8,13 @@ use crate::files::cache_folder;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 use voltet_core::Result;
-use voltet_core::engine::{
-    AdapterWish, Compositing, Declaration, Engine, Forgetful, Manner, Memory, Prepared,
-};
-use voltet_core::graph::Call;
 use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
-use voltet_core::scene::Scene;
+use voltet_graph::Call;
+use voltet_optics::engine::{
+    AdapterWish, Compositing, Declaration, Engine, Forgetful, Manner, Memory, Prepared,
+};
+use voltet_optics::scene::Scene;
 
 /// An engine by its name and what was wished for.
 type Wished = (&'static str, AdapterWish);

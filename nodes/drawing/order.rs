@@ -1,8 +1,8 @@
 //! The order of a pixel's segments: the parameter, and what becomes of it.
 
 use voltet_core::Result;
-use voltet_core::graph::{MayLeaveOut, Notes, Parameter, ParameterType, Parameters, Saving, Standard};
-use voltet_core::shading::Order;
+use voltet_graph::{MayLeaveOut, Notes, Parameter, ParameterType, Parameters, Saving, Standard};
+use voltet_optics::shading::Order;
 
 /// The parameter, for the declarations of `sort` and `renderer`.
 pub const ORDER: Parameter = Parameter {

@@ -3,7 +3,7 @@
 use crate::files::{Fnv, write_whole};
 use std::fs;
 use std::path::PathBuf;
-use voltet_core::engine::Memory;
+use voltet_optics::engine::Memory;
 
 /// A folder of such files. A damaged one is as none; what cannot be kept is measured again the next time.
 pub(super) struct CacheFolder(pub PathBuf);

@@ -1,8 +1,8 @@
 //! Everything that a node which draws in one goes by, from its inputs and parameters.
 
 use voltet_core::Result;
-use voltet_core::graph::Call;
-use voltet_core::scene::{Scene, needs_order};
+use voltet_graph::Call;
+use voltet_optics::scene::{Scene, needs_order};
 
 /// The scene at the inputs `volume`, `transfer_function` and `camera`.
 pub fn scene(call: &mut Call) -> Result<Scene> {

@@ -1,13 +1,13 @@
 //! The parameters of shading, declared once for the nodes that draw.
 
 use voltet_core::Result;
-use voltet_core::graph::{Parameter, ParameterType, Parameters, Range, Standard};
-use voltet_core::optics::Overlap;
-use voltet_core::optics::integrators::{
+use voltet_graph::{Parameter, ParameterType, Parameters, Range, Standard};
+use voltet_optics::Overlap;
+use voltet_optics::integrators::{
     Numbers, OVERSAMPLING_MOST, PARTIAL_SIDE_MOST, PLANES_MOST, STANDARD_OVERSAMPLING, STANDARD_PIECES,
     STANDARD_PLANES, STANDARD_SIDE,
 };
-use voltet_core::shading::{Integrator, Light, Shading};
+use voltet_optics::shading::{Integrator, Light, Shading};
 
 /// The numbers of an integrator that nobody sets.
 pub const USUAL: Numbers = Numbers {

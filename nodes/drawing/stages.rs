@@ -7,15 +7,15 @@ use super::visible;
 use std::sync::Arc;
 use voltet_core::Result;
 use voltet_core::camera::Camera;
-use voltet_core::engine::{Counts, Stage};
-use voltet_core::graph::{Call, Look, Revision, diagonal};
 use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
-use voltet_core::scene::Scene;
-use voltet_core::shading::{Order, Shading};
 use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
 use voltet_cpu::{self as engine, Cells, Projection};
+use voltet_graph::{Call, Look, Revision, diagonal};
+use voltet_optics::engine::{Counts, Stage};
+use voltet_optics::scene::Scene;
+use voltet_optics::shading::{Order, Shading};
 use voltet_simd::LaneSet;
 
 /// The diagonal of the data with one revision, kept between runs.

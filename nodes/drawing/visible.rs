@@ -1,10 +1,10 @@
 //! What a picture does not show, with the reason and the remedy.
 
 use rayon::prelude::*;
-use voltet_core::engine::Counts;
 use voltet_core::grid::extent;
 use voltet_core::picture::Picture;
-use voltet_core::scene::Scene;
+use voltet_optics::engine::Counts;
+use voltet_optics::scene::Scene;
 
 /// Less than this in every channel is nothing in 8 bits; this near to 1, opaque.
 const STEP: f32 = 1.0 / 255.0;

@@ -2,8 +2,8 @@
 
 use super::engines::ENGINES;
 use voltet_core::Result;
-use voltet_core::engine::{Accumulation, Compositing, OrderCheck};
-use voltet_core::graph::{Parameter, ParameterType, Parameters, Standard};
+use voltet_graph::{Parameter, ParameterType, Parameters, Standard};
+use voltet_optics::engine::{Accumulation, Compositing, OrderCheck};
 
 /// The word for whatever engine is there.
 pub const AUTO: &str = "auto";

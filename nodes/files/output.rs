@@ -2,8 +2,8 @@
 
 use super::{is_stream, refuse_unwritable, shown, write_whole};
 use std::path::Path;
-use voltet_core::graph::{Call, Parameter, ParameterType, Parameters, Preparation, Standard};
 use voltet_core::{Error, Result};
+use voltet_graph::{Call, Parameter, ParameterType, Parameters, Preparation, Standard};
 
 /// The word for a format that the path decides.
 pub const BY_ENDING: &str = "auto";

@@ -1,14 +1,12 @@
 //! A grid that a program holds in memory, in place of one that a node reads.
 
-use crate::formats::{Component, length};
 use crate::reader::SCALAR;
 use rayon::prelude::*;
 use std::sync::Arc;
-use voltet_core::graph::{
-    Call, Datum, Given, Node, NodeEntry, Outputs, Port, PortType, Registry, Value, suggest,
-};
 use voltet_core::grid::{Array, Grid};
 use voltet_core::{Error, Result};
+use voltet_graph::{Call, Datum, Given, Node, NodeEntry, Outputs, Port, PortType, Registry, Value, suggest};
+use voltet_io::formats::{Component, length};
 
 /// The node that stands where a program gives a grid; such a program adds it to its registry. As a reader it takes the name of
 /// the scalar.
@@ -23,7 +21,7 @@ pub static NODE: Node = Node {
     ..Node::BLANK
 };
 
-/// The grid of a program, for [`voltet_core::graph::Graph::give`]. Its scalar is drawn where the node names none, else the point
+/// The grid of a program, for [`voltet_graph::Graph::give`]. Its scalar is drawn where the node names none, else the point
 /// array of that name.
 pub fn grid(grid: Arc<Grid>) -> Given {
     Given::new(move |call| run(call, &grid))

@@ -1,15 +1,15 @@
 //! The parameters of `probe`: the region, the fields, and how the widget is made.
 
 use glam::DVec3;
-use voltet_core::graph::{
-    Along, Datum, Field, Measure, Measured, Origin, Parameter, ParameterType, Parameters, Quantity, Range,
-    Setting, Standard,
-};
 use voltet_core::grid::{Grid, extent};
 use voltet_core::probing::Region;
 use voltet_core::transfer::{Scales, resolved, standing_in};
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
+use voltet_graph::{
+    Along, Datum, Field, Measure, Measured, Origin, Parameter, ParameterType, Parameters, Quantity, Range,
+    Setting, Standard,
+};
 
 /// The parameters, for the declaration.
 pub const PARAMETERS: &[Parameter] = &[

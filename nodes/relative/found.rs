@@ -1,9 +1,9 @@
 //! What was found of the data.
 
 use std::collections::{BTreeMap, BTreeSet};
-use voltet_core::graph::Quantity;
 use voltet_core::transfer::{Scales, Wanted};
 use voltet_core::{Error, Result};
+use voltet_graph::Quantity;
 
 /// What was found of the data.
 #[derive(Debug, Clone, Default)]

@@ -8,10 +8,10 @@ use super::found::Found;
 use super::volume::{measure as measure_one, of, values};
 use std::collections::BTreeMap;
 use voltet_core::Result;
-use voltet_core::graph::{Call, Demand, Quantity, Value};
 use voltet_core::probing::Volumes;
 use voltet_core::transfer::Wanted;
 use voltet_core::volume::Volume;
+use voltet_graph::{Call, Demand, Quantity, Value};
 
 /// Pieces that the interval of a percentile is cut into.
 const EDGES: usize = 4096;

@@ -6,8 +6,8 @@ use super::volume::{demand, measure};
 use std::collections::BTreeSet;
 use std::sync::{Arc, Mutex, PoisonError};
 use voltet_core::Result;
-use voltet_core::graph::Call;
 use voltet_core::transfer::Wanted;
+use voltet_graph::Call;
 
 /// What was found so far, of one volume or one series.
 #[derive(Default)]

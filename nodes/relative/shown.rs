@@ -2,7 +2,7 @@
 
 use super::found::Found;
 use serde_json::{Map, Value, json};
-use voltet_core::graph::{Datum, Notes, Parameters, Setting};
+use voltet_graph::{Datum, Notes, Parameters, Setting};
 
 /// The parameters that were relative, as a file could hold them now: "centre = [60.8, 0.012], sigma = [0.35, 0.025]".
 fn shown(before: &Parameters, after: &Parameters) -> String {

@@ -1,12 +1,12 @@
 //! Ranges and percentiles of quantities of one volume.
 
 use super::found::Found;
-use voltet_core::graph::{Demand, Quantity};
 use voltet_core::probing::{Volumes, value_range};
 use voltet_core::progress::Progress;
 use voltet_core::transfer::Wanted;
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
+use voltet_graph::{Demand, Quantity};
 
 /// What must be asked of a volume for these.
 pub fn demand(wanted: &Wanted) -> Demand {

@@ -3,9 +3,9 @@
 use super::scales::{of_series, of_volume};
 use super::shown::{note_found, note_numbers};
 use super::volume::demand;
-use voltet_core::graph::{Asking, Call, Demand, Parameters};
 use voltet_core::transfer::{Wanted, resolved, standing_in, wanted};
 use voltet_core::{Error, Result};
+use voltet_graph::{Asking, Call, Demand, Parameters};
 
 /// Widgets: their kinds and keys.
 pub type Widgets = Vec<(&'static str, Parameters)>;

@@ -4,8 +4,8 @@ use crate::error::guarded;
 use crate::filter::registry;
 use pyo3::prelude::*;
 use serde_json::{Value, json};
-use voltet_core::graph::{Kind, Node, Parameter, ParameterType, Port};
 use voltet_core::parameters::Standard;
+use voltet_graph::{Kind, Node, Parameter, ParameterType, Port};
 
 /// Node types, gradient filters and kinds of widgets with ports and parameters, as JSON.
 #[pyfunction]

@@ -13,11 +13,11 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use voltet_core::field::{Gradient, GradientFilter, Plugin};
-use voltet_core::graph::{Datum, Registry};
 use voltet_core::grid::Grid;
 use voltet_core::parameters::{Kind, Parameter, ParameterType, Parameters, Range, Standard};
 use voltet_core::progress::Progress;
 use voltet_core::{Error, Result};
+use voltet_graph::{Datum, Registry};
 
 /// The filters that were registered, and how often that was done: one in place of another counts.
 static FILTERS: Mutex<Vec<Arc<Function>>> = Mutex::new(Vec::new());

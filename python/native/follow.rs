@@ -5,9 +5,9 @@ use crate::filter::{self, Run};
 use pyo3::prelude::*;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::OnceLock;
-use voltet_core::graph::Observer;
 use voltet_core::{Error, Result};
 use voltet_embed::{Moment, follow};
+use voltet_graph::Observer;
 
 /// Does work that may be long. Every 20 ms signals are looked for (Ctrl-C raises `KeyboardInterrupt`, on the main thread) and
 /// `progress(node, stage, fraction)` is called; what either raises stops the work, interrupts a filter in Python, and is raised here.

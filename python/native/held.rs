@@ -2,12 +2,12 @@
 
 use crate::filter;
 use std::path::{Path, PathBuf};
-use voltet_core::graph::{Datum, Field, NodeEntry, Origin};
-use voltet_core::pipeline::Pipeline as Nodes;
 use voltet_core::{Error, Result};
 use voltet_document::{Document, Edit, Fault, Part, Path as Place};
 use voltet_embed::{Account, Scene, Session};
-use voltet_nodes::provenance::{Provenance, Source};
+use voltet_graph::pipeline::Pipeline as Nodes;
+use voltet_graph::{Datum, Field, NodeEntry, Origin};
+use voltet_io::provenance::{Provenance, Source};
 
 /// A pipeline's text, and what its runs left.
 pub struct Held {
@@ -44,7 +44,7 @@ impl Scene for Stated {
 
     fn locate(&self, error: Error) -> Error {
         match &self.picture {
-            Some((path, _)) => voltet_core::pipeline::locate(error, self.document.text(), path),
+            Some((path, _)) => voltet_graph::pipeline::locate(error, self.document.text(), path),
             None => self.document.locate(error),
         }
     }
@@ -123,7 +123,7 @@ impl Held {
         let nodes = &self.stated.pipeline().nodes;
         nodes.iter().find(|node| node.name == name).ok_or_else(|| {
             let error = Error::usage(format!("there is no node '{name}'"));
-            error.accepted(voltet_core::graph::suggest(name, nodes.iter().map(|node| node.name.as_str())))
+            error.accepted(voltet_graph::suggest(name, nodes.iter().map(|node| node.name.as_str())))
         })
     }
 

@@ -10,7 +10,7 @@ use std::ffi::c_int;
 use std::sync::Arc;
 use voltet_core::Error;
 use voltet_core::picture::Picture;
-use voltet_nodes::encode as file;
+use voltet_io::encode as file;
 
 /// Memory of a Python object that stays where it is: the object is held, and told not to move it.
 #[derive(Clone)]

@@ -18,11 +18,11 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
 use voltet::study::pixel::pixel as trace;
-use voltet_core::graph::{Demand, Value};
 use voltet_core::picture::Picture;
 use voltet_core::{Error, Result};
 use voltet_document::{Edit, Path as Place};
 use voltet_embed::Scene;
+use voltet_graph::{Demand, Value};
 
 /// A pipeline and what its runs left.
 #[pyclass(frozen, module = "voltet._native")]
@@ -59,7 +59,7 @@ impl Pipeline {
         &self,
         py: Python<'_>,
         progress: Option<&Py<PyAny>>,
-        work: impl FnOnce(&mut Held, &dyn voltet_core::graph::Observer) -> Result<T> + Send,
+        work: impl FnOnce(&mut Held, &dyn voltet_graph::Observer) -> Result<T> + Send,
     ) -> PyResult<T> {
         let mut held = self.held(py)?;
         let held = &mut *held;

@@ -2,7 +2,7 @@
 
 use pyo3::prelude::*;
 use voltet_embed::Account;
-use voltet_nodes::provenance::whole_report;
+use voltet_io::provenance::whole_report;
 
 /// What was done by a run.
 #[pyclass(frozen, module = "voltet._native")]

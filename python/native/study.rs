@@ -7,9 +7,9 @@ use voltet::study::work_precision::{
     Benches, Engines, Frames, Measure, Subject, Wish, cache_folder, json, reference, studied,
     study as measure, write,
 };
-use voltet_core::graph::{Graph, Observer, suggest};
 use voltet_core::picture::Picture;
 use voltet_core::{Error, Result};
+use voltet_graph::{Graph, Observer, suggest};
 use voltet_nodes::drawing::ENGINES;
 
 /// What is asked of a study, as on the command line.

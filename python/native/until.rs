@@ -3,9 +3,9 @@
 use voltet::engine;
 use voltet::study::work_precision::Subject;
 use voltet_core::Result;
-use voltet_core::graph::{Graph, Observer, Session};
 use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
+use voltet_graph::{Graph, Observer, Session};
 
 /// Progress that is told as that of a node.
 pub struct Told<'a> {

@@ -3,8 +3,8 @@
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyString, PyTuple};
 use voltet_core::Error;
-use voltet_core::graph::{Datum, Field, Setting};
 use voltet_core::parameters::Origin;
+use voltet_graph::{Datum, Field, Setting};
 
 /// Lists in lists: deeper ones hold themselves, or are no parameter of anything.
 const DEEPEST: usize = 16;

@@ -3,9 +3,9 @@
 use super::calls::{CUTOFF_RATE, Call, Calls, Light, Mixing, light_of_rates};
 use crate::stretch::Stretch;
 use crate::writer::{WidgetRecord, Writer};
-use voltet_core::optics::wave::{sine_half_area, sine_half_width};
 use voltet_core::transfer::{Wave, Widget};
 use voltet_core::{Error, Result};
+use voltet_optics::wave::{sine_half_area, sine_half_width};
 use voltet_simd::limits::{BANDS_MOST, BANDS_WALKED_MOST, OPAQUE, SUDDEN_BANDS};
 
 pub(super) fn calls(constant_emitter: bool) -> Calls {

@@ -1,8 +1,8 @@
 //! Arguments of the commands that judge and measure: stability, study, time, papers, gradient-test.
 
 use super::{Plugins, Set};
-use crate::core::engine::Compositing;
 use crate::nodes::drawing::ENGINES;
+use crate::optics::engine::Compositing;
 use crate::study::papers::Paper;
 use crate::study::work_precision::Engines;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};

@@ -3,10 +3,10 @@
 use super::outcome::DONE;
 use crate::Source;
 use crate::arguments::Info;
-use crate::core::graph::{Datum, NodeEntry};
-use crate::core::pipeline::Pipeline;
 use crate::core::{Error, Result};
-use crate::nodes::provenance::{self, Beside, CameraOf, DataFile, PluginOf, Provenance};
+use crate::graph::pipeline::Pipeline;
+use crate::graph::{Datum, NodeEntry};
+use crate::io::provenance::{self, Beside, CameraOf, DataFile, PluginOf, Provenance};
 use crate::present::{number, print};
 use std::fs::File;
 use std::io::Read;

@@ -5,7 +5,7 @@ use super::pipelines::open_all;
 use crate::arguments::Files;
 use crate::collisions;
 use crate::core::Result;
-use crate::core::graph::Registry;
+use crate::graph::Registry;
 use crate::present::{name, print};
 
 pub fn check(arguments: &Files, registry: &Registry) -> Result<u8> {

@@ -2,9 +2,9 @@
 
 use crate::arguments::Edit;
 use crate::core::Result;
-use crate::core::graph::Registry;
 #[cfg(feature = "editor")]
 use crate::core::{graph::Observer, progress::Progress};
+use crate::graph::Registry;
 #[cfg(feature = "editor")]
 use voltet_editor::{Studied, StudiedRow, StudyOf};
 

@@ -6,7 +6,7 @@ use crate::Document;
 use crate::arguments::Explain;
 use crate::collisions;
 use crate::core::Result;
-use crate::core::graph::{Demand, Graph, GraphNode, LeftOut, Plan, PortType, Registry};
+use crate::graph::{Demand, Graph, GraphNode, LeftOut, Plan, PortType, Registry};
 use crate::present::print;
 
 pub fn explain(arguments: &Explain, registry: &Registry) -> Result<u8> {

@@ -7,8 +7,8 @@ use super::outcome::{DONE, show};
 use super::pipelines::open;
 use crate::Document;
 use crate::arguments::Info;
-use crate::core::graph::{Datum, Graph, LinkEntry, NodeEntry, PortType, Registry};
 use crate::core::{Error, Result};
+use crate::graph::{Datum, Graph, LinkEntry, NodeEntry, PortType, Registry};
 use crate::present::{self, Bar};
 
 pub fn findings(arguments: &Info, registry: &Registry) -> Result<u8> {

@@ -4,10 +4,11 @@ use super::outcome::{DONE, show};
 use super::reading::Inspecting;
 use crate::arguments;
 use crate::collisions::{self, OptionFile};
-use crate::core::graph::Registry;
-use crate::core::pipeline::field;
 use crate::core::{Error, Result};
-use crate::nodes::{encode, files};
+use crate::graph::Registry;
+use crate::graph::pipeline::field;
+use crate::io::encode;
+use crate::nodes::files;
 use crate::present::{Bar, print, say};
 use crate::study::gradient_test::{
     GradientTest, Hold, Wish, gradient_test as measure, methods, page, plot, text,

@@ -6,10 +6,10 @@ use super::outcome::DONE;
 use super::reading::{Inspecting, Meant, differs, request};
 use crate::Document;
 use crate::arguments::Info;
-use crate::core::graph::Registry;
 use crate::core::{Error, Result};
+use crate::graph::Registry;
+use crate::io::formats::{ArrayHead, ArraySummary, Association, Request, Summary, inspect, unread};
 use crate::nodes::added;
-use crate::nodes::formats::{ArrayHead, ArraySummary, Association, Request, Summary, inspect, unread};
 use crate::nodes::memory::{Needs, SIDE};
 use crate::present::{Bar, name, number, print};
 use serde_json::{Value, json as object};
@@ -59,7 +59,7 @@ fn json(summary: &Summary) -> Value {
         |(&code, &count): (&u8, &u64)| object!({ "vtk_type": code, "name": cell_name(code), "count": count });
     let bounds = summary.bounds.map(|corners| corners.map(|corner| corner.to_array()));
     let memory = summary.has_volume().then(|| {
-        let Needs { reading, drawing, lit } = summary.size.needs();
+        let Needs { reading, drawing, lit } = crate::nodes::memory::needs(&summary.size);
         object!({ "reading": reading, "drawing": drawing, "drawing_with_gradient_and_light": lit })
     });
     object!({
@@ -119,7 +119,7 @@ fn described(path: &Path, summary: &Summary) -> String {
         if summary.piece_count == 1 { "" } else { "s" },
     );
     if summary.has_volume() {
-        let Needs { reading, drawing, lit } = summary.size.needs();
+        let Needs { reading, drawing, lit } = crate::nodes::memory::needs(&summary.size);
         text += &format!(
             "  a run takes about {} of memory to read it with one array, {} to draw all of it ({SIDE} × {SIDE} \
              pixels, on the CPU), {} with gradient and light\n",

@@ -22,10 +22,11 @@ mod time;
 
 use crate::Document;
 use crate::arguments::{Arguments, Command, Set};
-use crate::core::graph::Registry;
 use crate::core::{Error, Result};
+use crate::graph::Registry;
+use crate::io::{formats, memory};
 use crate::lanes::LaneSet;
-use crate::nodes::{files, formats, memory};
+use crate::nodes::files;
 use outcome::{WRONG, show};
 use std::error::Error as _;
 use std::io::ErrorKind;

@@ -2,8 +2,8 @@
 
 use super::outcome::DONE;
 use crate::arguments::Nodes;
-use crate::core::graph::{Kind, Registry, suggest};
 use crate::core::{Error, Result};
+use crate::graph::{Kind, Registry, suggest};
 use crate::present::{filter_markdown, filter_text, node_markdown, node_text, print};
 
 pub fn nodes(arguments: &Nodes, registry: &Registry) -> Result<u8> {

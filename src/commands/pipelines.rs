@@ -2,7 +2,7 @@
 
 use super::outcome::{DONE, show};
 use crate::core::Error;
-use crate::core::graph::Registry;
+use crate::graph::Registry;
 use crate::{Document, Source};
 use std::path::PathBuf;
 

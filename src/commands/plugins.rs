@@ -2,8 +2,8 @@
 
 use crate::arguments::Plugins;
 use crate::core::field::Plugin;
-use crate::core::graph::{Node, Registry};
 use crate::core::{Error, Result};
+use crate::graph::{Node, Registry};
 use crate::nodes::{added, files};
 use crate::present::{say, warning};
 use std::path::{Path, PathBuf};

@@ -1,8 +1,8 @@
 //! How a data file is read: which of its arrays is meant, and what a `reader` node says of it.
 
-use crate::core::graph::{Datum, Observer};
 use crate::core::progress::Progress;
-use crate::nodes::formats::{ArrayHead, ArraySummary, Association, Request, TimeStep};
+use crate::graph::{Datum, Observer};
+use crate::io::formats::{ArrayHead, ArraySummary, Association, Request, TimeStep};
 use crate::present::Bar;
 use std::path::{Path, PathBuf};
 

@@ -2,11 +2,11 @@
 
 use super::outcome::DONE;
 use crate::arguments::Stability;
-use crate::core::engine::Forms;
-use crate::core::graph::Observer;
 use crate::core::progress::Progress;
 use crate::core::{Error, Result};
+use crate::graph::Observer;
 use crate::judge::{Report, judge_all};
+use crate::optics::engine::Forms;
 use crate::present::{Bar, name, print};
 use crate::stability;
 use serde_json::{Value, json};

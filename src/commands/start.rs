@@ -4,17 +4,17 @@ use super::outcome::DONE;
 use super::reading::{Inspecting, Meant, differs, request, scalar};
 use crate::arguments::Start;
 use crate::core::field::{LeastSquares, Method, magnitude};
-use crate::core::graph::{Datum, Registry};
 use crate::core::grid::Grid;
 use crate::core::grid::extent::{bounds, range, scene_length};
 use crate::core::probing::{Axis, Histogram, Proposed, histogram, proposal, quiet};
 use crate::core::progress::Progress;
 use crate::core::{Error, Result};
+use crate::graph::{Datum, Registry};
+use crate::io::formats::{ArrayHead, ArraySummary, Association, Request, Summary, arrays, inspect, read};
 use crate::nodes::added;
 use crate::nodes::files::{
     beside, folder, is_standard_output, refuse_unwritable, standard_output, write_whole,
 };
-use crate::nodes::formats::{ArrayHead, ArraySummary, Association, Request, Summary, arrays, inspect, read};
 use crate::present::{Bar, name, say};
 use glam::DVec3;
 use std::path::{Path, PathBuf};

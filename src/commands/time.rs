@@ -4,10 +4,10 @@ use super::outcome::{DONE, show, warn};
 use super::pipelines::open_all;
 use crate::Document;
 use crate::arguments;
-use crate::core::graph::{Observer, Registry};
 use crate::core::progress::Progress;
-use crate::core::shading::Order;
 use crate::core::{Error, Result};
+use crate::graph::{Observer, Registry};
+use crate::optics::shading::Order;
 use crate::present::{Bar, print};
 use crate::study::work_precision::{
     self as study, Benches, Cost, Frames, Measure, Painter, Setting, Subject, Times, Wish,

@@ -1,7 +1,8 @@
 //! Progress of work that takes longer than a second, on a terminal; and stopping at a signal.
 
-use crate::core::graph::Observer;
-use crate::nodes::{files, memory};
+use crate::graph::Observer;
+use crate::io::memory;
+use crate::nodes::files;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -1,12 +1,12 @@
 //! The reference of a node type or gradient filter, as text and as Markdown, from its declaration.
 
-use crate::core::graph::{Kind, Node, Parameter, ParameterType, Port, Registry};
+use crate::graph::{Kind, Node, Parameter, ParameterType, Port, Registry};
 
 /// Type, unit and standard value of a parameter: "number above 0, degrees; default 30.0".
 fn kind(parameter: &Parameter) -> String {
     let unit = if parameter.unit.is_empty() { String::new() } else { format!(", {}", parameter.unit) };
     let standard = match parameter.standard {
-        crate::core::graph::Standard::Required => "required".to_string(),
+        crate::graph::Standard::Required => "required".to_string(),
         other => format!("default: {other}"),
     };
     format!("{}{unit}; {standard}", parameter.parameter_type.describe())

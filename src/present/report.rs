@@ -2,8 +2,8 @@
 
 use super::streams::name;
 use crate::Document;
-use crate::core::graph::{Finding, RunReport};
-use crate::nodes::provenance::run_report;
+use crate::graph::{Finding, RunReport};
+use crate::io::provenance::run_report;
 use serde_json::Value;
 
 /// What is said of one run of a pipeline.

@@ -2,7 +2,7 @@
 
 use super::support::{Folder, SLAB};
 use voltet::Document;
-use voltet::core::graph::Unobserved;
+use voltet::graph::Unobserved;
 
 /// The device's picture, in the same file as the CPU's. `None` without an adapter, said loudly; a failure if the
 /// environment variable `VOLTET_REQUIRE_GPU` is 1.

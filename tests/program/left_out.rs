@@ -2,7 +2,7 @@
 
 use super::support::{Folder, SLAB, cube, cube_of};
 use voltet::Document;
-use voltet::core::graph::{RunReport, Session, Unobserved};
+use voltet::graph::{RunReport, Session, Unobserved};
 use voltet::study::{NoLeaveOut, SAME};
 
 /// A second widget of another colour, which looks at g; the first one's colour is green.
@@ -85,7 +85,7 @@ fn every_node_and_the_session_say_what_was_left_out_why_and_what_that_saves() {
     let mut session = voltet::nodes::session();
     let report = session.run(&document.graph, &Unobserved).unwrap();
     let said = |report: &RunReport| -> Vec<String> {
-        let saving = |left: &voltet::core::graph::LeftOut| match left.saving {
+        let saving = |left: &voltet::graph::LeftOut| match left.saving {
             Some(saving) => serde_json::to_string(&saving).unwrap(),
             None => String::new(),
         };
@@ -108,7 +108,7 @@ fn every_node_and_the_session_say_what_was_left_out_why_and_what_that_saves() {
     let cells = |which: &str| {
         let left = report.left_out.iter().find(|left| left.what == format!("cells {which}")).unwrap();
         match left.saving {
-            Some(voltet::core::graph::Saving::Cells(count)) => count,
+            Some(voltet::graph::Saving::Cells(count)) => count,
             other => panic!("{other:?}"),
         }
     };
@@ -133,7 +133,7 @@ fn gradients_are_computed_where_widgets_look_for_them() {
     let points_left = |report: &RunReport| {
         let left = report.left_out.iter().find(|left| left.what == "gradient at points")?;
         match left.saving {
-            Some(voltet::core::graph::Saving::Points(count)) => Some(count),
+            Some(voltet::graph::Saving::Points(count)) => Some(count),
             other => panic!("{other:?}"),
         }
     };

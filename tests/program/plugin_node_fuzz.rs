@@ -5,8 +5,8 @@
 use crate::plugin_node_scene::scene;
 use voltet::Document;
 use voltet::core::Result;
-use voltet::core::graph::{Observer, Registry};
 use voltet::core::picture::Picture;
+use voltet::graph::{Observer, Registry};
 use voltet::nodes::added;
 use voltet_testing::compilers;
 

@@ -2,7 +2,7 @@
 
 use super::support::{Folder, SLAB};
 use voltet::Document;
-use voltet::core::graph::Unobserved;
+use voltet::graph::Unobserved;
 
 #[test]
 fn the_report_has_times_counts_and_what_was_left_out() {

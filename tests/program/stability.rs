@@ -1,8 +1,8 @@
 //! `voltet stability`: good, wrong and damaged case files.
 
 use super::support::Folder;
-use voltet::core::engine::AdapterWish;
 use voltet::nodes::drawing::ENGINES;
+use voltet::optics::engine::AdapterWish;
 
 /// Cases of every kind, each line with a key that no reader knows.
 fn cases() -> Vec<String> {

@@ -2,14 +2,14 @@
 
 use std::sync::Arc;
 use voltet_core::Result;
-use voltet_core::engine::{AdapterWish, Manner};
-use voltet_core::optics::integrators;
 use voltet_core::picture::Picture;
 use voltet_core::progress::Silent;
-use voltet_core::scene::Scene;
-use voltet_core::shading::{Integrator, Order, Shading};
 use voltet_core::transfer::TransferFunction;
 use voltet_cpu::{self as engine, Casting, Cells, Counts};
+use voltet_optics::engine::{AdapterWish, Manner};
+use voltet_optics::integrators;
+use voltet_optics::scene::Scene;
+use voltet_optics::shading::{Integrator, Order, Shading};
 use voltet_testing::pictures::Engine;
 use voltet_testing::pictures::compare::{NamedScene, ORDINARY, within};
 

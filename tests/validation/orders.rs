@@ -2,9 +2,9 @@
 
 use crate::drawing::{ByCells, Tested, picture};
 use voltet_core::progress::Silent;
-use voltet_core::shading::{Integrator, Order, Shading};
 use voltet_core::transfer::{OpticalModel, Profile, TransferFunction, Wave, Widget};
 use voltet_cpu as engine;
+use voltet_optics::shading::{Integrator, Order, Shading};
 use voltet_testing::pictures::Engine;
 use voltet_testing::pictures::compare::{NamedScene, SHADING};
 use voltet_testing::pictures::grids::*;

@@ -3,14 +3,14 @@
 use glam::DVec3;
 use std::sync::Arc;
 use voltet_core::Result;
-use voltet_core::engine::{AdapterWish, Manner};
 use voltet_core::grid::extent;
 use voltet_core::picture::Picture;
 use voltet_core::progress::Silent;
-use voltet_core::scene::Scene;
-use voltet_core::shading::{Integrator, Order, Shading};
 use voltet_core::transfer::{OpticalModel, TransferFunction};
 use voltet_core::volume::Volume;
+use voltet_optics::engine::{AdapterWish, Manner};
+use voltet_optics::scene::Scene;
+use voltet_optics::shading::{Integrator, Order, Shading};
 use voltet_testing::pictures::compare::SHADING;
 use voltet_testing::pictures::grids::*;
 use voltet_testing::pictures::looks::*;

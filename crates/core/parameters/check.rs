@@ -49,7 +49,7 @@ impl Parameters {
     }
 
     /// These and others, whose names differ from these: what two declarations ask of one table.
-    pub(crate) fn and(mut self, others: Parameters) -> Parameters {
+    pub fn and(mut self, others: Parameters) -> Parameters {
         self.declared.to_mut().extend_from_slice(&others.declared);
         self.settings.extend(others.settings);
         self.given.extend(others.given);

@@ -6,7 +6,7 @@ use super::setting::Setting;
 use crate::{Error, Result};
 
 /// The first name that occurs twice.
-pub(crate) fn repeated<'a>(names: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+pub fn repeated<'a>(names: impl Iterator<Item = &'a str>) -> Option<&'a str> {
     let mut seen = Vec::new();
     for name in names {
         if seen.contains(&name) {
@@ -19,7 +19,7 @@ pub(crate) fn repeated<'a>(names: impl Iterator<Item = &'a str>) -> Option<&'a s
 
 /// Refuses declarations that contradict themselves, also within tables: names must differ, from those `taken` too, help
 /// must be there, and a standard value must be one that a file could give. `of`: whose they are, for the message.
-pub(crate) fn refuse_contradictions(of: &str, parameters: &[Parameter], taken: &[&str]) -> Result<()> {
+pub fn refuse_contradictions(of: &str, parameters: &[Parameter], taken: &[&str]) -> Result<()> {
     if let Some(twice) = repeated(parameters.iter().map(|p| p.name).chain(taken.iter().copied())) {
         return Err(Error::usage(format!("{of} declares '{twice}' twice")));
     }

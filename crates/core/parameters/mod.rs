@@ -22,12 +22,12 @@ mod setting;
 mod tests;
 
 pub use check::{ParameterFault, Parameters};
-pub(crate) use contradictions::{refuse_contradictions, repeated};
+pub use contradictions::{refuse_contradictions, repeated};
 pub use declaration::{Along, Kind, Measure, Measured, Parameter, ParameterType, Standard};
 pub use measured::RelativeNumber;
 pub use nearest::{nearest, suggest};
 pub use paths::NamedPath;
 pub use range::Range;
 pub use relative::{Quantity, Relative};
-pub(crate) use setting::replace_field;
+pub use setting::replace_field;
 pub use setting::{Datum, Field, Origin, Setting, key_text};

@@ -156,7 +156,7 @@ impl Setting {
 }
 
 /// Replaces or adds the key `first` (and `rest` within it) of a table.
-pub(crate) fn replace_field(fields: &mut Vec<Field>, first: &str, rest: &[&str], new: Setting) -> Result<()> {
+pub fn replace_field(fields: &mut Vec<Field>, first: &str, rest: &[&str], new: Setting) -> Result<()> {
     if let Some(field) = fields.iter_mut().find(|f| f.name == first) {
         return field.setting.replace(rest, new);
     }

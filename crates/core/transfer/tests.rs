@@ -1,8 +1,5 @@
 //! What is asked of a whole transfer function.
 
-mod places;
-mod relative;
-
 use super::*;
 
 fn widget(profile: Profile, color: [f64; 3], extinction: f64) -> Widget {

@@ -147,3 +147,37 @@ pub(super) fn follow(crossings: &mut [Crossing], touch: f64, relations: &mut Vec
     }
     true
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Exits and entries along a ray, by rounding in the wrong order, and parts in each other.
+    #[test]
+    fn crossings_are_followed_along_a_ray() {
+        let crossing = |(depth, cell, enters)| Crossing { depth, cell, enters };
+        let follow = |crossings: &[(f64, u32, bool)]| {
+            let mut relations = Vec::new();
+            let mut crossings: Vec<_> = crossings.iter().copied().map(crossing).collect();
+            follow(&mut crossings, 1e-6, &mut relations).then_some(relations)
+        };
+        let [enter, leave] = [true, false];
+        let apart = [(1.0, 0, enter), (2.0, 1, leave), (3.0, 2, enter), (4.0, 3, leave)];
+        assert_eq!(follow(&apart), Some(vec![[1, 2]]));
+        assert_eq!(follow(&apart[1..]), Some(vec![[1, 2]]), "from within");
+        let touching = [(1.0, 0, enter), (2.0 + 1e-9, 1, leave), (2.0, 2, enter), (4.0, 3, leave)];
+        assert_eq!(follow(&touching), Some(vec![[1, 2]]));
+        let sliver = [
+            (1.0, 0, enter),
+            (2.0, 1, leave),
+            (3.0, 5, leave),
+            (3.0 + 1e-9, 5, enter),
+            (4.0, 2, enter),
+            (5.0, 2, leave),
+        ];
+        assert_eq!(follow(&sliver), Some(vec![[1, 5], [5, 2]]));
+        let within = [(1.0, 0, enter), (2.0, 2, enter), (3.0, 1, leave), (4.0, 3, leave)];
+        assert_eq!(follow(&within), None);
+        assert_eq!(follow(&apart[..3]), None, "open");
+    }
+}

@@ -25,6 +25,3 @@ pub use centroid::centroid_order;
 pub use disorder::{Disorder, disorder};
 pub use faces::Faces;
 pub use order::{FaceOrder, WhyNot};
-
-#[cfg(test)]
-mod tests;

@@ -6,8 +6,8 @@
 //! rule decides; so a ray between triangles meets one of them.
 
 use crate::Result;
+use crate::arithmetic::edge_sign;
 use crate::camera::{Camera, Projection};
-use crate::reference::edge_sign;
 use glam::{DVec2, DVec3};
 use std::ops::Range;
 

@@ -51,8 +51,8 @@ use boundary::Boundary;
 use half_faces::HalfFaces;
 use points::{Points, Reach};
 use std::sync::Arc;
-use voltet_core::shading::Order;
 use voltet_core::transfer::TransferFunction;
+use voltet_optics::shading::Order;
 
 /// Attributes that rays carry along: s, g and the components of ∇s.
 pub(crate) const CARRIED_MOST: usize = 5;

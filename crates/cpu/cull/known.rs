@@ -14,10 +14,10 @@ use std::sync::{Arc, Mutex};
 use voltet_core::camera::Camera;
 use voltet_core::grid::extent;
 use voltet_core::progress::Progress;
-use voltet_core::shading::Order;
 use voltet_core::transfer::{Support, TransferFunction};
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
+use voltet_optics::shading::Order;
 use voltet_simd::LaneSet;
 
 /// Optical depth that all culled cells together may have along the longest ray: a tenth of the 1e-6 that a

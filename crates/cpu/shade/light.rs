@@ -8,7 +8,7 @@ use crate::fragments::batch::Batch;
 use crate::project::record::TILE;
 use crate::view::View;
 use glam::DVec3;
-use voltet_core::shading::{Shading, unit_vector};
+use voltet_optics::shading::{Shading, unit_vector};
 use voltet_simd::optics::elementary::power;
 use voltet_simd::{Float, Lanes, Mask, Unsigned, array};
 

@@ -7,7 +7,7 @@ use crate::shade::roads::{Form, Part};
 use crate::shade::shaded::{DENSE_LEAST, Shaded};
 use crate::shade::shader::{overlaps, push};
 use crate::shade::stepped::STEPS;
-use voltet_core::optics::Overlap;
+use voltet_optics::Overlap;
 use voltet_simd::optics::gaussian::Near;
 use voltet_simd::optics::sums::{Sums, Term};
 use voltet_simd::{Float, Lanes, Mask};

@@ -4,8 +4,8 @@ use crate::attribute::Attribute;
 use crate::shade::along::Along;
 use crate::shade::kinds::Making;
 use crate::shade::reach::{LEFT_OUT, LaneReach, Spread};
-use voltet_core::optics::{Overlap, Prepared, Segment};
 use voltet_core::transfer::{ControlPoint, OpticalModel, Profile, Region, TransferFunction, Wave, Widget};
+use voltet_optics::{Overlap, Prepared, Segment};
 use voltet_simd::{Float, Kernel, LaneSet, Lanes, Mask, dispatch};
 
 /// Whether a reach meets a segment, by its stored ends.

@@ -29,7 +29,7 @@ pub(crate) struct Shaded {
     pub met: Vec<Met>,
     /// Segments integrated in 64 bits.
     pub exact_count: u64,
-    /// How often the transfer function was asked: see [`voltet_core::engine::Counts::evaluations`].
+    /// How often the transfer function was asked: see [`voltet_optics::engine::Counts::evaluations`].
     pub evaluation_count: u64,
     /// Segments on which widgets overlap by more than [`MIX_PRODUCT`].
     pub overlap_count: u64,

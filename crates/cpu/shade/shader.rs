@@ -17,11 +17,11 @@ use crate::shade::quick::{OneColor, Several};
 use crate::shade::reach::LEFT_OUT;
 use crate::shade::shaded::{Exact, Left, MIX_PRODUCT, Shaded};
 use crate::shade::stepped::{STEPS, stepped};
-use voltet_core::optics::integrators::{Extent, SegmentIntegrator};
-use voltet_core::optics::{Overlap, Prepared, Segment};
-use voltet_core::shading::{Integrator, Shading};
 use voltet_core::transfer::{OpticalModel, TransferFunction, Widget};
 use voltet_core::{Error, Result};
+use voltet_optics::integrators::{Extent, SegmentIntegrator};
+use voltet_optics::shading::{Integrator, Shading};
+use voltet_optics::{Overlap, Prepared, Segment};
 use voltet_simd::optics::elementary::one_minus_exp;
 use voltet_simd::{Float, LaneSet, Lanes, Mask};
 

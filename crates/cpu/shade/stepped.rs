@@ -6,7 +6,7 @@ use crate::shade::along::{Along, lanes_of};
 use crate::shade::gathered::Gathered;
 use crate::shade::kinds::{LaneWidget, each_met};
 use crate::shade::shaded::Shaded;
-use voltet_core::optics::quadrature::{GAUSS_4, UP_TO_4};
+use voltet_optics::quadrature::{GAUSS_4, UP_TO_4};
 use voltet_simd::optics::elementary::exp;
 use voltet_simd::optics::gaussian_steps::LaneGaussianSteps;
 use voltet_simd::optics::quadrature::{nodes, up_to};

@@ -1,11 +1,11 @@
 //! What the engine draws with against the exact values of single segments, rays, chains and tables, on every lane set.
 
-use voltet_core::engine::Forms;
-use voltet_core::optics::{Overlap, Segment};
-use voltet_core::shading::{Integrator, Shading};
 use voltet_core::transfer::{ControlPoint, OpticalModel, Profile, TransferFunction, Wave, Widget};
 use voltet_cpu::{Segments, segments};
 use voltet_judge::{Case, Report, judge_cases, shipped};
+use voltet_optics::engine::Forms;
+use voltet_optics::shading::{Integrator, Shading};
+use voltet_optics::{Overlap, Segment};
 
 /// Each value that broke its bound, and why the lanes left cases to 64 bits.
 fn shown(report: &Report) -> String {

@@ -4,9 +4,9 @@
 
 use std::hint::black_box;
 use std::time::Instant;
-use voltet_core::graph::Datum;
-use voltet_core::pipeline::Pipeline;
 use voltet_document::{Delta, Document, Edit, Gesture};
+use voltet_graph::Datum;
+use voltet_graph::pipeline::Pipeline;
 
 const NODES: usize = 200;
 const ROUNDS: usize = 200;

@@ -3,9 +3,9 @@
 use super::Work;
 use crate::path::Path;
 use crate::view::{NodeView, View, place};
-use voltet_core::graph::{Datum, Setting};
-use voltet_core::pipeline::EDITOR;
 use voltet_core::{Error, Result};
+use voltet_graph::pipeline::EDITOR;
+use voltet_graph::{Datum, Setting};
 
 impl Work {
     pub(super) fn move_nodes(

@@ -1,7 +1,7 @@
 //! Values to begin with, where the file states none and none holds.
 
 use super::{Control, Row};
-use voltet_core::graph::{Datum, Field, Kind, Parameter, ParameterType, Range, Setting, Standard};
+use voltet_graph::{Datum, Field, Kind, Parameter, ParameterType, Range, Setting, Standard};
 
 impl Row {
     /// A value to begin with; none of what is typed as text.

@@ -1,6 +1,6 @@
 //! How a parameter is changed, by what its declaration says.
 
-use voltet_core::graph::{Along, Kind, Measure, Measured, Parameter, ParameterType, Range, Registry};
+use voltet_graph::{Along, Kind, Measure, Measured, Parameter, ParameterType, Range, Registry};
 
 /// The least factor between the ends of a range for which a slider goes by factors.
 const LOGARITHMIC: f64 = 1e3;

@@ -11,7 +11,7 @@ pub use typed::{rounded, shown, typed};
 
 use crate::Document;
 use crate::path::Path;
-use voltet_core::graph::{Datum, Field, Kind, Parameter, ParameterType, Registry, Setting, Standard};
+use voltet_graph::{Datum, Field, Kind, Parameter, ParameterType, Registry, Setting, Standard};
 
 /// A parameter as a row.
 #[derive(Debug, Clone)]

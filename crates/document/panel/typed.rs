@@ -2,9 +2,9 @@
 
 use super::Row;
 use super::control::Control;
-use voltet_core::graph::{Datum, Field, Parameters, Setting, suggest};
-use voltet_core::pipeline::value;
 use voltet_core::{Error, Result};
+use voltet_graph::pipeline::value;
+use voltet_graph::{Datum, Field, Parameters, Setting, suggest};
 
 /// What a text typed for a row says: a number as it is, "25 %" and "p90" where that may stand, several numbers with commas or
 /// spaces between, in brackets or not, texts without quotes. Errors say in words what is wrong and what would be right.

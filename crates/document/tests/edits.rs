@@ -2,8 +2,8 @@
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use voltet_core::graph::{Datum, Setting};
 use voltet_document::{Document, Edit};
+use voltet_graph::{Datum, Setting};
 
 const FILE: &str = "\
 # A file.
@@ -182,7 +182,7 @@ fn widgets_come_and_go_with_their_comments() {
         gaussian < moved.find("# end of look").unwrap() && moved.find("# end of look").unwrap() < other,
         "{moved}"
     );
-    let entry = Datum::Table(vec![voltet_core::graph::Field {
+    let entry = Datum::Table(vec![voltet_graph::Field {
         name: "kind".into(),
         origin: Default::default(),
         setting: Datum::Text("new".into()).into(),

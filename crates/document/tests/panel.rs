@@ -2,9 +2,9 @@
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use voltet_core::graph::{Datum, Measure, Registry, Setting};
 use voltet_document::panel::{Control, Row, Scale, rounded, shown, typed};
 use voltet_document::{Document, Edit};
+use voltet_graph::{Datum, Measure, Registry, Setting};
 
 const FILE: &str = r#"
 [pipeline]

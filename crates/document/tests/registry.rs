@@ -2,8 +2,8 @@
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use voltet_core::graph::{Graph, PortType, Registry};
 use voltet_document::{Document, Edit, Fault, Group, Part, arrange, giving, search, taking};
+use voltet_graph::{Graph, PortType, Registry};
 
 fn registry() -> Registry {
     voltet_nodes::registry().unwrap()

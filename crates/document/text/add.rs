@@ -7,10 +7,10 @@ use super::lines;
 use super::set::assigned;
 use super::syntax::{Value, ValueKind};
 use crate::path::{Path, Step};
-use voltet_core::graph::{Datum, Field, Setting};
 use voltet_core::parameters::key_text;
-use voltet_core::pipeline::EDITOR;
 use voltet_core::{Error, Result};
+use voltet_graph::pipeline::EDITOR;
+use voltet_graph::{Datum, Field, Setting};
 
 /// Tables at so few steps have a header of their own where there is none yet; deeper ones are written on one line.
 const HEADED: usize = 2;

@@ -6,8 +6,8 @@ use crate::delta::Delta;
 use crate::path::Path;
 use std::ops::Range;
 use std::sync::Arc;
-use voltet_core::graph::Datum;
 use voltet_core::{Error, Result};
+use voltet_graph::Datum;
 
 /// A text that is being changed: where everything stands in it, and what is to be replaced.
 ///
@@ -60,7 +60,7 @@ impl Draft {
 
     /// What stands at a range, to be read as one value; none where it spans lines.
     pub(super) fn datum(&self, place: &Range<usize>) -> Option<Datum> {
-        voltet_core::pipeline::value(&self.text[place.clone()]).map(|setting| setting.datum)
+        voltet_graph::pipeline::value(&self.text[place.clone()]).map(|setting| setting.datum)
     }
 }
 

@@ -5,9 +5,9 @@ use super::find::{Found, Piece};
 use super::syntax::Value;
 use crate::path::{Path, Step};
 use std::ops::Range;
-use voltet_core::graph::{Datum, Setting};
 use voltet_core::parameters::key_text;
 use voltet_core::{Error, Result};
+use voltet_graph::{Datum, Setting};
 
 /// Where the entries of a list stand.
 enum Entries<'a> {

@@ -4,9 +4,9 @@ use super::draft::Draft;
 use super::find::{Found, Piece};
 use super::syntax::{Value, ValueKind};
 use crate::path::{Path, Step};
-use voltet_core::graph::{Datum, Field, Setting};
 use voltet_core::parameters::key_text;
 use voltet_core::{Error, Result};
+use voltet_graph::{Datum, Field, Setting};
 
 impl Draft {
     /// Sets what a path leads to, and makes tables that are not there. Of lists and tables only the parts are written that differ.

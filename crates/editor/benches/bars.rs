@@ -9,12 +9,12 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use voltet_core::Error;
-use voltet_core::graph::{Datum, NodeEntry, Setting};
-use voltet_core::pipeline::Pipeline;
 use voltet_document::Document;
 use voltet_editor::Editor;
 use voltet_editor::view::View;
 use voltet_editor::worker::{Wanted, Worker};
+use voltet_graph::pipeline::Pipeline;
+use voltet_graph::{Datum, NodeEntry, Setting};
 
 fn main() {
     let files: Vec<PathBuf> =

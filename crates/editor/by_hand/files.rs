@@ -1,6 +1,6 @@
 use super::*;
 use crate::actions::Action;
-use voltet_core::graph::Quantity;
+use voltet_graph::Quantity;
 
 #[test]
 fn saved_in_another_folder_the_file_means_the_same_data_and_says_so() {
@@ -65,10 +65,10 @@ fn a_run_writes_what_a_run_of_the_file_would() {
     std::fs::remove_file(&picture).unwrap();
     let registry = voltet_nodes::registry().unwrap();
     let text = std::fs::read_to_string(hand.path()).unwrap();
-    let pipeline = voltet_core::pipeline::Pipeline::parse(&text).unwrap();
+    let pipeline = voltet_graph::pipeline::Pipeline::parse(&text).unwrap();
     let mut graph = pipeline.graph(&registry, hand.folder.path().to_path_buf()).unwrap();
-    graph.stated = voltet_core::pipeline::Pipeline::stated(text, &registry).unwrap();
-    voltet_nodes::session().run(&graph, &voltet_core::graph::Unobserved).unwrap();
+    graph.stated = voltet_graph::pipeline::Pipeline::stated(text, &registry).unwrap();
+    voltet_nodes::session().run(&graph, &voltet_graph::Unobserved).unwrap();
     assert_eq!(std::fs::read(&picture).unwrap(), here, "to the byte");
     // Without a writer it says what is missing.
     let start = hand.text().find("[nodes.file]").unwrap();

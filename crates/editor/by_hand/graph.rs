@@ -1,5 +1,5 @@
 use super::*;
-use voltet_core::graph::NodeEntry;
+use voltet_graph::NodeEntry;
 
 fn node<'a>(hand: &'a Hand, name: &str) -> Option<&'a NodeEntry> {
     hand.editor.document().pipeline().nodes.iter().find(|node| node.name == name)

@@ -4,10 +4,10 @@ use super::transfer::with_distribution;
 use super::*;
 use crate::actions::Command;
 use crate::study::{Studied, StudyOf};
-use voltet_core::graph::Setting;
 use voltet_core::progress::Progress;
+use voltet_graph::Setting;
 
-fn last_widget(hand: &Hand) -> Vec<voltet_core::graph::Field> {
+fn last_widget(hand: &Hand) -> Vec<voltet_graph::Field> {
     let nodes = &hand.editor.document().pipeline().nodes;
     let look = nodes.iter().find(|node| node.name == "look").unwrap();
     let widgets = look.settings.iter().find(|field| field.name == "widgets").unwrap();
@@ -114,7 +114,7 @@ trait Entry {
     fn table_for_tests(&self, name: &str) -> Vec<f64>;
 }
 
-impl Entry for voltet_core::graph::Datum {
+impl Entry for voltet_graph::Datum {
     fn table_for_tests(&self, name: &str) -> Vec<f64> {
         let entry = Setting::from(self.clone());
         let fields = entry.table().unwrap().to_vec();

@@ -3,7 +3,7 @@
 use super::transfer::with_distribution;
 use super::transfer_more::{CUBE, of, place, widgets};
 use super::*;
-use voltet_core::graph::Quantity;
+use voltet_graph::Quantity;
 
 /// A hand that presses and moves on within one slow frame.
 #[test]

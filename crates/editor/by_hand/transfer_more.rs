@@ -2,7 +2,7 @@
 
 use super::transfer::with_distribution;
 use super::*;
-use voltet_core::graph::{NodeEntry, Quantity, Setting};
+use voltet_graph::{NodeEntry, Quantity, Setting};
 
 pub(super) fn widgets(hand: &Hand) -> Vec<Setting> {
     let nodes = &hand.editor.document().pipeline().nodes;

@@ -9,7 +9,7 @@ use eframe::egui::{Ui, pos2};
 use egui_node_graph2::{AnyParameterId, InputParamKind, NodeId};
 use std::collections::BTreeSet;
 use std::rc::Rc;
-use voltet_core::graph::{Node, NodeEntry};
+use voltet_graph::{Node, NodeEntry};
 
 /// Letters of a name that fit beside the time.
 const LETTERS: usize = 17;
@@ -110,7 +110,7 @@ impl GraphView {
 /// The ports of a node in the order in which they are shown; those that its wires name where its type is not known.
 fn ports(entry: &NodeEntry, node: Option<&'static Node>) -> Vec<Port> {
     let Some(node) = node else { return Vec::new() };
-    let of = |port: &voltet_core::graph::Port, is_input: bool, is_optional: bool| Port {
+    let of = |port: &voltet_graph::Port, is_input: bool, is_optional: bool| Port {
         node: entry.name.clone(),
         name: port.name.to_string(),
         port_type: port.port_type,

@@ -176,7 +176,7 @@ pub(super) fn in_words(scene: &Scene, port: &Port) -> String {
 }
 
 /// "node.port" of what a file calls "node" or so.
-fn whole(scene: &Scene, text: &str, nodes: &[voltet_core::graph::NodeEntry]) -> String {
+fn whole(scene: &Scene, text: &str, nodes: &[voltet_graph::NodeEntry]) -> String {
     let (name, output) = links::source(text, nodes);
     let first = || {
         let entry = scene.entry(name)?;

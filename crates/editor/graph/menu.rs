@@ -6,8 +6,8 @@ use crate::scene::Scene;
 use crate::theme;
 use eframe::egui::{Area, Frame, Key, Order, Pos2, Rect, RichText, ScrollArea, TextEdit, Ui, vec2};
 use std::rc::Rc;
-use voltet_core::graph::Node;
 use voltet_document::{Fitting, Group, giving, search, taking};
+use voltet_graph::Node;
 
 /// Width and greatest height, points.
 const SIZE: [f32; 2] = [300.0, 360.0];

@@ -11,7 +11,7 @@ use egui_node_graph2::{
 };
 use std::borrow::Cow;
 use std::collections::HashMap;
-use voltet_core::graph::PortType;
+use voltet_graph::PortType;
 
 /// Width of what a node shows, points at the usual scale: the package's 200, less its margins of 15.
 pub(super) const INNER: f32 = 170.0;

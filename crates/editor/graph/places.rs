@@ -6,7 +6,7 @@ use eframe::egui::{Pos2, Rect, Vec2, pos2, vec2};
 use egui_node_graph2::AnyParameterId;
 use std::collections::HashMap;
 use std::rc::Rc;
-use voltet_core::graph::{Node, NodeEntry, PortType};
+use voltet_graph::{Node, NodeEntry, PortType};
 
 /// The package's margin on each side of what a node shows, points.
 const MARGIN: f32 = 15.0;

@@ -93,7 +93,7 @@ impl GraphView {
     pub(super) fn visible(&self, scene: &Scene, rect: Rect) -> BTreeSet<String> {
         let to_window = self.to_window(rect);
         let held = self.wire.as_ref().map(|wire| wire.node.as_str());
-        let seen = |node: &&voltet_core::graph::NodeEntry| {
+        let seen = |node: &&voltet_graph::NodeEntry| {
             let frame = self.places.frame(scene, node);
             let [low, high] = [frame.min, frame.max].map(|at| to_window([f64::from(at.x), f64::from(at.y)]));
             rect.intersects(Rect::from_min_max(low, high).expand(20.0)) || held == Some(&node.name)

@@ -5,9 +5,9 @@ use super::{Of, ParameterPanel};
 use crate::actions::Actions;
 use eframe::egui::collapsing_header::CollapsingState;
 use eframe::egui::{CollapsingHeader, Color32, Rgba, Sense, Ui, vec2};
-use voltet_core::graph::{Kind, Standard};
 use voltet_document::Edit;
 use voltet_document::panel::{Row, begun};
+use voltet_graph::{Kind, Standard};
 
 impl ParameterPanel {
     /// Each entry under its kind, with ways to take away, double and move it; and a way to add one.

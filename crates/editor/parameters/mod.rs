@@ -10,9 +10,9 @@ use crate::theme;
 use eframe::egui::{Grid, Label, RichText, ScrollArea, Ui};
 use std::rc::Rc;
 use typing::Typing;
-use voltet_core::graph::{Datum, NodeEntry, Standard};
 use voltet_document::panel::Row;
 use voltet_document::{Edit, Path};
+use voltet_graph::{Datum, NodeEntry, Standard};
 
 /// The panel, with what is being typed in it.
 #[derive(Default)]

@@ -3,8 +3,8 @@
 use crate::theme;
 use eframe::egui::{Label, RichText, TextEdit, Ui};
 use std::collections::HashMap;
-use voltet_core::graph::Datum;
 use voltet_document::panel::{Row, shown, typed};
+use voltet_graph::Datum;
 
 /// Width of a reason, points.
 const REASON: f32 = 280.0;

@@ -4,8 +4,8 @@ use super::{Of, ParameterPanel};
 use crate::actions::{Action, Actions};
 use crate::asking::Asked;
 use eframe::egui::{Color32, ComboBox, DragValue, Response, Rgba, Slider, Ui};
-use voltet_core::graph::{Datum, Range, Setting};
 use voltet_document::panel::{Control, Row, Scale, rounded, shown};
+use voltet_graph::{Datum, Range, Setting};
 
 /// The largest span that a slider of equal steps serves: beyond, a drag of a few points is a large step.
 const SPAN_OF_SLIDER: f64 = 1000.0;

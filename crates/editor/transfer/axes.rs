@@ -8,8 +8,8 @@ use super::scale::S_AND_G;
 use crate::scene::Scene;
 use eframe::egui::{Key, ScrollArea, TextEdit, Ui};
 use std::collections::BTreeMap;
-use voltet_core::graph::{Quantity, Setting};
 use voltet_document::links;
+use voltet_graph::{Quantity, Setting};
 
 /// Width of one list, and the most of its height, points.
 const WIDTH: f32 = 230.0;

@@ -8,11 +8,11 @@ use super::region::Region;
 use super::relative;
 use super::scale::Scale;
 use std::sync::Arc;
-use voltet_core::graph::{Field, Origin, Quantity, Setting};
 use voltet_core::parameters::Parameters;
 use voltet_core::probing::Histogram;
 use voltet_core::transfer::{self, ColorSource, WIDGET_KINDS, Widget};
 use voltet_core::{Error, Result};
+use voltet_graph::{Field, Origin, Quantity, Setting};
 
 /// A widget in the plane.
 #[derive(Debug, Clone)]

@@ -4,7 +4,7 @@ use super::super::numbers::{Change, list, rows};
 use super::super::scale::{S_AND_G, Scale};
 use super::*;
 use crate::worker::Known;
-use voltet_core::graph::Datum;
+use voltet_graph::Datum;
 
 fn field(name: &str, datum: Datum) -> Field {
     Field { name: name.into(), origin: Default::default(), setting: datum.into() }

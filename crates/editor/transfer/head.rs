@@ -9,8 +9,8 @@ use crate::scene::Scene;
 use crate::theme;
 use crate::worker::{grouped, short};
 use eframe::egui::{Color32, DragValue, Rgba, RichText, Sense, Stroke, Ui, vec2};
-use voltet_core::graph::{Datum, Quantity, Setting};
 use voltet_document::{Edit, Path};
+use voltet_graph::{Datum, Quantity, Setting};
 
 impl TransferPanel {
     pub(super) fn head(&mut self, ui: &mut Ui, scene: &Scene, look: &Look, actions: &mut Actions) {

@@ -4,8 +4,8 @@ use super::look::Look;
 use super::{TransferPanel, new};
 use crate::actions::Actions;
 use std::collections::BTreeSet;
-use voltet_core::graph::{Datum, Quantity};
 use voltet_document::{Edit, Path};
+use voltet_graph::{Datum, Quantity};
 
 impl TransferPanel {
     pub(super) fn add_at_peak(&mut self, look: &Look, actions: &mut Actions) {

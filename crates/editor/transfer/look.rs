@@ -9,8 +9,8 @@ use crate::scene::Scene;
 use crate::worker::{Distributed, Probed, Share};
 use std::collections::BTreeMap;
 use std::sync::Arc;
-use voltet_core::graph::{NodeEntry, Quantity, Setting};
 use voltet_core::probing::Histogram;
+use voltet_graph::{NodeEntry, Quantity, Setting};
 
 /// What is edited.
 pub(super) struct Look<'a> {

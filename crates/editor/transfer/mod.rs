@@ -52,9 +52,9 @@ use quantities::{axis_name, axis_title};
 pub(crate) use relative::in_numbers;
 use scale::S_AND_G;
 use std::collections::BTreeSet;
-use voltet_core::graph::{NodeEntry, Quantity, Setting};
 use voltet_document::links::upstream;
 use voltet_document::{Edit, Path};
+use voltet_graph::{NodeEntry, Quantity, Setting};
 
 /// Room for the numbers of the axes: left, below, and right where a curve has its own.
 const MARGIN: [f32; 3] = [52.0, 18.0, 44.0];
@@ -188,7 +188,7 @@ impl TransferPanel {
 
     /// The widget that a probe would make.
     #[cfg(test)]
-    pub fn at_probe_for_tests(&self, scene: &Scene) -> Option<voltet_core::graph::Datum> {
+    pub fn at_probe_for_tests(&self, scene: &Scene) -> Option<voltet_graph::Datum> {
         let look = Look::of(scene, of(scene)?, &self.axes, self.plane, None, &self.images);
         new::at_probe(&look, look.probed.as_ref()?)
     }

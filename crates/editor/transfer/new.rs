@@ -6,8 +6,8 @@ use super::numbers::{Change, list};
 use super::plane::middle;
 use crate::worker::Probed;
 use std::f64::consts::FRAC_1_SQRT_2;
-use voltet_core::graph::{Datum, Field, Quantity, Setting};
 use voltet_core::probing::{Found, kernel};
+use voltet_graph::{Datum, Field, Quantity, Setting};
 
 /// Deviations of a new Gaussian, as shares of the axes.
 const NEW: [f64; 2] = [0.02, 0.05];

@@ -1,6 +1,6 @@
 //! Numbers of a widget's table, as they are read and written.
 
-use voltet_core::graph::{Datum, Field, Setting};
+use voltet_graph::{Datum, Field, Setting};
 
 pub(super) fn find<'a>(fields: &'a [Field], name: &str) -> Option<&'a Setting> {
     fields.iter().find(|field| field.name == name).map(|field| &field.setting)

@@ -1,8 +1,8 @@
 //! What the quantities of the plane are called, and the volume that they are of.
 
 use crate::scene::Scene;
-use voltet_core::graph::{NodeEntry, PortType, Quantity};
 use voltet_document::links::{self, upstream};
+use voltet_graph::{NodeEntry, PortType, Quantity};
 
 /// The output that gives the volume that a transfer function is drawn with: "node" or "node.port".
 pub(crate) fn volume_of(scene: &Scene, look: &str) -> Option<String> {

@@ -5,7 +5,7 @@ use super::numbers::{Change, array, find, list, rows};
 use super::pen::Pen;
 use super::scale::Scale;
 use eframe::egui::{Color32, Pos2, Shape, Stroke};
-use voltet_core::graph::{Field, Setting};
+use voltet_graph::{Field, Setting};
 
 /// Where a widget is not 0, as its table states it.
 #[derive(Debug, Clone, PartialEq)]

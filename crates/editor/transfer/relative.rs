@@ -1,10 +1,10 @@
 //! Numbers relative to data among those of a widget: what they are, and how a hand's numbers are written in their place.
 
 use crate::worker::Known;
-use voltet_core::graph::{Datum, Field, Origin, Setting};
 use voltet_core::parameters::{Measure, Parameters, Relative, RelativeNumber};
 use voltet_core::transfer::{self, Scales, WIDGET_KINDS};
 use voltet_core::{Error, Result};
+use voltet_graph::{Datum, Field, Origin, Setting};
 
 /// Digits after the point of a percentage of a range: of a value, and at least of a width.
 const SHARE_DIGITS: usize = 3;

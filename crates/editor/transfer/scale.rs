@@ -1,7 +1,7 @@
 //! What the axes of the plane measure.
 
 use super::numbers::rounded;
-use voltet_core::graph::Quantity;
+use voltet_graph::Quantity;
 
 /// What the plane measures where a handle is drawn or moved.
 #[derive(Debug, Clone, Copy, PartialEq)]

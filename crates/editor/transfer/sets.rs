@@ -4,8 +4,8 @@ use super::TransferPanel;
 use super::look::Look;
 use crate::actions::{Action, Actions};
 use eframe::egui::{Button, Key, Modifiers, Ui};
-use voltet_core::graph::Datum;
 use voltet_document::Edit;
+use voltet_graph::Datum;
 
 const DIGITS: [Key; 10] = [
     Key::Num0,

@@ -112,7 +112,7 @@ fn an_axis_view_looks_along_it() {
 #[test]
 fn a_node_that_states_a_view_states_it_again() {
     for view in [view(), parallel()] {
-        let field = |(name, datum): (&str, Datum)| voltet_core::graph::Field {
+        let field = |(name, datum): (&str, Datum)| voltet_graph::Field {
             name: name.into(),
             origin: Default::default(),
             setting: datum.into(),

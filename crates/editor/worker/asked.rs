@@ -4,8 +4,8 @@ use super::request::Wanted;
 use super::scales::Known;
 use glam::DVec3;
 use std::path::PathBuf;
-use voltet_core::graph::{NodeEntry, Quantity};
 use voltet_core::probing::Histogram;
+use voltet_graph::{NodeEntry, Quantity};
 
 /// The distribution of the data that is wanted.
 #[derive(Debug, Clone, PartialEq)]

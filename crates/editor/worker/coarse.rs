@@ -3,10 +3,10 @@
 //! While widgets change and the view does not, the engine draws from what it keeps of the view ([`Manner::passing`]). It keeps that of
 //! pictures of one size alone, so that another size costs some slow pictures first.
 //!
-//! [`Manner::passing`]: voltet_core::engine::Manner::passing
+//! [`Manner::passing`]: voltet_optics::engine::Manner::passing
 
 use std::time::Duration;
-use voltet_core::graph::NodeEntry;
+use voltet_graph::NodeEntry;
 
 /// What a coarse picture may take, seconds: twenty-five of them a second, of which the wires take some.
 const COARSE_SECONDS: f64 = 0.035;
@@ -143,7 +143,7 @@ mod tests {
     fn while_a_view_is_kept_pictures_are_finer() {
         let view = |angle: u32| {
             let text = format!("[pipeline]\nformat = 1\n[nodes.view]\ntype = \"camera\"\nfov_y = {angle}");
-            voltet_core::pipeline::Pipeline::parse(&text).unwrap().nodes
+            voltet_graph::pipeline::Pipeline::parse(&text).unwrap().nodes
         };
         let mut pace = Pace::default();
         pace.look_from(view(30));

@@ -9,11 +9,11 @@ use super::shared::lock;
 use super::work::Work;
 use std::sync::Arc;
 use voltet_core::Result;
-use voltet_core::graph::{Observer, Quantity, Registry, Session};
 use voltet_core::grid::Grid;
 use voltet_core::probing::{Axis, histogram, value_range};
 use voltet_core::progress::Progress;
 use voltet_core::volume::Volume;
+use voltet_graph::{Observer, Quantity, Registry, Session};
 
 /// Bins along each axis.
 const BINS: usize = 256;

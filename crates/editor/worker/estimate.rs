@@ -3,9 +3,9 @@
 use super::following::Following;
 use super::request::Wanted;
 use super::work::{Work, picture_of};
-use voltet_core::graph::{Datum, Graph, Registry};
 use voltet_core::picture::Picture;
 use voltet_core::{Error, Result};
+use voltet_graph::{Datum, Graph, Registry};
 
 /// Pixels that are compared, at most.
 const PIXELS: f64 = 3072.0;

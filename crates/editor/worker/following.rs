@@ -3,9 +3,9 @@
 use super::shared::{Shared, lock};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
-use voltet_core::graph::Observer;
 use voltet_core::progress::Progress;
-use voltet_nodes::memory;
+use voltet_graph::Observer;
+use voltet_io::memory;
 
 /// Progress is shown no more often than a screen does.
 const BETWEEN: Duration = Duration::from_millis(50);

@@ -5,15 +5,15 @@ use glam::DVec3;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use voltet_core::error::ErrorKind;
-use voltet_core::graph::{Datum, Value};
-use voltet_core::graph::{
-    Demand, Field, Graph, LinkEntry, Node, NodeEntry, Observer, Origin, Parameter, ParameterType, Port,
-    PortType, Registry, Session, Setting, Standard,
-};
 use voltet_core::grid::extent::{bounds, range};
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
 use voltet_document::links::upstream;
+use voltet_graph::{Datum, Value};
+use voltet_graph::{
+    Demand, Field, Graph, LinkEntry, Node, NodeEntry, Observer, Origin, Parameter, ParameterType, Port,
+    PortType, Registry, Session, Setting, Standard,
+};
 
 /// The type's name, which no pipeline file can be meant to name.
 pub(super) const NAME: &str = "(looks on)";

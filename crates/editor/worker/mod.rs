@@ -54,8 +54,8 @@ use shared::{Shared, lock};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Condvar, Mutex};
 use std::thread::JoinHandle;
-use voltet_core::graph::Registry;
 use voltet_core::{Error, Result};
+use voltet_graph::Registry;
 use work::Work;
 
 /// The handle of the thread; dropped, it stops what runs and waits for its end.

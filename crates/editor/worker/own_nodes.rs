@@ -2,7 +2,7 @@
 
 use super::{look_on, series};
 use voltet_core::Result;
-use voltet_core::graph::Registry;
+use voltet_graph::Registry;
 
 /// The same registry with the worker's own nodes.
 pub(super) fn with_own(registry: &Registry) -> Result<Registry> {

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 use std::sync::{Arc, LazyLock};
 use voltet_core::picture::Picture;
-use voltet_nodes::encode::srgb_from_linear;
+use voltet_io::encode::srgb_from_linear;
 
 /// Steps of the table from linear to sRGB: finer than the steepest of 256 levels (12.92 × 255) by a factor of five.
 const STEPS: usize = 1 << 14;

@@ -6,8 +6,8 @@ use super::pixels::Pixels;
 use super::request::Wanted;
 use super::shared::lock;
 use super::work::Work;
-use voltet_core::graph::{Demand, Registry, Session, Value};
 use voltet_core::{Error, Result};
+use voltet_graph::{Demand, Registry, Session, Value};
 
 /// Pixels of one, at most: as many as a node has room for.
 const PIXELS: f64 = 160.0 * 120.0;

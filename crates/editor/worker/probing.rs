@@ -7,15 +7,15 @@ use super::work::Work;
 use glam::DVec3;
 use std::sync::Arc;
 use voltet_core::camera::Camera;
-use voltet_core::graph::{Demand, Graph, Look, NodeEntry, Registry, Value, diagonal};
-use voltet_core::optics::Overlap;
-use voltet_core::optics::integrators::Integrator;
 use voltet_core::progress::Progress;
-use voltet_core::reference::Tracer;
-use voltet_core::scene::Scene;
-use voltet_core::shading::{Order, Shading};
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
+use voltet_graph::{Demand, Graph, Look, NodeEntry, Registry, Value, diagonal};
+use voltet_optics::Overlap;
+use voltet_optics::integrators::Integrator;
+use voltet_optics::reference::Tracer;
+use voltet_optics::scene::Scene;
+use voltet_optics::shading::{Order, Shading};
 
 impl Probing {
     /// The graph, and the place in it of the node that is fed.

@@ -4,8 +4,8 @@ use super::look_on::{NAME, entry, feeding};
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 use voltet_core::Result;
-use voltet_core::graph::{Datum, Graph, Node, NodeEntry, Registry, Setting};
 use voltet_document::links::upstream;
+use voltet_graph::{Datum, Graph, Node, NodeEntry, Registry, Setting};
 
 /// The node type that says where a picture is seen from, and its parameters that coarse pictures change.
 const CAMERA: &str = "camera";
@@ -80,7 +80,7 @@ impl Wanted {
 
 /// The outputs of a node, each with the port of its type at the node that looks on.
 fn outputs(entry: &NodeEntry, node: &'static Node) -> Vec<(String, String)> {
-    let output = |port: &voltet_core::graph::Port| {
+    let output = |port: &voltet_graph::Port| {
         (port.port_type.name().to_string(), format!("{}.{}", entry.name, port.name))
     };
     node.outputs.iter().map(output).collect()

@@ -3,13 +3,13 @@
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
-use voltet_core::graph::Quantity;
 use voltet_core::grid::Grid;
 use voltet_core::probing::Volumes;
 use voltet_core::progress::Progress;
 use voltet_core::transfer::Scales;
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
+use voltet_graph::Quantity;
 use voltet_nodes::relative;
 
 /// Values that the volume below is found at: within the shown axis, and beyond it.

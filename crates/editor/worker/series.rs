@@ -5,13 +5,13 @@ use super::scales::{Known, Spread, values};
 use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
 use voltet_core::error::ErrorKind;
-use voltet_core::graph::{
-    Call, Datum, Demand, Field, Graph, LinkEntry, Node, NodeEntry, Observer, Origin, Outputs, Parameter,
-    ParameterType, Port, PortType, Quantity, Range, Registry, Session, Setting, Standard, Value,
-};
 use voltet_core::probing::value_range;
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
+use voltet_graph::{
+    Call, Datum, Demand, Field, Graph, LinkEntry, Node, NodeEntry, Observer, Origin, Outputs, Parameter,
+    ParameterType, Port, PortType, Quantity, Range, Registry, Session, Setting, Standard, Value,
+};
 
 const fn parameter(name: &'static str, parameter_type: ParameterType, help: &'static str) -> Parameter {
     Parameter { name, parameter_type, unit: "", standard: Standard::Required, help }

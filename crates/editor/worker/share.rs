@@ -7,8 +7,8 @@ use super::request::Wanted;
 use super::work::{Work, picture_of};
 use std::sync::Arc;
 use voltet_core::Result;
-use voltet_core::graph::{Datum, NodeEntry, RunReport};
 use voltet_core::picture::Picture;
+use voltet_graph::{Datum, NodeEntry, RunReport};
 
 impl Share {
     fn between(with: &Picture, without: &Picture) -> Share {

@@ -8,9 +8,9 @@ use glam::DVec3;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use voltet_core::error::ErrorKind;
-use voltet_core::graph::RunReport;
 use voltet_core::{Error, Result};
 use voltet_document::links::upstream;
+use voltet_graph::RunReport;
 
 /// How a node stands.
 #[derive(Debug, Clone, PartialEq)]

@@ -12,8 +12,8 @@ use std::collections::BTreeSet;
 use std::sync::atomic::Ordering;
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
-use voltet_core::graph::NodeEntry;
 use voltet_document::links::upstream;
+use voltet_graph::NodeEntry;
 
 /// A pass that may be superseded.
 pub(super) struct Pass<'a> {
@@ -106,8 +106,8 @@ fn is_movement(before: &NodeEntry, now: &NodeEntry) -> bool {
 mod tests {
     use super::*;
     use std::path::PathBuf;
-    use voltet_core::graph::{Datum, Setting};
-    use voltet_core::pipeline::Pipeline;
+    use voltet_graph::pipeline::Pipeline;
+    use voltet_graph::{Datum, Setting};
 
     fn wanted() -> Wanted {
         Wanted {

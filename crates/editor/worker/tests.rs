@@ -4,10 +4,8 @@ use super::*;
 use std::path::PathBuf;
 use std::sync::{Arc, LazyLock};
 use std::time::Duration;
-use voltet_core::graph::{
-    Datum, Graph, Node, NodeEntry, Observer, Port, PortType, Quantity, Setting, Unobserved,
-};
-use voltet_core::pipeline::Pipeline;
+use voltet_graph::pipeline::Pipeline;
+use voltet_graph::{Datum, Graph, Node, NodeEntry, Observer, Port, PortType, Quantity, Setting, Unobserved};
 
 /// The scene of the tests by hand, drawn stage by stage.
 static TEXT: LazyLock<String> = LazyLock::new(|| {
@@ -286,5 +284,5 @@ fn memory_is_what_the_program_may_take() {
         wake: Arc::new(|| {}),
     };
     let following = Following::new(&shared, &never);
-    assert_eq!(Observer::memory_left(&following).is_some(), voltet_nodes::memory::left().is_some());
+    assert_eq!(Observer::memory_left(&following).is_some(), voltet_io::memory::left().is_some());
 }

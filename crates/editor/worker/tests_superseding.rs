@@ -6,8 +6,8 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::AtomicUsize;
 use std::time::{Duration, Instant};
-use voltet_core::graph::{Datum, Node, Outputs, Port, PortType, Value};
 use voltet_core::picture::Picture;
+use voltet_graph::{Datum, Node, Outputs, Port, PortType, Value};
 
 /// How often the slow node began.
 static BEGUN: AtomicUsize = AtomicUsize::new(0);
@@ -16,11 +16,11 @@ static SLOW: Node = Node {
     name: "slow",
     summary: "Takes half a minute, or until it is stopped.",
     outputs: IMAGE,
-    parameters: &[voltet_core::graph::Parameter {
+    parameters: &[voltet_graph::Parameter {
         name: "number",
-        parameter_type: voltet_core::graph::ParameterType::Integer(voltet_core::graph::Range::ANY),
+        parameter_type: voltet_graph::ParameterType::Integer(voltet_graph::Range::ANY),
         unit: "",
-        standard: voltet_core::graph::Standard::Integer(0),
+        standard: voltet_graph::Standard::Integer(0),
         help: "tells pictures apart",
     }],
     demand: &|_| Ok(()),
@@ -57,7 +57,7 @@ fn a_newer_request_stops_the_one_that_runs() {
         std::thread::sleep(Duration::from_millis(2));
     }
     let start = Instant::now();
-    slow[0].settings.push(voltet_core::graph::Field {
+    slow[0].settings.push(voltet_graph::Field {
         name: "number".into(),
         origin: Default::default(),
         setting: Datum::Integer(1).into(),
@@ -107,7 +107,7 @@ static AFTER: Node = Node {
     inputs: IMAGE,
     outputs: IMAGE,
     parameters: SLOW.parameters,
-    demand: &|asking| asking.ask("image", &voltet_core::graph::Demand::default()),
+    demand: &|asking| asking.ask("image", &voltet_graph::Demand::default()),
     run: &|call| Ok(vec![Value::Image(call.image("image")?)]),
     ..Node::BLANK
 };
@@ -165,7 +165,7 @@ static TIMED: Node = Node {
     summary: "Takes 30 ms, or until it is stopped.",
     inputs: &[Port { name: "camera", port_type: PortType::Camera, summary: "what is seen" }],
     outputs: IMAGE,
-    demand: &|asking| asking.ask("camera", &voltet_core::graph::Demand::default()),
+    demand: &|asking| asking.ask("camera", &voltet_graph::Demand::default()),
     run: &|call| -> Result<Outputs> {
         for _ in 0..30 {
             if call.progress().cancelled() {

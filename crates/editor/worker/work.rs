@@ -13,9 +13,9 @@ use std::sync::atomic::Ordering;
 use std::sync::{Arc, PoisonError};
 use std::time::{Duration, Instant};
 use voltet_core::error::ErrorKind;
-use voltet_core::graph::{Demand, Graph, Registry, RunReport, Session, Unobserved};
 use voltet_core::picture::Picture;
 use voltet_core::{Error, Result};
+use voltet_graph::{Demand, Graph, Registry, RunReport, Session, Unobserved};
 
 enum Task {
     Picture(u64, Wanted),

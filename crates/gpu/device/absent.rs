@@ -4,7 +4,7 @@
 //! It is remembered for one boot of one machine, user and environment, device nodes and list of Vulkan drivers, on Linux, where all
 //! of these can be seen without a driver.
 
-use voltet_core::engine::Memory;
+use voltet_optics::engine::Memory;
 
 /// The adapters that are not hardware, in words, where they were all that there was when everything was as it is now.
 pub(crate) fn recall(memory: &dyn Memory) -> Option<String> {

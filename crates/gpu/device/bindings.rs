@@ -1,6 +1,6 @@
 //! What passes are bound to.
 
-use voltet_core::engine::Compositing;
+use voltet_optics::engine::Compositing;
 use voltet_shaders::FramePass;
 
 /// What a binding is, in the order of the bindings of a group.

@@ -2,7 +2,7 @@
 
 use crate::device::open::Device;
 use voltet_core::Result;
-use voltet_core::engine::{Stage, Timed};
+use voltet_optics::engine::{Stage, Timed};
 use wgpu::BufferUsages;
 
 /// Passes of a frame that are timed; further ones are not.

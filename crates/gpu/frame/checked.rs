@@ -4,12 +4,12 @@ use crate::frame::draw::inputs;
 use crate::frame::drawn::Drawn;
 use crate::frame::renderer::Renderer;
 use voltet_core::Result;
-use voltet_core::engine::{Accumulation, Compositing, Manner, OrderCheck};
 use voltet_core::error::ErrorKind;
 use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
-use voltet_core::scene::Scene;
 use voltet_core::visibility::{FaceOrder, disorder};
+use voltet_optics::engine::{Accumulation, Compositing, Manner, OrderCheck};
+use voltet_optics::scene::Scene;
 use voltet_shaders::ViewRecord;
 
 /// Tiles of 64 pixels that are held against those of the other compositor: 256 pixels.
@@ -111,7 +111,7 @@ mod tests {
     use crate::device::open::Device;
     use std::sync::Arc;
     use voltet_core::progress::Silent;
-    use voltet_core::shading::Order;
+    use voltet_optics::shading::Order;
     use voltet_testing::pictures::compare::{NamedScene, SHADING};
     use voltet_testing::pictures::grids::{cube, smooth};
     use voltet_testing::pictures::looks::{outside, overlapping};

@@ -12,13 +12,13 @@ use crate::grid::uploaded::{DeviceGrid, Quantity};
 use crate::pass::tables::TableKey;
 use std::sync::Arc;
 use voltet_core::Result;
-use voltet_core::engine::{Accumulation, Compositing, Manner};
-use voltet_core::optics::integrators::Extent;
 use voltet_core::progress::Progress;
-use voltet_core::scene::Scene;
-use voltet_core::shading::{Order, Shading};
 use voltet_core::transfer::TransferFunction;
 use voltet_core::visibility::FaceOrder;
+use voltet_optics::engine::{Accumulation, Compositing, Manner};
+use voltet_optics::integrators::Extent;
+use voltet_optics::scene::Scene;
+use voltet_optics::shading::{Order, Shading};
 use voltet_shaders::{
     Axis, Blend, Choices, Combine, Compositor, Parameters, Places, Shader, TileOrder, ViewRecord, compose,
 };

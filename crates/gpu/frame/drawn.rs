@@ -4,9 +4,9 @@ use crate::frame::checked::Checked;
 use crate::frame::count;
 use crate::frame::windows::Returned;
 use std::sync::Arc;
-use voltet_core::engine::Timed;
 use voltet_core::picture::Picture;
 use voltet_core::visibility::FaceOrder;
+use voltet_optics::engine::Timed;
 
 /// A picture and what it took.
 #[derive(Debug, Clone)]

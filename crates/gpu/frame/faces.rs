@@ -5,8 +5,8 @@ use std::sync::Arc;
 use std::time::Instant;
 use voltet_core::Result;
 use voltet_core::camera::{Camera, Projection};
-use voltet_core::scene::Scene;
 use voltet_core::visibility::{FaceOrder, Faces, WhyNot};
+use voltet_optics::scene::Scene;
 
 /// What is kept of a grid: its faces, and the order that was found last, with the camera that it is for.
 #[derive(Default)]

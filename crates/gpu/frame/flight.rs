@@ -9,10 +9,10 @@ use crate::frame::plan::{Ordered, Plan, check, plan};
 use crate::frame::renderer::Renderer;
 use crate::frame::windows::Flying;
 use std::sync::Arc;
-use voltet_core::engine::Manner;
 use voltet_core::progress::Progress;
-use voltet_core::scene::Scene;
 use voltet_core::{Error, Result};
+use voltet_optics::engine::Manner;
+use voltet_optics::scene::Scene;
 
 /// Frames of a grid in flight at most: as many pictures are held on their way back.
 const IN_FLIGHT: usize = 4;
@@ -133,9 +133,9 @@ impl Begun {
 mod tests {
     use super::*;
     use crate::device::open::Device;
-    use voltet_core::engine::Compositing;
     use voltet_core::progress::Silent;
-    use voltet_core::shading::Order;
+    use voltet_optics::engine::Compositing;
+    use voltet_optics::shading::Order;
     use voltet_testing::pictures::compare::{NamedScene, SHADING};
     use voltet_testing::pictures::grids::{cube, smooth};
     use voltet_testing::pictures::looks::{outside, overlapping};

@@ -6,8 +6,8 @@ use crate::grid::parts::Sizes;
 use crate::grid::uploaded::{DeviceGrid, Stored};
 use crate::pass::tables::TableKey;
 use std::sync::Arc;
-use voltet_core::shading::Shading;
 use voltet_core::visibility::FaceOrder;
+use voltet_optics::shading::Shading;
 use voltet_shaders::{Choices, Shader, ViewRecord};
 
 /// Everything of a scene but the camera's sample.

@@ -2,9 +2,9 @@
 
 use crate::grid::uploaded::{DeviceGrid, Stored};
 use std::sync::Arc;
-use voltet_core::shading::Shading;
 use voltet_core::transfer::TransferFunction;
 use voltet_core::{Error, Result};
+use voltet_optics::shading::Shading;
 use voltet_shaders::{Choices, Compositor, Spans, TileOrder, check_32_bits};
 
 /// Whether the device has shaders for the scene. What depends on the data is found when it is drawn.

@@ -12,7 +12,7 @@ use crate::grid::parts::GrowingParts;
 use crate::pass::steps::{Binder, GridArrays, Step, folded, kinds, run, scene_kinds};
 use crate::raster::blended::{Blending, Form, Raster};
 use voltet_core::Result;
-use voltet_core::engine::Stage;
+use voltet_optics::engine::Stage;
 use voltet_shaders::{Compositor, FramePass, GridArray, PlacementRecord, ViewRecord, cells_read};
 use wgpu::{Buffer, BufferUsages, CommandEncoder, SubmissionIndex};
 

@@ -7,12 +7,12 @@ use crate::frame::limits;
 use crate::frame::renderer::Renderer;
 use std::sync::Arc;
 use std::time::Instant;
-use voltet_core::engine::{Compositing, Manner, Stage, Timed};
 use voltet_core::progress::Progress;
-use voltet_core::scene::Scene;
-use voltet_core::shading::Order;
 use voltet_core::visibility::FaceOrder;
 use voltet_core::{Error, Result};
+use voltet_optics::engine::{Compositing, Manner, Stage, Timed};
+use voltet_optics::scene::Scene;
+use voltet_optics::shading::Order;
 
 /// An order, and the seconds that it took to find where it was not there.
 pub(crate) type Ordered = (Arc<FaceOrder>, Option<f64>);

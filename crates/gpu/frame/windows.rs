@@ -7,10 +7,10 @@ use crate::frame::buffers::{FrameBuffers, Returning};
 use crate::frame::count;
 use crate::frame::inputs::FrameInputs;
 use crate::frame::passes::{Passes, counts_of};
-use voltet_core::engine::Timed;
 use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
 use voltet_core::{Error, Result};
+use voltet_optics::engine::Timed;
 use voltet_shaders::ViewRecord;
 
 /// Entries that lists are given room for before their lengths are known.

@@ -10,15 +10,15 @@ use std::time::Instant;
 use voltet_core::Result;
 use voltet_core::Shared;
 use voltet_core::camera::{Camera, Projection};
-use voltet_core::engine::{Accumulation, Chosen, Compositing, Manner, Memory};
 use voltet_core::error::ErrorKind;
 use voltet_core::grid::generate::box_of_tetrahedra;
-use voltet_core::optics::Overlap;
 use voltet_core::progress::Progress;
-use voltet_core::scene::Scene;
-use voltet_core::shading::{Integrator, Order, Shading};
 use voltet_core::transfer::{ControlPoint, OpticalModel, Profile, TransferFunction, Widget};
 use voltet_core::volume::Volume;
+use voltet_optics::Overlap;
+use voltet_optics::engine::{Accumulation, Chosen, Compositing, Manner, Memory};
+use voltet_optics::scene::Scene;
+use voltet_optics::shading::{Integrator, Order, Shading};
 
 /// Seconds of a frame by each compositor.
 #[derive(Debug, Clone, Copy, PartialEq)]

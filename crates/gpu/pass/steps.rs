@@ -9,7 +9,7 @@ use crate::grid::parts::Parted;
 use crate::grid::uploaded::{DeviceGrid, Stored};
 use std::sync::Arc;
 use voltet_core::Result;
-use voltet_core::engine::Stage;
+use voltet_optics::engine::Stage;
 use voltet_shaders::{Access, FramePass, GRID_GROUP, GridArray, Layout};
 use wgpu::{Buffer, CommandEncoder, ComputePipeline};
 

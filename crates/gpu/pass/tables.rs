@@ -5,10 +5,10 @@ use crate::device::bindings::{Bound, in_order};
 use crate::device::open::Device;
 use crate::device::pipelines::Program;
 use std::sync::Arc;
-use voltet_core::optics::integrators::{Extent, Integrator};
-use voltet_core::shading::Shading;
 use voltet_core::transfer::TransferFunction;
 use voltet_core::{Error, Result};
+use voltet_optics::integrators::{Extent, Integrator};
+use voltet_optics::shading::Shading;
 use voltet_shaders::{Axis, Buffer, Choices, Contents, Pass, Places, Resources, TEXEL_BYTES, images};
 
 /// What tables are made from.

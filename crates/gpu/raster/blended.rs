@@ -15,8 +15,8 @@ use crate::raster::drawing::{Canvas, Drawing, Target};
 use crate::raster::sort::{Items, ROUNDS, SortBuffers};
 use std::sync::Arc;
 use voltet_core::Result;
-use voltet_core::engine::Stage;
 use voltet_core::visibility::FaceOrder;
+use voltet_optics::engine::Stage;
 use voltet_shaders::{Access, Blend, FramePass, GRID_GROUP, GridArray, RunRecord, Shader, ViewRecord};
 use wgpu::{Buffer, BufferUsages, CommandEncoder};
 

@@ -6,8 +6,8 @@ use crate::device::compiled::DrawingKey;
 use crate::device::open::Device;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
-use voltet_core::engine::{Accumulation, Compositing};
 use voltet_core::{Error, Result};
+use voltet_optics::engine::{Accumulation, Compositing};
 use voltet_shaders::{Blend, Shader};
 use wgpu::{BlendComponent, BlendFactor, DownlevelFlags, ShaderStages, TextureFormat};
 

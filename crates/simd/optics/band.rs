@@ -53,8 +53,8 @@ mod tests {
     use crate::optics::smooth::tests::{lane, uniform};
     use crate::optics::sums::{Sums, Term};
     use crate::portable::Portable as P;
-    use voltet_core::optics::{Overlap, Prepared, Segment};
     use voltet_core::transfer::{OpticalModel, Profile, Region, TransferFunction, Wave, Widget};
+    use voltet_optics::{Overlap, Prepared, Segment};
 
     type F = <P as Lanes>::F;
 

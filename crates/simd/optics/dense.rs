@@ -161,8 +161,8 @@ mod tests {
     use super::*;
     use crate::optics::gaussian::{LaneGaussianPath, LaneGaussianTrack};
     use crate::{Kernel, LaneSet, dispatch};
-    use voltet_core::optics::{Overlap, Prepared, Segment};
     use voltet_core::transfer::{OpticalModel, Profile, Region, TransferFunction, Widget};
+    use voltet_optics::{Overlap, Prepared, Segment};
 
     /// A segment, from s to s, and the rate that all widgets take.
     #[derive(Debug, Clone, Copy)]

@@ -6,7 +6,7 @@
 use super::elementary::{dawson, erfcx, exp, polynomial};
 use super::quadrature::{PANEL, nodes};
 use crate::{Float, Lanes, Mask};
-use voltet_core::optics::quadrature::{GAUSS_4, GAUSS_5};
+use voltet_optics::quadrature::{GAUSS_4, GAUSS_5};
 
 /// Weights (1 − ψ, ψ − ζ) of the front and back colours and the opacity 1 − ζ, for max(a, b) ≤ 1; relative error 5e-7.
 ///

@@ -1,6 +1,6 @@
 //! 32-bit twins of the segment integrals, over vector lanes.
 //!
-//! Each bears the name and argument order of the 64-bit truth in [`voltet_core::optics`]; `docs` of each state the
+//! Each bears the name and argument order of the 64-bit truth in [`voltet_optics`]; `docs` of each state the
 //! range and the error measured. They take differences from a widget's centre, formed in 64 bits before rounding.
 //!
 //! | what | twin | takes |

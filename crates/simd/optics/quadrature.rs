@@ -1,7 +1,7 @@
 //! Gauss-Legendre panels of 8 points. Twin of `optics::quadrature`.
 
 use crate::{Float, Lanes, array};
-use voltet_core::optics::quadrature::{GAUSS_8, Node, UP_TO_8};
+use voltet_optics::quadrature::{GAUSS_8, Node, UP_TO_8};
 
 /// Points of a panel.
 pub const POINTS: usize = 8;

@@ -7,7 +7,7 @@
 
 use super::elementary::mean_transparency;
 use crate::{Float, Lanes, Unsigned, array, inlined};
-use voltet_core::optics::integrators::{Matter, Ramp};
+use voltet_optics::integrators::{Matter, Ramp};
 
 /// Planes of a group: as many as the widest vector has lanes.
 pub const GROUP: usize = 16;

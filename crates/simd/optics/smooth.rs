@@ -116,8 +116,8 @@ pub(super) mod tests {
     use crate::optics::gaussian::shape;
     use crate::optics::sums::{Sums, Term};
     use crate::portable::Portable as P;
-    use voltet_core::optics::{Overlap, Prepared, Segment};
     use voltet_core::transfer::{OpticalModel, Profile, TransferFunction, Widget};
+    use voltet_optics::{Overlap, Prepared, Segment};
 
     type F = <P as Lanes>::F;
 

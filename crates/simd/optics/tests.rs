@@ -10,14 +10,14 @@ use super::piecewise_linear::{LanePiecewiseTrack, LanePoints};
 use super::triangular_gaussian::{self, LaneTriangularPath, LaneTriangularTrack};
 use super::wave::{LaneBell, LanePhase, LaneWaveTrack};
 use crate::{Float, Kernel, LaneSet, Lanes, dispatch};
-use voltet_core::optics::clip::Stretch;
-use voltet_core::optics::gaussian::GaussianPath;
-use voltet_core::optics::triangular_gaussian::TriangularPath;
-use voltet_core::optics::wave::Bell;
-use voltet_core::optics::{Overlap, Prepared, Segment};
-use voltet_core::optics::{linear, special};
 use voltet_core::transfer::{ControlPoint, OpticalModel, Profile, Region, TransferFunction, Wave, Widget};
 use voltet_judge::twin::{self, INPUTS, Range};
+use voltet_optics::clip::Stretch;
+use voltet_optics::gaussian::GaussianPath;
+use voltet_optics::triangular_gaussian::TriangularPath;
+use voltet_optics::wave::Bell;
+use voltet_optics::{Overlap, Prepared, Segment};
+use voltet_optics::{linear, special};
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Formula {

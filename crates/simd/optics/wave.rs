@@ -46,7 +46,7 @@ impl LaneBell {
 
     /// A sine wave.
     pub fn sine(wave: &Wave) -> Self {
-        use voltet_core::optics::wave::{sine_half_area, sine_half_width};
+        use voltet_optics::wave::{sine_half_area, sine_half_width};
         let reach = sine_half_width(wave.band_width);
         LaneBell::new(wave, true, reach, sine_half_area(wave.band_width, reach))
     }

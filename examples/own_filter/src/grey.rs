@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 use voltet::core::Result;
-use voltet::core::graph::{Call, Node, Outputs, Port, PortType, Value};
 use voltet::core::picture::Picture;
+use voltet::graph::{Call, Node, Outputs, Port, PortType, Value};
 
 /// The declaration.
 pub const NODE: Node = Node {

@@ -1,11 +1,9 @@
 //! `logarithm`: the common logarithm of the scalar, for values that span decades.
 
 use std::sync::Arc;
-use voltet::core::graph::{
-    Call, Node, Outputs, Parameter, ParameterType, Port, PortType, Range, Standard, Value,
-};
 use voltet::core::grid::Grid;
 use voltet::core::{Error, Result};
+use voltet::graph::{Call, Node, Outputs, Parameter, ParameterType, Port, PortType, Range, Standard, Value};
 
 /// The declaration; help, the checker and `explain` are made from it. What is asked of the node's output is asked of its
 /// input too, unless it has a function `demand` of its own.

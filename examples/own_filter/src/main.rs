@@ -7,7 +7,7 @@ mod weighted_fit;
 
 use std::sync::Arc;
 use voltet::core::Result;
-use voltet::core::graph::Registry;
+use voltet::graph::Registry;
 
 fn main() -> std::process::ExitCode {
     voltet::run(registry())

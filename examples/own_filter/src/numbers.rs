@@ -3,11 +3,11 @@
 use std::fs;
 use std::path::Path;
 use voltet::core::glam::DVec3;
-use voltet::core::graph::{Kind, Parameter, ParameterType, Parameters, Range, Standard};
 use voltet::core::grid::{Association, Cells};
 use voltet::core::progress::Progress;
 use voltet::core::reading::{ArrayOfFile, GridHead, GridRead, GridReader, OpenGrid};
 use voltet::core::{Error, Result};
+use voltet::graph::{Kind, Parameter, ParameterType, Parameters, Range, Standard};
 
 /// A reader has no state: all that it goes by is given to it.
 pub struct Numbers;

@@ -7,9 +7,9 @@
 use voltet::core::Result;
 use voltet::core::field::{Fallback, Gradient, GradientFilter, for_points};
 use voltet::core::glam::{DMat3, DVec3};
-use voltet::core::graph::{Kind, Parameter, ParameterType, Parameters, Range, Standard};
 use voltet::core::grid::{Grid, Neighbours, cells_of_points};
 use voltet::core::progress::Progress;
+use voltet::graph::{Kind, Parameter, ParameterType, Parameters, Range, Standard};
 
 /// A filter has no state: all that it goes by is given to it.
 pub struct WeightedFit;

@@ -1,9 +1,9 @@
 //! The tolerance of `adaptive` is kept on every exact case.
 
-use voltet_core::optics::integrators::{Adaptive, SegmentIntegrator};
-use voltet_core::optics::{Contribution, Segment};
 use voltet_core::transfer::TransferFunction;
 use voltet_judge::{Kind, SegmentCase, parse};
+use voltet_optics::integrators::{Adaptive, SegmentIntegrator};
+use voltet_optics::{Contribution, Segment};
 
 const TOLERANCES: [f64; 6] = [1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6];
 

@@ -1,9 +1,9 @@
 //! The referee's segments by the exact values.
 
-use voltet_core::optics::Overlap;
-use voltet_core::reference::integrate;
 use voltet_core::transfer::OpticalModel;
 use voltet_judge::{Kind, parse, stiff};
+use voltet_optics::Overlap;
+use voltet_optics::reference::integrate;
 
 /// The fixtures' exact values, by the bound that they state for quadrature: 1e-10 (narrow: 1e-9) of the value
 /// and the condition number's share. C has the fixtures' floor; values below 1e-290 are not judged. Of the

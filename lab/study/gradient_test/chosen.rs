@@ -1,8 +1,8 @@
 //! The filters that are measured.
 
 use voltet_core::field::Method;
-use voltet_core::graph::{Field, Origin, Parameters, Registry};
 use voltet_core::{Error, Result};
+use voltet_graph::{Field, Origin, Parameters, Registry};
 
 /// The filter of this name with what is set of its parameters, then those `beside` it with their standard values: all others that can
 /// be tested, without names.

@@ -8,7 +8,7 @@ use std::time::Instant;
 use voltet_core::Result;
 use voltet_core::grid::generate::sample;
 use voltet_core::progress::Progress;
-use voltet_nodes::memory;
+use voltet_io::memory;
 
 /// Measures all of them: `rounds` times each after one that warms up.
 pub(super) fn costs(

@@ -10,19 +10,19 @@ use std::sync::Arc;
 use voltet_core::Result;
 use voltet_core::Shared;
 use voltet_core::camera::{Camera, Projection};
-use voltet_core::engine::{AdapterWish, Engine, Manner};
 use voltet_core::field::magnitude;
 use voltet_core::grid::Grid;
 use voltet_core::grid::generate::sample;
-use voltet_core::optics::Overlap;
 use voltet_core::picture::Picture;
 use voltet_core::progress::{Progress, Unreported};
-use voltet_core::scene::Scene;
-use voltet_core::shading::{Integrator, Light, Order, Shading};
 use voltet_core::transfer::{OpticalModel, Profile, TransferFunction, Widget};
 use voltet_core::volume::Volume;
+use voltet_io::encode;
 use voltet_nodes::drawing::ENGINES;
-use voltet_nodes::encode;
+use voltet_optics::Overlap;
+use voltet_optics::engine::{AdapterWish, Engine, Manner};
+use voltet_optics::scene::Scene;
+use voltet_optics::shading::{Integrator, Light, Order, Shading};
 
 /// What the pictures are drawn with: the engine that draws every scene.
 pub(super) struct Easel {

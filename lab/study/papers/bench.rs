@@ -5,12 +5,12 @@ use crate::work_precision::{
     self as work, Benches, Engines, Errors, Measure, Painter, Reference, Setting, Subject,
 };
 use voltet_core::Result;
-use voltet_core::engine::Accumulation;
-use voltet_core::optics::Overlap;
 use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
-use voltet_core::shading::{Integrator, Order};
 use voltet_nodes::drawing::NATIVE;
+use voltet_optics::Overlap;
+use voltet_optics::engine::Accumulation;
+use voltet_optics::shading::{Integrator, Order};
 
 /// What papers are made anew with.
 pub(super) struct Bench<'a> {

@@ -8,10 +8,10 @@ use super::plane::square;
 use super::roettger_ertl::interleaved;
 use crate::work_precision::errors;
 use voltet_core::Result;
-use voltet_core::optics::Overlap;
-use voltet_core::optics::integrators::from_cylinder;
 use voltet_core::picture::Picture;
-use voltet_core::shading::Integrator;
+use voltet_optics::Overlap;
+use voltet_optics::integrators::from_cylinder;
+use voltet_optics::shading::Integrator;
 
 pub(super) fn pictures(bench: &Bench, section: &mut Section) -> Result<()> {
     section.part("Figures 8 to 12: tables as planes, the spherical distance volume, and many cells");

@@ -9,10 +9,10 @@ use super::plane::{gaussian, square};
 use crate::work_precision::Subject;
 use std::sync::Arc;
 use voltet_core::Result;
-use voltet_core::optics::Overlap;
 use voltet_core::picture::Picture;
-use voltet_core::shading::Integrator;
 use voltet_core::transfer::{Profile, TransferFunction};
+use voltet_optics::Overlap;
+use voltet_optics::shading::Integrator;
 
 /// Table 5: seconds a frame for one to four primitives.
 const TABLE_5: [(&str, [f64; 4]); 5] = [

@@ -4,9 +4,9 @@ use super::Paper;
 use super::bench::Bench;
 use super::page::Section;
 use voltet_core::Result;
-use voltet_core::optics::Overlap;
-use voltet_core::optics::integrators::{STANDARD_OVERSAMPLING, STANDARD_SIDE};
-use voltet_core::shading::Integrator;
+use voltet_optics::Overlap;
+use voltet_optics::integrators::{STANDARD_OVERSAMPLING, STANDARD_SIDE};
+use voltet_optics::shading::Integrator;
 
 pub(super) fn section(bench: &mut Bench) -> Result<Section> {
     let mut section = Section::new(Paper::Moreland, "Moreland 2004: adaptive transfer function sampling");

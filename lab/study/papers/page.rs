@@ -4,8 +4,8 @@ use super::Paper;
 use std::time::SystemTime;
 use voltet_core::Result;
 use voltet_core::picture::Picture;
-use voltet_nodes::encode;
-use voltet_nodes::provenance::date;
+use voltet_io::encode;
+use voltet_io::provenance::date;
 use voltet_simd::LaneSet;
 
 /// A figure.

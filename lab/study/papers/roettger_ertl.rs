@@ -10,9 +10,9 @@ use super::plane::square;
 use super::song::span;
 use std::time::Instant;
 use voltet_core::Result;
-use voltet_core::optics::integrators::{Extent, Ramp};
-use voltet_core::optics::special::mean_transmittance;
 use voltet_core::picture::Picture;
+use voltet_optics::integrators::{Extent, Ramp};
+use voltet_optics::special::mean_transmittance;
 
 /// Table 1: steps, RMS and largest error in % with 12 and with 8 bits a channel.
 const TABLE_1: [(usize, [f64; 2], Option<[f64; 2]>); 6] = [

@@ -9,10 +9,10 @@ use crate::work_precision::Subject;
 use std::sync::Arc;
 use voltet_core::Result;
 use voltet_core::grid::extent;
-use voltet_core::optics::Overlap;
-use voltet_core::optics::integrators::STANDARD_SIDE;
-use voltet_core::shading::Integrator;
 use voltet_core::transfer::{ControlPoint, Profile, TransferFunction, Widget};
+use voltet_optics::Overlap;
+use voltet_optics::integrators::STANDARD_SIDE;
+use voltet_optics::shading::Integrator;
 
 /// The paper's approximation: ten samples a ray segment.
 const APPROXIMATE: Integrator = Integrator::Segments { count: 10, table_size: STANDARD_SIDE };

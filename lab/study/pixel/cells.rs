@@ -1,7 +1,7 @@
 //! The file's own cells, by name.
 
 use voltet_core::grid::{CellType, Grid};
-use voltet_core::reference::Step;
+use voltet_optics::reference::Step;
 
 /// For each step the number of the file's cell, and what it is.
 pub(super) fn of(grid: &Grid, steps: &[Step]) -> Vec<(usize, String)> {

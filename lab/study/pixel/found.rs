@@ -1,6 +1,6 @@
 //! What is found out of one pixel.
 
-use voltet_core::reference::{Step, Walk};
+use voltet_optics::reference::{Step, Walk};
 
 /// One pixel.
 #[derive(Debug, Clone)]

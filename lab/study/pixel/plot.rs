@@ -3,8 +3,8 @@
 use super::found::Pixel;
 use super::text::number;
 use crate::work_precision::canvas::{Anchor, Canvas, Color, Mark, Size};
-use voltet_core::reference::Step;
-use voltet_nodes::encode::srgb_from_linear;
+use voltet_io::encode::srgb_from_linear;
+use voltet_optics::reference::Step;
 
 const SIZE: [f64; 2] = [900.0, 640.0];
 /// Left and right end of the panels.

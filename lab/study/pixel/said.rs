@@ -1,15 +1,15 @@
 //! What each integrator makes of the rays of a pixel.
 
 use super::found::{Said, mean};
-use voltet_core::optics::Segment;
-use voltet_core::optics::compositing::Composite;
-use voltet_core::optics::integrators::{Integrator, Numbers, SegmentIntegrator};
 use voltet_core::progress::Progress;
-use voltet_core::reference::{Ray, Tracer};
-use voltet_core::scene::Scene;
-use voltet_core::shading::Shading;
 use voltet_core::{Error, Result};
 use voltet_nodes::drawing;
+use voltet_optics::Segment;
+use voltet_optics::compositing::Composite;
+use voltet_optics::integrators::{Integrator, Numbers, SegmentIntegrator};
+use voltet_optics::reference::{Ray, Tracer};
+use voltet_optics::scene::Scene;
+use voltet_optics::shading::Shading;
 
 /// Entries a side of tables of three dimensions, where the pipeline does not say: such a table is built in a second.
 const CUBE_SIDE: usize = 64;

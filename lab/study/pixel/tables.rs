@@ -3,7 +3,7 @@
 use super::found::Pixel;
 use serde_json::{Value, json as object};
 use std::fmt::Write;
-use voltet_core::reference::Step;
+use voltet_optics::reference::Step;
 
 /// The cells of the ray, one a line, all of them. Numbers have all their digits; lengths are in world units.
 pub fn csv(pixel: &Pixel) -> String {

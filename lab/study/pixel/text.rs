@@ -1,8 +1,8 @@
 //! A pixel as a table for a terminal.
 
 use super::found::Pixel;
-use voltet_core::reference::Step;
-use voltet_nodes::encode::srgb_from_linear;
+use voltet_io::encode::srgb_from_linear;
+use voltet_optics::reference::Step;
 
 /// Cells that are shown where a ray crosses more and not all are asked for.
 pub const SHOWN: usize = 24;

@@ -4,13 +4,13 @@ use super::found::{Drawn, Pixel, mean};
 use super::{cells, nothing, said};
 use crate::work_precision::Subject;
 use std::sync::Arc;
-use voltet_core::graph::{Graph, Observer, Session, Value};
 use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
-use voltet_core::reference::{Seen, Tracer};
-use voltet_core::scene::Scene;
-use voltet_core::shading::Integrator;
 use voltet_core::{Error, Result};
+use voltet_graph::{Graph, Observer, Session, Value};
+use voltet_optics::reference::{Seen, Tracer};
+use voltet_optics::scene::Scene;
+use voltet_optics::shading::Integrator;
 
 /// The node that draws, traced.
 ///

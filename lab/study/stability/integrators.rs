@@ -2,12 +2,12 @@
 //! be seen at all (finite, no more than opaque, no brighter than its widgets).
 
 use serde::Serialize;
-use voltet_core::optics::integrators::{self, Extent, Integrator};
-use voltet_core::optics::{Contribution, Overlap, Prepared};
 use voltet_core::progress::Progress;
 use voltet_core::transfer::{OpticalModel, Widget};
 use voltet_core::{Error, Result};
 use voltet_judge::{Case, Kind, SegmentCase, stiff};
+use voltet_optics::integrators::{self, Extent, Integrator};
+use voltet_optics::{Contribution, Overlap, Prepared};
 
 /// One integrator.
 #[derive(Debug, Clone, PartialEq, Serialize)]

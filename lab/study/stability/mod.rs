@@ -67,10 +67,10 @@ pub fn stability(subjects: &Subjects, progress: &dyn Progress) -> Result<Stabili
 #[cfg(test)]
 mod tests {
     use super::*;
-    use voltet_core::engine::{Answer, Chain, Forms, PartialIntegrals, Precision};
-    use voltet_core::optics::{Contribution, Overlap, Segment};
     use voltet_core::transfer::TransferFunction;
     use voltet_judge::{Kind, Native64};
+    use voltet_optics::engine::{Answer, Chain, Forms, PartialIntegrals, Precision};
+    use voltet_optics::{Contribution, Overlap, Segment};
 
     /// The 64-bit forms, with optical depths off by a millionth: what a wrong engine would be.
     struct Off;

@@ -3,11 +3,12 @@
 use super::hard::{self, Hard};
 use super::subjects::Painter;
 use serde::Serialize;
-use voltet_core::engine::{Compositing, Manner};
 use voltet_core::picture::Picture;
 use voltet_core::progress::{Progress, Unreported};
-use voltet_core::scene::Scene;
-use voltet_core::{Error, Result, reference};
+use voltet_core::{Error, Result};
+use voltet_optics::engine::{Compositing, Manner};
+use voltet_optics::reference;
+use voltet_optics::scene::Scene;
 
 /// Largest error of a channel of premultiplied linear RGBA, on either engine: what 32-bit segments leave on ordinary scenes,
 /// with room for their condition.

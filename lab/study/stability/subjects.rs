@@ -3,9 +3,9 @@
 use crate::devices;
 use std::sync::Arc;
 use voltet_core::Result;
-use voltet_core::engine::{Compositing, Declaration, Engine, Forms};
 use voltet_judge::Native64;
 use voltet_nodes::drawing::ENGINES;
+use voltet_optics::engine::{Compositing, Declaration, Engine, Forms};
 
 /// The sets of forms and the engines that this build and this machine have.
 pub struct Subjects {

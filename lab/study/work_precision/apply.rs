@@ -3,10 +3,10 @@
 use super::settings::{order_name, overlap_name};
 use super::{Form, Setting, Study, Value as Key};
 use voltet_core::Result;
-use voltet_core::graph::Datum;
-use voltet_core::optics::Overlap;
-use voltet_core::optics::integrators::Integrator;
 use voltet_document::{Document, Edit};
+use voltet_graph::Datum;
+use voltet_optics::Overlap;
+use voltet_optics::integrators::Integrator;
 
 /// The text of the pipeline file with one of the study's settings in it. Overlap, order, engine, adapter and compositor are
 /// written where they differ from what the file says or comes to here; a `gpu-renderer` that is to draw on the native

@@ -5,11 +5,11 @@ use super::subject::Form;
 use super::{Engines, Painter, Setting, Subject, Wish, settings};
 use crate::devices;
 use std::sync::Arc;
-use voltet_core::engine::{Declaration, Engine};
 use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
 use voltet_core::{Error, Result};
 use voltet_nodes::drawing::{ENGINES, NATIVE, is_asked_by};
+use voltet_optics::engine::{Declaration, Engine};
 
 /// What there is to measure on.
 pub struct Benches {

@@ -1,7 +1,7 @@
 //! What a study draws with: engines and their ways of compositing, and which of them are asked for.
 
-use voltet_core::engine::{Compositing, Declaration};
 use voltet_nodes::drawing::{ENGINES, NATIVE};
+use voltet_optics::engine::{Compositing, Declaration};
 
 /// What draws a picture: an engine and, where it has several, its way of compositing.
 #[derive(Debug, Clone, Copy, PartialEq)]

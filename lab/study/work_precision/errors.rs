@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 use voltet_core::picture::Picture;
-use voltet_nodes::encode::viridis;
+use voltet_io::encode::viridis;
 
 /// A step of an 8-bit channel.
 const STEP: f32 = 1.0 / 255.0;

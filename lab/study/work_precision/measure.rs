@@ -5,12 +5,12 @@ use serde::Serialize;
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 use voltet_core::camera::Camera;
-use voltet_core::engine::{Drawn, Engine, Manner, Prepared, Stage};
 use voltet_core::picture::Picture;
 use voltet_core::progress::{Progress, Unreported};
-use voltet_core::scene::Scene;
 use voltet_core::{Error, Result};
-use voltet_nodes::memory;
+use voltet_io::memory;
+use voltet_optics::engine::{Drawn, Engine, Manner, Prepared, Stage};
+use voltet_optics::scene::Scene;
 
 /// How often a setting is drawn.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -78,7 +78,7 @@ pub struct Cost {
     pub passes: Vec<Pass>,
     /// Ray segments integrated in a frame; blending hardware does not count them.
     pub segments: Option<u64>,
-    /// How often the transfer function was asked in a frame: see [`voltet_core::engine::Counts::evaluations`]; `None` where an engine
+    /// How often the transfer function was asked in a frame: see [`voltet_optics::engine::Counts::evaluations`]; `None` where an engine
     /// does not count.
     pub evaluations: Option<u64>,
     /// Segments of these that the engine left to 64 bits.

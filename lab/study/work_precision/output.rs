@@ -3,7 +3,8 @@
 use super::{Study, csv, json, page, plot};
 use std::path::{Path, PathBuf};
 use voltet_core::{Error, Result};
-use voltet_nodes::{encode, files};
+use voltet_io::encode;
+use voltet_nodes::files;
 
 /// The files of every study in `folder`, and the difference pictures of former ones, which it may write anew.
 pub fn written(folder: &Path) -> Vec<PathBuf> {

@@ -2,11 +2,11 @@
 
 use super::canvas::{Anchor, Axis, Canvas, Color, Mark, Size, Symbol, WHITE, shown};
 use super::{Painter, Row, Study};
-use voltet_core::optics::Overlap;
-use voltet_core::optics::integrators::{
+use voltet_optics::Overlap;
+use voltet_optics::integrators::{
     Integrator, Numbers, STANDARD_OVERSAMPLING, STANDARD_PLANES, STANDARD_SIDE,
 };
-use voltet_core::shading::Order;
+use voltet_optics::shading::Order;
 
 const SIZE: [f64; 2] = [960.0, 600.0];
 

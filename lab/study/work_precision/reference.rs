@@ -5,14 +5,14 @@ use super::kept::{decode, decode_tiles, encode, encode_tiles};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use voltet_core::error::ErrorKind;
-use voltet_core::optics::Overlap;
 use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
-use voltet_core::reference;
-use voltet_core::scene::Scene;
-use voltet_core::shading::{Order, Shading};
 use voltet_core::{Error, Result};
 use voltet_nodes::files::{self, Fnv};
+use voltet_optics::Overlap;
+use voltet_optics::reference;
+use voltet_optics::scene::Scene;
+use voltet_optics::shading::{Order, Shading};
 
 /// The reference picture and what it cost.
 #[derive(Debug, Clone)]

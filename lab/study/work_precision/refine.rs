@@ -13,17 +13,17 @@ use glam::DVec3;
 use serde::Serialize;
 use std::sync::Arc;
 use voltet_core::Shared;
-use voltet_core::engine::Accumulation;
-use voltet_core::engine::{AdapterWish, Manner};
 use voltet_core::field::{LeastSquares, Method};
 use voltet_core::grid::{Array, Refined, refine};
-use voltet_core::optics::Overlap;
-use voltet_core::optics::integrators::Integrator;
 use voltet_core::picture::Picture;
 use voltet_core::progress::{Progress, Unreported};
-use voltet_core::shading::Order;
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
+use voltet_optics::Overlap;
+use voltet_optics::engine::Accumulation;
+use voltet_optics::engine::{AdapterWish, Manner};
+use voltet_optics::integrators::Integrator;
+use voltet_optics::shading::Order;
 
 /// Most cells of the finest grid: some 20 GiB while they are drawn.
 const CELLS_MOST: u64 = 100_000_000;

@@ -11,11 +11,11 @@ use super::refine::{Refinement, Source, refinement};
 use super::wish::{Measure, Wish};
 use super::{Painter, Setting, Subject};
 use voltet_core::error::ErrorKind;
-use voltet_core::optics::Overlap;
-use voltet_core::optics::integrators::Integrator;
 use voltet_core::progress::Progress;
 use voltet_core::{Error, Result};
-use voltet_nodes::encode;
+use voltet_io::encode;
+use voltet_optics::Overlap;
+use voltet_optics::integrators::Integrator;
 use voltet_simd::LaneSet;
 
 /// One setting, measured.

@@ -1,13 +1,13 @@
 //! The settings that are tried: every integrator that can serve the scene, over its own numbers.
 
 use super::{Painter, Subject};
-use voltet_core::engine::{Accumulation, Compositing};
-use voltet_core::optics::Overlap;
-use voltet_core::optics::integrators::{
+use voltet_optics::Overlap;
+use voltet_optics::engine::{Accumulation, Compositing};
+use voltet_optics::integrators::{
     Integrator, Numbers, STANDARD_OVERSAMPLING, STANDARD_PIECES, STANDARD_PLANES, STANDARD_SIDE, can_serve,
 };
-use voltet_core::scene::Scene;
-use voltet_core::shading::{Order, Shading};
+use voltet_optics::scene::Scene;
+use voltet_optics::shading::{Order, Shading};
 
 /// One way to draw the scene.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -2,12 +2,12 @@
 
 use super::Painter;
 use std::sync::Arc;
-use voltet_core::engine::{Accumulation, Compositing, Declaration};
-use voltet_core::graph::{Demand, Graph, GraphNode, Observer, Parameters, Session, Value, diagonal};
-use voltet_core::scene::{Scene, needs_order};
-use voltet_core::shading::Order;
 use voltet_core::{Error, Result};
+use voltet_graph::{Demand, Graph, GraphNode, Observer, Parameters, Session, Value, diagonal};
 use voltet_nodes::drawing;
+use voltet_optics::engine::{Accumulation, Compositing, Declaration};
+use voltet_optics::scene::{Scene, needs_order};
+use voltet_optics::shading::Order;
 
 /// Which nodes draw, which decides what an engine can be written into.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -171,7 +171,7 @@ fn drawing_node(graph: &Graph, name: Option<&str>) -> Result<usize> {
         (Some(name), _) => names.iter().position(|known| *known == name).map(|i| found[i]).ok_or_else(|| {
             Error::usage("no node of this name draws what the pipeline writes")
                 .found(name)
-                .accepted(voltet_core::graph::suggest(name, names.iter().copied()))
+                .accepted(voltet_graph::suggest(name, names.iter().copied()))
         }),
         (None, [place]) => Ok(*place),
         (None, []) => Err(Error::usage("the pipeline draws no volume").accepted(

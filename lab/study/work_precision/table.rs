@@ -4,7 +4,7 @@ use super::measure::Cost;
 use super::settings::{order_name, overlap_name};
 use super::{Convergence, Painter, Refused, Row, Setting, Study, Times, Value as Key};
 use serde_json::{Value, json as object};
-use voltet_core::engine::Accumulation;
+use voltet_optics::engine::Accumulation;
 
 /// Milliseconds, with three digits that tell something.
 pub(super) fn milliseconds(ms: f64) -> String {

@@ -5,8 +5,8 @@ pub use super::scene::{NamedScene, SHADING};
 use std::path::PathBuf;
 use voltet_core::picture::Picture;
 use voltet_core::progress::Silent;
-use voltet_core::reference;
-use voltet_core::shading::{Order, Shading};
+use voltet_optics::reference;
+use voltet_optics::shading::{Order, Shading};
 
 /// What 32-bit segments may leave on an ordinary scene.
 pub const ORDINARY: f64 = 2e-4;

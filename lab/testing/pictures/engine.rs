@@ -3,8 +3,8 @@
 use super::compare::{ORDINARY, nearly_all_within, referee_shaded, within};
 use super::scene::{NamedScene, SHADING};
 use voltet_core::picture::Picture;
-use voltet_core::shading::{Integrator, Shading};
 use voltet_core::transfer::TransferFunction;
+use voltet_optics::shading::{Integrator, Shading};
 
 /// An engine under test.
 pub trait Engine {

@@ -5,8 +5,8 @@ use super::Engine;
 use super::compare::{NamedScene, ORDINARY, SHADING, referee, within};
 use super::grids::{cube, smooth};
 use super::looks::*;
-use voltet_core::shading::{Integrator, Shading};
 use voltet_core::transfer::{OpticalModel, TransferFunction};
+use voltet_optics::shading::{Integrator, Shading};
 
 /// Each integrator with the error that it may leave in a picture of [`scene`]. Those that sample are of second order
 /// where the function is smooth (1e-5 here), but misplace the edge of a region or of a glow by up to half a piece:

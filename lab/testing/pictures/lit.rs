@@ -8,9 +8,9 @@ use glam::DVec3;
 use std::sync::Arc;
 use voltet_core::camera::Camera;
 use voltet_core::grid::Grid;
-use voltet_core::shading::{Light, Shading};
 use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
+use voltet_optics::shading::{Light, Shading};
 
 const LIGHT: Light = Light { direction: DVec3::new(0.4, -0.7, 3.5), ambient: 0.3, diffuse: 0.8 };
 

@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 use voltet_core::camera::Camera;
-use voltet_core::optics::Overlap;
-use voltet_core::scene;
-use voltet_core::shading::{Integrator, Order, Shading};
 use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
+use voltet_optics::Overlap;
+use voltet_optics::scene;
+use voltet_optics::shading::{Integrator, Order, Shading};
 
 /// Everything a picture is made from.
 #[derive(Clone)]

@@ -12,11 +12,11 @@ use std::sync::Arc;
 use voltet_core::Shared;
 use voltet_core::camera::{Camera, Projection};
 use voltet_core::grid::Grid;
-use voltet_core::optics::Overlap;
-use voltet_core::reference;
-use voltet_core::shading::{Light, Order, Shading};
 use voltet_core::transfer::{OpticalModel, Profile, Region, Table, TransferFunction, Wave, Widget};
 use voltet_core::volume::Volume;
+use voltet_optics::Overlap;
+use voltet_optics::reference;
+use voltet_optics::shading::{Light, Order, Shading};
 
 /// Half of the last decimal, and as much again for what stands on a tie.
 const SIX_DECIMALS: f64 = 1e-6;

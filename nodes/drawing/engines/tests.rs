@@ -2,11 +2,11 @@ use crate::drawing::opened::Opened;
 use glam::DVec3;
 use std::sync::Arc;
 use voltet_core::Result;
-use voltet_core::engine::{AdapterWish, Engine};
-use voltet_core::graph::{Node, Outputs, Port, PortType, Registry, RunReport, Unobserved, Value};
 use voltet_core::grid::generate::{box_of_tetrahedra, with_scalar};
-use voltet_core::pipeline::Pipeline;
 use voltet_gpu::{Device, OnDevice};
+use voltet_graph::pipeline::Pipeline;
+use voltet_graph::{Node, Outputs, Port, PortType, Registry, RunReport, Unobserved, Value};
+use voltet_optics::engine::{AdapterWish, Engine};
 
 /// A grid of 384 cells; with it, the software driver is opened as if its bindings held 2 KiB, and 8 of them at a time.
 const SOURCE: Node = Node {

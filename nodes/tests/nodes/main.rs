@@ -7,8 +7,8 @@ mod written;
 
 use std::path::Path;
 use voltet_core::Result;
-use voltet_core::graph::Graph;
-use voltet_core::pipeline::Pipeline;
+use voltet_graph::Graph;
+use voltet_graph::pipeline::Pipeline;
 use voltet_nodes::{NODES, registry};
 
 /// A pipeline file's text in a folder, ready to run.

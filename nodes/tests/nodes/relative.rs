@@ -5,7 +5,7 @@ use std::fmt::Write;
 use std::path::Path;
 use voltet_core::Error;
 use voltet_core::error::ErrorKind;
-use voltet_core::graph::{RunReport, Session, Unobserved};
+use voltet_graph::{RunReport, Session, Unobserved};
 use voltet_nodes::session;
 
 /// A function of the place.

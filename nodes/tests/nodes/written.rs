@@ -4,11 +4,11 @@ use super::graph;
 use std::path::Path;
 use std::process::Command;
 use std::sync::Arc;
-use voltet_core::graph::{Demand, Graph, RunReport, Unobserved, Value};
 use voltet_core::grid::{Grid, code};
 use voltet_core::progress::Silent;
 use voltet_core::volume::Volume;
-use voltet_nodes::formats::{Request, read};
+use voltet_graph::{Demand, Graph, RunReport, Unobserved, Value};
+use voltet_io::formats::{Request, read};
 use voltet_nodes::session;
 use voltet_testing::files::samples;
 

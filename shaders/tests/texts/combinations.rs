@@ -3,12 +3,12 @@
 use crate::module::{SHADING, layout, offsets, validate, validate_everywhere, validate_numbered};
 use std::collections::HashSet;
 use std::sync::Arc;
-use voltet_core::optics::Overlap;
-use voltet_core::optics::integrators::{Extent, can_serve};
-use voltet_core::shading::{Integrator, Light, Shading};
 use voltet_core::transfer::{
     ControlPoint, OpticalModel, Profile, Region, Table, TransferFunction, Wave, Widget,
 };
+use voltet_optics::Overlap;
+use voltet_optics::integrators::{Extent, can_serve};
+use voltet_optics::shading::{Integrator, Light, Shading};
 use voltet_shaders::{
     Axis, Buffer, Choices, Combine, Compositor, Method, PIECES, Parameters, Parts, Places, Resources,
     SceneHead, TEXEL_BYTES, WidgetRecord, compose,

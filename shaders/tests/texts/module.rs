@@ -3,8 +3,8 @@
 use naga::back::pipeline_constants::process_overrides;
 use naga::back::{PipelineConstants, hlsl, msl};
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
-use voltet_core::optics::Overlap;
-use voltet_core::shading::{Integrator, Shading};
+use voltet_optics::Overlap;
+use voltet_optics::shading::{Integrator, Shading};
 use voltet_shaders::Shader;
 
 /// Closed forms, without light.

@@ -3,11 +3,11 @@
 use crate::module::{SHADING, layout, offsets, validate_everywhere, validate_numbered};
 use std::collections::HashSet;
 use std::sync::Arc;
-use voltet_core::optics::integrators::can_serve;
-use voltet_core::shading::{Integrator, Light, Shading};
 use voltet_core::transfer::{
     ControlPoint, OpticalModel, Profile, Region, Table, TransferFunction, Wave, Widget,
 };
+use voltet_optics::integrators::can_serve;
+use voltet_optics::shading::{Integrator, Light, Shading};
 use voltet_shaders::{
     Access, Blend, Choices, Compositor, FramePass, GRID_GROUP, GridArray, Layout, PIECES, Parts,
     PlacementRecord, RoundRecord, RunRecord, TileOrder, ViewRecord, cells_read, compose,

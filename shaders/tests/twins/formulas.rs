@@ -1,13 +1,13 @@
 //! The table of twins: each WGSL formula with its 64-bit truth, its range and its tolerance.
 
-use voltet_core::optics::clip::Stretch;
-use voltet_core::optics::gaussian::GaussianPath;
-use voltet_core::optics::triangular_gaussian::TriangularPath;
-use voltet_core::optics::wave::Bell;
-use voltet_core::optics::{Overlap, linear, special};
-use voltet_core::shading::{Integrator, Shading};
 use voltet_core::transfer::{OpticalModel, Profile, TransferFunction, Wave, Widget};
 use voltet_judge::twin::{INPUTS, Range};
+use voltet_optics::clip::Stretch;
+use voltet_optics::gaussian::GaussianPath;
+use voltet_optics::shading::{Integrator, Shading};
+use voltet_optics::triangular_gaussian::TriangularPath;
+use voltet_optics::wave::Bell;
+use voltet_optics::{Overlap, linear, special};
 use voltet_shaders::{Axis, Parameters};
 
 /// A 64-bit formula of the inputs.

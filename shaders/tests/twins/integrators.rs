@@ -2,11 +2,11 @@
 
 use crate::device::Device;
 use crate::scene::{Composed, Scenes};
-use voltet_core::optics::integrators::{Extent, new};
-use voltet_core::optics::{Overlap, Prepared};
-use voltet_core::shading::{Integrator, Shading};
 use voltet_judge::segment_cases;
 use voltet_judge::segment_twin::{Measure, change_of_places, numbers};
+use voltet_optics::integrators::{Extent, new};
+use voltet_optics::shading::{Integrator, Shading};
+use voltet_optics::{Overlap, Prepared};
 use voltet_shaders::Axis;
 use voltet_shaders::segment_list::{axes, holds, keeps_digits};
 

@@ -4,13 +4,13 @@ use crate::device::Device;
 use crate::integrators::{shading, stored};
 use crate::scene::{Composed, Scenes};
 use std::time::Instant;
-use voltet_core::optics::integrators::{
-    Extent, Integrator, Matter, PreIntegrated, PreIntegratedCylindrical, Ramp, new,
-};
-use voltet_core::optics::special::mean_transmittance;
-use voltet_core::optics::{Contribution, Overlap, Segment};
 use voltet_core::transfer::{ControlPoint, OpticalModel, Profile, TransferFunction, Widget};
 use voltet_judge::segment_twin::{Measure, numbers};
+use voltet_optics::integrators::{
+    Extent, Integrator, Matter, PreIntegrated, PreIntegratedCylindrical, Ramp, new,
+};
+use voltet_optics::special::mean_transmittance;
+use voltet_optics::{Contribution, Overlap, Segment};
 use voltet_shaders::{Axis, Places};
 use voltet_testing::segments::{MODELS, segments};
 

@@ -6,10 +6,10 @@ use std::collections::HashMap;
 use std::rc::Rc;
 use std::time::Instant;
 use voltet_core::Result;
-use voltet_core::optics::integrators::Extent;
-use voltet_core::optics::{Contribution, Segment};
-use voltet_core::shading::Shading;
 use voltet_core::transfer::TransferFunction;
+use voltet_optics::integrators::Extent;
+use voltet_optics::shading::Shading;
+use voltet_optics::{Contribution, Segment};
 use voltet_shaders::segment_list::{CONTRIBUTION, constants, contributions, row};
 use voltet_shaders::{Axis, Choices, Compositor, Parameters, Resources, Shader, compose};
 

@@ -3,10 +3,10 @@
 use crate::device::Device;
 use crate::integrators::{shading, stored};
 use crate::scene::{Composed, Scenes};
-use voltet_core::optics::integrators::{Extent, Integrator, new};
-use voltet_core::optics::{Overlap, Prepared};
 use voltet_core::transfer::{Profile, Region, Widget};
 use voltet_judge::segment_twin::{Measure, change_of_places, numbers};
+use voltet_optics::integrators::{Extent, Integrator, new};
+use voltet_optics::{Overlap, Prepared};
 use voltet_shaders::Axis;
 use voltet_testing::segments::{MODELS, image, look, segments, widget};
 

@@ -2,8 +2,8 @@
 
 use std::fmt::Write;
 use std::path::Path;
-use voltet_core::graph::Unobserved;
-use voltet_core::pipeline::Pipeline;
+use voltet_graph::Unobserved;
+use voltet_graph::pipeline::Pipeline;
 
 /// The bytes of the picture that a pipeline draws: 32-bit floats, native order.
 pub fn picture(text: &str, folder: &Path) -> Vec<u8> {

@@ -85,6 +85,3 @@ fn is_convex(corners: &[[f64; 2]]) -> bool {
     let around: f64 = (0..n).map(angle).sum::<f64>().abs();
     one_way && turns.iter().any(|t| t.abs() > slack) && (around - std::f64::consts::TAU).abs() < 1e-6
 }
-
-#[cfg(test)]
-mod tests;

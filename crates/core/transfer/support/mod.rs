@@ -215,6 +215,3 @@ impl WidgetSupport {
         self.bounds.bound(corners)
     }
 }
-
-#[cfg(test)]
-mod tests;

@@ -33,9 +33,9 @@ use tables::Table;
 use tabulated::Tabulated;
 use vertex_sampled::VertexSampled;
 use voltet_core::Result;
-use voltet_core::optics::integrators::SegmentIntegrator;
-use voltet_core::shading::Integrator;
 use voltet_core::transfer::TransferFunction;
+use voltet_optics::integrators::SegmentIntegrator;
+use voltet_optics::shading::Integrator;
 use voltet_simd::LaneSet;
 use voltet_simd::optics::partial_table::LanePartialTable;
 

@@ -4,8 +4,8 @@ use super::*;
 use voltet_core::Shared;
 use voltet_core::camera::Projection;
 use voltet_core::grid::generate::box_of_tetrahedra;
-use voltet_core::shading::{Light, Shading};
 use voltet_cpu::{Casting, cull, draw, keep_all};
+use voltet_optics::shading::{Light, Shading};
 use voltet_testing::pictures::looks::perspective;
 
 /// Cells of a density that is nothing along the longest ray are left out, those that a picture shows are not: no pixel

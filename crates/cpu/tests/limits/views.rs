@@ -1,10 +1,10 @@
 //! Segments that are kept of a view while its widgets change: whatever was drawn before, a picture is that of the cells.
 
 use super::*;
-use voltet_core::engine::{AdapterWish, Drawn, Manner, Prepared, Stage};
-use voltet_core::shading::{Integrator, Shading};
 use voltet_core::transfer::{ControlPoint, OpticalModel, Region};
 use voltet_cpu::ENGINE;
+use voltet_optics::engine::{AdapterWish, Drawn, Manner, Prepared, Stage};
+use voltet_optics::shading::{Integrator, Shading};
 use voltet_testing::pictures::looks::perspective;
 
 fn bivariate() -> Arc<Volume> {

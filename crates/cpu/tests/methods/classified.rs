@@ -3,12 +3,12 @@
 use crate::found::shading;
 use std::sync::Arc;
 use voltet_core::camera::Camera;
-use voltet_core::engine::{AdapterWish, Manner, Prepared};
 use voltet_core::progress::Silent;
-use voltet_core::scene::Scene;
-use voltet_core::shading::{Integrator, Order};
 use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
+use voltet_optics::engine::{AdapterWish, Manner, Prepared};
+use voltet_optics::scene::Scene;
+use voltet_optics::shading::{Integrator, Order};
 use voltet_testing::pictures::grids::{cube, smooth};
 use voltet_testing::pictures::looks::outside;
 use voltet_testing::segments::{MODELS, gaussian, look};

@@ -1,12 +1,12 @@
 //! What judges segments in lanes by their own 64-bit truths, on every lane set.
 
 use std::collections::BTreeMap;
-use voltet_core::optics::integrators::{self, Extent, LIT_REACH, REACH};
-use voltet_core::optics::{Overlap, Prepared, Segment};
-use voltet_core::shading::{Integrator, Shading};
 use voltet_core::transfer::{OpticalModel, Profile, TransferFunction, Widget};
 use voltet_cpu::{Integrated, Segments, segments};
 use voltet_judge::segment_twin::{Measure, change_of_places, numbers};
+use voltet_optics::integrators::{self, Extent, LIT_REACH, REACH};
+use voltet_optics::shading::{Integrator, Shading};
+use voltet_optics::{Overlap, Prepared, Segment};
 
 /// Of ε (4 |truth| + change + what a shift of each sample changes). Exponentials and quotients leave some steps of 32 bits; so does
 /// the table that is filled in them.

@@ -6,10 +6,10 @@ mod tabulated;
 
 use found::{Found, shading};
 use voltet_core::progress::Silent;
-use voltet_core::shading::Integrator;
 use voltet_core::transfer::{ControlPoint, Profile, Widget};
 use voltet_cpu::keep_all;
 use voltet_judge::segment_cases;
+use voltet_optics::shading::Integrator;
 use voltet_testing::pictures::grids::{cube, smooth};
 use voltet_testing::pictures::looks::outside;
 use voltet_testing::segments::{MODELS, look, overlapping, segments, widget};

@@ -1,10 +1,10 @@
 //! Gaussians' integrals from tables, and what is linear between the grid's points.
 
 use crate::found::Found;
-use voltet_core::optics::Segment;
-use voltet_core::optics::integrators::classified;
-use voltet_core::shading::Integrator;
 use voltet_core::transfer::{OpticalModel, Profile, TransferFunction, Widget};
+use voltet_optics::Segment;
+use voltet_optics::integrators::classified;
+use voltet_optics::shading::Integrator;
 use voltet_testing::segments::{Numbers, gaussian, look, overlapping, segments, triangular, uniform, widget};
 
 const MODELS: [OpticalModel; 4] = [

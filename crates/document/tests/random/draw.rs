@@ -3,8 +3,8 @@
 use crate::lot::Lot;
 use crate::model::{Model, part};
 use std::collections::BTreeSet;
-use voltet_core::graph::{Datum, Field, Setting};
 use voltet_document::{Document, Edit, Frame, Note, Path, Step};
+use voltet_graph::{Datum, Field, Setting};
 
 impl Model {
     /// An edit that can be done.

@@ -1,8 +1,8 @@
 //! What a document should state, without any text.
 
 use std::collections::BTreeMap;
-use voltet_core::graph::{Datum, Field, LinkEntry, NodeEntry, Setting};
 use voltet_document::{Document, Edit, Step, View, links};
+use voltet_graph::{Datum, Field, LinkEntry, NodeEntry, Setting};
 
 /// Nodes by name, what feeds them, what the view says.
 #[derive(Debug, Clone, PartialEq)]

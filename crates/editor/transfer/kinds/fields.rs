@@ -8,7 +8,7 @@ use super::ellipse::Ellipse;
 use super::triangle::Triangle;
 use super::{On, Shape};
 use std::sync::Arc;
-use voltet_core::graph::{Datum, Field, Quantity, Setting};
+use voltet_graph::{Datum, Field, Quantity, Setting};
 
 /// The numbers of such a widget.
 #[derive(Debug, Clone, PartialEq)]

@@ -6,7 +6,7 @@ use super::super::pen::Pen;
 use super::super::scale::Scale;
 use super::ellipse::Ellipse;
 use super::{On, Shape};
-use voltet_core::graph::Field;
+use voltet_graph::Field;
 
 #[derive(Debug)]
 pub(super) struct Gaussian(Ellipse);

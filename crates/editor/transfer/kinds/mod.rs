@@ -22,8 +22,8 @@ use super::scale::{S_AND_G, Scale};
 use crate::worker::Known;
 use std::fmt::Debug;
 use std::sync::Arc;
-use voltet_core::graph::{Field, Quantity};
 use voltet_core::transfer::{Profile, Widget};
+use voltet_graph::{Field, Quantity};
 
 /// A widget in the plane, but for its region. Places are values along the plane's axes.
 pub(super) trait Shape: Debug {

@@ -7,8 +7,8 @@ use super::super::region::with_corner;
 use super::super::scale::Scale;
 use super::{On, Shape};
 use eframe::egui::{Color32, Rect, TextureId, pos2};
-use voltet_core::graph::{Field, Setting};
 use voltet_core::transfer::Table;
+use voltet_graph::{Field, Setting};
 
 /// The least length of a side, as a share of what is shown: a range that is empty is refused.
 const LEAST: f64 = 1e-3;

@@ -6,7 +6,7 @@ use super::super::pen::Pen;
 use super::super::scale::Scale;
 use super::Shape;
 use eframe::egui;
-use voltet_core::graph::Datum;
+use voltet_graph::Datum;
 
 /// Its s, and its width in s a unit of g; or a field and the magnitude of its gradients.
 #[derive(Debug, Clone, PartialEq)]

@@ -6,8 +6,8 @@ use super::super::pen::Pen;
 use super::super::scale::Scale;
 use super::Shape;
 use eframe::egui::Stroke;
-use voltet_core::graph::Datum;
 use voltet_core::transfer::Wave;
+use voltet_graph::Datum;
 
 /// The band's handle lies beside the wave's line by so much of the axes.
 const BESIDE: f64 = 0.07;

@@ -3,11 +3,11 @@
 use crate::drawing::{device, draw_on, further_device, raster, tiles};
 use std::sync::Arc;
 use voltet_core::camera::Camera;
-use voltet_core::engine::{Accumulation, Compositing, Manner, OrderCheck};
 use voltet_core::progress::Silent;
-use voltet_core::shading::Order;
 use voltet_core::transfer::TransferFunction;
 use voltet_gpu::{Drawn, Renderer};
+use voltet_optics::engine::{Accumulation, Compositing, Manner, OrderCheck};
+use voltet_optics::shading::Order;
 use voltet_testing::pictures::compare::{NamedScene, ORDINARY, SHADING, referee, within};
 use voltet_testing::pictures::grids::*;
 use voltet_testing::pictures::looks::*;

@@ -2,12 +2,12 @@
 
 use std::sync::{Arc, OnceLock};
 use voltet_core::Result;
-use voltet_core::engine::{Compositing, Manner};
 use voltet_core::picture::Picture;
 use voltet_core::progress::Silent;
-use voltet_core::shading::{Integrator, Order, Shading};
 use voltet_core::transfer::TransferFunction;
 use voltet_gpu::{Device, Drawn, Renderer};
+use voltet_optics::engine::{Compositing, Manner};
+use voltet_optics::shading::{Integrator, Order, Shading};
 use voltet_testing::pictures::Engine;
 use voltet_testing::pictures::compare::{NamedScene, SHADING};
 

@@ -3,11 +3,11 @@
 use crate::drawing::device;
 use crate::raster::jittered;
 use std::sync::Arc;
-use voltet_core::engine::{Compositing, Manner, OrderCheck};
 use voltet_core::progress::Silent;
-use voltet_core::scene::Scene;
-use voltet_core::shading::Order;
 use voltet_gpu::{Begun, Renderer, begin, draw};
+use voltet_optics::engine::{Compositing, Manner, OrderCheck};
+use voltet_optics::scene::Scene;
+use voltet_optics::shading::Order;
 use voltet_testing::pictures::compare::{NamedScene, SHADING};
 use voltet_testing::pictures::grids::{cube, smooth};
 use voltet_testing::pictures::looks::*;

@@ -2,8 +2,8 @@
 
 use crate::drawing::{Tested, device, draw, draw_tiles};
 use glam::DVec3;
-use voltet_core::shading::{Integrator, Order, Shading};
 use voltet_gpu::Renderer;
+use voltet_optics::shading::{Integrator, Order, Shading};
 use voltet_testing::pictures::Engine;
 use voltet_testing::pictures::compare::{NamedScene, ORDINARY, SHADING, referee, within};
 use voltet_testing::pictures::grids::*;

@@ -2,12 +2,12 @@
 
 use crate::drawing::{device, draw, draw_tiles, try_draw};
 use std::sync::Arc;
-use voltet_core::engine::{Engine, Manner};
-use voltet_core::optics::Overlap;
 use voltet_core::progress::Silent;
-use voltet_core::shading::{Integrator, Order, Shading};
 use voltet_core::transfer::{OpticalModel, TransferFunction};
 use voltet_gpu::{Device, Drawn, OnDevice, Renderer};
+use voltet_optics::Overlap;
+use voltet_optics::engine::{Engine, Manner};
+use voltet_optics::shading::{Integrator, Order, Shading};
 use voltet_testing::pictures::compare::{NamedScene, ORDINARY, SHADING, referee, within};
 use voltet_testing::pictures::grids::{cube, smooth};
 use voltet_testing::pictures::looks::*;

@@ -2,11 +2,11 @@
 
 use crate::drawing::{device, draw, draw_tiles, further_device};
 use std::sync::Arc;
-use voltet_core::engine::{Compositing, Manner};
 use voltet_core::progress::Silent;
-use voltet_core::shading::{Integrator, Order, Shading};
 use voltet_core::transfer::{OpticalModel, Profile, Region, Table, TransferFunction, Widget};
 use voltet_gpu::Renderer;
+use voltet_optics::engine::{Compositing, Manner};
+use voltet_optics::shading::{Integrator, Order, Shading};
 use voltet_testing::pictures::compare::{NamedScene, SHADING, within};
 use voltet_testing::pictures::grids::{cube, smooth};
 use voltet_testing::pictures::looks::*;

@@ -3,12 +3,12 @@
 
 use crate::drawing::{device, draw_on};
 use std::sync::Arc;
-use voltet_core::engine::{Accumulation, Compositing, Manner};
 use voltet_core::progress::Silent;
-use voltet_core::shading::{Integrator, Light, Order, Shading};
 use voltet_core::transfer::{OpticalModel, TransferFunction};
 use voltet_core::volume::Volume;
 use voltet_gpu::{Device, Renderer};
+use voltet_optics::engine::{Accumulation, Compositing, Manner};
+use voltet_optics::shading::{Integrator, Light, Order, Shading};
 use voltet_testing::pictures::compare::{NamedScene, SHADING, within};
 use voltet_testing::pictures::grids::{cube, smooth, smooth_gradient};
 use voltet_testing::pictures::looks::*;

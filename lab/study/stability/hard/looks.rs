@@ -3,10 +3,10 @@
 use super::scene::{Hard, PLAIN, cube, look, moved};
 use glam::DVec3;
 use std::sync::Arc;
-use voltet_core::shading::{Light, Shading};
 use voltet_core::transfer::{
     ControlPoint, OpticalModel, Profile, Region, Table, TransferFunction, Wave, Widget,
 };
+use voltet_optics::shading::{Light, Shading};
 
 const RED: [f64; 3] = [0.9, 0.3, 0.2];
 const BLUE: [f64; 3] = [0.2, 0.5, 1.1];

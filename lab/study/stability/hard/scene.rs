@@ -6,11 +6,11 @@ use voltet_core::Shared;
 use voltet_core::camera::{Camera, Projection};
 use voltet_core::grid::generate::{box_of_tetrahedra, sample};
 use voltet_core::grid::{Array, Grid};
-use voltet_core::optics::Overlap;
-use voltet_core::scene::Scene;
-use voltet_core::shading::{Integrator, Order, Shading};
 use voltet_core::transfer::{OpticalModel, Profile, Region, TransferFunction, Widget};
 use voltet_core::volume::Volume;
+use voltet_optics::Overlap;
+use voltet_optics::scene::Scene;
+use voltet_optics::shading::{Integrator, Order, Shading};
 
 /// A scene that is hard to draw.
 pub(in crate::stability) struct Hard {

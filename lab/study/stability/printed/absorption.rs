@@ -5,8 +5,8 @@ use super::measured::{Measured, Printed, between, error, ours, segment};
 use super::real::Real;
 use std::f64::consts::PI;
 use voltet_core::Result;
-use voltet_core::optics::Contribution;
 use voltet_core::transfer::{OpticalModel, Profile, TransferFunction, Widget};
+use voltet_optics::Contribution;
 
 pub(super) fn entries() -> Result<Vec<Printed>> {
     Ok(vec![gaussian()?, offset()?, mean()?, triangular()?, opacity()?, chain()?])

@@ -4,8 +4,8 @@ use super::measured::{Measured, Printed, between, error, partial, segment};
 use super::real::{Real, integral};
 use std::f64::consts::PI;
 use voltet_core::Result;
-use voltet_core::optics::{Overlap, Prepared, linear};
 use voltet_core::transfer::{OpticalModel, Profile, Region, TransferFunction, Wave, Widget};
+use voltet_optics::{Overlap, Prepared, linear};
 
 pub(super) fn entries() -> Result<Vec<Printed>> {
     Ok(vec![uniform()?, gaussian()?, triangle()?, falling_flank()?, sine()?, psi()?, back()?, mix()?])

@@ -2,12 +2,12 @@
 
 use super::real::Real;
 use serde::Serialize;
-use voltet_core::engine::{AdapterWish, Answer, Forms, PartialIntegrals};
-use voltet_core::optics::{Contribution, Overlap, Segment};
 use voltet_core::transfer::TransferFunction;
 use voltet_core::{Error, Result};
 use voltet_judge::Native64;
 use voltet_nodes::drawing::NATIVE;
+use voltet_optics::engine::{AdapterWish, Answer, Forms, PartialIntegrals};
+use voltet_optics::{Contribution, Overlap, Segment};
 
 /// One printed formula and what was measured.
 #[derive(Debug, Clone, PartialEq, Serialize)]

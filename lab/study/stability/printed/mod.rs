@@ -1,6 +1,6 @@
 //! The formulas as papers print them, computed as they stand in 32 and in 64 bits, and what stands in their place.
 //!
-//! Truths are the 64-bit forms of `voltet_core::optics`, which the cases of the same report judge; their place in 32 bits is
+//! Truths are the 64-bit forms of `voltet_optics`, which the cases of the same report judge; their place in 32 bits is
 //! what the native engine computes. Errors are relative, unless an entry says otherwise.
 
 mod absorption;

@@ -3,12 +3,12 @@
 use super::dice::Dice;
 use super::volumes::{FIELDS, MAGNITUDE};
 use std::sync::Arc;
-use voltet_core::optics::Overlap;
-use voltet_core::shading::{Integrator, Light, Shading};
 use voltet_core::transfer::{
     ControlPoint, OpticalModel, Profile, Region, Table, TransferFunction, Wave, Widget,
 };
 use voltet_core::volume::Volume;
+use voltet_optics::Overlap;
+use voltet_optics::shading::{Integrator, Light, Shading};
 
 /// A value that the data have, and how far they range; where they do not, the size of the value, or 1.
 struct Axis {

@@ -28,12 +28,13 @@ use super::subjects::Subjects;
 use dice::Dice;
 use serde::Serialize;
 use std::sync::Arc;
-use voltet_core::engine::Compositing;
 use voltet_core::grid::extent::bounds;
 use voltet_core::progress::{Progress, Unreported};
-use voltet_core::scene::Scene;
-use voltet_core::shading::Order;
-use voltet_core::{Error, Result, reference};
+use voltet_core::{Error, Result};
+use voltet_optics::engine::Compositing;
+use voltet_optics::reference;
+use voltet_optics::scene::Scene;
+use voltet_optics::shading::Order;
 
 /// How much larger an error may be than the largest change that was found: only eight neighbours of a scene are looked at.
 const LIKE: f64 = 2.0;

@@ -10,9 +10,9 @@ use voltet_core::grid::Grid;
 use voltet_core::grid::extent::range;
 use voltet_core::picture::Picture;
 use voltet_core::progress::{Progress, Unreported};
-use voltet_core::reference;
-use voltet_core::scene::Scene;
 use voltet_core::volume::Volume;
+use voltet_optics::reference;
+use voltet_optics::scene::Scene;
 
 /// How far the camera moves, pixels.
 const NUDGE: f64 = 1e-3;

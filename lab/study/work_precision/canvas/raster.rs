@@ -3,7 +3,7 @@
 use super::{Anchor, Canvas, Color, Mark, Size};
 use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster};
 use voltet_core::picture::Picture;
-use voltet_nodes::encode::linear_from_srgb;
+use voltet_io::encode::linear_from_srgb;
 
 /// Pixels a unit.
 const SCALE: f64 = 2.0;

@@ -1,0 +1,307 @@
+//! Building a graph: node types found, parameters checked, ports wired, cycles refused, the order of work.
+
+use super::declaration::{Node, PortType};
+use super::faults::{Fault, Part};
+use super::given::Given;
+use super::method;
+use super::registry::Registry;
+use super::stated::Stated;
+use super::wire::wires;
+use std::path::PathBuf;
+use voltet_core::field::Method;
+use voltet_core::parameters::{Field, Origin, Parameters, Setting};
+use voltet_core::{Error, Result};
+
+/// A node as a pipeline file or a program states it, not checked yet.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NodeEntry {
+    /// Its name.
+    pub name: String,
+    /// Where it was written.
+    pub origin: Origin,
+    /// The name of its type.
+    pub node_type: Setting,
+    /// Its parameters.
+    pub settings: Vec<Field>,
+    /// Its wires.
+    pub inputs: Vec<LinkEntry>,
+}
+
+impl NodeEntry {
+    /// Sets a parameter, or the part of it that `path` leads to.
+    pub fn set(&mut self, name: &str, path: &[&str], setting: Setting) -> Result<()> {
+        voltet_core::parameters::replace_field(&mut self.settings, name, path, setting)
+    }
+}
+
+/// A wire as stated: an input port and the node (or `"node.port"`) that feeds it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LinkEntry {
+    /// The input port.
+    pub port: String,
+    /// Where the port was written.
+    pub origin: Origin,
+    /// What feeds it.
+    pub source: Setting,
+}
+
+/// A checked graph.
+#[derive(Debug, Default)]
+pub struct Graph {
+    /// The nodes, in the order in which they were stated.
+    pub nodes: Vec<GraphNode>,
+    /// The nodes that some sink needs, each after everything that feeds it.
+    pub order: Vec<usize>,
+    /// The folder that paths are relative to.
+    pub folder: PathBuf,
+    /// What is not wrong but hardly meant.
+    pub warnings: Vec<Error>,
+    /// The text that states it.
+    pub stated: Stated,
+}
+
+/// A checked node.
+#[derive(Debug)]
+pub struct GraphNode {
+    /// Its name.
+    pub name: String,
+    /// Its type.
+    pub node: &'static Node,
+    /// Its parameters, with those of its gradient filter.
+    pub parameters: Parameters,
+    /// The gradient filter that one of its parameters names.
+    pub method: Option<Method>,
+    /// What feeds each input port, in the order of [`Node::inputs`]; then the edges of the optional ones.
+    pub inputs: Vec<Edge>,
+    /// Where it was written.
+    pub origin: Origin,
+    /// What a program does in place of its work.
+    pub given: Option<Given>,
+}
+
+/// What feeds an input.
+#[derive(Debug, Clone)]
+pub struct Edge {
+    /// The input port, by its place in [`Node::all_inputs`].
+    pub port: usize,
+    /// Its name.
+    pub name: &'static str,
+    /// The node, by its place in [`Graph::nodes`].
+    pub node: usize,
+    /// Its output.
+    pub output: usize,
+    /// Where the wire was written.
+    pub origin: Origin,
+}
+
+impl GraphNode {
+    /// The place of an input port.
+    pub(super) fn input(&self, port: &str) -> Result<usize> {
+        self.node.all_inputs().position(|p| p.name == port).ok_or_else(|| {
+            Error::run(format!(
+                "the node type '{}' asks for an input '{port}' it does not declare",
+                self.node.name
+            ))
+        })
+    }
+
+    /// The gradient filter that one of the node's parameters names.
+    pub(super) fn method(&self) -> Result<&Method> {
+        self.method.as_ref().ok_or_else(|| {
+            Error::run(format!(
+                "the node type '{}' asks for a gradient filter and names none",
+                self.node.name
+            ))
+        })
+    }
+
+    /// The places in [`GraphNode::inputs`] of what feeds a port.
+    pub(super) fn edges(&self, port: &str) -> Result<impl Iterator<Item = usize> + use<'_>> {
+        let port = self.input(port)?;
+        Ok((0..self.inputs.len()).filter(move |&i| self.inputs[i].port == port))
+    }
+
+    /// Whether the node draws or hands on cells, and so may say where the gradient is looked at.
+    pub(super) fn draws(&self) -> bool {
+        let says = [PortType::TransferFunction, PortType::Cells, PortType::Projection];
+        self.node.inputs.iter().any(|port| says.contains(&port.port_type))
+    }
+
+    /// Whether the node makes a volume of a grid.
+    pub(super) fn makes_volume(&self) -> bool {
+        let takes_grid = self.node.inputs.iter().any(|port| port.port_type == PortType::Grid);
+        self.gives(PortType::Volume) && takes_grid
+    }
+
+    pub(super) fn gives(&self, wanted: PortType) -> bool {
+        self.node.outputs.iter().any(|port| port.port_type == wanted)
+    }
+
+    /// Adds this node's name and place to an error that has none.
+    pub fn blame(&self, error: Error) -> Error {
+        let mut error = error.at_node(&self.name);
+        // A parameter or an option that an error names is a better place than the node's head.
+        let item = error.place.item.clone();
+        let named = item.and_then(|item| self.parameters.optional(&item).map(|s| s.origin.clone()));
+        if let Some(origin @ Origin::Span(_)) = named {
+            error = origin.blame(error);
+        }
+        if error.place.item.is_some() { error } else { self.origin.blame(error) }
+    }
+}
+
+impl Graph {
+    /// Checks the entries against the registry and wires them. `folder`: what paths are relative to.
+    pub fn build(entries: &[NodeEntry], registry: &Registry, folder: PathBuf) -> Result<Graph> {
+        let mut faults = Vec::new();
+        let graph = Self::survey(entries, registry, folder, &mut faults);
+        if let Some(fault) = faults.into_iter().next() {
+            return Err(fault.error);
+        }
+        let mut graph = graph.unwrap_or_default();
+        graph.order_work()?;
+        Ok(graph)
+    }
+
+    /// Every mistake of the entries: of types, parameters and wires, in the order in which [`Graph::build`] finds the first. That
+    /// nothing is written is none of them.
+    pub fn faults(entries: &[NodeEntry], registry: &Registry) -> Vec<Fault> {
+        let mut faults = Vec::new();
+        Self::survey(entries, registry, PathBuf::new(), &mut faults);
+        faults
+    }
+
+    /// The graph without its order of work; `None` where there are faults.
+    fn survey(
+        entries: &[NodeEntry],
+        registry: &Registry,
+        folder: PathBuf,
+        faults: &mut Vec<Fault>,
+    ) -> Option<Graph> {
+        let mut types = Vec::with_capacity(entries.len());
+        let mut checked = Vec::with_capacity(entries.len());
+        for (i, entry) in entries.iter().enumerate() {
+            if entries[..i].iter().any(|e| e.name == entry.name) {
+                let error = Error::usage(format!("two nodes are called '{}'", entry.name));
+                faults.push(Fault::of(entry, Part::Node, error));
+            }
+            let node =
+                find_type(entry, registry).map_err(|error| faults.push(Fault::of(entry, Part::Node, error)));
+            types.push((entry.name.as_str(), node.ok()));
+            checked.push(node.ok().and_then(|node| check(entry, node, registry, faults)));
+        }
+        let edges: Vec<Vec<Edge>> =
+            entries.iter().enumerate().map(|(i, entry)| wires(entry, &types, i, faults)).collect();
+        refuse_cycles(entries, &edges, faults);
+        if !faults.is_empty() {
+            return None;
+        }
+        let whole = entries.iter().zip(types).zip(checked.into_iter().zip(edges));
+        let nodes = whole.map(|((entry, (_, node)), (checked, inputs))| {
+            let (parameters, method) = checked?;
+            let (name, origin) = (entry.name.clone(), entry.origin.clone());
+            Some(GraphNode { name, node: node?, parameters, method, inputs, origin, given: None })
+        });
+        Some(Graph { nodes: nodes.collect::<Option<_>>()?, folder, ..Graph::default() })
+    }
+
+    /// The node of that name.
+    pub fn node(&self, name: &str) -> Option<&GraphNode> {
+        self.nodes.iter().find(|n| n.name == name)
+    }
+
+    /// The order of work, from the sinks; warns of nodes that no sink needs.
+    fn order_work(&mut self) -> Result<()> {
+        let sinks = (0..self.nodes.len()).filter(|&i| self.nodes[i].node.is_sink());
+        let mut placed = vec![false; self.nodes.len()];
+        let mut order = Vec::new();
+        for sink in sinks {
+            let mut path = vec![(sink, 0)];
+            while let Some(&mut (i, ref mut next)) = path.last_mut() {
+                if !placed[i] && *next < self.nodes[i].inputs.len() {
+                    let feeding = self.nodes[i].inputs[*next].node;
+                    *next += 1;
+                    path.push((feeding, 0));
+                    continue;
+                }
+                if !std::mem::replace(&mut placed[i], true) {
+                    order.push(i);
+                }
+                path.pop();
+            }
+        }
+        if order.is_empty() {
+            return Err(Error::usage("the pipeline writes nothing")
+                .accepted("at least one node that writes a file, such as type = \"image-writer\""));
+        }
+        for (i, node) in self.nodes.iter().enumerate().filter(|(i, _)| !placed[*i]) {
+            debug_assert!(!order.contains(&i));
+            let warning = Error::usage(format!(
+                "the node '{}' is not used: nothing that is written needs it",
+                node.name
+            ));
+            self.warnings.push(node.origin.blame(warning));
+        }
+        self.order = order;
+        Ok(())
+    }
+}
+
+/// What the entry sets, checked, with what its type says of the whole.
+fn check(
+    entry: &NodeEntry,
+    node: &'static Node,
+    registry: &Registry,
+    faults: &mut Vec<Fault>,
+) -> Option<(Parameters, Option<Method>)> {
+    let mut wrong = Vec::new();
+    let surveyed = method::survey(entry, node, registry, &mut wrong);
+    let is_right = wrong.is_empty();
+    faults.extend(
+        wrong.into_iter().map(|wrong| Fault::of(entry, Part::Parameter(wrong.parameter), wrong.error)),
+    );
+    let checked = surveyed.filter(|_| is_right)?;
+    if let Err(error) = (node.check)(&checked.0) {
+        faults.push(Fault::of(entry, Part::Node, error));
+    }
+    Some(checked)
+}
+
+/// The node type that an entry names.
+fn find_type(entry: &NodeEntry, registry: &Registry) -> Result<&'static Node> {
+    let Some(name) = entry.node_type.text() else {
+        return Err(entry.node_type.error("'type' must be the name of a node type", "a text"));
+    };
+    registry.find(name).map_err(|error| entry.node_type.origin.blame(error))
+}
+
+/// Depth-first from every node; an edge back into the path is a cycle, which is named. Each is found once.
+fn refuse_cycles(entries: &[NodeEntry], edges: &[Vec<Edge>], faults: &mut Vec<Fault>) {
+    let mut done = vec![false; entries.len()];
+    for start in 0..entries.len() {
+        // The path from the start, each node with the next of its inputs to follow.
+        let mut path: Vec<(usize, usize)> = vec![(start, 0)];
+        while let Some(&mut (i, ref mut next)) = path.last_mut() {
+            if done[i] || *next == edges[i].len() {
+                done[i] = true;
+                path.pop();
+                continue;
+            }
+            let edge = &edges[i][*next];
+            *next += 1;
+            if let Some(first) = path.iter().position(|&(n, _)| n == edge.node) {
+                // Data runs against the path: the last node on it feeds the one before.
+                let mut names: Vec<&str> =
+                    path[first..].iter().rev().map(|&(n, _)| entries[n].name.as_str()).collect();
+                names.push(names[0]);
+                let error = Error::usage("the graph has a cycle")
+                    .found(names.join(" → "))
+                    .accepted("inputs that lead back to sources");
+                let error = edge.origin.blame(error.at_node(&entries[i].name));
+                faults.push(Fault::of(&entries[i], Part::Input(edge.name.to_string()), error));
+                continue;
+            }
+            path.push((edge.node, 0));
+        }
+    }
+}

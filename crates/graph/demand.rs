@@ -1,0 +1,220 @@
+//! The demand pass: what is asked of each node, from the sinks upward.
+
+use super::builder::{Graph, GraphNode};
+use super::call::Foresight;
+use super::declaration::PortType;
+use super::leave_out::MayLeaveOut;
+use super::notes::Notes;
+use super::value::{Look, Revision, Value};
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+/// What is asked of a node's outputs. Nothing but what stands here is read, computed or sorted.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Demand {
+    /// Point arrays beside the scalar.
+    pub arrays: Arrays,
+    /// Arrays of the file's cells, as they are.
+    pub cell_arrays: Arrays,
+    /// *g* = |∇s| at every point.
+    pub gradient_magnitude: bool,
+    /// ∇s at every point.
+    pub gradient: bool,
+    /// The transfer functions for whose widgets alone g and ∇s are looked at: at points of cells that no widget can touch, whatever
+    /// g is there, they may be what they are at another point. `None`: everywhere. Asked by nodes that have a transfer function or
+    /// cells ([`super::Asking::ask`]); of others, which may give another scalar than they get, everything is asked.
+    pub gradient_for: Option<Vec<Arc<Look>>>,
+    /// An order of the cells.
+    pub order: bool,
+    /// The file's own cells, to write them back.
+    pub file_cells: bool,
+    /// Numbers a tetrahedron, at ports of that type.
+    pub cell_values: bool,
+    /// Which cells are kept, as a result of its own: each is asked, also where a picture would be drawn sooner without.
+    pub kept_cells: bool,
+}
+
+/// Arrays that are asked for: some by name, or those and all others that there are.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Arrays {
+    named: BTreeSet<String>,
+    all: bool,
+}
+
+impl Arrays {
+    /// All that there are.
+    pub(super) fn all() -> Self {
+        Arrays { named: BTreeSet::new(), all: true }
+    }
+
+    /// Those that somebody named, also one of several components or a length (`velocity:0`, `velocity:magnitude`): each must
+    /// be there.
+    pub fn named(&self) -> impl Iterator<Item = &str> {
+        self.named.iter().map(String::as_str)
+    }
+
+    /// Whether all others that there are shall be there, too.
+    pub fn and_all_others(&self) -> bool {
+        self.all
+    }
+
+    /// Whether somebody named this one, or all are asked for.
+    pub fn contains(&self, name: &str) -> bool {
+        self.all || self.named.contains(name)
+    }
+
+    /// Asks for one more.
+    pub fn insert(&mut self, name: String) {
+        self.named.insert(name);
+    }
+
+    /// Takes one back, which a node makes of others.
+    pub fn remove(&mut self, name: &str) {
+        self.named.remove(name);
+    }
+
+    fn join(&mut self, other: &Arrays) {
+        self.named.extend(other.named.iter().cloned());
+        self.all |= other.all;
+    }
+
+    fn covers(&self, other: &Arrays) -> bool {
+        self.named.is_superset(&other.named) && self.all >= other.all
+    }
+}
+
+impl FromIterator<String> for Arrays {
+    fn from_iter<I: IntoIterator<Item = String>>(names: I) -> Self {
+        Arrays { named: names.into_iter().collect(), all: false }
+    }
+}
+
+impl Extend<String> for Arrays {
+    fn extend<I: IntoIterator<Item = String>>(&mut self, names: I) {
+        self.named.extend(names);
+    }
+}
+
+impl Demand {
+    /// Everything that a node downstream could ever ask for: what holds when it cannot be known beforehand.
+    pub fn unknown() -> Self {
+        Demand { gradient_magnitude: true, gradient: false, order: true, ..Demand::default() }
+    }
+
+    /// All that a node can be asked for: an order, of a grid every array and its cells, and where a volume is made of a grid,
+    /// every gradient.
+    pub(super) fn everything_of(node: &GraphNode) -> Self {
+        let (grid, gradient) = (node.gives(PortType::Grid), node.makes_volume());
+        let arrays = if grid { Arrays::all() } else { Arrays::default() };
+        Demand {
+            cell_arrays: arrays.clone(),
+            arrays,
+            gradient_magnitude: gradient,
+            gradient,
+            order: true,
+            file_cells: grid,
+            cell_values: node.gives(PortType::CellValues),
+            ..Demand::default()
+        }
+    }
+
+    /// Adds another demand on the same node.
+    pub fn join(&mut self, other: &Demand) {
+        self.gradient_for = match (self.looks_at_gradient(), other.looks_at_gradient()) {
+            (_, false) => self.gradient_for.take(),
+            (false, true) => other.gradient_for.clone(),
+            (true, true) => {
+                self.gradient_for.take().zip(other.gradient_for.as_ref()).map(|(mut all, more)| {
+                    let new: Vec<_> = more.iter().filter(|look| !all.contains(look)).cloned().collect();
+                    all.extend(new);
+                    all
+                })
+            }
+        };
+        self.arrays.join(&other.arrays);
+        self.cell_arrays.join(&other.cell_arrays);
+        self.gradient_magnitude |= other.gradient_magnitude;
+        self.gradient |= other.gradient;
+        self.order |= other.order;
+        self.file_cells |= other.file_cells;
+        self.cell_values |= other.cell_values;
+        self.kept_cells |= other.kept_cells;
+    }
+
+    /// Whether an output made for this demand serves the other one too.
+    pub fn covers(&self, other: &Demand) -> bool {
+        self.arrays.covers(&other.arrays)
+            && self.cell_arrays.covers(&other.cell_arrays)
+            && self.gradient_magnitude >= other.gradient_magnitude
+            && self.gradient >= other.gradient
+            && self.order >= other.order
+            && self.file_cells >= other.file_cells
+            && self.cell_values >= other.cell_values
+            && self.kept_cells >= other.kept_cells
+            && self.covers_places(other)
+    }
+
+    /// The same with g and ∇s everywhere, where they are asked for.
+    pub fn everywhere(&self) -> Demand {
+        Demand { gradient_for: None, ..self.clone() }
+    }
+
+    fn looks_at_gradient(&self) -> bool {
+        self.gradient_magnitude || self.gradient
+    }
+
+    /// Whether g and ∇s are wherever they are looked at.
+    fn covers_places(&self, other: &Demand) -> bool {
+        match (&self.gradient_for, &other.gradient_for) {
+            (None, _) => true,
+            (Some(ours), Some(theirs)) => theirs.iter().all(|look| ours.contains(look)),
+            (Some(_), None) => !other.looks_at_gradient(),
+        }
+    }
+}
+
+/// What will run: the outcome of the demand pass. One entry a node of the graph.
+#[derive(Debug, Default)]
+pub struct Plan {
+    /// What is asked of each node.
+    pub demands: Vec<Demand>,
+    /// What each node said while planning: what it leaves out, which engine it takes.
+    pub notes: Vec<Notes>,
+    /// The nodes that ran early.
+    pub(super) early: Vec<Option<Done>>,
+    /// See [`Session::no_leave_out`](super::Session::no_leave_out).
+    pub(super) no_leave_out: bool,
+}
+
+impl Plan {
+    /// Notes what nodes will leave out by what the headers of their files tell; reads no data. Gives the places of the nodes
+    /// whose files do not tell.
+    pub fn foresee(&mut self, graph: &Graph) -> Vec<usize> {
+        let Some(leave) = MayLeaveOut::unless(self.no_leave_out) else { return Vec::new() };
+        let mut unknown = Vec::new();
+        for &i in &graph.order {
+            let node = &graph.nodes[i];
+            let (demand, notes) = (&self.demands[i], &mut self.notes[i]);
+            let parameters = &node.parameters;
+            let mut foresight = Foresight { parameters, demand, notes, leave, folder: &graph.folder };
+            if (node.node.foresee)(&mut foresight).is_err() {
+                unknown.push(i);
+            }
+        }
+        unknown
+    }
+}
+
+/// A node that ran.
+#[derive(Debug, Clone)]
+pub(super) struct Done {
+    pub(super) outputs: Vec<(Value, Revision)>,
+    pub(super) notes: Notes,
+    pub(super) seconds: f64,
+    /// Seconds that the former run took, where its outputs were used.
+    pub(super) reused: Option<f64>,
+    /// Whether the outputs are passing ones ([`Call::passes`]), or made from such.
+    ///
+    /// [`Call::passes`]: super::call::Call::passes
+    pub(super) is_passing: bool,
+}

@@ -1,0 +1,373 @@
+//! Runs graphs: the two passes, the cache between runs, progress and stopping.
+
+use super::builder::{Edge, Graph, GraphNode};
+use super::cache::{Cache, Entry, FileStamp, Store, files_of, stamped};
+use super::call::{Asking, Call, NodeProgress, Preparation};
+use super::declaration::{Outlined, PortType, Steps};
+use super::demand::{Demand, Done, Plan};
+use super::leave_out::MayLeaveOut;
+use super::notes::{Notes, RunReport, Saving};
+use super::origins::{origins, upstream};
+use super::value::{Revision, Value};
+use std::cell::Cell;
+use std::sync::Arc;
+use std::time::Instant;
+use voltet_core::picture::Picture;
+use voltet_core::{Error, Result};
+
+/// Follows a run, and may stop it. Called from any thread.
+pub trait Observer: Sync {
+    /// A node begins: `place` of `count`.
+    fn started(&self, _node: &str, _place: usize, _count: usize) {}
+    /// A stage of a node is `fraction` (0 … 1) done.
+    fn progress(&self, _node: &str, _stage: &str, _fraction: f64) {}
+    /// A node is done.
+    fn finished(&self, _node: &str, _seconds: f64) {}
+    /// True once the run should stop.
+    fn cancelled(&self) -> bool {
+        false
+    }
+    /// Bytes that the run may still take, where somebody knows.
+    fn memory_left(&self) -> Option<u64> {
+        None
+    }
+}
+
+/// Follows nothing and never stops.
+pub struct Unobserved;
+
+impl Observer for Unobserved {}
+
+/// What lives longer than one run: former outputs and things made from them.
+pub struct Session {
+    cache: Cache,
+    store: Store,
+    last_revision: u64,
+    file_stamp: FileStamp,
+    no_leave_out: bool,
+    /// Whether a hand will move the widgets from run to run.
+    widgets_move: bool,
+    /// Whether outputs may be passing ones in the run that goes on.
+    may_pass: bool,
+}
+
+impl Session {
+    /// A session without former runs. `file_stamp` finds the state of the files that parameters name.
+    pub fn new(file_stamp: FileStamp) -> Self {
+        let (cache, store) = (Cache::default(), Store::default());
+        Session {
+            cache,
+            store,
+            last_revision: 0,
+            file_stamp,
+            no_leave_out: false,
+            widgets_move: false,
+            may_pass: false,
+        }
+    }
+
+    /// The session of an editor, where a hand will move the widgets: what depends on data alone is found everywhere at once, so
+    /// that no movement waits for the places that no widget looked at before. The pictures are the same.
+    pub fn widgets_move(self) -> Self {
+        Session { widgets_move: true, ..self }
+    }
+
+    /// The session does everything that could be done, needed or not, for comparison: every node is asked for all it can
+    /// give and gets no leave to leave something out ([`Call::may_leave_out`]), and no former output is used. The pictures are
+    /// the same.
+    pub fn no_leave_out(self) -> Self {
+        Session { no_leave_out: true, ..self }
+    }
+
+    /// Drops all former outputs and what was made from them; what belongs to the session, such as open devices, stays.
+    pub fn forget(&mut self) {
+        self.cache.forget_all_but(&Graph::default());
+        self.store.forget_all_but(&self.cache.revisions());
+    }
+
+    /// Drops the former runs that gave this picture, which whoever has it may then write.
+    pub fn let_go(&mut self, picture: &Arc<Picture>) {
+        let is_it = |value: &Value| matches!(value, Value::Image(known) if Arc::ptr_eq(known, picture));
+        self.cache.entries.retain(|entry| !entry.outputs.iter().any(|(value, _)| is_it(value)));
+    }
+
+    /// The demand pass: what will run for what. Runs the early nodes only.
+    pub fn plan(&mut self, graph: &Graph) -> Result<Plan> {
+        self.plan_with(graph, &Demand::default())
+    }
+
+    /// `of_volumes`: what is asked, beside what nodes ask for, of those that make a volume of a grid.
+    fn plan_with(&mut self, graph: &Graph, of_volumes: &Demand) -> Result<Plan> {
+        let count = graph.nodes.len();
+        let mut plan = Plan {
+            demands: vec![Demand::default(); count],
+            notes: vec![Notes::default(); count],
+            early: vec![None; count],
+            no_leave_out: self.no_leave_out,
+        };
+        for &i in &graph.order {
+            let node = &graph.nodes[i];
+            if node.node.early && node.inputs.iter().all(|edge| plan.early[edge.node].is_some()) {
+                let inputs = inputs_of(node, &plan.early);
+                let done = self.execute(graph, i, inputs, &Demand::default(), &plan.early, &Unobserved)?;
+                plan.early[i] = Some(done);
+            }
+        }
+        let outlines = outlines(graph, &plan.early)?;
+        for &i in graph.order.iter().rev() {
+            let node = &graph.nodes[i];
+            if node.makes_volume() {
+                plan.demands[i].join(of_volumes);
+            }
+            if self.no_leave_out {
+                plan.demands[i].join(&Demand::everything_of(node));
+            }
+            let early = node.inputs.iter().map(|edge| outlines[edge.node].get(edge.output).cloned());
+            let output_type = |edge: &Edge| graph.nodes[edge.node].node.outputs[edge.output].port_type;
+            let asked = plan.demands[i].clone();
+            let mut asking = Asking {
+                parameters: &node.parameters,
+                asked: &asked,
+                notes: &mut plan.notes[i],
+                node,
+                early: early.collect(),
+                is_known: node.inputs.iter().map(|edge| plan.early[edge.node].is_some()).collect(),
+                fed: node.inputs.iter().map(output_type).collect(),
+                asks: vec![Demand::default(); node.inputs.len()],
+                no_leave_out: self.no_leave_out,
+            };
+            (node.node.demand)(&mut asking).map_err(|error| node.blame(error))?;
+            for (edge, ask) in node.inputs.iter().zip(asking.asks) {
+                refuse_missing_gradient(graph, node, edge, &ask)?;
+                let says_where = node.draws() && !self.widgets_move;
+                let ask = if says_where { ask } else { ask.everywhere() };
+                plan.demands[edge.node].join(&ask);
+            }
+        }
+        Ok(plan)
+    }
+
+    /// The same as [`Session::run`] for one of many runs that follow each other while a hand moves something: nodes may keep what
+    /// serves the next, and what they give may differ by rounding from what a run by itself gives. No later run takes it.
+    pub fn run_passing(&mut self, graph: &Graph, observer: &dyn Observer) -> Result<RunReport> {
+        self.may_pass = !self.no_leave_out;
+        let report = self.run(graph, observer);
+        self.may_pass = false;
+        report
+    }
+
+    /// Both passes. Every node finds out first whether it can succeed.
+    pub fn run(&mut self, graph: &Graph, observer: &dyn Observer) -> Result<RunReport> {
+        let start = Instant::now();
+        self.cache.forget_all_but(graph);
+        self.store.forget_all_but(&self.cache.revisions());
+        let plan = self.plan(graph)?;
+        for &i in &graph.order {
+            let node = &graph.nodes[i];
+            let preparation = Preparation { parameters: &node.parameters, folder: &graph.folder };
+            (node.node.prepare)(&preparation).map_err(|error| node.blame(error))?;
+        }
+        let (all_done, mut report) = self.work_through(graph, &plan, &graph.order, observer)?;
+        report.origins = origins(graph, &graph.order, &all_done, self.file_stamp);
+        report.seconds = start.elapsed().as_secs_f64();
+        Ok(report)
+    }
+
+    /// Runs what feeds a node (its place in [`Graph::nodes`]) and gives the values at its inputs, in the order of
+    /// its edges: for programs that do with them what no node does. The node itself and what follows do not run. `of_volumes`:
+    /// what is asked, beside what nodes ask for, of those that make a volume of a grid.
+    pub fn inputs(
+        &mut self,
+        graph: &Graph,
+        place: usize,
+        of_volumes: &Demand,
+        observer: &dyn Observer,
+    ) -> Result<Vec<Value>> {
+        Ok(self.feed(graph, place, of_volumes, observer)?.0)
+    }
+
+    /// The same with the report of what ran.
+    pub fn feed(
+        &mut self,
+        graph: &Graph,
+        place: usize,
+        of_volumes: &Demand,
+        observer: &dyn Observer,
+    ) -> Result<(Vec<Value>, RunReport)> {
+        let plan = self.plan_with(graph, of_volumes)?;
+        let feeding: Vec<usize> = upstream(graph, place).into_iter().filter(|&i| i != place).collect();
+        let (all_done, report) = self.work_through(graph, &plan, &feeding, observer)?;
+        let values = inputs_of(&graph.nodes[place], &all_done);
+        Ok((values.into_iter().map(|(value, _)| value).collect(), report))
+    }
+
+    /// Runs these nodes, each after what feeds it: what each gave, and the report.
+    fn work_through(
+        &mut self,
+        graph: &Graph,
+        plan: &Plan,
+        order: &[usize],
+        observer: &dyn Observer,
+    ) -> Result<(Vec<Option<Done>>, RunReport)> {
+        let mut report = RunReport::begin(&graph.warnings);
+        let mut all_done: Vec<Option<Done>> = vec![None; graph.nodes.len()];
+        for (place, &i) in order.iter().enumerate() {
+            if observer.cancelled() {
+                return Err(Error::cancelled());
+            }
+            let node = &graph.nodes[i];
+            observer.started(&node.name, place, order.len());
+            let mut done = match &plan.early[i] {
+                Some(done) => done.clone(),
+                None => {
+                    let inputs = inputs_of(node, &all_done);
+                    self.execute(graph, i, inputs, &plan.demands[i], &all_done, observer)?
+                }
+            };
+            done.notes.join(&plan.notes[i]);
+            if let Some(seconds) = done.reused {
+                let why = "a former output serves: parameters, inputs and files are the same";
+                done.notes.leave_out(MayLeaveOut::GIVEN, "repetition", why, Some(Saving::Seconds(seconds)));
+            }
+            report.add(&node.name, node.node.name, &done);
+            observer.finished(&node.name, done.seconds);
+            all_done[i] = Some(done);
+        }
+        Ok((all_done, report))
+    }
+
+    /// Runs a node, or finds its former outputs. `done`: what ran so far.
+    fn execute(
+        &mut self,
+        graph: &Graph,
+        i: usize,
+        inputs: Vec<(Value, Revision)>,
+        demand: &Demand,
+        done: &[Option<Done>],
+        observer: &dyn Observer,
+    ) -> Result<Done> {
+        let start = Instant::now();
+        let node = &graph.nodes[i];
+        let revisions: Vec<(usize, Revision)> =
+            node.inputs.iter().zip(&inputs).map(|(edge, input)| (edge.port, input.1)).collect();
+        let files = files_of((node.node, &node.parameters), Steps::Read, &graph.folder, self.file_stamp);
+        let former = self.cache.find(node, &revisions, |former| former.covers(demand), &files, &graph.stated);
+        if let Some(entry) = former.filter(|_| !self.no_leave_out) {
+            let (outputs, notes) = (entry.outputs.clone(), entry.notes.clone());
+            let (seconds, reused) = (0.0, Some(entry.seconds));
+            return Ok(Done { outputs, notes, seconds, reused, is_passing: false });
+        }
+        // Who is asked for the gradient in other places than before will be so again: now everywhere.
+        let elsewhere = |former: &Demand| former.everywhere().covers(demand);
+        let moves = self.cache.find(node, &revisions, elsewhere, &files, &graph.stated).is_some();
+        let demand = &if moves { demand.everywhere() } else { demand.clone() };
+        let mut call = Call {
+            parameters: &node.parameters,
+            demand,
+            notes: Notes::default(),
+            node,
+            graph,
+            place: i,
+            done,
+            is_told: Cell::new(false),
+            may_pass: self.may_pass,
+            is_passing: Cell::new(false),
+            file_stamp: self.file_stamp,
+            inputs,
+            folder: &graph.folder,
+            store: &self.store,
+            no_leave_out: self.no_leave_out,
+            progress: NodeProgress { observer, node: &node.name },
+        };
+        let values = node.run(&mut call)?;
+        let notes = std::mem::take(&mut call.notes);
+        let of_passing = |edge: &Edge| done[edge.node].as_ref().is_some_and(|done| done.is_passing);
+        let is_passing = call.is_passing.get() || node.inputs.iter().any(of_passing);
+        let carried = call.is_told.get().then(|| graph.stated.clone());
+        let declared = node.node.outputs.iter().map(|port| port.port_type);
+        if !values.iter().map(Value::port_type).eq(declared) {
+            return Err(node.blame(Error::run("the node gave other outputs than it declares")));
+        }
+        let outputs: Vec<(Value, Revision)> =
+            values.into_iter().map(|value| (value, self.next_revision())).collect();
+        let seconds = start.elapsed().as_secs_f64();
+        if is_passing {
+            return Ok(Done { outputs, notes, seconds, reused: None, is_passing });
+        }
+        self.cache.add(Entry {
+            node: node.node,
+            parameters: node.parameters.clone(),
+            plugin: node.plugin().cloned(),
+            given: node.given.clone(),
+            inputs: revisions,
+            demand: demand.clone(),
+            files: stamped(files.into_iter().map(|(path, _)| path), self.file_stamp),
+            carried,
+            outputs: outputs.clone(),
+            notes: notes.clone(),
+            seconds,
+        });
+        Ok(Done { outputs, notes, seconds, reused: None, is_passing })
+    }
+
+    fn next_revision(&mut self) -> Revision {
+        self.last_revision += 1;
+        Revision(self.last_revision)
+    }
+}
+
+/// The values at a node's inputs. The order of work puts what feeds a node before it.
+pub(super) fn inputs_of(node: &GraphNode, all_done: &[Option<Done>]) -> Vec<(Value, Revision)> {
+    let made = node.inputs.iter().map(|edge| (all_done[edge.node].as_ref(), edge.output));
+    made.filter_map(|(done, output)| Some(done?.outputs[output].clone())).collect()
+}
+
+/// For each node the values of its outputs, or what stands for them; nothing where they are not known.
+fn outlines(graph: &Graph, early: &[Option<Done>]) -> Result<Vec<Vec<Value>>> {
+    let mut outlines: Vec<Vec<Value>> = vec![Vec::new(); graph.nodes.len()];
+    for &i in &graph.order {
+        let node = &graph.nodes[i];
+        outlines[i] = match &early[i] {
+            Some(done) => done.outputs.iter().map(|output| output.0.clone()).collect(),
+            None => {
+                let port = |edge: &Edge| node.node.all_inputs().nth(edge.port).map_or("", |port| port.name);
+                let known = |edge: &Edge| (port(edge), outlines[edge.node].get(edge.output).cloned());
+                let inputs: Vec<Outlined> = node.inputs.iter().map(known).collect();
+                (node.node.outline)(&node.parameters, &inputs).map_err(|error| node.blame(error))?
+            }
+        };
+    }
+    Ok(outlines)
+}
+
+/// A grid wired straight to a volume input has no gradient to give.
+pub(super) fn refuse_missing_gradient(
+    graph: &Graph,
+    node: &GraphNode,
+    edge: &Edge,
+    ask: &Demand,
+) -> Result<()> {
+    let giving = &graph.nodes[edge.node];
+    let given = giving.node.outputs[edge.output].port_type;
+    let Some(taken) = node.node.all_inputs().nth(edge.port) else { return Ok(()) };
+    if given == PortType::Grid
+        && taken.port_type == PortType::Volume
+        && (ask.gradient_magnitude || ask.gradient)
+    {
+        let draws = node.node.inputs.iter().any(|port| port.port_type == PortType::TransferFunction);
+        let why = match (ask.gradient_magnitude, draws) {
+            (true, true) => "the transfer function looks at the gradient magnitude",
+            (true, false) => "the node looks at the gradient magnitude",
+            (false, true) => "lighting and silhouettes need the gradient",
+            (false, false) => "the node looks at the gradient",
+        };
+        let error = Error::usage(format!("{why}, but '{}' gives a grid without gradient", giving.name))
+            .accepted(format!(
+                "a node of type \"gradient-magnitude\" between '{}' and the input '{}'",
+                giving.name, taken.name
+            ))
+            .at_node(&node.name);
+        return Err(edge.origin.blame(error));
+    }
+    Ok(())
+}

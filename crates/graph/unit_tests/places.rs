@@ -1,0 +1,42 @@
+//! Where the gradient is asked for.
+
+use super::*;
+use voltet_core::transfer::{OpticalModel, TransferFunction};
+
+fn look(unit_distance: f64) -> Arc<Look> {
+    let model = OpticalModel::DensityEmitter;
+    let transfer_function = TransferFunction { model, unit_distance, widgets: Vec::new() };
+    Arc::new(Look { transfer_function, auto_unit_distance: false })
+}
+
+fn of(looks: Option<&[f64]>) -> Demand {
+    let gradient_for = looks.map(|looks| looks.iter().map(|&look_of| look(look_of)).collect());
+    Demand { gradient_magnitude: true, gradient_for, ..Demand::default() }
+}
+
+#[test]
+fn places_add_up_and_who_names_none_wants_all() {
+    let joined = |one: &Demand, other: &Demand| {
+        let mut joined = one.clone();
+        joined.join(other);
+        joined
+    };
+    let (one, two, everywhere) = (of(Some(&[1.0])), of(Some(&[2.0])), of(None));
+    assert_eq!(joined(&one, &two), of(Some(&[1.0, 2.0])));
+    assert_eq!(joined(&one, &one), one);
+    for (a, b) in [(&one, &everywhere), (&everywhere, &one)] {
+        assert_eq!(joined(a, b), everywhere);
+    }
+    // Who does not look at the gradient has no say.
+    for (a, b) in [(&one, &Demand::default()), (&Demand::default(), &one)] {
+        assert_eq!(joined(a, b), one);
+    }
+}
+
+#[test]
+fn what_is_made_in_some_places_serves_who_looks_there() {
+    let (one, both, everywhere) = (of(Some(&[1.0])), of(Some(&[1.0, 2.0])), of(None));
+    assert!(both.covers(&one) && everywhere.covers(&both) && one.covers(&Demand::default()));
+    assert!(!one.covers(&both) && !both.covers(&everywhere) && !of(Some(&[3.0])).covers(&one));
+    assert!(both.everywhere().covers(&everywhere));
+}

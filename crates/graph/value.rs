@@ -1,0 +1,124 @@
+//! What runs through the ports: shared, never modified.
+
+use super::call::volume_without_gradient;
+use super::declaration::PortType;
+use glam::DVec3;
+use std::any::Any;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use voltet_core::Result;
+use voltet_core::camera::Camera;
+use voltet_core::grid::Grid;
+use voltet_core::grid::extent;
+use voltet_core::picture::Picture;
+use voltet_core::transfer::TransferFunction;
+use voltet_core::volume::Volume;
+
+/// Number of an output's content: equal revisions mean equal content, within one session.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Revision(pub(super) u64);
+
+/// What an engine prepared for its own next stage: the graph carries it and does not look inside.
+pub type Prepared = Arc<dyn Any + Send + Sync>;
+
+/// A value at a port.
+#[derive(Debug, Clone)]
+pub enum Value {
+    /// See [`PortType::Grid`].
+    Grid(Arc<Grid>),
+    /// See [`PortType::Volume`].
+    Volume(Arc<Volume>),
+    /// See [`PortType::TransferFunction`].
+    TransferFunction(Arc<Look>),
+    /// See [`PortType::Camera`].
+    Camera(Arc<Camera>),
+    /// See [`PortType::Cells`].
+    Cells(Prepared),
+    /// See [`PortType::Projection`].
+    Projection(Prepared),
+    /// See [`PortType::Image`].
+    Image(Arc<Picture>),
+    /// See [`PortType::Report`]; JSON text.
+    Report(Arc<str>),
+    /// See [`PortType::CellValues`].
+    CellValues(Arc<CellValues>),
+}
+
+impl Value {
+    /// The type of port that it belongs to.
+    pub fn port_type(&self) -> PortType {
+        match self {
+            Value::Grid(_) => PortType::Grid,
+            Value::Volume(_) => PortType::Volume,
+            Value::TransferFunction(_) => PortType::TransferFunction,
+            Value::Camera(_) => PortType::Camera,
+            Value::Cells(_) => PortType::Cells,
+            Value::Projection(_) => PortType::Projection,
+            Value::Image(_) => PortType::Image,
+            Value::Report(_) => PortType::Report,
+            Value::CellValues(_) => PortType::CellValues,
+        }
+    }
+
+    /// The volume; a grid counts as one without gradient. `None` for values of other types.
+    pub fn volume(&self) -> Option<Result<Arc<Volume>>> {
+        match self {
+            Value::Volume(volume) => Some(Ok(volume.clone())),
+            Value::Grid(grid) => Some(volume_without_gradient(grid).map(Arc::new)),
+            _ => None,
+        }
+    }
+}
+
+/// Numbers of tetrahedra, by name: one a tetrahedron in the order of [`Grid::tetrahedra`]. A cell of the file has the largest
+/// of its tetrahedra's.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct CellValues {
+    /// The arrays; none where nobody asked for them.
+    pub arrays: BTreeMap<String, Vec<f32>>,
+}
+
+/// A transfer function as a pipeline states it: its unit distance may be left to the data.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Look {
+    /// The transfer function; its unit distance is 1 where `auto_unit_distance` is set.
+    pub transfer_function: TransferFunction,
+    /// `unit_distance = "auto"`: a hundredth of the diagonal of the data's bounding box.
+    pub auto_unit_distance: bool,
+}
+
+impl Look {
+    /// The transfer function for data whose bounding box has this [`diagonal`].
+    pub fn for_diagonal(&self, diagonal: f64) -> TransferFunction {
+        let mut transfer_function = self.transfer_function.clone();
+        if self.auto_unit_distance {
+            transfer_function.unit_distance = diagonal / 100.0;
+        }
+        transfer_function
+    }
+}
+
+/// Diagonal of the bounding box of the finite points; 100 where the box has no extent, which no picture shows.
+pub fn diagonal(points: &[DVec3]) -> f64 {
+    let diagonal = extent::bounds(points).map_or(0.0, extent::diagonal);
+    if diagonal > 0.0 && diagonal.is_finite() { diagonal } else { 100.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use voltet_core::transfer::OpticalModel;
+
+    #[test]
+    fn an_automatic_unit_distance_is_a_hundredth_of_the_diagonal_at_any_scale() {
+        let transfer_function =
+            TransferFunction { model: OpticalModel::DensityEmitter, unit_distance: 1.0, widgets: Vec::new() };
+        let look = Look { transfer_function, auto_unit_distance: true };
+        for scale in [1.0, 1e-200, 1e200] {
+            let points = [DVec3::new(1.0, 1.0, 1.0) * scale, DVec3::new(4.0, 5.0, 13.0) * scale];
+            let unit = look.for_diagonal(diagonal(&points)).unit_distance;
+            // Two roundings of the scaling and one of the root.
+            assert!((unit / (0.13 * scale) - 1.0).abs() < 1e-14, "{unit} at {scale}");
+        }
+    }
+}

@@ -1,0 +1,346 @@
+//! From the table of contents to the grid: decodes what is asked for, puts pieces together, builds tetrahedra.
+
+use super::added::Added;
+use super::merge::Loaded;
+use super::piece::{Dataset, Geometry, Piece};
+use super::request::{Association, Request};
+use super::select::{self, Choice, Component, GHOST_LEVELS, GHOST_TYPE};
+use super::stored::Meter;
+use super::{cells, merge};
+use crate::memory::GridSize;
+use glam::DVec3;
+use rayon::prelude::*;
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+use voltet_core::grid::{self, Array, CellType, Cells, Grid, Parts, Scalar, code};
+use voltet_core::progress::{self, Progress};
+use voltet_core::{Error, Result};
+
+/// Cell flags that leave a cell out: it is another piece's, it is refined elsewhere, it is hidden
+/// (vtkDataSetAttributes::DUPLICATECELL, REFINEDCELL, HIDDENCELL).
+const GHOST_CELL: u64 = 1 | 8 | 32;
+/// Point flag that leaves out the cells of a point (vtkDataSetAttributes::HIDDENPOINT).
+const HIDDEN_POINT: u64 = 2;
+
+/// The degrees of Lagrange and Bezier cells along their axes, as a cell array.
+const DEGREES: &str = "HigherOrderDegrees";
+
+/// Reads and builds.
+pub(super) fn assemble(dataset: &Dataset, request: &Request, progress: &dyn Progress) -> Result<Grid> {
+    let total = dataset.pieces.iter().flat_map(Piece::sources).map(|source| source.len());
+    let meter = Meter::new(progress, total.sum());
+    let pieces: Vec<&Piece> =
+        dataset.pieces.iter().filter(|p| p.cell_count > 0 && p.point_count > 0).collect();
+    for piece in &pieces {
+        if let Geometry::Added(added, _) = &piece.geometry {
+            fetch(added, dataset, request, progress)?;
+        }
+    }
+    let cells: Vec<Cells> = pieces.iter().map(|piece| cells::load(piece, &meter)).collect::<Result<_>>()?;
+    check_dimension(&cells)?;
+
+    let choices = choices(dataset, request)?;
+    let left = unread(dataset, &choices)?;
+    if request.every_array {
+        for array in pieces.iter().flat_map(|piece| &piece.arrays) {
+            if left.arrays.contains(&array.stored.name) {
+                let values: Vec<f64> = array.stored.load(&meter)?;
+                drop(std::hint::black_box(values));
+            }
+        }
+    }
+    refuse_beyond_memory(&pieces, &cells, choices.len(), progress)?;
+    let mut loaded = Vec::new();
+    for (piece, cells) in pieces.iter().zip(cells) {
+        loaded.push(load(piece, cells, &choices, &meter)?);
+    }
+    let Loaded { points, cells, ghost, degrees, columns } = merge::merge(loaded, &pieces)?;
+
+    let mut parts = Parts::new(points, cells);
+    (parts.ghost, parts.degrees) = (ghost, degrees);
+    parts.warnings = dataset.warnings.clone();
+    for piece in &pieces {
+        if let Geometry::Added(added, _) = &piece.geometry {
+            parts.warnings.extend(added.warnings());
+        }
+    }
+    parts.arrays_decoded = choices.len() as u64;
+    if request.every_array {
+        parts.arrays_decoded += left.arrays.len() as u64;
+    } else {
+        (parts.arrays_unread, parts.values_unread) = (left.arrays, left.value_count);
+    }
+    let (names, kept) = (point_names(request), cell_names(request));
+    let mut columns = choices.iter().zip(columns);
+    if let Some((choice, values)) = columns.next() {
+        let name = request.scalar.clone().unwrap_or_else(|| choice.name.clone());
+        let association = if choice.per_cell { grid::Association::Cell } else { grid::Association::Point };
+        parts.scalar = Some(Scalar { name, association, values: values.into() });
+    }
+    for (i, (choice, values)) in columns.enumerate() {
+        let component_count = if choice.component == Component::All { choice.component_count } else { 1 };
+        let array = Array { component_count, values: values.into() };
+        match names.get(i) {
+            Some(name) if choice.per_cell => parts.cell_arrays.insert(name.to_string(), array),
+            Some(name) => parts.point_arrays.insert(name.to_string(), array),
+            None => parts.kept_cell_arrays.insert(kept[i - names.len()].clone(), array),
+        };
+    }
+    let &Request { subdivision, cell_values, keep_cells, .. } = request;
+    let options = grid::Options { subdivision, cell_values, keep_cells };
+    grid::build(parts, &options, progress)
+}
+
+/// Has a reader from outside read all that is asked for at once.
+fn fetch(added: &Added, dataset: &Dataset, request: &Request, progress: &dyn Progress) -> Result<()> {
+    let choices = choices(dataset, request)?;
+    let chosen = |name: &str, per_cell: bool| {
+        choices.iter().any(|choice| choice.per_cell == per_cell && choice.name == name)
+    };
+    added.fetch(|name, per_cell| chosen(name, per_cell) || is_part_of_cells(name), progress)
+}
+
+/// Whether an array is read with every grid.
+fn is_part_of_cells(name: &str) -> bool {
+    [GHOST_TYPE, GHOST_LEVELS, DEGREES].contains(&name)
+}
+
+/// An early error where the grid would not fit into memory. The cells of the file are there already.
+fn refuse_beyond_memory(
+    pieces: &[&Piece],
+    cells: &[Cells],
+    array_count: usize,
+    progress: &dyn Progress,
+) -> Result<()> {
+    let mut size =
+        GridSize { points: pieces.iter().map(|piece| piece.point_count).sum(), ..GridSize::default() };
+    cells.iter().for_each(|cells| size.add(cells));
+    let further =
+        (array_count as u64 - 1).saturating_mul(size.points.saturating_mul(size_of::<f64>() as u64));
+    let what = || format!("a grid of about {} tetrahedra", size.tetrahedra);
+    progress::refuse_beyond_memory(progress, what, size.bytes().saturating_add(further))
+}
+
+/// The arrays that a request means: the scalar, those beside it on the points, and those that stay on the cells.
+pub(super) fn choices(dataset: &Dataset, request: &Request) -> Result<Vec<Choice>> {
+    let model = select::model(dataset)?;
+    let mut choices = vec![select::scalar(dataset, request.scalar.as_deref(), request.association)?];
+    for name in point_names(request) {
+        choices.push(select::array(model, name, Association::Auto)?);
+    }
+    for name in cell_names(request) {
+        choices.push(select::array(model, name, Association::Cell)?);
+    }
+    Ok(choices)
+}
+
+/// Further arrays, each once.
+fn point_names(request: &Request) -> Vec<&String> {
+    let mut names: Vec<&String> = Vec::new();
+    for name in &request.point_arrays {
+        if !names.contains(&name) {
+            names.push(name);
+        }
+    }
+    names
+}
+
+/// Arrays that stay on the cells, each once.
+fn cell_names(request: &Request) -> Vec<&String> {
+    request.cell_arrays.iter().collect::<BTreeSet<_>>().into_iter().collect()
+}
+
+/// An early error where no cell is three-dimensional, before anything else is read.
+fn check_dimension(cells: &[Cells]) -> Result<()> {
+    let is_volume = |&code: &u8| CellType::of(code).is_none_or(|cell_type| cell_type.dimension == 3);
+    let mut counts = BTreeMap::<u8, u64>::new();
+    let mut flat = false;
+    for cells in cells {
+        match cells {
+            Cells::Mixed(set) if set.types.iter().any(is_volume) => return Ok(()),
+            Cells::Mixed(set) => set.types.iter().for_each(|&code| *counts.entry(code).or_default() += 1),
+            _ if cells.count() > 0 => return Ok(()),
+            // A structured grid with one point along an axis.
+            _ => flat = true,
+        }
+    }
+    let found =
+        if flat { "a structured grid without thickness".to_owned() } else { grid::describe_counts(&counts) };
+    Err(Error::run("the file holds no three-dimensional cells, so there is no volume to draw")
+        .found(found)
+        .accepted("tetrahedra, hexahedra or other cells with a volume"))
+}
+
+/// Arrays that nobody asked for.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Unread {
+    /// Their names, each once.
+    pub arrays: Vec<String>,
+    /// Numbers that they hold, as far as headers say.
+    pub value_count: u64,
+}
+
+/// What the choices leave.
+pub(super) fn unread(dataset: &Dataset, choices: &[Choice]) -> Result<Unread> {
+    let (mut arrays, mut value_count) = (Vec::new(), 0u64);
+    for array in dataset.pieces.iter().flat_map(|piece| &piece.arrays) {
+        let name = &array.stored.name;
+        let is_read = choices.iter().any(|choice| choice.per_cell == array.per_cell && choice.name == *name)
+            || is_part_of_cells(name);
+        if !is_read {
+            value_count = value_count.saturating_add(array.stored.promised()?.unwrap_or(0));
+            if !arrays.contains(name) {
+                arrays.push(name.clone());
+            }
+        }
+    }
+    Ok(Unread { arrays, value_count })
+}
+
+fn load(piece: &Piece, cells: Cells, choices: &[Choice], meter: &Meter) -> Result<Loaded> {
+    // The values first: their bytes are there to be counted, those of a uniform grid's points are not.
+    let columns = choices.iter().map(|choice| column(piece, choice, meter)).collect::<Result<_>>()?;
+    let ghost = ghosts(piece, &cells, meter)?;
+    let degrees = degrees(piece, &cells, meter)?;
+    Ok(Loaded { points: points(piece, meter)?, cells, ghost, degrees, columns })
+}
+
+/// The values of a choice.
+pub(super) fn column(piece: &Piece, choice: &Choice, meter: &Meter) -> Result<Vec<f64>> {
+    let array = piece.arrays_of(choice.per_cell).find(|array| array.stored.name == choice.name);
+    let Some(array) = array else {
+        return Err(Error::run(format!("a piece of the file lacks the array '{}'", choice.name))
+            .accepted("the same arrays in every piece"));
+    };
+    let count = array.stored.component_count;
+    if count != choice.component_count {
+        return Err(Error::run(format!(
+            "the array '{}' differs between the pieces of the file",
+            choice.name
+        ))
+        .found(format_args!("{count} components"))
+        .accepted(choice.component_count));
+    }
+    let values: Vec<f64> = array.stored.load(meter)?;
+    Ok(match choice.component {
+        Component::All => values,
+        Component::Index(_) if count == 1 => values,
+        Component::Index(index) => values.into_par_iter().skip(index).step_by(count).collect(),
+        Component::Magnitude => values.par_chunks(count).map(length).collect(),
+    })
+}
+
+/// Length of a vector, without overflow on the way.
+pub fn length(vector: &[f64]) -> f64 {
+    let scale = vector.iter().fold(0.0_f64, |scale, value| scale.max(value.abs()));
+    if scale == 0.0 || !scale.is_finite() || vector.iter().any(|value| value.is_nan()) {
+        return vector.iter().map(|value| value.abs()).sum();
+    }
+    scale * vector.iter().map(|value| (value / scale).powi(2)).sum::<f64>().sqrt()
+}
+
+/// Flags of the cells that are to be left out.
+fn ghosts(piece: &Piece, cells: &Cells, meter: &Meter) -> Result<Option<Vec<bool>>> {
+    let flags = |per_cell: bool, name: &str| -> Result<Option<Vec<u64>>> {
+        let array = piece.arrays_of(per_cell).find(|array| array.stored.name == name);
+        array.map(|array| array.stored.load(meter)).transpose()
+    };
+    let mut ghost = match flags(true, GHOST_TYPE)? {
+        Some(flags) => Some(flags.iter().map(|flag| flag & GHOST_CELL != 0).collect()),
+        None => {
+            flags(true, GHOST_LEVELS)?.map(|levels| levels.iter().map(|&level| level > 0).collect::<Vec<_>>())
+        }
+    };
+    let hidden: Option<Vec<bool>> =
+        flags(false, GHOST_TYPE)?.map(|flags| flags.iter().map(|flag| flag & HIDDEN_POINT != 0).collect());
+    if let Some(hidden) = hidden.filter(|hidden| hidden.contains(&true)) {
+        let ghost = ghost.get_or_insert_with(|| vec![false; cells.count()]);
+        for (number, ghost) in ghost.iter_mut().enumerate() {
+            *ghost |= corners(cells, number).any(|corner| hidden.get(corner as usize) == Some(&true));
+        }
+    }
+    Ok(ghost.filter(|ghost| ghost.contains(&true)))
+}
+
+/// The points of a cell; what is damaged is found out when the grid is built.
+fn corners(cells: &Cells, number: usize) -> Box<dyn Iterator<Item = u32> + '_> {
+    match cells {
+        Cells::Tetrahedra(tetrahedra) => Box::new(tetrahedra[number].into_iter()),
+        Cells::Mixed(set) => {
+            let range = set.offsets[number] as usize..set.offsets[number + 1] as usize;
+            Box::new(set.connectivity.get(range).unwrap_or(&[]).iter().copied())
+        }
+        &Cells::Structured(dimensions) => {
+            Box::new(merge::structured_corners(dimensions, number).into_iter().map(|corner| corner as u32))
+        }
+    }
+}
+
+fn degrees(piece: &Piece, cells: &Cells, meter: &Meter) -> Result<Option<Vec<[u8; 3]>>> {
+    let Cells::Mixed(set) = cells else { return Ok(None) };
+    let array =
+        piece.arrays_of(true).find(|array| array.stored.name == DEGREES && array.stored.component_count == 3);
+    match array {
+        Some(array) if set.types.iter().any(|&code| code >= code::LAGRANGE_TETRAHEDRON) => {
+            let values: Vec<u8> = array.stored.load(meter)?;
+            Ok(Some(values.as_chunks().0.to_vec()))
+        }
+        _ => Ok(None),
+    }
+}
+
+/// The positions of a piece's points.
+pub(super) fn points(piece: &Piece, meter: &Meter) -> Result<Vec<DVec3>> {
+    match &piece.geometry {
+        Geometry::Unstructured { points, .. } | Geometry::Curvilinear { points, .. } => points
+            .load_with::<f64, _>(
+                meter,
+                |n| vec![DVec3::ZERO; n / 3],
+                |points| bytemuck::cast_slice_mut(points),
+            ),
+        Geometry::Added(added, _) => added.points(meter.progress()),
+        Geometry::Rectilinear { axes, .. } => {
+            let [x, y, z] = &**axes;
+            let (x, y, z): (Vec<f64>, Vec<f64>, Vec<f64>) = (x.load(meter)?, y.load(meter)?, z.load(meter)?);
+            Ok(lattice([x.len(), y.len(), z.len()], |[i, j, k]| DVec3::new(x[i], y[j], z[k])))
+        }
+        &Geometry::Uniform { dimensions, first, origin, spacing, direction } => {
+            Ok(lattice(dimensions.map(|n| n as usize), |index| {
+                let index = DVec3::from_array(index.map(|i| i as f64));
+                origin + direction * (spacing * (first + index))
+            }))
+        }
+    }
+}
+
+/// Points of a structured grid, the first index running fastest.
+fn lattice([nx, ny, nz]: [usize; 3], position: impl Fn([usize; 3]) -> DVec3 + Sync) -> Vec<DVec3> {
+    let mut points = vec![DVec3::ZERO; nx * ny * nz];
+    points.par_chunks_mut(nx.max(1)).enumerate().for_each(|(row, points)| {
+        for (i, point) in points.iter_mut().enumerate() {
+            *point = position([i, row % ny, row / ny]);
+        }
+    });
+    points
+}
+
+impl Piece {
+    /// The files of this piece, each once.
+    pub fn sources(&self) -> Vec<Arc<super::source::Source>> {
+        let mut sources = Vec::new();
+        let own = match &self.geometry {
+            Geometry::Unstructured { points, .. } | Geometry::Curvilinear { points, .. } => Some(points),
+            Geometry::Rectilinear { axes, .. } => Some(&axes[0]),
+            Geometry::Uniform { .. } | Geometry::Added(..) => None,
+        };
+        if let Geometry::Added(_, source) = &self.geometry {
+            sources.push(source.clone());
+        }
+        for stored in self.arrays.iter().map(|array| &array.stored).chain(own) {
+            if !sources.iter().any(|source| Arc::ptr_eq(source, &stored.source)) {
+                sources.push(stored.source.clone());
+            }
+        }
+        sources
+    }
+}

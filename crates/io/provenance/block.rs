@@ -1,0 +1,280 @@
+//! What pictures or figures were made from.
+
+use super::date;
+use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
+use voltet_core::camera::{Camera, Projection};
+use voltet_core::field::Plugin;
+use voltet_files as files;
+use voltet_graph::{Call, FileRead, Origins, Stated};
+
+/// The name of the text that holds the pipeline.
+pub const PIPELINE: &str = "voltet:pipeline";
+
+/// The name of the text that holds the rest, as JSON.
+pub const PROVENANCE: &str = "voltet:provenance";
+
+/// No text longer than this is written into a picture, or read from one: bytes.
+pub const TEXT_MOST: usize = 1 << 20;
+
+/// What pictures or figures were made from.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Provenance {
+    /// The program with its version.
+    pub program: String,
+    /// The pipeline's title.
+    pub title: Option<String>,
+    /// The pipeline as it was run. A picture holds it as a text of its own.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub pipeline: String,
+    /// The files that were read.
+    pub data: Vec<DataFile>,
+    /// The plug-ins that gradient filters came from.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub plugins: Vec<PluginOf>,
+    /// The cameras.
+    pub cameras: Vec<CameraOf>,
+    /// Units of what stands here and in the pipeline.
+    pub units: Units,
+}
+
+/// A file that was read.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct DataFile {
+    /// The node that read it.
+    pub node: String,
+    /// The parameter that names it.
+    pub parameter: String,
+    /// Its path, as it was given.
+    pub path: String,
+    /// Its size.
+    pub bytes: Option<u64>,
+    /// When it was last written: UTC, RFC 3339.
+    pub modified: Option<String>,
+    /// What was read beside it: pieces, the files of a series' step.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub beside: Option<Beside>,
+}
+
+/// A plug-in whose gradient filter was used.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct PluginOf {
+    /// The node that named the filter.
+    pub node: String,
+    /// The plug-in's own name.
+    pub name: String,
+    /// Its version.
+    pub version: String,
+    /// Its file, as it was given.
+    pub path: String,
+    /// The file's size.
+    pub bytes: u64,
+    /// A number made of all its bytes, hexadecimal: what was damaged or compiled again has another.
+    pub fingerprint: String,
+    /// When it was last written: UTC, RFC 3339.
+    pub modified: Option<String>,
+}
+
+/// Files that were read beside one that names them.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Beside {
+    /// How many.
+    pub files: u64,
+    /// Their size together.
+    pub bytes: u64,
+    /// When the last of them was written: UTC, RFC 3339.
+    pub modified: Option<String>,
+    /// The first of them, at most [`NAMED_MOST`], relative to the folder of the file that names them.
+    pub names: Vec<String>,
+}
+
+/// Most files that are named of those read beside another.
+pub const NAMED_MOST: usize = 16;
+
+/// A camera, with the parameters of the node `camera`; computed ones as they came out.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct CameraOf {
+    /// The node that gave it.
+    pub node: String,
+    /// World units.
+    pub eye: [f64; 3],
+    /// World units.
+    pub target: [f64; 3],
+    /// Any length.
+    pub up: [f64; 3],
+    /// Vertical field of view of a perspective camera, degrees.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fov_y: Option<f64>,
+    /// Height of the picture of an orthographic camera, world units.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub height: Option<f64>,
+    /// World units.
+    pub near: f64,
+    /// Width and height, pixels.
+    pub size: [u32; 2],
+    /// Rays a pixel.
+    pub samples: u32,
+}
+
+/// Units.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Units {
+    /// Of positions and distances.
+    pub length: String,
+    /// Of g.
+    pub gradient_magnitude: String,
+    /// Of extinctions.
+    pub extinction: String,
+    /// The unit distance of each transfer function.
+    pub unit_distances: Vec<UnitDistance>,
+    /// Of angles.
+    pub angle: String,
+    /// Of colours in the pipeline.
+    pub color: String,
+}
+
+/// The unit distance of a transfer function.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct UnitDistance {
+    /// The node that gave the transfer function.
+    pub node: String,
+    /// World units; `None` where the data decides it and there was none.
+    pub length: Option<f64>,
+}
+
+impl Provenance {
+    /// Of a whole run. The pipeline is as stated, its paths relative to its own folder.
+    pub fn of_run(origins: &Origins, stated: &Stated) -> Provenance {
+        Self::new(origins, stated.title.clone(), stated.text.clone())
+    }
+
+    /// Of a picture that a node writes to `path`. `given`: the path as the pipeline has it.
+    pub fn of_picture(call: &Call, given: &str, path: &Path) -> Provenance {
+        let (stated, folder) = call.stated();
+        Self::new(&call.origins(), stated.title.clone(), beside(stated, folder, given, path))
+    }
+
+    fn new(origins: &Origins, title: Option<String>, pipeline: String) -> Provenance {
+        Provenance {
+            program: concat!("voltet ", env!("CARGO_PKG_VERSION")).into(),
+            title,
+            pipeline,
+            data: origins.files.iter().map(DataFile::new).collect(),
+            plugins: origins.plugins.iter().map(|(node, plugin)| PluginOf::new(node, plugin)).collect(),
+            cameras: origins.cameras.iter().map(|(node, camera)| CameraOf::new(node, camera)).collect(),
+            units: Units {
+                length: "that of the data".into(),
+                gradient_magnitude: "unit of the scalar per length".into(),
+                extinction: "per unit distance".into(),
+                unit_distances: (origins.unit_distances.iter())
+                    .map(|(node, length)| UnitDistance { node: node.clone(), length: *length })
+                    .collect(),
+                angle: "degrees".into(),
+                color: "linear RGB, primaries and white of Rec. 709".into(),
+            },
+        }
+    }
+
+    /// The texts of a picture by name; `None` where they are too long for it.
+    pub fn texts(&self) -> Option<[(&'static str, String); 2]> {
+        let rest = Provenance { pipeline: String::new(), ..self.clone() };
+        // Names and finite numbers, of which JSON holds all.
+        let rest = serde_json::to_string(&rest).unwrap_or_default();
+        let short = self.pipeline.len().max(rest.len()) <= TEXT_MOST;
+        short.then(|| [(PIPELINE, self.pipeline.clone()), (PROVENANCE, rest)])
+    }
+
+    /// The state of the file that a parameter named.
+    pub fn data_file(&self, node: &str, parameter: &str, path: &str) -> Option<&DataFile> {
+        let mut named = self.data.iter().filter(|file| file.node == node && file.parameter == parameter);
+        let first = named.clone().next();
+        named.find(|file| file.path == path).or(first)
+    }
+}
+
+/// The pipeline's text for a picture at `path`, so that it can be run beside it: its paths are made relative to the
+/// picture's folder. Where that would tell names of folders that nobody gave (the path of the picture was absolute, and
+/// leads out of the pipeline's folder), they stay relative to the pipeline's.
+fn beside(stated: &Stated, folder: &Path, given: &str, path: &Path) -> String {
+    let there = |folder: &Path| {
+        std::fs::canonicalize(if folder.as_os_str().is_empty() { Path::new(".") } else { folder })
+    };
+    match (there(folder), there(files::folder(path))) {
+        (Ok(own), Ok(pictures))
+            if own != pictures
+                && !files::is_stream(given)
+                && (Path::new(given).is_relative() || pictures.starts_with(&own)) =>
+        {
+            stated.moved(&own, &pictures)
+        }
+        _ => stated.text.clone(),
+    }
+}
+
+impl DataFile {
+    fn new(file: &FileRead) -> DataFile {
+        DataFile {
+            node: file.node.clone(),
+            parameter: file.named.parameter.clone(),
+            path: file.named.path.clone(),
+            bytes: file.stamp.map(|(bytes, _)| bytes),
+            modified: file.stamp.map(|(_, time)| date::of(time)),
+            beside: (!file.beside.is_empty()).then(|| Beside::new(file)),
+        }
+    }
+}
+
+impl PluginOf {
+    fn new(node: &str, plugin: &Plugin) -> PluginOf {
+        PluginOf {
+            node: node.into(),
+            name: plugin.name.clone(),
+            version: plugin.version.clone(),
+            path: plugin.path.display().to_string(),
+            bytes: plugin.bytes,
+            fingerprint: plugin.fingerprint_in_words(),
+            modified: plugin.modified.map(date::of),
+        }
+    }
+}
+
+impl Beside {
+    fn new(file: &FileRead) -> Beside {
+        let folder = files::folder(&file.path);
+        let name = |path: &PathBuf| path.strip_prefix(folder).unwrap_or(path).to_string_lossy().into_owned();
+        let there = file.beside.iter().filter_map(|(_, stamp)| *stamp);
+        Beside {
+            files: file.beside.len() as u64,
+            bytes: there.clone().map(|(bytes, _)| bytes).sum(),
+            modified: there.map(|(_, time)| time).max().map(date::of),
+            names: file.beside.iter().take(NAMED_MOST).map(|(path, _)| name(path)).collect(),
+        }
+    }
+}
+
+impl CameraOf {
+    fn new(node: &str, camera: &Camera) -> CameraOf {
+        let (fov_y, height) = match camera.projection {
+            Projection::Perspective { fov_y } => (Some(fov_y), None),
+            Projection::Orthographic { height } => (None, Some(height)),
+        };
+        CameraOf {
+            node: node.into(),
+            eye: camera.eye.into(),
+            target: camera.target.into(),
+            up: camera.up.into(),
+            fov_y,
+            height,
+            near: camera.near,
+            size: camera.size,
+            samples: camera.samples,
+        }
+    }
+}

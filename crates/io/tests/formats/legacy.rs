@@ -1,0 +1,144 @@
+//! Legacy files: every kind of data set, attribute and number, ASCII and binary.
+
+use crate::encodings::grid;
+use voltet_core::progress::Silent;
+use voltet_io::formats::{Association, Request, inspect, read};
+use voltet_testing::files::legacy::{LEGACY_TYPES, points, structured, unstructured, value};
+use voltet_testing::files::samples::file;
+
+#[test]
+fn unstructured_grids_of_all_versions_read_the_same() {
+    let folder = tempfile::tempdir().unwrap();
+    for version in ["2.0", "3.0", "4.2", "5.1"] {
+        for binary in [false, true] {
+            let bytes = unstructured(version, binary);
+            // Text files may have the line ends of another system.
+            let returned = String::from_utf8_lossy(&bytes).replace('\n', "\r\n").into_bytes();
+            for bytes in if binary { vec![bytes] } else { vec![bytes, returned] } {
+                let path = file(&folder, "a.vtk", &bytes);
+                let what = format!("{version} binary {binary}");
+                for (name, number_type) in LEGACY_TYPES {
+                    let grid = grid(&path, name);
+                    assert_eq!(
+                        grid.points.iter().map(|p| p.to_array()).collect::<Vec<_>>(),
+                        points(),
+                        "{what}"
+                    );
+                    assert_eq!(grid.tetrahedra.len(), 13, "{what}");
+                    let expected: Vec<f64> = (0..12).map(|i| value(number_type, i)).collect();
+                    assert_eq!(**grid.scalar.as_ref().unwrap(), expected, "{what} {name}");
+                }
+                let scalar = |name: &str| grid(&path, name).scalar.unwrap()[5];
+                assert_eq!(scalar("vector:2"), 17.0, "{what}");
+                assert_eq!(scalar("normal:0"), 15.0, "{what}");
+                assert_eq!(scalar("tensor:8"), 53.0, "{what}");
+                assert_eq!(scalar("texture:1"), 11.0, "{what}");
+                assert_eq!(scalar("in=field:1"), 11.0, "{what}");
+                assert_eq!(scalar("colour:0"), 1.0, "{what}");
+                assert_eq!([scalar("bits"), grid(&path, "bits").scalar.unwrap()[4]], [0.0, 1.0], "{what}");
+                let cells = Request { association: Association::Cell, ..Request::default() };
+                assert_eq!(read(&path, &cells, &Silent).unwrap().scalar_name, "per cell");
+                let summary = inspect(&path, &Request::default(), &Silent).unwrap();
+                assert_eq!(summary.active_scalars.as_deref(), Some("per cell"));
+                assert_eq!(summary.arrays.len(), LEGACY_TYPES.len() + 8, "{what}");
+            }
+        }
+    }
+}
+
+#[test]
+fn structured_kinds_read_the_same() {
+    let folder = tempfile::tempdir().unwrap();
+    for kind in ["STRUCTURED_GRID", "RECTILINEAR_GRID", "STRUCTURED_POINTS"] {
+        for binary in [false, true] {
+            let path = file(&folder, "a.vtk", &structured(kind, binary));
+            let grid = read(&path, &Request::default(), &Silent).unwrap_or_else(|error| panic!("{error}"));
+            assert_eq!(
+                grid.points.iter().map(|p| p.to_array()).collect::<Vec<_>>(),
+                points(),
+                "{kind} {binary}"
+            );
+            assert_eq!(**grid.scalar.as_ref().unwrap(), (0..12).map(f64::from).collect::<Vec<_>>());
+            assert_eq!(grid.tetrahedra.len(), 12);
+        }
+    }
+}
+
+#[test]
+fn blanked_points_leave_out_their_cells() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = String::from_utf8(structured("STRUCTURED_GRID", false)).unwrap();
+    let blanked =
+        text.replace("POINT_DATA", "BLANKING 12 unsigned_char\n0 1 1 1 1 1 1 1 1 1 1 1\nPOINT_DATA");
+    let grid = read(&file(&folder, "a.vtk", blanked.as_bytes()), &Request::default(), &Silent).unwrap();
+    assert_eq!((grid.origin.cells_ghost, grid.tetrahedra.len()), (1, 6));
+}
+
+#[test]
+fn files_of_another_writer_are_read() {
+    use vtkio::model::{
+        Attribute, Attributes, ByteOrder, CellType, Cells, DataArray, DataSet, ElementType, Piece,
+        UnstructuredGridPiece, Version, VertexNumbers, Vtk,
+    };
+    let scalars = DataArray {
+        name: "s".to_owned(),
+        elem: ElementType::Scalars { num_comp: 1, lookup_table: None },
+        data: vec![1.0_f32, 2.0, 3.0, 4.0, 5.0].into(),
+    };
+    let piece = UnstructuredGridPiece {
+        points: vec![0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0_f64].into(),
+        cells: Cells {
+            cell_verts: VertexNumbers::Legacy { num_cells: 2, vertices: vec![4, 0, 1, 2, 3, 4, 4, 3, 2, 1] },
+            types: vec![CellType::Tetra; 2],
+        },
+        data: Attributes { point: vec![Attribute::DataArray(scalars)], cell: Vec::new() },
+    };
+    let vtk = Vtk {
+        version: Version::new_legacy(4, 2),
+        title: "another writer".to_owned(),
+        byte_order: ByteOrder::BigEndian,
+        file_path: None,
+        data: DataSet::UnstructuredGrid { meta: None, pieces: vec![Piece::Inline(Box::new(piece))] },
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let mut text = String::new();
+    vtk.clone().write_legacy_ascii(&mut text).unwrap();
+    let mut bytes = Vec::new();
+    vtk.write_legacy(&mut bytes).unwrap();
+    for bytes in [text.into_bytes(), bytes] {
+        let grid = grid(&file(&folder, "a.vtk", &bytes), "s");
+        assert_eq!(*grid.tetrahedra, [[0, 1, 2, 3], [1, 2, 3, 4]]);
+        assert_eq!(**grid.scalar.as_ref().unwrap(), [1.0, 2.0, 3.0, 4.0, 5.0]);
+    }
+}
+
+#[test]
+fn mistakes_name_their_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let sound = String::from_utf8(unstructured("4.2", false)).unwrap();
+    let message = |text: String| {
+        let request = Request { scalar: Some("int".to_owned()), ..Request::default() };
+        read(&file(&folder, "a.vtk", text.as_bytes()), &request, &Silent).unwrap_err().to_string()
+    };
+    let expect = |message: String, parts: &[&str]| {
+        for part in parts {
+            assert!(message.contains(part), "'{part}' is not in: {message}");
+        }
+    };
+    expect(message(sound.replace("ASCII", "ASCI")), &["a.vtk:3", "'ASCI'", "ASCII or BINARY"]);
+    expect(message(sound.replace("POINTS 12", "POYNTS 12")), &["unknown keyword", "'POYNTS'", "a.vtk:10"]);
+    expect(message(sound.replace("12 float", "12 flaot")), &["'flaot'", "double", "a.vtk:10"]);
+    expect(message(sound.replace("POINTS 12", "POINTS twelve")), &["'twelve'", "number of points"]);
+    expect(message(sound.replace("POINTS 12", "POINTS 999999999999999999")), &["'POINTS' ends early"]);
+    expect(
+        message(sound.replace("POINT_DATA 12", "POINT_DATA 13")),
+        &["does not fit the grid", "found 13", "12"],
+    );
+    expect(
+        message(sound.replace("CELL_TYPES 3\n12 12 10", "CELL_TYPES 2\n12 12")),
+        &["CELL_TYPES", "found 2", "3"],
+    );
+    expect(message(sound.replace("8 0 1 4 3", "9 0 1 4 3")), &["cell"]);
+    expect(message(sound.replace("DATASET UNSTRUCTURED_GRID", "DATASET POLYDATA")), &["POLYDATA"]);
+    expect(message(sound[..sound.len() / 2].to_owned()), &["ends early"]);
+}

@@ -1,0 +1,127 @@
+//! Every kind of small file, cut short and with bytes changed, thousands of times, always the same ones.
+
+use crate::memory::peak_of;
+use std::path::Path;
+use voltet_core::progress::Silent;
+use voltet_io::formats::{Request, inspect, read};
+use voltet_testing::files::samples::{file, structured, unstructured};
+use voltet_testing::files::xml::{Compressor, Encoding, Mode};
+use voltet_testing::files::{legacy, plot3d};
+
+/// Beside the file's own bytes: buffers, threads' stacks of work, error texts, and the grid of a file of a few kilobytes
+/// whose compressed blocks may promise the codec's greatest ratio.
+const ALLOWED: usize = 48 << 20;
+
+/// Reads and inspects; whatever comes is fine but a panic, an empty message or too much memory.
+fn try_file(path: &Path, scalar: &str, what: &str) {
+    let request = Request { scalar: Some(scalar.to_owned()), ..Request::default() };
+    let (results, peak) = peak_of(|| {
+        let inspected = inspect(path, &Request::default(), &Silent).map(|_| ());
+        let read = read(path, &request, &Silent).map(|grid| {
+            let point_count = grid.points.len();
+            assert!(
+                grid.tetrahedra.as_flattened().iter().all(|&corner| (corner as usize) < point_count),
+                "{what}"
+            );
+            assert!(grid.points.iter().all(|point| point.is_finite()), "{what}");
+            assert!(grid.scalar.iter().all(|scalar| scalar.iter().all(|value| value.is_finite())), "{what}");
+        });
+        [inspected, read]
+    });
+    assert!(peak < ALLOWED, "{what}: {peak} bytes");
+    for error in results.into_iter().filter_map(Result::err) {
+        assert!(!error.what.is_empty() && error.place.file.is_some(), "{what}: {error}");
+    }
+}
+
+/// Cuts and changes a file at places spread over it.
+fn corrupt(name: &str, scalar: &str, bytes: &[u8], case_count: usize) {
+    let folder = tempfile::tempdir().unwrap();
+    let mut state = 0x9E37_79B9_7F4A_7C15_u64;
+    let mut random = move |below: usize| {
+        // xorshift64 (Marsaglia 2003): the same cases in every run.
+        state ^= state << 13;
+        state ^= state >> 7;
+        state ^= state << 17;
+        (state % below as u64) as usize
+    };
+    for case in 0..case_count {
+        let mut damaged = bytes.to_vec();
+        let at = random(bytes.len());
+        let what = match case % 8 {
+            0 => {
+                damaged.truncate(at);
+                format!("{name} cut at {at}")
+            }
+            1 => {
+                damaged.remove(at);
+                format!("{name} without byte {at}")
+            }
+            2 => {
+                damaged.insert(at, b'0' + (case % 10) as u8);
+                format!("{name} with a byte more at {at}")
+            }
+            3 => {
+                let end = (at + 8).min(bytes.len());
+                damaged[at..end].fill(0xFF);
+                format!("{name} with 0xFF from {at}")
+            }
+            4 if damaged[at].is_ascii_digit() => {
+                damaged[at] = b'9';
+                format!("{name} with a 9 at {at}")
+            }
+            _ => {
+                damaged[at] ^= 1 << random(8);
+                format!("{name} with a bit changed at {at}")
+            }
+        };
+        let path = file(&folder, name, &damaged);
+        try_file(&path, scalar, &what);
+    }
+}
+
+#[test]
+fn damaged_xml_files_are_errors_or_other_grids() {
+    for mode in [Mode::Ascii, Mode::Inline, Mode::AppendedRaw, Mode::AppendedBase64] {
+        for compressor in [Compressor::None, Compressor::Zlib, Compressor::Lz4, Compressor::Lzma] {
+            if mode == Mode::Ascii && compressor != Compressor::None {
+                continue;
+            }
+            let wide_headers = compressor == Compressor::Lz4;
+            let encoding = Encoding { mode, compressor, big_endian: wide_headers, wide_headers, block: 256 };
+            corrupt("tetrahedra.vtu", "Float64", &unstructured(encoding, 3, false), 200);
+            corrupt("mixed.vtu", "Float64", &unstructured(encoding, 3, true), 100);
+        }
+    }
+    for kind in ["StructuredGrid", "RectilinearGrid", "ImageData"] {
+        let encoding = Encoding {
+            mode: Mode::AppendedRaw,
+            compressor: Compressor::Zlib,
+            big_endian: false,
+            wide_headers: false,
+            block: 256,
+        };
+        corrupt("structured", "s", &structured(kind, encoding), 150);
+    }
+}
+
+#[test]
+fn damaged_legacy_files_are_errors_or_other_grids() {
+    for version in ["4.2", "5.1"] {
+        for binary in [false, true] {
+            corrupt("a.vtk", "double", &legacy::unstructured(version, binary), 300);
+        }
+    }
+    for kind in ["STRUCTURED_GRID", "RECTILINEAR_GRID", "STRUCTURED_POINTS"] {
+        for binary in [false, true] {
+            corrupt("a.vtk", "s", &legacy::structured(kind, binary), 100);
+        }
+    }
+}
+
+#[test]
+fn damaged_plot3d_files_are_errors_or_other_grids() {
+    for layout in plot3d::layouts().step_by(3) {
+        corrupt("a.xyz", "iblank", &plot3d::grid_file(layout), 40);
+    }
+}

@@ -1,0 +1,168 @@
+//! Files whose headers promise what is not there.
+
+use crate::memory::peak_of;
+use voltet_core::progress::Silent;
+use voltet_io::formats::{Request, read};
+use voltet_testing::files::samples::{file, unstructured};
+use voltet_testing::files::xml::{Compressor, Encoding, Mode};
+
+const RAW: Encoding = Encoding {
+    mode: Mode::AppendedRaw,
+    compressor: Compressor::None,
+    big_endian: false,
+    wide_headers: false,
+    block: 64,
+};
+
+/// The message about a file, which must come without more memory than a small multiple of its size.
+fn message(name: &str, bytes: &[u8], request: &Request) -> String {
+    let folder = tempfile::tempdir().unwrap();
+    let path = file(&folder, name, bytes);
+    let (result, peak) = peak_of(|| read(&path, request, &Silent));
+    // Buffers of the readers and of the threads that are there once.
+    assert!(peak < 16 * bytes.len() + (4 << 20), "{peak} bytes for {name}");
+    let message = result.expect_err(name).to_string();
+    assert!(message.contains(name), "{message}");
+    message
+}
+
+fn scalar(name: &str) -> Request {
+    Request { scalar: Some(name.to_owned()), ..Request::default() }
+}
+
+/// Replaces the first occurrence of a text, keeping the file's length where both are as long.
+fn replaced(bytes: &[u8], from: &str, to: &str) -> Vec<u8> {
+    let at = bytes.windows(from.len()).position(|window| window == from.as_bytes()).expect(from);
+    [&bytes[..at], to.as_bytes(), &bytes[at + from.len()..]].concat()
+}
+
+#[track_caller]
+fn expect(message: &str, parts: &[&str]) {
+    for part in parts {
+        assert!(message.contains(part), "'{part}' is not in: {message}");
+    }
+}
+
+#[test]
+fn counts_beyond_the_file_are_errors() {
+    let sound = unstructured(RAW, 3, false);
+    let points = replaced(&sound, "NumberOfPoints=\"16\"", "NumberOfPoints=\"99999999999999\"");
+    expect(&message("a.vtu", &points, &scalar("Float64")), &["wrong size", "Float64"]);
+    let cells = replaced(&sound, "NumberOfCells=\"18\"", "NumberOfCells=\"1000000000000\"");
+    expect(&message("a.vtu", &cells, &scalar("Float64")), &["types", "18 bytes"]);
+    let overflow = replaced(&sound, "NumberOfPoints=\"16\"", "NumberOfPoints=\"18446744073709551615\"");
+    expect(&message("a.vtu", &overflow, &scalar("Float64")), &["cannot be that large"]);
+    let negative = replaced(&sound, "NumberOfPoints=\"16\"", "NumberOfPoints=\"-16\"");
+    expect(&message("a.vtu", &negative, &scalar("Float64")), &["NumberOfPoints", "'-16'"]);
+    let components = replaced(
+        &sound,
+        "vec &amp; tor\" NumberOfComponents=\"3\"",
+        "vec &amp; tor\" NumberOfComponents=\"4000000000\"",
+    );
+    expect(&message("a.vtu", &components, &scalar("vec & tor:0")), &["vec & tor"]);
+}
+
+#[test]
+fn a_block_table_cannot_promise_terabytes() {
+    for name in ["vtkZLib", "vtkLZ4", "vtkLZMA"] {
+        // One block of 1 TB from 16 bytes; the number of points agrees.
+        let header = format!(
+            "<VTKFile type=\"ImageData\" byte_order=\"LittleEndian\" header_type=\"UInt64\" compressor=\"{name}DataCompressor\">\
+             <ImageData WholeExtent=\"0 9999 0 9999 0 9999\"><Piece Extent=\"0 9999 0 9999 0 9999\"><PointData>\
+             <DataArray type=\"UInt8\" Name=\"s\" format=\"appended\" offset=\"0\"/></PointData></Piece></ImageData>\
+             <AppendedData encoding=\"raw\">_"
+        );
+        let mut bytes = header.into_bytes();
+        for word in [1, 1_000_000_000_000_u64, 0, 16] {
+            bytes.extend(word.to_le_bytes());
+        }
+        bytes.extend([0; 16]);
+        expect(&message("bomb.vti", &bytes, &scalar("s")), &["table of compressed blocks", "'s'"]);
+    }
+}
+
+#[test]
+fn a_uniform_grid_without_arrays_allocates_nothing() {
+    let bytes = b"<VTKFile type=\"ImageData\"><ImageData WholeExtent=\"0 9999 0 9999 0 9999\">\
+        <Piece Extent=\"0 9999 0 9999 0 9999\"/></ImageData></VTKFile>";
+    expect(&message("empty.vti", bytes, &Request::default()), &["no quantity to draw"]);
+    let huge =
+        b"<VTKFile type=\"ImageData\"><ImageData WholeExtent=\"0 9223372036854775807 0 99999999 0 9999\">\
+        <Piece Extent=\"0 9223372036854775807 0 9223372036854775807 0 9\"/></ImageData></VTKFile>";
+    expect(&message("huge.vti", huge, &Request::default()), &["cannot be that large"]);
+}
+
+#[test]
+fn offsets_connectivity_and_types_are_checked() {
+    let ascii = Encoding { mode: Mode::Ascii, ..RAW };
+    let sound = unstructured(ascii, 3, false);
+    let request = scalar("Float64");
+    let offsets = replaced(&sound, "4 8 12 16 20", "4 8 11 16 20");
+    expect(&message("a.vtu", &offsets, &request), &["offset of cell 2", "found 11", "12", "offsets"]);
+    let corner = replaced(&sound, "0 1 3 7", "0 1 3 77");
+    expect(&message("a.vtu", &corner, &request), &["cell 3", "77", "below 16"]);
+    let negative = replaced(&sound, "0 1 3 7", "0 1 -3 7");
+    expect(&message("a.vtu", &negative, &request), &["'-3'", "connectivity"]);
+    let kind = replaced(&sound, "10 10 10", "10 99 10");
+    expect(&message("a.vtu", &kind, &request), &["cell 1", "unknown type", "99"]);
+    let mixed = unstructured(ascii, 3, true);
+    let descending = replaced(&mixed, "24 32 36", "24 22 36");
+    expect(&message("a.vtu", &descending, &request), &["offset of cell 6", "22", "at least 24"]);
+    let few = replaced(&sound, "10 10 10", "10 10");
+    expect(&message("a.vtu", &few, &request), &["types", "found 17", "18"]);
+    let word = replaced(&sound, "10 10 10", "10 1x 10");
+    expect(&message("a.vtu", &word, &request), &["types", "'1x'"]);
+}
+
+#[test]
+fn what_is_no_data_file_says_what_would_be() {
+    expect(&message("a.vtu", b"hello, this is text", &Request::default()), &["format", "hello", ".vtu"]);
+    expect(&message("a.vtu", b"<html><body/></html>", &Request::default()), &["not a VTK file", "<html>"]);
+    expect(
+        &message("a.vtu", b"<VTKFile type=\"PolyData\"><PolyData/></VTKFile>", &Request::default()),
+        &["PolyData", "cells with a volume"],
+    );
+    expect(
+        &message("a.vtu", b"<VTKFile type=\"UnstructuredGrid\">", &Request::default()),
+        &["ends early", "VTKFile"],
+    );
+    expect(&message("a.vtu", b"<VTKFile>\n<a></b>", &Request::default()), &["XML is damaged", "a.vtu:2"]);
+    expect(&message("a.pvtu", b"<VTKFile type=\"PUnstructuredGrid\"><PUnstructuredGrid><Piece Source=\"a.pvtu\"/></PUnstructuredGrid></VTKFile>", &Request::default()), &["cannot stand there"]);
+    let missing = read(std::path::Path::new("no/such.vtu"), &Request::default(), &Silent).unwrap_err();
+    expect(&missing.to_string(), &["no such file", "no/such.vtu"]);
+    let folder = tempfile::tempdir().unwrap();
+    expect(&read(folder.path(), &Request::default(), &Silent).unwrap_err().to_string(), &["not a file"]);
+    expect(&message("a.vtu", b"", &Request::default()), &["empty"]);
+}
+
+#[test]
+fn unknown_arrays_list_the_nearest_first() {
+    let sound = unstructured(RAW, 3, false);
+    let error = message("a.vtu", &sound, &scalar("float6"));
+    expect(&error, &["no array 'float6'", "'Float64', 'Float32'", "a.vtu"]);
+    expect(&message("a.vtu", &sound, &Request::default()), &["several arrays", "'Int8'"]);
+    expect(
+        &message("a.vtu", &sound, &scalar("vec & tor")),
+        &["not a scalar", "3 components", "'vec & tor:magnitude'", "'vec & tor:2'"],
+    );
+    expect(&message("a.vtu", &sound, &scalar("vec & tor:3")), &["no such component", "0 to 2"]);
+    let twice = replaced(&sound, "Name=\"Int16\"", "Name=\"UInt8\"");
+    expect(&message("a.vtu", &twice, &scalar("UInt8")), &["several arrays of the name 'UInt8'"]);
+}
+
+#[test]
+fn cells_that_are_not_finite_are_left_out_and_counted() {
+    let folder = tempfile::tempdir().unwrap();
+    let ascii = Encoding { mode: Mode::Ascii, ..RAW };
+    let sound = unstructured(ascii, 3, false);
+    let at = String::from_utf8_lossy(&sound).find("Name=\"Points\"").unwrap();
+    let points = replaced(&sound[at..], "3 1 1", "3 nan 1");
+    let path = file(&folder, "a.vtu", &[&sound[..at], &points].concat());
+    let grid = read(&path, &scalar("Float64"), &Silent).unwrap();
+    assert_eq!((grid.origin.cells_not_finite, grid.tetrahedra.len()), (6, 12));
+    assert!(
+        grid.origin.warnings.iter().any(|warning| warning.contains("not finite")),
+        "{:?}",
+        grid.origin.warnings
+    );
+}

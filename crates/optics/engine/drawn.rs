@@ -1,0 +1,116 @@
+//! A picture and what it took.
+
+use super::compositing::Chosen;
+use voltet_core::picture::Picture;
+use voltet_graph::Notes;
+
+/// A picture and what it took.
+#[derive(Debug, Clone)]
+pub struct Drawn {
+    /// The picture.
+    pub picture: Picture,
+    /// What was counted.
+    pub counts: Counts,
+    /// What took how long, in the order of work; empty where nothing times it.
+    pub stages: Vec<Timed>,
+    /// The way in which it was composited, where it is not the one that was asked for, and why.
+    pub instead: Option<Chosen>,
+    /// Whether it was drawn from what was kept of the view ([`crate::engine::Manner::passing`]): by itself it would differ by rounding.
+    pub is_passing: bool,
+    /// What else there is to say: counts of this engine alone, what was left out, what the user should know.
+    pub notes: Notes,
+}
+
+impl Drawn {
+    /// A picture of which nothing is counted or noted yet.
+    pub fn new(picture: Picture, stages: Vec<Timed>) -> Drawn {
+        Drawn {
+            picture,
+            counts: Counts::default(),
+            stages,
+            instead: None,
+            is_passing: false,
+            notes: Notes::default(),
+        }
+    }
+}
+
+/// Counts that mean the same on every engine; `None`: not counted.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Cells left out because no widget touches their values.
+    pub culled_by_transfer_function: Option<u64>,
+    /// Cells left out because they are outside the view.
+    pub culled_by_frustum: Option<u64>,
+    /// Cells left out because they cover no pixel's middle.
+    pub under_a_pixel: Option<u64>,
+    /// Cells that were projected: kept, and such that may cover a pixel's middle.
+    pub cells_projected: Option<u64>,
+    /// Ray segments integrated.
+    pub segments: Option<u64>,
+    /// Segments of these that were integrated in 64 bits because 32 do not hold them.
+    pub segments_exact: Option<u64>,
+    /// How often the transfer function was asked: places at which samples or points of a quadrature were taken, closed forms of
+    /// segments, entries between those of a table. Widgets that a place has together count once, segments that meet none not at
+    /// all, and a segment in 64 bits as one.
+    pub evaluations: Option<u64>,
+    /// Pixels (samples, where a pixel has several) whose segments were composited in an order that was not exact.
+    pub pixels_disordered: Option<u64>,
+    /// Tiles that were opaque before all their cells had been looked at.
+    pub tiles_stopped: Option<u64>,
+    /// Cells that such tiles did not look at any more, where that is known; a cell counts in each of them.
+    pub cells_hidden: Option<u64>,
+    /// Tables that the integrator built for this picture.
+    pub tables_built: Option<u64>,
+}
+
+/// A stage of drawing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Stage {
+    /// Which cells can contribute.
+    Cull,
+    /// The cells' order; sharing them out among tiles.
+    Sort,
+    /// Points and cells to the screen.
+    Project,
+    /// What is made for a frame and would serve further ones: tables, widgets made ready.
+    SetUp,
+    /// Integrating and compositing the segments.
+    Composite,
+}
+
+/// A part of the work with its time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Timed {
+    /// The stage that it is part of.
+    pub stage: Stage,
+    /// Its own name, where the stage has several parts.
+    pub pass: Option<&'static str>,
+    /// Seconds.
+    pub seconds: f64,
+}
+
+impl Stage {
+    /// Its name in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Stage::Cull => "cull",
+            Stage::Sort => "sort",
+            Stage::Project => "project",
+            Stage::SetUp => "set-up",
+            Stage::Composite => "composite",
+        }
+    }
+}
+
+impl Timed {
+    /// A whole stage.
+    pub fn whole(stage: Stage, seconds: f64) -> Timed {
+        Timed { stage, pass: None, seconds }
+    }
+
+    /// Its name in reports.
+    pub fn name(&self) -> &'static str {
+        self.pass.unwrap_or(self.stage.name())
+    }
+}

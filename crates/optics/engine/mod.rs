@@ -1,0 +1,254 @@
+//! Engines: what draws scenes. Each is a [`Declaration`], a constant that says what it is called and what it refuses, and
+//! opens it; an opened [`Engine`] takes in a volume ([`Engine::prepare`]) and draws it ([`Prepared::draw`]).
+//!
+//! The nodes that draw, `voltet study`, `voltet stability` and `voltet time` know engines by these alone, from one list.
+//!
+//! | file | what |
+//! | --- | --- |
+//! | `compositing` | the ways in which a device composites |
+//! | `drawn` | a picture and what it took: counts, stages with their times |
+//! | `forms` | what an engine makes of ray segments alone |
+
+mod compositing;
+mod drawn;
+mod forms;
+
+pub use compositing::{Accumulation, Chosen, Compositing, Forgetful, Memory, OrderCheck};
+pub use drawn::{Counts, Drawn, Stage, Timed};
+pub use forms::{Answer, Chain, Condition, Conditions, Forms, PartialIntegrals, Precision};
+
+use crate::scene::Scene;
+use crate::shading::Shading;
+use std::sync::Arc;
+use voltet_core::progress::Progress;
+use voltet_core::transfer::TransferFunction;
+use voltet_core::volume::Volume;
+use voltet_core::{Error, Result};
+use voltet_graph::MayLeaveOut;
+
+/// What is known of an engine before it is opened.
+#[derive(Debug, Clone, Copy)]
+pub struct Declaration {
+    /// Its name in pipeline files and reports.
+    pub name: &'static str,
+    /// What it is, in a few words: the meaning of its name as a value of the parameter `engine`.
+    pub summary: &'static str,
+    /// What `auto` takes where it takes this engine, and if what; follows "the run takes". `None`: it takes it only by name.
+    pub taken: Option<&'static str>,
+    /// Why this build does not have it.
+    pub absent: Option<&'static str>,
+    /// Whether it runs on a device, which `adapter` names: it may not be there, has limits of its own, and keeps from frame to
+    /// frame what was set up on it. Other engines draw every scene and set up each frame anew ([`Stage::SetUp`]).
+    pub on_device: bool,
+    /// The ways in which it composites; none where it has one only, of every order.
+    pub compositing: &'static [Compositing],
+    /// Whether the scene is beyond it on any device, found before data are read. What depends on the data is found when it is
+    /// drawn.
+    pub can_serve: fn(&TransferFunction, &Shading) -> Result<()>,
+    /// The adapters that it finds here, in words.
+    pub adapters: fn() -> Vec<String>,
+    /// Opens it; what is looked for may be kept in the memory. Errors: no such adapter, or none at all.
+    pub open: fn(&AdapterWish, &dyn Memory) -> Result<Arc<dyn Engine>>,
+    /// Opens each of its ways to compute that is judged on its own: the same way of drawing on other vector units. Errors:
+    /// those of `open`.
+    pub open_each: fn(&AdapterWish) -> Result<Engines>,
+}
+
+/// Engines that were opened.
+pub type Engines = Vec<Arc<dyn Engine>>;
+
+/// The adapter that an engine shall be opened on.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Hash)]
+pub struct AdapterWish {
+    /// Its kind or a part of its name; none for the fastest.
+    pub name: Option<String>,
+    /// Passes over programs on the CPU that stand in for devices, unless they are named.
+    pub hardware: bool,
+}
+
+/// Engines are told apart by their names.
+impl PartialEq for Declaration {
+    fn eq(&self, other: &Self) -> bool {
+        self.name == other.name
+    }
+}
+
+impl Declaration {
+    /// An engine that this build does not have, and why.
+    pub const fn absent(name: &'static str, summary: &'static str, why: &'static str) -> Declaration {
+        Declaration {
+            name,
+            summary,
+            taken: Some(name),
+            absent: Some(why),
+            on_device: true,
+            compositing: &[],
+            can_serve: |_, _| Ok(()),
+            adapters: Vec::new,
+            open: |_, _| Err(Error::run("this build is without the engine")),
+            open_each: |_| Err(Error::run("this build is without the engine")),
+        }
+    }
+
+    /// Whether the scene is beyond the engine on any device, or the build is without it.
+    pub fn can_serve(&self, transfer_function: &TransferFunction, shading: &Shading) -> Result<()> {
+        self.check()?;
+        (self.can_serve)(transfer_function, shading)
+    }
+
+    /// Opens it. Errors: no such adapter, or none at all; a build without it.
+    pub fn open(&self, wish: &AdapterWish) -> Result<Arc<dyn Engine>> {
+        self.open_remembering(wish, &Forgetful)
+    }
+
+    /// The same; that there is no hardware adapter is remembered, where that can be known to be so still. Errors: those of
+    /// [`Declaration::open`].
+    pub fn open_remembering(&self, wish: &AdapterWish, memory: &dyn Memory) -> Result<Arc<dyn Engine>> {
+        self.check()?;
+        (self.open)(wish, memory)
+    }
+
+    /// Opens each of its ways to compute that is judged on its own. Errors: those of [`Declaration::open`].
+    pub fn open_each(&self, wish: &AdapterWish) -> Result<Vec<Arc<dyn Engine>>> {
+        self.check()?;
+        (self.open_each)(wish)
+    }
+
+    fn check(&self) -> Result<()> {
+        self.absent.map_or(Ok(()), |why| Err(Error::run(why)))
+    }
+}
+
+impl AdapterWish {
+    /// The adapter of that name, or the fastest that is hardware.
+    pub fn hardware(name: Option<&str>) -> AdapterWish {
+        AdapterWish { name: name.map(str::to_string), hardware: true }
+    }
+}
+
+/// How a scene is drawn, beyond what it means.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Manner {
+    /// How a device composites; where nothing is said, in the way that serves every order.
+    pub compositing: Option<Compositing>,
+    /// What blending hardware accumulates in.
+    pub accumulation: Accumulation,
+    /// How the exact order of what hardware blends is checked.
+    pub order_check: OrderCheck,
+    /// Leave to leave something out that the picture does not need: without it the engine does everything, for comparison, and
+    /// the picture is the same.
+    pub may_leave_out: Option<MayLeaveOut>,
+    /// Whether others of the same view follow at once, with other widgets: then the engine may keep what serves them, and the picture may
+    /// differ by rounding, some 1e-5, from one that is drawn by itself ([`Drawn::is_passing`]).
+    pub passing: bool,
+}
+
+impl Default for Manner {
+    fn default() -> Self {
+        Manner {
+            compositing: None,
+            accumulation: Accumulation::Float,
+            order_check: OrderCheck::None,
+            may_leave_out: Some(MayLeaveOut::GIVEN),
+            passing: false,
+        }
+    }
+}
+
+impl Manner {
+    /// Composited in this way.
+    pub fn by(compositing: Compositing) -> Manner {
+        Manner { compositing: Some(compositing), ..Manner::default() }
+    }
+
+    /// One of many pictures of a view that follow each other.
+    pub fn passing() -> Manner {
+        Manner { passing: true, ..Manner::default() }
+    }
+}
+
+/// An engine that is open: what it runs on is there.
+pub trait Engine: Send + Sync {
+    /// What it runs on, for people: a device, or vector units and threads.
+    fn adapter(&self) -> String;
+
+    /// What pages that compare engines call it.
+    fn label(&self) -> String {
+        self.adapter()
+    }
+
+    /// Why it runs on that, where there was a choice.
+    fn reason(&self) -> Option<&str> {
+        None
+    }
+
+    /// Whether it runs on a program on the CPU that stands in for a device.
+    fn is_software(&self) -> bool {
+        false
+    }
+
+    /// Whether the device has been lost: nothing can be done with the engine any more.
+    fn is_lost(&self) -> bool {
+        false
+    }
+
+    /// Takes in a volume: what frames of it share is made once. Errors: what the device cannot hold.
+    fn prepare(&self, volume: &Arc<Volume>) -> Result<Arc<dyn Prepared>>;
+
+    /// Which way of compositing serves the scene best here, where the engine has several. May measure; what was measured is
+    /// kept in `memory`. Errors: a stopped run.
+    fn choose(
+        &self,
+        _scene: &Scene,
+        _memory: &dyn Memory,
+        _progress: &dyn Progress,
+    ) -> Result<Option<Chosen>> {
+        Ok(None)
+    }
+
+    /// What it makes of ray segments alone, by what it draws with, for exact values to judge; `None` where only its pictures can
+    /// be judged.
+    fn forms(&self) -> Option<Box<dyn Forms>>;
+
+    /// Gives up what is kept for further scenes, so that setting up can be measured from nothing.
+    fn forget(&self) {}
+
+    /// 32-bit multiply-adds a second, measured; `None` where nobody measures them. Errors: a lost device.
+    fn multiply_adds_per_second(&self) -> Result<Option<f64>> {
+        Ok(None)
+    }
+}
+
+/// A picture under way: others can be begun before it is taken.
+pub trait Pending: Send {
+    /// The picture, once it is there. Errors: those of [`Prepared::draw`].
+    fn collect(self: Box<Self>, progress: &dyn Progress) -> Result<Drawn>;
+}
+
+/// A picture that is there.
+impl Pending for Drawn {
+    fn collect(self: Box<Self>, _progress: &dyn Progress) -> Result<Drawn> {
+        Ok(*self)
+    }
+}
+
+/// A volume on an engine.
+pub trait Prepared: Send + Sync {
+    /// Draws a scene of this volume.
+    ///
+    /// Errors: what the engine does not serve or its device does not hold; a lost device; a stopped run.
+    fn draw(&self, scene: &Scene, manner: &Manner, progress: &dyn Progress) -> Result<Drawn>;
+
+    /// Begins a picture. A device works on it while the caller does something else, and on several one after the other, so that it
+    /// need not wait for their way back; what it sends back is bounded, and a picture beyond that is drawn at once. Its passes are
+    /// not timed. Other engines draw at once. Errors: those of [`Prepared::draw`], here or when the picture is taken.
+    fn begin(&self, scene: &Scene, manner: &Manner, progress: &dyn Progress) -> Result<Box<dyn Pending>> {
+        Ok(Box::new(self.draw(scene, manner, progress)?))
+    }
+
+    /// Floating-point operations of the compositor in a picture of the scene that had these counts, at least; `None` where they
+    /// are not known. Errors: those of [`Prepared::draw`].
+    fn operations(&self, _scene: &Scene, _manner: &Manner, _counts: &Counts) -> Result<Option<u64>> {
+        Ok(None)
+    }
+}

@@ -1,0 +1,260 @@
+//! Closed forms, subdivided until the error of (C, A) is under a tolerance; Song et al. 2009, section 7, name it as
+//! future work.
+//!
+//! A is a closed form whatever overlaps, and so is C of a widget alone in most cases: nothing is subdivided there.
+//! Where widgets overlap, only their order is unknown. Symbols: piece, a part of the segment with depths Tᵢ of its
+//! widgets, T = Σ Tᵢ, A = 1 − e^(−T); Eᵢ = ∫ ρᵢ e^(−T), so that C = Σ cᵢ Eᵢ and Σ Eᵢ = A.
+//!
+//! **Mix.** Kniss's mix takes Mᵢ = A Tᵢ/T for Eᵢ. Whatever the order, a widget is seen no better than in front of all
+//! others and no worse than behind them: e^(−(T − Tᵢ)) (1 − e^(−Tᵢ)) ≤ Eᵢ ≤ 1 − e^(−Tᵢ). With x = E − M within
+//! [−d, u] of those bounds and Σ x = 0, each channel's error is Σ (cᵢ − c̄) xᵢ for any c̄, at most
+//! Σ (cᵢ − c̄)⁺ uᵢ + (c̄ − cᵢ)⁺ dᵢ. That is a bound, not an estimate, and falls with the square of the piece.
+//! For the constant-emitter Eᵢ = ∫ e^(−T) over the lit length ℓᵢ lies between ℓᵢ e^(−T) and ℓᵢ.
+//!
+//! **Panel.** Where pieces short enough for the mix are dearer, a stretch between two breaks of all widgets (module
+//! `overlap`), of depth 2 at most, takes Gauss–Legendre quadrature of as few points as the tolerance allows; the
+//! error of each rule is a constant, measured over all widgets (`RULES`), times the light at stake.
+//!
+//! The tolerance is spent from front to back in proportion to the light that a piece gives of what is left, so its
+//! sum over the segment is kept. Where it is under the rounding of C (a bright constant-emitter on a long segment),
+//! 12 points are taken, which leave 1e-12 of C.
+
+mod mix;
+mod panel;
+
+use super::{Integrator, SegmentIntegrator, can_serve};
+use crate::forms::TrackColor;
+use crate::overlap::{Glow, Member, Panel, Quadrature, blur, blurred, ordered};
+use crate::quadrature::GAUSS_12;
+use crate::special::{mean_transmittance, opacity};
+use crate::track::{Track, limit_panel};
+use crate::{Contribution, Overlap, Prepared, Segment};
+use mix::{Estimate, depth_within, mix};
+use panel::{RULES, panel, present_at};
+use voltet_core::Result;
+use voltet_core::transfer::{TransferFunction, Widget};
+
+/// Closed forms, subdivided to a tolerance.
+#[derive(Debug, Clone)]
+pub struct Adaptive {
+    prepared: Prepared,
+    tolerance: f64,
+    varying: f64,
+}
+
+impl Adaptive {
+    /// Serves every transfer function. `tolerance` > 0: the largest error of each channel of C and of A.
+    pub fn new(transfer_function: &TransferFunction, tolerance: f64) -> Result<Self> {
+        can_serve(&Integrator::Adaptive { tolerance }, transfer_function)?;
+        Ok(Adaptive {
+            prepared: Prepared::new(transfer_function)?,
+            tolerance,
+            varying: brightest_of_varying(transfer_function),
+        })
+    }
+}
+
+impl SegmentIntegrator for Adaptive {
+    fn integrate(&self, segment: &Segment) -> Contribution {
+        self.prepared.integrate_by(
+            segment,
+            Overlap::Exact,
+            &Subdivided { tolerance: self.tolerance, varying: self.varying },
+        )
+    }
+}
+
+/// The largest channel of the widgets whose colour varies.
+fn brightest_of_varying(transfer_function: &TransferFunction) -> f64 {
+    let varying = transfer_function.widgets.iter().filter(|widget| widget.has_colors_of_its_own());
+    varying.map(Widget::brightest).fold(0.0, f64::max)
+}
+
+/// The quadrature to a tolerance.
+struct Subdivided {
+    tolerance: f64,
+    /// The largest channel of the widgets whose colour varies.
+    varying: f64,
+}
+
+impl Quadrature for Subdivided {
+    const ALONE: bool = true;
+
+    fn color(&self, members: &[Member], glow: Glow) -> [f64; 3] {
+        if members.len() > mix::MOST {
+            return ordered(members, glow);
+        }
+        March::new(members, glow, self).run()
+    }
+}
+
+/// The way from front to back.
+struct March<'a> {
+    members: &'a [Member<'a>],
+    glow: Glow,
+    /// The largest channel of any colour, times D/U for the constant-emitter.
+    brightest: f64,
+    /// Whether some colour is not known by its values at two points.
+    only_panels: bool,
+    t: f64,
+    rest: f64,
+    /// T in front of t.
+    front: f64,
+    /// T behind t.
+    behind: f64,
+    /// Of the tolerance.
+    left: f64,
+    color: [f64; 3],
+}
+
+impl<'a> March<'a> {
+    fn new(members: &'a [Member<'a>], glow: Glow, settings: &Subdivided) -> Self {
+        let scale = if let Glow::Constant(scale) = glow { scale * members.len() as f64 } else { 1.0 };
+        let one = |m: &Member| m.color.into_iter().fold(0.0, f64::max);
+        let channel = |m: &Member| if m.has_one_color() { one(m) } else { settings.varying };
+        let brightest = members.iter().map(channel).fold(0.0, f64::max);
+        March {
+            members,
+            glow,
+            brightest: brightest * scale,
+            only_panels: members.iter().any(|m| m.track.color() == TrackColor::Curved),
+            t: 0.0,
+            rest: 1.0,
+            front: 0.0,
+            behind: members.iter().map(|m| depth_within(m, 0.0, 1.0)).sum(),
+            left: settings.tolerance,
+            color: [0.0; 3],
+        }
+    }
+
+    fn run(mut self) -> [f64; 3] {
+        // How far the mix is thought to reach, and whether that is far enough to try.
+        let (mut step, mut worth, mut again) = (1.0_f64, true, false);
+        while self.rest > 0.0 {
+            let seen = (-self.front).exp();
+            // What absorbs may stand behind what glows: all of the rest may be seen.
+            let at_stake = match self.glow {
+                Glow::Density => seen * self.brightest * opacity(self.behind),
+                Glow::Constant(_) => seen * self.brightest * self.rest,
+            };
+            if at_stake <= 1e-3 * self.left {
+                break;
+            }
+            if at_stake <= 4.0 * self.left && !again {
+                (step, worth) = (self.rest, true);
+            }
+            let length = step.min(self.rest).min(self.mixable());
+            let mut shorter = 0.0;
+            again = false;
+            if worth && !self.only_panels && blurred(self.t, length).is_none() {
+                let mixed = mix(self.members, self.glow, self.t, length);
+                let (error, allowed) = (seen * mixed.error, self.allowed(length, mixed.depth));
+                if error <= allowed {
+                    self.accept(length, seen, error, &mixed);
+                    step = length * (0.7 * allowed / error).clamp(1.0, 8.0);
+                    continue;
+                }
+                shorter = length * (0.7 * allowed / error).min(0.5);
+            }
+            let (length, depth) = self.panel_length();
+            if length <= 0.0 {
+                // The next break is within rounding of t: step over it.
+                self.t = self.next_break().max(self.t.next_up());
+                self.rest = 1.0 - self.t;
+                continue;
+            }
+            if let Some(length) = blurred(self.t, length) {
+                self.blur(length.min(self.rest));
+                continue;
+            }
+            let allowed = self.allowed(length, depth);
+            let stake = seen * self.brightest * self.panel_stake(length, depth);
+            let rule = RULES.iter().find(|(_, share)| stake * share <= allowed);
+            let (points, error) =
+                rule.map_or((GAUSS_12.len(), 0.0), |(points, share)| (*points, stake * share));
+            step = shorter;
+            again = shorter * points as f64 > length;
+            if !again {
+                // A mix costs about what a point does.
+                worth = shorter * points as f64 > 0.25 * length;
+                let color = panel(self.members, self.glow, self.t, length, points);
+                self.accept(length, seen, error, &Estimate { color, error, depth });
+            }
+        }
+        self.color
+    }
+
+    /// Takes a stretch whose places are not told apart.
+    fn blur(&mut self, dt: f64) {
+        let mut color = [0.0; 3];
+        let depth =
+            blur(&mut color, self.members, self.glow, &Panel { t: self.t, dt, seen: 1.0, middle: self.t });
+        self.accept(dt, (-self.front).exp(), 0.0, &Estimate { color, error: 0.0, depth });
+    }
+
+    fn accept(&mut self, length: f64, seen: f64, error: f64, piece: &Estimate) {
+        for (sum, c) in self.color.iter_mut().zip(piece.color) {
+            *sum += seen * c;
+        }
+        self.left = (self.left - error).max(0.0);
+        self.front += piece.depth;
+        self.behind = (self.behind - piece.depth).max(0.0);
+        self.t += length;
+        self.rest = if length >= self.rest { 0.0 } else { 1.0 - self.t };
+    }
+
+    /// Light of brightness 1 from a stretch of that length and depth.
+    fn light(&self, length: f64, depth: f64) -> f64 {
+        match self.glow {
+            Glow::Density => opacity(depth),
+            Glow::Constant(_) => length * mean_transmittance(depth),
+        }
+    }
+
+    /// The error that a piece may have: its part of the light that is left.
+    fn allowed(&self, length: f64, depth: f64) -> f64 {
+        if length >= self.rest {
+            return self.left;
+        }
+        let share = self.light(length, depth) / self.light(self.rest, self.behind.max(depth));
+        // No light: nothing can be wrong with it.
+        if share < 1.0 { self.left * share } else { self.left }
+    }
+
+    /// How far the mix may reach: a colour that varies, or a glow of many windows, is known up to its next break.
+    fn mixable(&self) -> f64 {
+        let limited =
+            |m: &&Member| !m.has_one_color() || (self.glow != Glow::Density && m.track.glows_in_parts());
+        self.members
+            .iter()
+            .filter(limited)
+            .map(|m| m.next_break(self.t) - self.t)
+            .fold(f64::INFINITY, f64::min)
+    }
+
+    fn next_break(&self) -> f64 {
+        self.members.iter().map(|m| m.next_break(self.t)).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Length and depth of the panel from t on.
+    fn panel_length(&self) -> (f64, f64) {
+        let next = self.next_break();
+        let whole = if next < 1.0 { (next - self.t).min(self.rest) } else { self.rest };
+        let middle = self.t + 0.5 * whole;
+        let total =
+            |f: &dyn Fn(&Member) -> f64| self.members.iter().filter(present_at(middle)).map(f).sum::<f64>();
+        limit_panel(self.t, whole, total(&|m| m.track.rate(self.t)), |dt| {
+            total(&|m| m.track.depth(self.t, dt))
+        })
+    }
+
+    /// What the error of a panel is a share of, for brightness 1. The breaks do not resolve what is fainter than
+    /// e^(−42) of a widget's peak.
+    fn panel_stake(&self, length: f64, depth: f64) -> f64 {
+        const UNRESOLVED: f64 = 1e-12;
+        match self.glow {
+            Glow::Density => depth.max(UNRESOLVED),
+            Glow::Constant(_) => length * opacity(depth.max(UNRESOLVED)),
+        }
+    }
+}

@@ -1,0 +1,26 @@
+//! The closed forms; where widgets overlap, the ordered integral or Kniss's mix.
+
+use super::SegmentIntegrator;
+use crate::{Contribution, Overlap, Prepared, Segment};
+use voltet_core::Result;
+use voltet_core::transfer::TransferFunction;
+
+/// The closed forms.
+#[derive(Debug, Clone)]
+pub struct Analytic {
+    prepared: Prepared,
+    overlap: Overlap,
+}
+
+impl Analytic {
+    /// Serves every transfer function.
+    pub fn new(transfer_function: &TransferFunction, overlap: Overlap) -> Result<Self> {
+        Ok(Analytic { prepared: Prepared::new(transfer_function)?, overlap })
+    }
+}
+
+impl SegmentIntegrator for Analytic {
+    fn integrate(&self, segment: &Segment) -> Contribution {
+        self.prepared.integrate(segment, self.overlap)
+    }
+}

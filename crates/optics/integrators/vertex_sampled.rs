@@ -1,0 +1,128 @@
+//! The transfer function applied at the grid's points alone: what absorbs and what glows there is interpolated linearly, so
+//! that anything between two points is missed (Moreland 2004, Figure 1.1a; Shirley and Tuchman 1990 draw like this).
+//!
+//! Symbols: ρ the extinction, κ the emission per length, each linear along the segment; a = ρ_f D, b = ρ_b D;
+//! F = ∫₀¹ (1 − x) e^(−w) dx and B = ∫₀¹ x e^(−w) dx, w the depth in front of x. C = D (F κ_f + B κ_b). κ is interpolated,
+//! not a colour, so that a point without matter lends none (Wittenbrink et al. 1998).
+//!
+//! A segment does not know the points of its cell. So a scene is [`classified`] first: ρ and κ become point arrays, which
+//! the integrator finds at the segment's ends. Where a segment is all that there is, its ends count as points.
+
+use super::{Integrator, SegmentIntegrator, Segments, can_serve};
+use crate::linear::front_back;
+use crate::special::opacity;
+use crate::{Contribution, Prepared, Segment};
+use voltet_core::transfer::{OpticalModel, Profile, TransferFunction, Widget};
+use voltet_core::{Error, Result};
+
+/// The arrays of a classified volume: ρ, then κ by channel; in this order by name.
+pub const CLASSIFIED: [&str; 4] =
+    ["classified emission 0", "classified emission 1", "classified emission 2", "classified extinction"];
+
+/// Linear between what the transfer function is at the points.
+#[derive(Debug, Clone)]
+pub struct VertexSampled {
+    /// Where the arrays lie among a segment's fields; `None`: the scene is not classified.
+    slots: Option<[usize; 4]>,
+    ends: Segments,
+}
+
+impl VertexSampled {
+    /// Serves every transfer function.
+    pub fn new(transfer_function: &TransferFunction) -> Result<Self> {
+        can_serve(&Integrator::VertexSampled, transfer_function)?;
+        let fields = transfer_function.fields();
+        let slot = |name: &&str| fields.iter().position(|field| field == name);
+        let slots: Vec<usize> = CLASSIFIED.iter().filter_map(slot).collect();
+        Ok(VertexSampled {
+            slots: slots.try_into().ok(),
+            ends: Segments::with_closed_forms(transfer_function, 1)?,
+        })
+    }
+}
+
+impl SegmentIntegrator for VertexSampled {
+    fn integrate(&self, segment: &Segment) -> Contribution {
+        let Some(slots) = self.slots else { return self.ends.integrate(segment) };
+        // Interpolation in 32 bits may leave less than nothing.
+        let at = |fields: &[f64]| slots.map(|slot| (fields[slot] * segment.length).max(0.0));
+        let (front, back) = (at(segment.fields_front), at(segment.fields_back));
+        let ([.., a], [.., b]) = (front, back);
+        let values = segment.fields_front.iter().chain(segment.fields_back).chain([&a, &b]);
+        if !values.copied().all(f64::is_finite) {
+            return Contribution::default();
+        }
+        let (f, k) = front_back(a, b);
+        let optical_depth = 0.5 * a + 0.5 * b;
+        let color = std::array::from_fn(|i| f * front[i] + k * back[i]);
+        Contribution { optical_depth, color, opacity: opacity(optical_depth) }
+    }
+}
+
+/// What the transfer function is at points.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AtPoints {
+    /// κ by channel and ρ, in the order of [`CLASSIFIED`], per world unit.
+    pub arrays: [Vec<f64>; 4],
+    /// A transfer function that looks at these arrays, absorbs and glows nowhere less, and needs an order. It only says
+    /// what an integrator will find; nothing is drawn by it.
+    pub bound: TransferFunction,
+}
+
+/// Whether a transfer function is the bound of a classified volume.
+pub fn is_classified(transfer_function: &TransferFunction) -> bool {
+    let fields = transfer_function.fields();
+    CLASSIFIED.iter().all(|name| fields.contains(name))
+}
+
+/// Applies the transfer function at points: `values` gives s, g and its further fields of each.
+///
+/// Errors: a transfer function with a number out of range; more than can be told by numbers.
+pub fn classified<'a>(
+    transfer_function: &TransferFunction,
+    values: impl Iterator<Item = ([f64; 2], &'a [f64])>,
+) -> Result<AtPoints> {
+    let prepared = Prepared::new(transfer_function)?;
+    let mut arrays = [const { Vec::new() }; 4];
+    for (point, fields) in values {
+        let segment =
+            Segment { length: 1.0, front: point, back: point, fields_front: fields, fields_back: fields };
+        let sample = prepared.sampled(&segment, |samples| samples.at(0.0));
+        let [red, green, blue] = sample.glow;
+        for (array, value) in arrays.iter_mut().zip([red, green, blue, sample.rate]) {
+            array.push(value);
+        }
+    }
+    let most = arrays.each_ref().map(|array| array.iter().copied().fold(0.0, f64::max));
+    let [red, green, blue, extinction] = most;
+    let emission = red.max(green).max(blue);
+    if !(extinction.is_finite() && emission.is_finite()) {
+        return Err(Error::run(
+            "a transfer function that is classified at points leaves the range of numbers",
+        )
+        .found(format!("extinction up to {extinction:e}, emission up to {emission:e}"))
+        .accepted("smaller extinctions, or another integrator"));
+    }
+    // Nothing that absorbs does not mean nothing that glows: at a cutoff of 0 it does, so a trace is enough.
+    let extinction = extinction.max(emission * 1e-12);
+    let brightest = if extinction > 0.0 { (emission / extinction).max(1.0) } else { 1.0 };
+    let widget = |color| Widget {
+        profile: Profile::GaussianNd {
+            fields: CLASSIFIED.map(String::from).to_vec(),
+            centre: vec![0.0; 4],
+            matrix: vec![vec![0.0; 4]; 4],
+        },
+        color,
+        extinction: extinction * transfer_function.unit_distance,
+        region: None,
+    };
+    Ok(AtPoints {
+        arrays,
+        bound: TransferFunction {
+            model: OpticalModel::DensityEmitter,
+            unit_distance: transfer_function.unit_distance,
+            // Of two colours: segments are taken in order.
+            widgets: vec![widget([brightest; 3]), widget([0.0; 3])],
+        },
+    })
+}
