@@ -12,7 +12,7 @@ use voltet::optics::integrators::{
     can_serve, new,
 };
 use voltet::optics::linear::{emission_weights, front_back};
-use voltet::optics::{Contribution, Overlap, Segment};
+use voltet::optics::{Contribution, Segment, WidgetBlend};
 
 const SEGMENTS: usize = 20_000;
 const LONGEST: f64 = 2.0;
@@ -139,7 +139,7 @@ fn errors(found: &dyn SegmentIntegrator, exact: &[Contribution]) -> (f64, f64) {
 }
 
 fn exact(transfer_function: &TransferFunction) -> Result<Vec<Contribution>> {
-    let analytic = new(&Integrator::Analytic, Overlap::Exact, transfer_function, &EXTENT)?;
+    let analytic = new(&Integrator::Analytic, WidgetBlend::Exact, transfer_function, &EXTENT)?;
     Ok(segments().iter().map(|segment| analytic.integrate(segment)).collect())
 }
 
@@ -180,20 +180,20 @@ fn integrators(name: &str, transfer_function: &TransferFunction) -> Result<()> {
         });
         println!("| {label} | {time:.0} | {largest:.1e} | {mean:.1e} |");
     };
-    row("analytic", new(&Integrator::Analytic, Overlap::Exact, transfer_function, &EXTENT)?.as_ref());
-    row("analytic, mix", new(&Integrator::Analytic, Overlap::Mix, transfer_function, &EXTENT)?.as_ref());
+    row("analytic", new(&Integrator::Analytic, WidgetBlend::Exact, transfer_function, &EXTENT)?.as_ref());
+    row("analytic, mix", new(&Integrator::Analytic, WidgetBlend::Mix, transfer_function, &EXTENT)?.as_ref());
     for tolerance in [1e-1, 1e-2, 1e-3, 1e-4, 1e-6] {
-        let made = new(&Integrator::Adaptive { tolerance }, Overlap::Exact, transfer_function, &EXTENT)?;
+        let made = new(&Integrator::Adaptive { tolerance }, WidgetBlend::Exact, transfer_function, &EXTENT)?;
         row(&format!("adaptive, {tolerance:.0e}"), made.as_ref());
     }
     for count in [4, 16, 64] {
         let integrator = Integrator::Segments { count, table_size: 256 };
-        let made = new(&integrator, Overlap::Exact, transfer_function, &EXTENT)?;
+        let made = new(&integrator, WidgetBlend::Exact, transfer_function, &EXTENT)?;
         row(&format!("segments, {count}"), made.as_ref());
     }
     row("segments, 16, closed forms", &Segments::with_closed_forms(transfer_function, 16)?);
     for count in [4, 16, 64] {
-        let made = new(&Integrator::Riemann { count }, Overlap::Exact, transfer_function, &EXTENT)?;
+        let made = new(&Integrator::Riemann { count }, WidgetBlend::Exact, transfer_function, &EXTENT)?;
         row(&format!("riemann, {count}"), made.as_ref());
     }
     for integrator in [
@@ -203,7 +203,10 @@ fn integrators(name: &str, transfer_function: &TransferFunction) -> Result<()> {
         Integrator::Reference,
     ] {
         if can_serve(&integrator, transfer_function).is_ok() {
-            row(integrator.name(), new(&integrator, Overlap::Exact, transfer_function, &EXTENT)?.as_ref());
+            row(
+                integrator.name(),
+                new(&integrator, WidgetBlend::Exact, transfer_function, &EXTENT)?.as_ref(),
+            );
         }
     }
     Ok(())

@@ -4,7 +4,7 @@ use crate::drawing;
 use std::sync::Arc;
 use voltet_core::Result;
 use voltet_core::probing::bands_of_cells;
-use voltet_graph::{Asking, Call, CellValues, Demand, Node, Outputs, Port, PortType, Value};
+use voltet_graph::{CellValues, Demand, DemandContext, Node, Outputs, Port, PortType, RunContext, Value};
 
 /// The declaration.
 pub const NODE: Node = Node {
@@ -30,13 +30,13 @@ pub const NODE: Node = Node {
     ..Node::BLANK
 };
 
-fn demand(asking: &mut Asking) -> Result<()> {
+fn demand(asking: &mut DemandContext) -> Result<()> {
     let look = asking.look("transfer_function");
     let gradient_magnitude = look.is_none_or(|look| look.transfer_function.uses_gradient_magnitude());
     asking.ask("volume", &Demand { gradient_magnitude, ..Demand::default() })
 }
 
-fn run(call: &mut Call) -> Result<Outputs> {
+fn run(call: &mut RunContext) -> Result<Outputs> {
     let volume = call.volume("volume")?;
     let look = call.look("transfer_function")?;
     drawing::note_bands(call, &volume, &look.transfer_function)?;

@@ -4,7 +4,8 @@ use std::sync::Arc;
 use voltet_core::Result;
 use voltet_core::camera::{Camera, Projection};
 use voltet_graph::{
-    Call, Node, Outputs, Parameter, ParameterType, Parameters, Port, PortType, Range, Standard, Value,
+    DefaultValue, Node, Outputs, Parameter, ParameterType, Parameters, Port, PortType, Range, RunContext,
+    Value,
 };
 
 /// Largest side of a picture, pixels: what the engine counts.
@@ -23,56 +24,56 @@ pub const NODE: Node = Node {
             name: "eye",
             parameter_type: ParameterType::Numbers(Some(3), Range::ANY),
             unit: "world units",
-            standard: Standard::Required,
+            standard: DefaultValue::Required,
             help: "position of the eye; it may lie inside the grid",
         },
         Parameter {
             name: "target",
             parameter_type: ParameterType::Numbers(Some(3), Range::ANY),
             unit: "world units",
-            standard: Standard::Required,
+            standard: DefaultValue::Required,
             help: "the point that appears in the middle of the picture",
         },
         Parameter {
             name: "up",
             parameter_type: ParameterType::Numbers(Some(3), Range::ANY),
             unit: "",
-            standard: Standard::Numbers(&[0.0, 0.0, 1.0]),
+            standard: DefaultValue::Numbers(&[0.0, 0.0, 1.0]),
             help: "the direction that points up in the picture; any length, not parallel to the view",
         },
         Parameter {
             name: "fov_y",
             parameter_type: ParameterType::Number(Range::between(0.0, 180.0)),
             unit: "degrees",
-            standard: Standard::Unset("30 unless height is given"),
+            standard: DefaultValue::Unset("30 unless height is given"),
             help: "vertical field of view of a perspective camera",
         },
         Parameter {
             name: "height",
             parameter_type: ParameterType::Number(Range::above(0.0)),
             unit: "world units",
-            standard: Standard::Unset("a perspective camera"),
+            standard: DefaultValue::Unset("a perspective camera"),
             help: "height of the picture of an orthographic camera, in place of fov_y",
         },
         Parameter {
             name: "near",
             parameter_type: ParameterType::Number(Range::at_least(0.0)),
             unit: "world units",
-            standard: Standard::Number(0.0),
+            standard: DefaultValue::Number(0.0),
             help: "what is nearer along the view direction is cut off",
         },
         Parameter {
             name: "size",
             parameter_type: ParameterType::Integers(2, Range::within(1.0, LARGEST_SIDE)),
             unit: "pixels",
-            standard: Standard::Integers(&[1024, 768]),
+            standard: DefaultValue::Integers(&[1024, 768]),
             help: "width and height of the picture",
         },
         Parameter {
             name: "samples",
             parameter_type: ParameterType::Integer(Range::within(1.0, 256.0)),
             unit: "",
-            standard: Standard::Integer(1),
+            standard: DefaultValue::Integer(1),
             help: "rays a pixel",
         },
     ],
@@ -83,7 +84,7 @@ pub const NODE: Node = Node {
     ..Node::BLANK
 };
 
-fn run(call: &mut Call) -> Result<Outputs> {
+fn run(call: &mut RunContext) -> Result<Outputs> {
     Ok(vec![Value::Camera(Arc::new(camera(call.parameters)?))])
 }
 
@@ -93,15 +94,15 @@ fn camera(p: &Parameters) -> Result<Camera> {
         (Some(_), Some(_)) => {
             return Err(p
                 .error("height", "'fov_y' and 'height' exclude each other")
-                .accepted("fov_y for a perspective camera, height for an orthographic one"));
+                .expected("fov_y for a perspective camera, height for an orthographic one"));
         }
         (_, Some(height)) => Projection::Orthographic { height },
         (fov_y, None) => Projection::Perspective { fov_y: fov_y.unwrap_or(30.0) },
     };
     let [width, height]: [f64; 2] = p.vector("size")?;
     if width * height > MOST_PIXELS {
-        let error = p.error("size", "the picture has too many pixels").found(width * height);
-        return Err(error.accepted(format!("width × height of at most {MOST_PIXELS}")));
+        let error = p.error("size", "the picture has too many pixels").got(width * height);
+        return Err(error.expected(format!("width × height of at most {MOST_PIXELS}")));
     }
     let camera = Camera {
         eye: p.vector("eye")?.into(),
@@ -114,6 +115,6 @@ fn camera(p: &Parameters) -> Result<Camera> {
         samples: p.integer("samples")? as u32,
     };
     let place = if camera.eye == camera.target { "target" } else { "up" };
-    camera.frame().map_err(|error| p.blame(place, error))?;
+    camera.frame().map_err(|error| p.locate(place, error))?;
     Ok(camera)
 }

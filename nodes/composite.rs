@@ -3,7 +3,7 @@
 use crate::drawing;
 use std::sync::Arc;
 use voltet_core::{Error, Result};
-use voltet_graph::{Asking, Call, Node, Outputs, Parameters, Port, PortType, Value};
+use voltet_graph::{DemandContext, Node, Outputs, Parameters, Port, PortType, RunContext, Value};
 use voltet_optics::shading::Integrator;
 
 /// The declaration.
@@ -18,7 +18,7 @@ pub const NODE: Node = Node {
     parameters: &drawing::PARAMETERS,
     example: include_str!("examples/stages.toml"),
     check: &check,
-    demand: &|asking: &mut Asking| {
+    demand: &|asking: &mut DemandContext| {
         let (engine, why) = match asking.parameters.text("integrator")? {
             "reference" => (drawing::REFEREE.name, "the integrator is the 64-bit reference"),
             _ => (drawing::NATIVE.name, "the stages are nodes of their own, which the CPU runs"),
@@ -34,13 +34,13 @@ fn check(parameters: &Parameters) -> Result<()> {
     if drawing::shading(parameters)?.integrator == Integrator::VertexSampled {
         let what =
             "the integrator 'vertex-sampled' looks at the grid's points, which no stage of its own has";
-        let error = Error::usage(what).accepted("a node of type renderer, or another integrator");
-        return Err(parameters.blame("integrator", error));
+        let error = Error::usage(what).expected("a node of type renderer, or another integrator");
+        return Err(parameters.locate("integrator", error));
     }
     Ok(())
 }
 
-fn run(call: &mut Call) -> Result<Outputs> {
+fn run(call: &mut RunContext) -> Result<Outputs> {
     let projected = call.projection::<drawing::Projected>("projection")?;
     let look = call.look("transfer_function")?;
     let shading = drawing::shading(call.parameters)?;
@@ -50,7 +50,7 @@ fn run(call: &mut Call) -> Result<Outputs> {
     if transfer_function != projected.transfer_function {
         let what = "the cells were culled for another transfer function than the one to draw";
         return Err(
-            Error::usage(what).accepted("the same transfer_function at the nodes of type cull and composite")
+            Error::usage(what).expected("the same transfer_function at the nodes of type cull and composite")
         );
     }
     drawing::note_bands(call, &cells.volume, &transfer_function)?;

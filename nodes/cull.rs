@@ -3,7 +3,7 @@
 use crate::drawing;
 use std::sync::Arc;
 use voltet_core::Result;
-use voltet_graph::{Asking, Call, Demand, Node, Outputs, Port, PortType, Value};
+use voltet_graph::{Demand, DemandContext, Node, Outputs, Port, PortType, RunContext, Value};
 
 /// The declaration.
 pub const NODE: Node = Node {
@@ -22,7 +22,7 @@ pub const NODE: Node = Node {
 };
 
 /// What the cells' values are compared with, and what is asked further down.
-fn demand(asking: &mut Asking) -> Result<()> {
+fn demand(asking: &mut DemandContext) -> Result<()> {
     let mut demand = asking.asked.clone();
     demand.join(&match asking.look("transfer_function") {
         Some(look) => Demand {
@@ -36,7 +36,7 @@ fn demand(asking: &mut Asking) -> Result<()> {
     asking.ask("volume", &demand)
 }
 
-fn run(call: &mut Call) -> Result<Outputs> {
+fn run(call: &mut RunContext) -> Result<Outputs> {
     let volume = call.volume("volume")?;
     let look = call.look("transfer_function")?;
     let camera = call.camera("camera")?;

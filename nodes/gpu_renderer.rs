@@ -3,7 +3,7 @@
 use crate::{drawing, renderer};
 use std::sync::Arc;
 use voltet_core::Result;
-use voltet_graph::{Call, Node, Outputs, Parameter, Value};
+use voltet_graph::{Node, Outputs, Parameter, RunContext, Value};
 
 /// The declaration.
 pub const NODE: Node = Node {
@@ -25,7 +25,7 @@ const PARAMETERS: &[Parameter] = match renderer::NODE.parameters {
     [] => &[],
 };
 
-fn run(call: &mut Call) -> Result<Outputs> {
+fn run(call: &mut RunContext) -> Result<Outputs> {
     let scene = drawing::scene(call)?;
     let picture = drawing::draw(call, &scene, drawing::DEVICE.name)?;
     Ok(vec![Value::Image(Arc::new(picture))])

@@ -7,8 +7,8 @@ use voltet_core::field::{Gradient, magnitude};
 use voltet_core::grid::Grid;
 use voltet_core::volume::Volume;
 use voltet_graph::{
-    Asking, Call, Demand, MayLeaveOut, Node, Notes, Outputs, Parameter, ParameterType, Port, PortType,
-    Saving, Standard, Value,
+    DefaultValue, Demand, DemandContext, MayLeaveOut, Node, NodeDiagnostics, Outputs, Parameter,
+    ParameterType, Port, PortType, RunContext, SavedWork, Value,
 };
 
 /// The declaration.
@@ -21,7 +21,7 @@ pub const NODE: Node = Node {
         name: "method",
         parameter_type: ParameterType::GradientFilter,
         unit: "",
-        standard: Standard::Text("least-squares"),
+        standard: DefaultValue::Text("least-squares"),
         help: "the filter; its own parameters stand beside this one",
     }],
     example: include_str!("examples/stages.toml"),
@@ -30,7 +30,7 @@ pub const NODE: Node = Node {
     ..Node::BLANK
 };
 
-fn demand(asking: &mut Asking) -> Result<()> {
+fn demand(asking: &mut DemandContext) -> Result<()> {
     let asked = asking.asked;
     let (arrays, cell_arrays) = (asked.arrays.clone(), asked.cell_arrays.clone());
     let file_cells = asked.file_cells;
@@ -45,18 +45,23 @@ fn demand(asking: &mut Asking) -> Result<()> {
 }
 
 /// Notes what of the gradient nobody asks for; its memory, where the number of points is known.
-fn leave_out(notes: &mut Notes, leave: MayLeaveOut, asked: &Demand, point_count: Option<usize>) {
+fn leave_out(notes: &mut NodeDiagnostics, leave: MayLeaveOut, asked: &Demand, point_count: Option<usize>) {
     let (what, why, numbers) = match (asked.gradient_magnitude, asked.gradient) {
         (false, false) => ("gradient", "no widget looks at the gradient magnitude and nothing is lit", 4),
         (true, false) => ("gradient vectors", "nothing is lit and there is no silhouette", 3),
         (false, true) => ("gradient magnitude", "no widget looks at it", 1),
         (true, true) => return,
     };
-    notes.leave_out(leave, what, why, point_count.map(|points| Saving::Bytes(8 * numbers * points as u64)));
+    notes.record_skipped(
+        leave,
+        what,
+        why,
+        point_count.map(|points| SavedWork::Bytes(8 * numbers * points as u64)),
+    );
 }
 
 /// Where somebody looks at it; elsewhere what it is at one of these points.
-fn gradient(call: &mut Call, grid: &Grid, s: &[f64]) -> Result<Gradient> {
+fn gradient(call: &mut RunContext, grid: &Grid, s: &[f64]) -> Result<Gradient> {
     let (leave, looks) = (call.may_leave_out(), call.demand.gradient_for.as_ref());
     let points = match leave.zip(looks) {
         Some((_, looks)) => looked_at::points(grid, s, looks)?,
@@ -68,7 +73,7 @@ fn gradient(call: &mut Call, grid: &Grid, s: &[f64]) -> Result<Gradient> {
         let Gradient { vectors, fallbacks } = found?;
         let left_out = (grid.points.len() - points.len()) as u64;
         let why = "the values of their cells are none that a widget looks for";
-        call.notes.leave_out(leave, "gradient at points", why, Some(Saving::Points(left_out)));
+        call.notes.record_skipped(leave, "gradient at points", why, Some(SavedWork::Points(left_out)));
         let mut all = vec![vectors.first().copied().unwrap_or_default(); grid.points.len()];
         for (&p, vector) in points.iter().zip(vectors) {
             all[p as usize] = vector;
@@ -78,7 +83,7 @@ fn gradient(call: &mut Call, grid: &Grid, s: &[f64]) -> Result<Gradient> {
     call.method()?.gradient(grid, s, call.progress())
 }
 
-fn run(call: &mut Call) -> Result<Outputs> {
+fn run(call: &mut RunContext) -> Result<Outputs> {
     let grid = call.grid("grid")?;
     let mut volume = Volume::clone(&*call.volume("grid")?);
     let (wants_magnitude, wants_vectors) = (call.demand.gradient_magnitude, call.demand.gradient);

@@ -9,8 +9,8 @@ use voltet_core::progress::refuse_beyond_memory;
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
 use voltet_graph::{
-    Asking, Call, Demand, Node, Outputs, Parameter, ParameterType, Parameters, Port, PortType, Standard,
-    suggest,
+    DefaultValue, Demand, DemandContext, Node, Outputs, Parameter, ParameterType, Parameters, Port, PortType,
+    RunContext, suggest,
 };
 use voltet_io::vtu::{self, Contents, Form, OfTetrahedra, Precision, Role};
 
@@ -37,7 +37,7 @@ pub const NODE: Node = Node {
             name: "arrays",
             parameter_type: ParameterType::Texts,
             unit: "",
-            standard: Standard::Unset("all that the inputs give"),
+            standard: DefaultValue::Unset("all that the inputs give"),
             help: "of what is computed: \"scalar\", \"gradient-magnitude\", \"gradient\", \"culled\", \"cell-values\"",
         },
         Parameter {
@@ -61,7 +61,7 @@ pub const NODE: Node = Node {
                 ),
             ]),
             unit: "",
-            standard: Standard::Text("auto"),
+            standard: DefaultValue::Text("auto"),
             help: "which cells are written",
         },
         Parameter {
@@ -72,14 +72,14 @@ pub const NODE: Node = Node {
                 ("double", "64 bits"),
             ]),
             unit: "",
-            standard: Standard::Text("auto"),
+            standard: DefaultValue::Text("auto"),
             help: "of positions and quantities",
         },
         Parameter {
             name: "compression",
             parameter_type: ParameterType::Choice(&[("none", "none"), ("zlib", "zlib, as VTK's own writer")]),
             unit: "",
-            standard: Standard::Text("none"),
+            standard: DefaultValue::Text("none"),
             help: "of the arrays",
         },
     ],
@@ -95,7 +95,7 @@ const ARRAYS: Parameter = Parameter {
     name: "",
     parameter_type: ParameterType::Texts,
     unit: "",
-    standard: Standard::Unset("those that other nodes ask for"),
+    standard: DefaultValue::Unset("those that other nodes ask for"),
     help: "",
 };
 
@@ -111,9 +111,9 @@ fn wanted(p: &Parameters) -> Result<Option<Vec<String>>> {
     match words.iter().find(|word| !WORDS.contains(&word.as_str())) {
         None => Ok(Some(words)),
         Some(word) => {
-            let error = p.error("arrays", "'arrays' does not know this word").found(format!("\"{word}\""));
+            let error = p.error("arrays", "'arrays' does not know this word").got(format!("\"{word}\""));
             let known = suggest(word, WORDS);
-            Err(error.accepted(format!("{known}; point_arrays and cell_arrays name arrays of the file")))
+            Err(error.expected(format!("{known}; point_arrays and cell_arrays name arrays of the file")))
         }
     }
 }
@@ -126,8 +126,8 @@ fn refuse_ending(p: &Parameters) -> Result<()> {
         None if files::is_stream(path) => Ok(()),
         _ => Err(p
             .error("path", "the grid is written as a VTK file of an unstructured grid")
-            .found(path)
-            .accepted("a path that ends in .vtu")),
+            .got(path)
+            .expected("a path that ends in .vtu")),
     }
 }
 
@@ -136,7 +136,7 @@ fn names(p: &Parameters, name: &str) -> Result<Vec<String>> {
     if p.optional(name).is_some() { p.texts(name) } else { Ok(Vec::new()) }
 }
 
-fn demand(asking: &mut Asking) -> Result<()> {
+fn demand(asking: &mut DemandContext) -> Result<()> {
     let p = asking.parameters;
     let wanted = wanted(p)?;
     // A grid alone has no gradient to give, and nobody asked for one.
@@ -149,7 +149,7 @@ fn demand(asking: &mut Asking) -> Result<()> {
         if wanted.is_some() && wants(word, false) && asking.fed_by(port)?.is_none() {
             let error =
                 p.error("arrays", format!("\"{word}\" is asked for, and the input '{port}' is not wired"));
-            return Err(error.accepted(match port {
+            return Err(error.expected(match port {
                 "cells" => "inputs = { cells = \"NODE\" }, a node of type \"cull\"",
                 _ => "inputs = { cell_values = \"NODE\" }, a node of type \"bands\"",
             }));
@@ -169,7 +169,7 @@ fn demand(asking: &mut Asking) -> Result<()> {
     asking.ask("cell_values", &Demand { cell_values, ..Demand::default() })
 }
 
-fn run(call: &mut Call) -> Result<Outputs> {
+fn run(call: &mut RunContext) -> Result<Outputs> {
     let volume = call.volume("volume")?;
     let contents = contents(call, &volume)?;
     let bytes = vtu::encoding_bytes(&contents);
@@ -194,7 +194,7 @@ fn run(call: &mut Call) -> Result<Outputs> {
 }
 
 /// What the file will hold.
-fn contents(call: &mut Call, volume: &Volume) -> Result<Contents> {
+fn contents(call: &mut RunContext, volume: &Volume) -> Result<Contents> {
     let p = call.parameters;
     let wanted = wanted(p)?;
     let grid = &*volume.grid;
@@ -204,7 +204,7 @@ fn contents(call: &mut Call, volume: &Volume) -> Result<Contents> {
         (_, None) => {
             let why = "the grid does not keep the cells of a file: it was not read from one, a node on the way changed them, or \
                        cells keep constant values";
-            return Err(p.error("cells", why).accepted("cells = \"tetrahedra\", or \"auto\""));
+            return Err(p.error("cells", why).expected("cells = \"tetrahedra\", or \"auto\""));
         }
     };
     let mut contents = vtu::gather(grid, form);
@@ -213,7 +213,7 @@ fn contents(call: &mut Call, volume: &Volume) -> Result<Contents> {
         match wanted.is_some() && wants(word) {
             true => Err(p
                 .error("arrays", format!("the volume has no {what}"))
-                .accepted("a node that computes it")),
+                .expected("a node that computes it")),
             false => Ok(()),
         }
     };
@@ -279,5 +279,5 @@ fn refuse_other(p: &Parameters, port: &str, found: usize, expected: usize) -> Re
         return Ok(());
     }
     let error = Error::usage(format!("the inputs 'volume' and '{port}' are of different grids"));
-    Err(p.blame("path", error.found(format!("{found} tetrahedra")).accepted(expected)))
+    Err(p.locate("path", error.got(format!("{found} tetrahedra")).expected(expected)))
 }

@@ -6,8 +6,8 @@ use voltet_core::picture::Picture;
 use voltet_core::probing::{Axis, Histogram, histogram};
 use voltet_core::{Error, Result};
 use voltet_graph::{
-    Asking, Call, Demand, Node, Outputs, Parameter, ParameterType, Parameters, Port, PortType, Range,
-    Standard, Value,
+    DefaultValue, Demand, DemandContext, Node, Outputs, Parameter, ParameterType, Parameters, Port, PortType,
+    Range, RunContext, Value,
 };
 use voltet_io::encode::viridis;
 
@@ -25,7 +25,7 @@ pub const NODE: Node = Node {
             name: "bins",
             parameter_type: ParameterType::Integers(2, Range::within(1.0, 2048.0)),
             unit: "",
-            standard: Standard::Integers(&[256, 256]),
+            standard: DefaultValue::Integers(&[256, 256]),
             help: "number of bins along s and g",
         },
         AXIS,
@@ -42,27 +42,27 @@ pub const NODE: Node = Node {
                 ("linear", "colour by the volume"),
             ]),
             unit: "",
-            standard: Standard::Text("log"),
+            standard: DefaultValue::Text("log"),
             help: "how volume becomes colour, from dark violet to yellow; empty bins are transparent",
         },
         Parameter {
             name: "decades",
             parameter_type: ParameterType::Number(Range { above_min: true, ..Range::within(0.0, 20.0) }),
             unit: "powers of ten",
-            standard: Standard::Number(8.0),
+            standard: DefaultValue::Number(8.0),
             help: "log: how far below the fullest bin the colours reach; less is shown as the darkest",
         },
         Parameter {
             name: "magnify",
             parameter_type: ParameterType::Integer(Range::within(1.0, 16.0)),
             unit: "pixels a bin",
-            standard: Standard::Integer(2),
+            standard: DefaultValue::Integer(2),
             help: "side of a bin in the picture",
         },
     ],
     example: include_str!("examples/histogram.toml"),
     check: &|parameters| ["s", "g"].iter().try_for_each(|name| limits(parameters, name).map(drop)),
-    demand: &|asking: &mut Asking| {
+    demand: &|asking: &mut DemandContext| {
         asking.ask("volume", &Demand { gradient_magnitude: true, ..Demand::default() })
     },
     run: &run,
@@ -73,7 +73,7 @@ const AXIS: Parameter = Parameter {
     name: "s",
     parameter_type: ParameterType::Numbers(Some(2), Range::ANY),
     unit: "units of s",
-    standard: Standard::Unset("the data's range"),
+    standard: DefaultValue::Unset("the data's range"),
     help: "range of the scalar, [low, high]; volume beyond it is counted as outside",
 };
 
@@ -83,18 +83,17 @@ fn limits(p: &Parameters, name: &str) -> Result<Option<[f64; 2]>> {
     match p.vector(name)? {
         [low, high] if low < high => Ok(Some([low, high])),
         [low, high] => {
-            let error =
-                p.error(name, format!("the range '{name}' is empty")).found(format!("[{low}, {high}]"));
-            Err(error.accepted("the smaller number first"))
+            let error = p.error(name, format!("the range '{name}' is empty")).got(format!("[{low}, {high}]"));
+            Err(error.expected("the smaller number first"))
         }
     }
 }
 
-fn run(call: &mut Call) -> Result<Outputs> {
+fn run(call: &mut RunContext) -> Result<Outputs> {
     let volume = call.volume("volume")?;
     let Some(g) = volume.gradient_magnitude.clone() else {
         let error = Error::usage("the histogram looks at the gradient magnitude, and the volume has none");
-        return Err(error.accepted("a node of type \"gradient-magnitude\" before this one"));
+        return Err(error.expected("a node of type \"gradient-magnitude\" before this one"));
     };
     let bins: [f64; 2] = call.parameters.vector("bins")?;
     let axis = |name: &str, values: &[f64], bins: f64| -> Result<Axis> {

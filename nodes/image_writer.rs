@@ -4,7 +4,7 @@ use crate::files::output::{self, BY_ENDING, FORMAT, PATH};
 use std::path::Path;
 use voltet_core::Result;
 use voltet_graph::{
-    Call, Node, Outputs, Parameter, ParameterType, Parameters, Port, PortType, Range, Standard,
+    DefaultValue, Node, Outputs, Parameter, ParameterType, Parameters, Port, PortType, Range, RunContext,
 };
 use voltet_io::encode;
 use voltet_io::provenance::{self, Provenance};
@@ -33,14 +33,14 @@ pub const NODE: Node = Node {
             name: "background",
             parameter_type: ParameterType::Numbers(Some(3), Range::within(0.0, 1.0)),
             unit: "linear RGB",
-            standard: Standard::Numbers(&[0.0, 0.0, 0.0]),
+            standard: DefaultValue::Numbers(&[0.0, 0.0, 0.0]),
             help: "png: the colour behind the picture",
         },
         Parameter {
             name: "provenance",
             parameter_type: ParameterType::Boolean,
             unit: "",
-            standard: Standard::Boolean(true),
+            standard: DefaultValue::Boolean(true),
             help: "whether the picture carries the pipeline that drew it, its camera, and names, sizes and dates of the data",
         },
     ],
@@ -51,7 +51,7 @@ pub const NODE: Node = Node {
     ..Node::BLANK
 };
 
-fn run(call: &mut Call) -> Result<Outputs> {
+fn run(call: &mut RunContext) -> Result<Outputs> {
     let picture = call.image("image")?;
     let path = call.path("path")?;
     let carried = carried(call, &path)?;
@@ -64,7 +64,7 @@ fn run(call: &mut Call) -> Result<Outputs> {
 }
 
 /// What the picture is to carry.
-fn carried(call: &mut Call, path: &Path) -> Result<Option<Provenance>> {
+fn carried(call: &mut RunContext, path: &Path) -> Result<Option<Provenance>> {
     if !call.parameters.flag("provenance")? {
         return Ok(None);
     }

@@ -6,8 +6,8 @@ use voltet_core::grid::{Array, Grid};
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
 use voltet_graph::{
-    Asking, Call, Demand, MayLeaveOut, Node, Notes, Outputs, Parameter, ParameterType, Parameters, Port,
-    PortType, Range, Saving, Standard, Value,
+    DefaultValue, Demand, DemandContext, MayLeaveOut, Node, NodeDiagnostics, Outputs, Parameter,
+    ParameterType, Parameters, Port, PortType, Range, RunContext, SavedWork, Value,
 };
 
 /// The declaration.
@@ -21,28 +21,28 @@ pub const NODE: Node = Node {
             name: "fields",
             parameter_type: ParameterType::Texts,
             unit: "",
-            standard: Standard::Required,
+            standard: DefaultValue::Required,
             help: "names of point arrays; \"NAME:0\" and \"NAME:magnitude\" for vectors",
         },
         Parameter {
             name: "scale",
             parameter_type: ParameterType::Numbers(None, Range::above(0.0)),
             unit: "units of the fields",
-            standard: Standard::Unset("1, for one field"),
+            standard: DefaultValue::Unset("1, for one field"),
             help: "one number a field, what of it counts as much as 1: rows of D are gradients of field / scale",
         },
         Parameter {
             name: "name",
             parameter_type: ParameterType::Text,
             unit: "",
-            standard: Standard::Text("multi-gradient"),
+            standard: DefaultValue::Text("multi-gradient"),
             help: "the array's name; it holds the largest singular value of D, which for one field is |gradient| / scale",
         },
         Parameter {
             name: "method",
             parameter_type: ParameterType::GradientFilter,
             unit: "",
-            standard: Standard::Text("least-squares"),
+            standard: DefaultValue::Text("least-squares"),
             help: "the gradient filter; its own parameters stand beside this one",
         },
     ],
@@ -65,33 +65,33 @@ impl Wish {
     fn new(p: &Parameters) -> Result<Wish> {
         let (fields, name) = (p.texts("fields")?, p.text("name")?.to_owned());
         if fields.is_empty() || fields.iter().any(String::is_empty) {
-            return Err(p.error("fields", "there is no field").accepted("at least one name"));
+            return Err(p.error("fields", "there is no field").expected("at least one name"));
         }
         if name.is_empty() || fields.contains(&name) {
-            let error = p.error("name", "the array needs a name of its own").found(format!("'{name}'"));
-            return Err(error.accepted("a name that no field has"));
+            let error = p.error("name", "the array needs a name of its own").got(format!("'{name}'"));
+            return Err(error.expected("a name that no field has"));
         }
         let scale = match (p.given("scale"), fields.len()) {
             (true, _) => p.numbers("scale")?,
             (false, 1) => vec![1.0],
             (false, count) => {
                 let error = p.error("scale", "fields of several units have no common gradient");
-                return Err(error.accepted(format!("scale = [{}, …]: {count} numbers", fields[0])));
+                return Err(error.expected(format!("scale = [{}, …]: {count} numbers", fields[0])));
             }
         };
         if scale.len() != fields.len() {
-            let error = p.error("scale", "'scale' has the wrong length").found(scale.len());
-            return Err(error.accepted(format!("{}, one number a field", fields.len())));
+            let error = p.error("scale", "'scale' has the wrong length").got(scale.len());
+            return Err(error.expected(format!("{}, one number a field", fields.len())));
         }
         if fields.len() > 1 && p.text("method")? == "array" {
-            let error = p.error("method", "an array holds the gradient of one field").found("several fields");
-            return Err(error.accepted("a method that computes gradients"));
+            let error = p.error("method", "an array holds the gradient of one field").got("several fields");
+            return Err(error.expected("a method that computes gradients"));
         }
         Ok(Wish { fields, scale, name })
     }
 }
 
-fn demand(asking: &mut Asking) -> Result<()> {
+fn demand(asking: &mut DemandContext) -> Result<()> {
     let wish = Wish::new(asking.parameters)?;
     let mut demand = asking.asked.clone();
     demand.arrays.remove(&wish.name);
@@ -110,12 +110,12 @@ fn leave_for(wish: &Wish, asked: &Demand, leave: Option<MayLeaveOut>) -> Option<
     leave.filter(|_| !asked.arrays.contains(&wish.name))
 }
 
-fn leave_out(notes: &mut Notes, leave: MayLeaveOut, wish: &Wish, point_count: Option<usize>) {
-    let saving = point_count.map(|points| Saving::Bytes(8 * points as u64));
-    notes.leave_out(leave, &wish.name, "no widget looks at it", saving);
+fn leave_out(notes: &mut NodeDiagnostics, leave: MayLeaveOut, wish: &Wish, point_count: Option<usize>) {
+    let saving = point_count.map(|points| SavedWork::Bytes(8 * points as u64));
+    notes.record_skipped(leave, &wish.name, "no widget looks at it", saving);
 }
 
-fn run(call: &mut Call) -> Result<Outputs> {
+fn run(call: &mut RunContext) -> Result<Outputs> {
     let wish = Wish::new(call.parameters)?;
     let mut volume = Volume::clone(&*call.volume("volume")?);
     if let Some(leave) = leave_for(&wish, call.demand, call.may_leave_out()) {
@@ -146,6 +146,6 @@ fn values<'a>(grid: &'a Grid, name: &str) -> Result<&'a [f64]> {
     let array = grid.point_arrays.get(name).filter(|array| array.component_count == 1);
     array.map(|array| array.values.as_slice()).ok_or_else(|| {
         let names: Vec<&str> = grid.point_arrays.keys().map(String::as_str).collect();
-        Error::run("there is no such field").found(format!("'{name}'")).accepted(names.join(", "))
+        Error::run("there is no such field").got(format!("'{name}'")).expected(names.join(", "))
     })
 }

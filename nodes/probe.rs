@@ -8,7 +8,9 @@ use voltet_core::probing::{Region, kernel, probe};
 use voltet_core::transfer::{OpticalModel, Profile, TransferFunction, Widget};
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
-use voltet_graph::{Asking, Call, Demand, Look, Node, Outputs, Parameters, Port, PortType, Value};
+use voltet_graph::{
+    Demand, DemandContext, Node, Outputs, Parameters, Port, PortType, RunContext, TransferFunctionSpec, Value,
+};
 
 /// The declaration.
 pub const NODE: Node = Node {
@@ -36,7 +38,7 @@ pub const NODE: Node = Node {
     ..Node::BLANK
 };
 
-fn demand(asking: &mut Asking) -> Result<()> {
+fn demand(asking: &mut DemandContext) -> Result<()> {
     let names = fields(asking.parameters)?;
     let mask =
         asking.parameters.table("mask")?.map(|mask| mask.text("array").map(str::to_string)).transpose()?;
@@ -49,11 +51,11 @@ fn demand(asking: &mut Asking) -> Result<()> {
     asking.ask("volume", &demand)
 }
 
-fn run(call: &mut Call) -> Result<Outputs> {
+fn run(call: &mut RunContext) -> Result<Outputs> {
     let p = call.parameters;
     let volume = call.volume("volume")?;
     let names = fields(p)?;
-    let values = values(&volume, names.as_deref()).map_err(|error| p.blame("fields", error))?;
+    let values = values(&volume, names.as_deref()).map_err(|error| p.locate("fields", error))?;
     let own = placed(p, &volume.grid)?;
     let region = region(&own)?;
     if own != *p {
@@ -82,7 +84,7 @@ fn run(call: &mut Call) -> Result<Outputs> {
 /// Adds the place of the parameter that names the region.
 fn blame(p: &Parameters, error: Error) -> Error {
     match ["box", "sphere", "points", "mask"].into_iter().find(|name| p.given(name)) {
-        Some(name) if error.kind != ErrorKind::Cancelled => p.blame(name, error),
+        Some(name) if error.kind != ErrorKind::Cancelled => p.locate(name, error),
         _ => error,
     }
 }
@@ -92,18 +94,18 @@ fn values<'a>(volume: &'a Volume, names: Option<&[String]>) -> Result<Vec<&'a [f
     let Some(names) = names else {
         let g = volume.gradient_magnitude.as_ref().ok_or_else(|| {
             Error::usage("the probe looks at the gradient magnitude, and the volume has none")
-                .accepted("a node of type \"gradient-magnitude\" before this one, or fields = [\"NAME\"]")
+                .expected("a node of type \"gradient-magnitude\" before this one, or fields = [\"NAME\"]")
         })?;
         return Ok(vec![&volume.scalar, g]);
     };
     let array = |name: &String| match volume.grid.point_arrays.get(name) {
         Some(array) if array.component_count == 1 => Ok(array.values.as_slice()),
         Some(array) => Err(Error::usage(format!("the field '{name}' is not a scalar"))
-            .found(format!("{} components", array.component_count))
-            .accepted(format!("'{name}:magnitude', or '{name}:0' for a component"))),
+            .got(format!("{} components", array.component_count))
+            .expected(format!("'{name}:magnitude', or '{name}:0' for a component"))),
         None => Err(Error::usage("the probe looks at a field that the volume does not have")
-            .found(name)
-            .accepted("a point array that the reader was asked for")),
+            .got(name)
+            .expected("a point array that the reader was asked for")),
     };
     names.iter().map(array).collect()
 }
@@ -126,5 +128,8 @@ fn look(
         Widget { profile, color: p.vector("color")?, extinction: p.number("extinction")?, region: None };
     let model = OpticalModel::DensityEmitter;
     let transfer_function = TransferFunction { model, unit_distance: 1.0, widgets: vec![widget] };
-    Ok(vec![Value::TransferFunction(Arc::new(Look { transfer_function, auto_unit_distance: true }))])
+    Ok(vec![Value::TransferFunction(Arc::new(TransferFunctionSpec {
+        transfer_function,
+        auto_unit_distance: true,
+    }))])
 }

@@ -3,7 +3,7 @@
 use crate::drawing;
 use std::sync::Arc;
 use voltet_core::Result;
-use voltet_graph::{Asking, Call, Node, Outputs, Port, PortType, Value};
+use voltet_graph::{DemandContext, Node, Outputs, Port, PortType, RunContext, Value};
 
 /// The declaration.
 pub const NODE: Node = Node {
@@ -15,7 +15,7 @@ pub const NODE: Node = Node {
     ],
     outputs: &[Port { name: "projection", port_type: PortType::Projection, summary: "the projected cells" }],
     example: include_str!("examples/stages.toml"),
-    demand: &|asking: &mut Asking| {
+    demand: &|asking: &mut DemandContext| {
         let demand = asking.asked.clone();
         asking.ask("cells", &demand)
     },
@@ -23,7 +23,7 @@ pub const NODE: Node = Node {
     ..Node::BLANK
 };
 
-fn run(call: &mut Call) -> Result<Outputs> {
+fn run(call: &mut RunContext) -> Result<Outputs> {
     let (culled, camera) = (call.cells::<drawing::Culled>("cells")?, call.camera("camera")?);
     let transfer_function = culled.transfer_function.clone();
     let projection =

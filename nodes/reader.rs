@@ -4,8 +4,9 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use voltet_core::{Error, Result};
 use voltet_graph::{
-    Call, Datum, Demand, Foresight, MayLeaveOut, Node, Notes, Outputs, Parameter, ParameterType, Parameters,
-    Port, PortType, Preparation, Range, Saving, Standard, Steps, Value, nearest,
+    DefaultValue, Demand, MayLeaveOut, Node, NodeDiagnostics, Outputs, Parameter, ParameterType,
+    ParameterValue, Parameters, PlanContext, Port, PortType, Preparation, Range, RunContext, SavedWork,
+    Steps, Value, nearest,
 };
 use voltet_io::formats::{self, Association, CellValues, Chosen, Request, TimeStep};
 
@@ -19,7 +20,7 @@ pub const NODE: Node = Node {
             name: "path",
             parameter_type: ParameterType::InputPath,
             unit: "",
-            standard: Standard::Required,
+            standard: DefaultValue::Required,
             help: formats::FILES,
         },
         SCALAR,
@@ -31,7 +32,7 @@ pub const NODE: Node = Node {
                 ("cell", "a cell array"),
             ]),
             unit: "",
-            standard: Standard::Text("auto"),
+            standard: DefaultValue::Text("auto"),
             help: "where the scalar is looked for",
         },
         Parameter {
@@ -41,35 +42,35 @@ pub const NODE: Node = Node {
                 ("constant", "constant in every cell, with jumps between cells"),
             ]),
             unit: "",
-            standard: Standard::Text("average"),
+            standard: DefaultValue::Text("average"),
             help: "what becomes of a scalar that is given per cell",
         },
         Parameter {
             name: "time_step",
             parameter_type: ParameterType::Integer(Range::at_least(0.0)),
             unit: "",
-            standard: Standard::Unset("the first"),
+            standard: DefaultValue::Unset("the first"),
             help: "number of the step of a time series, from 0",
         },
         Parameter {
             name: "time",
             parameter_type: ParameterType::Number(Range::ANY),
             unit: "as in the file",
-            standard: Standard::Unset("time_step"),
+            standard: DefaultValue::Unset("time_step"),
             help: "time within a time series, in place of time_step: the nearest step is read",
         },
         Parameter {
             name: "subdivision",
             parameter_type: ParameterType::Integer(Range::within(1.0, 64.0)),
             unit: "pieces",
-            standard: Standard::Integer(1),
+            standard: DefaultValue::Integer(1),
             help: "pieces between neighbouring nodes of a curved cell's edge; 1 goes straight through the mid-edge nodes",
         },
         Parameter {
             name: "solution",
             parameter_type: ParameterType::InputPath,
             unit: "",
-            standard: Standard::Unset("none"),
+            standard: DefaultValue::Unset("none"),
             help: "PLOT3D: the solution (q) file that belongs to the grid",
         },
     ],
@@ -90,7 +91,7 @@ pub const SCALAR: Parameter = Parameter {
     name: "scalar",
     parameter_type: ParameterType::Text,
     unit: "",
-    standard: Standard::Unset("the only array, or the one that the file marks"),
+    standard: DefaultValue::Unset("the only array, or the one that the file marks"),
     help: "the array to draw; \"NAME:magnitude\" or \"NAME:0\" for vectors",
 };
 
@@ -103,7 +104,7 @@ fn prepare(preparation: &Preparation) -> Result<()> {
 }
 
 /// Reads; by the reader of a format from outside where there is one.
-pub(crate) fn run(call: &mut Call, chosen: Option<Chosen>) -> Result<Outputs> {
+pub(crate) fn run(call: &mut RunContext, chosen: Option<Chosen>) -> Result<Outputs> {
     let request = asked(call.parameters, call.demand, chosen, &|path| call.resolve(path))?;
     let path = call.path("path")?;
     let grid = formats::read(&path, &request, call.progress())?;
@@ -152,12 +153,12 @@ pub(crate) fn steps(preparation: &Preparation, chosen: Option<Chosen>) -> Result
     if count == 1 {
         return Ok(vec![p.clone()]);
     }
-    let at = |step: usize| p.with("time", None).with("time_step", Some(Datum::Integer(step as i64)));
+    let at = |step: usize| p.with("time", None).with("time_step", Some(ParameterValue::Integer(step as i64)));
     Ok((0..count).map(at).collect())
 }
 
 /// Notes the arrays that are left out, from the headers of the file alone.
-pub(crate) fn foresee(foresight: &mut Foresight, chosen: Option<Chosen>) -> Result<()> {
+pub(crate) fn foresee(foresight: &mut PlanContext, chosen: Option<Chosen>) -> Result<()> {
     let parameters = foresight.parameters;
     let request = asked(parameters, foresight.demand, chosen, &|path| foresight.resolve(path))?;
     let unread = formats::unread(&foresight.resolve(parameters.text("path")?), &request)?;
@@ -168,9 +169,9 @@ pub(crate) fn foresee(foresight: &mut Foresight, chosen: Option<Chosen>) -> Resu
 }
 
 /// Every number becomes one of 64 bits.
-fn leave_out(notes: &mut Notes, leave: MayLeaveOut, arrays: &[String], value_count: u64) {
-    let saving = (value_count > 0).then(|| Saving::Bytes(value_count.saturating_mul(8)));
-    notes.leave_out(leave, format!("arrays {}", arrays.join(", ")), "nothing looks at them", saving);
+fn leave_out(notes: &mut NodeDiagnostics, leave: MayLeaveOut, arrays: &[String], value_count: u64) {
+    let saving = (value_count > 0).then(|| SavedWork::Bytes(value_count.saturating_mul(8)));
+    notes.record_skipped(leave, format!("arrays {}", arrays.join(", ")), "nothing looks at them", saving);
 }
 
 /// What parameters and demand ask of the file.
@@ -219,10 +220,10 @@ fn refuse_missing(path: &Path) -> Result<()> {
     let names = std::fs::read_dir(folder.unwrap_or(Path::new("."))).into_iter().flatten().flatten();
     let names: Vec<String> = names.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
     let wanted = path.file_name().unwrap_or_default().to_string_lossy();
-    let error = Error::run("the data file cannot be opened").found(error);
+    let error = Error::run("the data file cannot be opened").got(error);
     Err(match nearest(&wanted, names.iter().map(String::as_str)) {
-        Some(near) => error.accepted(format!("a file that is there, such as '{near}' beside it")),
-        None => error.accepted("the path of a file, relative to the pipeline file"),
+        Some(near) => error.expected(format!("a file that is there, such as '{near}' beside it")),
+        None => error.expected("the path of a file, relative to the pipeline file"),
     }
     .in_file(path))
 }

@@ -3,7 +3,7 @@
 use crate::drawing;
 use std::sync::Arc;
 use voltet_core::Result;
-use voltet_graph::{Call, Node, Outputs, Parameter, Port, PortType, Value};
+use voltet_graph::{Node, Outputs, Parameter, Port, PortType, RunContext, Value};
 
 /// The declaration.
 pub const NODE: Node = Node {
@@ -48,7 +48,7 @@ const PARAMETERS: [Parameter; 15] = {
     ]
 };
 
-fn run(call: &mut Call) -> Result<Outputs> {
+fn run(call: &mut RunContext) -> Result<Outputs> {
     let scene = drawing::scene(call)?;
     let picture = drawing::draw(call, &scene, call.parameters.text("engine")?)?;
     Ok(vec![Value::Image(Arc::new(picture))])

@@ -3,7 +3,7 @@
 use crate::files::output::{self, BY_ENDING, FORMAT, PATH};
 use serde_json::Value;
 use voltet_core::{Error, Result};
-use voltet_graph::{Call, Node, Outputs, Parameter, ParameterType, Parameters, Port, PortType};
+use voltet_graph::{Node, Outputs, Parameter, ParameterType, Parameters, Port, PortType, RunContext};
 
 /// The formats.
 const JSON: &str = "json";
@@ -36,7 +36,7 @@ pub const NODE: Node = Node {
     ..Node::BLANK
 };
 
-fn run(call: &mut Call) -> Result<Outputs> {
+fn run(call: &mut RunContext) -> Result<Outputs> {
     let report = call.report("report")?;
     let content = if is_csv(call.parameters)? { csv(&report)? } else { format!("{report}\n") };
     output::write(call, content.as_bytes())?;
@@ -50,10 +50,10 @@ fn is_csv(parameters: &Parameters) -> Result<bool> {
 /// The table of figures: a head line and a line for each row.
 fn csv(report: &str) -> Result<String> {
     let figures: Value = serde_json::from_str(report)
-        .map_err(|error| Error::run("the figures are not valid JSON").found(error))?;
+        .map_err(|error| Error::run("the figures are not valid JSON").got(error))?;
     let (Some(columns), Some(rows)) = (figures["columns"].as_array(), figures["rows"].as_array()) else {
-        let error = Error::usage("these figures have no table").found("no keys 'columns' and 'rows'");
-        return Err(error.accepted("a path that ends in .json"));
+        let error = Error::usage("these figures have no table").got("no keys 'columns' and 'rows'");
+        return Err(error.expected("a path that ends in .json"));
     };
     let cell = |value: &Value| match value.as_str() {
         Some(text) if text.contains([',', '"', '\n', '\r']) => format!("\"{}\"", text.replace('"', "\"\"")),

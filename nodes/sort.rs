@@ -3,7 +3,7 @@
 use crate::drawing;
 use std::sync::Arc;
 use voltet_core::Result;
-use voltet_graph::{Asking, Call, Node, Outputs, Port, PortType, Value};
+use voltet_graph::{DemandContext, Node, Outputs, Port, PortType, RunContext, Value};
 
 /// The declaration.
 pub const NODE: Node = Node {
@@ -21,7 +21,7 @@ pub const NODE: Node = Node {
     ..Node::BLANK
 };
 
-fn demand(asking: &mut Asking) -> Result<()> {
+fn demand(asking: &mut DemandContext) -> Result<()> {
     if let (Some(leave), false) = (asking.may_leave_out(), asking.asked.order) {
         drawing::leave_out_order(asking.notes, leave, None);
     }
@@ -29,7 +29,7 @@ fn demand(asking: &mut Asking) -> Result<()> {
     asking.ask("cells", &demand)
 }
 
-fn run(call: &mut Call) -> Result<Outputs> {
+fn run(call: &mut RunContext) -> Result<Outputs> {
     let order = drawing::order(call.parameters, call.demand.order)?;
     let culled = call.cells::<drawing::Culled>("cells")?;
     let camera = call.camera("camera")?;

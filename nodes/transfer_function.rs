@@ -6,8 +6,8 @@ use std::sync::Arc;
 use voltet_core::transfer::{LoadImage, OpticalModel, TransferFunction, WIDGET_KINDS, read};
 use voltet_core::{Error, Result};
 use voltet_graph::{
-    Call, Look, Node, Outlined, Outputs, Parameter, ParameterType, Parameters, Port, PortType, Range,
-    Standard, Value,
+    DefaultValue, NamedStub, Node, Outputs, Parameter, ParameterType, Parameters, Port, PortType, Range,
+    RunContext, TransferFunctionSpec, Value,
 };
 
 /// The declaration.
@@ -39,21 +39,21 @@ pub const NODE: Node = Node {
                 ("constant-emitter", "a widget glows evenly wherever it is above the cutoff"),
             ]),
             unit: "",
-            standard: Standard::Text("density-emitter"),
+            standard: DefaultValue::Text("density-emitter"),
             help: "how absorption and glow are related",
         },
         Parameter {
             name: "cutoff",
             parameter_type: ParameterType::Number(Range { below_max: true, ..Range::within(0.0, 1.0) }),
             unit: "share of the peak",
-            standard: Standard::Number(1.0 / 255.0),
+            standard: DefaultValue::Number(1.0 / 255.0),
             help: "constant-emitter: where a widget's extinction is below this share of its peak, it does not glow",
         },
         Parameter {
             name: "unit_distance",
             parameter_type: ParameterType::NumberOr(Range::above(0.0), "auto"),
             unit: "world units",
-            standard: Standard::Text("auto"),
+            standard: DefaultValue::Text("auto"),
             help: "the length over which extinction is stated; \"auto\": a hundredth of the data's diagonal",
         },
         Parameter {
@@ -63,14 +63,14 @@ pub const NODE: Node = Node {
                 ("series", "all steps of its time series together, read one after the other"),
             ]),
             unit: "",
-            standard: Standard::Text("step"),
+            standard: DefaultValue::Text("step"),
             help: "what percentages are shares of the range of, and percentiles of the volume of",
         },
         Parameter {
             name: "widgets",
             parameter_type: ParameterType::Kinds(WIDGET_KINDS),
             unit: "",
-            standard: Standard::Unset("no widgets: an empty picture"),
+            standard: DefaultValue::Unset("no widgets: an empty picture"),
             help: "the widgets, whose extinctions add up",
         },
     ],
@@ -93,7 +93,7 @@ fn one_texel(_path: &str) -> Result<(usize, usize, Vec<[f32; 4]>)> {
 }
 
 /// The same from what stands for the widgets of others, where that is known.
-fn outline(parameters: &Parameters, inputs: &[Outlined]) -> Result<Outputs> {
+fn outline(parameters: &Parameters, inputs: &[NamedStub]) -> Result<Outputs> {
     let mut look = look(parameters, &relative::stood_in(parameters)?, &one_texel)?;
     for (_, input) in inputs.iter().filter(|(port, _)| *port == "widgets") {
         let Some(Value::TransferFunction(other)) = input else { return Ok(Vec::new()) };
@@ -103,7 +103,7 @@ fn outline(parameters: &Parameters, inputs: &[Outlined]) -> Result<Outputs> {
 }
 
 /// Adds another's widgets. Extinctions without a length of their own are taken as this node's.
-fn add(p: &Parameters, look: &mut Look, other: &Look) -> Result<()> {
+fn add(p: &Parameters, look: &mut TransferFunctionSpec, other: &TransferFunctionSpec) -> Result<()> {
     let factor = match (look.auto_unit_distance, other.auto_unit_distance) {
         (_, true) => 1.0,
         (false, false) => look.transfer_function.unit_distance / other.transfer_function.unit_distance,
@@ -111,7 +111,7 @@ fn add(p: &Parameters, look: &mut Look, other: &Look) -> Result<()> {
             let error =
                 p.error("unit_distance", "widgets are wired in whose extinctions have a unit of length");
             let found = format!("unit_distance = {} there", other.transfer_function.unit_distance);
-            return Err(error.found(found).accepted("a number here too, so that they can be converted"));
+            return Err(error.got(found).expected("a number here too, so that they can be converted"));
         }
     };
     let widgets = other.transfer_function.widgets.iter();
@@ -119,7 +119,7 @@ fn add(p: &Parameters, look: &mut Look, other: &Look) -> Result<()> {
     Ok(())
 }
 
-fn run(call: &mut Call) -> Result<Outputs> {
+fn run(call: &mut RunContext) -> Result<Outputs> {
     let widgets = relative::known(call)?;
     let mut look = look(call.parameters, &widgets, &|path| load_image(&call.resolve(path)))?;
     for other in call.looks("widgets")? {
@@ -139,7 +139,7 @@ fn run(call: &mut Call) -> Result<Outputs> {
 }
 
 /// The transfer function that the parameters state.
-fn look(p: &Parameters, widgets: &relative::Widgets, load_image: LoadImage) -> Result<Look> {
+fn look(p: &Parameters, widgets: &relative::Widgets, load_image: LoadImage) -> Result<TransferFunctionSpec> {
     let model = match p.text("model")? {
         "constant-emitter" => OpticalModel::ConstantEmitter { cutoff: p.number("cutoff")? },
         _ => OpticalModel::DensityEmitter,
@@ -147,7 +147,7 @@ fn look(p: &Parameters, widgets: &relative::Widgets, load_image: LoadImage) -> R
     let unit = p.optional_number("unit_distance");
     let widgets = widgets.iter().map(|(kind, keys)| read(kind, keys, load_image)).collect::<Result<_>>()?;
     let transfer_function = TransferFunction { model, unit_distance: unit.unwrap_or(1.0), widgets };
-    Ok(Look { transfer_function, auto_unit_distance: unit.is_none() })
+    Ok(TransferFunctionSpec { transfer_function, auto_unit_distance: unit.is_none() })
 }
 
 /// Largest side of a table's picture: far finer than any data, and a gigabyte of texels at most.
@@ -157,8 +157,8 @@ const LARGEST_SIDE: u32 = 8192;
 pub fn load_image(path: &Path) -> Result<(usize, usize, Vec<[f32; 4]>)> {
     let failed = |error: &dyn std::fmt::Display| {
         Error::run("the picture of a table widget cannot be read")
-            .found(error)
-            .accepted("a PNG file")
+            .got(error)
+            .expected("a PNG file")
             .in_file(path)
     };
     let reader = image::ImageReader::open(path).map_err(|e| failed(&e))?;

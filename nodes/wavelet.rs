@@ -4,7 +4,9 @@
 use std::sync::Arc;
 use voltet_core::grid::generate::{box_of_tetrahedra, with_scalar};
 use voltet_core::{Error, Result};
-use voltet_graph::{Call, Node, Outputs, Parameter, ParameterType, Port, PortType, Range, Standard, Value};
+use voltet_graph::{
+    DefaultValue, Node, Outputs, Parameter, ParameterType, Port, PortType, Range, RunContext, Value,
+};
 
 /// Hexahedra along an axis, at most: a hundred million tetrahedra in all.
 const MOST_ALONG: f64 = 256.0;
@@ -23,7 +25,7 @@ pub const NODE: Node = Node {
             name: "resolution",
             parameter_type: ParameterType::Integers(3, Range::within(1.0, MOST_ALONG)),
             unit: "hexahedra",
-            standard: Standard::Integers(&[20, 20, 20]),
+            standard: DefaultValue::Integers(&[20, 20, 20]),
             help: "hexahedra along x, y and z, each cut into tetrahedra",
         },
         Parameter {
@@ -33,14 +35,14 @@ pub const NODE: Node = Node {
                 ("distance", "the distance from the middle, 0 to 17.3"),
             ]),
             unit: "",
-            standard: Standard::Text("wavelet"),
+            standard: DefaultValue::Text("wavelet"),
             help: "the scalar; the box reaches from -10 to 10 along each axis",
         },
         Parameter {
             name: "jitter",
             parameter_type: ParameterType::Number(Range::within(0.0, 0.25)),
             unit: "spacings",
-            standard: Standard::Number(0.2),
+            standard: DefaultValue::Number(0.2),
             help: "how far points inside are moved at random, always alike, so that no two cells are alike",
         },
     ],
@@ -62,11 +64,11 @@ fn field(p: glam::DVec3) -> f64 {
     bell + 10.0 * libm::sin(60.0 * x.x) + 18.0 * libm::sin(30.0 * x.y) + 5.0 * libm::cos(40.0 * x.z)
 }
 
-fn run(call: &mut Call) -> Result<Outputs> {
+fn run(call: &mut RunContext) -> Result<Outputs> {
     if let Some(name) = call.demand.arrays.named().chain(call.demand.cell_arrays.named()).next() {
         return Err(Error::run("a wavelet has no array of this name")
-            .found(name)
-            .accepted("its scalar alone, or a reader"));
+            .got(name)
+            .expected("its scalar alone, or a reader"));
     }
     let counts: [f64; 3] = call.parameters.vector("resolution")?;
     let jitter = call.parameters.number("jitter")?;

@@ -4,7 +4,7 @@ use crate::kinds::{Calls, Kind};
 use crate::parts::{Layout, Parts};
 use voltet_core::transfer::{OpticalModel, TransferFunction, Widget};
 use voltet_core::{Error, Result};
-use voltet_optics::Overlap;
+use voltet_optics::WidgetBlend;
 use voltet_optics::integrators::can_serve;
 use voltet_optics::shading::{Integrator, Shading};
 
@@ -13,7 +13,7 @@ const EDGE_NUMBERS: usize = 4;
 
 /// What runs the integral.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub enum Compositor {
+pub enum CompositorProgram {
     /// None: `segment` alone, for a pass that brings its own entry point.
     #[default]
     None,
@@ -152,7 +152,7 @@ pub struct Choices {
     /// Diffuse lighting.
     pub light: bool,
     /// What runs the integral.
-    pub compositor: Compositor,
+    pub compositor: CompositorProgram,
     /// How large arrays stand in bindings: whole, until a device says otherwise.
     pub layout: Layout,
 }
@@ -162,7 +162,7 @@ impl Choices {
     pub fn new(
         transfer_function: &TransferFunction,
         shading: &Shading,
-        compositor: Compositor,
+        compositor: CompositorProgram,
     ) -> Result<Choices> {
         can_serve(&shading.integrator, transfer_function)?;
         let method = method(&shading.integrator)?;
@@ -184,7 +184,7 @@ impl Choices {
         let widgets: Vec<WidgetChoice> = transfer_function.widgets.iter().map(choice).collect();
         let constant_emitter = matches!(transfer_function.model, OpticalModel::ConstantEmitter { .. });
         // The others than `analytic` take widgets together in their order.
-        let mixed = shading.overlap == Overlap::Mix && method == Method::Analytic;
+        let mixed = shading.overlap == WidgetBlend::Mix && method == Method::Analytic;
         let combine = match widgets.len() {
             0 => Combine::Nothing,
             _ if method.samples() => Combine::Ordered,
@@ -297,8 +297,8 @@ fn method(integrator: &Integrator) -> Result<Method> {
         let others = Integrator::EVERY.iter().filter(|other| method_of(other).is_some());
         let names: Vec<&str> = others.map(Integrator::name).collect();
         Error::usage("the integrator has no shader: the CPU runs it, in 64 bits")
-            .found(integrator.name())
-            .accepted(names.join(", "))
+            .got(integrator.name())
+            .expected(names.join(", "))
     })
 }
 

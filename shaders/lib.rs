@@ -24,7 +24,7 @@ mod stretch;
 mod text;
 mod writer;
 
-pub use choices::{Blend, Choices, Combine, Compositor, Method, TileOrder, WidgetChoice, has_method};
+pub use choices::{Blend, Choices, Combine, CompositorProgram, Method, TileOrder, WidgetChoice, has_method};
 pub use compose::compose;
 pub use kinds::Kind;
 pub use limits32::check_32_bits;

@@ -25,8 +25,8 @@ fn check(choices: &Choices, widget: &Widget, stretch: &Stretch) -> Result<()> {
     for rate in [stretch.length(), stretch.length().max(stretch.depth(widget))] {
         if !LENGTHS.contains(&rate) {
             return Err(Error::run("lengths or extinctions leave the range of 32 bits")
-                .found(format!("{rate:e} as the length or depth of a segment in unit distances"))
-                .accepted(format!("{:.1e} to {:.1e}", LENGTHS.start, LENGTHS.end)));
+                .got(format!("{rate:e} as the length or depth of a segment in unit distances"))
+                .expected(format!("{:.1e} to {:.1e}", LENGTHS.start, LENGTHS.end)));
         }
     }
     // Samples are taken where they fall, whatever lies between them.
@@ -36,8 +36,8 @@ fn check(choices: &Choices, widget: &Widget, stretch: &Stretch) -> Result<()> {
     let depth = stretch.depth(widget);
     if stretch.is_in_order && depth > DEPTH_IN_ORDER_MOST {
         return Err(Error::run("widgets that overlap are too dense for 32 bits to tell which is in front")
-            .found(format!("{depth:e} as the optical depth of a segment"))
-            .accepted(format!("at most {DEPTH_IN_ORDER_MOST:e}, or an engine of 64 bits")));
+            .got(format!("{depth:e} as the optical depth of a segment"))
+            .expected(format!("at most {DEPTH_IN_ORDER_MOST:e}, or an engine of 64 bits")));
     }
     kinds::check_32_bits(widget, stretch)
 }
@@ -45,16 +45,17 @@ fn check(choices: &Choices, widget: &Widget, stretch: &Stretch) -> Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Compositor;
+    use crate::CompositorProgram;
     use voltet_core::transfer::{ControlPoint, OpticalModel, Profile, Wave};
-    use voltet_optics::Overlap;
+    use voltet_optics::WidgetBlend;
     use voltet_optics::shading::{Integrator, Shading};
 
     fn answer(integrator: Integrator, widgets: Vec<Widget>, values: &[f64]) -> Result<()> {
         let model = OpticalModel::ConstantEmitter { cutoff: 1e-3 };
         let transfer_function = TransferFunction { model, unit_distance: 1.0, widgets };
-        let shading = Shading { integrator, overlap: Overlap::Exact, silhouette: None, light: None };
-        let choices = Choices::new(&transfer_function, &shading, Compositor::None).expect("has pieces");
+        let shading = Shading { integrator, overlap: WidgetBlend::Exact, silhouette: None, light: None };
+        let choices =
+            Choices::new(&transfer_function, &shading, CompositorProgram::None).expect("has pieces");
         check_32_bits(&choices, &transfer_function, &Spans { values, longest: 2.0 })
     }
 

@@ -62,8 +62,8 @@ impl Parameters {
         let fields = transfer_function.fields();
         if axes.len() != 2 + fields.len() {
             return Err(Error::usage("the axes do not fit the values of the transfer function")
-                .found(axes.len())
-                .accepted(format!("{}: s, g and one a field", 2 + fields.len())));
+                .got(axes.len())
+                .expected(format!("{}: s, g and one a field", 2 + fields.len())));
         }
         let cutoff = transfer_function.model.cutoff();
         let (direction, ambient, diffuse) = shading.light.map_or(([0.0; 3], 1.0, 0.0), |light| {
@@ -142,12 +142,12 @@ fn record(writer: &mut Writer, widget: &Widget) -> Result<WidgetRecord> {
 /// A place in `numbers`.
 fn place(at: u64) -> Result<u32> {
     u32::try_from(at)
-        .map_err(|_| Error::run("a table has more numbers than a shader counts").found(at).accepted(u32::MAX))
+        .map_err(|_| Error::run("a table has more numbers than a shader counts").got(at).expected(u32::MAX))
 }
 
 fn pieces(count: usize) -> Result<u32> {
     u32::try_from(count).ok().filter(|count| *count <= PIECES_MOST).ok_or_else(|| {
-        Error::usage("a segment has more pieces than a shader walks").found(count).accepted(PIECES_MOST)
+        Error::usage("a segment has more pieces than a shader walks").got(count).expected(PIECES_MOST)
     })
 }
 

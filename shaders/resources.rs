@@ -213,8 +213,8 @@ fn mean_extinctions(ramp: &Ramp, last_tile: Option<usize>, axis: Axis, per_lengt
     let head = [axis.stored(low), steps * axis.scale / (high - low), per_length].map(|x| x as f32);
     if !head.iter().all(|x| x.is_finite()) {
         return Err(Error::run("the domain of a pre-integrated table leaves the range of 32 bits")
-            .found(format!("scalars {low} to {high}"))
-            .accepted("a range that stored values tell apart"));
+            .got(format!("scalars {low} to {high}"))
+            .expected("a range that stored values tell apart"));
     }
     let counts = [ramp.size() as f32, last_tile.unwrap_or(0) as f32];
     let mut entries = [&counts[..], &head[..]].concat();

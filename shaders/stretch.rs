@@ -56,6 +56,6 @@ pub(crate) fn check_widths(rows: impl Iterator<Item = f64>) -> Result<()> {
         return Ok(());
     }
     Err(Error::run("a Gaussian is narrower than 32 bits resolve along a segment")
-        .found(format!("{widths:e} widths over one segment"))
-        .accepted(format!("at most {GAUSSIAN_WIDTHS_MOST:e}, or an engine of 64 bits")))
+        .got(format!("{widths:e} widths over one segment"))
+        .expected(format!("at most {GAUSSIAN_WIDTHS_MOST:e}, or an engine of 64 bits")))
 }

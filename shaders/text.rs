@@ -61,7 +61,7 @@ impl Shader {
     /// What a shader compiler says of a line (from 1) of the text, as an error at the piece's own line.
     pub fn error(&self, line: usize, message: &str) -> Error {
         let (file, line) = self.locate(line);
-        Error::run("a shader does not compile").found(message).in_file(file).at_line(line)
+        Error::run("a shader does not compile").got(message).in_file(file).at_line(line)
     }
 }
 

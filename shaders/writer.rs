@@ -112,8 +112,8 @@ pub(crate) fn finite(what: &str, x: f64) -> Result<f32> {
         return Ok(stored);
     }
     Err(Error::run(format!("{what} leaves the range of 32 bits"))
-        .found(x)
-        .accepted(format!("at most {:.1e} in the units of the scene", f32::MAX)))
+        .got(x)
+        .expected(format!("at most {:.1e} in the units of the scene", f32::MAX)))
 }
 
 /// The same for several.

@@ -2,7 +2,7 @@
 
 use crate::Document;
 use crate::core::Error;
-use crate::graph::Origin;
+use crate::graph::SourceSpan;
 use crate::io::formats::files_beside;
 use crate::nodes::files::{Use, collision};
 use std::path::{Path, PathBuf};
@@ -78,9 +78,8 @@ pub fn refuse<'a>(
     } else {
         format!(", the same file as '{others}'")
     };
-    let error = Error::usage(what)
-        .found(format!("'{own}'{spelled}, which {} {verb}", other.place()))
-        .accepted(match (&writer.node, other.document) {
+    let error = Error::usage(what).got(format!("'{own}'{spelled}, which {} {verb}", other.place())).expected(
+        match (&writer.node, other.document) {
             // Only what is read has no node and a document.
             (Some((node, parameter)), Some(document))
                 if other.node.is_none() && document.carried.is_some() =>
@@ -88,7 +87,8 @@ pub fn refuse<'a>(
                 format!("--set {node}.{parameter}=OTHER, or the picture to draw again under another name")
             }
             _ => "a file of its own for every output".into(),
-        });
+        },
+    );
     Err(((writer.blame)(error), writer.document.map(|document| document.text.as_str())))
 }
 
@@ -139,10 +139,10 @@ fn of_nodes(document: &Document) -> impl Iterator<Item = Entry<'_>> {
         node: Some((node.name.clone(), named.parameter.clone())),
         blame: Box::new(move |error| {
             let origin = match &named.origin {
-                Origin::Nowhere => &node.origin,
+                SourceSpan::Nowhere => &node.origin,
                 given => given,
             };
-            document.locate(origin.blame(error.at_node(&node.name)))
+            document.locate(origin.locate(error.at_node(&node.name)))
         }),
     })
 }

@@ -74,8 +74,8 @@ impl Document {
                 let what = "a data file that the picture was drawn from is not where the picture says";
                 let state = former.map(state).unwrap_or_default();
                 return Err(Error::usage(what)
-                    .found(format!("no '{}'{state}: {error}", path.display()))
-                    .accepted(format!(
+                    .got(format!("no '{}'{state}: {error}", path.display()))
+                    .expected(format!(
                         "the picture where it was written, or --set {node}.{}=FILE (a path is relative to the picture)",
                         named.parameter
                     ))
@@ -92,8 +92,8 @@ impl Document {
             let (now, then) = (std::fs::metadata(&path).ok()?.len(), former?.bytes?);
             (now != then).then(|| {
                 Error::usage("the picture was drawn from other data than this file holds now")
-                    .found(format!("{now} bytes in '{}'", path.display()))
-                    .accepted(format!("{then} bytes, or no such picture as before"))
+                    .got(format!("{now} bytes in '{}'", path.display()))
+                    .expected(format!("{then} bytes, or no such picture as before"))
                     .at_node(node)
             })
         });
@@ -108,8 +108,8 @@ impl Document {
             let fingerprint = now.fingerprint_in_words();
             (fingerprint != then.fingerprint).then(|| {
                 Error::usage("the picture was drawn with another plug-in than is loaded now")
-                    .found(format!("{now}, version {}, {} bytes, {fingerprint}", now.version, now.bytes))
-                    .accepted(format!("{}, or no such picture as before", in_words(then)))
+                    .got(format!("{now}, version {}, {} bytes, {fingerprint}", now.version, now.bytes))
+                    .expected(format!("{}, or no such picture as before", in_words(then)))
                     .at_node(&then.node)
             })
         });
@@ -133,7 +133,7 @@ fn with_plugins(error: Error, carried: Option<&Provenance>) -> Error {
     let plugins: Vec<String> = carried.iter().flat_map(|carried| &carried.plugins).map(in_words).collect();
     match (plugins.is_empty(), error.accepted.clone()) {
         (false, Some(accepted)) => {
-            error.accepted(format!("{accepted}; the picture was drawn with the {}", plugins.join(", ")))
+            error.expected(format!("{accepted}; the picture was drawn with the {}", plugins.join(", ")))
         }
         _ => error,
     }

@@ -5,17 +5,17 @@ use glam::DVec3;
 use std::path::Path;
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
-use voltet::core::Shared;
+use voltet::core::SharedSlice;
 use voltet::core::camera::{Camera, Projection};
 use voltet::core::field::{CellAverage, Method};
 use voltet::core::grid::generate::box_of_tetrahedra;
-use voltet::core::progress::{Progress, Silent};
+use voltet::core::progress::{NoProgress, Progress};
 use voltet::core::transfer::{OpticalModel, Profile, TransferFunction, Widget};
 use voltet::core::volume::Volume;
-use voltet::optics::Overlap;
+use voltet::optics::WidgetBlend;
 use voltet::optics::engine::Accumulation;
 use voltet::optics::scene::Scene;
-use voltet::optics::shading::{Integrator, Order, Shading};
+use voltet::optics::shading::{Integrator, Shading, VisibilityOrder};
 use voltet::study::work_precision::{
     Asked, Benches, Engines, Form, Frames, Measure, Source, Subject, Wish, reference, refinement, study,
 };
@@ -43,7 +43,7 @@ fn a_stopped_study_keeps_the_finished_settings_and_the_reference() {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("pipelines/isotherms.toml");
     let document = voltet::Document::open(&file, &["view.size=[24,18]".into()], &registry).unwrap();
     let mut session = voltet::nodes::session();
-    let unobserved = voltet::graph::Unobserved;
+    let unobserved = voltet::graph::NoObserver;
     let subject = Subject::gather(&document.graph, None, false, &mut session, &unobserved).unwrap();
     let cache = tempfile::tempdir().unwrap();
     let stop = After(3, Mutex::default());
@@ -77,15 +77,15 @@ fn refinement_goes_by_the_filter_of_the_pipeline() {
     let gradient_of = |drawn: &str, method: &str, wanted: bool| {
         std::fs::write(&file, FILTERED.replace("DRAWN", drawn).replace("METHOD", method)).unwrap();
         let document = voltet::Document::open(&file, &[], &registry).unwrap();
-        let unobserved = voltet::graph::Unobserved;
+        let unobserved = voltet::graph::NoObserver;
         let mut session = voltet::nodes::session();
         Subject::gather(&document.graph, None, wanted, &mut session, &unobserved).unwrap().scene.volume
     };
     for drawn in [RENDERED, STAGES] {
         assert!(gradient_of(drawn, "cell-average", false).gradient.is_none());
         let volume = gradient_of(drawn, "cell-average", true);
-        let method = Method::standard(Arc::new(CellAverage)).unwrap();
-        let of_file = method.gradient(&volume.grid, &volume.scalar, &Silent).unwrap().vectors;
+        let method = Method::with_defaults(Arc::new(CellAverage)).unwrap();
+        let of_file = method.gradient(&volume.grid, &volume.scalar, &NoProgress).unwrap().vectors;
         assert_eq!(volume.gradient.as_deref(), Some(&of_file[..]));
         assert_ne!(gradient_of(drawn, "least-squares", true).gradient.as_deref(), Some(&of_file[..]));
     }
@@ -136,7 +136,7 @@ fn a_stopped_reference_picture_goes_on_where_it_was() {
     let mut subject = smooth_subject();
     subject.scene.camera.size = [160, 160];
     let [cache, other] = [tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap()];
-    let whole = reference(&subject, other.path(), &Silent).unwrap();
+    let whole = reference(&subject, other.path(), &NoProgress).unwrap();
     let stop = Early(Mutex::default());
     assert!(reference(&subject, cache.path(), &stop).is_err());
     let drawn = stop.0.lock().unwrap().len();
@@ -158,13 +158,13 @@ fn smooth_subject() -> Subject {
     let grid = box_of_tetrahedra([6, 6, 6], [DVec3::ZERO, DVec3::ONE], 0.15);
     let of = |f: &dyn Fn(DVec3) -> f64| grid.points.iter().map(|&p| f(p)).collect::<Vec<f64>>();
     let scalar = of(&|p| field(p).0).into();
-    let gradient = Some(Shared::from(grid.points.iter().map(|&p| field(p).1).collect::<Vec<DVec3>>()));
-    let gradient_magnitude = Some(Shared::from(of(&|p| field(p).1.length())));
+    let gradient = Some(SharedSlice::from(grid.points.iter().map(|&p| field(p).1).collect::<Vec<DVec3>>()));
+    let gradient_magnitude = Some(SharedSlice::from(of(&|p| field(p).1.length())));
     let volume = Arc::new(Volume { grid: Arc::new(grid), scalar, gradient, gradient_magnitude });
     let profile = Profile::Gaussian { centre: [0.5, 0.0], matrix: [[3.0, 0.0], [0.0, 0.0]] };
     let widget = Widget { profile, color: [0.4, 0.7, 1.0], extinction: 3.0, region: None };
     let model = OpticalModel::DensityEmitter;
-    let (integrator, overlap) = (Integrator::Analytic, Overlap::Exact);
+    let (integrator, overlap) = (Integrator::Analytic, WidgetBlend::Exact);
     let scene = Scene {
         volume,
         transfer_function: Arc::new(TransferFunction { model, unit_distance: 1.0, widgets: vec![widget] }),
@@ -178,7 +178,7 @@ fn smooth_subject() -> Subject {
             samples: 1,
         },
         shading: Shading { integrator, overlap, silhouette: None, light: None },
-        order: Order::Exact,
+        order: VisibilityOrder::Exact,
     };
     Subject {
         node: "picture".into(),
@@ -206,8 +206,8 @@ fn field(p: DVec3) -> (f64, DVec3) {
 fn refining_the_grid_tells_integration_from_the_data_model() {
     let subject = smooth_subject();
     let cache = tempfile::tempdir().unwrap();
-    let drawn = reference(&subject, cache.path(), &Silent).unwrap();
-    let known = refinement(&subject, &drawn, 2, &Source::Function(&field), &Silent).unwrap();
+    let drawn = reference(&subject, cache.path(), &NoProgress).unwrap();
+    let known = refinement(&subject, &drawn, 2, &Source::Function(&field), &NoProgress).unwrap();
     let count = subject.scene.volume.grid.tetrahedra.len() as u64;
     assert_eq!(known.cells, [count, 8 * count, 64 * count]);
     for found in known.integration.iter().chain([&known.model]) {
@@ -219,9 +219,9 @@ fn refining_the_grid_tells_integration_from_the_data_model() {
     assert!(known.integration_error < 1e-6, "{known:#?}");
     assert!(known.model_error > 100.0 * known.integration_error, "{known:#?}");
     // What the gradients say of the field between the points is nearly what the field is.
-    let guessed = refinement(&subject, &drawn, 2, &Source::Gradients, &Silent).unwrap();
+    let guessed = refinement(&subject, &drawn, 2, &Source::Gradients, &NoProgress).unwrap();
     assert!((guessed.model_error / known.model_error - 1.0).abs() < 0.1, "{guessed:#?}\n{known:#?}");
     assert!((guessed.model.observed.unwrap() - 2.0).abs() < 0.4, "{guessed:#?}");
-    let many = refinement(&subject, &drawn, 9, &Source::Gradients, &Silent).unwrap_err().to_string();
+    let many = refinement(&subject, &drawn, 9, &Source::Gradients, &NoProgress).unwrap_err().to_string();
     assert!(many.contains("too large to be refined"), "{many}");
 }

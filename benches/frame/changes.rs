@@ -6,13 +6,13 @@ use std::sync::Arc;
 use std::time::Instant;
 use voltet::core::Result;
 use voltet::core::camera::Camera;
-use voltet::core::progress::Silent;
+use voltet::core::progress::NoProgress;
 use voltet::core::transfer::{Profile, TransferFunction};
 use voltet::engine::ENGINE;
-use voltet::optics::engine::AdapterWish;
-use voltet::optics::engine::{Manner, Stage};
+use voltet::optics::engine::AdapterRequest;
+use voltet::optics::engine::{RenderOptions, Stage};
 use voltet::optics::scene::Scene;
-use voltet::optics::shading::Order;
+use voltet::optics::shading::VisibilityOrder;
 
 const FRAME_COUNT: usize = 31;
 
@@ -35,7 +35,7 @@ pub fn measure(subject: &Subject, volumes: &Volumes) -> Result<()> {
     println!("| --- | --- |{}", " ---: |".repeat(6));
     for (name, volume, look) in looks {
         for change in CHANGES {
-            let prepared = ENGINE.open(&AdapterWish::default())?.prepare(volume)?;
+            let prepared = ENGINE.open(&AdapterRequest::default())?.prepare(volume)?;
             let mut stages = [const { Vec::new() }; 4];
             let (mut segments, mut slowest) = (0, 0.0f64);
             for k in 0..FRAME_COUNT + UNTIMED {
@@ -46,10 +46,10 @@ pub fn measure(subject: &Subject, volumes: &Volumes) -> Result<()> {
                     transfer_function,
                     camera,
                     shading: SHADING,
-                    order: Order::Exact,
+                    order: VisibilityOrder::Exact,
                 };
                 let start = Instant::now();
-                let drawn = prepared.draw(&scene, &Manner::passing(), &Silent)?;
+                let drawn = prepared.draw(&scene, &RenderOptions::passing(), &NoProgress)?;
                 let whole = start.elapsed().as_secs_f64();
                 let of = |wanted: Stage| {
                     drawn.stages.iter().filter(|timed| timed.stage == wanted).map(|timed| timed.seconds).sum()

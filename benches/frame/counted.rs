@@ -19,14 +19,14 @@ pub const HEAD: &str = if cfg!(feature = "counting") {
 /// Additions, products, quotients, roots and multiply-adds of culling, projecting and compositing, one a lane.
 #[cfg(feature = "counting")]
 pub fn operations(known: &Known, look: &TransferFunction, camera: &Camera) -> Result<Option<[u64; 3]>> {
-    use voltet::core::progress::Silent;
+    use voltet::core::progress::NoProgress;
     use voltet::engine::{composite, project};
     use voltet::lanes::counting::count;
-    let (cells, cull) = count(|| known.cull(look, camera, &Silent));
+    let (cells, cull) = count(|| known.cull(look, camera, &NoProgress));
     let cells = cells?;
-    let (projection, projected) = count(|| project(&cells, look, camera, false, &Silent));
+    let (projection, projected) = count(|| project(&cells, look, camera, false, &NoProgress));
     let projection = projection?;
-    let (drawn, composited) = count(|| composite(&projection, look, &crate::SHADING, &Silent));
+    let (drawn, composited) = count(|| composite(&projection, look, &crate::SHADING, &NoProgress));
     drawn?;
     Ok(Some([cull, projected, composited]))
 }

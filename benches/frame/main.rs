@@ -18,18 +18,18 @@ use record::{Here, Line};
 use std::sync::Arc;
 use std::time::Instant;
 use subject::{Subject, middle};
-use voltet::core::progress::Silent;
+use voltet::core::progress::NoProgress;
 use voltet::core::transfer::TransferFunction;
 use voltet::core::volume::Volume;
 use voltet::core::{Error, Result};
 use voltet::engine::{Known, composite, project};
 use voltet::lanes::LaneSet;
-use voltet::optics::Overlap;
+use voltet::optics::WidgetBlend;
 use voltet::optics::shading::{Integrator, Shading};
 use wish::Wish;
 
 const SHADING: Shading =
-    Shading { integrator: Integrator::Analytic, overlap: Overlap::Exact, silhouette: None, light: None };
+    Shading { integrator: Integrator::Analytic, overlap: WidgetBlend::Exact, silhouette: None, light: None };
 
 fn main() -> Result<()> {
     let Some(wish) = Wish::read()? else { return Ok(()) };
@@ -40,7 +40,7 @@ fn main() -> Result<()> {
     for &count in &wish.threads {
         let count = if count == 0 { all } else { count };
         let pool = rayon::ThreadPoolBuilder::new().num_threads(count).build();
-        let pool = pool.map_err(|error| Error::run("threads cannot be had").found(error))?;
+        let pool = pool.map_err(|error| Error::run("threads cannot be had").got(error))?;
         let peak = pool.install(|| peak::multiply_adds_per_second(lanes));
         println!("{count} threads reach {:.1} G multiply-adds a second of 32 bits", peak * 1e-9);
         pools.push((count, pool, peak));
@@ -133,11 +133,11 @@ fn measure(
     for k in 0..=wish.frames {
         let camera = subject.camera(k as f64, size);
         let start = Instant::now();
-        let cells = known.cull(look, &camera, &Silent)?;
+        let cells = known.cull(look, &camera, &NoProgress)?;
         let culled = Instant::now();
-        let projection = project(&cells, look, &camera, false, &Silent)?;
+        let projection = project(&cells, look, &camera, false, &NoProgress)?;
         let projected = Instant::now();
-        let (_, counts) = composite(&projection, look, &SHADING, &Silent)?;
+        let (_, counts) = composite(&projection, look, &SHADING, &NoProgress)?;
         let whole = start.elapsed();
         let times = [culled - start, projected - culled, projected.elapsed(), whole];
         let over = begun.elapsed().as_secs_f64() > wish.patience;

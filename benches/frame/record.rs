@@ -55,7 +55,7 @@ impl Here {
     /// Appends lines to the file, and prints which took longer than the last ones of the same machine.
     pub fn append(&self, path: &Path, lines: &[Line]) -> Result<()> {
         let failed = |error: std::io::Error| {
-            Error::run("the record cannot be written").found(format!("{}: {error}", path.display()))
+            Error::run("the record cannot be written").got(format!("{}: {error}", path.display()))
         };
         let former = match std::fs::read_to_string(path) {
             Ok(text) => text,
@@ -63,8 +63,8 @@ impl Here {
             Err(error) => return Err(failed(error)),
         };
         if !former.is_empty() && former.lines().next() != Some(HEAD) {
-            let error = Error::run("the record has other columns").found(path.display());
-            return Err(error.accepted(format!("a file that begins with {HEAD}, or none")));
+            let error = Error::run("the record has other columns").got(path.display());
+            return Err(error.expected(format!("a file that begins with {HEAD}, or none")));
         }
         let mut text = if former.is_empty() { format!("{HEAD}\n") } else { String::new() };
         println!(

@@ -8,11 +8,11 @@ use voltet::Document;
 use voltet::core::camera::{Camera, Projection};
 use voltet::core::field::{self, LeastSquares, Method};
 use voltet::core::grid::Grid;
-use voltet::core::progress::Silent;
+use voltet::core::progress::NoProgress;
 use voltet::core::transfer::{ControlPoint, OpticalModel, Profile, TransferFunction, Widget};
 use voltet::core::volume::Volume;
 use voltet::core::{Error, Result};
-use voltet::graph::Unobserved;
+use voltet::graph::NoObserver;
 use voltet::io::formats::{self, Request};
 use voltet::study::work_precision::Subject as Studied;
 
@@ -118,7 +118,7 @@ impl Subject {
         let side = SIDES.iter().find(|(known, _)| *known == name).map(|(_, side)| *side);
         let stem = if side.is_some() { GENERATED } else { name };
         let subject = SUBJECTS.iter().find(|subject| subject.file.trim_end_matches(".vtu") == stem);
-        let subject = subject.ok_or_else(|| Error::usage("there is no such grid").found(name))?;
+        let subject = subject.ok_or_else(|| Error::usage("there is no such grid").got(name))?;
         let (grid, path) = match side {
             Some(side) => (generated(side)?, None),
             None => {
@@ -128,11 +128,12 @@ impl Subject {
                     [Some(shipped), further].into_iter().flatten().map(|folder| folder.join(subject.file));
                 let Some(path) = paths.find(|path| path.is_file()) else { return Ok(None) };
                 let request = Request { scalar: Some(subject.scalar.into()), ..Request::default() };
-                (Arc::new(formats::read(&path, &request, &Silent)?), Some(path))
+                (Arc::new(formats::read(&path, &request, &NoProgress)?), Some(path))
             }
         };
         let scalar = grid.scalar.clone().ok_or_else(|| Error::run("the grid has no scalar"))?;
-        let gradient = Method::standard(Arc::new(LeastSquares))?.gradient(&grid, &scalar, &Silent)?;
+        let gradient =
+            Method::with_defaults(Arc::new(LeastSquares))?.gradient(&grid, &scalar, &NoProgress)?;
         let magnitude = field::magnitude(&gradient.vectors);
         let plain = Volume { grid, scalar, gradient: None, gradient_magnitude: None };
         let bivariate = Arc::new(Volume { gradient_magnitude: Some(magnitude.into()), ..plain.clone() });
@@ -175,7 +176,7 @@ fn generated(side: u32) -> Result<Arc<Grid>> {
     let options = [format!("grid.resolution=[{side},{side},{side}]")];
     let document = Document::open(&file, &options, &voltet::nodes::registry()?)?;
     let mut session = voltet::nodes::session();
-    let studied = Studied::gather(&document.graph, Some("scalar_alone"), false, &mut session, &Unobserved)?;
+    let studied = Studied::gather(&document.graph, Some("scalar_alone"), false, &mut session, &NoObserver)?;
     let mut grid = Grid::clone(&studied.scene.volume.grid);
     grid.scalar = Some(studied.scene.volume.scalar.clone());
     Ok(Arc::new(grid))

@@ -7,7 +7,7 @@ use std::time::Instant;
 use voltet::core::Result;
 use voltet::core::field::{LeastSquares, Method};
 use voltet::core::probing::{Axis, histogram};
-use voltet::core::progress::Silent;
+use voltet::core::progress::NoProgress;
 use voltet::core::transfer::{Profile, TransferFunction};
 use voltet::core::volume::Volume;
 use voltet::engine::{composite, cull, project};
@@ -21,15 +21,15 @@ pub fn measure(scene: &Subject, volumes: &Volumes) -> Result<()> {
     println!("\n| stage | median ms |\n| --- | ---: |");
     if let Some(path) = &volumes.path {
         let request = Request { scalar: Some(scene.scalar().into()), ..Request::default() };
-        let (read_ms, _) = median(9, |_| formats::read(path, &request, &Silent))?;
+        let (read_ms, _) = median(9, |_| formats::read(path, &request, &NoProgress))?;
         println!("| read | {read_ms:.1} |");
     }
-    let method = Method::standard(Arc::new(LeastSquares))?;
-    let (gradient_ms, _) = median(9, |_| method.gradient(grid, scalar, &Silent))?;
+    let method = Method::with_defaults(Arc::new(LeastSquares))?;
+    let (gradient_ms, _) = median(9, |_| method.gradient(grid, scalar, &NoProgress))?;
     println!("| least-squares gradient | {gradient_ms:.1} |");
     if let Some(magnitude) = &volumes.bivariate.gradient_magnitude {
         let axes = [Axis::over(scalar, 256), Axis::over(magnitude, 256)];
-        let (histogram_ms, _) = median(9, |_| histogram(grid, [scalar, magnitude], axes, &Silent))?;
+        let (histogram_ms, _) = median(9, |_| histogram(grid, [scalar, magnitude], axes, &NoProgress))?;
         println!("| histogram over (s, g), 256 × 256 bins | {histogram_ms:.1} |");
     }
     costs(scene, volumes)
@@ -79,10 +79,10 @@ fn frame_time(
 ) -> Result<f64> {
     median(FRAME_COUNT, |k| {
         let camera = scene.camera(k as f64, 512);
-        let mut cells = cull(volume, look, &camera, &Silent)?;
+        let mut cells = cull(volume, look, &camera, &NoProgress)?;
         cells.no_leave_out = no_leave_out;
-        let projection = project(&cells, look, &camera, false, &Silent)?;
-        composite(&projection, look, &SHADING, &Silent).map(drop)
+        let projection = project(&cells, look, &camera, false, &NoProgress)?;
+        composite(&projection, look, &SHADING, &NoProgress).map(drop)
     })
     .map(|(ms, ())| ms)
 }

@@ -61,7 +61,7 @@ impl Wish {
         let mut arguments = std::env::args().skip(1);
         while let Some(option) = arguments.next() {
             let mut value = || {
-                let missing = || Error::usage(format!("{option} needs a value")).accepted(HELP);
+                let missing = || Error::usage(format!("{option} needs a value")).expected(HELP);
                 arguments.next().ok_or_else(missing)
             };
             match option.as_str() {
@@ -80,7 +80,7 @@ impl Wish {
                 "--changes" => wish.changes = true,
                 "--widgets" => wish.widgets = true,
                 "--record" => wish.record = Some(PathBuf::from(value()?)),
-                _ => return Err(Error::usage("there is no such option").found(option).accepted(HELP)),
+                _ => return Err(Error::usage("there is no such option").got(option).expected(HELP)),
             }
         }
         Ok(Some(wish))
@@ -88,7 +88,7 @@ impl Wish {
 }
 
 fn one<T: FromStr>(option: &str, text: &str) -> Result<T> {
-    let wrong = || Error::usage(format!("{option} takes no such value")).found(text).accepted(HELP);
+    let wrong = || Error::usage(format!("{option} takes no such value")).got(text).expected(HELP);
     text.trim().parse().map_err(|_| wrong())
 }
 
@@ -101,7 +101,7 @@ fn named(option: &str, text: &str, known: &[&str]) -> Result<Vec<String>> {
     match names.iter().find(|name| !known.contains(&name.as_str())) {
         None => Ok(names),
         Some(name) => {
-            Err(Error::usage(format!("{option} has no such name")).found(name).accepted(known.join(", ")))
+            Err(Error::usage(format!("{option} has no such name")).got(name).expected(known.join(", ")))
         }
     }
 }

@@ -6,8 +6,8 @@ use std::ffi::{c_int, c_void};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use voltet_core::grid::{CellValues, Grid, Options, extent};
-use voltet_core::progress::Silent;
-use voltet_core::{Error, Result, Shared};
+use voltet_core::progress::NoProgress;
+use voltet_core::{Error, Result, SharedSlice};
 use voltet_embed::{ArraySource, CellSource, Numbers, Source, grid, no_scalar};
 
 /// `voltet_grid`.
@@ -69,7 +69,7 @@ pub(crate) unsafe fn make(source: *const GridSource) -> Result<GridHandle> {
             keep,
         }
     };
-    let grid = grid(source, &Silent)?;
+    let grid = grid(source, &NoProgress)?;
     if grid.scalar.is_none() {
         return Err(no_scalar(&grid));
     }
@@ -99,7 +99,7 @@ impl GridHandle {
 }
 
 /// Bytes that are lent, and that are owned.
-fn bytes<T>(values: &Shared<T>) -> [u64; 2] {
+fn bytes<T>(values: &SharedSlice<T>) -> [u64; 2] {
     let bytes = size_of_val(values.as_slice()) as u64;
     if values.is_lent() { [bytes, 0] } else { [0, bytes] }
 }
@@ -107,8 +107,8 @@ fn bytes<T>(values: &Shared<T>) -> [u64; 2] {
 /// Pieces along a curved edge; 0 stands for 1.
 fn subdivision(pieces: c_int) -> Result<u32> {
     let wrong = |_| {
-        let error = Error::usage("subdivision is out of range").found(pieces);
-        error.accepted("0 for none, or 1 to 64 pieces")
+        let error = Error::usage("subdivision is out of range").got(pieces);
+        error.expected("0 for none, or 1 to 64 pieces")
     };
     u32::try_from(pieces).map(|pieces| pieces.max(1)).map_err(wrong)
 }
@@ -118,8 +118,8 @@ fn product(count: usize, each: usize, what: &str) -> Result<usize> {
     let numbers = count.checked_mul(each).filter(|&numbers| numbers <= isize::MAX as usize / 8);
     numbers.ok_or_else(|| {
         Error::usage(format!("the count of {what} is out of range"))
-            .found(format!("{count} of {each} numbers"))
-            .accepted("what memory can hold")
+            .got(format!("{count} of {each} numbers"))
+            .expected("what memory can hold")
     })
 }
 
@@ -132,15 +132,15 @@ unsafe fn lent<T>(values: *const T, count: usize, what: &str) -> Result<&'static
         return Ok(&[]);
     }
     if values.is_null() {
-        return Err(null(what).found(format!("a null pointer for {count} numbers")));
+        return Err(null(what).got(format!("a null pointer for {count} numbers")));
     }
     if !values.is_aligned() {
         return Err(Error::usage(format!("{what} are at an odd address"))
-            .found(format!("{values:p}"))
-            .accepted(format!("a multiple of {}", align_of::<T>())));
+            .got(format!("{values:p}"))
+            .expected(format!("a multiple of {}", align_of::<T>())));
     }
     if count > isize::MAX as usize / size_of::<T>() {
-        return Err(Error::usage(format!("the count of {what} is out of range")).found(count));
+        return Err(Error::usage(format!("the count of {what} is out of range")).got(count));
     }
     // SAFETY: not null, aligned, of a size that an object can have; the rest is the caller's promise.
     Ok(unsafe { std::slice::from_raw_parts(values, count) })
@@ -150,7 +150,7 @@ unsafe fn lent<T>(values: *const T, count: usize, what: &str) -> Result<&'static
 /// As of [`make`].
 unsafe fn arrays(source: &GridSource, keep: &Arc<dyn Send + Sync>) -> Result<Vec<ArraySource>> {
     if source.array_count == 0 {
-        return Err(Error::usage("the grid has no arrays").accepted("at least the scalar that is drawn"));
+        return Err(Error::usage("the grid has no arrays").expected("at least the scalar that is drawn"));
     }
     // SAFETY: the caller's promise.
     let stride = unsafe { stated_size(source.arrays) }?;
@@ -161,8 +161,8 @@ unsafe fn arrays(source: &GridSource, keep: &Arc<dyn Send + Sync>) -> Result<Vec
         let array: GivenArray = unsafe { read(source.arrays.byte_add(number * stride)) }?;
         if array.size != stride {
             return Err(Error::usage(format!("array {number} has another size than the first"))
-                .found(array.size)
-                .accepted(stride));
+                .got(array.size)
+                .expected(stride));
         }
         // SAFETY: the caller's promise.
         let name = unsafe { text(array.name, &format!("the name of array {number}")) }?;
@@ -172,14 +172,14 @@ unsafe fn arrays(source: &GridSource, keep: &Arc<dyn Send + Sync>) -> Result<Vec
                 "array {number} has no {}",
                 if name.is_empty() { "name" } else { "components" }
             ));
-            return Err(error.accepted("a name, and at least 1 component"));
+            return Err(error.expected("a name, and at least 1 component"));
         }
         let per_cell = array.on_cells != 0;
         let tuples = if per_cell { source.cell_count } else { source.point_count };
         let count = product(tuples, components, &format!("array '{name}'"))?;
         // SAFETY: the caller's promise.
         let values = unsafe { lent(array.values, count, &format!("array '{name}'")) }?;
-        let values = Shared::lent(values, keep.clone());
+        let values = SharedSlice::lent(values, keep.clone());
         arrays.push(ArraySource {
             name: name.into(),
             values,
@@ -203,8 +203,8 @@ unsafe fn cells(source: &GridSource) -> Result<CellSource> {
         // SAFETY: the caller's promise.
         (true, false) => unsafe { mixed(source) },
         (both, _) => Err(Error::usage("the grid's cells are not stated")
-            .found(if both { "neither tetrahedra nor types" } else { "both tetrahedra and types" })
-            .accepted("either tetrahedra, or types, offsets and connectivity")),
+            .got(if both { "neither tetrahedra nor types" } else { "both tetrahedra and types" })
+            .expected("either tetrahedra, or types, offsets and connectivity")),
     }
 }
 
@@ -212,9 +212,8 @@ unsafe fn cells(source: &GridSource) -> Result<CellSource> {
 /// As of [`make`].
 unsafe fn mixed(source: &GridSource) -> Result<CellSource> {
     let count = source.cell_count;
-    let offset_count = count
-        .checked_add(1)
-        .ok_or_else(|| Error::usage("the count of cells is out of range").found(count))?;
+    let offset_count =
+        count.checked_add(1).ok_or_else(|| Error::usage("the count of cells is out of range").got(count))?;
     let total = source.connectivity_count;
     let connectivity = match (source.connectivity.is_null(), source.connectivity_u32.is_null()) {
         // SAFETY: the caller's promise.
@@ -223,7 +222,7 @@ unsafe fn mixed(source: &GridSource) -> Result<CellSource> {
         (false, true) => Numbers::Wide(unsafe { lent(source.connectivity, total, "connectivity") }?),
         (false, false) => {
             let error = Error::usage("the connectivity is stated twice");
-            return Err(error.accepted("connectivity or connectivity_u32, the other null"));
+            return Err(error.expected("connectivity or connectivity_u32, the other null"));
         }
     };
     // SAFETY: as before.

@@ -110,7 +110,7 @@ pub(crate) unsafe fn close(handle: *mut Handle) -> c_int {
 
 fn in_use() -> Result<()> {
     Err(Error::usage("the session is in use: by another thread, or by the call that calls back")
-        .accepted("one call at a time; a session for each thread"))
+        .expected("one call at a time; a session for each thread"))
 }
 
 /// The text of the session's last error, else of this thread's.
@@ -132,7 +132,7 @@ pub(crate) unsafe fn error_text(handle: *const Handle) -> *const c_char {
 
 /// What a null pointer is answered with.
 pub(crate) fn null(what: &str) -> Error {
-    Error::usage(format!("{what} is missing")).found("a null pointer").accepted("an address")
+    Error::usage(format!("{what} is missing")).got("a null pointer").expected("an address")
 }
 
 /// A caller's text.
@@ -156,7 +156,7 @@ pub(crate) unsafe fn optional_text<'a>(text: *const c_char, what: &str) -> Resul
     let text = unsafe { CStr::from_ptr(text) };
     text.to_str().map(Some).map_err(|error| {
         let found = format!("byte {} is none", error.valid_up_to());
-        Error::usage(format!("{what} is no UTF-8")).found(found).accepted("text in UTF-8")
+        Error::usage(format!("{what} is no UTF-8")).got(found).expected("text in UTF-8")
     })
 }
 

@@ -17,15 +17,15 @@ impl Target {
     pub fn check(image: Image, [width, height]: [usize; 2]) -> Result<Target> {
         if [image.width, image.height] != [width, height] {
             return Err(Error::usage("the image has another size than the picture")
-                .found(format!("{} × {}", image.width, image.height))
-                .accepted(format!("{width} × {height}, the camera's")));
+                .got(format!("{} × {}", image.width, image.height))
+                .expected(format!("{width} × {height}, the camera's")));
         }
         if image.rgba.is_null() && image.srgb.is_null() {
-            return Err(Error::usage("the image has no memory").accepted("rgba, srgb, or both"));
+            return Err(Error::usage("the image has no memory").expected("rgba, srgb, or both"));
         }
         if image.background.iter().any(|channel| !channel.is_finite()) {
             let found = format!("{:?}", image.background);
-            return Err(Error::usage("the background is not finite").found(found).accepted("linear RGB"));
+            return Err(Error::usage("the background is not finite").got(found).expected("linear RGB"));
         }
         let stride = |given: usize, least: usize, unit: usize, name: &str| {
             let stride = if given == 0 { least } else { given };
@@ -33,14 +33,14 @@ impl Target {
             if stride < least || !stride.is_multiple_of(unit) || !fits {
                 let multiple = if unit > 1 { format!(", a multiple of {unit}") } else { String::new() };
                 return Err(Error::usage(format!("{name} is out of range"))
-                    .found(format!("{given} bytes"))
-                    .accepted(format!("0, or at least {least} bytes from row to row{multiple}")));
+                    .got(format!("{given} bytes"))
+                    .expected(format!("0, or at least {least} bytes from row to row{multiple}")));
             }
             Ok(stride)
         };
         if !image.rgba.is_null() && !image.rgba.is_aligned() {
-            let error = Error::usage("rgba is at an odd address").found(format!("{:p}", image.rgba));
-            return Err(error.accepted("a multiple of 4"));
+            let error = Error::usage("rgba is at an odd address").got(format!("{:p}", image.rgba));
+            return Err(error.expected("a multiple of 4"));
         }
         let rgba_stride = stride(image.rgba_stride, width * 16, 4, "rgba_stride")?;
         let srgb_stride = stride(image.srgb_stride, width * 3, 1, "srgb_stride")?;
@@ -55,7 +55,7 @@ impl Target {
         let image = &self.image;
         if [picture.width, picture.height] != [image.width, image.height] {
             return Err(Error::run("the picture has another size than its camera")
-                .found(format!("{} × {}", picture.width, picture.height)));
+                .got(format!("{} × {}", picture.width, picture.height)));
         }
         for (j, row) in picture.rgba.chunks_exact(picture.width).enumerate() {
             if !image.rgba.is_null() {

@@ -9,7 +9,7 @@ use voltet_core::picture::Picture;
 use voltet_core::{Error, Result};
 use voltet_embed::{Drawing, Scene};
 use voltet_graph::pipeline::{Pipeline, locate, parameters};
-use voltet_graph::{Datum, Graph, NodeEntry, Observer, Origin, Setting, suggest};
+use voltet_graph::{Graph, LocatedValue, NodeEntry, Observer, ParameterValue, SourceSpan, suggest};
 use voltet_io::provenance::{Source, whole_report};
 
 /// The pipeline of a session that has loaded none.
@@ -79,10 +79,10 @@ impl Session {
         let node = scene.node(name)?;
         node.settings = settings;
         // The text that errors point at is another now.
-        node.origin = Origin::Nowhere;
-        node.node_type.origin = Origin::Nowhere;
+        node.origin = SourceSpan::Nowhere;
+        node.node_type.origin = SourceSpan::Nowhere;
         for link in &mut node.inputs {
-            link.origin = Origin::Nowhere;
+            link.origin = SourceSpan::Nowhere;
             link.source = unplaced(&link.source);
         }
         scene.texts.insert(name.into(), text.into());
@@ -94,23 +94,24 @@ impl Session {
         let name = self.runs.camera(&self.stated, name)?;
         let mut scene = self.stated.clone();
         let node = scene.node(&name)?;
-        let list =
-            |values: &[f64]| Datum::List(values.iter().map(|&value| Datum::Number(value).into()).collect());
+        let list = |values: &[f64]| {
+            ParameterValue::List(values.iter().map(|&value| ParameterValue::Number(value).into()).collect())
+        };
         let up = if camera.up == [0.0; 3] { [0.0, 0.0, 1.0] } else { camera.up };
-        let mut set = |name: &str, datum: Datum| node.set(name, &[], datum.into());
+        let mut set = |name: &str, datum: ParameterValue| node.set(name, &[], datum.into());
         set("eye", list(&camera.eye))?;
         set("target", list(&camera.target))?;
         set("up", list(&up))?;
-        set("near", Datum::Number(camera.near_plane))?;
-        set("samples", Datum::Integer(i64::from(camera.samples.max(1))))?;
+        set("near", ParameterValue::Number(camera.near_plane))?;
+        set("samples", ParameterValue::Integer(i64::from(camera.samples.max(1))))?;
         if camera.pixels != [0, 0] {
-            let sides = camera.pixels.map(|side| Datum::Integer(i64::from(side)).into());
-            set("size", Datum::List(sides.to_vec()))?;
+            let sides = camera.pixels.map(|side| ParameterValue::Integer(i64::from(side)).into());
+            set("size", ParameterValue::List(sides.to_vec()))?;
         }
         node.settings.retain(|field| !["fov_y", "height"].contains(&field.name.as_str()));
         for (name, value) in [("fov_y", camera.fov_y), ("height", camera.height)] {
             if value != 0.0 {
-                node.set(name, &[], Datum::Number(value).into())?;
+                node.set(name, &[], ParameterValue::Number(value).into())?;
             }
         }
         self.take(scene)
@@ -164,7 +165,7 @@ impl Stated {
         let names: Vec<String> = self.pipeline.nodes.iter().map(|node| node.name.clone()).collect();
         self.pipeline.nodes.iter_mut().find(|node| node.name == name).ok_or_else(|| {
             let error = Error::usage(format!("there is no node '{name}'"));
-            error.accepted(suggest(name, names.iter().map(String::as_str)))
+            error.expected(suggest(name, names.iter().map(String::as_str)))
         })
     }
 }
@@ -193,13 +194,13 @@ impl Scene for Stated {
 
 /// The error where no report is.
 fn nothing() -> Error {
-    Error::usage("nothing has been drawn").accepted("voltet_render before it")
+    Error::usage("nothing has been drawn").expected("voltet_render before it")
 }
 
 /// The same without the place where it was written.
-fn unplaced(setting: &Setting) -> Setting {
+fn unplaced(setting: &LocatedValue) -> LocatedValue {
     let datum = match &setting.datum {
-        Datum::List(list) => Datum::List(list.iter().map(unplaced).collect()),
+        ParameterValue::List(list) => ParameterValue::List(list.iter().map(unplaced).collect()),
         other => other.clone(),
     };
     datum.into()

@@ -150,9 +150,11 @@ pub(crate) unsafe fn stated_size<T: Sized0>(from: *const T) -> Result<usize> {
     // SAFETY: the caller's promise; structs of C may stand anywhere.
     let size = unsafe { from.cast::<usize>().read_unaligned() };
     if !(size_of::<T>()..=SIZE_MOST).contains(&size) {
-        return Err(Error::usage(format!("the size of a {} is wrong", T::NAME))
-            .found(size)
-            .accepted(format!("size = sizeof({}), {} here", T::NAME, size_of::<T>())));
+        return Err(Error::usage(format!("the size of a {} is wrong", T::NAME)).got(size).expected(format!(
+            "size = sizeof({}), {} here",
+            T::NAME,
+            size_of::<T>()
+        )));
     }
     Ok(size)
 }
@@ -168,8 +170,8 @@ pub(crate) unsafe fn read<T: Sized0>(from: *const T) -> Result<T> {
     let newer = unsafe { std::slice::from_raw_parts(from.cast::<u8>(), size) };
     if newer[size_of::<T>()..].iter().any(|&byte| byte != 0) {
         return Err(Error::usage(format!("a {} has fields that this library does not know", T::NAME))
-            .found(format!("{size} bytes"))
-            .accepted(format!("0 in all beyond {} bytes, or a newer library", size_of::<T>())));
+            .got(format!("{size} bytes"))
+            .expected(format!("0 in all beyond {} bytes, or a newer library", size_of::<T>())));
     }
     // SAFETY: it is all there, and any bytes are values of it.
     Ok(unsafe { from.read_unaligned() })

@@ -61,13 +61,13 @@ impl Camera {
     pub fn check_picture(&self) -> Result<()> {
         if self.size.iter().any(|&n| n == 0 || n > SIDE_MOST) {
             return Err(Error::usage("the picture's size is out of range")
-                .found(format!("{} × {}", self.size[0], self.size[1]))
-                .accepted("1 to 32,768 pixels a side"));
+                .got(format!("{} × {}", self.size[0], self.size[1]))
+                .expected("1 to 32,768 pixels a side"));
         }
         if self.samples == 0 || self.samples > 256 {
             return Err(Error::usage("samples is out of range")
-                .found(self.samples)
-                .accepted("1 to 256 a pixel"));
+                .got(self.samples)
+                .expected("1 to 256 a pixel"));
         }
         Ok(())
     }
@@ -87,13 +87,13 @@ impl Camera {
         };
         let forward = scaled(view);
         if forward == DVec3::ZERO {
-            return Err(Error::usage("the camera's eye and target are the same point").found(self.eye));
+            return Err(Error::usage("the camera's eye and target are the same point").got(self.eye));
         }
         let side = forward.cross(scaled(self.up));
         if side.length() < 1e-12 {
             return Err(Error::usage("the camera's up is zero or parallel to the view direction")
-                .found(self.up)
-                .accepted("a vector that is not parallel to target − eye"));
+                .got(self.up)
+                .expected("a vector that is not parallel to target − eye"));
         }
         let right = side.normalize();
         let up = right.cross(forward);
@@ -102,24 +102,24 @@ impl Camera {
             Projection::Perspective { fov_y } => {
                 if !(fov_y > 0.0 && fov_y < 180.0) {
                     return Err(Error::usage("fov_y is out of range")
-                        .found(fov_y)
-                        .accepted("degrees between 0 and 180"));
+                        .got(fov_y)
+                        .expected("degrees between 0 and 180"));
                 }
                 2.0 * (0.5 * fov_y).to_radians().tan() / height
             }
             Projection::Orthographic { height: world } => {
                 if !(world > 0.0 && world.is_finite()) {
                     return Err(Error::usage("height is out of range")
-                        .found(world)
-                        .accepted("world units above 0"));
+                        .got(world)
+                        .expected("world units above 0"));
                 }
                 world / height
             }
         };
         if !(self.near >= 0.0 && self.near.is_finite()) {
             return Err(Error::usage("near is out of range")
-                .found(self.near)
-                .accepted("world units, 0 or more"));
+                .got(self.near)
+                .expected("world units, 0 or more"));
         }
         Ok(Frame { right, up, forward, pixel })
     }

@@ -21,7 +21,7 @@ pub enum ErrorKind {
 
 /// Where an error happened, from the outermost to the innermost place known.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Place {
+pub struct Location {
     /// The file, as the user wrote its path.
     pub file: Option<String>,
     /// Byte range in the text of `file` (pipeline files), for a caret.
@@ -42,11 +42,11 @@ pub struct Error {
     /// What is wrong, in one clause without a full stop.
     pub what: String,
     /// What was found, if there is something to show.
-    pub found: Option<String>,
+    pub got: Option<String>,
     /// What would be right.
     pub accepted: Option<String>,
     /// Where.
-    pub place: Box<Place>,
+    pub place: Box<Location>,
 }
 
 impl Error {
@@ -66,17 +66,17 @@ impl Error {
     }
 
     fn new(kind: ErrorKind, what: impl Into<String>) -> Self {
-        Error { kind, what: what.into(), found: None, accepted: None, place: Box::default() }
+        Error { kind, what: what.into(), got: None, accepted: None, place: Box::default() }
     }
 
     /// Adds what was found.
-    pub fn found(mut self, found: impl fmt::Display) -> Self {
-        self.found = Some(found.to_string());
+    pub fn got(mut self, found: impl fmt::Display) -> Self {
+        self.got = Some(found.to_string());
         self
     }
 
     /// Adds what would be right: a clause that can follow "expected".
-    pub fn accepted(mut self, accepted: impl fmt::Display) -> Self {
+    pub fn expected(mut self, accepted: impl fmt::Display) -> Self {
         self.accepted = Some(accepted.to_string());
         self
     }
@@ -121,7 +121,7 @@ impl Error {
 impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}", self.what)?;
-        if let Some(found) = &self.found {
+        if let Some(found) = &self.got {
             write!(f, ": found {found}")?;
         }
         if let Some(accepted) = &self.accepted {

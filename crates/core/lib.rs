@@ -20,4 +20,4 @@ pub mod volume;
 pub use error::{Error, Result};
 /// Vectors and matrices, in the version that the types here are made of.
 pub use glam;
-pub use shared::Shared;
+pub use shared::SharedSlice;

@@ -25,21 +25,21 @@ pub fn refuse_beyond_memory(
     let Some(left) = progress.memory_left().filter(|left| *left < bytes) else { return Ok(()) };
     let mebibytes = |bytes: u64| format!("{:.0} MiB", bytes as f64 / f64::from(1 << 20));
     Err(Error::run("memory ends before the work does")
-        .found(format!("{} takes about {}, {} are left", what(), mebibytes(bytes), mebibytes(left)))
-        .accepted("a smaller grid or picture, or more memory"))
+        .got(format!("{} takes about {}, {} are left", what(), mebibytes(bytes), mebibytes(left)))
+        .expected("a smaller grid or picture, or more memory"))
 }
 
 /// Ignores progress and never stops.
-pub struct Silent;
+pub struct NoProgress;
 
-impl Progress for Silent {
+impl Progress for NoProgress {
     fn report(&self, _stage: &str, _fraction: f64) {}
 }
 
 /// Hands on that the work should stop, and no progress: for parts of a work whose own progress says nothing of the whole.
-pub struct Unreported<'a>(pub &'a dyn Progress);
+pub struct CancelOnly<'a>(pub &'a dyn Progress);
 
-impl Progress for Unreported<'_> {
+impl Progress for CancelOnly<'_> {
     fn report(&self, _stage: &str, _fraction: f64) {}
 
     fn cancelled(&self) -> bool {

@@ -3,7 +3,7 @@
 use crate::Result;
 use crate::field::Plugin;
 use crate::grid::{Association, Cells};
-use crate::parameters::{Kind, Parameters};
+use crate::parameters::{Parameters, VariantSchema};
 use crate::progress::Progress;
 use glam::DVec3;
 use std::path::Path;
@@ -11,7 +11,7 @@ use std::path::Path;
 /// Reads grids from files of a format.
 pub trait GridReader: Send + Sync {
     /// The type of its node in pipeline files, what it reads in a sentence, and what can be set beside what every reader has.
-    fn declaration(&self) -> Kind;
+    fn declaration(&self) -> VariantSchema;
 
     /// The plug-in that it was loaded from; `None` for one that the program was built with.
     fn plugin(&self) -> Option<&Plugin> {

@@ -5,18 +5,18 @@ use std::ops::Deref;
 use std::sync::Arc;
 
 /// Numbers that several owners share and that nobody changes: a vector, or memory that somebody lends. Cloning shares.
-pub struct Shared<T: 'static> {
+pub struct SharedSlice<T: 'static> {
     owned: Arc<Vec<T>>,
     /// In its place, where it is there.
     lent: Option<(&'static [T], Arc<dyn Send + Sync>)>,
 }
 
-impl<T> Shared<T> {
+impl<T> SharedSlice<T> {
     /// Memory that somebody else owns, shared without being copied. `keep` is dropped with the last owner: what it stands for
     /// (a call-back, a reference count) may then take the memory back. That the memory outlives it is the caller's promise, who
     /// made a slice without end of it.
-    pub fn lent(values: &'static [T], keep: Arc<dyn Send + Sync>) -> Shared<T> {
-        Shared { owned: Arc::default(), lent: Some((values, keep)) }
+    pub fn lent(values: &'static [T], keep: Arc<dyn Send + Sync>) -> SharedSlice<T> {
+        SharedSlice { owned: Arc::default(), lent: Some((values, keep)) }
     }
 
     /// The numbers.
@@ -45,12 +45,12 @@ impl<T> Shared<T> {
     }
 
     /// Whether both are the same memory.
-    pub fn is(&self, other: &Shared<T>) -> bool {
+    pub fn is(&self, other: &SharedSlice<T>) -> bool {
         std::ptr::eq(self.as_slice(), other.as_slice())
     }
 }
 
-impl<T> Deref for Shared<T> {
+impl<T> Deref for SharedSlice<T> {
     type Target = [T];
 
     #[inline]
@@ -59,55 +59,55 @@ impl<T> Deref for Shared<T> {
     }
 }
 
-impl<T> Clone for Shared<T> {
+impl<T> Clone for SharedSlice<T> {
     fn clone(&self) -> Self {
-        Shared { owned: self.owned.clone(), lent: self.lent.clone() }
+        SharedSlice { owned: self.owned.clone(), lent: self.lent.clone() }
     }
 }
 
-impl<T> Default for Shared<T> {
+impl<T> Default for SharedSlice<T> {
     fn default() -> Self {
         Vec::new().into()
     }
 }
 
-impl<T: fmt::Debug> fmt::Debug for Shared<T> {
+impl<T: fmt::Debug> fmt::Debug for SharedSlice<T> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.as_slice().fmt(f)
     }
 }
 
-impl<T: PartialEq> PartialEq for Shared<T> {
+impl<T: PartialEq> PartialEq for SharedSlice<T> {
     fn eq(&self, other: &Self) -> bool {
         self.as_slice() == other.as_slice()
     }
 }
 
-impl<T: PartialEq> PartialEq<Vec<T>> for Shared<T> {
+impl<T: PartialEq> PartialEq<Vec<T>> for SharedSlice<T> {
     fn eq(&self, other: &Vec<T>) -> bool {
         self.as_slice() == other.as_slice()
     }
 }
 
-impl<T> From<Vec<T>> for Shared<T> {
+impl<T> From<Vec<T>> for SharedSlice<T> {
     fn from(values: Vec<T>) -> Self {
-        Shared { owned: Arc::new(values), lent: None }
+        SharedSlice { owned: Arc::new(values), lent: None }
     }
 }
 
-impl<T> From<Arc<Vec<T>>> for Shared<T> {
+impl<T> From<Arc<Vec<T>>> for SharedSlice<T> {
     fn from(values: Arc<Vec<T>>) -> Self {
-        Shared { owned: values, lent: None }
+        SharedSlice { owned: values, lent: None }
     }
 }
 
-impl<T> FromIterator<T> for Shared<T> {
+impl<T> FromIterator<T> for SharedSlice<T> {
     fn from_iter<I: IntoIterator<Item = T>>(values: I) -> Self {
         Vec::from_iter(values).into()
     }
 }
 
-impl<'a, T> IntoIterator for &'a Shared<T> {
+impl<'a, T> IntoIterator for &'a SharedSlice<T> {
     type Item = &'a T;
     type IntoIter = std::slice::Iter<'a, T>;
 
@@ -133,7 +133,7 @@ mod tests {
     fn lent_memory_is_given_back_by_the_last_owner_and_never_copied() {
         static NUMBERS: [f64; 3] = [1.0, 2.0, 3.0];
         let back = Arc::new(AtomicBool::new(false));
-        let first = Shared::lent(&NUMBERS, Arc::new(Returned(back.clone())));
+        let first = SharedSlice::lent(&NUMBERS, Arc::new(Returned(back.clone())));
         let second = first.clone();
         assert!(first.is(&second) && std::ptr::eq(first.as_ptr(), NUMBERS.as_ptr()));
         drop(first);
@@ -146,7 +146,7 @@ mod tests {
     #[test]
     fn changing_copies_what_somebody_else_holds() {
         static NUMBERS: [u32; 2] = [7, 8];
-        let mut lent = Shared::lent(&NUMBERS, Arc::new(()));
+        let mut lent = SharedSlice::lent(&NUMBERS, Arc::new(()));
         lent.make_mut().push(9);
         assert_eq!((&*lent, NUMBERS), (&[7, 8, 9][..], [7, 8]));
         let other = lent.clone();
@@ -160,8 +160,8 @@ mod tests {
     #[test]
     fn equal_numbers_are_equal_whoever_owns_them() {
         static NUMBERS: [u32; 2] = [7, 8];
-        let lent = Shared::lent(&NUMBERS, Arc::new(()));
-        let owned = Shared::from(vec![7, 8]);
+        let lent = SharedSlice::lent(&NUMBERS, Arc::new(()));
+        let owned = SharedSlice::from(vec![7, 8]);
         assert_eq!(lent, owned);
         assert!(!lent.is(&owned) && owned.is(&owned.clone()));
     }

@@ -55,8 +55,8 @@ pub(crate) fn attributes_of<'a>(
     let fields = transfer_function.fields();
     if fields.len() > FIELDS_MOST {
         return Err(Error::usage("the widgets look at more point arrays than a picture is drawn from")
-            .found(format!("{} beside s and g", fields.len()))
-            .accepted(format!("at most {FIELDS_MOST}")));
+            .got(format!("{} beside s and g", fields.len()))
+            .expected(format!("at most {FIELDS_MOST}")));
     }
     let touched = cells.touched(transfer_function);
     let has_edges = touched.widgets.iter().any(|widget| widget.region.is_some());
@@ -72,7 +72,7 @@ pub(crate) fn attributes_of<'a>(
                 return Err(Error::usage(
                     "the transfer function looks at the gradient magnitude, and the volume has none",
                 )
-                .accepted("a gradient-magnitude node before this one"));
+                .expected("a gradient-magnitude node before this one"));
             }
             // The further fields stand in their own places, behind g.
             None => attributes.push(attribute(&volume.scalar, cells.ranges[0], None)),
@@ -82,8 +82,8 @@ pub(crate) fn attributes_of<'a>(
         let array = volume.grid.point_arrays.get(name).filter(|array| array.component_count == 1);
         let Some(array) = array else {
             return Err(Error::usage("the transfer function looks at a field that the volume does not have")
-                .found(name)
-                .accepted("a point array of one component that the reader was asked for"));
+                .got(name)
+                .expected("a point array of one component that the reader was asked for"));
         };
         attributes.push(attribute(
             &array.values,
@@ -102,8 +102,8 @@ pub(crate) fn gradient_attributes(cells: &Cells) -> Result<Vec<Attribute<'_>>> {
     let Some(gradient) = gradient else {
         let count = volume.gradient.as_ref().map_or(0, |g| g.len());
         return Err(Error::usage("light and silhouettes need a gradient at every point")
-            .found(format!("{count} gradients, {} points", volume.grid.points.len()))
-            .accepted("a gradient-magnitude node before this one"));
+            .got(format!("{count} gradients, {} points", volume.grid.points.len()))
+            .expected("a gradient-magnitude node before this one"));
     };
     let scale = if cells.steepest > 0.0 { cells.steepest } else { 1.0 };
     let values: &[f64] = bytemuck::cast_slice(gradient);

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use voltet_core::camera::Camera;
 use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
-use voltet_optics::shading::Order;
+use voltet_optics::shading::VisibilityOrder;
 use voltet_simd::LaneSet;
 
 /// When rays go from cell to cell through the faces that these share; else cells are projected one by one. Either shows the same.
@@ -31,7 +31,7 @@ pub struct Cells {
     /// Numbers of the tetrahedra kept: ascending (grid order), or by centroid if that is the order asked for.
     pub kept: Arc<Vec<u32>>,
     /// Order that the compositor carries out.
-    pub order: Order,
+    pub order: VisibilityOrder,
     /// Tetrahedra left out because no widget touches their values.
     pub culled_by_transfer_function: u64,
     /// Tetrahedra left out because they are outside the view.

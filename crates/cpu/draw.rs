@@ -16,7 +16,7 @@ use voltet_core::progress::{Progress, refuse_beyond_memory};
 use voltet_core::transfer::{OpticalModel, TransferFunction, Widget};
 use voltet_core::{Error, Result};
 use voltet_optics::integrators::{self, Extent, SegmentIntegrator};
-use voltet_optics::shading::{Integrator, Order, Shading};
+use voltet_optics::shading::{Integrator, Shading, VisibilityOrder};
 
 /// Cells prepared for the compositor: one projection for each sample of a pixel. Of more cells than are projected at once
 /// ([`Cells::most_at_once`]) it holds which part of the picture each touches; the compositor projects them part by part.
@@ -119,9 +119,9 @@ pub(crate) fn densest(transfer_function: &TransferFunction, length: f64) -> f64 
 /// Gives the cells the order in which the compositor shall take a pixel's segments. The exact order is carried out
 /// at each pixel; [`Order::Centroid`] sorts the cells here ([`voltet_core::visibility::centroid_order`]), and their
 /// segments are composited as they come.
-pub fn sort(cells: &Cells, camera: &Camera, order: Order) -> Result<Cells> {
+pub fn sort(cells: &Cells, camera: &Camera, order: VisibilityOrder) -> Result<Cells> {
     let mut sorted = Cells { order, ..cells.clone() };
-    if order == Order::Centroid {
+    if order == VisibilityOrder::Centroid {
         let grid = &cells.volume.grid;
         let kept =
             voltet_core::visibility::centroid_order(&grid.points, &grid.tetrahedra, &cells.kept, camera)?;
@@ -147,11 +147,11 @@ pub fn prepare<'a>(
         return Err(Error::usage(
             "the cells were projected without the gradient, which light and silhouettes need",
         )
-        .accepted("a projection for a shading that asks for them"));
+        .expected("a projection for a shading that asks for them"));
     }
     if !projected(attributes.len()) && !projected(with_gradient) {
         return Err(Error::usage("the cells were projected for another transfer function")
-            .accepted("the transfer function that the cull stage of the same pipeline has"));
+            .expected("the transfer function that the cull stage of the same pipeline has"));
     }
     integrators::can_serve(&shading.integrator, transfer_function)?;
     let touched = cells.touched(transfer_function);
@@ -215,8 +215,8 @@ pub fn integrator(
         let what =
             "the integrator 'vertex-sampled' draws scenes as a whole, since it looks at the grid's points";
         return Err(Error::usage(what)
-            .found("stages or segments of a scene by themselves")
-            .accepted("a node of type renderer, or another integrator"));
+            .got("stages or segments of a scene by themselves")
+            .expected("a node of type renderer, or another integrator"));
     }
     let extent = extent(cells, &shading.integrator);
     integrators::new(&shading.integrator, shading.overlap, transfer_function, &extent)

@@ -9,21 +9,22 @@ use voltet_core::progress::Progress;
 use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
-use voltet_graph::{MayLeaveOut, Notes};
+use voltet_graph::{MayLeaveOut, NodeDiagnostics};
 use voltet_optics::engine::{
-    self, AdapterWish, Declaration, Drawn, Engine, Forms, Manner, Prepared, Stage, Timed,
+    self, AdapterRequest, Engine, EngineInfo, PreparedVolume, RenderOptions, RenderOutput, SegmentEvaluator,
+    Stage, StageTiming,
 };
 use voltet_optics::integrators;
 use voltet_optics::scene::Scene;
-use voltet_optics::shading::{Integrator, Order};
+use voltet_optics::shading::{Integrator, VisibilityOrder};
 use voltet_simd::LaneSet;
 
 /// The native engine. Its vector units are what is judged one by one.
-pub const ENGINE: Declaration = Declaration {
+pub const ENGINE: EngineInfo = EngineInfo {
     name: "cpu",
     summary: "native code on all cores",
     taken: Some("the CPU"),
-    absent: None,
+    unavailable_reason: None,
     on_device: false,
     compositing: &[],
     can_serve: |transfer_function, shading| integrators::can_serve(&shading.integrator, transfer_function),
@@ -32,7 +33,7 @@ pub const ENGINE: Declaration = Declaration {
     open_each,
 };
 
-fn open_each(_wish: &AdapterWish) -> Result<Vec<Arc<dyn Engine>>> {
+fn open_each(_wish: &AdapterRequest) -> Result<Vec<Arc<dyn Engine>>> {
     let sets = LaneSet::ALL.into_iter().rev();
     let native = |lanes| Arc::new(Native { lanes }) as Arc<dyn Engine>;
     Ok(sets.filter(|lanes| lanes.is_supported()).map(native).collect())
@@ -53,11 +54,11 @@ impl Engine for Native {
         format!("native engine, {}", self.lanes.name())
     }
 
-    fn forms(&self) -> Option<Box<dyn Forms>> {
+    fn forms(&self) -> Option<Box<dyn SegmentEvaluator>> {
         Some(Box::new(Segments { lanes: self.lanes, ordered: false }))
     }
 
-    fn prepare(&self, volume: &Arc<Volume>) -> Result<Arc<dyn Prepared>> {
+    fn prepare(&self, volume: &Arc<Volume>) -> Result<Arc<dyn PreparedVolume>> {
         let known = Known::new(volume)?;
         Ok(Arc::new(OnVolume { lanes: self.lanes, known, classified: Mutex::new(None) }))
     }
@@ -99,8 +100,8 @@ impl OnVolume {
     }
 }
 
-impl Prepared for OnVolume {
-    fn draw(&self, scene: &Scene, manner: &Manner, progress: &dyn Progress) -> Result<Drawn> {
+impl PreparedVolume for OnVolume {
+    fn draw(&self, scene: &Scene, manner: &RenderOptions, progress: &dyn Progress) -> Result<RenderOutput> {
         if progress.cancelled() {
             return Err(Error::cancelled());
         }
@@ -142,7 +143,7 @@ impl Prepared for OnVolume {
         watch.end(Stage::SetUp);
         let (picture, counts) = ready.composite(progress)?;
         watch.end(Stage::Composite);
-        let mut drawn = Drawn::new(picture, watch.stages);
+        let mut drawn = RenderOutput::new(picture, watch.stages);
         cells.count(&mut drawn.counts);
         if let Some(leave) = manner.may_leave_out {
             cells.note(leave, &mut drawn.notes);
@@ -162,13 +163,13 @@ impl OnVolume {
     fn kept(
         &self,
         scene: &Scene,
-        manner: &Manner,
+        manner: &RenderOptions,
         watch: &mut Watch,
         progress: &dyn Progress,
     ) -> Result<Option<Arc<Kept>>> {
         let Scene { transfer_function, camera, shading, order, .. } = scene;
         let served = manner.may_leave_out.is_some()
-            && matches!(order, Order::Exact | Order::Auto)
+            && matches!(order, VisibilityOrder::Exact | VisibilityOrder::Auto)
             && camera.samples == 1
             // Tables reach as far as the longest of the cells that are drawn.
             && !shading.integrator.has_table_of_lengths()
@@ -200,10 +201,10 @@ impl OnVolume {
         &self,
         kept: &Kept,
         scene: &Scene,
-        manner: &Manner,
+        manner: &RenderOptions,
         mut watch: Watch,
         progress: &dyn Progress,
-    ) -> Result<Drawn> {
+    ) -> Result<RenderOutput> {
         let Scene { transfer_function, camera, shading, .. } = scene;
         let mut cells = self.known.none_in_view(camera)?;
         cells.lanes = self.lanes;
@@ -212,10 +213,10 @@ impl OnVolume {
         watch.end(Stage::SetUp);
         let (picture, counts) = ready.composite_kept(kept, progress)?;
         watch.end(Stage::Composite);
-        let mut drawn = Drawn { is_passing: true, ..Drawn::new(picture, watch.stages) };
+        let mut drawn = RenderOutput { is_passing: true, ..RenderOutput::new(picture, watch.stages) };
         if let Some(leave) = manner.may_leave_out {
             let why = "the segments of this view were kept when its widgets changed";
-            drawn.notes.leave_out(leave, "culling, projecting and sorting", why, None);
+            drawn.notes.record_skipped(leave, "culling, projecting and sorting", why, None);
         }
         counts.count(&mut drawn.counts);
         counts.note(&mut drawn.notes);
@@ -229,40 +230,40 @@ const KEPT_MOST: u64 = 1 << 30;
 /// Times stages that follow each other.
 struct Watch {
     last: Instant,
-    stages: Vec<Timed>,
+    stages: Vec<StageTiming>,
 }
 
 impl Watch {
     fn end(&mut self, stage: Stage) {
         let now = Instant::now();
-        self.stages.push(Timed::whole(stage, (now - self.last).as_secs_f64()));
+        self.stages.push(StageTiming::whole(stage, (now - self.last).as_secs_f64()));
         self.last = now;
     }
 }
 
 impl Cells {
     /// Fills in what was culled.
-    pub fn count(&self, counts: &mut engine::Counts) {
+    pub fn count(&self, counts: &mut engine::RenderStats) {
         counts.culled_by_transfer_function = Some(self.culled_by_transfer_function);
         counts.culled_by_frustum = Some(self.culled_by_frustum);
     }
 
     /// Notes the widgets that are left out, and culling itself where it is.
-    pub fn note(&self, leave: MayLeaveOut, notes: &mut Notes) {
+    pub fn note(&self, leave: MayLeaveOut, notes: &mut NodeDiagnostics) {
         if let Some(Sample { asked, dropped }) = self.not_worth_asking {
             let share = 100.0 * dropped as f64 / asked as f64;
             let why =
                 format!("not worth it: no widget touches {share:.1} % of {asked} cells spread over the grid");
-            notes.leave_out(leave, "culling by values", why, None);
+            notes.record_skipped(leave, "culling by values", why, None);
         }
         for widget in &self.untouched {
-            notes.leave_out(leave, format!("widget {}", widget + 1), "no visible cell touches it", None);
+            notes.record_skipped(leave, format!("widget {}", widget + 1), "no visible cell touches it", None);
         }
     }
 
     /// Notes the cells that were put in order.
-    pub fn note_order(&self, notes: &mut Notes) {
-        if self.order == Order::Centroid {
+    pub fn note_order(&self, notes: &mut NodeDiagnostics) {
+        if self.order == VisibilityOrder::Centroid {
             notes.counts.insert("cells_sorted", self.kept.len() as u64);
         }
     }
@@ -270,7 +271,7 @@ impl Cells {
 
 impl Projection {
     /// Fills in what was projected.
-    pub fn count(&self, counts: &mut engine::Counts) {
+    pub fn count(&self, counts: &mut engine::RenderStats) {
         counts.cells_projected = self.cells_projected();
         counts.under_a_pixel = self
             .cells_projected()
@@ -278,12 +279,12 @@ impl Projection {
     }
 
     /// Notes the cells that rays go through, and what they leave out.
-    pub fn note(&self, leave: Option<MayLeaveOut>, notes: &mut Notes) {
+    pub fn note(&self, leave: Option<MayLeaveOut>, notes: &mut NodeDiagnostics) {
         if self.cells_projected().is_none() {
             notes.counts.insert("cells_cast", self.cells().kept.len() as u64);
             if let Some(leave) = leave {
                 let why = "rays go from cell to cell through the faces that these share";
-                notes.leave_out(leave, "projecting and sorting", why, None);
+                notes.record_skipped(leave, "projecting and sorting", why, None);
             }
         }
     }
@@ -291,7 +292,7 @@ impl Projection {
 
 impl Counts {
     /// Fills in what was composited.
-    pub fn count(&self, counts: &mut engine::Counts) {
+    pub fn count(&self, counts: &mut engine::RenderStats) {
         counts.segments = Some(self.segments);
         counts.segments_exact = Some(self.segments_exact);
         counts.evaluations = Some(self.evaluations);
@@ -303,7 +304,7 @@ impl Counts {
     }
 
     /// Notes what is this engine's own.
-    pub fn note(&self, notes: &mut Notes) {
+    pub fn note(&self, notes: &mut NodeDiagnostics) {
         notes.counts.insert("tiles_sorted", self.tiles_sorted);
         notes.counts.insert("segments_overlapping", self.segments_overlapping);
         notes.counts.insert("tiles_deep", self.tiles_deep);

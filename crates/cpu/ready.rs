@@ -16,7 +16,7 @@ use std::sync::atomic::AtomicUsize;
 use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
 use voltet_core::{Error, Result};
-use voltet_optics::shading::Order;
+use voltet_optics::shading::VisibilityOrder;
 
 /// A projection with all that is made once for drawing it: the integrator's tables, the widgets made ready.
 pub struct Ready<'a> {
@@ -29,14 +29,14 @@ pub struct Ready<'a> {
 /// Refuses ends of rays that are not those of a picture.
 fn check_ends(ends: &[f32], [width, height]: [usize; 2]) -> Result<()> {
     if ends.len() != width * height {
-        let error = Error::usage("the rays' ends are not one a pixel").found(ends.len());
-        return Err(error.accepted(format!("{width} × {height}, the camera's")));
+        let error = Error::usage("the rays' ends are not one a pixel").got(ends.len());
+        return Err(error.expected(format!("{width} × {height}, the camera's")));
     }
     match ends.iter().position(|end| end.is_nan()) {
         None => Ok(()),
         Some(pixel) => Err(Error::usage("the end of a ray is not a number")
-            .found(format!("pixel {} of row {}", pixel % width, pixel / width))
-            .accepted("depths, infinite where nothing ends a ray")),
+            .got(format!("pixel {} of row {}", pixel % width, pixel / width))
+            .expected("depths, infinite where nothing ends a ray")),
     }
 }
 
@@ -114,8 +114,8 @@ impl Ready<'_> {
         let cells = &projection.cells;
         let needs_order = shader.one_color.is_none();
         let sorted = match cells.order {
-            Order::Exact | Order::Auto => needs_order,
-            Order::Centroid | Order::None => false,
+            VisibilityOrder::Exact | VisibilityOrder::Auto => needs_order,
+            VisibilityOrder::Centroid | VisibilityOrder::None => false,
         };
         let [width, height] = projection.camera.size.map(|n| n as usize);
         if let Some(ends) = ends {

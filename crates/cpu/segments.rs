@@ -21,10 +21,10 @@ use voltet_core::Result;
 use voltet_core::grid::{Array, Grid};
 use voltet_core::transfer::{ControlPoint, OpticalModel, Profile, TransferFunction, Widget};
 use voltet_core::volume::Volume;
-use voltet_optics::engine::{Answer, Chain, Forms, PartialIntegrals, Precision};
+use voltet_optics::engine::{Chain, EvalOutcome, PartialIntegrals, Precision, SegmentEvaluator};
 use voltet_optics::integrators::{self, Extent};
 use voltet_optics::shading::{Integrator, Shading};
-use voltet_optics::{Contribution, Overlap, Segment};
+use voltet_optics::{Contribution, Segment, WidgetBlend};
 use voltet_simd::optics::elementary::exp;
 use voltet_simd::{Float, Kernel, LaneSet, Lanes, dispatch};
 
@@ -159,7 +159,7 @@ impl Segments {
         &self,
         transfer_function: &TransferFunction,
         segment: &Segment,
-        overlap: Overlap,
+        overlap: WidgetBlend,
     ) -> Result<Integrated> {
         let shading = Shading { integrator: Integrator::Analytic, overlap, silhouette: None, light: None };
         let list = std::slice::from_ref(segment);
@@ -167,7 +167,7 @@ impl Segments {
     }
 }
 
-impl Forms for Segments {
+impl SegmentEvaluator for Segments {
     fn name(&self) -> &str {
         match self.lanes {
             LaneSet::Portable => "32-bit portable",
@@ -185,10 +185,10 @@ impl Forms for Segments {
         &self,
         transfer_function: &TransferFunction,
         segment: &Segment,
-        overlap: Overlap,
-    ) -> Result<Answer> {
+        overlap: WidgetBlend,
+    ) -> Result<EvalOutcome> {
         let Integrated { contribution, left } = self.one(transfer_function, segment, overlap)?;
-        Ok(left.map_or(Answer::Served(contribution), |why| Answer::Wider(contribution, why)))
+        Ok(left.map_or(EvalOutcome::Served(contribution), |why| EvalOutcome::Wider(contribution, why)))
     }
 
     /// One behind the other in the lists of a tile, or where a pixel's is too short for them, in one that grows.
@@ -228,9 +228,9 @@ impl Forms for Segments {
     }
 
     /// By a constant-emitter whose colour goes from one channel to another along the segment: it draws F, B and ψ.
-    fn partial(&self, a: f64, b: f64) -> Result<Answer<PartialIntegrals>> {
+    fn partial(&self, a: f64, b: f64) -> Result<EvalOutcome<PartialIntegrals>> {
         if a.max(b) < f64::from(f32::MIN_POSITIVE) {
-            return Ok(Answer::Skipped("what does not absorb does not glow"));
+            return Ok(EvalOutcome::Skipped("what does not absorb does not glow"));
         }
         let point = |s, extinction, color| ControlPoint { s, color, extinction };
         let points = vec![point(0.0, a, [1.0, 0.0, 1.0]), point(1.0, b, [0.0, 1.0, 1.0])];
@@ -240,11 +240,11 @@ impl Forms for Segments {
         let transfer_function = TransferFunction { model, unit_distance: 1.0, widgets };
         let (front, back) = ([0.0; 2], [1.0, 0.0]);
         let segment = Segment { length: 1.0, front, back, fields_front: &[], fields_back: &[] };
-        let Integrated { contribution, left } = self.one(&transfer_function, &segment, Overlap::Exact)?;
+        let Integrated { contribution, left } = self.one(&transfer_function, &segment, WidgetBlend::Exact)?;
         let [front, back, psi] = contribution.color;
         let zeta = dispatch(self.lanes, Transmittance(0.5 * (a + b)));
         let found = PartialIntegrals { psi, front, back, zeta };
-        Ok(left.map_or(Answer::Served(found), |why| Answer::Wider(found, why)))
+        Ok(left.map_or(EvalOutcome::Served(found), |why| EvalOutcome::Wider(found, why)))
     }
 }
 

@@ -11,13 +11,13 @@ use crate::view::View;
 use std::sync::Arc;
 use voltet_core::parameters::key_text;
 use voltet_core::{Error, Result};
-use voltet_graph::pipeline::{EDITOR, Pipeline, Survey};
-use voltet_graph::{Datum, Field, NodeEntry, Setting, suggest};
+use voltet_graph::pipeline::{EDITOR, ParsedPipeline, Pipeline};
+use voltet_graph::{Field, LocatedValue, NodeEntry, ParameterValue, suggest};
 
 /// A text that edits are carried out on, and what it states.
 pub(crate) struct Work {
     draft: Draft,
-    survey: Arc<Survey>,
+    survey: Arc<ParsedPipeline>,
 }
 
 /// A text that edits made, and the way to it.
@@ -25,11 +25,11 @@ pub(crate) struct Worked {
     pub delta: Delta,
     pub text: Arc<str>,
     pub syntax: Arc<Syntax>,
-    pub survey: Arc<Survey>,
+    pub survey: Arc<ParsedPipeline>,
 }
 
 impl Work {
-    pub fn new(text: Arc<str>, syntax: Arc<Syntax>, survey: Arc<Survey>) -> Work {
+    pub fn new(text: Arc<str>, syntax: Arc<Syntax>, survey: Arc<ParsedPipeline>) -> Work {
         Work { draft: Draft::new(text, syntax), survey }
     }
 
@@ -50,7 +50,7 @@ impl Work {
                 "this cannot be done in the way that the file is written: {}",
                 edit.label()
             ));
-            return Err(error.accepted("the change made in the text"));
+            return Err(error.expected("the change made in the text"));
         }
         Ok(())
     }
@@ -88,16 +88,16 @@ impl Work {
             Edit::RemoveNote(number) => self.take("notes", *number),
             Edit::StoreSet(digit, widgets) => {
                 if *digit > 9 {
-                    return Err(Error::usage("there is no such set").found(digit).accepted("0 to 9"));
+                    return Err(Error::usage("there is no such set").got(digit).expected("0 to 9"));
                 }
                 let path = Path::from([EDITOR, "sets", &digit.to_string()]);
                 // Written anew: what stood there says nothing of these.
                 self.draft.unset(&path)?;
                 self.draft.settle()?;
-                self.draft.add(&path, &Datum::List(widgets.clone()).to_string())
+                self.draft.add(&path, &ParameterValue::List(widgets.clone()).to_string())
             }
             Edit::Title(Some(title)) => {
-                self.draft.set(&Path::from(["pipeline", "title"]), &Datum::Text(title.clone()))
+                self.draft.set(&Path::from(["pipeline", "title"]), &ParameterValue::Text(title.clone()))
             }
             Edit::Title(None) => self.draft.unset(&Path::from(["pipeline", "title"])),
             // Whole texts are no work on a draft; the document takes them in itself.
@@ -109,7 +109,7 @@ impl Work {
         let nodes = &self.survey.pipeline.nodes;
         nodes.iter().find(|node| node.name == name).ok_or_else(|| {
             let known = suggest(name, nodes.iter().map(|node| node.name.as_str()));
-            Error::usage(format!("there is no node '{name}'")).accepted(known)
+            Error::usage(format!("there is no node '{name}'")).expected(known)
         })
     }
 
@@ -126,7 +126,7 @@ impl Work {
             return Err(Error::usage("a node needs a name"));
         }
         match self.node(name) {
-            Ok(_) => Err(Error::usage(format!("there is a node '{name}' already")).accepted("another name")),
+            Ok(_) => Err(Error::usage(format!("there is a node '{name}' already")).expected("another name")),
             Err(_) => Ok(()),
         }
     }
@@ -143,7 +143,7 @@ impl Work {
         let type_field = Field {
             name: "type".into(),
             origin: Default::default(),
-            setting: Datum::Text(node_type.into()).into(),
+            setting: ParameterValue::Text(node_type.into()).into(),
         };
         let fields: Vec<Field> = [type_field].into_iter().chain(settings.iter().cloned()).collect();
         self.draft.add_table(&Path::from(["nodes", name]), &fields)?;
@@ -194,15 +194,16 @@ impl Work {
     fn connect(&mut self, node: &str, port: &str, source: &str, beside: bool) -> Result<()> {
         let path = Path::from(["nodes", node, "inputs", port]);
         let there = self.node(node)?.inputs.iter().find(|link| link.port == port).map(|link| &link.source);
-        let wire = Setting::from(Datum::Text(source.to_string()));
+        let wire = LocatedValue::from(ParameterValue::Text(source.to_string()));
         let datum = match there.filter(|_| beside) {
             None => wire.datum,
             Some(there) => {
-                let several = there.list().map(<[Setting]>::to_vec).unwrap_or_else(|| vec![there.clone()]);
+                let several =
+                    there.list().map(<[LocatedValue]>::to_vec).unwrap_or_else(|| vec![there.clone()]);
                 if several.iter().any(|known| known.text() == Some(source)) {
                     return Ok(());
                 }
-                Datum::List(several.into_iter().chain([wire]).collect())
+                ParameterValue::List(several.into_iter().chain([wire]).collect())
             }
         };
         self.draft.set(&path, &datum)
@@ -220,13 +221,14 @@ impl Work {
         match inputs {
             None => Ok(()),
             Some(fields) if fields.is_empty() => self.draft.unset(&path),
-            Some(fields) => self.draft.set(&path, &Datum::Table(fields)),
+            Some(fields) => self.draft.set(&path, &ParameterValue::Table(fields)),
         }
     }
 }
 
 /// The text of a new pipeline file.
 pub(crate) fn blank(title: Option<&str>) -> String {
-    let title = title.map(|title| format!("{} = {}\n", key_text("title"), Datum::Text(title.into())));
+    let title =
+        title.map(|title| format!("{} = {}\n", key_text("title"), ParameterValue::Text(title.into())));
     format!("[pipeline]\nformat = {}\n{}", voltet_graph::pipeline::FORMAT, title.unwrap_or_default())
 }

@@ -31,7 +31,7 @@ impl Document {
         let nodes = &pasted.pipeline().nodes;
         if nodes.is_empty() || !pasted.is_toml() {
             let error = Error::usage("the text has no nodes to paste");
-            return Err(error.accepted("TOML with a table [nodes.NAME] for each node"));
+            return Err(error.expected("TOML with a table [nodes.NAME] for each node"));
         }
         // As they lie here, where they are from here.
         let is_from_here =
@@ -50,7 +50,7 @@ impl Document {
         let nodes = &self.pipeline().nodes;
         if let Some(strange) = names.iter().find(|name| !nodes.iter().any(|node| node.name == **name)) {
             let known = suggest(strange, nodes.iter().map(|node| node.name.as_str()));
-            return Err(Error::usage(format!("there is no node '{strange}'")).accepted(known));
+            return Err(Error::usage(format!("there is no node '{strange}'")).expected(known));
         }
         let copied = Document::from_text(self.copy(names), None);
         let places: Vec<[f64; 2]> =

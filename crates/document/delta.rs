@@ -59,7 +59,7 @@ impl Delta {
             };
             match hunks.last_mut() {
                 Some(last) if last.former().end > range.start => {
-                    return Err(Error::run("two parts of an edit overlap").found(format!("{old:?}")));
+                    return Err(Error::run("two parts of an edit overlap").got(format!("{old:?}")));
                 }
                 Some(last) if last.former().end == range.start => {
                     last.old += old;

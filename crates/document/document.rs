@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use voltet_core::{Error, Result};
-use voltet_graph::pipeline::{Pipeline, Survey, locate};
+use voltet_graph::pipeline::{ParsedPipeline, Pipeline, locate};
 use voltet_graph::{NodeEntry, Stamp};
 
 /// A pipeline file that is edited. It is the text: everything else is read from it.
@@ -18,7 +18,7 @@ use voltet_graph::{NodeEntry, Stamp};
 pub struct Document {
     pub(crate) text: Arc<str>,
     pub(crate) syntax: Arc<Syntax>,
-    pub(crate) survey: Arc<Survey>,
+    pub(crate) survey: Arc<ParsedPipeline>,
     view: Arc<View>,
     pub(crate) history: History,
     pub(crate) path: Option<PathBuf>,
@@ -129,7 +129,7 @@ impl Document {
         if !self.survey.is_toml {
             let fault = self.survey.faults.first().cloned();
             let error = fault.unwrap_or_else(|| Error::usage("the text is not valid TOML"));
-            return Err(error.accepted("the text mended first"));
+            return Err(error.expected("the text mended first"));
         }
         let mut work = Work::new(self.text.clone(), self.syntax.clone(), self.survey.clone());
         let shown = |name: &str| self.shown.get(name).copied();
@@ -157,7 +157,7 @@ impl Document {
         Ok(true)
     }
 
-    fn take(&mut self, text: Arc<str>, syntax: Arc<Syntax>, survey: Arc<Survey>) {
+    fn take(&mut self, text: Arc<str>, syntax: Arc<Syntax>, survey: Arc<ParsedPipeline>) {
         if *text == *self.text {
             return;
         }

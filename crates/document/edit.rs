@@ -2,7 +2,7 @@
 
 use crate::path::Path;
 use crate::view::{Frame, Note};
-use voltet_graph::{Datum, Field, Setting};
+use voltet_graph::{Field, LocatedValue, ParameterValue};
 
 /// One edit. A path leads from a node's table to a part of its parameters: `"widgets.0.centre".into()`.
 #[derive(Debug, Clone, PartialEq)]
@@ -34,7 +34,7 @@ pub enum Edit {
         /// What is set.
         path: Path,
         /// Its value.
-        value: Datum,
+        value: ParameterValue,
     },
     /// A parameter, or a part of it, is not stated any more; an entry of a list is gone.
     Unset {
@@ -52,7 +52,7 @@ pub enum Edit {
         /// The number that it gets; the list's length for the end.
         place: usize,
         /// The entry.
-        entry: Datum,
+        entry: ParameterValue,
     },
     /// A copy of an entry, after it.
     Duplicate {
@@ -121,7 +121,7 @@ pub enum Edit {
     /// A note less.
     RemoveNote(usize),
     /// A set of widgets under a digit, 0 to 9, in place of what was there.
-    StoreSet(u8, Vec<Setting>),
+    StoreSet(u8, Vec<LocatedValue>),
     /// Another title; none takes it away.
     Title(Option<String>),
     /// Another text, which need not be valid: for typing in it.
@@ -130,7 +130,7 @@ pub enum Edit {
 
 impl Edit {
     /// A parameter set: what most edits are.
-    pub fn set(node: &str, path: impl Into<Path>, value: Datum) -> Edit {
+    pub fn set(node: &str, path: impl Into<Path>, value: ParameterValue) -> Edit {
         Edit::Set { node: node.to_string(), path: path.into(), value }
     }
 

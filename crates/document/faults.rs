@@ -4,7 +4,7 @@ use crate::links;
 use crate::path::{Path, Step};
 use crate::{Document, text::Syntax};
 use voltet_core::Error;
-use voltet_graph::{Graph, NodeEntry, Part as Stated, Registry};
+use voltet_graph::{DiagnosticTarget as Stated, Graph, NodeEntry, Registry};
 
 /// A mistake in a document.
 #[derive(Debug, Clone)]

@@ -15,9 +15,8 @@ impl Document {
     /// Opens a file. A text that is wrong in whatever way opens, too. Errors: it cannot be read, or is
     /// no text in UTF-8.
     pub fn open(path: &Path) -> Result<Document> {
-        let unreadable = |error: std::io::Error| {
-            Error::usage("the pipeline file cannot be read").found(error).in_file(path)
-        };
+        let unreadable =
+            |error: std::io::Error| Error::usage("the pipeline file cannot be read").got(error).in_file(path);
         let mut file = File::open(path).map_err(unreadable)?;
         // Before it is read: a change in between is noticed, at worst one that was read.
         let stamp = stamp(path);
@@ -25,12 +24,12 @@ impl Document {
         file.read_to_end(&mut bytes).map_err(unreadable)?;
         if PICTURES.iter().any(|first| bytes.starts_with(first)) {
             let error = Error::usage("the file is a picture, not a pipeline file");
-            return Err(error.accepted("the pipeline file that it was drawn by").in_file(path));
+            return Err(error.expected("the pipeline file that it was drawn by").in_file(path));
         }
         let text = String::from_utf8(bytes).map_err(|error| {
             let found = format!("byte {} is no UTF-8", error.utf8_error().valid_up_to());
-            let error = Error::usage("the file is no pipeline file").found(found);
-            error.accepted("TOML text").in_file(path)
+            let error = Error::usage("the file is no pipeline file").got(found);
+            error.expected("TOML text").in_file(path)
         })?;
         let mut document = Document::from_text(text, Some(path.to_path_buf()));
         document.stamp = stamp;
@@ -43,10 +42,10 @@ impl Document {
         let path = self
             .path
             .clone()
-            .ok_or_else(|| Error::usage("the pipeline has no file yet").accepted("a path to save it to"))?;
+            .ok_or_else(|| Error::usage("the pipeline has no file yet").expected("a path to save it to"))?;
         if self.changed_on_disk() {
             let error = Error::run("the file was changed by another program since it was read");
-            return Err(error.accepted("that change taken over, or this text saved over it").in_file(&path));
+            return Err(error.expected("that change taken over, or this text saved over it").in_file(&path));
         }
         self.save_as(&path)
     }

@@ -188,11 +188,11 @@ impl Document {
         let input = taking.all_inputs().find(|port| port.name == to.1).ok_or_else(|| missing(to.0, to.1))?;
         if !output.port_type.serves(input.port_type) {
             let what = format!("'{}' takes {}", input.name, input.port_type.with_article());
-            return Err(Error::usage(what).found(output.port_type.with_article()));
+            return Err(Error::usage(what).got(output.port_type.with_article()));
         }
         if links::upstream(nodes, from.0).contains(to.0) {
             let error = Error::usage(format!("'{}' would feed itself", to.0));
-            return Err(error.found(self.way(to.0, from.0).join(" → ")));
+            return Err(error.got(self.way(to.0, from.0).join(" → ")));
         }
         let source = match giving.outputs.len() {
             1 => from.0.to_string(),
@@ -201,7 +201,7 @@ impl Document {
         if source != from.0 && nodes.iter().any(|node| node.name == source) {
             let error =
                 Error::usage(format!("a node is called '{source}', which is how this output would be named"));
-            return Err(error.accepted("another name for that node"));
+            return Err(error.expected("another name for that node"));
         }
         let beside = taking.optional_inputs.iter().any(|port| port.name == to.1);
         let link = nodes.iter().find(|node| node.name == to.0);

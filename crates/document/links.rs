@@ -1,7 +1,7 @@
 //! Wires as pipeline files state them: `"node"` or `"node.port"`, one or a list.
 
 use std::collections::BTreeSet;
-use voltet_graph::{Datum, Field, LinkEntry, NodeEntry, Setting};
+use voltet_graph::{Field, LinkEntry, LocatedValue, NodeEntry, ParameterValue};
 
 /// The node that a source names, and its output where it names one: a whole text that is a node's name means that node.
 pub fn source<'a>(text: &'a str, nodes: &[NodeEntry]) -> (&'a str, Option<&'a str>) {
@@ -14,7 +14,7 @@ pub fn source<'a>(text: &'a str, nodes: &[NodeEntry]) -> (&'a str, Option<&'a st
 
 /// What feeds an input, wire by wire, as the file says it.
 pub fn sources(link: &LinkEntry) -> impl Iterator<Item = &str> {
-    link.source.list().unwrap_or(std::slice::from_ref(&link.source)).iter().filter_map(Setting::text)
+    link.source.list().unwrap_or(std::slice::from_ref(&link.source)).iter().filter_map(LocatedValue::text)
 }
 
 /// Whether a source is an output of a node.
@@ -43,19 +43,19 @@ pub(crate) fn renamed(node: &NodeEntry, from: &str, to: &str, nodes: &[NodeEntry
 
 /// What feeds a node after a change of each wire (its input and its source), where that is another; what is no wire stays.
 fn changed(node: &NodeEntry, change: impl Fn(&str, &str) -> Option<String>) -> Option<Vec<Field>> {
-    let one = |port: &str, setting: &Setting| match setting.text() {
-        Some(text) => change(port, text).map(|text| Setting::from(Datum::Text(text))),
+    let one = |port: &str, setting: &LocatedValue| match setting.text() {
+        Some(text) => change(port, text).map(|text| LocatedValue::from(ParameterValue::Text(text))),
         None => Some(setting.clone()),
     };
     let all = |link: &LinkEntry| {
         let setting = match link.source.list() {
             None => one(&link.port, &link.source)?,
             Some(list) => {
-                let kept: Vec<Setting> = list.iter().filter_map(|part| one(&link.port, part)).collect();
+                let kept: Vec<LocatedValue> = list.iter().filter_map(|part| one(&link.port, part)).collect();
                 if kept.is_empty() && !list.is_empty() {
                     return None;
                 }
-                Datum::List(kept).into()
+                ParameterValue::List(kept).into()
             }
         };
         Some(Field { name: link.port.clone(), origin: link.origin.clone(), setting })

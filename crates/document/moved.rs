@@ -6,7 +6,7 @@ use crate::panel::{Control, Row};
 use crate::path::Path;
 use std::path::Path as FilePath;
 use voltet_files::beside;
-use voltet_graph::{Datum, Registry};
+use voltet_graph::{ParameterValue, Registry};
 
 impl Document {
     /// The edits after which the files that it reads are found from another folder, too; those that are not there, and whole
@@ -23,7 +23,7 @@ impl Document {
                 let there = own.join(text);
                 if FilePath::new(text).is_relative() && there.exists() {
                     let text = beside(&there, folder).to_string_lossy().into_owned();
-                    edits.push(Edit::set(&node.name, path.clone(), Datum::Text(text)));
+                    edits.push(Edit::set(&node.name, path.clone(), ParameterValue::Text(text)));
                 }
             });
         }
@@ -40,7 +40,7 @@ fn whole(folder: &FilePath) -> Option<std::path::PathBuf> {
 /// The files to read that rows state.
 fn read(rows: &[Row], found: &mut dyn FnMut(&Path, &str)) {
     for row in rows {
-        if let (Control::InputFile, Some(Datum::Text(text))) = (&row.control, &row.stated) {
+        if let (Control::InputFile, Some(ParameterValue::Text(text))) = (&row.control, &row.stated) {
             found(&row.path, text);
         }
         read(&row.rows, found);

@@ -10,7 +10,7 @@ use std::sync::Arc;
 use std::time::SystemTime;
 use voltet_core::{Error, Result};
 use voltet_files::{Fnv, state_folder, write_whole};
-use voltet_graph::Datum;
+use voltet_graph::ParameterValue;
 
 const TEXT: &str = "toml";
 const LOCK: &str = "lock";
@@ -68,8 +68,8 @@ impl Recovery {
     pub fn keeper(&self, document: &Document) -> Result<Keeper> {
         let unwritable = |error: std::io::Error| {
             Error::run("unsaved work cannot be kept")
-                .found(error)
-                .accepted("a folder that can be written to")
+                .got(error)
+                .expected("a folder that can be written to")
                 .in_file(&self.folder)
         };
         std::fs::create_dir_all(&self.folder).map_err(unwritable)?;
@@ -86,7 +86,7 @@ impl Recovery {
                 return Ok(Keeper { text, lock, lock_path, of, kept: None });
             }
         }
-        Err(Error::run("unsaved work cannot be kept").found(format!("{SLOTS} works of the same file")))
+        Err(Error::run("unsaved work cannot be kept").got(format!("{SLOTS} works of the same file")))
     }
 
     /// What was left behind, the newest first.
@@ -112,7 +112,7 @@ impl Keeper {
             return Ok(());
         }
         let head = match &self.of {
-            Some(path) => format!("{OF}{}\n", Datum::Text(path.to_string_lossy().into_owned())),
+            Some(path) => format!("{OF}{}\n", ParameterValue::Text(path.to_string_lossy().into_owned())),
             None => format!("{NEW}\n"),
         };
         write_whole(&self.text, format!("{head}{text}").as_bytes())?;
@@ -185,7 +185,7 @@ fn opened(path: &Path) -> std::io::Result<File> {
 fn removed(path: &Path) -> Result<()> {
     match std::fs::remove_file(path) {
         Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
-            Err(Error::run("unsaved work cannot be taken away").found(error).in_file(path))
+            Err(Error::run("unsaved work cannot be taken away").got(error).in_file(path))
         }
         _ => Ok(()),
     }

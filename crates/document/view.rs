@@ -21,7 +21,7 @@
 //! numbers. What is not understood is left as it is.
 
 use std::collections::BTreeMap;
-use voltet_graph::{Datum, Field, Setting};
+use voltet_graph::{Field, LocatedValue, ParameterValue};
 
 /// How a node is shown.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -66,20 +66,20 @@ pub struct View {
     /// The notes.
     pub notes: Vec<Note>,
     /// Sets of widgets that a digit recalls into a transfer function, 0 to 9.
-    pub sets: BTreeMap<u8, Vec<Setting>>,
+    pub sets: BTreeMap<u8, Vec<LocatedValue>>,
 }
 
 impl View {
     /// From the keys of the table.
     pub fn read(fields: &[Field]) -> View {
-        let list = |name: &str| find(fields, name).and_then(Setting::list).unwrap_or_default();
-        let nodes = find(fields, "nodes").and_then(Setting::table).unwrap_or_default();
+        let list = |name: &str| find(fields, name).and_then(LocatedValue::list).unwrap_or_default();
+        let nodes = find(fields, "nodes").and_then(LocatedValue::table).unwrap_or_default();
         View {
             nodes: nodes.iter().map(|field| (field.name.clone(), NodeView::read(&field.setting))).collect(),
             frames: list("frames").iter().map(Frame::read).collect(),
             notes: list("notes").iter().map(Note::read).collect(),
             sets: find(fields, "sets")
-                .and_then(Setting::table)
+                .and_then(LocatedValue::table)
                 .unwrap_or_default()
                 .iter()
                 .filter_map(set)
@@ -89,17 +89,18 @@ impl View {
 }
 
 /// A set of widgets and its digit.
-fn set(field: &Field) -> Option<(u8, Vec<Setting>)> {
+fn set(field: &Field) -> Option<(u8, Vec<LocatedValue>)> {
     let digit = field.name.parse().ok().filter(|digit| *digit <= 9 && field.name.len() == 1)?;
     Some((digit, field.setting.list()?.to_vec()))
 }
 
 impl NodeView {
-    fn read(setting: &Setting) -> NodeView {
+    fn read(setting: &LocatedValue) -> NodeView {
         if let Some(fields) = setting.table() {
             return NodeView {
                 at: numbers(fields, "at"),
-                folded: find(fields, "folded").is_some_and(|folded| folded.datum == Datum::Boolean(true)),
+                folded: find(fields, "folded")
+                    .is_some_and(|folded| folded.datum == ParameterValue::Boolean(true)),
                 remark: text(fields, "remark"),
             };
         }
@@ -108,19 +109,19 @@ impl NodeView {
     }
 
     /// As the file has it; none where there is nothing to say.
-    pub(crate) fn datum(&self) -> Option<Datum> {
+    pub(crate) fn datum(&self) -> Option<ParameterValue> {
         let at = self.at.map(place);
         if !self.folded && self.remark.is_none() {
             return at;
         }
-        let folded = self.folded.then_some(Datum::Boolean(true));
-        let remark = self.remark.clone().map(Datum::Text);
+        let folded = self.folded.then_some(ParameterValue::Boolean(true));
+        let remark = self.remark.clone().map(ParameterValue::Text);
         Some(table([("at", at), ("folded", folded), ("remark", remark)]))
     }
 }
 
 impl Frame {
-    fn read(setting: &Setting) -> Frame {
+    fn read(setting: &LocatedValue) -> Frame {
         let fields = setting.table().unwrap_or_default();
         Frame {
             title: text(fields, "title").unwrap_or_default(),
@@ -130,10 +131,10 @@ impl Frame {
         }
     }
 
-    pub(crate) fn datum(&self) -> Datum {
-        let hundredths = |x: f64| Datum::Number((x * 100.0).round() / 100.0).into();
-        let color = self.color.map(|color| Datum::List(color.map(hundredths).to_vec()));
-        let title = Some(Datum::Text(self.title.clone()));
+    pub(crate) fn datum(&self) -> ParameterValue {
+        let hundredths = |x: f64| ParameterValue::Number((x * 100.0).round() / 100.0).into();
+        let color = self.color.map(|color| ParameterValue::List(color.map(hundredths).to_vec()));
+        let title = Some(ParameterValue::Text(self.title.clone()));
         table([
             ("title", title),
             ("at", Some(place(self.at))),
@@ -144,17 +145,17 @@ impl Frame {
 }
 
 impl Note {
-    fn read(setting: &Setting) -> Note {
+    fn read(setting: &LocatedValue) -> Note {
         let fields = setting.table().unwrap_or_default();
         Note { text: text(fields, "text").unwrap_or_default(), at: numbers(fields, "at").unwrap_or_default() }
     }
 
-    pub(crate) fn datum(&self) -> Datum {
-        table([("text", Some(Datum::Text(self.text.clone()))), ("at", Some(place(self.at)))])
+    pub(crate) fn datum(&self) -> ParameterValue {
+        table([("text", Some(ParameterValue::Text(self.text.clone()))), ("at", Some(place(self.at)))])
     }
 }
 
-fn find<'a>(fields: &'a [Field], name: &str) -> Option<&'a Setting> {
+fn find<'a>(fields: &'a [Field], name: &str) -> Option<&'a LocatedValue> {
     fields.iter().find(|field| field.name == name).map(|field| &field.setting)
 }
 
@@ -167,14 +168,14 @@ fn numbers<const N: usize>(fields: &[Field], name: &str) -> Option<[f64; N]> {
 }
 
 /// A place as whole numbers.
-pub(crate) fn place(at: [f64; 2]) -> Datum {
+pub(crate) fn place(at: [f64; 2]) -> ParameterValue {
     // Beyond the range of integers they saturate, which no screen shows.
-    Datum::List(at.map(|x| Datum::Integer(x.round() as i64).into()).to_vec())
+    ParameterValue::List(at.map(|x| ParameterValue::Integer(x.round() as i64).into()).to_vec())
 }
 
-fn table<const N: usize>(entries: [(&str, Option<Datum>); N]) -> Datum {
-    let field = |(name, datum): (&str, Option<Datum>)| {
+fn table<const N: usize>(entries: [(&str, Option<ParameterValue>); N]) -> ParameterValue {
+    let field = |(name, datum): (&str, Option<ParameterValue>)| {
         Some(Field { name: name.to_string(), origin: Default::default(), setting: datum?.into() })
     };
-    Datum::Table(entries.into_iter().filter_map(field).collect())
+    ParameterValue::Table(entries.into_iter().filter_map(field).collect())
 }

@@ -6,7 +6,7 @@ use eframe::egui::Context;
 use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
-use voltet_core::progress::Silent;
+use voltet_core::progress::NoProgress;
 use voltet_document::links::upstream;
 use voltet_graph::{NodeEntry, Registry};
 use voltet_io::formats::{self, Association, Request};
@@ -80,7 +80,7 @@ fn heads(path: &std::path::Path, request: &Request) -> Vec<Choice> {
 }
 
 fn ranges(path: &std::path::Path, request: &Request) -> Option<Vec<Choice>> {
-    let summary = formats::inspect(path, request, &Silent).ok()?;
+    let summary = formats::inspect(path, request, &NoProgress).ok()?;
     Some(summary.arrays.iter().flat_map(|array| choices(&array.head, array.range)).collect())
 }
 

@@ -13,7 +13,7 @@ use glam::DVec3;
 use std::collections::BTreeSet;
 use voltet_core::Error;
 use voltet_document::{Document, Edit};
-use voltet_graph::Datum;
+use voltet_graph::ParameterValue;
 use voltet_nodes::files::beside;
 
 impl Editor {
@@ -43,7 +43,7 @@ impl Editor {
             Action::Ask(asked, at) => self.asking = Some(FileAsking::new(asked, at.as_deref())),
             Action::Name { node, path, file } => {
                 let text = beside(&file, &self.document.folder()).to_string_lossy().into_owned();
-                let edit = Edit::Set { node, path, value: Datum::Text(text) };
+                let edit = Edit::Set { node, path, value: ParameterValue::Text(text) };
                 self.edit(edit.label(), &[edit]);
             }
         }
@@ -216,12 +216,13 @@ impl Editor {
 }
 
 /// Whether two values are the same; 2 and 2.0 are.
-fn same(a: &Datum, b: &Datum) -> bool {
+fn same(a: &ParameterValue, b: &ParameterValue) -> bool {
     match (a, b) {
-        (Datum::List(a), Datum::List(b)) => {
+        (ParameterValue::List(a), ParameterValue::List(b)) => {
             a.len() == b.len() && a.iter().zip(b).all(|(a, b)| same(&a.datum, &b.datum))
         }
-        (Datum::Integer(a), Datum::Number(b)) | (Datum::Number(b), Datum::Integer(a)) => *a as f64 == *b,
+        (ParameterValue::Integer(a), ParameterValue::Number(b))
+        | (ParameterValue::Number(b), ParameterValue::Integer(a)) => *a as f64 == *b,
         _ => a == b,
     }
 }

@@ -26,7 +26,7 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, channel};
 use voltet_core::{Error, Result};
 use voltet_document::{Document, Gesture};
-use voltet_graph::{NodeEntry, Quantity, Registry};
+use voltet_graph::{ArrayRef, NodeEntry, Registry};
 
 /// Makes the text of a pipeline for a file that is none, such as data; the second path is where it would be saved.
 pub type Start = Arc<dyn Fn(&Path, &Path) -> Result<String> + Send + Sync>;
@@ -38,7 +38,7 @@ pub(crate) struct Ground {
     pub shown: Option<String>,
     pub room: [u32; 2],
     pub hidden: Option<(String, BTreeSet<usize>)>,
-    pub axes: [Quantity; 2],
+    pub axes: [ArrayRef; 2],
     pub drags: bool,
     pub selection: BTreeSet<String>,
 }
@@ -100,7 +100,7 @@ impl Editor {
         wake: crate::worker::Wake,
     ) -> Result<Editor> {
         let wakes = wake.clone();
-        let no_thread = |error| Error::run("no thread can be had to look at files with").found(error);
+        let no_thread = |error| Error::run("no thread can be had to look at files with").got(error);
         let watch = Watch::start(BETWEEN, move || wakes()).map_err(no_thread)?;
         let mut editor = Editor {
             document,
@@ -258,7 +258,7 @@ impl Editor {
                 self.message = Some((format!("making a pipeline for {name} …"), false));
                 self.made = Some(made);
             }
-            Err(error) => self.complain(&Error::run("no thread can be had").found(error)),
+            Err(error) => self.complain(&Error::run("no thread can be had").got(error)),
         }
     }
 

@@ -50,7 +50,7 @@ impl Run {
             ctx.request_repaint();
         };
         let spawned = std::thread::Builder::new().name("run".into()).spawn(work);
-        spawned.map_err(|error| Error::run("no thread can be had").found(error))?;
+        spawned.map_err(|error| Error::run("no thread can be had").got(error))?;
         Ok(Run { outcome, stops })
     }
 }

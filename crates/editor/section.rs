@@ -11,7 +11,7 @@ use eframe::egui::{
 };
 use glam::DVec3;
 use std::sync::Arc;
-use voltet_graph::Quantity;
+use voltet_graph::ArrayRef;
 
 /// Pixels of its picture.
 const SIZE: [usize; 2] = [320, 240];
@@ -146,7 +146,7 @@ impl SectionPanel {
             return;
         }
         let of_data = scene.distribution.as_ref();
-        let of_data = of_data.and_then(|found| found.known.ranges.get(&Quantity::Named("s")).copied());
+        let of_data = of_data.and_then(|found| found.known.ranges.get(&ArrayRef::Named("s")).copied());
         let found = section.values.iter().flatten().map(|value| value[0]);
         let [low, high] = of_data.unwrap_or_else(|| {
             found.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], s| [low.min(s), high.max(s)])

@@ -4,7 +4,7 @@
 
 use glam::{DQuat, DVec3};
 use voltet_core::camera::{Camera, Projection};
-use voltet_graph::{Datum, NodeEntry, Setting};
+use voltet_graph::{LocatedValue, NodeEntry, ParameterValue};
 
 /// Narrowest and widest view of a perspective camera that zooming with a fixed eye may reach, degrees.
 const FOV: [f64; 2] = [1e-3, 170.0];
@@ -41,7 +41,7 @@ impl View {
             let numbers = find(name)?.numbers()?;
             <[f64; 3]>::try_from(numbers).ok().map(DVec3::from)
         };
-        let projection = match (find("height").and_then(Setting::number), find("fov_y")) {
+        let projection = match (find("height").and_then(LocatedValue::number), find("fov_y")) {
             (Some(height), None) => Projection::Orthographic { height },
             (None, None) => Projection::Perspective { fov_y: 30.0 },
             (_, Some(fov_y)) => Projection::Perspective { fov_y: fov_y.number()? },
@@ -52,15 +52,17 @@ impl View {
     }
 
     /// The parameters of a camera node that say so: a name and a value each. Numbers are written with seven digits.
-    pub fn settings(&self) -> Vec<(&'static str, Datum)> {
+    pub fn settings(&self) -> Vec<(&'static str, ParameterValue)> {
         let scale = (self.eye - self.target).length();
         let vector = |v: DVec3, scale: f64| {
-            let numbers = v.to_array().map(|x| Setting::from(Datum::Number(written(x, scale))));
-            Datum::List(numbers.to_vec())
+            let numbers = v.to_array().map(|x| LocatedValue::from(ParameterValue::Number(written(x, scale))));
+            ParameterValue::List(numbers.to_vec())
         };
         let projection = match self.projection {
-            Projection::Perspective { fov_y } => ("fov_y", Datum::Number(written(fov_y, fov_y))),
-            Projection::Orthographic { height } => ("height", Datum::Number(written(height, height))),
+            Projection::Perspective { fov_y } => ("fov_y", ParameterValue::Number(written(fov_y, fov_y))),
+            Projection::Orthographic { height } => {
+                ("height", ParameterValue::Number(written(height, height)))
+            }
         };
         vec![
             ("eye", vector(self.eye, scale)),

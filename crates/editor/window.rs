@@ -28,7 +28,7 @@ pub fn run(file: Option<&Path>, registry: &Registry, start: Start, study: Study)
         Some(path) if is_pipeline(path) => Document::open(path)?,
         Some(path) => {
             std::fs::metadata(path)
-                .map_err(|error| Error::usage("the file cannot be read").found(error).in_file(path))?;
+                .map_err(|error| Error::usage("the file cannot be read").got(error).in_file(path))?;
             Document::new()
         }
         None => Document::new(),
@@ -51,8 +51,8 @@ pub fn run(file: Option<&Path>, registry: &Registry, start: Start, study: Study)
     };
     let failed = |error: &dyn std::fmt::Display| {
         Error::run("the window cannot be opened")
-            .found(without_place(&error.to_string().replace('\n', ", ")))
-            .accepted("a display with OpenGL 2 or later (Mesa's software driver will do)")
+            .got(without_place(&error.to_string().replace('\n', ", ")))
+            .expected("a display with OpenGL 2 or later (Mesa's software driver will do)")
     };
     let made = |context: &eframe::CreationContext| -> std::result::Result<Box<dyn App>, Box<dyn std::error::Error + Send + Sync>> {
         theme::apply(&context.egui_ctx);
@@ -86,8 +86,8 @@ fn refuse_without_display(is_set: &dyn Fn(&str) -> bool) -> Result<()> {
     match ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"].into_iter().any(is_set) {
         true => Ok(()),
         false => Err(Error::run("there is no display to open a window on")
-            .found("neither DISPLAY nor WAYLAND_DISPLAY is set")
-            .accepted("a desktop session, or `voltet run FILE`, which needs none")),
+            .got("neither DISPLAY nor WAYLAND_DISPLAY is set")
+            .expected("a desktop session, or `voltet run FILE`, which needs none")),
     }
 }
 

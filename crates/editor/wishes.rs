@@ -9,7 +9,7 @@ use crate::worker::{Distribution, Known, Probed, Probing, Sectioning, Sharing, W
 use std::collections::BTreeSet;
 use std::sync::Arc;
 use voltet_document::links::{self, upstream};
-use voltet_graph::{Datum, NodeEntry};
+use voltet_graph::{NodeEntry, ParameterValue};
 
 impl Editor {
     /// Asks the worker for what is wanted now and was not before.
@@ -259,7 +259,7 @@ fn put_in_numbers(nodes: &mut [NodeEntry], look: &str, known: &Known) {
     if let Some(setting) = widgets.map(|field| &mut field.setting)
         && let Some(list) = setting.list().and_then(|list| transfer::in_numbers(list, known))
     {
-        setting.datum = Datum::List(list);
+        setting.datum = ParameterValue::List(list);
     }
 }
 
@@ -267,7 +267,7 @@ fn put_in_numbers(nodes: &mut [NodeEntry], look: &str, known: &Known) {
 fn leave_out(nodes: &mut [NodeEntry], look: &str, hidden: &BTreeSet<usize>) {
     let node = nodes.iter_mut().find(|node| node.name == look);
     let field = node.and_then(|node| node.settings.iter_mut().find(|field| field.name == "widgets"));
-    if let Some(Datum::List(list)) = field.map(|field| &mut field.setting.datum) {
+    if let Some(ParameterValue::List(list)) = field.map(|field| &mut field.setting.datum) {
         let mut place = 0;
         list.retain(|_| {
             place += 1;

@@ -85,7 +85,7 @@ pub fn follow<T: Send>(
                 work(state)
             },
         );
-        let run = run.map_err(|error| Error::run("no thread can be begun").found(error))?;
+        let run = run.map_err(|error| Error::run("no thread can be begun").got(error))?;
         let mut asked = Instant::now();
         loop {
             let (stopped, ended) = match beside.next() {

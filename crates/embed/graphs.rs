@@ -3,7 +3,9 @@
 use crate::session::{Scene, Session};
 use voltet_core::Result;
 use voltet_document::links::{source, sources, upstream};
-use voltet_graph::{Datum, Graph, LinkEntry, Node, NodeEntry, Origin, Port, PortType, Setting};
+use voltet_graph::{
+    Graph, LinkEntry, LocatedValue, Node, NodeEntry, ParameterValue, Port, PortType, SourceSpan,
+};
 use voltet_nodes::given;
 
 /// What takes a value: the run is made for it.
@@ -64,7 +66,7 @@ impl Session {
 
     /// What takes the values of these nodes: of each the first that fits.
     fn taker(&self, entries: &[NodeEntry], port: &str, nodes: &[String]) -> NodeEntry {
-        let text = |text: &str| Setting::from(Datum::Text(text.into()));
+        let text = |text: &str| LocatedValue::from(ParameterValue::Text(text.into()));
         let taken = TAKER.optional_inputs.iter().find(|input| input.name == port);
         let output = |name: &String| {
             let entry = entries.iter().find(|entry| entry.name == *name)?;
@@ -79,13 +81,13 @@ impl Session {
         };
         NodeEntry {
             name: TAKER_NAME.into(),
-            origin: Origin::Nowhere,
+            origin: SourceSpan::Nowhere,
             node_type: text(TAKER.name),
             settings: Vec::new(),
             inputs: vec![LinkEntry {
                 port: port.into(),
-                origin: Origin::Nowhere,
-                source: Datum::List(nodes.iter().map(source).collect()).into(),
+                origin: SourceSpan::Nowhere,
+                source: ParameterValue::List(nodes.iter().map(source).collect()).into(),
             }],
         }
     }

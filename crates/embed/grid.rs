@@ -4,9 +4,9 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::Arc;
-use voltet_core::grid::{self, Array, CellSet, Cells, Grid, Options, Parts, Polyhedron, code};
+use voltet_core::grid::{self, Array, CellSet, Cells, Grid, Options, Polyhedron, RawGrid, code};
 use voltet_core::progress::Progress;
-use voltet_core::{Error, Result, Shared};
+use voltet_core::{Error, Result, SharedSlice};
 use voltet_io::formats::face_stream;
 
 /// A grid as a program holds it. That slices without end live and stay as they are as long as `keep` is the promise of whoever
@@ -65,7 +65,7 @@ pub struct ArraySource {
     /// Its name.
     pub name: String,
     /// Its numbers, the components of a tuple side by side.
-    pub values: Shared<f64>,
+    pub values: SharedSlice<f64>,
     /// Components of a tuple, at least 1.
     pub component_count: usize,
     /// Whether it has a tuple a cell, else one a point.
@@ -75,7 +75,7 @@ pub struct ArraySource {
 /// Makes the grid. Its scalar is left open where none is named and several could be it.
 pub fn grid(source: Source, progress: &dyn Progress) -> Result<Grid> {
     let (cells, plain) = cells(&source)?;
-    let mut parts = Parts::new(Shared::lent(points_of(source.points)?, source.keep.clone()), cells);
+    let mut parts = RawGrid::new(SharedSlice::lent(points_of(source.points)?, source.keep.clone()), cells);
     arrays(source.arrays, &mut parts)?;
     parts.ghost = source.ghost.map(|flags| flags.iter().map(|&flag| flag != 0).collect());
     parts.degrees = source.degrees.map(|degrees| degrees.as_chunks::<3>().0.to_vec());
@@ -83,7 +83,7 @@ pub fn grid(source: Source, progress: &dyn Progress) -> Result<Grid> {
     let mut grid = grid::build(parts, &source.options, progress)?;
     // Such as were ascending already need not stand twice.
     if let Some(own) = plain.filter(|own| grid.tetrahedra.as_slice() == *own) {
-        grid.tetrahedra = Shared::lent(own, source.keep);
+        grid.tetrahedra = SharedSlice::lent(own, source.keep);
     }
     if let Some(name) = scalar {
         grid.scalar = grid.point_arrays.get(&name).map(|array| array.values.clone());
@@ -96,7 +96,7 @@ pub fn grid(source: Source, progress: &dyn Progress) -> Result<Grid> {
 pub fn no_scalar(grid: &Grid) -> Error {
     let scalars = grid.point_arrays.iter().filter(|(_, array)| array.component_count == 1);
     let names: Vec<&str> = scalars.map(|(name, _)| name.as_str()).collect();
-    Error::usage("the scalar is not named").accepted(one_of(&names))
+    Error::usage("the scalar is not named").expected(one_of(&names))
 }
 
 /// "an array of one component: a, b".
@@ -110,19 +110,19 @@ fn one_of(names: &[&str]) -> String {
 /// Three numbers a point.
 fn points_of(numbers: &'static [f64]) -> Result<&'static [DVec3]> {
     if !numbers.len().is_multiple_of(3) {
-        let error = Error::usage("the points are not three numbers each").found(numbers.len());
-        return Err(error.accepted("a multiple of 3"));
+        let error = Error::usage("the points are not three numbers each").got(numbers.len());
+        return Err(error.expected("a multiple of 3"));
     }
     Ok(bytemuck::cast_slice(numbers))
 }
 
-fn arrays(arrays: Vec<ArraySource>, parts: &mut Parts) -> Result<()> {
+fn arrays(arrays: Vec<ArraySource>, parts: &mut RawGrid) -> Result<()> {
     if arrays.is_empty() {
-        return Err(Error::usage("the grid has no arrays").accepted("at least the scalar that is drawn"));
+        return Err(Error::usage("the grid has no arrays").expected("at least the scalar that is drawn"));
     }
     for ArraySource { name, values, component_count, on_cells } in arrays {
         if parts.point_arrays.contains_key(&name) || parts.cell_arrays.contains_key(&name) {
-            return Err(Error::usage("two arrays have the same name").found(format!("'{name}'")));
+            return Err(Error::usage("two arrays have the same name").got(format!("'{name}'")));
         }
         let arrays = if on_cells { &mut parts.cell_arrays } else { &mut parts.point_arrays };
         arrays.insert(name, Array { component_count, values });
@@ -131,7 +131,7 @@ fn arrays(arrays: Vec<ArraySource>, parts: &mut Parts) -> Result<()> {
 }
 
 /// The name of the array that is drawn.
-fn scalar(wanted: Option<String>, parts: &Parts) -> Result<Option<String>> {
+fn scalar(wanted: Option<String>, parts: &RawGrid) -> Result<Option<String>> {
     let all: BTreeMap<&str, usize> = [&parts.point_arrays, &parts.cell_arrays]
         .into_iter()
         .flatten()
@@ -145,7 +145,7 @@ fn scalar(wanted: Option<String>, parts: &Parts) -> Result<Option<String>> {
                 Some(count) => format!("'{name}' of {count} components"),
                 None => format!("'{name}'"),
             };
-            Err(Error::usage("the grid has no such scalar").found(found).accepted(one_of(&scalars)))
+            Err(Error::usage("the grid has no such scalar").got(found).expected(one_of(&scalars)))
         }
         (None, [only]) => Ok(Some(only.to_string())),
         (None, _) => Ok(None),
@@ -158,17 +158,16 @@ fn cells(source: &Source) -> Result<(Cells, Option<&'static [[u32; 4]]>)> {
         CellSource::Tetrahedra(numbers) => {
             let (own, rest) = numbers.as_chunks::<4>();
             if !rest.is_empty() {
-                let error =
-                    Error::usage("the tetrahedra are not four point numbers each").found(numbers.len());
-                return Err(error.accepted("a multiple of 4"));
+                let error = Error::usage("the tetrahedra are not four point numbers each").got(numbers.len());
+                return Err(error.expected("a multiple of 4"));
             }
             return Ok((Cells::Tetrahedra(own.to_vec()), Some(own)));
         }
         CellSource::Mixed { types, offsets, connectivity, .. } => (types, offsets, connectivity),
     };
     if offsets.len() != types.len() + 1 {
-        let error = Error::usage("the cells have the wrong number of offsets").found(offsets.len());
-        return Err(error.accepted(format!("{}, one more than cells", types.len() + 1)));
+        let error = Error::usage("the cells have the wrong number of offsets").got(offsets.len());
+        return Err(error.expected(format!("{}, one more than cells", types.len() + 1)));
     }
     let (own, count): (Option<&'static [u32]>, usize) = match connectivity {
         Numbers::Narrow(own) => (Some(own), own.len()),
@@ -195,8 +194,8 @@ fn cells(source: &Source) -> Result<(Cells, Option<&'static [[u32; 4]]>)> {
 /// That offsets begin at 0 or above, never descend, and end within the connectivity.
 fn check_offsets(offsets: &[i64], total: usize) -> Result<()> {
     let wrong = |number: usize, accepted: String| {
-        let error = Error::usage(format!("offsets[{number}] is wrong")).found(offsets[number]);
-        Err(error.accepted(accepted))
+        let error = Error::usage(format!("offsets[{number}] is wrong")).got(offsets[number]);
+        Err(error.expected(accepted))
     };
     if offsets[0] < 0 {
         return wrong(0, "0 or more".into());
@@ -214,8 +213,8 @@ fn check_offsets(offsets: &[i64], total: usize) -> Result<()> {
 fn point_numbers(numbers: &[i64], what: &str) -> Result<Vec<u32>> {
     if let Some(place) = numbers.par_iter().position_first(|&number| u32::try_from(number).is_err()) {
         return Err(Error::usage(format!("{what}[{place}] is no number of a point"))
-            .found(numbers[place])
-            .accepted(format!("0 to {}", u32::MAX)));
+            .got(numbers[place])
+            .expected(format!("0 to {}", u32::MAX)));
     }
     Ok(numbers.par_iter().map(|&number| number as u32).collect())
 }
@@ -231,16 +230,16 @@ fn polyhedra(cells: CellSource) -> Result<Vec<Polyhedron>> {
         let found =
             format!("{} places for {} cells, polyhedra among them", face_locations.len(), types.len());
         let what = if face_locations.is_empty() { "is missing" } else { "has the wrong length" };
-        let error = Error::usage(format!("face_locations {what}")).found(found);
-        return Err(error.accepted("the place of each polyhedron's faces, one number a cell"));
+        let error = Error::usage(format!("face_locations {what}")).got(found);
+        return Err(error.expected("the place of each polyhedron's faces, one number a cell"));
     }
     let faces = point_numbers(faces, "faces")?;
     for (number, _) in types.iter().enumerate().filter(|(_, t)| **t == code::POLYHEDRON) {
         let place = face_locations[number];
         let damaged = || {
             Error::usage(format!("the faces of cell {number}, a polyhedron, are damaged"))
-                .found(format!("face_locations[{number}] = {place} of {} numbers", faces.len()))
-                .accepted(
+                .got(format!("face_locations[{number}] = {place} of {} numbers", faces.len()))
+                .expected(
                     "the place of its number of faces, then each face's count and points, all within faces",
                 )
         };

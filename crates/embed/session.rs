@@ -9,7 +9,8 @@ use voltet_core::picture::Picture;
 use voltet_core::{Error, Result};
 use voltet_graph::pipeline::Pipeline;
 use voltet_graph::{
-    Demand, Given, Graph, NodeEntry, Observer, Port, PortType, Registry, RunReport, Stated, Value,
+    Demand, Graph, NodeEntry, NodeOverride, Observer, Port, PortType, Registry, ResolvedPipeline, RunReport,
+    Value,
 };
 use voltet_io::provenance::run_report;
 use voltet_nodes::given;
@@ -31,7 +32,7 @@ pub struct Session {
     pub(crate) registry: Registry,
     runs: voltet_graph::Session,
     /// The grids that stand in for nodes' own.
-    pub(crate) grids: BTreeMap<String, Given>,
+    pub(crate) grids: BTreeMap<String, NodeOverride>,
     last: Option<RunReport>,
 }
 
@@ -46,7 +47,7 @@ pub struct Drawing {
 /// What a run did, kept to be put into words when it is asked for.
 pub struct Account {
     path: String,
-    stated: Stated,
+    stated: ResolvedPipeline,
     /// Without its pictures.
     run: RunReport,
 }
@@ -165,7 +166,7 @@ impl Session {
         observer: &dyn Observer,
     ) -> Result<Picture> {
         let picture = self.draw(scene, drawing, observer)?;
-        self.runs.let_go(&picture);
+        self.runs.release(&picture);
         if let Some(report) = &mut self.last {
             report.pictures.clear();
         }
@@ -231,7 +232,7 @@ impl Session {
     pub fn account(&self, scene: &dyn Scene, text: String) -> Option<Account> {
         let run = RunReport { pictures: Vec::new(), ..self.last.clone()? };
         // No file is written by it, so that the places of its paths are of no use.
-        let stated = Stated::new(scene.pipeline().title.clone(), text, std::iter::empty());
+        let stated = ResolvedPipeline::new(scene.pipeline().title.clone(), text, std::iter::empty());
         Some(Account { path: scene.path().display().to_string(), stated, run })
     }
 }
@@ -245,13 +246,13 @@ fn only(named: Option<&str>, giving: &[String], what: &str) -> Result<String> {
     match (named, giving) {
         (Some(name), _) if giving.iter().any(|known| known == name) => Ok(name.into()),
         (Some(name), _) => {
-            Err(Error::usage(format!("the node '{name}' gives no {what}")).accepted(accepted()))
+            Err(Error::usage(format!("the node '{name}' gives no {what}")).expected(accepted()))
         }
         (None, [one]) => Ok(one.clone()),
-        (None, []) => Err(Error::usage(format!("the pipeline has no {what}")).accepted(accepted())),
+        (None, []) => Err(Error::usage(format!("the pipeline has no {what}")).expected(accepted())),
         (None, _) => Err(Error::usage(format!("the pipeline has several nodes that give a {what}"))
-            .found("none named")
-            .accepted(accepted())),
+            .got("none named")
+            .expected(accepted())),
     }
 }
 
@@ -259,7 +260,7 @@ fn only(named: Option<&str>, giving: &[String], what: &str) -> Result<String> {
 fn size_of(graph: &Graph) -> Result<[usize; 2]> {
     let gives_camera = |port: &Port| port.port_type == PortType::Camera;
     let camera = graph.nodes.iter().find(|node| node.node.outputs.iter().any(gives_camera));
-    let none = || Error::usage("the pipeline has no camera").accepted("a node of type \"camera\"");
+    let none = || Error::usage("the pipeline has no camera").expected("a node of type \"camera\"");
     let size: [f64; 2] = camera.ok_or_else(none)?.parameters.vector("size")?;
     Ok(size.map(|side| side as usize))
 }

@@ -109,7 +109,7 @@ pub fn beside(path: &Path, folder: &Path) -> PathBuf {
     let Ok(own) = std::fs::canonicalize(own) else { return path.to_path_buf() };
     let shared = there.components().zip(own.components()).take_while(|(a, b)| a == b);
     let has_home = shared.into_iter().any(|(part, _)| matches!(part, std::path::Component::Normal(_)));
-    match voltet_graph::way(&own, &there).filter(|_| has_home) {
+    match voltet_graph::relative_path(&own, &there).filter(|_| has_home) {
         Some(way) => PathBuf::from(way),
         None => there,
     }

@@ -53,7 +53,7 @@ pub fn standard_output(content: &[u8]) -> Result<bool> {
 
 /// The error where the standard output takes nothing more.
 pub fn unwritable_output(error: &io::Error) -> Error {
-    Error::run("the standard output cannot be written").found(error).accepted("an output with space left")
+    Error::run("the standard output cannot be written").got(error).expected("an output with space left")
 }
 
 fn target(path: &Path) -> Result<Target> {
@@ -62,8 +62,8 @@ fn target(path: &Path) -> Result<Target> {
     }
     match std::fs::metadata(path) {
         Ok(there) if there.is_dir() => {
-            let error = Error::run("the path of the file to write is a folder").found(path.display());
-            Err(error.accepted("the path of a file"))
+            let error = Error::run("the path of the file to write is a folder").got(path.display());
+            Err(error.expected("the path of a file"))
         }
         // The superuser may write to it all the same; whoever took the right to write away meant it.
         Ok(there) if there.permissions().readonly() => Err(read_only(path)),
@@ -73,8 +73,8 @@ fn target(path: &Path) -> Result<Target> {
         },
         Ok(there) if takes_a_stream(&there) => Ok(Target::Through),
         Ok(_) => Err(Error::run(format!("'{}' cannot be written", path.display()))
-            .found("a disk or a socket")
-            .accepted("a file, a pipe, a terminal, or a device such as /dev/null")),
+            .got("a disk or a socket")
+            .expected("a file, a pipe, a terminal, or a device such as /dev/null")),
         Err(error) if error.kind() == ErrorKind::NotFound => {
             let there = followed(path);
             match folder(&there).is_dir() {
@@ -141,17 +141,17 @@ fn take_over(former: &Metadata, file: &File) -> io::Result<()> {
 
 fn read_only(path: &Path) -> Error {
     Error::run(format!("'{}' is read-only and is left as it is", path.display()))
-        .accepted("another path, or the right to write to the file")
+        .expected("another path, or the right to write to the file")
 }
 
 fn without_folder(path: &Path, folder: &Path) -> Error {
     Error::run(format!("'{}' cannot be written: its folder does not exist", path.display()))
-        .found(folder.display())
-        .accepted("a folder that is there")
+        .got(folder.display())
+        .expected("a folder that is there")
 }
 
 fn unwritable(path: &Path, error: &io::Error) -> Error {
     Error::run(format!("'{}' cannot be written", path.display()))
-        .found(error)
-        .accepted("a folder that can be written to, with space left")
+        .got(error)
+        .expected("a folder that can be written to, with space left")
 }

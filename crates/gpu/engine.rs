@@ -18,29 +18,29 @@ use voltet_core::Result;
 use voltet_core::progress::Progress;
 use voltet_core::visibility::FaceOrder;
 use voltet_core::volume::Volume;
-use voltet_graph::{Notes, Saving};
+use voltet_graph::{NodeDiagnostics, SavedWork};
 use voltet_optics::engine::{
-    AdapterWish, Chosen, Compositing, Counts, Declaration, Drawn, Engine, Forgetful, Forms, Manner, Memory,
-    Pending, Prepared,
+    AdapterRequest, Compositor, CompositorChoice, Engine, EngineInfo, KeyValueStore, NoStore, Pending,
+    PreparedVolume, RenderOptions, RenderOutput, RenderStats, SegmentEvaluator,
 };
 use voltet_optics::scene::Scene;
 use voltet_shaders::compose;
 
 /// The device engine.
-pub const ENGINE: Declaration = Declaration {
+pub const ENGINE: EngineInfo = EngineInfo {
     name: "gpu",
     summary: "the graphics device, or an error",
     taken: Some("the GPU if a hardware adapter holds the scene"),
-    absent: None,
+    unavailable_reason: None,
     on_device: true,
-    compositing: &Compositing::ALL,
+    compositing: &Compositor::ALL,
     can_serve: limits::can_serve,
     adapters: || Adapters::find().described(),
     open: |wish, memory| open(wish, memory).map(|opened| Arc::new(opened) as Arc<dyn Engine>),
-    open_each: |wish| open(wish, &Forgetful).map(|opened| vec![Arc::new(opened) as Arc<dyn Engine>]),
+    open_each: |wish| open(wish, &NoStore).map(|opened| vec![Arc::new(opened) as Arc<dyn Engine>]),
 };
 
-fn open(wish: &AdapterWish, memory: &dyn Memory) -> Result<OnDevice> {
+fn open(wish: &AdapterRequest, memory: &dyn KeyValueStore) -> Result<OnDevice> {
     let any_hardware = wish.hardware && wish.name.is_none();
     if any_hardware && let Some(listed) = absent::recall(memory) {
         return Err(no_hardware(&format!("{listed} (remembered)")));
@@ -83,18 +83,23 @@ impl Engine for OnDevice {
         self.device.is_lost()
     }
 
-    fn prepare(&self, volume: &Arc<Volume>) -> Result<Arc<dyn Prepared>> {
+    fn prepare(&self, volume: &Arc<Volume>) -> Result<Arc<dyn PreparedVolume>> {
         let before = self.device.work().uploads;
         let renderer = Renderer::new(self.device.clone(), volume)?;
         let uploads = AtomicU64::new(self.device.work().uploads - before);
         Ok(Arc::new(Uploaded { renderer: Arc::new(renderer), uploads }))
     }
 
-    fn forms(&self) -> Option<Box<dyn Forms>> {
+    fn forms(&self) -> Option<Box<dyn SegmentEvaluator>> {
         Some(Box::new(Segments::new(self.device.clone())))
     }
 
-    fn choose(&self, scene: &Scene, memory: &dyn Memory, progress: &dyn Progress) -> Result<Option<Chosen>> {
+    fn choose(
+        &self,
+        scene: &Scene,
+        memory: &dyn KeyValueStore,
+        progress: &dyn Progress,
+    ) -> Result<Option<CompositorChoice>> {
         compositors::choose(&self.device, &self.compositors, scene, memory, progress).map(Some)
     }
 
@@ -114,22 +119,27 @@ struct Uploaded {
     uploads: AtomicU64,
 }
 
-impl Prepared for Uploaded {
-    fn draw(&self, scene: &Scene, manner: &Manner, progress: &dyn Progress) -> Result<Drawn> {
+impl PreparedVolume for Uploaded {
+    fn draw(&self, scene: &Scene, manner: &RenderOptions, progress: &dyn Progress) -> Result<RenderOutput> {
         let device = self.renderer.device();
         let before = device.work();
         let drawn = draw(&self.renderer, scene, manner, progress)?;
         Ok(of_engine(device, drawn, manner, self.since(before)))
     }
 
-    fn begin(&self, scene: &Scene, manner: &Manner, progress: &dyn Progress) -> Result<Box<dyn Pending>> {
+    fn begin(
+        &self,
+        scene: &Scene,
+        manner: &RenderOptions,
+        progress: &dyn Progress,
+    ) -> Result<Box<dyn Pending>> {
         let before = self.renderer.device().work();
         let begun = flight::begin(&self.renderer, scene, manner, progress)?;
         let (device, work) = (self.renderer.device().clone(), self.since(before));
         Ok(Box::new(UnderWay { device, begun, manner: *manner, work }))
     }
 
-    fn operations(&self, scene: &Scene, manner: &Manner, counts: &Counts) -> Result<Option<u64>> {
+    fn operations(&self, scene: &Scene, manner: &RenderOptions, counts: &RenderStats) -> Result<Option<u64>> {
         let Some(segments) = counts.segments else { return Ok(None) };
         let (choices, _) = draw::choices(&self.renderer, scene, manner)?;
         operations::of_compositor(&compose(&choices), segments).map(Some)
@@ -152,32 +162,32 @@ impl Uploaded {
 struct UnderWay {
     device: Arc<Device>,
     begun: flight::Begun,
-    manner: Manner,
+    manner: RenderOptions,
     work: Work,
 }
 
 impl Pending for UnderWay {
-    fn collect(self: Box<Self>, progress: &dyn Progress) -> Result<Drawn> {
+    fn collect(self: Box<Self>, progress: &dyn Progress) -> Result<RenderOutput> {
         let drawn = self.begun.collect(progress)?;
         Ok(of_engine(&self.device, drawn, &self.manner, self.work))
     }
 }
 
 /// A picture of the device as every engine gives it.
-fn of_engine(device: &Device, drawn: drawn::Drawn, manner: &Manner, work: Work) -> Drawn {
+fn of_engine(device: &Device, drawn: drawn::Drawn, manner: &RenderOptions, work: Work) -> RenderOutput {
     let mut notes = notes(device, &drawn, manner);
     notes.counts.insert("shader_builds", work.shader_builds);
     notes.counts.insert("uploads", work.uploads);
     notes.counts.insert("bytes_uploaded", work.bytes_uploaded);
     let counts = drawn.counts.of_engine(manner);
-    let compositing = Compositing::Tiles;
-    let instead = drawn.tiles_instead.map(|why| Chosen { compositing, why, measured_secs: None });
-    Drawn { counts, instead, notes, ..Drawn::new(drawn.picture, drawn.passes) }
+    let compositing = Compositor::Tiles;
+    let instead = drawn.tiles_instead.map(|why| CompositorChoice { compositing, why, measured_secs: None });
+    RenderOutput { counts, instead, notes, ..RenderOutput::new(drawn.picture, drawn.passes) }
 }
 
 /// What only this engine counts and leaves out, and what should be known of the device.
-fn notes(device: &Device, drawn: &drawn::Drawn, manner: &Manner) -> Notes {
-    let mut notes = Notes::default();
+fn notes(device: &Device, drawn: &drawn::Drawn, manner: &RenderOptions) -> NodeDiagnostics {
+    let mut notes = NodeDiagnostics::default();
     notes.counts.insert("tile_entries", drawn.counts.tile_entries);
     notes.counts.insert("sweeps_further", drawn.counts.sweeps_further);
     if let Some(along_faces) = &drawn.along_faces {
@@ -193,14 +203,14 @@ fn notes(device: &Device, drawn: &drawn::Drawn, manner: &Manner) -> Notes {
     }
     if let (Some(leave), false) = (manner.may_leave_out, drawn.parts_left_out.is_empty()) {
         let what = format!("shader parts {}", drawn.parts_left_out.join(", "));
-        let saving = Saving::Bytes(drawn.part_bytes_left_out);
-        notes.leave_out(leave, what, "the scene asks for nothing of the kind", Some(saving));
+        let saving = SavedWork::Bytes(drawn.part_bytes_left_out);
+        notes.record_skipped(leave, what, "the scene asks for nothing of the kind", Some(saving));
     }
     notes
 }
 
 /// What is known of an exact order that was blended.
-fn note_order(notes: &mut Notes, drawn::AlongFaces { order, checked }: &drawn::AlongFaces) {
+fn note_order(notes: &mut NodeDiagnostics, drawn::AlongFaces { order, checked }: &drawn::AlongFaces) {
     let FaceOrder { cells, across_gaps, taken_out } = &**order;
     let mut said = format!("{} cells blended in exact order along their faces", cells.len());
     if *across_gaps > 0 {
@@ -229,12 +239,12 @@ fn note_order(notes: &mut Notes, drawn::AlongFaces { order, checked }: &drawn::A
 impl drawn::Counts {
     /// Those that every engine may have. Where nothing may be left out, cells beside the picture are as those between its
     /// pixels: their place is found, and there is nothing more that could be done for them.
-    fn of_engine(&self, manner: &Manner) -> Counts {
+    fn of_engine(&self, manner: &RenderOptions) -> RenderStats {
         let [culled_by_frustum, under_a_pixel] = match manner.may_leave_out {
             Some(_) => [self.culled_by_frustum, self.under_a_pixel],
             None => [0, self.culled_by_frustum + self.under_a_pixel],
         };
-        Counts {
+        RenderStats {
             culled_by_transfer_function: Some(self.culled_by_transfer_function),
             culled_by_frustum: Some(culled_by_frustum),
             under_a_pixel: Some(under_a_pixel),

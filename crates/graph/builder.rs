@@ -1,15 +1,15 @@
 //! Building a graph: node types found, parameters checked, ports wired, cycles refused, the order of work.
 
 use super::declaration::{Node, PortType};
-use super::faults::{Fault, Part};
-use super::given::Given;
+use super::faults::{Diagnostic, DiagnosticTarget};
+use super::given::NodeOverride;
 use super::method;
 use super::registry::Registry;
-use super::stated::Stated;
+use super::stated::ResolvedPipeline;
 use super::wire::wires;
 use std::path::PathBuf;
 use voltet_core::field::Method;
-use voltet_core::parameters::{Field, Origin, Parameters, Setting};
+use voltet_core::parameters::{Field, LocatedValue, Parameters, SourceSpan};
 use voltet_core::{Error, Result};
 
 /// A node as a pipeline file or a program states it, not checked yet.
@@ -18,9 +18,9 @@ pub struct NodeEntry {
     /// Its name.
     pub name: String,
     /// Where it was written.
-    pub origin: Origin,
+    pub origin: SourceSpan,
     /// The name of its type.
-    pub node_type: Setting,
+    pub node_type: LocatedValue,
     /// Its parameters.
     pub settings: Vec<Field>,
     /// Its wires.
@@ -29,7 +29,7 @@ pub struct NodeEntry {
 
 impl NodeEntry {
     /// Sets a parameter, or the part of it that `path` leads to.
-    pub fn set(&mut self, name: &str, path: &[&str], setting: Setting) -> Result<()> {
+    pub fn set(&mut self, name: &str, path: &[&str], setting: LocatedValue) -> Result<()> {
         voltet_core::parameters::replace_field(&mut self.settings, name, path, setting)
     }
 }
@@ -40,9 +40,9 @@ pub struct LinkEntry {
     /// The input port.
     pub port: String,
     /// Where the port was written.
-    pub origin: Origin,
+    pub origin: SourceSpan,
     /// What feeds it.
-    pub source: Setting,
+    pub source: LocatedValue,
 }
 
 /// A checked graph.
@@ -57,7 +57,7 @@ pub struct Graph {
     /// What is not wrong but hardly meant.
     pub warnings: Vec<Error>,
     /// The text that states it.
-    pub stated: Stated,
+    pub stated: ResolvedPipeline,
 }
 
 /// A checked node.
@@ -74,9 +74,9 @@ pub struct GraphNode {
     /// What feeds each input port, in the order of [`Node::inputs`]; then the edges of the optional ones.
     pub inputs: Vec<Edge>,
     /// Where it was written.
-    pub origin: Origin,
+    pub origin: SourceSpan,
     /// What a program does in place of its work.
-    pub given: Option<Given>,
+    pub given: Option<NodeOverride>,
 }
 
 /// What feeds an input.
@@ -91,7 +91,7 @@ pub struct Edge {
     /// Its output.
     pub output: usize,
     /// Where the wire was written.
-    pub origin: Origin,
+    pub origin: SourceSpan,
 }
 
 impl GraphNode {
@@ -138,15 +138,15 @@ impl GraphNode {
     }
 
     /// Adds this node's name and place to an error that has none.
-    pub fn blame(&self, error: Error) -> Error {
+    pub fn locate(&self, error: Error) -> Error {
         let mut error = error.at_node(&self.name);
         // A parameter or an option that an error names is a better place than the node's head.
         let item = error.place.item.clone();
         let named = item.and_then(|item| self.parameters.optional(&item).map(|s| s.origin.clone()));
-        if let Some(origin @ Origin::Span(_)) = named {
-            error = origin.blame(error);
+        if let Some(origin @ SourceSpan::Span(_)) = named {
+            error = origin.locate(error);
         }
-        if error.place.item.is_some() { error } else { self.origin.blame(error) }
+        if error.place.item.is_some() { error } else { self.origin.locate(error) }
     }
 }
 
@@ -165,7 +165,7 @@ impl Graph {
 
     /// Every mistake of the entries: of types, parameters and wires, in the order in which [`Graph::build`] finds the first. That
     /// nothing is written is none of them.
-    pub fn faults(entries: &[NodeEntry], registry: &Registry) -> Vec<Fault> {
+    pub fn faults(entries: &[NodeEntry], registry: &Registry) -> Vec<Diagnostic> {
         let mut faults = Vec::new();
         Self::survey(entries, registry, PathBuf::new(), &mut faults);
         faults
@@ -176,17 +176,17 @@ impl Graph {
         entries: &[NodeEntry],
         registry: &Registry,
         folder: PathBuf,
-        faults: &mut Vec<Fault>,
+        faults: &mut Vec<Diagnostic>,
     ) -> Option<Graph> {
         let mut types = Vec::with_capacity(entries.len());
         let mut checked = Vec::with_capacity(entries.len());
         for (i, entry) in entries.iter().enumerate() {
             if entries[..i].iter().any(|e| e.name == entry.name) {
                 let error = Error::usage(format!("two nodes are called '{}'", entry.name));
-                faults.push(Fault::of(entry, Part::Node, error));
+                faults.push(Diagnostic::of(entry, DiagnosticTarget::Node, error));
             }
-            let node =
-                find_type(entry, registry).map_err(|error| faults.push(Fault::of(entry, Part::Node, error)));
+            let node = find_type(entry, registry)
+                .map_err(|error| faults.push(Diagnostic::of(entry, DiagnosticTarget::Node, error)));
             types.push((entry.name.as_str(), node.ok()));
             checked.push(node.ok().and_then(|node| check(entry, node, registry, faults)));
         }
@@ -232,7 +232,7 @@ impl Graph {
         }
         if order.is_empty() {
             return Err(Error::usage("the pipeline writes nothing")
-                .accepted("at least one node that writes a file, such as type = \"image-writer\""));
+                .expected("at least one node that writes a file, such as type = \"image-writer\""));
         }
         for (i, node) in self.nodes.iter().enumerate().filter(|(i, _)| !placed[*i]) {
             debug_assert!(!order.contains(&i));
@@ -240,7 +240,7 @@ impl Graph {
                 "the node '{}' is not used: nothing that is written needs it",
                 node.name
             ));
-            self.warnings.push(node.origin.blame(warning));
+            self.warnings.push(node.origin.locate(warning));
         }
         self.order = order;
         Ok(())
@@ -252,17 +252,19 @@ fn check(
     entry: &NodeEntry,
     node: &'static Node,
     registry: &Registry,
-    faults: &mut Vec<Fault>,
+    faults: &mut Vec<Diagnostic>,
 ) -> Option<(Parameters, Option<Method>)> {
     let mut wrong = Vec::new();
     let surveyed = method::survey(entry, node, registry, &mut wrong);
     let is_right = wrong.is_empty();
     faults.extend(
-        wrong.into_iter().map(|wrong| Fault::of(entry, Part::Parameter(wrong.parameter), wrong.error)),
+        wrong
+            .into_iter()
+            .map(|wrong| Diagnostic::of(entry, DiagnosticTarget::Parameter(wrong.parameter), wrong.error)),
     );
     let checked = surveyed.filter(|_| is_right)?;
     if let Err(error) = (node.check)(&checked.0) {
-        faults.push(Fault::of(entry, Part::Node, error));
+        faults.push(Diagnostic::of(entry, DiagnosticTarget::Node, error));
     }
     Some(checked)
 }
@@ -272,11 +274,11 @@ fn find_type(entry: &NodeEntry, registry: &Registry) -> Result<&'static Node> {
     let Some(name) = entry.node_type.text() else {
         return Err(entry.node_type.error("'type' must be the name of a node type", "a text"));
     };
-    registry.find(name).map_err(|error| entry.node_type.origin.blame(error))
+    registry.find(name).map_err(|error| entry.node_type.origin.locate(error))
 }
 
 /// Depth-first from every node; an edge back into the path is a cycle, which is named. Each is found once.
-fn refuse_cycles(entries: &[NodeEntry], edges: &[Vec<Edge>], faults: &mut Vec<Fault>) {
+fn refuse_cycles(entries: &[NodeEntry], edges: &[Vec<Edge>], faults: &mut Vec<Diagnostic>) {
     let mut done = vec![false; entries.len()];
     for start in 0..entries.len() {
         // The path from the start, each node with the next of its inputs to follow.
@@ -295,10 +297,14 @@ fn refuse_cycles(entries: &[NodeEntry], edges: &[Vec<Edge>], faults: &mut Vec<Fa
                     path[first..].iter().rev().map(|&(n, _)| entries[n].name.as_str()).collect();
                 names.push(names[0]);
                 let error = Error::usage("the graph has a cycle")
-                    .found(names.join(" → "))
-                    .accepted("inputs that lead back to sources");
-                let error = edge.origin.blame(error.at_node(&entries[i].name));
-                faults.push(Fault::of(&entries[i], Part::Input(edge.name.to_string()), error));
+                    .got(names.join(" → "))
+                    .expected("inputs that lead back to sources");
+                let error = edge.origin.locate(error.at_node(&entries[i].name));
+                faults.push(Diagnostic::of(
+                    &entries[i],
+                    DiagnosticTarget::Input(edge.name.to_string()),
+                    error,
+                ));
                 continue;
             }
             path.push((edge.node, 0));

@@ -4,9 +4,9 @@ use super::builder::{Graph, GraphNode};
 use super::call::Preparation;
 use super::declaration::{Node, Steps};
 use super::demand::Demand;
-use super::given::Given;
-use super::notes::Notes;
-use super::stated::Stated;
+use super::given::NodeOverride;
+use super::notes::NodeDiagnostics;
+use super::stated::ResolvedPipeline;
 use super::value::{Revision, Value};
 use std::any::{Any, TypeId};
 use std::collections::{BTreeSet, HashMap};
@@ -29,16 +29,16 @@ pub(super) struct Entry {
     /// The plug-in that its gradient filter came from.
     pub(super) plugin: Option<Plugin>,
     /// What a program did in place of its work.
-    pub(super) given: Option<Given>,
+    pub(super) given: Option<NodeOverride>,
     /// What fed each of its ports.
     pub(super) inputs: Vec<(usize, Revision)>,
     pub(super) demand: Demand,
     /// The files that its parameters name and those that it reads beside them, as they were after the run.
     pub(super) files: Vec<(PathBuf, Stamp)>,
     /// What it was told of the graph that it was part of.
-    pub(super) carried: Option<Stated>,
+    pub(super) carried: Option<ResolvedPipeline>,
     pub(super) outputs: Vec<(Value, Revision)>,
-    pub(super) notes: Notes,
+    pub(super) notes: NodeDiagnostics,
     /// What the run took.
     pub(super) seconds: f64,
 }
@@ -59,7 +59,7 @@ impl Cache {
         inputs: &[(usize, Revision)],
         serves: impl Fn(&Demand) -> bool,
         files: &[(PathBuf, Stamp)],
-        stated: &Stated,
+        stated: &ResolvedPipeline,
     ) -> Option<&Entry> {
         self.entries.iter().find(|e| {
             e.node.name == node.node.name
@@ -157,7 +157,7 @@ type NodeKey = (
     Vec<(usize, usize, usize)>,
     Vec<(PathBuf, Stamp)>,
     Option<Plugin>,
-    Option<Given>,
+    Option<NodeOverride>,
 );
 
 /// What the results over all steps were made from.

@@ -5,11 +5,11 @@ use super::cache::{FOR_THE_SESSION, FileStamp, Store};
 use super::declaration::PortType;
 use super::demand::{Demand, Done};
 use super::leave_out::MayLeaveOut;
-use super::notes::Notes;
+use super::notes::NodeDiagnostics;
 use super::origins::{Origins, origins, upstream};
 use super::session::Observer;
-use super::stated::Stated;
-use super::value::{CellValues, Look, Prepared, Revision, Value};
+use super::stated::ResolvedPipeline;
+use super::value::{CellValues, Revision, StagePayload, TransferFunctionSpec, Value};
 use std::any::Any;
 use std::cell::Cell;
 use std::path::{Path, PathBuf};
@@ -28,13 +28,13 @@ use voltet_core::{Error, Result};
 pub type Outputs = Vec<Value>;
 
 /// The demand pass as one node sees it.
-pub struct Asking<'a> {
+pub struct DemandContext<'a> {
     /// The node's parameters.
     pub parameters: &'a Parameters,
     /// What is asked of the node's outputs.
     pub asked: &'a Demand,
     /// What the node says about it.
-    pub notes: &'a mut Notes,
+    pub notes: &'a mut NodeDiagnostics,
     pub(super) no_leave_out: bool,
     pub(super) node: &'a GraphNode,
     /// For each edge its value, or what stands for it, where known.
@@ -47,7 +47,7 @@ pub struct Asking<'a> {
     pub(super) asks: Vec<Demand>,
 }
 
-impl Asking<'_> {
+impl DemandContext<'_> {
     /// Leave to leave something out that nobody needs. Without it the node does, and says that it will do, everything.
     pub fn may_leave_out(&self) -> Option<MayLeaveOut> {
         MayLeaveOut::unless(self.no_leave_out)
@@ -55,7 +55,7 @@ impl Asking<'_> {
 
     /// The transfer function at an input, or what stands for it where it is made from data; `None` where nothing
     /// is known of it.
-    pub fn look(&self, port: &str) -> Option<Arc<Look>> {
+    pub fn look(&self, port: &str) -> Option<Arc<TransferFunctionSpec>> {
         let place = self.node.edges(port).ok()?.next()?;
         match &self.early[place] {
             Some(Value::TransferFunction(look)) => Some(look.clone()),
@@ -64,7 +64,7 @@ impl Asking<'_> {
     }
 
     /// The transfer function at an input where it is known before any data are.
-    pub fn known_look(&self, port: &str) -> Option<Arc<Look>> {
+    pub fn known_look(&self, port: &str) -> Option<Arc<TransferFunctionSpec>> {
         let place = self.node.edges(port).ok()?.next()?;
         self.look(port).filter(|_| self.is_known[place])
     }
@@ -109,19 +109,19 @@ impl Preparation<'_> {
 }
 
 /// A node between the demand pass and the run, with leave to leave out what nobody asks for.
-pub struct Foresight<'a> {
+pub struct PlanContext<'a> {
     /// The node's parameters.
     pub parameters: &'a Parameters,
     /// What is asked of its outputs.
     pub demand: &'a Demand,
     /// What it says about it.
-    pub notes: &'a mut Notes,
+    pub notes: &'a mut NodeDiagnostics,
     /// What is needed to note something as left out.
     pub leave: MayLeaveOut,
     pub(super) folder: &'a Path,
 }
 
-impl Foresight<'_> {
+impl PlanContext<'_> {
     /// A path within a parameter, resolved against the pipeline file's folder.
     pub fn resolve(&self, path: &str) -> PathBuf {
         self.folder.join(path)
@@ -129,13 +129,13 @@ impl Foresight<'_> {
 }
 
 /// One run of a node.
-pub struct Call<'a> {
+pub struct RunContext<'a> {
     /// The node's parameters.
     pub parameters: &'a Parameters,
     /// What is asked of its outputs.
     pub demand: &'a Demand,
     /// What it says about its work.
-    pub notes: Notes,
+    pub notes: NodeDiagnostics,
     pub(super) no_leave_out: bool,
     pub(super) node: &'a GraphNode,
     pub(super) inputs: Vec<(Value, Revision)>,
@@ -153,7 +153,7 @@ pub struct Call<'a> {
     pub(super) is_passing: Cell<bool>,
 }
 
-impl Call<'_> {
+impl RunContext<'_> {
     /// What the values at the inputs were made from.
     pub fn origins(&self) -> Origins {
         self.is_told.set(true);
@@ -161,7 +161,7 @@ impl Call<'_> {
     }
 
     /// The text that states the graph, and the folder that its paths are relative to.
-    pub fn stated(&self) -> (&Stated, &Path) {
+    pub fn stated(&self) -> (&ResolvedPipeline, &Path) {
         self.is_told.set(true);
         (&self.graph.stated, self.folder)
     }
@@ -173,12 +173,12 @@ impl Call<'_> {
 
     /// Whether the outputs may be passing ones: others of the same graph with other parameters follow at once, and rounding may
     /// depend on what was made before ([`Session::run_passing`](super::Session::run_passing)).
-    pub fn may_pass(&self) -> bool {
+    pub fn allows_preview(&self) -> bool {
         self.may_pass
     }
 
     /// Says that the outputs are passing ones: no later run takes them, nor what is made from them.
-    pub fn passes(&self) {
+    pub fn mark_preview(&self) {
         self.is_passing.set(true);
     }
 
@@ -250,7 +250,7 @@ impl Call<'_> {
     }
 
     /// The transfer function at an input, as the pipeline states it.
-    pub fn look(&self, port: &str) -> Result<Arc<Look>> {
+    pub fn look(&self, port: &str) -> Result<Arc<TransferFunctionSpec>> {
         match self.value(port)? {
             Value::TransferFunction(look) => Ok(look.clone()),
             other => Err(self.miswired(port, PortType::TransferFunction, other)),
@@ -263,7 +263,7 @@ impl Call<'_> {
     }
 
     /// The transfer functions at an optional input.
-    pub fn looks(&self, port: &str) -> Result<Vec<Arc<Look>>> {
+    pub fn looks(&self, port: &str) -> Result<Vec<Arc<TransferFunctionSpec>>> {
         let look = |edge: usize| match &self.inputs[edge].0 {
             Value::TransferFunction(look) => Ok(look.clone()),
             other => Err(self.miswired(port, PortType::TransferFunction, other)),
@@ -295,11 +295,11 @@ impl Call<'_> {
         }
     }
 
-    fn prepared<T: Any + Send + Sync>(&self, port: &str, value: &Prepared) -> Result<Arc<T>> {
+    fn prepared<T: Any + Send + Sync>(&self, port: &str, value: &StagePayload) -> Result<Arc<T>> {
         value.clone().downcast().map_err(|_| {
             Error::usage("the stages of a picture belong to different engines")
-                .found(format!("port \"{port}\" of {}", self.node.name))
-                .accepted("cull, sort, project and composite nodes of one engine")
+                .got(format!("port \"{port}\" of {}", self.node.name))
+                .expected("cull, sort, project and composite nodes of one engine")
         })
     }
 
@@ -346,15 +346,15 @@ impl Call<'_> {
 
     fn miswired(&self, port: &str, wanted: PortType, found: &Value) -> Error {
         Error::usage(format!("the node asks its input '{port}' for another type than it declares"))
-            .found(found.port_type().name())
-            .accepted(wanted.name())
+            .got(found.port_type().name())
+            .expected(wanted.name())
     }
 }
 
 /// A volume that has no gradient: what a grid is worth on its own.
 pub(super) fn volume_without_gradient(grid: &Arc<Grid>) -> Result<Volume> {
     let scalar = grid.scalar.clone().ok_or_else(|| {
-        Error::usage("the grid carries no scalar to draw").accepted("scalar = \"…\" at the reader")
+        Error::usage("the grid carries no scalar to draw").expected("scalar = \"…\" at the reader")
     })?;
     Ok(Volume { grid: grid.clone(), scalar, gradient: None, gradient_magnitude: None })
 }

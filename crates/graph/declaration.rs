@@ -1,7 +1,7 @@
 //! What a node type declares: ports, parameters, an example. Command-line help, the checker, editor panels and
 //! the reference of nodes are made from this alone.
 
-use super::call::{Asking, Call, Foresight, Outputs, Preparation};
+use super::call::{DemandContext, Outputs, PlanContext, Preparation, RunContext};
 use super::value::Value;
 use std::path::PathBuf;
 use voltet_core::Result;
@@ -10,10 +10,10 @@ use voltet_core::parameters::{Parameter, ParameterType, Parameters};
 use voltet_core::reading::GridReader;
 
 /// What is known of an input before any data are: the port's name and what stands for its value, `None` where nothing does.
-pub type Outlined<'a> = (&'a str, Option<Value>);
+pub type NamedStub<'a> = (&'a str, Option<Value>);
 
 /// See [`Node::outline`].
-pub type Outline = dyn Fn(&Parameters, &[Outlined]) -> Result<Outputs> + Send + Sync;
+pub type PlanningStub = dyn Fn(&Parameters, &[NamedStub]) -> Result<Outputs> + Send + Sync;
 
 /// Which steps of a time series are meant.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -53,13 +53,13 @@ pub struct Node {
     /// What its outputs will be made of, as far as the demand pass asks for it before any data is known: values that
     /// stand for the outputs, given what stands for each wire of the inputs. Nothing at all where it cannot be
     /// said. Must ask for no less than the true outputs will.
-    pub outline: &'static Outline,
+    pub outline: &'static PlanningStub,
     /// Checks what single declarations cannot say (parameters that exclude each other). Touches no file.
     pub check: &'static (dyn Fn(&Parameters) -> Result<()> + Send + Sync),
     /// Says what is needed of the inputs for what is asked of the node.
-    pub demand: &'static (dyn Fn(&mut Asking) -> Result<()> + Send + Sync),
+    pub demand: &'static (dyn Fn(&mut DemandContext) -> Result<()> + Send + Sync),
     /// Notes what the headers of its files tell that it will leave out; reads no data. An error where they do not tell.
-    pub foresee: &'static (dyn Fn(&mut Foresight) -> Result<()> + Send + Sync),
+    pub foresee: &'static (dyn Fn(&mut PlanContext) -> Result<()> + Send + Sync),
     /// The parameters with which the node reads each step of the time series that its files are, as far as headers tell; these
     /// alone where it reads none.
     pub steps: &'static (dyn Fn(&Preparation) -> Result<Vec<Parameters>> + Send + Sync),
@@ -69,7 +69,7 @@ pub struct Node {
     /// Finds out before any long work whether the run can succeed (files exist, folders can be written).
     pub prepare: &'static (dyn Fn(&Preparation) -> Result<()> + Send + Sync),
     /// Does the work: one value for each output, in their order.
-    pub run: &'static (dyn Fn(&mut Call) -> Result<Outputs> + Send + Sync),
+    pub run: &'static (dyn Fn(&mut RunContext) -> Result<Outputs> + Send + Sync),
 }
 
 impl Node {

@@ -1,11 +1,11 @@
 //! The demand pass: what is asked of each node, from the sinks upward.
 
 use super::builder::{Graph, GraphNode};
-use super::call::Foresight;
+use super::call::PlanContext;
 use super::declaration::PortType;
 use super::leave_out::MayLeaveOut;
-use super::notes::Notes;
-use super::value::{Look, Revision, Value};
+use super::notes::NodeDiagnostics;
+use super::value::{Revision, TransferFunctionSpec, Value};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
@@ -23,7 +23,7 @@ pub struct Demand {
     /// The transfer functions for whose widgets alone g and ∇s are looked at: at points of cells that no widget can touch, whatever
     /// g is there, they may be what they are at another point. `None`: everywhere. Asked by nodes that have a transfer function or
     /// cells ([`super::Asking::ask`]); of others, which may give another scalar than they get, everything is asked.
-    pub gradient_for: Option<Vec<Arc<Look>>>,
+    pub gradient_for: Option<Vec<Arc<TransferFunctionSpec>>>,
     /// An order of the cells.
     pub order: bool,
     /// The file's own cells, to write them back.
@@ -179,7 +179,7 @@ pub struct Plan {
     /// What is asked of each node.
     pub demands: Vec<Demand>,
     /// What each node said while planning: what it leaves out, which engine it takes.
-    pub notes: Vec<Notes>,
+    pub notes: Vec<NodeDiagnostics>,
     /// The nodes that ran early.
     pub(super) early: Vec<Option<Done>>,
     /// See [`Session::no_leave_out`](super::Session::no_leave_out).
@@ -196,7 +196,7 @@ impl Plan {
             let node = &graph.nodes[i];
             let (demand, notes) = (&self.demands[i], &mut self.notes[i]);
             let parameters = &node.parameters;
-            let mut foresight = Foresight { parameters, demand, notes, leave, folder: &graph.folder };
+            let mut foresight = PlanContext { parameters, demand, notes, leave, folder: &graph.folder };
             if (node.node.foresee)(&mut foresight).is_err() {
                 unknown.push(i);
             }
@@ -209,7 +209,7 @@ impl Plan {
 #[derive(Debug, Clone)]
 pub(super) struct Done {
     pub(super) outputs: Vec<(Value, Revision)>,
-    pub(super) notes: Notes,
+    pub(super) notes: NodeDiagnostics,
     pub(super) seconds: f64,
     /// Seconds that the former run took, where its outputs were used.
     pub(super) reused: Option<f64>,

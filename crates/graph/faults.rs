@@ -5,18 +5,18 @@ use voltet_core::Error;
 
 /// A mistake of a node.
 #[derive(Debug, Clone)]
-pub struct Fault {
+pub struct Diagnostic {
     /// The node.
     pub node: String,
     /// What of it is wrong.
-    pub part: Part,
+    pub part: DiagnosticTarget,
     /// What is wrong, with its place in the file.
     pub error: Error,
 }
 
 /// What of a node is wrong.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Part {
+pub enum DiagnosticTarget {
     /// Its name, its type, or how its parameters go together.
     Node,
     /// A parameter, or a key that is none.
@@ -25,10 +25,10 @@ pub enum Part {
     Input(String),
 }
 
-impl Fault {
+impl Diagnostic {
     /// At the place that the error has already, else at that of the node.
-    pub(super) fn of(entry: &NodeEntry, part: Part, error: Error) -> Fault {
-        let error = entry.origin.blame(error.at_node(&entry.name));
-        Fault { node: entry.name.clone(), part, error }
+    pub(super) fn of(entry: &NodeEntry, part: DiagnosticTarget, error: Error) -> Diagnostic {
+        let error = entry.origin.locate(error.at_node(&entry.name));
+        Diagnostic { node: entry.name.clone(), part, error }
     }
 }

@@ -38,19 +38,20 @@ mod wire;
 
 pub use builder::{Edge, Graph, GraphNode, LinkEntry, NodeEntry};
 pub use cache::{FileStamp, Stamp};
-pub use call::{Asking, Call, Foresight, Outputs, Preparation};
-pub use declaration::{Node, Outline, Outlined, Port, PortType, Steps};
+pub use call::{DemandContext, Outputs, PlanContext, Preparation, RunContext};
+pub use declaration::{NamedStub, Node, PlanningStub, Port, PortType, Steps};
 pub use demand::{Arrays, Demand, Plan};
-pub use faults::{Fault, Part};
-pub use given::Given;
+pub use faults::{Diagnostic, DiagnosticTarget};
+pub use given::NodeOverride;
 pub use leave_out::MayLeaveOut;
-pub use notes::{Finding, LeftOut, NodeReport, Notes, RunReport, Saving};
+pub use notes::{DataFinding, NodeDiagnostics, NodeReport, RunReport, SavedWork, SkippedWork};
 pub use origins::{FileRead, Origins};
 pub use registry::Registry;
-pub use session::{Observer, Session, Unobserved};
-pub use stated::{Stated, way};
-pub use value::{CellValues, Look, Prepared, Revision, Value, diagonal};
+pub use session::{NoObserver, Observer, Session};
+pub use stated::{ResolvedPipeline, relative_path};
+pub use value::{CellValues, Revision, StagePayload, TransferFunctionSpec, Value, diagonal};
 pub use voltet_core::parameters::{
-    Along, Datum, Field, Kind, Measure, Measured, NamedPath, Origin, Parameter, ParameterType, Parameters,
-    Quantity, Range, Relative, RelativeNumber, Setting, Standard, nearest, suggest,
+    ArrayRef, AxisRef, DefaultValue, Field, LocatedValue, NamedPath, Parameter, ParameterType,
+    ParameterValue, Parameters, Range, Relative, RelativeNumber, RelativeNumberType, SourceSpan,
+    StatisticKind, VariantSchema, nearest, suggest,
 };

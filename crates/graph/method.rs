@@ -5,7 +5,9 @@ use super::declaration::Node;
 use super::registry::Registry;
 use voltet_core::Error;
 use voltet_core::field::Method;
-use voltet_core::parameters::{Field, Kind, Parameter, ParameterFault, Parameters, nearest, suggest};
+use voltet_core::parameters::{
+    Field, Parameter, ParameterFault, Parameters, VariantSchema, nearest, suggest,
+};
 
 /// Checks what an entry sets: against what the node declares, and what the filter that it names does. `None` where that is
 /// not known; what has faults is not to be used.
@@ -31,7 +33,7 @@ pub(super) fn survey(
     let filter = match registry.find_filter(name) {
         Ok(filter) => filter,
         Err(error) => {
-            faults.push(wrong(named.origin.blame(error)));
+            faults.push(wrong(named.origin.locate(error)));
             return None;
         }
     };
@@ -42,7 +44,7 @@ pub(super) fn survey(
         rest.into_iter().partition(|field| declares(node.parameters, field));
     faults.extend(strange.iter().map(|field| ParameterFault {
         parameter: field.name.clone(),
-        error: field.origin.blame(unknown(field, node, parameter, &kind, registry)),
+        error: field.origin.locate(unknown(field, node, parameter, &kind, registry)),
     }));
     // What is missing is missing because of the word.
     let before = faults.len();
@@ -59,11 +61,17 @@ fn declares(parameters: &[Parameter], field: &Field) -> bool {
 }
 
 /// The error for a key that neither the node nor the filter has: names those that they have, and the filters that have it.
-fn unknown(field: &Field, node: &Node, parameter: &Parameter, kind: &Kind, registry: &Registry) -> Error {
+fn unknown(
+    field: &Field,
+    node: &Node,
+    parameter: &Parameter,
+    kind: &VariantSchema,
+    registry: &Registry,
+) -> Error {
     let own = node.parameters.iter().map(|p| p.name);
     let key = &field.name;
     if nearest(key, own.clone()).is_some() {
-        return Error::usage(format!("unknown parameter '{key}'")).accepted(suggest(key, own));
+        return Error::usage(format!("unknown parameter '{key}'")).expected(suggest(key, own));
     }
     let beside = match kind.parameters {
         [] => "no parameter beside it".to_string(),
@@ -79,5 +87,5 @@ fn unknown(field: &Field, node: &Node, parameter: &Parameter, kind: &Kind, regis
         false => format!("; {key} goes with {}", having.join(" or ")),
     };
     Error::usage(format!("the {} \"{}\" has no parameter '{key}'", parameter.name, kind.name))
-        .accepted(beside + &elsewhere)
+        .expected(beside + &elsewhere)
 }

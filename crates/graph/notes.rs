@@ -13,7 +13,7 @@ use voltet_core::picture::Picture;
 
 /// Something that a scene did not need.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct LeftOut {
+pub struct SkippedWork {
     /// The node that left it out; set when the report is made.
     pub node: String,
     /// What was left out.
@@ -22,13 +22,13 @@ pub struct LeftOut {
     pub why: String,
     /// What that saves, where it is known.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub saving: Option<Saving>,
+    pub saving: Option<SavedWork>,
 }
 
 /// What leaving something out saves.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Saving {
+pub enum SavedWork {
     /// Memory, bytes.
     Bytes(u64),
     /// Cells that go no further.
@@ -41,21 +41,21 @@ pub enum Saving {
     Seconds(f64),
 }
 
-impl fmt::Display for Saving {
+impl fmt::Display for SavedWork {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Saving::Bytes(bytes) => write!(f, "{:.1} MB", *bytes as f64 * 1e-6),
-            Saving::Cells(count) => write!(f, "{count} cells"),
-            Saving::Points(count) => write!(f, "{count} points"),
-            Saving::Segments(count) => write!(f, "{count} segments"),
-            Saving::Seconds(seconds) => write!(f, "{seconds:.3} s"),
+            SavedWork::Bytes(bytes) => write!(f, "{:.1} MB", *bytes as f64 * 1e-6),
+            SavedWork::Cells(count) => write!(f, "{count} cells"),
+            SavedWork::Points(count) => write!(f, "{count} points"),
+            SavedWork::Segments(count) => write!(f, "{count} segments"),
+            SavedWork::Seconds(seconds) => write!(f, "{seconds:.3} s"),
         }
     }
 }
 
 /// Something that a node found out about the data.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Finding {
+pub struct DataFinding {
     /// The node that found it; set when the report is made.
     pub node: String,
     /// In a sentence or a few lines, for people.
@@ -66,15 +66,15 @@ pub struct Finding {
 
 /// What a node says about its work.
 #[derive(Debug, Clone, Default)]
-pub struct Notes {
+pub struct NodeDiagnostics {
     /// What was left out, and why.
-    pub left_out: Vec<LeftOut>,
+    pub left_out: Vec<SkippedWork>,
     /// Things the user should know; each a sentence.
     pub warnings: Vec<String>,
     /// Counts by name (`segments`, `cells_culled`, …).
     pub counts: BTreeMap<&'static str, u64>,
     /// What was found out about the data.
-    pub findings: Vec<Finding>,
+    pub findings: Vec<DataFinding>,
     /// Seconds of the stages within the node.
     pub stages: Vec<(String, f64)>,
     /// The engine and why it was taken, for nodes that draw.
@@ -87,30 +87,30 @@ pub struct Notes {
     pub files: Vec<String>,
 }
 
-impl Notes {
+impl NodeDiagnostics {
     /// Something is left out, and why. Said twice, it is kept once.
-    pub fn leave_out(
+    pub fn record_skipped(
         &mut self,
         _leave: MayLeaveOut,
         what: impl Into<String>,
         why: impl Into<String>,
-        saving: Option<Saving>,
+        saving: Option<SavedWork>,
     ) {
         let (node, what, why) = (String::new(), what.into(), why.into());
         if !self.left_out.iter().any(|known| known.what == what) {
-            self.left_out.push(LeftOut { node, what, why, saving });
+            self.left_out.push(SkippedWork { node, what, why, saving });
         }
     }
 
     /// Something was found out about the data: in words, and as figures.
     pub fn find(&mut self, what: impl Into<String>, figures: serde_json::Value) {
-        self.findings.push(Finding { node: String::new(), what: what.into(), figures });
+        self.findings.push(DataFinding { node: String::new(), what: what.into(), figures });
     }
 
     /// Adds what an engine says of its work.
-    pub fn add(&mut self, of_engine: Notes) {
-        for LeftOut { what, why, saving, .. } in of_engine.left_out {
-            self.leave_out(MayLeaveOut::GIVEN, what, why, saving);
+    pub fn add(&mut self, of_engine: NodeDiagnostics) {
+        for SkippedWork { what, why, saving, .. } in of_engine.left_out {
+            self.record_skipped(MayLeaveOut::GIVEN, what, why, saving);
         }
         self.warnings.extend(of_engine.warnings);
         self.counts.extend(of_engine.counts);
@@ -118,9 +118,9 @@ impl Notes {
     }
 
     /// Adds what was said while planning to what was said while running.
-    pub(super) fn join(&mut self, planned: &Notes) {
-        for LeftOut { what, why, saving, .. } in &planned.left_out {
-            self.leave_out(MayLeaveOut::GIVEN, what.clone(), why.clone(), *saving);
+    pub(super) fn join(&mut self, planned: &NodeDiagnostics) {
+        for SkippedWork { what, why, saving, .. } in &planned.left_out {
+            self.record_skipped(MayLeaveOut::GIVEN, what.clone(), why.clone(), *saving);
         }
         self.warnings.extend(planned.warnings.iter().cloned());
         if self.engine.is_none() {
@@ -158,11 +158,11 @@ pub struct RunReport {
     /// Counts of all nodes together.
     pub counts: BTreeMap<&'static str, u64>,
     /// What the scene did not need.
-    pub left_out: Vec<LeftOut>,
+    pub left_out: Vec<SkippedWork>,
     /// What the user should know.
     pub warnings: Vec<String>,
     /// What the nodes found out about the data.
-    pub findings: Vec<Finding>,
+    pub findings: Vec<DataFinding>,
     /// The engine that drew, and why.
     pub engine: Option<(String, String)>,
     /// What it ran on.
@@ -198,9 +198,9 @@ impl RunReport {
         for (&count, n) in &notes.counts {
             *self.counts.entry(count).or_insert(0) += n;
         }
-        let named = |left: &LeftOut| LeftOut { node: name.into(), ..left.clone() };
+        let named = |left: &SkippedWork| SkippedWork { node: name.into(), ..left.clone() };
         self.left_out.extend(notes.left_out.iter().map(named));
-        let named = |finding: &Finding| Finding { node: name.into(), ..finding.clone() };
+        let named = |finding: &DataFinding| DataFinding { node: name.into(), ..finding.clone() };
         self.findings.extend(notes.findings.iter().map(named));
         self.warnings.extend(notes.warnings.iter().map(|warning| format!("{name}: {warning}")));
         if self.engine.is_none() {

@@ -75,7 +75,7 @@ impl Registry {
     pub fn find(&self, name: &str) -> Result<&'static Node> {
         self.nodes.iter().copied().find(|n| n.name == name).ok_or_else(|| {
             Error::usage(format!("unknown node type '{name}'"))
-                .accepted(suggest(name, self.names()) + &self.plugins_in_words())
+                .expected(suggest(name, self.names()) + &self.plugins_in_words())
         })
     }
 
@@ -84,7 +84,7 @@ impl Registry {
         self.filters.iter().find(|filter| filter.declaration().name == name).ok_or_else(|| {
             let names = self.filters.iter().map(|filter| filter.declaration().name);
             Error::usage(format!("unknown gradient filter '{name}'"))
-                .accepted(suggest(name, names) + &self.plugins_in_words())
+                .expected(suggest(name, names) + &self.plugins_in_words())
         })
     }
 
@@ -123,6 +123,6 @@ fn refuse_shared_names(node: &Node, filter: &dyn GradientFilter) -> Result<()> {
             "the gradient filter '{}' declares a parameter that the node type '{}' has",
             kind.name, node.name
         );
-        Err(Error::usage(what).found(shared.name).accepted("a name of its own").at_item(kind.name))
+        Err(Error::usage(what).got(shared.name).expected("a name of its own").at_item(kind.name))
     })
 }

@@ -2,11 +2,11 @@
 
 use super::builder::{Edge, Graph, GraphNode};
 use super::cache::{Cache, Entry, FileStamp, Store, files_of, stamped};
-use super::call::{Asking, Call, NodeProgress, Preparation};
-use super::declaration::{Outlined, PortType, Steps};
+use super::call::{DemandContext, NodeProgress, Preparation, RunContext};
+use super::declaration::{NamedStub, PortType, Steps};
 use super::demand::{Demand, Done, Plan};
 use super::leave_out::MayLeaveOut;
-use super::notes::{Notes, RunReport, Saving};
+use super::notes::{NodeDiagnostics, RunReport, SavedWork};
 use super::origins::{origins, upstream};
 use super::value::{Revision, Value};
 use std::cell::Cell;
@@ -34,9 +34,9 @@ pub trait Observer: Sync {
 }
 
 /// Follows nothing and never stops.
-pub struct Unobserved;
+pub struct NoObserver;
 
-impl Observer for Unobserved {}
+impl Observer for NoObserver {}
 
 /// What lives longer than one run: former outputs and things made from them.
 pub struct Session {
@@ -75,7 +75,7 @@ impl Session {
     /// The session does everything that could be done, needed or not, for comparison: every node is asked for all it can
     /// give and gets no leave to leave something out ([`Call::may_leave_out`]), and no former output is used. The pictures are
     /// the same.
-    pub fn no_leave_out(self) -> Self {
+    pub fn exhaustive(self) -> Self {
         Session { no_leave_out: true, ..self }
     }
 
@@ -86,7 +86,7 @@ impl Session {
     }
 
     /// Drops the former runs that gave this picture, which whoever has it may then write.
-    pub fn let_go(&mut self, picture: &Arc<Picture>) {
+    pub fn release(&mut self, picture: &Arc<Picture>) {
         let is_it = |value: &Value| matches!(value, Value::Image(known) if Arc::ptr_eq(known, picture));
         self.cache.entries.retain(|entry| !entry.outputs.iter().any(|(value, _)| is_it(value)));
     }
@@ -101,7 +101,7 @@ impl Session {
         let count = graph.nodes.len();
         let mut plan = Plan {
             demands: vec![Demand::default(); count],
-            notes: vec![Notes::default(); count],
+            notes: vec![NodeDiagnostics::default(); count],
             early: vec![None; count],
             no_leave_out: self.no_leave_out,
         };
@@ -109,7 +109,7 @@ impl Session {
             let node = &graph.nodes[i];
             if node.node.early && node.inputs.iter().all(|edge| plan.early[edge.node].is_some()) {
                 let inputs = inputs_of(node, &plan.early);
-                let done = self.execute(graph, i, inputs, &Demand::default(), &plan.early, &Unobserved)?;
+                let done = self.execute(graph, i, inputs, &Demand::default(), &plan.early, &NoObserver)?;
                 plan.early[i] = Some(done);
             }
         }
@@ -125,7 +125,7 @@ impl Session {
             let early = node.inputs.iter().map(|edge| outlines[edge.node].get(edge.output).cloned());
             let output_type = |edge: &Edge| graph.nodes[edge.node].node.outputs[edge.output].port_type;
             let asked = plan.demands[i].clone();
-            let mut asking = Asking {
+            let mut asking = DemandContext {
                 parameters: &node.parameters,
                 asked: &asked,
                 notes: &mut plan.notes[i],
@@ -136,7 +136,7 @@ impl Session {
                 asks: vec![Demand::default(); node.inputs.len()],
                 no_leave_out: self.no_leave_out,
             };
-            (node.node.demand)(&mut asking).map_err(|error| node.blame(error))?;
+            (node.node.demand)(&mut asking).map_err(|error| node.locate(error))?;
             for (edge, ask) in node.inputs.iter().zip(asking.asks) {
                 refuse_missing_gradient(graph, node, edge, &ask)?;
                 let says_where = node.draws() && !self.widgets_move;
@@ -149,7 +149,7 @@ impl Session {
 
     /// The same as [`Session::run`] for one of many runs that follow each other while a hand moves something: nodes may keep what
     /// serves the next, and what they give may differ by rounding from what a run by itself gives. No later run takes it.
-    pub fn run_passing(&mut self, graph: &Graph, observer: &dyn Observer) -> Result<RunReport> {
+    pub fn run_preview(&mut self, graph: &Graph, observer: &dyn Observer) -> Result<RunReport> {
         self.may_pass = !self.no_leave_out;
         let report = self.run(graph, observer);
         self.may_pass = false;
@@ -165,7 +165,7 @@ impl Session {
         for &i in &graph.order {
             let node = &graph.nodes[i];
             let preparation = Preparation { parameters: &node.parameters, folder: &graph.folder };
-            (node.node.prepare)(&preparation).map_err(|error| node.blame(error))?;
+            (node.node.prepare)(&preparation).map_err(|error| node.locate(error))?;
         }
         let (all_done, mut report) = self.work_through(graph, &plan, &graph.order, observer)?;
         report.origins = origins(graph, &graph.order, &all_done, self.file_stamp);
@@ -227,7 +227,12 @@ impl Session {
             done.notes.join(&plan.notes[i]);
             if let Some(seconds) = done.reused {
                 let why = "a former output serves: parameters, inputs and files are the same";
-                done.notes.leave_out(MayLeaveOut::GIVEN, "repetition", why, Some(Saving::Seconds(seconds)));
+                done.notes.record_skipped(
+                    MayLeaveOut::GIVEN,
+                    "repetition",
+                    why,
+                    Some(SavedWork::Seconds(seconds)),
+                );
             }
             report.add(&node.name, node.node.name, &done);
             observer.finished(&node.name, done.seconds);
@@ -261,10 +266,10 @@ impl Session {
         let elsewhere = |former: &Demand| former.everywhere().covers(demand);
         let moves = self.cache.find(node, &revisions, elsewhere, &files, &graph.stated).is_some();
         let demand = &if moves { demand.everywhere() } else { demand.clone() };
-        let mut call = Call {
+        let mut call = RunContext {
             parameters: &node.parameters,
             demand,
-            notes: Notes::default(),
+            notes: NodeDiagnostics::default(),
             node,
             graph,
             place: i,
@@ -286,7 +291,7 @@ impl Session {
         let carried = call.is_told.get().then(|| graph.stated.clone());
         let declared = node.node.outputs.iter().map(|port| port.port_type);
         if !values.iter().map(Value::port_type).eq(declared) {
-            return Err(node.blame(Error::run("the node gave other outputs than it declares")));
+            return Err(node.locate(Error::run("the node gave other outputs than it declares")));
         }
         let outputs: Vec<(Value, Revision)> =
             values.into_iter().map(|value| (value, self.next_revision())).collect();
@@ -332,8 +337,8 @@ fn outlines(graph: &Graph, early: &[Option<Done>]) -> Result<Vec<Vec<Value>>> {
             None => {
                 let port = |edge: &Edge| node.node.all_inputs().nth(edge.port).map_or("", |port| port.name);
                 let known = |edge: &Edge| (port(edge), outlines[edge.node].get(edge.output).cloned());
-                let inputs: Vec<Outlined> = node.inputs.iter().map(known).collect();
-                (node.node.outline)(&node.parameters, &inputs).map_err(|error| node.blame(error))?
+                let inputs: Vec<NamedStub> = node.inputs.iter().map(known).collect();
+                (node.node.outline)(&node.parameters, &inputs).map_err(|error| node.locate(error))?
             }
         };
     }
@@ -362,12 +367,12 @@ pub(super) fn refuse_missing_gradient(
             (false, false) => "the node looks at the gradient",
         };
         let error = Error::usage(format!("{why}, but '{}' gives a grid without gradient", giving.name))
-            .accepted(format!(
+            .expected(format!(
                 "a node of type \"gradient-magnitude\" between '{}' and the input '{}'",
                 giving.name, taken.name
             ))
             .at_node(&node.name);
-        return Err(edge.origin.blame(error));
+        return Err(edge.origin.locate(error));
     }
     Ok(())
 }

@@ -2,11 +2,11 @@
 
 use std::ops::Range;
 use std::path::{Component, Path, PathBuf};
-use voltet_core::parameters::{Datum, NamedPath, Origin};
+use voltet_core::parameters::{NamedPath, ParameterValue, SourceSpan};
 
 /// The text of a pipeline file with every option carried out: it makes the same graph again.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Stated {
+pub struct ResolvedPipeline {
     /// The title, for people.
     pub title: Option<String>,
     /// The text; empty for a graph that no text states.
@@ -15,16 +15,20 @@ pub struct Stated {
     paths: Vec<(Range<usize>, String)>,
 }
 
-impl Stated {
+impl ResolvedPipeline {
     /// `named`: the files that this very text names, with their places in it.
-    pub fn new(title: Option<String>, text: String, named: impl Iterator<Item = NamedPath>) -> Stated {
+    pub fn new(
+        title: Option<String>,
+        text: String,
+        named: impl Iterator<Item = NamedPath>,
+    ) -> ResolvedPipeline {
         let relative = |named: NamedPath| match named.origin {
-            Origin::Span(place) if named.is_relative() => Some((place, named.path)),
+            SourceSpan::Span(place) if named.is_relative() => Some((place, named.path)),
             _ => None,
         };
         let mut paths: Vec<(Range<usize>, String)> = named.filter_map(relative).collect();
         paths.sort_by_key(|(place, _)| place.start);
-        Stated { title, text, paths }
+        ResolvedPipeline { title, text, paths }
     }
 
     /// The text for a file that lies in the folder `from` instead of `folder`: its relative paths lead to the same files.
@@ -32,10 +36,11 @@ impl Stated {
     pub fn moved(&self, folder: &Path, from: &Path) -> String {
         let (mut text, mut copied) = (String::with_capacity(self.text.len()), 0);
         for (place, path) in &self.paths {
-            if let Some(path) = way(from, &joined(folder, Path::new(path))).filter(|_| place.start >= copied)
+            if let Some(path) =
+                relative_path(from, &joined(folder, Path::new(path))).filter(|_| place.start >= copied)
             {
                 text += &self.text[copied..place.start];
-                text += &Datum::Text(path).to_string();
+                text += &ParameterValue::Text(path).to_string();
                 copied = place.end;
             }
         }
@@ -58,7 +63,7 @@ fn joined(folder: &Path, path: &Path) -> PathBuf {
 
 /// How a relative path, with slashes, leads from a folder to what lies at `to`. `None` where there is no way (another drive),
 /// or a name is not Unicode.
-pub fn way(from: &Path, to: &Path) -> Option<String> {
+pub fn relative_path(from: &Path, to: &Path) -> Option<String> {
     let shared = from.components().zip(to.components()).take_while(|(a, b)| a == b).count();
     if shared == 0 {
         return None;
@@ -75,7 +80,7 @@ mod tests {
 
     #[test]
     fn a_way_leads_up_to_what_is_shared_and_down_again() {
-        let way = |from: &str, to: &str| way(Path::new(from), Path::new(to));
+        let way = |from: &str, to: &str| relative_path(Path::new(from), Path::new(to));
         assert_eq!(way("/a/b", "/a/c/d.vtu").as_deref(), Some("../c/d.vtu"));
         assert_eq!(way("/a/b", "/a/b").as_deref(), Some("."));
         assert_eq!(way("/a/b/c", "/a").as_deref(), Some("../.."));

@@ -2,10 +2,10 @@
 
 use super::builder::{Graph, GraphNode};
 use super::cache::{Key, Store, files_of};
-use super::call::{Asking, Call, NodeProgress, Preparation};
+use super::call::{DemandContext, NodeProgress, Preparation, RunContext};
 use super::declaration::Steps;
 use super::demand::{Demand, Done};
-use super::notes::Notes;
+use super::notes::NodeDiagnostics;
 use super::session::{inputs_of, refuse_missing_gradient};
 use super::value::{Revision, Value};
 use std::cell::Cell;
@@ -23,7 +23,7 @@ struct Feeding {
     step_count: usize,
 }
 
-impl Call<'_> {
+impl RunContext<'_> {
     /// The number of steps of the time series that feeds an input; 1 where none does.
     pub fn step_count(&self, port: &str) -> Result<usize> {
         Ok(self.feeding(port, &Demand::default())?.step_count)
@@ -105,13 +105,13 @@ impl Call<'_> {
         for &i in &nodes {
             let node = &graph.nodes[i];
             let preparation = Preparation { parameters: &node.parameters, folder: &graph.folder };
-            let steps = (node.node.steps)(&preparation).map_err(|error| node.blame(error))?;
+            let steps = (node.node.steps)(&preparation).map_err(|error| node.locate(error))?;
             match (series, steps.len()) {
                 (_, 1) => {}
                 (Some((other, count)), own) if own != count => {
                     let error = Error::usage("two time series have different numbers of steps");
                     let found = format!("{count} of '{other}' and {own} of '{}'", node.name);
-                    return Err(node.blame(error.found(found).accepted("series of the same length")));
+                    return Err(node.locate(error.got(found).expected("series of the same length")));
                 }
                 (_, own) => series = Some((&node.name, own)),
             }
@@ -134,10 +134,10 @@ impl Call<'_> {
                 return Err(Error::cancelled());
             }
             let node = &self.graph.nodes[i];
-            let mut call = Call {
+            let mut call = RunContext {
                 parameters: parameters.get(step).unwrap_or(&parameters[0]),
                 demand,
-                notes: Notes::default(),
+                notes: NodeDiagnostics::default(),
                 no_leave_out: false,
                 node,
                 graph: self.graph,
@@ -160,7 +160,7 @@ impl Call<'_> {
             let outputs = outputs.collect();
             all_done[i] = Some(Done {
                 outputs,
-                notes: Notes::default(),
+                notes: NodeDiagnostics::default(),
                 seconds: 0.0,
                 reused: None,
                 is_passing: false,
@@ -187,10 +187,10 @@ impl Call<'_> {
 /// What a node asks of its inputs for what is asked of it.
 fn asks_of(graph: &Graph, node: &GraphNode, asked: &Demand) -> Result<Vec<Demand>> {
     let fed = node.inputs.iter().map(|edge| graph.nodes[edge.node].node.outputs[edge.output].port_type);
-    let mut asking = Asking {
+    let mut asking = DemandContext {
         parameters: &node.parameters,
         asked,
-        notes: &mut Notes::default(),
+        notes: &mut NodeDiagnostics::default(),
         no_leave_out: false,
         node,
         early: vec![None; node.inputs.len()],
@@ -198,6 +198,6 @@ fn asks_of(graph: &Graph, node: &GraphNode, asked: &Demand) -> Result<Vec<Demand
         fed: fed.collect(),
         asks: vec![Demand::default(); node.inputs.len()],
     };
-    (node.node.demand)(&mut asking).map_err(|error| node.blame(error))?;
+    (node.node.demand)(&mut asking).map_err(|error| node.locate(error))?;
     Ok(asking.asks)
 }

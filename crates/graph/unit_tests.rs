@@ -16,7 +16,7 @@ use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
-use voltet_core::Shared;
+use voltet_core::SharedSlice;
 use voltet_core::camera::{Camera, Projection as Rays};
 use voltet_core::grid::Grid;
 use voltet_core::picture::Picture;
@@ -44,7 +44,7 @@ const fn port(name: &'static str, port_type: PortType) -> Port {
     Port { name, port_type, summary: "a port" }
 }
 
-const fn number(name: &'static str, standard: Standard) -> Parameter {
+const fn number(name: &'static str, standard: DefaultValue) -> Parameter {
     Parameter {
         name,
         parameter_type: ParameterType::Number(Range::at_least(0.0)),
@@ -58,11 +58,11 @@ const GRID: Node = Node {
     name: "grid",
     summary: "Gives a grid.",
     outputs: &[port("grid", PortType::Grid)],
-    parameters: &[number("size", Standard::Number(1.0))],
+    parameters: &[number("size", DefaultValue::Number(1.0))],
     run: &|call| {
         count("grid");
         ASKED.with_borrow_mut(|asked| *asked = call.demand.clone());
-        let scalar = Some(Shared::from(vec![call.parameters.number("size")?]));
+        let scalar = Some(SharedSlice::from(vec![call.parameters.number("size")?]));
         Ok(vec![Value::Grid(Arc::new(Grid { scalar, ..Grid::default() }))])
     },
     ..Node::BLANK
@@ -75,7 +75,7 @@ const GRADIENT: Node = Node {
     outputs: &[port("volume", PortType::Volume)],
     demand: &|asking| {
         if let (Some(leave), false) = (asking.may_leave_out(), asking.asked.gradient_magnitude) {
-            asking.notes.leave_out(leave, "gradient", "nobody asks", None);
+            asking.notes.record_skipped(leave, "gradient", "nobody asks", None);
         }
         asking.ask("grid", &Demand { arrays: asking.asked.arrays.clone(), ..Demand::default() })
     },
@@ -93,14 +93,17 @@ const LOOK: Node = Node {
     name: "look",
     summary: "Gives a transfer function.",
     outputs: &[port("look", PortType::TransferFunction)],
-    parameters: &[number("unit", Standard::Required)],
+    parameters: &[number("unit", DefaultValue::Required)],
     early: true,
     run: &|call| {
         count("look");
         let unit_distance = call.parameters.number("unit")?;
         let model = OpticalModel::DensityEmitter;
         let transfer_function = TransferFunction { model, unit_distance, widgets: Vec::new() };
-        Ok(vec![Value::TransferFunction(Arc::new(Look { transfer_function, auto_unit_distance: false }))])
+        Ok(vec![Value::TransferFunction(Arc::new(TransferFunctionSpec {
+            transfer_function,
+            auto_unit_distance: false,
+        }))])
     },
     ..Node::BLANK
 };
@@ -132,7 +135,7 @@ const DRAW: Node = Node {
     summary: "Gives an image.",
     inputs: &[port("volume", PortType::Volume), port("look", PortType::TransferFunction)],
     outputs: &[port("image", PortType::Image), port("depth", PortType::Image)],
-    parameters: &[number("tolerance", Standard::Number(0.5))],
+    parameters: &[number("tolerance", DefaultValue::Number(0.5))],
     demand: &|asking| {
         let unit = asking.look("look").unwrap().transfer_function.unit_distance;
         let mut demand = Demand { gradient_magnitude: unit > 1.0, ..Demand::default() };
@@ -161,7 +164,7 @@ const WRITE: Node = Node {
         name: "path",
         parameter_type: ParameterType::OutputPath,
         unit: "",
-        standard: Standard::Required,
+        standard: DefaultValue::Required,
         help: "help",
     }],
     prepare: &|preparation| match preparation.path("path")?.ends_with("bad") {
@@ -215,7 +218,7 @@ fn session() -> Session {
 /// The message of the error in a text made from the scene.
 fn error_of(text: &str) -> String {
     let error = match graph(text) {
-        Ok(graph) => session().run(&graph, &Unobserved).unwrap_err(),
+        Ok(graph) => session().run(&graph, &NoObserver).unwrap_err(),
         Err(error) => error,
     };
     pipeline::locate(error, text, "f".as_ref()).to_string()
@@ -224,16 +227,16 @@ fn error_of(text: &str) -> String {
 #[test]
 fn a_second_run_repeats_nothing_and_a_changed_parameter_only_what_depends_on_it() {
     let mut session = session();
-    session.run(&graph(SCENE).unwrap(), &Unobserved).unwrap();
+    session.run(&graph(SCENE).unwrap(), &NoObserver).unwrap();
     assert_eq!(runs(), [("draw", 1), ("gradient", 1), ("grid", 1), ("kept", 1), ("look", 1), ("write", 1)]);
 
-    let report = session.run(&graph(SCENE).unwrap(), &Unobserved).unwrap();
+    let report = session.run(&graph(SCENE).unwrap(), &NoObserver).unwrap();
     assert_eq!(runs(), []);
     assert!(report.nodes.iter().all(|n| n.reused && n.seconds == 0.0));
     assert_eq!(report.counts["segments"], 3, "counts of former runs are reported again");
 
     let look = SCENE.replace("unit = 2.0", "unit = 3.0");
-    session.run(&graph(&look).unwrap(), &Unobserved).unwrap();
+    session.run(&graph(&look).unwrap(), &NoObserver).unwrap();
     assert_eq!(
         runs(),
         [("draw", 1), ("look", 1), ("write", 1)],
@@ -241,21 +244,21 @@ fn a_second_run_repeats_nothing_and_a_changed_parameter_only_what_depends_on_it(
     );
 
     let grid = look.replace("size = 3", "size = 4");
-    session.run(&graph(&grid).unwrap(), &Unobserved).unwrap();
+    session.run(&graph(&grid).unwrap(), &NoObserver).unwrap();
     assert_eq!(runs(), [("draw", 1), ("gradient", 1), ("grid", 1), ("kept", 1), ("write", 1)]);
 
     let path = grid.replace("\"a\"", "\"b\"");
-    session.run(&graph(&path).unwrap(), &Unobserved).unwrap();
+    session.run(&graph(&path).unwrap(), &NoObserver).unwrap();
     assert_eq!(runs(), [("write", 1)]);
 }
 
 #[test]
 fn another_pipeline_shares_what_is_made_from_the_same() {
     let mut session = session();
-    session.run(&graph(SCENE).unwrap(), &Unobserved).unwrap();
+    session.run(&graph(SCENE).unwrap(), &NoObserver).unwrap();
     runs();
     let renamed = SCENE.replace("nodes.grid", "nodes.mesh").replace("\"grid\" }", "\"mesh\" }");
-    session.run(&graph(&renamed).unwrap(), &Unobserved).unwrap();
+    session.run(&graph(&renamed).unwrap(), &NoObserver).unwrap();
     assert_eq!(runs(), []);
 }
 
@@ -263,7 +266,7 @@ fn another_pipeline_shares_what_is_made_from_the_same() {
 fn what_nobody_asks_for_is_left_out_and_made_once_it_is_asked_for() {
     let mut session = session();
     let without = SCENE.replace("unit = 2.0", "unit = 1.0");
-    let report = session.run(&graph(&without).unwrap(), &Unobserved).unwrap();
+    let report = session.run(&graph(&without).unwrap(), &NoObserver).unwrap();
     assert_eq!(report.left_out.len(), 1);
     assert_eq!(
         (report.left_out[0].node.as_str(), report.left_out[0].what.as_str()),
@@ -272,7 +275,7 @@ fn what_nobody_asks_for_is_left_out_and_made_once_it_is_asked_for() {
     assert!(ASKED.with_borrow(|asked| asked.arrays.contains("p") && !asked.gradient_magnitude));
     runs();
 
-    let report = session.run(&graph(SCENE).unwrap(), &Unobserved).unwrap();
+    let report = session.run(&graph(SCENE).unwrap(), &NoObserver).unwrap();
     let left_out: Vec<[&str; 2]> = report.left_out.iter().map(|left| [&*left.node, &*left.what]).collect();
     assert_eq!(left_out, [["grid", "repetition"]]);
     let expected = [("draw", 1), ("gradient", 1), ("kept", 1), ("look", 1), ("write", 1)];
@@ -285,7 +288,7 @@ fn a_grid_serves_as_a_volume_unless_its_gradient_is_asked_for() {
     let without = direct.replace("unit = 2.0", "unit = 1.0");
     let built = graph(&without).unwrap();
     assert_eq!(built.warnings.len(), 1, "the gradient node is not used");
-    session().run(&built, &Unobserved).unwrap();
+    session().run(&built, &NoObserver).unwrap();
     let message = error_of(&direct);
     assert!(message.contains("gives a grid without gradient") && message.contains("f:15:21"), "{message}");
 }
@@ -357,10 +360,10 @@ fn cycles_are_named() {
         [nodes.b]\ntype = \"loop\"\ninputs = { grid = \"c\" }\n\
         [nodes.c]\ntype = \"loop\"\ninputs = { grid = \"b\" }\n";
     let error = Pipeline::parse(text).unwrap().graph(&registry, PathBuf::new()).unwrap_err();
-    assert_eq!(error.found.as_deref(), Some("c → b → c"));
+    assert_eq!(error.got.as_deref(), Some("c → b → c"));
     let itself = text.replace("grid = \"c\"", "grid = \"b\"");
     let error = Pipeline::parse(&itself).unwrap().graph(&registry, PathBuf::new()).unwrap_err();
-    assert_eq!(error.found.as_deref(), Some("b → b"));
+    assert_eq!(error.got.as_deref(), Some("b → b"));
 }
 
 #[test]
@@ -369,7 +372,7 @@ fn a_pipeline_without_sink_is_refused_and_several_sinks_run() {
     assert!(error_of(without).contains("the pipeline writes nothing"));
     let second = "[nodes.again]\ntype = \"write\"\npath = \"./a\"\ninputs = { image = \"picture.depth\" }\n";
     let two = format!("{SCENE}{}", second.replace("./a", "b"));
-    session().run(&graph(&two).unwrap(), &Unobserved).unwrap();
+    session().run(&graph(&two).unwrap(), &NoObserver).unwrap();
     assert!(runs().contains(&("write", 2)), "several sinks are allowed");
 }
 
@@ -390,7 +393,8 @@ fn a_run_can_be_stopped_between_nodes() {
 fn the_registry_refuses_what_contradicts_itself() {
     let mut registry = registry();
     assert!(registry.add(&GRID).is_err());
-    const TWICE: Node = Node { parameters: &[number("inputs", Standard::Required)], name: "twice", ..GRID };
+    const TWICE: Node =
+        Node { parameters: &[number("inputs", DefaultValue::Required)], name: "twice", ..GRID };
     assert!(registry.add(&TWICE).unwrap_err().what.contains("'inputs' twice"));
     assert_eq!(registry.names().count(), 6);
 }

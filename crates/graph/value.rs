@@ -19,7 +19,7 @@ use voltet_core::volume::Volume;
 pub struct Revision(pub(super) u64);
 
 /// What an engine prepared for its own next stage: the graph carries it and does not look inside.
-pub type Prepared = Arc<dyn Any + Send + Sync>;
+pub type StagePayload = Arc<dyn Any + Send + Sync>;
 
 /// A value at a port.
 #[derive(Debug, Clone)]
@@ -29,13 +29,13 @@ pub enum Value {
     /// See [`PortType::Volume`].
     Volume(Arc<Volume>),
     /// See [`PortType::TransferFunction`].
-    TransferFunction(Arc<Look>),
+    TransferFunction(Arc<TransferFunctionSpec>),
     /// See [`PortType::Camera`].
     Camera(Arc<Camera>),
     /// See [`PortType::Cells`].
-    Cells(Prepared),
+    Cells(StagePayload),
     /// See [`PortType::Projection`].
-    Projection(Prepared),
+    Projection(StagePayload),
     /// See [`PortType::Image`].
     Image(Arc<Picture>),
     /// See [`PortType::Report`]; JSON text.
@@ -80,14 +80,14 @@ pub struct CellValues {
 
 /// A transfer function as a pipeline states it: its unit distance may be left to the data.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Look {
+pub struct TransferFunctionSpec {
     /// The transfer function; its unit distance is 1 where `auto_unit_distance` is set.
     pub transfer_function: TransferFunction,
     /// `unit_distance = "auto"`: a hundredth of the diagonal of the data's bounding box.
     pub auto_unit_distance: bool,
 }
 
-impl Look {
+impl TransferFunctionSpec {
     /// The transfer function for data whose bounding box has this [`diagonal`].
     pub fn for_diagonal(&self, diagonal: f64) -> TransferFunction {
         let mut transfer_function = self.transfer_function.clone();
@@ -113,7 +113,7 @@ mod tests {
     fn an_automatic_unit_distance_is_a_hundredth_of_the_diagonal_at_any_scale() {
         let transfer_function =
             TransferFunction { model: OpticalModel::DensityEmitter, unit_distance: 1.0, widgets: Vec::new() };
-        let look = Look { transfer_function, auto_unit_distance: true };
+        let look = TransferFunctionSpec { transfer_function, auto_unit_distance: true };
         for scale in [1.0, 1e-200, 1e200] {
             let points = [DVec3::new(1.0, 1.0, 1.0) * scale, DVec3::new(4.0, 5.0, 13.0) * scale];
             let unit = look.for_diagonal(diagonal(&points)).unit_distance;

@@ -2,8 +2,8 @@
 
 use super::builder::{Edge, NodeEntry};
 use super::declaration::Node;
-use super::faults::{Fault, Part};
-use voltet_core::parameters::{Setting, suggest};
+use super::faults::{Diagnostic, DiagnosticTarget};
+use voltet_core::parameters::{LocatedValue, suggest};
 use voltet_core::{Error, Result};
 
 /// The nodes by name; a type that nobody knows is `None`.
@@ -11,16 +11,23 @@ type Types<'a> = [(&'a str, Option<&'static Node>)];
 
 /// The wires of one entry: every input of the node type fed once, by an output of a type that serves it; then the
 /// optional inputs, each fed by any number of them. What is wrong is left out, and so are wires from nodes of unknown types.
-pub(super) fn wires(entry: &NodeEntry, types: &Types, place: usize, faults: &mut Vec<Fault>) -> Vec<Edge> {
+pub(super) fn wires(
+    entry: &NodeEntry,
+    types: &Types,
+    place: usize,
+    faults: &mut Vec<Diagnostic>,
+) -> Vec<Edge> {
     let Some(node) = types[place].1 else { return Vec::new() };
-    let mut fault = |port: &str, error| faults.push(Fault::of(entry, Part::Input(port.to_string()), error));
+    let mut fault = |port: &str, error| {
+        faults.push(Diagnostic::of(entry, DiagnosticTarget::Input(port.to_string()), error))
+    };
     let required = node.inputs.len();
     let mut edges: Vec<Option<Edge>> = vec![None; required];
     for link in &entry.inputs {
         let Some(port) = node.all_inputs().position(|p| p.name == link.port) else {
             let error = Error::usage(format!("the node type '{}' has no input '{}'", node.name, link.port))
-                .accepted(suggest(&link.port, node.all_inputs().map(|p| p.name)));
-            fault(&link.port, link.origin.blame(error));
+                .expected(suggest(&link.port, node.all_inputs().map(|p| p.name)));
+            fault(&link.port, link.origin.locate(error));
             continue;
         };
         let sources = match link.source.list() {
@@ -44,13 +51,13 @@ pub(super) fn wires(entry: &NodeEntry, types: &Types, place: usize, faults: &mut
             port.name,
             port.port_type.with_article()
         );
-        fault(port.name, error.accepted(accepted));
+        fault(port.name, error.expected(accepted));
     }
     edges.into_iter().flatten().collect()
 }
 
 /// One wire, from the output that `written` names to an input port; `None` from a node of an unknown type.
-fn edge(written: &Setting, node: &Node, port: usize, types: &Types) -> Result<Option<Edge>> {
+fn edge(written: &LocatedValue, node: &Node, port: usize, types: &Types) -> Result<Option<Edge>> {
     let Some(text) = written.text() else {
         let accepted = match port < node.inputs.len() {
             true => "\"node\" or \"node.port\"",
@@ -58,7 +65,7 @@ fn edge(written: &Setting, node: &Node, port: usize, types: &Types) -> Result<Op
         };
         return Err(written.error("an input must name the node that feeds it", accepted));
     };
-    let found = source(text, types).map_err(|error| written.origin.blame(error))?;
+    let found = source(text, types).map_err(|error| written.origin.locate(error))?;
     let Some((feeding, giving, output)) = found else { return Ok(None) };
     let found = giving.outputs[output].port_type;
     let Some(taken) = node.all_inputs().nth(port) else {
@@ -75,8 +82,8 @@ fn edge(written: &Setting, node: &Node, port: usize, types: &Types) -> Result<Op
         };
         let what = format!("the input '{}' is wired to the wrong type", taken.name);
         let error =
-            Error::usage(what).found(format!("{} from '{text}'", found.with_article())).accepted(remedy);
-        return Err(written.origin.blame(error));
+            Error::usage(what).got(format!("{} from '{text}'", found.with_article())).expected(remedy);
+        return Err(written.origin.locate(error));
     }
     Ok(Some(Edge { port, name: taken.name, node: feeding, output, origin: written.origin.clone() }))
 }
@@ -90,20 +97,20 @@ fn source(text: &str, types: &Types) -> Result<Option<(usize, &'static Node, usi
     };
     let Some(i) = types.iter().position(|(known, _)| *known == name) else {
         return Err(Error::usage(format!("there is no node '{name}'"))
-            .accepted(suggest(name, types.iter().map(|(name, _)| *name))));
+            .expected(suggest(name, types.iter().map(|(name, _)| *name))));
     };
     let Some(node) = types[i].1 else { return Ok(None) };
     let outputs = node.outputs;
     match (port, outputs.len()) {
         (_, 0) => Err(Error::usage(format!("the node '{name}' has no output"))),
         (None, 1) => Ok(Some((i, node, 0))),
-        (None, _) => Err(Error::usage(format!("the node '{name}' has several outputs")).accepted(
+        (None, _) => Err(Error::usage(format!("the node '{name}' has several outputs")).expected(
             outputs.iter().map(|o| format!("\"{name}.{}\"", o.name)).collect::<Vec<_>>().join(" or "),
         )),
         (Some(port), _) => match outputs.iter().position(|o| o.name == port) {
             Some(output) => Ok(Some((i, node, output))),
             None => Err(Error::usage(format!("the node '{name}' has no output '{port}'"))
-                .accepted(suggest(port, outputs.iter().map(|o| o.name)))),
+                .expected(suggest(port, outputs.iter().map(|o| o.name)))),
         },
     }
 }

@@ -10,7 +10,7 @@ use voltet_core::transfer::Convex;
 
 /// A part [t₀, t₁] of a segment, with the complements and the length known by themselves.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Stretch {
+pub struct ClippedSpan {
     /// t₀.
     pub start: f64,
     /// 1 − t₀.
@@ -23,14 +23,14 @@ pub struct Stretch {
     pub length: f64,
 }
 
-impl Stretch {
+impl ClippedSpan {
     /// The whole segment.
-    pub const WHOLE: Stretch =
-        Stretch { start: 0.0, start_to_back: 1.0, end: 1.0, end_to_back: 0.0, length: 1.0 };
+    pub const WHOLE: ClippedSpan =
+        ClippedSpan { start: 0.0, start_to_back: 1.0, end: 1.0, end_to_back: 0.0, length: 1.0 };
 
     /// The part of the path from `front` to `back` inside the region, whose boundary belongs to it; `None`
     /// where it has no length. A path that stays at one point of the region is inside over its whole length.
-    pub fn within(region: &Convex, front: [f64; 2], back: [f64; 2]) -> Option<Stretch> {
+    pub fn within(region: &Convex, front: [f64; 2], back: [f64; 2]) -> Option<ClippedSpan> {
         let delta = [back[0] - front[0], back[1] - front[1]];
         let mut cuts = Cuts::default();
         let inside = region.distances(front, back, |f, b, axis, level| cuts.edge(f, b, axis, level));
@@ -38,13 +38,13 @@ impl Stretch {
     }
 
     /// The part that two stretches share.
-    pub fn intersection(&self, other: &Stretch) -> Option<Stretch> {
+    pub fn intersection(&self, other: &ClippedSpan) -> Option<ClippedSpan> {
         let first = if self.start >= other.start { self } else { other };
         let last = if self.end_to_back >= other.end_to_back { self } else { other };
         let length = if first == last { first.length } else { last.end - first.start };
         let (start, start_to_back) = (first.start, first.start_to_back);
         let (end, end_to_back) = (last.end, last.end_to_back);
-        (length > 0.0).then_some(Stretch { start, start_to_back, end, end_to_back, length })
+        (length > 0.0).then_some(ClippedSpan { start, start_to_back, end, end_to_back, length })
     }
 
     /// The value at the start of what is `front` and `back` at the segment's ends.
@@ -107,8 +107,8 @@ impl Cuts {
         true
     }
 
-    fn stretch(&self, delta: [f64; 2]) -> Option<Stretch> {
-        let mut stretch = Stretch::WHOLE;
+    fn stretch(&self, delta: [f64; 2]) -> Option<ClippedSpan> {
+        let mut stretch = ClippedSpan::WHOLE;
         if let Some(cut) = self.entry {
             stretch.start = cut.numerator / cut.denominator;
             stretch.start_to_back = cut.rest / cut.denominator;
@@ -146,15 +146,15 @@ mod tests {
         let triangle =
             Convex::new(&Region { corners: vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]] }).expect("convex");
         for clip in [unit_square(), triangle] {
-            let along = Stretch::within(&clip, [-1.0, 0.0], [3.0, 0.0]).expect("runs along an edge");
+            let along = ClippedSpan::within(&clip, [-1.0, 0.0], [3.0, 0.0]).expect("runs along an edge");
             assert_eq!((along.start, along.length), (0.25, 0.25));
-            assert_eq!(Stretch::within(&clip, [-1.0, 1.0], [1.0, -1.0]), None, "touches the corner only");
+            assert_eq!(ClippedSpan::within(&clip, [-1.0, 1.0], [1.0, -1.0]), None, "touches the corner only");
             assert_eq!(
-                Stretch::within(&clip, [0.0, 0.0], [0.0, 0.0]),
-                Some(Stretch::WHOLE),
+                ClippedSpan::within(&clip, [0.0, 0.0], [0.0, 0.0]),
+                Some(ClippedSpan::WHOLE),
                 "stays at a corner"
             );
-            assert_eq!(Stretch::within(&clip, [0.0, -1e-300], [1.0, -1e-300]), None, "beside the edge");
+            assert_eq!(ClippedSpan::within(&clip, [0.0, -1e-300], [1.0, -1e-300]), None, "beside the edge");
         }
     }
 
@@ -162,8 +162,8 @@ mod tests {
     fn the_length_of_a_clipped_corner_keeps_its_digits() {
         // The line s + g = 2⁻³⁰ cuts the corner at the origin over 2⁻³⁰ of its length of (2, 2)/√2.
         let tiny = f64::powi(2.0, -30);
-        let stretch =
-            Stretch::within(&unit_square(), [-1.0, 1.0 + tiny], [1.0, -1.0 + tiny]).expect("cuts the corner");
+        let stretch = ClippedSpan::within(&unit_square(), [-1.0, 1.0 + tiny], [1.0, -1.0 + tiny])
+            .expect("cuts the corner");
         assert_eq!(stretch.length, tiny / 2.0);
     }
 
@@ -171,7 +171,7 @@ mod tests {
     fn an_axis_without_limits_does_not_clip() {
         let clip =
             Convex::new(&Region::rectangle([0.0, 1.0], [f64::NEG_INFINITY, f64::INFINITY])).expect("a strip");
-        let stretch = Stretch::within(&clip, [-1.0, -1e30], [1.0, 1e30]).expect("crosses the strip");
+        let stretch = ClippedSpan::within(&clip, [-1.0, -1e30], [1.0, 1e30]).expect("crosses the strip");
         assert_eq!((stretch.start, stretch.length), (0.5, 0.5));
     }
 }

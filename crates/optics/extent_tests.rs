@@ -1,6 +1,6 @@
 //! What a widget is at a place: what a segment that stays there absorbs, by the closed forms.
 
-use crate::{Overlap, Prepared, Segment};
+use crate::{CompiledTransferFunction, Segment, WidgetBlend};
 use proptest::prelude::*;
 use voltet_core::transfer::{OpticalModel, TransferFunction};
 
@@ -24,7 +24,7 @@ proptest! {
         };
         let all: Vec<f64> = look.fields().into_iter().map(value).collect();
         let segment = Segment { length: 1.0, front: v, back: v, fields_front: &all, fields_back: &all };
-        let depth = Prepared::new(&look).unwrap().integrate(&segment, Overlap::Exact).optical_depth;
+        let depth = CompiledTransferFunction::new(&look).unwrap().integrate(&segment, WidgetBlend::Exact).optical_depth;
         // Texels are 32-bit numbers, and near the foot of a narrow band digits cancel.
         prop_assert!((depth - found).abs() <= 1e-6 * peak, "{depth} by the closed form, {found}");
     }

@@ -2,7 +2,7 @@
 //! sees it ([`AnyTrack`]). The formulas stand in one file a kind.
 
 use super::Segment;
-use super::clip::Stretch;
+use super::clip::ClippedSpan;
 use super::fields::{Ends, Fields, slot};
 use super::gaussian::{GaussianPath, GaussianTrack};
 use super::piecewise_linear::{PiecewisePath, PiecewiseTrack};
@@ -75,7 +75,7 @@ pub(super) enum Light {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Extent {
     /// The part inside its region.
-    pub stretch: Stretch,
+    pub stretch: ClippedSpan,
     /// Rate of optical depth per t where the profile is 1.
     pub peak: f64,
     /// D/U.

@@ -6,7 +6,7 @@
 //! from the differences v − v₀, each from its own raw numbers, and b never as a + d, which loses the digits
 //! of a centre near the back.
 
-use super::clip::Stretch;
+use super::clip::ClippedSpan;
 use super::special::{HALF_SQRT_PI, gaussian_mean};
 use super::track::{POINTS, Track, mean_transmittance_along};
 
@@ -42,7 +42,7 @@ impl GaussianPath {
 
     /// T over the stretch for the peak rate `peak` = ρ₀ D.
     #[inline]
-    pub fn optical_depth(&self, peak: f64, stretch: &Stretch) -> f64 {
+    pub fn optical_depth(&self, peak: f64, stretch: &ClippedSpan) -> f64 {
         let (a, b) = (stretch.at_start(self.front, self.back), stretch.at_end(self.front, self.back));
         let (mean, exponent) = gaussian_mean(a, b, self.length * stretch.length);
         peak * stretch.length * mean * (-self.offset_squared - exponent).exp()
@@ -72,7 +72,7 @@ impl GaussianPath {
     /// start of the stretch, also through what lies before that part. Times c D/U it is the constant-emitter
     /// colour (Song section 4.2), computed in widths from the window's ends, so that a window of a millionth
     /// of the segment keeps its digits.
-    pub fn glow(&self, peak: f64, stretch: &Stretch, level: f64) -> f64 {
+    pub fn glow(&self, peak: f64, stretch: &ClippedSpan, level: f64) -> f64 {
         let Some(half) = self.window(level) else { return 0.0 };
         let (a, b) = (stretch.at_start(self.front, self.back), stretch.at_end(self.front, self.back));
         let length = self.length * stretch.length;

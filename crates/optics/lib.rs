@@ -25,7 +25,7 @@ pub mod track;
 pub mod triangular_gaussian;
 pub mod wave;
 
-pub use prepared::Prepared;
+pub use prepared::CompiledTransferFunction;
 
 /// One ray segment: the crossing of one cell. Values vary linearly from front to back.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -55,7 +55,7 @@ pub struct Contribution {
 
 /// How several widgets active on one stretch are combined.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Overlap {
+pub enum WidgetBlend {
     /// The ordered integral ∫ Σ c_i ρ_i e^(−T), to a stated tolerance.
     #[default]
     Exact,

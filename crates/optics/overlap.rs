@@ -232,7 +232,7 @@ fn add(sum: &mut [f64; 3], weight: f64, color: [f64; 3]) {
 #[cfg(test)]
 mod tests {
     use crate::reference;
-    use crate::{Overlap, Prepared, Segment};
+    use crate::{CompiledTransferFunction, Segment, WidgetBlend};
     use voltet_core::transfer::{OpticalModel, Profile, Region, TransferFunction, Widget};
 
     /// All light comes from 3e-8 of the segment, along which one widget falls off: still in order, by the referee.
@@ -252,8 +252,9 @@ mod tests {
         let look = TransferFunction { model: OpticalModel::DensityEmitter, unit_distance: 1.0, widgets };
         let (front, back) = ([0.0; 2], [1.0, 0.0]);
         let segment = Segment { length: 1.0, front, back, fields_front: &[], fields_back: &[] };
-        let found = Prepared::new(&look).expect("valid").integrate(&segment, Overlap::Exact);
-        let exact = reference::integrate(&segment, &look, Overlap::Exact).expect("integrates");
+        let found =
+            CompiledTransferFunction::new(&look).expect("valid").integrate(&segment, WidgetBlend::Exact);
+        let exact = reference::integrate(&segment, &look, WidgetBlend::Exact).expect("integrates");
         for (found, exact) in found.color.into_iter().zip(exact.color) {
             // Places are known to 1e-16 by 2e-8 of a width.
             assert!((found - exact).abs() < 1e-7, "{found} for {exact}");

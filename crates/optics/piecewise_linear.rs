@@ -6,7 +6,7 @@
 //! share of a piece comes from the control points, not from a difference of two t, and a flat segment is one
 //! piece of weight 1.
 
-use super::clip::Stretch;
+use super::clip::ClippedSpan;
 use super::linear::{emission_weights, front_back};
 use super::special::OPAQUE_DEPTH;
 use super::track::Track;
@@ -125,7 +125,7 @@ impl<'a> PiecewisePath<'a> {
     }
 
     /// Calls `f` for each piece from front to back until it returns false.
-    pub fn pieces(&self, stretch: &Stretch, mut f: impl FnMut(&LinearPiece) -> bool) {
+    pub fn pieces(&self, stretch: &ClippedSpan, mut f: impl FnMut(&LinearPiece) -> bool) {
         let at = |point: usize| (self.points[point].extinction, self.points[point].color);
         let start = (stretch.start, stretch.start_to_back);
         let end = (stretch.end, stretch.end_to_back);
@@ -171,7 +171,7 @@ impl<'a> PiecewisePath<'a> {
     }
 
     /// ∫ extinction dt over the stretch.
-    pub fn integral(&self, stretch: &Stretch) -> f64 {
+    pub fn integral(&self, stretch: &ClippedSpan) -> f64 {
         let mut sum = 0.0;
         self.pieces(stretch, |piece| {
             sum += piece.share * 0.5 * (piece.extinction[0] + piece.extinction[1]);
@@ -181,7 +181,7 @@ impl<'a> PiecewisePath<'a> {
     }
 
     /// ∫ c ρ e^(−T) over the stretch: the density-emitter colour. `scale` = D/U turns extinctions into rates.
-    pub fn emission(&self, scale: f64, stretch: &Stretch) -> [f64; 3] {
+    pub fn emission(&self, scale: f64, stretch: &ClippedSpan) -> [f64; 3] {
         let (mut color, mut depth) = ([0.0; 3], 0.0_f64);
         self.pieces(stretch, |piece| {
             let [a, b] = piece.extinction.map(|e| e * scale * piece.share);
@@ -197,7 +197,7 @@ impl<'a> PiecewisePath<'a> {
     }
 
     /// ∫ c e^(−T) dt where the extinction exceeds `threshold`: times D/U the constant-emitter colour.
-    pub fn glow(&self, scale: f64, stretch: &Stretch, threshold: f64) -> [f64; 3] {
+    pub fn glow(&self, scale: f64, stretch: &ClippedSpan, threshold: f64) -> [f64; 3] {
         let (mut color, mut depth) = ([0.0; 3], 0.0_f64);
         self.pieces(stretch, |piece| {
             let lit = piece.lit(threshold);
@@ -276,7 +276,8 @@ impl PiecewiseTrack<'_> {
     /// Depth over [t, t + dt], which may pass control points.
     pub fn depth_over(&self, t: f64, dt: f64) -> f64 {
         let end = t + dt;
-        let stretch = Stretch { start: t, start_to_back: 1.0 - t, end, end_to_back: 1.0 - end, length: dt };
+        let stretch =
+            ClippedSpan { start: t, start_to_back: 1.0 - t, end, end_to_back: 1.0 - end, length: dt };
         self.scale * self.path.integral(&stretch)
     }
 }

@@ -1,17 +1,17 @@
 //! A transfer function made ready for integrating many segments.
 
-use super::clip::Stretch;
+use super::clip::ClippedSpan;
 use super::forms::{Cutoff, Extent, Form, Light, Path};
 use super::overlap::{Glow, Member, Ordered, Quadrature, ordered};
 use super::sample::Samples;
 use super::special::{mean_transmittance, opacity};
-use super::{Contribution, Overlap, Segment};
+use super::{Contribution, Segment, WidgetBlend};
 use voltet_core::Result;
 use voltet_core::transfer::{Convex, TransferFunction};
 
 /// A transfer function, checked, with what all its segments share worked out.
 #[derive(Debug, Clone)]
-pub struct Prepared {
+pub struct CompiledTransferFunction {
     /// −ln cutoff and cutoff, for the constant-emitter.
     cutoff: Option<Cutoff>,
     unit_distance: f64,
@@ -39,9 +39,9 @@ struct Active<'a> {
 /// Widgets kept without allocation; more than this many on one segment cost one allocation.
 const INLINE: usize = 8;
 
-impl Prepared {
+impl CompiledTransferFunction {
     /// Checks the transfer function and makes it ready.
-    pub fn new(transfer_function: &TransferFunction) -> Result<Prepared> {
+    pub fn new(transfer_function: &TransferFunction) -> Result<CompiledTransferFunction> {
         transfer_function.check()?;
         let fields = transfer_function.fields();
         let mut widgets = Vec::with_capacity(transfer_function.widgets.len());
@@ -55,7 +55,7 @@ impl Prepared {
             });
         }
         let cutoff = transfer_function.model.cutoff().map(|share| Cutoff { share, level: -share.ln() });
-        Ok(Prepared { cutoff, unit_distance: transfer_function.unit_distance, widgets })
+        Ok(CompiledTransferFunction { cutoff, unit_distance: transfer_function.unit_distance, widgets })
     }
 
     /// T of the segment: the sum of the widgets' closed forms.
@@ -71,7 +71,7 @@ impl Prepared {
     }
 
     /// The segment's contribution. Values that are not finite contribute nothing.
-    pub fn integrate(&self, segment: &Segment, overlap: Overlap) -> Contribution {
+    pub fn integrate(&self, segment: &Segment, overlap: WidgetBlend) -> Contribution {
         self.integrate_by(segment, overlap, &Ordered)
     }
 
@@ -79,7 +79,7 @@ impl Prepared {
     pub(super) fn integrate_by<Q: Quadrature>(
         &self,
         segment: &Segment,
-        overlap: Overlap,
+        overlap: WidgetBlend,
         quadrature: &Q,
     ) -> Contribution {
         let mut inline: [Option<Active>; INLINE] = [None; INLINE];
@@ -116,12 +116,12 @@ impl Prepared {
     /// The widget along the segment, if the segment has a part inside its region.
     fn cross<'a>(&'a self, widget: &'a PreparedWidget, segment: &Segment) -> Option<Active<'a>> {
         let stretch = match &widget.clip {
-            None => Stretch::WHOLE,
-            Some(clip) => Stretch::within(clip, segment.front, segment.back)?,
+            None => ClippedSpan::WHOLE,
+            Some(clip) => ClippedSpan::within(clip, segment.front, segment.back)?,
         };
         let stretch = match widget.form.range() {
             None => stretch,
-            Some(range) => stretch.intersection(&Stretch::within(range, segment.front, segment.back)?)?,
+            Some(range) => stretch.intersection(&ClippedSpan::within(range, segment.front, segment.back)?)?,
         };
         let scale = segment.length / self.unit_distance;
         let extent = Extent { stretch, peak: segment.length * widget.extinction / self.unit_distance, scale };
@@ -151,7 +151,7 @@ impl Prepared {
         active: &impl Fn() -> I,
         length: f64,
         optical_depth: f64,
-        overlap: Overlap,
+        overlap: WidgetBlend,
         quadrature: &impl Quadrature,
     ) -> [f64; 3] {
         if self.cutoff.is_none() {
@@ -160,7 +160,7 @@ impl Prepared {
                 return first.map(|c| c * opacity(optical_depth));
             }
         }
-        if overlap == Overlap::Mix || optical_depth < 1e-14 {
+        if overlap == WidgetBlend::Mix || optical_depth < 1e-14 {
             // Kniss et al. 2003, Eq. 15: each widget's own light, dimmed by what all of them absorb on the
             // mean. For one colour and the density-emitter this is c Tᵢ/T (1 − e^(−T)).
             let dimmed = mean_transmittance(optical_depth);

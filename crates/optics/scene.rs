@@ -1,7 +1,7 @@
 //! A scene: what is drawn, from where, and how. The one description that every engine is given.
 
 use crate::integrators::{self, CLASSIFIED};
-use crate::shading::{Order, Shading};
+use crate::shading::{Shading, VisibilityOrder};
 use std::sync::Arc;
 use voltet_core::Result;
 use voltet_core::camera::Camera;
@@ -21,7 +21,7 @@ pub struct Scene {
     /// Integrator and light.
     pub shading: Shading,
     /// The order of a pixel's segments.
-    pub order: Order,
+    pub order: VisibilityOrder,
 }
 
 impl Scene {

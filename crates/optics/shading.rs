@@ -1,13 +1,13 @@
 //! How a volume is drawn, whatever engine draws it: integrator, light, order (docs/optics.md, sections 6 and 7).
 
-use crate::Overlap;
+use crate::WidgetBlend;
 use voltet_core::transfer::TransferFunction;
 
 pub use crate::integrators::Integrator;
 
 /// Order in which a pixel's segments are composited.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Order {
+pub enum VisibilityOrder {
     /// By entry distance at every pixel: exact for disjoint cells.
     #[default]
     Exact,
@@ -42,7 +42,7 @@ pub struct Shading {
     /// The integrator.
     pub integrator: Integrator,
     /// Several widgets on one stretch.
-    pub overlap: Overlap,
+    pub overlap: WidgetBlend,
     /// Silhouette exponent p (Song et al. 2009, section 6.2).
     pub silhouette: Option<f64>,
     /// Diffuse lighting.

@@ -1,4 +1,4 @@
-use crate::{Overlap, Prepared, Segment};
+use crate::{CompiledTransferFunction, Segment, WidgetBlend};
 use proptest::prelude::*;
 use voltet_core::transfer::*;
 use voltet_core::transfer::{Profile, Region};
@@ -153,7 +153,7 @@ proptest! {
             let sum: f64 = weights.iter().sum();
             weights.iter().zip(values).map(|(w, v)| w / sum * v).sum::<f64>()
         };
-        let prepared = Prepared::new(&transfer_function).expect("valid");
+        let prepared = CompiledTransferFunction::new(&transfer_function).expect("valid");
         let support = Support::new(&transfer_function).expect("valid");
         // Values of the further fields that a gaussian-nd widget looks at.
         let all_fields = [s, g, [s[3], s[2], s[1], s[0]]];
@@ -201,7 +201,7 @@ proptest! {
                 fields_front: &fields_front,
                 fields_back: &fields_back,
             };
-            let found = prepared.integrate(&segment, Overlap::Exact);
+            let found = prepared.integrate(&segment, WidgetBlend::Exact);
             let most = found.color.into_iter().fold(found.optical_depth, |most, c| most.max(c));
             prop_assert!(most <= bound * (1.0 + 1e-9) + 1e-300, "{most} > {bound}");
         }

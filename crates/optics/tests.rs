@@ -2,7 +2,7 @@
 
 use super::arbitrary::{fields, segment, transfer_function, widget};
 use super::compositing::Composite;
-use super::{Contribution, Overlap, Prepared, Segment};
+use super::{CompiledTransferFunction, Contribution, Segment, WidgetBlend};
 use proptest::prelude::*;
 use voltet_core::transfer::{OpticalModel, Profile, TransferFunction, Widget};
 
@@ -11,7 +11,9 @@ use voltet_core::transfer::{OpticalModel, Profile, TransferFunction, Widget};
 const TOLERANCE: f64 = 2e-10;
 
 fn integrate(transfer_function: &TransferFunction, segment: &Segment) -> Contribution {
-    Prepared::new(transfer_function).expect("a valid transfer function").integrate(segment, Overlap::Exact)
+    CompiledTransferFunction::new(transfer_function)
+        .expect("a valid transfer function")
+        .integrate(segment, WidgetBlend::Exact)
 }
 
 fn part(segment: &Segment<'static>, from: f64, to: f64) -> Segment<'static> {
@@ -273,14 +275,14 @@ fn a_wrong_number_is_refused_with_its_place() {
     let region = Some(Region::rectangle([0.0, 1.0], [0.0, 1.0]));
     let model = OpticalModel::DensityEmitter;
     let of = |widget: Widget| TransferFunction { model, unit_distance: 1.0, widgets: vec![widget] };
-    let message = |t: &TransferFunction| Prepared::new(t).expect_err("refused").to_string();
+    let message = |t: &TransferFunction| CompiledTransferFunction::new(t).expect_err("refused").to_string();
     let negative = message(&of(widget.clone()));
     assert!(negative.contains("colour") && negative.contains("widgets[0]"), "{negative}");
     let right = Widget { color: [1.0; 3], region, ..widget };
     assert!(message(&of(Widget { region: None, ..right.clone() })).contains("region"));
     assert!(message(&of(Widget { extinction: f64::NAN, ..right.clone() })).contains("extinction"));
     let mut bad_unit = of(right);
-    assert!(Prepared::new(&bad_unit).is_ok());
+    assert!(CompiledTransferFunction::new(&bad_unit).is_ok());
     bad_unit.unit_distance = 0.0;
     assert!(message(&bad_unit).contains("unit distance"));
 }

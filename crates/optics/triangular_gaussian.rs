@@ -11,7 +11,7 @@
 //! direction of q_b m_f − q_f m_b, formed as (q_b − q_f) m_f − q_f (m_b − m_f); an error of e by η moves the other end by
 //! η |x_b − x_f|, so h is taken at the end with the smaller |x|. Over one field e = ±1 and h = 0.
 
-use super::clip::Stretch;
+use super::clip::ClippedSpan;
 use super::quadrature::{GAUSS_12, mean};
 use super::track::{Track, mean_transmittance_along};
 
@@ -77,19 +77,19 @@ impl TriangularPath {
     }
 
     /// The same between t₀ and t₁ of a stretch, its own t from 0 to 1.
-    fn part(&self, stretch: &Stretch) -> Self {
+    fn part(&self, stretch: &ClippedSpan) -> Self {
         let ends = |v: [f64; 2]| [stretch.at_start(v[0], v[1]), stretch.at_end(v[0], v[1])];
         let path = TriangularPath::new(ends(self.offset), ends(self.width), self.peak * stretch.length);
         TriangularPath { offset_squared: self.offset_squared, ..path }
     }
 
     /// T over the stretch.
-    pub fn optical_depth(&self, stretch: &Stretch) -> f64 {
-        if *stretch == Stretch::WHOLE { self.depth(0.0, 1.0) } else { self.part(stretch).depth(0.0, 1.0) }
+    pub fn optical_depth(&self, stretch: &ClippedSpan) -> f64 {
+        if *stretch == ClippedSpan::WHOLE { self.depth(0.0, 1.0) } else { self.part(stretch).depth(0.0, 1.0) }
     }
 
     /// ∫ e^(−T) dt over the part of the stretch where the profile exceeds e^(−`level`).
-    pub fn glow(&self, stretch: &Stretch, level: f64) -> f64 {
+    pub fn glow(&self, stretch: &ClippedSpan, level: f64) -> f64 {
         let path = self.part(stretch);
         let (start, end) = match path.window_ends(level) {
             Some([start, end]) => (start.max(0.0), end.min(1.0)),
@@ -99,8 +99,13 @@ impl TriangularPath {
             return 0.0;
         }
         let before = if start > 0.0 { path.depth(0.0, start) } else { 0.0 };
-        let lit =
-            Stretch { start, start_to_back: 1.0 - start, end, end_to_back: 1.0 - end, length: end - start };
+        let lit = ClippedSpan {
+            start,
+            start_to_back: 1.0 - start,
+            end,
+            end_to_back: 1.0 - end,
+            length: end - start,
+        };
         stretch.length * lit.length * (-before).exp() * mean_transmittance_along(&path.part(&lit))
     }
 
@@ -255,7 +260,7 @@ mod tests {
     #[test]
     fn a_centre_behind_the_foot_hides_nothing() {
         let path = TriangularPath::new([-1.0, 9.0], [-1.0, 1.0], 1.0);
-        let found = path.optical_depth(&Stretch::WHOLE);
+        let found = path.optical_depth(&ClippedSpan::WHOLE);
         const COUNT: usize = 200_000;
         let at = |k: usize| path.rate(0.5 + 0.5 * (k as f64 + 0.5) / COUNT as f64);
         let exact = (0..COUNT).map(at).sum::<f64>() / (2 * COUNT) as f64;
@@ -275,7 +280,7 @@ mod tests {
             const COUNT: usize = 1000;
             let part = |k: usize| mean(&GAUSS_12, |u| path.rate((k as f64 + u) / COUNT as f64));
             let exact = (0..COUNT).map(part).sum::<f64>() / COUNT as f64;
-            let found = path.optical_depth(&Stretch::WHOLE);
+            let found = path.optical_depth(&ClippedSpan::WHOLE);
             assert!((found / exact - 1.0).abs() < 2e-13, "{offset:?} {width:?}: {found:e} for {exact:e}");
         }
     }
@@ -290,7 +295,7 @@ mod tests {
                 const COUNT: usize = 200;
                 let part = |k: usize| mean(&GAUSS_12, |u| path.rate((k as f64 + u) / COUNT as f64));
                 let exact = (0..COUNT).map(part).sum::<f64>() / COUNT as f64;
-                let found = path.optical_depth(&Stretch::WHOLE);
+                let found = path.optical_depth(&ClippedSpan::WHOLE);
                 assert!((found / exact - 1.0).abs() < 2e-13, "{from} over {extent}: {found:e} for {exact:e}");
             }
         }

@@ -1,13 +1,13 @@
 //! Orders along faces, held against the crossings of the 64-bit reference, which knows no faces.
 
-use crate::Overlap;
+use crate::WidgetBlend;
 use crate::reference::Tracer;
 use crate::scene::Scene;
-use crate::shading::{Integrator, Order, Shading};
+use crate::shading::{Integrator, Shading, VisibilityOrder};
 use glam::{DQuat, DVec3};
 use proptest::prelude::*;
 use std::sync::Arc;
-use voltet_core::Shared;
+use voltet_core::SharedSlice;
 use voltet_core::camera::{Camera, Projection};
 use voltet_core::grid::Grid;
 use voltet_core::grid::generate::{Random, box_of_tetrahedra};
@@ -16,7 +16,7 @@ use voltet_core::visibility::*;
 use voltet_core::volume::Volume;
 
 const SHADING: Shading =
-    Shading { integrator: Integrator::Reference, overlap: Overlap::Exact, silhouette: None, light: None };
+    Shading { integrator: Integrator::Reference, overlap: WidgetBlend::Exact, silhouette: None, light: None };
 
 fn cube(counts: [usize; 3], jitter: f64) -> Grid {
     box_of_tetrahedra(counts, [DVec3::ZERO, DVec3::ONE], jitter)
@@ -25,7 +25,7 @@ fn cube(counts: [usize; 3], jitter: f64) -> Grid {
 /// A grid of these points and cells.
 fn grid(points: Vec<DVec3>, mut cells: Vec<[u32; 4]>) -> Grid {
     cells.iter_mut().for_each(|cell| cell.sort_unstable());
-    Grid { points: Shared::from(points), tetrahedra: Shared::from(cells), ..Grid::default() }
+    Grid { points: SharedSlice::from(points), tetrahedra: SharedSlice::from(cells), ..Grid::default() }
 }
 
 /// The cells of a grid that are wanted, by number and middle.
@@ -90,13 +90,13 @@ fn cameras() -> Vec<Camera> {
     ]
 }
 
-fn order_of(grid: &Grid, camera: &Camera) -> Result<FaceOrder, WhyNot> {
+fn order_of(grid: &Grid, camera: &Camera) -> Result<FaceOrder, OrderError> {
     Faces::of(grid).order(grid, camera).expect("the camera is in range")
 }
 
 /// Pixels (over all samples) whose segments the reference enters in another order, of those longer than rounding.
 fn disordered_by_reference(grid: &Grid, order: &[u32], camera: &Camera) -> u64 {
-    let scalar = Shared::from(vec![0.0; grid.points.len()]);
+    let scalar = SharedSlice::from(vec![0.0; grid.points.len()]);
     let volume = Volume { grid: Arc::new(grid.clone()), scalar, gradient: None, gradient_magnitude: None };
     let model = OpticalModel::DensityEmitter;
     let scene = Scene {
@@ -104,7 +104,7 @@ fn disordered_by_reference(grid: &Grid, order: &[u32], camera: &Camera) -> u64 {
         transfer_function: Arc::new(TransferFunction { model, unit_distance: 1.0, widgets: vec![] }),
         camera: *camera,
         shading: SHADING,
-        order: Order::Exact,
+        order: VisibilityOrder::Exact,
     };
     let tracer = Tracer::new(&scene).expect("is in range");
     let mut rank = vec![0; order.len()];
@@ -202,7 +202,7 @@ fn circles_have_no_order() {
     let above = parallel([0.01, 0.02, 5.0], [0.0, 0.0, 0.0], 4.0);
     let above = Camera { size: [90, 90], ..above };
     let grid = bars(3.0);
-    let Err(WhyNot::Cyclic(count)) = order_of(&grid, &above) else { panic!("no circle found") };
+    let Err(OrderError::Cyclic(count)) = order_of(&grid, &above) else { panic!("no circle found") };
     assert!((3..=grid.tetrahedra.len()).contains(&count), "{count}");
     // Any order of whole cells is wrong there, as the check finds.
     let all: Vec<u32> = (0..grid.tetrahedra.len() as u32).collect();
@@ -255,7 +255,7 @@ fn a_circle_of_faces_that_no_ray_crosses_is_taken_out() {
     let grid = ring(8, 0.12);
     let above = parallel([0.003, 0.002, 5.0], [0.003, 0.002, 0.0], 2.4);
     let fine = Camera { size: [96, 96], ..above };
-    let Err(WhyNot::Cyclic(count)) = order_of(&grid, &fine) else { panic!("no circle found") };
+    let Err(OrderError::Cyclic(count)) = order_of(&grid, &fine) else { panic!("no circle found") };
     assert!(count >= 8, "{count}");
     // Rays two widths apart go by it.
     let coarse = Camera { size: [2, 2], ..parallel([0.003, 0.002, 5.0], [0.003, 0.002, 0.0], 8.0) };
@@ -295,13 +295,19 @@ fn grids_in_each_other_have_no_order() {
     let base = cube([2, 2, 2], 0.1);
     let camera = &cameras()[0];
     let within = together(&[base.clone(), moved(&base, |p| p + DVec3::new(0.31, 0.27, 0.23))]);
-    assert!(matches!(order_of(&within, camera), Err(WhyNot::Unclear(1..))));
-    assert!(matches!(order_of(&together(&[base.clone(), base.clone()]), camera), Err(WhyNot::Crowded(1..))));
+    assert!(matches!(order_of(&within, camera), Err(OrderError::Unclear(1..))));
+    assert!(matches!(
+        order_of(&together(&[base.clone(), base.clone()]), camera),
+        Err(OrderError::Crowded(1..))
+    ));
     // A corner pulled through the cells beyond.
     let last = base.points.len() - 1;
     let mut points = base.points.to_vec();
     points[last] = DVec3::splat(0.2);
-    assert!(matches!(order_of(&grid(points, base.tetrahedra.to_vec()), camera), Err(WhyNot::Folded(1..))));
+    assert!(matches!(
+        order_of(&grid(points, base.tetrahedra.to_vec()), camera),
+        Err(OrderError::Folded(1..))
+    ));
     // No grid at all is in order.
     assert_eq!(order_of(&Grid::default(), camera).map(|order| order.cells), Ok(vec![]));
 }
@@ -342,7 +348,7 @@ proptest! {
                 prop_assert_eq!(disordered_by_reference(&grid, &order.cells, &camera), 0);
                 prop_assert_eq!(disorder(&grid, &order.cells, &camera, |_| true).unwrap().disordered, 0);
             }
-            Err(why) => prop_assert!(matches!(why, WhyNot::Cyclic(_)), "{}", why),
+            Err(why) => prop_assert!(matches!(why, OrderError::Cyclic(_)), "{}", why),
         }
     }
 }

@@ -22,13 +22,13 @@ pub fn configured(file: &Path) -> Result<Vec<Configured>> {
         Ok(text) => text,
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(Vec::new()),
         Err(error) => {
-            return Err(Error::usage("the file of plug-ins cannot be read").found(error).in_file(file));
+            return Err(Error::usage("the file of plug-ins cannot be read").got(error).in_file(file));
         }
     };
     let wrong = |what: String| {
         let accepted =
             "plugins = [\"PATH\", …], or { path = \"PATH\", fingerprint = \"…\" } in place of a path";
-        Error::usage(what).accepted(accepted).in_file(file)
+        Error::usage(what).expected(accepted).in_file(file)
     };
     let table: toml::Table = text.parse().map_err(|error: toml::de::Error| {
         let wrong = wrong(error.message().to_string());

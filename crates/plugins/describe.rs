@@ -5,7 +5,7 @@ use crate::interface::{self, Check};
 use crate::library::{Piece, Work};
 use crate::parameters::parameters;
 use std::ffi::c_char;
-use voltet_core::parameters::Kind;
+use voltet_core::parameters::VariantSchema;
 
 /// Longest name, word or unit: bytes.
 pub(crate) const NAME_MOST: usize = 64;
@@ -23,7 +23,7 @@ const MAGIC_MOST: u32 = 64;
 /// Something that a plug-in offers, as it was declared.
 #[derive(Clone)]
 pub(crate) struct Declared {
-    pub kind: Kind,
+    pub kind: VariantSchema,
     pub family: Family,
     /// Whether it has a function that checks parameters.
     pub checks: bool,
@@ -167,7 +167,8 @@ fn piece(
         }
         _ => {}
     }
-    let kind = Kind { name: leak(name.clone()), summary: leak(summary), parameters: parameters.leak() };
+    let kind =
+        VariantSchema { name: leak(name.clone()), summary: leak(summary), parameters: parameters.leak() };
     let declared = Declared { kind, family, checks: common.check.is_some(), components };
     Ok(Piece { declared, check: common.check, work })
 }

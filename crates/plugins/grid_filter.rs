@@ -19,7 +19,7 @@ use std::ptr::{from_ref, null};
 use std::sync::{Arc, Mutex, PoisonError};
 use voltet_core::grid::{Array, Grid};
 use voltet_core::{Error, Result};
-use voltet_graph::{Asking, Call, Node, Outputs, Port, PortType, Value};
+use voltet_graph::{DemandContext, Node, Outputs, Port, PortType, RunContext, Value};
 
 /// What a grid filter is given.
 pub(crate) struct GivenGrid {
@@ -82,9 +82,9 @@ unsafe extern "C-unwind" fn begin(
 
 impl GivenGrid {
     /// Errors: an array that is not there.
-    fn new(declared: &Declared, grid: &Grid, call: &Call) -> Result<GivenGrid> {
+    fn new(declared: &Declared, grid: &Grid, call: &RunContext) -> Result<GivenGrid> {
         let text = |name: &str| {
-            CString::new(name).map_err(|_| Error::run("the name of an array has a character 0").found(name))
+            CString::new(name).map_err(|_| Error::run("the name of an array has a character 0").got(name))
         };
         let mut carried = Vec::new();
         if let Some(scalar) = &grid.scalar {
@@ -192,14 +192,14 @@ pub(crate) fn node(offered: Offered) -> &'static Node {
         inputs,
         outputs,
         example,
-        demand: node::leak(move |asking: &mut Asking| demand(&of_demand, asking)),
-        run: node::leak(move |call: &mut Call| run(&of_run, call)),
+        demand: node::leak(move |asking: &mut DemandContext| demand(&of_demand, asking)),
+        run: node::leak(move |call: &mut RunContext| run(&of_run, call)),
         ..node
     })
 }
 
 /// What is asked of its output but for what it makes itself, and the arrays that its parameters name.
-fn demand(offered: &Offered, asking: &mut Asking) -> Result<()> {
+fn demand(offered: &Offered, asking: &mut DemandContext) -> Result<()> {
     let mut ask = asking.asked.clone();
     made(offered).iter().for_each(|name| ask.arrays.remove(name));
     ask.arrays.extend(array_names(&offered.declared, asking.parameters));
@@ -213,7 +213,7 @@ fn made(offered: &Offered) -> &'static [&'static str] {
     }
 }
 
-fn run(offered: &Offered, call: &mut Call) -> Result<Outputs> {
+fn run(offered: &Offered, call: &mut RunContext) -> Result<Outputs> {
     let input = call.grid("grid")?;
     let given = GivenGrid::new(&offered.declared, &input, call)?;
     let (said, (head, buffers)) = offered.run(Task::Grid(Box::new(given)), call.progress(), Outcome::grid)?;

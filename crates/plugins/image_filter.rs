@@ -12,7 +12,7 @@ use std::mem::size_of;
 use std::sync::Arc;
 use voltet_core::Result;
 use voltet_core::picture::Picture;
-use voltet_graph::{Call, Node, Outputs, Port, PortType, Value};
+use voltet_graph::{Node, Outputs, Port, PortType, RunContext, Value};
 
 /// What an image filter is given.
 pub(crate) struct GivenImage {
@@ -60,12 +60,12 @@ pub(crate) fn node(offered: Offered) -> &'static Node {
         inputs,
         outputs,
         example,
-        run: node::leak(move |call: &mut Call| run(&of_run, call)),
+        run: node::leak(move |call: &mut RunContext| run(&of_run, call)),
         ..node
     })
 }
 
-fn run(offered: &Offered, call: &mut Call) -> Result<Outputs> {
+fn run(offered: &Offered, call: &mut RunContext) -> Result<Outputs> {
     let picture = call.image("image")?;
     let given =
         GivenImage { picture: picture.clone(), values: Owned::new(&offered.declared, call.parameters)? };
@@ -82,20 +82,20 @@ fn judged(picture: &Picture, rgba: &[[f32; 4]], whose: Whose) -> Result<()> {
     if let Some(place) = rgba.iter().position(|pixel| pixel.iter().any(Fresh::is_unset)) {
         let missing = rgba.iter().filter(|pixel| pixel.iter().any(Fresh::is_unset)).count();
         let found = format!("{missing} without, the first {}", at(place));
-        let error = whose.error("did not give every pixel a colour").found(found);
+        let error = whose.error("did not give every pixel a colour").got(found);
         return Err(
-            error.accepted(format!("one for each of the {} x {} pixels", picture.width, picture.height))
+            error.expected(format!("one for each of the {} x {} pixels", picture.width, picture.height))
         );
     }
     match rgba.iter().position(|pixel| !good(pixel)) {
         None if rgba.len() == picture.rgba.len() => Ok(()),
         None => {
-            Err(whose.error("gave a picture of another size").found(rgba.len()).accepted(picture.rgba.len()))
+            Err(whose.error("gave a picture of another size").got(rgba.len()).expected(picture.rgba.len()))
         }
         Some(place) => {
             let error =
-                whose.error("gave a pixel that is none").found(format!("{:?} {}", rgba[place], at(place)));
-            Err(error.accepted("finite numbers, the last (opacity) from 0 to 1"))
+                whose.error("gave a pixel that is none").got(format!("{:?} {}", rgba[place], at(place)));
+            Err(error.expected("finite numbers, the last (opacity) from 0 to 1"))
         }
     }
 }

@@ -108,8 +108,8 @@ pub(crate) fn load(path: &Path) -> Result<(Library, Vec<Piece>)> {
 /// What keeps a plug-in from being loaded.
 pub(crate) fn failed(path: &Path, wrong: Wrong) -> Error {
     Error::usage("the plug-in cannot be loaded")
-        .found(wrong)
-        .accepted("a library that keeps to include/voltet_plugin.h")
+        .got(wrong)
+        .expected("a library that keeps to include/voltet_plugin.h")
         .in_file(path)
 }
 
@@ -119,8 +119,8 @@ pub(crate) fn failed(path: &Path, wrong: Wrong) -> Error {
 pub(crate) fn state_of(path: &Path) -> Result<(Plugin, Vec<u8>)> {
     let unreadable = |error: std::io::Error| {
         Error::usage("the plug-in cannot be read")
-            .found(error)
-            .accepted("the path of a shared library")
+            .got(error)
+            .expected("the path of a shared library")
             .in_file(path)
     };
     let modified = std::fs::metadata(path).map_err(unreadable)?.modified().ok();

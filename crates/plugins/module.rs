@@ -29,6 +29,6 @@ mod without {
         let error = Error::usage(
             "the plug-in is a WebAssembly module, and this program was built without the sandbox for them",
         );
-        Err(error.accepted("a build with the feature \"wasm\", or a shared library").in_file(path))
+        Err(error.expected("a build with the feature \"wasm\", or a shared library").in_file(path))
     }
 }

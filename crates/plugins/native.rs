@@ -86,7 +86,7 @@ impl Runner for Native {
         };
         called.map_err(|lost| match lost {
             Lost::GivenUp if is_check => whose.error("does not come back from checking its parameters"),
-            Lost::GivenUp => whose.error("was asked to stop and goes on").accepted(format!(
+            Lost::GivenUp => whose.error("was asked to stop and goes on").expected(format!(
                 "it to stop within {} s; only the end of the program ends it, or --plugin-process",
                 GRACE.as_secs()
             )),

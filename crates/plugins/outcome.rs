@@ -96,10 +96,10 @@ impl<'a> Whose<'a> {
     pub fn worked(&self, said: &Said, stopped: bool) -> Result<()> {
         if let Some(Beyond { what, accepted }) = &said.beyond {
             let what = format!("wrote beyond the end of {what}: what else it wrote over is unknown");
-            return Err(self.error(&what).accepted(accepted));
+            return Err(self.error(&what).expected(accepted));
         }
         if let Some(wrong) = &said.wrong {
-            return Err(self.error("is refused").found(wrong));
+            return Err(self.error("is refused").got(wrong));
         }
         match said.code {
             OK => Ok(()),
@@ -112,8 +112,8 @@ impl<'a> Whose<'a> {
     /// What the plug-in said, or that it said nothing.
     fn refused(&self, said: &Said) -> Error {
         match &said.error {
-            Some(text) => self.error("says").found(text),
-            None => self.error("failed and did not say why").found(format!("code {}", said.code)),
+            Some(text) => self.error("says").got(text),
+            None => self.error("failed and did not say why").got(format!("code {}", said.code)),
         }
     }
 
@@ -136,7 +136,7 @@ impl<'a> Whose<'a> {
         if let Some(first) = unset.next() {
             let found = format!("{} without, the first of them point {first}", 1 + unset.count());
             let wanted = format!("one for each of the {} points", vectors.len());
-            return Err(self.error("did not give every point a vector").found(found).accepted(wanted));
+            return Err(self.error("did not give every point a vector").got(found).expected(wanted));
         }
         // What no cell uses may be anything.
         vectors.iter_mut().filter(|v| is_unset(v)).for_each(|v| *v = DVec3::ZERO);

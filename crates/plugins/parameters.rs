@@ -4,7 +4,7 @@ use crate::describe::{NAME_MOST, PARAMETERS_MOST, TEXT_MOST, identifier, leak, l
 use crate::foreign::{Wrong, several, values};
 use crate::interface;
 use std::ffi::c_char;
-use voltet_core::parameters::{Parameter, ParameterType, Range, Standard};
+use voltet_core::parameters::{DefaultValue, Parameter, ParameterType, Range};
 
 /// Longest vector.
 pub(crate) const VECTOR_MOST: u32 = 1024;
@@ -34,10 +34,10 @@ fn parameter(read: &interface::Parameter, name: &str) -> Result<Parameter, Wrong
         return Err(format!("'flags' has some that this version does not know: {:#x}", read.flags));
     }
     let required_ = read.flags & interface::REQUIRED != 0;
-    let unless_required = |standard| if required_ { Standard::Required } else { standard };
+    let unless_required = |standard| if required_ { DefaultValue::Required } else { standard };
     let (parameter_type, standard) = match read.parameter_type {
         interface::BOOLEAN if read.number == 0.0 || read.number == 1.0 => {
-            (ParameterType::Boolean, unless_required(Standard::Boolean(read.number == 1.0)))
+            (ParameterType::Boolean, unless_required(DefaultValue::Boolean(read.number == 1.0)))
         }
         interface::BOOLEAN => return Err(format!("the default is {}, neither 0 nor 1", read.number)),
         interface::INTEGER => {
@@ -45,17 +45,17 @@ fn parameter(read: &interface::Parameter, name: &str) -> Result<Parameter, Wrong
             if whole as f64 != read.number && !required_ {
                 return Err(format!("the default is {}, no whole number", read.number));
             }
-            (ParameterType::Integer(range(read)?), unless_required(Standard::Integer(whole)))
+            (ParameterType::Integer(range(read)?), unless_required(DefaultValue::Integer(whole)))
         }
         interface::NUMBER => {
-            (ParameterType::Number(range(read)?), unless_required(Standard::Number(read.number)))
+            (ParameterType::Number(range(read)?), unless_required(DefaultValue::Number(read.number)))
         }
         interface::CHOICE => {
             let words = words(read)?;
             let given = line("the default", read.text, NAME_MOST)?;
             let standard = match given {
-                _ if required_ => Standard::Required,
-                Some(word) => Standard::Text(leak(word)),
+                _ if required_ => DefaultValue::Required,
+                Some(word) => DefaultValue::Text(leak(word)),
                 None => return Err("there is no default, and it is not required".into()),
             };
             (ParameterType::Choice(words.leak()), standard)
@@ -76,7 +76,7 @@ fn parameter(read: &interface::Parameter, name: &str) -> Result<Parameter, Wrong
                 true => unset(read)?,
                 false => {
                     let numbers = values(read.numbers, read.length as usize);
-                    Standard::Numbers(numbers.map_err(|wrong| format!("'numbers' {wrong}"))?.leak())
+                    DefaultValue::Numbers(numbers.map_err(|wrong| format!("'numbers' {wrong}"))?.leak())
                 }
             };
             (ParameterType::Numbers(length, range(read)?), unless_required(standard))
@@ -87,19 +87,19 @@ fn parameter(read: &interface::Parameter, name: &str) -> Result<Parameter, Wrong
 }
 
 /// A default text, or what leaving it out means.
-fn text_or_unset(read: &interface::Parameter) -> Result<Standard, Wrong> {
+fn text_or_unset(read: &interface::Parameter) -> Result<DefaultValue, Wrong> {
     match line("the default", read.text, TEXT_MOST)? {
-        Some(text) => Ok(Standard::Text(leak(text))),
+        Some(text) => Ok(DefaultValue::Text(leak(text))),
         None => unset(read),
     }
 }
 
-fn unset(read: &interface::Parameter) -> Result<Standard, Wrong> {
+fn unset(read: &interface::Parameter) -> Result<DefaultValue, Wrong> {
     if read.flags & interface::REQUIRED != 0 {
-        return Ok(Standard::Required);
+        return Ok(DefaultValue::Required);
     }
     match line("'unset'", read.unset, TEXT_MOST)?.filter(|text| !text.is_empty()) {
-        Some(meaning) => Ok(Standard::Unset(leak(meaning))),
+        Some(meaning) => Ok(DefaultValue::Unset(leak(meaning))),
         None => Err("there is no default, and 'unset' does not say what that means".into()),
     }
 }

@@ -15,7 +15,7 @@ use std::ptr::{from_ref, null};
 use std::sync::{Mutex, PoisonError};
 use voltet_core::field::Plugin;
 use voltet_core::grid::Association;
-use voltet_core::parameters::{Kind, Parameters};
+use voltet_core::parameters::{Parameters, VariantSchema};
 use voltet_core::progress::Progress;
 use voltet_core::reading::{ArrayOfFile, GridHead as HeadOfFile, GridRead, GridReader, OpenGrid};
 use voltet_core::{Error, Result};
@@ -121,7 +121,7 @@ struct Described {
 }
 
 impl GridReader for Offered {
-    fn declaration(&self) -> Kind {
+    fn declaration(&self) -> VariantSchema {
         self.declared.kind
     }
 
@@ -159,7 +159,7 @@ impl GridReader for Offered {
     ) -> Result<Box<dyn OpenGrid>> {
         let text = path.to_str().and_then(|path| CString::new(path).ok());
         let path = text.ok_or_else(|| {
-            Error::run("the file's path cannot be handed to a plug-in").accepted("a path that is UTF-8")
+            Error::run("the file's path cannot be handed to a plug-in").expected("a path that is UTF-8")
         })?;
         let file = OfFile { path, step: step as u64, values: Owned::new(&self.declared, parameters)? };
         let task = Task::Inspect(Box::new(file.clone()));

@@ -7,9 +7,9 @@ use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use voltet_core::glam::DVec3;
-use voltet_core::grid::{self, Array, Association, Cells, Grid, Options, Parts, Scalar};
+use voltet_core::grid::{self, Array, Association, Cells, Grid, Options, RawGrid, Scalar};
 use voltet_core::progress::Progress;
-use voltet_core::{Result, Shared};
+use voltet_core::{Result, SharedSlice};
 use voltet_graph::Demand;
 
 /// Arrays by name.
@@ -41,7 +41,7 @@ pub(crate) fn resulting(
     let missing = |name: &str| {
         let has: Vec<&str> = at_points.keys().chain(on_cells.keys()).map(String::as_str).collect();
         let found = if has.is_empty() { "no arrays".into() } else { has.join(", ") };
-        whose.error(&format!("did not give the array '{name}', which is asked for")).found(found)
+        whose.error(&format!("did not give the array '{name}', which is asked for")).got(found)
     };
     let named = asked.arrays.named();
     if let Some(name) =
@@ -53,13 +53,13 @@ pub(crate) fn resulting(
     if let Some(name) = asked.cell_arrays.named().find(|_| !keeps_cells) {
         let error = whose
             .error(&format!("gives other cells, and so not the cell array '{name}', which is asked for"));
-        return Err(error.accepted("no cell array of the file behind it"));
+        return Err(error.expected("no cell array of the file behind it"));
     }
     let scalar = match head.scalar.or_else(|| input.scalar.is_some().then(|| input.scalar_name.clone())) {
         Some(name) => Some(scalar(name, &at_points, &on_cells, &missing, whose)?),
         None => None,
     };
-    let points = made.points.map_or_else(|| input.points.clone(), Shared::from);
+    let points = made.points.map_or_else(|| input.points.clone(), SharedSlice::from);
     refuse_not_finite(&points, made_cells(&made.cells, input), whose)?;
     let is_finite = |array: &Array| array.values.par_iter().with_min_len(1 << 14).all(|x| x.is_finite());
     if keeps_cells && on_cells.is_empty() && at_points.values().all(is_finite) {
@@ -77,7 +77,7 @@ pub(crate) fn resulting(
         });
     }
     let cells = made.cells.unwrap_or_else(|| Cells::Tetrahedra(input.tetrahedra.to_vec()));
-    let mut parts = Parts::new(points, cells);
+    let mut parts = RawGrid::new(points, cells);
     (parts.scalar, parts.point_arrays, parts.cell_arrays) = (scalar, at_points, on_cells);
     grid::build(parts, &Options::default(), progress).map_err(|error| voltet_core::Error {
         what: whose.error("gave no grid that can be drawn").what + ": " + &error.what,
@@ -102,7 +102,7 @@ fn scalar(
         1 => Ok(Scalar { name, association, values: array.values.clone() }),
         n => {
             let error = whose.error("names an array as the scalar that is none");
-            Err(error.found(format!("'{name}' of {n} components")).accepted("one of 1 component"))
+            Err(error.got(format!("'{name}' of {n} components")).expected("one of 1 component"))
         }
     }
 }
@@ -123,5 +123,5 @@ fn refuse_not_finite(points: &[DVec3], used: &[u32], whose: Whose) -> Result<()>
     let Some(&point) = used.par_iter().with_min_len(1 << 14).find_first(wrong) else { return Ok(()) };
     let at = points[point as usize];
     let found = format!("({}, {}, {}) of point {point}", at.x, at.y, at.z);
-    Err(whose.error("gave a cell a position that is not finite").found(found).accepted("finite numbers"))
+    Err(whose.error("gave a cell a position that is not finite").got(found).expected("finite numbers"))
 }

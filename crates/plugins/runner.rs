@@ -8,8 +8,8 @@ use std::sync::Arc;
 use voltet_core::Result;
 use voltet_core::field::{Gradient, GradientFilter, Plugin, check_scalar};
 use voltet_core::grid::Grid;
-use voltet_core::parameters::{Kind, Parameters};
-use voltet_core::progress::{Progress, Silent};
+use voltet_core::parameters::{Parameters, VariantSchema};
+use voltet_core::progress::{NoProgress, Progress};
 
 /// Runs the functions of one plug-in.
 pub(crate) trait Runner: Send + Sync {
@@ -41,7 +41,7 @@ impl Offered {
         if !self.declared.checks {
             return Ok(());
         }
-        let (said, _) = self.runner.run(&self.declared, Task::Check(values), &Silent)?;
+        let (said, _) = self.runner.run(&self.declared, Task::Check(values), &NoProgress)?;
         self.whose().checked(said)
     }
 
@@ -60,7 +60,7 @@ impl Offered {
 }
 
 impl GradientFilter for Offered {
-    fn declaration(&self) -> Kind {
+    fn declaration(&self) -> VariantSchema {
         self.declared.kind
     }
 

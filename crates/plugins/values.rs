@@ -7,7 +7,7 @@ use std::ffi::{CString, c_char};
 use std::mem::size_of;
 use std::sync::Arc;
 use voltet_core::grid::{Array, Grid};
-use voltet_core::parameters::{Datum, ParameterType, Parameters, Setting};
+use voltet_core::parameters::{LocatedValue, ParameterType, ParameterValue, Parameters};
 use voltet_core::{Error, Result};
 
 /// The values of a filter's parameters, in the order of its declarations.
@@ -41,23 +41,23 @@ impl Owned {
         let mut owned = Owned::default();
         for parameter in declared.kind.parameters {
             let setting = parameters.optional(parameter.name);
-            let text = setting.and_then(Setting::text);
+            let text = setting.and_then(LocatedValue::text);
             let integer = match (parameter.parameter_type, setting.map(|setting| &setting.datum)) {
-                (ParameterType::Boolean, Some(Datum::Boolean(flag))) => i64::from(*flag),
-                (ParameterType::Integer(_), Some(Datum::Integer(n))) => *n,
+                (ParameterType::Boolean, Some(ParameterValue::Boolean(flag))) => i64::from(*flag),
+                (ParameterType::Integer(_), Some(ParameterValue::Integer(n))) => *n,
                 (ParameterType::Choice(words), _) => {
                     words.iter().position(|(word, _)| Some(*word) == text).unwrap_or(0) as i64
                 }
                 _ => 0,
             };
             owned.integers.push(integer);
-            owned.numbers.push(setting.and_then(Setting::number).unwrap_or(0.0));
+            owned.numbers.push(setting.and_then(LocatedValue::number).unwrap_or(0.0));
             let text = text.map(CString::new).transpose().map_err(|_| {
                 let error = Error::usage(format!("'{}' has a character 0", parameter.name));
-                parameters.blame(parameter.name, error.accepted("text without it"))
+                parameters.locate(parameter.name, error.expected("text without it"))
             })?;
             owned.texts.push(text);
-            owned.vectors.push(setting.and_then(Setting::numbers));
+            owned.vectors.push(setting.and_then(LocatedValue::numbers));
         }
         Ok(owned)
     }
@@ -136,7 +136,7 @@ pub(crate) fn arrays(
     let found = named(declared, parameters).into_iter().map(|named| {
         let Some((name, parameter, components)) = named else { return Ok(None) };
         let there = grid.point_array(&name, components as usize);
-        there.map_err(|error| parameters.blame(parameter, error).at_item(parameter))?;
+        there.map_err(|error| parameters.locate(parameter, error).at_item(parameter))?;
         Ok(grid.point_arrays.get(&name).cloned())
     });
     found.collect()
@@ -153,7 +153,8 @@ pub(crate) fn array_pointers(arrays: &[Option<Arc<Array>>]) -> Vec<*const f64> {
 /// For each parameter the array that it names, its own name, and the number of components.
 fn named<'a>(declared: &'a Declared, parameters: &Parameters) -> Vec<Option<(String, &'a str, u32)>> {
     let of = |(parameter, &components): (&'a voltet_core::parameters::Parameter, &u32)| {
-        let name = parameters.optional(parameter.name).and_then(Setting::text).filter(|_| components > 0)?;
+        let name =
+            parameters.optional(parameter.name).and_then(LocatedValue::text).filter(|_| components > 0)?;
         Some((name.to_string(), parameter.name, components))
     };
     declared.kind.parameters.iter().zip(&declared.components).map(of).collect()

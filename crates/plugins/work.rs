@@ -10,7 +10,7 @@ use std::mem::size_of;
 use std::sync::Arc;
 use voltet_core::Result;
 use voltet_core::glam::DVec3;
-use voltet_core::grid::{Array, Grid, Rows, cells_of_points, points_of_points};
+use voltet_core::grid::{Array, Csr, Grid, cells_of_points, points_of_points};
 use voltet_core::parameters::Parameters;
 
 /// Vectors behind the last, which nobody may write: those who miscount by a few are found.
@@ -32,8 +32,8 @@ pub(crate) struct Compressed {
     pub items: Vec<u32>,
 }
 
-impl From<Rows> for Compressed {
-    fn from(Rows { starts, items }: Rows) -> Compressed {
+impl From<Csr> for Compressed {
+    fn from(Csr { starts, items }: Csr) -> Compressed {
         // The same memory where both are of 64 bits.
         let widened = |(_, starts): (_, Vec<usize>)| starts.into_iter().map(|start| start as u64).collect();
         Compressed { starts: bytemuck::try_cast_vec(starts).unwrap_or_else(widened), items }

@@ -60,12 +60,12 @@ impl LaneSet {
             Some(set) if is_supported(set) => Ok(set),
             Some(_) => {
                 Err(Error::usage(format!("this processor lacks the vector units that {VARIABLE} names"))
-                    .found(asked)
-                    .accepted(names(&mut there)))
+                    .got(asked)
+                    .expected(names(&mut there)))
             }
             None => Err(Error::usage(format!("{VARIABLE} names no set of vector lanes"))
-                .found(asked)
-                .accepted(names(&mut LaneSet::ALL.into_iter()))),
+                .got(asked)
+                .expected(names(&mut LaneSet::ALL.into_iter()))),
         }
     }
 

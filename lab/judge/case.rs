@@ -162,7 +162,7 @@ impl SegmentCase {
 /// Reads one line.
 pub fn parse(line: &str) -> Result<Case> {
     let value: Value = serde_json::from_str(line)
-        .map_err(|e| Error::usage("a case is not valid JSON").found(e).accepted("one JSON object a line"))?;
+        .map_err(|e| Error::usage("a case is not valid JSON").got(e).expected("one JSON object a line"))?;
     let id = text(&value, "id")?.to_owned();
     read(&value).map_err(|e| e.at_item(id))
 }
@@ -206,8 +206,8 @@ fn read(value: &Value) -> Result<Case> {
         },
         other => {
             return Err(Error::usage("a case is of an unknown kind")
-                .found(other)
-                .accepted("segment, ray, chain or table"));
+                .got(other)
+                .expected("segment, ray, chain or table"));
         }
     };
     let optional = |key: &str| value.get(key).and_then(Value::as_str).unwrap_or("").to_owned();
@@ -232,7 +232,7 @@ fn ray(value: &Value) -> Result<Kind> {
         raw_condition: [None; 3],
     };
     let (Some(first), Some(last)) = (knots.first(), knots.last()) else {
-        return Err(Error::usage("a ray has no knots").accepted("[[l, s, g], …]"));
+        return Err(Error::usage("a ray has no knots").expected("[[l, s, g], …]"));
     };
     let whole = part(first, last, contribution(value)?);
     let segments = knots.windows(2).map(|k| part(&k[0], &k[1], Contribution::default())).collect();
@@ -269,6 +269,6 @@ fn decimal(value: &Value) -> Option<f64> {
 
 fn not_exact(key: &str, found: &Value) -> Error {
     Error::usage(format!("'{key}' of a case is no exact value"))
-        .found(found)
-        .accepted("decimal strings of finite numbers ≥ 0")
+        .got(found)
+        .expected("decimal strings of finite numbers ≥ 0")
 }

@@ -2,14 +2,14 @@
 
 use voltet_core::Result;
 use voltet_core::transfer::TransferFunction;
-use voltet_optics::engine::{Answer, Chain, Forms, PartialIntegrals, Precision};
-use voltet_optics::{Contribution, Overlap, Prepared, Segment, compositing, linear};
+use voltet_optics::engine::{Chain, EvalOutcome, PartialIntegrals, Precision, SegmentEvaluator};
+use voltet_optics::{CompiledTransferFunction, Contribution, Segment, WidgetBlend, compositing, linear};
 
 /// The 64-bit forms.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Native64;
 
-impl Forms for Native64 {
+impl SegmentEvaluator for Native64 {
     fn name(&self) -> &str {
         "64-bit"
     }
@@ -22,9 +22,9 @@ impl Forms for Native64 {
         &self,
         transfer_function: &TransferFunction,
         segment: &Segment,
-        overlap: Overlap,
-    ) -> Result<Answer> {
-        Ok(Answer::Served(Prepared::new(transfer_function)?.integrate(segment, overlap)))
+        overlap: WidgetBlend,
+    ) -> Result<EvalOutcome> {
+        Ok(EvalOutcome::Served(CompiledTransferFunction::new(transfer_function)?.integrate(segment, overlap)))
     }
 
     fn chain(&self, segments: &[Contribution]) -> Chain {
@@ -36,9 +36,9 @@ impl Forms for Native64 {
         Chain { color: composite.color, opacity: composite.opacity(), transparency }
     }
 
-    fn partial(&self, a: f64, b: f64) -> Result<Answer<PartialIntegrals>> {
+    fn partial(&self, a: f64, b: f64) -> Result<EvalOutcome<PartialIntegrals>> {
         let (front, back) = linear::front_back(a, b);
         let (psi, zeta) = (linear::psi(a, b), linear::zeta(a, b));
-        Ok(Answer::Served(PartialIntegrals { psi, front, back, zeta }))
+        Ok(EvalOutcome::Served(PartialIntegrals { psi, front, back, zeta }))
     }
 }

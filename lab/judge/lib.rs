@@ -32,11 +32,11 @@ pub use shipped::{segment_cases, shipped, stiff};
 
 use bounds::{Quantity, rule};
 use voltet_core::Result;
-use voltet_optics::engine::{Answer, Forms};
-use voltet_optics::{Contribution, Overlap};
+use voltet_optics::engine::{EvalOutcome, SegmentEvaluator};
+use voltet_optics::{Contribution, WidgetBlend};
 
 /// Judges every case of `text`, the content of a case file, by each set of forms. Errors name the line.
-pub fn judge_all(text: &str, forms: &[&dyn Forms]) -> Result<Vec<Report>> {
+pub fn judge_all(text: &str, forms: &[&dyn SegmentEvaluator]) -> Result<Vec<Report>> {
     let mut reports = begin(forms);
     for (i, line) in text.lines().enumerate() {
         if !line.trim().is_empty() {
@@ -48,17 +48,17 @@ pub fn judge_all(text: &str, forms: &[&dyn Forms]) -> Result<Vec<Report>> {
 }
 
 /// The same for cases that were read already.
-pub fn judge_cases(cases: &[Case], forms: &[&dyn Forms]) -> Result<Vec<Report>> {
+pub fn judge_cases(cases: &[Case], forms: &[&dyn SegmentEvaluator]) -> Result<Vec<Report>> {
     let mut reports = begin(forms);
     cases.iter().try_for_each(|case| enter(case, forms, &mut reports))?;
     Ok(reports)
 }
 
-fn begin(forms: &[&dyn Forms]) -> Vec<Report> {
+fn begin(forms: &[&dyn SegmentEvaluator]) -> Vec<Report> {
     forms.iter().map(|forms| Report::new(forms.name())).collect()
 }
 
-fn enter(case: &Case, forms: &[&dyn Forms], reports: &mut [Report]) -> Result<()> {
+fn enter(case: &Case, forms: &[&dyn SegmentEvaluator], reports: &mut [Report]) -> Result<()> {
     for (report, forms) in reports.iter_mut().zip(forms) {
         report.cases += 1;
         judge_case(case, *forms, report).map_err(|e| e.at_item(&case.id))?;
@@ -67,19 +67,19 @@ fn enter(case: &Case, forms: &[&dyn Forms], reports: &mut [Report]) -> Result<()
 }
 
 /// Judges every case of `text`, the content of a case file. Errors name the line.
-pub fn judge(text: &str, forms: &dyn Forms) -> Result<Report> {
+pub fn judge(text: &str, forms: &dyn SegmentEvaluator) -> Result<Report> {
     judge_all(text, &[forms]).map(|mut reports| reports.remove(0))
 }
 
-fn judge_case(case: &Case, forms: &dyn Forms, report: &mut Report) -> Result<()> {
+fn judge_case(case: &Case, forms: &dyn SegmentEvaluator, report: &mut Report) -> Result<()> {
     let precision = forms.precision();
     match &case.kind {
         Kind::Segment(segment) => {
-            let answer = forms.segment(&segment.transfer_function, &segment.segment(), Overlap::Exact)?;
+            let answer = forms.segment(&segment.transfer_function, &segment.segment(), WidgetBlend::Exact)?;
             let (found, wider) = match answer {
-                Answer::Served(found) => (found, None),
-                Answer::Wider(found, reason) => (found, Some(reason)),
-                Answer::Skipped(reason) => {
+                EvalOutcome::Served(found) => (found, None),
+                EvalOutcome::Wider(found, reason) => (found, Some(reason)),
+                EvalOutcome::Skipped(reason) => {
                     report.skip(case, reason);
                     return Ok(());
                 }
@@ -92,13 +92,13 @@ fn judge_case(case: &Case, forms: &dyn Forms, report: &mut Report) -> Result<()>
             let mut parts = Vec::with_capacity(segments.len());
             let mut wider = None;
             for segment in segments {
-                match forms.segment(&segment.transfer_function, &segment.segment(), Overlap::Exact)? {
-                    Answer::Served(found) => parts.push(found),
-                    Answer::Wider(found, reason) => {
+                match forms.segment(&segment.transfer_function, &segment.segment(), WidgetBlend::Exact)? {
+                    EvalOutcome::Served(found) => parts.push(found),
+                    EvalOutcome::Wider(found, reason) => {
                         parts.push(found);
                         wider = Some(reason);
                     }
-                    Answer::Skipped(reason) => {
+                    EvalOutcome::Skipped(reason) => {
                         report.skip(case, reason);
                         return Ok(());
                     }
@@ -130,12 +130,12 @@ fn judge_case(case: &Case, forms: &dyn Forms, report: &mut Report) -> Result<()>
         }
         Kind::Table { a, b, exact } => {
             let (found, wider) = match forms.partial(*a, *b)? {
-                Answer::Served(found) => (found, false),
-                Answer::Wider(found, reason) => {
+                EvalOutcome::Served(found) => (found, false),
+                EvalOutcome::Wider(found, reason) => {
                     report.excuse(true, reason);
                     (found, true)
                 }
-                Answer::Skipped(reason) => {
+                EvalOutcome::Skipped(reason) => {
                     report.skip(case, reason);
                     return Ok(());
                 }

@@ -16,9 +16,7 @@ pub(super) fn transfer_function(value: &Value) -> Result<TransferFunction> {
             cutoff: value.get("cutoff").map_or(Ok(1.0 / 255.0), |_| number(value, "cutoff"))?,
         },
         other => {
-            return Err(Error::usage("a case has an unknown model")
-                .found(other)
-                .accepted("density, constant"));
+            return Err(Error::usage("a case has an unknown model").got(other).expected("density, constant"));
         }
     };
     let widgets = array(value, "widgets")?.iter().map(widget).collect::<Result<_>>()?;
@@ -81,7 +79,7 @@ fn widget(value: &Value) -> Result<Widget> {
                 g: range("g")?,
             }))
         }
-        other => return Err(Error::usage("a case has an unknown widget").found(other)),
+        other => return Err(Error::usage("a case has an unknown widget").got(other)),
     };
     // Control points hold extinctions and colours of their own.
     let own = profile.properties().own_peak.is_some();

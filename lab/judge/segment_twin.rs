@@ -3,7 +3,7 @@
 //! Used by the tests of the native engine and of the shaders, so that both are held to one measure.
 
 use voltet_optics::integrators::SegmentIntegrator;
-use voltet_optics::{Contribution, Prepared, Segment};
+use voltet_optics::{CompiledTransferFunction, Contribution, Segment};
 
 /// T, C and A.
 pub fn numbers(found: &Contribution) -> [f64; 5] {
@@ -61,7 +61,12 @@ fn change(truth: &dyn Fn(&Segment) -> Contribution, segment: &Segment, amount: A
 
 /// What a shift of each sample by itself, by the whole segment, changes at most, added up: shifts of all together may
 /// cancel.
-pub fn change_of_places(prepared: &Prepared, segment: &Segment, places: &[f64], exact: [f64; 5]) -> [f64; 5] {
+pub fn change_of_places(
+    prepared: &CompiledTransferFunction,
+    segment: &Segment,
+    places: &[f64],
+    exact: [f64; 5],
+) -> [f64; 5] {
     const STEP: f64 = 1e-6;
     if places.is_empty() {
         return [0.0; 5];

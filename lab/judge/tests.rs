@@ -45,7 +45,7 @@ fn triangular_gaussians_over_fields_keep_every_bound() {
 #[test]
 fn a_small_error_is_found() {
     struct Off;
-    impl Forms for Off {
+    impl SegmentEvaluator for Off {
         fn name(&self) -> &str {
             "off"
         }
@@ -56,18 +56,18 @@ fn a_small_error_is_found() {
             &self,
             transfer_function: &voltet_core::transfer::TransferFunction,
             segment: &voltet_optics::Segment,
-            overlap: Overlap,
-        ) -> Result<Answer> {
-            let Answer::Served(found) = Native64.segment(transfer_function, segment, overlap)? else {
-                return Ok(Answer::Skipped("not served"));
+            overlap: WidgetBlend,
+        ) -> Result<EvalOutcome> {
+            let EvalOutcome::Served(found) = Native64.segment(transfer_function, segment, overlap)? else {
+                return Ok(EvalOutcome::Skipped("not served"));
             };
             let color = found.color.map(|x| x * (1.0 + 1e-6));
-            Ok(Answer::Served(Contribution { color, ..found }))
+            Ok(EvalOutcome::Served(Contribution { color, ..found }))
         }
         fn chain(&self, segments: &[Contribution]) -> Chain {
             Native64.chain(segments)
         }
-        fn partial(&self, a: f64, b: f64) -> Result<Answer<PartialIntegrals>> {
+        fn partial(&self, a: f64, b: f64) -> Result<EvalOutcome<PartialIntegrals>> {
             Native64.partial(a, b)
         }
     }

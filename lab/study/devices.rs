@@ -2,26 +2,28 @@
 
 use std::sync::Arc;
 use voltet_core::{Error, Result};
-use voltet_optics::engine::{AdapterWish, Declaration, Engine};
+use voltet_optics::engine::{AdapterRequest, Engine, EngineInfo};
 
 /// Opens an engine on the adapter that is named, by its kind or a part of its name, or on the fastest that is hardware.
 ///
 /// Errors: there is none; `--adapter` is named where it helps.
-pub(crate) fn open(engine: &Declaration, adapter: Option<&str>) -> Result<Arc<dyn Engine>> {
-    engine.open(&AdapterWish::hardware(adapter)).map_err(|error| helped(engine, adapter, error))
+pub(crate) fn open(engine: &EngineInfo, adapter: Option<&str>) -> Result<Arc<dyn Engine>> {
+    engine.open(&AdapterRequest::hardware(adapter)).map_err(|error| helped(engine, adapter, error))
 }
 
 /// The same for each of its ways to compute that is judged on its own.
-pub(crate) fn open_each(engine: &Declaration, adapter: Option<&str>) -> Result<Vec<Arc<dyn Engine>>> {
-    engine.open_each(&AdapterWish::hardware(adapter)).map_err(|error| helped(engine, adapter, error))
+pub(crate) fn open_each(engine: &EngineInfo, adapter: Option<&str>) -> Result<Vec<Arc<dyn Engine>>> {
+    engine.open_each(&AdapterRequest::hardware(adapter)).map_err(|error| helped(engine, adapter, error))
 }
 
-fn helped(engine: &Declaration, adapter: Option<&str>, error: Error) -> Error {
+fn helped(engine: &EngineInfo, adapter: Option<&str>, error: Error) -> Error {
     match adapter {
-        _ if engine.absent.is_some() => error.accepted(format!("one with the feature \"{}\"", engine.name)),
+        _ if engine.unavailable_reason.is_some() => {
+            error.expected(format!("one with the feature \"{}\"", engine.name))
+        }
         // What there is, is software.
         None if !(engine.adapters)().is_empty() => {
-            error.accepted("one, or --adapter software, which measures what was found")
+            error.expected("one, or --adapter software, which measures what was found")
         }
         _ => error,
     }

@@ -4,7 +4,7 @@
 use serde::Serialize;
 use serde_json::Value;
 use voltet_core::picture::Picture;
-use voltet_graph::{LeftOut, RunReport};
+use voltet_graph::{RunReport, SkippedWork};
 
 /// Largest difference of a channel that leaving something out may make: what culled cells add, and the rounding of 32 bits
 /// where one colour is summed and not composited.
@@ -27,7 +27,7 @@ pub struct NoLeaveOut {
     /// Largest difference of a channel of premultiplied linear RGBA between their pictures; `None` without a picture.
     pub largest_difference: Option<f64>,
     /// What the usual run leaves out.
-    pub left_out: Vec<LeftOut>,
+    pub left_out: Vec<SkippedWork>,
 }
 
 /// What a node took.

@@ -4,7 +4,7 @@ use crate::reader;
 use std::path::{Path, PathBuf};
 use voltet_core::Result;
 use voltet_core::reading::GridReader;
-use voltet_graph::{Call, Foresight, Node, Outputs, Parameter, Parameters, Preparation, Registry};
+use voltet_graph::{Node, Outputs, Parameter, Parameters, PlanContext, Preparation, Registry, RunContext};
 use voltet_io::formats::{Chosen, Request};
 
 /// The parameter of the node `reader` that belongs to one of its formats.
@@ -31,14 +31,16 @@ pub fn reader(reader: &'static dyn GridReader) -> &'static Node {
         plugin: reader.plugin(),
         reader: Some(reader),
         check: leak(move |p: &Parameters| reader::request(p, None).and_then(|_| reader.check(p))),
-        foresee: leak(move |foresight: &mut Foresight| {
+        foresee: leak(move |foresight: &mut PlanContext| {
             reader::foresee(foresight, chosen(foresight.parameters))
         }),
         steps: leak(move |preparation: &Preparation| {
             reader::steps(preparation, chosen(preparation.parameters))
         }),
         files_beside: &|_, _| Vec::<PathBuf>::new(),
-        run: leak(move |call: &mut Call| -> Result<Outputs> { reader::run(call, chosen(call.parameters)) }),
+        run: leak(move |call: &mut RunContext| -> Result<Outputs> {
+            reader::run(call, chosen(call.parameters))
+        }),
         ..reader::NODE
     }))
 }

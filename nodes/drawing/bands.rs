@@ -3,16 +3,16 @@
 use serde_json::json;
 use std::sync::Arc;
 use voltet_core::Result;
-use voltet_core::Shared;
+use voltet_core::SharedSlice;
 use voltet_core::probing::{Bands, bands};
 use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
-use voltet_graph::Call;
+use voltet_graph::RunContext;
 
 /// The bands of one transfer function over one volume, kept between runs.
 struct Kept {
-    scalar: Shared<f64>,
-    gradient_magnitude: Option<Shared<f64>>,
+    scalar: SharedSlice<f64>,
+    gradient_magnitude: Option<SharedSlice<f64>>,
     bands: Vec<Bands>,
 }
 
@@ -29,7 +29,11 @@ impl Kept {
 
 /// Notes how many bands of each wave widget the cells cross. The transfer function is that at the input
 /// `transfer_function`.
-pub fn note_bands(call: &mut Call, volume: &Volume, transfer_function: &TransferFunction) -> Result<()> {
+pub fn note_bands(
+    call: &mut RunContext,
+    volume: &Volume,
+    transfer_function: &TransferFunction,
+) -> Result<()> {
     let make = || {
         let bands = bands(volume, transfer_function)?;
         let (scalar, gradient_magnitude) = (volume.scalar.clone(), volume.gradient_magnitude.clone());

@@ -7,13 +7,13 @@ use super::wished::{ACCUMULATION, ADAPTER, AUTO, ENGINE, accumulation, composito
 use voltet_core::error::ErrorKind;
 use voltet_core::picture::Picture;
 use voltet_core::{Error, Result};
-use voltet_graph::{Asking, Call, Parameters};
-use voltet_optics::engine::{Compositing, Declaration};
+use voltet_graph::{DemandContext, Parameters, RunContext};
+use voltet_optics::engine::{Compositor, EngineInfo};
 use voltet_optics::scene::Scene;
 use voltet_optics::shading::{Integrator, Shading};
 
 /// Whether an engine is asked where a pipeline says this.
-pub fn is_asked_by(engine: &Declaration, wanted: &str) -> bool {
+pub fn is_asked_by(engine: &EngineInfo, wanted: &str) -> bool {
     match wanted {
         AUTO => engine.taken.is_some(),
         named => engine.name == named,
@@ -22,13 +22,13 @@ pub fn is_asked_by(engine: &Declaration, wanted: &str) -> bool {
 
 /// The engines that may draw, in the order in which they are asked: for `auto` those of the list that it takes, the last first;
 /// else the one that is wanted. The reference is no device's: whatever else is asked for, it is the referee's picture.
-fn asked(wanted: &str, shading: &Shading) -> Vec<&'static Declaration> {
+fn asked(wanted: &str, shading: &Shading) -> Vec<&'static EngineInfo> {
     let is_reference = shading.integrator == Integrator::Reference;
-    let drawing = |engine: &'static Declaration| match engine.on_device {
+    let drawing = |engine: &'static EngineInfo| match engine.on_device {
         false if is_reference => REFEREE,
         _ => engine,
     };
-    let is_asked = |engine: &&Declaration| match wanted {
+    let is_asked = |engine: &&EngineInfo| match wanted {
         AUTO => is_asked_by(engine, AUTO) && !(engine.on_device && is_reference),
         named => is_asked_by(engine, named),
     };
@@ -36,16 +36,16 @@ fn asked(wanted: &str, shading: &Shading) -> Vec<&'static Declaration> {
 }
 
 /// Notes the engine, as far as it is known before the run, and asks for what the scene needs.
-pub fn ask_engine(asking: &mut Asking, wanted: &str) -> Result<()> {
+pub fn ask_engine(asking: &mut DemandContext, wanted: &str) -> Result<()> {
     let shading = super::shading(asking.parameters)?;
     let engines = asked(wanted, &shading);
-    if let [Declaration { absent: Some(why), .. }] = engines.as_slice() {
+    if let [EngineInfo { unavailable_reason: Some(why), .. }] = engines.as_slice() {
         let item = if asking.parameters.given(ENGINE.name) { ENGINE.name } else { ADAPTER.name };
         return Err(asking
             .parameters
             .error(item, *why)
-            .found(wanted)
-            .accepted(format!("\"{}\", or \"{AUTO}\", which takes what is there", NATIVE.name)));
+            .got(wanted)
+            .expected(format!("\"{}\", or \"{AUTO}\", which takes what is there", NATIVE.name)));
     }
     asking.notes.engine = Some(planned(asking, wanted, &engines, &shading)?);
     let needed = super::ask(asking, "volume", "transfer_function")?;
@@ -57,24 +57,24 @@ pub fn ask_engine(asking: &mut Asking, wanted: &str) -> Result<()> {
 }
 
 /// Refuses, before anything is read, an accumulation that the compositor does not have, where an engine that may draw has that.
-fn check_accumulation(p: &Parameters, engines: &[&Declaration]) -> Result<()> {
-    let has = |one: &Compositing| engines.iter().any(|engine| engine.compositing.contains(one));
+fn check_accumulation(p: &Parameters, engines: &[&EngineInfo]) -> Result<()> {
+    let has = |one: &Compositor| engines.iter().any(|engine| engine.compositing.contains(one));
     let Some(asked) = compositor(p)?.filter(has) else { return Ok(()) };
-    accumulation(p)?.check(asked).map_err(|error| p.blame(ACCUMULATION.name, error))
+    accumulation(p)?.check(asked).map_err(|error| p.locate(ACCUMULATION.name, error))
 }
 
 /// The engine that will draw, and why, as far as it can be said before a device is opened. Errors: one that was named does not
 /// serve the scene on any device.
 fn planned(
-    asking: &Asking,
+    asking: &DemandContext,
     wanted: &str,
-    engines: &[&'static Declaration],
+    engines: &[&'static EngineInfo],
     shading: &Shading,
 ) -> Result<(String, String)> {
     let look = asking.look("transfer_function");
-    let serves = |engine: &Declaration| match &look {
+    let serves = |engine: &EngineInfo| match &look {
         Some(look) => engine.can_serve(&look.transfer_function, shading),
-        None => engine.absent.map_or(Ok(()), |why| Err(Error::run(why))),
+        None => engine.unavailable_reason.map_or(Ok(()), |why| Err(Error::run(why))),
     };
     let mut why = "the pipeline asks for it".to_string();
     for (k, engine) in engines.iter().enumerate() {
@@ -85,7 +85,7 @@ fn planned(
             }
             // The first of the list, asked last, draws every scene that can be drawn: what it says is wrong is wrong.
             Err(error) if k + 1 < engines.len() => why = error.to_string(),
-            Err(error) => return Err(asking.parameters.blame("integrator", error)),
+            Err(error) => return Err(asking.parameters.locate("integrator", error)),
             Ok(()) if wanted == AUTO && engine.on_device => {
                 let taken: Vec<&str> = engines[k..].iter().filter_map(|engine| engine.taken).collect();
                 return Ok((AUTO.into(), format!("the run takes {}", taken.join(", else "))));
@@ -93,11 +93,11 @@ fn planned(
             Ok(()) => return Ok(named),
         }
     }
-    Err(Error::run("no engine draws the scene").found(wanted))
+    Err(Error::run("no engine draws the scene").got(wanted))
 }
 
 /// Draws on the engine that is wanted.
-pub fn draw(call: &mut Call, scene: &Scene, wanted: &str) -> Result<Picture> {
+pub fn draw(call: &mut RunContext, scene: &Scene, wanted: &str) -> Result<Picture> {
     let engines = asked(wanted, &scene.shading);
     check_accumulation(call.parameters, &engines)?;
     let mut refused: Option<String> = None;
@@ -113,5 +113,5 @@ pub fn draw(call: &mut Call, scene: &Scene, wanted: &str) -> Result<Picture> {
             done => return done,
         }
     }
-    Err(Error::run("no engine draws the scene").found(wanted))
+    Err(Error::run("no engine draws the scene").got(wanted))
 }

@@ -1,13 +1,13 @@
 //! The engines that there are: the one list that the nodes that draw, the studies and the commands go by.
 
-use voltet_optics::engine::Declaration;
+use voltet_optics::engine::EngineInfo;
 use voltet_optics::reference;
 
 /// The device engine.
 #[cfg(feature = "gpu")]
-const GPU: Declaration = voltet_gpu::ENGINE;
+const GPU: EngineInfo = voltet_gpu::ENGINE;
 #[cfg(not(feature = "gpu"))]
-const GPU: Declaration = Declaration::absent(
+const GPU: EngineInfo = EngineInfo::absent(
     "gpu",
     "the graphics device, which this build has no engine for",
     "this build has no GPU engine",
@@ -15,16 +15,16 @@ const GPU: Declaration = Declaration::absent(
 
 /// The engines. The first draws every scene; `auto` asks those behind it first, the last before all others, but for those that
 /// are taken by name only.
-pub const ENGINES: &[Declaration] = &[voltet_cpu::ENGINE, GPU];
+pub const ENGINES: &[EngineInfo] = &[voltet_cpu::ENGINE, GPU];
 
 /// What the engines are held against. It draws where the integrator is the reference.
-pub const REFEREE: &Declaration = &reference::ENGINE;
+pub const REFEREE: &EngineInfo = &reference::ENGINE;
 
 /// The engine that draws every scene, whatever machine this is.
-pub const NATIVE: &Declaration = &ENGINES[0];
+pub const NATIVE: &EngineInfo = &ENGINES[0];
 
 /// The engine on a device, which the node `gpu-renderer` always takes.
-pub const DEVICE: &Declaration = &GPU;
+pub const DEVICE: &EngineInfo = &GPU;
 
 #[cfg(all(test, feature = "gpu"))]
 mod tests;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use voltet_core::Result;
 use voltet_core::grid::{Grid, extent};
-use voltet_graph::Look;
+use voltet_graph::TransferFunctionSpec;
 
 /// Of smaller grids all gradients take less than a millisecond or two.
 const CELLS_LEAST: usize = 1 << 15;
@@ -26,12 +26,12 @@ const CHUNK: usize = 1 << 13;
 /// most.
 ///
 /// Errors: an extent beyond 64-bit floats.
-pub fn points(grid: &Grid, s: &[f64], looks: &[Arc<Look>]) -> Result<Option<Vec<u32>>> {
+pub fn points(grid: &Grid, s: &[f64], looks: &[Arc<TransferFunctionSpec>]) -> Result<Option<Vec<u32>>> {
     if grid.tetrahedra.len() < CELLS_LEAST {
         return Ok(None);
     }
     let length = extent::scene_length(extent::bounds(&grid.points))?;
-    let of = |look: &Arc<Look>| look.for_diagonal(length).intervals_of_s(length, LEFT_OUT);
+    let of = |look: &Arc<TransferFunctionSpec>| look.for_diagonal(length).intervals_of_s(length, LEFT_OUT);
     let intervals: Vec<[f64; 2]> = looks.iter().flat_map(of).collect();
     let is_touched = |corners: &[u32; 4]| {
         let values = corners.map(|p| s[p as usize]);

@@ -4,26 +4,32 @@ use super::shading::shading;
 use voltet_core::Result;
 use voltet_core::transfer::OpticalModel;
 use voltet_cpu::needs_gradient;
-use voltet_graph::{Asking, Demand, Look, Saving};
+use voltet_graph::{Demand, DemandContext, SavedWork, TransferFunctionSpec};
 use voltet_optics::integrators::{PartialTable, can_serve};
 use voltet_optics::scene::needs_order;
 use voltet_optics::shading::Shading;
 
 /// Asks at `port` for what drawing the transfer function at `look_port` with the node's parameters needs; gives what
 /// was asked for.
-pub fn ask(asking: &mut Asking, port: &str, look_port: &str) -> Result<Demand> {
+pub fn ask(asking: &mut DemandContext, port: &str, look_port: &str) -> Result<Demand> {
     let (look, shading) = (asking.look(look_port), shading(asking.parameters)?);
     if let Some(look) = &look {
         // Refused before any data are read.
         can_serve(&shading.integrator, &look.transfer_function)
-            .map_err(|error| asking.parameters.blame("integrator", error))?;
+            .map_err(|error| asking.parameters.locate("integrator", error))?;
     }
     if let (Some(leave), false) = (asking.may_leave_out(), shading.integrator.has_table()) {
         let why = format!("the integrator '{}' needs none", shading.integrator.name());
         let side = asking.parameters.integer("table_size")? as usize;
-        let density = |look: &Look| look.transfer_function.model == OpticalModel::DensityEmitter;
+        let density =
+            |look: &TransferFunctionSpec| look.transfer_function.model == OpticalModel::DensityEmitter;
         let bytes = PartialTable::bytes_of(look.as_deref().is_none_or(density), side);
-        asking.notes.leave_out(leave, "pre-integration table", why, Some(Saving::Bytes(bytes as u64)));
+        asking.notes.record_skipped(
+            leave,
+            "pre-integration table",
+            why,
+            Some(SavedWork::Bytes(bytes as u64)),
+        );
     }
     let mut demand = demand(look.as_deref(), &shading);
     // A table spans the range of g.
@@ -34,7 +40,7 @@ pub fn ask(asking: &mut Asking, port: &str, look_port: &str) -> Result<Demand> {
     Ok(demand)
 }
 
-fn demand(look: Option<&Look>, shading: &Shading) -> Demand {
+fn demand(look: Option<&TransferFunctionSpec>, shading: &Shading) -> Demand {
     let gradient = needs_gradient(shading);
     let known = match look {
         None => Demand::unknown(),
@@ -56,7 +62,7 @@ fn demand(look: Option<&Look>, shading: &Shading) -> Demand {
 mod tests {
     use super::*;
     use voltet_core::transfer::{ControlPoint, Profile, TransferFunction, Widget};
-    use voltet_optics::Overlap;
+    use voltet_optics::WidgetBlend;
     use voltet_optics::shading::{Integrator, Light};
 
     fn widget(color: [f64; 3], extinction: f64) -> Widget {
@@ -64,16 +70,16 @@ mod tests {
         Widget { profile, color, extinction, region: None }
     }
 
-    fn look(widgets: Vec<Widget>) -> Look {
+    fn look(widgets: Vec<Widget>) -> TransferFunctionSpec {
         let model = OpticalModel::DensityEmitter;
         let transfer_function = TransferFunction { model, unit_distance: 1.0, widgets };
-        Look { transfer_function, auto_unit_distance: false }
+        TransferFunctionSpec { transfer_function, auto_unit_distance: false }
     }
 
     fn shading(diffuse: Option<f64>, silhouette: Option<f64>) -> Shading {
         let direction = glam::DVec3::X;
         let light = diffuse.map(|diffuse| Light { direction, ambient: 0.3, diffuse });
-        Shading { integrator: Integrator::Analytic, overlap: Overlap::Exact, silhouette, light }
+        Shading { integrator: Integrator::Analytic, overlap: WidgetBlend::Exact, silhouette, light }
     }
 
     #[test]

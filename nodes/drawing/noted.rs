@@ -3,14 +3,14 @@
 use super::order::leave_out_order;
 use voltet_core::Result;
 use voltet_core::transfer::OpticalModel;
-use voltet_graph::{Call, MayLeaveOut, Notes, Saving};
-use voltet_optics::engine::Counts;
+use voltet_graph::{MayLeaveOut, NodeDiagnostics, RunContext, SavedWork};
+use voltet_optics::engine::RenderStats;
 use voltet_optics::integrators::PartialTable;
 use voltet_optics::scene::Scene;
-use voltet_optics::shading::Order;
+use voltet_optics::shading::VisibilityOrder;
 
 /// Notes what was counted: of a whole picture, or of one stage.
-pub(super) fn note(call: &mut Call, counts: &Counts) {
+pub(super) fn note(call: &mut RunContext, counts: &RenderStats) {
     let leave = call.may_leave_out();
     let notes = &mut call.notes;
     let culled = counts.culled_by_transfer_function.zip(counts.culled_by_frustum).map(|(a, b)| a + b);
@@ -34,26 +34,28 @@ pub(super) fn note(call: &mut Call, counts: &Counts) {
     }
 }
 
-fn leave_out(notes: &mut Notes, leave: MayLeaveOut, counts: &Counts) {
+fn leave_out(notes: &mut NodeDiagnostics, leave: MayLeaveOut, counts: &RenderStats) {
     for (which, why, count) in [
         ("that show nothing", "no widget touches their values", counts.culled_by_transfer_function),
         ("out of view", "they lie outside the view", counts.culled_by_frustum),
         ("under a pixel's reach", "they cover no pixel centre", counts.under_a_pixel),
     ] {
         if let Some(count @ 1..) = count {
-            notes.leave_out(leave, format!("cells {which}"), why, Some(Saving::Cells(count)));
+            notes.record_skipped(leave, format!("cells {which}"), why, Some(SavedWork::Cells(count)));
         }
     }
     if let Some(tiles @ 1..) = counts.tiles_stopped {
         let what = format!("cells of {tiles} tiles that stopped early");
-        let saving = counts.cells_hidden.map(Saving::Cells);
-        notes.leave_out(leave, what, "every pixel of the tile is opaque", saving);
+        let saving = counts.cells_hidden.map(SavedWork::Cells);
+        notes.record_skipped(leave, what, "every pixel of the tile is opaque", saving);
     }
 }
 
 /// Notes the order that was not made, and where nothing may be left out makes the table that was not needed.
-pub(super) fn note_whole(call: &mut Call, scene: &Scene, counts: &Counts) -> Result<()> {
-    if let (Some(leave), Order::Auto, false) = (call.may_leave_out(), scene.order, scene.needs_order()) {
+pub(super) fn note_whole(call: &mut RunContext, scene: &Scene, counts: &RenderStats) -> Result<()> {
+    if let (Some(leave), VisibilityOrder::Auto, false) =
+        (call.may_leave_out(), scene.order, scene.needs_order())
+    {
         leave_out_order(&mut call.notes, leave, counts.segments);
     }
     if call.may_leave_out().is_none() && !scene.shading.integrator.has_table() {

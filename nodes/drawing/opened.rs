@@ -10,21 +10,21 @@ use std::sync::{Arc, Mutex, PoisonError};
 use voltet_core::Result;
 use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
-use voltet_graph::Call;
+use voltet_graph::RunContext;
 use voltet_optics::engine::{
-    AdapterWish, Compositing, Declaration, Engine, Forgetful, Manner, Memory, Prepared,
+    AdapterRequest, Compositor, Engine, EngineInfo, KeyValueStore, NoStore, PreparedVolume, RenderOptions,
 };
 use voltet_optics::scene::Scene;
 
 /// An engine by its name and what was wished for.
-type Wished = (&'static str, AdapterWish);
+type Wished = (&'static str, AdapterRequest);
 
 /// Opened engines. Failures are kept too, since looking for adapters takes a while.
 #[derive(Default)]
 pub(super) struct Opened(Mutex<HashMap<Wished, Result<Arc<dyn Engine>>>>);
 
 /// An engine, and the volume on it.
-type Taken = (Arc<dyn Engine>, Arc<dyn Prepared>);
+type Taken = (Arc<dyn Engine>, Arc<dyn PreparedVolume>);
 
 /// One volume on the engines that took it in, by engine and adapter.
 #[derive(Default)]
@@ -33,31 +33,33 @@ struct Volumes(Mutex<HashMap<(&'static str, String), Taken>>);
 /// Draws on one engine, on the adapter that the node's parameters name, or the fastest. `port`: the input that the scene's volume
 /// came by; `hardware`: programs that stand in for devices will not do unless they are named.
 pub(super) fn draw_on(
-    call: &mut Call,
+    call: &mut RunContext,
     scene: &Scene,
     port: &str,
-    declared: &'static Declaration,
+    declared: &'static EngineInfo,
     hardware: bool,
 ) -> Result<Picture> {
     declared
         .can_serve(&scene.transfer_function, &scene.shading)
-        .map_err(|error| call.parameters.blame("integrator", error))?;
-    let wish = AdapterWish { name: adapter(call.parameters), hardware };
+        .map_err(|error| call.parameters.locate("integrator", error))?;
+    let wish = AdapterRequest { name: adapter(call.parameters), hardware };
     let folder = CacheFolder(cache_folder().join("adapters"));
-    let memory: &dyn Memory = if call.may_leave_out().is_some() { &folder } else { &Forgetful };
+    let memory: &dyn KeyValueStore = if call.may_leave_out().is_some() { &folder } else { &NoStore };
     let opened = call.keep_for_session(|| Ok(Opened::default()))?;
-    let engine = stage(call, declared, "device", |_| opened.open(declared, &wish, memory))
-        .map_err(|error| if wish.name.is_some() { call.parameters.blame("adapter", error) } else { error })?;
+    let engine =
+        stage(call, declared, "device", |_| opened.open(declared, &wish, memory)).map_err(|error| {
+            if wish.name.is_some() { call.parameters.locate("adapter", error) } else { error }
+        })?;
     let (compositing, why) = compositing(call, scene, declared, engine.as_ref())?;
     let volumes = call.keep(call.revision(port)?, || Ok(Volumes::default()))?;
     let volume = stage(call, declared, "upload", |_| volumes.prepare(declared, &engine, scene))?;
     let accumulation = accumulation(call.parameters)?;
     let order_check = order_check(call.parameters)?;
-    let (may_leave_out, passing) = (call.may_leave_out(), call.may_pass());
-    let manner = Manner { compositing, accumulation, order_check, may_leave_out, passing };
+    let (may_leave_out, passing) = (call.may_leave_out(), call.allows_preview());
+    let manner = RenderOptions { compositing, accumulation, order_check, may_leave_out, passing };
     let drawn = stage(call, declared, "draw", |progress| volume.draw(scene, &manner, progress))?;
     if drawn.is_passing {
-        call.passes();
+        call.mark_preview();
     }
     let stages = drawn.stages.iter().map(|part| match declared.on_device {
         true => (format!("device {}", part.name()), part.seconds),
@@ -87,8 +89,8 @@ pub(super) fn draw_on(
 
 /// A part of the work that only a device has.
 fn stage<T>(
-    call: &mut Call,
-    declared: &Declaration,
+    call: &mut RunContext,
+    declared: &EngineInfo,
     name: &str,
     work: impl FnOnce(&dyn Progress) -> Result<T>,
 ) -> Result<T> {
@@ -100,11 +102,11 @@ fn stage<T>(
 
 /// How the engine composites, and why, where it has several ways.
 fn compositing(
-    call: &mut Call,
+    call: &mut RunContext,
     scene: &Scene,
-    declared: &Declaration,
+    declared: &EngineInfo,
     engine: &dyn Engine,
-) -> Result<(Option<Compositing>, Option<String>)> {
+) -> Result<(Option<Compositor>, Option<String>)> {
     if declared.compositing.is_empty() {
         return Ok((None, None));
     }
@@ -126,9 +128,9 @@ impl Opened {
     /// The engine, opened if it is not there or was lost.
     fn open(
         &self,
-        declared: &Declaration,
-        wish: &AdapterWish,
-        memory: &dyn Memory,
+        declared: &EngineInfo,
+        wish: &AdapterRequest,
+        memory: &dyn KeyValueStore,
     ) -> Result<Arc<dyn Engine>> {
         let mut opened = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let key = (declared.name, wish.clone());
@@ -143,7 +145,7 @@ impl Opened {
 
     /// Lets an engine stand for what would be opened.
     #[cfg(test)]
-    pub fn insert(&self, name: &'static str, wish: AdapterWish, engine: Result<Arc<dyn Engine>>) {
+    pub fn insert(&self, name: &'static str, wish: AdapterRequest, engine: Result<Arc<dyn Engine>>) {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).insert((name, wish), engine);
     }
 }
@@ -152,10 +154,10 @@ impl Volumes {
     /// The scene's volume on the engine, taken in if it is not there.
     fn prepare(
         &self,
-        declared: &Declaration,
+        declared: &EngineInfo,
         engine: &Arc<dyn Engine>,
         scene: &Scene,
-    ) -> Result<Arc<dyn Prepared>> {
+    ) -> Result<Arc<dyn PreparedVolume>> {
         let mut volumes = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let key = (declared.name, engine.adapter());
         if let Some((_, volume)) = volumes.get(&key).filter(|(known, _)| Arc::ptr_eq(known, engine)) {

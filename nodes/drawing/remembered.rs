@@ -3,7 +3,7 @@
 use crate::files::{Fnv, write_whole};
 use std::fs;
 use std::path::PathBuf;
-use voltet_optics::engine::Memory;
+use voltet_optics::engine::KeyValueStore;
 
 /// A folder of such files. A damaged one is as none; what cannot be kept is measured again the next time.
 pub(super) struct CacheFolder(pub PathBuf);
@@ -16,7 +16,7 @@ impl CacheFolder {
     }
 }
 
-impl Memory for CacheFolder {
+impl KeyValueStore for CacheFolder {
     fn recall(&self, key: &str) -> Option<String> {
         let file = fs::read_to_string(self.path(key)).ok()?;
         let (content, _) = file.split_at_checked(file.len().checked_sub(CHECK_LENGTH)?)?;

@@ -1,11 +1,11 @@
 //! Everything that a node which draws in one goes by, from its inputs and parameters.
 
 use voltet_core::Result;
-use voltet_graph::Call;
+use voltet_graph::RunContext;
 use voltet_optics::scene::{Scene, needs_order};
 
 /// The scene at the inputs `volume`, `transfer_function` and `camera`.
-pub fn scene(call: &mut Call) -> Result<Scene> {
+pub fn scene(call: &mut RunContext) -> Result<Scene> {
     let volume = call.volume("volume")?;
     let look = call.look("transfer_function")?;
     let camera = *call.camera("camera")?;

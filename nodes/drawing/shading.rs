@@ -1,8 +1,8 @@
 //! The parameters of shading, declared once for the nodes that draw.
 
 use voltet_core::Result;
-use voltet_graph::{Parameter, ParameterType, Parameters, Range, Standard};
-use voltet_optics::Overlap;
+use voltet_graph::{DefaultValue, Parameter, ParameterType, Parameters, Range};
+use voltet_optics::WidgetBlend;
 use voltet_optics::integrators::{
     Numbers, OVERSAMPLING_MOST, PARTIAL_SIDE_MOST, PLANES_MOST, STANDARD_OVERSAMPLING, STANDARD_PIECES,
     STANDARD_PLANES, STANDARD_SIDE,
@@ -26,7 +26,7 @@ pub const PARAMETERS: [Parameter; 9] = [
         name: "integrator",
         parameter_type: ParameterType::Choice(&Integrator::WORDS),
         unit: "",
-        standard: Standard::Text("analytic"),
+        standard: DefaultValue::Text("analytic"),
         help: "how the light of one ray segment is found",
     },
     Parameter {
@@ -36,49 +36,49 @@ pub const PARAMETERS: [Parameter; 9] = [
             ("mix", "optical depths added, colours averaged; fast"),
         ]),
         unit: "",
-        standard: Standard::Text("exact"),
+        standard: DefaultValue::Text("exact"),
         help: "what happens where several widgets are active on one stretch",
     },
     Parameter {
         name: "segments",
         parameter_type: ParameterType::Integer(Range::within(1.0, 65536.0)),
         unit: "",
-        standard: Standard::Integer(STANDARD_PIECES as i64),
+        standard: DefaultValue::Integer(STANDARD_PIECES as i64),
         help: "segments and riemann: pieces of each ray segment",
     },
     Parameter {
         name: "tolerance",
         parameter_type: ParameterType::Number(Range { above_min: true, ..Range::within(0.0, 1.0) }),
         unit: "",
-        standard: Standard::Number(TOLERANCE),
+        standard: DefaultValue::Number(TOLERANCE),
         help: "adaptive: largest error of colour and opacity of a ray segment",
     },
     Parameter {
         name: "table_size",
         parameter_type: ParameterType::Integer(Range::within(2.0, PARTIAL_SIDE_MOST as f64)),
         unit: "entries a side",
-        standard: Standard::Integer(STANDARD_SIDE as i64),
+        standard: DefaultValue::Integer(STANDARD_SIDE as i64),
         help: "segments, pre-integrated, tabulated: side of the table; 512 at most where it has three dimensions",
     },
     Parameter {
         name: "oversampling",
         parameter_type: ParameterType::Integer(Range::within(1.0, OVERSAMPLING_MOST as f64)),
         unit: "pieces",
-        standard: Standard::Integer(STANDARD_OVERSAMPLING as i64),
+        standard: DefaultValue::Integer(STANDARD_OVERSAMPLING as i64),
         help: "pre-integrated: pieces of a path from one entry of the table to the next",
     },
     Parameter {
         name: "planes",
         parameter_type: ParameterType::Integer(Range::within(1.0, PLANES_MOST as f64)),
         unit: "times table_size",
-        standard: Standard::Integer(STANDARD_PLANES as i64),
+        standard: DefaultValue::Integer(STANDARD_PLANES as i64),
         help: "pre-integrated-cylindrical: planes that the table is resampled to; in all no more entries than for 512 once",
     },
     Parameter {
         name: "silhouette",
         parameter_type: ParameterType::Number(Range::at_least(0.0)),
         unit: "",
-        standard: Standard::Unset("no enhancement"),
+        standard: DefaultValue::Unset("no enhancement"),
         help: "exponent p: opacity times (1 - |gradient · view|)^p brings out silhouettes",
     },
     Parameter {
@@ -88,35 +88,35 @@ pub const PARAMETERS: [Parameter; 9] = [
                 name: "direction",
                 parameter_type: ParameterType::Numbers(Some(3), Range::ANY),
                 unit: "world space",
-                standard: Standard::Required,
+                standard: DefaultValue::Required,
                 help: "direction of the light; any length above 0",
             },
             Parameter {
                 name: "ambient",
                 parameter_type: ParameterType::Number(Range::at_least(0.0)),
                 unit: "",
-                standard: Standard::Number(0.3),
+                standard: DefaultValue::Number(0.3),
                 help: "share of the colour that needs no light",
             },
             Parameter {
                 name: "diffuse",
                 parameter_type: ParameterType::Number(Range::at_least(0.0)),
                 unit: "",
-                standard: Standard::Number(0.7),
+                standard: DefaultValue::Number(0.7),
                 help: "share of the colour that faces the light",
             },
         ]),
         unit: "",
-        standard: Standard::Unset("no light"),
+        standard: DefaultValue::Unset("no light"),
         help: "diffuse light: colour times (ambient + diffuse |gradient · direction|)",
     },
 ];
 
 /// The shading that the parameters state.
 pub fn shading(p: &Parameters) -> Result<Shading> {
-    let overlap = if p.text("overlap")? == "mix" { Overlap::Mix } else { Overlap::Exact };
+    let overlap = if p.text("overlap")? == "mix" { WidgetBlend::Mix } else { WidgetBlend::Exact };
     let integrator = integrator(p)?;
-    integrator.check().map_err(|error| p.blame("table_size", error))?;
+    integrator.check().map_err(|error| p.locate("table_size", error))?;
     Ok(Shading { integrator, overlap, silhouette: p.optional_number("silhouette"), light: light(p)? })
 }
 
@@ -126,7 +126,7 @@ fn light(p: &Parameters) -> Result<Option<Light>> {
     if direction == glam::DVec3::ZERO {
         return Err(light
             .error("direction", "the light has no direction")
-            .accepted("a vector that is not zero"));
+            .expected("a vector that is not zero"));
     }
     Ok(Some(Light { direction, ambient: light.number("ambient")?, diffuse: light.number("diffuse")? }))
 }

@@ -12,10 +12,10 @@ use voltet_core::progress::Progress;
 use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
 use voltet_cpu::{self as engine, Cells, Projection};
-use voltet_graph::{Call, Look, Revision, diagonal};
-use voltet_optics::engine::{Counts, Stage};
+use voltet_graph::{Revision, RunContext, TransferFunctionSpec, diagonal};
+use voltet_optics::engine::{RenderStats, Stage};
 use voltet_optics::scene::Scene;
-use voltet_optics::shading::{Order, Shading};
+use voltet_optics::shading::{Shading, VisibilityOrder};
 use voltet_simd::LaneSet;
 
 /// The diagonal of the data with one revision, kept between runs.
@@ -23,8 +23,8 @@ struct Diagonal(f64);
 
 /// The transfer function for the data: its unit distance is known from here on. `revision`: that of the data.
 pub fn for_data(
-    call: &Call,
-    look: &Look,
+    call: &RunContext,
+    look: &TransferFunctionSpec,
     volume: &Volume,
     revision: Revision,
 ) -> Result<Arc<TransferFunction>> {
@@ -37,7 +37,7 @@ pub fn for_data(
 
 /// Culls the volume that came by the input of that name, and counts what was culled.
 pub fn cull(
-    call: &mut Call,
+    call: &mut RunContext,
     volume: &Arc<Volume>,
     transfer_function: &TransferFunction,
     camera: &Camera,
@@ -51,7 +51,7 @@ pub fn cull(
         Some(_) => known.cull(transfer_function, camera, progress),
     })?;
     call.notes.counts.insert("cells_total", volume.grid.tetrahedra.len() as u64);
-    let mut counts = Counts::default();
+    let mut counts = RenderStats::default();
     cells.count(&mut counts);
     if let Some(leave) = leave {
         cells.note(leave, &mut call.notes);
@@ -61,7 +61,7 @@ pub fn cull(
 }
 
 /// Gives the cells their order; the exact one is carried out pixel by pixel, by [`composite`].
-pub fn sort(call: &mut Call, cells: &Cells, camera: &Camera, order: Order) -> Result<Cells> {
+pub fn sort(call: &mut RunContext, cells: &Cells, camera: &Camera, order: VisibilityOrder) -> Result<Cells> {
     let sorted = call.stage(Stage::Sort.name(), |_| engine::sort(cells, camera, order))?;
     sorted.note_order(&mut call.notes);
     Ok(sorted)
@@ -69,7 +69,7 @@ pub fn sort(call: &mut Call, cells: &Cells, camera: &Camera, order: Order) -> Re
 
 /// Projects the cells for one camera; `gradient`: for light or silhouettes.
 pub fn project(
-    call: &mut Call,
+    call: &mut RunContext,
     cells: &Cells,
     transfer_function: &TransferFunction,
     camera: &Camera,
@@ -80,7 +80,7 @@ pub fn project(
     let project =
         |progress: &dyn Progress| engine::project(cells, transfer_function, camera, gradient, progress);
     let projection = call.stage(Stage::Project.name(), project)?;
-    let mut counts = Counts::default();
+    let mut counts = RenderStats::default();
     projection.count(&mut counts);
     note(call, &counts);
     Ok(projection)
@@ -88,7 +88,7 @@ pub fn project(
 
 /// Integrates and composites on the engine.
 pub fn composite(
-    call: &mut Call,
+    call: &mut RunContext,
     projection: &Projection,
     transfer_function: &Arc<TransferFunction>,
     shading: &Shading,
@@ -96,7 +96,7 @@ pub fn composite(
     let ready =
         call.stage(Stage::SetUp.name(), |_| engine::prepare(projection, transfer_function, shading))?;
     let (picture, composited) = call.stage(Stage::Composite.name(), |progress| ready.composite(progress))?;
-    let mut counts = Counts::default();
+    let mut counts = RenderStats::default();
     composited.count(&mut counts);
     composited.note(&mut call.notes);
     note(call, &counts);
@@ -113,7 +113,7 @@ pub fn composite(
 
 /// Draws every projected cell by the 64-bit referee.
 pub fn referee(
-    call: &mut Call,
+    call: &mut RunContext,
     projection: &Projection,
     transfer_function: &Arc<TransferFunction>,
     shading: &Shading,

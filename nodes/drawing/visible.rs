@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 use voltet_core::grid::extent;
 use voltet_core::picture::Picture;
-use voltet_optics::engine::Counts;
+use voltet_optics::engine::RenderStats;
 use voltet_optics::scene::Scene;
 
 /// Less than this in every channel is nothing in 8 bits; this near to 1, opaque.
@@ -14,7 +14,7 @@ const OPAQUE_SHARE: f64 = 0.999;
 
 /// What is to be said of a picture: that it shows nothing, next to nothing or only what lies in front, and of colours that were
 /// hardly meant.
-pub(super) fn warnings(scene: &Scene, counts: &Counts, picture: &Picture) -> Vec<String> {
+pub(super) fn warnings(scene: &Scene, counts: &RenderStats, picture: &Picture) -> Vec<String> {
     let mut warnings = too_bright(scene);
     let widgets = &scene.transfer_function.widgets;
     let Some(seen) = Seen::of(picture).filter(|_| !widgets.is_empty()) else { return warnings };
@@ -75,7 +75,7 @@ fn nearly_empty(most: f32, opacity: f32) -> String {
 }
 
 /// The reason for an empty picture, and the remedy. The transfer function has widgets.
-fn why_empty(scene: &Scene, counts: &Counts) -> String {
+fn why_empty(scene: &Scene, counts: &RenderStats) -> String {
     let widgets = &scene.transfer_function.widgets;
     if !widgets.iter().any(|widget| widget.is_drawn()) {
         return "the extinction of every widget is 0. Give one an extinction above it".into();

@@ -2,8 +2,8 @@
 
 use super::engines::ENGINES;
 use voltet_core::Result;
-use voltet_graph::{Parameter, ParameterType, Parameters, Standard};
-use voltet_optics::engine::{Accumulation, Compositing, OrderCheck};
+use voltet_graph::{DefaultValue, Parameter, ParameterType, Parameters};
+use voltet_optics::engine::{Accumulation, Compositor, OrderCheck};
 
 /// The word for whatever engine is there.
 pub const AUTO: &str = "auto";
@@ -13,7 +13,7 @@ pub const ENGINE: Parameter = Parameter {
     name: "engine",
     parameter_type: ParameterType::Choice(&ENGINE_WORDS),
     unit: "",
-    standard: Standard::Text(AUTO),
+    standard: DefaultValue::Text(AUTO),
     help: "what draws",
 };
 
@@ -42,7 +42,7 @@ pub const ADAPTER: Parameter = Parameter {
     name: "adapter",
     parameter_type: ParameterType::Text,
     unit: "",
-    standard: Standard::Unset("the fastest kind"),
+    standard: DefaultValue::Unset("the fastest kind"),
     help: "on a device: a part of its name, or discrete, integrated, virtual, software",
 };
 
@@ -51,13 +51,13 @@ pub const COMPOSITOR: Parameter = Parameter {
     name: "compositor",
     parameter_type: ParameterType::Choice(&COMPOSITOR_WORDS),
     unit: "",
-    standard: Standard::Text(AUTO),
+    standard: DefaultValue::Text(AUTO),
     help: "on a device: how pixels are composited; other engines have one way",
 };
 
-const COMPOSITOR_WORDS: [(&str, &str); Compositing::WORDS.len() + 1] = words!(
+const COMPOSITOR_WORDS: [(&str, &str); Compositor::WORDS.len() + 1] = words!(
     "tiles where each pixel needs its exact order, else what a short measurement finds faster there",
-    Compositing::WORDS,
+    Compositor::WORDS,
     |word| *word
 );
 
@@ -66,7 +66,7 @@ pub const ACCUMULATION: Parameter = Parameter {
     name: "accumulation",
     parameter_type: ParameterType::Choice(&Accumulation::WORDS),
     unit: "",
-    standard: Standard::Text(Accumulation::WORDS[0].0),
+    standard: DefaultValue::Text(Accumulation::WORDS[0].0),
     help: "on a device that blends (raster, triangles): what a pixel accumulates in, to see what few bits cost",
 };
 
@@ -75,7 +75,7 @@ pub const ORDER_CHECK: Parameter = Parameter {
     name: "order_check",
     parameter_type: ParameterType::Choice(&OrderCheck::WORDS),
     unit: "",
-    standard: Standard::Text(OrderCheck::WORDS[0].0),
+    standard: DefaultValue::Text(OrderCheck::WORDS[0].0),
     help: "on a device that blends (raster, triangles) in exact order: how the order is checked; where it is wrong, tiles draw",
 };
 
@@ -92,10 +92,10 @@ pub fn accumulation(p: &Parameters) -> Result<Accumulation> {
 }
 
 /// The compositor that the parameters ask for: where they leave it open, one that can do what they ask for besides.
-pub fn compositor(p: &Parameters) -> Result<Option<Compositing>> {
-    let asked = Compositing::named(p.text(COMPOSITOR.name)?);
+pub fn compositor(p: &Parameters) -> Result<Option<Compositor>> {
+    let asked = Compositor::named(p.text(COMPOSITOR.name)?);
     let is_rounded = accumulation(p)? != Accumulation::Float;
-    Ok(asked.or(is_rounded.then_some(Compositing::Raster)))
+    Ok(asked.or(is_rounded.then_some(Compositor::Raster)))
 }
 
 /// The adapter that the parameters name.

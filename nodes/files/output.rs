@@ -3,7 +3,7 @@
 use super::{is_stream, refuse_unwritable, shown, write_whole};
 use std::path::Path;
 use voltet_core::{Error, Result};
-use voltet_graph::{Call, Parameter, ParameterType, Parameters, Preparation, Standard};
+use voltet_graph::{DefaultValue, Parameter, ParameterType, Parameters, Preparation, RunContext};
 
 /// The word for a format that the path decides.
 pub const BY_ENDING: &str = "auto";
@@ -13,7 +13,7 @@ pub const PATH: Parameter = Parameter {
     name: "path",
     parameter_type: ParameterType::OutputPath,
     unit: "",
-    standard: Standard::Required,
+    standard: DefaultValue::Required,
     help: "the file; \"-\": the standard output",
 };
 
@@ -22,7 +22,7 @@ pub const FORMAT: Parameter = Parameter {
     name: "format",
     parameter_type: ParameterType::Choice(&[]),
     unit: "",
-    standard: Standard::Text(BY_ENDING),
+    standard: DefaultValue::Text(BY_ENDING),
     help: "",
 };
 
@@ -37,25 +37,25 @@ pub fn format(parameters: &Parameters, what: &str, formats: [&'static str; 2]) -
     match formats.into_iter().find(|format| word == Some(format)) {
         Some(format) => Ok(format),
         None if ending.is_none() && is_stream(path) => Ok(first),
-        None => Err(parameters.error(PATH.name, format!("{what} is not known")).found(path).accepted(
-            format!("a path that ends in .{first} or .{second}, or format = \"{first}\" or \"{second}\""),
-        )),
+        None => Err(parameters.error(PATH.name, format!("{what} is not known")).got(path).expected(format!(
+            "a path that ends in .{first} or .{second}, or format = \"{first}\" or \"{second}\""
+        ))),
     }
 }
 
 /// Refuses a path that cannot be written, before anything is computed.
 pub fn prepare(preparation: &Preparation) -> Result<()> {
     let path = preparation.path(PATH.name)?;
-    refuse_unwritable(&path).map_err(|error| preparation.parameters.blame(PATH.name, error))
+    refuse_unwritable(&path).map_err(|error| preparation.parameters.locate(PATH.name, error))
 }
 
 /// Writes it whole, and notes it. Errors: also a stop, since encoding takes seconds in which one may have been asked for.
-pub fn write(call: &mut Call, content: &[u8]) -> Result<()> {
+pub fn write(call: &mut RunContext, content: &[u8]) -> Result<()> {
     if call.progress().cancelled() {
         return Err(Error::cancelled());
     }
     let path = call.path(PATH.name)?;
-    write_whole(&path, content).map_err(|error| call.parameters.blame(PATH.name, error))?;
+    write_whole(&path, content).map_err(|error| call.parameters.locate(PATH.name, error))?;
     call.notes.files.push(shown(&path));
     Ok(())
 }

@@ -5,7 +5,10 @@ use rayon::prelude::*;
 use std::sync::Arc;
 use voltet_core::grid::{Array, Grid};
 use voltet_core::{Error, Result};
-use voltet_graph::{Call, Datum, Given, Node, NodeEntry, Outputs, Port, PortType, Registry, Value, suggest};
+use voltet_graph::{
+    Node, NodeEntry, NodeOverride, Outputs, ParameterValue, Port, PortType, Registry, RunContext, Value,
+    suggest,
+};
 use voltet_io::formats::{Component, length};
 
 /// The node that stands where a program gives a grid; such a program adds it to its registry. As a reader it takes the name of
@@ -17,14 +20,14 @@ pub static NODE: Node = Node {
     parameters: &[SCALAR],
     // A source has no inputs to ask.
     demand: &|_| Ok(()),
-    run: &|_| Err(Error::usage("the program has given no grid to this node").accepted("a grid to draw")),
+    run: &|_| Err(Error::usage("the program has given no grid to this node").expected("a grid to draw")),
     ..Node::BLANK
 };
 
 /// The grid of a program, for [`voltet_graph::Graph::give`]. Its scalar is drawn where the node names none, else the point
 /// array of that name.
-pub fn grid(grid: Arc<Grid>) -> Given {
-    Given::new(move |call| run(call, &grid))
+pub fn grid(grid: Arc<Grid>) -> NodeOverride {
+    NodeOverride::new(move |call| run(call, &grid))
 }
 
 /// Makes of an entry that reads or makes a grid one that is given it; what it says of the scalar stays.
@@ -34,23 +37,23 @@ pub fn stand_in(entry: &mut NodeEntry, registry: &Registry) -> Result<()> {
     let gives_grid = matches!(node.outputs, [Port { port_type: PortType::Grid, .. }]);
     if !gives_grid || node.all_inputs().next().is_some() {
         let error = Error::usage(format!("a grid cannot stand in for the node '{}'", entry.name));
-        return Err(error.found(format!("type '{node_type}'")).accepted("a node that reads or makes a grid"));
+        return Err(error.got(format!("type '{node_type}'")).expected("a node that reads or makes a grid"));
     }
     entry.settings.retain(|field| field.name == SCALAR.name);
-    entry.node_type.datum = Datum::Text(NODE.name.into());
+    entry.node_type.datum = ParameterValue::Text(NODE.name.into());
     Ok(())
 }
 
-fn run(call: &mut Call, given: &Grid) -> Result<Outputs> {
+fn run(call: &mut RunContext, given: &Grid) -> Result<Outputs> {
     let mut grid = given.clone();
     if let Some(name) = call.parameters.optional(SCALAR.name).and_then(|setting| setting.text()) {
-        let array = array(given, name).map_err(|error| call.parameters.blame(SCALAR.name, error))?;
+        let array = array(given, name).map_err(|error| call.parameters.locate(SCALAR.name, error))?;
         if array.component_count != 1 {
             let error = call.parameters.error(SCALAR.name, "the array is not a scalar");
             let found = format!("'{name}' of {} components", array.component_count);
             return Err(error
-                .found(found)
-                .accepted(format!("'{name}:magnitude', or '{name}:0' for a component")));
+                .got(found)
+                .expected(format!("'{name}:magnitude', or '{name}:0' for a component")));
         }
         (grid.scalar, grid.scalar_name) = (Some(array.values.clone()), name.to_string());
     }
@@ -88,7 +91,7 @@ fn missing<'a>(wanted: &str, names: impl Iterator<Item = &'a String>) -> Error {
     let names: Vec<&str> = names.map(String::as_str).collect();
     let error = Error::run(format!("the grid holds no array '{wanted}'"));
     match names.is_empty() {
-        true => error.found("no arrays"),
-        false => error.accepted(suggest(wanted, names)),
+        true => error.got("no arrays"),
+        false => error.expected(suggest(wanted, names)),
     }
 }

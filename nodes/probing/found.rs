@@ -1,10 +1,10 @@
 //! What a probe found, in words and as figures.
 
 use serde_json::json;
-use voltet_core::probing::Found;
+use voltet_core::probing::ProbeResult;
 
 /// Mean and deviation of each field.
-pub fn sentence(found: &Found, names: &[String]) -> String {
+pub fn sentence(found: &ProbeResult, names: &[String]) -> String {
     let sigma = found.sigma();
     let field = |k: usize| format!("{} {}", names[k], with_deviation(found.mean[k], sigma[k]));
     let fields: Vec<String> = (0..names.len()).map(field).collect();
@@ -28,7 +28,7 @@ fn with_deviation(mean: f64, sigma: f64) -> String {
 }
 
 /// What a pipeline file would need to state the widget, and what it was made from.
-pub fn figures(found: &Found, names: &[String], matrix: &[Vec<f64>]) -> serde_json::Value {
+pub fn figures(found: &ProbeResult, names: &[String], matrix: &[Vec<f64>]) -> serde_json::Value {
     let n = names.len();
     let covariance = |i: usize, j: usize| found.covariance[i][j] * found.extent[i] * found.extent[j];
     let covariance: Vec<Vec<f64>> = (0..n).map(|i| (0..n).map(|j| covariance(i, j)).collect()).collect();

@@ -3,12 +3,12 @@
 use glam::DVec3;
 use voltet_core::grid::{Grid, extent};
 use voltet_core::probing::Region;
-use voltet_core::transfer::{Scales, resolved, standing_in};
+use voltet_core::transfer::{DataStatistics, resolved, with_placeholders};
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
 use voltet_graph::{
-    Along, Datum, Field, Measure, Measured, Origin, Parameter, ParameterType, Parameters, Quantity, Range,
-    Setting, Standard,
+    ArrayRef, AxisRef, DefaultValue, Field, LocatedValue, Parameter, ParameterType, ParameterValue,
+    Parameters, Range, RelativeNumberType, SourceSpan, StatisticKind,
 };
 
 /// The parameters, for the declaration.
@@ -20,7 +20,7 @@ pub const PARAMETERS: &[Parameter] = &[
             Parameter { name: "high", help: "highest x, y, z", ..POSITION },
         ]),
         unit: "world units",
-        standard: Standard::Unset("another region"),
+        standard: DefaultValue::Unset("another region"),
         help: "the region: the parts of cells in a box, cut exactly",
     },
     Parameter {
@@ -29,28 +29,28 @@ pub const PARAMETERS: &[Parameter] = &[
             Parameter { name: "centre", help: "its centre", ..POSITION },
             Parameter {
                 name: "radius",
-                parameter_type: ParameterType::Measured(&Measured {
+                parameter_type: ParameterType::Measured(&RelativeNumberType {
                     plain: ParameterType::Number(Range::above(0.0)),
-                    is: Measure::Width,
-                    along: Along::Every("diagonal"),
+                    is: StatisticKind::Width,
+                    along: AxisRef::Every("diagonal"),
                 }),
                 help: "its radius; a percentage: of the diagonal of the bounds",
                 ..POSITION
             },
         ]),
         unit: "world units",
-        standard: Standard::Unset("another region"),
+        standard: DefaultValue::Unset("another region"),
         help: "the region: the parts of cells in a ball, whose volume is met to 1e-6",
     },
     Parameter {
         name: "points",
-        parameter_type: ParameterType::Measured(&Measured {
+        parameter_type: ParameterType::Measured(&RelativeNumberType {
             plain: ParameterType::Rows(Some(3)),
-            is: Measure::Place,
-            along: Along::Places(&["x", "y", "z"]),
+            is: StatisticKind::Place,
+            along: AxisRef::Places(&["x", "y", "z"]),
         }),
         unit: "world units",
-        standard: Standard::Unset("another region"),
+        standard: DefaultValue::Unset("another region"),
         help: "the region: the values at points [x, y, z], each counting the same",
     },
     Parameter {
@@ -67,67 +67,67 @@ pub const PARAMETERS: &[Parameter] = &[
                 name: "equals",
                 parameter_type: ParameterType::Number(Range::ANY),
                 unit: "as in the array",
-                standard: Standard::Unset("any but 0"),
+                standard: DefaultValue::Unset("any but 0"),
                 help: "the value of the cells that count",
             },
         ]),
         unit: "",
-        standard: Standard::Unset("all cells"),
+        standard: DefaultValue::Unset("all cells"),
         help: "the region, or what counts in it: cells by the value of a cell array",
     },
     Parameter {
         name: "fields",
         parameter_type: ParameterType::Texts,
         unit: "",
-        standard: Standard::Unset("s and g, as a gaussian"),
+        standard: DefaultValue::Unset("s and g, as a gaussian"),
         help: "one to eight point arrays to look at instead, as a gaussian-nd",
     },
     Parameter {
         name: "color",
         parameter_type: ParameterType::Numbers(Some(3), Range::at_least(0.0)),
         unit: "linear RGB",
-        standard: Standard::Numbers(&[1.0, 1.0, 1.0]),
+        standard: DefaultValue::Numbers(&[1.0, 1.0, 1.0]),
         help: "colour of the widget; components may exceed 1",
     },
     Parameter {
         name: "extinction",
         parameter_type: ParameterType::Number(Range::at_least(0.0)),
         unit: "per unit_distance",
-        standard: Standard::Number(1.0),
+        standard: DefaultValue::Number(1.0),
         help: "peak of the extinction, per unit_distance of the transfer-function that it is wired into",
     },
     Parameter {
         name: "sigma_scale",
         parameter_type: ParameterType::Number(Range::above(0.0)),
         unit: "",
-        standard: Standard::Number(1.0),
+        standard: DefaultValue::Number(1.0),
         help: "factor on the standard deviations: above 1 the widget reaches beyond what was probed",
     },
     Parameter {
         name: "least_sigma",
         parameter_type: ParameterType::Number(Range::within(1e-6, 1.0)),
         unit: "share of a field's range in the data",
-        standard: Standard::Number(1e-3),
+        standard: DefaultValue::Number(1e-3),
         help: "smallest deviation in any direction, before sigma_scale: where the data do not vary, or exactly together",
     },
     Parameter {
         name: "correlated",
         parameter_type: ParameterType::Boolean,
         unit: "",
-        standard: Standard::Boolean(true),
+        standard: DefaultValue::Boolean(true),
         help: "true: a full matrix, tilted as the fields vary together; false: along the axes",
     },
 ];
 
 const POSITION: Parameter = Parameter {
     name: "",
-    parameter_type: ParameterType::Measured(&Measured {
+    parameter_type: ParameterType::Measured(&RelativeNumberType {
         plain: ParameterType::Numbers(Some(3), Range::ANY),
-        is: Measure::Place,
-        along: Along::Places(&["x", "y", "z"]),
+        is: StatisticKind::Place,
+        along: AxisRef::Places(&["x", "y", "z"]),
     }),
     unit: "world units",
-    standard: Standard::Required,
+    standard: DefaultValue::Required,
     help: "",
 };
 
@@ -139,8 +139,8 @@ pub fn fields(p: &Parameters) -> Result<Option<Vec<String>>> {
     match (1..=8).contains(&names.len()) && distinct && !names.iter().any(String::is_empty) {
         true => Ok(Some(names)),
         false => {
-            let error = p.error("fields", "'fields' cannot be probed").found(format!("{names:?}"));
-            Err(error.accepted("1 to 8 different names of point arrays"))
+            let error = p.error("fields", "'fields' cannot be probed").got(format!("{names:?}"));
+            Err(error.expected("1 to 8 different names of point arrays"))
         }
     }
 }
@@ -156,29 +156,33 @@ pub fn placed(p: &Parameters, grid: &Grid) -> Result<Parameters> {
 pub fn check_region(p: &Parameters) -> Result<()> {
     let of_box = p.table("box")?.map_or(0, |table| table.relative_numbers().len());
     let corner = |name: &str, at: f64| {
-        let numbers = vec![Setting::from(Datum::Number(at)); 3];
-        Field { name: name.into(), origin: Origin::Nowhere, setting: Datum::List(numbers).into() }
+        let numbers = vec![LocatedValue::from(ParameterValue::Number(at)); 3];
+        Field {
+            name: name.into(),
+            origin: SourceSpan::Nowhere,
+            setting: ParameterValue::List(numbers).into(),
+        }
     };
-    let any_box = || Datum::Table(vec![corner("low", 0.0), corner("high", 1.0)]);
+    let any_box = || ParameterValue::Table(vec![corner("low", 0.0), corner("high", 1.0)]);
     let p = if matches!(of_box, 1..=5) { p.with("box", Some(any_box())) } else { p.clone() };
-    region(&standing_in(&p)?).map(drop)
+    region(&with_placeholders(&p)?).map(drop)
 }
 
 /// The bounds of a grid.
 struct InSpace([DVec3; 2]);
 
-impl Scales for InSpace {
-    fn range(&self, quantity: &Quantity) -> Result<[f64; 2]> {
+impl DataStatistics for InSpace {
+    fn range(&self, quantity: &ArrayRef) -> Result<[f64; 2]> {
         let [low, high] = self.0;
         match quantity {
-            Quantity::Named("x") => Ok([low.x, high.x]),
-            Quantity::Named("y") => Ok([low.y, high.y]),
-            Quantity::Named("z") => Ok([low.z, high.z]),
+            ArrayRef::Named("x") => Ok([low.x, high.x]),
+            ArrayRef::Named("y") => Ok([low.y, high.y]),
+            ArrayRef::Named("z") => Ok([low.z, high.z]),
             _ => Ok([0.0, extent::diagonal(self.0)]),
         }
     }
 
-    fn percentile(&self, quantity: &Quantity, _: f64) -> Result<f64> {
+    fn percentile(&self, quantity: &ArrayRef, _: f64) -> Result<f64> {
         Err(Error::usage(format!("{quantity} is a place, and a percentile is a value of a field")))
     }
 }
@@ -189,8 +193,8 @@ pub fn region(p: &Parameters) -> Result<Region> {
     if let Some(table) = p.table("box")? {
         let (low, high): (DVec3, DVec3) = (table.vector("low")?.into(), table.vector("high")?.into());
         if low.cmpge(high).any() {
-            let error = table.error("high", "the box is empty").found(format!("from {low} to {high}"));
-            return Err(error.accepted("'low' below 'high' along every axis"));
+            let error = table.error("high", "the box is empty").got(format!("from {low} to {high}"));
+            return Err(error.expected("'low' below 'high' along every axis"));
         }
         regions.push(Region::Box { low, high });
     }
@@ -206,8 +210,8 @@ pub fn region(p: &Parameters) -> Result<Region> {
     match (regions.pop(), regions.is_empty(), p.optional("mask").is_some()) {
         (Some(region), true, _) => Ok(region),
         (None, _, true) => Ok(Region::Everywhere),
-        (None, _, false) => Err(Error::usage("the probe has no region").accepted(accepted)),
-        (Some(_), false, _) => Err(Error::usage("the probe has several regions").accepted(accepted)),
+        (None, _, false) => Err(Error::usage("the probe has no region").expected(accepted)),
+        (Some(_), false, _) => Err(Error::usage("the probe has several regions").expected(accepted)),
     }
 }
 
@@ -221,7 +225,7 @@ pub fn mask<'a>(p: &Parameters, volume: &'a Volume) -> Result<Option<Holds<'a>>>
     let grid = &volume.grid;
     let Some(array) = grid.cell_arrays.get(name).filter(|array| array.component_count == 1) else {
         let error = table.error("array", format!("the mask '{name}' is not an array with one number a cell"));
-        return Err(error.accepted("a cell array of one component, or \"NAME:0\" for a component"));
+        return Err(error.expected("a cell array of one component, or \"NAME:0\" for a component"));
     };
     let equals = table.optional_number("equals");
     let counts = move |value: f64| equals.map_or(value != 0.0 && !value.is_nan(), |wanted| value == wanted);

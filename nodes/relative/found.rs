@@ -1,38 +1,38 @@
 //! What was found of the data.
 
 use std::collections::{BTreeMap, BTreeSet};
-use voltet_core::transfer::{Scales, Wanted};
+use voltet_core::transfer::{DataStatistics, StatisticsRequest};
 use voltet_core::{Error, Result};
-use voltet_graph::Quantity;
+use voltet_graph::ArrayRef;
 
 /// What was found of the data.
 #[derive(Debug, Clone, Default)]
 pub struct Found {
     /// The range of each quantity that was asked for.
-    pub ranges: BTreeMap<Quantity, [f64; 2]>,
+    pub ranges: BTreeMap<ArrayRef, [f64; 2]>,
     /// Each percentile, by the bits of its percentage.
-    pub percentiles: BTreeMap<(Quantity, u64), f64>,
+    pub percentiles: BTreeMap<(ArrayRef, u64), f64>,
 }
 
-impl Scales for Found {
-    fn range(&self, quantity: &Quantity) -> Result<[f64; 2]> {
+impl DataStatistics for Found {
+    fn range(&self, quantity: &ArrayRef) -> Result<[f64; 2]> {
         self.ranges.get(quantity).copied().ok_or_else(|| not_found(quantity))
     }
 
-    fn percentile(&self, quantity: &Quantity, percent: f64) -> Result<f64> {
+    fn percentile(&self, quantity: &ArrayRef, percent: f64) -> Result<f64> {
         let found = self.percentiles.get(&(quantity.clone(), percent.to_bits()));
         found.copied().ok_or_else(|| not_found(quantity))
     }
 }
 
-fn not_found(quantity: &Quantity) -> Error {
+fn not_found(quantity: &ArrayRef) -> Error {
     Error::run(format!("nothing is known of the values of {quantity}"))
 }
 
 impl Found {
     /// What of `wanted` is not here.
-    pub fn missing(&self, wanted: &Wanted) -> Wanted {
-        let mut missing = Wanted::default();
+    pub fn missing(&self, wanted: &StatisticsRequest) -> StatisticsRequest {
+        let mut missing = StatisticsRequest::default();
         missing.ranges.extend(wanted.ranges.iter().filter(|q| !self.ranges.contains_key(q)).cloned());
         for (quantity, percents) in &wanted.percentiles {
             let open = percents.iter().filter(|&&p| !self.percentiles.contains_key(&(quantity.clone(), p)));

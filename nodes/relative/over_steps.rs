@@ -9,9 +9,9 @@ use super::volume::{measure as measure_one, of, values};
 use std::collections::BTreeMap;
 use voltet_core::Result;
 use voltet_core::probing::Volumes;
-use voltet_core::transfer::Wanted;
+use voltet_core::transfer::StatisticsRequest;
 use voltet_core::volume::Volume;
-use voltet_graph::{Call, Demand, Quantity, Value};
+use voltet_graph::{ArrayRef, Demand, RunContext, Value};
 
 /// Pieces that the interval of a percentile is cut into.
 const EDGES: usize = 4096;
@@ -45,9 +45,14 @@ impl Sums {
 }
 
 /// `read` counts the steps that were read.
-pub fn measure(call: &Call, wanted: &Wanted, demand: &Demand, read: &mut u64) -> Result<Found> {
+pub fn measure(
+    call: &RunContext,
+    wanted: &StatisticsRequest,
+    demand: &Demand,
+    read: &mut u64,
+) -> Result<Found> {
     let mut found = Found::default();
-    let mut intervals: BTreeMap<(Quantity, u64), [f64; 2]> = BTreeMap::new();
+    let mut intervals: BTreeMap<(ArrayRef, u64), [f64; 2]> = BTreeMap::new();
     let wider = |[low, high]: [f64; 2], [a, b]: [f64; 2]| [low.min(a), high.max(b)];
     each(call, demand, read, &mut |volume| {
         let own = measure_one(volume, wanted, call.progress())?;
@@ -61,7 +66,7 @@ pub fn measure(call: &Call, wanted: &Wanted, demand: &Demand, read: &mut u64) ->
         }
         Ok(())
     })?;
-    let mut sums: BTreeMap<(Quantity, u64), Sums> = BTreeMap::new();
+    let mut sums: BTreeMap<(ArrayRef, u64), Sums> = BTreeMap::new();
     for (key, interval) in intervals {
         let percent = f64::from_bits(key.1);
         if interval[0] == interval[1] || percent <= 0.0 || percent >= 100.0 {
@@ -97,7 +102,7 @@ pub fn measure(call: &Call, wanted: &Wanted, demand: &Demand, read: &mut u64) ->
 }
 
 fn each(
-    call: &Call,
+    call: &RunContext,
     demand: &Demand,
     read: &mut u64,
     of_step: &mut dyn FnMut(&Volume) -> Result<()>,

@@ -6,8 +6,8 @@ use super::volume::{demand, measure};
 use std::collections::BTreeSet;
 use std::sync::{Arc, Mutex, PoisonError};
 use voltet_core::Result;
-use voltet_core::transfer::Wanted;
-use voltet_graph::Call;
+use voltet_core::transfer::StatisticsRequest;
+use voltet_graph::RunContext;
 
 /// What was found so far, of one volume or one series.
 #[derive(Default)]
@@ -15,7 +15,11 @@ struct Kept(Mutex<Found>);
 
 impl Kept {
     /// What is wanted, found now as far as it was not before. Gives how many percentiles were computed.
-    fn with(&self, wanted: &Wanted, find: impl FnOnce(&Wanted) -> Result<Found>) -> Result<(Found, u64)> {
+    fn with(
+        &self,
+        wanted: &StatisticsRequest,
+        find: impl FnOnce(&StatisticsRequest) -> Result<Found>,
+    ) -> Result<(Found, u64)> {
         let mut known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let missing = known.missing(wanted);
         if !missing.is_empty() {
@@ -27,7 +31,7 @@ impl Kept {
 }
 
 /// What the volume at the input `volume` says.
-pub fn of_volume(call: &mut Call, wanted: &Wanted) -> Result<Found> {
+pub fn of_volume(call: &mut RunContext, wanted: &StatisticsRequest) -> Result<Found> {
     let volume = call.volume("volume")?;
     let kept: Arc<Kept> = call.keep(call.revision("volume")?, || Ok(Kept::default()))?;
     let (found, computed) =
@@ -37,7 +41,7 @@ pub fn of_volume(call: &mut Call, wanted: &Wanted) -> Result<Found> {
 }
 
 /// What all steps of the time series that feeds the input `volume` say together; one step is read at a time.
-pub fn of_series(call: &mut Call, wanted: &Wanted) -> Result<Found> {
+pub fn of_series(call: &mut RunContext, wanted: &StatisticsRequest) -> Result<Found> {
     let demand = demand(wanted);
     let kept: Arc<Kept> = call.keep_over_steps("volume", &demand, || Ok(Kept::default()))?;
     let mut read = 0;

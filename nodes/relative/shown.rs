@@ -2,7 +2,7 @@
 
 use super::found::Found;
 use serde_json::{Map, Value, json};
-use voltet_graph::{Datum, Notes, Parameters, Setting};
+use voltet_graph::{LocatedValue, NodeDiagnostics, ParameterValue, Parameters};
 
 /// The parameters that were relative, as a file could hold them now: "centre = [60.8, 0.012], sigma = [0.35, 0.025]".
 fn shown(before: &Parameters, after: &Parameters) -> String {
@@ -10,20 +10,20 @@ fn shown(before: &Parameters, after: &Parameters) -> String {
     changed.iter().map(|(name, setting)| format!("{name} = {}", setting.datum)).collect::<Vec<_>>().join(", ")
 }
 
-fn changed<'a>(before: &'a Parameters, after: &'a Parameters) -> Vec<(&'static str, &'a Setting)> {
+fn changed<'a>(before: &'a Parameters, after: &'a Parameters) -> Vec<(&'static str, &'a LocatedValue)> {
     let pairs = before.iter().zip(after.iter());
     let changed = pairs.filter(|((_, old, _), (_, new, _))| old != new);
     changed.filter_map(|((parameter, ..), (_, new, _))| Some((parameter.name, new?))).collect()
 }
 
-fn json_of(datum: &Datum) -> Value {
+fn json_of(datum: &ParameterValue) -> Value {
     match datum {
-        Datum::Boolean(flag) => json!(flag),
-        Datum::Integer(number) => json!(number),
-        Datum::Number(number) => json!(number),
-        Datum::Text(text) => json!(text),
-        Datum::List(list) => list.iter().map(|part| json_of(&part.datum)).collect(),
-        Datum::Table(fields) => {
+        ParameterValue::Boolean(flag) => json!(flag),
+        ParameterValue::Integer(number) => json!(number),
+        ParameterValue::Number(number) => json!(number),
+        ParameterValue::Text(text) => json!(text),
+        ParameterValue::List(list) => list.iter().map(|part| json_of(&part.datum)).collect(),
+        ParameterValue::Table(fields) => {
             let fields = fields.iter().map(|field| (field.name.clone(), json_of(&field.setting.datum)));
             Value::Object(fields.collect())
         }
@@ -31,7 +31,13 @@ fn json_of(datum: &Datum) -> Value {
 }
 
 /// Notes what the relative numbers of a thing ("widget 0 (gaussian)") became. `over`: of what.
-pub fn note_numbers(notes: &mut Notes, thing: &str, over: &str, before: &Parameters, after: &Parameters) {
+pub fn note_numbers(
+    notes: &mut NodeDiagnostics,
+    thing: &str,
+    over: &str,
+    before: &Parameters,
+    after: &Parameters,
+) {
     let numbers: Map<String, Value> = changed(before, after)
         .into_iter()
         .map(|(name, setting)| (name.to_string(), json_of(&setting.datum)))
@@ -41,7 +47,7 @@ pub fn note_numbers(notes: &mut Notes, thing: &str, over: &str, before: &Paramet
 }
 
 /// Notes the ranges and percentiles that relative numbers were found from.
-pub fn note_found(notes: &mut Notes, over: &str, found: &Found) {
+pub fn note_found(notes: &mut NodeDiagnostics, over: &str, found: &Found) {
     let ranges: Map<String, Value> =
         found.ranges.iter().map(|(quantity, range)| (quantity.to_string(), json!(range))).collect();
     let percentiles: Vec<Value> = (found.percentiles.iter())

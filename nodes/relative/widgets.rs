@@ -3,23 +3,23 @@
 use super::scales::{of_series, of_volume};
 use super::shown::{note_found, note_numbers};
 use super::volume::demand;
-use voltet_core::transfer::{Wanted, resolved, standing_in, wanted};
+use voltet_core::transfer::{StatisticsRequest, resolved, wanted, with_placeholders};
 use voltet_core::{Error, Result};
-use voltet_graph::{Asking, Call, Demand, Parameters};
+use voltet_graph::{Demand, DemandContext, Parameters, RunContext};
 
 /// Widgets: their kinds and keys.
 pub type Widgets = Vec<(&'static str, Parameters)>;
 
 /// The widgets before any data are known.
 pub fn stood_in(p: &Parameters) -> Result<Widgets> {
-    p.kinds("widgets")?.into_iter().map(|(kind, keys)| Ok((kind, standing_in(&keys)?))).collect()
+    p.kinds("widgets")?.into_iter().map(|(kind, keys)| Ok((kind, with_placeholders(&keys)?))).collect()
 }
 
 /// What the widgets' numbers are relative to.
-fn wanted_of(widgets: &Widgets) -> Wanted {
-    let mut all = Wanted::default();
+fn wanted_of(widgets: &Widgets) -> StatisticsRequest {
+    let mut all = StatisticsRequest::default();
     for (_, keys) in widgets {
-        let Wanted { ranges, percentiles } = wanted(keys);
+        let StatisticsRequest { ranges, percentiles } = wanted(keys);
         all.ranges.extend(ranges);
         for (quantity, percents) in percentiles {
             all.percentiles.entry(quantity).or_default().extend(percents);
@@ -29,7 +29,7 @@ fn wanted_of(widgets: &Widgets) -> Wanted {
 }
 
 /// Asks for what the widgets' numbers are relative to.
-pub fn ask(asking: &mut Asking) -> Result<()> {
+pub fn ask(asking: &mut DemandContext) -> Result<()> {
     let widgets = asking.parameters.kinds("widgets")?;
     let wanted = wanted_of(&widgets);
     if wanted.is_empty() {
@@ -45,15 +45,15 @@ pub fn ask(asking: &mut Asking) -> Result<()> {
 /// The error where nothing is wired in that numbers could be relative to.
 fn unwired(widgets: &Widgets) -> Error {
     let error = Error::usage("a number is relative to data, and no data are wired in");
-    let error = error.accepted("inputs = { volume = \"NODE\" } at the transfer-function, or a number");
+    let error = error.expected("inputs = { volume = \"NODE\" } at the transfer-function, or a number");
     match widgets.iter().flat_map(|(_, keys)| keys.relative_numbers()).next() {
-        Some(number) => number.blame(error.found(&number.setting.datum)),
+        Some(number) => number.locate(error.got(&number.setting.datum)),
         None => error,
     }
 }
 
 /// The widgets with numbers for those that were relative to data, each noted.
-pub fn known(call: &mut Call) -> Result<Widgets> {
+pub fn known(call: &mut RunContext) -> Result<Widgets> {
     let widgets = call.parameters.kinds("widgets")?;
     let wanted = wanted_of(&widgets);
     if wanted.is_empty() {

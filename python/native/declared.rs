@@ -4,8 +4,8 @@ use crate::error::guarded;
 use crate::filter::registry;
 use pyo3::prelude::*;
 use serde_json::{Value, json};
-use voltet_core::parameters::Standard;
-use voltet_graph::{Kind, Node, Parameter, ParameterType, Port};
+use voltet_core::parameters::DefaultValue;
+use voltet_graph::{Node, Parameter, ParameterType, Port, VariantSchema};
 
 /// Node types, gradient filters and kinds of widgets with ports and parameters, as JSON.
 #[pyfunction]
@@ -31,7 +31,7 @@ fn port(port: &Port) -> Value {
     json!({ "name": port.name, "type": port.port_type.name(), "summary": port.summary })
 }
 
-fn kind(kind: &Kind) -> Value {
+fn kind(kind: &VariantSchema) -> Value {
     let parameters: Vec<Value> = kind.parameters.iter().map(parameter).collect();
     json!({ "name": kind.name, "summary": kind.summary, "parameters": parameters })
 }
@@ -46,7 +46,7 @@ fn parameter(parameter: &Parameter) -> Value {
         "type": parameter.parameter_type.describe(),
         "form": form(&parameter.parameter_type),
         "unit": parameter.unit,
-        "required": matches!(parameter.standard, Standard::Required),
+        "required": matches!(parameter.standard, DefaultValue::Required),
         "default": parameter.standard.to_string(),
         "help": parameter.help,
         "kinds": kinds,

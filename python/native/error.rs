@@ -4,7 +4,7 @@ use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::PyDict;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use voltet_core::error::{ErrorKind, Place};
+use voltet_core::error::{ErrorKind, Location};
 use voltet_core::{Error, Result};
 
 /// Whose mistake an exception is: `voltet._errors.KINDS`.
@@ -18,11 +18,11 @@ fn kind(error: &Error) -> &'static str {
 
 /// The exception that stands for an error.
 pub fn exception(py: Python<'_>, error: &Error) -> PyErr {
-    let Place { file, span: _, line_column, node, item } = &*error.place;
+    let Location { file, span: _, line_column, node, item } = &*error.place;
     let fields = PyDict::new(py);
     let filled = || -> PyResult<()> {
         fields.set_item("what", &error.what)?;
-        fields.set_item("found", &error.found)?;
+        fields.set_item("found", &error.got)?;
         fields.set_item("expected", &error.accepted)?;
         fields.set_item("file", file)?;
         fields.set_item("line", line_column.map(|place| place.0))?;

@@ -14,10 +14,10 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use voltet_core::field::{Gradient, GradientFilter, Plugin};
 use voltet_core::grid::Grid;
-use voltet_core::parameters::{Kind, Parameter, ParameterType, Parameters, Range, Standard};
+use voltet_core::parameters::{DefaultValue, Parameter, ParameterType, Parameters, Range, VariantSchema};
 use voltet_core::progress::Progress;
 use voltet_core::{Error, Result};
-use voltet_graph::{Datum, Registry};
+use voltet_graph::{ParameterValue, Registry};
 
 /// The filters that were registered, and how often that was done: one in place of another counts.
 static FILTERS: Mutex<Vec<Arc<Function>>> = Mutex::new(Vec::new());
@@ -82,7 +82,7 @@ impl Drop for Called {
 
 /// A Python function that computes ∇s.
 struct Function {
-    kind: Kind,
+    kind: VariantSchema,
     plugin: Plugin,
     /// Names of point arrays that it reads.
     arrays: Vec<String>,
@@ -125,7 +125,7 @@ pub fn register_filter(
 ) -> PyResult<()> {
     let parameters = parameters.iter().map(parameter).collect::<PyResult<Vec<Parameter>>>()?;
     // Declarations live as long as the program.
-    let kind = Kind { name: name.leak(), summary: summary.leak(), parameters: parameters.leak() };
+    let kind = VariantSchema { name: name.leak(), summary: summary.leak(), parameters: parameters.leak() };
     let mut hash = voltet_nodes::files::Fnv::default();
     hash.text(&source);
     let plugin = Plugin {
@@ -174,17 +174,17 @@ fn parameter(declared: &Bound<'_, PyDict>) -> PyResult<Parameter> {
     };
     let default = get("default")?.map(|value| crate::value::datum(&value)).transpose()?;
     let standard = match default {
-        None => Standard::Required,
-        Some(Datum::Boolean(flag)) => Standard::Boolean(flag),
-        Some(Datum::Integer(n)) if matches!(parameter_type, ParameterType::Number(_)) => {
-            Standard::Number(n as f64)
+        None => DefaultValue::Required,
+        Some(ParameterValue::Boolean(flag)) => DefaultValue::Boolean(flag),
+        Some(ParameterValue::Integer(n)) if matches!(parameter_type, ParameterType::Number(_)) => {
+            DefaultValue::Number(n as f64)
         }
-        Some(Datum::Integer(n)) => Standard::Integer(n),
-        Some(Datum::Number(x)) => Standard::Number(x),
-        Some(Datum::Text(text)) => Standard::Text(text.leak()),
-        Some(Datum::List(_) | Datum::Table(_)) => {
+        Some(ParameterValue::Integer(n)) => DefaultValue::Integer(n),
+        Some(ParameterValue::Number(x)) => DefaultValue::Number(x),
+        Some(ParameterValue::Text(text)) => DefaultValue::Text(text.leak()),
+        Some(ParameterValue::List(_) | ParameterValue::Table(_)) => {
             let error = Error::usage("the default of a filter's parameter is a list or a table");
-            let error = error.accepted("a bool, a number or a text");
+            let error = error.expected("a bool, a number or a text");
             return Err(crate::error::exception(declared.py(), &error));
         }
     };
@@ -230,7 +230,7 @@ impl Function {
 }
 
 impl GradientFilter for Function {
-    fn declaration(&self) -> Kind {
+    fn declaration(&self) -> VariantSchema {
         self.kind
     }
 
@@ -262,7 +262,7 @@ impl GradientFilter for Function {
             Err(raised) => {
                 let error =
                     Error::run(format!("the gradient filter '{}' raised an exception", self.kind.name));
-                Err(error.found(raised))
+                Err(error.got(raised))
             }
         }
     }

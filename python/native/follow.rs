@@ -74,5 +74,5 @@ fn refuse_forked() -> Result<()> {
         return Ok(());
     }
     Err(Error::usage("this process was forked from one that had used voltet, and has none of its threads")
-        .accepted("multiprocessing.get_context(\"spawn\"), or voltet used in the forked processes alone"))
+        .expected("multiprocessing.get_context(\"spawn\"), or voltet used in the forked processes alone"))
 }

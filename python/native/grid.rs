@@ -7,8 +7,8 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::sync::{Arc, OnceLock};
 use voltet_core::grid::{self, CellValues, Options, extent};
-use voltet_core::progress::Silent;
-use voltet_core::{Error, Shared};
+use voltet_core::progress::NoProgress;
+use voltet_core::{Error, SharedSlice};
 use voltet_embed::{ArraySource, CellSource, Numbers, Source};
 
 /// A grid, and the memory that it was made of.
@@ -55,7 +55,7 @@ impl Grid {
         let mut keep = Keep(vec![points.keep()]);
         let arrays = arrays.into_iter().map(|(name, values, component_count, on_cells)| {
             let lent: Lent<f64> = Lent::of(&format!("array '{name}'"), &values)?;
-            let values = Shared::lent(lent.values(), lent.keep());
+            let values = SharedSlice::lent(lent.values(), lent.keep());
             Ok(ArraySource { name, values, component_count, on_cells })
         });
         let arrays = arrays.collect::<PyResult<Vec<ArraySource>>>()?;
@@ -77,7 +77,7 @@ impl Grid {
             options,
             keep: Arc::new(keep),
         };
-        let grid = guarded(py, || py.detach(|| voltet_embed::grid(source, &Silent)))?;
+        let grid = guarded(py, || py.detach(|| voltet_embed::grid(source, &NoProgress)))?;
         Ok(Grid { grid: Arc::new(grid), watched, about: OnceLock::new() })
     }
 
@@ -143,7 +143,7 @@ fn cells_of(cells: &Bound<'_, PyDict>, keep: &mut Keep) -> PyResult<CellSource> 
         return Ok(CellSource::Tetrahedra(keep.hold(Lent::of("tetrahedra", &tetrahedra)?)));
     }
     let must = |name: &str| {
-        let none = || Error::usage(format!("{name} is missing")).accepted("types, offsets and connectivity");
+        let none = || Error::usage(format!("{name} is missing")).expected("types, offsets and connectivity");
         get(name)?.ok_or_else(|| crate::error::exception(cells.py(), &none()))
     };
     let mut wide = |name: &str| -> PyResult<&'static [i64]> {

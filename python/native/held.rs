@@ -6,7 +6,7 @@ use voltet_core::{Error, Result};
 use voltet_document::{Document, Edit, Fault, Part, Path as Place};
 use voltet_embed::{Account, Scene, Session};
 use voltet_graph::pipeline::Pipeline as Nodes;
-use voltet_graph::{Datum, Field, NodeEntry, Origin};
+use voltet_graph::{Field, NodeEntry, ParameterValue, SourceSpan};
 use voltet_io::provenance::{Provenance, Source};
 
 /// A pipeline's text, and what its runs left.
@@ -123,7 +123,7 @@ impl Held {
         let nodes = &self.stated.pipeline().nodes;
         nodes.iter().find(|node| node.name == name).ok_or_else(|| {
             let error = Error::usage(format!("there is no node '{name}'"));
-            error.accepted(voltet_graph::suggest(name, nodes.iter().map(|node| node.name.as_str())))
+            error.expected(voltet_graph::suggest(name, nodes.iter().map(|node| node.name.as_str())))
         })
     }
 
@@ -133,7 +133,7 @@ impl Held {
     pub fn save(&mut self, path: Option<PathBuf>, readers: Vec<(String, String, String)>) -> Result<PathBuf> {
         self.sound()?;
         let own = self.stated.document.path().map(Path::to_path_buf);
-        let nowhere = || Error::usage("the pipeline has no file yet").accepted("a path to save it to");
+        let nowhere = || Error::usage("the pipeline has no file yet").expected("a path to save it to");
         let to = path.or(own).ok_or_else(nowhere)?;
         if let Some((picture, _)) = self.stated.picture.take() {
             // From now on it is a file's, which was in the picture's folder.
@@ -148,7 +148,7 @@ impl Held {
                 gone.map(|field| Edit::Unset { node: name.clone(), path: Place::from([&*field.name]) }),
             );
             for (key, value) in [("type", "reader".to_string()), ("path", file), ("scalar", scalar)] {
-                edits.push(Edit::set(&name, [key], Datum::Text(value)));
+                edits.push(Edit::set(&name, [key], ParameterValue::Text(value)));
             }
         }
         let folder = to.parent().unwrap_or(Path::new(""));
@@ -176,8 +176,8 @@ impl Held {
         if writes || nodes.iter().any(|entry| entry.name == name) {
             return Vec::new();
         }
-        let picture = Datum::Text(format!("{}.png", stem.to_string_lossy()));
-        let path = Field { name: "path".into(), origin: Origin::Nowhere, setting: picture.into() };
+        let picture = ParameterValue::Text(format!("{}.png", stem.to_string_lossy()));
+        let path = Field { name: "path".into(), origin: SourceSpan::Nowhere, setting: picture.into() };
         let node_type = "image-writer".to_string();
         let add = Edit::AddNode { name: name.clone(), node_type, settings: vec![path], at: None };
         vec![add, Edit::Connect { node: name, port: "image".into(), source, beside: false }]

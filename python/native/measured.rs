@@ -59,8 +59,8 @@ fn hold(what: &str) -> Result<Hold> {
         "order" => Ok(Hold::Order),
         "invariance" => Ok(Hold::Invariance),
         other => {
-            let error = Error::usage("'hold_to' names nothing that a filter can be held to").found(other);
-            Err(error.accepted("finite, linear, order, invariance"))
+            let error = Error::usage("'hold_to' names nothing that a filter can be held to").got(other);
+            Err(error.expected("finite, linear, order, invariance"))
         }
     }
 }

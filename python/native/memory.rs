@@ -23,8 +23,8 @@ impl<T: Element + Sync> Lent<T> {
     /// The memory of an array of this type whose rows lie one after the other; `name` is for messages.
     pub fn of(name: &str, object: &Bound<'_, PyAny>) -> PyResult<Lent<T>> {
         let wrong = |found: String| {
-            let error = Error::usage(format!("{name} cannot be lent")).found(found);
-            let error = error.accepted("a C-contiguous array of the type that voltet.Grid makes of it");
+            let error = Error::usage(format!("{name} cannot be lent")).got(found);
+            let error = error.expected("a C-contiguous array of the type that voltet.Grid makes of it");
             crate::error::exception(object.py(), &error)
         };
         let buffer: PyBuffer<T> = PyBuffer::get(object).map_err(|error| wrong(error.to_string()))?;

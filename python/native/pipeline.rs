@@ -44,7 +44,7 @@ impl Pipeline {
             Err(TryLockError::WouldBlock) => {
                 let error =
                     Error::usage("the pipeline is in use: by another thread, or by the call that calls back");
-                Err(exception(py, &error.accepted("one call at a time; a Pipeline for each thread")))
+                Err(exception(py, &error.expected("one call at a time; a Pipeline for each thread")))
             }
         }
     }

@@ -31,8 +31,8 @@ impl Asked {
     fn wish(&self) -> Result<Wish> {
         let known = || studied().map(|integrator| integrator.name());
         if let Some(name) = self.only.iter().find(|name| !known().any(|known| known == name.as_str())) {
-            let error = Error::usage("'only' names no integrator that can be studied").found(name);
-            return Err(error.accepted(suggest(name, known())));
+            let error = Error::usage("'only' names no integrator that can be studied").got(name);
+            return Err(error.expected(suggest(name, known())));
         }
         let engines = match self.engine.as_str() {
             "all" => Engines::All,
@@ -40,14 +40,14 @@ impl Asked {
                 let found = ENGINES.iter().find(|engine| engine.name == name).map(Engines::One);
                 let names = || ENGINES.iter().map(|engine| engine.name).chain(["all"]);
                 found.ok_or_else(|| {
-                    let error = Error::usage("'engine' names no engine").found(name);
-                    error.accepted(suggest(name, names()))
+                    let error = Error::usage("'engine' names no engine").got(name);
+                    error.expected(suggest(name, names()))
                 })?
             }
         };
         let wrong = |what: &str, found: f64| {
-            let error = Error::usage(format!("'{what}' is out of range")).found(found);
-            Err(error.accepted("a number of at least 0"))
+            let error = Error::usage(format!("'{what}' is out of range")).got(found);
+            Err(error.expected("a number of at least 0"))
         };
         for (name, value) in [("patience", self.patience), ("max_error", self.max_error.unwrap_or(0.0))] {
             if !(value.is_finite() && value >= 0.0) {
@@ -55,7 +55,7 @@ impl Asked {
             }
         }
         if self.frames == 0 {
-            return Err(Error::usage("'frames' is out of range").found(0).accepted("1 or more"));
+            return Err(Error::usage("'frames' is out of range").got(0).expected("1 or more"));
         }
         Ok(Wish {
             only: self.only.clone(),

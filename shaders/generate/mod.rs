@@ -3,7 +3,7 @@
 mod members;
 mod tiles;
 
-use crate::choices::{Choices, Combine, Compositor, Method};
+use crate::choices::{Choices, Combine, CompositorProgram, Method};
 use crate::kinds::{Call, Light};
 use crate::parts::{Access, PartedArray, Parts};
 
@@ -52,11 +52,11 @@ pub(crate) fn generate(choices: &Choices) -> Generated {
         block.surface();
     }
     match choices.compositor {
-        Compositor::None => {}
-        Compositor::Segments => block.finish(),
-        Compositor::Tiles(order) => block.finish_tiles(order),
-        Compositor::Raster(blend) => block.finish_blended("compositor/raster", blend),
-        Compositor::Triangles(blend) => block.finish_blended("compositor/triangles", blend),
+        CompositorProgram::None => {}
+        CompositorProgram::Segments => block.finish(),
+        CompositorProgram::Tiles(order) => block.finish_tiles(order),
+        CompositorProgram::Raster(blend) => block.finish_blended("compositor/raster", blend),
+        CompositorProgram::Triangles(blend) => block.finish_blended("compositor/triangles", blend),
     }
     Generated { text: block.text, uses: block.uses }
 }

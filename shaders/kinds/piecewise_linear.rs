@@ -59,8 +59,8 @@ pub(super) fn check_32_bits(points: &[ControlPoint], stretch: &Stretch) -> Resul
             return Err(Error::run(
                 "a ramp between two colours is too steep for 32 bits to find what is seen of both",
             )
-            .found(format!("{rate:e} as its optical depth per segment where it becomes opaque"))
-            .accepted(format!("at most {RAMP_RATE_MOST:e}, or an engine of 64 bits")));
+            .got(format!("{rate:e} as its optical depth per segment where it becomes opaque"))
+            .expected(format!("at most {RAMP_RATE_MOST:e}, or an engine of 64 bits")));
         }
     }
     Ok(())

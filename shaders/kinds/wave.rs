@@ -38,8 +38,8 @@ pub(super) fn write(wave: &Wave, sine: bool, writer: &mut Writer, record: &mut W
     }
     if bands > BANDS_MOST || bands.is_nan() {
         return Err(Error::run("a wave has more bands than 32 bits tell apart")
-            .found(format!("{bands:.3e} over the range of the values"))
-            .accepted(format!("at most {BANDS_MOST:.0e}")));
+            .got(format!("{bands:.3e} over the range of the values"))
+            .expected(format!("at most {BANDS_MOST:.0e}")));
     }
     record.matrix[2] = (start - start.round()) as f32;
     let half_width = |width: f64| if sine { sine_half_width(width) } else { 0.5 * width };
@@ -56,8 +56,8 @@ pub(super) fn check_32_bits(widget: &Widget, wave: &Wave, stretch: &Stretch) -> 
     let by_width = bands / wave.band_width;
     let refuse = |why: &str, found: f64, most: f64| {
         Err(Error::run(why)
-            .found(format!("{found:e} bands over one segment"))
-            .accepted(format!("at most {most:e}, or an engine of 64 bits")))
+            .got(format!("{found:e} bands over one segment"))
+            .expected(format!("at most {most:e}, or an engine of 64 bits")))
     };
     if bands > BANDS_MOST {
         return refuse("a wave has more bands than 32 bits tell apart", bands, BANDS_MOST);

@@ -2,7 +2,7 @@
 
 use super::{Plugins, Set};
 use crate::nodes::drawing::ENGINES;
-use crate::optics::engine::Compositing;
+use crate::optics::engine::Compositor;
 use crate::study::papers::Paper;
 use crate::study::work_precision::Engines;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
@@ -123,7 +123,7 @@ impl Study {
         let command = Study::augment_args(clap::Command::new("study"));
         let given = command.try_get_matches_from(["study".as_ref(), file.as_os_str()]);
         let study = given.and_then(|matches| Study::from_arg_matches(&matches));
-        study.map_err(|error| crate::core::Error::usage("the study has no such file").found(error))
+        study.map_err(|error| crate::core::Error::usage("the study has no such file").got(error))
     }
 }
 
@@ -144,7 +144,7 @@ pub struct Time {
     pub engine: Engines,
     /// How a graphics device composites, separated by commas: tiles, raster, triangles; each of them without it.
     #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = compositors())]
-    pub compositor: Vec<Compositing>,
+    pub compositor: Vec<Compositor>,
     /// The graphics device to measure: a part of its name, or discrete, integrated, virtual, software.
     ///
     /// Without it the one that the file names, or else the fastest that is hardware.
@@ -282,9 +282,9 @@ fn papers() -> impl TypedValueParser<Value = Paper> {
 }
 
 /// The ways in which a device composites.
-fn compositors() -> impl TypedValueParser<Value = Compositing> {
-    let words = Compositing::WORDS.map(|(name, help)| PossibleValue::new(name).help(help));
-    PossibleValuesParser::new(words).map(|name| Compositing::named(&name).unwrap_or(Compositing::Tiles))
+fn compositors() -> impl TypedValueParser<Value = Compositor> {
+    let words = Compositor::WORDS.map(|(name, help)| PossibleValue::new(name).help(help));
+    PossibleValuesParser::new(words).map(|name| Compositor::named(&name).unwrap_or(Compositor::Tiles))
 }
 
 /// The engines by name, or all of them.

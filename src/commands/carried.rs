@@ -5,7 +5,7 @@ use crate::Source;
 use crate::arguments::Info;
 use crate::core::{Error, Result};
 use crate::graph::pipeline::Pipeline;
-use crate::graph::{Datum, NodeEntry};
+use crate::graph::{NodeEntry, ParameterValue};
 use crate::io::provenance::{self, Beside, CameraOf, DataFile, PluginOf, Provenance};
 use crate::present::{number, print};
 use std::fs::File;
@@ -32,11 +32,11 @@ pub fn carried(arguments: &Info) -> Result<u8> {
         (!arguments.set.options.is_empty(), "--set"),
     ];
     if let Some((_, option)) = options.iter().find(|(given, _)| *given) {
-        let error = Error::usage("the option is not for pictures").found(option);
-        return Err(error.accepted("voltet info PICTURE, or with --json").in_file(path));
+        let error = Error::usage("the option is not for pictures").got(option);
+        return Err(error.expected("voltet info PICTURE, or with --json").in_file(path));
     }
     let Source { carried, .. } = Source::read(path).map_err(|error| {
-        error.accepted(
+        error.expected(
             "a picture that an image-writer with provenance = true wrote; slices as data: in one volume (.vti)",
         )
     })?;
@@ -45,7 +45,7 @@ pub fn carried(arguments: &Info) -> Result<u8> {
     print(&match arguments.json {
         true => {
             let json = serde_json::to_string_pretty(&carried)
-                .map_err(|error| Error::run("what the picture carries is no JSON").found(error))?;
+                .map_err(|error| Error::run("what the picture carries is no JSON").got(error))?;
             json + "\n"
         }
         false => described(path, &carried),
@@ -60,7 +60,8 @@ fn described(path: &Path, carried: &Provenance) -> String {
     text.extend(carried.plugins.iter().map(of_plugin));
     text.extend(carried.cameras.iter().map(of_camera));
     for unit in &carried.units.unit_distances {
-        let length = unit.length.map_or("decided by data".into(), |length| Datum::Number(length).to_string());
+        let length =
+            unit.length.map_or("decided by data".into(), |length| ParameterValue::Number(length).to_string());
         text += &format!("unit distance ({}): {length}\n", unit.node);
     }
     let set: String = writers(carried).iter().map(|node| format!(" --set {node}.path=FILE")).collect();

@@ -104,5 +104,5 @@ fn pipeline_for(path: &std::path::Path, at: &std::path::Path, registry: &Registr
 #[cfg(not(feature = "editor"))]
 pub fn edit(_: &Edit, _: &Registry) -> Result<u8> {
     let error = crate::core::Error::usage("this program was built without the node editor");
-    Err(error.accepted("one built by `cargo build --release --features editor`"))
+    Err(error.expected("one built by `cargo build --release --features editor`"))
 }

@@ -6,7 +6,7 @@ use crate::Document;
 use crate::arguments::Explain;
 use crate::collisions;
 use crate::core::Result;
-use crate::graph::{Demand, Graph, GraphNode, LeftOut, Plan, PortType, Registry};
+use crate::graph::{Demand, Graph, GraphNode, Plan, PortType, Registry, SkippedWork};
 use crate::present::print;
 
 pub fn explain(arguments: &Explain, registry: &Registry) -> Result<u8> {
@@ -21,7 +21,7 @@ pub fn explain(arguments: &Explain, registry: &Registry) -> Result<u8> {
     }
     let mut session = crate::nodes::session();
     if arguments.no_leave_out {
-        session = session.no_leave_out();
+        session = session.exhaustive();
     }
     match session.plan(&document.graph) {
         Ok(mut plan) => {
@@ -87,7 +87,7 @@ fn explained(document: &Document, plan: &Plan, unknown: &[usize], no_leave_out: 
 }
 
 /// What leaving it out saves, in brackets.
-fn saved(left: &LeftOut) -> String {
+fn saved(left: &SkippedWork) -> String {
     left.saving.map(|saving| format!(" (saves {saving})")).unwrap_or_default()
 }
 

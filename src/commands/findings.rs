@@ -8,13 +8,13 @@ use super::pipelines::open;
 use crate::Document;
 use crate::arguments::Info;
 use crate::core::{Error, Result};
-use crate::graph::{Datum, Graph, LinkEntry, NodeEntry, PortType, Registry};
+use crate::graph::{Graph, LinkEntry, NodeEntry, ParameterValue, PortType, Registry};
 use crate::present::{self, Bar};
 
 pub fn findings(arguments: &Info, registry: &Registry) -> Result<u8> {
     if arguments.time_step.is_some() || arguments.solution.is_some() {
         let error = Error::usage("--time-step and --solution are for data files, and this is a pipeline");
-        return Err(error.accepted("the reader's parameters, or --set").in_file(&arguments.data));
+        return Err(error.expected("the reader's parameters, or --set").in_file(&arguments.data));
     }
     let document = match open(&arguments.data, &arguments.set.options, registry) {
         Ok(document) => document,
@@ -56,14 +56,14 @@ fn graph(document: &Document, registry: &Registry) -> Result<Graph> {
         let error = Error::usage(
             "the pipeline draws no volume by a transfer function, so there is nothing to find out",
         );
-        return Err(error.accepted("a node that draws, such as type = \"renderer\"").in_file(&document.path));
+        return Err(error.expected("a node that draws, such as type = \"renderer\"").in_file(&document.path));
     }
     for [volume, look] in looks {
         let link = |port: &str, from: &LinkEntry| LinkEntry { port: port.into(), ..from.clone() };
         entries.push(NodeEntry {
             name: free_name(&entries, look.source.text().unwrap_or("look")),
             origin: look.origin.clone(),
-            node_type: Datum::Text("bands".into()).into(),
+            node_type: ParameterValue::Text("bands".into()).into(),
             settings: Vec::new(),
             inputs: vec![link("volume", volume), link("transfer_function", look)],
         });

@@ -46,7 +46,7 @@ pub fn gradient_test(arguments: &arguments::GradientTest, registry: &Registry) -
     match outputs.iter().any(|(_, path)| files::is_standard_output(path)) {
         _ if arguments.quiet => found.requirements.iter().filter(|one| !one.holds).for_each(|one| {
             let what = format!("the gradient filter '{}' does not hold: {}", arguments.name, one.what);
-            show(&Error::run(what).found(&one.found), None);
+            show(&Error::run(what).got(&one.found), None);
         }),
         true => say(&table),
         false => drop(print(&table)?),

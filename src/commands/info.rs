@@ -22,13 +22,13 @@ pub fn info(arguments: &Info, registry: &Registry) -> Result<u8> {
     if arguments.of_pipeline() {
         if arguments.json {
             let error = Error::usage("--json is for data files, and this is a pipeline");
-            return Err(error.accepted("voltet run --report FILE.json").in_file(&arguments.data));
+            return Err(error.expected("voltet run --report FILE.json").in_file(&arguments.data));
         }
         return findings(arguments, registry);
     }
     if let Some(option) = arguments.set.options.first() {
-        let error = Error::usage("--set changes a pipeline, and this is a data file").found(option);
-        return Err(error.accepted("a pipeline file (.toml), or no --set").in_file(&arguments.data));
+        let error = Error::usage("--set changes a pipeline, and this is a data file").got(option);
+        return Err(error.expected("a pipeline file (.toml), or no --set").in_file(&arguments.data));
     }
     let wanted = request(arguments.time_step, arguments.solution.as_ref());
     let wanted = added::request(wanted, &arguments.data, registry)?;

@@ -95,7 +95,7 @@ fn begin_threads() -> Result<()> {
     let none = |why: &dyn std::fmt::Display| {
         let wish =
             "more memory, a higher limit of processes, or fewer threads by the variable RAYON_NUM_THREADS";
-        Err(Error::run("no threads can be had to work with").found(why).accepted(wish))
+        Err(Error::run("no threads can be had to work with").got(why).expected(wish))
     };
     // Not tried where it is known before: those that have begun would meet the end of memory, too, each in its own way.
     let asked = std::env::var("RAYON_NUM_THREADS").ok().and_then(|count| count.parse::<u64>().ok());

@@ -3,7 +3,7 @@
 use super::outcome::DONE;
 use crate::arguments::Nodes;
 use crate::core::{Error, Result};
-use crate::graph::{Kind, Registry, suggest};
+use crate::graph::{Registry, VariantSchema, suggest};
 use crate::present::{filter_markdown, filter_text, node_markdown, node_text, print};
 
 pub fn nodes(arguments: &Nodes, registry: &Registry) -> Result<u8> {
@@ -16,7 +16,7 @@ pub fn nodes(arguments: &Nodes, registry: &Registry) -> Result<u8> {
     Ok(DONE)
 }
 
-fn filters(registry: &Registry) -> impl Iterator<Item = Kind> {
+fn filters(registry: &Registry) -> impl Iterator<Item = VariantSchema> {
     registry.filters().map(|filter| filter.declaration())
 }
 
@@ -30,7 +30,7 @@ fn one(name: &str, markdown: bool, registry: &Registry) -> Result<String> {
         None => {
             let names = registry.names().chain(filters(registry).map(|filter| filter.name));
             let error = Error::usage(format!("unknown node type or gradient filter '{name}'"));
-            Err(error.accepted(suggest(name, names)))
+            Err(error.expected(suggest(name, names)))
         }
     }
 }

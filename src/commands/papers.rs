@@ -6,7 +6,7 @@ use super::study::refuse_unwritable;
 use crate::Document;
 use crate::arguments;
 use crate::core::{Error, Result};
-use crate::graph::{Registry, Unobserved};
+use crate::graph::{NoObserver, Registry};
 use crate::nodes::files;
 use crate::present::{Bar, print};
 use crate::study::papers::{self, Paper, Section, Wish};
@@ -22,7 +22,7 @@ const PAGE: &str = "papers.md";
 
 pub fn papers(arguments: &arguments::Papers, registry: &Registry) -> Result<u8> {
     if arguments.frames == 0 {
-        return Err(Error::usage("--frames is out of range").found(0).accepted("1 or more"));
+        return Err(Error::usage("--frames is out of range").got(0).expected("1 or more"));
     }
     let papers = if arguments.only.is_empty() { Paper::ALL.to_vec() } else { arguments.only.clone() };
     refuse_unwritable(&arguments.output)?;
@@ -49,12 +49,12 @@ fn open(folder: &Path, file: &str, options: &[String], registry: &Registry) -> R
     let path = folder.join(file);
     if !path.is_file() {
         return Err(Error::usage("the pipelines of the papers are not there")
-            .found(path.display())
-            .accepted("--pipelines with the folder pipelines/papers of the program's repository"));
+            .got(path.display())
+            .expected("--pipelines with the folder pipelines/papers of the program's repository"));
     }
     let document = Document::open(&path, options, registry)?;
     let mut session = crate::nodes::session();
-    Subject::gather(&document.graph, None, false, &mut session, &Unobserved)
+    Subject::gather(&document.graph, None, false, &mut session, &NoObserver)
         .map_err(|error| document.locate(error))
 }
 
@@ -63,7 +63,7 @@ fn write(sections: &[Section], folder: &Path) -> Result<Vec<PathBuf>> {
     let figures = folder.join(papers::FOLDER);
     std::fs::create_dir_all(&figures).map_err(|error| {
         let what = format!("the folder '{}' cannot be made", figures.display());
-        Error::run(what).found(error).accepted("--output with a folder that can be written to")
+        Error::run(what).got(error).expected("--output with a folder that can be written to")
     })?;
     let each = sections.iter().flat_map(|section| &section.figures);
     let mut outputs: Vec<(PathBuf, Vec<u8>)> =

@@ -81,7 +81,7 @@ pub(super) fn is_png(path: &Path) -> Result<bool> {
         Some("svg") => Ok(false),
         None if files::is_stream(&path.to_string_lossy()) => Ok(false),
         _ => Err(Error::usage("the format of the plot is not known")
-            .found(format!("--plot {}", path.display()))
-            .accepted("a path that ends in .svg or .png")),
+            .got(format!("--plot {}", path.display()))
+            .expected("a path that ends in .svg or .png")),
     }
 }

@@ -69,7 +69,7 @@ fn kept_to(path: &Path, fingerprint: Option<&str>) -> Result<()> {
         true => Ok(()),
         false => {
             let error = Error::usage("the plug-in is not the one that is wanted: its file has changed");
-            Err(error.found(found).accepted(wanted).in_file(path))
+            Err(error.got(found).expected(wanted).in_file(path))
         }
     }
 }
@@ -94,7 +94,7 @@ fn add(registry: &Registry, path: &Path, apart: bool) -> Result<(Registry, Strin
 /// The file of this program.
 fn own_program() -> Result<PathBuf> {
     std::env::current_exe().map_err(|error| {
-        Error::run("the program does not find its own file, which --plugin-process starts").found(error)
+        Error::run("the program does not find its own file, which --plugin-process starts").got(error)
     })
 }
 

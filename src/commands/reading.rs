@@ -1,7 +1,7 @@
 //! How a data file is read: which of its arrays is meant, and what a `reader` node says of it.
 
 use crate::core::progress::Progress;
-use crate::graph::{Datum, Observer};
+use crate::graph::{Observer, ParameterValue};
 use crate::io::formats::{ArrayHead, ArraySummary, Association, Request, TimeStep};
 use crate::present::Bar;
 use std::path::{Path, PathBuf};
@@ -40,7 +40,7 @@ impl Meant {
 
     /// The keys of a `reader` node that reads it from the file `data`.
     pub fn keys(&self, data: &Path, time_step: Option<usize>, solution: Option<&Path>) -> String {
-        let text = |text: &str| Datum::Text(text.into());
+        let text = |text: &str| ParameterValue::Text(text.into());
         let mut keys = format!("path = {}\nscalar = {}\n", text(&data.to_string_lossy()), text(&self.scalar));
         if self.association == Association::Cell {
             keys += "association = \"cell\"\n";

@@ -35,7 +35,7 @@ pub fn run(arguments: &Run, registry: &Registry) -> Result<u8> {
         let error = Error::usage(
             "--no-leave-out writes every picture several times, and the standard output takes one",
         );
-        return Err(error.accepted("the path of a file in place of \"-\""));
+        return Err(error.expected("the path of a file in place of \"-\""));
     }
     // What goes to the standard output stands there alone.
     let tell = |text: &str| match streams {
@@ -106,7 +106,7 @@ fn compared(document: &Document, observer: &dyn Observer) -> Result<(RunReport, 
     let mut runs: [Option<RunReport>; 2] = [None, None];
     for (turn, no_leave_out) in TURNS.into_iter().enumerate() {
         let session = crate::nodes::session();
-        let mut session = if no_leave_out { session.no_leave_out() } else { session };
+        let mut session = if no_leave_out { session.exhaustive() } else { session };
         let report = session.run(&document.graph, observer)?;
         let fastest = &mut runs[usize::from(no_leave_out)];
         if turn > 0 && fastest.as_ref().is_none_or(|fastest| report.seconds < fastest.seconds) {

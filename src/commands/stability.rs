@@ -6,7 +6,7 @@ use crate::core::progress::Progress;
 use crate::core::{Error, Result};
 use crate::graph::Observer;
 use crate::judge::{Report, judge_all};
-use crate::optics::engine::Forms;
+use crate::optics::engine::SegmentEvaluator;
 use crate::present::{Bar, name, print};
 use crate::stability;
 use serde_json::{Value, json};
@@ -60,17 +60,17 @@ fn scenes(count: u64, arguments: &Stability) -> Result<u8> {
 /// A file of cases.
 fn judge(path: &Path, arguments: &Stability) -> Result<u8> {
     let read = std::fs::read(path).map_err(|error| {
-        Error::usage("the case file cannot be read").found(error).accepted("a file of cases").in_file(path)
+        Error::usage("the case file cannot be read").got(error).expected("a file of cases").in_file(path)
     })?;
     let text = String::from_utf8(read).map_err(|error| {
         let found = format!("byte {} is no UTF-8", error.utf8_error().valid_up_to());
-        Error::usage("the file is no case file").found(found).accepted("JSON lines").in_file(path)
+        Error::usage("the file is no case file").got(found).expected("JSON lines").in_file(path)
     })?;
     let subjects = stability::subjects(arguments.adapter.as_deref())?;
-    let forms: Vec<&dyn Forms> = subjects.forms.iter().map(Box::as_ref).collect();
+    let forms: Vec<&dyn SegmentEvaluator> = subjects.forms.iter().map(Box::as_ref).collect();
     let reports = judge_all(&text, &forms).map_err(|error| error.in_file(path))?;
     if reports.iter().all(|report| report.cases == 0) {
-        let error = Error::usage("the file holds no case").accepted("one JSON object a line");
+        let error = Error::usage("the file holds no case").expected("one JSON object a line");
         return Err(error.in_file(path));
     }
     let passed = reports.iter().all(Report::passed);

@@ -9,7 +9,7 @@ use crate::core::grid::extent::{bounds, range, scene_length};
 use crate::core::probing::{Axis, Histogram, Proposed, histogram, proposal, quiet};
 use crate::core::progress::Progress;
 use crate::core::{Error, Result};
-use crate::graph::{Datum, Registry};
+use crate::graph::{ParameterValue, Registry};
 use crate::io::formats::{ArrayHead, ArraySummary, Association, Request, Summary, arrays, inspect, read};
 use crate::nodes::added;
 use crate::nodes::files::{
@@ -41,8 +41,8 @@ pub fn start(arguments: &Start, registry: &Registry) -> Result<u8> {
         refuse_unwritable(&output)?;
         if output.exists() && !arguments.force {
             return Err(Error::usage("the pipeline file is there already")
-                .found(name(&output.to_string_lossy()))
-                .accepted("--force to write over it, or another name after -o"));
+                .got(name(&output.to_string_lossy()))
+                .expected("--force to write over it, or another name after -o"));
         }
     }
     let bar = Bar::new(false);
@@ -80,7 +80,7 @@ pub fn pipeline(
     if !range(&scalar).is_some_and(|[low, high]| low < high) {
         return Err(without_boundary(arguments, &asked, &named, progress));
     }
-    let gradient = Method::standard(Arc::new(LeastSquares))?.gradient(&grid, &scalar, progress)?;
+    let gradient = Method::with_defaults(Arc::new(LeastSquares))?.gradient(&grid, &scalar, progress)?;
     let g = magnitude(&gradient.vectors);
     let found = histogram_of(&grid, &scalar, &g, progress)?;
     let look = proposal(&found, COLORS.len());
@@ -91,7 +91,7 @@ pub fn pipeline(
     let view = View::of(&grid, &scalar, &g, &look);
     let diagonal = scene_length(bounds(&grid.points))?;
     let unit = rounded(diagonal / 10.0);
-    let text = |text: &str| Datum::Text(text.into()).to_string();
+    let text = |text: &str| ParameterValue::Text(text.into()).to_string();
     let own = if is_standard_output(output) { Path::new(".") } else { folder(output) };
     let solution = arguments.solution.as_ref().map(|solution| beside(solution, own));
     let node_type = asked.node_type();
@@ -166,7 +166,7 @@ fn without_boundary(arguments: &Start, asked: &Request, named: &str, progress: &
     let error = Error::run(format!("'{named}' has no boundary: it is the same everywhere"));
     let found = inspect(&arguments.data, asked, progress).map(|summary| summary.arrays).unwrap_or_default();
     let others: Vec<String> = found.iter().filter(|a| differs(a)).map(|a| scalar(&a.head)).collect();
-    error.accepted(format!("another array after --scalar: {}", others.join(", "))).in_file(&arguments.data)
+    error.expected(format!("another array after --scalar: {}", others.join(", "))).in_file(&arguments.data)
 }
 
 /// The file's own scalar, or the first that is a quantity (not a flag, a number of something, or the same everywhere).
@@ -186,8 +186,8 @@ fn first_quantity(arguments: &Start, summary: &Summary) -> Result<Meant> {
         let names: Vec<&str> = heads.iter().map(|array| array.name.as_str()).collect();
         let found = if names.is_empty() { "no arrays".into() } else { name(&names.join(", ")) };
         Error::run("no array is a quantity that varies")
-            .found(found)
-            .accepted("--scalar NAME")
+            .got(found)
+            .expected("--scalar NAME")
             .in_file(&arguments.data)
     })
 }

@@ -45,26 +45,26 @@ pub(super) fn wish(arguments: &arguments::Study) -> Result<Wish> {
             None => format!("one of {known}"),
         };
         return Err(Error::usage("--only names no integrator that can be studied")
-            .found(name)
-            .accepted(accepted));
+            .got(name)
+            .expected(accepted));
     }
     let in_range = |what: &str, value: f64| match value.is_finite() && value >= 0.0 {
         true => Ok(()),
-        false => Err(Error::usage(format!("{what} is out of range"))
-            .found(value)
-            .accepted("a number of at least 0")),
+        false => {
+            Err(Error::usage(format!("{what} is out of range")).got(value).expected("a number of at least 0"))
+        }
     };
     arguments.max_error.map_or(Ok(()), |bound| in_range("--max-error", bound))?;
     in_range("--patience", arguments.patience)?;
     if arguments.frames == 0 {
-        return Err(Error::usage("--frames is out of range").found(0).accepted("1 or more"));
+        return Err(Error::usage("--frames is out of range").got(0).expected("1 or more"));
     }
     let engines = arguments.engine;
     let no_device = engines.each().all(|engine| !engine.on_device);
     if let Some(adapter) = arguments.adapter.as_ref().filter(|_| no_device) {
         return Err(Error::usage("--adapter names a graphics device, and --engine asks for none")
-            .found(adapter)
-            .accepted("--engine gpu or all, or no --adapter"));
+            .got(adapter)
+            .expected("--engine gpu or all, or no --adapter"));
     }
     Ok(Wish {
         engines,
@@ -93,7 +93,7 @@ fn carry_out(
     if arguments.apply && document.carried.is_some() {
         let error = Error::usage("--apply writes into a pipeline file, and this is a picture");
         return Err(error
-            .accepted("a pipeline file (.toml); `voltet info` of the picture prints it")
+            .expected("a pipeline file (.toml); `voltet info` of the picture prints it")
             .in_file(&document.path));
     }
     let folder = arguments.output.clone().unwrap_or_else(|| beside(&arguments.file));
@@ -152,7 +152,7 @@ pub(super) fn refuse_unwritable(folder: &Path) -> Result<()> {
     let there = folder.ancestors().find(|path| path.exists()).unwrap_or(Path::new("."));
     if !there.is_dir() {
         let error = Error::run("the folder for the study cannot be made: a file is in its place");
-        return Err(error.found(there.display()).accepted("--output with the path of a folder"));
+        return Err(error.got(there.display()).expected("--output with the path of a folder"));
     }
     files::refuse_unwritable(&there.join("study.html"))
 }
@@ -189,14 +189,14 @@ fn conclude(
         if study.wish.refine > 0 {
             done += ", the grid was not refined";
         }
-        show(&error.found(done), None);
+        show(&error.got(done), None);
         return Ok(SHORT);
     }
     let Some(bound) = study.wish.max_error else { return Ok(DONE) };
     let Some(row) = study.recommended.map(|i| &study.rows[i]) else {
         let least = study.rows.iter().map(|row| row.error(study.wish.measure)).fold(f64::INFINITY, f64::min);
-        let error = Error::run("no setting keeps the error allowed").found(format!("{least:.1e} at best"));
-        return Ok(code_of(&error.accepted(format!("at most {bound}"))));
+        let error = Error::run("no setting keeps the error allowed").got(format!("{least:.1e} at best"));
+        return Ok(code_of(&error.expected(format!("at most {bound}"))));
     };
     if arguments.apply {
         let text = study::apply(&document.text, study, &row.setting)?;

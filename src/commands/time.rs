@@ -7,7 +7,7 @@ use crate::arguments;
 use crate::core::progress::Progress;
 use crate::core::{Error, Result};
 use crate::graph::{Observer, Registry};
-use crate::optics::shading::Order;
+use crate::optics::shading::VisibilityOrder;
 use crate::present::{Bar, print};
 use crate::study::work_precision::{
     self as study, Benches, Cost, Frames, Measure, Painter, Setting, Subject, Times, Wish,
@@ -35,12 +35,12 @@ pub fn time(arguments: &arguments::Time, registry: &Registry) -> Result<u8> {
 
 fn wish(arguments: &arguments::Time) -> Result<Wish> {
     if arguments.frames == 0 {
-        return Err(Error::usage("--frames is out of range").found(0).accepted("1 or more"));
+        return Err(Error::usage("--frames is out of range").got(0).expected("1 or more"));
     }
     if !(0.0..=3e7).contains(&arguments.patience) || !arguments.turn.is_finite() {
         return Err(Error::usage("--patience or --turn is out of range")
-            .found(format!("{} s, {}°", arguments.patience, arguments.turn))
-            .accepted("0 to 3e7 seconds, any angle"));
+            .got(format!("{} s, {}°", arguments.patience, arguments.turn))
+            .expected("0 to 3e7 seconds, any angle"));
     }
     Ok(Wish {
         only: Vec::new(),
@@ -83,7 +83,7 @@ fn measure(arguments: &arguments::Time, wish: &Wish, document: &Document, bar: &
     document.refuse_missing_data()?;
     let nodes = study::drawing_nodes(&document.graph);
     if nodes.is_empty() {
-        return Err(Error::usage("the pipeline draws no volume, so there is nothing to time").accepted(
+        return Err(Error::usage("the pipeline draws no volume, so there is nothing to time").expected(
             "a node of type \"renderer\", \"gpu-renderer\" or \"composite\" that an image-writer needs",
         ));
     }
@@ -163,9 +163,9 @@ fn settings(arguments: &arguments::Time, subject: &Subject, benches: &Benches) -
 fn head(subject: &Subject, setting: &Setting) -> String {
     let order = match setting.order {
         _ if !subject.needs_order => "not needed",
-        Order::Exact | Order::Auto => "exact",
-        Order::Centroid => "centroid",
-        Order::None => "none",
+        VisibilityOrder::Exact | VisibilityOrder::Auto => "exact",
+        VisibilityOrder::Centroid => "centroid",
+        VisibilityOrder::None => "none",
     };
     let [width, height] = subject.scene.camera.size;
     format!("| {} | {width} × {height} | {} | {order} | ", subject.node, setting.painter.label())

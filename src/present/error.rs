@@ -39,7 +39,7 @@ fn shown(error: &Error, text: Option<&str>, level: Level) -> String {
 
 /// What is wrong, what was found, and where, but for what a `pointed` text shows.
 fn title(error: &Error, is_pointed: bool) -> String {
-    let Error { what, found, place, .. } = error;
+    let Error { what, got: found, place, .. } = error;
     let mut title = streams::printable(what);
     if let Some(found) = found {
         title += &format!(": found {}", streams::printable(found));

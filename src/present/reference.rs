@@ -1,24 +1,24 @@
 //! The reference of a node type or gradient filter, as text and as Markdown, from its declaration.
 
-use crate::graph::{Kind, Node, Parameter, ParameterType, Port, Registry};
+use crate::graph::{Node, Parameter, ParameterType, Port, Registry, VariantSchema};
 
 /// Type, unit and standard value of a parameter: "number above 0, degrees; default 30.0".
 fn kind(parameter: &Parameter) -> String {
     let unit = if parameter.unit.is_empty() { String::new() } else { format!(", {}", parameter.unit) };
     let standard = match parameter.standard {
-        crate::graph::Standard::Required => "required".to_string(),
+        crate::graph::DefaultValue::Required => "required".to_string(),
         other => format!("default: {other}"),
     };
     format!("{}{unit}; {standard}", parameter.parameter_type.describe())
 }
 
 /// What the gradient filters declare.
-fn filters(registry: &Registry) -> Vec<Kind> {
+fn filters(registry: &Registry) -> Vec<VariantSchema> {
     registry.filters().map(|filter| filter.declaration()).collect()
 }
 
 /// The reference of one gradient filter, for a terminal.
-pub fn filter_text(kind: &Kind) -> String {
+pub fn filter_text(kind: &VariantSchema) -> String {
     let mut text =
         format!("{}\n\n{}\n\nA gradient filter: method = \"{}\"\n", kind.name, kind.summary, kind.name);
     if !kind.parameters.is_empty() {
@@ -29,7 +29,7 @@ pub fn filter_text(kind: &Kind) -> String {
 }
 
 /// The reference of one gradient filter as Markdown.
-pub fn filter_markdown(kind: &Kind) -> String {
+pub fn filter_markdown(kind: &VariantSchema) -> String {
     let mut text =
         format!("## {}\n\n{}\n\nA gradient filter: `method = \"{}\"`.\n", kind.name, kind.summary, kind.name);
     if !kind.parameters.is_empty() {
@@ -63,13 +63,13 @@ pub fn node_text(node: &Node, registry: &Registry) -> String {
 }
 
 /// `filters`: what a parameter that names one may name.
-fn parameter_text(parameter: &Parameter, indent: &str, filters: &[Kind]) -> String {
+fn parameter_text(parameter: &Parameter, indent: &str, filters: &[VariantSchema]) -> String {
     let mut text =
         format!("{indent}{} ({})\n{indent}    {}\n", parameter.name, kind(parameter), parameter.help);
     let deeper = format!("{indent}    ");
-    let kinds_text = |key: &str, kinds: &[Kind]| {
+    let kinds_text = |key: &str, kinds: &[VariantSchema]| {
         let inner = format!("{deeper}    ");
-        let kind_text = |kind: &Kind| {
+        let kind_text = |kind: &VariantSchema| {
             let fields = kind.parameters.iter().map(|field| parameter_text(field, &inner, &[]));
             format!("{deeper}{key} = \"{}\": {}\n", kind.name, kind.summary) + &fields.collect::<String>()
         };

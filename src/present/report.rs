@@ -2,7 +2,7 @@
 
 use super::streams::name;
 use crate::Document;
-use crate::graph::{Finding, RunReport};
+use crate::graph::{DataFinding, RunReport};
 use crate::io::provenance::run_report;
 use serde_json::Value;
 
@@ -35,7 +35,7 @@ pub fn summary(report: &RunReport) -> String {
 
 /// What the nodes found out about the data, each under the node's name.
 pub fn findings(report: &RunReport) -> String {
-    let line = |found: &Finding| format!("{}: {}\n", found.node, found.what.replace('\n', "\n  "));
+    let line = |found: &DataFinding| format!("{}: {}\n", found.node, found.what.replace('\n', "\n  "));
     report.findings.iter().map(line).collect()
 }
 

@@ -2,7 +2,7 @@
 
 use super::support::{Folder, SLAB};
 use voltet::Document;
-use voltet::graph::Unobserved;
+use voltet::graph::NoObserver;
 
 /// The device's picture, in the same file as the CPU's. `None` without an adapter, said loudly; a failure if the
 /// environment variable `VOLTET_REQUIRE_GPU` is 1.
@@ -113,7 +113,7 @@ fn the_grid_and_the_pipelines_stay_on_the_device() {
             .map(|option| option.to_string())
             .collect();
         let document = Document::open(&folder.join("slab.toml"), &options, &registry).unwrap();
-        let counts = session.run(&document.graph, &Unobserved).unwrap().counts;
+        let counts = session.run(&document.graph, &NoObserver).unwrap().counts;
         (counts["uploads"], counts["shader_builds"] > 0)
     };
     // Points, cells and the scalar.

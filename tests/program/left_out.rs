@@ -2,7 +2,7 @@
 
 use super::support::{Folder, SLAB, cube, cube_of};
 use voltet::Document;
-use voltet::graph::{RunReport, Session, Unobserved};
+use voltet::graph::{NoObserver, RunReport, Session};
 use voltet::study::{NoLeaveOut, SAME};
 
 /// A second widget of another colour, which looks at g; the first one's colour is green.
@@ -28,11 +28,11 @@ fn open_with(folder: &Folder, name: &str, options: &[&str]) -> Document {
 }
 
 fn run(document: &Document) -> RunReport {
-    voltet::nodes::session().run(&document.graph, &Unobserved).unwrap()
+    voltet::nodes::session().run(&document.graph, &NoObserver).unwrap()
 }
 
 fn no_leave_out(document: &Document) -> RunReport {
-    voltet::nodes::session().no_leave_out().run(&document.graph, &Unobserved).unwrap()
+    voltet::nodes::session().exhaustive().run(&document.graph, &NoObserver).unwrap()
 }
 
 /// Arrays decoded, gradients computed, tiles sorted, cells sorted, tables built.
@@ -83,9 +83,9 @@ fn every_node_and_the_session_say_what_was_left_out_why_and_what_that_saves() {
     ];
     let document = open(&folder, "slab.toml", &narrow);
     let mut session = voltet::nodes::session();
-    let report = session.run(&document.graph, &Unobserved).unwrap();
+    let report = session.run(&document.graph, &NoObserver).unwrap();
     let said = |report: &RunReport| -> Vec<String> {
-        let saving = |left: &voltet::graph::LeftOut| match left.saving {
+        let saving = |left: &voltet::graph::SkippedWork| match left.saving {
             Some(saving) => serde_json::to_string(&saving).unwrap(),
             None => String::new(),
         };
@@ -108,14 +108,14 @@ fn every_node_and_the_session_say_what_was_left_out_why_and_what_that_saves() {
     let cells = |which: &str| {
         let left = report.left_out.iter().find(|left| left.what == format!("cells {which}")).unwrap();
         match left.saving {
-            Some(voltet::graph::Saving::Cells(count)) => count,
+            Some(voltet::graph::SavedWork::Cells(count)) => count,
             other => panic!("{other:?}"),
         }
     };
     let culled = cells("that show nothing") + cells("out of view");
     assert_eq!(culled, total("cells_culled"));
     assert_eq!(culled + cells("under a pixel's reach") + total("cells_projected"), total("cells_total"));
-    let again = said(&session.run(&document.graph, &Unobserved).unwrap());
+    let again = said(&session.run(&document.graph, &NoObserver).unwrap());
     for node in ["grid", "gradient", "look", "view", "picture", "file"] {
         let wanted = format!("{node}: repetition {{\"seconds\":");
         assert!(again.iter().any(|left| left.starts_with(&wanted)), "'{wanted}' is not in\n{again:#?}");
@@ -133,7 +133,7 @@ fn gradients_are_computed_where_widgets_look_for_them() {
     let points_left = |report: &RunReport| {
         let left = report.left_out.iter().find(|left| left.what == "gradient at points")?;
         match left.saving {
-            Some(voltet::graph::Saving::Points(count)) => Some(count),
+            Some(voltet::graph::SavedWork::Points(count)) => Some(count),
             other => panic!("{other:?}"),
         }
     };
@@ -161,7 +161,7 @@ fn gradients_are_computed_where_widgets_look_for_them() {
     let mut session = voltet::nodes::session();
     let run_at = |session: &mut Session, s: f64| {
         let moved = format!("look.widgets.1.centre=[{s}, 0.6]");
-        let report = session.run(&open(&folder, "slab.toml", &[&moved]).graph, &Unobserved).unwrap();
+        let report = session.run(&open(&folder, "slab.toml", &[&moved]).graph, &NoObserver).unwrap();
         let is_kept = report.left_out.iter().any(|left| left.node == "gradient" && left.what == "repetition");
         (points_left(&report).is_some(), is_kept, report.pictures[0].1.rgba.clone())
     };
@@ -256,7 +256,7 @@ fn doing_everything_changes_no_picture_and_leaves_nothing_out_on_every_engine() 
 
 /// The report of a run; `None` where there is no device to draw on, said loudly, or a failure where one is required.
 fn drawn(document: &Document, mut session: Session) -> Option<RunReport> {
-    match session.run(&document.graph, &Unobserved) {
+    match session.run(&document.graph, &NoObserver) {
         Ok(report) => Some(report),
         Err(error) => {
             let text = error.to_string();
@@ -338,7 +338,7 @@ fn nothing_is_compiled_or_sent_to_a_device_twice() {
             more.iter().chain(&["picture.engine=gpu"]).map(|option| option.to_string()).collect();
         let document = Document::open(&folder.join("slab.toml"), &options, &registry).unwrap();
         session
-            .run(&document.graph, &Unobserved)
+            .run(&document.graph, &NoObserver)
             .map(|report| ["shader_builds", "uploads", "gradients_computed"].map(|name| report.counts[name]))
     };
     let first = match draw(&[]) {

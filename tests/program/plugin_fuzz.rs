@@ -71,7 +71,7 @@ fn tried(tally: &mut Tally, grid: &Grid, loaded: Result<Contents>, what: &str) {
         let mut registry = voltet::nodes::registry().unwrap();
         let computed = registry
             .add_filter(filter.clone())
-            .and_then(|()| Method::standard(filter))
+            .and_then(|()| Method::with_defaults(filter))
             .and_then(|method| method.gradient(grid, &scalar, &Until(Instant::now() + PATIENCE)));
         match computed {
             Ok(gradient) if gradient.vectors.iter().all(|v| *v == RIGHT) => tally.right += 1,

@@ -2,7 +2,7 @@
 
 use super::support::{Folder, SLAB};
 use voltet::Document;
-use voltet::graph::Unobserved;
+use voltet::graph::NoObserver;
 
 #[test]
 fn the_report_has_times_counts_and_what_was_left_out() {
@@ -73,7 +73,7 @@ fn a_changed_parameter_repeats_only_what_depends_on_it() {
     let mut repeated = |options: &[&str]| {
         let options: Vec<String> = options.iter().map(|option| option.to_string()).collect();
         let document = Document::open(&folder.join("slab.toml"), &options, &registry).unwrap();
-        let report = session.run(&document.graph, &Unobserved).unwrap();
+        let report = session.run(&document.graph, &NoObserver).unwrap();
         report.nodes.into_iter().filter(|node| !node.reused).map(|node| node.name).collect::<Vec<_>>()
     };
     let (color, size) = ("look.widgets.0.color=[1, 0, 0]", "view.size=[4, 4]");

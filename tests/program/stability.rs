@@ -2,7 +2,7 @@
 
 use super::support::Folder;
 use voltet::nodes::drawing::ENGINES;
-use voltet::optics::engine::AdapterWish;
+use voltet::optics::engine::AdapterRequest;
 
 /// Cases of every kind, each line with a key that no reader knows.
 fn cases() -> Vec<String> {
@@ -49,7 +49,7 @@ fn without_a_file_the_program_judges_itself() {
     assert!(names.starts_with(&["64-bit", "32-bit portable"]), "{names:?}");
     // Each engine is judged in each of its ways, or said to be missing.
     let opened: Vec<_> =
-        ENGINES.iter().filter_map(|engine| engine.open_each(&AdapterWish::hardware(None)).ok()).collect();
+        ENGINES.iter().filter_map(|engine| engine.open_each(&AdapterRequest::hardware(None)).ok()).collect();
     let ways: Vec<_> = opened.iter().flatten().collect();
     assert_eq!(names.len(), 1 + ways.iter().filter(|engine| engine.forms().is_some()).count());
     assert_eq!(found["left_out"].as_array().unwrap().len() + opened.len(), ENGINES.len(), "{names:?}");

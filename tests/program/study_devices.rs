@@ -122,7 +122,7 @@ fn applied(text: &str, more: &[&str]) -> Option<Vec<String>> {
 fn the_engine_is_written_back_where_the_file_comes_to_another() {
     let on_device = ["--engine", "gpu", "--adapter", "software"];
     let Some(new) = applied(&scene(), &on_device) else { return };
-    let one = voltet::optics::engine::Compositing::ALL.len() == 1;
+    let one = voltet::optics::engine::Compositor::ALL.len() == 1;
     let keys = |lines: &[String]| -> Vec<String> {
         let compositor = |line: &&String| !line.starts_with("compositor =");
         assert!(one || lines.iter().any(|line| line.starts_with("compositor =")), "{lines:?}");

@@ -3,13 +3,13 @@
 use std::sync::Arc;
 use voltet_core::Result;
 use voltet_core::picture::Picture;
-use voltet_core::progress::Silent;
+use voltet_core::progress::NoProgress;
 use voltet_core::transfer::TransferFunction;
 use voltet_cpu::{self as engine, Casting, Cells, Counts};
-use voltet_optics::engine::{AdapterWish, Manner};
+use voltet_optics::engine::{AdapterRequest, RenderOptions};
 use voltet_optics::integrators;
 use voltet_optics::scene::Scene;
-use voltet_optics::shading::{Integrator, Order, Shading};
+use voltet_optics::shading::{Integrator, Shading, VisibilityOrder};
 use voltet_testing::pictures::Engine;
 use voltet_testing::pictures::compare::{NamedScene, ORDINARY, within};
 
@@ -61,9 +61,9 @@ impl Engine for ByCells {
 
 fn draw(scene: &NamedScene, shading: &Shading, set: impl Fn(&mut Cells)) -> (Picture, Counts) {
     let draw = || -> Result<(Picture, Counts)> {
-        let mut cells = engine::cull(&scene.volume, &scene.look, &scene.camera, &Silent)?;
+        let mut cells = engine::cull(&scene.volume, &scene.look, &scene.camera, &NoProgress)?;
         set(&mut cells);
-        engine::draw(&cells, &scene.look, &scene.camera, shading, &Silent)
+        engine::draw(&cells, &scene.look, &scene.camera, shading, &NoProgress)
     };
     draw().unwrap_or_else(|e| panic!("{}: {e}", scene.name))
 }
@@ -96,7 +96,7 @@ const KEPT: f64 = 1e-5;
 /// The picture after others of the same view, with other widgets: from segments that were kept, where they serve.
 fn kept(scene: &NamedScene, shading: &Shading) -> Picture {
     let NamedScene { volume, look, camera, .. } = scene;
-    let native = engine::ENGINE.open(&AdapterWish::default()).expect("opens");
+    let native = engine::ENGINE.open(&AdapterRequest::default()).expect("opens");
     let prepared = native.prepare(volume).expect("has an extent");
     let draw = |share: f64| {
         let mut transfer_function = look.clone();
@@ -106,9 +106,9 @@ fn kept(scene: &NamedScene, shading: &Shading) -> Picture {
             transfer_function: Arc::new(transfer_function),
             camera: *camera,
             shading: *shading,
-            order: Order::Exact,
+            order: VisibilityOrder::Exact,
         };
-        prepared.draw(&scene, &Manner::passing(), &Silent).expect("draws").picture
+        prepared.draw(&scene, &RenderOptions::passing(), &NoProgress).expect("draws").picture
     };
     [0.5, 0.75].into_iter().for_each(|share| drop(draw(share)));
     draw(1.0)

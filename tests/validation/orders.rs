@@ -1,10 +1,10 @@
 //! Orders that are not exact, and looks that the engine integrates in 64 bits.
 
 use crate::drawing::{ByCells, Tested, picture};
-use voltet_core::progress::Silent;
+use voltet_core::progress::NoProgress;
 use voltet_core::transfer::{OpticalModel, Profile, TransferFunction, Wave, Widget};
 use voltet_cpu as engine;
-use voltet_optics::shading::{Integrator, Order, Shading};
+use voltet_optics::shading::{Integrator, Shading, VisibilityOrder};
 use voltet_testing::pictures::Engine;
 use voltet_testing::pictures::compare::{NamedScene, SHADING};
 use voltet_testing::pictures::grids::*;
@@ -20,16 +20,16 @@ fn disordered_pixels_are_counted() {
         look: overlapping(),
         camera: outside([48, 48]),
     };
-    let cells = engine::cull(&scene.volume, &scene.look, &scene.camera, &Silent).unwrap();
-    let disordered = |order: Order, look: &TransferFunction| {
+    let cells = engine::cull(&scene.volume, &scene.look, &scene.camera, &NoProgress).unwrap();
+    let disordered = |order: VisibilityOrder, look: &TransferFunction| {
         let cells = engine::sort(&cells, &scene.camera, order).unwrap();
-        engine::draw(&cells, look, &scene.camera, &SHADING, &Silent).unwrap().1.pixels_disordered
+        engine::draw(&cells, look, &scene.camera, &SHADING, &NoProgress).unwrap().1.pixels_disordered
     };
-    let [exact, centroid, none] =
-        [Order::Exact, Order::Centroid, Order::None].map(|o| disordered(o, &scene.look));
+    let [exact, centroid, none] = [VisibilityOrder::Exact, VisibilityOrder::Centroid, VisibilityOrder::None]
+        .map(|o| disordered(o, &scene.look));
     assert_eq!(exact, 0);
     assert!(0 < centroid && centroid < none, "centroid {centroid}, none {none}");
-    assert_eq!(disordered(Order::None, &one_gaussian()), 0);
+    assert_eq!(disordered(VisibilityOrder::None, &one_gaussian()), 0);
 }
 
 fn widget(profile: Profile) -> Widget {
@@ -81,7 +81,7 @@ fn widgets_that_no_cell_touches_are_left_out() {
     for far in [gaussian([40.0, 0.0], [0.5, 0.5], 3.0, [0.0, 1.0, 0.0]), corner()] {
         let mut more = scene.clone();
         more.look.widgets.insert(1, far);
-        let cells = engine::cull(&more.volume, &more.look, &more.camera, &Silent).unwrap();
+        let cells = engine::cull(&more.volume, &more.look, &more.camera, &NoProgress).unwrap();
         assert_eq!(cells.untouched, [1]);
         assert_eq!(picture(&more, &SHADING).rgba, kept);
     }
@@ -102,9 +102,9 @@ fn overlaps_are_counted() {
         camera: outside([40, 40]),
     };
     let count = |look: &TransferFunction, integrator: Integrator| {
-        let cells = engine::cull(&scene.volume, look, &scene.camera, &Silent).unwrap();
+        let cells = engine::cull(&scene.volume, look, &scene.camera, &NoProgress).unwrap();
         let shading = Shading { integrator, ..SHADING };
-        engine::draw(&cells, look, &scene.camera, &shading, &Silent).unwrap().1
+        engine::draw(&cells, look, &scene.camera, &shading, &NoProgress).unwrap().1
     };
     let reference = Integrator::Reference;
     let (lanes, exact) = (count(&scene.look, Integrator::Analytic), count(&scene.look, reference));
@@ -128,9 +128,9 @@ fn opaque_tiles_stop_early() {
     let counts = |extinction| {
         let scene = scene(extinction);
         Tested.ordinary(&scene);
-        let mut cells = engine::cull(&scene.volume, &scene.look, &scene.camera, &Silent).unwrap();
+        let mut cells = engine::cull(&scene.volume, &scene.look, &scene.camera, &NoProgress).unwrap();
         cells.casting = engine::Casting::Never;
-        engine::draw(&cells, &scene.look, &scene.camera, &SHADING, &Silent).unwrap().1
+        engine::draw(&cells, &scene.look, &scene.camera, &SHADING, &NoProgress).unwrap().1
     };
     let (thin, dense) = (counts(2.0), counts(1e4));
     assert_eq!((thin.tiles_stopped, thin.cells_hidden), (0, 0));
@@ -157,9 +157,9 @@ fn hidden_cells_are_left_out_where_order_matters() {
         let scene = scene(extinction);
         Tested.ordinary(&scene);
         ByCells.ordinary(&scene);
-        let mut cells = engine::cull(&scene.volume, &scene.look, &scene.camera, &Silent).unwrap();
+        let mut cells = engine::cull(&scene.volume, &scene.look, &scene.camera, &NoProgress).unwrap();
         cells.casting = engine::Casting::Never;
-        engine::draw(&cells, &scene.look, &scene.camera, &SHADING, &Silent).unwrap().1
+        engine::draw(&cells, &scene.look, &scene.camera, &SHADING, &NoProgress).unwrap().1
     };
     let (thin, dense) = (counts(2.0), counts(300.0));
     assert_eq!((thin.tiles_stopped, thin.cells_hidden), (0, 0));

@@ -5,12 +5,12 @@ use std::sync::Arc;
 use voltet_core::Result;
 use voltet_core::grid::extent;
 use voltet_core::picture::Picture;
-use voltet_core::progress::Silent;
+use voltet_core::progress::NoProgress;
 use voltet_core::transfer::{OpticalModel, TransferFunction};
 use voltet_core::volume::Volume;
-use voltet_optics::engine::{AdapterWish, Manner};
+use voltet_optics::engine::{AdapterRequest, RenderOptions};
 use voltet_optics::scene::Scene;
-use voltet_optics::shading::{Integrator, Order, Shading};
+use voltet_optics::shading::{Integrator, Shading, VisibilityOrder};
 use voltet_testing::pictures::compare::SHADING;
 use voltet_testing::pictures::grids::*;
 use voltet_testing::pictures::looks::*;
@@ -21,11 +21,11 @@ fn drawn(volume: &Arc<Volume>, look: &TransferFunction, integrator: Integrator) 
         transfer_function: Arc::new(look.clone()),
         camera: outside([40, 32]),
         shading: Shading { integrator, ..SHADING },
-        order: Order::Exact,
+        order: VisibilityOrder::Exact,
     };
     let draw = || -> Result<Picture> {
-        let engine = voltet_cpu::ENGINE.open(&AdapterWish::default())?;
-        Ok(engine.prepare(volume)?.draw(&scene, &Manner::default(), &Silent)?.picture)
+        let engine = voltet_cpu::ENGINE.open(&AdapterRequest::default())?;
+        Ok(engine.prepare(volume)?.draw(&scene, &RenderOptions::default(), &NoProgress)?.picture)
     };
     draw().unwrap_or_else(|error| panic!("{error}"))
 }

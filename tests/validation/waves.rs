@@ -1,7 +1,7 @@
 //! Bands: any number in a cell, thin ones, cut by regions, far from the data's values.
 
 use crate::drawing::Tested;
-use voltet_core::progress::Silent;
+use voltet_core::progress::NoProgress;
 use voltet_core::transfer::{Profile, Region, Wave, Widget};
 use voltet_cpu as engine;
 use voltet_testing::pictures::Engine;
@@ -24,9 +24,9 @@ fn both(name: &str, wave: Wave, extinction: f64, region: Option<Region>) {
         let widget = Widget { profile, color: [0.9, 0.6, 0.2], extinction, region: region.clone() };
         let scene = scene(&format!("{name} {kind}"), vec![widget]);
         Tested.ordinary(&scene);
-        let cells =
-            engine::cull(&scene.volume, &scene.look, &scene.camera, &Silent).expect("the scene can be drawn");
-        let (_, counts) = engine::draw(&cells, &scene.look, &scene.camera, &SHADING, &Silent)
+        let cells = engine::cull(&scene.volume, &scene.look, &scene.camera, &NoProgress)
+            .expect("the scene can be drawn");
+        let (_, counts) = engine::draw(&cells, &scene.look, &scene.camera, &SHADING, &NoProgress)
             .expect("the scene can be drawn");
         assert_eq!(counts.segments_exact, 0, "{name} {kind}: integrated in 64 bits");
     }

@@ -3,7 +3,7 @@
 use super::{Gradient, GradientFilter, check_scalar};
 use crate::Result;
 use crate::grid::Grid;
-use crate::parameters::{Kind, Parameter, ParameterType, Parameters, Standard};
+use crate::parameters::{DefaultValue, Parameter, ParameterType, Parameters, VariantSchema};
 use crate::progress::Progress;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -11,20 +11,20 @@ use rayon::prelude::*;
 /// Takes ∇s from a point array of three components.
 pub struct FromArray;
 
-const DECLARATION: Kind = Kind {
+const DECLARATION: VariantSchema = VariantSchema {
     name: "array",
     summary: "A point array of three components that holds the gradient already.",
     parameters: &[Parameter {
         name: "array",
         parameter_type: ParameterType::Text,
         unit: "",
-        standard: Standard::Required,
+        standard: DefaultValue::Required,
         help: "name of the point array that holds ∂s/∂x, ∂s/∂y, ∂s/∂z",
     }],
 };
 
 impl GradientFilter for FromArray {
-    fn declaration(&self) -> Kind {
+    fn declaration(&self) -> VariantSchema {
         DECLARATION
     }
 

@@ -10,7 +10,7 @@ use super::frame::for_points;
 use super::{Fallback, Gradient, GradientFilter, check_scalar};
 use crate::Result;
 use crate::grid::{Grid, sum_over_cells};
-use crate::parameters::{Kind, Parameters};
+use crate::parameters::{Parameters, VariantSchema};
 use crate::progress::Progress;
 use glam::DVec3;
 
@@ -21,8 +21,8 @@ pub struct CellAverage;
 pub struct VolumeWeighted;
 
 impl GradientFilter for CellAverage {
-    fn declaration(&self) -> Kind {
-        Kind {
+    fn declaration(&self) -> VariantSchema {
+        VariantSchema {
             name: "cell-average",
             summary: "Plain mean of the constant gradients of the cells around a point, as VTK's gradient filter: \
                    first order.",
@@ -36,8 +36,8 @@ impl GradientFilter for CellAverage {
 }
 
 impl GradientFilter for VolumeWeighted {
-    fn declaration(&self) -> Kind {
-        Kind {
+    fn declaration(&self) -> VariantSchema {
+        VariantSchema {
             name: "volume-weighted",
             summary: "Mean of the constant gradients of the cells around a point, weighted by volume: first order, \
                    unmoved by flat cells.",

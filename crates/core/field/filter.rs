@@ -1,7 +1,7 @@
 //! What a gradient filter is, and what it gives.
 
 use crate::grid::Grid;
-use crate::parameters::{Kind, Parameters};
+use crate::parameters::{Parameters, VariantSchema};
 use crate::progress::Progress;
 use crate::{Error, Result};
 use glam::DVec3;
@@ -72,7 +72,7 @@ impl fmt::Display for Plugin {
 /// Computes ∇s at the points of a grid.
 pub trait GradientFilter: Send + Sync {
     /// Its name in pipeline files (`method = "least-squares"`), what it does in a sentence, and what can be set.
-    fn declaration(&self) -> Kind;
+    fn declaration(&self) -> VariantSchema;
 
     /// The plug-in that it was loaded from; `None` for one that the program was built with.
     fn plugin(&self) -> Option<&Plugin> {
@@ -122,6 +122,6 @@ pub fn check_scalar(grid: &Grid, scalar: &[f64]) -> Result<()> {
         return Ok(());
     }
     Err(Error::run("the scalar does not have one value a point")
-        .found(scalar.len())
-        .accepted(grid.points.len()))
+        .got(scalar.len())
+        .expected(grid.points.len()))
 }

@@ -11,7 +11,7 @@ use super::frame::for_these;
 use super::{Fallback, Gradient, GradientFilter, check_scalar};
 use crate::Result;
 use crate::grid::{Grid, Neighbours, cells_of_points};
-use crate::parameters::{Kind, Parameters};
+use crate::parameters::{Parameters, VariantSchema};
 use crate::progress::Progress;
 use glam::{DMat3, DVec3};
 
@@ -23,8 +23,8 @@ pub struct LeastSquares;
 const SMALL_PIVOT: f64 = 1e-6;
 
 impl GradientFilter for LeastSquares {
-    fn declaration(&self) -> Kind {
-        Kind {
+    fn declaration(&self) -> VariantSchema {
+        VariantSchema {
             name: "least-squares",
             summary: "Linear fit to the neighbouring points, weighted by inverse distance: exact for linear fields, \
                    first order.",

@@ -2,7 +2,7 @@
 
 use super::{Gradient, GradientFilter, Plugin, check_scalar, length};
 use crate::grid::Grid;
-use crate::parameters::{Kind, Parameters};
+use crate::parameters::{Parameters, VariantSchema};
 use crate::progress::Progress;
 use crate::{Error, Result};
 use glam::DVec3;
@@ -34,7 +34,7 @@ impl Method {
     /// The filter with its standard values.
     ///
     /// Errors: a parameter that must be given.
-    pub fn standard(filter: Arc<dyn GradientFilter>) -> Result<Method> {
+    pub fn with_defaults(filter: Arc<dyn GradientFilter>) -> Result<Method> {
         let parameters = Parameters::of(filter.declaration().parameters, [])?;
         Self::new(filter, parameters)
     }
@@ -45,7 +45,7 @@ impl Method {
     }
 
     /// What the filter declares.
-    pub fn declaration(&self) -> Kind {
+    pub fn declaration(&self) -> VariantSchema {
         self.filter.declaration()
     }
 
@@ -105,7 +105,7 @@ impl Method {
             (count, wanted) if count == wanted => Ok(()),
             (count, wanted) => {
                 let what = format!("{} did not give one vector a point", self.in_words());
-                Err(Error::run(what).found(format!("{count} vectors")).accepted(wanted))
+                Err(Error::run(what).got(format!("{count} vectors")).expected(wanted))
             }
         }
     }
@@ -138,6 +138,6 @@ impl Method {
             "({}, {}, {}) at point {p}, which lies at ({}, {}, {}) and has the value {}",
             v.x, v.y, v.z, at.x, at.y, at.z, scalar[p]
         );
-        Err(Error::run(what).found(found).accepted("a finite length wherever position and value are finite"))
+        Err(Error::run(what).got(found).expected("a finite length wherever position and value are finite"))
     }
 }

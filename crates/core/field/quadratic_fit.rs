@@ -11,7 +11,7 @@ use super::least_squares::{Apart, Fit, fallbacks};
 use super::{Fallback, Gradient, GradientFilter, check_scalar};
 use crate::Result;
 use crate::grid::{Grid, Neighbours, cells_of_points, points_of_points};
-use crate::parameters::{Kind, Parameters};
+use crate::parameters::{Parameters, VariantSchema};
 use crate::progress::Progress;
 use glam::DVec3;
 
@@ -33,8 +33,8 @@ const SMALL_PIVOT_SECOND_RING: f64 = 1e-3;
 const FEWEST: usize = UNKNOWNS + 3;
 
 impl GradientFilter for QuadraticFit {
-    fn declaration(&self) -> Kind {
-        Kind {
+    fn declaration(&self) -> VariantSchema {
+        VariantSchema {
             name: "quadratic-fit",
             summary: "Quadratic fit to the surrounding points: exact for quadratic fields, second order.",
             parameters: &[],

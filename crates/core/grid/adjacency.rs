@@ -8,14 +8,14 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 /// Rows of numbers, side by side in one array.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Rows {
+pub struct Csr {
     /// Row i is `items[starts[i] .. starts[i + 1]]`.
     pub starts: Vec<usize>,
     /// All rows.
     pub items: Vec<u32>,
 }
 
-impl Rows {
+impl Csr {
     /// Row `i`.
     #[inline]
     pub fn row(&self, i: usize) -> &[u32] {
@@ -75,7 +75,7 @@ impl<'a> ByRange<'a> {
 }
 
 /// For every point the tetrahedra that use it, ascending.
-pub fn cells_of_points(grid: &Grid) -> Rows {
+pub fn cells_of_points(grid: &Grid) -> Csr {
     let point_count = grid.points.len();
     let ranges = ByRange::of(grid);
     let task_points = ranges.task_points;
@@ -114,7 +114,7 @@ pub fn cells_of_points(grid: &Grid) -> Rows {
             }
         });
     });
-    Rows { starts, items }
+    Csr { starts, items }
 }
 
 /// For every point the sum of `term` over the tetrahedra that use it, in ascending order: `add` is called for each
@@ -170,7 +170,7 @@ pub fn cells_of_faces(grid: &Grid) -> Vec<u32> {
 }
 
 /// For every point the points it shares an edge of a tetrahedron with, each once, in order of first appearance.
-pub fn points_of_points(grid: &Grid, cells_of_points: &Rows) -> Rows {
+pub fn points_of_points(grid: &Grid, cells_of_points: &Csr) -> Csr {
     const TASK: usize = 1024;
     let point_count = grid.points.len();
     let parts: Vec<(Vec<u32>, Vec<u32>)> = (0..point_count.div_ceil(TASK))
@@ -202,7 +202,7 @@ pub fn points_of_points(grid: &Grid, cells_of_points: &Rows) -> Rows {
         rest = after;
     }
     slots.into_par_iter().for_each(|(slot, part)| slot.copy_from_slice(part));
-    Rows { starts, items }
+    Csr { starts, items }
 }
 
 /// Finds the neighbours of one point after another; holds the memory for it.
@@ -217,7 +217,7 @@ pub struct Neighbours {
 
 impl Neighbours {
     /// The points that share an edge with `point`, each once, in order of first appearance.
-    pub fn of(&mut self, grid: &Grid, cells_of_points: &Rows, point: usize) -> &[u32] {
+    pub fn of(&mut self, grid: &Grid, cells_of_points: &Csr, point: usize) -> &[u32] {
         self.clear();
         let cells = cells_of_points.row(point);
         self.make_room(3 * cells.len());
@@ -231,7 +231,7 @@ impl Neighbours {
     }
 
     /// The same with the neighbours of these neighbours.
-    pub fn second_ring(&mut self, neighbours_of_points: &Rows, point: usize) -> &[u32] {
+    pub fn second_ring(&mut self, neighbours_of_points: &Csr, point: usize) -> &[u32] {
         self.clear();
         let first = neighbours_of_points.row(point);
         self.make_room(first.iter().map(|&p| neighbours_of_points.row(p as usize).len()).sum());

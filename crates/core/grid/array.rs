@@ -1,6 +1,6 @@
 //! Values of points or cells.
 
-use crate::Shared;
+use crate::SharedSlice;
 
 /// Values of one array, one tuple a point (or cell), components of a tuple side by side.
 #[derive(Debug, Clone, PartialEq)]
@@ -8,5 +8,5 @@ pub struct Array {
     /// Components of a tuple, at least 1.
     pub component_count: usize,
     /// `tuples × component_count` values.
-    pub values: Shared<f64>,
+    pub values: SharedSlice<f64>,
 }

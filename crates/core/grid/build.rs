@@ -3,12 +3,12 @@
 use super::cell_types::{CellType, describe_counts};
 use super::file_cells::FileCells;
 use super::overlap::faces;
-use super::parts::{Association, CellValues, Cells, Options, Parts};
+use super::parts::{Association, CellValues, Cells, Options, RawGrid};
 use super::source::Source;
-use super::tally::{Tally, split_all, tally, tally_plain};
+use super::tally::{CellCounts, split_all, tally, tally_plain};
 use super::within::within;
 use super::{Grid, cell_values, clean};
-use crate::Shared;
+use crate::SharedSlice;
 use crate::progress::Progress;
 use crate::{Error, Result};
 use rayon::prelude::*;
@@ -19,7 +19,7 @@ use std::sync::Arc;
 /// Cells of fewer dimensions, ghosts, and cells that touch a position or value that is not finite are left out and
 /// counted in [`Grid::origin`]. Points that no tetrahedron uses are dropped, so the grid's point numbers are not
 /// the file's where there are such; their order is kept.
-pub fn build(mut parts: Parts, options: &Options, progress: &dyn Progress) -> Result<Grid> {
+pub fn build(mut parts: RawGrid, options: &Options, progress: &dyn Progress) -> Result<Grid> {
     check(&parts, options)?;
     progress.report("tetrahedra", 0.0);
     let point_not_finite = clean::points_not_finite(&parts);
@@ -59,8 +59,8 @@ pub fn build(mut parts: Parts, options: &Options, progress: &dyn Progress) -> Re
     }
     if u32::try_from(tally.tetrahedra()).is_err() {
         return Err(Error::run("the grid has too many tetrahedra")
-            .found(tally.tetrahedra())
-            .accepted(format!("at most {}", u32::MAX)));
+            .got(tally.tetrahedra())
+            .expected(format!("at most {}", u32::MAX)));
     }
     let split = if plain { None } else { Some(split_all(&source, &tally, progress)?) };
     // Before points are added, and cells taken apart.
@@ -84,7 +84,7 @@ pub fn build(mut parts: Parts, options: &Options, progress: &dyn Progress) -> Re
     origin.warnings.extend(overlaps(&parts.points, &tetrahedra, source_cells.as_deref()));
     let mut grid = Grid {
         points: parts.points,
-        tetrahedra: Shared::from(tetrahedra),
+        tetrahedra: SharedSlice::from(tetrahedra),
         source_cells: source_cells.map(Arc::new),
         scalar: None,
         scalar_name: String::new(),
@@ -146,7 +146,7 @@ fn overlaps(points: &[glam::DVec3], tetrahedra: &[[u32; 4]], source_cells: Optio
 }
 
 /// Appends the points that curved cells and polyhedra add, with all values that sit on points.
-fn add_points(parts: &mut Parts, source: &Source) -> Result<()> {
+fn add_points(parts: &mut RawGrid, source: &Source) -> Result<()> {
     let count = source.added_count();
     let points: Vec<glam::DVec3> = (0..count)
         .into_par_iter()
@@ -155,7 +155,7 @@ fn add_points(parts: &mut Parts, source: &Source) -> Result<()> {
         })
         .collect::<Result<_>>()?;
     parts.points.make_mut().extend_from_slice(&points);
-    let interpolate = |values: &mut Shared<f64>, component_count: usize| -> Result<()> {
+    let interpolate = |values: &mut SharedSlice<f64>, component_count: usize| -> Result<()> {
         let n = component_count.max(1);
         let mut added = vec![0.0; count * n];
         added.par_chunks_exact_mut(n).enumerate().try_for_each(|(i, tuple)| {
@@ -178,38 +178,38 @@ fn add_points(parts: &mut Parts, source: &Source) -> Result<()> {
 }
 
 /// Lengths and limits that everything after relies on.
-fn check(parts: &Parts, options: &Options) -> Result<()> {
+fn check(parts: &RawGrid, options: &Options) -> Result<()> {
     if !(1..=64).contains(&options.subdivision) {
         return Err(Error::usage("the subdivision of curved cells is out of range")
-            .found(options.subdivision)
-            .accepted("a whole number from 1 to 64")
+            .got(options.subdivision)
+            .expected("a whole number from 1 to 64")
             .at_item("subdivision"));
     }
     let point_count = parts.points.len();
     if u32::try_from(point_count).is_err() {
         return Err(Error::run("the grid has too many points")
-            .found(point_count)
-            .accepted(format!("at most {}", u32::MAX)));
+            .got(point_count)
+            .expected(format!("at most {}", u32::MAX)));
     }
     let cell_count = parts.cells.count();
     if u32::try_from(cell_count).is_err() {
         return Err(Error::run("the grid has too many cells")
-            .found(cell_count)
-            .accepted(format!("at most {}", u32::MAX)));
+            .got(cell_count)
+            .expected(format!("at most {}", u32::MAX)));
     }
     match &parts.cells {
         Cells::Structured(n) => {
             let product = n.iter().fold(1usize, |product, &n| product.saturating_mul(n));
             if product != point_count {
                 return Err(Error::run("a structured grid has the wrong number of points")
-                    .found(point_count)
-                    .accepted(format!("{} × {} × {}", n[0], n[1], n[2])));
+                    .got(point_count)
+                    .expected(format!("{} × {} × {}", n[0], n[1], n[2])));
             }
         }
         Cells::Mixed(cells) if cells.offsets.len() != cell_count + 1 => {
             return Err(Error::run("the cells have the wrong number of offsets")
-                .found(cells.offsets.len())
-                .accepted(cell_count + 1));
+                .got(cells.offsets.len())
+                .expected(cell_count + 1));
         }
         _ => {}
     }
@@ -217,10 +217,7 @@ fn check(parts: &Parts, options: &Options) -> Result<()> {
         if found == accepted {
             return Ok(());
         }
-        Err(Error::run("an array has the wrong number of values")
-            .found(found)
-            .accepted(accepted)
-            .at_item(name))
+        Err(Error::run("an array has the wrong number of values").got(found).expected(accepted).at_item(name))
     };
     let count_of = |association| if association == Association::Point { point_count } else { cell_count };
     if let Some(scalar) = &parts.scalar {
@@ -246,7 +243,7 @@ fn check(parts: &Parts, options: &Options) -> Result<()> {
 }
 
 /// The error where no tetrahedron is left.
-fn nothing_to_draw(tally: &Tally) -> Error {
+fn nothing_to_draw(tally: &CellCounts) -> Error {
     let mut found = describe_counts(&tally.by_type);
     for (count, why) in [(tally.ghost, "ghosts"), (tally.not_finite, "not finite")] {
         if count > 0 {
@@ -258,5 +255,5 @@ fn nothing_to_draw(tally: &Tally) -> Error {
     {
         found.push_str(&format!(" (a {} cannot be split)", cell_type.name));
     }
-    Error::run("there is nothing to draw").found(found).accepted("at least one three-dimensional cell")
+    Error::run("there is nothing to draw").got(found).expected("at least one three-dimensional cell")
 }

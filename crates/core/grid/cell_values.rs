@@ -1,8 +1,8 @@
 //! Values that sit on cells, as values of points.
 
-use super::parts::{Association, Parts, Scalar};
+use super::parts::{Association, RawGrid, Scalar};
 use super::{Array, Grid, cells_of_points, tetrahedron_volume};
-use crate::Shared;
+use crate::SharedSlice;
 use crate::{Error, Result};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -21,7 +21,7 @@ impl CellArrays {
 }
 
 /// Takes what sits on cells out of the parts.
-pub(super) fn take(parts: &mut Parts) -> CellArrays {
+pub(super) fn take(parts: &mut RawGrid) -> CellArrays {
     let on_cells = parts.scalar.as_ref().is_some_and(|s| s.association == Association::Cell);
     CellArrays {
         scalar: if on_cells { parts.scalar.take() } else { None },
@@ -102,7 +102,7 @@ fn volumes_of_cells(grid: &Grid) -> Vec<f64> {
 fn set(grid: &mut Grid, scalar: Option<(String, Vec<f64>)>, arrays: Vec<(String, Array)>) {
     if let Some((name, values)) = scalar {
         grid.scalar_name = name;
-        grid.scalar = Some(Shared::from(values));
+        grid.scalar = Some(SharedSlice::from(values));
     }
     for (name, array) in arrays {
         // A point array of the same name is the better one.
@@ -148,8 +148,8 @@ pub(super) fn keep_constant(grid: &mut Grid, cells: CellArrays) -> Result<()> {
     }
     if u32::try_from(old_points.len()).is_err() {
         return Err(Error::run("cells that keep constant values need too many points")
-            .found(old_points.len())
-            .accepted(format!("at most {} (or values averaged to the points)", u32::MAX)));
+            .got(old_points.len())
+            .expected(format!("at most {} (or values averaged to the points)", u32::MAX)));
     }
     grid.file_cells = None;
     grid.points = old_points.par_iter().map(|&p| grid.points[p as usize]).collect::<Vec<_>>().into();

@@ -2,8 +2,8 @@
 
 use super::Array;
 use super::file_cells::UNUSED;
-use super::parts::{Association, Parts};
-use crate::Shared;
+use super::parts::{Association, RawGrid};
+use crate::SharedSlice;
 use crate::{Error, Result};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -12,8 +12,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 const CHUNK: usize = 1 << 15;
 
 /// Marks the points whose position, scalar or further value is not finite; `None` where all are finite.
-pub(super) fn points_not_finite(parts: &Parts) -> Option<Vec<bool>> {
-    let mut marks = Marks::new(parts.points.len());
+pub(super) fn points_not_finite(parts: &RawGrid) -> Option<Vec<bool>> {
+    let mut marks = LazyBitSet::new(parts.points.len());
     if !parts.points.par_iter().with_min_len(CHUNK).all(|p| p.is_finite()) {
         marks.mark(|i| !parts.points[i].is_finite());
     }
@@ -29,8 +29,8 @@ pub(super) fn points_not_finite(parts: &Parts) -> Option<Vec<bool>> {
 }
 
 /// Marks the cells whose scalar or further value is not finite; `None` where all are finite.
-pub(super) fn cells_not_finite(parts: &Parts) -> Option<Vec<bool>> {
-    let mut marks = Marks::new(parts.cells.count());
+pub(super) fn cells_not_finite(parts: &RawGrid) -> Option<Vec<bool>> {
+    let mut marks = LazyBitSet::new(parts.cells.count());
     if let Some(scalar) = &parts.scalar
         && scalar.association == Association::Cell
     {
@@ -43,14 +43,14 @@ pub(super) fn cells_not_finite(parts: &Parts) -> Option<Vec<bool>> {
 }
 
 /// Marks that are only allocated once there is something to mark.
-struct Marks {
+struct LazyBitSet {
     count: usize,
     marks: Option<Vec<bool>>,
 }
 
-impl Marks {
+impl LazyBitSet {
     fn new(count: usize) -> Self {
-        Marks { count, marks: None }
+        LazyBitSet { count, marks: None }
     }
 
     fn mark(&mut self, not_finite: impl Fn(usize) -> bool + Sync) {
@@ -68,7 +68,10 @@ impl Marks {
 
 /// Drops the points that no tetrahedron uses, with their values; keeps the order of the others, so that ascending
 /// point numbers stay ascending. Gives each point's new number, [`UNUSED`] for those that are dropped; `None` where all stay.
-pub(super) fn drop_unused_points(parts: &mut Parts, tetrahedra: &mut [[u32; 4]]) -> Result<Option<Vec<u32>>> {
+pub(super) fn drop_unused_points(
+    parts: &mut RawGrid,
+    tetrahedra: &mut [[u32; 4]],
+) -> Result<Option<Vec<u32>>> {
     let point_count = parts.points.len();
     let used: Vec<AtomicBool> = (0..point_count).map(|_| AtomicBool::new(false)).collect();
     tetrahedra.par_iter().with_min_len(CHUNK).for_each(|t| {
@@ -108,7 +111,7 @@ pub(super) fn drop_unused_points(parts: &mut Parts, tetrahedra: &mut [[u32; 4]])
 }
 
 /// Keeps the tuples that are used, in place.
-fn keep<T: Copy>(values: &mut Shared<T>, component_count: usize, used: &[bool]) {
+fn keep<T: Copy>(values: &mut SharedSlice<T>, component_count: usize, used: &[bool]) {
     let values = values.make_mut();
     let n = component_count.max(1);
     let mut at = 0;

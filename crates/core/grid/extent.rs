@@ -31,7 +31,7 @@ pub fn diagonal([low, high]: [DVec3; 2]) -> f64 {
 pub fn scene_length(bounds: Option<[DVec3; 2]>) -> Result<f64> {
     match bounds.map_or(0.0, diagonal) {
         diagonal if !diagonal.is_finite() => {
-            Err(Error::run("the grid's extent is beyond 64-bit floats").accepted("coordinates under 1e300"))
+            Err(Error::run("the grid's extent is beyond 64-bit floats").expected("coordinates under 1e300"))
         }
         0.0 => Ok(1.0),
         diagonal => Ok(diagonal),

@@ -1,7 +1,7 @@
 //! The cells of a file as they are, beside the tetrahedra made of them: kept to write results back on the user's own cells.
 
 use super::parts::Cells;
-use crate::Shared;
+use crate::SharedSlice;
 use glam::DVec3;
 
 /// The number of a point that no tetrahedron uses.
@@ -13,7 +13,7 @@ pub struct FileCells {
     /// The cells, also those that are no volume.
     pub cells: Cells,
     /// Positions of all points, also of those that no cell uses.
-    pub points: Shared<DVec3>,
+    pub points: SharedSlice<DVec3>,
     /// For each point its number in the grid, see [`FileCells::grid_point`]; `None`: the same.
     pub(super) numbers: Option<Vec<u32>>,
     /// One flag a cell: true for ghosts and blanked cells.

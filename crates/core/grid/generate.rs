@@ -1,9 +1,9 @@
 //! Small grids by formula: a box cut into tetrahedra, and fields sampled on it.
 
-use super::parts::{Cells, Options, Parts};
+use super::parts::{Cells, Options, RawGrid};
 use super::{Grid, build, code};
-use crate::Shared;
-use crate::progress::Silent;
+use crate::SharedSlice;
+use crate::progress::NoProgress;
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -11,8 +11,9 @@ use std::sync::Arc;
 /// [`build()`], without a scalar. Points inside are moved at random (always alike) by up to `jitter` × the spacing
 /// along each axis, those on the boundary within it; up to 0.25 no cell turns over.
 pub fn box_of_tetrahedra(counts: [usize; 3], bounds: [DVec3; 2], jitter: f64) -> Grid {
-    let parts = Parts::new(lattice(counts, bounds, jitter), Cells::Structured(counts.map(|n| n.max(1) + 1)));
-    let mut grid = build(parts, &Options::default(), &Silent).expect("a box has cells");
+    let parts =
+        RawGrid::new(lattice(counts, bounds, jitter), Cells::Structured(counts.map(|n| n.max(1) + 1)));
+    let mut grid = build(parts, &Options::default(), &NoProgress).expect("a box has cells");
     // These tetrahedra are the cells, rather than parts of hexahedra.
     grid.source_cells = None;
     let origin = Arc::make_mut(&mut grid.origin);
@@ -22,7 +23,7 @@ pub fn box_of_tetrahedra(counts: [usize; 3], bounds: [DVec3; 2], jitter: f64) ->
 
 /// Gives a grid the scalar `field`, sampled at its points.
 pub fn with_scalar(mut grid: Grid, name: &str, field: impl Fn(DVec3) -> f64) -> Grid {
-    grid.scalar = Some(Shared::from(sample(&grid, field)));
+    grid.scalar = Some(SharedSlice::from(sample(&grid, field)));
     grid.scalar_name = name.into();
     grid
 }

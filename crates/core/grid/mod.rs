@@ -22,15 +22,15 @@ mod tally;
 mod tetrahedra;
 mod within;
 
-pub use adjacency::{Neighbours, Rows, cells_of_faces, cells_of_points, points_of_points, sum_over_cells};
+pub use adjacency::{Csr, Neighbours, cells_of_faces, cells_of_points, points_of_points, sum_over_cells};
 pub use array::Array;
 pub use build::build;
 pub use cell_types::{CellType, code, describe_counts};
 pub use cells::{CellSet, Polyhedron};
 pub use file_cells::FileCells;
-pub use parts::{Association, CellValues, Cells, Options, Parts, Scalar};
+pub use parts::{Association, CellValues, Cells, Options, RawGrid, Scalar};
 pub use refine::{Refined, refine};
-pub use tetrahedra::{Grid, Origin, tetrahedron_volume};
+pub use tetrahedra::{Grid, ImportStats, tetrahedron_volume};
 
 #[cfg(test)]
 mod tests;

@@ -2,7 +2,7 @@
 
 use super::Array;
 use super::cells::CellSet;
-use crate::Shared;
+use crate::SharedSlice;
 use glam::DVec3;
 use std::collections::BTreeMap;
 
@@ -57,14 +57,14 @@ pub struct Scalar {
     /// Where it sits.
     pub association: Association,
     /// One value a point or cell of the file.
-    pub values: Shared<f64>,
+    pub values: SharedSlice<f64>,
 }
 
 /// What a reader hands over. Everything is in the file's own numbering.
 #[derive(Debug, Clone)]
-pub struct Parts {
+pub struct RawGrid {
     /// Positions, world units. May hold points that no cell uses.
-    pub points: Shared<DVec3>,
+    pub points: SharedSlice<DVec3>,
     /// The cells.
     pub cells: Cells,
     /// One flag a cell: true leaves it out as a ghost (it is drawn by another piece) or a blanked cell.
@@ -90,10 +90,10 @@ pub struct Parts {
     pub warnings: Vec<String>,
 }
 
-impl Parts {
+impl RawGrid {
     /// Points and cells, without any values.
-    pub fn new(points: impl Into<Shared<DVec3>>, cells: Cells) -> Self {
-        Parts {
+    pub fn new(points: impl Into<SharedSlice<DVec3>>, cells: Cells) -> Self {
+        RawGrid {
             points: points.into(),
             cells,
             ghost: None,

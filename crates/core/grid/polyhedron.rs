@@ -53,8 +53,8 @@ impl Polyhedra {
                 "a face of cell {}, a polyhedron, names a point that does not exist",
                 polyhedron.cell
             ))
-            .found(polyhedron.faces.iter().flatten().max().copied().unwrap_or(0))
-            .accepted(format!("a point number below {point_count}")));
+            .got(polyhedron.faces.iter().flatten().max().copied().unwrap_or(0))
+            .expected(format!("a point number below {point_count}")));
         }
         let positions = set.polyhedra.iter().enumerate().map(|(i, p)| (p.cell, i)).collect();
         Ok(Polyhedra { positions, ..Polyhedra::default() })
@@ -89,8 +89,8 @@ impl Polyhedra {
                     choices.added.push(position);
                     u32::try_from(number).map_err(|_| {
                         Error::run("polyhedra need too many points")
-                            .found(number)
-                            .accepted(format!("at most {}", u32::MAX))
+                            .got(number)
+                            .expected(format!("at most {}", u32::MAX))
                     })?
                 }
             };

@@ -5,7 +5,7 @@
 //! shortest one is taken, which keeps cells from getting thin.
 
 use super::Grid;
-use crate::Shared;
+use crate::SharedSlice;
 use crate::{Error, Result};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -57,8 +57,8 @@ pub fn refine(grid: &Grid) -> Result<Refined> {
     let (point_count, cell_count) = (grid.points.len() + edges.len(), 8 * grid.tetrahedra.len());
     if u32::try_from(point_count).is_err() || u32::try_from(cell_count).is_err() {
         return Err(Error::run("the grid has too many cells to be refined")
-            .found(format!("{point_count} points and {cell_count} cells"))
-            .accepted(format!("at most {} of either", u32::MAX)));
+            .got(format!("{point_count} points and {cell_count} cells"))
+            .expected(format!("at most {} of either", u32::MAX)));
     }
     let ends: Vec<[u32; 2]> = edges.par_iter().map(|&key| [(key >> 32) as u32, key as u32]).collect();
     let further = ends.par_iter().map(|ends| {
@@ -76,7 +76,11 @@ pub fn refine(grid: &Grid) -> Result<Refined> {
             eight(cell, &middle, &points)
         })
         .collect();
-    let grid = Grid { points: Shared::from(points), tetrahedra: Shared::from(tetrahedra), ..Grid::default() };
+    let grid = Grid {
+        points: SharedSlice::from(points),
+        tetrahedra: SharedSlice::from(tetrahedra),
+        ..Grid::default()
+    };
     Ok(Refined { grid, ends })
 }
 

@@ -10,7 +10,7 @@ use crate::{Error, Result};
 
 /// What becomes of a cell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Fate {
+pub(super) enum CellStatus {
     /// It is drawn.
     Drawn,
     /// Left out: a ghost.
@@ -55,8 +55,8 @@ impl Source<'_> {
                     .and_then(|(start, end)| cells.connectivity.get(start..end))
                     .ok_or_else(|| {
                         Error::run("a cell's offsets do not lie in the connectivity")
-                            .found(format!("{start} to {end} for cell {number}"))
-                            .accepted(format!("ascending offsets of at most {}", cells.connectivity.len()))
+                            .got(format!("{start} to {end} for cell {number}"))
+                            .expected(format!("ascending offsets of at most {}", cells.connectivity.len()))
                     })?;
                 Ok(Cell { number, code: cells.types[number], corners })
             }
@@ -75,15 +75,15 @@ impl Source<'_> {
     }
 
     /// What becomes of a cell; an error where it is damaged.
-    pub fn fate(&self, cell: &Cell) -> Result<Fate> {
+    pub fn fate(&self, cell: &Cell) -> Result<CellStatus> {
         let number = cell.number;
         let Some(cell_type) = CellType::of(cell.code) else {
             return Err(Error::run(format!("cell {number} has an unknown type"))
-                .found(cell.code)
-                .accepted("a cell type code of VTK"));
+                .got(cell.code)
+                .expected("a cell type code of VTK"));
         };
         if cell_type.dimension < 3 {
-            return Ok(Fate::NotVolume);
+            return Ok(CellStatus::NotVolume);
         }
         if let Some(count) = cell_type.point_count
             && cell.corners.len() != usize::from(count)
@@ -92,20 +92,20 @@ impl Source<'_> {
                 "cell {number}, a {}, has the wrong number of points",
                 cell_type.name
             ))
-            .found(cell.corners.len())
-            .accepted(count));
+            .got(cell.corners.len())
+            .expected(count));
         }
         let point_count = self.point_count;
         if let Some(&wrong) = cell.corners.iter().find(|&&c| c as usize >= point_count) {
             return Err(Error::run(format!("cell {number} names a point that does not exist"))
-                .found(wrong)
-                .accepted(format!("a point number below {point_count}")));
+                .got(wrong)
+                .expected(format!("a point number below {point_count}")));
         }
         if self.ghost.is_some_and(|g| g[number]) {
-            return Ok(Fate::Ghost);
+            return Ok(CellStatus::Ghost);
         }
         if !is_supported(cell.code) {
-            return Ok(Fate::Unsupported);
+            return Ok(CellStatus::Unsupported);
         }
         if cell.code == code::POLYHEDRON {
             return self.fate_of_polyhedron(number);
@@ -113,21 +113,21 @@ impl Source<'_> {
         let bad_point = |c: &u32| self.point_not_finite.as_ref().is_some_and(|bad| bad[*c as usize]);
         if self.cell_not_finite.as_ref().is_some_and(|bad| bad[number]) || cell.corners.iter().any(bad_point)
         {
-            return Ok(Fate::NotFinite);
+            return Ok(CellStatus::NotFinite);
         }
-        Ok(Fate::Drawn)
+        Ok(CellStatus::Drawn)
     }
 
-    fn fate_of_polyhedron(&self, number: usize) -> Result<Fate> {
-        let Cells::Mixed(set) = self.cells else { return Ok(Fate::Unsupported) };
+    fn fate_of_polyhedron(&self, number: usize) -> Result<CellStatus> {
+        let Cells::Mixed(set) = self.cells else { return Ok(CellStatus::Unsupported) };
         let Some(polyhedron) = self.polyhedra.of(set, number) else {
             return Err(Error::run(format!("cell {number}, a polyhedron, has no faces"))
-                .accepted("the faces of every polyhedron"));
+                .expected("the faces of every polyhedron"));
         };
         let bad_point = |c: &u32| self.point_not_finite.as_ref().is_some_and(|bad| bad[*c as usize]);
         let bad_value = self.cell_not_finite.as_ref().is_some_and(|bad| bad[number]);
         let bad = bad_value || polyhedron.faces.iter().flatten().any(bad_point);
-        Ok(if bad { Fate::NotFinite } else { Fate::Drawn })
+        Ok(if bad { CellStatus::NotFinite } else { CellStatus::Drawn })
     }
 
     /// What decides how a curved cell is cut.
@@ -157,7 +157,7 @@ impl Source<'_> {
             if let Some(mut numbering) = curved.numbering(set.types.len(), self.point_count) {
                 for number in 0..set.types.len() {
                     let cell = self.cell(number, &mut buffer)?;
-                    let adds = is_curved(cell.code) && self.fate(&cell)? == Fate::Drawn;
+                    let adds = is_curved(cell.code) && self.fate(&cell)? == CellStatus::Drawn;
                     numbering.take(adds.then(|| (&cell, self.kind(&cell))))?;
                 }
             }
@@ -171,7 +171,7 @@ impl Source<'_> {
                     && self
                         .cell(number, &mut [0; 8])
                         .and_then(|cell| self.fate(&cell))
-                        .is_ok_and(|fate| fate == Fate::Drawn)
+                        .is_ok_and(|fate| fate == CellStatus::Drawn)
             };
             let first_free = self.point_count + self.curved.origins.len();
             self.polyhedra.choices = Polyhedra::choose(set, points, drawn, first_free)?;

@@ -1,9 +1,9 @@
 //! Two passes over all cells, in parallel: one that checks and counts, one that writes the tetrahedra.
 
-use super::Origin;
+use super::ImportStats;
 use super::cell_types::{code, describe_counts};
 use super::parts::Cells;
-use super::source::{Fate, Source};
+use super::source::{CellStatus, Source};
 use crate::progress::Progress;
 use crate::{Error, Result};
 use rayon::prelude::*;
@@ -14,7 +14,7 @@ const CHUNK: usize = 8192;
 
 /// Counts of the cells' types and fates, and the tetrahedra of every chunk.
 #[derive(Default)]
-pub(super) struct Tally {
+pub(super) struct CellCounts {
     pub by_type: BTreeMap<u8, u64>,
     pub unsupported: BTreeMap<u8, u64>,
     pub ghost: u64,
@@ -23,18 +23,18 @@ pub(super) struct Tally {
     chunk_tetrahedra: Vec<usize>,
 }
 
-impl Tally {
+impl CellCounts {
     pub fn tetrahedra(&self) -> usize {
         self.chunk_tetrahedra.iter().sum()
     }
 
-    pub fn origin(&self) -> Origin {
-        Origin {
+    pub fn origin(&self) -> ImportStats {
+        ImportStats {
             cells_by_type: self.by_type.clone(),
             cells_not_finite: self.not_finite,
             cells_ghost: self.ghost,
             cells_not_volume: self.not_volume,
-            ..Origin::default()
+            ..ImportStats::default()
         }
     }
 
@@ -53,7 +53,7 @@ impl Tally {
         }
     }
 
-    fn add(&mut self, other: Tally) {
+    fn add(&mut self, other: CellCounts) {
         for (mine, theirs) in [(&mut self.by_type, other.by_type), (&mut self.unsupported, other.unsupported)]
         {
             for (code, count) in theirs {
@@ -73,14 +73,14 @@ fn chunks(count: usize) -> impl IndexedParallelIterator<Item = std::ops::Range<u
 }
 
 /// Goes over all cells once: checks them, counts fates and tetrahedra.
-pub(super) fn tally(source: &Source, progress: &dyn Progress) -> Result<Tally> {
+pub(super) fn tally(source: &Source, progress: &dyn Progress) -> Result<CellCounts> {
     let count = source.cells.count();
-    let parts: Vec<Result<Tally>> = chunks(count)
+    let parts: Vec<Result<CellCounts>> = chunks(count)
         .map(|range| {
             if progress.cancelled() {
                 return Err(Error::cancelled());
             }
-            let mut tally = Tally::default();
+            let mut tally = CellCounts::default();
             let mut by_type = [0_u64; 256];
             let mut tetrahedra = 0;
             let mut buffer = [0; 8];
@@ -88,11 +88,11 @@ pub(super) fn tally(source: &Source, progress: &dyn Progress) -> Result<Tally> {
                 let cell = source.cell(number, &mut buffer)?;
                 by_type[usize::from(cell.code)] += 1;
                 match source.fate(&cell)? {
-                    Fate::Drawn => source.tetrahedra(&cell, &mut |_| tetrahedra += 1),
-                    Fate::Ghost => tally.ghost += 1,
-                    Fate::NotVolume => tally.not_volume += 1,
-                    Fate::NotFinite => tally.not_finite += 1,
-                    Fate::Unsupported => *tally.unsupported.entry(cell.code).or_default() += 1,
+                    CellStatus::Drawn => source.tetrahedra(&cell, &mut |_| tetrahedra += 1),
+                    CellStatus::Ghost => tally.ghost += 1,
+                    CellStatus::NotVolume => tally.not_volume += 1,
+                    CellStatus::NotFinite => tally.not_finite += 1,
+                    CellStatus::Unsupported => *tally.unsupported.entry(cell.code).or_default() += 1,
                 }
             }
             tally.by_type = (0..=255).zip(by_type).filter(|&(_, count)| count > 0).collect();
@@ -100,7 +100,7 @@ pub(super) fn tally(source: &Source, progress: &dyn Progress) -> Result<Tally> {
             Ok(tally)
         })
         .collect();
-    let mut sum = Tally::default();
+    let mut sum = CellCounts::default();
     for part in parts {
         sum.add(part?);
     }
@@ -108,26 +108,26 @@ pub(super) fn tally(source: &Source, progress: &dyn Progress) -> Result<Tally> {
 }
 
 /// The same for tetrahedra all of which are drawn: only the point numbers are checked.
-pub(super) fn tally_plain(source: &Source) -> Result<Tally> {
-    let Cells::Tetrahedra(tetrahedra) = source.cells else { return Ok(Tally::default()) };
+pub(super) fn tally_plain(source: &Source) -> Result<CellCounts> {
+    let Cells::Tetrahedra(tetrahedra) = source.cells else { return Ok(CellCounts::default()) };
     let point_count = source.point_count;
     let wrong =
         tetrahedra.par_iter().with_min_len(CHUNK).any(|t| t.iter().any(|&p| p as usize >= point_count));
     if wrong {
         // The first of them, in a slow pass that makes the message.
-        return tally(source, &crate::progress::Silent);
+        return tally(source, &crate::progress::NoProgress);
     }
     let mut by_type = BTreeMap::new();
     if !tetrahedra.is_empty() {
         by_type.insert(code::TETRA, tetrahedra.len() as u64);
     }
-    Ok(Tally { by_type, chunk_tetrahedra: vec![tetrahedra.len()], ..Tally::default() })
+    Ok(CellCounts { by_type, chunk_tetrahedra: vec![tetrahedra.len()], ..CellCounts::default() })
 }
 
 /// Goes over all cells again and writes the tetrahedra where the counts have made room for them.
 pub(super) fn split_all(
     source: &Source,
-    tally: &Tally,
+    tally: &CellCounts,
     progress: &dyn Progress,
 ) -> Result<(Vec<[u32; 4]>, Vec<u32>)> {
     let total = tally.tetrahedra();
@@ -149,7 +149,7 @@ pub(super) fn split_all(
         let mut at = 0;
         for number in range {
             let cell = source.cell(number, &mut buffer)?;
-            if source.fate(&cell)? == Fate::Drawn {
+            if source.fate(&cell)? == CellStatus::Drawn {
                 source.tetrahedra(&cell, &mut |t| {
                     tetrahedra[at] = t;
                     cells[at] = number as u32;

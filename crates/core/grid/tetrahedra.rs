@@ -3,7 +3,7 @@
 use super::array::Array;
 use super::extent;
 use super::file_cells::FileCells;
-use crate::Shared;
+use crate::SharedSlice;
 use crate::{Error, Result};
 use glam::DVec3;
 use std::collections::BTreeMap;
@@ -13,14 +13,14 @@ use std::sync::Arc;
 #[derive(Debug, Clone, Default)]
 pub struct Grid {
     /// Point positions, world units.
-    pub points: Shared<DVec3>,
+    pub points: SharedSlice<DVec3>,
     /// Four point numbers a cell, **ascending** (orientation carries no meaning for a volume picture, and a
     /// canonical order makes neighbours treat a shared face alike).
-    pub tetrahedra: Shared<[u32; 4]>,
+    pub tetrahedra: SharedSlice<[u32; 4]>,
     /// For each tetrahedron the cell of the file it is a part of; `None`: tetrahedron i is cell i.
     pub source_cells: Option<Arc<Vec<u32>>>,
     /// The scalar that the reader was asked for, per point.
-    pub scalar: Option<Shared<f64>>,
+    pub scalar: Option<SharedSlice<f64>>,
     /// Its name as the user wrote it (`momentum:magnitude`).
     pub scalar_name: String,
     /// Further point arrays that somebody asked for (fields of gaussian-nd widgets, a solver's own gradient).
@@ -32,12 +32,12 @@ pub struct Grid {
     /// (cells that keep constant values have points of their own).
     pub file_cells: Option<Arc<FileCells>>,
     /// What the reader counted and left out.
-    pub origin: Arc<Origin>,
+    pub origin: Arc<ImportStats>,
 }
 
 /// What a grid was made from: counts for `info` and the report.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Origin {
+pub struct ImportStats {
     /// Cells of the file by VTK type code.
     pub cells_by_type: BTreeMap<u8, u64>,
     /// Three-dimensional cells left out because a position or the scalar is not finite.
@@ -90,9 +90,9 @@ impl Grid {
         match self.point_arrays.get(name) {
             Some(array) if fits(array) => Ok(array),
             Some(array) => Err(Error::run("an array has the wrong shape")
-                .found(format!("'{name}' of {} components", array.component_count))
-                .accepted(accepted)),
-            None => Err(Error::run("there is no such array").found(format!("'{name}'")).accepted(accepted)),
+                .got(format!("'{name}' of {} components", array.component_count))
+                .expected(accepted)),
+            None => Err(Error::run("there is no such array").got(format!("'{name}'")).expected(accepted)),
         }
     }
 

@@ -1,7 +1,7 @@
 //! Parameters: settings that were checked against their declarations, with typed getters.
 
 use super::declaration::{Parameter, ParameterType};
-use super::setting::{Datum, Field, Origin, Setting};
+use super::setting::{Field, LocatedValue, ParameterValue, SourceSpan};
 use crate::{Error, Result};
 use std::borrow::Cow;
 
@@ -11,11 +11,11 @@ use std::borrow::Cow;
 pub struct Parameters {
     pub(super) declared: Cow<'static, [Parameter]>,
     /// One for each declaration; `None` where the file is silent and there is no standard value.
-    pub(super) settings: Vec<Option<Setting>>,
+    pub(super) settings: Vec<Option<LocatedValue>>,
     /// Which of them the file gave.
     pub(super) given: Vec<bool>,
     /// Where the table they stand in was written.
-    pub(super) origin: Origin,
+    pub(super) origin: SourceSpan,
 }
 
 /// A mistake in what a table sets.
@@ -38,14 +38,14 @@ impl Parameters {
     /// For a program: some values by name, the standard values for the rest.
     pub fn of(
         declared: impl Into<Cow<'static, [Parameter]>>,
-        values: impl IntoIterator<Item = (&'static str, Datum)>,
+        values: impl IntoIterator<Item = (&'static str, ParameterValue)>,
     ) -> Result<Parameters> {
-        let field = |(name, datum): (&str, Datum)| Field {
+        let field = |(name, datum): (&str, ParameterValue)| Field {
             name: name.to_string(),
-            origin: Origin::Nowhere,
-            setting: Setting::from(datum),
+            origin: SourceSpan::Nowhere,
+            setting: LocatedValue::from(datum),
         };
-        Self::check(declared, &values.into_iter().map(field).collect::<Vec<_>>(), &Origin::Nowhere, &[])
+        Self::check(declared, &values.into_iter().map(field).collect::<Vec<_>>(), &SourceSpan::Nowhere, &[])
     }
 
     /// These and others, whose names differ from these: what two declarations ask of one table.
@@ -57,17 +57,17 @@ impl Parameters {
     }
 
     /// The declarations with their values (`None`: not set), and whether the file gave them.
-    pub fn iter(&self) -> impl Iterator<Item = (&Parameter, Option<&Setting>, bool)> {
+    pub fn iter(&self) -> impl Iterator<Item = (&Parameter, Option<&LocatedValue>, bool)> {
         self.declared.iter().zip(&self.settings).zip(&self.given).map(|((p, s), g)| (p, s.as_ref(), *g))
     }
 
     /// These with another value for one, as if the file had given it, or not where it is `None`.
-    pub fn with(&self, name: &str, datum: Option<Datum>) -> Parameters {
+    pub fn with(&self, name: &str, datum: Option<ParameterValue>) -> Parameters {
         let mut changed = self.clone();
         if let Some(i) = self.declared.iter().position(|p| p.name == name) {
             changed.given[i] = datum.is_some();
         }
-        changed.put(name, datum.map(Setting::from));
+        changed.put(name, datum.map(LocatedValue::from));
         changed
     }
 
@@ -77,28 +77,28 @@ impl Parameters {
     }
 
     /// The setting, if there is one.
-    pub fn optional(&self, name: &str) -> Option<&Setting> {
+    pub fn optional(&self, name: &str) -> Option<&LocatedValue> {
         let i = self.declared.iter().position(|p| p.name == name)?;
         self.settings[i].as_ref()
     }
 
     /// The setting; an error when it is neither given nor has a standard value.
-    pub fn get(&self, name: &str) -> Result<&Setting> {
+    pub fn get(&self, name: &str) -> Result<&LocatedValue> {
         self.optional(name).ok_or_else(|| {
-            self.origin.blame(Error::usage(format!("the parameter '{name}' is needed here and is not set")))
+            self.origin.locate(Error::usage(format!("the parameter '{name}' is needed here and is not set")))
         })
     }
 
     /// An error about a parameter, at its place.
     pub fn error(&self, name: &str, what: impl Into<String>) -> Error {
-        self.blame(name, Error::usage(what))
+        self.locate(name, Error::usage(what))
     }
 
     /// Adds the place of a parameter to an error or, where it was not given, the place of the table.
-    pub fn blame(&self, name: &str, error: Error) -> Error {
+    pub fn locate(&self, name: &str, error: Error) -> Error {
         match self.optional(name).filter(|_| self.given(name)) {
-            Some(setting) => setting.origin.blame(error),
-            None => self.origin.blame(error),
+            Some(setting) => setting.origin.locate(error),
+            None => self.origin.locate(error),
         }
     }
 
@@ -115,7 +115,7 @@ impl Parameters {
     /// A whole number.
     pub fn integer(&self, name: &str) -> Result<i64> {
         match self.get(name)?.datum {
-            Datum::Integer(n) => Ok(n),
+            ParameterValue::Integer(n) => Ok(n),
             _ => Err(self.mistyped(name)),
         }
     }
@@ -123,7 +123,7 @@ impl Parameters {
     /// A flag.
     pub fn flag(&self, name: &str) -> Result<bool> {
         match self.get(name)?.datum {
-            Datum::Boolean(flag) => Ok(flag),
+            ParameterValue::Boolean(flag) => Ok(flag),
             _ => Err(self.mistyped(name)),
         }
     }
@@ -145,7 +145,7 @@ impl Parameters {
 
     /// Rows of numbers.
     pub fn rows(&self, name: &str) -> Result<Vec<Vec<f64>>> {
-        let rows = self.get(name)?.list().and_then(|list| list.iter().map(Setting::numbers).collect());
+        let rows = self.get(name)?.list().and_then(|list| list.iter().map(LocatedValue::numbers).collect());
         rows.ok_or_else(|| self.mistyped(name))
     }
 
@@ -172,7 +172,7 @@ impl Parameters {
     }
 
     /// Puts another setting in the place of one.
-    pub(super) fn put(&mut self, name: &str, setting: Option<Setting>) {
+    pub(super) fn put(&mut self, name: &str, setting: Option<LocatedValue>) {
         if let Some(i) = self.declared.iter().position(|p| p.name == name) {
             self.settings[i] = setting;
         }

@@ -2,7 +2,7 @@
 
 use super::declaration::{Parameter, ParameterType};
 use super::fit::check_type;
-use super::setting::Setting;
+use super::setting::LocatedValue;
 use crate::{Error, Result};
 
 /// The first name that occurs twice.
@@ -28,7 +28,7 @@ pub fn refuse_contradictions(of: &str, parameters: &[Parameter], taken: &[&str])
             return Err(Error::usage(format!("the parameter '{name}' of {of} has no name or no help")));
         }
         if let Some(datum) = standard.datum() {
-            check_type(parameter_type, name, unit, &Setting::from(datum)).map_err(|error| Error {
+            check_type(parameter_type, name, unit, &LocatedValue::from(datum)).map_err(|error| Error {
                 what: format!("of the standard value of {of}, {}", error.what),
                 ..error
             })?;

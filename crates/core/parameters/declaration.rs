@@ -1,7 +1,7 @@
 //! What a parameter's declaration says: name, type, unit, standard value, help.
 
 use super::range::Range;
-use super::setting::{Datum, Setting};
+use super::setting::{LocatedValue, ParameterValue};
 
 /// A parameter of a node or a gradient filter, or of a table within one.
 #[derive(Debug, Clone, Copy)]
@@ -13,14 +13,14 @@ pub struct Parameter {
     /// Its unit, empty where it has none.
     pub unit: &'static str,
     /// What holds when the file does not say.
-    pub standard: Standard,
+    pub standard: DefaultValue,
     /// One line of help.
     pub help: &'static str,
 }
 
 /// What holds when the file does not give a parameter.
 #[derive(Debug, Clone, Copy)]
-pub enum Standard {
+pub enum DefaultValue {
     /// The file must give it.
     Required,
     /// Nothing; the text says what that means.
@@ -69,27 +69,27 @@ pub enum ParameterType {
     /// A table with these keys.
     Table(&'static [Parameter]),
     /// A list of tables, each of a kind that its key `kind` names.
-    Kinds(&'static [Kind]),
+    Kinds(&'static [VariantSchema]),
     /// A type whose numbers may be given relative to data, as texts such as "25 %" and "p90".
-    Measured(&'static Measured),
+    Measured(&'static RelativeNumberType),
     /// The name of a gradient filter, of those that are registered; what it declares stands beside this parameter.
     GradientFilter,
 }
 
 /// A type whose numbers may be given relative to data.
 #[derive(Debug, Clone, Copy)]
-pub struct Measured {
+pub struct RelativeNumberType {
     /// The type without relative numbers.
     pub plain: ParameterType,
     /// What the numbers are.
-    pub is: Measure,
+    pub is: StatisticKind,
     /// Of which quantities.
-    pub along: Along,
+    pub along: AxisRef,
 }
 
 /// What a number is that may be relative.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Measure {
+pub enum StatisticKind {
     /// A value of a field: shares and percentiles.
     Value,
     /// A place in space: shares.
@@ -102,7 +102,7 @@ pub enum Measure {
 
 /// Of which quantities the numbers of a list, or of each row, are.
 #[derive(Debug, Clone, Copy)]
-pub enum Along {
+pub enum AxisRef {
     /// All of one.
     Every(&'static str),
     /// By their place; those beyond the list are not relative.
@@ -118,7 +118,7 @@ pub enum Along {
 /// One of several kinds of a thing, named by a word, with parameters of its own: a table in a [`ParameterType::Kinds`]
 /// list, or a gradient filter.
 #[derive(Debug, Clone, Copy)]
-pub struct Kind {
+pub struct VariantSchema {
     /// The word.
     pub name: &'static str,
     /// What it is, one sentence.
@@ -127,18 +127,22 @@ pub struct Kind {
     pub parameters: &'static [Parameter],
 }
 
-impl Standard {
+impl DefaultValue {
     /// The value, if this is one.
-    pub fn datum(&self) -> Option<Datum> {
-        let list = |list: Vec<Datum>| Datum::List(list.into_iter().map(Setting::from).collect());
+    pub fn datum(&self) -> Option<ParameterValue> {
+        let list = |list: Vec<ParameterValue>| {
+            ParameterValue::List(list.into_iter().map(LocatedValue::from).collect())
+        };
         match *self {
-            Standard::Required | Standard::Unset(_) => None,
-            Standard::Boolean(flag) => Some(Datum::Boolean(flag)),
-            Standard::Integer(n) => Some(Datum::Integer(n)),
-            Standard::Number(x) => Some(Datum::Number(x)),
-            Standard::Text(text) => Some(Datum::Text(text.to_string())),
-            Standard::Numbers(xs) => Some(list(xs.iter().map(|&x| Datum::Number(x)).collect())),
-            Standard::Integers(ns) => Some(list(ns.iter().map(|&n| Datum::Integer(n)).collect())),
+            DefaultValue::Required | DefaultValue::Unset(_) => None,
+            DefaultValue::Boolean(flag) => Some(ParameterValue::Boolean(flag)),
+            DefaultValue::Integer(n) => Some(ParameterValue::Integer(n)),
+            DefaultValue::Number(x) => Some(ParameterValue::Number(x)),
+            DefaultValue::Text(text) => Some(ParameterValue::Text(text.to_string())),
+            DefaultValue::Numbers(xs) => Some(list(xs.iter().map(|&x| ParameterValue::Number(x)).collect())),
+            DefaultValue::Integers(ns) => {
+                Some(list(ns.iter().map(|&n| ParameterValue::Integer(n)).collect()))
+            }
         }
     }
 }
@@ -176,24 +180,24 @@ impl ParameterType {
     }
 }
 
-impl Measured {
+impl RelativeNumberType {
     /// What may stand in place of a number, for help and messages.
     pub(super) fn describe(&self) -> &'static str {
         match self.is {
-            Measure::Value => "or \"25 %\" of the range, \"p90\" by volume",
-            Measure::Place => "or \"25 %\" of the bounds",
-            Measure::Width => "or \"5 %\" of the range's length",
-            Measure::Factor => "or \"5 %\": 1 for so much of the range",
+            StatisticKind::Value => "or \"25 %\" of the range, \"p90\" by volume",
+            StatisticKind::Place => "or \"25 %\" of the bounds",
+            StatisticKind::Width => "or \"5 %\" of the range's length",
+            StatisticKind::Factor => "or \"5 %\": 1 for so much of the range",
         }
     }
 }
 
-impl std::fmt::Display for Standard {
+impl std::fmt::Display for DefaultValue {
     /// As a pipeline file would write it; "required" or the meaning of leaving it out otherwise.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Standard::Required => f.write_str("required"),
-            Standard::Unset(meaning) => f.write_str(meaning),
+            DefaultValue::Required => f.write_str("required"),
+            DefaultValue::Unset(meaning) => f.write_str(meaning),
             other => match other.datum() {
                 Some(datum) => write!(f, "{datum}"),
                 None => Ok(()),

@@ -1,10 +1,10 @@
 //! Whether settings fit their declarations: tables, what stands in them, and each by its type.
 
 use super::check::{ParameterFault, Parameters};
-use super::declaration::{Kind, Parameter, ParameterType, Standard};
+use super::declaration::{DefaultValue, Parameter, ParameterType, VariantSchema};
 use super::nearest::suggest;
 use super::range::Range;
-use super::setting::{Datum, Field, Origin, Setting};
+use super::setting::{Field, LocatedValue, ParameterValue, SourceSpan};
 use crate::{Error, Result};
 use std::borrow::Cow;
 
@@ -14,7 +14,7 @@ impl Parameters {
     pub fn check(
         declared: impl Into<Cow<'static, [Parameter]>>,
         fields: &[Field],
-        origin: &Origin,
+        origin: &SourceSpan,
         also: &[&str],
     ) -> Result<Parameters> {
         let mut faults = Vec::new();
@@ -27,12 +27,12 @@ impl Parameters {
     pub fn survey(
         declared: impl Into<Cow<'static, [Parameter]>>,
         fields: &[Field],
-        origin: &Origin,
+        origin: &SourceSpan,
         also: &[&str],
         faults: &mut Vec<ParameterFault>,
     ) -> Parameters {
         let declared = declared.into();
-        let mut settings: Vec<Option<Setting>> = vec![None; declared.len()];
+        let mut settings: Vec<Option<LocatedValue>> = vec![None; declared.len()];
         for field in fields {
             if also.contains(&field.name.as_str()) {
                 continue;
@@ -41,8 +41,8 @@ impl Parameters {
             let Some(i) = declared.iter().position(|p| p.name == field.name) else {
                 let names = also.iter().copied().chain(declared.iter().map(|p| p.name));
                 let error = Error::usage(format!("unknown parameter '{}'", field.name))
-                    .accepted(suggest(&field.name, names));
-                add(field.origin.blame(error));
+                    .expected(suggest(&field.name, names));
+                add(field.origin.locate(error));
                 continue;
             };
             survey_type(
@@ -59,9 +59,9 @@ impl Parameters {
             if setting.is_some() {
                 continue;
             }
-            if let Standard::Required = parameter.standard {
+            if let DefaultValue::Required = parameter.standard {
                 let error =
-                    Error::usage(format!("the parameter '{}' is missing", parameter.name)).accepted(format!(
+                    Error::usage(format!("the parameter '{}' is missing", parameter.name)).expected(format!(
                         "{} = … ({}): {}",
                         parameter.name,
                         parameter.parameter_type.describe(),
@@ -69,10 +69,10 @@ impl Parameters {
                     ));
                 faults.push(ParameterFault {
                     parameter: parameter.name.to_string(),
-                    error: origin.blame(error),
+                    error: origin.locate(error),
                 });
             }
-            *setting = parameter.standard.datum().map(Setting::from);
+            *setting = parameter.standard.datum().map(LocatedValue::from);
         }
         Parameters { declared, settings, given, origin: origin.clone() }
     }
@@ -84,7 +84,7 @@ impl Parameters {
         let (Some(ParameterType::Kinds(kinds)), Some(list)) = (declared, setting.list()) else {
             return Err(self.mistyped(name));
         };
-        let kind = |setting: &Setting| {
+        let kind = |setting: &LocatedValue| {
             let mut faults = Vec::new();
             let kind = kind_of(kinds, name, setting, &mut |error| faults.push(error));
             match (kind, faults.into_iter().next()) {
@@ -98,9 +98,9 @@ impl Parameters {
 
 /// The kind of one entry of a list of tables, and its parameters; `None` where it has no kind that is known.
 fn kind_of(
-    kinds: &'static [Kind],
+    kinds: &'static [VariantSchema],
     name: &str,
-    setting: &Setting,
+    setting: &LocatedValue,
     fault: &mut dyn FnMut(Error),
 ) -> Option<(&'static str, Parameters)> {
     let names = || kinds.iter().map(|k| k.name);
@@ -110,8 +110,8 @@ fn kind_of(
     };
     let Some(kind) = fields.iter().find(|f| f.name == "kind") else {
         let error = Error::usage(format!("an entry of '{name}' has no 'kind'"))
-            .accepted(format!("kind = one of {}", names().collect::<Vec<_>>().join(", ")));
-        fault(setting.origin.blame(error));
+            .expected(format!("kind = one of {}", names().collect::<Vec<_>>().join(", ")));
+        fault(setting.origin.locate(error));
         return None;
     };
     let word = kind.setting.text().unwrap_or_default();
@@ -130,7 +130,7 @@ pub(super) fn check_type(
     parameter_type: &ParameterType,
     name: &str,
     unit: &str,
-    setting: &Setting,
+    setting: &LocatedValue,
 ) -> Result<()> {
     let mut first = None;
     survey_type(parameter_type, name, unit, setting, &mut |error| {
@@ -144,16 +144,16 @@ fn survey_type(
     parameter_type: &ParameterType,
     name: &str,
     unit: &str,
-    setting: &Setting,
+    setting: &LocatedValue,
     fault: &mut dyn FnMut(Error),
 ) {
     match (parameter_type, &setting.datum) {
-        (ParameterType::Table(declared), Datum::Table(fields)) => {
+        (ParameterType::Table(declared), ParameterValue::Table(fields)) => {
             let mut faults = Vec::new();
             Parameters::survey(*declared, fields, &setting.origin, &[], &mut faults);
             faults.into_iter().for_each(|one| fault(one.error));
         }
-        (ParameterType::Kinds(kinds), Datum::List(list)) => {
+        (ParameterType::Kinds(kinds), ParameterValue::List(list)) => {
             for entry in list {
                 kind_of(kinds, name, entry, fault);
             }
@@ -167,37 +167,40 @@ fn survey_type(
 }
 
 /// Checks a setting that has one mistake at most.
-fn check_plain(parameter_type: &ParameterType, name: &str, unit: &str, setting: &Setting) -> Result<()> {
+fn check_plain(parameter_type: &ParameterType, name: &str, unit: &str, setting: &LocatedValue) -> Result<()> {
     let accepted = || match unit {
         "" => parameter_type.describe(),
         unit => format!("{} ({unit})", parameter_type.describe()),
     };
     let wrong_type = || Err(setting.error(format!("'{name}' is of the wrong type"), accepted()));
-    let in_range = |part: &Setting, x: f64, range: &Range| match range.holds(x) {
+    let in_range = |part: &LocatedValue, x: f64, range: &Range| match range.holds(x) {
         true => Ok(()),
         false => Err(part.error(format!("'{name}' is out of range"), accepted())),
     };
     match (parameter_type, &setting.datum) {
-        (ParameterType::Boolean, Datum::Boolean(_)) => Ok(()),
-        (ParameterType::Integer(range), Datum::Integer(n)) => in_range(setting, *n as f64, range),
-        (ParameterType::NumberOr(_, word), Datum::Text(text)) if text == word => Ok(()),
+        (ParameterType::Boolean, ParameterValue::Boolean(_)) => Ok(()),
+        (ParameterType::Integer(range), ParameterValue::Integer(n)) => in_range(setting, *n as f64, range),
+        (ParameterType::NumberOr(_, word), ParameterValue::Text(text)) if text == word => Ok(()),
         (
             ParameterType::Number(range) | ParameterType::NumberOr(range, _),
-            Datum::Number(_) | Datum::Integer(_),
+            ParameterValue::Number(_) | ParameterValue::Integer(_),
         ) => in_range(setting, setting.number().unwrap_or(f64::NAN), range),
-        (ParameterType::Text | ParameterType::GradientFilter, Datum::Text(_)) => Ok(()),
-        (ParameterType::InputPath | ParameterType::OutputPath, Datum::Text(path)) => match path.is_empty() {
-            true => Err(setting.error(format!("'{name}' is empty"), "the path of a file")),
-            false => Ok(()),
-        },
-        (ParameterType::Choice(words), Datum::Text(text)) => match words.iter().any(|w| w.0 == text) {
+        (ParameterType::Text | ParameterType::GradientFilter, ParameterValue::Text(_)) => Ok(()),
+        (ParameterType::InputPath | ParameterType::OutputPath, ParameterValue::Text(path)) => {
+            match path.is_empty() {
+                true => Err(setting.error(format!("'{name}' is empty"), "the path of a file")),
+                false => Ok(()),
+            }
+        }
+        (ParameterType::Choice(words), ParameterValue::Text(text)) => match words.iter().any(|w| w.0 == text)
+        {
             true => Ok(()),
             false => Err(setting.error(
                 format!("'{name}' does not know this word"),
                 suggest(text, words.iter().map(|w| w.0)),
             )),
         },
-        (ParameterType::Numbers(count, range), Datum::List(list)) => {
+        (ParameterType::Numbers(count, range), ParameterValue::List(list)) => {
             for part in list {
                 let Some(x) = part.number() else { return wrong_type() };
                 in_range(part, x, range)?;
@@ -207,14 +210,14 @@ fn check_plain(parameter_type: &ParameterType, name: &str, unit: &str, setting: 
                 false => wrong_type(),
             }
         }
-        (ParameterType::Integers(count, range), Datum::List(list)) => {
+        (ParameterType::Integers(count, range), ParameterValue::List(list)) => {
             for part in list {
-                let Datum::Integer(n) = part.datum else { return wrong_type() };
+                let ParameterValue::Integer(n) = part.datum else { return wrong_type() };
                 in_range(part, n as f64, range)?;
             }
             if *count == list.len() { Ok(()) } else { wrong_type() }
         }
-        (ParameterType::Rows(width), Datum::List(rows)) => {
+        (ParameterType::Rows(width), ParameterValue::List(rows)) => {
             for row in rows {
                 let Some(numbers) = row.numbers() else { return wrong_type() };
                 if width.is_some_and(|n| n != numbers.len()) {
@@ -226,12 +229,14 @@ fn check_plain(parameter_type: &ParameterType, name: &str, unit: &str, setting: 
             }
             Ok(())
         }
-        (ParameterType::Texts, Datum::List(list)) if list.iter().all(|s| s.text().is_some()) => Ok(()),
+        (ParameterType::Texts, ParameterValue::List(list)) if list.iter().all(|s| s.text().is_some()) => {
+            Ok(())
+        }
         (ParameterType::Measured(measured), _) => {
             // 1 is in every range of what may be relative; the others are checked beside it.
             let numbers = measured.replaced(name, setting, &mut |_, _, _| Ok(1.0))?;
             check_type(&measured.plain, name, unit, &numbers).map_err(|error| match error.accepted.clone() {
-                Some(plain) => error.accepted(format!("{plain}, {}", measured.describe())),
+                Some(plain) => error.expected(format!("{plain}, {}", measured.describe())),
                 None => error,
             })
         }

@@ -23,11 +23,13 @@ mod tests;
 
 pub use check::{ParameterFault, Parameters};
 pub use contradictions::{refuse_contradictions, repeated};
-pub use declaration::{Along, Kind, Measure, Measured, Parameter, ParameterType, Standard};
+pub use declaration::{
+    AxisRef, DefaultValue, Parameter, ParameterType, RelativeNumberType, StatisticKind, VariantSchema,
+};
 pub use measured::RelativeNumber;
 pub use nearest::{nearest, suggest};
 pub use paths::NamedPath;
 pub use range::Range;
-pub use relative::{Quantity, Relative};
+pub use relative::{ArrayRef, Relative};
 pub use setting::replace_field;
-pub use setting::{Datum, Field, Origin, Setting, key_text};
+pub use setting::{Field, LocatedValue, ParameterValue, SourceSpan, key_text};

@@ -1,10 +1,10 @@
 //! The relative numbers among parameters.
 
 use super::check::Parameters;
-use super::declaration::{Measured, Parameter, ParameterType};
+use super::declaration::{Parameter, ParameterType, RelativeNumberType};
 use super::measured::RelativeNumber;
-use super::relative::Quantity;
-use super::setting::{Datum, Field, Setting};
+use super::relative::ArrayRef;
+use super::setting::{Field, LocatedValue, ParameterValue};
 use crate::Result;
 
 impl Parameters {
@@ -25,7 +25,7 @@ impl Parameters {
         self.with_settings(&mut |measured, name, setting, beside| {
             measured.replaced(name, setting, &mut |place, part, relative| {
                 let quantity = measured.quantity(place, beside);
-                let quantity = quantity.unwrap_or(Quantity::Array(String::new()));
+                let quantity = quantity.unwrap_or(ArrayRef::Array(String::new()));
                 find(&RelativeNumber { relative, is: measured.is, quantity, setting: part.clone() })
             })
         })
@@ -43,13 +43,17 @@ impl Parameters {
 
 /// Changes a setting of a type whose numbers may be relative: given the type, the parameter's name, the setting, and what
 /// stands beside it.
-pub type Change<'a> =
-    &'a mut dyn FnMut(&Measured, &str, &Setting, &dyn Fn(&str) -> Option<Setting>) -> Result<Setting>;
+pub type Change<'a> = &'a mut dyn FnMut(
+    &RelativeNumberType,
+    &str,
+    &LocatedValue,
+    &dyn Fn(&str) -> Option<LocatedValue>,
+) -> Result<LocatedValue>;
 
-type Of<'a> = (&'a Parameter, Option<&'a Setting>, bool);
+type Of<'a> = (&'a Parameter, Option<&'a LocatedValue>, bool);
 
-fn changed_of(parameters: &[Of], change: Change) -> Result<Vec<(&'static str, Setting)>> {
-    let beside = |name: &str| -> Option<Setting> {
+fn changed_of(parameters: &[Of], change: Change) -> Result<Vec<(&'static str, LocatedValue)>> {
+    let beside = |name: &str| -> Option<LocatedValue> {
         parameters.iter().find(|(p, ..)| p.name == name).and_then(|(_, setting, _)| setting.cloned())
     };
     let mut changed = Vec::new();
@@ -69,7 +73,7 @@ fn changed_of(parameters: &[Of], change: Change) -> Result<Vec<(&'static str, Se
                 }
                 changed.push((
                     parameter.name,
-                    Setting { datum: Datum::Table(fields), origin: setting.origin.clone() },
+                    LocatedValue { datum: ParameterValue::Table(fields), origin: setting.origin.clone() },
                 ));
             }
             _ => {}

@@ -2,7 +2,7 @@
 
 use super::check::Parameters;
 use super::declaration::ParameterType;
-use super::setting::Origin;
+use super::setting::SourceSpan;
 use crate::Result;
 use std::path::{Path, PathBuf};
 
@@ -16,7 +16,7 @@ pub struct NamedPath {
     /// Whether the file is written; it is read otherwise.
     pub written: bool,
     /// Where the path was written.
-    pub origin: Origin,
+    pub origin: SourceSpan,
 }
 
 impl NamedPath {

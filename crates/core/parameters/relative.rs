@@ -15,13 +15,13 @@ pub enum Relative {
 
 /// A quantity that numbers are relative to.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Quantity {
+pub enum ArrayRef {
     /// One that the declaration names: "s", "g", "x".
     Named(&'static str),
     /// An array of the data.
     Array(String),
     /// One per unit of another.
-    Per(Box<Quantity>, Box<Quantity>),
+    Per(Box<ArrayRef>, Box<ArrayRef>),
 }
 
 impl Relative {
@@ -44,12 +44,12 @@ impl Relative {
     }
 }
 
-impl fmt::Display for Quantity {
+impl fmt::Display for ArrayRef {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Quantity::Named(name) => f.write_str(name),
-            Quantity::Array(name) => write!(f, "'{name}'"),
-            Quantity::Per(one, other) => write!(f, "{one} per unit of {other}"),
+            ArrayRef::Named(name) => f.write_str(name),
+            ArrayRef::Array(name) => write!(f, "'{name}'"),
+            ArrayRef::Per(one, other) => write!(f, "{one} per unit of {other}"),
         }
     }
 }

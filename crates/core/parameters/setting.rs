@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 /// Where something was written. Of no account when two settings are compared: all origins are equal.
 #[derive(Debug, Clone, Default)]
-pub enum Origin {
+pub enum SourceSpan {
     /// Nowhere that could be shown (a default, a program).
     #[default]
     Nowhere,
@@ -16,17 +16,17 @@ pub enum Origin {
     Option(Arc<str>),
 }
 
-impl Origin {
+impl SourceSpan {
     /// Adds this place to `error`, unless it has a place in the pipeline already.
-    pub fn blame(&self, mut error: Error) -> Error {
+    pub fn locate(&self, mut error: Error) -> Error {
         match self {
-            Origin::Nowhere => {}
-            Origin::Span(span) => {
+            SourceSpan::Nowhere => {}
+            SourceSpan::Span(span) => {
                 if error.place.span.is_none() && error.place.file.is_none() {
                     error.place.span = Some(span.clone());
                 }
             }
-            Origin::Option(option) => {
+            SourceSpan::Option(option) => {
                 // The option stands in place of the file.
                 if error.place.span.is_none() && error.place.file.is_none() {
                     error.place.file = Some(option.to_string());
@@ -39,16 +39,16 @@ impl Origin {
 
 /// A value and where it was written.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Setting {
+pub struct LocatedValue {
     /// The value.
-    pub datum: Datum,
+    pub datum: ParameterValue,
     /// Where it was written.
-    pub origin: Origin,
+    pub origin: SourceSpan,
 }
 
 /// A value of a setting.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Datum {
+pub enum ParameterValue {
     /// `true` or `false`.
     Boolean(bool),
     /// A whole number.
@@ -58,7 +58,7 @@ pub enum Datum {
     /// Text.
     Text(String),
     /// A list.
-    List(Vec<Setting>),
+    List(Vec<LocatedValue>),
     /// A table, in the order of the file.
     Table(Vec<Field>),
 }
@@ -69,35 +69,35 @@ pub struct Field {
     /// The key.
     pub name: String,
     /// Where the key was written.
-    pub origin: Origin,
+    pub origin: SourceSpan,
     /// Its value.
-    pub setting: Setting,
+    pub setting: LocatedValue,
 }
 
-impl PartialEq for Origin {
+impl PartialEq for SourceSpan {
     fn eq(&self, _: &Self) -> bool {
         true
     }
 }
 
-impl From<Datum> for Setting {
-    fn from(datum: Datum) -> Self {
-        Setting { datum, origin: Origin::Nowhere }
+impl From<ParameterValue> for LocatedValue {
+    fn from(datum: ParameterValue) -> Self {
+        LocatedValue { datum, origin: SourceSpan::Nowhere }
     }
 }
 
-impl Setting {
+impl LocatedValue {
     /// An error about this setting: `what`, with the value as found and the setting's place.
     pub fn error(&self, what: impl Into<String>, accepted: impl fmt::Display) -> Error {
-        self.origin.blame(Error::usage(what).found(&self.datum).accepted(accepted))
+        self.origin.locate(Error::usage(what).got(&self.datum).expected(accepted))
     }
 
     /// The value as a number; whole numbers count.
     pub fn number(&self) -> Option<f64> {
         match self.datum {
-            Datum::Number(x) => Some(x),
+            ParameterValue::Number(x) => Some(x),
             // Beyond 2^53 the nearest double is meant.
-            Datum::Integer(n) => Some(n as f64),
+            ParameterValue::Integer(n) => Some(n as f64),
             _ => None,
         }
     }
@@ -105,63 +105,63 @@ impl Setting {
     /// The value as text.
     pub fn text(&self) -> Option<&str> {
         match &self.datum {
-            Datum::Text(text) => Some(text),
+            ParameterValue::Text(text) => Some(text),
             _ => None,
         }
     }
 
     /// The value as a list.
-    pub fn list(&self) -> Option<&[Setting]> {
+    pub fn list(&self) -> Option<&[LocatedValue]> {
         match &self.datum {
-            Datum::List(list) => Some(list),
+            ParameterValue::List(list) => Some(list),
             _ => None,
         }
     }
 
     /// The value as a list of numbers.
     pub fn numbers(&self) -> Option<Vec<f64>> {
-        self.list()?.iter().map(Setting::number).collect()
+        self.list()?.iter().map(LocatedValue::number).collect()
     }
 
     /// The value as a table.
     pub fn table(&self) -> Option<&[Field]> {
         match &self.datum {
-            Datum::Table(fields) => Some(fields),
+            ParameterValue::Table(fields) => Some(fields),
             _ => None,
         }
     }
 
     /// Replaces the value at `path` (keys of tables, numbers of list entries), making keys that are not there.
-    pub fn replace(&mut self, path: &[&str], new: Setting) -> Result<()> {
+    pub fn replace(&mut self, path: &[&str], new: LocatedValue) -> Result<()> {
         let Some((first, rest)) = path.split_first() else {
             *self = new;
             return Ok(());
         };
         match &mut self.datum {
-            Datum::Table(fields) => replace_field(fields, first, rest, new),
-            Datum::List(list) => {
+            ParameterValue::Table(fields) => replace_field(fields, first, rest, new),
+            ParameterValue::List(list) => {
                 let count = list.len();
                 let place = first.parse::<usize>().ok().filter(|&i| i < count);
                 match place {
                     Some(i) => list[i].replace(rest, new),
                     None => Err(Error::usage("there is no such entry in the list")
-                        .found(first)
-                        .accepted(format!("a number below {count}"))),
+                        .got(first)
+                        .expected(format!("a number below {count}"))),
                 }
             }
             other => Err(Error::usage(format!("'{first}' is asked for inside a value that has no parts"))
-                .found(other.to_string())),
+                .got(other.to_string())),
         }
     }
 }
 
 /// Replaces or adds the key `first` (and `rest` within it) of a table.
-pub fn replace_field(fields: &mut Vec<Field>, first: &str, rest: &[&str], new: Setting) -> Result<()> {
+pub fn replace_field(fields: &mut Vec<Field>, first: &str, rest: &[&str], new: LocatedValue) -> Result<()> {
     if let Some(field) = fields.iter_mut().find(|f| f.name == first) {
         return field.setting.replace(rest, new);
     }
     let origin = new.origin.clone();
-    let mut setting = if rest.is_empty() { new.clone() } else { Datum::Table(Vec::new()).into() };
+    let mut setting = if rest.is_empty() { new.clone() } else { ParameterValue::Table(Vec::new()).into() };
     if !rest.is_empty() {
         setting.replace(rest, new)?;
     }
@@ -169,25 +169,25 @@ pub fn replace_field(fields: &mut Vec<Field>, first: &str, rest: &[&str], new: S
     Ok(())
 }
 
-impl fmt::Display for Datum {
+impl fmt::Display for ParameterValue {
     /// As TOML writes it, on one line.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Datum::Boolean(flag) => write!(f, "{flag}"),
-            Datum::Integer(n) => write!(f, "{n}"),
+            ParameterValue::Boolean(flag) => write!(f, "{flag}"),
+            ParameterValue::Integer(n) => write!(f, "{n}"),
             // Debug is the shortest text that reads back the same, always with a point or an exponent.
-            Datum::Number(x) if x.is_finite() => write!(f, "{x:?}"),
-            Datum::Number(x) if x.is_nan() => f.write_str("nan"),
-            Datum::Number(x) => f.write_str(if *x > 0.0 { "inf" } else { "-inf" }),
-            Datum::Text(text) => write_text(f, text),
-            Datum::List(list) => {
+            ParameterValue::Number(x) if x.is_finite() => write!(f, "{x:?}"),
+            ParameterValue::Number(x) if x.is_nan() => f.write_str("nan"),
+            ParameterValue::Number(x) => f.write_str(if *x > 0.0 { "inf" } else { "-inf" }),
+            ParameterValue::Text(text) => write_text(f, text),
+            ParameterValue::List(list) => {
                 f.write_str("[")?;
                 for (i, setting) in list.iter().enumerate() {
                     write!(f, "{}{}", if i > 0 { ", " } else { "" }, setting.datum)?;
                 }
                 f.write_str("]")
             }
-            Datum::Table(fields) => {
+            ParameterValue::Table(fields) => {
                 f.write_str("{")?;
                 for (i, field) in fields.iter().enumerate() {
                     let comma = if i > 0 { "," } else { "" };
@@ -219,5 +219,5 @@ fn write_text(f: &mut fmt::Formatter<'_>, text: &str) -> fmt::Result {
 /// A TOML key: bare where that is allowed, quoted otherwise.
 pub fn key_text(name: &str) -> String {
     let bare = !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '-' || c == '_');
-    if bare { name.to_string() } else { Datum::Text(name.to_string()).to_string() }
+    if bare { name.to_string() } else { ParameterValue::Text(name.to_string()).to_string() }
 }

@@ -6,16 +6,19 @@ const POWER: Parameter = Parameter {
     name: "power",
     parameter_type: ParameterType::Number(Range::within(0.0, 4.0)),
     unit: "",
-    standard: Standard::Number(1.0),
+    standard: DefaultValue::Number(1.0),
     help: "help",
 };
 
 #[test]
 fn declarations_that_contradict_themselves_are_refused() {
     const NO_HELP: &[Parameter] = &[Parameter { help: "", ..POWER }];
-    const INNER: &[Kind] = &[Kind { name: "a", summary: "A.", parameters: NO_HELP }];
-    let kinds =
-        Parameter { parameter_type: ParameterType::Kinds(INNER), standard: Standard::Unset("none"), ..POWER };
+    const INNER: &[VariantSchema] = &[VariantSchema { name: "a", summary: "A.", parameters: NO_HELP }];
+    let kinds = Parameter {
+        parameter_type: ParameterType::Kinds(INNER),
+        standard: DefaultValue::Unset("none"),
+        ..POWER
+    };
     let of_standard = |standard| Parameter { standard, ..POWER };
     assert!(refuse_contradictions("it", &[POWER], &["type"]).is_ok());
     for (parameters, taken, wanted) in [
@@ -23,9 +26,13 @@ fn declarations_that_contradict_themselves_are_refused() {
         (&[POWER], &["power"], "it declares 'power' twice"),
         (NO_HELP, &[], "has no name or no help"),
         (&[kinds], &[], "has no name or no help"),
-        (&[of_standard(Standard::Number(5.0))], &[], "of the standard value of it, 'power' is out of range"),
         (
-            &[of_standard(Standard::Text("1"))],
+            &[of_standard(DefaultValue::Number(5.0))],
+            &[],
+            "of the standard value of it, 'power' is out of range",
+        ),
+        (
+            &[of_standard(DefaultValue::Text("1"))],
             &[],
             "of the standard value of it, 'power' is of the wrong type",
         ),
@@ -37,9 +44,9 @@ fn declarations_that_contradict_themselves_are_refused() {
 
 #[test]
 fn a_program_sets_some_values_and_the_others_are_standard() {
-    const SIDE: Parameter = Parameter { name: "side", standard: Standard::Unset("either"), ..POWER };
-    let set = Parameters::of([POWER, SIDE].to_vec(), [("power", Datum::Integer(2))]).unwrap();
+    const SIDE: Parameter = Parameter { name: "side", standard: DefaultValue::Unset("either"), ..POWER };
+    let set = Parameters::of([POWER, SIDE].to_vec(), [("power", ParameterValue::Integer(2))]).unwrap();
     assert_eq!((set.number("power").unwrap(), set.optional_number("side")), (2.0, None));
     assert!(set.given("power") && !set.given("side"));
-    assert!(Parameters::of([POWER].to_vec(), [("power", Datum::Number(5.0))]).is_err());
+    assert!(Parameters::of([POWER].to_vec(), [("power", ParameterValue::Number(5.0))]).is_err());
 }

@@ -87,8 +87,8 @@ impl Axis {
         match ordered && (1..=4096).contains(&self.bins) {
             true => Ok(()),
             false => Err(Error::usage("an axis of the histogram is out of range")
-                .found(format!("{} bins from {} to {}", self.bins, self.low, self.high))
-                .accepted("1 to 4096 bins, the lower end first")),
+                .got(format!("{} bins from {} to {}", self.bins, self.low, self.high))
+                .expected("1 to 4096 bins, the lower end first")),
         }
     }
 }
@@ -106,7 +106,7 @@ pub fn histogram(
     axes.iter().try_for_each(Axis::check)?;
     if let Some(values) = fields.iter().find(|values| values.len() != grid.points.len()) {
         let error = Error::run("a field of the histogram does not have one value a point");
-        return Err(error.found(values.len()).accepted(grid.points.len()));
+        return Err(error.got(values.len()).expected(grid.points.len()));
     }
     let scale = grid.length_scale();
     let count = axes[0].bins * axes[1].bins;

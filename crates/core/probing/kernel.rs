@@ -8,12 +8,12 @@
 //! to at least `least`²: a width of `least` extents. A field that is constant over the whole grid is not looked at
 //! (its row and column of K are 0).
 
-use super::probe::Found;
+use super::probe::ProbeResult;
 
 /// K, n rows of n. `least`: the smallest standard deviation in any direction, as a share of the fields' extents over the
 /// grid, > 0; `scale`: factor on all standard deviations, > 0; `correlated`: false keeps to the axes, K being the
 /// diagonal of 1 / (√2 σ).
-pub fn kernel(found: &Found, least: f64, scale: f64, correlated: bool) -> Vec<Vec<f64>> {
+pub fn kernel(found: &ProbeResult, least: f64, scale: f64, correlated: bool) -> Vec<Vec<f64>> {
     let n = found.mean.len();
     let varying: Vec<usize> = (0..n).filter(|&i| found.extent[i] > 0.0).collect();
     let covariance: Vec<Vec<f64>> = (varying.iter())

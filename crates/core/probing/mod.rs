@@ -32,6 +32,6 @@ pub use bands::{Bands, bands, bands_of_cells};
 pub use histogram::{Axis, Histogram, histogram};
 pub use kernel::kernel;
 pub use percentile::{Volumes, value_range};
-pub use probe::{Found, Mask, probe};
+pub use probe::{Mask, ProbeResult, probe};
 pub use proposal::{Proposed, proposal, quiet};
 pub use region::Region;

@@ -66,8 +66,8 @@ impl Volumes {
     /// Errors: no cell with a volume has finite values.
     pub fn new(grid: &Grid, values: &[f64], progress: &dyn Progress) -> Result<Volumes> {
         if values.len() != grid.points.len() {
-            let error = Error::run("a field does not have one value a point").found(values.len());
-            return Err(error.accepted(grid.points.len()));
+            let error = Error::run("a field does not have one value a point").got(values.len());
+            return Err(error.expected(grid.points.len()));
         }
         let bytes = (grid.tetrahedra.len() * (size_of::<Cell>() + size_of::<Cell>() / 2)) as u64;
         let what = || format!("the distribution of a field over {} tetrahedra", grid.tetrahedra.len());
@@ -88,7 +88,7 @@ impl Volumes {
             true => Ok(Volumes { cells, world: (1.0 / scale).powi(3), total }),
             false => {
                 Err(Error::run("a percentile is asked of cells without volume or without finite values")
-                    .accepted("cells with a volume and values"))
+                    .expected("cells with a volume and values"))
             }
         }
     }
@@ -184,8 +184,8 @@ pub fn value_range(values: &[f64]) -> Result<[f64; 2]> {
     match range(values) {
         Some([low, high]) if (high - low).is_finite() => Ok([low, high]),
         Some([low, high]) => Err(Error::run("the range of a field is beyond 64-bit floats")
-            .found(format!("{low:?} to {high:?}"))
-            .accepted("values below 8e307")),
+            .got(format!("{low:?} to {high:?}"))
+            .expected("values below 8e307")),
         None => Err(Error::run("a field has no finite values, so nothing can be relative to them")),
     }
 }

@@ -20,7 +20,7 @@ pub type Mask<'a> = &'a (dyn Fn(usize) -> bool + Sync);
 
 /// What was found.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Found {
+pub struct ProbeResult {
     /// Mean of each field.
     pub mean: Vec<f64>,
     /// Largest less smallest value of each field over the whole grid; 0 for a constant field.
@@ -35,7 +35,7 @@ pub struct Found {
     pub point_count: u64,
 }
 
-impl Found {
+impl ProbeResult {
     /// Standard deviation of each field.
     pub fn sigma(&self) -> Vec<f64> {
         (0..self.mean.len()).map(|i| self.extent[i] * self.covariance[i][i].sqrt()).collect()
@@ -70,22 +70,22 @@ pub fn probe(
     region: &Region,
     mask: Option<Mask>,
     progress: &dyn Progress,
-) -> Result<Found> {
+) -> Result<ProbeResult> {
     if !(1..=MOST).contains(&fields.len()) {
-        let error = Error::usage("the number of fields to probe is out of range").found(fields.len());
-        return Err(error.accepted(format!("1 to {MOST}")));
+        let error = Error::usage("the number of fields to probe is out of range").got(fields.len());
+        return Err(error.expected(format!("1 to {MOST}")));
     }
     if let Some(values) = fields.iter().find(|values| values.len() != grid.points.len()) {
-        let error = Error::run("a field to probe does not have one value a point").found(values.len());
-        return Err(error.accepted(grid.points.len()));
+        let error = Error::run("a field to probe does not have one value a point").got(values.len());
+        return Err(error.expected(grid.points.len()));
     }
     let ranges: Vec<[f64; 2]> = fields.iter().map(|values| range(values).unwrap_or([0.0; 2])).collect();
     let fields: Vec<Field> = (fields.iter().zip(&ranges))
         .map(|(&values, &[low, high])| Field { values, zero: 0.5 * low + 0.5 * high, extent: high - low })
         .collect();
     if let Some(field) = fields.iter().find(|field| !field.extent.is_finite()) {
-        let error = Error::run("the range of a field to probe is beyond 64-bit floats").found(field.extent);
-        return Err(error.accepted("values below 8e307"));
+        let error = Error::run("the range of a field to probe is beyond 64-bit floats").got(field.extent);
+        return Err(error.expected("values below 8e307"));
     }
     let (moments, cell_count, point_count) = match region {
         Region::Points(points) => at_points(grid, &fields, points, mask, progress)?,
@@ -99,7 +99,7 @@ pub fn probe(
     let variance = |i: usize, j: usize| moments.scatter[i][j] / moments.weight;
     let scale = grid.length_scale();
     let is_points = matches!(region, Region::Points(_));
-    Ok(Found {
+    Ok(ProbeResult {
         // Rounding must not carry a mean out of the range.
         mean: (0..n).map(|k| mean(k).clamp(ranges[k][0], ranges[k][1])).collect(),
         extent: fields.iter().map(|field| field.extent).collect(),
@@ -162,7 +162,7 @@ fn in_region(
         return Ok((sum, parts.iter().map(|part| part.1).sum()));
     }
     if !parts.iter().any(|part| part.2) {
-        return Err(Error::run("the mask leaves no cell").accepted("a mask that holds for at least one cell"));
+        return Err(Error::run("the mask leaves no cell").expected("a mask that holds for at least one cell"));
     }
     let cell = if mask.is_some() { "no cell of the mask" } else { "no cell" };
     Err(nothing(
@@ -180,9 +180,9 @@ fn nothing(grid: &Grid, what: &str) -> Error {
     let error = Error::run(what);
     match grid.bounds() {
         Some([low, high]) => {
-            error.accepted(format!("a part of the grid, which reaches from {low} to {high}"))
+            error.expected(format!("a part of the grid, which reaches from {low} to {high}"))
         }
-        None => error.accepted("a grid with points"),
+        None => error.expected("a grid with points"),
     }
 }
 

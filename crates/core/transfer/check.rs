@@ -6,7 +6,7 @@ use crate::{Error, Result};
 pub(super) fn finite(what: &str, values: &[f64]) -> Result<()> {
     match values.iter().find(|v| !v.is_finite()) {
         None => Ok(()),
-        Some(v) => Err(Error::usage(format!("{what} is not finite")).found(v).accepted("finite numbers")),
+        Some(v) => Err(Error::usage(format!("{what} is not finite")).got(v).expected("finite numbers")),
     }
 }
 
@@ -15,7 +15,7 @@ pub(super) fn not_negative(what: &str, value: f64) -> Result<()> {
     if value >= 0.0 && value.is_finite() {
         return Ok(());
     }
-    Err(Error::usage(format!("{what} is negative or not finite")).found(value).accepted("a number ≥ 0"))
+    Err(Error::usage(format!("{what} is negative or not finite")).got(value).expected("a number ≥ 0"))
 }
 
 /// 0 < value < ∞.
@@ -23,5 +23,5 @@ pub(super) fn positive(what: &str, value: f64) -> Result<()> {
     if value > 0.0 && value.is_finite() {
         return Ok(());
     }
-    Err(Error::usage(format!("{what} is not positive")).found(value).accepted("a number > 0"))
+    Err(Error::usage(format!("{what} is not positive")).got(value).expected("a number > 0"))
 }

@@ -23,19 +23,19 @@ impl Convex {
     pub fn new(region: &Region) -> Result<Convex> {
         let corners = &region.corners;
         if corners.iter().flatten().any(|c| c.is_nan()) {
-            return Err(Error::usage("a region's corner is not a number").accepted("finite corners [s, g]"));
+            return Err(Error::usage("a region's corner is not a number").expected("finite corners [s, g]"));
         }
         if let Some(rectangle) = rectangle(corners) {
             return Ok(rectangle);
         }
         if corners.len() < 3 {
             return Err(Error::usage("a region has too few corners")
-                .found(corners.len())
-                .accepted("a convex polygon of at least 3 corners"));
+                .got(corners.len())
+                .expected("a convex polygon of at least 3 corners"));
         }
         if corners.iter().flatten().any(|c| c.is_infinite()) {
             return Err(Error::usage("a region that is no rectangle has an infinite corner")
-                .accepted("finite corners [s, g]"));
+                .expected("finite corners [s, g]"));
         }
         // Every corner lies on one side of every edge; what is within rounding of an edge lies on it.
         let (mut left, mut right) = (false, false);
@@ -53,8 +53,8 @@ impl Convex {
         match (left, right) {
             (true, false) => Ok(Convex::Polygon(corners.clone())),
             (false, true) => Ok(Convex::Polygon(corners.iter().rev().copied().collect())),
-            (false, false) => Err(Error::usage("a region has no area").accepted("a convex polygon")),
-            (true, true) => Err(Error::usage("a region is not convex").accepted("a convex polygon")),
+            (false, false) => Err(Error::usage("a region has no area").expected("a convex polygon")),
+            (true, true) => Err(Error::usage("a region is not convex").expected("a convex polygon")),
         }
     }
 

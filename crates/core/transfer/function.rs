@@ -105,12 +105,12 @@ impl TransferFunction {
     pub fn check(&self) -> Result<()> {
         let u = self.unit_distance;
         if !(u > 0.0 && u.is_finite()) {
-            return Err(Error::usage("the unit distance is not a length").found(u).accepted("a number > 0"));
+            return Err(Error::usage("the unit distance is not a length").got(u).expected("a number > 0"));
         }
         if let OpticalModel::ConstantEmitter { cutoff } = self.model
             && !(0.0..1.0).contains(&cutoff)
         {
-            return Err(Error::usage("the cutoff is out of range").found(cutoff).accepted("0 ≤ cutoff < 1"));
+            return Err(Error::usage("the cutoff is out of range").got(cutoff).expected("0 ≤ cutoff < 1"));
         }
         for (i, widget) in self.widgets.iter().enumerate() {
             check(widget).map_err(|e| e.at_item(format!("widgets[{i}]")))?;
@@ -128,7 +128,7 @@ fn check(widget: &Widget) -> Result<()> {
     let properties = widget.profile.properties();
     if properties.needs_region && widget.region.is_none() {
         let what = format!("a {} widget has no region", properties.name);
-        return Err(Error::usage(what).accepted("a region"));
+        return Err(Error::usage(what).expected("a region"));
     }
     Ok(())
 }

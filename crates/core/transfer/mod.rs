@@ -26,7 +26,7 @@ pub use kinds::{
 };
 pub use read::read;
 pub use region::{HalfPlane, Region};
-pub use relative::{Scales, Wanted, resolved, standing_in, wanted};
+pub use relative::{DataStatistics, StatisticsRequest, resolved, wanted, with_placeholders};
 pub use slab::{Reach, Slab};
 pub use support::Support;
 pub use widget::Widget;

@@ -1,51 +1,53 @@
 //! Widgets whose numbers are relative to data: what the numbers are once the data are known, and before.
 
 use super::kinds::ACROSS;
-use crate::parameters::{Datum, Measured};
-use crate::parameters::{Measure, ParameterType, Parameters, Quantity, Relative, RelativeNumber, Setting};
+use crate::parameters::{
+    ArrayRef, LocatedValue, ParameterType, Parameters, Relative, RelativeNumber, StatisticKind,
+};
+use crate::parameters::{ParameterValue, RelativeNumberType};
 use crate::{Error, Result};
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// What is asked of the data: ranges, and percentiles (as the bits of a percentage) of quantities.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Wanted {
+pub struct StatisticsRequest {
     /// Quantities whose range is wanted.
-    pub ranges: BTreeSet<Quantity>,
+    pub ranges: BTreeSet<ArrayRef>,
     /// Percentiles of each quantity, as the bits of the percentage from 0 to 100.
-    pub percentiles: BTreeMap<Quantity, BTreeSet<u64>>,
+    pub percentiles: BTreeMap<ArrayRef, BTreeSet<u64>>,
 }
 
-impl Wanted {
+impl StatisticsRequest {
     /// Whether nothing is.
     pub fn is_empty(&self) -> bool {
         self.ranges.is_empty() && self.percentiles.is_empty()
     }
 
     /// Every quantity, once.
-    pub fn quantities(&self) -> BTreeSet<&Quantity> {
+    pub fn quantities(&self) -> BTreeSet<&ArrayRef> {
         self.ranges.iter().chain(self.percentiles.keys()).collect()
     }
 }
 
 /// What the data say.
-pub trait Scales {
+pub trait DataStatistics {
     /// The least and the largest value of a quantity, both finite.
-    fn range(&self, quantity: &Quantity) -> Result<[f64; 2]>;
+    fn range(&self, quantity: &ArrayRef) -> Result<[f64; 2]>;
     /// The value that a quantity has or falls below in so many percent of the volume.
-    fn percentile(&self, quantity: &Quantity, percent: f64) -> Result<f64>;
+    fn percentile(&self, quantity: &ArrayRef, percent: f64) -> Result<f64>;
 }
 
 /// The parameters of a widget with every relative number replaced by what it is on these scales.
 ///
 /// Errors, at the number's place: a width that is a share of a range of length 0; those of the scales.
-pub fn resolved(p: &Parameters, scales: &dyn Scales) -> Result<Parameters> {
-    let across = |number: &RelativeNumber| number.quantity == Quantity::Named(ACROSS);
+pub fn resolved(p: &Parameters, scales: &dyn DataStatistics) -> Result<Parameters> {
+    let across = |number: &RelativeNumber| number.quantity == ArrayRef::Named(ACROSS);
     let one = |number: &RelativeNumber, length: &dyn Fn() -> Result<f64>| -> Result<f64> {
-        let found = value(number, scales, length).map_err(|error| number.blame(error))?;
+        let found = value(number, scales, length).map_err(|error| number.locate(error))?;
         match found.is_finite() {
             true => Ok(found),
-            false => Err(number.blame(Error::run("a number relative to data is not finite").found(found))),
+            false => Err(number.locate(Error::run("a number relative to data is not finite").got(found))),
         }
     };
     // The length across the bands follows from the other numbers.
@@ -64,27 +66,31 @@ pub fn resolved(p: &Parameters, scales: &dyn Scales) -> Result<Parameters> {
 }
 
 /// What [`resolved`] will ask of the data.
-pub fn wanted(p: &Parameters) -> Wanted {
+pub fn wanted(p: &Parameters) -> StatisticsRequest {
     let recorder = Recorder::default();
     // Its answers make no errors that those of the data would not.
     let _ = resolved(p, &recorder);
     recorder.0.into_inner()
 }
 
-fn value(number: &RelativeNumber, scales: &dyn Scales, length: &dyn Fn() -> Result<f64>) -> Result<f64> {
+fn value(
+    number: &RelativeNumber,
+    scales: &dyn DataStatistics,
+    length: &dyn Fn() -> Result<f64>,
+) -> Result<f64> {
     match (number.relative, number.is) {
         (Relative::Percentile(percent), _) => scales.percentile(&number.quantity, percent),
-        (Relative::Share(share), Measure::Value | Measure::Place) => {
+        (Relative::Share(share), StatisticKind::Value | StatisticKind::Place) => {
             Ok(Relative::at_share(share, scales.range(&number.quantity)?))
         }
-        (Relative::Share(share), Measure::Width) => Ok(share * length()?),
-        (Relative::Share(share), Measure::Factor) => Ok(1.0 / (share * length()?)),
+        (Relative::Share(share), StatisticKind::Width) => Ok(share * length()?),
+        (Relative::Share(share), StatisticKind::Factor) => Ok(1.0 / (share * length()?)),
     }
 }
 
 /// The length of a quantity's range, above 0.
-fn length(quantity: &Quantity, scales: &dyn Scales) -> Result<f64> {
-    if let Quantity::Per(one, other) = quantity {
+fn length(quantity: &ArrayRef, scales: &dyn DataStatistics) -> Result<f64> {
+    if let ArrayRef::Per(one, other) = quantity {
         return Ok(length(one, scales)? / length(other, scales)?);
     }
     let [low, high] = scales.range(quantity)?;
@@ -92,20 +98,20 @@ fn length(quantity: &Quantity, scales: &dyn Scales) -> Result<f64> {
         length if length > 0.0 => Ok(length),
         _ => {
             Err(Error::run(format!("{quantity} is the same everywhere, so a share of its range is no width"))
-                .found(format!("{quantity} = {low:?}"))
-                .accepted("a number"))
+                .got(format!("{quantity} = {low:?}"))
+                .expected("a number"))
         }
     }
 }
 
 /// See [`ACROSS`]; `p`: the wave's parameters, its scale known.
-fn length_across(p: &Parameters, scales: &dyn Scales) -> Result<f64> {
+fn length_across(p: &Parameters, scales: &dyn DataStatistics) -> Result<f64> {
     let (sin, cos) = p.number("angle")?.to_radians().sin_cos();
     let [ws, wg]: [f64; 2] = p.vector("scale")?;
     // A right angle in degrees leaves a cosine of 6e-17, which means 0.
     let of = |factor: f64, name: &'static str| -> Result<f64> {
         match factor.abs() > 1e-15 * (ws.abs() + wg.abs()) {
-            true => Ok(factor.abs() * length(&Quantity::Named(name), scales)?),
+            true => Ok(factor.abs() * length(&ArrayRef::Named(name), scales)?),
             false => Ok(0.0),
         }
     };
@@ -117,15 +123,15 @@ fn length_across(p: &Parameters, scales: &dyn Scales) -> Result<f64> {
 
 /// Notes what is asked of it.
 #[derive(Default)]
-struct Recorder(RefCell<Wanted>);
+struct Recorder(RefCell<StatisticsRequest>);
 
-impl Scales for Recorder {
-    fn range(&self, quantity: &Quantity) -> Result<[f64; 2]> {
+impl DataStatistics for Recorder {
+    fn range(&self, quantity: &ArrayRef) -> Result<[f64; 2]> {
         self.0.borrow_mut().ranges.insert(quantity.clone());
         Ok([0.0, 1.0])
     }
 
-    fn percentile(&self, quantity: &Quantity, percent: f64) -> Result<f64> {
+    fn percentile(&self, quantity: &ArrayRef, percent: f64) -> Result<f64> {
         let percentiles = &mut self.0.borrow_mut().percentiles;
         percentiles.entry(quantity.clone()).or_default().insert(percent.to_bits());
         Ok(percent)
@@ -134,7 +140,7 @@ impl Scales for Recorder {
 
 /// The parameters of a widget as far as they can be judged before any data are known: lists of shares alone, and of percentiles
 /// alone, are judged as these; where numbers of several sorts stand in one list, their order is that of the list.
-pub fn standing_in(p: &Parameters) -> Result<Parameters> {
+pub fn with_placeholders(p: &Parameters) -> Result<Parameters> {
     p.with_settings(&mut |measured, name, setting, _| {
         let mut sorts = Vec::new();
         let plain = measured.replaced(name, setting, &mut |_, _, relative| {
@@ -144,7 +150,7 @@ pub fn standing_in(p: &Parameters) -> Result<Parameters> {
                 Relative::Percentile(percent) => percent / 100.0,
             })
         })?;
-        if sorts.is_empty() || matches!(measured.is, Measure::Width | Measure::Factor) {
+        if sorts.is_empty() || matches!(measured.is, StatisticKind::Width | StatisticKind::Factor) {
             return Ok(plain);
         }
         let all_shares = sorts.iter().all(|sort| matches!(sort, Relative::Share(_)));
@@ -161,25 +167,28 @@ pub fn standing_in(p: &Parameters) -> Result<Parameters> {
 }
 
 /// The numbers that may be relative by their place in the list, or that of their row.
-fn in_order(plain: &Setting, rows: bool, measured: &Measured) -> Setting {
-    let number = |place: usize| Setting { datum: Datum::Number(place as f64), origin: plain.origin.clone() };
+fn in_order(plain: &LocatedValue, rows: bool, measured: &RelativeNumberType) -> LocatedValue {
+    let number = |place: usize| LocatedValue {
+        datum: ParameterValue::Number(place as f64),
+        origin: plain.origin.clone(),
+    };
     let Some(list) = plain.list() else { return plain.clone() };
     let parts = list.iter().enumerate().map(|(place, part)| match part.list().filter(|_| rows) {
         Some(row) => {
             let cells = row.iter().enumerate();
             let cells =
                 cells.map(|(k, cell)| if measured.may_be_relative(k) { number(place) } else { cell.clone() });
-            Setting { datum: Datum::List(cells.collect()), origin: part.origin.clone() }
+            LocatedValue { datum: ParameterValue::List(cells.collect()), origin: part.origin.clone() }
         }
         None => number(place),
     });
-    Setting { datum: Datum::List(parts.collect()), origin: plain.origin.clone() }
+    LocatedValue { datum: ParameterValue::List(parts.collect()), origin: plain.origin.clone() }
 }
 
 /// A polygon in the place of one whose corners are not known.
-fn triangle(setting: &Setting) -> Setting {
-    let number = |x: f64| Setting::from(Datum::Number(x));
-    let corner = |[s, g]: [f64; 2]| Setting::from(Datum::List(vec![number(s), number(g)]));
+fn triangle(setting: &LocatedValue) -> LocatedValue {
+    let number = |x: f64| LocatedValue::from(ParameterValue::Number(x));
+    let corner = |[s, g]: [f64; 2]| LocatedValue::from(ParameterValue::List(vec![number(s), number(g)]));
     let corners = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]].map(corner);
-    Setting { datum: Datum::List(corners.to_vec()), origin: setting.origin.clone() }
+    LocatedValue { datum: ParameterValue::List(corners.to_vec()), origin: setting.origin.clone() }
 }

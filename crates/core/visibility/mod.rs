@@ -24,4 +24,4 @@ mod rays;
 pub use centroid::centroid_order;
 pub use disorder::{Disorder, disorder};
 pub use faces::Faces;
-pub use order::{FaceOrder, WhyNot};
+pub use order::{FaceOrder, OrderError};

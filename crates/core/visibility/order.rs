@@ -31,7 +31,7 @@ pub struct FaceOrder {
 
 /// Why a grid has no order of its cells that is known to be exact.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum WhyNot {
+pub enum OrderError {
     /// So many faces have three cells or more.
     Crowded(u64),
     /// So many faces have both cells on one side.
@@ -42,13 +42,13 @@ pub enum WhyNot {
     Cyclic(usize),
 }
 
-impl fmt::Display for WhyNot {
+impl fmt::Display for OrderError {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
-            WhyNot::Crowded(count) => write!(f, "{count} faces have more than two cells"),
-            WhyNot::Folded(count) => write!(f, "the cells of {count} faces lie on one side of them"),
-            WhyNot::Unclear(count) => write!(f, "parts of the grid lie in each other at {count} pixels"),
-            WhyNot::Cyclic(count) => write!(f, "{count} cells hide each other in circles"),
+            OrderError::Crowded(count) => write!(f, "{count} faces have more than two cells"),
+            OrderError::Folded(count) => write!(f, "the cells of {count} faces lie on one side of them"),
+            OrderError::Unclear(count) => write!(f, "parts of the grid lie in each other at {count} pixels"),
+            OrderError::Cyclic(count) => write!(f, "{count} cells hide each other in circles"),
         }
     }
 }
@@ -66,13 +66,13 @@ impl Faces {
     /// The order of all cells of the grid, which these are the faces of, as a camera sees them; or why none is known.
     ///
     /// Errors: a camera out of range.
-    pub fn order(&self, grid: &Grid, camera: &Camera) -> Result<std::result::Result<FaceOrder, WhyNot>> {
+    pub fn order(&self, grid: &Grid, camera: &Camera) -> Result<std::result::Result<FaceOrder, OrderError>> {
         let forward = camera.frame()?.forward;
         if self.crowded > 0 {
-            return Ok(Err(WhyNot::Crowded(self.crowded)));
+            return Ok(Err(OrderError::Crowded(self.crowded)));
         }
         if self.folded > 0 {
-            return Ok(Err(WhyNot::Folded(self.folded)));
+            return Ok(Err(OrderError::Folded(self.folded)));
         }
         let (points, cells) = (&grid.points[..], &grid.tetrahedra[..]);
         let Gaps { relations, unclear } = match self.is_convex {
@@ -80,7 +80,7 @@ impl Faces {
             false => gaps(self, points, cells, camera)?,
         };
         if unclear > 0 {
-            return Ok(Err(WhyNot::Unclear(unclear)));
+            return Ok(Err(OrderError::Unclear(unclear)));
         }
         let eye = match camera.projection {
             Projection::Perspective { .. } => Eye::At(camera.eye),
@@ -97,7 +97,7 @@ impl Faces {
         }
         Ok(match left.len() {
             0 => Ok(FaceOrder { cells: order, across_gaps: relations.across.len(), taken_out }),
-            _ => Err(WhyNot::Cyclic(relations.in_circles(&left).len())),
+            _ => Err(OrderError::Cyclic(relations.in_circles(&left).len())),
         })
     }
 

@@ -17,7 +17,7 @@ use voltet_core::progress::Progress;
 use voltet_core::transfer::{Support, TransferFunction};
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
-use voltet_optics::shading::Order;
+use voltet_optics::shading::VisibilityOrder;
 use voltet_simd::LaneSet;
 
 /// Optical depth that all culled cells together may have along the longest ray: a tenth of the 1e-6 that a
@@ -174,7 +174,7 @@ impl Known {
         View::new(camera, cells.length, [0.0; 2])?;
         attributes_of(&cells, transfer_function)?;
         let count = u32::try_from(self.volume.grid.tetrahedra.len()).map_err(|_| {
-            Error::run("the grid has too many tetrahedra").accepted(format!("at most {}", u32::MAX))
+            Error::run("the grid has too many tetrahedra").expected(format!("at most {}", u32::MAX))
         })?;
         (cells.kept, cells.no_leave_out) = (Arc::new((0..count).collect()), true);
         cells.faces = Some(KnownFaces::none().with(&cells.kept));
@@ -218,7 +218,7 @@ impl Known {
         Ok(Cells {
             volume: self.volume.clone(),
             kept: Arc::default(),
-            order: Order::Exact,
+            order: VisibilityOrder::Exact,
             culled_by_transfer_function: 0,
             culled_by_frustum: 0,
             not_worth_asking: None,

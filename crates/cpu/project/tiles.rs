@@ -95,7 +95,7 @@ impl Tiles {
     fn begin(&mut self, input: &Input<'_>, part_count: usize) -> Result<()> {
         if part_count > PARTS_MOST {
             return Err(
-                Error::run("too many cells for one picture").accepted("at most 4 thousand million cells")
+                Error::run("too many cells for one picture").expected("at most 4 thousand million cells")
             );
         }
         self.area = input.area;
@@ -118,8 +118,8 @@ impl Tiles {
         }
         if sum > u64::from(u32::MAX) {
             return Err(Error::run("the picture has too many cells in its tiles")
-                .found(sum)
-                .accepted("at most 4 thousand million; draw a part of the grid or a smaller picture"));
+                .got(sum)
+                .expected("at most 4 thousand million; draw a part of the grid or a smaller picture"));
         }
         starts.push(sum as u32);
         entries.clear();

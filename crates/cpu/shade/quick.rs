@@ -7,7 +7,7 @@ use crate::shade::roads::{Form, Part};
 use crate::shade::shaded::{DENSE_LEAST, Shaded};
 use crate::shade::shader::{overlaps, push};
 use crate::shade::stepped::STEPS;
-use voltet_optics::Overlap;
+use voltet_optics::WidgetBlend;
 use voltet_simd::optics::gaussian::Near;
 use voltet_simd::optics::sums::{Sums, Term};
 use voltet_simd::{Float, Lanes, Mask};
@@ -67,7 +67,7 @@ impl Form for OneColor {
 
 /// Widgets whose colour does not vary along the segment, one or more. Segments that want steps are put where those are.
 pub(crate) struct Several {
-    pub overlap: Overlap,
+    pub overlap: WidgetBlend,
     /// See [`super::shader::Shader`].
     pub ordered_from: f32,
 }
@@ -133,7 +133,7 @@ impl Form for Several {
             out.evaluation_count += u64::from((asked & meant).count_ones());
             let overlapping = overlapping & !unsure & L::F::splat(self.ordered_from).lt(sums.product).bits();
             let mut served = 0;
-            if self.overlap == Overlap::Exact && overlapping != 0 {
+            if self.overlap == WidgetBlend::Exact && overlapping != 0 {
                 served = overlapping & sums.is_smooth(terms).bits();
                 let mut rest = overlapping & !served;
                 if rest != 0 {

@@ -5,7 +5,7 @@ use crate::shade::along::Along;
 use crate::shade::kinds::Making;
 use crate::shade::reach::{LEFT_OUT, LaneReach, Spread};
 use voltet_core::transfer::{ControlPoint, OpticalModel, Profile, Region, TransferFunction, Wave, Widget};
-use voltet_optics::{Overlap, Prepared, Segment};
+use voltet_optics::{CompiledTransferFunction, Segment, WidgetBlend};
 use voltet_simd::{Float, Kernel, LaneSet, Lanes, Mask, dispatch};
 
 /// Whether a reach meets a segment, by its stored ends.
@@ -77,7 +77,7 @@ fn what_no_widget_is_asked_of_is_less_than_may_be_left_out() {
                 unit_distance: 1.0,
                 widgets: vec![widget],
             };
-            let exact = Prepared::new(&look).expect("valid");
+            let exact = CompiledTransferFunction::new(&look).expect("valid");
             let (mut state, mut passed) = (number as u64 + 1, 0);
             let mut random = || {
                 state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
@@ -90,7 +90,7 @@ fn what_no_widget_is_asked_of_is_less_than_may_be_left_out() {
                 let back = front.map(|x| (x + size * (random() - 0.5)).clamp(0.0, 1.0));
                 let found = exact.integrate(
                     &Segment { length: 1.0, front, back, fields_front: &[], fields_back: &[] },
-                    Overlap::Exact,
+                    WidgetBlend::Exact,
                 );
                 let ends = [front, back];
                 let met = dispatch(

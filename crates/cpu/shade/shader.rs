@@ -21,17 +21,17 @@ use voltet_core::transfer::{OpticalModel, TransferFunction, Widget};
 use voltet_core::{Error, Result};
 use voltet_optics::integrators::{Extent, SegmentIntegrator};
 use voltet_optics::shading::{Integrator, Shading};
-use voltet_optics::{Overlap, Prepared, Segment};
+use voltet_optics::{CompiledTransferFunction, Segment, WidgetBlend};
 use voltet_simd::optics::elementary::one_minus_exp;
 use voltet_simd::{Float, LaneSet, Lanes, Mask};
 
 /// A transfer function made ready for lanes.
 pub(crate) struct Shader {
     /// Finds overlaps in 64 bits, where there is more than one widget.
-    overlaps: Option<Prepared>,
+    overlaps: Option<CompiledTransferFunction>,
     /// What serves one segment in 64 bits; `None` where lanes serve every one.
     exact: Option<Box<dyn SegmentIntegrator>>,
-    overlap: Overlap,
+    overlap: WidgetBlend,
     /// Pairwise product of depths from which on the order of widgets counts.
     ordered_from: f32,
     pub(super) widgets: Vec<LaneWidget>,
@@ -91,8 +91,8 @@ impl Shader {
         let Scene { attributes, length, ordered, leave_out, .. } = scene;
         if length <= 0.0 || !length.is_finite() {
             return Err(Error::run("the grid has no extent")
-                .found(length)
-                .accepted("points that span a volume"));
+                .got(length)
+                .expected("points that span a volume"));
         }
         let in_lanes = shading.integrator != Integrator::Reference;
         let density_emitter = transfer_function.model == OpticalModel::DensityEmitter;
@@ -124,17 +124,17 @@ impl Shader {
         let quick = closed && density_emitter && widgets.iter().all(|widget| widget.road() == Road::Quick);
         // What mixing leaves is another integrator's choice than the closed forms'.
         let overlap =
-            if shading.integrator == Integrator::Analytic { shading.overlap } else { Overlap::Exact };
+            if shading.integrator == Integrator::Analytic { shading.overlap } else { WidgetBlend::Exact };
         let ordered_from = ordered_from(&shading.integrator, transfer_function);
         let walker = if let Some(why) = missing {
             Err(why)
-        } else if overlap == Overlap::Exact || one_color.is_some() {
+        } else if overlap == WidgetBlend::Exact || one_color.is_some() {
             PanelWalk::new(transfer_function, &widgets, length, one_color.is_some(), !quick, ordered_from)
         } else {
             Err(Left::Mixed)
         };
         let several = transfer_function.widgets.len() > 1;
-        let overlaps = several.then(|| Prepared::new(transfer_function)).transpose()?;
+        let overlaps = several.then(|| CompiledTransferFunction::new(transfer_function)).transpose()?;
         Ok(Shader {
             overlaps,
             exact,

@@ -4,11 +4,11 @@ use std::sync::Arc;
 use voltet_core::Result;
 use voltet_core::camera::Camera;
 use voltet_core::picture::Picture;
-use voltet_core::progress::{Progress, Silent};
+use voltet_core::progress::{NoProgress, Progress};
 use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
 use voltet_cpu::{Casting, Cells, Counts, Known, composite, cull, keep_all, project};
-use voltet_optics::shading::Order;
+use voltet_optics::shading::VisibilityOrder;
 use voltet_simd::LaneSet;
 use voltet_testing::pictures::compare::{NamedScene, SHADING, within};
 use voltet_testing::pictures::grids::{cube, moved, part, smooth, together, two_arms, with_flat_layer};
@@ -22,10 +22,10 @@ const ROUNDING: f64 = 1e-5;
 /// The picture, its counts, and whether its cells were projected.
 fn drawn(scene: &NamedScene, set: impl Fn(&mut Cells)) -> (Picture, Counts, bool) {
     let draw = || -> Result<(Picture, Counts, bool)> {
-        let mut cells = cull(&scene.volume, &scene.look, &scene.camera, &Silent)?;
+        let mut cells = cull(&scene.volume, &scene.look, &scene.camera, &NoProgress)?;
         set(&mut cells);
-        let projection = project(&cells, &scene.look, &scene.camera, false, &Silent)?;
-        let (picture, counts) = composite(&projection, &scene.look, &SHADING, &Silent)?;
+        let projection = project(&cells, &scene.look, &scene.camera, false, &NoProgress)?;
+        let (picture, counts) = composite(&projection, &scene.look, &SHADING, &NoProgress)?;
         Ok((picture, counts, projection.cells_projected().is_some()))
     };
     draw().unwrap_or_else(|e| panic!("{}: {e}", scene.name))
@@ -151,7 +151,7 @@ fn cells_that_are_not_drawn_are_a_boundary() -> Result<()> {
         camera: outside([60, 60]),
     };
     assert_eq!(lost(&scene), 0);
-    let kept = cull(&scene.volume, &scene.look, &scene.camera, &Silent)?.kept.len();
+    let kept = cull(&scene.volume, &scene.look, &scene.camera, &NoProgress)?.kept.len();
     assert!(kept < scene.volume.grid.tetrahedra.len(), "every cell is drawn");
     Ok(())
 }
@@ -165,11 +165,12 @@ fn what_rays_do_not_serve_is_projected() -> Result<()> {
     assert!(drawn(&scene(inside), always).2, "the eye inside");
     let scene = scene(outside([40, 30]));
     assert!(!drawn(&scene, always).2);
-    let unordered = |cells: &mut Cells| (cells.casting, cells.order) = (Casting::Always, Order::None);
+    let unordered =
+        |cells: &mut Cells| (cells.casting, cells.order) = (Casting::Always, VisibilityOrder::None);
     assert!(drawn(&scene, unordered).2, "without order");
     let mut all = keep_all(&scene.volume, &scene.look, &scene.camera)?;
     always(&mut all);
-    let projection = project(&all, &scene.look, &scene.camera, false, &Silent)?;
+    let projection = project(&all, &scene.look, &scene.camera, false, &NoProgress)?;
     assert!(projection.cells_projected().is_none(), "with nothing left out");
     Ok(())
 }
@@ -195,7 +196,7 @@ fn projected(
 ) -> Vec<bool> {
     let projected = |k: i32| -> Result<bool> {
         let camera = perspective([0.5 + 0.01 * f64::from(k), 0.6, -3.0], [0.5; 3], 30.0, size);
-        let mut cells = known.cull(look, &camera, &Silent)?;
+        let mut cells = known.cull(look, &camera, &NoProgress)?;
         set(&mut cells);
         let projection = project(&cells, look, &camera, false, &Left(left))?;
         Ok(projection.cells_projected().is_some())

@@ -4,7 +4,7 @@
 use voltet_core::Result;
 use voltet_core::camera::Camera;
 use voltet_core::picture::Picture;
-use voltet_core::progress::Silent;
+use voltet_core::progress::NoProgress;
 use voltet_cpu::{Casting, cull, draw};
 use voltet_simd::LaneSet;
 use voltet_testing::pictures::compare::{NamedScene, ORDINARY, SHADING, referee, within};
@@ -12,9 +12,9 @@ use voltet_testing::pictures::grids::{cube, smooth};
 use voltet_testing::pictures::looks::{one_gaussian, orthographic, outside, overlapping, perspective, ramp};
 
 fn picture(scene: &NamedScene, lanes: LaneSet, casting: Casting) -> Result<Picture> {
-    let mut cells = cull(&scene.volume, &scene.look, &scene.camera, &Silent)?;
+    let mut cells = cull(&scene.volume, &scene.look, &scene.camera, &NoProgress)?;
     (cells.lanes, cells.casting) = (lanes, casting);
-    Ok(draw(&cells, &scene.look, &scene.camera, &SHADING, &Silent)?.0)
+    Ok(draw(&cells, &scene.look, &scene.camera, &SHADING, &NoProgress)?.0)
 }
 
 #[test]

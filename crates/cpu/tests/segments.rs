@@ -3,9 +3,9 @@
 use voltet_core::transfer::{ControlPoint, OpticalModel, Profile, TransferFunction, Wave, Widget};
 use voltet_cpu::{Segments, segments};
 use voltet_judge::{Case, Report, judge_cases, shipped};
-use voltet_optics::engine::Forms;
+use voltet_optics::engine::SegmentEvaluator;
 use voltet_optics::shading::{Integrator, Shading};
-use voltet_optics::{Overlap, Segment};
+use voltet_optics::{Segment, WidgetBlend};
 
 /// Each value that broke its bound, and why the lanes left cases to 64 bits.
 fn shown(report: &Report) -> String {
@@ -29,7 +29,7 @@ fn shown(report: &Report) -> String {
 }
 
 fn reports(cases: &[Case], sets: &[Segments]) -> Vec<Report> {
-    let forms: Vec<&dyn Forms> = sets.iter().map(|set| set as &dyn Forms).collect();
+    let forms: Vec<&dyn SegmentEvaluator> = sets.iter().map(|set| set as &dyn SegmentEvaluator).collect();
     judge_cases(cases, &forms).expect("the engine draws")
 }
 
@@ -68,7 +68,7 @@ fn no_segment_depends_on_its_neighbours() {
         ],
         vec![widget(Profile::PiecewiseLinear { points }, 0.0, [0.0; 3])],
     ];
-    let (integrator, overlap) = (Integrator::Analytic, Overlap::Exact);
+    let (integrator, overlap) = (Integrator::Analytic, WidgetBlend::Exact);
     let shading = Shading { integrator, overlap, silhouette: None, light: None };
     // Any 300 segments; the first spans what all of them do, so that lists with it are scaled alike.
     let share = |i: usize, step: f64| (0.5 + i as f64 * step).fract();

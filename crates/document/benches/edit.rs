@@ -5,7 +5,7 @@
 use std::hint::black_box;
 use std::time::Instant;
 use voltet_document::{Delta, Document, Edit, Gesture};
-use voltet_graph::Datum;
+use voltet_graph::ParameterValue;
 use voltet_graph::pipeline::Pipeline;
 
 const NODES: usize = 200;
@@ -57,7 +57,8 @@ fn main() {
         "all of a document made from a text",
         median(|_| drop(black_box(Document::from_text(text.clone(), None)))),
     );
-    let widget = |i: usize| Edit::set("look_25", "widgets.0.centre.0", Datum::Number(i as f64 / 7.0));
+    let widget =
+        |i: usize| Edit::set("look_25", "widgets.0.centre.0", ParameterValue::Number(i as f64 / 7.0));
     told(
         "a widget dragged by one step, in all",
         median(|i| document.edit_in(Gesture(1), &widget(i)).unwrap()),

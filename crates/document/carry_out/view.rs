@@ -5,7 +5,7 @@ use crate::path::Path;
 use crate::view::{NodeView, View, place};
 use voltet_core::{Error, Result};
 use voltet_graph::pipeline::EDITOR;
-use voltet_graph::{Datum, Setting};
+use voltet_graph::{LocatedValue, ParameterValue};
 
 impl Work {
     pub(super) fn move_nodes(
@@ -63,10 +63,10 @@ impl Work {
     }
 
     /// Puts a frame or a note, each on a line of its own.
-    pub(super) fn put(&mut self, list: &str, number: usize, datum: &Datum) -> Result<()> {
+    pub(super) fn put(&mut self, list: &str, number: usize, datum: &ParameterValue) -> Result<()> {
         let path = Path::from([EDITOR, list]);
         let count = self.survey.editor.iter().find(|field| field.name == list);
-        match count.and_then(|field| field.setting.list()).map_or(0, <[Setting]>::len) {
+        match count.and_then(|field| field.setting.list()).map_or(0, <[LocatedValue]>::len) {
             0 if number == 0 => {
                 self.draft.unset(&path)?;
                 self.draft.settle()?;
@@ -80,10 +80,10 @@ impl Work {
     pub(super) fn take(&mut self, list: &str, number: usize) -> Result<()> {
         let path = Path::from([EDITOR, list]);
         let entries = self.survey.editor.iter().find(|field| field.name == list);
-        match entries.and_then(|field| field.setting.list()).map_or(0, <[Setting]>::len) {
+        match entries.and_then(|field| field.setting.list()).map_or(0, <[LocatedValue]>::len) {
             1 if number == 0 => self.draft.unset(&path),
             count if number < count => self.draft.unset(&path.with(number)),
-            _ => Err(Error::usage("there is no such thing in the view").found(path.with(number))),
+            _ => Err(Error::usage("there is no such thing in the view").got(path.with(number))),
         }
     }
 }

@@ -1,23 +1,25 @@
 //! Values to begin with, where the file states none and none holds.
 
 use super::{Control, Row};
-use voltet_graph::{Datum, Field, Kind, Parameter, ParameterType, Range, Setting, Standard};
+use voltet_graph::{
+    DefaultValue, Field, LocatedValue, Parameter, ParameterType, ParameterValue, Range, VariantSchema,
+};
 
 impl Row {
     /// A value to begin with; none of what is typed as text.
-    pub fn begin(&self) -> Option<Datum> {
+    pub fn begin(&self) -> Option<ParameterValue> {
         let within = |range: &Range| 1.0f64.clamp(range.min, range.max);
-        let several = |one: Datum, count: usize| Datum::List(vec![one.into(); count]);
+        let several = |one: ParameterValue, count: usize| ParameterValue::List(vec![one.into(); count]);
         match &self.control {
-            Control::Integer(range) => Some(Datum::Integer(within(range) as i64)),
-            Control::Number { range, .. } => Some(Datum::Number(within(range))),
+            Control::Integer(range) => Some(ParameterValue::Integer(within(range) as i64)),
+            Control::Number { range, .. } => Some(ParameterValue::Number(within(range))),
             Control::Vector { count: Some(count), range, whole: true, .. } => {
-                Some(several(Datum::Integer(within(range) as i64), *count))
+                Some(several(ParameterValue::Integer(within(range) as i64), *count))
             }
             // Two numbers that may be negative are a range.
             Control::Vector { count: Some(2), range, .. } if range.min < 0.0 => Some(numbers(&[0.0, 1.0])),
             Control::Vector { count: Some(count), range, .. } => {
-                Some(several(Datum::Number(within(range)), *count))
+                Some(several(ParameterValue::Number(within(range)), *count))
             }
             Control::Colour { .. } => Some(numbers(&[1.0; 3])),
             Control::Toggle
@@ -38,21 +40,21 @@ impl Row {
 
 /// A new entry of a list of tables, such as a widget: what is required has a value to begin with, in the middle of the data
 /// where it lies in them; but for names of arrays and files.
-pub fn begun(kind: &Kind) -> Datum {
-    let field = |name: &str, datum: Datum| Field {
+pub fn begun(kind: &VariantSchema) -> ParameterValue {
+    let field = |name: &str, datum: ParameterValue| Field {
         name: name.into(),
         origin: Default::default(),
         setting: datum.into(),
     };
     let is_needed = |parameter: &&Parameter| {
-        matches!(parameter.standard, Standard::Required) || (parameter.name == "sigma")
+        matches!(parameter.standard, DefaultValue::Required) || (parameter.name == "sigma")
     };
     let needed = kind.parameters.iter().filter(is_needed);
     let values = needed.filter_map(|parameter| Some(field(parameter.name, value(parameter)?)));
-    Datum::Table(std::iter::once(field("kind", text(kind.name))).chain(values).collect())
+    ParameterValue::Table(std::iter::once(field("kind", text(kind.name))).chain(values).collect())
 }
 
-fn value(parameter: &Parameter) -> Option<Datum> {
+fn value(parameter: &Parameter) -> Option<ParameterValue> {
     // Of s, of s and g, or of any fields.
     let one_or_more = |both: [&str; 2]| match parameter.parameter_type {
         ParameterType::Measured(measured) => match measured.plain {
@@ -64,17 +66,17 @@ fn value(parameter: &Parameter) -> Option<Datum> {
     };
     Some(match parameter.name {
         "color" => numbers(&[1.0, 0.6, 0.2]),
-        "extinction" => Datum::Number(10.0),
+        "extinction" => ParameterValue::Number(10.0),
         "centre" => one_or_more(["50 %", "0 %"]),
         "sigma" => one_or_more(["10 %", "20 %"]),
         "period" => text("10 %"),
-        "points" => Datum::List(vec![
+        "points" => ParameterValue::List(vec![
             numbers(&[0.0, 0.1, 0.2, 0.9, 0.0]).into(),
             numbers(&[1.0, 1.0, 0.6, 0.2, 10.0]).into(),
         ]),
         // The axes of a picture that is a table.
         "s" | "g" => texts(&["0 %", "100 %"]),
-        "region" => Datum::Table(vec![Field {
+        "region" => ParameterValue::Table(vec![Field {
             name: "s".into(),
             origin: Default::default(),
             setting: texts(&["25 %", "75 %"]).into(),
@@ -83,14 +85,14 @@ fn value(parameter: &Parameter) -> Option<Datum> {
     })
 }
 
-fn text(text: &str) -> Datum {
-    Datum::Text(text.into())
+fn text(text: &str) -> ParameterValue {
+    ParameterValue::Text(text.into())
 }
 
-fn texts(list: &[&str]) -> Datum {
-    Datum::List(list.iter().map(|one| Setting::from(text(one))).collect())
+fn texts(list: &[&str]) -> ParameterValue {
+    ParameterValue::List(list.iter().map(|one| LocatedValue::from(text(one))).collect())
 }
 
-fn numbers(list: &[f64]) -> Datum {
-    Datum::List(list.iter().map(|&x| Setting::from(Datum::Number(x))).collect())
+fn numbers(list: &[f64]) -> ParameterValue {
+    ParameterValue::List(list.iter().map(|&x| LocatedValue::from(ParameterValue::Number(x))).collect())
 }

@@ -1,6 +1,8 @@
 //! How a parameter is changed, by what its declaration says.
 
-use voltet_graph::{Along, Kind, Measure, Measured, Parameter, ParameterType, Range, Registry};
+use voltet_graph::{
+    AxisRef, Parameter, ParameterType, Range, Registry, RelativeNumberType, StatisticKind, VariantSchema,
+};
 
 /// The least factor between the ends of a range for which a slider goes by factors.
 const LOGARITHMIC: f64 = 1e3;
@@ -18,7 +20,7 @@ pub enum Scale {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Relative {
     /// What they are: whether percentiles ("p90") may stand there, or shares ("25 %") alone.
-    pub is: Measure,
+    pub is: StatisticKind,
     /// How many places of a row may be relative; all where it is none.
     pub places: Option<usize>,
 }
@@ -81,7 +83,7 @@ pub enum Control {
     /// A table; its rows are in [`Row::rows`](super::Row::rows).
     Table,
     /// A list of tables of these kinds; they are in [`Row::entries`](super::Row::entries).
-    Entries(&'static [Kind]),
+    Entries(&'static [VariantSchema]),
 }
 
 impl Control {
@@ -139,10 +141,10 @@ impl Scale {
 }
 
 impl Relative {
-    fn of(measured: &Measured) -> Relative {
+    fn of(measured: &RelativeNumberType) -> Relative {
         let places = match measured.along {
-            Along::Places(names) => Some(names.len()),
-            Along::Every(_) | Along::Names(_) | Along::EveryPer(..) | Along::NamesPer(..) => None,
+            AxisRef::Places(names) => Some(names.len()),
+            AxisRef::Every(_) | AxisRef::Names(_) | AxisRef::EveryPer(..) | AxisRef::NamesPer(..) => None,
         };
         Relative { is: measured.is, places }
     }

@@ -11,7 +11,9 @@ pub use typed::{rounded, shown, typed};
 
 use crate::Document;
 use crate::path::Path;
-use voltet_graph::{Datum, Field, Kind, Parameter, ParameterType, Registry, Setting, Standard};
+use voltet_graph::{
+    DefaultValue, Field, LocatedValue, Parameter, ParameterType, ParameterValue, Registry, VariantSchema,
+};
 
 /// A parameter as a row.
 #[derive(Debug, Clone)]
@@ -23,9 +25,9 @@ pub struct Row {
     /// How it is changed.
     pub control: Control,
     /// What the file states.
-    pub stated: Option<Datum>,
+    pub stated: Option<ParameterValue>,
     /// What holds where the file states nothing, or why that is nothing.
-    pub standard: Option<Datum>,
+    pub standard: Option<ParameterValue>,
     /// The rows within it: of a table.
     pub rows: Vec<Row>,
     /// The entries of a list of tables.
@@ -38,29 +40,32 @@ pub struct Entry {
     /// What leads to it from the node's table.
     pub path: Path,
     /// Its kind; none where the file names none that is known.
-    pub kind: Option<&'static Kind>,
+    pub kind: Option<&'static VariantSchema>,
     /// Its parameters.
     pub rows: Vec<Row>,
 }
 
 impl Row {
     /// The value that holds: stated, else the standard one.
-    pub fn value(&self) -> Option<&Datum> {
+    pub fn value(&self) -> Option<&ParameterValue> {
         self.stated.as_ref().or(self.standard.as_ref())
     }
 
     /// Whether the value is given relative to data: texts in place of numbers.
     pub fn is_relative(&self) -> bool {
-        fn has_text(datum: &Datum) -> bool {
+        fn has_text(datum: &ParameterValue) -> bool {
             match datum {
-                Datum::Text(_) => true,
-                Datum::List(list) => list.iter().any(|part| has_text(&part.datum)),
-                Datum::Boolean(_) | Datum::Integer(_) | Datum::Number(_) | Datum::Table(_) => false,
+                ParameterValue::Text(_) => true,
+                ParameterValue::List(list) => list.iter().any(|part| has_text(&part.datum)),
+                ParameterValue::Boolean(_)
+                | ParameterValue::Integer(_)
+                | ParameterValue::Number(_)
+                | ParameterValue::Table(_) => false,
             }
         }
         match &self.control {
             Control::Number { word, relative: Some(_), .. } => match self.value() {
-                Some(Datum::Text(text)) => Some(text.as_str()) != *word,
+                Some(ParameterValue::Text(text)) => Some(text.as_str()) != *word,
                 _ => false,
             },
             Control::Vector { relative: Some(_), .. } | Control::Rows { relative: Some(_), .. } => {
@@ -72,7 +77,7 @@ impl Row {
 
     /// Whether the file must state it, and does not.
     pub fn is_missing(&self) -> bool {
-        self.stated.is_none() && matches!(self.parameter.standard, Standard::Required)
+        self.stated.is_none() && matches!(self.parameter.standard, DefaultValue::Required)
     }
 
     /// What holds where nothing is stated, in words: "0.5", "no widgets: an empty picture", "required".
@@ -91,7 +96,7 @@ impl Document {
         let method =
             node.method().and_then(|method| rows.iter().find(|row| row.parameter.name == method.name));
         let word = method.and_then(Row::value).and_then(|datum| match datum {
-            Datum::Text(word) => Some(word.clone()),
+            ParameterValue::Text(word) => Some(word.clone()),
             _ => None,
         });
         if let Some(filter) = word.and_then(|word| registry.find_filter(&word).ok()) {
@@ -109,10 +114,11 @@ fn rows(registry: &Registry, declared: &'static [Parameter], stated: &[Field], p
         let path = path.with(parameter.name);
         let (mut inner, mut entries) = (Vec::new(), Vec::new());
         if let ParameterType::Table(declared) = parameter.parameter_type {
-            inner = rows(registry, declared, setting.and_then(Setting::table).unwrap_or_default(), &path);
+            inner =
+                rows(registry, declared, setting.and_then(LocatedValue::table).unwrap_or_default(), &path);
         }
         if let ParameterType::Kinds(kinds) = parameter.parameter_type {
-            let list = setting.and_then(Setting::list).unwrap_or_default();
+            let list = setting.and_then(LocatedValue::list).unwrap_or_default();
             entries =
                 list.iter().enumerate().map(|(i, one)| entry(registry, kinds, one, path.with(i))).collect();
         }
@@ -129,7 +135,7 @@ fn rows(registry: &Registry, declared: &'static [Parameter], stated: &[Field], p
     declared.iter().map(row).collect()
 }
 
-fn entry(registry: &Registry, kinds: &'static [Kind], setting: &Setting, path: Path) -> Entry {
+fn entry(registry: &Registry, kinds: &'static [VariantSchema], setting: &LocatedValue, path: Path) -> Entry {
     let fields = setting.table().unwrap_or_default();
     let word = fields.iter().find(|field| field.name == "kind").and_then(|field| field.setting.text());
     let kind = kinds.iter().find(|kind| Some(kind.name) == word);

@@ -4,48 +4,51 @@ use super::Row;
 use super::control::Control;
 use voltet_core::{Error, Result};
 use voltet_graph::pipeline::value;
-use voltet_graph::{Datum, Field, Parameters, Setting, suggest};
+use voltet_graph::{Field, LocatedValue, ParameterValue, Parameters, suggest};
 
 /// What a text typed for a row says: a number as it is, "25 %" and "p90" where that may stand, several numbers with commas or
 /// spaces between, in brackets or not, texts without quotes. Errors say in words what is wrong and what would be right.
-pub fn typed(row: &Row, text: &str) -> Result<Datum> {
+pub fn typed(row: &Row, text: &str) -> Result<ParameterValue> {
     let text = text.trim();
     let datum = match &row.control {
         Control::Text | Control::Array | Control::InputFile | Control::OutputFile | Control::Choice(_) => {
-            Datum::Text(text.to_string())
+            ParameterValue::Text(text.to_string())
         }
         Control::Toggle => match text {
-            "on" | "yes" => Datum::Boolean(true),
-            "off" | "no" => Datum::Boolean(false),
+            "on" | "yes" => ParameterValue::Boolean(true),
+            "off" | "no" => ParameterValue::Boolean(false),
             other => read(other),
         },
         Control::Integer(_) | Control::Number { .. } => read(text),
-        Control::Texts | Control::Arrays => list(text, &|part| Datum::Text(part.to_string())),
+        Control::Texts | Control::Arrays => list(text, &|part| ParameterValue::Text(part.to_string())),
         Control::Colour { .. } => match hexadecimal(text) {
             Some(colour) => colour,
             None => list(text, &read),
         },
         Control::Vector { .. } => list(text, &read),
         Control::Rows { .. } | Control::Table | Control::Entries(_) => {
-            value(&text.replace(['\r', '\n'], " ")).map_or_else(|| Datum::Text(text.to_string()), |v| v.datum)
+            value(&text.replace(['\r', '\n'], " "))
+                .map_or_else(|| ParameterValue::Text(text.to_string()), |v| v.datum)
         }
     };
     // Which gradient filters there are is not in the declaration.
-    if let (Control::Choice(words), Datum::Text(text)) = (&row.control, &datum)
+    if let (Control::Choice(words), ParameterValue::Text(text)) = (&row.control, &datum)
         && !words.iter().any(|(word, _)| word == text)
     {
-        let error = Error::usage(format!("'{}' does not know this word", row.parameter.name)).found(&datum);
-        return Err(error.accepted(suggest(text, words.iter().map(|(word, _)| *word))));
+        let error = Error::usage(format!("'{}' does not know this word", row.parameter.name)).got(&datum);
+        return Err(error.expected(suggest(text, words.iter().map(|(word, _)| *word))));
     }
     let field = Field {
         name: row.parameter.name.to_string(),
         origin: Default::default(),
-        setting: Setting::from(datum.clone()),
+        setting: LocatedValue::from(datum.clone()),
     };
     Parameters::check(vec![*row.parameter], &[field], &Default::default(), &[]).map_err(
         |error| match &datum {
-            Datum::Text(text) if text.contains(',') && text.replace(',', ".").parse::<f64>().is_ok() => {
-                Error::usage("a number has a point, not a comma").found(text).accepted(text.replace(',', "."))
+            ParameterValue::Text(text)
+                if text.contains(',') && text.replace(',', ".").parse::<f64>().is_ok() =>
+            {
+                Error::usage("a number has a point, not a comma").got(text).expected(text.replace(',', "."))
             }
             _ => error,
         },
@@ -54,10 +57,12 @@ pub fn typed(row: &Row, text: &str) -> Result<Datum> {
 }
 
 /// A value as it is shown for typing: what [`typed`] reads again.
-pub fn shown(datum: &Datum) -> String {
+pub fn shown(datum: &ParameterValue) -> String {
     match datum {
-        Datum::Text(text) => text.clone(),
-        Datum::List(list) if list.iter().all(|part| part.list().is_none() && part.table().is_none()) => {
+        ParameterValue::Text(text) => text.clone(),
+        ParameterValue::List(list)
+            if list.iter().all(|part| part.list().is_none() && part.table().is_none()) =>
+        {
             list.iter().map(|part| shown(&part.datum)).collect::<Vec<_>>().join(", ")
         }
         other => other.to_string(),
@@ -76,36 +81,38 @@ pub fn rounded(x: f64, step: f64) -> f64 {
 }
 
 /// A word as a number or a flag, else as a text.
-fn read(text: &str) -> Datum {
+fn read(text: &str) -> ParameterValue {
     match value(text) {
-        Some(Setting {
-            datum: datum @ (Datum::Integer(_) | Datum::Number(_) | Datum::Boolean(_)), ..
+        Some(LocatedValue {
+            datum:
+                datum @ (ParameterValue::Integer(_) | ParameterValue::Number(_) | ParameterValue::Boolean(_)),
+            ..
         }) => datum,
-        Some(Setting { datum: Datum::Text(text), .. }) => Datum::Text(text),
+        Some(LocatedValue { datum: ParameterValue::Text(text), .. }) => ParameterValue::Text(text),
         // ".5" and "1." are no TOML, and numbers all the same.
-        _ => text.parse().map_or_else(|_| Datum::Text(text.to_string()), Datum::Number),
+        _ => text.parse().map_or_else(|_| ParameterValue::Text(text.to_string()), ParameterValue::Number),
     }
 }
 
 /// Parts with commas between, or spaces where there is no comma.
-fn list(text: &str, part: &dyn Fn(&str) -> Datum) -> Datum {
-    if let Some(Setting { datum: datum @ Datum::List(_), .. }) = value(text) {
+fn list(text: &str, part: &dyn Fn(&str) -> ParameterValue) -> ParameterValue {
+    if let Some(LocatedValue { datum: datum @ ParameterValue::List(_), .. }) = value(text) {
         return datum;
     }
     let inner = text.strip_prefix('[').and_then(|text| text.strip_suffix(']')).unwrap_or(text);
     let is_separator = |c: char| if inner.contains(',') { c == ',' } else { c.is_whitespace() };
     let parts =
         inner.split(is_separator).map(|part| part.trim().trim_matches('"')).filter(|part| !part.is_empty());
-    Datum::List(parts.map(|text| Setting::from(part(text))).collect())
+    ParameterValue::List(parts.map(|text| LocatedValue::from(part(text))).collect())
 }
 
 /// "#ff8000" as linear numbers: the file's colours are linear, screens' are sRGB (IEC 61966-2-1).
-fn hexadecimal(text: &str) -> Option<Datum> {
+fn hexadecimal(text: &str) -> Option<ParameterValue> {
     let digits = text.strip_prefix('#').filter(|digits| digits.len() == 6 && digits.is_ascii())?;
     let channel = |i: usize| {
         let x = f64::from(u8::from_str_radix(&digits[2 * i..2 * i + 2], 16).ok()?) / 255.0;
         let linear = if x <= 0.04045 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) };
-        Some(Setting::from(Datum::Number(rounded(linear, 1e-4))))
+        Some(LocatedValue::from(ParameterValue::Number(rounded(linear, 1e-4))))
     };
-    Some(Datum::List((0..3).map(channel).collect::<Option<_>>()?))
+    Some(ParameterValue::List((0..3).map(channel).collect::<Option<_>>()?))
 }

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use voltet_document::{Document, Edit};
-use voltet_graph::{Datum, Setting};
+use voltet_graph::{LocatedValue, ParameterValue};
 
 const FILE: &str = "\
 # A file.
@@ -44,12 +44,12 @@ type = \"camera\"
 size = [8, 6]
 ";
 
-fn number(x: f64) -> Datum {
-    Datum::Number(x)
+fn number(x: f64) -> ParameterValue {
+    ParameterValue::Number(x)
 }
 
-fn list(parts: &[f64]) -> Datum {
-    Datum::List(parts.iter().map(|x| Setting::from(Datum::Number(*x))).collect())
+fn list(parts: &[f64]) -> ParameterValue {
+    ParameterValue::List(parts.iter().map(|x| LocatedValue::from(ParameterValue::Number(*x))).collect())
 }
 
 /// Carries edits out and holds what changed, line by line, against what is wanted: lines with - are gone, with + new.
@@ -96,7 +96,7 @@ fn difference(old: &str, new: &str) -> String {
 fn values_change_where_they_stand() {
     changes(
         FILE,
-        &[Edit::set("grid", "path", Datum::Text("b c.vtu".into()))],
+        &[Edit::set("grid", "path", ParameterValue::Text("b c.vtu".into()))],
         "-path = \"a.vtu\"\n+path = \"b c.vtu\"\n",
     );
     changes(FILE, &[Edit::set("look", "widgets.1.centre.1", number(2.5))], "-  2.0, # g\n+  2.5, # g\n");
@@ -116,10 +116,10 @@ fn values_change_where_they_stand() {
 fn new_keys_stand_before_what_feeds_the_node_and_in_the_table_that_is_there() {
     changes(
         FILE,
-        &[Edit::set("gradient", "method", Datum::Text("quadratic-fit".into()))],
+        &[Edit::set("gradient", "method", ParameterValue::Text("quadratic-fit".into()))],
         "+method = \"quadratic-fit\"\n",
     );
-    let text = after(FILE, &[Edit::set("gradient", "method", Datum::Text("x".into()))]);
+    let text = after(FILE, &[Edit::set("gradient", "method", ParameterValue::Text("x".into()))]);
     assert!(text.contains("type = \"gradient-magnitude\"\nmethod = \"x\"\ninputs ="), "{text}");
     changes(FILE, &[Edit::set("look", "widgets.1.sigma.low", number(1.0))], "+sigma = { low = 1.0 }\n");
     changes(FILE, &[Edit::set("view", "light.a.b", number(1.0))], "+light = { a = { b = 1.0 } }\n");
@@ -182,10 +182,10 @@ fn widgets_come_and_go_with_their_comments() {
         gaussian < moved.find("# end of look").unwrap() && moved.find("# end of look").unwrap() < other,
         "{moved}"
     );
-    let entry = Datum::Table(vec![voltet_graph::Field {
+    let entry = ParameterValue::Table(vec![voltet_graph::Field {
         name: "kind".into(),
         origin: Default::default(),
-        setting: Datum::Text("new".into()).into(),
+        setting: ParameterValue::Text("new".into()).into(),
     }]);
     let insert = |place| Edit::Insert { node: "look".into(), list: list(), place, entry: entry.clone() };
     let last = after(FILE, &[insert(2)]);
@@ -255,7 +255,7 @@ fn keys_with_points_within_a_value_are_left_to_hands() {
         assert!(error.contains("by keys with points within a value: found a.type"), "{error}");
         assert_eq!(document.text(), text);
     }
-    document.edit(&Edit::set("a", "path", Datum::Text("w".into()))).unwrap();
+    document.edit(&Edit::set("a", "path", ParameterValue::Text("w".into()))).unwrap();
     assert_eq!(document.text(), text.replace("\"y\"", "\"w\""));
 }
 

@@ -4,7 +4,7 @@
 
 use voltet_document::panel::{Control, Row, Scale, rounded, shown, typed};
 use voltet_document::{Document, Edit};
-use voltet_graph::{Datum, Measure, Registry, Setting};
+use voltet_graph::{LocatedValue, ParameterValue, Registry, StatisticKind};
 
 const FILE: &str = r#"
 [pipeline]
@@ -43,8 +43,8 @@ fn row(node: &str, name: &str) -> Row {
     rows(node).into_iter().find(|row| row.parameter.name == name).unwrap()
 }
 
-fn numbers(list: &[f64]) -> Datum {
-    Datum::List(list.iter().map(|x| Setting::from(Datum::Number(*x))).collect())
+fn numbers(list: &[f64]) -> ParameterValue {
+    ParameterValue::List(list.iter().map(|x| LocatedValue::from(ParameterValue::Number(*x))).collect())
 }
 
 #[test]
@@ -52,7 +52,7 @@ fn a_row_says_what_holds_and_whether_the_file_says_so() {
     let fov = row("view", "fov_y");
     assert_eq!(
         (fov.stated.clone(), fov.value().cloned()),
-        (Some(Datum::Number(30.0)), Some(Datum::Number(30.0)))
+        (Some(ParameterValue::Number(30.0)), Some(ParameterValue::Number(30.0)))
     );
     let up = row("view", "up");
     assert!(up.stated.is_none() && up.value().is_some() && !up.is_missing());
@@ -87,7 +87,7 @@ fn controls_are_by_kind() {
     let Control::Vector { relative: Some(relative), .. } = centre.control else {
         panic!("{:?}", centre.control)
     };
-    assert_eq!(relative.is, Measure::Value);
+    assert_eq!(relative.is, StatisticKind::Value);
     assert_eq!(centre.path, "widgets.0.centre".into());
     let color = widgets.entries[0].rows.iter().find(|row| row.parameter.name == "color").unwrap();
     assert!(matches!(color.control, Control::Colour { most: f64::INFINITY }));
@@ -123,13 +123,16 @@ fn every_text_and_every_three_numbers_are_told_apart() {
 #[test]
 fn what_is_typed_is_read_as_it_is_meant_or_refused_in_words() {
     let unit = row("look", "unit_distance");
-    assert_eq!(typed(&unit, " .5 ").unwrap(), Datum::Number(0.5));
-    assert_eq!(typed(&unit, "3").unwrap(), Datum::Integer(3));
-    assert_eq!(typed(&unit, "auto").unwrap(), Datum::Text("auto".into()));
+    assert_eq!(typed(&unit, " .5 ").unwrap(), ParameterValue::Number(0.5));
+    assert_eq!(typed(&unit, "3").unwrap(), ParameterValue::Integer(3));
+    assert_eq!(typed(&unit, "auto").unwrap(), ParameterValue::Text("auto".into()));
     let widgets = row("look", "widgets");
     let centre = widgets.entries[0].rows.iter().find(|row| row.parameter.name == "centre").unwrap();
     assert_eq!(shown(centre.value().unwrap()), "p90, 2.0");
-    let relative = Datum::List(vec![Datum::Text("25 %".into()).into(), Datum::Number(1e-3).into()]);
+    let relative = ParameterValue::List(vec![
+        ParameterValue::Text("25 %".into()).into(),
+        ParameterValue::Number(1e-3).into(),
+    ]);
     assert_eq!(typed(centre, "25 %, 1e-3").unwrap(), relative);
     let eye = row("view", "eye");
     for text in ["1.0 2.0 3.5", "[1.0, 2.0, 3.5]", "1.0,2.0,3.5,"] {
@@ -137,7 +140,7 @@ fn what_is_typed_is_read_as_it_is_meant_or_refused_in_words() {
     }
     let background = row("file", "background");
     assert_eq!(typed(&background, "#ff0080").unwrap(), numbers(&[1.0, 0.0, 0.21586]));
-    assert_eq!(typed(&row("grid", "scalar"), "1.5").unwrap(), Datum::Text("1.5".into()));
+    assert_eq!(typed(&row("grid", "scalar"), "1.5").unwrap(), ParameterValue::Text("1.5".into()));
     for (row, text, wanted) in [
         (row("view", "fov_y"), "200", "'fov_y' is out of range: found 200"),
         (row("view", "fov_y"), "12,5", "a number has a point, not a comma: found 12,5; expected 12.5"),
@@ -171,6 +174,8 @@ fn a_dragged_number_has_the_digits_of_its_step() {
     assert_eq!(rounded(1.23456e-7, 1e-9), 1.235e-7);
     assert!(rounded(f64::INFINITY, 0.1).is_infinite());
     let mut document = Document::from_text(FILE.into(), None);
-    document.edit(&Edit::set("view", "fov_y", Datum::Number(rounded(31.000000000000004, 0.1)))).unwrap();
+    document
+        .edit(&Edit::set("view", "fov_y", ParameterValue::Number(rounded(31.000000000000004, 0.1))))
+        .unwrap();
     assert!(document.text().contains("fov_y = 31.0\n"));
 }

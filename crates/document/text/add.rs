@@ -10,7 +10,7 @@ use crate::path::{Path, Step};
 use voltet_core::parameters::key_text;
 use voltet_core::{Error, Result};
 use voltet_graph::pipeline::EDITOR;
-use voltet_graph::{Datum, Field, Setting};
+use voltet_graph::{Field, LocatedValue, ParameterValue};
 
 /// Tables at so few steps have a header of their own where there is none yet; deeper ones are written on one line.
 const HEADED: usize = 2;
@@ -29,8 +29,8 @@ impl Draft {
             Found::Pieces(pieces) => {
                 let below = syntax.below(&pieces, parent.0.len());
                 if below.iter().any(|step| matches!(step, Step::Entry(_))) {
-                    let error = Error::usage("there is no such entry in the list").found(path);
-                    return Err(error.accepted(format!("a number below {}", below.len())));
+                    let error = Error::usage("there is no such entry in the list").got(path);
+                    return Err(error.expected(format!("a number below {}", below.len())));
                 }
                 self.add_line(&parent, &pieces, &last.key(), value)
             }
@@ -55,10 +55,10 @@ impl Draft {
                 Ok(())
             }
             (ValueKind::List(elements), _) => Err(Error::usage("there is no such entry in the list")
-                .found(path)
-                .accepted(format!("a number below {}", elements.len()))),
+                .got(path)
+                .expected(format!("a number below {}", elements.len()))),
             (ValueKind::Scalar, _) => {
-                Err(Error::usage("a part is asked for of a value that has no parts").found(path))
+                Err(Error::usage("a part is asked for of a value that has no parts").got(path))
             }
         }
     }
@@ -133,9 +133,9 @@ impl Draft {
         let syntax = self.syntax.clone();
         let parent = &path.0[..path.0.len().saturating_sub(1)];
         if let Found::Value(_) = syntax.find(parent)? {
-            return self.add(path, &Datum::Table(fields.to_vec()).to_string());
+            return self.add(path, &ParameterValue::Table(fields.to_vec()).to_string());
         }
-        let is_tables = |setting: &Setting| {
+        let is_tables = |setting: &LocatedValue| {
             setting
                 .list()
                 .is_some_and(|list| !list.is_empty() && list.iter().all(|part| part.table().is_some()))
@@ -176,10 +176,10 @@ impl Draft {
     }
 
     /// Adds assignments to a table, which need not be there.
-    pub fn add_lines(&mut self, table: &Path, values: &[(&str, Datum)]) -> Result<()> {
+    pub fn add_lines(&mut self, table: &Path, values: &[(&str, ParameterValue)]) -> Result<()> {
         let is_there = !matches!(self.syntax.find(&table.0)?, Found::Nothing);
         if !is_there && !values.is_empty() {
-            let line = |(key, value): &(&str, Datum)| format!("{} = {value}\n", key_text(key));
+            let line = |(key, value): &(&str, ParameterValue)| format!("{} = {value}\n", key_text(key));
             let text: String = values.iter().map(line).collect();
             self.add_section(self.end_of_all(), &format!("[{table}]\n{text}"));
             return Ok(());

@@ -7,7 +7,7 @@ use crate::path::Path;
 use std::ops::Range;
 use std::sync::Arc;
 use voltet_core::{Error, Result};
-use voltet_graph::Datum;
+use voltet_graph::ParameterValue;
 
 /// A text that is being changed: where everything stands in it, and what is to be replaced.
 ///
@@ -59,12 +59,12 @@ impl Draft {
     }
 
     /// What stands at a range, to be read as one value; none where it spans lines.
-    pub(super) fn datum(&self, place: &Range<usize>) -> Option<Datum> {
+    pub(super) fn datum(&self, place: &Range<usize>) -> Option<ParameterValue> {
         voltet_graph::pipeline::value(&self.text[place.clone()]).map(|setting| setting.datum)
     }
 }
 
 /// The error where a path leads nowhere.
 pub(super) fn nothing_at(path: &Path) -> Error {
-    Error::usage("there is nothing at this place of the file").found(path)
+    Error::usage("there is nothing at this place of the file").got(path)
 }

@@ -7,7 +7,7 @@ use crate::path::{Path, Step};
 use std::ops::Range;
 use voltet_core::parameters::key_text;
 use voltet_core::{Error, Result};
-use voltet_graph::{Datum, Setting};
+use voltet_graph::{LocatedValue, ParameterValue};
 
 /// Where the entries of a list stand.
 enum Entries<'a> {
@@ -21,7 +21,7 @@ enum Entries<'a> {
 
 impl Draft {
     /// Adds an entry before the one at `place`, or at the end: as the others are written.
-    pub fn insert(&mut self, list: &Path, place: usize, entry: &Datum) -> Result<()> {
+    pub fn insert(&mut self, list: &Path, place: usize, entry: &ParameterValue) -> Result<()> {
         let syntax = self.syntax.clone();
         match self.entries(&syntax, list)? {
             Entries::Inline(value) => {
@@ -38,11 +38,11 @@ impl Draft {
             Entries::Nowhere => {
                 self.refuse_beyond(list, place, 1)?;
                 match (self.own_block(list), entry) {
-                    (Some(block), Datum::Table(_)) => {
+                    (Some(block), ParameterValue::Table(_)) => {
                         self.add_section(block.end, &headed(list, entry)?);
                         Ok(())
                     }
-                    _ => self.set(list, &Datum::List(vec![Setting::from(entry.clone())])),
+                    _ => self.set(list, &ParameterValue::List(vec![LocatedValue::from(entry.clone())])),
                 }
             }
         }
@@ -108,7 +108,7 @@ impl Draft {
             Found::Pieces(pieces) => pieces,
         };
         let scattered = || {
-            Error::usage("the entries of this list are not written one after the other").found(list).accepted(
+            Error::usage("the entries of this list are not written one after the other").got(list).expected(
                 "each [[…]] with what belongs to it directly below, before others can be added or moved",
             )
         };
@@ -151,15 +151,15 @@ impl Draft {
         if place < count {
             return Ok(());
         }
-        let error = Error::usage("there is no such entry in the list").found(format!("{list}.{place}"));
-        Err(error.accepted(format!("a number below {count}")))
+        let error = Error::usage("there is no such entry in the list").got(format!("{list}.{place}"));
+        Err(error.expected(format!("a number below {count}")))
     }
 }
 
 /// An entry under a header of its own.
-pub(super) fn headed(list: &Path, entry: &Datum) -> Result<String> {
-    let Datum::Table(fields) = entry else {
-        return Err(Error::usage("an entry of this list must be a table").found(entry));
+pub(super) fn headed(list: &Path, entry: &ParameterValue) -> Result<String> {
+    let ParameterValue::Table(fields) = entry else {
+        return Err(Error::usage("an entry of this list must be a table").got(entry));
     };
     // Numbers of entries are not written: the last one before is meant.
     let keys: Vec<String> = list

@@ -173,8 +173,8 @@ fn within<'a>(value: &'a Value, path: &[Step]) -> Result<Option<(&'a Element, (&
                         let error = Error::usage("a table is written by keys with points within a value");
                         let found = keys.iter().map(|key| key.key()).collect::<Vec<_>>().join(".");
                         return Err(error
-                            .found(found)
-                            .accepted("{ … } in its place, or the change made in the text"));
+                            .got(found)
+                            .expected("{ … } in its place, or the change made in the text"));
                     }
                     Way::Within | Way::Beyond(_) => keys.len(),
                 }

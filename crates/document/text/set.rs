@@ -6,11 +6,11 @@ use super::syntax::{Value, ValueKind};
 use crate::path::{Path, Step};
 use voltet_core::parameters::key_text;
 use voltet_core::{Error, Result};
-use voltet_graph::{Datum, Field, Setting};
+use voltet_graph::{Field, LocatedValue, ParameterValue};
 
 impl Draft {
     /// Sets what a path leads to, and makes tables that are not there. Of lists and tables only the parts are written that differ.
-    pub fn set(&mut self, path: &Path, datum: &Datum) -> Result<()> {
+    pub fn set(&mut self, path: &Path, datum: &ParameterValue) -> Result<()> {
         let syntax = self.syntax.clone();
         match syntax.find(&path.0)? {
             Found::Value(spot) => self.change(&spot.element.value, datum),
@@ -19,11 +19,11 @@ impl Draft {
         }
     }
 
-    fn set_pieces(&mut self, path: &Path, pieces: &[Piece], datum: &Datum) -> Result<()> {
+    fn set_pieces(&mut self, path: &Path, pieces: &[Piece], datum: &ParameterValue) -> Result<()> {
         let below = self.syntax.below(pieces, path.0.len());
         let is_list = below.iter().all(|step| matches!(step, Step::Entry(_))) && !below.is_empty();
         match datum {
-            Datum::Table(fields) if !is_list => {
+            ParameterValue::Table(fields) if !is_list => {
                 for step in &below {
                     if !fields.iter().any(|field| field.name == step.key()) {
                         self.unset(&path.with(step.clone()))?;
@@ -33,15 +33,15 @@ impl Draft {
                     .iter()
                     .try_for_each(|field| self.set(&path.with(field.name.as_str()), &field.setting.datum))
             }
-            Datum::List(list)
+            ParameterValue::List(list)
                 if is_list
                     && list.len() == below.len()
-                    && list.iter().all(|part| matches!(part.datum, Datum::Table(_))) =>
+                    && list.iter().all(|part| matches!(part.datum, ParameterValue::Table(_))) =>
             {
                 list.iter().enumerate().try_for_each(|(i, part)| self.set(&path.with(i), &part.datum))
             }
             other if matches!(path.0.last(), Some(Step::Entry(_))) => {
-                Err(Error::usage("an entry of this list must be a table").found(other))
+                Err(Error::usage("an entry of this list must be a table").got(other))
             }
             other => {
                 self.unset(path)?;
@@ -52,9 +52,9 @@ impl Draft {
     }
 
     /// Changes a value that is there, as far as it differs.
-    pub(super) fn change(&mut self, value: &Value, datum: &Datum) -> Result<()> {
+    pub(super) fn change(&mut self, value: &Value, datum: &ParameterValue) -> Result<()> {
         match (&value.kind, datum) {
-            (ValueKind::List(elements), Datum::List(list)) => {
+            (ValueKind::List(elements), ParameterValue::List(list)) => {
                 let same = |i: &usize, j: &usize| self.is(&elements[*i].value, &list[*j].datum);
                 let least = elements.len().min(list.len());
                 let before = (0..least).take_while(|i| same(i, i)).count();
@@ -77,7 +77,7 @@ impl Draft {
                 }
                 Ok(())
             }
-            (ValueKind::Table(elements), Datum::Table(fields))
+            (ValueKind::Table(elements), ParameterValue::Table(fields))
                 if elements.iter().all(|e| e.keys.len() == 1) =>
             {
                 let named = |field: &Field| elements.iter().position(|e| e.keys[0].name == field.name);
@@ -115,20 +115,20 @@ impl Draft {
     }
 
     /// Whether a value says this already, in whatever words.
-    fn is(&self, value: &Value, datum: &Datum) -> bool {
+    fn is(&self, value: &Value, datum: &ParameterValue) -> bool {
         match (&value.kind, datum) {
-            (ValueKind::List(elements), Datum::List(list)) => {
+            (ValueKind::List(elements), ParameterValue::List(list)) => {
                 elements.len() == list.len()
                     && elements.iter().zip(list).all(|(element, part)| self.is(&element.value, &part.datum))
             }
-            (ValueKind::Table(elements), Datum::Table(fields)) => {
+            (ValueKind::Table(elements), ParameterValue::Table(fields)) => {
                 let is = |(element, field): (&super::syntax::Element, &Field)| {
                     let [key] = element.keys.as_slice() else { return false };
                     key.name == field.name && self.is(&element.value, &field.setting.datum)
                 };
                 elements.len() == fields.len() && elements.iter().zip(fields).all(is)
             }
-            (ValueKind::Scalar, Datum::List(_) | Datum::Table(_)) => false,
+            (ValueKind::Scalar, ParameterValue::List(_) | ParameterValue::Table(_)) => false,
             (ValueKind::Scalar, _) => self.datum(&value.place).as_ref() == Some(datum),
             (ValueKind::List(_) | ValueKind::Table(_), _) => false,
         }
@@ -136,6 +136,6 @@ impl Draft {
 }
 
 /// `key = value`.
-pub(super) fn assigned(key: &str, setting: &Setting) -> String {
+pub(super) fn assigned(key: &str, setting: &LocatedValue) -> String {
     format!("{} = {}", key_text(key), setting.datum)
 }

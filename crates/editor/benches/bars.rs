@@ -14,7 +14,7 @@ use voltet_editor::Editor;
 use voltet_editor::view::View;
 use voltet_editor::worker::{Wanted, Worker};
 use voltet_graph::pipeline::Pipeline;
-use voltet_graph::{Datum, NodeEntry, Setting};
+use voltet_graph::{LocatedValue, NodeEntry, ParameterValue};
 
 fn main() {
     let files: Vec<PathBuf> =
@@ -238,12 +238,12 @@ fn turn(nodes: &mut [NodeEntry], by: f64) {
     let Some(view) = View::of(camera) else { return };
     for (key, datum) in view.orbited([by, 0.0]).settings() {
         if key != "fov_y" {
-            let _ = camera.set(key, &[], Setting::from(datum));
+            let _ = camera.set(key, &[], LocatedValue::from(datum));
         }
     }
 }
 
 fn move_widget(nodes: &mut [NodeEntry], times: f64) {
     let Some(look) = nodes.iter_mut().find(|node| node.name == "look") else { return };
-    let _ = look.set("widgets", &["0", "extinction"], Datum::Number(4.0 * times).into());
+    let _ = look.set("widgets", &["0", "extinction"], ParameterValue::Number(4.0 * times).into());
 }

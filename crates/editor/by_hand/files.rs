@@ -1,6 +1,6 @@
 use super::*;
 use crate::actions::Action;
-use voltet_graph::Quantity;
+use voltet_graph::ArrayRef;
 
 #[test]
 fn saved_in_another_folder_the_file_means_the_same_data_and_says_so() {
@@ -68,7 +68,7 @@ fn a_run_writes_what_a_run_of_the_file_would() {
     let pipeline = voltet_graph::pipeline::Pipeline::parse(&text).unwrap();
     let mut graph = pipeline.graph(&registry, hand.folder.path().to_path_buf()).unwrap();
     graph.stated = voltet_graph::pipeline::Pipeline::stated(text, &registry).unwrap();
-    voltet_nodes::session().run(&graph, &voltet_graph::Unobserved).unwrap();
+    voltet_nodes::session().run(&graph, &voltet_graph::NoObserver).unwrap();
     assert_eq!(std::fs::read(&picture).unwrap(), here, "to the byte");
     // Without a writer it says what is missing.
     let start = hand.text().find("[nodes.file]").unwrap();
@@ -138,7 +138,7 @@ fn data_that_come_or_change_are_read_again() {
     hand.settle();
     assert_eq!(failure(&hand), None);
     assert!(hand.said().contains("read again"), "{}", hand.said());
-    let s = Quantity::Named("s");
+    let s = ArrayRef::Named("s");
     let least =
         |hand: &Hand| hand.editor.scene().distribution.and_then(|found| Some(found.known.ranges.get(&s)?[0]));
     until(&mut hand, "a distribution", |hand| least(hand) == Some(1.0));

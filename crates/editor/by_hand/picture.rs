@@ -142,7 +142,7 @@ fn every_node_that_gives_a_picture_shows_it() {
     let coarser = voltet_document::Edit::set(
         "counts",
         "bins",
-        voltet_graph::Datum::List(vec![voltet_graph::Datum::Integer(64).into(); 2]),
+        voltet_graph::ParameterValue::List(vec![voltet_graph::ParameterValue::Integer(64).into(); 2]),
     );
     hand.editor.shown_node = Some("picture".into());
     hand.settle();

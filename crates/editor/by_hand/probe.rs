@@ -5,13 +5,13 @@ use super::*;
 use crate::actions::Command;
 use crate::study::{Studied, StudyOf};
 use voltet_core::progress::Progress;
-use voltet_graph::Setting;
+use voltet_graph::LocatedValue;
 
 fn last_widget(hand: &Hand) -> Vec<voltet_graph::Field> {
     let nodes = &hand.editor.document().pipeline().nodes;
     let look = nodes.iter().find(|node| node.name == "look").unwrap();
     let widgets = look.settings.iter().find(|field| field.name == "widgets").unwrap();
-    widgets.setting.list().unwrap().last().and_then(Setting::table).unwrap().to_vec()
+    widgets.setting.list().unwrap().last().and_then(LocatedValue::table).unwrap().to_vec()
 }
 
 #[test]
@@ -114,9 +114,9 @@ trait Entry {
     fn table_for_tests(&self, name: &str) -> Vec<f64>;
 }
 
-impl Entry for voltet_graph::Datum {
+impl Entry for voltet_graph::ParameterValue {
     fn table_for_tests(&self, name: &str) -> Vec<f64> {
-        let entry = Setting::from(self.clone());
+        let entry = LocatedValue::from(self.clone());
         let fields = entry.table().unwrap().to_vec();
         fields.iter().find(|field| field.name == name).unwrap().setting.numbers().unwrap()
     }

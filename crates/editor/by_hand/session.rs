@@ -1,6 +1,6 @@
 use super::*;
 use crate::actions::Command;
-use voltet_graph::Unobserved;
+use voltet_graph::NoObserver;
 
 #[test]
 fn a_file_saved_here_runs_headless_to_the_picture_that_was_shown() {
@@ -16,7 +16,7 @@ fn a_file_saved_here_runs_headless_to_the_picture_that_was_shown() {
     let registry = voltet_nodes::registry().unwrap();
     let pipeline = voltet_graph::pipeline::Pipeline::parse(&text).unwrap();
     let graph = pipeline.graph(&registry, hand.folder.path().to_path_buf()).unwrap();
-    let report = voltet_nodes::session().run(&graph, &Unobserved).unwrap();
+    let report = voltet_nodes::session().run(&graph, &NoObserver).unwrap();
     assert_eq!(report.pictures.last().unwrap().1, shown.picture);
 }
 

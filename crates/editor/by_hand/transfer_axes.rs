@@ -3,7 +3,7 @@
 use super::transfer::with_distribution;
 use super::transfer_more::{CUBE, of, place, widgets};
 use super::*;
-use voltet_graph::Quantity;
+use voltet_graph::ArrayRef;
 
 /// A hand that presses and moves on within one slow frame.
 #[test]
@@ -52,7 +52,7 @@ fn axes_are_chosen_among_the_arrays_that_the_data_have() {
     let right = both.into_iter().min_by(|a, b| a.x.total_cmp(&b.x)).unwrap();
     hand.click(right);
     hand.frames(4);
-    assert_eq!(hand.editor.transfer.axes(), [Quantity::Array("b".into()), Quantity::Named("g")]);
+    assert_eq!(hand.editor.transfer.axes(), [ArrayRef::Array("b".into()), ArrayRef::Named("g")]);
     with_distribution(&mut hand);
     let [[low, high], _] = hand.editor.transfer.shown_axes();
     assert!(low < 0.0 && high > 4.0 && high < 4.3, "{low} {high}");
@@ -130,7 +130,7 @@ fn numbers_relative_to_a_series_are_drawn_and_stay_relative() {
     let mut hand = Hand::in_folder(&text, &write_series);
     with_distribution(&mut hand);
     let known = hand.editor.scene().distribution.clone().unwrap();
-    let s = Quantity::Named("s");
+    let s = ArrayRef::Named("s");
     assert_eq!(known.known.ranges[&s], [0.0, 4.0], "of both steps");
     assert!((known.known.spreads[&s].below(1.0) - 0.375).abs() < 1e-3, "half and a quarter");
     let [_, high] = hand.editor.transfer.shown_axes()[0];

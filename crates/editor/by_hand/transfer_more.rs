@@ -2,15 +2,15 @@
 
 use super::transfer::with_distribution;
 use super::*;
-use voltet_graph::{NodeEntry, Quantity, Setting};
+use voltet_graph::{ArrayRef, LocatedValue, NodeEntry};
 
-pub(super) fn widgets(hand: &Hand) -> Vec<Setting> {
+pub(super) fn widgets(hand: &Hand) -> Vec<LocatedValue> {
     let nodes = &hand.editor.document().pipeline().nodes;
     let look: &NodeEntry = nodes.iter().find(|node| node.name == "look").unwrap();
     look.settings.iter().find(|field| field.name == "widgets").unwrap().setting.list().unwrap().to_vec()
 }
 
-pub(super) fn of(widget: &Setting, key: &str) -> Setting {
+pub(super) fn of(widget: &LocatedValue, key: &str) -> LocatedValue {
     widget.table().unwrap().iter().find(|field| field.name == key).unwrap().setting.clone()
 }
 
@@ -161,8 +161,8 @@ fn relative_numbers_stay_relative_where_a_hand_moves_them() {
     with_distribution(&mut hand);
     let axes = hand.editor.transfer.shown_axes();
     let known = hand.editor.scene().distribution.clone().unwrap();
-    let of_s = &known.known.spreads[&Quantity::Named("s")];
-    let [_, high] = known.known.ranges[&Quantity::Named("g")];
+    let of_s = &known.known.spreads[&ArrayRef::Named("s")];
+    let [_, high] = known.known.ranges[&ArrayRef::Named("g")];
     let centre = [of_s.value_at(0.6), 0.4 * high];
     let from = place(&hand, centre);
     // While it is dragged the picture is drawn with numbers: no percentile is found for each step.
@@ -217,7 +217,7 @@ fn a_widget_over_several_fields_is_moved_on_the_plane_of_two_of_them() {
     );
     let mut hand = Hand::with_file(&text, "cube.vtk", CUBE);
     with_distribution(&mut hand);
-    hand.editor.transfer.choose_for_tests(["b", "a"].map(|name| Quantity::Array(name.into())));
+    hand.editor.transfer.choose_for_tests(["b", "a"].map(|name| ArrayRef::Array(name.into())));
     hand.frames(4);
     with_distribution(&mut hand);
     let [[low, high], _] = hand.editor.transfer.shown_axes();

@@ -136,7 +136,7 @@ fn face(scene: &Scene, entry: &NodeEntry, node: Option<&'static Node>, pictures:
         seconds: status.and_then(|status| status.seconds),
         idle: status.is_none().then(|| idle(scene, node)),
         fault: fault.map(|error| {
-            error.what.clone() + &error.found.as_ref().map_or(String::new(), |f| format!(": {f}"))
+            error.what.clone() + &error.got.as_ref().map_or(String::new(), |f| format!(": {f}"))
         }),
         picture: texture
             .map(|texture| (texture.id(), texture.size_vec2().x / texture.size_vec2().y.max(1.0))),

@@ -7,7 +7,7 @@ use eframe::egui::collapsing_header::CollapsingState;
 use eframe::egui::{CollapsingHeader, Color32, Rgba, Sense, Ui, vec2};
 use voltet_document::Edit;
 use voltet_document::panel::{Row, begun};
-use voltet_graph::{Kind, Standard};
+use voltet_graph::{DefaultValue, VariantSchema};
 
 impl ParameterPanel {
     /// Each entry under its kind, with ways to take away, double and move it; and a way to add one.
@@ -16,7 +16,7 @@ impl ParameterPanel {
         ui: &mut Ui,
         of: Of,
         row: &Row,
-        kinds: &'static [Kind],
+        kinds: &'static [VariantSchema],
         actions: &mut Actions,
     ) {
         let (node, list, count) = (|| of.node.to_string(), &row.path, row.entries.len());
@@ -70,7 +70,7 @@ impl ParameterPanel {
             .default_open(row.stated.is_some());
         let shown = header.show(ui, |ui| {
             self.table(ui, of, &row.path, &row.rows, actions);
-            let may_go = row.stated.is_some() && !matches!(parameter.standard, Standard::Required);
+            let may_go = row.stated.is_some() && !matches!(parameter.standard, DefaultValue::Required);
             if may_go && ui.small_button("take out").clicked() {
                 actions.edit(of.unset(&row.path));
             }

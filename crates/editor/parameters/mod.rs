@@ -12,7 +12,7 @@ use std::rc::Rc;
 use typing::Typing;
 use voltet_document::panel::Row;
 use voltet_document::{Edit, Path};
-use voltet_graph::{Datum, NodeEntry, Standard};
+use voltet_graph::{DefaultValue, NodeEntry, ParameterValue};
 
 /// The panel, with what is being typed in it.
 #[derive(Default)]
@@ -34,7 +34,7 @@ pub(super) struct Of<'a> {
 
 impl Of<'_> {
     /// The edit that states a row.
-    pub fn set(&self, row: &Row, value: Datum) -> Edit {
+    pub fn set(&self, row: &Row, value: ParameterValue) -> Edit {
         Edit::Set { node: self.node.to_string(), path: row.path.clone(), value }
     }
 
@@ -163,7 +163,7 @@ impl ParameterPanel {
         ui.label(RichText::new(parameter.name).color(color)).on_hover_text(&help);
         let _shown = ui.vertical(|ui| {
             ui.horizontal(|ui| {
-                if let (None, Some(first), Standard::Unset(meaning)) =
+                if let (None, Some(first), DefaultValue::Unset(meaning)) =
                     (&row.stated, row.begin(), parameter.standard)
                 {
                     // A number that is not there is no number.
@@ -184,7 +184,7 @@ impl ParameterPanel {
         });
         #[cfg(test)]
         self.places.insert(of.key(row), _shown.response.rect);
-        if row.stated.is_some() && !matches!(parameter.standard, Standard::Required) {
+        if row.stated.is_some() && !matches!(parameter.standard, DefaultValue::Required) {
             let standard = format!("back to the standard: {}", row.standard_in_words());
             if ui.small_button("↺").on_hover_text(standard).clicked() {
                 actions.edit(of.unset(&row.path));

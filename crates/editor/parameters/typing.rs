@@ -4,7 +4,7 @@ use crate::theme;
 use eframe::egui::{Label, RichText, TextEdit, Ui};
 use std::collections::HashMap;
 use voltet_document::panel::{Row, shown, typed};
-use voltet_graph::Datum;
+use voltet_graph::ParameterValue;
 
 /// Width of a reason, points.
 const REASON: f32 = 280.0;
@@ -55,7 +55,14 @@ impl Typing {
     }
 
     /// The same for the value of a row; what is wrong stays in the field, with the reason below it.
-    pub fn value(&mut self, ui: &mut Ui, key: &str, row: &Row, width: f32, hint: &str) -> Option<Datum> {
+    pub fn value(
+        &mut self,
+        ui: &mut Ui,
+        key: &str,
+        row: &Row,
+        width: f32,
+        hint: &str,
+    ) -> Option<ParameterValue> {
         let now = row.value().map(shown).unwrap_or_default();
         let had = self.texts.contains_key(key);
         let text = self.line(ui, key, &now, width, hint);

@@ -5,7 +5,7 @@ use crate::actions::{Action, Actions};
 use crate::asking::Asked;
 use eframe::egui::{Color32, ComboBox, DragValue, Response, Rgba, Slider, Ui};
 use voltet_document::panel::{Control, Row, Scale, rounded, shown};
-use voltet_graph::{Datum, Range, Setting};
+use voltet_graph::{LocatedValue, ParameterValue, Range};
 
 /// The largest span that a slider of equal steps serves: beyond, a drag of a few points is a large step.
 const SPAN_OF_SLIDER: f64 = 1000.0;
@@ -16,13 +16,19 @@ const LEAST_STEP: f64 = 1e-3;
 
 impl ParameterPanel {
     /// Shows a value; gives another one where a hand made it.
-    pub(super) fn value(&mut self, ui: &mut Ui, of: Of, row: &Row, actions: &mut Actions) -> Option<Datum> {
+    pub(super) fn value(
+        &mut self,
+        ui: &mut Ui,
+        of: Of,
+        row: &Row,
+        actions: &mut Actions,
+    ) -> Option<ParameterValue> {
         let key = of.key(row);
         let now = row.value();
         match &row.control {
             Control::Toggle => {
-                let mut flag = now == Some(&Datum::Boolean(true));
-                ui.checkbox(&mut flag, "").changed().then_some(Datum::Boolean(flag))
+                let mut flag = now == Some(&ParameterValue::Boolean(true));
+                ui.checkbox(&mut flag, "").changed().then_some(ParameterValue::Boolean(flag))
             }
             // What is wrong is typed anew; a field would set it within its range.
             Control::Integer(range) | Control::Number { range, .. } | Control::Vector { range, .. }
@@ -31,13 +37,17 @@ impl ParameterPanel {
                 self.typing.value(ui, &key, row, 160.0, "")
             }
             Control::Integer(range) => {
-                number_field(ui, now.and_then(number), range, None).map(|x| Datum::Integer(x as i64))
+                number_field(ui, now.and_then(number), range, None).map(|x| ParameterValue::Integer(x as i64))
             }
             Control::Number { range, scale, word, relative } => {
                 if let Some(word) = word {
-                    let mut is_word = matches!(now, Some(Datum::Text(text)) if text == word);
+                    let mut is_word = matches!(now, Some(ParameterValue::Text(text)) if text == word);
                     if ui.checkbox(&mut is_word, *word).changed() {
-                        return if is_word { Some(Datum::Text(word.to_string())) } else { row.begin() };
+                        return if is_word {
+                            Some(ParameterValue::Text(word.to_string()))
+                        } else {
+                            row.begin()
+                        };
                     }
                     if is_word {
                         return None;
@@ -48,7 +58,7 @@ impl ParameterPanel {
                 }
                 let given = number_field(ui, now.and_then(number), range, Some(*scale));
                 self.offer_typing(ui, relative.is_some(), &key, now);
-                given.map(Datum::Number)
+                given.map(ParameterValue::Number)
             }
             Control::Vector { count, range, whole, relative } => {
                 if row.is_relative() || self.typing.holds(&key) {
@@ -75,7 +85,7 @@ impl ParameterPanel {
     }
 
     /// A way to type what is no plain number.
-    fn offer_typing(&mut self, ui: &mut Ui, is_offered: bool, key: &str, now: Option<&Datum>) {
+    fn offer_typing(&mut self, ui: &mut Ui, is_offered: bool, key: &str, now: Option<&ParameterValue>) {
         let help = "type it: relative to the data (25 %, p90), or several numbers at once";
         if is_offered && ui.small_button("✏").on_hover_text(help).clicked() {
             self.typing.begin(key, now.map(shown).unwrap_or_default());
@@ -83,7 +93,7 @@ impl ParameterPanel {
     }
 
     /// Names of arrays, typed or chosen among those that the data have: one, or several.
-    fn arrays(&mut self, ui: &mut Ui, of: Of, row: &Row, key: &str) -> Option<Datum> {
+    fn arrays(&mut self, ui: &mut Ui, of: Of, row: &Row, key: &str) -> Option<ParameterValue> {
         let several = matches!(row.control, Control::Arrays);
         let mut taken = None;
         let arrays = of.scene.arrays.of(ui.ctx(), of.scene, of.node);
@@ -99,10 +109,10 @@ impl ParameterPanel {
                     if clicked && several {
                         let others = names.iter().filter(|name| **name != array.name);
                         let all = others.chain(is_taken.then_some(&array.name));
-                        let all = all.map(|name| Setting::from(Datum::Text(name.clone())));
-                        taken = Some(Datum::List(all.collect()));
+                        let all = all.map(|name| LocatedValue::from(ParameterValue::Text(name.clone())));
+                        taken = Some(ParameterValue::List(all.collect()));
                     } else if clicked {
-                        taken = Some(Datum::Text(array.name.clone()));
+                        taken = Some(ParameterValue::Text(array.name.clone()));
                     }
                 }
             });
@@ -115,9 +125,9 @@ impl ParameterPanel {
 }
 
 /// Whether all numbers of a value lie in the range.
-fn holds_all(range: &Range, datum: Option<&Datum>) -> bool {
+fn holds_all(range: &Range, datum: Option<&ParameterValue>) -> bool {
     match datum {
-        Some(Datum::List(list)) => list.iter().all(|part| holds_all(range, Some(&part.datum))),
+        Some(ParameterValue::List(list)) => list.iter().all(|part| holds_all(range, Some(&part.datum))),
         Some(datum) => number(datum).is_none_or(|x| range.holds(x)),
         None => true,
     }
@@ -125,7 +135,7 @@ fn holds_all(range: &Range, datum: Option<&Datum>) -> bool {
 
 /// Asks for the file of a row, beginning where the one lies that it names.
 fn browse(of: Of, row: &Row) -> Action {
-    let named = row.value().and_then(|datum| Setting::from(datum.clone()).text().map(str::to_string));
+    let named = row.value().and_then(|datum| LocatedValue::from(datum.clone()).text().map(str::to_string));
     let document = of.scene.document;
     let at = match named.filter(|name| !name.is_empty()) {
         Some(name) => Some(document.folder().join(name)),
@@ -170,7 +180,7 @@ fn number_field(ui: &mut Ui, now: Option<f64>, range: &Range, scale: Option<Scal
 
 /// A number with no more digits than six, as a file would have it.
 fn short(x: f64) -> String {
-    Datum::Number(format!("{x:.5e}").parse().unwrap_or(x)).to_string()
+    ParameterValue::Number(format!("{x:.5e}").parse().unwrap_or(x)).to_string()
 }
 
 /// A number that is dragged and typed.
@@ -187,9 +197,17 @@ fn drag(ui: &mut Ui, before: f64, range: &Range, step: f64, whole: bool) -> (Res
     (response, if short(x) == short(before) { before } else { x })
 }
 
-fn numbers(ui: &mut Ui, now: Option<&Datum>, count: usize, range: &Range, whole: bool) -> Option<Datum> {
+fn numbers(
+    ui: &mut Ui,
+    now: Option<&ParameterValue>,
+    count: usize,
+    range: &Range,
+    whole: bool,
+) -> Option<ParameterValue> {
     let mut list: Vec<f64> = match now {
-        Some(Datum::List(list)) => list.iter().map(|setting| setting.number().unwrap_or(0.0)).collect(),
+        Some(ParameterValue::List(list)) => {
+            list.iter().map(|setting| setting.number().unwrap_or(0.0)).collect()
+        }
         _ => vec![range.min.max(0.0).min(range.max); count],
     };
     list.resize(list.len().max(count), 0.0);
@@ -202,13 +220,14 @@ fn numbers(ui: &mut Ui, now: Option<&Datum>, count: usize, range: &Range, whole:
         }
     }
     changed.then(|| {
-        let datum = |x: f64| if whole { Datum::Integer(x as i64) } else { Datum::Number(x) };
-        Datum::List(list.into_iter().map(|x| Setting::from(datum(x))).collect())
+        let datum =
+            |x: f64| if whole { ParameterValue::Integer(x as i64) } else { ParameterValue::Number(x) };
+        ParameterValue::List(list.into_iter().map(|x| LocatedValue::from(datum(x))).collect())
     })
 }
 
 /// A colour, linear in the file; brighter than the screen is kept by its factor.
-fn color(ui: &mut Ui, now: Option<&Datum>, most: f64) -> Option<Datum> {
+fn color(ui: &mut Ui, now: Option<&ParameterValue>, most: f64) -> Option<ParameterValue> {
     let linear = now.and_then(channels).unwrap_or([1.0; 3]);
     let brightest = linear.iter().copied().fold(1.0, f64::max);
     let [r, g, b] = linear.map(|x| (x / brightest) as f32);
@@ -219,42 +238,55 @@ fn color(ui: &mut Ui, now: Option<&Datum>, most: f64) -> Option<Datum> {
     let linear = Rgba::from(shown);
     let channels = [linear.r(), linear.g(), linear.b()];
     // A screen has 256 levels of each.
-    let channels = channels.map(|x| Datum::Number(rounded(f64::from(x) * brightest, 1e-4)));
-    Some(Datum::List(channels.map(Setting::from).to_vec()))
+    let channels = channels.map(|x| ParameterValue::Number(rounded(f64::from(x) * brightest, 1e-4)));
+    Some(ParameterValue::List(channels.map(LocatedValue::from).to_vec()))
 }
 
 /// Three numbers as a colour.
-pub(super) fn channels(datum: &Datum) -> Option<[f64; 3]> {
-    let Datum::List(list) = datum else { return None };
-    list.iter().map(Setting::number).collect::<Option<Vec<f64>>>()?.try_into().ok()
+pub(super) fn channels(datum: &ParameterValue) -> Option<[f64; 3]> {
+    let ParameterValue::List(list) = datum else { return None };
+    list.iter().map(LocatedValue::number).collect::<Option<Vec<f64>>>()?.try_into().ok()
 }
 
-fn choice(ui: &mut Ui, key: &str, now: Option<&Datum>, words: &[(&str, &str)]) -> Option<Datum> {
+fn choice(
+    ui: &mut Ui,
+    key: &str,
+    now: Option<&ParameterValue>,
+    words: &[(&str, &str)],
+) -> Option<ParameterValue> {
     let now = now.map(shown).unwrap_or_default();
     let mut taken = None;
     ComboBox::from_id_salt(("choice", key)).selected_text(&now).width(150.0).show_ui(ui, |ui| {
         for (word, meaning) in words {
             if ui.selectable_label(now == *word, *word).on_hover_text(*meaning).clicked() {
-                taken = Some(Datum::Text(word.to_string()));
+                taken = Some(ParameterValue::Text(word.to_string()));
             }
         }
     });
     taken
 }
 
-fn number(datum: &Datum) -> Option<f64> {
+fn number(datum: &ParameterValue) -> Option<f64> {
     match datum {
-        Datum::Integer(x) => Some(*x as f64),
-        Datum::Number(x) => Some(*x),
-        Datum::Boolean(_) | Datum::Text(_) | Datum::List(_) | Datum::Table(_) => None,
+        ParameterValue::Integer(x) => Some(*x as f64),
+        ParameterValue::Number(x) => Some(*x),
+        ParameterValue::Boolean(_)
+        | ParameterValue::Text(_)
+        | ParameterValue::List(_)
+        | ParameterValue::Table(_) => None,
     }
 }
 
 /// A text, or those of a list.
-fn texts(datum: &Datum) -> Vec<String> {
+fn texts(datum: &ParameterValue) -> Vec<String> {
     match datum {
-        Datum::Text(text) => vec![text.clone()],
-        Datum::List(list) => list.iter().filter_map(|part| part.text().map(str::to_string)).collect(),
-        Datum::Boolean(_) | Datum::Integer(_) | Datum::Number(_) | Datum::Table(_) => Vec::new(),
+        ParameterValue::Text(text) => vec![text.clone()],
+        ParameterValue::List(list) => {
+            list.iter().filter_map(|part| part.text().map(str::to_string)).collect()
+        }
+        ParameterValue::Boolean(_)
+        | ParameterValue::Integer(_)
+        | ParameterValue::Number(_)
+        | ParameterValue::Table(_) => Vec::new(),
     }
 }

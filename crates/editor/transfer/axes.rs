@@ -9,7 +9,7 @@ use crate::scene::Scene;
 use eframe::egui::{Key, ScrollArea, TextEdit, Ui};
 use std::collections::BTreeMap;
 use voltet_document::links;
-use voltet_graph::{Quantity, Setting};
+use voltet_graph::{ArrayRef, LocatedValue};
 
 /// Width of one list, and the most of its height, points.
 const WIDTH: f32 = 230.0;
@@ -40,7 +40,7 @@ impl TransferPanel {
         .on_hover_text("the quantities that the plane is over; widgets of several fields lie on theirs");
     }
 
-    fn list_of_axis(&mut self, ui: &mut Ui, k: usize, choices: &[(Quantity, String)]) {
+    fn list_of_axis(&mut self, ui: &mut Ui, k: usize, choices: &[(ArrayRef, String)]) {
         let mut taken = None;
         ScrollArea::vertical().id_salt(("axis", k)).max_height(HEIGHT).show(ui, |ui| {
             for (axis, label) in choices {
@@ -53,7 +53,7 @@ impl TransferPanel {
         let response = ui.add(typed.desired_width(WIDTH - 20.0));
         let enters = ui.input(|input| input.key_pressed(Key::Enter));
         if response.lost_focus() && enters && !self.typed_axis[k].is_empty() {
-            taken = Some(Quantity::Array(std::mem::take(&mut self.typed_axis[k])));
+            taken = Some(ArrayRef::Array(std::mem::take(&mut self.typed_axis[k])));
         }
         if let Some(axis) = taken {
             let mut axes = self.axes.clone();
@@ -65,14 +65,14 @@ impl TransferPanel {
 }
 
 /// What an axis may be, in words: with what it is and its range, where the data have it.
-fn choices(ui: &Ui, scene: &Scene, look: &Look) -> Vec<(Quantity, String)> {
+fn choices(ui: &Ui, scene: &Scene, look: &Look) -> Vec<(ArrayRef, String)> {
     let nodes = &scene.document.pipeline().nodes;
     let source = volume_of(scene, &look.node.name);
     let source = source.as_deref().map(|source| links::source(source, nodes).0);
     let of_data = source.map(|node| scene.arrays.of(ui.ctx(), scene, node)).unwrap_or_default();
-    let named = look.list.iter().filter_map(Setting::table).flat_map(drawn::arrays);
+    let named = look.list.iter().filter_map(LocatedValue::table).flat_map(drawn::arrays);
     let mut arrays: BTreeMap<String, String> = named.map(|name| (name.clone(), name)).collect();
     arrays.extend(of_data.iter().map(|array| (array.name.clone(), array.label.clone())));
     let named = S_AND_G.into_iter().map(|axis| (axis.clone(), axis_name(&axis)));
-    named.chain(arrays.into_iter().map(|(name, label)| (Quantity::Array(name), label))).collect()
+    named.chain(arrays.into_iter().map(|(name, label)| (ArrayRef::Array(name), label))).collect()
 }

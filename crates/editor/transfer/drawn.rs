@@ -12,7 +12,7 @@ use voltet_core::parameters::Parameters;
 use voltet_core::probing::Histogram;
 use voltet_core::transfer::{self, ColorSource, WIDGET_KINDS, Widget};
 use voltet_core::{Error, Result};
-use voltet_graph::{Field, Origin, Quantity, Setting};
+use voltet_graph::{ArrayRef, Field, LocatedValue, SourceSpan};
 
 /// A widget in the plane.
 #[derive(Debug, Clone)]
@@ -43,7 +43,7 @@ impl Drawn {
         };
         let is_flat = on.is_of_s_and_g();
         let mut drawn = Drawn {
-            kind: find(fields, "kind").and_then(Setting::text).unwrap_or_default().to_string(),
+            kind: find(fields, "kind").and_then(LocatedValue::text).unwrap_or_default().to_string(),
             widget: None,
             shape: None,
             region: Region::Whole,
@@ -60,7 +60,7 @@ impl Drawn {
                 // Of other axes its region says nothing.
                 let region = widget.region.clone().filter(|_| is_flat);
                 drawn.widget = Some(Widget { region, ..widget });
-                let image = find(fields, "image").and_then(Setting::text);
+                let image = find(fields, "image").and_then(LocatedValue::text);
                 drawn.fault = image.and_then(|path| on.images.fault(path));
             }
             Err(error) => {
@@ -91,7 +91,7 @@ impl Drawn {
     }
 
     /// The axes on which it is seen.
-    pub fn natural_axes(&self) -> Option<[Quantity; 2]> {
+    pub fn natural_axes(&self) -> Option<[ArrayRef; 2]> {
         self.widget.as_ref().map(natural_axes)
     }
 
@@ -171,16 +171,16 @@ pub(super) fn arrays(fields: &[Field]) -> Vec<String> {
 
 /// The widget's kind and keys.
 fn keys(fields: &[Field]) -> Result<(&'static str, Parameters)> {
-    let kind = find(fields, "kind").and_then(Setting::text).unwrap_or_default();
+    let kind = find(fields, "kind").and_then(LocatedValue::text).unwrap_or_default();
     let known = WIDGET_KINDS.iter().find(|known| known.name == kind);
-    let known = known.ok_or_else(|| Error::usage("unknown kind of widget").found(kind))?;
-    Ok((known.name, Parameters::check(known.parameters, fields, &Origin::Nowhere, &["kind"])?))
+    let known = known.ok_or_else(|| Error::usage("unknown kind of widget").got(kind))?;
+    Ok((known.name, Parameters::check(known.parameters, fields, &SourceSpan::Nowhere, &["kind"])?))
 }
 
 /// A widget that looks at the same quantities, whatever its numbers are; `None` where what is stated makes none.
 fn standing_in(fields: &[Field]) -> Option<Widget> {
     let (kind, parameters) = keys(fields).ok()?;
-    let parameters = transfer::standing_in(&parameters).ok()?;
+    let parameters = transfer::with_placeholders(&parameters).ok()?;
     transfer::read(kind, &parameters, &|_| Ok((1, 1, vec![[0.0; 4]]))).ok()
 }
 

@@ -4,17 +4,17 @@ use super::super::numbers::{Change, list, rows};
 use super::super::scale::{S_AND_G, Scale};
 use super::*;
 use crate::worker::Known;
-use voltet_graph::Datum;
+use voltet_graph::ParameterValue;
 
-fn field(name: &str, datum: Datum) -> Field {
+fn field(name: &str, datum: ParameterValue) -> Field {
     Field { name: name.into(), origin: Default::default(), setting: datum.into() }
 }
 
 fn gaussian_widget() -> Vec<Field> {
     vec![
-        field("kind", Datum::Text("gaussian".into())),
+        field("kind", ParameterValue::Text("gaussian".into())),
         field("color", list(&[1.0, 0.5, 0.25])),
-        field("extinction", Datum::Number(7.0)),
+        field("extinction", ParameterValue::Number(7.0)),
         field("centre", list(&[10.0, 2.0])),
         field("sigma", list(&[0.5, 0.25])),
     ]
@@ -55,7 +55,7 @@ fn assert_near(found: &[[f64; 2]], wanted: &[[f64; 2]]) {
 
 /// What every widget states.
 fn look() -> [Field; 2] {
-    [field("color", list(&[1.0, 0.5, 0.25])), field("extinction", Datum::Number(7.0))]
+    [field("color", list(&[1.0, 0.5, 0.25])), field("extinction", ParameterValue::Number(7.0))]
 }
 
 #[test]
@@ -99,7 +99,7 @@ fn a_matrix_and_its_half_axes_say_the_same() {
     let k = [[1.3, -0.4], [0.2, 0.9]];
     let [color, extinction] = look();
     let fields = [
-        field("kind", Datum::Text("gaussian".into())),
+        field("kind", ParameterValue::Text("gaussian".into())),
         field("centre", list(&[0.0, 0.0])),
         field("matrix", rows(&k)),
         color,
@@ -133,7 +133,8 @@ fn an_infinite_deviation_has_no_handle_and_stays() {
 #[test]
 fn points_of_a_curve_keep_their_order_and_reach_zero() {
     let points = [[0.0, 1.0, 0.0, 0.0, 0.0], [5.0, 1.0, 1.0, 0.0, 8.0], [9.0, 1.0, 1.0, 1.0, 2.0]];
-    let fields = vec![field("kind", Datum::Text("piecewise-linear".into())), field("points", rows(&points))];
+    let fields =
+        vec![field("kind", ParameterValue::Text("piecewise-linear".into())), field("points", rows(&points))];
     let drawn = read(&fields);
     let (_, at) = drawn.handles(&Scale { peak: 8.0, ..SCALE })[1];
     assert_eq!(at, [5.0, 10.0]);
@@ -146,8 +147,8 @@ fn points_of_a_curve_keep_their_order_and_reach_zero() {
 
 #[test]
 fn regions_follow_their_corners_and_the_widget() {
-    let region = Datum::Table(vec![field("s", list(&[1.0, 3.0])), field("g", list(&[0.0, 2.0]))]);
-    let mut fields = vec![field("kind", Datum::Text("uniform".into())), field("region", region)];
+    let region = ParameterValue::Table(vec![field("s", list(&[1.0, 3.0])), field("g", list(&[0.0, 2.0]))]);
+    let mut fields = vec![field("kind", ParameterValue::Text("uniform".into())), field("region", region)];
     fields.extend(look());
     let drawn = read(&fields);
     assert_eq!(drawn.strength([2.0, 1.0]), 1.0);
@@ -160,8 +161,8 @@ fn regions_follow_their_corners_and_the_widget() {
 
 #[test]
 fn sides_move_alone_and_a_polygon_stays_convex() {
-    let region = Datum::Table(vec![field("s", list(&[1.0, 3.0]))]);
-    let mut fields = vec![field("kind", Datum::Text("uniform".into())), field("region", region)];
+    let region = ParameterValue::Table(vec![field("s", list(&[1.0, 3.0]))]);
+    let mut fields = vec![field("kind", ParameterValue::Text("uniform".into())), field("region", region)];
     fields.extend(look());
     let drawn = read(&fields);
     let handles: Vec<Handle> = drawn.handles(&SCALE).into_iter().map(|(handle, _)| handle).collect();
@@ -171,18 +172,18 @@ fn sides_move_alone_and_a_polygon_stays_convex() {
         [("region.s", Some(list(&[1.0, 7.0])))]
     );
     let corners = [[0.0, 0.0], [10.0, 0.0], [10.0, 5.0], [0.0, 5.0]];
-    let region = Datum::Table(vec![field("polygon", rows(&corners))]);
-    let mut fields = vec![field("kind", Datum::Text("uniform".into())), field("region", region)];
+    let region = ParameterValue::Table(vec![field("polygon", rows(&corners))]);
+    let mut fields = vec![field("kind", ParameterValue::Text("uniform".into())), field("region", region)];
     fields.extend(look());
     let drawn = read(&fields);
     assert!(drawn.moved(Handle::Corner(2), [1.0, 1.0], &SCALE).is_empty(), "it would be dented");
     // A point near the right side goes there, one outside stays where it is.
     let (changes, handle) = drawn.with_point([9.0, 2.0], &SCALE).unwrap();
     assert_eq!(handle, Handle::Corner(2));
-    let Some(Datum::List(polygon)) = changes[0].1.clone() else { panic!("no polygon") };
+    let Some(ParameterValue::List(polygon)) = changes[0].1.clone() else { panic!("no polygon") };
     assert_eq!(polygon[2].numbers().unwrap(), [10.0, 2.0]);
     let (changes, _) = drawn.with_point([11.0, 2.0], &SCALE).unwrap();
-    let Some(Datum::List(polygon)) = changes[0].1.clone() else { panic!("no polygon") };
+    let Some(ParameterValue::List(polygon)) = changes[0].1.clone() else { panic!("no polygon") };
     assert_eq!(polygon[2].numbers().unwrap(), [11.0, 2.0]);
     assert!(drawn.without_point(Handle::Corner(0)).is_some_and(|changes| changes.len() == 1));
 }
@@ -191,9 +192,9 @@ fn sides_move_alone_and_a_polygon_stays_convex() {
 fn bands_are_as_wide_as_the_profile_says() {
     for kind in ["triangle-wave", "sine-wave"] {
         let mut fields = vec![
-            field("kind", Datum::Text(kind.into())),
+            field("kind", ParameterValue::Text(kind.into())),
             field("origin", list(&[10.0, 0.0])),
-            field("period", Datum::Number(20.0)),
+            field("period", ParameterValue::Number(20.0)),
         ];
         fields.extend(look());
         let drawn = read(&fields);
@@ -217,10 +218,11 @@ fn known() -> Known {
 
 #[test]
 fn relative_numbers_stay_relative_and_others_as_they_are_written() {
-    let text = |text: &str| Setting::from(Datum::Text(text.into()));
+    let text = |text: &str| LocatedValue::from(ParameterValue::Text(text.into()));
     let mut fields = gaussian_widget();
-    fields[3] = field("centre", Datum::List(vec![text("p50"), text("25 %")]));
-    fields[4] = field("sigma", Datum::List(vec![text("10 %"), Datum::Number(0.123456789).into()]));
+    fields[3] = field("centre", ParameterValue::List(vec![text("p50"), text("25 %")]));
+    fields[4] =
+        field("sigma", ParameterValue::List(vec![text("10 %"), ParameterValue::Number(0.123456789).into()]));
     let known = known();
     let drawn = read_with(&fields, Some(&known));
     assert_eq!(places(&drawn)[..3], [[20.0, 2.5], [30.0, 2.5], [20.0, 2.5 + 0.123456789]]);
@@ -237,7 +239,7 @@ fn relative_numbers_stay_relative_and_others_as_they_are_written() {
     let turned = drawn.moved(Handle::Angle, [60.0, 7.0], &SCALE);
     let matrix = written(turned.clone(), "matrix");
     assert_eq!(matrix.matches('%').count(), 2, "{matrix}");
-    let as_written = |key: &str, change: Option<Datum>| {
+    let as_written = |key: &str, change: Option<ParameterValue>| {
         change.map(|new| relative::as_written(&fields, Some(&known), key, new))
     };
     let changes = turned.iter().map(|(key, change)| (*key, as_written(key, change.clone()))).collect();
@@ -246,7 +248,7 @@ fn relative_numbers_stay_relative_and_others_as_they_are_written() {
     assert_near(&places(&read_with(&after, Some(&known))), &places(&read_with(&in_numbers, Some(&known))));
     // On data of twice the range it is twice as wide.
     let mut wider = known.clone();
-    wider.ranges.insert(Quantity::Named("s"), [0.0, 200.0]);
+    wider.ranges.insert(ArrayRef::Named("s"), [0.0, 200.0]);
     let strength = |of: &Known, s: f64| read_with(&after, Some(of)).strength([20.0 + s, 2.5]);
     assert!(strength(&known, 1.0) < 0.9 && strength(&known, 1.0) > 0.3, "{}", strength(&known, 1.0));
     assert!((strength(&known, 1.0) / strength(&wider, 2.0) - 1.0).abs() < 1e-9);
@@ -276,9 +278,9 @@ fn a_table_is_drawn_as_its_picture_and_moved_and_scaled_by_its_ranges() {
     std::fs::write(folder.path().join("look.png"), png).unwrap();
     let images = Images::default().of(&Default::default(), folder.path().to_path_buf());
     let mut fields = vec![
-        field("kind", Datum::Text("table".into())),
-        field("extinction", Datum::Number(7.0)),
-        field("image", Datum::Text("look.png".into())),
+        field("kind", ParameterValue::Text("table".into())),
+        field("extinction", ParameterValue::Number(7.0)),
+        field("image", ParameterValue::Text("look.png".into())),
         field("s", list(&[2.0, 6.0])),
         field("g", list(&[1.0, 5.0])),
     ];
@@ -305,7 +307,7 @@ fn a_table_is_drawn_as_its_picture_and_moved_and_scaled_by_its_ranges() {
     assert_eq!(drawn.moved(Handle::Centre, [5.0, 3.0], &SCALE), [("s", Some(list(&[3.0, 7.0])))]);
     assert_eq!(drawn.moved(Handle::Edge(0, true), [2.0, 3.0], &SCALE), [], "a range would be empty");
     // Without its picture it can still be moved, and says what is wrong.
-    fields[2] = field("image", Datum::Text("none.png".into()));
+    fields[2] = field("image", ParameterValue::Text("none.png".into()));
     while images.fault("none.png").is_none() {
         assert!(begun.elapsed().as_secs() < 60);
         std::thread::yield_now();

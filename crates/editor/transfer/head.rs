@@ -10,7 +10,7 @@ use crate::theme;
 use crate::worker::{grouped, short};
 use eframe::egui::{Color32, DragValue, Rgba, RichText, Sense, Stroke, Ui, vec2};
 use voltet_document::{Edit, Path};
-use voltet_graph::{Datum, Quantity, Setting};
+use voltet_graph::{ArrayRef, LocatedValue, ParameterValue};
 
 impl TransferPanel {
     pub(super) fn head(&mut self, ui: &mut Ui, scene: &Scene, look: &Look, actions: &mut Actions) {
@@ -22,7 +22,7 @@ impl TransferPanel {
             }
             let peak = eframe::egui::Button::new("+ at peak").small();
             let fits =
-                look.is_of_s_and_g() || look.axes.iter().all(|axis| matches!(axis, Quantity::Array(_)));
+                look.is_of_s_and_g() || look.axes.iter().all(|axis| matches!(axis, ArrayRef::Array(_)));
             let peak = ui
                 .add_enabled(fits, peak)
                 .on_hover_text("a Gaussian where most of the volume is that no widget holds (P)")
@@ -165,10 +165,10 @@ impl TransferPanel {
     }
 
     fn color_and_strength(&self, ui: &mut Ui, look: &Look, widget: &Drawn, actions: &mut Actions) {
-        let fields = look.list.get(self.chosen).and_then(Setting::table).unwrap_or_default();
+        let fields = look.list.get(self.chosen).and_then(LocatedValue::table).unwrap_or_default();
         let is_stated = |key: &str| fields.iter().any(|field| field.name == key);
         let path = |key: &str| Path::from("widgets").with(self.chosen).with(key);
-        let mut set = |key: &str, value: Datum| {
+        let mut set = |key: &str, value: ParameterValue| {
             actions.edit(Edit::Set { node: look.node.name.clone(), path: path(key), value });
         };
         if is_stated("color") {
@@ -178,7 +178,12 @@ impl TransferPanel {
                 let linear = Rgba::from(shown);
                 let channel = |x: f32| (f64::from(x) * brightest * 1e4).round() / 1e4;
                 let color = [linear.r(), linear.g(), linear.b()].map(channel);
-                set("color", Datum::List(color.map(|x| Setting::from(Datum::Number(x))).to_vec()));
+                set(
+                    "color",
+                    ParameterValue::List(
+                        color.map(|x| LocatedValue::from(ParameterValue::Number(x))).to_vec(),
+                    ),
+                );
             }
         }
         if is_stated("extinction") {
@@ -190,7 +195,7 @@ impl TransferPanel {
             let field = field.speed(speed).max_decimals(4);
             let response = ui.add(field.update_while_editing(false));
             if response.on_hover_text("extinction, per unit_distance").changed() {
-                set("extinction", Datum::Number(super::numbers::rounded(extinction)));
+                set("extinction", ParameterValue::Number(super::numbers::rounded(extinction)));
             }
         }
     }

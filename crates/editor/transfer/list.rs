@@ -5,7 +5,7 @@ use super::{TransferPanel, new};
 use crate::actions::Actions;
 use std::collections::BTreeSet;
 use voltet_document::{Edit, Path};
-use voltet_graph::{Datum, Quantity};
+use voltet_graph::{ArrayRef, ParameterValue};
 
 impl TransferPanel {
     pub(super) fn add_at_peak(&mut self, look: &Look, actions: &mut Actions) {
@@ -15,7 +15,7 @@ impl TransferPanel {
     }
 
     /// A widget more, which is then in hand.
-    pub(super) fn add(&mut self, look: &Look, entry: Datum, actions: &mut Actions) {
+    pub(super) fn add(&mut self, look: &Look, entry: ParameterValue, actions: &mut Actions) {
         let (node, place) = (look.node.name.clone(), look.widgets.len());
         actions.edit(Edit::Insert { node, list: "widgets".into(), place, entry });
         (self.chosen, self.held) = (place, None);
@@ -67,7 +67,7 @@ impl TransferPanel {
     }
 
     /// Another plane, all of it shown.
-    pub(super) fn set_axes(&mut self, axes: [Quantity; 2]) {
+    pub(super) fn set_axes(&mut self, axes: [ArrayRef; 2]) {
         if self.axes != axes {
             (self.axes, self.shown, self.drag) = (axes, None, None);
         }

@@ -10,15 +10,15 @@ use crate::worker::{Distributed, Probed, Share};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use voltet_core::probing::Histogram;
-use voltet_graph::{NodeEntry, Quantity, Setting};
+use voltet_graph::{ArrayRef, LocatedValue, NodeEntry};
 
 /// What is edited.
 pub(super) struct Look<'a> {
     pub node: &'a NodeEntry,
-    pub list: &'a [Setting],
+    pub list: &'a [LocatedValue],
     pub widgets: Vec<Drawn>,
     /// What the axes of the plane are.
-    pub axes: [Quantity; 2],
+    pub axes: [ArrayRef; 2],
     pub found: Option<Arc<Distributed>>,
     /// Lengths of the axes of the data.
     pub extent: [f64; 2],
@@ -29,7 +29,7 @@ pub(super) struct Look<'a> {
     pub probed: Option<Arc<Probed>>,
     pub share: Option<Result<Share, String>>,
     /// Sets of widgets that the file keeps, by their digits.
-    pub sets: &'a BTreeMap<u8, Vec<Setting>>,
+    pub sets: &'a BTreeMap<u8, Vec<LocatedValue>>,
 }
 
 impl<'a> Look<'a> {
@@ -37,7 +37,7 @@ impl<'a> Look<'a> {
     pub fn of(
         scene: &Scene<'a>,
         node: &'a NodeEntry,
-        axes: &[Quantity; 2],
+        axes: &[ArrayRef; 2],
         plane: Option<Plane>,
         former_peak: Option<f64>,
         images: &Images,
@@ -50,7 +50,7 @@ impl<'a> Look<'a> {
         let metric = plane.map_or(extent, Plane::metric);
         let known = found.as_ref().map(|found| &found.known);
         let on = On { axes, extent: metric, known, images };
-        let widget = |entry: &Setting| Drawn::of(entry.table().unwrap_or_default(), &on);
+        let widget = |entry: &LocatedValue| Drawn::of(entry.table().unwrap_or_default(), &on);
         let widgets: Vec<Drawn> = list.iter().map(widget).collect();
         let peak = former_peak.unwrap_or_else(|| {
             let most = widgets.iter().filter_map(Drawn::peak_of_curve).fold(0.0, f64::max);

@@ -54,7 +54,7 @@ use scale::S_AND_G;
 use std::collections::BTreeSet;
 use voltet_document::links::upstream;
 use voltet_document::{Edit, Path};
-use voltet_graph::{NodeEntry, Quantity, Setting};
+use voltet_graph::{ArrayRef, LocatedValue, NodeEntry};
 
 /// Room for the numbers of the axes: left, below, and right where a curve has its own.
 const MARGIN: [f32; 3] = [52.0, 18.0, 44.0];
@@ -62,7 +62,7 @@ const MARGIN: [f32; 3] = [52.0, 18.0, 44.0];
 /// The panel, with what a hand is doing in it.
 pub(crate) struct TransferPanel {
     /// What the plane is over.
-    axes: [Quantity; 2],
+    axes: [ArrayRef; 2],
     typed_axis: [String; 2],
     /// The shown part of the plane; all of the data until a hand chose another.
     shown: Option<[[f64; 2]; 2]>,
@@ -119,7 +119,7 @@ pub(crate) fn of<'a>(scene: &Scene<'a>) -> Option<&'a NodeEntry> {
 pub(crate) fn fields_of(look: &NodeEntry) -> Vec<String> {
     let widgets = look.settings.iter().find(|field| field.name == "widgets");
     let list = widgets.and_then(|field| field.setting.list()).unwrap_or_default();
-    let all: BTreeSet<String> = list.iter().filter_map(Setting::table).flat_map(drawn::arrays).collect();
+    let all: BTreeSet<String> = list.iter().filter_map(LocatedValue::table).flat_map(drawn::arrays).collect();
     all.into_iter().collect()
 }
 
@@ -128,7 +128,7 @@ pub(crate) fn is_of_series(look: &NodeEntry) -> bool {
     let says_so = look.settings.iter().any(|f| f.name == "relative_to" && f.setting.text() == Some("series"));
     let widgets = look.settings.iter().find(|field| field.name == "widgets");
     let list = widgets.and_then(|field| field.setting.list()).unwrap_or_default();
-    says_so && list.iter().filter_map(Setting::table).any(relative::is_relative)
+    says_so && list.iter().filter_map(LocatedValue::table).any(relative::is_relative)
 }
 
 impl TransferPanel {
@@ -153,7 +153,7 @@ impl TransferPanel {
     }
 
     /// What the plane is over.
-    pub fn axes(&self) -> [Quantity; 2] {
+    pub fn axes(&self) -> [ArrayRef; 2] {
         self.axes.clone()
     }
 
@@ -182,13 +182,13 @@ impl TransferPanel {
 
     /// Another plane.
     #[cfg(test)]
-    pub fn choose_for_tests(&mut self, axes: [Quantity; 2]) {
+    pub fn choose_for_tests(&mut self, axes: [ArrayRef; 2]) {
         self.set_axes(axes);
     }
 
     /// The widget that a probe would make.
     #[cfg(test)]
-    pub fn at_probe_for_tests(&self, scene: &Scene) -> Option<voltet_graph::Datum> {
+    pub fn at_probe_for_tests(&self, scene: &Scene) -> Option<voltet_graph::ParameterValue> {
         let look = Look::of(scene, of(scene)?, &self.axes, self.plane, None, &self.images);
         new::at_probe(&look, look.probed.as_ref()?)
     }
@@ -291,7 +291,7 @@ impl TransferPanel {
 
 /// The changes of a widget (as it was when they began) as edits of its node, one step.
 fn edit(look: &Look, place: usize, before: &Drawn, changes: Vec<Change>, actions: &mut Actions) {
-    let Some(entry) = look.list.get(place).and_then(Setting::table) else { return };
+    let Some(entry) = look.list.get(place).and_then(LocatedValue::table) else { return };
     let is_stated = |key: &str| entry.iter().any(|field| field.name == key);
     let known = look.found.as_ref().map(|found| &found.known);
     let path = |key: &str| Path::from("widgets").with(place).and(&Path::from(key));

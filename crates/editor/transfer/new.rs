@@ -6,8 +6,8 @@ use super::numbers::{Change, list};
 use super::plane::middle;
 use crate::worker::Probed;
 use std::f64::consts::FRAC_1_SQRT_2;
-use voltet_core::probing::{Found, kernel};
-use voltet_graph::{Datum, Field, Quantity, Setting};
+use voltet_core::probing::{ProbeResult, kernel};
+use voltet_graph::{ArrayRef, Field, LocatedValue, ParameterValue};
 
 /// Deviations of a new Gaussian, as shares of the axes.
 const NEW: [f64; 2] = [0.02, 0.05];
@@ -22,7 +22,7 @@ const UPRIGHT: f64 = 0.05;
 const EXTINCTION: f64 = 10.0;
 
 /// A Gaussian at the bin with the most volume that no widget holds; `None` on axes that no kind of widget is over.
-pub(super) fn at_peak(look: &Look) -> Option<Datum> {
+pub(super) fn at_peak(look: &Look) -> Option<ParameterValue> {
     let (mut centre, mut sigma) = ([0.5, 0.0], [0.1, 0.1]);
     if let Some(histogram) = look.histogram() {
         let [s, g] = histogram.axes;
@@ -46,14 +46,14 @@ pub(super) fn at_peak(look: &Look) -> Option<Datum> {
 /// A Gaussian by the mean and the covariance of probed values (Kniss et al. 2003, section 6), turned to the covariance's principal
 /// axes. In a direction in which the values hardly vary it is as wide as a hand can take hold of; a quantity that is the same in
 /// all of the data is not looked at. `None` without values.
-pub(super) fn at_probe(look: &Look, probed: &Probed) -> Option<Datum> {
+pub(super) fn at_probe(look: &Look, probed: &Probed) -> Option<ParameterValue> {
     let (mean, covariance) = probed.moments()?;
     let known = look.found.as_ref().map(|found| &found.known);
     let extent: Vec<f64> = ["s", "g"]
         .into_iter()
         .enumerate()
         .map(|(k, name)| {
-            let range = known.and_then(|known| known.ranges.get(&Quantity::Named(name)));
+            let range = known.and_then(|known| known.ranges.get(&ArrayRef::Named(name)));
             let is_constant = range.is_some_and(|[low, high]| low == high);
             if is_constant || !look.is_of_s_and_g() {
                 range.map_or(1.0, |[a, b]| b - a)
@@ -66,7 +66,7 @@ pub(super) fn at_probe(look: &Look, probed: &Probed) -> Option<Datum> {
         let by = extent[i] * extent[j];
         if by > 0.0 { covariance[i][j] / by } else { 0.0 }
     };
-    let found = Found {
+    let found = ProbeResult {
         mean: mean.to_vec(),
         covariance: (0..2).map(|i| (0..2).map(|j| share(i, j)).collect()).collect(),
         cell_count: 0,
@@ -82,7 +82,7 @@ pub(super) fn at_probe(look: &Look, probed: &Probed) -> Option<Datum> {
 }
 
 /// A new widget in a colour of its own.
-fn widget(look: &Look, (kind, numbers): (&str, Vec<Change>)) -> Datum {
+fn widget(look: &Look, (kind, numbers): (&str, Vec<Change>)) -> ParameterValue {
     let extinction = look.widgets.iter().map(|widget| widget.extinction).fold(0.0, f64::max);
     let extinction = if extinction > 0.0 { extinction } else { EXTINCTION };
     // Hues far apart, one after the other.
@@ -96,15 +96,15 @@ fn widget(look: &Look, (kind, numbers): (&str, Vec<Change>)) -> Datum {
     ];
     let color = COLORS[look.widgets.len() % COLORS.len()];
     let first = [
-        ("kind", Datum::Text(kind.into())),
+        ("kind", ParameterValue::Text(kind.into())),
         ("color", list(&color)),
-        ("extinction", Datum::Number(super::numbers::rounded(extinction))),
+        ("extinction", ParameterValue::Number(super::numbers::rounded(extinction))),
     ];
-    let field = |(name, datum): (&'static str, Datum)| Field {
+    let field = |(name, datum): (&'static str, ParameterValue)| Field {
         name: name.into(),
         origin: Default::default(),
-        setting: Setting::from(datum),
+        setting: LocatedValue::from(datum),
     };
     let numbers = numbers.into_iter().filter_map(|(key, value)| Some((key, value?)));
-    Datum::Table(first.into_iter().chain(numbers).map(field).collect())
+    ParameterValue::Table(first.into_iter().chain(numbers).map(field).collect())
 }

@@ -2,7 +2,7 @@
 
 use crate::scene::Scene;
 use voltet_document::links::{self, upstream};
-use voltet_graph::{NodeEntry, PortType, Quantity};
+use voltet_graph::{ArrayRef, NodeEntry, PortType};
 
 /// The output that gives the volume that a transfer function is drawn with: "node" or "node.port".
 pub(crate) fn volume_of(scene: &Scene, look: &str) -> Option<String> {
@@ -22,9 +22,9 @@ pub(crate) fn volume_of(scene: &Scene, look: &str) -> Option<String> {
 }
 
 /// An axis with what it is: s is the array that the reader reads for it, where one does.
-pub(super) fn axis_title(scene: &Scene, look: &str, axis: &Quantity) -> String {
+pub(super) fn axis_title(scene: &Scene, look: &str, axis: &ArrayRef) -> String {
     match axis {
-        Quantity::Named("s") => {
+        ArrayRef::Named("s") => {
             let source = volume_of(scene, look);
             let nodes = &scene.document.pipeline().nodes;
             let feeding = source.map(|source| upstream(nodes, links::source(&source, nodes).0));
@@ -35,15 +35,15 @@ pub(super) fn axis_title(scene: &Scene, look: &str, axis: &Quantity) -> String {
             };
             nodes.iter().filter(reads).find_map(scalar).unwrap_or_else(|| "s".into())
         }
-        Quantity::Named("g") => "g = |grad s|".into(),
-        Quantity::Array(_) | Quantity::Named(_) | Quantity::Per(..) => axis_name(axis),
+        ArrayRef::Named("g") => "g = |grad s|".into(),
+        ArrayRef::Array(_) | ArrayRef::Named(_) | ArrayRef::Per(..) => axis_name(axis),
     }
 }
 
 /// A quantity as an axis names it.
-pub(super) fn axis_name(axis: &Quantity) -> String {
+pub(super) fn axis_name(axis: &ArrayRef) -> String {
     match axis {
-        Quantity::Array(name) => name.clone(),
-        Quantity::Named(_) | Quantity::Per(..) => axis.to_string(),
+        ArrayRef::Array(name) => name.clone(),
+        ArrayRef::Named(_) | ArrayRef::Per(..) => axis.to_string(),
     }
 }

@@ -5,7 +5,7 @@ use super::numbers::{Change, array, find, list, rows};
 use super::pen::Pen;
 use super::scale::Scale;
 use eframe::egui::{Color32, Pos2, Shape, Stroke};
-use voltet_graph::{Field, Setting};
+use voltet_graph::{Field, LocatedValue};
 
 /// Where a widget is not 0, as its table states it.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,9 +22,9 @@ const RANGES: [&str; 2] = ["region.s", "region.g"];
 impl Region {
     /// Of a widget's table, without numbers relative to data.
     pub fn of(fields: &[Field]) -> Region {
-        let Some(region) = find(fields, "region").and_then(Setting::table) else { return Region::Whole };
+        let Some(region) = find(fields, "region").and_then(LocatedValue::table) else { return Region::Whole };
         let corners: Option<Vec<[f64; 2]>> = find(region, "polygon")
-            .and_then(Setting::list)
+            .and_then(LocatedValue::list)
             .and_then(|list| list.iter().map(|row| row.numbers()?.try_into().ok()).collect());
         let limits = |name: &str| array(region, name).unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
         corners.map_or_else(|| Region::Box([limits("s"), limits("g")]), Region::Polygon)

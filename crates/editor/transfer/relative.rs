@@ -1,10 +1,10 @@
 //! Numbers relative to data among those of a widget: what they are, and how a hand's numbers are written in their place.
 
 use crate::worker::Known;
-use voltet_core::parameters::{Measure, Parameters, Relative, RelativeNumber};
-use voltet_core::transfer::{self, Scales, WIDGET_KINDS};
+use voltet_core::parameters::{Parameters, Relative, RelativeNumber, StatisticKind};
+use voltet_core::transfer::{self, DataStatistics, WIDGET_KINDS};
 use voltet_core::{Error, Result};
-use voltet_graph::{Datum, Field, Origin, Setting};
+use voltet_graph::{Field, LocatedValue, ParameterValue, SourceSpan};
 
 /// Digits after the point of a percentage of a range: of a value, and at least of a width.
 const SHARE_DIGITS: usize = 3;
@@ -24,7 +24,7 @@ fn parameters(fields: &[Field]) -> Option<Parameters> {
     let kind = fields.iter().find(|field| field.name == "kind")?.setting.text()?;
     let kind = WIDGET_KINDS.iter().find(|known| known.name == kind)?;
     // What is wrong is said elsewhere; what is not set has no numbers.
-    Some(Parameters::survey(kind.parameters, fields, &Origin::Nowhere, &["kind"], &mut Vec::new()))
+    Some(Parameters::survey(kind.parameters, fields, &SourceSpan::Nowhere, &["kind"], &mut Vec::new()))
 }
 
 /// Whether a widget's table has numbers relative to data.
@@ -50,18 +50,23 @@ pub(super) fn resolved(fields: &[Field], known: Option<&Known>) -> Result<Vec<Fi
 
 /// Widgets with numbers in place of those relative to data: what is drawn while one is dragged, as nothing is to be found anew of
 /// the data for each step. None where all are numbers, or some are not known.
-pub(crate) fn in_numbers(list: &[Setting], known: &Known) -> Option<Vec<Setting>> {
-    let widget = |entry: &Setting| {
+pub(crate) fn in_numbers(list: &[LocatedValue], known: &Known) -> Option<Vec<LocatedValue>> {
+    let widget = |entry: &LocatedValue| {
         let fields = resolved(entry.table()?, Some(known)).ok()?;
-        Some(Setting { datum: Datum::Table(fields), ..entry.clone() })
+        Some(LocatedValue { datum: ParameterValue::Table(fields), ..entry.clone() })
     };
-    let found: Vec<Setting> = list.iter().map(widget).collect::<Option<_>>()?;
+    let found: Vec<LocatedValue> = list.iter().map(widget).collect::<Option<_>>()?;
     (found != list).then_some(found)
 }
 
 /// What is to be written at a key of the table ("centre", "region.s"), where a hand made numbers of what is there: relative ones
 /// stay relative, and those that did not change stay as they are written.
-pub(super) fn as_written(fields: &[Field], known: Option<&Known>, key: &str, new: Datum) -> Datum {
+pub(super) fn as_written(
+    fields: &[Field],
+    known: Option<&Known>,
+    key: &str,
+    new: ParameterValue,
+) -> ParameterValue {
     let other = IN_PLACE_OF_EACH_OTHER.iter().find(|[to, _]| *to == key).map(|[_, from]| *from);
     let carried =
         other.filter(|_| at(fields, key).is_none()).and_then(|from| carried(fields, from, key, &new));
@@ -81,7 +86,7 @@ pub(super) fn as_written(fields: &[Field], known: Option<&Known>, key: &str, new
             .filter_map(|(parameter, setting, _)| {
                 Some(Field {
                     name: parameter.name.to_string(),
-                    origin: Origin::Nowhere,
+                    origin: SourceSpan::Nowhere,
                     setting: setting?.clone(),
                 })
             })
@@ -93,24 +98,25 @@ pub(super) fn as_written(fields: &[Field], known: Option<&Known>, key: &str, new
 
 /// The table with a key in place of the other that says the same: 100 % for each number of a quantity that has relative ones there,
 /// 0 for the others. `None` where there are none.
-fn carried(fields: &[Field], from: &str, to: &str, new: &Datum) -> Option<Vec<Field>> {
+fn carried(fields: &[Field], from: &str, to: &str, new: &ParameterValue) -> Option<Vec<Field>> {
     let stated = at(fields, from)?.list()?;
     let is_text = |place: usize| {
-        let of = |part: &Setting| match part.list() {
+        let of = |part: &LocatedValue| match part.list() {
             Some(row) => row.get(place).is_some_and(|entry| entry.text().is_some()),
             None => false,
         };
         stated.get(place).is_some_and(|part| part.text().is_some()) || stated.iter().any(of)
     };
     let one = |place: usize| match is_text(place) {
-        true => Setting::from(Datum::Text("100 %".into())),
-        false => Setting::from(Datum::Number(0.0)),
+        true => LocatedValue::from(ParameterValue::Text("100 %".into())),
+        false => LocatedValue::from(ParameterValue::Number(0.0)),
     };
-    let Datum::List(parts) = new else { return None };
-    let list = |count: usize| Setting::from(Datum::List((0..count).map(one).collect()));
+    let ParameterValue::List(parts) = new else { return None };
+    let list = |count: usize| LocatedValue::from(ParameterValue::List((0..count).map(one).collect()));
     let setting = match parts.first()?.list() {
         Some(_) => {
-            Datum::List(parts.iter().map(|row| list(row.list().map_or(0, <[_]>::len))).collect()).into()
+            ParameterValue::List(parts.iter().map(|row| list(row.list().map_or(0, <[_]>::len))).collect())
+                .into()
         }
         None => list(parts.len()),
     };
@@ -118,42 +124,43 @@ fn carried(fields: &[Field], from: &str, to: &str, new: &Datum) -> Option<Vec<Fi
         return None;
     }
     let others = fields.iter().filter(|field| field.name != from).cloned();
-    Some(others.chain([Field { name: to.into(), origin: Origin::Nowhere, setting }]).collect())
+    Some(others.chain([Field { name: to.into(), origin: SourceSpan::Nowhere, setting }]).collect())
 }
 
-fn at<'a>(fields: &'a [Field], key: &str) -> Option<&'a Setting> {
+fn at<'a>(fields: &'a [Field], key: &str) -> Option<&'a LocatedValue> {
     let (first, rest) = key.split_once('.').map_or((key, None), |(first, rest)| (first, Some(rest)));
     let setting = &fields.iter().find(|field| field.name == first)?.setting;
     rest.map_or(Some(setting), |rest| at(setting.table()?, rest))
 }
 
 fn written(
-    old: &Setting,
-    now: &Setting,
-    marked: Option<&Setting>,
+    old: &LocatedValue,
+    now: &LocatedValue,
+    marked: Option<&LocatedValue>,
     numbers: &[RelativeNumber],
     known: Option<&Known>,
-    new: Datum,
-) -> Datum {
-    if let (Datum::List(olds), Datum::List(nows), Datum::List(news)) = (&old.datum, &now.datum, &new)
+    new: ParameterValue,
+) -> ParameterValue {
+    if let (ParameterValue::List(olds), ParameterValue::List(nows), ParameterValue::List(news)) =
+        (&old.datum, &now.datum, &new)
         && olds.len() == news.len()
         && nows.len() == news.len()
     {
-        let marks = marked.and_then(Setting::list);
+        let marks = marked.and_then(LocatedValue::list);
         let parts = (0..news.len()).map(|i| {
             let mark = marks.and_then(|marks| marks.get(i));
-            Setting::from(written(&olds[i], &nows[i], mark, numbers, known, news[i].datum.clone()))
+            LocatedValue::from(written(&olds[i], &nows[i], mark, numbers, known, news[i].datum.clone()))
         });
-        return Datum::List(parts.collect());
+        return ParameterValue::List(parts.collect());
     }
-    let (Some(was), Some(is)) = (now.number(), Setting::from(new.clone()).number()) else { return new };
+    let (Some(was), Some(is)) = (now.number(), LocatedValue::from(new.clone()).number()) else { return new };
     if is == was || (is - was).abs() <= 1e-9 * was.abs() || is == super::numbers::rounded(was) {
         return old.datum.clone();
     }
-    let mark = marked.and_then(Setting::number).map(|mark| mark as usize);
+    let mark = marked.and_then(LocatedValue::number).map(|mark| mark as usize);
     match (&old.datum, mark.and_then(|mark| numbers.get(mark)), known) {
-        (Datum::Text(_), Some(number), Some(known)) => {
-            relative(number, was, is, known).map_or(new, Datum::Text)
+        (ParameterValue::Text(_), Some(number), Some(known)) => {
+            relative(number, was, is, known).map_or(new, ParameterValue::Text)
         }
         _ => new,
     }
@@ -172,16 +179,16 @@ fn relative(number: &RelativeNumber, was: f64, is: f64, known: &Known) -> Option
         with_digits(share, (WIDTH_DIGITS - before).max(SHARE_DIGITS as i32) as usize)
     };
     match (number.relative, number.is) {
-        (Relative::Share(_), Measure::Value | Measure::Place) => {
+        (Relative::Share(_), StatisticKind::Value | StatisticKind::Place) => {
             let [low, high] = known.range(&number.quantity).ok()?;
             (high > low).then(|| with_digits((is - low) / (high - low), SHARE_DIGITS))
         }
         // Widths are in proportion to their shares, factors the other way round.
-        (Relative::Share(share), Measure::Width) => {
+        (Relative::Share(share), StatisticKind::Width) => {
             let share = share * is / was;
             (share > 0.0 && share.is_finite()).then(|| width(share))
         }
-        (Relative::Share(share), Measure::Factor) => {
+        (Relative::Share(share), StatisticKind::Factor) => {
             let share = share * was / is;
             (share != 0.0 && share.is_finite()).then(|| width(share))
         }

@@ -1,7 +1,7 @@
 //! What the axes of the plane measure.
 
 use super::numbers::rounded;
-use voltet_graph::Quantity;
+use voltet_graph::ArrayRef;
 
 /// What the plane measures where a handle is drawn or moved.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -21,7 +21,7 @@ impl Scale {
 }
 
 /// The plane of the scalar and its gradient magnitude.
-pub(super) const S_AND_G: [Quantity; 2] = [Quantity::Named("s"), Quantity::Named("g")];
+pub(super) const S_AND_G: [ArrayRef; 2] = [ArrayRef::Named("s"), ArrayRef::Named("g")];
 
 /// The height in the plot of an extinction, 0 to 1: its cube root, so that small ones are told apart.
 pub(super) fn height_of(extinction: f64, peak: f64) -> f64 {

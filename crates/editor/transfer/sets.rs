@@ -5,7 +5,7 @@ use super::look::Look;
 use crate::actions::{Action, Actions};
 use eframe::egui::{Button, Key, Modifiers, Ui};
 use voltet_document::Edit;
-use voltet_graph::Datum;
+use voltet_graph::ParameterValue;
 
 const DIGITS: [Key; 10] = [
     Key::Num0,
@@ -68,7 +68,7 @@ impl TransferPanel {
     fn recall(&mut self, digit: u8, look: &Look, actions: &mut Actions) {
         match look.sets.get(&digit) {
             Some(list) => {
-                let edit = Edit::set(&look.node.name, "widgets", Datum::List(list.clone()));
+                let edit = Edit::set(&look.node.name, "widgets", ParameterValue::List(list.clone()));
                 actions.edits(format!("recall the widgets {digit}"), vec![edit]);
                 self.hidden.clear();
             }

@@ -112,7 +112,7 @@ fn an_axis_view_looks_along_it() {
 #[test]
 fn a_node_that_states_a_view_states_it_again() {
     for view in [view(), parallel()] {
-        let field = |(name, datum): (&str, Datum)| voltet_graph::Field {
+        let field = |(name, datum): (&str, ParameterValue)| voltet_graph::Field {
             name: name.into(),
             origin: Default::default(),
             setting: datum.into(),
@@ -120,7 +120,7 @@ fn a_node_that_states_a_view_states_it_again() {
         let node = NodeEntry {
             name: "view".into(),
             origin: Default::default(),
-            node_type: Setting::from(Datum::Text("camera".into())),
+            node_type: LocatedValue::from(ParameterValue::Text("camera".into())),
             settings: view.settings().into_iter().map(field).collect(),
             inputs: Vec::new(),
         };

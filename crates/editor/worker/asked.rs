@@ -5,7 +5,7 @@ use super::scales::Known;
 use glam::DVec3;
 use std::path::PathBuf;
 use voltet_core::probing::Histogram;
-use voltet_graph::{NodeEntry, Quantity};
+use voltet_graph::{ArrayRef, NodeEntry};
 
 /// The distribution of the data that is wanted.
 #[derive(Debug, Clone, PartialEq)]
@@ -17,7 +17,7 @@ pub struct Distribution {
     /// The output that gives the volume.
     pub node: String,
     /// Along which quantities: "s", "g", or arrays.
-    pub axes: [Quantity; 2],
+    pub axes: [ArrayRef; 2],
     /// Further arrays whose ranges are wanted.
     pub fields: Vec<String>,
     /// Whether what numbers are relative to is all steps of a time series together.

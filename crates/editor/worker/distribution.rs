@@ -13,7 +13,7 @@ use voltet_core::grid::Grid;
 use voltet_core::probing::{Axis, histogram, value_range};
 use voltet_core::progress::Progress;
 use voltet_core::volume::Volume;
-use voltet_graph::{Observer, Quantity, Registry, Session};
+use voltet_graph::{ArrayRef, Observer, Registry, Session};
 
 /// Bins along each axis.
 const BINS: usize = 256;
@@ -22,8 +22,8 @@ impl Distribution {
     /// The arrays of the axes, and the further ones.
     fn arrays(&self) -> Vec<&String> {
         let of_axes = self.axes.iter().filter_map(|axis| match axis {
-            Quantity::Array(name) => Some(name),
-            Quantity::Named(_) | Quantity::Per(..) => None,
+            ArrayRef::Array(name) => Some(name),
+            ArrayRef::Named(_) | ArrayRef::Per(..) => None,
         });
         let mut arrays: Vec<&String> = of_axes.chain(&self.fields).collect();
         arrays.sort_unstable();
@@ -32,10 +32,10 @@ impl Distribution {
     }
 
     /// The quantities that something is asked of: the axes first.
-    fn quantities(&self) -> Vec<Quantity> {
+    fn quantities(&self) -> Vec<ArrayRef> {
         let mut all = self.axes.to_vec();
-        let arrays = self.fields.iter().map(|name| Quantity::Array(name.clone()));
-        for quantity in arrays.chain(["s", "g"].map(Quantity::Named)) {
+        let arrays = self.fields.iter().map(|name| ArrayRef::Array(name.clone()));
+        for quantity in arrays.chain(["s", "g"].map(ArrayRef::Named)) {
             if !all.contains(&quantity) {
                 all.push(quantity);
             }
@@ -49,7 +49,7 @@ impl Distribution {
         let [x, y] = [values(volume, &self.axes[0])?, values(volume, &self.axes[1])?];
         let grid = &volume.grid;
         let mut axes = [Axis::over(&x, BINS), Axis::over(&y, BINS)];
-        for axis in (0..2).filter(|axis| self.axes[*axis] == Quantity::Named("g")) {
+        for axis in (0..2).filter(|axis| self.axes[*axis] == ArrayRef::Named("g")) {
             axes[axis] = of_nearly_all(grid, if axis == 0 { &x } else { &y }, progress)?;
         }
         let found = histogram(grid, [&x, &y], axes, progress)?;

@@ -5,7 +5,7 @@ use super::request::Wanted;
 use super::work::{Work, picture_of};
 use voltet_core::picture::Picture;
 use voltet_core::{Error, Result};
-use voltet_graph::{Datum, Graph, Registry};
+use voltet_graph::{Graph, ParameterValue, Registry};
 
 /// Pixels that are compared, at most.
 const PIXELS: f64 = 3072.0;
@@ -28,13 +28,13 @@ fn graphs(wanted: &Wanted, registry: &Registry) -> Result<[Graph; 2]> {
     let (Some(drawing), Some(known)) = (drawing, known.filter(|node| node.parameter(INTEGRATOR).is_some()))
     else {
         return Err(Error::usage(format!("'{}' does not integrate anything", wanted.node))
-            .accepted("the picture of a node that draws a volume"));
+            .expected("the picture of a node that draws a volume"));
     };
-    drawing.set(INTEGRATOR, &[], Datum::Text(REFEREE.into()).into())?;
+    drawing.set(INTEGRATOR, &[], ParameterValue::Text(REFEREE.into()).into())?;
     // The referee is an engine of its own.
     let has_engine = known.parameter("engine").is_some();
     if has_engine {
-        drawing.set("engine", &[], Datum::Text("auto".into()).into())?;
+        drawing.set("engine", &[], ParameterValue::Text("auto".into()).into())?;
     }
     drawing.settings.retain(|field| !["compositor", "adapter"].contains(&field.name.as_str()));
     Ok([wanted.graph(registry, divisor)?, better.graph(registry, divisor)?])
@@ -63,7 +63,7 @@ impl Work<'_> {
             }
             Ok(difference(&pictures[0], &pictures[1]))
         });
-        let given_up = || Err(Error::run("given up for a newer picture").accepted("to be asked again"));
+        let given_up = || Err(Error::run("given up for a newer picture").expected("to be asked again"));
         self.shared.show(|shown| shown.estimate = Some((key, found.unwrap_or_else(given_up))));
     }
 }

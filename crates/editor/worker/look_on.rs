@@ -9,11 +9,11 @@ use voltet_core::grid::extent::{bounds, range};
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
 use voltet_document::links::upstream;
-use voltet_graph::{Datum, Value};
 use voltet_graph::{
-    Demand, Field, Graph, LinkEntry, Node, NodeEntry, Observer, Origin, Parameter, ParameterType, Port,
-    PortType, Registry, Session, Setting, Standard,
+    DefaultValue, Demand, Field, Graph, LinkEntry, LocatedValue, Node, NodeEntry, Observer, Parameter,
+    ParameterType, Port, PortType, Registry, Session, SourceSpan,
 };
+use voltet_graph::{ParameterValue, Value};
 
 /// The type's name, which no pipeline file can be meant to name.
 pub(super) const NAME: &str = "(looks on)";
@@ -54,14 +54,14 @@ pub(super) static ASKS_FOR_ARRAYS: Node = Node {
             name: ARRAYS,
             parameter_type: ParameterType::Texts,
             unit: "",
-            standard: Standard::Unset("no arrays"),
+            standard: DefaultValue::Unset("no arrays"),
             help: "names of point arrays",
         },
         Parameter {
             name: GRADIENT,
             parameter_type: ParameterType::Boolean,
             unit: "",
-            standard: Standard::Boolean(true),
+            standard: DefaultValue::Boolean(true),
             help: "whether g is wanted",
         },
     ],
@@ -93,17 +93,19 @@ pub(super) static PROBES: Node = Node {
 pub(super) fn entry(node_type: &str, looked_at: impl Iterator<Item = (String, String)>) -> NodeEntry {
     let mut inputs: Vec<LinkEntry> = Vec::new();
     for (port, source) in looked_at {
-        let source = Setting::from(Datum::Text(source));
+        let source = LocatedValue::from(ParameterValue::Text(source));
         match inputs.iter_mut().find(|link| link.port == port) {
-            Some(LinkEntry { source: Setting { datum: Datum::List(list), .. }, .. }) => list.push(source),
+            Some(LinkEntry { source: LocatedValue { datum: ParameterValue::List(list), .. }, .. }) => {
+                list.push(source)
+            }
             _ => {
-                let list = Setting::from(Datum::List(vec![source]));
-                inputs.push(LinkEntry { port, origin: Origin::Nowhere, source: list });
+                let list = LocatedValue::from(ParameterValue::List(vec![source]));
+                inputs.push(LinkEntry { port, origin: SourceSpan::Nowhere, source: list });
             }
         }
     }
-    let node_type = Setting::from(Datum::Text(node_type.into()));
-    NodeEntry { name: NAME.into(), origin: Origin::Nowhere, node_type, settings: Vec::new(), inputs }
+    let node_type = LocatedValue::from(ParameterValue::Text(node_type.into()));
+    NodeEntry { name: NAME.into(), origin: SourceSpan::Nowhere, node_type, settings: Vec::new(), inputs }
 }
 
 /// The volume that an output gives (`"node"` or `"node.port"`), with arrays, and with *g* where what feeds it has a gradient.
@@ -132,21 +134,21 @@ pub(super) fn volume_with(
 }
 
 fn asking(source: &str, arrays: &[&String], gradient: bool) -> NodeEntry {
-    let text = |text: &str| Setting::from(Datum::Text(text.to_string()));
-    let field = |name: &str, datum: Datum| Field {
+    let text = |text: &str| LocatedValue::from(ParameterValue::Text(text.to_string()));
+    let field = |name: &str, datum: ParameterValue| Field {
         name: name.into(),
-        origin: Origin::Nowhere,
-        setting: Setting::from(datum),
+        origin: SourceSpan::Nowhere,
+        setting: LocatedValue::from(datum),
     };
     NodeEntry {
         name: NAME.into(),
-        origin: Origin::Nowhere,
+        origin: SourceSpan::Nowhere,
         node_type: text(ASKS_FOR_ARRAYS.name),
         settings: vec![
-            field(ARRAYS, Datum::List(arrays.iter().map(|name| text(name)).collect())),
-            field(GRADIENT, Datum::Boolean(gradient)),
+            field(ARRAYS, ParameterValue::List(arrays.iter().map(|name| text(name)).collect())),
+            field(GRADIENT, ParameterValue::Boolean(gradient)),
         ],
-        inputs: vec![LinkEntry { port: "volume".into(), origin: Origin::Nowhere, source: text(source) }],
+        inputs: vec![LinkEntry { port: "volume".into(), origin: SourceSpan::Nowhere, source: text(source) }],
     }
 }
 

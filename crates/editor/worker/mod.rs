@@ -79,7 +79,7 @@ impl Worker {
         let spawned = std::thread::Builder::new().name("worker".into()).spawn(move || {
             Work::new(&of_thread, &registry).until_the_end();
         });
-        let thread = spawned.map_err(|error| Error::run("no thread can be had to draw with").found(error))?;
+        let thread = spawned.map_err(|error| Error::run("no thread can be had to draw with").got(error))?;
         Ok(Worker { shared, thread: Some(thread) })
     }
 

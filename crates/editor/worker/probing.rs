@@ -10,12 +10,12 @@ use voltet_core::camera::Camera;
 use voltet_core::progress::Progress;
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
-use voltet_graph::{Demand, Graph, Look, NodeEntry, Registry, Value, diagonal};
-use voltet_optics::Overlap;
+use voltet_graph::{Demand, Graph, NodeEntry, Registry, TransferFunctionSpec, Value, diagonal};
+use voltet_optics::WidgetBlend;
 use voltet_optics::integrators::Integrator;
 use voltet_optics::reference::Tracer;
 use voltet_optics::scene::Scene;
-use voltet_optics::shading::{Order, Shading};
+use voltet_optics::shading::{Shading, VisibilityOrder};
 
 impl Probing {
     /// The graph, and the place in it of the node that is fed.
@@ -39,7 +39,7 @@ impl Probing {
     /// Walks the rays.
     fn walk(&self, values: &[Value], progress: &dyn Progress) -> Result<Probed> {
         let mut volume: Option<Arc<Volume>> = None;
-        let mut look: Option<Arc<Look>> = None;
+        let mut look: Option<Arc<TransferFunctionSpec>> = None;
         let mut camera: Option<Arc<Camera>> = None;
         for value in values {
             match value {
@@ -60,11 +60,11 @@ impl Probing {
             // What is seen, as the values count: light and silhouettes change colours.
             shading: Shading {
                 integrator: Integrator::Reference,
-                overlap: Overlap::Exact,
+                overlap: WidgetBlend::Exact,
                 silhouette: None,
                 light: None,
             },
-            order: Order::Exact,
+            order: VisibilityOrder::Exact,
         };
         let tracer = Tracer::new(&scene)?;
         let transfer_function = &scene.transfer_function;

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use std::path::PathBuf;
 use voltet_core::Result;
 use voltet_document::links::upstream;
-use voltet_graph::{Datum, Graph, Node, NodeEntry, Registry, Setting};
+use voltet_graph::{Graph, LocatedValue, Node, NodeEntry, ParameterValue, Registry};
 
 /// The node type that says where a picture is seen from, and its parameters that coarse pictures change.
 const CAMERA: &str = "camera";
@@ -107,10 +107,11 @@ fn resize(node: &mut NodeEntry, size: Option<[u32; 2]>, divisor: u32) -> Result<
     if whole == own && divisor == 1 {
         return Ok(());
     }
-    let sides = whole.map(|side| Setting::from(Datum::Integer(i64::from(side.div_ceil(divisor).max(1)))));
-    node.set(SIZE, &[], Datum::List(sides.to_vec()).into())?;
+    let sides = whole
+        .map(|side| LocatedValue::from(ParameterValue::Integer(i64::from(side.div_ceil(divisor).max(1)))));
+    node.set(SIZE, &[], ParameterValue::List(sides.to_vec()).into())?;
     if divisor > 1 && node.settings.iter().any(|field| field.name == SAMPLES) {
-        node.set(SAMPLES, &[], Datum::Integer(1).into())?;
+        node.set(SAMPLES, &[], ParameterValue::Integer(1).into())?;
     }
     Ok(())
 }

@@ -6,10 +6,10 @@ use std::collections::BTreeMap;
 use voltet_core::grid::Grid;
 use voltet_core::probing::Volumes;
 use voltet_core::progress::Progress;
-use voltet_core::transfer::Scales;
+use voltet_core::transfer::DataStatistics;
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
-use voltet_graph::Quantity;
+use voltet_graph::ArrayRef;
 use voltet_nodes::relative;
 
 /// Values that the volume below is found at: within the shown axis, and beyond it.
@@ -96,30 +96,30 @@ fn between(from: &[f64], to: &[f64], x: f64) -> f64 {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Known {
     /// Least and largest values.
-    pub ranges: BTreeMap<Quantity, [f64; 2]>,
+    pub ranges: BTreeMap<ArrayRef, [f64; 2]>,
     /// Of the quantities of the plane.
-    pub spreads: BTreeMap<Quantity, Spread>,
+    pub spreads: BTreeMap<ArrayRef, Spread>,
 }
 
-impl Scales for Known {
-    fn range(&self, quantity: &Quantity) -> Result<[f64; 2]> {
+impl DataStatistics for Known {
+    fn range(&self, quantity: &ArrayRef) -> Result<[f64; 2]> {
         self.ranges.get(quantity).copied().ok_or_else(|| unknown(quantity))
     }
 
-    fn percentile(&self, quantity: &Quantity, percent: f64) -> Result<f64> {
+    fn percentile(&self, quantity: &ArrayRef, percent: f64) -> Result<f64> {
         let spread = self.spreads.get(quantity).ok_or_else(|| unknown(quantity))?;
         Ok(spread.value_at(percent / 100.0))
     }
 }
 
-fn unknown(quantity: &Quantity) -> Error {
+fn unknown(quantity: &ArrayRef) -> Error {
     Error::run(format!("nothing is known yet of the values of {quantity}"))
 }
 
 /// The values of a quantity, one a point; where there is no gradient, *g* is 0.
-pub(super) fn values<'a>(volume: &'a Volume, quantity: &Quantity) -> Result<Cow<'a, [f64]>> {
+pub(super) fn values<'a>(volume: &'a Volume, quantity: &ArrayRef) -> Result<Cow<'a, [f64]>> {
     match (quantity, &volume.gradient_magnitude) {
-        (Quantity::Named("g"), None) => Ok(Cow::Owned(vec![0.0; volume.scalar.len()])),
+        (ArrayRef::Named("g"), None) => Ok(Cow::Owned(vec![0.0; volume.scalar.len()])),
         _ => relative::values(volume, quantity).map(Cow::Borrowed),
     }
 }

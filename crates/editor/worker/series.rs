@@ -9,12 +9,13 @@ use voltet_core::probing::value_range;
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
 use voltet_graph::{
-    Call, Datum, Demand, Field, Graph, LinkEntry, Node, NodeEntry, Observer, Origin, Outputs, Parameter,
-    ParameterType, Port, PortType, Quantity, Range, Registry, Session, Setting, Standard, Value,
+    ArrayRef, DefaultValue, Demand, Field, Graph, LinkEntry, LocatedValue, Node, NodeEntry, Observer,
+    Outputs, Parameter, ParameterType, ParameterValue, Port, PortType, Range, Registry, RunContext, Session,
+    SourceSpan, Value,
 };
 
 const fn parameter(name: &'static str, parameter_type: ParameterType, help: &'static str) -> Parameter {
-    Parameter { name, parameter_type, unit: "", standard: Standard::Required, help }
+    Parameter { name, parameter_type, unit: "", standard: DefaultValue::Required, help }
 }
 
 /// Looks at every step.
@@ -42,30 +43,30 @@ const SHOWN: &str = "shown";
 const GRADIENT: &str = "gradient";
 
 /// What a quantity is called in the parameters, and back.
-fn named(quantity: &Quantity) -> String {
+fn named(quantity: &ArrayRef) -> String {
     match quantity {
-        Quantity::Array(name) => format!("/{name}"),
-        Quantity::Named(_) | Quantity::Per(..) => quantity.to_string(),
+        ArrayRef::Array(name) => format!("/{name}"),
+        ArrayRef::Named(_) | ArrayRef::Per(..) => quantity.to_string(),
     }
 }
 
-fn quantity(text: &str) -> Quantity {
+fn quantity(text: &str) -> ArrayRef {
     match text.strip_prefix('/') {
-        Some(name) => Quantity::Array(name.to_string()),
-        None => Quantity::Named(if text == "g" { "g" } else { "s" }),
+        Some(name) => ArrayRef::Array(name.to_string()),
+        None => ArrayRef::Named(if text == "g" { "g" } else { "s" }),
     }
 }
 
 /// What was found of the series, by the quantities and axes that it was found for.
 type Kept = Mutex<Vec<((Vec<String>, Vec<u64>), Known)>>;
 
-fn run(call: &mut Call) -> Result<Outputs> {
+fn run(call: &mut RunContext) -> Result<Outputs> {
     let names = call.parameters.texts(QUANTITIES)?;
     let shown = call.parameters.numbers(SHOWN)?;
     let mut demand = Demand { gradient_magnitude: call.parameters.flag(GRADIENT)?, ..Demand::default() };
-    let quantities: Vec<Quantity> = names.iter().map(|name| quantity(name)).collect();
+    let quantities: Vec<ArrayRef> = names.iter().map(|name| quantity(name)).collect();
     for quantity in &quantities {
-        if let Quantity::Array(name) = quantity {
+        if let ArrayRef::Array(name) = quantity {
             demand.arrays.insert(name.clone());
         }
     }
@@ -84,7 +85,7 @@ fn run(call: &mut Call) -> Result<Outputs> {
 }
 
 /// Every step is read twice: for the ranges, and for the volumes below values within them.
-fn find(call: &Call, demand: &Demand, quantities: &[Quantity], shown: &[f64]) -> Result<Known> {
+fn find(call: &RunContext, demand: &Demand, quantities: &[ArrayRef], shown: &[f64]) -> Result<Known> {
     let each = |look: &mut dyn FnMut(&Volume) -> Result<()>| {
         call.each_step("volume", demand, &mut |_, value| match value.volume() {
             Some(volume) => look(&*volume?),
@@ -121,31 +122,35 @@ pub(super) fn known(
     registry: &Registry,
     (nodes, folder): (&[NodeEntry], &Path),
     source: &str,
-    quantities: &[Quantity],
+    quantities: &[ArrayRef],
     shown: [[f64; 2]; 2],
     observer: &dyn Observer,
 ) -> Result<Known> {
     let (name, _) = voltet_document::links::source(source, nodes);
     let mut look = |gradient: bool| -> Result<Known> {
         let mut nodes = feeding(nodes, name)?;
-        let text = |text: &str| Setting::from(Datum::Text(text.to_string()));
-        let number = |x: &f64| Setting::from(Datum::Number(*x));
-        let field = |name: &str, datum: Datum| Field {
+        let text = |text: &str| LocatedValue::from(ParameterValue::Text(text.to_string()));
+        let number = |x: &f64| LocatedValue::from(ParameterValue::Number(*x));
+        let field = |name: &str, datum: ParameterValue| Field {
             name: name.into(),
-            origin: Origin::Nowhere,
+            origin: SourceSpan::Nowhere,
             setting: datum.into(),
         };
         let quantities = quantities.iter().map(|quantity| text(&named(quantity)));
         nodes.push(NodeEntry {
             name: NODE.name.into(),
-            origin: Origin::Nowhere,
+            origin: SourceSpan::Nowhere,
             node_type: text(NODE.name),
             settings: vec![
-                field(QUANTITIES, Datum::List(quantities.collect())),
-                field(SHOWN, Datum::List(shown.as_flattened().iter().map(number).collect())),
-                field(GRADIENT, Datum::Boolean(gradient)),
+                field(QUANTITIES, ParameterValue::List(quantities.collect())),
+                field(SHOWN, ParameterValue::List(shown.as_flattened().iter().map(number).collect())),
+                field(GRADIENT, ParameterValue::Boolean(gradient)),
             ],
-            inputs: vec![LinkEntry { port: "volume".into(), origin: Origin::Nowhere, source: text(source) }],
+            inputs: vec![LinkEntry {
+                port: "volume".into(),
+                origin: SourceSpan::Nowhere,
+                source: text(source),
+            }],
         });
         nodes.push(entry(NAME, [("cells".to_string(), format!("{}.known", NODE.name))].into_iter()));
         let graph = Graph::build(&nodes, registry, folder.to_path_buf())?;

@@ -8,7 +8,7 @@ use super::work::{Work, picture_of};
 use std::sync::Arc;
 use voltet_core::Result;
 use voltet_core::picture::Picture;
-use voltet_graph::{Datum, NodeEntry, RunReport};
+use voltet_graph::{NodeEntry, ParameterValue, RunReport};
 
 impl Share {
     fn between(with: &Picture, without: &Picture) -> Share {
@@ -35,7 +35,7 @@ impl Sharing {
         let find = |node: &&mut NodeEntry| node.name == self.look;
         let field = wanted.nodes.iter_mut().find(find);
         let field = field.and_then(|node| node.settings.iter_mut().find(|field| field.name == "widgets"));
-        if let Some(Datum::List(list)) = field.map(|field| &mut field.setting.datum) {
+        if let Some(ParameterValue::List(list)) = field.map(|field| &mut field.setting.datum) {
             let mut place = 0..;
             list.retain(|_| place.next().is_some_and(keeps));
         }

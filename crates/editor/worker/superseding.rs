@@ -107,7 +107,7 @@ mod tests {
     use super::*;
     use std::path::PathBuf;
     use voltet_graph::pipeline::Pipeline;
-    use voltet_graph::{Datum, Setting};
+    use voltet_graph::{LocatedValue, ParameterValue};
 
     fn wanted() -> Wanted {
         Wanted {
@@ -120,10 +120,10 @@ mod tests {
         }
     }
 
-    fn with(node: &str, key: &str, datum: Datum) -> Wanted {
+    fn with(node: &str, key: &str, datum: ParameterValue) -> Wanted {
         let mut wanted = wanted();
         let node = wanted.nodes.iter_mut().find(|entry| entry.name == node).unwrap();
-        node.set(key, &[], Setting::from(datum)).unwrap();
+        node.set(key, &[], LocatedValue::from(datum)).unwrap();
         wanted
     }
 
@@ -136,12 +136,15 @@ mod tests {
     fn a_moved_camera_or_widget_touches_what_follows_and_is_a_movement() {
         let of = |names: &[&str]| names.iter().map(|name| name.to_string()).collect::<Vec<_>>();
         assert_eq!(touched(&wanted()), (of(&[]), true));
-        assert_eq!(touched(&with("view", "fov_y", Datum::Number(20.0))), (of(&["picture", "view"]), true));
         assert_eq!(
-            touched(&with("look", "unit_distance", Datum::Number(2.0))),
+            touched(&with("view", "fov_y", ParameterValue::Number(20.0))),
+            (of(&["picture", "view"]), true)
+        );
+        assert_eq!(
+            touched(&with("look", "unit_distance", ParameterValue::Number(2.0))),
             (of(&["look", "picture"]), true)
         );
-        let other = with("gradient", "method", Datum::Text("cell-average".into()));
+        let other = with("gradient", "method", ParameterValue::Text("cell-average".into()));
         assert_eq!(touched(&other), (of(&["gradient", "picture"]), false));
         let elsewhere = Wanted { folder: "elsewhere".into(), ..wanted() };
         assert_eq!(touched(&elsewhere).0.len(), 5);

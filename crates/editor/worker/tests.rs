@@ -5,7 +5,9 @@ use std::path::PathBuf;
 use std::sync::{Arc, LazyLock};
 use std::time::Duration;
 use voltet_graph::pipeline::Pipeline;
-use voltet_graph::{Datum, Graph, Node, NodeEntry, Observer, Port, PortType, Quantity, Setting, Unobserved};
+use voltet_graph::{
+    ArrayRef, Graph, LocatedValue, NoObserver, Node, NodeEntry, Observer, ParameterValue, Port, PortType,
+};
 
 /// The scene of the tests by hand, drawn stage by stage.
 static TEXT: LazyLock<String> = LazyLock::new(|| {
@@ -59,9 +61,9 @@ pub(super) fn settle(worker: &Worker) {
     panic!("the worker does not come to an end");
 }
 
-fn set(nodes: &mut [NodeEntry], node: &str, path: &[&str], datum: Datum) {
+fn set(nodes: &mut [NodeEntry], node: &str, path: &[&str], datum: ParameterValue) {
     let node = nodes.iter_mut().find(|entry| entry.name == node).unwrap();
-    node.set(path[0], &path[1..], Setting::from(datum)).unwrap();
+    node.set(path[0], &path[1..], LocatedValue::from(datum)).unwrap();
 }
 
 /// The names of the nodes that ran in the last full run.
@@ -83,7 +85,7 @@ fn the_picture_is_that_of_a_run_bit_for_bit_and_nothing_is_written() {
     assert!(!folder.path().join("picture.png").exists());
     let registry = voltet_nodes::registry().unwrap();
     let graph = Pipeline::parse(&TEXT).unwrap().graph(&registry, folder.path().to_path_buf()).unwrap();
-    let report = voltet_nodes::session().run(&graph, &Unobserved).unwrap();
+    let report = voltet_nodes::session().run(&graph, &NoObserver).unwrap();
     assert_eq!(report.pictures.last().unwrap().1, drawn.picture);
     assert!(folder.path().join("picture.png").exists(), "a run writes");
 }
@@ -96,8 +98,8 @@ fn at_last_the_picture_is_that_of_a_run_bit_for_bit() {
     let folder = tempfile::tempdir().unwrap();
     let mut passed = 0;
     for step in 0..24 {
-        let centre = [140.0 + f64::from(step), 22.0].map(|x| Setting::from(Datum::Number(x)));
-        set(&mut nodes, "look", &["widgets", "0", "centre"], Datum::List(centre.to_vec()));
+        let centre = [140.0 + f64::from(step), 22.0].map(|x| LocatedValue::from(ParameterValue::Number(x)));
+        set(&mut nodes, "look", &["widgets", "0", "centre"], ParameterValue::List(centre.to_vec()));
         let wanted = Wanted { coarse_first: true, ..wanted(nodes.clone(), folder.path()) };
         let number = worker.draw(wanted);
         let drawn = || worker.shown(|shown| shown.pixels.clone().filter(|pixels| pixels.number == number));
@@ -114,7 +116,7 @@ fn at_last_the_picture_is_that_of_a_run_bit_for_bit() {
     assert!(passed > 0, "no picture was drawn in passing");
     let shown = worker.shown(|shown| shown.pixels.clone().unwrap());
     let graph = Graph::build(&nodes, &voltet_nodes::registry().unwrap(), folder.path().into()).unwrap();
-    let report = voltet_nodes::session().run(&graph, &Unobserved).unwrap();
+    let report = voltet_nodes::session().run(&graph, &NoObserver).unwrap();
     assert_eq!(report.pictures.last().unwrap().1, shown.picture);
 }
 
@@ -125,7 +127,8 @@ fn ran_of_a_moved_widget(text: &str) -> (Vec<String>, Vec<&'static str>) {
     worker.draw(wanted(nodes.clone(), &PathBuf::new()));
     settle(&worker);
     assert!(ran(&worker).iter().any(|name| name == "gradient"));
-    let centre = Datum::List([140.0, 22.0].map(|x| Setting::from(Datum::Number(x))).to_vec());
+    let centre =
+        ParameterValue::List([140.0, 22.0].map(|x| LocatedValue::from(ParameterValue::Number(x))).to_vec());
     set(&mut nodes, "look", &["widgets", "0", "centre"], centre);
     worker.draw(wanted(nodes, &PathBuf::new()));
     settle(&worker);
@@ -165,7 +168,7 @@ fn of_what_follows_from_a_change_alone_is_said_that_it_is_stale() {
     shown.begin(1, &wanted(nodes.clone(), &PathBuf::new()));
     let names: Vec<String> = shown.nodes.keys().cloned().collect();
     names.iter().for_each(|name| shown.done(name, 0.5));
-    set(&mut nodes, "look", &["unit_distance"], Datum::Number(3.0));
+    set(&mut nodes, "look", &["unit_distance"], ParameterValue::Number(3.0));
     shown.begin(2, &wanted(nodes, &PathBuf::new()));
     let stale: Vec<&str> = shown
         .nodes
@@ -194,7 +197,7 @@ fn nodes_that_do_not_feed_the_picture_may_be_broken() {
 fn an_error_stands_at_its_node_and_the_next_picture_comes() {
     let worker = worker();
     let mut broken = nodes(&TEXT);
-    set(&mut broken, "grid", &["resolution"], Datum::Text("large".into()));
+    set(&mut broken, "grid", &["resolution"], ParameterValue::Text("large".into()));
     worker.draw(wanted(broken, &PathBuf::new()));
     settle(&worker);
     worker.shown(|shown| {
@@ -238,7 +241,9 @@ fn the_distribution_comes_late_and_leaves_the_picture_as_it_is() {
     let worker = worker();
     // Of s alone: nobody but the distribution asks for a gradient.
     let mut one_dimensional = nodes(&TEXT);
-    let sigma = Datum::List([60.0, f64::INFINITY].map(|x| Setting::from(Datum::Number(x))).to_vec());
+    let sigma = ParameterValue::List(
+        [60.0, f64::INFINITY].map(|x| LocatedValue::from(ParameterValue::Number(x))).to_vec(),
+    );
     set(&mut one_dimensional, "look", &["widgets", "0", "sigma"], sigma);
     worker.draw(wanted(one_dimensional.clone(), &PathBuf::new()));
     let nodes = one_dimensional.clone();
@@ -247,7 +252,7 @@ fn the_distribution_comes_late_and_leaves_the_picture_as_it_is() {
         nodes,
         folder: PathBuf::new(),
         node: "gradient".into(),
-        axes: ["s", "g"].map(Quantity::Named),
+        axes: ["s", "g"].map(ArrayRef::Named),
         fields: Vec::new(),
         key: 7,
     });

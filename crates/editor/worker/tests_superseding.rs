@@ -7,7 +7,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicUsize;
 use std::time::{Duration, Instant};
 use voltet_core::picture::Picture;
-use voltet_graph::{Datum, Node, Outputs, Port, PortType, Value};
+use voltet_graph::{Node, Outputs, ParameterValue, Port, PortType, Value};
 
 /// How often the slow node began.
 static BEGUN: AtomicUsize = AtomicUsize::new(0);
@@ -20,7 +20,7 @@ static SLOW: Node = Node {
         name: "number",
         parameter_type: voltet_graph::ParameterType::Integer(voltet_graph::Range::ANY),
         unit: "",
-        standard: voltet_graph::Standard::Integer(0),
+        standard: voltet_graph::DefaultValue::Integer(0),
         help: "tells pictures apart",
     }],
     demand: &|_| Ok(()),
@@ -60,7 +60,7 @@ fn a_newer_request_stops_the_one_that_runs() {
     slow[0].settings.push(voltet_graph::Field {
         name: "number".into(),
         origin: Default::default(),
-        setting: Datum::Integer(1).into(),
+        setting: ParameterValue::Integer(1).into(),
     });
     let number = worker.draw(wanted(slow, &PathBuf::new()));
     settle(&worker);

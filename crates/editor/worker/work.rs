@@ -15,7 +15,7 @@ use std::time::{Duration, Instant};
 use voltet_core::error::ErrorKind;
 use voltet_core::picture::Picture;
 use voltet_core::{Error, Result};
-use voltet_graph::{Demand, Graph, Registry, RunReport, Session, Unobserved};
+use voltet_graph::{Demand, Graph, NoObserver, Registry, RunReport, Session};
 
 enum Task {
     Picture(u64, Wanted),
@@ -136,7 +136,7 @@ impl<'a> Work<'a> {
         let stop = |running: &dyn Fn() -> Option<String>| pass.stops(running);
         let following = Following::new(self.shared, &stop);
         let report = self.guarded(&following, |session| match patience {
-            Some(_) => session.run_passing(&graph, &following),
+            Some(_) => session.run_preview(&graph, &following),
             None => session.run(&graph, &following),
         })?;
         let seconds = start.elapsed().as_secs_f64();
@@ -162,7 +162,7 @@ impl<'a> Work<'a> {
         let Some(place) = graph.nodes.iter().position(|node| node.node.name == look_on::NAME) else {
             return Values::default();
         };
-        let fed = self.session.feed(graph, place, &Demand::default(), &Unobserved);
+        let fed = self.session.feed(graph, place, &Demand::default(), &NoObserver);
         let Ok((values, _)) = fed else { return Values::default() };
         look_on::seen(graph, place, &values)
     }
@@ -178,7 +178,7 @@ impl<'a> Work<'a> {
             self.session = session();
             let text = payload.downcast_ref::<&str>().map(|text| (*text).to_string());
             let text = text.or_else(|| payload.downcast_ref::<String>().cloned()).unwrap_or_default();
-            let error = Error::run("the node ended by a mistake of its own").found(text);
+            let error = Error::run("the node ended by a mistake of its own").got(text);
             Err(following.node().into_iter().fold(error, |error, node| error.at_node(node)))
         })
     }

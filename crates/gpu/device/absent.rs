@@ -4,15 +4,15 @@
 //! It is remembered for one boot of one machine, user and environment, device nodes and list of Vulkan drivers, on Linux, where all
 //! of these can be seen without a driver.
 
-use voltet_optics::engine::Memory;
+use voltet_optics::engine::KeyValueStore;
 
 /// The adapters that are not hardware, in words, where they were all that there was when everything was as it is now.
-pub(crate) fn recall(memory: &dyn Memory) -> Option<String> {
+pub(crate) fn recall(memory: &dyn KeyValueStore) -> Option<String> {
     recall_in(&surroundings()?, memory)
 }
 
 /// Keeps that there were these alone.
-pub(crate) fn keep(memory: &dyn Memory, listed: &str) {
+pub(crate) fn keep(memory: &dyn KeyValueStore, listed: &str) {
     if let Some(surroundings) = surroundings() {
         keep_in(&surroundings, memory, listed);
     }
@@ -34,13 +34,13 @@ impl Surroundings {
 /// What stands between the surroundings and the adapters.
 const FOUND: &str = "found ";
 
-fn recall_in(surroundings: &Surroundings, memory: &dyn Memory) -> Option<String> {
+fn recall_in(surroundings: &Surroundings, memory: &dyn KeyValueStore) -> Option<String> {
     let text = memory.recall(&surroundings.key())?;
     let listed = text.strip_prefix(&surroundings.everything)?.strip_prefix(FOUND)?.strip_suffix('\n')?;
     Some(listed.to_string())
 }
 
-fn keep_in(surroundings: &Surroundings, memory: &dyn Memory, listed: &str) {
+fn keep_in(surroundings: &Surroundings, memory: &dyn KeyValueStore, listed: &str) {
     let text = format!("{}{FOUND}{}\n", surroundings.everything, listed.replace('\n', " "));
     memory.keep(&surroundings.key(), &text);
 }
@@ -175,7 +175,7 @@ mod tests {
     #[derive(Default)]
     struct Kept(Mutex<HashMap<String, String>>);
 
-    impl Memory for Kept {
+    impl KeyValueStore for Kept {
         fn recall(&self, key: &str) -> Option<String> {
             self.0.lock().unwrap().get(key).cloned()
         }

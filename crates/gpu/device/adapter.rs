@@ -66,16 +66,16 @@ impl Adapters {
         match by_kind.or_else(by_name) {
             Some(adapter) => Ok((adapter, format!("the pipeline asks for \"{wish}\""))),
             None => Err(Error::run(format!("no adapter is called \"{wish}\""))
-                .found(self.listed())
-                .accepted("a part of a name, or \"discrete\", \"integrated\", \"virtual\", \"software\"")),
+                .got(self.listed())
+                .expected("a part of a name, or \"discrete\", \"integrated\", \"virtual\", \"software\"")),
         }
     }
 }
 
 /// What stands where a device would.
 pub(crate) fn no_hardware(listed: &str) -> Error {
-    let error = Error::run("there is no hardware adapter").found(listed);
-    error.accepted("a graphics device with a Vulkan, Metal or DirectX 12 driver")
+    let error = Error::run("there is no hardware adapter").got(listed);
+    error.expected("a graphics device with a Vulkan, Metal or DirectX 12 driver")
 }
 
 fn kind_of(adapter: &wgpu::Adapter) -> &'static str {

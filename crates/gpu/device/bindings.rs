@@ -1,6 +1,6 @@
 //! What passes are bound to.
 
-use voltet_optics::engine::Compositing;
+use voltet_optics::engine::Compositor;
 use voltet_shaders::FramePass;
 
 /// What a binding is, in the order of the bindings of a group.
@@ -42,11 +42,11 @@ pub(crate) fn fixed_buffers(pass: FramePass) -> u32 {
 }
 
 /// Storage buffers of a compositor of pixels, beside those of the grid and of the scene.
-pub(crate) fn compositor_buffers(compositing: Compositing) -> u32 {
+pub(crate) fn compositor_buffers(compositing: Compositor) -> u32 {
     match compositing {
-        Compositing::Tiles => storage_buffers(None),
+        Compositor::Tiles => storage_buffers(None),
         // The list of cells, or their corners; then the picture alone.
-        Compositing::Raster | Compositing::Triangles => 1,
+        Compositor::Raster | Compositor::Triangles => 1,
     }
 }
 

@@ -21,8 +21,8 @@ impl Device {
         let most = self.most_bytes();
         if size > most {
             return Err(Error::run(format!("{what} do not fit one binding of {}", self.name))
-                .found(format!("{:.0} MiB", size as f64 / MEBIBYTE))
-                .accepted(format!(
+                .got(format!("{:.0} MiB", size as f64 / MEBIBYTE))
+                .expected(format!(
                     "at most {:.0} MiB; engine = \"cpu\" has no such limit",
                     most as f64 / MEBIBYTE
                 )));
@@ -114,7 +114,7 @@ impl Sent {
     pub fn take<T>(self, device: &Device, take: impl FnOnce(&[u8]) -> T) -> Result<T> {
         let Sent { what, buffer, bytes, after, outcome } = self;
         let failed = |why: &dyn std::fmt::Display| {
-            Error::run(format!("{} does not give back {what}", device.name)).found(why)
+            Error::run(format!("{} does not give back {what}", device.name)).got(why)
         };
         // What has come needs no waiting for.
         let _ = device.device.poll(wgpu::PollType::Poll);

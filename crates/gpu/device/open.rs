@@ -80,8 +80,8 @@ impl Device {
         let limits = within(adapter.limits());
         if limits.max_storage_buffers_per_shader_stage < STORAGE_BUFFERS {
             return Err(Error::run(format!("{} binds too few buffers at a time", describe(&info)))
-                .found(limits.max_storage_buffers_per_shader_stage)
-                .accepted(format!("{STORAGE_BUFFERS} storage buffers")));
+                .got(limits.max_storage_buffers_per_shader_stage)
+                .expected(format!("{STORAGE_BUFFERS} storage buffers")));
         }
         let wished = wgpu::Features::TIMESTAMP_QUERY | wgpu::Features::FLOAT32_BLENDABLE;
         let features = adapter.features() & wished;
@@ -93,7 +93,7 @@ impl Device {
         };
         let opened = pollster::block_on(adapter.request_device(&descriptor));
         let (device, queue) = opened
-            .map_err(|why| Error::run(format!("the device {} does not open", describe(&info))).found(why))?;
+            .map_err(|why| Error::run(format!("the device {} does not open", describe(&info))).got(why))?;
         let lost = Arc::new(Mutex::new(None));
         let note = lost.clone();
         device.set_device_lost_callback(move |why, message| {
@@ -161,13 +161,13 @@ impl Device {
         self.check(what)?;
         match internal.or(validation) {
             None => Ok(done),
-            Some(error) => Err(Error::run(format!("{} fails at {what}", self.name)).found(error)),
+            Some(error) => Err(Error::run(format!("{} fails at {what}", self.name)).got(error)),
         }
     }
 
     fn out_of_memory(&self, what: &str) -> Error {
         Error::run(format!("{} has no memory left for {what}", self.name))
-            .accepted("a smaller grid or picture, another adapter, or engine = \"cpu\"")
+            .expected("a smaller grid or picture, another adapter, or engine = \"cpu\"")
     }
 
     /// An error if the device is lost.
@@ -175,8 +175,8 @@ impl Device {
         match &*self.lost.lock().unwrap_or_else(PoisonError::into_inner) {
             None => Ok(()),
             Some(why) => Err(Error::run(format!("{} was lost at {what}", self.name))
-                .found(why)
-                .accepted("a smaller picture or fewer samples, another adapter, or engine = \"cpu\"")),
+                .got(why)
+                .expected("a smaller picture or fewer samples, another adapter, or engine = \"cpu\"")),
         }
     }
 
@@ -200,6 +200,6 @@ impl Device {
         self.check(what)?;
         waited
             .map(drop)
-            .map_err(|why| Error::run(format!("{} does not answer at {what}", self.name)).found(why))
+            .map_err(|why| Error::run(format!("{} does not answer at {what}", self.name)).got(why))
     }
 }

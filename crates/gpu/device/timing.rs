@@ -2,7 +2,7 @@
 
 use crate::device::open::Device;
 use voltet_core::Result;
-use voltet_optics::engine::{Stage, Timed};
+use voltet_optics::engine::{Stage, StageTiming};
 use wgpu::BufferUsages;
 
 /// Passes of a frame that are timed; further ones are not.
@@ -12,7 +12,7 @@ pub(crate) struct Timing {
     clock: Option<Clock>,
     /// The passes of the submission in hand.
     begun: Vec<PassName>,
-    sums: Vec<Timed>,
+    sums: Vec<StageTiming>,
 }
 
 /// A pass by its entry point, and the stage that it is part of.
@@ -114,14 +114,14 @@ impl Timing {
             let seconds = pair[1].saturating_sub(pair[0]) as f64 * clock.tick_secs;
             match self.sums.iter_mut().find(|known| known.pass == Some(name)) {
                 Some(sum) => sum.seconds += seconds,
-                None => self.sums.push(Timed { stage, pass: Some(name), seconds }),
+                None => self.sums.push(StageTiming { stage, pass: Some(name), seconds }),
             }
         }
         Ok(())
     }
 
     /// The passes with their times, each once.
-    pub fn passes(self) -> Vec<Timed> {
+    pub fn passes(self) -> Vec<StageTiming> {
         self.sums
     }
 }

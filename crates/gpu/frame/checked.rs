@@ -8,7 +8,7 @@ use voltet_core::error::ErrorKind;
 use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
 use voltet_core::visibility::{FaceOrder, disorder};
-use voltet_optics::engine::{Accumulation, Compositing, Manner, OrderCheck};
+use voltet_optics::engine::{Accumulation, Compositor, OrderCheck, RenderOptions};
 use voltet_optics::scene::Scene;
 use voltet_shaders::ViewRecord;
 
@@ -35,7 +35,7 @@ pub struct Checked {
 pub(crate) fn check(
     renderer: &Renderer,
     scene: &Scene,
-    manner: &Manner,
+    manner: &RenderOptions,
     order: &FaceOrder,
     drawn: &Drawn,
     progress: &dyn Progress,
@@ -48,7 +48,7 @@ pub(crate) fn check(
         }
     };
     let by_tiles =
-        Manner { compositing: Some(Compositing::Tiles), accumulation: Accumulation::Float, ..*manner };
+        RenderOptions { compositing: Some(Compositor::Tiles), accumulation: Accumulation::Float, ..*manner };
     let windows = sample(&drawn.picture);
     let held = inputs(renderer, scene, &by_tiles, None)
         .and_then(|inputs| inputs.draw_windows(windows.clone(), progress))
@@ -62,8 +62,8 @@ pub(crate) fn check(
 
 impl Checked {
     /// Why the order is not to be trusted, if so.
-    pub(crate) fn is_wrong(&self, manner: &Manner, drawn: &Drawn) -> Option<String> {
-        let is_exact = manner.compositing == Some(Compositing::Raster)
+    pub(crate) fn is_wrong(&self, manner: &RenderOptions, drawn: &Drawn) -> Option<String> {
+        let is_exact = manner.compositing == Some(Compositor::Raster)
             && manner.accumulation == Accumulation::Float
             && !drawn.blended_in_16_bits;
         match self.disordered {
@@ -110,8 +110,8 @@ mod tests {
     use super::*;
     use crate::device::open::Device;
     use std::sync::Arc;
-    use voltet_core::progress::Silent;
-    use voltet_optics::shading::Order;
+    use voltet_core::progress::NoProgress;
+    use voltet_optics::shading::VisibilityOrder;
     use voltet_testing::pictures::compare::{NamedScene, SHADING};
     use voltet_testing::pictures::grids::{cube, smooth};
     use voltet_testing::pictures::looks::{outside, overlapping};
@@ -127,7 +127,7 @@ mod tests {
         let renderer = Renderer::new(device, &volume).expect("fits");
         let scene =
             NamedScene { name: "cube".into(), volume, look: overlapping(), camera: outside([40, 32]) };
-        let scene = scene.drawn_by(&SHADING, Order::Exact);
+        let scene = scene.drawn_by(&SHADING, VisibilityOrder::Exact);
         let right = renderer.along_faces(&scene).expect("is in range").0.expect("has an order");
         let mut wrong = FaceOrder::clone(&right);
         wrong.cells.reverse();
@@ -137,10 +137,10 @@ mod tests {
             for (order_check, words) in
                 [(OrderCheck::Sample, "from that of tiles"), (OrderCheck::Count, "out of order at")]
             {
-                let manner = Manner { order_check, ..Manner::by(Compositing::Raster) };
+                let manner = RenderOptions { order_check, ..RenderOptions::by(Compositor::Raster) };
                 let drawn = inputs(&renderer, &scene, &manner, Some(&order)).expect("serves");
-                let drawn = drawn.draw(&scene, &manner, &Silent).expect("draws");
-                let checked = check(&renderer, &scene, &manner, &order, &drawn, &Silent);
+                let drawn = drawn.draw(&scene, &manner, &NoProgress).expect("draws");
+                let checked = check(&renderer, &scene, &manner, &order, &drawn, &NoProgress);
                 let checked = checked.expect("draws").expect("is asked for");
                 let why = checked.is_wrong(&manner, &drawn);
                 assert_eq!(why.is_none(), is_right, "{order_check:?}: {checked:?}");

@@ -15,12 +15,13 @@ use voltet_core::Result;
 use voltet_core::progress::Progress;
 use voltet_core::transfer::TransferFunction;
 use voltet_core::visibility::FaceOrder;
-use voltet_optics::engine::{Accumulation, Compositing, Manner};
+use voltet_optics::engine::{Accumulation, Compositor, RenderOptions};
 use voltet_optics::integrators::Extent;
 use voltet_optics::scene::Scene;
-use voltet_optics::shading::{Order, Shading};
+use voltet_optics::shading::{Shading, VisibilityOrder};
 use voltet_shaders::{
-    Axis, Blend, Choices, Combine, Compositor, Parameters, Places, Shader, TileOrder, ViewRecord, compose,
+    Axis, Blend, Choices, Combine, CompositorProgram, Parameters, Places, Shader, TileOrder, ViewRecord,
+    compose,
 };
 
 /// Draws a scene of the volume that `renderer` was made from. What blends draws an exact order where the cells have one along
@@ -28,7 +29,12 @@ use voltet_shaders::{
 ///
 /// Errors: what the device has no shader for, cannot hold in 32 bits, or has more parts than it binds; memory; a lost device; a
 /// stopped run.
-pub fn draw(renderer: &Renderer, scene: &Scene, manner: &Manner, progress: &dyn Progress) -> Result<Drawn> {
+pub fn draw(
+    renderer: &Renderer,
+    scene: &Scene,
+    manner: &RenderOptions,
+    progress: &dyn Progress,
+) -> Result<Drawn> {
     match plan(renderer, scene, manner)? {
         Plan::AsAsked => inputs(renderer, scene, manner, None)?.draw(scene, manner, progress),
         Plan::AlongFaces(order) => {
@@ -45,7 +51,7 @@ pub fn draw(renderer: &Renderer, scene: &Scene, manner: &Manner, progress: &dyn 
 pub(crate) fn inputs<'a>(
     renderer: &'a Renderer,
     scene: &Scene,
-    manner: &Manner,
+    manner: &RenderOptions,
     along_faces: Option<&Arc<FaceOrder>>,
 ) -> Result<FrameInputs<'a>> {
     let Scene { volume, transfer_function, camera, shading, .. } = scene;
@@ -86,8 +92,8 @@ pub(crate) fn inputs<'a>(
     let is_free = is_free(compositor);
     let sort_key = match order {
         _ if is_free => 2,
-        _ if compositor == Compositor::Tiles(TileOrder::Exact) => 0,
-        Order::Centroid => 1,
+        _ if compositor == CompositorProgram::Tiles(TileOrder::Exact) => 0,
+        VisibilityOrder::Centroid => 1,
         // What comes in its order needs no key.
         _ => 2,
     };
@@ -120,7 +126,7 @@ pub(crate) fn inputs<'a>(
         support,
         in_8_bits: manner.accumulation == Accumulation::Bits8,
         stops_where_opaque: manner.may_leave_out.is_some(),
-        sorted: !is_free && (sort_key != 2 || compositing == Compositing::Tiles),
+        sorted: !is_free && (sort_key != 2 || compositing == Compositor::Tiles),
         ordered: along_faces.cloned(),
         samples: camera.sample_offsets().iter().map(sample).collect::<Result<_>>()?,
         scalar: scalar.clone(),
@@ -130,13 +136,18 @@ pub(crate) fn inputs<'a>(
 
 impl FrameInputs<'_> {
     /// Draws the scene that this was made of.
-    pub(crate) fn draw(&self, scene: &Scene, manner: &Manner, progress: &dyn Progress) -> Result<Drawn> {
+    pub(crate) fn draw(
+        &self,
+        scene: &Scene,
+        manner: &RenderOptions,
+        progress: &dyn Progress,
+    ) -> Result<Drawn> {
         Ok(self.still_empty(scene, manner).with(self.draw_picture(progress)?))
     }
 
     /// What is known of the picture before it is there.
-    pub(crate) fn still_empty(&self, scene: &Scene, manner: &Manner) -> StillEmpty {
-        let is_counted = compositing(manner) == Compositing::Tiles;
+    pub(crate) fn still_empty(&self, scene: &Scene, manner: &RenderOptions) -> StillEmpty {
+        let is_counted = compositing(manner) == Compositor::Tiles;
         let (parts_left_out, part_bytes_left_out) = parts_left_out(&self.compositor);
         StillEmpty {
             is_counted,
@@ -151,28 +162,32 @@ impl FrameInputs<'_> {
 }
 
 /// How it is composited.
-pub(crate) fn compositing(manner: &Manner) -> Compositing {
-    manner.compositing.unwrap_or(Compositing::Tiles)
+pub(crate) fn compositing(manner: &RenderOptions) -> Compositor {
+    manner.compositing.unwrap_or(Compositor::Tiles)
 }
 
 /// The order that is carried out: none is made for blending hardware where none is needed, unless nothing may be left out; it
 /// makes the one that it has then.
-fn order(scene: &Scene, manner: &Manner) -> Order {
+fn order(scene: &Scene, manner: &RenderOptions) -> VisibilityOrder {
     match (scene.order, manner.may_leave_out) {
-        (order, _) if compositing(manner) == Compositing::Tiles || scene.needs_order() => order,
+        (order, _) if compositing(manner) == Compositor::Tiles || scene.needs_order() => order,
         // Rounded after each cell, what is blended depends on their order a little.
-        (_, Some(_)) if manner.accumulation == Accumulation::Float => Order::None,
-        (Order::Exact | Order::Auto, _) => Order::Centroid,
+        (_, Some(_)) if manner.accumulation == Accumulation::Float => VisibilityOrder::None,
+        (VisibilityOrder::Exact | VisibilityOrder::Auto, _) => VisibilityOrder::Centroid,
         (order, _) => order,
     }
 }
 
 /// What decides the text of the scene's shader, and what the scene takes on the device.
-pub(crate) fn choices(renderer: &Renderer, scene: &Scene, manner: &Manner) -> Result<(Choices, Sizes)> {
+pub(crate) fn choices(
+    renderer: &Renderer,
+    scene: &Scene,
+    manner: &RenderOptions,
+) -> Result<(Choices, Sizes)> {
     let grid = &renderer.grid;
     let Scene { transfer_function, shading, .. } = scene;
     let compositor = compositor(transfer_function, shading, order(scene, manner), manner)?;
-    if compositing(manner) != Compositing::Tiles {
+    if compositing(manner) != Compositor::Tiles {
         grid.device.check_blending(compositing(manner), manner.accumulation, grid.cell_count.into())?;
     }
     let mut choices = Choices::new(transfer_function, shading, compositor)?;
@@ -186,7 +201,7 @@ pub(crate) fn choices(renderer: &Renderer, scene: &Scene, manner: &Manner) -> Re
 fn sizes(
     grid: &DeviceGrid,
     choices: &Choices,
-    compositing: Compositing,
+    compositing: Compositor,
     transfer_function: &TransferFunction,
     shading: &Shading,
 ) -> Sizes {
@@ -219,11 +234,11 @@ fn parts_left_out(shader: &Shader) -> (Vec<&'static str>, u64) {
 }
 
 /// Whether the compositor needs no order.
-fn is_free(compositor: Compositor) -> bool {
+fn is_free(compositor: CompositorProgram) -> bool {
     match compositor {
-        Compositor::Tiles(order) => order == TileOrder::Sum,
-        Compositor::Raster(blend) | Compositor::Triangles(blend) => blend == Blend::Sum,
-        Compositor::None | Compositor::Segments => false,
+        CompositorProgram::Tiles(order) => order == TileOrder::Sum,
+        CompositorProgram::Raster(blend) | CompositorProgram::Triangles(blend) => blend == Blend::Sum,
+        CompositorProgram::None | CompositorProgram::Segments => false,
     }
 }
 
@@ -231,22 +246,26 @@ fn is_free(compositor: Compositor) -> bool {
 fn compositor(
     transfer_function: &TransferFunction,
     shading: &Shading,
-    order: Order,
-    manner: &Manner,
-) -> Result<Compositor> {
+    order: VisibilityOrder,
+    manner: &RenderOptions,
+) -> Result<CompositorProgram> {
     let compositing = compositing(manner);
-    let choices = Choices::new(transfer_function, shading, Compositor::None)?;
+    let choices = Choices::new(transfer_function, shading, CompositorProgram::None)?;
     let lit = shading.light.is_some_and(|light| light.diffuse != 0.0);
     let known = !choices.method.is_table_of_lengths();
     let needed = !known || !matches!(choices.combine, Combine::OneColor | Combine::Nothing) || lit;
     manner.accumulation.check(compositing)?;
     let free = !needed && manner.may_leave_out.is_some();
     Ok(match (compositing, order) {
-        (Compositing::Tiles, _) if free => Compositor::Tiles(TileOrder::Sum),
-        (Compositing::Tiles, Order::Exact | Order::Auto) => Compositor::Tiles(TileOrder::Exact),
-        (Compositing::Tiles, Order::Centroid | Order::None) => Compositor::Tiles(TileOrder::Listed),
-        (Compositing::Raster, _) => Compositor::Raster(blend(manner.accumulation, free)),
-        (Compositing::Triangles, _) => Compositor::Triangles(blend(manner.accumulation, free)),
+        (Compositor::Tiles, _) if free => CompositorProgram::Tiles(TileOrder::Sum),
+        (Compositor::Tiles, VisibilityOrder::Exact | VisibilityOrder::Auto) => {
+            CompositorProgram::Tiles(TileOrder::Exact)
+        }
+        (Compositor::Tiles, VisibilityOrder::Centroid | VisibilityOrder::None) => {
+            CompositorProgram::Tiles(TileOrder::Listed)
+        }
+        (Compositor::Raster, _) => CompositorProgram::Raster(blend(manner.accumulation, free)),
+        (Compositor::Triangles, _) => CompositorProgram::Triangles(blend(manner.accumulation, free)),
     })
 }
 

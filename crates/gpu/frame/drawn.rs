@@ -6,7 +6,7 @@ use crate::frame::windows::Returned;
 use std::sync::Arc;
 use voltet_core::picture::Picture;
 use voltet_core::visibility::FaceOrder;
-use voltet_optics::engine::Timed;
+use voltet_optics::engine::StageTiming;
 
 /// A picture and what it took.
 #[derive(Debug, Clone)]
@@ -16,7 +16,7 @@ pub struct Drawn {
     /// Counts.
     pub counts: Counts,
     /// The passes with their times, where the adapter has timestamps.
-    pub passes: Vec<Timed>,
+    pub passes: Vec<StageTiming>,
     /// What no part of the scene's shader is about: folders of pieces that are not in it.
     pub parts_left_out: Vec<&'static str>,
     /// Bytes of all pieces that are not in it.

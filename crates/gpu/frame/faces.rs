@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::time::Instant;
 use voltet_core::Result;
 use voltet_core::camera::{Camera, Projection};
-use voltet_core::visibility::{FaceOrder, Faces, WhyNot};
+use voltet_core::visibility::{FaceOrder, Faces, OrderError};
 use voltet_optics::scene::Scene;
 
 /// What is kept of a grid: its faces, and the order that was found last, with the camera that it is for.
@@ -16,7 +16,7 @@ pub(crate) struct Orders {
 }
 
 /// The order, or why there is none.
-pub(crate) type Found = std::result::Result<Arc<FaceOrder>, WhyNot>;
+pub(crate) type Found = std::result::Result<Arc<FaceOrder>, OrderError>;
 
 impl Renderer {
     /// The order for a scene's camera, and the seconds that it took; none where it was there.

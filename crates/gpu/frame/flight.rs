@@ -11,7 +11,7 @@ use crate::frame::windows::Flying;
 use std::sync::Arc;
 use voltet_core::progress::Progress;
 use voltet_core::{Error, Result};
-use voltet_optics::engine::Manner;
+use voltet_optics::engine::RenderOptions;
 use voltet_optics::scene::Scene;
 
 /// Frames of a grid in flight at most: as many pictures are held on their way back.
@@ -21,7 +21,7 @@ const IN_FLIGHT: usize = 4;
 pub struct InFlight {
     renderer: Arc<Renderer>,
     scene: Scene,
-    manner: Manner,
+    manner: RenderOptions,
     ordered: Option<Ordered>,
     empty: StillEmpty,
     flying: Flying,
@@ -72,7 +72,7 @@ impl Drop for Berth {
 pub fn begin(
     renderer: &Arc<Renderer>,
     scene: &Scene,
-    manner: &Manner,
+    manner: &RenderOptions,
     progress: &dyn Progress,
 ) -> Result<Begun> {
     if progress.cancelled() {
@@ -103,7 +103,12 @@ pub fn begin(
     })))
 }
 
-fn drawn(renderer: &Renderer, scene: &Scene, manner: &Manner, progress: &dyn Progress) -> Result<Begun> {
+fn drawn(
+    renderer: &Renderer,
+    scene: &Scene,
+    manner: &RenderOptions,
+    progress: &dyn Progress,
+) -> Result<Begun> {
     draw(renderer, scene, manner, progress).map(|drawn| Begun::Drawn(Box::new(drawn)))
 }
 
@@ -133,9 +138,9 @@ impl Begun {
 mod tests {
     use super::*;
     use crate::device::open::Device;
-    use voltet_core::progress::Silent;
-    use voltet_optics::engine::Compositing;
-    use voltet_optics::shading::Order;
+    use voltet_core::progress::NoProgress;
+    use voltet_optics::engine::Compositor;
+    use voltet_optics::shading::VisibilityOrder;
     use voltet_testing::pictures::compare::{NamedScene, SHADING};
     use voltet_testing::pictures::grids::{cube, smooth};
     use voltet_testing::pictures::looks::{outside, overlapping};
@@ -151,19 +156,19 @@ mod tests {
         let renderer = Arc::new(Renderer::new(device.clone(), &volume).expect("fits"));
         let scene =
             NamedScene { name: "cube".into(), volume, look: overlapping(), camera: outside([40, 32]) };
-        let scene = scene.drawn_by(&SHADING, Order::Exact);
-        let manner = Manner::by(Compositing::Tiles);
-        let start = || begin(&renderer, &scene, &manner, &Silent);
-        draw(&renderer, &scene, &manner, &Silent).expect("draws");
+        let scene = scene.drawn_by(&SHADING, VisibilityOrder::Exact);
+        let manner = RenderOptions::by(Compositor::Tiles);
+        let start = || begin(&renderer, &scene, &manner, &NoProgress);
+        draw(&renderer, &scene, &manner, &NoProgress).expect("draws");
         let frames: Vec<Begun> = (0..3).map(|_| start().expect("begins")).collect();
         device.device.destroy();
         for frame in frames {
             // What had come back before may still be taken.
-            if let Err(error) = frame.collect(&Silent) {
+            if let Err(error) = frame.collect(&NoProgress) {
                 assert!(error.to_string().contains("lost"), "{error}");
             }
         }
-        assert!(start().and_then(|frame| frame.collect(&Silent)).is_err());
+        assert!(start().and_then(|frame| frame.collect(&NoProgress)).is_err());
         assert!(device.is_lost());
     }
 }

@@ -5,11 +5,11 @@ use std::sync::Arc;
 use voltet_core::transfer::TransferFunction;
 use voltet_core::{Error, Result};
 use voltet_optics::shading::Shading;
-use voltet_shaders::{Choices, Compositor, Spans, TileOrder, check_32_bits};
+use voltet_shaders::{Choices, CompositorProgram, Spans, TileOrder, check_32_bits};
 
 /// Whether the device has shaders for the scene. What depends on the data is found when it is drawn.
 pub fn can_serve(transfer_function: &TransferFunction, shading: &Shading) -> Result<()> {
-    Choices::new(transfer_function, shading, Compositor::Tiles(TileOrder::Exact)).map(drop)
+    Choices::new(transfer_function, shading, CompositorProgram::Tiles(TileOrder::Exact)).map(drop)
 }
 
 /// Whether 32 bits hold what segments of this grid can span. `values`: s, g (anything where it is not read), then the
@@ -28,6 +28,6 @@ pub(crate) fn check(
     let spans = Spans { values: &spans, longest: grid.longest };
     check_32_bits(choices, transfer_function, &spans).map_err(|error: Error| {
         let accepted = error.accepted.clone().unwrap_or_default();
-        error.accepted(format!("{accepted}; engine = \"cpu\" holds it"))
+        error.expected(format!("{accepted}; engine = \"cpu\" holds it"))
     })
 }

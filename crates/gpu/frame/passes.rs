@@ -13,7 +13,7 @@ use crate::pass::steps::{Binder, GridArrays, Step, folded, kinds, run, scene_kin
 use crate::raster::blended::{Blending, Form, Raster};
 use voltet_core::Result;
 use voltet_optics::engine::Stage;
-use voltet_shaders::{Compositor, FramePass, GridArray, PlacementRecord, ViewRecord, cells_read};
+use voltet_shaders::{CompositorProgram, FramePass, GridArray, PlacementRecord, ViewRecord, cells_read};
 use wgpu::{Buffer, BufferUsages, CommandEncoder, SubmissionIndex};
 
 /// What takes the cells to the picture.
@@ -112,9 +112,9 @@ impl<'a> Passes<'a> {
         }
         let reads_g = if frame.reads_g { 1.0 } else { 0.0 };
         let blended = match frame.choices.compositor {
-            Compositor::Raster(blend) => Some((Form::Outlines, blend)),
-            Compositor::Triangles(blend) => Some((Form::Triangles, blend)),
-            Compositor::None | Compositor::Segments | Compositor::Tiles(_) => None,
+            CompositorProgram::Raster(blend) => Some((Form::Outlines, blend)),
+            CompositorProgram::Triangles(blend) => Some((Form::Triangles, blend)),
+            CompositorProgram::None | CompositorProgram::Segments | CompositorProgram::Tiles(_) => None,
         };
         let lists_tiles = if blended.is_some() { 0.0 } else { 1.0 };
         let constants = vec![stride, ("reads_g", reads_g), ("lists_tiles", lists_tiles)];

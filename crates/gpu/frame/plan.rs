@@ -10,9 +10,9 @@ use std::time::Instant;
 use voltet_core::progress::Progress;
 use voltet_core::visibility::FaceOrder;
 use voltet_core::{Error, Result};
-use voltet_optics::engine::{Compositing, Manner, Stage, Timed};
+use voltet_optics::engine::{Compositor, RenderOptions, Stage, StageTiming};
 use voltet_optics::scene::Scene;
-use voltet_optics::shading::Order;
+use voltet_optics::shading::VisibilityOrder;
 
 /// An order, and the seconds that it took to find where it was not there.
 pub(crate) type Ordered = (Arc<FaceOrder>, Option<f64>);
@@ -26,9 +26,10 @@ pub(crate) enum Plan {
 }
 
 /// Finds out how a scene is drawn. Errors: what no device has a shader for; a camera out of range.
-pub(crate) fn plan(renderer: &Renderer, scene: &Scene, manner: &Manner) -> Result<Plan> {
-    let is_exact = matches!(scene.order, Order::Exact | Order::Auto) && scene.needs_order();
-    if compositing(manner) == Compositing::Tiles || !is_exact {
+pub(crate) fn plan(renderer: &Renderer, scene: &Scene, manner: &RenderOptions) -> Result<Plan> {
+    let is_exact =
+        matches!(scene.order, VisibilityOrder::Exact | VisibilityOrder::Auto) && scene.needs_order();
+    if compositing(manner) == Compositor::Tiles || !is_exact {
         return Ok(Plan::AsAsked);
     }
     limits::can_serve(&scene.transfer_function, &scene.shading)?;
@@ -43,12 +44,12 @@ pub(crate) fn plan(renderer: &Renderer, scene: &Scene, manner: &Manner) -> Resul
 pub(crate) fn check(
     renderer: &Renderer,
     scene: &Scene,
-    manner: &Manner,
+    manner: &RenderOptions,
     (order, seconds): Ordered,
     mut drawn: Drawn,
     progress: &dyn Progress,
 ) -> Result<Drawn> {
-    let sort = |pass, seconds| Timed { stage: Stage::Sort, pass: Some(pass), seconds };
+    let sort = |pass, seconds| StageTiming { stage: Stage::Sort, pass: Some(pass), seconds };
     drawn.passes.extend(seconds.map(|seconds| sort("faces (CPU)", seconds)));
     let begun = Instant::now();
     let checked = checked::check(renderer, scene, manner, &order, &drawn, progress)?;
@@ -67,15 +68,15 @@ pub(crate) fn check(
 pub(crate) fn tiles_instead(
     renderer: &Renderer,
     scene: &Scene,
-    manner: &Manner,
+    manner: &RenderOptions,
     why: String,
     progress: &dyn Progress,
 ) -> Result<Drawn> {
-    let by_tiles = Manner { compositing: Some(Compositing::Tiles), ..*manner };
-    if manner.accumulation.check(Compositing::Tiles).is_err() {
+    let by_tiles = RenderOptions { compositing: Some(Compositor::Tiles), ..*manner };
+    if manner.accumulation.check(Compositor::Tiles).is_err() {
         return Err(Error::run(format!("the hardware does not blend this scene in exact order: {why}"))
-            .found(format!("accumulation = \"{}\", which tiles do not have", manner.accumulation.name()))
-            .accepted("accumulation = \"float\", which tiles draw; or order = \"centroid\""));
+            .got(format!("accumulation = \"{}\", which tiles do not have", manner.accumulation.name()))
+            .expected("accumulation = \"float\", which tiles draw; or order = \"centroid\""));
     }
     let drawn = inputs(renderer, scene, &by_tiles, None)?.draw(scene, &by_tiles, progress)?;
     Ok(Drawn { tiles_instead: Some(why), ..drawn })

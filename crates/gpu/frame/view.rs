@@ -35,14 +35,14 @@ pub(crate) fn view(grid: &DeviceGrid, camera: &Camera, offset: [f64; 2]) -> Resu
     let reach = 1.0 + base.length().min(1.0);
     if ROUNDING * reach > PIXELS_OFF * width {
         return Err(Error::run("the view is too narrow for the device's 32 bits")
-            .found(format!("pixels of {:.1e} of the grid's diagonal", width))
-            .accepted(format!("at least {:.1e}, or engine = \"cpu\"", ROUNDING * reach / PIXELS_OFF)));
+            .got(format!("pixels of {:.1e} of the grid's diagonal", width))
+            .expected(format!("at least {:.1e}, or engine = \"cpu\"", ROUNDING * reach / PIXELS_OFF)));
     }
     let numbers = [pixel, distance, near, base.x, base.y, base.z];
     if numbers.iter().any(|x| !x.is_finite() || x.abs() > 1e15) {
         return Err(Error::run("the camera stands too far from the grid for the device's 32 bits")
-            .found(format!("{:.1e} of the grid's diagonal", eye.length()))
-            .accepted("at most 1e15, or engine = \"cpu\""));
+            .got(format!("{:.1e} of the grid's diagonal", eye.length()))
+            .expected("at most 1e15, or engine = \"cpu\""));
     }
     let vector = |v: DVec3| v.to_array().map(|x| x as f32);
     let parts = base.to_array().map(split);

@@ -10,7 +10,7 @@ use crate::frame::passes::{Passes, counts_of};
 use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
 use voltet_core::{Error, Result};
-use voltet_optics::engine::Timed;
+use voltet_optics::engine::StageTiming;
 use voltet_shaders::ViewRecord;
 
 /// Entries that lists are given room for before their lengths are known.
@@ -37,7 +37,7 @@ const LONGEST_SOFTWARE: u32 = 20_000;
 pub(crate) struct Returned {
     pub picture: Picture,
     pub counts: [u64; count::ALL],
-    pub passes: Vec<Timed>,
+    pub passes: Vec<StageTiming>,
 }
 
 impl FrameInputs<'_> {
@@ -118,8 +118,8 @@ impl FrameInputs<'_> {
             }
             if device.is_software && self.sorted && counts[count::LONGEST] > LONGEST_SOFTWARE {
                 return Err(Error::run("a software driver does not sort so many cells of one tile")
-                    .found(counts[count::LONGEST])
-                    .accepted(format!("at most {LONGEST_SOFTWARE}, or engine = \"cpu\"")));
+                    .got(counts[count::LONGEST])
+                    .expected(format!("at most {LONGEST_SOFTWARE}, or engine = \"cpu\"")));
             }
             if needed > capacity {
                 // Some room for the next frame.
@@ -143,8 +143,8 @@ impl FrameInputs<'_> {
     fn ends_loops(&self, pixels: u32) -> Error {
         let name = &self.device().name;
         Error::run(format!("{name} ends loops before the segments of 64 cells are integrated"))
-            .found(format!("{pixels} pixels cut short"))
-            .accepted(
+            .got(format!("{pixels} pixels cut short"))
+            .expected(
                 "fewer samples of a segment, fewer control points, another adapter, or engine = \"cpu\"",
             )
     }
@@ -228,8 +228,8 @@ impl FrameInputs<'_> {
                             "{} does not come to an end with the tiles",
                             device.name
                         ))
-                        .found(format!("{} tiles that go on", counted[count::UNFINISHED]))
-                        .accepted("another adapter, or engine = \"cpu\""));
+                        .got(format!("{} tiles that go on", counted[count::UNFINISHED]))
+                        .expected("another adapter, or engine = \"cpu\""));
                     }
                     passes.submit_tiles(&record, timing)?;
                     counted = passes.counts()?;
@@ -284,7 +284,7 @@ impl Flying {
 fn halves([x, y, width, height]: [u32; 4]) -> Result<[[u32; 4]; 2]> {
     if width == 1 && height == 1 {
         return Err(Error::run("the list of one tile of the picture does not fit one binding of the device")
-            .accepted("a closer view, a smaller grid, or engine = \"cpu\""));
+            .expected("a closer view, a smaller grid, or engine = \"cpu\""));
     }
     Ok(if width >= height {
         let half = width / 2;

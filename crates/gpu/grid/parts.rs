@@ -113,8 +113,8 @@ impl Sizes {
         let other = if parts.is_empty() { "another compositor or adapter" } else { "a smaller table" };
         let would = would.map_or(other.into(), |sizes| format!("about {} such cells", sizes.cells));
         Err(Error::run(format!("the scene has more parts than {device} binds at a time"))
-            .found(found)
-            .accepted(format!(
+            .got(found)
+            .expected(format!(
                 "at most {} buffers of {bytes:.0} MiB: {would}, or engine = \"cpu\"",
                 room.buffers
             )))

@@ -117,7 +117,7 @@ impl DeviceGrid {
                     return Err(Error::usage(
                         "the transfer function looks at the gradient magnitude, and the volume has none",
                     )
-                    .accepted("a gradient-magnitude node before this one"));
+                    .expected("a gradient-magnitude node before this one"));
                 }
             },
             Quantity::Field(name) => {
@@ -127,8 +127,8 @@ impl DeviceGrid {
                     return Err(Error::usage(
                         "the transfer function looks at a field that the volume does not have",
                     )
-                    .found(name)
-                    .accepted("a point array of one component that the reader was asked for"));
+                    .got(name)
+                    .expected("a point array of one component that the reader was asked for"));
                 };
                 self.store(volume, &array.values, 1, 0)?
             }
@@ -138,7 +138,7 @@ impl DeviceGrid {
                 }
                 _ => {
                     return Err(Error::usage("light and silhouettes need a gradient at every point")
-                        .accepted("a gradient-magnitude node before this one"));
+                        .expected("a gradient-magnitude node before this one"));
                 }
             },
         });

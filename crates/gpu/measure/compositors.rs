@@ -8,17 +8,17 @@ use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 use voltet_core::Result;
-use voltet_core::Shared;
+use voltet_core::SharedSlice;
 use voltet_core::camera::{Camera, Projection};
 use voltet_core::error::ErrorKind;
 use voltet_core::grid::generate::box_of_tetrahedra;
 use voltet_core::progress::Progress;
 use voltet_core::transfer::{ControlPoint, OpticalModel, Profile, TransferFunction, Widget};
 use voltet_core::volume::Volume;
-use voltet_optics::Overlap;
-use voltet_optics::engine::{Accumulation, Chosen, Compositing, Manner, Memory};
+use voltet_optics::WidgetBlend;
+use voltet_optics::engine::{Accumulation, Compositor, CompositorChoice, KeyValueStore, RenderOptions};
 use voltet_optics::scene::Scene;
-use voltet_optics::shading::{Integrator, Order, Shading};
+use voltet_optics::shading::{Integrator, Shading, VisibilityOrder};
 
 /// Seconds of a frame by each compositor.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -39,19 +39,19 @@ pub(crate) fn choose(
     device: &Arc<Device>,
     known: &Known,
     scene: &Scene,
-    memory: &dyn Memory,
+    memory: &dyn KeyValueStore,
     progress: &dyn Progress,
-) -> Result<Chosen> {
-    let tiles = |why: String| Chosen { compositing: Compositing::Tiles, why, measured_secs: None };
+) -> Result<CompositorChoice> {
+    let tiles = |why: String| CompositorChoice { compositing: Compositor::Tiles, why, measured_secs: None };
     let needs_order = scene.needs_order();
-    if needs_order && matches!(scene.order, Order::Exact | Order::Auto) {
+    if needs_order && matches!(scene.order, VisibilityOrder::Exact | VisibilityOrder::Auto) {
         return Ok(tiles("each pixel needs its exact order".into()));
     }
     if !device.blends_32_bits() {
         return Ok(tiles("the device blends no 32-bit floats".into()));
     }
     let cell_count = scene.volume.grid.tetrahedra.len() as u64;
-    if let Err(error) = device.check_blending(Compositing::Raster, Accumulation::Float, cell_count) {
+    if let Err(error) = device.check_blending(Compositor::Raster, Accumulation::Float, cell_count) {
         return Ok(tiles(error.to_string()));
     }
     let mut known = known.lock().unwrap_or_else(PoisonError::into_inner);
@@ -75,14 +75,14 @@ pub(crate) fn choose(
         1e3 * times.raster,
         if from_before { " (remembered)" } else { "" }
     );
-    Ok(Chosen { compositing: times.faster(), why, measured_secs })
+    Ok(CompositorChoice { compositing: times.faster(), why, measured_secs })
 }
 
 /// The times that the memory holds, or else new ones, which it then holds; and whether they were there.
 fn remembered(
     device: &Arc<Device>,
     needs_order: bool,
-    memory: &dyn Memory,
+    memory: &dyn KeyValueStore,
     progress: &dyn Progress,
 ) -> Result<(Times, bool)> {
     let key = key(&device.name, &device.driver, needs_order);
@@ -104,8 +104,8 @@ fn key(adapter: &str, driver: &str, needs_order: bool) -> String {
 
 impl Times {
     /// The faster one.
-    fn faster(&self) -> Compositing {
-        if self.raster < self.tiles { Compositing::Raster } else { Compositing::Tiles }
+    fn faster(&self) -> Compositor {
+        if self.raster < self.tiles { Compositor::Raster } else { Compositor::Tiles }
     }
 
     fn written(&self) -> String {
@@ -143,13 +143,17 @@ fn measure(device: &Arc<Device>, needs_order: bool, progress: &dyn Progress) -> 
     let scalar: Vec<f64> = box_grid.points.iter().map(s).collect();
     let volume = Arc::new(Volume {
         grid: Arc::new(box_grid),
-        scalar: Shared::from(scalar),
+        scalar: SharedSlice::from(scalar),
         gradient: None,
         gradient_magnitude: None,
     });
     let renderer = Renderer::new(device.clone(), &volume)?;
-    let shading =
-        Shading { integrator: Integrator::Analytic, overlap: Overlap::Exact, silhouette: None, light: None };
+    let shading = Shading {
+        integrator: Integrator::Analytic,
+        overlap: WidgetBlend::Exact,
+        silhouette: None,
+        light: None,
+    };
     let camera = Camera {
         eye: DVec3::new(-0.9, -1.1, 1.4),
         target: DVec3::splat(0.5),
@@ -160,12 +164,12 @@ fn measure(device: &Arc<Device>, needs_order: bool, progress: &dyn Progress) -> 
         samples: 1,
     };
     let transfer_function = Arc::new(look(needs_order));
-    let scene = Scene { volume, transfer_function, camera, shading, order: Order::Centroid };
+    let scene = Scene { volume, transfer_function, camera, shading, order: VisibilityOrder::Centroid };
     let seconds = |compositing| -> Result<f64> {
         let mut times = Vec::new();
         for frame in 0..=FRAME_COUNT {
             let begun = Instant::now();
-            let drawn = draw(&renderer, &scene, &Manner::by(compositing), progress)?;
+            let drawn = draw(&renderer, &scene, &RenderOptions::by(compositing), progress)?;
             let whole = begun.elapsed().as_secs_f64();
             // The device's own clock leaves out what the program waits for; both are the same for both compositors.
             let passes: f64 = drawn.passes.iter().map(|pass| pass.seconds).sum();
@@ -176,7 +180,7 @@ fn measure(device: &Arc<Device>, needs_order: bool, progress: &dyn Progress) -> 
         times.sort_by(f64::total_cmp);
         Ok(times[times.len() / 2])
     };
-    Ok(Times { tiles: seconds(Compositing::Tiles)?, raster: seconds(Compositing::Raster)? })
+    Ok(Times { tiles: seconds(Compositor::Tiles)?, raster: seconds(Compositor::Raster)? })
 }
 
 /// A Gaussian, or a ramp of two colours.

@@ -32,7 +32,7 @@ pub(crate) struct Operations {
 impl Operations {
     /// Reads the text of a composed shader. Errors: it is no WGSL.
     pub fn of(shader: &Shader) -> Result<Operations> {
-        let wrong = |why: &dyn std::fmt::Display| Error::run("a shader's text cannot be read").found(why);
+        let wrong = |why: &dyn std::fmt::Display| Error::run("a shader's text cannot be read").got(why);
         let module = naga::front::wgsl::parse_str(&shader.text).map_err(|error| wrong(&error))?;
         let validated = Validator::new(ValidationFlags::all(), Capabilities::all()).validate(&module);
         let info = validated.map_err(|error| wrong(error.as_inner()))?;

@@ -6,12 +6,14 @@ use crate::device::pipelines::Program;
 use std::sync::Arc;
 use voltet_core::Result;
 use voltet_core::transfer::TransferFunction;
-use voltet_optics::engine::{Answer, Chain, Condition, Conditions, Forms, PartialIntegrals, Precision};
+use voltet_optics::engine::{
+    Chain, Condition, Conditions, EvalOutcome, PartialIntegrals, Precision, SegmentEvaluator,
+};
 use voltet_optics::integrators::Extent;
 use voltet_optics::shading::{Integrator, Shading};
-use voltet_optics::{Contribution, Overlap, Segment};
+use voltet_optics::{Contribution, Segment, WidgetBlend};
 use voltet_shaders::segment_list::{CONTRIBUTION, axes, condition, constants, contributions, holds, row};
-use voltet_shaders::{Choices, Compositor, Parameters, Resources, compose, compose_pieces};
+use voltet_shaders::{Choices, CompositorProgram, Parameters, Resources, compose, compose_pieces};
 use wgpu::BufferUsages;
 
 /// The composed shaders of a device as a set of forms. What the device refuses before it draws is not served; a device that
@@ -66,10 +68,10 @@ impl Segments {
         &self,
         transfer_function: &TransferFunction,
         segment: &Segment,
-        overlap: Overlap,
+        overlap: WidgetBlend,
     ) -> Result<std::result::Result<Contribution, &'static str>> {
         let shading = Shading { integrator: Integrator::Analytic, overlap, silhouette: None, light: None };
-        let choices = Choices::new(transfer_function, &shading, Compositor::Segments)?;
+        let choices = Choices::new(transfer_function, &shading, CompositorProgram::Segments)?;
         let axes = axes(transfer_function, segment);
         let length = segment.length;
         let Ok(parameters) = Parameters::new(transfer_function, &shading, &axes, length) else {
@@ -166,7 +168,7 @@ impl Segments {
     }
 }
 
-impl Forms for Segments {
+impl SegmentEvaluator for Segments {
     fn name(&self) -> &str {
         &self.name
     }
@@ -183,10 +185,10 @@ impl Forms for Segments {
         &self,
         transfer_function: &TransferFunction,
         segment: &Segment,
-        overlap: Overlap,
-    ) -> Result<Answer> {
+        overlap: WidgetBlend,
+    ) -> Result<EvalOutcome> {
         let found = self.integrate(transfer_function, segment, overlap)?;
-        Ok(found.map_or_else(Answer::Skipped, Answer::Served))
+        Ok(found.map_or_else(EvalOutcome::Skipped, EvalOutcome::Served))
     }
 
     fn chain(&self, segments: &[Contribution]) -> Chain {
@@ -195,11 +197,11 @@ impl Forms for Segments {
         Chain { color: [red, green, blue], opacity, transparency: Some(transparency) }
     }
 
-    fn partial(&self, a: f64, b: f64) -> Result<Answer<PartialIntegrals>> {
+    fn partial(&self, a: f64, b: f64) -> Result<EvalOutcome<PartialIntegrals>> {
         let rows = [[a as f32, b as f32, (0.5 * (a + b)) as f32, 0.0]];
         let pieces = ["linear/psi", "linear/front_back"];
         let found = self.small(PARTIAL, &pieces, &rows, &[f32::NAN; 4])?;
         let [psi, front, back, zeta] = std::array::from_fn(|i| f64::from(found[i]));
-        Ok(Answer::Served(PartialIntegrals { psi, front, back, zeta }))
+        Ok(EvalOutcome::Served(PartialIntegrals { psi, front, back, zeta }))
     }
 }

@@ -92,7 +92,7 @@ impl Tables {
         let found = self.buffers.iter().find(|(known, _)| *known == name);
         found
             .map(|(_, buffer)| buffer)
-            .ok_or_else(|| Error::run("the shader reads a table that nothing fills").found(name))
+            .ok_or_else(|| Error::run("the shader reads a table that nothing fills").got(name))
     }
 
     fn fill(&self, device: &Device, pass: &Pass) -> Result<()> {

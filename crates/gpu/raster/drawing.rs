@@ -7,7 +7,7 @@ use crate::device::open::Device;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use voltet_core::{Error, Result};
-use voltet_optics::engine::{Accumulation, Compositing};
+use voltet_optics::engine::{Accumulation, Compositor};
 use voltet_shaders::{Blend, Shader};
 use wgpu::{BlendComponent, BlendFactor, DownlevelFlags, ShaderStages, TextureFormat};
 
@@ -78,8 +78,8 @@ fn check_flags(found: DownlevelFlags, device: &str, compositor: &str) -> Result<
         return Ok(());
     }
     Err(Error::run(format!("{device} lacks what compositor = \"{compositor}\" draws with"))
-        .found(format!("no {}", lacking.join(", no ")))
-        .accepted("compositor = \"tiles\""))
+        .got(format!("no {}", lacking.join(", no ")))
+        .expected("compositor = \"tiles\""))
 }
 
 /// Bytes of a cell in the sorted list.
@@ -89,22 +89,22 @@ impl Device {
     /// An error that names what the device lacks for a compositor that blends, or how many cells its list holds.
     pub fn check_blending(
         &self,
-        compositing: Compositing,
+        compositing: Compositor,
         accumulation: Accumulation,
         cell_count: u64,
     ) -> Result<()> {
         let most = self.most_bytes() / ENTRY_BYTES;
         if most < cell_count {
             return Err(Error::run(format!("the sorted cells do not fit one binding of {}", self.name))
-                .found(format!("{cell_count} cells"))
-                .accepted(format!("at most {most}, or compositor = \"tiles\"")));
+                .got(format!("{cell_count} cells"))
+                .expected(format!("at most {most}, or compositor = \"tiles\"")));
         }
         let is_rounded = matches!(accumulation, Accumulation::Bits12 | Accumulation::Bits16);
         if is_rounded && !self.blends_32_bits {
             let words = format!("accumulation = \"{}\"", accumulation.name());
             return Err(Error::run(format!("{} blends no 32-bit floats", self.name))
-                .found(format!("{words}, which is made of these"))
-                .accepted("accumulation = \"float\" or \"8-bit\""));
+                .got(format!("{words}, which is made of these"))
+                .expected("accumulation = \"float\" or \"8-bit\""));
         }
         check_flags(self.downlevel, &self.name, compositing.name())
     }

@@ -1,6 +1,6 @@
 //! The document: what a file states.
 
-use crate::{Graph, NodeEntry, Registry, Stated};
+use crate::{Graph, NodeEntry, Registry, ResolvedPipeline};
 use std::path::PathBuf;
 use voltet_core::Result;
 
@@ -25,10 +25,10 @@ impl Pipeline {
     }
 
     /// A text that states a pipeline, with the places of its paths. Errors: it states none.
-    pub fn stated(text: String, registry: &Registry) -> Result<Stated> {
+    pub fn stated(text: String, registry: &Registry) -> Result<ResolvedPipeline> {
         let pipeline = Self::parse(&text)?;
         let graph = Graph::build(&pipeline.nodes, registry, PathBuf::new())?;
         let named = graph.nodes.iter().flat_map(|node| node.parameters.paths());
-        Ok(Stated::new(pipeline.title, text, named))
+        Ok(ResolvedPipeline::new(pipeline.title, text, named))
     }
 }

@@ -11,7 +11,7 @@ mod write;
 
 pub use document::{FORMAT, Pipeline};
 pub use option::field;
-pub use parse::{EDITOR, Survey, parameters, value};
+pub use parse::{EDITOR, ParsedPipeline, parameters, value};
 
 use voltet_core::Error;
 

@@ -2,7 +2,7 @@
 
 use super::document::Pipeline;
 use super::parse;
-use crate::{Datum, Field, Origin, Setting, suggest};
+use crate::{Field, LocatedValue, ParameterValue, SourceSpan, suggest};
 use std::sync::Arc;
 use voltet_core::{Error, Result};
 
@@ -11,28 +11,28 @@ impl Pipeline {
     /// Parts of lists and tables are reached by further points (`look.widgets.0.extinction=2`).
     pub fn set(&mut self, option: &str) -> Result<()> {
         let shown: Arc<str> = format!("--set {option}").into();
-        let blame = |error: Error| Origin::Option(shown.clone()).blame(error);
+        let blame = |error: Error| SourceSpan::Option(shown.clone()).locate(error);
         let form = "node.parameter=value";
         let Some((path, value)) = option.split_once('=') else {
-            return Err(blame(Error::usage("the option has no '='").accepted(form)));
+            return Err(blame(Error::usage("the option has no '='").expected(form)));
         };
         let keys: Vec<&str> = path.trim().split('.').collect();
         let (Some((&name, keys)), false) = (keys.split_first(), keys.iter().any(|k| k.is_empty())) else {
-            return Err(blame(Error::usage("the option names no parameter").accepted(form)));
+            return Err(blame(Error::usage("the option names no parameter").expected(form)));
         };
         let Some((&first, rest)) = keys.split_first() else {
-            return Err(blame(Error::usage("the option names no parameter").found(path).accepted(form)));
+            return Err(blame(Error::usage("the option names no parameter").got(path).expected(form)));
         };
         let names: Vec<String> = self.nodes.iter().map(|n| n.name.clone()).collect();
         let Some(node) = self.nodes.iter_mut().find(|n| n.name == name) else {
             let known = suggest(name, names.iter().map(String::as_str));
-            return Err(blame(Error::usage(format!("there is no node '{name}'")).accepted(known)));
+            return Err(blame(Error::usage(format!("there is no node '{name}'")).expected(known)));
         };
         let setting = given(value, &shown);
         if matches!(first, "type" | "inputs") {
             return Err(blame(
                 Error::usage(format!("'{first}' cannot be set from the command line"))
-                    .accepted("the name of a parameter"),
+                    .expected("the name of a parameter"),
             ));
         }
         node.set(first, rest, setting).map_err(blame)
@@ -46,30 +46,30 @@ pub fn field(option: &str) -> Result<Field> {
     match option.split_once('=').map(|(name, value)| (name.trim(), value)) {
         Some((name, value)) if !name.is_empty() => Ok(Field {
             name: name.into(),
-            origin: Origin::Option(shown.clone()),
+            origin: SourceSpan::Option(shown.clone()),
             setting: given(value, &shown),
         }),
         _ => {
-            let error = Error::usage("the option sets no parameter").accepted("name=value");
-            Err(Origin::Option(shown).blame(error))
+            let error = Error::usage("the option sets no parameter").expected("name=value");
+            Err(SourceSpan::Option(shown).locate(error))
         }
     }
 }
 
 /// The value that an option gives.
-fn given(value: &str, shown: &Arc<str>) -> Setting {
+fn given(value: &str, shown: &Arc<str>) -> LocatedValue {
     let value = value.trim();
-    let mut setting = parse::value(value).unwrap_or_else(|| Datum::Text(value.into()).into());
-    mark(&mut setting, &Origin::Option(shown.clone()));
+    let mut setting = parse::value(value).unwrap_or_else(|| ParameterValue::Text(value.into()).into());
+    mark(&mut setting, &SourceSpan::Option(shown.clone()));
     setting
 }
 
 /// Gives a setting and all its parts one origin.
-fn mark(setting: &mut Setting, origin: &Origin) {
+fn mark(setting: &mut LocatedValue, origin: &SourceSpan) {
     setting.origin = origin.clone();
     match &mut setting.datum {
-        Datum::List(list) => list.iter_mut().for_each(|part| mark(part, origin)),
-        Datum::Table(fields) => fields.iter_mut().for_each(|field| {
+        ParameterValue::List(list) => list.iter_mut().for_each(|part| mark(part, origin)),
+        ParameterValue::Table(fields) => fields.iter_mut().for_each(|field| {
             field.origin = origin.clone();
             mark(&mut field.setting, origin);
         }),

@@ -1,7 +1,7 @@
 //! TOML to [`Pipeline`], every key and value with its place.
 
 use super::document::{FORMAT, Pipeline};
-use crate::{Datum, Field, LinkEntry, NodeEntry, Origin, Setting, suggest};
+use crate::{Field, LinkEntry, LocatedValue, NodeEntry, ParameterValue, SourceSpan, suggest};
 use toml::Spanned;
 use toml::de::{DeString, DeTable, DeValue};
 use voltet_core::{Error, Result};
@@ -11,7 +11,7 @@ pub const EDITOR: &str = "editor";
 
 /// All that a text states, as far as it can be read, and all that is wrong with its form.
 #[derive(Debug, Clone, Default)]
-pub struct Survey {
+pub struct ParsedPipeline {
     /// What could be read.
     pub pipeline: Pipeline,
     /// The table `[editor]`, where there is one; its own form is checked by the editor alone.
@@ -25,12 +25,12 @@ pub struct Survey {
 impl Pipeline {
     /// Reads the text of a pipeline file. Errors point at the text.
     pub fn parse(text: &str) -> Result<Pipeline> {
-        let Survey { pipeline, faults, .. } = Self::survey(text);
+        let ParsedPipeline { pipeline, faults, .. } = Self::survey(text);
         faults.into_iter().next().map_or(Ok(pipeline), Err)
     }
 
     /// The same of a text that may be wrong: what can be read of it, and every mistake.
-    pub fn survey(text: &str) -> Survey {
+    pub fn survey(text: &str) -> ParsedPipeline {
         let mut survey = read(text);
         for fault in &mut survey.faults {
             // Errors carry the byte range only; line and column follow from the text.
@@ -42,10 +42,10 @@ impl Pipeline {
     }
 }
 
-fn read(text: &str) -> Survey {
+fn read(text: &str) -> ParsedPipeline {
     let (table, errors) = DeTable::parse_recoverable(text);
-    let mut survey = Survey { is_toml: errors.is_empty(), ..Survey::default() };
-    let Survey { pipeline, editor, faults, .. } = &mut survey;
+    let mut survey = ParsedPipeline { is_toml: errors.is_empty(), ..ParsedPipeline::default() };
+    let ParsedPipeline { pipeline, editor, faults, .. } = &mut survey;
     faults.extend(errors.into_iter().map(|error| not_toml(error, text)));
     let (theirs, ours): (Vec<_>, Vec<_>) =
         in_order(table.get_ref()).partition(|(key, _)| key.get_ref() == EDITOR);
@@ -69,7 +69,7 @@ fn read(text: &str) -> Survey {
         }
     }
     if pipeline.nodes.is_empty() && faults.is_empty() {
-        faults.push(Error::usage("the pipeline has no nodes").accepted("a table [nodes.NAME] for each node"));
+        faults.push(Error::usage("the pipeline has no nodes").expected("a table [nodes.NAME] for each node"));
     }
     survey
 }
@@ -78,14 +78,14 @@ fn not_toml(error: toml::de::Error, text: &str) -> Error {
     let end = text.len();
     let span = error.span().unwrap_or(end..end);
     let what = format!("the file is not valid TOML: {}", error.message().replace('\n', ", "));
-    Origin::Span(span).blame(Error::usage(what))
+    SourceSpan::Span(span).locate(Error::usage(what))
 }
 
 /// The table `[pipeline]`: the format, which must be known, and the title.
 fn read_header(header: Option<&Field>, faults: &mut Vec<Error>) -> Option<String> {
     let form = format!("[pipeline] with format = {FORMAT}");
     let Some(header) = header else {
-        faults.push(Error::usage("the file does not state its format").accepted(form));
+        faults.push(Error::usage("the file does not state its format").expected(form));
         return None;
     };
     let Some(fields) = header.setting.table() else {
@@ -99,9 +99,9 @@ fn read_header(header: Option<&Field>, faults: &mut Vec<Error>) -> Option<String
     match find("format") {
         None => {
             let error = Error::usage("[pipeline] does not state its format");
-            faults.push(header.origin.blame(error.accepted(format!("format = {FORMAT}"))));
+            faults.push(header.origin.locate(error.expected(format!("format = {FORMAT}"))));
         }
-        Some(setting) if setting.datum != Datum::Integer(FORMAT) => {
+        Some(setting) if setting.datum != ParameterValue::Integer(FORMAT) => {
             faults.push(setting.error("this program does not know the format", FORMAT));
         }
         Some(_) => {}
@@ -115,7 +115,7 @@ fn read_header(header: Option<&Field>, faults: &mut Vec<Error>) -> Option<String
 
 /// One table `[nodes.NAME]`; a node without a type is of the type "".
 fn read_node(entry: &Field, faults: &mut Vec<Error>) -> Option<NodeEntry> {
-    let mut fault = |error: Error| faults.push(entry.origin.blame(error.at_node(&entry.name)));
+    let mut fault = |error: Error| faults.push(entry.origin.locate(error.at_node(&entry.name)));
     let Some(fields) = entry.setting.table() else {
         fault(entry.setting.error("a node must be a table", format!("[nodes.{}]", entry.name)));
         return None;
@@ -123,8 +123,8 @@ fn read_node(entry: &Field, faults: &mut Vec<Error>) -> Option<NodeEntry> {
     let node_type =
         fields.iter().find(|f| f.name == "type").map(|f| f.setting.clone()).unwrap_or_else(|| {
             let error = Error::usage(format!("the node '{}' has no type", entry.name));
-            fault(error.accepted("type = \"…\"; `voltet nodes` lists the types"));
-            Setting { datum: Datum::Text(String::new()), origin: entry.origin.clone() }
+            fault(error.expected("type = \"…\"; `voltet nodes` lists the types"));
+            LocatedValue { datum: ParameterValue::Text(String::new()), origin: entry.origin.clone() }
         });
     let mut inputs = Vec::new();
     if let Some(field) = fields.iter().find(|f| f.name == "inputs") {
@@ -143,7 +143,7 @@ fn read_node(entry: &Field, faults: &mut Vec<Error>) -> Option<NodeEntry> {
 
 fn unknown_key(field: &Field, known: &[&str], place: &str) -> Error {
     let what = format!("unknown key '{}' in {place}", field.name);
-    field.origin.blame(Error::usage(what).accepted(suggest(&field.name, known.iter().copied())))
+    field.origin.locate(Error::usage(what).expected(suggest(&field.name, known.iter().copied())))
 }
 
 type Key<'i> = Spanned<DeString<'i>>;
@@ -158,42 +158,42 @@ fn in_order<'a, 'i>(table: &'a DeTable<'i>) -> impl Iterator<Item = (&'a Key<'i>
 fn field(key: &Key, value: &Spanned<DeValue>, faults: &mut Vec<Error>) -> Field {
     Field {
         name: key.get_ref().to_string(),
-        origin: Origin::Span(key.span()),
+        origin: SourceSpan::Span(key.span()),
         setting: setting(value.get_ref(), value.span(), faults),
     }
 }
 
 /// A TOML value as a setting; one that can be none as the text that stands there.
-fn setting(value: &DeValue, span: std::ops::Range<usize>, faults: &mut Vec<Error>) -> Setting {
-    let origin = Origin::Span(span);
+fn setting(value: &DeValue, span: std::ops::Range<usize>, faults: &mut Vec<Error>) -> LocatedValue {
+    let origin = SourceSpan::Span(span);
     let mut unfit = |text: &str, accepted: &str| {
-        let error = Error::usage("this value cannot be used").found(text).accepted(accepted);
-        faults.push(origin.blame(error));
-        Datum::Text(text.to_string())
+        let error = Error::usage("this value cannot be used").got(text).expected(accepted);
+        faults.push(origin.locate(error));
+        ParameterValue::Text(text.to_string())
     };
     let datum = match value {
-        DeValue::String(text) => Datum::Text(text.to_string()),
-        DeValue::Boolean(flag) => Datum::Boolean(*flag),
+        DeValue::String(text) => ParameterValue::Text(text.to_string()),
+        DeValue::Boolean(flag) => ParameterValue::Boolean(*flag),
         DeValue::Integer(n) => match i64::from_str_radix(n.as_str(), n.radix()) {
-            Ok(n) => Datum::Integer(n),
+            Ok(n) => ParameterValue::Integer(n),
             Err(_) => unfit(n.as_str(), "a whole number of at most 64 bits"),
         },
         DeValue::Float(x) => match x.as_str().parse::<f64>() {
             Ok(number) if number.is_infinite() && !x.as_str().contains("inf") => {
                 unfit(x.as_str(), "a number of at most 1.8e308")
             }
-            Ok(number) => Datum::Number(number),
+            Ok(number) => ParameterValue::Number(number),
             Err(_) => unfit(x.as_str(), "a number"),
         },
         DeValue::Datetime(date) => unfit(&date.to_string(), "a number, text, list or table; not a date"),
-        DeValue::Array(array) => {
-            Datum::List(array.iter().map(|part| setting(part.get_ref(), part.span(), faults)).collect())
-        }
+        DeValue::Array(array) => ParameterValue::List(
+            array.iter().map(|part| setting(part.get_ref(), part.span(), faults)).collect(),
+        ),
         DeValue::Table(table) => {
-            Datum::Table(in_order(table).map(|(key, value)| field(key, value, faults)).collect())
+            ParameterValue::Table(in_order(table).map(|(key, value)| field(key, value, faults)).collect())
         }
     };
-    Setting { datum, origin }
+    LocatedValue { datum, origin }
 }
 
 /// The parameters of one node as TOML text, without the node's head: what stands below `[nodes.NAME]`, lists of tables as
@@ -205,7 +205,7 @@ pub fn parameters(text: &str) -> Result<Vec<Field>> {
         in_order(table.get_ref()).map(|(key, value)| field(key, value, &mut faults)).collect();
     faults.extend(fields.iter().filter(|field| matches!(&*field.name, "type" | "inputs")).map(|field| {
         let what = format!("'{}' is no parameter", field.name);
-        field.origin.blame(Error::usage(what).accepted("parameters alone: type and wires stay"))
+        field.origin.locate(Error::usage(what).expected("parameters alone: type and wires stay"))
     }));
     match faults.into_iter().next() {
         None => Ok(fields),
@@ -217,7 +217,7 @@ pub fn parameters(text: &str) -> Result<Vec<Field>> {
 }
 
 /// Text read as one TOML value; `None` where it is none.
-pub fn value(text: &str) -> Option<Setting> {
+pub fn value(text: &str) -> Option<LocatedValue> {
     // One line only: what follows a line break would be read as further keys.
     if text.contains('\n') {
         return None;

@@ -1,5 +1,5 @@
 use super::*;
-use voltet_core::parameters::Datum;
+use voltet_core::parameters::ParameterValue;
 
 const TEXT: &str = r#"
 [pipeline]
@@ -102,7 +102,7 @@ fn wrong_options_name_themselves() {
 fn a_value_that_is_no_toml_is_text() {
     assert_eq!(value("[1, 2").map(|s| s.datum), None);
     assert_eq!(value("1\nx = 2").map(|s| s.datum), None);
-    assert_eq!(value("true").map(|s| s.datum), Some(Datum::Boolean(true)));
+    assert_eq!(value("true").map(|s| s.datum), Some(ParameterValue::Boolean(true)));
 }
 
 #[test]

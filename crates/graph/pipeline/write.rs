@@ -1,7 +1,7 @@
 //! [`Pipeline`] to text: what is read back is equal, node by node.
 
 use super::document::{FORMAT, Pipeline};
-use crate::{Datum, Field, NodeEntry};
+use crate::{Field, NodeEntry, ParameterValue};
 use std::fmt;
 use voltet_core::parameters::key_text;
 
@@ -9,7 +9,7 @@ impl fmt::Display for Pipeline {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "[pipeline]\nformat = {FORMAT}")?;
         if let Some(title) = &self.title {
-            writeln!(f, "title = {}", Datum::Text(title.clone()))?;
+            writeln!(f, "title = {}", ParameterValue::Text(title.clone()))?;
         }
         self.nodes.iter().try_for_each(|node| write_node(f, node))
     }
@@ -44,9 +44,9 @@ fn write_node(f: &mut fmt::Formatter<'_>, node: &NodeEntry) -> fmt::Result {
 }
 
 /// Whether a value is a list of tables.
-fn is_tables(datum: &Datum) -> bool {
+fn is_tables(datum: &ParameterValue) -> bool {
     match datum {
-        Datum::List(list) => !list.is_empty() && list.iter().all(|part| part.table().is_some()),
+        ParameterValue::List(list) => !list.is_empty() && list.iter().all(|part| part.table().is_some()),
         _ => false,
     }
 }

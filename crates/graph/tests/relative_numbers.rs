@@ -1,6 +1,6 @@
 //! Relative numbers of widgets.
 
-use voltet_core::parameters::{Datum, Parameters, Quantity, Setting};
+use voltet_core::parameters::{ArrayRef, LocatedValue, ParameterValue, Parameters};
 use voltet_core::transfer::*;
 use voltet_core::{Error, Result};
 use voltet_graph::pipeline::Pipeline;
@@ -8,19 +8,19 @@ use voltet_graph::pipeline::Pipeline;
 /// s from 10 to 30, g from 0 to 8, p from 100 to 200, m from 0 to 4, c the same everywhere; percentiles along these.
 struct Known;
 
-impl Scales for Known {
-    fn range(&self, quantity: &Quantity) -> Result<[f64; 2]> {
+impl DataStatistics for Known {
+    fn range(&self, quantity: &ArrayRef) -> Result<[f64; 2]> {
         match quantity {
-            Quantity::Named("s") => Ok([10.0, 30.0]),
-            Quantity::Named("g") => Ok([0.0, 8.0]),
-            Quantity::Array(name) if name == "p" => Ok([100.0, 200.0]),
-            Quantity::Array(name) if name == "m" => Ok([0.0, 4.0]),
-            Quantity::Array(name) if name == "c" => Ok([7.0, 7.0]),
+            ArrayRef::Named("s") => Ok([10.0, 30.0]),
+            ArrayRef::Named("g") => Ok([0.0, 8.0]),
+            ArrayRef::Array(name) if name == "p" => Ok([100.0, 200.0]),
+            ArrayRef::Array(name) if name == "m" => Ok([0.0, 4.0]),
+            ArrayRef::Array(name) if name == "c" => Ok([7.0, 7.0]),
             other => Err(Error::run(format!("no {other}"))),
         }
     }
 
-    fn percentile(&self, quantity: &Quantity, percent: f64) -> Result<f64> {
+    fn percentile(&self, quantity: &ArrayRef, percent: f64) -> Result<f64> {
         let [low, high] = self.range(quantity)?;
         Ok(low + (high - low) * percent / 100.0)
     }
@@ -33,7 +33,7 @@ fn keys(text: &str) -> Result<(&'static str, Parameters)> {
     let fields = pipeline.nodes[0].settings[0].setting.list().unwrap()[0].table().unwrap().to_vec();
     let kind = fields[0].setting.text().unwrap();
     let kind = WIDGET_KINDS.iter().find(|known| known.name == kind).unwrap();
-    let origin = voltet_core::parameters::Origin::Nowhere;
+    let origin = voltet_core::parameters::SourceSpan::Nowhere;
     Ok((kind.name, Parameters::check(kind.parameters, &fields, &origin, &["kind"])?))
 }
 
@@ -129,7 +129,7 @@ fn periods_are_shares_of_what_the_bands_run_across() {
 fn only_what_the_numbers_need_is_asked_of_the_data() {
     let asked = |text: &str| {
         let wanted = wanted(&keys(text).unwrap().1);
-        let ranges: Vec<String> = wanted.ranges.iter().map(Quantity::to_string).collect();
+        let ranges: Vec<String> = wanted.ranges.iter().map(ArrayRef::to_string).collect();
         let percentiles = wanted.percentiles.iter().flat_map(|(quantity, percents)| {
             percents.iter().map(move |&bits| format!("{quantity} {}", f64::from_bits(bits)))
         });
@@ -160,7 +160,7 @@ fn a_constant_quantity_has_places_but_no_widths() {
 fn before_the_data_are_known_only_what_is_sure_is_judged() {
     let judged = |text: &str| -> Result<Widget> {
         let (kind, p) = keys(text)?;
-        read(kind, &standing_in(&p)?, &no_image)
+        read(kind, &with_placeholders(&p)?, &no_image)
     };
     let region = |s: &str| format!("kind = \"uniform\"\n{LOOK}\nregion = {{ s = {s} }}");
     for sure in ["[\"90 %\", \"10 %\"]", "[\"p90\", \"p10\"]"] {
@@ -219,7 +219,7 @@ fn numbers_replaced_keep_their_places() {
         keys(&format!("kind = \"gaussian\"\n{LOOK}\ncentre = [\"p50\", 1]\nsigma = [1, 1]")).unwrap();
     let known = resolved(&p, &Known).unwrap();
     let [before, after] = [&p, &known].map(|p| p.optional("centre").unwrap().list().unwrap()[0].clone());
-    let Setting { datum: Datum::Number(20.0), origin } = after else { panic!("{after:?}") };
+    let LocatedValue { datum: ParameterValue::Number(20.0), origin } = after else { panic!("{after:?}") };
     assert_eq!(format!("{origin:?}"), format!("{:?}", before.origin));
     assert!(known.given("centre") && !known.given("region"));
 }

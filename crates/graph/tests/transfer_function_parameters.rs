@@ -1,6 +1,6 @@
 //! Widgets as a pipeline file states them.
 
-use voltet_core::parameters::{Origin, Parameter, ParameterType, Parameters, Standard};
+use voltet_core::parameters::{DefaultValue, Parameter, ParameterType, Parameters, SourceSpan};
 use voltet_core::transfer::*;
 use voltet_core::transfer::{ControlPoint, Profile, Wave};
 use voltet_graph::pipeline::Pipeline;
@@ -9,7 +9,7 @@ const LIST: &[Parameter] = &[Parameter {
     name: "widgets",
     parameter_type: ParameterType::Kinds(WIDGET_KINDS),
     unit: "",
-    standard: Standard::Required,
+    standard: DefaultValue::Required,
     help: "the widgets",
 }];
 
@@ -18,7 +18,7 @@ fn stated(keys: &str) -> Result<Widget, String> {
     let text = format!("[pipeline]\nformat = 1\n[nodes.a]\ntype = \"t\"\n[[nodes.a.widgets]]\n{keys}\n");
     let pipeline = Pipeline::parse(&text).map_err(|e| e.to_string())?;
     let convert = || {
-        let p = Parameters::check(LIST, &pipeline.nodes[0].settings, &Origin::Nowhere, &[])?;
+        let p = Parameters::check(LIST, &pipeline.nodes[0].settings, &SourceSpan::Nowhere, &[])?;
         let (kind, keys) = p.kinds("widgets")?.remove(0);
         read(kind, &keys, &|_| Ok((1, 1, vec![[0.5, 0.5, 0.5, 1.0]])))
     };

@@ -13,13 +13,14 @@ fn every_mistake_has_its_place_and_the_first_is_the_one_that_a_build_names() {
         .replace("picture.image", "picture.imag");
     let entries = Pipeline::parse(&text).unwrap().nodes;
     let faults = Graph::faults(&entries, &registry());
-    let found: Vec<(&str, Part)> = faults.iter().map(|fault| (&*fault.node, fault.part.clone())).collect();
-    let parameter = |name: &str| Part::Parameter(name.into());
-    let input = |name: &str| Part::Input(name.into());
+    let found: Vec<(&str, DiagnosticTarget)> =
+        faults.iter().map(|fault| (&*fault.node, fault.part.clone())).collect();
+    let parameter = |name: &str| DiagnosticTarget::Parameter(name.into());
+    let input = |name: &str| DiagnosticTarget::Input(name.into());
     let wanted = [
         ("grid", parameter("size")),
         ("grid", parameter("sise")),
-        ("gradient", Part::Node),
+        ("gradient", DiagnosticTarget::Node),
         ("look", parameter("unit")),
         ("look", parameter("units")),
         ("file", parameter("path")),
@@ -29,7 +30,7 @@ fn every_mistake_has_its_place_and_the_first_is_the_one_that_a_build_names() {
         ("file", input("image")),
     ];
     assert_eq!(found, wanted);
-    let placed = |fault: &Fault| {
+    let placed = |fault: &Diagnostic| {
         fault.error.place.node.as_deref() == Some(&*fault.node) && fault.error.place.span.is_some()
     };
     assert!(faults.iter().all(placed));

@@ -3,12 +3,12 @@
 use super::*;
 
 /// A grid whose scalar is this number, and where it goes when nobody holds it.
-fn given(number: f64, keep: &Arc<()>) -> Given {
+fn given(number: f64, keep: &Arc<()>) -> NodeOverride {
     let keep = keep.clone();
-    Given::new(move |_| {
+    NodeOverride::new(move |_| {
         let _ = &keep;
         count("given");
-        let scalar = Some(Shared::from(vec![number]));
+        let scalar = Some(SharedSlice::from(vec![number]));
         Ok(vec![Value::Grid(Arc::new(Grid { scalar, ..Grid::default() }))])
     })
 }
@@ -18,12 +18,12 @@ fn what_a_program_gives_stands_for_the_node_and_is_used_again_until_it_is_anothe
     let mut session = session();
     let [first, second] = [Arc::new(()), Arc::new(())];
     let of_first = given(7.0, &first);
-    let run = |session: &mut Session, given: Option<&Given>| {
+    let run = |session: &mut Session, given: Option<&NodeOverride>| {
         let mut graph = graph(SCENE).unwrap();
         if let Some(given) = given {
             graph.give("grid", given.clone()).unwrap();
         }
-        session.run(&graph, &Unobserved).unwrap();
+        session.run(&graph, &NoObserver).unwrap();
         let runs = runs();
         ["given", "grid", "gradient"].map(|name| runs.iter().find(|run| run.0 == name).map_or(0, |run| run.1))
     };
@@ -44,7 +44,7 @@ fn a_session_that_forgets_holds_nothing_that_it_was_given() {
     let held = Arc::new(());
     let mut graph = graph(SCENE).unwrap();
     graph.give("grid", given(7.0, &held)).unwrap();
-    session.run(&graph, &Unobserved).unwrap();
+    session.run(&graph, &NoObserver).unwrap();
     drop(graph);
     assert_eq!(Arc::strong_count(&held), 2);
     session.forget();
@@ -62,11 +62,11 @@ fn former_outputs_of_one_are_not_those_of_another() {
     let mut session = session();
     let held = Arc::new(());
     // Feeding a node forgets nothing between.
-    let mut scalar = |given: &Given| {
+    let mut scalar = |given: &NodeOverride| {
         let mut graph = graph(SCENE).unwrap();
         graph.give("grid", given.clone()).unwrap();
         let place = graph.nodes.iter().position(|node| node.name == "gradient").unwrap();
-        let values = session.inputs(&graph, place, &Demand::default(), &Unobserved).unwrap();
+        let values = session.inputs(&graph, place, &Demand::default(), &NoObserver).unwrap();
         values[0].volume().unwrap().unwrap().scalar[0]
     };
     let [first, second] = [7.0, 8.0].map(|number| given(number, &held));

@@ -1,7 +1,7 @@
 //! Gradient filters that a node names: their parameters beside its own, what they read, and what is refused.
 
 use super::*;
-use voltet_core::Shared;
+use voltet_core::SharedSlice;
 use voltet_core::field::{Gradient, GradientFilter, Plugin};
 use voltet_core::grid::Array;
 use voltet_core::grid::generate::{box_of_tetrahedra, with_scalar};
@@ -34,9 +34,9 @@ const SLOPE: Node = Node {
     parameters: &[
         Parameter {
             parameter_type: ParameterType::GradientFilter,
-            ..number("method", Standard::Text("plain"))
+            ..number("method", DefaultValue::Text("plain"))
         },
-        number("limit", Standard::Number(100.0)),
+        number("limit", DefaultValue::Number(100.0)),
     ],
     demand: &|asking| {
         let arrays = asking.method()?.arrays()?.into_iter().collect();
@@ -47,7 +47,7 @@ const SLOPE: Node = Node {
         let mut volume = Volume::clone(&*call.volume("grid")?);
         let found = call.method()?.gradient(&volume.grid, &volume.scalar, call.progress())?;
         volume.gradient_magnitude =
-            Some(Shared::from(found.vectors.iter().map(|v| v.length()).collect::<Vec<_>>()));
+            Some(SharedSlice::from(found.vectors.iter().map(|v| v.length()).collect::<Vec<_>>()));
         Ok(vec![Value::Volume(Arc::new(volume))])
     },
     ..Node::BLANK
@@ -74,8 +74,8 @@ const SINK: Node = Node {
 struct Plain;
 
 impl GradientFilter for Plain {
-    fn declaration(&self) -> Kind {
-        Kind { name: "plain", summary: "One along x.", parameters: &[] }
+    fn declaration(&self) -> VariantSchema {
+        VariantSchema { name: "plain", summary: "One along x.", parameters: &[] }
     }
 
     fn gradient(&self, grid: &Grid, _: &[f64], _: &Parameters, _: &dyn Progress) -> Result<Gradient> {
@@ -85,23 +85,29 @@ impl GradientFilter for Plain {
 
 /// Declared as a plug-in does that is loaded at run time: its texts are made while the program runs.
 struct Loaded {
-    declaration: Kind,
+    declaration: VariantSchema,
 }
 
 impl Loaded {
     fn new(name: &str, factor: &str) -> Self {
-        let factor = number(factor.to_string().leak(), Standard::Number(2.0));
-        let weights =
-            Parameter { parameter_type: ParameterType::Text, ..number("weights", Standard::Unset("none")) };
+        let factor = number(factor.to_string().leak(), DefaultValue::Number(2.0));
+        let weights = Parameter {
+            parameter_type: ParameterType::Text,
+            ..number("weights", DefaultValue::Unset("none"))
+        };
         let parameters = vec![factor, weights].leak();
         Loaded {
-            declaration: Kind { name: name.to_string().leak(), summary: "A factor along x.", parameters },
+            declaration: VariantSchema {
+                name: name.to_string().leak(),
+                summary: "A factor along x.",
+                parameters,
+            },
         }
     }
 }
 
 impl GradientFilter for Loaded {
-    fn declaration(&self) -> Kind {
+    fn declaration(&self) -> VariantSchema {
         self.declaration
     }
 
@@ -149,7 +155,7 @@ fn graph(keys: &str) -> Result<Graph> {
 
 /// g at the first point, and which nodes ran.
 fn run(session: &mut Session, keys: &str) -> (f64, Vec<(&'static str, usize)>) {
-    session.run(&graph(keys).unwrap(), &Unobserved).unwrap();
+    session.run(&graph(keys).unwrap(), &NoObserver).unwrap();
     (FOUND.with_borrow(|found| *found), runs())
 }
 
@@ -171,8 +177,8 @@ fn a_filter_s_parameters_stand_beside_the_node_s_and_a_change_runs_it_again() {
 struct OfPlugin(Plugin);
 
 impl GradientFilter for OfPlugin {
-    fn declaration(&self) -> Kind {
-        Kind { name: "foreign", summary: "Its version along x.", parameters: &[] }
+    fn declaration(&self) -> VariantSchema {
+        VariantSchema { name: "foreign", summary: "Its version along x.", parameters: &[] }
     }
 
     fn plugin(&self) -> Option<&Plugin> {
@@ -195,7 +201,7 @@ fn another_plugin_of_the_same_name_is_run_and_named() {
         registry.add_filter(Arc::new(OfPlugin(plugin.clone()))).unwrap();
         let text = text("method = \"foreign\"");
         let graph = Pipeline::parse(&text).unwrap().graph(&registry, PathBuf::new()).unwrap();
-        let report = session.run(&graph, &Unobserved).unwrap();
+        let report = session.run(&graph, &NoObserver).unwrap();
         assert_eq!(report.origins.plugins, [("slope".to_string(), plugin)]);
         (FOUND.with_borrow(|found| *found), runs())
     };

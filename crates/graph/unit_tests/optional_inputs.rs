@@ -8,7 +8,7 @@ const FOUND: Node = Node {
     summary: "Gives a transfer function.",
     inputs: &[port("volume", PortType::Volume)],
     outputs: &[port("look", PortType::TransferFunction)],
-    parameters: &[number("promise", Standard::Required)],
+    parameters: &[number("promise", DefaultValue::Required)],
     outline: &|parameters, inputs| {
         assert!(inputs[0].1.is_none(), "the volume is not known while planning");
         Ok(vec![look(parameters.number("promise")?)])
@@ -31,10 +31,10 @@ const SUM: Node = Node {
     summary: "Gives a transfer function.",
     optional_inputs: &[port("more", PortType::TransferFunction), port("others", PortType::TransferFunction)],
     outputs: &[port("look", PortType::TransferFunction)],
-    parameters: &[number("unit", Standard::Number(0.0))],
+    parameters: &[number("unit", DefaultValue::Number(0.0))],
     early: true,
     outline: &|parameters, inputs| {
-        let unit = |input: &Outlined| match &input.1 {
+        let unit = |input: &NamedStub| match &input.1 {
             Some(Value::TransferFunction(look)) => look.transfer_function.unit_distance,
             _ => panic!("what stands for an input is not handed on"),
         };
@@ -64,7 +64,7 @@ const SHOW: Node = Node {
 fn look(unit_distance: f64) -> Value {
     let model = OpticalModel::DensityEmitter;
     let transfer_function = TransferFunction { model, unit_distance, widgets: Vec::new() };
-    Value::TransferFunction(Arc::new(Look { transfer_function, auto_unit_distance: false }))
+    Value::TransferFunction(Arc::new(TransferFunctionSpec { transfer_function, auto_unit_distance: false }))
 }
 
 const MORE: &str = "[nodes.a]\ntype = \"found\"\npromise = 0.5\ninputs = { volume = \"gradient\" }\n\
@@ -96,7 +96,7 @@ fn any_number_of_nodes_feeds_an_optional_input() {
         ("inputs = { more = [\"a\", \"b\"] }", 13),
         ("inputs = { others = [\"a\"], more = [\"b\", \"b\"] }", 320),
     ] {
-        let report = session().run(&graph(&scene(inputs)).unwrap(), &Unobserved).unwrap();
+        let report = session().run(&graph(&scene(inputs)).unwrap(), &NoObserver).unwrap();
         assert_eq!(report.counts["unit"], unit, "{inputs}");
     }
 }
@@ -105,7 +105,7 @@ fn any_number_of_nodes_feeds_an_optional_input() {
 fn the_port_that_is_fed_belongs_to_what_a_former_run_was_made_from() {
     let mut session = session();
     let mut unit =
-        |inputs: &str| session.run(&graph(&scene(inputs)).unwrap(), &Unobserved).unwrap().counts["unit"];
+        |inputs: &str| session.run(&graph(&scene(inputs)).unwrap(), &NoObserver).unwrap().counts["unit"];
     assert_eq!(unit("inputs = { more = \"b\" }"), 10);
     assert_eq!(unit("inputs = { others = \"b\" }"), 1000);
 }

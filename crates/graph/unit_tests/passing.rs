@@ -6,8 +6,8 @@ use super::*;
 const PASSES: Node = Node {
     name: "passes",
     run: &|call| {
-        if call.may_pass() && call.parameters.number("tolerance")? > 0.0 {
-            call.passes();
+        if call.allows_preview() && call.parameters.number("tolerance")? > 0.0 {
+            call.mark_preview();
         }
         (DRAW.run)(call)
     },
@@ -24,29 +24,29 @@ fn passing(tolerance: f64) -> Graph {
 #[test]
 fn what_passed_and_what_was_made_of_it_serve_no_later_run() {
     let (mut session, graph) = (session(), passing(0.5));
-    assert!(session.run_passing(&graph, &Unobserved).unwrap().is_passing);
+    assert!(session.run_preview(&graph, &NoObserver).unwrap().is_passing);
     runs();
     // Once more, and at last by itself.
-    assert!(session.run_passing(&graph, &Unobserved).unwrap().is_passing);
+    assert!(session.run_preview(&graph, &NoObserver).unwrap().is_passing);
     assert_eq!(runs(), [("draw", 1), ("write", 1)]);
-    assert!(!session.run(&graph, &Unobserved).unwrap().is_passing);
+    assert!(!session.run(&graph, &NoObserver).unwrap().is_passing);
     assert_eq!(runs(), [("draw", 1), ("write", 1)]);
     // What stays serves a passing run, too.
-    assert!(!session.run_passing(&graph, &Unobserved).unwrap().is_passing);
+    assert!(!session.run_preview(&graph, &NoObserver).unwrap().is_passing);
     assert_eq!(runs(), []);
 }
 
 #[test]
 fn what_did_not_pass_in_a_passing_run_serves() {
     let (mut session, graph) = (session(), passing(0.0));
-    assert!(!session.run_passing(&graph, &Unobserved).unwrap().is_passing);
+    assert!(!session.run_preview(&graph, &NoObserver).unwrap().is_passing);
     runs();
-    assert!(!session.run(&graph, &Unobserved).unwrap().is_passing);
+    assert!(!session.run(&graph, &NoObserver).unwrap().is_passing);
     assert_eq!(runs(), []);
 }
 
 #[test]
 fn nothing_passes_where_nothing_is_left_out() {
-    let mut session = session().no_leave_out();
-    assert!(!session.run_passing(&passing(0.5), &Unobserved).unwrap().is_passing);
+    let mut session = session().exhaustive();
+    assert!(!session.run_preview(&passing(0.5), &NoObserver).unwrap().is_passing);
 }

@@ -3,10 +3,10 @@
 use super::*;
 use voltet_core::transfer::{OpticalModel, TransferFunction};
 
-fn look(unit_distance: f64) -> Arc<Look> {
+fn look(unit_distance: f64) -> Arc<TransferFunctionSpec> {
     let model = OpticalModel::DensityEmitter;
     let transfer_function = TransferFunction { model, unit_distance, widgets: Vec::new() };
-    Arc::new(Look { transfer_function, auto_unit_distance: false })
+    Arc::new(TransferFunctionSpec { transfer_function, auto_unit_distance: false })
 }
 
 fn of(looks: Option<&[f64]>) -> Demand {

@@ -38,7 +38,7 @@ pub fn png(picture: &Picture, background: [f64; 3], carried: Option<&Provenance>
     let bytes: Vec<u8> = picture.rgba.iter().flat_map(|pixel| srgb8(*pixel, background)).collect();
     let mut file = Vec::new();
     png_file(&mut file, picture, &bytes, carried)
-        .map_err(|error| Error::run("the picture cannot be encoded as PNG").found(error))?;
+        .map_err(|error| Error::run("the picture cannot be encoded as PNG").got(error))?;
     Ok(file)
 }
 
@@ -108,7 +108,7 @@ pub fn exr(picture: &Picture, carried: Option<&Provenance>) -> Result<Vec<u8>> {
     }
     let mut file = Cursor::new(Vec::new());
     let written = image.write().to_buffered(&mut file);
-    written.map_err(|error| Error::run("the picture cannot be encoded as OpenEXR").found(error))?;
+    written.map_err(|error| Error::run("the picture cannot be encoded as OpenEXR").got(error))?;
     Ok(file.into_inner())
 }
 

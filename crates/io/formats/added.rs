@@ -85,7 +85,7 @@ impl Added {
             Some(found) if found as u64 == accepted => Ok(()),
             found => {
                 let error = Error::run(format!("the reader did not give {what}, as it had said"));
-                Err(error.found(found.unwrap_or(0)).accepted(accepted))
+                Err(error.got(found.unwrap_or(0)).expected(accepted))
             }
         };
         if geometry {

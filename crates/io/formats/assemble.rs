@@ -12,7 +12,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
-use voltet_core::grid::{self, Array, CellType, Cells, Grid, Parts, Scalar, code};
+use voltet_core::grid::{self, Array, CellType, Cells, Grid, RawGrid, Scalar, code};
 use voltet_core::progress::{self, Progress};
 use voltet_core::{Error, Result};
 
@@ -56,7 +56,7 @@ pub(super) fn assemble(dataset: &Dataset, request: &Request, progress: &dyn Prog
     }
     let Loaded { points, cells, ghost, degrees, columns } = merge::merge(loaded, &pieces)?;
 
-    let mut parts = Parts::new(points, cells);
+    let mut parts = RawGrid::new(points, cells);
     (parts.ghost, parts.degrees) = (ghost, degrees);
     parts.warnings = dataset.warnings.clone();
     for piece in &pieces {
@@ -167,8 +167,8 @@ fn check_dimension(cells: &[Cells]) -> Result<()> {
     let found =
         if flat { "a structured grid without thickness".to_owned() } else { grid::describe_counts(&counts) };
     Err(Error::run("the file holds no three-dimensional cells, so there is no volume to draw")
-        .found(found)
-        .accepted("tetrahedra, hexahedra or other cells with a volume"))
+        .got(found)
+        .expected("tetrahedra, hexahedra or other cells with a volume"))
 }
 
 /// Arrays that nobody asked for.
@@ -210,7 +210,7 @@ pub(super) fn column(piece: &Piece, choice: &Choice, meter: &Meter) -> Result<Ve
     let array = piece.arrays_of(choice.per_cell).find(|array| array.stored.name == choice.name);
     let Some(array) = array else {
         return Err(Error::run(format!("a piece of the file lacks the array '{}'", choice.name))
-            .accepted("the same arrays in every piece"));
+            .expected("the same arrays in every piece"));
     };
     let count = array.stored.component_count;
     if count != choice.component_count {
@@ -218,8 +218,8 @@ pub(super) fn column(piece: &Piece, choice: &Choice, meter: &Meter) -> Result<Ve
             "the array '{}' differs between the pieces of the file",
             choice.name
         ))
-        .found(format_args!("{count} components"))
-        .accepted(choice.component_count));
+        .got(format_args!("{count} components"))
+        .expected(choice.component_count));
     }
     let values: Vec<f64> = array.stored.load(meter)?;
     Ok(match choice.component {

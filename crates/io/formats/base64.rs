@@ -66,8 +66,8 @@ impl<'a> Base64Text<'a> {
 
     fn ends_early(&self, count: u64) -> Error {
         Error::run("the base64 text ends early")
-            .found(format_args!("at most {} bytes", self.greatest_size()))
-            .accepted(format_args!("{count} bytes"))
+            .got(format_args!("at most {} bytes", self.greatest_size()))
+            .expected(format_args!("{count} bytes"))
     }
 }
 
@@ -76,9 +76,9 @@ fn decode(text: &[u8]) -> Result<Vec<u8>> {
     base64_simd::STANDARD.decode_to_vec(text).map_err(|_| {
         let wrong = text.iter().find(|b| !b.is_ascii_alphanumeric() && !b"+/=".contains(b));
         let error =
-            Error::run("the base64 text is damaged").accepted("A-Z, a-z, 0-9, +, / and padding at the end");
+            Error::run("the base64 text is damaged").expected("A-Z, a-z, 0-9, +, / and padding at the end");
         match wrong {
-            Some(byte) => error.found(format_args!("'{}'", byte.escape_ascii())),
+            Some(byte) => error.got(format_args!("'{}'", byte.escape_ascii())),
             None => error,
         }
     })

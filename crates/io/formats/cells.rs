@@ -45,8 +45,8 @@ fn tetrahedra(connectivity: &Stored, offsets: &Stored, count: u64, meter: &Meter
             Some((index, end)) => {
                 let number = (first + index + shift).saturating_sub(1);
                 Err(Error::run(format!("the offset of cell {number}, a tetrahedron, is wrong"))
-                    .found(end)
-                    .accepted(4 * (first + index + shift)))
+                    .got(end)
+                    .expected(4 * (first + index + shift)))
             }
         }
     })?;
@@ -56,7 +56,7 @@ fn tetrahedra(connectivity: &Stored, offsets: &Stored, count: u64, meter: &Meter
 }
 
 fn wrong_offset_count(found: usize, cell_count: u64) -> Error {
-    Error::run("the cells have the wrong number of offsets").found(found).accepted(cell_count)
+    Error::run("the cells have the wrong number of offsets").got(found).expected(cell_count)
 }
 
 /// Cells of any types.
@@ -81,7 +81,7 @@ fn mixed(
     }
     match faces {
         StoredFaces::None => Err(Error::run("the file holds polyhedra without their faces")
-            .accepted("the arrays faces and faceoffsets")),
+            .expected("the arrays faces and faceoffsets")),
         StoredFaces::InConnectivity => from_streams(types, &offsets, connectivity),
         StoredFaces::Stream { faces, offsets: ends } => {
             let (faces, ends): (Vec<u32>, Vec<i64>) = (faces.load(meter)?, ends.load(meter)?);
@@ -118,8 +118,8 @@ fn mixed(
 fn check_offsets(offsets: &[u64], connectivity_len: usize) -> Result<()> {
     let wrong = |number: usize, accepted: String| {
         Err(Error::run(format!("the offset of cell {number} is wrong"))
-            .found(offsets[number + 1])
-            .accepted(accepted))
+            .got(offsets[number + 1])
+            .expected(accepted))
     };
     if let Some(number) = offsets.windows(2).position(|pair| pair[1] < pair[0]) {
         return wrong(number, format!("at least {}", offsets[number]));
@@ -142,7 +142,7 @@ fn polyhedra_of(types: &[u8]) -> impl Iterator<Item = usize> {
 
 fn damaged_faces(number: usize) -> Error {
     Error::run(format!("the faces of cell {number}, a polyhedron, are damaged"))
-        .accepted("face counts and offsets that lie in the arrays of the faces")
+        .expected("face counts and offsets that lie in the arrays of the faces")
 }
 
 /// Part `index` of `values` by the ends of the parts.
@@ -202,8 +202,8 @@ fn counted(list: &Stored, types: &Stored, meter: &Meter) -> Result<Cells> {
         let own = rest.split_first().and_then(|(&count, after)| after.split_at_checked(count as usize));
         let Some((own, after)) = own else {
             return Err(Error::run(format!("the list of cells ends within cell {number}"))
-                .found(format_args!("{} numbers", list.len()))
-                .accepted("each cell's count and its points")
+                .got(format_args!("{} numbers", list.len()))
+                .expected("each cell's count and its points")
                 .at_item("CELLS"));
         };
         cells.connectivity.extend(own);
@@ -222,7 +222,7 @@ mod tests {
     use crate::formats::numbers::{ByteOrder, NumberType};
     use crate::formats::source::Source;
     use crate::formats::stored::Encoding;
-    use voltet_core::progress::Silent;
+    use voltet_core::progress::NoProgress;
 
     /// An array of text in a file of its own.
     fn stored(folder: &tempfile::TempDir, name: &str, text: &str) -> Stored {
@@ -245,7 +245,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let array = |name: &str, text: &str| stored(&folder, name, text);
         let boxed = |name: &str, text: &str| Box::new(array(name, text));
-        let meter = Meter::new(&Silent, 1);
+        let meter = Meter::new(&NoProgress, 1);
         let connectivity = array("connectivity", "0 1 2 3 1 2 3 4 2 3 4 5 1 2 3 4");
         let (offsets, types) = (array("offsets", "4 8 12 16"), vec![10, 42, 10, 42]);
         let stream = "4 3 1 2 3 3 1 2 4 3 1 3 4 3 2 3 4";

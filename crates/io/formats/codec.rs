@@ -24,8 +24,8 @@ impl Codec {
             "vtkLZ4DataCompressor" => Ok(Some(Codec::Lz4)),
             "vtkLZMADataCompressor" => Ok(Some(Codec::Lzma)),
             _ => Err(Error::run("the compressor is not known")
-                .found(format_args!("'{name}'"))
-                .accepted("vtkZLibDataCompressor, vtkLZ4DataCompressor or vtkLZMADataCompressor")),
+                .got(format_args!("'{name}'"))
+                .expected("vtkZLibDataCompressor, vtkLZ4DataCompressor or vtkLZMADataCompressor")),
         }
     }
 
@@ -88,8 +88,8 @@ impl Decompressor {
         };
         if count != to.len() {
             return Err(Error::run("a compressed block has the wrong size")
-                .found(format_args!("{count} bytes"))
-                .accepted(format_args!("{} bytes", to.len())));
+                .got(format_args!("{count} bytes"))
+                .expected(format_args!("{} bytes", to.len())));
         }
         Ok(())
     }

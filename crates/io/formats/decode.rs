@@ -83,8 +83,8 @@ impl Stored {
             (None, Some(promised)) if promised.div_ceil(8) == byte_count => promised,
             _ => {
                 return Err(Error::run("the array has the wrong size")
-                    .found(format_args!("{byte_count} bytes"))
-                    .accepted(match promised.and_then(|count| self.number_type.byte_count(count)) {
+                    .got(format_args!("{byte_count} bytes"))
+                    .expected(match promised.and_then(|count| self.number_type.byte_count(count)) {
                         Some(bytes) => format!("{bytes} bytes of {}", self.number_type.name()),
                         None => format!("whole values of {}", self.number_type.name()),
                     }));
@@ -97,13 +97,11 @@ impl Stored {
     fn check_count(&self, count: u64) -> Result<()> {
         match self.promised()? {
             Some(promised) if promised != count => {
-                Err(Error::run("the array has the wrong number of values").found(count).accepted(
-                    format_args!(
-                        "{promised} ({} tuples of {} components)",
-                        self.tuple_count.unwrap_or(0),
-                        self.component_count
-                    ),
-                ))
+                Err(Error::run("the array has the wrong number of values").got(count).expected(format_args!(
+                    "{promised} ({} tuples of {} components)",
+                    self.tuple_count.unwrap_or(0),
+                    self.component_count
+                )))
             }
             _ => Ok(()),
         }
@@ -195,7 +193,7 @@ impl Stored {
         let convert_to = |bytes: &[u8], to: &mut [T]| {
             convert(self.number_type, self.order, bytes, to).map_err(|index| {
                 Error::run(format!("value {} of the array is out of range", first + index))
-                    .accepted(T::ACCEPTED)
+                    .expected(T::ACCEPTED)
             })
         };
         match found {
@@ -235,7 +233,7 @@ impl Stored {
         let bytes = payload.get(&self.source, at, len as usize, &mut buffers.read)?;
         decompressor
             .decompress(bytes, to)
-            .map_err(|error| error.found(format_args!("block {index} of {}", places.len())))?;
+            .map_err(|error| error.got(format_args!("block {index} of {}", places.len())))?;
         meter.advance(u64::from(len))
     }
 }

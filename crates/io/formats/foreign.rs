@@ -242,7 +242,7 @@ fn refuse(source: &Source, formats: &[Foreign]) -> Result<()> {
 }
 
 fn refusal(what: &str, remedy: &str) -> Error {
-    Error::run("the format of the file is known, but not read").found(what).accepted(remedy)
+    Error::run("the format of the file is known, but not read").got(what).expected(remedy)
 }
 
 impl Seen<'_> {

@@ -130,8 +130,8 @@ impl Stored {
     fn check_len(&self, len: u64) -> Result<()> {
         match self.promised()?.and_then(|count| self.number_type.byte_count(count)) {
             Some(promised) if promised != len => Err(Error::run("the array has the wrong size")
-                .found(format_args!("{len} bytes"))
-                .accepted(format_args!(
+                .got(format_args!("{len} bytes"))
+                .expected(format_args!(
                     "{promised} bytes ({} tuples of {} components of {})",
                     self.tuple_count.unwrap_or(0),
                     self.component_count,
@@ -147,7 +147,7 @@ impl Stored {
         let (block_count, size, last) = (at(0), at(1), at(2));
         // A last block of length 0 means that all blocks are full.
         let last = if last == 0 { size } else { last };
-        let wrong = |found: String| Error::run("the table of compressed blocks is damaged").found(found);
+        let wrong = |found: String| Error::run("the table of compressed blocks is damaged").got(found);
         if last > size {
             return Err(wrong(format!("a last block of {last} bytes among blocks of {size}")));
         }

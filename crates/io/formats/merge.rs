@@ -36,7 +36,7 @@ pub(super) fn merge(mut pieces: Vec<Loaded>, from: &[&Piece]) -> Result<Loaded> 
             .filter(|shift| u64::from(*shift) + from.point_count <= u64::from(u32::MAX))
             .ok_or_else(|| {
                 Error::run("the grid has too many points")
-                    .accepted(format_args!("at most {} in all", u32::MAX))
+                    .expected(format_args!("at most {} in all", u32::MAX))
             })?;
         let cell_count = piece.cells.count();
         check_numbers(&piece.cells, piece.points.len())?;
@@ -77,8 +77,8 @@ fn check_numbers(cells: &Cells, point_count: usize) -> Result<()> {
     match found {
         None => Ok(()),
         Some(corner) => Err(Error::run("a cell names a point that its piece does not hold")
-            .found(corner)
-            .accepted(format_args!("a point number below {point_count}"))),
+            .got(corner)
+            .expected(format_args!("a point number below {point_count}"))),
     }
 }
 

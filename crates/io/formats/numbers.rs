@@ -226,8 +226,8 @@ pub(super) fn convert<T: Target>(
 pub(super) fn parse<T: Target>(number_type: NumberType, word: &[u8]) -> Result<T> {
     let wrong = || {
         Error::run("a number is damaged")
-            .found(format_args!("'{}'", String::from_utf8_lossy(&word[..word.len().min(40)])))
-            .accepted(if number_type.is_integer() { T::ACCEPTED } else { "a number" })
+            .got(format_args!("'{}'", String::from_utf8_lossy(&word[..word.len().min(40)])))
+            .expected(if number_type.is_integer() { T::ACCEPTED } else { "a number" })
     };
     let text = std::str::from_utf8(word).map_err(|_| wrong())?;
     let (value, good) = if number_type.is_integer() {

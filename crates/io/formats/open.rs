@@ -35,10 +35,10 @@ pub(super) fn open(path: &Path, request: &Request) -> Result<Dataset> {
     let head = source.head(256).map_err(in_file)?;
     let Some(format) = format_of(&head, path, request) else {
         foreign::refuse_by_words(&source).map_err(in_file)?;
-        let error = Error::run("the format of the file is not known").found(source::shown(&head));
+        let error = Error::run("the format of the file is not known").got(source::shown(&head));
         let formats = files(FORMATS.iter());
         return Err(in_file(
-            error.accepted(format!("{formats}; formats from outside have nodes of their own")),
+            error.expected(format!("{formats}; formats from outside have nodes of their own")),
         ));
     };
     let dataset = (format.open)(source, request).map_err(in_file)?;
@@ -47,8 +47,8 @@ pub(super) fn open(path: &Path, request: &Request) -> Result<Dataset> {
         let with = files(FORMATS.iter().filter(|format| format.has_solution));
         return Err(in_file(
             Error::run("a solution is named, but the grid is of a format without")
-                .found(&dataset.format)
-                .accepted(format!("{with}, or no solution")),
+                .got(&dataset.format)
+                .expected(format!("{with}, or no solution")),
         ));
     }
     Ok(dataset)
@@ -75,5 +75,5 @@ fn refuse_no_series(dataset: Dataset, request: &Request, accepted: &str) -> Resu
         TimeStep::Time(time) => format!("time {time}"),
     };
     let error = Error::run("a time step is asked for, but the file is no time series");
-    Err(error.found(found).accepted(accepted))
+    Err(error.got(found).expected(accepted))
 }

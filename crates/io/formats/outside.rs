@@ -15,7 +15,7 @@ use voltet_core::{Error, Result};
 /// Reads the table of contents.
 pub(super) fn open(source: &Arc<Source>, request: &Request, chosen: &Chosen) -> Result<Dataset> {
     let Chosen { reader, parameters } = chosen;
-    let at = |step: usize| reader.open(source.path(), step, parameters, &voltet_core::progress::Silent);
+    let at = |step: usize| reader.open(source.path(), step, parameters, &voltet_core::progress::NoProgress);
     let mut open = at(0)?;
     let step = chosen_step(&open.head().times, request.time_step)?;
     if step > 0 {
@@ -61,15 +61,15 @@ fn chosen_step(times: &[f64], wanted: Option<TimeStep>) -> Result<usize> {
         None => Ok(0),
         Some(TimeStep::Index(step)) if step < times.len() => Ok(step),
         Some(TimeStep::Index(step)) => Err(Error::run("the series has no such time step")
-            .found(step)
-            .accepted(format!("0 to {}", times.len() - 1))),
+            .got(step)
+            .expected(format!("0 to {}", times.len() - 1))),
         Some(TimeStep::Time(time)) if (*first..=*last).contains(&time) => {
             let distance = |step: &usize| (times[*step] - time).abs();
             let nearest = (0..times.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)));
             Ok(nearest.unwrap_or(0))
         }
         Some(TimeStep::Time(time)) => Err(Error::run("the time lies outside the series")
-            .found(time)
-            .accepted(format!("{first} to {last}"))),
+            .got(time)
+            .expected(format!("{first} to {last}"))),
     }
 }

@@ -28,8 +28,8 @@ impl Component {
             _ if suffix == "magnitude" => Ok(Component::Magnitude),
             Ok(index) if index < component_count => Ok(Component::Index(index)),
             _ => Err(Error::run(format!("the array '{name}' has no such component"))
-                .found(format_args!("'{suffix}'"))
-                .accepted(format_args!("'magnitude' or 0 to {}", component_count - 1))),
+                .got(format_args!("'{suffix}'"))
+                .expected(format_args!("'magnitude' or 0 to {}", component_count - 1))),
         }
     }
 }
@@ -46,7 +46,7 @@ pub(super) struct Choice {
 /// The piece whose arrays stand for all pieces': the first that holds cells.
 pub(super) fn model(dataset: &Dataset) -> Result<&Piece> {
     dataset.pieces.iter().find(|piece| piece.cell_count > 0 && piece.point_count > 0).ok_or_else(|| {
-        Error::run("the file holds no cells").accepted("a grid with at least one three-dimensional cell")
+        Error::run("the file holds no cells").expected("a grid with at least one three-dimensional cell")
     })
 }
 
@@ -75,7 +75,7 @@ pub(super) fn scalar(dataset: &Dataset, wanted: Option<&str>, association: Assoc
             Association::Point => ("no point arrays", "an array with one value a point"),
             Association::Cell => ("no cell arrays", "an array with one value a cell"),
         };
-        return Err(Error::run("the file holds no quantity to draw").found(found).accepted(accepted));
+        return Err(Error::run("the file holds no quantity to draw").got(found).expected(accepted));
     }
     let name = match (wanted, &all[..]) {
         (Some(name), _) => name,
@@ -84,15 +84,15 @@ pub(super) fn scalar(dataset: &Dataset, wanted: Option<&str>, association: Assoc
             Some(active) if all.iter().any(|&(name, _)| name == active) => active,
             _ => {
                 return Err(Error::run("the file holds several arrays and the scalar is not named")
-                    .accepted(format_args!("one of {}", list(all.iter().map(|entry| entry.0)))));
+                    .expected(format_args!("one of {}", list(all.iter().map(|entry| entry.0)))));
             }
         },
     };
     let choice = array(piece, name, association)?;
     if choice.component == Component::All && choice.component_count > 1 {
         return Err(Error::run(format!("the array '{}' is not a scalar", choice.name))
-            .found(format_args!("{} components", choice.component_count))
-            .accepted(format_args!(
+            .got(format_args!("{} components", choice.component_count))
+            .expected(format_args!(
                 "'{0}:magnitude', or '{0}:0' to '{0}:{1}' for a component",
                 choice.name,
                 choice.component_count - 1
@@ -116,7 +116,7 @@ pub(super) fn array(piece: &Piece, wanted: &str, association: Association) -> Re
     let component_count = same.next().map_or(1, |array| array.stored.component_count);
     if same.next().is_some() {
         return Err(Error::run(format!("the file holds several arrays of the name '{name}'"))
-            .accepted("one array of each name"));
+            .expected("one array of each name"));
     }
     let component = match suffix {
         None => Component::All,
@@ -140,11 +140,11 @@ fn unknown(piece: &Piece, wanted: &str, association: Association, all: &[(&str, 
         _ => Error::run(format!("the file holds no array '{wanted}'")),
     };
     if all.is_empty() {
-        return error.found("no arrays");
+        return error.got("no arrays");
     }
     let mut names: Vec<&str> = all.iter().map(|entry| entry.0).collect();
     names.sort_by_cached_key(|name| distance(&name.to_lowercase(), &stem.to_lowercase()));
-    error.accepted(list(names))
+    error.expected(list(names))
 }
 
 /// Names in quotes, each once, shortened where there are many.

@@ -16,20 +16,20 @@ pub(super) struct Source {
 impl Source {
     /// Opens a file; a folder or a missing file is an error that names the path.
     pub fn open(path: &Path) -> Result<Arc<Source>> {
-        let failed = |what: &str, error: std::io::Error| Error::run(what).found(error).in_file(path);
+        let failed = |what: &str, error: std::io::Error| Error::run(what).got(error).in_file(path);
         let file = File::open(path).map_err(|error| {
             if error.kind() == std::io::ErrorKind::NotFound {
-                Error::run("there is no such file").accepted("the path of an existing file").in_file(path)
+                Error::run("there is no such file").expected("the path of an existing file").in_file(path)
             } else {
                 failed("the file cannot be opened", error)
             }
         })?;
         let metadata = file.metadata().map_err(|error| failed("the file cannot be opened", error))?;
         if !metadata.is_file() {
-            return Err(Error::run("this is not a file").accepted("the path of a data file").in_file(path));
+            return Err(Error::run("this is not a file").expected("the path of a data file").in_file(path));
         }
         if metadata.len() == 0 {
-            return Err(Error::run("the file is empty").accepted("a data file").in_file(path));
+            return Err(Error::run("the file is empty").expected("a data file").in_file(path));
         }
         Ok(Arc::new(Source { file, path: path.to_owned(), len: metadata.len() }))
     }
@@ -48,7 +48,7 @@ impl Source {
     pub fn read_at(&self, offset: u64, bytes: &mut [u8]) -> Result<()> {
         self.check(offset, bytes.len() as u64)?;
         read_exact_at(&self.file, offset, bytes)
-            .map_err(|error| Error::run("the file cannot be read").found(error).in_file(&self.path))
+            .map_err(|error| Error::run("the file cannot be read").got(error).in_file(&self.path))
     }
 
     /// Reads `len` bytes from `offset` on; checks against the file's length before it allocates.
@@ -69,8 +69,8 @@ impl Source {
         match offset.checked_add(len) {
             Some(end) if end <= self.len => Ok(()),
             _ => Err(Error::run("the file ends early")
-                .found(format_args!("{} bytes", self.len))
-                .accepted(format_args!("{len} bytes from byte {offset} on"))
+                .got(format_args!("{} bytes", self.len))
+                .expected(format_args!("{len} bytes from byte {offset} on"))
                 .in_file(&self.path)),
         }
     }

@@ -86,7 +86,7 @@ impl Stored {
         match tuple_count.checked_mul(self.component_count as u64).filter(|&n| n <= isize::MAX as u64 / 32) {
             Some(count) => Ok(Some(count)),
             None => Err(Error::run("the array cannot be that large")
-                .found(format_args!("{tuple_count} tuples of {} components", self.component_count))),
+                .got(format_args!("{tuple_count} tuples of {} components", self.component_count))),
         }
     }
 }

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use voltet_core::camera::{Camera, Projection};
 use voltet_core::field::Plugin;
 use voltet_files as files;
-use voltet_graph::{Call, FileRead, Origins, Stated};
+use voltet_graph::{FileRead, Origins, ResolvedPipeline, RunContext};
 
 /// The name of the text that holds the pipeline.
 pub const PIPELINE: &str = "voltet:pipeline";
@@ -151,12 +151,12 @@ pub struct UnitDistance {
 
 impl Provenance {
     /// Of a whole run. The pipeline is as stated, its paths relative to its own folder.
-    pub fn of_run(origins: &Origins, stated: &Stated) -> Provenance {
+    pub fn of_run(origins: &Origins, stated: &ResolvedPipeline) -> Provenance {
         Self::new(origins, stated.title.clone(), stated.text.clone())
     }
 
     /// Of a picture that a node writes to `path`. `given`: the path as the pipeline has it.
-    pub fn of_picture(call: &Call, given: &str, path: &Path) -> Provenance {
+    pub fn of_picture(call: &RunContext, given: &str, path: &Path) -> Provenance {
         let (stated, folder) = call.stated();
         Self::new(&call.origins(), stated.title.clone(), beside(stated, folder, given, path))
     }
@@ -202,7 +202,7 @@ impl Provenance {
 /// The pipeline's text for a picture at `path`, so that it can be run beside it: its paths are made relative to the
 /// picture's folder. Where that would tell names of folders that nobody gave (the path of the picture was absolute, and
 /// leads out of the pipeline's folder), they stay relative to the pipeline's.
-fn beside(stated: &Stated, folder: &Path, given: &str, path: &Path) -> String {
+fn beside(stated: &ResolvedPipeline, folder: &Path, given: &str, path: &Path) -> String {
     let there = |folder: &Path| {
         std::fs::canonicalize(if folder.as_os_str().is_empty() { Path::new(".") } else { folder })
     };

@@ -22,7 +22,7 @@ pub fn read(head: &[u8], file: impl BufRead + Seek) -> Result<Provenance> {
     let texts = if head.starts_with(PNG) { of_png(file)? } else { of_exr(file)? };
     let text = |name: &str| texts.iter().find(|(known, _)| known == name).map(|(_, text)| text.as_str());
     let pipeline = text(PIPELINE).ok_or_else(|| {
-        Error::usage("the picture carries no pipeline").accepted(
+        Error::usage("the picture carries no pipeline").expected(
             "a pipeline file (.toml), or a picture that an image-writer with provenance = true wrote",
         )
     })?;
@@ -34,7 +34,7 @@ pub fn read(head: &[u8], file: impl BufRead + Seek) -> Result<Provenance> {
 
 /// The named texts of a PNG file, also where another program compressed them or put them behind the picture.
 fn of_png(file: impl BufRead + Seek) -> Result<Vec<(String, String)>> {
-    let damaged = |error| Error::usage("the picture cannot be read as PNG").found(error);
+    let damaged = |error| Error::usage("the picture cannot be read as PNG").got(error);
     let mut reader = png::Decoder::new(file).read_info().map_err(damaged)?;
     let found = texts_of(reader.info());
     if !found.is_empty() {
@@ -64,7 +64,7 @@ fn texts_of(info: &png::Info) -> Vec<(String, String)> {
 
 /// The named texts of an OpenEXR file.
 fn of_exr(file: impl BufRead + Seek) -> Result<Vec<(String, String)>> {
-    let damaged = |error| Error::usage("the picture cannot be read as OpenEXR").found(error);
+    let damaged = |error| Error::usage("the picture cannot be read as OpenEXR").got(error);
     let meta = MetaData::read_from_buffered(file, false).map_err(damaged)?;
     let attributes = meta
         .headers

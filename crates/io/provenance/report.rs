@@ -4,7 +4,7 @@ use super::Provenance;
 use crate::memory;
 use serde_json::{Value, json as object};
 use voltet_graph::pipeline::FORMAT;
-use voltet_graph::{RunReport, Stated};
+use voltet_graph::{ResolvedPipeline, RunReport};
 
 /// The shape of the report. It changes where something is renamed or moved, not where something is added.
 const REPORT_FORMAT: u32 = 1;
@@ -34,7 +34,7 @@ pub fn whole_report(runs: Vec<Value>) -> Value {
 }
 
 /// What is said of one run. `file`: what the pipeline came from.
-pub fn run_report(file: &str, report: &RunReport, stated: &Stated) -> Value {
+pub fn run_report(file: &str, report: &RunReport, stated: &ResolvedPipeline) -> Value {
     let mut counts = serde_json::Map::new();
     for name in COUNTS {
         counts.insert(name.into(), Value::Null);

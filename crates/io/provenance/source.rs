@@ -32,8 +32,8 @@ impl Source {
         file.read_to_end(&mut bytes).map_err(unreadable)?;
         let text = String::from_utf8(bytes).map_err(|error| {
             let found = format!("byte {} is no UTF-8", error.utf8_error().valid_up_to());
-            let error = Error::usage("the file is no pipeline file").found(found);
-            error.accepted("TOML text, or a picture (.png, .exr) that carries it").in_file(path)
+            let error = Error::usage("the file is no pipeline file").got(found);
+            error.expected("TOML text, or a picture (.png, .exr) that carries it").in_file(path)
         })?;
         Ok(Source { text, carried: None })
     }
@@ -46,9 +46,9 @@ fn unreadable(path: &Path, error: std::io::Error) -> Error {
     let names: Vec<String> = entries.map(|e| e.file_name().to_string_lossy().into_owned()).collect();
     let pipelines = names.iter().map(String::as_str).filter(|name| name.ends_with(".toml"));
     let wanted = path.file_name().unwrap_or_default().to_string_lossy();
-    let error = Error::usage("the pipeline file cannot be read").found(error).in_file(path);
+    let error = Error::usage("the pipeline file cannot be read").got(error).in_file(path);
     match pipelines.clone().next() {
-        Some(_) => error.accepted(suggest(&wanted, pipelines)),
-        None => error.accepted("the path of a pipeline file (.toml)"),
+        Some(_) => error.expected(suggest(&wanted, pipelines)),
+        None => error.expected("the path of a pipeline file (.toml)"),
     }
 }

@@ -1,14 +1,14 @@
 //! What a file will hold.
 
 use glam::DVec3;
-use voltet_core::Shared;
+use voltet_core::SharedSlice;
 use voltet_core::grid::{CellSet, Cells, Polyhedron, code};
 
 /// Points, cells and arrays.
 #[derive(Debug, Clone)]
 pub struct Contents {
     /// Positions, world units.
-    pub points: Shared<DVec3>,
+    pub points: SharedSlice<DVec3>,
     /// The cells.
     pub cells: Topology,
     /// One tuple a point.

@@ -61,7 +61,7 @@ pub fn encode(contents: Contents, precision: Precision, compress: bool) -> Resul
         file_path: None,
     };
     let failed =
-        |error: &dyn std::fmt::Display| Error::run("the grid cannot be put into VTK's form").found(error);
+        |error: &dyn std::fmt::Display| Error::run("the grid cannot be put into VTK's form").got(error);
     let file = file.try_into_xml_format(compressor, compression_level).map_err(|error| failed(&error))?;
     let mut bytes = Vec::new();
     file.write(&mut bytes).map_err(|error| failed(&error))?;

@@ -4,7 +4,7 @@ use voltet_core::{Error, Result};
 
 /// What takes a device's cells to the picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Compositing {
+pub enum Compositor {
     /// Compute passes over tiles of pixels.
     Tiles,
     /// The cells' silhouettes, drawn farthest first and blended by the hardware: in exact order where the cells have one along
@@ -15,7 +15,7 @@ pub enum Compositing {
     Triangles,
 }
 
-impl Compositing {
+impl Compositor {
     /// Each of them with its meaning, what serves every order first.
     pub const WORDS: [(&str, &str); 3] = [
         (
@@ -35,16 +35,16 @@ impl Compositing {
     ];
 
     /// Those of [`Compositing::WORDS`], in their order.
-    pub const ALL: [Compositing; 3] = [Compositing::Tiles, Compositing::Raster, Compositing::Triangles];
+    pub const ALL: [Compositor; 3] = [Compositor::Tiles, Compositor::Raster, Compositor::Triangles];
 
     /// The name in pipeline files.
     pub fn name(self) -> &'static str {
-        Compositing::WORDS[self as usize].0
+        Compositor::WORDS[self as usize].0
     }
 
     /// The one of that name.
-    pub fn named(name: &str) -> Option<Compositing> {
-        Compositing::ALL.into_iter().find(|one| one.name() == name)
+    pub fn named(name: &str) -> Option<Compositor> {
+        Compositor::ALL.into_iter().find(|one| one.name() == name)
     }
 }
 
@@ -113,11 +113,11 @@ impl Accumulation {
     }
 
     /// Refuses rounding where nothing is blended by the hardware.
-    pub fn check(self, compositing: Compositing) -> Result<()> {
-        if self != Accumulation::Float && compositing == Compositing::Tiles {
+    pub fn check(self, compositing: Compositor) -> Result<()> {
+        if self != Accumulation::Float && compositing == Compositor::Tiles {
             return Err(Error::usage("compositor = \"tiles\" accumulates in 32-bit floats alone")
-                .found(format!("accumulation = \"{}\"", self.name()))
-                .accepted("accumulation = \"float\"; or compositor = \"raster\" or \"triangles\""));
+                .got(format!("accumulation = \"{}\"", self.name()))
+                .expected("accumulation = \"float\"; or compositor = \"raster\" or \"triangles\""));
         }
         Ok(())
     }
@@ -125,9 +125,9 @@ impl Accumulation {
 
 /// A way of compositing that an engine chose.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Chosen {
+pub struct CompositorChoice {
     /// The way.
-    pub compositing: Compositing,
+    pub compositing: Compositor,
     /// Why.
     pub why: String,
     /// Seconds that measuring took, where it was measured for this choice.
@@ -135,7 +135,7 @@ pub struct Chosen {
 }
 
 /// Short texts that outlast the program, each under the text of its key.
-pub trait Memory: Sync {
+pub trait KeyValueStore: Sync {
     /// What was kept under the key; `None` where there is nothing or it is damaged.
     fn recall(&self, key: &str) -> Option<String>;
 
@@ -144,9 +144,9 @@ pub trait Memory: Sync {
 }
 
 /// Keeps nothing.
-pub struct Forgetful;
+pub struct NoStore;
 
-impl Memory for Forgetful {
+impl KeyValueStore for NoStore {
     fn recall(&self, _key: &str) -> Option<String> {
         None
     }

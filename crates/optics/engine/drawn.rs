@@ -1,43 +1,43 @@
 //! A picture and what it took.
 
-use super::compositing::Chosen;
+use super::compositing::CompositorChoice;
 use voltet_core::picture::Picture;
-use voltet_graph::Notes;
+use voltet_graph::NodeDiagnostics;
 
 /// A picture and what it took.
 #[derive(Debug, Clone)]
-pub struct Drawn {
+pub struct RenderOutput {
     /// The picture.
     pub picture: Picture,
     /// What was counted.
-    pub counts: Counts,
+    pub counts: RenderStats,
     /// What took how long, in the order of work; empty where nothing times it.
-    pub stages: Vec<Timed>,
+    pub stages: Vec<StageTiming>,
     /// The way in which it was composited, where it is not the one that was asked for, and why.
-    pub instead: Option<Chosen>,
+    pub instead: Option<CompositorChoice>,
     /// Whether it was drawn from what was kept of the view ([`crate::engine::Manner::passing`]): by itself it would differ by rounding.
     pub is_passing: bool,
     /// What else there is to say: counts of this engine alone, what was left out, what the user should know.
-    pub notes: Notes,
+    pub notes: NodeDiagnostics,
 }
 
-impl Drawn {
+impl RenderOutput {
     /// A picture of which nothing is counted or noted yet.
-    pub fn new(picture: Picture, stages: Vec<Timed>) -> Drawn {
-        Drawn {
+    pub fn new(picture: Picture, stages: Vec<StageTiming>) -> RenderOutput {
+        RenderOutput {
             picture,
-            counts: Counts::default(),
+            counts: RenderStats::default(),
             stages,
             instead: None,
             is_passing: false,
-            notes: Notes::default(),
+            notes: NodeDiagnostics::default(),
         }
     }
 }
 
 /// Counts that mean the same on every engine; `None`: not counted.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct Counts {
+pub struct RenderStats {
     /// Cells left out because no widget touches their values.
     pub culled_by_transfer_function: Option<u64>,
     /// Cells left out because they are outside the view.
@@ -81,7 +81,7 @@ pub enum Stage {
 
 /// A part of the work with its time.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Timed {
+pub struct StageTiming {
     /// The stage that it is part of.
     pub stage: Stage,
     /// Its own name, where the stage has several parts.
@@ -103,10 +103,10 @@ impl Stage {
     }
 }
 
-impl Timed {
+impl StageTiming {
     /// A whole stage.
-    pub fn whole(stage: Stage, seconds: f64) -> Timed {
-        Timed { stage, pass: None, seconds }
+    pub fn whole(stage: Stage, seconds: f64) -> StageTiming {
+        StageTiming { stage, pass: None, seconds }
     }
 
     /// Its name in reports.

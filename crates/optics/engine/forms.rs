@@ -1,11 +1,11 @@
 //! What an engine makes of ray segments alone, apart from any picture: what exact values judge.
 
-use crate::{Contribution, Overlap, Segment};
+use crate::{Contribution, Segment, WidgetBlend};
 use voltet_core::Result;
 use voltet_core::transfer::TransferFunction;
 
 /// A set of formulas.
-pub trait Forms {
+pub trait SegmentEvaluator {
     /// Name for reports.
     fn name(&self) -> &str;
 
@@ -23,19 +23,19 @@ pub trait Forms {
         &self,
         transfer_function: &TransferFunction,
         segment: &Segment,
-        overlap: Overlap,
-    ) -> Result<Answer>;
+        overlap: WidgetBlend,
+    ) -> Result<EvalOutcome>;
 
     /// A chain, front to back.
     fn chain(&self, segments: &[Contribution]) -> Chain;
 
     /// ψ, F, B, ζ.
-    fn partial(&self, a: f64, b: f64) -> Result<Answer<PartialIntegrals>>;
+    fn partial(&self, a: f64, b: f64) -> Result<EvalOutcome<PartialIntegrals>>;
 }
 
 /// How a set of forms answers a case.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Answer<T = Contribution> {
+pub enum EvalOutcome<T = Contribution> {
     /// In its own precision.
     Served(T),
     /// In a wider precision, as the engine does where its own cannot; with the reason.

@@ -13,9 +13,9 @@ mod compositing;
 mod drawn;
 mod forms;
 
-pub use compositing::{Accumulation, Chosen, Compositing, Forgetful, Memory, OrderCheck};
-pub use drawn::{Counts, Drawn, Stage, Timed};
-pub use forms::{Answer, Chain, Condition, Conditions, Forms, PartialIntegrals, Precision};
+pub use compositing::{Accumulation, Compositor, CompositorChoice, KeyValueStore, NoStore, OrderCheck};
+pub use drawn::{RenderOutput, RenderStats, Stage, StageTiming};
+pub use forms::{Chain, Condition, Conditions, EvalOutcome, PartialIntegrals, Precision, SegmentEvaluator};
 
 use crate::scene::Scene;
 use crate::shading::Shading;
@@ -28,7 +28,7 @@ use voltet_graph::MayLeaveOut;
 
 /// What is known of an engine before it is opened.
 #[derive(Debug, Clone, Copy)]
-pub struct Declaration {
+pub struct EngineInfo {
     /// Its name in pipeline files and reports.
     pub name: &'static str,
     /// What it is, in a few words: the meaning of its name as a value of the parameter `engine`.
@@ -36,22 +36,22 @@ pub struct Declaration {
     /// What `auto` takes where it takes this engine, and if what; follows "the run takes". `None`: it takes it only by name.
     pub taken: Option<&'static str>,
     /// Why this build does not have it.
-    pub absent: Option<&'static str>,
+    pub unavailable_reason: Option<&'static str>,
     /// Whether it runs on a device, which `adapter` names: it may not be there, has limits of its own, and keeps from frame to
     /// frame what was set up on it. Other engines draw every scene and set up each frame anew ([`Stage::SetUp`]).
     pub on_device: bool,
     /// The ways in which it composites; none where it has one only, of every order.
-    pub compositing: &'static [Compositing],
+    pub compositing: &'static [Compositor],
     /// Whether the scene is beyond it on any device, found before data are read. What depends on the data is found when it is
     /// drawn.
     pub can_serve: fn(&TransferFunction, &Shading) -> Result<()>,
     /// The adapters that it finds here, in words.
     pub adapters: fn() -> Vec<String>,
     /// Opens it; what is looked for may be kept in the memory. Errors: no such adapter, or none at all.
-    pub open: fn(&AdapterWish, &dyn Memory) -> Result<Arc<dyn Engine>>,
+    pub open: fn(&AdapterRequest, &dyn KeyValueStore) -> Result<Arc<dyn Engine>>,
     /// Opens each of its ways to compute that is judged on its own: the same way of drawing on other vector units. Errors:
     /// those of `open`.
-    pub open_each: fn(&AdapterWish) -> Result<Engines>,
+    pub open_each: fn(&AdapterRequest) -> Result<Engines>,
 }
 
 /// Engines that were opened.
@@ -59,7 +59,7 @@ pub type Engines = Vec<Arc<dyn Engine>>;
 
 /// The adapter that an engine shall be opened on.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Hash)]
-pub struct AdapterWish {
+pub struct AdapterRequest {
     /// Its kind or a part of its name; none for the fastest.
     pub name: Option<String>,
     /// Passes over programs on the CPU that stand in for devices, unless they are named.
@@ -67,20 +67,20 @@ pub struct AdapterWish {
 }
 
 /// Engines are told apart by their names.
-impl PartialEq for Declaration {
+impl PartialEq for EngineInfo {
     fn eq(&self, other: &Self) -> bool {
         self.name == other.name
     }
 }
 
-impl Declaration {
+impl EngineInfo {
     /// An engine that this build does not have, and why.
-    pub const fn absent(name: &'static str, summary: &'static str, why: &'static str) -> Declaration {
-        Declaration {
+    pub const fn absent(name: &'static str, summary: &'static str, why: &'static str) -> EngineInfo {
+        EngineInfo {
             name,
             summary,
             taken: Some(name),
-            absent: Some(why),
+            unavailable_reason: Some(why),
             on_device: true,
             compositing: &[],
             can_serve: |_, _| Ok(()),
@@ -97,40 +97,44 @@ impl Declaration {
     }
 
     /// Opens it. Errors: no such adapter, or none at all; a build without it.
-    pub fn open(&self, wish: &AdapterWish) -> Result<Arc<dyn Engine>> {
-        self.open_remembering(wish, &Forgetful)
+    pub fn open(&self, wish: &AdapterRequest) -> Result<Arc<dyn Engine>> {
+        self.open_remembering(wish, &NoStore)
     }
 
     /// The same; that there is no hardware adapter is remembered, where that can be known to be so still. Errors: those of
     /// [`Declaration::open`].
-    pub fn open_remembering(&self, wish: &AdapterWish, memory: &dyn Memory) -> Result<Arc<dyn Engine>> {
+    pub fn open_remembering(
+        &self,
+        wish: &AdapterRequest,
+        memory: &dyn KeyValueStore,
+    ) -> Result<Arc<dyn Engine>> {
         self.check()?;
         (self.open)(wish, memory)
     }
 
     /// Opens each of its ways to compute that is judged on its own. Errors: those of [`Declaration::open`].
-    pub fn open_each(&self, wish: &AdapterWish) -> Result<Vec<Arc<dyn Engine>>> {
+    pub fn open_each(&self, wish: &AdapterRequest) -> Result<Vec<Arc<dyn Engine>>> {
         self.check()?;
         (self.open_each)(wish)
     }
 
     fn check(&self) -> Result<()> {
-        self.absent.map_or(Ok(()), |why| Err(Error::run(why)))
+        self.unavailable_reason.map_or(Ok(()), |why| Err(Error::run(why)))
     }
 }
 
-impl AdapterWish {
+impl AdapterRequest {
     /// The adapter of that name, or the fastest that is hardware.
-    pub fn hardware(name: Option<&str>) -> AdapterWish {
-        AdapterWish { name: name.map(str::to_string), hardware: true }
+    pub fn hardware(name: Option<&str>) -> AdapterRequest {
+        AdapterRequest { name: name.map(str::to_string), hardware: true }
     }
 }
 
 /// How a scene is drawn, beyond what it means.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Manner {
+pub struct RenderOptions {
     /// How a device composites; where nothing is said, in the way that serves every order.
-    pub compositing: Option<Compositing>,
+    pub compositing: Option<Compositor>,
     /// What blending hardware accumulates in.
     pub accumulation: Accumulation,
     /// How the exact order of what hardware blends is checked.
@@ -143,9 +147,9 @@ pub struct Manner {
     pub passing: bool,
 }
 
-impl Default for Manner {
+impl Default for RenderOptions {
     fn default() -> Self {
-        Manner {
+        RenderOptions {
             compositing: None,
             accumulation: Accumulation::Float,
             order_check: OrderCheck::None,
@@ -155,15 +159,15 @@ impl Default for Manner {
     }
 }
 
-impl Manner {
+impl RenderOptions {
     /// Composited in this way.
-    pub fn by(compositing: Compositing) -> Manner {
-        Manner { compositing: Some(compositing), ..Manner::default() }
+    pub fn by(compositing: Compositor) -> RenderOptions {
+        RenderOptions { compositing: Some(compositing), ..RenderOptions::default() }
     }
 
     /// One of many pictures of a view that follow each other.
-    pub fn passing() -> Manner {
-        Manner { passing: true, ..Manner::default() }
+    pub fn passing() -> RenderOptions {
+        RenderOptions { passing: true, ..RenderOptions::default() }
     }
 }
 
@@ -193,22 +197,22 @@ pub trait Engine: Send + Sync {
     }
 
     /// Takes in a volume: what frames of it share is made once. Errors: what the device cannot hold.
-    fn prepare(&self, volume: &Arc<Volume>) -> Result<Arc<dyn Prepared>>;
+    fn prepare(&self, volume: &Arc<Volume>) -> Result<Arc<dyn PreparedVolume>>;
 
     /// Which way of compositing serves the scene best here, where the engine has several. May measure; what was measured is
     /// kept in `memory`. Errors: a stopped run.
     fn choose(
         &self,
         _scene: &Scene,
-        _memory: &dyn Memory,
+        _memory: &dyn KeyValueStore,
         _progress: &dyn Progress,
-    ) -> Result<Option<Chosen>> {
+    ) -> Result<Option<CompositorChoice>> {
         Ok(None)
     }
 
     /// What it makes of ray segments alone, by what it draws with, for exact values to judge; `None` where only its pictures can
     /// be judged.
-    fn forms(&self) -> Option<Box<dyn Forms>>;
+    fn forms(&self) -> Option<Box<dyn SegmentEvaluator>>;
 
     /// Gives up what is kept for further scenes, so that setting up can be measured from nothing.
     fn forget(&self) {}
@@ -222,33 +226,43 @@ pub trait Engine: Send + Sync {
 /// A picture under way: others can be begun before it is taken.
 pub trait Pending: Send {
     /// The picture, once it is there. Errors: those of [`Prepared::draw`].
-    fn collect(self: Box<Self>, progress: &dyn Progress) -> Result<Drawn>;
+    fn collect(self: Box<Self>, progress: &dyn Progress) -> Result<RenderOutput>;
 }
 
 /// A picture that is there.
-impl Pending for Drawn {
-    fn collect(self: Box<Self>, _progress: &dyn Progress) -> Result<Drawn> {
+impl Pending for RenderOutput {
+    fn collect(self: Box<Self>, _progress: &dyn Progress) -> Result<RenderOutput> {
         Ok(*self)
     }
 }
 
 /// A volume on an engine.
-pub trait Prepared: Send + Sync {
+pub trait PreparedVolume: Send + Sync {
     /// Draws a scene of this volume.
     ///
     /// Errors: what the engine does not serve or its device does not hold; a lost device; a stopped run.
-    fn draw(&self, scene: &Scene, manner: &Manner, progress: &dyn Progress) -> Result<Drawn>;
+    fn draw(&self, scene: &Scene, manner: &RenderOptions, progress: &dyn Progress) -> Result<RenderOutput>;
 
     /// Begins a picture. A device works on it while the caller does something else, and on several one after the other, so that it
     /// need not wait for their way back; what it sends back is bounded, and a picture beyond that is drawn at once. Its passes are
     /// not timed. Other engines draw at once. Errors: those of [`Prepared::draw`], here or when the picture is taken.
-    fn begin(&self, scene: &Scene, manner: &Manner, progress: &dyn Progress) -> Result<Box<dyn Pending>> {
+    fn begin(
+        &self,
+        scene: &Scene,
+        manner: &RenderOptions,
+        progress: &dyn Progress,
+    ) -> Result<Box<dyn Pending>> {
         Ok(Box::new(self.draw(scene, manner, progress)?))
     }
 
     /// Floating-point operations of the compositor in a picture of the scene that had these counts, at least; `None` where they
     /// are not known. Errors: those of [`Prepared::draw`].
-    fn operations(&self, _scene: &Scene, _manner: &Manner, _counts: &Counts) -> Result<Option<u64>> {
+    fn operations(
+        &self,
+        _scene: &Scene,
+        _manner: &RenderOptions,
+        _counts: &RenderStats,
+    ) -> Result<Option<u64>> {
         Ok(None)
     }
 }

@@ -1,21 +1,21 @@
 //! The closed forms; where widgets overlap, the ordered integral or Kniss's mix.
 
 use super::SegmentIntegrator;
-use crate::{Contribution, Overlap, Prepared, Segment};
+use crate::{CompiledTransferFunction, Contribution, Segment, WidgetBlend};
 use voltet_core::Result;
 use voltet_core::transfer::TransferFunction;
 
 /// The closed forms.
 #[derive(Debug, Clone)]
 pub struct Analytic {
-    prepared: Prepared,
-    overlap: Overlap,
+    prepared: CompiledTransferFunction,
+    overlap: WidgetBlend,
 }
 
 impl Analytic {
     /// Serves every transfer function.
-    pub fn new(transfer_function: &TransferFunction, overlap: Overlap) -> Result<Self> {
-        Ok(Analytic { prepared: Prepared::new(transfer_function)?, overlap })
+    pub fn new(transfer_function: &TransferFunction, overlap: WidgetBlend) -> Result<Self> {
+        Ok(Analytic { prepared: CompiledTransferFunction::new(transfer_function)?, overlap })
     }
 }
 

@@ -227,13 +227,13 @@ impl Integrator {
                 return Ok(());
             }
             let what = format!("{what} of the integrator '{}' is out of range", self.name());
-            Err(Error::usage(what).found(value).accepted(format!("{low} to {high}")))
+            Err(Error::usage(what).got(value).expected(format!("{low} to {high}")))
         };
         match *self {
             Integrator::Adaptive { tolerance } if !(tolerance > 0.0 && tolerance.is_finite()) => {
                 Err(Error::usage("the tolerance of the integrator 'adaptive' is out of range")
-                    .found(tolerance)
-                    .accepted("a number above 0"))
+                    .got(tolerance)
+                    .expected("a number above 0"))
             }
             Integrator::Segments { count, table_size } => {
                 within("the number of segments", count, 1, usize::MAX)?;
@@ -348,6 +348,6 @@ pub fn can_serve(integrator: &Integrator, transfer_function: &TransferFunction) 
         .collect();
     let what = format!("the integrator '{}' cannot serve this transfer function", integrator.name());
     Err(Error::usage(what)
-        .found(obstacle)
-        .accepted(format!("{needs}, or one of the integrators {}", serving.join(", "))))
+        .got(obstacle)
+        .expected(format!("{needs}, or one of the integrators {}", serving.join(", "))))
 }

@@ -46,11 +46,11 @@ pub use reference::Reference;
 pub use riemann::Riemann;
 pub use segment_integrator::{Extent, SegmentIntegrator};
 pub use segments::Segments;
-pub use slice::{Matter, Ramp};
+pub use slice::{Material, Ramp};
 pub use tabulated::Tabulated;
 pub use vertex_sampled::{AtPoints, CLASSIFIED, VertexSampled, classified, is_classified};
 
-use super::Overlap;
+use super::WidgetBlend;
 use voltet_core::Result;
 use voltet_core::transfer::TransferFunction;
 
@@ -60,7 +60,7 @@ use voltet_core::transfer::TransferFunction;
 /// Errors: [`can_serve`]'s, and a transfer function with a number out of range.
 pub fn new(
     integrator: &Integrator,
-    overlap: Overlap,
+    overlap: WidgetBlend,
     transfer_function: &TransferFunction,
     extent: &Extent,
 ) -> Result<Box<dyn SegmentIntegrator>> {

@@ -3,7 +3,7 @@
 
 use super::SegmentIntegrator;
 use crate::reference::{Integrand, Tolerance, Workspace};
-use crate::{Contribution, Overlap, Prepared, Segment};
+use crate::{CompiledTransferFunction, Contribution, Segment, WidgetBlend};
 use std::cell::RefCell;
 use std::sync::OnceLock;
 use voltet_core::transfer::TransferFunction;
@@ -13,17 +13,17 @@ use voltet_core::{Error, Result};
 pub struct Reference {
     integrand: Integrand,
     /// For values that are not finite, which contribute nothing.
-    prepared: Prepared,
-    overlap: Overlap,
+    prepared: CompiledTransferFunction,
+    overlap: WidgetBlend,
     /// What it could not integrate first.
     failure: OnceLock<Error>,
 }
 
 impl Reference {
     /// Serves every transfer function.
-    pub fn new(transfer_function: &TransferFunction, overlap: Overlap) -> Result<Self> {
+    pub fn new(transfer_function: &TransferFunction, overlap: WidgetBlend) -> Result<Self> {
         Ok(Reference {
-            prepared: Prepared::new(transfer_function)?,
+            prepared: CompiledTransferFunction::new(transfer_function)?,
             integrand: Integrand::new(transfer_function, overlap, Tolerance::PICTURE)?,
             overlap,
             failure: OnceLock::new(),

@@ -5,14 +5,14 @@
 
 use super::{Integrator, SegmentIntegrator, can_serve};
 use crate::special::{OPAQUE_DEPTH, mean_transmittance, opacity};
-use crate::{Contribution, Prepared, Segment};
+use crate::{CompiledTransferFunction, Contribution, Segment};
 use voltet_core::Result;
 use voltet_core::transfer::TransferFunction;
 
 /// N point samples.
 #[derive(Debug, Clone)]
 pub struct Riemann {
-    prepared: Prepared,
+    prepared: CompiledTransferFunction,
     count: usize,
 }
 
@@ -20,7 +20,7 @@ impl Riemann {
     /// Serves every transfer function; `count` ≥ 1.
     pub fn new(transfer_function: &TransferFunction, count: usize) -> Result<Self> {
         can_serve(&Integrator::Riemann { count }, transfer_function)?;
-        Ok(Riemann { prepared: Prepared::new(transfer_function)?, count })
+        Ok(Riemann { prepared: CompiledTransferFunction::new(transfer_function)?, count })
     }
 }
 

@@ -7,14 +7,14 @@ use super::{Integrator, PartialTable, SegmentIntegrator, can_serve};
 use crate::linear::{emission_weights, front_back};
 use crate::sample::Sample;
 use crate::special::{OPAQUE_DEPTH, opacity};
-use crate::{Contribution, Prepared, Segment};
+use crate::{CompiledTransferFunction, Contribution, Segment};
 use voltet_core::Result;
 use voltet_core::transfer::{OpticalModel, TransferFunction};
 
 /// N pieces of linear colour and extinction.
 #[derive(Debug, Clone)]
 pub struct Segments {
-    prepared: Prepared,
+    prepared: CompiledTransferFunction,
     count: usize,
     density: bool,
     /// `None`: closed forms.
@@ -33,7 +33,12 @@ impl Segments {
     pub fn with_closed_forms(transfer_function: &TransferFunction, count: usize) -> Result<Self> {
         can_serve(&Integrator::Segments { count, table_size: 2 }, transfer_function)?;
         let density = transfer_function.model == OpticalModel::DensityEmitter;
-        Ok(Segments { prepared: Prepared::new(transfer_function)?, count, density, table: None })
+        Ok(Segments {
+            prepared: CompiledTransferFunction::new(transfer_function)?,
+            count,
+            density,
+            table: None,
+        })
     }
 
     /// Light of a piece of length `step`.

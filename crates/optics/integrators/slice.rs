@@ -12,13 +12,13 @@
 
 use super::Extent;
 use crate::special::mean_transmittance;
-use crate::{Overlap, Prepared, Segment};
+use crate::{CompiledTransferFunction, Segment, WidgetBlend};
 use voltet_core::transfer::TransferFunction;
 use voltet_core::{Error, Result};
 
 /// A homogeneous stretch, or a point: per longest segment.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Matter {
+pub struct Material {
     /// ρ.
     pub extinction: f64,
     /// Σ cᵢ ρᵢ or Σ κᵢ.
@@ -30,11 +30,11 @@ pub struct Matter {
 pub struct Ramp {
     /// Least and largest node.
     pub range: [f64; 2],
-    nodes: Vec<Matter>,
+    nodes: Vec<Material>,
     /// Pieces of a step.
     parts: usize,
     /// The pieces, step by step.
-    pieces: Vec<Matter>,
+    pieces: Vec<Material>,
 }
 
 impl Ramp {
@@ -48,10 +48,10 @@ impl Ramp {
         let numbers = [extent.scalar[0], extent.scalar[1], extent.longest];
         if numbers.iter().any(|x| !x.is_finite()) || extent.longest <= 0.0 {
             return Err(Error::run("the data give no domain for a pre-integrated table")
-                .found(format!("scalars {:?}, longest segment {}", extent.scalar, extent.longest))
-                .accepted("finite scalars and cells with an extent"));
+                .got(format!("scalars {:?}, longest segment {}", extent.scalar, extent.longest))
+                .expected("finite scalars and cells with an extent"));
         }
-        let prepared = Prepared::new(transfer_function)?;
+        let prepared = CompiledTransferFunction::new(transfer_function)?;
         let [low, high] = extent.scalar;
         let high = if high > low { high } else { low + low.abs().max(1.0) };
         let unit = transfer_function.unit_distance;
@@ -64,7 +64,7 @@ impl Ramp {
     }
 
     /// What is at each node.
-    pub fn nodes(&self) -> &[Matter] {
+    pub fn nodes(&self) -> &[Material] {
         &self.nodes
     }
 
@@ -74,12 +74,12 @@ impl Ramp {
     }
 
     /// The pieces of all steps, from the lowest node on.
-    pub fn pieces(&self) -> &[Matter] {
+    pub fn pieces(&self) -> &[Material] {
         &self.pieces
     }
 
     /// Mean extinction of a step.
-    fn extinction_of(step: &[Matter]) -> f64 {
+    fn extinction_of(step: &[Material]) -> f64 {
         step.iter().map(|part| part.extinction).sum::<f64>() / step.len() as f64
     }
 
@@ -124,7 +124,7 @@ impl Ramp {
         let (mut there, mut back) = (Windows::new(&nothing), Windows::new(&nothing));
         for span in 1..n {
             let share = 1.0 / (span * self.parts) as f64;
-            let over = |front: Light, part: &Matter| front.over(&Light::new(part, length, share));
+            let over = |front: Light, part: &Material| front.over(&Light::new(part, length, share));
             for (i, step) in self.pieces.chunks_exact(self.parts).enumerate() {
                 there.steps[i] = step.iter().fold(Light::CLEAR, over);
                 back.steps[i] = step.iter().rev().fold(Light::CLEAR, over);
@@ -146,7 +146,13 @@ fn single(x: f64) -> f32 {
 }
 
 /// Means over the path from `front` to `back`.
-fn matter(prepared: &Prepared, unit_distance: f64, longest: f64, front: f64, back: f64) -> Matter {
+fn matter(
+    prepared: &CompiledTransferFunction,
+    unit_distance: f64,
+    longest: f64,
+    front: f64,
+    back: f64,
+) -> Material {
     let segment = |length: f64| Segment {
         length,
         front: [front, 0.0],
@@ -157,8 +163,8 @@ fn matter(prepared: &Prepared, unit_distance: f64, longest: f64, front: f64, bac
     let extinction = prepared.optical_depth(&segment(unit_distance)) / unit_distance;
     // Light of a path so short that nothing of it is absorbed, to 1e-9.
     let short = (1e-9 / extinction).min(unit_distance);
-    let light = prepared.integrate(&segment(short), Overlap::Exact);
-    Matter { extinction: extinction * longest, glow: light.color.map(|c| c / short * longest) }
+    let light = prepared.integrate(&segment(short), WidgetBlend::Exact);
+    Material { extinction: extinction * longest, glow: light.color.map(|c| c / short * longest) }
 }
 
 /// What a stretch emits, by D, and its optical depth.
@@ -173,7 +179,7 @@ impl Light {
     const CLEAR: Light = Light { emission: [0.0; 3], depth: 0.0, transmittance: 1.0 };
 
     /// The share `share` of a path of length D.
-    fn new(matter: &Matter, length: f64, share: f64) -> Light {
+    fn new(matter: &Material, length: f64, share: f64) -> Light {
         let depth = matter.extinction * length * share;
         let opacity = -(-depth).exp_m1();
         let mean = if depth > 1e-8 { opacity / depth } else { 1.0 - 0.5 * depth };

@@ -11,7 +11,7 @@
 //! Uniform widgets are closed forms without a table. What waves would take is refused.
 
 use super::{GaussianTables, Integrator, SegmentIntegrator, can_serve};
-use crate::clip::Stretch;
+use crate::clip::ClippedSpan;
 use crate::special::{HALF_SQRT_PI, mean_transmittance, opacity};
 use crate::{Contribution, Segment};
 use voltet_core::Result;
@@ -122,8 +122,8 @@ impl SegmentIntegrator for Tabulated {
         let (mut depth, mut color) = (0.0, [0.0; 3]);
         for widget in &self.widgets {
             let stretch = match &widget.clip {
-                None => Stretch::WHOLE,
-                Some(clip) => match Stretch::within(clip, segment.front, segment.back) {
+                None => ClippedSpan::WHOLE,
+                Some(clip) => match ClippedSpan::within(clip, segment.front, segment.back) {
                     Some(stretch) => stretch,
                     None => continue,
                 },
@@ -156,7 +156,7 @@ impl SegmentIntegrator for Tabulated {
 
 impl Tabled {
     /// The widget's path over a stretch; `Some(None)` where its profile is 1, `None` where it is nothing.
-    fn path(&self, segment: &Segment, stretch: &Stretch) -> Option<Option<Path>> {
+    fn path(&self, segment: &Segment, stretch: &ClippedSpan) -> Option<Option<Path>> {
         let of = |values: &[f64]| -> Vec<f64> { self.slots.iter().map(|&slot| values[slot]).collect() };
         let ends = || (of(segment.fields_front), of(segment.fields_back));
         let moved = |matrix: &[Vec<f64>], centre: &[f64], value: &[f64]| -> Vec<f64> {
@@ -196,10 +196,10 @@ impl Tabled {
             | Profile::PiecewiseLinear { .. }
             | Profile::Table(_) => return None,
         };
-        let at = |cut: fn(&Stretch, f64, f64) -> f64| -> Vec<f64> {
+        let at = |cut: fn(&ClippedSpan, f64, f64) -> f64| -> Vec<f64> {
             front.iter().zip(&back).map(|(f, b)| cut(stretch, *f, *b)).collect()
         };
-        let path = Path::between(&at(Stretch::at_start), &at(Stretch::at_end));
+        let path = Path::between(&at(ClippedSpan::at_start), &at(ClippedSpan::at_end));
         (path.front + path.back + path.offset_squared).is_finite().then_some(Some(path))
     }
 }

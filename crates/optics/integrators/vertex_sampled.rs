@@ -11,7 +11,7 @@
 use super::{Integrator, SegmentIntegrator, Segments, can_serve};
 use crate::linear::front_back;
 use crate::special::opacity;
-use crate::{Contribution, Prepared, Segment};
+use crate::{CompiledTransferFunction, Contribution, Segment};
 use voltet_core::transfer::{OpticalModel, Profile, TransferFunction, Widget};
 use voltet_core::{Error, Result};
 
@@ -82,7 +82,7 @@ pub fn classified<'a>(
     transfer_function: &TransferFunction,
     values: impl Iterator<Item = ([f64; 2], &'a [f64])>,
 ) -> Result<AtPoints> {
-    let prepared = Prepared::new(transfer_function)?;
+    let prepared = CompiledTransferFunction::new(transfer_function)?;
     let mut arrays = [const { Vec::new() }; 4];
     for (point, fields) in values {
         let segment =
@@ -100,8 +100,8 @@ pub fn classified<'a>(
         return Err(Error::run(
             "a transfer function that is classified at points leaves the range of numbers",
         )
-        .found(format!("extinction up to {extinction:e}, emission up to {emission:e}"))
-        .accepted("smaller extinctions, or another integrator"));
+        .got(format!("extinction up to {extinction:e}, emission up to {emission:e}"))
+        .expected("smaller extinctions, or another integrator"));
     }
     // Nothing that absorbs does not mean nothing that glows: at a cutoff of 0 it does, so a trace is enough.
     let extinction = extinction.max(emission * 1e-12);

@@ -60,8 +60,8 @@ fn gaussian(along: &[Along], cutoff: Option<f64>, cuts: &mut Cuts) -> Result<()>
             along.iter().map(|a| a.front.abs().value().max(a.back.abs().value())).fold(0.0, f64::max);
         if apart < NOTHING * NOTHING && farthest > FARTHEST_WIDTHS {
             return Err(Error::run("a Gaussian is too narrow for the values along a segment")
-                .found(format!("{farthest:.3e} of its widths"))
-                .accepted(format!("at most {FARTHEST_WIDTHS:.0e}")));
+                .got(format!("{farthest:.3e} of its widths"))
+                .expected(format!("at most {FARTHEST_WIDTHS:.0e}")));
         }
         if let Some(reach) = reach.filter(|reach| apart < *reach) {
             let half = Wide::from((reach - apart).sqrt() / length);
@@ -161,14 +161,14 @@ fn bands(bands: &Bands, phase: Along, cutoff: Option<f64>, cuts: &mut Cuts) -> R
     let farthest = low.value().abs().max(high.value().abs());
     if farthest.is_nan() || farthest > FARTHEST_PHASE {
         return Err(Error::run("a wave's bands are too far from its origin")
-            .found(format!("{farthest:.3e} bands"))
-            .accepted(format!("at most {FARTHEST_PHASE:.0e}")));
+            .got(format!("{farthest:.3e} bands"))
+            .expected(format!("at most {FARTHEST_PHASE:.0e}")));
     }
     let (low, high) = (low.floor(), high.floor());
     if high - low > BANDS_AT_MOST {
         return Err(Error::run("a cell holds more bands of a wave widget than are drawn")
-            .found(format!("{:.3e} bands", high - low))
-            .accepted(format!("at most {BANDS_AT_MOST:.0e}")));
+            .got(format!("{:.3e} bands", high - low))
+            .expected(format!("at most {BANDS_AT_MOST:.0e}")));
     }
     let lit = cutoff.map(|cutoff| bands.half_width(cutoff));
     for band in 0..=(high - low) as u64 {

@@ -41,7 +41,7 @@ pub use tracer::{Seen, Tracer};
 pub use walk::{Step, Walk};
 
 use crate::scene::Scene;
-use crate::{Contribution, Overlap, Segment};
+use crate::{Contribution, Segment, WidgetBlend};
 use voltet_core::Result;
 use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
@@ -61,7 +61,7 @@ pub fn draw_further(scene: &Scene, tiles: &mut Tiles, progress: &dyn Progress) -
 pub fn integrate(
     segment: &Segment,
     transfer_function: &TransferFunction,
-    overlap: Overlap,
+    overlap: WidgetBlend,
 ) -> Result<Contribution> {
     let integrand = Integrand::new(transfer_function, overlap, Tolerance::SEGMENT)?;
     let value = |ends: [f64; 2], fields: &[f64]| -> Vec<f64> {

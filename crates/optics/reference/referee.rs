@@ -1,7 +1,9 @@
 //! The referee as one of the program's engines: what `integrator = "reference"` asks for.
 
 use super::draw;
-use crate::engine::{Declaration, Drawn, Engine, Forms, Manner, Prepared, Stage, Timed};
+use crate::engine::{
+    Engine, EngineInfo, PreparedVolume, RenderOptions, RenderOutput, SegmentEvaluator, Stage, StageTiming,
+};
 use crate::scene::Scene;
 use crate::shading::Integrator;
 use std::sync::Arc;
@@ -11,18 +13,18 @@ use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
 
 /// The referee. It draws every scene by quadrature, whatever the integrator, and offers itself for that of its name.
-pub const ENGINE: Declaration = Declaration {
+pub const ENGINE: EngineInfo = EngineInfo {
     name: "reference",
     summary: "64-bit adaptive quadrature, slow",
     taken: None,
-    absent: None,
+    unavailable_reason: None,
     on_device: false,
     compositing: &[],
     can_serve: |_, shading| match shading.integrator {
         Integrator::Reference => Ok(()),
         other => Err(Error::usage("the 64-bit reference has one integrator")
-            .found(other.name())
-            .accepted(Integrator::Reference.name())),
+            .got(other.name())
+            .expected(Integrator::Reference.name())),
     },
     adapters: Vec::new,
     open: |_, _| Ok(Arc::new(Referee)),
@@ -42,20 +44,23 @@ impl Engine for Referee {
     }
 
     /// It integrates whole rays only.
-    fn forms(&self) -> Option<Box<dyn Forms>> {
+    fn forms(&self) -> Option<Box<dyn SegmentEvaluator>> {
         None
     }
 
-    fn prepare(&self, _volume: &Arc<Volume>) -> Result<Arc<dyn Prepared>> {
+    fn prepare(&self, _volume: &Arc<Volume>) -> Result<Arc<dyn PreparedVolume>> {
         Ok(Arc::new(Referee))
     }
 }
 
-impl Prepared for Referee {
-    fn draw(&self, scene: &Scene, _manner: &Manner, progress: &dyn Progress) -> Result<Drawn> {
+impl PreparedVolume for Referee {
+    fn draw(&self, scene: &Scene, _manner: &RenderOptions, progress: &dyn Progress) -> Result<RenderOutput> {
         let start = Instant::now();
         let picture = draw(scene, progress)?;
         let seconds = start.elapsed().as_secs_f64();
-        Ok(Drawn::new(picture, vec![Timed { stage: Stage::Composite, pass: Some("reference"), seconds }]))
+        Ok(RenderOutput::new(
+            picture,
+            vec![StageTiming { stage: Stage::Composite, pass: Some("reference"), seconds }],
+        ))
     }
 }

@@ -32,7 +32,7 @@ use super::part::Part;
 use super::quadrature::{NODES, RULE, estimated_error};
 use super::term::Term;
 use super::wide::Wide;
-use crate::{Contribution, Overlap};
+use crate::{Contribution, WidgetBlend};
 use voltet_core::transfer::{OpticalModel, TransferFunction, Widget};
 use voltet_core::{Error, Result};
 
@@ -114,17 +114,21 @@ struct Sums {
 
 impl Integrand {
     /// Errors: a widget without its region or fields, an optical model's number out of range.
-    pub fn new(transfer_function: &TransferFunction, overlap: Overlap, tolerance: Tolerance) -> Result<Self> {
+    pub fn new(
+        transfer_function: &TransferFunction,
+        overlap: WidgetBlend,
+        tolerance: Tolerance,
+    ) -> Result<Self> {
         let unit_distance = transfer_function.unit_distance;
         if !(unit_distance > 0.0 && unit_distance.is_finite()) {
             return Err(Error::usage("unit_distance is out of range")
-                .found(unit_distance)
-                .accepted("world units above 0"));
+                .got(unit_distance)
+                .expected("world units above 0"));
         }
         if let OpticalModel::ConstantEmitter { cutoff } = transfer_function.model
             && !(0.0..1.0).contains(&cutoff)
         {
-            return Err(Error::usage("cutoff is out of range").found(cutoff).accepted("0 or more, below 1"));
+            return Err(Error::usage("cutoff is out of range").got(cutoff).expected("0 or more, below 1"));
         }
         let fields = transfer_function.fields();
         let of = |widgets: &[Widget]| -> Result<Integrand> {
@@ -135,8 +139,8 @@ impl Integrand {
         };
         let all = of(&transfer_function.widgets)?;
         let alone = match overlap {
-            Overlap::Mix => transfer_function.widgets.chunks(1).map(of).collect::<Result<_>>()?,
-            Overlap::Exact => Vec::new(),
+            WidgetBlend::Mix => transfer_function.widgets.chunks(1).map(of).collect::<Result<_>>()?,
+            WidgetBlend::Exact => Vec::new(),
         };
         Ok(Integrand { alone, ..all })
     }
@@ -238,8 +242,8 @@ impl Integrand {
             let [depth, depth_gauss] = sums.depth;
             if !depth.is_finite() {
                 return Err(cannot("a segment's optical depth is no number of 64 bits", stretch, *in_front)
-                    .found(depth)
-                    .accepted("finite values, extinctions and lengths"));
+                    .got(depth)
+                    .expected("finite values, extinctions and lengths"));
             }
             if stretch.blurred && depth * light > NOTICED {
                 return Err(cannot(
@@ -247,8 +251,8 @@ impl Integrand {
                     stretch,
                     *in_front,
                 )
-                .found(format!("{share:.3e} of the segment, with an optical depth of {depth:.3e}"))
-                .accepted("features in one place, or further apart than 1e-19 of a segment"));
+                .got(format!("{share:.3e} of the segment, with an optical depth of {depth:.3e}"))
+                .expected("features in one place, or further apart than 1e-19 of a segment"));
             }
             let underflow = UNDERFLOW * self.densest * share * whole.length;
             let noise = underflow + absolute;
@@ -268,8 +272,8 @@ impl Integrand {
                 halvings += 1;
                 if halvings > HALVINGS_AT_MOST || high - low < SHORTEST * high {
                     return Err(cannot("the reference did not converge on a segment", stretch, *in_front)
-                        .found(format!("{halvings} halvings, the last piece {share:.3e} of the segment"))
-                        .accepted(
+                        .got(format!("{halvings} halvings, the last piece {share:.3e} of the segment"))
+                        .expected(
                             "widgets that are smooth between their edges, centres and control points",
                         ));
                 }

@@ -39,7 +39,7 @@ pub(super) fn sides_of_rectangle(limits: [[f64; 2]; 2]) -> Vec<Side> {
 /// The half planes of a region. Rectangles may have infinite limits, which give none.
 pub(super) fn sides_of(region: &Region) -> Result<Vec<Side>> {
     let corners = &region.corners;
-    let refuse = |what: &str| Err(Error::usage(what.to_owned()).found(format!("{corners:?}")));
+    let refuse = |what: &str| Err(Error::usage(what.to_owned()).got(format!("{corners:?}")));
     if corners.len() < 3 || corners.iter().flatten().any(|c| c.is_nan()) {
         return refuse("a region has fewer than three corners, or one that is not a number");
     }

@@ -205,7 +205,7 @@ impl Term {
 /// The column of a field in a value.
 fn column(name: &str, fields: &[&str]) -> Result<usize> {
     fields.iter().position(|f| *f == name).map(|k| k + 2).ok_or_else(|| {
-        Error::usage("a widget names a field that is not at hand").found(name).accepted(fields.join(", "))
+        Error::usage("a widget names a field that is not at hand").got(name).expected(fields.join(", "))
     })
 }
 
@@ -214,7 +214,7 @@ fn columns(own: &[String], centre: &[f64], matrix: &[Vec<f64>], fields: &[&str])
     let n = own.len();
     if centre.len() != n || matrix.len() != n || matrix.iter().any(|row| row.len() != n) {
         return Err(Error::usage("a widget's centre or matrix has not its fields' number")
-            .accepted(format!("{n} numbers and {n} × {n} numbers")));
+            .expected(format!("{n} numbers and {n} × {n} numbers")));
     }
     own.iter().map(|name| column(name, fields)).collect()
 }

@@ -1,18 +1,18 @@
 //! Anchors: exact segments, the fixtures' 20-digit values, and pictures whose truth is a formula.
 
 use super::*;
-use crate::shading::{Integrator, Light, Order, Shading};
+use crate::shading::{Integrator, Light, Shading, VisibilityOrder};
 use glam::DVec3;
 use std::sync::Arc;
-use voltet_core::Shared;
+use voltet_core::SharedSlice;
 use voltet_core::camera::{Camera, Projection};
 use voltet_core::grid::generate::{box_of_tetrahedra, sample};
-use voltet_core::progress::Silent;
+use voltet_core::progress::NoProgress;
 use voltet_core::transfer::{OpticalModel, Profile, Region, Widget};
 use voltet_core::volume::Volume;
 
 const PLAIN: Shading =
-    Shading { integrator: Integrator::Reference, overlap: Overlap::Exact, silhouette: None, light: None };
+    Shading { integrator: Integrator::Reference, overlap: WidgetBlend::Exact, silhouette: None, light: None };
 
 fn gaussian(centre: f64, sigma: f64, extinction: f64) -> Widget {
     let k = 1.0 / (std::f64::consts::SQRT_2 * sigma);
@@ -38,13 +38,18 @@ fn segment(length: f64, front: f64, back: f64) -> Segment<'static> {
 fn cube(counts: [usize; 3], scale: f64, offset: DVec3) -> Volume {
     let grid = box_of_tetrahedra(counts, [offset, offset + DVec3::splat(scale)], 0.0);
     let scalar = sample(&grid, |p| (p.x - offset.x) / scale);
-    Volume { grid: Arc::new(grid), scalar: Shared::from(scalar), gradient: None, gradient_magnitude: None }
+    Volume {
+        grid: Arc::new(grid),
+        scalar: SharedSlice::from(scalar),
+        gradient: None,
+        gradient_magnitude: None,
+    }
 }
 
 /// In exact order.
 fn scene(volume: Volume, look: TransferFunction, camera: Camera, shading: Shading) -> Scene {
     let (volume, transfer_function) = (Arc::new(volume), Arc::new(look));
-    Scene { volume, transfer_function, camera, shading, order: Order::Exact }
+    Scene { volume, transfer_function, camera, shading, order: VisibilityOrder::Exact }
 }
 
 fn camera(scale: f64, offset: DVec3, size: [u32; 2]) -> Camera {
@@ -68,7 +73,7 @@ fn gaussian_segments() {
         [(0.4, 0.5, 1e-13), (0.4, 1e-6, 1e-9), (0.0, 1e-6, 1e-13), (1.3, 0.2, 1e-13), (0.7, 0.02, 1e-13)]
     {
         let found =
-            integrate(&segment(3.0, 0.0, 1.0), &look(vec![gaussian(centre, sigma, 2.0)]), Overlap::Exact)
+            integrate(&segment(3.0, 0.0, 1.0), &look(vec![gaussian(centre, sigma, 2.0)]), WidgetBlend::Exact)
                 .expect("integrates");
         let scale = std::f64::consts::SQRT_2 * sigma;
         let spread = libm::erf((1.0 - centre) / scale) - libm::erf(-centre / scale);
@@ -89,7 +94,7 @@ fn slab() {
         let volume = cube(counts, 1.0, DVec3::ZERO);
         let view = camera(1.0, DVec3::ZERO, [13, 13]);
         let scene = scene(volume, look(vec![uniform(2.0)]), view, PLAIN);
-        let picture = draw(&scene, &Silent).expect("draws");
+        let picture = draw(&scene, &NoProgress).expect("draws");
         let exact = -(-2f64).exp_m1();
         for pixel in &picture.rgba {
             assert!((f64::from(pixel[3]) - exact).abs() < 1e-7, "{counts:?}: {pixel:?}");
@@ -108,7 +113,7 @@ fn place_and_size_do_not_matter() {
         let mut view = camera(scale, offset, [20, 20]);
         view.projection = Projection::Perspective { fov_y: 35.0 };
         view.eye += scale * DVec3::new(0.7, 0.0, 0.4);
-        draw(&scene(cube([3, 3, 3], scale, offset), looks, view, PLAIN), &Silent).expect("draws")
+        draw(&scene(cube([3, 3, 3], scale, offset), looks, view, PLAIN), &NoProgress).expect("draws")
     };
     let here = picture(1.0, DVec3::ZERO);
     for (scale, offset) in [(1e20, DVec3::ZERO), (1e-20, DVec3::ZERO), (1.0, DVec3::splat(1e6))] {
@@ -136,7 +141,7 @@ fn eye_inside_and_near_plane() {
             let looks = look(vec![uniform(1.0)]);
             let scene = scene(volume.clone(), looks, view, PLAIN);
             let tracer = Tracer::new(&scene).expect("is a scene");
-            let picture = tracer.draw(&Silent).expect("draws");
+            let picture = tracer.draw(&NoProgress).expect("draws");
             for (j, i) in (0..9).flat_map(|j| (0..9).map(move |i| (j, i))) {
                 let ray = tracer.ray(i as f64 + 0.5, j as f64 + 0.5);
                 let exact = -(-left * ray.stretch()).exp_m1();
@@ -151,7 +156,7 @@ fn eye_inside_and_near_plane() {
 #[test]
 fn silhouette_and_light() {
     let mut volume = cube([2, 2, 2], 1.0, DVec3::ZERO);
-    volume.gradient = Some(Shared::from(vec![DVec3::X * 3.0; volume.scalar.len()]));
+    volume.gradient = Some(SharedSlice::from(vec![DVec3::X * 3.0; volume.scalar.len()]));
     let half = std::f64::consts::FRAC_1_SQRT_2;
     for (eye, facing) in [(DVec3::new(0.5, -2.0, 0.5), 0.0), (DVec3::new(2.5, -1.5, 0.5), half)] {
         let view = Camera { eye, target: DVec3::splat(0.5), ..camera(1.0, DVec3::ZERO, [1, 1]) };
@@ -177,8 +182,8 @@ fn mix_forgets_the_order() {
     let (mut red, mut blue) = (gaussian(0.25, 0.05, 30.0), gaussian(0.75, 0.05, 30.0));
     (red.color, blue.color) = ([1.0, 0.0, 0.0], [0.0, 0.0, 1.0]);
     let looks = look(vec![red, blue]);
-    let exact = integrate(&segment(1.0, 0.0, 1.0), &looks, Overlap::Exact).expect("integrates");
-    let mix = integrate(&segment(1.0, 0.0, 1.0), &looks, Overlap::Mix).expect("integrates");
+    let exact = integrate(&segment(1.0, 0.0, 1.0), &looks, WidgetBlend::Exact).expect("integrates");
+    let mix = integrate(&segment(1.0, 0.0, 1.0), &looks, WidgetBlend::Mix).expect("integrates");
     assert!(exact.color[0] > 5.0 * exact.color[2]);
     assert!((mix.color[0] - mix.color[2]).abs() < 1e-12 && (mix.opacity - exact.opacity).abs() < 1e-12);
     assert!((mix.color[0] - 0.5 * mix.opacity).abs() < 1e-12);
@@ -189,7 +194,7 @@ fn what_is_missing_is_said() {
     let volume = cube([1, 1, 1], 1.0, DVec3::ZERO);
     let view = camera(1.0, DVec3::ZERO, [4, 4]);
     let error = |looks: TransferFunction, shading: Shading| {
-        draw(&scene(volume.clone(), looks, view, shading), &Silent).expect_err("refuses").to_string()
+        draw(&scene(volume.clone(), looks, view, shading), &NoProgress).expect_err("refuses").to_string()
     };
     let mut both = gaussian(0.5, 0.1, 1.0);
     if let Profile::Gaussian { matrix, .. } = &mut both.profile {

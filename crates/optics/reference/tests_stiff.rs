@@ -1,7 +1,7 @@
 //! The referee from thin air to 1e30 of optical depth in one cell: closed forms, properties, and what it refuses.
 
 use super::*;
-use crate::Prepared;
+use crate::CompiledTransferFunction;
 use std::sync::Arc;
 use voltet_core::transfer::{ControlPoint, OpticalModel, Profile, Region, Table, Wave, Widget};
 
@@ -51,7 +51,7 @@ fn of_segment(length: f64, a: f64, b: f64, look: &TransferFunction) -> Contribut
     let segment =
         Segment { length, front: [a, 0.25], back: [b, 0.25], fields_front: &[a], fields_back: &[b] };
     let name = look.widgets[0].profile.name();
-    integrate(&segment, look, Overlap::Exact).unwrap_or_else(|e| panic!("{name}: {e}"))
+    integrate(&segment, look, WidgetBlend::Exact).unwrap_or_else(|e| panic!("{name}: {e}"))
 }
 
 /// Relative error of two numbers, of which the second is right.
@@ -84,7 +84,8 @@ fn one_colour_is_a_closed_form_at_every_depth() {
                         fields_back: &back,
                     };
                     let exact =
-                        Prepared::new(&of(wide, 1.0)).expect("valid").optical_depth(&segment) * extinction;
+                        CompiledTransferFunction::new(&of(wide, 1.0)).expect("valid").optical_depth(&segment)
+                            * extinction;
                     let exact = exact * (width / wide);
                     let place =
                         format!("kind {number}, width {width:e}, depth {depth:e}: {found:?}, not {exact:e}");
@@ -185,7 +186,7 @@ fn what_it_cannot_integrate_is_said() {
         let look = look(OpticalModel::DensityEmitter, vec![widget]);
         let segment =
             Segment { length, front: [a, 0.25], back: [1.0, 0.25], fields_front: &[], fields_back: &[] };
-        integrate(&segment, &look, Overlap::Exact).expect_err("refuses").to_string()
+        integrate(&segment, &look, WidgetBlend::Exact).expect_err("refuses").to_string()
     };
     let of = |profile| Widget { profile, color: COLOR, extinction: 1e30, region: None };
     // Two steps that are 1e-25 apart, in the middle of the segment.

@@ -1,19 +1,19 @@
 //! Rays cell by cell.
 
 use super::*;
-use crate::shading::{Integrator, Light, Order, Shading};
+use crate::shading::{Integrator, Light, Shading, VisibilityOrder};
 use glam::DVec3;
 use std::sync::Arc;
-use voltet_core::Shared;
+use voltet_core::SharedSlice;
 use voltet_core::camera::{Camera, Projection};
 use voltet_core::grid::Grid;
 use voltet_core::grid::generate::{box_of_tetrahedra, sample};
-use voltet_core::progress::Silent;
+use voltet_core::progress::NoProgress;
 use voltet_core::transfer::{OpticalModel, Profile, Region, Widget};
 use voltet_core::volume::Volume;
 
 const PLAIN: Shading =
-    Shading { integrator: Integrator::Reference, overlap: Overlap::Exact, silhouette: None, light: None };
+    Shading { integrator: Integrator::Reference, overlap: WidgetBlend::Exact, silhouette: None, light: None };
 
 fn uniform(s: [f64; 2], color: [f64; 3], extinction: f64) -> Widget {
     let region = Some(Region::rectangle(s, [f64::NEG_INFINITY, f64::INFINITY]));
@@ -31,7 +31,7 @@ fn two_cells() -> Scene {
     let points: Vec<DVec3> = corners.map(DVec3::from).to_vec();
     let scalar = points.iter().map(|p| p.z).collect();
     let tetrahedra = vec![[1, 2, 3, 4], [0, 1, 2, 3]];
-    let grid = Grid { points: Shared::from(points), tetrahedra: tetrahedra.into(), ..Grid::default() };
+    let grid = Grid { points: SharedSlice::from(points), tetrahedra: tetrahedra.into(), ..Grid::default() };
     let infinity = f64::INFINITY;
     let (red, green) = ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0]);
     Scene {
@@ -50,7 +50,7 @@ fn two_cells() -> Scene {
             samples: 1,
         },
         shading: PLAIN,
-        order: Order::Exact,
+        order: VisibilityOrder::Exact,
     }
 }
 
@@ -93,9 +93,9 @@ fn scenes() -> Vec<(&'static str, Scene)> {
     let grid = box_of_tetrahedra([4, 3, 5], [DVec3::ZERO, DVec3::ONE], 0.0);
     let gradient: Vec<DVec3> = grid.points.iter().map(|p| DVec3::new(2.0 * p.x, p.z, p.y)).collect();
     let volume = Arc::new(Volume {
-        scalar: Shared::from(sample(&grid, |p| p.x * p.x + p.y * p.z)),
-        gradient_magnitude: Some(Shared::from(gradient.iter().map(|v| v.length()).collect::<Vec<_>>())),
-        gradient: Some(Shared::from(gradient)),
+        scalar: SharedSlice::from(sample(&grid, |p| p.x * p.x + p.y * p.z)),
+        gradient_magnitude: Some(SharedSlice::from(gradient.iter().map(|v| v.length()).collect::<Vec<_>>())),
+        gradient: Some(SharedSlice::from(gradient)),
         grid: Arc::new(grid),
     });
     let gaussian = |centre: [f64; 2], color| Widget {
@@ -124,12 +124,12 @@ fn scenes() -> Vec<(&'static str, Scene)> {
         ("cut by the near plane, four rays", density, camera([2.0, -2.5, 1.0], 3.2, 4), PLAIN),
         ("silhouettes and light", density, outside, drawn),
         ("constant-emitter", constant, outside, drawn),
-        ("mixed", density, outside, Shading { overlap: Overlap::Mix, ..PLAIN }),
+        ("mixed", density, outside, Shading { overlap: WidgetBlend::Mix, ..PLAIN }),
     ]
     .into_iter()
     .map(|(name, model, camera, shading)| {
         let (volume, transfer_function) = (volume.clone(), look(model, widgets.clone()));
-        (name, Scene { volume, transfer_function, camera, shading, order: Order::Exact })
+        (name, Scene { volume, transfer_function, camera, shading, order: VisibilityOrder::Exact })
     })
     .collect()
 }
@@ -138,7 +138,7 @@ fn scenes() -> Vec<(&'static str, Scene)> {
 #[test]
 fn what_the_cells_add_is_the_pixel() {
     for (name, scene) in scenes() {
-        let picture = draw(&scene, &Silent).unwrap();
+        let picture = draw(&scene, &NoProgress).unwrap();
         let tracer = Tracer::new(&scene).unwrap();
         let mut lit = 0;
         for place in 0..9 * 7 {

@@ -4,7 +4,7 @@ use super::crossing::{Crossing, Ray, cross};
 use super::segment::{Integrand, Tolerance, Workspace};
 use crate::Contribution;
 use crate::scene::Scene;
-use crate::shading::{Light, Order};
+use crate::shading::{Light, VisibilityOrder};
 use glam::DVec3;
 use rayon::prelude::*;
 use voltet_core::camera::{Camera, Frame, Projection};
@@ -37,7 +37,7 @@ pub struct Tracer<'a> {
     frame: Frame,
     silhouette: Option<f64>,
     light: Option<Light>,
-    order: Order,
+    order: VisibilityOrder,
     /// Internal length unit in world units, a power of two about the size of what is seen.
     unit: f64,
     /// Points in the camera's axes (right, up, forward) from the eye, internal units.
@@ -62,20 +62,20 @@ impl<'a> Tracer<'a> {
                 let known = world.get(corner).is_some_and(|p| p.is_finite());
                 if !known || quantities[corner * stride..][..stride].iter().any(|q| !q.is_finite()) {
                     return Err(Error::run("a cell has a point that does not exist or is not finite")
-                        .found(format!("point {corner} of cell {cell}")));
+                        .got(format!("point {corner} of cell {cell}")));
                 }
             }
         }
         if let Some(light) = shading.light
             && !(light.direction.is_finite() && light.direction != DVec3::ZERO)
         {
-            return Err(Error::usage("the light's direction is zero or not finite").found(light.direction));
+            return Err(Error::usage("the light's direction is zero or not finite").got(light.direction));
         }
         if shading.light.is_some() || shading.silhouette.is_some() {
             let count = volume.gradient.as_ref().map_or(0, |g| g.len());
             if count != world.len() {
                 return Err(Error::run("light and silhouettes need a gradient at every point")
-                    .found(format!("{count} gradients, {} points", world.len())));
+                    .got(format!("{count} gradients, {} points", world.len())));
             }
         }
         let used = || volume.grid.tetrahedra.iter().flatten().map(|&p| world[p as usize] - camera.eye);
@@ -162,7 +162,7 @@ impl<'a> Tracer<'a> {
     /// Puts the crossings of one ray into the order of the scene.
     pub(super) fn sort(&self, crossings: &mut [Crossing]) {
         match self.order {
-            Order::Exact | Order::Auto => {
+            VisibilityOrder::Exact | VisibilityOrder::Auto => {
                 crossings.sort_unstable_by(|a, b| {
                     let by_depth = |k: usize| a.depth[k].total_cmp(&b.depth[k]);
                     by_depth(0).then(by_depth(1)).then(a.cell.cmp(&b.cell))
@@ -180,7 +180,7 @@ impl<'a> Tracer<'a> {
                     }
                 }
             }
-            Order::Centroid => crossings.sort_by_cached_key(|c| {
+            VisibilityOrder::Centroid => crossings.sort_by_cached_key(|c| {
                 let corners = self.corners(c.cell);
                 let centre: [f64; 3] = std::array::from_fn(|k| corners.iter().map(|p| p[k]).sum());
                 // Distances are positive, so their bits are in their order; a depth may be negative.
@@ -190,7 +190,7 @@ impl<'a> Tracer<'a> {
                 };
                 (ordered_bits(distance), c.cell)
             }),
-            Order::None => crossings.sort_unstable_by_key(|c| c.cell),
+            VisibilityOrder::None => crossings.sort_unstable_by_key(|c| c.cell),
         }
     }
 
@@ -330,7 +330,7 @@ fn quantities(volume: &Volume, transfer_function: &TransferFunction) -> Result<(
     }
     if let Some(wrong) = columns.iter().find(|c| c.len() != count) {
         return Err(Error::run("a point array has not one value for every point")
-            .found(format!("{} values, {count} points", wrong.len())));
+            .got(format!("{} values, {count} points", wrong.len())));
     }
     let values = (0..count).flat_map(|p| columns.iter().map(move |c| c[p])).collect();
     Ok((values, columns.len()))

@@ -3,7 +3,7 @@
 use super::crossing::{Crossing, Ray};
 use super::segment::{Integrand, Tolerance, Workspace};
 use super::tracer::{Seen, Tracer};
-use crate::{Contribution, Overlap};
+use crate::{Contribution, WidgetBlend};
 use voltet_core::Result;
 use voltet_core::transfer::TransferFunction;
 
@@ -66,7 +66,7 @@ impl Tracer<'_> {
 
     /// A ray cell by cell. `transfer_function`: the scene's. Errors: what cannot be integrated.
     pub fn walk(&self, ray: &Ray, transfer_function: &TransferFunction) -> Result<Walk> {
-        let each = Integrand::new(transfer_function, Overlap::Mix, Tolerance::PICTURE)?;
+        let each = Integrand::new(transfer_function, WidgetBlend::Mix, Tolerance::PICTURE)?;
         let crossings = self.crossings(ray);
         let (mut steps, mut work) = (Vec::with_capacity(crossings.len()), Workspace::default());
         let mut failure = Ok(());

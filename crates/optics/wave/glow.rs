@@ -1,9 +1,9 @@
 //! Waves of the constant-emitter: the light of the windows about the peaks where the profile exceeds the
 //! cutoff. Whole bands are alike, so any number of them is a geometric series.
 
-use super::super::clip::Stretch;
+use super::super::clip::ClippedSpan;
 use super::super::track::{Track, mean_transmittance_along};
-use super::spot::Spot;
+use super::spot::FlankPosition;
 use super::{Bell, Form, Place, WavePath, triangle};
 
 /// A part of one band, by signed distances from its peak.
@@ -27,9 +27,9 @@ impl Bell {
     fn part_area(&self, part: BandPart) -> f64 {
         let (p, q) = (part.from.abs(), part.to.abs());
         if part.from * part.to >= 0.0 {
-            self.flank(Spot::from_peak(p.max(q)), Spot::from_peak(p.min(q)))
+            self.flank(FlankPosition::from_peak(p.max(q)), FlankPosition::from_peak(p.min(q)))
         } else {
-            let half = |u| self.flank(Spot::from_peak(u), Spot::PEAK);
+            let half = |u| self.flank(FlankPosition::from_peak(u), FlankPosition::PEAK);
             half(p) + half(q)
         }
     }
@@ -38,7 +38,7 @@ impl Bell {
     fn lit(&self, part: BandPart, peak: f64) -> f64 {
         match self.form {
             Form::Triangle => {
-                triangle::lit(|u| self.value(Spot::from_peak(u.abs())), part.from, part.to, peak)
+                triangle::lit(|u| self.value(FlankPosition::from_peak(u.abs())), part.from, part.to, peak)
             }
             Form::Sine => lit_sine(self, part.from, part.to, peak),
         }
@@ -66,7 +66,7 @@ impl Place {
 impl WavePath {
     /// ∫ e^(−T) dt over the parts of the stretch where the profile exceeds `cutoff`; T counts from the start
     /// of the stretch. Times c D/U it is the constant-emitter colour.
-    pub fn glow(&self, peak: f64, stretch: &Stretch, cutoff: f64) -> f64 {
+    pub fn glow(&self, peak: f64, stretch: &ClippedSpan, cutoff: f64) -> f64 {
         let bell = &self.bell;
         let (a, b) = (stretch.at_start(self.front, self.back), stretch.at_end(self.front, self.back));
         // The bell is even: a falling phase is a rising one of the opposite sign.
@@ -130,16 +130,16 @@ impl Arc<'_> {
 
 impl Track for Arc<'_> {
     fn rate(&self, t: f64) -> f64 {
-        self.peak * self.bell.value(Spot::from_peak(self.place(t).abs()))
+        self.peak * self.bell.value(FlankPosition::from_peak(self.place(t).abs()))
     }
 
     fn depth(&self, t: f64, dt: f64) -> f64 {
         let (a, b) = (self.place(t), self.place(t + dt));
         let (p, q) = (a.abs(), b.abs());
         let mean = if a * b >= 0.0 {
-            self.bell.mean_on_flank(Spot::from_peak(p.max(q)), Spot::from_peak(p.min(q)))
+            self.bell.mean_on_flank(FlankPosition::from_peak(p.max(q)), FlankPosition::from_peak(p.min(q)))
         } else {
-            let half = |u| self.bell.flank(Spot::from_peak(u), Spot::PEAK);
+            let half = |u| self.bell.flank(FlankPosition::from_peak(u), FlankPosition::PEAK);
             (half(p) + half(q)) / (p + q)
         };
         self.peak * dt * mean.max(0.0)

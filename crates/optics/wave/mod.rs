@@ -15,9 +15,9 @@ mod triangle;
 
 pub use sine::{half_area as sine_half_area, half_width as sine_half_width};
 
-use super::clip::Stretch;
+use super::clip::ClippedSpan;
 use super::track::Track;
-use spot::Spot;
+use spot::FlankPosition;
 use voltet_core::transfer::Wave;
 
 /// The two profiles.
@@ -47,7 +47,7 @@ pub struct Bell {
 struct Place {
     /// ⌊φ⌋.
     band: f64,
-    spot: Spot,
+    spot: FlankPosition,
     /// Before the peak.
     rising: bool,
 }
@@ -57,7 +57,7 @@ impl Place {
     fn new(phase: f64) -> Place {
         let nearest = phase.round();
         let offset = phase - nearest;
-        let spot = Spot { foot: offset.abs(), peak: 0.5 - offset.abs() };
+        let spot = FlankPosition { foot: offset.abs(), peak: 0.5 - offset.abs() };
         if offset >= 0.0 {
             Place { band: nearest, spot, rising: true }
         } else {
@@ -99,13 +99,13 @@ impl Bell {
 
     /// The profile.
     #[inline]
-    fn value(&self, spot: Spot) -> f64 {
+    fn value(&self, spot: FlankPosition) -> f64 {
         self.mean_on_flank(spot, spot).max(0.0)
     }
 
     /// Mean of the profile between two places of one flank, neither beyond the reach.
     #[inline]
-    fn mean_on_flank(&self, low: Spot, high: Spot) -> f64 {
+    fn mean_on_flank(&self, low: FlankPosition, high: FlankPosition) -> f64 {
         match self.form {
             Form::Triangle => triangle::mean(self.band_width, low, high),
             Form::Sine => sine::mean(self.band_width, low, high),
@@ -114,17 +114,17 @@ impl Bell {
 
     /// Distance between two places of one flank, `low` the nearer to the foot.
     #[inline]
-    fn distance(&self, low: Spot, high: Spot) -> f64 {
+    fn distance(&self, low: FlankPosition, high: FlankPosition) -> f64 {
         if self.band_width == 1.0 { high.foot - low.foot } else { low.peak - high.peak }
     }
 
     /// Area between two places of one flank, `low` the nearer to the foot.
     #[inline]
-    fn flank(&self, low: Spot, high: Spot) -> f64 {
+    fn flank(&self, low: FlankPosition, high: FlankPosition) -> f64 {
         if high.peak >= self.reach {
             return 0.0;
         }
-        let low = if low.peak > self.reach { Spot::from_peak(self.reach) } else { low };
+        let low = if low.peak > self.reach { FlankPosition::from_peak(self.reach) } else { low };
         self.distance(low, high) * self.mean_on_flank(low, high).max(0.0)
     }
 
@@ -135,18 +135,18 @@ impl Bell {
                 let (low, high) = if from.rising { (from.spot, to.spot) } else { (to.spot, from.spot) };
                 return (self.flank(low, high), self.distance(low, high));
             }
-            let area = self.flank(from.spot, Spot::PEAK) + self.flank(to.spot, Spot::PEAK);
+            let area = self.flank(from.spot, FlankPosition::PEAK) + self.flank(to.spot, FlankPosition::PEAK);
             return (area, from.spot.peak + to.spot.peak);
         }
         let (front, front_length) = if from.rising {
-            (self.flank(from.spot, Spot::PEAK) + self.half, from.spot.peak + 0.5)
+            (self.flank(from.spot, FlankPosition::PEAK) + self.half, from.spot.peak + 0.5)
         } else {
-            (self.flank(Spot::FOOT, from.spot), from.spot.foot)
+            (self.flank(FlankPosition::FOOT, from.spot), from.spot.foot)
         };
         let (back, back_length) = if to.rising {
-            (self.flank(Spot::FOOT, to.spot), to.spot.foot)
+            (self.flank(FlankPosition::FOOT, to.spot), to.spot.foot)
         } else {
-            (self.half + self.flank(to.spot, Spot::PEAK), 0.5 + to.spot.peak)
+            (self.half + self.flank(to.spot, FlankPosition::PEAK), 0.5 + to.spot.peak)
         };
         let bands = to.band - from.band - 1.0;
         (front + bands * 2.0 * self.half + back, front_length + bands + back_length)
@@ -182,7 +182,7 @@ pub struct WavePath {
 
 impl WavePath {
     /// ∫ profile dt over the stretch.
-    pub fn integral(&self, stretch: &Stretch) -> f64 {
+    pub fn integral(&self, stretch: &ClippedSpan) -> f64 {
         let (a, b) = (stretch.at_start(self.front, self.back), stretch.at_end(self.front, self.back));
         stretch.length * self.bell.mean(a, b)
     }

@@ -1,7 +1,7 @@
 //! The sine wave: max(0, 1 − (1 − cos πu)/w) about each peak (Song et al. 2009, section 4.4).
 
 use super::super::special::{one_minus_sinc, sinc};
-use super::spot::Spot;
+use super::spot::FlankPosition;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// u_e = 2 asin √(w/2)/π; the form acos(1 − w)/π loses half of the digits of a narrow band.
@@ -19,7 +19,7 @@ pub fn half_area(band_width: f64, reach: f64) -> f64 {
 /// Of sin πz over [z₁, z₂]: sin(π z̄) sinc(Δ/2) (docs/optics.md, section 9). With a band width,
 /// 1 − (1 − cos(π ū) sinc(Δ/2))/w with the inner difference written as 2 sin²(π ū/2) sinc + (1 − sinc).
 #[inline]
-pub fn mean(band_width: f64, low: Spot, high: Spot) -> f64 {
+pub fn mean(band_width: f64, low: FlankPosition, high: FlankPosition) -> f64 {
     if band_width == 1.0 {
         return (FRAC_PI_2 * (low.foot + high.foot)).sin() * sinc(0.5 * (high.foot - low.foot));
     }

@@ -1,11 +1,11 @@
 //! The triangle wave: max(0, 1 − 2u/w) about each peak (Song et al. 2009, section 4.3).
 
 use super::super::linear::psi;
-use super::spot::Spot;
+use super::spot::FlankPosition;
 
 /// Mean between two places of one flank: linear, so the value at the middle.
 #[inline]
-pub fn mean(band_width: f64, low: Spot, high: Spot) -> f64 {
+pub fn mean(band_width: f64, low: FlankPosition, high: FlankPosition) -> f64 {
     if band_width == 1.0 {
         return low.foot + high.foot;
     }

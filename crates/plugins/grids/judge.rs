@@ -47,7 +47,7 @@ fn whole<T: Fresh>(numbers: &[T], each: usize, what: &str, whose: Whose) -> Resu
     };
     let missing = numbers.par_iter().with_min_len(1 << 14).filter(|number| number.is_unset()).count();
     let found = format!("{missing} of {} numbers unset, the first of tuple {}", numbers.len(), first / each);
-    Err(whose.error(&format!("did not write all of {what}")).found(found).accepted("every number"))
+    Err(whose.error(&format!("did not write all of {what}")).got(found).expected("every number"))
 }
 
 /// Errors: a number of no point.
@@ -56,12 +56,12 @@ fn within(numbers: &[u32], point_count: usize, what: &str, whose: Whose) -> Resu
     match numbers.par_iter().with_min_len(1 << 14).position_first(wrong) {
         None => Ok(()),
         Some(at) => Err(out_of_range(whose, &format!("{what}[{at}]"), numbers[at])
-            .accepted(format!("a point number below {point_count}"))),
+            .expected(format!("a point number below {point_count}"))),
     }
 }
 
 fn out_of_range(whose: Whose, what: &str, found: impl std::fmt::Display) -> Error {
-    whose.error(&format!("gave a number that is out of range: {what}")).found(found)
+    whose.error(&format!("gave a number that is out of range: {what}")).got(found)
 }
 
 fn judged_cells(mixed: Mixed, point_count: usize, whose: Whose) -> Result<CellSet> {
@@ -72,7 +72,7 @@ fn judged_cells(mixed: Mixed, point_count: usize, whose: Whose) -> Result<CellSe
     let wrong = |&cell: &u8| cell == code::POLYHEDRON || CellType::of(cell).is_none();
     if let Some(at) = types.par_iter().with_min_len(1 << 14).position_first(wrong) {
         let error = out_of_range(whose, &format!("types[{at}]"), types[at]);
-        return Err(error.accepted("a code of VTK's cells, polyhedra (42) excepted"));
+        return Err(error.expected("a code of VTK's cells, polyhedra (42) excepted"));
     }
     let accepted = |at: usize| match at {
         0 => (offsets[0] != 0).then(|| "0".to_string()),
@@ -83,7 +83,7 @@ fn judged_cells(mixed: Mixed, point_count: usize, whose: Whose) -> Result<CellSe
         _ => None,
     };
     if let Some((at, accepted)) = (0..offsets.len()).find_map(|at| Some((at, accepted(at)?))) {
-        return Err(out_of_range(whose, &format!("offsets[{at}]"), offsets[at]).accepted(accepted));
+        return Err(out_of_range(whose, &format!("offsets[{at}]"), offsets[at]).expected(accepted));
     }
     let wrong = |at: &usize| {
         let wanted = CellType::of(types[*at]).and_then(|cell| cell.point_count);
@@ -93,7 +93,7 @@ fn judged_cells(mixed: Mixed, point_count: usize, whose: Whose) -> Result<CellSe
         let wanted = CellType::of(types[at]).and_then(|cell| Some((cell.name, cell.point_count?)));
         let (name, wanted) = wanted.unwrap_or_default();
         let error = whose.error(&format!("gave cell {at}, a {name}, another number of points than it has"));
-        return Err(error.found(offsets[at + 1] - offsets[at]).accepted(wanted));
+        return Err(error.got(offsets[at + 1] - offsets[at]).expected(wanted));
     }
     within(&connectivity, point_count, "connectivity_u32", whose)?;
     let offsets = offsets.into_iter().map(|offset| offset as u64).collect();

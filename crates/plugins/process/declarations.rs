@@ -2,7 +2,7 @@
 
 use super::wire::{Reader, Writer};
 use crate::describe::{Declared, Family};
-use voltet_core::parameters::{Kind, Parameter, ParameterType, Range, Standard};
+use voltet_core::parameters::{DefaultValue, Parameter, ParameterType, Range, VariantSchema};
 
 /// A filter as it was declared.
 pub(super) fn write_declared(body: &mut Writer, declared: &Declared) {
@@ -53,7 +53,7 @@ pub(super) fn read_declared(reader: &mut Reader) -> Option<Declared> {
         let standard = read_standard(reader)?;
         Some(Parameter { name: name.leak(), unit: unit.leak(), help: help.leak(), parameter_type, standard })
     })?;
-    let kind = Kind { name: name.leak(), summary: summary.leak(), parameters: parameters.leak() };
+    let kind = VariantSchema { name: name.leak(), summary: summary.leak(), parameters: parameters.leak() };
     Some(Declared { kind, family, checks, components })
 }
 
@@ -127,45 +127,45 @@ fn read_type(reader: &mut Reader) -> Option<ParameterType> {
 }
 
 /// Those that [`crate::describe`] gives.
-fn write_standard(body: &mut Writer, standard: &Standard) {
+fn write_standard(body: &mut Writer, standard: &DefaultValue) {
     match *standard {
-        Standard::Unset(meaning) => {
+        DefaultValue::Unset(meaning) => {
             body.number(1);
             body.text(meaning);
         }
-        Standard::Boolean(flag) => {
+        DefaultValue::Boolean(flag) => {
             body.number(2);
             body.number(u64::from(flag));
         }
-        Standard::Integer(n) => {
+        DefaultValue::Integer(n) => {
             body.number(3);
             body.number(n as u64);
         }
-        Standard::Number(x) => {
+        DefaultValue::Number(x) => {
             body.number(4);
             body.float(x);
         }
-        Standard::Text(text) => {
+        DefaultValue::Text(text) => {
             body.number(5);
             body.text(text);
         }
-        Standard::Numbers(xs) => {
+        DefaultValue::Numbers(xs) => {
             body.number(6);
             body.floats(xs);
         }
-        Standard::Required | Standard::Integers(_) => body.number(0),
+        DefaultValue::Required | DefaultValue::Integers(_) => body.number(0),
     }
 }
 
-fn read_standard(reader: &mut Reader) -> Option<Standard> {
+fn read_standard(reader: &mut Reader) -> Option<DefaultValue> {
     Some(match reader.number()? {
-        0 => Standard::Required,
-        1 => Standard::Unset(reader.text()?.leak()),
-        2 => Standard::Boolean(reader.number()? == 1),
-        3 => Standard::Integer(reader.number()? as i64),
-        4 => Standard::Number(reader.float()?),
-        5 => Standard::Text(reader.text()?.leak()),
-        6 => Standard::Numbers(reader.floats()?.leak()),
+        0 => DefaultValue::Required,
+        1 => DefaultValue::Unset(reader.text()?.leak()),
+        2 => DefaultValue::Boolean(reader.number()? == 1),
+        3 => DefaultValue::Integer(reader.number()? as i64),
+        4 => DefaultValue::Number(reader.float()?),
+        5 => DefaultValue::Text(reader.text()?.leak()),
+        6 => DefaultValue::Numbers(reader.floats()?.leak()),
         _ => return None,
     })
 }

@@ -152,14 +152,14 @@ fn read_said(reader: &mut Reader) -> Option<Said> {
 
 /// An error as texts.
 pub(crate) fn failed(error: &Error) -> Answer {
-    let [found, accepted] = [&error.found, &error.accepted].map(|text| text.clone().unwrap_or_default());
+    let [found, accepted] = [&error.got, &error.accepted].map(|text| text.clone().unwrap_or_default());
     Answer::Failed([error.what.clone(), found, accepted])
 }
 
 /// The error again.
 pub(crate) fn failure<T>([what, found, accepted]: [String; 3]) -> Result<T> {
     let mut error = Error::usage(what);
-    error.found = (!found.is_empty()).then_some(found);
+    error.got = (!found.is_empty()).then_some(found);
     error.accepted = (!accepted.is_empty()).then_some(accepted);
     Err(error)
 }

@@ -28,7 +28,7 @@ pub(crate) fn load(path: &Path, program: PathBuf) -> Result<Vec<Offered>> {
     let (stated, _) = state_of(path)?;
     let start = Instant::now();
     let broken = |how: String| {
-        Error::usage("the plug-in cannot be loaded").found(format!("its process {how}")).in_file(path)
+        Error::usage("the plug-in cannot be loaded").got(format!("its process {how}")).in_file(path)
     };
     let end = hold(&program, path, &Request::Describe, |_| start.elapsed() < PATIENCE);
     let answers = match end {
@@ -59,9 +59,9 @@ impl Runner for Remote {
         let (now, _) = state_of(&self.plugin.path)?;
         if now.fingerprint != self.plugin.fingerprint {
             let error = whose.error("is not the one that was described: its file has changed");
-            return Err(error.accepted("the program begun again"));
+            return Err(error.expected("the program begun again"));
         }
-        let broken = |how: String| whose.error(&how).accepted("a plug-in that answers; the program goes on");
+        let broken = |how: String| whose.error(&how).expected("a plug-in that answers; the program goes on");
         let (is_check, stage, start) = (matches!(task, Task::Check(_)), task.stage(), Instant::now());
         let request = Request::Do(of.kind.name.into(), task);
         let waits = |fraction| {

@@ -10,7 +10,7 @@ use voltet_core::field::{Gradient, GradientFilter, LeastSquares, Method};
 use voltet_core::glam::DVec3;
 use voltet_core::grid::Grid;
 use voltet_core::grid::generate::{Random, box_of_tetrahedra, sample};
-use voltet_core::progress::{Progress, Silent};
+use voltet_core::progress::{NoProgress, Progress};
 use voltet_core::{Error, Result};
 use voltet_testing::compilers;
 
@@ -107,7 +107,7 @@ fn grid() -> (Grid, Vec<f64>) {
 
 fn gradient(filter: &Arc<dyn GradientFilter>, progress: &dyn Progress) -> Result<Gradient> {
     let (grid, scalar) = grid();
-    Method::standard(filter.clone())?.gradient(&grid, &scalar, progress)
+    Method::with_defaults(filter.clone())?.gradient(&grid, &scalar, progress)
 }
 
 /// Asks to stop after a while.
@@ -129,7 +129,7 @@ fn a_module_is_a_filter_like_any_other() {
     assert_eq!((plugin.name.as_str(), plugin.version.as_str()), ("even", "1.0"));
     // Each call is a module anew.
     for _ in 0..2 {
-        let found = gradient(filter, &Silent).unwrap();
+        let found = gradient(filter, &NoProgress).unwrap();
         assert!(found.vectors.iter().all(|v| *v == DVec3::new(1.0, 2.0, 3.0)));
     }
 }
@@ -158,7 +158,7 @@ fn what_a_module_does_wrong_is_an_error_that_names_it() {
     ];
     for (imports, body, wanted) in cases {
         let module = Wat { imports, ..Wat::new(body) };
-        let said = module.gradient(&Silent).unwrap_err().to_string();
+        let said = module.gradient(&NoProgress).unwrap_err().to_string();
         assert!(said.contains(wanted) && said.contains("'even'"), "{body}: {said}");
     }
 }
@@ -170,7 +170,7 @@ fn a_module_without_end_ends_where_the_user_says_so() {
     let error = endless.gradient(&Impatient(begun, Duration::from_millis(200))).unwrap_err();
     assert_eq!(error.kind, ErrorKind::Cancelled, "{error}");
     // And the module serves again.
-    assert!(Wat::new(EVEN).gradient(&Silent).is_ok());
+    assert!(Wat::new(EVEN).gradient(&NoProgress).is_ok());
 }
 
 #[test]
@@ -237,8 +237,8 @@ fn the_c_example_runs_in_the_sandbox_as_it_is() {
         return;
     };
     let filters = voltet_plugins::load(&path).unwrap().filters;
-    let found = gradient(&filters[0], &Silent).unwrap();
-    let own = gradient(&(Arc::new(LeastSquares) as Arc<dyn GradientFilter>), &Silent).unwrap();
+    let found = gradient(&filters[0], &NoProgress).unwrap();
+    let own = gradient(&(Arc::new(LeastSquares) as Arc<dyn GradientFilter>), &NoProgress).unwrap();
     let largest = own.vectors.iter().map(|v| v.length()).fold(0.0, f64::max);
     let off =
         own.vectors.iter().zip(&found.vectors).map(|(a, b)| (*a - *b).length()).fold(0.0, f64::max) / largest;
@@ -274,7 +274,7 @@ fn the_commands_of_the_page_make_a_module_that_runs() {
     let (parameter, method) = after("--set").split_once('=').unwrap();
     assert_eq!((parameter, filters[0].declaration().name), ("gradient.method", method));
     assert!(compilers::source(after("run")).is_file(), "{run:?}");
-    assert!(gradient(&filters[0], &Silent).is_ok());
+    assert!(gradient(&filters[0], &NoProgress).is_ok());
 }
 
 /// A sandbox says what it runs, and what it does not.

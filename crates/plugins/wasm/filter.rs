@@ -49,7 +49,7 @@ impl Sandboxed {
         work: impl FnOnce(&mut Running, u32, u32) -> std::result::Result<T, Wrong> + Send + 'static,
         mut ends: impl FnMut() -> bool,
     ) -> Result<T> {
-        let failed = |wrong: Wrong| whose.error("failed in its sandbox").found(wrong);
+        let failed = |wrong: Wrong| whose.error("failed in its sandbox").got(wrong);
         let (mut running, stop) = self.sandbox.start(state, memory_most).map_err(failed)?;
         let place = self.names.iter().position(|name| *name == whose.name()).unwrap_or(0) as u32;
         let of_use = state.clone();
@@ -152,7 +152,7 @@ impl Sandboxed {
             Err(_) if progress.cancelled() => Err(Error::cancelled()),
             Err(_) if begun.elapsed() > TIME_MOST => {
                 let error = whose.error("was stopped");
-                Err(error.found("no end").accepted(format!("an end within {} s", TIME_MOST.as_secs())))
+                Err(error.got("no end").expected(format!("an end within {} s", TIME_MOST.as_secs())))
             }
             Err(error) => Err(error),
         }

@@ -54,7 +54,7 @@ mod tests {
     use crate::optics::sums::{Sums, Term};
     use crate::portable::Portable as P;
     use voltet_core::transfer::{OpticalModel, Profile, Region, TransferFunction, Wave, Widget};
-    use voltet_optics::{Overlap, Prepared, Segment};
+    use voltet_optics::{CompiledTransferFunction, Segment, WidgetBlend};
 
     type F = <P as Lanes>::F;
 
@@ -99,8 +99,8 @@ mod tests {
                 fields_front: &[],
                 fields_back: &[],
             };
-            let prepared = Prepared::new(&function).expect("a valid transfer function");
-            let truth = prepared.integrate(&segment, Overlap::Exact).color;
+            let prepared = CompiledTransferFunction::new(&function).expect("a valid transfer function");
+            let truth = prepared.integrate(&segment, WidgetBlend::Exact).color;
             let all = splat(0.0).le(splat(1.0));
             for (found, exact) in sums.ordered(&terms, all).into_iter().zip(truth).take(2) {
                 let found = lane(found);

@@ -162,7 +162,7 @@ mod tests {
     use crate::optics::gaussian::{LaneGaussianPath, LaneGaussianTrack};
     use crate::{Kernel, LaneSet, dispatch};
     use voltet_core::transfer::{OpticalModel, Profile, Region, TransferFunction, Widget};
-    use voltet_optics::{Overlap, Prepared, Segment};
+    use voltet_optics::{CompiledTransferFunction, Segment, WidgetBlend};
 
     /// A segment, from s to s, and the rate that all widgets take.
     #[derive(Debug, Clone, Copy)]
@@ -236,8 +236,9 @@ mod tests {
         let look = TransferFunction { model, unit_distance: 1.0, widgets: widgets.collect() };
         let [front, back] = case.ends.map(|s| [f64::from(s), 0.0]);
         let segment = Segment { length: 1.0, front, back, fields_front: &[], fields_back: &[] };
-        let found =
-            Prepared::new(&look).expect("a valid transfer function").integrate(&segment, Overlap::Exact);
+        let found = CompiledTransferFunction::new(&look)
+            .expect("a valid transfer function")
+            .integrate(&segment, WidgetBlend::Exact);
         found.color.map(|c| c / found.opacity)
     }
 

@@ -7,7 +7,7 @@
 
 use super::elementary::mean_transparency;
 use crate::{Float, Lanes, Unsigned, array, inlined};
-use voltet_optics::integrators::{Matter, Ramp};
+use voltet_optics::integrators::{Material, Ramp};
 
 /// Planes of a group: as many as the widest vector has lanes.
 pub const GROUP: usize = 16;
@@ -140,7 +140,7 @@ fn narrow(x: f64) -> f32 {
 }
 
 impl Narrow {
-    fn new(matter: &Matter) -> Narrow {
+    fn new(matter: &Material) -> Narrow {
         Narrow { extinction: narrow(matter.extinction), glow: matter.glow.map(narrow) }
     }
 }

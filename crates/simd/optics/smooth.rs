@@ -117,7 +117,7 @@ pub(super) mod tests {
     use crate::optics::sums::{Sums, Term};
     use crate::portable::Portable as P;
     use voltet_core::transfer::{OpticalModel, Profile, TransferFunction, Widget};
-    use voltet_optics::{Overlap, Prepared, Segment};
+    use voltet_optics::{CompiledTransferFunction, Segment, WidgetBlend};
 
     type F = <P as Lanes>::F;
 
@@ -179,8 +179,9 @@ pub(super) mod tests {
             let model = OpticalModel::DensityEmitter;
             let function = TransferFunction { model, unit_distance: 1.0, widgets };
             let segment = Segment { length: 1.0, front, back, fields_front: &[], fields_back: &[] };
-            let truth =
-                Prepared::new(&function).expect("three Gaussians").integrate(&segment, Overlap::Exact);
+            let truth = CompiledTransferFunction::new(&function)
+                .expect("three Gaussians")
+                .integrate(&segment, WidgetBlend::Exact);
             for (found, exact) in sums.ordered(&terms, all).into_iter().zip(truth.color) {
                 let found = lane(found);
                 // Four roundings of the terms, and the twin of the depth: ε (8 + 4 |q|²), |q| up to 2.5.

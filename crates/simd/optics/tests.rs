@@ -12,11 +12,11 @@ use super::wave::{LaneBell, LanePhase, LaneWaveTrack};
 use crate::{Float, Kernel, LaneSet, Lanes, dispatch};
 use voltet_core::transfer::{ControlPoint, OpticalModel, Profile, Region, TransferFunction, Wave, Widget};
 use voltet_judge::twin::{self, INPUTS, Range};
-use voltet_optics::clip::Stretch;
+use voltet_optics::clip::ClippedSpan;
 use voltet_optics::gaussian::GaussianPath;
 use voltet_optics::triangular_gaussian::TriangularPath;
 use voltet_optics::wave::Bell;
-use voltet_optics::{Overlap, Prepared, Segment};
+use voltet_optics::{CompiledTransferFunction, Segment, WidgetBlend};
 use voltet_optics::{linear, special};
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -154,7 +154,7 @@ fn wave(band_width: f64) -> Wave {
 }
 
 fn exact(formula: Formula, x: &[f64; INPUTS]) -> f64 {
-    let band = |bell: Bell| bell.path([x[0], 0.0], [x[1], 0.0]).integral(&Stretch::WHOLE);
+    let band = |bell: Bell| bell.path([x[0], 0.0], [x[1], 0.0]).integral(&ClippedSpan::WHOLE);
     match formula {
         Formula::Exp => x[0].exp(),
         Formula::Opacity => special::opacity(x[0]),
@@ -163,7 +163,7 @@ fn exact(formula: Formula, x: &[f64; INPUTS]) -> f64 {
         Formula::Power => x[0].powf(x[1]),
         Formula::Gaussian => {
             let along = [x[2] - x[0], x[3] - x[1]];
-            GaussianPath::new([x[0], x[1]], [x[2], x[3]], along).optical_depth(1.0, &Stretch::WHOLE)
+            GaussianPath::new([x[0], x[1]], [x[2], x[3]], along).optical_depth(1.0, &ClippedSpan::WHOLE)
         }
         Formula::GaussianSteps => {
             let q = [x[0] + (3.0 + PLACE) * x[2], x[1] + (3.0 + PLACE) * x[3]];
@@ -190,20 +190,22 @@ fn exact(formula: Formula, x: &[f64; INPUTS]) -> f64 {
             inside(x[0], x[1]).min(inside(x[2], x[3]))
         }
         Formula::GaussianWalked => {
-            let depth = GaussianPath::new([x[0]], [x[1]], [x[1] - x[0]]).optical_depth(1.0, &Stretch::WHOLE);
+            let depth =
+                GaussianPath::new([x[0]], [x[1]], [x[1] - x[0]]).optical_depth(1.0, &ClippedSpan::WHOLE);
             UNSEEN + special::opacity(PEAK * depth)
         }
         Formula::TriangularWalked => {
             let path = TriangularPath::new([x[0], x[1]], [x[2], x[3]], PEAK);
-            UNSEEN + special::opacity(path.optical_depth(&Stretch::WHOLE))
+            UNSEEN + special::opacity(path.optical_depth(&ClippedSpan::WHOLE))
         }
         Formula::TriangularGaussian => {
-            TriangularPath::new([x[0], x[1]], [x[2], x[3]], 1.0).optical_depth(&Stretch::WHOLE)
+            TriangularPath::new([x[0], x[1]], [x[2], x[3]], 1.0).optical_depth(&ClippedSpan::WHOLE)
         }
         Formula::TriangularGaussianNd => {
             let (front, back) = ([x[0], x[1], 0.3], [x[2], -0.5, 0.7]);
             let along = [0, 1, 2].map(|i| back[i] - front[i]);
-            TriangularPath::over_fields(front, back, along, [x[3], 1.0], 1.0).optical_depth(&Stretch::WHOLE)
+            TriangularPath::over_fields(front, back, along, [x[3], 1.0], 1.0)
+                .optical_depth(&ClippedSpan::WHOLE)
         }
         Formula::Ordered(constant) => {
             let segment = Segment {
@@ -218,8 +220,8 @@ fn exact(formula: Formula, x: &[f64; INPUTS]) -> f64 {
             } else {
                 OpticalModel::DensityEmitter
             };
-            let prepared = Prepared::new(&several(model)).expect("a valid transfer function");
-            prepared.integrate(&segment, Overlap::Exact).color.into_iter().sum()
+            let prepared = CompiledTransferFunction::new(&several(model)).expect("a valid transfer function");
+            prepared.integrate(&segment, WidgetBlend::Exact).color.into_iter().sum()
         }
     }
 }

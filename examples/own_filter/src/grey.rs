@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use voltet::core::Result;
 use voltet::core::picture::Picture;
-use voltet::graph::{Call, Node, Outputs, Port, PortType, Value};
+use voltet::graph::{Node, Outputs, Port, PortType, RunContext, Value};
 
 /// The declaration.
 pub const NODE: Node = Node {
@@ -19,7 +19,7 @@ pub const NODE: Node = Node {
 /// Luminance of linear RGB with the primaries of sRGB (ITU-R BT.709-6, 3.2).
 const LUMINANCE: [f32; 3] = [0.2126, 0.7152, 0.0722];
 
-fn run(call: &mut Call) -> Result<Outputs> {
+fn run(call: &mut RunContext) -> Result<Outputs> {
     let picture = call.image("image")?;
     // Premultiplied linear RGBA: sums of colours are sums of light.
     let grey = |&[r, g, b, a]: &[f32; 4]| {

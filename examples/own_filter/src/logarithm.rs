@@ -3,7 +3,9 @@
 use std::sync::Arc;
 use voltet::core::grid::Grid;
 use voltet::core::{Error, Result};
-use voltet::graph::{Call, Node, Outputs, Parameter, ParameterType, Port, PortType, Range, Standard, Value};
+use voltet::graph::{
+    DefaultValue, Node, Outputs, Parameter, ParameterType, Port, PortType, Range, RunContext, Value,
+};
 
 /// The declaration; help, the checker and `explain` are made from it. What is asked of the node's output is asked of its
 /// input too, unless it has a function `demand` of its own.
@@ -20,7 +22,7 @@ pub const NODE: Node = Node {
         name: "least",
         parameter_type: ParameterType::Number(Range::above(0.0)),
         unit: "units of s",
-        standard: Standard::Number(1e-30),
+        standard: DefaultValue::Number(1e-30),
         help: "values below this are taken as this",
     }],
     example: include_str!("../own.toml"),
@@ -28,11 +30,11 @@ pub const NODE: Node = Node {
     ..Node::BLANK
 };
 
-fn run(call: &mut Call) -> Result<Outputs> {
+fn run(call: &mut RunContext) -> Result<Outputs> {
     let grid = call.grid("grid")?;
     let least = call.parameters.number("least")?;
     let Some(scalar) = &grid.scalar else {
-        return Err(Error::usage("the grid carries no scalar").accepted("scalar = \"…\" at the reader"));
+        return Err(Error::usage("the grid carries no scalar").expected("scalar = \"…\" at the reader"));
     };
     let logarithms = scalar.iter().map(|s| s.max(least).log10()).collect();
     // Points, cells and arrays are shared, not copied.

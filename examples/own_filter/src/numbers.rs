@@ -7,12 +7,12 @@ use voltet::core::grid::{Association, Cells};
 use voltet::core::progress::Progress;
 use voltet::core::reading::{ArrayOfFile, GridHead, GridRead, GridReader, OpenGrid};
 use voltet::core::{Error, Result};
-use voltet::graph::{Kind, Parameter, ParameterType, Parameters, Range, Standard};
+use voltet::graph::{DefaultValue, Parameter, ParameterType, Parameters, Range, VariantSchema};
 
 /// A reader has no state: all that it goes by is given to it.
 pub struct Numbers;
 
-const DECLARATION: Kind = Kind {
+const DECLARATION: VariantSchema = VariantSchema {
     name: "numbers",
     summary: "Reads a box of values: their counts along x, y and z, then the values.",
     // Beside what every reader has: path, scalar, time_step, ...
@@ -20,7 +20,7 @@ const DECLARATION: Kind = Kind {
         name: "spacing",
         parameter_type: ParameterType::Number(Range::above(0.0)),
         unit: "world units",
-        standard: Standard::Number(1.0),
+        standard: DefaultValue::Number(1.0),
         help: "the distance of neighbouring values",
     }],
 };
@@ -37,7 +37,7 @@ struct Open {
 }
 
 impl GridReader for Numbers {
-    fn declaration(&self) -> Kind {
+    fn declaration(&self) -> VariantSchema {
         DECLARATION
     }
 
@@ -57,18 +57,18 @@ impl GridReader for Numbers {
         _progress: &dyn Progress,
     ) -> Result<Box<dyn OpenGrid>> {
         let text =
-            fs::read_to_string(path).map_err(|error| Error::run("the file cannot be read").found(error))?;
+            fs::read_to_string(path).map_err(|error| Error::run("the file cannot be read").got(error))?;
         let line = text.lines().next().unwrap_or_default();
         let counts: Vec<usize> =
             line.split_whitespace().skip(1).filter_map(|word| word.parse().ok()).collect();
         let [x, y, z] = counts[..] else {
-            return Err(Error::run("the counts are missing").found(line).accepted("\"numbers 3 4 5\""));
+            return Err(Error::run("the counts are missing").got(line).expected("\"numbers 3 4 5\""));
         };
         let product = |counts: [usize; 3]| counts.iter().try_fold(1usize, |all, &n| all.checked_mul(n));
         let fits = product([x, y, z]).filter(|&points| x.min(y).min(z) > 1 && points <= text.len());
         let Some(point_count) = fits else {
-            let wrong = Error::run("the counts do not fit the file").found(line);
-            return Err(wrong.accepted("2 or more along each axis, and as many values"));
+            let wrong = Error::run("the counts do not fit the file").got(line);
+            return Err(wrong.expected("2 or more along each axis, and as many values"));
         };
         let head = GridHead {
             format: "box of numbers, text".into(),
@@ -102,13 +102,11 @@ impl OpenGrid for Open {
         let values = |_: &usize| {
             let words = self.text.lines().skip(1).flat_map(str::split_whitespace);
             let number =
-                |word: &str| word.parse::<f64>().map_err(|_| Error::run("this is no number").found(word));
+                |word: &str| word.parse::<f64>().map_err(|_| Error::run("this is no number").got(word));
             let values: Vec<f64> = words.map(number).collect::<Result<_>>()?;
             match values.len() == x * y * z {
                 true => Ok(values),
-                false => {
-                    Err(Error::run("the values are not as many").found(values.len()).accepted(x * y * z))
-                }
+                false => Err(Error::run("the values are not as many").got(values.len()).expected(x * y * z)),
             }
         };
         Ok(GridRead {

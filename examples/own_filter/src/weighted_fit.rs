@@ -9,12 +9,12 @@ use voltet::core::field::{Fallback, Gradient, GradientFilter, for_points};
 use voltet::core::glam::{DMat3, DVec3};
 use voltet::core::grid::{Grid, Neighbours, cells_of_points};
 use voltet::core::progress::Progress;
-use voltet::graph::{Kind, Parameter, ParameterType, Parameters, Range, Standard};
+use voltet::graph::{DefaultValue, Parameter, ParameterType, Parameters, Range, VariantSchema};
 
 /// A filter has no state: all that it goes by is given to it.
 pub struct WeightedFit;
 
-const DECLARATION: Kind = Kind {
+const DECLARATION: VariantSchema = VariantSchema {
     name: "weighted-fit",
     summary: "Linear fit to the neighbouring points, weighted by a power of their distance.",
     parameters: &[
@@ -22,14 +22,14 @@ const DECLARATION: Kind = Kind {
             name: "power",
             parameter_type: ParameterType::Number(Range::within(0.0, 4.0)),
             unit: "",
-            standard: Standard::Number(1.0),
+            standard: DefaultValue::Number(1.0),
             help: "the power of the distance that a neighbour's weight is divided by; 1 is least-squares",
         },
         Parameter {
             name: "trust",
             parameter_type: ParameterType::Text,
             unit: "",
-            standard: Standard::Unset("every point alike"),
+            standard: DefaultValue::Unset("every point alike"),
             help: "the point array that says how far each point is trusted: 0 not at all",
         },
     ],
@@ -39,7 +39,7 @@ const DECLARATION: Kind = Kind {
 const FLAT: f64 = 1e-9;
 
 impl GradientFilter for WeightedFit {
-    fn declaration(&self) -> Kind {
+    fn declaration(&self) -> VariantSchema {
         DECLARATION
     }
 
@@ -57,7 +57,7 @@ impl GradientFilter for WeightedFit {
     ) -> Result<Gradient> {
         let power = parameters.number("power")?;
         let trust = trust(parameters).map(|name| grid.point_array(name, 1)).transpose();
-        let trust = trust.map_err(|error| parameters.blame("trust", error))?;
+        let trust = trust.map_err(|error| parameters.locate("trust", error))?;
         let trust_of = |q: usize| trust.map_or(1.0, |array| array.values[q].max(0.0));
         let cells = cells_of_points(grid);
         // On all cores, point by point; `neighbours` is the memory of one thread.

@@ -2,7 +2,7 @@
 
 use voltet_core::transfer::OpticalModel;
 use voltet_judge::{Kind, parse, stiff};
-use voltet_optics::Overlap;
+use voltet_optics::WidgetBlend;
 use voltet_optics::reference::integrate;
 
 /// The fixtures' exact values, by the bound that they state for quadrature: 1e-10 (narrow: 1e-9) of the value
@@ -22,8 +22,8 @@ fn segments_equal_the_exact_values() {
         if case.category == "bands" && line_number % 6 != 0 {
             continue;
         }
-        let found =
-            integrate(&segment.segment(), &segment.transfer_function, Overlap::Exact).expect("integrates");
+        let found = integrate(&segment.segment(), &segment.transfer_function, WidgetBlend::Exact)
+            .expect("integrates");
         let relative = if case.category == "narrow" { 1e-9 } else { 1e-10 };
         let condition = |k: f64| if case.category == "edges" { 5.0 } else { k };
         let exact = &segment.exact;
@@ -61,7 +61,7 @@ fn stiff_segments_equal_the_exact_values() {
     for case in stiff().expect("the case file is well formed") {
         let Kind::Segment(segment) = &case.kind else { continue };
         judged += 1;
-        let found = match integrate(&segment.segment(), &segment.transfer_function, Overlap::Exact) {
+        let found = match integrate(&segment.segment(), &segment.transfer_function, WidgetBlend::Exact) {
             Ok(found) => found,
             Err(error) => {
                 wrong.push(format!("{} ({}): {error}", case.id, case.subject));

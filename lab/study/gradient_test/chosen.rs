@@ -2,7 +2,7 @@
 
 use voltet_core::field::Method;
 use voltet_core::{Error, Result};
-use voltet_graph::{Field, Origin, Parameters, Registry};
+use voltet_graph::{Field, Parameters, Registry, SourceSpan};
 
 /// The filter of this name with what is set of its parameters, then those `beside` it with their standard values: all others that can
 /// be tested, without names.
@@ -16,13 +16,13 @@ pub fn methods(
 ) -> Result<Vec<Method>> {
     let filter = registry.find_filter(name)?.clone();
     let declared = filter.declaration().parameters;
-    let parameters = Parameters::check(declared, set, &Origin::Nowhere, &[])?;
+    let parameters = Parameters::check(declared, set, &SourceSpan::Nowhere, &[])?;
     let method = Method::new(filter, parameters)?;
     if let Some(array) = method.arrays()?.into_iter().next() {
         let error = Error::usage("the filter reads a point array, and manufactured grids carry none");
         return Err(error
-            .found(format!("'{array}'"))
-            .accepted("a filter that computes gradients")
+            .got(format!("'{array}'"))
+            .expected("a filter that computes gradients")
             .at_item(name));
     }
     let mut methods = vec![method];
@@ -32,12 +32,12 @@ pub fn methods(
     };
     for name in others.iter().filter(|other| *other != name && !other.is_empty()) {
         // Those that cannot go without parameters or arrays are left out, unless they were asked for.
-        let other = Method::standard(registry.find_filter(name)?.clone());
+        let other = Method::with_defaults(registry.find_filter(name)?.clone());
         match other.and_then(|other| other.arrays().map(|arrays| (other, arrays))) {
             Ok((other, arrays)) if arrays.is_empty() => methods.push(other),
             Ok((_, arrays)) if beside.is_some() => {
                 let error = Error::usage("the filter reads a point array, and manufactured grids carry none");
-                return Err(error.found(arrays.join(", ")).at_item(name));
+                return Err(error.got(arrays.join(", ")).at_item(name));
             }
             Err(error) if beside.is_some() => return Err(error.at_item(name)),
             _ => {}

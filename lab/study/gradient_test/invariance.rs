@@ -7,7 +7,7 @@ use super::meshes::{Mesh, turn};
 use super::subject::{Subject, sizes};
 use glam::DVec3;
 use voltet_core::Result;
-use voltet_core::Shared;
+use voltet_core::SharedSlice;
 use voltet_core::grid::Grid;
 use voltet_core::grid::generate::{Random, sample};
 use voltet_core::progress::Progress;
@@ -37,7 +37,7 @@ pub(super) fn invariance(
     let [_, scale] = sizes(usual.iter().map(|v| v.length()));
     let [_, reach] = sizes(FAR.to_array().into_iter());
     let moved = |place: &dyn Fn(DVec3) -> DVec3| Grid {
-        points: Shared::from(grid.points.iter().map(|&p| place(p)).collect::<Vec<_>>()),
+        points: SharedSlice::from(grid.points.iter().map(|&p| place(p)).collect::<Vec<_>>()),
         ..grid.clone()
     };
     let with = |change: &dyn Fn(f64) -> f64| scalar.iter().map(|&s| change(s)).collect::<Vec<f64>>();

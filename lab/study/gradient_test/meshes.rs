@@ -1,7 +1,7 @@
 //! Grids over the unit cube, from even to stretched, each at any fineness.
 
 use glam::{DMat3, DVec3};
-use voltet_core::Shared;
+use voltet_core::SharedSlice;
 use voltet_core::grid::Grid;
 use voltet_core::grid::generate::box_of_tetrahedra;
 
@@ -48,8 +48,10 @@ impl Mesh {
                 }
             }
         };
-        let grid =
-            Grid { points: Shared::from(grid.points.iter().map(|&p| place(p)).collect::<Vec<_>>()), ..grid };
+        let grid = Grid {
+            points: SharedSlice::from(grid.points.iter().map(|&p| place(p)).collect::<Vec<_>>()),
+            ..grid
+        };
         Meshed { grid, at_boundary }
     }
 }

@@ -8,21 +8,21 @@ use crate::work_precision;
 use glam::DVec3;
 use std::sync::Arc;
 use voltet_core::Result;
-use voltet_core::Shared;
+use voltet_core::SharedSlice;
 use voltet_core::camera::{Camera, Projection};
 use voltet_core::field::magnitude;
 use voltet_core::grid::Grid;
 use voltet_core::grid::generate::sample;
 use voltet_core::picture::Picture;
-use voltet_core::progress::{Progress, Unreported};
+use voltet_core::progress::{CancelOnly, Progress};
 use voltet_core::transfer::{OpticalModel, Profile, TransferFunction, Widget};
 use voltet_core::volume::Volume;
 use voltet_io::encode;
 use voltet_nodes::drawing::ENGINES;
-use voltet_optics::Overlap;
-use voltet_optics::engine::{AdapterWish, Engine, Manner};
+use voltet_optics::WidgetBlend;
+use voltet_optics::engine::{AdapterRequest, Engine, RenderOptions};
 use voltet_optics::scene::Scene;
-use voltet_optics::shading::{Integrator, Light, Order, Shading};
+use voltet_optics::shading::{Integrator, Light, Shading, VisibilityOrder};
 
 /// What the pictures are drawn with: the engine that draws every scene.
 pub(super) struct Easel {
@@ -40,7 +40,7 @@ const PAPER: [f64; 3] = [1.0; 3];
 impl Easel {
     /// Draws with the exact gradient.
     pub fn new(progress: &dyn Progress) -> Result<Easel> {
-        let engine = ENGINES[0].open(&AdapterWish::hardware(None))?;
+        let engine = ENGINES[0].open(&AdapterRequest::hardware(None))?;
         let grid = Arc::new(Mesh::Distorted.grid(COUNT).grid);
         let exact = draw(engine.as_ref(), &grid, sample(&grid, FIELD.gradient), progress)?;
         Ok(Easel { engine, grid, exact })
@@ -81,14 +81,14 @@ fn draw(
 ) -> Result<Picture> {
     let volume = Arc::new(Volume {
         grid: grid.clone(),
-        scalar: Shared::from(sample(grid, FIELD.value)),
-        gradient_magnitude: Some(Shared::from(magnitude(&gradient))),
-        gradient: Some(Shared::from(gradient)),
+        scalar: SharedSlice::from(sample(grid, FIELD.value)),
+        gradient_magnitude: Some(SharedSlice::from(magnitude(&gradient))),
+        gradient: Some(SharedSlice::from(gradient)),
     });
     let light = Light { ambient: 0.4, diffuse: 0.6, direction: DVec3::new(-1.0, -1.5, 2.0).normalize() };
     let shading = Shading {
         integrator: Integrator::Analytic,
-        overlap: Overlap::Exact,
+        overlap: WidgetBlend::Exact,
         silhouette: None,
         light: Some(light),
     };
@@ -97,9 +97,9 @@ fn draw(
         transfer_function: Arc::new(look()),
         camera: camera(),
         shading,
-        order: Order::Exact,
+        order: VisibilityOrder::Exact,
     };
-    Ok(engine.prepare(&volume)?.draw(&scene, &Manner::default(), &Unreported(progress))?.picture)
+    Ok(engine.prepare(&volume)?.draw(&scene, &RenderOptions::default(), &CancelOnly(progress))?.picture)
 }
 
 /// The steep flank of the peak, and its summit, which is flat: only g tells them from what has the same s elsewhere.

@@ -6,8 +6,8 @@ use voltet_core::Result;
 use voltet_core::error::ErrorKind;
 use voltet_core::field::Method;
 use voltet_core::grid::Grid;
-use voltet_core::parameters::{Parameter, Setting};
-use voltet_core::progress::{Progress, Unreported};
+use voltet_core::parameters::{LocatedValue, Parameter};
+use voltet_core::progress::{CancelOnly, Progress};
 
 /// A filter that is measured.
 pub(super) struct Subject<'a> {
@@ -19,7 +19,7 @@ impl<'a> Subject<'a> {
     /// Nothing is found of it yet.
     pub fn new(method: &'a Method) -> Subject<'a> {
         let kind = method.declaration();
-        let value = |(parameter, setting): (&Parameter, Option<&Setting>)| {
+        let value = |(parameter, setting): (&Parameter, Option<&LocatedValue>)| {
             let value =
                 setting.map_or_else(|| parameter.standard.to_string(), |setting| setting.datum.to_string());
             (parameter.name.to_string(), value)
@@ -51,7 +51,7 @@ impl<'a> Subject<'a> {
         scalar: &[f64],
         progress: &dyn Progress,
     ) -> Result<Option<Vec<DVec3>>> {
-        let gradient = match self.method.gradient(grid, scalar, &Unreported(progress)) {
+        let gradient = match self.method.gradient(grid, scalar, &CancelOnly(progress)) {
             Ok(gradient) => gradient,
             Err(error) if error.kind == ErrorKind::Cancelled => return Err(error),
             Err(error) => {

@@ -6,16 +6,16 @@ use std::sync::Arc;
 use voltet_core::Error;
 use voltet_core::field::{Gradient, GradientFilter, LeastSquares, QuadraticFit, VolumeWeighted};
 use voltet_core::grid::Grid;
-use voltet_core::parameters::{Kind, Parameters};
-use voltet_core::progress::Silent;
+use voltet_core::parameters::{Parameters, VariantSchema};
+use voltet_core::progress::NoProgress;
 
 fn quick() -> Wish {
     Wish { levels: vec![6, 12], timed: 4, rounds: 1, ..Wish::default() }
 }
 
 fn test_of(filter: impl GradientFilter + 'static) -> GradientTest {
-    let method = Method::standard(Arc::new(filter)).expect("has no parameters");
-    gradient_test(&[method], &quick(), &Silent).expect("is measured")
+    let method = Method::with_defaults(Arc::new(filter)).expect("has no parameters");
+    gradient_test(&[method], &quick(), &NoProgress).expect("is measured")
 }
 
 /// Which requirements hold: finite, linear, order, invariance.
@@ -30,8 +30,8 @@ type Change = fn(&Grid, &[f64], Vec<DVec3>) -> Result<Vec<DVec3>>;
 struct Changed(Change);
 
 impl GradientFilter for Changed {
-    fn declaration(&self) -> Kind {
-        Kind { name: "changed", summary: "Least squares with a mistake.", parameters: &[] }
+    fn declaration(&self) -> VariantSchema {
+        VariantSchema { name: "changed", summary: "Least squares with a mistake.", parameters: &[] }
     }
 
     fn gradient(&self, grid: &Grid, s: &[f64], p: &Parameters, progress: &dyn Progress) -> Result<Gradient> {
@@ -93,7 +93,7 @@ fn what_looks_at_numbers_or_places_is_found() {
 fn a_filter_that_fails_is_what_is_found() {
     let refuses = test_of(Changed(|grid, _, vectors| match grid.points.len() {
         0..300 => Ok(vectors),
-        count => Err(Error::run("too many points for me").found(count)),
+        count => Err(Error::run("too many points for me").got(count)),
     }));
     assert_eq!(held(&refuses), [false, false, false, false], "{}", text(&refuses));
     let said = text(&refuses);
@@ -110,9 +110,9 @@ fn a_filter_that_fails_is_what_is_found() {
 #[test]
 fn tables_plot_and_page_name_every_filter() {
     let methods: Vec<Method> = [Arc::new(LeastSquares) as Arc<dyn GradientFilter>, Arc::new(VolumeWeighted)]
-        .map(|filter| Method::standard(filter).expect("has no parameters"))
+        .map(|filter| Method::with_defaults(filter).expect("has no parameters"))
         .to_vec();
-    let test = gradient_test(&methods, &quick(), &Silent).expect("is measured");
+    let test = gradient_test(&methods, &quick(), &NoProgress).expect("is measured");
     let (svg, table) = (plot(&test).svg(), text(&test));
     let page = page(&test, &svg);
     for name in ["least-squares", "volume-weighted"] {

@@ -37,7 +37,7 @@ impl Wish {
     pub fn check(&self, named: impl Fn(&str) -> String) -> Result<()> {
         let wrong = |what: &str, found: String, accepted: &str| {
             let error = Error::usage(format!("{} is out of range", named(what)));
-            Err(error.found(found).accepted(accepted))
+            Err(error.got(found).expected(accepted))
         };
         let rising = self.levels.windows(2).all(|pair| pair[0] < pair[1]);
         if self.levels.len() < 2 || !rising || self.levels.iter().any(|n| !(2..=128).contains(n)) {

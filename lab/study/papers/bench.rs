@@ -8,9 +8,9 @@ use voltet_core::Result;
 use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
 use voltet_nodes::drawing::NATIVE;
-use voltet_optics::Overlap;
+use voltet_optics::WidgetBlend;
 use voltet_optics::engine::Accumulation;
-use voltet_optics::shading::{Integrator, Order};
+use voltet_optics::shading::{Integrator, VisibilityOrder};
 
 /// What papers are made anew with.
 pub(super) struct Bench<'a> {
@@ -59,7 +59,7 @@ impl<'a> Bench<'a> {
     }
 
     /// A scene drawn on the CPU.
-    pub fn shot(&self, scene: &Scene, integrator: Integrator, overlap: Overlap) -> Result<Shot> {
+    pub fn shot(&self, scene: &Scene, integrator: Integrator, overlap: WidgetBlend) -> Result<Shot> {
         let Scene { subject, reference } = scene;
         let (picture, cost) = self.measured(subject, integrator, overlap)?;
         let errors = work::errors(&picture, reference);
@@ -71,7 +71,7 @@ impl<'a> Bench<'a> {
         &self,
         subject: &Subject,
         integrator: Integrator,
-        overlap: Overlap,
+        overlap: WidgetBlend,
     ) -> Result<(Picture, work::Cost)> {
         let wish = work::Wish {
             only: Vec::new(),
@@ -82,7 +82,7 @@ impl<'a> Bench<'a> {
             max_error: None,
             refine: 0,
         };
-        let (painter, order, accumulation) = (Painter::NATIVE, Order::Exact, Accumulation::Float);
+        let (painter, order, accumulation) = (Painter::NATIVE, VisibilityOrder::Exact, Accumulation::Float);
         let setting = Setting { painter, integrator, overlap, order, accumulation };
         Benches::open(subject, &wish)?.measure(subject, &setting, &wish.frames, self.progress)
     }
@@ -94,11 +94,11 @@ impl<'a> Bench<'a> {
         ms: f64,
         with: impl Fn(usize) -> Integrator,
     ) -> Result<(usize, Shot)> {
-        let mut best = (1, self.shot(scene, with(1), Overlap::Exact)?);
+        let mut best = (1, self.shot(scene, with(1), WidgetBlend::Exact)?);
         let mut last = best.1.ms;
         while best.1.ms < ms && best.0 < 1024 {
             let count = 2 * best.0;
-            let shot = self.shot(scene, with(count), Overlap::Exact)?;
+            let shot = self.shot(scene, with(count), WidgetBlend::Exact)?;
             last = shot.ms;
             if shot.ms > ms {
                 break;
@@ -110,7 +110,7 @@ impl<'a> Bench<'a> {
         if last > ms && share.is_finite() && share > 0.0 {
             let count = best.0 + (share.min(1.0) * best.0 as f64) as usize;
             if count > best.0 {
-                return Ok((count, self.shot(scene, with(count), Overlap::Exact)?));
+                return Ok((count, self.shot(scene, with(count), WidgetBlend::Exact)?));
             }
         }
         Ok(best)

@@ -9,7 +9,7 @@ use super::roettger_ertl::interleaved;
 use crate::work_precision::errors;
 use voltet_core::Result;
 use voltet_core::picture::Picture;
-use voltet_optics::Overlap;
+use voltet_optics::WidgetBlend;
 use voltet_optics::integrators::from_cylinder;
 use voltet_optics::shading::Integrator;
 
@@ -33,7 +33,7 @@ pub(super) fn pictures(bench: &Bench, section: &mut Section) -> Result<()> {
     let subject = bench.subject("roettger_ertl_sphere.toml", &[])?;
     let cells = subject.scene.volume.grid.tetrahedra.len();
     let scene = bench.referred(subject)?;
-    let shot = |integrator| bench.shot(&scene, integrator, Overlap::Exact);
+    let shot = |integrator| bench.shot(&scene, integrator, WidgetBlend::Exact);
     let exact = shot(Integrator::Clipped)?;
     let (table_size, oversampling) = (64, 2);
     let table = shot(Integrator::PreIntegrated { table_size, oversampling })?;
@@ -119,8 +119,8 @@ fn many(bench: &Bench, section: &mut Section) -> Result<()> {
     let subject = bench.subject("roettger_ertl_many.toml", &["grid.resolution=[58,58,59]".into()])?;
     let cells = subject.scene.volume.grid.tetrahedra.len();
     let planes = Integrator::PreIntegratedCylindrical { table_size: 256, oversampling: 2, planes: 1 };
-    let (exact, closed) = bench.measured(&subject, Integrator::Clipped, Overlap::Exact)?;
-    let (picture, tiled) = bench.measured(&subject, planes, Overlap::Exact)?;
+    let (exact, closed) = bench.measured(&subject, Integrator::Clipped, WidgetBlend::Exact)?;
+    let (picture, tiled) = bench.measured(&subject, planes, WidgetBlend::Exact)?;
     let loss = errors(&picture, &exact);
     section.figure(
         "figure_12",

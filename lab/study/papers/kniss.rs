@@ -11,7 +11,7 @@ use std::sync::Arc;
 use voltet_core::Result;
 use voltet_core::picture::Picture;
 use voltet_core::transfer::{Profile, TransferFunction};
-use voltet_optics::Overlap;
+use voltet_optics::WidgetBlend;
 use voltet_optics::shading::Integrator;
 
 /// Table 5: seconds a frame for one to four primitives.
@@ -51,7 +51,7 @@ const HEAD: [&str; 6] = ["here", "printed", "ms", "rms error", "largest error", 
 fn figure_1(bench: &Bench, section: &mut Section) -> Result<()> {
     section.part("Figure 1: thin boundaries, analytic and numerical");
     let scene = bench.scene("kniss_boundaries.toml")?;
-    let shot = |integrator| bench.shot(&scene, integrator, Overlap::Exact);
+    let shot = |integrator| bench.shot(&scene, integrator, WidgetBlend::Exact);
     let exact = shot(Integrator::Analytic)?;
     let tabled = shot(TABLED)?;
     let [three, one] = [shot(Integrator::Riemann { count: 3 })?, shot(Integrator::Riemann { count: 1 })?];
@@ -132,7 +132,7 @@ fn figure_6(bench: &Bench, section: &mut Section) -> Result<()> {
     let [width, height] = bench.wish.size;
     let subject = bench.subject("kniss_fields.toml", &[format!("view.size=[{width},{height}]")])?;
     let scene = bench.referred(first(&subject, 3))?;
-    let shot = |integrator| bench.shot(&scene, integrator, Overlap::Exact);
+    let shot = |integrator| bench.shot(&scene, integrator, WidgetBlend::Exact);
     let (one, tabled) = (shot(Integrator::Riemann { count: 1 })?, shot(TABLED)?);
     let four = shot(Integrator::Riemann { count: 4 })?;
     let exact = shot(Integrator::Analytic)?;
@@ -182,7 +182,7 @@ fn table_5(bench: &Bench, section: &mut Section) -> Result<()> {
         Some((&triangular, TABLED)),
     ];
     let time = |subject: &Subject, integrator, count| -> Result<f64> {
-        Ok(bench.measured(&first(subject, count), integrator, Overlap::Exact)?.1.frame.median_ms)
+        Ok(bench.measured(&first(subject, count), integrator, WidgetBlend::Exact)?.1.frame.median_ms)
     };
     let (mut rows, mut unit) = (Vec::new(), None);
     let mut cell = |way: Option<(&Subject, Integrator)>, count| -> Result<(String, Option<f64>)> {
@@ -242,7 +242,7 @@ fn table_of_gaussians(bench: &Bench, section: &mut Section) -> Result<()> {
     let mut found = Vec::new();
     for table_size in [32, 64, 128, 256, 512] {
         let shots = [&scene, &narrow]
-            .map(|scene| bench.shot(scene, Integrator::Tabulated { table_size }, Overlap::Exact));
+            .map(|scene| bench.shot(scene, Integrator::Tabulated { table_size }, WidgetBlend::Exact));
         let [wide, thin] = shots;
         let [wide, thin] = [wide?, thin?];
         let cells = |shot: &Shot| {

@@ -4,7 +4,7 @@ use super::Paper;
 use super::bench::Bench;
 use super::page::Section;
 use voltet_core::Result;
-use voltet_optics::Overlap;
+use voltet_optics::WidgetBlend;
 use voltet_optics::integrators::{STANDARD_OVERSAMPLING, STANDARD_SIDE};
 use voltet_optics::shading::Integrator;
 
@@ -23,7 +23,7 @@ pub(super) fn section(bench: &mut Bench) -> Result<Section> {
         ("pre-integrated, 256³: \"the accuracy of pre-integration is low\"", tabled),
     ];
     let shots =
-        ways.iter().map(|way| bench.shot(&scene, way.1, Overlap::Exact)).collect::<Result<Vec<_>>>()?;
+        ways.iter().map(|way| bench.shot(&scene, way.1, WidgetBlend::Exact)).collect::<Result<Vec<_>>>()?;
     section.part("Figure 1.1");
     let background = scene.subject.background;
     section.figure(

@@ -10,7 +10,7 @@ use std::sync::Arc;
 use voltet_core::Result;
 use voltet_core::grid::extent;
 use voltet_core::transfer::{ControlPoint, Profile, TransferFunction, Widget};
-use voltet_optics::Overlap;
+use voltet_optics::WidgetBlend;
 use voltet_optics::integrators::STANDARD_SIDE;
 use voltet_optics::shading::Integrator;
 
@@ -69,7 +69,7 @@ fn table_1(bench: &mut Bench, section: &mut Section) -> Result<()> {
         one.scene.transfer_function = Arc::new(ramp(&subject));
         one.needs_order = one.scene.needs_order();
         let ms = |subject: &Subject, integrator| {
-            bench.measured(subject, integrator, Overlap::Exact).map(|(_, cost)| cost.frame.median_ms)
+            bench.measured(subject, integrator, WidgetBlend::Exact).map(|(_, cost)| cost.frame.median_ms)
         };
         let found = [
             ms(&one, Integrator::Analytic)?,
@@ -206,7 +206,7 @@ fn figures(bench: &mut Bench, section: &mut Section) -> Result<()> {
         let mut drawn = Vec::new();
         for file in files {
             let subject = bench.subject(file, &size)?;
-            let picture = bench.measured(&subject, Integrator::Analytic, Overlap::Exact)?.0;
+            let picture = bench.measured(&subject, Integrator::Analytic, WidgetBlend::Exact)?.0;
             drawn.push((picture, subject.background));
         }
         let row: Vec<_> = drawn.iter().map(|(picture, background)| (picture, *background)).collect();
@@ -216,8 +216,8 @@ fn figures(bench: &mut Bench, section: &mut Section) -> Result<()> {
     let mut rows = Vec::new();
     for file in ["song_gaussian.toml", "song_triangle.toml"] {
         let scene = bench.scene(file)?;
-        let closed = bench.shot(&scene, Integrator::Analytic, Overlap::Exact)?;
-        let ten = bench.shot(&scene, APPROXIMATE, Overlap::Exact)?;
+        let closed = bench.shot(&scene, Integrator::Analytic, WidgetBlend::Exact)?;
+        let ten = bench.shot(&scene, APPROXIMATE, WidgetBlend::Exact)?;
         let with = |count| Integrator::Segments { count, table_size: STANDARD_SIDE };
         let (count, equal) = bench.in_equal_time(&scene, closed.ms, with)?;
         let background = scene.subject.background;

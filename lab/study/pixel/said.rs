@@ -41,7 +41,7 @@ pub(super) fn all(
 
 /// What is in the way of an integrator, without what would serve instead.
 fn why(error: Error) -> String {
-    error.found.unwrap_or(error.what)
+    error.got.unwrap_or(error.what)
 }
 
 /// A segment with the factors of its opacity and colour.

@@ -29,8 +29,8 @@ pub fn pixel(
     let place = inside(place, camera.size)?;
     if sample >= camera.samples {
         return Err(Error::usage("the pixel has no such ray")
-            .found(format!("--sample {sample}"))
-            .accepted(format!("0 to {}", camera.samples - 1)));
+            .got(format!("--sample {sample}"))
+            .expected(format!("0 to {}", camera.samples - 1)));
     }
     let tracer = Tracer::new(&subject.scene)?;
     let rays = tracer.rays(place);
@@ -74,8 +74,8 @@ fn inside([x, y]: [i64; 2], [width, height]: [u32; 2]) -> Result<[u32; 2]> {
     match (within(x, width), within(y, height)) {
         (Some(x), Some(y)) => Ok([x, y]),
         _ => Err(Error::usage("the pixel lies outside the picture")
-            .found(format!("X {x}, Y {y}"))
-            .accepted(format!("X 0 to {}, Y 0 to {}, from its upper left corner", width - 1, height - 1))),
+            .got(format!("X {x}, Y {y}"))
+            .expected(format!("X 0 to {}, Y 0 to {}, from its upper left corner", width - 1, height - 1))),
     }
 }
 

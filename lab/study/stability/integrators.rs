@@ -7,7 +7,7 @@ use voltet_core::transfer::{OpticalModel, Widget};
 use voltet_core::{Error, Result};
 use voltet_judge::{Case, Kind, SegmentCase, stiff};
 use voltet_optics::integrators::{self, Extent, Integrator};
-use voltet_optics::{Contribution, Overlap, Prepared};
+use voltet_optics::{CompiledTransferFunction, Contribution, WidgetBlend};
 
 /// One integrator.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -105,7 +105,7 @@ impl Integrated {
         let segment = case.segment();
         let (a, b) = (segment.front[0], segment.back[0]);
         let extent = Extent { scalar: [a.min(b), a.max(b)], longest: case.length };
-        let made = integrators::new(integrator, Overlap::Exact, transfer_function, &extent)?;
+        let made = integrators::new(integrator, WidgetBlend::Exact, transfer_function, &extent)?;
         let given = made.integrate(&segment);
         self.cases += 1;
         if let Some(error) = made.failure() {
@@ -123,7 +123,8 @@ impl Integrated {
         }
         let beyond = match integrator {
             Integrator::Adaptive { .. } => {
-                let closed = Prepared::new(transfer_function)?.integrate(&segment, Overlap::Exact);
+                let closed =
+                    CompiledTransferFunction::new(transfer_function)?.integrate(&segment, WidgetBlend::Exact);
                 off(&given, &case.exact, 1.0) - 2.0 * off(&closed, &case.exact, 1.0)
             }
             _ => error,
@@ -161,13 +162,13 @@ fn possible(given: &Contribution, most: f64) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use voltet_core::progress::Silent;
+    use voltet_core::progress::NoProgress;
     use voltet_judge::shipped;
 
     #[test]
     fn every_integrator_gives_what_can_be() {
         let cases = shipped().expect("well formed");
-        let all = integrators(&cases, &Silent).expect("run");
+        let all = integrators(&cases, &NoProgress).expect("run");
         assert_eq!(all.len(), Integrator::EVERY.len());
         for found in all {
             assert!(found.passed() && found.cases > 5, "{found:#?}");

@@ -69,24 +69,29 @@ mod tests {
     use super::*;
     use voltet_core::transfer::TransferFunction;
     use voltet_judge::{Kind, Native64};
-    use voltet_optics::engine::{Answer, Chain, Forms, PartialIntegrals, Precision};
-    use voltet_optics::{Contribution, Overlap, Segment};
+    use voltet_optics::engine::{Chain, EvalOutcome, PartialIntegrals, Precision, SegmentEvaluator};
+    use voltet_optics::{Contribution, Segment, WidgetBlend};
 
     /// The 64-bit forms, with optical depths off by a millionth: what a wrong engine would be.
     struct Off;
 
-    impl Forms for Off {
+    impl SegmentEvaluator for Off {
         fn name(&self) -> &str {
             "off"
         }
         fn precision(&self) -> Precision {
             Precision::F64
         }
-        fn segment(&self, look: &TransferFunction, segment: &Segment, overlap: Overlap) -> Result<Answer> {
+        fn segment(
+            &self,
+            look: &TransferFunction,
+            segment: &Segment,
+            overlap: WidgetBlend,
+        ) -> Result<EvalOutcome> {
             Ok(match Native64.segment(look, segment, overlap)? {
-                Answer::Served(found) => {
+                EvalOutcome::Served(found) => {
                     let optical_depth = found.optical_depth * (1.0 + 1e-6);
-                    Answer::Served(Contribution { optical_depth, ..found })
+                    EvalOutcome::Served(Contribution { optical_depth, ..found })
                 }
                 other => other,
             })
@@ -94,7 +99,7 @@ mod tests {
         fn chain(&self, segments: &[Contribution]) -> Chain {
             Native64.chain(segments)
         }
-        fn partial(&self, a: f64, b: f64) -> Result<Answer<PartialIntegrals>> {
+        fn partial(&self, a: f64, b: f64) -> Result<EvalOutcome<PartialIntegrals>> {
             Native64.partial(a, b)
         }
     }
@@ -109,7 +114,7 @@ mod tests {
     fn a_bound_broken_anywhere_is_said() {
         let segments = |case: &voltet_judge::Case| matches!(case.kind, Kind::Segment(_));
         let cases: Vec<_> = shipped().unwrap().into_iter().filter(segments).step_by(40).collect();
-        let found = |forms: &dyn Forms, error: f64| Stability {
+        let found = |forms: &dyn SegmentEvaluator, error: f64| Stability {
             forms: judge_cases(&cases, &[forms]).unwrap(),
             integrators: Vec::new(),
             pictures: vec![drawn(error)],

@@ -4,9 +4,9 @@ use super::hard::{self, Hard};
 use super::subjects::Painter;
 use serde::Serialize;
 use voltet_core::picture::Picture;
-use voltet_core::progress::{Progress, Unreported};
+use voltet_core::progress::{CancelOnly, Progress};
 use voltet_core::{Error, Result};
-use voltet_optics::engine::{Compositing, Manner};
+use voltet_optics::engine::{Compositor, RenderOptions};
 use voltet_optics::reference;
 use voltet_optics::scene::Scene;
 
@@ -56,7 +56,7 @@ pub(super) fn pictures(painters: &[Painter], progress: &dyn Progress) -> Result<
 
 fn drawn(hard: &Hard, painters: &[Painter], progress: &dyn Progress) -> Result<Vec<Drawn>> {
     let scene = hard.scene();
-    let exact = reference::draw(&scene, &Unreported(progress))?;
+    let exact = reference::draw(&scene, &CancelOnly(progress))?;
     let draw = |painter: &Painter| {
         let ((worst_error, worst_pixel), refused) = match picture(painter, None, &scene, progress) {
             Ok(found) => (worst(&found, &exact), None),
@@ -73,13 +73,13 @@ fn drawn(hard: &Hard, painters: &[Painter], progress: &dyn Progress) -> Result<V
 /// Draws it. `way`: how a device composites; an order that hardware blends is not held against tiles, so that what is wrong shows.
 pub(super) fn picture(
     painter: &Painter,
-    way: Option<Compositing>,
+    way: Option<Compositor>,
     scene: &Scene,
     progress: &dyn Progress,
 ) -> Result<Picture> {
     let volume = painter.engine.prepare(&scene.volume)?;
-    let manner = Manner { compositing: way, ..Manner::default() };
-    Ok(volume.draw(scene, &manner, &Unreported(progress))?.picture)
+    let manner = RenderOptions { compositing: way, ..RenderOptions::default() };
+    Ok(volume.draw(scene, &manner, &CancelOnly(progress))?.picture)
 }
 
 /// Whether what went wrong is that a device does not hold the scene.
@@ -108,13 +108,15 @@ fn worst(found: &Picture, exact: &Picture) -> (f64, [usize; 2]) {
 mod tests {
     use super::*;
     use crate::stability::subjects;
-    use voltet_core::progress::Silent;
+    use voltet_core::progress::NoProgress;
     use voltet_nodes::drawing::ENGINES;
 
     /// Each of the pictures on the software driver, within the bound of the native engine's; skipped without one, loudly.
     #[test]
     fn hard_scenes_keep_their_bound_on_every_engine() {
-        let Some(declared) = ENGINES.iter().find(|engine| engine.on_device && engine.absent.is_none()) else {
+        let Some(declared) =
+            ENGINES.iter().find(|engine| engine.on_device && engine.unavailable_reason.is_none())
+        else {
             return;
         };
         let found = match subjects(Some("software")) {
@@ -126,7 +128,7 @@ mod tests {
         };
         let on_device = found.painters.iter().find(|painter| painter.declared == declared);
         let device = on_device.expect("the device paints").engine.label();
-        let all = pictures(&found.painters, &Silent).expect("drawn");
+        let all = pictures(&found.painters, &NoProgress).expect("drawn");
         let on_device: Vec<&Drawn> = all.iter().filter(|drawn| drawn.engine == device).collect();
         assert_eq!(
             (on_device.len(), all.len()),

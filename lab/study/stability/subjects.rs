@@ -5,12 +5,12 @@ use std::sync::Arc;
 use voltet_core::Result;
 use voltet_judge::Native64;
 use voltet_nodes::drawing::ENGINES;
-use voltet_optics::engine::{Compositing, Declaration, Engine, Forms};
+use voltet_optics::engine::{Compositor, Engine, EngineInfo, SegmentEvaluator};
 
 /// The sets of forms and the engines that this build and this machine have.
 pub struct Subjects {
     /// The 64-bit ones, then those of every engine that has any.
-    pub forms: Vec<Box<dyn Forms>>,
+    pub forms: Vec<Box<dyn SegmentEvaluator>>,
     /// What is not judged, why, and how to have it.
     pub left_out: Vec<String>,
     pub(super) painters: Vec<Painter>,
@@ -18,13 +18,13 @@ pub struct Subjects {
 
 /// What draws a picture.
 pub(super) struct Painter {
-    pub declared: &'static Declaration,
+    pub declared: &'static EngineInfo,
     pub engine: Arc<dyn Engine>,
 }
 
 impl Painter {
     /// Its ways of compositing; the one that it has, where it has no choice.
-    pub fn ways(&self) -> Vec<Option<Compositing>> {
+    pub fn ways(&self) -> Vec<Option<Compositor>> {
         match self.declared.compositing {
             [] => vec![None],
             several => several.iter().copied().map(Some).collect(),

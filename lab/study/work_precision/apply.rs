@@ -4,8 +4,8 @@ use super::settings::{order_name, overlap_name};
 use super::{Form, Setting, Study, Value as Key};
 use voltet_core::Result;
 use voltet_document::{Document, Edit};
-use voltet_graph::Datum;
-use voltet_optics::Overlap;
+use voltet_graph::ParameterValue;
+use voltet_optics::WidgetBlend;
 use voltet_optics::integrators::Integrator;
 
 /// The text of the pipeline file with one of the study's settings in it. Overlap, order, engine, adapter and compositor are
@@ -20,9 +20,9 @@ pub fn apply(text: &str, study: &Study, setting: &Setting) -> Result<String> {
     }
     if setting.overlap != own.overlap && setting.integrator == Integrator::Analytic {
         set(&mut document, &subject.node, "overlap", Key::Text(overlap_name(setting.overlap)))?;
-    } else if own.overlap == Overlap::Mix && setting.integrator != Integrator::Analytic {
+    } else if own.overlap == WidgetBlend::Mix && setting.integrator != Integrator::Analytic {
         // Of no account for the others, and misleading.
-        set(&mut document, &subject.node, "overlap", Key::Text(overlap_name(Overlap::Exact)))?;
+        set(&mut document, &subject.node, "overlap", Key::Text(overlap_name(WidgetBlend::Exact)))?;
     }
     if setting.order != own.order
         && let Some(node) = &subject.order_node
@@ -67,9 +67,9 @@ fn engine_keys<'a>(study: &'a Study, setting: &Setting) -> Vec<(&'static str, &'
 /// Sets a key of a node. One that says so already stays as it is written.
 fn set(document: &mut Document, node: &str, name: &str, key: Key) -> Result<()> {
     let value = match key {
-        Key::Text(word) => Datum::Text(word.to_string()),
-        Key::Integer(n) => Datum::Integer(n),
-        Key::Number(x) => Datum::Number(x),
+        Key::Text(word) => ParameterValue::Text(word.to_string()),
+        Key::Integer(n) => ParameterValue::Integer(n),
+        Key::Number(x) => ParameterValue::Number(x),
     };
     document.edit(&Edit::set(node, name, value))
 }

@@ -9,20 +9,20 @@ use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
 use voltet_core::{Error, Result};
 use voltet_nodes::drawing::{ENGINES, NATIVE, is_asked_by};
-use voltet_optics::engine::{Declaration, Engine};
+use voltet_optics::engine::{Engine, EngineInfo};
 
 /// What there is to measure on.
 pub struct Benches {
     benches: Vec<Bench>,
     /// The engines that the file may come to here, in the order in which they are asked; `None`: one that is not measured.
-    file_takes: Option<Vec<&'static Declaration>>,
+    file_takes: Option<Vec<&'static EngineInfo>>,
     /// What is not measured, why, and how to have it.
     pub left_out: Vec<String>,
 }
 
 /// An open engine.
 struct Bench {
-    declared: &'static Declaration,
+    declared: &'static EngineInfo,
     adapter: Option<String>,
     engine: Arc<dyn Engine>,
 }
@@ -31,7 +31,7 @@ struct Bench {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Adapter {
     /// The engine that runs on it.
-    pub engine: &'static Declaration,
+    pub engine: &'static EngineInfo,
     /// Its name and kind, for people.
     pub name: String,
     /// What it is asked for by, where it is not the one that `auto` takes.
@@ -41,7 +41,7 @@ pub struct Adapter {
 }
 
 impl Bench {
-    fn open(declared: &'static Declaration, adapter: Option<&str>) -> Result<Bench> {
+    fn open(declared: &'static EngineInfo, adapter: Option<&str>) -> Result<Bench> {
         let engine = devices::open(declared, adapter)?;
         Ok(Bench { declared, adapter: adapter.map(str::to_string), engine })
     }
@@ -102,7 +102,7 @@ impl Benches {
     ) -> Result<(Picture, Cost)> {
         let found = self.benches.iter_mut().find(|bench| bench.declared == setting.painter.engine);
         let Some(bench) = found else {
-            return Err(Error::run("there is no such engine to measure on").found(setting.painter.label()));
+            return Err(Error::run("there is no such engine to measure on").got(setting.painter.label()));
         };
         if bench.engine.is_lost() {
             bench.engine = devices::open(bench.declared, bench.adapter.as_deref())?;
@@ -124,9 +124,9 @@ impl Benches {
 }
 
 /// The engines that the file may come to here, `benches` being what is measured.
-fn takes(subject: &Subject, wish: &Wish, benches: &[Bench]) -> Option<Vec<&'static Declaration>> {
+fn takes(subject: &Subject, wish: &Wish, benches: &[Bench]) -> Option<Vec<&'static EngineInfo>> {
     let asked = &subject.asked;
-    let may = |engine: &&Declaration| is_asked_by(engine, &asked.engine);
+    let may = |engine: &&EngineInfo| is_asked_by(engine, &asked.engine);
     let mut taken = Vec::new();
     for engine in ENGINES.iter().rev().filter(may) {
         let bench = benches.iter().find(|bench| bench.declared == engine);
@@ -144,7 +144,7 @@ fn takes(subject: &Subject, wish: &Wish, benches: &[Bench]) -> Option<Vec<&'stat
 }
 
 /// An engine to measure.
-fn open(subject: &Subject, wish: &Wish, engine: &'static Declaration) -> Result<Bench> {
+fn open(subject: &Subject, wish: &Wish, engine: &'static EngineInfo) -> Result<Bench> {
     let asked = &subject.asked;
     if !engine.on_device {
         return Bench::open(engine, None);
@@ -154,8 +154,8 @@ fn open(subject: &Subject, wish: &Wish, engine: &'static Declaration) -> Result<
             "the stages of the pipeline, one by one, are the native engine's: no device stands in for them";
         let accepted = "a pipeline that draws with a node of type \"renderer\"";
         return Err(Error::usage(what)
-            .found(format!("'{}' of type \"composite\"", subject.node))
-            .accepted(accepted));
+            .got(format!("'{}' of type \"composite\"", subject.node))
+            .expected(accepted));
     }
     let named = wish.adapter.as_ref().or(asked.adapter.as_ref());
     Bench::open(engine, named.map(String::as_str))

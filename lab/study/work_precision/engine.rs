@@ -1,22 +1,22 @@
 //! What a study draws with: engines and their ways of compositing, and which of them are asked for.
 
 use voltet_nodes::drawing::{ENGINES, NATIVE};
-use voltet_optics::engine::{Compositing, Declaration};
+use voltet_optics::engine::{Compositor, EngineInfo};
 
 /// What draws a picture: an engine and, where it has several, its way of compositing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Painter {
     /// The engine.
-    pub engine: &'static Declaration,
+    pub engine: &'static EngineInfo,
     /// How it composites; `None` where it has one way.
-    pub compositing: Option<Compositing>,
+    pub compositing: Option<Compositor>,
 }
 
 /// Which engines are studied.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Engines {
     /// This one alone.
-    One(&'static Declaration),
+    One(&'static EngineInfo),
     /// Every engine that is there.
     #[default]
     All,
@@ -27,7 +27,7 @@ impl Painter {
     pub const NATIVE: Painter = Painter { engine: NATIVE, compositing: None };
 
     /// An engine with each of its ways.
-    pub fn of(engine: &'static Declaration) -> impl Iterator<Item = Painter> {
+    pub fn of(engine: &'static EngineInfo) -> impl Iterator<Item = Painter> {
         let only = engine.compositing.is_empty().then_some(None);
         let ways = only.into_iter().chain(engine.compositing.iter().copied().map(Some));
         ways.map(move |compositing| Painter { engine, compositing })
@@ -40,7 +40,7 @@ impl Painter {
 
     /// The compositor's name in pipeline files.
     pub fn compositor(self) -> Option<&'static str> {
-        self.compositing.map(Compositing::name)
+        self.compositing.map(Compositor::name)
     }
 
     /// Both names, for people: "cpu", "gpu tiles".
@@ -59,7 +59,7 @@ impl Painter {
 
 impl Engines {
     /// Those that are looked at.
-    pub fn each(self) -> impl Iterator<Item = &'static Declaration> {
+    pub fn each(self) -> impl Iterator<Item = &'static EngineInfo> {
         ENGINES.iter().filter(move |engine| match self {
             Engines::One(only) => *engine == only,
             Engines::All => true,

@@ -6,10 +6,10 @@ use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 use voltet_core::camera::Camera;
 use voltet_core::picture::Picture;
-use voltet_core::progress::{Progress, Unreported};
+use voltet_core::progress::{CancelOnly, Progress};
 use voltet_core::{Error, Result};
 use voltet_io::memory;
-use voltet_optics::engine::{Drawn, Engine, Manner, Prepared, Stage};
+use voltet_optics::engine::{Engine, PreparedVolume, RenderOptions, RenderOutput, Stage};
 use voltet_optics::scene::Scene;
 
 /// How often a setting is drawn.
@@ -101,7 +101,7 @@ pub struct Pass {
 
 /// One picture, and its seconds from end to end.
 struct Taken {
-    drawn: Drawn,
+    drawn: RenderOutput,
     seconds: f64,
 }
 
@@ -117,10 +117,10 @@ pub(super) fn measure(
     progress: &dyn Progress,
 ) -> Result<(Picture, Cost)> {
     let scene = setting.scene(subject);
-    let manner = Manner {
+    let manner = RenderOptions {
         compositing: setting.painter.compositing,
         accumulation: setting.accumulation,
-        ..Manner::default()
+        ..RenderOptions::default()
     };
     let keeps = setting.painter.engine.on_device;
     let fresh = memory::forget_peak();
@@ -132,7 +132,7 @@ pub(super) fn measure(
             return Err(Error::cancelled());
         }
         let begun = Instant::now();
-        let drawn = volume.draw(scene, &manner, &Unreported(progress))?;
+        let drawn = volume.draw(scene, &manner, &CancelOnly(progress))?;
         Ok(Taken { drawn, seconds: begun.elapsed().as_secs_f64() })
     };
     let first = draw(&scene)?;
@@ -191,14 +191,14 @@ pub(super) fn measure(
 
 /// Milliseconds from one frame to the next, of so many that follow each other in flight. Errors: those of drawing.
 fn in_flight(
-    volume: &dyn Prepared,
+    volume: &dyn PreparedVolume,
     scene: &Scene,
-    manner: &Manner,
+    manner: &RenderOptions,
     frames: &Frames,
     count: usize,
     progress: &dyn Progress,
 ) -> Result<f64> {
-    let quiet = Unreported(progress);
+    let quiet = CancelOnly(progress);
     let mut under_way = VecDeque::new();
     let begun = Instant::now();
     for number in 0..count {
@@ -217,7 +217,7 @@ fn in_flight(
 }
 
 /// Seconds of a stage in one frame; `None` where nothing timed it.
-fn seconds_of(drawn: &Drawn, stage: Stage) -> Option<f64> {
+fn seconds_of(drawn: &RenderOutput, stage: Stage) -> Option<f64> {
     let parts: Vec<f64> =
         drawn.stages.iter().filter(|part| part.stage == stage).map(|part| part.seconds).collect();
     (!parts.is_empty()).then(|| parts.iter().sum())

@@ -23,7 +23,7 @@ pub fn write(study: &Study, title: &str, folder: &Path) -> Result<Vec<PathBuf>> 
     let differences = folder.join(DIFFERENCES);
     std::fs::create_dir_all(&differences).map_err(|error| {
         let what = format!("the folder '{}' cannot be made", differences.display());
-        Error::run(what).found(error).accepted("--output with a folder that can be written to")
+        Error::run(what).got(error).expected("--output with a folder that can be written to")
     })?;
     let canvas = plot::plot(study, title);
     let plot_svg = canvas.svg();

@@ -2,11 +2,11 @@
 
 use super::canvas::{Anchor, Axis, Canvas, Color, Mark, Size, Symbol, WHITE, shown};
 use super::{Painter, Row, Study};
-use voltet_optics::Overlap;
+use voltet_optics::WidgetBlend;
 use voltet_optics::integrators::{
     Integrator, Numbers, STANDARD_OVERSAMPLING, STANDARD_PLANES, STANDARD_SIDE,
 };
-use voltet_optics::shading::Order;
+use voltet_optics::shading::VisibilityOrder;
 
 const SIZE: [f64; 2] = [960.0, 600.0];
 
@@ -137,7 +137,7 @@ fn is_main(row: &Row) -> bool {
         }
         _ => true,
     };
-    is_swept(&row.setting.integrator) && usual_table && row.setting.order != Order::Centroid
+    is_swept(&row.setting.integrator) && usual_table && row.setting.order != VisibilityOrder::Centroid
 }
 
 /// Whether the integrator has a number that its line is drawn over.
@@ -208,10 +208,10 @@ fn short(row: &Row) -> String {
         }
         Numbers { .. } => row.setting.integrator.name().to_string(),
     };
-    if row.setting.overlap == Overlap::Mix {
+    if row.setting.overlap == WidgetBlend::Mix {
         text += ", mix";
     }
-    if row.setting.order == Order::Centroid {
+    if row.setting.order == VisibilityOrder::Centroid {
         text += ", centroid";
     }
     text

@@ -9,10 +9,10 @@ use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
 use voltet_core::{Error, Result};
 use voltet_nodes::files::{self, Fnv};
-use voltet_optics::Overlap;
+use voltet_optics::WidgetBlend;
 use voltet_optics::reference;
 use voltet_optics::scene::Scene;
-use voltet_optics::shading::{Order, Shading};
+use voltet_optics::shading::{Shading, VisibilityOrder};
 
 /// The reference picture and what it cost.
 #[derive(Debug, Clone)]
@@ -34,8 +34,8 @@ pub fn cache_folder() -> PathBuf {
 ///
 /// A damaged kept picture is drawn anew; a stop keeps the tiles that are drawn, and the next call goes on from there. Errors: those of the referee, and a folder that cannot be written.
 pub fn reference(subject: &Subject, folder: &Path, progress: &dyn Progress) -> Result<Reference> {
-    let shading = Shading { overlap: Overlap::Exact, ..subject.scene.shading };
-    let scene = &Scene { shading, order: Order::Exact, ..subject.scene.clone() };
+    let shading = Shading { overlap: WidgetBlend::Exact, ..subject.scene.shading };
+    let scene = &Scene { shading, order: VisibilityOrder::Exact, ..subject.scene.clone() };
     let path = folder.join(format!("{:032x}.picture", key(scene)));
     let size = scene.camera.size.map(|n| n as usize);
     if let Some((picture, seconds)) = std::fs::read(&path).ok().and_then(|bytes| decode(&bytes, size)) {
@@ -43,7 +43,7 @@ pub fn reference(subject: &Subject, folder: &Path, progress: &dyn Progress) -> R
     }
     std::fs::create_dir_all(folder).map_err(|error| {
         let what = format!("the folder '{}' for reference pictures cannot be made", folder.display());
-        Error::run(what).found(error).accepted("--cache with a folder that can be written to")
+        Error::run(what).got(error).expected("--cache with a folder that can be written to")
     })?;
     files::refuse_unwritable(&path)?;
     let begun = path.with_extension("tiles");

@@ -12,18 +12,18 @@ use super::{Painter, Reference, Setting, Subject};
 use glam::DVec3;
 use serde::Serialize;
 use std::sync::Arc;
-use voltet_core::Shared;
+use voltet_core::SharedSlice;
 use voltet_core::field::{LeastSquares, Method};
 use voltet_core::grid::{Array, Refined, refine};
 use voltet_core::picture::Picture;
-use voltet_core::progress::{Progress, Unreported};
+use voltet_core::progress::{CancelOnly, Progress};
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
-use voltet_optics::Overlap;
+use voltet_optics::WidgetBlend;
 use voltet_optics::engine::Accumulation;
-use voltet_optics::engine::{AdapterWish, Manner};
+use voltet_optics::engine::{AdapterRequest, RenderOptions};
 use voltet_optics::integrators::Integrator;
-use voltet_optics::shading::Order;
+use voltet_optics::shading::VisibilityOrder;
 
 /// Most cells of the finest grid: some 20 GiB while they are drawn.
 const CELLS_MOST: u64 = 100_000_000;
@@ -69,8 +69,8 @@ pub fn refuse_too_fine(subject: &Subject, levels: u32) -> Result<()> {
     let most = (1..levels).rev().find(|&levels| fits(levels));
     let fewer = most.map_or("no --refine".into(), |most| format!("--refine {most} or less"));
     Err(Error::usage("the grid is too large to be refined that often")
-        .found(format!("{cells} cells of {count}, refined {levels} times"))
-        .accepted(format!("at most {CELLS_MOST} cells: {fewer}")))
+        .got(format!("{cells} cells of {count}, refined {levels} times"))
+        .expected(format!("at most {CELLS_MOST} cells: {fewer}")))
 }
 
 /// Refines the scene's grid `levels` times (at least once).
@@ -88,8 +88,8 @@ pub fn refinement(
     let exact = Setting {
         painter: Painter::NATIVE,
         integrator: Integrator::Analytic,
-        overlap: Overlap::Exact,
-        order: Order::Exact,
+        overlap: WidgetBlend::Exact,
+        order: VisibilityOrder::Exact,
         accumulation: Accumulation::Float,
     };
     let tried = [
@@ -138,8 +138,8 @@ pub fn refinement(
 /// The subject's picture with one setting.
 fn picture(subject: &Subject, setting: &Setting, progress: &dyn Progress) -> Result<Picture> {
     let scene = setting.scene(subject);
-    let volume = setting.painter.engine.open(&AdapterWish::default())?.prepare(&scene.volume)?;
-    Ok(volume.draw(&scene, &Manner::default(), &Unreported(progress))?.picture)
+    let volume = setting.painter.engine.open(&AdapterRequest::default())?.prepare(&scene.volume)?;
+    Ok(volume.draw(&scene, &RenderOptions::default(), &CancelOnly(progress))?.picture)
 }
 
 /// The volume with ∇s at every point: by the filter of the pipeline, where it has one ([`Subject::gather`] was asked for it),
@@ -148,9 +148,9 @@ fn with_gradient(volume: &Arc<Volume>, progress: &dyn Progress) -> Result<Arc<Vo
     if volume.gradient.is_some() {
         return Ok(volume.clone());
     }
-    let method = Method::standard(Arc::new(LeastSquares))?;
-    let gradient = method.gradient(&volume.grid, &volume.scalar, &Unreported(progress))?;
-    Ok(Arc::new(Volume { gradient: Some(Shared::from(gradient.vectors)), ..Volume::clone(volume) }))
+    let method = Method::with_defaults(Arc::new(LeastSquares))?;
+    let gradient = method.gradient(&volume.grid, &volume.scalar, &CancelOnly(progress))?;
+    Ok(Arc::new(Volume { gradient: Some(SharedSlice::from(gradient.vectors)), ..Volume::clone(volume) }))
 }
 
 /// The volume on the refined grid: everything linear between the coarse points, or s, ∇s and g from a source.
@@ -171,13 +171,13 @@ fn refined(volume: &Volume, source: Option<&Source>) -> Result<Volume> {
     match (source, &volume.gradient) {
         (Some(source), Some(slopes)) => {
             let values = between(volume, slopes, &refined, source);
-            let magnitude = |g: &Shared<f64>| {
+            let magnitude = |g: &SharedSlice<f64>| {
                 let coarse = g.len();
                 g.iter().copied().chain(values[coarse..].iter().map(|(_, slope)| slope.length())).collect()
             };
             gradient_magnitude = volume.gradient_magnitude.as_ref().map(magnitude);
             scalar = values.iter().map(|value| value.0).collect();
-            gradient = Some(Shared::from(values.iter().map(|value| value.1).collect::<Vec<_>>()));
+            gradient = Some(SharedSlice::from(values.iter().map(|value| value.1).collect::<Vec<_>>()));
         }
         _ => {
             scalar = halfway(&volume.scalar);
@@ -186,7 +186,12 @@ fn refined(volume: &Volume, source: Option<&Source>) -> Result<Volume> {
             gradient = volume.gradient.as_ref().map(|slopes| middle(slopes).into());
         }
     }
-    Ok(Volume { grid: Arc::new(refined.grid), scalar: Shared::from(scalar), gradient, gradient_magnitude })
+    Ok(Volume {
+        grid: Arc::new(refined.grid),
+        scalar: SharedSlice::from(scalar),
+        gradient,
+        gradient_magnitude,
+    })
 }
 
 /// s and ∇s at every point of the refined grid.

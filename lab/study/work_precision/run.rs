@@ -14,7 +14,7 @@ use voltet_core::error::ErrorKind;
 use voltet_core::progress::Progress;
 use voltet_core::{Error, Result};
 use voltet_io::encode;
-use voltet_optics::Overlap;
+use voltet_optics::WidgetBlend;
 use voltet_optics::integrators::Integrator;
 use voltet_simd::LaneSet;
 
@@ -111,8 +111,8 @@ pub fn study(
     let settings = benches.settings(&subject, &wish.only);
     if settings.is_empty() {
         return Err(Error::usage("none of the integrators asked for can serve this scene")
-            .found(wish.only.join(", "))
-            .accepted("others, or none, for all that can"));
+            .got(wish.only.join(", "))
+            .expected("others, or none, for all that can"));
     }
     let seen = Seen::new(&reference.picture, subject.background);
     let whole: f64 = settings.iter().map(Setting::weight).sum();
@@ -214,7 +214,7 @@ fn converging(name: &'static str, painter: Painter, rows: &[Row], subject: &Subj
         let integrator = row.setting.integrator;
         let closed =
             matches!(integrator, Integrator::Analytic | Integrator::Clipped | Integrator::Adaptive { .. });
-        closed && row.setting.overlap == Overlap::Exact
+        closed && row.setting.overlap == WidgetBlend::Exact
     };
     let floor = in_order().filter(exact).map(|row| row.errors.root_mean_square).fold(f64::INFINITY, f64::min);
     // Where no closed form was looked at, single precision is all that is known.

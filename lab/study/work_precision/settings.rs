@@ -1,13 +1,13 @@
 //! The settings that are tried: every integrator that can serve the scene, over its own numbers.
 
 use super::{Painter, Subject};
-use voltet_optics::Overlap;
-use voltet_optics::engine::{Accumulation, Compositing};
+use voltet_optics::WidgetBlend;
+use voltet_optics::engine::{Accumulation, Compositor};
 use voltet_optics::integrators::{
     Integrator, Numbers, STANDARD_OVERSAMPLING, STANDARD_PIECES, STANDARD_PLANES, STANDARD_SIDE, can_serve,
 };
 use voltet_optics::scene::Scene;
-use voltet_optics::shading::{Order, Shading};
+use voltet_optics::shading::{Shading, VisibilityOrder};
 
 /// One way to draw the scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -17,9 +17,9 @@ pub struct Setting {
     /// The integrator with its numbers.
     pub integrator: Integrator,
     /// What the closed forms do where widgets overlap.
-    pub overlap: Overlap,
+    pub overlap: WidgetBlend,
     /// The order of a pixel's segments.
-    pub order: Order,
+    pub order: VisibilityOrder,
     /// What a painter that blends accumulates in: what the file says.
     pub accumulation: Accumulation,
 }
@@ -102,31 +102,31 @@ fn sweep(kind: &Integrator) -> Vec<Integrator> {
 }
 
 /// Both ways with overlaps where the integrator knows them and the scene has several widgets.
-fn overlaps(subject: &Subject, integrator: &Integrator) -> Vec<Overlap> {
+fn overlaps(subject: &Subject, integrator: &Integrator) -> Vec<WidgetBlend> {
     match integrator {
         Integrator::Analytic if subject.scene.transfer_function.widgets.len() > 1 => {
-            vec![Overlap::Exact, Overlap::Mix]
+            vec![WidgetBlend::Exact, WidgetBlend::Mix]
         }
-        _ => vec![Overlap::Exact],
+        _ => vec![WidgetBlend::Exact],
     }
 }
 
 /// The centroid order too for the integrators without an error of their own, so that the order's shows.
-fn orders(subject: &Subject, integrator: &Integrator, painter: Painter) -> Vec<Order> {
+fn orders(subject: &Subject, integrator: &Integrator, painter: Painter) -> Vec<VisibilityOrder> {
     let exact_integrals = matches!(integrator, Integrator::Analytic | Integrator::Clipped);
     match exact_integrals && subject.needs_order && subject.order_node.is_some() {
-        true => vec![Order::Exact, Order::Centroid],
+        true => vec![VisibilityOrder::Exact, VisibilityOrder::Centroid],
         false if subject.needs_order && subject.order_node.is_none() => {
             vec![Setting::of_file(subject, painter).order]
         }
-        false => vec![Order::Exact],
+        false => vec![VisibilityOrder::Exact],
     }
 }
 
 /// What the file asks to accumulate in, where the painter can.
 fn accumulation(subject: &Subject, painter: Painter) -> Accumulation {
     let asked = subject.asked.accumulation;
-    let serves = |way: &Compositing| asked.check(*way).is_ok();
+    let serves = |way: &Compositor| asked.check(*way).is_ok();
     painter.compositing.filter(serves).map_or(Accumulation::Float, |_| asked)
 }
 
@@ -134,7 +134,7 @@ impl Setting {
     /// How the file draws the scene, were it drawn by this painter.
     pub fn of_file(subject: &Subject, painter: Painter) -> Setting {
         let Scene { shading, order, .. } = subject.scene;
-        let order = if order == Order::Auto { Order::Exact } else { order };
+        let order = if order == VisibilityOrder::Auto { VisibilityOrder::Exact } else { order };
         let accumulation = accumulation(subject, painter);
         Setting { painter, integrator: shading.integrator, overlap: shading.overlap, order, accumulation }
     }
@@ -143,7 +143,7 @@ impl Setting {
     pub fn scene(&self, subject: &Subject) -> Scene {
         let shading = Shading { integrator: self.integrator, overlap: self.overlap, ..subject.scene.shading };
         // The same picture without the work.
-        let order = if subject.needs_order { self.order } else { Order::Auto };
+        let order = if subject.needs_order { self.order } else { VisibilityOrder::Auto };
         Scene { shading, order, ..subject.scene.clone() }
     }
 
@@ -179,13 +179,13 @@ impl Setting {
         let oversampling = oversampling.filter(|n| *n != STANDARD_OVERSAMPLING);
         parts.extend(oversampling.map(|n| format!("oversampling {n}")));
         parts.extend(planes.filter(|n| *n != STANDARD_PLANES).map(|n| format!("planes {n}")));
-        if self.overlap == Overlap::Mix && self.integrator == Integrator::Analytic {
+        if self.overlap == WidgetBlend::Mix && self.integrator == Integrator::Analytic {
             parts.push("overlap mix".into());
         }
         if self.accumulation != Accumulation::Float {
             parts.push(self.accumulation.name().into());
         }
-        if self.order != Order::Exact {
+        if self.order != VisibilityOrder::Exact {
             parts.push(format!("order {}", order_name(self.order)));
         }
         parts.join(", ")
@@ -236,19 +236,19 @@ pub enum Value<'a> {
 }
 
 /// The word for an order in pipeline files.
-pub fn order_name(order: Order) -> &'static str {
+pub fn order_name(order: VisibilityOrder) -> &'static str {
     match order {
-        Order::Exact => "exact",
-        Order::Centroid => "centroid",
-        Order::None => "none",
-        Order::Auto => "auto",
+        VisibilityOrder::Exact => "exact",
+        VisibilityOrder::Centroid => "centroid",
+        VisibilityOrder::None => "none",
+        VisibilityOrder::Auto => "auto",
     }
 }
 
 /// The word for what is done with overlaps in pipeline files.
-pub fn overlap_name(overlap: Overlap) -> &'static str {
+pub fn overlap_name(overlap: WidgetBlend) -> &'static str {
     match overlap {
-        Overlap::Exact => "exact",
-        Overlap::Mix => "mix",
+        WidgetBlend::Exact => "exact",
+        WidgetBlend::Mix => "mix",
     }
 }

@@ -5,9 +5,9 @@ use std::sync::Arc;
 use voltet_core::{Error, Result};
 use voltet_graph::{Demand, Graph, GraphNode, Observer, Parameters, Session, Value, diagonal};
 use voltet_nodes::drawing;
-use voltet_optics::engine::{Accumulation, Compositing, Declaration};
+use voltet_optics::engine::{Accumulation, Compositor, EngineInfo};
 use voltet_optics::scene::{Scene, needs_order};
-use voltet_optics::shading::Order;
+use voltet_optics::shading::VisibilityOrder;
 
 /// Which nodes draw, which decides what an engine can be written into.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -64,10 +64,10 @@ impl Subject {
     ) -> Result<Subject> {
         let place = drawing_node(graph, name)?;
         let node = &graph.nodes[place];
-        let blame = |error| node.blame(error);
+        let blame = |error| node.locate(error);
         let inputs = session.inputs(graph, place, &Demand { gradient, ..Demand::default() }, observer)?;
         let shading = drawing::shading(&node.parameters).map_err(blame)?;
-        let unknown = || node.blame(Error::run("the node that draws is fed by values of unknown types"));
+        let unknown = || node.locate(Error::run("the node that draws is fed by values of unknown types"));
         let (scene, order_node) = match inputs.as_slice() {
             [volume, Value::TransferFunction(look), Value::Camera(camera)] => {
                 let volume = volume.volume().ok_or_else(unknown)?.map_err(blame)?;
@@ -105,9 +105,10 @@ impl Subject {
     }
 
     /// An engine as the file has it. `None`: the compositor is left open, and more than one can serve.
-    pub fn painter_on(&self, engine: &'static Declaration) -> Option<Painter> {
+    pub fn painter_on(&self, engine: &'static EngineInfo) -> Option<Painter> {
         let mut all = Painter::of(engine);
-        let exact = self.needs_order && matches!(self.scene.order, Order::Exact | Order::Auto);
+        let exact =
+            self.needs_order && matches!(self.scene.order, VisibilityOrder::Exact | VisibilityOrder::Auto);
         match self.asked.compositor.as_str() {
             _ if engine.compositing.is_empty() => all.next(),
             // Tiles have it of every grid, and are the first.
@@ -140,7 +141,7 @@ impl Asked {
         // Rounding is no tiles' matter.
         let open = match accumulation {
             Accumulation::Float => drawing::AUTO,
-            _ => Compositing::Raster.name(),
+            _ => Compositor::Raster.name(),
         };
         let compositor = text("compositor").filter(|word| *word != drawing::AUTO).unwrap_or(open);
         Asked {
@@ -170,16 +171,16 @@ fn drawing_node(graph: &Graph, name: Option<&str>) -> Result<usize> {
     match (name, found.as_slice()) {
         (Some(name), _) => names.iter().position(|known| *known == name).map(|i| found[i]).ok_or_else(|| {
             Error::usage("no node of this name draws what the pipeline writes")
-                .found(name)
-                .accepted(voltet_graph::suggest(name, names.iter().copied()))
+                .got(name)
+                .expected(voltet_graph::suggest(name, names.iter().copied()))
         }),
         (None, [place]) => Ok(*place),
-        (None, []) => Err(Error::usage("the pipeline draws no volume").accepted(
+        (None, []) => Err(Error::usage("the pipeline draws no volume").expected(
             "a node of type \"renderer\", \"gpu-renderer\" or \"composite\" that an image-writer needs",
         )),
         (None, _) => Err(Error::usage("several nodes of the pipeline draw")
-            .found(names.join(", "))
-            .accepted("--node with the name of one of them")),
+            .got(names.join(", "))
+            .expected("--node with the name of one of them")),
     }
 }
 

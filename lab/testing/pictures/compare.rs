@@ -4,9 +4,9 @@ pub use super::scene::{NamedScene, SHADING};
 
 use std::path::PathBuf;
 use voltet_core::picture::Picture;
-use voltet_core::progress::Silent;
+use voltet_core::progress::NoProgress;
 use voltet_optics::reference;
-use voltet_optics::shading::{Order, Shading};
+use voltet_optics::shading::{Shading, VisibilityOrder};
 
 /// What 32-bit segments may leave on an ordinary scene.
 pub const ORDINARY: f64 = 2e-4;
@@ -18,7 +18,7 @@ pub fn referee(scene: &NamedScene) -> Picture {
 
 /// The referee's picture with another shading.
 pub fn referee_shaded(scene: &NamedScene, shading: &Shading) -> Picture {
-    reference::draw(&scene.drawn_by(shading, Order::Exact), &Silent)
+    reference::draw(&scene.drawn_by(shading, VisibilityOrder::Exact), &NoProgress)
         .unwrap_or_else(|e| panic!("{}: {e}", scene.name))
 }
 

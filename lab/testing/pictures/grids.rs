@@ -2,7 +2,7 @@
 
 use glam::{DQuat, DVec3};
 use std::sync::Arc;
-use voltet_core::Shared;
+use voltet_core::SharedSlice;
 use voltet_core::grid::Grid;
 use voltet_core::grid::generate::box_of_tetrahedra;
 use voltet_core::volume::Volume;
@@ -15,7 +15,7 @@ pub fn cube(counts: [usize; 3], jitter: f64) -> Grid {
 /// A grid of the given points and cells.
 pub fn grid(points: Vec<DVec3>, mut tetrahedra: Vec<[u32; 4]>) -> Grid {
     tetrahedra.iter_mut().for_each(|cell| cell.sort_unstable());
-    Grid { points: Shared::from(points), tetrahedra: Shared::from(tetrahedra), ..Grid::default() }
+    Grid { points: SharedSlice::from(points), tetrahedra: SharedSlice::from(tetrahedra), ..Grid::default() }
 }
 
 /// The grid with every point moved.

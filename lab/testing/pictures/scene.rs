@@ -4,9 +4,9 @@ use std::sync::Arc;
 use voltet_core::camera::Camera;
 use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
-use voltet_optics::Overlap;
+use voltet_optics::WidgetBlend;
 use voltet_optics::scene;
-use voltet_optics::shading::{Integrator, Order, Shading};
+use voltet_optics::shading::{Integrator, Shading, VisibilityOrder};
 
 /// Everything a picture is made from.
 #[derive(Clone)]
@@ -20,7 +20,7 @@ pub struct NamedScene {
 
 impl NamedScene {
     /// What an engine is given of it.
-    pub fn drawn_by(&self, shading: &Shading, order: Order) -> scene::Scene {
+    pub fn drawn_by(&self, shading: &Shading, order: VisibilityOrder) -> scene::Scene {
         scene::Scene {
             volume: self.volume.clone(),
             transfer_function: Arc::new(self.look.clone()),
@@ -33,4 +33,4 @@ impl NamedScene {
 
 /// Closed forms, exact overlap, no light.
 pub const SHADING: Shading =
-    Shading { integrator: Integrator::Analytic, overlap: Overlap::Exact, silhouette: None, light: None };
+    Shading { integrator: Integrator::Analytic, overlap: WidgetBlend::Exact, silhouette: None, light: None };

@@ -9,14 +9,14 @@ use super::compare::{NamedScene, SHADING};
 use super::looks::{everywhere, gaussian, points};
 use glam::DVec3;
 use std::sync::Arc;
-use voltet_core::Shared;
+use voltet_core::SharedSlice;
 use voltet_core::camera::{Camera, Projection};
 use voltet_core::grid::Grid;
 use voltet_core::transfer::{OpticalModel, Profile, Region, Table, TransferFunction, Wave, Widget};
 use voltet_core::volume::Volume;
-use voltet_optics::Overlap;
+use voltet_optics::WidgetBlend;
 use voltet_optics::reference;
-use voltet_optics::shading::{Light, Order, Shading};
+use voltet_optics::shading::{Light, Shading, VisibilityOrder};
 
 /// Half of the last decimal, and as much again for what stands on a tie.
 const SIX_DECIMALS: f64 = 1e-6;
@@ -30,13 +30,13 @@ fn cell() -> Arc<Volume> {
     let gradient = vec![DVec3::Z, DVec3::Z, DVec3::Z, DVec3::new(0.0, 2.88, 0.84)];
     Arc::new(Volume {
         grid: Arc::new(Grid {
-            points: Shared::from(points),
+            points: SharedSlice::from(points),
             tetrahedra: tetrahedra.into(),
             ..Grid::default()
         }),
-        scalar: Shared::from(vec![0.0, 2.0, 2.0, 2.0]),
-        gradient_magnitude: Some(Shared::from(gradient.iter().map(|v| v.length()).collect::<Vec<_>>())),
-        gradient: Some(Shared::from(gradient)),
+        scalar: SharedSlice::from(vec![0.0, 2.0, 2.0, 2.0]),
+        gradient_magnitude: Some(SharedSlice::from(gradient.iter().map(|v| v.length()).collect::<Vec<_>>())),
+        gradient: Some(SharedSlice::from(gradient)),
     })
 }
 
@@ -128,7 +128,7 @@ fn assert_pixel(
     at: [usize; 2],
     expected: [f64; 3],
 ) {
-    let wanted = scene.drawn_by(shading, Order::Exact);
+    let wanted = scene.drawn_by(shading, VisibilityOrder::Exact);
     let made = reference::Tracer::new(&wanted).unwrap_or_else(|error| panic!("{name}: {error}"));
     let seen = made.trace(&made.ray(at[0] as f64 + 0.5, at[1] as f64 + 0.5)).expect("traces");
     let found = [seen.color[0], seen.color[2], seen.opacity];
@@ -156,10 +156,10 @@ pub fn widgets_that_overlap(engine: &dyn Engine) {
     let blue = gaussian([1.75, 0.0], [0.1, f64::INFINITY], 4.0, [0.0, 0.0, 1.0]);
     let widgets = vec![everywhere(4.0, [1.0, 0.0, 0.0]), blue];
     for (overlap, model, red, blue) in [
-        (Overlap::Exact, DENSITY, 0.825715, 0.092053),
-        (Overlap::Mix, DENSITY, 0.734740, 0.183028),
-        (Overlap::Exact, CONSTANT, 0.206429, 0.064987),
-        (Overlap::Mix, CONSTANT, 0.183685, 0.111651),
+        (WidgetBlend::Exact, DENSITY, 0.825715, 0.092053),
+        (WidgetBlend::Mix, DENSITY, 0.734740, 0.183028),
+        (WidgetBlend::Exact, CONSTANT, 0.206429, 0.064987),
+        (WidgetBlend::Mix, CONSTANT, 0.183685, 0.111651),
     ] {
         let shading = Shading { overlap, ..SHADING };
         let name = format!("{overlap:?} {model:?}");
@@ -170,7 +170,9 @@ pub fn widgets_that_overlap(engine: &dyn Engine) {
 /// The piecewise-linear widget in a uniform one without light: the mix keeps the colour that it has alone.
 pub fn a_colour_that_varies_in_a_mix(engine: &dyn Engine) {
     let scene = scene(vec![ramp(), everywhere(4.0, [0.0; 3])], DENSITY);
-    for (overlap, red, blue) in [(Overlap::Exact, 0.055735, 0.117571), (Overlap::Mix, 0.072343, 0.244395)] {
+    for (overlap, red, blue) in
+        [(WidgetBlend::Exact, 0.055735, 0.117571), (WidgetBlend::Mix, 0.072343, 0.244395)]
+    {
         let shading = Shading { overlap, ..SHADING };
         assert_pixel(engine, &format!("{overlap:?}"), &scene, &shading, MIDDLE, [red, blue, 0.950213]);
     }

@@ -5,8 +5,8 @@ use voltet_core::Result;
 use voltet_core::grid::generate::{box_of_tetrahedra, with_scalar};
 use voltet_gpu::{Device, OnDevice};
 use voltet_graph::pipeline::Pipeline;
-use voltet_graph::{Node, Outputs, Port, PortType, Registry, RunReport, Unobserved, Value};
-use voltet_optics::engine::{AdapterWish, Engine};
+use voltet_graph::{NoObserver, Node, Outputs, Port, PortType, Registry, RunReport, Value};
+use voltet_optics::engine::{AdapterRequest, Engine};
 
 /// A grid of 384 cells; with it, the software driver is opened as if its bindings held 2 KiB, and 8 of them at a time.
 const SOURCE: Node = Node {
@@ -20,7 +20,7 @@ const SOURCE: Node = Node {
         let engine = Device::open(Some("software"), true)
             .map(|device| Arc::new(OnDevice::new(Arc::new(small(device)))) as Arc<dyn Engine>);
         for hardware in [true, false] {
-            let wish = AdapterWish { name: Some("software".into()), hardware };
+            let wish = AdapterRequest { name: Some("software".into()), hardware };
             opened.insert(voltet_gpu::ENGINE.name, wish, engine.clone());
         }
         let grid = box_of_tetrahedra([4, 4, 4], [DVec3::ZERO, DVec3::ONE], 0.2);
@@ -82,7 +82,7 @@ fn run(engine: &str) -> Result<RunReport> {
         text.replace("inputs = { volume", "adapter = \"software\"\ninputs = { volume")
     };
     let graph = Pipeline::parse(&text)?.graph(&registry, ".".into())?;
-    crate::session().run(&graph, &Unobserved)
+    crate::session().run(&graph, &NoObserver)
 }
 
 /// A grid that the device cannot bind is the CPU's picture under `auto`, which says why; asked for, it is an error.

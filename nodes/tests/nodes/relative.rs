@@ -5,7 +5,7 @@ use std::fmt::Write;
 use std::path::Path;
 use voltet_core::Error;
 use voltet_core::error::ErrorKind;
-use voltet_graph::{RunReport, Session, Unobserved};
+use voltet_graph::{NoObserver, RunReport, Session};
 use voltet_nodes::session;
 
 /// A function of the place.
@@ -96,7 +96,7 @@ points = [["p40", 1.0, 1.0, 1.0, 0.0], ["p80", 1.0, 0.2, 1.0, 0.4], ["100 %", 1.
 "#;
 
 fn run(session: &mut Session, text: &str, folder: &Path) -> RunReport {
-    let report = graph(text, folder).and_then(|graph| session.run(&graph, &Unobserved));
+    let report = graph(text, folder).and_then(|graph| session.run(&graph, &NoObserver));
     report.unwrap_or_else(|error| panic!("{error}"))
 }
 
@@ -161,7 +161,7 @@ fn what_the_report_says_draws_the_very_same_picture() {
     let absolute = run(&mut session(), &scene("a.vtk", "a", "", &widgets), folder.path());
     assert!(pixels(&relative) == pixels(&absolute));
     // And nothing is left out of the picture for being relative.
-    let all = run(&mut session().no_leave_out(), &scene("a.vtk", "a", WIRED, WIDGETS), folder.path());
+    let all = run(&mut session().exhaustive(), &scene("a.vtk", "a", WIRED, WIDGETS), folder.path());
     assert!(pixels(&relative) == pixels(&all));
 }
 
@@ -360,7 +360,7 @@ fn a_probe_is_placed_by_shares_of_the_bounds() {
 }
 
 fn refused(text: &str, folder: &Path) -> Error {
-    let outcome = graph(text, folder).and_then(|graph| session().run(&graph, &Unobserved));
+    let outcome = graph(text, folder).and_then(|graph| session().run(&graph, &NoObserver));
     outcome.err().unwrap_or_else(|| panic!("not refused: {text}"))
 }
 

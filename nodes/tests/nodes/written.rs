@@ -5,9 +5,9 @@ use std::path::Path;
 use std::process::Command;
 use std::sync::Arc;
 use voltet_core::grid::{Grid, code};
-use voltet_core::progress::Silent;
+use voltet_core::progress::NoProgress;
 use voltet_core::volume::Volume;
-use voltet_graph::{Demand, Graph, RunReport, Unobserved, Value};
+use voltet_graph::{Demand, Graph, NoObserver, RunReport, Value};
 use voltet_io::formats::{Request, read};
 use voltet_nodes::session;
 use voltet_testing::files::samples;
@@ -26,13 +26,13 @@ fn pipeline(folder: &Path, reader: &str, writer: &str) -> Graph {
 }
 
 fn run(graph: &Graph) -> RunReport {
-    session().run(graph, &Unobserved).unwrap_or_else(|error| panic!("{error}"))
+    session().run(graph, &NoObserver).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// What the writer is given.
 fn volume(graph: &Graph) -> Arc<Volume> {
     let place = graph.nodes.iter().position(|node| node.node.name == "grid-writer").unwrap();
-    let inputs = session().inputs(graph, place, &Demand::default(), &Unobserved).unwrap();
+    let inputs = session().inputs(graph, place, &Demand::default(), &NoObserver).unwrap();
     inputs.iter().find_map(Value::volume).unwrap().unwrap()
 }
 
@@ -44,7 +44,7 @@ fn read_back(folder: &Path, scalar: &str, point_arrays: &[&str], cell_arrays: &[
         cell_arrays: names(cell_arrays),
         ..Request::default()
     };
-    read(&folder.join("out.vtu"), &request, &Silent).unwrap_or_else(|error| panic!("{error}"))
+    read(&folder.join("out.vtu"), &request, &NoProgress).unwrap_or_else(|error| panic!("{error}"))
 }
 
 fn bits(values: &[f64]) -> Vec<u64> {
@@ -230,7 +230,7 @@ fn what_cannot_be_written_is_refused_with_its_place() {
     let refused = |text: &str, wanted: &str| {
         let folder = folder_with(EVERY_TYPE);
         let error =
-            graph(text, folder.path()).and_then(|graph| session().run(&graph, &Unobserved)).unwrap_err();
+            graph(text, folder.path()).and_then(|graph| session().run(&graph, &NoObserver)).unwrap_err();
         assert!(error.to_string().contains(wanted), "{error}");
         assert!(error.place.span.is_some() || error.place.line_column.is_some(), "{error}");
         assert!(!folder.path().join("out.vtu").exists());

@@ -6,11 +6,11 @@ use std::sync::Arc;
 use voltet_core::transfer::{
     ControlPoint, OpticalModel, Profile, Region, Table, TransferFunction, Wave, Widget,
 };
-use voltet_optics::Overlap;
+use voltet_optics::WidgetBlend;
 use voltet_optics::integrators::{Extent, can_serve};
 use voltet_optics::shading::{Integrator, Light, Shading};
 use voltet_shaders::{
-    Axis, Buffer, Choices, Combine, Compositor, Method, PIECES, Parameters, Parts, Places, Resources,
+    Axis, Buffer, Choices, Combine, CompositorProgram, Method, PIECES, Parameters, Parts, Places, Resources,
     SceneHead, TEXEL_BYTES, WidgetRecord, compose,
 };
 
@@ -82,7 +82,7 @@ fn regions() -> [Option<Region>; 3] {
 fn shadings() -> Vec<Shading> {
     let light = Light { direction: glam::DVec3::new(1.0, 2.0, 3.0), ambient: 0.2, diffuse: 0.8 };
     let mut shadings = Vec::new();
-    for overlap in [Overlap::Exact, Overlap::Mix] {
+    for overlap in [WidgetBlend::Exact, WidgetBlend::Mix] {
         for silhouette in [None, Some(2.0)] {
             for light in [None, Some(light)] {
                 shadings.push(Shading { overlap, silhouette, light, ..SHADING });
@@ -162,7 +162,7 @@ fn check_words(
     holds("fn ordered(", walks && !adaptive);
     holds("fn mix_share", kinds.len() > 1 && !samples && !from_table && !adaptive);
     holds("fn march(", walks && adaptive);
-    holds("@compute", choices.compositor == Compositor::Segments);
+    holds("@compute", choices.compositor == CompositorProgram::Segments);
     holds("fn riemann(", choices.method == Method::Riemann && !kinds.is_empty());
     holds("fn partial_place", choices.method == Method::Segments && !kinds.is_empty());
     holds("fn glow(", from_table);
@@ -214,7 +214,8 @@ fn passes_that_fill_tables_are_valid() {
         (Integrator::PreIntegratedCylindrical { table_size: 5, oversampling: 2, planes: 1 }, 2),
     ] {
         let shading = Shading { integrator, ..SHADING };
-        let choices = Choices::new(&transfer_function, &shading, Compositor::None).expect("has pieces");
+        let choices =
+            Choices::new(&transfer_function, &shading, CompositorProgram::None).expect("has pieces");
         let places = Places::new(&transfer_function, &shading, choices.number_count());
         let length = places.in_vectors();
         for most in [length, length.div_ceil(2), 32] {
@@ -249,7 +250,7 @@ fn check_combinations(shadings: &[Shading]) -> usize {
                 continue;
             }
             // What the entry point adds is the same for every integrator.
-            let both = [Compositor::None, Compositor::Segments];
+            let both = [CompositorProgram::None, CompositorProgram::Segments];
             let analytic = shading.integrator == Integrator::Analytic;
             for compositor in if analytic { &both[..] } else { &both[1..] }.iter().copied() {
                 combinations += 1;
@@ -258,7 +259,10 @@ fn check_combinations(shadings: &[Shading]) -> usize {
                 check_words(&kinds, &transfer_function, shading, &choices, &shader.text);
                 if texts.insert(shader.text.clone()) {
                     let module = validate_numbered(&shader, texts.len());
-                    assert_eq!(module.entry_points.len(), usize::from(compositor == Compositor::Segments));
+                    assert_eq!(
+                        module.entry_points.len(),
+                        usize::from(compositor == CompositorProgram::Segments)
+                    );
                     assert_eq!(storage_buffers(&module), choices.storage_buffers());
                 }
                 let axes = vec![Axis::PLAIN; 2 + transfer_function.fields().len()];
@@ -289,7 +293,7 @@ fn every_combination_is_valid_and_holds_only_what_it_uses() {
 #[test]
 fn numbers_that_may_change_do_not_change_the_text() {
     let text = |transfer_function: &TransferFunction| {
-        let choices = Choices::new(transfer_function, &SHADING, Compositor::None).expect("has pieces");
+        let choices = Choices::new(transfer_function, &SHADING, CompositorProgram::None).expect("has pieces");
         compose(&choices).text
     };
     let before = scene(CONSTANT, vec![widget(2, regions()[2].clone()), widget(6, None)]);
@@ -312,7 +316,7 @@ fn every_piece_is_used_by_some_scene() {
                 continue;
             }
             let choices =
-                Choices::new(&transfer_function, &shading, Compositor::Segments).expect("has pieces");
+                Choices::new(&transfer_function, &shading, CompositorProgram::Segments).expect("has pieces");
             used.extend(compose(&choices).files());
         }
     }
@@ -345,7 +349,7 @@ fn what_has_no_shader_is_refused() {
     let refusal = |integrator, kind| {
         let shading = Shading { integrator, ..SHADING };
         let transfer_function = scene(CONSTANT, vec![widget(kind, None)]);
-        Choices::new(&transfer_function, &shading, Compositor::None).expect_err("refused").to_string()
+        Choices::new(&transfer_function, &shading, CompositorProgram::None).expect_err("refused").to_string()
     };
     let error = refusal(Integrator::Reference, 1);
     assert!(error.contains("'reference'") || error.contains("reference"), "{error}");
@@ -357,7 +361,8 @@ fn what_has_no_shader_is_refused() {
 #[test]
 fn structs_are_laid_out_as_in_the_shader() {
     let transfer_function = scene(CONSTANT, vec![widget(1, None), widget(2, None)]);
-    let shader = compose(&Choices::new(&transfer_function, &SHADING, Compositor::None).expect("has pieces"));
+    let shader =
+        compose(&Choices::new(&transfer_function, &SHADING, CompositorProgram::None).expect("has pieces"));
     let widget = offsets!(WidgetRecord:
         color, extinction, matrix, bell, centre, first_edge, first_number, bell_kind);
     assert_eq!(layout(&shader, "Widget"), (widget, size_of::<WidgetRecord>() as u32));

@@ -3,13 +3,13 @@
 use naga::back::pipeline_constants::process_overrides;
 use naga::back::{PipelineConstants, hlsl, msl};
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
-use voltet_optics::Overlap;
+use voltet_optics::WidgetBlend;
 use voltet_optics::shading::{Integrator, Shading};
 use voltet_shaders::Shader;
 
 /// Closed forms, without light.
 pub const SHADING: Shading =
-    Shading { integrator: Integrator::Analytic, overlap: Overlap::Exact, silhouette: None, light: None };
+    Shading { integrator: Integrator::Analytic, overlap: WidgetBlend::Exact, silhouette: None, light: None };
 
 /// One in so many of a test's texts is translated; all of them where the environment variable `VOLTET_TRANSLATE` is "all".
 const TRANSLATED: usize = 8;

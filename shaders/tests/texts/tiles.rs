@@ -9,7 +9,7 @@ use voltet_core::transfer::{
 use voltet_optics::integrators::can_serve;
 use voltet_optics::shading::{Integrator, Light, Shading};
 use voltet_shaders::{
-    Access, Blend, Choices, Compositor, FramePass, GRID_GROUP, GridArray, Layout, PIECES, Parts,
+    Access, Blend, Choices, CompositorProgram, FramePass, GRID_GROUP, GridArray, Layout, PIECES, Parts,
     PlacementRecord, RoundRecord, RunRecord, TileOrder, ViewRecord, cells_read, compose,
 };
 
@@ -87,10 +87,11 @@ fn check_buffers(module: &naga::Module, choices: &Choices) {
     let is_storage = |v: &naga::GlobalVariable| matches!(v.space, naga::AddressSpace::Storage { .. });
     let declared = module.global_variables.iter().filter(|(_, variable)| is_storage(variable)).count();
     let of_stage = match choices.compositor {
-        Compositor::Tiles(_) => declared,
-        Compositor::None | Compositor::Segments | Compositor::Raster(_) | Compositor::Triangles(_) => {
-            declared - 1
-        }
+        CompositorProgram::Tiles(_) => declared,
+        CompositorProgram::None
+        | CompositorProgram::Segments
+        | CompositorProgram::Raster(_)
+        | CompositorProgram::Triangles(_) => declared - 1,
     };
     assert!(of_stage <= 8, "{choices:?}");
 }
@@ -105,7 +106,7 @@ fn tiles_are_valid_for_every_kind_light_and_integrator() {
                 continue;
             }
             for order in ORDERS {
-                let choices = Choices::new(&transfer_function, &shading, Compositor::Tiles(order));
+                let choices = Choices::new(&transfer_function, &shading, CompositorProgram::Tiles(order));
                 let choices = choices.expect("has pieces");
                 let shader = compose(&choices);
                 if !texts.insert(shader.text.clone()) {
@@ -130,16 +131,18 @@ fn tiles_are_valid_for_every_kind_light_and_integrator() {
 const BLENDS: [Blend; 3] = [Blend::Over, Blend::Sum, Blend::Rounded { bits: 12 }];
 
 /// What blends, with its entry points for vertices and pixels.
-fn blending() -> Vec<(Compositor, [&'static str; 2])> {
-    let outlines = BLENDS.map(|blend| (Compositor::Raster(blend), ["outline_cell", "blend_cell"]));
-    let triangles = BLENDS.map(|blend| (Compositor::Triangles(blend), ["place_corner", "blend_triangle"]));
+fn blending() -> Vec<(CompositorProgram, [&'static str; 2])> {
+    let outlines = BLENDS.map(|blend| (CompositorProgram::Raster(blend), ["outline_cell", "blend_cell"]));
+    let triangles =
+        BLENDS.map(|blend| (CompositorProgram::Triangles(blend), ["place_corner", "blend_triangle"]));
     outlines.into_iter().chain(triangles).collect()
 }
 
-fn is_rounded(compositor: Compositor) -> bool {
+fn is_rounded(compositor: CompositorProgram) -> bool {
     matches!(
         compositor,
-        Compositor::Raster(Blend::Rounded { .. }) | Compositor::Triangles(Blend::Rounded { .. })
+        CompositorProgram::Raster(Blend::Rounded { .. })
+            | CompositorProgram::Triangles(Blend::Rounded { .. })
     )
 }
 
@@ -154,7 +157,8 @@ fn what_blends_is_valid_for_every_kind_light_and_integrator() {
             }
             for (compositor, [vertices, pixels]) in blending() {
                 // What a pixel holds is apart from how its segments are integrated: once for each light.
-                let same_apart = is_rounded(compositor) || compositor == Compositor::Triangles(Blend::Sum);
+                let same_apart =
+                    is_rounded(compositor) || compositor == CompositorProgram::Triangles(Blend::Sum);
                 if same_apart && shading.integrator != Integrator::Analytic {
                     continue;
                 }
@@ -177,8 +181,10 @@ fn what_blends_is_valid_for_every_kind_light_and_integrator() {
                 assert_eq!(entries, expected);
                 let lit = shading.light.is_some() || shading.silhouette.is_some();
                 assert_eq!(shader.text.contains("let gradient ="), lit);
-                let is_sum =
-                    matches!(compositor, Compositor::Raster(Blend::Sum) | Compositor::Triangles(Blend::Sum));
+                let is_sum = matches!(
+                    compositor,
+                    CompositorProgram::Raster(Blend::Sum) | CompositorProgram::Triangles(Blend::Sum)
+                );
                 assert_eq!(shader.text.contains("const DEPTHS_ADD_UP = true;"), !lit && is_sum);
                 let about = shader.text.contains("const BLENDED_ABOUT = 2048.0;");
                 assert_eq!(about, is_rounded(compositor));
@@ -249,7 +255,8 @@ fn tiles_in_parts_are_valid() {
     transfer_function.widgets[0].profile = Profile::Table(Arc::new(table));
     let shading = Shading { silhouette: Some(2.0), ..SHADING };
     for order in ORDERS {
-        let whole = Choices::new(&transfer_function, &shading, Compositor::Tiles(order)).expect("has pieces");
+        let whole =
+            Choices::new(&transfer_function, &shading, CompositorProgram::Tiles(order)).expect("has pieces");
         for layout in LAYOUTS {
             let choices = Choices { layout, ..whole.clone() };
             let shader = compose(&choices);
@@ -265,7 +272,7 @@ fn tiles_in_parts_are_valid() {
 fn every_pass_and_compositor_is_used() {
     let mut used: HashSet<&str> =
         FramePass::ALL.iter().flat_map(|p| p.shader(&Layout::WHOLE).files().collect::<Vec<_>>()).collect();
-    let compositors = ORDERS.map(Compositor::Tiles).into_iter();
+    let compositors = ORDERS.map(CompositorProgram::Tiles).into_iter();
     for compositor in compositors.chain(blending().into_iter().map(|(compositor, _)| compositor)) {
         for transfer_function in scenes() {
             let choices = Choices::new(&transfer_function, &SHADING, compositor);

@@ -8,7 +8,7 @@ use voltet_core::transfer::{OpticalModel, TransferFunction};
 use voltet_judge::segment_cases;
 use voltet_judge::segment_twin::Measure;
 use voltet_optics::integrators::{Extent, Integrator, new};
-use voltet_optics::{Contribution, Overlap};
+use voltet_optics::{Contribution, WidgetBlend};
 use voltet_shaders::segment_list::{axes, holds, keeps_digits};
 use voltet_shaders::{compose, compose_pieces, piece};
 use voltet_testing::segments::{MODELS, look, overlapping, segments};
@@ -49,7 +49,8 @@ fn the_tolerance_is_met_on_the_exact_cases() {
             continue;
         }
         let extent = Extent { scalar: [0.0, 1.0], longest: segment.length };
-        let truth = new(&Integrator::Analytic, Overlap::Exact, transfer_function, &extent).expect("serves");
+        let truth =
+            new(&Integrator::Analytic, WidgetBlend::Exact, transfer_function, &extent).expect("serves");
         let found = scenes.integrate(&scene, &[segment])[0];
         let scale = if case.density() { 1.0 } else { segment.length / transfer_function.unit_distance };
         let measure = Measure::new(truth.as_ref(), &segment, &stored(&axes));
@@ -88,7 +89,8 @@ fn the_tolerance_is_met_where_widgets_overlap() {
     let segments = segments(96, 2.0);
     for transfer_function in scenes() {
         let extent = Extent { scalar: [0.0, 1.0], longest: 2.0 };
-        let truth = new(&Integrator::Analytic, Overlap::Exact, &transfer_function, &extent).expect("serves");
+        let truth =
+            new(&Integrator::Analytic, WidgetBlend::Exact, &transfer_function, &extent).expect("serves");
         let measure = |segment| Measure::new(truth.as_ref(), segment, &stored(&UNIT));
         let measures: Vec<Measure> = segments.iter().map(measure).collect();
         // Without a tolerance: the ordered integral of the closed forms.

@@ -2,12 +2,12 @@
 
 use voltet_core::transfer::{OpticalModel, Profile, TransferFunction, Wave, Widget};
 use voltet_judge::twin::{INPUTS, Range};
-use voltet_optics::clip::Stretch;
+use voltet_optics::clip::ClippedSpan;
 use voltet_optics::gaussian::GaussianPath;
 use voltet_optics::shading::{Integrator, Shading};
 use voltet_optics::triangular_gaussian::TriangularPath;
 use voltet_optics::wave::Bell;
-use voltet_optics::{Overlap, linear, special};
+use voltet_optics::{WidgetBlend, linear, special};
 use voltet_shaders::{Axis, Parameters};
 
 /// A 64-bit formula of the inputs.
@@ -58,8 +58,12 @@ fn bell(profile: Profile) -> String {
         unit_distance: 1.0,
         widgets: vec![Widget { profile, color: [1.0; 3], extinction: 1.0, region: None }],
     };
-    let shading =
-        Shading { integrator: Integrator::Analytic, overlap: Overlap::Exact, silhouette: None, light: None };
+    let shading = Shading {
+        integrator: Integrator::Analytic,
+        overlap: WidgetBlend::Exact,
+        silhouette: None,
+        light: None,
+    };
     let parameters = Parameters::new(&transfer_function, &shading, &[Axis::PLAIN; 2], 1.0).expect("in range");
     let record = parameters.widgets[0];
     let [inverse, reach, half, lit] = record.bell;
@@ -98,7 +102,7 @@ fn waves(sine: bool, width: f64, peak: Option<f64>) -> Twin {
             &format!("wave_mean({bell}, phase(x.x), phase(x.y))"),
             &[PHASE, PHASE],
             (4.0, "sums of positive areas, divided once"),
-            move |x| path(x).integral(&Stretch::WHOLE),
+            move |x| path(x).integral(&ClippedSpan::WHOLE),
         ),
         Some(peak) => twin(
             if sine { "sine glow" } else { "triangle glow" },
@@ -106,7 +110,7 @@ fn waves(sine: bool, width: f64, peak: Option<f64>) -> Twin {
             &format!("wave_glow({bell}, phase(x.x), phase(x.y), {peak:?})"),
             &[PHASE, PHASE],
             (16.0, "a series of walks; panels of depth 2.5 leave 4e-6"),
-            move |x| path(x).glow(peak, &Stretch::WHOLE, CUTOFF),
+            move |x| path(x).glow(peak, &ClippedSpan::WHOLE, CUTOFF),
         ),
     };
     Twin { generated, ..made }
@@ -185,7 +189,7 @@ pub fn twins() -> Vec<Twin> {
             (4.0, "sums of 2 erfcx and exp"),
             |x| {
                 GaussianPath::new([x[0], 0.0], [x[1], 0.0], [x[1] - x[0], 0.0])
-                    .optical_depth(1.0, &Stretch::WHOLE)
+                    .optical_depth(1.0, &ClippedSpan::WHOLE)
             },
         ),
         twin(
@@ -194,7 +198,7 @@ pub fn twins() -> Vec<Twin> {
             &format!("gaussian_mean_profile({plane})"),
             &[NEAR, NEAR, NEAR, NEAR],
             (4.0, "sums of 2 erfcx and exp"),
-            |x| gaussian(x).optical_depth(1.0, &Stretch::WHOLE),
+            |x| gaussian(x).optical_depth(1.0, &ClippedSpan::WHOLE),
         ),
         twin(
             "gaussian mean, fields",
@@ -203,7 +207,7 @@ pub fn twins() -> Vec<Twin> {
              Fields(x.z, x.w, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)))",
             &[NEAR, NEAR, NEAR, NEAR],
             (4.0, "sums of 2 erfcx and exp"),
-            |x| gaussian(x).optical_depth(1.0, &Stretch::WHOLE),
+            |x| gaussian(x).optical_depth(1.0, &ClippedSpan::WHOLE),
         ),
         twin(
             "triangular gaussian mean",
@@ -211,7 +215,7 @@ pub fn twins() -> Vec<Twin> {
             "triangular_gaussian_mean_profile(x.xy, x.zw)",
             &[NEAR, NEAR, WIDTH, WIDTH],
             (8.0, "up to 24 panels of 8 points: 1e-6"),
-            |x| TriangularPath::new([x[0], x[1]], [x[2], x[3]], 1.0).optical_depth(&Stretch::WHOLE),
+            |x| TriangularPath::new([x[0], x[1]], [x[2], x[3]], 1.0).optical_depth(&ClippedSpan::WHOLE),
         ),
         Twin {
             generated: TRIANGULAR_OF_FIELDS,
@@ -225,7 +229,7 @@ pub fn twins() -> Vec<Twin> {
                     let (front, back) = ([x[0], x[1], 0.3], [x[2], -0.5, 0.7]);
                     let along = [0, 1, 2].map(|i| back[i] - front[i]);
                     TriangularPath::over_fields(front, back, along, [x[3], 1.0], 1.0)
-                        .optical_depth(&Stretch::WHOLE)
+                        .optical_depth(&ClippedSpan::WHOLE)
                 },
             )
         },
@@ -277,7 +281,7 @@ pub fn twins() -> Vec<Twin> {
     ];
     for peak in [0.01, 300.0] {
         let expression = format!("gaussian_glow({plane}, {peak:?}, {level:?})");
-        let truth = move |x: &[f64; INPUTS]| gaussian(x).glow(peak, &Stretch::WHOLE, level);
+        let truth = move |x: &[f64; INPUTS]| gaussian(x).glow(peak, &ClippedSpan::WHOLE, level);
         twins.push(twin(
             "gaussian glow",
             "gaussian/glow",

@@ -6,12 +6,12 @@ use voltet_judge::segment_cases;
 use voltet_judge::segment_twin::{Measure, change_of_places, numbers};
 use voltet_optics::integrators::{Extent, new};
 use voltet_optics::shading::{Integrator, Shading};
-use voltet_optics::{Overlap, Prepared};
+use voltet_optics::{CompiledTransferFunction, WidgetBlend};
 use voltet_shaders::Axis;
 use voltet_shaders::segment_list::{axes, holds, keeps_digits};
 
 pub fn shading(integrator: Integrator) -> Shading {
-    Shading { integrator, overlap: Overlap::Exact, silhouette: None, light: None }
+    Shading { integrator, overlap: WidgetBlend::Exact, silhouette: None, light: None }
 }
 
 /// What rounding a stored value changes, by the axes.
@@ -37,7 +37,7 @@ fn sampling_integrators_are_twins_of_their_truths() {
         let integrator = all[which];
         let (transfer_function, segment) = (&case.transfer_function, case.segment());
         let extent = Extent { scalar: [0.0, 1.0], longest: segment.length };
-        let truth = new(&integrator, Overlap::Exact, transfer_function, &extent).expect("serves");
+        let truth = new(&integrator, WidgetBlend::Exact, transfer_function, &extent).expect("serves");
         let axes = axes(transfer_function, &segment);
         let scene = Composed::new(transfer_function, &shading(integrator), &axes, segment.length, None);
         let Ok(scene) = scene.expect("has pieces") else { continue };
@@ -52,7 +52,7 @@ fn sampling_integrators_are_twins_of_their_truths() {
             assert!((0.0..=1.0).contains(&found.opacity), "{id}: {found:?}");
             continue;
         }
-        let prepared = Prepared::new(transfer_function).expect("valid");
+        let prepared = CompiledTransferFunction::new(transfer_function).expect("valid");
         let measure = Measure::new(truth.as_ref(), &segment, &stored(&axes));
         let further = change_of_places(&prepared, &segment, &places[which], numbers(&measure.exact));
         let ratio = measure.ratio(&found, further, TOLERANCE, brightest);

@@ -7,10 +7,10 @@ use std::time::Instant;
 use voltet_core::transfer::{ControlPoint, OpticalModel, Profile, TransferFunction, Widget};
 use voltet_judge::segment_twin::{Measure, numbers};
 use voltet_optics::integrators::{
-    Extent, Integrator, Matter, PreIntegrated, PreIntegratedCylindrical, Ramp, new,
+    Extent, Integrator, Material, PreIntegrated, PreIntegratedCylindrical, Ramp, new,
 };
 use voltet_optics::special::mean_transmittance;
-use voltet_optics::{Contribution, Overlap, Segment};
+use voltet_optics::{Contribution, Segment, WidgetBlend};
 use voltet_shaders::{Axis, Places};
 use voltet_testing::segments::{MODELS, segments};
 
@@ -55,7 +55,7 @@ fn four_loops(ramp: &Ramp) -> Vec<[f32; 3]> {
                 let (mut emission, mut depth) = ([0.0; 3], 0.0_f64);
                 for m in 0..count {
                     let at = lowest + if j < i { count - 1 - m } else { m };
-                    let piece: &Matter = &ramp.pieces()[at];
+                    let piece: &Material = &ramp.pieces()[at];
                     let held = piece.extinction * step;
                     let light = (-depth).exp() * mean_transmittance(held) / count as f64;
                     for (sum, glow) in emission.iter_mut().zip(piece.glow) {
@@ -141,7 +141,7 @@ fn tables_are_read_as_by_their_truths() {
     for model in MODELS {
         let transfer_function = scene(model);
         for integrator in both(27) {
-            let truth = new(&integrator, Overlap::Exact, &transfer_function, &EXTENT).expect("serves");
+            let truth = new(&integrator, WidgetBlend::Exact, &transfer_function, &EXTENT).expect("serves");
             let found = scenes.integrate(&ready(&transfer_function, integrator), &segments);
             let mut worst = (0.0, 0);
             for (i, (segment, found)) in segments.iter().zip(found).enumerate() {
@@ -180,7 +180,8 @@ fn figures_of_tables() {
     let scenes = Scenes::new(device);
     let transfer_function = scene(OpticalModel::DensityEmitter);
     let segments = segments(1 << 16, LONGEST);
-    let analytic = new(&Integrator::Analytic, Overlap::Exact, &transfer_function, &EXTENT).expect("serves");
+    let analytic =
+        new(&Integrator::Analytic, WidgetBlend::Exact, &transfer_function, &EXTENT).expect("serves");
     let exact: Vec<Contribution> = segments.iter().map(|segment| analytic.integrate(segment)).collect();
     println!("on {}, {} segments, density-emitter", scenes.device.name, segments.len());
     println!(

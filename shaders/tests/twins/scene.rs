@@ -11,7 +11,7 @@ use voltet_optics::integrators::Extent;
 use voltet_optics::shading::Shading;
 use voltet_optics::{Contribution, Segment};
 use voltet_shaders::segment_list::{CONTRIBUTION, constants, contributions, row};
-use voltet_shaders::{Axis, Choices, Compositor, Parameters, Resources, Shader, compose};
+use voltet_shaders::{Axis, Choices, CompositorProgram, Parameters, Resources, Shader, compose};
 
 /// A device with the passes that it has compiled.
 pub struct Scenes {
@@ -41,7 +41,7 @@ impl Composed {
         length: f64,
         extent: Option<&Extent>,
     ) -> Result<std::result::Result<Composed, &'static str>> {
-        let choices = Choices::new(transfer_function, shading, Compositor::Segments)?;
+        let choices = Choices::new(transfer_function, shading, CompositorProgram::Segments)?;
         let Ok(parameters) = Parameters::new(transfer_function, shading, axes, length) else {
             return Ok(Err("numbers leave the range of 32 bits"));
         };

@@ -6,7 +6,7 @@ use crate::scene::{Composed, Scenes};
 use voltet_core::transfer::{Profile, Region, Widget};
 use voltet_judge::segment_twin::{Measure, change_of_places, numbers};
 use voltet_optics::integrators::{Extent, Integrator, new};
-use voltet_optics::{Overlap, Prepared};
+use voltet_optics::{CompiledTransferFunction, WidgetBlend};
 use voltet_shaders::Axis;
 use voltet_testing::segments::{MODELS, image, look, segments, widget};
 
@@ -49,10 +49,10 @@ fn table_widgets_are_twins_of_their_truth() {
     let mut broken = Vec::new();
     for (model, widgets) in MODELS.iter().flat_map(|model| scenes().into_iter().map(move |w| (*model, w))) {
         let transfer_function = look(model, widgets);
-        let prepared = Prepared::new(&transfer_function).expect("valid");
+        let prepared = CompiledTransferFunction::new(&transfer_function).expect("valid");
         for (integrator, places, tolerance) in &integrators {
             let extent = Extent { scalar: [0.0, 1.0], longest: 2.0 };
-            let truth = new(integrator, Overlap::Exact, &transfer_function, &extent).expect("serves");
+            let truth = new(integrator, WidgetBlend::Exact, &transfer_function, &extent).expect("serves");
             let scene = Composed::new(&transfer_function, &shading(*integrator), &UNIT, 1.0, None)
                 .expect("has pieces")
                 .expect("in range");

@@ -2,14 +2,14 @@
 
 use std::fmt::Write;
 use std::path::Path;
-use voltet_graph::Unobserved;
+use voltet_graph::NoObserver;
 use voltet_graph::pipeline::Pipeline;
 
 /// The bytes of the picture that a pipeline draws: 32-bit floats, native order.
 pub fn picture(text: &str, folder: &Path) -> Vec<u8> {
     let pipeline = Pipeline::parse(text).unwrap();
     let graph = pipeline.graph(&voltet_nodes::registry().unwrap(), folder.into()).unwrap();
-    let report = voltet_nodes::session().run(&graph, &Unobserved).unwrap();
+    let report = voltet_nodes::session().run(&graph, &NoObserver).unwrap();
     report.pictures[0].1.rgba.as_flattened().iter().flat_map(|channel| channel.to_ne_bytes()).collect()
 }
 

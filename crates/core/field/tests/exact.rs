@@ -1,9 +1,9 @@
 //! Values worked by hand, linear and quadratic fields, the array filter.
 
 use super::*;
-use crate::Shared;
+use crate::SharedSlice;
 use crate::grid::Array;
-use crate::parameters::Datum;
+use crate::parameters::ParameterValue;
 
 #[test]
 fn a_single_tetrahedron_by_hand() {
@@ -54,7 +54,7 @@ fn gradients_at_some_points_are_those_at_all() {
     let points: Vec<u32> = (0..grid.points.len() as u32).rev().filter(|p| p % 3 != 1).collect();
     for name in METHODS {
         let all = gradient(name, &grid, &s).vectors;
-        let found = Method::standard(filter(name)).unwrap().gradient_at(&grid, &s, &points, &Silent);
+        let found = Method::with_defaults(filter(name)).unwrap().gradient_at(&grid, &s, &points, &NoProgress);
         let is_by_points = ["least-squares", "quadratic-fit"].contains(&name);
         assert_eq!(found.is_some(), is_by_points, "{name}");
         let Some(found) = found else { continue };
@@ -108,7 +108,7 @@ fn cell_average_equals_vtks_gradient_filter() {
             )
         })
         .collect();
-    let grid = Grid { points: Shared::from(points), ..box_of_tetrahedra([2, 2, 2], UNIT, 0.0) };
+    let grid = Grid { points: SharedSlice::from(points), ..box_of_tetrahedra([2, 2, 2], UNIT, 0.0) };
     assert_eq!(grid.tetrahedra.len(), 48);
     let s = sample(&grid, |p| p.x * p.x + 2.0 * p.y * p.z - p.z * p.z * p.z);
     let found = gradient("cell-average", &grid, &s).vectors;
@@ -134,17 +134,19 @@ fn the_array_filter_takes_three_components_and_names_what_is_wrong() {
     grid.point_arrays
         .insert("flat".into(), Arc::new(Array { component_count: 2, values: vec![0.0; 16].into() }));
     let run = |name: &str| {
-        let values = [("array", Datum::Text(name.into()))];
+        let values = [("array", ParameterValue::Text(name.into()))];
         let parameters = Parameters::of(FromArray.declaration().parameters, values).unwrap();
         let method = Method::new(Arc::new(FromArray), parameters).unwrap();
         assert_eq!(method.arrays().unwrap(), [name]);
-        method.gradient(&grid, &[0.0; 8], &Silent)
+        method.gradient(&grid, &[0.0; 8], &NoProgress)
     };
     assert_eq!(run("grad").unwrap().vectors[2], DVec3::new(6.0, 7.0, 8.0));
     assert!(run("flat").unwrap_err().to_string().contains("2 components"));
     let missing = run("gard").unwrap_err().to_string();
     assert!(missing.contains("'gard'") && missing.contains("grad"), "{missing}");
-    assert!(Method::standard(Arc::new(FromArray)).unwrap_err().to_string().contains("'array' is missing"));
+    assert!(
+        Method::with_defaults(Arc::new(FromArray)).unwrap_err().to_string().contains("'array' is missing")
+    );
 }
 
 #[test]

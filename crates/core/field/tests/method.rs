@@ -11,8 +11,8 @@ struct Constant {
 }
 
 impl GradientFilter for Constant {
-    fn declaration(&self) -> Kind {
-        Kind { name: "constant", summary: "The same everywhere.", parameters: &[] }
+    fn declaration(&self) -> VariantSchema {
+        VariantSchema { name: "constant", summary: "The same everywhere.", parameters: &[] }
     }
 
     fn gradient_at(
@@ -42,7 +42,10 @@ fn what_is_given_at_some_points_is_checked_too() {
     let (points, values) = ([40, 30, 20], vec![7.0; grid.points.len()]);
     let run = |vector: DVec3, too_many: usize| {
         let filter = Constant { vector, first: DVec3::X, too_many };
-        Method::standard(Arc::new(filter)).unwrap().gradient_at(&grid, &values, &points, &Silent).unwrap()
+        Method::with_defaults(Arc::new(filter))
+            .unwrap()
+            .gradient_at(&grid, &values, &points, &NoProgress)
+            .unwrap()
     };
     assert_eq!(run(DVec3::Y, 0).unwrap().vectors, [DVec3::X, DVec3::Y, DVec3::Y]);
     let message = run(DVec3::Y, 1).unwrap_err().to_string();
@@ -58,7 +61,7 @@ fn run(filter: Constant, scalar: f64) -> Result<Gradient> {
     let tetrahedra = box_of_cells.tetrahedra.iter().map(|cell| cell.map(|p| p + 1)).collect();
     let grid = grid_of(points, tetrahedra);
     let values = vec![scalar; grid.points.len()];
-    Method::standard(Arc::new(filter)).unwrap().gradient(&grid, &values, &Silent)
+    Method::with_defaults(Arc::new(filter)).unwrap().gradient(&grid, &values, &NoProgress)
 }
 
 #[test]

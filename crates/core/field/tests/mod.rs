@@ -8,11 +8,11 @@ mod several;
 
 use super::*;
 use crate::Result;
-use crate::Shared;
+use crate::SharedSlice;
 use crate::grid::generate::{Random, box_of_tetrahedra, sample};
 use crate::grid::{Grid, tetrahedron_volume};
-use crate::parameters::{Kind, Parameters};
-use crate::progress::{Progress, Silent};
+use crate::parameters::{Parameters, VariantSchema};
+use crate::progress::{NoProgress, Progress};
 
 pub(super) const UNIT: [DVec3; 2] = [DVec3::ZERO, DVec3::ONE];
 
@@ -24,7 +24,7 @@ pub(super) fn filter(name: &str) -> Arc<dyn GradientFilter> {
 }
 
 pub(super) fn gradient(method: &str, grid: &Grid, scalar: &[f64]) -> Gradient {
-    let result = Method::standard(filter(method)).unwrap().gradient(grid, scalar, &Silent).unwrap();
+    let result = Method::with_defaults(filter(method)).unwrap().gradient(grid, scalar, &NoProgress).unwrap();
     assert_eq!(result.vectors.len(), grid.points.len());
     assert!(result.vectors.iter().all(|v| v.is_finite()), "{method}: all finite");
     result
@@ -32,10 +32,10 @@ pub(super) fn gradient(method: &str, grid: &Grid, scalar: &[f64]) -> Gradient {
 
 /// A grid of tetrahedra over these points.
 pub(super) fn grid_of(points: Vec<DVec3>, tetrahedra: Vec<[u32; 4]>) -> Grid {
-    Grid { points: Shared::from(points), tetrahedra: Shared::from(tetrahedra), ..Grid::default() }
+    Grid { points: SharedSlice::from(points), tetrahedra: SharedSlice::from(tetrahedra), ..Grid::default() }
 }
 
 /// The same grid with every point moved by `f`.
 pub(super) fn moved(grid: &Grid, f: impl Fn(DVec3) -> DVec3) -> Grid {
-    Grid { points: Shared::from(sample(grid, f)), ..grid.clone() }
+    Grid { points: SharedSlice::from(sample(grid, f)), ..grid.clone() }
 }

@@ -81,8 +81,8 @@ impl Curved {
             let degrees =
                 degrees.map_or(String::new(), |d| format!(" with degrees {} {} {}", d[0], d[1], d[2]));
             Error::run(format!("cell {}, a {name}{degrees}, has the wrong number of points", cell.number))
-                .found(cell.corners.len())
-                .accepted("the number that its degree calls for")
+                .got(cell.corners.len())
+                .expected("the number that its degree calls for")
         };
         let template = if cell.code == code::TRIQUADRATIC_PYRAMID {
             triquadratic_pyramid()
@@ -91,8 +91,8 @@ impl Curved {
             let order = nodes.orders.into_iter().max().unwrap_or(1);
             if order > 1 && order * subdivision > MOST_PIECES {
                 return Err(Error::usage(format!("the subdivision is too fine for cells of degree {order}"))
-                    .found(subdivision)
-                    .accepted(format!("at most {}", MOST_PIECES / order))
+                    .got(subdivision)
+                    .expected(format!("at most {}", MOST_PIECES / order))
                     .at_item("subdivision"));
             }
             template(&nodes, subdivision).ok_or_else(wrong_count)?
@@ -146,8 +146,8 @@ impl Numbering<'_> {
             for (added, point) in curved.templates[&kind].added.iter().enumerate() {
                 let next = u32::try_from(*first_free + curved.origins.len()).map_err(|_| {
                     Error::run("curved cells need too many points")
-                        .found(*first_free + curved.origins.len())
-                        .accepted(format!("at most {} (or a lower subdivision)", u32::MAX))
+                        .got(*first_free + curved.origins.len())
+                        .expected(format!("at most {} (or a lower subdivision)", u32::MAX))
                 })?;
                 let number_of_point = match Place::of(&point.surface, cell.corners) {
                     Place::Inside => next,

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::grid::generate::{box_of_tetrahedra, lattice};
-use crate::progress::Silent;
+use crate::progress::NoProgress;
 
 /// What a box is made of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -23,7 +23,7 @@ pub enum Kind {
 }
 
 /// The box of `box_of_tetrahedra` in cells of any kind, as a reader would hand it over.
-pub fn box_of(kind: Kind, counts: [usize; 3], bounds: [DVec3; 2], jitter: f64) -> Parts {
+pub fn box_of(kind: Kind, counts: [usize; 3], bounds: [DVec3; 2], jitter: f64) -> RawGrid {
     let counts = counts.map(|n| n.max(1));
     let points = lattice(counts, bounds, jitter);
     let mut out =
@@ -49,19 +49,19 @@ pub fn box_of(kind: Kind, counts: [usize; 3], bounds: [DVec3; 2], jitter: f64) -
             out.hexahedron(kind, [v[0], v[1], v[3], v[2], v[4], v[5], v[7], v[6]]);
         }
     }
-    Parts::new(out.points, Cells::Mixed(out.set))
+    RawGrid::new(out.points, Cells::Mixed(out.set))
 }
 
 /// Gives parts the scalar `field`, sampled at the points.
-pub fn parts_with_scalar(mut parts: Parts, name: &str, field: impl Fn(DVec3) -> f64) -> Parts {
+pub fn parts_with_scalar(mut parts: RawGrid, name: &str, field: impl Fn(DVec3) -> f64) -> RawGrid {
     let values = parts.points.iter().map(|&p| field(p)).collect();
     parts.scalar = Some(Scalar { name: name.into(), association: Association::Point, values });
     parts
 }
 
 /// `build` with default options and no progress.
-pub fn built(parts: Parts) -> Result<Grid> {
-    build(parts, &Options::default(), &Silent)
+pub fn built(parts: RawGrid) -> Result<Grid> {
+    build(parts, &Options::default(), &NoProgress)
 }
 
 struct Builder {

@@ -2,10 +2,10 @@
 
 use super::boxes::{Kind, box_of, built, parts_with_scalar};
 use super::*;
-use crate::progress::Silent;
+use crate::progress::NoProgress;
 
-fn subdivided(parts: Parts, subdivision: u32) -> Grid {
-    build(parts, &Options { subdivision, ..Options::default() }, &Silent).unwrap()
+fn subdivided(parts: RawGrid, subdivision: u32) -> Grid {
+    build(parts, &Options { subdivision, ..Options::default() }, &NoProgress).unwrap()
 }
 
 #[test]
@@ -113,7 +113,7 @@ const PYRAMID: &[[i32; 3]] = &[
     [0, 1, 1],
 ];
 
-fn single(code: u8, nodes: impl IntoIterator<Item = DVec3>) -> Parts {
+fn single(code: u8, nodes: impl IntoIterator<Item = DVec3>) -> RawGrid {
     let points: Vec<DVec3> = nodes.into_iter().collect();
     let count = points.len();
     let set = CellSet {
@@ -122,7 +122,7 @@ fn single(code: u8, nodes: impl IntoIterator<Item = DVec3>) -> Parts {
         connectivity: (0..count as u32).collect(),
         polyhedra: Vec::new(),
     };
-    Parts::new(points, Cells::Mixed(set))
+    RawGrid::new(points, Cells::Mixed(set))
 }
 
 fn halves(nodes: &[[i32; 3]]) -> Vec<DVec3> {
@@ -225,7 +225,7 @@ fn neighbours_of_different_types_share_their_curved_faces() {
     add(code::QUADRATIC_WEDGE, wedge);
     let pyramid = halves(PYRAMID).into_iter().map(|p| number(p + DVec3::Z)).collect();
     add(code::QUADRATIC_PYRAMID, pyramid);
-    let parts = Parts::new(points, Cells::Mixed(set));
+    let parts = RawGrid::new(points, Cells::Mixed(set));
     for seed in 1..20 {
         for subdivision in [1, 2] {
             let grid = subdivided(shuffled(parts.clone(), seed), subdivision);

@@ -2,7 +2,7 @@
 
 use super::boxes::parts_with_scalar;
 use super::*;
-use crate::progress::Silent;
+use crate::progress::NoProgress;
 
 /// VTK's positions (vtkLagrangeTetra's parametric coordinates × 4 and × 5, vtkHigherOrderHexahedron and
 /// vtkHigherOrderWedge::PointIndexFromIJK), written as digits i j k.
@@ -32,7 +32,7 @@ fn positions(digits: &str, orders: [f64; 3]) -> Vec<DVec3> {
         .collect()
 }
 
-fn cell(code: u8, points: Vec<DVec3>, degrees: Option<[u8; 3]>) -> Parts {
+fn cell(code: u8, points: Vec<DVec3>, degrees: Option<[u8; 3]>) -> RawGrid {
     let count = points.len();
     let set = CellSet {
         types: vec![code],
@@ -40,13 +40,13 @@ fn cell(code: u8, points: Vec<DVec3>, degrees: Option<[u8; 3]>) -> Parts {
         connectivity: (0..count as u32).collect(),
         polyhedra: Vec::new(),
     };
-    let mut parts = Parts::new(points, Cells::Mixed(set));
+    let mut parts = RawGrid::new(points, Cells::Mixed(set));
     parts.degrees = degrees.map(|d| vec![d]);
     parts
 }
 
-fn subdivided(parts: Parts, subdivision: u32) -> Grid {
-    build(parts, &Options { subdivision, ..Options::default() }, &Silent).unwrap()
+fn subdivided(parts: RawGrid, subdivision: u32) -> Grid {
+    build(parts, &Options { subdivision, ..Options::default() }, &NoProgress).unwrap()
 }
 
 #[test]
@@ -106,9 +106,9 @@ fn bezier_cells_pass_through_their_curve_and_not_through_their_control_points() 
 fn wrong_numbers_of_points_and_too_fine_cuts_are_errors() {
     let points = positions(TETRAHEDRON_4, [4.0; 3]);
     let short = cell(code::LAGRANGE_TETRAHEDRON, points[..34].to_vec(), None);
-    let error = build(short, &Options::default(), &Silent).unwrap_err().to_string();
+    let error = build(short, &Options::default(), &NoProgress).unwrap_err().to_string();
     assert!(error.contains("Lagrange tetrahedron") && error.contains("34"), "{error}");
     let fine = Options { subdivision: 17, ..Options::default() };
-    let error = build(cell(code::LAGRANGE_TETRAHEDRON, points, None), &fine, &Silent).unwrap_err();
+    let error = build(cell(code::LAGRANGE_TETRAHEDRON, points, None), &fine, &NoProgress).unwrap_err();
     assert!(error.to_string().contains("at most 16"), "{error}");
 }

@@ -49,7 +49,7 @@ pub(super) fn assert_fills_unit_cube(grid: &Grid, what: &str) {
 }
 
 /// Renumbers the points at random, so that every case of the splits occurs.
-pub(super) fn shuffled(mut parts: Parts, seed: u64) -> Parts {
+pub(super) fn shuffled(mut parts: RawGrid, seed: u64) -> RawGrid {
     let mut random = Random(seed);
     let n = parts.points.len();
     let mut new_number: Vec<u32> = (0..n as u32).collect();

@@ -36,7 +36,7 @@ fn polyhedra_share_their_faces_with_hexahedra() {
 }
 
 /// A polygon in the plane, extruded from z = 0 to 1; some faces turn the other way.
-fn extruded(polygon: &[[f64; 2]], order: impl Fn(u32) -> u32) -> Parts {
+fn extruded(polygon: &[[f64; 2]], order: impl Fn(u32) -> u32) -> RawGrid {
     let n = polygon.len() as u32;
     let mut points = vec![DVec3::ZERO; 2 * n as usize];
     for (i, p) in polygon.iter().enumerate() {
@@ -55,7 +55,7 @@ fn extruded(polygon: &[[f64; 2]], order: impl Fn(u32) -> u32) -> Parts {
         connectivity,
         polyhedra: vec![Polyhedron { cell: 0, faces }],
     };
-    parts_with_scalar(Parts::new(points, Cells::Mixed(set)), "s", |p| p.x + 2.0 * p.y - p.z)
+    parts_with_scalar(RawGrid::new(points, Cells::Mixed(set)), "s", |p| p.x + 2.0 * p.y - p.z)
 }
 
 #[test]

@@ -4,15 +4,15 @@ use super::boxes::{Kind, box_of, built, parts_with_scalar};
 use super::generate::box_of_tetrahedra;
 use super::*;
 use crate::error::ErrorKind;
-use crate::progress::{Progress, Silent};
+use crate::progress::{NoProgress, Progress};
 
-fn on_cells(mut parts: Parts, values: Vec<f64>) -> Parts {
+fn on_cells(mut parts: RawGrid, values: Vec<f64>) -> RawGrid {
     parts.scalar = Some(Scalar { name: "c".into(), association: Association::Cell, values: values.into() });
     parts
 }
 
 /// Two bars along x, of lengths 1 and 3, as hexahedra.
-fn two_bars() -> Parts {
+fn two_bars() -> RawGrid {
     let mut parts = box_of(Kind::Hexahedra, [2, 1, 1], UNIT, 0.0);
     parts.points.make_mut().iter_mut().for_each(|p| p.x = [0.0, 1.0, 4.0][(2.0 * p.x) as usize]);
     parts
@@ -55,7 +55,7 @@ fn cell_values_can_stay_constant_in_each_cell() {
         .cell_arrays
         .insert("pair".into(), Array { component_count: 2, values: vec![1.0, 2.0, 3.0, 4.0].into() });
     let options = Options { cell_values: CellValues::Constant, ..Options::default() };
-    let grid = build(parts, &options, &Silent).unwrap();
+    let grid = build(parts, &options, &NoProgress).unwrap();
     assert_eq!(grid.points.len(), 16);
     assert!((total_volume(&grid) - 4.0).abs() < 1e-14);
     let (s, pair, x) =
@@ -72,8 +72,10 @@ fn cell_values_can_stay_constant_in_each_cell() {
     for method in ["cell-average", "volume-weighted", "least-squares"] {
         let filters = crate::field::filters();
         let filter = filters.iter().find(|filter| filter.declaration().name == method).unwrap();
-        let found =
-            crate::field::Method::standard(filter.clone()).unwrap().gradient(&grid, s, &Silent).unwrap();
+        let found = crate::field::Method::with_defaults(filter.clone())
+            .unwrap()
+            .gradient(&grid, s, &NoProgress)
+            .unwrap();
         assert!(found.vectors.iter().all(|&v| v == DVec3::ZERO), "{method}");
     }
 }
@@ -83,7 +85,7 @@ fn what_is_not_finite_is_left_out_counted_and_said() {
     for kind in [Kind::Tetrahedra, Kind::Hexahedra, Kind::QuadraticHexahedra, Kind::Polyhedra] {
         let clean = parts_with_scalar(box_of(kind, [3, 3, 3], UNIT, 0.1), "s", |p| p.x);
         let cell_count = clean.cells.count();
-        let using = |parts: &Parts, point: u32| {
+        let using = |parts: &RawGrid, point: u32| {
             let Cells::Mixed(set) = &parts.cells else { unreachable!() };
             (0..cell_count)
                 .filter(|&c| {
@@ -149,13 +151,13 @@ fn ghosts_and_surfaces_are_left_out_and_unused_points_dropped() {
 #[test]
 fn structured_grids_equal_their_hexahedra() {
     let hexahedra = built(box_of(Kind::Hexahedra, [3, 2, 4], UNIT, 0.2)).unwrap();
-    let parts = Parts::new(hexahedra.points.to_vec(), Cells::Structured([4, 3, 5]));
+    let parts = RawGrid::new(hexahedra.points.to_vec(), Cells::Structured([4, 3, 5]));
     let structured = built(parts).unwrap();
     assert_eq!(structured.tetrahedra, hexahedra.tetrahedra);
     assert_eq!(structured.source_cells, hexahedra.source_cells);
-    let flat = Parts::new(vec![DVec3::ZERO; 12], Cells::Structured([4, 3, 1]));
+    let flat = RawGrid::new(vec![DVec3::ZERO; 12], Cells::Structured([4, 3, 1]));
     assert!(built(flat).unwrap_err().to_string().contains("nothing to draw"));
-    let wrong = Parts::new(vec![DVec3::ZERO; 12], Cells::Structured([4, 3, 2]));
+    let wrong = RawGrid::new(vec![DVec3::ZERO; 12], Cells::Structured([4, 3, 2]));
     assert!(built(wrong).unwrap_err().to_string().contains("4 × 3 × 2"));
 }
 
@@ -164,12 +166,12 @@ fn plain_tetrahedra_are_the_cells_of_the_file() {
     let grid = box_of_tetrahedra([2, 2, 2], UNIT, 0.1);
     let mut own: Vec<[u32; 4]> = grid.tetrahedra.to_vec();
     own.iter_mut().for_each(|t| t.reverse());
-    let parts = Parts::new(grid.points.to_vec(), Cells::Tetrahedra(own));
+    let parts = RawGrid::new(grid.points.to_vec(), Cells::Tetrahedra(own));
     let built = built(parts).unwrap();
     assert!(built.source_cells.is_none());
     assert_eq!(built.tetrahedra, grid.tetrahedra);
     // Cells without volume stay.
-    let flat = Parts::new(vec![DVec3::ZERO; 4], Cells::Tetrahedra(vec![[3, 1, 0, 2]]));
+    let flat = RawGrid::new(vec![DVec3::ZERO; 4], Cells::Tetrahedra(vec![[3, 1, 0, 2]]));
     assert_eq!(boxes::built(flat).unwrap().tetrahedra[0], [0, 1, 2, 3]);
 }
 
@@ -197,19 +199,19 @@ fn damaged_input_is_one_clear_error() {
     }
     let Cells::Mixed(mut set) = cube().cells else { unreachable!() };
     set.types.fill(7);
-    let error = built(Parts::new(cube().points, Cells::Mixed(set))).unwrap_err();
+    let error = built(RawGrid::new(cube().points, Cells::Mixed(set))).unwrap_err();
     assert!(error.to_string().contains("2 polygons"), "{error}");
     assert_eq!(error.kind, ErrorKind::Run);
-    let error = built(Parts::new(vec![DVec3::ZERO; 3], Cells::Tetrahedra(vec![[0, 1, 2, 3]]))).unwrap_err();
+    let error = built(RawGrid::new(vec![DVec3::ZERO; 3], Cells::Tetrahedra(vec![[0, 1, 2, 3]]))).unwrap_err();
     assert!(error.to_string().contains("cell 0") && error.to_string().contains("found 3"), "{error}");
-    let empty = built(Parts::new(Vec::new(), Cells::Tetrahedra(Vec::new()))).unwrap_err();
+    let empty = built(RawGrid::new(Vec::new(), Cells::Tetrahedra(Vec::new()))).unwrap_err();
     assert!(empty.to_string().contains("no cells"), "{empty}");
     let mut short = cube();
     short.point_arrays.insert("short".into(), Array { component_count: 3, values: vec![0.0; 35].into() });
     let error = built(short).unwrap_err().to_string();
     assert!(error.contains("'short'") && error.contains("35") && error.contains("36"), "{error}");
     let options = Options { subdivision: 0, ..Options::default() };
-    assert_eq!(build(cube(), &options, &Silent).unwrap_err().kind, ErrorKind::Usage);
+    assert_eq!(build(cube(), &options, &NoProgress).unwrap_err().kind, ErrorKind::Usage);
 }
 
 #[test]

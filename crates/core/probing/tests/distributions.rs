@@ -1,10 +1,10 @@
 use super::super::sub_tetrahedron::{Distribution, SubTetrahedron};
 use super::super::{Axis, Bands, bands, histogram};
 use super::{close, cube, numbers};
-use crate::Shared;
+use crate::SharedSlice;
 use crate::grid::Grid;
 use crate::grid::generate::{box_of_tetrahedra, sample};
-use crate::progress::Silent;
+use crate::progress::NoProgress;
 use crate::transfer::{OpticalModel, Profile, Region, TransferFunction, Wave, Widget};
 use crate::volume::Volume;
 use glam::DVec3;
@@ -13,7 +13,11 @@ use std::sync::Arc;
 /// One tetrahedron: the corner of the unit cube, so that s = x and g = y have hand-worked integrals.
 fn corner() -> Grid {
     let points = vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
-    Grid { points: Shared::from(points), tetrahedra: Shared::from(vec![[0, 1, 2, 3]]), ..Grid::default() }
+    Grid {
+        points: SharedSlice::from(points),
+        tetrahedra: SharedSlice::from(vec![[0, 1, 2, 3]]),
+        ..Grid::default()
+    }
 }
 
 #[test]
@@ -43,7 +47,7 @@ fn a_corner_of_a_cube_falls_into_four_bins_as_worked_by_hand() {
     let grid = corner();
     let (s, g) = (sample(&grid, |p| p.x), sample(&grid, |p| p.y));
     let axis = Axis { low: 0.0, high: 1.0, bins: 2 };
-    let found = histogram(&grid, [&s, &g], [axis; 2], &Silent).unwrap();
+    let found = histogram(&grid, [&s, &g], [axis; 2], &NoProgress).unwrap();
     // ∫∫ (1 − x − y) over [0, ½]² is 1/8; the two bins beside it share the rest of 1/6; x + y ≥ 1 holds nothing.
     let wanted = [1.0 / 8.0, 1.0 / 48.0, 1.0 / 48.0, 0.0];
     found.volumes.iter().zip(wanted).for_each(|(&volume, wanted)| close(volume, wanted, 1e-16));
@@ -62,7 +66,7 @@ fn every_bin_is_the_volume_cut_by_four_half_spaces() {
     let [s, g] = curved(&grid);
     // The axes leave out some of the data.
     let axes = [Axis { low: 0.1, high: 1.3, bins: 7 }, Axis { low: 0.05, high: 0.9, bins: 23 }];
-    let found = histogram(&grid, [&s, &g], axes, &Silent).unwrap();
+    let found = histogram(&grid, [&s, &g], axes, &NoProgress).unwrap();
     let mut largest: f64 = 0.0;
     for (bin, &volume) in found.volumes.iter().enumerate() {
         let (i, j) = (bin % 7, bin / 7);
@@ -95,7 +99,7 @@ fn all_bins_make_the_volume_and_the_margins_the_exact_distributions() {
     let grid = cube();
     let [s, g] = curved(&grid);
     let axes = [Axis::over(&s, 64), Axis::over(&g, 48)];
-    let found = histogram(&grid, [&s, &g], axes, &Silent).unwrap();
+    let found = histogram(&grid, [&s, &g], axes, &NoProgress).unwrap();
     // Rounding of a few hundred cells' volumes, split among some thousand bins.
     close(found.volumes.iter().sum::<f64>(), 1.0, 1e-13);
     close(found.total, 1.0, 1e-13);
@@ -124,8 +128,12 @@ fn bands_are_counted_by_cell() {
     // Each layer of cells spans as much of s as its number: 0, 1, 2, …; g runs along y.
     let s = sample(&grid, |p| p.x * (p.x - 1.0) / 2.0);
     let g = sample(&grid, |p| 0.25 * p.y);
-    let volume =
-        Volume { scalar: Shared::from(s), gradient_magnitude: Some(Shared::from(g)), gradient: None, grid };
+    let volume = Volume {
+        scalar: SharedSlice::from(s),
+        gradient_magnitude: Some(SharedSlice::from(g)),
+        gradient: None,
+        grid,
+    };
     let wave = Wave { origin: [3.0, 0.0], angle: 0.0, scale: [1.0; 2], period: 1.0, band_width: 0.1 };
     let widget = |profile, region| Widget { profile, color: [1.0; 3], extinction: 1.0, region };
     let of = |widgets| {

@@ -1,21 +1,21 @@
-use super::super::{Found, Region, kernel, probe};
+use super::super::{ProbeResult, Region, kernel, probe};
 use super::{close, cube};
 use crate::grid::Grid;
 use crate::grid::generate::sample;
-use crate::progress::Silent;
+use crate::progress::NoProgress;
 use glam::DVec3;
 
 /// Rounding of a few hundred sums of numbers near 1.
 const ROUNDING: f64 = 1e-13;
 
-fn found(grid: &Grid, fields: &[fn(DVec3) -> f64], region: Region) -> Found {
+fn found(grid: &Grid, fields: &[fn(DVec3) -> f64], region: Region) -> ProbeResult {
     let values: Vec<Vec<f64>> = fields.iter().map(|&field| sample(grid, field)).collect();
     let values: Vec<&[f64]> = values.iter().map(Vec::as_slice).collect();
-    probe(grid, &values, &region, None, &Silent).unwrap()
+    probe(grid, &values, &region, None, &NoProgress).unwrap()
 }
 
 /// The covariance in the fields' own units.
-fn covariance(found: &Found, i: usize, j: usize) -> f64 {
+fn covariance(found: &ProbeResult, i: usize, j: usize) -> f64 {
     found.covariance[i][j] * found.extent[i] * found.extent[j]
 }
 
@@ -41,12 +41,12 @@ fn a_box_gives_the_moments_of_linear_fields_exactly() {
 fn a_mask_leaves_whole_cells() {
     let grid = cube();
     let values = sample(&grid, |p| p.x);
-    let first = probe(&grid, &[&values], &Region::Everywhere, Some(&|i| i == 0), &Silent).unwrap();
+    let first = probe(&grid, &[&values], &Region::Everywhere, Some(&|i| i == 0), &NoProgress).unwrap();
     let corners = grid.corners(0);
     close(first.mean[0], corners.iter().map(|p| p.x).sum::<f64>() / 4.0, ROUNDING);
     close(first.volume, crate::grid::tetrahedron_volume(corners), ROUNDING);
     assert_eq!(first.cell_count, 1);
-    let error = probe(&grid, &[&values], &Region::Everywhere, Some(&|_| false), &Silent).unwrap_err();
+    let error = probe(&grid, &[&values], &Region::Everywhere, Some(&|_| false), &NoProgress).unwrap_err();
     assert!(error.what.contains("the mask leaves no cell"), "{error}");
 }
 

@@ -1,14 +1,14 @@
 //! Percentiles against distributions that are known.
 
-use crate::Shared;
+use crate::SharedSlice;
 use crate::grid::Grid;
 use crate::grid::generate::box_of_tetrahedra;
 use crate::probing::{Volumes, value_range};
-use crate::progress::Silent;
+use crate::progress::NoProgress;
 use glam::DVec3;
 
 fn percentile(grid: &Grid, values: &[f64], percent: f64) -> f64 {
-    Volumes::new(grid, values, &Silent).unwrap().percentile(percent, &Silent).unwrap()
+    Volumes::new(grid, values, &NoProgress).unwrap().percentile(percent, &NoProgress).unwrap()
 }
 
 #[test]
@@ -30,8 +30,8 @@ fn tetrahedra(count: usize) -> Grid {
     let points = (0..count).flat_map(|i| corners.map(|p| p + DVec3::new(2.0 * i as f64, 0.0, 0.0)));
     let cells = (0..count as u32).map(|i| [4 * i, 4 * i + 1, 4 * i + 2, 4 * i + 3]);
     Grid {
-        points: Shared::from(points.collect::<Vec<_>>()),
-        tetrahedra: Shared::from(cells.collect::<Vec<_>>()),
+        points: SharedSlice::from(points.collect::<Vec<_>>()),
+        tetrahedra: SharedSlice::from(cells.collect::<Vec<_>>()),
         ..Grid::default()
     }
 }
@@ -77,7 +77,7 @@ fn many_values_at_once_are_as_one_by_one() {
     let grid = box_of_tetrahedra([5, 4, 6], [DVec3::ZERO, DVec3::ONE], 0.3);
     let mut values: Vec<f64> = grid.points.iter().map(|p| (5.0 * p.x).sin() + p.y).collect();
     values[3] = f64::NAN;
-    let volumes = Volumes::new(&grid, &values, &Silent).unwrap();
+    let volumes = Volumes::new(&grid, &values, &NoProgress).unwrap();
     let edges: Vec<f64> = (0..=50).map(|i| -1.2 + 0.07 * f64::from(i)).collect();
     for (edge, many) in edges.iter().zip(volumes.below_each(&edges)) {
         // A sum of hundreds of roundings.
@@ -89,11 +89,13 @@ fn many_values_at_once_are_as_one_by_one() {
 #[test]
 fn what_has_no_values_is_refused() {
     let grid = tetrahedra(1);
-    let refused = |values: &[f64]| Volumes::new(&grid, values, &Silent).err().unwrap().to_string();
+    let refused = |values: &[f64]| Volumes::new(&grid, values, &NoProgress).err().unwrap().to_string();
     assert!(refused(&[f64::NAN, 1.0, 1.0, 1.0]).contains("without finite values"));
     assert!(refused(&[1.0]).contains("one value a point"));
-    let flat = Grid { points: Shared::from(vec![DVec3::ZERO; 4]), ..tetrahedra(1) };
-    assert!(Volumes::new(&flat, &[1.0; 4], &Silent).err().unwrap().to_string().contains("without volume"));
+    let flat = Grid { points: SharedSlice::from(vec![DVec3::ZERO; 4]), ..tetrahedra(1) };
+    assert!(
+        Volumes::new(&flat, &[1.0; 4], &NoProgress).err().unwrap().to_string().contains("without volume")
+    );
     assert!(value_range(&[f64::NAN]).unwrap_err().to_string().contains("no finite values"));
     assert!(value_range(&[-1e308, 1.5e308]).unwrap_err().to_string().contains("beyond 64-bit"));
     assert_eq!(value_range(&[2.0, f64::NAN, -1.0]).unwrap(), [-1.0, 2.0]);

@@ -4,7 +4,8 @@ use super::keys::{COLOR, Declared, EXTINCTION, MATRIX, POSITIVE_OR_INFINITE, REG
 use super::profile::{AxisOrigin, ColorSource, Profile, Properties};
 use crate::Result;
 use crate::parameters::{
-    Along, Kind, Measure, Measured, Parameter, ParameterType, Parameters, Range, Standard,
+    AxisRef, DefaultValue, Parameter, ParameterType, Parameters, Range, RelativeNumberType, StatisticKind,
+    VariantSchema,
 };
 use crate::transfer::check::finite;
 use crate::transfer::hull::distance_squared_from_origin;
@@ -13,7 +14,7 @@ use crate::transfer::slab::Slab;
 
 /// The declaration.
 pub(super) const KIND: Declared = Declared {
-    kind: Kind {
+    kind: VariantSchema {
         name: "gaussian",
         summary: "A Gaussian over the scalar and its gradient magnitude.",
         parameters: &[
@@ -23,7 +24,7 @@ pub(super) const KIND: Declared = Declared {
                 name: "centre",
                 parameter_type: VALUES,
                 unit: "(s, g)",
-                standard: Standard::Required,
+                standard: DefaultValue::Required,
                 help: "the middle of the widget, [s, g]",
             },
             Parameter {
@@ -40,23 +41,23 @@ pub(super) const KIND: Declared = Declared {
 };
 
 /// [s, g].
-const VALUES: ParameterType = ParameterType::Measured(&Measured {
+const VALUES: ParameterType = ParameterType::Measured(&RelativeNumberType {
     plain: ParameterType::Numbers(Some(2), Range::ANY),
-    is: Measure::Value,
-    along: Along::Places(&["s", "g"]),
+    is: StatisticKind::Value,
+    along: AxisRef::Places(&["s", "g"]),
 });
 
-const WIDTHS: ParameterType = ParameterType::Measured(&Measured {
+const WIDTHS: ParameterType = ParameterType::Measured(&RelativeNumberType {
     plain: ParameterType::Numbers(Some(2), POSITIVE_OR_INFINITE),
-    is: Measure::Width,
-    along: Along::Places(&["s", "g"]),
+    is: StatisticKind::Width,
+    along: AxisRef::Places(&["s", "g"]),
 });
 
 /// Columns belong to s and g.
-const FACTORS: ParameterType = ParameterType::Measured(&Measured {
+const FACTORS: ParameterType = ParameterType::Measured(&RelativeNumberType {
     plain: ParameterType::Rows(Some(2)),
-    is: Measure::Factor,
-    along: Along::Places(&["s", "g"]),
+    is: StatisticKind::Factor,
+    along: AxisRef::Places(&["s", "g"]),
 });
 
 fn read(p: &Parameters) -> Result<Profile> {

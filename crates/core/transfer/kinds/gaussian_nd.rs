@@ -5,14 +5,14 @@ use super::keys::{
     fields_and_centre, kernel,
 };
 use super::profile::{AxisOrigin, ColorSource, FIELDS_MOST, Profile, Properties};
-use crate::parameters::{Kind, Parameters};
+use crate::parameters::{Parameters, VariantSchema};
 use crate::transfer::check::finite;
 use crate::transfer::hull::{Corners, gaussian};
 use crate::{Error, Result};
 
 /// The declaration.
 pub(super) const KIND: Declared = Declared {
-    kind: Kind {
+    kind: VariantSchema {
         name: "gaussian-nd",
         summary: "A Gaussian over one to eight point arrays.",
         parameters: &[COLOR, EXTINCTION, FIELDS, CENTRE_OF_FIELDS, SIGMA_OF_FIELDS, MATRIX_OF_FIELDS, REGION],
@@ -47,18 +47,18 @@ pub(super) fn check(fields: &[String], centre: &[f64], matrix: &[Vec<f64>]) -> R
     let n = fields.len();
     if !(1..=FIELDS_MOST).contains(&n) {
         return Err(Error::usage("a widget over fields has a wrong number of them")
-            .found(n)
-            .accepted(format!("1 to {FIELDS_MOST}")));
+            .got(n)
+            .expected(format!("1 to {FIELDS_MOST}")));
     }
     if centre.len() != n {
         return Err(Error::usage("the centre does not fit the fields")
-            .found(centre.len())
-            .accepted(format!("{n} numbers, one a field")));
+            .got(centre.len())
+            .expected(format!("{n} numbers, one a field")));
     }
     if matrix.len() != n || matrix.iter().any(|row| row.len() != n) {
         return Err(Error::usage("the matrix does not fit the fields")
-            .found(format!("{} rows", matrix.len()))
-            .accepted(format!("{n} × {n} numbers")));
+            .got(format!("{} rows", matrix.len()))
+            .expected(format!("{n} × {n} numbers")));
     }
     finite("the centre", centre)?;
     matrix.iter().try_for_each(|row| finite("the matrix", row))

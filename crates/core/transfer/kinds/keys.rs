@@ -6,7 +6,8 @@
 use super::profile::Profile;
 use crate::Result;
 use crate::parameters::{
-    Along, Kind, Measure, Measured, Parameter, ParameterType, Parameters, Range, Standard,
+    AxisRef, DefaultValue, Parameter, ParameterType, Parameters, Range, RelativeNumberType, StatisticKind,
+    VariantSchema,
 };
 
 /// Reads the image of a table widget: width, height and straight linear RGBA texels, row 0 at the top.
@@ -14,7 +15,7 @@ pub type LoadImage<'a> = &'a dyn Fn(&str) -> Result<(usize, usize, Vec<[f32; 4]>
 
 /// A kind as it is declared, and how its profile is read.
 pub(in crate::transfer) struct Declared {
-    pub kind: Kind,
+    pub kind: VariantSchema,
     pub read: fn(&Parameters, LoadImage) -> Result<Profile>,
 }
 
@@ -22,7 +23,7 @@ pub(super) const COLOR: Parameter = Parameter {
     name: "color",
     parameter_type: ParameterType::Numbers(Some(3), Range::at_least(0.0)),
     unit: "linear RGB",
-    standard: Standard::Required,
+    standard: DefaultValue::Required,
     help: "colour; components may exceed 1",
 };
 
@@ -30,7 +31,7 @@ pub(super) const EXTINCTION: Parameter = Parameter {
     name: "extinction",
     parameter_type: ParameterType::Number(Range::at_least(0.0)),
     unit: "per unit_distance",
-    standard: Standard::Required,
+    standard: DefaultValue::Required,
     help: "peak of the extinction coefficient: light is dimmed by exp(-extinction) over one unit distance",
 };
 
@@ -38,42 +39,42 @@ pub(super) const REGION: Parameter = Parameter {
     name: "region",
     parameter_type: ParameterType::Table(REGION_KEYS),
     unit: "",
-    standard: Standard::Unset("the whole plane"),
+    standard: DefaultValue::Unset("the whole plane"),
     help: "the widget is 0 outside this part of the (s, g) plane",
 };
 
 const REGION_KEYS: &[Parameter] = &[
     Parameter {
         name: "s",
-        parameter_type: ParameterType::Measured(&Measured { along: Along::Every("s"), ..LIMITS }),
+        parameter_type: ParameterType::Measured(&RelativeNumberType { along: AxisRef::Every("s"), ..LIMITS }),
         unit: "units of s",
-        standard: Standard::Unset("no limit"),
+        standard: DefaultValue::Unset("no limit"),
         help: "range of the scalar, [low, high]",
     },
     Parameter {
         name: "g",
-        parameter_type: ParameterType::Measured(&Measured { along: Along::Every("g"), ..LIMITS }),
+        parameter_type: ParameterType::Measured(&RelativeNumberType { along: AxisRef::Every("g"), ..LIMITS }),
         unit: "units of g",
-        standard: Standard::Unset("no limit"),
+        standard: DefaultValue::Unset("no limit"),
         help: "range of the gradient magnitude, [low, high]",
     },
     Parameter {
         name: "polygon",
-        parameter_type: ParameterType::Measured(&Measured {
+        parameter_type: ParameterType::Measured(&RelativeNumberType {
             plain: ParameterType::Rows(Some(2)),
-            is: Measure::Value,
-            along: Along::Places(&["s", "g"]),
+            is: StatisticKind::Value,
+            along: AxisRef::Places(&["s", "g"]),
         }),
         unit: "(s, g)",
-        standard: Standard::Unset("the ranges s and g"),
+        standard: DefaultValue::Unset("the ranges s and g"),
         help: "corners [s, g] of a convex polygon, in place of the ranges",
     },
 ];
 
-const LIMITS: Measured = Measured {
+const LIMITS: RelativeNumberType = RelativeNumberType {
     plain: ParameterType::Numbers(Some(2), Range::ANY_OR_INFINITE),
-    is: Measure::Value,
-    along: Along::Every("s"),
+    is: StatisticKind::Value,
+    along: AxisRef::Every("s"),
 };
 
 /// What a standard deviation may be: an infinite one ignores its axis.
@@ -83,7 +84,7 @@ pub(super) const SIGMA: Parameter = Parameter {
     name: "sigma",
     parameter_type: ParameterType::Numbers(None, POSITIVE_OR_INFINITE),
     unit: "",
-    standard: Standard::Unset("matrix is given"),
+    standard: DefaultValue::Unset("matrix is given"),
     help: "",
 };
 
@@ -91,7 +92,7 @@ pub(super) const MATRIX: Parameter = Parameter {
     name: "matrix",
     parameter_type: ParameterType::Rows(None),
     unit: "",
-    standard: Standard::Unset("diag(1 / (√2 sigma))"),
+    standard: DefaultValue::Unset("diag(1 / (√2 sigma))"),
     help: "K of exp(-|K (v - centre)|²), rows first, in place of sigma",
 };
 
@@ -99,27 +100,27 @@ pub(super) const FIELDS: Parameter = Parameter {
     name: "fields",
     parameter_type: ParameterType::Texts,
     unit: "",
-    standard: Standard::Required,
+    standard: DefaultValue::Required,
     help: "names of one to eight point arrays; \"NAME:0\" and \"NAME:magnitude\" for vectors",
 };
 
 pub(super) const CENTRE_OF_FIELDS: Parameter = Parameter {
     name: "centre",
-    parameter_type: ParameterType::Measured(&Measured {
+    parameter_type: ParameterType::Measured(&RelativeNumberType {
         plain: ParameterType::Numbers(None, Range::ANY),
-        is: Measure::Value,
-        along: Along::Names("fields"),
+        is: StatisticKind::Value,
+        along: AxisRef::Names("fields"),
     }),
     unit: "units of the fields",
-    standard: Standard::Required,
+    standard: DefaultValue::Required,
     help: "the middle of the widget, one number a field",
 };
 
 pub(super) const SIGMA_OF_FIELDS: Parameter = Parameter {
-    parameter_type: ParameterType::Measured(&Measured {
+    parameter_type: ParameterType::Measured(&RelativeNumberType {
         plain: ParameterType::Numbers(None, POSITIVE_OR_INFINITE),
-        is: Measure::Width,
-        along: Along::Names("fields"),
+        is: StatisticKind::Width,
+        along: AxisRef::Names("fields"),
     }),
     unit: "units of the fields",
     help: "standard deviations, one a field; inf ignores the field",
@@ -127,10 +128,10 @@ pub(super) const SIGMA_OF_FIELDS: Parameter = Parameter {
 };
 
 pub(super) const MATRIX_OF_FIELDS: Parameter = Parameter {
-    parameter_type: ParameterType::Measured(&Measured {
+    parameter_type: ParameterType::Measured(&RelativeNumberType {
         plain: ParameterType::Rows(None),
-        is: Measure::Factor,
-        along: Along::Names("fields"),
+        is: StatisticKind::Factor,
+        along: AxisRef::Names("fields"),
     }),
     unit: "1 / units of the fields",
     ..MATRIX
@@ -142,13 +143,13 @@ pub(super) fn fields_and_centre(p: &Parameters, most: usize) -> Result<(Vec<Stri
     if !(1..=most).contains(&fields.len()) || fields.iter().any(String::is_empty) {
         return Err(p
             .error("fields", "the number of fields is out of range")
-            .found(fields.len())
-            .accepted(format!("1 to {most} names")));
+            .got(fields.len())
+            .expected(format!("1 to {most} names")));
     }
     let centre = p.numbers("centre")?;
     if centre.len() != fields.len() {
-        let error = p.error("centre", "'centre' has the wrong length").found(centre.len());
-        return Err(error.accepted(format!("{}, one number a field", fields.len())));
+        let error = p.error("centre", "'centre' has the wrong length").got(centre.len());
+        return Err(error.expected(format!("{}, one number a field", fields.len())));
     }
     Ok((fields, centre))
 }
@@ -171,8 +172,8 @@ pub(super) fn kernel(p: &Parameters, n: usize, per_width: f64) -> Result<Vec<Vec
         let found = format!("{} × {}", rows.len(), rows.first().map_or(0, Vec::len));
         return Err(p
             .error(name, format!("'{name}' has the wrong size"))
-            .found(found)
-            .accepted(format!("{n} × {n}")));
+            .got(found)
+            .expected(format!("{n} × {n}")));
     }
     if rows.iter().flatten().any(|x| !x.is_finite()) {
         return Err(p.error(name, format!("'{name}' is so small that its inverse is not finite")));

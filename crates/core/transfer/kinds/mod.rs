@@ -24,7 +24,7 @@ pub(super) use wave::ACROSS;
 use super::hull::Corners;
 use super::slab::{Reach, Slab};
 use crate::Result;
-use crate::parameters::Kind;
+use crate::parameters::VariantSchema;
 use keys::Declared;
 use maximum_table::MaximumTable;
 use std::sync::Arc;
@@ -43,7 +43,7 @@ pub(super) const DECLARED: [Declared; 9] = [
 ];
 
 /// The kinds of widgets and their keys.
-pub const WIDGET_KINDS: &[Kind] = &{
+pub const WIDGET_KINDS: &[VariantSchema] = &{
     let mut kinds = [DECLARED[0].kind; DECLARED.len()];
     let mut i = 0;
     while i < kinds.len() {

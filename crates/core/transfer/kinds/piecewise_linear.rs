@@ -2,7 +2,10 @@
 
 use super::keys::{Declared, REGION};
 use super::profile::{AxisOrigin, ColorSource, ControlPoint, Profile, Properties};
-use crate::parameters::{Along, Kind, Measure, Measured, Parameter, ParameterType, Parameters, Standard};
+use crate::parameters::{
+    AxisRef, DefaultValue, Parameter, ParameterType, Parameters, RelativeNumberType, StatisticKind,
+    VariantSchema,
+};
 use crate::transfer::check::{finite, not_negative};
 use crate::transfer::hull::Corners;
 use crate::transfer::slab::Slab;
@@ -10,19 +13,19 @@ use crate::{Error, Result};
 
 /// The declaration.
 pub(super) const KIND: Declared = Declared {
-    kind: Kind {
+    kind: VariantSchema {
         name: "piecewise-linear",
         summary: "Colour and extinction linear between control points in s, constant beyond the ends.",
         parameters: &[
             Parameter {
                 name: "points",
-                parameter_type: ParameterType::Measured(&Measured {
+                parameter_type: ParameterType::Measured(&RelativeNumberType {
                     plain: ParameterType::Rows(Some(5)),
-                    is: Measure::Value,
-                    along: Along::Places(&["s"]),
+                    is: StatisticKind::Value,
+                    along: AxisRef::Places(&["s"]),
                 }),
                 unit: "(s, linear RGB, per unit_distance)",
-                standard: Standard::Required,
+                standard: DefaultValue::Required,
                 help: "control points [s, r, g, b, extinction], s rising",
             },
             REGION,
@@ -36,18 +39,15 @@ fn read(p: &Parameters) -> Result<Vec<ControlPoint>> {
     if rows.is_empty() {
         return Err(p
             .error("points", "there is no control point")
-            .accepted("at least one [s, r, g, b, extinction]"));
+            .expected("at least one [s, r, g, b, extinction]"));
     }
     if let Some(pair) = rows.windows(2).find(|pair| pair[1][0] <= pair[0][0]) {
         let found = format!("{} after {}", pair[1][0], pair[0][0]);
-        return Err(p
-            .error("points", "the control points do not rise in s")
-            .found(found)
-            .accepted("s rising"));
+        return Err(p.error("points", "the control points do not rise in s").got(found).expected("s rising"));
     }
     if let Some(row) = rows.iter().find(|row| row[1..].iter().any(|&x| x < 0.0)) {
         let error = p.error("points", "a control point has a negative colour or extinction");
-        return Err(error.found(format!("{row:?}")).accepted("0 or more"));
+        return Err(error.got(format!("{row:?}")).expected("0 or more"));
     }
     let point =
         |row: &Vec<f64>| ControlPoint { s: row[0], color: [row[1], row[2], row[3]], extinction: row[4] };
@@ -76,7 +76,7 @@ pub(super) fn properties(points: &[ControlPoint]) -> Properties<'_> {
 
 pub(super) fn check(points: &[ControlPoint]) -> Result<()> {
     if points.is_empty() {
-        return Err(Error::usage("a piecewise-linear widget has no control points").accepted("at least one"));
+        return Err(Error::usage("a piecewise-linear widget has no control points").expected("at least one"));
     }
     for (i, point) in points.iter().enumerate() {
         let place = |e: Error| e.at_item(format!("points[{i}]"));
@@ -89,7 +89,7 @@ pub(super) fn check(points: &[ControlPoint]) -> Result<()> {
     match points.windows(2).find(|pair| pair[1].s < pair[0].s) {
         None => Ok(()),
         Some(pair) => Err(Error::usage("control points are not in rising order of the scalar")
-            .found(format!("{} after {}", pair[1].s, pair[0].s))),
+            .got(format!("{} after {}", pair[1].s, pair[0].s))),
     }
 }
 

@@ -3,7 +3,8 @@
 use super::keys::{COLOR, Declared, EXTINCTION, LoadImage, REGION};
 use super::profile::{AxisOrigin, ColorSource, Profile, Properties, Table};
 use crate::parameters::{
-    Along, Kind, Measure, Measured, Parameter, ParameterType, Parameters, Range, Standard,
+    AxisRef, DefaultValue, Parameter, ParameterType, Parameters, Range, RelativeNumberType, StatisticKind,
+    VariantSchema,
 };
 use crate::transfer::region::Region;
 use crate::{Error, Result};
@@ -11,12 +12,12 @@ use std::sync::Arc;
 
 /// The declaration.
 pub(super) const KIND: Declared = Declared {
-    kind: Kind {
+    kind: VariantSchema {
         name: "table",
         summary: "A picture over the (s, g) plane: its colour, and its alpha times the extinction.",
         parameters: &[
             Parameter {
-                standard: Standard::Unset("the picture's own"),
+                standard: DefaultValue::Unset("the picture's own"),
                 help: "not used: the picture has its own",
                 ..COLOR
             },
@@ -25,21 +26,21 @@ pub(super) const KIND: Declared = Declared {
                 name: "image",
                 parameter_type: ParameterType::InputPath,
                 unit: "",
-                standard: Standard::Required,
+                standard: DefaultValue::Required,
                 help: "PNG file, sRGB with alpha; its lowest row is the smallest g",
             },
             Parameter {
                 name: "s",
                 parameter_type: ParameterType::Measured(VALUES_OF_S),
                 unit: "units of s",
-                standard: Standard::Required,
+                standard: DefaultValue::Required,
                 help: "range of the scalar across the picture, [left, right]",
             },
             Parameter {
                 name: "g",
                 parameter_type: ParameterType::Measured(VALUES_OF_G),
                 unit: "units of g",
-                standard: Standard::Required,
+                standard: DefaultValue::Required,
                 help: "range of the gradient magnitude up the picture, [bottom, top]",
             },
             REGION,
@@ -48,20 +49,19 @@ pub(super) const KIND: Declared = Declared {
     read,
 };
 
-const VALUES_OF_S: &Measured = &Measured {
+const VALUES_OF_S: &RelativeNumberType = &RelativeNumberType {
     plain: ParameterType::Numbers(Some(2), Range::ANY),
-    is: Measure::Value,
-    along: Along::Every("s"),
+    is: StatisticKind::Value,
+    along: AxisRef::Every("s"),
 };
-const VALUES_OF_G: &Measured = &Measured { along: Along::Every("g"), ..*VALUES_OF_S };
+const VALUES_OF_G: &RelativeNumberType = &RelativeNumberType { along: AxisRef::Every("g"), ..*VALUES_OF_S };
 
 fn read(p: &Parameters, load_image: LoadImage) -> Result<Profile> {
     let (s, g): ([f64; 2], [f64; 2]) = (p.vector("s")?, p.vector("g")?);
     for (name, [low, high]) in [("s", s), ("g", g)] {
         if low >= high {
-            let error =
-                p.error(name, format!("the range '{name}' is empty")).found(format!("[{low}, {high}]"));
-            return Err(error.accepted("the smaller number first"));
+            let error = p.error(name, format!("the range '{name}' is empty")).got(format!("[{low}, {high}]"));
+            return Err(error.expected("the smaller number first"));
         }
     }
     let (width, height, texels) = load_image(p.text("image")?)?;
@@ -112,14 +112,14 @@ impl Table {
 pub(super) fn check(table: &Table) -> Result<()> {
     if table.width == 0 || table.height == 0 || table.texels.len() != table.width * table.height {
         return Err(Error::usage("a table's texels do not fit its size")
-            .found(table.texels.len())
-            .accepted(format!("{} × {}", table.width, table.height)));
+            .got(table.texels.len())
+            .expected(format!("{} × {}", table.width, table.height)));
     }
     for (name, range) in [("s", table.s), ("g", table.g)] {
         if !(range[0] < range[1] && (range[1] - range[0]).is_finite()) {
             return Err(Error::usage(format!("a table's range of {name} is empty"))
-                .found(format!("{range:?}"))
-                .accepted("[a, b] with a < b"));
+                .got(format!("{range:?}"))
+                .expected("[a, b] with a < b"));
         }
     }
     if table.texels.iter().flatten().any(|c| !(*c >= 0.0 && c.is_finite())) {

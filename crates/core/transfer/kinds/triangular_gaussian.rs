@@ -3,14 +3,16 @@
 use super::keys::{COLOR, Declared, EXTINCTION, REGION};
 use super::profile::{AxisOrigin, ColorSource, Profile, Properties};
 use crate::Result;
-use crate::parameters::{Along, Kind, Measure, Measured, Parameter, ParameterType, Range, Standard};
+use crate::parameters::{
+    AxisRef, DefaultValue, Parameter, ParameterType, Range, RelativeNumberType, StatisticKind, VariantSchema,
+};
 use crate::transfer::check::{finite, positive};
 use crate::transfer::hull::{Corners, gaussian};
 use crate::transfer::slab::Slab;
 
 /// The declaration.
 pub(super) const KIND: Declared = Declared {
-    kind: Kind {
+    kind: VariantSchema {
         name: "triangular-gaussian",
         summary: "exp(-((s - centre) / (sigma g))²): a Gaussian in s that widens with the gradient magnitude.",
         parameters: &[
@@ -18,24 +20,24 @@ pub(super) const KIND: Declared = Declared {
             EXTINCTION,
             Parameter {
                 name: "centre",
-                parameter_type: ParameterType::Measured(&Measured {
+                parameter_type: ParameterType::Measured(&RelativeNumberType {
                     plain: ParameterType::Number(Range::ANY),
-                    is: Measure::Value,
-                    along: Along::Every("s"),
+                    is: StatisticKind::Value,
+                    along: AxisRef::Every("s"),
                 }),
                 unit: "units of s",
-                standard: Standard::Required,
+                standard: DefaultValue::Required,
                 help: "the scalar in the middle",
             },
             Parameter {
                 name: "sigma",
-                parameter_type: ParameterType::Measured(&Measured {
+                parameter_type: ParameterType::Measured(&RelativeNumberType {
                     plain: ParameterType::Number(Range::above(0.0)),
-                    is: Measure::Width,
-                    along: Along::EveryPer("s", "g"),
+                    is: StatisticKind::Width,
+                    along: AxisRef::EveryPer("s", "g"),
                 }),
                 unit: "units of s / units of g",
-                standard: Standard::Required,
+                standard: DefaultValue::Required,
                 help: "width in s for each unit of g",
             },
             REGION,

@@ -8,13 +8,16 @@ use super::keys::{
     SIGMA_OF_FIELDS, fields_and_centre, kernel,
 };
 use super::profile::{AxisOrigin, ColorSource, FIELDS_MOST, Profile, Properties};
-use crate::parameters::{Along, Kind, Measure, Measured, Parameter, ParameterType, Parameters, Standard};
+use crate::parameters::{
+    AxisRef, DefaultValue, Parameter, ParameterType, Parameters, RelativeNumberType, StatisticKind,
+    VariantSchema,
+};
 use crate::transfer::hull::Corners;
 use crate::{Error, Result};
 
 /// The declaration.
 pub(super) const KIND: Declared = Declared {
-    kind: Kind {
+    kind: VariantSchema {
         name: "triangular-gaussian-nd",
         summary: "A Gaussian over one to seven point arrays that widens with the magnitude of all their gradients.",
         parameters: &[
@@ -28,28 +31,28 @@ pub(super) const KIND: Declared = Declared {
                 name: "magnitude",
                 parameter_type: ParameterType::Text,
                 unit: "",
-                standard: Standard::Text("multi-gradient"),
+                standard: DefaultValue::Text("multi-gradient"),
                 help: "the point array that the widths are shares of, such as the node multi-gradient computes",
             },
             CENTRE_OF_FIELDS,
             Parameter {
-                parameter_type: ParameterType::Measured(&Measured {
+                parameter_type: ParameterType::Measured(&RelativeNumberType {
                     plain: ParameterType::Numbers(None, POSITIVE_OR_INFINITE),
-                    is: Measure::Width,
-                    along: Along::NamesPer("fields", "magnitude"),
+                    is: StatisticKind::Width,
+                    along: AxisRef::NamesPer("fields", "magnitude"),
                 }),
                 unit: "units of the fields / units of the magnitude",
                 help: "widths for each unit of the magnitude, one a field; inf ignores the field",
                 ..SIGMA_OF_FIELDS
             },
             Parameter {
-                parameter_type: ParameterType::Measured(&Measured {
+                parameter_type: ParameterType::Measured(&RelativeNumberType {
                     plain: ParameterType::Rows(None),
-                    is: Measure::Factor,
-                    along: Along::NamesPer("fields", "magnitude"),
+                    is: StatisticKind::Factor,
+                    along: AxisRef::NamesPer("fields", "magnitude"),
                 }),
                 unit: "units of the magnitude / units of the fields",
-                standard: Standard::Unset("diag(1 / sigma)"),
+                standard: DefaultValue::Unset("diag(1 / sigma)"),
                 help: "K of exp(-|K (v - centre) / magnitude|²), rows first, in place of sigma",
                 ..MATRIX_OF_FIELDS
             },
@@ -67,7 +70,7 @@ fn read(p: &Parameters) -> Result<Profile> {
     let matrix = kernel(p, fields.len(), 1.0)?;
     let magnitude = p.text("magnitude")?.to_owned();
     if magnitude.is_empty() {
-        return Err(p.error("magnitude", "the magnitude has no name").accepted("the name of a point array"));
+        return Err(p.error("magnitude", "the magnitude has no name").expected("the name of a point array"));
     }
     Ok(Profile::TriangularGaussianNd { fields, magnitude, centre, matrix })
 }
@@ -93,11 +96,11 @@ pub(super) fn check(fields: &[String], magnitude: &str, centre: &[f64], matrix: 
     gaussian_nd::check(fields, centre, matrix)?;
     if fields.len() > MOST {
         return Err(Error::usage("a widget over fields and their magnitude has too many of them")
-            .found(fields.len())
-            .accepted(format!("1 to {MOST}")));
+            .got(fields.len())
+            .expected(format!("1 to {MOST}")));
     }
     match magnitude {
-        "" => Err(Error::usage("the magnitude has no name").accepted("the name of a point array")),
+        "" => Err(Error::usage("the magnitude has no name").expected("the name of a point array")),
         _ => Ok(()),
     }
 }

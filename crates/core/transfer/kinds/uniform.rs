@@ -2,14 +2,14 @@
 
 use super::keys::{COLOR, Declared, EXTINCTION, REGION};
 use super::profile::{AxisOrigin, ColorSource, Profile, Properties};
-use crate::parameters::{Kind, Parameter, Standard};
+use crate::parameters::{DefaultValue, Parameter, VariantSchema};
 
 /// The declaration.
 pub(super) const KIND: Declared = Declared {
-    kind: Kind {
+    kind: VariantSchema {
         name: "uniform",
         summary: "The same extinction everywhere in its region.",
-        parameters: &[COLOR, EXTINCTION, Parameter { standard: Standard::Required, ..REGION }],
+        parameters: &[COLOR, EXTINCTION, Parameter { standard: DefaultValue::Required, ..REGION }],
     },
     read: |_, _| Ok(Profile::Uniform),
 };

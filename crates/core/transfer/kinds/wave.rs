@@ -3,7 +3,8 @@
 use super::keys::{COLOR, Declared, EXTINCTION, REGION};
 use super::profile::{AxisOrigin, Bands, ColorSource, Profile, Properties, Wave};
 use crate::parameters::{
-    Along, Kind, Measure, Measured, Parameter, ParameterType, Parameters, Range, Standard,
+    AxisRef, DefaultValue, Parameter, ParameterType, Parameters, Range, RelativeNumberType, StatisticKind,
+    VariantSchema,
 };
 use crate::transfer::check::{finite, positive};
 use crate::transfer::hull::{Corners, ROUNDING, range};
@@ -12,13 +13,13 @@ use std::f64::consts::PI;
 
 /// The declaration of the bands with straight flanks.
 pub(super) const TRIANGLE: Declared = Declared {
-    kind: Kind { name: "triangle-wave", summary: "Bands with straight flanks.", parameters: KEYS },
+    kind: VariantSchema { name: "triangle-wave", summary: "Bands with straight flanks.", parameters: KEYS },
     read: |p, _| Ok(Profile::TriangleWave(read(p)?)),
 };
 
 /// The declaration of the bands shaped like |sin|.
 pub(super) const SINE: Declared = Declared {
-    kind: Kind { name: "sine-wave", summary: "Bands shaped like |sin|.", parameters: KEYS },
+    kind: VariantSchema { name: "sine-wave", summary: "Bands shaped like |sin|.", parameters: KEYS },
     read: |p, _| Ok(Profile::SineWave(read(p)?)),
 };
 
@@ -31,49 +32,49 @@ const KEYS: &[Parameter] = &[
     EXTINCTION,
     Parameter {
         name: "origin",
-        parameter_type: ParameterType::Measured(&Measured {
+        parameter_type: ParameterType::Measured(&RelativeNumberType {
             plain: ParameterType::Numbers(Some(2), Range::ANY),
-            is: Measure::Value,
-            along: Along::Places(&["s", "g"]),
+            is: StatisticKind::Value,
+            along: AxisRef::Places(&["s", "g"]),
         }),
         unit: "(s, g)",
-        standard: Standard::Numbers(&[0.0, 0.0]),
+        standard: DefaultValue::Numbers(&[0.0, 0.0]),
         help: "a point where the wave is 0",
     },
     Parameter {
         name: "angle",
         parameter_type: ParameterType::Number(Range::ANY),
         unit: "degrees",
-        standard: Standard::Number(0.0),
+        standard: DefaultValue::Number(0.0),
         help: "direction across the bands in the (s, g) plane; 0 bands the scalar",
     },
     Parameter {
         name: "scale",
-        parameter_type: ParameterType::Measured(&Measured {
+        parameter_type: ParameterType::Measured(&RelativeNumberType {
             plain: ParameterType::Numbers(Some(2), Range::ANY),
-            is: Measure::Factor,
-            along: Along::Places(&["s", "g"]),
+            is: StatisticKind::Factor,
+            along: AxisRef::Places(&["s", "g"]),
         }),
         unit: "",
-        standard: Standard::Numbers(&[1.0, 1.0]),
+        standard: DefaultValue::Numbers(&[1.0, 1.0]),
         help: "factors on the two axes, [ws, wg]",
     },
     Parameter {
         name: "period",
-        parameter_type: ParameterType::Measured(&Measured {
+        parameter_type: ParameterType::Measured(&RelativeNumberType {
             plain: ParameterType::Number(Range::above(0.0)),
-            is: Measure::Width,
-            along: Along::Every(ACROSS),
+            is: StatisticKind::Width,
+            along: AxisRef::Every(ACROSS),
         }),
         unit: "units of scaled s, g",
-        standard: Standard::Required,
+        standard: DefaultValue::Required,
         help: "distance between two bands",
     },
     Parameter {
         name: "band_width",
         parameter_type: ParameterType::Number(Range { above_min: true, ..Range::within(0.0, 1.0) }),
         unit: "",
-        standard: Standard::Number(1.0),
+        standard: DefaultValue::Number(1.0),
         help: "share of the profile that is kept around its peaks",
     },
     REGION,
@@ -146,7 +147,7 @@ pub(super) fn check(wave: &Wave) -> Result<()> {
     if wave.band_width > 0.0 && wave.band_width <= 1.0 {
         return Ok(());
     }
-    Err(Error::usage("the band width is out of range").found(wave.band_width).accepted("0 < band width ≤ 1"))
+    Err(Error::usage("the band width is out of range").got(wave.band_width).expected("0 < band width ≤ 1"))
 }
 
 /// Bounds over cells.

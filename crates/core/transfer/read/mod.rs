@@ -10,7 +10,7 @@ use crate::{Error, Result};
 pub fn read(kind: &str, p: &Parameters, load_image: LoadImage) -> Result<Widget> {
     let Some(declared) = DECLARED.iter().find(|declared| declared.kind.name == kind) else {
         let names: Vec<&str> = WIDGET_KINDS.iter().map(|kind| kind.name).collect();
-        return Err(Error::usage("unknown kind of widget").found(kind).accepted(names.join(", ")));
+        return Err(Error::usage("unknown kind of widget").got(kind).expected(names.join(", ")));
     };
     let profile = (declared.read)(p, load_image)?;
     let extinction = match profile.properties().own_peak {
@@ -31,7 +31,7 @@ fn polygon(p: &Parameters) -> Result<Region> {
         let [low, high] = p.vector(name)?;
         if low > high {
             let error = p.error(name, format!("the range '{name}' of the region is empty"));
-            return Err(error.found(format!("[{low}, {high}]")).accepted("the smaller number first"));
+            return Err(error.got(format!("[{low}, {high}]")).expected("the smaller number first"));
         }
         Ok([low, high])
     };
@@ -39,7 +39,7 @@ fn polygon(p: &Parameters) -> Result<Region> {
         if p.optional("s").is_none() && p.optional("g").is_none() {
             return Err(p
                 .error("s", "the region has no limits")
-                .accepted("s = [low, high], g = [low, high] or polygon"));
+                .expected("s = [low, high], g = [low, high] or polygon"));
         }
         return Ok(Region::rectangle(limits("s")?, limits("g")?));
     }
@@ -49,7 +49,7 @@ fn polygon(p: &Parameters) -> Result<Region> {
     let corners: Vec<[f64; 2]> = p.rows("polygon")?.iter().map(|row| [row[0], row[1]]).collect();
     if !is_convex(&corners) {
         let error = p.error("polygon", "the region is not a convex polygon with an area");
-        return Err(error.accepted("at least three corners in order around a convex polygon"));
+        return Err(error.expected("at least three corners in order around a convex polygon"));
     }
     Ok(Region { corners })
 }

@@ -11,7 +11,7 @@ use crate::shade::shader::Scene;
 use rayon::prelude::*;
 use voltet_core::Result;
 use voltet_core::transfer::TransferFunction;
-use voltet_optics::integrators::{Matter, Ramp, last_tile};
+use voltet_optics::integrators::{Material, Ramp, last_tile};
 use voltet_simd::optics::elementary::mean_transparency;
 use voltet_simd::optics::slices::{LaneRamp, LaneVolume, fill_tiles, to_cylinder};
 use voltet_simd::optics::square::LaneSquare;
@@ -153,7 +153,7 @@ impl Form for Table {
 /// `longest`: longest segments a scene length.
 fn filled(ramp: &Ramp, longest: f64, leave_out: bool) -> Vec<f32> {
     let least = if leave_out { LEFT_OUT } else { 0.0 };
-    let most = |matter: &Matter| matter.glow.into_iter().fold(matter.extinction, f64::max) * longest;
+    let most = |matter: &Material| matter.glow.into_iter().fold(matter.extinction, f64::max) * longest;
     let (nodes, parts) = (ramp.nodes(), ramp.parts());
     let pieces = |k: usize| &ramp.pieces()[k * parts..(k + 1) * parts];
     let holds = |k: usize| nodes[k..=k + 1].iter().chain(pieces(k)).any(|matter| most(matter) > least);

@@ -82,8 +82,8 @@ fn what_was_drawn_before_changes_nothing_that_is_kept() {
     for look in looks() {
         // The same twice, another camera, and back.
         for camera in [whole, whole, narrow, whole] {
-            let now = known.cull(&look, &camera, &Silent).expect("culls");
-            let first = voltet_cpu::cull(&volume, &look, &camera, &Silent).expect("culls");
+            let now = known.cull(&look, &camera, &NoProgress).expect("culls");
+            let first = voltet_cpu::cull(&volume, &look, &camera, &NoProgress).expect("culls");
             assert_eq!(culled(&now), culled(&first), "{look:?}");
             not_worth += u32::from(now.not_worth_asking.is_some());
         }
@@ -97,7 +97,7 @@ fn every_cell_that_is_touched_is_kept_and_hardly_another() {
     let known = Known::new(&volume).expect("has an extent");
     let least = 1e-7 / 3f64.sqrt();
     for look in looks() {
-        let cells = known.cull(&look, &along(DVec3::Y), &Silent).expect("culls");
+        let cells = known.cull(&look, &along(DVec3::Y), &NoProgress).expect("culls");
         let support = Support::new(&look).expect("valid");
         let stepped = support.clone().in_steps(least);
         let g = volume.gradient_magnitude.as_ref().expect("has g");
@@ -146,7 +146,7 @@ fn widgets_are_kept_that_the_view_shows() {
     for (camera, untouched) in
         [(whole, vec![]), (part(0.02), vec![1]), (part(0.98), vec![0]), (whole, vec![])]
     {
-        let cells = known.cull(&look, &camera, &Silent).expect("culls");
+        let cells = known.cull(&look, &camera, &NoProgress).expect("culls");
         assert_eq!(cells.untouched, untouched, "from {}", camera.eye);
     }
 }
@@ -158,7 +158,7 @@ fn culling_that_would_not_pay_is_not_done() -> voltet_core::Result<()> {
     let camera = along(DVec3::Y);
     for (share, worth) in [(0.955, false), (0.85, true)] {
         let look = look(vec![uniform([0.0, share], 1.0, [1.0, 0.5, 0.2])]);
-        let cells = voltet_cpu::cull(&volume, &look, &camera, &Silent).expect("culls");
+        let cells = voltet_cpu::cull(&volume, &look, &camera, &NoProgress).expect("culls");
         let total = volume.grid.tetrahedra.len();
         assert_eq!(cells.kept.len() == total, !worth, "{share}");
         match cells.not_worth_asking {
@@ -170,8 +170,8 @@ fn culling_that_would_not_pay_is_not_done() -> voltet_core::Result<()> {
         // Who wants to know which are kept gets each asked, also after a picture that did not.
         let known = Known::new(&volume)?;
         let whole = Camera { projection: Projection::Orthographic { height: 2.0 }, ..camera };
-        let few = known.cull(&look, &whole, &Silent)?;
-        let each = known.cull_each(&look, &whole, &Silent)?;
+        let few = known.cull(&look, &whole, &NoProgress)?;
+        let each = known.cull_each(&look, &whole, &NoProgress)?;
         let is_touched = |&id: &u32| {
             let s = volume.grid.tetrahedra[id as usize].map(|p| volume.scalar[p as usize]);
             s.into_iter().fold(f64::INFINITY, f64::min) <= share
@@ -181,7 +181,7 @@ fn culling_that_would_not_pay_is_not_done() -> voltet_core::Result<()> {
         assert!(few.kept.len() >= each.kept.len() && each.not_worth_asking.is_none(), "{share}");
         let all = voltet_cpu::keep_all(&volume, &look, &camera).expect("keeps all");
         let pictures =
-            [cells, all].map(|cells| draw(&cells, &look, &camera, &SHADING, &Silent).expect("draws").0);
+            [cells, all].map(|cells| draw(&cells, &look, &camera, &SHADING, &NoProgress).expect("draws").0);
         let difference = largest_difference(&pictures[0], &pictures[1]);
         assert!(difference <= 1e-6, "{share}: a pixel changes by {difference:e}");
     }
@@ -193,7 +193,7 @@ fn culling_that_would_not_pay_is_not_done() -> voltet_core::Result<()> {
 fn small_grids_are_kept_cell_by_cell() {
     let volume = Arc::new(bivariate_of(12));
     let look = look(vec![uniform([0.0, 0.92], 1.0, [1.0; 3])]);
-    let cells = voltet_cpu::cull(&volume, &look, &along(DVec3::Y), &Silent).expect("culls");
+    let cells = voltet_cpu::cull(&volume, &look, &along(DVec3::Y), &NoProgress).expect("culls");
     let total = volume.grid.tetrahedra.len() as u64;
     let is_beyond = |corners: &[u32; 4]| corners.iter().all(|&p| volume.scalar[p as usize] > 0.92);
     let few = volume.grid.tetrahedra.iter().filter(|corners| is_beyond(corners)).count() as u64;
@@ -210,12 +210,13 @@ fn cells_out_of_view_stay_where_they_are_few() -> voltet_core::Result<()> {
     for (height, few) in [(0.975, true), (0.955, false), (0.7, false)] {
         let camera = Camera { projection: Projection::Orthographic { height }, ..along(DVec3::Y) };
         let known = Known::new(&volume)?;
-        let (usual, each) = (known.cull(&look, &camera, &Silent)?, known.cull_each(&look, &camera, &Silent)?);
+        let (usual, each) =
+            (known.cull(&look, &camera, &NoProgress)?, known.cull_each(&look, &camera, &NoProgress)?);
         let out = each.culled_by_frustum;
         assert!(0 < out && (20 * out < total) == few, "{height}: {out} of {total}");
         assert_eq!(usual.culled_by_frustum, if few { 0 } else { out }, "{height}");
         let pictures =
-            [usual, each].map(|cells| draw(&cells, &look, &camera, &SHADING, &Silent).expect("draws").0);
+            [usual, each].map(|cells| draw(&cells, &look, &camera, &SHADING, &NoProgress).expect("draws").0);
         let difference = largest_difference(&pictures[0], &pictures[1]);
         assert!(difference <= 1e-6, "{height}: a pixel changes by {difference:e}");
     }

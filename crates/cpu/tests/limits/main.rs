@@ -10,13 +10,13 @@ use std::sync::Arc;
 use voltet_core::camera::Camera;
 use voltet_core::grid::Grid;
 use voltet_core::picture::Picture;
-use voltet_core::progress::Silent;
+use voltet_core::progress::NoProgress;
 use voltet_core::transfer::{Profile, Region, TransferFunction, Wave, Widget};
 use voltet_core::volume::Volume;
 use voltet_optics::integrators::{self, Extent};
 use voltet_optics::reference;
 use voltet_optics::scene::Scene;
-use voltet_optics::shading::Order;
+use voltet_optics::shading::VisibilityOrder;
 use voltet_optics::{Contribution, Segment};
 use voltet_testing::pictures::compare::SHADING;
 use voltet_testing::pictures::grids::cube;
@@ -62,9 +62,15 @@ fn segment(front: [f64; 2], back: [f64; 2]) -> Segment<'static> {
 
 /// The scene of a volume as the referee sees it.
 fn scene(volume: Arc<Volume>, look: TransferFunction, camera: Camera) -> Scene {
-    Scene { volume, transfer_function: Arc::new(look), camera, shading: SHADING, order: Order::Exact }
+    Scene {
+        volume,
+        transfer_function: Arc::new(look),
+        camera,
+        shading: SHADING,
+        order: VisibilityOrder::Exact,
+    }
 }
 
 fn drawn_exactly(volume: Arc<Volume>, look: TransferFunction, camera: Camera) -> Picture {
-    reference::draw(&scene(volume, look, camera), &Silent).expect("draws")
+    reference::draw(&scene(volume, look, camera), &NoProgress).expect("draws")
 }

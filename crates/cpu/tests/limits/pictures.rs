@@ -1,7 +1,7 @@
 //! Pictures: what is culled, which cells go in 64 bits, in which order segments are composited, where tiles end.
 
 use super::*;
-use voltet_core::Shared;
+use voltet_core::SharedSlice;
 use voltet_core::camera::Projection;
 use voltet_core::grid::generate::box_of_tetrahedra;
 use voltet_cpu::{Casting, cull, draw, keep_all};
@@ -16,12 +16,12 @@ fn culling_changes_no_pixel_by_more_than_a_millionth() {
     let diagonal = 3f64.sqrt();
     for depth in [2e-8, 9e-8, 1.1e-7, 3e-7, 3e-6, 3e-5, 3e-4, 3e-3] {
         let look = look(vec![uniform([-1.0, 2.0], depth / diagonal, [1.0, 0.5, 0.2])]);
-        let culled = cull(&cube, &look, &camera, &Silent).expect("culls");
+        let culled = cull(&cube, &look, &camera, &NoProgress).expect("culls");
         // All of it together has a depth of 1e-7 at most.
         assert_eq!(culled.kept.is_empty(), depth < 1e-7, "depth {depth:e}");
         let all = keep_all(&cube, &look, &camera).expect("keeps all");
         let pictures =
-            [culled, all].map(|cells| draw(&cells, &look, &camera, &SHADING, &Silent).expect("draws").0);
+            [culled, all].map(|cells| draw(&cells, &look, &camera, &SHADING, &NoProgress).expect("draws").0);
         let difference = largest_difference(&pictures[0], &pictures[1]);
         assert!(difference <= 1e-6, "depth {depth:e}: a pixel changes by {difference:e}");
     }
@@ -36,7 +36,7 @@ fn cells_out_of_view_are_culled_and_counted() {
     let narrow = Camera { projection: Projection::Orthographic { height: 0.4 }, ..along(DVec3::Y) };
     // And two of their four layers lie before 5.01, but for what reaches beyond.
     for (near, seen) in [(0.0, 2 * 2 * 4 * 6), (5.01, 2 * 2 * 2 * 6)] {
-        let cells = cull(&cube, &look, &Camera { near, ..narrow }, &Silent).expect("culls");
+        let cells = cull(&cube, &look, &Camera { near, ..narrow }, &NoProgress).expect("culls");
         assert_eq!((cells.kept.len(), cells.culled_by_frustum), (seen, 384 - seen as u64), "near {near}");
     }
 }
@@ -50,8 +50,8 @@ fn tiles_are_left_where_nothing_is_missing() {
         let (cube, camera) = (unit_cube(counts), along(axis));
         for whole in [16.0, 64.0] {
             let look = look(vec![uniform([-1.0, 2.0], whole, [1.0, 0.5, 0.2])]);
-            let cells = cull(&cube, &look, &camera, &Silent).expect("culls");
-            let (picture, counts) = draw(&cells, &look, &camera, &SHADING, &Silent).expect("draws");
+            let cells = cull(&cube, &look, &camera, &NoProgress).expect("culls");
+            let (picture, counts) = draw(&cells, &look, &camera, &SHADING, &NoProgress).expect("draws");
             // The rounding of 1 − e^(−16) to 32 bits, and of the 32 depths that it is a sum of.
             let exact = -f64::exp_m1(-whole);
             let worst = picture.rgba.iter().map(|p| (f64::from(p[3]) - exact).abs()).fold(0.0, f64::max);
@@ -75,14 +75,14 @@ fn cells_that_overlap_are_ordered_by_close_entries() {
     let points = [cell(2.0, 4.0), cell(2.0001, 3.0)].concat();
     let points = [points, vec![DVec3::new(0.5, 0.5, 0.0)]].concat();
     let tetrahedra = vec![[4, 5, 6, 7], [0, 1, 2, 3]];
-    let grid = Grid { points: Shared::from(points), tetrahedra: tetrahedra.into(), ..Grid::default() };
+    let grid = Grid { points: SharedSlice::from(points), tetrahedra: tetrahedra.into(), ..Grid::default() };
     let scalar = (0..9).map(|i| if (4..8).contains(&i) { 0.75 } else { 0.25 }).collect();
     let two = Arc::new(Volume { scalar, ..Volume::clone(&volume(grid, |_| 0.0)) });
     let red = uniform([0.0, 0.5], 2.0, [1.0, 0.0, 0.0]);
     let look = look(vec![red, uniform([0.5, 1.0], 2.0, [0.0, 0.0, 1.0])]);
     let camera = along(DVec3::Z);
-    let cells = cull(&two, &look, &camera, &Silent).expect("culls");
-    let (found, _) = draw(&cells, &look, &camera, &SHADING, &Silent).expect("draws");
+    let cells = cull(&two, &look, &camera, &NoProgress).expect("culls");
+    let (found, _) = draw(&cells, &look, &camera, &SHADING, &NoProgress).expect("draws");
     let exact = drawn_exactly(two, look, camera);
     let difference = largest_difference(&found, &exact);
     // The wrong order is off by a tenth and more.
@@ -103,12 +103,13 @@ fn a_face_nearly_edge_on_parts_its_cells_where_it_should() {
             DVec3::new(-3.0, 6.0, -5.0),
         ];
         let tetrahedra = vec![[0, 1, 2, 3], [0, 1, 2, 4]];
-        let grid = Grid { points: Shared::from(points), tetrahedra: tetrahedra.into(), ..Grid::default() };
+        let grid =
+            Grid { points: SharedSlice::from(points), tetrahedra: tetrahedra.into(), ..Grid::default() };
         let (red, blue) = ([1.0, 0.2, 0.1], [0.1, 0.3, 1.0]);
         let look = look(vec![uniform([-1.0, 0.5], 0.7, red), uniform([0.5, 2.0], 0.2, blue)]);
         let volume = volume(grid, |p| if p.x > 2.5 { 1.0 } else { 0.0 });
         let all = keep_all(&volume, &look, &camera).expect("keeps all");
-        let found = draw(&all, &look, &camera, &SHADING, &Silent).expect("draws").0;
+        let found = draw(&all, &look, &camera, &SHADING, &NoProgress).expect("draws").0;
         let exact = drawn_exactly(volume, look, camera);
         let lit = exact.rgba.iter().filter(|pixel| pixel[3] > 0.1).count();
         assert!(lit > 100, "{lit} pixels see the cells");
@@ -127,11 +128,11 @@ fn deep_tiles_with_cells_about_the_eye_are_drawn_once() {
     let look =
         look(vec![uniform([0.0, 0.5], 0.4, [1.0, 0.2, 0.1]), uniform([0.5, 1.0], 0.9, [0.1, 0.3, 1.0])]);
     let camera = perspective([0.45, 0.015, 0.55], [0.5, 3.0, 0.5], 14.0, [6, 6]);
-    let cells = cull(&volume, &look, &camera, &Silent).expect("culls");
-    let (found, counts) = draw(&cells, &look, &camera, &SHADING, &Silent).expect("draws");
+    let cells = cull(&volume, &look, &camera, &NoProgress).expect("culls");
+    let (found, counts) = draw(&cells, &look, &camera, &SHADING, &NoProgress).expect("draws");
     assert_eq!(counts.tiles_deep, 1, "{counts:?}");
     let scene = scene(volume, look, camera);
-    let exact = reference::draw(&scene, &Silent).expect("draws");
+    let exact = reference::draw(&scene, &NoProgress).expect("draws");
     let difference = largest_difference(&found, &exact);
     assert!(difference < 2e-4, "off by {difference:e}");
     let tracer = reference::Tracer::new(&scene).expect("is a scene");
@@ -146,18 +147,18 @@ fn deep_tiles_with_cells_about_the_eye_are_drawn_once() {
 fn one_cell(corners: [[f64; 3]; 4], s: [f64; 4]) -> Arc<Volume> {
     let points = corners.map(DVec3::from).to_vec();
     let grid = Grid {
-        points: Shared::from(points),
-        tetrahedra: Shared::from(vec![[0, 1, 2, 3]]),
+        points: SharedSlice::from(points),
+        tetrahedra: SharedSlice::from(vec![[0, 1, 2, 3]]),
         ..Grid::default()
     };
-    Arc::new(Volume { scalar: Shared::from(s.to_vec()), ..Volume::clone(&volume(grid, |_| 0.0)) })
+    Arc::new(Volume { scalar: SharedSlice::from(s.to_vec()), ..Volume::clone(&volume(grid, |_| 0.0)) })
 }
 
 /// By how much a picture of all cells, seen along −z from the origin, is off; at least `lit` of its pixels show something.
 fn off(volume: Arc<Volume>, look: TransferFunction, fov_y: f64, lit: usize) -> f32 {
     let camera = Camera { up: DVec3::Y, ..perspective([0.0; 3], [0.0, 0.0, -1.0], fov_y, [65, 65]) };
     let all = keep_all(&volume, &look, &camera).expect("keeps all");
-    let found = draw(&all, &look, &camera, &SHADING, &Silent).expect("draws").0;
+    let found = draw(&all, &look, &camera, &SHADING, &NoProgress).expect("draws").0;
     let exact = drawn_exactly(volume, look, camera);
     let shown = exact.rgba.iter().filter(|pixel| pixel[3] > 0.1).count();
     assert!(shown >= lit, "{shown} pixels show something");
@@ -242,13 +243,13 @@ fn what_is_dense_and_hidden_is_not_integrated() {
     let light = Light { direction: DVec3::new(-1.0, 0.2, 0.3), ambient: 0.3, diffuse: 0.6 };
     for (first, in_lanes) in [(gaussian(0.2), true), (Profile::SineWave(bands), false)] {
         let look = look(vec![widget(first, [1.0, 0.1, 0.0]), widget(gaussian(0.7), [0.0, 0.3, 1.0])]);
-        let mut cells = cull(&cube, &look, &camera, &Silent).expect("culls");
+        let mut cells = cull(&cube, &look, &camera, &NoProgress).expect("culls");
         let lit = Shading { light: Some(light), ..SHADING };
         for (shading, casts) in [(SHADING, false), (lit, false), (SHADING, true), (lit, true)] {
             cells.casting = if casts { Casting::Always } else { Casting::Never };
-            let (picture, counts) = draw(&cells, &look, &camera, &shading, &Silent).expect("draws");
+            let (picture, counts) = draw(&cells, &look, &camera, &shading, &NoProgress).expect("draws");
             let referee = Scene { shading, ..scene(cube.clone(), look.clone(), camera) };
-            let exact = reference::draw(&referee, &Silent).expect("draws");
+            let exact = reference::draw(&referee, &NoProgress).expect("draws");
             let difference = largest_difference(&picture, &exact);
             assert!(difference < 1e-5, "off by {difference:e}");
             let pixels = 16 * 16;

@@ -3,7 +3,7 @@
 use super::*;
 use voltet_core::transfer::{ControlPoint, OpticalModel, Region};
 use voltet_cpu::ENGINE;
-use voltet_optics::engine::{AdapterWish, Drawn, Manner, Prepared, Stage};
+use voltet_optics::engine::{AdapterRequest, PreparedVolume, RenderOptions, RenderOutput, Stage};
 use voltet_optics::shading::{Integrator, Shading};
 use voltet_testing::pictures::looks::perspective;
 
@@ -54,21 +54,21 @@ fn looks() -> Vec<TransferFunction> {
     looks
 }
 
-fn prepared(volume: &Arc<Volume>) -> Arc<dyn Prepared> {
-    let engine = ENGINE.open(&AdapterWish::default()).expect("opens");
+fn prepared(volume: &Arc<Volume>) -> Arc<dyn PreparedVolume> {
+    let engine = ENGINE.open(&AdapterRequest::default()).expect("opens");
     engine.prepare(volume).expect("has an extent")
 }
 
-fn drawn(prepared: &dyn Prepared, scene: &Scene) -> Drawn {
-    prepared.draw(scene, &Manner::default(), &Silent).expect("draws")
+fn drawn(prepared: &dyn PreparedVolume, scene: &Scene) -> RenderOutput {
+    prepared.draw(scene, &RenderOptions::default(), &NoProgress).expect("draws")
 }
 
-fn passing(prepared: &dyn Prepared, scene: &Scene) -> Drawn {
-    prepared.draw(scene, &Manner::passing(), &Silent).expect("draws")
+fn passing(prepared: &dyn PreparedVolume, scene: &Scene) -> RenderOutput {
+    prepared.draw(scene, &RenderOptions::passing(), &NoProgress).expect("draws")
 }
 
 /// Whether it was drawn from what was kept.
-fn is_kept(drawn: &Drawn) -> bool {
+fn is_kept(drawn: &RenderOutput) -> bool {
     let left_out = drawn.notes.left_out.iter().any(|left| left.what == "culling, projecting and sorting");
     assert_eq!(left_out, drawn.is_passing);
     left_out

@@ -3,30 +3,35 @@
 use crate::found::shading;
 use std::sync::Arc;
 use voltet_core::camera::Camera;
-use voltet_core::progress::Silent;
+use voltet_core::progress::NoProgress;
 use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
-use voltet_optics::engine::{AdapterWish, Manner, Prepared};
+use voltet_optics::engine::{AdapterRequest, PreparedVolume, RenderOptions};
 use voltet_optics::scene::Scene;
-use voltet_optics::shading::{Integrator, Order};
+use voltet_optics::shading::{Integrator, VisibilityOrder};
 use voltet_testing::pictures::grids::{cube, smooth};
 use voltet_testing::pictures::looks::outside;
 use voltet_testing::segments::{MODELS, gaussian, look};
 
-fn ready(volume: &Arc<Volume>) -> Arc<dyn Prepared> {
-    let engine = voltet_cpu::ENGINE.open(&AdapterWish::default()).expect("opens");
+fn ready(volume: &Arc<Volume>) -> Arc<dyn PreparedVolume> {
+    let engine = voltet_cpu::ENGINE.open(&AdapterRequest::default()).expect("opens");
     engine.prepare(volume).expect("takes in")
 }
 
-fn drawn(on: &dyn Prepared, volume: &Arc<Volume>, look: &TransferFunction, camera: Camera) -> Vec<[f32; 4]> {
+fn drawn(
+    on: &dyn PreparedVolume,
+    volume: &Arc<Volume>,
+    look: &TransferFunction,
+    camera: Camera,
+) -> Vec<[f32; 4]> {
     let scene = Scene {
         volume: volume.clone(),
         transfer_function: Arc::new(look.clone()),
         camera,
         shading: shading(Integrator::VertexSampled),
-        order: Order::Exact,
+        order: VisibilityOrder::Exact,
     };
-    on.draw(&scene, &Manner::default(), &Silent).expect("draws").picture.rgba
+    on.draw(&scene, &RenderOptions::default(), &NoProgress).expect("draws").picture.rgba
 }
 
 #[test]

@@ -6,14 +6,14 @@ use voltet_cpu::{Integrated, Segments, segments};
 use voltet_judge::segment_twin::{Measure, change_of_places, numbers};
 use voltet_optics::integrators::{self, Extent, LIT_REACH, REACH};
 use voltet_optics::shading::{Integrator, Shading};
-use voltet_optics::{Overlap, Prepared, Segment};
+use voltet_optics::{CompiledTransferFunction, Segment, WidgetBlend};
 
 /// Of ε (4 |truth| + change + what a shift of each sample changes). Exponentials and quotients leave some steps of 32 bits; so does
 /// the table that is filled in them.
 const TOLERANCE: f64 = 16.0;
 
 pub fn shading(integrator: Integrator) -> Shading {
-    Shading { integrator, overlap: Overlap::Exact, silhouette: None, light: None }
+    Shading { integrator, overlap: WidgetBlend::Exact, silhouette: None, light: None }
 }
 
 /// Places of the samples.
@@ -62,8 +62,8 @@ impl Found {
             Integrator::Adaptive { tolerance } => (Integrator::Analytic, tolerance),
             _ => (integrator, 0.0),
         };
-        let truth = integrators::new(&truth, Overlap::Exact, look, &extent).expect("serves");
-        let prepared = Prepared::new(look).expect("valid");
+        let truth = integrators::new(&truth, WidgetBlend::Exact, look, &extent).expect("serves");
+        let prepared = CompiledTransferFunction::new(look).expect("valid");
         let spans = spans(list);
         let brightest = look.widgets.iter().map(Widget::brightest).sum::<f64>();
         let measures: Vec<(Measure, [f64; 5])> = list

@@ -5,7 +5,7 @@ mod found;
 mod tabulated;
 
 use found::{Found, shading};
-use voltet_core::progress::Silent;
+use voltet_core::progress::NoProgress;
 use voltet_core::transfer::{ControlPoint, Profile, Widget};
 use voltet_cpu::keep_all;
 use voltet_judge::segment_cases;
@@ -130,7 +130,7 @@ fn empty_segments_are_left_out_without_a_trace() {
             let draw = |no_leave_out| {
                 let mut cells = keep_all(&volume, &look, &camera).expect("keeps");
                 cells.no_leave_out = no_leave_out;
-                voltet_cpu::draw(&cells, &look, &camera, &shading(integrator), &Silent).expect("draws")
+                voltet_cpu::draw(&cells, &look, &camera, &shading(integrator), &NoProgress).expect("draws")
             };
             let (usual, counts) = draw(false);
             let (whole, all) = draw(true);

@@ -4,7 +4,7 @@ use crate::lot::Lot;
 use crate::model::{Model, part};
 use std::collections::BTreeSet;
 use voltet_document::{Document, Edit, Frame, Note, Path, Step};
-use voltet_graph::{Datum, Field, Setting};
+use voltet_graph::{Field, LocatedValue, ParameterValue};
 
 impl Model {
     /// An edit that can be done.
@@ -41,7 +41,7 @@ impl Model {
                 Some(path) => {
                     // An entry of [[…]] can be nothing but a table.
                     let is_entry = matches!(path.0.last(), Some(Step::Entry(_)));
-                    let is_table = matches!(self.part_of(&node, path), Datum::Table(_));
+                    let is_table = matches!(self.part_of(&node, path), ParameterValue::Table(_));
                     let value = if is_entry && is_table { table(lot, 2) } else { datum(lot, 2) };
                     Edit::Set { node, path: path.clone(), value }
                 }
@@ -58,7 +58,7 @@ impl Model {
                 None => Edit::Title(None),
             },
             (13 | 14, Some((list, count))) => {
-                let Datum::List(entries) = self.part_of(&node, &list) else {
+                let ParameterValue::List(entries) = self.part_of(&node, &list) else {
                     unreachable!("a list was drawn")
                 };
                 let is_tables = entries.iter().all(|entry| entry.table().is_some());
@@ -125,7 +125,7 @@ impl Model {
 
     fn new_node(&self, lot: &mut Lot, document: &Document) -> Edit {
         let name = document.free_name(["renderer", "x y", "look"][lot.below(3)]);
-        let Datum::Table(settings) = table(lot, 2) else { unreachable!() };
+        let ParameterValue::Table(settings) = table(lot, 2) else { unreachable!() };
         let at = (lot.below(2) == 0).then(|| [lot.number(), lot.number()]);
         Edit::AddNode { name, node_type: "some-type".into(), settings, at }
     }
@@ -139,9 +139,9 @@ impl Model {
         paths
     }
 
-    fn part_of(&self, node: &str, path: &Path) -> Datum {
+    fn part_of(&self, node: &str, path: &Path) -> ParameterValue {
         let (first, rest) = path.0.split_first().unwrap();
-        let mut root = Setting::from(self.nodes[node].settings[first.key().as_ref()].clone());
+        let mut root = LocatedValue::from(self.nodes[node].settings[first.key().as_ref()].clone());
         part(&mut root, rest).datum.clone()
     }
 
@@ -150,7 +150,7 @@ impl Model {
         let mut lists = Vec::new();
         for (name, datum) in &self.nodes[node].settings {
             walk(&Path(vec![Step::Key(name.clone())]), datum, &mut |path, datum| {
-                if let Datum::List(list) = datum
+                if let ParameterValue::List(list) = datum
                     && !list.is_empty()
                 {
                     lists.push((path.clone(), list.len()));
@@ -161,31 +161,34 @@ impl Model {
     }
 }
 
-fn walk(path: &Path, datum: &Datum, see: &mut dyn FnMut(&Path, &Datum)) {
+fn walk(path: &Path, datum: &ParameterValue, see: &mut dyn FnMut(&Path, &ParameterValue)) {
     see(path, datum);
     match datum {
-        Datum::List(list) => {
+        ParameterValue::List(list) => {
             list.iter().enumerate().for_each(|(i, part)| walk(&path.with(i), &part.datum, see));
         }
-        Datum::Table(fields) => {
+        ParameterValue::Table(fields) => {
             fields.iter().for_each(|f| walk(&path.with(f.name.as_str()), &f.setting.datum, see));
         }
-        Datum::Boolean(_) | Datum::Integer(_) | Datum::Number(_) | Datum::Text(_) => {}
+        ParameterValue::Boolean(_)
+        | ParameterValue::Integer(_)
+        | ParameterValue::Number(_)
+        | ParameterValue::Text(_) => {}
     }
 }
 
-fn datum(lot: &mut Lot, depth: usize) -> Datum {
+fn datum(lot: &mut Lot, depth: usize) -> ParameterValue {
     match lot.below(if depth == 0 { 4 } else { 7 }) {
-        0 => Datum::Boolean(lot.below(2) == 0),
-        1 => Datum::Integer(lot.below(2000) as i64 - 1000),
-        2 => Datum::Number([lot.number(), 1e300, -1e-7, 0.0][lot.below(4)]),
-        3 => Datum::Text(["", "word", "a \"b\" # c\n", "25 %", "é\\'"][lot.below(5)].to_string()),
-        4 | 5 => Datum::List((0..lot.below(4)).map(|_| datum(lot, depth - 1).into()).collect()),
+        0 => ParameterValue::Boolean(lot.below(2) == 0),
+        1 => ParameterValue::Integer(lot.below(2000) as i64 - 1000),
+        2 => ParameterValue::Number([lot.number(), 1e300, -1e-7, 0.0][lot.below(4)]),
+        3 => ParameterValue::Text(["", "word", "a \"b\" # c\n", "25 %", "é\\'"][lot.below(5)].to_string()),
+        4 | 5 => ParameterValue::List((0..lot.below(4)).map(|_| datum(lot, depth - 1).into()).collect()),
         _ => table(lot, depth - 1),
     }
 }
 
-fn table(lot: &mut Lot, depth: usize) -> Datum {
+fn table(lot: &mut Lot, depth: usize) -> ParameterValue {
     let names = ["kind", "color", "a.b", "two words", "path"];
     let mut fields: Vec<Field> = Vec::new();
     for name in names {
@@ -194,5 +197,5 @@ fn table(lot: &mut Lot, depth: usize) -> Datum {
             fields.push(Field { name: name.to_string(), origin: Default::default(), setting });
         }
     }
-    Datum::Table(fields)
+    ParameterValue::Table(fields)
 }

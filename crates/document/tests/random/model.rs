@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use voltet_document::{Document, Edit, Step, View, links};
-use voltet_graph::{Datum, Field, LinkEntry, NodeEntry, Setting};
+use voltet_graph::{Field, LinkEntry, LocatedValue, NodeEntry, ParameterValue};
 
 /// Nodes by name, what feeds them, what the view says.
 #[derive(Debug, Clone, PartialEq)]
@@ -16,8 +16,8 @@ pub struct Model {
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct Node {
-    node_type: Datum,
-    pub settings: BTreeMap<String, Datum>,
+    node_type: ParameterValue,
+    pub settings: BTreeMap<String, ParameterValue>,
     pub inputs: BTreeMap<String, Vec<String>>,
 }
 
@@ -52,7 +52,7 @@ impl Model {
         match edit {
             Edit::AddNode { name, node_type, settings, at } => {
                 let settings = self::settings(settings);
-                let node_type = Datum::Text(node_type.clone());
+                let node_type = ParameterValue::Text(node_type.clone());
                 self.nodes.insert(name.clone(), Node { node_type, settings, inputs: BTreeMap::new() });
                 if let Some(at) = at {
                     self.pin(&[(name.clone(), *at)]);
@@ -171,23 +171,23 @@ impl Model {
     }
 
     /// Changes what a node sets.
-    fn with(&mut self, node: &str, change: impl FnOnce(&mut Setting)) {
+    fn with(&mut self, node: &str, change: impl FnOnce(&mut LocatedValue)) {
         let settings = &mut self.nodes.get_mut(node).unwrap().settings;
-        let field = |(name, datum): (String, Datum)| Field {
+        let field = |(name, datum): (String, ParameterValue)| Field {
             name,
             origin: Default::default(),
             setting: datum.into(),
         };
         let fields = std::mem::take(settings).into_iter().map(field).collect();
-        let mut root = Setting::from(Datum::Table(fields));
+        let mut root = LocatedValue::from(ParameterValue::Table(fields));
         change(&mut root);
-        let Datum::Table(fields) = root.datum else { unreachable!() };
+        let ParameterValue::Table(fields) = root.datum else { unreachable!() };
         *settings = self::settings(&fields);
     }
 }
 
 /// What a node sets.
-fn settings(fields: &[Field]) -> BTreeMap<String, Datum> {
+fn settings(fields: &[Field]) -> BTreeMap<String, ParameterValue> {
     let all = fields.iter().map(|field| (field.name.clone(), sorted(&field.setting.datum)));
     all.filter(|(_, datum)| holds(datum)).collect()
 }
@@ -213,59 +213,64 @@ fn feeding(text: &str, all: &[String], more: &[String]) -> String {
 }
 
 /// Whether there is something in it: the last entry of `[[…]]`, and the last key with points, leave nothing behind.
-fn holds(datum: &Datum) -> bool {
+fn holds(datum: &ParameterValue) -> bool {
     match datum {
-        Datum::List(list) => !list.is_empty(),
-        Datum::Table(fields) => !fields.is_empty(),
-        Datum::Boolean(_) | Datum::Integer(_) | Datum::Number(_) | Datum::Text(_) => true,
+        ParameterValue::List(list) => !list.is_empty(),
+        ParameterValue::Table(fields) => !fields.is_empty(),
+        ParameterValue::Boolean(_)
+        | ParameterValue::Integer(_)
+        | ParameterValue::Number(_)
+        | ParameterValue::Text(_) => true,
     }
 }
 
 /// With the keys of tables in their order, which is of no account, and without keys that hold nothing.
-fn sorted(datum: &Datum) -> Datum {
+fn sorted(datum: &ParameterValue) -> ParameterValue {
     match datum {
-        Datum::List(list) => Datum::List(list.iter().map(|part| sorted(&part.datum).into()).collect()),
-        Datum::Table(fields) => {
+        ParameterValue::List(list) => {
+            ParameterValue::List(list.iter().map(|part| sorted(&part.datum).into()).collect())
+        }
+        ParameterValue::Table(fields) => {
             let mut fields: Vec<Field> = fields.clone();
             fields.sort_by(|a, b| a.name.cmp(&b.name));
             fields.iter_mut().for_each(|field| field.setting = sorted(&field.setting.datum).into());
             fields.retain(|field| holds(&field.setting.datum));
-            Datum::Table(fields)
+            ParameterValue::Table(fields)
         }
         other => other.clone(),
     }
 }
 
-pub fn part<'a>(root: &'a mut Setting, path: &[Step]) -> &'a mut Setting {
+pub fn part<'a>(root: &'a mut LocatedValue, path: &[Step]) -> &'a mut LocatedValue {
     path.iter().fold(root, |at, step| match (&mut at.datum, step) {
-        (Datum::Table(fields), step) => {
+        (ParameterValue::Table(fields), step) => {
             &mut fields.iter_mut().find(|field| field.name == step.key()).unwrap().setting
         }
-        (Datum::List(list), Step::Entry(number)) => &mut list[*number],
+        (ParameterValue::List(list), Step::Entry(number)) => &mut list[*number],
         _ => unreachable!("a path that was drawn leads somewhere"),
     })
 }
 
-fn take(root: &mut Setting, path: &[Step]) {
+fn take(root: &mut LocatedValue, path: &[Step]) {
     let (last, before) = path.split_last().unwrap();
     match (&mut part(root, before).datum, last) {
-        (Datum::Table(fields), step) => fields.retain(|field| field.name != step.key()),
-        (Datum::List(list), Step::Entry(number)) => drop(list.remove(*number)),
+        (ParameterValue::Table(fields), step) => fields.retain(|field| field.name != step.key()),
+        (ParameterValue::List(list), Step::Entry(number)) => drop(list.remove(*number)),
         _ => unreachable!("a path that was drawn leads somewhere"),
     }
 }
 
-fn entries<'a>(root: &'a mut Setting, path: &[Step]) -> &'a mut Vec<Setting> {
+fn entries<'a>(root: &'a mut LocatedValue, path: &[Step]) -> &'a mut Vec<LocatedValue> {
     let (last, before) = path.split_last().unwrap();
     let holder = part(root, before);
-    if let Datum::Table(fields) = &mut holder.datum
+    if let ParameterValue::Table(fields) = &mut holder.datum
         && !fields.iter().any(|field| field.name == last.key())
     {
-        let setting = Datum::List(Vec::new()).into();
+        let setting = ParameterValue::List(Vec::new()).into();
         fields.push(Field { name: last.key().into_owned(), origin: Default::default(), setting });
     }
     match &mut part(holder, std::slice::from_ref(last)).datum {
-        Datum::List(list) => list,
+        ParameterValue::List(list) => list,
         _ => unreachable!("a list was drawn"),
     }
 }

@@ -8,7 +8,7 @@ use super::ellipse::Ellipse;
 use super::triangle::Triangle;
 use super::{On, Shape};
 use std::sync::Arc;
-use voltet_graph::{Datum, Field, Quantity, Setting};
+use voltet_graph::{ArrayRef, Field, LocatedValue, ParameterValue};
 
 /// The numbers of such a widget.
 #[derive(Debug, Clone, PartialEq)]
@@ -59,23 +59,23 @@ impl OfFields {
         numbers: &[Field],
         on: &On,
     ) -> Option<OfFields> {
-        let place = |axis: &Quantity| match axis {
-            Quantity::Array(name) => names.iter().position(|known| known == name),
-            Quantity::Named(_) | Quantity::Per(..) => None,
+        let place = |axis: &ArrayRef| match axis {
+            ArrayRef::Array(name) => names.iter().position(|known| known == name),
+            ArrayRef::Named(_) | ArrayRef::Per(..) => None,
         };
         let at = on.axes.each_ref().map(place);
         if at == [None; 2] {
             return None;
         }
         let magnitude = magnitude.map(|name| {
-            let quantity = Quantity::Array(name.clone());
+            let quantity = ArrayRef::Array(name.clone());
             let range = on.known.and_then(|known| known.ranges.get(&quantity));
             Magnitude {
                 axis: on.axes.iter().position(|axis| *axis == quantity),
                 level: range.map_or(1.0, |[_, high]| 0.5 * high),
             }
         });
-        let sigma = find(numbers, "sigma").and_then(Setting::numbers);
+        let sigma = find(numbers, "sigma").and_then(LocatedValue::numbers);
         let middle = at.map(|place| place.map_or(0.0, |i| centre[i]));
         let ellipse = Ellipse::new(middle, kernel, at, on.extent);
         let figure = match magnitude {
@@ -218,14 +218,14 @@ impl Shape for OfFields {
 
 /// A Gaussian over two arrays: its kind and its keys; `None` where an axis is none.
 pub(in crate::transfer) fn gaussian_over(
-    axes: &[Quantity; 2],
+    axes: &[ArrayRef; 2],
     centre: [f64; 2],
     sigma: [f64; 2],
 ) -> Option<(&'static str, Vec<Change>)> {
-    let [Quantity::Array(x), Quantity::Array(y)] = axes else { return None };
-    let names = [x, y].map(|name| Setting::from(Datum::Text(name.clone())));
+    let [ArrayRef::Array(x), ArrayRef::Array(y)] = axes else { return None };
+    let names = [x, y].map(|name| LocatedValue::from(ParameterValue::Text(name.clone())));
     let (centre, sigma) = (("centre", Some(list(&centre))), ("sigma", Some(list(&sigma))));
-    Some(("gaussian-nd", vec![("fields", Some(Datum::List(names.to_vec()))), centre, sigma]))
+    Some(("gaussian-nd", vec![("fields", Some(ParameterValue::List(names.to_vec()))), centre, sigma]))
 }
 
 #[cfg(test)]
@@ -234,8 +234,8 @@ mod tests {
     use super::*;
     use voltet_core::transfer::{Profile, Widget};
 
-    fn axes(names: [&str; 2]) -> [Quantity; 2] {
-        names.map(|name| Quantity::Array(name.into()))
+    fn axes(names: [&str; 2]) -> [ArrayRef; 2] {
+        names.map(|name| ArrayRef::Array(name.into()))
     }
 
     /// Over a, b and c about (1, 2, 3).
@@ -288,7 +288,7 @@ mod tests {
         let (sin, cos) = 0.7f64.sin_cos();
         let after = [[2.0 * cos, 2.0 * sin], [-0.3 * sin, 0.3 * cos]];
         let changes = widget.stretched(before, after);
-        let Some(Datum::List(matrix)) = &changes[0].1 else { panic!("{changes:?}") };
+        let Some(ParameterValue::List(matrix)) = &changes[0].1 else { panic!("{changes:?}") };
         let turned: Vec<Vec<f64>> = matrix.iter().map(|row| row.numbers().unwrap()).collect();
         for half_axis in after {
             let at = strength(&turned, [1.0 + half_axis[0], 2.0 + half_axis[1], 3.0]);

@@ -23,7 +23,7 @@ use crate::worker::Known;
 use std::fmt::Debug;
 use std::sync::Arc;
 use voltet_core::transfer::{Profile, Widget};
-use voltet_graph::{Field, Quantity};
+use voltet_graph::{ArrayRef, Field};
 
 /// A widget in the plane, but for its region. Places are values along the plane's axes.
 pub(super) trait Shape: Debug {
@@ -77,7 +77,7 @@ pub(super) trait Shape: Debug {
 
 /// The plane that a widget is to be drawn in.
 pub(super) struct On<'a> {
-    pub axes: &'a [Quantity; 2],
+    pub axes: &'a [ArrayRef; 2],
     /// Lengths along both axes that are equal on the screen, for angles.
     pub extent: [f64; 2],
     pub known: Option<&'a Known>,
@@ -125,11 +125,11 @@ pub(super) fn shape(widget: &Widget, numbers: &[Field], on: &On) -> Option<Arc<d
 }
 
 /// The axes on which a widget can be seen: its first two fields, or what it has of these and g.
-pub(super) fn natural_axes(widget: &Widget) -> [Quantity; 2] {
-    let array = |name: &&str| Quantity::Array(name.to_string());
+pub(super) fn natural_axes(widget: &Widget) -> [ArrayRef; 2] {
+    let array = |name: &&str| ArrayRef::Array(name.to_string());
     match &widget.profile.properties().fields[..] {
         [] => S_AND_G,
-        [one] => [array(one), Quantity::Named("g")],
+        [one] => [array(one), ArrayRef::Named("g")],
         [first, second, ..] => [array(first), array(second)],
     }
 }

@@ -8,7 +8,7 @@ use super::super::scale::Scale;
 use super::{On, Shape};
 use eframe::egui::{Color32, Rect, TextureId, pos2};
 use voltet_core::transfer::Table;
-use voltet_graph::{Field, Setting};
+use voltet_graph::{Field, LocatedValue};
 
 /// The least length of a side, as a share of what is shown: a range that is empty is refused.
 const LEAST: f64 = 1e-3;
@@ -25,7 +25,7 @@ pub(super) struct Picture {
 
 impl Picture {
     pub fn new(table: &Table, numbers: &[Field], on: &On) -> Picture {
-        let path = find(numbers, "image").and_then(Setting::text);
+        let path = find(numbers, "image").and_then(LocatedValue::text);
         Picture { ranges: [table.s, table.g], texture: path.and_then(|path| on.images.texture(path)) }
     }
 }

@@ -6,7 +6,7 @@ use super::super::pen::Pen;
 use super::super::scale::Scale;
 use super::Shape;
 use eframe::egui;
-use voltet_graph::Datum;
+use voltet_graph::ParameterValue;
 
 /// Its s, and its width in s a unit of g; or a field and the magnitude of its gradients.
 #[derive(Debug, Clone, PartialEq)]
@@ -34,13 +34,15 @@ impl Shape for Triangle {
 
     fn moved(&self, handle: Handle, to: [f64; 2], scale: &Scale) -> Vec<Change> {
         match handle {
-            Handle::Width(_) => vec![("sigma", Some(Datum::Number(rounded(self.widened(to, scale)))))],
-            _ => vec![("centre", Some(Datum::Number(rounded(to[0]))))],
+            Handle::Width(_) => {
+                vec![("sigma", Some(ParameterValue::Number(rounded(self.widened(to, scale)))))]
+            }
+            _ => vec![("centre", Some(ParameterValue::Number(rounded(to[0]))))],
         }
     }
 
     fn shifted(&self, by: [f64; 2]) -> Vec<Change> {
-        vec![("centre", Some(Datum::Number(rounded(self.centre + by[0]))))]
+        vec![("centre", Some(ParameterValue::Number(rounded(self.centre + by[0]))))]
     }
 
     fn draw(&self, pen: &Pen) {

@@ -7,7 +7,7 @@ use super::super::scale::Scale;
 use super::Shape;
 use eframe::egui::Stroke;
 use voltet_core::transfer::Wave;
-use voltet_graph::Datum;
+use voltet_graph::ParameterValue;
 
 /// The band's handle lies beside the wave's line by so much of the axes.
 const BESIDE: f64 = 0.07;
@@ -52,14 +52,14 @@ impl Shape for Bands {
                 let angle = v[1].atan2(v[0]).to_degrees();
                 let angle = if angle.abs() < 2.0 { 0.0 } else { angle };
                 vec![
-                    ("period", Some(Datum::Number(rounded(period)))),
-                    ("angle", Some(Datum::Number(rounded(angle)))),
+                    ("period", Some(ParameterValue::Number(rounded(period)))),
+                    ("angle", Some(ParameterValue::Number(rounded(angle)))),
                 ]
             }
             Handle::Band => {
                 let half = (self.phase(to) - 0.5).clamp(0.005, 0.5);
                 let width = Wave::band_width_of(half, self.sine);
-                vec![("band_width", Some(Datum::Number(rounded(width.min(1.0)))))]
+                vec![("band_width", Some(ParameterValue::Number(rounded(width.min(1.0)))))]
             }
             _ => vec![("origin", Some(list(&to)))],
         }

@@ -3,18 +3,18 @@
 use crate::drawing::{device, draw_on, further_device, raster, tiles};
 use std::sync::Arc;
 use voltet_core::camera::Camera;
-use voltet_core::progress::Silent;
+use voltet_core::progress::NoProgress;
 use voltet_core::transfer::TransferFunction;
 use voltet_gpu::{Drawn, Renderer};
-use voltet_optics::engine::{Accumulation, Compositing, Manner, OrderCheck};
-use voltet_optics::shading::Order;
+use voltet_optics::engine::{Accumulation, Compositor, OrderCheck, RenderOptions};
+use voltet_optics::shading::VisibilityOrder;
 use voltet_testing::pictures::compare::{NamedScene, ORDINARY, SHADING, referee, within};
 use voltet_testing::pictures::grids::*;
 use voltet_testing::pictures::looks::*;
 
 /// Blended in exact order, checked at every pixel.
-fn counted(compositing: Compositing) -> Manner {
-    Manner { order_check: OrderCheck::Count, ..Manner::by(compositing) }
+fn counted(compositing: Compositor) -> RenderOptions {
+    RenderOptions { order_check: OrderCheck::Count, ..RenderOptions::by(compositing) }
 }
 
 /// Cells of every shape, none of which is turned over.
@@ -22,9 +22,9 @@ fn jittered(look: TransferFunction, camera: Camera) -> NamedScene {
     NamedScene { name: "jittered".into(), volume: smooth(cube([6, 6, 6], 0.2)), look, camera }
 }
 
-fn draw(renderer: &Renderer, scene: &NamedScene, manner: &Manner) -> Drawn {
-    let wanted = scene.drawn_by(&SHADING, Order::Exact);
-    voltet_gpu::draw(renderer, &wanted, manner, &Silent).unwrap_or_else(|e| panic!("{}: {e}", scene.name))
+fn draw(renderer: &Renderer, scene: &NamedScene, manner: &RenderOptions) -> Drawn {
+    let wanted = scene.drawn_by(&SHADING, VisibilityOrder::Exact);
+    voltet_gpu::draw(renderer, &wanted, manner, &NoProgress).unwrap_or_else(|e| panic!("{}: {e}", scene.name))
 }
 
 /// Grids without and with gaps, from everywhere: the order is exact at every pixel, and the picture that of the referee.
@@ -46,14 +46,14 @@ fn what_is_blended_is_exact() {
         for (view, camera) in views {
             let (name, volume) = (format!("{name} {view}"), volume.clone());
             let scene = NamedScene { name, volume, look: overlapping(), camera };
-            let drawn = draw(&renderer, &scene, &counted(Compositing::Raster));
+            let drawn = draw(&renderer, &scene, &counted(Compositor::Raster));
             assert_eq!(drawn.tiles_instead, None, "{}", scene.name);
             assert_eq!(drawn.counts.pixels_disordered, Some(0), "{}", scene.name);
             let checked = drawn.along_faces.and_then(|along| along.checked).expect("is checked");
             assert!(checked.pixels > 0 && checked.largest < 2e-5, "{}: {checked:?}", scene.name);
             within(&scene.name, &drawn.picture, &referee(&scene), ORDINARY);
             // Triangles are off at rims, whatever their order.
-            let drawn = draw(&renderer, &scene, &counted(Compositing::Triangles));
+            let drawn = draw(&renderer, &scene, &counted(Compositor::Triangles));
             assert_eq!(drawn.counts.pixels_disordered, Some(0), "{}", scene.name);
             within(&scene.name, &drawn.picture, &referee(&scene), 1.0 / 255.0);
         }
@@ -67,18 +67,19 @@ fn circles_are_drawn_by_tiles() {
     let camera = orthographic([0.01, 0.02, 5.0], [0.0, 0.0, 0.0], 4.0, [64, 64]);
     let scene =
         NamedScene { name: "bars".into(), volume: smooth(cyclic_bars()), look: overlapping(), camera };
-    let expected = draw_on(device.clone(), &scene, &SHADING, tiles(Order::Exact)).expect("draws");
-    for compositing in [Compositing::Raster, Compositing::Triangles] {
-        let found = draw_on(device.clone(), &scene, &SHADING, (compositing, Order::Exact)).expect("draws");
+    let expected = draw_on(device.clone(), &scene, &SHADING, tiles(VisibilityOrder::Exact)).expect("draws");
+    for compositing in [Compositor::Raster, Compositor::Triangles] {
+        let found =
+            draw_on(device.clone(), &scene, &SHADING, (compositing, VisibilityOrder::Exact)).expect("draws");
         let why = found.tiles_instead.expect("is said");
         assert!(why.contains("circles") && why.contains("no order"), "{why}");
         assert_eq!(found.picture.rgba, expected.picture.rgba);
         assert!(found.along_faces.is_none() && found.counts.segments == expected.counts.segments);
     }
     let renderer = Renderer::new(device, &scene.volume).expect("fits");
-    let eight = Manner { accumulation: Accumulation::Bits8, ..Manner::by(Compositing::Raster) };
-    let wanted = scene.drawn_by(&SHADING, Order::Exact);
-    let error = voltet_gpu::draw(&renderer, &wanted, &eight, &Silent).expect_err("refused").to_string();
+    let eight = RenderOptions { accumulation: Accumulation::Bits8, ..RenderOptions::by(Compositor::Raster) };
+    let wanted = scene.drawn_by(&SHADING, VisibilityOrder::Exact);
+    let error = voltet_gpu::draw(&renderer, &wanted, &eight, &NoProgress).expect_err("refused").to_string();
     for word in ["circles", "8-bit", "centroid"] {
         assert!(error.contains(word), "'{word}' is not in: {error}");
     }
@@ -96,7 +97,7 @@ fn an_order_is_kept() {
     let renderer = Renderer::new(device.clone(), &scene.volume).expect("fits");
     let sent = |scene: &NamedScene| {
         let before = device.work().bytes_uploaded;
-        let drawn = draw(&renderer, scene, &Manner::by(Compositing::Raster));
+        let drawn = draw(&renderer, scene, &RenderOptions::by(Compositor::Raster));
         let made = drawn.passes.iter().any(|part| part.pass == Some("faces (CPU)"));
         (made, device.work().bytes_uploaded - before)
     };
@@ -119,12 +120,12 @@ fn an_order_is_kept() {
 fn windows_and_runs_keep_the_order() {
     let Some(device) = device() else { return };
     let scene = jittered(overlapping(), outside([48, 40]));
-    let whole = draw_on(device.clone(), &scene, &SHADING, raster(Order::Exact)).expect("draws");
+    let whole = draw_on(device.clone(), &scene, &SHADING, raster(VisibilityOrder::Exact)).expect("draws");
     let runs = Renderer::new(device, &scene.volume).expect("fits").with_runs_of(100);
-    let drawn = draw(&runs, &scene, &Manner::by(Compositing::Raster));
+    let drawn = draw(&runs, &scene, &RenderOptions::by(Compositor::Raster));
     assert_eq!(drawn.picture.rgba, whole.picture.rgba);
     let windows = Arc::new(further_device().with_textures_of(16));
-    let drawn = draw_on(windows, &scene, &SHADING, raster(Order::Exact)).expect("draws");
+    let drawn = draw_on(windows, &scene, &SHADING, raster(VisibilityOrder::Exact)).expect("draws");
     // Coordinates within a window round otherwise than those of the picture.
     within("windows", &drawn.picture, &whole.picture, 1e-6);
 }

@@ -3,11 +3,11 @@
 use std::sync::{Arc, OnceLock};
 use voltet_core::Result;
 use voltet_core::picture::Picture;
-use voltet_core::progress::Silent;
+use voltet_core::progress::NoProgress;
 use voltet_core::transfer::TransferFunction;
 use voltet_gpu::{Device, Drawn, Renderer};
-use voltet_optics::engine::{Compositing, Manner};
-use voltet_optics::shading::{Integrator, Order, Shading};
+use voltet_optics::engine::{Compositor, RenderOptions};
+use voltet_optics::shading::{Integrator, Shading, VisibilityOrder};
 use voltet_testing::pictures::Engine;
 use voltet_testing::pictures::compare::{NamedScene, SHADING};
 
@@ -52,47 +52,57 @@ pub fn device() -> Option<Arc<Device>> {
 }
 
 /// Draws by tiles.
-pub fn draw_tiles(renderer: &Renderer, scene: &NamedScene, shading: &Shading, order: Order) -> Result<Drawn> {
-    voltet_gpu::draw(renderer, &scene.drawn_by(shading, order), &Manner::by(Compositing::Tiles), &Silent)
+pub fn draw_tiles(
+    renderer: &Renderer,
+    scene: &NamedScene,
+    shading: &Shading,
+    order: VisibilityOrder,
+) -> Result<Drawn> {
+    voltet_gpu::draw(
+        renderer,
+        &scene.drawn_by(shading, order),
+        &RenderOptions::by(Compositor::Tiles),
+        &NoProgress,
+    )
 }
 
 /// Draws on the device; `None` without one.
-pub fn try_draw(scene: &NamedScene, shading: &Shading, order: Order) -> Option<Result<Drawn>> {
+pub fn try_draw(scene: &NamedScene, shading: &Shading, order: VisibilityOrder) -> Option<Result<Drawn>> {
     let device = device()?;
     let renderer = Renderer::new(device, &scene.volume);
     Some(renderer.and_then(|renderer| draw_tiles(&renderer, scene, shading, order)))
 }
 
 /// The device's picture.
-pub fn draw(scene: &NamedScene, shading: &Shading, order: Order) -> Option<Drawn> {
+pub fn draw(scene: &NamedScene, shading: &Shading, order: VisibilityOrder) -> Option<Drawn> {
     Some(try_draw(scene, shading, order)?.unwrap_or_else(|e| panic!("{}: {e}", scene.name)))
 }
 
 /// The device's picture in the exact order; `None` without a device.
 pub fn picture(scene: &NamedScene, shading: &Shading) -> Option<Picture> {
-    let drawn = draw(scene, shading, Order::Exact)?;
+    let drawn = draw(scene, shading, VisibilityOrder::Exact)?;
     assert_eq!(drawn.counts.pixels_disordered, Some(0), "{}", scene.name);
     Some(drawn.picture)
 }
 
 /// What composites, in which order.
-pub type How = (Compositing, Order);
+pub type How = (Compositor, VisibilityOrder);
 
 /// Blended by the hardware, in an order.
-pub fn raster(order: Order) -> How {
-    (Compositing::Raster, order)
+pub fn raster(order: VisibilityOrder) -> How {
+    (Compositor::Raster, order)
 }
 
 /// By tiles, in an order.
-pub fn tiles(order: Order) -> How {
-    (Compositing::Tiles, order)
+pub fn tiles(order: VisibilityOrder) -> How {
+    (Compositor::Tiles, order)
 }
 
 /// Draws on a device.
 pub fn draw_on(device: Arc<Device>, scene: &NamedScene, shading: &Shading, how: How) -> Result<Drawn> {
     let (compositing, order) = how;
     let renderer = Renderer::new(device, &scene.volume)?;
-    voltet_gpu::draw(&renderer, &scene.drawn_by(shading, order), &Manner::by(compositing), &Silent)
+    voltet_gpu::draw(&renderer, &scene.drawn_by(shading, order), &RenderOptions::by(compositing), &NoProgress)
 }
 
 /// Another device like that of all tests.

@@ -3,11 +3,11 @@
 use crate::drawing::device;
 use crate::raster::jittered;
 use std::sync::Arc;
-use voltet_core::progress::Silent;
+use voltet_core::progress::NoProgress;
 use voltet_gpu::{Begun, Renderer, begin, draw};
-use voltet_optics::engine::{Compositing, Manner, OrderCheck};
+use voltet_optics::engine::{Compositor, OrderCheck, RenderOptions};
 use voltet_optics::scene::Scene;
-use voltet_optics::shading::Order;
+use voltet_optics::shading::VisibilityOrder;
 use voltet_testing::pictures::compare::{NamedScene, SHADING};
 use voltet_testing::pictures::grids::{cube, smooth};
 use voltet_testing::pictures::looks::*;
@@ -27,19 +27,19 @@ fn scenes(renderer_of: &Scene) -> Vec<Scene> {
 fn frames_in_flight_are_those_drawn_alone() {
     let Some(device) = device() else { return };
     for (compositing, order) in [
-        (Compositing::Tiles, Order::Exact),
-        (Compositing::Raster, Order::Exact),
-        (Compositing::Triangles, Order::Centroid),
+        (Compositor::Tiles, VisibilityOrder::Exact),
+        (Compositor::Raster, VisibilityOrder::Exact),
+        (Compositor::Triangles, VisibilityOrder::Centroid),
     ] {
         // No cell is turned over, so that there is an order along faces.
         let volume = smooth(cube([6, 6, 6], 0.2));
         let scene = NamedScene { volume, ..jittered(overlapping(), outside([40, 32])) };
         let renderer = Arc::new(Renderer::new(device.clone(), &scene.volume).expect("fits"));
         let scenes = scenes(&scene.drawn_by(&SHADING, order));
-        let manner = Manner { order_check: OrderCheck::Sample, ..Manner::by(compositing) };
+        let manner = RenderOptions { order_check: OrderCheck::Sample, ..RenderOptions::by(compositing) };
         let alone: Vec<_> =
-            scenes.iter().map(|scene| draw(&renderer, scene, &manner, &Silent).expect("draws")).collect();
-        let start = |scene: &Scene| begin(&renderer, scene, &manner, &Silent).expect("begins");
+            scenes.iter().map(|scene| draw(&renderer, scene, &manner, &NoProgress).expect("draws")).collect();
+        let start = |scene: &Scene| begin(&renderer, scene, &manner, &NoProgress).expect("begins");
         let is_in_flight = |begun: &Begun| matches!(begun, Begun::InFlight(_));
         let mut before: Option<Begun> = None;
         let mut taken = Vec::new();
@@ -50,7 +50,7 @@ fn frames_in_flight_are_those_drawn_alone() {
             if let Some(frame) = taken.pop() {
                 taken.clear();
                 let number = scenes.iter().position(|known| known.camera == scene.camera).unwrap() - 1;
-                let drawn = frame.collect(&Silent).expect("comes back");
+                let drawn = frame.collect(&NoProgress).expect("comes back");
                 assert_eq!(drawn.picture.rgba, alone[number].picture.rgba, "{compositing:?} {number}");
                 assert_eq!(drawn.counts, alone[number].counts, "{compositing:?} {number}");
             }
@@ -60,7 +60,7 @@ fn frames_in_flight_are_those_drawn_alone() {
         let all: Vec<Begun> = scenes[..4].iter().map(start).collect();
         assert!(all.iter().all(is_in_flight));
         for (number, frame) in all.into_iter().enumerate().rev() {
-            let drawn = frame.collect(&Silent).expect("comes back");
+            let drawn = frame.collect(&NoProgress).expect("comes back");
             assert_eq!(drawn.picture.rgba, alone[number].picture.rgba, "{compositing:?} {number}");
         }
     }
@@ -72,17 +72,17 @@ fn frames_in_flight_are_bounded() {
     let Some(device) = device() else { return };
     let scene = jittered(overlapping(), outside([40, 32]));
     let renderer = Arc::new(Renderer::new(device, &scene.volume).expect("fits"));
-    let wanted = scene.drawn_by(&SHADING, Order::Exact);
-    let manner = Manner::by(Compositing::Tiles);
-    let alone = draw(&renderer, &wanted, &manner, &Silent).expect("draws");
+    let wanted = scene.drawn_by(&SHADING, VisibilityOrder::Exact);
+    let manner = RenderOptions::by(Compositor::Tiles);
+    let alone = draw(&renderer, &wanted, &manner, &NoProgress).expect("draws");
     for _ in 0..3 {
         let all: Vec<Begun> =
-            (0..10).map(|_| begin(&renderer, &wanted, &manner, &Silent).expect("begins")).collect();
+            (0..10).map(|_| begin(&renderer, &wanted, &manner, &NoProgress).expect("begins")).collect();
         let flying = all.iter().filter(|begun| matches!(begun, Begun::InFlight(_))).count();
         assert_eq!(flying, 4);
         // Half of them are given up.
         for frame in all.into_iter().skip(2) {
-            let drawn = frame.collect(&Silent).expect("comes back");
+            let drawn = frame.collect(&NoProgress).expect("comes back");
             assert_eq!(drawn.picture.rgba, alone.picture.rgba);
         }
     }
@@ -93,18 +93,18 @@ fn frames_in_flight_are_bounded() {
 fn a_first_frame_may_be_in_flight() {
     let Some(device) = device() else { return };
     let scene = jittered(overlapping(), outside([160, 120]));
-    let wanted = scene.drawn_by(&SHADING, Order::Exact);
-    let manner = Manner::by(Compositing::Tiles);
+    let wanted = scene.drawn_by(&SHADING, VisibilityOrder::Exact);
+    let manner = RenderOptions::by(Compositor::Tiles);
     let renderer = || Arc::new(Renderer::new(device.clone(), &scene.volume).expect("fits"));
-    let alone = draw(&renderer(), &wanted, &manner, &Silent).expect("draws");
-    let first = begin(&renderer(), &wanted, &manner, &Silent).expect("begins");
-    let drawn = first.collect(&Silent).expect("comes back");
+    let alone = draw(&renderer(), &wanted, &manner, &NoProgress).expect("draws");
+    let first = begin(&renderer(), &wanted, &manner, &NoProgress).expect("begins");
+    let drawn = first.collect(&NoProgress).expect("comes back");
     assert_eq!(drawn.picture.rgba, alone.picture.rgba);
     // Tiles that stop within their lists and go on.
     let small = Arc::new(Renderer::new(device.clone(), &scene.volume).expect("fits").with_budget_of(64));
     for _ in 0..2 {
-        let frame = begin(&small, &wanted, &manner, &Silent).expect("begins");
-        let drawn = frame.collect(&Silent).expect("comes back");
+        let frame = begin(&small, &wanted, &manner, &NoProgress).expect("begins");
+        let drawn = frame.collect(&NoProgress).expect("comes back");
         assert_eq!(drawn.picture.rgba, alone.picture.rgba);
     }
 }

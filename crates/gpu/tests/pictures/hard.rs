@@ -3,7 +3,7 @@
 use crate::drawing::{Tested, device, draw, draw_tiles};
 use glam::DVec3;
 use voltet_gpu::Renderer;
-use voltet_optics::shading::{Integrator, Order, Shading};
+use voltet_optics::shading::{Integrator, Shading, VisibilityOrder};
 use voltet_testing::pictures::Engine;
 use voltet_testing::pictures::compare::{NamedScene, ORDINARY, SHADING, referee, within};
 use voltet_testing::pictures::grids::*;
@@ -48,7 +48,7 @@ fn sweeps_lose_nothing() {
         look: overlapping(),
         camera: orthographic([0.3, -2.0, 0.3], [0.3, 0.0, 0.3], 0.8, [24, 24]),
     };
-    let Some(drawn) = draw(&scene, &SHADING, Order::Exact) else { return };
+    let Some(drawn) = draw(&scene, &SHADING, VisibilityOrder::Exact) else { return };
     assert!(drawn.counts.sweeps_further > 0);
     Tested.ordinary(&scene);
 }
@@ -70,7 +70,7 @@ fn many_samples_on_each_of_many_segments() {
     let Some(device) = device().filter(|device| device.is_software) else { return };
     let renderer = Renderer::new(device, &scene.volume).expect("fits");
     let shading = Shading { integrator: Integrator::Riemann { count: 100_000 }, ..SHADING };
-    let refused = draw_tiles(&renderer, &scene, &shading, Order::Exact);
+    let refused = draw_tiles(&renderer, &scene, &shading, VisibilityOrder::Exact);
     let error = refused.expect_err("too many").to_string();
     assert!(error.contains("ends loops") && error.contains("fewer samples"), "{error}");
 }
@@ -88,11 +88,11 @@ fn loops_that_a_driver_ends() {
     let Some(device) = device() else { return };
     let renderer = Renderer::new(device, &scene.volume).expect("fits").with_budget_of(1 << 22);
     let expected = referee(&scene);
-    for order in [Order::Exact, Order::Centroid] {
+    for order in [VisibilityOrder::Exact, VisibilityOrder::Centroid] {
         let drawn = draw_tiles(&renderer, &scene, &SHADING, order).expect("draws");
         println!("{:?}", drawn.counts);
         // The order of centroids is wrong by more than rounding, but hides nothing.
-        let bound = if order == Order::Exact { ORDINARY } else { 2e-2 };
+        let bound = if order == VisibilityOrder::Exact { ORDINARY } else { 2e-2 };
         within(&format!("{} {order:?}", scene.name), &drawn.picture, &expected, bound);
     }
 }
@@ -107,7 +107,7 @@ fn a_cell_before_130_thousand_tiles() {
         look: look(vec![everywhere(0.3, [1.0, 0.5, 0.25])]),
         camera: orthographic([0.0, -2.0, 0.0], [0.0, 0.0, 0.0], 2.0, [2880, 2880]),
     };
-    let Some(drawn) = draw(&scene, &SHADING, Order::Exact) else { return };
+    let Some(drawn) = draw(&scene, &SHADING, VisibilityOrder::Exact) else { return };
     assert_eq!(drawn.counts.segments, Some(2880 * 2880));
     assert!(drawn.picture.rgba.iter().all(|pixel| 0.4 < pixel[3] && pixel[3] < 0.6));
 }

@@ -2,12 +2,12 @@
 
 use crate::drawing::{device, draw, draw_tiles, try_draw};
 use std::sync::Arc;
-use voltet_core::progress::Silent;
+use voltet_core::progress::NoProgress;
 use voltet_core::transfer::{OpticalModel, TransferFunction};
 use voltet_gpu::{Device, Drawn, OnDevice, Renderer};
-use voltet_optics::Overlap;
-use voltet_optics::engine::{Engine, Manner};
-use voltet_optics::shading::{Integrator, Order, Shading};
+use voltet_optics::WidgetBlend;
+use voltet_optics::engine::{Engine, RenderOptions};
+use voltet_optics::shading::{Integrator, Shading, VisibilityOrder};
 use voltet_testing::pictures::compare::{NamedScene, ORDINARY, SHADING, referee, within};
 use voltet_testing::pictures::grids::{cube, smooth};
 use voltet_testing::pictures::looks::*;
@@ -23,7 +23,7 @@ fn scene(look: TransferFunction) -> NamedScene {
 }
 
 fn refused(scene: &NamedScene, shading: &Shading, words: &[&str]) {
-    let Some(outcome) = try_draw(scene, shading, Order::Exact) else { return };
+    let Some(outcome) = try_draw(scene, shading, VisibilityOrder::Exact) else { return };
     let error = outcome.expect_err("refused").to_string();
     for word in words {
         assert!(error.contains(word), "'{word}' is not in: {error}");
@@ -60,12 +60,12 @@ fn disordered_pixels_are_counted() {
     let disordered = |order, look| {
         draw(&scene(look), &SHADING, order).map(|d| d.counts.pixels_disordered.expect("tiles count"))
     };
-    let Some(exact) = disordered(Order::Exact, overlapping()) else { return };
-    let centroid = disordered(Order::Centroid, overlapping()).unwrap_or(0);
-    let none = disordered(Order::None, overlapping()).unwrap_or(0);
+    let Some(exact) = disordered(VisibilityOrder::Exact, overlapping()) else { return };
+    let centroid = disordered(VisibilityOrder::Centroid, overlapping()).unwrap_or(0);
+    let none = disordered(VisibilityOrder::None, overlapping()).unwrap_or(0);
     assert_eq!(exact, 0);
     assert!(0 < centroid && centroid < none, "centroid {centroid}, none {none}");
-    assert_eq!(disordered(Order::None, one_gaussian()), Some(0));
+    assert_eq!(disordered(VisibilityOrder::None, one_gaussian()), Some(0));
 }
 
 /// A grid that stays on the device draws the same again, and another look as if it had been uploaded for it.
@@ -76,7 +76,7 @@ fn frames_after_the_first() {
     let renderer = Renderer::new(device, &scene.volume).expect("fits");
     let picture = |look: &TransferFunction| {
         let scene = NamedScene { look: look.clone(), ..scene.clone() };
-        draw_tiles(&renderer, &scene, &SHADING, Order::Exact).expect("draws").picture
+        draw_tiles(&renderer, &scene, &SHADING, VisibilityOrder::Exact).expect("draws").picture
     };
     let before = picture(&scene.look);
     for look in [
@@ -84,7 +84,8 @@ fn frames_after_the_first() {
         ramp(),
         TransferFunction { model: OpticalModel::ConstantEmitter { cutoff: 0.1 }, ..ramp() },
     ] {
-        let fresh = draw(&NamedScene { look: look.clone(), ..scene.clone() }, &SHADING, Order::Exact);
+        let fresh =
+            draw(&NamedScene { look: look.clone(), ..scene.clone() }, &SHADING, VisibilityOrder::Exact);
         // Sums of one colour are free of order, and so of rounding's: lists are filled in any order.
         within("another look", &picture(&look), &fresh.expect("draws").picture, 1e-6);
     }
@@ -101,7 +102,7 @@ fn small_bindings_draw_in_windows() {
         let wish = std::env::var("VOLTET_ADAPTER").ok();
         let device = Device::open(wish.as_deref(), false).expect("opened before").with_bindings_of(bytes);
         let renderer = Renderer::new(Arc::new(device), &scene.volume)?;
-        draw_tiles(&renderer, scene, &SHADING, Order::Exact)
+        draw_tiles(&renderer, scene, &SHADING, VisibilityOrder::Exact)
     };
     // 1,296 cells of 16 bytes fit, 48 × 40 pixels of 16 bytes do not; and of 600 cells along the view, that all tiles
     // list, the lists do not. Where one of nine tiles lists 1,320, and goes on in another dispatch, the states of all
@@ -114,7 +115,7 @@ fn small_bindings_draw_in_windows() {
     let one_tile =
         NamedScene { volume: smooth(cube([1, 220, 1], 0.2)), look: thin, camera: one_tile, ..deep.clone() };
     for (scene, bytes, lists) in [(&wide, 24_000, false), (&deep, 12_000, true), (&one_tile, 12_000, false)] {
-        let whole = draw(scene, &SHADING, Order::Exact).expect("draws");
+        let whole = draw(scene, &SHADING, VisibilityOrder::Exact).expect("draws");
         assert_eq!(whole.counts.tile_entries * 8 > bytes, lists, "{:?}", whole.counts);
         let windows = small(scene, bytes).expect("draws in windows");
         assert_eq!(windows.counts.segments, whole.counts.segments);
@@ -142,7 +143,7 @@ fn nothing_draws_nothing() {
     );
     for (volume, look) in [(empty, overlapping()), (smooth(cube([2, 2, 2], 0.0)), look(Vec::new()))] {
         let scene = NamedScene { name: "nothing".into(), volume, look, camera: outside([20, 12]) };
-        let Some(drawn) = draw(&scene, &SHADING, Order::Exact) else { return };
+        let Some(drawn) = draw(&scene, &SHADING, VisibilityOrder::Exact) else { return };
         assert_eq!(drawn.counts.segments, Some(0));
         assert!(drawn.picture.rgba.iter().all(|pixel| *pixel == [0.0; 4]));
     }
@@ -150,10 +151,10 @@ fn nothing_draws_nothing() {
 
 #[test]
 fn all_mixed() {
-    let mix = Shading { overlap: Overlap::Mix, ..SHADING };
+    let mix = Shading { overlap: WidgetBlend::Mix, ..SHADING };
     // The mix leaves out the order of widgets within a segment, and the referee does not: 1e-2 here.
     let scene = widgets::scene("all mixed".into(), widgets::all());
-    let Some(drawn) = draw(&scene, &mix, Order::Exact) else { return };
+    let Some(drawn) = draw(&scene, &mix, VisibilityOrder::Exact) else { return };
     within("all mixed", &drawn.picture, &referee(&scene), 2e-2);
 }
 
@@ -179,9 +180,9 @@ fn opaque_tiles_stop_early() {
         }
     };
     for (other, order) in [
-        ([1.0, 0.5, 0.25], Order::Exact),
-        ([0.2, 0.5, 1.0], Order::Exact),
-        ([0.2, 0.5, 1.0], Order::Centroid),
+        ([1.0, 0.5, 0.25], VisibilityOrder::Exact),
+        ([0.2, 0.5, 1.0], VisibilityOrder::Exact),
+        ([0.2, 0.5, 1.0], VisibilityOrder::Centroid),
     ] {
         let Some(thin) = draw(&fog(1.0, other), &SHADING, order) else { return };
         assert_eq!((thin.counts.tiles_stopped, thin.counts.cells_hidden), (0, 0));
@@ -198,12 +199,12 @@ fn opaque_tiles_stop_early() {
 #[test]
 fn operations_of_the_compositor_are_counted() {
     let Some(device) = device() else { return };
-    for order in [Order::Exact, Order::Centroid] {
+    for order in [VisibilityOrder::Exact, VisibilityOrder::Centroid] {
         let scene = scene(overlapping()).drawn_by(&SHADING, order);
         let volume = OnDevice::new(device.clone()).prepare(&scene.volume).expect("fits");
-        let drawn = volume.draw(&scene, &Manner::default(), &Silent).expect("draws");
+        let drawn = volume.draw(&scene, &RenderOptions::default(), &NoProgress).expect("draws");
         let segments = drawn.counts.segments.expect("tiles count");
-        let counted = volume.operations(&scene, &Manner::default(), &drawn.counts).expect("is WGSL");
+        let counted = volume.operations(&scene, &RenderOptions::default(), &drawn.counts).expect("is WGSL");
         let counted = counted.expect("tiles count");
         println!("{counted} operations in {segments} segments");
         assert!((100 * segments..5000 * segments).contains(&counted), "{counted} in {segments}");

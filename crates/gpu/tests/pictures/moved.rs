@@ -2,11 +2,11 @@
 
 use crate::drawing::{device, draw, draw_tiles, further_device};
 use std::sync::Arc;
-use voltet_core::progress::Silent;
+use voltet_core::progress::NoProgress;
 use voltet_core::transfer::{OpticalModel, Profile, Region, Table, TransferFunction, Widget};
 use voltet_gpu::Renderer;
-use voltet_optics::engine::{Compositing, Manner};
-use voltet_optics::shading::{Integrator, Order, Shading};
+use voltet_optics::engine::{Compositor, RenderOptions};
+use voltet_optics::shading::{Integrator, Shading, VisibilityOrder};
 use voltet_testing::pictures::compare::{NamedScene, SHADING, within};
 use voltet_testing::pictures::grids::{cube, smooth};
 use voltet_testing::pictures::looks::*;
@@ -36,8 +36,8 @@ fn a_moved_widget_sends_no_tables() {
     let sent = |look: &TransferFunction| {
         let before = device.work().bytes_uploaded;
         let scene = NamedScene { look: look.clone(), ..first.clone() };
-        let drawn = draw_tiles(&renderer, &scene, &shading, Order::Exact).expect("draws");
-        let alone = draw(&scene, &shading, Order::Exact).expect("there is a device");
+        let drawn = draw_tiles(&renderer, &scene, &shading, VisibilityOrder::Exact).expect("draws");
+        let alone = draw(&scene, &shading, VisibilityOrder::Exact).expect("there is a device");
         within("as if it were the first", &drawn.picture, &alone.picture, 0.0);
         device.work().bytes_uploaded - before
     };
@@ -72,12 +72,13 @@ fn a_moved_camera_or_widget_uploads_parameters_alone() {
     for side in [5, 9] {
         let first = NamedScene { volume: smooth(cube([side; 3], 0.2)), ..scene(overlapping()) };
         let mut bytes = Vec::new();
-        for compositing in Compositing::ALL {
+        for compositing in Compositor::ALL {
             let renderer = Renderer::new(device.clone(), &first.volume).expect("fits");
             let sent = |scene: &NamedScene| {
                 let before = device.work();
-                let wanted = scene.drawn_by(&SHADING, Order::Centroid);
-                voltet_gpu::draw(&renderer, &wanted, &Manner::by(compositing), &Silent).expect("draws");
+                let wanted = scene.drawn_by(&SHADING, VisibilityOrder::Centroid);
+                voltet_gpu::draw(&renderer, &wanted, &RenderOptions::by(compositing), &NoProgress)
+                    .expect("draws");
                 let after = device.work();
                 [after.bytes_uploaded - before.bytes_uploaded, after.uploads - before.uploads]
             };

@@ -8,7 +8,7 @@ use voltet_core::grid::generate::box_of_tetrahedra;
 use voltet_core::transfer::{Profile, Table, Widget};
 use voltet_core::volume::Volume;
 use voltet_gpu::{Device, Drawn, Renderer};
-use voltet_optics::shading::{Integrator, Light, Order, Shading};
+use voltet_optics::shading::{Integrator, Light, Shading, VisibilityOrder};
 use voltet_testing::pictures::compare::{NamedScene, ORDINARY, SHADING, referee, within};
 use voltet_testing::pictures::grids::{cube, smooth, smooth_gradient, volume};
 use voltet_testing::pictures::looks::*;
@@ -22,7 +22,7 @@ fn small(bytes: u64, count: u32) -> Device {
     device.with_bindings_of(bytes).with_buffers_at_a_time(count)
 }
 
-fn draw_on(device: Device, scene: &NamedScene, shading: &Shading, order: Order) -> Result<Drawn> {
+fn draw_on(device: Device, scene: &NamedScene, shading: &Shading, order: VisibilityOrder) -> Result<Drawn> {
     let renderer = Renderer::new(Arc::new(device), &scene.volume)?;
     draw_tiles(&renderer, scene, shading, order)
 }
@@ -40,10 +40,10 @@ fn grids_in_parts_draw_the_same() {
     let volume = Arc::new(Volume { gradient: Some(gradient), ..(*smooth(grid)).clone() });
     let lit = Shading { silhouette: Some(1.5), light: Some(LIGHT), ..SHADING };
     for (name, look, shading, order, bound) in [
-        ("exact", overlapping(), SHADING, Order::Exact, 0.0),
-        ("lit", overlapping(), lit, Order::Exact, 0.0),
-        ("centroid", overlapping(), SHADING, Order::Centroid, 0.0),
-        ("sum", one_gaussian(), SHADING, Order::Exact, 1e-6),
+        ("exact", overlapping(), SHADING, VisibilityOrder::Exact, 0.0),
+        ("lit", overlapping(), lit, VisibilityOrder::Exact, 0.0),
+        ("centroid", overlapping(), SHADING, VisibilityOrder::Centroid, 0.0),
+        ("sum", one_gaussian(), SHADING, VisibilityOrder::Exact, 1e-6),
     ] {
         let scene = NamedScene { name: name.into(), volume: volume.clone(), look, camera: outside([64, 48]) };
         let whole = draw(&scene, &shading, order).expect("draws");
@@ -80,13 +80,15 @@ fn tables_in_parts_draw_the_same() {
         let name = format!("table of {}", integrator.name());
         let scene =
             NamedScene { name, volume: smooth(cube([5, 5, 5], 0.2)), look, camera: outside([32, 24]) };
-        let whole = draw(&scene, &shading, Order::Exact).expect("draws");
+        let whole = draw(&scene, &shading, VisibilityOrder::Exact).expect("draws");
         assert!(whole.counts.segments > Some(0));
-        let parts = draw_on(small(bytes, 16), &scene, &shading, Order::Exact).expect("draws in parts");
+        let parts =
+            draw_on(small(bytes, 16), &scene, &shading, VisibilityOrder::Exact).expect("draws in parts");
         within(&scene.name, &parts.picture, &whole.picture, 0.0);
         // One of 4 and 5 parts, 2 of an image: too many for so few.
-        let error =
-            draw_on(small(bytes / 4, 12), &scene, &shading, Order::Exact).expect_err("too many").to_string();
+        let error = draw_on(small(bytes / 4, 12), &scene, &shading, VisibilityOrder::Exact)
+            .expect_err("too many")
+            .to_string();
         assert!(error.contains("table of ") && error.contains("parts"), "{error}");
     }
 }
@@ -100,7 +102,8 @@ fn too_many_parts_are_refused_by_name() {
     let camera = outside([32, 24]);
     let scene =
         NamedScene { name: String::new(), volume: smooth(cube([6, 6, 6], 0.3)), look: overlapping(), camera };
-    let error = draw_on(small(2048, 12), &scene, &SHADING, Order::Exact).expect_err("too many").to_string();
+    let error =
+        draw_on(small(2048, 12), &scene, &SHADING, VisibilityOrder::Exact).expect_err("too many").to_string();
     // 1,296 cells of 16 bytes, 128 to a part.
     for word in [
         "more parts than",
@@ -129,6 +132,6 @@ fn millions_of_cells_draw_the_same_as_few() {
         look: look(vec![widget.clone()]),
         camera: outside([64, 48]),
     };
-    let Some(drawn) = draw(&scene(141), &SHADING, Order::Exact) else { return };
+    let Some(drawn) = draw(&scene(141), &SHADING, VisibilityOrder::Exact) else { return };
     within("millions", &drawn.picture, &referee(&scene(3)), ORDINARY);
 }

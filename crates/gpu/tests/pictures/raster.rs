@@ -7,23 +7,23 @@ use std::sync::Arc;
 use voltet_core::camera::Camera;
 use voltet_core::grid::Grid;
 use voltet_core::picture::Picture;
-use voltet_core::progress::Silent;
+use voltet_core::progress::NoProgress;
 use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
 use voltet_gpu::{Drawn, Renderer};
-use voltet_optics::engine::{Compositing, Manner};
-use voltet_optics::shading::{Integrator, Light, Order, Shading};
+use voltet_optics::engine::{Compositor, RenderOptions};
+use voltet_optics::shading::{Integrator, Light, Shading, VisibilityOrder};
 use voltet_testing::pictures::compare::{NamedScene, ORDINARY, SHADING, referee_shaded, within};
 use voltet_testing::pictures::grids::*;
 use voltet_testing::pictures::looks::*;
 
-fn draw(scene: &NamedScene, shading: &Shading, order: Order) -> Option<Drawn> {
+fn draw(scene: &NamedScene, shading: &Shading, order: VisibilityOrder) -> Option<Drawn> {
     let drawn = draw_on(device()?, scene, shading, raster(order));
     Some(drawn.unwrap_or_else(|e| panic!("{}: {e}", scene.name)))
 }
 
 /// Asserts the bound of ordinary scenes, and that there is something to see.
-fn ordinary(scene: &NamedScene, shading: &Shading, order: Order) {
+fn ordinary(scene: &NamedScene, shading: &Shading, order: VisibilityOrder) {
     let Some(drawn) = draw(scene, shading, order) else { return };
     let expected = referee_shaded(scene, shading);
     assert!(expected.rgba.iter().any(|p| p[3] > 0.01), "{}: nothing to see", scene.name);
@@ -77,10 +77,10 @@ fn single_cells_of_every_class() {
                 let volume = volume(cell(turned), |p| 0.51 + 0.393 * p.x, |p| 0.8 + 0.117 * p.z);
                 let name = format!("{class} {turn} {view}");
                 let shown = NamedScene { name, volume, look: overlapping(), camera };
-                let Some(drawn) = draw(&shown, &SHADING, Order::Centroid) else { return };
+                let Some(drawn) = draw(&shown, &SHADING, VisibilityOrder::Centroid) else { return };
                 within(&shown.name, &drawn.picture, &referee_shaded(&shown, &SHADING), ORDINARY);
                 let looked = NamedScene { look: look(vec![everywhere(2.0, [1.0, 0.5, 0.2])]), ..shown };
-                ordinary(&looked, &SHADING, Order::Auto);
+                ordinary(&looked, &SHADING, VisibilityOrder::Auto);
             }
         }
     }
@@ -93,7 +93,7 @@ fn one_color() -> [(&'static str, TransferFunction); 2] {
 fn with_one_color(name: &str, camera: Camera) {
     for (kind, look) in one_color() {
         let (name, volume) = (format!("{name} {kind}"), smooth(cube([6, 6, 6], 0.2)));
-        ordinary(&NamedScene { name, volume, look, camera }, &SHADING, Order::Exact);
+        ordinary(&NamedScene { name, volume, look, camera }, &SHADING, VisibilityOrder::Exact);
     }
 }
 
@@ -130,7 +130,7 @@ fn rays_in_shared_faces_and_edges() {
                 look: look(vec![everywhere(2.0, [1.0; 3])]),
                 camera: orthographic([0.5, -2.0, 0.5], [0.5, 0.0, 0.5], 1.0, [pixels, pixels]),
             };
-            let Some(drawn) = draw(&scene, &SHADING, Order::Auto) else { return };
+            let Some(drawn) = draw(&scene, &SHADING, VisibilityOrder::Auto) else { return };
             let n = pixels as usize;
             let known = Picture { width: n, height: n, rgba: vec![[-(-2f64).exp_m1() as f32; 4]; n * n] };
             // Rounding of a dozen 32-bit segments, whose ends round like the grid's diagonal.
@@ -145,7 +145,7 @@ fn holes_flat_cells_and_far_places() {
         ordinary(
             &NamedScene { name: name.into(), volume, look: one_gaussian(), camera },
             &SHADING,
-            Order::Exact,
+            VisibilityOrder::Exact,
         );
     };
     shown("arms", smooth(two_arms()), perspective([0.7, -2.0, 0.8], [0.5, 0.5, 0.5], 35.0, [56, 48]));
@@ -187,7 +187,7 @@ fn a_stack_in_the_order_of_its_centroids_is_exact() {
     ] {
         for (kind, look) in [("ramp", ramp()), ("overlap", overlapping())] {
             let (name, volume) = (format!("stack {view} {kind}"), volume.clone());
-            ordinary(&NamedScene { name, volume, look, camera }, &SHADING, Order::Centroid);
+            ordinary(&NamedScene { name, volume, look, camera }, &SHADING, VisibilityOrder::Centroid);
         }
     }
 }
@@ -202,7 +202,7 @@ pub fn jittered(look: TransferFunction, camera: Camera) -> NamedScene {
 fn orders_are_those_of_tiles() {
     let Some(device) = device() else { return };
     for camera in [outside([40, 32]), orthographic([3.0, -2.0, 2.5], [0.5, 0.5, 0.5], 1.9, [32, 40])] {
-        for order in [Order::Centroid, Order::None] {
+        for order in [VisibilityOrder::Centroid, VisibilityOrder::None] {
             // More cells than a block of the sort holds.
             let scene =
                 NamedScene { volume: smooth(cube([10, 9, 9], 0.3)), ..jittered(overlapping(), camera) };
@@ -228,16 +228,17 @@ fn several_samples_a_pixel() {
 fn runs_and_windows_change_nothing() {
     let Some(device) = device() else { return };
     let scene = jittered(overlapping(), outside([48, 40]));
-    let whole = draw_on(device.clone(), &scene, &SHADING, raster(Order::Centroid)).expect("draws");
+    let whole = draw_on(device.clone(), &scene, &SHADING, raster(VisibilityOrder::Centroid)).expect("draws");
     for length in [7, 100, 1296] {
         let runs = Renderer::new(device.clone(), &scene.volume).expect("fits").with_runs_of(length);
-        let wanted = scene.drawn_by(&SHADING, Order::Centroid);
-        let drawn =
-            voltet_gpu::draw(&runs, &wanted, &Manner::by(Compositing::Raster), &Silent).expect("draws");
+        let wanted = scene.drawn_by(&SHADING, VisibilityOrder::Centroid);
+        let drawn = voltet_gpu::draw(&runs, &wanted, &RenderOptions::by(Compositor::Raster), &NoProgress)
+            .expect("draws");
         assert_eq!(drawn.picture.rgba, whole.picture.rgba, "{length}");
     }
     for windows in [further_device().with_bindings_of(24_000), further_device().with_textures_of(16)] {
-        let drawn = draw_on(Arc::new(windows), &scene, &SHADING, raster(Order::Centroid)).expect("draws");
+        let drawn =
+            draw_on(Arc::new(windows), &scene, &SHADING, raster(VisibilityOrder::Centroid)).expect("draws");
         // Coordinates within a window round otherwise than those of the picture.
         within("windows", &drawn.picture, &whole.picture, 1e-6);
     }
@@ -248,7 +249,8 @@ fn runs_and_windows_change_nothing() {
 fn sixteen_bits_are_near_and_said() {
     let Some(device) = device() else { return };
     let narrow = Arc::new(further_device().blending_16_bits());
-    for (look, order) in [(overlapping(), Order::Centroid), (one_gaussian(), Order::Auto)] {
+    for (look, order) in [(overlapping(), VisibilityOrder::Centroid), (one_gaussian(), VisibilityOrder::Auto)]
+    {
         let scene = jittered(look, outside([32, 24]));
         let wide = draw_on(device.clone(), &scene, &SHADING, raster(order)).expect("draws");
         let half = draw_on(narrow.clone(), &scene, &SHADING, raster(order)).expect("draws");
@@ -270,12 +272,12 @@ fn what_is_not_asked_for_is_not_compiled() {
     let mut triangles = drawn.map(|name| if name == "blend_cell" { "blend_triangle" } else { name }).to_vec();
     triangles.push("split_cells");
     for (look, how, further) in [
-        (overlapping(), tiles(Order::Exact), [&lists[..], &["sort_lists"]].concat()),
-        (one_gaussian(), tiles(Order::Auto), lists.to_vec()),
-        (overlapping(), raster(Order::Centroid), drawn.to_vec()),
-        (overlapping(), raster(Order::Exact), drawn.to_vec()),
-        (overlapping(), (Compositing::Triangles, Order::Centroid), triangles.to_vec()),
-        (one_gaussian(), raster(Order::Auto), drawn.to_vec()),
+        (overlapping(), tiles(VisibilityOrder::Exact), [&lists[..], &["sort_lists"]].concat()),
+        (one_gaussian(), tiles(VisibilityOrder::Auto), lists.to_vec()),
+        (overlapping(), raster(VisibilityOrder::Centroid), drawn.to_vec()),
+        (overlapping(), raster(VisibilityOrder::Exact), drawn.to_vec()),
+        (overlapping(), (Compositor::Triangles, VisibilityOrder::Centroid), triangles.to_vec()),
+        (one_gaussian(), raster(VisibilityOrder::Auto), drawn.to_vec()),
     ] {
         let device = Arc::new(further_device());
         // No cell is turned over, so that there is an order along faces.
@@ -326,7 +328,7 @@ fn every_integrator_and_light_is_that_of_tiles() {
             served += 1;
             let scene =
                 NamedScene { name: format!("{kind} {shading:?}"), volume: volume.clone(), look, camera };
-            let [tiles, raster] = [tiles(Order::Centroid), raster(Order::Centroid)]
+            let [tiles, raster] = [tiles(VisibilityOrder::Centroid), raster(VisibilityOrder::Centroid)]
                 .map(|how| draw_on(device.clone(), &scene, &shading, how).expect("draws").picture);
             // Tiles give up what is behind 1 − 1e-6.
             within(&scene.name, &raster, &tiles, 1e-5);
@@ -345,14 +347,16 @@ fn a_grid_in_parts_is_the_same() {
     let Some(device) = device() else { return };
     let scene =
         NamedScene { volume: smooth(cube([5, 5, 5], 0.3)), ..jittered(overlapping(), outside([16, 16])) };
-    let whole = draw_on(device, &scene, &SHADING, raster(Order::Centroid)).expect("draws");
+    let whole = draw_on(device, &scene, &SHADING, raster(VisibilityOrder::Centroid)).expect("draws");
     // 750 cells of 16 bytes, and as many places of 8 bytes in the sorted list.
     let small = further_device().with_bindings_of(6200).with_buffers_at_a_time(32);
-    let parts = draw_on(Arc::new(small), &scene, &SHADING, raster(Order::Centroid)).expect("draws in parts");
+    let parts = draw_on(Arc::new(small), &scene, &SHADING, raster(VisibilityOrder::Centroid))
+        .expect("draws in parts");
     within("parts", &parts.picture, &whole.picture, 1e-6);
     // The sorted list stands in one binding.
     let smaller = further_device().with_bindings_of(5000).with_buffers_at_a_time(64);
-    let error = draw_on(Arc::new(smaller), &scene, &SHADING, raster(Order::Centroid)).expect_err("no room");
+    let error =
+        draw_on(Arc::new(smaller), &scene, &SHADING, raster(VisibilityOrder::Centroid)).expect_err("no room");
     for word in ["sorted cells", "750 cells", "at most 625", "tiles"] {
         assert!(error.to_string().contains(word), "'{word}' is not in: {error}");
     }

@@ -7,18 +7,18 @@ use glam::DVec3;
 use std::sync::Arc;
 use voltet_core::camera::Camera;
 use voltet_core::picture::Picture;
-use voltet_core::progress::Silent;
+use voltet_core::progress::NoProgress;
 use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
 use voltet_gpu::{Device, Drawn, Renderer};
-use voltet_optics::engine::{Accumulation, Compositing, Manner};
-use voltet_optics::shading::{Integrator, Light, Order, Shading};
+use voltet_optics::engine::{Accumulation, Compositor, RenderOptions};
+use voltet_optics::shading::{Integrator, Light, Shading, VisibilityOrder};
 use voltet_testing::pictures::compare::{NamedScene, ORDINARY, SHADING, referee, within};
 use voltet_testing::pictures::grids::*;
 use voltet_testing::pictures::looks::*;
 
-fn triangles(order: Order) -> How {
-    (Compositing::Triangles, order)
+fn triangles(order: VisibilityOrder) -> How {
+    (Compositor::Triangles, order)
 }
 
 fn draw(device: &Arc<Device>, scene: &NamedScene, shading: &Shading, how: How) -> Drawn {
@@ -87,14 +87,14 @@ fn cells_whose_corners_stay_are_exact() {
             } else {
                 1.0
             };
-            let drawn = draw(&device, &scene, &SHADING, triangles(Order::Auto)).picture;
+            let drawn = draw(&device, &scene, &SHADING, triangles(VisibilityOrder::Auto)).picture;
             let known = -(-2.0 * thickness * stretch).exp_m1();
             let found = f64::from(drawn.pixel(20, 16)[3]);
             assert!((found - known).abs() < 2e-6, "{name} {turn}: {found} for {known}");
             // The ray's length and each value from two dozen roundings.
             within(&scene.name, &drawn, &referee(&scene), 3e-6);
             let valued = NamedScene { look: overlapping(), ..scene };
-            let drawn = draw(&device, &valued, &SHADING, triangles(Order::Centroid)).picture;
+            let drawn = draw(&device, &valued, &SHADING, triangles(VisibilityOrder::Centroid)).picture;
             within(&format!("{} values", valued.name), &drawn, &referee(&valued), 2e-5);
         }
     }
@@ -108,7 +108,7 @@ fn every_class_and_place_of_the_eye() {
         for (view, camera) in views() {
             let volume = volume(cell(corners), |p| 0.51 + 0.393 * p.x, |p| 0.8 + 0.117 * p.z);
             let scene = NamedScene { name: format!("{class} {view}"), volume, look: uniform(), camera };
-            nearly(&scene, &draw(&device, &scene, &SHADING, triangles(Order::Auto)).picture);
+            nearly(&scene, &draw(&device, &scene, &SHADING, triangles(VisibilityOrder::Auto)).picture);
         }
     }
     let inside = perspective([0.43, 0.37, 0.52], [0.9, 0.8, 0.45], 90.0, [40, 40]);
@@ -122,14 +122,14 @@ fn every_class_and_place_of_the_eye() {
     ] {
         let (volume, look) = (smooth(cube([5, 5, 5], 0.2)), one_gaussian());
         let scene = NamedScene { name: name.into(), volume, look, camera };
-        nearly(&scene, &draw(&device, &scene, &SHADING, triangles(Order::Exact)).picture);
+        nearly(&scene, &draw(&device, &scene, &SHADING, triangles(VisibilityOrder::Exact)).picture);
     }
     let huge = [[-50.0, 10.0, -50.0], [60.0, 11.0, -45.0], [1.0, 12.0, 70.0], [0.0, 30.0, 2.0]];
     let volume = volume(cell(huge), |p| 0.5 + 0.01 * p.x, |p| 0.8 + 0.01 * p.z);
     for eye in [[0.0, 0.0, 0.0], [0.0, 14.0, 2.0]] {
         let camera = perspective(eye, [0.0, 40.0, 1.0], 30.0, [40, 32]);
         let scene = NamedScene { name: "huge".into(), volume: volume.clone(), look: one_gaussian(), camera };
-        nearly(&scene, &draw(&device, &scene, &SHADING, triangles(Order::Auto)).picture);
+        nearly(&scene, &draw(&device, &scene, &SHADING, triangles(VisibilityOrder::Auto)).picture);
     }
 }
 
@@ -146,7 +146,7 @@ fn smaller_cells_come_nearer_to_a_smooth_field() {
     };
     let finest = referee(&scene(32));
     let errors = [2, 4, 8].map(|n| {
-        let drawn = draw(&device, &scene(n), &SHADING, triangles(Order::Auto)).picture;
+        let drawn = draw(&device, &scene(n), &SHADING, triangles(VisibilityOrder::Auto)).picture;
         let squares = drawn.rgba.iter().zip(&finest.rgba).map(|(a, b)| f64::from(a[3] - b[3]).powi(2));
         (squares.sum::<f64>() / drawn.rgba.len() as f64).sqrt()
     });
@@ -184,7 +184,7 @@ fn what_is_shared_with_outlines_is_the_same() {
             camera: outside([32, 28]),
         };
         let [both, outlines] =
-            [triangles, raster].map(|how| draw(&device, &scene, &shading, how(Order::Centroid)));
+            [triangles, raster].map(|how| draw(&device, &scene, &shading, how(VisibilityOrder::Centroid)));
         within(&scene.name, &both.picture, &outlines.picture, 1.0 / 255.0);
         let mean = |a: &Picture, b: &Picture| {
             let sum: f32 = a.rgba.iter().zip(&b.rgba).map(|(a, b)| (a[3] - b[3]).abs()).sum();
@@ -201,16 +201,16 @@ fn what_is_shared_with_outlines_is_the_same() {
 fn runs_and_small_bindings_change_nothing() {
     let Some(device) = device() else { return };
     let scene = jittered(overlapping(), outside([24, 20]));
-    let wanted = scene.drawn_by(&SHADING, Order::Centroid);
-    let manner = Manner::by(Compositing::Triangles);
-    let whole = draw(&device, &scene, &SHADING, triangles(Order::Centroid)).picture;
+    let wanted = scene.drawn_by(&SHADING, VisibilityOrder::Centroid);
+    let manner = RenderOptions::by(Compositor::Triangles);
+    let whole = draw(&device, &scene, &SHADING, triangles(VisibilityOrder::Centroid)).picture;
     for length in [300, 1296] {
         let runs = Renderer::new(device.clone(), &scene.volume).expect("fits").with_runs_of(length);
-        let drawn = voltet_gpu::draw(&runs, &wanted, &manner, &Silent).expect("draws");
+        let drawn = voltet_gpu::draw(&runs, &wanted, &manner, &NoProgress).expect("draws");
         assert_eq!(drawn.picture.rgba, whole.rgba, "{length}");
     }
     let small = further_device().with_bindings_of(24_000).with_buffers_at_a_time(32);
-    let drawn = draw(&Arc::new(small), &scene, &SHADING, triangles(Order::Centroid)).picture;
+    let drawn = draw(&Arc::new(small), &scene, &SHADING, triangles(VisibilityOrder::Centroid)).picture;
     assert_eq!(drawn.rgba, whole.rgba);
 }
 
@@ -220,13 +220,13 @@ fn few_bits_a_channel_round_after_each_cell() {
     let Some(device) = device() else { return };
     let scene = jittered(overlapping(), outside([32, 24]));
     let renderer = Renderer::new(device.clone(), &scene.volume).expect("fits");
-    let wanted = scene.drawn_by(&SHADING, Order::Centroid);
+    let wanted = scene.drawn_by(&SHADING, VisibilityOrder::Centroid);
     // A ray meets three dozen of 1,296 cells at most.
     const CELLS: f64 = 36.0;
-    for compositing in [Compositing::Raster, Compositing::Triangles] {
+    for compositing in [Compositor::Raster, Compositor::Triangles] {
         let picture = |accumulation| {
-            let manner = Manner { accumulation, ..Manner::by(compositing) };
-            voltet_gpu::draw(&renderer, &wanted, &manner, &Silent).expect("draws").picture
+            let manner = RenderOptions { accumulation, ..RenderOptions::by(compositing) };
+            voltet_gpu::draw(&renderer, &wanted, &manner, &NoProgress).expect("draws").picture
         };
         let float = picture(Accumulation::Float);
         let mut before = f64::INFINITY;
@@ -246,12 +246,13 @@ fn few_bits_a_channel_round_after_each_cell() {
             before = off;
         }
     }
-    let tiles = Manner { accumulation: Accumulation::Bits8, ..Manner::by(Compositing::Tiles) };
-    let error = voltet_gpu::draw(&renderer, &wanted, &tiles, &Silent).expect_err("refused").to_string();
+    let tiles = RenderOptions { accumulation: Accumulation::Bits8, ..RenderOptions::by(Compositor::Tiles) };
+    let error = voltet_gpu::draw(&renderer, &wanted, &tiles, &NoProgress).expect_err("refused").to_string();
     assert!(error.contains("8-bit") && error.contains("raster"), "{error}");
     let narrow = Arc::new(further_device().blending_16_bits());
     let renderer = Renderer::new(narrow, &scene.volume).expect("fits");
-    let twelve = Manner { accumulation: Accumulation::Bits12, ..Manner::by(Compositing::Triangles) };
-    let error = voltet_gpu::draw(&renderer, &wanted, &twelve, &Silent).expect_err("refused").to_string();
+    let twelve =
+        RenderOptions { accumulation: Accumulation::Bits12, ..RenderOptions::by(Compositor::Triangles) };
+    let error = voltet_gpu::draw(&renderer, &wanted, &twelve, &NoProgress).expect_err("refused").to_string();
     assert!(error.contains("no 32-bit floats") && error.contains("12-bit"), "{error}");
 }

@@ -3,12 +3,12 @@
 
 use crate::drawing::{device, draw_on};
 use std::sync::Arc;
-use voltet_core::progress::Silent;
+use voltet_core::progress::NoProgress;
 use voltet_core::transfer::{OpticalModel, TransferFunction};
 use voltet_core::volume::Volume;
 use voltet_gpu::{Device, Renderer};
-use voltet_optics::engine::{Accumulation, Compositing, Manner};
-use voltet_optics::shading::{Integrator, Light, Order, Shading};
+use voltet_optics::engine::{Accumulation, Compositor, RenderOptions};
+use voltet_optics::shading::{Integrator, Light, Shading, VisibilityOrder};
 use voltet_testing::pictures::compare::{NamedScene, SHADING, within};
 use voltet_testing::pictures::grids::{cube, smooth, smooth_gradient};
 use voltet_testing::pictures::looks::*;
@@ -32,7 +32,7 @@ fn same_on(
     devices: [&Arc<Device>; 2],
     scene: &NamedScene,
     shading: &Shading,
-    how: (Compositing, Order),
+    how: (Compositor, VisibilityOrder),
     tolerance: f64,
 ) {
     let name = format!("{} {how:?}", scene.name);
@@ -58,10 +58,10 @@ fn every_compositor_draws_within_the_limits_of_webgpu() {
     ] {
         let scene = scene(name, look);
         for how in [
-            (Compositing::Tiles, Order::Exact),
-            (Compositing::Tiles, Order::Centroid),
-            (Compositing::Raster, Order::Centroid),
-            (Compositing::Triangles, Order::Centroid),
+            (Compositor::Tiles, VisibilityOrder::Exact),
+            (Compositor::Tiles, VisibilityOrder::Centroid),
+            (Compositor::Raster, VisibilityOrder::Centroid),
+            (Compositor::Triangles, VisibilityOrder::Centroid),
         ] {
             // Lists that need no order are filled in any.
             same_on([&device, &least], &scene, &shading, how, 1e-6);
@@ -70,9 +70,14 @@ fn every_compositor_draws_within_the_limits_of_webgpu() {
     let scene = scene("few bits", overlapping());
     let renderer = Renderer::new(least, &scene.volume).expect("fits");
     for accumulation in [Accumulation::Bits8, Accumulation::Bits12] {
-        let manner = Manner { accumulation, ..Manner::by(Compositing::Triangles) };
-        voltet_gpu::draw(&renderer, &scene.drawn_by(&SHADING, Order::Centroid), &manner, &Silent)
-            .expect("draws");
+        let manner = RenderOptions { accumulation, ..RenderOptions::by(Compositor::Triangles) };
+        voltet_gpu::draw(
+            &renderer,
+            &scene.drawn_by(&SHADING, VisibilityOrder::Centroid),
+            &manner,
+            &NoProgress,
+        )
+        .expect("draws");
     }
 }
 
@@ -99,11 +104,11 @@ fn every_integrator_has_room_for_all_that_a_scene_may_have() {
             served.push(integrator.name());
             let scene = widgets::scene(name, look);
             for how in [
-                (Compositing::Tiles, Order::Exact),
-                (Compositing::Tiles, Order::Centroid),
-                (Compositing::Raster, Order::Exact),
-                (Compositing::Raster, Order::None),
-                (Compositing::Triangles, Order::Exact),
+                (Compositor::Tiles, VisibilityOrder::Exact),
+                (Compositor::Tiles, VisibilityOrder::Centroid),
+                (Compositor::Raster, VisibilityOrder::Exact),
+                (Compositor::Raster, VisibilityOrder::None),
+                (Compositor::Triangles, VisibilityOrder::Exact),
             ] {
                 same_on([&device, &least], &scene, &shading, how, 0.0);
             }

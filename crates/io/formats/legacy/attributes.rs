@@ -28,7 +28,7 @@ pub(super) fn read(
                 let accepted = if per_cell { cell_count } else { point_count };
                 if count != accepted {
                     let what = format!("the number of {keyword} does not fit the grid");
-                    return Err(scanner.error(what).found(count).accepted(accepted));
+                    return Err(scanner.error(what).got(count).expected(accepted));
                 }
             }
             "METADATA" => scanner.skip_metadata()?,
@@ -48,8 +48,8 @@ pub(super) fn read(
                     rest => rest.parse().ok().filter(|n| (1..=1 << 16).contains(n)).ok_or_else(|| {
                         scanner
                             .error(format!("the number of components of '{name}' is wrong"))
-                            .found(format_args!("'{rest}'"))
-                            .accepted("1 to 65536")
+                            .got(format_args!("'{rest}'"))
+                            .expected("1 to 65536")
                     })?,
                 };
                 if scanner.word_if("LOOKUP_TABLE")? {
@@ -57,7 +57,7 @@ pub(super) fn read(
                     add(scanner.array(&name, number_type, component_count, count)?);
                 } else {
                     let what = format!("the scalars '{name}' do not name their look-up table");
-                    return Err(scanner.error(what).accepted("LOOKUP_TABLE default"));
+                    return Err(scanner.error(what).expected("LOOKUP_TABLE default"));
                 }
                 active_scalars = active_scalars.or(Some(name));
             }
@@ -87,7 +87,7 @@ pub(super) fn read(
             }
             _ => {
                 let found = format!("'{}'", keyword.escape_default());
-                return Err(scanner.error("an unknown keyword").found(found).accepted(
+                return Err(scanner.error("an unknown keyword").got(found).expected(
                     "SCALARS, VECTORS, NORMALS, TENSORS, TEXTURE_COORDINATES, COLOR_SCALARS, LOOKUP_TABLE, FIELD, \
                      GLOBAL_IDS, METADATA, POINT_DATA or CELL_DATA",
                 ));

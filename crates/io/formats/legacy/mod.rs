@@ -44,7 +44,7 @@ fn open(source: Arc<Source>, _: &Request) -> Result<Dataset> {
         "BINARY" => true,
         _ => {
             let found = format!("'{mode}'");
-            return Err(scanner.error("the third line is wrong").found(found).accepted("ASCII or BINARY"));
+            return Err(scanner.error("the third line is wrong").got(found).expected("ASCII or BINARY"));
         }
     };
     let mut word = scanner.required("DATASET")?;
@@ -56,13 +56,13 @@ fn open(source: Arc<Source>, _: &Request) -> Result<Dataset> {
     if !word.eq_ignore_ascii_case("DATASET") {
         return Err(scanner
             .error("the file does not say what it holds")
-            .found(format_args!("'{word}'"))
-            .accepted("DATASET"));
+            .got(format_args!("'{word}'"))
+            .expected("DATASET"));
     }
     let kind = scanner.required("a kind of data set")?.to_ascii_uppercase();
     if !KINDS.contains(&kind.as_str()) {
         let error = scanner.error("this kind of VTK file holds no volume grid");
-        return Err(error.found(format_args!("'{kind}'")).accepted(KINDS.join(", ")));
+        return Err(error.got(format_args!("'{kind}'")).expected(KINDS.join(", ")));
     }
     let mut contents = Contents::default();
     let mut arrays = Vec::new();
@@ -154,7 +154,7 @@ impl Contents {
             }
             _ => {
                 let found = format!("'{keyword}'");
-                return Err(scanner.error("an unknown keyword").found(found).accepted(
+                return Err(scanner.error("an unknown keyword").got(found).expected(
                     "POINTS, CELLS, CELL_TYPES, DIMENSIONS, ORIGIN, SPACING, X_COORDINATES, FIELD, METADATA, \
                      POINT_DATA or CELL_DATA",
                 ));
@@ -176,12 +176,12 @@ impl Contents {
         }
         let dimensions = self.dimensions.unwrap_or([0; 3]);
         let counts = structured_counts(dimensions).ok_or_else(|| {
-            scanner.error("the grid cannot be that large").found(format_args!("{dimensions:?} points"))
+            scanner.error("the grid cannot be that large").got(format_args!("{dimensions:?} points"))
         })?;
         let wrong = |what: &str, found: u64, accepted: u64| {
             Err(Error::run(format!("the number of {what} does not fit DIMENSIONS"))
-                .found(found)
-                .accepted(accepted))
+                .got(found)
+                .expected(accepted))
         };
         if self.points.is_some() && point_count != counts.0 {
             return wrong("points", point_count, counts.0);
@@ -206,7 +206,7 @@ impl Contents {
                 let types = self.types.ok_or_else(|| lacks("CELL_TYPES"))?;
                 let check = |count: u64| match types.tuple_count {
                     Some(found) if found != count => {
-                        Err(Error::run("the number of CELL_TYPES is wrong").found(found).accepted(count))
+                        Err(Error::run("the number of CELL_TYPES is wrong").got(found).expected(count))
                     }
                     _ => Ok(()),
                 };
@@ -255,8 +255,8 @@ fn cells(scanner: &mut Scanner) -> Result<CellList> {
         if !word.eq_ignore_ascii_case("CONNECTIVITY") {
             return Err(scanner
                 .error("the connectivity is missing")
-                .found(format_args!("'{word}'"))
-                .accepted("CONNECTIVITY"));
+                .got(format_args!("'{word}'"))
+                .expected("CONNECTIVITY"));
         }
         let number_type = scanner.number_type()?;
         let connectivity = scanner.numeric("CONNECTIVITY", number_type, 1, size)?;

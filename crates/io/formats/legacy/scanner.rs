@@ -77,14 +77,14 @@ impl Scanner {
 
     /// The next word, which must be there.
     pub fn required(&mut self, what: &str) -> Result<String> {
-        self.word()?.ok_or_else(|| self.error("the file ends early").accepted(what))
+        self.word()?.ok_or_else(|| self.error("the file ends early").expected(what))
     }
 
     /// The next word as a number.
     pub fn number<T: std::str::FromStr>(&mut self, what: &str) -> Result<T> {
         let word = self.required(what)?;
         word.parse()
-            .map_err(|_| self.error("a number is damaged").found(format_args!("'{word}'")).accepted(what))
+            .map_err(|_| self.error("a number is damaged").got(format_args!("'{word}'")).expected(what))
     }
 
     /// The next words as numbers.
@@ -139,7 +139,7 @@ impl Scanner {
     pub fn number_type(&mut self) -> Result<Option<NumberType>> {
         let word = self.required("a type of numbers")?;
         number_type(&word).ok_or_else(|| {
-            self.error("the type of an array is not known").found(format_args!("'{word}'")).accepted(
+            self.error("the type of an array is not known").got(format_args!("'{word}'")).expected(
                 "bit, char, unsigned_char, short, unsigned_short, int, unsigned_int, long, unsigned_long, \
                  vtkIdType, vtktypeint64, float, double",
             )
@@ -159,7 +159,7 @@ impl Scanner {
         }
         let count = tuple_count.checked_mul(component_count as u64).ok_or_else(|| {
             self.error(format!("the array '{name}' cannot be that large"))
-                .found(format_args!("{tuple_count} tuples of {component_count} components"))
+                .got(format_args!("{tuple_count} tuples of {component_count} components"))
         })?;
         let Some(number_type) = number_type else {
             self.skip_text(count)?;
@@ -195,7 +195,7 @@ impl Scanner {
         tuple_count: u64,
     ) -> Result<Stored> {
         self.array(name, number_type, component_count, tuple_count)?
-            .ok_or_else(|| self.error(format!("the array '{name}' holds text")).accepted("numbers"))
+            .ok_or_else(|| self.error(format!("the array '{name}' holds text")).expected("numbers"))
     }
 
     fn skip_words(&mut self, count: u64, name: &str) -> Result<()> {
@@ -207,8 +207,8 @@ impl Scanner {
                 }
                 return Err(self
                     .error(format!("the array '{name}' ends early"))
-                    .found(format_args!("{seen} values"))
-                    .accepted(count));
+                    .got(format_args!("{seen} values"))
+                    .expected(count));
             };
             // One byte is there; go through all that the window holds.
             let first = (self.at - self.window_at) as usize;
@@ -236,7 +236,7 @@ impl Scanner {
         }
         for _ in 0..count {
             if self.peek()?.is_none() {
-                return Err(self.error("the file ends early").accepted(format_args!("{count} texts")));
+                return Err(self.error("the file ends early").expected(format_args!("{count} texts")));
             }
             if !self.binary {
                 self.rest_of_line()?;

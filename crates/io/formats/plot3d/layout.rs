@@ -85,8 +85,8 @@ pub(super) fn blocks(source: &Arc<Source>, role: Role) -> Result<(Vec<Block>, St
         }
     }
     Err(Error::run("this is no PLOT3D file, or a damaged one")
-        .found(format_args!("a length of {} bytes, which fits no way of writing one", source.len()))
-        .accepted("three-dimensional grids, single or double precision, either byte order, with or without record marks"))
+        .got(format_args!("a length of {} bytes, which fits no way of writing one", source.len()))
+        .expected("three-dimensional grids, single or double precision, either byte order, with or without record marks"))
 }
 
 impl Layout {
@@ -207,8 +207,8 @@ fn text(source: &Arc<Source>, role: Role) -> Result<(Vec<Block>, String)> {
         }
     }
     Err(Error::run("this is no PLOT3D file, or a damaged one")
-        .found(format_args!("{} numbers, which fits no way of writing one", values.len()))
-        .accepted("three-dimensional grids as text"))
+        .got(format_args!("{} numbers, which fits no way of writing one", values.len()))
+        .expected("three-dimensional grids as text"))
 }
 
 fn text_blocks(values: &Arc<Vec<f64>>, role: Role, counted: bool, blanking: bool) -> Option<Vec<Block>> {

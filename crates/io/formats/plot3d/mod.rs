@@ -52,8 +52,8 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
             let sizes = |blocks: &[Block]| blocks.iter().map(|block| block.dimensions).collect::<Vec<_>>();
             if sizes(&blocks) != sizes(&grids) {
                 return Err(Error::run("the solution does not fit the grid")
-                    .found(format_args!("dimensions {:?}", sizes(&blocks)))
-                    .accepted(format_args!("{:?}", sizes(&grids))));
+                    .got(format_args!("dimensions {:?}", sizes(&blocks)))
+                    .expected(format_args!("{:?}", sizes(&grids))));
             }
             dataset.format = format!("{}; solution {format}", dataset.format);
             Ok(blocks)

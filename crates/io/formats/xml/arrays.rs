@@ -78,17 +78,17 @@ impl Context {
             "appended" => {
                 let Some(appended) = self.appended else {
                     return Err(Error::run("the file holds no appended data")
-                        .accepted("<AppendedData> after the header"));
+                        .expected("<AppendedData> after the header"));
                 };
                 let offset: u64 = element.number("offset")?.ok_or_else(|| {
                     Error::run("an appended array does not say where it lies")
-                        .accepted("the attribute offset")
+                        .expected("the attribute offset")
                 })?;
                 let at = appended.at.checked_add(offset).filter(|&at| at <= self.source.len());
                 let Some(at) = at else {
                     return Err(Error::run("the array lies beyond the end of the file")
-                        .found(format_args!("offset {offset}"))
-                        .accepted(format_args!("at most {}", self.source.len() - appended.at)));
+                        .got(format_args!("offset {offset}"))
+                        .expected(format_args!("at most {}", self.source.len() - appended.at)));
                 };
                 let end = self.source.len();
                 Encoding::Xml { at, end, base64: appended.base64, wide: self.wide, codec: self.codec }

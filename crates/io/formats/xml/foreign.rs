@@ -5,7 +5,7 @@ use voltet_core::Error;
 
 /// The error for a file of this kind, with what to read in its place.
 pub(super) fn refusal(kind: &str, root: &Element) -> Error {
-    let error = Error::run("this kind of VTK file holds no volume grid").found(format_args!("type '{kind}'"));
+    let error = Error::run("this kind of VTK file holds no volume grid").got(format_args!("type '{kind}'"));
     let mut files = Vec::new();
     named(root, &mut files);
     let readable = |file: &&str| {
@@ -14,17 +14,17 @@ pub(super) fn refusal(kind: &str, root: &Element) -> Error {
     };
     let readable: Vec<&str> = files.iter().copied().filter(readable).collect();
     match (kind, readable.as_slice()) {
-        (_, [first, ..]) => error.accepted(format!(
+        (_, [first, ..]) => error.expected(format!(
             "one of the {} grids that it names, such as '{first}' beside it; ParaView's Merge Blocks joins them into one \
              .vtu file",
             readable.len()
         )),
-        ("PolyData" | "PPolyData", _) => error.accepted(
+        ("PolyData" | "PPolyData", _) => error.expected(
             "cells with a volume: a surface has to be filled with them by a mesher (Gmsh, TetGen) first",
         ),
         ("HyperTreeGrid" | "vtkOverlappingAMR" | "vtkHierarchicalBoxDataSet" | "vtkNonOverlappingAMR", _) => error
-            .accepted("a .vtu file: ParaView makes one of it (Resample or Clip with everything kept) and saves it"),
-        _ => error.accepted(
+            .expected("a .vtu file: ParaView makes one of it (Resample or Clip with everything kept) and saves it"),
+        _ => error.expected(
             "UnstructuredGrid, StructuredGrid, RectilinearGrid, ImageData, their parallel forms or Collection",
         ),
     }

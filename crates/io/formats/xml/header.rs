@@ -54,8 +54,8 @@ impl Element {
     /// An error about an attribute.
     pub fn wrong(&self, name: &str, accepted: &str) -> Error {
         Error::run(format!("the attribute {name} of <{}> is wrong", self.tag))
-            .found(format_args!("'{}'", self.attribute(name).unwrap_or("")))
-            .accepted(accepted)
+            .got(format_args!("'{}'", self.attribute(name).unwrap_or("")))
+            .expected(accepted)
     }
 
     /// The first child of that tag.
@@ -93,7 +93,7 @@ pub(super) fn read(source: &Arc<Source>) -> Result<(Element, Option<Appended>)> 
             Ok(event) => event,
             Err(error) => {
                 let line = line_of(source, reader.error_position().max(start));
-                return Err(Error::run("the XML is damaged").found(error).at_line(line));
+                return Err(Error::run("the XML is damaged").got(error).at_line(line));
             }
         };
         let failed = |error: Error| error.at_line(line_of(source, start));
@@ -126,7 +126,7 @@ pub(super) fn read(source: &Arc<Source>) -> Result<(Element, Option<Appended>)> 
             {
                 return Err(failed(
                     Error::run("the values of an array are not plain text")
-                        .accepted("numbers or base64 text"),
+                        .expected("numbers or base64 text"),
                 ));
             }
             Event::Eof => break,
@@ -138,7 +138,7 @@ pub(super) fn read(source: &Arc<Source>) -> Result<(Element, Option<Appended>)> 
     }
     if open.len() > 1 {
         let tag = open.pop().map(|element| element.tag).unwrap_or_default();
-        return Err(Error::run("the file ends early").found(format_args!("no end of <{tag}>")));
+        return Err(Error::run("the file ends early").got(format_args!("no end of <{tag}>")));
     }
     root(open).map(|root| (root, None))
 }
@@ -160,14 +160,14 @@ fn root(open: Vec<Element>) -> Result<Element> {
         .children
         .into_iter()
         .find(|child| child.tag == "VTKFile")
-        .ok_or_else(|| Error::run("this is not a VTK file").found(found).accepted("<VTKFile type=\"…\">"))
+        .ok_or_else(|| Error::run("this is not a VTK file").got(found).expected("<VTKFile type=\"…\">"))
 }
 
 fn element(tag: &BytesStart) -> Result<Element> {
     let mut attributes = Vec::new();
     for attribute in tag.attributes() {
         let wrong = |reason: String| {
-            Error::run(format!("an attribute of <{}> is damaged", tag.name().as_ref())).found(reason)
+            Error::run(format!("an attribute of <{}> is damaged", tag.name().as_ref())).got(reason)
         };
         let attribute = attribute.map_err(|error| wrong(error.to_string()))?;
         let value = attribute
@@ -189,7 +189,7 @@ fn appended(source: &Source, element: &Element, at: u64) -> Result<Appended> {
     match head.iter().position(|b| !b.is_ascii_whitespace()) {
         Some(index) if head[index] == b'_' => Ok(Appended { at: at + index as u64 + 1, base64 }),
         _ => Err(Error::run("the appended data does not begin with an underscore")
-            .accepted("'_' after <AppendedData>")),
+            .expected("'_' after <AppendedData>")),
     }
 }
 

@@ -32,5 +32,5 @@ pub(super) fn add(
 
 /// The error about a named file of a kind that cannot be named there.
 pub(super) fn misplaced(kind: &str) -> Error {
-    Error::run("a file names another of a kind that cannot stand there").found(kind)
+    Error::run("a file names another of a kind that cannot stand there").got(kind)
 }

@@ -20,7 +20,7 @@ pub(super) fn open(source: &Source, root: &Element) -> Result<Dataset> {
     }
     let grid = root
         .child(kind)
-        .ok_or_else(|| Error::run(format!("the file holds no <{kind}>")).accepted("what its type says"))?;
+        .ok_or_else(|| Error::run(format!("the file holds no <{kind}>")).expected("what its type says"))?;
     let mut dataset = Dataset::default();
     let scalars = |tag| grid.child(tag).and_then(|section| section.attribute("Scalars"));
     dataset.active_scalars = scalars("PPointData").or_else(|| scalars("PCellData")).map(str::to_owned);
@@ -31,7 +31,7 @@ pub(super) fn open(source: &Source, root: &Element) -> Result<Dataset> {
     }
     if count == 0 {
         return Err(
-            Error::run(format!("<{kind}> names no pieces")).accepted("at least one <Piece Source=\"…\">")
+            Error::run(format!("<{kind}> names no pieces")).expected("at least one <Piece Source=\"…\">")
         );
     }
     dataset.format = format!("VTK XML {kind} of {count} pieces; {}", dataset.format);

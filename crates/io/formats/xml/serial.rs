@@ -25,7 +25,7 @@ pub(super) fn open(source: Arc<Source>, root: &Element, appended: Option<Appende
     };
     let grid = root
         .child(kind)
-        .ok_or_else(|| Error::run(format!("the file holds no <{kind}>")).accepted("what its type says"))?;
+        .ok_or_else(|| Error::run(format!("the file holds no <{kind}>")).expected("what its type says"))?;
     let mut dataset =
         Dataset { format: format!("VTK XML {kind}, {}", context.describe()), ..Dataset::default() };
     for (index, element) in grid.children_of("Piece").enumerate() {
@@ -37,7 +37,7 @@ pub(super) fn open(source: Arc<Source>, root: &Element, appended: Option<Appende
         dataset.active_scalars = dataset.active_scalars.or(active);
     }
     if dataset.pieces.is_empty() {
-        return Err(Error::run(format!("<{kind}> holds no pieces")).accepted("at least one <Piece>"));
+        return Err(Error::run(format!("<{kind}> holds no pieces")).expected("at least one <Piece>"));
     }
     Ok(dataset)
 }
@@ -110,13 +110,13 @@ fn extent(grid: &Element, element: &Element) -> Result<[i64; 6]> {
         return Ok(extent);
     }
     grid.numbers("WholeExtent")?.ok_or_else(|| {
-        Error::run("the grid does not say how large it is").accepted("the attribute WholeExtent")
+        Error::run("the grid does not say how large it is").expected("the attribute WholeExtent")
     })
 }
 
 fn counts(dimensions: [u64; 3]) -> Result<(u64, u64)> {
     structured_counts(dimensions).ok_or_else(|| {
-        Error::run("the extent cannot be that large").found(format_args!("{dimensions:?} points"))
+        Error::run("the extent cannot be that large").got(format_args!("{dimensions:?} points"))
     })
 }
 
@@ -134,8 +134,8 @@ fn rectilinear(context: &Context, grid: &Element, element: &Element) -> Result<P
     let arrays: Vec<&Element> = section.children_of("DataArray").collect();
     let [x, y, z] = arrays[..] else {
         return Err(Error::run("<Coordinates> holds the wrong number of arrays")
-            .found(arrays.len())
-            .accepted(3));
+            .got(arrays.len())
+            .expected(3));
     };
     let axes = Box::new([
         context.stored(x, Some(dimensions[0]))?,

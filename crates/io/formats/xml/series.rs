@@ -56,22 +56,22 @@ fn open_step(source: Arc<Source>, root: &Element, appended: Option<Appended>) ->
 /// The time of the step asked for.
 fn choose(time_steps: &[f64], wanted: Option<TimeStep>) -> Result<f64> {
     let (Some(first), Some(last)) = (time_steps.first(), time_steps.last()) else {
-        return Err(Error::run("the time series is empty").accepted("at least one <DataSet file=\"…\">"));
+        return Err(Error::run("the time series is empty").expected("at least one <DataSet file=\"…\">"));
     };
     match wanted {
         None => Ok(*first),
         Some(TimeStep::Index(index)) => time_steps.get(index).copied().ok_or_else(|| {
             Error::run("the time series has no such step")
-                .found(format_args!("step {index}"))
-                .accepted(format_args!("0 to {}", time_steps.len() - 1))
+                .got(format_args!("step {index}"))
+                .expected(format_args!("0 to {}", time_steps.len() - 1))
         }),
         Some(TimeStep::Time(time)) => {
             // The span of the series with a margin for times that were rounded when they were written.
             let margin = 1e-6 * (last - first).abs().max(last.abs());
             if !(first - margin..=last + margin).contains(&time) {
                 return Err(Error::run("the time series has no such time")
-                    .found(time)
-                    .accepted(format_args!("{first} to {last}")));
+                    .got(time)
+                    .expected(format_args!("{first} to {last}")));
             }
             let distance = |step: &f64| (step - time).abs();
             Ok(time_steps

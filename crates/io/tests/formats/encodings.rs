@@ -1,7 +1,7 @@
 //! The same grid in every encoding of the XML formats reads as the same grid.
 
 use voltet_core::grid::Grid;
-use voltet_core::progress::Silent;
+use voltet_core::progress::NoProgress;
 use voltet_io::formats::{Association, Request, inspect, read};
 use voltet_testing::files::samples::{TYPES, file, structured, unstructured};
 use voltet_testing::files::xml::encodings;
@@ -9,7 +9,7 @@ use voltet_testing::files::xml::encodings;
 /// Reads a scalar of a file.
 pub fn grid(path: &std::path::Path, scalar: &str) -> Grid {
     let request = Request { scalar: Some(scalar.to_owned()), ..Request::default() };
-    read(path, &request, &Silent).unwrap_or_else(|error| panic!("{error}"))
+    read(path, &request, &NoProgress).unwrap_or_else(|error| panic!("{error}"))
 }
 
 #[test]
@@ -63,7 +63,7 @@ fn vectors_are_read_by_component_or_by_length_and_further_arrays_whole() {
         ],
         ..Request::default()
     };
-    let grid = read(&path, &request, &Silent).unwrap();
+    let grid = read(&path, &request, &NoProgress).unwrap();
     let vector = &grid.point_arrays["vec & tor"];
     assert_eq!((vector.component_count, vector.values.len()), (3, 48));
     let expected: Vec<f64> =
@@ -86,12 +86,12 @@ fn cell_arrays_are_found_by_association_and_kept_constant_on_request() {
     let path = file(&folder, "grid.vtu", &unstructured(encodings()[4], 3, false));
     let request =
         |association| Request { scalar: Some("cell".to_owned()), association, ..Request::default() };
-    assert!(read(&path, &request(Association::Auto), &Silent).is_ok());
-    let error = read(&path, &request(Association::Point), &Silent).unwrap_err().to_string();
+    assert!(read(&path, &request(Association::Auto), &NoProgress).is_ok());
+    let error = read(&path, &request(Association::Point), &NoProgress).unwrap_err().to_string();
     assert!(error.contains("an array of the cells, not of the points"), "{error}");
     let constant =
         Request { cell_values: voltet_io::formats::CellValues::Constant, ..request(Association::Cell) };
-    let grid = read(&path, &constant, &Silent).unwrap();
+    let grid = read(&path, &constant, &NoProgress).unwrap();
     for (cell, corners) in grid.tetrahedra.iter().enumerate() {
         assert!(corners.iter().all(|&c| grid.scalar.as_ref().unwrap()[c as usize] == cell as f64));
     }
@@ -105,8 +105,8 @@ fn structured_formats_read_the_same_in_every_encoding() {
         for encoding in encodings() {
             let path = file(&folder, "grid", &structured(kind, encoding));
             let request = Request::default();
-            let grid =
-                read(&path, &request, &Silent).unwrap_or_else(|error| panic!("{error} {kind} {encoding:?}"));
+            let grid = read(&path, &request, &NoProgress)
+                .unwrap_or_else(|error| panic!("{error} {kind} {encoding:?}"));
             let first = first.get_or_insert_with(|| grid.clone());
             assert_eq!(grid.points, first.points, "{kind} {encoding:?}");
             assert_eq!(grid.tetrahedra, first.tetrahedra, "{kind} {encoding:?}");
@@ -115,7 +115,7 @@ fn structured_formats_read_the_same_in_every_encoding() {
             }
         }
         let path = file(&folder, "grid", &structured(kind, encodings()[0]));
-        let summary = inspect(&path, &Request::default(), &Silent).unwrap();
+        let summary = inspect(&path, &Request::default(), &NoProgress).unwrap();
         let code = if kind == "StructuredGrid" { 12 } else { 11 };
         assert_eq!(summary.cells_by_type.into_iter().collect::<Vec<_>>(), [(code, 24)]);
     }

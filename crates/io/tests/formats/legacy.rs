@@ -1,7 +1,7 @@
 //! Legacy files: every kind of data set, attribute and number, ASCII and binary.
 
 use crate::encodings::grid;
-use voltet_core::progress::Silent;
+use voltet_core::progress::NoProgress;
 use voltet_io::formats::{Association, Request, inspect, read};
 use voltet_testing::files::legacy::{LEGACY_TYPES, points, structured, unstructured, value};
 use voltet_testing::files::samples::file;
@@ -37,8 +37,8 @@ fn unstructured_grids_of_all_versions_read_the_same() {
                 assert_eq!(scalar("colour:0"), 1.0, "{what}");
                 assert_eq!([scalar("bits"), grid(&path, "bits").scalar.unwrap()[4]], [0.0, 1.0], "{what}");
                 let cells = Request { association: Association::Cell, ..Request::default() };
-                assert_eq!(read(&path, &cells, &Silent).unwrap().scalar_name, "per cell");
-                let summary = inspect(&path, &Request::default(), &Silent).unwrap();
+                assert_eq!(read(&path, &cells, &NoProgress).unwrap().scalar_name, "per cell");
+                let summary = inspect(&path, &Request::default(), &NoProgress).unwrap();
                 assert_eq!(summary.active_scalars.as_deref(), Some("per cell"));
                 assert_eq!(summary.arrays.len(), LEGACY_TYPES.len() + 8, "{what}");
             }
@@ -52,7 +52,8 @@ fn structured_kinds_read_the_same() {
     for kind in ["STRUCTURED_GRID", "RECTILINEAR_GRID", "STRUCTURED_POINTS"] {
         for binary in [false, true] {
             let path = file(&folder, "a.vtk", &structured(kind, binary));
-            let grid = read(&path, &Request::default(), &Silent).unwrap_or_else(|error| panic!("{error}"));
+            let grid =
+                read(&path, &Request::default(), &NoProgress).unwrap_or_else(|error| panic!("{error}"));
             assert_eq!(
                 grid.points.iter().map(|p| p.to_array()).collect::<Vec<_>>(),
                 points(),
@@ -70,7 +71,7 @@ fn blanked_points_leave_out_their_cells() {
     let text = String::from_utf8(structured("STRUCTURED_GRID", false)).unwrap();
     let blanked =
         text.replace("POINT_DATA", "BLANKING 12 unsigned_char\n0 1 1 1 1 1 1 1 1 1 1 1\nPOINT_DATA");
-    let grid = read(&file(&folder, "a.vtk", blanked.as_bytes()), &Request::default(), &Silent).unwrap();
+    let grid = read(&file(&folder, "a.vtk", blanked.as_bytes()), &Request::default(), &NoProgress).unwrap();
     assert_eq!((grid.origin.cells_ghost, grid.tetrahedra.len()), (1, 6));
 }
 
@@ -118,7 +119,7 @@ fn mistakes_name_their_line() {
     let sound = String::from_utf8(unstructured("4.2", false)).unwrap();
     let message = |text: String| {
         let request = Request { scalar: Some("int".to_owned()), ..Request::default() };
-        read(&file(&folder, "a.vtk", text.as_bytes()), &request, &Silent).unwrap_err().to_string()
+        read(&file(&folder, "a.vtk", text.as_bytes()), &request, &NoProgress).unwrap_err().to_string()
     };
     let expect = |message: String, parts: &[&str]| {
         for part in parts {

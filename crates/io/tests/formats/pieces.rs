@@ -1,6 +1,6 @@
 //! Files of several pieces, ghost cells, time series, and the forms in which writers differ.
 
-use voltet_core::progress::Silent;
+use voltet_core::progress::NoProgress;
 use voltet_io::formats::{Request, TimeStep, inspect, read};
 use voltet_testing::files::samples::{file, unstructured};
 use voltet_testing::files::xml::{Encoding, encodings};
@@ -37,16 +37,16 @@ fn pieces_are_put_together_without_their_ghosts() {
         )
     };
     let path = file(&folder, "ab.pvtu", parallel(&["a.vtu", "b.vtu"]).as_bytes());
-    let grid = read(&path, &request("Int32"), &Silent).unwrap();
+    let grid = read(&path, &request("Int32"), &NoProgress).unwrap();
     assert_eq!((grid.tetrahedra.len(), grid.origin.cells_ghost), (22, 14));
     assert_eq!(grid.source_cells.as_ref().unwrap()[11], 18 + 6);
     let path = file(&folder, "abc.pvtu", parallel(&["a.vtu", "b.vtu", "c.vtu"]).as_bytes());
-    let grid = read(&path, &request("cell"), &Silent).unwrap();
+    let grid = read(&path, &request("cell"), &NoProgress).unwrap();
     assert_eq!((grid.tetrahedra.len(), grid.origin.cells_ghost), (22 + 18, 14));
-    let summary = inspect(&path, &Request::default(), &Silent).unwrap();
+    let summary = inspect(&path, &Request::default(), &NoProgress).unwrap();
     assert_eq!((summary.piece_count, summary.point_count, summary.cell_count), (3, 48, 18 + 18 + 13));
     let path = file(&folder, "none.pvtu", parallel(&["a.vtu", "no.vtu"]).as_bytes());
-    let error = read(&path, &request("cell"), &Silent).unwrap_err().to_string();
+    let error = read(&path, &request("cell"), &NoProgress).unwrap_err().to_string();
     assert!(error.contains("no such file") && error.contains("no.vtu"), "{error}");
 }
 
@@ -60,13 +60,14 @@ fn pieces_of_one_file_are_put_together() {
         <DataArray type=\"UInt8\" Name=\"types\"/></Cells></Piece>";
     let piece = &text[begin..end];
     let all = format!("{}{empty}{piece}{piece}{}", &text[..begin], &text[end..]);
-    let grid = read(&file(&folder, "a.vtu", all.as_bytes()), &request("Float64"), &Silent).unwrap();
+    let grid = read(&file(&folder, "a.vtu", all.as_bytes()), &request("Float64"), &NoProgress).unwrap();
     assert_eq!((grid.points.len(), grid.tetrahedra.len()), (32, 36));
     assert_eq!(grid.scalar.as_ref().unwrap()[16..], grid.scalar.as_ref().unwrap()[..16]);
     let other = piece.replace("Name=\"Float64\"", "Name=\"other\"");
     let all = format!("{}{piece}{other}{}", &text[..begin], &text[end..]);
-    let error =
-        read(&file(&folder, "a.vtu", all.as_bytes()), &request("Float64"), &Silent).unwrap_err().to_string();
+    let error = read(&file(&folder, "a.vtu", all.as_bytes()), &request("Float64"), &NoProgress)
+        .unwrap_err()
+        .to_string();
     assert!(error.contains("lacks the array 'Float64'"), "{error}");
 }
 
@@ -82,7 +83,7 @@ fn steps_of_a_series_are_chosen_by_number_or_time() {
         </Collection></VTKFile>";
     let path = file(&folder, "a.pvd", series.as_bytes());
     let cells = |time_step| {
-        read(&path, &Request { time_step, ..request("Int8") }, &Silent).map(|grid| grid.tetrahedra.len())
+        read(&path, &Request { time_step, ..request("Int8") }, &NoProgress).map(|grid| grid.tetrahedra.len())
     };
     assert_eq!(cells(None).unwrap(), 6);
     assert_eq!(cells(Some(TimeStep::Index(1))).unwrap(), 12);
@@ -93,7 +94,7 @@ fn steps_of_a_series_are_chosen_by_number_or_time() {
     assert!(error.contains("no such step") && error.contains("0 to 2") && error.contains("a.pvd"), "{error}");
     let error = cells(Some(TimeStep::Time(7.0))).unwrap_err().to_string();
     assert!(error.contains("no such time") && error.contains("0 to 2"), "{error}");
-    assert_eq!(inspect(&path, &Request::default(), &Silent).unwrap().time_steps, [0.0, 0.5, 2.0]);
+    assert_eq!(inspect(&path, &Request::default(), &NoProgress).unwrap().time_steps, [0.0, 0.5, 2.0]);
 }
 
 #[test]
@@ -121,7 +122,7 @@ fn base64_headers_may_stand_alone_and_lines_may_be_broken() {
             }
         }
         let path = file(&folder, "a.vtu", out.as_bytes());
-        let grid = read(&path, &request("Float64"), &Silent).unwrap_or_else(|error| panic!("{error}"));
+        let grid = read(&path, &request("Float64"), &NoProgress).unwrap_or_else(|error| panic!("{error}"));
         assert_eq!((grid.tetrahedra.len(), grid.scalar.as_ref().unwrap()[7]), (18, -7.0));
     }
 }
@@ -136,7 +137,7 @@ fn offsets_may_begin_with_zero_and_text_may_hold_nan() {
             .replace("-0 -1 -2", "-nan(ind) -1 -2")
             .replace("-9 -10 -11", "1D1 +2.5 -11");
         let path = file(&folder, "a.vtu", text.as_bytes());
-        let grid = read(&path, &request("Float64"), &Silent).unwrap_or_else(|error| panic!("{error}"));
+        let grid = read(&path, &request("Float64"), &NoProgress).unwrap_or_else(|error| panic!("{error}"));
         let scalar = grid.scalar.as_ref().unwrap();
         assert!(
             grid.origin.cells_not_finite > 0 && scalar.contains(&10.0) && scalar.contains(&2.5),
@@ -149,11 +150,11 @@ fn offsets_may_begin_with_zero_and_text_may_hold_nan() {
 fn what_a_file_cannot_have_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let path = file(&folder, "a.vtu", &unstructured(ascii(), 2, false));
-    let error = |request: Request| read(&path, &request, &Silent).unwrap_err().to_string();
+    let error = |request: Request| read(&path, &request, &NoProgress).unwrap_err().to_string();
     let step = error(Request { time_step: Some(TimeStep::Index(2)), ..request("Int8") });
     assert!(step.contains("no time series") && step.contains("step 2"), "{step}");
     let solution = error(Request { solution: Some("a.q".into()), ..request("Int8") });
     assert!(solution.contains("a PLOT3D grid, or no solution") && solution.contains("a.vtu"), "{solution}");
     let first = Request { time_step: Some(TimeStep::Index(0)), ..request("Int8") };
-    assert!(read(&path, &first, &Silent).is_ok());
+    assert!(read(&path, &first, &NoProgress).is_ok());
 }

@@ -1,7 +1,7 @@
 //! PLOT3D files in every way of writing them.
 
 use voltet_core::grid::Grid;
-use voltet_core::progress::Silent;
+use voltet_core::progress::NoProgress;
 use voltet_io::formats::{Request, inspect, read};
 use voltet_testing::files::plot3d::{Layout, grid_file, grids, layouts, position, solution_file};
 use voltet_testing::files::samples::file;
@@ -31,7 +31,7 @@ fn every_way_of_writing_is_found_out() {
                 solution: Some(solution.clone()),
                 ..Request::default()
             };
-            read(&path, &request, &Silent).unwrap_or_else(|error| panic!("{error} {layout:?}"))
+            read(&path, &request, &NoProgress).unwrap_or_else(|error| panic!("{error} {layout:?}"))
         };
         let grid = read_scalar("momentum:1");
         check(&grid, layout.counted, layout.blanking, &format!("{layout:?}"));
@@ -40,7 +40,7 @@ fn every_way_of_writing_is_found_out() {
         assert_eq!(first, if layout.blanking { 3.0 } else { 2.0 }, "{layout:?}");
         assert!(read_scalar("Density").scalar.unwrap().iter().all(|&d| d == 2.0));
         let summary =
-            inspect(&path, &Request { solution: Some(solution.clone()), ..Request::default() }, &Silent)
+            inspect(&path, &Request { solution: Some(solution.clone()), ..Request::default() }, &NoProgress)
                 .unwrap();
         assert_eq!(summary.point_count, if layout.counted { 36 } else { 24 });
         assert!(
@@ -78,7 +78,7 @@ fn text_files_are_read_and_the_solution_is_found_by_name() {
             let path = file(&folder, "t.xyz", grid_text.as_bytes());
             file(&folder, "t.q", solution_text.as_bytes());
             let request = Request { scalar: Some("energy".to_owned()), ..Request::default() };
-            let grid = read(&path, &request, &Silent).unwrap_or_else(|error| panic!("{error}"));
+            let grid = read(&path, &request, &NoProgress).unwrap_or_else(|error| panic!("{error}"));
             check(&grid, counted, blanking, &format!("text, {counted} {blanking}"));
         }
     }
@@ -95,7 +95,7 @@ fn files_that_do_not_fit_are_errors() {
             solution: Some(file(&folder, "a.q", solution)),
             ..Request::default()
         };
-        read(&file(&folder, "a.xyz", bytes), &request, &Silent).unwrap_err().to_string()
+        read(&file(&folder, "a.xyz", bytes), &request, &NoProgress).unwrap_err().to_string()
     };
     let other = solution_file(Layout { counted: true, ..layout });
     let wrong = message(&sound, &other);

@@ -3,7 +3,7 @@
 
 use std::path::PathBuf;
 use voltet_core::grid::code;
-use voltet_core::progress::Silent;
+use voltet_core::progress::NoProgress;
 use voltet_io::formats::{Request, Summary, inspect, read};
 
 /// The folder of the files; `None`, and a loud word, where it is not there.
@@ -159,7 +159,7 @@ fn check(known: &Known, summary: &Summary) {
 fn files_hold_what_is_known_of_them() {
     let Some(folder) = folder() else { return };
     for known in FILES {
-        let summary = inspect(&folder.join(known.file), &Request::default(), &Silent)
+        let summary = inspect(&folder.join(known.file), &Request::default(), &NoProgress)
             .unwrap_or_else(|error| panic!("{error}"));
         check(known, &summary);
     }
@@ -175,8 +175,8 @@ fn every_array_of_every_file_is_read() {
         for &(name, component_count, _, range) in known.arrays {
             let scalar = if component_count > 1 { format!("{name}:magnitude") } else { name.to_owned() };
             let request = Request { scalar: Some(scalar.clone()), ..Request::default() };
-            let grid =
-                read(&folder.join(known.file), &request, &Silent).unwrap_or_else(|error| panic!("{error}"));
+            let grid = read(&folder.join(known.file), &request, &NoProgress)
+                .unwrap_or_else(|error| panic!("{error}"));
             assert_eq!(grid.scalar_name, scalar);
             let values = grid.scalar.as_ref().unwrap();
             assert_eq!(values.len(), grid.points.len());
@@ -197,7 +197,7 @@ fn every_array_of_every_file_is_read() {
 fn files_without_volume_or_arrays_say_so() {
     let Some(folder) = folder() else { return };
     let message =
-        |file: &str| read(&folder.join(file), &Request::default(), &Silent).unwrap_err().to_string();
+        |file: &str| read(&folder.join(file), &Request::default(), &NoProgress).unwrap_err().to_string();
     let shell = message("formats/shell_quads_only.vtu");
     assert!(shell.contains("no three-dimensional cells") && shell.contains("17 quads"), "{shell}");
     let voxel = message("formats/voxel_no_arrays.vtu");

@@ -2,7 +2,7 @@
 
 use crate::memory::peak_of;
 use std::path::Path;
-use voltet_core::progress::Silent;
+use voltet_core::progress::NoProgress;
 use voltet_io::formats::{Request, inspect, read};
 use voltet_testing::files::samples::{file, structured, unstructured};
 use voltet_testing::files::xml::{Compressor, Encoding, Mode};
@@ -16,8 +16,8 @@ const ALLOWED: usize = 48 << 20;
 fn try_file(path: &Path, scalar: &str, what: &str) {
     let request = Request { scalar: Some(scalar.to_owned()), ..Request::default() };
     let (results, peak) = peak_of(|| {
-        let inspected = inspect(path, &Request::default(), &Silent).map(|_| ());
-        let read = read(path, &request, &Silent).map(|grid| {
+        let inspected = inspect(path, &Request::default(), &NoProgress).map(|_| ());
+        let read = read(path, &request, &NoProgress).map(|grid| {
             let point_count = grid.points.len();
             assert!(
                 grid.tetrahedra.as_flattened().iter().all(|&corner| (corner as usize) < point_count),

@@ -1,7 +1,7 @@
 //! Files whose headers promise what is not there.
 
 use crate::memory::peak_of;
-use voltet_core::progress::Silent;
+use voltet_core::progress::NoProgress;
 use voltet_io::formats::{Request, read};
 use voltet_testing::files::samples::{file, unstructured};
 use voltet_testing::files::xml::{Compressor, Encoding, Mode};
@@ -18,7 +18,7 @@ const RAW: Encoding = Encoding {
 fn message(name: &str, bytes: &[u8], request: &Request) -> String {
     let folder = tempfile::tempdir().unwrap();
     let path = file(&folder, name, bytes);
-    let (result, peak) = peak_of(|| read(&path, request, &Silent));
+    let (result, peak) = peak_of(|| read(&path, request, &NoProgress));
     // Buffers of the readers and of the threads that are there once.
     assert!(peak < 16 * bytes.len() + (4 << 20), "{peak} bytes for {name}");
     let message = result.expect_err(name).to_string();
@@ -128,10 +128,10 @@ fn what_is_no_data_file_says_what_would_be() {
     );
     expect(&message("a.vtu", b"<VTKFile>\n<a></b>", &Request::default()), &["XML is damaged", "a.vtu:2"]);
     expect(&message("a.pvtu", b"<VTKFile type=\"PUnstructuredGrid\"><PUnstructuredGrid><Piece Source=\"a.pvtu\"/></PUnstructuredGrid></VTKFile>", &Request::default()), &["cannot stand there"]);
-    let missing = read(std::path::Path::new("no/such.vtu"), &Request::default(), &Silent).unwrap_err();
+    let missing = read(std::path::Path::new("no/such.vtu"), &Request::default(), &NoProgress).unwrap_err();
     expect(&missing.to_string(), &["no such file", "no/such.vtu"]);
     let folder = tempfile::tempdir().unwrap();
-    expect(&read(folder.path(), &Request::default(), &Silent).unwrap_err().to_string(), &["not a file"]);
+    expect(&read(folder.path(), &Request::default(), &NoProgress).unwrap_err().to_string(), &["not a file"]);
     expect(&message("a.vtu", b"", &Request::default()), &["empty"]);
 }
 
@@ -158,7 +158,7 @@ fn cells_that_are_not_finite_are_left_out_and_counted() {
     let at = String::from_utf8_lossy(&sound).find("Name=\"Points\"").unwrap();
     let points = replaced(&sound[at..], "3 1 1", "3 nan 1");
     let path = file(&folder, "a.vtu", &[&sound[..at], &points].concat());
-    let grid = read(&path, &scalar("Float64"), &Silent).unwrap();
+    let grid = read(&path, &scalar("Float64"), &NoProgress).unwrap();
     assert_eq!((grid.origin.cells_not_finite, grid.tetrahedra.len()), (6, 12));
     assert!(
         grid.origin.warnings.iter().any(|warning| warning.contains("not finite")),

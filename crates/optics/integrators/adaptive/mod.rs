@@ -28,7 +28,7 @@ use crate::overlap::{Glow, Member, Panel, Quadrature, blur, blurred, ordered};
 use crate::quadrature::GAUSS_12;
 use crate::special::{mean_transmittance, opacity};
 use crate::track::{Track, limit_panel};
-use crate::{Contribution, Overlap, Prepared, Segment};
+use crate::{CompiledTransferFunction, Contribution, Segment, WidgetBlend};
 use mix::{Estimate, depth_within, mix};
 use panel::{RULES, panel, present_at};
 use voltet_core::Result;
@@ -37,7 +37,7 @@ use voltet_core::transfer::{TransferFunction, Widget};
 /// Closed forms, subdivided to a tolerance.
 #[derive(Debug, Clone)]
 pub struct Adaptive {
-    prepared: Prepared,
+    prepared: CompiledTransferFunction,
     tolerance: f64,
     varying: f64,
 }
@@ -47,7 +47,7 @@ impl Adaptive {
     pub fn new(transfer_function: &TransferFunction, tolerance: f64) -> Result<Self> {
         can_serve(&Integrator::Adaptive { tolerance }, transfer_function)?;
         Ok(Adaptive {
-            prepared: Prepared::new(transfer_function)?,
+            prepared: CompiledTransferFunction::new(transfer_function)?,
             tolerance,
             varying: brightest_of_varying(transfer_function),
         })
@@ -58,7 +58,7 @@ impl SegmentIntegrator for Adaptive {
     fn integrate(&self, segment: &Segment) -> Contribution {
         self.prepared.integrate_by(
             segment,
-            Overlap::Exact,
+            WidgetBlend::Exact,
             &Subdivided { tolerance: self.tolerance, varying: self.varying },
         )
     }

@@ -88,7 +88,7 @@ mod tests {
     use super::super::mix::Estimate;
     use super::super::{Adaptive, March, Subdivided};
     use super::*;
-    use crate::Overlap;
+    use crate::WidgetBlend;
     use crate::arbitrary::{segment, transfer_function};
     use crate::overlap::Quadrature;
     use proptest::strategy::{Strategy, ValueTree};
@@ -105,7 +105,7 @@ mod tests {
                 strategy.new_tree(&mut runner).expect("a case").current();
             let adaptive = Adaptive::new(&transfer_function, 1e-3).expect("valid");
             let seen = Observer { varying: adaptive.varying, shrink, worst: worst.into() };
-            adaptive.prepared.integrate_by(&segment, Overlap::Exact, &seen);
+            adaptive.prepared.integrate_by(&segment, WidgetBlend::Exact, &seen);
             worst = seen.worst.get();
         }
         println!("{worst:?}");

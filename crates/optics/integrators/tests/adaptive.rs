@@ -32,7 +32,7 @@ proptest! {
     fn the_tolerance_is_met_on_random_segments(
         transfer_function in transfer_function(), segment in segment(),
     ) {
-        let exact = Analytic::new(&transfer_function, Overlap::Exact).expect("valid").integrate(&segment);
+        let exact = Analytic::new(&transfer_function, WidgetBlend::Exact).expect("valid").integrate(&segment);
         prop_assert_eq!(breaks(&transfer_function, &segment, &exact), None);
     }
 }

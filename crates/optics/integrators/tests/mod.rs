@@ -60,7 +60,7 @@ fn every_kind_has_a_word_of_its_own_and_keeps_the_numbers_that_it_has() {
 fn sampling_converges_to_the_closed_forms_with_second_order() {
     for model in [OpticalModel::DensityEmitter, OpticalModel::ConstantEmitter { cutoff: 1e-9 }] {
         let transfer_function = smooth(model);
-        let exact = Analytic::new(&transfer_function, Overlap::Exact).expect("valid").integrate(&ACROSS);
+        let exact = Analytic::new(&transfer_function, WidgetBlend::Exact).expect("valid").integrate(&ACROSS);
         let error = |name: &str, count: usize| {
             let found = match name {
                 "riemann" => Riemann::new(&transfer_function, count).expect("valid").integrate(&ACROSS),
@@ -126,7 +126,7 @@ fn all() -> [Integrator; 10] {
 fn what_an_integrator_cannot_serve_names_one_that_can() {
     let refusal = |integrator, transfer_function: &TransferFunction| {
         let here = can_serve(&integrator, transfer_function).expect_err("refused").to_string();
-        let made = new(&integrator, Overlap::Exact, transfer_function, &EXTENT).err().expect("refused");
+        let made = new(&integrator, WidgetBlend::Exact, transfer_function, &EXTENT).err().expect("refused");
         assert_eq!(here, made.to_string());
         here
     };
@@ -193,7 +193,7 @@ fn what_is_not_a_number_contributes_nothing() {
             Integrator::Tabulated { .. } => smooth(OpticalModel::DensityEmitter),
             _ => piecewise(),
         };
-        let made = new(&integrator, Overlap::Exact, &look, &EXTENT).expect("serves");
+        let made = new(&integrator, WidgetBlend::Exact, &look, &EXTENT).expect("serves");
         let found = made.integrate(&broken);
         assert_eq!((found.color, found.opacity), ([0.0; 3], 0.0), "{}", integrator.name());
     }
@@ -212,7 +212,7 @@ proptest! {
             if can_serve(&integrator, &transfer_function).is_err() {
                 continue;
             }
-            let found = new(&integrator, Overlap::Exact, &transfer_function, &EXTENT)
+            let found = new(&integrator, WidgetBlend::Exact, &transfer_function, &EXTENT)
                 .expect("serves")
                 .integrate(&segment);
             prop_assert!((0.0..=1.0).contains(&found.opacity), "{integrator:?}");

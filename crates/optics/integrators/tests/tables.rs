@@ -48,7 +48,7 @@ fn the_partial_table_splits_the_light_of_a_piece() {
 
 /// The largest error of (C, A) on a net of paths; `D/U` of the constant-emitter's colour divided out.
 fn largest(integrator: &dyn SegmentIntegrator, transfer_function: &TransferFunction, longest: f64) -> f64 {
-    let exact = Analytic::new(transfer_function, Overlap::Exact).expect("valid");
+    let exact = Analytic::new(transfer_function, WidgetBlend::Exact).expect("valid");
     let mut worst = 0.0_f64;
     for (i, j, k) in (0..23).flat_map(|i| (0..23).flat_map(move |j| (1..13).map(move |k| (i, j, k)))) {
         let place = |i: i32| (f64::from(i) + 0.37) / 23.0;
@@ -126,7 +126,7 @@ fn a_constant_function_is_tabulated_exactly() {
             Integrator::PreIntegrated { table_size: 5, oversampling: 2 },
             Integrator::PreIntegratedCylindrical { table_size: 5, oversampling: 2, planes: 1 },
         ] {
-            let made = new(&integrator, Overlap::Exact, &transfer_function, &EXTENT).expect("serves");
+            let made = new(&integrator, WidgetBlend::Exact, &transfer_function, &EXTENT).expect("serves");
             // The entries are 32-bit; longer than the longest still has the right opacity.
             assert!(largest(made.as_ref(), &transfer_function, 10.0) < 1e-6, "{integrator:?} {model:?}");
             let longer = made.integrate(&Segment { length: 20.0, ..ACROSS });
@@ -147,7 +147,7 @@ fn a_peak_between_nodes_keeps_its_depth() {
     };
     let table = PreIntegrated::new(&transfer_function, 9, 2, &EXTENT).expect("serves");
     let across = Segment { front: [0.125, 0.0], back: [0.875, 0.0], ..ACROSS };
-    let exact = Analytic::new(&transfer_function, Overlap::Exact).expect("valid").integrate(&across);
+    let exact = Analytic::new(&transfer_function, WidgetBlend::Exact).expect("valid").integrate(&across);
     assert!(exact.opacity > 0.5);
     // Both ends are nodes: nothing is interpolated but along D, which one colour leaves exact.
     assert!(largest_error(&exact, &table.integrate(&across)) < 1e-6);
@@ -186,7 +186,7 @@ fn oversampling_resolves_what_lies_between_two_entries() {
     // Opaque within a step, so that the order within it shows.
     transfer_function.widgets.iter_mut().for_each(|widget| widget.extinction *= 200.0);
     let across = Segment { front: [0.25, 0.0], back: [0.75, 0.0], ..ACROSS };
-    let exact = Analytic::new(&transfer_function, Overlap::Exact).expect("valid").integrate(&across);
+    let exact = Analytic::new(&transfer_function, WidgetBlend::Exact).expect("valid").integrate(&across);
     let errors = [1, 2, 8, 32].map(|oversampling| {
         let table = PreIntegrated::new(&transfer_function, 9, oversampling, &EXTENT).expect("serves");
         largest_error(&exact, &table.integrate(&across))

@@ -16,7 +16,7 @@ fn look(model: OpticalModel, widgets: Vec<Widget>) -> TransferFunction {
 /// The largest error of (C, A) on paths all over the range, against the closed forms mixed alike.
 fn largest(transfer_function: &TransferFunction, table_size: usize) -> f64 {
     let tabled = Tabulated::new(transfer_function, table_size).expect("serves");
-    let exact = Analytic::new(transfer_function, Overlap::Mix).expect("valid");
+    let exact = Analytic::new(transfer_function, WidgetBlend::Mix).expect("valid");
     let paths = (0..29).flat_map(|i| (0..29).map(move |j| [i, j].map(|k| (f64::from(k) + 0.4) / 29.0)));
     paths.fold(0.0_f64, |worst, [front, back]| {
         let segment = Segment { front: [front, 0.6], back: [back, 0.9], ..ACROSS };
@@ -42,7 +42,7 @@ fn a_gaussian_much_narrower_than_a_cell_is_three_times_too_dense() {
     let narrow = look(OpticalModel::DensityEmitter, vec![gaussian(FRAC_1_SQRT_2 / 60.0, 0.1, [1.0; 3])]);
     let across = Segment { front: [0.0, 0.0], back: [1.0, 0.0], ..ACROSS };
     let depth = |integrator: &dyn SegmentIntegrator| integrator.integrate(&across).optical_depth;
-    let exact = depth(&Analytic::new(&narrow, Overlap::Exact).expect("valid"));
+    let exact = depth(&Analytic::new(&narrow, WidgetBlend::Exact).expect("valid"));
     let ratio = depth(&Tabulated::new(&narrow, 257).expect("serves")) / exact;
     // 16 bits of a mean of 0.09.
     assert!((ratio - 3.0).abs() < 1e-3, "{ratio}");
@@ -57,7 +57,7 @@ fn a_triangular_gaussian_takes_one_width_for_all_of_a_segment() {
     let error = |g: f64| {
         let segment = Segment { length: 1.0, front: [0.1, g], back: [0.9, 1.0], ..ACROSS };
         let depth = |integrator: &dyn SegmentIntegrator| integrator.integrate(&segment).optical_depth;
-        let exact = depth(&Analytic::new(&transfer_function, Overlap::Exact).expect("valid"));
+        let exact = depth(&Analytic::new(&transfer_function, WidgetBlend::Exact).expect("valid"));
         (depth(&Tabulated::new(&transfer_function, 513).expect("serves")) - exact).abs()
     };
     assert!(error(1.0) < 1e-4, "equal ends: {}", error(1.0));

@@ -1,8 +1,8 @@
 //! The examples: least squares in each language.
 
 use crate::support::{built, difference_from, gradient, method};
-use voltet_core::parameters::Datum;
-use voltet_core::progress::Silent;
+use voltet_core::parameters::ParameterValue;
+use voltet_core::progress::NoProgress;
 
 /// Sums in another order, without the built-in's step of refinement, over matrices whose condition is some tens.
 const ROUNDING: f64 = 1e-12;
@@ -10,12 +10,12 @@ const ROUNDING: f64 = 1e-12;
 fn is_least_squares(sources: &[&str], options: &[&str], name: &str) {
     let Some(built) = built(sources, options) else { return };
     let filters = voltet_plugins::load(&built.path).unwrap().filters;
-    let found = gradient(&method(&filters, name, []).unwrap(), &Silent).unwrap();
+    let found = gradient(&method(&filters, name, []).unwrap(), &NoProgress).unwrap();
     let difference = difference_from("least-squares", &found);
     assert!(difference < ROUNDING, "{name}: {difference:e}");
     // The power is heard.
-    let other = method(&filters, name, [("power", Datum::Number(2.0))]).unwrap();
-    let difference = difference_from("least-squares", &gradient(&other, &Silent).unwrap());
+    let other = method(&filters, name, [("power", ParameterValue::Number(2.0))]).unwrap();
+    let difference = difference_from("least-squares", &gradient(&other, &NoProgress).unwrap());
     assert!(difference > 1e-4, "{name}: {difference:e}");
 }
 

@@ -6,8 +6,8 @@ use voltet_core::Result;
 use voltet_core::field::{Gradient, GradientFilter, Method};
 use voltet_core::glam::DVec3;
 use voltet_core::grid::{Array, Grid, generate};
-use voltet_core::parameters::{Datum, Parameters};
-use voltet_core::progress::{Progress, Silent};
+use voltet_core::parameters::{ParameterValue, Parameters};
+use voltet_core::progress::{NoProgress, Progress};
 use voltet_testing::compilers;
 
 /// A library in a folder of its own.
@@ -40,7 +40,7 @@ pub fn grid() -> Grid {
 pub fn method(
     filters: &[Arc<dyn GradientFilter>],
     name: &str,
-    values: impl IntoIterator<Item = (&'static str, Datum)>,
+    values: impl IntoIterator<Item = (&'static str, ParameterValue)>,
 ) -> Result<Method> {
     let filter = filters.iter().find(|filter| filter.declaration().name == name).unwrap();
     Method::new(filter.clone(), Parameters::of(filter.declaration().parameters, values)?)
@@ -56,7 +56,7 @@ pub fn gradient(method: &Method, progress: &dyn Progress) -> Result<Gradient> {
 /// The largest difference from the filter that ships, in parts of the largest gradient.
 pub fn difference_from(name: &str, found: &Gradient) -> f64 {
     let own = method(&voltet_core::field::filters(), name, []).unwrap();
-    let own = gradient(&own, &Silent).unwrap();
+    let own = gradient(&own, &NoProgress).unwrap();
     let largest = own.vectors.iter().map(|v| v.length()).fold(0.0, f64::max);
     let pairs = own.vectors.iter().zip(&found.vectors);
     assert_eq!(own.vectors.len(), found.vectors.len());

@@ -2,7 +2,7 @@
 
 use super::scene::{FIELDS, Hard, cube, look, moved, outside};
 use glam::DVec3;
-use voltet_core::Shared;
+use voltet_core::SharedSlice;
 use voltet_core::camera::{Camera, Projection};
 use voltet_core::grid::Grid;
 use voltet_core::transfer::{Profile, TransferFunction, Widget};
@@ -65,7 +65,7 @@ fn without_volume() -> Vec<Hard> {
             cell.sort_unstable();
             cell
         }));
-        let grid = Grid { tetrahedra: Shared::from(all), ..base.clone() };
+        let grid = Grid { tetrahedra: SharedSlice::from(all), ..base.clone() };
         moved(name.into(), "degenerate cells", &grid, |p| p)
     };
     kinds.map(scene).into()

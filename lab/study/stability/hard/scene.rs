@@ -2,15 +2,15 @@
 
 use glam::DVec3;
 use std::sync::Arc;
-use voltet_core::Shared;
+use voltet_core::SharedSlice;
 use voltet_core::camera::{Camera, Projection};
 use voltet_core::grid::generate::{box_of_tetrahedra, sample};
 use voltet_core::grid::{Array, Grid};
 use voltet_core::transfer::{OpticalModel, Profile, Region, TransferFunction, Widget};
 use voltet_core::volume::Volume;
-use voltet_optics::Overlap;
+use voltet_optics::WidgetBlend;
 use voltet_optics::scene::Scene;
-use voltet_optics::shading::{Integrator, Order, Shading};
+use voltet_optics::shading::{Integrator, Shading, VisibilityOrder};
 
 /// A scene that is hard to draw.
 pub(in crate::stability) struct Hard {
@@ -43,12 +43,18 @@ impl Hard {
         }
         let volume = Arc::new(Volume {
             grid: Arc::new(grid),
-            scalar: Shared::from(self.places.iter().map(s).collect::<Vec<_>>()),
+            scalar: SharedSlice::from(self.places.iter().map(s).collect::<Vec<_>>()),
             gradient: shaded.then(|| self.places.iter().map(gradient).collect()),
-            gradient_magnitude: Some(Shared::from(self.places.iter().map(g).collect::<Vec<_>>())),
+            gradient_magnitude: Some(SharedSlice::from(self.places.iter().map(g).collect::<Vec<_>>())),
         });
         let transfer_function = Arc::new(self.look.clone());
-        Scene { volume, transfer_function, camera: self.camera, shading: self.shading, order: Order::Exact }
+        Scene {
+            volume,
+            transfer_function,
+            camera: self.camera,
+            shading: self.shading,
+            order: VisibilityOrder::Exact,
+        }
     }
 }
 
@@ -57,7 +63,7 @@ pub(super) const FIELDS: [&str; 2] = ["a", "b"];
 
 /// By closed forms, in the order of widgets that overlap, without light.
 pub(super) const PLAIN: Shading =
-    Shading { integrator: Integrator::Analytic, overlap: Overlap::Exact, silhouette: None, light: None };
+    Shading { integrator: Integrator::Analytic, overlap: WidgetBlend::Exact, silhouette: None, light: None };
 
 /// Two Gaussians, one of them tilted and one cut by a region, that overlap.
 pub(super) fn look() -> TransferFunction {
@@ -87,7 +93,7 @@ pub(super) fn moved(
     place: impl Fn(DVec3) -> DVec3,
 ) -> Hard {
     let places = base.points.to_vec();
-    let grid = Grid { points: Shared::from(sample(base, place)), ..base.clone() };
+    let grid = Grid { points: SharedSlice::from(sample(base, place)), ..base.clone() };
     Hard { category, name, grid, places, camera: outside(), look: look(), shading: PLAIN }
 }
 

@@ -5,7 +5,7 @@ use super::real::{Real, integral};
 use std::f64::consts::PI;
 use voltet_core::Result;
 use voltet_core::transfer::{OpticalModel, Profile, Region, TransferFunction, Wave, Widget};
-use voltet_optics::{Overlap, Prepared, linear};
+use voltet_optics::{CompiledTransferFunction, WidgetBlend, linear};
 
 pub(super) fn entries() -> Result<Vec<Printed>> {
     Ok(vec![uniform()?, gaussian()?, triangle()?, falling_flank()?, sine()?, psi()?, back()?, mix()?])
@@ -268,9 +268,9 @@ fn mix() -> Result<Printed> {
         let model = OpticalModel::DensityEmitter;
         let function = TransferFunction { model, unit_distance: 1.0, widgets };
         let path = between([0.0; 2], [1.0, 0.0], 1.0);
-        let prepared = Prepared::new(&function)?;
-        let exact = prepared.integrate(&path, Overlap::Exact).color[2];
-        let mixed = prepared.integrate(&path, Overlap::Mix).color[2];
+        let prepared = CompiledTransferFunction::new(&function)?;
+        let exact = prepared.integrate(&path, WidgetBlend::Exact).color[2];
+        let mixed = prepared.integrate(&path, WidgetBlend::Mix).color[2];
         let [_, ours] = segment(&function, &path)?;
         rows.push(Measured {
             inputs: format!("blue behind red, {name} (T = {:?} each)", 0.5 * peak),

@@ -6,8 +6,8 @@ use voltet_core::transfer::TransferFunction;
 use voltet_core::{Error, Result};
 use voltet_judge::Native64;
 use voltet_nodes::drawing::NATIVE;
-use voltet_optics::engine::{AdapterWish, Answer, Forms, PartialIntegrals};
-use voltet_optics::{Contribution, Overlap, Segment};
+use voltet_optics::engine::{AdapterRequest, EvalOutcome, PartialIntegrals, SegmentEvaluator};
+use voltet_optics::{Contribution, Segment, WidgetBlend};
 
 /// One printed formula and what was measured.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -44,9 +44,9 @@ pub(super) fn error(found: impl Real, exact: f64) -> f64 {
 }
 
 /// What the native engine draws with on this processor.
-pub(super) fn ours() -> Result<Box<dyn Forms>> {
-    let forms = NATIVE.open(&AdapterWish::default())?.forms();
-    forms.ok_or_else(|| Error::run("the engine has no forms of segments").found(NATIVE.name))
+pub(super) fn ours() -> Result<Box<dyn SegmentEvaluator>> {
+    let forms = NATIVE.open(&AdapterRequest::default())?.forms();
+    forms.ok_or_else(|| Error::run("the engine has no forms of segments").got(NATIVE.name))
 }
 
 /// The segment in 64 bits, and in the lanes of the native engine.
@@ -54,10 +54,10 @@ pub(super) fn segment(
     transfer_function: &TransferFunction,
     segment: &Segment,
 ) -> Result<[Option<Contribution>; 2]> {
-    let found = |forms: &dyn Forms| -> Result<Option<Contribution>> {
-        Ok(match forms.segment(transfer_function, segment, Overlap::Exact)? {
-            Answer::Served(found) => Some(found),
-            Answer::Wider(..) | Answer::Skipped(_) => None,
+    let found = |forms: &dyn SegmentEvaluator| -> Result<Option<Contribution>> {
+        Ok(match forms.segment(transfer_function, segment, WidgetBlend::Exact)? {
+            EvalOutcome::Served(found) => Some(found),
+            EvalOutcome::Wider(..) | EvalOutcome::Skipped(_) => None,
         })
     };
     Ok([found(&Native64)?, found(ours()?.as_ref())?])
@@ -69,10 +69,10 @@ pub(super) fn partial(
     b: f64,
     number: impl Fn(&PartialIntegrals) -> f64,
 ) -> Result<(f64, Option<f64>)> {
-    let found = |forms: &dyn Forms| -> Result<Option<f64>> {
+    let found = |forms: &dyn SegmentEvaluator| -> Result<Option<f64>> {
         Ok(match forms.partial(a, b)? {
-            Answer::Served(found) => Some(number(&found)),
-            Answer::Wider(..) | Answer::Skipped(_) => None,
+            EvalOutcome::Served(found) => Some(number(&found)),
+            EvalOutcome::Wider(..) | EvalOutcome::Skipped(_) => None,
         })
     };
     Ok((found(&Native64)?.unwrap_or(f64::NAN), found(ours()?.as_ref())?))

@@ -7,7 +7,7 @@ use voltet_core::transfer::{
     ControlPoint, OpticalModel, Profile, Region, Table, TransferFunction, Wave, Widget,
 };
 use voltet_core::volume::Volume;
-use voltet_optics::Overlap;
+use voltet_optics::WidgetBlend;
 use voltet_optics::shading::{Integrator, Light, Shading};
 
 /// A value that the data have, and how far they range; where they do not, the size of the value, or 1.
@@ -142,7 +142,7 @@ fn profile(dice: &mut Dice, volume: &Volume, [s, g]: &[Axis; 2], extinction: f64
 pub(super) fn shading(dice: &mut Dice) -> Shading {
     Shading {
         integrator: Integrator::Analytic,
-        overlap: if dice.chance(0.15) { Overlap::Mix } else { Overlap::Exact },
+        overlap: if dice.chance(0.15) { WidgetBlend::Mix } else { WidgetBlend::Exact },
         silhouette: dice.chance(0.15).then(|| dice.between(0.5, 6.0)),
         light: dice.chance(0.15).then(|| Light { direction: dice.direction(), ambient: 0.3, diffuse: 0.7 }),
     }

@@ -29,12 +29,12 @@ use dice::Dice;
 use serde::Serialize;
 use std::sync::Arc;
 use voltet_core::grid::extent::bounds;
-use voltet_core::progress::{Progress, Unreported};
+use voltet_core::progress::{CancelOnly, Progress};
 use voltet_core::{Error, Result};
-use voltet_optics::engine::Compositing;
+use voltet_optics::engine::Compositor;
 use voltet_optics::reference;
 use voltet_optics::scene::Scene;
-use voltet_optics::shading::Order;
+use voltet_optics::shading::VisibilityOrder;
 
 /// How much larger an error may be than the largest change that was found: only eight neighbours of a scene are looked at.
 const LIKE: f64 = 2.0;
@@ -99,7 +99,7 @@ pub fn random(
             return Err(Error::cancelled());
         }
         let scene = scene(seed, number)?;
-        let exact = match reference::draw(&scene, &Unreported(progress)) {
+        let exact = match reference::draw(&scene, &CancelOnly(progress)) {
             Ok(exact) => exact,
             Err(_) if progress.cancelled() => return Err(Error::cancelled()),
             Err(_) => {
@@ -137,7 +137,7 @@ pub fn random(
                 continue;
             }
             let changed = explained.get_or_insert_with(|| neighbours::changes(&scene, &exact, progress));
-            if way == Some(Compositing::Triangles) {
+            if way == Some(Compositor::Triangles) {
                 let further = neighbours::changes_of_triangles(&scene, progress);
                 // A sum over all cells is a bound already.
                 let most: Vec<f64> = changed.iter().zip(further).map(|(a, b)| a.max(b / LIKE)).collect();
@@ -158,7 +158,7 @@ pub fn scene(seed: u64, number: u64) -> Result<Scene> {
     let transfer_function = Arc::new(looks::look(&mut dice, &volume, bounds[0].distance(bounds[1])));
     let shading = looks::shading(&mut dice);
     let camera = cameras::camera(&mut dice, bounds);
-    Ok(Scene { volume: Arc::new(volume), transfer_function, camera, shading, order: Order::Exact })
+    Ok(Scene { volume: Arc::new(volume), transfer_function, camera, shading, order: VisibilityOrder::Exact })
 }
 
 fn beyond(scene: u64, engine: String, errors: &[f64], changes: &[f64], width: usize) -> Beyond {
@@ -182,12 +182,13 @@ mod tests {
     use super::*;
     use crate::stability::subjects;
     use voltet_core::picture::Picture;
-    use voltet_core::progress::Silent;
+    use voltet_core::progress::NoProgress;
 
     /// On every lane set; most show something, so that they prove something.
     #[test]
     fn no_scene_is_beyond_its_bound_unexplained() {
-        let found = random(&subjects(None).expect("the native engine"), 1, 0..150, &Silent).expect("drawn");
+        let found =
+            random(&subjects(None).expect("the native engine"), 1, 0..150, &NoProgress).expect("drawn");
         assert_eq!((found.drawn, found.without_reference), (150, 0));
         assert!(found.shown > 90, "{}", found.shown);
         assert!(found.passed(), "{:#?}", found.beyond);
@@ -214,7 +215,7 @@ mod tests {
             (8, 5116),
             (8, 9196),
         ] {
-            let found = random(&subjects, seed, number..number + 1, &Silent).expect("drawn");
+            let found = random(&subjects, seed, number..number + 1, &NoProgress).expect("drawn");
             assert!(found.beyond.is_empty(), "{:#?}", found.beyond);
         }
     }

@@ -5,11 +5,11 @@ use super::super::pictures::errors;
 use super::cameras;
 use glam::DVec3;
 use std::sync::Arc;
-use voltet_core::Shared;
+use voltet_core::SharedSlice;
 use voltet_core::grid::Grid;
 use voltet_core::grid::extent::range;
 use voltet_core::picture::Picture;
-use voltet_core::progress::{Progress, Unreported};
+use voltet_core::progress::{CancelOnly, Progress};
 use voltet_core::volume::Volume;
 use voltet_optics::reference;
 use voltet_optics::scene::Scene;
@@ -37,7 +37,7 @@ pub(super) fn changes_of_triangles(scene: &Scene, progress: &dyn Progress) -> Ve
         let grid = Grid { tetrahedra: vec![cell].into(), ..(*scene.volume.grid).clone() };
         let volume = Arc::new(Volume { grid: Arc::new(grid), ..(*scene.volume).clone() });
         let alone = Scene { volume, ..scene.clone() };
-        if let Ok(exact) = reference::draw(&alone, &Unreported(progress)) {
+        if let Ok(exact) = reference::draw(&alone, &CancelOnly(progress)) {
             let most = largest(&nudged(&alone, RASTER), &exact, progress);
             sum.iter_mut().zip(most).for_each(|(sum, change)| *sum += change);
         }
@@ -49,7 +49,7 @@ pub(super) fn changes_of_triangles(scene: &Scene, progress: &dyn Progress) -> Ve
 fn largest(scenes: &[Scene], exact: &Picture, progress: &dyn Progress) -> Vec<f64> {
     let mut most = vec![0.0_f64; exact.rgba.len()];
     for neighbour in scenes {
-        if let Ok(picture) = reference::draw(neighbour, &Unreported(progress)) {
+        if let Ok(picture) = reference::draw(neighbour, &CancelOnly(progress)) {
             most.iter_mut().zip(errors(&picture, exact)).for_each(|(most, change)| *most = most.max(change));
         }
     }
@@ -67,7 +67,7 @@ fn neighbours_of(scene: &Scene) -> Vec<Scene> {
     let mut all = nudged(scene, NUDGE);
     let Volume { grid, scalar, gradient, gradient_magnitude } = (*scene.volume).clone();
     let with_values = |change: fn(f64) -> f64| Volume {
-        scalar: Shared::from(about_the_least(&scalar, change)),
+        scalar: SharedSlice::from(about_the_least(&scalar, change)),
         gradient_magnitude: gradient_magnitude.as_ref().map(|g| about_the_least(g, change).into()),
         grid: grid.clone(),
         gradient: gradient.clone(),

@@ -4,11 +4,11 @@ use super::dice::Dice;
 use glam::{DQuat, DVec3};
 use std::sync::Arc;
 use voltet_core::Result;
-use voltet_core::Shared;
+use voltet_core::SharedSlice;
 use voltet_core::field::{Method, VolumeWeighted, magnitude};
 use voltet_core::grid::generate::{box_of_tetrahedra, sample};
 use voltet_core::grid::{Array, Grid};
-use voltet_core::progress::Silent;
+use voltet_core::progress::NoProgress;
 use voltet_core::volume::Volume;
 
 /// Names of the further fields, and of one that is nowhere negative.
@@ -27,11 +27,12 @@ pub(super) fn volume(dice: &mut Dice) -> Result<Volume> {
     grid.point_arrays.insert(FIELDS[0].into(), array(one(a)));
     grid.point_arrays.insert(FIELDS[1].into(), array(one(b)));
     grid.point_arrays.insert(MAGNITUDE.into(), array(one(m).iter().map(|x| x.abs() + 0.1).collect()));
-    let gradient = Method::standard(Arc::new(VolumeWeighted))?.gradient(&grid, &scalar, &Silent)?.vectors;
+    let gradient =
+        Method::with_defaults(Arc::new(VolumeWeighted))?.gradient(&grid, &scalar, &NoProgress)?.vectors;
     Ok(Volume {
-        gradient_magnitude: Some(Shared::from(magnitude(&gradient))),
-        gradient: Some(Shared::from(gradient)),
-        scalar: Shared::from(scalar),
+        gradient_magnitude: Some(SharedSlice::from(magnitude(&gradient))),
+        gradient: Some(SharedSlice::from(gradient)),
+        scalar: SharedSlice::from(scalar),
         grid: Arc::new(grid),
     })
 }
