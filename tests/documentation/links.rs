@@ -4,8 +4,9 @@ use crate::{files, root, text};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-/// Address of the repository's files, for links that leave the book.
-const REPOSITORY: &str = "https://github.com/voltet/voltet/blob/main/";
+/// Addresses of the repository's files and folders, for links that leave the book.
+const REPOSITORY: [&str; 2] =
+    ["https://github.com/voltet/voltet/blob/main/", "https://github.com/voltet/voltet/tree/main/"];
 
 /// Targets of a page's links, anchors included.
 fn targets(page: &str) -> Vec<&str> {
@@ -21,7 +22,7 @@ fn targets(page: &str) -> Vec<&str> {
 /// File that a link of `page` names; `None` of other sites and of anchors within the page.
 fn file_of(page: &Path, target: &str) -> Option<PathBuf> {
     let target = target.split('#').next().unwrap_or_default();
-    if let Some(path) = target.strip_prefix(REPOSITORY) {
+    if let Some(path) = REPOSITORY.iter().find_map(|start| target.strip_prefix(start)) {
         return Some(root().join(path));
     }
     let is_elsewhere = target.is_empty() || target.contains("://") || target.starts_with("mailto:");

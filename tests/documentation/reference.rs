@@ -116,9 +116,9 @@ fn header_page(title: &str, path: &str) -> String {
                 all.matches('{').count() as i64 - all.matches('}').count() as i64
             };
             while depth(&declaration) > 0
-                || lines.peek().is_some_and(|next| {
-                    !next.is_empty() && !next.starts_with("/*") && !is_scaffold(next)
-                })
+                || lines
+                    .peek()
+                    .is_some_and(|next| !next.is_empty() && !next.starts_with("/*") && !is_scaffold(next))
             {
                 declaration.push(lines.next().expect("a declaration ends"));
             }
@@ -130,9 +130,19 @@ fn header_page(title: &str, path: &str) -> String {
 
 /// Include guards and what only a compiler reads.
 fn is_scaffold(line: &str) -> bool {
-    let words =
-        ["#if", "#endif", "#el", "#include", "extern \"C\"", "}", "#define VOLTET_H", "#define VOLTET_PLUGIN_H"];
-    words.iter().any(|word| line.starts_with(word)) || line.contains("VOLTET_PLUGIN_EXPORT ") || line.ends_with("_EXPORT")
+    let words = [
+        "#if",
+        "#endif",
+        "#el",
+        "#include",
+        "extern \"C\"",
+        "}",
+        "#define VOLTET_H",
+        "#define VOLTET_PLUGIN_H",
+    ];
+    words.iter().any(|word| line.starts_with(word))
+        || line.contains("VOLTET_PLUGIN_EXPORT ")
+        || line.ends_with("_EXPORT")
 }
 
 /// Text of a comment as Markdown; what is indented in it stays code.

@@ -8,7 +8,11 @@ use std::path::Path;
 /// Keys with type and meaning. "[]" stands for each element of a list, "*" for any name.
 const KEYS: &[(&str, &str, &str)] = &[
     ("versions.voltet", "text", "version of the program"),
-    ("versions.report", "number", "number of this shape; it grows where a key is renamed or moved, not where one is added"),
+    (
+        "versions.report",
+        "number",
+        "number of this shape; it grows where a key is renamed or moved, not where one is added",
+    ),
     ("versions.pipeline_format", "number", "format of pipeline files"),
     ("peak_memory_bytes", "number", "largest memory of the process, bytes"),
     ("runs[].file", "text", "file that the pipeline came from, in the order of the command line"),
@@ -26,17 +30,29 @@ const KEYS: &[(&str, &str, &str)] = &[
     ("runs[].nodes[].stages.*", "number", "duration of a stage of the node, seconds"),
     ("runs[].nodes[].counts.*", "number", "counts of the node, as below"),
     ("runs[].nodes[].engine", "text", "engine of a node that draws"),
-    ("runs[].counts.*", "number or null", "counts of all nodes together; null where the engine does not count"),
+    (
+        "runs[].counts.*",
+        "number or null",
+        "counts of all nodes together; null where the engine does not count",
+    ),
     ("runs[].left_out[].node", "text", "node that did less than it could have done"),
     ("runs[].left_out[].what", "text", "work that was left out"),
     ("runs[].left_out[].why", "text", "reason why the scene does not need it"),
-    ("runs[].left_out[].saving", "null or an object", "saving as `bytes`, `cells`, `points`, `segments` or `seconds`"),
+    (
+        "runs[].left_out[].saving",
+        "null or an object",
+        "saving as `bytes`, `cells`, `points`, `segments` or `seconds`",
+    ),
     ("runs[].findings[].node", "text", "node that found something out about the data"),
     ("runs[].findings[].what", "text", "finding in words"),
     ("runs[].findings[].figures", "any", "finding in figures"),
     ("runs[].warnings[]", "text", "warnings"),
     ("runs[].files[]", "text", "files written"),
-    ("runs[].exhaustive", "object", "of `voltet run --exhaustive`: times and pictures with all work done, beside the usual ones"),
+    (
+        "runs[].exhaustive",
+        "object",
+        "of `voltet run --exhaustive`: times and pictures with all work done, beside the usual ones",
+    ),
     ("runs[].provenance.program", "text", "program and version"),
     ("runs[].provenance.title", "text or null", "title of the pipeline"),
     ("runs[].provenance.pipeline", "text or null", "pipeline as it was run, every `--set` carried out"),
@@ -45,14 +61,30 @@ const KEYS: &[(&str, &str, &str)] = &[
     ("runs[].provenance.data[].path", "text", "path as it was given"),
     ("runs[].provenance.data[].bytes", "number", "size of the file"),
     ("runs[].provenance.data[].modified", "text", "time of its last change, UTC"),
-    ("runs[].provenance.data[].beside", "object", "files read because this one names them: `files`, `bytes`, `modified`, and `names` of the first 16"),
-    ("runs[].provenance.plugins[]", "object", "shared libraries in use: `node`, `name`, `version`, `path`, `bytes`, `fingerprint` (made of all bytes), `modified`"),
+    (
+        "runs[].provenance.data[].beside",
+        "object",
+        "files read because this one names them: `files`, `bytes`, `modified`, and `names` of the first 16",
+    ),
+    (
+        "runs[].provenance.plugins[]",
+        "object",
+        "shared libraries in use: `node`, `name`, `version`, `path`, `bytes`, `fingerprint` (made of all bytes), `modified`",
+    ),
     ("runs[].provenance.cameras[].node", "text", "node of a camera"),
     ("runs[].provenance.cameras[].eye[]", "number", "position, in the grid's unit"),
     ("runs[].provenance.cameras[].target[]", "number", "point in the middle of the picture"),
     ("runs[].provenance.cameras[].up[]", "number", "direction that points up in the picture"),
-    ("runs[].provenance.cameras[].fov_y", "number", "vertical field of view, degrees, of a perspective camera"),
-    ("runs[].provenance.cameras[].height", "number", "height of the picture in the grid's unit, of an orthographic camera"),
+    (
+        "runs[].provenance.cameras[].fov_y",
+        "number",
+        "vertical field of view, degrees, of a perspective camera",
+    ),
+    (
+        "runs[].provenance.cameras[].height",
+        "number",
+        "height of the picture in the grid's unit, of an orthographic camera",
+    ),
     ("runs[].provenance.cameras[].near", "number", "distance of the near plane"),
     ("runs[].provenance.cameras[].size[]", "number", "width and height, pixels"),
     ("runs[].provenance.cameras[].samples", "number", "rays for each pixel"),
@@ -60,7 +92,11 @@ const KEYS: &[(&str, &str, &str)] = &[
     ("runs[].provenance.units.gradient_magnitude", "text", "unit of g"),
     ("runs[].provenance.units.extinction", "text", "unit of extinctions"),
     ("runs[].provenance.units.unit_distances[].node", "text", "transfer function"),
-    ("runs[].provenance.units.unit_distances[].length", "number", "its `unit_distance`, also where the data decided it"),
+    (
+        "runs[].provenance.units.unit_distances[].length",
+        "number",
+        "its `unit_distance`, also where the data decided it",
+    ),
     ("runs[].provenance.units.angle", "text", "unit of angles"),
     ("runs[].provenance.units.color", "text", "colour space"),
 ];
@@ -99,13 +135,16 @@ pub fn page(made: &str, work: &Path) -> String {
             Some(name) => COUNTS.iter().any(|(count, _)| *count == name),
             None => KEYS.iter().any(|(key, ..)| match key.strip_suffix('*') {
                 Some(start) => path.starts_with(start),
-                None => path == *key || [".", "["].iter().any(|next| path.starts_with(&format!("{key}{next}"))),
+                None => {
+                    path == *key || [".", "["].iter().any(|next| path.starts_with(&format!("{key}{next}")))
+                }
             }),
         }
     };
     let unknown: Vec<&String> = found.iter().filter(|path| !is_known(path)).collect();
     assert!(unknown.is_empty(), "tests/documentation/report.rs lacks {unknown:?}");
-    let names = KEYS.iter().map(|(key, ..)| key.trim_end_matches(['*', '.', '[', ']']).rsplit('.').next().unwrap());
+    let names =
+        KEYS.iter().map(|(key, ..)| key.trim_end_matches(['*', '.', '[', ']']).rsplit('.').next().unwrap());
     for name in names.chain(COUNTS.iter().map(|(name, _)| *name)).map(|name| name.trim_end_matches("[]")) {
         assert!(is_in_sources(name), "no source names the key '{name}' of the report");
     }
@@ -129,12 +168,17 @@ pub fn page(made: &str, work: &Path) -> String {
 /// Paths of the keys in the reports of small runs: a picture, numbers relative to data, and a histogram.
 fn reported(work: &Path) -> BTreeSet<String> {
     let mut paths = BTreeSet::new();
-    let files = [("quickstart", "view.size=[16,12]"), ("relative", "view.size=[16,12]"), ("histogram", "plane.bins=[8,6]")];
+    let files = [
+        ("quickstart", "view.size=[16,12]"),
+        ("relative", "view.size=[16,12]"),
+        ("histogram", "plane.bins=[8,6]"),
+    ];
     for (name, small) in files {
         let file = root().join(format!("pipelines/{name}.toml"));
         let picture = format!("file.path={}", work.join("picture.png").display());
         let table = format!("table.path={}", work.join("table.csv").display());
-        let mut arguments = vec!["run", file.to_str().unwrap(), "--set", small, "--set", &picture, "--report", "report.json"];
+        let mut arguments =
+            vec!["run", file.to_str().unwrap(), "--set", small, "--set", &picture, "--report", "report.json"];
         if name == "histogram" {
             arguments.extend(["--set", &table]);
         }
