@@ -99,16 +99,19 @@ fn header_page(title: &str, path: &str) -> String {
          [`{path}`](https://github.com/voltet/voltet/blob/main/{path}).\n"
     );
     let mut lines = header.lines().peekable();
+    let mut about = String::new();
     while let Some(line) = lines.next() {
         if let Some(section) = line.strip_prefix("/* ----") {
             let name = section.trim_end_matches(['*', '/']).trim().trim_matches('-').trim();
-            write!(page, "\n## {name}\n").unwrap();
+            write!(page, "{about}\n## {name}\n").unwrap();
+            about.clear();
         } else if line.starts_with("/*") {
             let mut comment = vec![line.trim_start_matches("/*").trim_start_matches('*')];
             while !comment.last().unwrap().trim_end().ends_with("*/") {
                 comment.push(lines.next().expect("a comment ends"));
             }
-            write!(page, "\n{}\n", prose(&comment)).unwrap();
+            write!(page, "{about}").unwrap();
+            about = format!("\n{}\n", prose(&comment));
         } else if !line.is_empty() && !is_scaffold(line) {
             let mut declaration = vec![line];
             let depth = |lines: &[&str]| {
@@ -122,10 +125,23 @@ fn header_page(title: &str, path: &str) -> String {
             {
                 declaration.push(lines.next().expect("a declaration ends"));
             }
-            write!(page, "\n```c\n{}\n```\n", declaration.join("\n")).unwrap();
+            let heading = name_of(line).map(|name| format!("\n### {name}\n")).unwrap_or_default();
+            write!(page, "{heading}{about}\n```c\n{}\n```\n", declaration.join("\n")).unwrap();
+            about.clear();
         }
     }
     page
+}
+
+/// Name of a function or struct by the first line of its declaration; none of constants.
+fn name_of(line: &str) -> Option<&str> {
+    let is_word = |c: char| c.is_alphanumeric() || c == '_';
+    if let Some(rest) = line.strip_prefix("typedef struct ") {
+        return rest.split(|c| !is_word(c)).next();
+    }
+    let before = line.split_once("(*").map(|(_, rest)| rest.split(')').next()).unwrap_or(line.split('(').next())?;
+    let is_declared = line.contains('(') && !line.starts_with('#');
+    before.rsplit(|c| !is_word(c)).next().filter(|name| is_declared && !name.is_empty())
 }
 
 /// Include guards and what only a compiler reads.
