@@ -9,7 +9,7 @@ use voltet_graph::{
 };
 
 /// Hexahedra along an axis, at most: a hundred million tetrahedra in all.
-const MOST_ALONG: f64 = 256.0;
+const MAX_POINTS_PER_AXIS: f64 = 256.0;
 
 /// The declaration.
 pub const NODE: Node = Node {
@@ -23,9 +23,9 @@ pub const NODE: Node = Node {
     parameters: &[
         Parameter {
             name: "resolution",
-            parameter_type: ParameterType::Integers(3, Range::within(1.0, MOST_ALONG)),
+            parameter_type: ParameterType::Integers(3, Range::within(1.0, MAX_POINTS_PER_AXIS)),
             unit: "hexahedra",
-            standard: DefaultValue::Integers(&[20, 20, 20]),
+            default: DefaultValue::Integers(&[20, 20, 20]),
             help: "hexahedra along x, y and z, each cut into tetrahedra",
         },
         Parameter {
@@ -35,14 +35,14 @@ pub const NODE: Node = Node {
                 ("distance", "the distance from the middle, 0 to 17.3"),
             ]),
             unit: "",
-            standard: DefaultValue::Text("wavelet"),
+            default: DefaultValue::Text("wavelet"),
             help: "the scalar; the box reaches from -10 to 10 along each axis",
         },
         Parameter {
             name: "jitter",
             parameter_type: ParameterType::Number(Range::within(0.0, 0.25)),
             unit: "spacings",
-            standard: DefaultValue::Number(0.2),
+            default: DefaultValue::Number(0.2),
             help: "how far points inside are moved at random, always alike, so that no two cells are alike",
         },
     ],

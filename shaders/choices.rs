@@ -188,7 +188,7 @@ impl Choices {
         let combine = match widgets.len() {
             0 => Combine::Nothing,
             _ if method.samples() => Combine::Ordered,
-            _ if transfer_function.one_color().is_some() => Combine::OneColor,
+            _ if transfer_function.uniform_color().is_some() => Combine::OneColor,
             1 => Combine::Alone,
             _ if mixed => Combine::Mix,
             _ => Combine::Ordered,

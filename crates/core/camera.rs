@@ -54,12 +54,12 @@ pub struct Frame {
 }
 
 /// Most pixels a side that an engine draws: places in the picture are held in 16 bits.
-const SIDE_MOST: u32 = 1 << 15;
+const MAX_IMAGE_SIDE: u32 = 1 << 15;
 
 impl Camera {
     /// Whether an engine can draw the picture: errors name a size or a number of samples out of range.
     pub fn check_picture(&self) -> Result<()> {
-        if self.size.iter().any(|&n| n == 0 || n > SIDE_MOST) {
+        if self.size.iter().any(|&n| n == 0 || n > MAX_IMAGE_SIDE) {
             return Err(Error::usage("the picture's size is out of range")
                 .got(format!("{} × {}", self.size[0], self.size[1]))
                 .expected("1 to 32,768 pixels a side"));

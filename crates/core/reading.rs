@@ -65,7 +65,7 @@ pub struct GridHead {
     /// Bytes of the cells in memory.
     pub cell_bytes: u64,
     /// The arrays.
-    pub arrays: Vec<ArrayOfFile>,
+    pub arrays: Vec<FileArray>,
     /// The array that the file marks as the one to draw.
     pub scalar: Option<String>,
     /// Times of the steps of a series; empty where the file is none.
@@ -74,7 +74,7 @@ pub struct GridHead {
 
 /// An array of a file.
 #[derive(Debug, Clone, PartialEq)]
-pub struct ArrayOfFile {
+pub struct FileArray {
     /// Its name. No two at points, and no two at cells, share one.
     pub name: String,
     /// Where its tuples sit.

@@ -1,6 +1,6 @@
 //! The document: a pipeline file with its history.
 
-use crate::carry_out::{Work, Worked, blank};
+use crate::carry_out::{EditContext, EditOutcome, blank};
 use crate::delta::Delta;
 use crate::edit::Edit;
 use crate::history::{Gesture, History};
@@ -106,7 +106,7 @@ impl Document {
 
     /// Carries out several edits, one after the other, as one step. Errors: one cannot be done; then nothing has changed.
     pub fn edit_all(&mut self, label: String, edits: &[Edit], gesture: Option<Gesture>) -> Result<()> {
-        let Worked { delta, text, syntax, survey } = self.worked(edits)?;
+        let EditOutcome { delta, text, syntax, survey } = self.worked(edits)?;
         self.history.record(label, delta, gesture);
         for edit in edits {
             if let Edit::Rename { node, to } = edit
@@ -119,22 +119,22 @@ impl Document {
         Ok(())
     }
 
-    fn worked(&self, edits: &[Edit]) -> Result<Worked> {
+    fn worked(&self, edits: &[Edit]) -> Result<EditOutcome> {
         if let Some(Edit::Text(new)) = edits.last() {
             let delta = Delta::between(&self.text, new);
             let text: Arc<str> = new.as_str().into();
             let (syntax, survey) = (Arc::new(Syntax::read(&text)), Arc::new(Pipeline::survey(&text)));
-            return Ok(Worked { delta, text, syntax, survey });
+            return Ok(EditOutcome { delta, text, syntax, survey });
         }
         if !self.survey.is_toml {
             let fault = self.survey.faults.first().cloned();
             let error = fault.unwrap_or_else(|| Error::usage("the text is not valid TOML"));
             return Err(error.expected("the text mended first"));
         }
-        let mut work = Work::new(self.text.clone(), self.syntax.clone(), self.survey.clone());
+        let mut work = EditContext::new(self.text.clone(), self.syntax.clone(), self.survey.clone());
         let shown = |name: &str| self.shown.get(name).copied();
         edits.iter().try_for_each(|edit| work.carry_out(edit, &shown))?;
-        work.finish()
+        work.apply()
     }
 
     /// Undoes the last step; false where there is none.
@@ -181,7 +181,7 @@ impl Document {
 
     /// The place of a node in the view: what the file says, else where it was laid out when it was first seen.
     pub fn position(&self, node: &str) -> [f64; 2] {
-        let stated = self.view.nodes.get(node).and_then(|node| node.at);
+        let stated = self.view.nodes.get(node).and_then(|node| node.position);
         stated.or_else(|| self.shown.get(node).copied()).unwrap_or_default()
     }
 
@@ -198,7 +198,7 @@ impl Document {
         let nodes = &self.survey.pipeline.nodes;
         let (shown, view) = (&self.shown, &self.view);
         let has_place = |name: &String| {
-            shown.contains_key(name) || view.nodes.get(name).is_some_and(|node| node.at.is_some())
+            shown.contains_key(name) || view.nodes.get(name).is_some_and(|node| node.position.is_some())
         };
         let new: Vec<usize> = (0..nodes.len()).filter(|&i| !has_place(&nodes[i].name)).collect();
         if new.is_empty() {

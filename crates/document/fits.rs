@@ -41,7 +41,7 @@ impl Group {
     ];
 
     /// The kind of a node type.
-    pub fn of(node: &Node) -> Group {
+    pub fn from_node(node: &Node) -> Group {
         let gives = |wanted: PortType| node.outputs.iter().any(|port| port.port_type == wanted);
         let takes = |wanted: PortType| node.inputs.iter().any(|port| port.port_type == wanted);
         let is_stage = |wanted| gives(wanted) || takes(wanted);
@@ -192,7 +192,7 @@ impl Document {
         }
         if links::upstream(nodes, from.0).contains(to.0) {
             let error = Error::usage(format!("'{}' would feed itself", to.0));
-            return Err(error.got(self.way(to.0, from.0).join(" → ")));
+            return Err(error.got(self.node_path(to.0, from.0).join(" → ")));
         }
         let source = match giving.outputs.len() {
             1 => from.0.to_string(),
@@ -220,7 +220,7 @@ impl Document {
     }
 
     /// The nodes on a way along wires from one node to another, and back to the first.
-    fn way(&self, from: &str, to: &str) -> Vec<String> {
+    fn node_path(&self, from: &str, to: &str) -> Vec<String> {
         let nodes = &self.pipeline().nodes;
         let mut names = vec![from.to_string()];
         let mut at = to.to_string();

@@ -8,7 +8,7 @@ pub struct Gesture(pub u64);
 
 /// One step: a change of the text.
 #[derive(Debug, Clone)]
-struct Step {
+struct EditStep {
     label: String,
     delta: Delta,
     gesture: Option<Gesture>,
@@ -17,7 +17,7 @@ struct Step {
 /// The steps of a document, and how many of them hold now.
 #[derive(Debug, Clone, Default)]
 pub struct History {
-    steps: Vec<Step>,
+    steps: Vec<EditStep>,
     /// How many of the steps are done; those after are undone.
     cursor: usize,
     /// The cursor at which the text is as its file; none where no cursor leads there.
@@ -45,7 +45,7 @@ impl History {
                     self.steps.pop();
                 }
             }
-            None => self.steps.push(Step { label, delta, gesture }),
+            None => self.steps.push(EditStep { label, delta, gesture }),
         }
         self.cursor = self.steps.len();
     }
@@ -86,7 +86,7 @@ impl History {
     }
 
     /// How many steps are done, and how many there are.
-    pub fn place(&self) -> (usize, usize) {
+    pub fn position(&self) -> (usize, usize) {
         (self.cursor, self.steps.len())
     }
 
@@ -113,16 +113,16 @@ mod tests {
         for new in ["b", "c", "d"] {
             typed(&mut history, &mut text, new, drag);
         }
-        assert_eq!(history.place(), (1, 1));
+        assert_eq!(history.position(), (1, 1));
         history.save();
         typed(&mut history, &mut text, "e", drag);
-        assert_eq!(history.place(), (2, 2));
+        assert_eq!(history.position(), (2, 2));
         assert_eq!(history.back().unwrap().applied("e").unwrap(), "d");
         assert!(history.is_saved());
         assert_eq!(history.on().unwrap().applied("d").unwrap(), "e");
         assert!(!history.is_saved());
         typed(&mut history, &mut text, "f", drag);
-        assert_eq!(history.place(), (3, 3), "a gesture ends where it is undone");
+        assert_eq!(history.position(), (3, 3), "a gesture ends where it is undone");
     }
 
     #[test]
@@ -130,7 +130,7 @@ mod tests {
         let (mut history, mut text) = (History::of_saved(), "a".to_string());
         typed(&mut history, &mut text, "b", Some(Gesture(7)));
         typed(&mut history, &mut text, "a", Some(Gesture(7)));
-        assert_eq!(history.place(), (0, 0));
+        assert_eq!(history.position(), (0, 0));
         assert!(history.is_saved());
     }
 

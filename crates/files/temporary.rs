@@ -16,7 +16,7 @@ pub(super) struct Temporary(NamedTempFile);
 
 impl Temporary {
     /// A file in the folder of `path`.
-    pub fn beside(path: &Path) -> io::Result<Temporary> {
+    pub fn create_for(path: &Path) -> io::Result<Temporary> {
         let mut builder = tempfile::Builder::new();
         builder.prefix(".voltet-").suffix(".tmp");
         #[cfg(unix)]

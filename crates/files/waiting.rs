@@ -5,15 +5,15 @@ use std::sync::atomic::{AtomicBool, Ordering};
 static WAITS: AtomicBool = AtomicBool::new(false);
 
 /// The program waits until this goes away.
-pub(super) struct Waits;
+pub(super) struct WriteGuard;
 
 /// A write begins that may have to wait for a reader: to a pipe or a terminal.
-pub(super) fn begin() -> Waits {
+pub(super) fn begin() -> WriteGuard {
     WAITS.store(true, Ordering::Relaxed);
-    Waits
+    WriteGuard
 }
 
-impl Drop for Waits {
+impl Drop for WriteGuard {
     fn drop(&mut self) {
         WAITS.store(false, Ordering::Relaxed);
     }

@@ -8,7 +8,7 @@ pub(super) mod sealed {
 }
 
 /// Lanes of the widest set.
-const WIDTH_MOST: usize = 16;
+const MAX_WIDTH: usize = 16;
 
 /// A set of vector lanes.
 pub trait Lanes: sealed::Sealed + Copy + Send + Sync + 'static {
@@ -203,7 +203,7 @@ fn last_of_parts(values: &[[f32; 4]]) -> u32 {
 #[repr(align(64))]
 pub struct Awaited<'a> {
     /// Places in bytes, each of a value.
-    bytes: [u32; WIDTH_MOST],
+    bytes: [u32; MAX_WIDTH],
     values: &'a [[f32; 4]],
 }
 
@@ -212,7 +212,7 @@ impl<'a> Awaited<'a> {
     #[inline(always)]
     pub fn first(values: &'a [[f32; 4]]) -> Self {
         last_of_parts(values);
-        Awaited { bytes: [0; WIDTH_MOST], values }
+        Awaited { bytes: [0; MAX_WIDTH], values }
     }
 
     /// Asks for `values[index[i]]` in place of what was asked for before; for the last one where an index is past the end. There are

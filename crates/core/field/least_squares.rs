@@ -57,7 +57,7 @@ fn fit(grid: &Grid, s: &[f64], points: Option<&[u32]>, progress: &dyn Progress) 
         (grid.points.len(), points),
         progress,
         || (Neighbours::default(), Fit::default()),
-        |(neighbours, fit), p| fit.at(grid, s, scale, p, neighbours.of(grid, &cells, p)),
+        |(neighbours, fit), p| fit.at(grid, s, scale, p, neighbours.around(grid, &cells, p)),
     )?;
     Ok(Gradient { vectors, fallbacks: fallbacks(flat, none) })
 }
@@ -91,7 +91,7 @@ impl Fit {
         neighbours: &[u32],
     ) -> (DVec3, Option<usize>) {
         let (x, s_p) = (grid.points[p], s[p]);
-        let apart = Apart::new(x);
+        let apart = CoincidenceTest::new(x);
         let mut m = [0.0; 6];
         let mut b = DVec3::ZERO;
         let mut trace = 0.0;
@@ -135,7 +135,7 @@ impl Fit {
         self.columns.iter_mut().for_each(Vec::clear);
         self.right.clear();
         let x = grid.points[p];
-        let apart = Apart::new(x);
+        let apart = CoincidenceTest::new(x);
         let mut noise = 0.0_f64;
         for &q in neighbours {
             let (y, delta) = (grid.points[q as usize], s[q as usize] - s[p]);
@@ -167,14 +167,14 @@ impl Fit {
 }
 
 /// Tells points apart from coincident ones.
-pub(super) struct Apart {
+pub(super) struct CoincidenceTest {
     /// |x| in its largest component.
     size: f64,
 }
 
-impl Apart {
+impl CoincidenceTest {
     pub fn new(x: DVec3) -> Self {
-        Apart { size: x.abs().max_element() }
+        CoincidenceTest { size: x.abs().max_element() }
     }
 
     /// What the coordinates of the two points can resolve.

@@ -7,7 +7,7 @@
 
 use super::dense::solve_qr;
 use super::frame::for_these;
-use super::least_squares::{Apart, Fit, fallbacks};
+use super::least_squares::{CoincidenceTest, Fit, fallbacks};
 use super::{Fallback, Gradient, GradientFilter, check_scalar};
 use crate::Result;
 use crate::grid::{Grid, Neighbours, cells_of_points, points_of_points};
@@ -108,7 +108,7 @@ impl QuadraticPoint {
         small_pivot: f64,
     ) -> Option<DVec3> {
         let x = grid.points[p];
-        let apart = Apart::new(x);
+        let apart = CoincidenceTest::new(x);
         self.differences.clear();
         let mut covariance = [0.0; 6];
         for &q in surroundings {

@@ -26,12 +26,12 @@ pub(super) struct Polyhedra {
     /// By cell number: position in `CellSet::polyhedra`.
     positions: HashMap<u32, usize>,
     /// How each is split.
-    pub choices: Choices,
+    pub choices: SplitDecisions,
 }
 
 /// Decisions for all polyhedra.
 #[derive(Debug, Default)]
-pub(super) struct Choices {
+pub(super) struct SplitDecisions {
     /// Point number of every polyhedron's apex; those above the file's points are added.
     apexes: Vec<u32>,
     /// Polyhedra (positions) that have a point in their middle added, in the order of the points' numbers.
@@ -66,7 +66,7 @@ impl Polyhedra {
         points: &[DVec3],
         drawn: impl Fn(u32) -> bool + Sync,
         first_free: usize,
-    ) -> Result<Choices> {
+    ) -> Result<SplitDecisions> {
         let (fans, apexes): (Vec<Vec<u16>>, Vec<Apex>) = set
             .polyhedra
             .par_iter()
@@ -79,7 +79,7 @@ impl Polyhedra {
                 (fans, apex)
             })
             .unzip();
-        let mut choices = Choices { fans, ..Choices::default() };
+        let mut choices = SplitDecisions { fans, ..SplitDecisions::default() };
         for (position, apex) in apexes.into_iter().enumerate() {
             let apex = match apex {
                 Apex::Corner(corner) => corner,
@@ -100,7 +100,7 @@ impl Polyhedra {
     }
 
     /// The faces of a cell.
-    pub fn of<'a>(&self, set: &'a CellSet, cell: usize) -> Option<&'a Polyhedron> {
+    pub fn polyhedron<'a>(&self, set: &'a CellSet, cell: usize) -> Option<&'a Polyhedron> {
         self.positions.get(&(cell as u32)).map(|&position| &set.polyhedra[position])
     }
 

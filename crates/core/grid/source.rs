@@ -77,7 +77,7 @@ impl Source<'_> {
     /// What becomes of a cell; an error where it is damaged.
     pub fn fate(&self, cell: &Cell) -> Result<CellStatus> {
         let number = cell.number;
-        let Some(cell_type) = CellType::of(cell.code) else {
+        let Some(cell_type) = CellType::from_code(cell.code) else {
             return Err(Error::run(format!("cell {number} has an unknown type"))
                 .got(cell.code)
                 .expected("a cell type code of VTK"));
@@ -120,7 +120,7 @@ impl Source<'_> {
 
     fn fate_of_polyhedron(&self, number: usize) -> Result<CellStatus> {
         let Cells::Mixed(set) = self.cells else { return Ok(CellStatus::Unsupported) };
-        let Some(polyhedron) = self.polyhedra.of(set, number) else {
+        let Some(polyhedron) = self.polyhedra.polyhedron(set, number) else {
             return Err(Error::run(format!("cell {number}, a polyhedron, has no faces"))
                 .expected("the faces of every polyhedron"));
         };

@@ -13,7 +13,7 @@ pub struct Parameter {
     /// Its unit, empty where it has none.
     pub unit: &'static str,
     /// What holds when the file does not say.
-    pub standard: DefaultValue,
+    pub default: DefaultValue,
     /// One line of help.
     pub help: &'static str,
 }
@@ -82,9 +82,9 @@ pub struct RelativeNumberType {
     /// The type without relative numbers.
     pub plain: ParameterType,
     /// What the numbers are.
-    pub is: StatisticKind,
+    pub statistic: StatisticKind,
     /// Of which quantities.
-    pub along: AxisRef,
+    pub axis: AxisRef,
 }
 
 /// What a number is that may be relative.
@@ -183,7 +183,7 @@ impl ParameterType {
 impl RelativeNumberType {
     /// What may stand in place of a number, for help and messages.
     pub(super) fn describe(&self) -> &'static str {
-        match self.is {
+        match self.statistic {
             StatisticKind::Value => "or \"25 %\" of the range, \"p90\" by volume",
             StatisticKind::Place => "or \"25 %\" of the bounds",
             StatisticKind::Width => "or \"5 %\" of the range's length",

@@ -59,7 +59,7 @@ impl Parameters {
             if setting.is_some() {
                 continue;
             }
-            if let DefaultValue::Required = parameter.standard {
+            if let DefaultValue::Required = parameter.default {
                 let error =
                     Error::usage(format!("the parameter '{}' is missing", parameter.name)).expected(format!(
                         "{} = … ({}): {}",
@@ -72,9 +72,9 @@ impl Parameters {
                     error: origin.locate(error),
                 });
             }
-            *setting = parameter.standard.datum().map(LocatedValue::from);
+            *setting = parameter.default.datum().map(LocatedValue::from);
         }
-        Parameters { declared, settings, given, origin: origin.clone() }
+        Parameters { declared, settings, is_set: given, origin: origin.clone() }
     }
 
     /// A list of tables of several kinds: each one's kind and parameters. Empty where not set.
@@ -235,7 +235,7 @@ fn check_plain(parameter_type: &ParameterType, name: &str, unit: &str, setting: 
         (ParameterType::Measured(measured), _) => {
             // 1 is in every range of what may be relative; the others are checked beside it.
             let numbers = measured.replaced(name, setting, &mut |_, _, _| Ok(1.0))?;
-            check_type(&measured.plain, name, unit, &numbers).map_err(|error| match error.accepted.clone() {
+            check_type(&measured.plain, name, unit, &numbers).map_err(|error| match error.expected.clone() {
                 Some(plain) => error.expected(format!("{plain}, {}", measured.describe())),
                 None => error,
             })

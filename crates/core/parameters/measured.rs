@@ -21,7 +21,7 @@ pub struct RelativeNumber {
 impl RelativeNumberType {
     /// Whether the number at a place of the list or row may be relative.
     pub fn may_be_relative(&self, place: usize) -> bool {
-        !matches!(self.along, AxisRef::Places(names) if place >= names.len())
+        !matches!(self.axis, AxisRef::Places(names) if place >= names.len())
     }
 
     /// How many numbers of a setting may be relative.
@@ -48,7 +48,7 @@ impl RelativeNumberType {
         // Where the list is too short, its length is the error.
         let listed = |name: &str| listed(name).unwrap_or(ArrayRef::Array(String::new()));
         let per = |one, other| ArrayRef::Per(Box::new(one), Box::new(other));
-        match self.along {
+        match self.axis {
             AxisRef::Every(name) => Some(ArrayRef::Named(name)),
             AxisRef::Places(names) => names.get(place).map(|name| ArrayRef::Named(name)),
             AxisRef::Names(parameter) => Some(listed(parameter)),
@@ -67,7 +67,7 @@ impl RelativeNumberType {
             let accepted = format!("a number, {}", self.describe());
             part.error(format!("'{name}' holds a text that is no number relative to data"), accepted)
         })?;
-        match (self.is, relative) {
+        match (self.statistic, relative) {
             (StatisticKind::Width | StatisticKind::Factor, Relative::Percentile(_)) => Err(part.error(
                 format!("'{name}' is a width, and a percentile is a value of the data"),
                 "a number, or a percentage of the range's length such as \"5 %\"",
@@ -107,7 +107,7 @@ impl RelativeNumberType {
         let datum = match &setting.datum {
             // A word that the type knows is none.
             ParameterValue::Text(text) if !matches!(self.plain, ParameterType::NumberOr(_, word) if word == text) => {
-                match self.along {
+                match self.axis {
                     AxisRef::Places(names) if place >= names.len() => return Ok(setting.clone()),
                     _ => ParameterValue::Number(f(place, setting, self.read(name, setting, text)?)?),
                 }

@@ -22,14 +22,14 @@ impl SourceSpan {
         match self {
             SourceSpan::Nowhere => {}
             SourceSpan::Span(span) => {
-                if error.place.span.is_none() && error.place.file.is_none() {
-                    error.place.span = Some(span.clone());
+                if error.location.span.is_none() && error.location.file.is_none() {
+                    error.location.span = Some(span.clone());
                 }
             }
             SourceSpan::Option(option) => {
                 // The option stands in place of the file.
-                if error.place.span.is_none() && error.place.file.is_none() {
-                    error.place.file = Some(option.to_string());
+                if error.location.span.is_none() && error.location.file.is_none() {
+                    error.location.file = Some(option.to_string());
                 }
             }
         }

@@ -24,7 +24,7 @@ pub struct Bands {
     /// 99 % of them cross at most as many.
     pub percent_99: f64,
     /// None of them crosses more.
-    pub most: f64,
+    pub max: f64,
     /// Share of them that cross more than one.
     pub share_above_one: f64,
 }
@@ -105,7 +105,7 @@ fn summary(crossed: &mut [f32]) -> Option<Bands> {
         cell_count: count as u64,
         median: quantile(0.5)?,
         percent_99: quantile(0.99)?,
-        most: quantile(1.0)?,
+        max: quantile(1.0)?,
         share_above_one: above_one as f64 / count as f64,
     })
 }

@@ -33,5 +33,5 @@ pub use histogram::{Axis, Histogram, histogram};
 pub use kernel::kernel;
 pub use percentile::{Volumes, value_range};
 pub use probe::{Mask, ProbeResult, probe};
-pub use proposal::{Proposed, proposal, quiet};
+pub use proposal::{ProposedWidget, proposal, quiet};
 pub use region::Region;

@@ -87,12 +87,12 @@ impl TransferFunction {
 
     /// The one colour of all that is drawn, under the density-emitter: then C = c A whatever the order, along a segment and
     /// from segment to segment. Widgets of extinction 0 have no say.
-    pub fn one_color(&self) -> Option<[f64; 3]> {
+    pub fn uniform_color(&self) -> Option<[f64; 3]> {
         match self.model {
             OpticalModel::ConstantEmitter { .. } => None,
             OpticalModel::DensityEmitter => {
                 let mut colors =
-                    self.widgets.iter().filter(|widget| widget.is_drawn()).map(Widget::one_color);
+                    self.widgets.iter().filter(|widget| widget.is_drawn()).map(Widget::uniform_color);
                 let first = colors.next().unwrap_or(Some([0.0; 3]));
                 first.filter(|_| colors.all(|color| color == first))
             }

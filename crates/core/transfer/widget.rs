@@ -28,7 +28,7 @@ impl Widget {
     }
 
     /// The largest channel of any of its colours.
-    pub fn brightest(&self) -> f64 {
+    pub fn max_emission(&self) -> f64 {
         match self.profile.properties().color {
             ColorSource::Widget => self.color.into_iter().fold(0.0, f64::max),
             ColorSource::Points(points) => points.iter().flat_map(|p| p.color).fold(0.0, f64::max),
@@ -47,7 +47,7 @@ impl Widget {
     }
 
     /// Its colour, if it is the same wherever the widget is; an image is taken to have several.
-    pub fn one_color(&self) -> Option<[f64; 3]> {
+    pub fn uniform_color(&self) -> Option<[f64; 3]> {
         match self.profile.properties().color {
             ColorSource::Widget => Some(self.color),
             ColorSource::Points(points) => {
@@ -59,10 +59,10 @@ impl Widget {
     }
 
     /// Its profile at a place of the plane, 0 to 1; 0 outside of its region. `fields`: as of [`Profile::at`].
-    pub fn at(&self, v: [f64; 2], fields: &[f64]) -> f64 {
+    pub fn weight_at(&self, v: [f64; 2], fields: &[f64]) -> f64 {
         match &self.region {
             Some(region) if !region.holds(v) => 0.0,
-            _ => self.profile.at(v, fields),
+            _ => self.profile.eval(v, fields),
         }
     }
 

@@ -6,7 +6,7 @@
 //! Euler's formula for one sphere. Cells that overlap, of which a surface that crosses itself is made, are found elsewhere.
 
 use super::faces::{Faces, face_of};
-use crate::grid::faces::Places;
+use crate::grid::faces::CoincidentPoints;
 use glam::DVec3;
 
 /// A corner behind the plane of the face next to it by less than this share of the grid's diagonal lies in it: rounding, which
@@ -14,7 +14,12 @@ use glam::DVec3;
 const PLANE: f64 = 1e-12;
 
 /// Whether the boundary is one convex surface.
-pub(super) fn is_convex(faces: &Faces, points: &[DVec3], cells: &[[u32; 4]], places: &Places) -> bool {
+pub(super) fn is_convex(
+    faces: &Faces,
+    points: &[DVec3],
+    cells: &[[u32; 4]],
+    places: &CoincidentPoints,
+) -> bool {
     let corners = |(cell, k): (u32, usize)| face_of(cells[cell as usize], k).map(|p| places.first(p));
     // Of each edge of each outer face: its ends, and the face.
     let mut edges: Vec<([u32; 2], usize)> = Vec::with_capacity(3 * faces.outer.len());

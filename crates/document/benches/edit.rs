@@ -94,6 +94,6 @@ fn main() {
     println!(
         "kept by the history: {} bytes in {} steps",
         document.history().size(),
-        document.history().place().1
+        document.history().position().1
     );
 }

@@ -88,7 +88,7 @@ pub enum Control {
 
 impl Control {
     /// By a declaration.
-    pub(super) fn of(parameter: &Parameter, registry: &Registry) -> Control {
+    pub(super) fn from_parameter(parameter: &Parameter, registry: &Registry) -> Control {
         Self::of_type(&parameter.parameter_type, parameter.name, None, registry)
     }
 
@@ -98,7 +98,8 @@ impl Control {
         relative: Option<Relative>,
         registry: &Registry,
     ) -> Control {
-        let number = |range: Range, word| Control::Number { range, scale: Scale::of(&range), word, relative };
+        let number =
+            |range: Range, word| Control::Number { range, scale: Scale::from_range(&range), word, relative };
         match *parameter_type {
             ParameterType::Boolean => Control::Toggle,
             ParameterType::Integer(range) => Control::Integer(range),
@@ -120,7 +121,7 @@ impl Control {
             ParameterType::Table(_) => Control::Table,
             ParameterType::Kinds(kinds) => Control::Entries(kinds),
             ParameterType::Measured(measured) => {
-                Self::of_type(&measured.plain, name, Some(Relative::of(measured)), registry)
+                Self::of_type(&measured.plain, name, Some(Relative::from_type(measured)), registry)
             }
             ParameterType::GradientFilter => {
                 let filters = registry.filters().map(|filter| filter.declaration());
@@ -131,7 +132,7 @@ impl Control {
 }
 
 impl Scale {
-    fn of(range: &Range) -> Scale {
+    fn from_range(range: &Range) -> Scale {
         let is_wide = range.max.is_infinite() || (range.min > 0.0 && range.max / range.min >= LOGARITHMIC);
         match range.min >= 0.0 && is_wide {
             true => Scale::Logarithmic,
@@ -141,12 +142,12 @@ impl Scale {
 }
 
 impl Relative {
-    fn of(measured: &RelativeNumberType) -> Relative {
-        let places = match measured.along {
+    fn from_type(measured: &RelativeNumberType) -> Relative {
+        let places = match measured.axis {
             AxisRef::Places(names) => Some(names.len()),
             AxisRef::Every(_) | AxisRef::Names(_) | AxisRef::EveryPer(..) | AxisRef::NamesPer(..) => None,
         };
-        Relative { is: measured.is, places }
+        Relative { is: measured.statistic, places }
     }
 }
 

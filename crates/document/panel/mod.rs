@@ -5,9 +5,9 @@ mod begin;
 mod control;
 mod typed;
 
-pub use begin::begun;
+pub use begin::default_value;
 pub use control::{Control, Relative, Scale};
-pub use typed::{rounded, shown, typed};
+pub use typed::{rounded, to_text, typed};
 
 use crate::Document;
 use crate::path::Path;
@@ -25,9 +25,9 @@ pub struct Row {
     /// How it is changed.
     pub control: Control,
     /// What the file states.
-    pub stated: Option<ParameterValue>,
+    pub set_value: Option<ParameterValue>,
     /// What holds where the file states nothing, or why that is nothing.
-    pub standard: Option<ParameterValue>,
+    pub default: Option<ParameterValue>,
     /// The rows within it: of a table.
     pub rows: Vec<Row>,
     /// The entries of a list of tables.
@@ -48,7 +48,7 @@ pub struct Entry {
 impl Row {
     /// The value that holds: stated, else the standard one.
     pub fn value(&self) -> Option<&ParameterValue> {
-        self.stated.as_ref().or(self.standard.as_ref())
+        self.set_value.as_ref().or(self.default.as_ref())
     }
 
     /// Whether the value is given relative to data: texts in place of numbers.
@@ -77,12 +77,12 @@ impl Row {
 
     /// Whether the file must state it, and does not.
     pub fn is_missing(&self) -> bool {
-        self.stated.is_none() && matches!(self.parameter.standard, DefaultValue::Required)
+        self.set_value.is_none() && matches!(self.parameter.default, DefaultValue::Required)
     }
 
     /// What holds where nothing is stated, in words: "0.5", "no widgets: an empty picture", "required".
     pub fn standard_in_words(&self) -> String {
-        self.parameter.standard.to_string()
+        self.parameter.default.to_string()
     }
 }
 
@@ -125,9 +125,9 @@ fn rows(registry: &Registry, declared: &'static [Parameter], stated: &[Field], p
         Row {
             path,
             parameter,
-            control: Control::of(parameter, registry),
-            stated: setting.map(|setting| setting.datum.clone()),
-            standard: parameter.standard.datum(),
+            control: Control::from_parameter(parameter, registry),
+            set_value: setting.map(|setting| setting.datum.clone()),
+            default: parameter.default.datum(),
             rows: inner,
             entries,
         }

@@ -57,13 +57,13 @@ pub fn typed(row: &Row, text: &str) -> Result<ParameterValue> {
 }
 
 /// A value as it is shown for typing: what [`typed`] reads again.
-pub fn shown(datum: &ParameterValue) -> String {
+pub fn to_text(datum: &ParameterValue) -> String {
     match datum {
         ParameterValue::Text(text) => text.clone(),
         ParameterValue::List(list)
             if list.iter().all(|part| part.list().is_none() && part.table().is_none()) =>
         {
-            list.iter().map(|part| shown(&part.datum)).collect::<Vec<_>>().join(", ")
+            list.iter().map(|part| to_text(&part.datum)).collect::<Vec<_>>().join(", ")
         }
         other => other.to_string(),
     }

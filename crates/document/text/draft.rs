@@ -36,7 +36,7 @@ impl Draft {
     }
 
     /// Carries out what was asked for so far, so that what follows sees it.
-    pub fn settle(&mut self) -> Result<()> {
+    pub fn reparse(&mut self) -> Result<()> {
         if self.replaced.is_empty() {
             return Ok(());
         }
@@ -48,8 +48,8 @@ impl Draft {
     }
 
     /// All changes, and the text that they make.
-    pub fn finish(mut self) -> Result<(Delta, Arc<str>, Arc<Syntax>)> {
-        self.settle()?;
+    pub fn into_delta(mut self) -> Result<(Delta, Arc<str>, Arc<Syntax>)> {
+        self.reparse()?;
         Ok((self.so_far, self.text, self.syntax))
     }
 

@@ -25,7 +25,7 @@ pub struct Section {
 #[derive(Debug, Clone)]
 pub struct Header {
     /// From the first bracket to after the last.
-    pub place: Range<usize>,
+    pub span: Range<usize>,
     /// The places of its keys.
     pub keys: Vec<Key>,
 }
@@ -36,7 +36,7 @@ pub struct Key {
     /// What it says, without quotes.
     pub name: String,
     /// Where, with quotes.
-    pub place: Range<usize>,
+    pub span: Range<usize>,
 }
 
 /// An assignment, an entry of an inline table, or one of a list (which has no keys).
@@ -54,7 +54,7 @@ pub struct Element {
 #[derive(Debug, Clone)]
 pub struct Value {
     /// Where it stands.
-    pub place: Range<usize>,
+    pub span: Range<usize>,
     /// What it is made of.
     pub kind: ValueKind,
 }
@@ -73,20 +73,20 @@ pub enum ValueKind {
 impl Section {
     /// Where the header or, of the first section, the text begins.
     pub fn start(&self) -> usize {
-        self.header.as_ref().map_or(0, |header| header.place.start)
+        self.header.as_ref().map_or(0, |header| header.span.start)
     }
 
     /// Where its last word ends.
     pub fn end(&self) -> usize {
-        let header = self.header.as_ref().map_or(0, |header| header.place.end);
-        self.assignments.last().map_or(header, |last| last.value.place.end)
+        let header = self.header.as_ref().map_or(0, |header| header.span.end);
+        self.assignments.last().map_or(header, |last| last.value.span.end)
     }
 }
 
 impl Element {
     /// From its first key, or its value, to the end of its value.
-    pub fn place(&self) -> Range<usize> {
-        self.keys.first().map_or(self.value.place.start, |key| key.place.start)..self.value.place.end
+    pub fn span(&self) -> Range<usize> {
+        self.keys.first().map_or(self.value.span.start, |key| key.span.start)..self.value.span.end
     }
 
     /// Its keys as a path.

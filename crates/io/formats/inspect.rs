@@ -47,7 +47,7 @@ pub struct Summary {
 impl Summary {
     /// Whether some cell is three-dimensional.
     pub fn has_volume(&self) -> bool {
-        let is_volume = |&code: &u8| CellType::of(code).is_some_and(|cell| cell.dimension == 3);
+        let is_volume = |&code: &u8| CellType::from_code(code).is_some_and(|cell| cell.dimension == 3);
         self.cells_by_type.keys().any(is_volume)
     }
 }

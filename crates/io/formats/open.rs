@@ -35,7 +35,7 @@ pub(super) fn open(path: &Path, request: &Request) -> Result<Dataset> {
     let head = source.head(256).map_err(in_file)?;
     let Some(format) = format_of(&head, path, request) else {
         foreign::refuse_by_words(&source).map_err(in_file)?;
-        let error = Error::run("the format of the file is not known").got(source::shown(&head));
+        let error = Error::run("the format of the file is not known").got(source::printable(&head));
         let formats = files(FORMATS.iter());
         return Err(in_file(
             error.expected(format!("{formats}; formats from outside have nodes of their own")),

@@ -1,6 +1,6 @@
 //! The table of contents of a data set: what lies in which file, before anything is decoded.
 
-use super::added::Added;
+use super::added::ExternalFormat;
 use super::source::Source;
 use super::stored::Stored;
 use glam::{DMat3, DVec3};
@@ -46,7 +46,7 @@ pub(super) enum Geometry {
     /// A box of hexahedra; `dimensions` counts points. `points`: first coordinate fastest.
     Curvilinear { dimensions: [u64; 3], points: Stored },
     /// What a reader of a format from outside gives, from that file.
-    Added(Arc<Added>, Arc<Source>),
+    Added(Arc<ExternalFormat>, Arc<Source>),
     /// Axis-parallel boxes between coordinates.
     Rectilinear { dimensions: [u64; 3], axes: Box<[Stored; 3]> },
     /// Equal boxes: point (i, j, k) lies at `origin + direction · (spacing · (first + (i, j, k)))`.

@@ -1,6 +1,6 @@
 //! What is asked of a file.
 
-use super::chosen::Chosen;
+use super::chosen::SelectedArrays;
 use std::path::PathBuf;
 use voltet_core::grid::CellValues;
 
@@ -50,7 +50,7 @@ pub struct Request {
     /// there is such a file.
     pub solution: Option<PathBuf>,
     /// The reader of a format that comes from outside, if the file is of one.
-    pub chosen: Option<Chosen>,
+    pub chosen: Option<SelectedArrays>,
     /// Every other array is decoded too, though nobody looks at it: to show what not doing so saves.
     pub every_array: bool,
 }

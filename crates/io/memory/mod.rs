@@ -5,7 +5,7 @@
 
 mod process;
 
-pub use process::{address_space, forget_peak, left, peak};
+pub use process::{address_space, available, forget_peak, peak};
 
 use voltet_core::grid::{Cells, code};
 

@@ -69,7 +69,7 @@ pub struct Topology {
     /// Point numbers of all cells, one after the other.
     pub connectivity: Vec<u32>,
     /// Where each cell's part ends.
-    pub ends: Vec<u64>,
+    pub offsets: Vec<u64>,
     /// VTK type codes.
     pub types: Vec<u8>,
     /// Faces of the polyhedra.
@@ -81,7 +81,7 @@ impl Topology {
     pub fn of_tetrahedra(tetrahedra: &[[u32; 4]]) -> Self {
         Topology {
             connectivity: tetrahedra.as_flattened().to_vec(),
-            ends: (1..=tetrahedra.len() as u64).map(|i| 4 * i).collect(),
+            offsets: (1..=tetrahedra.len() as u64).map(|i| 4 * i).collect(),
             types: vec![code::TETRA; tetrahedra.len()],
             polyhedra: Vec::new(),
         }
@@ -94,7 +94,7 @@ impl Topology {
             Cells::Mixed(CellSet { types, offsets, connectivity, polyhedra }) => Topology {
                 // What stands before the first cell and behind the last belongs to none.
                 connectivity: connectivity[offsets[0] as usize..offsets[types.len()] as usize].to_vec(),
-                ends: offsets[1..].iter().map(|end| end - offsets[0]).collect(),
+                offsets: offsets[1..].iter().map(|end| end - offsets[0]).collect(),
                 types: types.clone(),
                 polyhedra: polyhedra.clone(),
             },
@@ -102,7 +102,7 @@ impl Topology {
                 let count = cells.count();
                 Topology {
                     connectivity: (0..count).flat_map(|i| hexahedron(points, i)).collect(),
-                    ends: (1..=count as u64).map(|i| 8 * i).collect(),
+                    offsets: (1..=count as u64).map(|i| 8 * i).collect(),
                     types: vec![code::HEXAHEDRON; count],
                     polyhedra: Vec::new(),
                 }

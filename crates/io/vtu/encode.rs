@@ -102,7 +102,7 @@ pub fn encoding_bytes(contents: &Contents) -> u64 {
     };
     let of = |array: &Column| width(&array.values) * array.values.len() as u64;
     let arrays: u64 = contents.point_arrays.iter().chain(&contents.cell_arrays).map(of).sum();
-    let Topology { connectivity, ends, types, .. } = &contents.cells;
+    let Topology { connectivity, offsets: ends, types, .. } = &contents.cells;
     let cells = if is_narrow(connectivity, contents.points.len()) { 4 } else { 8 };
     let cells = cells * (connectivity.len() + ends.len()) as u64 + types.len() as u64;
     // base64 takes four characters for three bytes.
@@ -116,7 +116,7 @@ fn is_narrow(connectivity: &[u32], point_count: usize) -> bool {
 
 /// The arrays of the section of the cells, by name.
 fn sections(cells: Topology, point_count: usize) -> Vec<(&'static str, IOBuffer)> {
-    let Topology { connectivity, ends, types, polyhedra } = cells;
+    let Topology { connectivity, offsets: ends, types, polyhedra } = cells;
     let narrow = is_narrow(&connectivity, point_count);
     let whole = |numbers: Box<dyn Iterator<Item = i64>>| match narrow {
         true => IOBuffer::I32(numbers.map(|number| number as i32).collect()),

@@ -17,13 +17,13 @@ const OPAQUE_DEPTH: f32 = 18.0;
 const PANEL_DEPTH: f32 = 2.5;
 
 /// Panels before a walk is given up.
-const PANELS_MOST: usize = 256;
+const MAX_PANELS: usize = 256;
 
 /// Distance in t within which the end of a range counts as passed.
 const PASSED: f32 = 1e-7;
 
 /// Most rate beside an end of a range: t finds it to 6e-8, so to 6e-5 of depth.
-const RATE_AT_END_MOST: f32 = 1e3;
+const MAX_RATE_AT_END: f32 = 1e3;
 
 /// How far 8 points resolve e^(−x²), as in [`super::gaussian`].
 const STEP: f32 = 1.2;
@@ -56,16 +56,16 @@ pub fn dense<L: Lanes>(members: &[LaneMember<L>]) -> ([L::F; 3], L::F, L::M) {
                 (Track { x: zero, slope: zero, peak: zero }, zero)
             }
         };
-        unsure = unsure.or(splat(RATE_AT_END_MOST).lt(rate).and(inside).and(ends));
+        unsure = unsure.or(splat(MAX_RATE_AT_END).lt(rate).and(inside).and(ends));
         tracks.push((track, [zero; POINTS]));
     }
     let (mut done, mut rest, mut front, mut limit) = (zero, one, zero, one);
-    for panel in 0..=PANELS_MOST {
+    for panel in 0..=MAX_PANELS {
         let open = zero.lt(rest).and(front.lt(splat(OPAQUE_DEPTH))).and(unsure.not());
         if !open.any() {
             break;
         }
-        if panel == PANELS_MOST {
+        if panel == MAX_PANELS {
             unsure = unsure.or(open);
             break;
         }
@@ -259,7 +259,7 @@ mod tests {
                 for (lane, case) in cases.iter().enumerate().take(width) {
                     if unsure >> lane & 1 != 0 {
                         // The end of the haze may lie in what is seen.
-                        assert!(case.rate * HAZE > RATE_AT_END_MOST, "{case:?} is not served");
+                        assert!(case.rate * HAZE > MAX_RATE_AT_END, "{case:?} is not served");
                         continue;
                     }
                     served += 1;

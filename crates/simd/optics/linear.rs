@@ -156,7 +156,7 @@ pub fn front_back<L: Lanes>(a: L::F, b: L::F) -> (L::F, L::F) {
     // Panels up to where the deepest lane has none left.
     let wish = first.max(first + bend + bend) * splat(1.0 / PANEL_DEPTH);
     let mut count = 1;
-    while count < PANELS_MOST && splat(count as f32).lt(wish).any() {
+    while count < MAX_PANELS && splat(count as f32).lt(wish).any() {
         count += 1;
     }
     let step = 1.0 / count as f32;
@@ -179,7 +179,7 @@ const SEEN: f32 = 25.0;
 const PANEL_DEPTH: f32 = 4.0;
 
 /// No rate over the part that is seen exceeds twice its depth.
-const PANELS_MOST: usize = 13;
+const MAX_PANELS: usize = 13;
 
 /// 1 − e^(−w) for 0 ≤ w ≤ 1, within 2e-7.
 ///

@@ -166,7 +166,7 @@ pub(super) mod tests {
             let total: f64 = depths.iter().sum();
             let product = depths[0] * depths[1] + depths[2] * (depths[0] + depths[1]);
             let change = shapes.iter().map(|shape| lane(shape.change_squared).sqrt()).fold(0.0, f64::max);
-            if change > 1.0 || total > f64::from(Sums::<P>::TOTAL_MOST) {
+            if change > 1.0 || total > f64::from(Sums::<P>::MAX_TOTAL) {
                 continue;
             }
             served += 1;

@@ -53,7 +53,7 @@ impl<L: Lanes> Term<L> {
 
 impl<L: Lanes> Sums<L> {
     /// Most of T that [`Sums::ordered`] serves.
-    pub const TOTAL_MOST: f32 = 2.0;
+    pub const MAX_TOTAL: f32 = 2.0;
 
     /// No widget.
     #[inline(always)]
@@ -119,7 +119,7 @@ impl<L: Lanes> Sums<L> {
             let changed = change * change.mul_add(splat(1.5), of_square) * term.depth;
             left_out = changed.mul_add(self.total - term.depth, left_out);
         }
-        left_out.lt(splat(3e-5)).and(self.total.le(splat(Self::TOTAL_MOST)))
+        left_out.lt(splat(3e-5)).and(self.total.le(splat(Self::MAX_TOTAL)))
     }
 
     /// How many steps the quadrature wants: a depth of 1 and a [roughness](DensityShape::roughness) of 1 each.

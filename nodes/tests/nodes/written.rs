@@ -232,7 +232,7 @@ fn what_cannot_be_written_is_refused_with_its_place() {
         let error =
             graph(text, folder.path()).and_then(|graph| session().run(&graph, &NoObserver)).unwrap_err();
         assert!(error.to_string().contains(wanted), "{error}");
-        assert!(error.place.span.is_some() || error.place.line_column.is_some(), "{error}");
+        assert!(error.location.span.is_some() || error.location.line_column.is_some(), "{error}");
         assert!(!folder.path().join("out.vtu").exists());
     };
     let text = |reader: &str, volume: &str, keys: &str| {

@@ -4,7 +4,7 @@ use crate::transfer::region::Region;
 use std::sync::Arc;
 
 /// Most fields of a widget that looks at a list of its own.
-pub const FIELDS_MOST: usize = 8;
+pub const MAX_FIELDS: usize = 8;
 
 /// A widget's profile (peak 1). Lengths along s are in units of s, along g in units of g.
 #[derive(Debug, Clone, PartialEq)]

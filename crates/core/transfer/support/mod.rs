@@ -11,7 +11,7 @@ mod slabs;
 use super::convex::Convex;
 use super::function::{OpticalModel, TransferFunction};
 use super::hull::{Corners, ROUNDING, distance_squared_from_origin, meets, range};
-use super::kinds::Bounds;
+use super::kinds::ProfileBounds;
 use super::widget::Widget;
 use crate::Result;
 
@@ -23,16 +23,16 @@ pub struct Support {
 
 #[derive(Debug, Clone, PartialEq)]
 struct WidgetSupport {
-    bounds: Bounds,
+    bounds: ProfileBounds,
     clip: Option<Convex>,
     /// The most that a profile of 1 absorbs or emits per world unit.
     strength: f64,
     /// Constant-emitter: where the profile can exceed the cutoff, the widget emits this per world unit.
-    glow: Option<Glow>,
+    glow: Option<EmissionBound>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Glow {
+struct EmissionBound {
     cutoff: f64,
     brightest: f64,
 }
@@ -59,7 +59,7 @@ impl Support {
     /// the same while an extinction or a brightness moves between two of these. What adds no more than its share of `least` is
     /// as nothing.
     pub fn in_steps(mut self, least: f64) -> Support {
-        let share = self.share(least);
+        let share = self.relative_extinction(least);
         let raised = |x: f64| if x > share { share * (x / share).log2().ceil().exp2() } else { 0.0 };
         for widget in &mut self.widgets {
             widget.strength = raised(widget.strength);
@@ -71,7 +71,7 @@ impl Support {
     }
 
     /// If all widgets together exceed `least`, some widget exceeds its share of it.
-    fn share(&self, least: f64) -> f64 {
+    fn relative_extinction(&self, least: f64) -> f64 {
         least / self.widgets.len() as f64
     }
 
@@ -103,7 +103,7 @@ impl Support {
         least: f64,
     ) -> Option<usize> {
         let corners = Corners { s, g, fields };
-        let share = self.share(least);
+        let share = self.relative_extinction(least);
         let touches = |&number: &usize| self.widgets[number].touches(&corners, share);
         let others = (0..self.widgets.len()).filter(|&number| number != first);
         (first..self.widgets.len()).take(1).chain(others).find(touches)
@@ -119,13 +119,13 @@ impl Support {
         least: f64,
     ) -> bool {
         let corners = Corners { s, g, fields };
-        self.widgets[widget].touches(&corners, self.share(least))
+        self.widgets[widget].touches(&corners, self.relative_extinction(least))
     }
 
     /// A widget whose share of [`Support::touches`] is exceeded all over a box of s and g, so that it touches every cell of values
     /// in there; `None` also where that is not known.
     pub fn cover(&self, ranges: &[[f64; 2]; 2], least: f64) -> Option<usize> {
-        let share = self.share(least);
+        let share = self.relative_extinction(least);
         self.widgets.iter().position(|widget| widget.covers(ranges, share))
     }
 }
@@ -142,12 +142,12 @@ impl Widget {
 
 impl WidgetSupport {
     fn new(widget: &Widget, transfer_function: &TransferFunction, fields: &[&str]) -> Result<Self> {
-        let (peak, brightest) = (widget.peak(), widget.brightest());
+        let (peak, brightest) = (widget.peak(), widget.max_emission());
         let per_length = peak / transfer_function.unit_distance;
         let (strength, glow) = match transfer_function.model {
             OpticalModel::DensityEmitter => (per_length * brightest.max(1.0), None),
             OpticalModel::ConstantEmitter { cutoff } => {
-                let glow = Glow { cutoff, brightest: brightest / transfer_function.unit_distance };
+                let glow = EmissionBound { cutoff, brightest: brightest / transfer_function.unit_distance };
                 (per_length, (peak > 0.0).then_some(glow))
             }
         };
@@ -176,7 +176,7 @@ impl WidgetSupport {
         if self.strength == 0.0 && self.glow.is_none_or(|glow| glow.brightest <= least) {
             return false;
         }
-        let Bounds::GaussianPlane(plane) = &self.bounds else {
+        let ProfileBounds::GaussianPlane(plane) = &self.bounds else {
             let bound = self.bound(corners);
             return bound > least || bound.is_nan();
         };
@@ -202,7 +202,7 @@ impl WidgetSupport {
 
     fn covers(&self, ranges: &[[f64; 2]; 2], least: f64) -> bool {
         let inside = self.clip.as_ref().is_none_or(|clip| clip.holds(ranges));
-        inside && self.strength * self.bounds.least(ranges) > least
+        inside && self.strength * self.bounds.min_in_box(ranges) > least
     }
 
     #[inline]

@@ -123,13 +123,13 @@ impl Model {
             Edit::Fold { node, folded } => {
                 let at = self.shown.0.get(node).copied();
                 let view = self.view.nodes.entry(node.clone()).or_default();
-                view.at = view.at.or(at.map(|at| at.map(f64::round)));
+                view.position = view.position.or(at.map(|at| at.map(f64::round)));
                 view.folded = *folded;
             }
             Edit::Remark { node, text } => {
                 let at = self.shown.0.get(node).copied();
                 let view = self.view.nodes.entry(node.clone()).or_default();
-                view.at = view.at.or(at.map(|at| at.map(f64::round)));
+                view.position = view.position.or(at.map(|at| at.map(f64::round)));
                 view.remark = text.clone();
             }
             Edit::PutFrame(number, frame) => put(&mut self.view.frames, *number, frame.clone()),
@@ -147,8 +147,8 @@ impl Model {
         for name in self.nodes.keys() {
             let at = moved.iter().find(|(moved, _)| moved == name).map(|(_, at)| *at);
             let view = self.view.nodes.entry(name.clone()).or_default();
-            let at = at.or(view.at).or(self.shown.0.get(name).copied());
-            view.at = at.map(|at| at.map(f64::round));
+            let at = at.or(view.position).or(self.shown.0.get(name).copied());
+            view.position = at.map(|at| at.map(f64::round));
         }
     }
 

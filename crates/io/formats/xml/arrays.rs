@@ -84,11 +84,11 @@ impl Context {
                     Error::run("an appended array does not say where it lies")
                         .expected("the attribute offset")
                 })?;
-                let at = appended.at.checked_add(offset).filter(|&at| at <= self.source.len());
+                let at = appended.offset.checked_add(offset).filter(|&at| at <= self.source.len());
                 let Some(at) = at else {
                     return Err(Error::run("the array lies beyond the end of the file")
                         .got(format_args!("offset {offset}"))
-                        .expected(format_args!("at most {}", self.source.len() - appended.at)));
+                        .expected(format_args!("at most {}", self.source.len() - appended.offset)));
                 };
                 let end = self.source.len();
                 Encoding::Xml { at, end, base64: appended.base64, wide: self.wide, codec: self.codec }
